@@ -1,0 +1,130 @@
+//! The extended Maugis-Dugdale law of one elastic asperity: noncontact and contact branches joined by history.
+//!
+//! # Validity
+//! Elastic spheres, every adhesion parameter λ in [`LAMBDA_RANGE`]. Source: Maugis (1992) in contact, Shi and Polycarpou
+//! (2005) before it; the branch rules are those of displacement control.
+
+use super::branch::{Anchor, Branch, Curve, Solution};
+use super::contact::Contact;
+use super::noncontact::{Branches, Noncontact};
+use super::{LawError, Path, Work};
+
+/// The adhesion parameters that the equations are solved for.
+pub const LAMBDA_RANGE: (f64, f64) = (1e-6, 1e6);
+
+/// On which branch an asperity is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum State {
+    /// Before contact.
+    Noncontact,
+    /// In contact.
+    Contact,
+}
+
+/// The law for one λ and one history, in scaled form.
+#[derive(Clone, Debug)]
+pub struct Emd {
+    contact: Branch<Contact>,
+    outer: Branch<Noncontact>,
+    inner: Option<Branch<Noncontact>>,
+    end: f64,
+}
+
+impl Emd {
+    /// The law for the adhesion parameter `lambda` along `path`.
+    ///
+    /// # Errors
+    /// [`LawError`] when `lambda` is outside [`LAMBDA_RANGE`] or not a number.
+    pub fn new(lambda: f64, path: Path) -> Result<Self, LawError> {
+        if !(lambda >= LAMBDA_RANGE.0 && lambda <= LAMBDA_RANGE.1) {
+            return Err(LawError::Lambda(lambda));
+        }
+        let curve = Contact::new(lambda);
+        let fold = Anchor { approach: curve.at(curve.end()).approach, parameter: curve.end(), fold: true };
+        let end = match path {
+            Path::Approach => curve.first_touch(),
+            Path::Retraction => fold.approach,
+        };
+        let (outer, inner) = noncontact_branches(lambda, end);
+        Ok(Self { contact: Branch::new(curve, fold), outer, inner, end })
+    }
+
+    /// The same law with starting tables for approaches in `lowest..=highest`, which make solves in that range fast.
+    pub fn with_tables(mut self, lowest: f64, highest: f64) -> Self {
+        if highest > self.contact.anchor().approach {
+            self.contact = self.contact.with_table(highest);
+        }
+        if lowest < self.outer.anchor().approach {
+            self.outer = self.outer.with_table(lowest);
+        }
+        let innermost = self.outer.anchor().approach;
+        self.inner = self.inner.map(|inner| inner.with_table(innermost));
+        self
+    }
+
+    /// Δ where contact begins on approach or ends on retraction; −δ_A in units of s_δ.
+    pub fn end(&self) -> f64 {
+        self.end
+    }
+
+    /// Δ of the fold of the noncontact branch, where it is followed up to the fold and then left for its inner part.
+    pub fn noncontact_fold(&self) -> Option<f64> {
+        self.outer.anchor().fold.then(|| self.outer.anchor().approach)
+    }
+
+    /// The end of the stable contact branch, where A and F̂_s vary like a square root; at or below [`Emd::end`].
+    pub fn contact_fold(&self) -> f64 {
+        self.contact.anchor().approach
+    }
+
+    /// Cells of the starting tables: contact, noncontact.
+    pub fn table_cells(&self) -> (usize, usize) {
+        let inner = self.inner.as_ref().map_or(0, Branch::table_cells);
+        (self.contact.table_cells(), self.outer.table_cells() + inner)
+    }
+
+    /// The state at any approach: the branch that the history selects.
+    pub fn respond(&self, approach: f64, work: &mut Work) -> (State, Solution) {
+        if approach >= self.end {
+            (State::Contact, self.contact(approach, &mut 0, work))
+        } else {
+            (State::Noncontact, self.noncontact(approach, &mut [0, 0], work))
+        }
+    }
+
+    /// The contact branch; approaches below its end are taken as the end. `near` is the table cell to begin with.
+    #[inline(always)]
+    pub fn contact(&self, approach: f64, near: &mut usize, work: &mut Work) -> Solution {
+        self.contact.solve(approach.max(self.contact.anchor().approach), near, work)
+    }
+
+    /// The noncontact branch at an approach below [`Emd::end`]: the outermost root. `near` holds the table cells of the
+    /// outer and the inner part.
+    #[inline(always)]
+    pub fn noncontact(&self, approach: f64, near: &mut [usize; 2], work: &mut Work) -> Solution {
+        match &self.inner {
+            Some(inner) if approach >= self.outer.anchor().approach => inner.solve(approach, &mut near[1], work),
+            _ => self.outer.solve(approach.min(self.outer.anchor().approach), &mut near[0], work),
+        }
+    }
+}
+
+/// The noncontact branches needed below `end`. Anchored at the outer fold where that is reached first, else at `end`.
+fn noncontact_branches(lambda: f64, end: f64) -> (Branch<Noncontact>, Option<Branch<Noncontact>>) {
+    let regular = |curve: Noncontact| {
+        let anywhere = Anchor { approach: end, parameter: f64::NAN, fold: false };
+        let (parameter, _) = Branch::new(curve, anywhere).locate(end, f64::NAN);
+        Branch::new(curve, Anchor { parameter, ..anywhere })
+    };
+    match Noncontact::branches(lambda) {
+        Branches::Single(curve) => (regular(curve), None),
+        Branches::Folded { outer, inner, fold } => {
+            let approach = outer.at(fold).approach;
+            if approach < end {
+                (Branch::new(outer, Anchor { approach, parameter: fold, fold: true }), Some(regular(inner)))
+            } else {
+                (regular(outer), None)
+            }
+        }
+    }
+}

@@ -1,0 +1,155 @@
+//! The contract between an asperity law and everything that sums it.
+
+use super::Work;
+
+/// Asperities that are evaluated at once.
+pub const BLOCK: usize = 256;
+
+/// A regime of an asperity, by its interference δ (Shi and Polycarpou 2005, section 3).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Regime {
+    /// Before contact, the attraction of the surfaces across the gap.
+    Noncontact,
+    /// The lubricant touches, the solids do not.
+    Lubricant,
+    /// Elastic contact.
+    Elastic,
+    /// Elastic-plastic contact, ω_c to 6ω_c.
+    Elastoplastic1,
+    /// Elastic-plastic contact, 6ω_c to 110ω_c.
+    Elastoplastic2,
+    /// Fully plastic contact.
+    Plastic,
+}
+
+impl Regime {
+    /// Its name in files and tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Noncontact => "noncontact",
+            Self::Lubricant => "lubricant",
+            Self::Elastic => "elastic",
+            Self::Elastoplastic1 => "elastoplastic1",
+            Self::Elastoplastic2 => "elastoplastic2",
+            Self::Plastic => "plastic",
+        }
+    }
+}
+
+/// An interference at which one regime ends and the next begins.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Boundary {
+    /// δ, m.
+    pub interference: f64,
+    /// Whether δ itself still belongs to the regime below.
+    pub belongs_below: bool,
+}
+
+impl Boundary {
+    /// Whether an interference lies in a regime below this boundary.
+    #[inline(always)]
+    pub fn is_above(&self, interference: f64) -> bool {
+        interference < self.interference || (self.belongs_below && interference == self.interference)
+    }
+}
+
+/// How a law varies at the ends of a piece.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Smoothness {
+    /// Smooth up to both ends.
+    Smooth,
+    /// Smooth in √|δ − place|; `place` is at the end of the piece or beyond it.
+    SquareRoot {
+        /// m.
+        place: f64,
+    },
+}
+
+/// An interval of interference on which the law is one smooth function.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Piece {
+    /// Index of its regime.
+    pub regime: usize,
+    /// Lower end δ, m; −∞ for the first.
+    pub lower: f64,
+    /// Upper end δ, m; may be +∞.
+    pub upper: f64,
+    /// How the law varies on it.
+    pub smoothness: Smoothness,
+}
+
+/// Responses of a block of asperities.
+#[derive(Clone, Debug)]
+pub struct Responses {
+    /// Adhesion force F_s, N, attractive counted positive.
+    pub adhesion: [f64; BLOCK],
+    /// Contact force P, N, compressive counted positive.
+    pub contact: [f64; BLOCK],
+    /// Contact area, m².
+    pub area: [f64; BLOCK],
+}
+
+impl Default for Responses {
+    fn default() -> Self {
+        Self { adhesion: [0.0; BLOCK], contact: [0.0; BLOCK], area: [0.0; BLOCK] }
+    }
+}
+
+/// A law of one asperity as the sums see it: contiguous regimes of interference, and forces evaluated block by block, so
+/// that choosing the law costs one call per block and nothing in the inner loop.
+pub trait Law: Send + Sync {
+    /// The regimes from far to deep.
+    fn regimes(&self) -> &[Regime];
+
+    /// The boundaries between the regimes, rising; one more than between them when the law ends above the last regime.
+    /// Asperities beyond the end bear no force and are counted nowhere.
+    fn boundaries(&self) -> &[Boundary];
+
+    /// The smooth pieces, rising, that cover the regimes: split at every kink and jump.
+    fn pieces(&self) -> Vec<Piece>;
+
+    /// Fills the first `interference.len()` ≤ [`BLOCK`] responses for interferences δ, m, that all lie in one regime.
+    fn evaluate(&self, regime: usize, interference: &[f64], out: &mut Responses, work: &mut Work);
+}
+
+/// Scratch space of [`for_each_block`].
+#[derive(Clone, Debug)]
+pub struct Scratch {
+    interference: [f64; BLOCK],
+    responses: Responses,
+}
+
+impl Default for Scratch {
+    fn default() -> Self {
+        Self { interference: [0.0; BLOCK], responses: Responses::default() }
+    }
+}
+
+/// Evaluates a law for a whole surface: `heights` (m, rising) at one separation (m). `visit` gets the regime's index, the
+/// range of heights and their responses, block by block; the ranges of a regime are contiguous and rise.
+pub fn for_each_block(
+    law: &dyn Law,
+    heights: &[f64],
+    separation: f64,
+    scratch: &mut Scratch,
+    work: &mut Work,
+    mut visit: impl FnMut(usize, std::ops::Range<usize>, &Responses),
+) {
+    let mut start = 0;
+    for regime in 0..law.regimes().len() {
+        let end = match law.boundaries().get(regime) {
+            Some(boundary) => start + heights[start..].partition_point(|&u| boundary.is_above(u - separation)),
+            None => heights.len(),
+        };
+        for block in (start..end).step_by(BLOCK) {
+            let range = block..end.min(block + BLOCK);
+            let interference = &mut scratch.interference[..range.len()];
+            for (delta, &height) in interference.iter_mut().zip(&heights[range.clone()]) {
+                *delta = height - separation;
+            }
+            law.evaluate(regime, interference, &mut scratch.responses, work);
+            visit(regime, range, &scratch.responses);
+        }
+        start = end;
+    }
+}

@@ -1,0 +1,85 @@
+//! Laws of one asperity: from its interference to its forces and contact area.
+//!
+//! The elastic laws are solved in scaled form, where the adhesion parameter λ and the scaled approach Δ are all there is
+//! ([`emd`] and below); [`scale`] is the one place that knows R, E_r and Δγ. A law of a rough surface's asperity
+//! ([`hybrid`]) maps intervals of interference, its regimes, to such laws, and shows itself to the sums through [`Law`].
+
+pub mod branch;
+pub mod contact;
+pub mod emd;
+pub mod hybrid;
+pub mod kogut_etsion;
+pub mod law;
+pub mod noncontact;
+pub mod scale;
+
+pub use law::{BLOCK, Boundary, Law, Piece, Regime, Responses, Smoothness};
+
+use thiserror::Error;
+
+/// The history that selects the branch where two are stable.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Path {
+    /// From far away towards each other: contact begins at first touch.
+    Approach,
+    /// From deep contact apart: contact lasts to the end of its stable branch.
+    Retraction,
+}
+
+impl Path {
+    /// Both histories with their names.
+    pub const ALL: [(&'static str, Self); 2] = [("approach", Self::Approach), ("retraction", Self::Retraction)];
+
+    /// Its name in scenes and files.
+    pub fn name(self) -> &'static str {
+        Self::ALL.iter().find(|(_, path)| *path == self).expect("every path is in ALL").0
+    }
+}
+
+/// What solving cost.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Work {
+    /// Solves of the contact equations.
+    pub contact_solves: u64,
+    /// Solves of the noncontact equations.
+    pub noncontact_solves: u64,
+    /// Asperities that needed no solve: constant force in the lubricant.
+    pub constant: u64,
+    /// Asperities that needed no solve: closed form in the elastic-plastic and plastic regimes.
+    pub closed_form: u64,
+    /// Evaluations of the equations.
+    pub evaluations: u64,
+    /// Solves that took the safeguarded path.
+    pub safeguarded: u64,
+    /// Largest |Δ(x) − Δ| before the last Newton step, relative to the terms of Δ.
+    pub largest_residual: f64,
+}
+
+impl Work {
+    /// Adds the work of another part.
+    pub fn merge(&mut self, other: &Self) {
+        self.contact_solves += other.contact_solves;
+        self.noncontact_solves += other.noncontact_solves;
+        self.constant += other.constant;
+        self.closed_form += other.closed_form;
+        self.evaluations += other.evaluations;
+        self.safeguarded += other.safeguarded;
+        self.largest_residual = self.largest_residual.max(other.largest_residual);
+    }
+}
+
+/// Why a law cannot be made.
+#[derive(Clone, Copy, Debug, Error, PartialEq)]
+pub enum LawError {
+    /// λ outside the range that is solved.
+    #[error("the adhesion parameter lambda is {0:e}, outside 1e-6..1e6")]
+    Lambda(f64),
+    /// A quantity that has to be positive and finite.
+    #[error("{name} is {value:e}, but has to be positive and finite")]
+    NotPositive {
+        /// Name of the quantity, as in scenes.
+        name: &'static str,
+        /// What was given, SI.
+        value: f64,
+    },
+}

@@ -1,0 +1,5 @@
+//! Adhesion of rough surfaces from explicit ensembles of asperities.
+#![warn(missing_docs)]
+#![deny(unsafe_code)]
+pub mod asperity;
+pub mod math;

@@ -1,0 +1,10 @@
+//! Numerical tools that know no physics: roots, quadrature, polynomials, sums and moments.
+
+pub mod extrema;
+pub mod linalg;
+pub mod moments;
+pub mod piecewise;
+pub mod polynomials;
+pub mod quadrature;
+pub mod roots;
+pub mod sums;

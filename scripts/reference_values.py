@@ -17,6 +17,7 @@ Scaled quantities, with K = 4/3 E_r and g = pi * (work of adhesion):
 Usage:
     uv run scripts/reference_values.py                      write the table and print the largest conditions
     uv run scripts/reference_values.py --check OTHER.csv    compare with another table, write nothing
+    ... --doubles                                           take each input as the double nearest to its text
 """
 
 # /// script
@@ -35,7 +36,7 @@ from mpmath import mp, mpf
 
 mp.dps = 80
 
-# The grid, in exact decimals: 0.1 means one tenth, not the double next to it.
+# The grid, in exact decimals: 0.1 means one tenth, unless --doubles asks for the double next to it.
 LAMBDAS = "0.001 0.01 0.1 0.5 0.9 0.95 1.0 2.5 5.0 10.0 100.0 1000.0".split()
 DELTAS = (
     "-10000.0 -100.0 -10.0 -3.0 -1.5 -1.1 -1.04 -1.02 -0.99 -0.95 -0.9 -0.7 -0.5 -0.3 -0.1 -0.03 -0.01 "
@@ -67,7 +68,7 @@ def contact_state(lam, theta):
 
 
 def noncontact_state(lam, x):
-    """Approach, adhesion force and contact radius (zero) before contact, at the gap z = h_0 / Z_0 = 1 + e^x."""
+    """Approach, adhesion force and contact radius (zero) before contact, at z = h_0 / Z_0 = 1 + e^x."""
     z = 1 + mp.exp(x)
     stress = mpf(8) / 3 * (z**-3 - z**-9) / STRESS_FACTOR  # sigma(h_0) / sigma_0
     energy = (4 * z**-2 - z**-8) / 3  # integral of sigma beyond h_0 / (work of adhesion)
@@ -168,12 +169,12 @@ def conditions(state, lam, delta, parameter):
     )
 
 
-def table():
-    """All rows as dictionaries from column name to text."""
+def table(read):
+    """All rows as dictionaries from column name to text; read turns the text of an input into a number."""
     rows = []
     for lam_text in LAMBDAS:
         for delta_text in DELTAS:
-            lam, delta = mpf(lam_text), mpf(delta_text)
+            lam, delta = read(lam_text), read(delta_text)
             for branch, parameter in branch_points(lam, delta):
                 state = STATES[branch]
                 _, adhesion, radius = state(lam, parameter)
@@ -204,9 +205,8 @@ def check(rows, path):
     with open(path, newline="", encoding="utf-8") as file:
         others = {key(row): row for row in csv.DictReader(file)}
     own = {key(row): row for row in rows}
-    for title, missing in (("only here", own.keys() - others.keys()), ("only there", others.keys() - own.keys())):
-        for lam, delta, branch in sorted(missing):
-            print(f"{title}: lambda {mp.nstr(lam, 6)}, delta {mp.nstr(delta, 6)}, {branch}")
+    for lam, delta, branch in sorted(own.keys() ^ others.keys()):
+        print(f"in one table only: lambda {mp.nstr(lam, 6)}, delta {mp.nstr(delta, 6)}, {branch}")
     common = own.keys() & others.keys()
     print(f"{len(common)} rows in common, {len(own)} here, {len(others)} there")
     for column in VALUES:
@@ -225,9 +225,10 @@ def main():
     default = Path(__file__).resolve().parent.parent / "tests" / "data" / "single_asperity.csv"
     parser = argparse.ArgumentParser(description="Reference values of one elastic adhesive asperity.")
     parser.add_argument("--output", type=Path, default=default, help="table to write")
-    parser.add_argument("--check", type=Path, metavar="OTHER.csv", help="compare with this table, write nothing")
+    parser.add_argument("--check", type=Path, metavar="OTHER.csv", help="compare with it, write nothing")
+    parser.add_argument("--doubles", action="store_true", help="round the inputs to double precision first")
     arguments = parser.parse_args()
-    rows = table()
+    rows = table(lambda text: mpf(float(text)) if arguments.doubles else mpf(text))
     if arguments.check:
         sys.exit(0 if check(rows, arguments.check) else 1)
     arguments.output.parent.mkdir(parents=True, exist_ok=True)

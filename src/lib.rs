@@ -3,3 +3,5 @@
 #![deny(unsafe_code)]
 pub mod asperity;
 pub mod math;
+pub mod statistical;
+pub mod surface;

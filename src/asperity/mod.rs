@@ -11,9 +11,11 @@ pub mod hybrid;
 pub mod kogut_etsion;
 pub mod law;
 pub mod noncontact;
+pub mod quantity;
 pub mod scale;
 
-pub use law::{BLOCK, Boundary, Law, Piece, Regime, Responses, Smoothness};
+pub use law::{BLOCK, Boundary, Law, Piece, Regime, Responses, Scratch, Smoothness, for_each_block};
+pub use quantity::Quantity;
 
 use thiserror::Error;
 

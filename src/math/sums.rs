@@ -1,1 +1,64 @@
-//! sums
+//! Sums whose order, and so whose bits, never depends on the machine.
+
+/// The sum of a slice in eight interleaved lanes, combined pairwise.
+#[inline]
+pub fn lane_sum(values: &[f64]) -> f64 {
+    let mut lanes = [0.0; 8];
+    let chunks = values.chunks_exact(8);
+    let rest = chunks.remainder();
+    for chunk in chunks {
+        for (lane, value) in lanes.iter_mut().zip(chunk) {
+            *lane += value;
+        }
+    }
+    for (lane, value) in lanes.iter_mut().zip(rest) {
+        *lane += value;
+    }
+    ((lanes[0] + lanes[4]) + (lanes[2] + lanes[6])) + ((lanes[1] + lanes[5]) + (lanes[3] + lanes[7]))
+}
+
+/// A running sum that carries its rounding error along (Neumaier 1974).
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Compensated {
+    sum: f64,
+    carried: f64,
+}
+
+impl Compensated {
+    /// Adds one value.
+    #[inline]
+    pub fn add(&mut self, value: f64) {
+        let sum = self.sum + value;
+        self.carried +=
+            if self.sum.abs() >= value.abs() { (self.sum - sum) + value } else { (value - sum) + self.sum };
+        self.sum = sum;
+    }
+
+    /// The sum.
+    #[inline]
+    pub fn value(&self) -> f64 {
+        self.sum + self.carried
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lanes_sum_every_value_once() {
+        for n in 0..40 {
+            let values: Vec<f64> = (0..n).map(|i| f64::from(i) + 1.0).collect();
+            assert_eq!(lane_sum(&values), f64::from(n) * f64::from(n + 1) / 2.0);
+        }
+    }
+
+    #[test]
+    fn compensation_keeps_what_a_plain_sum_loses() {
+        let mut sum = Compensated::default();
+        for value in [1.0, 1e100, 1.0, -1e100] {
+            sum.add(value);
+        }
+        assert_eq!(sum.value(), 2.0);
+    }
+}

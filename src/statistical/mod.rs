@@ -1,1 +1,216 @@
-//! statistical
+//! The statistical integral model: the expectation of a surface's forces over all its ensembles, without sampling.
+//!
+//! E\[Q\](d) = N ∫ q(u − d) φ(u) du for every additive quantity q of the asperity law, and for one replica
+//! Var Q = N (E\[q²\] − E\[q\]²). The law is the same direct solution that the ensemble sums. Each smooth piece of the law is integrated
+//! by itself, in the variable in which it is smooth (√|δ − place| next to a fold or first touch), so no panel straddles a
+//! kink or jump.
+
+use crate::asperity::{Law, Piece, Quantity, Responses, Smoothness, Work};
+use crate::math::quadrature::{Integral, NODES, Rule};
+use crate::surface::Surface;
+use rayon::prelude::*;
+
+/// Relative accuracy asked of every panel.
+const TOLERANCE: f64 = 1e-13;
+
+/// Components of an integrand: adhesion, contact, area, and the squares of the four quantities.
+const COMPONENTS: usize = 7;
+
+/// The model's answer over S separations and R regimes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Statistical {
+    /// Expectations, by [`Quantity::index`], each over S; N or m².
+    pub expected: [Vec<f64>; 4],
+    /// Standard deviations of one replica, likewise.
+    pub std: [Vec<f64>; 4],
+    /// Expected number of asperities in each regime: R × S.
+    pub regime_count: Vec<Vec<f64>>,
+    /// Expected adhesion force of each regime, N: R × S.
+    pub regime_adhesion_force: Vec<Vec<f64>>,
+    /// Expected external force of each regime, N: R × S.
+    pub regime_external_force: Vec<Vec<f64>>,
+    /// Largest bound of the relative error over separations of adhesion force, contact force and area of any regime.
+    pub quadrature_error: f64,
+    /// What solving cost.
+    pub work: Work,
+}
+
+/// The model at one separation.
+struct AtSeparation {
+    regimes: Vec<RegimeMoments>,
+    error: f64,
+    work: Work,
+}
+
+/// One regime's share, per asperity of the surface.
+#[derive(Clone, Copy, Default)]
+struct RegimeMoments {
+    probability: f64,
+    adhesion: f64,
+    contact: f64,
+    area: f64,
+    squares: [f64; 4],
+}
+
+impl Statistical {
+    /// Integrates `law` over the heights of `surface` at separations h, m.
+    pub fn new(law: &dyn Law, surface: &Surface, separations: &[f64]) -> Self {
+        let rule = Rule::default();
+        let at: Vec<AtSeparation> = separations
+            .par_iter()
+            .map(|&h| AtSeparation::new(law, surface, surface.asperity_separation(h), &rule))
+            .collect();
+        let count = surface.asperity_count as f64;
+        let quantity = |f: &dyn Fn(&AtSeparation) -> [f64; 4]| -> [Vec<f64>; 4] {
+            let rows: Vec<[f64; 4]> = at.iter().map(f).collect();
+            std::array::from_fn(|q| rows.iter().map(|row| row[q]).collect())
+        };
+        let regime = |f: &dyn Fn(&RegimeMoments) -> f64| -> Vec<Vec<f64>> {
+            (0..law.regimes().len()).map(|r| at.iter().map(|a| count * f(&a.regimes[r])).collect()).collect()
+        };
+        let mut work = Work::default();
+        at.iter().for_each(|a| work.merge(&a.work));
+        Self {
+            expected: quantity(&|a| a.means().map(|mean| count * mean)),
+            std: quantity(&|a| a.variances().map(|variance| (count * variance).sqrt())),
+            regime_count: regime(&|r| r.probability),
+            regime_adhesion_force: regime(&|r| r.adhesion),
+            regime_external_force: regime(&|r| r.contact - r.adhesion),
+            quadrature_error: at.iter().fold(0.0, |worst, a| a.error.max(worst)),
+            work,
+        }
+    }
+}
+
+impl AtSeparation {
+    fn new(law: &dyn Law, surface: &Surface, separation: f64, rule: &Rule) -> Self {
+        let mut at = Self {
+            regimes: vec![RegimeMoments::default(); law.regimes().len()],
+            error: 0.0,
+            work: Work::default(),
+        };
+        for piece in law.pieces() {
+            let probability = surface.heights.probability(piece.lower + separation, piece.upper + separation);
+            at.regimes[piece.regime].probability += probability;
+            let integral = at.integrate(law, surface, separation, &piece, rule);
+            let regime = &mut at.regimes[piece.regime];
+            regime.adhesion += integral.value[0];
+            regime.contact += integral.value[1];
+            regime.area += integral.value[2];
+            for q in 0..4 {
+                regime.squares[q] += integral.value[3 + q];
+            }
+            for c in 0..3 {
+                if integral.value[c] > f64::MIN_POSITIVE / f64::EPSILON {
+                    at.error = at.error.max(integral.error[c] / integral.value[c]);
+                }
+            }
+        }
+        at
+    }
+
+    fn integrate(
+        &mut self,
+        law: &dyn Law,
+        surface: &Surface,
+        separation: f64,
+        piece: &Piece,
+        rule: &Rule,
+    ) -> Integral<COMPONENTS> {
+        let variable = Variable::of(piece);
+        let breaks = panel_breaks(piece, separation, surface.heights.std, variable);
+        let mut responses = Responses::default();
+        let mut interference = [0.0; NODES];
+        rule.integrate(&breaks, TOLERANCE, |places, values: &mut [[f64; COMPONENTS]; NODES]| {
+            for (delta, &place) in interference.iter_mut().zip(places) {
+                *delta = variable.interference(place).clamp(piece.lower, piece.upper);
+            }
+            law.evaluate(piece.regime, &interference, &mut responses, &mut self.work);
+            for (i, value) in values.iter_mut().enumerate() {
+                let weight = surface.heights.density(interference[i] + separation) * variable.stretch(places[i]);
+                let quantities =
+                    Quantity::of_response(responses.adhesion[i], responses.contact[i], responses.area[i]);
+                let [adhesion, contact, _, area] = quantities.map(|q| weight * q);
+                let [a, p, f, s] = quantities.map(|q| weight * q * q);
+                *value = [adhesion, contact, area, a, p, f, s];
+            }
+        })
+    }
+
+    /// E\[q\] of the four quantities.
+    fn means(&self) -> [f64; 4] {
+        let sum = |f: fn(&RegimeMoments) -> f64| self.regimes.iter().map(f).sum::<f64>();
+        Quantity::of_response(sum(|r| r.adhesion), sum(|r| r.contact), sum(|r| r.area))
+    }
+
+    /// E\[q²\] − E\[q\]² of the four quantities.
+    fn variances(&self) -> [f64; 4] {
+        let means = self.means();
+        std::array::from_fn(|q| {
+            let square: f64 = self.regimes.iter().map(|r| r.squares[q]).sum();
+            (square - means[q] * means[q]).max(0.0)
+        })
+    }
+}
+
+/// The variable in which a piece is integrated.
+#[derive(Clone, Copy)]
+enum Variable {
+    /// δ itself.
+    Interference,
+    /// δ = place + sign·s².
+    Root { place: f64, sign: f64 },
+}
+
+impl Variable {
+    fn of(piece: &Piece) -> Self {
+        match piece.smoothness {
+            Smoothness::Smooth => Self::Interference,
+            Smoothness::SquareRoot { place } => {
+                Self::Root { place, sign: if place <= piece.lower { 1.0 } else { -1.0 } }
+            }
+        }
+    }
+
+    fn interference(self, x: f64) -> f64 {
+        match self {
+            Self::Interference => x,
+            Self::Root { place, sign } => place + sign * x * x,
+        }
+    }
+
+    /// |dδ/dx|.
+    fn stretch(self, x: f64) -> f64 {
+        match self {
+            Self::Interference => 1.0,
+            Self::Root { .. } => 2.0 * x,
+        }
+    }
+
+    fn of_interference(self, delta: f64) -> f64 {
+        match self {
+            Self::Interference => delta,
+            Self::Root { place, .. } => (delta - place).abs().sqrt(),
+        }
+    }
+}
+
+/// Rising panel ends for a piece: one per σ_s of height, where the density is not below 1e-30 of its largest value in the piece.
+fn panel_breaks(piece: &Piece, separation: f64, std: f64, variable: Variable) -> Vec<f64> {
+    let (low, high) = ((piece.lower + separation) / std, (piece.upper + separation) / std);
+    let nearest = if low > 0.0 { low } else { high.min(0.0) };
+    let reach = (nearest * nearest + 140.0).sqrt();
+    let (low, high) = (low.max(-reach), high.min(reach));
+    // Beyond 38 σ the density underflows: nothing is left to integrate.
+    if !(low < high) || nearest.abs() > 38.0 {
+        return Vec::new();
+    }
+    let panels = (high - low).ceil().max(1.0) as usize;
+    let mut breaks: Vec<f64> = (0..=panels)
+        .map(|i| low + (high - low) * i as f64 / panels as f64)
+        .map(|u| variable.of_interference((u * std - separation).clamp(piece.lower, piece.upper)))
+        .collect();
+    breaks.sort_by(f64::total_cmp);
+    breaks.dedup();
+    breaks
+}

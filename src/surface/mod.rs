@@ -1,1 +1,192 @@
-//! surface
+//! The rough surface: its asperity heights and the conversions from what is measured to what the model takes.
+
+use rand::Rng;
+use rand_distr::{Distribution, StandardNormal};
+use std::f64::consts::{PI, SQRT_2};
+use thiserror::Error;
+
+/// Factor of σ² − σ_s² = 3.717·10⁻⁴/(ηR)² (McCool 1986; Bush, Gibson and Thomas 1975).
+pub const VARIANCE_FACTOR: f64 = 3.717e-4;
+/// Factor of y_s = 0.045944/(ηR) (Etsion and Front 1994).
+pub const OFFSET_FACTOR: f64 = 0.045944;
+
+/// What is known of a surface, SI.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Roughness {
+    /// Asperity radius R, m.
+    pub asperity_radius: f64,
+    /// Asperities per area η, 1/m².
+    pub asperity_density: f64,
+    /// Nominal area A_n, m².
+    pub nominal_area: f64,
+    /// Standard deviation σ of the surface heights, m, if given.
+    pub surface_height_std: Option<f64>,
+    /// Standard deviation σ_s of the asperity heights, m, if given: taken as it is.
+    pub asperity_height_std: Option<f64>,
+    /// Height of the asperity mean plane above the surface mean plane, m; `None` for 0.045944/(ηR).
+    pub mean_plane_offset: Option<f64>,
+}
+
+/// The surface that the model takes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Surface {
+    /// Standard deviation σ of the surface heights, m.
+    pub surface_height_std: f64,
+    /// Heights of the asperities above their mean plane.
+    pub heights: Gaussian,
+    /// Height y_s of the asperity mean plane above the surface mean plane, m.
+    pub mean_plane_offset: f64,
+    /// Number N of asperities.
+    pub asperity_count: usize,
+    /// Nominal area A_n, m².
+    pub nominal_area: f64,
+}
+
+/// Why no surface follows from a roughness.
+#[derive(Clone, Copy, Debug, Error, PartialEq)]
+pub enum SurfaceError {
+    /// σ² is smaller than what the conversion subtracts.
+    #[error(
+        "sigma_s^2 = sigma^2 - 3.717e-4/(eta R)^2 is negative: sigma = {given:e} m, but eta R needs more than {least:e} m"
+    )]
+    NegativeVariance {
+        /// σ, m.
+        given: f64,
+        /// The σ at which σ_s = 0, m.
+        least: f64,
+    },
+    /// Neither standard deviation is known.
+    #[error("neither surface_height_std nor asperity_height_std is given")]
+    NoHeightStd,
+    /// ηA_n rounds to no asperity, or to more than can be counted.
+    #[error("asperity_density x nominal_area = {0:e} asperities; 0.5 to 1e12 can be drawn")]
+    Count(f64),
+}
+
+impl Surface {
+    /// Applies the conversions σ → σ_s (or back, when only σ_s is given), and rounds N = ηA_n.
+    ///
+    /// # Errors
+    /// [`SurfaceError`].
+    pub fn new(roughness: &Roughness) -> Result<Self, SurfaceError> {
+        let inverse = 1.0 / (roughness.asperity_density * roughness.asperity_radius);
+        let difference = VARIANCE_FACTOR * inverse * inverse;
+        let (surface_height_std, asperity_height_std) =
+            match (roughness.surface_height_std, roughness.asperity_height_std) {
+                (Some(surface), Some(asperity)) => (surface, asperity),
+                (None, Some(asperity)) => ((asperity * asperity + difference).sqrt(), asperity),
+                (Some(surface), None) => {
+                    let variance = surface * surface - difference;
+                    if !(variance > 0.0) {
+                        return Err(SurfaceError::NegativeVariance { given: surface, least: difference.sqrt() });
+                    }
+                    (surface, variance.sqrt())
+                }
+                (None, None) => return Err(SurfaceError::NoHeightStd),
+            };
+        let count = (roughness.asperity_density * roughness.nominal_area).round();
+        if !(1.0..=1e12).contains(&count) {
+            return Err(SurfaceError::Count(roughness.asperity_density * roughness.nominal_area));
+        }
+        Ok(Self {
+            surface_height_std,
+            heights: Gaussian { std: asperity_height_std },
+            mean_plane_offset: roughness.mean_plane_offset.unwrap_or(OFFSET_FACTOR * inverse),
+            asperity_count: count as usize,
+            nominal_area: roughness.nominal_area,
+        })
+    }
+
+    /// d = h − y_s, m, from a separation h of the mean planes of the surfaces, m.
+    pub fn asperity_separation(&self, separation: f64) -> f64 {
+        separation - self.mean_plane_offset
+    }
+}
+
+/// Gaussian asperity heights about their mean plane.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gaussian {
+    /// Standard deviation σ_s, m.
+    pub std: f64,
+}
+
+impl Gaussian {
+    /// Probability density at the height `u`, m: 1/m.
+    pub fn density(&self, u: f64) -> f64 {
+        let s = u / self.std;
+        libm::exp(-0.5 * s * s) / (self.std * (2.0 * PI).sqrt())
+    }
+
+    /// Probability of a height between `low` and `high`, m, accurate in both tails.
+    pub fn probability(&self, low: f64, high: f64) -> f64 {
+        let upper_tail = |u: f64| 0.5 * libm::erfc(u / (self.std * SQRT_2));
+        if low >= 0.0 {
+            upper_tail(low) - upper_tail(high)
+        } else if high <= 0.0 {
+            upper_tail(-high) - upper_tail(-low)
+        } else {
+            1.0 - upper_tail(high) - upper_tail(-low)
+        }
+    }
+
+    /// Draws heights, m, by the ziggurat method.
+    pub fn draw(&self, random: &mut impl Rng, heights: &mut [f64]) {
+        for height in heights {
+            let deviate: f64 = StandardNormal.sample(random);
+            *height = self.std * deviate;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn case_ii() -> Roughness {
+        Roughness {
+            asperity_radius: 3.33e-6,
+            asperity_density: 7.39e12,
+            nominal_area: 1000e-12,
+            surface_height_std: Some(1.619e-9),
+            asperity_height_std: None,
+            mean_plane_offset: None,
+        }
+    }
+
+    #[test]
+    fn conversions_follow_their_formulas() {
+        let surface = Surface::new(&case_ii()).unwrap();
+        let eta_r: f64 = 7.39e12 * 3.33e-6;
+        let variance = 1.619e-9_f64.powi(2) - 3.717e-4 / eta_r.powi(2);
+        assert!((surface.heights.std - variance.sqrt()).abs() < 1e-24);
+        assert!((surface.mean_plane_offset - 0.045944 / eta_r).abs() < 1e-24);
+        assert_eq!(surface.asperity_count, 7390);
+        // Back from σ_s alone.
+        let back = Roughness {
+            surface_height_std: None,
+            asperity_height_std: Some(surface.heights.std),
+            ..case_ii()
+        };
+        assert!((Surface::new(&back).unwrap().surface_height_std - 1.619e-9).abs() < 1e-23);
+    }
+
+    #[test]
+    fn what_cannot_be_is_refused() {
+        let smooth = Roughness { surface_height_std: Some(1e-13), ..case_ii() };
+        assert!(matches!(Surface::new(&smooth), Err(SurfaceError::NegativeVariance { .. })));
+        let small = Roughness { nominal_area: 1e-14, ..case_ii() };
+        assert!(matches!(Surface::new(&small), Err(SurfaceError::Count(_))));
+        let unknown = Roughness { surface_height_std: None, ..case_ii() };
+        assert_eq!(Surface::new(&unknown), Err(SurfaceError::NoHeightStd));
+    }
+
+    #[test]
+    fn probabilities_keep_their_digits_in_the_tails() {
+        let unit = Gaussian { std: 1.0 };
+        // Upper tail at 10 σ, 50-digit value.
+        assert!((unit.probability(10.0, f64::INFINITY) / 7.619853024160526e-24 - 1.0).abs() < 1e-13);
+        assert!((unit.probability(f64::NEG_INFINITY, -10.0) / 7.619853024160526e-24 - 1.0).abs() < 1e-13);
+        assert!((unit.probability(-1.0, 1.0) - 0.682689492137086).abs() < 1e-15);
+        assert_eq!(unit.probability(f64::NEG_INFINITY, f64::INFINITY), 1.0);
+    }
+}

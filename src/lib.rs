@@ -2,6 +2,8 @@
 #![warn(missing_docs)]
 #![deny(unsafe_code)]
 pub mod asperity;
+pub mod engine;
 pub mod math;
 pub mod statistical;
 pub mod surface;
+pub mod validation;

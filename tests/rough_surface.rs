@@ -1,39 +1,12 @@
 //! The statistical integral model against `tests/data/rough_surface.csv`, a quadrature in the angle and the gap that inverts
 //! nothing, for the three cases of the published Table 2.
 
+mod common;
+
+use common::case;
 use stiction::asperity::hybrid::Hybrid;
-use stiction::asperity::scale::Asperity;
 use stiction::asperity::{Law, Path};
 use stiction::statistical::Statistical;
-use stiction::surface::{Roughness, Surface};
-
-/// R, Δγ, σ, η.
-fn case(name: &str) -> (Asperity, Roughness) {
-    let (radius, work_of_adhesion, std, density) = match name {
-        "I" => (1.66e-6, 0.01, 3.40e-9, 8.51e12),
-        "II" => (3.33e-6, 0.09, 1.619e-9, 7.39e12),
-        "III" => (6.38e-6, 0.30, 0.6541e-9, 9.87e12),
-        _ => panic!("unknown case {name}"),
-    };
-    let asperity = Asperity {
-        radius,
-        reduced_modulus: 85.29e9,
-        work_of_adhesion,
-        equilibrium_spacing: 0.2e-9,
-        hardness: 2.5e9,
-        poisson_ratio: 0.27,
-        lubricant_thickness: 0.5e-9,
-    };
-    let roughness = Roughness {
-        asperity_radius: radius,
-        asperity_density: density,
-        nominal_area: 1000e-12,
-        surface_height_std: Some(std),
-        asperity_height_std: None,
-        mean_plane_offset: None,
-    };
-    (asperity, roughness)
-}
 
 #[test]
 fn every_regime_agrees_with_the_inversion_free_quadrature() {
@@ -44,11 +17,10 @@ fn every_regime_agrees_with_the_inversion_free_quadrature() {
         let [case_name, path_name, thickness, h_star, regime, count, adhesion, external] = fields[..] else {
             panic!("a row has 8 columns: {line}");
         };
-        let (mut asperity, roughness) = case(case_name);
+        let (mut asperity, surface) = case(case_name);
         asperity.lubricant_thickness = thickness.parse().unwrap();
         let path = Path::ALL.iter().find(|(name, _)| *name == path_name).unwrap().1;
         let number = |field: &str| field.parse::<f64>().unwrap();
-        let surface = Surface::new(&roughness).unwrap();
         let law = Hybrid::new(&asperity, path, (-60e-9, 60e-9)).unwrap();
         let model = Statistical::new(&law, &surface, &[number(h_star) * surface.surface_height_std]);
         let r = law.regimes().iter().position(|known| known.name() == regime).unwrap();
@@ -75,8 +47,7 @@ fn the_elastic_integral_is_met_to_rounding() {
         (0.0, 0.304457828704015219, 0.0000137939762854348068),
         (1.0, 0.207347701360044254, -0.0446710386117516793),
     ];
-    let (asperity, roughness) = case("III");
-    let surface = Surface::new(&roughness).unwrap();
+    let (asperity, surface) = case("III");
     let law = Hybrid::new(&asperity, Path::Approach, (-10e-9, 10e-9)).unwrap();
     for (h_star, adhesion, external) in rows {
         let model = Statistical::new(&law, &surface, &[h_star * surface.surface_height_std]);

@@ -1,1 +1,60 @@
-//! engine
+//! Explicit ensembles: replicas of a surface, summed asperity by asperity and reduced in a fixed order.
+//!
+//! Each replica has its own random stream (seed, replica). Replicas are grouped into batches of a fixed size; batches are
+//! computed in any order by any number of threads and merged in the order of their index, so every result depends on the
+//! scene and the seed alone. What is kept per replica is a handful of numbers; heights and curves are dropped with their batch.
+
+mod batch;
+mod reduce;
+mod replica;
+pub mod stream;
+
+pub use batch::{BATCH, Batch, Ensemble};
+pub use reduce::{Outcome, run};
+pub use replica::{Curves, Replica, Workspace};
+
+use crate::asperity::Law;
+use crate::surface::Surface;
+
+/// A linear functional of a replica's force curves, for the joint test: Σ w_a F_s(d) + Σ w_f F(d).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Probe {
+    /// Weights of the adhesion force at each separation, 1/N.
+    pub adhesion_force: Vec<f64>,
+    /// Weights of the external force at each separation, 1/N.
+    pub external_force: Vec<f64>,
+}
+
+impl Probe {
+    /// The functional of two curves.
+    pub fn score(&self, adhesion_force: &[f64], external_force: &[f64]) -> f64 {
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
+        dot(&self.adhesion_force, adhesion_force) + dot(&self.external_force, external_force)
+    }
+}
+
+/// What is to be computed.
+#[derive(Clone, Copy)]
+pub struct Job<'a> {
+    /// The law of one asperity.
+    pub law: &'a dyn Law,
+    /// The surface.
+    pub surface: &'a Surface,
+    /// Separations h of the mean planes of the surfaces, m, rising; at least 2.
+    pub separations: &'a [f64],
+    /// Seed of the experiment.
+    pub seed: u64,
+    /// Number of replicas, at least 1.
+    pub replicas: u64,
+    /// Functionals whose mean and covariance across replicas are wanted.
+    pub probes: &'a [Probe],
+    /// Whether batches carry the force curves of their replicas.
+    pub keep_curves: bool,
+}
+
+impl Job<'_> {
+    /// Number of batches.
+    pub fn batches(&self) -> u64 {
+        self.replicas.div_ceil(BATCH)
+    }
+}

@@ -1,0 +1,315 @@
+"""Reference values of three rough surfaces: the direct integral of the hybrid asperity law, regime by regime.
+
+Writes tests/data/rough_surface.csv: the expected count of asperities in each regime, their adhesion force and
+their external force, for the three cases of Table 2 of X. Shi and A. A. Polycarpou, J. Colloid Interface Sci.
+290 (2005) 514, on approach and on retraction. The laws are
+
+* before contact, EMD: X. Shi and A. A. Polycarpou, J. Colloid Interface Sci. 281 (2005) 449, with the approach
+  measured from the equilibrium spacing Z_0 and, above the lubricant, shifted by its thickness;
+* in elastic contact, Maugis-Dugdale: D. Maugis, J. Colloid Interface Sci. 150 (1992) 243;
+* above the critical interference, the fits of L. Kogut and I. Etsion, J. Appl. Mech. 69 (2002) 657 (load) and
+  J. Colloid Interface Sci. 261 (2003) 372 (adhesion), with their jumps; no adhesion in the plastic regime.
+
+No law is inverted. Before contact the integral over the heights runs in the gap z = h_0 / Z_0 and in elastic
+contact in the angle theta = arccos(a / c): both give the approach and the force explicitly, and at a fold the
+integrand stays smooth. Only the ends of the branches are roots, found by bisection. Where the outer branch
+before contact folds below the end of its regime (case II), the rest is taken from the inner branch.
+
+All arithmetic has 40 digits. Integrals run to where the Gaussian density falls 60 decades below its largest
+value in the regime. Counts come from erfc of tails, and the script stops unless the quadrature of the density
+alone gives every one of them to 25 digits. Inputs are the exact decimals. Far in the tail a row is sensitive
+to them: at u standard deviations by u^2 times their relative error. The smallest values are far below the
+range of a double.
+
+Usage:
+    uv run scripts/reference_surfaces.py                      write the table
+    uv run scripts/reference_surfaces.py --check OTHER.csv    compare with another table, write nothing
+    ... --refine 2                                            halve every panel of the quadrature
+"""
+
+# /// script
+# requires-python = ">=3.9"
+# dependencies = ["mpmath>=1.3"]
+# ///
+
+import argparse
+import csv
+import sys
+from pathlib import Path
+
+import mpmath
+from mpmath import mp, mpf
+from mpmath.calculus.quadrature import GaussLegendre
+
+mp.dps = 40
+
+E_R, HARDNESS, POISSON_RATIO = mpf("85.29e9"), mpf("2.5e9"), mpf("0.27")
+AREA, Z0, LUBRICANT = mpf("1000e-12"), mpf("0.2e-9"), mpf("0.5e-9")
+STRESS_FACTOR = mpf("1.03")  # sigma_0 Z_0 / (work of adhesion)
+CASES = {  # radius, work of adhesion, height std of the surface, asperity density
+    "I": ("1.66e-6", "0.01", "3.40e-9", "8.51e12"),
+    "II": ("3.33e-6", "0.09", "1.619e-9", "7.39e12"),
+    "III": ("6.38e-6", "0.30", "0.6541e-9", "9.87e12"),
+}
+PATHS = ["approach", "retraction"]
+H_STARS = ["0.0", "1.0", "2.0", "3.0", "4.0", "6.0"]
+
+KEYS = ["case", "path", "lubricant_thickness_m", "h_star", "regime"]
+VALUES = ["expected_count", "adhesion_force_N", "external_force_N"]
+DIGITS = 15
+
+TAIL = 60 * mp.log(10)  # of the exponent of the density, from its largest value in the regime
+FOLDS = mpf(8)  # largest change of that exponent over a panel in a tail
+LOG_STEP = mpf(1) / 4  # longest panel in log(theta) and log(z - 1)
+SCAN_STEP = mpf(1) / 64
+RULE = GaussLegendre(mp).calc_nodes(4, mp.prec)  # 24 nodes and weights on [-1, 1]
+
+
+class Case:
+    """One rough surface and the scales of its asperities."""
+
+    def __init__(self, name):
+        self.radius, work, std, density = map(mpf, CASES[name])
+        modulus, ratio = 4 * E_R / 3, mp.pi * work
+        self.asperities = density * AREA
+        self.surface_std = std
+        self.sigma = mp.sqrt(std**2 - mpf("3.717e-4") / (density * self.radius) ** 2)
+        self.offset = mpf("0.045944") / (density * self.radius)
+        self.lam = 2 * STRESS_FACTOR * work / Z0 * mp.cbrt(self.radius / (ratio * modulus**2))
+        self.length = mp.cbrt(ratio**2 * self.radius / modulus**2)  # unit of the approach
+        self.force = ratio * self.radius
+        yielding = mp.pi * (mpf("0.454") + mpf("0.41") * POISSON_RATIO) * HARDNESS
+        self.critical = (yielding / (2 * E_R)) ** 2 * self.radius
+        self.critical_load = 2 * yielding * self.critical * self.radius / 3
+
+    def reach(self, low, high):
+        """The |u| at which the density is 60 decades below its largest value in low < u < high."""
+        nearest = max(low, min(high, mpf(0)))
+        return mp.sqrt(nearest**2 + 2 * TAIL * self.sigma**2)
+
+    def density(self, u):
+        return mp.exp(-((u / self.sigma) ** 2) / 2) / (mp.sqrt(2 * mp.pi) * self.sigma)
+
+    def probability(self, low, high):
+        """That of low < u < high, from the tails."""
+        if high <= 0:
+            low, high = -high, -low
+        below, above = mp.erfc(abs(low) / self.sigma / mp.sqrt(2)), mp.erfc(high / self.sigma / mp.sqrt(2))
+        return (below - above) / 2 if low >= 0 else 1 - (below + above) / 2
+
+
+def contact(lam, x):
+    """Approach, d(approach)/dx, adhesion and external force (scaled) in contact at theta = e^x."""
+    theta = mp.exp(x)
+    sin, cos = mp.sin(theta), mp.cos(theta)
+    alpha = lam / 2 * (sin * cos - theta * mp.cos(2 * theta))
+    beta = 4 * lam**2 / 3 * (theta * sin + cos - 1)
+    c = 2 / (beta + mp.sqrt(beta**2 + 4 * alpha))
+    # alpha c^2 + beta c = 1, differentiated by theta
+    slope = -(lam * theta * mp.sin(2 * theta) * c**2 + 4 * lam**2 / 3 * theta * cos * c) / (2 * alpha * c + beta)
+    delta = (c * cos) ** 2 - 4 * lam / 3 * c * sin
+    by_theta = 2 * c * cos * (slope * cos - c * sin) - 4 * lam / 3 * (slope * sin + c * cos)
+    adhesion = lam * c**2 * (sin * cos + theta)
+    return delta, by_theta * theta, adhesion, (c * cos) ** 3 - adhesion
+
+
+def noncontact(lam, x):
+    """Approach, d(approach)/dx, adhesion and external force (scaled) before contact at z = 1 + e^x."""
+    z = 1 + mp.exp(x)
+    stress = mpf(8) / 3 * (z**-3 - z**-9) / STRESS_FACTOR
+    energy = (4 * z**-2 - z**-8) / 3
+    b = 4 * (mp.pi - 2) / (3 * mp.pi) * lam * stress
+    q = 2 * energy / (mp.pi * lam * stress)
+    c = 2 * q / (b + mp.sqrt(b**2 + 2 * q))
+    # c^2 / 2 + b c = q, differentiated by z; the energy is the integral of the stress beyond z
+    stress_slope = mpf(8) / 3 * (9 * z**-10 - 3 * z**-4) / STRESS_FACTOR
+    q_slope = q * (-STRESS_FACTOR * stress / energy - stress_slope / stress)
+    slope = (q_slope - b * stress_slope / stress * c) / (c + b)
+    spacing = 2 * STRESS_FACTOR / (mp.pi * lam)  # Z_0 in units of the approach
+    delta = -((z - 1) * spacing + 4 * lam / 3 * stress * c)
+    by_z = -(spacing + 4 * lam / 3 * (stress_slope * c + stress * slope))
+    adhesion = mp.pi / 2 * lam * stress * c**2
+    return delta, by_z * (z - 1), adhesion, -adhesion
+
+
+def turn(is_above, below, above):
+    """Where is_above turns from false (at below) to true (at above), by bisection."""
+    if is_above(below) or not is_above(above):
+        raise ValueError("no change of sign between the ends")
+    for _ in range(mp.prec + 16):
+        middle = (below + above) / 2
+        below, above = (below, middle) if is_above(middle) else (middle, above)
+    return (below + above) / 2
+
+
+def scan(is_above, x):
+    """Where is_above first turns true, inward from x."""
+    while not is_above(x - SCAN_STEP):
+        x -= SCAN_STEP
+        if x < -60:
+            raise ValueError("nothing found up to contact")
+    return turn(is_above, x, x - SCAN_STEP)
+
+
+def contact_ends(lam, path, critical):
+    """log(theta) at both ends of the elastic regime."""
+    touch, light = mp.log(mp.pi / 2), mpf(-20)
+    end = touch
+    if lam > mp.cbrt(9 * mp.pi / (16 * (mp.pi - 1))):
+        # d(delta)/d(theta) vanishes at first touch for every lambda, hence the small distance from it.
+        end = turn(lambda x: contact(lam, x)[1] > 0, light, touch - mpf("1e-6"))
+        if path == "approach":
+            first_touch = contact(lam, touch)[0]
+            end = turn(lambda x: contact(lam, x)[0] <= first_touch, light, end)
+    return turn(lambda x: contact(lam, x)[0] <= critical, light, end), end
+
+
+def noncontact_branches(lam, start, end):
+    """Intervals of log(z - 1) that lead from start to the approach end, on the outermost branch there is."""
+    first = scan(lambda x: noncontact(lam, x)[0] >= end or noncontact(lam, x)[1] > 0, start)
+    if mp.almosteq(noncontact(lam, first)[0], end, mpf("1e-30")):
+        return [(first, start)]
+    fold = noncontact(lam, first)[0]
+    # Past the fold the approach falls before it rises again on the inner branch.
+    valley = scan(lambda x: noncontact(lam, x)[1] < 0, first - SCAN_STEP)
+    begin = scan(lambda x: noncontact(lam, x)[0] >= fold, valley)
+    return [(scan(lambda x: noncontact(lam, x)[0] >= end, begin), begin), (first, start)]
+
+
+def gauss(low, high):
+    """Abscissas and weights on one panel."""
+    middle, half = (low + high) / 2, (high - low) / 2
+    return [(middle + half * x, half * w) for x, w in RULE]
+
+
+def branch_nodes(case, state, ends, shift, refine):
+    """(approach, weight, adhesion, external) along a branch, in panels of at most sigma / 2 and LOG_STEP."""
+    nodes = []
+    coarse = mp.linspace(*ends, int(mp.ceil((ends[1] - ends[0]) / LOG_STEP)) + 1)
+    for low, high in zip(coarse, coarse[1:]):
+        span = abs(state(case.lam, high)[0] - state(case.lam, low)[0]) * case.length
+        edges = mp.linspace(low, high, refine * int(mp.ceil(2 * span / case.sigma)) + 1)
+        for x, weight in (node for panel in zip(edges, edges[1:]) for node in gauss(*panel)):
+            delta, slope, adhesion, external = state(case.lam, x)
+            scaled = [adhesion * case.force, external * case.force]
+            nodes.append((delta * case.length - shift, weight * abs(slope) * case.length, *scaled))
+    return nodes
+
+
+def plain_nodes(case, law, low, high, d, refine):
+    """The same of an explicit law of the approach between low and high, down to the end of the tails."""
+    reach = case.reach(low + d, high + d)
+    u, end = max(low + d, -reach), min(high + d, reach)
+    nodes = []
+    while u < end:
+        step = min(case.sigma / 2, FOLDS * case.sigma**2 / abs(u) if u else mp.inf) / refine
+        nodes += [(v - d, weight, *law(v - d)) for v, weight in gauss(u, min(u + step, end))]
+        u += step
+    return nodes
+
+
+def regimes(case, path, refine):
+    """Name, ends in the approach, and nodes for a given d, of each regime."""
+    critical = case.critical
+    ends = contact_ends(case.lam, path, critical / case.length)
+    touch = contact(case.lam, ends[1])[0] * case.length  # -delta_A of this path
+    farthest = mpf(H_STARS[-1]) * case.surface_std - case.offset
+    lowest = -case.reach(-mp.inf, touch - LUBRICANT - case.offset) - farthest
+    branches = noncontact_branches(case.lam, mp.log(-lowest / Z0), touch / case.length)
+    before = [n for b in branches for n in branch_nodes(case, noncontact, b, LUBRICANT, refine)]
+    elastic = branch_nodes(case, contact, ends, 0, refine)
+
+    def explicit(name, low, high, adhesion, load):
+        def law(delta):
+            return adhesion(delta / critical), load(delta / critical) - adhesion(delta / critical)
+
+        return name, low, high, lambda d: plain_nodes(case, law, low, high, d, refine)
+
+    def power(factor, exponent, unit):
+        return lambda x: unit * mpf(factor) * x ** mpf(exponent)
+
+    def nothing(x):
+        return mpf(0)
+
+    unit, load, ratio = 2 * case.force, case.critical_load, Z0 / critical
+    ke1 = power("0.79", "0.356", unit * ratio ** mpf("-0.321")), power("1.03", "1.425", load)
+    ke2 = power("1.19", "0.093", unit * ratio ** mpf("-0.332")), power("1.40", "1.263", load)
+    flow = 2 * mp.pi * case.radius * HARDNESS * critical
+    return [
+        ("noncontact", -mp.inf, touch - LUBRICANT, lambda d: before),
+        explicit("lubricant", touch - LUBRICANT, touch, power(1, 0, unit), nothing),
+        ("elastic", touch, critical, lambda d: elastic),
+        explicit("elastoplastic1", critical, 6 * critical, *ke1),
+        explicit("elastoplastic2", 6 * critical, 110 * critical, *ke2),
+        explicit("plastic", 110 * critical, mp.inf, nothing, power(1, 1, flow)),
+    ]
+
+
+def integrate(case, regime, d):
+    """Expected count, adhesion force and external force of one regime at the asperity separation d."""
+    name, low, high, nodes_at = regime
+    nodes = nodes_at(d)
+    weights = [case.asperities * weight * case.density(delta + d) for delta, weight, _, _ in nodes]
+    count = case.asperities * case.probability(low + d, high + d)
+    if not mp.almosteq(mp.fsum(weights), count, mpf("1e-25")):
+        raise ArithmeticError(f"{name}: the quadrature misses the count {mp.nstr(count, DIGITS)}")
+    return count, mp.fdot(weights, [n[2] for n in nodes]), mp.fdot(weights, [n[3] for n in nodes])
+
+
+def table(refine):
+    """All rows as dictionaries from column name to text."""
+    rows = []
+    for name in CASES:
+        case = Case(name)
+        for path in PATHS:
+            laws = regimes(case, path, refine)
+            for h_star in H_STARS:
+                d = mpf(h_star) * case.surface_std - case.offset
+                for regime in laws:
+                    row = dict(zip(KEYS, (name, path, "5e-10", h_star, regime[0])))
+                    row.update(zip(VALUES, map(text, integrate(case, regime, d))))
+                    rows.append(row)
+    return rows
+
+
+def text(value):
+    return mp.nstr(value, DIGITS, strip_zeros=False, min_fixed=1, max_fixed=0, show_zero_exponent=True)
+
+
+def check(rows, path):
+    """Print how far another table departs from rows, by regime; true if it has the same rows."""
+    with open(path, newline="", encoding="utf-8") as file:
+        others = list(csv.DictReader(file))
+    if [[r[k] for k in KEYS] for r in rows] != [[r[k] for k in KEYS] for r in others]:
+        print("the tables differ in their rows")
+        return False
+    for regime in dict.fromkeys(row["regime"] for row in rows):
+        for column in VALUES:
+            pairs = [(row, mpf(o[column])) for row, o in zip(rows, others) if row["regime"] == regime]
+            missing = sum(1 for row, o in pairs if o == 0 and mpf(row[column]) != 0)
+            worst = max((abs(o / mpf(row[column]) - 1), row) for row, o in pairs if o != 0)
+            where = ", ".join(worst[1][k] for k in KEYS)
+            print(f"{regime} {column}: {mp.nstr(worst[0], 3)} at {where}; {missing} zero there but not here")
+    return True
+
+
+def main():
+    default = Path(__file__).resolve().parent.parent / "tests" / "data" / "rough_surface.csv"
+    parser = argparse.ArgumentParser(description="Reference values of three rough surfaces.")
+    parser.add_argument("--output", type=Path, default=default, help="table to write")
+    parser.add_argument("--check", type=Path, metavar="OTHER.csv", help="compare with it, write nothing")
+    parser.add_argument("--refine", type=int, default=1, help="parts of every panel (default 1)")
+    arguments = parser.parse_args()
+    rows = table(arguments.refine)
+    if arguments.check:
+        sys.exit(0 if check(rows, arguments.check) else 1)
+    arguments.output.parent.mkdir(parents=True, exist_ok=True)
+    with open(arguments.output, "w", newline="", encoding="utf-8") as file:
+        writer = csv.DictWriter(file, KEYS + VALUES, lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)
+    print(f"{len(rows)} rows written to {arguments.output} (mpmath {mpmath.__version__})")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,103 @@
+//! Batches of replicas and the moments that they merge into.
+
+use super::replica::{Replica, Workspace};
+use super::Job;
+use crate::asperity::{Quantity, Work};
+use crate::math::moments::{Comoments, Moments};
+
+/// Replicas of a batch. Part of what the bits of a result depend on, so it is fixed.
+pub const BATCH: u64 = 8;
+
+/// The moments of an ensemble and what is kept of every replica.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Ensemble {
+    /// Moments of the curves, by [`Quantity::index`], each over S.
+    pub curves: [Moments; 4],
+    /// Moments of the number of asperities in each regime, R × S.
+    pub regime_count: Moments,
+    /// Moments of the adhesion force of each regime, N, R × S.
+    pub regime_adhesion_force: Moments,
+    /// Moments of the external force of each regime, N, R × S.
+    pub regime_external_force: Moments,
+    /// Mean and covariance of the probes' scores.
+    pub scores: Comoments,
+    /// What is kept of every replica, in order.
+    pub replicas: Vec<Replica>,
+    /// What solving cost.
+    pub work: Work,
+}
+
+impl Ensemble {
+    /// No replicas yet.
+    pub fn new(job: &Job<'_>) -> Self {
+        let (s, r) = (job.separations.len(), job.law.regimes().len());
+        Self {
+            curves: std::array::from_fn(|_| Moments::new(s)),
+            regime_count: Moments::new(r * s),
+            regime_adhesion_force: Moments::new(r * s),
+            regime_external_force: Moments::new(r * s),
+            scores: Comoments::new(job.probes.len()),
+            replicas: Vec::new(),
+            work: Work::default(),
+        }
+    }
+
+    /// Adds the replicas of the next batch.
+    pub fn merge(&mut self, other: &Self) {
+        for (mine, theirs) in self.curves.iter_mut().zip(&other.curves) {
+            mine.merge(theirs);
+        }
+        self.regime_count.merge(&other.regime_count);
+        self.regime_adhesion_force.merge(&other.regime_adhesion_force);
+        self.regime_external_force.merge(&other.regime_external_force);
+        self.scores.merge(&other.scores);
+        self.replicas.extend_from_slice(&other.replicas);
+        self.work.merge(&other.work);
+    }
+
+    fn push(&mut self, job: &Job<'_>, replica: Replica, workspace: &Workspace) {
+        let curves = &workspace.curves;
+        for (moments, curve) in self.curves.iter_mut().zip(&curves.total) {
+            moments.push(curve);
+        }
+        self.regime_count.push(&curves.regime_count);
+        self.regime_adhesion_force.push(&curves.regime_adhesion_force);
+        self.regime_external_force.push(&curves.regime_external_force);
+        let [adhesion, external] =
+            [Quantity::AdhesionForce, Quantity::ExternalForce].map(|q| curves.total[q.index()].as_slice());
+        let scores: Vec<f64> = job.probes.iter().map(|probe| probe.score(adhesion, external)).collect();
+        self.scores.push(&scores);
+        self.replicas.push(replica);
+    }
+}
+
+/// A finished batch.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Batch {
+    /// Its replicas' moments and scalars.
+    pub ensemble: Ensemble,
+    /// External force of each replica, N, replicas × S; empty unless curves are kept.
+    pub external_force: Vec<f64>,
+    /// Adhesion force of each replica, N, likewise.
+    pub adhesion_force: Vec<f64>,
+}
+
+impl Batch {
+    /// Computes the batch `index` of a job.
+    pub fn compute(job: &Job<'_>, index: u64) -> Self {
+        let mut workspace = Workspace::new(job);
+        let mut batch =
+            Self { ensemble: Ensemble::new(job), external_force: Vec::new(), adhesion_force: Vec::new() };
+        for replica in index * BATCH..((index + 1) * BATCH).min(job.replicas) {
+            let kept = workspace.replica(job, replica);
+            batch.ensemble.push(job, kept, &workspace);
+            if job.keep_curves {
+                let total = &workspace.curves.total;
+                batch.external_force.extend_from_slice(&total[Quantity::ExternalForce.index()]);
+                batch.adhesion_force.extend_from_slice(&total[Quantity::AdhesionForce.index()]);
+            }
+        }
+        batch.ensemble.work = workspace.work;
+        batch
+    }
+}

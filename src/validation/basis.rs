@@ -1,0 +1,144 @@
+//! Functionals of the force curves for the joint test.
+
+use crate::asperity::{Law, Scratch, Work, for_each_block};
+use crate::engine::Probe;
+use crate::math::linalg::{gram, symmetric_eigen};
+use crate::surface::Surface;
+
+/// Heights of the grid on which the covariance of the law over separations is formed. It shapes the functionals only: their
+/// expectations are the integral's and their covariance the sample's, so its error costs power, not truth.
+const GRID: usize = 4001;
+/// The grid covers ± this many σ_s.
+const GRID_REACH: f64 = 8.5;
+/// Most functionals.
+const MAX_COMPONENTS: usize = 32;
+/// Fewest replicas per functional.
+const REPLICAS_PER_COMPONENT: u64 = 8;
+/// Smallest eigenvalue that is kept, relative to the largest.
+const SMALLEST_EIGENVALUE: f64 = 1e-9;
+/// Largest squared skewness of a mean over all replicas that is still treated as Gaussian; for a rare event, the reciprocal of how
+/// often it is expected in the whole ensemble.
+const LARGEST_SKEWNESS_SQUARED: f64 = 0.01;
+/// Largest excess kurtosis of a mean over all replicas, likewise.
+const LARGEST_KURTOSIS: f64 = 0.02;
+
+/// The functionals and the separations that they look at.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Basis {
+    /// Each scaled to a score of unit variance per replica.
+    pub probes: Vec<Probe>,
+    /// For each separation, whether adhesion force and external force are Gaussian enough to be looked at.
+    pub tested: [Vec<bool>; 2],
+}
+
+/// Moments of one asperity's contribution, weighted by the height density.
+struct Column {
+    std: f64,
+    gaussian: bool,
+}
+
+/// The functionals for `replicas` replicas at separations h, m: leading eigenvectors of the correlation of adhesion and external
+/// force over all separations, by the law. Separations, and eigenvectors, whose mean over the ensemble is still decided by a few
+/// rare asperities are left out, because no covariance describes them.
+pub fn basis(law: &dyn Law, surface: &Surface, separations: &[f64], replicas: u64) -> Basis {
+    let s = separations.len();
+    let samples = surface.asperity_count as f64 * replicas as f64;
+    let contributions = contributions(law, surface, separations);
+    let columns: Vec<Column> = contributions.values.chunks_exact(GRID).map(|c| contributions.column(c, samples)).collect();
+    let kept: Vec<usize> = (0..2 * s).filter(|&j| columns[j].gaussian).collect();
+    let tested = [0, 1].map(|q| (0..s).map(|k| columns[q * s + k].gaussian).collect());
+    let components = contributions.components(&kept, &columns, samples, replicas);
+    let root_count = (surface.asperity_count as f64).sqrt();
+    let probes = components
+        .iter()
+        .map(|component| {
+            let mut weights = vec![0.0; 2 * s];
+            for (&j, weight) in kept.iter().zip(component) {
+                weights[j] = weight / (columns[j].std * root_count);
+            }
+            Probe { external_force: weights.split_off(s), adhesion_force: weights }
+        })
+        .collect();
+    Basis { probes, tested }
+}
+
+/// Centred contributions of one asperity by its height.
+struct Contributions {
+    /// Probability of each height of the grid.
+    weights: Vec<f64>,
+    /// Column by column, adhesion force then external force at each separation: 2S × GRID.
+    values: Vec<f64>,
+}
+
+fn contributions(law: &dyn Law, surface: &Surface, separations: &[f64]) -> Contributions {
+    let std = surface.heights.std;
+    let step = 2.0 * GRID_REACH * std / (GRID - 1) as f64;
+    let heights: Vec<f64> = (0..GRID).map(|i| (i as f64 - (GRID / 2) as f64) * step).collect();
+    let mut weights: Vec<f64> = heights.iter().map(|&u| surface.heights.density(u)).collect();
+    let total: f64 = weights.iter().sum();
+    weights.iter_mut().for_each(|weight| *weight /= total);
+    let mut values = vec![0.0; 2 * separations.len() * GRID];
+    let (adhesion, external) = values.split_at_mut(separations.len() * GRID);
+    let (mut scratch, mut work) = (Scratch::default(), Work::default());
+    for (k, &h) in separations.iter().enumerate() {
+        let d = surface.asperity_separation(h);
+        for_each_block(law, &heights, d, &mut scratch, &mut work, |_, range, responses| {
+            for (i, node) in range.enumerate() {
+                adhesion[k * GRID + node] = responses.adhesion[i];
+                external[k * GRID + node] = responses.contact[i] - responses.adhesion[i];
+            }
+        });
+    }
+    for column in values.chunks_exact_mut(GRID) {
+        let mean: f64 = column.iter().zip(&weights).map(|(f, w)| f * w).sum();
+        column.iter_mut().for_each(|f| *f -= mean);
+    }
+    Contributions { weights, values }
+}
+
+impl Contributions {
+    fn column(&self, column: &[f64], samples: f64) -> Column {
+        let moment = |power: i32| column.iter().zip(&self.weights).map(|(f, w)| w * f.powi(power)).sum::<f64>();
+        let std = moment(2).sqrt();
+        if !(std > 0.0 && std.is_finite()) {
+            return Column { std, gaussian: false };
+        }
+        let skewness = moment(3) / std.powi(3);
+        let kurtosis = moment(4) / std.powi(4) - 3.0;
+        let gaussian =
+            skewness * skewness <= LARGEST_SKEWNESS_SQUARED * samples && kurtosis.abs() <= LARGEST_KURTOSIS * samples;
+        Column { std, gaussian }
+    }
+
+    /// Eigenvectors of the correlation of the kept columns, scaled to unit variance.
+    fn components(&self, kept: &[usize], columns: &[Column], samples: f64, replicas: u64) -> Vec<Vec<f64>> {
+        let n = kept.len();
+        let mut rows = vec![0.0; GRID * n];
+        for (place, &j) in kept.iter().enumerate() {
+            for (i, weight) in self.weights.iter().enumerate() {
+                rows[i * n + place] = weight.sqrt() * self.values[j * GRID + i] / columns[j].std;
+            }
+        }
+        let Some(eigen) = symmetric_eigen(&gram(&rows, n), n) else { return Vec::new() };
+        let most = MAX_COMPONENTS.min((replicas / REPLICAS_PER_COMPONENT) as usize);
+        let usable = eigen.values.iter().zip(&eigen.vectors).filter_map(|(&value, vector)| {
+            let component: Vec<f64> = vector.iter().map(|x| x / value.sqrt()).collect();
+            let gaussian = value >= SMALLEST_EIGENVALUE * eigen.values[0] && self.is_gaussian(&component, &rows, samples);
+            gaussian.then_some(component)
+        });
+        usable.take(most).collect()
+    }
+
+    /// Whether the ensemble's mean of a component is close to Gaussian.
+    fn is_gaussian(&self, component: &[f64], rows: &[f64], samples: f64) -> bool {
+        let (mut third, mut fourth) = (0.0, 0.0);
+        for (row, weight) in rows.chunks_exact(component.len()).zip(&self.weights) {
+            if *weight > 0.0 {
+                let score: f64 = row.iter().zip(component).map(|(x, c)| x * c).sum::<f64>() / weight.sqrt();
+                third += weight * score.powi(3);
+                fourth += weight * score.powi(4);
+            }
+        }
+        third * third <= LARGEST_SKEWNESS_SQUARED * samples && (fourth - 3.0).abs() <= LARGEST_KURTOSIS * samples
+    }
+}

@@ -1,0 +1,33 @@
+//! Shared by the tests of the library: the published cases.
+
+use stiction::asperity::scale::Asperity;
+use stiction::surface::{Roughness, Surface};
+
+/// The material and surface of case I, II or III of the published Table 2, with the inferred ν, t and A_n.
+pub fn case(name: &str) -> (Asperity, Surface) {
+    // R, Δγ, σ, η
+    let (radius, work_of_adhesion, std, density) = match name {
+        "I" => (1.66e-6, 0.01, 3.40e-9, 8.51e12),
+        "II" => (3.33e-6, 0.09, 1.619e-9, 7.39e12),
+        "III" => (6.38e-6, 0.30, 0.6541e-9, 9.87e12),
+        _ => panic!("unknown case {name}"),
+    };
+    let asperity = Asperity {
+        radius,
+        reduced_modulus: 85.29e9,
+        work_of_adhesion,
+        equilibrium_spacing: 0.2e-9,
+        hardness: 2.5e9,
+        poisson_ratio: 0.27,
+        lubricant_thickness: 0.5e-9,
+    };
+    let roughness = Roughness {
+        asperity_radius: radius,
+        asperity_density: density,
+        nominal_area: 1000e-12,
+        surface_height_std: Some(std),
+        asperity_height_std: None,
+        mean_plane_offset: None,
+    };
+    (asperity, Surface::new(&roughness).expect("a valid surface"))
+}

@@ -1,0 +1,122 @@
+//! The cross-check itself: its p-value is uniform when ensemble and integral agree, and it sees a 1 % error in any regime.
+
+mod common;
+
+use common::case;
+use std::sync::atomic::AtomicBool;
+use stiction::asperity::hybrid::Hybrid;
+use stiction::asperity::{Boundary, Law, Path, Piece, Quantity, Regime, Responses, Work};
+use stiction::engine::{Job, Outcome, run};
+use stiction::statistical::Statistical;
+use stiction::surface::Surface;
+use stiction::validation::{Basis, JointTest, Verdict, basis};
+
+/// A law with the forces of one regime multiplied by a factor.
+struct Planted<'a> {
+    law: &'a dyn Law,
+    regime: usize,
+    factor: f64,
+}
+
+impl Law for Planted<'_> {
+    fn regimes(&self) -> &[Regime] {
+        self.law.regimes()
+    }
+
+    fn boundaries(&self) -> &[Boundary] {
+        self.law.boundaries()
+    }
+
+    fn pieces(&self) -> Vec<Piece> {
+        self.law.pieces()
+    }
+
+    fn evaluate(&self, regime: usize, interference: &[f64], out: &mut Responses, work: &mut Work) {
+        self.law.evaluate(regime, interference, out, work);
+        if regime == self.regime {
+            for i in 0..interference.len() {
+                out.adhesion[i] *= self.factor;
+                out.contact[i] *= self.factor;
+            }
+        }
+    }
+}
+
+struct Scene<'a> {
+    surface: &'a Surface,
+    separations: &'a [f64],
+    replicas: u64,
+}
+
+/// The joint test of an ensemble that is summed with `law` against the integral `expected`.
+fn joint_test(scene: &Scene<'_>, law: &dyn Law, basis: &Basis, expected: &Statistical, seed: u64) -> JointTest {
+    let job = Job {
+        law,
+        surface: scene.surface,
+        separations: scene.separations,
+        seed,
+        replicas: scene.replicas,
+        probes: &basis.probes,
+        keep_curves: false,
+    };
+    let pool = rayon::ThreadPoolBuilder::new().build().unwrap();
+    let Ok(Outcome::Complete(ensemble)) = run::<()>(&job, &pool, &AtomicBool::new(false), |_| Ok(())) else {
+        panic!("the run did not complete");
+    };
+    let curves = [Quantity::AdhesionForce, Quantity::ExternalForce].map(Quantity::index);
+    JointTest::new(
+        &basis.probes,
+        curves.map(|q| ensemble.curves[q].mean()),
+        curves.map(|q| expected.expected[q].as_slice()),
+        &ensemble.scores.covariance(),
+        scene.replicas,
+    )
+}
+
+fn separations(surface: &Surface, from: f64, to: f64, count: usize) -> Vec<f64> {
+    let sigma = surface.surface_height_std;
+    (0..count).map(|i| sigma * (from + (to - from) * i as f64 / (count - 1) as f64)).collect()
+}
+
+/// p-values of 400 ensembles that agree, each of 64 replicas of 300 asperities: uniform by Kolmogorov and Smirnov at the
+/// level 1e-3 (the false-alarm rate of this test; the seeds are fixed).
+#[test]
+fn p_values_are_uniform_when_they_should_be() {
+    let (asperity, mut surface) = case("II");
+    surface.asperity_count = 300;
+    let separations = separations(&surface, -1.0, 5.0, 21);
+    let law = Hybrid::new(&asperity, Path::Approach, (-30e-9, 20e-9)).unwrap();
+    let expected = Statistical::new(&law, &surface, &separations);
+    let basis = basis(&law, &surface, &separations, 64);
+    let scene = Scene { surface: &surface, separations: &separations, replicas: 64 };
+    let mut p_values: Vec<f64> =
+        (0..400).map(|seed| joint_test(&scene, &law, &basis, &expected, seed).p_value).collect();
+    p_values.sort_by(f64::total_cmp);
+    let n = p_values.len() as f64;
+    let distance = p_values.iter().enumerate().fold(0.0_f64, |worst, (i, p)| {
+        worst.max((p - i as f64 / n).abs()).max(((i + 1) as f64 / n - p).abs())
+    });
+    println!("{} components, Kolmogorov-Smirnov distance {distance:.4}", basis.probes.len());
+    // Critical distance at 1e-3: 1.949/√n.
+    assert!(distance < 1.949 / n.sqrt(), "{distance}");
+    assert!(basis.probes.len() >= 8);
+}
+
+/// 200 replicas of case II. The verdict's own false-alarm rate is 1e-3; the seed is fixed.
+#[test]
+fn an_error_of_one_per_cent_in_any_regime_is_caught() {
+    let (asperity, surface) = case("II");
+    let separations = separations(&surface, -1.0, 8.0, 46);
+    let law = Hybrid::new(&asperity, Path::Approach, (-60e-9, 40e-9)).unwrap();
+    let expected = Statistical::new(&law, &surface, &separations);
+    let basis = basis(&law, &surface, &separations, 200);
+    let scene = Scene { surface: &surface, separations: &separations, replicas: 200 };
+    assert_eq!(joint_test(&scene, &law, &basis, &expected, 7).verdict, Verdict::Agree);
+    // In case II no asperity gets beyond 6 ω_c, so four regimes can hold an error.
+    for (regime, name) in ["noncontact", "lubricant", "elastic", "elastoplastic1"].iter().enumerate() {
+        let planted = Planted { law: &law, regime, factor: 1.01 };
+        let test = joint_test(&scene, &planted, &basis, &expected, 7);
+        assert!(test.p_value < 1e-9, "{name}: {test:?}");
+        assert_eq!(test.verdict, Verdict::Disagree);
+    }
+}

@@ -10,16 +10,14 @@ their external force, for the three cases of Table 2 of X. Shi and A. A. Polycar
 * above the critical interference, the fits of L. Kogut and I. Etsion, J. Appl. Mech. 69 (2002) 657 (load) and
   J. Colloid Interface Sci. 261 (2003) 372 (adhesion), with their jumps; no adhesion in the plastic regime.
 
-No law is inverted. Before contact the integral over the heights runs in the gap z = h_0 / Z_0 and in elastic
-contact in the angle theta = arccos(a / c): both give the approach and the force explicitly, and at a fold the
-integrand stays smooth. Only the ends of the branches are roots, found by bisection. Where the outer branch
-before contact folds below the end of its regime (case II), the rest is taken from the inner branch.
+No law is inverted: before contact the integral runs in the gap z = h_0 / Z_0, in elastic contact in the angle
+theta = arccos(a / c), which give approach and force explicitly and keep the integrand smooth at a fold. Only the
+ends of the branches are roots. Where the outer branch before contact folds below the end of its regime
+(case II), the rest is taken from the inner branch.
 
-All arithmetic has 40 digits. Integrals run to where the Gaussian density falls 60 decades below its largest
-value in the regime. Counts come from erfc of tails, and the script stops unless the quadrature of the density
-alone gives every one of them to 25 digits. Inputs are the exact decimals. Far in the tail a row is sensitive
-to them: at u standard deviations by u^2 times their relative error. The smallest values are far below the
-range of a double.
+All arithmetic has 40 digits; inputs are the exact decimals. Integrals run to where the Gaussian density falls
+60 decades below its largest value in the regime. Counts come from erfc of tails, and the script stops unless
+the quadrature gives each of them to 25 digits. Many values are below the range of a double.
 
 Usage:
     uv run scripts/reference_surfaces.py                      write the table
@@ -34,6 +32,7 @@ Usage:
 
 import argparse
 import csv
+import itertools
 import sys
 from pathlib import Path
 
@@ -44,7 +43,7 @@ from mpmath.calculus.quadrature import GaussLegendre
 mp.dps = 40
 
 E_R, HARDNESS, POISSON_RATIO = mpf("85.29e9"), mpf("2.5e9"), mpf("0.27")
-AREA, Z0, LUBRICANT = mpf("1000e-12"), mpf("0.2e-9"), mpf("0.5e-9")
+AREA, Z0, LUBRICANT = mpf("1000e-12"), mpf("0.2e-9"), mpf("5e-10")
 STRESS_FACTOR = mpf("1.03")  # sigma_0 Z_0 / (work of adhesion)
 CASES = {  # radius, work of adhesion, height std of the surface, asperity density
     "I": ("1.66e-6", "0.01", "3.40e-9", "8.51e12"),
@@ -58,8 +57,8 @@ KEYS = ["case", "path", "lubricant_thickness_m", "h_star", "regime"]
 VALUES = ["expected_count", "adhesion_force_N", "external_force_N"]
 DIGITS = 15
 
-TAIL = 60 * mp.log(10)  # of the exponent of the density, from its largest value in the regime
-FOLDS = mpf(8)  # largest change of that exponent over a panel in a tail
+TAIL = 60 * mp.log(10)  # change of the exponent of the density from its largest value in the regime
+FOLDS = mpf(8)  # its largest change over a panel in a tail
 LOG_STEP = mpf(1) / 4  # longest panel in log(theta) and log(z - 1)
 SCAN_STEP = mpf(1) / 64
 RULE = GaussLegendre(mp).calc_nodes(4, mp.prec)  # 24 nodes and weights on [-1, 1]
@@ -132,48 +131,37 @@ def noncontact(lam, x):
     return delta, by_z * (z - 1), adhesion, -adhesion
 
 
-def turn(is_above, below, above):
-    """Where is_above turns from false (at below) to true (at above), by bisection."""
-    if is_above(below) or not is_above(above):
-        raise ValueError("no change of sign between the ends")
+def first(is_true, x):
+    """Where is_true first turns true on the way from x to smaller values."""
+    while not is_true(x - SCAN_STEP):
+        x -= SCAN_STEP
+    below, above = x, x - SCAN_STEP
     for _ in range(mp.prec + 16):
         middle = (below + above) / 2
-        below, above = (below, middle) if is_above(middle) else (middle, above)
+        below, above = (below, middle) if is_true(middle) else (middle, above)
     return (below + above) / 2
-
-
-def scan(is_above, x):
-    """Where is_above first turns true, inward from x."""
-    while not is_above(x - SCAN_STEP):
-        x -= SCAN_STEP
-        if x < -60:
-            raise ValueError("nothing found up to contact")
-    return turn(is_above, x, x - SCAN_STEP)
 
 
 def contact_ends(lam, path, critical):
     """log(theta) at both ends of the elastic regime."""
-    touch, light = mp.log(mp.pi / 2), mpf(-20)
-    end = touch
+    touch = end = mp.log(mp.pi / 2)
     if lam > mp.cbrt(9 * mp.pi / (16 * (mp.pi - 1))):
-        # d(delta)/d(theta) vanishes at first touch for every lambda, hence the small distance from it.
-        end = turn(lambda x: contact(lam, x)[1] > 0, light, touch - mpf("1e-6"))
+        end = first(lambda x: contact(lam, x)[1] < 0, touch)
         if path == "approach":
-            first_touch = contact(lam, touch)[0]
-            end = turn(lambda x: contact(lam, x)[0] <= first_touch, light, end)
-    return turn(lambda x: contact(lam, x)[0] <= critical, light, end), end
+            end = first(lambda x: contact(lam, x)[0] >= contact(lam, touch)[0], end)
+    return first(lambda x: contact(lam, x)[0] >= critical, end), end
 
 
 def noncontact_branches(lam, start, end):
     """Intervals of log(z - 1) that lead from start to the approach end, on the outermost branch there is."""
-    first = scan(lambda x: noncontact(lam, x)[0] >= end or noncontact(lam, x)[1] > 0, start)
-    if mp.almosteq(noncontact(lam, first)[0], end, mpf("1e-30")):
-        return [(first, start)]
-    fold = noncontact(lam, first)[0]
+    outer = first(lambda x: noncontact(lam, x)[0] >= end or noncontact(lam, x)[1] > 0, start)
+    fold = noncontact(lam, outer)[0]
+    if mp.almosteq(fold, end, mpf("1e-30")):
+        return [(outer, start)]
     # Past the fold the approach falls before it rises again on the inner branch.
-    valley = scan(lambda x: noncontact(lam, x)[1] < 0, first - SCAN_STEP)
-    begin = scan(lambda x: noncontact(lam, x)[0] >= fold, valley)
-    return [(scan(lambda x: noncontact(lam, x)[0] >= end, begin), begin), (first, start)]
+    valley = first(lambda x: noncontact(lam, x)[1] < 0, outer)
+    inner = first(lambda x: noncontact(lam, x)[0] >= fold, valley)
+    return [(first(lambda x: noncontact(lam, x)[0] >= end, inner), inner), (outer, start)]
 
 
 def gauss(low, high):
@@ -190,125 +178,110 @@ def branch_nodes(case, state, ends, shift, refine):
         span = abs(state(case.lam, high)[0] - state(case.lam, low)[0]) * case.length
         edges = mp.linspace(low, high, refine * int(mp.ceil(2 * span / case.sigma)) + 1)
         for x, weight in (node for panel in zip(edges, edges[1:]) for node in gauss(*panel)):
-            delta, slope, adhesion, external = state(case.lam, x)
-            scaled = [adhesion * case.force, external * case.force]
-            nodes.append((delta * case.length - shift, weight * abs(slope) * case.length, *scaled))
+            delta, slope, *forces = state(case.lam, x)
+            weight *= abs(slope) * case.length
+            nodes.append((delta * case.length - shift, weight, *(f * case.force for f in forces)))
     return nodes
 
 
-def plain_nodes(case, law, low, high, d, refine):
-    """The same of an explicit law of the approach between low and high, down to the end of the tails."""
+def power_nodes(case, law, low, high, d, refine):
+    """The same, of adhesion and load as powers of the approach, between low and high or the end of the tail."""
+    adhesion, adhesion_power, load, load_power = map(mpf, law)
     reach = case.reach(low + d, high + d)
     u, end = max(low + d, -reach), min(high + d, reach)
     nodes = []
     while u < end:
-        step = min(case.sigma / 2, FOLDS * case.sigma**2 / abs(u) if u else mp.inf) / refine
-        nodes += [(v - d, weight, *law(v - d)) for v, weight in gauss(u, min(u + step, end))]
+        step = min(case.sigma / 2, FOLDS * case.sigma**2 / max(abs(u), case.sigma)) / refine
+        for v, weight in gauss(u, min(u + step, end)):
+            x = (v - d) / case.critical
+            force = adhesion * x**adhesion_power
+            nodes.append((v - d, weight, force, load * x**load_power - force))
         u += step
     return nodes
 
 
 def regimes(case, path, refine):
-    """Name, ends in the approach, and nodes for a given d, of each regime."""
+    """Of each regime: name, ends in the approach, nodes as a function of d."""
     critical = case.critical
     ends = contact_ends(case.lam, path, critical / case.length)
     touch = contact(case.lam, ends[1])[0] * case.length  # -delta_A of this path
+    wet = touch - LUBRICANT
     farthest = mpf(H_STARS[-1]) * case.surface_std - case.offset
-    lowest = -case.reach(-mp.inf, touch - LUBRICANT - case.offset) - farthest
+    lowest = -case.reach(-mp.inf, wet - case.offset) - farthest
     branches = noncontact_branches(case.lam, mp.log(-lowest / Z0), touch / case.length)
     before = [n for b in branches for n in branch_nodes(case, noncontact, b, LUBRICANT, refine)]
     elastic = branch_nodes(case, contact, ends, 0, refine)
-
-    def explicit(name, low, high, adhesion, load):
-        def law(delta):
-            return adhesion(delta / critical), load(delta / critical) - adhesion(delta / critical)
-
-        return name, low, high, lambda d: plain_nodes(case, law, low, high, d, refine)
-
-    def power(factor, exponent, unit):
-        return lambda x: unit * mpf(factor) * x ** mpf(exponent)
-
-    def nothing(x):
-        return mpf(0)
-
     unit, load, ratio = 2 * case.force, case.critical_load, Z0 / critical
-    ke1 = power("0.79", "0.356", unit * ratio ** mpf("-0.321")), power("1.03", "1.425", load)
-    ke2 = power("1.19", "0.093", unit * ratio ** mpf("-0.332")), power("1.40", "1.263", load)
-    flow = 2 * mp.pi * case.radius * HARDNESS * critical
+    first_law = unit * mpf("0.79") * ratio ** mpf("-0.321"), "0.356", load * mpf("1.03"), "1.425"
+    second_law = unit * mpf("1.19") * ratio ** mpf("-0.332"), "0.093", load * mpf("1.40"), "1.263"
+    flow = 0, 0, 2 * mp.pi * case.radius * HARDNESS * critical, 1
+
+    def powers(name, low, high, law):
+        return name, low, high, lambda d: power_nodes(case, law, low, high, d, refine)
+
     return [
-        ("noncontact", -mp.inf, touch - LUBRICANT, lambda d: before),
-        explicit("lubricant", touch - LUBRICANT, touch, power(1, 0, unit), nothing),
+        ("noncontact", -mp.inf, wet, lambda d: before),
+        powers("lubricant", wet, touch, (unit, 0, 0, 0)),
         ("elastic", touch, critical, lambda d: elastic),
-        explicit("elastoplastic1", critical, 6 * critical, *ke1),
-        explicit("elastoplastic2", 6 * critical, 110 * critical, *ke2),
-        explicit("plastic", 110 * critical, mp.inf, nothing, power(1, 1, flow)),
+        powers("elastoplastic1", critical, 6 * critical, first_law),
+        powers("elastoplastic2", 6 * critical, 110 * critical, second_law),
+        powers("plastic", 110 * critical, mp.inf, flow),
     ]
 
 
-def integrate(case, regime, d):
+def integrate(case, low, high, nodes, d):
     """Expected count, adhesion force and external force of one regime at the asperity separation d."""
-    name, low, high, nodes_at = regime
-    nodes = nodes_at(d)
-    weights = [case.asperities * weight * case.density(delta + d) for delta, weight, _, _ in nodes]
+    weights = [case.asperities * node[1] * case.density(node[0] + d) for node in nodes]
     count = case.asperities * case.probability(low + d, high + d)
     if not mp.almosteq(mp.fsum(weights), count, mpf("1e-25")):
-        raise ArithmeticError(f"{name}: the quadrature misses the count {mp.nstr(count, DIGITS)}")
+        raise ArithmeticError(f"the quadrature misses the count {mp.nstr(count, DIGITS)}")
     return count, mp.fdot(weights, [n[2] for n in nodes]), mp.fdot(weights, [n[3] for n in nodes])
 
 
 def table(refine):
     """All rows as dictionaries from column name to text."""
     rows = []
-    for name in CASES:
+    for name, path in itertools.product(CASES, PATHS):
         case = Case(name)
-        for path in PATHS:
-            laws = regimes(case, path, refine)
-            for h_star in H_STARS:
-                d = mpf(h_star) * case.surface_std - case.offset
-                for regime in laws:
-                    row = dict(zip(KEYS, (name, path, "5e-10", h_star, regime[0])))
-                    row.update(zip(VALUES, map(text, integrate(case, regime, d))))
-                    rows.append(row)
+        for h_star, regime in itertools.product(H_STARS, regimes(case, path, refine)):
+            d = mpf(h_star) * case.surface_std - case.offset
+            label, low, high, nodes = regime
+            values = integrate(case, low, high, nodes(d), d)
+            texts = (mp.nstr(v, DIGITS, strip_zeros=False, min_fixed=1, max_fixed=0) for v in values)
+            rows.append(dict(zip(KEYS + VALUES, (name, path, "5e-10", h_star, label, *texts))))
     return rows
 
 
-def text(value):
-    return mp.nstr(value, DIGITS, strip_zeros=False, min_fixed=1, max_fixed=0, show_zero_exponent=True)
-
-
 def check(rows, path):
-    """Print how far another table departs from rows, by regime; true if it has the same rows."""
+    """Print by regime how far another table departs from rows; true if it has the same rows."""
     with open(path, newline="", encoding="utf-8") as file:
         others = list(csv.DictReader(file))
     if [[r[k] for k in KEYS] for r in rows] != [[r[k] for k in KEYS] for r in others]:
         print("the tables differ in their rows")
         return False
-    for regime in dict.fromkeys(row["regime"] for row in rows):
-        for column in VALUES:
-            pairs = [(row, mpf(o[column])) for row, o in zip(rows, others) if row["regime"] == regime]
-            missing = sum(1 for row, o in pairs if o == 0 and mpf(row[column]) != 0)
-            worst = max((abs(o / mpf(row[column]) - 1), row) for row, o in pairs if o != 0)
-            where = ", ".join(worst[1][k] for k in KEYS)
-            print(f"{regime} {column}: {mp.nstr(worst[0], 3)} at {where}; {missing} zero there but not here")
+    for regime, column in itertools.product(dict.fromkeys(row["regime"] for row in rows), VALUES):
+        pairs = [(row, mpf(o[column])) for row, o in zip(rows, others) if row["regime"] == regime]
+        lost = sum(o == 0 and mpf(row[column]) != 0 for row, o in pairs)
+        deviations = [(abs(o / mpf(row[column]) - 1), *map(row.get, KEYS)) for row, o in pairs if o != 0]
+        worst = max(deviations, default=(mpf(0), "none to compare"))
+        print(regime, column, mp.nstr(worst[0], 3), "at", *worst[1:], f"({lost} are 0 there but not here)")
     return True
 
 
 def main():
-    default = Path(__file__).resolve().parent.parent / "tests" / "data" / "rough_surface.csv"
     parser = argparse.ArgumentParser(description="Reference values of three rough surfaces.")
-    parser.add_argument("--output", type=Path, default=default, help="table to write")
     parser.add_argument("--check", type=Path, metavar="OTHER.csv", help="compare with it, write nothing")
     parser.add_argument("--refine", type=int, default=1, help="parts of every panel (default 1)")
     arguments = parser.parse_args()
     rows = table(arguments.refine)
     if arguments.check:
         sys.exit(0 if check(rows, arguments.check) else 1)
-    arguments.output.parent.mkdir(parents=True, exist_ok=True)
-    with open(arguments.output, "w", newline="", encoding="utf-8") as file:
+    output = Path(__file__).resolve().parent.parent / "tests" / "data" / "rough_surface.csv"
+    with open(output, "w", newline="", encoding="utf-8") as file:
         writer = csv.DictWriter(file, KEYS + VALUES, lineterminator="\n")
         writer.writeheader()
         writer.writerows(rows)
-    print(f"{len(rows)} rows written to {arguments.output} (mpmath {mpmath.__version__})")
+    print(f"{len(rows)} rows written to {output} (mpmath {mpmath.__version__})")
 
 
 if __name__ == "__main__":

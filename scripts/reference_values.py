@@ -7,8 +7,8 @@ asperity as functions of the two numbers (lambda, delta), with the condition num
 * before contact, the extended Maugis-Dugdale model (EMD): X. Shi and A. A. Polycarpou,
   J. Colloid Interface Sci. 281 (2005) 449, with the approach measured from the equilibrium spacing Z_0.
 
-Both are written down here as they stand in the papers, with no series and no half-angle forms; all arithmetic
-has 80 digits instead, which leaves more than 50 correct ones after the cancellations and the loss at a fold.
+Both are written down here in closed form along a parameter, with no series and no half-angle forms; all
+arithmetic has 80 digits instead, which leaves more than 50 correct ones after every cancellation.
 
 Scaled quantities, with K = 4/3 E_r and g = pi * (work of adhesion):
     delta in (g^2 R / K^2)^(1/3), contact radius in (g R^2 / K)^(1/3), forces in g R,

@@ -4,6 +4,7 @@
 pub mod asperity;
 pub mod engine;
 pub mod math;
+pub mod scene;
 pub mod statistical;
 pub mod surface;
 pub mod validation;

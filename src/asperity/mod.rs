@@ -10,6 +10,7 @@ pub mod emd;
 pub mod hybrid;
 pub mod kogut_etsion;
 pub mod law;
+pub mod models;
 pub mod noncontact;
 pub mod quantity;
 pub mod scale;

@@ -1,1 +1,174 @@
-//! scene
+//! Scenes: from TOML to what the program computes, or to an error that says what to change.
+
+mod plan;
+mod reader;
+mod separation;
+pub mod units;
+
+pub use plan::{Plan, RegimePlan};
+pub use reader::SceneError;
+
+use crate::asperity::emd::LAMBDA_RANGE;
+use crate::asperity::models::{MODELS, Model};
+use crate::asperity::scale::{Asperity, Scale};
+use crate::asperity::{Law, Path};
+use crate::surface::{Roughness, Surface, SurfaceError};
+use reader::{Section, document};
+use units::Dimension;
+
+/// The scene format that is read.
+pub const FORMAT: u64 = 1;
+
+/// Heights further than this many σ_s from their mean plane are solved without starting tables.
+const HEIGHT_REACH: f64 = 11.0;
+
+const ROOT_KEYS: [&str; 8] =
+    ["format", "title", "material", "surface", "model", "separation", "ensemble", "output"];
+const MATERIAL_KEYS: [&str; 5] =
+    ["reduced_modulus", "hardness", "poisson_ratio", "work_of_adhesion", "equilibrium_spacing"];
+const SURFACE_KEYS: [&str; 7] = [
+    "asperity_radius",
+    "asperity_density",
+    "surface_height_std",
+    "asperity_height_std",
+    "mean_plane_offset",
+    "nominal_area",
+    "lubricant_thickness",
+];
+
+/// A validated scene, SI.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// The TOML text.
+    pub text: String,
+    /// Its title, may be empty.
+    pub title: String,
+    /// One asperity.
+    pub asperity: Asperity,
+    /// The rough surface.
+    pub surface: Surface,
+    /// The model.
+    pub model: Model,
+    /// The history.
+    pub path: Path,
+    /// Separations h, m, rising.
+    pub separations: Vec<f64>,
+    /// Number of replicas.
+    pub replicas: u64,
+    /// Seed of the random streams.
+    pub seed: u64,
+    /// Whether every replica's curves are kept.
+    pub curves: bool,
+}
+
+impl Scene {
+    /// Reads a scene.
+    ///
+    /// # Errors
+    /// [`SceneError`] with the line, the key, what was given and what would do.
+    pub fn parse(text: &str) -> Result<Self, SceneError> {
+        let document = document(text)?;
+        let root = Section::root(text, document.get_ref(), &ROOT_KEYS)?;
+        let format = root.require("format", "1")?;
+        if format.integer(0..=u64::MAX)? != FORMAT {
+            return Err(format.wrong(&format!("this program reads scenes of format {FORMAT}")));
+        }
+        let title = root.get("title").map(|entry| entry.string()).transpose()?.unwrap_or_default().to_owned();
+        let surface = required(&root, "surface", &SURFACE_KEYS)?;
+        let asperity = asperity(&required(&root, "material", &MATERIAL_KEYS)?, &surface)?;
+        let surface = rough_surface(&surface, asperity.radius)?;
+        let model = required(&root, "model", &["law", "path"])?;
+        let models: Vec<(&str, Model)> = MODELS.iter().map(|model| (model.name, *model)).collect();
+        let law = model.require("law", "\"hybrid\"")?.choice("law", &models)?;
+        let path = model.get("path").map_or(Ok(Path::Approach), |entry| entry.choice("path", &Path::ALL))?;
+        let separation = required(&root, "separation", &["h", "h_star"])?;
+        let separations = separation::separations(&separation, surface.surface_height_std)?;
+        let ensemble = required(&root, "ensemble", &["replicas", "seed"])?;
+        let replicas = ensemble.require("replicas", "1000")?.integer(1..=1_000_000_000_000)?;
+        let seed = ensemble.get("seed").map_or(Ok(1), |entry| entry.integer(0..=i64::MAX as u64))?;
+        let output = root.section("output", &["curves"], false)?;
+        let curves = output.and_then(|output| output.get("curves")).map_or(Ok(false), |entry| entry.boolean())?;
+        let text = text.to_owned();
+        Ok(Self { text, title, asperity, surface, model: law, path, separations, replicas, seed, curves })
+    }
+
+    /// The range of interferences, m, that the heights of any replica reach.
+    pub fn reach(&self) -> (f64, f64) {
+        let margin = HEIGHT_REACH * self.surface.heights.std;
+        let d = |h: f64| self.surface.asperity_separation(h);
+        (-margin - d(self.separations[self.separations.len() - 1]), margin - d(self.separations[0]))
+    }
+
+    /// The adhesion parameter and the units of the scaled variables.
+    pub fn scale(&self) -> Scale {
+        Scale::new(&self.asperity).expect("a scene is validated when it is read")
+    }
+
+    /// The asperity law.
+    pub fn law(&self) -> Box<dyn Law> {
+        (self.model.build)(&self.asperity, self.path, self.reach()).expect("a scene is validated when it is read")
+    }
+}
+
+fn required<'a>(root: &Section<'a>, name: &'a str, keys: &[&str]) -> Result<Section<'a>, SceneError> {
+    Ok(root.section(name, keys, true)?.expect("a required section is there or an error"))
+}
+
+fn asperity(material: &Section<'_>, surface: &Section<'_>) -> Result<Asperity, SceneError> {
+    let poisson = material.require("poisson_ratio", "0.27")?;
+    let poisson_ratio = poisson.number()?;
+    if !(poisson_ratio > -1.0 && poisson_ratio <= 0.5) {
+        return Err(poisson.wrong("a Poisson ratio is greater than -1 and at most 0.5"));
+    }
+    let lubricant = surface.get("lubricant_thickness");
+    let asperity = Asperity {
+        radius: surface.positive("asperity_radius", Dimension::Length)?,
+        reduced_modulus: material.positive("reduced_modulus", Dimension::Pressure)?,
+        work_of_adhesion: material.positive("work_of_adhesion", Dimension::SurfaceEnergy)?,
+        equilibrium_spacing: material.positive("equilibrium_spacing", Dimension::Length)?,
+        hardness: material.positive("hardness", Dimension::Pressure)?,
+        poisson_ratio,
+        lubricant_thickness: lubricant.map_or(Ok(0.0), |entry| entry.not_negative(Dimension::Length))?,
+    };
+    let lambda = Scale::new(&asperity).map_err(|error| SceneError::general(error.to_string()))?.lambda;
+    if !(lambda >= LAMBDA_RANGE.0 && lambda <= LAMBDA_RANGE.1) {
+        return Err(SceneError::general(format!(
+            "the adhesion parameter lambda = {lambda:.3e} is outside 1e-6..1e6; it follows from work_of_adhesion, \
+             reduced_modulus, equilibrium_spacing and asperity_radius: check their units"
+        )));
+    }
+    let critical = asperity.critical_interference();
+    if !(critical > 0.0 && critical.is_finite()) {
+        return Err(SceneError::general(format!(
+            "the critical interference is {critical:e} m; it follows from hardness, reduced_modulus, poisson_ratio and \
+             asperity_radius: check their units"
+        )));
+    }
+    Ok(asperity)
+}
+
+fn rough_surface(surface: &Section<'_>, asperity_radius: f64) -> Result<Surface, SceneError> {
+    let optional = |key| surface.get(key).map(|entry| entry.positive(Dimension::Length)).transpose();
+    let roughness = Roughness {
+        asperity_radius,
+        asperity_density: surface.positive("asperity_density", Dimension::ArealDensity)?,
+        nominal_area: surface.positive("nominal_area", Dimension::Area)?,
+        surface_height_std: optional("surface_height_std")?,
+        asperity_height_std: optional("asperity_height_std")?,
+        mean_plane_offset: surface
+            .get("mean_plane_offset")
+            .map(|entry| entry.not_negative(Dimension::Length))
+            .transpose()?,
+    };
+    Surface::new(&roughness).map_err(|error| {
+        let key = match error {
+            SurfaceError::NegativeVariance { .. } => "surface_height_std",
+            SurfaceError::NoHeightStd => "",
+            SurfaceError::Count(_) => "nominal_area",
+        };
+        match surface.get(key) {
+            Some(entry) => entry.wrong(&error.to_string()),
+            None => SceneError::general(format!("[surface]: {error}; for example surface_height_std = \"1.619 nm\"")),
+        }
+    })
+}

@@ -1,0 +1,126 @@
+//! What a scene will compute, what it skips and why, and what that takes.
+
+use super::Scene;
+use crate::asperity::{Law, Regime};
+
+/// Nanoseconds per asperity and separation in each regime, on one core of a 2020s server (`cargo bench --bench solve`).
+fn cost(regime: Regime) -> f64 {
+    match regime {
+        Regime::Noncontact => 42.0,
+        Regime::Lubricant => 1.5,
+        Regime::Elastic => 58.0,
+        Regime::Elastoplastic1 | Regime::Elastoplastic2 => 32.0,
+        Regime::Plastic => 3.0,
+    }
+}
+
+/// A regime that is expected less often than this in the whole run, at the separation that reaches it most, is called skipped.
+const NEVER: f64 = 1e-6;
+
+/// One regime of the scene.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RegimePlan {
+    /// Which.
+    pub regime: Regime,
+    /// Interferences from, m; −∞ for the first.
+    pub lower: f64,
+    /// Interferences to, m; may be +∞.
+    pub upper: f64,
+    /// Expected asperities per replica, averaged over the separations.
+    pub asperities: f64,
+    /// Expected asperities in the whole run at the separation that reaches the regime most.
+    pub most: f64,
+}
+
+impl RegimePlan {
+    /// Whether no asperity is expected in the whole run.
+    pub fn is_skipped(&self) -> bool {
+        self.most < NEVER
+    }
+}
+
+/// The plan of a run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plan {
+    /// Adhesion parameter λ.
+    pub lambda: f64,
+    /// Plasticity index ψ.
+    pub plasticity_index: f64,
+    /// The regimes.
+    pub regimes: Vec<RegimePlan>,
+    /// What is skipped, and why, a line each.
+    pub skips: Vec<String>,
+    /// Asperity-separations of the run.
+    pub pairs: f64,
+    /// Estimated core seconds of the ensemble.
+    pub core_seconds: f64,
+    /// Estimated memory of a run on one thread, bytes.
+    pub memory: f64,
+    /// Estimated memory of each further thread, bytes.
+    pub memory_per_thread: f64,
+}
+
+impl Plan {
+    /// Plans a scene under its law.
+    pub fn new(scene: &Scene, law: &dyn Law) -> Self {
+        let regimes = regimes(scene, law);
+        let (s, r) = (scene.separations.len() as f64, regimes.len() as f64);
+        let (n, replicas) = (scene.surface.asperity_count as f64, scene.replicas as f64);
+        let sorting = 30.0 * n;
+        let nanoseconds: f64 = sorting + s * regimes.iter().map(|plan| plan.asperities * cost(plan.regime)).sum::<f64>();
+        // Moments and curves of a batch, heights, and for curves what waits to be written.
+        let batch = 8.0 * (n + 3.0 * s * (4.0 + 3.0 * r)) + if scene.curves { 8.0 * 2.0 * s * 8.0 } else { 0.0 };
+        Self {
+            lambda: scene.scale().lambda,
+            plasticity_index: scene.asperity.plasticity_index(scene.surface.surface_height_std),
+            skips: skips(scene, &regimes),
+            pairs: n * s * replicas,
+            core_seconds: 1e-9 * replicas * nanoseconds,
+            // The grid of the joint test, its copy, and the scalars of the replicas.
+            memory: 8.0 * 4001.0 * 4.0 * s + 64.0 * replicas + batch + 20e6,
+            memory_per_thread: 2.0 * batch,
+            regimes,
+        }
+    }
+}
+
+fn regimes(scene: &Scene, law: &dyn Law) -> Vec<RegimePlan> {
+    let (n, replicas) = (scene.surface.asperity_count as f64, scene.replicas as f64);
+    let mut lower = f64::NEG_INFINITY;
+    let mut plans = Vec::new();
+    for (i, &regime) in law.regimes().iter().enumerate() {
+        let upper = law.boundaries().get(i).map_or(f64::INFINITY, |boundary| boundary.interference);
+        let expected = scene.separations.iter().map(|&h| {
+            let d = scene.surface.asperity_separation(h);
+            n * scene.surface.heights.probability(lower + d, upper + d)
+        });
+        let (sum, most) = expected.fold((0.0, 0.0_f64), |(sum, most), e| (sum + e, most.max(e)));
+        let asperities = sum / scene.separations.len() as f64;
+        plans.push(RegimePlan { regime, lower, upper, asperities, most: most * replicas });
+        lower = upper;
+    }
+    plans
+}
+
+fn skips(scene: &Scene, regimes: &[RegimePlan]) -> Vec<String> {
+    let mut skips = Vec::new();
+    let dry = scene.asperity.lubricant_thickness == 0.0;
+    if dry {
+        skips.push("lubricant regime: the scene is dry".to_owned());
+    } else {
+        skips.push("solves in the lubricant regime: its force is constant".to_owned());
+    }
+    let never: Vec<&str> = regimes
+        .iter()
+        .filter(|plan| plan.is_skipped() && !(dry && plan.regime == Regime::Lubricant))
+        .map(|plan| plan.regime.name())
+        .collect();
+    if !never.is_empty() {
+        skips.push(format!("{}: no asperity expected there in the whole run", never.join(", ")));
+    }
+    skips.push("one lambda for all asperities: starting tables are made once".to_owned());
+    if !scene.curves {
+        skips.push("curves of single replicas: not asked for".to_owned());
+    }
+    skips
+}

@@ -1,0 +1,56 @@
+//! The separations of a scene: h, or h_star as multiples of the standard deviation of the surface heights.
+
+use super::reader::{Entry, SceneError, Section};
+use super::units::Dimension;
+use toml::de::DeValue;
+
+/// Most separations of a scene: their covariance is held in memory.
+const MOST: u64 = 10_000;
+
+/// Reads the separations, m, rising.
+pub(super) fn separations(section: &Section<'_>, surface_height_std: f64) -> Result<Vec<f64>, SceneError> {
+    let example = "h_star = { from = -1.0, to = 8.0, count = 181 }";
+    match (section.get("h"), section.get("h_star")) {
+        (Some(h), None) => rising(&h, &|entry| entry.quantity(Dimension::Length)),
+        (None, Some(h_star)) => rising(&h_star, &|entry| Ok(entry.number()? * surface_height_std)),
+        (Some(h), Some(_)) => Err(h.wrong("give either h or h_star, not both")),
+        (None, None) => Err(SceneError::general(format!("[separation] is empty; for example {example}"))),
+    }
+}
+
+/// A list, or a table `{ from, to, count }`, of values read by `value`.
+fn rising(entry: &Entry<'_>, value: &dyn Fn(&Entry<'_>) -> Result<f64, SceneError>) -> Result<Vec<f64>, SceneError> {
+    let values = match entry.value.get_ref() {
+        DeValue::Array(array) => {
+            if !(2..=MOST as usize).contains(&array.len()) {
+                return Err(entry.wrong(&format!("has {} separations; 2 to {MOST} are needed", array.len())));
+            }
+            let elements = array.iter().enumerate().map(|(i, element)| entry.element(i, element));
+            let mut values: Vec<f64> = Vec::with_capacity(array.len());
+            for element in elements {
+                let next = value(&element)?;
+                if values.last().is_some_and(|last| !(next > *last)) {
+                    return Err(element.wrong("separations have to rise, each greater than the one before"));
+                }
+                values.push(next);
+            }
+            values
+        }
+        DeValue::Table(_) => {
+            let table = entry.table(&["from", "to", "count"])?;
+            let from = value(&table.require("from", "-1.0")?)?;
+            let end = table.require("to", "8.0")?;
+            let to = value(&end)?;
+            if !(to > from) {
+                return Err(end.wrong("has to be greater than `from`"));
+            }
+            let count = table.require("count", "181")?.integer(2..=MOST)? as usize;
+            (0..count).map(|i| from + (to - from) * (i as f64 / (count - 1) as f64)).collect()
+        }
+        _ => return Err(entry.wrong("a list, or a table { from, to, count }, is needed")),
+    };
+    if values.windows(2).any(|pair| !(pair[1] > pair[0])) {
+        return Err(entry.wrong("neighbouring separations are too close to be told apart"));
+    }
+    Ok(values)
+}

@@ -1,0 +1,177 @@
+//! Quantities as scenes write them: a number and a unit.
+
+/// What a quantity measures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Dimension {
+    /// m.
+    Length,
+    /// m².
+    Area,
+    /// 1/m².
+    ArealDensity,
+    /// Pa.
+    Pressure,
+    /// J/m².
+    SurfaceEnergy,
+}
+
+/// Units by dimension: spelling, factor to SI as power of ten.
+const UNITS: &[(Dimension, &[(&str, i32)])] = &[
+    (
+        Dimension::Length,
+        &[("m", 0), ("mm", -3), ("um", -6), ("µm", -6), ("μm", -6), ("nm", -9), ("angstrom", -10), ("Å", -10), ("pm", -12)],
+    ),
+    (
+        Dimension::Area,
+        &[("m^2", 0), ("mm^2", -6), ("um^2", -12), ("µm^2", -12), ("μm^2", -12), ("nm^2", -18)],
+    ),
+    (
+        Dimension::ArealDensity,
+        &[("/m^2", 0), ("/mm^2", 6), ("/um^2", 12), ("/µm^2", 12), ("/μm^2", 12), ("/nm^2", 18)],
+    ),
+    (Dimension::Pressure, &[("Pa", 0), ("kPa", 3), ("MPa", 6), ("GPa", 9), ("TPa", 12)]),
+    (
+        Dimension::SurfaceEnergy,
+        &[("J/m^2", 0), ("mJ/m^2", -3), ("uJ/m^2", -6), ("N/m", 0), ("mN/m", -3), ("uN/m", -6)],
+    ),
+];
+
+impl Dimension {
+    /// Its name in messages, with an article.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Length => "a length",
+            Self::Area => "an area",
+            Self::ArealDensity => "a number per area",
+            Self::Pressure => "a pressure",
+            Self::SurfaceEnergy => "an energy per area",
+        }
+    }
+
+    /// An example in messages.
+    pub fn example(self) -> &'static str {
+        match self {
+            Self::Length => "\"3.33 um\"",
+            Self::Area => "\"1000 um^2\"",
+            Self::ArealDensity => "\"7.39 /um^2\"",
+            Self::Pressure => "\"85.29 GPa\"",
+            Self::SurfaceEnergy => "\"0.09 J/m^2\"",
+        }
+    }
+
+    /// Its units in messages; the spellings with a Greek mu are left out.
+    pub fn units(self) -> String {
+        let spellings = units(self).iter().map(|(spelling, _)| *spelling).filter(|unit| unit.is_ascii());
+        spellings.collect::<Vec<_>>().join(", ")
+    }
+}
+
+fn units(dimension: Dimension) -> &'static [(&'static str, i32)] {
+    UNITS.iter().find(|(known, _)| *known == dimension).expect("every dimension has units").1
+}
+
+/// Why a text is not a quantity of a dimension.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum QuantityError {
+    /// It does not begin with a number.
+    NoNumber,
+    /// Nothing follows the number.
+    NoUnit,
+    /// The unit measures something else.
+    OtherDimension(Dimension),
+    /// The unit is unknown.
+    UnknownUnit(String),
+}
+
+/// Reads a quantity such as `3.33 um`; SI. The power of ten of the unit is applied in the decimal text, so `1.6 nm` is the
+/// double nearest to 1.6e-9.
+///
+/// # Errors
+/// [`QuantityError`].
+pub fn parse(text: &str, dimension: Dimension) -> Result<f64, QuantityError> {
+    let text = text.trim();
+    let end = number_end(text);
+    let (number, unit) = (text[..end].trim(), text[end..].trim());
+    let plain: f64 = number.parse().map_err(|_| QuantityError::NoNumber)?;
+    if unit.is_empty() {
+        return Err(QuantityError::NoUnit);
+    }
+    let normal = unit.replace('²', "^2").replace("1/", "/");
+    let find = |dimension| units(dimension).iter().find(|(spelling, _)| *spelling == normal);
+    match find(dimension) {
+        Some((_, power)) => Ok(scaled(number, plain, *power)),
+        None => Err(UNITS
+            .iter()
+            .find(|(other, _)| find(*other).is_some())
+            .map_or(QuantityError::UnknownUnit(unit.to_owned()), |(other, _)| QuantityError::OtherDimension(*other))),
+    }
+}
+
+/// Where the number at the beginning of a text ends: before the first blank or slash, or the first letter that is
+/// neither an exponent's nor part of `nan` and `inf`.
+fn number_end(text: &str) -> usize {
+    let words = ["nan", "inf", "+inf", "-inf", "+nan", "-nan", "infinity"];
+    if let Some(blank) = text.find(char::is_whitespace)
+        && (text[..blank].parse::<f64>().is_ok() || words.contains(&text[..blank].to_ascii_lowercase().as_str()))
+    {
+        return blank;
+    }
+    // Without a blank: the longest prefix that is a number.
+    let ends = text.char_indices().map(|(i, _)| i).chain([text.len()]);
+    ends.filter(|&i| text[..i].parse::<f64>().is_ok()).last().unwrap_or(0)
+}
+
+/// The number times a power of ten, rounded once.
+fn scaled(number: &str, plain: f64, power: i32) -> f64 {
+    let (mantissa, exponent) = match number.split_once(['e', 'E']) {
+        Some((mantissa, exponent)) => (mantissa, exponent.parse::<i64>().unwrap_or(0)),
+        None => (number, 0),
+    };
+    match format!("{mantissa}e{}", exponent.saturating_add(i64::from(power))).parse::<f64>() {
+        Ok(value) => value,
+        Err(_) => plain, // nan and inf have no exponent
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quantities_are_rounded_once() {
+        let cases = [
+            ("3.33 um", Dimension::Length, 3.33e-6),
+            ("3.33um", Dimension::Length, 3.33e-6),
+            ("1.619 nm", Dimension::Length, 1.619e-9),
+            ("1.5e3 µm", Dimension::Length, 1.5e-3),
+            ("2 Å", Dimension::Length, 2e-10),
+            ("-1 nm", Dimension::Length, -1e-9),
+            ("7.39 /um^2", Dimension::ArealDensity, 7.39e12),
+            ("7.39 1/um^2", Dimension::ArealDensity, 7.39e12),
+            ("1000 um²", Dimension::Area, 1e-9),
+            ("85.29 GPa", Dimension::Pressure, 85.29e9),
+            ("90 mJ/m^2", Dimension::SurfaceEnergy, 0.09),
+            ("0.09 N/m", Dimension::SurfaceEnergy, 0.09),
+        ];
+        for (text, dimension, expected) in cases {
+            assert_eq!(parse(text, dimension), Ok(expected), "{text}");
+        }
+        assert!(parse("nan nm", Dimension::Length).unwrap().is_nan());
+        assert_eq!(parse("inf nm", Dimension::Length), Ok(f64::INFINITY));
+    }
+
+    #[test]
+    fn what_is_not_a_quantity_is_named() {
+        assert_eq!(parse("3", Dimension::Length), Err(QuantityError::NoUnit));
+        assert_eq!(parse("3 GPa", Dimension::Length), Err(QuantityError::OtherDimension(Dimension::Pressure)));
+        assert_eq!(parse("3 furlong", Dimension::Length), Err(QuantityError::UnknownUnit("furlong".into())));
+        assert_eq!(parse("three nm", Dimension::Length), Err(QuantityError::NoNumber));
+        assert_eq!(parse("", Dimension::Length), Err(QuantityError::NoNumber));
+    }
+
+    #[test]
+    fn no_spelling_means_two_things() {
+        let all: Vec<&str> = UNITS.iter().flat_map(|(_, units)| units.iter().map(|(spelling, _)| *spelling)).collect();
+        assert!(all.iter().all(|a| all.iter().filter(|b| a == *b).count() == 1));
+    }
+}

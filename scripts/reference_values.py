@@ -17,7 +17,7 @@ Scaled quantities, with K = 4/3 E_r and g = pi * (work of adhesion):
 Usage:
     uv run scripts/reference_values.py                      write the table and print the largest conditions
     uv run scripts/reference_values.py --check OTHER.csv    compare with another table, write nothing
-    ... --doubles                                           take each input as the double nearest to its text
+    ... --decimals                                          take 0.1 as one tenth, not as the double next to it
 """
 
 # /// script
@@ -36,7 +36,7 @@ from mpmath import mp, mpf
 
 mp.dps = 80
 
-# The grid, in exact decimals: 0.1 means one tenth, unless --doubles asks for the double next to it.
+# The grid: 0.1 means the double next to it, unless --decimals asks for one tenth.
 LAMBDAS = "0.001 0.01 0.1 0.5 0.9 0.95 1.0 2.5 5.0 10.0 100.0 1000.0".split()
 DELTAS = (
     "-10000.0 -100.0 -10.0 -3.0 -1.5 -1.1 -1.04 -1.02 -0.99 -0.95 -0.9 -0.7 -0.5 -0.3 -0.1 -0.03 -0.01 "
@@ -226,9 +226,9 @@ def main():
     parser = argparse.ArgumentParser(description="Reference values of one elastic adhesive asperity.")
     parser.add_argument("--output", type=Path, default=default, help="table to write")
     parser.add_argument("--check", type=Path, metavar="OTHER.csv", help="compare with it, write nothing")
-    parser.add_argument("--doubles", action="store_true", help="round the inputs to double precision first")
+    parser.add_argument("--decimals", action="store_true", help="take the inputs as exact decimals")
     arguments = parser.parse_args()
-    rows = table(lambda text: mpf(float(text)) if arguments.doubles else mpf(text))
+    rows = table(lambda text: mpf(text) if arguments.decimals else mpf(float(text)))
     if arguments.check:
         sys.exit(0 if check(rows, arguments.check) else 1)
     arguments.output.parent.mkdir(parents=True, exist_ok=True)

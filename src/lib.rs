@@ -2,8 +2,10 @@
 #![warn(missing_docs)]
 #![deny(unsafe_code)]
 pub mod asperity;
+pub mod cli;
 pub mod engine;
 pub mod math;
+pub mod output;
 pub mod scene;
 pub mod statistical;
 pub mod surface;

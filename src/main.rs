@@ -1,1 +1,5 @@
-fn main() {}
+//! The program `stiction`.
+
+fn main() -> std::process::ExitCode {
+    stiction::cli::main()
+}

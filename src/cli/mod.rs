@@ -1,1 +1,176 @@
-//! cli
+//! The command line: arguments, exit codes and what the terminal shows.
+
+mod asperity;
+mod check;
+mod format;
+mod info;
+mod record;
+mod run;
+mod summary;
+mod validate;
+
+use crate::asperity::Path as History;
+use crate::output::OutputError;
+use crate::scene::{Scene, SceneError};
+use clap::{Args, Parser, Subcommand};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use thiserror::Error;
+
+const EXIT_CODES: &str = "Exit codes: 0 done; 1 failed while running; 2 the command or scene is wrong, nothing was written; \
+3 validate: ensemble and integral disagree; 130 interrupted.";
+
+/// Adhesion of rough surfaces from explicit ensembles of asperities, solved one by one.
+#[derive(Parser)]
+#[command(name = "stiction", version, after_help = EXIT_CODES, max_term_width = 110)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Compute a scene and leave one HDF5 file and a summary
+    Run(RunArguments),
+    /// Say what a scene would compute, what it skips and why, and what that takes; computes nothing
+    Check {
+        /// The scene, TOML
+        scene: PathBuf,
+    },
+    /// Cross-check a finished run: its ensemble against its integral
+    Validate {
+        /// A result of `stiction run`
+        file: PathBuf,
+    },
+    /// Show what is in a result
+    Info {
+        /// A result of `stiction run`
+        file: PathBuf,
+    },
+    /// Solve one asperity; prints CSV in the scaled variables of Maugis
+    Asperity(AsperityArguments),
+}
+
+#[derive(Args)]
+struct RunArguments {
+    /// The scene, TOML
+    scene: PathBuf,
+    /// Where the result goes; by default the scene's name with .h5, in the current folder
+    #[arg(short, long, value_name = "FILE.h5")]
+    output: Option<PathBuf>,
+    /// Number of replicas, instead of the scene's
+    #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1_000_000_000_000))]
+    replicas: Option<u64>,
+    /// Seed, instead of the scene's
+    #[arg(long, value_parser = clap::value_parser!(u64).range(0..=i64::MAX as u64))]
+    seed: Option<u64>,
+    /// Threads; by default one per core. They do not change the result
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=4096))]
+    threads: Option<u16>,
+    /// Overwrite an existing result
+    #[arg(long)]
+    force: bool,
+    /// No progress
+    #[arg(long)]
+    quiet: bool,
+}
+
+#[derive(Args)]
+struct AsperityArguments {
+    /// The law: emd, the extended Maugis-Dugdale law
+    #[arg(long)]
+    law: String,
+    /// Adhesion parameter
+    #[arg(long, required_unless_present = "table", conflicts_with = "table", allow_negative_numbers = true)]
+    lambda: Option<f64>,
+    /// Scaled approaches, negative before contact
+    #[arg(long, num_args = 1.., required_unless_present = "table", conflicts_with = "table", allow_negative_numbers = true)]
+    delta: Vec<f64>,
+    /// CSV with the columns lambda,delta
+    #[arg(long, value_name = "IN.csv")]
+    table: Option<PathBuf>,
+    /// History: approach or retraction
+    #[arg(long, default_value = "approach", value_parser = history)]
+    path: History,
+}
+
+fn history(name: &str) -> Result<History, String> {
+    let known = History::ALL.iter().find(|(known, _)| *known == name);
+    known.map(|(_, path)| *path).ok_or_else(|| "known: approach, retraction".to_owned())
+}
+
+/// Why a command ends without its result.
+#[derive(Debug, Error)]
+enum Failure {
+    /// The command or the scene is wrong; nothing was written.
+    #[error("{0}")]
+    Usage(String),
+    /// Something failed while running.
+    #[error("{0:#}")]
+    Running(#[from] anyhow::Error),
+    /// Ensemble and integral disagree.
+    #[error("ensemble and integral disagree")]
+    Disagree,
+    /// Interrupted by the user.
+    #[error("interrupted after {done} of {of} replicas; nothing was written")]
+    Interrupted {
+        /// Replicas that were done.
+        done: u64,
+        /// Replicas of the run.
+        of: u64,
+    },
+}
+
+impl Failure {
+    fn exit_code(&self) -> u8 {
+        match self {
+            Self::Running(_) => 1,
+            Self::Usage(_) => 2,
+            Self::Disagree => 3,
+            Self::Interrupted { .. } => 130,
+        }
+    }
+}
+
+impl From<OutputError> for Failure {
+    fn from(error: OutputError) -> Self {
+        match error {
+            OutputError::Hdf5(_) | OutputError::Io { .. } => Self::Running(error.into()),
+            OutputError::Exists(_)
+            | OutputError::NoFolder(_)
+            | OutputError::NotWritable { .. }
+            | OutputError::NotAResult { .. } => Self::Usage(error.to_string()),
+        }
+    }
+}
+
+/// Parses the command line, runs the command, prints the error, returns the exit code.
+pub fn main() -> ExitCode {
+    let result = match Cli::parse().command {
+        Command::Run(arguments) => run::run(&arguments),
+        Command::Check { scene } => check::check(&scene),
+        Command::Validate { file } => validate::validate(&file),
+        Command::Info { file } => info::info(&file),
+        Command::Asperity(arguments) => asperity::asperity(&arguments),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            eprintln!("stiction: {failure}");
+            ExitCode::from(failure.exit_code())
+        }
+    }
+}
+
+/// Prints text; that nobody reads it any more is no error.
+fn print(text: &str) {
+    use std::io::Write;
+    let _ = std::io::stdout().write_all(text.as_bytes());
+}
+
+/// Reads a scene, with its file named in every error.
+fn read_scene(path: &Path) -> Result<Scene, Failure> {
+    let named = |problem: String| Failure::Usage(format!("{}: {problem}", path.display()));
+    let text = std::fs::read_to_string(path).map_err(|error| named(format!("cannot be read: {error}")))?;
+    Scene::parse(&text).map_err(|error: SceneError| named(error.to_string()))
+}

@@ -1,0 +1,83 @@
+//! `stiction check`: what a scene would compute.
+
+use super::format::{duration, percent, row, si};
+use super::{Failure, print, read_scene};
+use crate::asperity::scale::Scale;
+use crate::scene::{Plan, Scene};
+use std::path::Path;
+
+pub(super) fn check(path: &Path) -> Result<(), Failure> {
+    let scene = read_scene(path)?;
+    let law = scene.law();
+    let plan = Plan::new(&scene, law.as_ref());
+    let mut text = heading(&scene, &plan);
+    text += &skipped(&plan);
+    text += &regimes(&plan);
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    text += &row("work", &format!("{:.3e} asperity-separations", plan.pairs));
+    text += &row(
+        "time",
+        &format!(
+            "about {} on {threads} threads ({} on one)",
+            duration(plan.core_seconds / threads as f64),
+            duration(plan.core_seconds)
+        ),
+    );
+    let memory = plan.memory + threads as f64 * plan.memory_per_thread;
+    text += &row("memory", &format!("about {:.0} MB on {threads} threads", (memory / 1e6).max(1.0)));
+    print(&text);
+    Ok(())
+}
+
+/// The title and what characterises the scene.
+pub(super) fn heading(scene: &Scene, plan: &Plan) -> String {
+    let surface = &scene.surface;
+    let Scale { length, .. } = scene.scale();
+    let (first, last) = (scene.separations[0], scene.separations[scene.separations.len() - 1]);
+    let h_star = |h: f64| h / surface.surface_height_std;
+    let title = if scene.title.is_empty() { "Untitled scene" } else { &scene.title };
+    let mut text = format!("{title}\n");
+    text += &row("model", &format!("{} on {}: {}", scene.model.name, scene.path.name(), scene.model.about));
+    text += &row("lambda", &format!("{:.4}  adhesion parameter (unit of approach {})", plan.lambda, si(length, "m")));
+    text += &row(
+        "psi",
+        &format!(
+            "{:.4}  plasticity index (critical interference {})",
+            plan.plasticity_index,
+            si(scene.asperity.critical_interference(), "m")
+        ),
+    );
+    text += &row(
+        "N",
+        &format!(
+            "{} asperities per replica, heights with standard deviation {}",
+            surface.asperity_count,
+            si(surface.heights.std, "m")
+        ),
+    );
+    text += &row("replicas", &format!("{} with seed {}", scene.replicas, scene.seed));
+    text += &row(
+        "separations",
+        &format!("{} from h* = {:.3} to {:.3} (h = {} to {})", scene.separations.len(), h_star(first), h_star(last), si(first, "m"), si(last, "m")),
+    );
+    text
+}
+
+/// What the scene does not need.
+pub(super) fn skipped(plan: &Plan) -> String {
+    let label = |i: usize| if i == 0 { "skipped" } else { "" };
+    plan.skips.iter().enumerate().map(|(i, skip)| row(label(i), skip)).collect()
+}
+
+fn regimes(plan: &Plan) -> String {
+    let total: f64 = plan.regimes.iter().map(|regime| regime.asperities).sum();
+    let lines = plan.regimes.iter().enumerate().map(|(i, regime)| {
+        let end = |interference: f64| {
+            if interference.is_finite() { si(interference, "m") } else if interference < 0.0 { "-inf".into() } else { "inf".into() }
+        };
+        let interval = format!("{} .. {}", end(regime.lower), end(regime.upper));
+        let label = if i == 0 { "regimes" } else { "" };
+        row(label, &format!("{:<16}{interval:<28}{} of asperities and separations", regime.regime.name(), percent(regime.asperities / total)))
+    });
+    lines.collect()
+}

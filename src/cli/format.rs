@@ -1,0 +1,65 @@
+//! Numbers and rows as the terminal shows them.
+
+/// A quantity with an SI prefix and four significant digits.
+pub(super) fn si(value: f64, unit: &str) -> String {
+    const PREFIXES: [(&str, i32); 9] =
+        [("p", -12), ("n", -9), ("µ", -6), ("m", -3), ("", 0), ("k", 3), ("M", 6), ("G", 9), ("T", 12)];
+    if value == 0.0 || !value.is_finite() {
+        return format!("{value} {unit}");
+    }
+    let exponent = (value.abs().log10() / 3.0).floor() as i32 * 3;
+    match PREFIXES.iter().find(|(_, power)| *power == exponent) {
+        Some((prefix, power)) => format!("{} {prefix}{unit}", significant(value / 10f64.powi(*power))),
+        None => format!("{value:.3e} {unit}"),
+    }
+}
+
+/// Four significant digits for values from 1 to 1000.
+fn significant(value: f64) -> String {
+    let digits = if value.abs() < 10.0 { 3 } else if value.abs() < 100.0 { 2 } else { 1 };
+    format!("{value:.digits$}")
+}
+
+/// A share in per cent.
+pub(super) fn percent(share: f64) -> String {
+    if share != 0.0 && share.abs() < 1e-4 { format!("{:.1e} %", 100.0 * share) } else { format!("{:.2} %", 100.0 * share) }
+}
+
+/// Seconds, minutes or hours.
+pub(super) fn duration(seconds: f64) -> String {
+    if seconds < 120.0 {
+        format!("{seconds:.1} s")
+    } else if seconds < 7200.0 {
+        format!("{:.1} min", seconds / 60.0)
+    } else {
+        format!("{:.1} h", seconds / 3600.0)
+    }
+}
+
+/// A labelled line; a continuation where the label is empty.
+pub(super) fn row(label: &str, text: &str) -> String {
+    format!("  {label:<18}{text}\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quantities_have_prefixes() {
+        assert_eq!(si(6.4e-4, "N"), "640.0 µN");
+        assert_eq!(si(-7.56e-2, "N"), "-75.60 mN");
+        assert_eq!(si(2.5e9, "Pa"), "2.500 GPa");
+        assert_eq!(si(0.0, "N"), "0 N");
+        assert_eq!(si(1e-20, "N"), "1.000e-20 N");
+    }
+
+    #[test]
+    fn times_and_shares_are_readable() {
+        assert_eq!(duration(3.25), "3.2 s");
+        assert_eq!(duration(600.0), "10.0 min");
+        assert_eq!(duration(36000.0), "10.0 h");
+        assert_eq!(percent(0.1234), "12.34 %");
+        assert_eq!(percent(1e-6), "1.0e-4 %");
+    }
+}

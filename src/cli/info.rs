@@ -1,0 +1,41 @@
+//! `stiction info`: what is in a result.
+
+use super::format::row;
+use super::{Failure, print};
+use crate::output::reader::RunReader;
+use std::path::Path;
+
+pub(super) fn info(path: &Path) -> Result<(), Failure> {
+    let reader = RunReader::open(path)?;
+    let mut text = format!("{}\n", path.display());
+    let mut scene = String::new();
+    for (name, value) in reader.attributes("/")? {
+        if name == "scene" {
+            scene = value;
+        } else {
+            text += &wide(&name, &value);
+        }
+    }
+    for group in ["/ensemble", "/statistical", "/validation"] {
+        text += &format!("{group}\n");
+        for (name, value) in reader.attributes(group)? {
+            text += &wide(&name, &value);
+        }
+    }
+    text += "datasets\n";
+    for (path, shape) in reader.datasets() {
+        let shape: Vec<String> = shape.iter().map(usize::to_string).collect();
+        text += &wide(path, &if shape.is_empty() { "scalar".to_owned() } else { shape.join(" x ") });
+    }
+    text += "scene\n";
+    for line in scene.lines() {
+        text += &format!("  {line}\n");
+    }
+    print(&text);
+    Ok(())
+}
+
+/// A row with room for long names.
+fn wide(name: &str, value: &str) -> String {
+    row(&format!("{name:<46}"), value)
+}

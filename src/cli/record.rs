@@ -1,0 +1,149 @@
+//! A run's results under the names of the file layout.
+
+use super::run::{Features, Results};
+use crate::asperity::{Law, Quantity};
+use crate::engine::Replica;
+use crate::output::OutputError;
+use crate::output::schema::Dimension;
+use crate::output::writer::RunWriter;
+use crate::scene::{Plan, Scene};
+use crate::validation::{Basis, SIGNIFICANCE};
+
+/// Writes what is known before the first replica: what is computed, and the dimensions. Returns the regimes' names.
+pub(super) fn write_head(
+    writer: &mut RunWriter,
+    scene: &Scene,
+    plan: &Plan,
+    law: &dyn Law,
+    basis: &Basis,
+) -> Result<Vec<&'static str>, OutputError> {
+    let now = time::OffsetDateTime::now_utc();
+    let created = now.format(&time::format_description::well_known::Rfc3339).unwrap_or_default();
+    writer.text("/", "program_version", env!("CARGO_PKG_VERSION"))?;
+    writer.text("/", "source_revision", env!("STICTION_SOURCE_REVISION"))?;
+    writer.text("/", "created", &created)?;
+    writer.text("/", "title", &scene.title)?;
+    writer.text("/", "scene", &scene.text)?;
+    writer.text("/", "law", scene.model.name)?;
+    writer.text("/", "path", scene.path.name())?;
+    writer.number("/", "seed", scene.seed)?;
+    writer.number("/", "replicas", scene.replicas)?;
+    writer.number("/", "adhesion_parameter", plan.lambda)?;
+    writer.number("/", "plasticity_index", plan.plasticity_index)?;
+    writer.number("/", "critical_interference", scene.asperity.critical_interference())?;
+    writer.number("/", "surface_height_std", scene.surface.surface_height_std)?;
+    writer.number("/", "asperity_height_std", scene.surface.heights.std)?;
+    writer.number("/", "mean_plane_offset", scene.surface.mean_plane_offset)?;
+    writer.number("/", "nominal_area", scene.surface.nominal_area)?;
+    writer.scale(Dimension::Separation, &scene.separations)?;
+    let of_separation = |f: &dyn Fn(f64) -> f64| scene.separations.iter().map(|&h| f(h)).collect::<Vec<f64>>();
+    writer.dataset("/h_star", &of_separation(&|h| h / scene.surface.surface_height_std))?;
+    writer.dataset("/asperity_separation", &of_separation(&|h| scene.surface.asperity_separation(h)))?;
+    let regimes: Vec<&'static str> = law.regimes().iter().map(|regime| regime.name()).collect();
+    writer.named_scale(Dimension::Regime, &regimes)?;
+    writer.scale(Dimension::Replica, &(0..scene.replicas).collect::<Vec<u64>>())?;
+    let components: Vec<u64> = (0..basis.probes.len() as u64).collect();
+    writer.scale(Dimension::Component, &components)?;
+    writer.scale(Dimension::ComponentOther, &components)?;
+    if scene.curves {
+        writer.curve_dataset("/replicas/external_force")?;
+        writer.curve_dataset("/replicas/adhesion_force")?;
+    }
+    Ok(regimes)
+}
+
+pub(super) fn write_results(writer: &mut RunWriter, results: &Results) -> Result<(), OutputError> {
+    write_ensemble(writer, results)?;
+    write_statistical(writer, results)?;
+    write_validation(writer, results)?;
+    write_diagnostics(writer, results)
+}
+
+fn write_features(writer: &RunWriter, group: &str, features: &Features) -> Result<(), OutputError> {
+    writer.number(group, "pull_off_force", -features.pull_off.value)?;
+    writer.number(group, "pull_off_separation", features.pull_off.place)?;
+    writer.number(group, "peak_stiffness", features.stiffest.value)?;
+    writer.number(group, "peak_stiffness_separation", features.stiffest.place)
+}
+
+fn write_ensemble(writer: &RunWriter, results: &Results) -> Result<(), OutputError> {
+    let ensemble = &results.ensemble;
+    let root = (results.scene.replicas as f64).sqrt();
+    for quantity in Quantity::ALL {
+        let moments = &ensemble.curves[quantity.index()];
+        let std = moments.std();
+        let standard_error: Vec<f64> = std.iter().map(|std| std / root).collect();
+        let name = quantity.name();
+        writer.dataset(&format!("/ensemble/{name}_mean"), moments.mean())?;
+        writer.dataset(&format!("/ensemble/{name}_standard_error"), &standard_error)?;
+        writer.dataset(&format!("/ensemble/{name}_std"), &std)?;
+    }
+    writer.dataset("/ensemble/regime_count_mean", ensemble.regime_count.mean())?;
+    writer.dataset("/ensemble/regime_adhesion_force_mean", ensemble.regime_adhesion_force.mean())?;
+    writer.dataset("/ensemble/regime_external_force_mean", ensemble.regime_external_force.mean())?;
+    write_features(writer, "/ensemble", &results.features_of_mean())?;
+    let replicas = &ensemble.replicas;
+    let count: Vec<u64> = replicas.iter().map(|replica| replica.asperity_count).collect();
+    writer.dataset("/replicas/asperity_count", &count)?;
+    let scalars: [(&str, fn(&Replica) -> f64); 5] = [
+        ("highest_asperity", |replica| replica.highest_asperity),
+        ("pull_off_force", |replica| replica.pull_off_force),
+        ("pull_off_separation", |replica| replica.pull_off_separation),
+        ("peak_stiffness", |replica| replica.peak_stiffness),
+        ("peak_stiffness_separation", |replica| replica.peak_stiffness_separation),
+    ];
+    for (name, scalar) in scalars {
+        writer.dataset(&format!("/replicas/{name}"), &replicas.iter().map(scalar).collect::<Vec<f64>>())?;
+    }
+    Ok(())
+}
+
+fn write_statistical(writer: &RunWriter, results: &Results) -> Result<(), OutputError> {
+    let model = &results.statistical;
+    for quantity in Quantity::ALL {
+        let name = quantity.name();
+        writer.dataset(&format!("/statistical/{name}"), &model.expected[quantity.index()])?;
+        writer.dataset(&format!("/statistical/{name}_std"), &model.std[quantity.index()])?;
+    }
+    writer.dataset("/statistical/regime_count", &model.regime_count.concat())?;
+    writer.dataset("/statistical/regime_adhesion_force", &model.regime_adhesion_force.concat())?;
+    writer.dataset("/statistical/regime_external_force", &model.regime_external_force.concat())?;
+    writer.number("/statistical", "quadrature_error", model.quadrature_error)?;
+    write_features(writer, "/statistical", &results.features_of_integral())
+}
+
+fn write_validation(writer: &RunWriter, results: &Results) -> Result<(), OutputError> {
+    let joint = &results.joint;
+    for (i, name) in ["adhesion_force", "external_force"].into_iter().enumerate() {
+        writer.dataset(&format!("/validation/z_{name}"), &results.z[i])?;
+        let tested: Vec<u8> = results.basis.tested[i].iter().map(|&tested| u8::from(tested)).collect();
+        writer.dataset(&format!("/validation/tested_{name}"), &tested)?;
+        let probes = results.basis.probes.iter();
+        let weights = probes.flat_map(|probe| if i == 0 { &probe.adhesion_force } else { &probe.external_force });
+        writer.dataset(&format!("/validation/probe_{name}"), &weights.copied().collect::<Vec<f64>>())?;
+    }
+    writer.dataset("/validation/score_covariance", &results.ensemble.scores.covariance())?;
+    let (components, remaining) = joint.degrees_of_freedom;
+    writer.text("/validation", "test", "Hotelling T2")?;
+    writer.number("/validation", "statistic", joint.statistic)?;
+    writer.numbers("/validation", "degrees_of_freedom", &[components, remaining])?;
+    writer.number("/validation", "p_value", joint.p_value)?;
+    writer.number("/validation", "significance", SIGNIFICANCE)?;
+    writer.text("/validation", "verdict", joint.verdict.name())
+}
+
+fn write_diagnostics(writer: &mut RunWriter, results: &Results) -> Result<(), OutputError> {
+    let work = &results.ensemble.work;
+    let (phases, seconds): (Vec<&str>, Vec<f64>) = results.seconds.iter().copied().unzip();
+    writer.named_scale(Dimension::Phase, &phases)?;
+    writer.named_scale(Dimension::SkipReason, &["constant force", "closed form"])?;
+    let count = |name: &str, value: u64| writer.dataset(&format!("/diagnostics/{name}"), &[value]);
+    count("contact_solves", work.contact_solves)?;
+    count("noncontact_solves", work.noncontact_solves)?;
+    count("safeguarded_solves", work.safeguarded)?;
+    count("iterations", work.evaluations)?;
+    count("threads", results.threads as u64)?;
+    writer.dataset("/diagnostics/largest_residual", &[work.largest_residual])?;
+    writer.dataset("/diagnostics/skipped_solves", &[work.constant, work.closed_form])?;
+    writer.dataset("/diagnostics/seconds", &seconds)
+}

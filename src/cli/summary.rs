@@ -1,0 +1,134 @@
+//! The summary of a run on the terminal.
+
+use super::check::{heading, skipped};
+use super::format::{duration, percent, row, si};
+use super::run::{Features, Results};
+use crate::asperity::Quantity;
+use crate::engine::Replica;
+use crate::math::extrema::Extremum;
+use crate::math::moments::Moments;
+use crate::validation::{JointTest, Verdict};
+
+pub(super) fn summary(results: &Results) -> String {
+    let mut text = heading(&results.scene, &results.plan);
+    text += &skipped(&results.plan);
+    text.push('\n');
+    text += &pull_off(results);
+    text += &stiffness(results);
+    text += &at_pull_off(results);
+    text += &verdict(&results.joint, &results.z, "z_adhesion_force and z_external_force are in /validation");
+    text += &times(results);
+    text += &row("written", &results.output.display().to_string());
+    text
+}
+
+fn h_star(results: &Results, separation: f64) -> f64 {
+    separation / results.scene.surface.surface_height_std
+}
+
+fn place(results: &Results, extremum: &Extremum) -> String {
+    let edge = if extremum.at_edge { "  (at the edge of the separations: it may lie beyond)" } else { "" };
+    format!("at h* = {:.3}{edge}", h_star(results, extremum.place))
+}
+
+/// Mean and standard deviation of a scalar of the replicas.
+fn moments(replicas: &[Replica], scalar: fn(&Replica) -> f64) -> (f64, f64) {
+    let mut moments = Moments::new(1);
+    replicas.iter().for_each(|replica| moments.push(&[scalar(replica)]));
+    (moments.mean()[0], moments.std()[0])
+}
+
+/// A mean over replicas with its standard error and the scatter of one replica.
+fn scatter(mean: f64, std: f64, replicas: usize, unit: &str) -> String {
+    if !std.is_finite() {
+        return format!("{}  (one replica: no scatter)", si(mean, unit));
+    }
+    let error = std / (replicas as f64).sqrt();
+    format!("{} ± {} (standard error), scatter {} from patch to patch", si(mean, unit), si(error, unit), percent(std / mean.abs()))
+}
+
+fn pull_off(results: &Results) -> String {
+    let replicas = &results.ensemble.replicas;
+    let (mean, std) = moments(replicas, |replica| replica.pull_off_force);
+    let (separation, _) = moments(replicas, |replica| replica.pull_off_separation);
+    let mut text = row("pull-off", &scatter(mean, std, replicas.len(), "N"));
+    text += &row("", &format!("mean over replicas, at h* = {:.3} on average", h_star(results, separation)));
+    let at_edge = replicas.iter().filter(|replica| replica.pull_off_at_edge).count();
+    if at_edge > 0 {
+        text += &row("", &format!("{at_edge} replicas have it at the edge of the separations: it may lie beyond"));
+    }
+    let line = |name: &str, features: Features| {
+        let force = si(-features.pull_off.value, "N");
+        row("", &format!("{force} {name}, {}", place(results, &features.pull_off)))
+    };
+    text += &line("of the mean curve", results.features_of_mean());
+    text + &line("of the integral", results.features_of_integral())
+}
+
+fn stiffness(results: &Results) -> String {
+    let replicas = &results.ensemble.replicas;
+    let line = |label: &str, name: &str, features: Features| {
+        let stiffness = si(features.stiffest.value, "N/m");
+        row(label, &format!("{stiffness} {name}, {}", place(results, &features.stiffest)))
+    };
+    let mut text = line("stiffest point", "of the mean curve", results.features_of_mean());
+    text += &line("", "of the integral", results.features_of_integral());
+    let (mean, std) = moments(replicas, |replica| replica.peak_stiffness);
+    let (separation, _) = moments(replicas, |replica| replica.peak_stiffness_separation);
+    text += &row("", &format!("{} of single replicas on average, scatter {}, at h* = {:.3}", si(mean, "N/m"), percent(std / mean), h_star(results, separation)));
+    text
+}
+
+/// Shares of the regimes, and the contact area, at the separation next to the pull-off of the mean curve.
+fn at_pull_off(results: &Results) -> String {
+    let separations = &results.scene.separations;
+    let pull_off = results.features_of_mean().pull_off.place;
+    let distance = |k: &usize| (separations[*k] - pull_off).abs();
+    let k = (0..separations.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0);
+    let table = |moments: &Moments| -> Vec<f64> {
+        (0..results.regimes.len()).map(|r| moments.mean()[r * separations.len() + k]).collect()
+    };
+    let (count, adhesion) = (table(&results.ensemble.regime_count), table(&results.ensemble.regime_adhesion_force));
+    let (all, force) = (results.scene.surface.asperity_count as f64, adhesion.iter().sum::<f64>());
+    let mut text = String::new();
+    for (r, name) in results.regimes.iter().enumerate() {
+        let label = if r == 0 { "at pull-off" } else { "" };
+        let shares = format!("{:>10} of asperities {:>10} of adhesion", percent(count[r] / all), percent(adhesion[r] / force));
+        text += &row(label, &format!("{name:<16}{shares}"));
+    }
+    let area = results.mean(Quantity::ContactArea)[k] / results.scene.surface.nominal_area;
+    text += &row("", &format!("in contact: {} of the nominal area (asperities are independent: no coupling", percent(area)));
+    text + &row("", "through the substrate, no coalescence; trust this less the larger the share)")
+}
+
+/// The verdict of the cross-check.
+pub(super) fn verdict(joint: &JointTest, z: &[Vec<f64>; 2], note: &str) -> String {
+    let (components, remaining) = joint.degrees_of_freedom;
+    let mut text = match joint.verdict {
+        Verdict::NotTested => row("cross-check", "not tested: too few replicas, or nothing that varies"),
+        Verdict::Agree | Verdict::Disagree => row(
+            "cross-check",
+            &format!(
+                "ensemble and integral {}: p = {:.3} (T² = {:.1}, {components} and {remaining} degrees of freedom)",
+                joint.verdict.name(),
+                joint.p_value,
+                joint.statistic
+            ),
+        ),
+    };
+    let largest = |z: &[f64]| z.iter().filter(|z| z.is_finite()).fold(0.0_f64, |worst, z| worst.max(z.abs()));
+    let [adhesion, external] = [largest(&z[0]), largest(&z[1])];
+    text += &row("", &format!("largest |z|: adhesion force {adhesion:.2}, external force {external:.2}; {note}"));
+    text
+}
+
+fn times(results: &Results) -> String {
+    let phases: Vec<String> =
+        results.seconds.iter().map(|(name, seconds)| format!("{name} {}", duration(*seconds))).collect();
+    let work = &results.ensemble.work;
+    let solves = (work.contact_solves + work.noncontact_solves) as f64;
+    let skipped = (work.constant + work.closed_form) as f64;
+    let mut text = row("time", &format!("{} on {} threads", phases.join(", "), results.threads));
+    text += &row("", &format!("{solves:.3e} solves, {skipped:.3e} asperities needed none"));
+    text
+}

@@ -1,0 +1,60 @@
+//! `stiction validate`: the cross-check of a finished run, computed anew from its datasets.
+
+use super::summary::verdict;
+use super::{Failure, print};
+use crate::engine::Probe;
+use crate::output::reader::RunReader;
+use crate::output::schema::Dimension;
+use crate::validation::{JointTest, Verdict, z_scores};
+use std::path::Path;
+
+/// Rows of the table; more separations are thinned out.
+const ROWS: usize = 25;
+
+pub(super) fn validate(path: &Path) -> Result<(), Failure> {
+    let reader = RunReader::open(path)?;
+    let replicas: u64 = reader.number("/", "replicas")?;
+    let h_star: Vec<f64> = reader.values("/h_star")?;
+    let curves = |name: &str| -> Result<[Vec<f64>; 3], Failure> {
+        Ok([
+            reader.values(&format!("/ensemble/{name}_mean"))?,
+            reader.values(&format!("/statistical/{name}"))?,
+            reader.values(&format!("/statistical/{name}_std"))?,
+        ])
+    };
+    let forces = [curves("adhesion_force")?, curves("external_force")?];
+    let z = [0, 1].map(|i| {
+        let [mean, expected, std] = &forces[i];
+        z_scores(mean, expected, std, replicas)
+    });
+    let joint = JointTest::new(
+        &probes(&reader)?,
+        [0, 1].map(|i| forces[i][0].as_slice()),
+        [0, 1].map(|i| forces[i][1].as_slice()),
+        &reader.values::<f64>("/validation/score_covariance")?,
+        replicas,
+    );
+    let mut text = format!("{}\n", path.display());
+    text += "        h*   mean F_s (N)   integral (N)       z     mean F (N)   integral (N)       z\n";
+    let step = h_star.len().div_ceil(ROWS);
+    for k in (0..h_star.len()).step_by(step.max(1)) {
+        let cells = [0, 1].map(|i| format!("{:>14.6e} {:>14.6e} {:>7.2}", forces[i][0][k], forces[i][1][k], z[i][k]));
+        text += &format!("{:>10.3} {}\n", h_star[k], cells.join(" "));
+    }
+    let shown = if step > 1 { format!("every {step}th of {} separations is shown", h_star.len()) } else { "all separations are shown".to_owned() };
+    text += &verdict(&joint, &z, &shown);
+    print(&text);
+    if joint.verdict == Verdict::Disagree { Err(Failure::Disagree) } else { Ok(()) }
+}
+
+fn probes(reader: &RunReader) -> Result<Vec<Probe>, Failure> {
+    let separations = reader.length(Dimension::Separation)?;
+    let weights = |name: &str| -> Result<Vec<Vec<f64>>, Failure> {
+        let values: Vec<f64> = reader.values(name)?;
+        Ok(values.chunks_exact(separations.max(1)).map(<[f64]>::to_vec).collect())
+    };
+    let adhesion = weights("/validation/probe_adhesion_force")?;
+    let external = weights("/validation/probe_external_force")?;
+    let pairs = adhesion.into_iter().zip(external);
+    Ok(pairs.map(|(adhesion_force, external_force)| Probe { adhesion_force, external_force }).collect())
+}

@@ -1,0 +1,196 @@
+//! Writing a result: under a temporary name beside the output, and under its own name only when it is complete.
+
+use super::OutputError;
+use super::attributes::{write_number, write_numbers, write_text};
+use super::scales::{attach_scale, make_scale};
+use super::schema::{Dimension, FORMAT, FORMAT_VERSION, variable_at};
+use hdf5::types::VarLenUnicode;
+use hdf5::{Dataset, File, H5Type};
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+use tempfile::{Builder, NamedTempFile};
+
+/// Replicas of a chunk of curves.
+const CURVE_CHUNK: usize = 64;
+/// Compression level of curves.
+const DEFLATE: u8 = 4;
+
+/// A result that is being written.
+pub struct RunWriter {
+    file: File,
+    temporary: NamedTempFile,
+    output: PathBuf,
+    force: bool,
+    scales: Vec<(Dimension, Dataset)>,
+}
+
+impl RunWriter {
+    /// Begins a file that will be `output`. Nothing appears under that name before [`RunWriter::finish`]; dropped before, it
+    /// leaves nothing.
+    ///
+    /// # Errors
+    /// [`OutputError`] when the output exists and `force` is not set, or its folder is missing or not writable.
+    pub fn create(output: &Path, force: bool) -> Result<Self, OutputError> {
+        let folder = match output.parent() {
+            Some(folder) if folder != Path::new("") => folder,
+            _ => Path::new("."),
+        };
+        if !folder.is_dir() {
+            return Err(OutputError::NoFolder(folder.to_owned()));
+        }
+        if output.is_dir() || (output.exists() && !force) {
+            return Err(OutputError::Exists(output.to_owned()));
+        }
+        let name = output.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let temporary = temporary(folder, &name)
+            .map_err(|error| OutputError::NotWritable { folder: folder.to_owned(), error })?;
+        let file = File::create(temporary.path())?;
+        write_text(&file, "format", FORMAT)?;
+        write_numbers(&file, "format_version", &FORMAT_VERSION)?;
+        for group in ["ensemble", "replicas", "statistical", "validation", "diagnostics"] {
+            file.create_group(group)?;
+        }
+        Ok(Self { file, temporary, output: output.to_owned(), force, scales: Vec::new() })
+    }
+
+    /// Writes a text attribute of a group.
+    ///
+    /// # Errors
+    /// When HDF5 fails; likewise below.
+    pub fn text(&self, group: &str, name: &str, text: &str) -> Result<(), OutputError> {
+        let group = self.file.group(group)?;
+        Ok(write_text(&group, name, text)?)
+    }
+
+    /// Writes a numeric attribute of a group.
+    ///
+    /// # Errors
+    /// When HDF5 fails.
+    pub fn number<T: H5Type>(&self, group: &str, name: &str, value: T) -> Result<(), OutputError> {
+        let group = self.file.group(group)?;
+        Ok(write_number(&group, name, value)?)
+    }
+
+    /// Writes a numeric list attribute of a group.
+    ///
+    /// # Errors
+    /// When HDF5 fails.
+    pub fn numbers<T: H5Type>(&self, group: &str, name: &str, values: &[T]) -> Result<(), OutputError> {
+        let group = self.file.group(group)?;
+        Ok(write_numbers(&group, name, values)?)
+    }
+
+    /// Writes the scale of a dimension, which has to come before the datasets that have it.
+    ///
+    /// # Errors
+    /// When HDF5 fails.
+    pub fn scale<T: H5Type>(&mut self, dimension: Dimension, values: &[T]) -> Result<(), OutputError> {
+        let dataset = self.file.new_dataset::<T>().shape(values.len()).create(dimension.name())?;
+        dataset.write_raw(values)?;
+        self.describe_scale(dimension, dataset)
+    }
+
+    /// Writes the scale of a dimension that has names.
+    ///
+    /// # Errors
+    /// When HDF5 fails.
+    pub fn named_scale(&mut self, dimension: Dimension, names: &[&str]) -> Result<(), OutputError> {
+        let texts: Vec<VarLenUnicode> =
+            names.iter().map(|name| VarLenUnicode::from_str(name).expect("names hold no NUL byte")).collect();
+        let dataset = self.file.new_dataset::<VarLenUnicode>().shape(texts.len()).create(dimension.name())?;
+        dataset.write_raw(&texts)?;
+        self.describe_scale(dimension, dataset)
+    }
+
+    fn describe_scale(&mut self, dimension: Dimension, dataset: Dataset) -> Result<(), OutputError> {
+        let variable = variable_at(&format!("/{}", dimension.name()));
+        make_scale(&dataset, dimension.name())?;
+        write_text(&dataset, "units", variable.units)?;
+        write_text(&dataset, "long_name", variable.long_name)?;
+        self.scales.push((dimension, dataset));
+        Ok(())
+    }
+
+    /// Writes a dataset of the layout, its values row-major.
+    ///
+    /// # Errors
+    /// When HDF5 fails.
+    pub fn dataset<T: H5Type>(&self, path: &str, values: &[T]) -> Result<(), OutputError> {
+        let shape = self.shape(path);
+        let dataset = self.file.new_dataset::<T>().shape(shape).create(path)?;
+        dataset.write_raw(values)?;
+        self.describe(path, &dataset)
+    }
+
+    /// Makes the dataset of a curve of every replica, filled batch by batch with [`RunWriter::curves`].
+    ///
+    /// # Errors
+    /// When HDF5 fails.
+    pub fn curve_dataset(&self, path: &str) -> Result<(), OutputError> {
+        let shape = self.shape(path);
+        let chunk = vec![shape[0].min(CURVE_CHUNK), shape[1]];
+        let dataset = self.file.new_dataset::<f64>().shape(shape).chunk(chunk).deflate(DEFLATE).create(path)?;
+        self.describe(path, &dataset)
+    }
+
+    /// Fills the curves of consecutive replicas, row-major.
+    ///
+    /// # Errors
+    /// When HDF5 fails.
+    pub fn curves(&self, path: &str, first: usize, values: &[f64]) -> Result<(), OutputError> {
+        let dataset = self.file.dataset(path)?;
+        let separations = dataset.shape()[1];
+        let rows = values.len() / separations;
+        let view = ndarray::ArrayView2::from_shape((rows, separations), values)
+            .map_err(|error| hdf5::Error::from(error.to_string()))?;
+        Ok(dataset.write_slice(view, (first..first + rows, ..))?)
+    }
+
+    fn shape(&self, path: &str) -> Vec<usize> {
+        let length = |dimension: &Dimension| self.find_scale(*dimension).size();
+        variable_at(path).dimensions.iter().map(length).collect()
+    }
+
+    fn find_scale(&self, dimension: Dimension) -> &Dataset {
+        let scale = self.scales.iter().find(|(known, _)| *known == dimension);
+        &scale.expect("scales are written before the datasets that have them").1
+    }
+
+    fn describe(&self, path: &str, dataset: &Dataset) -> Result<(), OutputError> {
+        let variable = variable_at(path);
+        write_text(dataset, "units", variable.units)?;
+        write_text(dataset, "long_name", variable.long_name)?;
+        for (i, dimension) in variable.dimensions.iter().enumerate() {
+            attach_scale(dataset, self.find_scale(*dimension), i)?;
+        }
+        Ok(())
+    }
+
+    /// Completes the file: flushed to disk, then given its name in one step.
+    ///
+    /// # Errors
+    /// When the disk fails, or the output has come into being meanwhile and must not be overwritten.
+    pub fn finish(self) -> Result<(), OutputError> {
+        let Self { file, temporary, output, force, scales } = self;
+        drop(scales);
+        file.flush()?;
+        file.close()?;
+        let io = |action, error| OutputError::Io { action, path: output.clone(), error };
+        temporary.as_file().sync_all().map_err(|error| io("cannot flush", error))?;
+        let renamed = if force { temporary.persist(&output) } else { temporary.persist_noclobber(&output) };
+        match renamed {
+            Ok(_) => Ok(()),
+            Err(failed) if failed.error.kind() == std::io::ErrorKind::AlreadyExists => Err(OutputError::Exists(output)),
+            Err(failed) => Err(io("cannot name", failed.error)),
+        }
+    }
+}
+
+/// An empty hidden file beside the output, with the permissions that the output would have.
+fn temporary(folder: &Path, name: &str) -> std::io::Result<NamedTempFile> {
+    let (prefix, mut builder) = (format!(".{name}."), Builder::new());
+    builder.suffix(".partial");
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    builder.prefix(&prefix).tempfile_in(folder)
+}

@@ -1,6 +1,4 @@
 //! Adhesion of rough surfaces from explicit ensembles of asperities.
-#![warn(missing_docs)]
-#![deny(unsafe_code)]
 pub mod asperity;
 pub mod cli;
 pub mod engine;

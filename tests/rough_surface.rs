@@ -43,10 +43,8 @@ fn every_regime_agrees_with_the_inversion_free_quadrature() {
 /// Elastic regime of case III on approach by 30-digit quadrature in the angle (mpmath): h*, F_s, F.
 #[test]
 fn the_elastic_integral_is_met_to_rounding() {
-    let rows = [
-        (0.0, 0.304457828704015219, 0.0000137939762854348068),
-        (1.0, 0.207347701360044254, -0.0446710386117516793),
-    ];
+    let rows =
+        [(0.0, 0.304457828704015219, 0.0000137939762854348068), (1.0, 0.207347701360044254, -0.0446710386117516793)];
     let (asperity, surface) = case("III");
     let law = Hybrid::new(&asperity, Path::Approach, (-10e-9, 10e-9)).unwrap();
     for (h_star, adhesion, external) in rows {

@@ -93,9 +93,10 @@ fn p_values_are_uniform_when_they_should_be() {
         (0..400).map(|seed| joint_test(&scene, &law, &basis, &expected, seed).p_value).collect();
     p_values.sort_by(f64::total_cmp);
     let n = p_values.len() as f64;
-    let distance = p_values.iter().enumerate().fold(0.0_f64, |worst, (i, p)| {
-        worst.max((p - i as f64 / n).abs()).max(((i + 1) as f64 / n - p).abs())
-    });
+    let distance = p_values
+        .iter()
+        .enumerate()
+        .fold(0.0_f64, |worst, (i, p)| worst.max((p - i as f64 / n).abs()).max(((i + 1) as f64 / n - p).abs()));
     println!("{} components, Kolmogorov-Smirnov distance {distance:.4}", basis.probes.len());
     // Critical distance at 1e-3: 1.949/√n.
     assert!(distance < 1.949 / n.sqrt(), "{distance}");

@@ -161,7 +161,10 @@ mod tests {
                 let check = |name: &str, slope: f64, low: f64, high: f64, size: f64| {
                     let difference = (high - low) / (2.0 * h);
                     let allowed = 1e-7 * slope.abs() + 1e-9 * size / angle;
-                    assert!((slope - difference).abs() < allowed, "{name} at λ {lambda}, θ {angle}: {slope} {difference}");
+                    assert!(
+                        (slope - difference).abs() < allowed,
+                        "{name} at λ {lambda}, θ {angle}: {slope} {difference}"
+                    );
                 };
                 check("approach", here.slope, below.approach, above.approach, here.magnitude);
                 check("adhesion", here.adhesion_slope, below.adhesion, above.adhesion, here.adhesion);

@@ -62,12 +62,7 @@ impl Hybrid {
         Self::table(asperity, path, reach, &REGIMES[..3])
     }
 
-    fn table(
-        asperity: &Asperity,
-        path: Path,
-        reach: (f64, f64),
-        regimes: &'static [Regime],
-    ) -> Result<Self, LawError> {
+    fn table(asperity: &Asperity, path: Path, reach: (f64, f64), regimes: &'static [Regime]) -> Result<Self, LawError> {
         let thickness = asperity.lubricant_thickness;
         if !(thickness >= 0.0 && thickness.is_finite()) {
             return Err(LawError::NotPositive { name: "lubricant_thickness", value: thickness });

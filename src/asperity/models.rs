@@ -23,12 +23,12 @@ pub struct Model {
 pub const MODELS: &[Model] = &[
     Model {
         name: "hybrid",
-        about: "elastic-plastic hybrid: extended Maugis-Dugdale up to the critical interference, Kogut-Etsion above",
+        about: "extended Maugis-Dugdale up to the critical interference, Kogut-Etsion above",
         build: |asperity, path, reach| Ok(Box::new(Hybrid::new(asperity, path, reach)?)),
     },
     Model {
         name: "emd",
-        about: "elastic: extended Maugis-Dugdale up to the critical interference, no force above",
+        about: "extended Maugis-Dugdale up to the critical interference, no force above",
         build: |asperity, path, reach| Ok(Box::new(Hybrid::elastic(asperity, path, reach)?)),
     },
 ];

@@ -165,7 +165,10 @@ mod tests {
                 let check = |name: &str, slope: f64, low: f64, high: f64, size: f64| {
                     let difference = (high - low) / (2.0 * h);
                     let allowed = 1e-7 * slope.abs() + 1e-9 * size / gap;
-                    assert!((slope - difference).abs() < allowed, "{name} at λ {lambda}, ε {gap}: {slope} {difference}");
+                    assert!(
+                        (slope - difference).abs() < allowed,
+                        "{name} at λ {lambda}, ε {gap}: {slope} {difference}"
+                    );
                 };
                 check("approach", here.slope, below.approach, above.approach, here.magnitude);
                 check("adhesion", here.adhesion_slope, below.adhesion, above.adhesion, here.adhesion);

@@ -16,7 +16,9 @@ pub(super) fn asperity(arguments: &AsperityArguments) -> Result<(), Failure> {
     let points = match (&arguments.table, arguments.lambda) {
         (Some(table), _) => read_table(table)?,
         (None, Some(lambda)) => arguments.delta.iter().map(|&delta| (lambda, delta)).collect(),
-        (None, None) => return Err(Failure::Usage("give --lambda and --delta, or --table".to_owned())),
+        (None, None) => {
+            return Err(Failure::Usage("give --lambda and --delta, or --table".to_owned()));
+        }
     };
     let mut text = String::from("lambda,delta,branch,adhesion_force,external_force,contact_radius\n");
     let mut law: Option<(f64, Emd)> = None;

@@ -37,7 +37,8 @@ pub(super) fn heading(scene: &Scene, plan: &Plan) -> String {
     let h_star = |h: f64| h / surface.surface_height_std;
     let title = if scene.title.is_empty() { "Untitled scene" } else { &scene.title };
     let mut text = format!("{title}\n");
-    text += &row("model", &format!("{} on {}: {}", scene.model.name, scene.path.name(), scene.model.about));
+    text += &row("model", &format!("{} on {}", scene.model.name, scene.path.name()));
+    text += &row("", scene.model.about);
     text += &row("lambda", &format!("{:.4}  adhesion parameter (unit of approach {})", plan.lambda, si(length, "m")));
     text += &row(
         "psi",
@@ -58,7 +59,14 @@ pub(super) fn heading(scene: &Scene, plan: &Plan) -> String {
     text += &row("replicas", &format!("{} with seed {}", scene.replicas, scene.seed));
     text += &row(
         "separations",
-        &format!("{} from h* = {:.3} to {:.3} (h = {} to {})", scene.separations.len(), h_star(first), h_star(last), si(first, "m"), si(last, "m")),
+        &format!(
+            "{} from h* = {:.3} to {:.3} (h = {} to {})",
+            scene.separations.len(),
+            h_star(first),
+            h_star(last),
+            si(first, "m"),
+            si(last, "m")
+        ),
     );
     text
 }
@@ -73,11 +81,24 @@ fn regimes(plan: &Plan) -> String {
     let total: f64 = plan.regimes.iter().map(|regime| regime.asperities).sum();
     let lines = plan.regimes.iter().enumerate().map(|(i, regime)| {
         let end = |interference: f64| {
-            if interference.is_finite() { si(interference, "m") } else if interference < 0.0 { "-inf".into() } else { "inf".into() }
+            if interference.is_finite() {
+                si(interference, "m")
+            } else if interference < 0.0 {
+                "-inf".into()
+            } else {
+                "inf".into()
+            }
         };
         let interval = format!("{} .. {}", end(regime.lower), end(regime.upper));
         let label = if i == 0 { "regimes" } else { "" };
-        row(label, &format!("{:<16}{interval:<28}{} of asperities and separations", regime.regime.name(), percent(regime.asperities / total)))
+        row(
+            label,
+            &format!(
+                "{:<16}{interval:<28}{} of asperities and separations",
+                regime.regime.name(),
+                percent(regime.asperities / total)
+            ),
+        )
     });
     lines.collect()
 }

@@ -9,20 +9,32 @@ pub(super) fn si(value: f64, unit: &str) -> String {
     }
     let exponent = (value.abs().log10() / 3.0).floor() as i32 * 3;
     match PREFIXES.iter().find(|(_, power)| *power == exponent) {
-        Some((prefix, power)) => format!("{} {prefix}{unit}", significant(value / 10f64.powi(*power))),
+        Some((prefix, power)) => {
+            format!("{} {prefix}{unit}", significant(value / 10f64.powi(*power)))
+        }
         None => format!("{value:.3e} {unit}"),
     }
 }
 
 /// Four significant digits for values from 1 to 1000.
 fn significant(value: f64) -> String {
-    let digits = if value.abs() < 10.0 { 3 } else if value.abs() < 100.0 { 2 } else { 1 };
+    let digits = if value.abs() < 10.0 {
+        3
+    } else if value.abs() < 100.0 {
+        2
+    } else {
+        1
+    };
     format!("{value:.digits$}")
 }
 
 /// A share in per cent.
 pub(super) fn percent(share: f64) -> String {
-    if share != 0.0 && share.abs() < 1e-4 { format!("{:.1e} %", 100.0 * share) } else { format!("{:.2} %", 100.0 * share) }
+    if share != 0.0 && share.abs() < 1e-4 {
+        format!("{:.1e} %", 100.0 * share)
+    } else {
+        format!("{:.2} %", 100.0 * share)
+    }
 }
 
 /// Seconds, minutes or hours.

@@ -85,7 +85,8 @@ fn write_ensemble(writer: &RunWriter, results: &Results) -> Result<(), OutputErr
     let replicas = &ensemble.replicas;
     let count: Vec<u64> = replicas.iter().map(|replica| replica.asperity_count).collect();
     writer.dataset("/replicas/asperity_count", &count)?;
-    let scalars: [(&str, fn(&Replica) -> f64); 5] = [
+    type Scalar = fn(&Replica) -> f64;
+    let scalars: [(&str, Scalar); 5] = [
         ("highest_asperity", |replica| replica.highest_asperity),
         ("pull_off_force", |replica| replica.pull_off_force),
         ("pull_off_separation", |replica| replica.pull_off_separation),

@@ -124,8 +124,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<(), Failure> {
     let seconds = progress.seconds();
     progress.phase("writing");
     let threads = pool.current_num_threads();
-    let results =
-        Results { scene, plan, regimes, statistical, ensemble, basis, z, joint, seconds, threads, output };
+    let results = Results { scene, plan, regimes, statistical, ensemble, basis, z, joint, seconds, threads, output };
     write_results(&mut writer, &results)?;
     writer.finish()?;
     progress.end();

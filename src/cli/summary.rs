@@ -44,7 +44,12 @@ fn scatter(mean: f64, std: f64, replicas: usize, unit: &str) -> String {
         return format!("{}  (one replica: no scatter)", si(mean, unit));
     }
     let error = std / (replicas as f64).sqrt();
-    format!("{} ± {} (standard error), scatter {} from patch to patch", si(mean, unit), si(error, unit), percent(std / mean.abs()))
+    format!(
+        "{} ± {} (standard error), scatter {} from patch to patch",
+        si(mean, unit),
+        si(error, unit),
+        percent(std / mean.abs())
+    )
 }
 
 fn pull_off(results: &Results) -> String {
@@ -75,7 +80,15 @@ fn stiffness(results: &Results) -> String {
     text += &line("", "of the integral", results.features_of_integral());
     let (mean, std) = moments(replicas, |replica| replica.peak_stiffness);
     let (separation, _) = moments(replicas, |replica| replica.peak_stiffness_separation);
-    text += &row("", &format!("{} of single replicas on average, scatter {}, at h* = {:.3}", si(mean, "N/m"), percent(std / mean), h_star(results, separation)));
+    text += &row(
+        "",
+        &format!(
+            "{} of single replicas on average, scatter {}, at h* = {:.3}",
+            si(mean, "N/m"),
+            percent(std / mean),
+            h_star(results, separation)
+        ),
+    );
     text
 }
 
@@ -93,11 +106,15 @@ fn at_pull_off(results: &Results) -> String {
     let mut text = String::new();
     for (r, name) in results.regimes.iter().enumerate() {
         let label = if r == 0 { "at pull-off" } else { "" };
-        let shares = format!("{:>10} of asperities {:>10} of adhesion", percent(count[r] / all), percent(adhesion[r] / force));
+        let shares =
+            format!("{:>10} of asperities {:>10} of adhesion", percent(count[r] / all), percent(adhesion[r] / force));
         text += &row(label, &format!("{name:<16}{shares}"));
     }
     let area = results.mean(Quantity::ContactArea)[k] / results.scene.surface.nominal_area;
-    text += &row("", &format!("in contact: {} of the nominal area (asperities are independent: no coupling", percent(area)));
+    text += &row(
+        "",
+        &format!("in contact: {} of the nominal area (asperities are independent: no coupling", percent(area)),
+    );
     text + &row("", "through the substrate, no coalescence; trust this less the larger the share)")
 }
 

@@ -41,7 +41,11 @@ pub(super) fn validate(path: &Path) -> Result<(), Failure> {
         let cells = [0, 1].map(|i| format!("{:>14.6e} {:>14.6e} {:>7.2}", forces[i][0][k], forces[i][1][k], z[i][k]));
         text += &format!("{:>10.3} {}\n", h_star[k], cells.join(" "));
     }
-    let shown = if step > 1 { format!("every {step}th of {} separations is shown", h_star.len()) } else { "all separations are shown".to_owned() };
+    let shown = if step > 1 {
+        format!("every {step}th of {} separations is shown", h_star.len())
+    } else {
+        "all separations are shown".to_owned()
+    };
     text += &verdict(&joint, &z, &shown);
     print(&text);
     if joint.verdict == Verdict::Disagree { Err(Failure::Disagree) } else { Ok(()) }

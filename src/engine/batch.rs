@@ -1,7 +1,7 @@
 //! Batches of replicas and the moments that they merge into.
 
-use super::replica::{Replica, Workspace};
 use super::Job;
+use super::replica::{Replica, Workspace};
 use crate::asperity::{Quantity, Work};
 use crate::math::moments::{Comoments, Moments};
 
@@ -86,8 +86,7 @@ impl Batch {
     /// Computes the batch `index` of a job.
     pub fn compute(job: &Job<'_>, index: u64) -> Self {
         let mut workspace = Workspace::new(job);
-        let mut batch =
-            Self { ensemble: Ensemble::new(job), external_force: Vec::new(), adhesion_force: Vec::new() };
+        let mut batch = Self { ensemble: Ensemble::new(job), external_force: Vec::new(), adhesion_force: Vec::new() };
         for replica in index * BATCH..((index + 1) * BATCH).min(job.replicas) {
             let kept = workspace.replica(job, replica);
             batch.ensemble.push(job, kept, &workspace);

@@ -1,7 +1,7 @@
 //! Batches computed in parallel, merged in order.
 
-use super::batch::{Batch, Ensemble};
 use super::Job;
+use super::batch::{Batch, Ensemble};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, Ordering};

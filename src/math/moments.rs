@@ -138,9 +138,8 @@ mod tests {
     fn two_pass(samples: &[[f64; 2]]) -> ([f64; 2], [f64; 4]) {
         let n = samples.len() as f64;
         let mean = [0, 1].map(|c| samples.iter().map(|s| s[c]).sum::<f64>() / n);
-        let product = |a: usize, b: usize| {
-            samples.iter().map(|s| (s[a] - mean[a]) * (s[b] - mean[b])).sum::<f64>() / (n - 1.0)
-        };
+        let product =
+            |a: usize, b: usize| samples.iter().map(|s| (s[a] - mean[a]) * (s[b] - mean[b])).sum::<f64>() / (n - 1.0);
         (mean, [product(0, 0), product(0, 1), product(1, 0), product(1, 1)])
     }
 

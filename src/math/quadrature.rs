@@ -108,10 +108,10 @@ mod tests {
             }
         });
         let exact = [4.0_f64.exp() - 1.0, 16.0 / 3.0, 200.0 * 200.0_f64.atan()];
-        for c in 0..3 {
-            let error = (integral.value[c] - exact[c]).abs();
-            assert!(error <= 1e-12 * exact[c], "{c}: {error:e}");
-            assert!(error <= integral.error[c] + 1e-14 * exact[c], "{c}: {error:e} {:e}", integral.error[c]);
+        for (c, exact) in exact.into_iter().enumerate() {
+            let error = (integral.value[c] - exact).abs();
+            assert!(error <= 1e-12 * exact, "{c}: {error:e}");
+            assert!(error <= integral.error[c] + 1e-14 * exact, "{c}: {error:e} {:e}", integral.error[c]);
         }
     }
 }

@@ -29,8 +29,7 @@ impl Compensated {
     #[inline]
     pub fn add(&mut self, value: f64) {
         let sum = self.sum + value;
-        self.carried +=
-            if self.sum.abs() >= value.abs() { (self.sum - sum) + value } else { (value - sum) + self.sum };
+        self.carried += if self.sum.abs() >= value.abs() { (self.sum - sum) + value } else { (value - sum) + self.sum };
         self.sum = sum;
     }
 

@@ -45,16 +45,18 @@ impl Progress {
     /// Ends the phase and clears its line.
     pub fn end(&mut self) {
         self.bar.finish_and_clear();
-        if let Some((_, begun, lasted)) = self.phases.last_mut() {
-            if lasted.is_zero() {
-                *lasted = begun.elapsed();
-            }
+        if let Some((_, begun, lasted)) = self.phases.last_mut()
+            && lasted.is_zero()
+        {
+            *lasted = begun.elapsed();
         }
     }
 
     /// The phases so far and the seconds that each took.
     pub fn seconds(&self) -> Vec<(&'static str, f64)> {
-        let lasted = |begun: &Instant, lasted: &Duration| if lasted.is_zero() { begun.elapsed() } else { *lasted };
+        let lasted = |begun: &Instant, lasted: &Duration| {
+            if lasted.is_zero() { begun.elapsed() } else { *lasted }
+        };
         self.phases.iter().map(|(name, begun, time)| (*name, lasted(begun, time).as_secs_f64())).collect()
     }
 }

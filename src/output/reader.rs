@@ -26,8 +26,12 @@ impl RunReader {
         let file = File::open(path).map_err(|_| not_a_result("is not an HDF5 file".to_owned()))?;
         match read_text(&file, "format") {
             Ok(format) if format == FORMAT => {}
-            Ok(format) => return Err(not_a_result(format!("has the format \"{format}\", not \"{FORMAT}\""))),
-            Err(_) => return Err(not_a_result("is not a result of stiction: it has no attribute `format`".to_owned())),
+            Ok(format) => {
+                return Err(not_a_result(format!("has the format \"{format}\", not \"{FORMAT}\"")));
+            }
+            Err(_) => {
+                return Err(not_a_result("is not a result of stiction: it has no attribute `format`".to_owned()));
+            }
         }
         let version: Vec<u32> = file.attr("format_version").and_then(|attr| attr.read_raw()).unwrap_or_default();
         match version[..] {
@@ -36,7 +40,9 @@ impl RunReader {
                 let own = FORMAT_VERSION[0];
                 return Err(not_a_result(format!("has format version {major}.{minor}; this program reads {own}.x")));
             }
-            _ => return Err(not_a_result("has no attribute `format_version` of two numbers".to_owned())),
+            _ => {
+                return Err(not_a_result("has no attribute `format_version` of two numbers".to_owned()));
+            }
         }
         Ok(Self { file, path: path.to_owned() })
     }

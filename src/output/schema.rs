@@ -118,21 +118,86 @@ pub const VARIABLES: &[Variable] = &[
     variable("/replicas/adhesion_force", NS, "N", "adhesion force of each replica"),
     variable("/statistical/adhesion_force", S, "N", "adhesion force, expectation by the integral"),
     variable("/statistical/contact_force", S, "N", "contact force, expectation by the integral"),
-    variable("/statistical/external_force", S, "N", "external force, expectation by the integral, compressive positive"),
+    variable(
+        "/statistical/external_force",
+        S,
+        "N",
+        "external force, expectation by the integral, compressive positive",
+    ),
     variable("/statistical/contact_area", S, "m2", "contact area, expectation by the integral"),
-    variable("/statistical/adhesion_force_std", S, "N", "adhesion force, standard deviation of one replica by the integral"),
-    variable("/statistical/contact_force_std", S, "N", "contact force, standard deviation of one replica by the integral"),
-    variable("/statistical/external_force_std", S, "N", "external force, standard deviation of one replica by the integral"),
-    variable("/statistical/contact_area_std", S, "m2", "contact area, standard deviation of one replica by the integral"),
+    variable(
+        "/statistical/adhesion_force_std",
+        S,
+        "N",
+        "adhesion force, standard deviation of one replica by the integral",
+    ),
+    variable(
+        "/statistical/contact_force_std",
+        S,
+        "N",
+        "contact force, standard deviation of one replica by the integral",
+    ),
+    variable(
+        "/statistical/external_force_std",
+        S,
+        "N",
+        "external force, standard deviation of one replica by the integral",
+    ),
+    variable(
+        "/statistical/contact_area_std",
+        S,
+        "m2",
+        "contact area, standard deviation of one replica by the integral",
+    ),
     variable("/statistical/regime_count", RS, "1", "asperities in each regime, expectation by the integral"),
-    variable("/statistical/regime_adhesion_force", RS, "N", "adhesion force of each regime, expectation by the integral"),
-    variable("/statistical/regime_external_force", RS, "N", "external force of each regime, expectation by the integral"),
-    variable("/validation/z_adhesion_force", S, "1", "deviation of the mean adhesion force from the integral, in standard errors"),
-    variable("/validation/z_external_force", S, "1", "deviation of the mean external force from the integral, in standard errors"),
-    variable("/validation/tested_adhesion_force", S, "1", "whether the joint test looks at the adhesion force here (1) or not (0)"),
-    variable("/validation/tested_external_force", S, "1", "whether the joint test looks at the external force here (1) or not (0)"),
-    variable("/validation/probe_adhesion_force", KS, "N-1", "weights of the adhesion force in each functional of the joint test"),
-    variable("/validation/probe_external_force", KS, "N-1", "weights of the external force in each functional of the joint test"),
+    variable(
+        "/statistical/regime_adhesion_force",
+        RS,
+        "N",
+        "adhesion force of each regime, expectation by the integral",
+    ),
+    variable(
+        "/statistical/regime_external_force",
+        RS,
+        "N",
+        "external force of each regime, expectation by the integral",
+    ),
+    variable(
+        "/validation/z_adhesion_force",
+        S,
+        "1",
+        "deviation of the mean adhesion force from the integral, in standard errors",
+    ),
+    variable(
+        "/validation/z_external_force",
+        S,
+        "1",
+        "deviation of the mean external force from the integral, in standard errors",
+    ),
+    variable(
+        "/validation/tested_adhesion_force",
+        S,
+        "1",
+        "whether the joint test looks at the adhesion force here (1) or not (0)",
+    ),
+    variable(
+        "/validation/tested_external_force",
+        S,
+        "1",
+        "whether the joint test looks at the external force here (1) or not (0)",
+    ),
+    variable(
+        "/validation/probe_adhesion_force",
+        KS,
+        "N-1",
+        "weights of the adhesion force in each functional of the joint test",
+    ),
+    variable(
+        "/validation/probe_external_force",
+        KS,
+        "N-1",
+        "weights of the external force in each functional of the joint test",
+    ),
     variable("/validation/score_covariance", KK, "1", "covariance of the functionals across replicas"),
     variable("/diagnostics/contact_solves", NONE, "1", "solves of the contact equations"),
     variable("/diagnostics/noncontact_solves", NONE, "1", "solves of the noncontact equations"),
@@ -172,7 +237,9 @@ mod tests {
         let page = include_str!("../../docs/format.md");
         for variable in VARIABLES {
             let (group, name) = variable.path.rsplit_once('/').expect("paths begin with a slash");
-            let row = page.lines().find(|line| line.starts_with(&format!("| `{name}` |")) && line.contains(variable.long_name));
+            let row = page
+                .lines()
+                .find(|line| line.starts_with(&format!("| `{name}` |")) && line.contains(variable.long_name));
             assert!(row.is_some(), "docs/format.md lacks {group}/{name}: {}", variable.long_name);
         }
     }

@@ -42,8 +42,8 @@ impl RunWriter {
             return Err(OutputError::Exists(output.to_owned()));
         }
         let name = output.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let temporary = temporary(folder, &name)
-            .map_err(|error| OutputError::NotWritable { folder: folder.to_owned(), error })?;
+        let temporary =
+            temporary(folder, &name).map_err(|error| OutputError::NotWritable { folder: folder.to_owned(), error })?;
         let file = File::create(temporary.path())?;
         write_text(&file, "format", FORMAT)?;
         write_numbers(&file, "format_version", &FORMAT_VERSION)?;

@@ -22,8 +22,7 @@ pub const FORMAT: u64 = 1;
 /// Heights further than this many σ_s from their mean plane are solved without starting tables.
 const HEIGHT_REACH: f64 = 11.0;
 
-const ROOT_KEYS: [&str; 8] =
-    ["format", "title", "material", "surface", "model", "separation", "ensemble", "output"];
+const ROOT_KEYS: [&str; 8] = ["format", "title", "material", "surface", "model", "separation", "ensemble", "output"];
 const MATERIAL_KEYS: [&str; 5] =
     ["reduced_modulus", "hardness", "poisson_ratio", "work_of_adhesion", "equilibrium_spacing"];
 const SURFACE_KEYS: [&str; 7] = [

@@ -67,7 +67,8 @@ impl Plan {
         let (s, r) = (scene.separations.len() as f64, regimes.len() as f64);
         let (n, replicas) = (scene.surface.asperity_count as f64, scene.replicas as f64);
         let sorting = 30.0 * n;
-        let nanoseconds: f64 = sorting + s * regimes.iter().map(|plan| plan.asperities * cost(plan.regime)).sum::<f64>();
+        let nanoseconds: f64 =
+            sorting + s * regimes.iter().map(|plan| plan.asperities * cost(plan.regime)).sum::<f64>();
         // Moments and curves of a batch, heights, and for curves what waits to be written.
         let batch = 8.0 * (n + 3.0 * s * (4.0 + 3.0 * r)) + if scene.curves { 8.0 * 2.0 * s * 8.0 } else { 0.0 };
         Self {

@@ -189,7 +189,9 @@ impl<'a> Entry<'a> {
         let needed = format!("{} is needed, such as {} ({})", dimension.name(), dimension.example(), dimension.units());
         let text = match self.value.get_ref() {
             DeValue::String(text) => text,
-            DeValue::Integer(_) | DeValue::Float(_) => return Err(self.wrong(&format!("the unit is missing; {needed}"))),
+            DeValue::Integer(_) | DeValue::Float(_) => {
+                return Err(self.wrong(&format!("the unit is missing; {needed}")));
+            }
             other => return Err(self.wrong(&format!("is {}; {needed}", kind(other)))),
         };
         match parse(text, dimension) {

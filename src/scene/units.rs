@@ -19,21 +19,22 @@ pub enum Dimension {
 const UNITS: &[(Dimension, &[(&str, i32)])] = &[
     (
         Dimension::Length,
-        &[("m", 0), ("mm", -3), ("um", -6), ("µm", -6), ("μm", -6), ("nm", -9), ("angstrom", -10), ("Å", -10), ("pm", -12)],
+        &[
+            ("m", 0),
+            ("mm", -3),
+            ("um", -6),
+            ("µm", -6),
+            ("μm", -6),
+            ("nm", -9),
+            ("angstrom", -10),
+            ("Å", -10),
+            ("pm", -12),
+        ],
     ),
-    (
-        Dimension::Area,
-        &[("m^2", 0), ("mm^2", -6), ("um^2", -12), ("µm^2", -12), ("μm^2", -12), ("nm^2", -18)],
-    ),
-    (
-        Dimension::ArealDensity,
-        &[("/m^2", 0), ("/mm^2", 6), ("/um^2", 12), ("/µm^2", 12), ("/μm^2", 12), ("/nm^2", 18)],
-    ),
+    (Dimension::Area, &[("m^2", 0), ("mm^2", -6), ("um^2", -12), ("µm^2", -12), ("μm^2", -12), ("nm^2", -18)]),
+    (Dimension::ArealDensity, &[("/m^2", 0), ("/mm^2", 6), ("/um^2", 12), ("/µm^2", 12), ("/μm^2", 12), ("/nm^2", 18)]),
     (Dimension::Pressure, &[("Pa", 0), ("kPa", 3), ("MPa", 6), ("GPa", 9), ("TPa", 12)]),
-    (
-        Dimension::SurfaceEnergy,
-        &[("J/m^2", 0), ("mJ/m^2", -3), ("uJ/m^2", -6), ("N/m", 0), ("mN/m", -3), ("uN/m", -6)],
-    ),
+    (Dimension::SurfaceEnergy, &[("J/m^2", 0), ("mJ/m^2", -3), ("uJ/m^2", -6), ("N/m", 0), ("mN/m", -3), ("uN/m", -6)]),
 ];
 
 impl Dimension {
@@ -118,7 +119,7 @@ fn number_end(text: &str) -> usize {
     }
     // Without a blank: the longest prefix that is a number.
     let ends = text.char_indices().map(|(i, _)| i).chain([text.len()]);
-    ends.filter(|&i| text[..i].parse::<f64>().is_ok()).last().unwrap_or(0)
+    ends.filter(|&i| text[..i].parse::<f64>().is_ok()).max().unwrap_or(0)
 }
 
 /// The number times a power of ten, rounded once.

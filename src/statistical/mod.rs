@@ -84,11 +84,8 @@ impl Statistical {
 
 impl AtSeparation {
     fn new(law: &dyn Law, surface: &Surface, separation: f64, rule: &Rule) -> Self {
-        let mut at = Self {
-            regimes: vec![RegimeMoments::default(); law.regimes().len()],
-            error: 0.0,
-            work: Work::default(),
-        };
+        let mut at =
+            Self { regimes: vec![RegimeMoments::default(); law.regimes().len()], error: 0.0, work: Work::default() };
         for piece in law.pieces() {
             let probability = surface.heights.probability(piece.lower + separation, piece.upper + separation);
             at.regimes[piece.regime].probability += probability;
@@ -128,8 +125,7 @@ impl AtSeparation {
             law.evaluate(piece.regime, &interference, &mut responses, &mut self.work);
             for (i, value) in values.iter_mut().enumerate() {
                 let weight = surface.heights.density(interference[i] + separation) * variable.stretch(places[i]);
-                let quantities =
-                    Quantity::of_response(responses.adhesion[i], responses.contact[i], responses.area[i]);
+                let quantities = Quantity::of_response(responses.adhesion[i], responses.contact[i], responses.area[i]);
                 let [adhesion, contact, _, area] = quantities.map(|q| weight * q);
                 let [a, p, f, s] = quantities.map(|q| weight * q * q);
                 *value = [adhesion, contact, area, a, p, f, s];

@@ -162,11 +162,7 @@ mod tests {
         assert!((surface.mean_plane_offset - 0.045944 / eta_r).abs() < 1e-24);
         assert_eq!(surface.asperity_count, 7390);
         // Back from σ_s alone.
-        let back = Roughness {
-            surface_height_std: None,
-            asperity_height_std: Some(surface.heights.std),
-            ..case_ii()
-        };
+        let back = Roughness { surface_height_std: None, asperity_height_std: Some(surface.heights.std), ..case_ii() };
         assert!((Surface::new(&back).unwrap().surface_height_std - 1.619e-9).abs() < 1e-23);
     }
 

@@ -44,7 +44,8 @@ pub fn basis(law: &dyn Law, surface: &Surface, separations: &[f64], replicas: u6
     let s = separations.len();
     let samples = surface.asperity_count as f64 * replicas as f64;
     let contributions = contributions(law, surface, separations);
-    let columns: Vec<Column> = contributions.values.chunks_exact(GRID).map(|c| contributions.column(c, samples)).collect();
+    let columns: Vec<Column> =
+        contributions.values.chunks_exact(GRID).map(|c| contributions.column(c, samples)).collect();
     let kept: Vec<usize> = (0..2 * s).filter(|&j| columns[j].gaussian).collect();
     let tested = [0, 1].map(|q| (0..s).map(|k| columns[q * s + k].gaussian).collect());
     let components = contributions.components(&kept, &columns, samples, replicas);
@@ -119,11 +120,14 @@ impl Contributions {
                 rows[i * n + place] = weight.sqrt() * self.values[j * GRID + i] / columns[j].std;
             }
         }
-        let Some(eigen) = symmetric_eigen(&gram(&rows, n), n) else { return Vec::new() };
+        let Some(eigen) = symmetric_eigen(&gram(&rows, n), n) else {
+            return Vec::new();
+        };
         let most = MAX_COMPONENTS.min((replicas / REPLICAS_PER_COMPONENT) as usize);
         let usable = eigen.values.iter().zip(&eigen.vectors).filter_map(|(&value, vector)| {
             let component: Vec<f64> = vector.iter().map(|x| x / value.sqrt()).collect();
-            let gaussian = value >= SMALLEST_EIGENVALUE * eigen.values[0] && self.is_gaussian(&component, &rows, samples);
+            let gaussian =
+                value >= SMALLEST_EIGENVALUE * eigen.values[0] && self.is_gaussian(&component, &rows, samples);
             gaussian.then_some(component)
         });
         usable.take(most).collect()

@@ -48,27 +48,24 @@ impl JointTest {
     /// degrees of freedom (Hotelling 1931).
     ///
     /// `mean` and `expected` hold adhesion force and external force, N.
-    pub fn new(
-        probes: &[Probe],
-        mean: [&[f64]; 2],
-        expected: [&[f64]; 2],
-        covariance: &[f64],
-        replicas: u64,
-    ) -> Self {
+    pub fn new(probes: &[Probe], mean: [&[f64]; 2], expected: [&[f64]; 2], covariance: &[f64], replicas: u64) -> Self {
         let k = probes.len() as u64;
         let degrees_of_freedom = (k, replicas.saturating_sub(k));
-        let untested =
-            Self { statistic: f64::NAN, degrees_of_freedom, p_value: f64::NAN, verdict: Verdict::NotTested };
+        let untested = Self { statistic: f64::NAN, degrees_of_freedom, p_value: f64::NAN, verdict: Verdict::NotTested };
         if k == 0 || replicas < k + 2 {
             return untested;
         }
         let difference = |q: usize| -> Vec<f64> { mean[q].iter().zip(expected[q]).map(|(m, e)| m - e).collect() };
         let (adhesion, external) = (difference(0), difference(1));
         let scores: Vec<f64> = probes.iter().map(|probe| probe.score(&adhesion, &external)).collect();
-        let Some(form) = inverse_quadratic_form(covariance, &scores) else { return untested };
+        let Some(form) = inverse_quadratic_form(covariance, &scores) else {
+            return untested;
+        };
         let (n, k) = (replicas as f64, k as f64);
         let statistic = n * form;
-        let Ok(distribution) = FisherSnedecor::new(k, n - k) else { return untested };
+        let Ok(distribution) = FisherSnedecor::new(k, n - k) else {
+            return untested;
+        };
         let p_value = distribution.sf((n - k) / (k * (n - 1.0)) * statistic);
         let verdict = if p_value >= SIGNIFICANCE { Verdict::Agree } else { Verdict::Disagree };
         Self { statistic, degrees_of_freedom, p_value, verdict }

@@ -1,0 +1,275 @@
+//! The program as a user drives it: files, messages, exit codes.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use tempfile::TempDir;
+
+const QUICK: &str = include_str!("../configs/quick.toml");
+
+/// A folder with a scene in it.
+struct Folder {
+    folder: TempDir,
+}
+
+impl Folder {
+    fn new(scene: &str) -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("scene.toml"), scene).unwrap();
+        Self { folder }
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    /// Runs the program in the folder.
+    fn stiction(&self, arguments: &[&str]) -> Output {
+        Command::new(env!("CARGO_BIN_EXE_stiction"))
+            .args(arguments)
+            .current_dir(self.folder.path())
+            .output()
+            .expect("the program starts")
+    }
+
+    /// Files in the folder, the scene and hidden ones included.
+    fn files(&self) -> Vec<String> {
+        let entries = std::fs::read_dir(self.folder.path()).unwrap();
+        let mut names: Vec<String> = entries.map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+        names.sort();
+        names
+    }
+}
+
+/// A quick scene that takes a fraction of a second.
+fn small() -> String {
+    QUICK.replace("count = 91", "count = 16").replace("replicas = 200", "replicas = 40")
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+#[track_caller]
+fn assert_exit(output: &Output, code: i32) {
+    assert_eq!(output.status.code(), Some(code), "{}{}", text(&output.stdout), text(&output.stderr));
+}
+
+/// All numbers of all datasets outside /diagnostics, as bits.
+fn bits(path: &Path) -> Vec<(String, Vec<u64>)> {
+    let file = hdf5::File::open(path).unwrap();
+    let mut all = Vec::new();
+    for group in ["/", "ensemble", "replicas", "statistical", "validation"] {
+        let group = file.group(group).unwrap();
+        for dataset in group.datasets().unwrap() {
+            let descriptor = dataset.dtype().unwrap().to_descriptor().unwrap();
+            let values = match descriptor {
+                hdf5::types::TypeDescriptor::Float(_) => {
+                    dataset.read_raw::<f64>().unwrap().into_iter().map(f64::to_bits).collect()
+                }
+                hdf5::types::TypeDescriptor::Unsigned(_) => dataset.read_raw::<u64>().unwrap(),
+                _ => Vec::new(),
+            };
+            all.push((dataset.name(), values));
+        }
+    }
+    all
+}
+
+#[test]
+fn a_run_leaves_one_file_and_a_summary() {
+    let folder = Folder::new(&small());
+    let run = folder.stiction(&["run", "scene.toml"]);
+    assert_exit(&run, 0);
+    assert_eq!(folder.files(), ["scene.h5", "scene.toml"]);
+    assert_eq!(text(&run.stderr), "", "no progress where standard error is no terminal");
+    let summary = text(&run.stdout);
+    for part in ["lambda", "psi", "skipped", "pull-off", "standard error", "patch to patch", "of the mean curve"] {
+        assert!(summary.contains(part), "{part}: {summary}");
+    }
+    for part in ["of the integral", "stiffest point", "at pull-off", "cross-check", "nominal area", "scene.h5"] {
+        assert!(summary.contains(part), "{part}: {summary}");
+    }
+    let info = folder.stiction(&["info", "scene.h5"]);
+    assert_exit(&info, 0);
+    assert!(
+        text(&info.stdout).contains("format_version") && text(&info.stdout).contains("/ensemble/external_force_mean")
+    );
+    let validate = folder.stiction(&["validate", "scene.h5"]);
+    assert_exit(&validate, 0);
+    assert!(text(&validate.stdout).contains("agree"));
+}
+
+/// Every shipped scene is valid, and `check` says what it would do.
+#[test]
+fn check_computes_nothing_and_says_what_would_be() {
+    let folder = Folder::new("");
+    let configs = Path::new(env!("CARGO_MANIFEST_DIR")).join("configs");
+    for scene in std::fs::read_dir(configs).unwrap() {
+        let path = scene.unwrap().path();
+        let check = folder.stiction(&["check", path.to_str().unwrap()]);
+        assert_exit(&check, 0);
+        for part in ["lambda", "skipped", "regimes", "time", "memory"] {
+            assert!(text(&check.stdout).contains(part), "{part} of {}", path.display());
+        }
+    }
+    assert_eq!(folder.files(), ["scene.toml"]);
+}
+
+#[test]
+fn bits_do_not_depend_on_threads() {
+    let folder = Folder::new(&small().replace("curves = false", "curves = true"));
+    let reference = folder.path("1.h5");
+    for threads in ["1", "2", "3", "8"] {
+        let output = format!("{threads}.h5");
+        assert_exit(&folder.stiction(&["run", "scene.toml", "--threads", threads, "-o", &output]), 0);
+        let (expected, found) = (bits(&reference), bits(&folder.path(&output)));
+        assert!(expected.len() > 40, "{}", expected.len());
+        for (a, b) in expected.iter().zip(&found) {
+            assert_eq!(a, b, "{threads} threads");
+        }
+    }
+    // The seed does change them.
+    assert_exit(&folder.stiction(&["run", "scene.toml", "--seed", "2", "-o", "seed.h5"]), 0);
+    assert_ne!(bits(&reference), bits(&folder.path("seed.h5")));
+}
+
+#[test]
+fn fewer_replicas_are_the_first_ones() {
+    let folder = Folder::new(&small());
+    assert_exit(&folder.stiction(&["run", "scene.toml", "-o", "all.h5"]), 0);
+    assert_exit(&folder.stiction(&["run", "scene.toml", "--replicas", "11", "-o", "few.h5"]), 0);
+    let pull_off = |name: &str| {
+        let file = hdf5::File::open(folder.path(name)).unwrap();
+        file.dataset("/replicas/pull_off_force").unwrap().read_raw::<f64>().unwrap()
+    };
+    assert_eq!(pull_off("few.h5"), pull_off("all.h5")[..11]);
+}
+
+#[test]
+fn an_existing_output_is_kept_unless_forced() {
+    let folder = Folder::new(&small());
+    std::fs::write(folder.path("scene.h5"), "precious").unwrap();
+    let refused = folder.stiction(&["run", "scene.toml"]);
+    assert_exit(&refused, 2);
+    assert!(text(&refused.stderr).contains("scene.h5 exists; give --force"), "{}", text(&refused.stderr));
+    assert_eq!(std::fs::read(folder.path("scene.h5")).unwrap(), b"precious");
+    assert_exit(&folder.stiction(&["run", "scene.toml", "--force"]), 0);
+    assert_exit(&folder.stiction(&["info", "scene.h5"]), 0);
+    assert_eq!(folder.files(), ["scene.h5", "scene.toml"]);
+}
+
+#[test]
+fn an_output_that_cannot_be_is_refused_before_computing() {
+    let folder = Folder::new(&small());
+    let missing = folder.stiction(&["run", "scene.toml", "-o", "nowhere/out.h5"]);
+    assert_exit(&missing, 2);
+    assert!(text(&missing.stderr).contains("the folder nowhere of the output does not exist"));
+    // /proc takes no files from anybody, root included.
+    let unwritable = folder.stiction(&["run", "scene.toml", "-o", "/proc/out.h5"]);
+    assert_exit(&unwritable, 2);
+    assert!(text(&unwritable.stderr).contains("cannot write in /proc"), "{}", text(&unwritable.stderr));
+    assert_eq!(folder.files(), ["scene.toml"]);
+}
+
+/// A planted disagreement: the integral of the file is changed by 5 %.
+#[test]
+fn validate_sees_a_disagreement() {
+    let folder = Folder::new(&small());
+    assert_exit(&folder.stiction(&["run", "scene.toml"]), 0);
+    {
+        let file = hdf5::File::open_rw(folder.path("scene.h5")).unwrap();
+        let dataset = file.dataset("/statistical/adhesion_force").unwrap();
+        let changed: Vec<f64> = dataset.read_raw::<f64>().unwrap().iter().map(|force| 1.05 * force).collect();
+        dataset.write_raw(&changed).unwrap();
+    }
+    let validate = folder.stiction(&["validate", "scene.h5"]);
+    assert_exit(&validate, 3);
+    assert!(text(&validate.stdout).contains("disagree"));
+}
+
+#[test]
+fn files_of_others_are_refused_in_a_line() {
+    let folder = Folder::new(&small());
+    std::fs::write(folder.path("text.h5"), "no HDF5").unwrap();
+    drop(hdf5::File::create(folder.path("other.h5")).unwrap());
+    assert_exit(&folder.stiction(&["run", "scene.toml", "-o", "newer.h5"]), 0);
+    {
+        let file = hdf5::File::open_rw(folder.path("newer.h5")).unwrap();
+        file.attr("format_version").unwrap().write_raw(&[2_u32, 0]).unwrap();
+    }
+    for command in ["info", "validate"] {
+        for (file, message) in [
+            ("text.h5", "is not an HDF5 file"),
+            ("other.h5", "has no attribute `format`"),
+            ("newer.h5", "has format version 2.0; this program reads 1.x"),
+            ("absent.h5", "cannot be read"),
+        ] {
+            let refused = folder.stiction(&[command, file]);
+            assert_exit(&refused, 2);
+            let error = text(&refused.stderr);
+            assert!(error.contains(message) && error.contains(file) && error.lines().count() == 1, "{error}");
+        }
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupted_run_says_so_and_leaves_nothing() {
+    let folder = Folder::new(&QUICK.replace("replicas = 200", "replicas = 10000000"));
+    let child = Command::new(env!("CARGO_BIN_EXE_stiction"))
+        .args(["run", "scene.toml"])
+        .current_dir(folder.folder.path())
+        .stdout(std::process::Stdio::piped())
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    std::thread::sleep(std::time::Duration::from_millis(1500));
+    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    let output = child.wait_with_output().unwrap();
+    assert_exit(&output, 130);
+    assert!(text(&output.stderr).contains("interrupted after"), "{}", text(&output.stderr));
+    assert_eq!(folder.files(), ["scene.toml"]);
+}
+
+#[test]
+fn one_asperity_is_printed_as_csv() {
+    let folder = Folder::new("");
+    let solved = folder.stiction(&["asperity", "--law", "emd", "--lambda", "1", "--delta", "-3", "0"]);
+    assert_exit(&solved, 0);
+    let rows: Vec<String> = text(&solved.stdout).lines().map(str::to_owned).collect();
+    assert_eq!(rows[0], "lambda,delta,branch,adhesion_force,external_force,contact_radius");
+    assert_eq!(rows.len(), 3);
+    let fields: Vec<&str> = rows[2].split(',').collect();
+    assert_eq!(fields[2], "contact");
+    // 50-digit value.
+    assert!((fields[3].parse::<f64>().unwrap() / 3.0650413658748398 - 1.0).abs() < 1e-14);
+    assert!(fields[3].starts_with("3.065041365874839") || fields[3].starts_with("3.065041365874840"), "{}", fields[3]);
+
+    // A table among other columns, both histories.
+    let table = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/single_asperity.csv");
+    for path in ["approach", "retraction"] {
+        let solved = folder.stiction(&["asperity", "--law", "emd", "--table", table, "--path", path]);
+        assert_exit(&solved, 0);
+        assert_eq!(text(&solved.stdout).lines().count(), 323);
+    }
+}
+
+#[test]
+fn bad_arguments_of_asperity_are_named() {
+    let folder = Folder::new("");
+    std::fs::write(folder.path("table.csv"), "lambda,approach\n1,2\n").unwrap();
+    std::fs::write(folder.path("words.csv"), "lambda,delta\n1,two\n").unwrap();
+    let cases: [(&[&str], &str); 6] = [
+        (&["--law", "edm", "--lambda", "1", "--delta", "0"], "unknown law; known: emd"),
+        (&["--law", "emd", "--lambda", "1e9", "--delta", "0"], "outside 1e-6..1e6"),
+        (&["--law", "emd", "--lambda", "1", "--delta", "nan"], "a finite number is needed"),
+        (&["--law", "emd", "--table", "table.csv"], "no column `delta`"),
+        (&["--law", "emd", "--table", "words.csv"], "line 2: delta = `two` is not a number"),
+        (&["--law", "emd", "--lambda", "1", "--delta", "0", "--path", "both"], "known: approach, retraction"),
+    ];
+    for (arguments, message) in cases {
+        let refused = folder.stiction(&[&["asperity"], arguments].concat());
+        assert_exit(&refused, 2);
+        assert!(text(&refused.stderr).contains(message), "{arguments:?}: {}", text(&refused.stderr));
+    }
+}

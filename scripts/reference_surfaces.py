@@ -10,7 +10,7 @@ Interface Sci. 290 (2005) 514. The laws are
   (2003) 372 (adhesion), with the jumps of these fits; no adhesion in the plastic regime.
 
 No law is inverted: before contact the integral runs in the gap z = h_0 / Z_0, in elastic contact in the angle
-theta = arccos(a / c), smooth at a fold. Only the ends of the branches are roots. Where the outer branch before
+theta = arccos(a / c), smooth at a fold. Only the ends of branches are roots. Where the outer branch before
 contact folds below the end of its regime (case II), the rest is taken from the inner branch.
 
 All arithmetic has 40 digits; inputs are the exact decimals. Integrals run to where the Gaussian density falls

@@ -68,7 +68,7 @@ impl Noncontact {
         let steepest = (1..grid.len() - 1)
             .filter(|&i| libm::exp(grid[i]) < OUTSIDE_FOLD)
             .max_by(|&i, &j| slope(grid[i]).total_cmp(&slope(grid[j])))?;
-        let peak = libm::exp(golden_maximum(slope, grid[steepest - 1], grid[steepest + 1]));
+        let peak = libm::exp(golden_maximum(slope, grid[steepest - 1], grid[steepest + 1], 1e-9));
         if self.at(peak).slope <= 0.0 || peak >= OUTSIDE_FOLD {
             return None;
         }

@@ -5,6 +5,7 @@
 //! scene and the seed alone. What is kept per replica is a handful of numbers; heights and curves are dropped with their batch.
 
 mod batch;
+mod pull_off;
 mod reduce;
 mod replica;
 pub mod stream;

@@ -1,9 +1,10 @@
 //! One replica: one surface, its curves and what is kept of them.
 
 use super::Job;
+use super::pull_off::pull_off;
 use super::stream::{Purpose, stream};
 use crate::asperity::{Quantity, Scratch, Work, for_each_block};
-use crate::math::extrema::{minimum, steepest_rise};
+use crate::math::extrema::steepest_rise;
 use crate::math::sums::{Compensated, lane_sum};
 
 /// What is kept of every replica.
@@ -13,7 +14,7 @@ pub struct Replica {
     pub asperity_count: u64,
     /// Highest asperity above the asperity mean plane, m.
     pub highest_asperity: f64,
-    /// −min F along its own curve, refined between the separations, N.
+    /// −min F along its own curve, between the separations too, N.
     pub pull_off_force: f64,
     /// Separation h of the pull-off, m.
     pub pull_off_separation: f64,
@@ -41,6 +42,8 @@ pub struct Curves {
 /// Memory that replicas reuse one after the other.
 pub struct Workspace {
     heights: Vec<f64>,
+    /// Interferences, m, at which the law has a kink or jump.
+    kinks: Vec<f64>,
     scratch: Scratch,
     sums: Vec<RegimeSums>,
     /// The curves of the last surface.
@@ -63,6 +66,7 @@ impl Workspace {
         let (s, r) = (job.separations.len(), job.law.regimes().len());
         Self {
             heights: vec![0.0; job.surface.asperity_count],
+            kinks: job.law.pieces().iter().map(|piece| piece.lower).filter(|lower| lower.is_finite()).collect(),
             scratch: Scratch::default(),
             sums: vec![RegimeSums::default(); r],
             curves: Curves {
@@ -83,7 +87,7 @@ impl Workspace {
         self.heights.sort_unstable_by(f64::total_cmp);
         self.sum_surface(job);
         let external = &self.curves.total[Quantity::ExternalForce.index()];
-        let pull_off = minimum(job.separations, external);
+        let pull_off = pull_off(job, &self.kinks, &self.heights, external, &mut self.scratch, &mut self.work);
         let stiffest = steepest_rise(job.separations, external);
         Replica {
             asperity_count: self.heights.len() as u64,

@@ -1,6 +1,7 @@
 //! Numerical tools that know no physics: roots, quadrature, polynomials, sums and moments.
 
 pub mod extrema;
+pub mod interpolation;
 pub mod linalg;
 pub mod moments;
 pub mod piecewise;

@@ -62,10 +62,10 @@ fn middle(low: f64, high: f64) -> f64 {
     if low > 0.0 && high > 4.0 * low { (low * high).sqrt() } else { 0.5 * (low + high) }
 }
 
-/// The place of the maximum of `f` between `low` and `high` by golden section, to a relative 1e-9 of the interval.
-pub fn golden_maximum(f: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
+/// The place of the maximum of `f` between `low` and `high` by golden section, to `tolerance` times the interval.
+pub fn golden_maximum(mut f: impl FnMut(f64) -> f64, mut low: f64, mut high: f64, tolerance: f64) -> f64 {
     const RATIO: f64 = 0.618_033_988_749_894_9;
-    let tolerance = 1e-9 * (high - low);
+    let tolerance = tolerance * (high - low);
     let mut left = high - RATIO * (high - low);
     let mut right = low + RATIO * (high - low);
     let (mut at_left, mut at_right) = (f(left), f(right));
@@ -108,7 +108,7 @@ mod tests {
 
     #[test]
     fn golden_section_finds_a_maximum() {
-        let x = golden_maximum(|x| -(x - 0.3) * (x - 0.3), -1.0, 2.0);
+        let x = golden_maximum(|x| -(x - 0.3) * (x - 0.3), -1.0, 2.0, 1e-9);
         assert!((x - 0.3).abs() < 1e-7, "{x}");
     }
 }

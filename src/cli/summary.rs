@@ -16,7 +16,7 @@ pub(super) fn summary(results: &Results) -> String {
     text += &pull_off(results);
     text += &stiffness(results);
     text += &at_pull_off(results);
-    text += &verdict(&results.joint, &results.z, "z_adhesion_force and z_external_force are in /validation");
+    text += &verdict(&results.joint, &results.z, "all of them are in /validation");
     text += &times(results);
     text += &row("written", &results.output.display().to_string());
     text
@@ -104,8 +104,9 @@ fn at_pull_off(results: &Results) -> String {
     let (count, adhesion) = (table(&results.ensemble.regime_count), table(&results.ensemble.regime_adhesion_force));
     let (all, force) = (results.scene.surface.asperity_count as f64, adhesion.iter().sum::<f64>());
     let mut text = String::new();
-    for (r, name) in results.regimes.iter().enumerate() {
-        let label = if r == 0 { "at pull-off" } else { "" };
+    let reached = results.regimes.iter().enumerate().filter(|(r, _)| count[*r] > 0.0);
+    for (line, (r, name)) in reached.enumerate() {
+        let label = if line == 0 { "at pull-off" } else { "" };
         let shares =
             format!("{:>10} of asperities {:>10} of adhesion", percent(count[r] / all), percent(adhesion[r] / force));
         text += &row(label, &format!("{name:<16}{shares}"));

@@ -96,7 +96,7 @@ impl Batch {
                 batch.adhesion_force.extend_from_slice(&total[Quantity::AdhesionForce.index()]);
             }
         }
-        batch.ensemble.work = workspace.work;
+        batch.ensemble.work = workspace.work();
         batch
     }
 }

@@ -1,7 +1,7 @@
 //! One replica: one surface, its curves and what is kept of them.
 
 use super::Job;
-use super::pull_off::pull_off;
+use super::pull_off::{Jump, jumps, pull_off};
 use super::stream::{Purpose, stream};
 use crate::asperity::{Quantity, Scratch, Work, for_each_block};
 use crate::math::extrema::steepest_rise;
@@ -42,22 +42,10 @@ pub struct Curves {
 /// Memory that replicas reuse one after the other.
 pub struct Workspace {
     heights: Vec<f64>,
-    /// Interferences, m, at which the law has a kink or jump.
-    kinks: Vec<f64>,
-    scratch: Scratch,
-    sums: Vec<RegimeSums>,
+    jumps: Vec<Jump>,
+    sums: Sums,
     /// The curves of the last surface.
     pub curves: Curves,
-    /// What all surfaces have cost.
-    pub work: Work,
-}
-
-#[derive(Clone, Copy, Default)]
-struct RegimeSums {
-    count: f64,
-    adhesion: Compensated,
-    contact: Compensated,
-    area: Compensated,
 }
 
 impl Workspace {
@@ -66,17 +54,20 @@ impl Workspace {
         let (s, r) = (job.separations.len(), job.law.regimes().len());
         Self {
             heights: vec![0.0; job.surface.asperity_count],
-            kinks: job.law.pieces().iter().map(|piece| piece.lower).filter(|lower| lower.is_finite()).collect(),
-            scratch: Scratch::default(),
-            sums: vec![RegimeSums::default(); r],
+            jumps: jumps(job.law),
+            sums: Sums { regimes: vec![RegimeSums::default(); r], scratch: Scratch::default(), work: Work::default() },
             curves: Curves {
                 total: std::array::from_fn(|_| vec![0.0; s]),
                 regime_count: vec![0.0; r * s],
                 regime_adhesion_force: vec![0.0; r * s],
                 regime_external_force: vec![0.0; r * s],
             },
-            work: Work::default(),
         }
+    }
+
+    /// What all surfaces have cost.
+    pub fn work(&self) -> Work {
+        self.sums.work
     }
 
     /// Draws a replica, sums it over all separations, and tells what is kept of it.
@@ -85,9 +76,15 @@ impl Workspace {
         job.surface.heights.draw(&mut random, &mut self.heights);
         // Rising heights make the regimes contiguous, and neighbours in a slice neighbours in the law.
         self.heights.sort_unstable_by(f64::total_cmp);
-        self.sum_surface(job);
+        for k in 0..job.separations.len() {
+            self.sums.surface(job, &self.heights, job.separations[k]);
+            self.curves.record(k, &self.sums);
+        }
         let external = &self.curves.total[Quantity::ExternalForce.index()];
-        let pull_off = pull_off(job, &self.kinks, &self.heights, external, &mut self.scratch, &mut self.work);
+        let pull_off = pull_off(job, &self.jumps, &self.heights, external, |h| {
+            self.sums.surface(job, &self.heights, h);
+            self.sums.total()[Quantity::ExternalForce.index()]
+        });
         let stiffest = steepest_rise(job.separations, external);
         Replica {
             asperity_count: self.heights.len() as u64,
@@ -99,35 +96,60 @@ impl Workspace {
             pull_off_at_edge: pull_off.at_edge,
         }
     }
+}
 
-    fn sum_surface(&mut self, job: &Job<'_>) {
-        let separations = job.separations.len();
-        for (k, &h) in job.separations.iter().enumerate() {
-            self.sums.fill(RegimeSums::default());
-            let (sums, scratch, work) = (&mut self.sums, &mut self.scratch, &mut self.work);
-            let d = job.surface.asperity_separation(h);
-            for_each_block(job.law, &self.heights, d, scratch, work, |regime, range, responses| {
-                let (sum, n) = (&mut sums[regime], range.len());
-                sum.count += n as f64;
-                sum.adhesion.add(lane_sum(&responses.adhesion[..n]));
-                sum.contact.add(lane_sum(&responses.contact[..n]));
-                sum.area.add(lane_sum(&responses.area[..n]));
-            });
-            let mut total = [Compensated::default(); 3];
-            for (regime, sum) in self.sums.iter().enumerate() {
-                let (adhesion, contact) = (sum.adhesion.value(), sum.contact.value());
-                let place = regime * separations + k;
-                self.curves.regime_count[place] = sum.count;
-                self.curves.regime_adhesion_force[place] = adhesion;
-                self.curves.regime_external_force[place] = contact - adhesion;
-                total[0].add(adhesion);
-                total[1].add(contact);
-                total[2].add(sum.area.value());
-            }
-            let total = Quantity::of_response(total[0].value(), total[1].value(), total[2].value());
-            for (curve, value) in self.curves.total.iter_mut().zip(total) {
-                curve[k] = value;
-            }
+/// Sums over the asperities of one surface at one separation.
+struct Sums {
+    regimes: Vec<RegimeSums>,
+    scratch: Scratch,
+    work: Work,
+}
+
+#[derive(Clone, Copy, Default)]
+struct RegimeSums {
+    count: f64,
+    adhesion: Compensated,
+    contact: Compensated,
+    area: Compensated,
+}
+
+impl Sums {
+    /// Sums a surface: `heights` (m) rising, at the separation h, m.
+    fn surface(&mut self, job: &Job<'_>, heights: &[f64], separation: f64) {
+        self.regimes.fill(RegimeSums::default());
+        let (regimes, d) = (&mut self.regimes, job.surface.asperity_separation(separation));
+        for_each_block(job.law, heights, d, &mut self.scratch, &mut self.work, |regime, range, responses| {
+            let (sum, n) = (&mut regimes[regime], range.len());
+            sum.count += n as f64;
+            sum.adhesion.add(lane_sum(&responses.adhesion[..n]));
+            sum.contact.add(lane_sum(&responses.contact[..n]));
+            sum.area.add(lane_sum(&responses.area[..n]));
+        });
+    }
+
+    /// The quantities of the whole surface, by [`Quantity::index`].
+    fn total(&self) -> [f64; 4] {
+        let total = |part: fn(&RegimeSums) -> f64| {
+            let mut sum = Compensated::default();
+            self.regimes.iter().for_each(|regime| sum.add(part(regime)));
+            sum.value()
+        };
+        Quantity::of_response(total(|r| r.adhesion.value()), total(|r| r.contact.value()), total(|r| r.area.value()))
+    }
+}
+
+impl Curves {
+    /// Takes over the sums at the separation `k`.
+    fn record(&mut self, k: usize, sums: &Sums) {
+        let separations = self.total[0].len();
+        for (regime, sum) in sums.regimes.iter().enumerate() {
+            let place = regime * separations + k;
+            self.regime_count[place] = sum.count;
+            self.regime_adhesion_force[place] = sum.adhesion.value();
+            self.regime_external_force[place] = sum.contact.value() - sum.adhesion.value();
+        }
+        for (curve, value) in self.total.iter_mut().zip(sums.total()) {
+            curve[k] = value;
         }
     }
 }

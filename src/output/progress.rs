@@ -1,6 +1,7 @@
 //! Progress on the terminal: the phase by name, and for the ensemble replicas done, their rate and the time left.
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
+use std::fmt::Write;
 use std::time::{Duration, Instant};
 
 /// Shows the phases of a run, one after the other, on standard error; nothing where that is no terminal, or when quiet.
@@ -24,14 +25,17 @@ impl Progress {
 
     /// Begins a phase that counts replicas.
     pub fn replicas(&mut self, name: &'static str, total: u64) {
-        self.begin(name, ProgressBar::new(total), "{msg} {wide_bar} {pos}/{len} replicas, {per_sec}, {eta} left");
+        self.begin(name, ProgressBar::new(total), "{msg} {wide_bar} {pos}/{len} replicas, {rate}, {eta} left");
     }
 
     fn begin(&mut self, name: &'static str, bar: ProgressBar, template: &str) {
         self.end();
         self.phases.push((name, Instant::now(), Duration::ZERO));
         bar.set_draw_target(if self.quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() });
-        bar.set_style(ProgressStyle::with_template(template).expect("templates are checked by a test"));
+        let style = ProgressStyle::with_template(template).expect("templates are checked by a test");
+        bar.set_style(style.with_key("rate", |state: &ProgressState, out: &mut dyn Write| {
+            let _ = write!(out, "{:.1} per second", state.per_sec());
+        }));
         bar.set_message(name);
         self.bar = bar;
         self.bar.tick();

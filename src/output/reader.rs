@@ -105,7 +105,9 @@ fn attribute_text(attribute: &Attribute) -> Result<String, OutputError> {
     let join = |values: Vec<String>| values.join(", ");
     Ok(match attribute.dtype()?.to_descriptor()? {
         TypeDescriptor::VarLenUnicode => attribute.read_scalar::<VarLenUnicode>()?.as_str().to_owned(),
-        TypeDescriptor::Float(_) => join(attribute.read_raw::<f64>()?.iter().map(f64::to_string).collect()),
+        TypeDescriptor::Float(_) => {
+            join(attribute.read_raw::<f64>()?.iter().map(|value| format!("{value:?}")).collect())
+        }
         TypeDescriptor::Integer(_) => join(attribute.read_raw::<i64>()?.iter().map(i64::to_string).collect()),
         TypeDescriptor::Unsigned(_) => join(attribute.read_raw::<u64>()?.iter().map(u64::to_string).collect()),
         other => format!("({other})"),

@@ -6,10 +6,10 @@ use crate::asperity::{Law, Regime};
 /// Nanoseconds per asperity and separation in each regime, on one core of a 2020s server (`cargo bench --bench solve`).
 fn cost(regime: Regime) -> f64 {
     match regime {
-        Regime::Noncontact => 42.0,
+        Regime::Noncontact => 50.0,
         Regime::Lubricant => 1.5,
-        Regime::Elastic => 58.0,
-        Regime::Elastoplastic1 | Regime::Elastoplastic2 => 32.0,
+        Regime::Elastic => 70.0,
+        Regime::Elastoplastic1 | Regime::Elastoplastic2 => 40.0,
         Regime::Plastic => 3.0,
     }
 }
@@ -66,7 +66,7 @@ impl Plan {
         let regimes = regimes(scene, law);
         let (s, r) = (scene.separations.len() as f64, regimes.len() as f64);
         let (n, replicas) = (scene.surface.asperity_count as f64, scene.replicas as f64);
-        let sorting = 30.0 * n;
+        let sorting = 40.0 * n;
         let nanoseconds: f64 =
             sorting + s * regimes.iter().map(|plan| plan.asperities * cost(plan.regime)).sum::<f64>();
         // Moments and curves of a batch, heights, and for curves what waits to be written.

@@ -1,0 +1,48 @@
+//! One replica of the published cases, draws and sorting and all 181 separations included, and the integral of the same scene:
+//! what a run costs. divan reports asperity-separations per second.
+
+use divan::{Bencher, counter::ItemsCount};
+use std::path::Path;
+use stiction::engine::{Job, Workspace};
+use stiction::scene::Scene;
+use stiction::statistical::Statistical;
+
+const CASES: [&str; 3] = ["case_i", "case_ii", "case_iii"];
+
+fn main() {
+    divan::main();
+}
+
+fn scene(name: &str) -> Scene {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("configs").join(name).with_extension("toml");
+    Scene::parse(&std::fs::read_to_string(path).expect("a shipped scene")).expect("a valid scene")
+}
+
+#[divan::bench(args = CASES, sample_count = 20)]
+fn replica(bencher: Bencher, name: &str) {
+    let scene = scene(name);
+    let law = scene.law();
+    let job = Job {
+        law: law.as_ref(),
+        surface: &scene.surface,
+        separations: &scene.separations,
+        seed: scene.seed,
+        replicas: 1,
+        probes: &[],
+        keep_curves: false,
+    };
+    let mut workspace = Workspace::new(&job);
+    let pairs = scene.surface.asperity_count * scene.separations.len();
+    let mut index = 0;
+    bencher.counter(ItemsCount::new(pairs)).bench_local(|| {
+        index += 1;
+        workspace.replica(&job, index)
+    });
+}
+
+#[divan::bench(args = CASES, sample_count = 20)]
+fn integral(bencher: Bencher, name: &str) {
+    let scene = scene(name);
+    let law = scene.law();
+    bencher.bench_local(|| Statistical::new(law.as_ref(), &scene.surface, &scene.separations));
+}

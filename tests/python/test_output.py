@@ -1,0 +1,394 @@
+"""What a result file holds, read with h5py and xarray and checked with numpy, independently of the program.
+
+Needs the packages of scripts/requirements.txt. The program is $STICTION, by default target/release/stiction:
+
+    cargo build --release
+    python -m pytest tests/python
+"""
+
+import datetime
+import os
+import re
+import struct
+import subprocess
+import sys
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+import scipy.stats
+import xarray
+
+ROOT = Path(__file__).resolve().parents[2]
+PROGRAM = Path(os.environ.get("STICTION", ROOT / "target" / "release" / "stiction"))
+PLOT = ROOT / "scripts" / "plot_run.py"
+
+REPLICAS, SEPARATIONS, ASPERITIES, SEED = 20, 15, 2217, 7
+REGIMES = ["noncontact", "lubricant", "elastic", "elastoplastic1", "elastoplastic2", "plastic"]
+SCENE = f"""# A small patch of 300 \u00b5m\u00b2
+format = 1
+title = "Test patch"
+
+[material]
+reduced_modulus = "85.29 GPa"
+hardness = "2.5 GPa"
+poisson_ratio = 0.27
+work_of_adhesion = "0.09 J/m^2"
+equilibrium_spacing = "0.2 nm"
+
+[surface]
+asperity_radius = "3.33 um"
+asperity_density = "7.39 /um^2"
+surface_height_std = "1.619 nm"
+nominal_area = "300 um^2"
+lubricant_thickness = "0.5 nm"
+
+[model]
+law = "hybrid"
+path = "approach"
+
+[separation]
+h_star = {{ from = 1.0, to = 4.5, count = {SEPARATIONS} }}
+
+[ensemble]
+replicas = {REPLICAS}
+seed = {SEED}
+
+[output]
+curves = true
+"""
+
+S, RS, N, NS = ("separation",), ("regime", "separation"), ("replica",), ("replica", "separation")
+KS, KK = ("component", "separation"), ("component", "component_other")
+# Every dataset outside /diagnostics, with its dimensions and units.
+DATASETS = {
+    "separation": (S, "m"),
+    "h_star": (S, "1"),
+    "asperity_separation": (S, "m"),
+    "regime": (("regime",), "1"),
+    "replica": (N, "1"),
+    "component": (("component",), "1"),
+    "component_other": (("component_other",), "1"),
+    "phase": (("phase",), "1"),
+    "skip_reason": (("skip_reason",), "1"),
+    "ensemble/adhesion_force_mean": (S, "N"),
+    "ensemble/adhesion_force_standard_error": (S, "N"),
+    "ensemble/adhesion_force_std": (S, "N"),
+    "ensemble/contact_force_mean": (S, "N"),
+    "ensemble/contact_force_standard_error": (S, "N"),
+    "ensemble/contact_force_std": (S, "N"),
+    "ensemble/external_force_mean": (S, "N"),
+    "ensemble/external_force_standard_error": (S, "N"),
+    "ensemble/external_force_std": (S, "N"),
+    "ensemble/contact_area_mean": (S, "m2"),
+    "ensemble/contact_area_standard_error": (S, "m2"),
+    "ensemble/contact_area_std": (S, "m2"),
+    "ensemble/regime_count_mean": (RS, "1"),
+    "ensemble/regime_adhesion_force_mean": (RS, "N"),
+    "ensemble/regime_external_force_mean": (RS, "N"),
+    "replicas/asperity_count": (N, "1"),
+    "replicas/highest_asperity": (N, "m"),
+    "replicas/pull_off_force": (N, "N"),
+    "replicas/pull_off_separation": (N, "m"),
+    "replicas/peak_stiffness": (N, "N m-1"),
+    "replicas/peak_stiffness_separation": (N, "m"),
+    "replicas/external_force": (NS, "N"),
+    "replicas/adhesion_force": (NS, "N"),
+    "statistical/adhesion_force": (S, "N"),
+    "statistical/contact_force": (S, "N"),
+    "statistical/external_force": (S, "N"),
+    "statistical/contact_area": (S, "m2"),
+    "statistical/adhesion_force_std": (S, "N"),
+    "statistical/contact_force_std": (S, "N"),
+    "statistical/external_force_std": (S, "N"),
+    "statistical/contact_area_std": (S, "m2"),
+    "statistical/regime_count": (RS, "1"),
+    "statistical/regime_adhesion_force": (RS, "N"),
+    "statistical/regime_external_force": (RS, "N"),
+    "validation/z_adhesion_force": (S, "1"),
+    "validation/z_external_force": (S, "1"),
+    "validation/tested_adhesion_force": (S, "1"),
+    "validation/tested_external_force": (S, "1"),
+    "validation/probe_adhesion_force": (KS, "N-1"),
+    "validation/probe_external_force": (KS, "N-1"),
+    "validation/score_covariance": (KK, "1"),
+}
+GROUPS = ["ensemble", "replicas", "statistical", "validation"]
+QUANTITIES = ["adhesion_force", "contact_force", "external_force", "contact_area"]
+
+
+def run_program(folder: Path, text: str) -> Path:
+    """Runs a scene; nothing but its result may be left."""
+    scene, output = folder / "scene.toml", folder / "result.h5"
+    scene.write_bytes(text.encode())
+    assert PROGRAM.is_file(), f"no program {PROGRAM}: run `cargo build --release` or set STICTION"
+    command = [PROGRAM, "run", scene, "-o", output, "--quiet"]
+    run = subprocess.run(command, capture_output=True, text=True, encoding="utf-8")
+    assert run.returncode == 0, run.stderr
+    assert sorted(file.name for file in folder.iterdir()) == ["result.h5", "scene.toml"]
+    return output
+
+
+@pytest.fixture(scope="module")
+def path(tmp_path_factory) -> Path:
+    """The result of the scene."""
+    return run_program(tmp_path_factory.mktemp("run"), SCENE)
+
+
+@pytest.fixture(scope="module")
+def file(path):
+    with h5py.File(path, "r") as file:
+        yield file
+
+
+def close(actual, expected, scale, tolerance=1e-12) -> bool:
+    """Whether two arrays differ by no more than `tolerance` of `scale`."""
+    return bool(np.all(np.abs(np.asarray(actual) - np.asarray(expected)) <= tolerance * np.asarray(scale)))
+
+
+def minimum(places, values) -> tuple[float, float]:
+    """Place and value of a sampled minimum: the vertex of the parabola through it and its neighbours."""
+    k = int(np.argmin(values))
+    if k in (0, len(values) - 1):
+        return places[k], values[k]
+    x = places[k - 1 : k + 2] - places[k]
+    a, b, c = np.linalg.solve(np.vander(x / x[2]), values[k - 1 : k + 2])
+    return places[k] - x[2] * b / (2 * a), c - b * b / (4 * a)
+
+
+# Layout
+
+
+def test_root_attributes(file):
+    attributes = file.attrs
+    for name in ["format", "program_version", "source_revision", "created", "title", "scene", "law", "path"]:
+        assert isinstance(attributes[name], str), name
+    assert attributes["format"] == "stiction-run"
+    assert list(attributes["format_version"]) == [1, 0]
+    assert np.issubdtype(attributes["format_version"].dtype, np.integer)
+    assert re.fullmatch(r"\d+\.\d+\.\d+.*", attributes["program_version"])
+    assert re.fullmatch(r"[0-9a-f]{7,}(-modified)?|unknown", attributes["source_revision"])
+    assert attributes["title"] == "Test patch"
+    assert attributes["scene"] == SCENE
+    assert (attributes["law"], attributes["path"]) == ("hybrid", "approach")
+    for name, value in [("seed", SEED), ("replicas", REPLICAS)]:
+        assert isinstance(attributes[name], np.integer) and attributes[name] == value
+    for name in ["adhesion_parameter", "plasticity_index", "critical_interference", "surface_height_std",
+                 "asperity_height_std", "mean_plane_offset", "nominal_area"]:
+        assert isinstance(attributes[name], np.float64) and attributes[name] > 0.0, name
+    assert attributes["nominal_area"] == pytest.approx(300e-12, rel=1e-14)
+    assert attributes["surface_height_std"] == pytest.approx(1.619e-9, rel=1e-14)
+
+
+def test_created_is_the_time_of_the_run_in_utc(file):
+    created = re.fullmatch(r"(\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d)(\.\d+)?(Z|\+00:00)", file.attrs["created"])
+    assert created, file.attrs["created"]
+    time = datetime.datetime.fromisoformat(created[1] + "+00:00")
+    assert abs(datetime.datetime.now(datetime.timezone.utc) - time) < datetime.timedelta(hours=1)
+
+
+def test_datasets_are_those_of_the_layout(file):
+    found = []
+    file.visititems(lambda name, item: found.append(name) if isinstance(item, h5py.Dataset) else None)
+    assert {name for name in found if not name.startswith("diagnostics/")} == set(DATASETS)
+
+
+def test_every_dataset_says_its_units_and_meaning(file):
+    def check(name, item):
+        if isinstance(item, h5py.Dataset):
+            for attribute in ["units", "long_name"]:
+                text = item.attrs[attribute]
+                assert isinstance(text, str) and text.strip(), (name, attribute)
+            if name in DATASETS:
+                assert item.attrs["units"] == DATASETS[name][1], name
+
+    file.visititems(check)
+
+
+def test_every_dimension_has_its_scale(file):
+    sizes = {"separation": SEPARATIONS, "regime": len(REGIMES), "replica": REPLICAS}
+    for name, (dimensions, _) in DATASETS.items():
+        dataset = file[name]
+        assert dataset.ndim == len(dimensions), name
+        for size, scales, dimension in zip(dataset.shape, dataset.dims, dimensions):
+            assert size == sizes.get(dimension, size), name
+            if name == dimension:
+                assert dataset.is_scale
+            else:
+                assert list(scales.keys()) == [dimension], name
+                assert scales[0].name == f"/{dimension}"
+                assert size == scales[0].shape[0]
+
+
+def test_scales_hold_what_they_name(file):
+    assert list(file["regime"].asstr()[()]) == REGIMES
+    assert list(file["replica"][()]) == list(range(REPLICAS))
+    h_star, sigma = file["h_star"][()], file.attrs["surface_height_std"]
+    assert close(h_star, np.linspace(1.0, 4.5, SEPARATIONS), 4.5)
+    assert close(file["separation"][()], h_star * sigma, sigma * 4.5)
+    offset = file["separation"][()] - file["asperity_separation"][()]
+    assert close(offset, file.attrs["mean_plane_offset"], sigma)
+
+
+def test_replica_curves_are_chunked_and_compressed(file):
+    for name in ["replicas/external_force", "replicas/adhesion_force"]:
+        assert file[name].chunks is not None and file[name].compression == "gzip"
+        assert np.all(np.isfinite(file[name][()]))
+
+
+# xarray
+
+
+@pytest.mark.parametrize("engine", ["h5netcdf", "netcdf4"])
+@pytest.mark.parametrize("group", [None, *GROUPS, "diagnostics"])
+def test_xarray_opens_every_group(path, engine, group):
+    with xarray.open_dataset(path, engine=engine, group=group) as run:
+        assert not [name for name in run.sizes if name.startswith("phony")]
+        prefix = f"{group}/" if group else ""
+        expected = {name for name in DATASETS if name.rpartition("/")[0] == (group or "")}
+        if group != "diagnostics":
+            assert {prefix + str(name) for name in run.variables} == expected
+        for name, variable in run.variables.items():
+            assert variable.attrs["units"] and variable.attrs["long_name"], name
+            if group != "diagnostics":
+                assert variable.dims == DATASETS[prefix + name][0], name
+        if group is None:
+            names = list(run.regime.values)
+            assert names == REGIMES and all(isinstance(name, str) for name in names)
+            assert run.attrs["title"] == "Test patch"
+
+
+@pytest.mark.parametrize("engine", ["h5netcdf", "netcdf4"])
+def test_xarray_gives_groups_the_coordinates_of_the_root(path, file, engine):
+    with xarray.open_datatree(path, engine=engine) as run:
+        mean = run["ensemble"].external_force_mean
+        assert np.array_equal(mean.separation, file["separation"][()])
+        elastic = run["ensemble"].regime_count_mean.sel(regime="elastic")
+        assert np.array_equal(elastic, file["ensemble/regime_count_mean"][2])
+
+
+# Numbers
+
+
+def test_external_force_is_contact_less_adhesion(file):
+    for group, suffix in [("ensemble", "_mean"), ("statistical", "")]:
+        adhesion, contact, external = (file[f"{group}/{name}{suffix}"][()] for name in QUANTITIES[:3])
+        assert np.all(adhesion > 0.0) and np.all(contact > 0.0)
+        assert close(external, contact - adhesion, contact + adhesion)
+
+
+def test_regimes_sum_to_totals(file):
+    for group, suffix in [("ensemble", "_mean"), ("statistical", "")]:
+        scale = file[f"{group}/adhesion_force{suffix}"][()] + file[f"{group}/contact_force{suffix}"][()]
+        for name in ["adhesion_force", "external_force"]:
+            regimes = file[f"{group}/regime_{name}{suffix}"][()]
+            assert close(regimes.sum(axis=0), file[f"{group}/{name}{suffix}"][()], scale), (group, name)
+        counts = file[f"{group}/regime_count{suffix}"][()].sum(axis=0)
+        assert close(counts, ASPERITIES, ASPERITIES), group
+
+
+def test_ensemble_is_the_moments_of_the_replicas(file):
+    assert np.all(file["replicas/asperity_count"][()] == ASPERITIES)
+    for name in ["external_force", "adhesion_force"]:
+        curves = file[f"replicas/{name}"][()]
+        mean, std = curves.mean(axis=0), curves.std(axis=0, ddof=1)
+        assert close(file[f"ensemble/{name}_mean"][()], mean, np.abs(mean).max())
+        assert close(file[f"ensemble/{name}_std"][()], std, std.max())
+    for name in QUANTITIES:
+        std = file[f"ensemble/{name}_std"][()]
+        assert np.all(std > 0.0)
+        assert close(file[f"ensemble/{name}_standard_error"][()], std / np.sqrt(REPLICAS), std)
+
+
+def test_pull_off_and_stiffness_are_read_off_each_curve(file):
+    h, kept = file["separation"][()], {name: data[()] for name, data in file["replicas"].items()}
+    rows = [(curve, {name: kept[name][i] for name in kept}) for i, curve in enumerate(kept["external_force"])]
+    rows.append((file["ensemble/external_force_mean"][()], file["ensemble"].attrs))
+    rows.append((file["statistical/external_force"][()], file["statistical"].attrs))
+    for curve, features in rows:
+        place, value = minimum(h, curve)
+        assert features["pull_off_force"] == pytest.approx(-value, rel=1e-10)
+        assert features["pull_off_separation"] == pytest.approx(place, rel=1e-10)
+        assert -curve.min() * (1 - 1e-12) <= features["pull_off_force"] <= -1.3 * curve.min()
+        place, value = minimum(0.5 * (h[1:] + h[:-1]), -np.diff(curve) / np.diff(h))
+        assert features["peak_stiffness"] == pytest.approx(-value, rel=1e-10)
+        assert features["peak_stiffness_separation"] == pytest.approx(place, rel=1e-10)
+
+
+def test_highest_asperities_are_extremes_of_a_gaussian(file):
+    highest = file["replicas/highest_asperity"][()] / file.attrs["asperity_height_std"]
+    probability = scipy.stats.norm.cdf(highest) ** ASPERITIES  # uniform over replicas
+    assert scipy.stats.kstest(probability, "uniform").pvalue > 1e-4
+    assert len(set(highest)) == REPLICAS
+
+
+def test_z_scores(file):
+    for name in ["external_force", "adhesion_force"]:
+        mean, integral = file[f"ensemble/{name}_mean"][()], file[f"statistical/{name}"][()]
+        z = np.sqrt(REPLICAS) * (mean - integral) / file[f"statistical/{name}_std"][()]
+        assert close(file[f"validation/z_{name}"][()], z, 1.0)
+        assert np.all(np.abs(z) < 6.0)
+
+
+def test_joint_test(file):
+    group = file["validation"]
+    probes = {name: group[f"probe_{name}"][()] for name in ["external_force", "adhesion_force"]}
+    scores = sum(file[f"replicas/{name}"][()] @ probe.T for name, probe in probes.items())
+    expected = sum(probe @ file[f"statistical/{name}"][()] for name, probe in probes.items())
+    covariance = np.atleast_2d(np.cov(scores, rowvar=False))
+    assert close(group["score_covariance"][()], covariance, np.abs(covariance).max(), 1e-9)
+    n, k = scores.shape
+    assert k >= 1 and list(group.attrs["degrees_of_freedom"]) == [k, n - k]
+    difference = scores.mean(axis=0) - expected
+    statistic = n * difference @ np.linalg.solve(group["score_covariance"][()], difference)
+    p_value = scipy.stats.f.sf((n - k) / (k * (n - 1)) * statistic, k, n - k)
+    assert group.attrs["statistic"] == pytest.approx(statistic, rel=1e-6)
+    assert group.attrs["p_value"] == pytest.approx(p_value, abs=1e-6)
+    assert group.attrs["verdict"] == ("agree" if p_value >= group.attrs["significance"] else "disagree")
+    for name, probe in probes.items():
+        tested = group[f"tested_{name}"][()]
+        assert set(tested) <= {0, 1} and np.all(probe[:, tested == 0] == 0.0)
+
+
+# Pictures
+
+
+def run_plot(*arguments) -> subprocess.CompletedProcess:
+    command = [sys.executable, PLOT, *arguments]
+    return subprocess.run(command, capture_output=True, text=True, encoding="utf-8")
+
+
+def test_plot_draws_a_picture_beside_the_result(path):
+    run = run_plot(path, "--dpi", "100")
+    picture = path.with_suffix(".png")
+    assert run.returncode == 0, run.stderr
+    assert run.stdout.strip() == str(picture)
+    data = picture.read_bytes()
+    assert data[:8] == b"\x89PNG\r\n\x1a\n" and len(data) > 40_000
+    assert struct.unpack(">II", data[16:24]) == (1100, 800)
+
+
+def test_one_dry_elastic_replica_is_not_tested_and_can_be_plotted(tmp_path):
+    text = SCENE.replace('lubricant_thickness = "0.5 nm"', "").replace('law = "hybrid"', 'law = "emd"')
+    path = run_program(tmp_path, text.replace(f"replicas = {REPLICAS}", "replicas = 1"))
+    with h5py.File(path, "r") as file:
+        assert list(file["regime"].asstr()[()]) == REGIMES[:3]
+        assert np.all(file["ensemble/regime_adhesion_force_mean"][1] == 0.0)
+        assert np.all(np.isnan(file["ensemble/external_force_std"][()]))
+        assert np.all(np.isfinite(file["validation/z_external_force"][()]))
+        assert file["validation"].attrs["verdict"] == "not tested"
+        assert np.isnan(file["validation"].attrs["p_value"])
+    run = run_plot(path, "-o", tmp_path / "one.png", "--dpi", "50")
+    assert run.returncode == 0 and (tmp_path / "one.png").stat().st_size > 10_000, run.stderr
+
+
+@pytest.mark.parametrize("content", ["not a result\n", None])
+def test_plot_refuses_what_is_no_result(tmp_path, content):
+    file = tmp_path / "other.h5"
+    if content is not None:
+        file.write_text(content)
+    run = run_plot(file, "-o", tmp_path / "out.png")
+    assert run.returncode == 2
+    assert run.stdout == "" and len(run.stderr.splitlines()) == 1 and str(file) in run.stderr
+    assert not (tmp_path / "out.png").exists()

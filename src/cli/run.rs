@@ -3,14 +3,15 @@
 use super::record::{write_head, write_results};
 use super::summary::summary;
 use super::{Failure, RunArguments, print, read_scene};
-use crate::asperity::Quantity;
+use crate::asperity::{Law, Quantity};
 use crate::engine::{Ensemble, Job, Outcome};
-use crate::math::extrema::{Extremum, minimum, steepest_rise};
+use crate::math::extrema::Features;
+use crate::math::interpolation::lagrange;
 use crate::output::OutputError;
 use crate::output::progress::Progress;
 use crate::output::writer::RunWriter;
 use crate::scene::{Plan, Scene};
-use crate::statistical::Statistical;
+use crate::statistical::{Statistical, external_force};
 use crate::validation::{Basis, JointTest, basis, z_scores};
 use anyhow::Context;
 use std::path::PathBuf;
@@ -25,6 +26,9 @@ pub(super) struct Results {
     pub statistical: Statistical,
     pub ensemble: Box<Ensemble>,
     pub basis: Basis,
+    /// What is read off the mean curve of the external force, and off the integral's.
+    pub of_mean: Features,
+    pub of_integral: Features,
     /// z-scores of adhesion force and external force.
     pub z: [Vec<f64>; 2],
     pub joint: JointTest,
@@ -33,36 +37,10 @@ pub(super) struct Results {
     pub output: PathBuf,
 }
 
-/// What is read off a force curve.
-pub(super) struct Features {
-    /// Minimum of the external force; the pull-off force is minus its value.
-    pub pull_off: Extremum,
-    /// Largest slope of the external force.
-    pub stiffest: Extremum,
-}
-
-impl Features {
-    fn new(separations: &[f64], external_force: &[f64]) -> Self {
-        let pull_off = minimum(separations, external_force);
-        Self { pull_off, stiffest: steepest_rise(separations, external_force) }
-    }
-}
-
 impl Results {
     /// The mean curve of a quantity.
     pub fn mean(&self, quantity: Quantity) -> &[f64] {
         self.ensemble.curves[quantity.index()].mean()
-    }
-
-    /// Features of the mean curve.
-    pub fn features_of_mean(&self) -> Features {
-        Features::new(&self.scene.separations, self.mean(Quantity::ExternalForce))
-    }
-
-    /// Features of the integral.
-    pub fn features_of_integral(&self) -> Features {
-        let external = &self.statistical.expected[Quantity::ExternalForce.index()];
-        Features::new(&self.scene.separations, external)
     }
 }
 
@@ -120,11 +98,26 @@ pub(super) fn run(arguments: &RunArguments) -> Result<(), Failure> {
 
     progress.phase("cross-check");
     let (z, joint) = cross_check(&ensemble, &statistical, &basis, scene.replicas);
+    let (of_mean, of_integral) = features(&scene, law.as_ref(), &ensemble, &statistical);
     progress.end();
     let seconds = progress.seconds();
     progress.phase("writing");
     let threads = pool.current_num_threads();
-    let results = Results { scene, plan, regimes, statistical, ensemble, basis, z, joint, seconds, threads, output };
+    let results = Results {
+        scene,
+        plan,
+        regimes,
+        statistical,
+        ensemble,
+        basis,
+        of_mean,
+        of_integral,
+        z,
+        joint,
+        seconds,
+        threads,
+        output,
+    };
     write_results(&mut writer, &results)?;
     writer.finish()?;
     progress.end();
@@ -143,6 +136,17 @@ fn interruption() -> Result<Arc<AtomicBool>, Failure> {
     };
     ctrlc::set_handler(handler).context("cannot handle interruptions")?;
     Ok(stop)
+}
+
+/// Pull-off and stiffest point of the mean curve and of the integral. The integral is solved where it is asked for; the mean curve is
+/// known at the separations only, so between them its deviation from the integral, which is small, is interpolated.
+fn features(scene: &Scene, law: &dyn Law, ensemble: &Ensemble, statistical: &Statistical) -> (Features, Features) {
+    let q = Quantity::ExternalForce.index();
+    let (mean, expected) = (ensemble.curves[q].mean(), statistical.expected[q].as_slice());
+    let deviation: Vec<f64> = mean.iter().zip(expected).map(|(m, e)| m - e).collect();
+    let integral = |h: f64| external_force(law, &scene.surface, h);
+    let of_mean = |h: f64| integral(h) + lagrange(&scene.separations, &deviation, h);
+    (Features::new(of_mean, &scene.separations, mean), Features::new(integral, &scene.separations, expected))
 }
 
 fn cross_check(

@@ -2,10 +2,10 @@
 
 use super::check::{heading, skipped};
 use super::format::{duration, percent, row, si};
-use super::run::{Features, Results};
+use super::run::Results;
 use crate::asperity::Quantity;
 use crate::engine::Replica;
-use crate::math::extrema::Extremum;
+use crate::math::extrema::{Extremum, Features};
 use crate::math::moments::Moments;
 use crate::validation::{JointTest, Verdict};
 
@@ -56,28 +56,31 @@ fn pull_off(results: &Results) -> String {
     let replicas = &results.ensemble.replicas;
     let (mean, std) = moments(replicas, |replica| replica.pull_off_force);
     let (separation, _) = moments(replicas, |replica| replica.pull_off_separation);
+    if replicas.iter().all(|replica| replica.pull_off_force <= 0.0) {
+        return row("pull-off", "none: the external force is compressive at all separations");
+    }
     let mut text = row("pull-off", &scatter(mean, std, replicas.len(), "N"));
     text += &row("", &format!("mean over replicas, at h* = {:.3} on average", h_star(results, separation)));
     let at_edge = replicas.iter().filter(|replica| replica.pull_off_at_edge).count();
     if at_edge > 0 {
         text += &row("", &format!("{at_edge} replicas have it at the edge of the separations: it may lie beyond"));
     }
-    let line = |name: &str, features: Features| {
-        let force = si(-features.pull_off.value, "N");
-        row("", &format!("{force} {name}, {}", place(results, &features.pull_off)))
+    let line = |name: &str, features: &Features| {
+        let force = si(-features.minimum.value, "N");
+        row("", &format!("{force} {name}, {}", place(results, &features.minimum)))
     };
-    text += &line("of the mean curve", results.features_of_mean());
-    text + &line("of the integral", results.features_of_integral())
+    text += &line("of the mean curve", &results.of_mean);
+    text + &line("of the integral", &results.of_integral)
 }
 
 fn stiffness(results: &Results) -> String {
     let replicas = &results.ensemble.replicas;
-    let line = |label: &str, name: &str, features: Features| {
-        let stiffness = si(features.stiffest.value, "N/m");
-        row(label, &format!("{stiffness} {name}, {}", place(results, &features.stiffest)))
+    let line = |label: &str, name: &str, features: &Features| {
+        let stiffness = si(features.steepest.value, "N/m");
+        row(label, &format!("{stiffness} {name}, {}", place(results, &features.steepest)))
     };
-    let mut text = line("stiffest point", "of the mean curve", results.features_of_mean());
-    text += &line("", "of the integral", results.features_of_integral());
+    let mut text = line("stiffest point", "of the mean curve", &results.of_mean);
+    text += &line("", "of the integral", &results.of_integral);
     let (mean, std) = moments(replicas, |replica| replica.peak_stiffness);
     let (separation, _) = moments(replicas, |replica| replica.peak_stiffness_separation);
     text += &row(
@@ -95,7 +98,7 @@ fn stiffness(results: &Results) -> String {
 /// Shares of the regimes, and the contact area, at the separation next to the pull-off of the mean curve.
 fn at_pull_off(results: &Results) -> String {
     let separations = &results.scene.separations;
-    let pull_off = results.features_of_mean().pull_off.place;
+    let pull_off = results.of_mean.minimum.place;
     let distance = |k: &usize| (separations[*k] - pull_off).abs();
     let k = (0..separations.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0);
     let table = |moments: &Moments| -> Vec<f64> {

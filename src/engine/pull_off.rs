@@ -11,12 +11,15 @@ use crate::asperity::{Law, Scratch, Work, for_each_block};
 use crate::math::extrema::{Extremum, minimum};
 use crate::math::interpolation::{POINTS, lagrange};
 
-/// Samples belong to the minimum when they are within this share of the smallest.
-const NEAR: f64 = 0.03;
-/// At most so many samples to either side do.
-const SIDE: usize = 8;
-/// Parts of the neighbourhood, the deepest place of each is found.
-const EVEN: usize = 64;
+/// Samples belong to the neighbourhood of the minimum when they are within this share of the smallest, or so many of the largest
+/// jumps, because a patch of few asperities is more jagged.
+const NEAR: (f64, f64) = (0.15, 4.0);
+/// Separations there are at most so many asperity height deviations apart; between coarser ones the surface is solved.
+const SPACING: f64 = 0.06;
+/// But at most so many times between two of them.
+const MOST_BETWEEN: usize = 64;
+/// Parts of the space between two separations, the deepest place of each is found.
+const PARTS: usize = 2;
 /// The deepest of these at which the whole surface is solved.
 const SOLVED: usize = 8;
 
@@ -57,49 +60,79 @@ pub(super) fn pull_off(
     mut exact: impl FnMut(f64) -> f64,
 ) -> Extremum {
     let sampled = minimum(job.separations, external_force);
-    if sampled.at_edge || job.separations.len() < POINTS {
+    if sampled.at_edge {
         return sampled;
     }
-    let (first, last) = window(external_force);
-    let (low, high) = (job.separations[first], job.separations[last]);
+    let samples = neighbourhood(job, jumps, external_force, &mut exact);
+    let separations: Vec<f64> = samples.iter().map(|(h, _)| *h).collect();
     let staircase = |h: f64| staircase(job, jumps, heights, h);
-    // Two samples more on either side, so that the interpolation is central.
-    let begin = first.saturating_sub(2).min(job.separations.len() - POINTS);
-    let end = (last + 3).max(begin + POINTS).min(job.separations.len());
-    let separations = &job.separations[begin..end];
-    let continuous: Vec<f64> = (begin..end).map(|k| external_force[k] - staircase(job.separations[k])).collect();
-    let continuous = |h: f64| lagrange(separations, &continuous, h);
+    let mut known = samples.clone();
+    if separations.len() >= POINTS {
+        let continuous: Vec<f64> = samples.iter().map(|(h, force)| force - staircase(*h)).collect();
+        let places = deepest(job, jumps, heights, &separations, &continuous, staircase(separations[0]));
+        known.extend(places.into_iter().map(|h| (h, exact(h))));
+    }
+    let (place, value) = known.into_iter().min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((sampled.place, sampled.value));
+    Extremum { place, value, at_edge: false }
+}
 
+/// Separations (m) around the minimum, close enough to interpolate between, and the force (N) at each.
+fn neighbourhood(
+    job: &Job<'_>,
+    jumps: &[Jump],
+    external_force: &[f64],
+    exact: &mut impl FnMut(f64) -> f64,
+) -> Vec<(f64, f64)> {
+    let smallest = external_force.iter().copied().fold(f64::INFINITY, f64::min);
+    let largest_jump = jumps.iter().map(|jump| jump.size.abs()).fold(0.0, f64::max);
+    let limit = smallest + NEAR.0 * smallest.abs() + NEAR.1 * largest_jump;
+    let belongs = |force: &f64| *force <= limit;
+    let first = external_force.iter().position(belongs).unwrap_or(0).saturating_sub(2);
+    let last = external_force.iter().rposition(belongs).unwrap_or(0) + 2;
+    let last = last.min(external_force.len() - 1);
+    let spacing = SPACING * job.surface.heights.std;
+    let mut samples = vec![(job.separations[first], external_force[first])];
+    for k in first..last {
+        let (from, to) = (job.separations[k], job.separations[k + 1]);
+        let parts = (((to - from) / spacing).ceil() as usize).clamp(1, MOST_BETWEEN);
+        for i in 1..parts {
+            let h = from + (to - from) * i as f64 / parts as f64;
+            samples.push((h, exact(h)));
+        }
+        samples.push((to, external_force[k + 1]));
+    }
+    samples
+}
+
+/// The separations, m, where the curve is deepest by its staircase, which is at `level` (N) before the first separation, and its
+/// interpolated `continuous` part (N), one in each part of the space.
+fn deepest(
+    job: &Job<'_>,
+    jumps: &[Jump],
+    heights: &[f64],
+    separations: &[f64],
+    continuous: &[f64],
+    mut level: f64,
+) -> Vec<f64> {
+    let (low, high) = (separations[0], separations[separations.len() - 1]);
+    let parts = PARTS * (separations.len() - 1);
+    let mut cells = vec![(low, f64::INFINITY); parts];
     // From one step of the staircase to the next the curve is continuous, and lowest near an end or in the middle.
-    let steps = steps(job, jumps, heights, low, high);
-    let mut level = staircase(low);
-    let mut cells = vec![(low, f64::INFINITY); EVEN];
+    let steps = steps(job, jumps, heights, low, high, parts);
     for pair in steps.windows(2) {
         let [(from, drop), (to, _)] = [pair[0], pair[1]];
         level -= drop;
         for share in [1e-6, 0.5, 1.0 - 1e-6] {
             let h = from + share * (to - from);
-            let cell = (((h - low) / (high - low) * EVEN as f64) as usize).min(EVEN - 1);
-            let force = continuous(h) + level;
+            let cell = (((h - low) / (high - low) * parts as f64) as usize).min(parts - 1);
+            let force = lagrange(separations, continuous, h) + level;
             if force < cells[cell].1 {
                 cells[cell] = (h, force);
             }
         }
     }
     cells.sort_unstable_by(|a, b| a.1.total_cmp(&b.1));
-    let solved = cells.iter().take(SOLVED).map(|&(h, _)| (h, exact(h)));
-    let (place, value) = solved.min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((sampled.place, sampled.value));
-    Extremum { place, value, at_edge: false }
-}
-
-/// First and last sample of the neighbourhood of the minimum.
-fn window(values: &[f64]) -> (usize, usize) {
-    let smallest = (0..values.len()).min_by(|&i, &j| values[i].total_cmp(&values[j])).unwrap_or(0);
-    let limit = values[smallest] + NEAR * values[smallest].abs();
-    let belongs = |i: &usize| values[*i] <= limit;
-    let first = (smallest.saturating_sub(SIDE)..smallest).rev().take_while(belongs).last().unwrap_or(smallest);
-    let last = (smallest + 1..values.len().min(smallest + SIDE + 1)).take_while(belongs).last().unwrap_or(smallest);
-    (first.saturating_sub(1), (last + 1).min(values.len() - 1))
+    cells.into_iter().take(SOLVED).map(|(h, _)| h).collect()
 }
 
 /// The jumps of all asperities that are above them at a separation, N.
@@ -110,9 +143,9 @@ fn staircase(job: &Job<'_>, jumps: &[Jump], heights: &[f64], separation: f64) ->
 }
 
 /// Rising separations in `low..=high` at which the staircase falls, and by how much, N, as the separation grows past them; evenly
-/// spaced ones without a step among them.
-fn steps(job: &Job<'_>, jumps: &[Jump], heights: &[f64], low: f64, high: f64) -> Vec<(f64, f64)> {
-    let mut steps: Vec<(f64, f64)> = (0..=EVEN).map(|i| (low + (high - low) * i as f64 / EVEN as f64, 0.0)).collect();
+/// spaced ones, `even` intervals, without a step among them.
+fn steps(job: &Job<'_>, jumps: &[Jump], heights: &[f64], low: f64, high: f64, even: usize) -> Vec<(f64, f64)> {
+    let mut steps: Vec<(f64, f64)> = (0..=even).map(|i| (low + (high - low) * i as f64 / even as f64, 0.0)).collect();
     let d = |h: f64| job.surface.asperity_separation(h);
     for jump in jumps {
         let begin = heights.partition_point(|&u| u - d(low) < jump.interference);

@@ -1,5 +1,7 @@
 //! Extrema of sampled curves, refined between the samples.
 
+use super::roots::golden_maximum;
+
 /// A place and the value there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Extremum {
@@ -48,6 +50,48 @@ pub fn steepest_rise(places: &[f64], values: &[f64]) -> Extremum {
     Extremum { value: -fall.value, ..fall }
 }
 
+/// Minimum and largest slope of a smooth curve that can be asked for anywhere.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Features {
+    /// The minimum.
+    pub minimum: Extremum,
+    /// The largest slope.
+    pub steepest: Extremum,
+}
+
+/// Accuracy of the places, relative to the spacing of the samples.
+const PLACE_TOLERANCE: f64 = 1e-5;
+/// Length over which a slope is taken, relative to the spacing of the samples, which it should resolve.
+const SLOPE_LENGTH: f64 = 1e-2;
+
+impl Features {
+    /// Searches for the minimum between the neighbours of the smallest sample, and for the largest slope likewise.
+    ///
+    /// `places` (rising) and `values` have the same length, at least 2, and sample `curve`.
+    pub fn new(curve: impl Fn(f64) -> f64, places: &[f64], values: &[f64]) -> Self {
+        let slope = |k: usize| (values[k + 1] - values[k]) / (places[k + 1] - places[k]);
+        let smallest = (1..values.len()).fold(0, |best, k| if values[k] < values[best] { k } else { best });
+        let steepest = (1..values.len() - 1).fold(0, |best, k| if slope(k) > slope(best) { k } else { best });
+        let minimum = if smallest == 0 || smallest + 1 == values.len() {
+            Extremum { place: places[smallest], value: values[smallest], at_edge: true }
+        } else {
+            let (low, high) = (places[smallest - 1], places[smallest + 1]);
+            let place = golden_maximum(|x| -curve(x), low, high, PLACE_TOLERANCE);
+            Extremum { place, value: curve(place), at_edge: false }
+        };
+        let steepest = if steepest == 0 || steepest + 2 == values.len() {
+            let place = 0.5 * (places[steepest] + places[steepest + 1]);
+            Extremum { place, value: slope(steepest), at_edge: true }
+        } else {
+            let half = 0.5 * SLOPE_LENGTH * (places[steepest + 1] - places[steepest]);
+            let local = |x: f64| (curve(x + half) - curve(x - half)) / (2.0 * half);
+            let place = golden_maximum(local, places[steepest - 1], places[steepest + 2], PLACE_TOLERANCE);
+            Extremum { place, value: local(place), at_edge: false }
+        };
+        Self { minimum, steepest }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -58,6 +102,20 @@ mod tests {
         let values = places.map(|x: f64| 3.0 * (x - 0.9) * (x - 0.9) - 2.0);
         let minimum = minimum(&places, &values);
         assert!((minimum.place - 0.9).abs() < 1e-14 && (minimum.value + 2.0).abs() < 1e-14 && !minimum.at_edge);
+    }
+
+    #[test]
+    fn features_do_not_depend_on_the_samples() {
+        let curve = |x: f64| -1.0 / (1.0 + x * x);
+        for count in [8, 50] {
+            let places: Vec<f64> = (0..count).map(|i| -3.1 + 6.0 * f64::from(i) / f64::from(count - 1)).collect();
+            let values: Vec<f64> = places.iter().map(|x| curve(*x)).collect();
+            let features = Features::new(curve, &places, &values);
+            // The steepest rise of −1/(1 + x²) is √27/8 at 1/√3.
+            assert!(features.minimum.place.abs() < 1e-4 && (features.minimum.value + 1.0).abs() < 1e-8, "{features:?}");
+            assert!((features.steepest.place - 3f64.sqrt().recip()).abs() < 1e-4, "{features:?}");
+            assert!((features.steepest.value - 27f64.sqrt() / 8.0).abs() < 1e-4, "{features:?}");
+        }
     }
 
     #[test]

@@ -3,17 +3,18 @@
 /// Samples of the interpolating polynomial.
 pub const POINTS: usize = 6;
 
-/// The value at `x` of the polynomial through the [`POINTS`] samples nearest to it, at rising, unevenly spaced places; there are at least
-/// that many. For a smooth curve with samples Δ apart the error is O(Δ⁶) of its sixth derivative.
+/// The value at `x` of the polynomial through the [`POINTS`] samples nearest to it (or all, if there are fewer), at rising places that may be
+/// unevenly spaced. For a smooth curve with samples Δ apart the error is O(Δ⁶) of its sixth derivative.
 pub fn lagrange(places: &[f64], values: &[f64], x: f64) -> f64 {
     let above = places.partition_point(|&place| place < x);
-    let first = above.saturating_sub(POINTS / 2).min(places.len() - POINTS);
-    let (places, values) = (&places[first..first + POINTS], &values[first..first + POINTS]);
+    let points = POINTS.min(places.len());
+    let first = above.saturating_sub(points / 2).min(places.len() - points);
+    let (places, values) = (&places[first..first + points], &values[first..first + points]);
     let weight = |i: usize| -> f64 {
-        let others = (0..POINTS).filter(|&j| j != i);
+        let others = (0..points).filter(|&j| j != i);
         others.map(|j| (x - places[j]) / (places[i] - places[j])).product()
     };
-    (0..POINTS).map(|i| values[i] * weight(i)).sum()
+    (0..points).map(|i| values[i] * weight(i)).sum()
 }
 
 #[cfg(test)]

@@ -82,6 +82,12 @@ impl Statistical {
     }
 }
 
+/// Expected external force, N, at one separation h, m.
+pub fn external_force(law: &dyn Law, surface: &Surface, separation: f64) -> f64 {
+    let at = AtSeparation::new(law, surface, surface.asperity_separation(separation), &Rule::default());
+    surface.asperity_count as f64 * at.means()[Quantity::ExternalForce.index()]
+}
+
 impl AtSeparation {
     fn new(law: &dyn Law, surface: &Surface, separation: f64, rule: &Rule) -> Self {
         let mut at =

@@ -100,7 +100,7 @@ fn p_values_are_uniform_when_they_should_be() {
     println!("{} components, Kolmogorov-Smirnov distance {distance:.4}", basis.probes.len());
     // Critical distance at 1e-3: 1.949/√n.
     assert!(distance < 1.949 / n.sqrt(), "{distance}");
-    assert_eq!(basis.probes.len(), 6);
+    assert_eq!(basis.probes.len(), 12);
 }
 
 /// 120 replicas of case II. The verdict's own false-alarm rate is 1e-3; the seed is fixed.

@@ -13,7 +13,7 @@ const GRID_REACH: f64 = 8.5;
 /// Most functionals.
 const MAX_COMPONENTS: usize = 32;
 /// Fewest replicas per functional.
-const REPLICAS_PER_COMPONENT: u64 = 8;
+const REPLICAS_PER_COMPONENT: u64 = 4;
 /// Smallest eigenvalue that is kept, relative to the largest.
 const SMALLEST_EIGENVALUE: f64 = 1e-9;
 /// Largest squared skewness of a mean over all replicas that is still treated as Gaussian; for a rare event, the reciprocal of how

@@ -12,6 +12,7 @@ pub(super) fn check(path: &Path) -> Result<(), Failure> {
     let plan = Plan::new(&scene, law.as_ref());
     let mut text = heading(&scene, &plan);
     text += &skipped(&plan);
+    text += &beyond(&plan);
     text += &regimes(&plan);
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     text += &row("work", &format!("{:.3e} asperity-separations", plan.pairs));
@@ -69,6 +70,16 @@ pub(super) fn heading(scene: &Scene, plan: &Plan) -> String {
         ),
     );
     text
+}
+
+/// What the law leaves out, if it ends at some interference.
+pub(super) fn beyond(plan: &Plan) -> String {
+    if plan.beyond < 1e-6 {
+        return String::new();
+    }
+    let text =
+        format!("up to {:.3} asperities per replica are beyond this law's last regime and bear no force", plan.beyond);
+    row("left out", &text)
 }
 
 /// What the scene does not need.

@@ -5,6 +5,7 @@ mod check;
 mod format;
 mod info;
 mod record;
+mod results;
 mod run;
 mod summary;
 mod validate;

@@ -1,6 +1,6 @@
 //! A run's results under the names of the file layout.
 
-use super::run::Results;
+use super::results::Results;
 use crate::asperity::{Law, Quantity};
 use crate::engine::Replica;
 use crate::math::extrema::Features;

@@ -1,48 +1,21 @@
 //! `stiction run`: from a scene to a checked file and a summary.
 
 use super::record::{write_head, write_results};
+use super::results::{Results, features};
 use super::summary::summary;
 use super::{Failure, RunArguments, print, read_scene};
-use crate::asperity::{Law, Quantity};
+use crate::asperity::Quantity;
 use crate::engine::{Ensemble, Job, Outcome};
-use crate::math::extrema::Features;
-use crate::math::interpolation::lagrange;
 use crate::output::OutputError;
 use crate::output::progress::Progress;
 use crate::output::writer::RunWriter;
-use crate::scene::{Plan, Scene};
-use crate::statistical::{Statistical, external_force};
+use crate::scene::Plan;
+use crate::statistical::Statistical;
 use crate::validation::{Basis, JointTest, basis, z_scores};
 use anyhow::Context;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-
-/// Everything that a run has found out.
-pub(super) struct Results {
-    pub scene: Scene,
-    pub plan: Plan,
-    pub regimes: Vec<&'static str>,
-    pub statistical: Statistical,
-    pub ensemble: Box<Ensemble>,
-    pub basis: Basis,
-    /// What is read off the mean curve of the external force, and off the integral's.
-    pub of_mean: Features,
-    pub of_integral: Features,
-    /// z-scores of adhesion force and external force.
-    pub z: [Vec<f64>; 2],
-    pub joint: JointTest,
-    pub seconds: Vec<(&'static str, f64)>,
-    pub threads: usize,
-    pub output: PathBuf,
-}
-
-impl Results {
-    /// The mean curve of a quantity.
-    pub fn mean(&self, quantity: Quantity) -> &[f64] {
-        self.ensemble.curves[quantity.index()].mean()
-    }
-}
 
 pub(super) fn run(arguments: &RunArguments) -> Result<(), Failure> {
     let mut scene = read_scene(&arguments.scene)?;
@@ -136,17 +109,6 @@ fn interruption() -> Result<Arc<AtomicBool>, Failure> {
     };
     ctrlc::set_handler(handler).context("cannot handle interruptions")?;
     Ok(stop)
-}
-
-/// Pull-off and stiffest point of the mean curve and of the integral. The integral is solved where it is asked for; the mean curve is
-/// known at the separations only, so between them its deviation from the integral, which is small, is interpolated.
-fn features(scene: &Scene, law: &dyn Law, ensemble: &Ensemble, statistical: &Statistical) -> (Features, Features) {
-    let q = Quantity::ExternalForce.index();
-    let (mean, expected) = (ensemble.curves[q].mean(), statistical.expected[q].as_slice());
-    let deviation: Vec<f64> = mean.iter().zip(expected).map(|(m, e)| m - e).collect();
-    let integral = |h: f64| external_force(law, &scene.surface, h);
-    let of_mean = |h: f64| integral(h) + lagrange(&scene.separations, &deviation, h);
-    (Features::new(of_mean, &scene.separations, mean), Features::new(integral, &scene.separations, expected))
 }
 
 fn cross_check(

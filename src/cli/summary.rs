@@ -1,8 +1,8 @@
 //! The summary of a run on the terminal.
 
-use super::check::{heading, skipped};
+use super::check::{beyond, heading, skipped};
 use super::format::{duration, percent, row, si};
-use super::run::Results;
+use super::results::Results;
 use crate::asperity::Quantity;
 use crate::engine::Replica;
 use crate::math::extrema::{Extremum, Features};
@@ -12,11 +12,13 @@ use crate::validation::{JointTest, Verdict};
 pub(super) fn summary(results: &Results) -> String {
     let mut text = heading(&results.scene, &results.plan);
     text += &skipped(&results.plan);
+    text += &beyond(&results.plan);
     text.push('\n');
     text += &pull_off(results);
     text += &stiffness(results);
     text += &at_pull_off(results);
     text += &verdict(&results.joint, &results.z, "all of them are in /validation");
+    text += &row("integral", &format!("relative error below {:.0e}", results.statistical.quadrature_error));
     text += &times(results);
     text += &row("written", &results.output.display().to_string());
     text

@@ -34,7 +34,10 @@ pub(super) struct Jump {
 
 /// The jumps of a law, by rising interference.
 pub(super) fn jumps(law: &dyn Law) -> Vec<Jump> {
-    let kinks = law.pieces().into_iter().map(|piece| piece.lower).filter(|lower| lower.is_finite());
+    let pieces = law.pieces();
+    // Where pieces meet, and where the law ends.
+    let kinks = pieces.iter().map(|piece| piece.lower).chain(pieces.last().map(|piece| piece.upper));
+    let kinks = kinks.filter(|kink| kink.is_finite());
     let (mut scratch, mut work) = (Scratch::default(), Work::default());
     let mut force = |interference: f64| {
         let mut force = 0.0;
@@ -155,4 +158,39 @@ fn steps(job: &Job<'_>, jumps: &[Jump], heights: &[f64], low: f64, high: f64, ev
     }
     steps.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
     steps
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::asperity::models::model;
+    use crate::asperity::scale::{Asperity, Scale};
+    use crate::asperity::{Path, Regime};
+
+    const CASE_II: Asperity = Asperity {
+        radius: 3.33e-6,
+        reduced_modulus: 85.29e9,
+        work_of_adhesion: 0.09,
+        equilibrium_spacing: 0.2e-9,
+        hardness: 2.5e9,
+        poisson_ratio: 0.27,
+        lubricant_thickness: 0.5e-9,
+    };
+
+    /// Published values of F_s on both sides: 0.766 and 0.909 at the fold, 1.268 where the lubricant with 2 begins, 0.977 at first
+    /// touch; the elastic law ends with the Hertz-like load of its last asperity.
+    #[test]
+    fn jumps_are_where_and_as_large_as_the_law_has_them() {
+        let law = (model("emd").unwrap().build)(&CASE_II, Path::Approach, (-20e-9, 20e-9)).unwrap();
+        let unit = Scale::new(&CASE_II).unwrap().force;
+        let jumps = jumps(law.as_ref());
+        let expected = [-(0.909 - 0.766), -(2.0 - 1.268), 2.0 - 0.977];
+        for (jump, size) in jumps.iter().zip(expected) {
+            assert!((jump.size / unit - size).abs() < 2e-3, "{jump:?}: {}", jump.size / unit);
+        }
+        assert_eq!(jumps.len(), 4);
+        assert_eq!(jumps[3].interference, CASE_II.critical_interference());
+        assert!(jumps[3].size < -20.0 * unit, "{:?}", jumps[3]);
+        assert_eq!(law.regimes().last(), Some(&Regime::Elastic));
+    }
 }

@@ -50,6 +50,8 @@ pub struct Plan {
     pub regimes: Vec<RegimePlan>,
     /// What is skipped, and why, a line each.
     pub skips: Vec<String>,
+    /// Expected asperities per replica beyond the law's last regime, where it has no force, at the separation with most of them.
+    pub beyond: f64,
     /// Asperity-separations of the run.
     pub pairs: f64,
     /// Estimated core seconds of the ensemble.
@@ -75,6 +77,7 @@ impl Plan {
             lambda: scene.scale().lambda,
             plasticity_index: scene.asperity.plasticity_index(scene.surface.surface_height_std),
             skips: skips(scene, &regimes),
+            beyond: beyond(scene, law),
             pairs: n * s * replicas,
             core_seconds: 1e-9 * replicas * nanoseconds,
             // The grid of the joint test, its copy, and the scalars of the replicas.
@@ -101,6 +104,13 @@ fn regimes(scene: &Scene, law: &dyn Law) -> Vec<RegimePlan> {
         lower = upper;
     }
     plans
+}
+
+fn beyond(scene: &Scene, law: &dyn Law) -> f64 {
+    let Some(end) = law.boundaries().get(law.regimes().len() - 1) else { return 0.0 };
+    let smallest = scene.surface.asperity_separation(scene.separations[0]);
+    let share = scene.surface.heights.probability(end.interference + smallest, f64::INFINITY);
+    scene.surface.asperity_count as f64 * share
 }
 
 fn skips(scene: &Scene, regimes: &[RegimePlan]) -> Vec<String> {

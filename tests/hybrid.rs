@@ -4,7 +4,7 @@ mod common;
 
 use common::case;
 use std::f64::consts::PI;
-use stiction::asperity::emd::Emd;
+use stiction::asperity::emd::{Emd, State};
 use stiction::asperity::hybrid::Hybrid;
 use stiction::asperity::models::{MODELS, model};
 use stiction::asperity::scale::{Asperity, Scale};
@@ -197,6 +197,31 @@ fn forces_scale_away_from_one() {
             });
             for i in 0..3 {
                 assert!((scaled[0][i] - scaled[1][i]).abs() <= 1e-11 * scaled[0][i].abs(), "Δ {delta}: {scaled:?}");
+            }
+        }
+    }
+}
+
+/// At the very ends of the branches, with and without tables: the states meet their closed forms and nothing panics.
+#[test]
+fn ends_of_branches_are_solved() {
+    for lambda in [1e-6, 0.5, 0.9, 0.95, 2.5, 1e6] {
+        for path in [Path::Approach, Path::Retraction] {
+            let plain = Emd::new(lambda, path).unwrap();
+            for law in [plain.clone(), plain.with_tables(-10.0, 10.0)] {
+                let mut work = Work::default();
+                let mut places =
+                    vec![law.end(), law.end().next_down(), law.contact_fold(), law.contact_fold().next_up()];
+                places.extend(law.noncontact_fold().iter().flat_map(|fold| [*fold, fold.next_down(), fold.next_up()]));
+                for approach in places {
+                    let (state, solution) = law.respond(approach, &mut work);
+                    assert!(solution.adhesion > 0.0 && solution.adhesion.is_finite(), "λ {lambda}, Δ {approach}");
+                    assert!(state == State::Contact || solution.radius == 0.0, "λ {lambda}, Δ {approach}");
+                }
+                // First touch is a = 0 (Maugis 1992): where contact begins there, the radius vanishes like a square root.
+                if law.end() == law.contact_fold() && lambda < 0.9 {
+                    assert!(law.contact(law.end(), &mut 0, &mut work).radius < 1e-6);
+                }
             }
         }
     }

@@ -85,7 +85,7 @@ impl<C: Curve> Branch<C> {
     /// The same branch with a starting table from the anchor to the approach `furthest`.
     pub fn with_table(mut self, furthest: f64) -> Self {
         let sign = if furthest > self.anchor.approach { 1.0 } else { -1.0 };
-        let departure = |s: f64| self.departure(self.locate(self.anchor.approach + sign * s * s, f64::NAN).0) / s;
+        let departure = |s: f64| self.departure(self.locate(self.anchor.approach + sign * s * s).0) / s;
         let noise = 10.0 * f64::EPSILON * self.curve.at(self.anchor.parameter).magnitude;
         let tolerance = |s: f64, kappa: f64| {
             if self.anchor.fold {
@@ -113,7 +113,8 @@ impl<C: Curve> Branch<C> {
     #[inline(always)]
     pub fn solve(&self, approach: f64, near: &mut usize, work: &mut Work) -> Solution {
         let s = (approach - self.anchor.approach).abs().sqrt();
-        if s <= self.table.end() {
+        // An empty table ends at 0.
+        if s < self.table.end() {
             *near = self.table.cell(s, *near);
             let departure = s * self.table.value(s, *near);
             let x = if C::RECIPROCAL {
@@ -133,7 +134,7 @@ impl<C: Curve> Branch<C> {
     #[cold]
     #[inline(never)]
     fn solve_safely(&self, approach: f64, work: &mut Work) -> Solution {
-        let (x, evaluations) = self.locate(approach, f64::NAN);
+        let (x, evaluations) = self.locate(approach);
         work.evaluations += u64::from(evaluations);
         work.safeguarded += 1;
         let state = self.curve.at(x);
@@ -142,14 +143,14 @@ impl<C: Curve> Branch<C> {
     }
 
     /// The parameter at an approach, to the last bits, and the evaluations it took.
-    pub(super) fn locate(&self, approach: f64, start: f64) -> (f64, u32) {
+    pub(super) fn locate(&self, approach: f64) -> (f64, u32) {
         let (low, high) = self.curve.bracket(approach);
         let sample = |x: f64| {
             let state = self.curve.at(x);
             Sample { value: state.approach - approach, slope: state.slope }
         };
         let done = |x: f64, sample: Sample| (sample.value / sample.slope).abs() <= 1e-3 * STEP_TOLERANCE * self.room(x);
-        let root = safe_newton(sample, low, high, start, done);
+        let root = safe_newton(sample, low, high, f64::NAN, done);
         let state = self.curve.at(root.x);
         let step = self.last_step(root.x, &state, approach).unwrap_or(0.0);
         (root.x + step, root.evaluations + 1)

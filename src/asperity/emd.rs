@@ -113,7 +113,7 @@ impl Emd {
 fn noncontact_branches(lambda: f64, end: f64) -> (Branch<Noncontact>, Option<Branch<Noncontact>>) {
     let regular = |curve: Noncontact| {
         let anywhere = Anchor { approach: end, parameter: f64::NAN, fold: false };
-        let (parameter, _) = Branch::new(curve, anywhere).locate(end, f64::NAN);
+        let (parameter, _) = Branch::new(curve, anywhere).locate(end);
         Branch::new(curve, Anchor { parameter, ..anywhere })
     };
     match Noncontact::branches(lambda) {

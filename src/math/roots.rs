@@ -24,7 +24,7 @@ pub const MAX_EVALUATIONS: u32 = 200;
 /// Newton's method inside a bracket for a function that falls through zero, with bisection wherever Newton leaves the
 /// bracket or fails to halve the value.
 ///
-/// `f(low) ≥ 0 ≥ f(high)`, 0 ≤ low < high. `done(x, sample)` decides when to stop; the caller usually adds
+/// `f(low) ≥ 0 ≥ f(high)`, 0 ≤ low < high; a `start` outside them, or NaN, is replaced by the middle. `done(x, sample)` decides when to stop; the caller usually adds
 /// the last Newton step itself. Also stops when the bracket cannot shrink, or after [`MAX_EVALUATIONS`].
 pub fn safe_newton(
     mut f: impl FnMut(f64) -> Sample,

@@ -103,11 +103,6 @@ impl<C: Curve> Branch<C> {
         self.anchor
     }
 
-    /// Cells of the starting table.
-    pub fn table_cells(&self) -> usize {
-        self.table.len()
-    }
-
     /// The state at the approach Δ. `near` carries the table cell from one call to the next; neighbouring approaches
     /// make the search short.
     #[inline(always)]

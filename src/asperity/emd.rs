@@ -77,12 +77,6 @@ impl Emd {
         self.contact.anchor().approach
     }
 
-    /// Cells of the starting tables: contact, noncontact.
-    pub fn table_cells(&self) -> (usize, usize) {
-        let inner = self.inner.as_ref().map_or(0, Branch::table_cells);
-        (self.contact.table_cells(), self.outer.table_cells() + inner)
-    }
-
     /// The state at any approach: the branch that the history selects.
     pub fn respond(&self, approach: f64, work: &mut Work) -> (State, Solution) {
         if approach >= self.end {

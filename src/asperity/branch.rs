@@ -181,8 +181,11 @@ impl<C: Curve> Branch<C> {
 
 #[inline(always)]
 fn finish(state: &State, step: f64, approach: f64, work: &mut Work) -> Solution {
-    let residual = (approach - state.approach).abs() / state.magnitude;
-    work.largest_residual = work.largest_residual.max(residual);
+    let residual = (approach - state.approach).abs();
+    // Rarely a new largest, so the division is rare.
+    if residual > work.largest_residual * state.magnitude {
+        work.largest_residual = residual / state.magnitude;
+    }
     Solution {
         adhesion: state.adhesion + state.adhesion_slope * step,
         radius: state.radius + state.radius_slope * step,

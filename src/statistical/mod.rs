@@ -13,6 +13,9 @@ use rayon::prelude::*;
 /// Relative accuracy asked of every panel.
 const TOLERANCE: f64 = 1e-13;
 
+/// Heights beyond so many σ_s have a density that underflows: nothing is left to integrate.
+const LARGEST_HEIGHT: f64 = 38.0;
+
 /// Components of an integrand: adhesion, contact, area, and the squares of the four quantities.
 const COMPONENTS: usize = 7;
 
@@ -122,9 +125,13 @@ impl AtSeparation {
     ) -> Integral<COMPONENTS> {
         let variable = Variable::of(piece);
         let breaks = panel_breaks(piece, separation, surface.heights.std, variable);
+        // Rounding a height far out in the distribution is rounding its density so many times over.
+        let ends = [breaks.first(), breaks.last()].map(|end| variable.interference(*end.unwrap_or(&0.0)).abs());
+        let rounding = f64::EPSILON * (ends[0].max(ends[1]) + separation.abs()) / surface.heights.std;
+        let tolerance = TOLERANCE.max(4.0 * LARGEST_HEIGHT * rounding);
         let mut responses = Responses::default();
         let mut interference = [0.0; NODES];
-        rule.integrate(&breaks, TOLERANCE, |places, values: &mut [[f64; COMPONENTS]; NODES]| {
+        rule.integrate(&breaks, tolerance, |places, values: &mut [[f64; COMPONENTS]; NODES]| {
             for (delta, &place) in interference.iter_mut().zip(places) {
                 *delta = variable.interference(place).clamp(piece.lower, piece.upper);
             }
@@ -203,8 +210,7 @@ fn panel_breaks(piece: &Piece, separation: f64, std: f64, variable: Variable) ->
     let nearest = if low > 0.0 { low } else { high.min(0.0) };
     let reach = (nearest * nearest + 140.0).sqrt();
     let (low, high) = (low.max(-reach), high.min(reach));
-    // Beyond 38 σ the density underflows: nothing is left to integrate.
-    if !(low < high) || nearest.abs() > 38.0 {
+    if !(low < high) || nearest.abs() > LARGEST_HEIGHT {
         return Vec::new();
     }
     let panels = (high - low).ceil().max(1.0) as usize;

@@ -121,3 +121,25 @@ fn an_error_of_one_per_cent_in_any_regime_is_caught() {
         assert_eq!(test.verdict, Verdict::Disagree);
     }
 }
+
+/// Many separations are thinned out for the test, in bounded time, and the functionals still look at the right ones.
+#[test]
+fn many_separations_are_thinned_out() {
+    let (asperity, mut surface) = case("II");
+    surface.asperity_count = 200;
+    let separations = separations(&surface, 0.0, 4.0, 1201);
+    let law = Hybrid::new(&asperity, Path::Approach, (-30e-9, 20e-9)).unwrap();
+    let basis = basis(&law, &surface, &separations, 48);
+    assert_eq!(basis.probes.len(), 12);
+    for probe in &basis.probes {
+        for (weights, tested) in [&probe.adhesion_force, &probe.external_force].into_iter().zip(&basis.tested) {
+            assert_eq!((weights.len(), tested.len()), (1201, 1201));
+            assert!(weights.iter().enumerate().all(|(k, weight)| *weight == 0.0 || (tested[k] && k % 4 == 0)));
+            assert!(weights.iter().any(|weight| *weight != 0.0));
+        }
+    }
+    // False alarm 1e-3; the seed is fixed.
+    let scene = Scene { surface: &surface, separations: &separations, replicas: 48 };
+    let expected = Statistical::new(&law, &surface, &separations);
+    assert_eq!(joint_test(&scene, &law, &basis, &expected, 5).verdict, Verdict::Agree);
+}

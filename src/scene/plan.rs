@@ -81,7 +81,7 @@ impl Plan {
             pairs: n * s * replicas,
             core_seconds: 1e-9 * replicas * nanoseconds,
             // The grid of the joint test, its copy, and the scalars of the replicas.
-            memory: 8.0 * 4001.0 * 4.0 * s + 64.0 * replicas + batch + 20e6,
+            memory: 8.0 * 4001.0 * 4.0 * s.min(400.0) + 64.0 * replicas + batch + 20e6,
             memory_per_thread: 2.0 * batch,
             regimes,
         }

@@ -10,6 +10,8 @@ use crate::surface::Surface;
 const GRID: usize = 4001;
 /// The grid covers ± this many σ_s.
 const GRID_REACH: f64 = 8.5;
+/// Most separations that the functionals look at: of more, every n-th, because the eigenvectors cost the cube of their number.
+const MAX_SEPARATIONS: usize = 400;
 /// Most functionals.
 const MAX_COMPONENTS: usize = 32;
 /// Fewest replicas per functional.
@@ -41,23 +43,26 @@ struct Column {
 /// force over all separations, by the law. Separations, and eigenvectors, whose mean over the ensemble is still decided by a few
 /// rare asperities are left out, because no covariance describes them.
 pub fn basis(law: &dyn Law, surface: &Surface, separations: &[f64], replicas: u64) -> Basis {
+    let all = separations.len();
+    let stride = all.div_ceil(MAX_SEPARATIONS);
+    let separations: Vec<f64> = separations.iter().copied().step_by(stride).collect();
     let s = separations.len();
     let samples = surface.asperity_count as f64 * replicas as f64;
-    let contributions = contributions(law, surface, separations);
+    let contributions = contributions(law, surface, &separations);
     let columns: Vec<Column> =
         contributions.values.chunks_exact(GRID).map(|c| contributions.column(c, samples)).collect();
     let kept: Vec<usize> = (0..2 * s).filter(|&j| columns[j].gaussian).collect();
-    let tested = [0, 1].map(|q| (0..s).map(|k| columns[q * s + k].gaussian).collect());
+    let tested = [0, 1].map(|q| (0..all).map(|k| k % stride == 0 && columns[q * s + k / stride].gaussian).collect());
     let components = contributions.components(&kept, &columns, samples, replicas);
     let root_count = (surface.asperity_count as f64).sqrt();
     let probes = components
         .iter()
         .map(|component| {
-            let mut weights = vec![0.0; 2 * s];
+            let mut weights = vec![0.0; 2 * all];
             for (&j, weight) in kept.iter().zip(component) {
-                weights[j] = weight / (columns[j].std * root_count);
+                weights[j / s * all + j % s * stride] = weight / (columns[j].std * root_count);
             }
-            Probe { external_force: weights.split_off(s), adhesion_force: weights }
+            Probe { external_force: weights.split_off(all), adhesion_force: weights }
         })
         .collect();
     Basis { probes, tested }

@@ -23,8 +23,8 @@ pub(super) fn asperity(arguments: &AsperityArguments) -> Result<(), Failure> {
     let mut text = String::from("lambda,delta,branch,adhesion_force,external_force,contact_radius\n");
     let mut law: Option<(f64, Emd)> = None;
     for (lambda, delta) in points {
-        if !delta.is_finite() {
-            return Err(Failure::Usage(format!("delta = {delta}: a finite number is needed")));
+        if !(delta.abs() <= 1e100) {
+            return Err(Failure::Usage(format!("delta = {delta}: a finite number is needed, -1e100 to 1e100")));
         }
         let emd = match law.take() {
             Some((known, emd)) if known == lambda => emd,

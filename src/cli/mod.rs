@@ -138,6 +138,7 @@ impl From<OutputError> for Failure {
         match error {
             OutputError::Hdf5(_) | OutputError::Io { .. } => Self::Running(error.into()),
             OutputError::Exists(_)
+            | OutputError::IsFolder(_)
             | OutputError::NoFolder(_)
             | OutputError::NotWritable { .. }
             | OutputError::NotAResult { .. } => Self::Usage(error.to_string()),

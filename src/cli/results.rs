@@ -3,7 +3,7 @@
 use crate::asperity::{Law, Quantity};
 use crate::engine::Ensemble;
 use crate::math::extrema::Features;
-use crate::math::interpolation::lagrange;
+use crate::math::interpolation::linear;
 use crate::scene::{Plan, Scene};
 use crate::statistical::{Statistical, external_force};
 use crate::validation::{Basis, JointTest};
@@ -47,6 +47,6 @@ pub(super) fn features(
     let (mean, expected) = (ensemble.curves[q].mean(), statistical.expected[q].as_slice());
     let deviation: Vec<f64> = mean.iter().zip(expected).map(|(m, e)| m - e).collect();
     let integral = |h: f64| external_force(law, &scene.surface, h);
-    let of_mean = |h: f64| integral(h) + lagrange(&scene.separations, &deviation, h);
+    let of_mean = |h: f64| integral(h) + linear(&scene.separations, &deviation, h);
     (Features::new(of_mean, &scene.separations, mean), Features::new(integral, &scene.separations, expected))
 }

@@ -20,8 +20,10 @@ const SPACING: f64 = 0.06;
 const MOST_BETWEEN: usize = 64;
 /// Parts of the space between two separations, the deepest place of each is found.
 const PARTS: usize = 2;
-/// The deepest of these at which the whole surface is solved.
-const SOLVED: usize = 8;
+/// The whole surface is solved at the deepest of these: so many asperities in all, because a small patch is the more jagged, and within
+/// these bounds.
+const SOLVED_ASPERITIES: usize = 60_000;
+const SOLVED: (usize, usize) = (8, 32);
 
 /// A jump of the external force of one asperity.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -135,7 +137,8 @@ fn deepest(
         }
     }
     cells.sort_unstable_by(|a, b| a.1.total_cmp(&b.1));
-    cells.into_iter().take(SOLVED).map(|(h, _)| h).collect()
+    let solved = (SOLVED_ASPERITIES / heights.len().max(1)).clamp(SOLVED.0, SOLVED.1);
+    cells.into_iter().take(solved).map(|(h, _)| h).collect()
 }
 
 /// The jumps of all asperities that are above them at a separation, N.

@@ -17,9 +17,25 @@ pub fn lagrange(places: &[f64], values: &[f64], x: f64) -> f64 {
     (0..points).map(|i| values[i] * weight(i)).sum()
 }
 
+/// The value at `x` of the straight line between its neighbours among at least 2 samples at rising places; it cannot overshoot them.
+pub fn linear(places: &[f64], values: &[f64], x: f64) -> f64 {
+    let above = places.partition_point(|&place| place < x).clamp(1, places.len() - 1);
+    let share = ((x - places[above - 1]) / (places[above] - places[above - 1])).clamp(0.0, 1.0);
+    values[above - 1] + share * (values[above] - values[above - 1])
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn lines_stay_between_their_samples() {
+        let (places, values) = ([0.0, 1.0, 1.001, 3.0], [2.0, -1.0, 5.0, 0.0]);
+        assert_eq!(linear(&places, &values, 0.5), 0.5);
+        assert_eq!(linear(&places, &values, -1.0), 2.0);
+        assert_eq!(linear(&places, &values, 4.0), 0.0);
+        assert!((linear(&places, &values, 2.0005) - 2.5).abs() < 1e-12);
+    }
 
     #[test]
     fn a_quintic_is_met_exactly_on_uneven_samples() {

@@ -19,6 +19,9 @@ pub enum OutputError {
     /// The folder of the output does not exist.
     #[error("the folder {} of the output does not exist; make it, or give another name with -o", .0.display())]
     NoFolder(PathBuf),
+    /// The output names a folder.
+    #[error("{} names a folder; name a file with -o", .0.display())]
+    IsFolder(PathBuf),
     /// The output cannot be made where it is asked for.
     #[error("cannot write in {}: {error}; give another name with -o", folder.display())]
     NotWritable {

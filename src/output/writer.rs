@@ -38,7 +38,10 @@ impl RunWriter {
         if !folder.is_dir() {
             return Err(OutputError::NoFolder(folder.to_owned()));
         }
-        if output.is_dir() || (output.exists() && !force) {
+        if output.is_dir() || output.file_name().is_none() || output.as_os_str().to_string_lossy().ends_with('/') {
+            return Err(OutputError::IsFolder(output.to_owned()));
+        }
+        if output.exists() && !force {
             return Err(OutputError::Exists(output.to_owned()));
         }
         let name = output.file_name().unwrap_or_default().to_string_lossy().into_owned();

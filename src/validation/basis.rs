@@ -49,8 +49,12 @@ pub fn basis(law: &dyn Law, surface: &Surface, separations: &[f64], replicas: u6
     let s = separations.len();
     let samples = surface.asperity_count as f64 * replicas as f64;
     let contributions = contributions(law, surface, &separations);
-    let columns: Vec<Column> =
-        contributions.values.chunks_exact(GRID).map(|c| contributions.column(c, samples)).collect();
+    let columns: Vec<Column> = contributions
+        .values
+        .chunks_exact(GRID)
+        .zip(&contributions.largest)
+        .map(|(c, largest)| contributions.column(c, *largest, samples))
+        .collect();
     let kept: Vec<usize> = (0..2 * s).filter(|&j| columns[j].gaussian).collect();
     let tested = [0, 1].map(|q| (0..all).map(|k| k % stride == 0 && columns[q * s + k / stride].gaussian).collect());
     let components = contributions.components(&kept, &columns, samples, replicas);
@@ -74,6 +78,8 @@ struct Contributions {
     weights: Vec<f64>,
     /// Column by column, adhesion force then external force at each separation: 2S × GRID.
     values: Vec<f64>,
+    /// Largest |contribution| of each column before it was centred.
+    largest: Vec<f64>,
 }
 
 fn contributions(law: &dyn Law, surface: &Surface, separations: &[f64]) -> Contributions {
@@ -95,18 +101,20 @@ fn contributions(law: &dyn Law, surface: &Surface, separations: &[f64]) -> Contr
             }
         });
     }
+    let largest = values.chunks_exact(GRID).map(|c| c.iter().fold(0.0, |worst: f64, f| worst.max(f.abs()))).collect();
     for column in values.chunks_exact_mut(GRID) {
         let mean: f64 = column.iter().zip(&weights).map(|(f, w)| f * w).sum();
         column.iter_mut().for_each(|f| *f -= mean);
     }
-    Contributions { weights, values }
+    Contributions { weights, values, largest }
 }
 
 impl Contributions {
-    fn column(&self, column: &[f64], samples: f64) -> Column {
+    fn column(&self, column: &[f64], largest: f64, samples: f64) -> Column {
         let moment = |power: i32| column.iter().zip(&self.weights).map(|(f, w)| w * f.powi(power)).sum::<f64>();
         let std = moment(2).sqrt();
-        if !(std > 0.0 && std.is_finite()) {
+        // What is constant but for rounding, as in the lubricant regime, has no covariance.
+        if !(std > 1e-10 * largest && std.is_finite()) {
             return Column { std, gaussian: false };
         }
         let skewness = moment(3) / std.powi(3);

@@ -67,6 +67,9 @@ impl JointTest {
             return untested;
         };
         let p_value = distribution.sf((n - k) / (k * (n - 1.0)) * statistic);
+        if p_value.is_nan() {
+            return untested;
+        }
         let verdict = if p_value >= SIGNIFICANCE { Verdict::Agree } else { Verdict::Disagree };
         Self { statistic, degrees_of_freedom, p_value, verdict }
     }

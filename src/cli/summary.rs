@@ -88,9 +88,9 @@ fn stiffness(results: &Results) -> String {
     text += &row(
         "",
         &format!(
-            "{} of single replicas on average, scatter {}, at h* = {:.3}",
+            "{} of single replicas on average{}, at h* = {:.3}",
             si(mean, "N/m"),
-            percent(std / mean),
+            if std.is_finite() { format!(", scatter {}", percent(std / mean.abs())) } else { String::new() },
             h_star(results, separation)
         ),
     );

@@ -4,7 +4,7 @@ use super::reader::{Entry, SceneError, Section};
 use super::units::Dimension;
 use toml::de::DeValue;
 
-/// Most separations of a scene: their covariance is held in memory.
+/// Most separations of a scene; far more than a curve needs.
 const MOST: u64 = 10_000;
 
 /// Reads the separations, m, rising.

@@ -259,8 +259,19 @@ fn bad_arguments_of_asperity_are_named() {
     let folder = Folder::new("");
     std::fs::write(folder.path("table.csv"), "lambda,approach\n1,2\n").unwrap();
     std::fs::write(folder.path("words.csv"), "lambda,delta\n1,two\n").unwrap();
-    let cases: [(&[&str], &str); 6] = [
-        (&["--law", "edm", "--lambda", "1", "--delta", "0"], "unknown law; known: emd"),
+    let cases: [(&[&str], &str); 11] = [
+        (&["--law", "edm", "--lambda", "1", "--delta", "0"], "--law edm: unknown law; known: hybrid, emd"),
+        (&["--law", "md_kin", "--lambda", "1", "--delta", "0"], "did you mean md_kim?"),
+        (&["--law", "ke", "--lambda", "1", "--delta", "0"], "give --critical-interference"),
+        (
+            &["--law", "ke", "--lambda", "1", "--delta", "0", "--critical-interference", "0"],
+            "a positive number is needed",
+        ),
+        (&["--law", "ke", "--lambda", "1", "--delta", "200", "--critical-interference", "1"], "give --poisson-ratio"),
+        (
+            &["--law", "emd", "--lambda", "1", "--delta", "0", "--lubricant-thickness=-1"],
+            "0 or a positive number is needed",
+        ),
         (&["--law", "emd", "--lambda", "1e9", "--delta", "0"], "outside 1e-6..1e6"),
         (&["--law", "emd", "--lambda", "1", "--delta", "nan"], "a finite number is needed"),
         (&["--law", "emd", "--table", "table.csv"], "no column `delta`"),

@@ -3,10 +3,9 @@
 
 mod common;
 
-use common::case;
+use common::{case, law};
 use std::sync::atomic::AtomicBool;
 use stiction::asperity::emd::{Emd, State};
-use stiction::asperity::hybrid::Hybrid;
 use stiction::asperity::scale::{Asperity, Scale};
 use stiction::asperity::{Law, Path, Quantity, Work};
 use stiction::engine::stream::{Purpose, stream};
@@ -59,8 +58,8 @@ fn sums_agree_with_a_plain_loop() {
         let (asperity, mut surface) = case(name);
         surface.asperity_count = 700;
         let separations: Vec<f64> = (-1..7).map(|i| f64::from(i) * surface.surface_height_std).collect();
-        let law = Hybrid::new(&asperity, path, (-60e-9, 40e-9)).unwrap();
-        let job = job(&law, &surface, &separations, 1);
+        let law = law("hybrid", &asperity, path, (-60e-9, 40e-9));
+        let job = job(law.as_ref(), &surface, &separations, 1);
         let mut workspace = Workspace::new(&job);
         workspace.replica(&job, 0);
         let mut heights = vec![0.0; 700];
@@ -91,10 +90,10 @@ fn scatter_agrees_with_the_integral() {
     let (asperity, mut surface) = case("II");
     surface.asperity_count = 2000;
     let separations: Vec<f64> = (-2..6).map(|i| 0.5 * f64::from(i) * surface.surface_height_std).collect();
-    let law = Hybrid::new(&asperity, Path::Approach, (-30e-9, 20e-9)).unwrap();
+    let law = law("hybrid", &asperity, Path::Approach, (-30e-9, 20e-9));
     let replicas = 1500;
-    let sampled = ensemble(&job(&law, &surface, &separations, replicas));
-    let model = Statistical::new(&law, &surface, &separations);
+    let sampled = ensemble(&job(law.as_ref(), &surface, &separations, replicas));
+    let model = Statistical::new(law.as_ref(), &surface, &separations);
     for quantity in Quantity::ALL {
         let sampled = sampled.curves[quantity.index()].std();
         for (k, (sample, exact)) in sampled.iter().zip(&model.std[quantity.index()]).enumerate() {
@@ -110,13 +109,14 @@ fn scatter_agrees_with_the_integral() {
 fn refinement_finds_what_a_finer_curve_shows() {
     let (asperity, surface) = case("II");
     let sigma = surface.surface_height_std;
-    let law = Hybrid::new(&asperity, Path::Approach, (-20e-9, 20e-9)).unwrap();
+    let law = law("hybrid", &asperity, Path::Approach, (-20e-9, 20e-9));
     let grid = |from: f64, to: f64, step: f64| -> Vec<f64> {
         (0..=((to - from) / step).round() as u32).map(|i| sigma * (from + step * f64::from(i))).collect()
     };
     let coarse = grid(1.0, 4.0, 0.05);
     let fine = grid(2.0, 4.0, 0.002);
-    let [coarse, fine] = [&coarse, &fine].map(|separations| ensemble(&job(&law, &surface, separations, 16)).replicas);
+    let [coarse, fine] =
+        [&coarse, &fine].map(|separations| ensemble(&job(law.as_ref(), &surface, separations, 16)).replicas);
     let mut errors = Vec::new();
     for (a, b) in coarse.iter().zip(&fine) {
         assert!(!a.pull_off_at_edge && !b.pull_off_at_edge);

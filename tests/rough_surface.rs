@@ -3,9 +3,8 @@
 
 mod common;
 
-use common::case;
-use stiction::asperity::hybrid::Hybrid;
-use stiction::asperity::{Law, Path, Quantity};
+use common::{case, law};
+use stiction::asperity::{Path, Quantity};
 use stiction::math::extrema::Features;
 use stiction::statistical::{Statistical, external_force};
 
@@ -22,8 +21,8 @@ fn every_regime_agrees_with_the_inversion_free_quadrature() {
         asperity.lubricant_thickness = thickness.parse().unwrap();
         let path = Path::ALL.iter().find(|(name, _)| *name == path_name).unwrap().1;
         let number = |field: &str| field.parse::<f64>().unwrap();
-        let law = Hybrid::new(&asperity, path, (-60e-9, 60e-9)).unwrap();
-        let model = Statistical::new(&law, &surface, &[number(h_star) * surface.surface_height_std]);
+        let law = law("hybrid", &asperity, path, (-60e-9, 60e-9));
+        let model = Statistical::new(law.as_ref(), &surface, &[number(h_star) * surface.surface_height_std]);
         let r = law.regimes().iter().position(|known| known.name() == regime).unwrap();
         assert!(model.quadrature_error < 1e-10, "{line}: {:e}", model.quadrature_error);
         let (count, adhesion, external) = (number(count), number(adhesion), number(external));
@@ -58,13 +57,13 @@ fn the_integral_of_the_cases_pulls_off_where_it_is_known_to() {
         let (mut asperity, surface) = case(name);
         asperity.work_of_adhesion = work_of_adhesion.unwrap_or(asperity.work_of_adhesion);
         let sigma = surface.surface_height_std;
-        let law = Hybrid::new(&asperity, Path::Approach, (-60e-9, 40e-9)).unwrap();
+        let law = law("hybrid", &asperity, Path::Approach, (-60e-9, 40e-9));
         for count in [15, 141] {
             let separations: Vec<f64> =
                 (0..count).map(|i| sigma * (0.5 + 7.0 * f64::from(i) / f64::from(count - 1))).collect();
-            let model = Statistical::new(&law, &surface, &separations);
+            let model = Statistical::new(law.as_ref(), &surface, &separations);
             let external = &model.expected[Quantity::ExternalForce.index()];
-            let features = Features::new(|h| external_force(&law, &surface, h), &separations, external);
+            let features = Features::new(|h| external_force(law.as_ref(), &surface, h), &separations, external);
             let pull_off = -features.minimum.value;
             assert!((pull_off / force - 1.0).abs() < accuracy, "case {name}, {count}: {pull_off} N");
             let place = features.steepest.place / sigma;
@@ -80,9 +79,9 @@ fn noisy_densities_end() {
     for std in [5e-12, 5e-11, 1e-9, 1e-6] {
         let (asperity, mut surface) = case("II");
         surface.heights.std = std;
-        let law = Hybrid::new(&asperity, Path::Approach, (-100e-9, 100e-9)).unwrap();
+        let law = law("hybrid", &asperity, Path::Approach, (-100e-9, 100e-9));
         let separations: Vec<f64> = (-20..60).map(|i| 0.5e-9 * f64::from(i)).collect();
-        let model = Statistical::new(&law, &surface, &separations);
+        let model = Statistical::new(law.as_ref(), &surface, &separations);
         assert!(model.quadrature_error < 1e-9, "{std}: {:e}", model.quadrature_error);
         for k in 0..separations.len() {
             let count: f64 = model.regime_count.iter().map(|regime| regime[k]).sum();

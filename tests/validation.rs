@@ -2,9 +2,8 @@
 
 mod common;
 
-use common::case;
+use common::{case, law};
 use std::sync::atomic::AtomicBool;
-use stiction::asperity::hybrid::Hybrid;
 use stiction::asperity::{Boundary, Law, Path, Piece, Quantity, Regime, Responses, Work};
 use stiction::engine::{Job, Outcome, run};
 use stiction::statistical::Statistical;
@@ -29,6 +28,10 @@ impl Law for Planted<'_> {
 
     fn pieces(&self) -> Vec<Piece> {
         self.law.pieces()
+    }
+
+    fn cost(&self, regime: usize) -> f64 {
+        self.law.cost(regime)
     }
 
     fn evaluate(&self, regime: usize, interference: &[f64], out: &mut Responses, work: &mut Work) {
@@ -85,12 +88,12 @@ fn p_values_are_uniform_when_they_should_be() {
     let (asperity, mut surface) = case("II");
     surface.asperity_count = 300;
     let separations = separations(&surface, -1.0, 5.0, 16);
-    let law = Hybrid::new(&asperity, Path::Approach, (-30e-9, 20e-9)).unwrap();
-    let expected = Statistical::new(&law, &surface, &separations);
-    let basis = basis(&law, &surface, &separations, 48);
+    let law = law("hybrid", &asperity, Path::Approach, (-30e-9, 20e-9));
+    let expected = Statistical::new(law.as_ref(), &surface, &separations);
+    let basis = basis(law.as_ref(), &surface, &separations, 48);
     let scene = Scene { surface: &surface, separations: &separations, replicas: 48 };
     let mut p_values: Vec<f64> =
-        (0..400).map(|seed| joint_test(&scene, &law, &basis, &expected, seed).p_value).collect();
+        (0..400).map(|seed| joint_test(&scene, law.as_ref(), &basis, &expected, seed).p_value).collect();
     p_values.sort_by(f64::total_cmp);
     let n = p_values.len() as f64;
     let distance = p_values
@@ -108,14 +111,14 @@ fn p_values_are_uniform_when_they_should_be() {
 fn an_error_of_one_per_cent_in_any_regime_is_caught() {
     let (asperity, surface) = case("II");
     let separations = separations(&surface, -1.0, 8.0, 46);
-    let law = Hybrid::new(&asperity, Path::Approach, (-60e-9, 40e-9)).unwrap();
-    let expected = Statistical::new(&law, &surface, &separations);
-    let basis = basis(&law, &surface, &separations, 120);
+    let law = law("hybrid", &asperity, Path::Approach, (-60e-9, 40e-9));
+    let expected = Statistical::new(law.as_ref(), &surface, &separations);
+    let basis = basis(law.as_ref(), &surface, &separations, 120);
     let scene = Scene { surface: &surface, separations: &separations, replicas: 120 };
-    assert_eq!(joint_test(&scene, &law, &basis, &expected, 7).verdict, Verdict::Agree);
+    assert_eq!(joint_test(&scene, law.as_ref(), &basis, &expected, 7).verdict, Verdict::Agree);
     // In case II no asperity gets beyond 6 ω_c, so four regimes can hold an error.
     for (regime, name) in ["noncontact", "lubricant", "elastic", "elastoplastic1"].iter().enumerate() {
-        let planted = Planted { law: &law, regime, factor: 1.01 };
+        let planted = Planted { law: law.as_ref(), regime, factor: 1.01 };
         let test = joint_test(&scene, &planted, &basis, &expected, 7);
         assert!(test.p_value < 1e-6, "{name}: {test:?}");
         assert_eq!(test.verdict, Verdict::Disagree);
@@ -128,8 +131,8 @@ fn many_separations_are_thinned_out() {
     let (asperity, mut surface) = case("II");
     surface.asperity_count = 200;
     let separations = separations(&surface, 0.0, 4.0, 1201);
-    let law = Hybrid::new(&asperity, Path::Approach, (-30e-9, 20e-9)).unwrap();
-    let basis = basis(&law, &surface, &separations, 48);
+    let law = law("hybrid", &asperity, Path::Approach, (-30e-9, 20e-9));
+    let basis = basis(law.as_ref(), &surface, &separations, 48);
     assert_eq!(basis.probes.len(), 12);
     for probe in &basis.probes {
         for (weights, tested) in [&probe.adhesion_force, &probe.external_force].into_iter().zip(&basis.tested) {
@@ -140,6 +143,6 @@ fn many_separations_are_thinned_out() {
     }
     // False alarm 1e-3; the seed is fixed.
     let scene = Scene { surface: &surface, separations: &separations, replicas: 48 };
-    let expected = Statistical::new(&law, &surface, &separations);
-    assert_eq!(joint_test(&scene, &law, &basis, &expected, 5).verdict, Verdict::Agree);
+    let expected = Statistical::new(law.as_ref(), &surface, &separations);
+    assert_eq!(joint_test(&scene, law.as_ref(), &basis, &expected, 5).verdict, Verdict::Agree);
 }

@@ -1,16 +1,14 @@
 //! The extended Maugis-Dugdale law of one elastic asperity: noncontact and contact branches joined by history.
 //!
 //! # Validity
-//! Elastic spheres, every adhesion parameter λ in [`LAMBDA_RANGE`]. Source: Maugis (1992) in contact, Shi and Polycarpou
+//! Elastic spheres, every adhesion parameter λ in [`super::scale::LAMBDA_RANGE`]. Source: Maugis (1992) in contact, Shi and Polycarpou
 //! (2005) before it; the branch rules are those of displacement control.
 
 use super::branch::{Anchor, Branch, Curve, Solution};
 use super::contact::Contact;
 use super::noncontact::{Branches, Noncontact};
+use super::scale::Scale;
 use super::{LawError, Path, Work};
-
-/// The adhesion parameters that the equations are solved for.
-pub const LAMBDA_RANGE: (f64, f64) = (1e-6, 1e6);
 
 /// On which branch an asperity is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,11 +32,9 @@ impl Emd {
     /// The law for the adhesion parameter `lambda` along `path`.
     ///
     /// # Errors
-    /// [`LawError`] when `lambda` is outside [`LAMBDA_RANGE`] or not a number.
+    /// [`LawError`] when `lambda` is outside [`super::scale::LAMBDA_RANGE`] or not a number.
     pub fn new(lambda: f64, path: Path) -> Result<Self, LawError> {
-        if !(lambda >= LAMBDA_RANGE.0 && lambda <= LAMBDA_RANGE.1) {
-            return Err(LawError::Lambda(lambda));
-        }
+        let Scale { lambda, .. } = Scale::unit(lambda)?;
         let curve = Contact::new(lambda);
         let fold = Anchor { approach: curve.at(curve.end()).approach, parameter: curve.end(), fold: true };
         let end = match path {
@@ -50,10 +46,20 @@ impl Emd {
     }
 
     /// The same law with starting tables for approaches in `lowest..=highest`, which make solves in that range fast.
-    pub fn with_tables(mut self, lowest: f64, highest: f64) -> Self {
+    pub fn with_tables(self, lowest: f64, highest: f64) -> Self {
+        self.with_contact_table(highest).with_noncontact_tables(lowest)
+    }
+
+    /// The same law with a starting table for the contact branch up to the approach `highest`.
+    pub fn with_contact_table(mut self, highest: f64) -> Self {
         if highest > self.contact.anchor().approach {
             self.contact = self.contact.with_table(highest);
         }
+        self
+    }
+
+    /// The same law with starting tables for the noncontact branches down to the approach `lowest`.
+    pub fn with_noncontact_tables(mut self, lowest: f64) -> Self {
         if lowest < self.outer.anchor().approach {
             self.outer = self.outer.with_table(lowest);
         }

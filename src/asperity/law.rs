@@ -23,6 +23,11 @@ pub enum Regime {
 }
 
 impl Regime {
+    /// Whether the solids touch.
+    pub fn is_contact(self) -> bool {
+        !matches!(self, Self::Noncontact | Self::Lubricant)
+    }
+
     /// Its name in files and tables.
     pub fn name(self) -> &'static str {
         match self {
@@ -58,10 +63,12 @@ impl Boundary {
 pub enum Smoothness {
     /// Smooth up to both ends.
     Smooth,
-    /// Smooth in √|δ − place|; `place` is at the end of the piece or beyond it.
-    SquareRoot {
+    /// Smooth in |δ − place|^(1/order); `place` is at the end of the piece or beyond it.
+    Root {
         /// m.
         place: f64,
+        /// 2 next to a fold or where a contact begins as Hertz's does.
+        order: i32,
     },
 }
 
@@ -107,6 +114,9 @@ pub trait Law: Send + Sync {
 
     /// The smooth pieces, rising, that cover the regimes: split at every kink and jump.
     fn pieces(&self) -> Vec<Piece>;
+
+    /// Nanoseconds of one evaluation in a regime, about, on one core of a 2020s server.
+    fn cost(&self, regime: usize) -> f64;
 
     /// Fills the first `interference.len()` ≤ [`BLOCK`] responses for interferences δ, m, that all lie in one regime.
     fn evaluate(&self, regime: usize, interference: &[f64], out: &mut Responses, work: &mut Work);

@@ -2,21 +2,23 @@
 //!
 //! The elastic laws are solved in scaled form, where the adhesion parameter λ and the scaled approach Δ are all there is
 //! ([`emd`] and below); [`scale`] is the one place that knows R, E_r and Δγ. A law of a rough surface's asperity
-//! ([`hybrid`]) maps intervals of interference, its regimes, to such laws, and shows itself to the sums through [`Law`].
+//! ([`laws`]) is a [`table`] of regimes, intervals of interference, and what acts in each, and shows itself to the sums through [`Law`].
 
 pub mod branch;
 pub mod contact;
 pub mod emd;
-pub mod hybrid;
-pub mod kogut_etsion;
 pub mod law;
+pub mod laws;
 pub mod models;
 pub mod noncontact;
 pub mod quantity;
 pub mod scale;
+mod setting;
+pub mod table;
 
 pub use law::{BLOCK, Boundary, Law, Piece, Regime, Responses, Scratch, Smoothness, for_each_block};
 pub use quantity::Quantity;
+pub use setting::Setting;
 
 use thiserror::Error;
 
@@ -77,6 +79,9 @@ pub enum LawError {
     /// λ outside the range that is solved.
     #[error("the adhesion parameter lambda is {0:e}, outside 1e-6..1e6")]
     Lambda(f64),
+    /// ω_c is infinite, but the law has an elastic-plastic scale even in its elastic regime.
+    #[error("no critical interference is given, which the law {0} needs")]
+    Elastic(&'static str),
     /// A quantity that has to be positive and finite.
     #[error("{name} is {value:e}, but has to be positive and finite")]
     NotPositive {

@@ -1,39 +1,121 @@
-//! The models of a rough surface: their names and the asperity laws behind them. A new law is its file and a line here.
+//! The registry of laws: their names, what they are, where they are valid, how they are made. A new law is its file and a line here.
 
-use super::hybrid::Hybrid;
-use super::law::Law;
-use super::scale::Asperity;
-use super::{LawError, Path};
+use super::laws::{dmt, emd, hertz, hybrid, idmt, isbl, jkr, kogut_etsion, md, md_kim, sbl};
+use super::{Law, LawError, Setting};
 
-/// Makes a law for an asperity, a history and the range of interferences, m, that it is needed for.
-pub type Build = fn(&Asperity, Path, (f64, f64)) -> Result<Box<dyn Law>, LawError>;
+/// Makes a law.
+pub type Build = fn(&Setting) -> Result<Box<dyn Law>, LawError>;
 
-/// A model of a rough surface.
+/// A law by name.
 #[derive(Clone, Copy, Debug)]
 pub struct Model {
-    /// Its name in scenes and files.
+    /// Its name in scenes, on the command line and in files.
     pub name: &'static str,
     /// What it is, in a line.
     pub about: &'static str,
-    /// Makes its law.
+    /// Where it is valid.
+    pub validity: Validity,
+    /// Makes it.
     pub build: Build,
 }
 
-/// All models.
+/// What a law leaves out, and so where it is valid.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Validity {
+    /// Which adhesion parameters it is for.
+    pub adhesion: Adhesion,
+    /// Whether it knows elastic contact only.
+    pub elastic: bool,
+    /// Whether it knows no lubricant.
+    pub dry: bool,
+}
+
+/// Which adhesion parameters λ a law is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Adhesion {
+    /// It has no adhesion.
+    Without,
+    /// λ up to [`LARGEST_DMT_LAMBDA`]: the profile of the sphere does not feel the adhesion.
+    Low,
+    /// λ from [`SMALLEST_JKR_LAMBDA`]: adhesion acts within the contact only.
+    High,
+    /// Every λ.
+    Any,
+}
+
+/// Largest λ of the DMT limit: there its pull-off is 2.5 % above that of Maugis-Dugdale (Maugis 1992; Johnson and Greenwood,
+/// J. Colloid Interface Sci. 192 (1997) 326).
+pub const LARGEST_DMT_LAMBDA: f64 = 0.1;
+/// Smallest λ of the JKR limit (the same sources).
+pub const SMALLEST_JKR_LAMBDA: f64 = 5.0;
+/// Largest ψ of elastic contact (Greenwood and Williamson 1966; Shi and Polycarpou 2005, section 3.1).
+pub const LARGEST_ELASTIC_PSI: f64 = 0.6;
+
+impl Validity {
+    /// What a law is not valid for at an adhesion parameter λ, a plasticity index ψ and a lubricant thickness t, m: a line each,
+    /// with the limit and its source. Empty where it is valid.
+    pub fn limits(&self, lambda: f64, plasticity_index: f64, lubricant_thickness: f64) -> Vec<String> {
+        let mut limits = Vec::new();
+        match self.adhesion {
+            Adhesion::Without => limits.push("leaves out adhesion".to_owned()),
+            Adhesion::Low if lambda > LARGEST_DMT_LAMBDA => limits.push(format!(
+                "lambda = {lambda:.3} is above {LARGEST_DMT_LAMBDA}, the limit of DMT-like laws (Johnson and Greenwood 1997)"
+            )),
+            Adhesion::High if lambda < SMALLEST_JKR_LAMBDA => limits.push(format!(
+                "lambda = {lambda:.3} is below {SMALLEST_JKR_LAMBDA}, the limit of JKR (Johnson and Greenwood 1997)"
+            )),
+            Adhesion::Low | Adhesion::High | Adhesion::Any => {}
+        }
+        if self.elastic && plasticity_index > LARGEST_ELASTIC_PSI {
+            limits.push(format!(
+                "psi = {plasticity_index:.3} is above {LARGEST_ELASTIC_PSI}, the limit of elastic contact (Greenwood and Williamson 1966)"
+            ));
+        }
+        if self.dry && lubricant_thickness > 0.0 {
+            limits.push("knows no lubricant: computed as dry".to_owned());
+        }
+        limits
+    }
+}
+
+const fn validity(adhesion: Adhesion, elastic: bool, dry: bool) -> Validity {
+    Validity { adhesion, elastic, dry }
+}
+
+const fn law(name: &'static str, about: &'static str, validity: Validity, build: Build) -> Model {
+    Model { name, about, validity, build }
+}
+
+/// All laws. `hertz` is the law of one asperity, `gw` the rough surface of such asperities.
+#[rustfmt::skip]
 pub const MODELS: &[Model] = &[
-    Model {
-        name: "hybrid",
-        about: "extended Maugis-Dugdale up to the critical interference, Kogut-Etsion above",
-        build: |asperity, path, reach| Ok(Box::new(Hybrid::new(asperity, path, reach)?)),
-    },
-    Model {
-        name: "emd",
-        about: "extended Maugis-Dugdale up to the critical interference, no force above",
-        build: |asperity, path, reach| Ok(Box::new(Hybrid::elastic(asperity, path, reach)?)),
-    },
+    law("hybrid", "extended Maugis-Dugdale up to the critical interference, Kogut-Etsion above",
+        validity(Adhesion::Any, false, false), hybrid::hybrid),
+    law("emd", "extended Maugis-Dugdale up to the critical interference, no force above",
+        validity(Adhesion::Any, true, false), emd::emd),
+    law("isbl", "attraction of an undeformed sphere across the lubricant, Kogut-Etsion in contact",
+        validity(Adhesion::Low, false, false), isbl::isbl),
+    law("sbl", "attraction of an undeformed sphere across the lubricant, and around a contact of elastic profile",
+        validity(Adhesion::Low, false, false), sbl::sbl),
+    law("ke", "improved DMT before contact, Kogut-Etsion in contact, dry",
+        validity(Adhesion::Low, false, true), kogut_etsion::ke),
+    law("md", "Maugis-Dugdale in contact, nothing before it, elastic and dry",
+        validity(Adhesion::Any, true, true), md::md),
+    law("md_kim", "Maugis-Dugdale in contact, constant stress before it, elastic and dry",
+        validity(Adhesion::Any, true, true), md_kim::md_kim),
+    law("jkr", "Johnson-Kendall-Roberts, elastic and dry",
+        validity(Adhesion::High, true, true), jkr::jkr),
+    law("dmt", "Derjaguin-Muller-Toporov, nothing before contact, elastic and dry",
+        validity(Adhesion::Low, true, true), dmt::dmt),
+    law("idmt", "improved Derjaguin-Muller-Toporov: attraction before contact too, elastic and dry",
+        validity(Adhesion::Low, true, true), idmt::idmt),
+    law("hertz", "Hertz contact without adhesion, elastic and dry",
+        validity(Adhesion::Without, true, true), hertz::hertz),
+    law("gw", "Greenwood-Williamson: Hertz contacts without adhesion, elastic and dry",
+        validity(Adhesion::Without, true, true), hertz::hertz),
 ];
 
-/// The model of a name.
+/// The law of a name.
 pub fn model(name: &str) -> Option<Model> {
     MODELS.iter().find(|model| model.name == name).copied()
 }

@@ -24,9 +24,9 @@ pub struct Asperity {
 }
 
 impl Asperity {
-    /// Maximum contact pressure factor k = 0.454 + 0.41ν (Chang, Etsion and Bogy 1987).
+    /// Maximum contact pressure factor k.
     pub fn pressure_factor(&self) -> f64 {
-        0.454 + 0.41 * self.poisson_ratio
+        pressure_factor(self.poisson_ratio)
     }
 
     /// Critical interference ω_c = (πkH/2E_r)²R at which plastic flow begins, m.
@@ -41,6 +41,14 @@ impl Asperity {
         (surface_height_std / self.critical_interference()).sqrt()
     }
 }
+
+/// Maximum contact pressure factor k = 0.454 + 0.41ν (Chang, Etsion and Bogy 1987).
+pub fn pressure_factor(poisson_ratio: f64) -> f64 {
+    0.454 + 0.41 * poisson_ratio
+}
+
+/// The adhesion parameters that the equations are solved for.
+pub const LAMBDA_RANGE: (f64, f64) = (1e-6, 1e6);
 
 /// The units of the scaled variables (Maugis 1992).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,7 +67,8 @@ impl Scale {
     /// The units for an asperity.
     ///
     /// # Errors
-    /// [`LawError::NotPositive`] when one of R, E_r, Δγ, Z₀ is not positive and finite.
+    /// [`LawError::NotPositive`] when one of R, E_r, Δγ, Z₀ is not positive and finite, [`LawError::Lambda`] when λ is outside
+    /// [`LAMBDA_RANGE`].
     pub fn new(asperity: &Asperity) -> Result<Self, LawError> {
         let positive = [
             ("asperity_radius", asperity.radius),
@@ -75,12 +84,25 @@ impl Scale {
         let force = PI * asperity.work_of_adhesion * r;
         let strain = PI * asperity.work_of_adhesion / (k * r);
         let strain_root = libm::cbrt(strain);
-        Ok(Self {
-            lambda: 2.0 * STRESS_RATIO / PI * strain_root * strain_root * r / asperity.equilibrium_spacing,
-            length: strain_root * strain_root * r,
-            radius: strain_root * r,
-            force,
-        })
+        let length = strain_root * strain_root * r;
+        let lambda = 2.0 * STRESS_RATIO / PI * length / asperity.equilibrium_spacing;
+        Ok(Self { radius: strain_root * r, force, length, ..Self::unit(lambda)? })
+    }
+
+    /// Scaled variables as they are: every unit 1.
+    ///
+    /// # Errors
+    /// [`LawError::Lambda`] when λ is outside [`LAMBDA_RANGE`] or not a number.
+    pub fn unit(lambda: f64) -> Result<Self, LawError> {
+        if !(lambda >= LAMBDA_RANGE.0 && lambda <= LAMBDA_RANGE.1) {
+            return Err(LawError::Lambda(lambda));
+        }
+        Ok(Self { lambda, length: 1.0, radius: 1.0, force: 1.0 })
+    }
+
+    /// Z₀, m.
+    pub fn equilibrium_spacing(&self) -> f64 {
+        2.0 * STRESS_RATIO / (PI * self.lambda) * self.length
     }
 }
 

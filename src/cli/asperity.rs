@@ -1,18 +1,15 @@
 //! `stiction asperity`: one asperity in scaled variables, as CSV.
 
 use super::{AsperityArguments, Failure, print};
-use crate::asperity::Work;
-use crate::asperity::emd::{Emd, State};
-use std::fmt::Write;
+use crate::asperity::models::{MODELS, Model, model};
+use crate::asperity::scale::pressure_factor;
+use crate::asperity::{Law, LawError, Regime, Responses, Scratch, Setting, Work, for_each_block};
+use crate::scene::nearest;
+use std::f64::consts::PI;
 use std::path::Path;
 
-/// The single-asperity laws, by name.
-const LAWS: [&str; 1] = ["emd"];
-
 pub(super) fn asperity(arguments: &AsperityArguments) -> Result<(), Failure> {
-    if !LAWS.contains(&arguments.law.as_str()) {
-        return Err(Failure::Usage(format!("--law {}: unknown law; known: {}", arguments.law, LAWS.join(", "))));
-    }
+    let model = find(&arguments.law)?;
     let points = match (&arguments.table, arguments.lambda) {
         (Some(table), _) => read_table(table)?,
         (None, Some(lambda)) => arguments.delta.iter().map(|&delta| (lambda, delta)).collect(),
@@ -21,27 +18,69 @@ pub(super) fn asperity(arguments: &AsperityArguments) -> Result<(), Failure> {
         }
     };
     let mut text = String::from("lambda,delta,branch,adhesion_force,external_force,contact_radius\n");
-    let mut law: Option<(f64, Emd)> = None;
+    let mut law: Option<(f64, Box<dyn Law>)> = None;
     for (lambda, delta) in points {
         if !(delta.abs() <= 1e100) {
             return Err(Failure::Usage(format!("delta = {delta}: a finite number is needed, -1e100 to 1e100")));
         }
-        let emd = match law.take() {
-            Some((known, emd)) if known == lambda => emd,
-            _ => Emd::new(lambda, arguments.path).map_err(|error| Failure::Usage(error.to_string()))?,
+        let known = match law.take() {
+            Some((known, law)) if known == lambda => law,
+            _ => (model.build)(&setting(lambda, arguments)?).map_err(usage)?,
         };
-        let (state, solution) = emd.respond(delta, &mut Work::default());
-        law = Some((lambda, emd));
-        let branch = match state {
-            State::Contact => "contact",
-            State::Noncontact => "noncontact",
-        };
-        let external = solution.radius.powi(3) - solution.adhesion;
-        let numbers = [solution.adhesion, external, solution.radius].map(|value| format!("{value:.16e}"));
-        writeln!(text, "{lambda:.16e},{delta:.16e},{branch},{}", numbers.join(",")).expect("a text takes any text");
+        text += &line(known.as_ref(), lambda, delta, arguments.poisson_ratio.is_some())?;
+        law = Some((lambda, known));
     }
     print(&text);
     Ok(())
+}
+
+/// The law of a name.
+pub(super) fn find(name: &str) -> Result<Model, Failure> {
+    model(name).ok_or_else(|| {
+        let names: Vec<&str> = MODELS.iter().map(|model| model.name).collect();
+        let hint =
+            nearest(name, names.iter().copied()).map(|near| format!(" (did you mean {near}?)")).unwrap_or_default();
+        Failure::Usage(format!("--law {name}: unknown law{hint}; known: {}", names.join(", ")))
+    })
+}
+
+/// The scaled asperity that the arguments ask for.
+fn setting(lambda: f64, arguments: &AsperityArguments) -> Result<Setting, Failure> {
+    let setting = Setting::scaled(lambda, arguments.path).map_err(usage)?;
+    let setting = Setting {
+        critical_interference: arguments.critical_interference.unwrap_or(f64::INFINITY),
+        pressure_factor: arguments.poisson_ratio.map_or(setting.pressure_factor, pressure_factor),
+        lubricant_thickness: arguments.lubricant_thickness,
+        ..setting
+    };
+    setting.checked().map_err(usage)
+}
+
+fn usage(error: LawError) -> Failure {
+    Failure::Usage(match error {
+        LawError::Elastic(_) => format!("{error}: give --critical-interference, in the unit of --delta"),
+        _ => error.to_string(),
+    })
+}
+
+/// One asperity as a row. Fully plastic loads depend on the Poisson ratio, which has to be `given` for them.
+fn line(law: &dyn Law, lambda: f64, delta: f64, given: bool) -> Result<String, Failure> {
+    // Beyond the last regime of a law nothing acts, though the asperity is in contact.
+    let (mut branch, mut response, mut plastic) = ("contact", [0.0; 3], false);
+    let visit = |regime: usize, _: std::ops::Range<usize>, responses: &Responses| {
+        branch = if law.regimes()[regime].is_contact() { "contact" } else { "noncontact" };
+        plastic = law.regimes()[regime] == Regime::Plastic;
+        response = [responses.adhesion[0], responses.contact[0], responses.area[0]];
+    };
+    for_each_block(law, &[delta], 0.0, &mut Scratch::default(), &mut Work::default(), visit);
+    if plastic && !given {
+        return Err(Failure::Usage(format!(
+            "delta = {delta} is fully plastic: give --poisson-ratio, which its load needs"
+        )));
+    }
+    let [adhesion, contact, area] = response;
+    let numbers = [adhesion, contact - adhesion, (area / PI).sqrt()].map(|value| format!("{value:.16e}"));
+    Ok(format!("{lambda:.16e},{delta:.16e},{branch},{}\n", numbers.join(",")))
 }
 
 /// Reads the columns lambda and delta of a CSV file, in any order among others.

@@ -78,7 +78,7 @@ struct RunArguments {
 
 #[derive(Args)]
 struct AsperityArguments {
-    /// The law: emd, the extended Maugis-Dugdale law
+    /// The law: hertz, jkr, dmt, idmt, md, md_kim, emd, ke, or any other that scenes know
     #[arg(long)]
     law: String,
     /// Adhesion parameter
@@ -93,6 +93,31 @@ struct AsperityArguments {
     /// History: approach or retraction
     #[arg(long, default_value = "approach", value_parser = history)]
     path: History,
+    /// Scaled critical interference; without it the asperity stays elastic
+    #[arg(long, value_name = "OMEGA_C", value_parser = positive)]
+    critical_interference: Option<f64>,
+    /// Poisson ratio of the softer body, which the fully plastic load needs
+    #[arg(long, value_name = "NU", value_parser = poisson_ratio, allow_negative_numbers = true)]
+    poisson_ratio: Option<f64>,
+    /// Scaled thickness of the lubricant
+    #[arg(long, value_name = "T", value_parser = not_negative, default_value = "0")]
+    lubricant_thickness: f64,
+}
+
+fn number(text: &str, does: fn(f64) -> bool, needed: &str) -> Result<f64, String> {
+    text.parse().ok().filter(|value: &f64| value.is_finite() && does(*value)).ok_or_else(|| needed.to_owned())
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    number(text, |value| value > 0.0, "a positive number is needed")
+}
+
+fn not_negative(text: &str) -> Result<f64, String> {
+    number(text, |value| value >= 0.0, "0 or a positive number is needed")
+}
+
+fn poisson_ratio(text: &str) -> Result<f64, String> {
+    number(text, |value| value > -1.0 && value <= 0.5, "a number greater than -1 and at most 0.5 is needed")
 }
 
 fn history(name: &str) -> Result<History, String> {

@@ -168,7 +168,7 @@ mod tests {
     use super::*;
     use crate::asperity::models::model;
     use crate::asperity::scale::{Asperity, Scale};
-    use crate::asperity::{Path, Regime};
+    use crate::asperity::{Path, Regime, Setting};
 
     const CASE_II: Asperity = Asperity {
         radius: 3.33e-6,
@@ -184,7 +184,8 @@ mod tests {
     /// touch; the elastic law ends with the Hertz-like load of its last asperity.
     #[test]
     fn jumps_are_where_and_as_large_as_the_law_has_them() {
-        let law = (model("emd").unwrap().build)(&CASE_II, Path::Approach, (-20e-9, 20e-9)).unwrap();
+        let setting = Setting::new(&CASE_II, Path::Approach, (-20e-9, 20e-9)).unwrap();
+        let law = (model("emd").unwrap().build)(&setting).unwrap();
         let unit = Scale::new(&CASE_II).unwrap().force;
         let jumps = jumps(law.as_ref());
         let expected = [-(0.909 - 0.766), -(2.0 - 1.268), 2.0 - 0.977];

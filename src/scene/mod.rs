@@ -6,12 +6,11 @@ mod separation;
 pub mod units;
 
 pub use plan::{Plan, RegimePlan};
-pub use reader::SceneError;
+pub use reader::{SceneError, nearest};
 
-use crate::asperity::emd::LAMBDA_RANGE;
 use crate::asperity::models::{MODELS, Model};
 use crate::asperity::scale::{Asperity, Scale};
-use crate::asperity::{Law, Path};
+use crate::asperity::{Law, LawError, Path, Setting};
 use crate::surface::{Roughness, Surface, SurfaceError};
 use reader::{Section, document};
 use units::Dimension;
@@ -105,7 +104,8 @@ impl Scene {
 
     /// The asperity law.
     pub fn law(&self) -> Box<dyn Law> {
-        (self.model.build)(&self.asperity, self.path, self.reach()).expect("a scene is validated when it is read")
+        let setting = Setting::new(&self.asperity, self.path, self.reach());
+        setting.and_then(|setting| (self.model.build)(&setting)).expect("a scene is validated when it is read")
     }
 }
 
@@ -129,13 +129,15 @@ fn asperity(material: &Section<'_>, surface: &Section<'_>) -> Result<Asperity, S
         poisson_ratio,
         lubricant_thickness: lubricant.map_or(Ok(0.0), |entry| entry.not_negative(Dimension::Length))?,
     };
-    let lambda = Scale::new(&asperity).map_err(|error| SceneError::general(error.to_string()))?.lambda;
-    if !(lambda >= LAMBDA_RANGE.0 && lambda <= LAMBDA_RANGE.1) {
-        return Err(SceneError::general(format!(
-            "the adhesion parameter lambda = {lambda:.3e} is outside 1e-6..1e6; it follows from work_of_adhesion, \
-             reduced_modulus, equilibrium_spacing and asperity_radius: check their units"
-        )));
-    }
+    Scale::new(&asperity).map_err(|error| {
+        SceneError::general(match error {
+            LawError::Lambda(_) => format!(
+                "{error}; it follows from work_of_adhesion, reduced_modulus, equilibrium_spacing and asperity_radius: \
+                 check their units"
+            ),
+            _ => error.to_string(),
+        })
+    })?;
     let critical = asperity.critical_interference();
     if !(critical > 0.0 && critical.is_finite()) {
         return Err(SceneError::general(format!(

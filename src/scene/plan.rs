@@ -3,17 +3,6 @@
 use super::Scene;
 use crate::asperity::{Law, Regime};
 
-/// Nanoseconds per asperity and separation in each regime, on one core of a 2020s server (`cargo bench --bench solve`).
-fn cost(regime: Regime) -> f64 {
-    match regime {
-        Regime::Noncontact => 50.0,
-        Regime::Lubricant => 1.5,
-        Regime::Elastic => 70.0,
-        Regime::Elastoplastic1 | Regime::Elastoplastic2 => 40.0,
-        Regime::Plastic => 3.0,
-    }
-}
-
 /// A regime that is expected less often than this in the whole run, at the separation that reaches it most, is called skipped.
 const NEVER: f64 = 1e-6;
 
@@ -70,7 +59,7 @@ impl Plan {
         let (n, replicas) = (scene.surface.asperity_count as f64, scene.replicas as f64);
         let sorting = 40.0 * n;
         let nanoseconds: f64 =
-            sorting + s * regimes.iter().map(|plan| plan.asperities * cost(plan.regime)).sum::<f64>();
+            sorting + s * regimes.iter().enumerate().map(|(i, plan)| plan.asperities * law.cost(i)).sum::<f64>();
         // Moments and curves of a batch, heights, and for curves what waits to be written.
         let batch = 8.0 * (n + 3.0 * s * (4.0 + 3.0 * r)) + if scene.curves { 8.0 * 2.0 * s * 8.0 } else { 0.0 };
         Self {
@@ -118,6 +107,8 @@ fn skips(scene: &Scene, regimes: &[RegimePlan]) -> Vec<String> {
     let dry = scene.asperity.lubricant_thickness == 0.0;
     if dry {
         skips.push("lubricant regime: the scene is dry".to_owned());
+    } else if scene.model.validity.dry {
+        skips.push("lubricant: this law knows none, the asperities are dry".to_owned());
     } else {
         skips.push("solves in the lubricant regime: its force is constant".to_owned());
     }

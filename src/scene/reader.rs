@@ -236,7 +236,7 @@ fn kind(value: &DeValue<'_>) -> String {
 }
 
 /// The known name that a misspelt one most likely means.
-fn nearest<'n>(given: &str, known: impl Iterator<Item = &'n str>) -> Option<&'n str> {
+pub fn nearest<'n>(given: &str, known: impl Iterator<Item = &'n str>) -> Option<&'n str> {
     known
         .map(|name| (strsim::jaro_winkler(given, name), name))
         .filter(|(similarity, _)| *similarity > 0.75)

@@ -2,7 +2,7 @@
 //!
 //! E\[Q\](d) = N ∫ q(u − d) φ(u) du for every additive quantity q of the asperity law, and for one replica
 //! Var Q = N (E\[q²\] − E\[q\]²). The law is the same direct solution that the ensemble sums. Each smooth piece of the law is integrated
-//! by itself, in the variable in which it is smooth (√|δ − place| next to a fold or first touch), so no panel straddles a
+//! by itself, in the variable in which it is smooth (|δ − place|^(1/order) next to a fold or first touch), so no panel straddles a
 //! kink or jump.
 
 use crate::asperity::{Law, Piece, Quantity, Responses, Smoothness, Work};
@@ -167,16 +167,16 @@ impl AtSeparation {
 enum Variable {
     /// δ itself.
     Interference,
-    /// δ = place + sign·s².
-    Root { place: f64, sign: f64 },
+    /// δ = place + sign·s^order.
+    Root { place: f64, sign: f64, order: i32 },
 }
 
 impl Variable {
     fn of(piece: &Piece) -> Self {
         match piece.smoothness {
             Smoothness::Smooth => Self::Interference,
-            Smoothness::SquareRoot { place } => {
-                Self::Root { place, sign: if place <= piece.lower { 1.0 } else { -1.0 } }
+            Smoothness::Root { place, order } => {
+                Self::Root { place, sign: if place <= piece.lower { 1.0 } else { -1.0 }, order }
             }
         }
     }
@@ -184,7 +184,7 @@ impl Variable {
     fn interference(self, x: f64) -> f64 {
         match self {
             Self::Interference => x,
-            Self::Root { place, sign } => place + sign * x * x,
+            Self::Root { place, sign, order } => place + sign * x.powi(order),
         }
     }
 
@@ -192,14 +192,14 @@ impl Variable {
     fn stretch(self, x: f64) -> f64 {
         match self {
             Self::Interference => 1.0,
-            Self::Root { .. } => 2.0 * x,
+            Self::Root { order, .. } => f64::from(order) * x.powi(order - 1),
         }
     }
 
     fn of_interference(self, delta: f64) -> f64 {
         match self {
             Self::Interference => delta,
-            Self::Root { place, .. } => (delta - place).abs().sqrt(),
+            Self::Root { place, order, .. } => libm::pow((delta - place).abs(), 1.0 / f64::from(order)),
         }
     }
 }

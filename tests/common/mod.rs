@@ -1,6 +1,8 @@
 //! Shared by the tests of the library: the published cases.
 
+use stiction::asperity::models::model;
 use stiction::asperity::scale::Asperity;
+use stiction::asperity::{Law, Path, Setting};
 use stiction::surface::{Roughness, Surface};
 
 /// The material and surface of case I, II or III of the published Table 2, with the inferred ν, t and A_n.
@@ -30,4 +32,10 @@ pub fn case(name: &str) -> (Asperity, Surface) {
         mean_plane_offset: None,
     };
     (asperity, Surface::new(&roughness).expect("a valid surface"))
+}
+
+/// A law of an asperity with starting tables for the interferences `reach`, m.
+pub fn law(name: &str, asperity: &Asperity, path: Path, reach: (f64, f64)) -> Box<dyn Law> {
+    let setting = Setting::new(asperity, path, reach).expect("a valid setting");
+    (model(name).expect("a known law").build)(&setting).expect("a law of the setting")
 }

@@ -1,0 +1,94 @@
+//! The extended Maugis-Dugdale law of a lubricated elastic asperity.
+//!
+//! # Formula
+//! By the interference δ, with δ_A = −Δ_end s_δ of the history (Shi and Polycarpou 2005, eq. 15):
+//!
+//! | regime | interval | F_s | P |
+//! |---|---|---|---|
+//! | noncontact | δ < −(t + δ_A) | extended Maugis-Dugdale at δ + t | 0 |
+//! | lubricant | −(t + δ_A) ≤ δ < −δ_A | 2πRΔγ | 0 |
+//! | elastic | −δ_A ≤ δ ≤ ω_c | Maugis-Dugdale | K a³/R of Maugis-Dugdale |
+//!
+//! Beyond ω_c it has no force.
+//!
+//! # Validity
+//! Elastic spheres of all λ in 1e-6..1e6.
+
+use super::md::MaugisContact;
+use crate::asperity::emd::Emd;
+use crate::asperity::scale::Scale;
+use crate::asperity::table::{Constant, Part, Row, Table};
+use crate::asperity::{Law, LawError, Regime, Responses, Setting, Smoothness, Work};
+use std::sync::Arc;
+
+/// The law `emd`.
+///
+/// # Errors
+/// [`LawError`] for a λ that is not solved.
+pub fn emd(setting: &Setting) -> Result<Box<dyn Law>, LawError> {
+    Ok(Box::new(Table::new(rows(setting)?)))
+}
+
+/// The three rows of the law.
+///
+/// # Errors
+/// [`LawError`] for a λ that is not solved.
+pub fn rows(setting: &Setting) -> Result<[Row; 3], LawError> {
+    let attraction = Attraction::new(setting)?;
+    let contact = MaugisContact::of(Arc::clone(&attraction.emd), setting);
+    let touch = contact.begin();
+    Ok([
+        Row::below(Regime::Noncontact, touch - setting.lubricant_thickness, attraction),
+        Row::below(Regime::Lubricant, touch, Constant::lubricant(setting)),
+        Row::up_to(Regime::Elastic, setting.critical_interference, contact),
+    ])
+}
+
+/// The noncontact branch, across the lubricant.
+#[derive(Clone, Debug)]
+pub struct Attraction {
+    emd: Arc<Emd>,
+    scale: Scale,
+    thickness: f64,
+}
+
+impl Attraction {
+    /// The branch of a setting.
+    ///
+    /// # Errors
+    /// [`LawError`] for a λ that is not solved.
+    pub fn new(setting: &Setting) -> Result<Self, LawError> {
+        let Setting { scale, lubricant_thickness: thickness, .. } = *setting;
+        let mut emd = Emd::new(scale.lambda, setting.path)?;
+        if let (Some((lowest, _)), Some(deepest)) = (setting.reach, setting.deepest(setting.critical_interference)) {
+            emd = emd.with_contact_table(deepest).with_noncontact_tables((lowest + thickness) / scale.length);
+        }
+        Ok(Self { emd: Arc::new(emd), scale, thickness })
+    }
+}
+
+impl Part for Attraction {
+    fn smoothness(&self, lower: f64, upper: f64) -> (Vec<f64>, Vec<Smoothness>) {
+        let fold = self.emd.noncontact_fold().map(|fold| fold * self.scale.length - self.thickness);
+        match fold.filter(|place| lower < *place && *place < upper) {
+            Some(place) => (vec![place], vec![Smoothness::Root { place, order: 2 }, Smoothness::Smooth]),
+            None => (Vec::new(), vec![Smoothness::Smooth]),
+        }
+    }
+
+    fn cost(&self) -> f64 {
+        50.0
+    }
+
+    fn evaluate(&self, interference: &[f64], out: &mut Responses, work: &mut Work) {
+        let inverse = 1.0 / self.scale.length;
+        let mut near = [0, 0];
+        for (i, &delta) in interference.iter().enumerate() {
+            let solution = self.emd.noncontact((delta + self.thickness) * inverse, &mut near, work);
+            out.adhesion[i] = self.scale.force * solution.adhesion;
+        }
+        out.contact[..interference.len()].fill(0.0);
+        out.area[..interference.len()].fill(0.0);
+        work.noncontact_solves += interference.len() as u64;
+    }
+}

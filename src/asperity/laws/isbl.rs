@@ -1,0 +1,33 @@
+//! The improved law of Stanley, Etsion and Bogy: lubricated, with the elastic-plastic contact of Kogut and Etsion.
+//!
+//! # Formula
+//! | interval | F_s | P |
+//! |---|---|---|
+//! | δ < −t | attraction of an undeformed sphere ([`super::idmt`]) at δ + t | 0 |
+//! | −t ≤ δ < 0 | 2πRΔγ | 0 |
+//! | δ ≥ 0 | Kogut-Etsion ([`super::kogut_etsion`]) | Kogut-Etsion |
+//!
+//! # Validity
+//! Low λ. Sources: Lee, in Shi and Polycarpou (2005), eq. B.2, whose limits are read as d + ω_c, d + 6ω_c, d + 110ω_c.
+
+use super::idmt::LennardJones;
+use super::kogut_etsion;
+use crate::asperity::table::{Constant, Row, Table};
+use crate::asperity::{Law, LawError, Regime, Setting};
+
+/// The law `isbl`.
+///
+/// # Errors
+/// [`LawError::Elastic`] without a critical interference.
+pub fn isbl(setting: &Setting) -> Result<Box<dyn Law>, LawError> {
+    setting.plastic("isbl")?;
+    Ok(Box::new(Table::new(rows_before_contact(setting).into_iter().chain(kogut_etsion::contact_rows(setting)))))
+}
+
+/// The rows before the solids touch.
+pub fn rows_before_contact(setting: &Setting) -> [Row; 2] {
+    [
+        Row::below(Regime::Noncontact, -setting.lubricant_thickness, LennardJones::lubricated(setting)),
+        Row::below(Regime::Lubricant, 0.0, Constant::lubricant(setting)),
+    ]
+}

@@ -1,0 +1,123 @@
+//! Johnson-Kendall-Roberts: adhesion within the contact only.
+//!
+//! # Formula
+//! F̂ = A³ − A√(6A), Δ = A² − (2/3)√(6A), so P = A³ and F̂_s = A√(6A). The stable branch ends at A = 6^(−1/3), where dΔ/dA = 0,
+//! with F̂ = −5/6. Solved in x = A^(−1/2): Δ = x⁻⁴ − (2√6/3)x⁻¹.
+//!
+//! On approach nothing acts before Δ = 0; there contact begins with A³ = 8/3. On retraction it lasts to the end of the branch.
+//!
+//! # Validity
+//! Elastic spheres of high λ; the limit of Maugis-Dugdale as λ → ∞. Sources: Johnson, Kendall and Roberts, Proc. R. Soc. Lond. A 324
+//! (1971) 301; for rough surfaces Fuller and Tabor, Proc. R. Soc. Lond. A 345 (1975) 327.
+
+use crate::asperity::branch::{Anchor, Branch, Curve, State};
+use crate::asperity::scale::Scale;
+use crate::asperity::table::{Constant, Part, Row, Table};
+use crate::asperity::{Law, LawError, Path, Regime, Responses, Setting, Smoothness, Work};
+use std::f64::consts::PI;
+
+/// The law `jkr`.
+///
+/// # Errors
+/// None for a checked setting.
+pub fn jkr(setting: &Setting) -> Result<Box<dyn Law>, LawError> {
+    let contact = JkrContact::new(setting);
+    let begin = match setting.path {
+        Path::Approach => 0.0,
+        Path::Retraction => contact.end(),
+    };
+    Ok(Box::new(Table::new([
+        Row::below(Regime::Noncontact, begin, Constant::NOTHING),
+        Row::last(Regime::Elastic, contact),
+    ])))
+}
+
+/// Δ(x), F̂_s(x), A(x) for x = A^(−1/2).
+#[derive(Clone, Copy, Debug)]
+struct JkrCurve;
+
+/// √6.
+const ROOT_6: f64 = 2.449_489_742_783_178;
+
+impl JkrCurve {
+    /// x at the end of the stable branch, 6^(1/6).
+    fn end(self) -> f64 {
+        libm::cbrt(ROOT_6)
+    }
+}
+
+impl Curve for JkrCurve {
+    const RECIPROCAL: bool = true;
+
+    #[inline(always)]
+    fn at(&self, x: f64) -> State {
+        let y = 1.0 / x;
+        let square = y * y;
+        let pull = 2.0 / 3.0 * ROOT_6 * y;
+        State {
+            approach: square * square - pull,
+            slope: square * (2.0 / 3.0 * ROOT_6 - 4.0 * square * y),
+            magnitude: square * square + pull,
+            adhesion: ROOT_6 * square * y,
+            adhesion_slope: -3.0 * ROOT_6 * square * square,
+            radius: square,
+            radius_slope: -2.0 * square * y,
+        }
+    }
+
+    fn bracket(&self, approach: f64) -> (f64, f64) {
+        let mut low = self.end();
+        while self.at(low).approach < approach && low > f64::MIN_POSITIVE {
+            low *= 0.5;
+        }
+        (low, self.end())
+    }
+}
+
+/// The contact branch.
+#[derive(Clone, Debug)]
+pub struct JkrContact {
+    branch: Branch<JkrCurve>,
+    scale: Scale,
+}
+
+impl JkrContact {
+    fn new(setting: &Setting) -> Self {
+        let end = JkrCurve.end();
+        let mut branch =
+            Branch::new(JkrCurve, Anchor { approach: JkrCurve.at(end).approach, parameter: end, fold: true });
+        if let Some(deepest) = setting.deepest(f64::INFINITY).filter(|deepest| *deepest > branch.anchor().approach) {
+            branch = branch.with_table(deepest);
+        }
+        Self { branch, scale: setting.scale }
+    }
+
+    /// Interference at the end of the stable branch, m.
+    fn end(&self) -> f64 {
+        self.branch.anchor().approach * self.scale.length
+    }
+}
+
+impl Part for JkrContact {
+    fn smoothness(&self, _: f64, _: f64) -> (Vec<f64>, Vec<Smoothness>) {
+        (Vec::new(), vec![Smoothness::Root { place: self.end(), order: 2 }])
+    }
+
+    fn cost(&self) -> f64 {
+        20.0
+    }
+
+    fn evaluate(&self, interference: &[f64], out: &mut Responses, work: &mut Work) {
+        let inverse = 1.0 / self.scale.length;
+        let area_unit = PI * self.scale.radius * self.scale.radius;
+        let (lowest, mut near) = (self.branch.anchor().approach, 0);
+        for (i, &delta) in interference.iter().enumerate() {
+            let solution = self.branch.solve((delta * inverse).max(lowest), &mut near, work);
+            let square = solution.radius * solution.radius;
+            out.adhesion[i] = self.scale.force * solution.adhesion;
+            out.contact[i] = self.scale.force * square * solution.radius;
+            out.area[i] = area_unit * square;
+        }
+        work.contact_solves += interference.len() as u64;
+    }
+}

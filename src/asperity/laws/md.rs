@@ -1,0 +1,83 @@
+//! Maugis-Dugdale in contact, nothing before it.
+//!
+//! # Formula
+//! See [`crate::asperity::contact`]; P = K a³/R, so that F = P − F_s is the external load of Maugis.
+//!
+//! # Validity
+//! Elastic, dry spheres of every λ. Sources: Maugis, J. Colloid Interface Sci. 150 (1992) 243; for rough surfaces Adams, Müftü and
+//! Mohd Azhar, J. Tribol. 125 (2003) 700, who leave out what acts before contact.
+
+use crate::asperity::emd::Emd;
+use crate::asperity::scale::Scale;
+use crate::asperity::table::{Constant, Part, Row, Table};
+use crate::asperity::{Law, LawError, Regime, Responses, Setting, Smoothness, Work};
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+/// The law `md`.
+///
+/// # Errors
+/// [`LawError`] for a λ that is not solved.
+pub fn md(setting: &Setting) -> Result<Box<dyn Law>, LawError> {
+    let contact = MaugisContact::new(setting, f64::INFINITY)?;
+    let touch = contact.begin();
+    Ok(Box::new(Table::new([
+        Row::below(Regime::Noncontact, touch, Constant::NOTHING),
+        Row::last(Regime::Elastic, contact),
+    ])))
+}
+
+/// The contact branch.
+#[derive(Clone, Debug)]
+pub struct MaugisContact {
+    emd: Arc<Emd>,
+    scale: Scale,
+}
+
+impl MaugisContact {
+    /// The branch of a setting, with starting tables up to the interference `end`, m.
+    ///
+    /// # Errors
+    /// [`LawError`] for a λ that is not solved.
+    pub fn new(setting: &Setting, end: f64) -> Result<Self, LawError> {
+        let mut emd = Emd::new(setting.scale.lambda, setting.path)?;
+        if let Some(deepest) = setting.deepest(end) {
+            emd = emd.with_contact_table(deepest);
+        }
+        Ok(Self::of(Arc::new(emd), setting))
+    }
+
+    /// The branch of a solver.
+    pub fn of(emd: Arc<Emd>, setting: &Setting) -> Self {
+        Self { emd, scale: setting.scale }
+    }
+
+    /// Interference at which contact begins on approach or ends on retraction, −δ_A, m.
+    pub fn begin(&self) -> f64 {
+        self.emd.end() * self.scale.length
+    }
+}
+
+impl Part for MaugisContact {
+    fn smoothness(&self, _: f64, _: f64) -> (Vec<f64>, Vec<Smoothness>) {
+        (Vec::new(), vec![Smoothness::Root { place: self.emd.contact_fold() * self.scale.length, order: 2 }])
+    }
+
+    fn cost(&self) -> f64 {
+        70.0
+    }
+
+    fn evaluate(&self, interference: &[f64], out: &mut Responses, work: &mut Work) {
+        let inverse = 1.0 / self.scale.length;
+        let area_unit = PI * self.scale.radius * self.scale.radius;
+        let mut near = 0;
+        for (i, &delta) in interference.iter().enumerate() {
+            let solution = self.emd.contact(delta * inverse, &mut near, work);
+            let square = solution.radius * solution.radius;
+            out.adhesion[i] = self.scale.force * solution.adhesion;
+            out.contact[i] = self.scale.force * square * solution.radius;
+            out.area[i] = area_unit * square;
+        }
+        work.contact_solves += interference.len() as u64;
+    }
+}

@@ -1,0 +1,13 @@
+//! The laws of one asperity, one per file, as [tables](super::table) of regimes.
+
+pub mod dmt;
+pub mod emd;
+pub mod hertz;
+pub mod hybrid;
+pub mod idmt;
+pub mod isbl;
+pub mod jkr;
+pub mod kogut_etsion;
+pub mod md;
+pub mod md_kim;
+pub mod sbl;

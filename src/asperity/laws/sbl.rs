@@ -1,0 +1,175 @@
+//! The law of Stanley, Etsion and Bogy: lubricated, with the Lennard-Jones attraction around a contact that keeps its elastic profile.
+//!
+//! # Formula
+//! Before the solids touch as [`super::isbl`]. In contact, with a² = Rδ, x = r/a and the Hertz gap outside the contact
+//! Z = Z₀ + (a²/πR)[√(x²−1) + (x²−2) arccos(1/x)],
+//!
+//! F_s = ∫_a^∞ 2πr σ(Z) dr, σ(z) = (8/3)(Δγ/Z₀)[(Z₀/z)³ − (Z₀/z)⁹].
+//!
+//! With p = δ/(πZ₀), u² = x² − 1 and g(u) = u + (u²−1) arctan u this is
+//! F_s = 2πRΔγ (8/3)πp ∫₀^∞ u[(1 + pg)⁻³ − (1 + pg)⁻⁹]du: one function of p, which tends to 2πRΔγ as p → 0. It is tabulated to
+//! 1e-13 by direct quadrature, once per law. The elastic profile is kept throughout; P and the area are those of Kogut and Etsion.
+//!
+//! # Validity
+//! Low λ. Sources: Stanley, Etsion and Bogy, J. Tribol. 112 (1990) 98; Shi and Polycarpou (2005), eq. B.1.
+
+use super::isbl;
+use super::kogut_etsion::{FIRST_END, Powers, SECOND_END};
+use crate::asperity::table::{Part, Row, Table};
+use crate::asperity::{Law, LawError, Regime, Responses, Setting, Smoothness, Work};
+use crate::math::piecewise::Piecewise;
+use crate::math::polynomials::horner;
+use crate::math::quadrature::{NODES, Rule};
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+/// Relative accuracy of the table.
+const TABLE_TOLERANCE: f64 = 1e-13;
+/// Relative accuracy of the quadrature behind it.
+const QUADRATURE_TOLERANCE: f64 = 1e-15;
+
+/// The law `sbl`.
+///
+/// # Errors
+/// [`LawError::Elastic`] without a critical interference.
+pub fn sbl(setting: &Setting) -> Result<Box<dyn Law>, LawError> {
+    setting.plastic("sbl")?;
+    let critical = setting.critical_interference;
+    let attraction = Arc::new(RingAttraction::new(setting));
+    let contact = |powers: Powers, first| SblContact {
+        attraction: Arc::clone(&attraction),
+        powers: powers.without_adhesion(),
+        first,
+    };
+    let [first, second, plastic] = Powers::above_critical(setting);
+    let rows = [
+        Row::up_to(Regime::Elastic, critical, contact(Powers::elastic(setting), true)),
+        Row::up_to(Regime::Elastoplastic1, FIRST_END * critical, contact(first, false)),
+        Row::up_to(Regime::Elastoplastic2, SECOND_END * critical, contact(second, false)),
+        Row::last(Regime::Plastic, contact(plastic, false)),
+    ];
+    Ok(Box::new(Table::new(isbl::rows_before_contact(setting).into_iter().chain(rows))))
+}
+
+/// F_s around a contact by its interference.
+#[derive(Clone, Debug)]
+struct RingAttraction {
+    force: f64,
+    /// 1/(πZ₀), 1/m.
+    inverse_length: f64,
+    /// F_s/2πRΔγ over √p.
+    table: Piecewise,
+}
+
+impl RingAttraction {
+    fn new(setting: &Setting) -> Self {
+        let inverse_length = 1.0 / (PI * setting.scale.equilibrium_spacing());
+        let deepest = setting.reach.map_or(0.0, |(_, deepest)| deepest.max(0.0) * inverse_length);
+        let rule = Rule::default();
+        let table = Piecewise::new(
+            |root| ring_integral(root * root, &rule),
+            |_, value| TABLE_TOLERANCE * value,
+            deepest.sqrt(),
+        );
+        Self { force: 2.0 * setting.scale.force, inverse_length, table }
+    }
+
+    /// F_s, N, at the interference δ ≥ 0, m. `near` carries the table cell from one call to the next.
+    fn at(&self, delta: f64, near: &mut usize) -> f64 {
+        let p = delta * self.inverse_length;
+        let root = p.sqrt();
+        let ring = if root < self.table.end() {
+            *near = self.table.cell(root, *near);
+            self.table.value(root, *near)
+        } else {
+            ring_integral(p, &Rule::default())
+        };
+        self.force * ring
+    }
+}
+
+/// g(u) = u + (u² − 1) arctan u, which is (4/3)u³ − … for small u.
+fn gap_shape(u: f64) -> f64 {
+    if u > 0.25 {
+        return u + (u * u - 1.0) * libm::atan(u);
+    }
+    // Σ (−1)^(n+1) [1/(2n−1) + 1/(2n+1)] u^(2n+1), n ≥ 1.
+    const TERMS: usize = 13;
+    let coefficients: [f64; TERMS] = std::array::from_fn(|i| {
+        let n = i as f64 + 1.0;
+        (1.0 / (2.0 * n - 1.0) + 1.0 / (2.0 * n + 1.0)) * if i % 2 == 0 { 1.0 } else { -1.0 }
+    });
+    u * u * u * horner(&coefficients, u * u)
+}
+
+/// (8/3)πp ∫₀^∞ u[(1 + pg)⁻³ − (1 + pg)⁻⁹]du.
+fn ring_integral(p: f64, rule: &Rule) -> f64 {
+    // Below this the next term, of the order of p, is gone.
+    if p < 1e-18 {
+        return 1.0;
+    }
+    // u where pg is about 1: g ~ (4/3)u³ below 1 and (π/2)u² above.
+    let near = libm::cbrt(0.75 / p);
+    let width = if near < 1.0 { near } else { (2.0 / (PI * p)).sqrt() };
+    let breaks = [0.0, 0.2, 0.4, 0.6, 0.8, 1.0];
+    let integral = rule.integrate(&breaks, QUADRATURE_TOLERANCE, |places, values: &mut [[f64; 1]; NODES]| {
+        for (value, &s) in values.iter_mut().zip(places) {
+            // u = width s/(1 − s).
+            let rest = 1.0 - s;
+            let u = width * s / rest;
+            let inverse = 1.0 / (1.0 + p * gap_shape(u));
+            let cube = inverse * inverse * inverse;
+            *value = [u * cube * (1.0 - cube * cube) * width / (rest * rest)];
+        }
+    });
+    8.0 / 3.0 * PI * p * integral.value[0]
+}
+
+/// A regime of contact.
+struct SblContact {
+    attraction: Arc<RingAttraction>,
+    powers: Powers,
+    /// Whether it is the regime that begins at δ = 0.
+    first: bool,
+}
+
+impl Part for SblContact {
+    fn smoothness(&self, lower: f64, _: f64) -> (Vec<f64>, Vec<Smoothness>) {
+        let smoothness = if self.first { Smoothness::Root { place: lower, order: 2 } } else { Smoothness::Smooth };
+        (Vec::new(), vec![smoothness])
+    }
+
+    fn cost(&self) -> f64 {
+        self.powers.cost() + 12.0
+    }
+
+    fn evaluate(&self, interference: &[f64], out: &mut Responses, work: &mut Work) {
+        self.powers.evaluate(interference, out, work);
+        let mut near = 0;
+        for (i, &delta) in interference.iter().enumerate() {
+            out.adhesion[i] = self.attraction.at(delta, &mut near);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_gap_shape_is_continuous_at_its_series() {
+        for u in [0.25_f64, 0.2, 0.1] {
+            let closed = u + (u * u - 1.0) * u.atan();
+            assert!((gap_shape(u) - closed).abs() < 1e-15, "{u}");
+        }
+        assert!((gap_shape(0.25) - gap_shape(0.25_f64.next_up())).abs() < 1e-15);
+    }
+
+    #[test]
+    fn the_ring_begins_with_the_pull_of_a_point_contact() {
+        let rule = Rule::default();
+        for p in [0.0, 1e-30, 1e-20, 1e-12] {
+            assert!((ring_integral(p, &rule) - 1.0).abs() < 1e-5, "{p}: {}", ring_integral(p, &rule));
+        }
+    }
+}

@@ -1,0 +1,94 @@
+//! What a law is made for: one asperity in its units, the history, and where starting tables are worth their making.
+
+use super::scale::{Asperity, Scale};
+use super::{LawError, Path};
+
+/// Everything that the laws of one asperity depend on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Setting {
+    /// λ and the units of the scaled variables.
+    pub scale: Scale,
+    /// Critical interference ω_c, m; infinite where there is no plastic flow.
+    pub critical_interference: f64,
+    /// Maximum contact pressure factor k.
+    pub pressure_factor: f64,
+    /// Lubricant thickness t, m; 0 when dry.
+    pub lubricant_thickness: f64,
+    /// δ_A, m, that is set instead of following from the history; of the curve fits only.
+    pub critical_approach: Option<f64>,
+    /// The history.
+    pub path: Path,
+    /// Range of interferences, m, that starting tables are made for; other interferences are solved too, slower.
+    pub reach: Option<(f64, f64)>,
+}
+
+impl Setting {
+    /// The setting of an asperity.
+    ///
+    /// # Errors
+    /// [`LawError`] for a λ that is not solved, or quantities that are not positive and finite.
+    pub fn new(asperity: &Asperity, path: Path, reach: (f64, f64)) -> Result<Self, LawError> {
+        let setting = Self {
+            scale: Scale::new(asperity)?,
+            critical_interference: asperity.critical_interference(),
+            pressure_factor: asperity.pressure_factor(),
+            lubricant_thickness: asperity.lubricant_thickness,
+            critical_approach: None,
+            path,
+            reach: Some(reach),
+        };
+        let positive = [("hardness", asperity.hardness), ("critical_interference", setting.critical_interference)];
+        if let Some(&(name, value)) = positive.iter().find(|(_, value)| !(*value > 0.0 && value.is_finite())) {
+            return Err(LawError::NotPositive { name, value });
+        }
+        setting.checked()
+    }
+
+    /// A dry, elastic asperity in scaled variables: all units are 1.
+    ///
+    /// # Errors
+    /// [`LawError::Lambda`] for a λ that is not solved.
+    pub fn scaled(lambda: f64, path: Path) -> Result<Self, LawError> {
+        let setting = Self {
+            scale: Scale::unit(lambda)?,
+            critical_interference: f64::INFINITY,
+            pressure_factor: 1.0,
+            lubricant_thickness: 0.0,
+            critical_approach: None,
+            path,
+            reach: None,
+        };
+        setting.checked()
+    }
+
+    /// The setting itself, if its quantities are possible.
+    ///
+    /// # Errors
+    /// [`LawError::NotPositive`] when they are not.
+    pub fn checked(self) -> Result<Self, LawError> {
+        let (critical, t) = (self.critical_interference, self.lubricant_thickness);
+        if !(critical > 0.0) {
+            return Err(LawError::NotPositive { name: "critical_interference", value: critical });
+        }
+        if !(self.pressure_factor > 0.0 && self.pressure_factor.is_finite()) {
+            return Err(LawError::NotPositive { name: "poisson_ratio", value: self.pressure_factor });
+        }
+        if !(t >= 0.0 && t.is_finite()) {
+            return Err(LawError::NotPositive { name: "lubricant_thickness", value: t });
+        }
+        Ok(self)
+    }
+
+    /// The setting itself, for the law `name`, whose forces depend on ω_c in its elastic regime too.
+    ///
+    /// # Errors
+    /// [`LawError::Elastic`] when ω_c is infinite.
+    pub fn plastic(&self, name: &'static str) -> Result<&Self, LawError> {
+        if self.critical_interference.is_finite() { Ok(self) } else { Err(LawError::Elastic(name)) }
+    }
+
+    /// Largest scaled interference that starting tables are needed for, up to `end`, m.
+    pub fn deepest(&self, end: f64) -> Option<f64> {
+        self.reach.map(|(_, deepest)| deepest.min(end) / self.scale.length)
+    }
+}

@@ -2,22 +2,11 @@
 
 mod common;
 
-use common::{case, law};
+use common::{case, law, respond};
 use std::f64::consts::PI;
 use stiction::asperity::emd::{Emd, State};
 use stiction::asperity::scale::{Asperity, Scale};
-use stiction::asperity::{Law, Path, Regime, Responses, Scratch, Work, for_each_block};
-
-/// What one asperity does at an interference: its regime and F_s, P (N), contact area (m²); `None` beyond the law's end.
-fn respond(law: &dyn Law, interference: f64) -> Option<(Regime, [f64; 3])> {
-    let mut found = None;
-    let visit = |regime: usize, _: std::ops::Range<usize>, responses: &Responses| {
-        let values = [responses.adhesion[0], responses.contact[0], responses.area[0]];
-        found = Some((law.regimes()[regime], values));
-    };
-    for_each_block(law, &[interference], 0.0, &mut Scratch::default(), &mut Work::default(), visit);
-    found
-}
+use stiction::asperity::{Law, Path, Regime, Work};
 
 fn hybrid(asperity: &Asperity, path: Path) -> Box<dyn Law> {
     law("hybrid", asperity, path, (-20e-9, 20e-9))
@@ -122,50 +111,6 @@ fn histories_differ_above_the_contact_fold_only() {
     }
 }
 
-/// Pull-off under load control, −min F̂ over the contact branch, and the radius there: 50-digit values.
-#[test]
-fn pull_off_of_one_asperity_is_met() {
-    let rows = [
-        (0.01, 1.99828778432, 0.0209103),
-        (0.1, 1.95059489212, 0.1991926),
-        (0.5, 1.71824527489, 0.6788777),
-        (1.0, 1.60073491125, 0.9037686),
-        (2.0, 1.53460323807, 1.0513770),
-        (5.0, 1.50634996772, 1.1262444),
-        (10.0, 1.50162486043, 1.1399174),
-    ];
-    for (lambda, pull_off, radius) in rows {
-        let law = Emd::new(lambda, Path::Retraction).unwrap();
-        let mut work = Work::default();
-        let mut force = |delta: f64| {
-            let solution = law.contact(delta, &mut 0, &mut work);
-            (solution.radius.powi(3) - solution.adhesion, solution.radius)
-        };
-        // Ternary search in √(Δ − Δ_end), where the curve is smooth.
-        let (mut low, mut high) = (0.0_f64, 2.0_f64);
-        for _ in 0..200 {
-            let (a, b) = (low + (high - low) / 3.0, high - (high - low) / 3.0);
-            if force(law.end() + a * a).0 < force(law.end() + b * b).0 { high = b } else { low = a }
-        }
-        let (least, at) = force(law.end() + low * low);
-        assert!((-least - pull_off).abs() < 2e-11, "λ = {lambda}: {least}");
-        assert!((at - radius).abs() < 1e-6, "λ = {lambda}: {at}");
-    }
-}
-
-#[test]
-fn the_elastic_model_is_the_hybrid_up_to_the_critical_interference() {
-    let (asperity, _) = case("II");
-    let whole = hybrid(&asperity, Path::Approach);
-    let elastic = law("emd", &asperity, Path::Approach, (-20e-9, 20e-9));
-    let critical = asperity.critical_interference();
-    for i in 0..200 {
-        let interference = -5e-9 + (critical + 5e-9) * f64::from(i) / 199.0;
-        assert_eq!(respond(elastic.as_ref(), interference), respond(whole.as_ref(), interference));
-    }
-    assert_eq!(respond(elastic.as_ref(), 1.01 * critical), None);
-}
-
 #[test]
 fn a_dry_asperity_has_no_lubricant_regime() {
     let (mut asperity, _) = case("II");
@@ -175,34 +120,6 @@ fn a_dry_asperity_has_no_lubricant_regime() {
     assert_eq!(respond(law.as_ref(), touch.next_down()).unwrap().0, Regime::Noncontact);
     assert_eq!(respond(law.as_ref(), touch).unwrap().0, Regime::Elastic);
     assert!(law.pieces().iter().all(|piece| law.regimes()[piece.regime] != Regime::Lubricant));
-}
-
-/// Two geometries with the same λ have the same scaled law: a misplaced R, E_r or Δγ would show.
-#[test]
-fn forces_scale_away_from_one() {
-    let (small, _) = case("III");
-    // λ ∝ (R Δγ²/E_r²)^(1/3)/Z₀: eight times the radius, doubled spacing.
-    let large = Asperity { radius: 8.0 * small.radius, equilibrium_spacing: 2.0 * small.equilibrium_spacing, ..small };
-    let stiff = Asperity {
-        work_of_adhesion: 3.0 * small.work_of_adhesion,
-        reduced_modulus: 3.0 * small.reduced_modulus,
-        ..small
-    };
-    for other in [large, stiff] {
-        let scales = [Scale::new(&small).unwrap(), Scale::new(&other).unwrap()];
-        assert_close(scales[1].lambda, scales[0].lambda, 1e-14);
-        for delta in [-3.0, -1.0, -0.7, -0.2, 0.0, 0.5, 3.0] {
-            let scaled = [(&small, scales[0]), (&other, scales[1])].map(|(asperity, scale)| {
-                let dry = Asperity { lubricant_thickness: 0.0, hardness: 1e15, ..*asperity };
-                let (_, [adhesion, contact, area]) =
-                    respond(hybrid(&dry, Path::Approach).as_ref(), delta * scale.length).unwrap();
-                [adhesion / scale.force, contact / scale.force, area / (PI * scale.radius * scale.radius)]
-            });
-            for i in 0..3 {
-                assert!((scaled[0][i] - scaled[1][i]).abs() <= 1e-11 * scaled[0][i].abs(), "Δ {delta}: {scaled:?}");
-            }
-        }
-    }
 }
 
 /// At the very ends of the branches, with and without tables: the states meet their closed forms and nothing panics.

@@ -102,6 +102,21 @@ impl Default for Responses {
     }
 }
 
+/// Curve fits of the three elastic forces f_snc, f_sel and f_f against the direct solution, on the ranges of the fits.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FitReport {
+    /// The 13 coefficients in the order of the published Table 3, approach in nm, forces in µN.
+    pub coefficients: [f64; 13],
+    /// Interferences from and to, m.
+    pub range: [[f64; 2]; 3],
+    /// Largest |force| of the direct solution, N.
+    pub largest_force: [f64; 3],
+    /// Largest |fit − direct|, N.
+    pub largest_residual: [f64; 3],
+    /// Root mean square of fit − direct, N.
+    pub rms_residual: [f64; 3],
+}
+
 /// A law of one asperity as the sums see it: contiguous regimes of interference, and forces evaluated block by block, so
 /// that choosing the law costs one call per block and nothing in the inner loop.
 pub trait Law: Send + Sync {
@@ -117,6 +132,11 @@ pub trait Law: Send + Sync {
 
     /// Nanoseconds of one evaluation in a regime, about, on one core of a 2020s server.
     fn cost(&self, regime: usize) -> f64;
+
+    /// How well its curve fits are, when it has any.
+    fn fit(&self) -> Option<&FitReport> {
+        None
+    }
 
     /// Fills the first `interference.len()` ≤ [`BLOCK`] responses for interferences δ, m, that all lie in one regime.
     fn evaluate(&self, regime: usize, interference: &[f64], out: &mut Responses, work: &mut Work);

@@ -16,7 +16,7 @@ pub mod scale;
 mod setting;
 pub mod table;
 
-pub use law::{BLOCK, Boundary, Law, Piece, Regime, Responses, Scratch, Smoothness, for_each_block};
+pub use law::{BLOCK, Boundary, FitReport, Law, Piece, Regime, Responses, Scratch, Smoothness, for_each_block};
 pub use quantity::Quantity;
 pub use setting::Setting;
 
@@ -82,6 +82,15 @@ pub enum LawError {
     /// ω_c is infinite, but the law has an elastic-plastic scale even in its elastic regime.
     #[error("no critical interference is given, which the law {0} needs")]
     Elastic(&'static str),
+    /// The asperity is none of the three whose curve fits are published.
+    #[error(
+        "Table 3 has curve fits for three asperities only (R, work of adhesion: 1.66 um, 0.01 J/m^2; 3.33 um, 0.09 J/m^2; \
+         6.38 um, 0.30 J/m^2; E_r 85.29 GPa, Z_0 0.2 nm), and this is none of them; fit:refit fits any"
+    )]
+    NotInTable3,
+    /// The published forms cannot be fitted to the direct law.
+    #[error("the published forms cannot be fitted to the law of this asperity")]
+    NoFit,
     /// A quantity that has to be positive and finite.
     #[error("{name} is {value:e}, but has to be positive and finite")]
     NotPositive {

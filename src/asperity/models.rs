@@ -1,6 +1,6 @@
 //! The registry of laws: their names, what they are, where they are valid, how they are made. A new law is its file and a line here.
 
-use super::laws::{dmt, emd, hertz, hybrid, idmt, isbl, jkr, kogut_etsion, md, md_kim, sbl};
+use super::laws::{dmt, emd, fit, hertz, hybrid, idmt, isbl, jkr, kogut_etsion, md, md_kim, sbl};
 use super::{Law, LawError, Setting};
 
 /// Makes a law.
@@ -93,6 +93,10 @@ pub const MODELS: &[Model] = &[
         validity(Adhesion::Any, false, false), hybrid::hybrid),
     law("emd", "extended Maugis-Dugdale up to the critical interference, no force above",
         validity(Adhesion::Any, true, false), emd::emd),
+    law("fit:paper", "the hybrid law with the published curve fits of its elastic part, for the three published asperities",
+        validity(Adhesion::Any, false, false), fit::paper),
+    law("fit:refit", "the hybrid law with its elastic part refitted by the published forms",
+        validity(Adhesion::Any, false, false), fit::refit),
     law("isbl", "attraction of an undeformed sphere across the lubricant, Kogut-Etsion in contact",
         validity(Adhesion::Low, false, false), isbl::isbl),
     law("sbl", "attraction of an undeformed sphere across the lubricant, and around a contact of elastic profile",

@@ -3,7 +3,7 @@
 //! The laws in [`super::laws`] are such tables. Their rows share parts: the same contact solution serves several laws, the same
 //! lubricant all that know one.
 
-use super::law::{Boundary, Law, Piece, Regime, Responses, Smoothness};
+use super::law::{Boundary, FitReport, Law, Piece, Regime, Responses, Smoothness};
 use super::{Setting, Work};
 
 /// What acts in a regime.
@@ -50,18 +50,25 @@ pub struct Table {
     regimes: Vec<Regime>,
     boundaries: Vec<Boundary>,
     parts: Vec<Box<dyn Part>>,
+    fit: Option<FitReport>,
 }
 
 impl Table {
     /// The law of rows from far to deep. Only the last may lack an end; if it has one, nothing acts beyond.
     pub fn new(rows: impl IntoIterator<Item = Row>) -> Self {
-        let mut table = Self { regimes: Vec::new(), boundaries: Vec::new(), parts: Vec::new() };
+        let mut table = Self { regimes: Vec::new(), boundaries: Vec::new(), parts: Vec::new(), fit: None };
         for row in rows {
             table.regimes.push(row.regime);
             table.boundaries.extend(row.end);
             table.parts.push(row.part);
         }
         table
+    }
+
+    /// The same law with a report of its curve fits.
+    pub fn with_fit(mut self, report: FitReport) -> Self {
+        self.fit = Some(report);
+        self
     }
 }
 
@@ -93,6 +100,10 @@ impl Law for Table {
 
     fn cost(&self, regime: usize) -> f64 {
         self.parts[regime].cost()
+    }
+
+    fn fit(&self) -> Option<&FitReport> {
+        self.fit.as_ref()
     }
 
     fn evaluate(&self, regime: usize, interference: &[f64], out: &mut Responses, work: &mut Work) {

@@ -2,6 +2,7 @@
 
 pub mod extrema;
 pub mod interpolation;
+pub mod least_squares;
 pub mod linalg;
 pub mod moments;
 pub mod piecewise;

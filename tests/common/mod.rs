@@ -1,8 +1,9 @@
-//! Shared by the tests of the library: the published cases.
+//! Shared by the tests of the library: the published cases, and a law asked for one asperity.
+#![allow(dead_code)] // Each test takes what it needs.
 
 use stiction::asperity::models::model;
 use stiction::asperity::scale::Asperity;
-use stiction::asperity::{Law, Path, Setting};
+use stiction::asperity::{Law, Path, Regime, Responses, Scratch, Setting, Work, for_each_block};
 use stiction::surface::{Roughness, Surface};
 
 /// The material and surface of case I, II or III of the published Table 2, with the inferred ν, t and A_n.
@@ -38,4 +39,15 @@ pub fn case(name: &str) -> (Asperity, Surface) {
 pub fn law(name: &str, asperity: &Asperity, path: Path, reach: (f64, f64)) -> Box<dyn Law> {
     let setting = Setting::new(asperity, path, reach).expect("a valid setting");
     (model(name).expect("a known law").build)(&setting).expect("a law of the setting")
+}
+
+/// What one asperity does at an interference: its regime and F_s, P (N), contact area (m²); `None` beyond the law's end.
+pub fn respond(law: &dyn Law, interference: f64) -> Option<(Regime, [f64; 3])> {
+    let mut found = None;
+    let visit = |regime: usize, _: std::ops::Range<usize>, responses: &Responses| {
+        let values = [responses.adhesion[0], responses.contact[0], responses.area[0]];
+        found = Some((law.regimes()[regime], values));
+    };
+    for_each_block(law, &[interference], 0.0, &mut Scratch::default(), &mut Work::default(), visit);
+    found
 }

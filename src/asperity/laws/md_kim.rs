@@ -44,7 +44,7 @@ struct ConstantStress {
     onset: f64,
     /// Δ of the fold.
     fold: f64,
-    /// Δ below which nothing acts.
+    /// Δ below which nothing acts; infinite where nothing ever does.
     begin: f64,
 }
 
@@ -54,8 +54,11 @@ impl ConstantStress {
         let half = 8.0 * lambda / (3.0 * PI);
         let onset = -2.0 / (PI * lambda);
         let fold = onset - 0.5 * half * half;
+        // Above λ_f = [9π/(16(π−1))]^(1/3) the zone at the fold would be wider than at first touch: contact ends before it.
+        let folds_first = 16.0 * (PI - 1.0) * lambda * lambda * lambda > 9.0 * PI;
         let begin = match setting.path {
             Path::Approach => onset,
+            Path::Retraction if folds_first => f64::INFINITY,
             Path::Retraction => fold,
         };
         Self { scale: setting.scale, half, onset, fold, begin }

@@ -2,6 +2,7 @@
 
 pub mod dmt;
 pub mod emd;
+pub mod fit;
 pub mod hertz;
 pub mod hybrid;
 pub mod idmt;

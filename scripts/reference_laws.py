@@ -1,0 +1,505 @@
+"""Reference values of the single-asperity laws of the rough-surface models.
+
+Writes tests/data/laws.csv: the adhesion force, the external force and the contact radius of one asperity as
+functions of lambda and delta, with the condition number of each, by the laws
+
+* hertz, jkr, dmt: the classical elastic contacts; nothing acts before contact;
+* idmt: the sphere under the Lennard-Jones stress, undeformed before contact, dmt in contact;
+* md: D. Maugis, J. Colloid Interface Sci. 150 (1992) 243, in contact; nothing before;
+* md_kim: md in contact, the Dugdale stress kept at sigma_0 before contact;
+* ke: idmt before contact, in contact the fits of L. Kogut and I. Etsion to their elastic-plastic sphere;
+* sbl: idmt before contact, in contact the Lennard-Jones stress integrated over the Hertz gap outside the contact,
+  with the load and the contact radius of ke.
+
+They are written down in closed form, along a parameter where delta cannot be solved for, with no series; all
+arithmetic has 80 digits instead. The one integral (sbl) is done twice, by different rules in different variables.
+
+Scaled quantities, with K = 4/3 E_r and g = pi * (work of adhesion):
+    delta and omega_c in (g^2 R / K^2)^(1/3), contact radius in (g R^2 / K)^(1/3), forces in g R,
+    lambda = 2 sigma_0 (R / (g K^2))^(1/3), sigma_0 = 1.03 (work of adhesion) / Z_0,
+    hence Z_0 = 2.06 / (pi lambda) in the unit of delta.
+The decimals of the table stand for the doubles nearest to them.
+
+Usage:
+    uv run scripts/reference_laws.py                      write the table and print the largest conditions
+    uv run scripts/reference_laws.py -o OUT.csv           write it elsewhere
+    uv run scripts/reference_laws.py --check OTHER.csv    compare with another table, write nothing
+"""
+
+# /// script
+# requires-python = ">=3.9"
+# dependencies = ["mpmath>=1.3"]
+# ///
+
+import argparse
+import csv
+import functools
+import sys
+from decimal import Decimal
+from pathlib import Path
+from typing import NamedTuple
+
+import mpmath
+from mpmath import mp, mpf
+
+mp.dps = 80
+
+# The grid of the laws without plasticity, completed by points close to the ends of the branches (end_points).
+LAMBDAS = "0.001 0.01 0.1 0.5 0.6 0.7 0.9 0.93 0.94 1.0 2.5 10.0 1000.0".split()
+DELTAS = (
+    "-1000.0 -630.0 -100.0 -10.0 -3.0 -2.0 -1.5 -1.1 -1.0 -0.95 -0.9 -0.8 -0.7 -0.5 -0.3 -0.1 -0.01 "
+    "0.0 0.001 0.01 0.1 0.3 1.0 3.0 10.0 100.0 1000.0"
+).split()
+IDMT_LAMBDAS = "0.001 0.1 0.5 0.9 1.0 2.5 10.0 1000.0".split()  # idmt depends on lambda * delta only
+ANY_LAMBDA = "1.0"  # hertz, jkr and dmt do not depend on lambda
+
+# The grid of the laws with plasticity: a few delta, and multiples of omega_c on both sides of every joint.
+PLASTIC_LAMBDAS = "0.001 0.1 0.9 2.5 1000.0".split()
+MATERIALS = [("0.7", "0.27"), ("20.0", "0.4")]  # omega_c and Poisson's ratio
+PLASTIC_DELTAS = "-1000.0 -3.0 -0.5 -0.01 0.0 1e-09 1e-05".split()
+MULTIPLES = "0.001 0.03 0.3 0.99 1.01 2 4 5.99 6.01 12 50 109 111 300".split()
+
+KEYS = ["law", "path", "lambda", "delta", "critical_interference", "poisson_ratio", "branch"]
+VALUES = ["adhesion_force", "external_force", "contact_radius"]
+CONDITIONS = ["adhesion_condition", "external_condition", "radius_condition"]
+VALUE_DIGITS = 25
+CONDITION_DIGITS = 12
+
+STRESS_FACTOR = mpf("1.03")  # sigma_0 Z_0 / (work of adhesion)
+SMALLEST_ANGLE = mpf("1e-10")  # far below every angle of the grid: heaviest load, largest lambda
+LARGEST_RADIUS = mpf(1000)
+FOLD_LAMBDA = mp.cbrt(9 * mp.pi / (16 * (mp.pi - 1)))  # above it the contact branch of Maugis-Dugdale folds
+SNAP_LAMBDA = mp.cbrt(mpf(9) / 32)  # above it md_kim snaps from nothing straight into contact
+NEAR = mpf("1e-4")  # relative distance of the end points from the ends
+QUADRATURE_STEP = mpf(1) / 24
+QUADRATURE_REACH = 40
+
+
+class Quantity(NamedTuple):
+    """A value, delta times its derivative with respect to delta, and lambda times that with respect to lambda."""
+
+    value: mpf
+    by_delta: mpf
+    by_lambda: mpf
+
+    def power(self, exponent):
+        value = self.value**exponent
+        slope = exponent * value / self.value if self.value else mpf(0)
+        return Quantity(value, slope * self.by_delta, slope * self.by_lambda)
+
+    def sensitivity(self):
+        return abs(self.by_delta) + abs(self.by_lambda)
+
+
+class State(NamedTuple):
+    branch: str
+    contact_force: Quantity
+    adhesion: Quantity
+    radius: Quantity
+
+
+ZERO = Quantity(mpf(0), mpf(0), mpf(0))
+
+
+def constant(value):
+    return Quantity(mpf(value), mpf(0), mpf(0))
+
+
+def noncontact(adhesion=ZERO):
+    return State("noncontact", ZERO, adhesion, ZERO)
+
+
+def bisect(is_above, below, above):
+    """Where is_above turns from false (at below) to true (at above)."""
+    if is_above(below) or not is_above(above):
+        raise ValueError("no change between the ends")
+    for _ in range(mp.prec + 16):
+        middle = (below + above) / 2
+        if is_above(middle):
+            above = middle
+        else:
+            below = middle
+    return (below + above) / 2
+
+
+# Hertz, DMT, JKR
+
+
+def hertz_contact(delta, adhesion):
+    radius = Quantity(mp.sqrt(delta), mp.sqrt(delta) / 2, mpf(0))
+    return State("contact", radius.power(3), adhesion, radius)
+
+
+def hertz(path, lam, delta):
+    return hertz_contact(delta, ZERO) if delta >= 0 else noncontact()
+
+
+def dmt(path, lam, delta):
+    return hertz_contact(delta, constant(2)) if delta >= 0 else noncontact()
+
+
+JKR_END = mp.cbrt(mpf(1) / 6)  # the smallest stable contact radius
+
+
+def jkr_delta(radius):
+    return radius**2 - mpf(2) / 3 * mp.sqrt(6 * radius)
+
+
+def jkr(path, lam, delta):
+    if delta < (0 if path == "approach" else jkr_delta(JKR_END)):
+        return noncontact()
+    a = bisect(lambda a: jkr_delta(a) > delta, JKR_END, LARGEST_RADIUS)
+    radius = Quantity(a, delta / (2 * a - mp.sqrt(6 / a) / 3), mpf(0))
+    adhesion = radius.power(mpf(3) / 2)
+    return State("contact", radius.power(3), Quantity(*(mp.sqrt(6) * part for part in adhesion)), radius)
+
+
+# The undeformed sphere before contact
+
+
+def spacing(lam):
+    """Z_0 in the unit of delta."""
+    return 2 * STRESS_FACTOR / (mp.pi * lam)
+
+
+def rigid_sphere(lam, delta):
+    """Before contact at the gap Z_0 - delta under the Lennard-Jones stress."""
+    ratio = 1 / (1 - delta / spacing(lam))
+    force = mpf(8) / 3 * (ratio**2 - ratio**8 / 4)
+    slope = mpf(8) / 3 * (2 * ratio - 2 * ratio**7) * ratio**2 * delta / spacing(lam)
+    return noncontact(Quantity(force, slope, slope))
+
+
+def idmt(path, lam, delta):
+    return dmt(path, lam, delta) if delta >= 0 else rigid_sphere(lam, delta)
+
+
+# Maugis-Dugdale
+
+
+def zone_radius(lam, theta):
+    """Outer radius c of the adhesive zone at the angle theta = arccos(a / c)."""
+    sin, cos = mp.sin(theta), mp.cos(theta)
+    quadratic = lam / 2 * (sin * cos - theta * mp.cos(2 * theta))
+    linear = 4 * lam**2 / 3 * (theta * sin + cos - 1)
+    return 2 / (linear + mp.sqrt(linear**2 + 4 * quadratic))
+
+
+def contact_state(lam, theta):
+    """Approach, adhesion force and contact radius in contact."""
+    sin, cos = mp.sin(theta), mp.cos(theta)
+    zone = zone_radius(lam, theta)
+    delta = (zone * cos) ** 2 - 4 * lam / 3 * zone * sin
+    return delta, lam * zone**2 * (sin * cos + theta), zone * cos
+
+
+def first_touch(lam):
+    return contact_state(lam, mp.pi / 2)[0]
+
+
+@functools.lru_cache(maxsize=None)
+def contact_end(lam):
+    """Angle and approach at which the stable contact branch ends: first touch or, above FOLD_LAMBDA, the fold."""
+    angle = mp.pi / 2
+    if lam > FOLD_LAMBDA:
+
+        def is_unstable(theta):
+            return mp.diff(lambda t: contact_state(lam, t)[0], theta) > 0
+
+        # d(delta)/d(theta) vanishes at first touch for every lambda, hence the small distance from it.
+        angle = bisect(is_unstable, SMALLEST_ANGLE, angle - mpf("1e-6"))
+    return angle, contact_state(lam, angle)[0]
+
+
+@functools.lru_cache(maxsize=None)
+def md_contact(lam, delta):
+    """The stable contact branch, along which delta falls from infinity as the angle grows."""
+    theta = bisect(lambda t: contact_state(lam, t)[0] <= delta, SMALLEST_ANGLE, contact_end(lam)[0])
+    values = contact_state(lam, theta)
+    by_theta = [mp.diff(lambda t, i=i: contact_state(lam, t)[i], theta) for i in range(3)]
+    by_lam = [mp.diff(lambda s, i=i: contact_state(s, theta)[i], lam) for i in range(3)]
+
+    def quantity(i):
+        slope = by_theta[i] / by_theta[0]
+        return Quantity(values[i], delta * slope, lam * (by_lam[i] - slope * by_lam[0]))
+
+    return State("contact", quantity(2).power(3), quantity(1), quantity(2))
+
+
+def md(path, lam, delta):
+    end = first_touch(lam) if path == "approach" else contact_end(lam)[1]
+    return md_contact(lam, delta) if delta >= end else noncontact()
+
+
+# MD-Kim: before contact delta = C^2 / 2 - (8 lambda / 3 pi) C - 2 / (pi lambda), C the radius of the adhesive zone
+
+
+def kim_reach(lam):
+    """Approach at which the Dugdale stress first reaches across the gap (C = 0)."""
+    return -2 / (mp.pi * lam)
+
+
+def kim_fold(lam):
+    """Approach at which the outer zone of md_kim ends (C = 8 lambda / 3 pi)."""
+    return kim_reach(lam) - 32 * lam**2 / (9 * mp.pi**2)
+
+
+def kim_gap(lam, delta):
+    """Before contact, with the larger of the two zones."""
+    at_fold = 8 * lam / (3 * mp.pi)
+    beyond = mp.sqrt(2 * (delta - kim_fold(lam)))
+    zone = at_fold + beyond
+    assert zone <= zone_radius(lam, mp.pi / 2)
+    force = mp.pi / 2 * lam * zone**2
+    by_lam = (8 * zone / (3 * mp.pi) - 2 / (mp.pi * lam**2)) / beyond
+    return noncontact(
+        Quantity(force, 2 * force * delta / (zone * beyond), force * (1 + 2 * lam * by_lam / zone))
+    )
+
+
+def kim_ends(path, lam):
+    """Approaches at which contact and the zone before contact end."""
+    if path == "retraction":
+        contact = contact_end(lam)[1]
+        return contact, kim_fold(lam) if lam <= FOLD_LAMBDA else contact
+    reach = kim_reach(lam)
+    return (first_touch(lam) if lam <= SNAP_LAMBDA else reach), reach
+
+
+def md_kim(path, lam, delta):
+    contact, zone = kim_ends(path, lam)
+    if delta >= contact:
+        return md_contact(lam, delta)
+    return kim_gap(lam, delta) if delta >= zone else noncontact()
+
+
+def end_points(lam_text):
+    """Decimals close to the ends of the branches of md and md_kim, on both sides and between them."""
+    lam = mpf(float(lam_text))
+    ends = [first_touch(lam), kim_reach(lam), kim_fold(lam) if lam <= FOLD_LAMBDA else contact_end(lam)[1]]
+    points = [f"{float(end * (1 + shift)):.10g}" for end in ends for shift in (-NEAR, NEAR)]
+    between = [(a + b) / 2 for a, b in [(ends[0], ends[2]), (ends[1], ends[2])]]
+    return points + [repr(float(middle)) for middle in between]
+
+
+# Kogut-Etsion: up to which delta / omega_c, then (factor, exponent) of the load over P_c, of the contact area over
+# pi R omega_c, and (factor, exponent, exponent of Z_0 / omega_c) of the adhesion force over 2 pi R (work of adhesion)
+
+KE_PIECES = [
+    ("1", ("1", "1.5"), ("1", "1"), ("0.98", "0.298", "-0.29")),
+    ("6", ("1.03", "1.425"), ("0.93", "1.136"), ("0.79", "0.356", "-0.321")),
+    ("110", ("1.40", "1.263"), ("0.94", "1.146"), ("1.19", "0.093", "-0.332")),
+]
+
+
+def ke_contact(lam, delta, critical, poisson):
+    x = Quantity(delta / critical, delta / critical, mpf(0))
+    ratio = Quantity(spacing(lam) / critical, mpf(0), -spacing(lam) / critical)
+
+    def scaled(factor, quantity):
+        return Quantity(*(factor * part for part in quantity))
+
+    for limit, load, area, adhesion in KE_PIECES:
+        if x.value <= mpf(limit):
+            near = x.power(mpf(adhesion[1]))
+            far = ratio.power(mpf(adhesion[2]))
+            product = Quantity(near.value * far.value, near.by_delta * far.value, near.value * far.by_lambda)
+            force = scaled(2 * mpf(adhesion[0]), product)
+            break
+    else:
+        load, area, force = (3 / (mpf("0.454") + mpf("0.41") * poisson), "1"), ("2", "1"), ZERO
+    return State(
+        "contact",
+        scaled(critical ** mpf("1.5") * mpf(load[0]), x.power(mpf(load[1]))),
+        force,
+        scaled(mp.sqrt(critical * mpf(area[0])), x.power(mpf(area[1]) / 2)),
+    )
+
+
+def ke(path, lam, delta, critical, poisson):
+    return ke_contact(lam, delta, critical, poisson) if delta >= 0 else rigid_sphere(lam, delta)
+
+
+# Lennard-Jones stress over the Hertz gap. With r = a sec(phi), t = tan(phi), a^2 = R delta and p = delta / (pi Z_0)
+# the gap is Z = Z_0 (1 + p G), G = t + (t^2 - 1) arctan(t), and the adhesion force in units of pi R (work of adhesion)
+#     (16 pi / 3) p * integral of [(1 + p G)^-3 - (1 + p G)^-9] t dt over t > 0.
+
+
+@functools.lru_cache(maxsize=None)
+def hertz_gap(k):
+    """t and G at the k-th node, log(t) = k QUADRATURE_STEP."""
+    t = mp.exp(k * QUADRATURE_STEP)
+    return t, t + (t**2 - 1) * mp.atan(t)
+
+
+@functools.lru_cache(maxsize=None)
+def hertz_profile_force(p):
+    """Adhesion force and p times its derivative, by the trapezoidal rule in log(t), which converges exponentially."""
+    typical = min(mp.cbrt(3 / (4 * p)), mp.sqrt(2 / (mp.pi * p))) if p > 1 else mp.sqrt(2 / (mp.pi * p))
+    middle = int(mp.nint(mp.log(typical) / QUADRATURE_STEP))
+    reach = int(QUADRATURE_REACH / QUADRATURE_STEP)
+    force = slope = mpf(0)
+    for k in range(middle - reach, middle + reach + 1):
+        t, gap = hertz_gap(k)
+        u = p * gap
+        near = 1 / (1 + u)
+        stress = near**3 - near**9
+        force += t**2 * stress
+        slope += t**2 * (stress + u * (9 * near**10 - 3 * near**4))
+    factor = 16 * mp.pi / 3 * p * QUADRATURE_STEP
+    return factor * force, factor * slope
+
+
+def hertz_profile_force_again(p):
+    """The same force in the variable q = Z_0 / Z, by the double-exponential rule.
+
+    As dG = 2 t (arctan(t) + t / (1 + t^2)) dt, it is 16/3 times the integral of (q - q^7) w over 0 < q < 1, with
+    w = (pi / 2) / (arctan(t) + t / (1 + t^2)) at the t where p G(t) = 1 / q - 1; w = 1 gives the DMT value 2.
+    """
+
+    def integrand(q):
+        gap = (1 - q) / (q * p)
+        # G is convex, smaller than 4/3 t^3 and than pi/2 t^2: Newton's rule falls from above onto the root
+        t = max(mp.cbrt(3 * gap / 4), mp.sqrt(2 * gap / mp.pi)) * 2 + mpf(10) ** -30
+        for _ in range(200):
+            bend = mp.atan(t) + t / (1 + t**2)
+            step = (t + (t**2 - 1) * mp.atan(t) - gap) / (2 * t * bend)
+            t -= step
+            if abs(step) <= t * mpf(10) ** -30:  # the next correction would be its square
+                break
+        return (q - q**7) * mp.pi / 2 / (mp.atan(t) + t / (1 + t**2))
+
+    with mp.workdps(2 * mp.dps):
+        breaks = sorted({mpf(0), mpf(1), *(1 / (1 + p * mpf(10) ** j) for j in (-3, -2, -1, 0, 1, 2))})
+        return mpf(16) / 3 * mp.quad(integrand, breaks, maxdegree=8)
+
+
+def sbl(path, lam, delta, critical, poisson):
+    if delta < 0:
+        return rigid_sphere(lam, delta)
+    state = ke_contact(lam, delta, critical, poisson)
+    if delta == 0:
+        return state._replace(adhesion=constant(2))
+    force, slope = hertz_profile_force(delta / (mp.pi * spacing(lam)))
+    return state._replace(adhesion=Quantity(force, slope, slope))
+
+
+def cases():
+    """Law, path and the texts of the inputs of every row."""
+    both = ("approach", "retraction")
+
+    def ordered(texts):
+        return sorted({float(text): text for text in texts}.values(), key=float)
+
+    jkr_end = jkr_delta(JKR_END)
+    jkr_deltas = ordered(DELTAS + [f"{float(jkr_end * (1 + shift)):.10g}" for shift in (-NEAR, NEAR)])
+    for law, lams, deltas, paths in [
+        (hertz, [ANY_LAMBDA], DELTAS, both[:1]),
+        (jkr, [ANY_LAMBDA], jkr_deltas, both),
+        (dmt, [ANY_LAMBDA], DELTAS, both[:1]),
+        (idmt, IDMT_LAMBDAS, DELTAS, both[:1]),
+        (md, LAMBDAS, None, both),
+        (md_kim, LAMBDAS, None, both),
+    ]:
+        for path in paths:
+            for lam in lams:
+                for delta in deltas or ordered(DELTAS + end_points(lam)):
+                    yield law, path, lam, delta, "", ""
+    for law in (ke, sbl):
+        for critical, poisson in MATERIALS:
+            multiples = [str(float(Decimal(critical) * Decimal(x))) for x in MULTIPLES]
+            for lam in PLASTIC_LAMBDAS:
+                for delta in ordered(PLASTIC_DELTAS + multiples):
+                    yield law, both[0], lam, delta, critical, poisson
+
+
+def table():
+    """All rows as dictionaries from column name to text."""
+    rows = []
+    for law, path, *inputs in cases():
+        state = law(path, *(mpf(float(text)) for text in inputs if text))
+        force, adhesion, radius = state.contact_force, state.adhesion, state.radius
+        external = Quantity(*(f - a for f, a in zip(force, adhesion)))
+        row = dict(zip(KEYS, (law.__name__, path, *inputs, state.branch)))
+        row.update((c, mp.nstr(q.value, VALUE_DIGITS)) for c, q in zip(VALUES, (adhesion, external, radius)))
+        scales = (adhesion.value, force.value + adhesion.value, radius.value)
+        for column, quantity, scale in zip(CONDITIONS, (adhesion, external, radius), scales):
+            condition = quantity.sensitivity() / scale if scale and quantity.value else mpf(0)
+            row[column] = mp.nstr(condition, CONDITION_DIGITS)
+        rows.append(row)
+    return rows
+
+
+def key(row):
+    """What identifies a row, whatever the spelling of its numbers."""
+    return tuple(row[k] if k in ("law", "path", "branch") or not row[k] else mpf(row[k]) for k in KEYS)
+
+
+def describe(row):
+    return ", ".join(f"{name} {row[name]}" for name in KEYS if row[name])
+
+
+def largest(rows, column):
+    return max(rows, key=lambda row: mpf(row[column]))
+
+
+def check(rows, path):
+    """Print how far another table departs from rows, law by law; true if it has the same rows."""
+    with open(path, newline="", encoding="utf-8") as file:
+        others = {key(row): row for row in csv.DictReader(file)}
+    own = {key(row): row for row in rows}
+    for k in sorted(own.keys() ^ others.keys(), key=str):
+        print(f"in one table only: {describe(own.get(k) or others.get(k))}")
+    common = [k for k in own if k in others]
+    print(f"{len(common)} rows in common, {len(own)} here, {len(others)} there")
+    print("largest relative deviations (of the external force: relative to contact force + adhesion force)")
+    for law in dict.fromkeys(k[0] for k in common):
+        for column in VALUES:
+            worst, where = mpf(-1), None
+            for k in common:
+                if k[0] != law:
+                    continue
+                ours, theirs = mpf(own[k][column]), mpf(others[k][column])
+                scale = abs(ours)
+                if column == "external_force":
+                    scale = ours + 2 * mpf(own[k]["adhesion_force"])
+                deviation = abs(theirs - ours) / scale if scale else mpf(0 if theirs == ours else "inf")
+                if mp.isnan(deviation):
+                    deviation = mpf("inf")
+                if deviation > worst:
+                    worst, where = deviation, own[k]
+            print(f"{law} {column}: {mp.nstr(worst, 3)} ({describe(where)})")
+    return len(common) == len(own) == len(others)
+
+
+def compare_quadratures():
+    worst = mpf(0)
+    for exponent in (-12, -6, -2, 0, 1, 4, 7):
+        p = mpf(10) ** exponent
+        worst = max(worst, abs(hertz_profile_force_again(p) / hertz_profile_force(p)[0] - 1))
+    print(f"sbl: the two quadratures agree within {mp.nstr(worst, 2)}")
+
+
+def main():
+    default = Path(__file__).resolve().parent.parent / "tests" / "data" / "laws.csv"
+    parser = argparse.ArgumentParser(description="Reference values of the single-asperity laws.")
+    parser.add_argument("-o", "--output", type=Path, default=default, metavar="OUT.csv", help="table to write")
+    parser.add_argument("--check", type=Path, metavar="OTHER.csv", help="compare with it, write nothing")
+    arguments = parser.parse_args()
+    rows = table()
+    if arguments.check:
+        sys.exit(0 if check(rows, arguments.check) else 1)
+    arguments.output.parent.mkdir(parents=True, exist_ok=True)
+    with open(arguments.output, "w", newline="", encoding="utf-8") as file:
+        writer = csv.DictWriter(file, KEYS + VALUES + CONDITIONS, lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)
+    print(f"{len(rows)} rows written to {arguments.output} (mpmath {mpmath.__version__})")
+    for column in CONDITIONS:
+        row = largest(rows, column)
+        print(f"{column}: largest {row[column]} ({describe(row)})")
+    compare_quadratures()
+
+
+if __name__ == "__main__":
+    main()

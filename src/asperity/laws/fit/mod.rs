@@ -1,0 +1,175 @@
+//! The hybrid law as it was published: with curve fits instead of the elastic solution.
+//!
+//! # Formula
+//! The rows of [`super::hybrid`] with (Shi and Polycarpou 2005, eqs. 15, 17, 20 and A.1)
+//!
+//! | regime | F_s | P |
+//! |---|---|---|
+//! | noncontact | f_snc(δ + t) | 0 |
+//! | elastic, δ < 0 | f_sel(δ) | 0 |
+//! | elastic, δ ≥ 0 | f_sel(δ) | f_sel(δ) + f_f(δ) |
+//!
+//! `fit:paper` takes the coefficients of its Table 3, for its three cases; `fit:refit` fits the same forms to the direct law of any
+//! asperity. The contact area, which has no fit, is that of Hertz.
+//!
+//! # Validity
+//! On the range of the fits. Far away f_snc tends to the constant f_sonc instead of 0; below δ = 0 eq. 20 has no contact force; where
+//! the base of the power in f_sel is negative it is taken as 0.
+
+mod forms;
+mod refit;
+
+pub use forms::{Coefficients, FORCES, NAMES};
+
+use super::kogut_etsion::plastic_rows;
+use crate::asperity::emd::Emd;
+use crate::asperity::scale::{Asperity, Scale};
+use crate::asperity::table::{Constant, Part, Row, Table};
+use crate::asperity::{Law, LawError, Regime, Responses, Setting, Smoothness, Work};
+use refit::Direct;
+use std::f64::consts::PI;
+
+/// Table 3.
+const TABLE: &str = include_str!("table_3.csv");
+/// The fractional powers of δ are no power series in any root of δ; in the tenth what is left is too smooth to matter.
+const ORDER: i32 = 10;
+/// How closely an asperity has to be one of Table 3, relative.
+const SAME: f64 = 1e-6;
+
+/// The law `fit:paper`.
+///
+/// # Errors
+/// [`LawError::NotInTable3`] for another asperity than its three.
+pub fn paper(setting: &Setting) -> Result<Box<dyn Law>, LawError> {
+    let published = published(&setting.scale).ok_or(LawError::NotInTable3)?;
+    law(setting, &published.in_units(setting.scale.length / 1e-9, setting.scale.force / 1e-6))
+}
+
+/// The law `fit:refit`.
+///
+/// # Errors
+/// [`LawError`] without a critical interference, which ends the fit, or when the forms cannot be fitted.
+pub fn refit(setting: &Setting) -> Result<Box<dyn Law>, LawError> {
+    setting.plastic("fit:refit")?;
+    law(setting, &Direct::new(setting)?.fit()?)
+}
+
+/// The law of scaled coefficients.
+fn law(setting: &Setting, coefficients: &Coefficients) -> Result<Box<dyn Law>, LawError> {
+    setting.plastic("fit")?;
+    let report = Direct::new(setting)?.report(coefficients, setting);
+    let length = setting.scale.length;
+    let critical_approach = match setting.critical_approach {
+        Some(given) => given,
+        None => -Emd::new(setting.scale.lambda, setting.path)?.end() * length,
+    };
+    let thickness = setting.lubricant_thickness;
+    let (scale, coefficients) = (setting.scale, *coefficients);
+    let rows = [
+        Row::below(
+            Regime::Noncontact,
+            -critical_approach - thickness,
+            FittedAttraction { coefficients, scale, thickness },
+        ),
+        Row::below(Regime::Lubricant, -critical_approach, Constant::lubricant(setting)),
+        Row::up_to(Regime::Elastic, setting.critical_interference, FittedContact { coefficients, scale }),
+    ];
+    Ok(Box::new(Table::new(rows.into_iter().chain(plastic_rows(setting))).with_fit(report)))
+}
+
+/// The coefficients of Table 3 for an asperity, in nm and µN.
+fn published(scale: &Scale) -> Option<Coefficients> {
+    let rows: Vec<Vec<&str>> = TABLE
+        .lines()
+        .filter(|line| !line.starts_with('#'))
+        .skip(1)
+        .map(|line| line.split(',').skip(1).collect())
+        .collect();
+    (0..3).find_map(|case| {
+        let numbers: Vec<f64> = rows.iter().filter_map(|row| row[case].parse().ok()).collect();
+        let [radius, work_of_adhesion, modulus, spacing, coefficients @ ..] = numbers.as_slice() else { return None };
+        let asperity = Asperity {
+            radius: radius * 1e-6,
+            reduced_modulus: modulus * 1e9,
+            work_of_adhesion: *work_of_adhesion,
+            equilibrium_spacing: spacing * 1e-9,
+            hardness: 1.0,
+            poisson_ratio: 0.0,
+            lubricant_thickness: 0.0,
+        };
+        let own = Scale::new(&asperity).ok()?;
+        let same = |a: f64, b: f64| (a / b - 1.0).abs() < SAME;
+        let is_it = same(own.lambda, scale.lambda)
+            && same(own.length, scale.length)
+            && same(own.radius, scale.radius)
+            && same(own.force, scale.force);
+        if is_it { Some(Coefficients::from_list(coefficients.try_into().ok()?)) } else { None }
+    })
+}
+
+/// f_snc.
+#[derive(Clone, Copy, Debug)]
+struct FittedAttraction {
+    coefficients: Coefficients,
+    scale: Scale,
+    thickness: f64,
+}
+
+impl Part for FittedAttraction {
+    fn cost(&self) -> f64 {
+        4.0
+    }
+
+    fn evaluate(&self, interference: &[f64], out: &mut Responses, work: &mut Work) {
+        for (i, &delta) in interference.iter().enumerate() {
+            out.adhesion[i] =
+                self.scale.force * self.coefficients.noncontact((delta + self.thickness) / self.scale.length);
+        }
+        out.contact[..interference.len()].fill(0.0);
+        out.area[..interference.len()].fill(0.0);
+        work.closed_form += interference.len() as u64;
+    }
+}
+
+/// f_sel and f_f.
+#[derive(Clone, Copy, Debug)]
+struct FittedContact {
+    coefficients: Coefficients,
+    scale: Scale,
+}
+
+impl Part for FittedContact {
+    fn smoothness(&self, lower: f64, upper: f64) -> (Vec<f64>, Vec<Smoothness>) {
+        // f_sel is a power from where its base is 0, f_f one from 0.
+        let zero = self.coefficients.base_zero() * self.scale.length;
+        let mut ends = vec![zero, 0.0];
+        ends.sort_by(f64::total_cmp);
+        ends.retain(|end| lower < *end && *end < upper);
+        ends.dedup();
+        let begins = [lower].into_iter().chain(ends.clone());
+        let of = |begin: f64| if begin >= 0.0 { 0.0 } else { zero };
+        let smoothness = |begin: f64| match begin < of(begin) {
+            true => Smoothness::Smooth,
+            false => Smoothness::Root { place: of(begin), order: ORDER },
+        };
+        let pieces = begins.map(smoothness).collect();
+        (ends, pieces)
+    }
+
+    fn cost(&self) -> f64 {
+        60.0
+    }
+
+    fn evaluate(&self, interference: &[f64], out: &mut Responses, work: &mut Work) {
+        let area_unit = PI * self.scale.radius * self.scale.radius;
+        for (i, &delta) in interference.iter().enumerate() {
+            let scaled = delta / self.scale.length;
+            let adhesion = self.coefficients.adhesion(scaled);
+            let contact = if scaled < 0.0 { 0.0 } else { adhesion + self.coefficients.external(scaled) };
+            out.adhesion[i] = self.scale.force * adhesion;
+            out.contact[i] = self.scale.force * contact;
+            out.area[i] = area_unit * scaled.max(0.0);
+        }
+        work.closed_form += interference.len() as u64;
+    }
+}

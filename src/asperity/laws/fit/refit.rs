@@ -1,0 +1,117 @@
+//! The published forms fitted anew to the direct law of any asperity.
+//!
+//! Plain least squares of each force on evenly spaced approaches, in scaled variables: f_snc from [`FURTHEST`] equilibrium spacings
+//! before the end of contact to that end, f_sel from there to ω_c, f_f from 0 to ω_c.
+
+use super::forms::{Coefficients, lorentzian, power, two_powers};
+use crate::asperity::emd::Emd;
+use crate::asperity::law::FitReport;
+use crate::asperity::{LawError, Setting, Work};
+use crate::math::least_squares::least_squares;
+
+/// Approaches that each force is fitted on.
+const POINTS: usize = 401;
+/// How far before contact f_snc is fitted, in equilibrium spacings.
+const FURTHEST: f64 = 10.0;
+
+/// The direct law of a setting on the ranges of the fits, scaled.
+pub struct Direct {
+    /// Approaches of f_snc, f_sel and f_f.
+    approaches: [Vec<f64>; 3],
+    /// The forces there.
+    forces: [Vec<f64>; 3],
+}
+
+impl Direct {
+    /// Solves the law of a setting.
+    ///
+    /// # Errors
+    /// [`LawError`] for a λ that is not solved.
+    pub fn new(setting: &Setting) -> Result<Self, LawError> {
+        let scale = setting.scale;
+        let emd = Emd::new(scale.lambda, setting.path)?;
+        let end = emd.end();
+        let [spacing, critical] =
+            [scale.equilibrium_spacing(), setting.critical_interference].map(|length| length / scale.length);
+        let ranges = [(end - FURTHEST * spacing, end), (end, critical), (0.0, critical)];
+        let approaches = ranges.map(|(low, high)| {
+            (0..POINTS).map(|i| low + (high - low) * i as f64 / (POINTS - 1) as f64).collect::<Vec<f64>>()
+        });
+        let mut work = Work::default();
+        let mut contact = |delta: &f64| emd.contact(*delta, &mut 0, &mut work);
+        let adhesion = approaches[1].iter().map(|delta| contact(delta).adhesion).collect();
+        let external = approaches[2].iter().map(contact).map(|s| s.radius.powi(3) - s.adhesion).collect();
+        // The last point is the end from outside: contact has not begun there.
+        let before = |delta: &f64| emd.noncontact(delta.min(end.next_down()), &mut [0, 0], &mut work).adhesion;
+        let noncontact = approaches[0].iter().map(before).collect();
+        Ok(Self { approaches, forces: [noncontact, adhesion, external] })
+    }
+
+    /// The best coefficients, scaled.
+    ///
+    /// # Errors
+    /// [`LawError::NoFit`] when the forms cannot be fitted.
+    pub fn fit(&self) -> Result<Coefficients, LawError> {
+        let fits = (self.fit_noncontact(), self.fit_adhesion(), self.fit_external());
+        let (Some(noncontact), Some(adhesion), Some(external)) = fits else { return Err(LawError::NoFit) };
+        Ok(Coefficients { noncontact, adhesion, external })
+    }
+
+    fn fit_noncontact(&self) -> Option<[f64; 4]> {
+        let (places, values) = (&self.approaches[0], &self.forces[0]);
+        let (end, highest, range) = (places[POINTS - 1], values[POINTS - 1], places[POINTS - 1] - places[0]);
+        // A peak at or beyond the end of the range, as wide as a part of it.
+        let starts = [(0.02, 0.02), (0.05, 0.1), (0.0, 0.1), (0.2, 0.2), (-0.02, 0.05)].map(|(beyond, width)| {
+            let (x, b) = (beyond * range, width * range);
+            [0.0, highest * std::f64::consts::FRAC_PI_2 * (4.0 * x * x + b * b) / b, b, end + x]
+        });
+        Some(least_squares(lorentzian, places, values, &starts)?.parameters)
+    }
+
+    fn fit_adhesion(&self) -> Option<[f64; 4]> {
+        let begin = self.approaches[1][0];
+        let places: Vec<f64> = self.approaches[1].iter().map(|delta| delta - begin).collect();
+        let (values, range) = (&self.forces[1], places[POINTS - 1]);
+        let rise = (values[POINTS - 1] - values[0]).max(f64::MIN_POSITIVE);
+        let starts = [0.5, 0.65, 0.8, 1.0].map(|exponent| {
+            let slope = libm::pow(rise, 1.0 / exponent) / range;
+            [values[0], libm::log(slope), libm::log(0.01 * slope * range), exponent]
+        });
+        let [constant, slope, offset, exponent] = least_squares(power, &places, values, &starts)?.parameters;
+        let slope = libm::exp(slope);
+        Some([constant, slope, libm::exp(offset) - slope * begin, exponent])
+    }
+
+    fn fit_external(&self) -> Option<[f64; 5]> {
+        let (places, values) = (&self.approaches[2], &self.forces[2]);
+        let starts = [0.5, 1.0, 1.4, 2.0].map(|other: f64| [values[0], 1.0, 0.1, libm::log(1.5), libm::log(other)]);
+        let [constant, a, b, m, n] = least_squares(two_powers, places, values, &starts)?.parameters;
+        Some([constant, a, b, libm::exp(m), libm::exp(n)])
+    }
+
+    /// Ranges and residuals of scaled coefficients; in SI by the units of `setting`.
+    pub fn report(&self, coefficients: &Coefficients, setting: &Setting) -> FitReport {
+        let (length, force) = (setting.scale.length, setting.scale.force);
+        let fitted = |i: usize, delta: f64| match i {
+            0 => coefficients.noncontact(delta),
+            1 => coefficients.adhesion(delta),
+            _ => coefficients.external(delta),
+        };
+        let residuals = |i: usize| -> Vec<f64> {
+            let pairs = self.approaches[i].iter().zip(&self.forces[i]);
+            pairs.map(|(delta, exact)| force * (fitted(i, *delta) - exact)).collect()
+        };
+        let largest = |values: &[f64]| values.iter().fold(0.0, |worst: f64, value| worst.max(value.abs()));
+        // Table 3 is in nm and µN.
+        let published = coefficients.in_units(1e-9 / length, 1e-6 / force);
+        FitReport {
+            coefficients: published.list(),
+            range: std::array::from_fn(|i| [0, POINTS - 1].map(|k| length * self.approaches[i][k])),
+            largest_force: std::array::from_fn(|i| force * largest(&self.forces[i])),
+            largest_residual: std::array::from_fn(|i| largest(&residuals(i))),
+            rms_residual: std::array::from_fn(|i| {
+                (residuals(i).iter().map(|residual| residual * residual).sum::<f64>() / POINTS as f64).sqrt()
+            }),
+        }
+    }
+}

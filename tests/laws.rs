@@ -72,7 +72,8 @@ fn every_row_of_the_reference_is_met() {
     let mut worst = (0.0_f64, String::new());
     let mut rows = 0;
     // The table is sorted by asperity.
-    let mut known: Option<((&str, Setting), [Box<dyn Law>; 2])> = None;
+    type Known<'a> = ((&'a str, Setting), [Box<dyn Law>; 2]);
+    let mut known: Option<Known<'_>> = None;
     for line in lines {
         let fields: Vec<&str> = line.split(',').collect();
         let number = |i: usize| fields[i].parse::<f64>().unwrap();

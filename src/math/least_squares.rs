@@ -22,7 +22,7 @@ pub fn least_squares<const N: usize>(
 ) -> Option<Fit<N>> {
     let fits = starts.iter().map(|start| {
         let problem = Problem { model, places, values, parameters: SVector::from(*start) };
-        let (problem, report) = LevenbergMarquardt::new().with_patience(1000).minimize(problem);
+        let (problem, report) = LevenbergMarquardt::new().minimize(problem);
         Fit { parameters: problem.parameters.into(), sum_of_squares: 2.0 * report.objective_function }
     });
     let finite = fits.filter(|fit| fit.sum_of_squares.is_finite() && fit.parameters.iter().all(|p| p.is_finite()));

@@ -2,11 +2,12 @@
 
 use super::format::row;
 use super::{Failure, print};
-use crate::output::reader::RunReader;
+use crate::output::reader::Reader;
+use crate::output::schema::Layout;
 use std::path::Path;
 
 pub(super) fn info(path: &Path) -> Result<(), Failure> {
-    let reader = RunReader::open(path)?;
+    let reader = Reader::open(path, &Layout::ALL)?;
     let mut text = format!("{}\n", path.display());
     let mut scene = String::new();
     for (name, value) in reader.attributes("/")? {
@@ -16,9 +17,12 @@ pub(super) fn info(path: &Path) -> Result<(), Failure> {
             text += &wide(&name, &value);
         }
     }
-    for group in ["/ensemble", "/statistical", "/validation"] {
-        text += &format!("{group}\n");
-        for (name, value) in reader.attributes(group)? {
+    for group in reader.groups() {
+        let attributes = reader.attributes(group)?;
+        if !attributes.is_empty() {
+            text += &format!("/{group}\n");
+        }
+        for (name, value) in attributes {
             text += &wide(&name, &value);
         }
     }

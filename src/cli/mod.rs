@@ -45,7 +45,7 @@ enum Command {
     },
     /// Show what is in a result
     Info {
-        /// A result of `stiction run`
+        /// A result of `stiction run` or `stiction compare`
         file: PathBuf,
     },
     /// Solve one asperity; prints CSV in the scaled variables of Maugis

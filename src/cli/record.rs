@@ -6,13 +6,13 @@ use crate::engine::Replica;
 use crate::math::extrema::Features;
 use crate::output::OutputError;
 use crate::output::schema::Dimension;
-use crate::output::writer::RunWriter;
+use crate::output::writer::Writer;
 use crate::scene::{Plan, Scene};
 use crate::validation::{Basis, SIGNIFICANCE};
 
 /// Writes what is known before the first replica: what is computed, and the dimensions. Returns the regimes' names.
 pub(super) fn write_head(
-    writer: &mut RunWriter,
+    writer: &mut Writer,
     scene: &Scene,
     plan: &Plan,
     law: &dyn Law,
@@ -53,21 +53,21 @@ pub(super) fn write_head(
     Ok(regimes)
 }
 
-pub(super) fn write_results(writer: &mut RunWriter, results: &Results) -> Result<(), OutputError> {
+pub(super) fn write_results(writer: &mut Writer, results: &Results) -> Result<(), OutputError> {
     write_ensemble(writer, results)?;
     write_statistical(writer, results)?;
     write_validation(writer, results)?;
     write_diagnostics(writer, results)
 }
 
-fn write_features(writer: &RunWriter, group: &str, features: &Features) -> Result<(), OutputError> {
+fn write_features(writer: &Writer, group: &str, features: &Features) -> Result<(), OutputError> {
     writer.number(group, "pull_off_force", -features.minimum.value)?;
     writer.number(group, "pull_off_separation", features.minimum.place)?;
     writer.number(group, "peak_stiffness", features.steepest.value)?;
     writer.number(group, "peak_stiffness_separation", features.steepest.place)
 }
 
-fn write_ensemble(writer: &RunWriter, results: &Results) -> Result<(), OutputError> {
+fn write_ensemble(writer: &Writer, results: &Results) -> Result<(), OutputError> {
     let ensemble = &results.ensemble;
     let root = (results.scene.replicas as f64).sqrt();
     for quantity in Quantity::ALL {
@@ -100,7 +100,7 @@ fn write_ensemble(writer: &RunWriter, results: &Results) -> Result<(), OutputErr
     Ok(())
 }
 
-fn write_statistical(writer: &RunWriter, results: &Results) -> Result<(), OutputError> {
+fn write_statistical(writer: &Writer, results: &Results) -> Result<(), OutputError> {
     let model = &results.statistical;
     for quantity in Quantity::ALL {
         let name = quantity.name();
@@ -114,7 +114,7 @@ fn write_statistical(writer: &RunWriter, results: &Results) -> Result<(), Output
     write_features(writer, "/statistical", &results.of_integral)
 }
 
-fn write_validation(writer: &RunWriter, results: &Results) -> Result<(), OutputError> {
+fn write_validation(writer: &Writer, results: &Results) -> Result<(), OutputError> {
     let joint = &results.joint;
     for (i, name) in ["adhesion_force", "external_force"].into_iter().enumerate() {
         writer.dataset(&format!("/validation/z_{name}"), &results.z[i])?;
@@ -134,7 +134,7 @@ fn write_validation(writer: &RunWriter, results: &Results) -> Result<(), OutputE
     writer.text("/validation", "verdict", joint.verdict.name())
 }
 
-fn write_diagnostics(writer: &mut RunWriter, results: &Results) -> Result<(), OutputError> {
+fn write_diagnostics(writer: &mut Writer, results: &Results) -> Result<(), OutputError> {
     let work = &results.ensemble.work;
     let (phases, seconds): (Vec<&str>, Vec<f64>) = results.seconds.iter().copied().unzip();
     writer.named_scale(Dimension::Phase, &phases)?;

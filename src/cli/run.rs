@@ -8,7 +8,8 @@ use crate::asperity::Quantity;
 use crate::engine::{Ensemble, Job, Outcome};
 use crate::output::OutputError;
 use crate::output::progress::Progress;
-use crate::output::writer::RunWriter;
+use crate::output::schema::RUN;
+use crate::output::writer::Writer;
 use crate::scene::Plan;
 use crate::statistical::Statistical;
 use crate::validation::{Basis, JointTest, basis, z_scores};
@@ -25,7 +26,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<(), Failure> {
         Some(output) => output.clone(),
         None => PathBuf::from(arguments.scene.file_stem().unwrap_or_default()).with_extension("h5"),
     };
-    let mut writer = RunWriter::create(&output, arguments.force)?;
+    let mut writer = Writer::create(&RUN, &output, arguments.force)?;
     let mut threads = rayon::ThreadPoolBuilder::new();
     if let Some(count) = arguments.threads {
         threads = threads.num_threads(usize::from(count));

@@ -3,8 +3,8 @@
 use super::summary::verdict;
 use super::{Failure, print};
 use crate::engine::Probe;
-use crate::output::reader::RunReader;
-use crate::output::schema::Dimension;
+use crate::output::reader::Reader;
+use crate::output::schema::{Dimension, RUN};
 use crate::validation::{JointTest, Verdict, z_scores};
 use std::path::Path;
 
@@ -12,7 +12,7 @@ use std::path::Path;
 const ROWS: usize = 25;
 
 pub(super) fn validate(path: &Path) -> Result<(), Failure> {
-    let reader = RunReader::open(path)?;
+    let reader = Reader::open(path, &[&RUN])?;
     let replicas: u64 = reader.number("/", "replicas")?;
     let h_star: Vec<f64> = reader.values("/h_star")?;
     let curves = |name: &str| -> Result<[Vec<f64>; 3], Failure> {
@@ -51,7 +51,7 @@ pub(super) fn validate(path: &Path) -> Result<(), Failure> {
     if joint.verdict == Verdict::Disagree { Err(Failure::Disagree) } else { Ok(()) }
 }
 
-fn probes(reader: &RunReader) -> Result<Vec<Probe>, Failure> {
+fn probes(reader: &Reader) -> Result<Vec<Probe>, Failure> {
     let separations = reader.length(Dimension::Separation)?;
     let weights = |name: &str| -> Result<Vec<Vec<f64>>, Failure> {
         let values: Vec<f64> = reader.values(name)?;

@@ -2,49 +2,49 @@
 
 use super::OutputError;
 use super::attributes::{read_number, read_text};
-use super::schema::{Dimension, FORMAT, FORMAT_VERSION, variable_at};
+use super::schema::{Dimension, Layout};
 use hdf5::types::{TypeDescriptor, VarLenUnicode};
 use hdf5::{Attribute, File, H5Type};
 use std::path::{Path, PathBuf};
 
 /// A result of this program.
-pub struct RunReader {
+pub struct Reader {
+    layout: &'static Layout,
     file: File,
     path: PathBuf,
 }
 
-impl RunReader {
-    /// Opens a file and checks that it is a result of a version that is understood.
+impl Reader {
+    /// Opens a file and checks that it has one of `layouts` in a version that is understood.
     ///
     /// # Errors
     /// [`OutputError::NotAResult`] with the reason.
-    pub fn open(path: &Path) -> Result<Self, OutputError> {
+    pub fn open(path: &Path, layouts: &[&'static Layout]) -> Result<Self, OutputError> {
         let not_a_result = |problem: String| OutputError::NotAResult { path: path.to_owned(), problem };
         if let Err(error) = std::fs::File::open(path) {
             return Err(not_a_result(format!("cannot be read: {error}")));
         }
         let file = File::open(path).map_err(|_| not_a_result("is not an HDF5 file".to_owned()))?;
-        match read_text(&file, "format") {
-            Ok(format) if format == FORMAT => {}
-            Ok(format) => {
-                return Err(not_a_result(format!("has the format \"{format}\", not \"{FORMAT}\"")));
-            }
-            Err(_) => {
-                return Err(not_a_result("is not a result of stiction: it has no attribute `format`".to_owned()));
-            }
-        }
+        let Ok(format) = read_text(&file, "format") else {
+            return Err(not_a_result("is not a result of stiction: it has no attribute `format`".to_owned()));
+        };
+        let Some(layout) = layouts.iter().find(|layout| layout.format == format) else {
+            let known: Vec<String> =
+                layouts.iter().map(|layout| format!("\"{}\" of `{}`", layout.format, layout.command)).collect();
+            return Err(not_a_result(format!("has the format \"{format}\", not {}", known.join(" or "))));
+        };
         let version: Vec<u32> = file.attr("format_version").and_then(|attr| attr.read_raw()).unwrap_or_default();
         match version[..] {
-            [major, _] if major == FORMAT_VERSION[0] => {}
+            [major, _] if major == layout.version[0] => {}
             [major, minor] => {
-                let own = FORMAT_VERSION[0];
+                let own = layout.version[0];
                 return Err(not_a_result(format!("has format version {major}.{minor}; this program reads {own}.x")));
             }
             _ => {
                 return Err(not_a_result("has no attribute `format_version` of two numbers".to_owned()));
             }
         }
-        Ok(Self { file, path: path.to_owned() })
+        Ok(Self { layout, file, path: path.to_owned() })
     }
 
     fn broken(&self, problem: String) -> OutputError {
@@ -66,7 +66,8 @@ impl RunReader {
     /// When it is missing, or has another shape or type than the layout says.
     pub fn values<T: H5Type>(&self, path: &str) -> Result<Vec<T>, OutputError> {
         let dataset = self.file.dataset(path).map_err(|_| self.broken(format!("lacks the dataset {path}")))?;
-        let lengths: Result<Vec<usize>, _> = variable_at(path).dimensions.iter().map(|d| self.length(*d)).collect();
+        let lengths: Result<Vec<usize>, _> =
+            self.layout.variable(path).dimensions.iter().map(|d| self.length(*d)).collect();
         let (shape, needed) = (dataset.shape(), lengths?);
         if shape != needed {
             return Err(self.broken(format!("the dataset {path} has the shape {shape:?}, not {needed:?}")));
@@ -83,6 +84,11 @@ impl RunReader {
         value.map_err(|_| self.broken(format!("lacks the number `{name}` of {group}")))
     }
 
+    /// The names of its groups.
+    pub fn groups(&self) -> &'static [&'static str] {
+        self.layout.groups
+    }
+
     /// The attributes of a group, as text, in the order of their names.
     ///
     /// # Errors
@@ -96,7 +102,7 @@ impl RunReader {
 
     /// The datasets of the file that the layout knows: path and shape.
     pub fn datasets(&self) -> Vec<(&'static str, Vec<usize>)> {
-        let known = super::schema::VARIABLES.iter();
+        let known = self.layout.variables.iter();
         known.filter_map(|variable| Some((variable.path, self.file.dataset(variable.path).ok()?.shape()))).collect()
     }
 }

@@ -3,7 +3,7 @@
 use super::OutputError;
 use super::attributes::{write_number, write_numbers, write_text};
 use super::scales::{attach_scale, make_scale};
-use super::schema::{Dimension, FORMAT, FORMAT_VERSION, variable_at};
+use super::schema::{Dimension, Layout};
 use hdf5::types::VarLenUnicode;
 use hdf5::{Dataset, File, H5Type};
 use std::path::{Path, PathBuf};
@@ -16,7 +16,8 @@ const CURVE_CHUNK: usize = 64;
 const DEFLATE: u8 = 4;
 
 /// A result that is being written.
-pub struct RunWriter {
+pub struct Writer {
+    layout: &'static Layout,
     file: File,
     temporary: NamedTempFile,
     output: PathBuf,
@@ -24,13 +25,13 @@ pub struct RunWriter {
     scales: Vec<(Dimension, Dataset)>,
 }
 
-impl RunWriter {
-    /// Begins a file that will be `output`. Nothing appears under that name before [`RunWriter::finish`]; dropped before, it
+impl Writer {
+    /// Begins a file of a layout that will be `output`. Nothing appears under that name before [`Writer::finish`]; dropped before, it
     /// leaves nothing.
     ///
     /// # Errors
     /// [`OutputError`] when the output exists and `force` is not set, or its folder is missing or not writable.
-    pub fn create(output: &Path, force: bool) -> Result<Self, OutputError> {
+    pub fn create(layout: &'static Layout, output: &Path, force: bool) -> Result<Self, OutputError> {
         let folder = match output.parent() {
             Some(folder) if folder != Path::new("") => folder,
             _ => Path::new("."),
@@ -48,12 +49,12 @@ impl RunWriter {
         let temporary =
             temporary(folder, &name).map_err(|error| OutputError::NotWritable { folder: folder.to_owned(), error })?;
         let file = File::create(temporary.path())?;
-        write_text(&file, "format", FORMAT)?;
-        write_numbers(&file, "format_version", &FORMAT_VERSION)?;
-        for group in ["ensemble", "replicas", "statistical", "validation", "diagnostics"] {
+        write_text(&file, "format", layout.format)?;
+        write_numbers(&file, "format_version", &layout.version)?;
+        for group in layout.groups {
             file.create_group(group)?;
         }
-        Ok(Self { file, temporary, output: output.to_owned(), force, scales: Vec::new() })
+        Ok(Self { layout, file, temporary, output: output.to_owned(), force, scales: Vec::new() })
     }
 
     /// Writes a text attribute of a group.
@@ -93,20 +94,28 @@ impl RunWriter {
         self.describe_scale(dimension, dataset)
     }
 
+    /// Writes a dataset of texts of the layout.
+    ///
+    /// # Errors
+    /// When HDF5 fails.
+    pub fn texts(&self, path: &str, texts: &[&str]) -> Result<(), OutputError> {
+        let dataset = self.file.new_dataset::<VarLenUnicode>().shape(self.shape(path)).create(path)?;
+        dataset.write_raw(&unicode(texts))?;
+        self.describe(path, &dataset)
+    }
+
     /// Writes the scale of a dimension that has names.
     ///
     /// # Errors
     /// When HDF5 fails.
     pub fn named_scale(&mut self, dimension: Dimension, names: &[&str]) -> Result<(), OutputError> {
-        let texts: Vec<VarLenUnicode> =
-            names.iter().map(|name| VarLenUnicode::from_str(name).expect("names hold no NUL byte")).collect();
-        let dataset = self.file.new_dataset::<VarLenUnicode>().shape(texts.len()).create(dimension.name())?;
-        dataset.write_raw(&texts)?;
+        let dataset = self.file.new_dataset::<VarLenUnicode>().shape(names.len()).create(dimension.name())?;
+        dataset.write_raw(&unicode(names))?;
         self.describe_scale(dimension, dataset)
     }
 
     fn describe_scale(&mut self, dimension: Dimension, dataset: Dataset) -> Result<(), OutputError> {
-        let variable = variable_at(&format!("/{}", dimension.name()));
+        let variable = self.layout.variable(&format!("/{}", dimension.name()));
         make_scale(&dataset, dimension.name())?;
         write_text(&dataset, "units", variable.units)?;
         write_text(&dataset, "long_name", variable.long_name)?;
@@ -125,7 +134,7 @@ impl RunWriter {
         self.describe(path, &dataset)
     }
 
-    /// Makes the dataset of a curve of every replica, filled batch by batch with [`RunWriter::curves`].
+    /// Makes the dataset of a curve of every replica, filled batch by batch with [`Writer::curves`].
     ///
     /// # Errors
     /// When HDF5 fails.
@@ -151,7 +160,7 @@ impl RunWriter {
 
     fn shape(&self, path: &str) -> Vec<usize> {
         let length = |dimension: &Dimension| self.find_scale(*dimension).size();
-        variable_at(path).dimensions.iter().map(length).collect()
+        self.layout.variable(path).dimensions.iter().map(length).collect()
     }
 
     fn find_scale(&self, dimension: Dimension) -> &Dataset {
@@ -160,7 +169,7 @@ impl RunWriter {
     }
 
     fn describe(&self, path: &str, dataset: &Dataset) -> Result<(), OutputError> {
-        let variable = variable_at(path);
+        let variable = self.layout.variable(path);
         write_text(dataset, "units", variable.units)?;
         write_text(dataset, "long_name", variable.long_name)?;
         for (i, dimension) in variable.dimensions.iter().enumerate() {
@@ -174,7 +183,7 @@ impl RunWriter {
     /// # Errors
     /// When the disk fails, or the output has come into being meanwhile and must not be overwritten.
     pub fn finish(self) -> Result<(), OutputError> {
-        let Self { file, temporary, output, force, scales } = self;
+        let Self { file, temporary, output, force, scales, .. } = self;
         drop(scales);
         file.flush()?;
         file.close()?;
@@ -187,6 +196,11 @@ impl RunWriter {
             Err(failed) => Err(io("cannot name", failed.error)),
         }
     }
+}
+
+/// Names and notes of this program, which hold no NUL byte.
+fn unicode(texts: &[&str]) -> Vec<VarLenUnicode> {
+    texts.iter().map(|text| VarLenUnicode::from_str(text).expect("no NUL byte")).collect()
 }
 
 /// An empty hidden file beside the output, with the permissions that the output would have.

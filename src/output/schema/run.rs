@@ -1,89 +1,23 @@
-//! The layout of a result file: every dataset's name, dimensions, units and meaning, and the version of the whole.
-//!
-//! Others script against these names. They may be added to (a minor version step); changing one is a major version step.
+//! The layout of a result of `stiction run`.
 
-/// Value of the root attribute `format`.
-pub const FORMAT: &str = "stiction-run";
-/// Value of the root attribute `format_version`: major, minor. A file of another major version is not read.
-pub const FORMAT_VERSION: [u32; 2] = [1, 0];
+use super::{Dimension, Layout, N, NONE, S, Variable, variable};
 
-/// A dimension, which is also the dataset that scales it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Dimension {
-    /// Separations h of the mean planes of the surfaces, m.
-    Separation,
-    /// Regimes of the law.
-    Regime,
-    /// Replicas.
-    Replica,
-    /// Functionals of the joint test.
-    Component,
-    /// The same, for the second dimension of their covariance.
-    ComponentOther,
-    /// Phases of a run.
-    Phase,
-    /// Reasons for which an asperity needed no solve.
-    SkipReason,
-}
-
-impl Dimension {
-    /// All of them.
-    pub const ALL: [Self; 7] = [
-        Self::Separation,
-        Self::Regime,
-        Self::Replica,
-        Self::Component,
-        Self::ComponentOther,
-        Self::Phase,
-        Self::SkipReason,
-    ];
-
-    /// Its name, and that of its scale.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Separation => "separation",
-            Self::Regime => "regime",
-            Self::Replica => "replica",
-            Self::Component => "component",
-            Self::ComponentOther => "component_other",
-            Self::Phase => "phase",
-            Self::SkipReason => "skip_reason",
-        }
-    }
-}
-
-/// A dataset.
-#[derive(Clone, Copy, Debug)]
-pub struct Variable {
-    /// Its path.
-    pub path: &'static str,
-    /// Its dimensions, slowest first; none for a scalar.
-    pub dimensions: &'static [Dimension],
-    /// Its unit, `1` for a pure number; SI.
-    pub units: &'static str,
-    /// What it is.
-    pub long_name: &'static str,
-}
-
-const NONE: &[Dimension] = &[];
-const S: &[Dimension] = &[Dimension::Separation];
 const RS: &[Dimension] = &[Dimension::Regime, Dimension::Separation];
-const N: &[Dimension] = &[Dimension::Replica];
 const NS: &[Dimension] = &[Dimension::Replica, Dimension::Separation];
 const KS: &[Dimension] = &[Dimension::Component, Dimension::Separation];
 const KK: &[Dimension] = &[Dimension::Component, Dimension::ComponentOther];
 
-const fn variable(
-    path: &'static str,
-    dimensions: &'static [Dimension],
-    units: &'static str,
-    long_name: &'static str,
-) -> Variable {
-    Variable { path, dimensions, units, long_name }
-}
+/// A result of `stiction run`.
+pub static RUN: Layout = Layout {
+    format: "stiction-run",
+    command: "stiction run",
+    version: [1, 0],
+    groups: &["ensemble", "replicas", "statistical", "validation", "diagnostics"],
+    variables: VARIABLES,
+};
 
 /// All datasets that a file may hold.
-pub const VARIABLES: &[Variable] = &[
+const VARIABLES: &[Variable] = &[
     variable("/separation", S, "m", "separation h of the mean planes of the surfaces"),
     variable("/h_star", S, "1", "separation h over the standard deviation of the surface heights"),
     variable("/asperity_separation", S, "m", "separation d = h - y_s of flat and asperity mean plane"),
@@ -208,39 +142,3 @@ pub const VARIABLES: &[Variable] = &[
     variable("/diagnostics/seconds", &[Dimension::Phase], "s", "wall time of each phase"),
     variable("/diagnostics/threads", NONE, "1", "threads that computed the ensemble"),
 ];
-
-/// The entry of a path.
-///
-/// # Panics
-/// When the layout has no such dataset, which is an error in this program.
-pub fn variable_at(path: &str) -> &'static Variable {
-    VARIABLES.iter().find(|variable| variable.path == path).unwrap_or_else(|| panic!("no dataset {path} in the layout"))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn paths_are_unique_and_every_dimension_has_its_scale() {
-        for variable in VARIABLES {
-            assert_eq!(VARIABLES.iter().filter(|other| other.path == variable.path).count(), 1, "{}", variable.path);
-        }
-        for dimension in Dimension::ALL {
-            let scale = variable_at(&format!("/{}", dimension.name()));
-            assert_eq!(scale.dimensions, [dimension]);
-        }
-    }
-
-    #[test]
-    fn the_format_page_describes_every_dataset() {
-        let page = include_str!("../../docs/format.md");
-        for variable in VARIABLES {
-            let (group, name) = variable.path.rsplit_once('/').expect("paths begin with a slash");
-            let row = page
-                .lines()
-                .find(|line| line.starts_with(&format!("| `{name}` |")) && line.contains(variable.long_name));
-            assert!(row.is_some(), "docs/format.md lacks {group}/{name}: {}", variable.long_name);
-        }
-    }
-}

@@ -1,0 +1,150 @@
+//! The layouts of result files: every dataset's name, dimensions, units and meaning, and the version of the whole.
+//!
+//! Others script against these names. They may be added to (a minor version step); changing one is a major version step.
+
+mod comparison;
+mod run;
+
+pub use comparison::COMPARISON;
+pub use run::RUN;
+
+/// A kind of file.
+#[derive(Debug)]
+pub struct Layout {
+    /// Value of the root attribute `format`.
+    pub format: &'static str,
+    /// The command that makes it.
+    pub command: &'static str,
+    /// Value of the root attribute `format_version`: major, minor. A file of another major version is not read.
+    pub version: [u32; 2],
+    /// Its groups.
+    pub groups: &'static [&'static str],
+    /// All datasets that a file may hold.
+    pub variables: &'static [Variable],
+}
+
+impl Layout {
+    /// All kinds of files.
+    pub const ALL: [&'static Self; 2] = [&RUN, &COMPARISON];
+
+    /// The entry of a path.
+    ///
+    /// # Panics
+    /// When the layout has no such dataset, which is an error in this program.
+    pub fn variable(&self, path: &str) -> &'static Variable {
+        let found = self.variables.iter().find(|variable| variable.path == path);
+        found.unwrap_or_else(|| panic!("no dataset {path} in the layout"))
+    }
+}
+
+/// A dimension, which is also the dataset that scales it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Dimension {
+    /// Separations h of the mean planes of the surfaces, m.
+    Separation,
+    /// Regimes of the law.
+    Regime,
+    /// Replicas.
+    Replica,
+    /// Functionals of the joint test.
+    Component,
+    /// The same, for the second dimension of their covariance.
+    ComponentOther,
+    /// Phases of a run.
+    Phase,
+    /// Reasons for which an asperity needed no solve.
+    SkipReason,
+    /// Laws that are compared.
+    Law,
+    /// Interferences of one asperity, m.
+    Interference,
+    /// Forces that have a curve fit.
+    FittedForce,
+    /// Coefficients of the curve fits.
+    Coefficient,
+    /// Ends of a range.
+    RangeEnd,
+}
+
+impl Dimension {
+    /// Its name, and that of its scale.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Separation => "separation",
+            Self::Regime => "regime",
+            Self::Replica => "replica",
+            Self::Component => "component",
+            Self::ComponentOther => "component_other",
+            Self::Phase => "phase",
+            Self::SkipReason => "skip_reason",
+            Self::Law => "law",
+            Self::Interference => "interference",
+            Self::FittedForce => "fitted_force",
+            Self::Coefficient => "coefficient",
+            Self::RangeEnd => "range_end",
+        }
+    }
+}
+
+/// A dataset.
+#[derive(Clone, Copy, Debug)]
+pub struct Variable {
+    /// Its path.
+    pub path: &'static str,
+    /// Its dimensions, slowest first; none for a scalar.
+    pub dimensions: &'static [Dimension],
+    /// Its unit, `1` for a pure number; SI.
+    pub units: &'static str,
+    /// What it is.
+    pub long_name: &'static str,
+}
+
+const NONE: &[Dimension] = &[];
+const S: &[Dimension] = &[Dimension::Separation];
+const N: &[Dimension] = &[Dimension::Replica];
+
+const fn variable(
+    path: &'static str,
+    dimensions: &'static [Dimension],
+    units: &'static str,
+    long_name: &'static str,
+) -> Variable {
+    Variable { path, dimensions, units, long_name }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn paths_are_unique_and_every_dimension_has_its_scale() {
+        for layout in Layout::ALL {
+            for variable in layout.variables {
+                let same = layout.variables.iter().filter(|other| other.path == variable.path);
+                assert_eq!(same.count(), 1, "{}", variable.path);
+                for dimension in variable.dimensions {
+                    let scale = layout.variable(&format!("/{}", dimension.name()));
+                    assert_eq!(scale.dimensions, [*dimension]);
+                }
+                let group = variable.path[1..].split_once('/').map(|(group, _)| group);
+                assert!(group.is_none_or(|group| layout.groups.contains(&group)), "{}", variable.path);
+            }
+        }
+    }
+
+    #[test]
+    fn the_format_pages_describe_every_dataset() {
+        let pages = [include_str!("../../../docs/format.md"), include_str!("../../../docs/comparison.md")];
+        for (layout, page) in Layout::ALL.into_iter().zip(pages) {
+            assert!(page.contains(&format!("`{}`", layout.format)));
+            assert!(page.contains(&format!("version {}.{}", layout.version[0], layout.version[1])));
+            for variable in layout.variables {
+                let (group, name) = variable.path.rsplit_once('/').expect("paths begin with a slash");
+                let row = page
+                    .lines()
+                    .find(|line| line.starts_with(&format!("| `{name}` |")) && line.contains(variable.long_name));
+                assert!(row.is_some(), "the page lacks {group}/{name}: {}", variable.long_name);
+            }
+        }
+    }
+}

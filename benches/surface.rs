@@ -21,7 +21,7 @@ fn scene(name: &str) -> Scene {
 #[divan::bench(args = CASES, sample_count = 20)]
 fn replica(bencher: Bencher, name: &str) {
     let scene = scene(name);
-    let law = scene.law();
+    let law = scene.law().expect("a law of the scene");
     let job = Job {
         law: law.as_ref(),
         surface: &scene.surface,
@@ -43,6 +43,6 @@ fn replica(bencher: Bencher, name: &str) {
 #[divan::bench(args = CASES, sample_count = 20)]
 fn integral(bencher: Bencher, name: &str) {
     let scene = scene(name);
-    let law = scene.law();
+    let law = scene.law().expect("a law of the scene");
     bencher.bench_local(|| Statistical::new(law.as_ref(), &scene.surface, &scene.separations));
 }

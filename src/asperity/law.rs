@@ -23,6 +23,10 @@ pub enum Regime {
 }
 
 impl Regime {
+    /// All of them, from far to deep.
+    pub const ALL: [Self; 6] =
+        [Self::Noncontact, Self::Lubricant, Self::Elastic, Self::Elastoplastic1, Self::Elastoplastic2, Self::Plastic];
+
     /// Whether the solids touch.
     pub fn is_contact(self) -> bool {
         !matches!(self, Self::Noncontact | Self::Lubricant)

@@ -19,6 +19,13 @@ pub struct Model {
     pub build: Build,
 }
 
+impl Model {
+    /// Whether it is a curve fit of another law.
+    pub fn is_fit(&self) -> bool {
+        self.name.starts_with("fit:")
+    }
+}
+
 /// What a law leaves out, and so where it is valid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Validity {

@@ -9,7 +9,7 @@ use std::f64::consts::PI;
 use std::path::Path;
 
 pub(super) fn asperity(arguments: &AsperityArguments) -> Result<(), Failure> {
-    let model = find(&arguments.law)?;
+    let model = find("--law", &arguments.law)?;
     let points = match (&arguments.table, arguments.lambda) {
         (Some(table), _) => read_table(table)?,
         (None, Some(lambda)) => arguments.delta.iter().map(|&delta| (lambda, delta)).collect(),
@@ -34,13 +34,13 @@ pub(super) fn asperity(arguments: &AsperityArguments) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The law of a name.
-pub(super) fn find(name: &str) -> Result<Model, Failure> {
+/// The law of a name that was given for `argument`.
+pub(super) fn find(argument: &str, name: &str) -> Result<Model, Failure> {
     model(name).ok_or_else(|| {
         let names: Vec<&str> = MODELS.iter().map(|model| model.name).collect();
         let hint =
             nearest(name, names.iter().copied()).map(|near| format!(" (did you mean {near}?)")).unwrap_or_default();
-        Failure::Usage(format!("--law {name}: unknown law{hint}; known: {}", names.join(", ")))
+        Failure::Usage(format!("{argument} {name}: unknown law{hint}; known: {}", names.join(", ")))
     })
 }
 

@@ -1,16 +1,16 @@
 //! `stiction check`: what a scene would compute.
 
 use super::format::{duration, percent, row, si};
-use super::{Failure, print, read_scene};
+use super::{Failure, law_of, print, read_scene};
 use crate::asperity::scale::Scale;
 use crate::scene::{Plan, Scene};
 use std::path::Path;
 
 pub(super) fn check(path: &Path) -> Result<(), Failure> {
     let scene = read_scene(path)?;
-    let law = scene.law();
+    let law = law_of(&scene, &scene.model)?;
     let plan = Plan::new(&scene, law.as_ref());
-    let mut text = heading(&scene, &plan);
+    let mut text = heading(&scene);
     text += &skipped(&plan);
     text += &beyond(&plan);
     text += &regimes(&plan);
@@ -30,22 +30,32 @@ pub(super) fn check(path: &Path) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The title and what characterises the scene.
-pub(super) fn heading(scene: &Scene, plan: &Plan) -> String {
-    let surface = &scene.surface;
-    let Scale { length, .. } = scene.scale();
-    let (first, last) = (scene.separations[0], scene.separations[scene.separations.len() - 1]);
-    let h_star = |h: f64| h / surface.surface_height_std;
-    let title = if scene.title.is_empty() { "Untitled scene" } else { &scene.title };
-    let mut text = format!("{title}\n");
+/// The title, the model, and what characterises the scene.
+pub(super) fn heading(scene: &Scene) -> String {
+    let mut text = title(scene);
     text += &row("model", &format!("{} on {}", scene.model.name, scene.path.name()));
     text += &row("", scene.model.about);
-    text += &row("lambda", &format!("{:.4}  adhesion parameter (unit of approach {})", plan.lambda, si(length, "m")));
+    text + &numbers(scene)
+}
+
+/// The title, or that there is none.
+pub(super) fn title(scene: &Scene) -> String {
+    format!("{}\n", if scene.title.is_empty() { "Untitled scene" } else { &scene.title })
+}
+
+/// The numbers that characterise the scene, whatever its law.
+pub(super) fn numbers(scene: &Scene) -> String {
+    let surface = &scene.surface;
+    let Scale { lambda, length, .. } = scene.scale();
+    let (first, last) = (scene.separations[0], scene.separations[scene.separations.len() - 1]);
+    let h_star = |h: f64| h / surface.surface_height_std;
+    let mut text = String::new();
+    text += &row("lambda", &format!("{lambda:.4}  adhesion parameter (unit of approach {})", si(length, "m")));
     text += &row(
         "psi",
         &format!(
             "{:.4}  plasticity index (critical interference {})",
-            plan.plasticity_index,
+            scene.asperity.plasticity_index(surface.surface_height_std),
             si(scene.asperity.critical_interference(), "m")
         ),
     );

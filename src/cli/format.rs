@@ -37,6 +37,11 @@ pub(super) fn percent(share: f64) -> String {
     }
 }
 
+/// A deviation in per cent; a factor where it doubles or more.
+pub(super) fn signed_percent(deviation: f64) -> String {
+    if deviation < 1.0 { format!("{:+.2} %", 100.0 * deviation) } else { format!("x {:.3}", 1.0 + deviation) }
+}
+
 /// Seconds, minutes or hours.
 pub(super) fn duration(seconds: f64) -> String {
     if seconds < 120.0 {
@@ -73,5 +78,7 @@ mod tests {
         assert_eq!(duration(36000.0), "10.0 h");
         assert_eq!(percent(0.1234), "12.34 %");
         assert_eq!(percent(1e-6), "1.0e-4 %");
+        assert_eq!(signed_percent(-0.0123), "-1.23 %");
+        assert_eq!(signed_percent(7.638), "x 8.638");
     }
 }

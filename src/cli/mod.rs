@@ -2,6 +2,7 @@
 
 mod asperity;
 mod check;
+mod compare;
 mod format;
 mod info;
 mod record;
@@ -10,7 +11,8 @@ mod run;
 mod summary;
 mod validate;
 
-use crate::asperity::Path as History;
+use crate::asperity::models::Model;
+use crate::asperity::{Law, Path as History};
 use crate::output::OutputError;
 use crate::scene::{Scene, SceneError};
 use clap::{Args, Parser, Subcommand};
@@ -33,6 +35,8 @@ struct Cli {
 enum Command {
     /// Compute a scene and leave one HDF5 file and a summary
     Run(RunArguments),
+    /// Compare laws on the same asperities: a table, and one HDF5 file if asked for
+    Compare(CompareArguments),
     /// Say what a scene would compute, what it skips and why, and what that takes; computes nothing
     Check {
         /// The scene, TOML
@@ -64,6 +68,36 @@ struct RunArguments {
     replicas: Option<u64>,
     /// Seed, instead of the scene's
     #[arg(long, value_parser = clap::value_parser!(u64).range(0..=i64::MAX as u64))]
+    seed: Option<u64>,
+    /// Threads; by default one per core. They do not change the result
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=4096))]
+    threads: Option<u16>,
+    /// Overwrite an existing result
+    #[arg(long)]
+    force: bool,
+    /// No progress
+    #[arg(long)]
+    quiet: bool,
+}
+
+#[derive(Args)]
+struct CompareArguments {
+    /// The scene, TOML; its own law does not matter
+    scene: PathBuf,
+    /// The laws, separated by commas; deviations are from the first
+    #[arg(long, required = true, value_delimiter = ',', value_name = "LAW,LAW...")]
+    laws: Vec<String>,
+    /// Also sum explicit ensembles, of the same asperities for every law
+    #[arg(long)]
+    ensemble: bool,
+    /// Where the result goes; by default there is only the table
+    #[arg(short, long, value_name = "FILE.h5")]
+    output: Option<PathBuf>,
+    /// Number of replicas, instead of the scene's
+    #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1_000_000_000_000), requires = "ensemble")]
+    replicas: Option<u64>,
+    /// Seed, instead of the scene's
+    #[arg(long, value_parser = clap::value_parser!(u64).range(0..=i64::MAX as u64), requires = "ensemble")]
     seed: Option<u64>,
     /// Threads; by default one per core. They do not change the result
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..=4096))]
@@ -175,6 +209,7 @@ impl From<OutputError> for Failure {
 pub fn main() -> ExitCode {
     let result = match Cli::parse().command {
         Command::Run(arguments) => run::run(&arguments),
+        Command::Compare(arguments) => compare::compare(&arguments),
         Command::Check { scene } => check::check(&scene),
         Command::Validate { file } => validate::validate(&file),
         Command::Info { file } => info::info(&file),
@@ -193,6 +228,11 @@ pub fn main() -> ExitCode {
 fn print(text: &str) {
     use std::io::Write;
     let _ = std::io::stdout().write_all(text.as_bytes());
+}
+
+/// A law for the asperities of a scene.
+fn law_of(scene: &Scene, model: &Model) -> Result<Box<dyn Law>, Failure> {
+    scene.law_of(model).map_err(|error| Failure::Usage(format!("the law {} cannot be used: {error}", model.name)))
 }
 
 /// Reads a scene, with its file named in every error.

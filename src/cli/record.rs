@@ -7,39 +7,20 @@ use crate::math::extrema::Features;
 use crate::output::OutputError;
 use crate::output::schema::Dimension;
 use crate::output::writer::Writer;
-use crate::scene::{Plan, Scene};
+use crate::scene::Scene;
 use crate::validation::{Basis, SIGNIFICANCE};
 
 /// Writes what is known before the first replica: what is computed, and the dimensions. Returns the regimes' names.
 pub(super) fn write_head(
     writer: &mut Writer,
     scene: &Scene,
-    plan: &Plan,
     law: &dyn Law,
     basis: &Basis,
 ) -> Result<Vec<&'static str>, OutputError> {
-    let now = time::OffsetDateTime::now_utc();
-    let created = now.format(&time::format_description::well_known::Rfc3339).unwrap_or_default();
-    writer.text("/", "program_version", env!("CARGO_PKG_VERSION"))?;
-    writer.text("/", "source_revision", env!("STICTION_SOURCE_REVISION"))?;
-    writer.text("/", "created", &created)?;
-    writer.text("/", "title", &scene.title)?;
-    writer.text("/", "scene", &scene.text)?;
+    write_scene(writer, scene)?;
     writer.text("/", "law", scene.model.name)?;
-    writer.text("/", "path", scene.path.name())?;
     writer.number("/", "seed", scene.seed)?;
     writer.number("/", "replicas", scene.replicas)?;
-    writer.number("/", "adhesion_parameter", plan.lambda)?;
-    writer.number("/", "plasticity_index", plan.plasticity_index)?;
-    writer.number("/", "critical_interference", scene.asperity.critical_interference())?;
-    writer.number("/", "surface_height_std", scene.surface.surface_height_std)?;
-    writer.number("/", "asperity_height_std", scene.surface.heights.std)?;
-    writer.number("/", "mean_plane_offset", scene.surface.mean_plane_offset)?;
-    writer.number("/", "nominal_area", scene.surface.nominal_area)?;
-    writer.scale(Dimension::Separation, &scene.separations)?;
-    let of_separation = |f: &dyn Fn(f64) -> f64| scene.separations.iter().map(|&h| f(h)).collect::<Vec<f64>>();
-    writer.dataset("/h_star", &of_separation(&|h| h / scene.surface.surface_height_std))?;
-    writer.dataset("/asperity_separation", &of_separation(&|h| scene.surface.asperity_separation(h)))?;
     let regimes: Vec<&'static str> = law.regimes().iter().map(|regime| regime.name()).collect();
     writer.named_scale(Dimension::Regime, &regimes)?;
     writer.scale(Dimension::Replica, &(0..scene.replicas).collect::<Vec<u64>>())?;
@@ -51,6 +32,29 @@ pub(super) fn write_head(
         writer.curve_dataset("/replicas/adhesion_force")?;
     }
     Ok(regimes)
+}
+
+/// Writes what made the file, the scene, its numbers and its separations.
+pub(super) fn write_scene(writer: &mut Writer, scene: &Scene) -> Result<(), OutputError> {
+    let now = time::OffsetDateTime::now_utc();
+    let created = now.format(&time::format_description::well_known::Rfc3339).unwrap_or_default();
+    writer.text("/", "program_version", env!("CARGO_PKG_VERSION"))?;
+    writer.text("/", "source_revision", env!("STICTION_SOURCE_REVISION"))?;
+    writer.text("/", "created", &created)?;
+    writer.text("/", "title", &scene.title)?;
+    writer.text("/", "scene", &scene.text)?;
+    writer.text("/", "path", scene.path.name())?;
+    writer.number("/", "adhesion_parameter", scene.scale().lambda)?;
+    writer.number("/", "plasticity_index", scene.asperity.plasticity_index(scene.surface.surface_height_std))?;
+    writer.number("/", "critical_interference", scene.asperity.critical_interference())?;
+    writer.number("/", "surface_height_std", scene.surface.surface_height_std)?;
+    writer.number("/", "asperity_height_std", scene.surface.heights.std)?;
+    writer.number("/", "mean_plane_offset", scene.surface.mean_plane_offset)?;
+    writer.number("/", "nominal_area", scene.surface.nominal_area)?;
+    writer.scale(Dimension::Separation, &scene.separations)?;
+    let of_separation = |f: &dyn Fn(f64) -> f64| scene.separations.iter().map(|&h| f(h)).collect::<Vec<f64>>();
+    writer.dataset("/h_star", &of_separation(&|h| h / scene.surface.surface_height_std))?;
+    writer.dataset("/asperity_separation", &of_separation(&|h| scene.surface.asperity_separation(h)))
 }
 
 pub(super) fn write_results(writer: &mut Writer, results: &Results) -> Result<(), OutputError> {
@@ -67,16 +71,20 @@ fn write_features(writer: &Writer, group: &str, features: &Features) -> Result<(
     writer.number(group, "peak_stiffness_separation", features.steepest.place)
 }
 
+/// Standard errors of means over replicas.
+pub(super) fn standard_error(std: &[f64], replicas: u64) -> Vec<f64> {
+    let root = (replicas as f64).sqrt();
+    std.iter().map(|std| std / root).collect()
+}
+
 fn write_ensemble(writer: &Writer, results: &Results) -> Result<(), OutputError> {
     let ensemble = &results.ensemble;
-    let root = (results.scene.replicas as f64).sqrt();
     for quantity in Quantity::ALL {
         let moments = &ensemble.curves[quantity.index()];
         let std = moments.std();
-        let standard_error: Vec<f64> = std.iter().map(|std| std / root).collect();
         let name = quantity.name();
         writer.dataset(&format!("/ensemble/{name}_mean"), moments.mean())?;
-        writer.dataset(&format!("/ensemble/{name}_standard_error"), &standard_error)?;
+        writer.dataset(&format!("/ensemble/{name}_standard_error"), &standard_error(&std, results.scene.replicas))?;
         writer.dataset(&format!("/ensemble/{name}_std"), &std)?;
     }
     writer.dataset("/ensemble/regime_count_mean", ensemble.regime_count.mean())?;

@@ -35,18 +35,18 @@ impl Results {
     }
 }
 
-/// Pull-off and stiffest point of the mean curve and of the integral. The integral is solved where it is asked for; the mean curve is
-/// known at the separations only, so between them its deviation from the integral, which is small, is interpolated.
-pub(super) fn features(
-    scene: &Scene,
-    law: &dyn Law,
-    ensemble: &Ensemble,
-    statistical: &Statistical,
-) -> (Features, Features) {
+/// Pull-off and stiffest point of the integral, which is solved where it is asked for.
+pub(super) fn integral_features(scene: &Scene, law: &dyn Law, statistical: &Statistical) -> Features {
+    let integral = |h: f64| external_force(law, &scene.surface, h);
+    Features::new(integral, &scene.separations, &statistical.expected[Quantity::ExternalForce.index()])
+}
+
+/// Pull-off and stiffest point of the mean curve, which is known at the separations only: between them its deviation from the
+/// integral, which is small, is interpolated.
+pub(super) fn mean_features(scene: &Scene, law: &dyn Law, ensemble: &Ensemble, statistical: &Statistical) -> Features {
     let q = Quantity::ExternalForce.index();
     let (mean, expected) = (ensemble.curves[q].mean(), statistical.expected[q].as_slice());
     let deviation: Vec<f64> = mean.iter().zip(expected).map(|(m, e)| m - e).collect();
-    let integral = |h: f64| external_force(law, &scene.surface, h);
-    let of_mean = |h: f64| integral(h) + linear(&scene.separations, &deviation, h);
-    (Features::new(of_mean, &scene.separations, mean), Features::new(integral, &scene.separations, expected))
+    let of_mean = |h: f64| external_force(law, &scene.surface, h) + linear(&scene.separations, &deviation, h);
+    Features::new(of_mean, &scene.separations, mean)
 }

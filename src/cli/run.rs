@@ -1,9 +1,9 @@
 //! `stiction run`: from a scene to a checked file and a summary.
 
 use super::record::{write_head, write_results};
-use super::results::{Results, features};
+use super::results::{Results, integral_features, mean_features};
 use super::summary::summary;
-use super::{Failure, RunArguments, print, read_scene};
+use super::{Failure, RunArguments, law_of, print, read_scene};
 use crate::asperity::Quantity;
 use crate::engine::{Ensemble, Job, Outcome};
 use crate::output::OutputError;
@@ -26,22 +26,18 @@ pub(super) fn run(arguments: &RunArguments) -> Result<(), Failure> {
         Some(output) => output.clone(),
         None => PathBuf::from(arguments.scene.file_stem().unwrap_or_default()).with_extension("h5"),
     };
+    let law = law_of(&scene, &scene.model)?;
     let mut writer = Writer::create(&RUN, &output, arguments.force)?;
-    let mut threads = rayon::ThreadPoolBuilder::new();
-    if let Some(count) = arguments.threads {
-        threads = threads.num_threads(usize::from(count));
-    }
-    let pool = threads.build().context("cannot start threads")?;
+    let pool = thread_pool(arguments.threads)?;
     let stop = interruption()?;
     let mut progress = Progress::new(arguments.quiet);
 
     progress.phase("integral");
-    let law = scene.law();
     let plan = Plan::new(&scene, law.as_ref());
     let statistical = pool.install(|| Statistical::new(law.as_ref(), &scene.surface, &scene.separations));
     progress.phase("test functionals");
     let basis = basis(law.as_ref(), &scene.surface, &scene.separations, scene.replicas);
-    let regimes = write_head(&mut writer, &scene, &plan, law.as_ref(), &basis)?;
+    let regimes = write_head(&mut writer, &scene, law.as_ref(), &basis)?;
     let job = Job {
         law: law.as_ref(),
         surface: &scene.surface,
@@ -72,7 +68,8 @@ pub(super) fn run(arguments: &RunArguments) -> Result<(), Failure> {
 
     progress.phase("cross-check");
     let (z, joint) = cross_check(&ensemble, &statistical, &basis, scene.replicas);
-    let (of_mean, of_integral) = features(&scene, law.as_ref(), &ensemble, &statistical);
+    let of_mean = mean_features(&scene, law.as_ref(), &ensemble, &statistical);
+    let of_integral = integral_features(&scene, law.as_ref(), &statistical);
     progress.end();
     let seconds = progress.seconds();
     progress.phase("writing");
@@ -99,8 +96,17 @@ pub(super) fn run(arguments: &RunArguments) -> Result<(), Failure> {
     Ok(())
 }
 
+/// So many threads, or one per core.
+pub(super) fn thread_pool(count: Option<u16>) -> Result<rayon::ThreadPool, Failure> {
+    let mut threads = rayon::ThreadPoolBuilder::new();
+    if let Some(count) = count {
+        threads = threads.num_threads(usize::from(count));
+    }
+    Ok(threads.build().context("cannot start threads")?)
+}
+
 /// A flag that the first interruption sets; a second one ends the program at once.
-fn interruption() -> Result<Arc<AtomicBool>, Failure> {
+pub(super) fn interruption() -> Result<Arc<AtomicBool>, Failure> {
     let stop = Arc::new(AtomicBool::new(false));
     let flag = Arc::clone(&stop);
     let handler = move || {
@@ -112,7 +118,7 @@ fn interruption() -> Result<Arc<AtomicBool>, Failure> {
     Ok(stop)
 }
 
-fn cross_check(
+pub(super) fn cross_check(
     ensemble: &Ensemble,
     statistical: &Statistical,
     basis: &Basis,

@@ -10,7 +10,7 @@ use crate::math::moments::Moments;
 use crate::validation::{JointTest, Verdict};
 
 pub(super) fn summary(results: &Results) -> String {
-    let mut text = heading(&results.scene, &results.plan);
+    let mut text = heading(&results.scene);
     text += &skipped(&results.plan);
     text += &beyond(&results.plan);
     text.push('\n');
@@ -34,7 +34,7 @@ fn place(results: &Results, extremum: &Extremum) -> String {
 }
 
 /// Mean and standard deviation of a scalar of the replicas.
-fn moments(replicas: &[Replica], scalar: fn(&Replica) -> f64) -> (f64, f64) {
+pub(super) fn moments(replicas: &[Replica], scalar: fn(&Replica) -> f64) -> (f64, f64) {
     let mut moments = Moments::new(1);
     replicas.iter().for_each(|replica| moments.push(&[scalar(replica)]));
     (moments.mean()[0], moments.std()[0])

@@ -49,6 +49,8 @@ pub struct Scene {
     pub model: Model,
     /// The history.
     pub path: Path,
+    /// δ_A, m, that is set instead of following from the history; of the curve fits only.
+    pub critical_approach: Option<f64>,
     /// Separations h, m, rising.
     pub separations: Vec<f64>,
     /// Number of replicas.
@@ -75,10 +77,11 @@ impl Scene {
         let surface = required(&root, "surface", &SURFACE_KEYS)?;
         let asperity = asperity(&required(&root, "material", &MATERIAL_KEYS)?, &surface)?;
         let surface = rough_surface(&surface, asperity.radius)?;
-        let model = required(&root, "model", &["law", "path"])?;
+        let model = required(&root, "model", &["law", "path", "critical_approach"])?;
         let models: Vec<(&str, Model)> = MODELS.iter().map(|model| (model.name, *model)).collect();
         let law = model.require("law", "\"hybrid\"")?.choice("law", &models)?;
         let path = model.get("path").map_or(Ok(Path::Approach), |entry| entry.choice("path", &Path::ALL))?;
+        let critical_approach = critical_approach(&model, &law)?;
         let separation = required(&root, "separation", &["h", "h_star"])?;
         let separations = separation::separations(&separation, surface.surface_height_std)?;
         let ensemble = required(&root, "ensemble", &["replicas", "seed"])?;
@@ -87,7 +90,19 @@ impl Scene {
         let output = root.section("output", &["curves"], false)?;
         let curves = output.and_then(|output| output.get("curves")).map_or(Ok(false), |entry| entry.boolean())?;
         let text = text.to_owned();
-        Ok(Self { text, title, asperity, surface, model: law, path, separations, replicas, seed, curves })
+        Ok(Self {
+            text,
+            title,
+            asperity,
+            surface,
+            model: law,
+            path,
+            critical_approach,
+            separations,
+            replicas,
+            seed,
+            curves,
+        })
     }
 
     /// The range of interferences, m, that the heights of any replica reach.
@@ -102,15 +117,39 @@ impl Scene {
         Scale::new(&self.asperity).expect("a scene is validated when it is read")
     }
 
-    /// The asperity law.
-    pub fn law(&self) -> Box<dyn Law> {
-        let setting = Setting::new(&self.asperity, self.path, self.reach());
-        setting.and_then(|setting| (self.model.build)(&setting)).expect("a scene is validated when it is read")
+    /// The asperity law of the scene.
+    ///
+    /// # Errors
+    /// As [`Scene::law_of`].
+    pub fn law(&self) -> Result<Box<dyn Law>, LawError> {
+        self.law_of(&self.model)
+    }
+
+    /// Another law for the asperities of the scene.
+    ///
+    /// # Errors
+    /// [`LawError`] when the law cannot be made for them.
+    pub fn law_of(&self, model: &Model) -> Result<Box<dyn Law>, LawError> {
+        let setting = Setting::new(&self.asperity, self.path, self.reach())?;
+        (model.build)(&Setting { critical_approach: self.critical_approach, ..setting })
     }
 }
 
 fn required<'a>(root: &Section<'a>, name: &'a str, keys: &[&str]) -> Result<Section<'a>, SceneError> {
     Ok(root.section(name, keys, true)?.expect("a required section is there or an error"))
+}
+
+fn critical_approach(section: &Section<'_>, law: &Model) -> Result<Option<f64>, SceneError> {
+    let Some(entry) = section.get("critical_approach") else { return Ok(None) };
+    if !law.is_fit() {
+        let fits: Vec<&str> = MODELS.iter().filter(|model| model.is_fit()).map(|model| model.name).collect();
+        return Err(entry.wrong(&format!(
+            "the law {} finds its own; only the curve fits take it: {}",
+            law.name,
+            fits.join(", ")
+        )));
+    }
+    entry.not_negative(Dimension::Length).map(Some)
 }
 
 fn asperity(material: &Section<'_>, surface: &Section<'_>) -> Result<Asperity, SceneError> {

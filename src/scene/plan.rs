@@ -31,10 +31,6 @@ impl RegimePlan {
 /// The plan of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
-    /// Adhesion parameter λ.
-    pub lambda: f64,
-    /// Plasticity index ψ.
-    pub plasticity_index: f64,
     /// The regimes.
     pub regimes: Vec<RegimePlan>,
     /// What is skipped, and why, a line each.
@@ -63,8 +59,6 @@ impl Plan {
         // Moments and curves of a batch, heights, and for curves what waits to be written.
         let batch = 8.0 * (n + 3.0 * s * (4.0 + 3.0 * r)) + if scene.curves { 8.0 * 2.0 * s * 8.0 } else { 0.0 };
         Self {
-            lambda: scene.scale().lambda,
-            plasticity_index: scene.asperity.plasticity_index(scene.surface.surface_height_std),
             skips: skips(scene, &regimes),
             beyond: beyond(scene, law),
             pairs: n * s * replicas,

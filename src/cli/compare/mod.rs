@@ -1,0 +1,181 @@
+//! `stiction compare`: several laws on the same asperities, by the integral and, if asked for, by the ensemble.
+
+mod record;
+mod table;
+
+use super::asperity::find;
+use super::results::integral_features;
+use super::run::{cross_check, interruption, thread_pool};
+use super::{CompareArguments, Failure, law_of, print, read_scene};
+use crate::asperity::emd::Emd;
+use crate::asperity::models::Model;
+use crate::asperity::{FitReport, Law, Quantity, Scratch, Work, for_each_block};
+use crate::engine::{Ensemble, Job, Outcome};
+use crate::math::extrema::Features;
+use crate::output::OutputError;
+use crate::output::progress::Progress;
+use crate::output::schema::COMPARISON;
+use crate::output::writer::Writer;
+use crate::scene::Scene;
+use crate::statistical::Statistical;
+use crate::validation::{JointTest, basis};
+use std::sync::atomic::AtomicBool;
+
+/// Interferences of the curves of one asperity.
+const INTERFERENCES: usize = 801;
+/// They begin so many equilibrium spacings before contact.
+const FURTHEST: f64 = 10.0;
+/// They end at so many critical interferences.
+const DEEPEST: f64 = 1.25;
+/// But after at least and at most so many units of approach.
+const DEPTHS: (f64, f64) = (5.0, 50.0);
+
+/// One law of a comparison.
+struct Compared {
+    model: Model,
+    /// Where it is not valid, a line each.
+    limits: Vec<String>,
+    regimes: Vec<&'static str>,
+    statistical: Statistical,
+    features: Features,
+    /// Quantities of one asperity, by their index, over the interferences.
+    asperity: [Vec<f64>; 4],
+    fit: Option<FitReport>,
+    sampled: Option<Sampled>,
+}
+
+/// What the ensemble adds.
+struct Sampled {
+    ensemble: Box<Ensemble>,
+    /// z-scores of adhesion force and external force.
+    z: [Vec<f64>; 2],
+    joint: JointTest,
+}
+
+/// A comparison.
+struct Comparison {
+    scene: Scene,
+    /// Interferences of one asperity, m.
+    interferences: Vec<f64>,
+    laws: Vec<Compared>,
+}
+
+pub(super) fn compare(arguments: &CompareArguments) -> Result<(), Failure> {
+    let models = models(&arguments.laws)?;
+    let mut scene = read_scene(&arguments.scene)?;
+    scene.replicas = arguments.replicas.unwrap_or(scene.replicas);
+    scene.seed = arguments.seed.unwrap_or(scene.seed);
+    let laws: Vec<Box<dyn Law>> = models.iter().map(|model| law_of(&scene, model)).collect::<Result<_, _>>()?;
+    let writer = arguments.output.as_ref().map(|output| Writer::create(&COMPARISON, output, arguments.force));
+    let writer = writer.transpose()?;
+    let pool = thread_pool(arguments.threads)?;
+    let stop = interruption()?;
+    let mut progress = Progress::new(arguments.quiet);
+    let interferences = interferences(&scene);
+    let mut compared = Vec::new();
+    for (model, law) in models.into_iter().zip(&laws) {
+        progress.phase(model.name);
+        let law = law.as_ref();
+        let statistical = pool.install(|| Statistical::new(law, &scene.surface, &scene.separations));
+        let features = integral_features(&scene, law, &statistical);
+        let sampled = match arguments.ensemble {
+            true => Some(sample(&scene, law, model.name, &statistical, &pool, &stop, &mut progress)?),
+            false => None,
+        };
+        let psi = scene.asperity.plasticity_index(scene.surface.surface_height_std);
+        compared.push(Compared {
+            model,
+            limits: model.validity.limits(scene.scale().lambda, psi, scene.asperity.lubricant_thickness),
+            regimes: law.regimes().iter().map(|regime| regime.name()).collect(),
+            statistical,
+            features,
+            asperity: curves(law, &interferences),
+            fit: law.fit().cloned(),
+            sampled,
+        });
+    }
+    progress.end();
+    let comparison = Comparison { scene, interferences, laws: compared };
+    if let Some(mut writer) = writer {
+        record::write(&mut writer, &comparison)?;
+        writer.finish()?;
+    }
+    print(&table::table(&comparison, arguments.output.as_deref()));
+    Ok(())
+}
+
+/// The laws of a list of names.
+fn models(names: &[String]) -> Result<Vec<Model>, Failure> {
+    let mut models: Vec<Model> = Vec::new();
+    for name in names {
+        let model = find("--laws", name.trim())?;
+        if models.iter().any(|known| known.name == model.name) {
+            return Err(Failure::Usage(format!("--laws: {name} is given twice; each law once")));
+        }
+        models.push(model);
+    }
+    Ok(models)
+}
+
+/// The ensemble of one law; every law draws the same asperities.
+fn sample(
+    scene: &Scene,
+    law: &dyn Law,
+    name: &'static str,
+    statistical: &Statistical,
+    pool: &rayon::ThreadPool,
+    stop: &AtomicBool,
+    progress: &mut Progress,
+) -> Result<Sampled, Failure> {
+    let basis = basis(law, &scene.surface, &scene.separations, scene.replicas);
+    let job = Job {
+        law,
+        surface: &scene.surface,
+        separations: &scene.separations,
+        seed: scene.seed,
+        replicas: scene.replicas,
+        probes: &basis.probes,
+        keep_curves: false,
+    };
+    progress.replicas(name, scene.replicas);
+    let outcome = crate::engine::run(&job, pool, stop, |batch| -> Result<(), OutputError> {
+        progress.advance(batch.ensemble.replicas.len() as u64);
+        Ok(())
+    })?;
+    match outcome {
+        Outcome::Complete(ensemble) => {
+            let (z, joint) = cross_check(&ensemble, statistical, &basis, scene.replicas);
+            Ok(Sampled { ensemble, z, joint })
+        }
+        Outcome::Interrupted { replicas } => {
+            progress.end();
+            Err(Failure::Interrupted { done: replicas, of: scene.replicas })
+        }
+    }
+}
+
+/// Interferences, m, from far before contact to beyond ω_c.
+fn interferences(scene: &Scene) -> Vec<f64> {
+    let scale = scene.scale();
+    let emd = Emd::new(scale.lambda, scene.path).expect("a scene is validated when it is read");
+    let before = scene.asperity.lubricant_thickness + FURTHEST * scene.asperity.equilibrium_spacing;
+    let low = emd.end() * scale.length - before;
+    let deepest = DEEPEST * scene.asperity.critical_interference();
+    let high = deepest.clamp(DEPTHS.0 * scale.length, DEPTHS.1 * scale.length);
+    (0..INTERFERENCES).map(|i| low + (high - low) * i as f64 / (INTERFERENCES - 1) as f64).collect()
+}
+
+/// The quantities of one asperity over rising interferences, m; 0 beyond the law's last regime.
+fn curves(law: &dyn Law, interferences: &[f64]) -> [Vec<f64>; 4] {
+    let mut curves: [Vec<f64>; 4] = std::array::from_fn(|_| vec![0.0; interferences.len()]);
+    let (mut scratch, mut work) = (Scratch::default(), Work::default());
+    for_each_block(law, interferences, 0.0, &mut scratch, &mut work, |_, range, responses| {
+        for (i, place) in range.enumerate() {
+            let values = Quantity::of_response(responses.adhesion[i], responses.contact[i], responses.area[i]);
+            for (curve, value) in curves.iter_mut().zip(values) {
+                curve[place] = value;
+            }
+        }
+    });
+    curves
+}

@@ -1,0 +1,165 @@
+//! A comparison under the names of its file layout.
+
+use super::table::difference;
+use super::{Compared, Comparison, Sampled};
+use crate::asperity::Quantity;
+use crate::asperity::law::Regime;
+use crate::asperity::laws::fit::{FORCES, NAMES};
+use crate::cli::record::{standard_error, write_scene};
+use crate::engine::Replica;
+use crate::output::OutputError;
+use crate::output::schema::Dimension;
+use crate::output::writer::Writer;
+use crate::validation::SIGNIFICANCE;
+
+pub(super) fn write(writer: &mut Writer, comparison: &Comparison) -> Result<(), OutputError> {
+    let Comparison { scene, interferences, laws } = comparison;
+    write_scene(writer, scene)?;
+    let scale = scene.scale();
+    writer.number("/", "approach_unit", scale.length)?;
+    writer.number("/", "radius_unit", scale.radius)?;
+    writer.number("/", "force_unit", scale.force)?;
+    writer.number("/", "asperity_count", scene.surface.asperity_count as u64)?;
+    writer.named_scale(Dimension::Law, &laws.iter().map(|law| law.model.name).collect::<Vec<&str>>())?;
+    writer.named_scale(Dimension::Regime, &Regime::ALL.map(Regime::name))?;
+    writer.scale(Dimension::Interference, interferences)?;
+    write_statistical(writer, laws)?;
+    write_asperity(writer, laws)?;
+    writer.dataset("/validity/valid", &per_law(laws, |law| u8::from(law.limits.is_empty())))?;
+    let notes: Vec<String> = laws.iter().map(|law| law.limits.join("; ")).collect();
+    writer.texts("/validity/note", &notes.iter().map(String::as_str).collect::<Vec<&str>>())?;
+    if laws.iter().any(|law| law.fit.is_some()) {
+        write_fits(writer, laws)?;
+    }
+    let sampled: Vec<&Sampled> = laws.iter().filter_map(|law| law.sampled.as_ref()).collect();
+    if sampled.len() == laws.len() {
+        writer.number("/", "seed", scene.seed)?;
+        writer.number("/", "replicas", scene.replicas)?;
+        writer.scale(Dimension::Replica, &(0..scene.replicas).collect::<Vec<u64>>())?;
+        write_ensemble(writer, comparison, &sampled)?;
+    }
+    Ok(())
+}
+
+/// A number of each law.
+fn per_law<T>(laws: &[Compared], value: impl Fn(&Compared) -> T) -> Vec<T> {
+    laws.iter().map(value).collect()
+}
+
+/// A curve of each law, row-major.
+fn rows<'a, T>(laws: &'a [T], curve: impl Fn(&'a T) -> &'a [f64]) -> Vec<f64> {
+    laws.iter().flat_map(curve).copied().collect()
+}
+
+/// Each row less the first.
+fn less_first(rows: &[f64], length: usize) -> Vec<f64> {
+    rows.iter().enumerate().map(|(i, value)| value - rows[i % length]).collect()
+}
+
+fn write_statistical(writer: &Writer, laws: &[Compared]) -> Result<(), OutputError> {
+    for quantity in Quantity::ALL {
+        let (q, name) = (quantity.index(), quantity.name());
+        let values = rows(laws, |law| &law.statistical.expected[q]);
+        writer.dataset(&format!("/statistical/{name}"), &values)?;
+        writer.dataset(&format!("/statistical/{name}_std"), &rows(laws, |law| &law.statistical.std[q]))?;
+        if matches!(quantity, Quantity::AdhesionForce | Quantity::ExternalForce) {
+            let differences = less_first(&values, values.len() / laws.len());
+            writer.dataset(&format!("/statistical/{name}_difference"), &differences)?;
+        }
+    }
+    // Every law's regimes at their place among all.
+    type Table = fn(&Compared) -> &Vec<Vec<f64>>;
+    let tables: [(&str, Table); 3] = [
+        ("regime_count", |law| &law.statistical.regime_count),
+        ("regime_adhesion_force", |law| &law.statistical.regime_adhesion_force),
+        ("regime_external_force", |law| &law.statistical.regime_external_force),
+    ];
+    for (name, table) in tables {
+        let of_regime = |law: &Compared, regime: Regime| -> Vec<f64> {
+            let none = vec![0.0; law.statistical.expected[0].len()];
+            let place = law.regimes.iter().position(|known| *known == regime.name());
+            place.map_or(none, |place| table(law)[place].clone())
+        };
+        let values: Vec<f64> =
+            laws.iter().flat_map(|law| Regime::ALL.map(|regime| of_regime(law, regime)).concat()).collect();
+        writer.dataset(&format!("/statistical/{name}"), &values)?;
+    }
+    let (pull_off, stiffness) =
+        (per_law(laws, |law| -law.features.minimum.value), per_law(laws, |law| law.features.steepest.value));
+    let deviation = |values: &[f64]| values.iter().map(|value| value / values[0] - 1.0).collect::<Vec<f64>>();
+    writer.dataset("/statistical/pull_off_force", &pull_off)?;
+    writer.dataset("/statistical/pull_off_separation", &per_law(laws, |law| law.features.minimum.place))?;
+    writer.dataset("/statistical/pull_off_deviation", &deviation(&pull_off))?;
+    writer.dataset("/statistical/pull_off_at_edge", &per_law(laws, |law| u8::from(law.features.minimum.at_edge)))?;
+    writer.dataset("/statistical/peak_stiffness", &stiffness)?;
+    writer.dataset("/statistical/peak_stiffness_separation", &per_law(laws, |law| law.features.steepest.place))?;
+    writer.dataset("/statistical/peak_stiffness_deviation", &deviation(&stiffness))?;
+    writer.dataset("/statistical/quadrature_error", &per_law(laws, |law| law.statistical.quadrature_error))
+}
+
+fn write_asperity(writer: &Writer, laws: &[Compared]) -> Result<(), OutputError> {
+    for quantity in Quantity::ALL {
+        let name = quantity.name();
+        let values = rows(laws, |law| &law.asperity[quantity.index()]);
+        writer.dataset(&format!("/asperity/{name}"), &values)?;
+        if matches!(quantity, Quantity::AdhesionForce | Quantity::ExternalForce) {
+            let differences = less_first(&values, values.len() / laws.len());
+            writer.dataset(&format!("/asperity/{name}_difference"), &differences)?;
+        }
+    }
+    Ok(())
+}
+
+fn write_fits(writer: &mut Writer, laws: &[Compared]) -> Result<(), OutputError> {
+    writer.named_scale(Dimension::FittedForce, &FORCES)?;
+    writer.named_scale(Dimension::Coefficient, &NAMES)?;
+    writer.named_scale(Dimension::RangeEnd, &["from", "to"])?;
+    let fits = || laws.iter().map(|law| law.fit.as_ref());
+    let of_forces = |value: fn(&crate::asperity::FitReport) -> [f64; 3]| -> Vec<f64> {
+        fits().flat_map(|fit| fit.map_or([f64::NAN; 3], value)).collect()
+    };
+    let coefficients: Vec<f64> = fits().flat_map(|fit| fit.map_or([f64::NAN; 13], |fit| fit.coefficients)).collect();
+    let ranges: Vec<f64> = fits().flat_map(|fit| fit.map_or([[f64::NAN; 2]; 3], |fit| fit.range)).flatten().collect();
+    writer.dataset("/fit/coefficients", &coefficients)?;
+    writer.dataset("/fit/range", &ranges)?;
+    writer.dataset("/fit/largest_force", &of_forces(|fit| fit.largest_force))?;
+    writer.dataset("/fit/largest_residual", &of_forces(|fit| fit.largest_residual))?;
+    writer.dataset("/fit/rms_residual", &of_forces(|fit| fit.rms_residual))
+}
+
+fn write_ensemble(writer: &Writer, comparison: &Comparison, sampled: &[&Sampled]) -> Result<(), OutputError> {
+    for quantity in Quantity::ALL {
+        let (q, name) = (quantity.index(), quantity.name());
+        let moments = || sampled.iter().map(|sampled| &sampled.ensemble.curves[q]);
+        let mean: Vec<f64> = moments().flat_map(|moments| moments.mean().to_vec()).collect();
+        let std: Vec<f64> = moments().flat_map(|moments| moments.std()).collect();
+        writer.dataset(&format!("/ensemble/{name}_mean"), &mean)?;
+        writer
+            .dataset(&format!("/ensemble/{name}_standard_error"), &standard_error(&std, comparison.scene.replicas))?;
+        writer.dataset(&format!("/ensemble/{name}_std"), &std)?;
+    }
+    let (mean, error): (Vec<f64>, Vec<f64>) =
+        comparison.laws.iter().filter_map(|law| difference(comparison, law)).unzip();
+    writer.dataset("/ensemble/pull_off_force_difference_mean", &mean)?;
+    writer.dataset("/ensemble/pull_off_force_difference_standard_error", &error)?;
+    type Scalar = fn(&Replica) -> f64;
+    let scalars: [(&str, Scalar); 4] = [
+        ("pull_off_force", |replica| replica.pull_off_force),
+        ("pull_off_separation", |replica| replica.pull_off_separation),
+        ("peak_stiffness", |replica| replica.peak_stiffness),
+        ("peak_stiffness_separation", |replica| replica.peak_stiffness_separation),
+    ];
+    for (name, scalar) in scalars {
+        let values: Vec<f64> =
+            sampled.iter().flat_map(|sampled| sampled.ensemble.replicas.iter().map(scalar)).collect();
+        writer.dataset(&format!("/replicas/{name}"), &values)?;
+    }
+    for (i, name) in ["adhesion_force", "external_force"].into_iter().enumerate() {
+        let z: Vec<f64> = sampled.iter().flat_map(|sampled| sampled.z[i].clone()).collect();
+        writer.dataset(&format!("/validation/z_{name}"), &z)?;
+    }
+    let joint = |value: fn(&Sampled) -> f64| sampled.iter().map(|sampled| value(sampled)).collect::<Vec<f64>>();
+    writer.dataset("/validation/statistic", &joint(|sampled| sampled.joint.statistic))?;
+    writer.dataset("/validation/p_value", &joint(|sampled| sampled.joint.p_value))?;
+    writer.number("/validation", "significance", SIGNIFICANCE)
+}

@@ -1,0 +1,159 @@
+//! A comparison as the terminal shows it.
+
+use super::{Compared, Comparison, Sampled};
+use crate::asperity::laws::fit::FORCES;
+use crate::cli::check::{numbers, title};
+use crate::cli::format::{percent, row, si, signed_percent};
+use crate::cli::summary::moments;
+use crate::engine::Replica;
+use crate::math::extrema::Extremum;
+use crate::math::moments::Moments;
+use crate::validation::Verdict;
+use std::path::Path;
+
+pub(super) fn table(comparison: &Comparison, output: Option<&Path>) -> String {
+    let mut text = title(&comparison.scene);
+    text += &row("path", comparison.scene.path.name());
+    text += &numbers(&comparison.scene);
+    text += "\n";
+    text += &integral(comparison);
+    if comparison.laws.iter().any(|law| law.sampled.is_some()) {
+        text += "\n";
+        text += &ensemble(comparison);
+    }
+    text += &fits(comparison);
+    text += &validity(comparison);
+    if let Some(output) = output {
+        text += "\n";
+        text += &row("written", &output.display().to_string());
+    }
+    text
+}
+
+/// Pull-off and stiffest point of the integral of each law.
+fn integral(comparison: &Comparison) -> String {
+    let mut text = format!(
+        "  {:<12}{:>12}{:>9}{:>11}   {:>14}{:>9}{:>11}\n",
+        "integral", "pull-off", "at h*", "deviation", "peak stiffness", "at h*", "deviation"
+    );
+    let first = &comparison.laws[0].features;
+    let mut edges = false;
+    for (i, law) in comparison.laws.iter().enumerate() {
+        let Compared { features, .. } = law;
+        let pull_off = -features.minimum.value;
+        let mut place = |extremum: &Extremum| {
+            edges |= extremum.at_edge;
+            let place = extremum.place / comparison.scene.surface.surface_height_std;
+            format!("{place:.3}{}", if extremum.at_edge { "*" } else { " " })
+        };
+        let deviation =
+            |value: f64, first: f64| if i == 0 { "first".to_owned() } else { signed_percent(value / first - 1.0) };
+        let none = || ("none".to_owned(), String::new(), String::new());
+        let (force, at, off) = if pull_off > 0.0 {
+            (si(pull_off, "N"), place(&features.minimum), deviation(pull_off, -first.minimum.value))
+        } else {
+            none()
+        };
+        let stiffness = features.steepest.value;
+        let (stiffness, stiffest, stiffer) = if stiffness > 0.0 {
+            (si(stiffness, "N/m"), place(&features.steepest), deviation(stiffness, first.steepest.value))
+        } else {
+            none()
+        };
+        let name = law.model.name;
+        text += &format!("  {name:<12}{force:>12}{at:>9}{off:>11}   {stiffness:>14}{stiffest:>9}{stiffer:>11}\n");
+    }
+    if edges {
+        text += "  * at the edge of the separations: it may lie beyond\n";
+    }
+    text
+}
+
+/// Pull-off of the replicas of each law.
+fn ensemble(comparison: &Comparison) -> String {
+    let mut text = format!(
+        "  {:<12}{:>12}{:>15}{:>10}{:>12}{:>15}   cross-check\n",
+        "ensemble", "pull-off", "± std. error", "scatter", "deviation", "± std. error"
+    );
+    let replicas = comparison.scene.replicas as f64;
+    for (i, law) in comparison.laws.iter().enumerate() {
+        let (Some(sampled), Some((difference, error))) = (&law.sampled, difference(comparison, law)) else { continue };
+        let (mean, std) = moments(&sampled.ensemble.replicas, |replica| replica.pull_off_force);
+        let (first, _) = match &comparison.laws[0].sampled {
+            Some(first) => moments(&first.ensemble.replicas, |replica| replica.pull_off_force),
+            None => continue,
+        };
+        let name = law.model.name;
+        let values = if mean > 0.0 {
+            let own = format!("{:>12}{:>15}{:>10}", si(mean, "N"), si(std / replicas.sqrt(), "N"), percent(std / mean));
+            let paired = match i {
+                0 => format!("{:>12}{:>15}", "first", ""),
+                _ => format!("{:>12}{:>15}", signed_percent(difference / first), percent(error / first.abs())),
+            };
+            own + &paired
+        } else {
+            format!("{:>12}{:>52}", "none", "")
+        };
+        text += &format!("  {name:<12}{values}   {}\n", verdict(sampled));
+    }
+    let (replicas, seed) = (comparison.scene.replicas, comparison.scene.seed);
+    text + &format!("  {replicas} replicas with seed {seed}, the same asperities for every law\n")
+}
+
+/// Mean and standard error of the pull-off of a law less that of the first on the same asperities, N.
+pub(super) fn difference(comparison: &Comparison, law: &Compared) -> Option<(f64, f64)> {
+    let first = &comparison.laws[0].sampled.as_ref()?.ensemble.replicas;
+    let own = &law.sampled.as_ref()?.ensemble.replicas;
+    let mut differences = Moments::new(1);
+    let force = |replica: &Replica| replica.pull_off_force;
+    own.iter().zip(first).for_each(|(own, first)| differences.push(&[force(own) - force(first)]));
+    Some((differences.mean()[0], differences.std()[0] / (own.len() as f64).sqrt()))
+}
+
+fn verdict(sampled: &Sampled) -> String {
+    match sampled.joint.verdict {
+        Verdict::NotTested => "not tested".to_owned(),
+        Verdict::Agree | Verdict::Disagree => {
+            format!("{}, p = {:.3}", sampled.joint.verdict.name(), sampled.joint.p_value)
+        }
+    }
+}
+
+/// What the curve fits leave, per force.
+fn fits(comparison: &Comparison) -> String {
+    let mut text = String::new();
+    for law in &comparison.laws {
+        let Some(report) = &law.fit else { continue };
+        if text.is_empty() {
+            text = format!(
+                "\n  {:<12}{:>7}{:>24}{:>14}{:>18}{:>14}\n",
+                "curve fits", "force", "range of interference", "largest error", "of largest force", "rms error"
+            );
+        }
+        for (i, force) in FORCES.into_iter().enumerate() {
+            let name = if i == 0 { law.model.name } else { "" };
+            let [low, high] = report.range[i].map(|end| format!("{:.3}", end * 1e9));
+            let share = percent(report.largest_residual[i] / report.largest_force[i]);
+            let [largest, rms] = [report.largest_residual[i], report.rms_residual[i]].map(|error| si(error, "N"));
+            text += &format!(
+                "  {name:<12}{force:>7}{:>24}{largest:>14}{share:>18}{rms:>14}\n",
+                format!("{low} .. {high} nm")
+            );
+        }
+    }
+    text
+}
+
+/// Where laws are not valid.
+fn validity(comparison: &Comparison) -> String {
+    let mut text = String::new();
+    for law in &comparison.laws {
+        for (i, limit) in law.limits.iter().enumerate() {
+            if text.is_empty() {
+                text = "\n  not valid here\n".to_owned();
+            }
+            text += &format!("  {:<12}{limit}\n", if i == 0 { law.model.name } else { "" });
+        }
+    }
+    text
+}

@@ -55,6 +55,12 @@ const CASES: &[(&str, &str, &[&str])] = &[
         "h = { from = 1, to = 8, count = 91 }",
         &["separation.h.from", "the unit is missing"],
     ),
+    ("law = \"hybrid\"", "law = \"md_kin\"", &["unknown law", "did you mean \"md_kim\"?", "fit:paper"]),
+    (
+        "path = \"approach\"",
+        "critical_approach = \"0.3 nm\"",
+        &["line 21", "model.critical_approach", "the law hybrid finds its own", "fit:paper, fit:refit"],
+    ),
     ("replicas = 200", "replicas = 0", &["`ensemble.replicas = 0`", "from 1 to"]),
     ("replicas = 200", "replicas = 2.5", &["`ensemble.replicas = 2.5`", "whole number"]),
     ("seed = 1", "seed = -1", &["`ensemble.seed = -1`", "whole number"]),

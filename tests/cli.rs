@@ -1,79 +1,10 @@
 //! The program as a user drives it: files, messages, exit codes.
 
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
-use tempfile::TempDir;
+mod common;
 
-const QUICK: &str = include_str!("../configs/quick.toml");
-
-/// A folder with a scene in it.
-struct Folder {
-    folder: TempDir,
-}
-
-impl Folder {
-    fn new(scene: &str) -> Self {
-        let folder = tempfile::tempdir().unwrap();
-        std::fs::write(folder.path().join("scene.toml"), scene).unwrap();
-        Self { folder }
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.folder.path().join(name)
-    }
-
-    /// Runs the program in the folder.
-    fn stiction(&self, arguments: &[&str]) -> Output {
-        Command::new(env!("CARGO_BIN_EXE_stiction"))
-            .args(arguments)
-            .current_dir(self.folder.path())
-            .output()
-            .expect("the program starts")
-    }
-
-    /// Files in the folder, the scene and hidden ones included.
-    fn files(&self) -> Vec<String> {
-        let entries = std::fs::read_dir(self.folder.path()).unwrap();
-        let mut names: Vec<String> = entries.map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
-        names.sort();
-        names
-    }
-}
-
-/// A quick scene that takes a fraction of a second.
-fn small() -> String {
-    QUICK.replace("count = 91", "count = 16").replace("replicas = 200", "replicas = 40")
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8_lossy(bytes).into_owned()
-}
-
-#[track_caller]
-fn assert_exit(output: &Output, code: i32) {
-    assert_eq!(output.status.code(), Some(code), "{}{}", text(&output.stdout), text(&output.stderr));
-}
-
-/// All numbers of all datasets outside /diagnostics, as bits.
-fn bits(path: &Path) -> Vec<(String, Vec<u64>)> {
-    let file = hdf5::File::open(path).unwrap();
-    let mut all = Vec::new();
-    for group in ["/", "ensemble", "replicas", "statistical", "validation"] {
-        let group = file.group(group).unwrap();
-        for dataset in group.datasets().unwrap() {
-            let descriptor = dataset.dtype().unwrap().to_descriptor().unwrap();
-            let values = match descriptor {
-                hdf5::types::TypeDescriptor::Float(_) => {
-                    dataset.read_raw::<f64>().unwrap().into_iter().map(f64::to_bits).collect()
-                }
-                hdf5::types::TypeDescriptor::Unsigned(_) => dataset.read_raw::<u64>().unwrap(),
-                _ => Vec::new(),
-            };
-            all.push((dataset.name(), values));
-        }
-    }
-    all
-}
+use common::program::{Folder, QUICK, assert_exit, bits, small, text};
+use std::path::Path;
+use std::process::Command;
 
 #[test]
 fn a_run_leaves_one_file_and_a_summary() {
@@ -104,8 +35,9 @@ fn a_run_leaves_one_file_and_a_summary() {
 fn check_computes_nothing_and_says_what_would_be() {
     let folder = Folder::new("");
     let configs = Path::new(env!("CARGO_MANIFEST_DIR")).join("configs");
-    for scene in std::fs::read_dir(configs).unwrap() {
-        let path = scene.unwrap().path();
+    let folders = [configs.clone(), configs.join("paper")];
+    let files = folders.iter().flat_map(|folder| std::fs::read_dir(folder).unwrap()).map(|file| file.unwrap().path());
+    for path in files.filter(|path| path.is_file()) {
         let check = folder.stiction(&["check", path.to_str().unwrap()]);
         assert_exit(&check, 0);
         for part in ["lambda", "skipped", "regimes", "time", "memory"] {
@@ -218,7 +150,7 @@ fn an_interrupted_run_says_so_and_leaves_nothing() {
     let folder = Folder::new(&QUICK.replace("replicas = 200", "replicas = 10000000"));
     let child = Command::new(env!("CARGO_BIN_EXE_stiction"))
         .args(["run", "scene.toml"])
-        .current_dir(folder.folder.path())
+        .current_dir(folder.path(""))
         .stdout(std::process::Stdio::piped())
         .stderr(std::process::Stdio::piped())
         .spawn()

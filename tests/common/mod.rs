@@ -1,6 +1,8 @@
 //! Shared by the tests of the library: the published cases, and a law asked for one asperity.
 #![allow(dead_code)] // Each test takes what it needs.
 
+pub mod program;
+
 use stiction::asperity::models::model;
 use stiction::asperity::scale::Asperity;
 use stiction::asperity::{Law, Path, Regime, Responses, Scratch, Setting, Work, for_each_block};

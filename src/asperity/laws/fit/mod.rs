@@ -26,7 +26,7 @@ use crate::asperity::emd::Emd;
 use crate::asperity::scale::{Asperity, Scale};
 use crate::asperity::table::{Constant, Part, Row, Table};
 use crate::asperity::{Law, LawError, Regime, Responses, Setting, Smoothness, Work};
-use refit::Direct;
+use refit::{Direct, FITTED, JUDGED};
 use std::f64::consts::PI;
 
 /// Table 3.
@@ -51,13 +51,13 @@ pub fn paper(setting: &Setting) -> Result<Box<dyn Law>, LawError> {
 /// [`LawError`] without a critical interference, which ends the fit, or when the forms cannot be fitted.
 pub fn refit(setting: &Setting) -> Result<Box<dyn Law>, LawError> {
     setting.plastic("fit:refit")?;
-    law(setting, &Direct::new(setting)?.fit()?)
+    law(setting, &Direct::new(setting, FITTED)?.fit()?)
 }
 
 /// The law of scaled coefficients.
 fn law(setting: &Setting, coefficients: &Coefficients) -> Result<Box<dyn Law>, LawError> {
     setting.plastic("fit")?;
-    let report = Direct::new(setting)?.report(coefficients, setting);
+    let report = Direct::new(setting, JUDGED)?.report(coefficients, setting);
     let length = setting.scale.length;
     let critical_approach = match setting.critical_approach {
         Some(given) => given,

@@ -10,7 +10,9 @@ use crate::asperity::{LawError, Setting, Work};
 use crate::math::least_squares::least_squares;
 
 /// Approaches that each force is fitted on.
-const POINTS: usize = 401;
+pub const FITTED: usize = 401;
+/// Approaches that the residuals are taken at: they vary fastest at first touch.
+pub const JUDGED: usize = 2001;
 /// How far before contact f_snc is fitted, in equilibrium spacings.
 const FURTHEST: f64 = 10.0;
 
@@ -23,11 +25,11 @@ pub struct Direct {
 }
 
 impl Direct {
-    /// Solves the law of a setting.
+    /// Solves the law of a setting at so many `points` of each range.
     ///
     /// # Errors
     /// [`LawError`] for a λ that is not solved.
-    pub fn new(setting: &Setting) -> Result<Self, LawError> {
+    pub fn new(setting: &Setting, points: usize) -> Result<Self, LawError> {
         let scale = setting.scale;
         let emd = Emd::new(scale.lambda, setting.path)?;
         let end = emd.end();
@@ -35,7 +37,7 @@ impl Direct {
             [scale.equilibrium_spacing(), setting.critical_interference].map(|length| length / scale.length);
         let ranges = [(end - FURTHEST * spacing, end), (end, critical), (0.0, critical)];
         let approaches = ranges.map(|(low, high)| {
-            (0..POINTS).map(|i| low + (high - low) * i as f64 / (POINTS - 1) as f64).collect::<Vec<f64>>()
+            (0..points).map(|i| low + (high - low) * i as f64 / (points - 1) as f64).collect::<Vec<f64>>()
         });
         let mut work = Work::default();
         let mut contact = |delta: &f64| emd.contact(*delta, &mut 0, &mut work);
@@ -59,7 +61,8 @@ impl Direct {
 
     fn fit_noncontact(&self) -> Option<[f64; 4]> {
         let (places, values) = (&self.approaches[0], &self.forces[0]);
-        let (end, highest, range) = (places[POINTS - 1], values[POINTS - 1], places[POINTS - 1] - places[0]);
+        let (end, highest) = (*places.last()?, *values.last()?);
+        let range = end - places[0];
         // A peak at or beyond the end of the range, as wide as a part of it.
         let starts = [(0.02, 0.02), (0.05, 0.1), (0.0, 0.1), (0.2, 0.2), (-0.02, 0.05)].map(|(beyond, width)| {
             let (x, b) = (beyond * range, width * range);
@@ -71,8 +74,8 @@ impl Direct {
     fn fit_adhesion(&self) -> Option<[f64; 4]> {
         let begin = self.approaches[1][0];
         let places: Vec<f64> = self.approaches[1].iter().map(|delta| delta - begin).collect();
-        let (values, range) = (&self.forces[1], places[POINTS - 1]);
-        let rise = (values[POINTS - 1] - values[0]).max(f64::MIN_POSITIVE);
+        let (values, range) = (&self.forces[1], *places.last()?);
+        let rise = (values.last()? - values[0]).max(f64::MIN_POSITIVE);
         let starts = [0.5, 0.65, 0.8, 1.0].map(|exponent| {
             let slope = libm::pow(rise, 1.0 / exponent) / range;
             [values[0], libm::log(slope), libm::log(0.01 * slope * range), exponent]
@@ -106,11 +109,12 @@ impl Direct {
         let published = coefficients.in_units(1e-9 / length, 1e-6 / force);
         FitReport {
             coefficients: published.list(),
-            range: std::array::from_fn(|i| [0, POINTS - 1].map(|k| length * self.approaches[i][k])),
+            range: std::array::from_fn(|i| [0, self.approaches[i].len() - 1].map(|k| length * self.approaches[i][k])),
             largest_force: std::array::from_fn(|i| force * largest(&self.forces[i])),
             largest_residual: std::array::from_fn(|i| largest(&residuals(i))),
             rms_residual: std::array::from_fn(|i| {
-                (residuals(i).iter().map(|residual| residual * residual).sum::<f64>() / POINTS as f64).sqrt()
+                let residuals = residuals(i);
+                (residuals.iter().map(|residual| residual * residual).sum::<f64>() / residuals.len() as f64).sqrt()
             }),
         }
     }

@@ -1,0 +1,76 @@
+//! The program as a user drives it.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use tempfile::TempDir;
+
+pub const QUICK: &str = include_str!("../../configs/quick.toml");
+
+/// A folder with a scene in it.
+pub struct Folder {
+    folder: TempDir,
+}
+
+impl Folder {
+    pub fn new(scene: &str) -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("scene.toml"), scene).unwrap();
+        Self { folder }
+    }
+
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    /// Runs the program in the folder.
+    pub fn stiction(&self, arguments: &[&str]) -> Output {
+        Command::new(env!("CARGO_BIN_EXE_stiction"))
+            .args(arguments)
+            .current_dir(self.folder.path())
+            .output()
+            .expect("the program starts")
+    }
+
+    /// Files in the folder, the scene and hidden ones included.
+    pub fn files(&self) -> Vec<String> {
+        let entries = std::fs::read_dir(self.folder.path()).unwrap();
+        let mut names: Vec<String> = entries.map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+        names.sort();
+        names
+    }
+}
+
+/// A quick scene that takes a fraction of a second.
+pub fn small() -> String {
+    QUICK.replace("count = 91", "count = 16").replace("replicas = 200", "replicas = 40")
+}
+
+pub fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+#[track_caller]
+pub fn assert_exit(output: &Output, code: i32) {
+    assert_eq!(output.status.code(), Some(code), "{}{}", text(&output.stdout), text(&output.stderr));
+}
+
+/// All numbers of all datasets outside /diagnostics, as bits.
+pub fn bits(path: &Path) -> Vec<(String, Vec<u64>)> {
+    let file = hdf5::File::open(path).unwrap();
+    let mut all = Vec::new();
+    let groups = file.groups().unwrap().into_iter().filter(|group| group.name() != "/diagnostics");
+    for group in std::iter::once(file.as_group().unwrap()).chain(groups) {
+        for dataset in group.datasets().unwrap() {
+            let descriptor = dataset.dtype().unwrap().to_descriptor().unwrap();
+            let values = match descriptor {
+                hdf5::types::TypeDescriptor::Float(_) => {
+                    dataset.read_raw::<f64>().unwrap().into_iter().map(f64::to_bits).collect()
+                }
+                hdf5::types::TypeDescriptor::Unsigned(_) => dataset.read_raw::<u64>().unwrap(),
+                _ => Vec::new(),
+            };
+            all.push((dataset.name(), values));
+        }
+    }
+    all
+}

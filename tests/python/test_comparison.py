@@ -1,0 +1,150 @@
+"""What a comparison file holds, read with h5py and xarray and checked with numpy and scipy, independently of the program.
+
+Needs the packages of scripts/requirements.txt. The program is $STICTION, by default target/release/stiction.
+"""
+
+import os
+import subprocess
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+import scipy.integrate
+import xarray
+
+ROOT = Path(__file__).resolve().parents[2]
+PROGRAM = Path(os.environ.get("STICTION", ROOT / "target" / "release" / "stiction"))
+LAWS = ["hybrid", "isbl", "gw", "fit:paper", "fit:refit"]
+REPLICAS = 24
+RADIUS, MODULUS, PULL = 3.33e-6, 85.29e9, np.pi * 0.09 * 3.33e-6  # of the quick scene; PULL is pi R w
+DIMENSIONS = {
+    "statistical": ("law", "separation"),
+    "asperity": ("law", "interference"),
+    "replicas": ("law", "replica"),
+}
+
+
+@pytest.fixture(scope="module")
+def path(tmp_path_factory) -> Path:
+    folder = tmp_path_factory.mktemp("compare")
+    assert PROGRAM.is_file(), f"no program {PROGRAM}: run `cargo build --release` or set STICTION"
+    command = [PROGRAM, "compare", ROOT / "configs" / "quick.toml", "--laws", ",".join(LAWS), "--ensemble",
+               "--replicas", str(REPLICAS), "-o", folder / "all.h5", "--quiet"]
+    run = subprocess.run(command, capture_output=True, text=True, encoding="utf-8")
+    assert run.returncode == 0, run.stderr
+    assert [file.name for file in folder.iterdir()] == ["all.h5"]
+    return folder / "all.h5"
+
+
+@pytest.fixture(scope="module")
+def file(path):
+    with h5py.File(path, "r") as file:
+        yield file
+
+
+@pytest.mark.parametrize("engine", ["h5netcdf", "netcdf4"])
+def test_xarray_sees_laws_by_name(path, engine):
+    with xarray.open_datatree(path, engine=engine) as tree:
+        assert list(tree.law.values) == LAWS
+        for group, dimensions in DIMENSIONS.items():
+            for name, variable in tree[group].data_vars.items():
+                assert variable.attrs["units"] and variable.attrs["long_name"], name
+                assert variable.dims[0] == "law", name
+            assert any(variable.dims == dimensions for variable in tree[group].data_vars.values())
+        force = tree["statistical"].external_force
+        assert float(force.sel(law="hybrid").min()) < 0.0 < float(force.sel(law="gw").min())
+        assert tree["statistical"].regime_count.dims == ("law", "regime", "separation")
+
+
+def test_root_attributes(file):
+    assert file.attrs["format"] == "stiction-comparison" and list(file.attrs["format_version"]) == [1, 0]
+    assert file.attrs["force_unit"] == pytest.approx(PULL, rel=1e-14)
+    k = 4 / 3 * MODULUS
+    assert file.attrs["approach_unit"] == pytest.approx((PULL**2 / (RADIUS * k**2)) ** (1 / 3), rel=1e-14)
+    assert file.attrs["radius_unit"] == pytest.approx((PULL * RADIUS / k) ** (1 / 3), rel=1e-14)
+    assert file.attrs["replicas"] == REPLICAS and file.attrs["asperity_count"] == 739
+
+
+def test_differences_are_from_the_first_law(file):
+    for group in ["statistical", "asperity"]:
+        for name in ["adhesion_force", "external_force"]:
+            values = file[group][name][()]
+            assert np.array_equal(file[group][f"{name}_difference"], values - values[0])
+    for name in ["pull_off", "peak_stiffness"]:
+        values = file["statistical"]["pull_off_force" if name == "pull_off" else name][()]
+        assert np.allclose(file[f"statistical/{name}_deviation"], values / values[0] - 1.0, rtol=0, atol=1e-15)
+    pull_off = file["replicas/pull_off_force"][()]
+    difference = pull_off - pull_off[0]
+    assert np.allclose(file["ensemble/pull_off_force_difference_mean"], difference.mean(axis=1), rtol=1e-12, atol=0)
+    error = difference.std(axis=1, ddof=1) / np.sqrt(REPLICAS)
+    found = file["ensemble/pull_off_force_difference_standard_error"]
+    assert np.allclose(found, error, rtol=1e-10, atol=1e-20)
+    # Paired on the same asperities: far more precise than the laws themselves.
+    assert error[LAWS.index("fit:paper")] < 0.5 * pull_off[0].std(ddof=1) / np.sqrt(REPLICAS)
+
+
+def test_regimes_add_up(file):
+    counts = file["statistical/regime_count"][()].sum(axis=1)
+    assert np.allclose(counts, 739, rtol=1e-12)
+    adhesion = file["statistical/regime_adhesion_force"][()].sum(axis=1)
+    assert np.allclose(adhesion, file["statistical/adhesion_force"], rtol=1e-12, atol=0)
+
+
+def test_gw_is_the_integral_of_hertz_contacts(file):
+    std, d = file.attrs["asperity_height_std"], file["asperity_separation"][()]
+    unit = 4 / 3 * MODULUS * np.sqrt(RADIUS) * std**1.5
+    found = file["statistical/contact_force"][LAWS.index("gw")]
+    for k in range(0, d.size, 15):
+        h = d[k] / std
+        density = lambda s: (s - h) ** 1.5 * np.exp(-0.5 * s * s) / np.sqrt(2 * np.pi)
+        expected, error = scipy.integrate.quad(density, h, max(h, 0.0) + 12.0, points=[h + 0.3, max(h + 1, 0)], epsabs=0, epsrel=1e-11)
+        assert found[k] == pytest.approx(739 * unit * expected, rel=1e-9)
+
+
+def fitted(p, delta):
+    """f_snc, f_sel and f_f of the coefficients in nm and uN, as published."""
+    sonc, a_nc, b_nc, onc, soc, a_c, b_c, p_c, f0, a_f, b_f, m_f, n_f = p
+    f_snc = sonc + 2 * a_nc / np.pi * b_nc / (4 * (delta - onc) ** 2 + b_nc**2)
+    f_sel = soc + np.maximum(a_c * delta + b_c, 0.0) ** p_c
+    positive = np.maximum(delta, 0.0)
+    return f_snc, f_sel, f0 + a_f * positive**m_f + b_f * positive**n_f
+
+
+@pytest.mark.parametrize("law", ["fit:paper", "fit:refit"])
+def test_fits_are_their_coefficients_and_residuals(file, law):
+    index, thickness = LAWS.index(law), 0.5
+    delta = file["interference"][()] * 1e9
+    coefficients = file["fit/coefficients"][index]
+    ranges = file["fit/range"][index] * 1e9
+    adhesion, external = (file[f"asperity/{name}"][()] * 1e6 for name in ["adhesion_force", "external_force"])
+    before = delta < ranges[0, 1] - thickness
+    f_snc, _, _ = fitted(coefficients, delta + thickness)
+    assert np.allclose(adhesion[index][before], f_snc[before], rtol=1e-10, atol=0)
+    _, f_sel, f_f = fitted(coefficients, delta)
+    elastic = (delta >= ranges[1, 0]) & (delta <= ranges[1, 1])
+    assert np.allclose(adhesion[index][elastic], f_sel[elastic], rtol=1e-10, atol=0)
+    contact = (delta >= 0.0) & elastic
+    assert np.allclose(external[index][contact], f_f[contact], rtol=0, atol=1e-10 * f_sel[contact].max())
+    # Residuals against the direct law, which is the first; the grids differ, so the largest is met to some per cent.
+    errors = [np.abs((adhesion[index] - adhesion[0])[before & (delta >= ranges[0, 0] - thickness)]),
+              np.abs((adhesion[index] - adhesion[0])[elastic]),
+              np.abs((external[index] - external[0])[contact])]
+    for i, error in enumerate(errors):
+        largest = file["fit/largest_residual"][index, i] * 1e6
+        assert 0.9 * largest <= error.max() <= 1.01 * largest
+        assert file["fit/rms_residual"][index, i] < file["fit/largest_residual"][index, i]
+
+
+def test_the_refit_fits_better_in_least_squares(file):
+    paper, refit = (file["fit/rms_residual"][LAWS.index(f"fit:{name}")] for name in ["paper", "refit"])
+    assert np.all(refit < paper)
+    assert np.all(np.isnan(file["fit/coefficients"][0])) and np.all(np.isnan(file["fit/range"][1]))
+
+
+def test_validity_is_said(file):
+    valid = dict(zip(LAWS, file["validity/valid"][()]))
+    notes = dict(zip(LAWS, file["validity/note"].asstr()[()]))
+    assert valid["hybrid"] == 1 and notes["hybrid"] == ""
+    assert valid["isbl"] == 0 and "lambda = 0.899 is above 0.1" in notes["isbl"]
+    assert valid["gw"] == 0 and "psi = 0.848 is above 0.6" in notes["gw"] and "no lubricant" in notes["gw"]

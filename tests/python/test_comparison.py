@@ -102,6 +102,39 @@ def test_gw_is_the_integral_of_hertz_contacts(file):
         assert found[k] == pytest.approx(739 * unit * expected, rel=1e-9)
 
 
+def isbl(delta, thickness, critical, k):
+    """F_s and P of one asperity in N at interferences in m, by equation B.2 and the fits of Kogut and Etsion as published."""
+    spacing, x = 0.2e-9, np.maximum(delta, 1e-300) / critical
+    u = spacing / np.maximum(spacing - delta - thickness, spacing)
+    before = 8 / 3 * PULL * (u**2 - u**8 / 4)
+    ratio, unit = spacing / critical, 4 / 3 * MODULUS * np.sqrt(RADIUS) * critical**1.5
+    pieces = [delta < -thickness, delta < 0, x <= 1, x <= 6, x <= 110]
+    adhesion = [before, 2 * PULL + 0 * x, 2 * PULL * 0.98 * x**0.298 * ratio**-0.29,
+                2 * PULL * 0.79 * x**0.356 * ratio**-0.321, 2 * PULL * 1.19 * x**0.093 * ratio**-0.332]
+    load = [0 * x, 0 * x, unit * x**1.5, unit * 1.03 * x**1.425, unit * 1.40 * x**1.263]
+    return np.select(pieces, adhesion, 0.0), np.select(pieces, load, unit * 3 * x / k)
+
+
+def test_isbl_is_its_published_integral(file):
+    """Each smooth piece by itself; the one that begins with x^0.298 in the tenth root of x."""
+    std, critical = file.attrs["asperity_height_std"], file.attrs["critical_interference"]
+    ends = [-60e-9, -0.5e-9, 0.0, critical, 6 * critical, 110 * critical]
+    nodes, weights = np.polynomial.legendre.leggauss(200)
+    for k in range(0, file["separation"].size, 15):
+        d, sums = file["asperity_separation"][k], np.zeros(2)
+        for low, high in zip(ends, ends[1:]):
+            low, high = (np.clip(end, -12 * std - d, 12 * std - d) for end in (low, high))
+            order = 10 if low == 0.0 else 1
+            t = low + (high - low) * (0.5 * (nodes + 1)) ** order
+            jacobian = (high - low) * order * (0.5 * (nodes + 1)) ** (order - 1) * 0.5
+            inside = np.clip(t, np.nextafter(low, high), np.nextafter(high, low))
+            density = np.exp(-0.5 * ((t + d) / std) ** 2) / (np.sqrt(2 * np.pi) * std)
+            sums += [(weights * jacobian * density * force).sum() for force in isbl(inside, 0.5e-9, critical, 0.454 + 0.41 * 0.27)]
+        found = [file[f"statistical/{name}"][LAWS.index("isbl"), k] for name in ["adhesion_force", "contact_force"]]
+        assert found[0] == pytest.approx(739 * sums[0], rel=1e-10)
+        assert found[1] == pytest.approx(739 * sums[1], rel=1e-10, abs=1e-300)
+
+
 def fitted(p, delta):
     """f_snc, f_sel and f_f of the coefficients in nm and uN, as published."""
     sonc, a_nc, b_nc, onc, soc, a_c, b_c, p_c, f0, a_f, b_f, m_f, n_f = p

@@ -1,8 +1,9 @@
 //! One replica of the published cases, draws and sorting and all 181 separations included, and the integral of the same scene:
-//! what a run costs. divan reports asperity-separations per second.
+//! what a run costs, and by law. divan reports asperity-separations per second.
 
 use divan::{Bencher, counter::ItemsCount};
 use std::path::Path;
+use stiction::asperity::models::{MODELS, model};
 use stiction::engine::{Job, Workspace};
 use stiction::scene::Scene;
 use stiction::statistical::Statistical;
@@ -38,6 +39,25 @@ fn replica(bencher: Bencher, name: &str) {
         index += 1;
         workspace.replica(&job, index)
     });
+}
+
+/// One replica of case II under every law.
+#[divan::bench(args = MODELS.iter().map(|model| model.name), sample_count = 10)]
+fn replica_by_law(bencher: Bencher, name: &str) {
+    let scene = scene("case_ii");
+    let law = scene.law_of(&model(name).expect("a law")).expect("a law of the scene");
+    let job = Job {
+        law: law.as_ref(),
+        surface: &scene.surface,
+        separations: &scene.separations,
+        seed: scene.seed,
+        replicas: 1,
+        probes: &[],
+        keep_curves: false,
+    };
+    let mut workspace = Workspace::new(&job);
+    let pairs = scene.surface.asperity_count * scene.separations.len();
+    bencher.counter(ItemsCount::new(pairs)).bench_local(|| workspace.replica(&job, 0));
 }
 
 #[divan::bench(args = CASES, sample_count = 20)]

@@ -157,7 +157,7 @@ impl Part for FittedContact {
     }
 
     fn cost(&self) -> f64 {
-        60.0
+        120.0
     }
 
     fn evaluate(&self, interference: &[f64], out: &mut Responses, work: &mut Work) {

@@ -7,7 +7,7 @@ own curve fits (case III at other work of adhesion: the same forms refitted) for
 
 * t from 0 to 1.5 nm,
 * sigma_s and y_s converted, only one of them, or neither,
-* delta_A as the approach at first touch, at the end of the stable contact branch, 0.30 nm, or 0,
+* delta_A as the approach at first touch, at the end of the stable contact branch, or, with the published fits, 0.30 nm or 0,
 * Poisson's ratio by itself, which enters through the plasticity index,
 
 and takes for each the nominal area that suits the forces best, to which they are proportional. It writes
@@ -108,7 +108,7 @@ def scene_text(published: Published, thickness: float, conversion: str, rule: st
         text = with_key(text, "surface", "mean_plane_offset", "0")
     text = with_key(text, "model", "law", f'"{published.law}"')
     text = with_key(text, "model", "path", '"retraction"' if rule == "end of contact" else '"approach"')
-    if rule in ("0.30 nm", "0"):
+    if rule in ("0.30 nm", "0") and published.law == "fit:paper":  # a refit ends where its direct law does
         text = with_key(text, "model", "critical_approach", f'"{rule.removesuffix(" nm")} nm"')
     return with_key(text, "separation", "h_star", "{ from = 0.0, to = 8.0, count = 65 }")
 

@@ -59,7 +59,7 @@ const CASES: &[(&str, &str, &[&str])] = &[
     (
         "path = \"approach\"",
         "critical_approach = \"0.3 nm\"",
-        &["line 21", "model.critical_approach", "the law hybrid finds its own", "fit:paper, fit:refit"],
+        &["line 21", "model.critical_approach", "the law hybrid finds its own", "only fit:paper takes it"],
     ),
     ("replicas = 200", "replicas = 0", &["`ensemble.replicas = 0`", "from 1 to"]),
     ("replicas = 200", "replicas = 2.5", &["`ensemble.replicas = 2.5`", "whole number"]),

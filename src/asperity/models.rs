@@ -19,12 +19,8 @@ pub struct Model {
     pub build: Build,
 }
 
-impl Model {
-    /// Whether it is a curve fit of another law.
-    pub fn is_fit(&self) -> bool {
-        self.name.starts_with("fit:")
-    }
-}
+/// The law with the published fits, which alone takes a δ_A from the scene: all others find their own.
+pub const PUBLISHED_FITS: &str = "fit:paper";
 
 /// What a law leaves out, and so where it is valid.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -100,7 +96,7 @@ pub const MODELS: &[Model] = &[
         validity(Adhesion::Any, false, false), hybrid::hybrid),
     law("emd", "extended Maugis-Dugdale up to the critical interference, no force above",
         validity(Adhesion::Any, true, false), emd::emd),
-    law("fit:paper", "the hybrid law with the published curve fits of its elastic part, for the three published asperities",
+    law(PUBLISHED_FITS, "the hybrid law with the published curve fits of its elastic part, for the three published asperities",
         validity(Adhesion::Any, false, false), fit::paper),
     law("fit:refit", "the hybrid law with its elastic part refitted by the published forms",
         validity(Adhesion::Any, false, false), fit::refit),

@@ -14,7 +14,7 @@ pub struct Setting {
     pub pressure_factor: f64,
     /// Lubricant thickness t, m; 0 when dry.
     pub lubricant_thickness: f64,
-    /// δ_A, m, that is set instead of following from the history; of the curve fits only.
+    /// δ_A, m, that is set instead of following from the history; of the published fits only.
     pub critical_approach: Option<f64>,
     /// The history.
     pub path: Path,

@@ -8,7 +8,7 @@ pub mod units;
 pub use plan::{Plan, RegimePlan};
 pub use reader::{SceneError, nearest};
 
-use crate::asperity::models::{MODELS, Model};
+use crate::asperity::models::{MODELS, Model, PUBLISHED_FITS};
 use crate::asperity::scale::{Asperity, Scale};
 use crate::asperity::{Law, LawError, Path, Setting};
 use crate::surface::{Roughness, Surface, SurfaceError};
@@ -49,7 +49,7 @@ pub struct Scene {
     pub model: Model,
     /// The history.
     pub path: Path,
-    /// δ_A, m, that is set instead of following from the history; of the curve fits only.
+    /// δ_A, m, that is set instead of following from the history; of the published fits only.
     pub critical_approach: Option<f64>,
     /// Separations h, m, rising.
     pub separations: Vec<f64>,
@@ -141,13 +141,8 @@ fn required<'a>(root: &Section<'a>, name: &'a str, keys: &[&str]) -> Result<Sect
 
 fn critical_approach(section: &Section<'_>, law: &Model) -> Result<Option<f64>, SceneError> {
     let Some(entry) = section.get("critical_approach") else { return Ok(None) };
-    if !law.is_fit() {
-        let fits: Vec<&str> = MODELS.iter().filter(|model| model.is_fit()).map(|model| model.name).collect();
-        return Err(entry.wrong(&format!(
-            "the law {} finds its own; only the curve fits take it: {}",
-            law.name,
-            fits.join(", ")
-        )));
+    if law.name != PUBLISHED_FITS {
+        return Err(entry.wrong(&format!("the law {} finds its own; only {PUBLISHED_FITS} takes it", law.name)));
     }
     entry.not_negative(Dimension::Length).map(Some)
 }

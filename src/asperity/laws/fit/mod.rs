@@ -9,7 +9,7 @@
 //! | elastic, δ < 0 | f_sel(δ) | 0 |
 //! | elastic, δ ≥ 0 | f_sel(δ) | f_sel(δ) + f_f(δ) |
 //!
-//! `fit:paper` takes the coefficients of its Table 3, for its three cases; `fit:refit` fits the same forms to the direct law of any
+//! `fit:paper` takes the coefficients of its Table 3, for its three cases, and δ_A as it is given, if it is; `fit:refit` fits the same forms to the direct law of any
 //! asperity. The contact area, which has no fit, is that of Hertz.
 //!
 //! # Validity
@@ -51,12 +51,14 @@ pub fn paper(setting: &Setting) -> Result<Box<dyn Law>, LawError> {
 /// [`LawError`] without a critical interference, which ends the fit, or when the forms cannot be fitted.
 pub fn refit(setting: &Setting) -> Result<Box<dyn Law>, LawError> {
     setting.plastic("fit:refit")?;
+    // A fit is for the range that the direct law has, which ends at its own δ_A.
+    let setting = &Setting { critical_approach: None, ..*setting };
     law(setting, &Direct::new(setting, FITTED)?.fit()?)
 }
 
 /// The law of scaled coefficients.
 fn law(setting: &Setting, coefficients: &Coefficients) -> Result<Box<dyn Law>, LawError> {
-    setting.plastic("fit")?;
+    setting.plastic("fit:paper")?;
     let report = Direct::new(setting, JUDGED)?.report(coefficients, setting);
     let length = setting.scale.length;
     let critical_approach = match setting.critical_approach {

@@ -256,7 +256,7 @@ def main() -> int:
         rows = scan(arguments.program.resolve(), arguments.step, os.cpu_count() or 1)
         write(rows, arguments.output / "unknowns.csv")
         with rc_context(STYLE):
-            draw(rows).savefig(arguments.output / "unknowns.png", dpi=160)
+            draw(rows).savefig(arguments.output / "unknowns.png", dpi=110)
     except (ScanError, OSError) as error:
         print(f"scan_unknowns: {error}", file=sys.stderr)
         return 2

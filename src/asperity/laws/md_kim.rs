@@ -12,7 +12,7 @@
 //!
 //! # Validity
 //! Elastic, dry spheres of every λ; the constant stress overestimates adhesion before contact and cuts it off. Sources: Kim, McMeeking
-//! and Johnson, J. Adhes. Sci. Technol. 12 (1998) 273; for rough surfaces Morrow, Lovell and Ning, J. Phys. D 36 (2003) 534.
+//! and Johnson, J. Mech. Phys. Solids 46 (1998) 243; for rough surfaces Morrow, Lovell and Ning, J. Phys. D 36 (2003) 534.
 
 use super::md::MaugisContact;
 use crate::asperity::scale::Scale;

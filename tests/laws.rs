@@ -385,7 +385,13 @@ fn laws_jump_where_and_as_much_as_documented() {
                     let ([f, p, _], [g, q, _]) = (at(law.as_ref(), delta - step), at(law.as_ref(), delta + step));
                     ([g - f, q - p], f + p + g + q)
                 };
+                let ends: Vec<f64> = law.pieces().iter().map(|piece| piece.upper).collect();
                 for &(place, sizes) in &jumps {
+                    // The integral relies on it.
+                    assert!(
+                        ends.iter().any(|end| (end - place).abs() < 1e-12 * (1.0 + place.abs())),
+                        "{name}, λ {lambda}: {place}"
+                    );
                     // Roots begin like √step, Kogut and Etsion's adhesion like step^0.298.
                     let (found, size) = beside(place, 1e-13 * (1.0 + place.abs()));
                     for i in 0..2 {
@@ -416,6 +422,23 @@ fn laws_jump_where_and_as_much_as_documented() {
                     assert!(apart(low, high) <= 1e-4 * size, "{name}, λ {lambda}, {path:?}: jumps at {low}");
                 }
             }
+        }
+    }
+}
+
+/// Interferences at the boundaries themselves belong where the papers have them: contact from its beginning on, each fit up to its end.
+#[test]
+fn boundaries_belong_where_the_papers_have_them() {
+    for (name, law) in all(0.5, Path::Approach) {
+        let regime = |delta: f64| respond(law.as_ref(), delta).map(|(regime, _)| regime);
+        let plastic = [Regime::Elastic, Regime::Elastoplastic1, Regime::Elastoplastic2, Regime::Plastic];
+        for (i, boundary) in law.boundaries().iter().enumerate() {
+            let own = law.regimes()[i];
+            let next = law.regimes().get(i + 1).copied();
+            let at = regime(boundary.interference);
+            assert_eq!(at, if plastic.contains(&own) { Some(own) } else { next }, "{name} at {boundary:?}");
+            assert_eq!(regime(boundary.interference.next_down()), Some(own), "{name} below {boundary:?}");
+            assert_eq!(regime(boundary.interference.next_up()), next, "{name} above {boundary:?}");
         }
     }
 }

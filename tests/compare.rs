@@ -84,10 +84,12 @@ fn bad_comparisons_are_refused_and_leave_nothing() {
     let folder = Folder::new(&small());
     std::fs::write(folder.path("other.toml"), small().replace("3.33 um", "3.34 um")).unwrap();
     std::fs::write(folder.path("there.h5"), "precious").unwrap();
-    let cases: [(&[&str], &str); 7] = [
+    let cases: [(&[&str], &str); 9] = [
         (&["scene.toml", "--laws", "hybrid,emdd"], "--laws emdd: unknown law (did you mean emd?); known: hybrid"),
         (&["scene.toml", "--laws", "emd,emd"], "emd is given twice"),
-        (&["scene.toml", "--laws", "emd,"], "unknown law"),
+        (&["scene.toml", "--laws", "emd,"], "a name is empty"),
+        (&["scene.toml", "--laws", "emd", "-o", "scene.toml", "--force"], "scene.toml is the scene itself"),
+        (&["other.toml", "--laws", "fit:paper"], "other.toml: the law fit:paper cannot be used"),
         (&["scene.toml"], "--laws"),
         (&["scene.toml", "--laws", "emd", "--replicas", "3"], "--ensemble"),
         (&["other.toml", "--laws", "emd,fit:paper", "-o", "x.h5"], "fit:refit fits any"),
@@ -100,6 +102,32 @@ fn bad_comparisons_are_refused_and_leave_nothing() {
     }
     assert_eq!(folder.files(), ["other.toml", "scene.toml", "there.h5"]);
     assert_eq!(std::fs::read_to_string(folder.path("there.h5")).unwrap(), "precious");
+}
+
+/// Where the first law has no pull-off, or one replica no scatter, there is nothing to compare with: a dash, NaN in the file.
+#[test]
+fn what_is_not_known_is_a_dash() {
+    let folder = Folder::new(&small());
+    let arguments = ["compare", "scene.toml", "--laws", "gw,hybrid", "--ensemble", "--replicas", "1", "-o", "all.h5"];
+    let compare = folder.stiction(&arguments);
+    assert_exit(&compare, 0);
+    let table = text(&compare.stdout);
+    assert!(!table.contains("NaN") && !table.contains("inf") && table.contains("1 replica with seed 1"), "{table}");
+    let hybrid: Vec<&str> = table.lines().filter(|line| line.starts_with("  hybrid ")).collect();
+    assert_eq!(hybrid.len(), 2, "{table}");
+    assert!(hybrid.iter().all(|line| line.contains(" - ")), "{table}");
+    assert!(row(&folder, "all.h5", "statistical/pull_off_deviation", 1, 2)[0].is_nan());
+}
+
+/// A law that ends somewhere, and fits that are off, are said not to be valid.
+#[test]
+fn what_is_left_out_is_said() {
+    let folder = Folder::new(&small());
+    let compare = folder.stiction(&["compare", "scene.toml", "--laws", "hybrid,emd,fit:paper"]);
+    let table = text(&compare.stdout);
+    for part in ["asperities per replica are beyond its last regime", "f_snc is off by up to 33.74 % of its largest"] {
+        assert!(table.contains(part), "{part}: {table}");
+    }
 }
 
 /// Ensemble and integral of every law agree: one test of significance 1e-3 per law on the same asperities, with a fixed seed, so with 14

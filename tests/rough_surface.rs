@@ -116,6 +116,11 @@ fn every_law_is_integrated_over_all_its_pieces() {
             let d = surface.asperity_separation(h);
             for_each_block(law.as_ref(), &heights, d, &mut Scratch::default(), &mut Work::default(), visit);
             let integral = Statistical::new(law.as_ref(), &surface, &[h]);
+            let work = integral.work;
+            let evaluations = work.constant + work.closed_form + work.contact_solves + work.noncontact_solves;
+            // A panel of 60 evaluations per σ_s, and few more per piece: a root or a jump that a piece does not declare costs dozens.
+            let most = 60 * (26 + 3 * law.pieces().len() as u64);
+            assert!(evaluations <= most, "{} at {h_star}: {evaluations}, not {most}", model.name);
             assert!(integral.quadrature_error < 1e-11, "{}: {:e}", model.name, integral.quadrature_error);
             for (sum, expected) in sums.into_iter().zip(&integral.expected) {
                 let error = (sum - expected[0]).abs();

@@ -65,7 +65,8 @@ impl Validity {
                 "lambda = {lambda:.3} is above {LARGEST_DMT_LAMBDA}, the limit of DMT-like laws (Johnson and Greenwood 1997)"
             )),
             Adhesion::High if lambda < SMALLEST_JKR_LAMBDA => limits.push(format!(
-                "lambda = {lambda:.3} is below {SMALLEST_JKR_LAMBDA}, the limit of JKR (Johnson and Greenwood 1997)"
+                "lambda = {} is below {SMALLEST_JKR_LAMBDA}, the limit of JKR (Johnson and Greenwood 1997)",
+                if lambda < 1e-3 { format!("{lambda:.3e}") } else { format!("{lambda:.3}") }
             )),
             Adhesion::Low | Adhesion::High | Adhesion::Any => {}
         }

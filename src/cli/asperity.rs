@@ -36,7 +36,7 @@ pub(super) fn asperity(arguments: &AsperityArguments) -> Result<(), Failure> {
 
 /// The law of a name that was given for `argument`.
 pub(super) fn find(argument: &str, name: &str) -> Result<Model, Failure> {
-    model(name).ok_or_else(|| {
+    model(name.trim()).ok_or_else(|| {
         let names: Vec<&str> = MODELS.iter().map(|model| model.name).collect();
         let hint =
             nearest(name, names.iter().copied()).map(|near| format!(" (did you mean {near}?)")).unwrap_or_default();
@@ -58,6 +58,7 @@ fn setting(lambda: f64, arguments: &AsperityArguments) -> Result<Setting, Failur
 
 fn usage(error: LawError) -> Failure {
     Failure::Usage(match error {
+        LawError::NotInTable3 => "fit:paper is of three asperities with dimensions, and these have none".to_owned(),
         LawError::Elastic(_) => format!("{error}: give --critical-interference, in the unit of --delta"),
         _ => error.to_string(),
     })

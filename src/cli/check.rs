@@ -1,6 +1,6 @@
 //! `stiction check`: what a scene would compute.
 
-use super::format::{duration, percent, row, si};
+use super::format::{duration, percent, pure, row, si};
 use super::{Failure, law_of, print, read_scene};
 use crate::asperity::scale::Scale;
 use crate::scene::{Plan, Scene};
@@ -8,7 +8,7 @@ use std::path::Path;
 
 pub(super) fn check(path: &Path) -> Result<(), Failure> {
     let scene = read_scene(path)?;
-    let law = law_of(&scene, &scene.model)?;
+    let law = law_of(&scene, &scene.model, path)?;
     let plan = Plan::new(&scene, law.as_ref());
     let mut text = heading(&scene);
     text += &skipped(&plan);
@@ -35,7 +35,8 @@ pub(super) fn heading(scene: &Scene) -> String {
     let mut text = title(scene);
     text += &row("model", &format!("{} on {}", scene.model.name, scene.path.name()));
     text += &row("", scene.model.about);
-    text + &numbers(scene)
+    text += &numbers(scene);
+    text + &row("replicas", &format!("{} with seed {}", scene.replicas, scene.seed))
 }
 
 /// The title, or that there is none.
@@ -50,15 +51,18 @@ pub(super) fn numbers(scene: &Scene) -> String {
     let (first, last) = (scene.separations[0], scene.separations[scene.separations.len() - 1]);
     let h_star = |h: f64| h / surface.surface_height_std;
     let mut text = String::new();
-    text += &row("lambda", &format!("{lambda:.4}  adhesion parameter (unit of approach {})", si(length, "m")));
+    text += &row("lambda", &format!("{}  adhesion parameter (unit of approach {})", pure(lambda), si(length, "m")));
     text += &row(
         "psi",
         &format!(
-            "{:.4}  plasticity index (critical interference {})",
-            scene.asperity.plasticity_index(surface.surface_height_std),
+            "{}  plasticity index (critical interference {})",
+            pure(scene.asperity.plasticity_index(surface.surface_height_std)),
             si(scene.asperity.critical_interference(), "m")
         ),
     );
+    if let Some(critical_approach) = scene.critical_approach {
+        text += &row("delta_A", &format!("{}  critical approach, as the scene sets it", si(critical_approach, "m")));
+    }
     text += &row(
         "N",
         &format!(
@@ -67,7 +71,6 @@ pub(super) fn numbers(scene: &Scene) -> String {
             si(surface.heights.std, "m")
         ),
     );
-    text += &row("replicas", &format!("{} with seed {}", scene.replicas, scene.seed));
     text += &row(
         "separations",
         &format!(

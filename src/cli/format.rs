@@ -37,9 +37,19 @@ pub(super) fn percent(share: f64) -> String {
     }
 }
 
-/// A deviation in per cent; a factor where it doubles or more.
+/// A pure number with four decimals, or in powers of ten where they would hide it.
+pub(super) fn pure(value: f64) -> String {
+    if (1e-2..1e5).contains(&value.abs()) { format!("{value:.4}") } else { format!("{value:.3e}") }
+}
+
+/// A deviation in per cent; a factor where it doubles or more; a dash where there is none.
 pub(super) fn signed_percent(deviation: f64) -> String {
-    if deviation < 1.0 { format!("{:+.2} %", 100.0 * deviation) } else { format!("x {:.3}", 1.0 + deviation) }
+    match deviation {
+        d if d.is_nan() => "-".to_owned(),
+        d if d < 1.0 => format!("{:+.2} %", 100.0 * d),
+        d if d < 999.0 => format!("x {:.3}", 1.0 + d),
+        d => format!("x {:.1e}", 1.0 + d),
+    }
 }
 
 /// Seconds, minutes or hours.
@@ -80,5 +90,9 @@ mod tests {
         assert_eq!(percent(1e-6), "1.0e-4 %");
         assert_eq!(signed_percent(-0.0123), "-1.23 %");
         assert_eq!(signed_percent(7.638), "x 8.638");
+        assert_eq!(signed_percent(1e12), "x 1.0e12");
+        assert_eq!(signed_percent(f64::NAN), "-");
+        assert_eq!(pure(0.8985), "0.8985");
+        assert_eq!(pure(1.5e-7), "1.500e-7");
     }
 }

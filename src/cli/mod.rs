@@ -82,7 +82,7 @@ struct RunArguments {
 
 #[derive(Args)]
 struct CompareArguments {
-    /// The scene, TOML; its own law does not matter
+    /// The scene, TOML; of its [model] the path counts, and critical_approach for fit:paper
     scene: PathBuf,
     /// The laws, separated by commas; deviations are from the first
     #[arg(long, required = true, value_delimiter = ',', value_name = "LAW,LAW...")]
@@ -112,7 +112,7 @@ struct CompareArguments {
 
 #[derive(Args)]
 struct AsperityArguments {
-    /// The law: hertz, jkr, dmt, idmt, md, md_kim, emd, ke, or any other that scenes know
+    /// The law: hertz, jkr, dmt, idmt, md, md_kim, emd, ke, or any other that scenes know but fit:paper
     #[arg(long)]
     law: String,
     /// Adhesion parameter
@@ -128,13 +128,13 @@ struct AsperityArguments {
     #[arg(long, default_value = "approach", value_parser = history)]
     path: History,
     /// Scaled critical interference; without it the asperity stays elastic
-    #[arg(long, value_name = "OMEGA_C", value_parser = positive)]
+    #[arg(long, value_name = "OMEGA_C", value_parser = positive, allow_negative_numbers = true)]
     critical_interference: Option<f64>,
     /// Poisson ratio of the softer body, which the fully plastic load needs
     #[arg(long, value_name = "NU", value_parser = poisson_ratio, allow_negative_numbers = true)]
     poisson_ratio: Option<f64>,
     /// Scaled thickness of the lubricant
-    #[arg(long, value_name = "T", value_parser = not_negative, default_value = "0")]
+    #[arg(long, value_name = "T", value_parser = not_negative, default_value = "0", allow_negative_numbers = true)]
     lubricant_thickness: f64,
 }
 
@@ -230,9 +230,20 @@ fn print(text: &str) {
     let _ = std::io::stdout().write_all(text.as_bytes());
 }
 
-/// A law for the asperities of a scene.
-fn law_of(scene: &Scene, model: &Model) -> Result<Box<dyn Law>, Failure> {
-    scene.law_of(model).map_err(|error| Failure::Usage(format!("the law {} cannot be used: {error}", model.name)))
+/// A law for the asperities of a scene, with the scene's file named in every error.
+fn law_of(scene: &Scene, model: &Model, path: &Path) -> Result<Box<dyn Law>, Failure> {
+    let refused = |error| format!("{}: the law {} cannot be used: {error}", path.display(), model.name);
+    scene.law_of(model).map_err(|error| Failure::Usage(refused(error)))
+}
+
+/// An output that is the scene itself would destroy it.
+fn refuse_own_scene(scene: &Path, output: &Path) -> Result<(), Failure> {
+    match (scene.canonicalize(), output.canonicalize()) {
+        (Ok(own), Ok(output)) if own == output => {
+            Err(Failure::Usage(format!("{} is the scene itself; give another name with -o", output.display())))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Reads a scene, with its file named in every error.

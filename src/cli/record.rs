@@ -47,6 +47,9 @@ pub(super) fn write_scene(writer: &mut Writer, scene: &Scene) -> Result<(), Outp
     writer.number("/", "adhesion_parameter", scene.scale().lambda)?;
     writer.number("/", "plasticity_index", scene.asperity.plasticity_index(scene.surface.surface_height_std))?;
     writer.number("/", "critical_interference", scene.asperity.critical_interference())?;
+    if let Some(critical_approach) = scene.critical_approach {
+        writer.number("/", "critical_approach", critical_approach)?;
+    }
     writer.number("/", "surface_height_std", scene.surface.surface_height_std)?;
     writer.number("/", "asperity_height_std", scene.surface.heights.std)?;
     writer.number("/", "mean_plane_offset", scene.surface.mean_plane_offset)?;

@@ -3,7 +3,7 @@
 use super::record::{write_head, write_results};
 use super::results::{Results, integral_features, mean_features};
 use super::summary::summary;
-use super::{Failure, RunArguments, law_of, print, read_scene};
+use super::{Failure, RunArguments, law_of, print, read_scene, refuse_own_scene};
 use crate::asperity::Quantity;
 use crate::engine::{Ensemble, Job, Outcome};
 use crate::output::OutputError;
@@ -26,7 +26,8 @@ pub(super) fn run(arguments: &RunArguments) -> Result<(), Failure> {
         Some(output) => output.clone(),
         None => PathBuf::from(arguments.scene.file_stem().unwrap_or_default()).with_extension("h5"),
     };
-    let law = law_of(&scene, &scene.model)?;
+    let law = law_of(&scene, &scene.model, &arguments.scene)?;
+    refuse_own_scene(&arguments.scene, &output)?;
     let mut writer = Writer::create(&RUN, &output, arguments.force)?;
     let pool = thread_pool(arguments.threads)?;
     let stop = interruption()?;

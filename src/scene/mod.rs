@@ -5,7 +5,7 @@ mod reader;
 mod separation;
 pub mod units;
 
-pub use plan::{Plan, RegimePlan};
+pub use plan::{Plan, RegimePlan, beyond};
 pub use reader::{SceneError, nearest};
 
 use crate::asperity::models::{MODELS, Model, PUBLISHED_FITS};

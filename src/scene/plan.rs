@@ -89,7 +89,8 @@ fn regimes(scene: &Scene, law: &dyn Law) -> Vec<RegimePlan> {
     plans
 }
 
-fn beyond(scene: &Scene, law: &dyn Law) -> f64 {
+/// Expected asperities per replica beyond the law's last regime, where it has no force, at the separation with most of them.
+pub fn beyond(scene: &Scene, law: &dyn Law) -> f64 {
     let Some(end) = law.boundaries().get(law.regimes().len() - 1) else { return 0.0 };
     let smallest = scene.surface.asperity_separation(scene.separations[0]);
     let share = scene.surface.heights.probability(end.interference + smallest, f64::INFINITY);

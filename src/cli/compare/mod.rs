@@ -4,10 +4,12 @@ mod record;
 mod table;
 
 use super::asperity::find;
+use super::format::percent;
 use super::results::integral_features;
 use super::run::{cross_check, interruption, thread_pool};
-use super::{CompareArguments, Failure, law_of, print, read_scene};
+use super::{CompareArguments, Failure, law_of, print, read_scene, refuse_own_scene};
 use crate::asperity::emd::Emd;
+use crate::asperity::laws::fit::FORCES;
 use crate::asperity::models::Model;
 use crate::asperity::{FitReport, Law, Quantity, Scratch, Work, for_each_block};
 use crate::engine::{Ensemble, Job, Outcome};
@@ -16,7 +18,7 @@ use crate::output::OutputError;
 use crate::output::progress::Progress;
 use crate::output::schema::COMPARISON;
 use crate::output::writer::Writer;
-use crate::scene::Scene;
+use crate::scene::{Scene, beyond};
 use crate::statistical::Statistical;
 use crate::validation::{JointTest, basis};
 use std::sync::atomic::AtomicBool;
@@ -29,6 +31,8 @@ const FURTHEST: f64 = 10.0;
 const DEEPEST: f64 = 1.25;
 /// But after at least and at most so many units of approach.
 const DEPTHS: (f64, f64) = (5.0, 50.0);
+/// A curve fit is off where its residual is more than this share of its largest force: the publication says that it is less.
+const LARGEST_RESIDUAL: f64 = 0.01;
 
 /// One law of a comparison.
 struct Compared {
@@ -42,6 +46,11 @@ struct Compared {
     asperity: [Vec<f64>; 4],
     fit: Option<FitReport>,
     sampled: Option<Sampled>,
+}
+
+/// A value over that of the first law, less 1; NaN where one of them has none, which is 0 or negative.
+fn deviation(value: f64, first: f64) -> f64 {
+    if value > 0.0 && first > 0.0 { value / first - 1.0 } else { f64::NAN }
 }
 
 /// What the ensemble adds.
@@ -65,7 +74,11 @@ pub(super) fn compare(arguments: &CompareArguments) -> Result<(), Failure> {
     let mut scene = read_scene(&arguments.scene)?;
     scene.replicas = arguments.replicas.unwrap_or(scene.replicas);
     scene.seed = arguments.seed.unwrap_or(scene.seed);
-    let laws: Vec<Box<dyn Law>> = models.iter().map(|model| law_of(&scene, model)).collect::<Result<_, _>>()?;
+    let laws: Vec<Box<dyn Law>> =
+        models.iter().map(|model| law_of(&scene, model, &arguments.scene)).collect::<Result<_, _>>()?;
+    if let Some(output) = &arguments.output {
+        refuse_own_scene(&arguments.scene, output)?;
+    }
     let writer = arguments.output.as_ref().map(|output| Writer::create(&COMPARISON, output, arguments.force));
     let writer = writer.transpose()?;
     let pool = thread_pool(arguments.threads)?;
@@ -82,10 +95,9 @@ pub(super) fn compare(arguments: &CompareArguments) -> Result<(), Failure> {
             true => Some(sample(&scene, law, model.name, &statistical, &pool, &stop, &mut progress)?),
             false => None,
         };
-        let psi = scene.asperity.plasticity_index(scene.surface.surface_height_std);
         compared.push(Compared {
             model,
-            limits: model.validity.limits(scene.scale().lambda, psi, scene.asperity.lubricant_thickness),
+            limits: limits(&scene, &model, law),
             regimes: law.regimes().iter().map(|regime| regime.name()).collect(),
             statistical,
             features,
@@ -104,11 +116,33 @@ pub(super) fn compare(arguments: &CompareArguments) -> Result<(), Failure> {
     Ok(())
 }
 
+/// Where a law is not valid, a line each: its own limits, asperities beyond its end, and curve fits that are off.
+fn limits(scene: &Scene, model: &Model, law: &dyn Law) -> Vec<String> {
+    let psi = scene.asperity.plasticity_index(scene.surface.surface_height_std);
+    let mut limits = model.validity.limits(scene.scale().lambda, psi, scene.asperity.lubricant_thickness);
+    let beyond = beyond(scene, law);
+    if beyond >= 1e-3 {
+        let digits = if beyond < 10.0 { 3 } else { 0 };
+        limits.push(format!(
+            "up to {beyond:.digits$} asperities per replica are beyond its last regime and bear no force"
+        ));
+    }
+    if let Some(fit) = law.fit() {
+        let off = |i: usize| fit.largest_residual[i] / fit.largest_force[i];
+        let forces = FORCES.iter().enumerate().filter(|(i, _)| !(off(*i) <= LARGEST_RESIDUAL));
+        limits.extend(forces.map(|(i, force)| format!("{force} is off by up to {} of its largest", percent(off(i)))));
+    }
+    limits
+}
+
 /// The laws of a list of names.
 fn models(names: &[String]) -> Result<Vec<Model>, Failure> {
     let mut models: Vec<Model> = Vec::new();
     for name in names {
-        let model = find("--laws", name.trim())?;
+        if name.trim().is_empty() {
+            return Err(Failure::Usage("--laws: a name is empty; names are separated by single commas".to_owned()));
+        }
+        let model = find("--laws", name)?;
         if models.iter().any(|known| known.name == model.name) {
             return Err(Failure::Usage(format!("--laws: {name} is given twice; each law once")));
         }

@@ -1,7 +1,7 @@
 //! A comparison under the names of its file layout.
 
 use super::table::difference;
-use super::{Compared, Comparison, Sampled};
+use super::{Compared, Comparison, Sampled, deviation};
 use crate::asperity::Quantity;
 use crate::asperity::law::Regime;
 use crate::asperity::laws::fit::{FORCES, NAMES};
@@ -86,14 +86,14 @@ fn write_statistical(writer: &Writer, laws: &[Compared]) -> Result<(), OutputErr
     }
     let (pull_off, stiffness) =
         (per_law(laws, |law| -law.features.minimum.value), per_law(laws, |law| law.features.steepest.value));
-    let deviation = |values: &[f64]| values.iter().map(|value| value / values[0] - 1.0).collect::<Vec<f64>>();
+    let deviations = |values: &[f64]| values.iter().map(|value| deviation(*value, values[0])).collect::<Vec<f64>>();
     writer.dataset("/statistical/pull_off_force", &pull_off)?;
     writer.dataset("/statistical/pull_off_separation", &per_law(laws, |law| law.features.minimum.place))?;
-    writer.dataset("/statistical/pull_off_deviation", &deviation(&pull_off))?;
+    writer.dataset("/statistical/pull_off_deviation", &deviations(&pull_off))?;
     writer.dataset("/statistical/pull_off_at_edge", &per_law(laws, |law| u8::from(law.features.minimum.at_edge)))?;
     writer.dataset("/statistical/peak_stiffness", &stiffness)?;
     writer.dataset("/statistical/peak_stiffness_separation", &per_law(laws, |law| law.features.steepest.place))?;
-    writer.dataset("/statistical/peak_stiffness_deviation", &deviation(&stiffness))?;
+    writer.dataset("/statistical/peak_stiffness_deviation", &deviations(&stiffness))?;
     writer.dataset("/statistical/quadrature_error", &per_law(laws, |law| law.statistical.quadrature_error))
 }
 

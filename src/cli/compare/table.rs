@@ -1,6 +1,6 @@
 //! A comparison as the terminal shows it.
 
-use super::{Compared, Comparison, Sampled};
+use super::{Compared, Comparison, Sampled, deviation};
 use crate::asperity::laws::fit::FORCES;
 use crate::cli::check::{numbers, title};
 use crate::cli::format::{percent, row, si, signed_percent};
@@ -33,7 +33,7 @@ pub(super) fn table(comparison: &Comparison, output: Option<&Path>) -> String {
 /// Pull-off and stiffest point of the integral of each law.
 fn integral(comparison: &Comparison) -> String {
     let mut text = format!(
-        "  {:<12}{:>12}{:>9}{:>11}   {:>14}{:>9}{:>11}\n",
+        "  {:<12}{:>12} {:>9}{:>11}   {:>14} {:>9}{:>11}\n",
         "integral", "pull-off", "at h*", "deviation", "peak stiffness", "at h*", "deviation"
     );
     let first = &comparison.laws[0].features;
@@ -47,7 +47,7 @@ fn integral(comparison: &Comparison) -> String {
             format!("{place:.3}{}", if extremum.at_edge { "*" } else { " " })
         };
         let deviation =
-            |value: f64, first: f64| if i == 0 { "first".to_owned() } else { signed_percent(value / first - 1.0) };
+            |value: f64, first: f64| if i == 0 { "first".to_owned() } else { signed_percent(deviation(value, first)) };
         let none = || ("none".to_owned(), String::new(), String::new());
         let (force, at, off) = if pull_off > 0.0 {
             (si(pull_off, "N"), place(&features.minimum), deviation(pull_off, -first.minimum.value))
@@ -61,7 +61,7 @@ fn integral(comparison: &Comparison) -> String {
             none()
         };
         let name = law.model.name;
-        text += &format!("  {name:<12}{force:>12}{at:>9}{off:>11}   {stiffness:>14}{stiffest:>9}{stiffer:>11}\n");
+        text += &format!("  {name:<12}{force:>12} {at:>9}{off:>11}   {stiffness:>14} {stiffest:>9}{stiffer:>11}\n");
     }
     if edges {
         text += "  * at the edge of the separations: it may lie beyond\n";
@@ -85,10 +85,15 @@ fn ensemble(comparison: &Comparison) -> String {
         };
         let name = law.model.name;
         let values = if mean > 0.0 {
-            let own = format!("{:>12}{:>15}{:>10}", si(mean, "N"), si(std / replicas.sqrt(), "N"), percent(std / mean));
+            let error_of_mean = if std.is_finite() { si(std / replicas.sqrt(), "N") } else { "-".to_owned() };
+            let own = format!("{:>12}{error_of_mean:>15}{:>10}", si(mean, "N"), share(std / mean));
             let paired = match i {
                 0 => format!("{:>12}{:>15}", "first", ""),
-                _ => format!("{:>12}{:>15}", signed_percent(difference / first), percent(error / first.abs())),
+                _ => {
+                    let deviation = deviation(first + difference, first);
+                    let error = if deviation.is_nan() { f64::NAN } else { error / first };
+                    format!("{:>12}{:>15}", signed_percent(deviation), share(error))
+                }
             };
             own + &paired
         } else {
@@ -97,7 +102,13 @@ fn ensemble(comparison: &Comparison) -> String {
         text += &format!("  {name:<12}{values}   {}\n", verdict(sampled));
     }
     let (replicas, seed) = (comparison.scene.replicas, comparison.scene.seed);
-    text + &format!("  {replicas} replicas with seed {seed}, the same asperities for every law\n")
+    let replicas = if replicas == 1 { "1 replica".to_owned() } else { format!("{replicas} replicas") };
+    text + &format!("  {replicas} with seed {seed}, the same asperities for every law\n")
+}
+
+/// A share in per cent, a dash where it is not known.
+fn share(share: f64) -> String {
+    if share.is_finite() { percent(share) } else { "-".to_owned() }
 }
 
 /// Mean and standard error of the pull-off of a law less that of the first on the same asperities, N.
@@ -132,7 +143,7 @@ fn fits(comparison: &Comparison) -> String {
         }
         for (i, force) in FORCES.into_iter().enumerate() {
             let name = if i == 0 { law.model.name } else { "" };
-            let [low, high] = report.range[i].map(|end| format!("{:.3}", end * 1e9));
+            let [low, high] = report.range[i].map(|end| format!("{:.3}", end * 1e9).replace("-0.000", "0.000"));
             let share = percent(report.largest_residual[i] / report.largest_force[i]);
             let [largest, rms] = [report.largest_residual[i], report.rms_residual[i]].map(|error| si(error, "N"));
             text += &format!(

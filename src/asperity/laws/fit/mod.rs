@@ -14,7 +14,7 @@
 //!
 //! # Validity
 //! On the range of the fits. Far away f_snc tends to the constant f_sonc instead of 0; below δ = 0 eq. 20 has no contact force; where
-//! the base of the power in f_sel is negative it is taken as 0.
+//! the base of the power in f_sel is negative it is taken as 0. A refit far from 0.05 < λ < 5 can give negative forces; its residuals tell.
 
 mod forms;
 mod refit;

@@ -82,7 +82,7 @@ struct RunArguments {
 
 #[derive(Args)]
 struct CompareArguments {
-    /// The scene, TOML; of its [model] the path counts, and critical_approach for fit:paper
+    /// The scene, TOML; of its model the path counts, and critical_approach for fit:paper, but not the law
     scene: PathBuf,
     /// The laws, separated by commas; deviations are from the first
     #[arg(long, required = true, value_delimiter = ',', value_name = "LAW,LAW...")]

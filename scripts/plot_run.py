@@ -107,6 +107,13 @@ def head(axes: Axes, title: str, handles: list[Artist], columns: int, rows: int)
     axes.legend(handles=handles, loc="lower left", bbox_to_anchor=(-0.02, 1.0), ncols=columns)
 
 
+def empty(axes: Axes, title: str, reason: str) -> None:
+    """A panel that has nothing to show, and why."""
+    axes.set_title(title)
+    axes.text(0.5, 0.5, reason, ha="center", va="center", transform=axes.transAxes)
+    axes.set(xticks=[], yticks=[])
+
+
 def force_range(mean: np.ndarray, std: np.ndarray, pull_off: float) -> tuple[float, float]:
     """Range of forces around the adhesive well; all of them where there is none."""
     std = np.nan_to_num(std)
@@ -194,6 +201,9 @@ def draw_regimes(axes: Axes, run: Run) -> None:
     means = by_regime(run, "ensemble/regime_adhesion_force_mean", "ensemble/adhesion_force_mean")
     integrals = by_regime(run, "statistical/regime_adhesion_force", "statistical/adhesion_force")
     top = float(means["total"].max())
+    if not top > 0.0:
+        empty(axes, "(c) Adhesion force $F_s$ of each regime", "the law has no adhesion")
+        return
     unit, sign = si(top)
     handles = draw_curves(axes, x, means, integrals, unit, max(1, x.size // 30))
     axes.set(xlabel=SEPARATION, ylabel=f"adhesion force ({sign}N)", ylim=(0.0, 1.08 * top / unit))
@@ -225,6 +235,9 @@ def draw_onset(axes: Axes, x: np.ndarray, means: dict, integrals: dict, unit: fl
 
 def draw_pull_off(axes: Axes, run: Run) -> None:
     values = run["replicas/pull_off_force"]
+    if not values.max() > 0.0:
+        empty(axes, "(d) Pull-off force of single replicas", "no replica pulls: $F$ > 0 throughout")
+        return
     n, mean, (unit, sign) = values.size, float(values.mean()), si(float(np.abs(values).max()))
     error = float(values.std(ddof=1)) / math.sqrt(n) if n > 1 else math.nan
     count = min(max(round(2.0 * n ** (1 / 3)), 8), 40) if np.ptp(values) > 0.0 else 1

@@ -47,6 +47,9 @@ pub(super) fn mean_features(scene: &Scene, law: &dyn Law, ensemble: &Ensemble, s
     let q = Quantity::ExternalForce.index();
     let (mean, expected) = (ensemble.curves[q].mean(), statistical.expected[q].as_slice());
     let deviation: Vec<f64> = mean.iter().zip(expected).map(|(m, e)| m - e).collect();
-    let of_mean = |h: f64| external_force(law, &scene.surface, h) + linear(&scene.separations, &deviation, h);
+    // Where nothing pulls, the interpolated deviation must not.
+    let floor = if mean.iter().all(|force| *force >= 0.0) { 0.0 } else { f64::NEG_INFINITY };
+    let of_mean =
+        |h: f64| (external_force(law, &scene.surface, h) + linear(&scene.separations, &deviation, h)).max(floor);
     Features::new(of_mean, &scene.separations, mean)
 }

@@ -54,11 +54,17 @@ fn scatter(mean: f64, std: f64, replicas: usize, unit: &str) -> String {
     )
 }
 
+/// Whether any replica, or the integral, is ever pulled.
+fn pulls(results: &Results) -> bool {
+    let replicas = results.ensemble.replicas.iter();
+    results.of_integral.minimum.value < 0.0 || replicas.into_iter().any(|replica| replica.pull_off_force > 0.0)
+}
+
 fn pull_off(results: &Results) -> String {
     let replicas = &results.ensemble.replicas;
     let (mean, std) = moments(replicas, |replica| replica.pull_off_force);
     let (separation, _) = moments(replicas, |replica| replica.pull_off_separation);
-    if replicas.iter().all(|replica| replica.pull_off_force <= 0.0) {
+    if !pulls(results) {
         return row("pull-off", "none: the external force is compressive at all separations");
     }
     let mut text = row("pull-off", &scatter(mean, std, replicas.len(), "N"));
@@ -81,6 +87,9 @@ fn stiffness(results: &Results) -> String {
         let stiffness = si(features.steepest.value, "N/m");
         row(label, &format!("{stiffness} {name}, {}", place(results, &features.steepest)))
     };
+    if !(results.of_integral.steepest.value > 0.0) {
+        return row("stiffest point", "none: the external force of the integral nowhere rises with the separation");
+    }
     let mut text = line("stiffest point", "of the mean curve", &results.of_mean);
     text += &line("", "of the integral", &results.of_integral);
     let (mean, std) = moments(replicas, |replica| replica.peak_stiffness);
@@ -100,7 +109,8 @@ fn stiffness(results: &Results) -> String {
 /// Shares of the regimes, and the contact area, at the separation next to the pull-off of the mean curve.
 fn at_pull_off(results: &Results) -> String {
     let separations = &results.scene.separations;
-    let pull_off = results.of_mean.minimum.place;
+    // Without pull-off, at the smallest separation.
+    let pull_off = if pulls(results) { results.of_mean.minimum.place } else { separations[0] };
     let distance = |k: &usize| (separations[*k] - pull_off).abs();
     let k = (0..separations.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0);
     let table = |moments: &Moments| -> Vec<f64> {
@@ -111,10 +121,16 @@ fn at_pull_off(results: &Results) -> String {
     let mut text = String::new();
     let reached = results.regimes.iter().enumerate().filter(|(r, _)| count[*r] > 0.0);
     for (line, (r, name)) in reached.enumerate() {
-        let label = if line == 0 { "at pull-off" } else { "" };
-        let shares =
-            format!("{:>10} of asperities {:>10} of adhesion", percent(count[r] / all), percent(adhesion[r] / force));
-        text += &row(label, &format!("{name:<16}{shares}"));
+        let label = match line {
+            0 if pulls(results) => "at pull-off".to_owned(),
+            0 => format!("at h* = {:.3}", h_star(results, separations[k])),
+            _ => String::new(),
+        };
+        let mut shares = format!("{name:<16}{:>10} of asperities", percent(count[r] / all));
+        if force > 0.0 {
+            shares += &format!(" {:>10} of adhesion", percent(adhesion[r] / force));
+        }
+        text += &row(&label, &shares);
     }
     let area = results.mean(Quantity::ContactArea)[k] / results.scene.surface.nominal_area;
     text += &row(

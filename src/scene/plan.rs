@@ -115,7 +115,7 @@ fn skips(scene: &Scene, regimes: &[RegimePlan]) -> Vec<String> {
     if !never.is_empty() {
         skips.push(format!("{}: no asperity expected there in the whole run", never.join(", ")));
     }
-    skips.push("one lambda for all asperities: starting tables are made once".to_owned());
+    skips.push("one lambda for all asperities: what depends on it is made once".to_owned());
     if !scene.curves {
         skips.push("curves of single replicas: not asked for".to_owned());
     }

@@ -6,7 +6,7 @@ use divan::{Bencher, black_box, counter::ItemsCount};
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use stiction::asperity::emd::Emd;
-use stiction::asperity::{Path, Work};
+use stiction::asperity::{BLOCK, Path, Work};
 
 const COUNT: usize = 4096;
 const LAMBDAS: [f64; 6] = [0.01, 0.155, 0.9, 0.94, 2.49, 100.0];
@@ -25,10 +25,12 @@ fn contact(bencher: Bencher, lambda: f64) {
     let law = Emd::new(lambda, Path::Approach).expect("a valid lambda").with_tables(-30.0, 10.0);
     let approaches = slice(law.end(), 10.0);
     bencher.counter(ItemsCount::new(COUNT)).bench_local(|| {
-        let (mut near, mut work, mut sum) = (0, Work::default(), 0.0);
-        for &approach in black_box(&approaches) {
-            let solution = law.contact(approach, &mut near, &mut work);
-            sum += solution.adhesion + solution.radius;
+        let (mut work, mut sum) = (Work::default(), 0.0);
+        let (mut block, mut adhesion, mut radius) = ([0.0; BLOCK], [0.0; BLOCK], [0.0; BLOCK]);
+        for approaches in black_box(&approaches).chunks_exact(BLOCK) {
+            block.copy_from_slice(approaches);
+            law.contact_block(&mut block, &mut adhesion, &mut radius, &mut work);
+            sum += adhesion[0] + radius[BLOCK - 1];
         }
         sum
     });
@@ -39,9 +41,12 @@ fn noncontact(bencher: Bencher, lambda: f64) {
     let law = Emd::new(lambda, Path::Approach).expect("a valid lambda").with_tables(-30.0, 10.0);
     let approaches = slice(-30.0, law.end() - 1e-9);
     bencher.counter(ItemsCount::new(COUNT)).bench_local(|| {
-        let (mut near, mut work, mut sum) = ([0, 0], Work::default(), 0.0);
-        for &approach in black_box(&approaches) {
-            sum += law.noncontact(approach, &mut near, &mut work).adhesion;
+        let (mut work, mut sum) = (Work::default(), 0.0);
+        let (mut block, mut adhesion) = ([0.0; BLOCK], [0.0; BLOCK]);
+        for approaches in black_box(&approaches).chunks_exact(BLOCK) {
+            block.copy_from_slice(approaches);
+            law.noncontact_block(&mut block, &mut adhesion, &mut work);
+            sum += adhesion[0];
         }
         sum
     });

@@ -323,7 +323,7 @@ fn documented(name: &str, lambda: f64, path: Path) -> Vec<Jump> {
     // Where contact begins on approach above λ_f the state is that of the stable branch at the same Δ.
     let emd = Emd::new(lambda, path).unwrap();
     let contact_at = |delta: f64| {
-        let solution = emd.contact(delta, &mut 0, &mut Work::default());
+        let solution = emd.contact(delta, &mut Work::default());
         [solution.adhesion, solution.radius.powi(3)]
     };
     let begin = if path == Path::Approach { touch.approach } else { end.approach };
@@ -341,7 +341,7 @@ fn documented(name: &str, lambda: f64, path: Path) -> Vec<Jump> {
             }
             jumps.push((at_fold.approach - t, [inner.at(low).adhesion - at_fold.adhesion, 0.0]));
         }
-        let before = emd.noncontact(begin.next_down(), &mut [0, 0], &mut Work::default()).adhesion;
+        let before = emd.noncontact(begin.next_down(), &mut Work::default()).adhesion;
         let [adhesion, load] = contact_at(begin);
         if t > 0.0 {
             jumps.push((begin - t, [2.0 - before, 0.0]));

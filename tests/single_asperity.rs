@@ -39,11 +39,7 @@ fn rows() -> Vec<Row> {
 /// Errors of one row relative to what is allowed to be relative to: F_s, A, and A³ + F_s for F.
 fn errors(row: &Row, law: &Emd) -> [f64; 3] {
     let mut work = Work::default();
-    let solution = if row.contact {
-        law.contact(row.delta, &mut 0, &mut work)
-    } else {
-        law.noncontact(row.delta, &mut [0, 0], &mut work)
-    };
+    let solution = if row.contact { law.contact(row.delta, &mut work) } else { law.noncontact(row.delta, &mut work) };
     let [adhesion, external, radius] = row.values;
     let load = solution.radius.powi(3);
     let radius_error = if row.contact { (solution.radius - radius).abs() / radius } else { solution.radius };

@@ -59,7 +59,7 @@ fn contact_round_trip(law: &Emd, lambda: f64, angle: f64, work: &mut Work) {
     if slope(0) >= 0.0 || here[0] < law.contact_fold() + 1e-6 || here[0] > 1e6 {
         return;
     }
-    let solution = law.contact(here[0], &mut 0, work);
+    let solution = law.contact(here[0], work);
     let terms = here[2] * here[2] + (here[2] * here[2] - here[0]);
     // The printed brackets cancel like θ³ and θ².
     let cancelled = angle.powi(3).recip().max(1.0);
@@ -85,7 +85,7 @@ fn noncontact_round_trip(law: &Emd, lambda: f64, z: f64, work: &mut Work) {
     if slope(0) >= 0.0 || here[0] >= highest - 1e-9 || here[0] < -1e6 || !outermost {
         return;
     }
-    let solution = law.noncontact(here[0], &mut [0, 0], work);
+    let solution = law.noncontact(here[0], work);
     // 1 − z⁻⁶ cancels next to z = 1.
     let cancelled = (z - 1.0).recip().max(1.0);
     let tolerance = cancelled * allowed(here[1], slope(1), slope(0), here[0].abs(), z);

@@ -5,7 +5,7 @@
 //! corrects the outputs along it. The step decides: if it is not so small that its square is below rounding, the point
 //! is solved again by safeguarded Newton from the bracket.
 
-use super::Work;
+use super::{BLOCK, Work};
 use crate::math::piecewise::Piecewise;
 use crate::math::roots::{Sample, safe_newton};
 
@@ -36,6 +36,9 @@ pub trait Curve: Copy {
     /// The state at the parameter `x`.
     fn at(&self, x: f64) -> State;
 
+    /// Takes the last step of lanes by [`step_lanes`], compiled for the instruction sets that there are.
+    fn step(&self, anchor: &Anchor, lanes: &mut Lanes<'_>);
+
     /// Parameters `low` < `high` with Δ(low) ≥ `approach` ≥ Δ(high).
     fn bracket(&self, approach: f64) -> (f64, f64);
 }
@@ -58,6 +61,50 @@ pub struct Anchor {
     pub parameter: f64,
     /// Whether dΔ/dx = 0 there, so that x is smooth in s but not in Δ.
     pub fold: bool,
+}
+
+/// Lanes of a block: where they are, and what comes out.
+#[derive(Debug)]
+pub struct Lanes<'a> {
+    /// Parameters to start from; NaN where there is none.
+    pub parameters: &'a [f64],
+    /// Approaches wanted.
+    pub approaches: &'a [f64],
+    /// Adhesion force.
+    pub adhesion: &'a mut [f64],
+    /// Contact radius.
+    pub radius: &'a mut [f64],
+    /// |Δ(x) − Δ| over the terms of Δ; NaN where the step was not good enough, so that the lane is to be solved again.
+    pub residual: &'a mut [f64],
+}
+
+/// One evaluation and one Newton step for every lane, without a branch and without fused multiply-add, so that it vectorises and has the
+/// same bits on every instruction set.
+#[inline(always)]
+pub fn step_lanes<C: Curve>(curve: &C, anchor: &Anchor, lanes: &mut Lanes<'_>) {
+    let count = lanes.parameters.len();
+    let Lanes { parameters, approaches, adhesion, radius, residual } = lanes;
+    let (approaches, adhesion) = (&approaches[..count], &mut adhesion[..count]);
+    let (radius, residual) = (&mut radius[..count], &mut residual[..count]);
+    for i in 0..count {
+        let x = parameters[i];
+        let state = curve.at(x);
+        let off = approaches[i] - state.approach;
+        let step = off / state.slope;
+        let small = step.abs() <= STEP_TOLERANCE * room(anchor, x);
+        let noise = off.abs() <= NOISE * state.magnitude;
+        let step = if small { step } else { 0.0 };
+        adhesion[i] = state.adhesion + state.adhesion_slope * step;
+        radius[i] = state.radius + state.radius_slope * step;
+        residual[i] = if small | noise { off.abs() / state.magnitude } else { f64::NAN };
+    }
+}
+
+/// The length over which Δ(x) bends: the distance to zero, and to the fold where there is one.
+#[inline(always)]
+fn room(anchor: &Anchor, x: f64) -> f64 {
+    let distance = if anchor.fold { (x - anchor.parameter).abs() } else { x };
+    if distance < x { distance } else { x }
 }
 
 /// Largest last step, relative to the distance to the fold and to zero. The error it leaves is of the order of its
@@ -103,27 +150,43 @@ impl<C: Curve> Branch<C> {
         self.anchor
     }
 
-    /// The state at the approach Δ. `near` carries the table cell from one call to the next; neighbouring approaches
-    /// make the search short.
-    #[inline(always)]
-    pub fn solve(&self, approach: f64, near: &mut usize, work: &mut Work) -> Solution {
-        let s = (approach - self.anchor.approach).abs().sqrt();
-        // An empty table ends at 0.
-        if s < self.table.end() {
-            *near = self.table.cell(s, *near);
-            let departure = s * self.table.value(s, *near);
-            let x = if C::RECIPROCAL {
+    /// The state at the approach Δ.
+    pub fn solve(&self, approach: f64, work: &mut Work) -> Solution {
+        let (mut adhesion, mut radius) = ([0.0], [0.0]);
+        self.solve_block(&[approach], &mut adhesion, &mut radius, work);
+        Solution { adhesion: adhesion[0], radius: radius[0] }
+    }
+
+    /// The states at the approaches Δ, at most [`BLOCK`] of them, in any order; neighbours that rise share table cells, which is
+    /// fast. The bits do not depend on the instruction set, nor on which lanes stand beside each other.
+    pub fn solve_block(&self, approaches: &[f64], adhesion: &mut [f64], radius: &mut [f64], work: &mut Work) {
+        let count = approaches.len();
+        let (mut places, mut parameters, mut residual) = ([0.0; BLOCK], [0.0; BLOCK], [0.0; BLOCK]);
+        let (places, parameters) = (&mut places[..count], &mut parameters[..count]);
+        for (place, &approach) in places.iter_mut().zip(approaches) {
+            *place = (approach - self.anchor.approach).abs().sqrt();
+        }
+        self.table.values(places, parameters);
+        for (x, &s) in parameters.iter_mut().zip(places.iter()) {
+            let departure = s * *x;
+            *x = if C::RECIPROCAL {
                 self.anchor.parameter / (1.0 + departure)
             } else {
                 self.anchor.parameter * (1.0 + departure)
             };
-            let state = self.curve.at(x);
-            work.evaluations += 1;
-            if let Some(step) = self.last_step(x, &state, approach) {
-                return finish(&state, step, approach, work);
+        }
+        let residual = &mut residual[..count];
+        let mut lanes = Lanes { parameters, approaches, adhesion, radius, residual };
+        self.curve.step(&self.anchor, &mut lanes);
+        for i in 0..count {
+            work.evaluations += u64::from(!parameters[i].is_nan());
+            if residual[i].is_nan() {
+                let solution = self.solve_safely(approaches[i], work);
+                (adhesion[i], radius[i]) = (solution.adhesion, solution.radius);
+            } else if residual[i] > work.largest_residual {
+                work.largest_residual = residual[i];
             }
         }
-        self.solve_safely(approach, work)
     }
 
     #[cold]
@@ -144,7 +207,9 @@ impl<C: Curve> Branch<C> {
             let state = self.curve.at(x);
             Sample { value: state.approach - approach, slope: state.slope }
         };
-        let done = |x: f64, sample: Sample| (sample.value / sample.slope).abs() <= 1e-3 * STEP_TOLERANCE * self.room(x);
+        let done = |x: f64, sample: Sample| {
+            (sample.value / sample.slope).abs() <= 1e-3 * STEP_TOLERANCE * room(&self.anchor, x)
+        };
         let root = safe_newton(sample, low, high, f64::NAN, done);
         let state = self.curve.at(root.x);
         let step = self.last_step(root.x, &state, approach).unwrap_or(0.0);
@@ -157,19 +222,13 @@ impl<C: Curve> Branch<C> {
     fn last_step(&self, x: f64, state: &State, approach: f64) -> Option<f64> {
         let residual = approach - state.approach;
         let step = residual / state.slope;
-        if step.abs() <= STEP_TOLERANCE * self.room(x) {
+        if step.abs() <= STEP_TOLERANCE * room(&self.anchor, x) {
             Some(step)
         } else if residual.abs() <= NOISE * state.magnitude {
             Some(0.0)
         } else {
             None
         }
-    }
-
-    /// The length over which Δ(x) bends: the distance to zero, and to the fold where there is one.
-    #[inline(always)]
-    fn room(&self, x: f64) -> f64 {
-        if self.anchor.fold { x.min((x - self.anchor.parameter).abs()) } else { x }
     }
 
     /// T of a parameter.
@@ -189,5 +248,66 @@ fn finish(state: &State, step: f64, approach: f64, work: &mut Work) -> Solution 
     Solution {
         adhesion: state.adhesion + state.adhesion_slope * step,
         radius: state.radius + state.radius_slope * step,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::contact::Contact;
+    use super::super::noncontact::{Branches, Noncontact};
+    use super::*;
+
+    /// What the dispatched step gives, and what the same source compiled for the baseline gives.
+    fn both<C: Curve>(curve: &C, anchor: &Anchor, parameters: &[f64], approaches: &[f64]) -> [Vec<u64>; 2] {
+        type Step<'a> = &'a dyn Fn(&mut Lanes<'_>);
+        let dispatched = |lanes: &mut Lanes<'_>| curve.step(anchor, lanes);
+        let baseline = |lanes: &mut Lanes<'_>| step_lanes(curve, anchor, lanes);
+        [&dispatched as Step<'_>, &baseline as Step<'_>].map(|step| {
+            let mut out = vec![vec![0.0; parameters.len()]; 3];
+            let [adhesion, radius, residual] = &mut out[..] else { panic!("three outputs") };
+            step(&mut Lanes { parameters, approaches, adhesion, radius, residual });
+            out.concat().into_iter().map(f64::to_bits).collect()
+        })
+    }
+
+    #[test]
+    fn bits_do_not_depend_on_the_instruction_set() {
+        for lambda in [1e-3, 0.1, 0.9, 0.95, 2.5, 100.0] {
+            let contact = Contact::new(lambda);
+            let (Branches::Single(far) | Branches::Folded { outer: far, .. }) = Noncontact::branches(lambda);
+            for (fold, count) in [(true, 256), (false, 256), (true, 7), (false, 1)] {
+                let shares = (0..count).map(|i| (0.37 + 0.618_033_988 * f64::from(i)).fract());
+                let angles: Vec<f64> = shares.clone().map(|share| contact.end() * (0.01 + 0.99 * share)).collect();
+                let gaps: Vec<f64> = shares.map(|share| 1e-3 + 50.0 * share * share).collect();
+                // Some lanes are as good as solved, some are not.
+                let off = |i: usize| if i.is_multiple_of(3) { 1e-5 } else { 1e-12 };
+                let wanted = |state: State, i: usize| state.approach + off(i) * state.magnitude;
+                let anchor = Anchor { approach: -1.0, parameter: contact.end(), fold };
+                let approaches: Vec<f64> = angles.iter().enumerate().map(|(i, x)| wanted(contact.at(*x), i)).collect();
+                let [one, other] = both(&contact, &anchor, &angles, &approaches);
+                assert_eq!(one, other, "contact, λ {lambda}");
+                let approaches: Vec<f64> = gaps.iter().enumerate().map(|(i, x)| wanted(far.at(*x), i)).collect();
+                let anchor = Anchor { approach: -1.0, parameter: 1e-4, fold };
+                let [one, other] = both(&far, &anchor, &gaps, &approaches);
+                assert_eq!(one, other, "before contact, λ {lambda}");
+            }
+        }
+    }
+
+    #[test]
+    fn bits_do_not_depend_on_the_lanes_beside() {
+        let curve = Contact::new(0.9);
+        let anchor = Anchor { approach: curve.at(curve.end()).approach, parameter: curve.end(), fold: true };
+        let branch = Branch::new(curve, anchor).with_table(20.0);
+        // Rising, falling, beyond the table and at its beginning.
+        let mut approaches: Vec<f64> = (0..256).map(|i| anchor.approach + 0.09 * f64::from(i)).collect();
+        approaches[100..].reverse();
+        let (mut adhesion, mut radius, mut work) = (vec![0.0; 256], vec![0.0; 256], Work::default());
+        branch.solve_block(&approaches, &mut adhesion, &mut radius, &mut work);
+        assert!(work.safeguarded > 0 && work.safeguarded < 60, "{}", work.safeguarded);
+        for (i, &approach) in approaches.iter().enumerate() {
+            let alone = branch.solve(approach, &mut Work::default());
+            assert_eq!([alone.adhesion, alone.radius].map(f64::to_bits), [adhesion[i], radius[i]].map(f64::to_bits));
+        }
     }
 }

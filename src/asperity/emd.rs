@@ -86,26 +86,51 @@ impl Emd {
     /// The state at any approach: the branch that the history selects.
     pub fn respond(&self, approach: f64, work: &mut Work) -> (State, Solution) {
         if approach >= self.end {
-            (State::Contact, self.contact(approach, &mut 0, work))
+            (State::Contact, self.contact(approach, work))
         } else {
-            (State::Noncontact, self.noncontact(approach, &mut [0, 0], work))
+            (State::Noncontact, self.noncontact(approach, work))
         }
     }
 
-    /// The contact branch; approaches below its end are taken as the end. `near` is the table cell to begin with.
-    #[inline(always)]
-    pub fn contact(&self, approach: f64, near: &mut usize, work: &mut Work) -> Solution {
-        self.contact.solve(approach.max(self.contact.anchor().approach), near, work)
+    /// The contact branch; approaches below its end are taken as the end.
+    pub fn contact(&self, approach: f64, work: &mut Work) -> Solution {
+        self.contact.solve(approach.max(self.contact.anchor().approach), work)
     }
 
-    /// The noncontact branch at an approach below [`Emd::end`]: the outermost root. `near` holds the table cells of the
-    /// outer and the inner part.
-    #[inline(always)]
-    pub fn noncontact(&self, approach: f64, near: &mut [usize; 2], work: &mut Work) -> Solution {
-        match &self.inner {
-            Some(inner) if approach >= self.outer.anchor().approach => inner.solve(approach, &mut near[1], work),
-            _ => self.outer.solve(approach.min(self.outer.anchor().approach), &mut near[0], work),
+    /// The contact branch at up to [`super::BLOCK`] approaches; those below its end are taken as the end.
+    pub fn contact_block(&self, approaches: &mut [f64], adhesion: &mut [f64], radius: &mut [f64], work: &mut Work) {
+        for approach in approaches.iter_mut() {
+            *approach = approach.max(self.contact.anchor().approach);
         }
+        self.contact.solve_block(approaches, adhesion, radius, work);
+    }
+
+    /// The noncontact branch at up to [`super::BLOCK`] approaches below [`Emd::end`]: the outermost roots.
+    pub fn noncontact_block(&self, approaches: &mut [f64], adhesion: &mut [f64], work: &mut Work) {
+        let mut radius = [0.0; super::BLOCK];
+        let anchor = self.outer.anchor().approach;
+        let is_inner = |approach: f64| self.inner.is_some() && approach >= anchor;
+        let mut begin = 0;
+        while begin < approaches.len() {
+            let inner = is_inner(approaches[begin]);
+            let run = approaches[begin..].iter().take_while(|approach| is_inner(**approach) == inner).count();
+            let (run, adhesion) = (&mut approaches[begin..begin + run], &mut adhesion[begin..begin + run]);
+            begin += run.len();
+            match &self.inner {
+                Some(branch) if inner => branch.solve_block(run, adhesion, &mut radius, work),
+                _ => {
+                    run.iter_mut().for_each(|approach| *approach = approach.min(anchor));
+                    self.outer.solve_block(run, adhesion, &mut radius, work);
+                }
+            }
+        }
+    }
+
+    /// The noncontact branch at an approach below [`Emd::end`]: the outermost root.
+    pub fn noncontact(&self, approach: f64, work: &mut Work) -> Solution {
+        let mut adhesion = [0.0];
+        self.noncontact_block(&mut [approach], &mut adhesion, work);
+        Solution { adhesion: adhesion[0], radius: 0.0 }
     }
 }
 

@@ -1,6 +1,8 @@
 //! The contract between an asperity law and everything that sums it.
 
 use super::Work;
+use super::scale::Scale;
+use std::f64::consts::PI;
 
 /// Asperities that are evaluated at once.
 pub const BLOCK: usize = 256;
@@ -119,6 +121,20 @@ pub struct FitReport {
     pub largest_residual: [f64; 3],
     /// Root mean square of fit − direct, N.
     pub rms_residual: [f64; 3],
+}
+
+impl Responses {
+    /// Completes the first contacts from their scaled adhesion forces, which are in place, and scaled contact radii A: F_s and P = A³ in the
+    /// unit of force, area πa².
+    pub fn scale_contacts(&mut self, scale: &Scale, radius: &[f64]) {
+        let area_unit = PI * scale.radius * scale.radius;
+        for (i, &radius) in radius.iter().enumerate() {
+            let square = radius * radius;
+            self.adhesion[i] *= scale.force;
+            self.contact[i] = scale.force * square * radius;
+            self.area[i] = area_unit * square;
+        }
+    }
 }
 
 /// A law of one asperity as the sums see it: contiguous regimes of interference, and forces evaluated block by block, so

@@ -1,6 +1,7 @@
 //! A function tabulated as polynomials on cells that adapt to it.
 
 use super::polynomials::horner;
+use multiversion::multiversion;
 
 /// Degree of the polynomial of a cell.
 const DEGREE: usize = 7;
@@ -62,10 +63,8 @@ impl Piecewise {
         self.cells.is_empty()
     }
 
-    /// The cell that holds `s`, searched outwards from cell `near`: one comparison each way when neighbours in a slice
-    /// are neighbours in the table, as they are for sorted heights.
-    #[inline(always)]
-    pub fn cell(&self, s: f64, near: usize) -> usize {
+    /// The cell that holds `s`, searched outwards from cell `near`.
+    fn cell(&self, s: f64, near: usize) -> usize {
         let mut i = near;
         while i + 1 < self.ends.len() && s > self.ends[i] {
             i += 1;
@@ -76,11 +75,31 @@ impl Piecewise {
         i
     }
 
-    /// The value at `s` by the polynomial of cell `i`.
-    #[inline(always)]
-    pub fn value(&self, s: f64, i: usize) -> f64 {
-        let cell = &self.cells[i];
-        horner(&cell.coefficients, (s - cell.middle) * cell.inverse_half_width)
+    /// The values at places, run by run of those that share a cell: long runs where the places rise. NaN beyond the end.
+    pub fn values(&self, places: &[f64], out: &mut [f64]) {
+        let (end, mut cell, mut begin) = (self.end(), 0, 0);
+        while begin < places.len() {
+            if !(places[begin] < end) {
+                out[begin] = f64::NAN;
+                begin += 1;
+                continue;
+            }
+            cell = self.cell(places[begin], cell);
+            let low = if cell == 0 { f64::NEG_INFINITY } else { self.ends[cell - 1] };
+            let high = self.ends[cell];
+            let shares = |s: &&f64| **s > low && **s <= high && **s < end;
+            let run = begin..begin + places[begin..].iter().take_while(shares).count().max(1);
+            polynomial(&self.cells[cell], &places[run.clone()], &mut out[run.clone()]);
+            begin = run.end;
+        }
+    }
+}
+
+/// A polynomial at places inside its cell.
+#[multiversion(targets("x86_64+avx512f+avx512bw+avx512cd+avx512dq+avx512vl", "x86_64+avx2"))]
+fn polynomial(cell: &Cell, places: &[f64], out: &mut [f64]) {
+    for (value, &s) in out.iter_mut().zip(places) {
+        *value = horner(&cell.coefficients, (s - cell.middle) * cell.inverse_half_width);
     }
 }
 
@@ -124,11 +143,18 @@ mod tests {
     fn meets_its_tolerance_between_the_checks() {
         let f = |s: f64| (1.0 + s).powf(-0.6) + 1e-3 / ((s - 2.0).powi(2) + 1e-2);
         let table = Piecewise::new(f, |_, _| 1e-9, 50.0);
-        let mut cell = 0;
-        for i in 0..=100_000 {
-            let s = f64::from(i) * 50.0 / 100_000.0;
-            cell = table.cell(s, cell);
-            assert!((table.value(s, cell) - f(s)).abs() < 3e-9, "{s}");
+        let places: Vec<f64> = (0..100_000).map(|i| f64::from(i) * 50.0 / 100_000.0).collect();
+        let mut values = vec![0.0; places.len()];
+        table.values(&places, &mut values);
+        for (&s, value) in places.iter().zip(&values) {
+            assert!((value - f(s)).abs() < 3e-9, "{s}");
+        }
+        // The same bits in any order; nothing beyond the end.
+        for (&s, value) in places.iter().zip(&values).rev().step_by(77) {
+            let mut alone = [0.0, 0.0];
+            table.values(&[s, 50.1], &mut alone);
+            assert_eq!(alone[0].to_bits(), value.to_bits());
+            assert!(alone[1].is_nan());
         }
         assert!(table.len() < 60, "{}", table.len());
     }

@@ -18,7 +18,7 @@ use super::md::MaugisContact;
 use crate::asperity::emd::Emd;
 use crate::asperity::scale::Scale;
 use crate::asperity::table::{Constant, Part, Row, Table};
-use crate::asperity::{Law, LawError, Regime, Responses, Setting, Smoothness, Work};
+use crate::asperity::{BLOCK, Law, LawError, Regime, Responses, Setting, Smoothness, Work};
 use std::sync::Arc;
 
 /// The law `emd`.
@@ -77,16 +77,18 @@ impl Part for Attraction {
     }
 
     fn cost(&self) -> f64 {
-        50.0
+        13.0
     }
 
     fn evaluate(&self, interference: &[f64], out: &mut Responses, work: &mut Work) {
         let inverse = 1.0 / self.scale.length;
-        let mut near = [0, 0];
-        for (i, &delta) in interference.iter().enumerate() {
-            let solution = self.emd.noncontact((delta + self.thickness) * inverse, &mut near, work);
-            out.adhesion[i] = self.scale.force * solution.adhesion;
+        let count = interference.len();
+        let mut approaches = [0.0; BLOCK];
+        for (approach, &delta) in approaches.iter_mut().zip(interference) {
+            *approach = (delta + self.thickness) * inverse;
         }
+        self.emd.noncontact_block(&mut approaches[..count], &mut out.adhesion, work);
+        out.adhesion[..count].iter_mut().for_each(|adhesion| *adhesion *= self.scale.force);
         out.contact[..interference.len()].fill(0.0);
         out.area[..interference.len()].fill(0.0);
         work.noncontact_solves += interference.len() as u64;

@@ -10,11 +10,11 @@
 //! Elastic spheres of high λ; the limit of Maugis-Dugdale as λ → ∞. Sources: Johnson, Kendall and Roberts, Proc. R. Soc. Lond. A 324
 //! (1971) 301; for rough surfaces Fuller and Tabor, Proc. R. Soc. Lond. A 345 (1975) 327.
 
-use crate::asperity::branch::{Anchor, Branch, Curve, State};
+use crate::asperity::branch::{Anchor, Branch, Curve, Lanes, State, step_lanes};
 use crate::asperity::scale::Scale;
 use crate::asperity::table::{Constant, Part, Row, Table};
-use crate::asperity::{Law, LawError, Path, Regime, Responses, Setting, Smoothness, Work};
-use std::f64::consts::PI;
+use crate::asperity::{BLOCK, Law, LawError, Path, Regime, Responses, Setting, Smoothness, Work};
+use multiversion::multiversion;
 
 /// The law `jkr`.
 ///
@@ -65,6 +65,10 @@ impl Curve for JkrCurve {
         }
     }
 
+    fn step(&self, anchor: &Anchor, lanes: &mut Lanes<'_>) {
+        step(self, anchor, lanes);
+    }
+
     fn bracket(&self, approach: f64) -> (f64, f64) {
         let mut low = self.end();
         while self.at(low).approach < approach && low > f64::MIN_POSITIVE {
@@ -72,6 +76,11 @@ impl Curve for JkrCurve {
         }
         (low, self.end())
     }
+}
+
+#[multiversion(targets("x86_64+avx512f+avx512bw+avx512cd+avx512dq+avx512vl", "x86_64+avx2"))]
+fn step(curve: &JkrCurve, anchor: &Anchor, lanes: &mut Lanes<'_>) {
+    step_lanes(curve, anchor, lanes);
 }
 
 /// The contact branch.
@@ -104,20 +113,18 @@ impl Part for JkrContact {
     }
 
     fn cost(&self) -> f64 {
-        20.0
+        9.0
     }
 
     fn evaluate(&self, interference: &[f64], out: &mut Responses, work: &mut Work) {
         let inverse = 1.0 / self.scale.length;
-        let area_unit = PI * self.scale.radius * self.scale.radius;
-        let (lowest, mut near) = (self.branch.anchor().approach, 0);
-        for (i, &delta) in interference.iter().enumerate() {
-            let solution = self.branch.solve((delta * inverse).max(lowest), &mut near, work);
-            let square = solution.radius * solution.radius;
-            out.adhesion[i] = self.scale.force * solution.adhesion;
-            out.contact[i] = self.scale.force * square * solution.radius;
-            out.area[i] = area_unit * square;
+        let (lowest, count) = (self.branch.anchor().approach, interference.len());
+        let (mut approaches, mut radius) = ([0.0; BLOCK], [0.0; BLOCK]);
+        for (approach, &delta) in approaches.iter_mut().zip(interference) {
+            *approach = (delta * inverse).max(lowest);
         }
+        self.branch.solve_block(&approaches[..count], &mut out.adhesion, &mut radius, work);
+        out.scale_contacts(&self.scale, &radius[..count]);
         work.contact_solves += interference.len() as u64;
     }
 }

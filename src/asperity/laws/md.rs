@@ -10,8 +10,7 @@
 use crate::asperity::emd::Emd;
 use crate::asperity::scale::Scale;
 use crate::asperity::table::{Constant, Part, Row, Table};
-use crate::asperity::{Law, LawError, Regime, Responses, Setting, Smoothness, Work};
-use std::f64::consts::PI;
+use crate::asperity::{BLOCK, Law, LawError, Regime, Responses, Setting, Smoothness, Work};
 use std::sync::Arc;
 
 /// The law `md`.
@@ -64,20 +63,18 @@ impl Part for MaugisContact {
     }
 
     fn cost(&self) -> f64 {
-        70.0
+        15.0
     }
 
     fn evaluate(&self, interference: &[f64], out: &mut Responses, work: &mut Work) {
         let inverse = 1.0 / self.scale.length;
-        let area_unit = PI * self.scale.radius * self.scale.radius;
-        let mut near = 0;
-        for (i, &delta) in interference.iter().enumerate() {
-            let solution = self.emd.contact(delta * inverse, &mut near, work);
-            let square = solution.radius * solution.radius;
-            out.adhesion[i] = self.scale.force * solution.adhesion;
-            out.contact[i] = self.scale.force * square * solution.radius;
-            out.area[i] = area_unit * square;
+        let count = interference.len();
+        let (mut approaches, mut radius) = ([0.0; BLOCK], [0.0; BLOCK]);
+        for (approach, &delta) in approaches.iter_mut().zip(interference) {
+            *approach = delta * inverse;
         }
+        self.emd.contact_block(&mut approaches[..count], &mut out.adhesion, &mut radius, work);
+        out.scale_contacts(&self.scale, &radius[..count]);
         work.contact_solves += interference.len() as u64;
     }
 }

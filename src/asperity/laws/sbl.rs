@@ -16,7 +16,7 @@
 use super::isbl;
 use super::kogut_etsion::{FIRST_END, Powers, SECOND_END};
 use crate::asperity::table::{Part, Row, Table};
-use crate::asperity::{Law, LawError, Regime, Responses, Setting, Smoothness, Work};
+use crate::asperity::{BLOCK, Law, LawError, Regime, Responses, Setting, Smoothness, Work};
 use crate::math::piecewise::Piecewise;
 use crate::math::polynomials::horner;
 use crate::math::quadrature::{NODES, Rule};
@@ -74,17 +74,20 @@ impl RingAttraction {
         Self { force: 2.0 * setting.scale.force, inverse_length, table }
     }
 
-    /// F_s, N, at the interference δ ≥ 0, m. `near` carries the table cell from one call to the next.
-    fn at(&self, delta: f64, near: &mut usize) -> f64 {
-        let p = delta * self.inverse_length;
-        let root = p.sqrt();
-        let ring = if root < self.table.end() {
-            *near = self.table.cell(root, *near);
-            self.table.value(root, *near)
-        } else {
-            ring_integral(p, &Rule::default())
-        };
-        self.force * ring
+    /// F_s, N, at interferences δ ≥ 0, m.
+    fn at(&self, interference: &[f64], adhesion: &mut [f64]) {
+        let mut roots = [0.0; BLOCK];
+        let (roots, adhesion) = (&mut roots[..interference.len()], &mut adhesion[..interference.len()]);
+        for (root, &delta) in roots.iter_mut().zip(interference) {
+            *root = (delta * self.inverse_length).sqrt();
+        }
+        self.table.values(roots, adhesion);
+        for (force, &delta) in adhesion.iter_mut().zip(interference) {
+            if force.is_nan() {
+                *force = ring_integral(delta * self.inverse_length, &Rule::default());
+            }
+            *force *= self.force;
+        }
     }
 }
 
@@ -140,15 +143,12 @@ impl Part for SblContact {
     }
 
     fn cost(&self) -> f64 {
-        self.powers.cost() + 12.0
+        self.powers.cost() + 5.0
     }
 
     fn evaluate(&self, interference: &[f64], out: &mut Responses, work: &mut Work) {
         self.powers.evaluate(interference, out, work);
-        let mut near = 0;
-        for (i, &delta) in interference.iter().enumerate() {
-            out.adhesion[i] = self.attraction.at(delta, &mut near);
-        }
+        self.attraction.at(interference, &mut out.adhesion);
     }
 }
 

@@ -40,11 +40,11 @@ impl Direct {
             (0..points).map(|i| low + (high - low) * i as f64 / (points - 1) as f64).collect::<Vec<f64>>()
         });
         let mut work = Work::default();
-        let mut contact = |delta: &f64| emd.contact(*delta, &mut 0, &mut work);
+        let mut contact = |delta: &f64| emd.contact(*delta, &mut work);
         let adhesion = approaches[1].iter().map(|delta| contact(delta).adhesion).collect();
         let external = approaches[2].iter().map(contact).map(|s| s.radius.powi(3) - s.adhesion).collect();
         // The last point is the end from outside: contact has not begun there.
-        let before = |delta: &f64| emd.noncontact(delta.min(end.next_down()), &mut [0, 0], &mut work).adhesion;
+        let before = |delta: &f64| emd.noncontact(delta.min(end.next_down()), &mut work).adhesion;
         let noncontact = approaches[0].iter().map(before).collect();
         Ok(Self { approaches, forces: [noncontact, adhesion, external] })
     }

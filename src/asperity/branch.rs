@@ -8,6 +8,7 @@
 use super::{BLOCK, Work};
 use crate::math::piecewise::Piecewise;
 use crate::math::roots::{Sample, safe_newton};
+use multiversion::multiversion;
 
 /// Everything known at one parameter value, scaled as in Maugis (1992); slopes are derivatives by the parameter.
 #[derive(Clone, Copy, Debug)]
@@ -36,9 +37,6 @@ pub trait Curve: Copy {
     /// The state at the parameter `x`.
     fn at(&self, x: f64) -> State;
 
-    /// Takes the last step of lanes by [`step_lanes`], compiled for the instruction sets that there are.
-    fn step(&self, anchor: &Anchor, lanes: &mut Lanes<'_>);
-
     /// Parameters `low` < `high` with Δ(low) ≥ `approach` ≥ Δ(high).
     fn bracket(&self, approach: f64) -> (f64, f64);
 }
@@ -65,23 +63,23 @@ pub struct Anchor {
 
 /// Lanes of a block: where they are, and what comes out.
 #[derive(Debug)]
-pub struct Lanes<'a> {
+struct Lanes<'a> {
     /// Parameters to start from; NaN where there is none.
-    pub parameters: &'a [f64],
+    parameters: &'a [f64],
     /// Approaches wanted.
-    pub approaches: &'a [f64],
+    approaches: &'a [f64],
     /// Adhesion force.
-    pub adhesion: &'a mut [f64],
+    adhesion: &'a mut [f64],
     /// Contact radius.
-    pub radius: &'a mut [f64],
+    radius: &'a mut [f64],
     /// |Δ(x) − Δ| over the terms of Δ; NaN where the step was not good enough, so that the lane is to be solved again.
-    pub residual: &'a mut [f64],
+    residual: &'a mut [f64],
 }
 
 /// One evaluation and one Newton step for every lane, without a branch and without fused multiply-add, so that it vectorises and has the
 /// same bits on every instruction set.
 #[inline(always)]
-pub fn step_lanes<C: Curve>(curve: &C, anchor: &Anchor, lanes: &mut Lanes<'_>) {
+fn step_lanes<C: Curve>(curve: &C, anchor: &Anchor, lanes: &mut Lanes<'_>) {
     let count = lanes.parameters.len();
     let Lanes { parameters, approaches, adhesion, radius, residual } = lanes;
     let (approaches, adhesion) = (&approaches[..count], &mut adhesion[..count]);
@@ -89,14 +87,36 @@ pub fn step_lanes<C: Curve>(curve: &C, anchor: &Anchor, lanes: &mut Lanes<'_>) {
     for i in 0..count {
         let x = parameters[i];
         let state = curve.at(x);
-        let off = approaches[i] - state.approach;
-        let step = off / state.slope;
-        let small = step.abs() <= STEP_TOLERANCE * room(anchor, x);
-        let noise = off.abs() <= NOISE * state.magnitude;
-        let step = if small { step } else { 0.0 };
-        adhesion[i] = state.adhesion + state.adhesion_slope * step;
-        radius[i] = state.radius + state.radius_slope * step;
-        residual[i] = if small | noise { off.abs() / state.magnitude } else { f64::NAN };
+        let (step, good) = last_step(anchor, x, &state, approaches[i]);
+        let solution = corrected(&state, step);
+        (adhesion[i], radius[i]) = (solution.adhesion, solution.radius);
+        residual[i] = if good { (approaches[i] - state.approach).abs() / state.magnitude } else { f64::NAN };
+    }
+}
+
+/// The same, compiled for each instruction set.
+#[multiversion(targets("x86_64+avx512f+avx512bw+avx512cd+avx512dq+avx512vl", "x86_64+avx2"))]
+fn step_lanes_dispatched<C: Curve>(curve: &C, anchor: &Anchor, lanes: &mut Lanes<'_>) {
+    step_lanes(curve, anchor, lanes);
+}
+
+/// The Newton step that completes a solve, 0 where it is not small, and whether x was good enough for that: the step is small, or the
+/// residual is rounding noise.
+#[inline(always)]
+fn last_step(anchor: &Anchor, x: f64, state: &State, approach: f64) -> (f64, bool) {
+    let residual = approach - state.approach;
+    let step = residual / state.slope;
+    let small = step.abs() <= STEP_TOLERANCE * room(anchor, x);
+    let noise = residual.abs() <= NOISE * state.magnitude;
+    (if small { step } else { 0.0 }, small | noise)
+}
+
+/// The outputs a step away.
+#[inline(always)]
+fn corrected(state: &State, step: f64) -> Solution {
+    Solution {
+        adhesion: state.adhesion + state.adhesion_slope * step,
+        radius: state.radius + state.radius_slope * step,
     }
 }
 
@@ -177,7 +197,7 @@ impl<C: Curve> Branch<C> {
         }
         let residual = &mut residual[..count];
         let mut lanes = Lanes { parameters, approaches, adhesion, radius, residual };
-        self.curve.step(&self.anchor, &mut lanes);
+        step_lanes_dispatched(&self.curve, &self.anchor, &mut lanes);
         for i in 0..count {
             work.evaluations += u64::from(!parameters[i].is_nan());
             if residual[i].is_nan() {
@@ -196,8 +216,8 @@ impl<C: Curve> Branch<C> {
         work.evaluations += u64::from(evaluations);
         work.safeguarded += 1;
         let state = self.curve.at(x);
-        let step = self.last_step(x, &state, approach).unwrap_or(0.0);
-        finish(&state, step, approach, work)
+        work.largest_residual = work.largest_residual.max((approach - state.approach).abs() / state.magnitude);
+        corrected(&state, last_step(&self.anchor, x, &state, approach).0)
     }
 
     /// The parameter at an approach, to the last bits, and the evaluations it took.
@@ -212,42 +232,13 @@ impl<C: Curve> Branch<C> {
         };
         let root = safe_newton(sample, low, high, f64::NAN, done);
         let state = self.curve.at(root.x);
-        let step = self.last_step(root.x, &state, approach).unwrap_or(0.0);
-        (root.x + step, root.evaluations + 1)
-    }
-
-    /// The Newton step that completes a solve, 0 where the residual is rounding noise and the step is not small, `None` where
-    /// x is not good enough.
-    #[inline(always)]
-    fn last_step(&self, x: f64, state: &State, approach: f64) -> Option<f64> {
-        let residual = approach - state.approach;
-        let step = residual / state.slope;
-        if step.abs() <= STEP_TOLERANCE * room(&self.anchor, x) {
-            Some(step)
-        } else if residual.abs() <= NOISE * state.magnitude {
-            Some(0.0)
-        } else {
-            None
-        }
+        (root.x + last_step(&self.anchor, root.x, &state, approach).0, root.evaluations + 1)
     }
 
     /// T of a parameter.
     fn departure(&self, x: f64) -> f64 {
         let (x, reference) = if C::RECIPROCAL { (self.anchor.parameter, x) } else { (x, self.anchor.parameter) };
         (x - reference) / reference
-    }
-}
-
-#[inline(always)]
-fn finish(state: &State, step: f64, approach: f64, work: &mut Work) -> Solution {
-    let residual = (approach - state.approach).abs();
-    // Rarely a new largest, so the division is rare.
-    if residual > work.largest_residual * state.magnitude {
-        work.largest_residual = residual / state.magnitude;
-    }
-    Solution {
-        adhesion: state.adhesion + state.adhesion_slope * step,
-        radius: state.radius + state.radius_slope * step,
     }
 }
 
@@ -260,7 +251,7 @@ mod tests {
     /// What the dispatched step gives, and what the same source compiled for the baseline gives.
     fn both<C: Curve>(curve: &C, anchor: &Anchor, parameters: &[f64], approaches: &[f64]) -> [Vec<u64>; 2] {
         type Step<'a> = &'a dyn Fn(&mut Lanes<'_>);
-        let dispatched = |lanes: &mut Lanes<'_>| curve.step(anchor, lanes);
+        let dispatched = |lanes: &mut Lanes<'_>| step_lanes_dispatched(curve, anchor, lanes);
         let baseline = |lanes: &mut Lanes<'_>| step_lanes(curve, anchor, lanes);
         [&dispatched as Step<'_>, &baseline as Step<'_>].map(|step| {
             let mut out = vec![vec![0.0; parameters.len()]; 3];

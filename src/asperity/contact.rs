@@ -14,10 +14,9 @@
 //! All λ > 0. θ = π/2 is first touch, θ → 0 heavy load or the JKR limit. Above λ_f = 0.9379… Δ(θ) folds before
 //! first touch; the stable branch is 0 < θ ≤ θ_fold.
 
-use super::branch::{Anchor, Curve, Lanes, State, step_lanes};
+use super::branch::{Curve, State};
 use crate::math::polynomials::angle_terms;
 use crate::math::roots::{Sample, safe_newton};
-use multiversion::multiversion;
 
 const FIRST_TOUCH: f64 = std::f64::consts::FRAC_PI_2;
 
@@ -105,10 +104,6 @@ impl Curve for Contact {
         self.evaluate(angle).state
     }
 
-    fn step(&self, anchor: &Anchor, lanes: &mut Lanes<'_>) {
-        step(self, anchor, lanes);
-    }
-
     fn bracket(&self, approach: f64) -> (f64, f64) {
         let mut low = self.end;
         while self.at(low).approach < approach && low > f64::MIN_POSITIVE {
@@ -116,11 +111,6 @@ impl Curve for Contact {
         }
         (low, self.end)
     }
-}
-
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512cd+avx512dq+avx512vl", "x86_64+avx2"))]
-fn step(curve: &Contact, anchor: &Anchor, lanes: &mut Lanes<'_>) {
-    step_lanes(curve, anchor, lanes);
 }
 
 #[cfg(test)]

@@ -14,9 +14,8 @@
 //! # Validity
 //! All λ > 0, ε > 0. Δ(ε) folds for λ > 0.88832; the outermost branch is the one that approach follows.
 
-use super::branch::{Anchor, Curve, Lanes, State, step_lanes};
+use super::branch::{Curve, State};
 use crate::math::roots::{Sample, golden_maximum, safe_newton};
-use multiversion::multiversion;
 use std::f64::consts::PI;
 
 /// σ₀Z₀/Δγ: the stress of the Dugdale zone in units of Δγ/Z₀ (Shi and Polycarpou 2005, eq. 6).
@@ -115,19 +114,10 @@ impl Curve for Noncontact {
         }
     }
 
-    fn step(&self, anchor: &Anchor, lanes: &mut Lanes<'_>) {
-        step(self, anchor, lanes);
-    }
-
     fn bracket(&self, approach: f64) -> (f64, f64) {
         // Both terms of Δ are negative: ζε ≤ −Δ.
         (self.low, self.high.min(-approach / self.spacing * (1.0 + 4.0 * f64::EPSILON)))
     }
-}
-
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512cd+avx512dq+avx512vl", "x86_64+avx2"))]
-fn step(curve: &Noncontact, anchor: &Anchor, lanes: &mut Lanes<'_>) {
-    step_lanes(curve, anchor, lanes);
 }
 
 #[cfg(test)]

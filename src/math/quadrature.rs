@@ -2,6 +2,7 @@
 
 use gauss_quad::GaussLegendre;
 use std::num::NonZeroUsize;
+use std::sync::LazyLock;
 
 /// Nodes of a panel.
 pub const NODES: usize = 20;
@@ -50,6 +51,12 @@ impl Default for Rule {
 }
 
 impl Rule {
+    /// The rule, whose nodes are found once.
+    pub fn shared() -> &'static Self {
+        static RULE: LazyLock<Rule> = LazyLock::new(Rule::default);
+        &RULE
+    }
+
     /// ∫f over consecutive panels `breaks[i]..breaks[i + 1]`. The panel with the largest error is bisected until the errors of all
     /// panels add up to at most `tolerance` times the integral of |panel|, component by component.
     ///

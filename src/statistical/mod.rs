@@ -58,10 +58,10 @@ struct RegimeMoments {
 impl Statistical {
     /// Integrates `law` over the heights of `surface` at separations h, m.
     pub fn new(law: &dyn Law, surface: &Surface, separations: &[f64]) -> Self {
-        let rule = Rule::default();
+        let rule = Rule::shared();
         let at: Vec<AtSeparation> = separations
             .par_iter()
-            .map(|&h| AtSeparation::new(law, surface, surface.asperity_separation(h), &rule))
+            .map(|&h| AtSeparation::new(law, surface, surface.asperity_separation(h), rule))
             .collect();
         let count = surface.asperity_count as f64;
         let quantity = |f: &dyn Fn(&AtSeparation) -> [f64; 4]| -> [Vec<f64>; 4] {
@@ -87,7 +87,7 @@ impl Statistical {
 
 /// Expected external force, N, at one separation h, m.
 pub fn external_force(law: &dyn Law, surface: &Surface, separation: f64) -> f64 {
-    let at = AtSeparation::new(law, surface, surface.asperity_separation(separation), &Rule::default());
+    let at = AtSeparation::new(law, surface, surface.asperity_separation(separation), Rule::shared());
     surface.asperity_count as f64 * at.means()[Quantity::ExternalForce.index()]
 }
 

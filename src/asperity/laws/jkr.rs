@@ -10,11 +10,10 @@
 //! Elastic spheres of high λ; the limit of Maugis-Dugdale as λ → ∞. Sources: Johnson, Kendall and Roberts, Proc. R. Soc. Lond. A 324
 //! (1971) 301; for rough surfaces Fuller and Tabor, Proc. R. Soc. Lond. A 345 (1975) 327.
 
-use crate::asperity::branch::{Anchor, Branch, Curve, Lanes, State, step_lanes};
+use crate::asperity::branch::{Anchor, Branch, Curve, State};
 use crate::asperity::scale::Scale;
 use crate::asperity::table::{Constant, Part, Row, Table};
 use crate::asperity::{BLOCK, Law, LawError, Path, Regime, Responses, Setting, Smoothness, Work};
-use multiversion::multiversion;
 
 /// The law `jkr`.
 ///
@@ -65,10 +64,6 @@ impl Curve for JkrCurve {
         }
     }
 
-    fn step(&self, anchor: &Anchor, lanes: &mut Lanes<'_>) {
-        step(self, anchor, lanes);
-    }
-
     fn bracket(&self, approach: f64) -> (f64, f64) {
         let mut low = self.end();
         while self.at(low).approach < approach && low > f64::MIN_POSITIVE {
@@ -76,11 +71,6 @@ impl Curve for JkrCurve {
         }
         (low, self.end())
     }
-}
-
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512cd+avx512dq+avx512vl", "x86_64+avx2"))]
-fn step(curve: &JkrCurve, anchor: &Anchor, lanes: &mut Lanes<'_>) {
-    step_lanes(curve, anchor, lanes);
 }
 
 /// The contact branch.

@@ -65,12 +65,9 @@ impl RingAttraction {
     fn new(setting: &Setting) -> Self {
         let inverse_length = 1.0 / (PI * setting.scale.equilibrium_spacing());
         let deepest = setting.reach.map_or(0.0, |(_, deepest)| deepest.max(0.0) * inverse_length);
-        let rule = Rule::default();
-        let table = Piecewise::new(
-            |root| ring_integral(root * root, &rule),
-            |_, value| TABLE_TOLERANCE * value,
-            deepest.sqrt(),
-        );
+        let rule = Rule::shared();
+        let table =
+            Piecewise::new(|root| ring_integral(root * root, rule), |_, value| TABLE_TOLERANCE * value, deepest.sqrt());
         Self { force: 2.0 * setting.scale.force, inverse_length, table }
     }
 
@@ -84,7 +81,7 @@ impl RingAttraction {
         self.table.values(roots, adhesion);
         for (force, &delta) in adhesion.iter_mut().zip(interference) {
             if force.is_nan() {
-                *force = ring_integral(delta * self.inverse_length, &Rule::default());
+                *force = ring_integral(delta * self.inverse_length, Rule::shared());
             }
             *force *= self.force;
         }
@@ -167,9 +164,9 @@ mod tests {
 
     #[test]
     fn the_ring_begins_with_the_pull_of_a_point_contact() {
-        let rule = Rule::default();
+        let rule = Rule::shared();
         for p in [0.0, 1e-30, 1e-20, 1e-12] {
-            assert!((ring_integral(p, &rule) - 1.0).abs() < 1e-5, "{p}: {}", ring_integral(p, &rule));
+            assert!((ring_integral(p, rule) - 1.0).abs() < 1e-5, "{p}: {}", ring_integral(p, rule));
         }
     }
 }

@@ -22,7 +22,6 @@ mod refit;
 pub use forms::{Coefficients, FORCES, NAMES};
 
 use super::kogut_etsion::plastic_rows;
-use crate::asperity::emd::Emd;
 use crate::asperity::scale::{Asperity, Scale};
 use crate::asperity::table::{Constant, Part, Row, Table};
 use crate::asperity::{Law, LawError, Regime, Responses, Setting, Smoothness, Work};
@@ -59,12 +58,9 @@ pub fn refit(setting: &Setting) -> Result<Box<dyn Law>, LawError> {
 /// The law of scaled coefficients.
 fn law(setting: &Setting, coefficients: &Coefficients) -> Result<Box<dyn Law>, LawError> {
     setting.plastic("fit:paper")?;
-    let report = Direct::new(setting, JUDGED)?.report(coefficients, setting);
-    let length = setting.scale.length;
-    let critical_approach = match setting.critical_approach {
-        Some(given) => given,
-        None => -Emd::new(setting.scale.lambda, setting.path)?.end() * length,
-    };
+    let direct = Direct::new(setting, JUDGED)?;
+    let report = direct.report(coefficients, setting);
+    let critical_approach = setting.critical_approach.unwrap_or(-direct.end * setting.scale.length);
     let thickness = setting.lubricant_thickness;
     let (scale, coefficients) = (setting.scale, *coefficients);
     let rows = [

@@ -18,6 +18,8 @@ const FURTHEST: f64 = 10.0;
 
 /// The direct law of a setting on the ranges of the fits, scaled.
 pub struct Direct {
+    /// Where contact begins or ends by the history.
+    pub end: f64,
     /// Approaches of f_snc, f_sel and f_f.
     approaches: [Vec<f64>; 3],
     /// The forces there.
@@ -46,7 +48,7 @@ impl Direct {
         // The last point is the end from outside: contact has not begun there.
         let before = |delta: &f64| emd.noncontact(delta.min(end.next_down()), &mut work).adhesion;
         let noncontact = approaches[0].iter().map(before).collect();
-        Ok(Self { approaches, forces: [noncontact, adhesion, external] })
+        Ok(Self { end, approaches, forces: [noncontact, adhesion, external] })
     }
 
     /// The best coefficients, scaled.

@@ -3,6 +3,7 @@
 
 use divan::{Bencher, counter::ItemsCount};
 use std::path::Path;
+use stiction::asperity::Law;
 use stiction::asperity::models::{MODELS, model};
 use stiction::engine::{Job, Workspace};
 use stiction::scene::Scene;
@@ -19,19 +20,24 @@ fn scene(name: &str) -> Scene {
     Scene::parse(&std::fs::read_to_string(path).expect("a shipped scene")).expect("a valid scene")
 }
 
-#[divan::bench(args = CASES, sample_count = 20)]
-fn replica(bencher: Bencher, name: &str) {
-    let scene = scene(name);
-    let law = scene.law().expect("a law of the scene");
-    let job = Job {
-        law: law.as_ref(),
+/// One replica of a scene.
+fn job<'a>(scene: &'a Scene, law: &'a dyn Law) -> Job<'a> {
+    Job {
+        law,
         surface: &scene.surface,
         separations: &scene.separations,
         seed: scene.seed,
         replicas: 1,
         probes: &[],
         keep_curves: false,
-    };
+    }
+}
+
+#[divan::bench(args = CASES, sample_count = 20)]
+fn replica(bencher: Bencher, name: &str) {
+    let scene = scene(name);
+    let law = scene.law().expect("a law of the scene");
+    let job = job(&scene, law.as_ref());
     let mut workspace = Workspace::new(&job);
     let pairs = scene.surface.asperity_count * scene.separations.len();
     let mut index = 0;
@@ -46,15 +52,7 @@ fn replica(bencher: Bencher, name: &str) {
 fn replica_by_law(bencher: Bencher, name: &str) {
     let scene = scene("case_ii");
     let law = scene.law_of(&model(name).expect("a law")).expect("a law of the scene");
-    let job = Job {
-        law: law.as_ref(),
-        surface: &scene.surface,
-        separations: &scene.separations,
-        seed: scene.seed,
-        replicas: 1,
-        probes: &[],
-        keep_curves: false,
-    };
+    let job = job(&scene, law.as_ref());
     let mut workspace = Workspace::new(&job);
     let pairs = scene.surface.asperity_count * scene.separations.len();
     bencher.counter(ItemsCount::new(pairs)).bench_local(|| workspace.replica(&job, 0));

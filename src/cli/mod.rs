@@ -8,6 +8,7 @@ mod info;
 mod record;
 mod results;
 mod run;
+mod sampling;
 mod summary;
 mod validate;
 
@@ -56,6 +57,20 @@ enum Command {
     Asperity(AsperityArguments),
 }
 
+/// How a command runs, whatever it computes.
+#[derive(Args)]
+struct Execution {
+    /// Threads; by default one per core. They do not change the result
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=4096))]
+    threads: Option<u16>,
+    /// Overwrite an existing result
+    #[arg(long)]
+    force: bool,
+    /// No progress
+    #[arg(long)]
+    quiet: bool,
+}
+
 #[derive(Args)]
 struct RunArguments {
     /// The scene, TOML
@@ -69,15 +84,8 @@ struct RunArguments {
     /// Seed, instead of the scene's
     #[arg(long, value_parser = clap::value_parser!(u64).range(0..=i64::MAX as u64))]
     seed: Option<u64>,
-    /// Threads; by default one per core. They do not change the result
-    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=4096))]
-    threads: Option<u16>,
-    /// Overwrite an existing result
-    #[arg(long)]
-    force: bool,
-    /// No progress
-    #[arg(long)]
-    quiet: bool,
+    #[command(flatten)]
+    execution: Execution,
 }
 
 #[derive(Args)]
@@ -99,15 +107,8 @@ struct CompareArguments {
     /// Seed, instead of the scene's
     #[arg(long, value_parser = clap::value_parser!(u64).range(0..=i64::MAX as u64), requires = "ensemble")]
     seed: Option<u64>,
-    /// Threads; by default one per core. They do not change the result
-    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=4096))]
-    threads: Option<u16>,
-    /// Overwrite an existing result
-    #[arg(long)]
-    force: bool,
-    /// No progress
-    #[arg(long)]
-    quiet: bool,
+    #[command(flatten)]
+    execution: Execution,
 }
 
 #[derive(Args)]

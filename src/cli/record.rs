@@ -10,6 +10,17 @@ use crate::output::writer::Writer;
 use crate::scene::Scene;
 use crate::validation::{Basis, SIGNIFICANCE};
 
+/// A number of a replica.
+type Scalar = fn(&Replica) -> f64;
+
+/// What every file keeps of a replica's own curve.
+pub(super) const SCALARS: [(&str, Scalar); 4] = [
+    ("pull_off_force", |replica| replica.pull_off_force),
+    ("pull_off_separation", |replica| replica.pull_off_separation),
+    ("peak_stiffness", |replica| replica.peak_stiffness),
+    ("peak_stiffness_separation", |replica| replica.peak_stiffness_separation),
+];
+
 /// Writes what is known before the first replica: what is computed, and the dimensions. Returns the regimes' names.
 pub(super) fn write_head(
     writer: &mut Writer,
@@ -97,15 +108,9 @@ fn write_ensemble(writer: &Writer, results: &Results) -> Result<(), OutputError>
     let replicas = &ensemble.replicas;
     let count: Vec<u64> = replicas.iter().map(|replica| replica.asperity_count).collect();
     writer.dataset("/replicas/asperity_count", &count)?;
-    type Scalar = fn(&Replica) -> f64;
-    let scalars: [(&str, Scalar); 5] = [
-        ("highest_asperity", |replica| replica.highest_asperity),
-        ("pull_off_force", |replica| replica.pull_off_force),
-        ("pull_off_separation", |replica| replica.pull_off_separation),
-        ("peak_stiffness", |replica| replica.peak_stiffness),
-        ("peak_stiffness_separation", |replica| replica.peak_stiffness_separation),
-    ];
-    for (name, scalar) in scalars {
+    let highest: Vec<f64> = replicas.iter().map(|replica| replica.highest_asperity).collect();
+    writer.dataset("/replicas/highest_asperity", &highest)?;
+    for (name, scalar) in SCALARS {
         writer.dataset(&format!("/replicas/{name}"), &replicas.iter().map(scalar).collect::<Vec<f64>>())?;
     }
     Ok(())

@@ -2,21 +2,16 @@
 
 use super::record::{write_head, write_results};
 use super::results::{Results, integral_features, mean_features};
+use super::sampling::{Sampling, cross_check, interruption, thread_pool};
 use super::summary::summary;
 use super::{Failure, RunArguments, law_of, print, read_scene, refuse_own_scene};
-use crate::asperity::Quantity;
-use crate::engine::{Ensemble, Job, Outcome};
-use crate::output::OutputError;
 use crate::output::progress::Progress;
 use crate::output::schema::RUN;
 use crate::output::writer::Writer;
 use crate::scene::Plan;
 use crate::statistical::Statistical;
-use crate::validation::{Basis, JointTest, basis, z_scores};
-use anyhow::Context;
+use crate::validation::basis;
 use std::path::PathBuf;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 pub(super) fn run(arguments: &RunArguments) -> Result<(), Failure> {
     let mut scene = read_scene(&arguments.scene)?;
@@ -28,10 +23,10 @@ pub(super) fn run(arguments: &RunArguments) -> Result<(), Failure> {
     };
     let law = law_of(&scene, &scene.model, &arguments.scene)?;
     refuse_own_scene(&arguments.scene, &output)?;
-    let mut writer = Writer::create(&RUN, &output, arguments.force)?;
-    let pool = thread_pool(arguments.threads)?;
+    let mut writer = Writer::create(&RUN, &output, arguments.execution.force)?;
+    let pool = thread_pool(arguments.execution.threads)?;
     let stop = interruption()?;
-    let mut progress = Progress::new(arguments.quiet);
+    let mut progress = Progress::new(arguments.execution.quiet);
 
     progress.phase("integral");
     let plan = Plan::new(&scene, law.as_ref());
@@ -39,32 +34,17 @@ pub(super) fn run(arguments: &RunArguments) -> Result<(), Failure> {
     progress.phase("test functionals");
     let basis = basis(law.as_ref(), &scene.surface, &scene.separations, scene.replicas);
     let regimes = write_head(&mut writer, &scene, law.as_ref(), &basis)?;
-    let job = Job {
-        law: law.as_ref(),
-        surface: &scene.surface,
-        separations: &scene.separations,
-        seed: scene.seed,
-        replicas: scene.replicas,
-        probes: &basis.probes,
-        keep_curves: scene.curves,
-    };
-    progress.replicas("ensemble", scene.replicas);
     let mut done = 0;
-    let outcome = crate::engine::run(&job, &pool, &stop, |batch| -> Result<(), OutputError> {
-        if job.keep_curves {
-            writer.curves("/replicas/external_force", done, &batch.external_force)?;
-            writer.curves("/replicas/adhesion_force", done, &batch.adhesion_force)?;
-        }
-        done += batch.ensemble.replicas.len();
-        progress.advance(batch.ensemble.replicas.len() as u64);
-        Ok(())
-    })?;
-    let ensemble = match outcome {
-        Outcome::Complete(ensemble) => ensemble,
-        Outcome::Interrupted { replicas } => {
-            progress.end();
-            return Err(Failure::Interrupted { done: replicas, of: scene.replicas });
-        }
+    let ensemble = {
+        let setup = Sampling { scene: &scene, law: law.as_ref(), basis: &basis, keep_curves: scene.curves };
+        setup.run("ensemble", &pool, &stop, &mut progress, |batch| {
+            if scene.curves {
+                writer.curves("/replicas/external_force", done, &batch.external_force)?;
+                writer.curves("/replicas/adhesion_force", done, &batch.adhesion_force)?;
+            }
+            done += batch.ensemble.replicas.len();
+            Ok(())
+        })?
     };
 
     progress.phase("cross-check");
@@ -95,40 +75,4 @@ pub(super) fn run(arguments: &RunArguments) -> Result<(), Failure> {
     progress.end();
     print(&summary(&results));
     Ok(())
-}
-
-/// So many threads, or one per core.
-pub(super) fn thread_pool(count: Option<u16>) -> Result<rayon::ThreadPool, Failure> {
-    let mut threads = rayon::ThreadPoolBuilder::new();
-    if let Some(count) = count {
-        threads = threads.num_threads(usize::from(count));
-    }
-    Ok(threads.build().context("cannot start threads")?)
-}
-
-/// A flag that the first interruption sets; a second one ends the program at once.
-pub(super) fn interruption() -> Result<Arc<AtomicBool>, Failure> {
-    let stop = Arc::new(AtomicBool::new(false));
-    let flag = Arc::clone(&stop);
-    let handler = move || {
-        if flag.swap(true, Ordering::Relaxed) {
-            std::process::exit(130);
-        }
-    };
-    ctrlc::set_handler(handler).context("cannot handle interruptions")?;
-    Ok(stop)
-}
-
-pub(super) fn cross_check(
-    ensemble: &Ensemble,
-    statistical: &Statistical,
-    basis: &Basis,
-    replicas: u64,
-) -> ([Vec<f64>; 2], JointTest) {
-    let forces = [Quantity::AdhesionForce, Quantity::ExternalForce].map(Quantity::index);
-    let mean = forces.map(|q| ensemble.curves[q].mean());
-    let expected = forces.map(|q| statistical.expected[q].as_slice());
-    let z = [0, 1].map(|i| z_scores(mean[i], expected[i], &statistical.std[forces[i]], replicas));
-    let joint = JointTest::new(&basis.probes, mean, expected, &ensemble.scores.covariance(), replicas);
-    (z, joint)
 }

@@ -6,15 +6,14 @@ mod table;
 use super::asperity::find;
 use super::format::percent;
 use super::results::integral_features;
-use super::run::{cross_check, interruption, thread_pool};
+use super::sampling::{Sampling, cross_check, interruption, thread_pool};
 use super::{CompareArguments, Failure, law_of, print, read_scene, refuse_own_scene};
 use crate::asperity::emd::Emd;
 use crate::asperity::laws::fit::FORCES;
 use crate::asperity::models::Model;
 use crate::asperity::{FitReport, Law, Quantity, Scratch, Work, for_each_block};
-use crate::engine::{Ensemble, Job, Outcome};
+use crate::engine::Ensemble;
 use crate::math::extrema::Features;
-use crate::output::OutputError;
 use crate::output::progress::Progress;
 use crate::output::schema::COMPARISON;
 use crate::output::writer::Writer;
@@ -79,11 +78,11 @@ pub(super) fn compare(arguments: &CompareArguments) -> Result<(), Failure> {
     if let Some(output) = &arguments.output {
         refuse_own_scene(&arguments.scene, output)?;
     }
-    let writer = arguments.output.as_ref().map(|output| Writer::create(&COMPARISON, output, arguments.force));
+    let writer = arguments.output.as_ref().map(|output| Writer::create(&COMPARISON, output, arguments.execution.force));
     let writer = writer.transpose()?;
-    let pool = thread_pool(arguments.threads)?;
+    let pool = thread_pool(arguments.execution.threads)?;
     let stop = interruption()?;
-    let mut progress = Progress::new(arguments.quiet);
+    let mut progress = Progress::new(arguments.execution.quiet);
     let interferences = interferences(&scene);
     let mut compared = Vec::new();
     for (model, law) in models.into_iter().zip(&laws) {
@@ -162,30 +161,10 @@ fn sample(
     progress: &mut Progress,
 ) -> Result<Sampled, Failure> {
     let basis = basis(law, &scene.surface, &scene.separations, scene.replicas);
-    let job = Job {
-        law,
-        surface: &scene.surface,
-        separations: &scene.separations,
-        seed: scene.seed,
-        replicas: scene.replicas,
-        probes: &basis.probes,
-        keep_curves: false,
-    };
-    progress.replicas(name, scene.replicas);
-    let outcome = crate::engine::run(&job, pool, stop, |batch| -> Result<(), OutputError> {
-        progress.advance(batch.ensemble.replicas.len() as u64);
-        Ok(())
-    })?;
-    match outcome {
-        Outcome::Complete(ensemble) => {
-            let (z, joint) = cross_check(&ensemble, statistical, &basis, scene.replicas);
-            Ok(Sampled { ensemble, z, joint })
-        }
-        Outcome::Interrupted { replicas } => {
-            progress.end();
-            Err(Failure::Interrupted { done: replicas, of: scene.replicas })
-        }
-    }
+    let ensemble =
+        Sampling { scene, law, basis: &basis, keep_curves: false }.run(name, pool, stop, progress, |_| Ok(()))?;
+    let (z, joint) = cross_check(&ensemble, statistical, &basis, scene.replicas);
+    Ok(Sampled { ensemble, z, joint })
 }
 
 /// Interferences, m, from far before contact to beyond ω_c.

@@ -5,8 +5,7 @@ use super::{Compared, Comparison, Sampled, deviation};
 use crate::asperity::Quantity;
 use crate::asperity::law::Regime;
 use crate::asperity::laws::fit::{FORCES, NAMES};
-use crate::cli::record::{standard_error, write_scene};
-use crate::engine::Replica;
+use crate::cli::record::{SCALARS, standard_error, write_scene};
 use crate::output::OutputError;
 use crate::output::schema::Dimension;
 use crate::output::writer::Writer;
@@ -142,14 +141,7 @@ fn write_ensemble(writer: &Writer, comparison: &Comparison, sampled: &[&Sampled]
         comparison.laws.iter().filter_map(|law| difference(comparison, law)).unzip();
     writer.dataset("/ensemble/pull_off_force_difference_mean", &mean)?;
     writer.dataset("/ensemble/pull_off_force_difference_standard_error", &error)?;
-    type Scalar = fn(&Replica) -> f64;
-    let scalars: [(&str, Scalar); 4] = [
-        ("pull_off_force", |replica| replica.pull_off_force),
-        ("pull_off_separation", |replica| replica.pull_off_separation),
-        ("peak_stiffness", |replica| replica.peak_stiffness),
-        ("peak_stiffness_separation", |replica| replica.peak_stiffness_separation),
-    ];
-    for (name, scalar) in scalars {
+    for (name, scalar) in SCALARS {
         let values: Vec<f64> =
             sampled.iter().flat_map(|sampled| sampled.ensemble.replicas.iter().map(scalar)).collect();
         writer.dataset(&format!("/replicas/{name}"), &values)?;

@@ -1,0 +1,94 @@
+//! What `run` and `compare` do alike: threads, interruptions, the ensemble of a scene under a law, and its cross-check.
+
+use super::Failure;
+use crate::asperity::{Law, Quantity};
+use crate::engine::{Batch, Ensemble, Job, Outcome};
+use crate::output::OutputError;
+use crate::output::progress::Progress;
+use crate::scene::Scene;
+use crate::statistical::Statistical;
+use crate::validation::{Basis, JointTest, z_scores};
+use anyhow::Context;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// The ensemble of a scene under a law.
+pub(super) struct Sampling<'a> {
+    pub scene: &'a Scene,
+    pub law: &'a dyn Law,
+    pub basis: &'a Basis,
+    pub keep_curves: bool,
+}
+
+impl Sampling<'_> {
+    /// Sums all replicas, with progress under `name`; `observe` gets every batch in order.
+    pub fn run(
+        &self,
+        name: &'static str,
+        pool: &rayon::ThreadPool,
+        stop: &AtomicBool,
+        progress: &mut Progress,
+        mut observe: impl FnMut(&Batch) -> Result<(), OutputError>,
+    ) -> Result<Box<Ensemble>, Failure> {
+        let Self { scene, law, basis, keep_curves } = *self;
+        let job = Job {
+            law,
+            surface: &scene.surface,
+            separations: &scene.separations,
+            seed: scene.seed,
+            replicas: scene.replicas,
+            probes: &basis.probes,
+            keep_curves,
+        };
+        progress.replicas(name, scene.replicas);
+        let outcome = crate::engine::run(&job, pool, stop, |batch| {
+            observe(batch)?;
+            progress.advance(batch.ensemble.replicas.len() as u64);
+            Ok::<(), OutputError>(())
+        })?;
+        match outcome {
+            Outcome::Complete(ensemble) => Ok(ensemble),
+            Outcome::Interrupted { replicas } => {
+                progress.end();
+                Err(Failure::Interrupted { done: replicas, of: scene.replicas })
+            }
+        }
+    }
+}
+
+/// So many threads, or one per core.
+pub(super) fn thread_pool(count: Option<u16>) -> Result<rayon::ThreadPool, Failure> {
+    let mut threads = rayon::ThreadPoolBuilder::new();
+    if let Some(count) = count {
+        threads = threads.num_threads(usize::from(count));
+    }
+    Ok(threads.build().context("cannot start threads")?)
+}
+
+/// A flag that the first interruption sets; a second one ends the program at once.
+pub(super) fn interruption() -> Result<Arc<AtomicBool>, Failure> {
+    let stop = Arc::new(AtomicBool::new(false));
+    let flag = Arc::clone(&stop);
+    let handler = move || {
+        if flag.swap(true, Ordering::Relaxed) {
+            std::process::exit(130);
+        }
+    };
+    ctrlc::set_handler(handler).context("cannot handle interruptions")?;
+    Ok(stop)
+}
+
+/// z-scores of adhesion force and external force, and the joint test.
+pub(super) fn cross_check(
+    ensemble: &Ensemble,
+    statistical: &Statistical,
+    basis: &Basis,
+    replicas: u64,
+) -> ([Vec<f64>; 2], JointTest) {
+    let forces = [Quantity::AdhesionForce, Quantity::ExternalForce].map(Quantity::index);
+    let mean = forces.map(|q| ensemble.curves[q].mean());
+    let expected = forces.map(|q| statistical.expected[q].as_slice());
+    let z = [0, 1].map(|i| z_scores(mean[i], expected[i], &statistical.std[forces[i]], replicas));
+    let joint = JointTest::new(&basis.probes, mean, expected, &ensemble.scores.covariance(), replicas);
+    (z, joint)
+}

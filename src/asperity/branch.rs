@@ -1,14 +1,16 @@
 //! Inverting a monotone branch: from the approach Δ to the state of the asperity.
 //!
-//! A branch is given by a parameter x (θ in contact, ε before it) as Δ(x) and the outputs. A per-λ table of
-//! x over s = √|Δ − Δ_ref| is a *starting point only*: every solve evaluates the equations there, takes one Newton step and
-//! corrects the outputs along it. The step decides: if it is not so small that its square is below rounding, the point
+//! A branch is given by a parameter x (θ in contact, ε before it) as Δ(x) and the outputs. Per-λ tables of x over the distance
+//! D = |Δ − Δ_ref|, next to a fold over √D, are a *starting point only*: every solve evaluates the equations there, takes one Newton
+//! step and corrects the outputs along it. The step decides: if it is not so small that its square is below rounding, the point
 //! is solved again by safeguarded Newton from the bracket.
 
 use super::{BLOCK, Work};
-use crate::math::piecewise::Piecewise;
+use crate::math::instruction_set::InstructionSet;
+use crate::math::piecewise::{Cell, Piecewise, leading};
 use crate::math::roots::{Sample, safe_newton};
-use multiversion::multiversion;
+use std::cell::RefCell;
+use std::ops::Range;
 
 /// Everything known at one parameter value, scaled as in Maugis (1992); slopes are derivatives by the parameter.
 #[derive(Clone, Copy, Debug)]
@@ -31,14 +33,21 @@ pub struct State {
 
 /// A curve on which Δ falls with the parameter.
 pub trait Curve: Copy {
-    /// How the parameter leaves its anchor: x_ref/(1 + T) or x_ref(1 + T), T ≥ 0.
-    const RECIPROCAL: bool;
+    /// What the state is made of that depends on the parameter alone or nearly so. Lanes compute the terms of all before the states of
+    /// any, because a vector processor is faster on two short chains of operations than on a long one.
+    fn terms(&self, x: f64) -> [f64; 4];
 
-    /// The state at the parameter `x`.
-    fn at(&self, x: f64) -> State;
+    /// The state at the parameter `x` from its terms.
+    fn state(&self, x: f64, terms: [f64; 4]) -> State;
 
     /// Parameters `low` < `high` with Δ(low) ≥ `approach` ≥ Δ(high).
     fn bracket(&self, approach: f64) -> (f64, f64);
+
+    /// The state at the parameter `x`.
+    #[inline(always)]
+    fn at(&self, x: f64) -> State {
+        self.state(x, self.terms(x))
+    }
 }
 
 /// The scaled outputs of a solve.
@@ -50,62 +59,124 @@ pub struct Solution {
     pub radius: f64,
 }
 
-/// Where the table is anchored: s = √|Δ − Δ_ref|, T = s·κ(s).
+/// Where a branch begins: its tables are over the distance from there.
 #[derive(Clone, Copy, Debug)]
 pub struct Anchor {
     /// Δ_ref.
     pub approach: f64,
     /// x_ref.
     pub parameter: f64,
-    /// Whether dΔ/dx = 0 there, so that x is smooth in s but not in Δ.
+    /// Whether dΔ/dx = 0 there, so that x is smooth in √|Δ − Δ_ref| but not in Δ.
     pub fold: bool,
 }
 
-/// Lanes of a block: where they are, and what comes out.
-#[derive(Debug)]
-struct Lanes<'a> {
-    /// Parameters to start from; NaN where there is none.
-    parameters: &'a [f64],
+/// Lanes that are computed together. A vector that reaches beyond its table cell, or beyond the last lane, is computed whole; what
+/// comes after overwrites what it left there.
+const VECTOR: usize = 8;
+/// A block, and room for the last vector.
+const ROOM: usize = BLOCK + VECTOR;
+
+/// Lanes of a block.
+struct Lanes {
     /// Approaches wanted.
-    approaches: &'a [f64],
+    approaches: [f64; ROOM],
+    /// Where they are in a table.
+    places: [f64; ROOM],
+    /// Parameters to start from; NaN where there is none.
+    parameters: [f64; ROOM],
+    /// dx/dΔ there.
+    inverse_slopes: [f64; ROOM],
+    /// Terms of the curve there.
+    terms: [[f64; ROOM]; 4],
     /// Adhesion force.
-    adhesion: &'a mut [f64],
+    adhesion: [f64; ROOM],
     /// Contact radius.
-    radius: &'a mut [f64],
+    radius: [f64; ROOM],
     /// |Δ(x) − Δ| over the terms of Δ; NaN where the step was not good enough, so that the lane is to be solved again.
-    residual: &'a mut [f64],
+    residual: [f32; ROOM],
 }
 
-/// One evaluation and one Newton step for every lane, without a branch and without fused multiply-add, so that it vectorises and has the
-/// same bits on every instruction set.
-#[inline(always)]
-fn step_lanes<C: Curve>(curve: &C, anchor: &Anchor, lanes: &mut Lanes<'_>) {
-    let count = lanes.parameters.len();
-    let Lanes { parameters, approaches, adhesion, radius, residual } = lanes;
-    let (approaches, adhesion) = (&approaches[..count], &mut adhesion[..count]);
-    let (radius, residual) = (&mut radius[..count], &mut residual[..count]);
-    for i in 0..count {
-        let x = parameters[i];
-        let state = curve.at(x);
-        let (step, good) = last_step(anchor, x, &state, approaches[i]);
-        let solution = corrected(&state, step);
-        (adhesion[i], radius[i]) = (solution.adhesion, solution.radius);
-        residual[i] = if good { (approaches[i] - state.approach).abs() / state.magnitude } else { f64::NAN };
+thread_local! {
+    /// Kept from block to block: to clear them would take as long as every tenth solve.
+    static LANES: RefCell<Lanes> = RefCell::new(Lanes::new());
+}
+
+impl Lanes {
+    fn new() -> Self {
+        Self {
+            approaches: [0.0; ROOM],
+            places: [0.0; ROOM],
+            parameters: [f64::NAN; ROOM],
+            inverse_slopes: [0.0; ROOM],
+            terms: [[0.0; ROOM]; 4],
+            adhesion: [0.0; ROOM],
+            radius: [0.0; ROOM],
+            residual: [0.0; ROOM],
+        }
     }
 }
 
-/// The same, compiled for each instruction set.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512cd+avx512dq+avx512vl", "x86_64+avx2"))]
-fn step_lanes_dispatched<C: Curve>(curve: &C, anchor: &Anchor, lanes: &mut Lanes<'_>) {
-    step_lanes(curve, anchor, lanes);
+/// Which table lanes start from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Side {
+    /// Next to a fold: (x − x_ref)/√D over √D.
+    Near,
+    /// Elsewhere: x over D.
+    Far,
+}
+
+/// A run of lanes made whole vectors, so that none is left over for the compiler to do one by one.
+#[inline(always)]
+fn whole_vectors(run: Range<usize>) -> Range<usize> {
+    run.start..run.start + run.len().div_ceil(VECTOR) * VECTOR
+}
+
+/// Starting points and slopes of a run of lanes that share a table cell.
+#[inline(always)]
+fn start_lanes<const NEAR: bool>(anchor: &Anchor, sign: f64, cell: &Cell, lanes: &mut Lanes, run: Range<usize>) {
+    let run = whole_vectors(run);
+    let places = &lanes.places[run.clone()];
+    let (parameters, inverse_slopes) = (&mut lanes.parameters[run.clone()], &mut lanes.inverse_slopes[run]);
+    for i in 0..places.len() / VECTOR * VECTOR {
+        let (value, slope) = (cell.value(places[i]), cell.slope(places[i]));
+        if NEAR {
+            parameters[i] = anchor.parameter + places[i] * value;
+            inverse_slopes[i] = sign * (value + places[i] * slope) / (2.0 * places[i]);
+        } else {
+            parameters[i] = value;
+            inverse_slopes[i] = sign * slope;
+        }
+    }
+}
+
+/// One evaluation and one Newton step for every lane, without a branch and without fused multiply-add, so that it vectorises and has the
+/// same bits on every instruction set. The slope is the table's: it is off by the table's error over the width of a cell, and is
+/// multiplied by a step that is as small.
+#[inline(always)]
+fn step_lanes<C: Curve>(curve: &C, anchor: &Anchor, lanes: &mut Lanes, count: usize) {
+    let count = whole_vectors(0..count.min(BLOCK)).end / VECTOR * VECTOR;
+    let Lanes { approaches, parameters, inverse_slopes, terms, adhesion, radius, residual, .. } = lanes;
+    let [first, second, third, fourth] = terms;
+    for i in 0..count {
+        [first[i], second[i], third[i], fourth[i]] = curve.terms(parameters[i]);
+    }
+    for i in 0..count {
+        let (x, approach) = (parameters[i], approaches[i]);
+        let state = curve.state(x, [first[i], second[i], third[i], fourth[i]]);
+        let (step, good) = last_step(anchor, x, &state, approach, inverse_slopes[i]);
+        let solution = corrected(&state, step);
+        (adhesion[i], radius[i]) = (solution.adhesion, solution.radius);
+        let off = (approach - state.approach).abs() as f32 / state.magnitude as f32;
+        residual[i] = if good { off } else { f32::NAN };
+    }
 }
 
 /// The Newton step that completes a solve, 0 where it is not small, and whether x was good enough for that: the step is small, or the
 /// residual is rounding noise.
 #[inline(always)]
-fn last_step(anchor: &Anchor, x: f64, state: &State, approach: f64) -> (f64, bool) {
+fn last_step(anchor: &Anchor, x: f64, state: &State, approach: f64, inverse_slope: f64) -> (f64, bool) {
     let residual = approach - state.approach;
-    let step = residual / state.slope;
+    let step = residual * inverse_slope;
     let small = step.abs() <= STEP_TOLERANCE * room(anchor, x);
     let noise = residual.abs() <= NOISE * state.magnitude;
     (if small { step } else { 0.0 }, small | noise)
@@ -130,38 +201,42 @@ fn room(anchor: &Anchor, x: f64) -> f64 {
 /// Largest last step, relative to the distance to the fold and to zero. The error it leaves is of the order of its
 /// square: 4·10⁻¹⁸.
 const STEP_TOLERANCE: f64 = 2e-9;
-/// Relative accuracy asked of the table.
-const TABLE_TOLERANCE: f64 = 5e-10;
+/// Relative accuracy asked of the tables.
+const TABLE_TOLERANCE: f64 = 3e-10;
 /// Residuals below this many `magnitude`s are rounding noise.
 const NOISE: f64 = 4.0 * f64::EPSILON;
+/// Distance from a fold up to which tables are over its root.
+const NEAR: f64 = 0.5;
 
-/// A monotone branch with its starting table.
+/// A monotone branch with its starting tables.
 #[derive(Clone, Debug)]
 pub struct Branch<C> {
     curve: C,
     anchor: Anchor,
-    table: Piecewise,
+    /// Whether the branch lies above its anchor, 1, or below it, −1.
+    sign: f64,
+    near: Piecewise,
+    far: Piecewise,
 }
 
 impl<C: Curve> Branch<C> {
-    /// A branch without a starting table: every solve takes the safeguarded path.
+    /// A branch without starting tables: every solve takes the safeguarded path.
     pub fn new(curve: C, anchor: Anchor) -> Self {
-        Self { curve, anchor, table: Piecewise::default() }
+        Self { curve, anchor, sign: 1.0, near: Piecewise::default(), far: Piecewise::default() }
     }
 
-    /// The same branch with a starting table from the anchor to the approach `furthest`.
+    /// The same branch with starting tables from the anchor to the approach `furthest`.
     pub fn with_table(mut self, furthest: f64) -> Self {
-        let sign = if furthest > self.anchor.approach { 1.0 } else { -1.0 };
-        let departure = |s: f64| self.departure(self.locate(self.anchor.approach + sign * s * s).0) / s;
-        let noise = 10.0 * f64::EPSILON * self.curve.at(self.anchor.parameter).magnitude;
-        let tolerance = |s: f64, kappa: f64| {
-            if self.anchor.fold {
-                kappa.abs() * TABLE_TOLERANCE.max(noise / (s * s))
-            } else {
-                (kappa.abs() + 1.0 / s) * TABLE_TOLERANCE
-            }
-        };
-        self.table = Piecewise::new(departure, tolerance, (furthest - self.anchor.approach).abs().sqrt());
+        let Anchor { approach, parameter, fold } = self.anchor;
+        self.sign = if furthest > approach { 1.0 } else { -1.0 };
+        let end = (furthest - approach).abs();
+        let at = |distance: f64| self.locate(approach + self.sign * distance).0;
+        let split = if fold { NEAR.min(end) } else { 0.0 };
+        let noise = 10.0 * f64::EPSILON * self.curve.at(parameter).magnitude;
+        let root = |s: f64| (at(s * s) - parameter) / s;
+        let near = |s: f64, value: f64| value.abs() * TABLE_TOLERANCE.max(noise / (s * s));
+        let far = |_: f64, x: f64| TABLE_TOLERANCE * room(&self.anchor, x);
+        (self.near, self.far) = (Piecewise::new(root, near, 0.0, split.sqrt()), Piecewise::new(at, far, split, end));
         self
     }
 
@@ -181,30 +256,74 @@ impl<C: Curve> Branch<C> {
     /// fast. The bits do not depend on the instruction set, nor on which lanes stand beside each other.
     pub fn solve_block(&self, approaches: &[f64], adhesion: &mut [f64], radius: &mut [f64], work: &mut Work) {
         let count = approaches.len();
-        let (mut places, mut parameters, mut residual) = ([0.0; BLOCK], [0.0; BLOCK], [0.0; BLOCK]);
-        let (places, parameters) = (&mut places[..count], &mut parameters[..count]);
-        for (place, &approach) in places.iter_mut().zip(approaches) {
-            *place = (approach - self.anchor.approach).abs().sqrt();
+        LANES.with_borrow_mut(|lanes| {
+            InstructionSet::current().run(
+                #[inline(always)]
+                || {
+                    lanes.approaches[..count].copy_from_slice(approaches);
+                    work.evaluations += self.start(lanes, count);
+                    step_lanes(&self.curve, &self.anchor, lanes, count);
+                    adhesion[..count].copy_from_slice(&lanes.adhesion[..count]);
+                    radius[..count].copy_from_slice(&lanes.radius[..count]);
+                    self.finish(approaches, adhesion, radius, &lanes.residual[..count], work);
+                },
+            )
+        });
+    }
+
+    /// Starting points of all lanes that the tables have, which it counts.
+    #[inline(always)]
+    fn start(&self, lanes: &mut Lanes, count: usize) -> u64 {
+        let (anchor, sign) = (&self.anchor, self.sign);
+        let nearest = if anchor.fold { NEAR } else { f64::NEG_INFINITY };
+        for (place, approach) in lanes.places[..count].iter_mut().zip(&lanes.approaches[..count]) {
+            *place = (approach - anchor.approach).abs();
         }
-        self.table.values(places, parameters);
-        for (x, &s) in parameters.iter_mut().zip(places.iter()) {
-            let departure = s * *x;
-            *x = if C::RECIPROCAL {
-                self.anchor.parameter / (1.0 + departure)
+        let (mut begin, mut started) = (0, 0);
+        while begin < count {
+            let (side, low, high) = if lanes.places[begin] <= nearest {
+                (Side::Near, f64::NEG_INFINITY, nearest)
             } else {
-                self.anchor.parameter * (1.0 + departure)
+                (Side::Far, nearest, f64::INFINITY)
             };
+            let end = begin + leading(&lanes.places[begin..count], low, high).max(1);
+            let table = if side == Side::Near { &self.near } else { &self.far };
+            if side == Side::Near {
+                lanes.places[begin..end].iter_mut().for_each(|place| *place = place.sqrt());
+            }
+            while begin < end {
+                let (cell, length) = table.run(&lanes.places[begin..end]);
+                let run = begin..begin + length;
+                begin = run.end;
+                let Some(cell) = cell else {
+                    lanes.parameters[run].fill(f64::NAN);
+                    continue;
+                };
+                started += length as u64;
+                match side {
+                    Side::Near => start_lanes::<true>(anchor, sign, cell, lanes, run),
+                    Side::Far => start_lanes::<false>(anchor, sign, cell, lanes, run),
+                }
+            }
         }
-        let residual = &mut residual[..count];
-        let mut lanes = Lanes { parameters, approaches, adhesion, radius, residual };
-        step_lanes_dispatched(&self.curve, &self.anchor, &mut lanes);
-        for i in 0..count {
-            work.evaluations += u64::from(!parameters[i].is_nan());
-            if residual[i].is_nan() {
+        started
+    }
+
+    /// Solves the lanes again whose step was not good enough, and notes the largest residual.
+    #[inline(always)]
+    fn finish(&self, approaches: &[f64], adhesion: &mut [f64], radius: &mut [f64], residual: &[f32], work: &mut Work) {
+        // The bits of numbers that are not negative are in their order, and those of NaN above all.
+        let largest = f32::from_bits(residual.iter().fold(0, |most, off| most.max(off.to_bits())));
+        if !largest.is_nan() {
+            work.largest_residual = work.largest_residual.max(f64::from(largest));
+            return;
+        }
+        for (i, off) in residual.iter().enumerate() {
+            if off.is_nan() {
                 let solution = self.solve_safely(approaches[i], work);
                 (adhesion[i], radius[i]) = (solution.adhesion, solution.radius);
-            } else if residual[i] > work.largest_residual {
-                work.largest_residual = residual[i];
+            } else {
+                work.largest_residual = work.largest_residual.max(f64::from(*off));
             }
         }
     }
@@ -217,7 +336,7 @@ impl<C: Curve> Branch<C> {
         work.safeguarded += 1;
         let state = self.curve.at(x);
         work.largest_residual = work.largest_residual.max((approach - state.approach).abs() / state.magnitude);
-        corrected(&state, last_step(&self.anchor, x, &state, approach).0)
+        corrected(&state, last_step(&self.anchor, x, &state, approach, 1.0 / state.slope).0)
     }
 
     /// The parameter at an approach, to the last bits, and the evaluations it took.
@@ -232,13 +351,7 @@ impl<C: Curve> Branch<C> {
         };
         let root = safe_newton(sample, low, high, f64::NAN, done);
         let state = self.curve.at(root.x);
-        (root.x + last_step(&self.anchor, root.x, &state, approach).0, root.evaluations + 1)
-    }
-
-    /// T of a parameter.
-    fn departure(&self, x: f64) -> f64 {
-        let (x, reference) = if C::RECIPROCAL { (self.anchor.parameter, x) } else { (x, self.anchor.parameter) };
-        (x - reference) / reference
+        (root.x + last_step(&self.anchor, root.x, &state, approach, 1.0 / state.slope).0, root.evaluations + 1)
     }
 }
 
@@ -248,39 +361,37 @@ mod tests {
     use super::super::noncontact::{Branches, Noncontact};
     use super::*;
 
-    /// What the dispatched step gives, and what the same source compiled for the baseline gives.
-    fn both<C: Curve>(curve: &C, anchor: &Anchor, parameters: &[f64], approaches: &[f64]) -> [Vec<u64>; 2] {
-        type Step<'a> = &'a dyn Fn(&mut Lanes<'_>);
-        let dispatched = |lanes: &mut Lanes<'_>| step_lanes_dispatched(curve, anchor, lanes);
-        let baseline = |lanes: &mut Lanes<'_>| step_lanes(curve, anchor, lanes);
-        [&dispatched as Step<'_>, &baseline as Step<'_>].map(|step| {
-            let mut out = vec![vec![0.0; parameters.len()]; 3];
-            let [adhesion, radius, residual] = &mut out[..] else { panic!("three outputs") };
-            step(&mut Lanes { parameters, approaches, adhesion, radius, residual });
+    /// Adhesion and radius at approaches, as bits, with one instruction set after the other.
+    fn solved<C: Curve>(branch: &Branch<C>, approaches: &[f64]) -> Vec<Vec<u64>> {
+        let sets = InstructionSet::available().into_iter().map(|set| {
+            set.select();
+            let mut out = vec![vec![0.0; approaches.len()]; 2];
+            let [adhesion, radius] = &mut out[..] else { panic!("two outputs") };
+            branch.solve_block(approaches, adhesion, radius, &mut Work::default());
             out.concat().into_iter().map(f64::to_bits).collect()
-        })
+        });
+        sets.collect()
     }
 
     #[test]
     fn bits_do_not_depend_on_the_instruction_set() {
         for lambda in [1e-3, 0.1, 0.9, 0.95, 2.5, 100.0] {
-            let contact = Contact::new(lambda);
+            let curve = Contact::new(lambda);
+            let end = curve.at(curve.end()).approach;
+            let contact = Branch::new(curve, Anchor { approach: end, parameter: curve.end(), fold: true });
             let (Branches::Single(far) | Branches::Folded { outer: far, .. }) = Noncontact::branches(lambda);
-            for (fold, count) in [(true, 256), (false, 256), (true, 7), (false, 1)] {
+            let begin = far.at(0.5);
+            let before = Branch::new(far, Anchor { approach: begin.approach, parameter: 0.5, fold: false });
+            let (contact, before) = (contact.with_table(end + 30.0), before.with_table(begin.approach - 30.0));
+            for count in [256, 100, 7, 1] {
                 let shares = (0..count).map(|i| (0.37 + 0.618_033_988 * f64::from(i)).fract());
-                let angles: Vec<f64> = shares.clone().map(|share| contact.end() * (0.01 + 0.99 * share)).collect();
-                let gaps: Vec<f64> = shares.map(|share| 1e-3 + 50.0 * share * share).collect();
-                // Some lanes are as good as solved, some are not.
-                let off = |i: usize| if i.is_multiple_of(3) { 1e-5 } else { 1e-12 };
-                let wanted = |state: State, i: usize| state.approach + off(i) * state.magnitude;
-                let anchor = Anchor { approach: -1.0, parameter: contact.end(), fold };
-                let approaches: Vec<f64> = angles.iter().enumerate().map(|(i, x)| wanted(contact.at(*x), i)).collect();
-                let [one, other] = both(&contact, &anchor, &angles, &approaches);
-                assert_eq!(one, other, "contact, λ {lambda}");
-                let approaches: Vec<f64> = gaps.iter().enumerate().map(|(i, x)| wanted(far.at(*x), i)).collect();
-                let anchor = Anchor { approach: -1.0, parameter: 1e-4, fold };
-                let [one, other] = both(&far, &anchor, &gaps, &approaches);
-                assert_eq!(one, other, "before contact, λ {lambda}");
+                // Some lanes are beyond the tables.
+                let distances: Vec<f64> = shares.map(|share| 32.0 * share * share).collect();
+                let above: Vec<f64> = distances.iter().map(|distance| end + distance).collect();
+                let below: Vec<f64> = distances.iter().map(|distance| begin.approach - distance).collect();
+                for bits in [solved(&contact, &above), solved(&before, &below)] {
+                    assert!(bits.iter().all(|other| *other == bits[0]), "λ {lambda}, {count} lanes");
+                }
             }
         }
     }

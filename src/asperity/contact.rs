@@ -15,7 +15,7 @@
 //! first touch; the stable branch is 0 < θ ≤ θ_fold.
 
 use super::branch::{Curve, State};
-use crate::math::polynomials::angle_terms;
+use crate::math::polynomials::{AngleTerms, angle_terms};
 use crate::math::roots::{Sample, safe_newton};
 
 const FIRST_TOUCH: f64 = std::f64::consts::FRAC_PI_2;
@@ -48,8 +48,7 @@ impl Contact {
 
     /// dΔ/dθ divided by cos θ, which is the factor that vanishes at first touch for every λ.
     fn reduced_slope(&self, angle: f64) -> f64 {
-        let state = self.evaluate(angle);
-        state.reduced_slope
+        self.evaluate(angle, angle_terms(angle)).reduced_slope
     }
 
     fn find_end(&self) -> f64 {
@@ -62,15 +61,18 @@ impl Contact {
     }
 
     #[inline(always)]
-    fn evaluate(&self, angle: f64) -> Evaluated {
+    fn evaluate(&self, angle: f64, terms: AngleTerms) -> Evaluated {
         let (lambda, k) = (self.lambda, self.k);
-        let terms = angle_terms(angle);
         let g = lambda * angle;
-        let kqg = k * terms.linear * g;
-        let root = (g * (k * k * terms.linear * terms.linear * g + 2.0 * terms.quadratic)).sqrt();
-        let outer = 2.0 / (angle * (kqg + root));
+        let kq = k * terms.linear;
+        let kqg = kq * g;
+        let root = (g * (kq * kqg + 2.0 * terms.quadratic)).sqrt();
+        // One division serves c̄ and the reciprocal of the root.
+        let sum = angle * (kqg + root);
+        let inverse = 1.0 / (sum * root);
+        let outer = 2.0 * (inverse * root);
         // dc̄/dθ = −cos θ · shrink
-        let shrink = outer * lambda * (2.0 * outer * terms.sin + k) / root;
+        let shrink = outer * lambda * (2.0 * outer * terms.sin + k) * (inverse * sum);
         let radius = outer * terms.cos;
         let radius_slope = -(terms.cos * terms.cos * shrink + outer * terms.sin);
         let zone = terms.sin * terms.cos + angle;
@@ -97,11 +99,15 @@ struct Evaluated {
 }
 
 impl Curve for Contact {
-    const RECIPROCAL: bool = true;
+    #[inline(always)]
+    fn terms(&self, angle: f64) -> [f64; 4] {
+        let AngleTerms { sin, cos, quadratic, linear } = angle_terms(angle);
+        [sin, cos, quadratic, linear]
+    }
 
     #[inline(always)]
-    fn at(&self, angle: f64) -> State {
-        self.evaluate(angle).state
+    fn state(&self, angle: f64, [sin, cos, quadratic, linear]: [f64; 4]) -> State {
+        self.evaluate(angle, AngleTerms { sin, cos, quadratic, linear }).state
     }
 
     fn bracket(&self, approach: f64) -> (f64, f64) {

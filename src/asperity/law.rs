@@ -2,6 +2,7 @@
 
 use super::Work;
 use super::scale::Scale;
+use crate::math::instruction_set::InstructionSet;
 use std::f64::consts::PI;
 
 /// Asperities that are evaluated at once.
@@ -126,6 +127,7 @@ pub struct FitReport {
 impl Responses {
     /// Completes the first contacts from their scaled adhesion forces, which are in place, and scaled contact radii A: F_s and P = A³ in the
     /// unit of force, area πa².
+    #[inline(always)]
     pub fn scale_contacts(&mut self, scale: &Scale, radius: &[f64]) {
         let area_unit = PI * scale.radius * scale.radius;
         for (i, &radius) in radius.iter().enumerate() {
@@ -194,9 +196,14 @@ pub fn for_each_block(
         for block in (start..end).step_by(BLOCK) {
             let range = block..end.min(block + BLOCK);
             let interference = &mut scratch.interference[..range.len()];
-            for (delta, &height) in interference.iter_mut().zip(&heights[range.clone()]) {
-                *delta = height - separation;
-            }
+            InstructionSet::current().run(
+                #[inline(always)]
+                || {
+                    for (delta, &height) in interference.iter_mut().zip(&heights[range.clone()]) {
+                        *delta = height - separation;
+                    }
+                },
+            );
             law.evaluate(regime, interference, &mut scratch.responses, work);
             visit(regime, range, &scratch.responses);
         }

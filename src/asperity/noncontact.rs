@@ -81,11 +81,8 @@ impl Noncontact {
 const OUTSIDE_FOLD: f64 = 0.4;
 
 impl Curve for Noncontact {
-    const RECIPROCAL: bool = false;
-
     #[inline(always)]
-    fn at(&self, gap: f64) -> State {
-        const B: f64 = 4.0 * (PI - 2.0) / (3.0 * PI);
+    fn terms(&self, gap: f64) -> [f64; 4] {
         const PEAK: f64 = 8.0 / (3.0 * STRESS_RATIO);
         let u = 1.0 / (1.0 + gap);
         let v = u * u;
@@ -95,12 +92,21 @@ impl Curve for Noncontact {
         let stress_slope = self.lambda * PEAK * v * v * (9.0 * v3 - 3.0);
         let work = 4.0 / (3.0 * PI) * v * (4.0 - v3);
         let work_slope = -32.0 / (3.0 * PI) * u * rest * v * (1.0 + v + v * v);
+        [stress, stress_slope, work, work_slope]
+    }
+
+    #[inline(always)]
+    fn state(&self, gap: f64, [stress, stress_slope, work, work_slope]: [f64; 4]) -> State {
+        const B: f64 = 4.0 * (PI - 2.0) / (3.0 * PI);
         let root_stress = stress.sqrt();
         let g = B * stress * root_stress;
         let g_slope = 1.5 * B * root_stress * stress_slope;
         let sum = (g * g + work).sqrt();
-        let y = work / (g + sum);
-        let y_slope = (work_slope - 2.0 * g_slope * y) / (2.0 * sum);
+        // One division serves Y and its slope.
+        let whole = g + sum;
+        let inverse = 1.0 / (whole * sum);
+        let y = work * (inverse * sum);
+        let y_slope = 0.5 * (work_slope - 2.0 * g_slope * y) * (inverse * whole);
         let pull = 4.0 / 3.0 * root_stress * y;
         let pull_slope = 4.0 / 3.0 * (root_stress * y_slope + stress_slope * y / (2.0 * root_stress));
         State {

@@ -5,6 +5,7 @@ use super::pull_off::{Jump, jumps, pull_off};
 use super::stream::{Purpose, stream};
 use crate::asperity::{Quantity, Scratch, Work, for_each_block};
 use crate::math::extrema::steepest_rise;
+use crate::math::instruction_set::InstructionSet;
 use crate::math::sums::{Compensated, lane_sum};
 
 /// What is kept of every replica.
@@ -121,9 +122,13 @@ impl Sums {
         for_each_block(job.law, heights, d, &mut self.scratch, &mut self.work, |regime, range, responses| {
             let (sum, n) = (&mut regimes[regime], range.len());
             sum.count += n as f64;
-            sum.adhesion.add(lane_sum(&responses.adhesion[..n]));
-            sum.contact.add(lane_sum(&responses.contact[..n]));
-            sum.area.add(lane_sum(&responses.area[..n]));
+            let sums = InstructionSet::current().run(
+                #[inline(always)]
+                || [&responses.adhesion, &responses.contact, &responses.area].map(|values| lane_sum(&values[..n])),
+            );
+            sum.adhesion.add(sums[0]);
+            sum.contact.add(sums[1]);
+            sum.area.add(sums[2]);
         });
     }
 

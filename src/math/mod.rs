@@ -1,6 +1,7 @@
 //! Numerical tools that know no physics: roots, quadrature, polynomials, sums and moments.
 
 pub mod extrema;
+pub mod instruction_set;
 pub mod interpolation;
 pub mod least_squares;
 pub mod linalg;

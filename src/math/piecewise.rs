@@ -1,7 +1,6 @@
 //! A function tabulated as polynomials on cells that adapt to it.
 
-use super::polynomials::horner;
-use multiversion::multiversion;
+use super::polynomials::estrin;
 
 /// Degree of the polynomial of a cell.
 const DEGREE: usize = 7;
@@ -9,8 +8,14 @@ const NODES: usize = DEGREE + 1;
 
 /// Places in −1..1, away from the nodes, where a cell is compared with the function.
 const CHECKS: [f64; 5] = [-0.995, -0.71, 0.2, 0.56, 0.92];
+/// Cells narrower than this share of the whole are not halved any more.
+const NARROWEST: f64 = 1e-7;
+/// Most cells: what needs more is not smooth, and is left to other means.
+const MOST_CELLS: usize = 4096;
+/// Places that are looked at together in the search for the end of a run.
+const CHUNK: usize = 8;
 
-/// Piecewise polynomial on 0 ≤ s ≤ `end`.
+/// Piecewise polynomial on `begin` ≤ s ≤ `end`.
 #[derive(Clone, Debug, Default)]
 pub struct Piecewise {
     /// Upper ends of the cells, rising.
@@ -18,39 +23,45 @@ pub struct Piecewise {
     cells: Vec<Cell>,
 }
 
+/// One polynomial and where it holds.
 #[derive(Clone, Copy, Debug)]
-struct Cell {
+pub struct Cell {
+    /// Lower end, itself in the cell only where the table begins.
+    low: f64,
+    /// Upper end, in the cell.
+    high: f64,
     middle: f64,
     inverse_half_width: f64,
     coefficients: [f64; NODES],
+    /// Of the derivative.
+    slopes: [f64; NODES],
 }
 
 impl Piecewise {
-    /// Tabulates `f` on (0, `end`] so that it is met to `tolerance(s, f(s))`, an absolute error. Cells are halved until
-    /// they meet it or are narrower than `end`·1e-7; the function is never evaluated at 0.
-    pub fn new(f: impl Fn(f64) -> f64, tolerance: impl Fn(f64, f64) -> f64, end: f64) -> Self {
+    /// Tabulates `f` on (`begin`, `end`] so that it is met to `tolerance(s, f(s))`, an absolute error. Cells are halved until
+    /// they meet it; one that is narrower than `end`·1e-7, or comes after 4096 others, and does not meet it holds NaN. The function is never evaluated at `begin`.
+    pub fn new(f: impl Fn(f64) -> f64, tolerance: impl Fn(f64, f64) -> f64, begin: f64, end: f64) -> Self {
         let mut table = Self::default();
-        if !(end > 0.0 && end.is_finite()) {
+        if !(end > begin && end.is_finite()) {
             return table;
         }
-        let mut open = vec![(0.0, end)];
+        let mut open = vec![(begin, end)];
         while let Some((low, high)) = open.pop() {
-            let cell = Cell::interpolate(&f, low, high);
-            if high - low > 1e-7 * end && !cell.meets(&f, &tolerance) {
+            let mut cell = Cell::interpolate(&f, low, high);
+            let good = cell.meets(&f, &tolerance);
+            if !good && high - low > NARROWEST * end && table.cells.len() < MOST_CELLS {
                 let middle = 0.5 * (low + high);
                 open.push((middle, high));
                 open.push((low, middle));
             } else {
+                if !good {
+                    cell.coefficients = [f64::NAN; NODES];
+                }
                 table.ends.push(high);
                 table.cells.push(cell);
             }
         }
         table
-    }
-
-    /// The largest argument covered, 0 for an empty table.
-    pub fn end(&self) -> f64 {
-        self.ends.last().copied().unwrap_or(0.0)
     }
 
     /// How many cells there are.
@@ -63,76 +74,115 @@ impl Piecewise {
         self.cells.is_empty()
     }
 
-    /// The cell that holds `s`, searched outwards from cell `near`.
-    fn cell(&self, s: f64, near: usize) -> usize {
-        let mut i = near;
-        while i + 1 < self.ends.len() && s > self.ends[i] {
-            i += 1;
-        }
-        while i > 0 && s <= self.ends[i - 1] {
-            i -= 1;
-        }
-        i
+    /// The cell that holds `s`.
+    #[inline(always)]
+    fn cell(&self, s: f64) -> Option<&Cell> {
+        let cell = self.cells.get(self.ends.partition_point(|end| *end < s))?;
+        (s > cell.low || s == self.cells[0].low).then_some(cell)
     }
 
-    /// The values at places, run by run of those that share a cell: long runs where the places rise. NaN beyond the end.
+    /// The cell of the first of some places, if there is one, and how many of the first places share it (1 without a cell): many
+    /// where the places rise or fall.
+    #[inline(always)]
+    pub fn run(&self, places: &[f64]) -> (Option<&Cell>, usize) {
+        match self.cell(places[0]) {
+            Some(cell) => (Some(cell), 1 + leading(&places[1..], cell.low, cell.high)),
+            None => (None, 1),
+        }
+    }
+
+    /// The values at places, NaN where there is no cell.
+    #[inline(always)]
     pub fn values(&self, places: &[f64], out: &mut [f64]) {
-        let (end, mut cell, mut begin) = (self.end(), 0, 0);
+        let mut begin = 0;
         while begin < places.len() {
-            if !(places[begin] < end) {
-                out[begin] = f64::NAN;
-                begin += 1;
-                continue;
+            let (cell, length) = self.run(&places[begin..]);
+            let (places, out) = (&places[begin..begin + length], &mut out[begin..begin + length]);
+            begin += length;
+            match cell {
+                Some(cell) => out.iter_mut().zip(places).for_each(|(value, s)| *value = cell.value(*s)),
+                None => out.fill(f64::NAN),
             }
-            cell = self.cell(places[begin], cell);
-            let low = if cell == 0 { f64::NEG_INFINITY } else { self.ends[cell - 1] };
-            let high = self.ends[cell];
-            let shares = |s: &&f64| **s > low && **s <= high && **s < end;
-            let run = begin..begin + places[begin..].iter().take_while(shares).count().max(1);
-            polynomial(&self.cells[cell], &places[run.clone()], &mut out[run.clone()]);
-            begin = run.end;
         }
     }
 }
 
-/// A polynomial at places inside its cell.
-#[multiversion(targets("x86_64+avx512f+avx512bw+avx512cd+avx512dq+avx512vl", "x86_64+avx2"))]
-fn polynomial(cell: &Cell, places: &[f64], out: &mut [f64]) {
-    for (value, &s) in out.iter_mut().zip(places) {
-        *value = horner(&cell.coefficients, (s - cell.middle) * cell.inverse_half_width);
+/// How many of the first values are above `low` and not above `high`.
+#[inline(always)]
+pub fn leading(values: &[f64], low: f64, high: f64) -> usize {
+    let inside = |value: &f64| (*value > low) & (*value <= high);
+    let mut whole = 0;
+    for chunk in values.chunks_exact(CHUNK) {
+        if !chunk.iter().fold(true, |all, value| all & inside(value)) {
+            break;
+        }
+        whole += CHUNK;
     }
+    whole + values[whole..].iter().take_while(|value| inside(value)).count()
 }
 
 impl Cell {
+    /// The value at a place in the cell.
+    #[inline(always)]
+    pub fn value(&self, s: f64) -> f64 {
+        estrin(&self.coefficients, (s - self.middle) * self.inverse_half_width)
+    }
+
+    /// The derivative at a place in the cell.
+    #[inline(always)]
+    pub fn slope(&self, s: f64) -> f64 {
+        estrin(&self.slopes, (s - self.middle) * self.inverse_half_width)
+    }
+
+    /// The interpolant at Chebyshev nodes, corrected once by that of its own rounding errors.
     fn interpolate(f: &impl Fn(f64) -> f64, low: f64, high: f64) -> Self {
         let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
-        let angle = |j: usize| std::f64::consts::PI * (j as f64 + 0.5) / NODES as f64;
-        let samples: [f64; NODES] = std::array::from_fn(|j| f(middle + half * libm::cos(angle(j))));
-        // Chebyshev coefficients by the discrete orthogonality of the nodes, then powers by T_{n+1} = 2xT_n − T_{n−1}.
-        let mut coefficients = [0.0; NODES];
-        let (mut before, mut current) = ([0.0; NODES], [0.0; NODES]);
-        current[0] = 1.0;
-        for n in 0..NODES {
-            let scale = if n == 0 { 1.0 } else { 2.0 } / NODES as f64;
-            let c = scale * (0..NODES).map(|j| samples[j] * libm::cos(n as f64 * angle(j))).sum::<f64>();
-            for i in 0..NODES {
-                coefficients[i] += c * current[i];
-            }
-            let factor = if n == 0 { 1.0 } else { 2.0 };
-            let next = std::array::from_fn(|i| if i == 0 { -before[0] } else { factor * current[i - 1] - before[i] });
-            before = current;
-            current = next;
-        }
-        Self { middle, inverse_half_width: 1.0 / half, coefficients }
+        let places: [f64; NODES] =
+            std::array::from_fn(|j| middle + half * libm::cos(std::f64::consts::PI * (j as f64 + 0.5) / NODES as f64));
+        let samples = places.map(f);
+        let mut cell = Self {
+            low,
+            high,
+            middle,
+            inverse_half_width: 1.0 / half,
+            coefficients: powers(&samples),
+            slopes: [0.0; NODES],
+        };
+        let rest = powers(&std::array::from_fn(|j| samples[j] - cell.value(places[j])));
+        cell.coefficients.iter_mut().zip(rest).for_each(|(coefficient, rest)| *coefficient += rest);
+        let slope = |i: usize| cell.coefficients.get(i + 1).map_or(0.0, |c| (i + 1) as f64 * c / half);
+        cell.slopes = std::array::from_fn(slope);
+        cell
     }
 
     fn meets(&self, f: &impl Fn(f64) -> f64, tolerance: &impl Fn(f64, f64) -> f64) -> bool {
         CHECKS.iter().all(|&v| {
             let s = self.middle + v / self.inverse_half_width;
             let exact = f(s);
-            (horner(&self.coefficients, v) - exact).abs() <= tolerance(s, exact)
+            (self.value(s) - exact).abs() <= tolerance(s, exact)
         })
     }
+}
+
+/// Coefficients of the powers of v in −1..1 of the polynomial through samples at the Chebyshev nodes cos(π(j + 1/2)/n).
+fn powers(samples: &[f64; NODES]) -> [f64; NODES] {
+    let angle = |j: usize| std::f64::consts::PI * (j as f64 + 0.5) / NODES as f64;
+    // Chebyshev coefficients by the discrete orthogonality of the nodes, then powers by T_{n+1} = 2vT_n − T_{n−1}.
+    let mut coefficients = [0.0; NODES];
+    let (mut before, mut current) = ([0.0; NODES], [0.0; NODES]);
+    current[0] = 1.0;
+    for n in 0..NODES {
+        let scale = if n == 0 { 1.0 } else { 2.0 } / NODES as f64;
+        let c = scale * (0..NODES).map(|j| samples[j] * libm::cos(n as f64 * angle(j))).sum::<f64>();
+        for i in 0..NODES {
+            coefficients[i] += c * current[i];
+        }
+        let factor = if n == 0 { 1.0 } else { 2.0 };
+        let next = std::array::from_fn(|i| if i == 0 { -before[0] } else { factor * current[i - 1] - before[i] });
+        before = current;
+        current = next;
+    }
+    coefficients
 }
 
 #[cfg(test)]
@@ -142,7 +192,7 @@ mod tests {
     #[test]
     fn meets_its_tolerance_between_the_checks() {
         let f = |s: f64| (1.0 + s).powf(-0.6) + 1e-3 / ((s - 2.0).powi(2) + 1e-2);
-        let table = Piecewise::new(f, |_, _| 1e-9, 50.0);
+        let table = Piecewise::new(f, |_, _| 1e-9, 0.0, 50.0);
         let places: Vec<f64> = (0..100_000).map(|i| f64::from(i) * 50.0 / 100_000.0).collect();
         let mut values = vec![0.0; places.len()];
         table.values(&places, &mut values);
@@ -160,12 +210,35 @@ mod tests {
     }
 
     #[test]
-    fn the_search_finds_the_same_cell_from_anywhere() {
-        let table = Piecewise::new(|s| s.sqrt(), |_, _| 1e-8, 4.0);
-        for s in [0.0, 1e-12, 0.3, 3.9999, 4.0] {
-            let from_start = table.cell(s, 0);
-            assert_eq!(from_start, table.cell(s, table.len() - 1));
+    fn slopes_are_those_of_the_polynomials() {
+        let table = Piecewise::new(f64::sin, |_, _| 1e-12, 1.0, 7.0);
+        for i in 0..1000 {
+            let s = 1.0 + 0.006 * (f64::from(i) + 0.5);
+            let cell = table.cell(s).unwrap();
+            let (value, slope) = (cell.value(s), cell.slope(s));
+            assert!((value - s.sin()).abs() < 3e-12 && (slope - s.cos()).abs() < 1e-9, "{s}");
         }
-        assert!(Piecewise::new(|s| s, |_, _| 1.0, f64::NAN).is_empty());
+    }
+
+    #[test]
+    fn runs_cover_all_places_and_know_where_no_cell_is() {
+        let table = Piecewise::new(|s| s.sqrt(), |_, value| 1e-8 * value, 0.5, 4.0);
+        let places = [0.5, 0.50001, 0.499, f64::NAN, 3.0, 3.00001, 4.0, 4.0001, 0.6];
+        let mut values = [0.0; 9];
+        table.values(&places, &mut values);
+        for (place, value) in places.iter().zip(values) {
+            if (0.5..=4.0).contains(place) {
+                assert!((value - place.sqrt()).abs() < 3e-8, "{place}");
+            } else {
+                assert!(value.is_nan(), "{place}");
+            }
+        }
+        assert_eq!(table.run(&[3.0, 3.00001, 3.0, 0.5]).1, 3);
+        assert!(Piecewise::new(|s| s, |_, _| 1.0, 0.0, f64::NAN).is_empty());
+        // What no polynomial meets is not tabulated.
+        let jump = Piecewise::new(|s| if s < 1.0 { 0.0 } else { 1.0 }, |_, _| 1e-9, 0.0, 3.0);
+        let mut values = [0.0; 3];
+        jump.values(&[0.9, 1.0, 1.1], &mut values);
+        assert!(values[0] == 0.0 && values[1].is_nan() && (values[2] - 1.0).abs() < 1e-9, "{values:?}");
     }
 }

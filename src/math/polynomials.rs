@@ -1,25 +1,39 @@
 //! Polynomials in t = θ² for the bracket terms of the Maugis-Dugdale equations.
 //!
-//! Both brackets cancel as θ → 0 (like θ³ and θ²), so they are never formed: what is evaluated are the
-//! quotients, as polynomials in t − 1.25 on 0 ≤ t ≤ π²/4. The coefficients are Chebyshev interpolants computed with
-//! 60 digits and rounded; each interpolant is off by less than 7·10⁻¹⁸. The tests compare them with their power series.
+//! Both brackets cancel as θ → 0 (like θ³ and θ²), so they are never formed. With u = (1 − sin θ/θ)/θ², v = (1 − cos θ)/θ² and
+//! s = sin θ/θ = 1 − tu, all of the order of 1, their quotients are s(2s − v) − u and s − v, which lose two bits at most. u, v and
+//! cos θ/(π²/4 − t) are polynomials in t − 1.25 on 0 ≤ t ≤ π²/4: Chebyshev interpolants computed with 60 digits and rounded, each off by
+//! less than 7·10⁻¹⁸. The tests compare with power series.
 
 /// Where the polynomials are centred.
 const CENTRE: f64 = 1.25;
 
-const SIN_OVER_ANGLE: [f64; 9] = [
-    0.804306627215558,
-    -0.14674216659318362,
-    0.007614637234354374,
-    -0.00018501926979680835,
-    2.6028682851863406e-06,
-    -2.3872467333317057e-08,
-    1.5402082945036596e-10,
-    -7.370869063741799e-13,
-    2.7215749422983443e-15,
+/// (1 − sin θ/θ)/θ².
+const SINE_REST: [f64; 8] = [
+    0.15655469822755358,
+    -0.007850025307495956,
+    0.00018831045851327194,
+    -2.6329509731772645e-06,
+    2.406615037049318e-08,
+    -1.5494642093345868e-10,
+    7.404968879687262e-13,
+    -2.7314447669863995e-15,
 ];
 
-const COS_OVER_GAP: [f64; 8] = [
+/// (1 − cos θ)/θ².
+const COSINE_REST: [f64; 8] = [
+    0.4500390314139208,
+    -0.03830857424491345,
+    0.0012984260772941694,
+    -2.345589725467485e-05,
+    2.627908235998821e-07,
+    -2.0031963687819836e-09,
+    1.1059768237030938e-11,
+    -4.6276759850181716e-14,
+];
+
+/// cos θ/(π²/4 − θ²).
+const COSINE_OVER_GAP: [f64; 8] = [
     0.35933203168186606,
     -0.03517434140344836,
     0.0012413330696921822,
@@ -28,32 +42,6 @@ const COS_OVER_GAP: [f64; 8] = [
     -1.9760470120982434e-09,
     1.0946087729250902e-11,
     -4.590369142551046e-14,
-];
-
-const QUADRATIC_BRACKET: [f64; 11] = [
-    0.7752942274662925,
-    -0.3674012203584326,
-    0.05728352937191559,
-    -0.004477798032663513,
-    0.00021111627126947166,
-    -6.670397410700373e-06,
-    1.5124385535235054e-07,
-    -2.582401363578564e-09,
-    3.4414766162726316e-11,
-    -3.681196930827776e-13,
-    3.2333269341833343e-15,
-];
-
-const LINEAR_BRACKET: [f64; 9] = [
-    0.3542675958016372,
-    -0.10843359234827017,
-    0.006316211157060337,
-    -0.0001615633725421618,
-    2.340077461149016e-06,
-    -2.1869270919818537e-08,
-    1.4296152185679115e-10,
-    -6.908297741739524e-13,
-    2.569883272625733e-15,
 ];
 
 /// π/2 as an unevaluated sum of two doubles.
@@ -76,14 +64,18 @@ pub struct AngleTerms {
 /// The terms at `angle` in 0..=π/2.
 #[inline(always)]
 pub fn angle_terms(angle: f64) -> AngleTerms {
-    let x = angle * angle - CENTRE;
+    let square = angle * angle;
+    let x = square - CENTRE;
     // (π/2 − θ)(π/2 + θ), the first factor exact to rounding: cos θ keeps its relative accuracy where it vanishes.
     let gap = ((HALF_PI - angle) + HALF_PI_LOW) * (HALF_PI + angle);
+    let sine_rest = estrin(&SINE_REST, x);
+    let cosine_rest = estrin(&COSINE_REST, x);
+    let ratio = 1.0 - square * sine_rest;
     AngleTerms {
-        sin: angle * horner(&SIN_OVER_ANGLE, x),
-        cos: gap * horner(&COS_OVER_GAP, x),
-        quadratic: horner(&QUADRATIC_BRACKET, x),
-        linear: horner(&LINEAR_BRACKET, x),
+        sin: angle * ratio,
+        cos: gap * estrin(&COSINE_OVER_GAP, x),
+        quadratic: ratio * (2.0 * ratio - cosine_rest) - sine_rest,
+        linear: ratio - cosine_rest,
     }
 }
 
@@ -97,6 +89,17 @@ pub fn horner<const N: usize>(coefficients: &[f64; N], x: f64) -> f64 {
         value = value * x + coefficients[i];
     }
     value
+}
+
+/// Σ cᵢ xⁱ of degree 7 by Estrin's scheme, which vector processors finish in half the time of Horner's because less of it waits for the
+/// rest.
+#[inline(always)]
+pub fn estrin(coefficients: &[f64; 8], x: f64) -> f64 {
+    let [c0, c1, c2, c3, c4, c5, c6, c7] = *coefficients;
+    let square = x * x;
+    let low = (c0 + c1 * x) + (c2 + c3 * x) * square;
+    let high = (c4 + c5 * x) + (c6 + c7 * x) * square;
+    low + high * (square * square)
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! Sums whose order, and so whose bits, never depends on the machine.
 
 /// The sum of a slice in eight interleaved lanes, combined pairwise.
-#[inline]
+#[inline(always)]
 pub fn lane_sum(values: &[f64]) -> f64 {
     let mut lanes = [0.0; 8];
     let chunks = values.chunks_exact(8);

@@ -19,6 +19,7 @@ use crate::asperity::emd::Emd;
 use crate::asperity::scale::Scale;
 use crate::asperity::table::{Constant, Part, Row, Table};
 use crate::asperity::{BLOCK, Law, LawError, Regime, Responses, Setting, Smoothness, Work};
+use crate::math::instruction_set::InstructionSet;
 use std::sync::Arc;
 
 /// The law `emd`.
@@ -84,13 +85,18 @@ impl Part for Attraction {
         let inverse = 1.0 / self.scale.length;
         let count = interference.len();
         let mut approaches = [0.0; BLOCK];
-        for (approach, &delta) in approaches.iter_mut().zip(interference) {
-            *approach = (delta + self.thickness) * inverse;
-        }
-        self.emd.noncontact_block(&mut approaches[..count], &mut out.adhesion, work);
-        out.adhesion[..count].iter_mut().for_each(|adhesion| *adhesion *= self.scale.force);
-        out.contact[..interference.len()].fill(0.0);
-        out.area[..interference.len()].fill(0.0);
+        InstructionSet::current().run(
+            #[inline(always)]
+            || {
+                for (approach, &delta) in approaches.iter_mut().zip(interference) {
+                    *approach = (delta + self.thickness) * inverse;
+                }
+                self.emd.noncontact_block(&mut approaches[..count], &mut out.adhesion, work);
+                out.adhesion[..count].iter_mut().for_each(|adhesion| *adhesion *= self.scale.force);
+                out.contact[..count].fill(0.0);
+                out.area[..count].fill(0.0);
+            },
+        );
         work.noncontact_solves += interference.len() as u64;
     }
 }

@@ -46,11 +46,13 @@ impl JkrCurve {
 }
 
 impl Curve for JkrCurve {
-    const RECIPROCAL: bool = true;
+    #[inline(always)]
+    fn terms(&self, x: f64) -> [f64; 4] {
+        [1.0 / x, 0.0, 0.0, 0.0]
+    }
 
     #[inline(always)]
-    fn at(&self, x: f64) -> State {
-        let y = 1.0 / x;
+    fn state(&self, _: f64, [y, ..]: [f64; 4]) -> State {
         let square = y * y;
         let pull = 2.0 / 3.0 * ROOT_6 * y;
         State {

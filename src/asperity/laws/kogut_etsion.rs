@@ -19,7 +19,9 @@
 
 use super::idmt::LennardJones;
 use crate::asperity::table::{Part, Row, Table};
-use crate::asperity::{Law, LawError, Regime, Responses, Setting, Smoothness, Work};
+use crate::asperity::{BLOCK, Law, LawError, Regime, Responses, Setting, Smoothness, Work};
+use crate::math::instruction_set::InstructionSet;
+use crate::math::piecewise::Piecewise;
 use std::f64::consts::PI;
 
 /// x at the upper end of the first elastic-plastic regime.
@@ -56,49 +58,95 @@ pub fn plastic_rows(setting: &Setting) -> [Row; 3] {
     ]
 }
 
-/// Forces and area of a regime as powers of x: factor and exponent.
-#[derive(Clone, Copy, Debug)]
+/// Forces and area of a regime as powers of x.
+#[derive(Clone, Debug)]
 pub struct Powers {
     inverse_critical: f64,
-    adhesion: (f64, f64),
-    contact: (f64, f64),
-    area: (f64, f64),
+    adhesion: Power,
+    contact: Power,
+    area: Power,
     elastic: bool,
 }
 
 impl Powers {
     /// The regime up to ω_c.
     pub fn elastic(setting: &Setting) -> Self {
-        Self { elastic: true, ..Self::new(setting, (0.98, 0.298, -0.29), (1.0, 1.5), (1.0, 1.0)) }
+        Self { elastic: true, ..Self::new(setting, (0.0, 1.0), (0.98, 0.298, -0.29), (1.0, 1.5), (1.0, 1.0)) }
     }
 
     /// The three regimes above ω_c.
     pub fn above_critical(setting: &Setting) -> [Self; 3] {
+        let factor = 3.0 / setting.pressure_factor;
         [
-            Self::new(setting, (0.79, 0.356, -0.321), (1.03, 1.425), (0.93, 1.136)),
-            Self::new(setting, (1.19, 0.093, -0.332), (1.40, 1.263), (0.94, 1.146)),
-            Self::new(setting, (0.0, 0.0, 0.0), (3.0 / setting.pressure_factor, 1.0), (2.0, 1.0)),
+            Self::new(setting, (1.0, FIRST_END), (0.79, 0.356, -0.321), (1.03, 1.425), (0.93, 1.136)),
+            Self::new(setting, (FIRST_END, SECOND_END), (1.19, 0.093, -0.332), (1.40, 1.263), (0.94, 1.146)),
+            Self::new(setting, (SECOND_END, f64::INFINITY), (0.0, 0.0, 0.0), (factor, 1.0), (2.0, 1.0)),
         ]
     }
 
     /// The same loads and areas without adhesion.
     pub fn without_adhesion(self) -> Self {
-        Self { adhesion: (0.0, 0.0), ..self }
+        Self { adhesion: Power::new(0.0, 0.0, (0.0, 0.0)), ..self }
     }
 
-    fn new(setting: &Setting, adhesion: (f64, f64, f64), contact: (f64, f64), area: (f64, f64)) -> Self {
+    /// `x` is the regime's interval; adhesion has a factor, an exponent and the exponent of ε/ω_c, the others factor and exponent.
+    fn new(setting: &Setting, x: (f64, f64), adhesion: (f64, f64, f64), contact: (f64, f64), area: (f64, f64)) -> Self {
         let critical = setting.critical_interference;
         let scaled = critical / setting.scale.length;
         let load = setting.scale.force * scaled * scaled.sqrt();
         let disc = PI * setting.scale.radius * setting.scale.radius * scaled;
         let ratio = setting.scale.equilibrium_spacing() / critical;
         let pull = 2.0 * setting.scale.force * libm::pow(ratio, adhesion.2);
+        let reach = (x.0, setting.reach.map_or(x.0, |(_, deepest)| x.1.min(deepest / critical)));
         Self {
             inverse_critical: 1.0 / critical,
-            adhesion: (pull * adhesion.0, adhesion.1),
-            contact: (load * contact.0, contact.1),
-            area: (disc * area.0, area.1),
+            adhesion: Power::new(pull * adhesion.0, adhesion.1, reach),
+            contact: Power::new(load * contact.0, contact.1, reach),
+            area: Power::new(disc * area.0, area.1, reach),
             elastic: false,
+        }
+    }
+}
+
+/// Factor · x^exponent.
+#[derive(Clone, Debug)]
+struct Power {
+    factor: f64,
+    exponent: f64,
+    /// The whole, for exponents that take more than a product.
+    table: Piecewise,
+}
+
+/// Relative accuracy of tabulated powers: a few roundings, as those of a library's power and of a product.
+const TABLE_TOLERANCE: f64 = 2e-15;
+
+impl Power {
+    /// With a table for x in the interval `reach`.
+    fn new(factor: f64, exponent: f64, reach: (f64, f64)) -> Self {
+        let mut power = Self { factor, exponent, table: Piecewise::default() };
+        if exponent != 0.0 && exponent != 1.0 {
+            power.table = Piecewise::new(|x| power.value(x), |_, value| TABLE_TOLERANCE * value, reach.0, reach.1);
+        }
+        power
+    }
+
+    fn value(&self, x: f64) -> f64 {
+        self.factor * libm::pow(x, self.exponent)
+    }
+
+    /// The values at places x > 0.
+    #[inline(always)]
+    fn values(&self, places: &[f64], out: &mut [f64]) {
+        if self.exponent == 0.0 {
+            out.fill(self.factor);
+        } else if self.exponent == 1.0 {
+            out.iter_mut().zip(places).for_each(|(value, x)| *value = self.factor * x);
+        } else {
+            self.table.values(places, out);
+            if out.iter().fold(false, |any, value| any | value.is_nan()) {
+                let missing = out.iter_mut().zip(places).filter(|(value, _)| value.is_nan());
+                missing.for_each(|(value, x)| *value = self.value(*x));
+            }
         }
     }
 }
@@ -111,22 +159,22 @@ impl Part for Powers {
     }
 
     fn cost(&self) -> f64 {
-        if self.contact.1 == 1.0 { 3.0 } else { 40.0 }
+        if self.contact.exponent == 1.0 { 1.0 } else { 4.0 }
     }
 
     fn evaluate(&self, interference: &[f64], out: &mut Responses, work: &mut Work) {
-        for (i, &delta) in interference.iter().enumerate() {
-            let x = delta * self.inverse_critical;
-            if self.contact.1 == 1.0 {
-                (out.adhesion[i], out.contact[i], out.area[i]) = (self.adhesion.0, self.contact.0 * x, self.area.0 * x);
-            } else {
-                // One logarithm serves the three powers; libm gives the same bits on every platform.
-                let log = libm::log(x);
-                out.adhesion[i] = self.adhesion.0 * libm::exp(self.adhesion.1 * log);
-                out.contact[i] = self.contact.0 * libm::exp(self.contact.1 * log);
-                out.area[i] = self.area.0 * libm::exp(self.area.1 * log);
-            }
-        }
-        work.closed_form += interference.len() as u64;
+        let count = interference.len();
+        let mut places = [0.0; BLOCK];
+        let places = &mut places[..count];
+        InstructionSet::current().run(
+            #[inline(always)]
+            || {
+                places.iter_mut().zip(interference).for_each(|(x, delta)| *x = delta * self.inverse_critical);
+                self.adhesion.values(places, &mut out.adhesion[..count]);
+                self.contact.values(places, &mut out.contact[..count]);
+                self.area.values(places, &mut out.area[..count]);
+            },
+        );
+        work.closed_form += count as u64;
     }
 }

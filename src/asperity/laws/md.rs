@@ -11,6 +11,7 @@ use crate::asperity::emd::Emd;
 use crate::asperity::scale::Scale;
 use crate::asperity::table::{Constant, Part, Row, Table};
 use crate::asperity::{BLOCK, Law, LawError, Regime, Responses, Setting, Smoothness, Work};
+use crate::math::instruction_set::InstructionSet;
 use std::sync::Arc;
 
 /// The law `md`.
@@ -70,11 +71,16 @@ impl Part for MaugisContact {
         let inverse = 1.0 / self.scale.length;
         let count = interference.len();
         let (mut approaches, mut radius) = ([0.0; BLOCK], [0.0; BLOCK]);
-        for (approach, &delta) in approaches.iter_mut().zip(interference) {
-            *approach = delta * inverse;
-        }
-        self.emd.contact_block(&mut approaches[..count], &mut out.adhesion, &mut radius, work);
-        out.scale_contacts(&self.scale, &radius[..count]);
+        InstructionSet::current().run(
+            #[inline(always)]
+            || {
+                for (approach, &delta) in approaches.iter_mut().zip(interference) {
+                    *approach = delta * inverse;
+                }
+                self.emd.contact_block(&mut approaches[..count], &mut out.adhesion, &mut radius, work);
+                out.scale_contacts(&self.scale, &radius[..count]);
+            },
+        );
         work.contact_solves += interference.len() as u64;
     }
 }

@@ -17,6 +17,7 @@ use super::isbl;
 use super::kogut_etsion::{FIRST_END, Powers, SECOND_END};
 use crate::asperity::table::{Part, Row, Table};
 use crate::asperity::{BLOCK, Law, LawError, Regime, Responses, Setting, Smoothness, Work};
+use crate::math::instruction_set::InstructionSet;
 use crate::math::piecewise::Piecewise;
 use crate::math::polynomials::horner;
 use crate::math::quadrature::{NODES, Rule};
@@ -66,8 +67,12 @@ impl RingAttraction {
         let inverse_length = 1.0 / (PI * setting.scale.equilibrium_spacing());
         let deepest = setting.reach.map_or(0.0, |(_, deepest)| deepest.max(0.0) * inverse_length);
         let rule = Rule::shared();
-        let table =
-            Piecewise::new(|root| ring_integral(root * root, rule), |_, value| TABLE_TOLERANCE * value, deepest.sqrt());
+        let table = Piecewise::new(
+            |root| ring_integral(root * root, rule),
+            |_, value| TABLE_TOLERANCE * value,
+            0.0,
+            deepest.sqrt(),
+        );
         Self { force: 2.0 * setting.scale.force, inverse_length, table }
     }
 
@@ -75,10 +80,15 @@ impl RingAttraction {
     fn at(&self, interference: &[f64], adhesion: &mut [f64]) {
         let mut roots = [0.0; BLOCK];
         let (roots, adhesion) = (&mut roots[..interference.len()], &mut adhesion[..interference.len()]);
-        for (root, &delta) in roots.iter_mut().zip(interference) {
-            *root = (delta * self.inverse_length).sqrt();
-        }
-        self.table.values(roots, adhesion);
+        InstructionSet::current().run(
+            #[inline(always)]
+            || {
+                for (root, &delta) in roots.iter_mut().zip(interference) {
+                    *root = (delta * self.inverse_length).sqrt();
+                }
+                self.table.values(roots, adhesion);
+            },
+        );
         for (force, &delta) in adhesion.iter_mut().zip(interference) {
             if force.is_nan() {
                 *force = ring_integral(delta * self.inverse_length, Rule::shared());

@@ -30,6 +30,7 @@ fn job<'a>(scene: &'a Scene, law: &'a dyn Law) -> Job<'a> {
         replicas: 1,
         probes: &[],
         keep_curves: false,
+        compression: None,
     }
 }
 
@@ -43,7 +44,7 @@ fn replica(bencher: Bencher, name: &str) {
     let mut index = 0;
     bencher.counter(ItemsCount::new(pairs)).bench_local(|| {
         index += 1;
-        workspace.replica(&job, index)
+        workspace.replicas(&job, index..index + 1, |_, _| ());
     });
 }
 
@@ -55,7 +56,7 @@ fn replica_by_law(bencher: Bencher, name: &str) {
     let job = job(&scene, law.as_ref());
     let mut workspace = Workspace::new(&job);
     let pairs = scene.surface.asperity_count * scene.separations.len();
-    bencher.counter(ItemsCount::new(pairs)).bench_local(|| workspace.replica(&job, 0));
+    bencher.counter(ItemsCount::new(pairs)).bench_local(|| workspace.replicas(&job, 0..1, |_, _| ()));
 }
 
 #[divan::bench(args = CASES, sample_count = 20)]

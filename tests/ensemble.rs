@@ -14,7 +14,7 @@ use stiction::statistical::Statistical;
 use stiction::surface::Surface;
 
 fn job<'a>(law: &'a dyn Law, surface: &'a Surface, separations: &'a [f64], replicas: u64) -> Job<'a> {
-    Job { law, surface, separations, seed: 3, replicas, probes: &[], keep_curves: false }
+    Job { law, surface, separations, seed: 3, replicas, probes: &[], keep_curves: false, compression: None }
 }
 
 fn ensemble(job: &Job<'_>) -> Ensemble {
@@ -61,7 +61,7 @@ fn sums_agree_with_a_plain_loop() {
         let law = law("hybrid", &asperity, path, (-60e-9, 40e-9));
         let job = job(law.as_ref(), &surface, &separations, 1);
         let mut workspace = Workspace::new(&job);
-        workspace.replica(&job, 0);
+        workspace.replicas(&job, 0..1, |_, _| ());
         let mut heights = vec![0.0; 700];
         surface.heights.draw(&mut stream(3, Purpose::Heights, 0), &mut heights);
         let scale = Scale::new(&asperity).unwrap();
@@ -74,10 +74,10 @@ fn sums_agree_with_a_plain_loop() {
                 adhesion += forces.0;
                 contact += forces.1;
             }
-            let total = |quantity: Quantity| workspace.curves.total[quantity.index()][k];
+            let total = |quantity: Quantity| workspace.curves[0].total[quantity.index()][k];
             assert!((total(Quantity::AdhesionForce) / adhesion - 1.0).abs() < 1e-12, "{name} at {h}");
             assert!((total(Quantity::ContactForce) - contact).abs() <= 1e-12 * (contact + adhesion), "{name} at {h}");
-            let counted: f64 = (0..6).map(|r| workspace.curves.regime_count[r * separations.len() + k]).sum();
+            let counted: f64 = (0..6).map(|r| workspace.curves[0].regime_count[r * separations.len() + k]).sum();
             assert_eq!(counted, 700.0);
         }
     }

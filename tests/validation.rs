@@ -61,6 +61,7 @@ fn joint_test(scene: &Scene<'_>, law: &dyn Law, basis: &Basis, expected: &Statis
         replicas: scene.replicas,
         probes: &basis.probes,
         keep_curves: false,
+        compression: None,
     };
     let pool = rayon::ThreadPoolBuilder::new().build().unwrap();
     let Ok(Outcome::Complete(ensemble)) = run::<()>(&job, &pool, &AtomicBool::new(false), |_| Ok(())) else {

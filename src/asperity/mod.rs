@@ -52,6 +52,8 @@ pub struct Work {
     pub constant: u64,
     /// Asperities that needed no solve: closed form in the elastic-plastic and plastic regimes.
     pub closed_form: u64,
+    /// Separations of surfaces that were summed by moments.
+    pub compressed: u64,
     /// Evaluations of the equations.
     pub evaluations: u64,
     /// Solves that took the safeguarded path.
@@ -67,6 +69,7 @@ impl Work {
         self.noncontact_solves += other.noncontact_solves;
         self.constant += other.constant;
         self.closed_form += other.closed_form;
+        self.compressed += other.compressed;
         self.evaluations += other.evaluations;
         self.safeguarded += other.safeguarded;
         self.largest_residual = self.largest_residual.max(other.largest_residual);

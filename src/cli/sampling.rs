@@ -39,6 +39,7 @@ impl Sampling<'_> {
             replicas: scene.replicas,
             probes: &basis.probes,
             keep_curves,
+            compression: None,
         };
         progress.replicas(name, scene.replicas);
         let outcome = crate::engine::run(&job, pool, stop, |batch| {

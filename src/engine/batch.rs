@@ -1,6 +1,7 @@
 //! Batches of replicas and the moments that they merge into.
 
 use super::Job;
+use super::curves::Curves;
 use super::replica::{Replica, Workspace};
 use crate::asperity::{Quantity, Work};
 use crate::math::moments::{Comoments, Moments};
@@ -55,8 +56,7 @@ impl Ensemble {
         self.work.merge(&other.work);
     }
 
-    fn push(&mut self, job: &Job<'_>, replica: Replica, workspace: &Workspace) {
-        let curves = &workspace.curves;
+    fn push(&mut self, job: &Job<'_>, replica: Replica, curves: &Curves) {
         for (moments, curve) in self.curves.iter_mut().zip(&curves.total) {
             moments.push(curve);
         }
@@ -87,15 +87,14 @@ impl Batch {
     pub fn compute(job: &Job<'_>, index: u64) -> Self {
         let mut workspace = Workspace::new(job);
         let mut batch = Self { ensemble: Ensemble::new(job), external_force: Vec::new(), adhesion_force: Vec::new() };
-        for replica in index * BATCH..((index + 1) * BATCH).min(job.replicas) {
-            let kept = workspace.replica(job, replica);
-            batch.ensemble.push(job, kept, &workspace);
+        let replicas = index * BATCH..((index + 1) * BATCH).min(job.replicas);
+        workspace.replicas(job, replicas, |replica, curves| {
+            batch.ensemble.push(job, replica, curves);
             if job.keep_curves {
-                let total = &workspace.curves.total;
-                batch.external_force.extend_from_slice(&total[Quantity::ExternalForce.index()]);
-                batch.adhesion_force.extend_from_slice(&total[Quantity::AdhesionForce.index()]);
+                batch.external_force.extend_from_slice(&curves.total[Quantity::ExternalForce.index()]);
+                batch.adhesion_force.extend_from_slice(&curves.total[Quantity::AdhesionForce.index()]);
             }
-        }
+        });
         batch.ensemble.work = workspace.work();
         batch
     }

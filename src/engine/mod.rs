@@ -5,17 +5,21 @@
 //! scene and the seed alone. What is kept per replica is a handful of numbers; heights and curves are dropped with their batch.
 
 mod batch;
+pub mod compressed;
+mod curves;
 mod pull_off;
 mod reduce;
 mod replica;
 pub mod stream;
 
 pub use batch::{BATCH, Batch, Ensemble};
+pub use curves::Curves;
 pub use reduce::{Outcome, run};
-pub use replica::{Curves, Replica, Workspace};
+pub use replica::{Replica, Workspace};
 
 use crate::asperity::Law;
 use crate::surface::Surface;
+use compressed::Compression;
 
 /// A linear functional of a replica's force curves, for the joint test: Σ w_a F_s(d) + Σ w_f F(d).
 #[derive(Clone, Debug, PartialEq)]
@@ -51,6 +55,8 @@ pub struct Job<'a> {
     pub probes: &'a [Probe],
     /// Whether batches carry the force curves of their replicas.
     pub keep_curves: bool,
+    /// How surfaces are summed by moments; directly without it.
+    pub compression: Option<&'a Compression>,
 }
 
 impl Job<'_> {

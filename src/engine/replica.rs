@@ -1,12 +1,15 @@
 //! One replica: one surface, its curves and what is kept of them.
 
 use super::Job;
+use super::compressed::{self, LANES};
+use super::curves::Curves;
 use super::pull_off::{Jump, jumps, pull_off};
 use super::stream::{Purpose, stream};
 use crate::asperity::{Quantity, Scratch, Work, for_each_block};
 use crate::math::extrema::steepest_rise;
 use crate::math::instruction_set::InstructionSet;
 use crate::math::sums::{Compensated, lane_sum};
+use std::ops::Range;
 
 /// What is kept of every replica.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,42 +30,27 @@ pub struct Replica {
     pub pull_off_at_edge: bool,
 }
 
-/// Curves of one surface over S separations and R regimes.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Curves {
-    /// Sums over all asperities, by [`Quantity::index`], each over S.
-    pub total: [Vec<f64>; 4],
-    /// Asperities in each regime, R × S.
-    pub regime_count: Vec<f64>,
-    /// Adhesion force of each regime, N, R × S.
-    pub regime_adhesion_force: Vec<f64>,
-    /// External force of each regime, N, R × S.
-    pub regime_external_force: Vec<f64>,
-}
-
-/// Memory that replicas reuse one after the other.
+/// Memory that batches reuse one after the other.
 pub struct Workspace {
-    heights: Vec<f64>,
+    heights: Vec<Vec<f64>>,
     jumps: Vec<Jump>,
     sums: Sums,
-    /// The curves of the last surface.
-    pub curves: Curves,
+    compressed: Option<compressed::Sums>,
+    /// The curves of the surfaces that were summed last.
+    pub curves: Vec<Curves>,
 }
 
 impl Workspace {
     /// Memory for replicas of a job.
     pub fn new(job: &Job<'_>) -> Self {
-        let (s, r) = (job.separations.len(), job.law.regimes().len());
+        let r = job.law.regimes().len();
+        let at_once = if job.compression.is_some() { LANES } else { 1 };
         Self {
-            heights: vec![0.0; job.surface.asperity_count],
+            heights: vec![vec![0.0; job.surface.asperity_count]; at_once],
             jumps: jumps(job.law),
             sums: Sums { regimes: vec![RegimeSums::default(); r], scratch: Scratch::default(), work: Work::default() },
-            curves: Curves {
-                total: std::array::from_fn(|_| vec![0.0; s]),
-                regime_count: vec![0.0; r * s],
-                regime_adhesion_force: vec![0.0; r * s],
-                regime_external_force: vec![0.0; r * s],
-            },
+            compressed: job.compression.map(compressed::Sums::new),
+            curves: vec![Curves::new(job.separations.len(), r); at_once],
         }
     }
 
@@ -71,25 +59,54 @@ impl Workspace {
         self.sums.work
     }
 
-    /// Draws a replica, sums it over all separations, and tells what is kept of it.
-    pub fn replica(&mut self, job: &Job<'_>, index: u64) -> Replica {
-        let mut random = stream(job.seed, Purpose::Heights, index);
-        job.surface.heights.draw(&mut random, &mut self.heights);
-        // Rising heights make the regimes contiguous, and neighbours in a slice neighbours in the law.
-        self.heights.sort_unstable_by(f64::total_cmp);
-        for k in 0..job.separations.len() {
-            self.sums.surface(job, &self.heights, job.separations[k]);
-            self.curves.record(k, &self.sums);
+    /// Draws replicas, sums them over all separations, and visits each with what is kept of it and its curves.
+    pub fn replicas(&mut self, job: &Job<'_>, replicas: Range<u64>, mut visit: impl FnMut(Replica, &Curves)) {
+        let mut first = replicas.start;
+        while first < replicas.end {
+            let at_once = (replicas.end - first).min(self.heights.len() as u64);
+            for (heights, index) in self.heights.iter_mut().zip(first..first + at_once) {
+                let mut random = stream(job.seed, Purpose::Heights, index);
+                job.surface.heights.draw(&mut random, heights);
+            }
+            self.sum(job, at_once as usize);
+            for lane in 0..at_once as usize {
+                visit(self.keep(job, lane), &self.curves[lane]);
+            }
+            first += at_once;
         }
-        let external = &self.curves.total[Quantity::ExternalForce.index()];
-        let pull_off = pull_off(job, &self.jumps, &self.heights, external, |h| {
-            self.sums.surface(job, &self.heights, h);
+    }
+
+    /// Sums the first `count` surfaces, whose heights it sorts: rising heights make the regimes contiguous, and neighbours in a slice
+    /// neighbours in the law.
+    fn sum(&mut self, job: &Job<'_>, count: usize) {
+        if let (Some(compression), Some(compressed)) = (job.compression, &mut self.compressed) {
+            compressed.take(compression, self.heights[..count].iter_mut());
+            compressed.fill(compression, job.law, &mut self.curves[..count], &mut self.sums.work);
+        }
+        for (lane, heights) in self.heights[..count].iter_mut().enumerate() {
+            if self.compressed.as_ref().is_some_and(|compressed| compressed.has(lane)) {
+                continue;
+            }
+            heights.sort_unstable_by(f64::total_cmp);
+            for k in 0..job.separations.len() {
+                self.sums.surface(job, heights, job.separations[k]);
+                self.sums.record(k, &mut self.curves[lane]);
+            }
+        }
+    }
+
+    /// What is kept of a surface that has been summed.
+    fn keep(&mut self, job: &Job<'_>, lane: usize) -> Replica {
+        let heights = &self.heights[lane];
+        let external = &self.curves[lane].total[Quantity::ExternalForce.index()];
+        let pull_off = pull_off(job, &self.jumps, heights, external, |h| {
+            self.sums.surface(job, heights, h);
             self.sums.total()[Quantity::ExternalForce.index()]
         });
         let stiffest = steepest_rise(job.separations, external);
         Replica {
-            asperity_count: self.heights.len() as u64,
-            highest_asperity: self.heights.last().copied().unwrap_or(f64::NAN),
+            asperity_count: heights.len() as u64,
+            highest_asperity: heights.last().copied().unwrap_or(f64::NAN),
             pull_off_force: -pull_off.value,
             pull_off_separation: pull_off.place,
             peak_stiffness: stiffest.value,
@@ -141,19 +158,17 @@ impl Sums {
         };
         Quantity::of_response(total(|r| r.adhesion.value()), total(|r| r.contact.value()), total(|r| r.area.value()))
     }
-}
 
-impl Curves {
-    /// Takes over the sums at the separation `k`.
-    fn record(&mut self, k: usize, sums: &Sums) {
-        let separations = self.total[0].len();
-        for (regime, sum) in sums.regimes.iter().enumerate() {
+    /// Hands the sums over as point `k` of the curves.
+    fn record(&self, k: usize, curves: &mut Curves) {
+        let separations = curves.total[0].len();
+        for (regime, sum) in self.regimes.iter().enumerate() {
             let place = regime * separations + k;
-            self.regime_count[place] = sum.count;
-            self.regime_adhesion_force[place] = sum.adhesion.value();
-            self.regime_external_force[place] = sum.contact.value() - sum.adhesion.value();
+            curves.regime_count[place] = sum.count;
+            curves.regime_adhesion_force[place] = sum.adhesion.value();
+            curves.regime_external_force[place] = sum.contact.value() - sum.adhesion.value();
         }
-        for (curve, value) in self.total.iter_mut().zip(sums.total()) {
+        for (curve, value) in curves.total.iter_mut().zip(self.total()) {
             curve[k] = value;
         }
     }

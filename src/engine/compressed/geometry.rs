@@ -1,0 +1,111 @@
+//! Periods, segments and offsets.
+
+use super::TERMS;
+use crate::asperity::{Law, Smoothness};
+use std::ops::Range;
+
+/// Towards a root, segments end at these shares of a period from it.
+const GRADED: [f64; 4] = [0.5, 0.25, 0.125, 0.0625];
+/// Edges closer than this share of a period are one.
+const SAME: f64 = 1e-9;
+
+/// How heights are binned.
+#[derive(Debug)]
+pub(super) struct Geometry {
+    /// Height, m, where period 0 begins.
+    pub origin: f64,
+    /// δ, m, where offset 0 begins.
+    pub interference_origin: f64,
+    /// H, m.
+    pub step: f64,
+    /// Shares of a period where segments begin, from 0.
+    pub edges: Vec<f64>,
+    /// The periods of all heights.
+    pub periods: Range<i64>,
+    /// Number of separations.
+    pub separations: usize,
+    /// For each segment, how its moments become those of the period: M_n = Σ_m B_mn S_m, row m after row m.
+    pub merging: Vec<[[f64; TERMS]; TERMS]>,
+}
+
+impl Geometry {
+    /// For separations from `first` (m) by `step` (m), and heights within ±`reach` (m).
+    pub fn new(law: &dyn Law, first: f64, step: f64, separations: usize, reach: f64) -> Self {
+        let pieces = law.pieces();
+        let kinks: Vec<f64> = pieces.iter().flat_map(|p| [p.lower, p.upper]).filter(|kink| kink.is_finite()).collect();
+        let interference_origin = kinks.first().copied().unwrap_or(0.0);
+        let origin = first + interference_origin;
+        let last = first + step * (separations - 1) as f64;
+        let reached = |delta: f64| delta > -reach - last && delta < reach - first;
+        let mut edges = vec![0.0];
+        let mut add = |delta: f64| {
+            let share = (delta - interference_origin) / step;
+            edges.push(share - share.floor());
+        };
+        kinks.iter().copied().filter(|kink| reached(*kink)).for_each(&mut add);
+        for piece in &pieces {
+            let Smoothness::Root { place, .. } = piece.smoothness else { continue };
+            let (end, sign) = if place <= piece.lower { (piece.lower, 1.0) } else { (piece.upper, -1.0) };
+            let graded = GRADED.iter().map(|share| end + sign * share * step);
+            graded.filter(|delta| piece.lower < *delta && *delta < piece.upper && reached(*delta)).for_each(&mut add);
+        }
+        edges.sort_by(f64::total_cmp);
+        edges.dedup_by(|b, a| *b - *a < SAME);
+        edges.retain(|edge| *edge < 1.0 - SAME);
+        let period = |u: f64| ((u - origin) / step).floor() as i64;
+        let periods = period(-reach)..period(reach) + 1;
+        let mut geometry = Self { origin, interference_origin, step, edges, periods, separations, merging: Vec::new() };
+        geometry.merging = (0..geometry.segments()).map(|segment| geometry.merging(segment)).collect();
+        geometry
+    }
+
+    /// Number of segments of a period.
+    pub fn segments(&self) -> usize {
+        self.edges.len()
+    }
+
+    /// Shares of the period where a segment begins and ends.
+    pub fn shares(&self, segment: usize) -> [f64; 2] {
+        [self.edges[segment], self.edges.get(segment + 1).copied().unwrap_or(1.0)]
+    }
+
+    /// The offsets that any height has at any separation.
+    pub fn offsets(&self) -> Range<i64> {
+        self.periods.start - self.separations as i64 + 1..self.periods.end
+    }
+
+    /// Interferences, m, between which a segment of an offset lies.
+    pub fn interference(&self, offset: i64, segment: usize) -> [f64; 2] {
+        self.shares(segment).map(|share| self.interference_origin + (offset as f64 + share) * self.step)
+    }
+
+    /// The offset and segment that begin at a kink δ, m.
+    pub fn boundary(&self, interference: f64) -> (i64, usize) {
+        let place = (interference - self.interference_origin) / self.step;
+        let (mut offset, share) = (place.floor() as i64, place - place.floor());
+        let nearest = |edge: &f64| (edge - share).abs();
+        let mut segment = (0..self.segments())
+            .min_by(|a, b| nearest(&self.edges[*a]).total_cmp(&nearest(&self.edges[*b])))
+            .unwrap_or(0);
+        if 1.0 - share < nearest(&self.edges[segment]) {
+            (offset, segment) = (offset + 1, 0);
+        }
+        (offset, segment)
+    }
+
+    /// Binomials of v = centre + half·v_s: vⁿ = Σ_m (n over m) centre^(n−m) halfᵐ v_sᵐ.
+    fn merging(&self, segment: usize) -> [[f64; TERMS]; TERMS] {
+        let [low, high] = self.shares(segment);
+        let (centre, half) = (low + high - 1.0, high - low);
+        let mut rows = [[0.0; TERMS]; TERMS];
+        rows[0][0] = 1.0;
+        for n in 1..TERMS {
+            for m in 0..=n {
+                let same = if m < n { centre * rows[m][n - 1] } else { 0.0 };
+                let more = if m > 0 { half * rows[m - 1][n - 1] } else { 0.0 };
+                rows[m][n] = same + more;
+            }
+        }
+        rows
+    }
+}

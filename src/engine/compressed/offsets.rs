@@ -1,0 +1,143 @@
+//! Polynomials of a law on one offset or segment.
+
+use super::geometry::Geometry;
+use super::{DEGREE, TERMS};
+use crate::asperity::{BLOCK, Law, Piece, Responses, Work};
+
+/// Nodes of an interpolant: more than terms, so that its tail shows how fast it converges.
+const NODES: usize = 24;
+/// Of the tolerance, what the tail may take; the rest is for rounding.
+const TAIL: f64 = 0.5;
+
+/// Adhesion force, contact force and area as polynomials of v in −1..1.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Polynomials {
+    /// Regime of the law.
+    pub regime: usize,
+    /// Terms that are not 0.
+    pub terms: usize,
+    /// Whether contact force and area are not 0.
+    pub touches: bool,
+    /// F_s, P, area.
+    pub coefficients: [[f64; TERMS]; 3],
+}
+
+/// A segment of an offset.
+#[derive(Clone, Debug)]
+pub(super) enum Cell {
+    /// The law has ended.
+    Nothing,
+    /// Summed by moments.
+    Smooth(Box<Polynomials>),
+    /// Solved asperity by asperity.
+    Direct {
+        /// Regime of the law.
+        regime: usize,
+    },
+}
+
+/// One offset.
+#[derive(Clone, Debug)]
+pub(super) enum Offset {
+    /// Summed by the moments of the whole period.
+    Whole(Box<Polynomials>),
+    /// Summed by segments.
+    Split(Vec<Cell>),
+}
+
+impl Offset {
+    /// Whether there are segments to sum.
+    pub fn is_split(&self) -> bool {
+        match self {
+            Self::Whole(_) => false,
+            Self::Split(cells) => cells.iter().any(|cell| !matches!(cell, Cell::Nothing)),
+        }
+    }
+
+    pub fn new(law: &dyn Law, geometry: &Geometry, offset: i64, tolerance: f64) -> Self {
+        let pieces = law.pieces();
+        let segments = geometry.segments();
+        let whole = [geometry.interference(offset, 0)[0], geometry.interference(offset, segments - 1)[1]];
+        if let Cell::Smooth(polynomials) = cell(law, &pieces, whole, geometry.step, tolerance) {
+            return Self::Whole(polynomials);
+        }
+        let segment = |segment| cell(law, &pieces, geometry.interference(offset, segment), geometry.step, tolerance);
+        Self::Split((0..segments).map(segment).collect())
+    }
+}
+
+/// The piece that an interval lies in, up to rounding of its ends.
+fn piece_of<'a>(pieces: &'a [Piece], [low, high]: [f64; 2], step: f64) -> Option<&'a Piece> {
+    let slack = 1e-9 * step;
+    pieces.iter().find(|piece| piece.lower <= low + slack && high - slack <= piece.upper)
+}
+
+fn cell(law: &dyn Law, pieces: &[Piece], interval: [f64; 2], step: f64, tolerance: f64) -> Cell {
+    let Some(piece) = piece_of(pieces, interval, step) else { return Cell::Nothing };
+    let low = interval[0].max(piece.lower);
+    let high = interval[1].min(piece.upper);
+    match polynomials(law, piece, [low, high], tolerance) {
+        Some(polynomials) => Cell::Smooth(Box::new(polynomials)),
+        None => Cell::Direct { regime: piece.regime },
+    }
+}
+
+/// The polynomials on an interval of a piece, or that none of degree ≤ [`DEGREE`] meets the tolerance.
+fn polynomials(law: &dyn Law, piece: &Piece, [low, high]: [f64; 2], tolerance: f64) -> Option<Polynomials> {
+    let angle = |i: usize| std::f64::consts::PI * (i as f64 + 0.5) / NODES as f64;
+    let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
+    let mut nodes = [0.0; BLOCK];
+    for (i, node) in nodes[..NODES].iter_mut().enumerate() {
+        *node = (middle - half * libm::cos(angle(i))).clamp(low, high);
+    }
+    let (mut responses, mut work) = (Responses::default(), Work::default());
+    law.evaluate(piece.regime, &nodes[..NODES], &mut responses, &mut work);
+    let samples = [&responses.adhesion, &responses.contact, &responses.area].map(|values| &values[..NODES]);
+    let largest = samples.map(|values| values.iter().fold(0.0, |most: f64, value| most.max(value.abs())));
+    // Forces are judged by the larger of both: their difference is what counts.
+    let scale = [largest[0].max(largest[1]), largest[0].max(largest[1]), largest[2]];
+    let mut result = Polynomials {
+        regime: piece.regime,
+        terms: 1,
+        touches: largest[1] + largest[2] > 0.0,
+        coefficients: [[0.0; TERMS]; 3],
+    };
+    for (q, values) in samples.into_iter().enumerate() {
+        // T_n at the nodes −cos: the sign of odd ones is turned.
+        let chebyshev: [f64; NODES] = std::array::from_fn(|n| {
+            let sum: f64 = (0..NODES).map(|i| values[i] * libm::cos(n as f64 * angle(i))).sum();
+            let sign = if n % 2 == 0 { 1.0 } else { -1.0 };
+            sign * sum * if n == 0 { 1.0 } else { 2.0 } / NODES as f64
+        });
+        let allowed = TAIL * tolerance * scale[q];
+        let mut tail = 0.0;
+        let mut terms = NODES;
+        while terms > 1 && tail + chebyshev[terms - 1].abs() <= allowed {
+            tail += chebyshev[terms - 1].abs();
+            terms -= 1;
+        }
+        if terms > DEGREE + 1 || tail.is_nan() || chebyshev[0].is_nan() {
+            return None;
+        }
+        result.terms = result.terms.max(terms);
+        result.coefficients[q] = powers(&chebyshev[..terms]);
+    }
+    Some(result)
+}
+
+/// Σ c_n T_n(v) as powers of v.
+fn powers(chebyshev: &[f64]) -> [f64; TERMS] {
+    let mut coefficients = [0.0; TERMS];
+    let (mut before, mut current) = ([0.0; TERMS], [0.0; TERMS]);
+    current[0] = 1.0;
+    for (n, c) in chebyshev.iter().enumerate() {
+        for (coefficient, power) in coefficients.iter_mut().zip(&current) {
+            *coefficient += c * power;
+        }
+        let factor = if n == 0 { 1.0 } else { 2.0 };
+        let next = std::array::from_fn(|i| if i == 0 { -before[0] } else { factor * current[i - 1] - before[i] });
+        before = current;
+        current = next;
+    }
+    coefficients
+}

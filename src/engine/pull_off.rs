@@ -10,6 +10,7 @@ use super::Job;
 use crate::asperity::{Law, Scratch, Work, for_each_block};
 use crate::math::extrema::{Extremum, minimum};
 use crate::math::interpolation::{POINTS, lagrange};
+use crate::math::polynomials::horner;
 
 /// Samples belong to the neighbourhood of the minimum when they are within this share of the smallest, or so many of the largest
 /// jumps, because a patch of few asperities is more jagged.
@@ -20,10 +21,15 @@ const SPACING: f64 = 0.06;
 const MOST_BETWEEN: usize = 64;
 /// Parts of the space between two separations, the deepest place of each is found.
 const PARTS: usize = 2;
-/// The whole surface is solved at the deepest of these: so many asperities in all, because a small patch is the more jagged, and within
-/// these bounds.
+/// At the deepest of these the whole surface is solved, from the deepest on, until the next would have to be deeper than it was found by so
+/// many times the largest surprise so far to be the deepest of all.
+const SURPRISES: f64 = 4.0;
+/// But at least at so many, and at most at so many: of small patches, which are the more jagged, so many asperities in all, within bounds.
+const LEAST_SOLVED: usize = 2;
 const SOLVED_ASPERITIES: usize = 60_000;
-const SOLVED: (usize, usize) = (8, 32);
+const MOST_SOLVED: (usize, usize) = (8, 32);
+/// How far beside a jump, as a share of the way to the next, its sides are.
+const BESIDE: f64 = 1e-6;
 
 /// A jump of the external force of one asperity.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -68,99 +74,143 @@ pub(super) fn pull_off(
     if sampled.at_edge {
         return sampled;
     }
-    let samples = neighbourhood(job, jumps, external_force, &mut exact);
-    let separations: Vec<f64> = samples.iter().map(|(h, _)| *h).collect();
-    let staircase = |h: f64| staircase(job, jumps, heights, h);
-    let mut known = samples.clone();
-    if separations.len() >= POINTS {
-        let continuous: Vec<f64> = samples.iter().map(|(h, force)| force - staircase(*h)).collect();
-        let places = deepest(job, jumps, heights, &separations, &continuous, staircase(separations[0]));
-        known.extend(places.into_iter().map(|h| (h, exact(h))));
-    }
-    let (place, value) = known.into_iter().min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((sampled.place, sampled.value));
-    Extremum { place, value, at_edge: false }
-}
-
-/// Separations (m) around the minimum, close enough to interpolate between, and the force (N) at each.
-fn neighbourhood(
-    job: &Job<'_>,
-    jumps: &[Jump],
-    external_force: &[f64],
-    exact: &mut impl FnMut(f64) -> f64,
-) -> Vec<(f64, f64)> {
-    let smallest = external_force.iter().copied().fold(f64::INFINITY, f64::min);
-    let largest_jump = jumps.iter().map(|jump| jump.size.abs()).fold(0.0, f64::max);
-    let limit = smallest + NEAR.0 * smallest.abs() + NEAR.1 * largest_jump;
-    let belongs = |force: &f64| *force <= limit;
-    let first = external_force.iter().position(belongs).unwrap_or(0).saturating_sub(2);
-    let last = external_force.iter().rposition(belongs).unwrap_or(0) + 2;
-    let last = last.min(external_force.len() - 1);
-    let spacing = SPACING * job.surface.heights.std;
-    let mut samples = vec![(job.separations[first], external_force[first])];
-    for k in first..last {
-        let (from, to) = (job.separations[k], job.separations[k + 1]);
-        let parts = (((to - from) / spacing).ceil() as usize).clamp(1, MOST_BETWEEN);
-        for i in 1..parts {
-            let h = from + (to - from) * i as f64 / parts as f64;
-            samples.push((h, exact(h)));
+    let curve = Jagged { job, jumps, heights };
+    let samples = curve.neighbourhood(external_force, &mut exact);
+    let mut deepest = samples.iter().copied().fold((sampled.place, f64::INFINITY), deeper);
+    let most = (SOLVED_ASPERITIES / heights.len().max(1)).clamp(MOST_SOLVED.0, MOST_SOLVED.1);
+    let mut surprise: f64 = 0.0;
+    for (solved, (place, expected)) in curve.deepest_places(&samples).into_iter().take(most).enumerate() {
+        if solved >= LEAST_SOLVED && expected - SURPRISES * surprise > deepest.1 {
+            break;
         }
-        samples.push((to, external_force[k + 1]));
+        let force = exact(place);
+        surprise = surprise.max((force - expected).abs());
+        deepest = deeper(deepest, (place, force));
     }
-    samples
+    Extremum { place: deepest.0, value: deepest.1, at_edge: false }
 }
 
-/// The separations, m, where the curve is deepest by its staircase, which is at `level` (N) before the first separation, and its
-/// interpolated `continuous` part (N), one in each part of the space.
-fn deepest(
-    job: &Job<'_>,
-    jumps: &[Jump],
-    heights: &[f64],
-    separations: &[f64],
-    continuous: &[f64],
-    mut level: f64,
-) -> Vec<f64> {
-    let (low, high) = (separations[0], separations[separations.len() - 1]);
-    let parts = PARTS * (separations.len() - 1);
-    let mut cells = vec![(low, f64::INFINITY); parts];
-    // From one step of the staircase to the next the curve is continuous, and lowest near an end or in the middle.
-    let steps = steps(job, jumps, heights, low, high, parts);
-    for pair in steps.windows(2) {
-        let [(from, drop), (to, _)] = [pair[0], pair[1]];
-        level -= drop;
-        for share in [1e-6, 0.5, 1.0 - 1e-6] {
-            let h = from + share * (to - from);
-            let cell = (((h - low) / (high - low) * parts as f64) as usize).min(parts - 1);
-            let force = lagrange(separations, continuous, h) + level;
-            if force < cells[cell].1 {
-                cells[cell] = (h, force);
+/// The one of two points with the smaller force.
+fn deeper(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
+    if b.1 < a.1 { b } else { a }
+}
+
+/// The curve of one surface as a continuous part and a staircase.
+struct Jagged<'a> {
+    job: &'a Job<'a>,
+    jumps: &'a [Jump],
+    /// Rising, m.
+    heights: &'a [f64],
+}
+
+impl Jagged<'_> {
+    /// Separations (m) around the minimum, close enough to interpolate between, and the force (N) at each.
+    fn neighbourhood(&self, external_force: &[f64], exact: &mut impl FnMut(f64) -> f64) -> Vec<(f64, f64)> {
+        let separations = self.job.separations;
+        let smallest = external_force.iter().copied().fold(f64::INFINITY, f64::min);
+        let largest_jump = self.jumps.iter().map(|jump| jump.size.abs()).fold(0.0, f64::max);
+        let limit = smallest + NEAR.0 * smallest.abs() + NEAR.1 * largest_jump;
+        let belongs = |force: &f64| *force <= limit;
+        let first = external_force.iter().position(belongs).unwrap_or(0).saturating_sub(2);
+        let last = external_force.iter().rposition(belongs).unwrap_or(0) + 2;
+        let last = last.min(external_force.len() - 1);
+        let spacing = SPACING * self.job.surface.heights.std;
+        let mut samples = vec![(separations[first], external_force[first])];
+        for k in first..last {
+            let (from, to) = (separations[k], separations[k + 1]);
+            let parts = (((to - from) / spacing).ceil() as usize).clamp(1, MOST_BETWEEN);
+            for i in 1..parts {
+                let h = from + (to - from) * i as f64 / parts as f64;
+                samples.push((h, exact(h)));
+            }
+            samples.push((to, external_force[k + 1]));
+        }
+        samples
+    }
+
+    /// Where the curve is expected to be deepest between samples, m, and its force there, N: one place in each part of the space
+    /// between two samples, the deepest first; none for too few samples.
+    fn deepest_places(&self, samples: &[(f64, f64)]) -> Vec<(f64, f64)> {
+        if samples.len() < POINTS {
+            return Vec::new();
+        }
+        let separations: Vec<f64> = samples.iter().map(|(h, _)| *h).collect();
+        let continuous: Vec<f64> = samples.iter().map(|(h, force)| force - self.staircase(*h)).collect();
+        let mut steps = self.steps(separations[0]);
+        let mut next = steps.next();
+        let mut level = self.staircase(separations[0]);
+        let mut places = Vec::with_capacity(PARTS * samples.len());
+        for i in 0..samples.len() - 1 {
+            let (from, to) = (separations[i], separations[i + 1]);
+            let middle = lagrange(&separations, &continuous, 0.5 * (from + to));
+            let parabola = Parabola::new(from, to, [continuous[i], middle, continuous[i + 1]]);
+            for part in 0..PARTS {
+                let end = |part: usize| from + (to - from) * part as f64 / PARTS as f64;
+                let (mut begin, end) = (end(part), end(part + 1));
+                let mut best = (begin, f64::INFINITY);
+                // From one step to the next the curve is continuous, and lowest next to one of them.
+                loop {
+                    let step = next.filter(|(place, _)| *place <= end);
+                    let stop = step.map_or(end, |(place, _)| place.max(begin));
+                    for h in [begin + BESIDE * (stop - begin), stop - BESIDE * (stop - begin)] {
+                        best = deeper(best, (h, parabola.value(h) + level));
+                    }
+                    let Some((_, drop)) = step else { break };
+                    level -= drop;
+                    begin = stop;
+                    next = steps.next();
+                }
+                places.push(best);
             }
         }
+        places.sort_unstable_by(|a, b| a.1.total_cmp(&b.1));
+        places
     }
-    cells.sort_unstable_by(|a, b| a.1.total_cmp(&b.1));
-    let solved = (SOLVED_ASPERITIES / heights.len().max(1)).clamp(SOLVED.0, SOLVED.1);
-    cells.into_iter().take(solved).map(|(h, _)| h).collect()
+
+    /// The jumps of all asperities that are above them at a separation, N.
+    fn staircase(&self, separation: f64) -> f64 {
+        let d = self.job.surface.asperity_separation(separation);
+        let above = |jump: &Jump| self.heights.len() - self.heights.partition_point(|&u| u - d < jump.interference);
+        self.jumps.iter().map(|jump| jump.size * above(jump) as f64).sum()
+    }
+
+    /// Rising separations from `low` on at which the staircase falls, and by how much, N, as the separation grows past them.
+    fn steps(&self, low: f64) -> impl Iterator<Item = (f64, f64)> {
+        let d = self.job.surface.asperity_separation(low);
+        let place = |jump: &Jump, next: usize| match self.heights.get(next) {
+            Some(u) => u - jump.interference + self.job.surface.mean_plane_offset,
+            None => f64::INFINITY,
+        };
+        let begin = |jump: &Jump| self.heights.partition_point(|&u| u - d < jump.interference);
+        let mut next: Vec<usize> = self.jumps.iter().map(begin).collect();
+        let mut places: Vec<f64> = self.jumps.iter().zip(&next).map(|(jump, next)| place(jump, *next)).collect();
+        std::iter::from_fn(move || {
+            let nearest = (0..places.len()).reduce(|best, i| if places[i] < places[best] { i } else { best })?;
+            let step = (places[nearest], self.jumps[nearest].size);
+            next[nearest] += 1;
+            places[nearest] = place(&self.jumps[nearest], next[nearest]);
+            step.0.is_finite().then_some(step)
+        })
+    }
 }
 
-/// The jumps of all asperities that are above them at a separation, N.
-fn staircase(job: &Job<'_>, jumps: &[Jump], heights: &[f64], separation: f64) -> f64 {
-    let d = job.surface.asperity_separation(separation);
-    let above = |jump: &Jump| heights.len() - heights.partition_point(|&u| u - d < jump.interference);
-    jumps.iter().map(|jump| jump.size * above(jump) as f64).sum()
+/// A parabola over an interval.
+struct Parabola {
+    from: f64,
+    inverse_width: f64,
+    coefficients: [f64; 3],
 }
 
-/// Rising separations in `low..=high` at which the staircase falls, and by how much, N, as the separation grows past them; evenly
-/// spaced ones, `even` intervals, without a step among them.
-fn steps(job: &Job<'_>, jumps: &[Jump], heights: &[f64], low: f64, high: f64, even: usize) -> Vec<(f64, f64)> {
-    let mut steps: Vec<(f64, f64)> = (0..=even).map(|i| (low + (high - low) * i as f64 / even as f64, 0.0)).collect();
-    let d = |h: f64| job.surface.asperity_separation(h);
-    for jump in jumps {
-        let begin = heights.partition_point(|&u| u - d(low) < jump.interference);
-        let passed = heights[begin..].iter().take_while(|&&u| u - d(high) < jump.interference);
-        let separation = |u: &f64| u - jump.interference + job.surface.mean_plane_offset;
-        steps.extend(passed.map(|u| (separation(u).clamp(low, high), jump.size)));
+impl Parabola {
+    /// Through the values at the beginning, the middle and the end.
+    fn new(from: f64, to: f64, [begin, middle, end]: [f64; 3]) -> Self {
+        let coefficients = [begin, 4.0 * middle - 3.0 * begin - end, 2.0 * (begin + end) - 4.0 * middle];
+        Self { from, inverse_width: 1.0 / (to - from), coefficients }
     }
-    steps.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
-    steps
+
+    fn value(&self, h: f64) -> f64 {
+        horner(&self.coefficients, (h - self.from) * self.inverse_width)
+    }
 }
 
 #[cfg(test)]
@@ -179,6 +229,15 @@ mod tests {
         poisson_ratio: 0.27,
         lubricant_thickness: 0.5e-9,
     };
+
+    #[test]
+    fn a_parabola_goes_through_its_values() {
+        let f = |h: f64| 3.0 - h + 0.5 * h * h;
+        let parabola = Parabola::new(1.0, 4.0, [f(1.0), f(2.5), f(4.0)]);
+        for h in [1.0, 1.7, 3.0, 4.0] {
+            assert!((parabola.value(h) - f(h)).abs() < 1e-14, "{h}");
+        }
+    }
 
     /// Published values of F_s on both sides: 0.766 and 0.909 at the fold, 1.268 where the lubricant with 2 begins, 0.977 at first
     /// touch; the elastic law ends with the Hertz-like load of its last asperity.

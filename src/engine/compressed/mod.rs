@@ -112,7 +112,27 @@ impl Compression {
         Ok(compression)
     }
 
-    pub fn describe(&self)->String { let w: Vec<usize> = self.offsets.iter().filter_map(|o| if let Offset::Whole(p)=o {Some(p.terms)} else {None}).collect(); let mut c=vec![0;17]; for t in &w { c[*t]+=1; } format!("segments {} split {} terms {c:?} direct cells {}", self.geometry.segments(), self.split.len(), self.split.iter().map(|j| if let Offset::Split(c)=&self.offsets[*j] { c.iter().filter(|c| matches!(c, Cell::Direct{..})).count() } else {0}).sum::<usize>()) }
+    pub fn describe(&self) -> String {
+        let w: Vec<usize> =
+            self.offsets.iter().filter_map(|o| if let Offset::Whole(p) = o { Some(p.terms) } else { None }).collect();
+        let mut c = vec![0; 17];
+        for t in &w {
+            c[*t] += 1;
+        }
+        format!(
+            "segments {} split {} terms {c:?} direct cells {}",
+            self.geometry.segments(),
+            self.split.len(),
+            self.split
+                .iter()
+                .map(|j| if let Offset::Split(c) = &self.offsets[*j] {
+                    c.iter().filter(|c| matches!(c, Cell::Direct { .. })).count()
+                } else {
+                    0
+                })
+                .sum::<usize>()
+        )
+    }
     /// Expected asperities per separation that are solved one by one.
     pub fn solved_per_separation(&self, surface: &Surface) -> f64 {
         let geometry = &self.geometry;

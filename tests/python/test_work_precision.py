@@ -86,6 +86,7 @@ def test_wrong_tables_end_with_2_and_say_why(tmp_path, text, reason):
 def test_what_cannot_be_read_or_written_ends_with_2(tmp_path):
     path = tmp_path / "table.csv"
     path.write_text(table(), encoding="utf-8")
-    for arguments in [(tmp_path / "absent.csv",), (path, "-o", tmp_path / "absent" / "page.png"), (path, "-o", tmp_path / "page.unknown"), ()]:
+    absent = tmp_path / "absent"
+    for arguments in [(absent,), (path, "-o", absent / "page.png"), (path, "-o", tmp_path / "page.unknown"), ()]:
         done = run(*arguments)
         assert done.returncode == 2 and done.stderr and "Traceback" not in done.stderr

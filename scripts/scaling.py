@@ -1,0 +1,389 @@
+"""How time and memory of `stiction run` grow: with asperities, separations, replicas and threads.
+
+The scenes are configs/case_ii.toml with another nominal area (N = density times area), number of separations and number of
+replicas, and are run on one thread unless threads are what varies. Measured are
+
+    time       seconds of the ensemble phase (/diagnostics/seconds of the result) over N, S and replicas, each over three
+               decades, for every way to sum that the program knows; the exponent is a least-squares slope of the logarithms
+    threads    the same over threads, 1, 2, 4 ... up to the cores, in alternating runs, the least of three
+    memory     peak resident memory of the process over replicas
+    start-up   wall time of configs/quick.toml without the ensemble phase and those after it, the least of ten
+
+Usage:
+    python scripts/scaling.py --stiction PROGRAM [-o OUT.png] [--csv OUT.csv] [--quick] [--dpi N]
+
+Takes some minutes on an idle machine; --quick takes seconds and shows only that everything works.
+Exit codes: 0 done; 1 a run failed; 2 PROGRAM or a package is missing, or an output cannot be written.
+"""
+
+# /// script
+# requires-python = ">=3.10"
+# dependencies = ["numpy>=1.24", "h5py>=3.8", "matplotlib>=3.7"]
+# ///
+
+import argparse
+import csv
+import math
+import os
+import re
+import subprocess
+import sys
+import tempfile
+import time
+from dataclasses import dataclass, field
+from pathlib import Path
+
+try:
+    import h5py
+    import numpy as np
+    from matplotlib import rc_context
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+    from matplotlib.ticker import FixedLocator, StrMethodFormatter
+except ImportError as error:
+    print(f"scaling: {error}; pip install -r scripts/requirements.txt", file=sys.stderr)
+    sys.exit(2)
+
+CONFIGS = Path(__file__).resolve().parents[1] / "configs"
+HEADER = ["quantity", "setting", "value", "unit", "what"]
+PAGE = (11.0, 7.9)  # inches
+COMPRESSED = '\n[solver]\nsum = "compressed"\ntolerance = 1e-9\n'
+DIRECT = '\n[solver]\nsum = "direct"\n'
+STYLES = {"direct": ("#0072B2", "o", "-"), "compressed": ("#D55E00", "s", (0, (5, 1.5)))}
+STYLE = {
+    "font.size": 9, "axes.titlesize": 9.5, "axes.titlelocation": "left", "axes.labelsize": 9,
+    "legend.fontsize": 8, "xtick.labelsize": 8, "ytick.labelsize": 8, "axes.linewidth": 0.7,
+    "legend.frameon": False, "axes.spines.top": False, "axes.spines.right": False,
+}
+# Starts a program and prints the peak resident memory of it. A process counts the memory of the one that started it as its own
+# until it has been replaced, so that it has to be started by something small: not by this script with all its packages.
+LAUNCHER = """
+import os, sys
+process = os.spawnv(os.P_NOWAIT, sys.argv[1], sys.argv[1:])
+_, status, usage = os.wait4(process, 0)
+print(usage.ru_maxrss)
+sys.exit(os.waitstatus_to_exitcode(status) & 255)
+"""
+LONGEST_RUN = 120  # seconds; all runs are meant to take less than 20
+KILOBYTE = 1 if sys.platform == "darwin" else 1024  # unit of ru_maxrss in bytes
+
+
+class ScalingError(Exception):
+    """Why nothing can be measured."""
+
+
+class RunError(Exception):
+    """A run that failed."""
+
+
+@dataclass(frozen=True)
+class Series:
+    """What one panel of times varies, and what it keeps."""
+
+    name: str
+    label: str
+    values: tuple[int, ...]
+    areas: int  # um^2
+    separations: int
+    replicas: int
+
+    def scene(self, value: int) -> dict[str, int]:
+        """Nominal area, separations and replicas of one point."""
+        fixed = {"area": self.areas, "count": self.separations, "replicas": self.replicas}
+        return fixed | {{"N": "area", "S": "count", "replicas": "replicas"}[self.name]: value}
+
+
+@dataclass
+class Plan:
+    """Everything that is measured."""
+
+    series: list[Series]
+    repetitions: int  # of a point, as long as it is short
+    threads: tuple[int, int, int]  # nominal area, separations, replicas
+    memory: tuple[int, ...]  # replicas
+    start_ups: int
+
+
+HALF_DECADES = (1, 3, 10, 32, 100, 316, 1000)
+FULL = Plan(
+    series=[Series("N", "asperities per replica $N$", tuple(100 * x for x in HALF_DECADES), 0, 181, 4),
+            Series("S", "separations $S$", tuple(10 * x for x in HALF_DECADES), 1000, 0, 4),
+            Series("replicas", "replicas", (3, 10, 30, 100, 300, 1000, 3000), 100, 61, 0)],
+    repetitions=3, threads=(1000, 181, 200), memory=tuple(1000 * x for x in HALF_DECADES), start_ups=10,
+)
+QUICK = Plan(
+    series=[Series("N", "asperities per replica $N$", (10, 100, 1000), 0, 31, 2),
+            Series("S", "separations $S$", (10, 100, 1000), 10, 0, 2),
+            Series("replicas", "replicas", (2, 20, 200), 10, 31, 0)],
+    repetitions=1, threads=(100, 61, 40), memory=(10, 100, 1000), start_ups=2,
+)
+
+
+@dataclass
+class Row:
+    """One measured number."""
+
+    quantity: str
+    setting: str
+    value: float
+    unit: str
+    what: str
+
+
+@dataclass
+class Results:
+    """Rows of the table, and what is drawn of them."""
+
+    rows: list[Row] = field(default_factory=list)
+    times: dict[tuple[str, str], list[tuple[float, float]]] = field(default_factory=dict)  # by series and sum
+    exponents: dict[tuple[str, str], float] = field(default_factory=dict)
+    threads: dict[str, dict[int, float]] = field(default_factory=dict)
+    memory: list[tuple[float, float]] = field(default_factory=list)
+    start_up: dict[str, float] = field(default_factory=dict)  # by what it goes into
+
+    def add(self, *row: object) -> None:
+        self.rows.append(Row(*row))
+
+
+class Program:
+    """Runs scenes in a temporary folder."""
+
+    def __init__(self, path: Path, folder: Path) -> None:
+        # Absolute, because a path without a folder would be looked up on the PATH.
+        self.path, self.folder, self.result = path.resolve(), folder, folder / "result.h5"
+        self.case_ii = (CONFIGS / "case_ii.toml").read_text(encoding="utf-8")
+
+    def write_scene(self, area: int, count: int, solver: str) -> Path:
+        text, scene = self.case_ii, self.folder / "scene.toml"
+        for pattern, replacement in [(r'(?m)^nominal_area = "[^"]*"', f'nominal_area = "{area} um^2"'),
+                                     (r"count = \d+", f"count = {count}")]:
+            text, changes = re.subn(pattern, replacement, text)
+            if changes != 1:
+                raise ScalingError(f"{CONFIGS / 'case_ii.toml'}: {pattern} is not there once")
+        scene.write_text(text + solver, encoding="utf-8")
+        return scene
+
+    def command(self, scene: Path, threads: int, replicas: int | None) -> list[str]:
+        given = [] if replicas is None else ["--replicas", str(replicas)]
+        return [str(self.path), "run", str(scene), "-o", str(self.result), "--force", "--quiet", "--threads", str(threads), *given]
+
+    def start(self, command: list[str]) -> str:
+        try:
+            done = subprocess.run(command, capture_output=True, text=True, encoding="utf-8", timeout=LONGEST_RUN)
+        except subprocess.TimeoutExpired:
+            raise RunError(f"a run took longer than {LONGEST_RUN} s: {' '.join(command[1:])}") from None
+        if done.returncode:
+            raise RunError(f"exit code {done.returncode}: {done.stderr.strip()}")
+        return done.stdout
+
+    def phases(self) -> dict[str, float]:
+        """Seconds of the phases of the last run, in their order."""
+        with h5py.File(self.result, "r") as file:
+            return dict(zip((name.decode() for name in file["phase"][()]), file["diagnostics/seconds"][()].tolist()))
+
+    def seconds(self, scene: dict[str, int], solver: str, threads: int = 1) -> float:
+        self.start(self.command(self.write_scene(scene["area"], scene["count"], solver), threads, scene["replicas"]))
+        return self.phases()["ensemble"]
+
+    def asperities(self) -> float:
+        with h5py.File(self.result, "r") as file:
+            return float(file["replicas/asperity_count"][()].mean())
+
+    def memory(self, scene: dict[str, int], solver: str) -> float:
+        """Peak resident memory of one run, in bytes."""
+        command = self.command(self.write_scene(scene["area"], scene["count"], solver), 1, scene["replicas"])
+        printed = self.start([sys.executable, "-I", "-S", "-c", LAUNCHER, *command])
+        return float(printed.split()[-1]) * KILOBYTE
+
+    def start_up(self) -> dict[str, float]:
+        """Wall time of a whole process without the ensemble phase and those after it, by what it goes into."""
+        command = self.command(CONFIGS / "quick.toml", 1, None)
+        begin = time.perf_counter()
+        self.start(command)
+        wall, phases = time.perf_counter() - begin, self.phases()
+        names = list(phases)
+        before = {name: phases[name] for name in names[:names.index("ensemble")]}
+        return {"process, scene, file": wall - sum(phases.values())} | before
+
+    def solvers(self) -> dict[str, str]:
+        """The ways to sum that the program knows, with what a scene says to get them."""
+        command = self.command(self.write_scene(10, 3, COMPRESSED), 1, 2)
+        done = subprocess.run(command, capture_output=True, text=True, encoding="utf-8", timeout=LONGEST_RUN)
+        if done.returncode == 0:
+            return {"direct": DIRECT, "compressed": COMPRESSED}
+        if done.returncode != 2:
+            raise RunError(f"exit code {done.returncode}: {done.stderr.strip()}")
+        print(f"scaling: compressed sums are left out, the program does not know them ({' '.join(done.stderr.split())})", file=sys.stderr)
+        return {"direct": ""}
+
+
+def measure(program: Program, plan: Plan) -> Results:
+    results, solvers = Results(), program.solvers()
+    for series in plan.series:
+        for value in series.values:
+            for name, solver in solvers.items():
+                measure_time(program, plan, results, series, value, name, solver)
+        for name in solvers:
+            points = np.log(results.times[series.name, name])
+            # Only where time is more than what every run pays once: the upper two decades.
+            upper = points[points[:, 0] >= points[-1, 0] - math.log(110.0)]
+            results.exponents[series.name, name] = exponent = float(np.polyfit(*upper.T, 1)[0])
+            results.add(f"exponent of {series.name}", f"sum = {name}", exponent, "1",
+                        f"least-squares slope of log seconds over log {series.name}, upper two decades")
+    measure_threads(program, plan, results, solvers)
+    for replicas in plan.memory:
+        scene = {"area": 1, "count": 2, "replicas": replicas}
+        peak = program.memory(scene, solvers["direct"])
+        results.memory.append((replicas, peak))
+        results.add("peak resident memory", f"replicas = {replicas}", peak, "B", "one process, area of 1 um^2, 2 separations, 1 thread")
+    results.start_up = min((program.start_up() for _ in range(plan.start_ups)), key=lambda parts: sum(parts.values()))
+    what = ("wall time of the process less the ensemble phase and those after it, the file written included; "
+            f"least of {plan.start_ups}, 1 thread")
+    results.add("start-up", "configs/quick.toml", sum(results.start_up.values()), "s", what)
+    for name, seconds in results.start_up.items():
+        results.add("start-up", f"configs/quick.toml, {name}", seconds, "s", "part of it")
+    return results
+
+
+def measure_time(program: Program, plan: Plan, results: Results, series: Series, value: int, name: str, solver: str) -> None:
+    """One point; short runs are repeated and the least is taken."""
+    scene, seconds = series.scene(value), []
+    while len(seconds) < plan.repetitions and sum(seconds) < 2.0:
+        seconds.append(program.seconds(scene, solver))
+    count = program.asperities()
+    x = count if series.name == "N" else value
+    results.times.setdefault((series.name, name), []).append((x, min(seconds)))
+    results.add(f"ensemble seconds over {series.name}", f"sum = {name}, {series.name} = {x:g}", min(seconds), "s",
+                f"ensemble phase, N = {count:g}, S = {scene['count']}, {scene['replicas']} replicas, 1 thread, least of {len(seconds)}")
+
+
+def measure_threads(program: Program, plan: Plan, results: Results, solvers: dict[str, str]) -> None:
+    area, count, replicas = plan.threads
+    scene, repetitions = {"area": area, "count": count, "replicas": replicas}, plan.repetitions
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    numbers = sorted({min(2**i, cores) for i in range(cores.bit_length() + 1)})
+    for name, solver in solvers.items():
+        seconds = {threads: math.inf for threads in numbers}
+        for _ in range(repetitions):
+            for threads in numbers:
+                seconds[threads] = min(seconds[threads], program.seconds(scene, solver, threads))
+        results.threads[name] = {threads: seconds[1] / seconds[threads] for threads in numbers}
+        for threads in numbers:
+            what = f"ensemble phase, area of {area} um^2, S = {count}, {replicas} replicas, alternating runs, least of {repetitions}"
+            results.add("seconds over threads", f"sum = {name}, threads = {threads}", seconds[threads], "s", what)
+            results.add("speed-up", f"sum = {name}, threads = {threads}", seconds[1] / seconds[threads], "1", what)
+
+
+def draw_times(axes: Axes, letter: str, series: Series, results: Results) -> None:
+    for (of, name), points in results.times.items():
+        if of != series.name:
+            continue
+        color, marker, line = STYLES[name]
+        x, y = np.array(points).T
+        axes.plot(x, y, color=color, marker=marker, linestyle=line, linewidth=1.4, markersize=4.5,
+                  label=f"{name}: exponent {results.exponents[of, name]:.2f}")
+    points = results.times[series.name, "direct"]
+    x, last = np.array([points[0][0], points[-1][0]]), points[-1]
+    axes.plot(x, last[1] * x / last[0], color="0.75", linewidth=0.8, zorder=0, label="proportional")
+    kept = {"N": f"$S$ = {series.separations}, {series.replicas} replicas",
+            "S": f"{series.areas} µm², {series.replicas} replicas",
+            "replicas": f"{series.areas} µm², $S$ = {series.separations}"}[series.name]
+    axes.set(xscale="log", yscale="log", xlabel=series.label, ylabel="seconds of the ensemble phase")
+    axes.set_title(f"({letter}) Time over {series.label.split()[-1]}; {kept}")
+    axes.legend(loc="upper left")
+
+
+def draw_threads(axes: Axes, results: Results) -> None:
+    numbers = sorted(next(iter(results.threads.values())))
+    for name, ratios in results.threads.items():
+        color, marker, line = STYLES[name]
+        axes.plot(numbers, [ratios[n] for n in numbers], color=color, marker=marker, linestyle=line, linewidth=1.4, markersize=4.5,
+                  label=f"{name}: {ratios[numbers[-1]]:.2f} on {numbers[-1]}")
+    axes.plot(numbers, numbers, color="0.75", linewidth=0.8, zorder=0, label="ideal")
+    axes.set(xlabel="threads", ylabel="speed-up of the ensemble phase", title="(d) Threads")
+    axes.xaxis.set_major_locator(FixedLocator(numbers))
+    axes.set_ylim(bottom=0.0)
+    axes.legend(loc="upper left")
+
+
+def draw_memory(axes: Axes, results: Results) -> None:
+    replicas, peak = np.array(results.memory).T
+    slope = (peak[-1] - peak[0]) / (replicas[-1] - replicas[0])
+    axes.plot(replicas, peak / 1e6, color="#0072B2", marker="o", linewidth=1.4, markersize=4.5,
+              label=f"{peak[0] / 1e6:.0f} MB and {max(slope, 0.0):.0f} B per replica")
+    axes.set(xscale="log", yscale="log", xlabel="replicas", ylabel="peak resident memory (MB)", title="(e) Memory; 1 µm², $S$ = 2")
+    axes.set_ylim(1.0, max(1000.0, 2.0 * peak.max() / 1e6))
+    axes.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
+    axes.legend(loc="upper left")
+
+
+def draw_start_up(axes: Axes, results: Results) -> None:
+    names, seconds = list(results.start_up), list(results.start_up.values())
+    axes.barh(range(len(names)), [1e3 * value for value in seconds], height=0.4, color="0.8", edgecolor="0.5", linewidth=0.6)
+    for index, (name, value) in enumerate(results.start_up.items()):
+        axes.text(0.3, index - 0.24, f"{name}: {1e3 * value:.3g} ms", fontsize=8, va="bottom")
+    axes.set(yticks=[], ylim=(len(names) - 0.4, -0.75), xlabel="milliseconds",
+             title=f"(f) Start-up of configs/quick.toml: {1e3 * sum(seconds):.3g} ms")
+
+
+def draw(plan: Plan, results: Results) -> Figure:
+    figure = Figure(figsize=PAGE)
+    (w, h) = PAGE
+
+    def panel(index: int) -> Axes:
+        left, bottom = 0.7 + 3.6 * (index % 3), 4.65 - 3.75 * (index // 3)
+        return figure.add_axes((left / w, bottom / h, 2.85 / w, 2.75 / h))
+
+    for index, series in enumerate(plan.series):
+        draw_times(panel(index), "abc"[index], series, results)
+    draw_threads(panel(3), results)
+    draw_memory(panel(4), results)
+    draw_start_up(panel(5), results)
+    cores = max(max(ratios) for ratios in results.threads.values())
+    figure.text(0.5, 0.015, "case II with other areas, separations and replicas; one thread but in (d), "
+                f"{cores} core{'s' if cores > 1 else ''}; exponents over the upper two decades", ha="center", fontsize=8.5)
+    return figure
+
+
+def print_table(rows: list[Row]) -> None:
+    width = max(len(row.quantity) for row in rows), max(len(row.setting) for row in rows)
+    for row in rows:
+        print(f"{row.quantity:{width[0]}}  {row.setting:{width[1]}}  {row.value:10.4g} {'' if row.unit == '1' else row.unit}".rstrip())
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description="How time and memory of `stiction run` grow.")
+    parser.add_argument("--stiction", type=Path, required=True, metavar="PROGRAM", help="the program, built with --release")
+    parser.add_argument("-o", "--output", type=Path, default=Path("scaling.png"), metavar="OUT.png", help="default: scaling.png")
+    parser.add_argument("--csv", type=Path, metavar="OUT.csv", help="all points; default: beside OUT.png")
+    parser.add_argument("--quick", action="store_true", help="small scenes, for seconds instead of minutes")
+    parser.add_argument("--dpi", type=int, default=200, metavar="N", help="dots per inch, default 200")
+    arguments = parser.parse_args()
+    plan, table = QUICK if arguments.quick else FULL, arguments.csv or arguments.output.with_suffix(".csv")
+    try:
+        if not arguments.stiction.is_file():
+            raise ScalingError(f"no such program: {arguments.stiction}")
+        for output in (arguments.output, table):
+            # Minutes later would be too late to say so.
+            if not output.resolve().parent.is_dir():
+                raise ScalingError(f"no such folder: {output.parent}")
+        with tempfile.TemporaryDirectory() as folder:
+            results = measure(Program(arguments.stiction, Path(folder)), plan)
+        with open(table, "w", newline="", encoding="utf-8") as file:
+            lines = [[row.quantity, row.setting, f"{row.value:.6g}", row.unit, row.what] for row in results.rows]
+            csv.writer(file, lineterminator="\n").writerows([HEADER, *lines])
+        with rc_context(STYLE):
+            draw(plan, results).savefig(arguments.output, dpi=arguments.dpi)
+    except (RunError, subprocess.TimeoutExpired) as error:
+        print("scaling:", *str(error).split(), file=sys.stderr)
+        return 1
+    except (ScalingError, OSError, ValueError) as error:
+        print("scaling:", *str(error).split(), file=sys.stderr)
+        return 2
+    print_table(results.rows)
+    print(arguments.output)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

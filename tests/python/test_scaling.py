@@ -1,0 +1,65 @@
+"""The script that measures how a run grows works, on scenes of seconds, and refuses what it cannot do.
+
+The program is $STICTION, by default target/release/stiction.
+"""
+
+import csv
+import os
+import stat
+import subprocess
+import sys
+from pathlib import Path
+
+import matplotlib.image
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+SCRIPT = ROOT / "scripts" / "scaling.py"
+PROGRAM = Path(os.environ.get("STICTION", ROOT / "target" / "release" / "stiction"))
+
+
+def run(*arguments: object) -> subprocess.CompletedProcess:
+    return subprocess.run([sys.executable, SCRIPT, *map(str, arguments)], capture_output=True, text=True, encoding="utf-8")
+
+
+def test_quick_measurements_leave_a_table_and_a_picture(tmp_path):
+    assert PROGRAM.is_file(), f"no program {PROGRAM}: run `cargo build --release` or set STICTION"
+    done = run("--stiction", PROGRAM, "-o", tmp_path / "page.png", "--csv", tmp_path / "points.csv", "--quick", "--dpi", 60)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.splitlines()[-1] == str(tmp_path / "page.png")
+    assert 0.02 < (matplotlib.image.imread(tmp_path / "page.png")[..., :3].min(axis=2) < 0.9).mean() < 0.4
+    with open(tmp_path / "points.csv", newline="", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert set(rows[0]) == {"quantity", "setting", "value", "unit", "what"}
+    assert {row["quantity"] for row in rows} == {
+        *(f"{what} {over}" for what in ("ensemble seconds over", "exponent of") for over in ("N", "S", "replicas")),
+        "seconds over threads", "speed-up", "peak resident memory", "start-up",
+    }
+    # Durations are not judged here, on a machine that may be busy; their signs and the memory's order of magnitude are.
+    for row in rows:
+        assert row["what"] and (row["quantity"].startswith("exponent") or float(row["value"]) > 0.0), row
+        assert row["quantity"] != "peak resident memory" or 2e6 < float(row["value"]) < 2e8, row
+
+
+def stand_in(folder: Path, code: int) -> Path:
+    """A program that fails at once."""
+    program = folder / "stand-in"
+    program.write_text(f"#!/bin/sh\necho 'it does not work' >&2\nexit {code}\n", encoding="utf-8")
+    program.chmod(program.stat().st_mode | stat.S_IXUSR)
+    return program
+
+
+@pytest.mark.skipif(os.name != "posix", reason="the stand-in is a shell script")
+@pytest.mark.parametrize("code", [1, 2])
+def test_a_run_that_fails_ends_with_1(tmp_path, code):
+    done = run("--stiction", stand_in(tmp_path, code), "-o", tmp_path / "page.png", "--quick")
+    assert done.returncode == 1 and not (tmp_path / "page.png").exists()
+    assert "it does not work" in done.stderr and "Traceback" not in done.stderr
+
+
+def test_what_cannot_be_done_ends_with_2(tmp_path):
+    for arguments in [(), ("--stiction", tmp_path / "absent"), ("--stiction", sys.executable, "-o", tmp_path / "absent" / "page.png"),
+                      ("--stiction", sys.executable, "--csv", tmp_path / "absent" / "points.csv", "-o", tmp_path / "page.png")]:
+        done = run(*arguments)
+        assert done.returncode == 2 and done.stderr and "Traceback" not in done.stderr, arguments
+    assert not list(tmp_path.iterdir())

@@ -1,12 +1,16 @@
 //! Batches of replicas and the moments that they merge into.
 
 use super::Job;
+use super::groups::Groups;
 use super::replica::{Replica, Workspace};
 use crate::asperity::{Quantity, Work};
-use crate::math::moments::{Comoments, Moments};
+use crate::math::moments::Moments;
+use crate::surface::STRATA;
 
 /// Replicas of a batch. Part of what the bits of a result depend on, so it is fixed.
 pub const BATCH: u64 = 8;
+// A batch holds whole groups, so that groups need not be put together from two of them.
+const _: () = assert!(BATCH.is_multiple_of(STRATA) && BATCH.is_multiple_of(2));
 
 /// The moments of an ensemble and what is kept of every replica.
 #[derive(Clone, Debug, PartialEq)]
@@ -19,8 +23,8 @@ pub struct Ensemble {
     pub regime_adhesion_force: Moments,
     /// Moments of the external force of each regime, N, R × S.
     pub regime_external_force: Moments,
-    /// Mean and covariance of the probes' scores.
-    pub scores: Comoments,
+    /// Moments of the means of groups of replicas.
+    pub groups: Groups,
     /// What is kept of every replica, in order.
     pub replicas: Vec<Replica>,
     /// What solving cost.
@@ -36,7 +40,7 @@ impl Ensemble {
             regime_count: Moments::new(r * s),
             regime_adhesion_force: Moments::new(r * s),
             regime_external_force: Moments::new(r * s),
-            scores: Comoments::new(job.probes.len()),
+            groups: Groups::new(job),
             replicas: Vec::new(),
             work: Work::default(),
         }
@@ -50,7 +54,7 @@ impl Ensemble {
         self.regime_count.merge(&other.regime_count);
         self.regime_adhesion_force.merge(&other.regime_adhesion_force);
         self.regime_external_force.merge(&other.regime_external_force);
-        self.scores.merge(&other.scores);
+        self.groups.merge(&other.groups);
         self.replicas.extend_from_slice(&other.replicas);
         self.work.merge(&other.work);
     }
@@ -63,10 +67,7 @@ impl Ensemble {
         self.regime_count.push(&curves.regime_count);
         self.regime_adhesion_force.push(&curves.regime_adhesion_force);
         self.regime_external_force.push(&curves.regime_external_force);
-        let [adhesion, external] =
-            [Quantity::AdhesionForce, Quantity::ExternalForce].map(|q| curves.total[q.index()].as_slice());
-        let scores: Vec<f64> = job.probes.iter().map(|probe| probe.score(adhesion, external)).collect();
-        self.scores.push(&scores);
+        self.groups.push(job, &replica, curves);
         self.replicas.push(replica);
     }
 }

@@ -2,7 +2,7 @@
 
 use super::Job;
 use super::pull_off::{Jump, jumps, pull_off};
-use super::stream::{Purpose, stream};
+use super::sampling::draw;
 use crate::asperity::{Quantity, Scratch, Work, for_each_block};
 use crate::math::extrema::steepest_rise;
 use crate::math::sums::{Compensated, lane_sum};
@@ -72,8 +72,7 @@ impl Workspace {
 
     /// Draws a replica, sums it over all separations, and tells what is kept of it.
     pub fn replica(&mut self, job: &Job<'_>, index: u64) -> Replica {
-        let mut random = stream(job.seed, Purpose::Heights, index);
-        job.surface.heights.draw(&mut random, &mut self.heights);
+        draw(job.surface, job.seed, job.scheme, index, &mut self.heights);
         // Rising heights make the regimes contiguous, and neighbours in a slice neighbours in the law.
         self.heights.sort_unstable_by(f64::total_cmp);
         for k in 0..job.separations.len() {

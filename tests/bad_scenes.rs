@@ -66,7 +66,7 @@ const CASES: &[(&str, &str, &[&str])] = &[
     (
         "replicas = 200",
         "replicas = 201\nsampling = \"antithetic\"",
-        &["line 29", "`ensemble.replicas = 201`", "needs a multiple of 2 replicas, such as 200 or 202"],
+        &["line 27", "`ensemble.replicas = 201`", "needs a multiple of 2 replicas, such as 200 or 202"],
     ),
     (
         "seed = 1",

@@ -9,6 +9,7 @@ use stiction::engine::{Ensemble, Job, Outcome, SCALARS, run};
 use stiction::math::control_variates::{ControlledMean, controlled_means};
 use stiction::statistical::{Statistical, controls};
 use stiction::surface::{SamplingScheme, Surface};
+use stiction::validation::basis;
 
 /// A small patch of case II, on which a replica takes some hundred microseconds.
 struct Patch {
@@ -29,7 +30,7 @@ impl Patch {
     }
 
     fn ensemble(&self, scheme: SamplingScheme, replicas: u64, seed: u64, threads: usize) -> (Ensemble, Vec<usize>) {
-        let controls = controls(&self.separations, &self.statistical, replicas / scheme.group());
+        let controls = self.controls(scheme, replicas);
         let job = Job {
             law: self.law.as_ref(),
             surface: &self.surface,
@@ -46,6 +47,11 @@ impl Patch {
             Ok(Outcome::Complete(ensemble)) => (*ensemble, controls),
             _ => panic!("the run did not complete"),
         }
+    }
+
+    fn controls(&self, scheme: SamplingScheme, replicas: u64) -> Vec<usize> {
+        let basis = basis(self.law.as_ref(), &self.surface, &self.separations, scheme, replicas);
+        controls(&self.separations, &self.statistical, &basis.tested[1], replicas / scheme.group())
     }
 
     fn means(&self, scheme: SamplingScheme, replicas: u64, seed: u64) -> Vec<ControlledMean> {
@@ -93,19 +99,16 @@ fn means_are_unbiased_and_intervals_cover() {
     }
 }
 
-/// What the schemes are for, on 2000 asperities and 320 replicas. The variance of a mean falls by more than half the factors below; that
-/// of 40 groups is known to 22 %, so a false alarm is beyond 3 standard deviations of any of the four (together below 5e-3); the
-/// seed is fixed.
+/// What control variates are for, on 2000 asperities and 320 replicas: an error of the mean pull-off four times smaller. The ratio of variances
+/// from 40 groups has a standard deviation of 30 %, so that 5 instead of 16 is 4 of them away (false alarm 1e-4); the seed is fixed.
 #[test]
-fn variances_of_means_fall() {
+fn controls_reduce_the_error_of_the_pull_off() {
     let patch = Patch::new(2000);
-    let [plain, antithetic, stratified] = SamplingScheme::ALL.map(|(_, scheme)| patch.means(scheme, 320, 5)[0]);
-    println!("{plain:?}\n{antithetic:?}\n{stratified:?}");
-    let reduction = |error: f64| (plain.standard_error / error).powi(2);
-    assert!(plain.variance_reduction() > 10.0, "{plain:?}");
-    assert!(reduction(antithetic.standard_error) > 1.0, "{antithetic:?}");
-    assert!(reduction(stratified.standard_error) > 3.0, "{stratified:?}");
-    assert!(reduction(stratified.controlled_standard_error) > 10.0, "{stratified:?}");
+    for (name, scheme) in SamplingScheme::ALL {
+        let mean = patch.means(scheme, 320, 5)[0];
+        println!("{name}: {mean:?}");
+        assert!(mean.variance_reduction() > 5.0, "{name}: {mean:?}");
+    }
 }
 
 #[test]
@@ -123,23 +126,24 @@ fn bits_do_not_depend_on_threads_under_any_scheme() {
 
 /// The standard deviation of one replica is the same under every scheme, which is what the integral says: the sample variance of 480
 /// replicas, whether in groups or not, is within 5 standard errors, √(3/480) with an excess kurtosis of 1 (false alarm below 1e-4 for all
-/// 39 checks together; the seed is fixed). The standard error of the mean curves is what the schemes change.
+/// 39 checks together; the seed is fixed). The standard error of the mean adhesion force at the smallest separation, which a fifth of the
+/// asperities bear, is what the schemes change.
 #[test]
 fn schemes_keep_the_scatter_and_reduce_the_error() {
     let patch = Patch::new(2000);
-    let q = Quantity::ExternalForce.index();
+    let q = Quantity::AdhesionForce.index();
     let errors = SamplingScheme::ALL.map(|(name, scheme)| {
         let (ensemble, _) = patch.ensemble(scheme, 480, 9, 2);
         for (k, (sample, exact)) in ensemble.curves[q].std().iter().zip(&patch.statistical.std[q]).enumerate() {
             assert!(((sample / exact).powi(2) - 1.0).abs() < 5.0 * (3.0_f64 / 480.0).sqrt(), "{name} at {k}");
         }
-        let z = ensemble.groups.curves[q].mean()[7] - patch.statistical.expected[q][7];
-        let error = ensemble.groups.curves[q].standard_error()[7];
-        assert!(z.abs() < 5.0 * error, "{name}: {z} {error}");
+        let deviation = ensemble.groups.curves[q].mean()[0] - patch.statistical.expected[q][0];
+        let error = ensemble.groups.curves[q].standard_error()[0];
+        assert!(deviation.abs() < 5.0 * error, "{name}: {deviation} {error}");
         error
     });
     println!("standard errors {errors:?}");
-    assert!(errors[2] < 0.5 * errors[0] && errors[1] < 1.05 * errors[0], "{errors:?}");
+    assert!(errors[1] < 0.8 * errors[0] && errors[2] < 0.6 * errors[0], "{errors:?}");
 }
 
 /// The controls come from the integral: they are there in the numbers that the replicas allow, and around its pull-off.
@@ -149,10 +153,16 @@ fn controls_are_around_the_pull_off() {
     let force = &patch.statistical.expected[Quantity::ExternalForce.index()];
     let deepest = (0..force.len()).min_by(|a, b| force[*a].total_cmp(&force[*b])).unwrap();
     for (groups, count) in [(1, 0), (9, 0), (10, 1), (39, 3)] {
-        let controls = controls(&patch.separations, &patch.statistical, groups);
+        let controls = controls(&patch.separations, &patch.statistical, &[true; 13], groups);
         assert_eq!(controls.len(), count);
         assert!(count == 0 || controls.contains(&deepest), "{controls:?}");
     }
-    let controls = controls(&patch.separations, &patch.statistical, 1000);
-    assert!((4..=8).contains(&controls.len()) && controls.windows(2).all(|pair| pair[0] < pair[1]), "{controls:?}");
+    let controls = |eligible: &[bool]| controls(&patch.separations, &patch.statistical, eligible, 1000);
+    let all = controls(&[true; 13]);
+    assert!((3..=8).contains(&all.len()) && all.windows(2).all(|pair| pair[0] < pair[1]), "{all:?}");
+    // Where a few rare asperities decide the mean, the nearest place where they do not is taken.
+    let eligible: Vec<bool> = (0..13).map(|k| k < 5).collect();
+    let near = controls(&eligible);
+    assert!(near.contains(&4) && near.iter().all(|&k| k < 5), "{near:?}");
+    assert_eq!(controls(&[false; 13]), [0_usize; 0]);
 }

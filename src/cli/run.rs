@@ -34,7 +34,8 @@ pub(super) fn run(arguments: &RunArguments) -> Result<(), Failure> {
     let statistical = pool.install(|| Statistical::new(law.as_ref(), &scene.surface, &scene.separations));
     progress.phase("test functionals");
     let basis = basis(law.as_ref(), &scene.surface, &scene.separations, scene.sampling, scene.replicas);
-    let controls = controls(&scene.separations, &statistical, scene.replicas / scene.sampling.group());
+    let groups = scene.replicas / scene.sampling.group();
+    let controls = controls(&scene.separations, &statistical, &basis.tested[1], groups);
     let regimes = write_head(&mut writer, &scene, law.as_ref(), &basis, &controls)?;
     let mut done = 0;
     let ensemble = {

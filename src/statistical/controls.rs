@@ -9,30 +9,32 @@ const GROUPS_PER_CONTROL: u64 = 10;
 const FLANK: f64 = 0.5;
 
 /// Rising indices of at most 8 of the separations, m, at which the integral was taken, for an ensemble of so many `groups`; none for
-/// fewer than 10.
+/// fewer than 10. Only those that are `eligible` are taken: where a few rare asperities decide a mean, no covariance describes it.
 ///
 /// They come from the integral, not from the sample, and are those that explain pull-off and stiffest point of a replica: the deepest
 /// point of the integral's curve; the ends and middles of the separations around it where one standard deviation of a replica reaches as
-/// deep, because there a replica has its own deepest point; the stiffest point, and the ends of its peak. With fewer
-/// groups they are the first of these.
-pub fn controls(separations: &[f64], statistical: &Statistical, groups: u64) -> Vec<usize> {
+/// deep, because there a replica has its own deepest point; the stiffest point, and the ends of its peak; each of
+/// them, or the nearest that is eligible. With fewer groups they are the first of these.
+pub fn controls(separations: &[f64], statistical: &Statistical, eligible: &[bool], groups: u64) -> Vec<usize> {
     let q = Quantity::ExternalForce.index();
     let (force, std) = (&statistical.expected[q], &statistical.std[q]);
     let last = force.len() - 1;
     let lowest = |curve: &dyn Fn(usize) -> f64, count: usize| {
         (1..count).fold(0, |best, k| if curve(k) < curve(best) { k } else { best })
     };
+    let nearest = |place: usize| (0..=last).filter(|&k| eligible[k]).min_by_key(|&k| k.abs_diff(place));
     let deepest = lowest(&|k| force[k], force.len());
     let (low, high) = contiguous(deepest, last, |k| force[k] - std[k] <= force[deepest]);
     let slope = |k: usize| (force[k + 1] - force[k]) / (separations[k + 1] - separations[k]);
     let stiffest = lowest(&|k| -slope(k), last);
     let (begin, end) = contiguous(stiffest, last - 1, |k| slope(k) > FLANK * slope(stiffest));
+    let [Some(deepest), Some(low), Some(high)] = [deepest, low, high].map(nearest) else { return Vec::new() };
     let middle = |a: usize, b: usize| (a + b).div_ceil(2);
     let wanted = [deepest, low, high, stiffest, middle(low, deepest), middle(deepest, high), begin, end + 1];
     let most = usize::try_from(groups / GROUPS_PER_CONTROL).unwrap_or(usize::MAX);
     let mut chosen: Vec<usize> = Vec::new();
-    for k in wanted {
-        if chosen.len() < most && std[k] > 0.0 && !chosen.contains(&k) {
+    for k in wanted.into_iter().filter_map(nearest) {
+        if chosen.len() < most && !chosen.contains(&k) {
             chosen.push(k);
         }
     }

@@ -151,7 +151,7 @@ const VARIABLES: &[Variable] = &[
         "N-1",
         "weights of the external force in each functional of the joint test",
     ),
-    variable("/validation/score_covariance", KK, "1", "covariance of the functionals across replicas"),
+    variable("/validation/score_covariance", KK, "1", "covariance of the functionals across groups of replicas"),
     variable("/diagnostics/contact_solves", NONE, "1", "solves of the contact equations"),
     variable("/diagnostics/noncontact_solves", NONE, "1", "solves of the noncontact equations"),
     variable("/diagnostics/safeguarded_solves", NONE, "1", "solves for which the starting table was not good enough"),

@@ -62,11 +62,11 @@ impl Patch {
     }
 }
 
-/// 100 ensembles of 64 replicas (stratified: 160, or 20 groups) of 300 asperities under each scheme, against 15 000 plain replicas of another
-/// seed: the mean of all four scalars, without and with controls, is within 4.5 standard errors, and with controls within the bias O(1/n)
-/// that a few groups have, at most 0.3 of the standard error of one ensemble. Intervals of ±2 standard errors cover the mean
-/// of the long run as often as they say, within 4 standard deviations of a binomial count. False alarm below 2e-3 for all 24 + 24
-/// checks together (tails of 7e-6 and 6e-5 each); the seeds are fixed.
+/// 100 ensembles of 64 replicas (stratified: 160, or 20 groups) of 300 asperities under each scheme, against 15 000 plain replicas
+/// of another seed: the mean of all four scalars, without and with controls, is within 4.5 standard errors, and with controls
+/// within the bias O(1/n) that a few groups have, at most 0.3 of the standard error of one ensemble. Intervals of ±2 standard
+/// errors cover the mean of the long run as often as they say, within 4 standard deviations of a binomial count. False alarm below
+/// 2e-3 for all 24 + 24 checks together (tails of 7e-6 and 6e-5 each); the seeds are fixed.
 #[test]
 fn means_are_unbiased_and_intervals_cover() {
     let patch = Patch::new(300);
@@ -99,8 +99,9 @@ fn means_are_unbiased_and_intervals_cover() {
     }
 }
 
-/// What control variates are for, on 2000 asperities and 320 replicas: an error of the mean pull-off four times smaller. The ratio of variances
-/// from 40 groups has a standard deviation of 30 %, so that 5 instead of 16 is 4 of them away (false alarm 1e-4); the seed is fixed.
+/// What control variates are for, on 2000 asperities and 320 replicas: an error of the mean pull-off four times smaller. The ratio
+/// of variances from 40 groups has a standard deviation of 30 %, so that 5 instead of 16 is 4 of them away (false alarm 1e-4); the
+/// seed is fixed.
 #[test]
 fn controls_reduce_the_error_of_the_pull_off() {
     let patch = Patch::new(2000);

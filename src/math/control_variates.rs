@@ -1,11 +1,11 @@
 //! Means with control variates: what is known of the expectation of one part of a sample makes the mean of another part more precise.
 //!
-//! Of n independent samples (x, y) with E\[x\] = μ known, ȳ − βᵀ(x̄ − μ) is an estimate of E\[y\] for every β, and best for the coefficients
-//! of the regression of y on x (Lavenberg and Welch 1981, Management Science 27, 322). It is the value at μ of the regression line,
-//! whose standard error is that of any regression: s²(1/n + (x̄ − μ)ᵀ P⁻¹ (x̄ − μ)) with P = Σ(x − x̄)(x − x̄)ᵀ and s² the sum of squared
-//! residuals over n − 1 − k for k coefficients. So it holds what estimating the coefficients costs, on average a factor
-//! (n − 2)/(n − 2 − k) of variance (Nelson 1990, Operations Research 38, 974). Interval and absence of bias are exact where x and y are
-//! jointly Gaussian; otherwise the bias is O(1/n).
+//! Of n independent samples (x, y) with E\[x\] = μ known, ȳ − βᵀ(x̄ − μ) is an estimate of E\[y\] for every β, and best for the
+//! coefficients of the regression of y on x (Lavenberg and Welch 1981, Management Science 27, 322). It is the value at μ of the
+//! regression line, whose standard error is that of any regression: s²(1/n + (x̄ − μ)ᵀ P⁻¹ (x̄ − μ)) with P = Σ(x − x̄)(x − x̄)ᵀ
+//! and s² the sum of squared residuals over n − 1 − k for k coefficients. So it holds what estimating the coefficients costs, on
+//! average a factor (n − 2)/(n − 2 − k) of variance (Nelson 1990, Operations Research 38, 974). Interval and absence of bias are
+//! exact where x and y are jointly Gaussian; otherwise the bias is O(1/n).
 
 use super::linalg::whitening;
 use super::moments::Comoments;

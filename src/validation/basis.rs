@@ -40,9 +40,10 @@ struct Column {
     gaussian: bool,
 }
 
-/// The functionals for `replicas` replicas that are drawn by a scheme, at separations h, m: leading eigenvectors of the correlation of adhesion and external
-/// force over all separations, by the law and of what the scheme leaves to chance. Separations, and eigenvectors, whose mean over the ensemble is still decided by a few
-/// rare asperities are left out, because no covariance describes them.
+/// The functionals for `replicas` replicas that are drawn by a scheme, at separations h, m: leading eigenvectors of the correlation
+/// of adhesion and external force over all separations, by the law and of what the scheme leaves to chance. Separations, and
+/// eigenvectors, whose mean over the ensemble is still decided by a few rare asperities are left out, because no covariance
+/// describes them.
 pub fn basis(law: &dyn Law, surface: &Surface, separations: &[f64], scheme: SamplingScheme, replicas: u64) -> Basis {
     let all = separations.len();
     let stride = all.div_ceil(MAX_SEPARATIONS);

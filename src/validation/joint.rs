@@ -43,9 +43,9 @@ pub struct JointTest {
 }
 
 impl JointTest {
-    /// Tests mean curves over S separations against their expectations, with the covariance of the probes' scores across
-    /// `groups` independent groups of replicas, each by its mean, row-major; independent replicas are groups of one. T² = n (s̄ − μ)ᵀ C⁻¹ (s̄ − μ), and (n − k)/(k(n − 1)) T² is F-distributed with (k, n − k)
-    /// degrees of freedom (Hotelling 1931).
+    /// Tests mean curves over S separations against their expectations, with the covariance of the probes' scores across `groups`
+    /// independent groups of replicas, each by its mean, row-major; independent replicas are groups of one. T² = n (s̄ − μ)ᵀ C⁻¹
+    /// (s̄ − μ), and (n − k)/(k(n − 1)) T² is F-distributed with (k, n − k) degrees of freedom (Hotelling 1931).
     ///
     /// `mean` and `expected` hold adhesion force and external force, N.
     pub fn new(probes: &[Probe], mean: [&[f64]; 2], expected: [&[f64]; 2], covariance: &[f64], groups: u64) -> Self {

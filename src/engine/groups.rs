@@ -7,6 +7,9 @@ use super::scalars::SCALARS;
 use crate::asperity::Quantity;
 use crate::math::moments::{Comoments, Moments};
 
+/// Parts that the scalars of an ensemble are split into, by batches in turn: independent of each other, as control variates need them.
+pub const PARTS: usize = 16;
+
 /// Moments of the means of groups; of replicas, when each is a group by itself.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Groups {
@@ -14,11 +17,14 @@ pub struct Groups {
     pub curves: [Moments; 4],
     /// Mean and covariance of the probes' scores.
     pub scores: Comoments,
-    /// Mean and covariance of the external force at the controls, N, and behind these of the [`SCALARS`].
-    pub scalars: Comoments,
+    /// Mean and covariance of the external force at the controls, N, and behind these of the [`SCALARS`]; the batch i of a job is in the
+    /// part i modulo [`PARTS`].
+    pub scalars: [Comoments; PARTS],
     /// Sums over the replicas of a group that is not complete: curves, scores, controls, scalars.
     sums: Vec<f64>,
     filled: u64,
+    /// Batches that have been merged.
+    batches: usize,
 }
 
 impl Groups {
@@ -28,13 +34,14 @@ impl Groups {
         Self {
             curves: std::array::from_fn(|_| Moments::new(s)),
             scores: Comoments::new(k),
-            scalars: Comoments::new(c),
+            scalars: std::array::from_fn(|_| Comoments::new(c)),
             sums: vec![0.0; 4 * s + k + c],
             filled: 0,
+            batches: 0,
         }
     }
 
-    /// Adds the next replica of a job.
+    /// Adds the next replica of a batch.
     pub fn push(&mut self, job: &Job<'_>, replica: &Replica, curves: &Curves) {
         let [adhesion, external] =
             [Quantity::AdhesionForce, Quantity::ExternalForce].map(|q| curves.total[q.index()].as_slice());
@@ -62,17 +69,18 @@ impl Groups {
         }
         let (scores, scalars) = rest.split_at(job.probes.len());
         self.scores.push(scores);
-        self.scalars.push(scalars);
+        self.scalars[0].push(scalars);
         self.sums.fill(0.0);
         self.filled = 0;
     }
 
-    /// Adds the groups of the next batch, which are complete on both sides.
+    /// Adds the groups of the next batch, which are complete.
     pub fn merge(&mut self, other: &Self) {
         for (mine, theirs) in self.curves.iter_mut().zip(&other.curves) {
             mine.merge(theirs);
         }
         self.scores.merge(&other.scores);
-        self.scalars.merge(&other.scalars);
+        self.scalars[self.batches % PARTS].merge(&other.scalars[0]);
+        self.batches += 1;
     }
 }

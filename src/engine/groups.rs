@@ -8,7 +8,7 @@ use crate::asperity::Quantity;
 use crate::math::moments::{Comoments, Moments};
 
 /// Parts that the scalars of an ensemble are split into, by batches in turn: independent of each other, as control variates need them.
-pub const PARTS: usize = 16;
+const PARTS: usize = 16;
 
 /// Moments of the means of groups; of replicas, when each is a group by itself.
 #[derive(Clone, Debug, PartialEq)]
@@ -18,7 +18,7 @@ pub struct Groups {
     /// Mean and covariance of the probes' scores.
     pub scores: Comoments,
     /// Mean and covariance of the external force at the controls, N, and behind these of the [`SCALARS`]; the batch i of a job is in the
-    /// part i modulo [`PARTS`].
+    /// part i modulo 16.
     pub scalars: [Comoments; PARTS],
     /// Sums over the replicas of a group that is not complete: curves, scores, controls, scalars.
     sums: Vec<f64>,

@@ -1,10 +1,10 @@
 //! Means with control variates: what is known of the expectation of one part of a sample makes the mean of another part more precise.
 //!
-//! Of n independent samples (x, y) with E\[x\] = μ known, ȳ − βᵀ(x̄ − μ) is an estimate of E\[y\] for every β, and best for the coefficients
-//! of the regression of y on x (Lavenberg and Welch 1981, Management Science 27, 322). Coefficients of the same sample would bias
-//! it where x and y are not jointly Gaussian. So the sample is split, and each part is corrected with the coefficients of all the
-//! others, of which it is independent: the estimate is unbiased whatever the distribution (Avramidis and Wilson 1993, Operations
-//! Research Letters 14, 187).
+//! Of n independent samples (x, y) with E\[x\] = μ known, ȳ − βᵀ(x̄ − μ) is an estimate of E\[y\] for every
+//! β, and best for the coefficients of the regression of y on x (Lavenberg and Welch 1981, Management
+//! Science 27, 322). Coefficients of the same sample would bias it where x and y are not jointly Gaussian.
+//! So the sample is split, and each part is corrected with the coefficients of all the others, of which it
+//! is independent: the estimate is unbiased whatever the distribution (Avramidis and Wilson 1993, Operations Research Letters 14, 187).
 //!
 //! The standard error is that of the regression line of the whole sample at μ: s²(1/n + (x̄ − μ)ᵀ P⁻¹ (x̄ − μ)) with P = Σ(x − x̄)(x − x̄)ᵀ
 //! and s² the sum of squared residuals over n − 1 − k for k coefficients. So it holds what estimating the coefficients costs, on average
@@ -152,9 +152,9 @@ mod tests {
     }
 
     /// By hand: x = 0..7 and y = 1, 3, 2, 5, 4, 4, 8, 5 with E\[x\] = 3, in two parts of even and odd x. Even: x̄ = 3, ȳ = 15/4, P = 20,
-    /// Σ(x − x̄)(y − ȳ) = 23, slope 23/20. Odd: x̄ = 4, ȳ = 17/4, Σ = 5, slope 1/4. Estimate: (15/4 − 0 + 17/4 − 23/20)/2 = 3.425. Whole: x̄ =
-    /// 3.5, ȳ = 4, P = 42, Σ(x − x̄)(y − ȳ) = 29, Σ(y − ȳ)² = 32: s² = (32 − 841/42)/6 = 503/252, and the squared error is
-    /// 503/252 (1/8 + 0.25/42). Plain: 32/7/8 = 4/7.
+    /// Σ(x − x̄)(y − ȳ) = 23, slope 23/20. Odd: x̄ = 4, ȳ = 17/4, Σ = 5, slope 1/4. Estimate: (15/4 − 0 +
+    /// 17/4 − 23/20)/2 = 3.425. Whole: x̄ = 3.5, ȳ = 4, P = 42, Σ(x − x̄)(y − ȳ) = 29, Σ(y − ȳ)² = 32: s² =
+    /// (32 − 841/42)/6 = 503/252, and the squared error is 503/252 (1/8 + 0.25/42). Plain: 32/7/8 = 4/7.
     #[test]
     fn one_control_is_a_regression_line_of_the_other_part() {
         let y = [1.0, 3.0, 2.0, 5.0, 4.0, 4.0, 8.0, 5.0];

@@ -27,8 +27,10 @@ fn job<'a>(scene: &'a Scene, law: &'a dyn Law) -> Job<'a> {
         surface: &scene.surface,
         separations: &scene.separations,
         seed: scene.seed,
+        scheme: scene.sampling,
         replicas: 1,
         probes: &[],
+        controls: &[],
         keep_curves: false,
         compression: None,
     }

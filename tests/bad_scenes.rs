@@ -63,6 +63,16 @@ const CASES: &[(&str, &str, &[&str])] = &[
     ),
     ("replicas = 200", "replicas = 0", &["`ensemble.replicas = 0`", "from 1 to"]),
     ("replicas = 200", "replicas = 2.5", &["`ensemble.replicas = 2.5`", "whole number"]),
+    (
+        "replicas = 200",
+        "replicas = 201\nsampling = \"antithetic\"",
+        &["line 27", "`ensemble.replicas = 201`", "needs a multiple of 2 replicas, such as 200 or 202"],
+    ),
+    (
+        "seed = 1",
+        "seed = 1\nsampling = \"stratifed\"",
+        &["unknown sampling", "did you mean \"stratified\"?", "known: independent, antithetic, stratified"],
+    ),
     ("seed = 1", "seed = -1", &["`ensemble.seed = -1`", "whole number"]),
     (
         "law = \"hybrid\"",

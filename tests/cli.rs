@@ -216,3 +216,79 @@ fn bad_arguments_of_asperity_are_named() {
         assert!(text(&refused.stderr).contains(message), "{arguments:?}: {}", text(&refused.stderr));
     }
 }
+
+fn sampled(scheme: &str) -> String {
+    small().replace("[ensemble]", &format!("[ensemble]\nsampling = \"{scheme}\""))
+}
+
+/// Every scheme through the whole program: the file says it, its cross-check is computed anew from the file, and bits do not depend on
+/// threads.
+#[test]
+fn sampling_schemes_are_honoured() {
+    for scheme in ["independent", "antithetic", "stratified"] {
+        let folder = Folder::new(&sampled(scheme));
+        assert!(text(&folder.stiction(&["check", "scene.toml"]).stdout).contains(&format!("  {scheme}: ")));
+        let run = folder.stiction(&["run", "scene.toml", "--replicas", "160", "--threads", "1", "-o", "1.h5"]);
+        assert_exit(&run, 0);
+        let summary = text(&run.stdout);
+        assert!(summary.contains("with the integral as control variate, variance reduced"), "{summary}");
+        let p = |text: &str| text.split("p = ").nth(1).map(|rest| rest.split('\n').next().unwrap().to_owned());
+        assert!(p(&summary).is_some(), "{summary}");
+        let largest =
+            |text: &str| text.split("largest |z|").nth(1).map(|rest| rest.split(';').next().unwrap().to_owned());
+        assert_exit(&folder.stiction(&["run", "scene.toml", "--replicas", "160", "--threads", "3", "-o", "3.h5"]), 0);
+        assert_eq!(bits(&folder.path("1.h5")), bits(&folder.path("3.h5")));
+        let validate = folder.stiction(&["validate", "1.h5"]);
+        assert_exit(&validate, 0);
+        let validated = text(&validate.stdout);
+        assert_eq!((p(&validated), largest(&validated)), (p(&summary), largest(&summary)), "{scheme}");
+        let info = text(&folder.stiction(&["info", "1.h5"]).stdout);
+        let line = info.lines().find(|line| line.trim_start().starts_with("sampling ")).unwrap_or_default();
+        assert!(line.ends_with(scheme), "{info}");
+    }
+}
+
+/// One group has a mean and a scatter, but no standard error, and nothing is tested.
+#[test]
+fn one_group_is_not_tested() {
+    let folder = Folder::new(&sampled("stratified"));
+    let run = folder.stiction(&["run", "scene.toml", "--replicas", "8"]);
+    assert_exit(&run, 0);
+    let summary = text(&run.stdout);
+    assert!(
+        summary.contains("one group of replicas: no standard error") && summary.contains("not tested"),
+        "{summary}"
+    );
+    assert!(!summary.contains("NaN") && !summary.contains("control variate"), "{summary}");
+    assert!(text(&folder.stiction(&["validate", "scene.h5"]).stdout).contains("not tested"));
+}
+
+/// A result of format version 1.0 does not say how it was sampled: each replica by itself.
+#[test]
+fn an_older_result_is_validated() {
+    let folder = Folder::new(&small());
+    assert_exit(&folder.stiction(&["run", "scene.toml"]), 0);
+    {
+        let file = hdf5::File::open_rw(folder.path("scene.h5")).unwrap();
+        file.attr("format_version").unwrap().write_raw(&[1_u32, 0]).unwrap();
+        file.delete_attr("sampling").unwrap();
+    }
+    assert_exit(&folder.stiction(&["validate", "scene.h5"]), 0);
+}
+
+#[test]
+fn replicas_that_are_no_whole_groups_are_refused() {
+    let folder = Folder::new(&sampled("stratified"));
+    std::fs::write(folder.path("scene.h5"), "precious").unwrap();
+    for command in [&["run", "scene.toml", "--force"][..], &["compare", "scene.toml", "--laws", "emd", "--ensemble"]] {
+        let refused = folder.stiction(&[command, &["--replicas", "20"]].concat());
+        assert_exit(&refused, 2);
+        let error = text(&refused.stderr);
+        assert!(
+            error.contains("--replicas 20: sampling = \"stratified\" needs a multiple of 8 replicas, such as 16 or 24"),
+            "{error}"
+        );
+    }
+    assert_eq!(std::fs::read(folder.path("scene.h5")).unwrap(), b"precious");
+    assert_eq!(folder.files(), ["scene.h5", "scene.toml"]);
+}

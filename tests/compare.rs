@@ -66,6 +66,22 @@ fn a_law_of_a_comparison_is_its_run() {
     assert!(text(&validate.stderr).contains("not \"stiction-run\" of `stiction run`"), "{}", text(&validate.stderr));
 }
 
+/// A comparison honours the sampling scheme: its stratified surfaces are those of a run, and its errors those of the run's groups.
+#[test]
+fn a_stratified_comparison_is_its_run() {
+    let folder = Folder::new(&small().replace("[ensemble]", "[ensemble]\nsampling = \"stratified\""));
+    let compare = folder.stiction(&["compare", "scene.toml", "--laws", "hybrid,isbl", "--ensemble", "-o", "all.h5"]);
+    assert_exit(&compare, 0);
+    assert!(text(&compare.stdout).contains("40 replicas with seed 1, stratified, the same asperities"));
+    assert_exit(&folder.stiction(&["run", "scene.toml"]), 0);
+    for dataset in ["replicas/pull_off_force", "ensemble/external_force_standard_error", "validation/z_external_force"]
+    {
+        let bits = |values: Vec<f64>| values.into_iter().map(f64::to_bits).collect::<Vec<u64>>();
+        let (own, run) = (row(&folder, "all.h5", dataset, 0, 2), row(&folder, "scene.h5", dataset, 0, 1));
+        assert_eq!(bits(own), bits(run), "{dataset}");
+    }
+}
+
 #[test]
 fn bits_of_a_comparison_do_not_depend_on_threads() {
     let folder = Folder::new(&small());

@@ -11,10 +11,22 @@ use stiction::asperity::{Law, Path, Quantity, Work};
 use stiction::engine::stream::{Purpose, stream};
 use stiction::engine::{Ensemble, Job, Outcome, Workspace, run};
 use stiction::statistical::Statistical;
-use stiction::surface::Surface;
+use stiction::surface::{SamplingScheme, Surface};
 
 fn job<'a>(law: &'a dyn Law, surface: &'a Surface, separations: &'a [f64], replicas: u64) -> Job<'a> {
-    Job { law, surface, separations, seed: 3, replicas, probes: &[], keep_curves: false, compression: None }
+    let scheme = SamplingScheme::Independent;
+    Job {
+        law,
+        surface,
+        separations,
+        seed: 3,
+        scheme,
+        replicas,
+        probes: &[],
+        controls: &[],
+        keep_curves: false,
+        compression: None,
+    }
 }
 
 fn ensemble(job: &Job<'_>) -> Ensemble {

@@ -7,7 +7,7 @@ use std::sync::atomic::AtomicBool;
 use stiction::asperity::{Boundary, Law, Path, Piece, Quantity, Regime, Responses, Work};
 use stiction::engine::{Job, Outcome, run};
 use stiction::statistical::Statistical;
-use stiction::surface::Surface;
+use stiction::surface::{SamplingScheme, Surface};
 use stiction::validation::{Basis, JointTest, Verdict, basis};
 
 /// A law with the forces of one regime multiplied by a factor.
@@ -48,8 +48,11 @@ impl Law for Planted<'_> {
 struct Scene<'a> {
     surface: &'a Surface,
     separations: &'a [f64],
+    scheme: SamplingScheme,
     replicas: u64,
 }
+
+const INDEPENDENT: SamplingScheme = SamplingScheme::Independent;
 
 /// The joint test of an ensemble that is summed with `law` against the integral `expected`.
 fn joint_test(scene: &Scene<'_>, law: &dyn Law, basis: &Basis, expected: &Statistical, seed: u64) -> JointTest {
@@ -58,8 +61,10 @@ fn joint_test(scene: &Scene<'_>, law: &dyn Law, basis: &Basis, expected: &Statis
         surface: scene.surface,
         separations: scene.separations,
         seed,
+        scheme: scene.scheme,
         replicas: scene.replicas,
         probes: &basis.probes,
+        controls: &[],
         keep_curves: false,
         compression: None,
     };
@@ -72,8 +77,8 @@ fn joint_test(scene: &Scene<'_>, law: &dyn Law, basis: &Basis, expected: &Statis
         &basis.probes,
         curves.map(|q| ensemble.curves[q].mean()),
         curves.map(|q| expected.expected[q].as_slice()),
-        &ensemble.scores.covariance(),
-        scene.replicas,
+        &ensemble.groups.scores.covariance(),
+        scene.replicas / scene.scheme.group(),
     )
 }
 
@@ -82,29 +87,39 @@ fn separations(surface: &Surface, from: f64, to: f64, count: usize) -> Vec<f64> 
     (0..count).map(|i| sigma * (from + (to - from) * i as f64 / (count - 1) as f64)).collect()
 }
 
-/// p-values of 400 ensembles that agree, each of 48 replicas of 300 asperities: uniform by Kolmogorov and Smirnov at the
-/// level 1e-3 (the false-alarm rate of this test; the seeds are fixed).
+/// p-values of ensembles that agree, under every sampling scheme, each of surfaces of 300 asperities and 48 replicas, or of 16 groups:
+/// uniform by Kolmogorov and Smirnov at the level 1e-3 (the false-alarm rate of each scheme; the seeds are fixed).
 #[test]
 fn p_values_are_uniform_when_they_should_be() {
+    for (scheme, replicas, ensembles, components) in [
+        (INDEPENDENT, 48, 400, 12),
+        (SamplingScheme::Antithetic, 48, 300, 6),
+        (SamplingScheme::Stratified, 128, 200, 4),
+    ] {
+        p_values_are_uniform(scheme, replicas, ensembles, components);
+    }
+}
+
+fn p_values_are_uniform(scheme: SamplingScheme, replicas: u64, ensembles: u64, components: usize) {
     let (asperity, mut surface) = case("II");
     surface.asperity_count = 300;
     let separations = separations(&surface, -1.0, 5.0, 16);
     let law = law("hybrid", &asperity, Path::Approach, (-30e-9, 20e-9));
     let expected = Statistical::new(law.as_ref(), &surface, &separations);
-    let basis = basis(law.as_ref(), &surface, &separations, 48);
-    let scene = Scene { surface: &surface, separations: &separations, replicas: 48 };
+    let basis = basis(law.as_ref(), &surface, &separations, scheme, replicas);
+    let scene = Scene { surface: &surface, separations: &separations, scheme, replicas };
     let mut p_values: Vec<f64> =
-        (0..400).map(|seed| joint_test(&scene, law.as_ref(), &basis, &expected, seed).p_value).collect();
+        (0..ensembles).map(|seed| joint_test(&scene, law.as_ref(), &basis, &expected, seed).p_value).collect();
     p_values.sort_by(f64::total_cmp);
     let n = p_values.len() as f64;
     let distance = p_values
         .iter()
         .enumerate()
         .fold(0.0_f64, |worst, (i, p)| worst.max((p - i as f64 / n).abs()).max(((i + 1) as f64 / n - p).abs()));
-    println!("{} components, Kolmogorov-Smirnov distance {distance:.4}", basis.probes.len());
+    println!("{}: Kolmogorov-Smirnov distance {distance:.4}", scheme.name());
     // Critical distance at 1e-3: 1.949/√n.
-    assert!(distance < 1.949 / n.sqrt(), "{distance}");
-    assert_eq!(basis.probes.len(), 12);
+    assert!(distance < 1.949 / n.sqrt(), "{}: {distance}", scheme.name());
+    assert_eq!(basis.probes.len(), components);
 }
 
 /// 120 replicas of case II. The verdict's own false-alarm rate is 1e-3; the seed is fixed.
@@ -114,8 +129,8 @@ fn an_error_of_one_per_cent_in_any_regime_is_caught() {
     let separations = separations(&surface, -1.0, 8.0, 46);
     let law = law("hybrid", &asperity, Path::Approach, (-60e-9, 40e-9));
     let expected = Statistical::new(law.as_ref(), &surface, &separations);
-    let basis = basis(law.as_ref(), &surface, &separations, 120);
-    let scene = Scene { surface: &surface, separations: &separations, replicas: 120 };
+    let basis = basis(law.as_ref(), &surface, &separations, INDEPENDENT, 120);
+    let scene = Scene { surface: &surface, separations: &separations, scheme: INDEPENDENT, replicas: 120 };
     assert_eq!(joint_test(&scene, law.as_ref(), &basis, &expected, 7).verdict, Verdict::Agree);
     // In case II no asperity gets beyond 6 ω_c, so four regimes can hold an error.
     for (regime, name) in ["noncontact", "lubricant", "elastic", "elastoplastic1"].iter().enumerate() {
@@ -126,6 +141,22 @@ fn an_error_of_one_per_cent_in_any_regime_is_caught() {
     }
 }
 
+/// A stratified ensemble of case II sees a smaller error with fewer replicas: 96 replicas, 12 groups, three functionals. The verdict's own
+/// false-alarm rate is 1e-3; the seed is fixed.
+#[test]
+fn an_error_is_caught_by_a_stratified_ensemble() {
+    let (asperity, surface) = case("II");
+    let separations = separations(&surface, -1.0, 8.0, 46);
+    let law = law("hybrid", &asperity, Path::Approach, (-60e-9, 40e-9));
+    let expected = Statistical::new(law.as_ref(), &surface, &separations);
+    let scheme = SamplingScheme::Stratified;
+    let basis = basis(law.as_ref(), &surface, &separations, scheme, 96);
+    let scene = Scene { surface: &surface, separations: &separations, scheme, replicas: 96 };
+    assert_eq!(joint_test(&scene, law.as_ref(), &basis, &expected, 7).verdict, Verdict::Agree);
+    let planted = Planted { law: law.as_ref(), regime: 2, factor: 1.01 };
+    assert_eq!(joint_test(&scene, &planted, &basis, &expected, 7).verdict, Verdict::Disagree);
+}
+
 /// Many separations are thinned out for the test, in bounded time, and the functionals still look at the right ones.
 #[test]
 fn many_separations_are_thinned_out() {
@@ -133,7 +164,7 @@ fn many_separations_are_thinned_out() {
     surface.asperity_count = 200;
     let separations = separations(&surface, 0.0, 4.0, 1201);
     let law = law("hybrid", &asperity, Path::Approach, (-30e-9, 20e-9));
-    let basis = basis(law.as_ref(), &surface, &separations, 48);
+    let basis = basis(law.as_ref(), &surface, &separations, INDEPENDENT, 48);
     assert_eq!(basis.probes.len(), 12);
     for probe in &basis.probes {
         for (weights, tested) in [&probe.adhesion_force, &probe.external_force].into_iter().zip(&basis.tested) {
@@ -143,7 +174,7 @@ fn many_separations_are_thinned_out() {
         }
     }
     // False alarm 1e-3; the seed is fixed.
-    let scene = Scene { surface: &surface, separations: &separations, replicas: 48 };
+    let scene = Scene { surface: &surface, separations: &separations, scheme: INDEPENDENT, replicas: 48 };
     let expected = Statistical::new(law.as_ref(), &surface, &separations);
     assert_eq!(joint_test(&scene, law.as_ref(), &basis, &expected, 5).verdict, Verdict::Agree);
 }

@@ -4,6 +4,7 @@ use super::format::{duration, percent, pure, row, si};
 use super::{Failure, law_of, print, read_scene};
 use crate::asperity::scale::Scale;
 use crate::scene::{Plan, Scene};
+use crate::surface::SamplingScheme;
 use std::path::Path;
 
 pub(super) fn check(path: &Path) -> Result<(), Failure> {
@@ -36,7 +37,23 @@ pub(super) fn heading(scene: &Scene) -> String {
     text += &row("model", &format!("{} on {}", scene.model.name, scene.path.name()));
     text += &row("", scene.model.about);
     text += &numbers(scene);
-    text + &row("replicas", &format!("{} with seed {}", scene.replicas, scene.seed))
+    text += &row("replicas", &format!("{} with seed {}", scene.replicas, scene.seed));
+    text + &row("sampling", &sampling(scene.sampling))
+}
+
+/// How the replicas are drawn relative to each other.
+fn sampling(scheme: SamplingScheme) -> String {
+    let about = match scheme {
+        SamplingScheme::Independent => "each replica by itself".to_owned(),
+        SamplingScheme::Antithetic => "pairs of replicas with heights of opposite sign".to_owned(),
+        SamplingScheme::Stratified => {
+            let group = scheme.group();
+            format!(
+                "groups of {group} replicas, each asperity once in each of {group} equally probable ranges of height"
+            )
+        }
+    };
+    format!("{}: {about}", scheme.name())
 }
 
 /// The title, or that there is none.

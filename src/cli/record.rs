@@ -2,7 +2,8 @@
 
 use super::results::Results;
 use crate::asperity::{Law, Quantity};
-use crate::engine::Replica;
+use crate::engine::SCALARS;
+use crate::math::control_variates::ControlledMean;
 use crate::math::extrema::Features;
 use crate::output::OutputError;
 use crate::output::schema::Dimension;
@@ -10,34 +11,27 @@ use crate::output::writer::Writer;
 use crate::scene::Scene;
 use crate::validation::{Basis, SIGNIFICANCE};
 
-/// A number of a replica.
-type Scalar = fn(&Replica) -> f64;
-
-/// What every file keeps of a replica's own curve.
-pub(super) const SCALARS: [(&str, Scalar); 4] = [
-    ("pull_off_force", |replica| replica.pull_off_force),
-    ("pull_off_separation", |replica| replica.pull_off_separation),
-    ("peak_stiffness", |replica| replica.peak_stiffness),
-    ("peak_stiffness_separation", |replica| replica.peak_stiffness_separation),
-];
-
 /// Writes what is known before the first replica: what is computed, and the dimensions. Returns the regimes' names.
 pub(super) fn write_head(
     writer: &mut Writer,
     scene: &Scene,
     law: &dyn Law,
     basis: &Basis,
+    controls: &[usize],
 ) -> Result<Vec<&'static str>, OutputError> {
     write_scene(writer, scene)?;
     writer.text("/", "law", scene.model.name)?;
     writer.number("/", "seed", scene.seed)?;
     writer.number("/", "replicas", scene.replicas)?;
+    writer.text("/", "sampling", scene.sampling.name())?;
     let regimes: Vec<&'static str> = law.regimes().iter().map(|regime| regime.name()).collect();
     writer.named_scale(Dimension::Regime, &regimes)?;
     writer.scale(Dimension::Replica, &(0..scene.replicas).collect::<Vec<u64>>())?;
     let components: Vec<u64> = (0..basis.probes.len() as u64).collect();
     writer.scale(Dimension::Component, &components)?;
     writer.scale(Dimension::ComponentOther, &components)?;
+    writer.named_scale(Dimension::Scalar, &SCALARS.map(|scalar| scalar.name))?;
+    writer.scale(Dimension::Control, &controls.iter().map(|&place| scene.separations[place]).collect::<Vec<f64>>())?;
     if scene.curves {
         writer.curve_dataset("/replicas/external_force")?;
         writer.curve_dataset("/replicas/adhesion_force")?;
@@ -85,22 +79,17 @@ fn write_features(writer: &Writer, group: &str, features: &Features) -> Result<(
     writer.number(group, "peak_stiffness_separation", features.steepest.place)
 }
 
-/// Standard errors of means over replicas.
-pub(super) fn standard_error(std: &[f64], replicas: u64) -> Vec<f64> {
-    let root = (replicas as f64).sqrt();
-    std.iter().map(|std| std / root).collect()
-}
-
 fn write_ensemble(writer: &Writer, results: &Results) -> Result<(), OutputError> {
     let ensemble = &results.ensemble;
     for quantity in Quantity::ALL {
         let moments = &ensemble.curves[quantity.index()];
-        let std = moments.std();
+        let error = ensemble.groups.curves[quantity.index()].standard_error();
         let name = quantity.name();
         writer.dataset(&format!("/ensemble/{name}_mean"), moments.mean())?;
-        writer.dataset(&format!("/ensemble/{name}_standard_error"), &standard_error(&std, results.scene.replicas))?;
-        writer.dataset(&format!("/ensemble/{name}_std"), &std)?;
+        writer.dataset(&format!("/ensemble/{name}_standard_error"), &error)?;
+        writer.dataset(&format!("/ensemble/{name}_std"), &moments.std())?;
     }
+    write_scalars(writer, &results.scalars)?;
     writer.dataset("/ensemble/regime_count_mean", ensemble.regime_count.mean())?;
     writer.dataset("/ensemble/regime_adhesion_force_mean", ensemble.regime_adhesion_force.mean())?;
     writer.dataset("/ensemble/regime_external_force_mean", ensemble.regime_external_force.mean())?;
@@ -110,10 +99,24 @@ fn write_ensemble(writer: &Writer, results: &Results) -> Result<(), OutputError>
     writer.dataset("/replicas/asperity_count", &count)?;
     let highest: Vec<f64> = replicas.iter().map(|replica| replica.highest_asperity).collect();
     writer.dataset("/replicas/highest_asperity", &highest)?;
-    for (name, scalar) in SCALARS {
-        writer.dataset(&format!("/replicas/{name}"), &replicas.iter().map(scalar).collect::<Vec<f64>>())?;
+    for scalar in SCALARS {
+        let values: Vec<f64> = replicas.iter().map(scalar.of).collect();
+        writer.dataset(&format!("/replicas/{}", scalar.name), &values)?;
     }
     Ok(())
+}
+
+/// The means of the scalars, without and with control variates.
+fn write_scalars(writer: &Writer, means: &[ControlledMean]) -> Result<(), OutputError> {
+    let write = |name: &str, of: fn(&ControlledMean) -> f64| {
+        writer.dataset(&format!("/ensemble/scalar_{name}"), &means.iter().map(of).collect::<Vec<f64>>())
+    };
+    writer.texts("/ensemble/scalar_units", &SCALARS.map(|scalar| scalar.units))?;
+    write("mean", |mean| mean.mean)?;
+    write("standard_error", |mean| mean.standard_error)?;
+    write("controlled_mean", |mean| mean.controlled_mean)?;
+    write("controlled_standard_error", |mean| mean.controlled_standard_error)?;
+    write("variance_reduction", ControlledMean::variance_reduction)
 }
 
 fn write_statistical(writer: &Writer, results: &Results) -> Result<(), OutputError> {
@@ -140,7 +143,7 @@ fn write_validation(writer: &Writer, results: &Results) -> Result<(), OutputErro
         let weights = probes.flat_map(|probe| if i == 0 { &probe.adhesion_force } else { &probe.external_force });
         writer.dataset(&format!("/validation/probe_{name}"), &weights.copied().collect::<Vec<f64>>())?;
     }
-    writer.dataset("/validation/score_covariance", &results.ensemble.scores.covariance())?;
+    writer.dataset("/validation/score_covariance", &results.ensemble.groups.scores.covariance())?;
     let (components, remaining) = joint.degrees_of_freedom;
     writer.text("/validation", "test", "Hotelling T2")?;
     writer.number("/validation", "statistic", joint.statistic)?;

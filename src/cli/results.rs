@@ -2,6 +2,7 @@
 
 use crate::asperity::{Law, Quantity};
 use crate::engine::Ensemble;
+use crate::math::control_variates::ControlledMean;
 use crate::math::extrema::Features;
 use crate::math::interpolation::linear;
 use crate::scene::{Plan, Scene};
@@ -17,6 +18,10 @@ pub(super) struct Results {
     pub statistical: Statistical,
     pub ensemble: Box<Ensemble>,
     pub basis: Basis,
+    /// Indices of the separations of the control variates.
+    pub controls: Vec<usize>,
+    /// Means of the scalars of the replicas, in the order of [`crate::engine::SCALARS`].
+    pub scalars: Vec<ControlledMean>,
     /// What is read off the mean curve of the external force, and off the integral's.
     pub of_mean: Features,
     pub of_integral: Features,

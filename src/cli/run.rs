@@ -2,21 +2,22 @@
 
 use super::record::{write_head, write_results};
 use super::results::{Results, integral_features, mean_features};
-use super::sampling::{Sampling, cross_check, interruption, thread_pool};
+use super::sampling::{Sampling, cross_check, interruption, override_ensemble, thread_pool};
 use super::summary::summary;
 use super::{Failure, RunArguments, law_of, print, read_scene, refuse_own_scene};
+use crate::asperity::Quantity;
+use crate::math::control_variates::controlled_means;
 use crate::output::progress::Progress;
 use crate::output::schema::RUN;
 use crate::output::writer::Writer;
 use crate::scene::Plan;
-use crate::statistical::Statistical;
+use crate::statistical::{Statistical, controls};
 use crate::validation::basis;
 use std::path::PathBuf;
 
 pub(super) fn run(arguments: &RunArguments) -> Result<(), Failure> {
     let mut scene = read_scene(&arguments.scene)?;
-    scene.replicas = arguments.replicas.unwrap_or(scene.replicas);
-    scene.seed = arguments.seed.unwrap_or(scene.seed);
+    override_ensemble(&mut scene, arguments.replicas, arguments.seed)?;
     let output = match &arguments.output {
         Some(output) => output.clone(),
         None => PathBuf::from(arguments.scene.file_stem().unwrap_or_default()).with_extension("h5"),
@@ -32,11 +33,19 @@ pub(super) fn run(arguments: &RunArguments) -> Result<(), Failure> {
     let plan = Plan::new(&scene, law.as_ref());
     let statistical = pool.install(|| Statistical::new(law.as_ref(), &scene.surface, &scene.separations));
     progress.phase("test functionals");
-    let basis = basis(law.as_ref(), &scene.surface, &scene.separations, scene.replicas);
-    let regimes = write_head(&mut writer, &scene, law.as_ref(), &basis)?;
+    let basis = basis(law.as_ref(), &scene.surface, &scene.separations, scene.sampling, scene.replicas);
+    let groups = scene.replicas / scene.sampling.group();
+    let controls = controls(&scene.separations, &statistical, &basis.tested[1], groups);
+    let regimes = write_head(&mut writer, &scene, law.as_ref(), &basis, &controls)?;
     let mut done = 0;
     let ensemble = {
-        let setup = Sampling { scene: &scene, law: law.as_ref(), basis: &basis, keep_curves: scene.curves };
+        let setup = Sampling {
+            scene: &scene,
+            law: law.as_ref(),
+            basis: &basis,
+            controls: &controls,
+            keep_curves: scene.curves,
+        };
         setup.run("ensemble", &pool, &stop, &mut progress, |batch| {
             if scene.curves {
                 writer.curves("/replicas/external_force", done, &batch.external_force)?;
@@ -48,7 +57,10 @@ pub(super) fn run(arguments: &RunArguments) -> Result<(), Failure> {
     };
 
     progress.phase("cross-check");
-    let (z, joint) = cross_check(&ensemble, &statistical, &basis, scene.replicas);
+    let (z, joint) = cross_check(&ensemble, &statistical, &basis, &scene);
+    let expected = &statistical.expected[Quantity::ExternalForce.index()];
+    let expected: Vec<f64> = controls.iter().map(|&place| expected[place]).collect();
+    let scalars = controlled_means(&ensemble.groups.scalars, &expected);
     let of_mean = mean_features(&scene, law.as_ref(), &ensemble, &statistical);
     let of_integral = integral_features(&scene, law.as_ref(), &statistical);
     progress.end();
@@ -62,6 +74,8 @@ pub(super) fn run(arguments: &RunArguments) -> Result<(), Failure> {
         statistical,
         ensemble,
         basis,
+        controls,
+        scalars,
         of_mean,
         of_integral,
         z,

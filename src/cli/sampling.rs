@@ -7,6 +7,7 @@ use crate::output::OutputError;
 use crate::output::progress::Progress;
 use crate::scene::Scene;
 use crate::statistical::Statistical;
+use crate::surface::SamplingScheme;
 use crate::validation::{Basis, JointTest, z_scores};
 use anyhow::Context;
 use std::sync::Arc;
@@ -17,6 +18,8 @@ pub(super) struct Sampling<'a> {
     pub scene: &'a Scene,
     pub law: &'a dyn Law,
     pub basis: &'a Basis,
+    /// Indices of the separations of the control variates.
+    pub controls: &'a [usize],
     pub keep_curves: bool,
 }
 
@@ -30,14 +33,16 @@ impl Sampling<'_> {
         progress: &mut Progress,
         mut observe: impl FnMut(&Batch) -> Result<(), OutputError>,
     ) -> Result<Box<Ensemble>, Failure> {
-        let Self { scene, law, basis, keep_curves } = *self;
+        let Self { scene, law, basis, controls, keep_curves } = *self;
         let job = Job {
             law,
             surface: &scene.surface,
             separations: &scene.separations,
             seed: scene.seed,
+            scheme: scene.sampling,
             replicas: scene.replicas,
             probes: &basis.probes,
+            controls,
             keep_curves,
             compression: None,
         };
@@ -55,6 +60,17 @@ impl Sampling<'_> {
             }
         }
     }
+}
+
+/// Puts what the command line says of the ensemble in the place of what the scene says.
+pub(super) fn override_ensemble(scene: &mut Scene, replicas: Option<u64>, seed: Option<u64>) -> Result<(), Failure> {
+    if let Some(replicas) = replicas {
+        let refused = |problem| Failure::Usage(format!("--replicas {replicas}: {problem}"));
+        scene.sampling.check(replicas).map_err(refused)?;
+        scene.replicas = replicas;
+    }
+    scene.seed = seed.unwrap_or(scene.seed);
+    Ok(())
 }
 
 /// So many threads, or one per core.
@@ -84,12 +100,16 @@ pub(super) fn cross_check(
     ensemble: &Ensemble,
     statistical: &Statistical,
     basis: &Basis,
-    replicas: u64,
+    scene: &Scene,
 ) -> ([Vec<f64>; 2], JointTest) {
     let forces = [Quantity::AdhesionForce, Quantity::ExternalForce].map(Quantity::index);
     let mean = forces.map(|q| ensemble.curves[q].mean());
     let expected = forces.map(|q| statistical.expected[q].as_slice());
-    let z = [0, 1].map(|i| z_scores(mean[i], expected[i], &statistical.std[forces[i]], replicas));
-    let joint = JointTest::new(&basis.probes, mean, expected, &ensemble.scores.covariance(), replicas);
+    let groups = scene.replicas / scene.sampling.group();
+    let z = [0, 1].map(|i| match scene.sampling {
+        SamplingScheme::Independent => z_scores(mean[i], expected[i], &statistical.std[forces[i]], groups),
+        _ => z_scores(mean[i], expected[i], &ensemble.groups.curves[forces[i]].std(), groups),
+    });
+    let joint = JointTest::new(&basis.probes, mean, expected, &ensemble.groups.scores.covariance(), groups);
     (z, joint)
 }

@@ -5,6 +5,7 @@ use super::format::{duration, percent, row, si};
 use super::results::Results;
 use crate::asperity::Quantity;
 use crate::engine::Replica;
+use crate::math::control_variates::ControlledMean;
 use crate::math::extrema::{Extremum, Features};
 use crate::math::moments::Moments;
 use crate::validation::{JointTest, Verdict};
@@ -41,17 +42,26 @@ pub(super) fn moments(replicas: &[Replica], scalar: fn(&Replica) -> f64) -> (f64
 }
 
 /// A mean over replicas with its standard error and the scatter of one replica.
-fn scatter(mean: f64, std: f64, replicas: usize, unit: &str) -> String {
+fn scatter(mean: &ControlledMean, std: f64, unit: &str) -> String {
+    let value = si(mean.mean, unit);
     if !std.is_finite() {
-        return format!("{}  (one replica: no scatter)", si(mean, unit));
+        return format!("{value}  (one replica: no scatter)");
     }
-    let error = std / (replicas as f64).sqrt();
-    format!(
-        "{} ± {} (standard error), scatter {} from patch to patch",
-        si(mean, unit),
-        si(error, unit),
-        percent(std / mean.abs())
-    )
+    let scatter = format!("scatter {} from patch to patch", percent(std / mean.mean.abs()));
+    if !mean.standard_error.is_finite() {
+        return format!("{value}  (one group of replicas: no standard error), {scatter}");
+    }
+    format!("{value} ± {} (standard error), {scatter}", si(mean.standard_error, unit))
+}
+
+/// A mean with control variates, beside the plain one; nothing without controls.
+fn controlled(results: &Results, mean: &ControlledMean, unit: &str) -> String {
+    let (controls, reduction) = (results.controls.len(), mean.variance_reduction());
+    if controls == 0 || !reduction.is_finite() {
+        return String::new();
+    }
+    let (value, error) = (si(mean.controlled_mean, unit), si(mean.controlled_standard_error, unit));
+    row("", &format!("{value} ± {error} with the integral as control variate, variance reduced {reduction:.3} times"))
 }
 
 /// Whether any replica, or the integral, is ever pulled.
@@ -62,12 +72,14 @@ fn pulls(results: &Results) -> bool {
 
 fn pull_off(results: &Results) -> String {
     let replicas = &results.ensemble.replicas;
-    let (mean, std) = moments(replicas, |replica| replica.pull_off_force);
+    let (_, std) = moments(replicas, |replica| replica.pull_off_force);
     let (separation, _) = moments(replicas, |replica| replica.pull_off_separation);
     if !pulls(results) {
         return row("pull-off", "none: the external force is compressive at all separations");
     }
-    let mut text = row("pull-off", &scatter(mean, std, replicas.len(), "N"));
+    let mean = &results.scalars[0];
+    let mut text = row("pull-off", &scatter(mean, std, "N"));
+    text += &controlled(results, mean, "N");
     text += &row("", &format!("mean over replicas, at h* = {:.3} on average", h_star(results, separation)));
     let at_edge = replicas.iter().filter(|replica| replica.pull_off_at_edge).count();
     if at_edge > 0 {

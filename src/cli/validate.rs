@@ -5,6 +5,7 @@ use super::{Failure, print};
 use crate::engine::Probe;
 use crate::output::reader::Reader;
 use crate::output::schema::{Dimension, RUN};
+use crate::surface::SamplingScheme;
 use crate::validation::{JointTest, Verdict, z_scores};
 use std::path::Path;
 
@@ -14,25 +15,33 @@ const ROWS: usize = 25;
 pub(super) fn validate(path: &Path) -> Result<(), Failure> {
     let reader = Reader::open(path, &[&RUN])?;
     let replicas: u64 = reader.number("/", "replicas")?;
+    let scheme = scheme(&reader, path)?;
+    let groups = replicas / scheme.group();
     let h_star: Vec<f64> = reader.values("/h_star")?;
     let curves = |name: &str| -> Result<[Vec<f64>; 3], Failure> {
         Ok([
             reader.values(&format!("/ensemble/{name}_mean"))?,
             reader.values(&format!("/statistical/{name}"))?,
-            reader.values(&format!("/statistical/{name}_std"))?,
+            match scheme {
+                SamplingScheme::Independent => reader.values(&format!("/statistical/{name}_std"))?,
+                _ => {
+                    let error: Vec<f64> = reader.values(&format!("/ensemble/{name}_standard_error"))?;
+                    error.iter().map(|error| (groups as f64).sqrt() * error).collect()
+                }
+            },
         ])
     };
     let forces = [curves("adhesion_force")?, curves("external_force")?];
     let z = [0, 1].map(|i| {
         let [mean, expected, std] = &forces[i];
-        z_scores(mean, expected, std, replicas)
+        z_scores(mean, expected, std, groups)
     });
     let joint = JointTest::new(
         &probes(&reader)?,
         [0, 1].map(|i| forces[i][0].as_slice()),
         [0, 1].map(|i| forces[i][1].as_slice()),
         &reader.values::<f64>("/validation/score_covariance")?,
-        replicas,
+        groups,
     );
     let mut text = format!("{}\n", path.display());
     text += "        h*   mean F_s (N)   integral (N)       z     mean F (N)   integral (N)       z\n";
@@ -49,6 +58,15 @@ pub(super) fn validate(path: &Path) -> Result<(), Failure> {
     text += &verdict(&joint, &z, &shown);
     print(&text);
     if joint.verdict == Verdict::Disagree { Err(Failure::Disagree) } else { Ok(()) }
+}
+
+/// How the replicas were drawn; files of format version 1.0 do not say, and knew one way only.
+fn scheme(reader: &Reader, path: &Path) -> Result<SamplingScheme, Failure> {
+    let Some(name) = reader.optional_text("/", "sampling")? else { return Ok(SamplingScheme::Independent) };
+    let known = SamplingScheme::ALL.iter().find(|(known, _)| *known == name);
+    known.map(|(_, scheme)| *scheme).ok_or_else(|| {
+        Failure::Usage(format!("{} has sampling = \"{name}\", which this program does not know", path.display()))
+    })
 }
 
 fn probes(reader: &Reader) -> Result<Vec<Probe>, Failure> {

@@ -2,12 +2,16 @@
 
 use super::Job;
 use super::curves::Curves;
+use super::groups::Groups;
 use super::replica::{Replica, Workspace};
 use crate::asperity::{Quantity, Work};
-use crate::math::moments::{Comoments, Moments};
+use crate::math::moments::Moments;
+use crate::surface::STRATA;
 
 /// Replicas of a batch. Part of what the bits of a result depend on, so it is fixed.
 pub const BATCH: u64 = 8;
+// A batch holds whole groups, so that groups need not be put together from two of them.
+const _: () = assert!(BATCH.is_multiple_of(STRATA) && BATCH.is_multiple_of(2));
 
 /// The moments of an ensemble and what is kept of every replica.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,8 +24,8 @@ pub struct Ensemble {
     pub regime_adhesion_force: Moments,
     /// Moments of the external force of each regime, N, R × S.
     pub regime_external_force: Moments,
-    /// Mean and covariance of the probes' scores.
-    pub scores: Comoments,
+    /// Moments of the means of groups of replicas.
+    pub groups: Groups,
     /// What is kept of every replica, in order.
     pub replicas: Vec<Replica>,
     /// What solving cost.
@@ -37,7 +41,7 @@ impl Ensemble {
             regime_count: Moments::new(r * s),
             regime_adhesion_force: Moments::new(r * s),
             regime_external_force: Moments::new(r * s),
-            scores: Comoments::new(job.probes.len()),
+            groups: Groups::new(job),
             replicas: Vec::new(),
             work: Work::default(),
         }
@@ -51,7 +55,7 @@ impl Ensemble {
         self.regime_count.merge(&other.regime_count);
         self.regime_adhesion_force.merge(&other.regime_adhesion_force);
         self.regime_external_force.merge(&other.regime_external_force);
-        self.scores.merge(&other.scores);
+        self.groups.merge(&other.groups);
         self.replicas.extend_from_slice(&other.replicas);
         self.work.merge(&other.work);
     }
@@ -63,10 +67,7 @@ impl Ensemble {
         self.regime_count.push(&curves.regime_count);
         self.regime_adhesion_force.push(&curves.regime_adhesion_force);
         self.regime_external_force.push(&curves.regime_external_force);
-        let [adhesion, external] =
-            [Quantity::AdhesionForce, Quantity::ExternalForce].map(|q| curves.total[q.index()].as_slice());
-        let scores: Vec<f64> = job.probes.iter().map(|probe| probe.score(adhesion, external)).collect();
-        self.scores.push(&scores);
+        self.groups.push(job, &replica, curves);
         self.replicas.push(replica);
     }
 }
@@ -83,9 +84,8 @@ pub struct Batch {
 }
 
 impl Batch {
-    /// Computes the batch `index` of a job.
-    pub fn compute(job: &Job<'_>, index: u64) -> Self {
-        let mut workspace = Workspace::new(job);
+    /// Computes the batch `index` of a job, in memory of that job.
+    pub fn compute(job: &Job<'_>, workspace: &mut Workspace, index: u64) -> Self {
         let mut batch = Self { ensemble: Ensemble::new(job), external_force: Vec::new(), adhesion_force: Vec::new() };
         let replicas = index * BATCH..((index + 1) * BATCH).min(job.replicas);
         workspace.replicas(job, replicas, |replica, curves| {
@@ -95,7 +95,7 @@ impl Batch {
                 batch.adhesion_force.extend_from_slice(&curves.total[Quantity::AdhesionForce.index()]);
             }
         });
-        batch.ensemble.work = workspace.work();
+        batch.ensemble.work = workspace.take_work();
         batch
     }
 }

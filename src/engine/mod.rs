@@ -1,24 +1,31 @@
 //! Explicit ensembles: replicas of a surface, summed asperity by asperity and reduced in a fixed order.
 //!
-//! Each replica has its own random stream (seed, replica). Replicas are grouped into batches of a fixed size; batches are
-//! computed in any order by any number of threads and merged in the order of their index, so every result depends on the
-//! scene and the seed alone. What is kept per replica is a handful of numbers; heights and curves are dropped with their batch.
+//! Each replica has its own random stream (seed, replica), and under a [`SamplingScheme`] shares draws with its group. Replicas are
+//! grouped into batches of a fixed size; batches are computed in any order by any number of threads and merged in the order of
+//! their index, so every result depends on the scene and the seed alone. What is kept per replica is a handful of numbers; heights
+//! and curves are dropped with their batch.
 
 mod batch;
 pub mod compressed;
 mod curves;
+mod groups;
 mod pull_off;
 mod reduce;
 mod replica;
+mod sampling;
+mod scalars;
 pub mod stream;
 
 pub use batch::{BATCH, Batch, Ensemble};
 pub use curves::Curves;
+pub use groups::Groups;
 pub use reduce::{Outcome, run};
 pub use replica::{Replica, Workspace};
+pub use sampling::draw;
+pub use scalars::{SCALARS, Scalar};
 
 use crate::asperity::Law;
-use crate::surface::Surface;
+use crate::surface::{SamplingScheme, Surface};
 use compressed::Compression;
 
 /// A linear functional of a replica's force curves, for the joint test: Σ w_a F_s(d) + Σ w_f F(d).
@@ -49,10 +56,14 @@ pub struct Job<'a> {
     pub separations: &'a [f64],
     /// Seed of the experiment.
     pub seed: u64,
-    /// Number of replicas, at least 1.
+    /// How the replicas are drawn relative to each other.
+    pub scheme: SamplingScheme,
+    /// Number of replicas, at least 1, in whole groups of the scheme.
     pub replicas: u64,
-    /// Functionals whose mean and covariance across replicas are wanted.
+    /// Functionals whose mean and covariance across groups of replicas are wanted.
     pub probes: &'a [Probe],
+    /// Indices of the separations at which the external force is a control variate of the scalars.
+    pub controls: &'a [usize],
     /// Whether batches carry the force curves of their replicas.
     pub keep_curves: bool,
     /// How surfaces are summed by moments; directly without it.

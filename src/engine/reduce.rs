@@ -2,6 +2,7 @@
 
 use super::Job;
 use super::batch::{Batch, Ensemble};
+use super::replica::Workspace;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -38,12 +39,16 @@ pub fn run<E: Send>(
         scope.spawn(move || {
             pool.install(|| {
                 // par_bridge hands batches out in order, so those that wait for an earlier one are few.
-                (0..job.batches()).par_bridge().for_each(|index| {
-                    if !stop.load(Ordering::Relaxed) {
-                        // A closed channel means that the run has ended with an error.
-                        let _ = sender.send((index, Batch::compute(job, index)));
-                    }
-                });
+                let batches = (0..job.batches()).par_bridge();
+                batches.for_each_init(
+                    || Workspace::new(job),
+                    |workspace, index| {
+                        if !stop.load(Ordering::Relaxed) {
+                            // A closed channel means that the run has ended with an error.
+                            let _ = sender.send((index, Batch::compute(job, workspace, index)));
+                        }
+                    },
+                );
             });
         });
         let mut merged = Ensemble::new(job);

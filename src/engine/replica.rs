@@ -4,7 +4,7 @@ use super::Job;
 use super::compressed::{self, LANES};
 use super::curves::Curves;
 use super::pull_off::{Jump, jumps, pull_off};
-use super::stream::{Purpose, stream};
+use super::sampling::draw;
 use crate::asperity::{Quantity, Scratch, Work, for_each_block};
 use crate::math::extrema::steepest_rise;
 use crate::math::instruction_set::InstructionSet;
@@ -54,9 +54,9 @@ impl Workspace {
         }
     }
 
-    /// What all surfaces have cost.
-    pub fn work(&self) -> Work {
-        self.sums.work
+    /// What the surfaces since the last call have cost.
+    pub fn take_work(&mut self) -> Work {
+        std::mem::take(&mut self.sums.work)
     }
 
     /// Draws replicas, sums them over all separations, and visits each with what is kept of it and its curves.
@@ -65,8 +65,7 @@ impl Workspace {
         while first < replicas.end {
             let at_once = (replicas.end - first).min(self.heights.len() as u64);
             for (heights, index) in self.heights.iter_mut().zip(first..first + at_once) {
-                let mut random = stream(job.seed, Purpose::Heights, index);
-                job.surface.heights.draw(&mut random, heights);
+                draw(job.surface, job.seed, job.scheme, index, heights);
             }
             self.sum(job, at_once as usize);
             for lane in 0..at_once as usize {

@@ -1,4 +1,4 @@
-//! Random streams: one per seed, purpose and replica.
+//! Random streams: one per seed, purpose and replica or group.
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -9,9 +9,11 @@ use rand_chacha::ChaCha8Rng;
 pub enum Purpose {
     /// Asperity heights.
     Heights = 0,
+    /// Permutations of the strata of a group of replicas, by the index of the group.
+    Strata = 1,
 }
 
-/// The stream of a replica: ChaCha8 with the key (seed, purpose) and the stream number `replica`, from its beginning.
+/// The stream of a replica, or of a group: ChaCha8 with the key (seed, purpose) and the stream number `replica`, from its beginning.
 pub fn stream(seed: u64, purpose: Purpose, replica: u64) -> ChaCha8Rng {
     let mut key = [0; 32];
     key[..8].copy_from_slice(&seed.to_le_bytes());

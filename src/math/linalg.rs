@@ -1,4 +1,4 @@
-//! The linear algebra of the joint test, by faer, in a fixed order of operations.
+//! The linear algebra of the joint test and of the control variates, by faer, in a fixed order of operations.
 
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Par, Side};
@@ -34,6 +34,16 @@ pub fn symmetric_eigen(matrix: &[f64], n: usize) -> Option<Eigen> {
     Some(Eigen { values: (0..n).rev().map(|i| values[i]).collect(), vectors: (0..n).rev().map(vector).collect() })
 }
 
+/// Functionals that are uncorrelated and of unit variance when `covariance`, row-major, n × n, is that of what they act on: its
+/// eigenvectors over the roots of the eigenvalues, largest first, of all eigenvalues that are at least `smallest` of the largest.
+/// There are fewer than n of them where components are collinear, and none when the matrix is not finite.
+pub fn whitening(covariance: &[f64], n: usize, smallest: f64) -> Vec<Vec<f64>> {
+    let Some(eigen) = symmetric_eigen(covariance, n) else { return Vec::new() };
+    let limit = (smallest * eigen.values[0]).max(f64::MIN_POSITIVE);
+    let kept = eigen.values.iter().zip(&eigen.vectors).filter(|(value, _)| **value >= limit);
+    kept.map(|(value, vector)| vector.iter().map(|x| x / value.sqrt()).collect()).collect()
+}
+
 /// xᵀ M⁻¹ x for a symmetric positive definite matrix, row-major, n × n; `None` when it is not.
 pub fn inverse_quadratic_form(matrix: &[f64], x: &[f64]) -> Option<f64> {
     sequential();
@@ -64,6 +74,21 @@ mod tests {
         let half = 0.5_f64.sqrt();
         assert!((eigen.vectors[0][0] - half).abs() < 1e-14 && (eigen.vectors[0][1] - half).abs() < 1e-14);
         assert!(symmetric_eigen(&[f64::NAN], 1).is_none());
+    }
+
+    #[test]
+    fn what_is_collinear_is_left_out_of_a_whitening() {
+        // The third is the sum of the first two, which have variances 4 and 1 and covariance 1.
+        let covariance = [4.0, 1.0, 5.0, 1.0, 1.0, 2.0, 5.0, 2.0, 7.0];
+        let functionals = whitening(&covariance, 3, 1e-9);
+        assert_eq!(functionals.len(), 2);
+        for (i, a) in functionals.iter().enumerate() {
+            for (j, b) in functionals.iter().enumerate() {
+                let product: f64 = (0..9).map(|k| a[k / 3] * covariance[k] * b[k % 3]).sum();
+                assert!((product - f64::from(u8::from(i == j))).abs() < 1e-12, "{i} {j}: {product}");
+            }
+        }
+        assert!(whitening(&[0.0], 1, 1e-9).is_empty() && whitening(&[f64::NAN], 1, 1e-9).is_empty());
     }
 
     #[test]

@@ -58,6 +58,12 @@ impl Moments {
         }
         self.squares.iter().map(|squares| (squares / (self.count - 1) as f64).sqrt()).collect()
     }
+
+    /// The standard error of the mean of each component; NaN for fewer than two samples.
+    pub fn standard_error(&self) -> Vec<f64> {
+        let root = (self.count as f64).sqrt();
+        self.std().iter().map(|std| std / root).collect()
+    }
 }
 
 /// Mean and covariance of vectors.
@@ -174,6 +180,6 @@ mod tests {
     fn one_sample_has_no_spread() {
         let mut moments = Moments::new(1);
         moments.push(&[3.0]);
-        assert!(moments.std()[0].is_nan());
+        assert!(moments.std()[0].is_nan() && moments.standard_error()[0].is_nan());
     }
 }

@@ -84,6 +84,19 @@ impl Reader {
         value.map_err(|_| self.broken(format!("lacks the number `{name}` of {group}")))
     }
 
+    /// A text attribute of a group, if it has it.
+    ///
+    /// # Errors
+    /// When the group is missing, or the attribute is no text.
+    pub fn optional_text(&self, group: &str, name: &str) -> Result<Option<String>, OutputError> {
+        let at = self.file.group(group).map_err(|_| self.broken(format!("lacks the group {group}")))?;
+        if !at.attr_names()?.iter().any(|known| known == name) {
+            return Ok(None);
+        }
+        let text = read_text(&at, name);
+        text.map(Some).map_err(|_| self.broken(format!("has an attribute `{name}` of {group} that is no text")))
+    }
+
     /// The names of its groups.
     pub fn groups(&self) -> &'static [&'static str] {
         self.layout.groups

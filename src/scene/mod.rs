@@ -11,7 +11,7 @@ pub use reader::{SceneError, nearest};
 use crate::asperity::models::{MODELS, Model, PUBLISHED_FITS};
 use crate::asperity::scale::{Asperity, Scale};
 use crate::asperity::{Law, LawError, Path, Setting};
-use crate::surface::{Roughness, Surface, SurfaceError};
+use crate::surface::{Roughness, SamplingScheme, Surface, SurfaceError};
 use reader::{Section, document};
 use units::Dimension;
 
@@ -53,8 +53,10 @@ pub struct Scene {
     pub critical_approach: Option<f64>,
     /// Separations h, m, rising.
     pub separations: Vec<f64>,
-    /// Number of replicas.
+    /// Number of replicas, whole groups of the sampling scheme.
     pub replicas: u64,
+    /// How they are drawn relative to each other.
+    pub sampling: SamplingScheme,
     /// Seed of the random streams.
     pub seed: u64,
     /// Whether every replica's curves are kept.
@@ -84,8 +86,12 @@ impl Scene {
         let critical_approach = critical_approach(&model, &law)?;
         let separation = required(&root, "separation", &["h", "h_star"])?;
         let separations = separation::separations(&separation, surface.surface_height_std)?;
-        let ensemble = required(&root, "ensemble", &["replicas", "seed"])?;
-        let replicas = ensemble.require("replicas", "1000")?.integer(1..=1_000_000_000_000)?;
+        let ensemble = required(&root, "ensemble", &["replicas", "sampling", "seed"])?;
+        let sampling = ensemble.get("sampling").map(|entry| entry.choice("sampling", &SamplingScheme::ALL));
+        let sampling = sampling.transpose()?.unwrap_or_default();
+        let given = ensemble.require("replicas", "1000")?;
+        let replicas = given.integer(1..=1_000_000_000_000)?;
+        sampling.check(replicas).map_err(|problem| given.wrong(&problem))?;
         let seed = ensemble.get("seed").map_or(Ok(1), |entry| entry.integer(0..=i64::MAX as u64))?;
         let output = root.section("output", &["curves"], false)?;
         let curves = output.and_then(|output| output.get("curves")).map_or(Ok(false), |entry| entry.boolean())?;
@@ -100,6 +106,7 @@ impl Scene {
             critical_approach,
             separations,
             replicas,
+            sampling,
             seed,
             curves,
         })

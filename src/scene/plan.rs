@@ -56,8 +56,8 @@ impl Plan {
         let sorting = 40.0 * n;
         let nanoseconds: f64 =
             sorting + s * regimes.iter().enumerate().map(|(i, plan)| plan.asperities * law.cost(i)).sum::<f64>();
-        // Moments and curves of a batch, heights, and for curves what waits to be written.
-        let batch = 8.0 * (n + 3.0 * s * (4.0 + 3.0 * r)) + if scene.curves { 8.0 * 2.0 * s * 8.0 } else { 0.0 };
+        // Moments and curves of a batch and of its groups, heights, and for curves what waits to be written.
+        let batch = 8.0 * (n + 3.0 * s * (8.0 + 3.0 * r)) + if scene.curves { 8.0 * 2.0 * s * 8.0 } else { 0.0 };
         Self {
             skips: skips(scene, &regimes),
             beyond: beyond(scene, law),

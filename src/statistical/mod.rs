@@ -5,6 +5,10 @@
 //! by itself, in the variable in which it is smooth (|δ − place|^(1/order) next to a fold or first touch), so no panel straddles a
 //! kink or jump.
 
+mod controls;
+
+pub use controls::controls;
+
 use crate::asperity::{Law, Piece, Quantity, Responses, Smoothness, Work};
 use crate::math::quadrature::{Integral, NODES, Rule};
 use crate::surface::Surface;

@@ -1,7 +1,12 @@
 //! The rough surface: its asperity heights and the conversions from what is measured to what the model takes.
 
+mod scheme;
+
+pub use scheme::{STRATA, SamplingScheme};
+
 use rand::Rng;
 use rand_distr::{Distribution, StandardNormal};
+use statrs::distribution::{ContinuousCDF, Normal};
 use std::f64::consts::{PI, SQRT_2};
 use thiserror::Error;
 
@@ -129,6 +134,11 @@ impl Gaussian {
         }
     }
 
+    /// The height, m, below which lies the share `probability`, within 0 and 1; where that is below 1/2, to a few roundings.
+    pub fn quantile(&self, probability: f64) -> f64 {
+        self.std * Normal::standard().inverse_cdf(probability)
+    }
+
     /// Draws heights, m, by the ziggurat method.
     pub fn draw(&self, random: &mut impl Rng, heights: &mut [f64]) {
         for height in heights {
@@ -184,5 +194,24 @@ mod tests {
         assert!((unit.probability(f64::NEG_INFINITY, -10.0) / 7.619853024160526e-24 - 1.0).abs() < 1e-13);
         assert!((unit.probability(-1.0, 1.0) - 0.682689492137086).abs() < 1e-15);
         assert_eq!(unit.probability(f64::NEG_INFINITY, f64::INFINITY), 1.0);
+    }
+
+    /// Probabilities and 50-digit quantiles.
+    const QUANTILES: [(f64, f64); 6] = [
+        (1e-17, -8.493793224109598),
+        (1e-9, -5.9978070150076869),
+        (3e-4, -3.431614403623269),
+        (0.0625, -1.5341205443525463),
+        (0.25, -0.6744897501960817),
+        (0.4375, -0.1573106846101707),
+    ];
+
+    #[test]
+    fn quantiles_keep_their_digits_in_the_lower_tail() {
+        let unit = Gaussian { std: 1.0 };
+        for (probability, quantile) in QUANTILES {
+            assert!((unit.quantile(probability) / quantile - 1.0).abs() < 1e-15, "{probability:e}");
+        }
+        assert_eq!(Gaussian { std: 2.0 }.quantile(0.5), 0.0);
     }
 }

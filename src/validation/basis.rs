@@ -2,8 +2,9 @@
 
 use crate::asperity::{Law, Scratch, Work, for_each_block};
 use crate::engine::Probe;
-use crate::math::linalg::{gram, symmetric_eigen};
-use crate::surface::Surface;
+use crate::math::linalg::{gram, whitening};
+use crate::surface::{STRATA, SamplingScheme, Surface};
+use std::ops::Range;
 
 /// Heights of the grid on which the covariance of the law over separations is formed. It shapes the functionals only: their
 /// expectations are the integral's and their covariance the sample's, so its error costs power, not truth.
@@ -14,8 +15,8 @@ const GRID_REACH: f64 = 8.5;
 const MAX_SEPARATIONS: usize = 400;
 /// Most functionals.
 const MAX_COMPONENTS: usize = 32;
-/// Fewest replicas per functional.
-const REPLICAS_PER_COMPONENT: u64 = 4;
+/// Fewest groups of replicas per functional.
+const GROUPS_PER_COMPONENT: u64 = 4;
 /// Smallest eigenvalue that is kept, relative to the largest.
 const SMALLEST_EIGENVALUE: f64 = 1e-9;
 /// Largest squared skewness of a mean over all replicas that is still treated as Gaussian; for a rare event, the reciprocal of how
@@ -27,7 +28,7 @@ const LARGEST_KURTOSIS: f64 = 0.02;
 /// The functionals and the separations that they look at.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Basis {
-    /// Each scaled to a score of unit variance per replica.
+    /// Each scaled to a score of unit variance per replica, or per replica's worth of what the sampling scheme leaves to chance.
     pub probes: Vec<Probe>,
     /// For each separation, whether adhesion force and external force are Gaussian enough to be looked at.
     pub tested: [Vec<bool>; 2],
@@ -39,16 +40,19 @@ struct Column {
     gaussian: bool,
 }
 
-/// The functionals for `replicas` replicas at separations h, m: leading eigenvectors of the correlation of adhesion and external
-/// force over all separations, by the law. Separations, and eigenvectors, whose mean over the ensemble is still decided by a few
-/// rare asperities are left out, because no covariance describes them.
-pub fn basis(law: &dyn Law, surface: &Surface, separations: &[f64], replicas: u64) -> Basis {
+/// The functionals for `replicas` replicas that are drawn by a scheme, at separations h, m: leading eigenvectors of the correlation
+/// of adhesion and external force over all separations, by the law and of what the scheme leaves to chance. Separations, and
+/// eigenvectors, whose mean over the ensemble is still decided by a few rare asperities are left out, because no covariance
+/// describes them.
+pub fn basis(law: &dyn Law, surface: &Surface, separations: &[f64], scheme: SamplingScheme, replicas: u64) -> Basis {
     let all = separations.len();
     let stride = all.div_ceil(MAX_SEPARATIONS);
     let separations: Vec<f64> = separations.iter().copied().step_by(stride).collect();
     let s = separations.len();
-    let samples = surface.asperity_count as f64 * replicas as f64;
-    let contributions = contributions(law, surface, &separations);
+    // Independent contributions in the ensemble: a pair of opposite heights is one.
+    let pairs = if scheme == SamplingScheme::Antithetic { 0.5 } else { 1.0 };
+    let samples = pairs * surface.asperity_count as f64 * replicas as f64;
+    let contributions = contributions(law, surface, &separations, scheme);
     let columns: Vec<Column> = contributions
         .values
         .chunks_exact(GRID)
@@ -57,7 +61,8 @@ pub fn basis(law: &dyn Law, surface: &Surface, separations: &[f64], replicas: u6
         .collect();
     let kept: Vec<usize> = (0..2 * s).filter(|&j| columns[j].gaussian).collect();
     let tested = [0, 1].map(|q| (0..all).map(|k| k % stride == 0 && columns[q * s + k / stride].gaussian).collect());
-    let components = contributions.components(&kept, &columns, samples, replicas);
+    let most = MAX_COMPONENTS.min((replicas / scheme.group() / GROUPS_PER_COMPONENT) as usize);
+    let components = contributions.components(&kept, &columns, samples, most);
     let root_count = (surface.asperity_count as f64).sqrt();
     let probes = components
         .iter()
@@ -82,7 +87,7 @@ struct Contributions {
     largest: Vec<f64>,
 }
 
-fn contributions(law: &dyn Law, surface: &Surface, separations: &[f64]) -> Contributions {
+fn contributions(law: &dyn Law, surface: &Surface, separations: &[f64], scheme: SamplingScheme) -> Contributions {
     let std = surface.heights.std;
     let step = 2.0 * GRID_REACH * std / (GRID - 1) as f64;
     let heights: Vec<f64> = (0..GRID).map(|i| (i as f64 - (GRID / 2) as f64) * step).collect();
@@ -102,11 +107,34 @@ fn contributions(law: &dyn Law, surface: &Surface, separations: &[f64]) -> Contr
         });
     }
     let largest = values.chunks_exact(GRID).map(|c| c.iter().fold(0.0, |worst: f64, f| worst.max(f.abs()))).collect();
+    let strata = strata(&heights, surface, scheme);
     for column in values.chunks_exact_mut(GRID) {
-        let mean: f64 = column.iter().zip(&weights).map(|(f, w)| f * w).sum();
-        column.iter_mut().for_each(|f| *f -= mean);
+        if scheme == SamplingScheme::Antithetic {
+            // What is odd in the height cancels in every pair.
+            for i in 0..GRID / 2 {
+                let even = 0.5 * (column[i] + column[GRID - 1 - i]);
+                (column[i], column[GRID - 1 - i]) = (even, even);
+            }
+        }
+        for range in &strata {
+            let (column, weights) = (&mut column[range.clone()], &weights[range.clone()]);
+            let mean: f64 = column.iter().zip(weights).map(|(f, w)| f * w).sum::<f64>();
+            let mean = if strata.len() == 1 { mean } else { mean / weights.iter().sum::<f64>() };
+            column.iter_mut().for_each(|f| *f -= mean);
+        }
     }
     Contributions { weights, values, largest }
+}
+
+/// Ranges of rising heights, m, over each of which the mean contribution is not left to chance.
+fn strata(heights: &[f64], surface: &Surface, scheme: SamplingScheme) -> Vec<Range<usize>> {
+    let count = if scheme == SamplingScheme::Stratified { STRATA } else { 1 };
+    let end = |stratum: u64| {
+        let below = stratum as f64 / count as f64;
+        heights.partition_point(|&u| surface.heights.probability(f64::NEG_INFINITY, u) < below)
+    };
+    let ends: Vec<usize> = (0..count).map(end).chain([heights.len()]).collect();
+    ends.windows(2).map(|pair| pair[0]..pair[1]).collect()
 }
 
 impl Contributions {
@@ -125,7 +153,7 @@ impl Contributions {
     }
 
     /// Eigenvectors of the correlation of the kept columns, scaled to unit variance.
-    fn components(&self, kept: &[usize], columns: &[Column], samples: f64, replicas: u64) -> Vec<Vec<f64>> {
+    fn components(&self, kept: &[usize], columns: &[Column], samples: f64, most: usize) -> Vec<Vec<f64>> {
         let n = kept.len();
         let mut rows = vec![0.0; GRID * n];
         for (place, &j) in kept.iter().enumerate() {
@@ -133,17 +161,8 @@ impl Contributions {
                 rows[i * n + place] = weight.sqrt() * self.values[j * GRID + i] / columns[j].std;
             }
         }
-        let Some(eigen) = symmetric_eigen(&gram(&rows, n), n) else {
-            return Vec::new();
-        };
-        let most = MAX_COMPONENTS.min((replicas / REPLICAS_PER_COMPONENT) as usize);
-        let usable = eigen.values.iter().zip(&eigen.vectors).filter_map(|(&value, vector)| {
-            let component: Vec<f64> = vector.iter().map(|x| x / value.sqrt()).collect();
-            let gaussian =
-                value >= SMALLEST_EIGENVALUE * eigen.values[0] && self.is_gaussian(&component, &rows, samples);
-            gaussian.then_some(component)
-        });
-        usable.take(most).collect()
+        let components = whitening(&gram(&rows, n), n, SMALLEST_EIGENVALUE).into_iter();
+        components.filter(|component| self.is_gaussian(component, &rows, samples)).take(most).collect()
     }
 
     /// Whether the ensemble's mean of a component is close to Gaussian.

@@ -34,7 +34,7 @@ impl Verdict {
 pub struct JointTest {
     /// Hotelling's T²; NaN when not tested.
     pub statistic: f64,
-    /// Its degrees of freedom: components, and replicas less components.
+    /// Its degrees of freedom: components, and groups of replicas less components.
     pub degrees_of_freedom: (u64, u64),
     /// Probability of a larger T² when ensemble and integral agree; NaN when not tested.
     pub p_value: f64,
@@ -43,16 +43,16 @@ pub struct JointTest {
 }
 
 impl JointTest {
-    /// Tests mean curves over S separations against their expectations, with the covariance of the probes' scores across
-    /// `replicas` replicas, row-major. T² = n (s̄ − μ)ᵀ C⁻¹ (s̄ − μ), and (n − k)/(k(n − 1)) T² is F-distributed with (k, n − k)
-    /// degrees of freedom (Hotelling 1931).
+    /// Tests mean curves over S separations against their expectations, with the covariance of the probes' scores across `groups`
+    /// independent groups of replicas, each by its mean, row-major; independent replicas are groups of one. T² = n (s̄ − μ)ᵀ C⁻¹
+    /// (s̄ − μ), and (n − k)/(k(n − 1)) T² is F-distributed with (k, n − k) degrees of freedom (Hotelling 1931).
     ///
     /// `mean` and `expected` hold adhesion force and external force, N.
-    pub fn new(probes: &[Probe], mean: [&[f64]; 2], expected: [&[f64]; 2], covariance: &[f64], replicas: u64) -> Self {
+    pub fn new(probes: &[Probe], mean: [&[f64]; 2], expected: [&[f64]; 2], covariance: &[f64], groups: u64) -> Self {
         let k = probes.len() as u64;
-        let degrees_of_freedom = (k, replicas.saturating_sub(k));
+        let degrees_of_freedom = (k, groups.saturating_sub(k));
         let untested = Self { statistic: f64::NAN, degrees_of_freedom, p_value: f64::NAN, verdict: Verdict::NotTested };
-        if k == 0 || replicas < k + 2 {
+        if k == 0 || groups < k + 2 {
             return untested;
         }
         let difference = |q: usize| -> Vec<f64> { mean[q].iter().zip(expected[q]).map(|(m, e)| m - e).collect() };
@@ -61,7 +61,7 @@ impl JointTest {
         let Some(form) = inverse_quadratic_form(covariance, &scores) else {
             return untested;
         };
-        let (n, k) = (replicas as f64, k as f64);
+        let (n, k) = (groups as f64, k as f64);
         let statistic = n * form;
         let Ok(distribution) = FisherSnedecor::new(k, n - k) else {
             return untested;

@@ -12,9 +12,10 @@ mod joint;
 pub use basis::{Basis, basis};
 pub use joint::{JointTest, SIGNIFICANCE, Verdict};
 
-/// z-scores of an ensemble's means over `replicas` replicas: (mean − expected)/(std/√replicas), with the expectation and
-/// the standard deviation of one replica from the integral.
-pub fn z_scores(mean: &[f64], expected: &[f64], std: &[f64], replicas: u64) -> Vec<f64> {
-    let root = (replicas as f64).sqrt();
+/// z-scores of an ensemble's means over `count` independent samples: (mean − expected)/(std/√count), with the expectation from the
+/// integral. Independent replicas are such samples, whose standard deviation the integral knows; groups of replicas that depend on
+/// each other are, whose standard deviation is the sample's, so that z has Student's t distribution.
+pub fn z_scores(mean: &[f64], expected: &[f64], std: &[f64], count: u64) -> Vec<f64> {
+    let root = (count as f64).sqrt();
     mean.iter().zip(expected).zip(std).map(|((mean, expected), std)| root * (mean - expected) / std).collect()
 }

@@ -70,6 +70,8 @@ DATASETS = {
     "replica": (N, "1"),
     "component": (("component",), "1"),
     "component_other": (("component_other",), "1"),
+    "scalar": (("scalar",), "1"),
+    "control": (("control",), "m"),
     "phase": (("phase",), "1"),
     "skip_reason": (("skip_reason",), "1"),
     "ensemble/adhesion_force_mean": (S, "N"),
@@ -84,6 +86,12 @@ DATASETS = {
     "ensemble/contact_area_mean": (S, "m2"),
     "ensemble/contact_area_standard_error": (S, "m2"),
     "ensemble/contact_area_std": (S, "m2"),
+    "ensemble/scalar_units": (("scalar",), "1"),
+    "ensemble/scalar_mean": (("scalar",), "scalar_units"),
+    "ensemble/scalar_standard_error": (("scalar",), "scalar_units"),
+    "ensemble/scalar_controlled_mean": (("scalar",), "scalar_units"),
+    "ensemble/scalar_controlled_standard_error": (("scalar",), "scalar_units"),
+    "ensemble/scalar_variance_reduction": (("scalar",), "1"),
     "ensemble/regime_count_mean": (RS, "1"),
     "ensemble/regime_adhesion_force_mean": (RS, "N"),
     "ensemble/regime_external_force_mean": (RS, "N"),
@@ -165,13 +173,14 @@ def test_root_attributes(file):
     for name in ["format", "program_version", "source_revision", "created", "title", "scene", "law", "path"]:
         assert isinstance(attributes[name], str), name
     assert attributes["format"] == "stiction-run"
-    assert list(attributes["format_version"]) == [1, 0]
+    assert list(attributes["format_version"]) == [1, 1]
     assert np.issubdtype(attributes["format_version"].dtype, np.integer)
     assert re.fullmatch(r"\d+\.\d+\.\d+.*", attributes["program_version"])
     assert re.fullmatch(r"[0-9a-f]{7,}(-modified)?|unknown", attributes["source_revision"])
     assert attributes["title"] == "Test patch"
     assert attributes["scene"] == SCENE
     assert (attributes["law"], attributes["path"]) == ("hybrid", "approach")
+    assert attributes["sampling"] == "independent"
     for name, value in [("seed", SEED), ("replicas", REPLICAS)]:
         assert isinstance(attributes[name], np.integer) and attributes[name] == value
     for name in ["adhesion_parameter", "plasticity_index", "critical_interference", "surface_height_std",
@@ -299,6 +308,67 @@ def test_ensemble_is_the_moments_of_the_replicas(file):
         std = file[f"ensemble/{name}_std"][()]
         assert np.all(std > 0.0)
         assert close(file[f"ensemble/{name}_standard_error"][()], std / np.sqrt(REPLICAS), std)
+
+
+def check_controlled_means(file, group: int, controls: int):
+    """The means of the scalars with control variates: each part of the sample at the integral's forces by the regression of the others."""
+    units = {"pull_off_force": "N", "pull_off_separation": "m", "peak_stiffness": "N m-1", "peak_stiffness_separation": "m"}
+    names = list(file["scalar"].asstr()[()])
+    assert names == list(units) and list(file["ensemble/scalar_units"].asstr()[()]) == list(units.values())
+    places = np.searchsorted(file["separation"][()], file["control"][()])
+    assert np.array_equal(file["separation"][()][places], file["control"][()])
+    means = lambda values: values.reshape(-1, group, *values.shape[1:]).mean(axis=1)
+    forces, expected = means(file["replicas/external_force"][:, places]), file["statistical/external_force"][()][places]
+    n, k = forces.shape
+    assert k == controls
+    scale = forces.std(axis=0)
+    parts = np.arange(n) * group // 8 % 16  # batches of 8 replicas in turn
+    design = np.column_stack([np.ones(n), (forces - expected) / scale])
+    for i, name in enumerate(names):
+        values, scalar = means(file[f"replicas/{name}"][()]), {
+            part: file[f"ensemble/scalar_{part}"][i]
+            for part in ["mean", "standard_error", "controlled_mean", "controlled_standard_error", "variance_reduction"]
+        }
+        error = values.std(ddof=1) / np.sqrt(n)
+        assert scalar["mean"] == pytest.approx(values.mean(), rel=1e-12)
+        assert scalar["standard_error"] == pytest.approx(error, rel=1e-9)
+        residual = values - design @ np.linalg.lstsq(design, values, rcond=None)[0]
+        variance = residual @ residual / (n - 1 - k) * np.linalg.inv(design.T @ design)[0, 0]
+        controlled = values.mean()
+        for part in set(parts):
+            own, others = parts == part, parts != part
+            slopes = np.linalg.lstsq(design[others], values[others], rcond=None)[0][1:]
+            controlled -= own.sum() / n * design[own, 1:].mean(axis=0) @ slopes
+        assert scalar["controlled_mean"] == pytest.approx(controlled, abs=1e-6 * error)
+        assert scalar["controlled_standard_error"] == pytest.approx(np.sqrt(variance), rel=1e-6)
+        assert scalar["variance_reduction"] == pytest.approx(error**2 / variance, rel=1e-6)
+
+
+def test_controlled_means(file):
+    check_controlled_means(file, 1, 2)
+
+
+@pytest.mark.parametrize("sampling, group, replicas, controls", [("antithetic", 2, 60, 3), ("stratified", 8, 160, 2)])
+def test_sampling_schemes(tmp_path, sampling, group, replicas, controls):
+    text = SCENE.replace(f"replicas = {REPLICAS}", f'replicas = {replicas}\nsampling = "{sampling}"')
+    with h5py.File(run_program(tmp_path, text), "r") as file:
+        assert file.attrs["sampling"] == sampling
+        check_controlled_means(file, group, controls)
+        curves = file["replicas/external_force"][()]
+        means = curves.reshape(-1, group, curves.shape[1]).mean(axis=1)
+        groups = len(means)
+        error = means.std(axis=0, ddof=1) / np.sqrt(groups)
+        assert close(file["ensemble/external_force_standard_error"][()], error, error, 1e-9)
+        assert close(file["ensemble/external_force_std"][()], curves.std(axis=0, ddof=1), curves.std(axis=0), 1e-9)
+        z = (curves.mean(axis=0) - file["statistical/external_force"][()]) / error
+        assert close(file["validation/z_external_force"][()], z, 1.0, 1e-6)
+        probes = {name: file[f"validation/probe_{name}"][()] for name in ["external_force", "adhesion_force"]}
+        scores = sum(file[f"replicas/{name}"][()] @ probe.T for name, probe in probes.items())
+        scores = scores.reshape(groups, group, -1).mean(axis=1)
+        covariance = np.atleast_2d(np.cov(scores, rowvar=False))
+        assert close(file["validation/score_covariance"][()], covariance, np.abs(covariance).max(), 1e-8)
+        k = scores.shape[1]
+        assert k == groups // 4 and list(file["validation"].attrs["degrees_of_freedom"]) == [k, groups - k]
 
 
 def test_features_of_the_mean_curve_and_the_integral(file, tmp_path):

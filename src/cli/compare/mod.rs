@@ -6,7 +6,7 @@ mod table;
 use super::asperity::find;
 use super::format::percent;
 use super::results::integral_features;
-use super::sampling::{Sampling, cross_check, interruption, thread_pool};
+use super::sampling::{Sampling, cross_check, interruption, override_ensemble, thread_pool};
 use super::{CompareArguments, Failure, law_of, print, read_scene, refuse_own_scene};
 use crate::asperity::emd::Emd;
 use crate::asperity::laws::fit::FORCES;
@@ -71,8 +71,7 @@ struct Comparison {
 pub(super) fn compare(arguments: &CompareArguments) -> Result<(), Failure> {
     let models = models(&arguments.laws)?;
     let mut scene = read_scene(&arguments.scene)?;
-    scene.replicas = arguments.replicas.unwrap_or(scene.replicas);
-    scene.seed = arguments.seed.unwrap_or(scene.seed);
+    override_ensemble(&mut scene, arguments.replicas, arguments.seed)?;
     let laws: Vec<Box<dyn Law>> =
         models.iter().map(|model| law_of(&scene, model, &arguments.scene)).collect::<Result<_, _>>()?;
     if let Some(output) = &arguments.output {
@@ -160,10 +159,10 @@ fn sample(
     stop: &AtomicBool,
     progress: &mut Progress,
 ) -> Result<Sampled, Failure> {
-    let basis = basis(law, &scene.surface, &scene.separations, scene.replicas);
-    let ensemble =
-        Sampling { scene, law, basis: &basis, keep_curves: false }.run(name, pool, stop, progress, |_| Ok(()))?;
-    let (z, joint) = cross_check(&ensemble, statistical, &basis, scene.replicas);
+    let basis = basis(law, &scene.surface, &scene.separations, scene.sampling, scene.replicas);
+    let setup = Sampling { scene, law, basis: &basis, controls: &[], keep_curves: false };
+    let ensemble = setup.run(name, pool, stop, progress, |_| Ok(()))?;
+    let (z, joint) = cross_check(&ensemble, statistical, &basis, scene);
     Ok(Sampled { ensemble, z, joint })
 }
 

@@ -5,7 +5,9 @@ use super::{Compared, Comparison, Sampled, deviation};
 use crate::asperity::Quantity;
 use crate::asperity::law::Regime;
 use crate::asperity::laws::fit::{FORCES, NAMES};
-use crate::cli::record::{SCALARS, standard_error, write_scene};
+use crate::cli::record::write_scene;
+use crate::engine::SCALARS;
+use crate::math::moments::Moments;
 use crate::output::OutputError;
 use crate::output::schema::Dimension;
 use crate::output::writer::Writer;
@@ -34,6 +36,7 @@ pub(super) fn write(writer: &mut Writer, comparison: &Comparison) -> Result<(), 
     if sampled.len() == laws.len() {
         writer.number("/", "seed", scene.seed)?;
         writer.number("/", "replicas", scene.replicas)?;
+        writer.text("/", "sampling", scene.sampling.name())?;
         writer.scale(Dimension::Replica, &(0..scene.replicas).collect::<Vec<u64>>())?;
         write_ensemble(writer, comparison, &sampled)?;
     }
@@ -133,18 +136,19 @@ fn write_ensemble(writer: &Writer, comparison: &Comparison, sampled: &[&Sampled]
         let mean: Vec<f64> = moments().flat_map(|moments| moments.mean().to_vec()).collect();
         let std: Vec<f64> = moments().flat_map(|moments| moments.std()).collect();
         writer.dataset(&format!("/ensemble/{name}_mean"), &mean)?;
-        writer
-            .dataset(&format!("/ensemble/{name}_standard_error"), &standard_error(&std, comparison.scene.replicas))?;
+        let groups = sampled.iter().map(|sampled| &sampled.ensemble.groups.curves[q]);
+        let error: Vec<f64> = groups.flat_map(Moments::standard_error).collect();
+        writer.dataset(&format!("/ensemble/{name}_standard_error"), &error)?;
         writer.dataset(&format!("/ensemble/{name}_std"), &std)?;
     }
     let (mean, error): (Vec<f64>, Vec<f64>) =
         comparison.laws.iter().filter_map(|law| difference(comparison, law)).unzip();
     writer.dataset("/ensemble/pull_off_force_difference_mean", &mean)?;
     writer.dataset("/ensemble/pull_off_force_difference_standard_error", &error)?;
-    for (name, scalar) in SCALARS {
+    for scalar in SCALARS {
         let values: Vec<f64> =
-            sampled.iter().flat_map(|sampled| sampled.ensemble.replicas.iter().map(scalar)).collect();
-        writer.dataset(&format!("/replicas/{name}"), &values)?;
+            sampled.iter().flat_map(|sampled| sampled.ensemble.replicas.iter().map(scalar.of)).collect();
+        writer.dataset(&format!("/replicas/{}", scalar.name), &values)?;
     }
     for (i, name) in ["adhesion_force", "external_force"].into_iter().enumerate() {
         let z: Vec<f64> = sampled.iter().flat_map(|sampled| sampled.z[i].clone()).collect();

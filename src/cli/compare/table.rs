@@ -5,9 +5,9 @@ use crate::asperity::laws::fit::FORCES;
 use crate::cli::check::{numbers, title};
 use crate::cli::format::{percent, row, si, signed_percent};
 use crate::cli::summary::moments;
-use crate::engine::Replica;
 use crate::math::extrema::Extremum;
 use crate::math::moments::Moments;
+use crate::surface::SamplingScheme;
 use crate::validation::Verdict;
 use std::path::Path;
 
@@ -75,17 +75,17 @@ fn ensemble(comparison: &Comparison) -> String {
         "  {:<12}{:>12}{:>15}{:>10}{:>12}{:>15}   cross-check\n",
         "ensemble", "pull-off", "± std. error", "scatter", "deviation", "± std. error"
     );
-    let replicas = comparison.scene.replicas as f64;
     for (i, law) in comparison.laws.iter().enumerate() {
         let (Some(sampled), Some((difference, error))) = (&law.sampled, difference(comparison, law)) else { continue };
         let (mean, std) = moments(&sampled.ensemble.replicas, |replica| replica.pull_off_force);
+        let error_of_mean = error_of_mean(comparison, pull_off_forces(sampled));
         let (first, _) = match &comparison.laws[0].sampled {
             Some(first) => moments(&first.ensemble.replicas, |replica| replica.pull_off_force),
             None => continue,
         };
         let name = law.model.name;
         let values = if mean > 0.0 {
-            let error_of_mean = if std.is_finite() { si(std / replicas.sqrt(), "N") } else { "-".to_owned() };
+            let error_of_mean = if error_of_mean.is_finite() { si(error_of_mean, "N") } else { "-".to_owned() };
             let own = format!("{:>12}{error_of_mean:>15}{:>10}", si(mean, "N"), share(std / mean));
             let paired = match i {
                 0 => format!("{:>12}{:>15}", "first", ""),
@@ -103,7 +103,25 @@ fn ensemble(comparison: &Comparison) -> String {
     }
     let (replicas, seed) = (comparison.scene.replicas, comparison.scene.seed);
     let replicas = if replicas == 1 { "1 replica".to_owned() } else { format!("{replicas} replicas") };
-    text + &format!("  {replicas} with seed {seed}, the same asperities for every law\n")
+    let sampling = match comparison.scene.sampling {
+        SamplingScheme::Independent => String::new(),
+        scheme => format!(", {}", scheme.name()),
+    };
+    text + &format!("  {replicas} with seed {seed}{sampling}, the same asperities for every law\n")
+}
+
+fn pull_off_forces(sampled: &Sampled) -> impl Iterator<Item = f64> {
+    sampled.ensemble.replicas.iter().map(|replica| replica.pull_off_force)
+}
+
+/// The standard error of a mean over the replicas: from the means of groups, which are independent.
+fn error_of_mean(comparison: &Comparison, values: impl Iterator<Item = f64>) -> f64 {
+    let (values, group): (Vec<f64>, _) = (values.collect(), comparison.scene.sampling.group());
+    let mut groups = Moments::new(1);
+    values
+        .chunks_exact(group as usize)
+        .for_each(|group| groups.push(&[group.iter().sum::<f64>() / group.len() as f64]));
+    groups.standard_error()[0]
 }
 
 /// A share in per cent, a dash where it is not known.
@@ -113,12 +131,11 @@ fn share(share: f64) -> String {
 
 /// Mean and standard error of the pull-off of a law less that of the first on the same asperities, N.
 pub(super) fn difference(comparison: &Comparison, law: &Compared) -> Option<(f64, f64)> {
-    let first = &comparison.laws[0].sampled.as_ref()?.ensemble.replicas;
-    let own = &law.sampled.as_ref()?.ensemble.replicas;
-    let mut differences = Moments::new(1);
-    let force = |replica: &Replica| replica.pull_off_force;
-    own.iter().zip(first).for_each(|(own, first)| differences.push(&[force(own) - force(first)]));
-    Some((differences.mean()[0], differences.std()[0] / (own.len() as f64).sqrt()))
+    let (own, first) = (law.sampled.as_ref()?, comparison.laws[0].sampled.as_ref()?);
+    let differences = || pull_off_forces(own).zip(pull_off_forces(first)).map(|(own, first)| own - first);
+    let mut moments = Moments::new(1);
+    differences().for_each(|difference| moments.push(&[difference]));
+    Some((moments.mean()[0], error_of_mean(comparison, differences())))
 }
 
 fn verdict(sampled: &Sampled) -> String {

@@ -15,7 +15,7 @@ const LFE: &[Dimension] = &[Dimension::Law, Dimension::FittedForce, Dimension::R
 pub static COMPARISON: Layout = Layout {
     format: "stiction-comparison",
     command: "stiction compare",
-    version: [1, 0],
+    version: [1, 1],
     groups: &["statistical", "asperity", "validity", "fit", "ensemble", "replicas", "validation"],
     variables: VARIABLES,
 };

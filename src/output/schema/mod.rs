@@ -50,6 +50,10 @@ pub enum Dimension {
     Component,
     /// The same, for the second dimension of their covariance.
     ComponentOther,
+    /// Numbers that are read off a replica's own curve.
+    Scalar,
+    /// Separations h of the control variates, m.
+    Control,
     /// Phases of a run.
     Phase,
     /// Reasons for which an asperity needed no solve.
@@ -75,6 +79,8 @@ impl Dimension {
             Self::Replica => "replica",
             Self::Component => "component",
             Self::ComponentOther => "component_other",
+            Self::Scalar => "scalar",
+            Self::Control => "control",
             Self::Phase => "phase",
             Self::SkipReason => "skip_reason",
             Self::Law => "law",

@@ -5,13 +5,14 @@ use super::{Dimension, Layout, N, NONE, S, Variable, variable};
 const RS: &[Dimension] = &[Dimension::Regime, Dimension::Separation];
 const NS: &[Dimension] = &[Dimension::Replica, Dimension::Separation];
 const KS: &[Dimension] = &[Dimension::Component, Dimension::Separation];
+const A: &[Dimension] = &[Dimension::Scalar];
 const KK: &[Dimension] = &[Dimension::Component, Dimension::ComponentOther];
 
 /// A result of `stiction run`.
 pub static RUN: Layout = Layout {
     format: "stiction-run",
     command: "stiction run",
-    version: [1, 0],
+    version: [1, 1],
     groups: &["ensemble", "replicas", "statistical", "validation", "diagnostics"],
     variables: VARIABLES,
 };
@@ -25,6 +26,8 @@ const VARIABLES: &[Variable] = &[
     variable("/replica", N, "1", "index of the replica"),
     variable("/component", &[Dimension::Component], "1", "functional of the joint test"),
     variable("/component_other", &[Dimension::ComponentOther], "1", "functional of the joint test, again"),
+    variable("/scalar", A, "1", "number that is read off a replica's own curve"),
+    variable("/control", &[Dimension::Control], "m", "separation h at which the external force is a control variate"),
     variable("/phase", &[Dimension::Phase], "1", "phase of the run"),
     variable("/skip_reason", &[Dimension::SkipReason], "1", "why an asperity needed no solve"),
     variable("/ensemble/adhesion_force_mean", S, "N", "adhesion force, mean over replicas"),
@@ -39,6 +42,22 @@ const VARIABLES: &[Variable] = &[
     variable("/ensemble/contact_area_mean", S, "m2", "contact area, mean over replicas"),
     variable("/ensemble/contact_area_standard_error", S, "m2", "contact area, standard error of the mean"),
     variable("/ensemble/contact_area_std", S, "m2", "contact area, standard deviation of one replica"),
+    variable("/ensemble/scalar_units", A, "1", "units of each scalar"),
+    variable("/ensemble/scalar_mean", A, "scalar_units", "scalar, mean over replicas"),
+    variable("/ensemble/scalar_standard_error", A, "scalar_units", "scalar, standard error of the mean"),
+    variable("/ensemble/scalar_controlled_mean", A, "scalar_units", "scalar, mean with control variates"),
+    variable(
+        "/ensemble/scalar_controlled_standard_error",
+        A,
+        "scalar_units",
+        "scalar, standard error of the mean with control variates",
+    ),
+    variable(
+        "/ensemble/scalar_variance_reduction",
+        A,
+        "1",
+        "variance of the mean of a scalar over that of the mean with control variates",
+    ),
     variable("/ensemble/regime_count_mean", RS, "1", "asperities in each regime, mean over replicas"),
     variable("/ensemble/regime_adhesion_force_mean", RS, "N", "adhesion force of each regime, mean over replicas"),
     variable("/ensemble/regime_external_force_mean", RS, "N", "external force of each regime, mean over replicas"),
@@ -132,7 +151,7 @@ const VARIABLES: &[Variable] = &[
         "N-1",
         "weights of the external force in each functional of the joint test",
     ),
-    variable("/validation/score_covariance", KK, "1", "covariance of the functionals across replicas"),
+    variable("/validation/score_covariance", KK, "1", "covariance of the functionals across groups of replicas"),
     variable("/diagnostics/contact_solves", NONE, "1", "solves of the contact equations"),
     variable("/diagnostics/noncontact_solves", NONE, "1", "solves of the noncontact equations"),
     variable("/diagnostics/safeguarded_solves", NONE, "1", "solves for which the starting table was not good enough"),

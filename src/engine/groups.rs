@@ -1,0 +1,87 @@
+//! Moments of the means of groups of replicas. Replicas of a group depend on each other, groups do not: what a mean over all replicas
+//! is worth follows from the scatter of the groups.
+
+use super::Job;
+use super::curves::Curves;
+use super::replica::Replica;
+use super::scalars::SCALARS;
+use crate::asperity::Quantity;
+use crate::math::moments::{Comoments, Moments};
+
+/// Parts that the scalars of an ensemble are split into, by batches in turn: independent of each other, as control variates need them.
+const PARTS: usize = 16;
+
+/// Moments of the means of groups; of replicas, when each is a group by itself.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Groups {
+    /// Moments of the curves, by [`Quantity::index`], each over S.
+    pub curves: [Moments; 4],
+    /// Mean and covariance of the probes' scores.
+    pub scores: Comoments,
+    /// Mean and covariance of the external force at the controls, N, and behind these of the [`SCALARS`]; the batch i of a job is in the
+    /// part i modulo 16.
+    pub scalars: [Comoments; PARTS],
+    /// Sums over the replicas of a group that is not complete: curves, scores, controls, scalars.
+    sums: Vec<f64>,
+    filled: u64,
+    /// Batches that have been merged.
+    batches: usize,
+}
+
+impl Groups {
+    /// No replicas yet.
+    pub fn new(job: &Job<'_>) -> Self {
+        let (s, k, c) = (job.separations.len(), job.probes.len(), job.controls.len() + SCALARS.len());
+        Self {
+            curves: std::array::from_fn(|_| Moments::new(s)),
+            scores: Comoments::new(k),
+            scalars: std::array::from_fn(|_| Comoments::new(c)),
+            sums: vec![0.0; 4 * s + k + c],
+            filled: 0,
+            batches: 0,
+        }
+    }
+
+    /// Adds the next replica of a batch.
+    pub fn push(&mut self, job: &Job<'_>, replica: &Replica, curves: &Curves) {
+        let [adhesion, external] =
+            [Quantity::AdhesionForce, Quantity::ExternalForce].map(|q| curves.total[q.index()].as_slice());
+        let values = curves
+            .total
+            .iter()
+            .flatten()
+            .copied()
+            .chain(job.probes.iter().map(|probe| probe.score(adhesion, external)))
+            .chain(job.controls.iter().map(|&place| external[place]))
+            .chain(SCALARS.iter().map(|scalar| (scalar.of)(replica)));
+        self.sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += value);
+        self.filled += 1;
+        if self.filled == job.scheme.group() {
+            self.complete(job);
+        }
+    }
+
+    fn complete(&mut self, job: &Job<'_>) {
+        let group = self.filled as f64;
+        self.sums.iter_mut().for_each(|sum| *sum /= group);
+        let (curves, rest) = self.sums.split_at(4 * job.separations.len());
+        for (moments, curve) in self.curves.iter_mut().zip(curves.chunks_exact(job.separations.len())) {
+            moments.push(curve);
+        }
+        let (scores, scalars) = rest.split_at(job.probes.len());
+        self.scores.push(scores);
+        self.scalars[0].push(scalars);
+        self.sums.fill(0.0);
+        self.filled = 0;
+    }
+
+    /// Adds the groups of the next batch, which are complete.
+    pub fn merge(&mut self, other: &Self) {
+        for (mine, theirs) in self.curves.iter_mut().zip(&other.curves) {
+            mine.merge(theirs);
+        }
+        self.scores.merge(&other.scores);
+        self.scalars[self.batches % PARTS].merge(&other.scalars[0]);
+        self.batches += 1;
+    }
+}

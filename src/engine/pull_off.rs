@@ -61,29 +61,34 @@ pub(super) fn jumps(law: &dyn Law) -> Vec<Jump> {
     kinks.map(jump).collect()
 }
 
-/// The minimum of the external force of one surface: `heights` (m) rising, `external_force` (N) its samples at the separations of
-/// the job, `exact` the force (N) at any separation (m).
-pub(super) fn pull_off(
-    job: &Job<'_>,
-    jumps: &[Jump],
-    heights: &[f64],
-    external_force: &[f64],
-    mut exact: impl FnMut(f64) -> f64,
-) -> Extremum {
+/// A surface as the search sees it.
+pub(super) trait Heights {
+    /// Heights in `low..high`, m, rising, and how many are above.
+    fn between(&self, low: f64, high: f64) -> (Vec<f64>, usize);
+
+    /// External force, N, at a separation h, m, solved.
+    fn external_force(&mut self, separation: f64) -> f64;
+}
+
+/// The minimum of the external force of one surface from its samples, N, at the separations of the job.
+pub(super) fn pull_off(job: &Job<'_>, jumps: &[Jump], surface: &mut impl Heights, external_force: &[f64]) -> Extremum {
     let sampled = minimum(job.separations, external_force);
     if sampled.at_edge {
         return sampled;
     }
-    let curve = Jagged { job, jumps, heights };
-    let samples = curve.neighbourhood(external_force, &mut exact);
+    let samples = neighbourhood(job, jumps, surface, external_force);
     let mut deepest = samples.iter().copied().fold((sampled.place, f64::INFINITY), deeper);
-    let most = (SOLVED_ASPERITIES / heights.len().max(1)).clamp(MOST_SOLVED.0, MOST_SOLVED.1);
+    if samples.len() < POINTS {
+        return Extremum { place: deepest.0, value: deepest.1, at_edge: false };
+    }
+    let staircase = Staircase::new(job, jumps, surface, samples[0].0, samples[samples.len() - 1].0);
+    let most = (SOLVED_ASPERITIES / job.surface.asperity_count.max(1)).clamp(MOST_SOLVED.0, MOST_SOLVED.1);
     let mut surprise: f64 = 0.0;
-    for (solved, (place, expected)) in curve.deepest_places(&samples).into_iter().take(most).enumerate() {
+    for (solved, (place, expected)) in staircase.deepest_places(&samples).into_iter().take(most).enumerate() {
         if solved >= LEAST_SOLVED && expected - SURPRISES * surprise > deepest.1 {
             break;
         }
-        let force = exact(place);
+        let force = surface.external_force(place);
         surprise = surprise.max((force - expected).abs());
         deepest = deeper(deepest, (place, force));
     }
@@ -95,50 +100,64 @@ fn deeper(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
     if b.1 < a.1 { b } else { a }
 }
 
-/// The curve of one surface as a continuous part and a staircase.
-struct Jagged<'a> {
-    job: &'a Job<'a>,
-    jumps: &'a [Jump],
-    /// Rising, m.
-    heights: &'a [f64],
+/// Separations (m) around the minimum, close enough to interpolate between, and the force (N) at each.
+fn neighbourhood(job: &Job<'_>, jumps: &[Jump], surface: &mut impl Heights, external_force: &[f64]) -> Vec<(f64, f64)> {
+    let separations = job.separations;
+    let smallest = external_force.iter().copied().fold(f64::INFINITY, f64::min);
+    let largest_jump = jumps.iter().map(|jump| jump.size.abs()).fold(0.0, f64::max);
+    let limit = smallest + NEAR.0 * smallest.abs() + NEAR.1 * largest_jump;
+    let belongs = |force: &f64| *force <= limit;
+    let first = external_force.iter().position(belongs).unwrap_or(0).saturating_sub(2);
+    let last = external_force.iter().rposition(belongs).unwrap_or(0) + 2;
+    let last = last.min(external_force.len() - 1);
+    let spacing = SPACING * job.surface.heights.std;
+    let mut samples = vec![(separations[first], external_force[first])];
+    for k in first..last {
+        let (from, to) = (separations[k], separations[k + 1]);
+        let parts = (((to - from) / spacing).ceil() as usize).clamp(1, MOST_BETWEEN);
+        for i in 1..parts {
+            let h = from + (to - from) * i as f64 / parts as f64;
+            samples.push((h, surface.external_force(h)));
+        }
+        samples.push((to, external_force[k + 1]));
+    }
+    samples
 }
 
-impl Jagged<'_> {
-    /// Separations (m) around the minimum, close enough to interpolate between, and the force (N) at each.
-    fn neighbourhood(&self, external_force: &[f64], exact: &mut impl FnMut(f64) -> f64) -> Vec<(f64, f64)> {
-        let separations = self.job.separations;
-        let smallest = external_force.iter().copied().fold(f64::INFINITY, f64::min);
-        let largest_jump = self.jumps.iter().map(|jump| jump.size.abs()).fold(0.0, f64::max);
-        let limit = smallest + NEAR.0 * smallest.abs() + NEAR.1 * largest_jump;
-        let belongs = |force: &f64| *force <= limit;
-        let first = external_force.iter().position(belongs).unwrap_or(0).saturating_sub(2);
-        let last = external_force.iter().rposition(belongs).unwrap_or(0) + 2;
-        let last = last.min(external_force.len() - 1);
-        let spacing = SPACING * self.job.surface.heights.std;
-        let mut samples = vec![(separations[first], external_force[first])];
-        for k in first..last {
-            let (from, to) = (separations[k], separations[k + 1]);
-            let parts = (((to - from) / spacing).ceil() as usize).clamp(1, MOST_BETWEEN);
-            for i in 1..parts {
-                let h = from + (to - from) * i as f64 / parts as f64;
-                samples.push((h, exact(h)));
-            }
-            samples.push((to, external_force[k + 1]));
-        }
-        samples
+/// The jumps of all asperities of a surface over an interval of separations.
+struct Staircase {
+    treads: Vec<Tread>,
+}
+
+/// One of the law's jumps, and the asperities that pass it.
+struct Tread {
+    size: f64,
+    /// Separations h, m, at which an asperity falls below the jump, rising.
+    places: Vec<f64>,
+    /// Asperities that stay above it.
+    above: usize,
+}
+
+impl Staircase {
+    /// For separations h in `low..high`, m.
+    fn new(job: &Job<'_>, jumps: &[Jump], surface: &impl Heights, low: f64, high: f64) -> Self {
+        let [near, far] = [low, high].map(|h| job.surface.asperity_separation(h));
+        let tread = |jump: &Jump| {
+            let (mut places, above) = surface.between(near + jump.interference, far + jump.interference);
+            places.iter_mut().for_each(|place| *place = *place - jump.interference + job.surface.mean_plane_offset);
+            Tread { size: jump.size, places, above }
+        };
+        Self { treads: jumps.iter().map(tread).collect() }
     }
 
     /// Where the curve is expected to be deepest between samples, m, and its force there, N: one place in each part of the space
-    /// between two samples, the deepest first; none for too few samples.
+    /// between two samples, the deepest first.
     fn deepest_places(&self, samples: &[(f64, f64)]) -> Vec<(f64, f64)> {
-        if samples.len() < POINTS {
-            return Vec::new();
-        }
         let separations: Vec<f64> = samples.iter().map(|(h, _)| *h).collect();
-        let continuous: Vec<f64> = samples.iter().map(|(h, force)| force - self.staircase(*h)).collect();
-        let mut steps = self.steps(separations[0]);
+        let continuous: Vec<f64> = samples.iter().map(|(h, force)| force - self.level(*h)).collect();
+        let mut steps = self.steps();
         let mut next = steps.next();
-        let mut level = self.staircase(separations[0]);
+        let mut level = self.level(separations[0]);
         let mut places = Vec::with_capacity(PARTS * samples.len());
         for i in 0..samples.len() - 1 {
             let (from, to) = (separations[i], separations[i + 1]);
@@ -168,27 +187,23 @@ impl Jagged<'_> {
     }
 
     /// The jumps of all asperities that are above them at a separation, N.
-    fn staircase(&self, separation: f64) -> f64 {
-        let d = self.job.surface.asperity_separation(separation);
-        let above = |jump: &Jump| self.heights.len() - self.heights.partition_point(|&u| u - d < jump.interference);
-        self.jumps.iter().map(|jump| jump.size * above(jump) as f64).sum()
+    fn level(&self, separation: f64) -> f64 {
+        let above = |tread: &Tread| {
+            tread.above + tread.places.len() - tread.places.partition_point(|place| *place < separation)
+        };
+        self.treads.iter().map(|tread| tread.size * above(tread) as f64).sum()
     }
 
-    /// Rising separations from `low` on at which the staircase falls, and by how much, N, as the separation grows past them.
-    fn steps(&self, low: f64) -> impl Iterator<Item = (f64, f64)> {
-        let d = self.job.surface.asperity_separation(low);
-        let place = |jump: &Jump, next: usize| match self.heights.get(next) {
-            Some(u) => u - jump.interference + self.job.surface.mean_plane_offset,
-            None => f64::INFINITY,
-        };
-        let begin = |jump: &Jump| self.heights.partition_point(|&u| u - d < jump.interference);
-        let mut next: Vec<usize> = self.jumps.iter().map(begin).collect();
-        let mut places: Vec<f64> = self.jumps.iter().zip(&next).map(|(jump, next)| place(jump, *next)).collect();
+    /// Rising separations at which the staircase falls, and by how much, N, as the separation grows past them.
+    fn steps(&self) -> impl Iterator<Item = (f64, f64)> {
+        let place = |tread: &Tread, next: usize| tread.places.get(next).copied().unwrap_or(f64::INFINITY);
+        let mut next = vec![0; self.treads.len()];
+        let mut places: Vec<f64> = self.treads.iter().map(|tread| place(tread, 0)).collect();
         std::iter::from_fn(move || {
             let nearest = (0..places.len()).reduce(|best, i| if places[i] < places[best] { i } else { best })?;
-            let step = (places[nearest], self.jumps[nearest].size);
+            let step = (places[nearest], self.treads[nearest].size);
             next[nearest] += 1;
-            places[nearest] = place(&self.jumps[nearest], next[nearest]);
+            places[nearest] = place(&self.treads[nearest], next[nearest]);
             step.0.is_finite().then_some(step)
         })
     }

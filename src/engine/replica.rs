@@ -1,9 +1,9 @@
 //! One replica: one surface, its curves and what is kept of them.
 
 use super::Job;
-use super::compressed::{self, LANES};
+use super::compressed::{self, Compression, LANES};
 use super::curves::Curves;
-use super::pull_off::{Jump, jumps, pull_off};
+use super::pull_off::{Heights, Jump, jumps, pull_off};
 use super::sampling::draw;
 use crate::asperity::{Quantity, Scratch, Work, for_each_block};
 use crate::math::extrema::steepest_rise;
@@ -49,7 +49,7 @@ impl Workspace {
             heights: vec![vec![0.0; job.surface.asperity_count]; at_once],
             jumps: jumps(job.law),
             sums: Sums { regimes: vec![RegimeSums::default(); r], scratch: Scratch::default(), work: Work::default() },
-            compressed: job.compression.map(compressed::Sums::new),
+            compressed: job.compression.map(|compression| compressed::Sums::new(compression, r)),
             curves: vec![Curves::new(job.separations.len(), r); at_once],
         }
     }
@@ -79,11 +79,11 @@ impl Workspace {
     /// neighbours in the law.
     fn sum(&mut self, job: &Job<'_>, count: usize) {
         if let (Some(compression), Some(compressed)) = (job.compression, &mut self.compressed) {
-            compressed.take(compression, self.heights[..count].iter_mut());
+            compressed.take(compression, &self.heights[..count]);
             compressed.fill(compression, job.law, &mut self.curves[..count], &mut self.sums.work);
         }
         for (lane, heights) in self.heights[..count].iter_mut().enumerate() {
-            if self.compressed.as_ref().is_some_and(|compressed| compressed.has(lane)) {
+            if self.compressed.as_ref().is_some_and(|compressed| compressed.surface(lane).is_some()) {
                 continue;
             }
             heights.sort_unstable_by(f64::total_cmp);
@@ -98,20 +98,64 @@ impl Workspace {
     fn keep(&mut self, job: &Job<'_>, lane: usize) -> Replica {
         let heights = &self.heights[lane];
         let external = &self.curves[lane].total[Quantity::ExternalForce.index()];
-        let pull_off = pull_off(job, &self.jumps, heights, external, |h| {
-            self.sums.surface(job, heights, h);
-            self.sums.total()[Quantity::ExternalForce.index()]
-        });
+        let pull_off = match (job.compression, &mut self.compressed) {
+            (Some(compression), Some(sums)) if sums.surface(lane).is_some() => {
+                let work = &mut self.sums.work;
+                pull_off(job, &self.jumps, &mut Compressed { job, compression, sums, lane, work }, external)
+            }
+            _ => pull_off(job, &self.jumps, &mut Sorted { job, heights, sums: &mut self.sums }, external),
+        };
         let stiffest = steepest_rise(job.separations, external);
         Replica {
             asperity_count: heights.len() as u64,
-            highest_asperity: heights.last().copied().unwrap_or(f64::NAN),
+            highest_asperity: heights.iter().copied().reduce(f64::max).unwrap_or(f64::NAN),
             pull_off_force: -pull_off.value,
             pull_off_separation: pull_off.place,
             peak_stiffness: stiffest.value,
             peak_stiffness_separation: stiffest.place,
             pull_off_at_edge: pull_off.at_edge,
         }
+    }
+}
+
+/// A surface that is summed asperity by asperity.
+struct Sorted<'a> {
+    job: &'a Job<'a>,
+    /// Rising, m.
+    heights: &'a [f64],
+    sums: &'a mut Sums,
+}
+
+impl Heights for Sorted<'_> {
+    fn between(&self, low: f64, high: f64) -> (Vec<f64>, usize) {
+        let [low, high] = [low, high].map(|limit| self.heights.partition_point(|u| *u < limit));
+        (self.heights[low..high].to_vec(), self.heights.len() - high)
+    }
+
+    fn external_force(&mut self, separation: f64) -> f64 {
+        self.sums.surface(self.job, self.heights, separation);
+        self.sums.total()[Quantity::ExternalForce.index()]
+    }
+}
+
+/// A surface that is summed by moments.
+struct Compressed<'a> {
+    job: &'a Job<'a>,
+    compression: &'a Compression,
+    sums: &'a mut compressed::Sums,
+    lane: usize,
+    work: &'a mut Work,
+}
+
+impl Heights for Compressed<'_> {
+    fn between(&self, low: f64, high: f64) -> (Vec<f64>, usize) {
+        let binned = self.sums.surface(self.lane);
+        binned.map(|binned| binned.between(self.compression, low, high)).unwrap_or_default()
+    }
+
+    fn external_force(&mut self, separation: f64) -> f64 {
+        let d = self.job.surface.asperity_separation(separation);
+        self.sums.external_force(self.compression, self.job.law, self.lane, d, self.work)
     }
 }
 

@@ -5,7 +5,7 @@ use crate::asperity::{Law, Smoothness};
 use std::ops::Range;
 
 /// Towards a root, segments end at these shares of a period from it.
-const GRADED: [f64; 4] = [0.5, 0.25, 0.125, 0.0625];
+const GRADED: [f64; 2] = [0.5, 0.25];
 /// Edges closer than this share of a period are one.
 const SAME: f64 = 1e-9;
 
@@ -64,6 +64,60 @@ impl Geometry {
         self.edges.len()
     }
 
+    /// Number of periods.
+    pub fn period_count(&self) -> usize {
+        (self.periods.end - self.periods.start) as usize
+    }
+
+    /// The bins of heights, m: segment after segment, period after period; beyond them all for a height that has none.
+    #[inline(always)]
+    pub fn bins(&self, heights: &[f64], bins: &mut [u32]) {
+        const CHUNK: usize = 128;
+        let lowest = self.origin + self.periods.start as f64 * self.step;
+        let inverse = 1.0 / self.step;
+        let (periods, segments) = (self.period_count() as f64, self.segments() as u32);
+        for (heights, bins) in heights.chunks(CHUNK).zip(bins.chunks_mut(CHUNK)) {
+            let mut shares = [0.0; CHUNK];
+            for ((bin, share), u) in bins.iter_mut().zip(&mut shares).zip(heights) {
+                let place = (u - lowest) * inverse;
+                let place = if place >= 0.0 && place < periods { place } else { periods };
+                let period = place as i32;
+                *share = place - f64::from(period);
+                *bin = period as u32 * segments;
+            }
+            for edge in &self.edges[1..] {
+                for (bin, share) in bins.iter_mut().zip(&shares) {
+                    *bin += u32::from(*share >= *edge);
+                }
+            }
+        }
+    }
+
+    /// The bin of a height, m, or the first or last for one beyond.
+    pub fn nearest_bin(&self, u: f64) -> usize {
+        let place = ((u - self.origin) / self.step - self.periods.start as f64).max(0.0);
+        if place >= self.period_count() as f64 {
+            return self.period_count() * self.segments() - 1;
+        }
+        let mut bin = [0];
+        self.bins(&[u.max(self.origin + self.periods.start as f64 * self.step)], &mut bin);
+        (bin[0] as usize).min(self.period_count() * self.segments() - 1)
+    }
+
+    /// The middle of a period, m, and its half width, m.
+    pub fn period(&self, period: usize) -> (f64, f64) {
+        let period = (self.periods.start + period as i64) as f64;
+        (self.origin + (period + 0.5) * self.step, 0.5 * self.step)
+    }
+
+    /// The middle of a bin, m, and the reciprocal of its half width, 1/m.
+    #[inline(always)]
+    pub fn segment(&self, period: usize, segment: usize) -> (f64, f64) {
+        let [low, high] = self.shares(segment);
+        let period = (self.periods.start + period as i64) as f64;
+        (self.origin + (period + 0.5 * (low + high)) * self.step, 2.0 / ((high - low) * self.step))
+    }
+
     /// Shares of the period where a segment begins and ends.
     pub fn shares(&self, segment: usize) -> [f64; 2] {
         [self.edges[segment], self.edges.get(segment + 1).copied().unwrap_or(1.0)]
@@ -93,7 +147,7 @@ impl Geometry {
         (offset, segment)
     }
 
-    /// Binomials of v = centre + half·v_s: vⁿ = Σ_m (n over m) centre^(n−m) halfᵐ v_sᵐ.
+    /// Coefficients [m][n] of binomials of v = centre + half·v_s: vⁿ = Σ_m (n over m) centre^(n−m) halfᵐ v_sᵐ.
     fn merging(&self, segment: usize) -> [[f64; TERMS]; TERMS] {
         let [low, high] = self.shares(segment);
         let (centre, half) = (low + high - 1.0, high - low);

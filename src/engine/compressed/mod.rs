@@ -16,17 +16,19 @@
 //! The error of every polynomial, by the tail of its Chebyshev coefficients, is at most the tolerance times the largest |f| on its
 //! interval. Asperities are counted exactly.
 
+mod between;
 mod geometry;
 mod moments;
 mod offsets;
 
-pub use moments::Sums;
+pub use moments::{Binned, Sums};
 
 use super::curves::Curves;
 use crate::asperity::{Law, Quantity};
 use crate::surface::Surface;
+use between::Nodes;
 use geometry::Geometry;
-use offsets::{Cell, Offset};
+use offsets::Offset;
 use std::ops::RangeInclusive;
 use thiserror::Error;
 
@@ -74,8 +76,10 @@ pub struct Compression {
     geometry: Geometry,
     /// By offset, from the first of the geometry's.
     offsets: Vec<Offset>,
-    /// Those of them that are split and bear anything.
-    split: Vec<usize>,
+    /// By regime, the offsets and segments that are solved asperity by asperity.
+    solved: Vec<Vec<(usize, usize)>>,
+    /// Nodes of periods for what lies between separations.
+    nodes: Nodes,
     /// Regime boundaries as offset and segment at which the next regime begins.
     boundaries: Vec<(i64, usize)>,
     /// Separations d_k, m.
@@ -102,9 +106,15 @@ impl Compression {
         }
         let geometry = Geometry::new(law, separations[0], step, separations.len(), reach);
         let offsets: Vec<Offset> = geometry.offsets().map(|j| Offset::new(law, &geometry, j, tolerance)).collect();
-        let split = (0..offsets.len()).filter(|j| offsets[*j].is_split()).collect();
+        let mut solved = vec![Vec::new(); law.regimes().len()];
+        for (j, offset) in offsets.iter().enumerate() {
+            for (segment, regime) in offset.solved() {
+                solved[regime].push((j, segment));
+            }
+        }
         let boundaries = law.boundaries().iter().map(|b| geometry.boundary(b.interference)).collect();
-        let compression = Self { geometry, offsets, split, boundaries, separations, tolerance };
+        let compression =
+            Self { nodes: Nodes::new(&offsets), geometry, offsets, solved, boundaries, separations, tolerance };
         let asperities = compression.solved_per_separation(surface);
         if asperities > 0.5 * surface.asperity_count as f64 {
             return Err(Unfit::NotWorthIt { asperities, all: surface.asperity_count });
@@ -112,38 +122,14 @@ impl Compression {
         Ok(compression)
     }
 
-    pub fn describe(&self) -> String {
-        let w: Vec<usize> =
-            self.offsets.iter().filter_map(|o| if let Offset::Whole(p) = o { Some(p.terms) } else { None }).collect();
-        let mut c = vec![0; 17];
-        for t in &w {
-            c[*t] += 1;
-        }
-        format!(
-            "segments {} split {} terms {c:?} direct cells {}",
-            self.geometry.segments(),
-            self.split.len(),
-            self.split
-                .iter()
-                .map(|j| if let Offset::Split(c) = &self.offsets[*j] {
-                    c.iter().filter(|c| matches!(c, Cell::Direct { .. })).count()
-                } else {
-                    0
-                })
-                .sum::<usize>()
-        )
-    }
     /// Expected asperities per separation that are solved one by one.
     pub fn solved_per_separation(&self, surface: &Surface) -> f64 {
-        let geometry = &self.geometry;
+        let first = self.geometry.offsets().start;
         let mut probability = 0.0;
-        for (j, offset) in geometry.offsets().zip(&self.offsets) {
-            let Offset::Split(cells) = offset else { continue };
-            for (segment, _) in cells.iter().enumerate().filter(|(_, cell)| matches!(cell, Cell::Direct { .. })) {
-                let [low, high] = geometry.interference(j, segment);
-                let shares = self.separations.iter().map(|d| surface.heights.probability(low + d, high + d));
-                probability += shares.sum::<f64>();
-            }
+        for &(j, segment) in self.solved.iter().flatten() {
+            let [low, high] = self.geometry.interference(first + j as i64, segment);
+            let shares = self.separations.iter().map(|d| surface.heights.probability(low + d, high + d));
+            probability += shares.sum::<f64>();
         }
         surface.asperity_count as f64 * probability / self.separations.len() as f64
     }

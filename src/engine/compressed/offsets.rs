@@ -14,6 +14,8 @@ const TAIL: f64 = 0.5;
 pub(super) struct Polynomials {
     /// Regime of the law.
     pub regime: usize,
+    /// Index of its smooth piece.
+    pub piece: usize,
     /// Terms that are not 0.
     pub terms: usize,
     /// Whether contact force and area are not 0.
@@ -46,12 +48,24 @@ pub(super) enum Offset {
 }
 
 impl Offset {
-    /// Whether there are segments to sum.
-    pub fn is_split(&self) -> bool {
+    /// Terms of the polynomials of the whole.
+    pub fn terms(&self) -> Option<usize> {
         match self {
-            Self::Whole(_) => false,
-            Self::Split(cells) => cells.iter().any(|cell| !matches!(cell, Cell::Nothing)),
+            Self::Whole(polynomials) => Some(polynomials.terms),
+            Self::Split(_) => None,
         }
+    }
+
+    /// Segments that are solved asperity by asperity, and their regimes.
+    pub fn solved(&self) -> impl Iterator<Item = (usize, usize)> {
+        let cells = match self {
+            Self::Whole(_) => &[],
+            Self::Split(cells) => cells.as_slice(),
+        };
+        cells.iter().enumerate().filter_map(|(segment, cell)| match cell {
+            Cell::Direct { regime } => Some((segment, *regime)),
+            _ => None,
+        })
     }
 
     pub fn new(law: &dyn Law, geometry: &Geometry, offset: i64, tolerance: f64) -> Self {
@@ -67,17 +81,18 @@ impl Offset {
 }
 
 /// The piece that an interval lies in, up to rounding of its ends.
-fn piece_of<'a>(pieces: &'a [Piece], [low, high]: [f64; 2], step: f64) -> Option<&'a Piece> {
+fn piece_of(pieces: &[Piece], [low, high]: [f64; 2], step: f64) -> Option<usize> {
     let slack = 1e-9 * step;
-    pieces.iter().find(|piece| piece.lower <= low + slack && high - slack <= piece.upper)
+    pieces.iter().position(|piece| piece.lower <= low + slack && high - slack <= piece.upper)
 }
 
 fn cell(law: &dyn Law, pieces: &[Piece], interval: [f64; 2], step: f64, tolerance: f64) -> Cell {
-    let Some(piece) = piece_of(pieces, interval, step) else { return Cell::Nothing };
+    let Some(index) = piece_of(pieces, interval, step) else { return Cell::Nothing };
+    let piece = &pieces[index];
     let low = interval[0].max(piece.lower);
     let high = interval[1].min(piece.upper);
     match polynomials(law, piece, [low, high], tolerance) {
-        Some(polynomials) => Cell::Smooth(Box::new(polynomials)),
+        Some(polynomials) => Cell::Smooth(Box::new(Polynomials { piece: index, ..polynomials })),
         None => Cell::Direct { regime: piece.regime },
     }
 }
@@ -98,6 +113,7 @@ fn polynomials(law: &dyn Law, piece: &Piece, [low, high]: [f64; 2], tolerance: f
     let scale = [largest[0].max(largest[1]), largest[0].max(largest[1]), largest[2]];
     let mut result = Polynomials {
         regime: piece.regime,
+        piece: 0,
         terms: 1,
         touches: largest[1] + largest[2] > 0.0,
         coefficients: [[0.0; TERMS]; 3],
@@ -126,7 +142,7 @@ fn polynomials(law: &dyn Law, piece: &Piece, [low, high]: [f64; 2], tolerance: f
 }
 
 /// Σ c_n T_n(v) as powers of v.
-fn powers(chebyshev: &[f64]) -> [f64; TERMS] {
+pub(super) fn powers(chebyshev: &[f64]) -> [f64; TERMS] {
     let mut coefficients = [0.0; TERMS];
     let (mut before, mut current) = ([0.0; TERMS], [0.0; TERMS]);
     current[0] = 1.0;

@@ -1,0 +1,129 @@
+//! The external force at any one separation, also between those of the scene.
+//!
+//! # Formula
+//! Between separations the periods do not fit the offsets, but on a period whose two offsets are smooth together the law is a polynomial of the
+//! same degree, so that Σ_i f(u_i − d) = Σ_m W_m f(x_m − d) with Chebyshev nodes x_m of the period and weights W_m = Σ_n L_mn M_n, where
+//! L_m is the Lagrange polynomial of the node. A period with a kink, or with fewer asperities than nodes, is solved asperity by asperity.
+
+use super::moments::Sums;
+use super::offsets::{Offset, powers};
+use super::{Compression, LANES, TERMS};
+use crate::asperity::{BLOCK, Law, Responses, Scratch, Work, for_each_block};
+
+/// Share of the smooth offsets whose polynomials the nodes have to be enough for; the others are solved.
+const ENOUGH: f64 = 0.95;
+
+/// Nodes of a period.
+#[derive(Debug)]
+pub(super) struct Nodes {
+    /// Places v in −1..1, rising.
+    places: Vec<f64>,
+    /// Coefficients of the Lagrange polynomial of each.
+    lagrange: Vec<[f64; TERMS]>,
+}
+
+impl Nodes {
+    /// As many as most of some offsets need.
+    pub fn new(offsets: &[Offset]) -> Self {
+        let mut terms: Vec<usize> = offsets.iter().filter_map(Offset::terms).collect();
+        terms.sort_unstable();
+        let count = terms.get((ENOUGH * terms.len() as f64) as usize).copied().unwrap_or(1).max(2);
+        let angle = |i: usize| std::f64::consts::PI * (i as f64 + 0.5) / count as f64;
+        let lagrange = |i: usize| {
+            let chebyshev: Vec<f64> = (0..count)
+                .map(|n| libm::cos(n as f64 * angle(i)) * if n == 0 { 1.0 } else { 2.0 } / count as f64)
+                .collect();
+            powers(&chebyshev)
+        };
+        Self {
+            places: (0..count).rev().map(|i| libm::cos(angle(i))).collect(),
+            lagrange: (0..count).rev().map(lagrange).collect(),
+        }
+    }
+}
+
+/// Interferences of one regime with weights, and what else is needed to solve them.
+#[derive(Debug, Default)]
+pub(super) struct Weighted {
+    interference: Vec<f64>,
+    weights: Vec<f64>,
+    heights: Vec<f64>,
+    responses: Box<Responses>,
+    scratch: Box<Scratch>,
+}
+
+impl Sums {
+    /// External force, N, of the surface of a lane at the separation d, m.
+    pub fn external_force(
+        &mut self,
+        compression: &Compression,
+        law: &dyn Law,
+        lane: usize,
+        d: f64,
+        work: &mut Work,
+    ) -> f64 {
+        debug_assert!(lane < LANES);
+        let Self { surfaces, periods, occupied, weighted, .. } = self;
+        let Compression { geometry, nodes, offsets, .. } = compression;
+        let segments = geometry.segments();
+        let mut force = 0.0;
+        let mut current = 0;
+        weighted.heights.clear();
+        let shift = (d - compression.separations[0]) / geometry.step;
+        for period in occupied.clone() {
+            let bins = surfaces[lane].bins(period * segments..(period + 1) * segments);
+            let offset = (period + compression.separations.len() - 1) as f64 - shift;
+            let pair = [offset.floor(), offset.ceil()].map(|j| offsets.get(j as usize));
+            let smooth = match pair {
+                [Some(Offset::Whole(low)), Some(Offset::Whole(high))]
+                    if low.piece == high.piece && low.terms.max(high.terms) <= nodes.places.len() =>
+                {
+                    Some(low.regime)
+                }
+                _ => None,
+            };
+            let Some(regime) = smooth.filter(|_| bins.len() > nodes.places.len()) else {
+                weighted.heights.extend_from_slice(bins);
+                continue;
+            };
+            if regime != current {
+                force += weighted.solve(law, current, work);
+                current = regime;
+            }
+            let (middle, half) = geometry.period(period);
+            for (place, lagrange) in nodes.places.iter().zip(&nodes.lagrange) {
+                weighted.interference.push(middle + half * place - d);
+                let moments = periods[period].iter().map(|moments| moments[lane]);
+                weighted.weights.push(lagrange.iter().zip(moments).map(|(factor, moment)| factor * moment).sum());
+            }
+        }
+        force + weighted.solve(law, current, work) + weighted.solve_heights(law, d, work)
+    }
+}
+
+impl Weighted {
+    /// Σ W (P − F_s), N, over the collected interferences, which are then gone.
+    fn solve(&mut self, law: &dyn Law, regime: usize, work: &mut Work) -> f64 {
+        let mut force = 0.0;
+        for (interference, weights) in self.interference.chunks(BLOCK).zip(self.weights.chunks(BLOCK)) {
+            law.evaluate(regime, interference, &mut self.responses, work);
+            let external = self.responses.contact.iter().zip(&self.responses.adhesion).map(|(p, a)| p - a);
+            force += external.zip(weights).map(|(external, weight)| weight * external).sum::<f64>();
+        }
+        self.interference.clear();
+        self.weights.clear();
+        force
+    }
+
+    /// P − F_s, N, of the collected heights.
+    fn solve_heights(&mut self, law: &dyn Law, d: f64, work: &mut Work) -> f64 {
+        self.heights.sort_unstable_by(f64::total_cmp);
+        let mut force = 0.0;
+        for_each_block(law, &self.heights, d, &mut self.scratch, work, |_, range, responses| {
+            for i in 0..range.len() {
+                force += responses.contact[i] - responses.adhesion[i];
+            }
+        });
+        force
+    }
+}

@@ -66,6 +66,9 @@ pub(super) trait Heights {
     /// Heights in `low..high`, m, rising, and how many are above.
     fn between(&self, low: f64, high: f64) -> (Vec<f64>, usize);
 
+    /// The highest, m.
+    fn highest(&self) -> f64;
+
     /// External force, N, at a separation h, m, solved.
     fn external_force(&mut self, separation: f64) -> f64;
 }
@@ -76,6 +79,9 @@ pub(super) fn pull_off(job: &Job<'_>, jumps: &[Jump], surface: &mut impl Heights
     if sampled.at_edge {
         return sampled;
     }
+    // Jumps that no asperity comes near to are none of this surface's.
+    let deepest = surface.highest() - job.surface.asperity_separation(sampled.place) + job.surface.heights.std;
+    let jumps = &jumps[..jumps.partition_point(|jump| jump.interference <= deepest)];
     let samples = neighbourhood(job, jumps, surface, external_force);
     let mut deepest = samples.iter().copied().fold((sampled.place, f64::INFINITY), deeper);
     if samples.len() < POINTS {

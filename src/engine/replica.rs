@@ -97,18 +97,19 @@ impl Workspace {
     /// What is kept of a surface that has been summed.
     fn keep(&mut self, job: &Job<'_>, lane: usize) -> Replica {
         let heights = &self.heights[lane];
+        let highest = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let external = &self.curves[lane].total[Quantity::ExternalForce.index()];
         let pull_off = match (job.compression, &mut self.compressed) {
             (Some(compression), Some(sums)) if sums.surface(lane).is_some() => {
                 let work = &mut self.sums.work;
-                pull_off(job, &self.jumps, &mut Compressed { job, compression, sums, lane, work }, external)
+                pull_off(job, &self.jumps, &mut Compressed { job, compression, sums, lane, highest, work }, external)
             }
             _ => pull_off(job, &self.jumps, &mut Sorted { job, heights, sums: &mut self.sums }, external),
         };
         let stiffest = steepest_rise(job.separations, external);
         Replica {
             asperity_count: heights.len() as u64,
-            highest_asperity: heights.iter().copied().reduce(f64::max).unwrap_or(f64::NAN),
+            highest_asperity: highest,
             pull_off_force: -pull_off.value,
             pull_off_separation: pull_off.place,
             peak_stiffness: stiffest.value,
@@ -132,6 +133,10 @@ impl Heights for Sorted<'_> {
         (self.heights[low..high].to_vec(), self.heights.len() - high)
     }
 
+    fn highest(&self) -> f64 {
+        self.heights.last().copied().unwrap_or(f64::NEG_INFINITY)
+    }
+
     fn external_force(&mut self, separation: f64) -> f64 {
         self.sums.surface(self.job, self.heights, separation);
         self.sums.total()[Quantity::ExternalForce.index()]
@@ -144,6 +149,8 @@ struct Compressed<'a> {
     compression: &'a Compression,
     sums: &'a mut compressed::Sums,
     lane: usize,
+    /// m.
+    highest: f64,
     work: &'a mut Work,
 }
 
@@ -151,6 +158,10 @@ impl Heights for Compressed<'_> {
     fn between(&self, low: f64, high: f64) -> (Vec<f64>, usize) {
         let binned = self.sums.surface(self.lane);
         binned.map(|binned| binned.between(self.compression, low, high)).unwrap_or_default()
+    }
+
+    fn highest(&self) -> f64 {
+        self.highest
     }
 
     fn external_force(&mut self, separation: f64) -> f64 {

@@ -5,9 +5,9 @@
 //! same degree, so that Σ_i f(u_i − d) = Σ_m W_m f(x_m − d) with Chebyshev nodes x_m of the period and weights W_m = Σ_n L_mn M_n, where
 //! L_m is the Lagrange polynomial of the node. A period with a kink, or with fewer asperities than nodes, is solved asperity by asperity.
 
-use super::moments::Sums;
+use super::moments::{Sums, sort_nearly_sorted};
 use super::offsets::{Offset, powers};
-use super::{Compression, LANES, TERMS};
+use super::{Compression, LANES, Lanes, TERMS};
 use crate::asperity::{BLOCK, Law, Responses, Scratch, Work, for_each_block};
 
 /// Share of the smooth offsets whose polynomials the nodes have to be enough for; the others are solved.
@@ -42,6 +42,25 @@ impl Nodes {
     }
 }
 
+impl Nodes {
+    /// Weights of the nodes of periods, [period, node, surface], from their moments.
+    #[inline(always)]
+    pub fn weigh(&self, periods: &[[Lanes; TERMS]], weights: &mut [[Lanes; TERMS]]) {
+        let terms = self.places.len();
+        for (moments, weights) in periods.iter().zip(weights) {
+            for (weight, lagrange) in weights.iter_mut().zip(&self.lagrange) {
+                let mut sum = [0.0; LANES];
+                for n in 0..terms {
+                    for l in 0..LANES {
+                        sum[l] += lagrange[n] * moments[n][l];
+                    }
+                }
+                *weight = sum;
+            }
+        }
+    }
+}
+
 /// Interferences of one regime with weights, and what else is needed to solve them.
 #[derive(Debug, Default)]
 pub(super) struct Weighted {
@@ -63,18 +82,19 @@ impl Sums {
         work: &mut Work,
     ) -> f64 {
         debug_assert!(lane < LANES);
-        let Self { surfaces, periods, occupied, weighted, .. } = self;
+        let Self { surfaces, weights, occupied, weighted, .. } = self;
         let Compression { geometry, nodes, offsets, .. } = compression;
         let segments = geometry.segments();
         let mut force = 0.0;
         let mut current = 0;
         weighted.heights.clear();
-        let shift = (d - compression.separations[0]) / geometry.step;
+        // All periods are between offsets by the same share.
+        let first = (compression.separations.len() - 1) as f64 - (d - compression.separations[0]) / geometry.step;
+        let below = first.floor();
+        let pair = [below as isize, below as isize + isize::from(first > below)];
         for period in occupied.clone() {
             let bins = surfaces[lane].bins(period * segments..(period + 1) * segments);
-            let offset = (period + compression.separations.len() - 1) as f64 - shift;
-            let pair = [offset.floor(), offset.ceil()].map(|j| offsets.get(j as usize));
-            let smooth = match pair {
+            let smooth = match pair.map(|j| offsets.get((period as isize + j) as usize)) {
                 [Some(Offset::Whole(low)), Some(Offset::Whole(high))]
                     if low.piece == high.piece && low.terms.max(high.terms) <= nodes.places.len() =>
                 {
@@ -91,11 +111,8 @@ impl Sums {
                 current = regime;
             }
             let (middle, half) = geometry.period(period);
-            for (place, lagrange) in nodes.places.iter().zip(&nodes.lagrange) {
-                weighted.interference.push(middle + half * place - d);
-                let moments = periods[period].iter().map(|moments| moments[lane]);
-                weighted.weights.push(lagrange.iter().zip(moments).map(|(factor, moment)| factor * moment).sum());
-            }
+            weighted.interference.extend(nodes.places.iter().map(|place| middle + half * place - d));
+            weighted.weights.extend(weights[period][..nodes.places.len()].iter().map(|weight| weight[lane]));
         }
         force + weighted.solve(law, current, work) + weighted.solve_heights(law, d, work)
     }
@@ -117,7 +134,7 @@ impl Weighted {
 
     /// P − F_s, N, of the collected heights.
     fn solve_heights(&mut self, law: &dyn Law, d: f64, work: &mut Work) -> f64 {
-        self.heights.sort_unstable_by(f64::total_cmp);
+        sort_nearly_sorted(&mut self.heights);
         let mut force = 0.0;
         for_each_block(law, &self.heights, d, &mut self.scratch, work, |_, range, responses| {
             for i in 0..range.len() {

@@ -5,7 +5,7 @@ use crate::asperity::{Law, Smoothness};
 use std::ops::Range;
 
 /// Towards a root, segments end at these shares of a period from it.
-const GRADED: [f64; 2] = [0.5, 0.25];
+const GRADED: [f64; 4] = [0.5, 0.25, 0.125, 0.0625];
 /// Edges closer than this share of a period are one.
 const SAME: f64 = 1e-9;
 

@@ -39,6 +39,9 @@ const TERMS: usize = DEGREE + 1;
 /// Replicas that are multiplied at once.
 pub const LANES: usize = 8;
 
+/// A number of each surface of a batch.
+type Lanes = [f64; LANES];
+
 /// Tolerances that make sense: below, the rounding of a solve is larger; above, nothing gets faster.
 pub const TOLERANCES: RangeInclusive<f64> = 1e-13..=1e-3;
 /// Separations have one step when they are off it by at most this share.
@@ -78,6 +81,8 @@ pub struct Compression {
     offsets: Vec<Offset>,
     /// By regime, the offsets and segments that are solved asperity by asperity.
     solved: Vec<Vec<(usize, usize)>>,
+    /// Terms of the largest polynomial of a whole offset.
+    terms: usize,
     /// Nodes of periods for what lies between separations.
     nodes: Nodes,
     /// Regime boundaries as offset and segment at which the next regime begins.
@@ -106,6 +111,7 @@ impl Compression {
         }
         let geometry = Geometry::new(law, separations[0], step, separations.len(), reach);
         let offsets: Vec<Offset> = geometry.offsets().map(|j| Offset::new(law, &geometry, j, tolerance)).collect();
+        let terms = offsets.iter().filter_map(Offset::terms).max().unwrap_or(1);
         let mut solved = vec![Vec::new(); law.regimes().len()];
         for (j, offset) in offsets.iter().enumerate() {
             for (segment, regime) in offset.solved() {
@@ -114,7 +120,7 @@ impl Compression {
         }
         let boundaries = law.boundaries().iter().map(|b| geometry.boundary(b.interference)).collect();
         let compression =
-            Self { nodes: Nodes::new(&offsets), geometry, offsets, solved, boundaries, separations, tolerance };
+            Self { terms, nodes: Nodes::new(&offsets), geometry, offsets, solved, boundaries, separations, tolerance };
         let asperities = compression.solved_per_separation(surface);
         if asperities > 0.5 * surface.asperity_count as f64 {
             return Err(Unfit::NotWorthIt { asperities, all: surface.asperity_count });

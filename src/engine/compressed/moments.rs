@@ -3,14 +3,11 @@
 use super::between::Weighted;
 use super::geometry::Geometry;
 use super::offsets::{Cell, Offset, Polynomials};
-use super::{Compression, LANES, TERMS};
+use super::{Compression, LANES, Lanes, TERMS};
 use crate::asperity::{BLOCK, Law, Quantity, Responses, Work};
 use crate::engine::curves::Curves;
 use crate::math::instruction_set::InstructionSet;
 use std::ops::Range;
-
-/// A number of each surface of a batch.
-type Lanes = [f64; LANES];
 
 /// Sums of a batch of surfaces: memory that batches reuse.
 #[derive(Debug)]
@@ -19,7 +16,9 @@ pub struct Sums {
     /// Moments of bins: [bin, term, surface].
     bins: Vec<[Lanes; TERMS]>,
     /// Moments of periods: [period, term, surface].
-    pub(super) periods: Vec<[Lanes; TERMS]>,
+    periods: Vec<[Lanes; TERMS]>,
+    /// Weights of the nodes of periods: [period, node, surface].
+    pub(super) weights: Vec<[Lanes; TERMS]>,
     /// Periods that any surface has asperities in.
     pub(super) occupied: Range<usize>,
     /// Adhesion force, contact force and area: [separation, regime, component, surface].
@@ -60,6 +59,7 @@ impl Sums {
             surfaces: vec![Binned { starts: vec![0; bins + 1], ..Binned::default() }; LANES],
             bins: vec![[[0.0; LANES]; TERMS]; bins],
             periods: vec![[[0.0; LANES]; TERMS]; periods],
+            weights: vec![[[0.0; LANES]; TERMS]; periods],
             occupied: 0..0,
             sums: vec![[[0.0; LANES]; 3]; compression.separations.len() * regimes],
             queue: Queue::default(),
@@ -84,19 +84,20 @@ impl Sums {
         self.surfaces[surfaces.len()..].iter_mut().for_each(|binned| binned.is_binned = false);
         self.occupied = occupied.start.min(occupied.end)..occupied.end;
         let bins = self.occupied.start * segments..self.occupied.end * segments;
-        self.bins[bins.clone()].fill([[0.0; LANES]; TERMS]);
         let set = InstructionSet::current();
-        for (l, binned) in self.surfaces.iter().enumerate().filter(|(_, binned)| binned.is_binned) {
-            let moments = &mut self.bins[bins.clone()];
-            set.run(
-                #[inline(always)]
-                || binned.moments(geometry, bins.start, moments, l),
-            );
-        }
-        let (bins, periods) = (&self.bins[bins], &mut self.periods[self.occupied.clone()]);
+        let (surfaces, moments) = (&self.surfaces, &mut self.bins[bins.clone()]);
         set.run(
             #[inline(always)]
-            || merge(geometry, bins, periods),
+            || form_moments(geometry, surfaces, bins.start, moments),
+        );
+        let (bins, periods) = (&self.bins[bins], &mut self.periods[self.occupied.clone()]);
+        let weights = &mut self.weights[self.occupied.clone()];
+        set.run(
+            #[inline(always)]
+            || {
+                merge(geometry, compression.terms, bins, periods);
+                compression.nodes.weigh(periods, weights);
+            },
         );
     }
 
@@ -132,7 +133,7 @@ impl Sums {
             },
         );
         for (l, curves) in curves.iter_mut().enumerate().filter(|(l, _)| self.surfaces[*l].is_binned) {
-            for regime in 0..regimes {
+            for regime in (0..regimes).filter(|regime| !compression.solved[*regime].is_empty()) {
                 self.queue.collect(compression, &self.surfaces[l], &self.occupied, regime);
                 self.queue.solve(law, regime, work, |k, sums| {
                     for (sum, value) in self.sums[k * regimes + regime].iter_mut().zip(sums) {
@@ -204,55 +205,71 @@ impl Binned {
         let [first, last] = [low, high].map(|u| geometry.nearest_bin(u));
         let candidates = self.bins(first..last + 1);
         let mut found: Vec<f64> = candidates.iter().copied().filter(|u| *u >= low && *u < high).collect();
-        found.sort_unstable_by(f64::total_cmp);
+        sort_nearly_sorted(&mut found);
         let above = candidates.iter().filter(|u| **u >= high).count();
         (found, self.heights.len() - self.starts[last + 1] as usize + above)
     }
+}
 
-    /// Moments of the bins from `first` on, for lane `l`.
-    #[inline(always)]
-    fn moments(&self, geometry: &Geometry, first: usize, moments: &mut [[Lanes; TERMS]], l: usize) {
-        let segments = geometry.segments();
-        for (i, moments) in moments.iter_mut().enumerate() {
-            let heights = self.bins(first + i..first + i + 1);
-            if heights.is_empty() {
-                continue;
+/// Moments of the bins from `first` on: term by term of one asperity of each surface after the other.
+#[inline(always)]
+fn form_moments(geometry: &Geometry, surfaces: &[Binned], first: usize, moments: &mut [[Lanes; TERMS]]) {
+    let segments = geometry.segments();
+    for (i, moments) in moments.iter_mut().enumerate() {
+        let bin = first + i;
+        *moments = [[0.0; LANES]; TERMS];
+        let mut heights: [&[f64]; LANES] = [&[]; LANES];
+        for (heights, surface) in heights.iter_mut().zip(surfaces).filter(|(_, surface)| surface.is_binned) {
+            *heights = surface.bins(bin..bin + 1);
+        }
+        let most = heights.iter().fold(0, |most, heights| most.max(heights.len()));
+        if most == 0 {
+            continue;
+        }
+        let (centre, scale) = geometry.segment(bin / segments, bin % segments);
+        let mut sums = [[0.0; LANES]; TERMS];
+        for r in 0..most {
+            let (mut places, mut powers) = ([0.0; LANES], [0.0; LANES]);
+            for l in 0..LANES {
+                // A surface that has no such asperity adds 0.
+                if let Some(u) = heights[l].get(r) {
+                    (places[l], powers[l]) = ((u - centre) * scale, 1.0);
+                }
             }
-            let (period, segment) = ((first + i) / segments, (first + i) % segments);
-            let (centre, scale) = geometry.segment(period, segment);
-            let (mut low, mut high) = ([0.0; 8], [0.0; 8]);
-            for u in heights {
-                add_powers((u - centre) * scale, &mut low, &mut high);
-            }
-            for n in 0..8 {
-                moments[n][l] = low[n];
-                moments[8 + n][l] = high[n];
+            for sum in &mut sums {
+                for l in 0..LANES {
+                    sum[l] += powers[l];
+                    powers[l] *= places[l];
+                }
             }
         }
+        *moments = sums;
     }
 }
 
-/// Adds 1, v, … v⁷ to `low` and v⁸, … v¹⁵ to `high`.
-#[inline(always)]
-fn add_powers(v: f64, low: &mut [f64; 8], high: &mut [f64; 8]) {
-    const { assert!(TERMS == 16) };
-    let square = v * v;
-    let (cube, fourth) = (square * v, square * square);
-    let powers = [1.0, v, square, cube, fourth, fourth * v, fourth * square, fourth * cube];
-    let eighth = fourth * fourth;
-    for n in 0..8 {
-        low[n] += powers[n];
-        high[n] += powers[n] * eighth;
+/// Sorts heights that are in order but for those of the same bin.
+pub(super) fn sort_nearly_sorted(heights: &mut [f64]) {
+    for i in 1..heights.len() {
+        let height = heights[i];
+        let mut place = i;
+        while place > 0 && heights[place - 1] > height {
+            heights[place] = heights[place - 1];
+            place -= 1;
+        }
+        heights[place] = height;
     }
 }
 
 /// Moments of periods from those of their bins.
 #[inline(always)]
-fn merge(geometry: &Geometry, bins: &[[Lanes; TERMS]], periods: &mut [[Lanes; TERMS]]) {
+fn merge(geometry: &Geometry, terms: usize, bins: &[[Lanes; TERMS]], periods: &mut [[Lanes; TERMS]]) {
     for (bins, period) in bins.chunks_exact(geometry.segments()).zip(periods) {
         *period = [[0.0; LANES]; TERMS];
         for (bin, rows) in bins.iter().zip(&geometry.merging) {
-            for (n, whole) in period.iter_mut().enumerate() {
+            if bin[0] == [0.0; LANES] {
+                continue;
+            }
+            for (n, whole) in period[..terms].iter_mut().enumerate() {
                 let mut sum = *whole;
                 for m in 0..=n {
                     for l in 0..LANES {
@@ -271,8 +288,9 @@ fn multiply(polynomials: &Polynomials, moments: &[Lanes; TERMS], sums: &mut [[La
     let [adhesion, contact, area] = &polynomials.coefficients;
     let sums = &mut sums[polynomials.regime];
     let terms = polynomials.terms.min(TERMS);
+    // Sums of their own, so that one product need not wait for the one before.
+    let (mut a, mut c, mut s) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
     if polynomials.touches {
-        let [mut a, mut c, mut s] = *sums;
         for n in 0..terms {
             for l in 0..LANES {
                 a[l] += adhesion[n] * moments[n][l];
@@ -280,15 +298,20 @@ fn multiply(polynomials: &Polynomials, moments: &[Lanes; TERMS], sums: &mut [[La
                 s[l] += area[n] * moments[n][l];
             }
         }
-        *sums = [a, c, s];
+        for l in 0..LANES {
+            sums[0][l] += a[l];
+            sums[1][l] += c[l];
+            sums[2][l] += s[l];
+        }
     } else {
-        let mut a = sums[0];
         for n in 0..terms {
             for l in 0..LANES {
                 a[l] += adhesion[n] * moments[n][l];
             }
         }
-        sums[0] = a;
+        for l in 0..LANES {
+            sums[0][l] += a[l];
+        }
     }
 }
 
@@ -355,8 +378,8 @@ impl Compression {
         let bins = surface.starts.len() - 1;
         let mut begin = 0;
         let mut total = [0.0; 3];
-        for (regime, sums) in sums.iter().enumerate() {
-            let [adhesion, contact, area] = sums.map(|lanes| lanes[l]);
+        for (regime, [adhesion, contact, area]) in sums.iter().enumerate() {
+            let [adhesion, contact, area] = [adhesion[l], contact[l], area[l]];
             let end = match self.boundaries.get(regime) {
                 Some(&(offset, segment)) => {
                     let period = offset + k as i64 - self.geometry.periods.start;

@@ -9,6 +9,7 @@ use super::contact::Contact;
 use super::noncontact::{Branches, Noncontact};
 use super::scale::Scale;
 use super::{LawError, Path, Work};
+use crate::math::piecewise::{Piecewise, leading};
 
 /// On which branch an asperity is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,8 +26,16 @@ pub struct Emd {
     contact: Branch<Contact>,
     outer: Branch<Noncontact>,
     inner: Option<Branch<Noncontact>>,
+    /// F̂_s far away, over the distance |Δ − Δ_ref| from where the outer branch is anchored.
+    far: Piecewise,
     end: f64,
 }
+
+/// From this distance |Δ − Δ_ref| on, asperities before contact need no solve: their force falls like an inverse square, and a Chebyshev
+/// series on each of a few intervals has it to [`FAR_TOLERANCE`].
+const FAR: f64 = 2.0;
+/// Relative accuracy of that series, which is that of a solve.
+const FAR_TOLERANCE: f64 = 2e-15;
 
 impl Emd {
     /// The law for the adhesion parameter `lambda` along `path`.
@@ -42,7 +51,7 @@ impl Emd {
             Path::Retraction => fold.approach,
         };
         let (outer, inner) = noncontact_branches(lambda, end);
-        Ok(Self { contact: Branch::new(curve, fold), outer, inner, end })
+        Ok(Self { contact: Branch::new(curve, fold), outer, inner, far: Piecewise::default(), end })
     }
 
     /// The same law with starting tables for approaches in `lowest..=highest`, which make solves in that range fast.
@@ -64,6 +73,8 @@ impl Emd {
             self.outer = self.outer.with_table(lowest);
         }
         let innermost = self.outer.anchor().approach;
+        let force = |distance: f64| self.outer.solve(innermost - distance, &mut Work::default()).adhesion;
+        self.far = Piecewise::new(force, |_, force| FAR_TOLERANCE * force, FAR, innermost - lowest);
         self.inner = self.inner.map(|inner| inner.with_table(innermost));
         self
     }
@@ -76,6 +87,11 @@ impl Emd {
     /// Δ of the fold of the noncontact branch, where it is followed up to the fold and then left for its inner part.
     pub fn noncontact_fold(&self) -> Option<f64> {
         self.outer.anchor().fold.then(|| self.outer.anchor().approach)
+    }
+
+    /// Δ below which a series takes the place of solves, where tables have been made.
+    pub fn far(&self) -> Option<f64> {
+        (!self.far.is_empty()).then(|| self.outer.anchor().approach - FAR)
     }
 
     /// The end of the stable contact branch, where A and F̂_s vary like a square root; at or below [`Emd::end`].
@@ -106,22 +122,44 @@ impl Emd {
     }
 
     /// The noncontact branch at up to [`super::BLOCK`] approaches below [`Emd::end`]: the outermost roots.
+    #[inline(always)]
     pub fn noncontact_block(&self, approaches: &mut [f64], adhesion: &mut [f64], work: &mut Work) {
-        let mut radius = [0.0; super::BLOCK];
         let anchor = self.outer.anchor().approach;
-        let is_inner = |approach: f64| self.inner.is_some() && approach >= anchor;
+        let part = |approach: f64| match approach {
+            far if far < anchor - FAR => (Part::Far, f64::NEG_INFINITY, (anchor - FAR).next_down()),
+            outer if outer < anchor || self.inner.is_none() => (Part::Outer, (anchor - FAR).next_down(), anchor),
+            _ => (Part::Inner, anchor.next_down(), f64::INFINITY),
+        };
         let mut begin = 0;
         while begin < approaches.len() {
-            let inner = is_inner(approaches[begin]);
-            let run = approaches[begin..].iter().take_while(|approach| is_inner(**approach) == inner).count();
-            let (run, adhesion) = (&mut approaches[begin..begin + run], &mut adhesion[begin..begin + run]);
-            begin += run.len();
-            match &self.inner {
-                Some(branch) if inner => branch.solve_block(run, adhesion, &mut radius, work),
+            let (part, low, high) = part(approaches[begin]);
+            let run = begin..begin + leading(&approaches[begin..], low, high).max(1);
+            begin = run.end;
+            let (approaches, adhesion) = (&mut approaches[run.clone()], &mut adhesion[run]);
+            match (part, &self.inner) {
+                (Part::Far, _) => self.far_block(approaches, adhesion, work),
+                (Part::Inner, Some(inner)) => inner.solve_block(approaches, adhesion, &mut [0.0; super::BLOCK], work),
                 _ => {
-                    run.iter_mut().for_each(|approach| *approach = approach.min(anchor));
-                    self.outer.solve_block(run, adhesion, &mut radius, work);
+                    approaches.iter_mut().for_each(|approach| *approach = approach.min(anchor));
+                    self.outer.solve_block(approaches, adhesion, &mut [0.0; super::BLOCK], work);
                 }
+            }
+        }
+    }
+
+    /// Approaches far from contact: the series, and solves where it does not reach.
+    #[inline(always)]
+    fn far_block(&self, approaches: &[f64], adhesion: &mut [f64], work: &mut Work) {
+        let anchor = self.outer.anchor().approach;
+        let mut distances = [0.0; super::BLOCK];
+        let distances = &mut distances[..approaches.len()];
+        distances.iter_mut().zip(approaches).for_each(|(distance, approach)| *distance = anchor - approach);
+        self.far.values(distances, adhesion);
+        let missing = adhesion.iter().fold(0, |missing, force| missing + u64::from(force.is_nan()));
+        work.far += approaches.len() as u64 - missing;
+        if missing > 0 {
+            for (force, &approach) in adhesion.iter_mut().zip(approaches).filter(|(force, _)| force.is_nan()) {
+                *force = self.outer.solve(approach, work).adhesion;
             }
         }
     }
@@ -132,6 +170,13 @@ impl Emd {
         self.noncontact_block(&mut [approach], &mut adhesion, work);
         Solution { adhesion: adhesion[0], radius: 0.0 }
     }
+}
+
+/// Parts of what is before contact.
+enum Part {
+    Far,
+    Outer,
+    Inner,
 }
 
 /// The noncontact branches needed below `end`. Anchored at the outer fold where that is reached first, else at `end`.

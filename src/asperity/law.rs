@@ -155,6 +155,16 @@ pub trait Law: Send + Sync {
     /// Nanoseconds of one evaluation in a regime, about, on one core of a 2020s server.
     fn cost(&self, regime: usize) -> f64;
 
+    /// The adhesion force, N, of every asperity in a regime where that is constant and all that there is; nothing is evaluated there.
+    fn constant(&self, _regime: usize) -> Option<f64> {
+        None
+    }
+
+    /// Interference, m, below which a series takes the place of solves.
+    fn far(&self) -> Option<f64> {
+        None
+    }
+
     /// How well its curve fits are, when it has any.
     fn fit(&self) -> Option<&FitReport> {
         None
@@ -177,6 +187,49 @@ impl Default for Scratch {
     }
 }
 
+/// The ranges of `heights` (m, rising) that the regimes of a law have at one separation, m, with their indices, rising.
+pub fn regime_ranges(
+    law: &dyn Law,
+    heights: &[f64],
+    separation: f64,
+) -> impl Iterator<Item = (usize, std::ops::Range<usize>)> {
+    let mut start = 0;
+    (0..law.regimes().len()).map(move |regime| {
+        let end = match law.boundaries().get(regime) {
+            Some(boundary) => start + heights[start..].partition_point(|&u| boundary.is_above(u - separation)),
+            None => heights.len(),
+        };
+        (regime, std::mem::replace(&mut start, end)..end)
+    })
+}
+
+/// Evaluates a law for a range of `heights` (m, rising) in one regime at one separation, m. `visit` gets the range of each block and its
+/// responses.
+pub fn for_each_block_of(
+    law: &dyn Law,
+    (regime, range): (usize, std::ops::Range<usize>),
+    heights: &[f64],
+    separation: f64,
+    scratch: &mut Scratch,
+    work: &mut Work,
+    mut visit: impl FnMut(std::ops::Range<usize>, &Responses),
+) {
+    for block in range.clone().step_by(BLOCK) {
+        let block = block..range.end.min(block + BLOCK);
+        let interference = &mut scratch.interference[..block.len()];
+        InstructionSet::current().run(
+            #[inline(always)]
+            || {
+                for (delta, &height) in interference.iter_mut().zip(&heights[block.clone()]) {
+                    *delta = height - separation;
+                }
+            },
+        );
+        law.evaluate(regime, interference, &mut scratch.responses, work);
+        visit(block, &scratch.responses);
+    }
+}
+
 /// Evaluates a law for a whole surface: `heights` (m, rising) at one separation (m). `visit` gets the regime's index, the
 /// range of heights and their responses, block by block; the ranges of a regime are contiguous and rise.
 pub fn for_each_block(
@@ -187,26 +240,8 @@ pub fn for_each_block(
     work: &mut Work,
     mut visit: impl FnMut(usize, std::ops::Range<usize>, &Responses),
 ) {
-    let mut start = 0;
-    for regime in 0..law.regimes().len() {
-        let end = match law.boundaries().get(regime) {
-            Some(boundary) => start + heights[start..].partition_point(|&u| boundary.is_above(u - separation)),
-            None => heights.len(),
-        };
-        for block in (start..end).step_by(BLOCK) {
-            let range = block..end.min(block + BLOCK);
-            let interference = &mut scratch.interference[..range.len()];
-            InstructionSet::current().run(
-                #[inline(always)]
-                || {
-                    for (delta, &height) in interference.iter_mut().zip(&heights[range.clone()]) {
-                        *delta = height - separation;
-                    }
-                },
-            );
-            law.evaluate(regime, interference, &mut scratch.responses, work);
-            visit(regime, range, &scratch.responses);
-        }
-        start = end;
+    for (regime, range) in regime_ranges(law, heights, separation) {
+        let visit = |range, responses: &Responses| visit(regime, range, responses);
+        for_each_block_of(law, (regime, range), heights, separation, scratch, work, visit);
     }
 }

@@ -17,6 +17,7 @@ mod setting;
 pub mod table;
 
 pub use law::{BLOCK, Boundary, FitReport, Law, Piece, Regime, Responses, Scratch, Smoothness, for_each_block};
+pub use law::{for_each_block_of, regime_ranges};
 pub use quantity::Quantity;
 pub use setting::Setting;
 
@@ -52,6 +53,8 @@ pub struct Work {
     pub constant: u64,
     /// Asperities that needed no solve: closed form in the elastic-plastic and plastic regimes.
     pub closed_form: u64,
+    /// Asperities that needed no solve: a series far from contact.
+    pub far: u64,
     /// Separations of surfaces that were summed by moments.
     pub compressed: u64,
     /// Evaluations of the equations.
@@ -69,6 +72,7 @@ impl Work {
         self.noncontact_solves += other.noncontact_solves;
         self.constant += other.constant;
         self.closed_form += other.closed_form;
+        self.far += other.far;
         self.compressed += other.compressed;
         self.evaluations += other.evaluations;
         self.safeguarded += other.safeguarded;

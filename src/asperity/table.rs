@@ -17,6 +17,16 @@ pub trait Part: Send + Sync {
     /// Nanoseconds of one evaluation on one core of a 2020s server.
     fn cost(&self) -> f64;
 
+    /// The adhesion force, N, if it is constant and all that acts.
+    fn constant(&self) -> Option<f64> {
+        None
+    }
+
+    /// Interference, m, below which a series takes the place of solves.
+    fn far(&self) -> Option<f64> {
+        None
+    }
+
     /// Fills the first `interference.len()` responses for interferences δ, m.
     fn evaluate(&self, interference: &[f64], out: &mut Responses, work: &mut Work);
 }
@@ -102,6 +112,14 @@ impl Law for Table {
         self.parts[regime].cost()
     }
 
+    fn constant(&self, regime: usize) -> Option<f64> {
+        self.parts[regime].constant()
+    }
+
+    fn far(&self) -> Option<f64> {
+        self.parts.iter().find_map(|part| part.far())
+    }
+
     fn fit(&self) -> Option<&FitReport> {
         self.fit.as_ref()
     }
@@ -130,7 +148,11 @@ impl Constant {
 
 impl Part for Constant {
     fn cost(&self) -> f64 {
-        1.5
+        0.0
+    }
+
+    fn constant(&self) -> Option<f64> {
+        Some(self.adhesion)
     }
 
     fn evaluate(&self, interference: &[f64], out: &mut Responses, work: &mut Work) {

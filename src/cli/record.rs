@@ -5,6 +5,7 @@ use crate::asperity::{Law, Quantity};
 use crate::engine::SCALARS;
 use crate::math::control_variates::ControlledMean;
 use crate::math::extrema::Features;
+use crate::math::instruction_set::InstructionSet;
 use crate::output::OutputError;
 use crate::output::schema::Dimension;
 use crate::output::writer::Writer;
@@ -94,6 +95,15 @@ fn write_ensemble(writer: &Writer, results: &Results) -> Result<(), OutputError>
     writer.dataset("/ensemble/regime_adhesion_force_mean", ensemble.regime_adhesion_force.mean())?;
     writer.dataset("/ensemble/regime_external_force_mean", ensemble.regime_external_force.mean())?;
     write_features(writer, "/ensemble", &results.of_mean)?;
+    let summation = &results.summation;
+    writer.text("/ensemble", "sum", summation.name())?;
+    if let Some(tolerance) = summation.tolerance {
+        writer.number("/ensemble", "sum_tolerance", tolerance)?;
+        writer.number("/ensemble", "sum_error", summation.achieved_error)?;
+    }
+    if let Some(refusal) = summation.refusal {
+        writer.text("/ensemble", "sum_refusal", &refusal.to_string())?;
+    }
     let replicas = &ensemble.replicas;
     let count: Vec<u64> = replicas.iter().map(|replica| replica.asperity_count).collect();
     writer.dataset("/replicas/asperity_count", &count)?;
@@ -157,14 +167,16 @@ fn write_diagnostics(writer: &mut Writer, results: &Results) -> Result<(), Outpu
     let work = &results.ensemble.work;
     let (phases, seconds): (Vec<&str>, Vec<f64>) = results.seconds.iter().copied().unzip();
     writer.named_scale(Dimension::Phase, &phases)?;
-    writer.named_scale(Dimension::SkipReason, &["constant force", "closed form"])?;
+    writer.named_scale(Dimension::SkipReason, &["constant force", "closed form", "far from contact"])?;
     let count = |name: &str, value: u64| writer.dataset(&format!("/diagnostics/{name}"), &[value]);
     count("contact_solves", work.contact_solves)?;
     count("noncontact_solves", work.noncontact_solves)?;
     count("safeguarded_solves", work.safeguarded)?;
     count("iterations", work.evaluations)?;
+    count("compressed_sums", work.compressed)?;
     count("threads", results.threads as u64)?;
     writer.dataset("/diagnostics/largest_residual", &[work.largest_residual])?;
-    writer.dataset("/diagnostics/skipped_solves", &[work.constant, work.closed_form])?;
+    writer.dataset("/diagnostics/skipped_solves", &[work.constant, work.closed_form, work.far])?;
+    writer.text("/diagnostics", "instruction_set", InstructionSet::current().name())?;
     writer.dataset("/diagnostics/seconds", &seconds)
 }

@@ -1,7 +1,7 @@
 //! What a run has found out, for the file and for the summary.
 
 use crate::asperity::{Law, Quantity};
-use crate::engine::Ensemble;
+use crate::engine::{Ensemble, Summation};
 use crate::math::control_variates::ControlledMean;
 use crate::math::extrema::Features;
 use crate::math::interpolation::linear;
@@ -17,6 +17,7 @@ pub(super) struct Results {
     pub regimes: Vec<&'static str>,
     pub statistical: Statistical,
     pub ensemble: Box<Ensemble>,
+    pub summation: Summation,
     pub basis: Basis,
     /// Indices of the separations of the control variates.
     pub controls: Vec<usize>,

@@ -38,7 +38,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<(), Failure> {
     let controls = controls(&scene.separations, &statistical, &basis.tested[1], groups);
     let regimes = write_head(&mut writer, &scene, law.as_ref(), &basis, &controls)?;
     let mut done = 0;
-    let ensemble = {
+    let (ensemble, summation) = {
         let setup = Sampling {
             scene: &scene,
             law: law.as_ref(),
@@ -73,6 +73,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<(), Failure> {
         regimes,
         statistical,
         ensemble,
+        summation,
         basis,
         controls,
         scalars,

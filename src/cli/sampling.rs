@@ -2,7 +2,7 @@
 
 use super::Failure;
 use crate::asperity::{Law, Quantity};
-use crate::engine::{Batch, Ensemble, Job, Outcome};
+use crate::engine::{Batch, Ensemble, Job, Outcome, Summation};
 use crate::output::OutputError;
 use crate::output::progress::Progress;
 use crate::scene::Scene;
@@ -24,7 +24,7 @@ pub(super) struct Sampling<'a> {
 }
 
 impl Sampling<'_> {
-    /// Sums all replicas, with progress under `name`; `observe` gets every batch in order.
+    /// Sums all replicas, with progress under `name`; `observe` gets every batch in order. Also tells how they were summed.
     pub fn run(
         &self,
         name: &'static str,
@@ -32,7 +32,7 @@ impl Sampling<'_> {
         stop: &AtomicBool,
         progress: &mut Progress,
         mut observe: impl FnMut(&Batch) -> Result<(), OutputError>,
-    ) -> Result<Box<Ensemble>, Failure> {
+    ) -> Result<(Box<Ensemble>, Summation), Failure> {
         let Self { scene, law, basis, controls, keep_curves } = *self;
         let job = Job {
             law,
@@ -46,6 +46,11 @@ impl Sampling<'_> {
             keep_curves,
             compression: None,
         };
+        let summation = match scene.sum_tolerance {
+            Some(tolerance) => pool.install(|| Summation::compressed(&job, tolerance)),
+            None => Summation::direct(),
+        };
+        let job = Job { compression: summation.compression.as_ref(), ..job };
         progress.replicas(name, scene.replicas);
         let outcome = crate::engine::run(&job, pool, stop, |batch| {
             observe(batch)?;
@@ -53,7 +58,7 @@ impl Sampling<'_> {
             Ok::<(), OutputError>(())
         })?;
         match outcome {
-            Outcome::Complete(ensemble) => Ok(ensemble),
+            Outcome::Complete(ensemble) => Ok((ensemble, summation)),
             Outcome::Interrupted { replicas } => {
                 progress.end();
                 Err(Failure::Interrupted { done: replicas, of: scene.replicas })

@@ -5,6 +5,7 @@ use super::format::{duration, percent, row, si};
 use super::results::Results;
 use crate::asperity::Quantity;
 use crate::engine::Replica;
+use crate::engine::Summation;
 use crate::math::control_variates::ControlledMean;
 use crate::math::extrema::{Extremum, Features};
 use crate::math::moments::Moments;
@@ -178,8 +179,21 @@ fn times(results: &Results) -> String {
         results.seconds.iter().map(|(name, seconds)| format!("{name} {}", duration(*seconds))).collect();
     let work = &results.ensemble.work;
     let solves = (work.contact_solves + work.noncontact_solves) as f64;
-    let skipped = (work.constant + work.closed_form) as f64;
+    let skipped = (work.constant + work.closed_form + work.far) as f64;
     let mut text = row("time", &format!("{} on {} threads", phases.join(", "), results.threads));
     text += &row("", &format!("{solves:.3e} solves, {skipped:.3e} asperities needed none"));
-    text
+    text + &sums(&results.summation)
+}
+
+/// How surfaces were summed, if compressed sums were asked for.
+fn sums(summation: &Summation) -> String {
+    let Some(tolerance) = summation.tolerance else { return String::new() };
+    let error = summation.achieved_error;
+    let said = match summation.refusal {
+        Some(refusal) => format!("direct, although compressed to {tolerance:e} was asked for: {refusal}"),
+        None => {
+            format!("compressed to {tolerance:e}; off by {error:.1e} where a few replicas were also summed directly")
+        }
+    };
+    row("sums", &said)
 }

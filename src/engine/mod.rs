@@ -15,6 +15,7 @@ mod replica;
 mod sampling;
 mod scalars;
 pub mod stream;
+mod summation;
 
 pub use batch::{BATCH, Batch, Ensemble};
 pub use curves::Curves;
@@ -23,6 +24,7 @@ pub use reduce::{Outcome, run};
 pub use replica::{Replica, Workspace};
 pub use sampling::draw;
 pub use scalars::{SCALARS, Scalar};
+pub use summation::Summation;
 
 use crate::asperity::Law;
 use crate::surface::{SamplingScheme, Surface};

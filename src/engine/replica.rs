@@ -5,7 +5,7 @@ use super::compressed::{self, Compression, LANES};
 use super::curves::Curves;
 use super::pull_off::{Heights, Jump, jumps, pull_off};
 use super::sampling::draw;
-use crate::asperity::{Quantity, Scratch, Work, for_each_block};
+use crate::asperity::{Quantity, Scratch, Work, for_each_block_of, regime_ranges};
 use crate::math::extrema::steepest_rise;
 use crate::math::instruction_set::InstructionSet;
 use crate::math::sums::{Compensated, lane_sum};
@@ -189,18 +189,32 @@ impl Sums {
     /// Sums a surface: `heights` (m) rising, at the separation h, m.
     fn surface(&mut self, job: &Job<'_>, heights: &[f64], separation: f64) {
         self.regimes.fill(RegimeSums::default());
-        let (regimes, d) = (&mut self.regimes, job.surface.asperity_separation(separation));
-        for_each_block(job.law, heights, d, &mut self.scratch, &mut self.work, |regime, range, responses| {
-            let (sum, n) = (&mut regimes[regime], range.len());
-            sum.count += n as f64;
-            let sums = InstructionSet::current().run(
-                #[inline(always)]
-                || [&responses.adhesion, &responses.contact, &responses.area].map(|values| lane_sum(&values[..n])),
-            );
-            sum.adhesion.add(sums[0]);
-            sum.contact.add(sums[1]);
-            sum.area.add(sums[2]);
-        });
+        let Self { regimes, scratch, work } = self;
+        let d = job.surface.asperity_separation(separation);
+        for (regime, range) in regime_ranges(job.law, heights, d) {
+            let sum = &mut regimes[regime];
+            sum.count = range.len() as f64;
+            if let Some(force) = job.law.constant(regime) {
+                sum.adhesion.add(sum.count * force);
+                work.constant += range.len() as u64;
+                continue;
+            }
+            let touches = job.law.regimes()[regime].is_contact();
+            for_each_block_of(job.law, (regime, range), heights, d, scratch, work, |range, responses| {
+                let n = range.len();
+                InstructionSet::current().run(
+                    #[inline(always)]
+                    || {
+                        sum.adhesion.add(lane_sum(&responses.adhesion[..n]));
+                        // Where nothing touches there is neither load nor area.
+                        if touches {
+                            sum.contact.add(lane_sum(&responses.contact[..n]));
+                            sum.area.add(lane_sum(&responses.area[..n]));
+                        }
+                    },
+                );
+            });
+        }
     }
 
     /// The quantities of the whole surface, by [`Quantity::index`].

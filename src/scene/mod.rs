@@ -21,7 +21,13 @@ pub const FORMAT: u64 = 1;
 /// Heights further than this many σ_s from their mean plane are solved without starting tables.
 const HEIGHT_REACH: f64 = 11.0;
 
-const ROOT_KEYS: [&str; 8] = ["format", "title", "material", "surface", "model", "separation", "ensemble", "output"];
+/// Tolerances of compressed sums that make sense: below, the rounding of a solve is larger; above, nothing gets faster.
+const SUM_TOLERANCES: std::ops::RangeInclusive<f64> = 1e-13..=1e-3;
+/// The tolerance of compressed sums unless a scene gives one.
+const SUM_TOLERANCE: f64 = 1e-9;
+
+const ROOT_KEYS: [&str; 9] =
+    ["format", "title", "material", "surface", "model", "separation", "ensemble", "solver", "output"];
 const MATERIAL_KEYS: [&str; 5] =
     ["reduced_modulus", "hardness", "poisson_ratio", "work_of_adhesion", "equilibrium_spacing"];
 const SURFACE_KEYS: [&str; 7] = [
@@ -59,6 +65,8 @@ pub struct Scene {
     pub sampling: SamplingScheme,
     /// Seed of the random streams.
     pub seed: u64,
+    /// Tolerance of compressed sums; asperities are summed directly without one.
+    pub sum_tolerance: Option<f64>,
     /// Whether every replica's curves are kept.
     pub curves: bool,
 }
@@ -93,6 +101,7 @@ impl Scene {
         let replicas = given.integer(1..=1_000_000_000_000)?;
         sampling.check(replicas).map_err(|problem| given.wrong(&problem))?;
         let seed = ensemble.get("seed").map_or(Ok(1), |entry| entry.integer(0..=i64::MAX as u64))?;
+        let sum_tolerance = sum_tolerance(&root)?;
         let output = root.section("output", &["curves"], false)?;
         let curves = output.and_then(|output| output.get("curves")).map_or(Ok(false), |entry| entry.boolean())?;
         let text = text.to_owned();
@@ -108,6 +117,7 @@ impl Scene {
             replicas,
             sampling,
             seed,
+            sum_tolerance,
             curves,
         })
     }
@@ -144,6 +154,22 @@ impl Scene {
 
 fn required<'a>(root: &Section<'a>, name: &'a str, keys: &[&str]) -> Result<Section<'a>, SceneError> {
     Ok(root.section(name, keys, true)?.expect("a required section is there or an error"))
+}
+
+fn sum_tolerance(root: &Section<'_>) -> Result<Option<f64>, SceneError> {
+    let Some(solver) = root.section("solver", &["sum", "tolerance"], false)? else { return Ok(None) };
+    let choices = [("direct", false), ("compressed", true)];
+    let compressed = solver.get("sum").map_or(Ok(false), |entry| entry.choice("sum", &choices))?;
+    let Some(entry) = solver.get("tolerance") else { return Ok(compressed.then_some(SUM_TOLERANCE)) };
+    if !compressed {
+        return Err(entry.wrong("direct sums have no tolerance; sum = \"compressed\" has one"));
+    }
+    let tolerance = entry.number()?;
+    if !SUM_TOLERANCES.contains(&tolerance) {
+        let (low, high) = (SUM_TOLERANCES.start(), SUM_TOLERANCES.end());
+        return Err(entry.wrong(&format!("a tolerance of sums is between {low:e} and {high:e}")));
+    }
+    Ok(Some(tolerance))
 }
 
 fn critical_approach(section: &Section<'_>, law: &Model) -> Result<Option<f64>, SceneError> {

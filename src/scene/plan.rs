@@ -59,7 +59,7 @@ impl Plan {
         // Moments and curves of a batch and of its groups, heights, and for curves what waits to be written.
         let batch = 8.0 * (n + 3.0 * s * (8.0 + 3.0 * r)) + if scene.curves { 8.0 * 2.0 * s * 8.0 } else { 0.0 };
         Self {
-            skips: skips(scene, &regimes),
+            skips: skips(scene, law, &regimes),
             beyond: beyond(scene, law),
             pairs: n * s * replicas,
             core_seconds: 1e-9 * replicas * nanoseconds,
@@ -97,7 +97,7 @@ pub fn beyond(scene: &Scene, law: &dyn Law) -> f64 {
     scene.surface.asperity_count as f64 * share
 }
 
-fn skips(scene: &Scene, regimes: &[RegimePlan]) -> Vec<String> {
+fn skips(scene: &Scene, law: &dyn Law, regimes: &[RegimePlan]) -> Vec<String> {
     let mut skips = Vec::new();
     let dry = scene.asperity.lubricant_thickness == 0.0;
     if dry {
@@ -114,6 +114,27 @@ fn skips(scene: &Scene, regimes: &[RegimePlan]) -> Vec<String> {
         .collect();
     if !never.is_empty() {
         skips.push(format!("{}: no asperity expected there in the whole run", never.join(", ")));
+    }
+    if let Some(far) = law.far() {
+        let share = |h: &f64| {
+            let d = scene.surface.asperity_separation(*h);
+            scene.surface.heights.probability(f64::NEG_INFINITY, far + d)
+        };
+        let share = scene.separations.iter().map(share).sum::<f64>() / scene.separations.len() as f64;
+        skips.push(format!(
+            "solves more than {:.3} nm before contact: a series, for {:.3} % of asperities and separations",
+            -1e9 * far,
+            100.0 * share
+        ));
+    }
+    let loads = regimes.iter().filter(|plan| !plan.regime.is_contact()).map(|plan| plan.asperities).sum::<f64>();
+    let all = scene.surface.asperity_count as f64;
+    skips.push(format!(
+        "load and area where nothing touches: {:.3} % of asperities and separations",
+        100.0 * loads / all
+    ));
+    if let Some(tolerance) = scene.sum_tolerance {
+        skips.push(format!("asperities one by one: sums by moments to {tolerance:e}, if a trial meets it"));
     }
     skips.push("one lambda for all asperities: what depends on it is made once".to_owned());
     if !scene.curves {

@@ -78,13 +78,18 @@ impl Part for Attraction {
     }
 
     fn cost(&self) -> f64 {
-        13.0
+        7.0
+    }
+
+    fn far(&self) -> Option<f64> {
+        self.emd.far().map(|far| far * self.scale.length - self.thickness)
     }
 
     fn evaluate(&self, interference: &[f64], out: &mut Responses, work: &mut Work) {
         let inverse = 1.0 / self.scale.length;
         let count = interference.len();
         let mut approaches = [0.0; BLOCK];
+        let far = work.far;
         InstructionSet::current().run(
             #[inline(always)]
             || {
@@ -97,6 +102,6 @@ impl Part for Attraction {
                 out.area[..count].fill(0.0);
             },
         );
-        work.noncontact_solves += interference.len() as u64;
+        work.noncontact_solves += interference.len() as u64 - (work.far - far);
     }
 }

@@ -64,7 +64,7 @@ impl Part for MaugisContact {
     }
 
     fn cost(&self) -> f64 {
-        15.0
+        8.0
     }
 
     fn evaluate(&self, interference: &[f64], out: &mut Responses, work: &mut Work) {

@@ -12,7 +12,7 @@ use crate::asperity::emd::Emd;
 use crate::asperity::laws::fit::FORCES;
 use crate::asperity::models::Model;
 use crate::asperity::{FitReport, Law, Quantity, Scratch, Work, for_each_block};
-use crate::engine::Ensemble;
+use crate::engine::{Ensemble, Summation};
 use crate::math::extrema::Features;
 use crate::output::progress::Progress;
 use crate::output::schema::COMPARISON;
@@ -55,6 +55,7 @@ fn deviation(value: f64, first: f64) -> f64 {
 /// What the ensemble adds.
 struct Sampled {
     ensemble: Box<Ensemble>,
+    summation: Summation,
     /// z-scores of adhesion force and external force.
     z: [Vec<f64>; 2],
     joint: JointTest,
@@ -161,9 +162,9 @@ fn sample(
 ) -> Result<Sampled, Failure> {
     let basis = basis(law, &scene.surface, &scene.separations, scene.sampling, scene.replicas);
     let setup = Sampling { scene, law, basis: &basis, controls: &[], keep_curves: false };
-    let ensemble = setup.run(name, pool, stop, progress, |_| Ok(()))?;
+    let (ensemble, summation) = setup.run(name, pool, stop, progress, |_| Ok(()))?;
     let (z, joint) = cross_check(&ensemble, statistical, &basis, scene);
-    Ok(Sampled { ensemble, z, joint })
+    Ok(Sampled { ensemble, summation, z, joint })
 }
 
 /// Interferences, m, from far before contact to beyond ω_c.

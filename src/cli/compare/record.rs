@@ -141,6 +141,8 @@ fn write_ensemble(writer: &Writer, comparison: &Comparison, sampled: &[&Sampled]
         writer.dataset(&format!("/ensemble/{name}_standard_error"), &error)?;
         writer.dataset(&format!("/ensemble/{name}_std"), &std)?;
     }
+    let sum_errors: Vec<f64> = sampled.iter().map(|sampled| sampled.summation.sum_error()).collect();
+    writer.dataset("/ensemble/sum_error", &sum_errors)?;
     let (mean, error): (Vec<f64>, Vec<f64>) =
         comparison.laws.iter().filter_map(|law| difference(comparison, law)).unzip();
     writer.dataset("/ensemble/pull_off_force_difference_mean", &mean)?;

@@ -29,7 +29,6 @@ use crate::surface::Surface;
 use between::Nodes;
 use geometry::Geometry;
 use offsets::Offset;
-use std::ops::RangeInclusive;
 use thiserror::Error;
 
 /// Largest degree of a polynomial.
@@ -42,8 +41,8 @@ pub const LANES: usize = 8;
 /// A number of each surface of a batch.
 type Lanes = [f64; LANES];
 
-/// Tolerances that make sense: below, the rounding of a solve is larger; above, nothing gets faster.
-pub const TOLERANCES: RangeInclusive<f64> = 1e-13..=1e-3;
+/// A pull-off below this share of the largest adhesion force is judged against that share.
+pub(super) const SMALL: f64 = 1e-3;
 /// Separations have one step when they are off it by at most this share.
 const UNEVEN: f64 = 1e-9;
 /// Heights are binned up to this many σ_s; a surface with a higher asperity is summed directly.
@@ -69,7 +68,7 @@ pub enum Unfit {
     #[error("a step of the separations is {0:e} of the height deviation")]
     TooFine(f64),
     /// Measured against direct sums.
-    #[error("the achieved error is {0:e}")]
+    #[error("the tolerance is not met, the achieved error is {0:.1e}")]
     NotMet(f64),
 }
 

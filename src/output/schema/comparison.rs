@@ -153,6 +153,12 @@ const VARIABLES: &[Variable] = &[
     variable("/ensemble/contact_area_standard_error", LS, "m2", "contact area, standard error of the mean"),
     variable("/ensemble/contact_area_std", LS, "m2", "contact area, standard deviation of one replica"),
     variable(
+        "/ensemble/sum_error",
+        L,
+        "1",
+        "largest error of compressed sums on a few replicas, NaN where sums are direct",
+    ),
+    variable(
         "/ensemble/pull_off_force_difference_mean",
         L,
         "N",

@@ -156,6 +156,12 @@ const VARIABLES: &[Variable] = &[
     variable("/diagnostics/noncontact_solves", NONE, "1", "solves of the noncontact equations"),
     variable("/diagnostics/safeguarded_solves", NONE, "1", "solves for which the starting table was not good enough"),
     variable("/diagnostics/skipped_solves", &[Dimension::SkipReason], "1", "asperities that needed no solve"),
+    variable(
+        "/diagnostics/compressed_sums",
+        NONE,
+        "1",
+        "sums of a surface at one separation that were made of moments",
+    ),
     variable("/diagnostics/iterations", NONE, "1", "evaluations of the equations by all solves"),
     variable("/diagnostics/largest_residual", NONE, "1", "largest relative residual before the last Newton step"),
     variable("/diagnostics/seconds", &[Dimension::Phase], "s", "wall time of each phase"),

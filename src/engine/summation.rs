@@ -1,0 +1,77 @@
+//! The choice between direct and compressed sums, and the error that the latter turn out to have.
+
+use super::compressed::{Compression, Unfit, largest_error};
+use super::curves::Curves;
+use super::replica::{Replica, Workspace};
+use super::{Job, compressed};
+use crate::asperity::Quantity;
+use rayon::prelude::*;
+
+/// Replicas that are summed both ways before the run, spread over it.
+const PILOTS: u64 = 4;
+
+/// How the surfaces of a job are summed.
+#[derive(Debug, Default)]
+pub struct Summation {
+    /// By moments, unless directly.
+    pub compression: Option<Compression>,
+    /// The tolerance that compressed sums were asked for with.
+    pub tolerance: Option<f64>,
+    /// The largest error of compressed sums on the pilot replicas; NaN when none were made.
+    pub achieved_error: f64,
+    /// Why sums are direct although compressed ones were asked for.
+    pub refusal: Option<Unfit>,
+}
+
+impl Summation {
+    /// Asperity by asperity.
+    pub fn direct() -> Self {
+        Self { achieved_error: f64::NAN, ..Self::default() }
+    }
+
+    /// By moments to `tolerance` if that can be done, which is tried on a few replicas of the job, in parallel; else directly. The error
+    /// is that of [`largest_error`] and of the pull-off force.
+    pub fn compressed(job: &Job<'_>, tolerance: f64) -> Self {
+        let direct = Self { tolerance: Some(tolerance), ..Self::direct() };
+        let compression = match Compression::new(job.law, job.surface, job.separations, tolerance) {
+            Ok(compression) => compression,
+            Err(refusal) => return Self { refusal: Some(refusal), ..direct },
+        };
+        let pilots = PILOTS.min(job.replicas);
+        let error = |i| pilot_error(job, &compression, i * (job.replicas / pilots));
+        let errors: Vec<f64> = (0..pilots).into_par_iter().map(error).collect();
+        let achieved_error = errors.into_iter().fold(0.0, f64::max);
+        if achieved_error <= tolerance {
+            Self { compression: Some(compression), achieved_error, ..direct }
+        } else {
+            Self { refusal: Some(Unfit::NotMet(achieved_error)), achieved_error, ..direct }
+        }
+    }
+
+    /// The error of the sums of the job by moments; NaN for direct ones.
+    pub fn sum_error(&self) -> f64 {
+        if self.compression.is_some() { self.achieved_error } else { f64::NAN }
+    }
+
+    /// Its name in files.
+    pub fn name(&self) -> &'static str {
+        if self.compression.is_some() { "compressed" } else { "direct" }
+    }
+}
+
+/// The error of compressed against direct sums of one replica; infinite where it is not a number.
+fn pilot_error(job: &Job<'_>, compression: &Compression, index: u64) -> f64 {
+    let summed = |compression| {
+        let job = Job { compression, ..*job };
+        let mut result: Option<(Replica, Curves)> = None;
+        Workspace::new(&job).replicas(&job, index..index + 1, |replica, curves| {
+            result = Some((replica, curves.clone()));
+        });
+        result.expect("one replica was asked for")
+    };
+    let ((replica, curves), (truth, direct)) = (summed(Some(compression)), summed(None));
+    let largest = direct.total[Quantity::AdhesionForce.index()].iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+    let scale = truth.pull_off_force.abs().max(compressed::SMALL * largest);
+    let error = largest_error(&curves, &direct).max((replica.pull_off_force - truth.pull_off_force).abs() / scale);
+    if error.is_nan() { f64::INFINITY } else { error }
+}

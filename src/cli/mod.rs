@@ -14,6 +14,7 @@ mod validate;
 
 use crate::asperity::models::Model;
 use crate::asperity::{Law, Path as History};
+use crate::math::instruction_set::InstructionSet;
 use crate::output::OutputError;
 use crate::scene::{Scene, SceneError};
 use clap::{Args, Parser, Subcommand};
@@ -21,12 +22,15 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use thiserror::Error;
 
-const EXIT_CODES: &str = "Exit codes: 0 done; 1 failed while running; 2 the command or scene is wrong, nothing was written; \
-3 validate: ensemble and integral disagree; 130 interrupted.";
+const AFTER_HELP: &str = "Exit codes: 0 done; 1 failed while running; 2 the command or scene is wrong, nothing was written; \
+3 validate: ensemble and integral disagree; 130 interrupted.
+
+STICTION_INSTRUCTION_SET=baseline, avx2 or avx512 chooses vector instructions; by default the fastest of this processor. They do not \
+change the result.";
 
 /// Adhesion of rough surfaces from explicit ensembles of asperities, solved one by one.
 #[derive(Parser)]
-#[command(name = "stiction", version, after_help = EXIT_CODES, max_term_width = 110)]
+#[command(name = "stiction", version, after_help = AFTER_HELP, max_term_width = 110)]
 struct Cli {
     #[command(subcommand)]
     command: Command,
@@ -208,20 +212,24 @@ impl From<OutputError> for Failure {
 
 /// Parses the command line, runs the command, prints the error, returns the exit code.
 pub fn main() -> ExitCode {
-    let result = match Cli::parse().command {
+    match execute(Cli::parse().command) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            eprintln!("stiction: {failure}");
+            ExitCode::from(failure.exit_code())
+        }
+    }
+}
+
+fn execute(command: Command) -> Result<(), Failure> {
+    InstructionSet::of_environment().map_err(Failure::Usage)?.select();
+    match command {
         Command::Run(arguments) => run::run(&arguments),
         Command::Compare(arguments) => compare::compare(&arguments),
         Command::Check { scene } => check::check(&scene),
         Command::Validate { file } => validate::validate(&file),
         Command::Info { file } => info::info(&file),
         Command::Asperity(arguments) => asperity::asperity(&arguments),
-    };
-    match result {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(failure) => {
-            eprintln!("stiction: {failure}");
-            ExitCode::from(failure.exit_code())
-        }
     }
 }
 

@@ -73,9 +73,10 @@ impl InstructionSet {
     /// # Errors
     /// When the variable asks for something else than [`InstructionSet::named`] knows.
     pub fn of_environment() -> Result<Self, String> {
-        match std::env::var(VARIABLE) {
-            Ok(name) => Self::named(&name).map_err(|problem| format!("{VARIABLE}: {problem}")),
-            Err(_) => Ok(*Self::available().last().expect("the baseline is always there")),
+        match std::env::var_os(VARIABLE) {
+            // A name that is no text is none of the known ones.
+            Some(name) => Self::named(&name.to_string_lossy()).map_err(|problem| format!("{VARIABLE}: {problem}")),
+            None => Ok(*Self::available().last().expect("the baseline is always there")),
         }
     }
 

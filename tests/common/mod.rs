@@ -3,9 +3,11 @@
 
 pub mod program;
 
+use std::sync::Mutex;
 use stiction::asperity::models::model;
 use stiction::asperity::scale::Asperity;
 use stiction::asperity::{Law, Path, Regime, Responses, Scratch, Setting, Work, for_each_block};
+use stiction::math::instruction_set::InstructionSet;
 use stiction::surface::{Roughness, Surface};
 
 /// The material and surface of case I, II or III of the published Table 2, with the inferred ν, t and A_n.
@@ -52,4 +54,15 @@ pub fn respond(law: &dyn Law, interference: f64) -> Option<(Regime, [f64; 3])> {
     };
     for_each_block(law, &[interference], 0.0, &mut Scratch::default(), &mut Work::default(), visit);
     found
+}
+
+/// Does something with every instruction set of this processor in turn, the fastest last. Only one test of a program at a time.
+pub fn for_each_instruction_set(mut with: impl FnMut(InstructionSet)) {
+    static ONE: Mutex<()> = Mutex::new(());
+    let _one = ONE.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+    for set in InstructionSet::available() {
+        set.select();
+        with(set);
+        assert_eq!(InstructionSet::current(), set);
+    }
 }

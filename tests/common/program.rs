@@ -1,5 +1,6 @@
 //! The program as a user drives it.
 
+use hdf5::types::VarLenUnicode;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use tempfile::TempDir;
@@ -54,7 +55,19 @@ pub fn assert_exit(output: &Output, code: i32) {
     assert_eq!(output.status.code(), Some(code), "{}{}", text(&output.stdout), text(&output.stderr));
 }
 
-/// All numbers of all datasets outside /diagnostics, as bits.
+/// An attribute that is a text.
+pub fn attribute(path: &Path, group: &str, name: &str) -> String {
+    let file = hdf5::File::open(path).unwrap();
+    let value = file.group(group).unwrap().attr(name).unwrap().read_scalar::<VarLenUnicode>();
+    value.unwrap().to_string()
+}
+
+/// An attribute that is a number.
+pub fn number(path: &Path, group: &str, name: &str) -> f64 {
+    hdf5::File::open(path).unwrap().group(group).unwrap().attr(name).unwrap().read_scalar().unwrap()
+}
+
+/// All numbers of all datasets outside /diagnostics, and the attributes of its groups that are no whole numbers, as bits.
 pub fn bits(path: &Path) -> Vec<(String, Vec<u64>)> {
     let file = hdf5::File::open(path).unwrap();
     let mut all = Vec::new();
@@ -70,6 +83,13 @@ pub fn bits(path: &Path) -> Vec<(String, Vec<u64>)> {
                 _ => Vec::new(),
             };
             all.push((dataset.name(), values));
+        }
+        for name in group.attr_names().unwrap() {
+            let attribute = group.attr(&name).unwrap();
+            if let hdf5::types::TypeDescriptor::Float(_) = attribute.dtype().unwrap().to_descriptor().unwrap() {
+                let values = attribute.read_raw::<f64>().unwrap().into_iter().map(f64::to_bits).collect();
+                all.push((format!("{}: {name}", group.name()), values));
+            }
         }
     }
     all

@@ -125,9 +125,11 @@ impl Emd {
     #[inline(always)]
     pub fn noncontact_block(&self, approaches: &mut [f64], adhesion: &mut [f64], work: &mut Work) {
         let anchor = self.outer.anchor().approach;
+        // The anchor itself is the first of the inner part, if there is one.
+        let outer_end = if self.inner.is_some() { anchor.next_down() } else { anchor };
         let part = |approach: f64| match approach {
             far if far < anchor - FAR => (Part::Far, f64::NEG_INFINITY, (anchor - FAR).next_down()),
-            outer if outer < anchor || self.inner.is_none() => (Part::Outer, (anchor - FAR).next_down(), anchor),
+            outer if outer < anchor || self.inner.is_none() => (Part::Outer, (anchor - FAR).next_down(), outer_end),
             _ => (Part::Inner, anchor.next_down(), f64::INFINITY),
         };
         let mut begin = 0;

@@ -14,7 +14,7 @@ use crate::math::polynomials::horner;
 
 /// Samples belong to the neighbourhood of the minimum when they are within this share of the smallest, or so many of the largest
 /// jumps, because a patch of few asperities is more jagged.
-const NEAR: (f64, f64) = (0.15, 4.0);
+const NEAR: (f64, f64) = (0.08, 6.0);
 /// Separations there are at most so many asperity height deviations apart; between coarser ones the surface is solved.
 const SPACING: f64 = 0.06;
 /// But at most so many times between two of them.

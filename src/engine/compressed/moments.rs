@@ -9,6 +9,11 @@ use crate::engine::curves::Curves;
 use crate::math::instruction_set::InstructionSet;
 use std::ops::Range;
 
+/// Separations whose sums are made together, so that they, the moments and the polynomials stay in the nearest cache.
+const TILE: usize = 16;
+/// Places in a segment by which asperities are put in order before they are solved.
+const BUCKETS: usize = 64;
+
 /// Sums of a batch of surfaces: memory that batches reuse.
 #[derive(Debug)]
 pub struct Sums {
@@ -40,12 +45,13 @@ pub struct Binned {
     is_binned: bool,
 }
 
-/// Asperities of one regime that wait to be solved together.
+/// Asperities of one regime that wait to be solved together, in the order of their interference as far as speed needs it.
 #[derive(Debug, Default)]
 struct Queue {
     interference: Vec<f64>,
-    /// For each separation in turn, its index and where its asperities end.
-    ends: Vec<(usize, usize)>,
+    /// The separation of each.
+    separations: Vec<u32>,
+    buckets: Vec<(u32, u32, f64)>,
     responses: Box<Responses>,
 }
 
@@ -115,18 +121,10 @@ impl Sums {
         InstructionSet::current().run(
             #[inline(always)]
             || {
-                for (k, sums) in sums.chunks_exact_mut(regimes).enumerate() {
+                for (tile, sums) in sums.chunks_mut(TILE * regimes).enumerate() {
                     for period in occupied.clone() {
-                        match &compression.offsets[compression.offset(period, k)] {
-                            Offset::Whole(polynomials) => multiply(polynomials, &periods[period], sums),
-                            Offset::Split(cells) => {
-                                let first = period * cells.len();
-                                for (cell, moments) in cells.iter().zip(&bins[first..]) {
-                                    if let Cell::Smooth(polynomials) = cell {
-                                        multiply(polynomials, moments, sums);
-                                    }
-                                }
-                            }
+                        for (i, sums) in sums.chunks_exact_mut(regimes).enumerate() {
+                            compression.add(period, tile * TILE + i, bins, periods, sums);
                         }
                     }
                 }
@@ -218,11 +216,11 @@ fn form_moments(geometry: &Geometry, surfaces: &[Binned], first: usize, moments:
     for (i, moments) in moments.iter_mut().enumerate() {
         let bin = first + i;
         *moments = [[0.0; LANES]; TERMS];
-        let mut heights: [&[f64]; LANES] = [&[]; LANES];
-        for (heights, surface) in heights.iter_mut().zip(surfaces).filter(|(_, surface)| surface.is_binned) {
-            *heights = surface.bins(bin..bin + 1);
+        let mut ranges = [(0, 0); LANES];
+        for (range, surface) in ranges.iter_mut().zip(surfaces).filter(|(_, surface)| surface.is_binned) {
+            *range = (surface.starts[bin] as usize, surface.starts[bin + 1] as usize);
         }
-        let most = heights.iter().fold(0, |most, heights| most.max(heights.len()));
+        let most = ranges.iter().fold(0, |most, (start, end)| most.max(end - start));
         if most == 0 {
             continue;
         }
@@ -232,9 +230,13 @@ fn form_moments(geometry: &Geometry, surfaces: &[Binned], first: usize, moments:
             let (mut places, mut powers) = ([0.0; LANES], [0.0; LANES]);
             for l in 0..LANES {
                 // A surface that has no such asperity adds 0.
-                if let Some(u) = heights[l].get(r) {
-                    (places[l], powers[l]) = ((u - centre) * scale, 1.0);
-                }
+                let (start, end) = ranges[l];
+                let last = surfaces[l].heights.len().saturating_sub(1);
+                places[l] = surfaces[l].heights.get((start + r).min(last)).copied().unwrap_or(centre);
+                powers[l] = f64::from(start + r < end);
+            }
+            for place in &mut places {
+                *place = (*place - centre) * scale;
             }
             for sum in &mut sums {
                 for l in 0..LANES {
@@ -285,32 +287,18 @@ fn merge(geometry: &Geometry, terms: usize, bins: &[[Lanes; TERMS]], periods: &m
 /// Adds what polynomials make of moments to the sums of their regime.
 #[inline(always)]
 fn multiply(polynomials: &Polynomials, moments: &[Lanes; TERMS], sums: &mut [[Lanes; 3]]) {
-    let [adhesion, contact, area] = &polynomials.coefficients;
     let sums = &mut sums[polynomials.regime];
-    let terms = polynomials.terms.min(TERMS);
-    // Sums of their own, so that one product need not wait for the one before.
-    let (mut a, mut c, mut s) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
-    if polynomials.touches {
-        for n in 0..terms {
+    let components = if polynomials.touches { 3 } else { 1 };
+    for (sum, coefficients) in sums.iter_mut().zip(&polynomials.coefficients).take(components) {
+        // A sum of its own, so that one product need not wait for the one before.
+        let mut product = [0.0; LANES];
+        for (coefficient, moment) in coefficients.iter().zip(moments).take(polynomials.terms) {
             for l in 0..LANES {
-                a[l] += adhesion[n] * moments[n][l];
-                c[l] += contact[n] * moments[n][l];
-                s[l] += area[n] * moments[n][l];
+                product[l] += coefficient * moment[l];
             }
         }
         for l in 0..LANES {
-            sums[0][l] += a[l];
-            sums[1][l] += c[l];
-            sums[2][l] += s[l];
-        }
-    } else {
-        for n in 0..terms {
-            for l in 0..LANES {
-                a[l] += adhesion[n] * moments[n][l];
-            }
-        }
-        for l in 0..LANES {
-            sums[0][l] += a[l];
+            sum[l] += product[l];
         }
     }
 }
@@ -319,47 +307,75 @@ impl Queue {
     /// The asperities of a surface in the segments of a regime that no polynomial meets, at all separations.
     fn collect(&mut self, compression: &Compression, surface: &Binned, occupied: &Range<usize>, regime: usize) {
         self.interference.clear();
-        self.ends.clear();
-        for (k, d) in compression.separations.iter().enumerate() {
-            let before = self.interference.len();
-            for &(offset, segment) in &compression.solved[regime] {
+        self.separations.clear();
+        let geometry = &compression.geometry;
+        for &(offset, segment) in &compression.solved[regime] {
+            // In the order of their place in the segment, which is that of their interference.
+            let mut counts = [0; BUCKETS];
+            self.buckets.clear();
+            for (k, d) in compression.separations.iter().enumerate() {
                 let Some(period) = compression.period(offset, k).filter(|period| occupied.contains(period)) else {
                     continue;
                 };
-                let bin = period * compression.geometry.segments() + segment;
-                let heights = surface.bins(bin..bin + 1);
-                self.interference.extend(heights.iter().map(|u| u - d));
+                let bin = period * geometry.segments() + segment;
+                let (centre, scale) = geometry.segment(period, segment);
+                for u in surface.bins(bin..bin + 1) {
+                    let place = ((u - centre) * scale + 1.0) * (0.5 * BUCKETS as f64);
+                    let bucket = (place as usize).min(BUCKETS - 1);
+                    counts[bucket] += 1;
+                    self.buckets.push((bucket as u32, k as u32, u - d));
+                }
             }
-            if self.interference.len() > before {
-                self.ends.push((k, self.interference.len()));
+            let begin = self.interference.len();
+            let mut next = begin;
+            for count in &mut counts {
+                next += std::mem::replace(count, next);
+            }
+            self.interference.resize(next, 0.0);
+            self.separations.resize(next, 0);
+            for &(bucket, k, delta) in &self.buckets {
+                let place = &mut counts[bucket as usize];
+                (self.interference[*place], self.separations[*place]) = (delta, k);
+                *place += 1;
             }
         }
     }
 
-    /// Solves them in blocks; `add` gets the sums of each separation, in parts.
+    /// Solves them in blocks; `add` gets the three components of each with its separation.
     fn solve(&mut self, law: &dyn Law, regime: usize, work: &mut Work, mut add: impl FnMut(usize, [f64; 3])) {
-        let mut ends = self.ends.iter().peekable();
-        let mut begin = 0;
-        for block in self.interference.chunks(BLOCK) {
+        for (block, separations) in self.interference.chunks(BLOCK).zip(self.separations.chunks(BLOCK)) {
             law.evaluate(regime, block, &mut self.responses, work);
             let Responses { adhesion, contact, area } = &*self.responses;
-            let mut from = 0;
-            while from < block.len() {
-                let Some(&&(k, end)) = ends.peek() else { break };
-                let to = block.len().min(end - begin);
-                let sum = |values: &[f64; BLOCK]| values[from..to].iter().sum::<f64>();
-                add(k, [sum(adhesion), sum(contact), sum(area)]);
-                from = to;
-                if begin + to == end {
-                    ends.next();
-                }
+            for (i, k) in separations.iter().enumerate() {
+                add(*k as usize, [adhesion[i], contact[i], area[i]]);
             }
-            begin += block.len();
         }
     }
 }
 
 impl Compression {
+    /// Adds what the moments of a period give at the separation `k`.
+    #[inline(always)]
+    fn add(
+        &self,
+        period: usize,
+        k: usize,
+        bins: &[[Lanes; TERMS]],
+        periods: &[[Lanes; TERMS]],
+        sums: &mut [[Lanes; 3]],
+    ) {
+        match &self.offsets[self.offset(period, k)] {
+            Offset::Whole(polynomials) => multiply(polynomials, &periods[period], sums),
+            Offset::Split(cells) => {
+                for (cell, moments) in cells.iter().zip(&bins[period * cells.len()..]) {
+                    if let Cell::Smooth(polynomials) = cell {
+                        multiply(polynomials, moments, sums);
+                    }
+                }
+            }
+        }
+    }
+
     /// The offset of a period at the separation `k`.
     #[inline(always)]
     fn offset(&self, period: usize, k: usize) -> usize {

@@ -143,7 +143,8 @@ impl Sums {
                 compression.record(k, &self.surfaces[l], l, &self.sums[k * regimes..(k + 1) * regimes], curves);
             }
         }
-        work.compressed += compression.separations.len() as u64 * curves.len() as u64;
+        let binned = self.surfaces[..curves.len()].iter().filter(|binned| binned.is_binned).count();
+        work.compressed += compression.separations.len() as u64 * binned as u64;
     }
 }
 

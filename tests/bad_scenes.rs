@@ -83,6 +83,59 @@ const CASES: &[(&str, &str, &[&str])] = &[
     ("equilibrium_spacing = \"0.2 nm\"", "equilibrium_spacing = \"0.2 m\"", &["lambda", "outside 1e-6..1e6"]),
     ("equilibrium_spacing = \"0.2 nm\"", "equilibrium_spacing = \"1e-9 pm\"", &["lambda", "outside 1e-6..1e6"]),
     ("curves = false", "curves = \"no\"", &["output.curves", "true or false"]),
+    (
+        "[output]",
+        "[solver]\nsums = \"compressed\"\n[output]",
+        &["line 31", "unknown key `solver.sums`", "did you mean `sum`?"],
+    ),
+    (
+        "[output]",
+        "[solver]\nthreads = 3\n[output]",
+        &["line 31", "unknown key `solver.threads`", "known here: sum, tolerance"],
+    ),
+    (
+        "[output]",
+        "[solver]\nsum = \"fast\"\n[output]",
+        &["line 31", "`solver.sum = \"fast\"`", "unknown sum", "known: direct, compressed"],
+    ),
+    ("[output]", "[solver]\nsum = true\n[output]", &["line 31", "`solver.sum = true`", "text"]),
+    (
+        "[output]",
+        "[solver]\ntolerance = 1e-9\n[output]",
+        &["line 31", "`solver.tolerance = 1e-9`", "direct sums have no tolerance", "sum = \"compressed\" has one"],
+    ),
+    (
+        "[output]",
+        "[solver]\nsum = \"direct\"\ntolerance = 1e-9\n[output]",
+        &["line 32", "`solver.tolerance = 1e-9`", "direct sums have no tolerance"],
+    ),
+    (
+        "[output]",
+        "[solver]\nsum = \"compressed\"\ntolerance = 0\n[output]",
+        &["line 32", "`solver.tolerance = 0`", "between 1e-13 and 1e-3"],
+    ),
+    (
+        "[output]",
+        "[solver]\nsum = \"compressed\"\ntolerance = 1e-20\n[output]",
+        &["line 32", "`solver.tolerance = 1e-20`", "between 1e-13 and 1e-3"],
+    ),
+    (
+        "[output]",
+        "[solver]\nsum = \"compressed\"\ntolerance = 1\n[output]",
+        &["line 32", "`solver.tolerance = 1`", "between 1e-13 and 1e-3"],
+    ),
+    (
+        "[output]",
+        "[solver]\nsum = \"compressed\"\ntolerance = nan\n[output]",
+        &["line 32", "`solver.tolerance = nan`", "finite"],
+    ),
+    (
+        "[output]",
+        "[solver]\nsum = \"compressed\"\ntolerance = \"1e-9\"\n[output]",
+        &["line 32", "`solver.tolerance = \"1e-9\"`", "number"],
+    ),
+    ("[output]", "solver = 3\n[output]", &["`ensemble.solver`"]),
+    ("format = 1", "format = 1\nsolver = 3", &["line 3", "`solver = 3`", "a table [solver] is needed"]),
 ];
 
 #[test]

@@ -46,7 +46,7 @@ fn assert_same_bits(name: &str, law: &dyn Law, reach: f64) {
         let found = evaluated(law, reach);
         assert!(found.0.len() > BLOCK, "{name}: {}", found.0.len());
         let expected = first.get_or_insert_with(|| found.clone());
-        assert_eq!(*expected, found, "{name} on {set}");
+        assert!(*expected == found, "{name} on {set}");
     });
 }
 
@@ -104,7 +104,7 @@ fn a_run_has_the_same_bits() {
             assert_eq!(attribute(&path, "/ensemble", "sum"), sum);
             let found = bits(&path);
             assert!(found.len() > 50, "{}", found.len());
-            assert_eq!(*expected.get_or_insert_with(|| found.clone()), found, "{sum} on {set}");
+            assert!(*expected.get_or_insert_with(|| found.clone()) == found, "{sum} on {set}");
         }
         // Without the variable, the fastest.
         assert_exit(&folder.stiction(&["run", "scene.toml", "--replicas", "1", "-o", "default.h5"]), 0);

@@ -371,6 +371,45 @@ def test_sampling_schemes(tmp_path, sampling, group, replicas, controls):
         assert k == groups // 4 and list(file["validation"].attrs["degrees_of_freedom"]) == [k, groups - k]
 
 
+def test_compressed_sums(file, tmp_path):
+    """Sums say how they were made and how far off they are; replicas are those of direct sums to the tolerance."""
+    assert file["ensemble"].attrs["sum"] == "direct" and "sum_error" not in file["ensemble"].attrs
+    text = SCENE.replace("[output]", '[solver]\nsum = "compressed"\ntolerance = 1e-8\n\n[output]')
+    path = run_program(tmp_path, text)
+    with h5py.File(path, "r") as compressed:
+        attributes = compressed["ensemble"].attrs
+        assert attributes["sum"] == "compressed" and "sum_refusal" not in attributes
+        for name in ["sum_tolerance", "sum_error"]:
+            assert isinstance(attributes[name], np.float64), name
+        assert attributes["sum_tolerance"] == 1e-8 and 0.0 < attributes["sum_error"] <= 1e-8
+        assert compressed["diagnostics/compressed_sums"][()] == REPLICAS * SEPARATIONS
+        assert file["diagnostics/compressed_sums"][()] == 0
+        sets = ["baseline", "avx2", "avx512"]
+        assert all(run["diagnostics"].attrs["instruction_set"] in sets for run in [file, compressed])
+        adhesion = file["replicas/adhesion_force"][()]
+        scale = 2 * adhesion + file["replicas/external_force"][()]
+        # The scale may also be that of the separations beside.
+        scale = np.max([scale, np.roll(scale, 1, axis=1), np.roll(scale, -1, axis=1)], axis=0)
+        assert close(compressed["replicas/adhesion_force"][()], adhesion, scale, 1e-8)
+        assert close(compressed["replicas/external_force"][()], file["replicas/external_force"][()], scale, 1e-8)
+        assert np.any(compressed["replicas/adhesion_force"][()] != adhesion)
+        for name in ["ensemble/regime_count_mean", "replicas/highest_asperity"]:
+            assert np.array_equal(compressed[name][()], file[name][()]), name
+    with xarray.open_dataset(path, group="ensemble", engine="h5netcdf") as ensemble:
+        assert ensemble.attrs["sum"] == "compressed" and ensemble.attrs["sum_tolerance"] == 1e-8
+
+
+def test_sums_that_were_refused(tmp_path):
+    """Separations without a common step are summed directly, and the file says why."""
+    places = ", ".join(str(1.0 + 0.25 * k + 0.01 * k * k) for k in range(SEPARATIONS))
+    text = SCENE.replace(f"{{ from = 1.0, to = 4.5, count = {SEPARATIONS} }}", f"[{places}]")
+    text = text.replace("[output]", '[solver]\nsum = "compressed"\n\n[output]')
+    with h5py.File(run_program(tmp_path, text), "r") as file:
+        attributes = file["ensemble"].attrs
+        assert attributes["sum"] == "direct" and attributes["sum_tolerance"] == 1e-9
+        assert np.isnan(attributes["sum_error"]) and "not evenly spaced" in attributes["sum_refusal"]
+
+
 def test_features_of_the_mean_curve_and_the_integral(file, tmp_path):
     """They do not depend on the separations: 0.25 apart, against parabolas through samples 25 times closer."""
     coarse = f"from = 1.0, to = 4.5, count = {SEPARATIONS}"

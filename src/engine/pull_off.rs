@@ -12,9 +12,9 @@ use crate::math::extrema::{Extremum, minimum};
 use crate::math::interpolation::{POINTS, lagrange};
 use crate::math::polynomials::horner;
 
-/// Samples belong to the neighbourhood of the minimum when they are within this share of the smallest, or so many of the largest
-/// jumps, because a patch of few asperities is more jagged.
-const NEAR: (f64, f64) = (0.08, 6.0);
+/// Samples belong to the neighbourhood of the minimum when they are within so many of the largest jumps of the smallest, times the root of the
+/// number of jumps between two samples: that far a random walk of them may lead below its ends.
+const NEAR: f64 = 4.0;
 /// Separations there are at most so many asperity height deviations apart; between coarser ones the surface is solved.
 const SPACING: f64 = 0.06;
 /// But at most so many times between two of them.
@@ -111,7 +111,7 @@ fn neighbourhood(job: &Job<'_>, jumps: &[Jump], surface: &mut impl Heights, exte
     let separations = job.separations;
     let smallest = external_force.iter().copied().fold(f64::INFINITY, f64::min);
     let largest_jump = jumps.iter().map(|jump| jump.size.abs()).fold(0.0, f64::max);
-    let limit = smallest + NEAR.0 * smallest.abs() + NEAR.1 * largest_jump;
+    let limit = smallest + NEAR * largest_jump * (1.0 + jumps_between(job, jumps, surface, external_force)).sqrt();
     let belongs = |force: &f64| *force <= limit;
     let first = external_force.iter().position(belongs).unwrap_or(0).saturating_sub(2);
     let last = external_force.iter().rposition(belongs).unwrap_or(0) + 2;
@@ -128,6 +128,17 @@ fn neighbourhood(job: &Job<'_>, jumps: &[Jump], surface: &mut impl Heights, exte
         samples.push((to, external_force[k + 1]));
     }
     samples
+}
+
+/// How many jumps there are between the smallest sample and the next.
+fn jumps_between(job: &Job<'_>, jumps: &[Jump], surface: &impl Heights, external_force: &[f64]) -> f64 {
+    let samples = external_force.windows(2).zip(job.separations.windows(2));
+    let smallest = samples.min_by(|(a, _), (b, _)| (a[0] + a[1]).total_cmp(&(b[0] + b[1])));
+    let Some((_, interval)) = smallest else { return 0.0 };
+    let spacing = (SPACING * job.surface.heights.std).min(interval[1] - interval[0]);
+    let d = job.surface.asperity_separation(interval[0]);
+    let passing = |jump: &Jump| surface.between(d + jump.interference, d + spacing + jump.interference).0.len();
+    jumps.iter().map(passing).sum::<usize>() as f64
 }
 
 /// The jumps of all asperities of a surface over an interval of separations.

@@ -10,9 +10,6 @@ use super::offsets::{Offset, powers};
 use super::{Compression, LANES, Lanes, TERMS};
 use crate::asperity::{BLOCK, Law, Responses, Scratch, Work, for_each_block};
 
-/// Share of the smooth offsets whose polynomials the nodes have to be enough for; the others are solved.
-const ENOUGH: f64 = 0.95;
-
 /// Nodes of a period.
 #[derive(Debug)]
 pub(super) struct Nodes {
@@ -23,11 +20,8 @@ pub(super) struct Nodes {
 }
 
 impl Nodes {
-    /// As many as most of some offsets need.
-    pub fn new(offsets: &[Offset]) -> Self {
-        let mut terms: Vec<usize> = offsets.iter().filter_map(Offset::terms).collect();
-        terms.sort_unstable();
-        let count = terms.get((ENOUGH * terms.len() as f64) as usize).copied().unwrap_or(1).max(2);
+    /// So many.
+    pub fn new(count: usize) -> Self {
         let angle = |i: usize| std::f64::consts::PI * (i as f64 + 0.5) / count as f64;
         let lagrange = |i: usize| {
             let chebyshev: Vec<f64> = (0..count)
@@ -95,11 +89,7 @@ impl Sums {
         for period in occupied.clone() {
             let bins = surfaces[lane].bins(period * segments..(period + 1) * segments);
             let smooth = match pair.map(|j| offsets.get((period as isize + j) as usize)) {
-                [Some(Offset::Whole(low)), Some(Offset::Whole(high))]
-                    if low.piece == high.piece && low.terms.max(high.terms) <= nodes.places.len() =>
-                {
-                    Some(low.regime)
-                }
+                [Some(Offset::Whole(low)), Some(Offset::Whole(high))] if low.piece == high.piece => Some(low.regime),
                 _ => None,
             };
             let Some(regime) = smooth.filter(|_| bins.len() > nodes.places.len()) else {

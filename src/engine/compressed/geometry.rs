@@ -147,7 +147,7 @@ impl Geometry {
         (offset, segment)
     }
 
-    /// Coefficients [m][n] of binomials of v = centre + half·v_s: vⁿ = Σ_m (n over m) centre^(n−m) halfᵐ v_sᵐ.
+    /// Coefficients, row m and column n, of binomials of v = centre + half·v_s: vⁿ = Σ_m (n over m) centre^(n−m) halfᵐ v_sᵐ.
     fn merging(&self, segment: usize) -> [[f64; TERMS]; TERMS] {
         let [low, high] = self.shares(segment);
         let (centre, half) = (low + high - 1.0, high - low);

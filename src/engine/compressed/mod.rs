@@ -119,7 +119,7 @@ impl Compression {
         }
         let boundaries = law.boundaries().iter().map(|b| geometry.boundary(b.interference)).collect();
         let compression =
-            Self { terms, nodes: Nodes::new(&offsets), geometry, offsets, solved, boundaries, separations, tolerance };
+            Self { terms, nodes: Nodes::new(terms), geometry, offsets, solved, boundaries, separations, tolerance };
         let asperities = compression.solved_per_separation(surface);
         if asperities > 0.5 * surface.asperity_count as f64 {
             return Err(Unfit::NotWorthIt { asperities, all: surface.asperity_count });

@@ -78,17 +78,16 @@ impl Sums {
     pub fn take(&mut self, compression: &Compression, surfaces: &[Vec<f64>]) {
         let geometry = &compression.geometry;
         let segments = geometry.segments();
-        let mut occupied = usize::MAX..0;
+        let (mut first, mut end) = (usize::MAX, 0);
         for (binned, heights) in self.surfaces.iter_mut().zip(surfaces) {
             binned.take(geometry, heights);
             let filled = binned.filled();
             if !filled.is_empty() {
-                occupied.start = occupied.start.min(filled.start / segments);
-                occupied.end = occupied.end.max(filled.end.div_ceil(segments));
+                (first, end) = (first.min(filled.start / segments), end.max(filled.end.div_ceil(segments)));
             }
         }
         self.surfaces[surfaces.len()..].iter_mut().for_each(|binned| binned.is_binned = false);
-        self.occupied = occupied.start.min(occupied.end)..occupied.end;
+        self.occupied = first.min(end)..end;
         let bins = self.occupied.start * segments..self.occupied.end * segments;
         let set = InstructionSet::current();
         let (surfaces, moments) = (&self.surfaces, &mut self.bins[bins.clone()]);

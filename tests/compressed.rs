@@ -176,7 +176,7 @@ fn any_number_of_asperities_will_do() {
 
 /// Sums of asperities that the law is asked for one after the other, by regime, and beside each what an error is relative to: the sum of
 /// the largest F_s + P, or area, that each asperity has here and one step to both sides. The module says that of each asperity; no
-/// curve of the engine enters.
+/// curve of the engine enters. Rounding may take 1e-13 more.
 #[test]
 fn every_regime_is_met_asperity_by_asperity() {
     let mut worst = 0.0_f64;

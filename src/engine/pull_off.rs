@@ -23,9 +23,9 @@ const MOST_BETWEEN: usize = 64;
 const PARTS: usize = 2;
 /// At the deepest of these the whole surface is solved, from the deepest on, until the next would have to be deeper than it was found by so
 /// many times the largest surprise so far to be the deepest of all.
-const SURPRISES: f64 = 4.0;
+const SURPRISES: f64 = 6.0;
 /// But at least at so many, and at most at so many: of small patches, which are the more jagged, so many asperities in all, within bounds.
-const LEAST_SOLVED: usize = 2;
+const LEAST_SOLVED: usize = 3;
 const SOLVED_ASPERITIES: usize = 60_000;
 const MOST_SOLVED: (usize, usize) = (8, 32);
 /// How far beside a jump, as a share of the way to the next, its sides are.

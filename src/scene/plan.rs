@@ -6,6 +6,13 @@ use crate::asperity::{Law, Regime};
 /// A regime that is expected less often than this in the whole run, at the separation that reaches it most, is called skipped.
 const NEVER: f64 = 1e-6;
 
+/// Nanoseconds that a replica takes by compressed sums, about: for each asperity, and for each separation.
+const COMPRESSED: (f64, f64) = (30.0, 700.0);
+/// Heights that compressed sums bin, in σ_s.
+const BINNED_WIDTH: f64 = 20.0;
+/// Bytes that the moments of one step of separation take, for a dozen segments.
+const MOMENTS_OF_PERIOD: f64 = 16e3;
+
 /// One regime of the scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RegimePlan {
@@ -53,9 +60,14 @@ impl Plan {
         let regimes = regimes(scene, law);
         let (s, r) = (scene.separations.len() as f64, regimes.len() as f64);
         let (n, replicas) = (scene.surface.asperity_count as f64, scene.replicas as f64);
-        let sorting = 40.0 * n;
-        let nanoseconds: f64 =
-            sorting + s * regimes.iter().enumerate().map(|(i, plan)| plan.asperities * law.cost(i)).sum::<f64>();
+        let direct =
+            40.0 * n + s * regimes.iter().enumerate().map(|(i, plan)| plan.asperities * law.cost(i)).sum::<f64>();
+        let step = (scene.separations[scene.separations.len() - 1] - scene.separations[0]) / s;
+        let periods = BINNED_WIDTH * scene.surface.heights.std / step;
+        let (nanoseconds, moments) = match scene.sum_tolerance {
+            Some(_) => (COMPRESSED.0 * n + COMPRESSED.1 * s, MOMENTS_OF_PERIOD * periods),
+            None => (direct, 0.0),
+        };
         // Moments and curves of a batch and of its groups, heights, and for curves what waits to be written.
         let batch = 8.0 * (n + 3.0 * s * (8.0 + 3.0 * r)) + if scene.curves { 8.0 * 2.0 * s * 8.0 } else { 0.0 };
         Self {
@@ -65,7 +77,7 @@ impl Plan {
             core_seconds: 1e-9 * replicas * nanoseconds,
             // The grid of the joint test, its copy, and the scalars of the replicas.
             memory: 8.0 * 4001.0 * 4.0 * s.min(400.0) + 64.0 * replicas + batch + 20e6,
-            memory_per_thread: 2.0 * batch,
+            memory_per_thread: 2.0 * batch + moments,
             regimes,
         }
     }

@@ -47,8 +47,9 @@ pub(super) const SMALL: f64 = 1e-3;
 const UNEVEN: f64 = 1e-9;
 /// Heights are binned up to this many σ_s; a surface with a higher asperity is summed directly.
 const HEIGHT_REACH: f64 = 10.0;
-/// Most periods: with more, a step is so small that moments are not worth it.
-const MOST_PERIODS: f64 = 1e5;
+/// Most periods and separations: with more there are few asperities in each, and their moments take more memory than direct sums and
+/// no less time.
+const MOST_PERIODS: f64 = 4e3;
 
 /// Why sums are not compressed.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]

@@ -66,7 +66,7 @@ pub enum Unfit {
         all: usize,
     },
     /// There are more periods than anything is gained by.
-    #[error("a step of the separations is {0:e} of the height deviation")]
+    #[error("a step of the separations is only {0:.1e} of the height deviation")]
     TooFine(f64),
     /// Measured against direct sums.
     #[error("the tolerance is not met, the achieved error is {0:.1e}")]

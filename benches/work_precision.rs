@@ -4,7 +4,7 @@
 
 mod common;
 
-use common::{job, least_seconds, scene, seconds};
+use common::{job, least_seconds, least_seconds_of, scene};
 use rayon::prelude::*;
 use std::hint::black_box;
 use std::path::Path;
@@ -25,6 +25,11 @@ const SUM_TOLERANCES: [f64; 11] = [1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-
 const INTEGRAL_TOLERANCES: [f64; 7] = [1e-1, 1e-3, 1e-5, 1e-7, 1e-9, 1e-11, 1e-13];
 /// Replicas of an ensemble, and how many such ensembles there are.
 const ENSEMBLES: [(u64, u64); 4] = [(64, 32), (256, 16), (1024, 8), (4096, 4)];
+/// Tolerance of the compressed sums of ensembles, as in a scene that gives none.
+const COMPRESSED: f64 = 1e-9;
+/// Batches of ensembles that are timed.
+const DIRECT_BATCHES: u64 = 2;
+const COMPRESSED_BATCHES: u64 = 8;
 /// Asperities that are solved in one run, as in `solve.rs`.
 const SOLVES: usize = 4096;
 /// The adhesion parameter of timed solves, that of case II, and the range of approaches, as in `peers/peers.py`.
@@ -68,36 +73,45 @@ fn sums(table: &mut Table) {
     let job = job(&scene, law.as_ref(), LANES as u64);
     let truth: Vec<Vec<[f64; 2]>> = (0..LANES as u64).map(|index| summed_one_by_one(&scene, index)).collect();
     let what = format!(
-        "case II, {} asperities, {} separations: drawing, summing and pull-off of {LANES} replicas, per replica, least of {RUNS} runs, \
+        "case II, {} asperities, {} separations: drawing, summing and pull-off of {LANES} replicas, per replica, least of {} runs, \
          1 thread; error: the largest over separations and replicas of the external force against asperities solved one by one \
          without tables or series and added with compensation, highest first, over F_s + P",
         scene.surface.asperity_count,
-        scene.separations.len()
+        scene.separations.len(),
+        2 * RUNS
     );
-    let mut add = |method: &str, setting: &str, job: &Job<'_>, remark: &str| {
+    let compressions: Vec<Compression> = SUM_TOLERANCES
+        .iter()
+        .filter_map(|&tolerance| {
+            Compression::new(law.as_ref(), &scene.surface, &scene.separations, tolerance)
+                .inspect_err(|refusal| eprintln!("sums: compressed to {tolerance:e} is left out: {refusal}"))
+                .ok()
+        })
+        .collect();
+    let jobs: Vec<Job<'_>> = std::iter::once(job)
+        .chain(compressions.iter().map(|compression| Job { compression: Some(compression), ..job }))
+        .collect();
+    let mut tasks: Vec<Box<dyn FnMut() + '_>> = Vec::new();
+    for job in &jobs {
         let mut workspace = Workspace::new(job);
+        tasks.push(Box::new(move || workspace.replicas(job, 0..LANES as u64, |_, _| ())));
+    }
+    let seconds = least_seconds_of(2 * RUNS, &mut tasks);
+    for (of, seconds) in jobs.iter().zip(seconds) {
         let mut curves: Vec<Curves> = Vec::new();
-        let seconds = least_seconds(RUNS, || {
-            curves.clear();
-            workspace.replicas(job, 0..LANES as u64, |_, of_replica| curves.push(of_replica.clone()));
-        });
+        Workspace::new(of).replicas(of, 0..LANES as u64, |_, of_replica| curves.push(of_replica.clone()));
         let error = curves.iter().zip(&truth).fold(0.0, |worst: f64, (curves, truth)| {
             let external = &curves.total[Quantity::ExternalForce.index()];
             external.iter().zip(truth).fold(worst, |worst, (f, [truth, size])| worst.max((f - truth).abs() / size))
         });
-        table.row("sums", method, setting, seconds / LANES as f64, error, &format!("{what}{remark}"));
-    };
-    add("direct", "", &job, "");
-    for tolerance in SUM_TOLERANCES {
-        match Compression::new(law.as_ref(), &scene.surface, &scene.separations, tolerance) {
-            Ok(compression) => {
-                let refusal = Summation::compressed(&job, tolerance).refusal;
-                let remark = refusal.map_or(String::new(), |why| format!("; a run sums directly: {why}"));
-                let job = Job { compression: Some(&compression), ..job };
-                add("compressed", &format!("{tolerance:e} tolerance"), &job, &remark);
+        let (method, setting, refusal) = match of.compression {
+            None => ("direct", String::new(), None),
+            Some(Compression { tolerance, .. }) => {
+                ("compressed", format!("{tolerance:e} tolerance"), Summation::compressed(&job, *tolerance).refusal)
             }
-            Err(refusal) => eprintln!("sums: compressed to {tolerance:e} is left out: {refusal}"),
-        }
+        };
+        let remark = refusal.map_or(String::new(), |why| format!("; a run sums directly: {why}"));
+        table.row("sums", method, &setting, seconds / LANES as f64, error, &format!("{what}{remark}"));
     }
 }
 
@@ -131,31 +145,46 @@ fn summed_one_by_one(scene: &Scene, index: u64) -> Vec<[f64; 2]> {
 fn monte_carlo(table: &mut Table) {
     let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread");
     let all = rayon::ThreadPoolBuilder::new().build().expect("threads");
-    let mut scene = scene("case_ii");
+    let scene = scene("case_ii");
     let law = scene.law().expect("a law of the scene");
-    let law_seconds = least_seconds(RUNS, || drop(black_box(scene.law())));
     let model = || one.install(|| Statistical::new(law.as_ref(), &scene.surface, &scene.separations));
-    let model_seconds = least_seconds(RUNS, || drop(black_box(model())));
     let statistical = model();
-    for (name, scheme) in SamplingScheme::ALL {
-        scene.sampling = scheme;
-        let plain = job(&scene, law.as_ref(), BATCH);
-        let try_out = || one.install(|| Summation::compressed(&plain, 1e-9));
-        let try_seconds = least_seconds(3, || drop(black_box(try_out())));
-        let summation = try_out();
-        let compressed =
-            Job { compression: Some(summation.compression.as_ref().expect("case II compresses")), ..plain };
-        let basis_of = |replicas| basis(law.as_ref(), &scene.surface, &scene.separations, scheme, replicas);
-        let basis_seconds = least_seconds(3, || drop(black_box(basis_of(1024))));
-        let eight = {
-            let eligible = &basis_of(1024).tested[1];
-            controls(&scene.separations, &statistical, eligible, 1024)
-        };
-        let [direct_seconds, compressed_seconds] = [(plain, 2), (compressed, 8)]
-            .map(|(job, batches)| replica_seconds(&Job { controls: &eight, ..job }, batches));
+    let of_scheme = |scheme| Job { scheme, ..job(&scene, law.as_ref(), BATCH) };
+    let try_out = |scheme| one.install(|| Summation::compressed(&of_scheme(scheme), COMPRESSED));
+    let basis_of = |scheme, replicas| basis(law.as_ref(), &scene.surface, &scene.separations, scheme, replicas);
+    let places_of = |scheme: SamplingScheme, replicas| {
+        let eligible = &basis_of(scheme, replicas).tested[1];
+        controls(&scene.separations, &statistical, eligible, replicas / scheme.group())
+    };
+    let schemes = SamplingScheme::ALL.map(|(_, scheme)| (scheme, try_out(scheme), places_of(scheme, 1024)));
+    let mut tasks: Vec<Box<dyn FnMut() + '_>> = vec![
+        Box::new(|| drop(black_box(scene.law()))),
+        Box::new(|| drop(black_box(model()))),
+        Box::new(|| drop(black_box(try_out(SamplingScheme::Independent)))),
+        Box::new(|| drop(black_box(basis_of(SamplingScheme::Independent, 1024)))),
+    ];
+    for (scheme, summation, places) in &schemes {
+        let compression = Some(summation.compression.as_ref().expect("case II compresses"));
+        for (compression, batches) in [(None, DIRECT_BATCHES), (compression, COMPRESSED_BATCHES)] {
+            let job = Job { compression, controls: places, replicas: batches * BATCH, ..of_scheme(*scheme) };
+            let mut workspace = Workspace::new(&job);
+            tasks.push(Box::new(move || {
+                let mut ensemble = Ensemble::new(&job);
+                (0..batches).for_each(|index| ensemble.merge(&Batch::compute(&job, &mut workspace, index).ensemble));
+                black_box(ensemble);
+            }));
+        }
+    }
+    let least = least_seconds_of(RUNS, &mut tasks);
+    drop(tasks);
+    let [law_seconds, model_seconds, try_seconds, basis_seconds] = [0, 1, 2, 3].map(|task| least[task]);
+    for (i, (name, _)) in SamplingScheme::ALL.iter().enumerate() {
+        let (scheme, summation, _) = &schemes[i];
+        let direct_seconds = least[4 + 2 * i] / (DIRECT_BATCHES * BATCH) as f64;
+        let compressed_seconds = least[5 + 2 * i] / (COMPRESSED_BATCHES * BATCH) as f64;
+        let compressed = Job { compression: summation.compression.as_ref(), ..of_scheme(*scheme) };
         for (replicas, seeds) in ENSEMBLES {
-            let places =
-                controls(&scene.separations, &statistical, &basis_of(replicas).tested[1], replicas / scheme.group());
+            let places = places_of(*scheme, replicas);
             let means = estimates(&Job { replicas, controls: &places, ..compressed }, &statistical, seeds, &all);
             for (controlled, of) in [("", 0), (", controlled", 1)] {
                 if of == 1 && places.is_empty() {
@@ -185,18 +214,6 @@ fn monte_carlo(table: &mut Table) {
             }
         }
     }
-}
-
-/// Least seconds of one replica with all that an ensemble does with it, on this thread, over so many batches.
-fn replica_seconds(job: &Job<'_>, batches: u64) -> f64 {
-    let job = Job { replicas: batches * BATCH, ..*job };
-    let mut workspace = Workspace::new(&job);
-    let seconds = least_seconds(RUNS, || {
-        let mut ensemble = Ensemble::new(&job);
-        (0..batches).for_each(|index| ensemble.merge(&Batch::compute(&job, &mut workspace, index).ensemble));
-        black_box(ensemble);
-    });
-    seconds / job.replicas as f64
 }
 
 /// Mean pull-off and its standard error, N, without and with control variates, of runs with the seeds from 1.
@@ -233,16 +250,20 @@ fn integral(table: &mut Table) {
             let external = &model.expected[Quantity::ExternalForce.index()];
             external.iter().zip(truth).fold(0.0, |worst: f64, (f, [truth, size])| worst.max((f - truth).abs() / size))
         };
+        let timed = |tolerance| one.install(|| taken(&scene.separations, tolerance));
+        let mut tasks: Vec<Box<dyn FnMut() + '_>> = Vec::new();
         for tolerance in INTEGRAL_TOLERANCES {
-            let mut model = None;
-            let seconds = least_seconds(RUNS, || model = Some(one.install(|| taken(&scene.separations, tolerance))));
-            let of_tightest = largest(&model.expect("it was run"), &tightest);
+            tasks.push(Box::new(move || drop(black_box(timed(tolerance)))));
+        }
+        for (tolerance, seconds) in INTEGRAL_TOLERANCES.into_iter().zip(least_seconds_of(2 * RUNS, &mut tasks)) {
+            let of_tightest = largest(&timed(tolerance), &tightest);
             let of_known = largest(&taken(&places, tolerance), &truth);
             let what = format!(
-                "integral of case {case} at {} separations, least of {RUNS} runs, 1 thread; error of the external force over F_s + P: \
+                "integral of case {case} at {} separations, least of {} runs, 1 thread; error of the external force over F_s + P: \
                  {of_known:.1e} against 40-digit values at {} separations, {of_tightest:.1e} against the tightest tolerance \
                  that rounding allows at all",
                 scene.separations.len(),
+                2 * RUNS,
                 places.len()
             );
             let setting = format!("{tolerance:e} tolerance");
@@ -291,8 +312,7 @@ fn solves(table: &mut Table) {
             let law = tabulated(Emd::new(LAMBDA, asperity::Path::Approach).expect("a valid lambda"));
             let approaches: Vec<f64> =
                 (0..SOLVES).map(|i| low + (high - low) * (i as f64 + 0.5) / SOLVES as f64).collect();
-            let least = (0..20 * RUNS).map(|_| seconds(|| solve(&law, &approaches, contact)));
-            let least = least.fold(f64::INFINITY, f64::min) / SOLVES as f64;
+            let least = least_seconds(50 * RUNS, || solve(&law, &approaches, contact)) / SOLVES as f64;
             let rows = rows.iter().filter(|row| row.contact == contact);
             let (mut count, mut error) = (0, 0.0_f64);
             for row in rows {
@@ -311,7 +331,7 @@ fn solves(table: &mut Table) {
             let what = format!(
                 "{branch}: {SOLVES} rising approaches from {low:.3} to {high:.3} at lambda = {LAMBDA} in blocks of {BLOCK}, {needed}, least \
                  of {} runs, 1 thread; error: worst of {count} rows of all lambdas",
-                20 * RUNS
+                50 * RUNS
             );
             table.row("peers", &format!("stiction {set}, {branch}"), setting, least, error, &what);
         }

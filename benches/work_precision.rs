@@ -301,7 +301,7 @@ fn solves(table: &mut Table) {
         for (branch, setting, low, high) in [
             ("contact", "solve", end, DEEPEST),
             ("before contact", "solve", end - SOLVED, end - 1e-9),
-            ("before contact", "as a surface needs it", FURTHEST, end - 1e-9),
+            ("before contact", "with series", FURTHEST, end - 1e-9),
         ] {
             let contact = branch == "contact";
             let series = low == FURTHEST;
@@ -327,7 +327,7 @@ fn solves(table: &mut Table) {
                 error = error.max((external - row.external).abs() / size);
                 count += 1;
             }
-            let needed = if series { "a series for most" } else { "no series" };
+            let needed = if series { "as a surface needs it, a series for most" } else { "all solved" };
             let what = format!(
                 "{branch}: {SOLVES} rising approaches from {low:.3} to {high:.3} at lambda = {LAMBDA} in blocks of {BLOCK}, {needed}, least \
                  of {} runs, 1 thread; error: worst of {count} rows of all lambdas",

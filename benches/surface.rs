@@ -6,7 +6,8 @@ mod common;
 use common::{job, scene};
 use divan::{Bencher, counter::ItemsCount};
 use stiction::asperity::models::{MODELS, model};
-use stiction::engine::Workspace;
+use stiction::engine::compressed::{Compression, LANES};
+use stiction::engine::{Job, Workspace};
 use stiction::statistical::Statistical;
 
 const CASES: [&str; 3] = ["case_i", "case_ii", "case_iii"];
@@ -26,6 +27,24 @@ fn replica(bencher: Bencher, name: &str) {
     bencher.counter(ItemsCount::new(pairs)).bench_local(|| {
         index += 1;
         workspace.replicas(&job, index..index + 1, |_, _| ());
+    });
+}
+
+/// The replicas that are summed together by moments, to the tolerance that a scene has unless it gives one.
+#[divan::bench(args = CASES, sample_count = 20)]
+fn eight_replicas_compressed(bencher: Bencher, name: &str) {
+    let scene = scene(name);
+    let law = scene.law().expect("a law of the scene");
+    let compression =
+        Compression::new(law.as_ref(), &scene.surface, &scene.separations, 1e-9).expect("even separations");
+    let at_once = LANES as u64;
+    let job = Job { compression: Some(&compression), ..job(&scene, law.as_ref(), at_once) };
+    let mut workspace = Workspace::new(&job);
+    let pairs = LANES * scene.surface.asperity_count * scene.separations.len();
+    let mut index = 0;
+    bencher.counter(ItemsCount::new(pairs)).bench_local(|| {
+        index += at_once;
+        workspace.replicas(&job, index..index + at_once, |_, _| ());
     });
 }
 

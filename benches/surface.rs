@@ -1,12 +1,13 @@
 //! One replica of the published cases, draws and sorting and all 181 separations included, and the integral of the same scene:
 //! what a run costs, and by law. divan reports asperity-separations per second.
 
+mod common;
+
+use common::{job, scene};
 use divan::{Bencher, counter::ItemsCount};
-use std::path::Path;
-use stiction::asperity::Law;
 use stiction::asperity::models::{MODELS, model};
+use stiction::engine::compressed::{Compression, LANES};
 use stiction::engine::{Job, Workspace};
-use stiction::scene::Scene;
 use stiction::statistical::Statistical;
 
 const CASES: [&str; 3] = ["case_i", "case_ii", "case_iii"];
@@ -15,32 +16,11 @@ fn main() {
     divan::main();
 }
 
-fn scene(name: &str) -> Scene {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("configs").join(name).with_extension("toml");
-    Scene::parse(&std::fs::read_to_string(path).expect("a shipped scene")).expect("a valid scene")
-}
-
-/// One replica of a scene.
-fn job<'a>(scene: &'a Scene, law: &'a dyn Law) -> Job<'a> {
-    Job {
-        law,
-        surface: &scene.surface,
-        separations: &scene.separations,
-        seed: scene.seed,
-        scheme: scene.sampling,
-        replicas: 1,
-        probes: &[],
-        controls: &[],
-        keep_curves: false,
-        compression: None,
-    }
-}
-
 #[divan::bench(args = CASES, sample_count = 20)]
 fn replica(bencher: Bencher, name: &str) {
     let scene = scene(name);
     let law = scene.law().expect("a law of the scene");
-    let job = job(&scene, law.as_ref());
+    let job = job(&scene, law.as_ref(), 1);
     let mut workspace = Workspace::new(&job);
     let pairs = scene.surface.asperity_count * scene.separations.len();
     let mut index = 0;
@@ -50,12 +30,30 @@ fn replica(bencher: Bencher, name: &str) {
     });
 }
 
+/// The replicas that are summed together by moments, to the tolerance that a scene has unless it gives one.
+#[divan::bench(args = CASES, sample_count = 20)]
+fn eight_replicas_compressed(bencher: Bencher, name: &str) {
+    let scene = scene(name);
+    let law = scene.law().expect("a law of the scene");
+    let compression =
+        Compression::new(law.as_ref(), &scene.surface, &scene.separations, 1e-9).expect("even separations");
+    let at_once = LANES as u64;
+    let job = Job { compression: Some(&compression), ..job(&scene, law.as_ref(), at_once) };
+    let mut workspace = Workspace::new(&job);
+    let pairs = LANES * scene.surface.asperity_count * scene.separations.len();
+    let mut index = 0;
+    bencher.counter(ItemsCount::new(pairs)).bench_local(|| {
+        index += at_once;
+        workspace.replicas(&job, index..index + at_once, |_, _| ());
+    });
+}
+
 /// One replica of case II under every law.
 #[divan::bench(args = MODELS.iter().map(|model| model.name), sample_count = 10)]
 fn replica_by_law(bencher: Bencher, name: &str) {
     let scene = scene("case_ii");
     let law = scene.law_of(&model(name).expect("a law")).expect("a law of the scene");
-    let job = job(&scene, law.as_ref());
+    let job = job(&scene, law.as_ref(), 1);
     let mut workspace = Workspace::new(&job);
     let pairs = scene.surface.asperity_count * scene.separations.len();
     bencher.counter(ItemsCount::new(pairs)).bench_local(|| workspace.replicas(&job, 0..1, |_, _| ()));

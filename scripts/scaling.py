@@ -5,7 +5,7 @@ replicas, and are run on one thread unless threads are what varies. Measured are
 
     time       seconds of the ensemble phase (/diagnostics/seconds of the result) over N, S and replicas, each over three
                decades, for every way to sum that the program knows; the exponent is a least-squares slope of the logarithms
-    threads    the same over threads, 1, 2, 4 ... up to the cores, in alternating runs, the least of three
+    threads    the same over threads, 1, 2, 4 ... up to the cores, in alternating runs, the least of seven
     memory     peak resident memory of the process over replicas
     start-up   wall time of configs/quick.toml without the ensemble phase and those after it, the least of ten
 
@@ -100,6 +100,8 @@ class Plan:
     series: list[Series]
     repetitions: int  # of a point, as long as it is short
     threads: tuple[int, int, int]  # nominal area, separations, replicas
+    thread_repetitions: int
+    faster: int  # times as many replicas where sums are compressed
     memory: tuple[int, ...]  # replicas
     start_ups: int
 
@@ -109,13 +111,13 @@ FULL = Plan(
     series=[Series("N", "asperities per replica $N$", tuple(100 * x for x in HALF_DECADES), 0, 181, 4),
             Series("S", "separations $S$", tuple(10 * x for x in HALF_DECADES), 1000, 0, 4),
             Series("replicas", "replicas", (3, 10, 30, 100, 300, 1000, 3000), 100, 61, 0)],
-    repetitions=3, threads=(1000, 181, 200), memory=tuple(1000 * x for x in HALF_DECADES), start_ups=10,
+    repetitions=9, threads=(1000, 181, 200), thread_repetitions=7, faster=10, memory=tuple(1000 * x for x in HALF_DECADES), start_ups=10,
 )
 QUICK = Plan(
     series=[Series("N", "asperities per replica $N$", (10, 100, 1000), 0, 31, 2),
             Series("S", "separations $S$", (10, 100, 1000), 10, 0, 2),
             Series("replicas", "replicas", (2, 20, 200), 10, 31, 0)],
-    repetitions=1, threads=(100, 61, 40), memory=(10, 100, 1000), start_ups=2,
+    repetitions=1, threads=(100, 61, 40), thread_repetitions=1, faster=1, memory=(10, 100, 1000), start_ups=2,
 )
 
 
@@ -185,6 +187,12 @@ class Program:
         self.start(self.command(self.write_scene(scene["area"], scene["count"], solver), threads, scene["replicas"]))
         return self.phases()["ensemble"]
 
+    def refusal(self) -> str | None:
+        """Why the last run summed directly although it was asked to compress; None if it did as it was asked."""
+        with h5py.File(self.result, "r") as file:
+            text = file["ensemble"].attrs.get("sum_refusal")
+            return text.decode() if isinstance(text, bytes) else text
+
     def asperities(self) -> float:
         with h5py.File(self.result, "r") as file:
             return float(file["replicas/asperity_count"][()].mean())
@@ -224,7 +232,9 @@ def measure(program: Program, plan: Plan) -> Results:
             for name, solver in solvers.items():
                 measure_time(program, plan, results, series, value, name, solver)
         for name in solvers:
-            points = np.log(results.times[series.name, name])
+            points = np.log(results.times.get((series.name, name), []))
+            if len(points) < 2:
+                continue
             # Only where time is more than what every run pays once: the upper two decades.
             upper = points[points[:, 0] >= points[-1, 0] - math.log(110.0)]
             results.exponents[series.name, name] = exponent = float(np.polyfit(*upper.T, 1)[0])
@@ -248,29 +258,41 @@ def measure(program: Program, plan: Plan) -> Results:
 def measure_time(program: Program, plan: Plan, results: Results, series: Series, value: int, name: str, solver: str) -> None:
     """One point; short runs are repeated and the least is taken."""
     scene, seconds = series.scene(value), []
-    while len(seconds) < plan.repetitions and sum(seconds) < 2.0:
+    while len(seconds) < plan.repetitions and sum(seconds) < 3.0:
         seconds.append(program.seconds(scene, solver))
-    count = program.asperities()
+    count, refusal = program.asperities(), program.refusal()
     x = count if series.name == "N" else value
-    results.times.setdefault((series.name, name), []).append((x, min(seconds)))
+    # A run that fell back to direct sums is no point of the other line.
+    if not refusal:
+        results.times.setdefault((series.name, name), []).append((x, min(seconds)))
     results.add(f"ensemble seconds over {series.name}", f"sum = {name}, {series.name} = {x:g}", min(seconds), "s",
-                f"ensemble phase, N = {count:g}, S = {scene['count']}, {scene['replicas']} replicas, 1 thread, least of {len(seconds)}")
+                f"ensemble phase, N = {count:g}, S = {scene['count']}, {scene['replicas']} replicas, 1 thread, least of {len(seconds)}"
+                + (f"; summed directly: {refusal}" if refusal else ""))
 
 
 def measure_threads(program: Program, plan: Plan, results: Results, solvers: dict[str, str]) -> None:
     area, count, replicas = plan.threads
-    scene, repetitions = {"area": area, "count": count, "replicas": replicas}, plan.repetitions
+    repetitions = plan.thread_repetitions
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     numbers = sorted({min(2**i, cores) for i in range(cores.bit_length() + 1)})
     for name, solver in solvers.items():
-        seconds = {threads: math.inf for threads in numbers}
+        # Of the faster sums more, so that both take long enough to be timed.
+        scene = {"area": area, "count": count, "replicas": replicas * (plan.faster if name == "compressed" else 1)}
+        seconds, core_seconds = ({threads: math.inf for threads in numbers} for _ in range(2))
         for _ in range(repetitions):
             for threads in numbers:
+                before = os.times()
                 seconds[threads] = min(seconds[threads], program.seconds(scene, solver, threads))
+                after = os.times()
+                used = after.children_user + after.children_system - before.children_user - before.children_system
+                core_seconds[threads] = min(core_seconds[threads], used)
         results.threads[name] = {threads: seconds[1] / seconds[threads] for threads in numbers}
         for threads in numbers:
-            what = f"ensemble phase, area of {area} um^2, S = {count}, {replicas} replicas, alternating runs, least of {repetitions}"
+            what = f"ensemble phase, area of {area} um^2, S = {count}, {scene['replicas']} replicas, alternating runs, least of {repetitions}"
             results.add("seconds over threads", f"sum = {name}, threads = {threads}", seconds[threads], "s", what)
+            # What other threads cost, also on a machine that has no core for them.
+            results.add("core seconds over threads", f"sum = {name}, threads = {threads}", core_seconds[threads], "s",
+                        f"user and system time of the whole process; {what}")
             results.add("speed-up", f"sum = {name}, threads = {threads}", seconds[1] / seconds[threads], "1", what)
 
 

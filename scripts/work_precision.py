@@ -34,10 +34,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
-from matplotlib.ticker import LogLocator, NullFormatter
+from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter, StrMethodFormatter
 
 HEADER = ["panel", "method", "setting", "seconds", "error", "what"]
-PAGE = (11.0, 9.3)  # inches
+PAGE = (11.0, 9.9)  # inches
 EPSILON = sys.float_info.epsilon
 PANELS = {
     "sums": ("Sums over one replica of case II", "seconds per replica", "error over the sum of magnitudes"),
@@ -49,8 +49,9 @@ PANELS = {
 COLORS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "0.4")
 MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 # Branches of one method share its colour and marker.
-BRANCHES = {", contact": "-", ", before contact": (0, (4, 1.5))}
-OWN = ("stiction", "compressed")  # black stars and black lines: what the program does
+DASHES = (0, (4, 1.5))
+BRANCHES = {", contact": "-", ", before contact": DASHES, ", compressed": "-", ", direct": DASHES}
+OWN = ("stiction", "compressed")  # stars and lines in greys, the last black: what the program does; names begin so
 MOST_LABELS = {"monte_carlo": 2, "peers": 3}  # settings written at one line, elsewhere 4
 STYLE = {
     "font.size": 9, "axes.titlesize": 9.5, "axes.titlelocation": "left", "axes.labelsize": 9,
@@ -109,6 +110,10 @@ def split(method: str) -> tuple[str, str | tuple]:
     return method, "-"
 
 
+def is_own(name: str) -> bool:
+    return name.split(" ")[0] in OWN
+
+
 def short(setting: str) -> str:
     """A setting as it fits beside a point: only its number where it has one, 1e-09 as a power of ten."""
     found = re.search(r"(\d+(?:\.\d+)?)e([+-]?\d+)", setting)
@@ -122,7 +127,7 @@ def short(setting: str) -> str:
 def name_of_settings(points: list[Point]) -> str:
     """What the numbers beside the points of most settings of a line are."""
     names = [re.subn(r"\d+(\.\d+)?e[+-]?\d+|^\d+", "", point.setting) for point in points]
-    names = [name.strip(" =,") for name, count in names if count]
+    names = [name.split(",")[0].strip(" =") for name, count in names if count]
     return Counter(names).most_common(1)[0][0] if len(names) > 1 else ""
 
 
@@ -171,9 +176,9 @@ def draw_panel(axes: Axes, letter: str, panel: str, points: list[Point]) -> None
     for point in points:
         methods.setdefault(point.method, []).append(point)
     names = list(dict.fromkeys(split(method)[0] for method in methods))
-    others = [name for name in names if name not in OWN]
+    others, own_names = [name for name in names if not is_own(name)], [name for name in names if is_own(name)]
     styles = {name: (COLORS[i % len(COLORS)], MARKERS[i % len(MARKERS)]) for i, name in enumerate(others)}
-    styles |= {name: ("black", "*") for name in names if name in OWN}
+    styles |= {name: (f"{0.3 * (len(own_names) - 1 - i):g}", "*") for i, name in enumerate(own_names)}
     positive = [point.error for point in points if point.error > 0.0]
     floor = min([*positive, EPSILON])  # where an error of 0 is drawn
     settings: dict[str, str] = {}
@@ -184,8 +189,11 @@ def draw_panel(axes: Axes, letter: str, panel: str, points: list[Point]) -> None
         shown = [max(point.error, floor) for point in own]
         axes.plot([point.seconds for point in own], shown, color=color, marker=marker, linestyle=line, linewidth=1.3,
                   markersize=8.5 if marker == "*" else 4.2, markerfacecolor="white" if line != "-" else color, markeredgewidth=1.0,
-                  zorder=4 if name in OWN else 3)
-        drawn.append((own, color, shown, line != "-"))
+                  zorder=4 if is_own(name) else 3)
+        # Of lines that share their settings and end side by side, one says them.
+        alike = is_own(name) and (name != own_names[-1] or len(own) == 1 < len(points))
+        if not alike and not (panel == "monte_carlo" and name != names[0]):
+            drawn.append((own, color, shown, line != "-"))
         settings.setdefault(name, name_of_settings(own))
     axes.set(xscale="log", yscale="log", xlabel=x_label, ylabel=y_label)
     axes.margins(0.09, 0.1 if panel == "peers" else 0.07)
@@ -199,9 +207,13 @@ def draw_panel(axes: Axes, letter: str, panel: str, points: list[Point]) -> None
     for own, color, shown, left in drawn:
         annotate(axes, own, color, shown, MOST_LABELS.get(panel, 4), left, panel == "peers")
     for axis in (axes.xaxis, axes.yaxis):
-        axis.set_major_locator(LogLocator(numticks=9))
         low, high = axis.get_view_interval()
-        if math.log10(high / low) > 6.0:
+        decades = math.log10(high / low)
+        subs = (1.0, 2.0, 5.0) if decades < 1.7 else (1.0,)
+        axis.set_major_locator(LogLocator(numticks=9, subs=subs) if decades > 0.7 else MaxNLocator(5))
+        if decades < 1.7:
+            axis.set_major_formatter(StrMethodFormatter("{x:g}"))
+        if decades < 1.7 or decades > 6.0:
             axis.set_minor_formatter(NullFormatter())
     axes.grid(which="major", color="0.92", linewidth=0.5)
     axes.set_axisbelow(True)
@@ -212,9 +224,9 @@ def draw_panel(axes: Axes, letter: str, panel: str, points: list[Point]) -> None
         handles.append(Line2D([], [], color=color, marker=marker, label=label, linewidth=1.3, markersize=8.5 if marker == "*" else 4.2))
     if common:
         axes.set_title(f"numbers: {common}", loc="right", fontsize=8, color="0.3")
-    if any(split(method)[1] != "-" for method in methods):
-        handles += [Line2D([], [], color="0.3", linestyle=line, marker="o", markersize=4.2, label=branch.strip(", "),
-                           markerfacecolor="white" if line != "-" else "0.3") for branch, line in BRANCHES.items()]
+    handles += [Line2D([], [], color="0.3", linestyle=line, marker="o", markersize=4.2, label=branch.strip(", "),
+                       markerfacecolor="white" if line != "-" else "0.3")
+                for branch, line in BRANCHES.items() if any(method.endswith(branch) for method in methods)]
     if panel == "monte_carlo":
         handles.append(Line2D([], [], color="0.75", linewidth=0.8, label="slope −1/2"))
     axes.legend(handles=handles, loc="upper left", bbox_to_anchor=(-0.02, -0.12), ncols=2, columnspacing=1.2)
@@ -224,7 +236,7 @@ def draw(points: list[tuple[str, Point]]) -> Figure:
     figure = Figure(figsize=PAGE)
     (w, h) = PAGE
     for index, panel in enumerate(PANELS):
-        left, bottom = 0.8 + 5.55 * (index % 2), 5.85 - 4.5 * (index // 2)
+        left, bottom = 0.8 + 5.55 * (index % 2), 6.45 - 5.0 * (index // 2)
         axes = figure.add_axes((left / w, bottom / h, 4.45 / w, 3.05 / h))
         draw_panel(axes, "abcd"[index], panel, [point for name, point in points if name == panel])
     return figure

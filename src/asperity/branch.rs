@@ -76,7 +76,8 @@ const VECTOR: usize = 8;
 /// A block, and room for the last vector.
 const ROOM: usize = BLOCK + VECTOR;
 
-/// Lanes of a block.
+/// Lanes of a block, each quantity on cache lines of its own.
+#[repr(align(64))]
 struct Lanes {
     /// Approaches wanted.
     approaches: [f64; ROOM],

@@ -56,7 +56,7 @@ impl Emd {
 
     /// The same law with starting tables for approaches in `lowest..=highest`, which make solves in that range fast.
     pub fn with_tables(self, lowest: f64, highest: f64) -> Self {
-        self.with_contact_table(highest).with_noncontact_tables(lowest)
+        self.with_contact_table(highest).with_noncontact_tables(lowest).with_far_series(lowest)
     }
 
     /// The same law with a starting table for the contact branch up to the approach `highest`.
@@ -73,9 +73,16 @@ impl Emd {
             self.outer = self.outer.with_table(lowest);
         }
         let innermost = self.outer.anchor().approach;
+        self.inner = self.inner.map(|inner| inner.with_table(innermost));
+        self
+    }
+
+    /// The same law with a series in the place of solves far from contact, down to the approach `lowest`. It is made by solves, which are
+    /// fast with tables.
+    pub fn with_far_series(mut self, lowest: f64) -> Self {
+        let innermost = self.outer.anchor().approach;
         let force = |distance: f64| self.outer.solve(innermost - distance, &mut Work::default()).adhesion;
         self.far = Piecewise::new(force, |_, force| FAR_TOLERANCE * force, FAR, innermost - lowest);
-        self.inner = self.inner.map(|inner| inner.with_table(innermost));
         self
     }
 
@@ -89,7 +96,7 @@ impl Emd {
         self.outer.anchor().fold.then(|| self.outer.anchor().approach)
     }
 
-    /// Δ below which a series takes the place of solves, where tables have been made.
+    /// Δ below which a series takes the place of solves, where there is one.
     pub fn far(&self) -> Option<f64> {
         (!self.far.is_empty()).then(|| self.outer.anchor().approach - FAR)
     }
@@ -127,9 +134,10 @@ impl Emd {
         let anchor = self.outer.anchor().approach;
         // The anchor itself is the first of the inner part, if there is one.
         let outer_end = if self.inner.is_some() { anchor.next_down() } else { anchor };
+        let begin_of_far = if self.far.is_empty() { f64::NEG_INFINITY } else { anchor - FAR };
         let part = |approach: f64| match approach {
-            far if far < anchor - FAR => (Part::Far, f64::NEG_INFINITY, (anchor - FAR).next_down()),
-            outer if outer < anchor || self.inner.is_none() => (Part::Outer, (anchor - FAR).next_down(), outer_end),
+            far if far < begin_of_far => (Part::Far, f64::NEG_INFINITY, begin_of_far.next_down()),
+            outer if outer < anchor || self.inner.is_none() => (Part::Outer, begin_of_far.next_down(), outer_end),
             _ => (Part::Inner, anchor.next_down(), f64::INFINITY),
         };
         let mut begin = 0;

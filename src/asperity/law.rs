@@ -92,8 +92,10 @@ pub struct Piece {
     pub smoothness: Smoothness,
 }
 
-/// Responses of a block of asperities.
+/// Responses of a block of asperities, on cache lines of their own: a vector of 512 bits that lies across two lines takes twice as long to
+/// load and store, and where memory begins would be luck.
 #[derive(Clone, Debug)]
+#[repr(align(64))]
 pub struct Responses {
     /// Adhesion force F_s, N, attractive counted positive.
     pub adhesion: [f64; BLOCK],
@@ -176,6 +178,7 @@ pub trait Law: Send + Sync {
 
 /// Scratch space of [`for_each_block`].
 #[derive(Clone, Debug)]
+#[repr(align(64))]
 pub struct Scratch {
     interference: [f64; BLOCK],
     responses: Responses,

@@ -14,7 +14,7 @@ use crate::math::quadrature::{Integral, NODES, Rule};
 use crate::surface::Surface;
 use rayon::prelude::*;
 
-/// Relative accuracy asked of every panel.
+/// Relative accuracy asked of every piece of the law, unless another is given.
 const TOLERANCE: f64 = 1e-13;
 
 /// Heights beyond so many σ_s have a density that underflows: nothing is left to integrate.
@@ -62,10 +62,14 @@ struct RegimeMoments {
 impl Statistical {
     /// Integrates `law` over the heights of `surface` at separations h, m.
     pub fn new(law: &dyn Law, surface: &Surface, separations: &[f64]) -> Self {
-        let rule = Rule::shared();
+        Self::with_tolerance(law, surface, separations, TOLERANCE)
+    }
+
+    /// The same to a relative accuracy of every piece of the law; not to more than the rounding of heights allows.
+    pub fn with_tolerance(law: &dyn Law, surface: &Surface, separations: &[f64], tolerance: f64) -> Self {
         let at: Vec<AtSeparation> = separations
             .par_iter()
-            .map(|&h| AtSeparation::new(law, surface, surface.asperity_separation(h), rule))
+            .map(|&h| AtSeparation::new(law, surface, surface.asperity_separation(h), tolerance))
             .collect();
         let count = surface.asperity_count as f64;
         let quantity = |f: &dyn Fn(&AtSeparation) -> [f64; 4]| -> [Vec<f64>; 4] {
@@ -91,18 +95,18 @@ impl Statistical {
 
 /// Expected external force, N, at one separation h, m.
 pub fn external_force(law: &dyn Law, surface: &Surface, separation: f64) -> f64 {
-    let at = AtSeparation::new(law, surface, surface.asperity_separation(separation), Rule::shared());
+    let at = AtSeparation::new(law, surface, surface.asperity_separation(separation), TOLERANCE);
     surface.asperity_count as f64 * at.means()[Quantity::ExternalForce.index()]
 }
 
 impl AtSeparation {
-    fn new(law: &dyn Law, surface: &Surface, separation: f64, rule: &Rule) -> Self {
+    fn new(law: &dyn Law, surface: &Surface, separation: f64, tolerance: f64) -> Self {
         let mut at =
             Self { regimes: vec![RegimeMoments::default(); law.regimes().len()], error: 0.0, work: Work::default() };
         for piece in law.pieces() {
             let probability = surface.heights.probability(piece.lower + separation, piece.upper + separation);
             at.regimes[piece.regime].probability += probability;
-            let integral = at.integrate(law, surface, separation, &piece, rule);
+            let integral = at.integrate(law, surface, separation, &piece, tolerance);
             let regime = &mut at.regimes[piece.regime];
             regime.adhesion += integral.value[0];
             regime.contact += integral.value[1];
@@ -125,17 +129,17 @@ impl AtSeparation {
         surface: &Surface,
         separation: f64,
         piece: &Piece,
-        rule: &Rule,
+        tolerance: f64,
     ) -> Integral<COMPONENTS> {
         let variable = Variable::of(piece);
         let breaks = panel_breaks(piece, separation, surface.heights.std, variable);
         // Rounding a height far out in the distribution is rounding its density so many times over.
         let ends = [breaks.first(), breaks.last()].map(|end| variable.interference(*end.unwrap_or(&0.0)).abs());
         let rounding = f64::EPSILON * (ends[0].max(ends[1]) + separation.abs()) / surface.heights.std;
-        let tolerance = TOLERANCE.max(4.0 * LARGEST_HEIGHT * rounding);
+        let tolerance = tolerance.max(4.0 * LARGEST_HEIGHT * rounding);
         let mut responses = Responses::default();
         let mut interference = [0.0; NODES];
-        rule.integrate(&breaks, tolerance, |places, values: &mut [[f64; COMPONENTS]; NODES]| {
+        Rule::shared().integrate(&breaks, tolerance, |places, values: &mut [[f64; COMPONENTS]; NODES]| {
             for (delta, &place) in interference.iter_mut().zip(places) {
                 *delta = variable.interference(place).clamp(piece.lower, piece.upper);
             }

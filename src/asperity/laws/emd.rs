@@ -62,7 +62,7 @@ impl Attraction {
         let Setting { scale, lubricant_thickness: thickness, .. } = *setting;
         let mut emd = Emd::new(scale.lambda, setting.path)?;
         if let (Some((lowest, _)), Some(deepest)) = (setting.reach, setting.deepest(setting.critical_interference)) {
-            emd = emd.with_contact_table(deepest).with_noncontact_tables((lowest + thickness) / scale.length);
+            emd = emd.with_tables((lowest + thickness) / scale.length, deepest);
         }
         Ok(Self { emd: Arc::new(emd), scale, thickness })
     }

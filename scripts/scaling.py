@@ -5,7 +5,8 @@ replicas, and are run on one thread unless threads are what varies. Measured are
 
     time       seconds of the ensemble phase (/diagnostics/seconds of the result) over N, S and replicas, each over three
                decades, for every way to sum that the program knows; the exponent is a least-squares slope of the logarithms
-    threads    the same over threads, 1, 2, 4 ... up to the cores, in alternating runs, the least of seven
+    threads    the same over threads, 1, 2, 4 ... up to the cores, in alternating runs, the least of fifteen,
+               beside as many processes of one thread: what the machine gives
     memory     peak resident memory of the process over replicas
     start-up   wall time of configs/quick.toml without the ensemble phase and those after it, the least of ten
 
@@ -111,7 +112,7 @@ FULL = Plan(
     series=[Series("N", "asperities per replica $N$", tuple(100 * x for x in HALF_DECADES), 0, 181, 4),
             Series("S", "separations $S$", tuple(10 * x for x in HALF_DECADES), 1000, 0, 4),
             Series("replicas", "replicas", (3, 10, 30, 100, 300, 1000, 3000), 100, 61, 0)],
-    repetitions=9, threads=(1000, 181, 200), thread_repetitions=7, faster=10, memory=tuple(1000 * x for x in HALF_DECADES), start_ups=10,
+    repetitions=9, threads=(1000, 181, 200), thread_repetitions=15, faster=10, memory=tuple(1000 * x for x in HALF_DECADES), start_ups=10,
 )
 QUICK = Plan(
     series=[Series("N", "asperities per replica $N$", (10, 100, 1000), 0, 31, 2),
@@ -140,6 +141,7 @@ class Results:
     times: dict[tuple[str, str], list[tuple[float, float]]] = field(default_factory=dict)  # by series and sum
     exponents: dict[tuple[str, str], float] = field(default_factory=dict)
     threads: dict[str, dict[int, float]] = field(default_factory=dict)
+    processes: dict[str, dict[int, float]] = field(default_factory=dict)
     memory: list[tuple[float, float]] = field(default_factory=list)
     start_up: dict[str, float] = field(default_factory=dict)  # by what it goes into
 
@@ -178,14 +180,28 @@ class Program:
             raise RunError(f"exit code {done.returncode}: {done.stderr.strip()}")
         return done.stdout
 
-    def phases(self) -> dict[str, float]:
-        """Seconds of the phases of the last run, in their order."""
-        with h5py.File(self.result, "r") as file:
+    def phases(self, result: Path | None = None) -> dict[str, float]:
+        """Seconds of the phases of a run, by default the last, in their order."""
+        with h5py.File(result or self.result, "r") as file:
             return dict(zip((name.decode() for name in file["phase"][()]), file["diagnostics/seconds"][()].tolist()))
 
     def seconds(self, scene: dict[str, int], solver: str, threads: int = 1) -> float:
         self.start(self.command(self.write_scene(scene["area"], scene["count"], solver), threads, scene["replicas"]))
         return self.phases()["ensemble"]
+
+    def seconds_side_by_side(self, scene: dict[str, int], solver: str, count: int) -> float:
+        """The longest ensemble phase of so many processes at once, of one thread each, that share the replicas of a scene."""
+        path, processes = self.write_scene(scene["area"], scene["count"], solver), {}
+        for index in range(count):
+            result = self.folder / f"beside{index}.h5"
+            command = self.command(path, 1, scene["replicas"] // count)
+            command[command.index(str(self.result))] = str(result)
+            processes[result] = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, encoding="utf-8")
+        for process in processes.values():
+            _, error = process.communicate(timeout=LONGEST_RUN)
+            if process.returncode:
+                raise RunError(f"exit code {process.returncode}: {error.strip()}")
+        return max(self.phases(result)["ensemble"] for result in processes)
 
     def refusal(self) -> str | None:
         """Why the last run summed directly although it was asked to compress; None if it did as it was asked."""
@@ -278,7 +294,7 @@ def measure_threads(program: Program, plan: Plan, results: Results, solvers: dic
     for name, solver in solvers.items():
         # Of the faster sums more, so that both take long enough to be timed.
         scene = {"area": area, "count": count, "replicas": replicas * (plan.faster if name == "compressed" else 1)}
-        seconds, core_seconds = ({threads: math.inf for threads in numbers} for _ in range(2))
+        seconds, core_seconds, beside = ({threads: math.inf for threads in numbers} for _ in range(3))
         for _ in range(repetitions):
             for threads in numbers:
                 before = os.times()
@@ -286,13 +302,18 @@ def measure_threads(program: Program, plan: Plan, results: Results, solvers: dic
                 after = os.times()
                 used = after.children_user + after.children_system - before.children_user - before.children_system
                 core_seconds[threads] = min(core_seconds[threads], used)
+                # What the machine has to give at that moment, to whoever asks.
+                beside[threads] = min(beside[threads], program.seconds_side_by_side(scene, solver, threads))
         results.threads[name] = {threads: seconds[1] / seconds[threads] for threads in numbers}
+        results.processes[name] = {threads: seconds[1] / beside[threads] for threads in numbers}
         for threads in numbers:
             what = f"ensemble phase, area of {area} um^2, S = {count}, {scene['replicas']} replicas, alternating runs, least of {repetitions}"
             results.add("seconds over threads", f"sum = {name}, threads = {threads}", seconds[threads], "s", what)
             # What other threads cost, also on a machine that has no core for them.
             results.add("core seconds over threads", f"sum = {name}, threads = {threads}", core_seconds[threads], "s",
                         f"user and system time of the whole process; {what}")
+            results.add("speed-up of processes", f"sum = {name}, processes = {threads}", seconds[1] / beside[threads], "1",
+                        f"as many processes of one thread that share the replicas, the longest; {what}")
             results.add("speed-up", f"sum = {name}, threads = {threads}", seconds[1] / seconds[threads], "1", what)
 
 
@@ -321,6 +342,8 @@ def draw_threads(axes: Axes, results: Results) -> None:
         color, marker, line = STYLES[name]
         axes.plot(numbers, [ratios[n] for n in numbers], color=color, marker=marker, linestyle=line, linewidth=1.4, markersize=4.5,
                   label=f"{name}: {ratios[numbers[-1]]:.2f} on {numbers[-1]}")
+    most = [max(ratios[n] for ratios in results.processes.values()) for n in numbers]
+    axes.plot(numbers, most, color="0.5", marker="_", linestyle=":", linewidth=1.0, zorder=1, label=f"processes: {most[-1]:.2f}")
     axes.plot(numbers, numbers, color="0.75", linewidth=0.8, zorder=0, label="ideal")
     axes.set(xlabel="threads", ylabel="speed-up of the ensemble phase", title="(d) Threads")
     axes.xaxis.set_major_locator(FixedLocator(numbers))

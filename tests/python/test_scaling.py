@@ -33,7 +33,7 @@ def test_quick_measurements_leave_a_table_and_a_picture(tmp_path):
     assert set(rows[0]) == {"quantity", "setting", "value", "unit", "what"}
     assert {row["quantity"] for row in rows} == {
         *(f"{what} {over}" for what in ("ensemble seconds over", "exponent of") for over in ("N", "S", "replicas")),
-        "seconds over threads", "core seconds over threads", "speed-up", "peak resident memory", "start-up",
+        "seconds over threads", "core seconds over threads", "speed-up", "speed-up of processes", "peak resident memory", "start-up",
     }
     # Durations are not judged here, on a machine that may be busy; their signs and the memory's order of magnitude are.
     for row in rows:

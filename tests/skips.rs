@@ -29,7 +29,7 @@ fn the_series_far_from_contact_is_the_solution() {
         for ((_, path), reach) in Path::ALL.into_iter().flat_map(|path| [(path, 8.0), (path, 1e3), (path, 1e4)]) {
             let solved = Emd::new(lambda, path).unwrap();
             let begin = solved.noncontact_fold().unwrap_or(solved.end()).min(solved.end()) - 2.0;
-            let tabulated = solved.clone().with_noncontact_tables(-reach);
+            let tabulated = solved.clone().with_noncontact_tables(-reach).with_far_series(-reach);
             assert_eq!(tabulated.far(), Some(begin), "λ {lambda}");
             assert_eq!(solved.far(), None);
             // Geometric in the distance, and close to both ends on both sides.

@@ -5,7 +5,7 @@
 //! same degree, so that Σ_i f(u_i − d) = Σ_m W_m f(x_m − d) with Chebyshev nodes x_m of the period and weights W_m = Σ_n L_mn M_n, where
 //! L_m is the Lagrange polynomial of the node. A period with a kink, or with fewer asperities than nodes, is solved asperity by asperity.
 
-use super::moments::{Sums, sort_nearly_sorted};
+use super::moments::{Sums, sort_binned};
 use super::offsets::{Offset, powers};
 use super::{Compression, LANES, Lanes, TERMS};
 use crate::asperity::{BLOCK, Law, Responses, Scratch, Work, for_each_block};
@@ -124,7 +124,7 @@ impl Weighted {
 
     /// P − F_s, N, of the collected heights.
     fn solve_heights(&mut self, law: &dyn Law, d: f64, work: &mut Work) -> f64 {
-        sort_nearly_sorted(&mut self.heights);
+        sort_binned(&mut self.heights);
         let mut force = 0.0;
         for_each_block(law, &self.heights, d, &mut self.scratch, work, |_, range, responses| {
             for i in 0..range.len() {

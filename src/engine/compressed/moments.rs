@@ -11,6 +11,10 @@ use std::ops::Range;
 
 /// Separations whose sums are made together, so that they, the moments and the polynomials stay in the nearest cache.
 const TILE: usize = 16;
+/// Heights per bin from which on bins are sorted.
+const CROWDED: usize = 32;
+/// Moves per height after which sorting by insertion is given up.
+const MOST_MOVES: usize = 16;
 /// Places in a segment by which asperities are put in order before they are solved.
 const BUCKETS: usize = 64;
 
@@ -180,6 +184,14 @@ impl Binned {
             *place -= 1;
             self.heights[*place as usize] = u;
         }
+        let filled = self.filled();
+        if self.heights.len() > CROWDED * filled.len() {
+            // Steps are so wide that most of the surface is solved for each pull-off, again and again: once in order is enough.
+            for bin in filled {
+                let bin = self.starts[bin] as usize..self.starts[bin + 1] as usize;
+                self.heights[bin].sort_unstable_by(f64::total_cmp);
+            }
+        }
     }
 
     /// The bins from the first to the last that hold any height.
@@ -203,7 +215,7 @@ impl Binned {
         let [first, last] = [low, high].map(|u| geometry.nearest_bin(u));
         let candidates = self.bins(first..last + 1);
         let mut found: Vec<f64> = candidates.iter().copied().filter(|u| *u >= low && *u < high).collect();
-        sort_nearly_sorted(&mut found);
+        sort_binned(&mut found);
         let above = candidates.iter().filter(|u| **u >= high).count();
         (found, self.heights.len() - self.starts[last + 1] as usize + above)
     }
@@ -249,8 +261,10 @@ fn form_moments(geometry: &Geometry, surfaces: &[Binned], first: usize, moments:
     }
 }
 
-/// Sorts heights that are in order but for those of the same bin.
-pub(super) fn sort_nearly_sorted(heights: &mut [f64]) {
+/// Sorts heights that are in order but for those of the same bin, of which there may be many or few.
+pub(super) fn sort_binned(heights: &mut [f64]) {
+    // Moves are as many as pairs in the wrong order: cheap in small bins, and given up when they are not.
+    let mut moves = MOST_MOVES * heights.len();
     for i in 1..heights.len() {
         let height = heights[i];
         let mut place = i;
@@ -259,6 +273,11 @@ pub(super) fn sort_nearly_sorted(heights: &mut [f64]) {
             place -= 1;
         }
         heights[place] = height;
+        moves = moves.saturating_sub(i - place);
+        if moves == 0 {
+            heights.sort_unstable_by(f64::total_cmp);
+            return;
+        }
     }
 }
 

@@ -224,8 +224,9 @@ fn every_asperity_is_counted_once() {
             for (from, at_edge) in [(5.0, true), (-1.0, false)] {
                 let separations: Vec<f64> = (0..12).map(|i| sigma * (from + 0.5 * f64::from(i))).collect();
                 let sampled = ensemble(&job(law, &surface, &separations, 9));
-                let Work { contact_solves, noncontact_solves, constant, closed_form, far, compressed, .. } =
-                    sampled.work;
+                let Work {
+                    contact_solves, noncontact_solves, constant, closed_form, far, unloaded, compressed, ..
+                } = sampled.work;
                 let counted = contact_solves + noncontact_solves + constant + closed_form + far;
                 let place = format!("{} in case {name} from {from}: {:?}", model.name, sampled.work);
                 assert_eq!(compressed, 0);
@@ -242,6 +243,10 @@ fn every_asperity_is_counted_once() {
                 assert_eq!(far > 0, law.far().is_some(), "{place}");
                 let is_constant = (0..law.regimes().len()).any(|regime| law.constant(regime).is_some());
                 assert!(constant == 0 || is_constant, "{place}");
+                if law.far().is_some() {
+                    // Before contact all are, but for those in the lubricant, which are not even evaluated.
+                    assert_eq!(unloaded, far + noncontact_solves, "{place}");
+                }
                 if at_edge && law.far().is_some() {
                     // Distances beyond 5 σ are far but for the highest asperities.
                     assert!(far > 9 * noncontact_solves, "{place}");

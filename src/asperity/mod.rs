@@ -55,6 +55,8 @@ pub struct Work {
     pub closed_form: u64,
     /// Asperities that needed no solve: a series far from contact.
     pub far: u64,
+    /// Asperities whose load and area were not summed, because nothing touches.
+    pub unloaded: u64,
     /// Separations of surfaces that were summed by moments.
     pub compressed: u64,
     /// Evaluations of the equations.
@@ -73,6 +75,7 @@ impl Work {
         self.constant += other.constant;
         self.closed_form += other.closed_form;
         self.far += other.far;
+        self.unloaded += other.unloaded;
         self.compressed += other.compressed;
         self.evaluations += other.evaluations;
         self.safeguarded += other.safeguarded;

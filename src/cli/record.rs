@@ -173,6 +173,7 @@ fn write_diagnostics(writer: &mut Writer, results: &Results) -> Result<(), Outpu
     count("noncontact_solves", work.noncontact_solves)?;
     count("safeguarded_solves", work.safeguarded)?;
     count("iterations", work.evaluations)?;
+    count("skipped_loads", work.unloaded)?;
     count("compressed_sums", work.compressed)?;
     count("threads", results.threads as u64)?;
     writer.dataset("/diagnostics/largest_residual", &[work.largest_residual])?;

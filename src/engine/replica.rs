@@ -200,6 +200,7 @@ impl Sums {
                 continue;
             }
             let touches = job.law.regimes()[regime].is_contact();
+            work.unloaded += if touches { 0 } else { range.len() as u64 };
             for_each_block_of(job.law, (regime, range), heights, d, scratch, work, |range, responses| {
                 let n = range.len();
                 InstructionSet::current().run(

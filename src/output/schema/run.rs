@@ -157,6 +157,12 @@ const VARIABLES: &[Variable] = &[
     variable("/diagnostics/safeguarded_solves", NONE, "1", "solves for which the starting table was not good enough"),
     variable("/diagnostics/skipped_solves", &[Dimension::SkipReason], "1", "asperities that needed no solve"),
     variable(
+        "/diagnostics/skipped_loads",
+        NONE,
+        "1",
+        "asperities whose load and area were not summed, because nothing touches",
+    ),
+    variable(
         "/diagnostics/compressed_sums",
         NONE,
         "1",

@@ -16,8 +16,10 @@ pub mod scale;
 mod setting;
 pub mod table;
 
-pub use law::{BLOCK, Boundary, FitReport, Law, Piece, Regime, Responses, Scratch, Smoothness, for_each_block};
-pub use law::{for_each_block_of, regime_ranges};
+pub use law::{
+    BLOCK, Boundary, FitReport, Law, Piece, Regime, Responses, Scratch, Smoothness, for_each_block, for_each_block_of,
+    regime_ranges,
+};
 pub use quantity::Quantity;
 pub use setting::Setting;
 

@@ -1,5 +1,6 @@
 //! Numerical tools that know no physics: roots, quadrature, polynomials, sums and moments.
 
+pub mod chebyshev;
 pub mod control_variates;
 pub mod extrema;
 pub mod instruction_set;

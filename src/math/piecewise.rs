@@ -1,5 +1,6 @@
 //! A function tabulated as polynomials on cells that adapt to it.
 
+use super::chebyshev;
 use super::polynomials::estrin;
 
 /// Degree of the polynomial of a cell.
@@ -137,18 +138,18 @@ impl Cell {
     /// The interpolant at Chebyshev nodes, corrected once by that of its own rounding errors.
     fn interpolate(f: &impl Fn(f64) -> f64, low: f64, high: f64) -> Self {
         let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
-        let places: [f64; NODES] =
-            std::array::from_fn(|j| middle + half * libm::cos(std::f64::consts::PI * (j as f64 + 0.5) / NODES as f64));
+        let places: [f64; NODES] = std::array::from_fn(|j| middle + half * libm::cos(chebyshev::angle(j, NODES)));
         let samples = places.map(f);
+        let powers = |samples: [f64; NODES]| chebyshev::powers::<NODES>(&chebyshev::coefficients(&samples));
         let mut cell = Self {
             low,
             high,
             middle,
             inverse_half_width: 1.0 / half,
-            coefficients: powers(&samples),
+            coefficients: powers(samples),
             slopes: [0.0; NODES],
         };
-        let rest = powers(&std::array::from_fn(|j| samples[j] - cell.value(places[j])));
+        let rest = powers(std::array::from_fn(|j| samples[j] - cell.value(places[j])));
         cell.coefficients.iter_mut().zip(rest).for_each(|(coefficient, rest)| *coefficient += rest);
         let slope = |i: usize| cell.coefficients.get(i + 1).map_or(0.0, |c| (i + 1) as f64 * c / half);
         cell.slopes = std::array::from_fn(slope);
@@ -162,27 +163,6 @@ impl Cell {
             (self.value(s) - exact).abs() <= tolerance(s, exact)
         })
     }
-}
-
-/// Coefficients of the powers of v in −1..1 of the polynomial through samples at the Chebyshev nodes cos(π(j + 1/2)/n).
-fn powers(samples: &[f64; NODES]) -> [f64; NODES] {
-    let angle = |j: usize| std::f64::consts::PI * (j as f64 + 0.5) / NODES as f64;
-    // Chebyshev coefficients by the discrete orthogonality of the nodes, then powers by T_{n+1} = 2vT_n − T_{n−1}.
-    let mut coefficients = [0.0; NODES];
-    let (mut before, mut current) = ([0.0; NODES], [0.0; NODES]);
-    current[0] = 1.0;
-    for n in 0..NODES {
-        let scale = if n == 0 { 1.0 } else { 2.0 } / NODES as f64;
-        let c = scale * (0..NODES).map(|j| samples[j] * libm::cos(n as f64 * angle(j))).sum::<f64>();
-        for i in 0..NODES {
-            coefficients[i] += c * current[i];
-        }
-        let factor = if n == 0 { 1.0 } else { 2.0 };
-        let next = std::array::from_fn(|i| if i == 0 { -before[0] } else { factor * current[i - 1] - before[i] });
-        before = current;
-        current = next;
-    }
-    coefficients
 }
 
 #[cfg(test)]

@@ -6,9 +6,10 @@
 //! L_m is the Lagrange polynomial of the node. A period with a kink, or with fewer asperities than nodes, is solved asperity by asperity.
 
 use super::moments::{Sums, sort_binned};
-use super::offsets::{Offset, powers};
+use super::offsets::Offset;
 use super::{Compression, LANES, Lanes, TERMS};
 use crate::asperity::{BLOCK, Law, Responses, Scratch, Work, for_each_block};
+use crate::math::chebyshev;
 
 /// Nodes of a period.
 #[derive(Debug)]
@@ -22,21 +23,17 @@ pub(super) struct Nodes {
 impl Nodes {
     /// So many.
     pub fn new(count: usize) -> Self {
-        let angle = |i: usize| std::f64::consts::PI * (i as f64 + 0.5) / count as f64;
         let lagrange = |i: usize| {
-            let chebyshev: Vec<f64> = (0..count)
-                .map(|n| libm::cos(n as f64 * angle(i)) * if n == 0 { 1.0 } else { 2.0 } / count as f64)
-                .collect();
-            powers(&chebyshev)
+            let mut samples = vec![0.0; count];
+            samples[i] = 1.0;
+            chebyshev::powers(&chebyshev::coefficients(&samples))
         };
         Self {
-            places: (0..count).rev().map(|i| libm::cos(angle(i))).collect(),
+            places: (0..count).rev().map(|i| libm::cos(chebyshev::angle(i, count))).collect(),
             lagrange: (0..count).rev().map(lagrange).collect(),
         }
     }
-}
 
-impl Nodes {
     /// Weights of the nodes of periods, [period, node, surface], from their moments.
     #[inline(always)]
     pub fn weigh(&self, periods: &[[Lanes; TERMS]], weights: &mut [[Lanes; TERMS]]) {

@@ -1,7 +1,7 @@
 //! Periods, segments and offsets.
 
 use super::TERMS;
-use crate::asperity::{Law, Smoothness};
+use crate::asperity::{Piece, Smoothness};
 use std::ops::Range;
 
 /// Towards a root, segments end at these shares of a period from it.
@@ -30,8 +30,7 @@ pub(super) struct Geometry {
 
 impl Geometry {
     /// For separations from `first` (m) by `step` (m), and heights within ±`reach` (m).
-    pub fn new(law: &dyn Law, first: f64, step: f64, separations: usize, reach: f64) -> Self {
-        let pieces = law.pieces();
+    pub fn new(pieces: &[Piece], first: f64, step: f64, separations: usize, reach: f64) -> Self {
         let kinks: Vec<f64> = pieces.iter().flat_map(|p| [p.lower, p.upper]).filter(|kink| kink.is_finite()).collect();
         let interference_origin = kinks.first().copied().unwrap_or(0.0);
         let origin = first + interference_origin;
@@ -43,7 +42,7 @@ impl Geometry {
             edges.push(share - share.floor());
         };
         kinks.iter().copied().filter(|kink| reached(*kink)).for_each(&mut add);
-        for piece in &pieces {
+        for piece in pieces {
             let Smoothness::Root { place, .. } = piece.smoothness else { continue };
             let (end, sign) = if place <= piece.lower { (piece.lower, 1.0) } else { (piece.upper, -1.0) };
             let graded = GRADED.iter().map(|share| end + sign * share * step);

@@ -109,8 +109,10 @@ impl Compression {
         if 2.0 * reach / step + separations.len() as f64 > MOST_PERIODS {
             return Err(Unfit::TooFine(step / surface.heights.std));
         }
-        let geometry = Geometry::new(law, separations[0], step, separations.len(), reach);
-        let offsets: Vec<Offset> = geometry.offsets().map(|j| Offset::new(law, &geometry, j, tolerance)).collect();
+        let pieces = law.pieces();
+        let geometry = Geometry::new(&pieces, separations[0], step, separations.len(), reach);
+        let offsets: Vec<Offset> =
+            geometry.offsets().map(|j| Offset::new(law, &pieces, &geometry, j, tolerance)).collect();
         let terms = offsets.iter().filter_map(Offset::terms).max().unwrap_or(1);
         let mut solved = vec![Vec::new(); law.regimes().len()];
         for (j, offset) in offsets.iter().enumerate() {

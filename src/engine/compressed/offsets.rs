@@ -3,6 +3,7 @@
 use super::geometry::Geometry;
 use super::{DEGREE, TERMS};
 use crate::asperity::{BLOCK, Law, Piece, Responses, Work};
+use crate::math::chebyshev;
 
 /// Nodes of an interpolant: more than terms, so that its tail shows how fast it converges.
 const NODES: usize = 24;
@@ -68,14 +69,14 @@ impl Offset {
         })
     }
 
-    pub fn new(law: &dyn Law, geometry: &Geometry, offset: i64, tolerance: f64) -> Self {
-        let pieces = law.pieces();
+    /// The offset `offset` of a law with these pieces.
+    pub fn new(law: &dyn Law, pieces: &[Piece], geometry: &Geometry, offset: i64, tolerance: f64) -> Self {
         let segments = geometry.segments();
         let whole = [geometry.interference(offset, 0)[0], geometry.interference(offset, segments - 1)[1]];
-        if let Cell::Smooth(polynomials) = cell(law, &pieces, whole, geometry.step, tolerance) {
+        if let Cell::Smooth(polynomials) = cell(law, pieces, whole, geometry.step, tolerance) {
             return Self::Whole(polynomials);
         }
-        let segment = |segment| cell(law, &pieces, geometry.interference(offset, segment), geometry.step, tolerance);
+        let segment = |segment| cell(law, pieces, geometry.interference(offset, segment), geometry.step, tolerance);
         Self::Split((0..segments).map(segment).collect())
     }
 }
@@ -99,11 +100,10 @@ fn cell(law: &dyn Law, pieces: &[Piece], interval: [f64; 2], step: f64, toleranc
 
 /// The polynomials on an interval of a piece, or that none of degree ≤ [`DEGREE`] meets the tolerance.
 fn polynomials(law: &dyn Law, piece: &Piece, [low, high]: [f64; 2], tolerance: f64) -> Option<Polynomials> {
-    let angle = |i: usize| std::f64::consts::PI * (i as f64 + 0.5) / NODES as f64;
     let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
     let mut nodes = [0.0; BLOCK];
     for (i, node) in nodes[..NODES].iter_mut().enumerate() {
-        *node = (middle - half * libm::cos(angle(i))).clamp(low, high);
+        *node = (middle - half * libm::cos(chebyshev::angle(i, NODES))).clamp(low, high);
     }
     let (mut responses, mut work) = (Responses::default(), Work::default());
     law.evaluate(piece.regime, &nodes[..NODES], &mut responses, &mut work);
@@ -119,12 +119,9 @@ fn polynomials(law: &dyn Law, piece: &Piece, [low, high]: [f64; 2], tolerance: f
         coefficients: [[0.0; TERMS]; 3],
     };
     for (q, values) in samples.into_iter().enumerate() {
-        // T_n at the nodes −cos: the sign of odd ones is turned.
-        let chebyshev: [f64; NODES] = std::array::from_fn(|n| {
-            let sum: f64 = (0..NODES).map(|i| values[i] * libm::cos(n as f64 * angle(i))).sum();
-            let sign = if n % 2 == 0 { 1.0 } else { -1.0 };
-            sign * sum * if n == 0 { 1.0 } else { 2.0 } / NODES as f64
-        });
+        let mut chebyshev = chebyshev::coefficients(values);
+        // The nodes rise, so they are those of −v: odd coefficients change their sign.
+        chebyshev.iter_mut().skip(1).step_by(2).for_each(|coefficient| *coefficient = -*coefficient);
         let allowed = TAIL * tolerance * scale[q];
         let mut tail = 0.0;
         let mut terms = NODES;
@@ -136,24 +133,7 @@ fn polynomials(law: &dyn Law, piece: &Piece, [low, high]: [f64; 2], tolerance: f
             return None;
         }
         result.terms = result.terms.max(terms);
-        result.coefficients[q] = powers(&chebyshev[..terms]);
+        result.coefficients[q] = chebyshev::powers(&chebyshev[..terms]);
     }
     Some(result)
-}
-
-/// Σ c_n T_n(v) as powers of v.
-pub(super) fn powers(chebyshev: &[f64]) -> [f64; TERMS] {
-    let mut coefficients = [0.0; TERMS];
-    let (mut before, mut current) = ([0.0; TERMS], [0.0; TERMS]);
-    current[0] = 1.0;
-    for (n, c) in chebyshev.iter().enumerate() {
-        for (coefficient, power) in coefficients.iter_mut().zip(&current) {
-            *coefficient += c * power;
-        }
-        let factor = if n == 0 { 1.0 } else { 2.0 };
-        let next = std::array::from_fn(|i| if i == 0 { -before[0] } else { factor * current[i - 1] - before[i] });
-        before = current;
-        current = next;
-    }
-    coefficients
 }

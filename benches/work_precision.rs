@@ -222,7 +222,7 @@ fn estimates(job: &Job<'_>, statistical: &Statistical, seeds: u64, pool: &rayon:
     let expected: Vec<f64> = job.controls.iter().map(|&place| expected[place]).collect();
     let estimate = |seed| {
         let job = Job { seed, ..*job };
-        let outcome = stiction::engine::run(&job, pool, &AtomicBool::new(false), |_| Ok::<(), ()>(()));
+        let outcome = stiction::engine::run(&job, pool, &AtomicBool::new(false), |_, _| Ok::<(), ()>(()));
         let Ok(Outcome::Complete(ensemble)) = outcome else { panic!("nothing ends the run") };
         let pull_off = controlled_means(&ensemble.groups.scalars, &expected)[0];
         [[pull_off.mean, pull_off.standard_error], [pull_off.controlled_mean, pull_off.controlled_standard_error]]

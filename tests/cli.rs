@@ -2,9 +2,8 @@
 
 mod common;
 
-use common::program::{Folder, QUICK, assert_exit, bits, small, text};
+use common::program::{Folder, assert_exit, bits, small, text};
 use std::path::Path;
-use std::process::Command;
 
 #[test]
 fn a_run_leaves_one_file_and_a_summary() {
@@ -142,25 +141,6 @@ fn files_of_others_are_refused_in_a_line() {
             assert!(error.contains(message) && error.contains(file) && error.lines().count() == 1, "{error}");
         }
     }
-}
-
-#[cfg(unix)]
-#[test]
-fn an_interrupted_run_says_so_and_leaves_nothing() {
-    let folder = Folder::new(&QUICK.replace("replicas = 200", "replicas = 10000000"));
-    let child = Command::new(env!("CARGO_BIN_EXE_stiction"))
-        .args(["run", "scene.toml"])
-        .current_dir(folder.path(""))
-        .stdout(std::process::Stdio::piped())
-        .stderr(std::process::Stdio::piped())
-        .spawn()
-        .unwrap();
-    std::thread::sleep(std::time::Duration::from_millis(1500));
-    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
-    let output = child.wait_with_output().unwrap();
-    assert_exit(&output, 130);
-    assert!(text(&output.stderr).contains("interrupted after"), "{}", text(&output.stderr));
-    assert_eq!(folder.files(), ["scene.toml"]);
 }
 
 #[test]

@@ -248,7 +248,7 @@ fn bits_do_not_depend_on_the_surfaces_beside() {
 fn ensemble(job: &Job<'_>, threads: usize) -> (Ensemble, Vec<u64>) {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
     let mut curves = Vec::new();
-    let outcome = run::<()>(job, &pool, &AtomicBool::new(false), |batch| {
+    let outcome = run::<()>(job, &pool, &AtomicBool::new(false), |batch, _| {
         curves.extend(batch.external_force.iter().chain(&batch.adhesion_force).map(|force| force.to_bits()));
         Ok(())
     });

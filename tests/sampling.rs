@@ -44,7 +44,7 @@ impl Patch {
             compression: None,
         };
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        match run::<()>(&job, &pool, &AtomicBool::new(false), |_| Ok(())) {
+        match run::<()>(&job, &pool, &AtomicBool::new(false), |_, _| Ok(())) {
             Ok(Outcome::Complete(ensemble)) => (*ensemble, controls),
             _ => panic!("the run did not complete"),
         }

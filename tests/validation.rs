@@ -69,7 +69,7 @@ fn joint_test(scene: &Scene<'_>, law: &dyn Law, basis: &Basis, expected: &Statis
         compression: None,
     };
     let pool = rayon::ThreadPoolBuilder::new().build().unwrap();
-    let Ok(Outcome::Complete(ensemble)) = run::<()>(&job, &pool, &AtomicBool::new(false), |_| Ok(())) else {
+    let Ok(Outcome::Complete(ensemble)) = run::<()>(&job, &pool, &AtomicBool::new(false), |_, _| Ok(())) else {
         panic!("the run did not complete");
     };
     let curves = [Quantity::AdhesionForce, Quantity::ExternalForce].map(Quantity::index);

@@ -2,6 +2,7 @@
 
 mod asperity;
 mod check;
+mod checkpoint;
 mod compare;
 mod format;
 mod info;
@@ -17,13 +18,16 @@ use crate::asperity::{Law, Path as History};
 use crate::math::instruction_set::InstructionSet;
 use crate::output::OutputError;
 use crate::scene::{Scene, SceneError};
+use anyhow::Context;
 use clap::{Args, Parser, Subcommand};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::Arc;
+use std::time::Duration;
 use thiserror::Error;
 
 const AFTER_HELP: &str = "Exit codes: 0 done; 1 failed while running; 2 the command or scene is wrong, nothing was written; \
-3 validate: ensemble and integral disagree; 130 interrupted.
+3 validate: ensemble and integral disagree; 130 interrupted, what was done is kept: run --resume.
 
 STICTION_INSTRUCTION_SET=baseline, avx2 or avx512 chooses vector instructions; by default the fastest of this processor. They do not \
 change the result.";
@@ -67,7 +71,7 @@ struct Execution {
     /// Threads; by default one per core. They do not change the result
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..=4096))]
     threads: Option<u16>,
-    /// Overwrite an existing result
+    /// Overwrite an existing result, and drop what an interrupted run of it has kept
     #[arg(long)]
     force: bool,
     /// No progress
@@ -88,6 +92,12 @@ struct RunArguments {
     /// Seed, instead of the scene's
     #[arg(long, value_parser = clap::value_parser!(u64).range(0..=i64::MAX as u64))]
     seed: Option<u64>,
+    /// Go on with an interrupted run of this output; begins it if nothing was kept
+    #[arg(long)]
+    resume: bool,
+    /// Keep what has been done so often, beside the output; 0 after every batch of replicas
+    #[arg(long, value_name = "SECONDS", default_value = "30", value_parser = seconds, allow_negative_numbers = true)]
+    checkpoint: Duration,
     #[command(flatten)]
     execution: Execution,
 }
@@ -151,6 +161,11 @@ fn positive(text: &str) -> Result<f64, String> {
     number(text, |value| value > 0.0, "a positive number is needed")
 }
 
+fn seconds(text: &str) -> Result<Duration, String> {
+    let seconds = not_negative(text)?;
+    Duration::try_from_secs_f64(seconds).map_err(|error| error.to_string())
+}
+
 fn not_negative(text: &str) -> Result<f64, String> {
     number(text, |value| value >= 0.0, "0 or a positive number is needed")
 }
@@ -177,12 +192,14 @@ enum Failure {
     #[error("ensemble and integral disagree")]
     Disagree,
     /// Interrupted by the user.
-    #[error("interrupted after {done} of {of} replicas; nothing was written")]
+    #[error("interrupted after {done} of {of} replicas; {}", kept.as_deref().unwrap_or("nothing was written"))]
     Interrupted {
         /// Replicas that were done.
         done: u64,
         /// Replicas of the run.
         of: u64,
+        /// What was kept, and how to go on.
+        kept: Option<String>,
     },
 }
 
@@ -203,6 +220,10 @@ impl From<OutputError> for Failure {
             OutputError::Hdf5(_) | OutputError::Io { .. } => Self::Running(error.into()),
             OutputError::Exists(_)
             | OutputError::IsFolder(_)
+            | OutputError::NotAFile(_)
+            | OutputError::OtherFileSystem(_)
+            | OutputError::Claimed { .. }
+            | OutputError::NotACheckpoint { .. }
             | OutputError::NoFolder(_)
             | OutputError::NotWritable { .. }
             | OutputError::NotAResult { .. } => Self::Usage(error.to_string()),
@@ -223,6 +244,9 @@ pub fn main() -> ExitCode {
 
 fn execute(command: Command) -> Result<(), Failure> {
     InstructionSet::of_environment().map_err(Failure::Usage)?.select();
+    // To write beyond the size that files may have is then an error, as on a full disk; without a handler the signal would kill.
+    #[cfg(unix)]
+    signal_hook::flag::register(signal_hook::consts::SIGXFSZ, Arc::default()).context("cannot handle signals")?;
     match command {
         Command::Run(arguments) => run::run(&arguments),
         Command::Compare(arguments) => compare::compare(&arguments),

@@ -1,47 +1,66 @@
 //! A run's results under the names of the file layout.
 
 use super::results::Results;
-use crate::asperity::{Law, Quantity};
-use crate::engine::SCALARS;
+use crate::asperity::Quantity;
+use crate::engine::{Replica, SCALARS};
 use crate::math::control_variates::ControlledMean;
 use crate::math::extrema::Features;
 use crate::math::instruction_set::InstructionSet;
 use crate::output::OutputError;
+use crate::output::checkpoint::Journal;
 use crate::output::schema::Dimension;
-use crate::output::writer::Writer;
+use crate::output::writer::{CURVE_CHUNK, Writer};
 use crate::scene::Scene;
-use crate::validation::{Basis, SIGNIFICANCE};
+use crate::validation::SIGNIFICANCE;
+use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Writes what is known before the first replica: what is computed, and the dimensions. Returns the regimes' names.
-pub(super) fn write_head(
-    writer: &mut Writer,
-    scene: &Scene,
-    law: &dyn Law,
-    basis: &Basis,
-    controls: &[usize],
-) -> Result<Vec<&'static str>, OutputError> {
+/// Writes what is computed, and the dimensions.
+pub(super) fn write_head(writer: &mut Writer<'_>, results: &Results) -> Result<(), OutputError> {
+    let Results { scene, basis, controls, regimes, .. } = results;
     write_scene(writer, scene)?;
     writer.text("/", "law", scene.model.name)?;
     writer.number("/", "seed", scene.seed)?;
     writer.number("/", "replicas", scene.replicas)?;
     writer.text("/", "sampling", scene.sampling.name())?;
-    let regimes: Vec<&'static str> = law.regimes().iter().map(|regime| regime.name()).collect();
-    writer.named_scale(Dimension::Regime, &regimes)?;
+    writer.named_scale(Dimension::Regime, regimes)?;
     writer.scale(Dimension::Replica, &(0..scene.replicas).collect::<Vec<u64>>())?;
     let components: Vec<u64> = (0..basis.probes.len() as u64).collect();
     writer.scale(Dimension::Component, &components)?;
     writer.scale(Dimension::ComponentOther, &components)?;
     writer.named_scale(Dimension::Scalar, &SCALARS.map(|scalar| scalar.name))?;
-    writer.scale(Dimension::Control, &controls.iter().map(|&place| scene.separations[place]).collect::<Vec<f64>>())?;
-    if scene.curves {
-        writer.curve_dataset("/replicas/external_force")?;
-        writer.curve_dataset("/replicas/adhesion_force")?;
-    }
-    Ok(regimes)
+    writer.scale(Dimension::Control, &controls.iter().map(|&place| scene.separations[place]).collect::<Vec<f64>>())
+}
+
+/// Writes the curves of all replicas out of their records, unless it is stopped.
+pub(super) fn write_curves(
+    writer: &Writer<'_>,
+    results: &Results,
+    journal: &mut Journal,
+    stop: &AtomicBool,
+) -> Result<(), OutputError> {
+    let paths = ["/replicas/external_force", "/replicas/adhesion_force"];
+    paths.iter().try_for_each(|path| writer.curve_dataset(path))?;
+    let (s, total) = (results.scene.separations.len(), results.ensemble.replicas.len());
+    let (mut curves, mut written): ([Vec<f64>; 2], _) = ([Vec::new(), Vec::new()], 0);
+    journal.records(|record| {
+        for (curves, forces) in curves.iter_mut().zip(record[Replica::WORDS..].chunks_exact(s)) {
+            curves.extend(forces.iter().map(|force| f64::from_bits(*force)));
+        }
+        let rows = curves[0].len() / s;
+        if rows < CURVE_CHUNK && written + rows < total {
+            return Ok(true);
+        }
+        for (path, curves) in paths.iter().zip(&mut curves) {
+            writer.curves(path, written, curves)?;
+            curves.clear();
+        }
+        written += rows;
+        Ok(!stop.load(Ordering::Relaxed))
+    })
 }
 
 /// Writes what made the file, the scene, its numbers and its separations.
-pub(super) fn write_scene(writer: &mut Writer, scene: &Scene) -> Result<(), OutputError> {
+pub(super) fn write_scene(writer: &mut Writer<'_>, scene: &Scene) -> Result<(), OutputError> {
     let now = time::OffsetDateTime::now_utc();
     let created = now.format(&time::format_description::well_known::Rfc3339).unwrap_or_default();
     writer.text("/", "program_version", env!("CARGO_PKG_VERSION"))?;
@@ -66,21 +85,21 @@ pub(super) fn write_scene(writer: &mut Writer, scene: &Scene) -> Result<(), Outp
     writer.dataset("/asperity_separation", &of_separation(&|h| scene.surface.asperity_separation(h)))
 }
 
-pub(super) fn write_results(writer: &mut Writer, results: &Results) -> Result<(), OutputError> {
+pub(super) fn write_results(writer: &mut Writer<'_>, results: &Results) -> Result<(), OutputError> {
     write_ensemble(writer, results)?;
     write_statistical(writer, results)?;
     write_validation(writer, results)?;
     write_diagnostics(writer, results)
 }
 
-fn write_features(writer: &Writer, group: &str, features: &Features) -> Result<(), OutputError> {
+fn write_features(writer: &Writer<'_>, group: &str, features: &Features) -> Result<(), OutputError> {
     writer.number(group, "pull_off_force", -features.minimum.value)?;
     writer.number(group, "pull_off_separation", features.minimum.place)?;
     writer.number(group, "peak_stiffness", features.steepest.value)?;
     writer.number(group, "peak_stiffness_separation", features.steepest.place)
 }
 
-fn write_ensemble(writer: &Writer, results: &Results) -> Result<(), OutputError> {
+fn write_ensemble(writer: &Writer<'_>, results: &Results) -> Result<(), OutputError> {
     let ensemble = &results.ensemble;
     for quantity in Quantity::ALL {
         let moments = &ensemble.curves[quantity.index()];
@@ -117,7 +136,7 @@ fn write_ensemble(writer: &Writer, results: &Results) -> Result<(), OutputError>
 }
 
 /// The means of the scalars, without and with control variates.
-fn write_scalars(writer: &Writer, means: &[ControlledMean]) -> Result<(), OutputError> {
+fn write_scalars(writer: &Writer<'_>, means: &[ControlledMean]) -> Result<(), OutputError> {
     let write = |name: &str, of: fn(&ControlledMean) -> f64| {
         writer.dataset(&format!("/ensemble/scalar_{name}"), &means.iter().map(of).collect::<Vec<f64>>())
     };
@@ -129,7 +148,7 @@ fn write_scalars(writer: &Writer, means: &[ControlledMean]) -> Result<(), Output
     write("variance_reduction", ControlledMean::variance_reduction)
 }
 
-fn write_statistical(writer: &Writer, results: &Results) -> Result<(), OutputError> {
+fn write_statistical(writer: &Writer<'_>, results: &Results) -> Result<(), OutputError> {
     let model = &results.statistical;
     for quantity in Quantity::ALL {
         let name = quantity.name();
@@ -143,7 +162,7 @@ fn write_statistical(writer: &Writer, results: &Results) -> Result<(), OutputErr
     write_features(writer, "/statistical", &results.of_integral)
 }
 
-fn write_validation(writer: &Writer, results: &Results) -> Result<(), OutputError> {
+fn write_validation(writer: &Writer<'_>, results: &Results) -> Result<(), OutputError> {
     let joint = &results.joint;
     for (i, name) in ["adhesion_force", "external_force"].into_iter().enumerate() {
         writer.dataset(&format!("/validation/z_{name}"), &results.z[i])?;
@@ -163,7 +182,7 @@ fn write_validation(writer: &Writer, results: &Results) -> Result<(), OutputErro
     writer.text("/validation", "verdict", joint.verdict.name())
 }
 
-fn write_diagnostics(writer: &mut Writer, results: &Results) -> Result<(), OutputError> {
+fn write_diagnostics(writer: &mut Writer<'_>, results: &Results) -> Result<(), OutputError> {
     let work = &results.ensemble.work;
     let (phases, seconds): (Vec<&str>, Vec<f64>) = results.seconds.iter().copied().unzip();
     writer.named_scale(Dimension::Phase, &phases)?;
@@ -176,6 +195,10 @@ fn write_diagnostics(writer: &mut Writer, results: &Results) -> Result<(), Outpu
     count("skipped_loads", work.unloaded)?;
     count("compressed_sums", work.compressed)?;
     count("threads", results.threads as u64)?;
+    let (checkpoints, time) = results.checkpoints;
+    count("resumptions", results.resumptions)?;
+    count("checkpoints", checkpoints)?;
+    writer.dataset("/diagnostics/checkpoint_seconds", &[time.as_secs_f64()])?;
     writer.dataset("/diagnostics/largest_residual", &[work.largest_residual])?;
     writer.dataset("/diagnostics/skipped_solves", &[work.constant, work.closed_form, work.far])?;
     writer.text("/diagnostics", "instruction_set", InstructionSet::current().name())?;

@@ -9,6 +9,7 @@ use crate::scene::{Plan, Scene};
 use crate::statistical::{Statistical, external_force};
 use crate::validation::{Basis, JointTest};
 use std::path::PathBuf;
+use std::time::Duration;
 
 /// Everything that a run has found out.
 pub(super) struct Results {
@@ -31,6 +32,10 @@ pub(super) struct Results {
     pub joint: JointTest,
     pub seconds: Vec<(&'static str, f64)>,
     pub threads: usize,
+    /// How often the run was resumed.
+    pub resumptions: u64,
+    /// Checkpoints that were saved since it was, and the time that took.
+    pub checkpoints: (u64, Duration),
     pub output: PathBuf,
 }
 

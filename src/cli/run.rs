@@ -1,19 +1,23 @@
 //! `stiction run`: from a scene to a checked file and a summary.
 
-use super::record::{write_head, write_results};
+use super::checkpoint::{Beginning, Keeper, State, beginning};
+use super::record::{write_curves, write_head, write_results};
 use super::results::{Results, integral_features, mean_features};
 use super::sampling::{Sampling, cross_check, interruption, override_ensemble, thread_pool};
 use super::summary::summary;
 use super::{Failure, RunArguments, law_of, print, read_scene, refuse_own_scene};
 use crate::asperity::Quantity;
+use crate::engine::{Ensemble, Outcome};
 use crate::math::control_variates::controlled_means;
 use crate::output::progress::Progress;
 use crate::output::schema::RUN;
 use crate::output::writer::Writer;
+use crate::output::{Claim, OutputError};
 use crate::scene::Plan;
 use crate::statistical::{Statistical, controls};
 use crate::validation::basis;
 use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 pub(super) fn run(arguments: &RunArguments) -> Result<(), Failure> {
     let mut scene = read_scene(&arguments.scene)?;
@@ -23,50 +27,67 @@ pub(super) fn run(arguments: &RunArguments) -> Result<(), Failure> {
         None => PathBuf::from(arguments.scene.file_stem().unwrap_or_default()).with_extension("h5"),
     };
     let law = law_of(&scene, &scene.model, &arguments.scene)?;
+    let law = law.as_ref();
     refuse_own_scene(&arguments.scene, &output)?;
-    let mut writer = Writer::create(&RUN, &output, arguments.execution.force)?;
+    let claim = Claim::new(&output)?;
+    let interrupted = match beginning(&claim, &scene, arguments)? {
+        Beginning::Complete => {
+            eprintln!("{} is complete: nothing to resume", output.display());
+            return Ok(());
+        }
+        Beginning::Anew => None,
+        Beginning::Resumed(run) => Some(run),
+    };
     let pool = thread_pool(arguments.execution.threads)?;
     let stop = interruption()?;
     let mut progress = Progress::new(arguments.execution.quiet);
 
     progress.phase("integral");
-    let plan = Plan::new(&scene, law.as_ref());
-    let statistical = pool.install(|| Statistical::new(law.as_ref(), &scene.surface, &scene.separations));
+    let plan = Plan::new(&scene, law);
+    let statistical = pool.install(|| Statistical::new(law, &scene.surface, &scene.separations));
     progress.phase("test functionals");
-    let basis = basis(law.as_ref(), &scene.surface, &scene.separations, scene.sampling, scene.replicas);
-    let groups = scene.replicas / scene.sampling.group();
-    let controls = controls(&scene.separations, &statistical, &basis.tested[1], groups);
-    let regimes = write_head(&mut writer, &scene, law.as_ref(), &basis, &controls)?;
-    let mut done = 0;
-    let (ensemble, summation) = {
-        let setup = Sampling {
-            scene: &scene,
-            law: law.as_ref(),
-            basis: &basis,
-            controls: &controls,
-            keep_curves: scene.curves,
-        };
-        setup.run("ensemble", &pool, &stop, &mut progress, |batch| {
-            if scene.curves {
-                writer.curves("/replicas/external_force", done, &batch.external_force)?;
-                writer.curves("/replicas/adhesion_force", done, &batch.adhesion_force)?;
-            }
-            done += batch.ensemble.replicas.len();
-            Ok(())
-        })?
+    let State { basis, controls, .. } = match &interrupted {
+        Some(run) => run.state().clone(),
+        None => {
+            let basis = basis(law, &scene.surface, &scene.separations, scene.sampling, scene.replicas);
+            let groups = scene.replicas / scene.sampling.group();
+            let controls = controls(&scene.separations, &statistical, &basis.tested[1], groups);
+            State::new(basis, controls)
+        }
     };
+    let setup = Sampling { scene: &scene, law, basis: &basis, controls: &controls, keep_curves: scene.curves };
+    let job = setup.job();
+    let (mut keeper, start) = match interrupted {
+        Some(run) => Keeper::resume(*run, &job, arguments.checkpoint)?,
+        None => {
+            let state = State::new(basis.clone(), controls.clone());
+            (Keeper::begin(&claim, &scene, state, arguments.checkpoint)?, Ensemble::new(&job))
+        }
+    };
+    let (outcome, summation) = setup
+        .run("ensemble", &pool, &stop, &mut progress, start, |batch, ensemble| keeper.keep(&job, batch, ensemble))?;
+    let ensemble = match outcome {
+        Outcome::Complete(ensemble) => ensemble,
+        Outcome::Interrupted(ensemble) => {
+            keeper.save(&ensemble)?;
+            return Err(keeper.interrupted(scene.replicas));
+        }
+    };
+    let mut seconds = progress.seconds();
+    seconds.iter_mut().filter(|(name, _)| *name == "ensemble").for_each(|(_, time)| *time = keeper.seconds());
 
     progress.phase("cross-check");
     let (z, joint) = cross_check(&ensemble, &statistical, &basis, &scene);
     let expected = &statistical.expected[Quantity::ExternalForce.index()];
     let expected: Vec<f64> = controls.iter().map(|&place| expected[place]).collect();
     let scalars = controlled_means(&ensemble.groups.scalars, &expected);
-    let of_mean = mean_features(&scene, law.as_ref(), &ensemble, &statistical);
-    let of_integral = integral_features(&scene, law.as_ref(), &statistical);
+    let of_mean = mean_features(&scene, law, &ensemble, &statistical);
+    let of_integral = integral_features(&scene, law, &statistical);
     progress.end();
-    let seconds = progress.seconds();
+    seconds.extend(progress.seconds().last());
     progress.phase("writing");
-    let threads = pool.current_num_threads();
+    let regimes = law.regimes().iter().map(|regime| regime.name()).collect();
+    let (threads, replicas) = (pool.current_num_threads(), scene.replicas);
     let results = Results {
         scene,
         plan,
@@ -83,11 +104,49 @@ pub(super) fn run(arguments: &RunArguments) -> Result<(), Failure> {
         joint,
         seconds,
         threads,
+        resumptions: keeper.resumptions,
+        checkpoints: keeper.journal.cost(),
         output,
     };
-    write_results(&mut writer, &results)?;
-    writer.finish()?;
+    let written = write(&claim, arguments.execution.force, &results, &mut keeper, &stop);
+    match written.map_err(|error| error.writing(&results.output)) {
+        Ok(true) => {}
+        Ok(false) => {
+            keeper.save(&results.ensemble)?;
+            return Err(keeper.interrupted(replicas));
+        }
+        Err(error) => {
+            // What was computed may still fit where the result does not.
+            let _ = keeper.save(&results.ensemble);
+            return Err(match (Failure::from(error), keeper.advice()) {
+                (Failure::Running(error), Some(advice)) => Failure::Running(anyhow::anyhow!("{error:#}; {advice}")),
+                (failure, _) => failure,
+            });
+        }
+    }
+    keeper.journal.discard();
     progress.end();
     print(&summary(&results));
     Ok(())
+}
+
+/// Writes the result; `false` if it was interrupted before it was complete, and then is not there.
+fn write(
+    claim: &Claim,
+    overwrite: bool,
+    results: &Results,
+    keeper: &mut Keeper,
+    stop: &AtomicBool,
+) -> Result<bool, OutputError> {
+    let mut writer = Writer::create(&RUN, claim, overwrite)?;
+    write_head(&mut writer, results)?;
+    if results.scene.curves {
+        write_curves(&writer, results, &mut keeper.journal, stop)?;
+    }
+    if stop.load(Ordering::Relaxed) {
+        return Ok(false);
+    }
+    write_results(&mut writer, results)?;
+    writer.finish()?;
+    Ok(true)
 }

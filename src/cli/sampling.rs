@@ -2,7 +2,7 @@
 
 use super::Failure;
 use crate::asperity::{Law, Quantity};
-use crate::engine::{Batch, Ensemble, Job, Outcome, Summation};
+use crate::engine::{Batch, Ensemble, Job, Outcome, Summation, run_from};
 use crate::output::OutputError;
 use crate::output::progress::Progress;
 use crate::scene::Scene;
@@ -10,8 +10,13 @@ use crate::statistical::Statistical;
 use crate::surface::SamplingScheme;
 use crate::validation::{Basis, JointTest, z_scores};
 use anyhow::Context;
+use signal_hook::consts::TERM_SIGNALS;
+use signal_hook::flag;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
+
+/// Exit code of a run that was interrupted.
+pub(super) const INTERRUPTED: i32 = 130;
 
 /// The ensemble of a scene under a law.
 pub(super) struct Sampling<'a> {
@@ -24,46 +29,47 @@ pub(super) struct Sampling<'a> {
 }
 
 impl Sampling<'_> {
-    /// Sums all replicas, with progress under `name`; `observe` gets every batch in order. Also tells how they were summed.
+    /// The job, summed directly.
+    pub fn job(&self) -> Job<'_> {
+        Job {
+            law: self.law,
+            surface: &self.scene.surface,
+            separations: &self.scene.separations,
+            seed: self.scene.seed,
+            scheme: self.scene.sampling,
+            replicas: self.scene.replicas,
+            probes: &self.basis.probes,
+            controls: self.controls,
+            keep_curves: self.keep_curves,
+            compression: None,
+        }
+    }
+
+    /// Sums the replicas that `start` does not have yet, with progress under `name`; `observe` gets every batch in order, with what it
+    /// has been merged into. Also tells how they were summed.
     pub fn run(
         &self,
         name: &'static str,
         pool: &rayon::ThreadPool,
         stop: &AtomicBool,
         progress: &mut Progress,
-        mut observe: impl FnMut(&Batch) -> Result<(), OutputError>,
-    ) -> Result<(Box<Ensemble>, Summation), Failure> {
-        let Self { scene, law, basis, controls, keep_curves } = *self;
-        let job = Job {
-            law,
-            surface: &scene.surface,
-            separations: &scene.separations,
-            seed: scene.seed,
-            scheme: scene.sampling,
-            replicas: scene.replicas,
-            probes: &basis.probes,
-            controls,
-            keep_curves,
-            compression: None,
-        };
-        let summation = match scene.sum_tolerance {
+        start: Ensemble,
+        mut observe: impl FnMut(&Batch, &Ensemble) -> Result<(), OutputError>,
+    ) -> Result<(Outcome, Summation), Failure> {
+        let job = self.job();
+        let summation = match self.scene.sum_tolerance {
             Some(tolerance) => pool.install(|| Summation::compressed(&job, tolerance)),
             None => Summation::direct(),
         };
         let job = Job { compression: summation.compression.as_ref(), ..job };
-        progress.replicas(name, scene.replicas);
-        let outcome = crate::engine::run(&job, pool, stop, |batch| {
-            observe(batch)?;
+        progress.replicas(name, start.replicas.len() as u64, self.scene.replicas);
+        let outcome = run_from(&job, pool, stop, start, |batch, ensemble| {
+            observe(batch, ensemble)?;
             progress.advance(batch.ensemble.replicas.len() as u64);
             Ok::<(), OutputError>(())
         })?;
-        match outcome {
-            Outcome::Complete(ensemble) => Ok((ensemble, summation)),
-            Outcome::Interrupted { replicas } => {
-                progress.end();
-                Err(Failure::Interrupted { done: replicas, of: scene.replicas })
-            }
-        }
+        progress.end();
+        Ok((outcome, summation))
     }
 }
 
@@ -90,13 +96,15 @@ pub(super) fn thread_pool(count: Option<u16>) -> Result<rayon::ThreadPool, Failu
 /// A flag that the first interruption sets; a second one ends the program at once.
 pub(super) fn interruption() -> Result<Arc<AtomicBool>, Failure> {
     let stop = Arc::new(AtomicBool::new(false));
-    let flag = Arc::clone(&stop);
-    let handler = move || {
-        if flag.swap(true, Ordering::Relaxed) {
-            std::process::exit(130);
+    let handle = || {
+        for signal in TERM_SIGNALS {
+            // Of the two that a signal sets off, the first sees what the signals before it have set.
+            flag::register_conditional_shutdown(*signal, INTERRUPTED, Arc::clone(&stop))?;
+            flag::register(*signal, Arc::clone(&stop))?;
         }
+        std::io::Result::Ok(())
     };
-    ctrlc::set_handler(handler).context("cannot handle interruptions")?;
+    handle().context("cannot handle interruptions")?;
     Ok(stop)
 }
 

@@ -6,6 +6,7 @@ use super::groups::Groups;
 use super::replica::{Replica, Workspace};
 use crate::asperity::{Quantity, Work};
 use crate::math::moments::Moments;
+use crate::math::words::Words;
 use crate::surface::STRATA;
 
 /// Replicas of a batch. Part of what the bits of a result depend on, so it is fixed.
@@ -60,6 +61,32 @@ impl Ensemble {
         self.work.merge(&other.work);
     }
 
+    /// Everything but what is kept of every replica, as words that [`Ensemble::restored`] takes back.
+    pub fn state(&self) -> Vec<u64> {
+        let Self { curves, regime_count, regime_adhesion_force, regime_external_force, groups, replicas: _, work } =
+            self;
+        let mut state = Self {
+            curves: curves.clone(),
+            regime_count: regime_count.clone(),
+            regime_adhesion_force: regime_adhesion_force.clone(),
+            regime_external_force: regime_external_force.clone(),
+            groups: groups.clone(),
+            replicas: Vec::new(),
+            work: *work,
+        };
+        state.words()
+    }
+
+    /// The ensemble of a state and of what was kept of its replicas; none when they are not of this job, or not of whole batches.
+    pub fn restored(job: &Job<'_>, state: &[u64], replicas: Vec<Replica>) -> Option<Self> {
+        let mut ensemble = Self::new(job);
+        let count = replicas.len() as u64;
+        let whole = count == job.replicas || (count < job.replicas && count.is_multiple_of(BATCH));
+        let fits = whole && ensemble.restore(state) && ensemble.regime_count.count() == count;
+        ensemble.replicas = replicas;
+        fits.then_some(ensemble)
+    }
+
     fn push(&mut self, job: &Job<'_>, replica: Replica, curves: &Curves) {
         for (moments, curve) in self.curves.iter_mut().zip(&curves.total) {
             moments.push(curve);
@@ -69,6 +96,31 @@ impl Ensemble {
         self.regime_external_force.push(&curves.regime_external_force);
         self.groups.push(job, &replica, curves);
         self.replicas.push(replica);
+    }
+}
+
+impl Words for Ensemble {
+    fn each_word(&mut self, visit: &mut dyn FnMut(&mut u64)) {
+        self.curves.each_word(visit);
+        self.regime_count.each_word(visit);
+        self.regime_adhesion_force.each_word(visit);
+        self.regime_external_force.each_word(visit);
+        self.groups.each_word(visit);
+        let Work {
+            contact_solves,
+            noncontact_solves,
+            constant,
+            closed_form,
+            far,
+            unloaded,
+            compressed,
+            evaluations,
+            safeguarded,
+            largest_residual,
+        } = &mut self.work;
+        let counts = [constant, closed_form, far, unloaded, compressed, evaluations, safeguarded];
+        [contact_solves, noncontact_solves].into_iter().chain(counts).for_each(&mut *visit);
+        largest_residual.each_word(visit);
     }
 }
 
@@ -98,4 +150,23 @@ impl Batch {
         batch.ensemble.work = workspace.take_work();
         batch
     }
+
+    /// The record of each of its replicas, one after the other: what is kept of it, and its curves where they are.
+    pub fn records(&self, job: &Job<'_>) -> Vec<u64> {
+        let (s, replicas) = (job.separations.len(), &self.ensemble.replicas);
+        let mut records = Vec::with_capacity(replicas.len() * record_length(s, job.keep_curves));
+        for (i, mut replica) in replicas.iter().copied().enumerate() {
+            replica.each_word(&mut |word| records.push(*word));
+            for curves in [&self.external_force, &self.adhesion_force] {
+                records.extend(curves.iter().skip(i * s).take(s).map(|force| force.to_bits()));
+            }
+        }
+        records
+    }
+}
+
+/// Words of the record of a replica over so many separations: what is kept of it, and behind it, where curves are kept, its external
+/// force and its adhesion force, N.
+pub fn record_length(separations: usize, keep_curves: bool) -> usize {
+    Replica::WORDS + if keep_curves { 2 * separations } else { 0 }
 }

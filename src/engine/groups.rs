@@ -7,6 +7,7 @@ use super::replica::Replica;
 use super::scalars::SCALARS;
 use crate::asperity::Quantity;
 use crate::math::moments::{Comoments, Moments};
+use crate::math::words::Words;
 
 /// Parts that the scalars of an ensemble are split into, by batches in turn: independent of each other, as control variates need them.
 const PARTS: usize = 16;
@@ -25,7 +26,7 @@ pub struct Groups {
     sums: Vec<f64>,
     filled: u64,
     /// Batches that have been merged.
-    batches: usize,
+    batches: u64,
 }
 
 impl Groups {
@@ -81,7 +82,18 @@ impl Groups {
             mine.merge(theirs);
         }
         self.scores.merge(&other.scores);
-        self.scalars[self.batches % PARTS].merge(&other.scalars[0]);
+        self.scalars[(self.batches % PARTS as u64) as usize].merge(&other.scalars[0]);
         self.batches += 1;
+    }
+}
+
+impl Words for Groups {
+    fn each_word(&mut self, visit: &mut dyn FnMut(&mut u64)) {
+        self.curves.each_word(visit);
+        self.scores.each_word(visit);
+        self.scalars.each_word(visit);
+        self.sums.each_word(visit);
+        visit(&mut self.filled);
+        visit(&mut self.batches);
     }
 }

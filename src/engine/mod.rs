@@ -17,10 +17,10 @@ mod scalars;
 pub mod stream;
 mod summation;
 
-pub use batch::{BATCH, Batch, Ensemble};
+pub use batch::{BATCH, Batch, Ensemble, record_length};
 pub use curves::Curves;
 pub use groups::Groups;
-pub use reduce::{Outcome, run};
+pub use reduce::{Outcome, run, run_from};
 pub use replica::{Replica, Workspace};
 pub use sampling::draw;
 pub use scalars::{SCALARS, Scalar};
@@ -29,9 +29,10 @@ pub use summation::Summation;
 use crate::asperity::Law;
 use crate::surface::{SamplingScheme, Surface};
 use compressed::Compression;
+use serde::{Deserialize, Serialize};
 
 /// A linear functional of a replica's force curves, for the joint test: Σ w_a F_s(d) + Σ w_f F(d).
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Probe {
     /// Weights of the adhesion force at each separation, 1/N.
     pub adhesion_force: Vec<f64>,

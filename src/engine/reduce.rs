@@ -1,7 +1,7 @@
 //! Batches computed in parallel, merged in order.
 
 use super::Job;
-use super::batch::{Batch, Ensemble};
+use super::batch::{BATCH, Batch, Ensemble};
 use super::replica::Workspace;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -13,18 +13,20 @@ use std::sync::mpsc::sync_channel;
 pub enum Outcome {
     /// All replicas are in.
     Complete(Box<Ensemble>),
-    /// `stop` was set: this many replicas had been merged.
-    Interrupted {
-        /// Merged replicas.
-        replicas: u64,
-    },
+    /// `stop` was set: the batches that were merged until then.
+    Interrupted(Box<Ensemble>),
 }
 
-/// Computes a job on `pool`. `observe` gets every batch in order, before it is merged; its error ends the run. When `stop` is
-/// set no batch is begun any more.
-///
-/// At most a few batches per thread wait to be merged, so memory does not grow with the number of replicas except by what is kept
-/// of each.
+impl Outcome {
+    /// What has been merged.
+    pub fn ensemble(&self) -> &Ensemble {
+        match self {
+            Self::Complete(ensemble) | Self::Interrupted(ensemble) => ensemble,
+        }
+    }
+}
+
+/// Computes a job from its first replica: [`run_from`].
 ///
 /// # Errors
 /// The error of `observe`.
@@ -32,14 +34,34 @@ pub fn run<E: Send>(
     job: &Job<'_>,
     pool: &rayon::ThreadPool,
     stop: &AtomicBool,
-    mut observe: impl FnMut(&Batch) -> Result<(), E>,
+    observe: impl FnMut(&Batch, &Ensemble) -> Result<(), E>,
+) -> Result<Outcome, E> {
+    run_from(job, pool, stop, Ensemble::new(job), observe)
+}
+
+/// Computes a job on `pool`, from the first replica that `merged` does not have yet. `observe` gets every batch in order, with what
+/// it has been merged into; its error ends the run. When `stop` is set no batch is begun any more. The result has the same bits
+/// wherever it began.
+///
+/// At most a few batches per thread wait to be merged, so memory does not grow with the number of replicas except by what is kept
+/// of each.
+///
+/// # Errors
+/// The error of `observe`.
+pub fn run_from<E: Send>(
+    job: &Job<'_>,
+    pool: &rayon::ThreadPool,
+    stop: &AtomicBool,
+    mut merged: Ensemble,
+    mut observe: impl FnMut(&Batch, &Ensemble) -> Result<(), E>,
 ) -> Result<Outcome, E> {
     let (sender, receiver) = sync_channel::<(u64, Batch)>(pool.current_num_threads());
+    let first = (merged.replicas.len() as u64).div_ceil(BATCH);
     std::thread::scope(|scope| {
         scope.spawn(move || {
             pool.install(|| {
                 // par_bridge hands batches out in order, so those that wait for an earlier one are few.
-                let batches = (0..job.batches()).par_bridge();
+                let batches = (first..job.batches()).par_bridge();
                 batches.for_each_init(
                     || Workspace::new(job),
                     |workspace, index| {
@@ -51,26 +73,22 @@ pub fn run<E: Send>(
                 );
             });
         });
-        let mut merged = Ensemble::new(job);
         let mut waiting = BTreeMap::new();
-        let mut next = 0;
+        let mut next = first;
         for (index, batch) in receiver.iter() {
             waiting.insert(index, batch);
             while let Some(batch) = waiting.remove(&next) {
-                if let Err(error) = observe(&batch) {
+                merged.merge(&batch.ensemble);
+                if let Err(error) = observe(&batch, &merged) {
                     stop.store(true, Ordering::Relaxed);
                     drop(receiver);
                     return Err(error);
                 }
-                merged.merge(&batch.ensemble);
                 next += 1;
             }
         }
-        let replicas = merged.replicas.len() as u64;
-        if replicas == job.replicas {
-            Ok(Outcome::Complete(Box::new(merged)))
-        } else {
-            Ok(Outcome::Interrupted { replicas })
-        }
+        let complete = merged.replicas.len() as u64 == job.replicas;
+        let merged = Box::new(merged);
+        Ok(if complete { Outcome::Complete(merged) } else { Outcome::Interrupted(merged) })
     })
 }

@@ -9,10 +9,11 @@ use crate::asperity::{Quantity, Scratch, Work, for_each_block_of, regime_ranges}
 use crate::math::extrema::steepest_rise;
 use crate::math::instruction_set::InstructionSet;
 use crate::math::sums::{Compensated, lane_sum};
+use crate::math::words::Words;
 use std::ops::Range;
 
 /// What is kept of every replica.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Replica {
     /// Number of asperities.
     pub asperity_count: u64,
@@ -28,6 +29,25 @@ pub struct Replica {
     pub peak_stiffness_separation: f64,
     /// Whether the smallest force is at the first or last separation, so that the curve may fall further beyond.
     pub pull_off_at_edge: bool,
+}
+
+impl Replica {
+    /// Its number of words.
+    pub const WORDS: usize = 7;
+}
+
+impl Words for Replica {
+    fn each_word(&mut self, visit: &mut dyn FnMut(&mut u64)) {
+        visit(&mut self.asperity_count);
+        self.highest_asperity.each_word(visit);
+        self.pull_off_force.each_word(visit);
+        self.pull_off_separation.each_word(visit);
+        self.peak_stiffness.each_word(visit);
+        self.peak_stiffness_separation.each_word(visit);
+        let mut at_edge = u64::from(self.pull_off_at_edge);
+        visit(&mut at_edge);
+        self.pull_off_at_edge = at_edge != 0;
+    }
 }
 
 /// Memory that batches reuse one after the other.

@@ -13,3 +13,4 @@ pub mod polynomials;
 pub mod quadrature;
 pub mod roots;
 pub mod sums;
+pub mod words;

@@ -1,5 +1,7 @@
 //! Mergeable moments of vectors (Chan, Golub and LeVeque 1979).
 
+use super::words::Words;
+
 /// Count, mean and sum of squared deviations of each component.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Moments {
@@ -66,6 +68,14 @@ impl Moments {
     }
 }
 
+impl Words for Moments {
+    fn each_word(&mut self, visit: &mut dyn FnMut(&mut u64)) {
+        visit(&mut self.count);
+        self.mean.each_word(visit);
+        self.squares.each_word(visit);
+    }
+}
+
 /// Mean and covariance of vectors.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Comoments {
@@ -129,6 +139,14 @@ impl Comoments {
     pub fn covariance(&self) -> Vec<f64> {
         let freedom = if self.count < 2 { f64::NAN } else { (self.count - 1) as f64 };
         self.products.iter().map(|product| product / freedom).collect()
+    }
+}
+
+impl Words for Comoments {
+    fn each_word(&mut self, visit: &mut dyn FnMut(&mut u64)) {
+        visit(&mut self.count);
+        self.mean.each_word(visit);
+        self.products.each_word(visit);
     }
 }
 

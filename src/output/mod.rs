@@ -1,13 +1,18 @@
-//! Files and progress: the HDF5 layout, writing it whole or not at all, reading it back, and the bars on the terminal.
+//! Files and progress: the HDF5 layout, writing it whole or not at all, reading it back, what an interrupted run keeps, and the bars on
+//! the terminal.
 
 mod attributes;
+pub mod checkpoint;
+mod claim;
 pub mod progress;
 pub mod reader;
 mod scales;
 pub mod schema;
 pub mod writer;
 
-use std::path::PathBuf;
+pub use claim::Claim;
+
+use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 /// What can go wrong with a file.
@@ -22,6 +27,28 @@ pub enum OutputError {
     /// The output names a folder.
     #[error("{} names a folder; name a file with -o", .0.display())]
     IsFolder(PathBuf),
+    /// The output names what is neither file nor folder.
+    #[error("{} is not a file; name a file with -o", .0.display())]
+    NotAFile(PathBuf),
+    /// Something is mounted on the output, so no file of its folder can take its name.
+    #[error("{} is on another file system than its folder; name a file beside it with -o", .0.display())]
+    OtherFileSystem(PathBuf),
+    /// Another run makes the output.
+    #[error("another run makes {} (process {process}); wait for it, or give another name with -o", output.display())]
+    Claimed {
+        /// The output.
+        output: PathBuf,
+        /// The number of the other process.
+        process: String,
+    },
+    /// What stands beside the output is not a checkpoint that can be counted on.
+    #[error("{}: {problem}", path.display())]
+    NotACheckpoint {
+        /// The file.
+        path: PathBuf,
+        /// Why not.
+        problem: String,
+    },
     /// The output cannot be made where it is asked for.
     #[error("cannot write in {}: {error}; give another name with -o", folder.display())]
     NotWritable {
@@ -39,8 +66,8 @@ pub enum OutputError {
         problem: String,
     },
     /// HDF5 failed.
-    #[error("HDF5: {0}")]
-    Hdf5(#[from] hdf5::Error),
+    #[error("HDF5 failed: {}", brief(&.0.to_string()))]
+    Hdf5(hdf5::Error),
     /// The operating system failed.
     #[error("{action} {}: {error}", path.display())]
     Io {
@@ -51,4 +78,44 @@ pub enum OutputError {
         /// Why it failed.
         error: std::io::Error,
     },
+}
+
+impl OutputError {
+    /// The same, with the file named that HDF5 was to write.
+    pub fn writing(self, path: &Path) -> Self {
+        match self {
+            Self::Hdf5(error) => {
+                let error = std::io::Error::other(brief(&error.to_string()).to_owned());
+                Self::Io { action: "cannot write", path: path.to_owned(), error }
+            }
+            other => other,
+        }
+    }
+}
+
+// Without the source that `#[from]` would name: what HDF5 says is in the message already, made short.
+impl From<hdf5::Error> for OutputError {
+    fn from(error: hdf5::Error) -> Self {
+        Self::Hdf5(error)
+    }
+}
+
+/// Of what HDF5 says, what the operating system said, or else the first reason: the rest repeats it, with addresses.
+fn brief(error: &str) -> &str {
+    let system = error.split_once("error message = '").and_then(|(_, rest)| rest.split_once('\''));
+    system.map_or_else(|| error.split(": ").take(2).last().unwrap_or(error), |(message, _)| message)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::brief;
+
+    #[test]
+    fn what_hdf5_says_is_made_short() {
+        let full = "H5Fflush(): unable to flush: file write failed: time = Sat, filename = 'x', errno = 28, error message = 'No space \
+                    left on device', buf = 0x5604: H5Fflush(): unable to flush";
+        assert_eq!(brief(full), "No space left on device");
+        assert_eq!(brief("H5Dopen2(): unable to open dataset: not found"), "unable to open dataset");
+        assert_eq!(brief("no dataspace"), "no dataspace");
+    }
 }

@@ -23,9 +23,11 @@ impl Progress {
         self.bar.enable_steady_tick(Duration::from_millis(100));
     }
 
-    /// Begins a phase that counts replicas.
-    pub fn replicas(&mut self, name: &'static str, total: u64) {
+    /// Begins a phase that counts replicas, of which some are done already.
+    pub fn replicas(&mut self, name: &'static str, done: u64, total: u64) {
         self.begin(name, ProgressBar::new(total), "{msg} {wide_bar} {pos}/{len} replicas, {rate}, {eta} left");
+        self.bar.set_position(done);
+        self.bar.reset_eta();
     }
 
     fn begin(&mut self, name: &'static str, bar: ProgressBar, template: &str) {
@@ -73,7 +75,7 @@ mod tests {
     fn phases_are_named_and_timed() {
         let mut progress = Progress::new(true);
         progress.phase("integral");
-        progress.replicas("ensemble", 10);
+        progress.replicas("ensemble", 0, 10);
         progress.advance(10);
         let names: Vec<&str> = progress.seconds().iter().map(|(name, _)| *name).collect();
         assert_eq!(names, ["integral", "ensemble"]);

@@ -1,60 +1,51 @@
 //! Writing a result: under a temporary name beside the output, and under its own name only when it is complete.
 
-use super::OutputError;
 use super::attributes::{write_number, write_numbers, write_text};
+use super::claim::flush_names;
 use super::scales::{attach_scale, make_scale};
 use super::schema::{Dimension, Layout};
+use super::{Claim, OutputError};
 use hdf5::types::VarLenUnicode;
 use hdf5::{Dataset, File, H5Type};
-use std::path::{Path, PathBuf};
 use std::str::FromStr;
-use tempfile::{Builder, NamedTempFile};
+use tempfile::TempPath;
 
 /// Replicas of a chunk of curves.
-const CURVE_CHUNK: usize = 64;
+pub const CURVE_CHUNK: usize = 64;
 /// Compression level of curves.
 const DEFLATE: u8 = 4;
 
 /// A result that is being written.
-pub struct Writer {
+pub struct Writer<'c> {
     layout: &'static Layout,
+    claim: &'c Claim,
     file: File,
-    temporary: NamedTempFile,
-    output: PathBuf,
+    temporary: TempPath,
     force: bool,
     scales: Vec<(Dimension, Dataset)>,
 }
 
-impl Writer {
-    /// Begins a file of a layout that will be `output`. Nothing appears under that name before [`Writer::finish`]; dropped before, it
-    /// leaves nothing.
+impl<'c> Writer<'c> {
+    /// Begins a file of a layout that will be the output of a claim. Nothing appears under that name before [`Writer::finish`]; dropped
+    /// before, it leaves nothing.
     ///
     /// # Errors
-    /// [`OutputError`] when the output exists and `force` is not set, or its folder is missing or not writable.
-    pub fn create(layout: &'static Layout, output: &Path, force: bool) -> Result<Self, OutputError> {
-        let folder = match output.parent() {
-            Some(folder) if folder != Path::new("") => folder,
-            _ => Path::new("."),
-        };
-        if !folder.is_dir() {
-            return Err(OutputError::NoFolder(folder.to_owned()));
-        }
-        if output.is_dir() || output.file_name().is_none() || output.as_os_str().to_string_lossy().ends_with('/') {
-            return Err(OutputError::IsFolder(output.to_owned()));
-        }
-        if output.exists() && !force {
-            return Err(OutputError::Exists(output.to_owned()));
-        }
-        let name = output.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let temporary =
-            temporary(folder, &name).map_err(|error| OutputError::NotWritable { folder: folder.to_owned(), error })?;
-        let file = File::create(temporary.path())?;
+    /// [`OutputError`] when the output exists and `force` is not set, or HDF5 fails.
+    pub fn create(layout: &'static Layout, claim: &'c Claim, force: bool) -> Result<Self, OutputError> {
+        claim.check(force)?;
+        let temporary = claim.hidden(".partial");
+        let file = File::create(&temporary)?;
+        let temporary = TempPath::try_from_path(temporary).map_err(|error| OutputError::Io {
+            action: "cannot make",
+            path: claim.output().to_owned(),
+            error,
+        })?;
         write_text(&file, "format", layout.format)?;
         write_numbers(&file, "format_version", &layout.version)?;
         for group in layout.groups {
             file.create_group(group)?;
         }
-        Ok(Self { layout, file, temporary, output: output.to_owned(), force, scales: Vec::new() })
+        Ok(Self { layout, claim, file, temporary, force, scales: Vec::new() })
     }
 
     /// Writes a text attribute of a group.
@@ -145,7 +136,7 @@ impl Writer {
         self.describe(path, &dataset)
     }
 
-    /// Fills the curves of consecutive replicas, row-major.
+    /// Fills the curves of consecutive replicas, row-major; fast for whole chunks of [`CURVE_CHUNK`] replicas.
     ///
     /// # Errors
     /// When HDF5 fails.
@@ -183,16 +174,20 @@ impl Writer {
     /// # Errors
     /// When the disk fails, or the output has come into being meanwhile and must not be overwritten.
     pub fn finish(self) -> Result<(), OutputError> {
-        let Self { file, temporary, output, force, scales, .. } = self;
+        let Self { file, claim, temporary, force, scales, .. } = self;
         drop(scales);
         file.flush()?;
         file.close()?;
-        let io = |action, error| OutputError::Io { action, path: output.clone(), error };
-        temporary.as_file().sync_all().map_err(|error| io("cannot flush", error))?;
-        let renamed = if force { temporary.persist(&output) } else { temporary.persist_noclobber(&output) };
+        let io = |action, error| OutputError::Io { action, path: claim.output().to_owned(), error };
+        let flushed = std::fs::File::open(&temporary).and_then(|file| file.sync_all());
+        flushed.map_err(|error| io("cannot flush", error))?;
+        let output = claim.output();
+        let renamed = if force { temporary.persist(output) } else { temporary.persist_noclobber(output) };
         match renamed {
-            Ok(_) => Ok(()),
-            Err(failed) if failed.error.kind() == std::io::ErrorKind::AlreadyExists => Err(OutputError::Exists(output)),
+            Ok(()) => flush_names(claim.folder()).map_err(|error| io("cannot flush the name of", error)),
+            Err(failed) if failed.error.kind() == std::io::ErrorKind::AlreadyExists => {
+                Err(OutputError::Exists(output.to_owned()))
+            }
             Err(failed) => Err(io("cannot name", failed.error)),
         }
     }
@@ -201,13 +196,4 @@ impl Writer {
 /// Names and notes of this program, which hold no NUL byte.
 fn unicode(texts: &[&str]) -> Vec<VarLenUnicode> {
     texts.iter().map(|text| VarLenUnicode::from_str(text).expect("no NUL byte")).collect()
-}
-
-/// An empty hidden file beside the output, with the permissions that the output would have.
-fn temporary(folder: &Path, name: &str) -> std::io::Result<NamedTempFile> {
-    let (prefix, mut builder) = (format!(".{name}."), Builder::new());
-    builder.suffix(".partial");
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    builder.prefix(&prefix).tempfile_in(folder)
 }

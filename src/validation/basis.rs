@@ -4,6 +4,7 @@ use crate::asperity::{Law, Scratch, Work, for_each_block};
 use crate::engine::Probe;
 use crate::math::linalg::{gram, whitening};
 use crate::surface::{STRATA, SamplingScheme, Surface};
+use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
 /// Heights of the grid on which the covariance of the law over separations is formed. It shapes the functionals only: their
@@ -26,7 +27,7 @@ const LARGEST_SKEWNESS_SQUARED: f64 = 0.01;
 const LARGEST_KURTOSIS: f64 = 0.02;
 
 /// The functionals and the separations that they look at.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Basis {
     /// Each scaled to a score of unit variance per replica, or per replica's worth of what the sampling scheme leaves to chance.
     pub probes: Vec<Probe>,

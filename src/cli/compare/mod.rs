@@ -12,8 +12,9 @@ use crate::asperity::emd::Emd;
 use crate::asperity::laws::fit::FORCES;
 use crate::asperity::models::Model;
 use crate::asperity::{FitReport, Law, Quantity, Scratch, Work, for_each_block};
-use crate::engine::{Ensemble, Summation};
+use crate::engine::{Ensemble, Outcome, Summation};
 use crate::math::extrema::Features;
+use crate::output::Claim;
 use crate::output::progress::Progress;
 use crate::output::schema::COMPARISON;
 use crate::output::writer::Writer;
@@ -78,8 +79,8 @@ pub(super) fn compare(arguments: &CompareArguments) -> Result<(), Failure> {
     if let Some(output) = &arguments.output {
         refuse_own_scene(&arguments.scene, output)?;
     }
-    let writer = arguments.output.as_ref().map(|output| Writer::create(&COMPARISON, output, arguments.execution.force));
-    let writer = writer.transpose()?;
+    let claim = arguments.output.as_ref().map(|output| Claim::new(output)).transpose()?;
+    claim.as_ref().map_or(Ok(()), |claim| claim.check(arguments.execution.force))?;
     let pool = thread_pool(arguments.execution.threads)?;
     let stop = interruption()?;
     let mut progress = Progress::new(arguments.execution.quiet);
@@ -107,9 +108,12 @@ pub(super) fn compare(arguments: &CompareArguments) -> Result<(), Failure> {
     }
     progress.end();
     let comparison = Comparison { scene, interferences, laws: compared };
-    if let Some(mut writer) = writer {
-        record::write(&mut writer, &comparison)?;
-        writer.finish()?;
+    if let Some(claim) = &claim {
+        let written = Writer::create(&COMPARISON, claim, arguments.execution.force).and_then(|mut writer| {
+            record::write(&mut writer, &comparison)?;
+            writer.finish()
+        });
+        written.map_err(|error| error.writing(claim.output()))?;
     }
     print(&table::table(&comparison, arguments.output.as_deref()));
     Ok(())
@@ -162,7 +166,12 @@ fn sample(
 ) -> Result<Sampled, Failure> {
     let basis = basis(law, &scene.surface, &scene.separations, scene.sampling, scene.replicas);
     let setup = Sampling { scene, law, basis: &basis, controls: &[], keep_curves: false };
-    let (ensemble, summation) = setup.run(name, pool, stop, progress, |_| Ok(()))?;
+    let start = Ensemble::new(&setup.job());
+    let (outcome, summation) = setup.run(name, pool, stop, progress, start, |_, _| Ok(()))?;
+    let Outcome::Complete(ensemble) = outcome else {
+        let done = outcome.ensemble().replicas.len() as u64;
+        return Err(Failure::Interrupted { done, of: scene.replicas, kept: None });
+    };
     let (z, joint) = cross_check(&ensemble, statistical, &basis, scene);
     Ok(Sampled { ensemble, summation, z, joint })
 }

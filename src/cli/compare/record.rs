@@ -13,7 +13,7 @@ use crate::output::schema::Dimension;
 use crate::output::writer::Writer;
 use crate::validation::SIGNIFICANCE;
 
-pub(super) fn write(writer: &mut Writer, comparison: &Comparison) -> Result<(), OutputError> {
+pub(super) fn write(writer: &mut Writer<'_>, comparison: &Comparison) -> Result<(), OutputError> {
     let Comparison { scene, interferences, laws } = comparison;
     write_scene(writer, scene)?;
     let scale = scene.scale();
@@ -58,7 +58,7 @@ fn less_first(rows: &[f64], length: usize) -> Vec<f64> {
     rows.iter().enumerate().map(|(i, value)| value - rows[i % length]).collect()
 }
 
-fn write_statistical(writer: &Writer, laws: &[Compared]) -> Result<(), OutputError> {
+fn write_statistical(writer: &Writer<'_>, laws: &[Compared]) -> Result<(), OutputError> {
     for quantity in Quantity::ALL {
         let (q, name) = (quantity.index(), quantity.name());
         let values = rows(laws, |law| &law.statistical.expected[q]);
@@ -99,7 +99,7 @@ fn write_statistical(writer: &Writer, laws: &[Compared]) -> Result<(), OutputErr
     writer.dataset("/statistical/quadrature_error", &per_law(laws, |law| law.statistical.quadrature_error))
 }
 
-fn write_asperity(writer: &Writer, laws: &[Compared]) -> Result<(), OutputError> {
+fn write_asperity(writer: &Writer<'_>, laws: &[Compared]) -> Result<(), OutputError> {
     for quantity in Quantity::ALL {
         let name = quantity.name();
         let values = rows(laws, |law| &law.asperity[quantity.index()]);
@@ -112,7 +112,7 @@ fn write_asperity(writer: &Writer, laws: &[Compared]) -> Result<(), OutputError>
     Ok(())
 }
 
-fn write_fits(writer: &mut Writer, laws: &[Compared]) -> Result<(), OutputError> {
+fn write_fits(writer: &mut Writer<'_>, laws: &[Compared]) -> Result<(), OutputError> {
     writer.named_scale(Dimension::FittedForce, &FORCES)?;
     writer.named_scale(Dimension::Coefficient, &NAMES)?;
     writer.named_scale(Dimension::RangeEnd, &["from", "to"])?;
@@ -129,7 +129,7 @@ fn write_fits(writer: &mut Writer, laws: &[Compared]) -> Result<(), OutputError>
     writer.dataset("/fit/rms_residual", &of_forces(|fit| fit.rms_residual))
 }
 
-fn write_ensemble(writer: &Writer, comparison: &Comparison, sampled: &[&Sampled]) -> Result<(), OutputError> {
+fn write_ensemble(writer: &Writer<'_>, comparison: &Comparison, sampled: &[&Sampled]) -> Result<(), OutputError> {
     for quantity in Quantity::ALL {
         let (q, name) = (quantity.index(), quantity.name());
         let moments = || sampled.iter().map(|sampled| &sampled.ensemble.curves[q]);

@@ -12,7 +12,7 @@ const KK: &[Dimension] = &[Dimension::Component, Dimension::ComponentOther];
 pub static RUN: Layout = Layout {
     format: "stiction-run",
     command: "stiction run",
-    version: [1, 1],
+    version: [1, 2],
     groups: &["ensemble", "replicas", "statistical", "validation", "diagnostics"],
     variables: VARIABLES,
 };
@@ -172,4 +172,7 @@ const VARIABLES: &[Variable] = &[
     variable("/diagnostics/largest_residual", NONE, "1", "largest relative residual before the last Newton step"),
     variable("/diagnostics/seconds", &[Dimension::Phase], "s", "wall time of each phase"),
     variable("/diagnostics/threads", NONE, "1", "threads that computed the ensemble"),
+    variable("/diagnostics/resumptions", NONE, "1", "how often the run was resumed after an interruption"),
+    variable("/diagnostics/checkpoints", NONE, "1", "checkpoints that were saved since the run was last resumed"),
+    variable("/diagnostics/checkpoint_seconds", NONE, "s", "wall time that saving these checkpoints took"),
 ];

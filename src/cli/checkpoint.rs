@@ -1,0 +1,237 @@
+//! What `run` keeps while it goes, and how it goes on after an interruption.
+
+use super::{Failure, RunArguments};
+use crate::engine::{BATCH, Batch, Ensemble, Job, Replica, record_length};
+use crate::math::words::Words;
+use crate::output::checkpoint::{Checkpoint, Identity, Journal, forget};
+use crate::output::reader::Reader;
+use crate::output::schema::RUN;
+use crate::output::{Claim, OutputError};
+use crate::scene::Scene;
+use crate::validation::Basis;
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+/// What a checkpoint holds of a run beside the records of its replicas.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct State {
+    /// The functionals of the joint test. They come from linear algebra whose last bits may differ between processors, so they are kept.
+    pub basis: Basis,
+    /// Indices of the separations of the control variates.
+    pub controls: Vec<usize>,
+    /// The ensemble without its replicas.
+    ensemble: Vec<u64>,
+}
+
+impl State {
+    /// That of a run that begins.
+    pub fn new(basis: Basis, controls: Vec<usize>) -> Self {
+        Self { basis, controls, ensemble: Vec::new() }
+    }
+}
+
+/// A run that was interrupted.
+pub(super) struct Interrupted {
+    journal: Journal,
+    checkpoint: Checkpoint<State>,
+    replicas: Vec<Replica>,
+}
+
+/// Which run a scene is.
+pub(super) fn identity(scene: &Scene) -> Identity {
+    Identity {
+        program_version: env!("CARGO_PKG_VERSION").to_owned(),
+        source_revision: env!("STICTION_SOURCE_REVISION").to_owned(),
+        scene: scene.text.clone(),
+        seed: scene.seed,
+        replicas: scene.replicas,
+    }
+}
+
+/// What an output is begun with.
+pub(super) enum Beginning {
+    /// It is there already, of the same run.
+    Complete,
+    /// Nothing was kept.
+    Anew,
+    /// A run that was interrupted goes on.
+    Resumed(Box<Interrupted>),
+}
+
+/// How to begin an output: refused if that would overwrite a result, or drop or mistake a checkpoint.
+pub(super) fn beginning(claim: &Claim, scene: &Scene, arguments: &RunArguments) -> Result<Beginning, Failure> {
+    let RunArguments { resume, execution, .. } = arguments;
+    let (identity, output) = (identity(scene), claim.output());
+    if !resume {
+        claim.check(execution.force)?;
+    }
+    let found = Checkpoint::<State>::find(claim)?;
+    match found {
+        Some(_) if !resume && execution.force => forget(claim)?,
+        Some(checkpoint) if !resume => {
+            let kept = format!("{} of {} replicas", checkpoint.done, checkpoint.identity.replicas);
+            return Err(Failure::Usage(format!(
+                "{} holds {kept} of an interrupted run; --resume goes on with it, --force begins anew",
+                claim.beside(".checkpoint").display()
+            )));
+        }
+        found if *resume => {
+            if claim.check(execution.force).is_err() {
+                if !is_result_of(output, &identity) {
+                    claim.check(false)?;
+                }
+                // The run ended between naming its result and removing what it had kept.
+                if found.is_some_and(|checkpoint| checkpoint.identity == identity) {
+                    forget(claim)?;
+                }
+                return Ok(Beginning::Complete);
+            }
+            if let Some(checkpoint) = found {
+                return resumed(claim, scene, &identity, checkpoint).map(|run| Beginning::Resumed(Box::new(run)));
+            }
+        }
+        _ => {}
+    }
+    Ok(Beginning::Anew)
+}
+
+/// Whether a file is the complete result of a run.
+fn is_result_of(output: &Path, identity: &Identity) -> bool {
+    let Ok(reader) = Reader::open(output, &[&RUN]) else { return false };
+    let is = |name: &str, text: &str| reader.optional_text("/", name).is_ok_and(|kept| kept.as_deref() == Some(text));
+    let number = |name: &str, value: u64| reader.number::<u64>("/", name).is_ok_and(|kept| kept == value);
+    is("program_version", &identity.program_version)
+        && is("source_revision", &identity.source_revision)
+        && is("scene", &identity.scene)
+        && number("seed", identity.seed)
+        && number("replicas", identity.replicas)
+}
+
+fn resumed(
+    claim: &Claim,
+    scene: &Scene,
+    identity: &Identity,
+    checkpoint: Checkpoint<State>,
+) -> Result<Interrupted, Failure> {
+    let refused = |problem: String| {
+        let path = claim.beside(".checkpoint");
+        Failure::from(OutputError::NotACheckpoint { path, problem: format!("{problem}; --force begins anew") })
+    };
+    if let Some(difference) = identity.difference(&checkpoint.identity) {
+        return Err(refused(difference));
+    }
+    let (s, State { basis, controls, .. }) = (scene.separations.len(), &checkpoint.state);
+    let probes = basis.probes.iter().flat_map(|probe| [probe.adhesion_force.len(), probe.external_force.len()]);
+    let tested = basis.tested.iter().map(Vec::len);
+    let done = checkpoint.done;
+    let whole = done == scene.replicas || (done < scene.replicas && done.is_multiple_of(BATCH));
+    if !whole || probes.chain(tested).any(|length| length != s) || controls.iter().any(|place| *place >= s) {
+        return Err(refused("is not of this scene".to_owned()));
+    }
+    let mut replicas = Vec::new();
+    let journal = Journal::resume(claim, record_length(s, scene.curves), &checkpoint, |record| {
+        let mut replica = Replica::default();
+        replica.restore(&record[..Replica::WORDS]);
+        replicas.push(replica);
+    })?;
+    Ok(Interrupted { journal, checkpoint, replicas })
+}
+
+impl Interrupted {
+    /// What was kept of what goes before the ensemble.
+    pub fn state(&self) -> &State {
+        &self.checkpoint.state
+    }
+}
+
+/// Keeps what a run has done.
+pub(super) struct Keeper {
+    identity: Identity,
+    pub journal: Journal,
+    state: State,
+    interval: Duration,
+    begun: Instant,
+    saved: Instant,
+    /// Replicas at the last checkpoint.
+    saved_done: u64,
+    /// Seconds of the sittings before this one.
+    seconds_before: f64,
+    pub resumptions: u64,
+}
+
+impl Keeper {
+    /// Keeps a run that begins, every `interval`.
+    pub fn begin(claim: &Claim, scene: &Scene, state: State, interval: Duration) -> Result<Self, Failure> {
+        let journal = Journal::begin(claim, record_length(scene.separations.len(), scene.curves))?;
+        Ok(Self::new(identity(scene), journal, state, interval))
+    }
+
+    /// Keeps a run that goes on, and the ensemble that it goes on from.
+    pub fn resume(run: Interrupted, job: &Job<'_>, interval: Duration) -> Result<(Self, Ensemble), Failure> {
+        let Interrupted { journal, checkpoint, replicas } = run;
+        let Some(ensemble) = Ensemble::restored(job, &checkpoint.state.ensemble, replicas) else {
+            let path = journal.checkpoint().unwrap_or(Path::new("")).to_owned();
+            return Err(OutputError::NotACheckpoint { path, problem: "is not of this scene".to_owned() }.into());
+        };
+        let keeper = Self {
+            saved_done: checkpoint.done,
+            seconds_before: checkpoint.seconds,
+            resumptions: checkpoint.resumptions + 1,
+            ..Self::new(checkpoint.identity, journal, checkpoint.state, interval)
+        };
+        Ok((keeper, ensemble))
+    }
+
+    fn new(identity: Identity, journal: Journal, state: State, interval: Duration) -> Self {
+        let now = Instant::now();
+        Self {
+            identity,
+            journal,
+            state,
+            interval,
+            begun: now,
+            saved: now,
+            saved_done: 0,
+            seconds_before: 0.0,
+            resumptions: 0,
+        }
+    }
+
+    /// Keeps the records of a batch, and saves a checkpoint if it is time.
+    pub fn keep(&mut self, job: &Job<'_>, batch: &Batch, ensemble: &Ensemble) -> Result<(), OutputError> {
+        self.journal.append(&batch.records(job))?;
+        if self.saved.elapsed() >= self.interval { self.save(ensemble) } else { Ok(()) }
+    }
+
+    /// Saves a checkpoint of what has been done since the last one, if anything.
+    pub fn save(&mut self, ensemble: &Ensemble) -> Result<(), OutputError> {
+        if self.journal.done() > self.saved_done {
+            self.state.ensemble = ensemble.state();
+            self.journal.save(&self.identity, self.seconds(), self.resumptions, &self.state)?;
+            self.saved_done = self.journal.done();
+        }
+        self.saved = Instant::now();
+        Ok(())
+    }
+
+    /// Seconds since the run began, interruptions left out.
+    pub fn seconds(&self) -> f64 {
+        self.seconds_before + self.begun.elapsed().as_secs_f64()
+    }
+
+    /// That the run was interrupted, and how to go on with it.
+    pub fn interrupted(&self, replicas: u64) -> Failure {
+        Failure::Interrupted { done: self.journal.done(), of: replicas, kept: self.advice() }
+    }
+
+    /// How to go on with the run, if anything was kept of it.
+    pub fn advice(&self) -> Option<String> {
+        let checkpoint = self.journal.checkpoint()?;
+        let arguments = std::env::args_os().map(|argument| argument.to_string_lossy().into_owned());
+        let resume = "--resume".to_owned();
+        let arguments: Vec<String> = arguments.filter(|argument| *argument != resume).chain([resume.clone()]).collect();
+        let command = shlex::try_join(arguments.iter().map(String::as_str)).unwrap_or_default();
+        Some(format!("{} replicas are kept in {}; to go on:\n  {command}", self.saved_done, checkpoint.display()))
+    }
+}

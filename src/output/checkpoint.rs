@@ -1,0 +1,513 @@
+//! Checkpoints: what a run has done so far, kept beside its output, so that an interrupted run can go on.
+//!
+//! Two files stand beside an output `out.h5` while it is made. `out.h5.checkpoint.replicas` holds a record of each replica, one after the
+//! other, and grows as the run goes. `out.h5.checkpoint` says how many of the records count and what their checksum is, which run they belong
+//! to, and the state of its sums; it is replaced as a whole, after the records that it counts have reached the disk. So what these two
+//! say is at any moment what the last complete checkpoint said: records beyond it do not count.
+//!
+//! Both begin with a line that names them. Behind that line a checkpoint has the version of its layout, the length and the CRC-32 checksum
+//! of the rest, each little-endian, and the rest in the Postcard format. The words of a record are little-endian, 8 bytes each.
+
+use super::OutputError;
+use super::claim::{Claim, flush_names};
+use crc32fast::Hasher;
+use serde::{Deserialize, Serialize, de::DeserializeOwned};
+use std::fs::File;
+use std::io::{BufReader, BufWriter, ErrorKind, Read, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+/// The line that a checkpoint begins with.
+const CHECKPOINT: &[u8] = b"stiction checkpoint\n";
+/// The line that records begin with.
+const RECORDS: &[u8] = b"stiction replicas of a checkpoint\n";
+/// Version of the layout of both.
+const VERSION: u32 = 1;
+/// Most bytes of a checkpoint; records are no part of it.
+const MOST_BYTES: u64 = 1 << 30;
+/// Bytes that are read at once, about.
+const AT_ONCE: usize = 1 << 20;
+
+/// Which run a checkpoint belongs to: all that the bits of its result depend on.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Identity {
+    /// Version of the program.
+    pub program_version: String,
+    /// Its source revision.
+    pub source_revision: String,
+    /// Text of the scene.
+    pub scene: String,
+    /// Seed.
+    pub seed: u64,
+    /// Number of replicas.
+    pub replicas: u64,
+}
+
+impl Identity {
+    /// How this run differs from the one that a checkpoint belongs to; none when it is that one.
+    pub fn difference(&self, kept: &Self) -> Option<String> {
+        let is = |what: &str, kept: &dyn std::fmt::Display, own: &dyn std::fmt::Display| {
+            Some(format!("{what} of the interrupted run was {kept}, and is now {own}"))
+        };
+        if self.program_version != kept.program_version {
+            return is("the version of stiction", &kept.program_version, &self.program_version);
+        }
+        if self.source_revision != kept.source_revision {
+            return is("the source revision of stiction", &kept.source_revision, &self.source_revision);
+        }
+        if self.seed != kept.seed {
+            return is("the seed", &kept.seed, &self.seed);
+        }
+        if self.replicas != kept.replicas {
+            return is("the number of replicas", &kept.replicas, &self.replicas);
+        }
+        if self.scene != kept.scene {
+            let lines = self.scene.lines().zip(kept.scene.lines());
+            let line = 1 + lines.take_while(|(own, kept)| own == kept).count();
+            return Some(format!("the scene is not that of the interrupted run: it differs in line {line}"));
+        }
+        None
+    }
+}
+
+/// What a checkpoint says.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Checkpoint<S> {
+    /// The run.
+    pub identity: Identity,
+    /// Replicas that were done.
+    pub done: u64,
+    /// Seconds that they took.
+    pub seconds: f64,
+    /// How often the run has been resumed.
+    pub resumptions: u64,
+    /// The state of the run's sums.
+    pub state: S,
+    /// Words of a record.
+    record_length: u64,
+    /// CRC-32 of the records that count.
+    records_checksum: u32,
+}
+
+impl<S: DeserializeOwned> Checkpoint<S> {
+    /// The checkpoint of an output, if there is one.
+    ///
+    /// # Errors
+    /// [`OutputError::NotACheckpoint`] when there is something else, or a checkpoint that is damaged or of another version.
+    pub fn find(claim: &Claim) -> Result<Option<Self>, OutputError> {
+        let path = claim.beside(".checkpoint");
+        match std::fs::symlink_metadata(&path) {
+            Err(error) if error.kind() == ErrorKind::NotFound => Ok(None),
+            _ => Self::read(&path).map(Some),
+        }
+    }
+
+    /// Reads a checkpoint.
+    ///
+    /// # Errors
+    /// [`OutputError::NotACheckpoint`].
+    pub fn read(path: &Path) -> Result<Self, OutputError> {
+        let refused = |problem: String| OutputError::NotACheckpoint { path: path.to_owned(), problem };
+        let unreadable = |error| refused(format!("cannot be read: {error}"));
+        let metadata = path.metadata().map_err(unreadable)?;
+        if !metadata.is_file() {
+            return Err(refused("is not a file".to_owned()));
+        }
+        if metadata.len() > MOST_BYTES {
+            return Err(refused("is too large for a checkpoint of stiction".to_owned()));
+        }
+        Self::decode(&std::fs::read(path).map_err(unreadable)?).map_err(refused)
+    }
+
+    /// A checkpoint from its bytes.
+    ///
+    /// # Errors
+    /// What is wrong with them.
+    pub fn decode(bytes: &[u8]) -> Result<Self, String> {
+        let rest = bytes.strip_prefix(CHECKPOINT).ok_or("is not a checkpoint of stiction")?;
+        let truncated = || format!("is truncated: it has {} bytes", bytes.len());
+        let (version, rest) = rest.split_first_chunk().ok_or_else(truncated)?;
+        let version = u32::from_le_bytes(*version);
+        if version != VERSION {
+            return Err(format!("has the checkpoint layout {version}; this program reads {VERSION}"));
+        }
+        let (length, rest) = rest.split_first_chunk().ok_or_else(truncated)?;
+        let (checksum, rest) = rest.split_first_chunk().ok_or_else(truncated)?;
+        let length = u64::from_le_bytes(*length);
+        if length > rest.len() as u64 {
+            return Err(truncated());
+        }
+        if length < rest.len() as u64 || u32::from_le_bytes(*checksum) != crc32fast::hash(rest) {
+            return Err("is damaged: its checksum is wrong".to_owned());
+        }
+        postcard::from_bytes(rest).map_err(|error| format!("is damaged: {error}"))
+    }
+}
+
+impl<S: Serialize> Checkpoint<S> {
+    fn encode(&self) -> Result<Vec<u8>, postcard::Error> {
+        let rest = postcard::to_stdvec(self)?;
+        let mut bytes = CHECKPOINT.to_vec();
+        bytes.extend(VERSION.to_le_bytes());
+        bytes.extend((rest.len() as u64).to_le_bytes());
+        bytes.extend(crc32fast::hash(&rest).to_le_bytes());
+        bytes.extend(rest);
+        Ok(bytes)
+    }
+}
+
+/// The records of a run, and the checkpoints that make them count.
+pub struct Journal {
+    checkpoint: PathBuf,
+    unfinished: PathBuf,
+    path: PathBuf,
+    folder: PathBuf,
+    file: BufWriter<File>,
+    record_length: usize,
+    done: u64,
+    checksum: Hasher,
+    /// Checkpoints that were saved.
+    saved: u64,
+    /// Time that saving took.
+    spent: Duration,
+    /// Whether a checkpoint counts on the records.
+    counted: bool,
+}
+
+impl Journal {
+    /// Begins the records of an output, of so many words each. Nothing counts on what stands there from before.
+    ///
+    /// # Errors
+    /// When there is a file of the name that is not of this program, or none can be made.
+    pub fn begin(claim: &Claim, record_length: usize) -> Result<Self, OutputError> {
+        let path = claim.beside(".checkpoint.replicas");
+        if path.exists() && !is_ours(&path) {
+            let problem = "is not of stiction, but has the name of what a run keeps; move it".to_owned();
+            return Err(OutputError::NotACheckpoint { path, problem });
+        }
+        let mut options = File::options();
+        options.create(true).truncate(true).read(true).write(true);
+        let made = options.open(&path).and_then(|mut file| file.write_all(RECORDS).map(|()| file));
+        let file = made.map_err(|error| OutputError::Io { action: "cannot make", path: path.clone(), error })?;
+        Ok(Self::new(claim, path, file, record_length))
+    }
+
+    /// Takes the records up again that a checkpoint counts, and shows each to `visit`; those beyond are dropped.
+    ///
+    /// # Errors
+    /// [`OutputError::NotACheckpoint`] when they are not the ones that it counts; then the file stays as it is.
+    pub fn resume<S>(
+        claim: &Claim,
+        record_length: usize,
+        checkpoint: &Checkpoint<S>,
+        mut visit: impl FnMut(&[u64]),
+    ) -> Result<Self, OutputError> {
+        let path = claim.beside(".checkpoint.replicas");
+        let refused = |problem: String| OutputError::NotACheckpoint { path: path.clone(), problem };
+        let unreadable = |error: std::io::Error| refused(format!("cannot be read: {error}"));
+        if !path.metadata().map_err(unreadable)?.is_file() {
+            return Err(refused("is not a file".to_owned()));
+        }
+        let file = File::options().read(true).write(true).open(&path).map_err(unreadable)?;
+        if checkpoint.record_length != record_length as u64 {
+            return Err(refused(format!("has records of {} words, not of {record_length}", checkpoint.record_length)));
+        }
+        let length = records_end(checkpoint.done, record_length);
+        let has = file.metadata().map_err(unreadable)?.len();
+        if length.is_none_or(|length| has < length) {
+            return Err(refused(format!("is truncated: it has {has} bytes")));
+        }
+        let mut journal = Self::new(claim, path.clone(), file, record_length);
+        (journal.done, journal.counted) = (checkpoint.done, true);
+        let mut line = vec![0; RECORDS.len()];
+        journal.file.get_mut().read_exact(&mut line).map_err(unreadable)?;
+        if line != RECORDS {
+            return Err(refused("is not of stiction".to_owned()));
+        }
+        let mut checksum = Hasher::new();
+        journal.each_record(|words, bytes| {
+            checksum.update(bytes);
+            visit(words);
+            Ok(true)
+        })?;
+        if checksum.clone().finalize() != checkpoint.records_checksum {
+            return Err(refused("is damaged: its checksum is not that of the checkpoint".to_owned()));
+        }
+        journal.checksum = checksum;
+        let end = length.expect("it is not beyond the length of the file");
+        let file = journal.file.get_mut();
+        let dropped = file.set_len(end).and_then(|()| file.seek(SeekFrom::Start(end)));
+        dropped.map_err(|error| OutputError::Io { action: "cannot write", path, error })?;
+        Ok(journal)
+    }
+
+    fn new(claim: &Claim, path: PathBuf, file: File, record_length: usize) -> Self {
+        let unfinished = claim.hidden(".checkpoint.partial");
+        // Of a run that was killed.
+        let _ = std::fs::remove_file(&unfinished);
+        Self {
+            checkpoint: claim.beside(".checkpoint"),
+            unfinished,
+            path,
+            folder: claim.folder().to_owned(),
+            file: BufWriter::with_capacity(AT_ONCE, file),
+            record_length,
+            done: 0,
+            checksum: Hasher::new(),
+            saved: 0,
+            spent: Duration::ZERO,
+            counted: false,
+        }
+    }
+
+    /// Adds records.
+    ///
+    /// # Errors
+    /// When the disk fails.
+    pub fn append(&mut self, records: &[u64]) -> Result<(), OutputError> {
+        let bytes: Vec<u8> = records.iter().flat_map(|word| word.to_le_bytes()).collect();
+        self.checksum.update(&bytes);
+        self.done += (records.len() / self.record_length) as u64;
+        let written = self.file.write_all(&bytes);
+        written.map_err(|error| self.failed("cannot write", &self.path, error))
+    }
+
+    /// Saves a checkpoint, which makes all records count: first these reach the disk, then the checkpoint of before is replaced by one that
+    /// has reached it.
+    ///
+    /// # Errors
+    /// When the disk fails; the checkpoint of before then still counts.
+    pub fn save<S: Serialize>(
+        &mut self,
+        identity: &Identity,
+        seconds: f64,
+        resumptions: u64,
+        state: S,
+    ) -> Result<(), OutputError> {
+        let begun = Instant::now();
+        let flushed = self.file.flush().and_then(|()| self.file.get_ref().sync_data());
+        flushed.map_err(|error| self.failed("cannot write", &self.path, error))?;
+        let checkpoint = Checkpoint {
+            identity: identity.clone(),
+            done: self.done,
+            seconds,
+            resumptions,
+            state,
+            record_length: self.record_length as u64,
+            records_checksum: self.checksum.clone().finalize(),
+        };
+        let saved = checkpoint.encode().map_err(std::io::Error::other).and_then(|bytes| self.replace(&bytes));
+        if let Err(error) = saved {
+            let _ = std::fs::remove_file(&self.unfinished);
+            return Err(self.failed("cannot write", &self.checkpoint, error));
+        }
+        self.counted = true;
+        self.saved += 1;
+        self.spent += begun.elapsed();
+        Ok(())
+    }
+
+    fn replace(&self, bytes: &[u8]) -> std::io::Result<()> {
+        let mut file = File::create(&self.unfinished)?;
+        file.write_all(bytes)?;
+        file.sync_all()?;
+        drop(file);
+        std::fs::rename(&self.unfinished, &self.checkpoint)?;
+        flush_names(&self.folder)
+    }
+
+    fn failed(&self, action: &'static str, path: &Path, error: std::io::Error) -> OutputError {
+        OutputError::Io { action, path: path.to_owned(), error }
+    }
+
+    /// Replicas whose records it has.
+    pub fn done(&self) -> u64 {
+        self.done
+    }
+
+    /// The checkpoint, if one has been saved or taken up.
+    pub fn checkpoint(&self) -> Option<&Path> {
+        self.counted.then_some(self.checkpoint.as_path())
+    }
+
+    /// How many checkpoints it has saved, and the time that took.
+    pub fn cost(&self) -> (u64, Duration) {
+        (self.saved, self.spent)
+    }
+
+    /// Shows every record in order, as long as `visit` asks for more.
+    ///
+    /// # Errors
+    /// When the disk fails, or `visit`.
+    pub fn records(&mut self, mut visit: impl FnMut(&[u64]) -> Result<bool, OutputError>) -> Result<(), OutputError> {
+        self.each_record(|words, _| visit(words))?;
+        let end = self.file.seek(SeekFrom::End(0));
+        end.map(|_| ()).map_err(|error| self.failed("cannot read", &self.path, error))
+    }
+
+    /// Shows records, as words and as bytes, and leaves the file at some place within.
+    fn each_record(
+        &mut self,
+        mut visit: impl FnMut(&[u64], &[u8]) -> Result<bool, OutputError>,
+    ) -> Result<(), OutputError> {
+        let failed = |error| OutputError::Io { action: "cannot read", path: self.path.clone(), error };
+        self.file.flush().map_err(|error| OutputError::Io {
+            action: "cannot write",
+            path: self.path.clone(),
+            error,
+        })?;
+        let mut file = BufReader::with_capacity(AT_ONCE, self.file.get_ref());
+        file.seek(SeekFrom::Start(RECORDS.len() as u64)).map_err(failed)?;
+        let (mut bytes, mut words) = (vec![0; 8 * self.record_length], vec![0; self.record_length]);
+        for _ in 0..self.done {
+            file.read_exact(&mut bytes).map_err(failed)?;
+            for (word, bytes) in words.iter_mut().zip(bytes.as_chunks().0) {
+                *word = u64::from_le_bytes(*bytes);
+            }
+            if !visit(&words, &bytes)? {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    /// Removes records and checkpoint, of a run that is complete: the checkpoint first, so that none counts on records that are gone.
+    pub fn discard(mut self) {
+        let _ = std::fs::remove_file(&self.checkpoint);
+        self.counted = false;
+    }
+}
+
+impl Drop for Journal {
+    fn drop(&mut self) {
+        if !self.counted {
+            let _ = std::fs::remove_file(&self.path);
+        }
+    }
+}
+
+/// Removes what an earlier run of the output has kept.
+///
+/// # Errors
+/// When it cannot be removed.
+pub fn forget(claim: &Claim) -> Result<(), OutputError> {
+    let path = claim.beside(".checkpoint");
+    std::fs::remove_file(&path).map_err(|error| OutputError::Io { action: "cannot remove", path, error })?;
+    let _ = std::fs::remove_file(claim.beside(".checkpoint.replicas"));
+    Ok(())
+}
+
+/// Whether a file begins as records do, as far as it goes.
+fn is_ours(path: &Path) -> bool {
+    let mut line = Vec::new();
+    let is_file = path.metadata().is_ok_and(|metadata| metadata.is_file());
+    let read = |mut file: File| (&mut file).take(RECORDS.len() as u64).read_to_end(&mut line);
+    is_file && File::open(path).and_then(read).is_ok() && RECORDS.starts_with(&line)
+}
+
+/// Where so many records end in their file, bytes; none where that cannot be counted.
+fn records_end(done: u64, record_length: usize) -> Option<u64> {
+    done.checked_mul(8 * record_length as u64)?.checked_add(RECORDS.len() as u64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn identity() -> Identity {
+        let text = |text: &str| text.to_owned();
+        let scene = text("format = 1\ntitle = \"\"\n");
+        Identity { program_version: text("0.1.0"), source_revision: text("abc"), scene, seed: 1, replicas: 800 }
+    }
+
+    /// Every part of an identity counts, and the difference names it.
+    #[test]
+    fn another_run_is_told_by_its_difference() {
+        let kept = identity();
+        assert_eq!(kept.difference(&identity()), None);
+        let others = [
+            (Identity { program_version: "0.2.0".into(), ..identity() }, "version of stiction"),
+            (Identity { source_revision: "def".into(), ..identity() }, "source revision"),
+            (Identity { scene: "format = 1\ntitle = \"a\"\n".into(), ..identity() }, "line 2"),
+            (Identity { scene: "format = 1\n".into(), ..identity() }, "line 2"),
+            (Identity { seed: 2, ..identity() }, "seed of the interrupted run was 1, and is now 2"),
+            (Identity { replicas: 8, ..identity() }, "replicas of the interrupted run was 800, and is now 8"),
+        ];
+        for (own, named) in others {
+            let difference = own.difference(&kept).unwrap();
+            assert!(difference.contains(named), "{difference}");
+        }
+    }
+
+    fn checkpoint() -> Checkpoint<Vec<u64>> {
+        Checkpoint {
+            identity: identity(),
+            done: 16,
+            seconds: 1.5,
+            resumptions: 2,
+            state: vec![1, u64::MAX, 0],
+            record_length: 7,
+            records_checksum: 9,
+        }
+    }
+
+    /// CRC-32 finds every change of up to 32 neighbouring bits; what stands before the checksum is compared.
+    #[test]
+    fn every_flipped_bit_and_every_truncation_is_found() {
+        let bytes = checkpoint().encode().unwrap();
+        assert_eq!(Checkpoint::decode(&bytes), Ok(checkpoint()));
+        for place in 0..bytes.len() {
+            for bit in 0..8 {
+                let mut flipped = bytes.clone();
+                flipped[place] ^= 1 << bit;
+                assert!(Checkpoint::<Vec<u64>>::decode(&flipped).is_err(), "{place} {bit}");
+            }
+            assert!(Checkpoint::<Vec<u64>>::decode(&bytes[..place]).is_err(), "{place}");
+        }
+        let longer = [bytes.as_slice(), &[0]].concat();
+        assert!(Checkpoint::<Vec<u64>>::decode(&longer).is_err());
+    }
+
+    /// Lengths within that are larger than the file are not believed.
+    #[test]
+    fn a_length_is_not_allocated_before_it_is_there() {
+        let mut rest = postcard::to_stdvec(&identity()).unwrap();
+        rest.extend([16]); // done
+        rest.extend(1.5_f64.to_le_bytes());
+        rest.extend([2]); // resumptions
+        rest.extend(postcard::to_stdvec(&(1_u64 << 60)).unwrap()); // length of the state
+        let length = (rest.len() as u64).to_le_bytes();
+        let parts = [CHECKPOINT, &VERSION.to_le_bytes(), &length, &crc32fast::hash(&rest).to_le_bytes(), &rest];
+        assert!(Checkpoint::<Vec<u64>>::decode(&parts.concat()).unwrap_err().starts_with("is damaged"));
+    }
+
+    /// Records that were added after the last checkpoint do not count.
+    #[test]
+    fn records_come_back_as_the_checkpoint_counts_them() {
+        let folder = tempfile::tempdir().unwrap();
+        let claim = Claim::new(&folder.path().join("out.h5")).unwrap();
+        let mut journal = Journal::begin(&claim, 2).unwrap();
+        journal.append(&[1, 2, 3, 4]).unwrap();
+        journal.save(&identity(), 0.5, 0, 77_u64).unwrap();
+        journal.append(&[5, 6]).unwrap();
+        drop(journal);
+        let checkpoint = Checkpoint::<u64>::find(&claim).unwrap().unwrap();
+        assert_eq!((checkpoint.done, checkpoint.state, checkpoint.seconds), (2, 77, 0.5));
+        let mut found = Vec::new();
+        let mut journal = Journal::resume(&claim, 2, &checkpoint, |record| found.extend_from_slice(record)).unwrap();
+        assert_eq!(found, [1, 2, 3, 4]);
+        journal.append(&[7, 8]).unwrap();
+        found.clear();
+        journal
+            .records(|record| {
+                found.extend_from_slice(record);
+                Ok(true)
+            })
+            .unwrap();
+        assert_eq!(found, [1, 2, 3, 4, 7, 8]);
+        assert!(Journal::resume(&claim, 3, &checkpoint, |_| ()).is_err());
+        journal.discard();
+        let left: Vec<_> = std::fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+        assert_eq!(left, [".out.h5.lock"]);
+    }
+}

@@ -150,6 +150,20 @@ fn to_resume_is_to_complete_whatever_is_there() {
     assert_ne!(std::fs::read(folder.path("scene.h5")).unwrap(), result);
 }
 
+/// A run that is killed after its result has its name, and before what it kept is removed.
+#[test]
+fn what_is_left_beside_a_complete_result_is_cleared_away() {
+    let folder = interrupted();
+    let kept = [CHECKPOINT, RECORDS].map(|name| (name, std::fs::read(folder.path(name)).unwrap()));
+    assert_exit(&folder.stiction(&["run", "scene.toml", "--resume"]), 0);
+    let result = std::fs::read(folder.path("scene.h5")).unwrap();
+    kept.map(|(name, bytes)| std::fs::write(folder.path(name), bytes).unwrap());
+    assert_exit(&folder.stiction(&["run", "scene.toml"]), 2);
+    assert_exit(&folder.stiction(&["run", "scene.toml", "--resume"]), 0);
+    assert_eq!(folder.files(), ["scene.h5", "scene.toml"]);
+    assert_eq!(std::fs::read(folder.path("scene.h5")).unwrap(), result);
+}
+
 /// A refusal is one line, exit code 2, and changes no file.
 #[track_caller]
 fn assert_refused(folder: &Folder, arguments: &[&str], because: &str) {
@@ -280,7 +294,7 @@ fn left(folder: &Folder) -> &'static str {
 }
 
 /// Kills runs at moments that are random over the whole run, over the writing of a checkpoint, and over the writing of the result; goes on
-/// with each, and with some after another kill. Returns how often what was left.
+/// with each, and with some after another kill. Kills that come after the end do not count. Returns how often what was left.
 fn kill_and_resume(kills: u32, seed: u64) -> BTreeMap<&'static str, u32> {
     let folder = Folder::new(&scene());
     let reference = reference(&folder);
@@ -289,12 +303,13 @@ fn kill_and_resume(kills: u32, seed: u64) -> BTreeMap<&'static str, u32> {
     assert_exit(&folder.stiction(&["run", "scene.toml", "--checkpoint", "0"]), 0);
     let (lasts, mut found) = (begun.elapsed(), BTreeMap::new());
     std::fs::remove_file(folder.path("scene.h5")).unwrap();
-    for kill in 0..kills {
-        let resumes = if kill % 4 == 0 { 2 } else { 1 };
+    let mut killed = 0;
+    while killed < kills {
+        let resumes = if killed % 4 == 0 { 2 } else { 1 };
         for _ in 0..resumes {
             let mut child = begin(&folder, &["--checkpoint", "0", "--resume"]);
             let place = random.random_range(0.0..1.0);
-            match kill % 3 {
+            match killed % 3 {
                 0 => std::thread::sleep(lasts.mul_f64(1.1 * place)),
                 1 => {
                     std::thread::sleep(lasts.mul_f64(0.9 * place));
@@ -302,17 +317,19 @@ fn kill_and_resume(kills: u32, seed: u64) -> BTreeMap<&'static str, u32> {
                 }
                 _ => {
                     wait_while_running(&mut child, || folder.path(".scene.h5.partial").exists());
-                    std::thread::sleep(Duration::from_secs_f64(0.03 * place));
+                    std::thread::sleep(Duration::from_secs_f64(0.01 * place));
                 }
             }
             let _ = child.kill();
             child.wait().unwrap();
-            *found.entry(left(&folder)).or_default() += 1;
+            let left = left(&folder);
+            *found.entry(left).or_default() += 1;
+            killed += u32::from(left != "result complete");
         }
         let resumed = folder.stiction(&["run", "scene.toml", "--resume"]);
         assert_exit(&resumed, 0);
         assert_same_as(&folder, &reference);
-        assert_eq!(folder.files(), ["reference.h5", "scene.h5", "scene.toml"], "kill {kill}");
+        assert_eq!(folder.files(), ["reference.h5", "scene.h5", "scene.toml"], "after {killed} kills");
         std::fs::remove_file(folder.path("scene.h5")).unwrap();
     }
     found

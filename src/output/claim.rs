@@ -3,7 +3,7 @@
 use super::OutputError;
 use std::ffi::OsString;
 use std::fs::{File, TryLockError};
-use std::io::{ErrorKind, Read, Write};
+use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 
 /// Most symbolic links from one to the next.
@@ -134,8 +134,7 @@ fn locked(name: &Path) -> std::io::Result<Result<File, String>> {
                 return Ok(Err(process));
             }
             // Some network file systems know no locks; two runs at once are then not noticed.
-            Err(TryLockError::Error(error)) if error.kind() == ErrorKind::Unsupported => {}
-            Err(TryLockError::Error(error)) => return Err(error),
+            Err(TryLockError::Error(_)) => {}
         }
         // The one that held it may have removed the name since it was opened.
         if still_named(&file, name) {

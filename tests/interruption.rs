@@ -157,7 +157,9 @@ fn what_is_left_beside_a_complete_result_is_cleared_away() {
     let kept = [CHECKPOINT, RECORDS].map(|name| (name, std::fs::read(folder.path(name)).unwrap()));
     assert_exit(&folder.stiction(&["run", "scene.toml", "--resume"]), 0);
     let result = std::fs::read(folder.path("scene.h5")).unwrap();
-    kept.map(|(name, bytes)| std::fs::write(folder.path(name), bytes).unwrap());
+    for (name, bytes) in kept {
+        std::fs::write(folder.path(name), bytes).unwrap();
+    }
     assert_exit(&folder.stiction(&["run", "scene.toml"]), 2);
     assert_exit(&folder.stiction(&["run", "scene.toml", "--resume"]), 0);
     assert_eq!(folder.files(), ["scene.h5", "scene.toml"]);
@@ -448,6 +450,38 @@ fn a_folder_that_goes_away_is_an_error() {
     let mut child = begin(&folder, &["--resume", "-o", "results/scene.h5"]);
     std::thread::sleep(Duration::from_millis(300));
     assert!(child.try_wait().unwrap().is_none(), "it goes on");
+    signal(&child, "-INT");
+    assert_exit(&child.wait_with_output().unwrap(), 130);
+}
+
+/// A folder that is made read-only while the run goes. Root may write there nevertheless, so root becomes nobody for this test.
+#[test]
+fn a_folder_that_is_made_read_only_is_an_error() {
+    use std::os::unix::fs::{MetadataExt, PermissionsExt};
+    let folder = Folder::new(&scene().replace("replicas = 1600", "replicas = 100000"));
+    let permit = |mode| std::fs::set_permissions(folder.path(""), PermissionsExt::from_mode(mode)).unwrap();
+    permit(0o777);
+    let is_root = folder.path("").metadata().unwrap().uid() == 0;
+    let nobody: &[&str] =
+        if is_root { &["setpriv", "--reuid=65534", "--regid=65534", "--clear-groups"] } else { &["env"] };
+    let mut command = Command::new(nobody[0]);
+    command.args(&nobody[1..]).arg(env!("CARGO_BIN_EXE_stiction")).args(["run", "scene.toml", "--checkpoint", "0"]);
+    command.current_dir(folder.path("")).stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut child = command.spawn().unwrap();
+    wait_while_running(&mut child, || folder.path(CHECKPOINT).exists());
+    if !folder.path(CHECKPOINT).exists() {
+        println!("skipped: {}", text(&child.wait_with_output().unwrap().stderr));
+        return;
+    }
+    permit(0o555);
+    let output = child.wait_with_output().unwrap();
+    permit(0o777);
+    assert_exit(&output, 1);
+    let message = text(&output.stderr);
+    assert!(message.contains("cannot write scene.h5.checkpoint: Permission denied"), "{message}");
+    // What was kept before is whole.
+    let child = begin(&folder, &["--resume"]);
+    std::thread::sleep(Duration::from_millis(300));
     signal(&child, "-INT");
     assert_exit(&child.wait_with_output().unwrap(), 130);
 }

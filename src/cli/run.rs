@@ -20,6 +20,7 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 pub(super) fn run(arguments: &RunArguments) -> Result<(), Failure> {
+    let stop = interruption()?;
     let mut scene = read_scene(&arguments.scene)?;
     override_ensemble(&mut scene, arguments.replicas, arguments.seed)?;
     let output = match &arguments.output {
@@ -39,7 +40,6 @@ pub(super) fn run(arguments: &RunArguments) -> Result<(), Failure> {
         Beginning::Resumed(run) => Some(run),
     };
     let pool = thread_pool(arguments.execution.threads)?;
-    let stop = interruption()?;
     let mut progress = Progress::new(arguments.execution.quiet);
 
     progress.phase("integral");

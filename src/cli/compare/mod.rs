@@ -71,6 +71,7 @@ struct Comparison {
 }
 
 pub(super) fn compare(arguments: &CompareArguments) -> Result<(), Failure> {
+    let stop = interruption()?;
     let models = models(&arguments.laws)?;
     let mut scene = read_scene(&arguments.scene)?;
     override_ensemble(&mut scene, arguments.replicas, arguments.seed)?;
@@ -82,7 +83,6 @@ pub(super) fn compare(arguments: &CompareArguments) -> Result<(), Failure> {
     let claim = arguments.output.as_ref().map(|output| Claim::new(output)).transpose()?;
     claim.as_ref().map_or(Ok(()), |claim| claim.check(arguments.execution.force))?;
     let pool = thread_pool(arguments.execution.threads)?;
-    let stop = interruption()?;
     let mut progress = Progress::new(arguments.execution.quiet);
     let interferences = interferences(&scene);
     let mut compared = Vec::new();

@@ -14,7 +14,7 @@ pub(super) fn check(path: &Path) -> Result<(), Failure> {
     let mut text = heading(&scene);
     text += &skipped(&plan);
     text += &beyond(&plan);
-    text += &regimes(&plan);
+    text += &regimes(&plan, scene.surface.asperity_count as f64);
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     text += &row("work", &format!("{:.3e} asperity-separations", plan.pairs));
     text += &row(
@@ -27,8 +27,7 @@ pub(super) fn check(path: &Path) -> Result<(), Failure> {
     );
     let memory = plan.memory + threads as f64 * plan.memory_per_thread;
     text += &row("memory", &format!("about {:.0} MB on {threads} threads", (memory / 1e6).max(1.0)));
-    print(&text);
-    Ok(())
+    print(&text)
 }
 
 /// The title, the model, and what characterises the scene.
@@ -118,8 +117,8 @@ pub(super) fn skipped(plan: &Plan) -> String {
     plan.skips.iter().enumerate().map(|(i, skip)| row(label(i), skip)).collect()
 }
 
-fn regimes(plan: &Plan) -> String {
-    let total: f64 = plan.regimes.iter().map(|regime| regime.asperities).sum();
+/// The regimes, and the share of all asperities in each.
+fn regimes(plan: &Plan, all: f64) -> String {
     let lines = plan.regimes.iter().enumerate().map(|(i, regime)| {
         let end = |interference: f64| {
             if interference.is_finite() {
@@ -137,7 +136,7 @@ fn regimes(plan: &Plan) -> String {
             &format!(
                 "{:<16}{interval:<28}{} of asperities and separations",
                 regime.regime.name(),
-                percent(regime.asperities / total)
+                percent(regime.asperities / all)
             ),
         )
     });

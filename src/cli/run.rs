@@ -4,7 +4,7 @@ use super::record::{write_head, write_results};
 use super::results::{Results, integral_features, mean_features};
 use super::sampling::{Sampling, cross_check, interruption, override_ensemble, thread_pool};
 use super::summary::summary;
-use super::{Failure, RunArguments, law_of, print, read_scene, refuse_own_scene};
+use super::{Failure, RunArguments, law_of, print_of, read_scene, refuse_own_scene};
 use crate::asperity::Quantity;
 use crate::math::control_variates::controlled_means;
 use crate::output::progress::Progress;
@@ -88,6 +88,5 @@ pub(super) fn run(arguments: &RunArguments) -> Result<(), Failure> {
     write_results(&mut writer, &results)?;
     writer.finish()?;
     progress.end();
-    print(&summary(&results));
-    Ok(())
+    print_of(&results.output, &summary(&results))
 }

@@ -28,12 +28,16 @@ pub enum Outcome {
 ///
 /// # Errors
 /// The error of `observe`.
+///
+/// # Panics
+/// When the replicas are no whole groups of the job's scheme.
 pub fn run<E: Send>(
     job: &Job<'_>,
     pool: &rayon::ThreadPool,
     stop: &AtomicBool,
     mut observe: impl FnMut(&Batch) -> Result<(), E>,
 ) -> Result<Outcome, E> {
+    job.require_whole_groups();
     let (sender, receiver) = sync_channel::<(u64, Batch)>(pool.current_num_threads());
     std::thread::scope(|scope| {
         scope.spawn(move || {

@@ -7,7 +7,7 @@ use super::asperity::find;
 use super::format::percent;
 use super::results::integral_features;
 use super::sampling::{Sampling, cross_check, interruption, override_ensemble, thread_pool};
-use super::{CompareArguments, Failure, law_of, print, read_scene, refuse_own_scene};
+use super::{CompareArguments, Failure, law_of, print, print_of, read_scene, refuse_own_scene};
 use crate::asperity::emd::Emd;
 use crate::asperity::laws::fit::FORCES;
 use crate::asperity::models::Model;
@@ -111,8 +111,11 @@ pub(super) fn compare(arguments: &CompareArguments) -> Result<(), Failure> {
         record::write(&mut writer, &comparison)?;
         writer.finish()?;
     }
-    print(&table::table(&comparison, arguments.output.as_deref()));
-    Ok(())
+    let table = table::table(&comparison, arguments.output.as_deref());
+    match &arguments.output {
+        Some(output) => print_of(output, &table),
+        None => print(&table),
+    }
 }
 
 /// Where a law is not valid, a line each: its own limits, asperities beyond its end, and curve fits that are off.

@@ -65,6 +65,17 @@ pub(super) fn signed_percent(deviation: f64) -> String {
     }
 }
 
+/// Bytes with a prefix and three significant digits, or whole below a kilobyte.
+pub(super) fn bytes(count: f64) -> String {
+    const UNITS: [(&str, f64); 5] = [("PB", 1e15), ("TB", 1e12), ("GB", 1e9), ("MB", 1e6), ("kB", 1e3)];
+    let Some((unit, size)) = UNITS.iter().find(|(_, size)| count >= 0.9995 * size) else {
+        return format!("{count:.0} bytes");
+    };
+    let value = count / size;
+    let digits = if value < 9.995 { 2 } else { usize::from(value < 99.95) };
+    format!("{value:.digits$} {unit}")
+}
+
 /// Seconds, minutes or hours.
 pub(super) fn duration(seconds: f64) -> String {
     if seconds < 120.0 {
@@ -106,6 +117,11 @@ mod tests {
     #[test]
     fn times_and_shares_are_readable() {
         assert_eq!(duration(3.25), "3.2 s");
+        assert_eq!(bytes(12.0), "12 bytes");
+        assert_eq!(bytes(43.9e6), "43.9 MB");
+        assert_eq!(bytes(999.96e6), "1.00 GB");
+        assert_eq!(bytes(8.4321e12), "8.43 TB");
+        assert_eq!(bytes(12345e15), "12345 PB");
         assert_eq!(duration(600.0), "10.0 min");
         assert_eq!(duration(36000.0), "10.0 h");
         assert_eq!(percent(0.1234), "12.34 %");

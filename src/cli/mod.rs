@@ -6,6 +6,7 @@ mod compare;
 mod format;
 mod info;
 mod record;
+mod resources;
 mod results;
 mod run;
 mod sampling;

@@ -4,13 +4,13 @@ use super::record::{write_head, write_results};
 use super::results::{Results, integral_features, mean_features};
 use super::sampling::{Sampling, cross_check, interruption, override_ensemble, thread_pool};
 use super::summary::summary;
-use super::{Failure, RunArguments, law_of, print_of, read_scene, refuse_own_scene};
+use super::{Failure, RunArguments, law_of, print_of, read_scene, refuse_own_scene, resources};
 use crate::asperity::Quantity;
 use crate::math::control_variates::controlled_means;
 use crate::output::progress::Progress;
 use crate::output::schema::RUN;
 use crate::output::writer::Writer;
-use crate::scene::Plan;
+use crate::scene::{Plan, Sizes};
 use crate::statistical::{Statistical, controls};
 use crate::validation::basis;
 use std::path::PathBuf;
@@ -24,8 +24,10 @@ pub(super) fn run(arguments: &RunArguments) -> Result<(), Failure> {
     };
     let law = law_of(&scene, &scene.model, &arguments.scene)?;
     refuse_own_scene(&arguments.scene, &output)?;
-    let mut writer = Writer::create(&RUN, &output, arguments.execution.force)?;
     let pool = thread_pool(arguments.execution.threads)?;
+    let sizes = Sizes::new(&scene, law.as_ref(), pool.current_num_threads());
+    resources::require(&arguments.scene, &sizes, Some(&output))?;
+    let mut writer = Writer::create(&RUN, &output, arguments.execution.force)?;
     let stop = interruption()?;
     let mut progress = Progress::new(arguments.execution.quiet);
 

@@ -45,9 +45,11 @@ pub fn run<E: Send>(
                 // par_bridge hands batches out in order, so those that wait for an earlier one are few.
                 let batches = (0..job.batches()).par_bridge();
                 batches.for_each_init(
-                    || Workspace::new(job),
+                    // Threads without a batch take no memory.
+                    || None,
                     |workspace, index| {
                         if !stop.load(Ordering::Relaxed) {
+                            let workspace = workspace.get_or_insert_with(|| Workspace::new(job));
                             // A closed channel means that the run has ended with an error.
                             let _ = sender.send((index, Batch::compute(job, workspace, index)));
                         }

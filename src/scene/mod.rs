@@ -3,10 +3,12 @@
 mod plan;
 mod reader;
 mod separation;
+mod sizes;
 pub mod units;
 
-pub use plan::{Plan, RegimePlan, beyond};
+pub use plan::{CoreSeconds, Plan, RegimePlan, beyond};
 pub use reader::{SceneError, nearest};
+pub use sizes::{Choice, Sizes};
 
 use crate::asperity::models::{MODELS, Model, PUBLISHED_FITS};
 use crate::asperity::scale::{Asperity, Scale};

@@ -7,7 +7,7 @@ use super::asperity::find;
 use super::format::percent;
 use super::results::integral_features;
 use super::sampling::{Sampling, cross_check, interruption, override_ensemble, thread_pool};
-use super::{CompareArguments, Failure, law_of, print, print_of, read_scene, refuse_own_scene};
+use super::{CompareArguments, Failure, law_of, print, print_of, read_scene, refuse_own_scene, resources};
 use crate::asperity::emd::Emd;
 use crate::asperity::laws::fit::FORCES;
 use crate::asperity::models::Model;
@@ -17,7 +17,7 @@ use crate::math::extrema::Features;
 use crate::output::progress::Progress;
 use crate::output::schema::COMPARISON;
 use crate::output::writer::Writer;
-use crate::scene::{Scene, beyond};
+use crate::scene::{Scene, Sizes, beyond};
 use crate::statistical::Statistical;
 use crate::validation::{JointTest, basis};
 use std::sync::atomic::AtomicBool;
@@ -78,9 +78,15 @@ pub(super) fn compare(arguments: &CompareArguments) -> Result<(), Failure> {
     if let Some(output) = &arguments.output {
         refuse_own_scene(&arguments.scene, output)?;
     }
+    let pool = thread_pool(arguments.execution.threads)?;
+    if arguments.ensemble {
+        let largest = laws.iter().max_by_key(|law| law.regimes().len()).expect("a law is required");
+        let sizes = Sizes::new(&scene, largest.as_ref(), pool.current_num_threads());
+        let sizes = Sizes { ensembles: laws.len() as f64, curves: false, ..sizes };
+        resources::require(&arguments.scene, &sizes, arguments.output.as_deref())?;
+    }
     let writer = arguments.output.as_ref().map(|output| Writer::create(&COMPARISON, output, arguments.execution.force));
     let writer = writer.transpose()?;
-    let pool = thread_pool(arguments.execution.threads)?;
     let stop = interruption()?;
     let mut progress = Progress::new(arguments.execution.quiet);
     let interferences = interferences(&scene);

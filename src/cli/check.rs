@@ -1,9 +1,9 @@
 //! `stiction check`: what a scene would compute.
 
 use super::format::{bytes, duration, percent, pure, row, si};
-use super::{Failure, law_of, print, read_scene, resources};
+use super::{Failure, law_of, print, read_scene, resources, warnings_of};
 use crate::asperity::scale::Scale;
-use crate::scene::{Plan, Scene, Sizes};
+use crate::scene::{Plan, Scene, Sizes, Warning};
 use crate::surface::SamplingScheme;
 use std::path::Path;
 
@@ -15,6 +15,10 @@ pub(super) fn check(path: &Path) -> Result<(), Failure> {
     text += &skipped(&plan);
     text += &beyond(&plan);
     text += &regimes(&plan, scene.surface.asperity_count as f64);
+    for warning in warnings_of(&scene, &scene.model, law.as_ref()) {
+        text += &row("warning", &warning.finding);
+        text += &row("", &warning.explanation());
+    }
     text += &row("work", &format!("{:.3e} asperity-separations", plan.pairs));
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     let sizes = Sizes::new(&scene, law.as_ref(), threads);
@@ -23,6 +27,11 @@ pub(super) fn check(path: &Path) -> Result<(), Failure> {
         text += &row("too large", &format!("here `stiction run` would refuse: {shortage}"));
     }
     print(&text)
+}
+
+/// What is warned of, a line each.
+pub(super) fn warned(warnings: &[Warning]) -> String {
+    warnings.iter().map(|warning| row("warning", &warning.finding)).collect()
 }
 
 /// Time, memory and disk.

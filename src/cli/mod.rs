@@ -17,7 +17,8 @@ use crate::asperity::models::Model;
 use crate::asperity::{Law, Path as History};
 use crate::math::instruction_set::InstructionSet;
 use crate::output::OutputError;
-use crate::scene::{Scene, SceneError};
+use crate::scene::{Scene, SceneError, Warning, warnings};
+use crate::statistical::contact_area;
 use anyhow::anyhow;
 use clap::{Args, Parser, Subcommand};
 use std::ffi::OsString;
@@ -286,6 +287,12 @@ fn print_of(output: &Path, text: &str) -> Result<(), Failure> {
 fn law_of(scene: &Scene, model: &Model, path: &Path) -> Result<Box<dyn Law>, Failure> {
     let refused = |error| format!("{}: the law {} cannot be used: {error}", path.display(), model.name);
     scene.law_of(model).map_err(|error| Failure::Usage(refused(error)))
+}
+
+/// What of a scene under a law is outside of what the models are valid for, or likely a wrong unit.
+fn warnings_of(scene: &Scene, model: &Model, law: &dyn Law) -> Vec<Warning> {
+    let surface = &scene.surface;
+    warnings(scene, model, law, |h| contact_area(law, surface, h) / surface.nominal_area)
 }
 
 /// An output that is the scene itself would destroy it.

@@ -100,7 +100,8 @@ fn left_in(group: &Path, [limit, used]: [&str; 2]) -> Option<f64> {
 fn disk(output: &Path) -> Option<f64> {
     let folder = output.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."));
     let system = rustix::fs::statvfs(folder).ok()?;
-    Some(system.f_bavail as f64 * system.f_frsize as f64)
+    // What is no disk, as /proc, has no blocks.
+    (system.f_blocks > 0).then_some(system.f_bavail as f64 * system.f_frsize as f64)
 }
 
 #[cfg(not(unix))]
@@ -134,6 +135,7 @@ mod tests {
     fn what_can_be_had_is_known() {
         assert!(memory(2.0).is_some_and(|bytes| bytes > 1e6));
         assert!(disk(Path::new("out.h5")).is_some_and(|bytes| bytes >= 0.0));
+        assert_eq!(disk(Path::new("/proc/out.h5")), None);
         assert_eq!(disk(Path::new("/no/such/folder/out.h5")), None);
     }
 }

@@ -4,7 +4,7 @@ use super::record::{write_head, write_results};
 use super::results::{Results, integral_features, mean_features};
 use super::sampling::{Sampling, cross_check, interruption, override_ensemble, thread_pool};
 use super::summary::summary;
-use super::{Failure, RunArguments, law_of, print_of, read_scene, refuse_own_scene, resources};
+use super::{Failure, RunArguments, law_of, print_of, read_scene, refuse_own_scene, resources, warnings_of};
 use crate::asperity::Quantity;
 use crate::math::control_variates::controlled_means;
 use crate::output::progress::Progress;
@@ -33,6 +33,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<(), Failure> {
 
     progress.phase("integral");
     let plan = Plan::new(&scene, law.as_ref());
+    let warnings = warnings_of(&scene, &scene.model, law.as_ref());
     let statistical = pool.install(|| Statistical::new(law.as_ref(), &scene.surface, &scene.separations));
     progress.phase("test functionals");
     let basis = basis(law.as_ref(), &scene.surface, &scene.separations, scene.sampling, scene.replicas);
@@ -72,6 +73,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<(), Failure> {
     let results = Results {
         scene,
         plan,
+        warnings,
         regimes,
         statistical,
         ensemble,

@@ -1,6 +1,6 @@
 //! The summary of a run on the terminal.
 
-use super::check::{beyond, heading, skipped};
+use super::check::{beyond, heading, skipped, warned};
 use super::format::{bound, duration, percent, row, si};
 use super::results::Results;
 use crate::asperity::Quantity;
@@ -15,6 +15,7 @@ pub(super) fn summary(results: &Results) -> String {
     let mut text = heading(&results.scene);
     text += &skipped(&results.plan);
     text += &beyond(&results.plan);
+    text += &warned(&results.warnings);
     text.push('\n');
     text += &pull_off(results);
     text += &stiffness(results);

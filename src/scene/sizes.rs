@@ -132,7 +132,7 @@ impl Sizes {
     /// much in the result, as they may not become smaller there.
     pub fn disk(&self) -> f64 {
         let curves = if self.curves { 2.0 * 2.0 * NUMBER * self.separations * self.replicas } else { 0.0 };
-        1e6 + NUMBER * self.separations * (60.0 + 6.0 * self.regimes + 2.0 * FUNCTIONALS)
+        2e5 + NUMBER * self.separations * (60.0 + 6.0 * self.regimes + 2.0 * FUNCTIONALS)
             + 64.0 * self.replicas
             + curves
     }

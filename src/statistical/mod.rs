@@ -101,6 +101,12 @@ pub fn external_force(law: &dyn Law, surface: &Surface, separation: f64) -> f64 
     surface.asperity_count as f64 * at.means()[Quantity::ExternalForce.index()]
 }
 
+/// Expected contact area, m², at one separation h, m.
+pub fn contact_area(law: &dyn Law, surface: &Surface, separation: f64) -> f64 {
+    let at = AtSeparation::new(law, surface, surface.asperity_separation(separation), TOLERANCE);
+    surface.asperity_count as f64 * at.means()[Quantity::ContactArea.index()]
+}
+
 impl AtSeparation {
     fn new(law: &dyn Law, surface: &Surface, separation: f64, tolerance: f64) -> Self {
         let mut at =

@@ -17,8 +17,8 @@ use crate::math::extrema::Features;
 use crate::output::progress::Progress;
 use crate::output::schema::COMPARISON;
 use crate::output::writer::Writer;
-use crate::scene::{Scene, Sizes, beyond};
-use crate::statistical::Statistical;
+use crate::scene::{Scene, Sizes, Warning, beyond, warnings_of_scene};
+use crate::statistical::{Statistical, contact_area};
 use crate::validation::{JointTest, basis};
 use std::sync::atomic::AtomicBool;
 
@@ -67,6 +67,8 @@ struct Comparison {
     /// Interferences of one asperity, m.
     interferences: Vec<f64>,
     laws: Vec<Compared>,
+    /// What of the scene is outside of what the models are valid for, by the first law.
+    warnings: Vec<Warning>,
 }
 
 pub(super) fn compare(arguments: &CompareArguments) -> Result<(), Failure> {
@@ -112,7 +114,9 @@ pub(super) fn compare(arguments: &CompareArguments) -> Result<(), Failure> {
         });
     }
     progress.end();
-    let comparison = Comparison { scene, interferences, laws: compared };
+    let share_in_contact = |h: f64| contact_area(laws[0].as_ref(), &scene.surface, h) / scene.surface.nominal_area;
+    let warnings = warnings_of_scene(&scene, &compared[0].model, laws[0].as_ref(), share_in_contact);
+    let comparison = Comparison { scene, interferences, laws: compared, warnings };
     if let Some(mut writer) = writer {
         record::write(&mut writer, &comparison)?;
         writer.finish()?;

@@ -59,26 +59,42 @@ impl Validity {
     /// with the limit and its source. Empty where it is valid.
     pub fn limits(&self, lambda: f64, plasticity_index: f64, lubricant_thickness: f64) -> Vec<String> {
         let mut limits = Vec::new();
-        match self.adhesion {
-            Adhesion::Without => limits.push("leaves out adhesion".to_owned()),
-            Adhesion::Low if lambda > LARGEST_DMT_LAMBDA => limits.push(format!(
-                "lambda = {lambda:.3} is above {LARGEST_DMT_LAMBDA}, the limit of DMT-like laws (Johnson and Greenwood 1997)"
-            )),
-            Adhesion::High if lambda < SMALLEST_JKR_LAMBDA => limits.push(format!(
-                "lambda = {} is below {SMALLEST_JKR_LAMBDA}, the limit of JKR (Johnson and Greenwood 1997)",
-                if lambda < 1e-3 { format!("{lambda:.3e}") } else { format!("{lambda:.3}") }
-            )),
-            Adhesion::Low | Adhesion::High | Adhesion::Any => {}
+        if self.adhesion == Adhesion::Without {
+            limits.push("leaves out adhesion".to_owned());
         }
-        if self.elastic && plasticity_index > LARGEST_ELASTIC_PSI {
-            limits.push(format!(
-                "psi = {plasticity_index:.3} is above {LARGEST_ELASTIC_PSI}, the limit of elastic contact (Greenwood and Williamson 1966)"
-            ));
-        }
+        let exceeded = self.exceeded(lambda, plasticity_index);
+        limits.extend(exceeded.into_iter().map(|(finding, reason)| format!("{finding}, {reason}")));
         if self.dry && lubricant_thickness > 0.0 {
             limits.push("knows no lubricant: computed as dry".to_owned());
         }
         limits
+    }
+
+    /// The limits of a law that an adhesion parameter λ and a plasticity index ψ exceed: the number and the limit, and what it is and
+    /// whose.
+    pub fn exceeded(&self, lambda: f64, plasticity_index: f64) -> Vec<(String, String)> {
+        let mut exceeded = Vec::new();
+        match self.adhesion {
+            Adhesion::Low if lambda > LARGEST_DMT_LAMBDA => exceeded.push((
+                format!("lambda = {lambda:.3} is above {LARGEST_DMT_LAMBDA}"),
+                "the limit of DMT-like laws (Johnson and Greenwood 1997)".to_owned(),
+            )),
+            Adhesion::High if lambda < SMALLEST_JKR_LAMBDA => {
+                let lambda = if lambda < 1e-3 { format!("{lambda:.3e}") } else { format!("{lambda:.3}") };
+                exceeded.push((
+                    format!("lambda = {lambda} is below {SMALLEST_JKR_LAMBDA}"),
+                    "the limit of JKR (Johnson and Greenwood 1997)".to_owned(),
+                ));
+            }
+            _ => {}
+        }
+        if self.elastic && plasticity_index > LARGEST_ELASTIC_PSI {
+            exceeded.push((
+                format!("psi = {plasticity_index:.3} is above {LARGEST_ELASTIC_PSI}"),
+                "the limit of elastic contact (Greenwood and Williamson 1966)".to_owned(),
+            ));
+        }
+        exceeded
     }
 }
 

@@ -30,8 +30,7 @@ pub(super) fn asperity(arguments: &AsperityArguments) -> Result<(), Failure> {
         text += &line(known.as_ref(), lambda, delta, arguments.poisson_ratio.is_some())?;
         law = Some((lambda, known));
     }
-    print(&text);
-    Ok(())
+    print(&text)
 }
 
 /// The law of a name that was given for `argument`.

@@ -1,9 +1,9 @@
 //! `stiction check`: what a scene would compute.
 
-use super::format::{duration, percent, pure, row, si};
-use super::{Failure, law_of, print, read_scene};
+use super::format::{bytes, duration, percent, pure, row, si};
+use super::{Failure, law_of, print, read_scene, resources, warnings_of};
 use crate::asperity::scale::Scale;
-use crate::scene::{Plan, Scene};
+use crate::scene::{Plan, Scene, Sizes, Warning};
 use crate::surface::SamplingScheme;
 use std::path::Path;
 
@@ -14,21 +14,43 @@ pub(super) fn check(path: &Path) -> Result<(), Failure> {
     let mut text = heading(&scene);
     text += &skipped(&plan);
     text += &beyond(&plan);
-    text += &regimes(&plan);
-    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    text += &regimes(&plan, scene.surface.asperity_count as f64);
+    for warning in warnings_of(&scene, &scene.model, law.as_ref()) {
+        text += &row("warning", &warning.finding);
+        text += &row("", &warning.explanation());
+    }
     text += &row("work", &format!("{:.3e} asperity-separations", plan.pairs));
-    text += &row(
-        "time",
-        &format!(
-            "about {} on {threads} threads ({} on one)",
-            duration(plan.core_seconds / threads as f64),
-            duration(plan.core_seconds)
-        ),
-    );
-    let memory = plan.memory + threads as f64 * plan.memory_per_thread;
-    text += &row("memory", &format!("about {:.0} MB on {threads} threads", (memory / 1e6).max(1.0)));
-    print(&text);
-    Ok(())
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    let sizes = Sizes::new(&scene, law.as_ref(), threads);
+    text += &cost(&plan, &sizes);
+    for shortage in resources::shortages(&sizes, Some(Path::new("out.h5"))) {
+        text += &row("too large", &format!("here `stiction run` would refuse: {shortage}"));
+    }
+    print(&text)
+}
+
+/// What is warned of, a line each.
+pub(super) fn warned(warnings: &[Warning]) -> String {
+    warnings.iter().map(|warning| row("warning", &warning.finding)).collect()
+}
+
+/// Time, memory and disk.
+fn cost(plan: &Plan, sizes: &Sizes) -> String {
+    let phases = plan.core_seconds.on_threads(sizes);
+    let alone = plan.core_seconds.on_threads(&Sizes { threads: 1.0, ..*sizes });
+    let [all, on_one] = [phases, alone].map(|phases| duration(phases.iter().sum()));
+    let [integral, functionals, ensemble] = phases.map(duration);
+    let threads = match sizes.threads {
+        1.0 => "1 thread".to_owned(),
+        threads => format!("{threads} threads"),
+    };
+    let mut text = row("time", &format!("about {all} on {threads} ({on_one} on one)"));
+    let parts = format!("integral {integral}, test functionals {functionals}, ensemble {ensemble}");
+    let busy = sizes.workers();
+    let idle = if busy < sizes.threads { format!("; only {busy} have a batch of replicas") } else { String::new() };
+    text += &row("", &format!("{parts}{idle}"));
+    text += &row("memory", &format!("about {} on {threads}", bytes(sizes.memory())));
+    text + &row("disk", &format!("at most about {}", bytes(sizes.disk())))
 }
 
 /// The title, the model, and what characterises the scene.
@@ -118,8 +140,8 @@ pub(super) fn skipped(plan: &Plan) -> String {
     plan.skips.iter().enumerate().map(|(i, skip)| row(label(i), skip)).collect()
 }
 
-fn regimes(plan: &Plan) -> String {
-    let total: f64 = plan.regimes.iter().map(|regime| regime.asperities).sum();
+/// The regimes, and the share of all asperities in each.
+fn regimes(plan: &Plan, all: f64) -> String {
     let lines = plan.regimes.iter().enumerate().map(|(i, regime)| {
         let end = |interference: f64| {
             if interference.is_finite() {
@@ -137,7 +159,7 @@ fn regimes(plan: &Plan) -> String {
             &format!(
                 "{:<16}{interval:<28}{} of asperities and separations",
                 regime.regime.name(),
-                percent(regime.asperities / total)
+                percent(regime.asperities / all)
             ),
         )
     });

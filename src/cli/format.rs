@@ -37,6 +37,19 @@ pub(super) fn percent(share: f64) -> String {
     }
 }
 
+/// A positive bound with one significant digit, rounded up.
+pub(super) fn bound(value: f64) -> String {
+    let nearest = format!("{value:.0e}");
+    match nearest.split_once('e') {
+        Some((digit, exponent)) if nearest.parse::<f64>().is_ok_and(|nearest| nearest < value) => match digit.parse() {
+            Ok(9) => format!("1e{}", exponent.parse::<i32>().unwrap_or_default() + 1),
+            Ok(digit) => format!("{}e{exponent}", digit + 1),
+            Err(_) => nearest,
+        },
+        _ => nearest,
+    }
+}
+
 /// A pure number with four decimals, or in powers of ten where they would hide it.
 pub(super) fn pure(value: f64) -> String {
     if (1e-2..1e5).contains(&value.abs()) { format!("{value:.4}") } else { format!("{value:.3e}") }
@@ -50,6 +63,17 @@ pub(super) fn signed_percent(deviation: f64) -> String {
         d if d < 999.0 => format!("x {:.3}", 1.0 + d),
         d => format!("x {:.1e}", 1.0 + d),
     }
+}
+
+/// Bytes with a prefix and three significant digits, or whole below a kilobyte.
+pub(super) fn bytes(count: f64) -> String {
+    const UNITS: [(&str, f64); 5] = [("PB", 1e15), ("TB", 1e12), ("GB", 1e9), ("MB", 1e6), ("kB", 1e3)];
+    let Some((unit, size)) = UNITS.iter().find(|(_, size)| count >= 0.9995 * size) else {
+        return format!("{count:.0} bytes");
+    };
+    let value = count / size;
+    let digits = if value < 9.995 { 2 } else { usize::from(value < 99.95) };
+    format!("{value:.digits$} {unit}")
 }
 
 /// Seconds, minutes or hours.
@@ -82,8 +106,22 @@ mod tests {
     }
 
     #[test]
+    fn bounds_are_rounded_up() {
+        for (value, text) in
+            [(1.2e-13, "2e-13"), (2e-13, "2e-13"), (9.3e-14, "1e-13"), (9.7e-14, "1e-13"), (3.01, "4e0")]
+        {
+            assert_eq!(bound(value), text);
+        }
+    }
+
+    #[test]
     fn times_and_shares_are_readable() {
         assert_eq!(duration(3.25), "3.2 s");
+        assert_eq!(bytes(12.0), "12 bytes");
+        assert_eq!(bytes(43.9e6), "43.9 MB");
+        assert_eq!(bytes(999.96e6), "1.00 GB");
+        assert_eq!(bytes(8.4321e12), "8.43 TB");
+        assert_eq!(bytes(12345e15), "12345 PB");
         assert_eq!(duration(600.0), "10.0 min");
         assert_eq!(duration(36000.0), "10.0 h");
         assert_eq!(percent(0.1234), "12.34 %");

@@ -35,8 +35,7 @@ pub(super) fn info(path: &Path) -> Result<(), Failure> {
     for line in scene.lines() {
         text += &format!("  {line}\n");
     }
-    print(&text);
-    Ok(())
+    print(&text)
 }
 
 /// A row with room for long names.

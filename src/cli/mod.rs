@@ -7,6 +7,7 @@ mod compare;
 mod format;
 mod info;
 mod record;
+mod resources;
 mod results;
 mod run;
 mod sampling;
@@ -17,9 +18,12 @@ use crate::asperity::models::Model;
 use crate::asperity::{Law, Path as History};
 use crate::math::instruction_set::InstructionSet;
 use crate::output::OutputError;
-use crate::scene::{Scene, SceneError};
-use anyhow::Context;
+use crate::scene::{Scene, SceneError, Warning, warnings};
+use crate::statistical::contact_area;
+use anyhow::{Context, anyhow};
 use clap::{Args, Parser, Subcommand};
+use std::ffi::OsString;
+use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -233,13 +237,34 @@ impl From<OutputError> for Failure {
 
 /// Parses the command line, runs the command, prints the error, returns the exit code.
 pub fn main() -> ExitCode {
-    match execute(Cli::parse().command) {
+    let result = match Cli::try_parse_from(decimal(std::env::args_os())) {
+        Ok(cli) => execute(cli.command),
+        Err(refused) if refused.use_stderr() => {
+            let _ = refused.print();
+            return ExitCode::from(2);
+        }
+        Err(help) => printed(help.print()),
+    };
+    match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
-            eprintln!("stiction: {failure}");
+            // Nobody may be there to read it.
+            let _ = writeln!(std::io::stderr(), "stiction: {failure}");
             ExitCode::from(failure.exit_code())
         }
     }
+}
+
+/// The arguments, with negative numbers up to a `--` written without exponent and with a digit before the point: `-1e-5` and `-.5`
+/// would be taken for options.
+fn decimal(arguments: impl Iterator<Item = OsString>) -> impl Iterator<Item = OsString> {
+    let mut options = true;
+    arguments.map(move |argument| {
+        options &= argument != "--";
+        let text = argument.to_str().filter(|text| options && text.starts_with('-'));
+        let number = text.and_then(|text| text.parse::<f64>().ok()).filter(|number| number.is_finite());
+        number.map_or(argument, |number| number.to_string().into())
+    })
 }
 
 fn execute(command: Command) -> Result<(), Failure> {
@@ -257,16 +282,40 @@ fn execute(command: Command) -> Result<(), Failure> {
     }
 }
 
-/// Prints text; that nobody reads it any more is no error.
-fn print(text: &str) {
-    use std::io::Write;
-    let _ = std::io::stdout().write_all(text.as_bytes());
+/// Prints text on standard output.
+///
+/// # Errors
+/// [`Failure::Running`] when it cannot be written; that nobody reads it any more is none.
+fn print(text: &str) -> Result<(), Failure> {
+    let mut out = std::io::stdout().lock();
+    printed(out.write_all(text.as_bytes()).and_then(|()| out.flush()))
+}
+
+/// What became of something printed.
+fn printed(written: std::io::Result<()>) -> Result<(), Failure> {
+    match written {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            Err(Failure::Running(anyhow!("cannot write to standard output: {error}")))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Prints what is said of a result that is complete, and says that it is where this fails.
+fn print_of(output: &Path, text: &str) -> Result<(), Failure> {
+    print(text).map_err(|failure| Failure::Running(anyhow!("{failure}; the result {} is complete", output.display())))
 }
 
 /// A law for the asperities of a scene, with the scene's file named in every error.
 fn law_of(scene: &Scene, model: &Model, path: &Path) -> Result<Box<dyn Law>, Failure> {
     let refused = |error| format!("{}: the law {} cannot be used: {error}", path.display(), model.name);
     scene.law_of(model).map_err(|error| Failure::Usage(refused(error)))
+}
+
+/// What of a scene under a law is outside of what the models are valid for, or likely a wrong unit.
+fn warnings_of(scene: &Scene, model: &Model, law: &dyn Law) -> Vec<Warning> {
+    let surface = &scene.surface;
+    warnings(scene, model, law, |h| contact_area(law, surface, h) / surface.nominal_area)
 }
 
 /// An output that is the scene itself would destroy it.

@@ -5,7 +5,7 @@ use crate::engine::{Ensemble, Summation};
 use crate::math::control_variates::ControlledMean;
 use crate::math::extrema::Features;
 use crate::math::interpolation::linear;
-use crate::scene::{Plan, Scene};
+use crate::scene::{Plan, Scene, Warning};
 use crate::statistical::{Statistical, external_force};
 use crate::validation::{Basis, JointTest};
 use std::path::PathBuf;
@@ -15,6 +15,7 @@ use std::time::Duration;
 pub(super) struct Results {
     pub scene: Scene,
     pub plan: Plan,
+    pub warnings: Vec<Warning>,
     pub regimes: Vec<&'static str>,
     pub statistical: Statistical,
     pub ensemble: Box<Ensemble>,

@@ -5,7 +5,7 @@ use super::record::{write_curves, write_head, write_results};
 use super::results::{Results, integral_features, mean_features};
 use super::sampling::{Sampling, cross_check, interruption, override_ensemble, thread_pool};
 use super::summary::summary;
-use super::{Failure, RunArguments, law_of, print, read_scene, refuse_own_scene};
+use super::{Failure, RunArguments, law_of, print_of, read_scene, refuse_own_scene, resources, warnings_of};
 use crate::asperity::Quantity;
 use crate::engine::{Ensemble, Outcome};
 use crate::math::control_variates::controlled_means;
@@ -13,7 +13,7 @@ use crate::output::progress::Progress;
 use crate::output::schema::RUN;
 use crate::output::writer::Writer;
 use crate::output::{Claim, OutputError};
-use crate::scene::Plan;
+use crate::scene::{Plan, Sizes};
 use crate::statistical::{Statistical, controls};
 use crate::validation::basis;
 use std::path::PathBuf;
@@ -31,6 +31,11 @@ pub(super) fn run(arguments: &RunArguments) -> Result<(), Failure> {
     let law = law.as_ref();
     refuse_own_scene(&arguments.scene, &output)?;
     let claim = Claim::new(&output)?;
+    let pool = thread_pool(arguments.execution.threads)?;
+    let sizes = Sizes::new(&scene, law, pool.current_num_threads());
+    // What an interrupted run has kept is on the disk already.
+    let begins = !claim.beside(".checkpoint").exists();
+    resources::require(&arguments.scene, &sizes, begins.then_some(output.as_path()))?;
     let interrupted = match beginning(&claim, &scene, arguments)? {
         Beginning::Complete => {
             eprintln!("{} is complete: nothing to resume", output.display());
@@ -39,11 +44,11 @@ pub(super) fn run(arguments: &RunArguments) -> Result<(), Failure> {
         Beginning::Anew => None,
         Beginning::Resumed(run) => Some(run),
     };
-    let pool = thread_pool(arguments.execution.threads)?;
     let mut progress = Progress::new(arguments.execution.quiet);
 
     progress.phase("integral");
     let plan = Plan::new(&scene, law);
+    let warnings = warnings_of(&scene, &scene.model, law);
     let statistical = pool.install(|| Statistical::new(law, &scene.surface, &scene.separations));
     progress.phase("test functionals");
     let State { basis, controls, .. } = match &interrupted {
@@ -91,6 +96,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<(), Failure> {
     let results = Results {
         scene,
         plan,
+        warnings,
         regimes,
         statistical,
         ensemble,
@@ -126,8 +132,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<(), Failure> {
     }
     keeper.journal.discard();
     progress.end();
-    print(&summary(&results));
-    Ok(())
+    print_of(&results.output, &summary(&results))
 }
 
 /// Writes the result; `false` if it was interrupted before it was complete, and then is not there.

@@ -1,7 +1,7 @@
 //! The summary of a run on the terminal.
 
-use super::check::{beyond, heading, skipped};
-use super::format::{duration, percent, row, si};
+use super::check::{beyond, heading, skipped, warned};
+use super::format::{bound, duration, percent, row, si};
 use super::results::Results;
 use crate::asperity::Quantity;
 use crate::engine::Replica;
@@ -15,12 +15,13 @@ pub(super) fn summary(results: &Results) -> String {
     let mut text = heading(&results.scene);
     text += &skipped(&results.plan);
     text += &beyond(&results.plan);
+    text += &warned(&results.warnings);
     text.push('\n');
     text += &pull_off(results);
     text += &stiffness(results);
     text += &at_pull_off(results);
     text += &verdict(&results.joint, &results.z, "all of them are in /validation");
-    text += &row("integral", &format!("relative error below {:.0e}", results.statistical.quadrature_error));
+    text += &row("integral", &error_bound(results.statistical.quadrature_error));
     text += &times(results);
     text += &row("written", &results.output.display().to_string());
     text
@@ -168,10 +169,19 @@ pub(super) fn verdict(joint: &JointTest, z: &[Vec<f64>; 2], note: &str) -> Strin
             ),
         ),
     };
-    let largest = |z: &[f64]| z.iter().filter(|z| z.is_finite()).fold(0.0_f64, |worst, z| worst.max(z.abs()));
-    let [adhesion, external] = [largest(&z[0]), largest(&z[1])];
-    text += &row("", &format!("largest |z|: adhesion force {adhesion:.2}, external force {external:.2}; {note}"));
+    let largest = |z: &[f64]| z.iter().filter(|z| z.is_finite()).map(|z| z.abs()).reduce(f64::max);
+    let shown = |z: &[f64]| largest(z).map_or("-".to_owned(), |largest| format!("{largest:.2}"));
+    let [adhesion, external] = [shown(&z[0]), shown(&z[1])];
+    text += &row("", &format!("largest |z|: adhesion force {adhesion}, external force {external}; {note}"));
     text
+}
+
+/// The bound of the integral's relative error, which rounding alone keeps from being smaller than the machine's precision.
+fn error_bound(error: f64) -> String {
+    if error.is_nan() {
+        return "the error is unknown: the law is not a number somewhere".to_owned();
+    }
+    format!("relative error below {}", bound(error.max(f64::EPSILON)))
 }
 
 fn times(results: &Results) -> String {

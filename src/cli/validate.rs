@@ -47,7 +47,8 @@ pub(super) fn validate(path: &Path) -> Result<(), Failure> {
     text += "        h*   mean F_s (N)   integral (N)       z     mean F (N)   integral (N)       z\n";
     let step = h_star.len().div_ceil(ROWS);
     for k in (0..h_star.len()).step_by(step.max(1)) {
-        let cells = [0, 1].map(|i| format!("{:>14.6e} {:>14.6e} {:>7.2}", forces[i][0][k], forces[i][1][k], z[i][k]));
+        let cells =
+            [0, 1].map(|i| format!("{:>14.6e} {:>14.6e} {:>7}", forces[i][0][k], forces[i][1][k], score(z[i][k])));
         text += &format!("{:>10.3} {}\n", h_star[k], cells.join(" "));
     }
     let shown = if step > 1 {
@@ -56,8 +57,13 @@ pub(super) fn validate(path: &Path) -> Result<(), Failure> {
         "all separations are shown".to_owned()
     };
     text += &verdict(&joint, &z, &shown);
-    print(&text);
+    print(&text)?;
     if joint.verdict == Verdict::Disagree { Err(Failure::Disagree) } else { Ok(()) }
+}
+
+/// A z-score; a dash where nothing varies.
+fn score(z: f64) -> String {
+    if z.is_finite() { format!("{z:.2}") } else { "-".to_owned() }
 }
 
 /// How the replicas were drawn; files of format version 1.0 do not say, and knew one way only.

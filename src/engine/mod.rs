@@ -74,6 +74,16 @@ pub struct Job<'a> {
 }
 
 impl Job<'_> {
+    /// Has the replicas come in whole groups: the last replicas would otherwise be in the means, but in no standard error and no test.
+    ///
+    /// # Panics
+    /// When they do not; scenes are refused before ([`SamplingScheme::check`]).
+    fn require_whole_groups(&self) {
+        if let Err(problem) = self.scheme.check(self.replicas) {
+            panic!("{problem}");
+        }
+    }
+
     /// Number of batches.
     pub fn batches(&self) -> u64 {
         self.replicas.div_ceil(BATCH)

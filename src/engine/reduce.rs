@@ -30,6 +30,9 @@ impl Outcome {
 ///
 /// # Errors
 /// The error of `observe`.
+///
+/// # Panics
+/// When the replicas are no whole groups of the job's scheme.
 pub fn run<E: Send>(
     job: &Job<'_>,
     pool: &rayon::ThreadPool,
@@ -55,6 +58,7 @@ pub fn run_from<E: Send>(
     mut merged: Ensemble,
     mut observe: impl FnMut(&Batch, &Ensemble) -> Result<(), E>,
 ) -> Result<Outcome, E> {
+    job.require_whole_groups();
     let (sender, receiver) = sync_channel::<(u64, Batch)>(pool.current_num_threads());
     let first = (merged.replicas.len() as u64).div_ceil(BATCH);
     std::thread::scope(|scope| {
@@ -63,9 +67,11 @@ pub fn run_from<E: Send>(
                 // par_bridge hands batches out in order, so those that wait for an earlier one are few.
                 let batches = (first..job.batches()).par_bridge();
                 batches.for_each_init(
-                    || Workspace::new(job),
+                    // Threads without a batch take no memory.
+                    || None,
                     |workspace, index| {
                         if !stop.load(Ordering::Relaxed) {
+                            let workspace = workspace.get_or_insert_with(|| Workspace::new(job));
                             // A closed channel means that the run has ended with an error.
                             let _ = sender.send((index, Batch::compute(job, workspace, index)));
                         }

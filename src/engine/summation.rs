@@ -5,6 +5,7 @@ use super::curves::Curves;
 use super::replica::{Replica, Workspace};
 use super::{Job, compressed};
 use crate::asperity::Quantity;
+use crate::math::extrema::maximum;
 use rayon::prelude::*;
 
 /// Replicas that are summed both ways before the run, spread over it.
@@ -72,6 +73,7 @@ fn pilot_error(job: &Job<'_>, compression: &Compression, index: u64) -> f64 {
     let ((replica, curves), (truth, direct)) = (summed(Some(compression)), summed(None));
     let largest = direct.total[Quantity::AdhesionForce.index()].iter().copied().fold(f64::MIN_POSITIVE, f64::max);
     let scale = truth.pull_off_force.abs().max(compressed::SMALL * largest);
-    let error = largest_error(&curves, &direct).max((replica.pull_off_force - truth.pull_off_force).abs() / scale);
+    let pull_off_error = (replica.pull_off_force - truth.pull_off_force).abs() / scale;
+    let error = maximum(largest_error(&curves, &direct), pull_off_error);
     if error.is_nan() { f64::INFINITY } else { error }
 }

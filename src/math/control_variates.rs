@@ -10,6 +10,7 @@
 //! and s² the sum of squared residuals over n − 1 − k for k coefficients. So it holds what estimating the coefficients costs, on average
 //! a factor (n − 2)/(n − 2 − k) of variance (Nelson 1990, Operations Research 38, 974).
 
+use super::extrema::maximum;
 use super::linalg::whitening;
 use super::moments::Comoments;
 
@@ -66,7 +67,7 @@ pub fn controlled_means(parts: &[Comoments], expected: &[f64]) -> Vec<Controlled
         };
         let shift: f64 = parts.iter().zip(&regressions).map(shift).sum();
         let explained: f64 = regression.coefficients(y).map(|coefficient| coefficient * coefficient).sum();
-        let residual = (n - 1.0) * (variance - explained).max(0.0) / (n - 1.0 - k);
+        let residual = (n - 1.0) * maximum(variance - explained, 0.0) / (n - 1.0 - k);
         let standard_error = (variance / n).sqrt();
         ControlledMean {
             mean: whole.mean()[y],

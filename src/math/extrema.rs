@@ -13,6 +13,11 @@ pub struct Extremum {
     pub at_edge: bool,
 }
 
+/// The larger of two numbers; NaN if one of them is, which `f64::max` would pass over.
+pub fn maximum(a: f64, b: f64) -> f64 {
+    if a.is_nan() || a > b { a } else { b }
+}
+
 /// The minimum of a curve sampled at rising places: the vertex of the parabola through the smallest sample and its
 /// neighbours, or the smallest sample itself at an edge. Spacings may differ. For a smooth curve with samples Δ apart the
 /// value is off by O(Δ³) of its third derivative, and by nothing for a parabola.

@@ -3,10 +3,14 @@
 mod plan;
 mod reader;
 mod separation;
+mod sizes;
 pub mod units;
+mod validity;
 
-pub use plan::{Plan, RegimePlan, beyond};
+pub use plan::{CoreSeconds, Plan, RegimePlan, beyond};
 pub use reader::{SceneError, nearest};
+pub use sizes::{Choice, Sizes};
+pub use validity::{Warning, warnings, warnings_of_scene};
 
 use crate::asperity::models::{MODELS, Model, PUBLISHED_FITS};
 use crate::asperity::scale::{Asperity, Scale};

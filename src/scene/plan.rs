@@ -1,6 +1,6 @@
 //! What a scene will compute, what it skips and why, and what that takes.
 
-use super::Scene;
+use super::{Scene, Sizes};
 use crate::asperity::{Law, Regime};
 
 /// A regime that is expected less often than this in the whole run, at the separation that reaches it most, is called skipped.
@@ -8,10 +8,20 @@ const NEVER: f64 = 1e-6;
 
 /// Nanoseconds that a replica takes by compressed sums, about: for each asperity, and for each separation.
 const COMPRESSED: (f64, f64) = (30.0, 700.0);
-/// Heights that compressed sums bin, in σ_s.
-const BINNED_WIDTH: f64 = 20.0;
-/// Bytes that the moments of one step of separation take, for a dozen segments.
-const MOMENTS_OF_PERIOD: f64 = 16e3;
+/// Replicas that are summed directly too before a compressed run, to see its error.
+const PILOTS: f64 = 4.0;
+/// Nanoseconds that an asperity takes to be drawn and sorted, about, and a surface at a separation, however few its asperities.
+const DIRECT: (f64, f64) = (40.0, 700.0);
+/// The search for the pull-off solves a surface in so many spaces between separations that they are at most so many σ_s apart, but at
+/// most so many times in each; and so many times more.
+const SEARCH: (f64, f64, f64, f64) = (3.0, 0.06, 63.0, 5.0);
+/// Of the integral: evaluations on a panel, panels of all heights, nanoseconds of the density of one of them, and how many times the
+/// cost in full blocks one takes.
+const INTEGRAL: (f64, f64, f64, f64) = (60.0, 17.0, 30.0, 3.0);
+/// Nanoseconds of the joint test: for each height of its grid and separation, for each height and pair of separations, for each triple.
+const FUNCTIONALS: (f64, f64, f64) = (40.0, 0.12, 0.8);
+/// Heights of that grid.
+const GRID: f64 = 4001.0;
 
 /// One regime of the scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,40 +56,68 @@ pub struct Plan {
     pub beyond: f64,
     /// Asperity-separations of the run.
     pub pairs: f64,
-    /// Estimated core seconds of the ensemble.
-    pub core_seconds: f64,
-    /// Estimated memory of a run on one thread, bytes.
-    pub memory: f64,
-    /// Estimated memory of each further thread, bytes.
-    pub memory_per_thread: f64,
+    /// Estimated core seconds.
+    pub core_seconds: CoreSeconds,
+}
+
+/// Estimated core seconds of the phases of a run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CoreSeconds {
+    /// The integral, which threads share.
+    pub integral: f64,
+    /// The functionals of the joint test, which one thread finds.
+    pub functionals: f64,
+    /// What a few replicas take that are summed both ways before a compressed run.
+    pub pilots: f64,
+    /// The ensemble, which threads share batch by batch.
+    pub ensemble: f64,
+}
+
+impl CoreSeconds {
+    /// Seconds that the phases take one after the other: integral, functionals, ensemble.
+    pub fn on_threads(&self, sizes: &Sizes) -> [f64; 3] {
+        let rounds = (sizes.batches() / sizes.threads).ceil();
+        let pilots = self.pilots / sizes.threads.min(PILOTS);
+        [self.integral / sizes.threads, self.functionals, pilots + self.ensemble * rounds / sizes.batches()]
+    }
 }
 
 impl Plan {
     /// Plans a scene under its law.
     pub fn new(scene: &Scene, law: &dyn Law) -> Self {
         let regimes = regimes(scene, law);
-        let (s, r) = (scene.separations.len() as f64, regimes.len() as f64);
-        let (n, replicas) = (scene.surface.asperity_count as f64, scene.replicas as f64);
-        let direct =
-            40.0 * n + s * regimes.iter().enumerate().map(|(i, plan)| plan.asperities * law.cost(i)).sum::<f64>();
-        let step = (scene.separations[scene.separations.len() - 1] - scene.separations[0]) / s;
-        let periods = BINNED_WIDTH * scene.surface.heights.std / step;
-        let (nanoseconds, moments) = match scene.sum_tolerance {
-            Some(_) => (COMPRESSED.0 * n + COMPRESSED.1 * s, MOMENTS_OF_PERIOD * periods),
-            None => (direct, 0.0),
-        };
-        // Moments and curves of a batch and of its groups, heights, and for curves what waits to be written.
-        let batch = 8.0 * (n + 3.0 * s * (8.0 + 3.0 * r)) + if scene.curves { 8.0 * 2.0 * s * 8.0 } else { 0.0 };
+        let pairs = scene.surface.asperity_count as f64 * scene.separations.len() as f64 * scene.replicas as f64;
         Self {
             skips: skips(scene, law, &regimes),
             beyond: beyond(scene, law),
-            pairs: n * s * replicas,
-            core_seconds: 1e-9 * replicas * nanoseconds,
-            // The grid of the joint test, its copy, and the scalars of the replicas.
-            memory: 8.0 * 4001.0 * 4.0 * s.min(400.0) + 64.0 * replicas + batch + 20e6,
-            memory_per_thread: 2.0 * batch + moments,
+            pairs,
+            core_seconds: core_seconds(scene, law, &regimes),
             regimes,
         }
+    }
+}
+
+fn core_seconds(scene: &Scene, law: &dyn Law, regimes: &[RegimePlan]) -> CoreSeconds {
+    let sizes = Sizes::new(scene, law, 1);
+    let (n, s) = (sizes.asperities, sizes.separations);
+    let solving: f64 = regimes.iter().enumerate().map(|(i, plan)| plan.asperities * law.cost(i)).sum();
+    let between = ((sizes.step / SEARCH.1).ceil() - 1.0).min(SEARCH.2);
+    let searched = SEARCH.0.min(s - 1.0) * between + SEARCH.3;
+    let direct = DIRECT.0 * n + (s + searched) * (DIRECT.1 + solving);
+    let compressed = COMPRESSED.0 * n + COMPRESSED.1 * s;
+    let (replica, pilots) = match scene.sum_tolerance {
+        Some(_) => (compressed, PILOTS.min(sizes.replicas) * (direct + compressed)),
+        None => (direct, 0.0),
+    };
+    let dearest = (0..regimes.len()).map(|regime| law.cost(regime)).fold(0.0, f64::max);
+    let panels = INTEGRAL.1 + 2.0 * law.pieces().len() as f64;
+    let columns = sizes.tested();
+    let grid = FUNCTIONALS.0 * columns + FUNCTIONALS.1 * columns * columns;
+    CoreSeconds {
+        integral: 1e-9 * s * INTEGRAL.0 * panels * (INTEGRAL.2 + INTEGRAL.3 * dearest),
+        functionals: 1e-9 * (GRID * grid + FUNCTIONALS.2 * columns.powi(3)),
+        pilots: 1e-9 * pilots,
+        ensemble: 1e-9 * sizes.replicas * replica,
     }
 }
 

@@ -10,6 +10,7 @@ mod controls;
 pub use controls::controls;
 
 use crate::asperity::{Law, Piece, Quantity, Responses, Smoothness, Work};
+use crate::math::extrema::maximum;
 use crate::math::quadrature::{Integral, NODES, Rule};
 use crate::surface::Surface;
 use rayon::prelude::*;
@@ -36,7 +37,8 @@ pub struct Statistical {
     pub regime_adhesion_force: Vec<Vec<f64>>,
     /// Expected external force of each regime, N: R × S.
     pub regime_external_force: Vec<Vec<f64>>,
-    /// Largest bound of the relative error over separations of adhesion force, contact force and area of any regime.
+    /// Largest bound of the relative error over separations of adhesion force, contact force and area of any regime; NaN where one of
+    /// them is not a number.
     pub quadrature_error: f64,
     /// What solving cost.
     pub work: Work,
@@ -87,7 +89,7 @@ impl Statistical {
             regime_count: regime(&|r| r.probability),
             regime_adhesion_force: regime(&|r| r.adhesion),
             regime_external_force: regime(&|r| r.contact - r.adhesion),
-            quadrature_error: at.iter().fold(0.0, |worst, a| a.error.max(worst)),
+            quadrature_error: at.iter().fold(0.0, |worst, a| maximum(a.error, worst)),
             work,
         }
     }
@@ -97,6 +99,12 @@ impl Statistical {
 pub fn external_force(law: &dyn Law, surface: &Surface, separation: f64) -> f64 {
     let at = AtSeparation::new(law, surface, surface.asperity_separation(separation), TOLERANCE);
     surface.asperity_count as f64 * at.means()[Quantity::ExternalForce.index()]
+}
+
+/// Expected contact area, m², at one separation h, m.
+pub fn contact_area(law: &dyn Law, surface: &Surface, separation: f64) -> f64 {
+    let at = AtSeparation::new(law, surface, surface.asperity_separation(separation), TOLERANCE);
+    surface.asperity_count as f64 * at.means()[Quantity::ContactArea.index()]
 }
 
 impl AtSeparation {
@@ -115,8 +123,9 @@ impl AtSeparation {
                 regime.squares[q] += integral.value[3 + q];
             }
             for c in 0..3 {
-                if integral.value[c] > f64::MIN_POSITIVE / f64::EPSILON {
-                    at.error = at.error.max(integral.error[c] / integral.value[c]);
+                // What underflows has no relative error; what is not a number is no better for that.
+                if !(integral.value[c] <= f64::MIN_POSITIVE / f64::EPSILON) {
+                    at.error = maximum(at.error, integral.error[c] / integral.value[c]);
                 }
             }
         }
@@ -165,7 +174,7 @@ impl AtSeparation {
         let means = self.means();
         std::array::from_fn(|q| {
             let square: f64 = self.regimes.iter().map(|r| r.squares[q]).sum();
-            (square - means[q] * means[q]).max(0.0)
+            maximum(square - means[q] * means[q], 0.0)
         })
     }
 }
@@ -229,4 +238,63 @@ fn panel_breaks(piece: &Piece, separation: f64, std: f64, variable: Variable) ->
     breaks.sort_by(f64::total_cmp);
     breaks.dedup();
     breaks
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::asperity::{Boundary, Regime};
+    use crate::surface::Gaussian;
+
+    /// A force of 1 that is not a number above some interference, m.
+    struct Broken {
+        above: f64,
+    }
+
+    impl Law for Broken {
+        fn regimes(&self) -> &[Regime] {
+            &[Regime::Elastic]
+        }
+
+        fn boundaries(&self) -> &[Boundary] {
+            &[]
+        }
+
+        fn pieces(&self) -> Vec<Piece> {
+            let [lower, upper] = [f64::NEG_INFINITY, f64::INFINITY];
+            vec![Piece { regime: 0, lower, upper, smoothness: Smoothness::Smooth }]
+        }
+
+        fn cost(&self, _: usize) -> f64 {
+            1.0
+        }
+
+        fn evaluate(&self, _: usize, interference: &[f64], out: &mut Responses, _: &mut Work) {
+            for (i, delta) in interference.iter().enumerate() {
+                out.adhesion[i] = if *delta > self.above { f64::NAN } else { 1.0 };
+                (out.contact[i], out.area[i]) = (0.0, 0.0);
+            }
+        }
+    }
+
+    /// What is not a number at one separation of several is not passed over in the error, nor does it become a spread of 0.
+    #[test]
+    fn what_is_not_a_number_stays_so() {
+        let surface = Surface {
+            surface_height_std: 1.0,
+            heights: Gaussian { std: 1.0 },
+            mean_plane_offset: 0.0,
+            asperity_count: 10,
+            nominal_area: 1.0,
+        };
+        let separations = [-40.0, 0.0, 1.0, 40.0];
+        let sound = Statistical::new(&Broken { above: f64::INFINITY }, &surface, &separations);
+        assert!(sound.quadrature_error < 1e-13 && sound.expected[0].iter().all(|force| (force - 10.0).abs() < 1e-12));
+        let broken = Statistical::new(&Broken { above: 5.0 }, &surface, &separations);
+        assert!(broken.quadrature_error.is_nan(), "{}", broken.quadrature_error);
+        for k in [1, 2] {
+            assert!(broken.expected[0][k].is_nan() && broken.std[0][k].is_nan());
+        }
+        assert!(broken.expected[0][3] == sound.expected[0][3]);
+    }
 }

@@ -7,7 +7,7 @@ use super::asperity::find;
 use super::format::percent;
 use super::results::integral_features;
 use super::sampling::{Sampling, cross_check, interruption, override_ensemble, thread_pool};
-use super::{CompareArguments, Failure, law_of, print, read_scene, refuse_own_scene};
+use super::{CompareArguments, Failure, law_of, print, print_of, read_scene, refuse_own_scene, resources};
 use crate::asperity::emd::Emd;
 use crate::asperity::laws::fit::FORCES;
 use crate::asperity::models::Model;
@@ -18,8 +18,8 @@ use crate::output::Claim;
 use crate::output::progress::Progress;
 use crate::output::schema::COMPARISON;
 use crate::output::writer::Writer;
-use crate::scene::{Scene, beyond};
-use crate::statistical::Statistical;
+use crate::scene::{Scene, Sizes, Warning, beyond, warnings_of_scene};
+use crate::statistical::{Statistical, contact_area};
 use crate::validation::{JointTest, basis};
 use std::sync::atomic::AtomicBool;
 
@@ -68,6 +68,8 @@ struct Comparison {
     /// Interferences of one asperity, m.
     interferences: Vec<f64>,
     laws: Vec<Compared>,
+    /// What of the scene is outside of what the models are valid for, by the first law.
+    warnings: Vec<Warning>,
 }
 
 pub(super) fn compare(arguments: &CompareArguments) -> Result<(), Failure> {
@@ -83,6 +85,12 @@ pub(super) fn compare(arguments: &CompareArguments) -> Result<(), Failure> {
     let claim = arguments.output.as_ref().map(|output| Claim::new(output)).transpose()?;
     claim.as_ref().map_or(Ok(()), |claim| claim.check(arguments.execution.force))?;
     let pool = thread_pool(arguments.execution.threads)?;
+    if arguments.ensemble {
+        let largest = laws.iter().max_by_key(|law| law.regimes().len()).expect("a law is required");
+        let sizes = Sizes::new(&scene, largest.as_ref(), pool.current_num_threads());
+        let sizes = Sizes { ensembles: laws.len() as f64, curves: false, ..sizes };
+        resources::require(&arguments.scene, &sizes, arguments.output.as_deref())?;
+    }
     let mut progress = Progress::new(arguments.execution.quiet);
     let interferences = interferences(&scene);
     let mut compared = Vec::new();
@@ -107,7 +115,9 @@ pub(super) fn compare(arguments: &CompareArguments) -> Result<(), Failure> {
         });
     }
     progress.end();
-    let comparison = Comparison { scene, interferences, laws: compared };
+    let share_in_contact = |h: f64| contact_area(laws[0].as_ref(), &scene.surface, h) / scene.surface.nominal_area;
+    let warnings = warnings_of_scene(&scene, &compared[0].model, laws[0].as_ref(), share_in_contact);
+    let comparison = Comparison { scene, interferences, laws: compared, warnings };
     if let Some(claim) = &claim {
         let written = Writer::create(&COMPARISON, claim, arguments.execution.force).and_then(|mut writer| {
             record::write(&mut writer, &comparison)?;
@@ -115,8 +125,11 @@ pub(super) fn compare(arguments: &CompareArguments) -> Result<(), Failure> {
         });
         written.map_err(|error| error.writing(claim.output()))?;
     }
-    print(&table::table(&comparison, arguments.output.as_deref()));
-    Ok(())
+    let table = table::table(&comparison, arguments.output.as_deref());
+    match &arguments.output {
+        Some(output) => print_of(output, &table),
+        None => print(&table),
+    }
 }
 
 /// Where a law is not valid, a line each: its own limits, asperities beyond its end, and curve fits that are off.

@@ -14,7 +14,7 @@ use crate::output::writer::Writer;
 use crate::validation::SIGNIFICANCE;
 
 pub(super) fn write(writer: &mut Writer<'_>, comparison: &Comparison) -> Result<(), OutputError> {
-    let Comparison { scene, interferences, laws } = comparison;
+    let Comparison { scene, interferences, laws, .. } = comparison;
     write_scene(writer, scene)?;
     let scale = scene.scale();
     writer.number("/", "approach_unit", scale.length)?;

@@ -2,7 +2,7 @@
 
 use super::{Compared, Comparison, Sampled, deviation};
 use crate::asperity::laws::fit::FORCES;
-use crate::cli::check::{numbers, title};
+use crate::cli::check::{numbers, title, warned};
 use crate::cli::format::{percent, row, si, signed_percent};
 use crate::cli::summary::moments;
 use crate::math::extrema::Extremum;
@@ -23,6 +23,10 @@ pub(super) fn table(comparison: &Comparison, output: Option<&Path>) -> String {
     }
     text += &fits(comparison);
     text += &validity(comparison);
+    if !comparison.warnings.is_empty() {
+        text += "\n";
+        text += &warned(&comparison.warnings);
+    }
     if let Some(output) = output {
         text += "\n";
         text += &row("written", &output.display().to_string());

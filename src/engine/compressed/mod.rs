@@ -65,6 +65,9 @@ pub enum Unfit {
         /// All asperities.
         all: usize,
     },
+    /// There are more asperities than bins can count.
+    #[error("{0} asperities are more than are binned")]
+    TooMany(usize),
     /// There are more periods than anything is gained by.
     #[error("a step of the separations is only {0:.1e} of the height deviation")]
     TooFine(f64),
@@ -99,6 +102,10 @@ impl Compression {
     /// # Errors
     /// [`Unfit`] where direct sums are the better or the only way.
     pub fn new(law: &dyn Law, surface: &Surface, separations: &[f64], tolerance: f64) -> Result<Self, Unfit> {
+        // Places in a bin are counted with 32 bits.
+        if u32::try_from(surface.asperity_count).is_err() {
+            return Err(Unfit::TooMany(surface.asperity_count));
+        }
         let separations: Vec<f64> = separations.iter().map(|&h| surface.asperity_separation(h)).collect();
         let step = (separations[separations.len() - 1] - separations[0]) / (separations.len() - 1) as f64;
         let even = |(k, d): (usize, &f64)| (d - separations[0] - k as f64 * step).abs() <= UNEVEN * step;

@@ -1,0 +1,250 @@
+//! How much memory and disk the ensemble of a scene takes.
+//!
+//! Estimates, from what the parts of the program hold at once; `tests/sizes.rs` has them within a factor of 2 of what a run takes.
+
+use super::Scene;
+use crate::asperity::Law;
+
+/// Bytes of a number.
+const NUMBER: f64 = 8.0;
+/// Bytes that the program takes for nothing.
+const PROGRAM: f64 = 11e6;
+/// Replicas of a batch, which are summed together when they are compressed.
+const BATCH: f64 = 8.0;
+/// Heights of the grid of the joint test, and the most separations that it looks at.
+const GRID: (f64, usize) = (4001.0, 400);
+/// Functionals of the joint test, at most.
+const FUNCTIONALS: f64 = 32.0;
+/// Bytes that are kept of every replica, and those of what is written of it at once.
+const REPLICA: f64 = 56.0 + 24.0;
+/// Replicas of a chunk of curves in the file.
+const CHUNK: f64 = 64.0;
+/// Bytes of an asperity of a surface whose sums are compressed: its height as it is drawn and in its bin, and the bin's number.
+const BINNED: f64 = 20.0;
+/// Bytes of an asperity at a separation that waits to be solved although sums are compressed, and the share of those that do, about.
+const QUEUED: (f64, f64) = (42.0, 0.01);
+/// Replicas that are summed both ways before a compressed run.
+const PILOTS: f64 = 4.0;
+/// Heights that compressed sums bin, in σ_s, and the most periods and separations that are not summed directly all the same.
+const BINS: (f64, f64) = (20.0, 4e3);
+/// Bytes that the moments of a period take, for a dozen segments.
+const PERIOD: f64 = 16e3;
+/// Heights that the search for the pull-off copies: those of so many laws' jumps, within so many separations.
+const COPIED: (f64, f64) = (2.5, 1.0);
+
+/// What the memory and the disk of a run depend on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sizes {
+    /// Asperities of a replica.
+    pub asperities: f64,
+    /// Separations.
+    pub separations: f64,
+    /// Regimes of the law.
+    pub regimes: f64,
+    /// Replicas.
+    pub replicas: f64,
+    /// Replicas of a group of the sampling scheme.
+    pub group: f64,
+    /// Threads.
+    pub threads: f64,
+    /// Ensembles that are kept: one for each law.
+    pub ensembles: f64,
+    /// Step of the separations, in σ_s.
+    pub step: f64,
+    /// Whether sums are compressed.
+    pub compressed: bool,
+    /// Whether the curves of every replica are kept.
+    pub curves: bool,
+}
+
+impl Sizes {
+    /// Of a scene under its law, on so many threads.
+    pub fn new(scene: &Scene, law: &dyn Law, threads: usize) -> Self {
+        let separations = scene.separations.len();
+        let range = scene.separations[separations - 1] - scene.separations[0];
+        Self {
+            asperities: scene.surface.asperity_count as f64,
+            separations: separations as f64,
+            regimes: law.regimes().len() as f64,
+            replicas: scene.replicas as f64,
+            group: scene.sampling.group() as f64,
+            threads: threads as f64,
+            ensembles: 1.0,
+            step: range / (separations - 1) as f64 / scene.surface.heights.std,
+            compressed: scene.sum_tolerance.is_some(),
+            curves: scene.curves,
+        }
+    }
+
+    /// Batches of the run.
+    pub fn batches(&self) -> f64 {
+        (self.replicas / BATCH).ceil()
+    }
+
+    /// Threads that have a batch to compute.
+    pub fn workers(&self) -> f64 {
+        self.threads.min(self.batches())
+    }
+
+    /// Estimated memory, bytes, at its largest.
+    pub fn memory(&self) -> f64 {
+        let (s, r) = (self.separations, self.regimes);
+        let moments = NUMBER * s * (20.0 + 6.0 * r);
+        let kept = if self.curves { 2.0 * NUMBER * BATCH * s } else { 0.0 };
+        // A batch that is computed, and for each as many that wait to be merged.
+        let batches = 3.0 * self.workers() * (moments + kept);
+        let ensembles = self.ensembles * (moments + REPLICA * self.replicas + 2.0 * NUMBER * FUNCTIONALS * s);
+        let statistical = s * (100.0 * r + 24.0 * NUMBER);
+        let file = if self.curves { 4.0 * NUMBER * CHUNK * s } else { 0.0 };
+        // What is needed one after the other: the grid of the joint test, then the surfaces.
+        PROGRAM + ensembles + statistical + file + self.functionals().max(batches + self.surfaces())
+    }
+
+    /// Separations that the joint test looks at.
+    pub fn tested(&self) -> f64 {
+        let s = self.separations as usize;
+        s.div_ceil(s.div_ceil(GRID.1).max(1)) as f64
+    }
+
+    /// Bytes of the grid of the joint test, its copy, and the matrix of its products.
+    fn functionals(&self) -> f64 {
+        let columns = 2.0 * self.tested();
+        NUMBER * (2.0 * GRID.0 * columns + 2.0 * columns * columns)
+    }
+
+    /// Bytes of the surfaces that are summed at the same time.
+    fn surfaces(&self) -> f64 {
+        let n = self.asperities;
+        let copied = NUMBER * n * COPIED.0 * (COPIED.1 * self.step).min(1.0);
+        let direct = NUMBER * n + copied;
+        let periods = BINS.0 / self.step;
+        if !self.compressed || periods + self.separations > BINS.1 {
+            return self.workers() * direct;
+        }
+        let queued = QUEUED.0 * QUEUED.1 * n * self.separations;
+        let lanes = self.replicas.min(BATCH);
+        let worker = lanes * BINNED * n + queued + copied + PERIOD * periods;
+        let pilot = BINNED * n + queued + direct + PERIOD * periods;
+        (self.workers() * worker).max(self.threads.min(PILOTS).min(self.replicas) * pilot)
+    }
+
+    /// Estimated disk, bytes: what is kept of the replicas, and for curves the file beside the result that they are collected in and as
+    /// much in the result, as they may not become smaller there.
+    pub fn disk(&self) -> f64 {
+        let curves = if self.curves { 2.0 * 2.0 * NUMBER * self.separations * self.replicas } else { 0.0 };
+        2e5 + NUMBER * self.separations * (60.0 + 6.0 * self.regimes + 2.0 * FUNCTIONALS)
+            + 64.0 * self.replicas
+            + curves
+    }
+}
+
+/// One of the sizes that a user may choose smaller.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Choice {
+    /// Asperities, by the nominal area.
+    Asperities,
+    /// Separations.
+    Separations,
+    /// Replicas.
+    Replicas,
+    /// Threads.
+    Threads,
+}
+
+impl Choice {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::Asperities, Self::Separations, Self::Replicas, Self::Threads];
+
+    /// How so many of it are chosen.
+    pub fn chosen(self, number: u64) -> String {
+        match self {
+            Self::Asperities => format!("a nominal_area of {number} asperities"),
+            Self::Separations => format!("{number} separations"),
+            Self::Replicas => format!("--replicas {number}"),
+            Self::Threads => format!("--threads {number}"),
+        }
+    }
+
+    /// The fewest that make a run; any multiple of replicas does too.
+    fn least(self, sizes: &Sizes) -> f64 {
+        match self {
+            Self::Separations => 2.0,
+            Self::Replicas => sizes.group,
+            Self::Asperities | Self::Threads => 1.0,
+        }
+    }
+
+    fn of(self, sizes: &mut Sizes) -> &mut f64 {
+        match self {
+            Self::Asperities => &mut sizes.asperities,
+            Self::Separations => &mut sizes.separations,
+            Self::Replicas => &mut sizes.replicas,
+            Self::Threads => &mut sizes.threads,
+        }
+    }
+
+    /// About the most of these, all else being as it is, for which `needed` bytes are at most `limit`, to two digits; `None` when not
+    /// even the fewest do.
+    pub fn most(self, sizes: &Sizes, limit: f64, needed: impl Fn(&Sizes) -> f64) -> Option<u64> {
+        let fits = |value: f64| {
+            let mut sizes = *sizes;
+            *self.of(&mut sizes) = value;
+            needed(&sizes) <= limit
+        };
+        let (mut low, mut high) = (self.least(sizes), *self.of(&mut { *sizes }));
+        if !fits(low) {
+            return None;
+        }
+        while high - low > 1.0 {
+            let middle = (0.5 * (low + high)).floor();
+            if fits(middle) { low = middle } else { high = middle }
+        }
+        let step = if self == Self::Replicas { sizes.group } else { 1.0 };
+        let two_digits = 10_f64.powf(low.log10().floor() - 1.0).max(1.0);
+        let rounded = (low / two_digits).floor() * two_digits;
+        Some(((rounded / step).floor() * step).max(self.least(sizes)) as u64)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SIZES: Sizes = Sizes {
+        asperities: 1e7,
+        separations: 100.0,
+        regimes: 6.0,
+        replicas: 1e9,
+        group: 1.0,
+        threads: 64.0,
+        ensembles: 1.0,
+        step: 0.05,
+        compressed: false,
+        curves: false,
+    };
+
+    #[test]
+    fn what_fits_is_the_most_that_does() {
+        for (choice, limit) in [(Choice::Asperities, 90e9), (Choice::Replicas, 50e9), (Choice::Threads, 83e9)] {
+            let most = choice.most(&SIZES, limit, Sizes::memory).unwrap();
+            let with = |value: u64| {
+                let mut sizes = SIZES;
+                *choice.of(&mut sizes) = value as f64;
+                sizes.memory()
+            };
+            assert!(most > 1 && with(most) <= limit && with(most + most / 10 + 1) > limit, "{choice:?}: {most}");
+        }
+        let most = Choice::Replicas.most(&Sizes { group: 8.0, ..SIZES }, 50e9, Sizes::memory);
+        assert!(most.is_some_and(|most| most.is_multiple_of(8)), "{most:?}");
+        // A billion replicas do not fit, however few the asperities.
+        assert_eq!(Choice::Asperities.most(&SIZES, 50e9, Sizes::memory), None);
+    }
+
+    #[test]
+    fn curves_take_disk() {
+        let curves = Sizes { curves: true, ..SIZES };
+        assert_eq!(curves.disk() - SIZES.disk(), 32.0 * 1e9 * 100.0);
+        let most = Choice::Replicas.most(&curves, 1e9, Sizes::disk).unwrap() as f64;
+        assert!((most * 3264.0 / 1e9 - 1.0).abs() < 0.05, "{most}");
+    }
+}

@@ -1,0 +1,333 @@
+//! What of a scene is outside of what the models are valid for, or of what is known of materials and surfaces, so that a unit may be wrong.
+//!
+//! Asperities are independent: no elastic coupling through the substrate, no coalescence of contacts. Their contacts are small against
+//! their radius, their number is large, and the surface is a continuum.
+
+use super::Scene;
+use crate::asperity::Law;
+use crate::asperity::models::Model;
+
+/// What is outside of a limit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Warning {
+    /// The number and the limit.
+    pub finding: String,
+    /// Why that is the limit, and who says so.
+    pub reason: String,
+    /// Keys of the scene whose units may be wrong; empty where that is not likely.
+    pub keys: &'static [&'static str],
+}
+
+impl Warning {
+    /// The reason, and the keys to look at.
+    pub fn explanation(&self) -> String {
+        let keys = match self.keys {
+            [] => String::new(),
+            keys => format!("; check the units of {}", keys.join(", ")),
+        };
+        format!("{}{keys}", self.reason)
+    }
+}
+
+/// A range of a number, and what is said of it.
+struct Range {
+    name: &'static str,
+    value: f64,
+    range: [f64; 2],
+    /// What the range is given in, and its unit in SI.
+    unit: (&'static str, f64),
+    reason: &'static str,
+    keys: &'static [&'static str],
+}
+
+/// Moduli from soft gels to diamond against a rigid body, Pa.
+const MODULI: [f64; 2] = [1e3, 1.2e12];
+/// Hardness over modulus: three times the yield strains of solids.
+const HARDNESSES: [f64; 2] = [3e-4, 0.3];
+/// Works of adhesion, J/m²: from surfaces in a liquid to twice the surface energy of metals and diamond.
+const WORKS_OF_ADHESION: [f64; 2] = [1e-4, 12.0];
+/// Distances of atoms in contact, m.
+const EQUILIBRIUM_SPACINGS: [f64; 2] = [0.1e-9, 1e-9];
+/// Radii of asperities, m: below, the atoms of which they consist show.
+const RADII: [f64; 2] = [10e-9, 1e-2];
+/// λ of asperities within these ranges, a decade beyond what occurs.
+const LAMBDAS: [f64; 2] = [1e-3, 1e4];
+/// ψ, likewise.
+const PLASTICITY_INDICES: [f64; 2] = [0.01, 300.0];
+/// ηRσ = 0.0204 √α of an isotropic Gaussian surface, for Nayak parameters α from 1.5, the least possible, to 100.
+const PRODUCTS: [f64; 2] = [0.0249, 0.204];
+/// Largest radius of a contact over that of its asperity.
+const LARGEST_CONTACT: f64 = 0.3;
+/// Heights that are called the highest asperities, in σ_s.
+const HIGHEST: f64 = 3.0;
+/// Largest share of the nominal area in contact.
+const LARGEST_SHARE: f64 = 0.1;
+/// Fewest asperities of a replica.
+const FEWEST_ASPERITIES: usize = 30;
+/// Fewest contacts in the whole run at the closest separation.
+const FEWEST_CONTACTS: f64 = 100.0;
+
+/// The warnings of a scene under a law. `share_in_contact` is the expected share of the nominal area that is in contact at a separation h, m.
+pub fn warnings(scene: &Scene, model: &Model, law: &dyn Law, share_in_contact: impl Fn(f64) -> f64) -> Vec<Warning> {
+    let mut warnings = exceeded(scene, model);
+    warnings.extend(warnings_of_scene(scene, model, law, share_in_contact));
+    warnings
+}
+
+/// The warnings of a scene but for those of the law's own limits.
+pub fn warnings_of_scene(
+    scene: &Scene,
+    model: &Model,
+    law: &dyn Law,
+    share_in_contact: impl Fn(f64) -> f64,
+) -> Vec<Warning> {
+    let mut warnings: Vec<Warning> = ranges(scene).into_iter().filter_map(Range::warning).collect();
+    warnings.extend(sizes(scene, model.validity.dry));
+    warnings.extend(contacts(scene, law));
+    warnings.extend(contact_share(scene, share_in_contact));
+    warnings
+}
+
+/// Limits of λ and ψ of a law that a scene exceeds.
+fn exceeded(scene: &Scene, model: &Model) -> Vec<Warning> {
+    let psi = scene.asperity.plasticity_index(scene.surface.surface_height_std);
+    let exceeded = model.validity.exceeded(scene.scale().lambda, psi).into_iter();
+    exceeded.map(|(finding, reason)| Warning { finding, reason, keys: &[] }).collect()
+}
+
+/// Lengths that are too large or too small beside others, under a law that may take the asperities as dry, and too few asperities.
+fn sizes(scene: &Scene, dry: bool) -> Vec<Warning> {
+    let (asperity, surface) = (&scene.asperity, &scene.surface);
+    let sigma = surface.surface_height_std;
+    let mut warnings = Vec::new();
+    let deepest = HIGHEST * surface.heights.std - surface.asperity_separation(scene.separations[0]);
+    let largest = (deepest.max(0.0) / asperity.radius).sqrt();
+    if largest > LARGEST_CONTACT {
+        warnings.push(Warning {
+            finding: format!(
+                "contacts of the highest asperities are {largest:.2} of their radius wide at the closest separation, more than {LARGEST_CONTACT}"
+            ),
+            reason: "the laws take contacts as small against the radius (Johnson 1985, section 4.1)".to_owned(),
+            keys: &["asperity_radius", "surface_height_std", "separation"],
+        });
+    }
+    let adhesive = scene.scale().radius / asperity.radius;
+    if adhesive > LARGEST_CONTACT {
+        warnings.push(Warning {
+            finding: format!("adhesion makes contacts {adhesive:.2} of their radius wide, more than {LARGEST_CONTACT}"),
+            reason: "the laws take contacts as small against the radius (Maugis 1995)".to_owned(),
+            keys: &["reduced_modulus", "work_of_adhesion", "asperity_radius"],
+        });
+    }
+    if sigma < asperity.equilibrium_spacing {
+        warnings.push(Warning {
+            finding: format!(
+                "sigma = {:.3} nm is below the equilibrium spacing of {:.3} nm",
+                1e9 * sigma,
+                1e9 * asperity.equilibrium_spacing
+            ),
+            reason: "such a surface is rough by atoms, not by asperities (Luan and Robbins 2005)".to_owned(),
+            keys: &["surface_height_std", "asperity_height_std", "equilibrium_spacing"],
+        });
+    }
+    if asperity.lubricant_thickness > sigma && !dry {
+        warnings.push(Warning {
+            finding: format!(
+                "the lubricant of {:.3} nm is thicker than sigma = {:.3} nm",
+                1e9 * asperity.lubricant_thickness,
+                1e9 * sigma
+            ),
+            reason: "sub-boundary lubrication is that of films thinner than the roughness, without menisci \
+                     (Stanley, Etsion and Bogy 1990)"
+                .to_owned(),
+            keys: &["lubricant_thickness", "surface_height_std"],
+        });
+    }
+    if surface.asperity_count < FEWEST_ASPERITIES {
+        warnings.push(Warning {
+            finding: format!("N = {} is fewer than {FEWEST_ASPERITIES} asperities per replica", surface.asperity_count),
+            reason: "a patch of so few is no population of heights (Greenwood and Williamson 1966); its scatter is of \
+                     the size of its mean"
+                .to_owned(),
+            keys: &["nominal_area", "asperity_density"],
+        });
+    }
+    warnings
+}
+
+/// Ranges of what is known of materials and surfaces.
+fn ranges(scene: &Scene) -> Vec<Range> {
+    let asperity = &scene.asperity;
+    let sigma = scene.surface.surface_height_std;
+    // N/A_n is η up to the rounding of N.
+    let density = scene.surface.asperity_count as f64 / scene.surface.nominal_area;
+    let product =
+        if scene.surface.asperity_count < FEWEST_ASPERITIES { f64::NAN } else { density * asperity.radius * sigma };
+    vec![
+        Range {
+            name: "reduced_modulus",
+            value: asperity.reduced_modulus,
+            range: MODULI,
+            unit: ("GPa", 1e9),
+            reason: "gels and diamond are softest and stiffest of the solids (Ashby 2011)",
+            keys: &["reduced_modulus"],
+        },
+        Range {
+            name: "hardness over reduced_modulus",
+            value: asperity.hardness / asperity.reduced_modulus,
+            range: HARDNESSES,
+            unit: ("", 1.0),
+            reason: "three times (Tabor 1951) the yield strains of solids (Ashby 2011)",
+            keys: &["hardness", "reduced_modulus"],
+        },
+        Range {
+            name: "work_of_adhesion",
+            value: asperity.work_of_adhesion,
+            range: WORKS_OF_ADHESION,
+            unit: ("J/m^2", 1.0),
+            reason: "surfaces in liquids and clean metals or diamond have the least and the most (Israelachvili 2011)",
+            keys: &["work_of_adhesion"],
+        },
+        Range {
+            name: "equilibrium_spacing",
+            value: asperity.equilibrium_spacing,
+            range: EQUILIBRIUM_SPACINGS,
+            unit: ("nm", 1e-9),
+            reason: "it is a distance of atoms (Israelachvili 2011)",
+            keys: &["equilibrium_spacing"],
+        },
+        Range {
+            name: "asperity_radius",
+            value: asperity.radius,
+            range: RADII,
+            unit: ("um", 1e-6),
+            reason: "smaller ones are no continuum (Luan and Robbins 2005), larger ones no asperities",
+            keys: &["asperity_radius"],
+        },
+        Range {
+            name: "lambda",
+            value: scene.scale().lambda,
+            range: LAMBDAS,
+            unit: ("", 1.0),
+            reason: "asperities of known materials are within (Johnson and Greenwood 1997; Ashby 2011)",
+            keys: &["work_of_adhesion", "reduced_modulus", "equilibrium_spacing", "asperity_radius"],
+        },
+        Range {
+            name: "psi",
+            value: asperity.plasticity_index(sigma),
+            range: PLASTICITY_INDICES,
+            unit: ("", 1.0),
+            reason: "known surfaces are within (Greenwood and Williamson 1966)",
+            keys: &["hardness", "reduced_modulus", "surface_height_std", "asperity_radius"],
+        },
+        Range {
+            name: "eta R sigma",
+            value: product,
+            range: PRODUCTS,
+            unit: ("", 1.0),
+            reason: "an isotropic Gaussian surface has 0.0204 sqrt(alpha), with a Nayak parameter alpha from 1.5 \
+                     to about 100 (McCool 1986), measured ones 0.03 to 0.05 (Johnson 1985)",
+            keys: &["asperity_density", "asperity_radius", "surface_height_std"],
+        },
+    ]
+}
+
+impl Range {
+    /// The warning, if the number is outside.
+    fn warning(self) -> Option<Warning> {
+        let [low, high] = self.range;
+        let (side, limit) = match self.value {
+            value if value < low => ("below", low),
+            value if value > high => ("above", high),
+            _ => return None,
+        };
+        let (unit, size) = self.unit;
+        let shown = |value: f64| format!("{} {unit}", number(value / size)).trim_end().to_owned();
+        let finding = format!("{} = {} is {side} {}", self.name, shown(self.value), shown(limit));
+        Some(Warning { finding, reason: self.reason.to_owned(), keys: self.keys })
+    }
+}
+
+/// A number with three significant digits, in powers of ten where they would hide it.
+fn number(value: f64) -> String {
+    if (1e-3..1e5).contains(&value) { format!("{}", rounded(value)) } else { format!("{value:.2e}") }
+}
+
+/// To three significant digits.
+fn rounded(value: f64) -> f64 {
+    format!("{value:.2e}").parse().unwrap_or(value)
+}
+
+/// Whether any asperity touches at the closest separation, and enough of them.
+fn contacts(scene: &Scene, law: &dyn Law) -> Option<Warning> {
+    let first = law.regimes().iter().position(|regime| regime.is_contact())?;
+    let touch = match first {
+        0 => f64::NEG_INFINITY,
+        _ => law.boundaries()[first - 1].interference,
+    };
+    let closest = scene.separations[0];
+    let d = scene.surface.asperity_separation(closest);
+    let all = scene.surface.asperity_count as f64 * scene.replicas as f64;
+    let contacts = all * scene.surface.heights.probability(touch + d, f64::INFINITY);
+    let h_star = closest / scene.surface.surface_height_std;
+    let place = format!("in the whole run at the closest separation, h* = {h_star:.3}");
+    if contacts >= FEWEST_CONTACTS {
+        return None;
+    }
+    let (finding, reason) = if contacts < 0.5 {
+        let finding = format!("{contacts:.1e} contacts are expected {place}");
+        (finding, "nothing touches, only attraction across the gap is computed".to_owned())
+    } else {
+        let finding = format!("only {contacts:.0} contacts are expected {place}, fewer than {FEWEST_CONTACTS}");
+        (finding, format!("what rests on them has a relative error of {:.0} % (Poisson)", 100.0 / contacts.sqrt()))
+    };
+    Some(Warning { finding, reason, keys: &["separation", "surface_height_std"] })
+}
+
+/// Whether contacts are still far apart.
+fn contact_share(scene: &Scene, share_in_contact: impl Fn(f64) -> f64) -> Option<Warning> {
+    let closest = scene.separations[0];
+    let share = share_in_contact(closest);
+    if !(share > LARGEST_SHARE) {
+        return None;
+    }
+    let h_star = |h: f64| h / scene.surface.surface_height_std;
+    let end = scene.separations.partition_point(|&h| share_in_contact(h) > LARGEST_SHARE);
+    let last = scene.separations[end - 1];
+    Some(Warning {
+        finding: format!(
+            "{:.0} % of the nominal area is in contact at h* = {:.3}, and more than {:.0} % up to h* = {:.3}",
+            100.0 * share,
+            h_star(closest),
+            100.0 * LARGEST_SHARE,
+            h_star(last)
+        ),
+        reason: "asperities are taken as independent (Greenwood and Williamson 1966), but of contacts that cover so much at \
+                 random one in three overlaps"
+            .to_owned(),
+        keys: &[],
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::PI;
+
+    /// McCool (1986): η = m₄/(6π√3 m₂), R = (3/8)√(π/m₄), σ = √m₀, α = m₀m₄/m₂².
+    #[test]
+    fn the_product_is_that_of_the_spectral_moments() {
+        for (alpha, limit) in [(1.5_f64, PRODUCTS[0]), (100.0, PRODUCTS[1])] {
+            let (m0, m2) = (2.0_f64, 3.0);
+            let m4 = alpha * m2 * m2 / m0;
+            let product = m4 / (6.0 * PI * 3.0_f64.sqrt() * m2) * 0.375 * (PI / m4).sqrt() * m0.sqrt();
+            assert!((limit / product - 1.0).abs() < 5e-3, "{limit} {product}");
+        }
+    }
+
+    /// Circles of one size at random overlap none of their neighbours with the probability exp(−4 share).
+    #[test]
+    fn one_in_three_contacts_overlaps_at_the_largest_share() {
+        assert!((1.0 - (-4.0 * LARGEST_SHARE).exp() - 1.0 / 3.0).abs() < 0.01);
+    }
+}

@@ -1,0 +1,173 @@
+//! What `check`, `run` and `compare` warn of: one change of the quick scene each, most of them the slip of a unit.
+
+mod common;
+
+use common::program::{Folder, QUICK, assert_exit, small, text};
+use std::path::Path;
+
+/// The lines of warnings, each with the one behind it.
+fn warnings(check: &str) -> Vec<String> {
+    let lines: Vec<&str> = check.lines().collect();
+    let begin = |i: &usize| lines[*i].trim_start().starts_with("warning ");
+    (0..lines.len()).filter(begin).map(|i| [lines[i].trim(), lines[i + 1].trim()].join(" ")).collect()
+}
+
+/// What is replaced in the quick scene, by what, and what its warnings have to say, each in turn.
+const CASES: &[(&str, &str, &[&[&str]])] = &[
+    (
+        "from = -1.0",
+        "from = 0.6",
+        &[&["11 % of the nominal area is in contact at h* = 0.600", "independent (Greenwood and Williamson 1966)"]],
+    ),
+    ("from = -1.0", "from = 0.75", &[]),
+    (
+        "\"85.29 GPa\"",
+        "\"85.29 MPa\"",
+        &[
+            &[
+                "hardness over reduced_modulus = 29.3 is above 0.3",
+                "Tabor 1951",
+                "Ashby 2011",
+                "check the units of hardness, reduced_modulus",
+            ],
+            &["psi = 8.48e-4 is below 0.01", "Greenwood and Williamson 1966"],
+            &["442 % of the nominal area is in contact"],
+        ],
+    ),
+    (
+        "\"85.29 GPa\"",
+        "\"85.29 kPa\"",
+        &[
+            &["hardness over reduced_modulus"],
+            &["psi"],
+            &["adhesion makes contacts 0.91 of their radius wide, more than 0.3", "Maugis 1995"],
+            &["nominal area"],
+        ],
+    ),
+    (
+        "\"2.5 GPa\"",
+        "\"2.5 MPa\"",
+        &[
+            &["hardness over reduced_modulus = 2.93e-5 is below 3.00e-4"],
+            &["psi = 848 is above 300"],
+            &["nominal area"],
+        ],
+    ),
+    (
+        "\"0.09 J/m^2\"",
+        "\"90 J/m^2\"",
+        &[
+            &["work_of_adhesion = 90 J/m^2 is above 12 J/m^2", "Israelachvili 2011", "units of work_of_adhesion"],
+            &["nominal area"],
+        ],
+    ),
+    (
+        "\"0.2 nm\"",
+        "\"2 nm\"",
+        &[
+            &["equilibrium_spacing = 2 nm is above 1 nm"],
+            &["sigma = 1.619 nm is below the equilibrium spacing of 2.000 nm", "Luan and Robbins 2005"],
+            &["nominal area"],
+        ],
+    ),
+    (
+        "\"3.33 um\"",
+        "\"3.33 mm\"",
+        &[
+            &["eta R sigma = 39.8 is above 0.204", "McCool 1986", "Johnson 1985", "asperity_density, asperity_radius"],
+            &["nominal area"],
+        ],
+    ),
+    (
+        "\"7.39 /um^2\"",
+        "\"7.39e-3 /um^2\"\nmean_plane_offset = \"0 nm\"\nasperity_height_std = \"1.4 nm\"",
+        &[&["N = 1 is fewer than 30 asperities per replica"]],
+    ),
+    (
+        "\"1.619 nm\"",
+        "\"1.619 um\"",
+        &[
+            &["eta R sigma = 39.8 is above 0.204"],
+            &["contacts of the highest asperities are 1.39 of their radius wide", "Johnson 1985, section 4.1"],
+            &["nominal area"],
+        ],
+    ),
+    (
+        "lubricant_thickness = \"0.5 nm\"",
+        "lubricant_thickness = \"5 nm\"",
+        &[
+            &["the lubricant of 5.000 nm is thicker than sigma = 1.619 nm", "Stanley, Etsion and Bogy 1990"],
+            &["nominal area"],
+        ],
+    ),
+    (
+        "from = -1.0",
+        "from = 7.0",
+        &[&["contacts are expected in the whole run at the closest separation, h* = 7.000", "nothing touches"]],
+    ),
+    ("from = -1.0", "from = 5.0", &[&["contacts are expected", "fewer than 100", "relative error of", "(Poisson)"]]),
+    (
+        "law = \"hybrid\"",
+        "law = \"dmt\"",
+        &[
+            &["lambda = 0.899 is above 0.1", "the limit of DMT-like laws (Johnson and Greenwood 1997)"],
+            &["psi = 0.848 is above 0.6", "the limit of elastic contact (Greenwood and Williamson 1966)"],
+            &["nominal area"],
+        ],
+    ),
+    (
+        "law = \"hybrid\"",
+        "law = \"jkr\"",
+        &[&["lambda = 0.899 is below 5", "limit of JKR"], &["psi = 0.848"], &["nominal area"]],
+    ),
+];
+
+#[test]
+fn each_slip_has_its_warning_and_no_other() {
+    for (from, to, expected) in CASES {
+        assert_eq!(QUICK.matches(from).count(), 1, "{from} is not unique in the quick scene");
+        let folder = Folder::new(&QUICK.replace(from, to));
+        let check = folder.stiction(&["check", "scene.toml"]);
+        assert_exit(&check, 0);
+        let found = warnings(&text(&check.stdout));
+        assert_eq!(found.len(), expected.len(), "{from} -> {to}: {found:#?}");
+        for (warning, parts) in found.iter().zip(*expected) {
+            for part in *parts {
+                assert!(warning.contains(part), "{from} -> {to}: no \"{part}\" in {warning}");
+            }
+        }
+    }
+}
+
+/// The shipped scenes begin where half of the area is in contact, which is true and useful to know, and have nothing else to be warned of.
+#[test]
+fn shipped_scenes_are_warned_of_their_deep_end_only() {
+    let folder = Folder::new("");
+    let configs = Path::new(env!("CARGO_MANIFEST_DIR")).join("configs");
+    let mut scenes = 0;
+    for path in [configs.clone(), configs.join("paper")].iter().flat_map(|folder| std::fs::read_dir(folder).unwrap()) {
+        let path = path.unwrap().path();
+        if path.is_file() {
+            let check = folder.stiction(&["check", path.to_str().unwrap()]);
+            let found = warnings(&text(&check.stdout));
+            assert!(found.len() == 1 && found[0].contains("of the nominal area"), "{}: {found:?}", path.display());
+            scenes += 1;
+        }
+    }
+    assert!(scenes >= 13, "{scenes}");
+}
+
+/// A run and a comparison repeat what was found, without the reasons, and go on.
+#[test]
+fn runs_and_comparisons_repeat_warnings() {
+    let folder = Folder::new(&small().replace("lubricant_thickness = \"0.5 nm\"", "lubricant_thickness = \"5 nm\""));
+    for command in [&["run", "scene.toml"][..], &["compare", "scene.toml", "--laws", "hybrid,isbl"]] {
+        let output = folder.stiction(command);
+        assert_exit(&output, 0);
+        let said = text(&output.stdout);
+        let lines: Vec<&str> = said.lines().filter(|line| line.trim_start().starts_with("warning ")).collect();
+        assert_eq!(lines.len(), 2, "{said}");
+        assert!(lines[0].contains("the lubricant of 5.000 nm is thicker than sigma = 1.619 nm"), "{said}");
+        assert!(lines[1].contains("of the nominal area is in contact") && !said.contains("Bogy 1990"), "{said}");
+    }
+}

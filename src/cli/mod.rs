@@ -1,5 +1,6 @@
 //! The command line: arguments, exit codes and what the terminal shows.
 
+mod apart;
 mod asperity;
 mod check;
 mod compare;
@@ -16,6 +17,7 @@ use crate::asperity::models::Model;
 use crate::asperity::{Law, Path as History};
 use crate::math::instruction_set::InstructionSet;
 use crate::output::OutputError;
+use crate::scene::echo::{one_line, printable};
 use crate::scene::{Scene, SceneError};
 use clap::{Args, Parser, Subcommand};
 use std::path::{Path, PathBuf};
@@ -215,7 +217,7 @@ pub fn main() -> ExitCode {
     match execute(Cli::parse().command) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
-            eprintln!("stiction: {failure}");
+            eprintln!("stiction: {}", one_line(&failure.to_string()));
             ExitCode::from(failure.exit_code())
         }
     }
@@ -227,16 +229,16 @@ fn execute(command: Command) -> Result<(), Failure> {
         Command::Run(arguments) => run::run(&arguments),
         Command::Compare(arguments) => compare::compare(&arguments),
         Command::Check { scene } => check::check(&scene),
-        Command::Validate { file } => validate::validate(&file),
-        Command::Info { file } => info::info(&file),
+        Command::Validate { file } => apart::apart(&file, validate::validate),
+        Command::Info { file } => apart::apart(&file, info::info),
         Command::Asperity(arguments) => asperity::asperity(&arguments),
     }
 }
 
-/// Prints text; that nobody reads it any more is no error.
+/// Prints text, without what would steer the terminal; that nobody reads it any more is no error.
 fn print(text: &str) {
     use std::io::Write;
-    let _ = std::io::stdout().write_all(text.as_bytes());
+    let _ = std::io::stdout().write_all(printable(text).as_bytes());
 }
 
 /// A law for the asperities of a scene, with the scene's file named in every error.
@@ -258,6 +260,21 @@ fn refuse_own_scene(scene: &Path, output: &Path) -> Result<(), Failure> {
 /// Reads a scene, with its file named in every error.
 fn read_scene(path: &Path) -> Result<Scene, Failure> {
     let named = |problem: String| Failure::Usage(format!("{}: {problem}", path.display()));
-    let text = std::fs::read_to_string(path).map_err(|error| named(format!("cannot be read: {error}")))?;
+    let text = read_text(path, LONGEST_SCENE).map_err(named)?;
     Scene::parse(&text).map_err(|error: SceneError| named(error.to_string()))
+}
+
+/// Longest scene that is read, bytes; one with the most separations there can be has less than a tenth of it.
+const LONGEST_SCENE: u64 = 4 << 20;
+
+/// Reads a text of at most `most` bytes, from whatever the path names: a file, a pipe, or a device without end.
+fn read_text(path: &Path, most: u64) -> Result<String, String> {
+    use std::io::Read;
+    let mut text = String::new();
+    let file = std::fs::File::open(path).map_err(|error| format!("cannot be read: {error}"))?;
+    match file.take(most + 1).read_to_string(&mut text) {
+        Ok(length) if length as u64 > most => Err(format!("is longer than {} MB", most >> 20)),
+        Ok(_) => Ok(text),
+        Err(error) => Err(format!("cannot be read: {error}")),
+    }
 }

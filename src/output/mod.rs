@@ -1,6 +1,7 @@
 //! Files and progress: the HDF5 layout, writing it whole or not at all, reading it back, and the bars on the terminal.
 
 mod attributes;
+mod guard;
 pub mod progress;
 pub mod reader;
 mod scales;

@@ -1,5 +1,6 @@
 //! Scenes: from TOML to what the program computes, or to an error that says what to change.
 
+pub mod echo;
 mod plan;
 mod reader;
 mod separation;

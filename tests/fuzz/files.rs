@@ -3,7 +3,7 @@
 
 use super::bytes::damaged;
 use super::cases;
-use super::common::program::{Folder, small};
+use super::common::program::{Folder, small, text};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
@@ -21,7 +21,7 @@ struct Target {
     cases: u64,
 }
 
-const TARGETS: [Target; 1] = [Target { name: "result", seeds: results, read: read_result, cases: 3000 }];
+const TARGETS: [Target; 1] = [Target { name: "result", seeds: results, read: read_result, cases: 400 }];
 
 /// Tells a process of this test what to read: target, folder, first case, end.
 const JOB: &str = "STICTION_FUZZ_JOB";
@@ -87,6 +87,7 @@ struct Tally {
 
 #[test]
 fn no_damaged_file_makes_a_reader_panic() {
+    let _alone = super::alone();
     for target in &TARGETS {
         let folder = Folder::new("");
         let names = (target.seeds)(&folder).join(",");
@@ -105,6 +106,36 @@ fn no_damaged_file_makes_a_reader_panic() {
             tally.died
         );
         assert!(tally.read > 0 && tally.refused > 0, "the cases are too hard or too easy: {tally:?}");
+    }
+}
+
+/// What users see: whatever the file, the commands end with an exit code of theirs, with a line of their own where they refuse, and
+/// nothing that steers the terminal.
+#[test]
+fn the_commands_survive_every_damaged_file() {
+    let _alone = super::alone();
+    let folder = Folder::new("");
+    let names = results(&folder);
+    let seeds = contents(&folder.path(""), &names);
+    for case in 0..cases(50) {
+        std::fs::write(folder.path("case.h5"), damaged(&seeds, case)).unwrap();
+        for command in ["info", "validate"] {
+            let output = folder.stiction(&[command, "case.h5"]);
+            let (out, error) = (text(&output.stdout), text(&output.stderr));
+            match output.status.code() {
+                Some(0) => assert!(error.is_empty() && !out.is_empty(), "case {case}: {error}"),
+                Some(3) => assert!(error.lines().count() == 1 && command == "validate", "case {case}: {error}"),
+                Some(2) => {
+                    assert!(
+                        error.starts_with("stiction: case.h5: ") && error.lines().count() == 1,
+                        "case {case}: {error}"
+                    );
+                    assert!(out.is_empty(), "case {case}: {out}");
+                }
+                code => panic!("case {case}: exit code {code:?}, {error}"),
+            }
+            assert!(!out.contains(|c: char| c.is_control() && c != '\n'), "case {case}: {out:?}");
+        }
     }
 }
 

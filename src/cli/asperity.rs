@@ -1,12 +1,16 @@
 //! `stiction asperity`: one asperity in scaled variables, as CSV.
 
-use super::{AsperityArguments, Failure, print};
+use super::{AsperityArguments, Failure, print, read_text};
 use crate::asperity::models::{MODELS, Model, model};
 use crate::asperity::scale::pressure_factor;
 use crate::asperity::{Law, LawError, Regime, Responses, Scratch, Setting, Work, for_each_block};
+use crate::scene::echo::shortened;
 use crate::scene::nearest;
 use std::f64::consts::PI;
 use std::path::Path;
+
+/// Longest table that is read, bytes: some million rows.
+const LONGEST_TABLE: u64 = 256 << 20;
 
 pub(super) fn asperity(arguments: &AsperityArguments) -> Result<(), Failure> {
     let model = find("--law", &arguments.law)?;
@@ -85,21 +89,26 @@ fn line(law: &dyn Law, lambda: f64, delta: f64, given: bool) -> Result<String, F
 
 /// Reads the columns lambda and delta of a CSV file, in any order among others.
 fn read_table(path: &Path) -> Result<Vec<(f64, f64)>, Failure> {
+    let text = read_text(path, LONGEST_TABLE);
     let wrong = |problem: String| Failure::Usage(format!("{}: {problem}", path.display()));
-    let text = std::fs::read_to_string(path).map_err(|error| wrong(format!("cannot be read: {error}")))?;
+    text.and_then(|text| points(&text)).map_err(wrong)
+}
+
+/// λ and Δ of each row of a CSV text.
+fn points(text: &str) -> Result<Vec<(f64, f64)>, String> {
     let mut lines = text.lines();
     let header: Vec<&str> = lines.next().unwrap_or_default().split(',').map(str::trim).collect();
     let column = |name: &str| {
         let found = header.iter().position(|column| *column == name);
-        found.ok_or_else(|| wrong(format!("line 1: no column `{name}`; the columns lambda,delta are needed")))
+        found.ok_or_else(|| format!("line 1: no column `{name}`; the columns lambda,delta are needed"))
     };
     let (lambda, delta) = (column("lambda")?, column("delta")?);
     let rows = lines.enumerate().filter(|(_, line)| !line.trim().is_empty());
     rows.map(|(i, line)| {
-        let fields: Vec<&str> = line.split(',').map(str::trim).collect();
         let number = |column: usize, name: &str| {
-            let field = fields.get(column).copied().unwrap_or_default();
-            field.parse::<f64>().map_err(|_| wrong(format!("line {}: {name} = `{field}` is not a number", i + 2)))
+            let field = line.split(',').nth(column).unwrap_or_default().trim();
+            let wrong = |_| format!("line {}: {name} = `{}` is not a number", i + 2, shortened(field));
+            field.parse::<f64>().map_err(wrong)
         };
         Ok((number(lambda, "lambda")?, number(delta, "delta")?))
     })

@@ -3,6 +3,7 @@
 use super::format::{bytes, duration, percent, pure, row, si};
 use super::{Failure, law_of, print, read_scene, resources, warnings_of};
 use crate::asperity::scale::Scale;
+use crate::scene::echo::one_line;
 use crate::scene::{Plan, Scene, Sizes, Warning};
 use crate::surface::SamplingScheme;
 use std::path::Path;
@@ -80,7 +81,7 @@ fn sampling(scheme: SamplingScheme) -> String {
 
 /// The title, or that there is none.
 pub(super) fn title(scene: &Scene) -> String {
-    format!("{}\n", if scene.title.is_empty() { "Untitled scene" } else { &scene.title })
+    format!("{}\n", if scene.title.is_empty() { "Untitled scene".to_owned() } else { one_line(&scene.title) })
 }
 
 /// The numbers that characterise the scene, whatever its law.

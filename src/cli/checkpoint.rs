@@ -222,16 +222,18 @@ impl Keeper {
 
     /// That the run was interrupted, and how to go on with it.
     pub fn interrupted(&self, replicas: u64) -> Failure {
-        Failure::Interrupted { done: self.journal.done(), of: replicas, kept: self.advice() }
+        let kept = self.journal.checkpoint().is_some();
+        self.advised(Failure::Interrupted { done: self.journal.done(), of: replicas, kept })
     }
 
-    /// How to go on with the run, if anything was kept of it.
-    pub fn advice(&self) -> Option<String> {
-        let checkpoint = self.journal.checkpoint()?;
+    /// A failure with how to go on with the run, if anything was kept of it.
+    pub fn advised(&self, failure: Failure) -> Failure {
+        let Some(checkpoint) = self.journal.checkpoint() else { return failure };
         let arguments = std::env::args_os().map(|argument| argument.to_string_lossy().into_owned());
         let resume = "--resume".to_owned();
         let arguments: Vec<String> = arguments.filter(|argument| *argument != resume).chain([resume.clone()]).collect();
         let command = shlex::try_join(arguments.iter().map(String::as_str)).unwrap_or_default();
-        Some(format!("{} replicas are kept in {}; to go on:\n  {command}", self.saved_done, checkpoint.display()))
+        let kept = format!("{} replicas are kept in {}", self.saved_done, checkpoint.display());
+        Failure::Kept { failure: Box::new(failure), advice: format!("{kept}; to go on:\n  {command}") }
     }
 }

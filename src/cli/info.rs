@@ -4,11 +4,12 @@ use super::format::row;
 use super::{Failure, print};
 use crate::output::reader::Reader;
 use crate::output::schema::Layout;
+use crate::scene::echo::one_line;
 use std::path::Path;
 
 pub(super) fn info(path: &Path) -> Result<(), Failure> {
     let reader = Reader::open(path, &Layout::ALL)?;
-    let mut text = format!("{}\n", path.display());
+    let mut text = format!("{}\n", one_line(&path.display().to_string()));
     let mut scene = String::new();
     for (name, value) in reader.attributes("/")? {
         if name == "scene" {
@@ -40,5 +41,5 @@ pub(super) fn info(path: &Path) -> Result<(), Failure> {
 
 /// A row with room for long names.
 fn wide(name: &str, value: &str) -> String {
-    row(&format!("{name:<46}"), value)
+    row(&format!("{:<46}", one_line(name)), &one_line(value))
 }

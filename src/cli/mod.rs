@@ -1,5 +1,6 @@
 //! The command line: arguments, exit codes and what the terminal shows.
 
+mod apart;
 mod asperity;
 mod check;
 mod checkpoint;
@@ -18,6 +19,7 @@ use crate::asperity::models::Model;
 use crate::asperity::{Law, Path as History};
 use crate::math::instruction_set::InstructionSet;
 use crate::output::OutputError;
+use crate::scene::echo::{one_line, printable};
 use crate::scene::{Scene, SceneError, Warning, warnings};
 use crate::statistical::contact_area;
 use anyhow::{Context, anyhow};
@@ -196,14 +198,22 @@ enum Failure {
     #[error("ensemble and integral disagree")]
     Disagree,
     /// Interrupted by the user.
-    #[error("interrupted after {done} of {of} replicas; {}", kept.as_deref().unwrap_or("nothing was written"))]
+    #[error("interrupted after {done} of {of} replicas; {} was kept", if *kept { "what was done" } else { "nothing" })]
     Interrupted {
         /// Replicas that were done.
         done: u64,
         /// Replicas of the run.
         of: u64,
-        /// What was kept, and how to go on.
-        kept: Option<String>,
+        /// Whether anything was kept.
+        kept: bool,
+    },
+    /// Something of which what was done is kept.
+    #[error("{failure}")]
+    Kept {
+        /// What went wrong.
+        failure: Box<Failure>,
+        /// How to go on.
+        advice: String,
     },
 }
 
@@ -214,6 +224,7 @@ impl Failure {
             Self::Usage(_) => 2,
             Self::Disagree => 3,
             Self::Interrupted { .. } => 130,
+            Self::Kept { failure, .. } => failure.exit_code(),
         }
     }
 }
@@ -249,7 +260,11 @@ pub fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
             // Nobody may be there to read it.
-            let _ = writeln!(std::io::stderr(), "stiction: {failure}");
+            let mut text = format!("stiction: {}\n", one_line(&failure.to_string()));
+            if let Failure::Kept { advice, .. } = &failure {
+                text += &format!("{}\n", printable(advice));
+            }
+            let _ = std::io::stderr().write_all(text.as_bytes());
             ExitCode::from(failure.exit_code())
         }
     }
@@ -276,19 +291,19 @@ fn execute(command: Command) -> Result<(), Failure> {
         Command::Run(arguments) => run::run(&arguments),
         Command::Compare(arguments) => compare::compare(&arguments),
         Command::Check { scene } => check::check(&scene),
-        Command::Validate { file } => validate::validate(&file),
-        Command::Info { file } => info::info(&file),
+        Command::Validate { file } => apart::apart(&file, validate::validate),
+        Command::Info { file } => apart::apart(&file, info::info),
         Command::Asperity(arguments) => asperity::asperity(&arguments),
     }
 }
 
-/// Prints text on standard output.
+/// Prints text on standard output, without what would steer the terminal.
 ///
 /// # Errors
 /// [`Failure::Running`] when it cannot be written; that nobody reads it any more is none.
 fn print(text: &str) -> Result<(), Failure> {
     let mut out = std::io::stdout().lock();
-    printed(out.write_all(text.as_bytes()).and_then(|()| out.flush()))
+    printed(out.write_all(printable(text).as_bytes()).and_then(|()| out.flush()))
 }
 
 /// What became of something printed.
@@ -331,6 +346,21 @@ fn refuse_own_scene(scene: &Path, output: &Path) -> Result<(), Failure> {
 /// Reads a scene, with its file named in every error.
 fn read_scene(path: &Path) -> Result<Scene, Failure> {
     let named = |problem: String| Failure::Usage(format!("{}: {problem}", path.display()));
-    let text = std::fs::read_to_string(path).map_err(|error| named(format!("cannot be read: {error}")))?;
+    let text = read_text(path, LONGEST_SCENE).map_err(named)?;
     Scene::parse(&text).map_err(|error: SceneError| named(error.to_string()))
+}
+
+/// Longest scene that is read, bytes; one with the most separations there can be has less than a tenth of it.
+const LONGEST_SCENE: u64 = 4 << 20;
+
+/// Reads a text of at most `most` bytes, from whatever the path names: a file, a pipe, or a device without end.
+fn read_text(path: &Path, most: u64) -> Result<String, String> {
+    use std::io::Read;
+    let mut text = String::new();
+    let file = std::fs::File::open(path).map_err(|error| format!("cannot be read: {error}"))?;
+    match file.take(most + 1).read_to_string(&mut text) {
+        Ok(length) if length as u64 > most => Err(format!("is longer than {} MB", most >> 20)),
+        Ok(_) => Ok(text),
+        Err(error) => Err(format!("cannot be read: {error}")),
+    }
 }

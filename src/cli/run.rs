@@ -69,8 +69,9 @@ pub(super) fn run(arguments: &RunArguments) -> Result<(), Failure> {
             (Keeper::begin(&claim, &scene, state, arguments.checkpoint)?, Ensemble::new(&job))
         }
     };
-    let (outcome, summation) = setup
-        .run("ensemble", &pool, &stop, &mut progress, start, |batch, ensemble| keeper.keep(&job, batch, ensemble))?;
+    let computed =
+        setup.run("ensemble", &pool, &stop, &mut progress, start, |batch, ensemble| keeper.keep(&job, batch, ensemble));
+    let (outcome, summation) = computed.map_err(|failure| keeper.advised(failure))?;
     let ensemble = match outcome {
         Outcome::Complete(ensemble) => ensemble,
         Outcome::Interrupted(ensemble) => {
@@ -124,10 +125,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<(), Failure> {
         Err(error) => {
             // What was computed may still fit where the result does not.
             let _ = keeper.save(&results.ensemble);
-            return Err(match (Failure::from(error), keeper.advice()) {
-                (Failure::Running(error), Some(advice)) => Failure::Running(anyhow::anyhow!("{error:#}; {advice}")),
-                (failure, _) => failure,
-            });
+            return Err(keeper.advised(error.into()));
         }
     }
     keeper.journal.discard();

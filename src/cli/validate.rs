@@ -5,6 +5,7 @@ use super::{Failure, print};
 use crate::engine::Probe;
 use crate::output::reader::Reader;
 use crate::output::schema::{Dimension, RUN};
+use crate::scene::echo::one_line;
 use crate::surface::SamplingScheme;
 use crate::validation::{JointTest, Verdict, z_scores};
 use std::path::Path;
@@ -14,16 +15,15 @@ const ROWS: usize = 25;
 
 pub(super) fn validate(path: &Path) -> Result<(), Failure> {
     let reader = Reader::open(path, &[&RUN])?;
-    let replicas: u64 = reader.number("/", "replicas")?;
     let scheme = scheme(&reader, path)?;
-    let groups = replicas / scheme.group();
-    let h_star: Vec<f64> = reader.values("/h_star")?;
+    let groups = groups(&reader, scheme, path)?;
+    let h_star = finite(&reader, "/h_star", path)?;
     let curves = |name: &str| -> Result<[Vec<f64>; 3], Failure> {
         Ok([
-            reader.values(&format!("/ensemble/{name}_mean"))?,
-            reader.values(&format!("/statistical/{name}"))?,
+            finite(&reader, &format!("/ensemble/{name}_mean"), path)?,
+            finite(&reader, &format!("/statistical/{name}"), path)?,
             match scheme {
-                SamplingScheme::Independent => reader.values(&format!("/statistical/{name}_std"))?,
+                SamplingScheme::Independent => finite(&reader, &format!("/statistical/{name}_std"), path)?,
                 _ => {
                     let error: Vec<f64> = reader.values(&format!("/ensemble/{name}_standard_error"))?;
                     error.iter().map(|error| (groups as f64).sqrt() * error).collect()
@@ -36,14 +36,15 @@ pub(super) fn validate(path: &Path) -> Result<(), Failure> {
         let [mean, expected, std] = &forces[i];
         z_scores(mean, expected, std, groups)
     });
+    let probes = probes(&reader, path)?;
     let joint = JointTest::new(
-        &probes(&reader)?,
+        &probes,
         [0, 1].map(|i| forces[i][0].as_slice()),
         [0, 1].map(|i| forces[i][1].as_slice()),
-        &reader.values::<f64>("/validation/score_covariance")?,
+        &covariance(&reader, probes.len(), groups, path)?,
         groups,
     );
-    let mut text = format!("{}\n", path.display());
+    let mut text = format!("{}\n", one_line(&path.display().to_string()));
     text += "        h*   mean F_s (N)   integral (N)       z     mean F (N)   integral (N)       z\n";
     let step = h_star.len().div_ceil(ROWS);
     for k in (0..h_star.len()).step_by(step.max(1)) {
@@ -75,14 +76,51 @@ fn scheme(reader: &Reader, path: &Path) -> Result<SamplingScheme, Failure> {
     })
 }
 
-fn probes(reader: &Reader) -> Result<Vec<Probe>, Failure> {
+/// Groups of replicas that are independent of each other.
+fn groups(reader: &Reader, scheme: SamplingScheme, path: &Path) -> Result<u64, Failure> {
+    let replicas: u64 = reader.number("/", "replicas")?;
+    let there = reader.length(Dimension::Replica)? as u64;
+    if replicas != there {
+        return Err(refused(path, &format!("has replicas = {replicas}, but the dimension `replica` has {there}")));
+    }
+    if replicas == 0 || !replicas.is_multiple_of(scheme.group()) {
+        return Err(refused(path, &format!("has replicas = {replicas}, which is no number of {} ones", scheme.name())));
+    }
+    Ok(replicas / scheme.group())
+}
+
+/// The weights of the functionals.
+fn probes(reader: &Reader, path: &Path) -> Result<Vec<Probe>, Failure> {
     let separations = reader.length(Dimension::Separation)?;
     let weights = |name: &str| -> Result<Vec<Vec<f64>>, Failure> {
-        let values: Vec<f64> = reader.values(name)?;
+        let values = finite(reader, name, path)?;
         Ok(values.chunks_exact(separations.max(1)).map(<[f64]>::to_vec).collect())
     };
     let adhesion = weights("/validation/probe_adhesion_force")?;
     let external = weights("/validation/probe_external_force")?;
     let pairs = adhesion.into_iter().zip(external);
     Ok(pairs.map(|(adhesion_force, external_force)| Probe { adhesion_force, external_force }).collect())
+}
+
+/// The covariance of the scores of `count` functionals, row-major; one group of replicas has none.
+fn covariance(reader: &Reader, count: usize, groups: u64, path: &Path) -> Result<Vec<f64>, Failure> {
+    const NAME: &str = "/validation/score_covariance";
+    let values: Vec<f64> = if groups > 1 { finite(reader, NAME, path)? } else { reader.values(NAME)? };
+    if values.len() != count * count {
+        return Err(refused(path, &format!("has {} values of {NAME} for {count} functionals", values.len())));
+    }
+    Ok(values)
+}
+
+/// The values of a dataset, all of which have to be finite.
+fn finite(reader: &Reader, name: &str, path: &Path) -> Result<Vec<f64>, Failure> {
+    let values: Vec<f64> = reader.values(name)?;
+    match values.iter().position(|value| !value.is_finite()) {
+        Some(place) => Err(refused(path, &format!("has the value {} at {place} of {name}", values[place]))),
+        None => Ok(values),
+    }
+}
+
+fn refused(path: &Path, problem: &str) -> Failure {
+    Failure::Usage(format!("{}: {problem}", path.display()))
 }

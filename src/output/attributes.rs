@@ -1,7 +1,7 @@
 //! Attributes of files, groups and datasets.
 
-use hdf5::Location;
 use hdf5::types::VarLenUnicode;
+use hdf5::{Attribute, Location};
 use std::str::FromStr;
 
 /// Writes a text.
@@ -24,10 +24,15 @@ pub(super) fn write_numbers<T: hdf5::H5Type>(at: &Location, name: &str, values: 
 
 /// Reads a text.
 pub(super) fn read_text(at: &Location, name: &str) -> hdf5::Result<String> {
-    Ok(at.attr(name)?.read_scalar::<VarLenUnicode>()?.as_str().to_owned())
+    text(&at.attr(name)?)
 }
 
-/// Reads a number.
-pub(super) fn read_number<T: hdf5::H5Type>(at: &Location, name: &str) -> hdf5::Result<T> {
-    at.attr(name)?.read_scalar()
+/// The text of an attribute that is one.
+pub(super) fn text(attribute: &Attribute) -> hdf5::Result<String> {
+    Ok(lossy(attribute.read_scalar::<VarLenUnicode>()?.as_bytes()))
+}
+
+/// Bytes of a file as a text; the hdf5 crate takes for granted that they are UTF-8, which nothing enforces.
+pub(super) fn lossy(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
 }

@@ -4,6 +4,7 @@
 mod attributes;
 pub mod checkpoint;
 mod claim;
+mod guard;
 pub mod progress;
 pub mod reader;
 mod scales;

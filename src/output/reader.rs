@@ -1,17 +1,27 @@
 //! Reading a result back.
+//!
+//! A result may come from anywhere. What it claims is checked before it is read, and only what is in the file itself is; but libhdf5 is not
+//! proof against a file whose structure is broken: it may never return. Programs that read files of unknown origin do so in a process that
+//! can be ended, as `stiction info` and `stiction validate` do.
 
 use super::OutputError;
-use super::attributes::{read_number, read_text};
+use super::attributes::{lossy, read_text};
+use super::guard::{self, fits, is_kind_of};
 use super::schema::{Dimension, Layout};
-use hdf5::types::{TypeDescriptor, VarLenUnicode};
-use hdf5::{Attribute, File, H5Type};
+use hdf5::types::TypeDescriptor;
+use hdf5::{Attribute, File, Group, H5Type};
 use std::path::{Path, PathBuf};
+
+/// Most numbers of an attribute that are shown.
+const SHOWN_NUMBERS: usize = 16;
 
 /// A result of this program.
 pub struct Reader {
     layout: &'static Layout,
     file: File,
     path: PathBuf,
+    /// Length of the file, bytes.
+    length: u64,
 }
 
 impl Reader {
@@ -21,30 +31,10 @@ impl Reader {
     /// [`OutputError::NotAResult`] with the reason.
     pub fn open(path: &Path, layouts: &[&'static Layout]) -> Result<Self, OutputError> {
         let not_a_result = |problem: String| OutputError::NotAResult { path: path.to_owned(), problem };
-        if let Err(error) = std::fs::File::open(path) {
-            return Err(not_a_result(format!("cannot be read: {error}")));
-        }
-        let file = File::open(path).map_err(|_| not_a_result("is not an HDF5 file".to_owned()))?;
-        let Ok(format) = read_text(&file, "format") else {
-            return Err(not_a_result("is not a result of stiction: it has no attribute `format`".to_owned()));
-        };
-        let Some(layout) = layouts.iter().find(|layout| layout.format == format) else {
-            let known: Vec<String> =
-                layouts.iter().map(|layout| format!("\"{}\" of `{}`", layout.format, layout.command)).collect();
-            return Err(not_a_result(format!("has the format \"{format}\", not {}", known.join(" or "))));
-        };
-        let version: Vec<u32> = file.attr("format_version").and_then(|attr| attr.read_raw()).unwrap_or_default();
-        match version[..] {
-            [major, _] if major == layout.version[0] => {}
-            [major, minor] => {
-                let own = layout.version[0];
-                return Err(not_a_result(format!("has format version {major}.{minor}; this program reads {own}.x")));
-            }
-            _ => {
-                return Err(not_a_result("has no attribute `format_version` of two numbers".to_owned()));
-            }
-        }
-        Ok(Self { layout, file, path: path.to_owned() })
+        let length = guard::length(path).map_err(not_a_result)?;
+        let file = File::open(path).map_err(|_| not_a_result(guard::not_opened(path)))?;
+        let layout = layout(&file, length, layouts).map_err(not_a_result)?;
+        Ok(Self { layout, file, path: path.to_owned(), length })
     }
 
     fn broken(&self, problem: String) -> OutputError {
@@ -56,23 +46,30 @@ impl Reader {
     /// # Errors
     /// When the file has no such scale.
     pub fn length(&self, dimension: Dimension) -> Result<usize, OutputError> {
-        let scale = self.file.dataset(dimension.name());
-        Ok(scale.map_err(|_| self.broken(format!("lacks the dimension `{}`", dimension.name())))?.size())
+        let scale = guard::dataset(&self.file, &format!("/{}", dimension.name()));
+        match scale.map(|scale| scale.shape()).as_deref() {
+            Ok([length]) => Ok(*length),
+            Ok(shape) => Err(self.broken(format!("has a dimension `{}` of the shape {shape:?}", dimension.name()))),
+            Err(_) => Err(self.broken(format!("lacks the dimension `{}`", dimension.name()))),
+        }
     }
 
     /// The values of a dataset of the layout, row-major.
     ///
     /// # Errors
-    /// When it is missing, or has another shape or type than the layout says.
+    /// When it is missing, has another shape or type than the layout says, or claims more values than the file holds.
     pub fn values<T: H5Type>(&self, path: &str) -> Result<Vec<T>, OutputError> {
-        let dataset = self.file.dataset(path).map_err(|_| self.broken(format!("lacks the dataset {path}")))?;
+        let dataset = guard::dataset(&self.file, path).map_err(|problem| self.broken(problem))?;
         let lengths: Result<Vec<usize>, _> =
             self.layout.variable(path).dimensions.iter().map(|d| self.length(*d)).collect();
         let (shape, needed) = (dataset.shape(), lengths?);
         if shape != needed {
-            return Err(self.broken(format!("the dataset {path} has the shape {shape:?}, not {needed:?}")));
+            return Err(self.broken(format!("has a dataset {path} of the shape {shape:?}, not {needed:?}")));
         }
-        dataset.read_raw().map_err(|error| self.broken(format!("the dataset {path} cannot be read: {error}")))
+        is_kind_of::<T>(&dataset)
+            .and_then(|()| fits(&dataset, self.length))
+            .map_err(|problem| self.broken(format!("has a dataset {path} that {problem}")))?;
+        dataset.read_raw().map_err(|_| self.broken(format!("has a dataset {path} that is damaged")))
     }
 
     /// A numeric attribute of a group.
@@ -80,8 +77,11 @@ impl Reader {
     /// # Errors
     /// When it is missing or of another type.
     pub fn number<T: H5Type>(&self, group: &str, name: &str) -> Result<T, OutputError> {
-        let value = self.file.group(group).and_then(|group| read_number(&group, name));
-        value.map_err(|_| self.broken(format!("lacks the number `{name}` of {group}")))
+        let at = self.group(group)?;
+        let attribute = at.attr(name).map_err(|_| self.broken(format!("lacks the number `{name}` of {group}")))?;
+        let wrong = |problem: String| self.broken(format!("has an attribute `{name}` of {group} that {problem}"));
+        is_kind_of::<T>(&attribute).map_err(wrong)?;
+        attribute.read_scalar().map_err(|_| wrong("is not one number".to_owned()))
     }
 
     /// A text attribute of a group, if it has it.
@@ -89,8 +89,9 @@ impl Reader {
     /// # Errors
     /// When the group is missing, or the attribute is no text.
     pub fn optional_text(&self, group: &str, name: &str) -> Result<Option<String>, OutputError> {
-        let at = self.file.group(group).map_err(|_| self.broken(format!("lacks the group {group}")))?;
-        if !at.attr_names()?.iter().any(|known| known == name) {
+        let at = self.group(group)?;
+        let names = at.attr_names().map_err(|_| self.broken(format!("has damaged attributes of {group}")))?;
+        if !names.iter().any(|known| known == name) {
             return Ok(None);
         }
         let text = read_text(&at, name);
@@ -102,33 +103,84 @@ impl Reader {
         self.layout.groups
     }
 
-    /// The attributes of a group, as text, in the order of their names.
+    /// The attributes of a group, as text, in the order of their names; in brackets what an attribute is that cannot be shown.
     ///
     /// # Errors
-    /// When the group is missing or HDF5 fails.
+    /// When the group is missing or its attributes cannot be listed.
     pub fn attributes(&self, group: &str) -> Result<Vec<(String, String)>, OutputError> {
-        let group = self.file.group(group).map_err(|_| self.broken(format!("lacks the group {group}")))?;
-        let mut names = group.attr_names()?;
+        let at = self.group(group)?;
+        let mut names = at.attr_names().map_err(|_| self.broken(format!("has damaged attributes of {group}")))?;
         names.sort();
-        names.into_iter().map(|name| Ok((name.clone(), attribute_text(&group.attr(&name)?)?))).collect()
+        let shown = |name: String| {
+            let text = at.attr(&name).map_err(|_| ()).and_then(|attribute| self.attribute_text(&attribute));
+            // The names are the file's bytes, which need not be a text.
+            (lossy(name.as_bytes()), text.unwrap_or_else(|()| "(cannot be read)".to_owned()))
+        };
+        Ok(names.into_iter().map(shown).collect())
     }
 
     /// The datasets of the file that the layout knows: path and shape.
     pub fn datasets(&self) -> Vec<(&'static str, Vec<usize>)> {
         let known = self.layout.variables.iter();
-        known.filter_map(|variable| Some((variable.path, self.file.dataset(variable.path).ok()?.shape()))).collect()
+        known
+            .filter_map(|variable| Some((variable.path, guard::dataset(&self.file, variable.path).ok()?.shape())))
+            .collect()
+    }
+
+    fn group(&self, path: &str) -> Result<Group, OutputError> {
+        guard::group(&self.file, path).map_err(|problem| self.broken(problem))
+    }
+
+    fn attribute_text(&self, attribute: &Attribute) -> Result<String, ()> {
+        let descriptor = attribute.dtype().and_then(|dtype| dtype.to_descriptor()).map_err(|_| ())?;
+        fits(attribute, self.length).map_err(|_| ())?;
+        let shape = attribute.shape();
+        match descriptor {
+            TypeDescriptor::VarLenUnicode if shape.is_empty() => super::attributes::text(attribute).map_err(|_| ()),
+            TypeDescriptor::Float(_) => numbers::<f64>(attribute),
+            TypeDescriptor::Integer(_) => numbers::<i64>(attribute),
+            TypeDescriptor::Unsigned(_) => numbers::<u64>(attribute),
+            other => Ok(format!("({other})")),
+        }
     }
 }
 
-fn attribute_text(attribute: &Attribute) -> Result<String, OutputError> {
-    let join = |values: Vec<String>| values.join(", ");
-    Ok(match attribute.dtype()?.to_descriptor()? {
-        TypeDescriptor::VarLenUnicode => attribute.read_scalar::<VarLenUnicode>()?.as_str().to_owned(),
-        TypeDescriptor::Float(_) => {
-            join(attribute.read_raw::<f64>()?.iter().map(|value| format!("{value:?}")).collect())
+/// The layout that a file has.
+fn layout(file: &File, length: u64, layouts: &[&'static Layout]) -> Result<&'static Layout, String> {
+    let root = guard::group(file, "/")?;
+    if root.attr("format").is_err() {
+        return Err("is not a result of stiction: it has no attribute `format`".to_owned());
+    }
+    let Ok(format) = read_text(&root, "format") else {
+        return Err("is not a result of stiction: its attribute `format` is no text".to_owned());
+    };
+    let Some(layout) = layouts.iter().find(|layout| layout.format == format) else {
+        let known: Vec<String> =
+            layouts.iter().map(|layout| format!("\"{}\" of `{}`", layout.format, layout.command)).collect();
+        return Err(format!("has the format \"{format}\", not {}", known.join(" or ")));
+    };
+    match version(&root, length).as_deref() {
+        Some([major, _]) if *major == layout.version[0] => Ok(layout),
+        Some([major, minor]) => {
+            Err(format!("has format version {major}.{minor}; this program reads {}.x", layout.version[0]))
         }
-        TypeDescriptor::Integer(_) => join(attribute.read_raw::<i64>()?.iter().map(i64::to_string).collect()),
-        TypeDescriptor::Unsigned(_) => join(attribute.read_raw::<u64>()?.iter().map(u64::to_string).collect()),
-        other => format!("({other})"),
-    })
+        _ => Err("has no attribute `format_version` of two numbers".to_owned()),
+    }
+}
+
+fn version(root: &Group, length: u64) -> Option<Vec<u32>> {
+    let attribute = root.attr("format_version").ok()?;
+    fits(&attribute, length).ok()?;
+    is_kind_of::<u32>(&attribute).ok()?;
+    attribute.read_raw().ok()
+}
+
+/// The numbers of an attribute, or the first of them and how many there are.
+fn numbers<T: H5Type + std::fmt::Debug>(attribute: &Attribute) -> Result<String, ()> {
+    let values: Vec<T> = attribute.read_raw().map_err(|_| ())?;
+    let mut shown: Vec<String> = values.iter().take(SHOWN_NUMBERS).map(|value| format!("{value:?}")).collect();
+    if values.len() > SHOWN_NUMBERS {
+        shown.push(format!("... ({} numbers)", values.len()));
+    }
+    Ok(shown.join(", "))
 }

@@ -1,5 +1,6 @@
 //! Scenes: from TOML to what the program computes, or to an error that says what to change.
 
+pub mod echo;
 mod plan;
 mod reader;
 mod separation;
@@ -24,6 +25,9 @@ pub const FORMAT: u64 = 1;
 
 /// Heights further than this many σ_s from their mean plane are solved without starting tables.
 const HEIGHT_REACH: f64 = 11.0;
+
+/// Smallest range of interferences, relative to the largest one, that leaves them nine digits.
+const RESOLVED: f64 = 1e-6;
 
 /// Tolerances of compressed sums that make sense: below, the rounding of a solve is larger; above, nothing gets faster.
 const SUM_TOLERANCES: std::ops::RangeInclusive<f64> = 1e-13..=1e-3;
@@ -108,9 +112,8 @@ impl Scene {
         let sum_tolerance = sum_tolerance(&root)?;
         let output = root.section("output", &["curves"], false)?;
         let curves = output.and_then(|output| output.get("curves")).map_or(Ok(false), |entry| entry.boolean())?;
-        let text = text.to_owned();
-        Ok(Self {
-            text,
+        let scene = Self {
+            text: text.to_owned(),
             title,
             asperity,
             surface,
@@ -123,7 +126,26 @@ impl Scene {
             seed,
             sum_tolerance,
             curves,
-        })
+        };
+        scene.resolves_heights().map_err(|problem| match separation.get("h").or_else(|| separation.get("h_star")) {
+            Some(entry) => entry.wrong(&problem),
+            None => SceneError::general(problem),
+        })?;
+        Ok(scene)
+    }
+
+    /// Refuses separations so far from the asperities, compared with the scatter of their heights, that interferences would be
+    /// rounding.
+    fn resolves_heights(&self) -> Result<(), String> {
+        let (low, high) = self.reach();
+        if high - low >= RESOLVED * low.abs().max(high.abs()) {
+            return Ok(());
+        }
+        let (std, offset) = (self.surface.heights.std, self.surface.mean_plane_offset);
+        Err(format!(
+            "beside these separations, or a mean_plane_offset of {offset:e} m, heights with a standard deviation of {std:e} m are \
+             lost in rounding: check their units"
+        ))
     }
 
     /// The range of interferences, m, that the heights of any replica reach.
@@ -237,10 +259,14 @@ fn rough_surface(surface: &Section<'_>, asperity_radius: f64) -> Result<Surface,
             SurfaceError::NegativeVariance { .. } => "surface_height_std",
             SurfaceError::NoHeightStd => "",
             SurfaceError::Count(_) => "nominal_area",
+            SurfaceError::Length { name, .. } => name,
         };
         match surface.get(key) {
             Some(entry) => entry.wrong(&error.to_string()),
-            None => SceneError::general(format!("[surface]: {error}; for example surface_height_std = \"1.619 nm\"")),
+            None if error == SurfaceError::NoHeightStd => {
+                SceneError::general(format!("[surface]: {error}; for example surface_height_std = \"1.619 nm\""))
+            }
+            None => SceneError::general(format!("[surface]: {error}")),
         }
     })
 }

@@ -1,9 +1,15 @@
 //! Reading TOML with errors that name the key, its line, what was given and what would do.
 
+use super::echo::{one_line, shortened};
 use super::units::{Dimension, QuantityError, parse};
 use thiserror::Error;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
+
+/// Most words of a value that an error repeats.
+const SHOWN_WORDS: usize = 60;
+/// Longest name, in bytes, that is compared with the known ones.
+const LONGEST_NAME: usize = 100;
 
 /// What is wrong with a scene.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
@@ -26,7 +32,7 @@ impl SceneError {
 pub(super) fn document(text: &str) -> Result<Spanned<DeTable<'_>>, SceneError> {
     DeTable::parse(text).map_err(|error| SceneError {
         line: error.span().map(|span| line_of(text, span.start)),
-        problem: format!("not TOML: {}", error.message()),
+        problem: format!("not TOML: {}", one_line(error.message())),
     })
 }
 
@@ -78,7 +84,7 @@ impl<'a> Section<'a> {
                 line: Some(line_of(self.text, key.span().start)),
                 problem: format!(
                     "unknown key `{}`; {}known here: {}",
-                    self.dotted(key.get_ref()),
+                    self.dotted(&shortened(key.get_ref())),
                     nearest(key.get_ref(), keys.iter().copied())
                         .map(|known| format!("did you mean `{known}`? "))
                         .unwrap_or_default(),
@@ -116,10 +122,10 @@ impl<'a> Entry<'a> {
     pub fn wrong(&self, problem: &str) -> SceneError {
         let span = self.value.span();
         let given = self.text.get(span.clone()).unwrap_or_default();
-        let given: String = given.split_whitespace().collect::<Vec<_>>().join(" ").chars().take(60).collect();
+        let given = given.split_whitespace().take(SHOWN_WORDS).collect::<Vec<_>>().join(" ");
         SceneError {
             line: Some(line_of(self.text, span.start)),
-            problem: format!("`{} = {given}`: {problem}", self.name),
+            problem: format!("`{} = {}`: {problem}", self.name, shortened(&given)),
         }
     }
 
@@ -139,7 +145,8 @@ impl<'a> Entry<'a> {
     /// A finite number.
     pub fn number(&self) -> Result<f64, SceneError> {
         let value = match self.value.get_ref() {
-            DeValue::Integer(integer) => integer.as_str().parse().ok(),
+            DeValue::Integer(integer) if integer.radix() == 10 => integer.as_str().parse().ok(),
+            DeValue::Integer(integer) => u64::from_str_radix(integer.as_str(), integer.radix()).ok().map(|n| n as f64),
             DeValue::Float(float) => float.as_str().parse::<f64>().ok(),
             _ => None,
         };
@@ -202,7 +209,9 @@ impl<'a> Entry<'a> {
             Err(QuantityError::OtherDimension(other)) => {
                 Err(self.wrong(&format!("the unit is that of {}; {needed}", other.name())))
             }
-            Err(QuantityError::UnknownUnit(unit)) => Err(self.wrong(&format!("unknown unit `{unit}`; {needed}"))),
+            Err(QuantityError::UnknownUnit(unit)) => {
+                Err(self.wrong(&format!("unknown unit `{}`; {needed}", shortened(&unit))))
+            }
         }
     }
 
@@ -235,8 +244,11 @@ fn kind(value: &DeValue<'_>) -> String {
     }
 }
 
-/// The known name that a misspelt one most likely means.
+/// The known name that a misspelt one most likely means; none where it is too long to mean any.
 pub fn nearest<'n>(given: &str, known: impl Iterator<Item = &'n str>) -> Option<&'n str> {
+    if given.len() > LONGEST_NAME {
+        return None;
+    }
     known
         .map(|name| (strsim::jaro_winkler(given, name), name))
         .filter(|(similarity, _)| *similarity > 0.75)

@@ -2,6 +2,7 @@
 
 use super::reader::{Entry, SceneError, Section};
 use super::units::Dimension;
+use crate::surface::LENGTHS;
 use toml::de::DeValue;
 
 /// Most separations of a scene; far more than a curve needs.
@@ -29,6 +30,7 @@ fn rising(entry: &Entry<'_>, value: &dyn Fn(&Entry<'_>) -> Result<f64, SceneErro
             let mut values: Vec<f64> = Vec::with_capacity(array.len());
             for element in elements {
                 let next = value(&element)?;
+                within_reach(&element, next)?;
                 if values.last().is_some_and(|last| !(next > *last)) {
                     return Err(element.wrong("separations have to rise, each greater than the one before"));
                 }
@@ -41,6 +43,8 @@ fn rising(entry: &Entry<'_>, value: &dyn Fn(&Entry<'_>) -> Result<f64, SceneErro
             let from = value(&table.require("from", "-1.0")?)?;
             let end = table.require("to", "8.0")?;
             let to = value(&end)?;
+            within_reach(entry, from)?;
+            within_reach(&end, to)?;
             if !(to > from) {
                 return Err(end.wrong("has to be greater than `from`"));
             }
@@ -53,4 +57,12 @@ fn rising(entry: &Entry<'_>, value: &dyn Fn(&Entry<'_>) -> Result<f64, SceneErro
         return Err(entry.wrong("neighbouring separations are too close to be told apart"));
     }
     Ok(values)
+}
+
+/// Refuses a separation, m, whose square is no number.
+fn within_reach(entry: &Entry<'_>, separation: f64) -> Result<(), SceneError> {
+    if separation.abs() <= *LENGTHS.end() {
+        return Ok(());
+    }
+    Err(entry.wrong(&format!("is a separation of {separation:e} m; at most {:e} m can be computed", LENGTHS.end())))
 }

@@ -108,24 +108,44 @@ pub fn parse(text: &str, dimension: Dimension) -> Result<f64, QuantityError> {
     }
 }
 
-/// Where the number at the beginning of a text ends: before the first blank or slash, or the first letter that is
-/// neither an exponent's nor part of `nan` and `inf`.
+/// Where the number at the beginning of a text ends, in bytes; 0 where there is none. Looks at each byte once.
 fn number_end(text: &str) -> usize {
-    let words = ["nan", "inf", "+inf", "-inf", "+nan", "-nan", "infinity"];
-    if let Some(blank) = text.find(char::is_whitespace)
-        && (text[..blank].parse::<f64>().is_ok() || words.contains(&text[..blank].to_ascii_lowercase().as_str()))
-    {
-        return blank;
+    let bytes = text.as_bytes();
+    let digits = |from: usize| bytes[from..].iter().take_while(|byte| byte.is_ascii_digit()).count();
+    let sign = |at: usize| usize::from(bytes.get(at).is_some_and(|byte| matches!(byte, b'+' | b'-')));
+    let start = sign(0);
+    let word = |word: &&str| bytes[start..].get(..word.len()).is_some_and(|b| b.eq_ignore_ascii_case(word.as_bytes()));
+    if let Some(word) = ["infinity", "inf", "nan"].iter().find(|name| word(name)) {
+        return start + word.len();
     }
-    // Without a blank: the longest prefix that is a number.
-    let ends = text.char_indices().map(|(i, _)| i).chain([text.len()]);
-    ends.filter(|&i| text[..i].parse::<f64>().is_ok()).max().unwrap_or(0)
+    let whole = digits(start);
+    let mut end = start + whole;
+    if bytes.get(end) == Some(&b'.') {
+        let fraction = digits(end + 1);
+        if whole + fraction == 0 {
+            return 0;
+        }
+        end += 1 + fraction;
+    } else if whole == 0 {
+        return 0;
+    }
+    if bytes.get(end).is_some_and(|byte| matches!(byte, b'e' | b'E')) {
+        let exponent = end + 1 + sign(end + 1);
+        let count = digits(exponent);
+        if count > 0 {
+            end = exponent + count;
+        }
+    }
+    end
 }
 
 /// The number times a power of ten, rounded once.
 fn scaled(number: &str, plain: f64, power: i32) -> f64 {
     let (mantissa, exponent) = match number.split_once(['e', 'E']) {
-        Some((mantissa, exponent)) => (mantissa, exponent.parse::<i64>().unwrap_or(0)),
+        Some((mantissa, exponent)) => match exponent.parse::<i64>() {
+            Ok(exponent) => (mantissa, exponent),
+            Err(_) => return plain, // 0 or infinite whatever the unit
+        },
         None => (number, 0),
     };
     match format!("{mantissa}e{}", exponent.saturating_add(i64::from(power))).parse::<f64>() {
@@ -159,6 +179,56 @@ mod tests {
         }
         assert!(parse("nan nm", Dimension::Length).unwrap().is_nan());
         assert_eq!(parse("inf nm", Dimension::Length), Ok(f64::INFINITY));
+    }
+
+    #[test]
+    fn exponents_beyond_any_integer_are_no_other_number() {
+        assert_eq!(parse("1e99999999999999999999 m", Dimension::Length), Ok(f64::INFINITY));
+        assert_eq!(parse("1e-99999999999999999999 m", Dimension::Length), Ok(0.0));
+        assert_eq!(parse("-1e99999999999999999999 m", Dimension::Length), Ok(f64::NEG_INFINITY));
+        assert_eq!(parse("1e9223372036854775807 m", Dimension::Length), Ok(f64::INFINITY));
+    }
+
+    /// What is taken for the number is the longest beginning that Rust's own parser takes for one.
+    #[test]
+    fn a_number_ends_where_the_longest_one_does() {
+        let texts = [
+            "",
+            "-",
+            "+.",
+            ".",
+            ".5m",
+            "5.m",
+            "-.5e3m",
+            "1e",
+            "1e+",
+            "1e+m",
+            "1e5",
+            "1e5e5",
+            "1.2.3",
+            "--1",
+            "+-1",
+            "inf",
+            "infm",
+            "-infinitym",
+            "INFINIT",
+            "nan",
+            "+NaNo",
+            "in",
+            "1inf",
+            "1_000",
+            "١ m",
+            "0x10 m",
+            "1e-5µm",
+            "e5",
+            ".e5",
+            "5.e-7nm",
+        ];
+        for text in texts {
+            let ends = text.char_indices().map(|(i, _)| i).chain([text.len()]);
+            let longest = ends.filter(|&i| text[..i].parse::<f64>().is_ok()).max().unwrap_or(0);
+            assert_eq!(number_end(text), longest, "{text}");
+        }
     }
 
     #[test]

@@ -15,6 +15,9 @@ pub const VARIANCE_FACTOR: f64 = 3.717e-4;
 /// Factor of y_s = 0.045944/(ηR) (Etsion and Front 1994).
 pub const OFFSET_FACTOR: f64 = 0.045944;
 
+/// Lengths of a surface, m, whose squares and quotients are numbers that a computer has.
+pub const LENGTHS: std::ops::RangeInclusive<f64> = 1e-100..=1e100;
+
 /// What is known of a surface, SI.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Roughness {
@@ -66,6 +69,16 @@ pub enum SurfaceError {
     /// ηA_n rounds to no asperity, or to more than can be counted.
     #[error("asperity_density x nominal_area = {0:e} asperities; 0.5 to 1e12 can be drawn")]
     Count(f64),
+    /// A length of the surface is beyond [`LENGTHS`].
+    #[error(
+        "{name} = {value:e} m, which follows from the quantities of the surface, is outside 1e-100..1e100 m: check their units"
+    )]
+    Length {
+        /// Which.
+        name: &'static str,
+        /// The length, m.
+        value: f64,
+    },
 }
 
 impl Surface {
@@ -93,10 +106,19 @@ impl Surface {
         if !(1.0..=1e12).contains(&count) {
             return Err(SurfaceError::Count(roughness.asperity_density * roughness.nominal_area));
         }
+        let mean_plane_offset = roughness.mean_plane_offset.unwrap_or(OFFSET_FACTOR * inverse);
+        let lengths = [("surface_height_std", surface_height_std), ("asperity_height_std", asperity_height_std)];
+        if let Some(&(name, value)) = lengths.iter().find(|(_, value)| !LENGTHS.contains(value)) {
+            return Err(SurfaceError::Length { name, value });
+        }
+        // A plane may be anywhere, and with the other one too.
+        if !(mean_plane_offset >= 0.0 && mean_plane_offset <= *LENGTHS.end()) {
+            return Err(SurfaceError::Length { name: "mean_plane_offset", value: mean_plane_offset });
+        }
         Ok(Self {
             surface_height_std,
             heights: Gaussian { std: asperity_height_std },
-            mean_plane_offset: roughness.mean_plane_offset.unwrap_or(OFFSET_FACTOR * inverse),
+            mean_plane_offset,
             asperity_count: count as usize,
             nominal_area: roughness.nominal_area,
         })

@@ -183,7 +183,7 @@ fn sample(
     let (outcome, summation) = setup.run(name, pool, stop, progress, start, |_, _| Ok(()))?;
     let Outcome::Complete(ensemble) = outcome else {
         let done = outcome.ensemble().replicas.len() as u64;
-        return Err(Failure::Interrupted { done, of: scene.replicas, kept: None });
+        return Err(Failure::Interrupted { done, of: scene.replicas, kept: false });
     };
     let (z, joint) = cross_check(&ensemble, statistical, &basis, scene);
     Ok(Sampled { ensemble, summation, z, joint })

@@ -1,0 +1,117 @@
+//! Reading files of unknown origin in a process of its own.
+//!
+//! libhdf5 can be made to loop for ever, to crash or to ask for any amount of memory by a file whose structure is broken. So the program
+//! runs itself once more, with limits on time and memory, and says in a line what became of that.
+
+use super::{Failure, print};
+use anyhow::{Context, anyhow};
+use std::io::Read;
+use std::path::Path;
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::sync::mpsc::{Receiver, channel};
+use std::thread;
+use std::time::{Duration, Instant};
+
+/// In the environment of the process that reads.
+const READER: &str = "STICTION_READER";
+/// Longest that a file may take, disk and network included.
+const PATIENCE: Duration = Duration::from_secs(60);
+/// Longest that a file may keep a processor busy, s; results take milliseconds.
+#[cfg(unix)]
+const PROCESSOR_SECONDS: u64 = 5;
+/// Address space of the process that reads, bytes.
+#[cfg(unix)]
+const ADDRESS_SPACE: u64 = 1 << 30;
+/// Most bytes that are taken from it.
+const MOST_SAID: u64 = 1 << 28;
+
+/// Does `read` with a file, which prints, in a process of its own.
+///
+/// # Errors
+/// Those of `read`, and [`Failure::Usage`] when the file makes the process die or take too long.
+pub(super) fn apart(path: &Path, read: fn(&Path) -> Result<(), Failure>) -> Result<(), Failure> {
+    if std::env::var_os(READER).is_some() {
+        limit();
+        return read(path);
+    }
+    let program = std::env::current_exe().context("cannot find this program to run it once more")?;
+    let mut child = Command::new(program)
+        .args(std::env::args_os().skip(1))
+        .env(READER, "1")
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .context("cannot run this program once more")?;
+    let (out, err) = (said(child.stdout.take()), said(child.stderr.take()));
+    let (text, status) = await_end(&mut child, &out)?;
+    let message = err.recv_timeout(Duration::from_secs(1)).unwrap_or_default();
+    // The last line, without what libhdf5 may have said before it.
+    let message = message.lines().next_back().and_then(|line| line.strip_prefix("stiction: ")).map(str::to_owned);
+    let damaged = |what: String| Failure::Usage(format!("{}: is damaged: {what}", path.display()));
+    let Some(status) = status else {
+        return Err(damaged("reading it takes too long".to_owned()));
+    };
+    match (status.code(), message) {
+        (Some(0), _) => print(&text),
+        (Some(3), _) => {
+            print(&text)?;
+            Err(Failure::Disagree)
+        }
+        (Some(2), Some(message)) => Err(Failure::Usage(message)),
+        (Some(1), Some(message)) => Err(Failure::Running(anyhow!(message))),
+        _ if is_too_long(status) => Err(damaged("reading it takes too long".to_owned())),
+        _ => Err(damaged(format!("reading it ended with {status}"))),
+    }
+}
+
+/// Whether a process was ended because it kept the processor busy.
+fn is_too_long(status: ExitStatus) -> bool {
+    #[cfg(unix)]
+    return std::os::unix::process::ExitStatusExt::signal(&status) == Some(rustix::process::Signal::XCPU.as_raw());
+    #[cfg(not(unix))]
+    return false;
+}
+
+/// What comes out of a pipe, once it is closed.
+fn said(pipe: Option<impl Read + Send + 'static>) -> Receiver<String> {
+    let (sender, receiver) = channel();
+    thread::spawn(move || {
+        let mut bytes = Vec::new();
+        if let Some(pipe) = pipe {
+            let _ = pipe.take(MOST_SAID).read_to_end(&mut bytes);
+        }
+        let _ = sender.send(String::from_utf8_lossy(&bytes).into_owned());
+    });
+    receiver
+}
+
+/// What a process prints and how it ends; the latter is missing if it had to be killed.
+fn await_end(child: &mut Child, out: &Receiver<String>) -> Result<(String, Option<ExitStatus>), Failure> {
+    let begun = Instant::now();
+    let text = out.recv_timeout(PATIENCE);
+    // Its output ends when it does, but for a moment.
+    while begun.elapsed() < PATIENCE {
+        if let Some(status) = child.try_wait().context("cannot wait for the process that reads")? {
+            return Ok((text.unwrap_or_default(), Some(status)));
+        }
+        thread::sleep(Duration::from_millis(1));
+    }
+    let _ = child.kill();
+    let _ = child.wait();
+    Ok((String::new(), None))
+}
+
+/// Bounds what this process may use; where a bound is refused the time that its parent waits still holds.
+fn limit() {
+    #[cfg(unix)]
+    {
+        use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
+        let bounds = [(Resource::As, ADDRESS_SPACE), (Resource::Cpu, PROCESSOR_SECONDS), (Resource::Core, 0)];
+        for (resource, bound) in bounds {
+            let maximum = getrlimit(resource).maximum;
+            let bound = maximum.map_or(bound, |maximum| maximum.min(bound));
+            let _ = setrlimit(resource, Rlimit { current: Some(bound), maximum });
+        }
+    }
+}

@@ -1,0 +1,125 @@
+//! What a file of unknown origin has to show before its parts are read: libhdf5 follows links into other files, and what a file
+//! claims to hold is not bounded by its size.
+
+use hdf5::plist::dataset_create::Layout;
+use hdf5::types::TypeDescriptor;
+use hdf5::{Container, Dataset, File, Group, H5Type, IndexType, IterationOrder, LinkType};
+use std::path::Path;
+
+/// Bytes that a byte of a file can hold at most: deflate makes no more of one.
+const LARGEST_EXPANSION: u64 = 1032;
+/// How every HDF5 file begins, where nothing is prepended to it.
+const SIGNATURE: [u8; 8] = *b"\x89HDF\r\n\x1a\n";
+
+/// The length in bytes of a regular file. Others are not opened: a pipe may wait for ever, a device may have no end.
+///
+/// # Errors
+/// What the path is instead, or why it cannot be read.
+pub(super) fn length(path: &Path) -> Result<u64, String> {
+    let metadata = std::fs::metadata(path).map_err(|error| format!("cannot be read: {error}"))?;
+    if metadata.is_dir() {
+        return Err("is a folder; name a file in it".to_owned());
+    }
+    if !metadata.is_file() {
+        return Err("is not a regular file".to_owned());
+    }
+    std::fs::File::open(path).map_err(|error| format!("cannot be read: {error}"))?;
+    if metadata.len() == 0 { Err("is empty".to_owned()) } else { Ok(metadata.len()) }
+}
+
+/// Why libhdf5 does not open a file.
+pub(super) fn not_opened(path: &Path) -> String {
+    use std::io::Read;
+    let mut beginning = [0; 8];
+    let read = std::fs::File::open(path).and_then(|mut file| file.read_exact(&mut beginning));
+    if read.is_ok() && beginning == SIGNATURE {
+        "is an HDF5 file that is damaged or incomplete".to_owned()
+    } else {
+        "is not an HDF5 file".to_owned()
+    }
+}
+
+/// The group of that name, or the root for `/`, if it is in the file itself.
+///
+/// # Errors
+/// What is there instead.
+pub(super) fn group(file: &File, path: &str) -> Result<Group, String> {
+    let missing = || format!("lacks the group /{}", path.trim_start_matches('/'));
+    let root = file.as_group().map_err(|_| missing())?;
+    names(path).try_fold(root, |group, name| {
+        if !held(&group, name)? {
+            return Err(missing());
+        }
+        group.group(name).map_err(|_| missing())
+    })
+}
+
+/// The dataset of that path, if it and its values are in the file itself.
+///
+/// # Errors
+/// What is there instead.
+pub(super) fn dataset(file: &File, path: &str) -> Result<Dataset, String> {
+    let missing = || format!("lacks the dataset {path}");
+    let (parent, name) = path.trim_start_matches('/').rsplit_once('/').unwrap_or(("", path.trim_start_matches('/')));
+    let parent = group(file, parent)?;
+    if !held(&parent, name)? {
+        return Err(missing());
+    }
+    let dataset = parent.dataset(name).map_err(|_| missing())?;
+    let creation = dataset.dcpl().map_err(|_| format!("has a dataset {path} that cannot be read"))?;
+    let layout = creation.get_layout().unwrap_or(Layout::Virtual);
+    // Asked for only where there can be any: of other layouts libhdf5 knows no external files.
+    let external =
+        matches!(layout, Layout::Contiguous) && creation.get_external().map_or(true, |files| !files.is_empty());
+    if external || matches!(layout, Layout::Virtual) {
+        return Err(format!("has a dataset {path} whose values are in other files, which are not read"));
+    }
+    Ok(dataset)
+}
+
+fn names(path: &str) -> impl Iterator<Item = &str> {
+    path.split('/').filter(|name| !name.is_empty())
+}
+
+/// Whether a group has a member; not so if it is only a link to elsewhere.
+fn held(group: &Group, name: &str) -> Result<bool, String> {
+    let find = |known: &str, link: hdf5::LinkInfo| Ok((known == name).then_some(link.link_type));
+    match group.find_link(IndexType::Name, IterationOrder::Native, find) {
+        Ok(Some(LinkType::Hard)) => Ok(true),
+        Ok(Some(_)) => Err(format!("has a link `{name}` to elsewhere in place of what is asked for")),
+        Ok(None) => Ok(false),
+        Err(_) => Err(format!("is damaged where `{name}` is looked for")),
+    }
+}
+
+/// Refuses a dataset or attribute with more values than a file of `bytes` bytes can hold.
+///
+/// # Errors
+/// What it claims.
+pub(super) fn fits(container: &Container, bytes: u64) -> Result<(), String> {
+    let element = container.dtype().map_or(u64::MAX, |dtype| dtype.size() as u64);
+    let claimed = container.shape().iter().try_fold(element, |product, &length| product.checked_mul(length as u64));
+    let stored = container.storage_size().min(bytes);
+    match claimed {
+        Some(claimed) if claimed <= stored.saturating_mul(LARGEST_EXPANSION) => Ok(()),
+        _ => Err("has more values than the file holds".to_owned()),
+    }
+}
+
+/// Refuses a dataset or attribute whose values are of another kind than `T`: texts or compounds in place of numbers, fractions in
+/// place of whole numbers.
+///
+/// # Errors
+/// What it holds.
+pub(super) fn is_kind_of<T: H5Type>(container: &Container) -> Result<(), String> {
+    let whole = |descriptor: &TypeDescriptor| match descriptor {
+        TypeDescriptor::Integer(_) | TypeDescriptor::Unsigned(_) => Some(true),
+        TypeDescriptor::Float(_) => Some(false),
+        _ => None,
+    };
+    let needed = whole(&T::type_descriptor());
+    match container.dtype().and_then(|dtype| dtype.to_descriptor()) {
+        Ok(found) if whole(&found) == needed => Ok(()),
+        _ => Err(format!("does not hold {}", if needed == Some(true) { "whole numbers" } else { "numbers" })),
+    }
+}

@@ -1,0 +1,140 @@
+//! Scenes that mean harm: [`Scene::parse`] neither panics nor takes more time and memory than the text is long, says what is wrong in a
+//! line, and accepts only what can be computed.
+
+use super::text::{CHANGES, Mutation, changed};
+use super::{ALLOCATOR, cases, runner};
+use proptest::prelude::*;
+use std::path::Path;
+use std::time::{Duration, Instant};
+use stiction::asperity::models::{MODELS, Model};
+use stiction::scene::{Plan, Scene};
+
+/// Time that reading takes at most: for any text, and for each byte of it; a hundred times what it does take.
+const TIME: (Duration, Duration) = (Duration::from_millis(20), Duration::from_micros(5));
+/// Bytes that reading allocates at most, freed ones included: for any text, and for each byte of it.
+const MEMORY: (usize, usize) = (256 << 10, 1 << 10);
+/// Longest message, bytes.
+const MESSAGE: usize = 1000;
+/// Of so many scenes that are accepted one is planned, and of so many one under every law.
+const PLANNED: (u32, u32) = (64, 2048);
+
+/// The shipped scenes, and the corpus.
+fn seeds() -> Vec<String> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let folders = ["configs", "configs/paper", "tests/corpus/scenes"].map(|folder| root.join(folder));
+    let entries =
+        folders.iter().flat_map(|folder| std::fs::read_dir(folder).unwrap()).map(|entry| entry.unwrap().path());
+    let mut files: Vec<_> =
+        entries.filter(|path| path.extension().is_some_and(|extension| extension == "toml")).collect();
+    files.sort();
+    assert!(files.len() > 15, "{}", files.len());
+    files.iter().map(|file| std::fs::read_to_string(file).unwrap()).collect()
+}
+
+#[test]
+fn every_scene_is_read_or_refused_in_a_line() {
+    let _alone = super::alone();
+    let seeds = seeds();
+    let (mut accepted, mut refused) = (0_u32, 0_u32);
+    for seed in &seeds {
+        check(seed, &mut accepted, &mut refused);
+    }
+    assert!(accepted >= 10 && refused >= 5, "of the corpus {accepted} are accepted, {refused} refused");
+    let mutation = (proptest::sample::select(&CHANGES[..]), any::<u32>(), any::<u32>());
+    let strategy = (0..seeds.len(), proptest::collection::vec(mutation, 1..5));
+    let counts = std::cell::Cell::new((0, 0));
+    let case = |(seed, mutations): (usize, Vec<Mutation>)| {
+        let (mut accepted, mut refused) = counts.get();
+        check(&changed(&seeds[seed], &mutations), &mut accepted, &mut refused);
+        counts.set((accepted, refused));
+        Ok(())
+    };
+    runner(cases(20_000)).run(&strategy, case).unwrap();
+    let (accepted, refused) = counts.get();
+    println!("scenes: {accepted} accepted, {refused} refused");
+    assert!(accepted.min(refused) > (accepted + refused) / 10, "too hard or too easy: {accepted}, {refused}");
+}
+
+fn check(text: &str, accepted: &mut u32, refused: &mut u32) {
+    match parsed(text) {
+        Ok(scene) => {
+            *accepted += 1;
+            can_be_computed(&scene);
+            if accepted.is_multiple_of(PLANNED.1) {
+                MODELS.iter().for_each(|model| can_be_planned(&scene, model));
+            } else if accepted.is_multiple_of(PLANNED.0) {
+                can_be_planned(&scene, &scene.model);
+            }
+        }
+        Err(message) => {
+            *refused += 1;
+            assert!(message.len() <= MESSAGE, "{message}");
+            assert!(!message.contains(char::is_control), "{message:?}");
+            let named =
+                message.starts_with("line ") || message.contains(['`', '[']) || message.contains("check their units");
+            assert!(named || message == "not TOML: recursion limit", "names neither line nor key: {message}");
+            if let Some(line) = message.strip_prefix("line ").and_then(|rest| rest.split(':').next()) {
+                assert!((1..=text.lines().count().max(1) + 1).contains(&line.parse().unwrap()), "{message}");
+            }
+        }
+    }
+}
+
+/// Reads a scene and sees to what that takes.
+fn parsed(text: &str) -> Result<Scene, String> {
+    let most = TIME.0 + TIME.1 * text.len() as u32;
+    // Others use the machine too: what was too slow once is tried again.
+    for attempt in 1.. {
+        let (before, begun) = (ALLOCATOR.total_allocated(), Instant::now());
+        let result = Scene::parse(text);
+        let (taken, allocated) = (begun.elapsed(), ALLOCATOR.total_allocated() - before);
+        assert!(allocated <= MEMORY.0 + MEMORY.1 * text.len(), "{allocated} bytes for {} bytes", text.len());
+        if taken <= most || attempt == 5 {
+            assert!(taken <= most, "{taken:?} for {} bytes", text.len());
+            return result.map_err(|error| error.to_string());
+        }
+    }
+    unreachable!("five attempts at most")
+}
+
+fn can_be_computed(scene: &Scene) {
+    let (scale, surface, asperity) = (scene.scale(), &scene.surface, &scene.asperity);
+    let positive = [
+        ("lambda", scale.lambda),
+        ("unit of length", scale.length),
+        ("unit of radius", scale.radius),
+        ("unit of force", scale.force),
+        ("sigma", surface.surface_height_std),
+        ("sigma_s", surface.heights.std),
+        ("area", surface.nominal_area),
+        ("count", surface.asperity_count as f64),
+        ("omega_c", asperity.critical_interference()),
+        ("psi", asperity.plasticity_index(surface.surface_height_std)),
+        ("peak density of heights", surface.heights.density(0.0)),
+    ];
+    for (name, value) in positive {
+        assert!(value > 0.0 && value.is_finite(), "{name} = {value}");
+    }
+    assert!(surface.mean_plane_offset >= 0.0 && surface.mean_plane_offset.is_finite(), "{surface:?}");
+    assert!(surface.asperity_count <= 1_000_000_000_000 && scene.replicas >= 1, "{surface:?}");
+    let separations = &scene.separations;
+    assert!((2..=10_000).contains(&separations.len()), "{}", separations.len());
+    assert!(separations.iter().all(|h| h.is_finite() && surface.asperity_separation(*h).is_finite()));
+    assert!(separations.windows(2).all(|pair| pair[0] < pair[1]));
+    let (low, high) = scene.reach();
+    assert!(low < high && low.is_finite() && high.is_finite(), "{low} {high}");
+}
+
+/// A law and a plan are made, or the law is refused with a reason, whatever the scene's quantities.
+fn can_be_planned(scene: &Scene, model: &Model) {
+    let begun = Instant::now();
+    match scene.law_of(model) {
+        Ok(law) => {
+            let plan = Plan::new(scene, law.as_ref());
+            let numbers = [plan.beyond, plan.pairs, plan.core_seconds, plan.memory, plan.memory_per_thread];
+            assert!(numbers.iter().all(|number| *number >= 0.0), "{}: {plan:?}\n{}", model.name, scene.text);
+        }
+        Err(error) => assert!(!error.to_string().is_empty()),
+    }
+    assert!(begun.elapsed() < Duration::from_secs(20), "{}: {:?}\n{}", model.name, begun.elapsed(), scene.text);
+}

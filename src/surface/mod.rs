@@ -15,6 +15,9 @@ pub const VARIANCE_FACTOR: f64 = 3.717e-4;
 /// Factor of y_s = 0.045944/(ηR) (Etsion and Front 1994).
 pub const OFFSET_FACTOR: f64 = 0.045944;
 
+/// Standard deviations of heights, m.
+const LENGTHS: std::ops::RangeInclusive<f64> = 1e-100..=1e100;
+
 /// What is known of a surface, SI.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Roughness {
@@ -60,6 +63,14 @@ pub enum SurfaceError {
         /// The σ at which σ_s = 0, m.
         least: f64,
     },
+    /// A length whose square, or whose reciprocal, is no number of full precision.
+    #[error("{name} gives {value:e} m, outside 1e-100 m..1e100 m")]
+    Length {
+        /// The quantity of [`Roughness`] that it follows from.
+        name: &'static str,
+        /// m.
+        value: f64,
+    },
     /// Neither standard deviation is known.
     #[error("neither surface_height_std nor asperity_height_std is given")]
     NoHeightStd,
@@ -75,6 +86,9 @@ impl Surface {
     /// [`SurfaceError`].
     pub fn new(roughness: &Roughness) -> Result<Self, SurfaceError> {
         let inverse = 1.0 / (roughness.asperity_density * roughness.asperity_radius);
+        if !(inverse <= *LENGTHS.end()) {
+            return Err(SurfaceError::Length { name: "asperity_density", value: inverse });
+        }
         let difference = VARIANCE_FACTOR * inverse * inverse;
         let (surface_height_std, asperity_height_std) =
             match (roughness.surface_height_std, roughness.asperity_height_std) {
@@ -89,6 +103,11 @@ impl Surface {
                 }
                 (None, None) => return Err(SurfaceError::NoHeightStd),
             };
+        let lengths =
+            [("asperity_height_std", asperity_height_std), ("surface_height_std", surface_height_std)];
+        if let Some(&(name, value)) = lengths.iter().find(|(_, length)| !LENGTHS.contains(length)) {
+            return Err(SurfaceError::Length { name, value });
+        }
         let count = (roughness.asperity_density * roughness.nominal_area).round();
         if !(1.0..=1e12).contains(&count) {
             return Err(SurfaceError::Count(roughness.asperity_density * roughness.nominal_area));

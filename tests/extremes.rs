@@ -235,15 +235,25 @@ fn a_surface_without_spread_is_one_asperity_many_times() {
                 let d = scene.surface.asperity_separation(h);
                 let [adhesion, contact, area] = respond(law.as_ref(), -d).map_or([0.0; 3], |(_, values)| values);
                 let n = scene.surface.asperity_count as f64;
-                for (quantity, value) in
-                    [(Quantity::AdhesionForce, adhesion), (Quantity::ContactForce, contact), (Quantity::ContactArea, area)]
-                {
+                for (quantity, value) in [
+                    (Quantity::AdhesionForce, adhesion),
+                    (Quantity::ContactForce, contact),
+                    (Quantity::ContactArea, area),
+                ] {
                     let found = integral.expected[quantity.index()][0];
                     let (expected, name) = (n * value, quantity.name());
                     // Over a spread σ the law changes by less than 1e3 σ per Z₀; rounding is that of the heights.
                     let allowed = (1e-12 + 1e3 * std / inputs.spacing) * n * (adhesion + contact).max(1e-300);
-                    let allowed = if quantity == Quantity::ContactArea { (1e-12 + 1e3 * std / inputs.spacing) * expected } else { allowed };
-                    assert!((found - expected).abs() <= allowed, "{} at σ = {std:e}, h = {h:e}: {name} {found:e} instead of {expected:e}", model.name);
+                    let allowed = if quantity == Quantity::ContactArea {
+                        (1e-12 + 1e3 * std / inputs.spacing) * expected
+                    } else {
+                        allowed
+                    };
+                    assert!(
+                        (found - expected).abs() <= allowed,
+                        "{} at σ = {std:e}, h = {h:e}: {name} {found:e} instead of {expected:e}",
+                        model.name
+                    );
                 }
             }
         }

@@ -103,8 +103,7 @@ impl Surface {
                 }
                 (None, None) => return Err(SurfaceError::NoHeightStd),
             };
-        let lengths =
-            [("asperity_height_std", asperity_height_std), ("surface_height_std", surface_height_std)];
+        let lengths = [("asperity_height_std", asperity_height_std), ("surface_height_std", surface_height_std)];
         if let Some(&(name, value)) = lengths.iter().find(|(_, length)| !LENGTHS.contains(length)) {
             return Err(SurfaceError::Length { name, value });
         }

@@ -240,10 +240,14 @@ fn sweep(name: &str, setting: &Setting, count: usize) -> usize {
             if ends.iter().any(|end| (delta - end).abs() <= 1e-14 * end.abs()) {
                 continue;
             }
+            // Two roundings to both sides; and a way that is long beside the rounding of the values.
             let ulps = [delta.next_down().next_down(), delta.next_up().next_up()];
             let beside = evaluate(direct.as_ref(), regime, &ulps).0;
+            let [long, short] = [1e-10, 2.0 * f64::EPSILON];
+            let around = evaluate(direct.as_ref(), regime, &[delta * (1.0 - long), delta * (1.0 + long)]).0;
             for value in 0..3 {
-                let room = own * here[value] + 40.0 * (beside[1][value] - beside[0][value]).abs();
+                let change = |ends: &[[f64; 3]]| (ends[1][value] - ends[0][value]).abs();
+                let room = own * here[value] + 40.0 * change(&beside).max(change(&around) * short / long);
                 let off = (here[value] - other[value]).abs();
                 assert!(off <= room, "{}, {value}: {here:?} and {other:?}, {off:e} {room:e}", context(delta));
                 let falls = if i > 0 { plain[i - 1][value] - here[value] } else { 0.0 };

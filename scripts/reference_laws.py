@@ -67,7 +67,7 @@ CONDITION_DIGITS = 12
 
 STRESS_FACTOR = mpf("1.03")  # sigma_0 Z_0 / (work of adhesion)
 SMALLEST_ANGLE = mpf("1e-10")  # far below every angle of the grid: heaviest load, largest lambda
-LARGEST_RADIUS = mpf(1000)
+LARGEST_RADIUS = mpf(10000)
 FOLD_LAMBDA = mp.cbrt(9 * mp.pi / (16 * (mp.pi - 1)))  # above it the contact branch of Maugis-Dugdale folds
 SNAP_LAMBDA = mp.cbrt(mpf(9) / 32)  # above it md_kim snaps from nothing straight into contact
 NEAR = mpf("1e-4")  # relative distance of the end points from the ends

@@ -8,7 +8,7 @@
 use super::{BLOCK, Work};
 use crate::math::instruction_set::InstructionSet;
 use crate::math::piecewise::{Cell, Piecewise, leading};
-use crate::math::roots::{Sample, safe_newton};
+use crate::math::roots::{MAX_EVALUATIONS, Sample, safe_newton};
 use std::cell::RefCell;
 use std::ops::Range;
 
@@ -183,6 +183,15 @@ fn last_step(anchor: &Anchor, x: f64, state: &State, approach: f64, inverse_slop
     (if small { step } else { 0.0 }, small | noise)
 }
 
+/// The Newton step from an x that was searched for to its last bit. Close to a fold that bit is more of the way there than a step is
+/// else allowed to be, and no other x is closer.
+fn closing_step(anchor: &Anchor, x: f64, state: &State, approach: f64) -> f64 {
+    let step = (approach - state.approach) / state.slope;
+    let room = room(anchor, x);
+    let largest = (STEP_TOLERANCE * room).max((2.0 * f64::EPSILON * x).min(LAST_BIT * room));
+    if step.abs() <= largest { step } else { 0.0 }
+}
+
 /// The outputs a step away.
 #[inline(always)]
 fn corrected(state: &State, step: f64) -> Solution {
@@ -206,6 +215,10 @@ const STEP_TOLERANCE: f64 = 2e-9;
 const TABLE_TOLERANCE: f64 = 3e-10;
 /// Residuals below this many `magnitude`s are rounding noise.
 const NOISE: f64 = 4.0 * f64::EPSILON;
+/// Largest share of the distance to the fold and to zero over which one Newton step from the last bit of x is better than none.
+const LAST_BIT: f64 = 0.25;
+/// Evaluations that a solve takes at most: one from a table, then the bracketed search, and one where that ended.
+pub const MOST_EVALUATIONS: u64 = MAX_EVALUATIONS as u64 + 2;
 /// Distance from a fold up to which tables are over its root.
 const NEAR: f64 = 0.5;
 
@@ -337,7 +350,7 @@ impl<C: Curve> Branch<C> {
         work.safeguarded += 1;
         let state = self.curve.at(x);
         work.largest_residual = work.largest_residual.max((approach - state.approach).abs() / state.magnitude);
-        corrected(&state, last_step(&self.anchor, x, &state, approach, 1.0 / state.slope).0)
+        corrected(&state, closing_step(&self.anchor, x, &state, approach))
     }
 
     /// The parameter at an approach, to the last bits, and the evaluations it took.
@@ -352,7 +365,7 @@ impl<C: Curve> Branch<C> {
         };
         let root = safe_newton(sample, low, high, f64::NAN, done);
         let state = self.curve.at(root.x);
-        (root.x + last_step(&self.anchor, root.x, &state, approach, 1.0 / state.slope).0, root.evaluations + 1)
+        (root.x + closing_step(&self.anchor, root.x, &state, approach), root.evaluations + 1)
     }
 }
 
@@ -395,6 +408,46 @@ mod tests {
                 }
             }
         }
+    }
+
+    /// Δ = −x⁹, on which Newton's method gains a ninth with every step.
+    #[derive(Clone, Copy)]
+    struct Flat;
+
+    impl Curve for Flat {
+        fn terms(&self, _: f64) -> [f64; 4] {
+            [0.0; 4]
+        }
+
+        fn state(&self, x: f64, _: [f64; 4]) -> State {
+            State {
+                approach: -x.powi(9),
+                slope: -9.0 * x.powi(8),
+                magnitude: 1.0,
+                adhesion: 1.0 + x,
+                adhesion_slope: 1.0,
+                radius: x,
+                radius_slope: 1.0,
+            }
+        }
+
+        fn bracket(&self, _: f64) -> (f64, f64) {
+            (0.0, 1.0)
+        }
+    }
+
+    #[test]
+    fn a_solve_that_does_not_converge_ends_at_its_bound() {
+        let branch = Branch::new(Flat, Anchor { approach: 0.0, parameter: 1.0, fold: false });
+        let mut work = Work::default();
+        let solution = branch.solve(0.0, &mut work);
+        // No table here, so one less than the most.
+        assert_eq!((work.evaluations, work.safeguarded), (MOST_EVALUATIONS - 1, 1));
+        assert!(solution.radius > 0.0 && solution.radius < 1e-9, "{solution:?}");
+        assert!((solution.adhesion - 1.0 - solution.radius).abs() < 1e-15 && work.largest_residual < 1e-80);
+        // Nor does one for what is no number, whose answer is one of the bracket.
+        let solution = branch.solve(f64::NAN, &mut work);
+        assert!(work.evaluations <= 2 * MOST_EVALUATIONS && (0.0..=1.0).contains(&solution.radius), "{solution:?}");
     }
 
     #[test]

@@ -91,6 +91,25 @@ pub enum LawError {
     /// λ outside the range that is solved.
     #[error("the adhesion parameter lambda is {0:e}, outside 1e-6..1e6")]
     Lambda(f64),
+    /// A unit of the scaled variables outside the range whose powers are numbers.
+    #[error(
+        "the unit of {name} that follows from asperity_radius, work_of_adhesion and reduced_modulus is {value:e} in SI, outside \
+         1e-60..1e60"
+    )]
+    Unit {
+        /// What it is the unit of.
+        name: &'static str,
+        /// Its value, SI.
+        value: f64,
+    },
+    /// A length that is too small or too large beside the unit of the approach.
+    #[error("{name} is {value:e}, outside 1e-60..1e60 times the unit of the approach")]
+    Length {
+        /// Name of the quantity, as in scenes.
+        name: &'static str,
+        /// What was given or follows, SI.
+        value: f64,
+    },
     /// ω_c is infinite, but the law has an elastic-plastic scale even in its elastic regime.
     #[error("no critical interference is given, which the law {0} needs")]
     Elastic(&'static str),

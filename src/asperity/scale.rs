@@ -50,6 +50,14 @@ pub fn pressure_factor(poisson_ratio: f64) -> f64 {
 /// The adhesion parameters that the equations are solved for.
 pub const LAMBDA_RANGE: (f64, f64) = (1e-6, 1e6);
 
+/// Units, SI, that leave room for the powers and sums that are taken of them, and lengths as multiples of a unit.
+pub const UNIT_RANGE: (f64, f64) = (1e-60, 1e60);
+
+/// Whether a unit is within [`UNIT_RANGE`].
+fn has_room(unit: f64) -> bool {
+    (UNIT_RANGE.0..=UNIT_RANGE.1).contains(&unit)
+}
+
 /// The units of the scaled variables (Maugis 1992).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scale {
@@ -67,8 +75,8 @@ impl Scale {
     /// The units for an asperity.
     ///
     /// # Errors
-    /// [`LawError::NotPositive`] when one of R, E_r, Δγ, Z₀ is not positive and finite, [`LawError::Lambda`] when λ is outside
-    /// [`LAMBDA_RANGE`].
+    /// [`LawError::NotPositive`] when one of R, E_r, Δγ, Z₀ is not positive and finite, [`LawError::Unit`] when a unit of the scaled
+    /// variables is outside [`UNIT_RANGE`], [`LawError::Lambda`] when λ is outside [`LAMBDA_RANGE`].
     pub fn new(asperity: &Asperity) -> Result<Self, LawError> {
         let positive = [
             ("asperity_radius", asperity.radius),
@@ -84,9 +92,17 @@ impl Scale {
         let force = PI * asperity.work_of_adhesion * r;
         let strain = PI * asperity.work_of_adhesion / (k * r);
         let strain_root = libm::cbrt(strain);
-        let length = strain_root * strain_root * r;
+        let (length, radius) = (strain_root * strain_root * r, strain_root * r);
+        let units = [("force", force), ("approach", length), ("contact radius", radius)];
+        if let Some(&(name, value)) = units.iter().find(|(_, unit)| !has_room(*unit)) {
+            return Err(LawError::Unit { name, value });
+        }
+        // A product below the normal numbers has lost digits, though the units may look well.
+        if !(strain.is_normal() && (k * r).is_normal()) {
+            return Err(LawError::Unit { name: "strain", value: strain });
+        }
         let lambda = 2.0 * STRESS_RATIO / PI * length / asperity.equilibrium_spacing;
-        Ok(Self { radius: strain_root * r, force, length, ..Self::unit(lambda)? })
+        Ok(Self { radius, force, length, ..Self::unit(lambda)? })
     }
 
     /// Scaled variables as they are: every unit 1.

@@ -1,6 +1,6 @@
 //! What a law is made for: one asperity in its units, the history, and where starting tables are worth their making.
 
-use super::scale::{Asperity, Scale};
+use super::scale::{Asperity, Scale, UNIT_RANGE};
 use super::{LawError, Path};
 
 /// Everything that the laws of one asperity depend on.
@@ -64,7 +64,7 @@ impl Setting {
     /// The setting itself, if its quantities are possible.
     ///
     /// # Errors
-    /// [`LawError::NotPositive`] when they are not.
+    /// [`LawError::NotPositive`] when they are not, [`LawError::Length`] when their powers would under- or overflow.
     pub fn checked(self) -> Result<Self, LawError> {
         let (critical, t) = (self.critical_interference, self.lubricant_thickness);
         if !(critical > 0.0) {
@@ -75,6 +75,13 @@ impl Setting {
         }
         if !(t >= 0.0 && t.is_finite()) {
             return Err(LawError::NotPositive { name: "lubricant_thickness", value: t });
+        }
+        let (least, most) = (UNIT_RANGE.0 * self.scale.length, UNIT_RANGE.1 * self.scale.length);
+        if critical < least || (critical > most && critical.is_finite()) {
+            return Err(LawError::Length { name: "critical_interference", value: critical });
+        }
+        if t > most {
+            return Err(LawError::Length { name: "lubricant_thickness", value: t });
         }
         Ok(self)
     }

@@ -21,7 +21,8 @@ pub(super) fn asperity(arguments: &AsperityArguments) -> Result<(), Failure> {
             return Err(Failure::Usage("give --lambda and --delta, or --table".to_owned()));
         }
     };
-    let mut text = String::from("lambda,delta,branch,adhesion_force,external_force,contact_radius\n");
+    let mut text = String::from("lambda,delta,branch,adhesion_force,external_force,contact_radius");
+    text += if arguments.diagnostics { ",iterations,safeguarded\n" } else { "\n" };
     let mut law: Option<(f64, Box<dyn Law>)> = None;
     for (lambda, delta) in points {
         if !(delta.abs() <= 1e100) {
@@ -31,7 +32,7 @@ pub(super) fn asperity(arguments: &AsperityArguments) -> Result<(), Failure> {
             Some((known, law)) if known == lambda => law,
             _ => (model.build)(&setting(lambda, arguments)?).map_err(usage)?,
         };
-        text += &line(known.as_ref(), lambda, delta, arguments.poisson_ratio.is_some())?;
+        text += &line(known.as_ref(), lambda, delta, arguments)?;
         law = Some((lambda, known));
     }
     print(&text)
@@ -54,6 +55,7 @@ fn setting(lambda: f64, arguments: &AsperityArguments) -> Result<Setting, Failur
         critical_interference: arguments.critical_interference.unwrap_or(f64::INFINITY),
         pressure_factor: arguments.poisson_ratio.map_or(setting.pressure_factor, pressure_factor),
         lubricant_thickness: arguments.lubricant_thickness,
+        reach: arguments.tables.map(|furthest| (-furthest, furthest)),
         ..setting
     };
     setting.checked().map_err(usage)
@@ -67,8 +69,8 @@ fn usage(error: LawError) -> Failure {
     })
 }
 
-/// One asperity as a row. Fully plastic loads depend on the Poisson ratio, which has to be `given` for them.
-fn line(law: &dyn Law, lambda: f64, delta: f64, given: bool) -> Result<String, Failure> {
+/// One asperity as a row. Fully plastic loads depend on the Poisson ratio, which has to be given for them.
+fn line(law: &dyn Law, lambda: f64, delta: f64, arguments: &AsperityArguments) -> Result<String, Failure> {
     // Beyond the last regime of a law nothing acts, though the asperity is in contact.
     let (mut branch, mut response, mut plastic) = ("contact", [0.0; 3], false);
     let visit = |regime: usize, _: std::ops::Range<usize>, responses: &Responses| {
@@ -76,15 +78,18 @@ fn line(law: &dyn Law, lambda: f64, delta: f64, given: bool) -> Result<String, F
         plastic = law.regimes()[regime] == Regime::Plastic;
         response = [responses.adhesion[0], responses.contact[0], responses.area[0]];
     };
-    for_each_block(law, &[delta], 0.0, &mut Scratch::default(), &mut Work::default(), visit);
-    if plastic && !given {
+    let mut work = Work::default();
+    for_each_block(law, &[delta], 0.0, &mut Scratch::default(), &mut work, visit);
+    if plastic && arguments.poisson_ratio.is_none() {
         return Err(Failure::Usage(format!(
             "delta = {delta} is fully plastic: give --poisson-ratio, which its load needs"
         )));
     }
     let [adhesion, contact, area] = response;
     let numbers = [adhesion, contact - adhesion, (area / PI).sqrt()].map(|value| format!("{value:.16e}"));
-    Ok(format!("{lambda:.16e},{delta:.16e},{branch},{}\n", numbers.join(",")))
+    let cost =
+        if arguments.diagnostics { format!(",{},{}", work.evaluations, work.safeguarded) } else { String::new() };
+    Ok(format!("{lambda:.16e},{delta:.16e},{branch},{}{cost}\n", numbers.join(",")))
 }
 
 /// Reads the columns lambda and delta of a CSV file, in any order among others.

@@ -157,6 +157,12 @@ struct AsperityArguments {
     /// Scaled thickness of the lubricant
     #[arg(long, value_name = "T", value_parser = not_negative, default_value = "0", allow_negative_numbers = true)]
     lubricant_thickness: f64,
+    /// Adds the columns iterations (evaluations of the equations) and safeguarded (1 where the search took a bracket)
+    #[arg(long)]
+    diagnostics: bool,
+    /// Largest |delta| that starting tables are made for; without it every solve is safeguarded
+    #[arg(long, value_name = "DELTA", value_parser = positive, requires = "diagnostics", allow_negative_numbers = true)]
+    tables: Option<f64>,
 }
 
 fn number(text: &str, does: fn(f64) -> bool, needed: &str) -> Result<f64, String> {

@@ -107,6 +107,19 @@ mod tests {
     }
 
     #[test]
+    fn ends_at_the_bound_where_nothing_converges() {
+        // Newton's method gains a ninth with every step towards the multiple root at 0, and never meets `done`.
+        let multiple = |x: f64| Sample { value: -x.powi(9), slope: -9.0 * x.powi(8) };
+        let root = safe_newton(multiple, 0.0, 1.0, 1.0, |_, _| false);
+        assert_eq!(root.evaluations, MAX_EVALUATIONS);
+        assert!(root.x > 0.0 && root.x < 1e-9, "{root:?}");
+        // Values that are no numbers: halvings only, within the bracket.
+        let root = safe_newton(|_| Sample { value: f64::NAN, slope: f64::NAN }, 0.0, 1.0, 0.5, |_, _| false);
+        assert_eq!(root.evaluations, MAX_EVALUATIONS);
+        assert!(root.x > 0.0 && root.x < 1.0, "{root:?}");
+    }
+
+    #[test]
     fn golden_section_finds_a_maximum() {
         let x = golden_maximum(|x| -(x - 0.3) * (x - 0.3), -1.0, 2.0, 1e-9);
         assert!((x - 0.3).abs() < 1e-7, "{x}");

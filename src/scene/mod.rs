@@ -14,7 +14,7 @@ pub use sizes::{Choice, Sizes};
 pub use validity::{Warning, warnings, warnings_of_scene};
 
 use crate::asperity::models::{MODELS, Model, PUBLISHED_FITS};
-use crate::asperity::scale::{Asperity, Scale};
+use crate::asperity::scale::{Asperity, Scale, UNIT_RANGE};
 use crate::asperity::{Law, LawError, Path, Setting};
 use crate::surface::{Roughness, SamplingScheme, Surface, SurfaceError};
 use reader::{Section, document};
@@ -102,6 +102,15 @@ impl Scene {
         let critical_approach = critical_approach(&model, &law)?;
         let separation = required(&root, "separation", &["h", "h_star"])?;
         let separations = separation::separations(&separation, surface.surface_height_std)?;
+        let most = UNIT_RANGE.1 * Scale::new(&asperity).map_err(|error| SceneError::general(error.to_string()))?.length;
+        let d = [separations[0], separations[separations.len() - 1]].map(|h| surface.asperity_separation(h).abs());
+        let furthest = d[0].max(d[1]).max(surface.heights.std);
+        if !(furthest <= most) {
+            return Err(SceneError::general(format!(
+                "[separation] and [surface] reach {furthest:e} m, but laws are computed to {most:e} m; check the units of h, \
+                 mean_plane_offset, surface_height_std, asperity_height_std and asperity_density"
+            )));
+        }
         let ensemble = required(&root, "ensemble", &["replicas", "sampling", "seed"])?;
         let sampling = ensemble.get("sampling").map(|entry| entry.choice("sampling", &SamplingScheme::ALL));
         let sampling = sampling.transpose()?.unwrap_or_default();
@@ -222,22 +231,17 @@ fn asperity(material: &Section<'_>, surface: &Section<'_>) -> Result<Asperity, S
         poisson_ratio,
         lubricant_thickness: lubricant.map_or(Ok(0.0), |entry| entry.not_negative(Dimension::Length))?,
     };
-    Scale::new(&asperity).map_err(|error| {
-        SceneError::general(match error {
-            LawError::Lambda(_) => format!(
-                "{error}; it follows from work_of_adhesion, reduced_modulus, equilibrium_spacing and asperity_radius: \
-                 check their units"
-            ),
-            _ => error.to_string(),
-        })
+    Setting::new(&asperity, Path::Approach, (0.0, 0.0)).map_err(|error| {
+        let keys = match error {
+            LawError::Lambda(_) => "work_of_adhesion, reduced_modulus, equilibrium_spacing and asperity_radius",
+            LawError::NotPositive { name: "critical_interference", .. }
+            | LawError::Length { name: "critical_interference", .. } => {
+                "hardness, reduced_modulus, poisson_ratio and asperity_radius"
+            }
+            _ => return SceneError::general(error.to_string()),
+        };
+        SceneError::general(format!("{error}; it follows from {keys}: check their units"))
     })?;
-    let critical = asperity.critical_interference();
-    if !(critical > 0.0 && critical.is_finite()) {
-        return Err(SceneError::general(format!(
-            "the critical interference is {critical:e} m; it follows from hardness, reduced_modulus, poisson_ratio and \
-             asperity_radius: check their units"
-        )));
-    }
     Ok(asperity)
 }
 

@@ -140,11 +140,11 @@ impl AtSeparation {
         piece: &Piece,
         tolerance: f64,
     ) -> Integral<COMPONENTS> {
-        let variable = Variable::of(piece);
+        let variable = Variable::of(piece, separation, surface.heights.std);
         let breaks = panel_breaks(piece, separation, surface.heights.std, variable);
         // Rounding a height far out in the distribution is rounding its density so many times over.
-        let ends = [breaks.first(), breaks.last()].map(|end| variable.interference(*end.unwrap_or(&0.0)).abs());
-        let rounding = f64::EPSILON * (ends[0].max(ends[1]) + separation.abs()) / surface.heights.std;
+        let ends = [breaks.first(), breaks.last()].map(|end| variable.distance(*end.unwrap_or(&0.0)).abs());
+        let rounding = f64::EPSILON * (ends[0].max(ends[1]) + variable.height.abs()) / surface.heights.std;
         let tolerance = tolerance.max(4.0 * LARGEST_HEIGHT * rounding);
         let mut responses = Responses::default();
         let mut interference = [0.0; NODES];
@@ -154,7 +154,7 @@ impl AtSeparation {
             }
             law.evaluate(piece.regime, &interference, &mut responses, &mut self.work);
             for (i, value) in values.iter_mut().enumerate() {
-                let weight = surface.heights.density(interference[i] + separation) * variable.stretch(places[i]);
+                let weight = surface.heights.density(variable.height(places[i])) * variable.stretch(places[i]);
                 let quantities = Quantity::of_response(responses.adhesion[i], responses.contact[i], responses.area[i]);
                 let [adhesion, contact, _, area] = quantities.map(|q| weight * q);
                 let [a, p, f, s] = quantities.map(|q| weight * q * q);
@@ -179,45 +179,61 @@ impl AtSeparation {
     }
 }
 
-/// The variable in which a piece is integrated.
+/// The variable x in which a piece is integrated: δ = interference + sign·x^order, and likewise for the height u = δ + d, which has an
+/// origin of its own so that no digit of either is lost to the other.
 #[derive(Clone, Copy)]
-enum Variable {
-    /// δ itself.
-    Interference,
-    /// δ = place + sign·s^order.
-    Root { place: f64, sign: f64, order: i32 },
+struct Variable {
+    /// δ at x = 0, m.
+    interference: f64,
+    /// u there, m.
+    height: f64,
+    sign: f64,
+    order: i32,
 }
 
+/// Origins further away than this many σ_s from the mean plane are no use: x would vary by less than its rounding allows. From so far the
+/// law looks smooth.
+const FURTHEST_ORIGIN: f64 = 1e4;
+
 impl Variable {
-    fn of(piece: &Piece) -> Self {
-        match piece.smoothness {
-            Smoothness::Smooth => Self::Interference,
-            Smoothness::Root { place, order } => {
-                Self::Root { place, sign: if place <= piece.lower { 1.0 } else { -1.0 }, order }
-            }
+    /// From the root next to which a piece is not smooth, or from δ = 0; from the mean plane where those are far away.
+    fn of(piece: &Piece, separation: f64, std: f64) -> Self {
+        let (interference, sign, order) = match piece.smoothness {
+            Smoothness::Smooth => (0.0, 1.0, 1),
+            Smoothness::Root { place, order } => (place, if place <= piece.lower { 1.0 } else { -1.0 }, order),
+        };
+        let height = interference + separation;
+        if height.abs() <= FURTHEST_ORIGIN * std {
+            Self { interference, height, sign, order }
+        } else {
+            Self { interference: -separation, height: 0.0, sign: 1.0, order: 1 }
         }
     }
 
+    /// δ − δ(0) = u − u(0), m.
+    fn distance(self, x: f64) -> f64 {
+        self.sign * x.powi(self.order)
+    }
+
+    /// δ, m.
     fn interference(self, x: f64) -> f64 {
-        match self {
-            Self::Interference => x,
-            Self::Root { place, sign, order } => place + sign * x.powi(order),
-        }
+        self.interference + self.distance(x)
+    }
+
+    /// u, m.
+    fn height(self, x: f64) -> f64 {
+        self.height + self.distance(x)
     }
 
     /// |dδ/dx|.
     fn stretch(self, x: f64) -> f64 {
-        match self {
-            Self::Interference => 1.0,
-            Self::Root { order, .. } => f64::from(order) * x.powi(order - 1),
-        }
+        f64::from(self.order) * x.powi(self.order - 1)
     }
 
-    fn of_interference(self, delta: f64) -> f64 {
-        match self {
-            Self::Interference => delta,
-            Self::Root { place, order, .. } => libm::pow((delta - place).abs(), 1.0 / f64::from(order)),
-        }
+    /// x at a height, m.
+    fn of_height(self, height: f64) -> f64 {
+        let distance = self.sign * (height - self.height);
+        if self.order == 1 { distance } else { libm::pow(distance.max(0.0), 1.0 / f64::from(self.order)) }
     }
 }
 
@@ -233,7 +249,7 @@ fn panel_breaks(piece: &Piece, separation: f64, std: f64, variable: Variable) ->
     let panels = (high - low).ceil().max(1.0) as usize;
     let mut breaks: Vec<f64> = (0..=panels)
         .map(|i| low + (high - low) * i as f64 / panels as f64)
-        .map(|u| variable.of_interference((u * std - separation).clamp(piece.lower, piece.upper)))
+        .map(|u| variable.of_height((u * std).clamp(piece.lower + separation, piece.upper + separation)))
         .collect();
     breaks.sort_by(f64::total_cmp);
     breaks.dedup();

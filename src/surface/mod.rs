@@ -88,6 +88,9 @@ impl Surface {
     /// [`SurfaceError`].
     pub fn new(roughness: &Roughness) -> Result<Self, SurfaceError> {
         let inverse = 1.0 / (roughness.asperity_density * roughness.asperity_radius);
+        if !(inverse <= *LENGTHS.end()) {
+            return Err(SurfaceError::Length { name: "asperity_density", value: inverse });
+        }
         let difference = VARIANCE_FACTOR * inverse * inverse;
         let (surface_height_std, asperity_height_std) =
             match (roughness.surface_height_std, roughness.asperity_height_std) {

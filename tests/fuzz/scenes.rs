@@ -7,7 +7,7 @@ use proptest::prelude::*;
 use std::path::Path;
 use std::time::{Duration, Instant};
 use stiction::asperity::models::{MODELS, Model};
-use stiction::scene::{Plan, Scene};
+use stiction::scene::{Plan, Scene, Sizes};
 
 /// Time that reading takes at most: for any text, and for each byte of it; a hundred times what it does take.
 const TIME: (Duration, Duration) = (Duration::from_millis(20), Duration::from_micros(5));
@@ -131,8 +131,10 @@ fn can_be_planned(scene: &Scene, model: &Model) {
     match scene.law_of(model) {
         Ok(law) => {
             let plan = Plan::new(scene, law.as_ref());
-            let numbers = [plan.beyond, plan.pairs, plan.core_seconds, plan.memory, plan.memory_per_thread];
-            assert!(numbers.iter().all(|number| *number >= 0.0), "{}: {plan:?}\n{}", model.name, scene.text);
+            let sizes = Sizes::new(scene, law.as_ref(), 4);
+            let seconds = plan.core_seconds.on_threads(&sizes);
+            let numbers = [plan.beyond, plan.pairs, sizes.memory(), sizes.disk()].into_iter().chain(seconds);
+            assert!(numbers.into_iter().all(|number| number >= 0.0), "{}: {plan:?}\n{}", model.name, scene.text);
         }
         Err(error) => assert!(!error.to_string().is_empty()),
     }

@@ -60,6 +60,10 @@ fn law(setting: &Setting, coefficients: &Coefficients) -> Result<Box<dyn Law>, L
     setting.plastic("fit:paper")?;
     let direct = Direct::new(setting, JUDGED)?;
     let report = direct.report(coefficients, setting);
+    // Powers with coefficients that no number holds, of a range that the forms were not made for.
+    if !report.coefficients.iter().chain(&report.largest_residual).all(|value| value.is_finite()) {
+        return Err(LawError::NoFit);
+    }
     let critical_approach = setting.critical_approach.unwrap_or(-direct.end * setting.scale.length);
     let thickness = setting.lubricant_thickness;
     let (scale, coefficients) = (setting.scale, *coefficients);

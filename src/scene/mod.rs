@@ -238,7 +238,7 @@ fn asperity(material: &Section<'_>, surface: &Section<'_>) -> Result<Asperity, S
             | LawError::Length { name: "critical_interference", .. } => {
                 "hardness, reduced_modulus, poisson_ratio and asperity_radius"
             }
-            _ => return SceneError::general(error.to_string()),
+            _ => return SceneError::general(format!("{error}: check their units")),
         };
         SceneError::general(format!("{error}; it follows from {keys}: check their units"))
     })?;

@@ -110,7 +110,7 @@ impl Surface {
             return Err(SurfaceError::Count(roughness.asperity_density * roughness.nominal_area));
         }
         let mean_plane_offset = roughness.mean_plane_offset.unwrap_or(OFFSET_FACTOR * inverse);
-        let lengths = [("surface_height_std", surface_height_std), ("asperity_height_std", asperity_height_std)];
+        let lengths = [("asperity_height_std", asperity_height_std), ("surface_height_std", surface_height_std)];
         if let Some(&(name, value)) = lengths.iter().find(|(_, value)| !LENGTHS.contains(value)) {
             return Err(SurfaceError::Length { name, value });
         }

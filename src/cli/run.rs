@@ -6,14 +6,14 @@ use super::results::{Results, integral_features, mean_features};
 use super::sampling::{Sampling, cross_check, interruption, override_ensemble, thread_pool};
 use super::summary::summary;
 use super::{Failure, RunArguments, law_of, print_of, read_scene, refuse_own_scene, resources, warnings_of};
-use crate::asperity::Quantity;
+use crate::asperity::{Law, Quantity};
 use crate::engine::{Ensemble, Outcome};
 use crate::math::control_variates::controlled_means;
 use crate::output::progress::Progress;
 use crate::output::schema::RUN;
 use crate::output::writer::Writer;
 use crate::output::{Claim, OutputError};
-use crate::scene::{Plan, Sizes};
+use crate::scene::{Plan, Scene, Sizes};
 use crate::statistical::{Statistical, controls};
 use crate::validation::basis;
 use std::path::PathBuf;
@@ -51,23 +51,13 @@ pub(super) fn run(arguments: &RunArguments) -> Result<(), Failure> {
     let warnings = warnings_of(&scene, &scene.model, law);
     let statistical = pool.install(|| Statistical::new(law, &scene.surface, &scene.separations));
     progress.phase("test functionals");
-    let State { basis, controls, .. } = match &interrupted {
-        Some(run) => run.state().clone(),
-        None => {
-            let basis = basis(law, &scene.surface, &scene.separations, scene.sampling, scene.replicas);
-            let groups = scene.replicas / scene.sampling.group();
-            let controls = controls(&scene.separations, &statistical, &basis.tested[1], groups);
-            State::new(basis, controls)
-        }
-    };
+    let state = interrupted.as_ref().map_or_else(|| prepared(&scene, law, &statistical), |run| run.state().clone());
+    let State { basis, controls, .. } = state.clone();
     let setup = Sampling { scene: &scene, law, basis: &basis, controls: &controls, keep_curves: scene.curves };
     let job = setup.job();
     let (mut keeper, start) = match interrupted {
         Some(run) => Keeper::resume(*run, &job, arguments.checkpoint)?,
-        None => {
-            let state = State::new(basis.clone(), controls.clone());
-            (Keeper::begin(&claim, &scene, state, arguments.checkpoint)?, Ensemble::new(&job))
-        }
+        None => (Keeper::begin(&claim, &scene, state, arguments.checkpoint)?, Ensemble::new(&job)),
     };
     let computed =
         setup.run("ensemble", &pool, &stop, &mut progress, start, |batch, ensemble| keeper.keep(&job, batch, ensemble));
@@ -116,21 +106,29 @@ pub(super) fn run(arguments: &RunArguments) -> Result<(), Failure> {
         output,
     };
     let written = write(&claim, arguments.execution.force, &results, &mut keeper, &stop);
-    match written.map_err(|error| error.writing(&results.output)) {
-        Ok(true) => {}
-        Ok(false) => {
-            keeper.save(&results.ensemble)?;
-            return Err(keeper.interrupted(replicas));
+    let failure = match written {
+        Ok(true) => {
+            keeper.journal.discard();
+            progress.end();
+            return print_of(&results.output, &summary(&results));
         }
-        Err(error) => {
-            // What was computed may still fit where the result does not.
-            let _ = keeper.save(&results.ensemble);
-            return Err(keeper.advised(error.into()));
-        }
+        Ok(false) => None,
+        Err(error) => Some(Failure::from(error.writing(&results.output))),
+    };
+    // What was computed may fit where the result does not.
+    let kept = keeper.save(&results.ensemble);
+    match failure {
+        Some(failure) => Err(keeper.advised(failure)),
+        None => Err(kept.map_or_else(Failure::from, |()| keeper.interrupted(replicas))),
     }
-    keeper.journal.discard();
-    progress.end();
-    print_of(&results.output, &summary(&results))
+}
+
+/// The functionals of the joint test, and the control variates.
+fn prepared(scene: &Scene, law: &dyn Law, statistical: &Statistical) -> State {
+    let basis = basis(law, &scene.surface, &scene.separations, scene.sampling, scene.replicas);
+    let groups = scene.replicas / scene.sampling.group();
+    let controls = controls(&scene.separations, statistical, &basis.tested[1], groups);
+    State::new(basis, controls)
 }
 
 /// Writes the result; `false` if it was interrupted before it was complete, and then is not there.

@@ -2,7 +2,7 @@
 
 use super::record::{write_head, write_results};
 use super::results::{Results, integral_features, mean_features};
-use super::sampling::{Sampling, cross_check, interruption, override_ensemble, thread_pool};
+use super::sampling::{Sampling, basis_of, cross_check, interruption, override_ensemble, thread_pool};
 use super::summary::summary;
 use super::{Failure, RunArguments, law_of, print_of, read_scene, refuse_own_scene, resources, warnings_of};
 use crate::asperity::Quantity;
@@ -12,7 +12,6 @@ use crate::output::schema::RUN;
 use crate::output::writer::Writer;
 use crate::scene::{Plan, Sizes};
 use crate::statistical::{Statistical, controls};
-use crate::validation::basis;
 use std::path::PathBuf;
 
 pub(super) fn run(arguments: &RunArguments) -> Result<(), Failure> {
@@ -36,7 +35,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<(), Failure> {
     let warnings = warnings_of(&scene, &scene.model, law.as_ref());
     let statistical = pool.install(|| Statistical::new(law.as_ref(), &scene.surface, &scene.separations));
     progress.phase("test functionals");
-    let basis = basis(law.as_ref(), &scene.surface, &scene.separations, scene.sampling, scene.replicas);
+    let basis = basis_of(&scene, law.as_ref());
     let groups = scene.replicas / scene.sampling.group();
     let controls = controls(&scene.separations, &statistical, &basis.tested[1], groups);
     let regimes = write_head(&mut writer, &scene, law.as_ref(), &basis, &controls)?;

@@ -48,7 +48,7 @@ fn curves(job: &Job<'_>, replica: u64) -> Curves {
 fn exact(job: &Job<'_>, replica: u64, separation: f64) -> [f64; 3] {
     let d = job.surface.asperity_separation(separation);
     let mut random = stream(job.seed, Purpose::Heights, replica);
-    let mut sums: [Exact; 3] = std::array::from_fn(|_| Exact::default());
+    let [mut adhesion_sum, mut contact_sum] = [Exact::default(), Exact::default()];
     let (mut scratch, mut work) = (Scratch::default(), Work::default());
     let mut left = job.surface.asperity_count;
     let mut heights = Vec::new();
@@ -59,14 +59,12 @@ fn exact(job: &Job<'_>, replica: u64, separation: f64) -> [f64; 3] {
         heights.sort_unstable_by(f64::total_cmp);
         for_each_block(job.law, &heights, d, &mut scratch, &mut work, |_, range, responses| {
             for (adhesion, contact) in responses.adhesion.iter().zip(&responses.contact).take(range.len()) {
-                sums[0].add(*adhesion);
-                sums[1].add(*contact);
-                sums[2].add(*contact);
-                sums[2].add(-*adhesion);
+                adhesion_sum.add(*adhesion);
+                contact_sum.add(*contact);
             }
         });
     }
-    sums.map(|sum| sum.value())
+    [adhesion_sum.value(), contact_sum.value(), contact_sum.less(&adhesion_sum).value()]
 }
 
 /// Has the sums of one replica at one of its separations within a share of F_s + P of the exact ones.
@@ -91,6 +89,10 @@ fn the_exact_sum_is_exact() {
     // 0.1 is 3602879701896397/2^55: ten of them exceed 1 by 2/2^55.
     let tenths: Vec<f64> = [0.1; 10].into_iter().chain([-1.0]).collect();
     assert_eq!(sum(&tenths), 2.0_f64.powi(-54));
+    let [mut three, mut third] = [Exact::default(), Exact::default()];
+    [1e16, 3.0].into_iter().for_each(|value| three.add(value));
+    [1e16, 0.25].into_iter().for_each(|value| third.add(value));
+    assert_eq!(three.less(&third).value(), 2.75);
     let many: Vec<f64> =
         (0..100_000).map(|i| 1.0 / f64::from(1 + i)).flat_map(|x| [x, -x / 3.0, x / 3.0, -x]).collect();
     assert_eq!(sum(&many), 0.0);

@@ -26,6 +26,12 @@ impl Exact {
         self.parts.push(carried);
     }
 
+    /// This sum less another.
+    pub fn less(mut self, other: &Self) -> Self {
+        other.parts.iter().for_each(|part| self.add(-*part));
+        self
+    }
+
     /// The sum, off by less than its last digit.
     pub fn value(&self) -> f64 {
         self.parts.iter().sum()

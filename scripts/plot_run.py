@@ -240,7 +240,11 @@ def draw_pull_off(axes: Axes, run: Run) -> None:
         return
     n, mean, (unit, sign) = values.size, float(values.mean()), si(float(np.abs(values).max()))
     error = float(values.std(ddof=1)) / math.sqrt(n) if n > 1 else math.nan
-    count = min(max(round(2.0 * n ** (1 / 3)), 8), 40) if np.ptp(values) > 0.0 else 1
+    # What varies by rounding only has one bin.
+    if np.ptp(values) > 1e-9 * np.abs(values).max():
+        count = min(max(round(2.0 * n ** (1 / 3)), 8), 40)
+    else:
+        count, values = 1, np.full(n, mean)
     counts, _, bars = axes.hist(values / unit, count, color="0.86", edgecolor="0.5", linewidth=0.6)
     bars[0].set_label(f"{n} replica{'s' if n > 1 else ''}")
     handles = [bars[0]]

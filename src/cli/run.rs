@@ -3,7 +3,7 @@
 use super::checkpoint::{Beginning, Keeper, State, beginning};
 use super::record::{write_curves, write_head, write_results};
 use super::results::{Results, integral_features, mean_features};
-use super::sampling::{Sampling, cross_check, interruption, override_ensemble, thread_pool};
+use super::sampling::{Sampling, basis_of, cross_check, interruption, override_ensemble, thread_pool};
 use super::summary::summary;
 use super::{Failure, RunArguments, law_of, print_of, read_scene, refuse_own_scene, resources, warnings_of};
 use crate::asperity::{Law, Quantity};
@@ -15,7 +15,6 @@ use crate::output::writer::Writer;
 use crate::output::{Claim, OutputError};
 use crate::scene::{Plan, Scene, Sizes};
 use crate::statistical::{Statistical, controls};
-use crate::validation::basis;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -125,7 +124,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<(), Failure> {
 
 /// The functionals of the joint test, and the control variates.
 fn prepared(scene: &Scene, law: &dyn Law, statistical: &Statistical) -> State {
-    let basis = basis(law, &scene.surface, &scene.separations, scene.sampling, scene.replicas);
+    let basis = basis_of(scene, law);
     let groups = scene.replicas / scene.sampling.group();
     let controls = controls(&scene.separations, statistical, &basis.tested[1], groups);
     State::new(basis, controls)

@@ -8,7 +8,7 @@ use crate::output::progress::Progress;
 use crate::scene::Scene;
 use crate::statistical::Statistical;
 use crate::surface::SamplingScheme;
-use crate::validation::{Basis, JointTest, z_scores};
+use crate::validation::{Basis, JointTest, basis_to, z_scores};
 use anyhow::Context;
 use signal_hook::consts::TERM_SIGNALS;
 use signal_hook::flag;
@@ -106,6 +106,12 @@ pub(super) fn interruption() -> Result<Arc<AtomicBool>, Failure> {
     };
     handle().context("cannot handle interruptions")?;
     Ok(stop)
+}
+
+/// The functionals of the joint test of a scene under a law, for the sums that it asks for.
+pub(super) fn basis_of(scene: &Scene, law: &dyn Law) -> Basis {
+    let accuracy = scene.sum_tolerance.unwrap_or(0.0);
+    basis_to(law, &scene.surface, &scene.separations, scene.sampling, scene.replicas, accuracy)
 }
 
 /// z-scores of adhesion force and external force, and the joint test.

@@ -108,16 +108,10 @@ fn stiffness(results: &Results) -> String {
     text += &line("", "of the integral", &results.of_integral);
     let (mean, std) = moments(replicas, |replica| replica.peak_stiffness);
     let (separation, _) = moments(replicas, |replica| replica.peak_stiffness_separation);
-    text += &row(
-        "",
-        &format!(
-            "{} of single replicas on average{}, at h* = {:.3}",
-            si(mean, "N/m"),
-            if std.is_finite() { format!(", scatter {}", percent(std / mean.abs())) } else { String::new() },
-            h_star(results, separation)
-        ),
-    );
-    text
+    let scatter = std / mean.abs();
+    let scatter = if scatter.is_finite() { format!(", scatter {}", percent(scatter)) } else { String::new() };
+    let place = h_star(results, separation);
+    text + &row("", &format!("{} of single replicas on average{scatter}, at h* = {place:.3}", si(mean, "N/m")))
 }
 
 /// Shares of the regimes, and the contact area, at the separation next to the pull-off of the mean curve.

@@ -225,7 +225,7 @@ mod tests {
 
     #[test]
     fn what_fits_is_the_most_that_does() {
-        for (choice, limit) in [(Choice::Asperities, 90e9), (Choice::Replicas, 50e9), (Choice::Threads, 83e9)] {
+        for (choice, limit) in [(Choice::Asperities, 85e9), (Choice::Replicas, 50e9), (Choice::Threads, 83e9)] {
             let most = choice.most(&SIZES, limit, Sizes::memory).unwrap();
             let with = |value: u64| {
                 let mut sizes = SIZES;

@@ -1,7 +1,8 @@
 //! The statistical integral model: the expectation of a surface's forces over all its ensembles, without sampling.
 //!
 //! E\[Q\](d) = N ∫ q(u − d) φ(u) du for every additive quantity q of the asperity law, and for one replica
-//! Var Q = N (E\[q²\] − E\[q\]²). The law is the same direct solution that the ensemble sums. Each smooth piece of the law is integrated
+//! Var Q = N (E\[(q − c)²\] − (E\[q\] − c)²) for any constant c; with that of an asperity of mean height, a quantity that hardly varies keeps
+//! its digits. The law is the same direct solution that the ensemble sums. Each smooth piece of the law is integrated
 //! by itself, in the variable in which it is smooth (|δ − place|^(1/order) next to a fold or first touch), so no panel straddles a
 //! kink or jump.
 
@@ -21,8 +22,8 @@ const TOLERANCE: f64 = 1e-13;
 /// Heights beyond so many σ_s have a density that underflows: nothing is left to integrate.
 const LARGEST_HEIGHT: f64 = 38.0;
 
-/// Components of an integrand: adhesion, contact, area, and the squares of the four quantities.
-const COMPONENTS: usize = 7;
+/// Components of an integrand: adhesion, contact, area, squares of the four quantities, and the density itself.
+const COMPONENTS: usize = 8;
 
 /// The model's answer over S separations and R regimes.
 #[derive(Clone, Debug, PartialEq)]
@@ -47,6 +48,11 @@ pub struct Statistical {
 /// The model at one separation.
 struct AtSeparation {
     regimes: Vec<RegimeMoments>,
+    /// The four quantities of an asperity of mean height, and the probability of none of the regimes, where they are 0.
+    typical: [f64; 4],
+    beyond: f64,
+    /// The integral of the density over the regimes: 1 less what is beyond, with the error of the quadrature, which the means share.
+    density: f64,
     error: f64,
     work: Work,
 }
@@ -58,6 +64,7 @@ struct RegimeMoments {
     adhesion: f64,
     contact: f64,
     area: f64,
+    /// Of the deviations from the typical quantities.
     squares: [f64; 4],
 }
 
@@ -109,12 +116,18 @@ pub fn contact_area(law: &dyn Law, surface: &Surface, separation: f64) -> f64 {
 
 impl AtSeparation {
     fn new(law: &dyn Law, surface: &Surface, separation: f64, tolerance: f64) -> Self {
-        let mut at =
-            Self { regimes: vec![RegimeMoments::default(); law.regimes().len()], error: 0.0, work: Work::default() };
-        for piece in law.pieces() {
+        let regimes = vec![RegimeMoments::default(); law.regimes().len()];
+        let mut at = Self { regimes, typical: [0.0; 4], beyond: 0.0, density: 0.0, error: 0.0, work: Work::default() };
+        let pieces = law.pieces();
+        at.typical = typical(law, &pieces, -separation, &mut at.work);
+        if let Some(end) = pieces.last().map(|piece| piece.upper).filter(|end| end.is_finite()) {
+            at.beyond = surface.heights.probability(end + separation, f64::INFINITY);
+        }
+        for piece in pieces {
             let probability = surface.heights.probability(piece.lower + separation, piece.upper + separation);
             at.regimes[piece.regime].probability += probability;
             let integral = at.integrate(law, surface, separation, &piece, tolerance);
+            at.density += integral.value[7];
             let regime = &mut at.regimes[piece.regime];
             regime.adhesion += integral.value[0];
             regime.contact += integral.value[1];
@@ -148,6 +161,7 @@ impl AtSeparation {
         let tolerance = tolerance.max(4.0 * LARGEST_HEIGHT * rounding);
         let mut responses = Responses::default();
         let mut interference = [0.0; NODES];
+        let typical = self.typical;
         Rule::shared().integrate(&breaks, tolerance, |places, values: &mut [[f64; COMPONENTS]; NODES]| {
             for (delta, &place) in interference.iter_mut().zip(places) {
                 *delta = variable.interference(place).clamp(piece.lower, piece.upper);
@@ -157,8 +171,8 @@ impl AtSeparation {
                 let weight = surface.heights.density(variable.height(places[i])) * variable.stretch(places[i]);
                 let quantities = Quantity::of_response(responses.adhesion[i], responses.contact[i], responses.area[i]);
                 let [adhesion, contact, _, area] = quantities.map(|q| weight * q);
-                let [a, p, f, s] = quantities.map(|q| weight * q * q);
-                *value = [adhesion, contact, area, a, p, f, s];
+                let [a, p, f, s] = std::array::from_fn(|q| weight * (quantities[q] - typical[q]).powi(2));
+                *value = [adhesion, contact, area, a, p, f, s, weight];
             }
         })
     }
@@ -169,14 +183,25 @@ impl AtSeparation {
         Quantity::of_response(sum(|r| r.adhesion), sum(|r| r.contact), sum(|r| r.area))
     }
 
-    /// E\[q²\] − E\[q\]² of the four quantities.
+    /// E\[(q − c)²\] − (E\[q\] − c)² of the four quantities.
     fn variances(&self) -> [f64; 4] {
         let means = self.means();
         std::array::from_fn(|q| {
-            let square: f64 = self.regimes.iter().map(|r| r.squares[q]).sum();
-            maximum(square - means[q] * means[q], 0.0)
+            let typical = self.typical[q];
+            let square: f64 = self.regimes.iter().map(|r| r.squares[q]).sum::<f64>() + self.beyond * typical * typical;
+            let mean = means[q] - self.density * typical - self.beyond * typical;
+            maximum(square - mean * mean, 0.0)
         })
     }
+}
+
+/// The four quantities at an interference, m; 0 beyond the law's end.
+fn typical(law: &dyn Law, pieces: &[Piece], interference: f64, work: &mut Work) -> [f64; 4] {
+    let inside = |piece: &&Piece| piece.lower <= interference && interference <= piece.upper;
+    let Some(piece) = pieces.iter().find(inside) else { return [0.0; 4] };
+    let mut responses = Responses::default();
+    law.evaluate(piece.regime, &[interference], &mut responses, work);
+    Quantity::of_response(responses.adhesion[0], responses.contact[0], responses.area[0])
 }
 
 /// The variable x in which a piece is integrated: δ = interference + sign·x^order, and likewise for the height u = δ + d, which has an

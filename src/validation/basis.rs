@@ -26,6 +26,11 @@ const LARGEST_SKEWNESS_SQUARED: f64 = 0.01;
 /// Largest excess kurtosis of a mean over all replicas, likewise.
 const LARGEST_KURTOSIS: f64 = 0.02;
 
+/// Relative accuracy of the integral, and of direct sums.
+const ACCURACY: f64 = 2e-12;
+/// Largest error of a mean score by the accuracy of integral and sums, over its standard error.
+const LARGEST_ERROR: f64 = 0.1;
+
 /// The functionals and the separations that they look at.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Basis {
@@ -45,7 +50,23 @@ struct Column {
 /// of adhesion and external force over all separations, by the law and of what the scheme leaves to chance. Separations, and
 /// eigenvectors, whose mean over the ensemble is still decided by a few rare asperities are left out, because no covariance
 /// describes them.
+///
+/// Sums are direct; [`basis_to`] is for others.
 pub fn basis(law: &dyn Law, surface: &Surface, separations: &[f64], scheme: SamplingScheme, replicas: u64) -> Basis {
+    basis_to(law, surface, separations, scheme, replicas, ACCURACY)
+}
+
+/// The same for sums that are accurate to the share `accuracy` of F_s + P: left out are also eigenvectors that vary so little that this
+/// would count.
+pub fn basis_to(
+    law: &dyn Law,
+    surface: &Surface,
+    separations: &[f64],
+    scheme: SamplingScheme,
+    replicas: u64,
+    accuracy: f64,
+) -> Basis {
+    let accuracy = accuracy.max(ACCURACY);
     let all = separations.len();
     let stride = all.div_ceil(MAX_SEPARATIONS);
     let separations: Vec<f64> = separations.iter().copied().step_by(stride).collect();
@@ -63,13 +84,14 @@ pub fn basis(law: &dyn Law, surface: &Surface, separations: &[f64], scheme: Samp
     let kept: Vec<usize> = (0..2 * s).filter(|&j| columns[j].gaussian).collect();
     let tested = [0, 1].map(|q| (0..all).map(|k| k % stride == 0 && columns[q * s + k / stride].gaussian).collect());
     let most = MAX_COMPONENTS.min((replicas / scheme.group() / GROUPS_PER_COMPONENT) as usize);
-    let components = contributions.components(&kept, &columns, samples, most);
+    let errors: Vec<f64> =
+        kept.iter().map(|&j| accuracy * contributions.forces[j % s] / columns[j].std * samples.sqrt()).collect();
+    let components = contributions.components(&kept, &columns, samples, &errors).into_iter().take(most);
     let root_count = (surface.asperity_count as f64).sqrt();
     let probes = components
-        .iter()
         .map(|component| {
             let mut weights = vec![0.0; 2 * all];
-            for (&j, weight) in kept.iter().zip(component) {
+            for (&j, weight) in kept.iter().zip(&component) {
                 weights[j / s * all + j % s * stride] = weight / (columns[j].std * root_count);
             }
             Probe { external_force: weights.split_off(all), adhesion_force: weights }
@@ -86,6 +108,8 @@ struct Contributions {
     values: Vec<f64>,
     /// Largest |contribution| of each column before it was centred.
     largest: Vec<f64>,
+    /// Mean F_s + P at each separation, N.
+    forces: Vec<f64>,
 }
 
 fn contributions(law: &dyn Law, surface: &Surface, separations: &[f64], scheme: SamplingScheme) -> Contributions {
@@ -107,6 +131,12 @@ fn contributions(law: &dyn Law, surface: &Surface, separations: &[f64], scheme: 
             }
         });
     }
+    let mean = |column: &[f64]| column.iter().zip(&weights).map(|(f, w)| f * w).sum::<f64>();
+    // F_s + P = 2 F_s + F.
+    let columns = values[..separations.len() * GRID]
+        .chunks_exact(GRID)
+        .zip(values[separations.len() * GRID..].chunks_exact(GRID));
+    let forces = columns.map(|(adhesion, external)| 2.0 * mean(adhesion) + mean(external)).collect();
     let largest = values.chunks_exact(GRID).map(|c| c.iter().fold(0.0, |worst: f64, f| worst.max(f.abs()))).collect();
     let strata = strata(&heights, surface, scheme);
     for column in values.chunks_exact_mut(GRID) {
@@ -124,7 +154,7 @@ fn contributions(law: &dyn Law, surface: &Surface, separations: &[f64], scheme: 
             column.iter_mut().for_each(|f| *f -= mean);
         }
     }
-    Contributions { weights, values, largest }
+    Contributions { weights, values, largest, forces }
 }
 
 /// Ranges of rising heights, m, over each of which the mean contribution is not left to chance.
@@ -153,8 +183,9 @@ impl Contributions {
         Column { std, gaussian }
     }
 
-    /// Eigenvectors of the correlation of the kept columns, scaled to unit variance.
-    fn components(&self, kept: &[usize], columns: &[Column], samples: f64, most: usize) -> Vec<Vec<f64>> {
+    /// Eigenvectors of the correlation of the kept columns, scaled to unit variance; `errors` of the columns' means are in units of their
+    /// standard errors.
+    fn components(&self, kept: &[usize], columns: &[Column], samples: f64, errors: &[f64]) -> Vec<Vec<f64>> {
         let n = kept.len();
         let mut rows = vec![0.0; GRID * n];
         for (place, &j) in kept.iter().enumerate() {
@@ -163,7 +194,9 @@ impl Contributions {
             }
         }
         let components = whitening(&gram(&rows, n), n, SMALLEST_EIGENVALUE).into_iter();
-        components.filter(|component| self.is_gaussian(component, &rows, samples)).take(most).collect()
+        let error = |component: &[f64]| component.iter().zip(errors).map(|(c, e)| (c * e).powi(2)).sum::<f64>().sqrt();
+        let resolved = components.filter(|component| error(component) <= LARGEST_ERROR);
+        resolved.filter(|component| self.is_gaussian(component, &rows, samples)).take(MAX_COMPONENTS).collect()
     }
 
     /// Whether the ensemble's mean of a component is close to Gaussian.

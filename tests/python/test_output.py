@@ -533,3 +533,14 @@ def test_plot_refuses_what_is_no_result(tmp_path, content):
     assert run.returncode == 2
     assert run.stdout == "" and len(run.stderr.splitlines()) == 1 and str(file) in run.stderr
     assert not (tmp_path / "out.png").exists()
+
+
+@pytest.mark.parametrize("sums", ["direct", "compressed"])
+@pytest.mark.parametrize("low, high", [(1.5, 2.5), (0.4, 0.65), (-2, 0.1), (-12, -3), (-200, -20), (-400, -260)], ids=REGIMES)
+def test_one_regime_alone_can_be_plotted(tmp_path, low, high, sums):
+    """Heights within some picometres: every asperity is in one regime at all separations, and in the lubricant nothing varies."""
+    heights = 'asperity_height_std = "5 pm"\nmean_plane_offset = "0 nm"\nnominal_area'
+    scene = SCENE.replace("nominal_area", heights)
+    scene = re.sub(r"(?m)^h_star = .*", f'h = {{ from = "{low} nm", to = "{high} nm", count = 21 }}', scene)
+    run = run_plot(run_program(tmp_path, scene + f'\n[solver]\nsum = "{sums}"\n'))
+    assert run.returncode == 0, run.stderr

@@ -6,7 +6,7 @@ mod table;
 use super::asperity::find;
 use super::format::percent;
 use super::results::integral_features;
-use super::sampling::{Sampling, cross_check, interruption, override_ensemble, thread_pool};
+use super::sampling::{Sampling, basis_of, cross_check, interruption, override_ensemble, thread_pool};
 use super::{CompareArguments, Failure, law_of, print, print_of, read_scene, refuse_own_scene, resources};
 use crate::asperity::emd::Emd;
 use crate::asperity::laws::fit::FORCES;
@@ -20,7 +20,7 @@ use crate::output::schema::COMPARISON;
 use crate::output::writer::Writer;
 use crate::scene::{Scene, Sizes, Warning, beyond, warnings_of_scene};
 use crate::statistical::{Statistical, contact_area};
-use crate::validation::{JointTest, basis};
+use crate::validation::JointTest;
 use std::sync::atomic::AtomicBool;
 
 /// Interferences of the curves of one asperity.
@@ -177,7 +177,7 @@ fn sample(
     stop: &AtomicBool,
     progress: &mut Progress,
 ) -> Result<Sampled, Failure> {
-    let basis = basis(law, &scene.surface, &scene.separations, scene.sampling, scene.replicas);
+    let basis = basis_of(scene, law);
     let setup = Sampling { scene, law, basis: &basis, controls: &[], keep_curves: false };
     let start = Ensemble::new(&setup.job());
     let (outcome, summation) = setup.run(name, pool, stop, progress, start, |_, _| Ok(()))?;

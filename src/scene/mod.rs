@@ -12,7 +12,7 @@ pub use reader::{SceneError, nearest};
 use crate::asperity::models::{MODELS, Model, PUBLISHED_FITS};
 use crate::asperity::scale::{Asperity, Scale};
 use crate::asperity::{Law, LawError, Path, Setting};
-use crate::surface::{Roughness, SamplingScheme, Surface, SurfaceError};
+use crate::surface::{LENGTHS, Roughness, SamplingScheme, Surface, SurfaceError};
 use reader::{Section, document};
 use units::Dimension;
 
@@ -228,9 +228,9 @@ fn asperity(material: &Section<'_>, surface: &Section<'_>) -> Result<Asperity, S
         })
     })?;
     let critical = asperity.critical_interference();
-    if !(critical > 0.0 && critical.is_finite()) {
+    if !LENGTHS.contains(&critical) {
         return Err(SceneError::general(format!(
-            "the critical interference is {critical:e} m; it follows from hardness, reduced_modulus, poisson_ratio and \
+            "the critical interference is {critical:e} m, outside 1e-100..1e100 m; it follows from hardness, reduced_modulus, poisson_ratio and \
              asperity_radius: check their units"
         )));
     }

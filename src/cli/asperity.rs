@@ -119,3 +119,77 @@ fn points(text: &str) -> Result<Vec<(f64, f64)>, String> {
     })
     .collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+    use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
+    use std::time::{Duration, Instant};
+
+    const PIECES: [&str; 26] = [
+        "lambda",
+        "delta",
+        "radius",
+        ",",
+        ",,",
+        "\n",
+        "\r\n",
+        "\n\n",
+        " ",
+        "\t",
+        "0.9",
+        "-1",
+        "1e308",
+        "1e309",
+        "5e-324",
+        "nan",
+        "-inf",
+        "\"",
+        "#",
+        "\0",
+        "\u{1b}[2J",
+        "\u{feff}",
+        "µ",
+        "1_0",
+        "0x1",
+        "18446744073709551616",
+    ];
+
+    /// Any text is a table or is refused in a line that names its line; what is read is as many points as there are rows.
+    #[test]
+    fn every_text_is_a_table_or_refused_in_a_line() {
+        let pieces = proptest::collection::vec(proptest::sample::select(&PIECES[..]), 0..40);
+        let header =
+            proptest::sample::select(&["", "lambda,delta\n", "delta, x ,lambda\r\n", "lambda,lambda,delta\n"][..]);
+        let config = Config { cases: 20_000, failure_persistence: None, ..Config::default() };
+        let mut runner = TestRunner::new_with_rng(config, TestRng::from_seed(RngAlgorithm::ChaCha, &[7; 32]));
+        let read = std::cell::Cell::new(0);
+        let case = |(header, pieces): (&str, Vec<&str>)| {
+            let text = header.to_owned() + &pieces.concat();
+            match points(&text) {
+                Ok(points) => {
+                    prop_assert_eq!(points.len(), text.lines().skip(1).filter(|line| !line.trim().is_empty()).count());
+                    read.set(read.get() + usize::from(!points.is_empty()));
+                }
+                Err(problem) => {
+                    prop_assert!(problem.starts_with("line ") && !problem.contains(char::is_control), "{:?}", problem);
+                    prop_assert!(problem.len() < 300, "{}", problem);
+                }
+            }
+            Ok(())
+        };
+        runner.run(&(header, pieces), case).unwrap();
+        assert!(read.get() > 100, "{}", read.get());
+    }
+
+    /// Megabytes without a line end, or of line ends, take no longer than they are.
+    #[test]
+    fn long_tables_take_no_longer_than_they_are() {
+        for row in [",".repeat(4_000_000), "\n".repeat(4_000_000), "1,2\n".repeat(1_000_000), "9".repeat(4_000_000)] {
+            let begun = Instant::now();
+            let _ = points(&format!("lambda,delta\n{row}"));
+            assert!(begun.elapsed() < Duration::from_secs(10), "{:?}", begun.elapsed());
+        }
+    }
+}

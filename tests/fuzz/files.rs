@@ -28,7 +28,7 @@ const JOB: &str = "STICTION_FUZZ_JOB";
 /// Names a folder for the files that kill a reader.
 const KEEP: &str = "STICTION_FUZZ_KEEP";
 /// Longest that a case may take.
-const PATIENCE: Duration = Duration::from_secs(2);
+const PATIENCE: Duration = Duration::from_secs(1);
 /// Address space of a process that reads.
 #[cfg(unix)]
 const ADDRESS_SPACE: u64 = 1 << 30;
@@ -117,7 +117,7 @@ fn the_commands_survive_every_damaged_file() {
     let folder = Folder::new("");
     let names = results(&folder);
     let seeds = contents(&folder.path(""), &names);
-    for case in 0..cases(50) {
+    for case in 0..cases(40) {
         std::fs::write(folder.path("case.h5"), damaged(&seeds, case)).unwrap();
         for command in ["info", "validate"] {
             let output = folder.stiction(&[command, "case.h5"]);

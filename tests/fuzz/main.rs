@@ -10,6 +10,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod arguments;
 mod bytes;
 mod files;
 mod quantities;

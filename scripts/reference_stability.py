@@ -220,7 +220,7 @@ def emd_points(lam_double):
             yield from (Point(region, "emd", path, lam_double, float(delta)) for delta in deltas)
 
     def before(deltas):
-        return [delta for delta in map(float, deltas) if delta < last]
+        return [delta for delta in map(float, deltas) if delta < touch]
 
     yield from points("first touch", beside(touch), "approach")
     yield from points("far", before(FAR), "approach")

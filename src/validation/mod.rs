@@ -15,7 +15,32 @@ pub use joint::{JointTest, SIGNIFICANCE, Verdict};
 /// z-scores of an ensemble's means over `count` independent samples: (mean − expected)/(std/√count), with the expectation from the
 /// integral. Independent replicas are such samples, whose standard deviation the integral knows; groups of replicas that depend on
 /// each other are, whose standard deviation is the sample's, so that z has Student's t distribution.
+///
+/// Where replicas hardly differ, or no force acts at all, what is left is rounding: a standard deviation counts as at least
+/// [`ROUNDING`] of the expectation, and nothing where nothing is expected is a z-score of 0.
 pub fn z_scores(mean: &[f64], expected: &[f64], std: &[f64], count: u64) -> Vec<f64> {
     let root = (count as f64).sqrt();
-    mean.iter().zip(expected).zip(std).map(|((mean, expected), std)| root * (mean - expected) / std).collect()
+    let score = |mean: f64, expected: f64, std: f64| {
+        let deviation = mean - expected;
+        if deviation == 0.0 { 0.0 } else { root * deviation / std.max(ROUNDING * expected.abs()) }
+    };
+    mean.iter().zip(expected).zip(std).map(|((&mean, &expected), &std)| score(mean, expected, std)).collect()
+}
+
+/// Standard deviation, relative to the expectation, below which that of the quadrature and the sums is larger.
+const ROUNDING: f64 = 1e-10;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn scores_are_numbers_where_nothing_varies() {
+        let mean = [2.0, 0.0, 5.0 * (1.0 + 1e-13), 5.05, 1.0];
+        let expected = [1.0, 0.0, 5.0, 5.0, 1.0];
+        let scores = z_scores(&mean, &expected, &[0.5, 0.0, 0.0, 0.0, 0.0], 4);
+        assert_eq!((scores[0], scores[1], scores[4]), (4.0, 0.0, 0.0));
+        // Rounding is no deviation; one per cent without any scatter is a large one.
+        assert!(scores[2].abs() < 0.01 && scores[3] > 1e7 && scores[3].is_finite(), "{scores:?}");
+    }
 }

@@ -62,6 +62,7 @@ SINGLE, NARROW = mpf("0.88"), mpf("0.95")
 HUMP = (mpf("-2.4"), mpf("-1.3"))
 OUTSIDE = mp.log(mpf("0.4"))
 SCAN_STEP = mpf(1) / 16
+HALVINGS = 40
 
 
 class Point(NamedTuple):
@@ -137,16 +138,18 @@ def end(path, lam):
 def invert(state, lam, delta, low, high):
     """The parameter between low and high at which delta, which falls from low to high or rises, is met.
 
-    Newton's rule in a bracket, to the digits of mp; a step that leaves the bracket is a bisection.
+    Halvings to 1e-12 of the bracket, then Newton's rule to the digits of mp; a step that leaves the bracket is a halving too.
     """
     rises = state(lam, high)[0] > state(lam, low)[0]
     below, above = (low, high) if rises else (high, low)
-    x = (low + high) / 2
-    for count in range(2000):
+    for count in range(HALVINGS + 1000):
+        x = (below + above) / 2 if count < HALVINGS else x
         value = state(lam, x)[0] - delta
         if value == 0:
             return x
         below, above = (x, above) if value < 0 else (below, x)
+        if count < HALVINGS:
+            continue
         slope = mp.diff(lambda p: state(lam, p)[0], x)
         step = value / slope if slope else mp.inf
         # The next step would be of the order of the square of this one; beside a fold, of that over the distance to it.
@@ -173,6 +176,7 @@ def emd_parameter(path, lam, delta):
     return "noncontact", invert(noncontact_state, lam, delta, innermost, min(fold[0], undeformed) if fold else undeformed)
 
 
+@functools.lru_cache(maxsize=None)
 def switches(law, path, lam):
     """Approaches at which the branch changes, each with lambda times its derivative by lambda."""
     if law == "emd":
@@ -220,7 +224,7 @@ def emd_points(lam_double):
             yield from (Point(region, "emd", path, lam_double, float(delta)) for delta in deltas)
 
     def before(deltas):
-        return [delta for delta in map(float, deltas) if delta < last]
+        return [delta for delta in map(float, deltas) if delta < touch]
 
     yield from points("first touch", beside(touch), "approach")
     yield from points("far", before(FAR), "approach")

@@ -164,8 +164,8 @@ def parse():
     parser.add_argument("--stiction", type=Path, default=ROOT / "target" / "release" / "stiction", metavar="PROGRAM")
     parser.add_argument("-o", "--output", type=Path, default=ROOT / "docs" / "stability.png", metavar="OUT.png")
     parser.add_argument("--csv", type=Path, metavar="OUT.csv", help="also write the points")
-    parser.add_argument("--lambdas", type=int, default=73, metavar="N", help="values of lambda")
-    parser.add_argument("--distances", type=int, default=81, metavar="N", help="distances from the end of a branch")
+    parser.add_argument("--lambdas", type=int, default=61, metavar="N", help="values of lambda")
+    parser.add_argument("--distances", type=int, default=61, metavar="N", help="distances from the end of a branch")
     parser.add_argument("--dpi", type=int, default=110)
     arguments = parser.parse_args()
     if not arguments.stiction.is_file():

@@ -166,6 +166,38 @@ fn one_asperity_is_printed_as_csv() {
     }
 }
 
+/// What a solve took beside what it found, which stays as it is: with starting tables one evaluation, without them a bracketed search.
+#[test]
+fn what_a_solve_took_is_printed_when_asked_for() {
+    let folder = Folder::new("");
+    let deltas = ["asperity", "--law", "emd", "--lambda", "1", "--delta", "-3", "0", "-5e5"];
+    let plain = text(&folder.stiction(&deltas).stdout);
+    for (tables, safeguarded) in [(None, ["1", "1", "1"]), (Some("--tables=20"), ["0", "0", "1"])] {
+        let asked = [&deltas[..], &["--diagnostics"], tables.as_slice()].concat();
+        let solved = folder.stiction(&asked);
+        assert_exit(&solved, 0);
+        let solved = text(&solved.stdout);
+        for ((i, plain), line) in plain.lines().enumerate().zip(solved.lines()) {
+            let (values, took) = line.match_indices(',').nth(5).map(|(end, _)| line.split_at(end)).unwrap();
+            if i == 0 {
+                assert_eq!((values, took), (plain, ",iterations,safeguarded"));
+                continue;
+            }
+            let number = |text: &str, column: usize| text.split(',').nth(column).unwrap().parse::<f64>().unwrap();
+            assert!((number(values, 3) / number(plain, 3) - 1.0).abs() < 1e-14, "{values} {plain}");
+            let [iterations, bracketed] = [1, 2].map(|column| took.split(',').nth(column).unwrap());
+            assert_eq!(bracketed, safeguarded[i - 1], "{line}");
+            let iterations: u32 = iterations.parse().unwrap();
+            // Three units before contact a series may take the place of the solve.
+            assert!(if bracketed == "1" { (3..=70).contains(&iterations) } else { iterations <= 1 }, "{line}");
+        }
+        assert_eq!(solved.lines().count(), 4);
+    }
+    let refused = folder.stiction(&[&deltas[..], &["--tables", "20"]].concat());
+    assert_exit(&refused, 2);
+    assert!(text(&refused.stderr).contains("--diagnostics"), "{}", text(&refused.stderr));
+}
+
 #[test]
 fn bad_arguments_of_asperity_are_named() {
     let folder = Folder::new("");

@@ -281,6 +281,8 @@ fn what_cannot_be_computed_is_refused_by_its_key() {
         ("asperity_height_std", Inputs { std: 1e300, ..ORDINARY }),
         ("lubricant_thickness", Inputs { thickness: 1e300, ..ORDINARY }),
         ("asperity_density", Inputs { density: 1e-310, area: 1e308, ..ORDINARY }),
+        ("[separation]", Inputs { h_star: (1e69, 2e69), ..ORDINARY }),
+        ("[separation]", Inputs { h_star: (-2e69, 1.0), ..ORDINARY }),
         // These scale to λ = 0.9, and are refused for their units.
         ("asperity_radius", ORDINARY.scaled(-300, 0)),
         ("asperity_radius", ORDINARY.scaled(400, 0)),

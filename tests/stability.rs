@@ -119,6 +119,7 @@ struct Worst {
 #[test]
 fn every_row_is_met_to_rounding_in_every_region() {
     let rows = rows();
+    assert_eq!(rows.len(), 4502);
     let mut worst: BTreeMap<&str, Worst> = BTreeMap::new();
     let mut known: Vec<(usize, [Box<dyn Law>; 3])> = Vec::new();
     for (i, row) in rows.iter().enumerate() {

@@ -12,18 +12,35 @@ mod joint;
 pub use basis::{Basis, basis, basis_to};
 pub use joint::{JointTest, SIGNIFICANCE, Verdict};
 
-/// Relative standard deviation of a replica that is rounding of the integral and of sums, no scatter.
-const ROUNDING: f64 = 1e-12;
+/// Standard error, relative to the expectation, below which that of the quadrature and the sums is larger.
+const ROUNDING: f64 = 1e-10;
 
 /// z-scores of an ensemble's means over `count` independent samples: (mean − expected)/(std/√count), with the expectation from the
 /// integral. Independent replicas are such samples, whose standard deviation the integral knows; groups of replicas that depend on
 /// each other are, whose standard deviation is the sample's, so that z has Student's t distribution.
 ///
-/// NaN where nothing varies but for rounding, as of a force that is constant for all asperities.
+/// Where replicas hardly differ, or no force acts at all, what is left is rounding: a standard error counts as at least 1e-10 of the
+/// expectation, and nothing where nothing is expected is a z-score of 0.
 pub fn z_scores(mean: &[f64], expected: &[f64], std: &[f64], count: u64) -> Vec<f64> {
     let root = (count as f64).sqrt();
-    let score = |((mean, expected), std): ((&f64, &f64), &f64)| {
-        if *std > ROUNDING * expected.abs() { root * (mean - expected) / std } else { f64::NAN }
+    let score = |mean: f64, expected: f64, std: f64| {
+        let deviation = mean - expected;
+        if deviation == 0.0 { 0.0 } else { deviation / (std / root).max(ROUNDING * expected.abs()) }
     };
-    mean.iter().zip(expected).zip(std).map(score).collect()
+    mean.iter().zip(expected).zip(std).map(|((&mean, &expected), &std)| score(mean, expected, std)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn scores_are_numbers_where_nothing_varies() {
+        let mean = [2.0, 0.0, 5.0 * (1.0 + 1e-13), 5.05, 1.0];
+        let expected = [1.0, 0.0, 5.0, 5.0, 1.0];
+        let scores = z_scores(&mean, &expected, &[0.5, 0.0, 0.0, 0.0, 0.0], 4);
+        assert_eq!((scores[0], scores[1], scores[4]), (4.0, 0.0, 0.0));
+        // Rounding is no deviation; one per cent without any scatter is a large one.
+        assert!(scores[2].abs() < 0.01 && scores[3] > 1e7 && scores[3].is_finite(), "{scores:?}");
+    }
 }

@@ -12,6 +12,7 @@ mod common;
 
 mod arguments;
 mod bytes;
+mod checkpoints;
 mod files;
 mod quantities;
 mod scenes;

@@ -6,6 +6,7 @@ mod common;
 use common::exact::Exact;
 use common::program::{Folder, QUICK, assert_exit, text};
 use common::{case, law, respond};
+use std::sync::atomic::AtomicBool;
 use stiction::asperity::{Law, Path, Quantity, Scratch, Work, for_each_block};
 use stiction::engine::compressed::Compression;
 use stiction::engine::stream::{Purpose, stream};
@@ -144,6 +145,18 @@ fn cancelling_forces_keep_the_digits_of_their_parts() {
     }
     println!("{crossings} crossings");
     assert!(crossings >= 6, "{crossings}");
+}
+
+/// Replicas beyond the last whole group would be in the means, but in no standard error: the engine takes none.
+#[test]
+#[should_panic(expected = "sampling = \"stratified\" needs a multiple of 8 replicas, such as 8 or 16")]
+fn replicas_that_are_no_whole_groups_are_refused_by_the_engine() {
+    let (asperity, surface) = case("II");
+    let law = law("gw", &asperity, Path::Approach, (-30e-9, 20e-9));
+    let separations = [0.0, 1e-9];
+    let job = Job { scheme: SamplingScheme::Stratified, replicas: 12, ..job(law.as_ref(), &surface, &separations) };
+    let pool = rayon::ThreadPoolBuilder::new().build().unwrap();
+    let _ = stiction::engine::run::<()>(&job, &pool, &AtomicBool::new(false), |_| Ok(()));
 }
 
 /// Memory that is available, bytes; as much as one likes where that is not said.

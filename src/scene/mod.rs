@@ -26,8 +26,8 @@ pub const FORMAT: u64 = 1;
 /// Heights further than this many σ_s from their mean plane are solved without starting tables.
 const HEIGHT_REACH: f64 = 11.0;
 
-/// Smallest range of interferences, relative to the largest one, that leaves them nine digits.
-const RESOLVED: f64 = 1e-6;
+/// Smallest range of heights, relative to the largest interference, that leaves them seven digits.
+const RESOLVED: f64 = 1e-9;
 
 /// Tolerances of compressed sums that make sense: below, the rounding of a solve is larger; above, nothing gets faster.
 const SUM_TOLERANCES: std::ops::RangeInclusive<f64> = 1e-13..=1e-3;
@@ -147,10 +147,10 @@ impl Scene {
     /// rounding.
     fn resolves_heights(&self) -> Result<(), String> {
         let (low, high) = self.reach();
-        if high - low >= RESOLVED * low.abs().max(high.abs()) {
+        let (std, offset) = (self.surface.heights.std, self.surface.mean_plane_offset);
+        if 2.0 * HEIGHT_REACH * std >= RESOLVED * low.abs().max(high.abs()) {
             return Ok(());
         }
-        let (std, offset) = (self.surface.heights.std, self.surface.mean_plane_offset);
         Err(format!(
             "beside these separations, or a mean_plane_offset of {offset:e} m, heights with a standard deviation of {std:e} m are \
              lost in rounding: check their units"

@@ -156,7 +156,7 @@ fn replicas_that_are_no_whole_groups_are_refused_by_the_engine() {
     let separations = [0.0, 1e-9];
     let job = Job { scheme: SamplingScheme::Stratified, replicas: 12, ..job(law.as_ref(), &surface, &separations) };
     let pool = rayon::ThreadPoolBuilder::new().build().unwrap();
-    let _ = stiction::engine::run::<()>(&job, &pool, &AtomicBool::new(false), |_| Ok(()));
+    let _ = stiction::engine::run::<()>(&job, &pool, &AtomicBool::new(false), |_, _| Ok(()));
 }
 
 /// Memory that is available, bytes; as much as one likes where that is not said.
@@ -343,11 +343,8 @@ fn one_regime_alone_runs() {
             }
             for force in ["adhesion_force", "external_force"] {
                 let z = values(&format!("/validation/z_{force}"));
-                let scored = z.iter().filter(|z| z.is_finite()).count();
-                // Beyond the last regime with adhesion its force is 0, which varies as little as that of the lubricant.
-                let varies = name != "lubricant" && !(name == "plastic" && force == "adhesion_force");
-                assert_eq!(scored, if varies { 21 } else { 0 }, "{name}, {sum}: {z:?}");
-                assert!(z.iter().all(|z| z.is_nan() || z.abs() < 6.0), "{name}, {sum}: {z:?}");
+                assert_eq!(z.len(), 21);
+                assert!(z.iter().all(|z| z.abs() < 6.0), "{name}, {sum}: {z:?}");
             }
         }
     }

@@ -26,9 +26,6 @@ pub const FORMAT: u64 = 1;
 /// Heights further than this many σ_s from their mean plane are solved without starting tables.
 const HEIGHT_REACH: f64 = 11.0;
 
-/// Smallest range of heights, relative to the largest interference, that leaves them seven digits.
-const RESOLVED: f64 = 1e-9;
-
 /// Tolerances of compressed sums that make sense: below, the rounding of a solve is larger; above, nothing gets faster.
 const SUM_TOLERANCES: std::ops::RangeInclusive<f64> = 1e-13..=1e-3;
 /// The tolerance of compressed sums unless a scene gives one.
@@ -136,24 +133,25 @@ impl Scene {
             sum_tolerance,
             curves,
         };
-        scene.resolves_heights().map_err(|problem| match separation.get("h").or_else(|| separation.get("h_star")) {
-            Some(entry) => entry.wrong(&problem),
-            None => SceneError::general(problem),
+        scene.resolves_separations().map_err(|problem| {
+            match separation.get("h").or_else(|| separation.get("h_star")) {
+                Some(entry) => entry.wrong(&problem),
+                None => SceneError::general(problem),
+            }
         })?;
         Ok(scene)
     }
 
-    /// Refuses separations so far from the asperities, compared with the scatter of their heights, that interferences would be
-    /// rounding.
-    fn resolves_heights(&self) -> Result<(), String> {
-        let (low, high) = self.reach();
-        let (std, offset) = (self.surface.heights.std, self.surface.mean_plane_offset);
-        if 2.0 * HEIGHT_REACH * std >= RESOLVED * low.abs().max(high.abs()) {
+    /// Refuses separations that cannot be told apart where the asperities are.
+    fn resolves_separations(&self) -> Result<(), String> {
+        let asperity_separations =
+            self.separations.windows(2).map(|pair| [0, 1].map(|i| self.surface.asperity_separation(pair[i])));
+        if asperity_separations.into_iter().all(|[nearer, further]| nearer < further) {
             return Ok(());
         }
+        let offset = self.surface.mean_plane_offset;
         Err(format!(
-            "beside these separations, or a mean_plane_offset of {offset:e} m, heights with a standard deviation of {std:e} m are \
-             lost in rounding: check their units"
+            "beside a mean_plane_offset of {offset:e} m these separations are lost in rounding: check their units"
         ))
     }
 

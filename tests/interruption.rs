@@ -123,6 +123,11 @@ fn a_second_signal_ends_at_once_and_leaves_the_last_checkpoint() {
 #[test]
 fn a_checkpoint_is_neither_dropped_nor_taken_up_unasked() {
     let folder = interrupted();
+    let info = folder.stiction(&["info", CHECKPOINT]);
+    assert_exit(&info, 0);
+    for part in ["of 1600 are done", "seed", "program_version", "  replicas = 1600"] {
+        assert!(text(&info.stdout).contains(part), "{part}: {}", text(&info.stdout));
+    }
     let refused = folder.stiction(&["run", "scene.toml"]);
     assert_exit(&refused, 2);
     let message = text(&refused.stderr);

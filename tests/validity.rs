@@ -88,7 +88,7 @@ const CASES: &[(&str, &str, &[&[&str]])] = &[
         "\"1.619 um\"",
         &[
             &["eta R sigma = 39.8 is above 0.204"],
-            &["contacts of the highest asperities are 1.39 of their radius wide", "Johnson 1985, section 4.1"],
+            &["contacts of the highest asperities are 1.39 of their radius wide", "Johnson 1985, section 4.2"],
             &["nominal area"],
         ],
     ),

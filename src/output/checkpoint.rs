@@ -156,6 +156,11 @@ impl<S: Serialize> Checkpoint<S> {
     }
 }
 
+/// Whether a file begins as a checkpoint does.
+pub fn is_checkpoint(path: &Path) -> bool {
+    begins_as(path, CHECKPOINT) == Some(CHECKPOINT.len())
+}
+
 /// The records of a run, and the checkpoints that make them count.
 pub struct Journal {
     checkpoint: PathBuf,
@@ -181,7 +186,7 @@ impl Journal {
     /// When there is a file of the name that is not of this program, or none can be made.
     pub fn begin(claim: &Claim, record_length: usize) -> Result<Self, OutputError> {
         let path = claim.beside(".checkpoint.replicas");
-        if path.exists() && !is_ours(&path) {
+        if path.exists() && begins_as(&path, RECORDS).is_none() {
             let problem = "is not of stiction, but has the name of what a run keeps; move it".to_owned();
             return Err(OutputError::NotACheckpoint { path, problem });
         }
@@ -397,12 +402,12 @@ pub fn forget(claim: &Claim) -> Result<(), OutputError> {
     Ok(())
 }
 
-/// Whether a file begins as records do, as far as it goes.
-fn is_ours(path: &Path) -> bool {
-    let mut line = Vec::new();
+/// How many bytes of a line a file begins with, if it goes no further or only after all of the line.
+fn begins_as(path: &Path, line: &[u8]) -> Option<usize> {
+    let mut found = Vec::new();
     let is_file = path.metadata().is_ok_and(|metadata| metadata.is_file());
-    let read = |mut file: File| (&mut file).take(RECORDS.len() as u64).read_to_end(&mut line);
-    is_file && File::open(path).and_then(read).is_ok() && RECORDS.starts_with(&line)
+    let read = |mut file: File| (&mut file).take(line.len() as u64).read_to_end(&mut found);
+    (is_file && File::open(path).and_then(read).is_ok() && line.starts_with(&found)).then_some(found.len())
 }
 
 /// Where so many records end in their file, bytes; none where that cannot be counted.

@@ -107,7 +107,7 @@ fn sizes(scene: &Scene, dry: bool) -> Vec<Warning> {
             finding: format!(
                 "contacts of the highest asperities are {largest:.2} of their radius wide at the closest separation, more than {LARGEST_CONTACT}"
             ),
-            reason: "the laws take contacts as small against the radius (Johnson 1985, section 4.1)".to_owned(),
+            reason: "the laws take contacts as small against the radius (Johnson 1985, section 4.2)".to_owned(),
             keys: &["asperity_radius", "surface_height_std", "separation"],
         });
     }

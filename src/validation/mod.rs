@@ -24,8 +24,13 @@ const ROUNDING: f64 = 1e-10;
 pub fn z_scores(mean: &[f64], expected: &[f64], std: &[f64], count: u64) -> Vec<f64> {
     let root = (count as f64).sqrt();
     let score = |mean: f64, expected: f64, std: f64| {
-        let deviation = mean - expected;
-        if deviation == 0.0 { 0.0 } else { deviation / (std / root).max(ROUNDING * expected.abs()) }
+        let (deviation, error, rounding) = (mean - expected, std / root, ROUNDING * expected.abs());
+        match () {
+            () if deviation == 0.0 => 0.0,
+            () if error < rounding => deviation / rounding,
+            // A standard error that is not known makes a z-score that is not.
+            () => deviation / error,
+        }
     };
     mean.iter().zip(expected).zip(std).map(|((&mean, &expected), &std)| score(mean, expected, std)).collect()
 }
@@ -40,6 +45,7 @@ mod tests {
         let expected = [1.0, 0.0, 5.0, 5.0, 1.0];
         let scores = z_scores(&mean, &expected, &[0.5, 0.0, 0.0, 0.0, 0.0], 4);
         assert_eq!((scores[0], scores[1], scores[4]), (4.0, 0.0, 0.0));
+        assert!(z_scores(&[1.0], &[2.0], &[f64::NAN], 1)[0].is_nan(), "one group has no scatter");
         // Rounding is no deviation; one per cent without any scatter is a large one.
         assert!(scores[2].abs() < 0.01 && scores[3] > 1e7 && scores[3].is_finite(), "{scores:?}");
     }

@@ -25,11 +25,13 @@ pub fn z_scores(mean: &[f64], expected: &[f64], std: &[f64], count: u64) -> Vec<
     let root = (count as f64).sqrt();
     let score = |mean: f64, expected: f64, std: f64| {
         let (deviation, error, rounding) = (mean - expected, std / root, ROUNDING * expected.abs());
-        match () {
-            () if deviation == 0.0 => 0.0,
-            () if error < rounding => deviation / rounding,
+        if deviation == 0.0 {
+            0.0
+        } else if error < rounding {
+            deviation / rounding
+        } else {
             // A standard error that is not known makes a z-score that is not.
-            () => deviation / error,
+            deviation / error
         }
     };
     mean.iter().zip(expected).zip(std).map(|((&mean, &expected), &std)| score(mean, expected, std)).collect()

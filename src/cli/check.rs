@@ -1,6 +1,6 @@
 //! `stiction check`: what a scene would compute.
 
-use super::format::{bytes, duration, percent, pure, row, si};
+use super::format::{bytes, duration, paragraph, percent, pure, row, si};
 use super::{Failure, law_of, print, read_scene, resources, warnings_of};
 use crate::asperity::scale::Scale;
 use crate::scene::echo::one_line;
@@ -18,7 +18,7 @@ pub(super) fn check(path: &Path) -> Result<(), Failure> {
     text += &regimes(&plan, scene.surface.asperity_count as f64);
     for warning in warnings_of(&scene, &scene.model, law.as_ref()) {
         text += &row("warning", &warning.finding);
-        text += &row("", &warning.explanation());
+        text += &paragraph(&warning.explanation());
     }
     text += &row("work", &format!("{:.3e} asperity-separations", plan.pairs));
     let threads = std::thread::available_parallelism().map_or(1, usize::from);

@@ -158,7 +158,7 @@ impl Choice {
     /// How so many of it are chosen.
     pub fn chosen(self, number: u64) -> String {
         match self {
-            Self::Asperities => format!("a nominal_area of {number} asperities"),
+            Self::Asperities => format!("a nominal_area of {number:e} asperities"),
             Self::Separations => format!("{number} separations"),
             Self::Replicas => format!("--replicas {number}"),
             Self::Threads => format!("--threads {number}"),

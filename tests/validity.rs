@@ -7,9 +7,18 @@ use std::path::Path;
 
 /// The lines of warnings, each with the one behind it.
 fn warnings(check: &str) -> Vec<String> {
-    let lines: Vec<&str> = check.lines().collect();
-    let begin = |i: &usize| lines[*i].trim_start().starts_with("warning ");
-    (0..lines.len()).filter(begin).map(|i| [lines[i].trim(), lines[i + 1].trim()].join(" ")).collect()
+    let mut warnings: Vec<String> = Vec::new();
+    let mut inside = false;
+    for line in check.lines().map(str::trim_end) {
+        let label = line.get(..20).unwrap_or(line).trim();
+        inside = label == "warning" || inside && label.is_empty();
+        match warnings.last_mut() {
+            _ if label == "warning" => warnings.push(line.trim().to_owned()),
+            Some(warning) if inside => *warning += &format!(" {}", line.trim()),
+            _ => {}
+        }
+    }
+    warnings
 }
 
 /// What is replaced in the quick scene, by what, and what its warnings have to say, each in turn.

@@ -11,22 +11,10 @@ use stiction::asperity::{Law, Path, Quantity, Work};
 use stiction::engine::stream::{Purpose, stream};
 use stiction::engine::{Ensemble, Job, Outcome, Workspace, run};
 use stiction::statistical::Statistical;
-use stiction::surface::{SamplingScheme, Surface};
+use stiction::surface::Surface;
 
 fn job<'a>(law: &'a dyn Law, surface: &'a Surface, separations: &'a [f64], replicas: u64) -> Job<'a> {
-    let scheme = SamplingScheme::Independent;
-    Job {
-        law,
-        surface,
-        separations,
-        seed: 3,
-        scheme,
-        replicas,
-        probes: &[],
-        controls: &[],
-        keep_curves: false,
-        compression: None,
-    }
+    Job { seed: 3, ..common::job(law, surface, separations, replicas) }
 }
 
 fn ensemble(job: &Job<'_>) -> Ensemble {

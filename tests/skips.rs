@@ -2,14 +2,13 @@
 
 mod common;
 
-use common::{case, law, respond};
+use common::{case, job, law, respond};
 use std::sync::atomic::AtomicBool;
 use stiction::asperity::emd::Emd;
 use stiction::asperity::models::MODELS;
-use stiction::asperity::{BLOCK, Law, Path, Quantity, Work};
+use stiction::asperity::{BLOCK, Path, Quantity, Work};
 use stiction::engine::stream::{Purpose, stream};
 use stiction::engine::{Ensemble, Job, Outcome, Workspace, run};
-use stiction::surface::{SamplingScheme, Surface};
 
 /// Every λ of tests/data/single_asperity.csv.
 fn lambdas() -> Vec<f64> {
@@ -123,21 +122,6 @@ impl Exact {
         let error = (value - (self.high + self.low)).abs();
         assert!(error <= 1e-14 * self.magnitude, "{what}: {value:e} is off by {error:e} of {:e}", self.magnitude);
         if self.magnitude > 0.0 { error / self.magnitude } else { 0.0 }
-    }
-}
-
-fn job<'a>(law: &'a dyn Law, surface: &'a Surface, separations: &'a [f64], replicas: u64) -> Job<'a> {
-    Job {
-        law,
-        surface,
-        separations,
-        seed: 5,
-        scheme: SamplingScheme::Independent,
-        replicas,
-        probes: &[],
-        controls: &[],
-        keep_curves: false,
-        compression: None,
     }
 }
 

@@ -5,9 +5,9 @@ mod common;
 
 use common::exact::Exact;
 use common::program::{Folder, QUICK, assert_exit, text};
-use common::{case, law, respond};
+use common::{case, job, law, respond};
 use std::sync::atomic::AtomicBool;
-use stiction::asperity::{Law, Path, Quantity, Scratch, Work, for_each_block};
+use stiction::asperity::{Path, Quantity, Scratch, Work, for_each_block};
 use stiction::engine::compressed::Compression;
 use stiction::engine::stream::{Purpose, stream};
 use stiction::engine::{Curves, Job, Workspace};
@@ -22,21 +22,6 @@ const U: f64 = 0.5 * f64::EPSILON;
 /// are combined in 3; blocks and regimes are added with compensation, 2 roundings each whatever their number (Neumaier 1974; its second-order
 /// term is below 1e-9 of the first even for 1e6 blocks).
 const DIRECT_SUM: f64 = 38.0 * U;
-
-fn job<'a>(law: &'a dyn Law, surface: &'a Surface, separations: &'a [f64]) -> Job<'a> {
-    Job {
-        law,
-        surface,
-        separations,
-        seed: 5,
-        scheme: SamplingScheme::Independent,
-        replicas: 8,
-        probes: &[],
-        controls: &[],
-        keep_curves: false,
-        compression: None,
-    }
-}
 
 /// The curves of one replica.
 fn curves(job: &Job<'_>, replica: u64) -> Curves {
@@ -125,11 +110,11 @@ fn cancelling_forces_keep_the_digits_of_their_parts() {
         let law = law("hybrid", &asperity, path, (-60e-9, 40e-9));
         let step = 0.1 * surface.surface_height_std;
         for replica in 0..6 {
-            let Some((h, sums)) = crossing(&job(law.as_ref(), &surface, &[]), replica) else { continue };
+            let Some((h, sums)) = crossing(&job(law.as_ref(), &surface, &[], 8), replica) else { continue };
             // A grid of 40 separations that has the crossing in its middle.
             let separations: Vec<f64> = (0..40).map(|i| h + step * f64::from(i - 20)).collect();
             let place = format!("case {name}, replica {replica}");
-            let direct = job(law.as_ref(), &surface, &separations);
+            let direct = job(law.as_ref(), &surface, &separations, 8);
             let summed = curves(&direct, replica);
             assert_close(&summed, 20, sums, DIRECT_SUM, &place);
             let forces = [Quantity::AdhesionForce, Quantity::ContactForce].map(|q| &summed.total[q.index()]);
@@ -154,7 +139,7 @@ fn replicas_that_are_no_whole_groups_are_refused_by_the_engine() {
     let (asperity, surface) = case("II");
     let law = law("gw", &asperity, Path::Approach, (-30e-9, 20e-9));
     let separations = [0.0, 1e-9];
-    let job = Job { scheme: SamplingScheme::Stratified, replicas: 12, ..job(law.as_ref(), &surface, &separations) };
+    let job = Job { scheme: SamplingScheme::Stratified, replicas: 12, ..job(law.as_ref(), &surface, &separations, 8) };
     let pool = rayon::ThreadPoolBuilder::new().build().unwrap();
     let _ = stiction::engine::run::<()>(&job, &pool, &AtomicBool::new(false), |_, _| Ok(()));
 }
@@ -181,7 +166,7 @@ fn many(asperities: usize, model: &str, tolerance: Option<f64>, bytes: f64) {
     let separations = [1.0, 1.0 + step].map(|h| h * sigma);
     let compression =
         tolerance.map(|tolerance| Compression::new(law.as_ref(), &surface, &separations, tolerance).unwrap());
-    let job = Job { compression: compression.as_ref(), ..job(law.as_ref(), &surface, &separations) };
+    let job = Job { compression: compression.as_ref(), ..job(law.as_ref(), &surface, &separations, 8) };
     let curves = curves(&job, 0);
     for (k, &h) in separations.iter().enumerate() {
         let counted: f64 = (0..law.regimes().len()).map(|r| curves.regime_count[r * 2 + k]).sum();
@@ -218,7 +203,7 @@ fn one_asperity_is_its_law() {
     surface.asperity_count = 1;
     let law = law("hybrid", &asperity, Path::Approach, (-60e-9, 40e-9));
     let separations: Vec<f64> = (-60..300).map(|i| 0.1e-9 * f64::from(i)).collect();
-    let job = job(law.as_ref(), &surface, &separations);
+    let job = job(law.as_ref(), &surface, &separations, 8);
     let mut reached = std::collections::BTreeSet::new();
     for replica in 0..8 {
         let mut height = [0.0];

@@ -1,7 +1,7 @@
 //! What `run` keeps while it goes, and how it goes on after an interruption.
 
 use super::{Failure, RunArguments};
-use crate::engine::{BATCH, Batch, Ensemble, Job, Replica, record_length};
+use crate::engine::{Batch, Ensemble, Job, Replica, is_whole, record_length};
 use crate::math::words::Words;
 use crate::output::checkpoint::{Checkpoint, Identity, Journal, forget};
 use crate::output::reader::Reader;
@@ -39,7 +39,7 @@ pub(super) struct Interrupted {
 }
 
 /// Which run a scene is.
-pub(super) fn identity(scene: &Scene) -> Identity {
+fn identity(scene: &Scene) -> Identity {
     Identity {
         program_version: env!("CARGO_PKG_VERSION").to_owned(),
         source_revision: env!("STICTION_SOURCE_REVISION").to_owned(),
@@ -61,39 +61,42 @@ pub(super) enum Beginning {
 
 /// How to begin an output: refused if that would overwrite a result, or drop or mistake a checkpoint.
 pub(super) fn beginning(claim: &Claim, scene: &Scene, arguments: &RunArguments) -> Result<Beginning, Failure> {
-    let RunArguments { resume, execution, .. } = arguments;
-    let (identity, output) = (identity(scene), claim.output());
-    if !resume {
-        claim.check(execution.force)?;
+    let force = arguments.execution.force;
+    if arguments.resume {
+        return resumption(claim, scene, force);
     }
-    let found = Checkpoint::<State>::find(claim)?;
-    match found {
-        Some(_) if !resume && execution.force => forget(claim)?,
-        Some(checkpoint) if !resume => {
+    claim.check(force)?;
+    match Checkpoint::<State>::find(claim)? {
+        None => Ok(Beginning::Anew),
+        Some(_) if force => Ok(forget(claim).map(|()| Beginning::Anew)?),
+        Some(checkpoint) => {
             let kept = format!("{} of {} replicas", checkpoint.done, checkpoint.identity.replicas);
-            return Err(Failure::Usage(format!(
+            Err(Failure::Usage(format!(
                 "{} holds {kept} of an interrupted run; --resume goes on with it, --force begins anew",
                 claim.beside(".checkpoint").display()
-            )));
+            )))
         }
-        found if *resume => {
-            if claim.check(execution.force).is_err() {
-                if !is_result_of(output, &identity) {
-                    claim.check(false)?;
-                }
-                // The run ended between naming its result and removing what it had kept.
-                if found.is_some_and(|checkpoint| checkpoint.identity == identity) {
-                    forget(claim)?;
-                }
-                return Ok(Beginning::Complete);
-            }
-            if let Some(checkpoint) = found {
-                return resumed(claim, scene, &identity, checkpoint).map(|run| Beginning::Resumed(Box::new(run)));
-            }
-        }
-        _ => {}
     }
-    Ok(Beginning::Anew)
+}
+
+/// How to bring an output to completion, whatever is there of it.
+fn resumption(claim: &Claim, scene: &Scene, overwrite: bool) -> Result<Beginning, Failure> {
+    let identity = identity(scene);
+    let found = Checkpoint::<State>::find(claim)?;
+    if let Err(exists) = claim.check(overwrite) {
+        if !is_result_of(claim.output(), &identity) {
+            return Err(exists.into());
+        }
+        // The run ended between naming its result and removing what it had kept.
+        if found.is_some_and(|checkpoint| checkpoint.identity == identity) {
+            forget(claim)?;
+        }
+        return Ok(Beginning::Complete);
+    }
+    match found {
+        None => Ok(Beginning::Anew),
+        Some(checkpoint) => Ok(Beginning::Resumed(Box::new(resumed(claim, scene, &identity, checkpoint)?))),
+    }
 }
 
 /// Whether a file is the complete result of a run.
@@ -124,9 +127,10 @@ fn resumed(
     let (s, State { basis, controls, .. }) = (scene.separations.len(), &checkpoint.state);
     let probes = basis.probes.iter().flat_map(|probe| [probe.adhesion_force.len(), probe.external_force.len()]);
     let tested = basis.tested.iter().map(Vec::len);
-    let done = checkpoint.done;
-    let whole = done == scene.replicas || (done < scene.replicas && done.is_multiple_of(BATCH));
-    if !whole || probes.chain(tested).any(|length| length != s) || controls.iter().any(|place| *place >= s) {
+    if !is_whole(checkpoint.done, scene.replicas)
+        || probes.chain(tested).any(|length| length != s)
+        || controls.iter().any(|place| *place >= s)
+    {
         return Err(refused("is not of this scene".to_owned()));
     }
     let mut replicas = Vec::new();
@@ -156,7 +160,7 @@ pub(super) struct Keeper {
     /// Replicas at the last checkpoint.
     saved_done: u64,
     /// Seconds of the sittings before this one.
-    seconds_before: f64,
+    pub seconds_before: f64,
     pub resumptions: u64,
 }
 

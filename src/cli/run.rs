@@ -68,8 +68,6 @@ pub(super) fn run(arguments: &RunArguments) -> Result<(), Failure> {
             return Err(keeper.interrupted(scene.replicas));
         }
     };
-    let mut seconds = progress.seconds();
-    seconds.iter_mut().filter(|(name, _)| *name == "ensemble").for_each(|(_, time)| *time = keeper.seconds());
 
     progress.phase("cross-check");
     let (z, joint) = cross_check(&ensemble, &statistical, &basis, &scene);
@@ -79,7 +77,8 @@ pub(super) fn run(arguments: &RunArguments) -> Result<(), Failure> {
     let of_mean = mean_features(&scene, law, &ensemble, &statistical);
     let of_integral = integral_features(&scene, law, &statistical);
     progress.end();
-    seconds.extend(progress.seconds().last());
+    let mut seconds = progress.seconds();
+    seconds.iter_mut().filter(|(name, _)| *name == "ensemble").for_each(|(_, time)| *time += keeper.seconds_before);
     progress.phase("writing");
     let regimes = law.regimes().iter().map(|regime| regime.name()).collect();
     let (threads, replicas) = (pool.current_num_threads(), scene.replicas);

@@ -14,6 +14,11 @@ pub const BATCH: u64 = 8;
 // A batch holds whole groups, so that groups need not be put together from two of them.
 const _: () = assert!(BATCH.is_multiple_of(STRATA) && BATCH.is_multiple_of(2));
 
+/// Whether so many of all replicas are those of whole batches.
+pub fn is_whole(done: u64, replicas: u64) -> bool {
+    done == replicas || (done < replicas && done.is_multiple_of(BATCH))
+}
+
 /// The moments of an ensemble and what is kept of every replica.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ensemble {
@@ -81,8 +86,7 @@ impl Ensemble {
     pub fn restored(job: &Job<'_>, state: &[u64], replicas: Vec<Replica>) -> Option<Self> {
         let mut ensemble = Self::new(job);
         let count = replicas.len() as u64;
-        let whole = count == job.replicas || (count < job.replicas && count.is_multiple_of(BATCH));
-        let fits = whole && ensemble.restore(state) && ensemble.regime_count.count() == count;
+        let fits = is_whole(count, job.replicas) && ensemble.restore(state) && ensemble.regime_count.count() == count;
         ensemble.replicas = replicas;
         fits.then_some(ensemble)
     }

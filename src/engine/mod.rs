@@ -17,7 +17,7 @@ mod scalars;
 pub mod stream;
 mod summation;
 
-pub use batch::{BATCH, Batch, Ensemble, record_length};
+pub use batch::{BATCH, Batch, Ensemble, is_whole, record_length};
 pub use curves::Curves;
 pub use groups::Groups;
 pub use reduce::{Outcome, run, run_from};

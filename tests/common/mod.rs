@@ -8,8 +8,9 @@ use std::sync::Mutex;
 use stiction::asperity::models::model;
 use stiction::asperity::scale::Asperity;
 use stiction::asperity::{Law, Path, Regime, Responses, Scratch, Setting, Work, for_each_block};
+use stiction::engine::Job;
 use stiction::math::instruction_set::InstructionSet;
-use stiction::surface::{Roughness, Surface};
+use stiction::surface::{Roughness, SamplingScheme, Surface};
 
 /// The material and surface of case I, II or III of the published Table 2, with the inferred ν, t and A_n.
 pub fn case(name: &str) -> (Asperity, Surface) {
@@ -38,6 +39,22 @@ pub fn case(name: &str) -> (Asperity, Surface) {
         mean_plane_offset: None,
     };
     (asperity, Surface::new(&roughness).expect("a valid surface"))
+}
+
+/// Independent replicas that are summed directly, without functionals, controls and curves.
+pub fn job<'a>(law: &'a dyn Law, surface: &'a Surface, separations: &'a [f64], replicas: u64) -> Job<'a> {
+    Job {
+        law,
+        surface,
+        separations,
+        seed: 5,
+        scheme: SamplingScheme::Independent,
+        replicas,
+        probes: &[],
+        controls: &[],
+        keep_curves: false,
+        compression: None,
+    }
 }
 
 /// A law of an asperity with starting tables for the interferences `reach`, m.

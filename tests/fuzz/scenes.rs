@@ -1,7 +1,7 @@
 //! Scenes that mean harm: [`Scene::parse`] neither panics nor takes more time and memory than the text is long, says what is wrong in a
 //! line, and accepts only what can be computed.
 
-use super::text::{CHANGES, Mutation, changed};
+use super::text::{Mutation, changed, changes};
 use super::{ALLOCATOR, cases, runner};
 use proptest::prelude::*;
 use std::path::Path;
@@ -42,7 +42,7 @@ fn every_scene_is_read_or_refused_in_a_line() {
         check(seed, &mut accepted, &mut refused);
         assert_eq!(accepted > before, *right, "{seed}");
     }
-    let mutation = (proptest::sample::select(&CHANGES[..]), any::<u32>(), any::<u32>());
+    let mutation = (proptest::sample::select(changes()), any::<u32>(), any::<u32>());
     let strategy = (0..seeds.len(), proptest::collection::vec(mutation, 1..5));
     let counts = std::cell::Cell::new((0, 0));
     let case = |(seed, mutations): (usize, Vec<Mutation>)| {

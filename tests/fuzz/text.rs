@@ -36,48 +36,27 @@ pub enum Change {
 }
 
 /// The milder ones more often, so that scenes are accepted and refused alike.
-pub const CHANGES: [Change; 40] = [
-    Change::Digit,
-    Change::Digit,
-    Change::Digit,
-    Change::Digit,
-    Change::Digit,
-    Change::Digit,
-    Change::Digit,
-    Change::Digit,
-    Change::Digit,
-    Change::Digit,
-    Change::Digit,
-    Change::Digit,
-    Change::Digit,
-    Change::Digit,
-    Change::Digit,
-    Change::Digit,
-    Change::Digit,
-    Change::Digit,
-    Change::Digit,
-    Change::Digit,
-    Change::Number,
-    Change::Number,
-    Change::Number,
-    Change::Number,
-    Change::Number,
-    Change::Unit,
-    Change::Unit,
-    Change::Word,
-    Change::Word,
-    Change::Word,
-    Change::Nest,
-    Change::Array,
-    Change::Insert,
-    Change::Drop,
-    Change::Repeat,
-    Change::Swap,
-    Change::DropLine,
-    Change::RepeatLine,
-    Change::Flip,
-    Change::Truncate,
+const WEIGHTS: [(Change, usize); 14] = [
+    (Change::Digit, 20),
+    (Change::Number, 5),
+    (Change::Unit, 2),
+    (Change::Word, 3),
+    (Change::Nest, 1),
+    (Change::Array, 1),
+    (Change::Insert, 1),
+    (Change::Drop, 1),
+    (Change::Repeat, 1),
+    (Change::Swap, 1),
+    (Change::DropLine, 1),
+    (Change::RepeatLine, 1),
+    (Change::Flip, 1),
+    (Change::Truncate, 1),
 ];
+
+/// Each change as often as its weight.
+pub fn changes() -> Vec<Change> {
+    WEIGHTS.iter().flat_map(|(change, weight)| std::iter::repeat_n(*change, *weight)).collect()
+}
 
 /// A change, the token that it is of, and what it takes: both counted round.
 pub type Mutation = (Change, u32, u32);

@@ -1,6 +1,7 @@
 //! The contract between an asperity law and everything that sums it.
 
 use super::Work;
+use super::family::Family;
 use super::scale::Scale;
 use crate::math::instruction_set::InstructionSet;
 use std::f64::consts::PI;
@@ -169,6 +170,11 @@ pub trait Law: Send + Sync {
 
     /// How well its curve fits are, when it has any.
     fn fit(&self) -> Option<&FitReport> {
+        None
+    }
+
+    /// The laws of asperities of other radii, where a surface has such: then this is the law of the typical one.
+    fn family(&self) -> Option<&Family> {
         None
     }
 

@@ -7,6 +7,7 @@
 pub mod branch;
 pub mod contact;
 pub mod emd;
+pub mod family;
 pub mod law;
 pub mod laws;
 pub mod models;
@@ -16,6 +17,7 @@ pub mod scale;
 mod setting;
 pub mod table;
 
+pub use family::{Family, Typical};
 pub use law::{
     BLOCK, Boundary, FitReport, Law, Piece, Regime, Responses, Scratch, Smoothness, for_each_block, for_each_block_of,
     regime_ranges,
@@ -119,6 +121,9 @@ pub enum LawError {
          6.38 um, 0.30 J/m^2; E_r 85.29 GPa, Z_0 0.2 nm), and this is none of them; fit:refit fits any"
     )]
     NotInTable3,
+    /// The law is fitted to one asperity, and there are asperities of many radii.
+    #[error("it is a fit to one asperity, and asperities differ in their radii")]
+    OneRadius,
     /// The published forms cannot be fitted to the direct law.
     #[error("the published forms cannot be fitted to the law of this asperity")]
     NoFit,

@@ -22,6 +22,13 @@ pub struct Model {
 /// The law with the published fits, which alone takes a δ_A from the scene: all others find their own.
 pub const PUBLISHED_FITS: &str = "fit:paper";
 
+impl Model {
+    /// Whether its forces are curve fits to those of one asperity.
+    pub fn is_fit(&self) -> bool {
+        self.name.starts_with("fit:")
+    }
+}
+
 /// What a law leaves out, and so where it is valid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Validity {

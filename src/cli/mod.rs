@@ -19,9 +19,10 @@ use crate::asperity::models::Model;
 use crate::asperity::{Law, Path as History};
 use crate::math::instruction_set::InstructionSet;
 use crate::output::OutputError;
+use crate::output::columns::Beside;
 use crate::scene::echo::{one_line, printable};
 use crate::scene::{Scene, SceneError, Warning, warnings};
-use crate::statistical::contact_area;
+use crate::statistical::Model as Integral;
 use anyhow::{Context, anyhow};
 use clap::{Args, Parser, Subcommand};
 use std::ffi::OsString;
@@ -336,7 +337,8 @@ fn law_of(scene: &Scene, model: &Model, path: &Path) -> Result<Box<dyn Law>, Fai
 /// What of a scene under a law is outside of what the models are valid for, or likely a wrong unit.
 fn warnings_of(scene: &Scene, model: &Model, law: &dyn Law) -> Vec<Warning> {
     let surface = &scene.surface;
-    warnings(scene, model, law, |h| contact_area(law, surface, h) / surface.nominal_area)
+    let integral = Integral::new(law, surface, &scene.separations);
+    warnings(scene, model, law, |h| integral.contact_area(h) / surface.nominal_area)
 }
 
 /// An output that is the scene itself would destroy it.
@@ -353,7 +355,7 @@ fn refuse_own_scene(scene: &Path, output: &Path) -> Result<(), Failure> {
 fn read_scene(path: &Path) -> Result<Scene, Failure> {
     let named = |problem: String| Failure::Usage(format!("{}: {problem}", path.display()));
     let text = read_text(path, LONGEST_SCENE).map_err(named)?;
-    Scene::parse(&text).map_err(|error: SceneError| named(error.to_string()))
+    Scene::parse_with(&text, &Beside::scene(path)).map_err(|error: SceneError| named(error.to_string()))
 }
 
 /// Longest scene that is read, bytes; one with the most separations there can be has less than a tenth of it.

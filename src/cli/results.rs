@@ -6,7 +6,7 @@ use crate::math::control_variates::ControlledMean;
 use crate::math::extrema::Features;
 use crate::math::interpolation::linear;
 use crate::scene::{Plan, Scene, Warning};
-use crate::statistical::{Statistical, external_force};
+use crate::statistical::{Model, Statistical};
 use crate::validation::{Basis, JointTest};
 use std::path::PathBuf;
 use std::time::Duration;
@@ -49,8 +49,12 @@ impl Results {
 
 /// Pull-off and stiffest point of the integral, which is solved where it is asked for.
 pub(super) fn integral_features(scene: &Scene, law: &dyn Law, statistical: &Statistical) -> Features {
-    let integral = |h: f64| external_force(law, &scene.surface, h);
-    Features::new(integral, &scene.separations, &statistical.expected[Quantity::ExternalForce.index()])
+    let model = Model::new(law, &scene.surface, &scene.separations);
+    Features::new(
+        |h| model.external_force(h),
+        &scene.separations,
+        &statistical.expected[Quantity::ExternalForce.index()],
+    )
 }
 
 /// Pull-off and stiffest point of the mean curve, which is known at the separations only: between them its deviation from the
@@ -61,7 +65,7 @@ pub(super) fn mean_features(scene: &Scene, law: &dyn Law, ensemble: &Ensemble, s
     let deviation: Vec<f64> = mean.iter().zip(expected).map(|(m, e)| m - e).collect();
     // Where nothing pulls, the interpolated deviation must not.
     let floor = if mean.iter().all(|force| *force >= 0.0) { 0.0 } else { f64::NEG_INFINITY };
-    let of_mean =
-        |h: f64| (external_force(law, &scene.surface, h) + linear(&scene.separations, &deviation, h)).max(floor);
+    let model = Model::new(law, &scene.surface, &scene.separations);
+    let of_mean = |h: f64| (model.external_force(h) + linear(&scene.separations, &deviation, h)).max(floor);
     Features::new(of_mean, &scene.separations, mean)
 }

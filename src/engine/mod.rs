@@ -14,6 +14,7 @@ mod reduce;
 mod replica;
 mod sampling;
 mod scalars;
+mod scattered;
 pub mod stream;
 mod summation;
 

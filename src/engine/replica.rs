@@ -5,8 +5,9 @@ use super::compressed::{self, Compression, LANES};
 use super::curves::Curves;
 use super::pull_off::{Heights, Jump, jumps, pull_off};
 use super::sampling::draw;
+use super::scattered::Scattered;
 use crate::asperity::{Quantity, Scratch, Work, for_each_block_of, regime_ranges};
-use crate::math::extrema::steepest_rise;
+use crate::math::extrema::{Extremum, steepest_rise};
 use crate::math::instruction_set::InstructionSet;
 use crate::math::sums::{Compensated, lane_sum};
 use crate::math::words::Words;
@@ -53,6 +54,9 @@ impl Words for Replica {
 /// Memory that batches reuse one after the other.
 pub struct Workspace {
     heights: Vec<Vec<f64>>,
+    /// Of the surface that is summed, where asperities differ in their radii.
+    radii: Vec<f64>,
+    scattered: Option<Scattered>,
     jumps: Vec<Jump>,
     sums: Sums,
     compressed: Option<compressed::Sums>,
@@ -67,6 +71,8 @@ impl Workspace {
         let at_once = if job.compression.is_some() { LANES } else { 1 };
         Self {
             heights: vec![vec![0.0; job.surface.asperity_count]; at_once],
+            radii: Vec::new(),
+            scattered: job.law.family().map(|family| Scattered::new(job, family)),
             jumps: jumps(job.law),
             sums: Sums { regimes: vec![RegimeSums::default(); r], scratch: Scratch::default(), work: Work::default() },
             compressed: job.compression.map(|compression| compressed::Sums::new(compression, r)),
@@ -85,7 +91,7 @@ impl Workspace {
         while first < replicas.end {
             let at_once = (replicas.end - first).min(self.heights.len() as u64);
             for (heights, index) in self.heights.iter_mut().zip(first..first + at_once) {
-                draw(job.surface, job.seed, job.scheme, index, heights);
+                draw(job.surface, job.seed, job.scheme, index, heights, &mut self.radii);
             }
             self.sum(job, at_once as usize);
             for lane in 0..at_once as usize {
@@ -102,6 +108,11 @@ impl Workspace {
             compressed.take(compression, &self.heights[..count]);
             compressed.fill(compression, job.law, &mut self.curves[..count], &mut self.sums.work);
         }
+        if let Some(scattered) = &mut self.scattered {
+            let Sums { scratch, work, .. } = &mut self.sums;
+            scattered.surface(&self.heights[0], &self.radii, scratch, work, &mut self.curves[0]);
+            return;
+        }
         for (lane, heights) in self.heights[..count].iter_mut().enumerate() {
             if self.compressed.as_ref().is_some_and(|compressed| compressed.surface(lane).is_some()) {
                 continue;
@@ -109,32 +120,44 @@ impl Workspace {
             heights.sort_unstable_by(f64::total_cmp);
             for k in 0..job.separations.len() {
                 self.sums.surface(job, heights, job.separations[k]);
-                self.sums.record(k, &mut self.curves[lane]);
+                RegimeSums::record(&self.sums.regimes, k, &mut self.curves[lane]);
             }
         }
     }
 
     /// What is kept of a surface that has been summed.
     fn keep(&mut self, job: &Job<'_>, lane: usize) -> Replica {
-        let heights = &self.heights[lane];
-        let highest = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let external = &self.curves[lane].total[Quantity::ExternalForce.index()];
-        let pull_off = match (job.compression, &mut self.compressed) {
-            (Some(compression), Some(sums)) if sums.surface(lane).is_some() => {
-                let work = &mut self.sums.work;
-                pull_off(job, &self.jumps, &mut Compressed { job, compression, sums, lane, highest, work }, external)
-            }
-            _ => pull_off(job, &self.jumps, &mut Sorted { job, heights, sums: &mut self.sums }, external),
-        };
-        let stiffest = steepest_rise(job.separations, external);
+        let pull_off = self.pull_off(job, lane);
+        let stiffest = steepest_rise(job.separations, &self.curves[lane].total[Quantity::ExternalForce.index()]);
         Replica {
-            asperity_count: heights.len() as u64,
-            highest_asperity: highest,
+            asperity_count: self.heights[lane].len() as u64,
+            highest_asperity: self.highest(lane),
             pull_off_force: -pull_off.value,
             pull_off_separation: pull_off.place,
             peak_stiffness: stiffest.value,
             peak_stiffness_separation: stiffest.place,
             pull_off_at_edge: pull_off.at_edge,
+        }
+    }
+
+    /// The highest asperity of a surface, m; NaN of none.
+    fn highest(&self, lane: usize) -> f64 {
+        self.heights[lane].iter().copied().reduce(f64::max).unwrap_or(f64::NAN)
+    }
+
+    fn pull_off(&mut self, job: &Job<'_>, lane: usize) -> Extremum {
+        let highest = self.highest(lane);
+        let heights = &self.heights[lane];
+        let external = &self.curves[lane].total[Quantity::ExternalForce.index()];
+        let Sums { scratch, work, .. } = &mut self.sums;
+        if let Some(scattered) = &self.scattered {
+            return scattered.pull_off(heights, &self.radii, scratch, work, external);
+        }
+        match (job.compression, &mut self.compressed) {
+            (Some(compression), Some(sums)) if sums.surface(lane).is_some() => {
+                pull_off(job, &self.jumps, &mut Compressed { job, compression, sums, lane, highest, work }, external)
+            }
+            _ => pull_off(job, &self.jumps, &mut Sorted { job, heights, sums: &mut self.sums }, external),
         }
     }
 }
@@ -159,7 +182,7 @@ impl Heights for Sorted<'_> {
 
     fn external_force(&mut self, separation: f64) -> f64 {
         self.sums.surface(self.job, self.heights, separation);
-        self.sums.total()[Quantity::ExternalForce.index()]
+        RegimeSums::total(&self.sums.regimes)[Quantity::ExternalForce.index()]
     }
 }
 
@@ -197,12 +220,39 @@ struct Sums {
     work: Work,
 }
 
+/// Sums over the asperities of a surface in one regime.
 #[derive(Clone, Copy, Default)]
-struct RegimeSums {
-    count: f64,
-    adhesion: Compensated,
-    contact: Compensated,
-    area: Compensated,
+pub(super) struct RegimeSums {
+    pub count: f64,
+    pub adhesion: Compensated,
+    pub contact: Compensated,
+    pub area: Compensated,
+}
+
+impl RegimeSums {
+    /// The quantities of all regimes together, by [`Quantity::index`].
+    pub fn total(regimes: &[Self]) -> [f64; 4] {
+        let total = |part: fn(&Self) -> f64| {
+            let mut sum = Compensated::default();
+            regimes.iter().for_each(|regime| sum.add(part(regime)));
+            sum.value()
+        };
+        Quantity::of_response(total(|r| r.adhesion.value()), total(|r| r.contact.value()), total(|r| r.area.value()))
+    }
+
+    /// Hands the sums of all regimes over as point `k` of the curves.
+    pub fn record(regimes: &[Self], k: usize, curves: &mut Curves) {
+        let separations = curves.total[0].len();
+        for (regime, sum) in regimes.iter().enumerate() {
+            let place = regime * separations + k;
+            curves.regime_count[place] = sum.count;
+            curves.regime_adhesion_force[place] = sum.adhesion.value();
+            curves.regime_external_force[place] = sum.contact.value() - sum.adhesion.value();
+        }
+        for (curve, value) in curves.total.iter_mut().zip(Self::total(regimes)) {
+            curve[k] = value;
+        }
+    }
 }
 
 impl Sums {
@@ -235,30 +285,6 @@ impl Sums {
                     },
                 );
             });
-        }
-    }
-
-    /// The quantities of the whole surface, by [`Quantity::index`].
-    fn total(&self) -> [f64; 4] {
-        let total = |part: fn(&RegimeSums) -> f64| {
-            let mut sum = Compensated::default();
-            self.regimes.iter().for_each(|regime| sum.add(part(regime)));
-            sum.value()
-        };
-        Quantity::of_response(total(|r| r.adhesion.value()), total(|r| r.contact.value()), total(|r| r.area.value()))
-    }
-
-    /// Hands the sums over as point `k` of the curves.
-    fn record(&self, k: usize, curves: &mut Curves) {
-        let separations = curves.total[0].len();
-        for (regime, sum) in self.regimes.iter().enumerate() {
-            let place = regime * separations + k;
-            curves.regime_count[place] = sum.count;
-            curves.regime_adhesion_force[place] = sum.adhesion.value();
-            curves.regime_external_force[place] = sum.contact.value() - sum.adhesion.value();
-        }
-        for (curve, value) in curves.total.iter_mut().zip(self.total()) {
-            curve[k] = value;
         }
     }
 }

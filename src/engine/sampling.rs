@@ -1,20 +1,66 @@
-//! The heights of a replica under a sampling scheme.
+//! The asperities of a replica under a sampling scheme.
 
 use super::stream::{Purpose, stream};
-use crate::surface::{STRATA, SamplingScheme, Surface};
+use crate::surface::{CountLaw, Radii, STRATA, SamplingScheme, Surface};
 use rand::RngExt;
 use rand::distr::Open01;
 use rand::seq::SliceRandom;
+use rand_distr::{Distribution, Poisson};
+
+/// Draws the asperities of the replica `index`, unsorted, in the place of those that are there: their heights, m, and where they differ
+/// the radius of each, m.
+///
+/// They depend on seed, scheme and index alone. Number, heights and radii have streams of their own, so that a surface on which one of
+/// them follows another law still has the same of the others.
+pub fn draw(
+    surface: &Surface,
+    seed: u64,
+    scheme: SamplingScheme,
+    index: u64,
+    heights: &mut Vec<f64>,
+    radii: &mut Vec<f64>,
+) {
+    heights.resize(count(surface, seed, index), 0.0);
+    if surface.is_scattered() {
+        radii.resize(heights.len(), 0.0);
+    }
+    match (&surface.radii, surface.heights.values()) {
+        (Radii::Measured(asperities), _) if surface.whole => {
+            for ((height, radius), asperity) in heights.iter_mut().zip(radii).zip(asperities.iter()) {
+                [*height, *radius] = *asperity;
+            }
+        }
+        (_, Some(values)) if surface.whole => heights.copy_from_slice(values),
+        (Radii::Common, _) => draw_heights(surface, seed, scheme, index, heights),
+        (law, _) => {
+            let [mut of_heights, mut of_radii] =
+                [Purpose::Heights, Purpose::Radii].map(|purpose| stream(seed, purpose, index));
+            law.draw(surface.asperity_radius, &surface.heights, (&mut of_heights, &mut of_radii), heights, radii);
+        }
+    }
+}
+
+/// The number of asperities of the replica `index`.
+fn count(surface: &Surface, seed: u64, index: u64) -> usize {
+    match surface.count_law {
+        CountLaw::Fixed => surface.asperity_count,
+        CountLaw::Poisson => {
+            let law = Poisson::new(surface.asperity_count as f64).expect("a surface has asperities");
+            let count: f64 = law.sample(&mut stream(seed, Purpose::Count, index));
+            count as usize
+        }
+    }
+}
 
 /// Draws the heights of the replica `index`, m, unsorted; `heights` has one place for each asperity of the surface.
 ///
-/// They depend on seed, scheme and index alone. Under every scheme they are independent and Gaussian; those of one group of
-/// replicas depend on each other asperity by asperity:
+/// Under every scheme they are independent and of the law of the surface; those of one group of replicas of a surface that is
+/// [plain](Surface::is_plain) depend on each other asperity by asperity:
 ///
 /// * antithetic: a replica of odd index has the heights of the one before it with opposite sign;
 /// * stratified: the height of an asperity is the normal quantile of (π + U)/8, where π over the replicas of the group is a random
 ///   permutation of 0..8, another for each asperity, and U is uniform (McKay, Beckman and Conover 1979).
-pub fn draw(surface: &Surface, seed: u64, scheme: SamplingScheme, index: u64, heights: &mut [f64]) {
+fn draw_heights(surface: &Surface, seed: u64, scheme: SamplingScheme, index: u64, heights: &mut [f64]) {
     match scheme {
         SamplingScheme::Independent => {
             surface.heights.draw(&mut stream(seed, Purpose::Heights, index), heights);
@@ -33,7 +79,7 @@ pub fn draw(surface: &Surface, seed: u64, scheme: SamplingScheme, index: u64, he
                 let share: f64 = uniforms.sample(Open01);
                 // The upper half mirrors the lower one, so that both tails keep their digits.
                 let (below, sign) = if stratum < STRATA / 2 { (stratum, 1.0) } else { (STRATA - 1 - stratum, -1.0) };
-                *height = sign * surface.heights.quantile((below as f64 + share) / STRATA as f64);
+                *height = sign * surface.heights.gaussian_quantile((below as f64 + share) / STRATA as f64);
             }
         }
     }
@@ -49,30 +95,24 @@ fn permutation(random: &mut impl rand::Rng) -> [u64; STRATA as usize] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::surface::Gaussian;
+    use crate::surface::Heights;
 
     const STD: f64 = 1.6e-9;
 
     fn surface(asperity_count: usize) -> Surface {
-        Surface {
-            surface_height_std: STD,
-            heights: Gaussian { std: STD },
-            mean_plane_offset: 0.0,
-            asperity_count,
-            nominal_area: 1e-9,
-        }
+        Surface::uniform(STD, 1e-6, asperity_count, 1e-9)
     }
 
     fn heights(scheme: SamplingScheme, index: u64, count: usize) -> Vec<f64> {
         let mut heights = vec![0.0; count];
-        draw(&surface(count), 3, scheme, index, &mut heights);
+        draw(&surface(count), 3, scheme, index, &mut heights, &mut Vec::new());
         heights
     }
 
     #[test]
     fn independent_replicas_are_the_streams() {
         let mut plain = vec![0.0; 50];
-        Gaussian { std: STD }.draw(&mut stream(3, Purpose::Heights, 5), &mut plain);
+        Heights::gaussian(STD).draw(&mut stream(3, Purpose::Heights, 5), &mut plain);
         assert_eq!(heights(SamplingScheme::Independent, 5, 50), plain);
     }
 
@@ -87,7 +127,7 @@ mod tests {
 
     #[test]
     fn an_asperity_of_a_group_is_once_in_each_stratum() {
-        let distribution = Gaussian { std: STD };
+        let distribution = Heights::gaussian(STD);
         for group in [0, 7] {
             let group: Vec<Vec<f64>> =
                 (0..8).map(|m| heights(SamplingScheme::Stratified, 8 * group + m, 300)).collect();
@@ -125,7 +165,7 @@ mod tests {
     /// for all; the seed is fixed), and its asperities are uncorrelated: their lag-1 correlation is below 4 standard errors (5e-4).
     #[test]
     fn one_replica_is_a_plain_surface() {
-        let (distribution, n) = (Gaussian { std: STD }, 20_000);
+        let (distribution, n) = (Heights::gaussian(STD), 20_000);
         for index in 16..24 {
             let heights = heights(SamplingScheme::Stratified, index, n);
             let neighbours: f64 = heights.windows(2).map(|pair| pair[0] * pair[1]).sum();

@@ -11,6 +11,10 @@ pub enum Purpose {
     Heights = 0,
     /// Permutations of the strata of a group of replicas, by the index of the group.
     Strata = 1,
+    /// Asperity radii.
+    Radii = 2,
+    /// The number of asperities.
+    Count = 3,
 }
 
 /// The stream of a replica, or of a group: ChaCha8 with the key (seed, purpose) and the stream number `replica`, from its beginning.

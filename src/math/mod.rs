@@ -1,6 +1,7 @@
 //! Numerical tools that know no physics: roots, quadrature, polynomials, sums and moments.
 
 pub mod chebyshev;
+pub mod clenshaw_curtis;
 pub mod control_variates;
 pub mod extrema;
 pub mod instruction_set;

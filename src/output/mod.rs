@@ -4,6 +4,7 @@
 mod attributes;
 pub mod checkpoint;
 mod claim;
+pub mod columns;
 mod guard;
 pub mod progress;
 pub mod reader;

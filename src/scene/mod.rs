@@ -1,7 +1,9 @@
 //! Scenes: from TOML to what the program computes, or to an error that says what to change.
 
 pub mod echo;
+pub mod files;
 mod plan;
+mod population;
 mod reader;
 mod separation;
 mod sizes;
@@ -15,8 +17,10 @@ pub use validity::{Warning, warnings, warnings_of_scene};
 
 use crate::asperity::models::{MODELS, Model, PUBLISHED_FITS};
 use crate::asperity::scale::{Asperity, Scale, UNIT_RANGE};
-use crate::asperity::{Law, LawError, Path, Setting};
-use crate::surface::{Roughness, SamplingScheme, Surface, SurfaceError};
+use crate::asperity::{Family, Law, LawError, Path, Setting, Typical};
+use crate::surface::{RADIUS_RANGE, SamplingScheme, Surface};
+use files::{Files, Input, NoFiles};
+use population::{Population, SURFACE_KEYS, population};
 use reader::{Section, document};
 use units::Dimension;
 
@@ -35,15 +39,6 @@ const ROOT_KEYS: [&str; 9] =
     ["format", "title", "material", "surface", "model", "separation", "ensemble", "solver", "output"];
 const MATERIAL_KEYS: [&str; 5] =
     ["reduced_modulus", "hardness", "poisson_ratio", "work_of_adhesion", "equilibrium_spacing"];
-const SURFACE_KEYS: [&str; 7] = [
-    "asperity_radius",
-    "asperity_density",
-    "surface_height_std",
-    "asperity_height_std",
-    "mean_plane_offset",
-    "nominal_area",
-    "lubricant_thickness",
-];
 
 /// A validated scene, SI.
 #[derive(Clone, Debug)]
@@ -64,6 +59,8 @@ pub struct Scene {
     pub critical_approach: Option<f64>,
     /// Separations h, m, rising.
     pub separations: Vec<f64>,
+    /// The files that it has taken values from.
+    pub inputs: Vec<Input>,
     /// Number of replicas, whole groups of the sampling scheme.
     pub replicas: u64,
     /// How they are drawn relative to each other.
@@ -77,11 +74,19 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// Reads a scene.
+    /// Reads a scene that takes nothing out of files.
     ///
     /// # Errors
     /// [`SceneError`] with the line, the key, what was given and what would do.
     pub fn parse(text: &str) -> Result<Self, SceneError> {
+        Self::parse_with(text, &NoFiles)
+    }
+
+    /// Reads a scene and what it takes out of `files`.
+    ///
+    /// # Errors
+    /// [`SceneError`] with the line, the key, what was given and what would do.
+    pub fn parse_with(text: &str, files: &dyn Files) -> Result<Self, SceneError> {
         let document = document(text)?;
         let root = Section::root(text, document.get_ref(), &ROOT_KEYS)?;
         let format = root.require("format", "1")?;
@@ -89,9 +94,10 @@ impl Scene {
             return Err(format.wrong(&format!("this program reads scenes of format {FORMAT}")));
         }
         let title = root.get("title").map(|entry| entry.string()).transpose()?.unwrap_or_default().to_owned();
-        let surface = required(&root, "surface", &SURFACE_KEYS)?;
-        let asperity = asperity(&required(&root, "material", &MATERIAL_KEYS)?, &surface)?;
-        let surface = rough_surface(&surface, asperity.radius)?;
+        let material = required(&root, "material", &MATERIAL_KEYS)?;
+        let section = required(&root, "surface", &SURFACE_KEYS)?;
+        let Population { surface, inputs } = population(&section, files)?;
+        let asperity = asperity(&material, &section, surface.asperity_radius)?;
         let model = required(&root, "model", &["law", "path", "critical_approach"])?;
         let models: Vec<(&str, Model)> = MODELS.iter().map(|model| (model.name, *model)).collect();
         let law = model.require("law", "\"hybrid\"")?.choice("law", &models)?;
@@ -114,6 +120,11 @@ impl Scene {
         let given = ensemble.require("replicas", "1000")?;
         let replicas = given.integer(1..=1_000_000_000_000)?;
         sampling.check(replicas).map_err(|problem| given.wrong(&problem))?;
+        if let Some(entry) = ensemble.get("sampling").filter(|_| sampling.group() > 1 && !surface.is_plain()) {
+            return Err(entry.wrong(
+                "is for surfaces of one radius with Gaussian heights and a fixed number of asperities; others need \"independent\"",
+            ));
+        }
         let seed = ensemble.get("seed").map_or(Ok(1), |entry| entry.integer(0..=i64::MAX as u64))?;
         let sum_tolerance = sum_tolerance(&root)?;
         let output = root.section("output", &["curves"], false)?;
@@ -127,6 +138,7 @@ impl Scene {
             path,
             critical_approach,
             separations,
+            inputs,
             replicas,
             sampling,
             seed,
@@ -157,9 +169,9 @@ impl Scene {
 
     /// The range of interferences, m, that the heights of any replica reach.
     pub fn reach(&self) -> (f64, f64) {
-        let margin = HEIGHT_REACH * self.surface.heights.std;
+        let (lowest, highest) = self.surface.heights.reach(HEIGHT_REACH);
         let d = |h: f64| self.surface.asperity_separation(h);
-        (-margin - d(self.separations[self.separations.len() - 1]), margin - d(self.separations[0]))
+        (lowest - d(self.separations[self.separations.len() - 1]), highest - d(self.separations[0]))
     }
 
     /// The adhesion parameter and the units of the scaled variables.
@@ -181,7 +193,12 @@ impl Scene {
     /// [`LawError`] when the law cannot be made for them.
     pub fn law_of(&self, model: &Model) -> Result<Box<dyn Law>, LawError> {
         let setting = Setting::new(&self.asperity, self.path, self.reach())?;
-        (model.build)(&Setting { critical_approach: self.critical_approach, ..setting })
+        let law = (model.build)(&Setting { critical_approach: self.critical_approach, ..setting })?;
+        if !self.surface.is_scattered() {
+            return Ok(law);
+        }
+        let family = Family::new(*model, self.asperity, self.path, self.critical_approach, RADIUS_RANGE)?;
+        Ok(Box::new(Typical::new(law, family)))
     }
 }
 
@@ -213,7 +230,7 @@ fn critical_approach(section: &Section<'_>, law: &Model) -> Result<Option<f64>, 
     entry.not_negative(Dimension::Length).map(Some)
 }
 
-fn asperity(material: &Section<'_>, surface: &Section<'_>) -> Result<Asperity, SceneError> {
+fn asperity(material: &Section<'_>, surface: &Section<'_>, radius: f64) -> Result<Asperity, SceneError> {
     let poisson = material.require("poisson_ratio", "0.27")?;
     let poisson_ratio = poisson.number()?;
     if !(poisson_ratio > -1.0 && poisson_ratio <= 0.5) {
@@ -221,7 +238,7 @@ fn asperity(material: &Section<'_>, surface: &Section<'_>) -> Result<Asperity, S
     }
     let lubricant = surface.get("lubricant_thickness");
     let asperity = Asperity {
-        radius: surface.positive("asperity_radius", Dimension::Length)?,
+        radius,
         reduced_modulus: material.positive("reduced_modulus", Dimension::Pressure)?,
         work_of_adhesion: material.positive("work_of_adhesion", Dimension::SurfaceEnergy)?,
         equilibrium_spacing: material.positive("equilibrium_spacing", Dimension::Length)?,
@@ -241,34 +258,4 @@ fn asperity(material: &Section<'_>, surface: &Section<'_>) -> Result<Asperity, S
         SceneError::general(format!("{error}; it follows from {keys}: check their units"))
     })?;
     Ok(asperity)
-}
-
-fn rough_surface(surface: &Section<'_>, asperity_radius: f64) -> Result<Surface, SceneError> {
-    let optional = |key| surface.get(key).map(|entry| entry.positive(Dimension::Length)).transpose();
-    let roughness = Roughness {
-        asperity_radius,
-        asperity_density: surface.positive("asperity_density", Dimension::ArealDensity)?,
-        nominal_area: surface.positive("nominal_area", Dimension::Area)?,
-        surface_height_std: optional("surface_height_std")?,
-        asperity_height_std: optional("asperity_height_std")?,
-        mean_plane_offset: surface
-            .get("mean_plane_offset")
-            .map(|entry| entry.not_negative(Dimension::Length))
-            .transpose()?,
-    };
-    Surface::new(&roughness).map_err(|error| {
-        let key = match error {
-            SurfaceError::NegativeVariance { .. } => "surface_height_std",
-            SurfaceError::NoHeightStd => "",
-            SurfaceError::Count(_) => "nominal_area",
-            SurfaceError::Length { name, .. } => name,
-        };
-        match surface.get(key) {
-            Some(entry) => entry.wrong(&error.to_string()),
-            None if error == SurfaceError::NoHeightStd => {
-                SceneError::general(format!("[surface]: {error}; for example surface_height_std = \"1.619 nm\""))
-            }
-            None => SceneError::general(format!("[surface]: {error}")),
-        }
-    })
 }

@@ -1,13 +1,14 @@
 //! The rough surface: its asperity heights and the conversions from what is measured to what the model takes.
 
+mod heights;
+pub mod nayak;
+mod radii;
 mod scheme;
 
+pub use heights::{HeightLaw, Heights, LogNormal, Truncated, Weibull};
+pub use radii::{Part, RADIUS_RANGE, Radii};
 pub use scheme::{STRATA, SamplingScheme};
 
-use rand::Rng;
-use rand_distr::{Distribution, StandardNormal};
-use statrs::distribution::{ContinuousCDF, Normal};
-use std::f64::consts::{PI, SQRT_2};
 use thiserror::Error;
 
 /// Factor of σ² − σ_s² = 3.717·10⁻⁴/(ηR)² (McCool 1986; Bush, Gibson and Thomas 1975).
@@ -35,17 +36,48 @@ pub struct Roughness {
     pub mean_plane_offset: Option<f64>,
 }
 
+/// How many asperities a replica has.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum CountLaw {
+    /// Always as many.
+    #[default]
+    Fixed,
+    /// Poisson-distributed, as those of a patch are that is cut out of a large surface of independent asperities.
+    Poisson,
+}
+
+impl CountLaw {
+    /// All of them, by name.
+    pub const ALL: [(&'static str, Self); 2] = [("fixed", Self::Fixed), ("poisson", Self::Poisson)];
+
+    /// Its name in scenes and files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Fixed => "fixed",
+            Self::Poisson => "poisson",
+        }
+    }
+}
+
 /// The surface that the model takes.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Surface {
     /// Standard deviation σ of the surface heights, m.
     pub surface_height_std: f64,
     /// Heights of the asperities above their mean plane.
-    pub heights: Gaussian,
+    pub heights: Heights,
+    /// Their radii.
+    pub radii: Radii,
+    /// Their mean radius, m.
+    pub asperity_radius: f64,
     /// Height y_s of the asperity mean plane above the surface mean plane, m.
     pub mean_plane_offset: f64,
-    /// Number N of asperities.
+    /// Number N of asperities; the mean one, where it varies.
     pub asperity_count: usize,
+    /// How it varies.
+    pub count_law: CountLaw,
+    /// Whether every replica is the given sample of asperities itself, so that nothing is left to chance.
+    pub whole: bool,
     /// Nominal area A_n, m².
     pub nominal_area: f64,
 }
@@ -120,56 +152,50 @@ impl Surface {
         }
         Ok(Self {
             surface_height_std,
-            heights: Gaussian { std: asperity_height_std },
+            heights: Heights::gaussian(asperity_height_std),
+            radii: Radii::Common,
+            asperity_radius: roughness.asperity_radius,
             mean_plane_offset,
             asperity_count: count as usize,
+            count_law: CountLaw::Fixed,
+            whole: false,
             nominal_area: roughness.nominal_area,
         })
+    }
+
+    /// Asperities of one kind: Gaussian heights of standard deviation `std`, m, about the mean plane of the surface.
+    pub fn uniform(std: f64, asperity_radius: f64, asperity_count: usize, nominal_area: f64) -> Self {
+        Self {
+            surface_height_std: std,
+            heights: Heights::gaussian(std),
+            radii: Radii::Common,
+            asperity_radius,
+            mean_plane_offset: 0.0,
+            asperity_count,
+            count_law: CountLaw::Fixed,
+            whole: false,
+            nominal_area,
+        }
+    }
+
+    /// Whether asperities differ in their radii.
+    pub fn is_scattered(&self) -> bool {
+        self.radii != Radii::Common
+    }
+
+    /// Whether asperities are drawn as the schemes that stratify need it: a fixed number of Gaussian heights, one radius.
+    pub fn is_plain(&self) -> bool {
+        !self.is_scattered() && self.heights.law == HeightLaw::Gaussian && self.count_law == CountLaw::Fixed
+    }
+
+    /// The asperities of each radius, for integrals.
+    pub fn parts(&self) -> Vec<Part> {
+        self.radii.parts(self.asperity_radius, &self.heights)
     }
 
     /// d = h − y_s, m, from a separation h of the mean planes of the surfaces, m.
     pub fn asperity_separation(&self, separation: f64) -> f64 {
         separation - self.mean_plane_offset
-    }
-}
-
-/// Gaussian asperity heights about their mean plane.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Gaussian {
-    /// Standard deviation σ_s, m.
-    pub std: f64,
-}
-
-impl Gaussian {
-    /// Probability density at the height `u`, m: 1/m.
-    pub fn density(&self, u: f64) -> f64 {
-        let s = u / self.std;
-        libm::exp(-0.5 * s * s) / (self.std * (2.0 * PI).sqrt())
-    }
-
-    /// Probability of a height between `low` and `high`, m, accurate in both tails.
-    pub fn probability(&self, low: f64, high: f64) -> f64 {
-        let upper_tail = |u: f64| 0.5 * libm::erfc(u / (self.std * SQRT_2));
-        if low >= 0.0 {
-            upper_tail(low) - upper_tail(high)
-        } else if high <= 0.0 {
-            upper_tail(-high) - upper_tail(-low)
-        } else {
-            1.0 - upper_tail(high) - upper_tail(-low)
-        }
-    }
-
-    /// The height, m, below which lies the share `probability`, within 0 and 1; where that is below 1/2, to a few roundings.
-    pub fn quantile(&self, probability: f64) -> f64 {
-        self.std * Normal::standard().inverse_cdf(probability)
-    }
-
-    /// Draws heights, m, by the ziggurat method.
-    pub fn draw(&self, random: &mut impl Rng, heights: &mut [f64]) {
-        for height in heights {
-            let deviate: f64 = StandardNormal.sample(random);
-            *height = self.std * deviate;
-        }
     }
 }
 
@@ -213,7 +239,7 @@ mod tests {
 
     #[test]
     fn probabilities_keep_their_digits_in_the_tails() {
-        let unit = Gaussian { std: 1.0 };
+        let unit = Heights::gaussian(1.0);
         // Upper tail at 10 σ, 50-digit value.
         assert!((unit.probability(10.0, f64::INFINITY) / 7.619853024160526e-24 - 1.0).abs() < 1e-13);
         assert!((unit.probability(f64::NEG_INFINITY, -10.0) / 7.619853024160526e-24 - 1.0).abs() < 1e-13);
@@ -233,10 +259,10 @@ mod tests {
 
     #[test]
     fn quantiles_keep_their_digits_in_the_lower_tail() {
-        let unit = Gaussian { std: 1.0 };
+        let unit = Heights::gaussian(1.0);
         for (probability, quantile) in QUANTILES {
-            assert!((unit.quantile(probability) / quantile - 1.0).abs() < 1e-15, "{probability:e}");
+            assert!((unit.gaussian_quantile(probability) / quantile - 1.0).abs() < 1e-15, "{probability:e}");
         }
-        assert_eq!(Gaussian { std: 2.0 }.quantile(0.5), 0.0);
+        assert_eq!(Heights::gaussian(2.0).gaussian_quantile(0.5), 0.0);
     }
 }

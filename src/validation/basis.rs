@@ -3,14 +3,16 @@
 use crate::asperity::{Law, Scratch, Work, for_each_block};
 use crate::engine::Probe;
 use crate::math::linalg::{gram, whitening};
-use crate::surface::{STRATA, SamplingScheme, Surface};
+use crate::surface::{CountLaw, Part, STRATA, SamplingScheme, Surface};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
-/// Heights of the grid on which the covariance of the law over separations is formed. It shapes the functionals only: their
+/// Asperities of the grid on which the covariance of the law over separations is formed, about. It shapes the functionals only: their
 /// expectations are the integral's and their covariance the sample's, so its error costs power, not truth.
 const GRID: usize = 4001;
-/// The grid covers ± this many σ_s.
+/// Fewest heights of each radius in the grid, and most radii.
+const OF_RADIUS: (usize, usize) = (81, 100);
+/// The grid covers ± this many σ_s, or all that there is.
 const GRID_REACH: f64 = 8.5;
 /// Most separations that the functionals look at: of more, every n-th, because the eigenvectors cost the cube of their number.
 const MAX_SEPARATIONS: usize = 400;
@@ -77,7 +79,7 @@ pub fn basis_to(
     let contributions = contributions(law, surface, &separations, scheme);
     let columns: Vec<Column> = contributions
         .values
-        .chunks_exact(GRID)
+        .chunks_exact(contributions.weights.len())
         .zip(&contributions.largest)
         .map(|(c, largest)| contributions.column(c, *largest, samples))
         .collect();
@@ -100,11 +102,11 @@ pub fn basis_to(
     Basis { probes, tested }
 }
 
-/// Centred contributions of one asperity by its height.
+/// What one asperity contributes, less its mean where the number of asperities is fixed.
 struct Contributions {
-    /// Probability of each height of the grid.
+    /// Probability of each asperity of the grid.
     weights: Vec<f64>,
-    /// Column by column, adhesion force then external force at each separation: 2S × GRID.
+    /// Column by column, adhesion force then external force at each separation: 2S × the grid.
     values: Vec<f64>,
     /// Largest |contribution| of each column before it was centred.
     largest: Vec<f64>,
@@ -112,39 +114,87 @@ struct Contributions {
     forces: Vec<f64>,
 }
 
+/// Asperities of the grid that have one law.
+struct Alike {
+    /// Their law, where it is not that of all.
+    law: Option<Box<dyn Law>>,
+    /// Heights, m, rising.
+    heights: Vec<f64>,
+    /// Weight of each.
+    weights: Vec<f64>,
+}
+
+/// The grid: of each radius its heights.
+fn grid(law: &dyn Law, surface: &Surface) -> Vec<Alike> {
+    let mut parts = surface.parts();
+    let stride = parts.len().div_ceil(OF_RADIUS.1);
+    parts = parts.into_iter().step_by(stride).collect();
+    let each = (GRID / parts.len()).max(OF_RADIUS.0);
+    let alike = |part: Part| {
+        let Part { weight, radius, heights, .. } = part;
+        let law = law.family().map(|family| family.law(radius, None));
+        if let Some(values) = heights.values() {
+            let heights: Vec<f64> = values.iter().step_by(values.len().div_ceil(GRID)).copied().collect();
+            let weights = vec![weight / heights.len() as f64; heights.len()];
+            return Alike { law, heights, weights };
+        }
+        let (low, high) = heights.reach(GRID_REACH);
+        let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
+        // An odd number, so that opposite heights have opposite places.
+        let places = (0..each | 1).map(|i| (i as f64 - (each / 2) as f64) / (each / 2) as f64);
+        let grid: Vec<f64> = places.map(|place| middle + half * place).collect();
+        let densities: Vec<f64> = grid.iter().map(|&u| heights.density(u)).collect();
+        let total: f64 = densities.iter().sum();
+        Alike { law, heights: grid, weights: densities.iter().map(|density| weight * density / total).collect() }
+    };
+    parts.into_iter().map(alike).collect()
+}
+
 fn contributions(law: &dyn Law, surface: &Surface, separations: &[f64], scheme: SamplingScheme) -> Contributions {
-    let std = surface.heights.std;
-    let step = 2.0 * GRID_REACH * std / (GRID - 1) as f64;
-    let heights: Vec<f64> = (0..GRID).map(|i| (i as f64 - (GRID / 2) as f64) * step).collect();
-    let mut weights: Vec<f64> = heights.iter().map(|&u| surface.heights.density(u)).collect();
+    let grid = grid(law, surface);
+    let mut weights: Vec<f64> = grid.iter().flat_map(|alike| alike.weights.iter().copied()).collect();
     let total: f64 = weights.iter().sum();
     weights.iter_mut().for_each(|weight| *weight /= total);
-    let mut values = vec![0.0; 2 * separations.len() * GRID];
-    let (adhesion, external) = values.split_at_mut(separations.len() * GRID);
+    let count = weights.len();
+    let mut values = vec![0.0; 2 * separations.len() * count];
+    let (adhesion, external) = values.split_at_mut(separations.len() * count);
     let (mut scratch, mut work) = (Scratch::default(), Work::default());
-    for (k, &h) in separations.iter().enumerate() {
-        let d = surface.asperity_separation(h);
-        for_each_block(law, &heights, d, &mut scratch, &mut work, |_, range, responses| {
-            for (i, node) in range.enumerate() {
-                adhesion[k * GRID + node] = responses.adhesion[i];
-                external[k * GRID + node] = responses.contact[i] - responses.adhesion[i];
-            }
-        });
+    let mut first = 0;
+    for alike in &grid {
+        let law = alike.law.as_deref().unwrap_or(law);
+        for (k, &h) in separations.iter().enumerate() {
+            let d = surface.asperity_separation(h);
+            for_each_block(law, &alike.heights, d, &mut scratch, &mut work, |_, range, responses| {
+                for (i, node) in range.enumerate() {
+                    let place = k * count + first + node;
+                    adhesion[place] = responses.adhesion[i];
+                    external[place] = responses.contact[i] - responses.adhesion[i];
+                }
+            });
+        }
+        first += alike.heights.len();
     }
     let mean = |column: &[f64]| column.iter().zip(&weights).map(|(f, w)| f * w).sum::<f64>();
     // F_s + P = 2 F_s + F.
-    let columns = values[..separations.len() * GRID]
-        .chunks_exact(GRID)
-        .zip(values[separations.len() * GRID..].chunks_exact(GRID));
+    let columns = adhesion.chunks_exact(count).zip(external.chunks_exact(count));
     let forces = columns.map(|(adhesion, external)| 2.0 * mean(adhesion) + mean(external)).collect();
-    let largest = values.chunks_exact(GRID).map(|c| c.iter().fold(0.0, |worst: f64, f| worst.max(f.abs()))).collect();
-    let strata = strata(&heights, surface, scheme);
-    for column in values.chunks_exact_mut(GRID) {
+    let largest = values.chunks_exact(count).map(|c| c.iter().fold(0.0, |worst: f64, f| worst.max(f.abs()))).collect();
+    if surface.count_law == CountLaw::Fixed {
+        centre(&mut values, &weights, &grid[0].heights, surface, scheme);
+    }
+    Contributions { weights, values, largest, forces }
+}
+
+/// Takes away what is not left to chance: the mean over all asperities, or over those of each stratum.
+fn centre(values: &mut [f64], weights: &[f64], heights: &[f64], surface: &Surface, scheme: SamplingScheme) {
+    let count = weights.len();
+    let strata = strata(heights, count, surface, scheme);
+    for column in values.chunks_exact_mut(count) {
         if scheme == SamplingScheme::Antithetic {
             // What is odd in the height cancels in every pair.
-            for i in 0..GRID / 2 {
-                let even = 0.5 * (column[i] + column[GRID - 1 - i]);
-                (column[i], column[GRID - 1 - i]) = (even, even);
+            for i in 0..count / 2 {
+                let even = 0.5 * (column[i] + column[count - 1 - i]);
+                (column[i], column[count - 1 - i]) = (even, even);
             }
         }
         for range in &strata {
@@ -154,17 +204,18 @@ fn contributions(law: &dyn Law, surface: &Surface, separations: &[f64], scheme: 
             column.iter_mut().for_each(|f| *f -= mean);
         }
     }
-    Contributions { weights, values, largest, forces }
 }
 
-/// Ranges of rising heights, m, over each of which the mean contribution is not left to chance.
-fn strata(heights: &[f64], surface: &Surface, scheme: SamplingScheme) -> Vec<Range<usize>> {
-    let count = if scheme == SamplingScheme::Stratified { STRATA } else { 1 };
+/// Ranges of the `count` asperities of the grid over each of which the mean contribution is not left to chance; where there are several, the
+/// surface is a plain one, and the grid that of its rising heights, m.
+fn strata(heights: &[f64], count: usize, surface: &Surface, scheme: SamplingScheme) -> Vec<Range<usize>> {
+    let strata = if scheme == SamplingScheme::Stratified { STRATA } else { 1 };
     let end = |stratum: u64| {
-        let below = stratum as f64 / count as f64;
+        let below = stratum as f64 / strata as f64;
         heights.partition_point(|&u| surface.heights.probability(f64::NEG_INFINITY, u) < below)
     };
-    let ends: Vec<usize> = (0..count).map(end).chain([heights.len()]).collect();
+    let ends: Vec<usize> =
+        if strata == 1 { vec![0, count] } else { (0..strata).map(end).chain([heights.len()]).collect() };
     ends.windows(2).map(|pair| pair[0]..pair[1]).collect()
 }
 
@@ -187,10 +238,11 @@ impl Contributions {
     /// standard errors.
     fn components(&self, kept: &[usize], columns: &[Column], samples: f64, errors: &[f64]) -> Vec<Vec<f64>> {
         let n = kept.len();
-        let mut rows = vec![0.0; GRID * n];
+        let count = self.weights.len();
+        let mut rows = vec![0.0; count * n];
         for (place, &j) in kept.iter().enumerate() {
             for (i, weight) in self.weights.iter().enumerate() {
-                rows[i * n + place] = weight.sqrt() * self.values[j * GRID + i] / columns[j].std;
+                rows[i * n + place] = weight.sqrt() * self.values[j * count + i] / columns[j].std;
             }
         }
         let components = whitening(&gram(&rows, n), n, SMALLEST_EIGENVALUE).into_iter();

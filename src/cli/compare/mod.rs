@@ -19,7 +19,7 @@ use crate::output::progress::Progress;
 use crate::output::schema::COMPARISON;
 use crate::output::writer::Writer;
 use crate::scene::{Scene, Sizes, Warning, beyond, warnings_of_scene};
-use crate::statistical::{Statistical, contact_area};
+use crate::statistical::{Model as Integral, Statistical};
 use crate::validation::JointTest;
 use std::sync::atomic::AtomicBool;
 
@@ -115,7 +115,8 @@ pub(super) fn compare(arguments: &CompareArguments) -> Result<(), Failure> {
         });
     }
     progress.end();
-    let share_in_contact = |h: f64| contact_area(laws[0].as_ref(), &scene.surface, h) / scene.surface.nominal_area;
+    let integral = Integral::new(laws[0].as_ref(), &scene.surface, &scene.separations);
+    let share_in_contact = |h: f64| integral.contact_area(h) / scene.surface.nominal_area;
     let warnings = warnings_of_scene(&scene, &compared[0].model, laws[0].as_ref(), share_in_contact);
     let comparison = Comparison { scene, interferences, laws: compared, warnings };
     if let Some(claim) = &claim {

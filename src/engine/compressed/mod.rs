@@ -25,7 +25,7 @@ pub use moments::{Binned, Sums};
 
 use super::curves::Curves;
 use crate::asperity::{Law, Quantity};
-use crate::surface::Surface;
+use crate::surface::{HeightLaw, Surface};
 use between::Nodes;
 use geometry::Geometry;
 use offsets::Offset;
@@ -45,8 +45,9 @@ type Lanes = [f64; LANES];
 pub(super) const SMALL: f64 = 1e-3;
 /// Separations have one step when they are off it by at most this share.
 const UNEVEN: f64 = 1e-9;
-/// Heights are binned up to this many σ_s; a surface with a higher asperity is summed directly.
-const HEIGHT_REACH: f64 = 10.0;
+/// Heights are binned up to this many σ_s, of laws with heavier tails than the normal one up to the second; a surface with a higher asperity
+/// is summed directly.
+const HEIGHT_REACH: [f64; 2] = [10.0, 16.0];
 /// Most periods and separations: with more there are few asperities in each, and their moments take more memory than direct sums and
 /// no less time.
 const MOST_PERIODS: f64 = 4e3;
@@ -71,6 +72,9 @@ pub enum Unfit {
     /// There are more periods than anything is gained by.
     #[error("a step of the separations is only {0:.1e} of the height deviation")]
     TooFine(f64),
+    /// Asperities of several radii have no law in common.
+    #[error("asperities differ in their radii, so no law is that of all")]
+    Scattered,
     /// Measured against direct sums.
     #[error("the tolerance is not met, the achieved error is {0:.1e}")]
     NotMet(f64),
@@ -102,6 +106,9 @@ impl Compression {
     /// # Errors
     /// [`Unfit`] where direct sums are the better or the only way.
     pub fn new(law: &dyn Law, surface: &Surface, separations: &[f64], tolerance: f64) -> Result<Self, Unfit> {
+        if surface.is_scattered() {
+            return Err(Unfit::Scattered);
+        }
         // Places in a bin are counted with 32 bits.
         if u32::try_from(surface.asperity_count).is_err() {
             return Err(Unfit::TooMany(surface.asperity_count));
@@ -112,7 +119,8 @@ impl Compression {
         if !separations.iter().enumerate().all(even) {
             return Err(Unfit::Uneven);
         }
-        let reach = HEIGHT_REACH * surface.heights.std;
+        let heavy = !matches!(surface.heights.law, HeightLaw::Gaussian | HeightLaw::Truncated(_));
+        let reach = HEIGHT_REACH[usize::from(heavy)] * surface.heights.std;
         if 2.0 * reach / step + separations.len() as f64 > MOST_PERIODS {
             return Err(Unfit::TooFine(step / surface.heights.std));
         }

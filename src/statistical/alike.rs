@@ -1,0 +1,258 @@
+//! Expectations of asperities that have one law, at one separation.
+
+use crate::asperity::{Law, Piece, Quantity, Responses, Scratch, Smoothness, Work, for_each_block, regime_ranges};
+use crate::math::extrema::maximum;
+use crate::math::quadrature::{Integral, NODES, Rule};
+use crate::surface::Heights;
+
+/// Heights beyond so many σ_s have a normal density that underflows.
+const LARGEST_HEIGHT: f64 = 38.0;
+
+/// Components of an integrand: adhesion, contact, area, squares of the four quantities, and the density itself.
+const COMPONENTS: usize = 8;
+
+/// Expectations at one separation, per asperity.
+#[derive(Clone, Debug)]
+pub(super) struct AtSeparation {
+    pub regimes: Vec<RegimeMoments>,
+    /// The four quantities that deviations are from, and the probability of none of the regimes, where the quantities are 0.
+    typical: [f64; 4],
+    beyond: f64,
+    /// The integral of the density over the regimes: 1 less what is beyond, with the error of the quadrature, which the means share.
+    density: f64,
+    /// Bound of the relative error of adhesion, contact force and area of any regime.
+    pub error: f64,
+    pub work: Work,
+}
+
+/// One regime's share, per asperity of the surface.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct RegimeMoments {
+    pub probability: f64,
+    pub adhesion: f64,
+    pub contact: f64,
+    area: f64,
+    /// Of the deviations from the typical quantities.
+    squares: [f64; 4],
+}
+
+impl AtSeparation {
+    /// None yet, with deviations from `typical` quantities.
+    pub fn new(regimes: usize, typical: [f64; 4]) -> Self {
+        let regimes = vec![RegimeMoments::default(); regimes];
+        Self { regimes, typical, beyond: 0.0, density: 0.0, error: 0.0, work: Work::default() }
+    }
+
+    /// Those of a law over heights at the separation d, m.
+    pub fn of(law: &dyn Law, heights: &Heights, separation: f64, typical: [f64; 4], tolerance: f64) -> Self {
+        let mut at = Self::new(law.regimes().len(), typical);
+        match heights.values() {
+            Some(values) => at.add_up(law, values, separation - heights.mean),
+            None => at.integrate_pieces(law, heights, separation, tolerance),
+        }
+        at
+    }
+
+    /// Adds those of another law, which a share of the asperities has; its error stays its own.
+    pub fn add(&mut self, share: f64, other: &Self) {
+        for (mine, theirs) in self.regimes.iter_mut().zip(&other.regimes) {
+            mine.probability += share * theirs.probability;
+            mine.adhesion += share * theirs.adhesion;
+            mine.contact += share * theirs.contact;
+            mine.area += share * theirs.area;
+            mine.squares.iter_mut().zip(theirs.squares).for_each(|(mine, theirs)| *mine += share * theirs);
+        }
+        self.beyond += share * other.beyond;
+        self.density += share * other.density;
+        self.error = maximum(self.error, other.error);
+    }
+
+    /// Given heights, m, rising, each as likely.
+    fn add_up(&mut self, law: &dyn Law, heights: &[f64], separation: f64) {
+        let weight = 1.0 / heights.len() as f64;
+        let mut counted = 0;
+        for (regime, range) in regime_ranges(law, heights, separation) {
+            counted += range.len();
+            self.regimes[regime].probability = range.len() as f64 * weight;
+        }
+        self.beyond = (heights.len() - counted) as f64 * weight;
+        self.density = counted as f64 * weight;
+        let (regimes, typical) = (&mut self.regimes, self.typical);
+        for_each_block(
+            law,
+            heights,
+            separation,
+            &mut Scratch::default(),
+            &mut self.work,
+            |regime, range, responses| {
+                let touches = law.regimes()[regime].is_contact();
+                let sum = &mut regimes[regime];
+                for i in 0..range.len() {
+                    let [contact, area] =
+                        [responses.contact[i], responses.area[i]].map(|q| if touches { q } else { 0.0 });
+                    let quantities = Quantity::of_response(responses.adhesion[i], contact, area);
+                    sum.adhesion += weight * quantities[0];
+                    sum.contact += weight * quantities[1];
+                    sum.area += weight * area;
+                    for q in 0..4 {
+                        sum.squares[q] += weight * (quantities[q] - typical[q]).powi(2);
+                    }
+                }
+            },
+        );
+    }
+
+    /// Heights that have a density.
+    fn integrate_pieces(&mut self, law: &dyn Law, heights: &Heights, separation: f64, tolerance: f64) {
+        let pieces = law.pieces();
+        if let Some(end) = pieces.last().map(|piece| piece.upper).filter(|end| end.is_finite()) {
+            self.beyond = heights.probability(end + separation, f64::INFINITY);
+        }
+        for piece in pieces {
+            let probability = heights.probability(piece.lower + separation, piece.upper + separation);
+            self.regimes[piece.regime].probability += probability;
+            let integral = self.integrate(law, heights, separation, &piece, tolerance);
+            self.density += integral.value[7];
+            let regime = &mut self.regimes[piece.regime];
+            regime.adhesion += integral.value[0];
+            regime.contact += integral.value[1];
+            regime.area += integral.value[2];
+            for q in 0..4 {
+                regime.squares[q] += integral.value[3 + q];
+            }
+            for c in 0..3 {
+                // What underflows has no relative error; what is not a number is no better for that.
+                if !(integral.value[c] <= f64::MIN_POSITIVE / f64::EPSILON) {
+                    self.error = maximum(self.error, integral.error[c] / integral.value[c]);
+                }
+            }
+        }
+    }
+
+    fn integrate(
+        &mut self,
+        law: &dyn Law,
+        heights: &Heights,
+        separation: f64,
+        piece: &Piece,
+        tolerance: f64,
+    ) -> Integral<COMPONENTS> {
+        let variable = Variable::of(piece, separation, heights.std);
+        let breaks = panel_breaks(piece, separation, heights, variable);
+        // Rounding a height far out in the distribution is rounding its density so many times over.
+        let ends = [breaks.first(), breaks.last()].map(|end| variable.distance(*end.unwrap_or(&0.0)).abs());
+        let rounding = f64::EPSILON * (ends[0].max(ends[1]) + variable.height.abs()) / heights.std;
+        let tolerance = tolerance.max(4.0 * LARGEST_HEIGHT * rounding);
+        let mut responses = Responses::default();
+        let mut interference = [0.0; NODES];
+        let typical = self.typical;
+        Rule::shared().integrate(&breaks, tolerance, |places, values: &mut [[f64; COMPONENTS]; NODES]| {
+            for (delta, &place) in interference.iter_mut().zip(places) {
+                *delta = variable.interference(place).clamp(piece.lower, piece.upper);
+            }
+            law.evaluate(piece.regime, &interference, &mut responses, &mut self.work);
+            for (i, value) in values.iter_mut().enumerate() {
+                let weight = heights.density(variable.height(places[i])) * variable.stretch(places[i]);
+                let quantities = Quantity::of_response(responses.adhesion[i], responses.contact[i], responses.area[i]);
+                let [adhesion, contact, _, area] = quantities.map(|q| weight * q);
+                let [a, p, f, s] = std::array::from_fn(|q| weight * (quantities[q] - typical[q]).powi(2));
+                *value = [adhesion, contact, area, a, p, f, s, weight];
+            }
+        })
+    }
+
+    /// E\[q\] of the four quantities.
+    pub fn means(&self) -> [f64; 4] {
+        let sum = |f: fn(&RegimeMoments) -> f64| self.regimes.iter().map(f).sum::<f64>();
+        Quantity::of_response(sum(|r| r.adhesion), sum(|r| r.contact), sum(|r| r.area))
+    }
+
+    /// E\[(q − c)²\] − (E\[q\] − c)² of the four quantities.
+    pub fn variances(&self) -> [f64; 4] {
+        let means = self.means();
+        std::array::from_fn(|q| {
+            let typical = self.typical[q];
+            let square: f64 = self.regimes.iter().map(|r| r.squares[q]).sum::<f64>() + self.beyond * typical * typical;
+            let mean = means[q] - self.density * typical - self.beyond * typical;
+            maximum(square - mean * mean, 0.0)
+        })
+    }
+}
+
+/// The four quantities at an interference, m; 0 beyond the law's end.
+pub(super) fn typical(law: &dyn Law, interference: f64, work: &mut Work) -> [f64; 4] {
+    let pieces = law.pieces();
+    let inside = |piece: &&Piece| piece.lower <= interference && interference <= piece.upper;
+    let Some(piece) = pieces.iter().find(inside) else { return [0.0; 4] };
+    let mut responses = Responses::default();
+    law.evaluate(piece.regime, &[interference], &mut responses, work);
+    Quantity::of_response(responses.adhesion[0], responses.contact[0], responses.area[0])
+}
+
+/// The variable x in which a piece is integrated: δ = interference + sign·x^order, and likewise for the height u = δ + d, which has an
+/// origin of its own so that no digit of either is lost to the other.
+#[derive(Clone, Copy)]
+struct Variable {
+    /// δ at x = 0, m.
+    interference: f64,
+    /// u there, m.
+    height: f64,
+    sign: f64,
+    order: i32,
+}
+
+/// Origins further away than this many σ_s from the mean plane are no use: x would vary by less than its rounding allows. From so far the
+/// law looks smooth.
+const FURTHEST_ORIGIN: f64 = 1e4;
+
+impl Variable {
+    /// From the root next to which a piece is not smooth, or from δ = 0; from the mean plane where those are far away.
+    fn of(piece: &Piece, separation: f64, std: f64) -> Self {
+        let (interference, sign, order) = match piece.smoothness {
+            Smoothness::Smooth => (0.0, 1.0, 1),
+            Smoothness::Root { place, order } => (place, if place <= piece.lower { 1.0 } else { -1.0 }, order),
+        };
+        let height = interference + separation;
+        if height.abs() <= FURTHEST_ORIGIN * std {
+            Self { interference, height, sign, order }
+        } else {
+            Self { interference: -separation, height: 0.0, sign: 1.0, order: 1 }
+        }
+    }
+
+    /// δ − δ(0) = u − u(0), m.
+    fn distance(self, x: f64) -> f64 {
+        self.sign * x.powi(self.order)
+    }
+
+    /// δ, m.
+    fn interference(self, x: f64) -> f64 {
+        self.interference + self.distance(x)
+    }
+
+    /// u, m.
+    fn height(self, x: f64) -> f64 {
+        self.height + self.distance(x)
+    }
+
+    /// |dδ/dx|.
+    fn stretch(self, x: f64) -> f64 {
+        f64::from(self.order) * x.powi(self.order - 1)
+    }
+
+    /// x at a height, m.
+    fn of_height(self, height: f64) -> f64 {
+        let distance = self.sign * (height - self.height);
+        if self.order == 1 { distance } else { libm::pow(distance.max(0.0), 1.0 / f64::from(self.order)) }
+    }
+}
+
+/// Rising panel ends for a piece, where there are heights.
+fn panel_breaks(piece: &Piece, separation: f64, heights: &Heights, variable: Variable) -> Vec<f64> {
+    let (low, high) = (piece.lower + separation, piece.upper + separation);
+    let panels = heights.panels(low, high).into_iter();
+    let mut breaks: Vec<f64> = panels.map(|u| variable.of_height(u.clamp(low, high))).collect();
+    breaks.sort_by(f64::total_cmp);
+    breaks.dedup();
+    breaks
+}

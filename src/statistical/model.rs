@@ -1,0 +1,132 @@
+//! The model of a surface, whose asperities are alike but for their radii and heights.
+
+use super::alike::{AtSeparation, typical};
+use super::{Statistical, TOLERANCE};
+use crate::asperity::{Law, Quantity, Work};
+use crate::math::extrema::maximum;
+use crate::surface::{CountLaw, Part, Surface};
+use rayon::prelude::*;
+
+/// Heights further than this many σ_s from their mean plane are integrated without starting tables.
+const HEIGHT_REACH: f64 = 11.0;
+
+/// The integral model of a surface under a law: with one radius a mean over heights, with several one over radii too.
+pub struct Model<'a> {
+    law: &'a dyn Law,
+    surface: &'a Surface,
+    /// Asperities of each radius, and their law where it is not that of all.
+    parts: Vec<(Part, Option<Box<dyn Law>>)>,
+}
+
+/// Expectations at one separation, and those of a coarser division of the radii.
+struct Mixture {
+    fine: AtSeparation,
+    coarse: AtSeparation,
+}
+
+impl<'a> Model<'a> {
+    /// The model of a surface, with laws that are fast at `separations` h, m.
+    pub fn new(law: &'a dyn Law, surface: &'a Surface, separations: &[f64]) -> Self {
+        let law_of = |part: &Part| {
+            let family = law.family()?;
+            let reach = reach(part, surface, separations);
+            // A few heights are solved faster than a table is made.
+            Some(family.law(part.radius, part.heights.values().is_none().then_some(reach)))
+        };
+        let parts = surface.parts().into_par_iter().map(|part| (law_of(&part), part)).map(|(law, part)| (part, law));
+        Self { law, surface, parts: parts.collect() }
+    }
+
+    /// The answer at separations h, m, to a relative accuracy of every piece of the law; not to more than the rounding of heights
+    /// allows.
+    pub fn answer(&self, separations: &[f64], tolerance: f64) -> Statistical {
+        let at = self.at(separations, tolerance);
+        let surface = self.surface;
+        let count = surface.asperity_count as f64;
+        let quantity = |f: &dyn Fn(&AtSeparation) -> [f64; 4]| -> [Vec<f64>; 4] {
+            let rows: Vec<[f64; 4]> = at.iter().map(|at| f(&at.fine)).collect();
+            std::array::from_fn(|q| rows.iter().map(|row| row[q]).collect())
+        };
+        let variances = |at: &AtSeparation| match surface.count_law {
+            _ if surface.whole => [0.0; 4],
+            CountLaw::Fixed => at.variances(),
+            // Of a Poisson-distributed number of terms (Campbell): N E\[q²\].
+            CountLaw::Poisson => {
+                let (means, variances) = (at.means(), at.variances());
+                std::array::from_fn(|q| variances[q] + means[q] * means[q])
+            }
+        };
+        let regime = |f: &dyn Fn(&AtSeparation, usize) -> f64| -> Vec<Vec<f64>> {
+            (0..self.law.regimes().len()).map(|r| at.iter().map(|at| count * f(&at.fine, r)).collect()).collect()
+        };
+        let mut work = Work::default();
+        at.iter().for_each(|at| work.merge(&at.fine.work));
+        Statistical {
+            expected: quantity(&|at| at.means().map(|mean| count * mean)),
+            std: quantity(&|at| variances(at).map(|variance| (count * variance).sqrt())),
+            regime_count: regime(&|at, r| at.regimes[r].probability),
+            regime_adhesion_force: regime(&|at, r| at.regimes[r].adhesion),
+            regime_external_force: regime(&|at, r| at.regimes[r].contact - at.regimes[r].adhesion),
+            quadrature_error: at.iter().fold(0.0, |worst, at| maximum(at.error(), worst)),
+            work,
+        }
+    }
+
+    /// Expected external force, N, at one separation h, m.
+    pub fn external_force(&self, separation: f64) -> f64 {
+        self.mean(Quantity::ExternalForce, separation)
+    }
+
+    /// Expected contact area, m², at one separation h, m.
+    pub fn contact_area(&self, separation: f64) -> f64 {
+        self.mean(Quantity::ContactArea, separation)
+    }
+
+    fn mean(&self, quantity: Quantity, separation: f64) -> f64 {
+        let at = self.at(&[separation], TOLERANCE);
+        self.surface.asperity_count as f64 * at[0].fine.means()[quantity.index()]
+    }
+
+    /// Expectations at separations h, m.
+    fn at(&self, separations: &[f64], tolerance: f64) -> Vec<Mixture> {
+        let regimes = self.law.regimes().len();
+        let at = |&h: &f64| {
+            let d = self.surface.asperity_separation(h);
+            let mut work = Work::default();
+            let typical = typical(self.law, self.surface.heights.mean - d, &mut work);
+            let [mut fine, mut coarse] = [0, 1].map(|_| AtSeparation::new(regimes, typical));
+            for (part, law) in &self.parts {
+                let law = law.as_deref().unwrap_or(self.law);
+                let at = AtSeparation::of(law, &part.heights, d, typical, tolerance);
+                work.merge(&at.work);
+                if self.parts.len() == 1 {
+                    (coarse, fine) = (at.clone(), at);
+                    break;
+                }
+                fine.add(part.weight, &at);
+                coarse.add(part.coarse, &at);
+            }
+            fine.work = work;
+            Mixture { fine, coarse }
+        };
+        separations.par_iter().map(at).collect()
+    }
+}
+
+impl Mixture {
+    /// The larger of the bounds of the relative error of the integrals over heights, and over radii: there of the forces against F_s + P.
+    fn error(&self) -> f64 {
+        let [fine, coarse] = [self.fine.means(), self.coarse.means()];
+        let forces = fine[0] + fine[1];
+        let largest = (0..3).fold(0.0, |worst, q| maximum((fine[q] - coarse[q]).abs(), worst));
+        maximum(self.fine.error, if largest > 0.0 { largest / forces } else { 0.0 })
+    }
+}
+
+/// Interferences, m, of some asperities at separations h, m.
+fn reach(part: &Part, surface: &Surface, separations: &[f64]) -> (f64, f64) {
+    let d = separations.iter().map(|&h| surface.asperity_separation(h));
+    let (nearest, furthest) = d.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), d| (low.min(d), high.max(d)));
+    let (lowest, highest) = part.heights.reach(HEIGHT_REACH);
+    (lowest - furthest, highest - nearest)
+}

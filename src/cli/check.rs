@@ -5,7 +5,7 @@ use super::{Failure, law_of, print, read_scene, resources, warnings_of};
 use crate::asperity::scale::Scale;
 use crate::scene::echo::one_line;
 use crate::scene::{Plan, Scene, Sizes, Warning};
-use crate::surface::SamplingScheme;
+use crate::surface::{CountLaw, HeightLaw, SamplingScheme, Surface};
 use std::path::Path;
 
 pub(super) fn check(path: &Path) -> Result<(), Failure> {
@@ -103,14 +103,14 @@ pub(super) fn numbers(scene: &Scene) -> String {
     if let Some(critical_approach) = scene.critical_approach {
         text += &row("delta_A", &format!("{}  critical approach, as the scene sets it", si(critical_approach, "m")));
     }
-    text += &row(
-        "N",
-        &format!(
-            "{} asperities per replica, heights with standard deviation {}",
-            surface.asperity_count,
-            si(surface.heights.std, "m")
-        ),
-    );
+    let (mean, std) = surface.heights.moments();
+    let varies = match surface.count_law {
+        CountLaw::Fixed => "",
+        CountLaw::Poisson => " on average (Poisson)",
+    };
+    let asperities = format!("{} asperities per replica{varies}", surface.asperity_count);
+    text += &row("N", &format!("{asperities}, heights with standard deviation {}", si(std, "m")));
+    text += &laws(surface, mean);
     text += &row(
         "separations",
         &format!(
@@ -122,6 +122,29 @@ pub(super) fn numbers(scene: &Scene) -> String {
             si(last, "m")
         ),
     );
+    text
+}
+
+/// Laws of heights and radii, where they are not all Gaussian and the same.
+fn laws(surface: &Surface, mean_height: f64) -> String {
+    let mut text = String::new();
+    if surface.heights.law != HeightLaw::Gaussian {
+        let about = surface.heights.law.about();
+        // What is cut off an end moves the mean.
+        let mean = if mean_height.abs() > 1e-9 * surface.heights.std {
+            format!(", mean {}", si(mean_height, "m"))
+        } else {
+            String::new()
+        };
+        text += &row("heights", &format!("{about}{mean}"));
+    }
+    if surface.is_scattered() {
+        let radius = si(surface.asperity_radius, "m");
+        text += &row("radii", &format!("{}; mean {radius}: each asperity has its own lambda", surface.radii.about()));
+    }
+    if surface.whole {
+        text += &row("", "every replica is the measured surface itself");
+    }
     text
 }
 

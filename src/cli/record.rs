@@ -77,7 +77,11 @@ pub(super) fn write_scene(writer: &mut Writer<'_>, scene: &Scene) -> Result<(), 
     }
     writer.number("/", "surface_height_std", scene.surface.surface_height_std)?;
     writer.number("/", "asperity_height_std", scene.surface.heights.std)?;
+    writer.number("/", "asperity_radius", scene.surface.asperity_radius)?;
     writer.number("/", "mean_plane_offset", scene.surface.mean_plane_offset)?;
+    writer.text("/", "heights", &scene.surface.heights.law.about())?;
+    writer.text("/", "radii", &scene.surface.radii.about())?;
+    writer.text("/", "count", scene.surface.count_law.name())?;
     writer.number("/", "nominal_area", scene.surface.nominal_area)?;
     writer.scale(Dimension::Separation, &scene.separations)?;
     let of_separation = |f: &dyn Fn(f64) -> f64| scene.separations.iter().map(|&h| f(h)).collect::<Vec<f64>>();

@@ -43,7 +43,7 @@ const MATERIAL_KEYS: [&str; 5] =
 /// A validated scene, SI.
 #[derive(Clone, Debug)]
 pub struct Scene {
-    /// The TOML text.
+    /// The TOML text, with a comment for each file that it has taken values from.
     pub text: String,
     /// Its title, may be empty.
     pub title: String,
@@ -130,7 +130,7 @@ impl Scene {
         let output = root.section("output", &["curves"], false)?;
         let curves = output.and_then(|output| output.get("curves")).map_or(Ok(false), |entry| entry.boolean())?;
         let scene = Self {
-            text: text.to_owned(),
+            text: with_inputs(text, &inputs),
             title,
             asperity,
             surface,
@@ -200,6 +200,19 @@ impl Scene {
         let family = Family::new(*model, self.asperity, self.path, self.critical_approach, RADIUS_RANGE)?;
         Ok(Box::new(Typical::new(law, family)))
     }
+}
+
+/// A scene's text, and behind it what each of its files gave: the same text is then the same scene.
+fn with_inputs(text: &str, inputs: &[Input]) -> String {
+    let mut text = text.to_owned();
+    for input in inputs {
+        let line = format!("# {}\n", echo::one_line(&input.line()));
+        if !text.contains(&line) {
+            let end = if text.is_empty() || text.ends_with('\n') { "" } else { "\n" };
+            text += &format!("{end}{line}");
+        }
+    }
+    text
 }
 
 fn required<'a>(root: &Section<'a>, name: &'a str, keys: &[&str]) -> Result<Section<'a>, SceneError> {

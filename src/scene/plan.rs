@@ -8,6 +8,8 @@ const NEVER: f64 = 1e-6;
 
 /// Nanoseconds that a replica takes by compressed sums, about: for each asperity, and for each separation.
 const COMPRESSED: (f64, f64) = (30.0, 700.0);
+/// Nanoseconds that making the law of an asperity takes, where each has its own, and a solve of that law.
+const SCATTERED: (f64, f64) = (30e3, 400.0);
 /// Replicas that are summed directly too before a compressed run, to see its error.
 const PILOTS: f64 = 4.0;
 /// Nanoseconds that an asperity takes to be drawn and sorted, about, and a surface at a separation, however few its asperities.
@@ -100,21 +102,25 @@ impl Plan {
 fn core_seconds(scene: &Scene, law: &dyn Law, regimes: &[RegimePlan]) -> CoreSeconds {
     let sizes = Sizes::new(scene, law, 1);
     let (n, s) = (sizes.asperities, sizes.separations);
-    let solving: f64 = regimes.iter().enumerate().map(|(i, plan)| plan.asperities * law.cost(i)).sum();
+    let of_asperity =
+        |i: usize| if scene.surface.is_scattered() && law.constant(i).is_none() { SCATTERED.1 } else { law.cost(i) };
+    let solving: f64 = regimes.iter().enumerate().map(|(i, plan)| plan.asperities * of_asperity(i)).sum();
     let between = ((sizes.step / SEARCH.1).ceil() - 1.0).min(SEARCH.2);
     let searched = SEARCH.0.min(s - 1.0) * between + SEARCH.3;
-    let direct = DIRECT.0 * n + (s + searched) * (DIRECT.1 + solving);
+    let making = if scene.surface.is_scattered() { SCATTERED.0 } else { 0.0 };
+    let direct = (DIRECT.0 + making) * n + (s + searched) * (DIRECT.1 + solving);
     let compressed = COMPRESSED.0 * n + COMPRESSED.1 * s;
     let (replica, pilots) = match scene.sum_tolerance {
         Some(_) => (compressed, PILOTS.min(sizes.replicas) * (direct + compressed)),
         None => (direct, 0.0),
     };
+    let parts = scene.surface.parts().len() as f64;
     let dearest = (0..regimes.len()).map(|regime| law.cost(regime)).fold(0.0, f64::max);
     let panels = INTEGRAL.1 + 2.0 * law.pieces().len() as f64;
     let columns = sizes.tested();
     let grid = FUNCTIONALS.0 * columns + FUNCTIONALS.1 * columns * columns;
     CoreSeconds {
-        integral: 1e-9 * s * INTEGRAL.0 * panels * (INTEGRAL.2 + INTEGRAL.3 * dearest),
+        integral: 1e-9 * parts * s * INTEGRAL.0 * panels * (INTEGRAL.2 + INTEGRAL.3 * dearest),
         functionals: 1e-9 * (GRID * grid + FUNCTIONALS.2 * columns.powi(3)),
         pilots: 1e-9 * pilots,
         ensemble: 1e-9 * sizes.replicas * replica,
@@ -165,7 +171,7 @@ fn skips(scene: &Scene, law: &dyn Law, regimes: &[RegimePlan]) -> Vec<String> {
     if !never.is_empty() {
         skips.push(format!("{}: no asperity expected there in the whole run", never.join(", ")));
     }
-    if let Some(far) = law.far() {
+    if let Some(far) = law.far().filter(|_| !scene.surface.is_scattered()) {
         let share = |h: &f64| {
             let d = scene.surface.asperity_separation(*h);
             scene.surface.heights.probability(f64::NEG_INFINITY, far + d)
@@ -186,7 +192,9 @@ fn skips(scene: &Scene, law: &dyn Law, regimes: &[RegimePlan]) -> Vec<String> {
     if let Some(tolerance) = scene.sum_tolerance {
         skips.push(format!("asperities one by one: sums by moments to {tolerance:e}, if a trial meets it"));
     }
-    skips.push("one lambda for all asperities: what depends on it is made once".to_owned());
+    if !scene.surface.is_scattered() {
+        skips.push("one lambda for all asperities: what depends on it is made once".to_owned());
+    }
     if !scene.curves {
         skips.push("curves of single replicas: not asked for".to_owned());
     }

@@ -95,16 +95,18 @@ impl<'a> Model<'a> {
             let mut work = Work::default();
             let typical = typical(self.law, self.surface.heights.mean - d, &mut work);
             let [mut fine, mut coarse] = [0, 1].map(|_| AtSeparation::new(regimes, typical));
-            for (part, law) in &self.parts {
+            let alike = self.parts.par_iter().map(|(part, law)| {
                 let law = law.as_deref().unwrap_or(self.law);
-                let at = AtSeparation::of(law, &part.heights, d, typical, tolerance);
-                work.merge(&at.work);
-                if self.parts.len() == 1 {
-                    (coarse, fine) = (at.clone(), at);
-                    break;
-                }
-                fine.add(part.weight, &at);
-                coarse.add(part.coarse, &at);
+                AtSeparation::of(law, &part.heights, d, typical, tolerance)
+            });
+            let alike: Vec<AtSeparation> = alike.collect();
+            alike.iter().for_each(|at| work.merge(&at.work));
+            match &alike[..] {
+                [all] => (fine, coarse) = (all.clone(), all.clone()),
+                parts => parts.iter().zip(&self.parts).for_each(|(at, (part, _))| {
+                    fine.add(part.weight, at);
+                    coarse.add(part.coarse, at);
+                }),
             }
             fine.work = work;
             Mixture { fine, coarse }

@@ -86,6 +86,20 @@ pub struct Truncated {
     probability: f64,
 }
 
+impl HeightLaw {
+    /// What it is, for people.
+    pub fn about(&self) -> String {
+        match self {
+            Self::Gaussian => "gaussian".to_owned(),
+            Self::Exponential => "exponential".to_owned(),
+            Self::Weibull(law) => format!("weibull, shape {}", law.shape),
+            Self::LogNormal(law) => format!("lognormal, shape {}", law.shape),
+            Self::Truncated(law) => format!("gaussian from {} to {} standard deviations", law.lower, law.upper),
+            Self::Sample(values) => format!("one of {} given values", values.len()),
+        }
+    }
+}
+
 impl Weibull {
     /// The law of a shape k of 1 to 20.
     pub fn new(shape: f64) -> Self {

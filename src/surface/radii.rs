@@ -59,14 +59,14 @@ impl Radii {
     /// What it is, for people.
     pub fn about(&self) -> String {
         match self {
-            Self::Common => "one radius".to_owned(),
-            Self::LogNormal(variation) => format!("log-normal radii, coefficient of variation {variation}"),
-            Self::Gamma(variation) => format!("gamma radii, coefficient of variation {variation}"),
-            Self::Sample(radii) => format!("one of {} given radii", radii.len()),
+            Self::Common => "common".to_owned(),
+            Self::LogNormal(variation) => format!("lognormal, coefficient of variation {variation}"),
+            Self::Gamma(variation) => format!("gamma, coefficient of variation {variation}"),
+            Self::Sample(radii) => format!("one of {} given values", radii.len()),
             Self::Nayak(spectrum) => {
-                format!("heights and radii of the summits of a Gaussian surface, alpha = {:.3}", spectrum.alpha())
+                format!("summits of a Gaussian surface, jointly with their heights, alpha = {:.3}", spectrum.alpha())
             }
-            Self::Measured(asperities) => format!("heights and radii of {} measured asperities", asperities.len()),
+            Self::Measured(asperities) => format!("of {} measured asperities, with their heights", asperities.len()),
         }
     }
 

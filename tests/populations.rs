@@ -1,0 +1,292 @@
+//! Surfaces whose asperities are not all alike: the integral against independent quadrature, ensembles against the integral, and what does
+//! not depend on what.
+
+mod common;
+
+use common::{case, job, law, respond};
+use std::sync::atomic::AtomicBool;
+use stiction::asperity::models::model;
+use stiction::asperity::{Family, Law, Path, Quantity, Typical};
+use stiction::engine::{Ensemble, draw, run};
+use stiction::statistical::Statistical;
+use stiction::surface::nayak::Spectrum;
+use stiction::surface::{
+    CountLaw, HeightLaw, Heights, LogNormal, RADIUS_RANGE, Radii, SamplingScheme, Surface, Truncated, Weibull,
+};
+use stiction::validation::{Verdict, basis};
+
+const HEIGHTS: &str = include_str!("data/heights.csv");
+const POPULATIONS: &str = include_str!("data/populations.csv");
+
+fn rows(table: &str) -> impl Iterator<Item = Vec<&str>> {
+    table.lines().skip(1).map(|line| line.split(',').collect())
+}
+
+fn number(text: &str) -> f64 {
+    text.parse().unwrap()
+}
+
+fn height_law(name: &str, shape: f64) -> HeightLaw {
+    match name {
+        "gaussian" => HeightLaw::Gaussian,
+        "exponential" => HeightLaw::Exponential,
+        "weibull" => HeightLaw::Weibull(Weibull::new(shape)),
+        "lognormal" => HeightLaw::LogNormal(LogNormal::new(shape)),
+        "truncated" => HeightLaw::Truncated(Truncated::new(f64::NEG_INFINITY, shape)),
+        other => panic!("unknown law {other}"),
+    }
+}
+
+/// A law of a name for the asperities of case II, typical of those of a surface.
+fn law_for(name: &str, surface: &Surface, separations: &[f64]) -> Box<dyn Law> {
+    let (asperity, _) = case("II");
+    let (lowest, highest) = surface.heights.reach(11.0);
+    let reach = (lowest - separations[separations.len() - 1], highest - separations[0]);
+    let law = law(name, &asperity, Path::Approach, reach);
+    if !surface.is_scattered() {
+        return law;
+    }
+    let family = Family::new(model(name).unwrap(), asperity, Path::Approach, None, RADIUS_RANGE).unwrap();
+    Box::new(Typical::new(law, family))
+}
+
+/// Surfaces of every kind, of asperities like those of case II, with `count` of them.
+fn surfaces(count: usize) -> Vec<(&'static str, Surface)> {
+    let (_, case_ii) = case("II");
+    let plain = Surface { asperity_count: count, ..case_ii };
+    let std = plain.heights.std;
+    let with = |law| Surface { heights: Heights { law, ..plain.heights.clone() }, ..plain.clone() };
+    let of = |radii| Surface { radii, ..plain.clone() };
+    let spectrum = Spectrum::of_asperities(plain.surface_height_std, plain.asperity_radius, 7.39e12);
+    // Measured asperities: any few will do.
+    let measured: Vec<[f64; 2]> =
+        (0..200).map(|i| f64::from(i) / 199.0).map(|x| [std * (4.0 * x - 2.0), 3.33e-6 * (0.5 + x * x)]).collect();
+    let values: Vec<f64> = measured.iter().map(|pair| pair[0]).collect();
+    let joint = Surface {
+        heights: Heights::sample(values.clone()),
+        radii: Radii::Measured(measured.clone().into()),
+        ..plain.clone()
+    };
+    vec![
+        ("exponential", with(HeightLaw::Exponential)),
+        ("weibull", with(HeightLaw::Weibull(Weibull::new(2.5)))),
+        ("lognormal", with(HeightLaw::LogNormal(LogNormal::new(0.4)))),
+        ("truncated", with(HeightLaw::Truncated(Truncated::new(-2.5, 1.0)))),
+        ("sample", Surface { heights: Heights::sample(values), ..plain.clone() }),
+        ("poisson", Surface { count_law: CountLaw::Poisson, ..plain.clone() }),
+        ("lognormal radii", of(Radii::LogNormal(0.3))),
+        ("gamma radii, poisson", Surface { count_law: CountLaw::Poisson, ..of(Radii::Gamma(0.5)) }),
+        ("radii of a sample", of(Radii::Sample([2e-6, 3e-6, 5e-6].into()))),
+        ("nayak", of(Radii::Nayak(spectrum))),
+        ("measured", joint.clone()),
+        ("measured, whole", Surface { whole: true, asperity_count: 200, ..joint }),
+    ]
+}
+
+/// Densities and probabilities against 30-digit values, to rounding: of a power x^k, its logarithm's is multiplied.
+#[test]
+fn laws_of_heights_are_those_of_the_textbook() {
+    for row in rows(HEIGHTS) {
+        let heights = Heights { mean: 0.0, std: 1.0, law: height_law(row[0], number(row[1])) };
+        let (s, density, probability) = (number(row[2]), number(row[3]), number(row[4]));
+        // Of probabilities near 1 what is left of the table's digits is absolute.
+        let near = |value: f64, exact: f64| (value - exact).abs() <= 2e-13 * exact.abs() + 3e-16;
+        assert!(near(heights.density(s), density), "{row:?}: {:e}", heights.density(s));
+        let below = heights.probability(f64::NEG_INFINITY, s);
+        let above = heights.probability(s, f64::INFINITY);
+        assert!(near(below, probability), "{row:?}: {below:e}");
+        assert!(near(above, 1.0 - probability), "{row:?}: {above:e}");
+    }
+}
+
+/// Means of load and area and the scatter of the load by the integral, against independent quadrature over heights and radii.
+#[test]
+fn the_integral_follows_heights_and_radii() {
+    let (asperity, case_ii) = case("II");
+    for row in rows(POPULATIONS) {
+        let parameter = number(row[3]);
+        let mut surface = Surface::uniform(1.6e-9, asperity.radius, 100, case_ii.nominal_area);
+        surface.heights.law = height_law(row[0], number(row[1]));
+        surface.radii = match row[2] {
+            "common" => Radii::Common,
+            "lognormal" => Radii::LogNormal(parameter),
+            "gamma" => Radii::Gamma(parameter),
+            _ => {
+                // α = 2413 (ηRσ)², with the density that makes it so.
+                let of = |density: f64| Spectrum::of_asperities(1.6e-9, asperity.radius, density);
+                let spectrum = of(7.39e12 * (parameter / of(7.39e12).alpha()).sqrt());
+                assert!((spectrum.alpha() / parameter - 1.0).abs() < 1e-12);
+                surface.heights = Heights::gaussian(spectrum.height_std());
+                Radii::Nayak(spectrum)
+            }
+        };
+        let std = surface.heights.std;
+        let separations = [number(row[4]) * std];
+        let gw = law_for("gw", &surface, &separations);
+        let answer = Statistical::new(gw.as_ref(), &surface, &separations);
+        let (radius, count) = (surface.asperity_radius, 100.0);
+        let unit = 4.0 / 3.0 * asperity.reduced_modulus * (radius * std).sqrt() * std;
+        let load = answer.expected[Quantity::ContactForce.index()][0] / (count * unit);
+        let area = answer.expected[Quantity::ContactArea.index()][0] / (count * std::f64::consts::PI * radius * std);
+        let square = answer.std[Quantity::ContactForce.index()][0].powi(2) / (count * unit * unit) + load * load;
+        // Over radii, of which tails of 1e-11 are left out, the answer is as good as it says itself.
+        let tolerance = if row[2] == "common" { 1e-11 } else { answer.quadrature_error.clamp(1e-10, 1e-6) };
+        for (value, exact) in [(load, row[5]), (area, row[6]), (square, row[7])] {
+            let error = (value / number(exact) - 1.0).abs();
+            assert!(
+                error < tolerance || (value == 0.0 && number(exact) == 0.0),
+                "{row:?}: {value:e}, off by {error:e}"
+            );
+        }
+    }
+}
+
+/// Replicas of every kind of surface, summed asperity by asperity: the joint test agrees with the integral for each, at the level 1e-4 for all
+/// (the false-alarm rate of this test is 1e-3; the seed is fixed); and where nothing is left to chance they are equal.
+#[test]
+fn ensembles_agree_with_the_integral() {
+    let separations: Vec<f64> = (0..13).map(|k| 0.5e-9 * f64::from(k)).collect();
+    let pool = rayon::ThreadPoolBuilder::new().build().unwrap();
+    for (name, surface) in surfaces(120) {
+        let hybrid = law_for("hybrid", &surface, &separations);
+        let replicas = if surface.whole { 2 } else { 160 };
+        let basis = basis(hybrid.as_ref(), &surface, &separations, SamplingScheme::Independent, replicas);
+        let job =
+            stiction::engine::Job { probes: &basis.probes, ..job(hybrid.as_ref(), &surface, &separations, replicas) };
+        let outcome = run(&job, &pool, &AtomicBool::new(false), |_, _| Ok::<(), ()>(())).unwrap();
+        let ensemble: &Ensemble = outcome.ensemble();
+        let expected = Statistical::new(hybrid.as_ref(), &surface, &separations);
+        let forces = [Quantity::AdhesionForce, Quantity::ExternalForce].map(Quantity::index);
+        let means = forces.map(|q| ensemble.curves[q].mean());
+        if surface.whole {
+            for q in [0, 1] {
+                for (mean, exact) in means[q].iter().zip(&expected.expected[forces[q]]) {
+                    assert!((mean / exact - 1.0).abs() < 1e-11, "{name}: {mean:e}, {exact:e}");
+                }
+            }
+            continue;
+        }
+        let test = stiction::validation::JointTest::new(
+            &basis.probes,
+            means,
+            forces.map(|q| expected.expected[q].as_slice()),
+            &ensemble.groups.scores.covariance(),
+            replicas,
+        );
+        assert!(test.verdict != Verdict::NotTested && test.p_value > 1e-4, "{name}: {test:?}");
+        // The scatter too: within 4.5 of its relative standard errors √((κ − 1)/n)/2, with a kurtosis κ of a sum of so many of at most 6.
+        let k = 6;
+        let (std, exact) = (ensemble.curves[forces[0]].std()[k], expected.std[forces[0]][k]);
+        assert!((std / exact - 1.0).abs() < 4.5 * (5.0 / replicas as f64).sqrt() / 2.0, "{name}: {std:e}, {exact:e}");
+    }
+}
+
+/// Sums over asperities of several radii against the laws of these radii, one by one, with starting tables.
+#[test]
+fn every_asperity_has_the_law_of_its_radius() {
+    let separations = [-1e-9, 0.0, 0.4e-9, 1e-9, 3e-9];
+    let (asperity, case_ii) = case("II");
+    let surface = Surface { asperity_count: 30, radii: Radii::LogNormal(0.5), ..case_ii };
+    let hybrid = law_for("hybrid", &surface, &separations);
+    let job = job(hybrid.as_ref(), &surface, &separations, 1);
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    let outcome = run(&job, &pool, &AtomicBool::new(false), |_, _| Ok::<(), ()>(())).unwrap();
+    let (mut heights, mut radii) = (Vec::new(), Vec::new());
+    draw(&surface, job.seed, job.scheme, 0, &mut heights, &mut radii);
+    for (k, &h) in separations.iter().enumerate() {
+        let d = surface.asperity_separation(h);
+        let (mut sums, mut size) = ([0.0; 3], 0.0);
+        for (u, radius) in heights.iter().zip(&radii) {
+            let own = stiction::asperity::scale::Asperity { radius: *radius, ..asperity };
+            let law = law("hybrid", &own, Path::Approach, (-2e-8, 2e-8));
+            let (_, response) = respond(law.as_ref(), u - d).unwrap();
+            sums.iter_mut().zip(response).for_each(|(sum, value)| *sum += value);
+            size += response[0] + response[1];
+        }
+        let curve = |q: Quantity| outcome.ensemble().curves[q.index()].mean()[k];
+        assert!((curve(Quantity::AdhesionForce) - sums[0]).abs() < 1e-12 * size);
+        assert!((curve(Quantity::ContactForce) - sums[1]).abs() < 1e-12 * size);
+        assert!((curve(Quantity::ContactArea) - sums[2]).abs() <= 1e-12 * sums[2]);
+    }
+    let replica = outcome.ensemble().replicas[0];
+    let sampled = outcome.ensemble().curves[Quantity::ExternalForce.index()].mean().iter().copied();
+    assert!(-replica.pull_off_force <= sampled.fold(f64::INFINITY, f64::min), "a sample is deeper than the pull-off");
+}
+
+/// A narrow scatter of radii is almost one radius: forces are off by its second order.
+#[test]
+fn a_narrow_scatter_is_almost_one_radius() {
+    let separations: Vec<f64> = (0..5).map(|k| 1e-9 * f64::from(k)).collect();
+    let (_, plain) = case("II");
+    let of = |surface: &Surface| {
+        let hybrid = law_for("hybrid", surface, &separations);
+        Statistical::new(hybrid.as_ref(), surface, &separations).expected
+    };
+    let common = of(&plain);
+    for variation in [0.01, 0.02] {
+        let scattered = of(&Surface { radii: Radii::LogNormal(variation), ..plain.clone() });
+        for (a, b) in common[0].iter().zip(&scattered[0]) {
+            let difference = (a / b - 1.0).abs();
+            assert!(difference > 0.0 && difference < variation * variation, "{variation}: {difference:e}");
+        }
+    }
+}
+
+/// Number, heights and radii have streams of their own.
+#[test]
+fn what_is_drawn_does_not_depend_on_the_rest() {
+    let (_, plain) = case("II");
+    let drawn = |surface: &Surface| {
+        let (mut heights, mut radii) = (Vec::new(), Vec::new());
+        draw(surface, 3, SamplingScheme::Independent, 4, &mut heights, &mut radii);
+        (heights, radii)
+    };
+    let (heights, none) = drawn(&plain);
+    assert!(none.is_empty() && heights.len() == 7390);
+    let (same, radii) = drawn(&Surface { radii: Radii::Gamma(0.3), ..plain.clone() });
+    assert_eq!(heights, same);
+    let (more, _) = drawn(&Surface { count_law: CountLaw::Poisson, ..plain.clone() });
+    let common = more.len().min(7390);
+    assert_ne!(more.len(), 7390);
+    assert_eq!(more[..common], heights[..common]);
+    let weibull = Heights { law: HeightLaw::Weibull(Weibull::new(2.0)), ..plain.heights.clone() };
+    assert_eq!(drawn(&Surface { heights: weibull, radii: Radii::Gamma(0.3), ..plain }).1, radii);
+}
+
+/// Mean and variance of Poisson counts over 4000 replicas, each within 4.5 standard errors (false alarm below 2e-5; the seed is fixed).
+#[test]
+fn poisson_counts_have_their_mean_and_variance() {
+    let (_, plain) = case("II");
+    let surface = Surface { asperity_count: 30, count_law: CountLaw::Poisson, ..plain };
+    let count = |index: u64| {
+        let (mut heights, mut radii) = (Vec::new(), Vec::new());
+        draw(&surface, 1, SamplingScheme::Independent, index, &mut heights, &mut radii);
+        heights.len() as f64
+    };
+    let counts: Vec<f64> = (0..4000).map(count).collect();
+    let mean = counts.iter().sum::<f64>() / 4000.0;
+    let variance = counts.iter().map(|n| (n - 30.0).powi(2)).sum::<f64>() / 4000.0;
+    assert!((mean - 30.0).abs() < 4.5 * (30.0_f64 / 4000.0).sqrt(), "{mean}");
+    // Var (n − μ)² = μ + 2μ² for a Poisson law of mean μ.
+    assert!((variance - 30.0).abs() < 4.5 * ((30.0_f64 + 1800.0) / 4000.0).sqrt(), "{variance}");
+}
+
+/// Draws of every law of heights by Kolmogorov and Smirnov at the level 1e-4 (false alarm below 1e-3 for all; the seed is fixed).
+#[test]
+fn heights_are_drawn_from_their_law() {
+    let (_, plain) = case("II");
+    for name in ["gaussian", "exponential", "weibull", "lognormal", "truncated"] {
+        let heights = Heights { law: height_law(name, 1.2), ..plain.heights.clone() };
+        let surface = Surface { asperity_count: 20_000, heights, ..plain.clone() };
+        let (mut drawn, mut radii) = (Vec::new(), Vec::new());
+        draw(&surface, 2, SamplingScheme::Independent, 0, &mut drawn, &mut radii);
+        drawn.sort_by(f64::total_cmp);
+        let n = drawn.len() as f64;
+        let distance = drawn.iter().enumerate().fold(0.0_f64, |worst, (i, u)| {
+            let below = surface.heights.probability(f64::NEG_INFINITY, *u);
+            worst.max((below - i as f64 / n).abs()).max(((i + 1) as f64 / n - below).abs())
+        });
+        // Critical distance at 1e-4: 2.225/√n.
+        assert!(distance < 2.225 / n.sqrt(), "{name}: {distance}");
+    }
+}

@@ -1,6 +1,6 @@
 //! What `run` keeps while it goes, and how it goes on after an interruption.
 
-use super::{Failure, RunArguments};
+use super::Failure;
 use crate::engine::{Batch, Ensemble, Job, Replica, is_whole, record_length};
 use crate::math::words::Words;
 use crate::output::checkpoint::{Checkpoint, Identity, Journal, forget};
@@ -59,10 +59,19 @@ pub(super) enum Beginning {
     Resumed(Box<Interrupted>),
 }
 
+/// What may become of what is there of an output.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Manner {
+    /// A run that was interrupted goes on.
+    pub resume: bool,
+    /// A result is overwritten, and what was kept of an interrupted run dropped.
+    pub force: bool,
+}
+
 /// How to begin an output: refused if that would overwrite a result, or drop or mistake a checkpoint.
-pub(super) fn beginning(claim: &Claim, scene: &Scene, arguments: &RunArguments) -> Result<Beginning, Failure> {
-    let force = arguments.execution.force;
-    if arguments.resume {
+pub(super) fn beginning(claim: &Claim, scene: &Scene, manner: Manner) -> Result<Beginning, Failure> {
+    let Manner { resume, force } = manner;
+    if resume {
         return resumption(claim, scene, force);
     }
     claim.check(force)?;

@@ -5,7 +5,7 @@ use crate::engine::{Batch, Ensemble, Job, Replica, is_whole, record_length};
 use crate::math::words::Words;
 use crate::output::checkpoint::{Checkpoint, Identity, Journal, forget};
 use crate::output::reader::Reader;
-use crate::output::schema::RUN;
+use crate::output::schema::{Layout, RUN};
 use crate::output::{Claim, OutputError};
 use crate::scene::Scene;
 use crate::validation::Basis;
@@ -39,7 +39,7 @@ pub(super) struct Interrupted {
 }
 
 /// Which run a scene is.
-fn identity(scene: &Scene) -> Identity {
+pub(super) fn identity(scene: &Scene) -> Identity {
     Identity {
         program_version: env!("CARGO_PKG_VERSION").to_owned(),
         source_revision: env!("STICTION_SOURCE_REVISION").to_owned(),
@@ -93,7 +93,7 @@ fn resumption(claim: &Claim, scene: &Scene, overwrite: bool) -> Result<Beginning
     let identity = identity(scene);
     let found = Checkpoint::<State>::find(claim)?;
     if let Err(exists) = claim.check(overwrite) {
-        if !is_result_of(claim.output(), &identity) {
+        if !is_result_of(claim.output(), &RUN, &identity) {
             return Err(exists.into());
         }
         // The run ended between naming its result and removing what it had kept.
@@ -109,8 +109,8 @@ fn resumption(claim: &Claim, scene: &Scene, overwrite: bool) -> Result<Beginning
 }
 
 /// Whether a file is the complete result of a run.
-fn is_result_of(output: &Path, identity: &Identity) -> bool {
-    let Ok(reader) = Reader::open(output, &[&RUN]) else { return false };
+pub(super) fn is_result_of(output: &Path, layout: &'static Layout, identity: &Identity) -> bool {
+    let Ok(reader) = Reader::open(output, &[layout]) else { return false };
     let is = |name: &str, text: &str| reader.optional_text("/", name).is_ok_and(|kept| kept.as_deref() == Some(text));
     let number = |name: &str, value: u64| reader.number::<u64>("/", name).is_ok_and(|kept| kept == value);
     is("program_version", &identity.program_version)
@@ -242,11 +242,15 @@ impl Keeper {
     /// A failure with how to go on with the run, if anything was kept of it.
     pub fn advised(&self, failure: Failure) -> Failure {
         let Some(checkpoint) = self.journal.checkpoint() else { return failure };
-        let arguments = std::env::args_os().map(|argument| argument.to_string_lossy().into_owned());
-        let resume = "--resume".to_owned();
-        let arguments: Vec<String> = arguments.filter(|argument| *argument != resume).chain([resume.clone()]).collect();
-        let command = shlex::try_join(arguments.iter().map(String::as_str)).unwrap_or_default();
-        let kept = format!("{} replicas are kept in {}", self.saved_done, checkpoint.display());
-        Failure::Kept { failure: Box::new(failure), advice: format!("{kept}; to go on:\n  {command}") }
+        kept(failure, &format!("{} replicas are kept in {}", self.saved_done, checkpoint.display()))
     }
+}
+
+/// A failure with what is kept, and the command that goes on with it.
+pub(super) fn kept(failure: Failure, what: &str) -> Failure {
+    let arguments = std::env::args_os().map(|argument| argument.to_string_lossy().into_owned());
+    let resume = "--resume".to_owned();
+    let arguments: Vec<String> = arguments.filter(|argument| *argument != resume).chain([resume.clone()]).collect();
+    let command = shlex::try_join(arguments.iter().map(String::as_str)).unwrap_or_default();
+    Failure::Kept { failure: Box::new(failure), advice: format!("{what}; to go on:\n  {command}") }
 }

@@ -1,11 +1,13 @@
-//! `stiction run`: from a scene to a checked file and a summary.
+//! `stiction run` of one scene: from there to a checked file and a summary.
 
 use super::checkpoint::{Beginning, Keeper, Manner, State, beginning};
 use super::record::{write_curves, write_head, write_results};
 use super::results::{Results, integral_features, mean_features};
 use super::sampling::{Sampling, basis_of, cross_check, interruption, override_ensemble, thread_pool};
 use super::summary::summary;
-use super::{Execution, Failure, RunArguments, law_of, print_of, read_scene, refuse_own_scene, resources, warnings_of};
+use super::{
+    Execution, Failure, RunArguments, law_of, print_of, read_document, refuse_own_scene, resources, sweep, warnings_of,
+};
 use crate::asperity::{Law, Quantity};
 use crate::engine::{Batch, Ensemble, Outcome};
 use crate::math::control_variates::controlled_means;
@@ -13,7 +15,7 @@ use crate::output::progress::Progress;
 use crate::output::schema::RUN;
 use crate::output::writer::Writer;
 use crate::output::{Claim, OutputError};
-use crate::scene::{Plan, Scene, Sizes};
+use crate::scene::{Document, Plan, Scene, Sizes};
 use crate::statistical::{Statistical, controls};
 use rayon::ThreadPool;
 use std::path::{Path, PathBuf};
@@ -54,7 +56,10 @@ pub(super) struct Task<'a> {
 }
 
 pub(super) fn run(arguments: &RunArguments) -> Result<(), Failure> {
-    let mut scene = read_scene(&arguments.scene)?;
+    let Document { mut scene, sweep } = read_document(&arguments.scene)?;
+    if let Some(sweep) = sweep {
+        return sweep::run(&sweep, arguments);
+    }
     override_ensemble(&mut scene, arguments.replicas, arguments.seed)?;
     let output = output_of(arguments);
     refuse_own_scene(&arguments.scene, &output)?;

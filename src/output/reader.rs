@@ -121,7 +121,7 @@ impl Reader {
 
     /// The datasets of the file that the layout knows: path and shape.
     pub fn datasets(&self) -> Vec<(&'static str, Vec<usize>)> {
-        let known = self.layout.variables.iter();
+        let known = self.layout.known();
         known
             .filter_map(|variable| Some((variable.path, guard::dataset(&self.file, variable.path).ok()?.shape())))
             .collect()

@@ -5,12 +5,14 @@ mod plan;
 mod reader;
 mod separation;
 mod sizes;
+pub mod sweep;
 pub mod units;
 mod validity;
 
 pub use plan::{CoreSeconds, Plan, RegimePlan, beyond};
 pub use reader::{SceneError, nearest};
 pub use sizes::{Choice, Sizes};
+pub use sweep::Sweep;
 pub use validity::{Warning, warnings, warnings_of_scene};
 
 use crate::asperity::models::{MODELS, Model, PUBLISHED_FITS};
@@ -31,8 +33,8 @@ const SUM_TOLERANCES: std::ops::RangeInclusive<f64> = 1e-13..=1e-3;
 /// The tolerance of compressed sums unless a scene gives one.
 const SUM_TOLERANCE: f64 = 1e-9;
 
-const ROOT_KEYS: [&str; 9] =
-    ["format", "title", "material", "surface", "model", "separation", "ensemble", "solver", "output"];
+const ROOT_KEYS: [&str; 10] =
+    ["format", "title", "material", "surface", "model", "separation", "ensemble", "solver", "output", "sweep"];
 const MATERIAL_KEYS: [&str; 5] =
     ["reduced_modulus", "hardness", "poisson_ratio", "work_of_adhesion", "equilibrium_spacing"];
 const SURFACE_KEYS: [&str; 7] = [
@@ -77,27 +79,35 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// Reads a scene.
+    /// Reads a scene; of a sweep that of its first point.
     ///
     /// # Errors
     /// [`SceneError`] with the line, the key, what was given and what would do.
     pub fn parse(text: &str) -> Result<Self, SceneError> {
         let document = document(text)?;
         let root = Section::root(text, document.get_ref(), &ROOT_KEYS)?;
+        match root.get("sweep") {
+            Some(sweep) => Sweep::read(text, &sweep)?.scene(0),
+            None => Self::read(text, &root),
+        }
+    }
+
+    /// Reads a scene that is no sweep.
+    fn read(text: &str, root: &Section<'_>) -> Result<Self, SceneError> {
         let format = root.require("format", "1")?;
         if format.integer(0..=u64::MAX)? != FORMAT {
             return Err(format.wrong(&format!("this program reads scenes of format {FORMAT}")));
         }
         let title = root.get("title").map(|entry| entry.string()).transpose()?.unwrap_or_default().to_owned();
-        let surface = required(&root, "surface", &SURFACE_KEYS)?;
-        let asperity = asperity(&required(&root, "material", &MATERIAL_KEYS)?, &surface)?;
+        let surface = required(root, "surface", &SURFACE_KEYS)?;
+        let asperity = asperity(&required(root, "material", &MATERIAL_KEYS)?, &surface)?;
         let surface = rough_surface(&surface, asperity.radius)?;
-        let model = required(&root, "model", &["law", "path", "critical_approach"])?;
+        let model = required(root, "model", &["law", "path", "critical_approach"])?;
         let models: Vec<(&str, Model)> = MODELS.iter().map(|model| (model.name, *model)).collect();
         let law = model.require("law", "\"hybrid\"")?.choice("law", &models)?;
         let path = model.get("path").map_or(Ok(Path::Approach), |entry| entry.choice("path", &Path::ALL))?;
         let critical_approach = critical_approach(&model, &law)?;
-        let separation = required(&root, "separation", &["h", "h_star"])?;
+        let separation = required(root, "separation", &["h", "h_star"])?;
         let separations = separation::separations(&separation, surface.surface_height_std)?;
         let most = UNIT_RANGE.1 * Scale::new(&asperity).map_err(|error| SceneError::general(error.to_string()))?.length;
         let d = [separations[0], separations[separations.len() - 1]].map(|h| surface.asperity_separation(h).abs());
@@ -108,14 +118,14 @@ impl Scene {
                  mean_plane_offset, surface_height_std, asperity_height_std and asperity_density"
             )));
         }
-        let ensemble = required(&root, "ensemble", &["replicas", "sampling", "seed"])?;
+        let ensemble = required(root, "ensemble", &["replicas", "sampling", "seed"])?;
         let sampling = ensemble.get("sampling").map(|entry| entry.choice("sampling", &SamplingScheme::ALL));
         let sampling = sampling.transpose()?.unwrap_or_default();
         let given = ensemble.require("replicas", "1000")?;
         let replicas = given.integer(1..=1_000_000_000_000)?;
         sampling.check(replicas).map_err(|problem| given.wrong(&problem))?;
         let seed = ensemble.get("seed").map_or(Ok(1), |entry| entry.integer(0..=i64::MAX as u64))?;
-        let sum_tolerance = sum_tolerance(&root)?;
+        let sum_tolerance = sum_tolerance(root)?;
         let output = root.section("output", &["curves"], false)?;
         let curves = output.and_then(|output| output.get("curves")).map_or(Ok(false), |entry| entry.boolean())?;
         let scene = Self {
@@ -182,6 +192,33 @@ impl Scene {
     pub fn law_of(&self, model: &Model) -> Result<Box<dyn Law>, LawError> {
         let setting = Setting::new(&self.asperity, self.path, self.reach())?;
         (model.build)(&Setting { critical_approach: self.critical_approach, ..setting })
+    }
+}
+
+/// What a file of a scene says: one scene, or a sweep of them.
+#[derive(Clone, Debug)]
+pub struct Document {
+    /// The scene; of a sweep that of its first point.
+    pub scene: Scene,
+    /// The sweep.
+    pub sweep: Option<Sweep>,
+}
+
+impl Document {
+    /// Reads a scene or a sweep, all of whose points have to be scenes.
+    ///
+    /// # Errors
+    /// [`SceneError`] with the line, the key, what was given and what would do, and the point where it is one of a sweep.
+    pub fn parse(text: &str) -> Result<Self, SceneError> {
+        let document = document(text)?;
+        let root = Section::root(text, document.get_ref(), &ROOT_KEYS)?;
+        let Some(sweep) = root.get("sweep") else {
+            return Ok(Self { scene: Scene::read(text, &root)?, sweep: None });
+        };
+        let sweep = Sweep::read(text, &sweep)?;
+        let scene = sweep.scene(0)?;
+        (1..sweep.count()).try_for_each(|point| sweep.scene(point).map(drop))?;
+        Ok(Self { scene, sweep: Some(sweep) })
     }
 }
 

@@ -60,6 +60,22 @@ impl Dimension {
         }
     }
 
+    /// Its SI unit as scenes write it.
+    pub fn si(self) -> &'static str {
+        units(self).iter().find(|(_, power)| *power == 0).expect("every dimension has its SI unit").0
+    }
+
+    /// Its SI unit as files write it.
+    pub fn file_units(self) -> &'static str {
+        match self {
+            Self::Length => "m",
+            Self::Area => "m2",
+            Self::ArealDensity => "m-2",
+            Self::Pressure => "Pa",
+            Self::SurfaceEnergy => "J m-2",
+        }
+    }
+
     /// Its units in messages; the spellings with a Greek mu are left out.
     pub fn units(self) -> String {
         let spellings = units(self).iter().map(|(spelling, _)| *spelling).filter(|unit| unit.is_ascii());

@@ -198,7 +198,11 @@ fn table(sweep: &Sweep, rows: &[Row]) -> String {
             0 => ["-", "-", "-"].map(str::to_owned),
             _ => {
                 let ratio = difference.variance_ratio;
-                let ratio = if ratio.is_finite() { format!("/ {ratio:.3}") } else { "-".to_owned() };
+                let ratio = match ratio {
+                    ratio if !ratio.is_finite() => "-".to_owned(),
+                    ratio if ratio < 1e4 => format!("/ {ratio:.2}"),
+                    ratio => format!("/ {ratio:.0e}"),
+                };
                 [si(difference.mean, "N"), si(difference.standard_error, "N"), ratio]
             }
         });

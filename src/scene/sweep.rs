@@ -76,28 +76,30 @@ impl Sweepable {
         SWEEPABLE.iter().find(|key| key.name == name)
     }
 
-    /// Its SI unit as scenes write it, with a space before; nothing for a number.
-    fn unit(&self) -> String {
-        self.dimension.map(|dimension| format!(" {}", dimension.si())).unwrap_or_default()
-    }
-
     /// A value, SI, as it stands in the scene of a point; it reads back as the same double.
     fn item(&self, number: f64) -> Item {
         match self.dimension {
-            Some(_) => value(format!("{number:e}{}", self.unit())),
+            Some(dimension) => value(format!("{number:e} {}", dimension.si())),
             None => value(number),
         }
     }
 
-    /// A value, SI, in messages and tables, to six digits.
+    /// A value, SI, in messages and tables: six digits, in the unit that is next below it.
     pub fn shown(&self, number: f64) -> String {
-        let rounded: f64 = format!("{number:.5e}").parse().unwrap_or(number);
-        let plain = if (1e-3..1e5).contains(&number.abs()) || number == 0.0 {
+        let (value, unit) = match self.dimension {
+            Some(dimension) => {
+                let (unit, size) = dimension.unit_below(number.abs());
+                (number / size, format!(" {unit}"))
+            }
+            None => (number, String::new()),
+        };
+        let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value);
+        let plain = if (1e-3..1e6).contains(&rounded.abs()) || rounded == 0.0 {
             format!("{rounded}")
         } else {
             format!("{rounded:e}")
         };
-        format!("{plain}{}", self.unit())
+        plain + &unit
     }
 
     /// Reads a value, SI.

@@ -1,15 +1,19 @@
 //! `stiction check`: what a scene would compute.
 
 use super::format::{bytes, duration, paragraph, percent, pure, row, si};
-use super::{Failure, law_of, print, read_scene, resources, warnings_of};
+use super::sweep::described;
+use super::{Failure, law_of, print, read_document, resources, warnings_of};
 use crate::asperity::scale::Scale;
 use crate::scene::echo::one_line;
-use crate::scene::{Plan, Scene, Sizes, Warning};
+use crate::scene::{Document, Plan, Scene, Sizes, Sweep, Warning};
 use crate::surface::{CountLaw, HeightLaw, SamplingScheme, Surface};
 use std::path::Path;
 
 pub(super) fn check(path: &Path) -> Result<(), Failure> {
-    let scene = read_scene(path)?;
+    let Document { scene, sweep } = read_document(path)?;
+    if let Some(sweep) = sweep {
+        return check_sweep(&sweep, &scene, path);
+    }
     let law = law_of(&scene, &scene.model, path)?;
     let plan = Plan::new(&scene, law.as_ref());
     let mut text = heading(&scene);
@@ -21,13 +25,59 @@ pub(super) fn check(path: &Path) -> Result<(), Failure> {
         text += &paragraph(&warning.explanation());
     }
     text += &row("work", &format!("{:.3e} asperity-separations", plan.pairs));
-    let threads = std::thread::available_parallelism().map_or(1, usize::from);
-    let sizes = Sizes::new(&scene, law.as_ref(), threads);
+    let sizes = Sizes::new(&scene, law.as_ref(), threads());
     text += &cost(&plan, &sizes);
     for shortage in resources::shortages(&sizes, Some(Path::new("out.h5"))) {
         text += &row("too large", &format!("here `stiction run` would refuse: {shortage}"));
     }
     print(&text)
+}
+
+/// What a sweep would compute: its first point, and what all of them take.
+fn check_sweep(sweep: &Sweep, first: &Scene, path: &Path) -> Result<(), Failure> {
+    let law = law_of(first, &first.model, path)?;
+    let plan = Plan::new(first, law.as_ref());
+    let mut text = title(first) + &described(sweep) + "first point\n" + &facts(first);
+    text += &(skipped(&plan) + &beyond(&plan) + &regimes(&plan, first.surface.asperity_count as f64));
+    text += &row("work", &format!("{:.3e} asperity-separations", plan.pairs));
+    text += "all points\n";
+    let (mut seconds, mut largest) = ([0.0; 2], Sizes::new(first, law.as_ref(), threads()));
+    let mut warned: Vec<(Warning, Vec<usize>)> = Vec::new();
+    for point in 0..sweep.count() {
+        let named = |problem: String| Failure::Usage(format!("{}: {problem}", path.display()));
+        let scene = sweep.scene(point).map_err(|error| named(error.to_string()))?;
+        let at = |failure| Failure::AtPoint { point: sweep.name(point), failure: Box::new(failure) };
+        let law = law_of(&scene, &scene.model, path).map_err(at)?;
+        let (plan, sizes) = (Plan::new(&scene, law.as_ref()), Sizes::new(&scene, law.as_ref(), threads()));
+        for (i, threads) in [sizes.threads, 1.0].into_iter().enumerate() {
+            seconds[i] += plan.core_seconds.on_threads(&Sizes { threads, ..sizes }).iter().sum::<f64>();
+        }
+        largest = if largest.memory() < sizes.memory() { sizes } else { largest };
+        for warning in warnings_of(&scene, &scene.model, law.as_ref()) {
+            // Findings say the numbers of their point; what is the matter is the same.
+            match warned.iter_mut().find(|(known, _)| known.explanation() == warning.explanation()) {
+                Some((_, points)) => points.push(point),
+                None => warned.push((warning, vec![point])),
+            }
+        }
+    }
+    for (warning, points) in warned {
+        let at = format!("at {} of {} points, first at {}", points.len(), sweep.count(), sweep.name(points[0]));
+        text += &(row("warning", &warning.finding) + &row("", &at) + &paragraph(&warning.explanation()));
+    }
+    let sizes = Sizes { files: 2.0 * sweep.count() as f64, ..largest };
+    let [all, on_one] = seconds.map(duration);
+    text += &row("time", &format!("about {all} on {} threads ({on_one} on one)", sizes.threads));
+    text += &row("memory", &format!("about {} on {} threads", bytes(sizes.memory()), sizes.threads));
+    text += &row("disk", &format!("at most about {}", bytes(sizes.disk())));
+    for shortage in resources::shortages(&sizes, Some(Path::new("out.h5"))) {
+        text += &row("too large", &format!("here `stiction run` would refuse: {shortage}"));
+    }
+    print(&text)
+}
+
+fn threads() -> usize {
+    std::thread::available_parallelism().map_or(1, usize::from)
 }
 
 /// What is warned of, a line each.
@@ -56,7 +106,12 @@ fn cost(plan: &Plan, sizes: &Sizes) -> String {
 
 /// The title, the model, and what characterises the scene.
 pub(super) fn heading(scene: &Scene) -> String {
-    let mut text = title(scene);
+    title(scene) + &facts(scene)
+}
+
+/// The model, and what characterises the scene.
+fn facts(scene: &Scene) -> String {
+    let mut text = String::new();
     text += &row("model", &format!("{} on {}", scene.model.name, scene.path.name()));
     text += &row("", scene.model.about);
     text += &numbers(scene);

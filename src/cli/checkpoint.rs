@@ -1,11 +1,11 @@
 //! What `run` keeps while it goes, and how it goes on after an interruption.
 
-use super::{Failure, RunArguments};
+use super::Failure;
 use crate::engine::{Batch, Ensemble, Job, Replica, is_whole, record_length};
 use crate::math::words::Words;
 use crate::output::checkpoint::{Checkpoint, Identity, Journal, forget};
 use crate::output::reader::Reader;
-use crate::output::schema::RUN;
+use crate::output::schema::{Layout, RUN};
 use crate::output::{Claim, OutputError};
 use crate::scene::Scene;
 use crate::validation::Basis;
@@ -39,7 +39,7 @@ pub(super) struct Interrupted {
 }
 
 /// Which run a scene is.
-fn identity(scene: &Scene) -> Identity {
+pub(super) fn identity(scene: &Scene) -> Identity {
     Identity {
         program_version: env!("CARGO_PKG_VERSION").to_owned(),
         source_revision: env!("STICTION_SOURCE_REVISION").to_owned(),
@@ -59,10 +59,19 @@ pub(super) enum Beginning {
     Resumed(Box<Interrupted>),
 }
 
+/// What may become of what is there of an output.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Manner {
+    /// A run that was interrupted goes on.
+    pub resume: bool,
+    /// A result is overwritten, and what was kept of an interrupted run dropped.
+    pub force: bool,
+}
+
 /// How to begin an output: refused if that would overwrite a result, or drop or mistake a checkpoint.
-pub(super) fn beginning(claim: &Claim, scene: &Scene, arguments: &RunArguments) -> Result<Beginning, Failure> {
-    let force = arguments.execution.force;
-    if arguments.resume {
+pub(super) fn beginning(claim: &Claim, scene: &Scene, manner: Manner) -> Result<Beginning, Failure> {
+    let Manner { resume, force } = manner;
+    if resume {
         return resumption(claim, scene, force);
     }
     claim.check(force)?;
@@ -84,7 +93,7 @@ fn resumption(claim: &Claim, scene: &Scene, overwrite: bool) -> Result<Beginning
     let identity = identity(scene);
     let found = Checkpoint::<State>::find(claim)?;
     if let Err(exists) = claim.check(overwrite) {
-        if !is_result_of(claim.output(), &identity) {
+        if !is_result_of(claim.output(), &RUN, &identity) {
             return Err(exists.into());
         }
         // The run ended between naming its result and removing what it had kept.
@@ -100,8 +109,8 @@ fn resumption(claim: &Claim, scene: &Scene, overwrite: bool) -> Result<Beginning
 }
 
 /// Whether a file is the complete result of a run.
-fn is_result_of(output: &Path, identity: &Identity) -> bool {
-    let Ok(reader) = Reader::open(output, &[&RUN]) else { return false };
+pub(super) fn is_result_of(output: &Path, layout: &'static Layout, identity: &Identity) -> bool {
+    let Ok(reader) = Reader::open(output, &[layout]) else { return false };
     let is = |name: &str, text: &str| reader.optional_text("/", name).is_ok_and(|kept| kept.as_deref() == Some(text));
     let number = |name: &str, value: u64| reader.number::<u64>("/", name).is_ok_and(|kept| kept == value);
     is("program_version", &identity.program_version)
@@ -233,11 +242,15 @@ impl Keeper {
     /// A failure with how to go on with the run, if anything was kept of it.
     pub fn advised(&self, failure: Failure) -> Failure {
         let Some(checkpoint) = self.journal.checkpoint() else { return failure };
-        let arguments = std::env::args_os().map(|argument| argument.to_string_lossy().into_owned());
-        let resume = "--resume".to_owned();
-        let arguments: Vec<String> = arguments.filter(|argument| *argument != resume).chain([resume.clone()]).collect();
-        let command = shlex::try_join(arguments.iter().map(String::as_str)).unwrap_or_default();
-        let kept = format!("{} replicas are kept in {}", self.saved_done, checkpoint.display());
-        Failure::Kept { failure: Box::new(failure), advice: format!("{kept}; to go on:\n  {command}") }
+        kept(failure, &format!("{} replicas are kept in {}", self.saved_done, checkpoint.display()))
     }
+}
+
+/// A failure with what is kept, and the command that goes on with it.
+pub(super) fn kept(failure: Failure, what: &str) -> Failure {
+    let arguments = std::env::args_os().map(|argument| argument.to_string_lossy().into_owned());
+    let resume = "--resume".to_owned();
+    let arguments: Vec<String> = arguments.filter(|argument| *argument != resume).chain([resume.clone()]).collect();
+    let command = shlex::try_join(arguments.iter().map(String::as_str)).unwrap_or_default();
+    Failure::Kept { failure: Box::new(failure), advice: format!("{what}; to go on:\n  {command}") }
 }

@@ -7,12 +7,14 @@ mod checkpoint;
 mod compare;
 mod format;
 mod info;
+mod points;
 mod record;
 mod resources;
 mod results;
 mod run;
 mod sampling;
 mod summary;
+mod sweep;
 mod validate;
 
 use crate::asperity::models::Model;
@@ -21,7 +23,7 @@ use crate::math::instruction_set::InstructionSet;
 use crate::output::OutputError;
 use crate::output::columns::Beside;
 use crate::scene::echo::{one_line, printable};
-use crate::scene::{Scene, SceneError, Warning, warnings};
+use crate::scene::{Document, Scene, SceneError, Warning, warnings};
 use crate::statistical::Model as Integral;
 use anyhow::{Context, anyhow};
 use clap::{Args, Parser, Subcommand};
@@ -214,6 +216,14 @@ enum Failure {
         /// Whether anything was kept.
         kept: bool,
     },
+    /// Something happened at a point of a sweep.
+    #[error("{point}: {failure}")]
+    AtPoint {
+        /// Which, with the values of its keys.
+        point: String,
+        /// What went wrong.
+        failure: Box<Failure>,
+    },
     /// Something of which what was done is kept.
     #[error("{failure}")]
     Kept {
@@ -231,7 +241,7 @@ impl Failure {
             Self::Usage(_) => 2,
             Self::Disagree => 3,
             Self::Interrupted { .. } => 130,
-            Self::Kept { failure, .. } => failure.exit_code(),
+            Self::AtPoint { failure, .. } | Self::Kept { failure, .. } => failure.exit_code(),
         }
     }
 }
@@ -351,11 +361,22 @@ fn refuse_own_scene(scene: &Path, output: &Path) -> Result<(), Failure> {
     }
 }
 
-/// Reads a scene, with its file named in every error.
-fn read_scene(path: &Path) -> Result<Scene, Failure> {
+/// Reads a scene or a sweep, with its file named in every error.
+fn read_document(path: &Path) -> Result<Document, Failure> {
     let named = |problem: String| Failure::Usage(format!("{}: {problem}", path.display()));
     let text = read_text(path, LONGEST_SCENE).map_err(named)?;
-    Scene::parse_with(&text, &Beside::scene(path)).map_err(|error: SceneError| named(error.to_string()))
+    Document::parse(&text, Arc::new(Beside::scene(path))).map_err(|error: SceneError| named(error.to_string()))
+}
+
+/// Reads a scene that is no sweep, for a command that takes one.
+fn read_scene(path: &Path) -> Result<Scene, Failure> {
+    match read_document(path)? {
+        Document { scene, sweep: None } => Ok(scene),
+        Document { .. } => {
+            let problem = "has a table [sweep], which only `stiction run` and `stiction check` take; leave it out here";
+            Err(Failure::Usage(format!("{}: {problem}", path.display())))
+        }
+    }
 }
 
 /// Longest scene that is read, bytes; one with the most separations there can be has less than a tenth of it.

@@ -59,15 +59,29 @@ pub(super) fn write_curves(
     })
 }
 
-/// Writes what made the file, the scene, its numbers and its separations.
-pub(super) fn write_scene(writer: &mut Writer<'_>, scene: &Scene) -> Result<(), OutputError> {
+/// Writes what made the file, and from which text.
+pub(super) fn write_about(writer: &Writer<'_>, title: &str, text: &str) -> Result<(), OutputError> {
     let now = time::OffsetDateTime::now_utc();
     let created = now.format(&time::format_description::well_known::Rfc3339).unwrap_or_default();
     writer.text("/", "program_version", env!("CARGO_PKG_VERSION"))?;
     writer.text("/", "source_revision", env!("STICTION_SOURCE_REVISION"))?;
     writer.text("/", "created", &created)?;
-    writer.text("/", "title", &scene.title)?;
-    writer.text("/", "scene", &scene.text)?;
+    writer.text("/", "title", title)?;
+    writer.text("/", "scene", text)
+}
+
+/// Writes the law and how replicas are drawn.
+pub(super) fn write_model(writer: &Writer<'_>, scene: &Scene, seed: u64) -> Result<(), OutputError> {
+    writer.text("/", "law", scene.model.name)?;
+    writer.text("/", "path", scene.path.name())?;
+    writer.number("/", "seed", seed)?;
+    writer.number("/", "replicas", scene.replicas)?;
+    writer.text("/", "sampling", scene.sampling.name())
+}
+
+/// Writes what made the file, the scene, its numbers and its separations.
+pub(super) fn write_scene(writer: &mut Writer<'_>, scene: &Scene) -> Result<(), OutputError> {
+    write_about(writer, &scene.title, &scene.text)?;
     writer.text("/", "path", scene.path.name())?;
     writer.number("/", "adhesion_parameter", scene.scale().lambda)?;
     writer.number("/", "plasticity_index", scene.asperity.plasticity_index(scene.surface.surface_height_std))?;

@@ -1,49 +1,111 @@
-//! `stiction run`: from a scene to a checked file and a summary.
+//! `stiction run` of one scene: from there to a checked file and a summary.
 
-use super::checkpoint::{Beginning, Keeper, State, beginning};
+use super::checkpoint::{Beginning, Keeper, Manner, State, beginning};
 use super::record::{write_curves, write_head, write_results};
 use super::results::{Results, integral_features, mean_features};
 use super::sampling::{Sampling, basis_of, cross_check, interruption, override_ensemble, thread_pool};
 use super::summary::summary;
-use super::{Failure, RunArguments, law_of, print_of, read_scene, refuse_own_scene, resources, warnings_of};
+use super::{
+    Execution, Failure, RunArguments, law_of, print_of, read_document, refuse_own_scene, resources, sweep, warnings_of,
+};
 use crate::asperity::{Law, Quantity};
-use crate::engine::{Ensemble, Outcome};
+use crate::engine::{Batch, Ensemble, Outcome};
 use crate::math::control_variates::controlled_means;
 use crate::output::progress::Progress;
 use crate::output::schema::RUN;
 use crate::output::writer::Writer;
 use crate::output::{Claim, OutputError};
-use crate::scene::{Plan, Scene, Sizes};
+use crate::scene::{Document, Plan, Scene, Sizes};
 use crate::statistical::{Statistical, controls};
-use std::path::PathBuf;
+use rayon::ThreadPool;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+/// What the runs of a command have in common.
+pub(super) struct Session {
+    /// Set by an interruption.
+    pub stop: Arc<AtomicBool>,
+    /// The threads that compute.
+    pub pool: ThreadPool,
+    /// How often what has been done is kept.
+    pub interval: Duration,
+    /// Whether there is no progress.
+    pub quiet: bool,
+}
+
+impl Session {
+    /// Of the arguments of a command.
+    pub fn new(execution: &Execution, interval: Duration) -> Result<Self, Failure> {
+        let stop = interruption()?;
+        Ok(Self { stop, pool: thread_pool(execution.threads)?, interval, quiet: execution.quiet })
+    }
+}
+
+/// One scene and where its result goes.
+pub(super) struct Task<'a> {
+    /// The file of the scene, for messages.
+    pub source: &'a Path,
+    /// The output, as the user names it.
+    pub output: &'a Path,
+    /// The claim on it.
+    pub claim: &'a Claim,
+    /// What may become of what is there.
+    pub manner: Manner,
+}
 
 pub(super) fn run(arguments: &RunArguments) -> Result<(), Failure> {
-    let stop = interruption()?;
-    let mut scene = read_scene(&arguments.scene)?;
+    let Document { mut scene, sweep } = read_document(&arguments.scene)?;
+    if let Some(sweep) = sweep {
+        return sweep::run(&sweep, arguments);
+    }
     override_ensemble(&mut scene, arguments.replicas, arguments.seed)?;
-    let output = match &arguments.output {
+    let output = output_of(arguments);
+    refuse_own_scene(&arguments.scene, &output)?;
+    let session = Session::new(&arguments.execution, arguments.checkpoint)?;
+    let claim = Claim::new(&output)?;
+    let manner = Manner { resume: arguments.resume, force: arguments.execution.force };
+    let task = Task { source: &arguments.scene, output: &output, claim: &claim, manner };
+    match run_scene(scene, &task, &session, Progress::new(session.quiet))? {
+        Some(results) => print_of(&output, &summary(&results)),
+        None => {
+            eprintln!("{} is complete: nothing to resume", output.display());
+            Ok(())
+        }
+    }
+}
+
+/// The output that the arguments name, or that of the scene's name.
+pub(super) fn output_of(arguments: &RunArguments) -> PathBuf {
+    match &arguments.output {
         Some(output) => output.clone(),
         None => PathBuf::from(arguments.scene.file_stem().unwrap_or_default()).with_extension("h5"),
-    };
-    let law = law_of(&scene, &scene.model, &arguments.scene)?;
+    }
+}
+
+/// Computes a scene into its output; what it has found out, or none where the output was complete before.
+///
+/// # Errors
+/// [`Failure`]; what has been done is kept beside the output, for a run that resumes it.
+pub(super) fn run_scene(
+    scene: Scene,
+    task: &Task<'_>,
+    session: &Session,
+    mut progress: Progress,
+) -> Result<Option<Box<Results>>, Failure> {
+    let (claim, pool) = (task.claim, &session.pool);
+    let law = law_of(&scene, &scene.model, task.source)?;
     let law = law.as_ref();
-    refuse_own_scene(&arguments.scene, &output)?;
-    let claim = Claim::new(&output)?;
-    let pool = thread_pool(arguments.execution.threads)?;
     let sizes = Sizes::new(&scene, law, pool.current_num_threads());
     // What an interrupted run has kept is on the disk already.
     let begins = !claim.beside(".checkpoint").exists();
-    resources::require(&arguments.scene, &sizes, begins.then_some(output.as_path()))?;
-    let interrupted = match beginning(&claim, &scene, arguments)? {
-        Beginning::Complete => {
-            eprintln!("{} is complete: nothing to resume", output.display());
-            return Ok(());
-        }
+    resources::require(task.source, &sizes, begins.then_some(task.output))?;
+    let interrupted = match beginning(claim, &scene, task.manner)? {
+        Beginning::Complete => return Ok(None),
         Beginning::Anew => None,
         Beginning::Resumed(run) => Some(run),
     };
-    let mut progress = Progress::new(arguments.execution.quiet);
 
     progress.phase("integral");
     let plan = Plan::new(&scene, law);
@@ -55,11 +117,11 @@ pub(super) fn run(arguments: &RunArguments) -> Result<(), Failure> {
     let setup = Sampling { scene: &scene, law, basis: &basis, controls: &controls, keep_curves: scene.curves };
     let job = setup.job();
     let (mut keeper, start) = match interrupted {
-        Some(run) => Keeper::resume(*run, &job, arguments.checkpoint)?,
-        None => (Keeper::begin(&claim, &scene, state, arguments.checkpoint)?, Ensemble::new(&job)),
+        Some(run) => Keeper::resume(*run, &job, session.interval)?,
+        None => (Keeper::begin(claim, &scene, state, session.interval)?, Ensemble::new(&job)),
     };
-    let computed =
-        setup.run("ensemble", &pool, &stop, &mut progress, start, |batch, ensemble| keeper.keep(&job, batch, ensemble));
+    let observe = |batch: &Batch, ensemble: &Ensemble| keeper.keep(&job, batch, ensemble);
+    let computed = setup.run("ensemble", pool, &session.stop, &mut progress, start, observe);
     let (outcome, summation) = computed.map_err(|failure| keeper.advised(failure))?;
     let ensemble = match outcome {
         Outcome::Complete(ensemble) => ensemble,
@@ -79,14 +141,11 @@ pub(super) fn run(arguments: &RunArguments) -> Result<(), Failure> {
     progress.end();
     let mut seconds = progress.seconds();
     seconds.iter_mut().filter(|(name, _)| *name == "ensemble").for_each(|(_, time)| *time += keeper.seconds_before);
-    progress.phase("writing");
-    let regimes = law.regimes().iter().map(|regime| regime.name()).collect();
-    let (threads, replicas) = (pool.current_num_threads(), scene.replicas);
     let results = Results {
+        regimes: law.regimes().iter().map(|regime| regime.name()).collect(),
         scene,
         plan,
         warnings,
-        regimes,
         statistical,
         ensemble,
         summation,
@@ -98,26 +157,32 @@ pub(super) fn run(arguments: &RunArguments) -> Result<(), Failure> {
         z,
         joint,
         seconds,
-        threads,
+        threads: pool.current_num_threads(),
         resumptions: keeper.resumptions,
         checkpoints: keeper.journal.cost(),
-        output,
+        output: task.output.to_owned(),
     };
-    let written = write(&claim, arguments.execution.force, &results, &mut keeper, &stop);
-    let failure = match written {
+    progress.phase("writing");
+    let written = complete(results, keeper, task, session);
+    progress.end();
+    written.map(Some)
+}
+
+/// Brings the results into their file, after which nothing is kept beside it; or keeps what was computed.
+fn complete(results: Results, mut keeper: Keeper, task: &Task<'_>, session: &Session) -> Result<Box<Results>, Failure> {
+    let failure = match write(task.claim, task.manner.force, &results, &mut keeper, &session.stop) {
         Ok(true) => {
             keeper.journal.discard();
-            progress.end();
-            return print_of(&results.output, &summary(&results));
+            return Ok(Box::new(results));
         }
         Ok(false) => None,
-        Err(error) => Some(Failure::from(error.writing(&results.output))),
+        Err(error) => Some(Failure::from(error.writing(task.output))),
     };
     // What was computed may fit where the result does not.
     let kept = keeper.save(&results.ensemble);
     match failure {
         Some(failure) => Err(keeper.advised(failure)),
-        None => Err(kept.map_or_else(Failure::from, |()| keeper.interrupted(replicas))),
+        None => Err(kept.map_or_else(Failure::from, |()| keeper.interrupted(results.scene.replicas))),
     }
 }
 

@@ -1,20 +1,25 @@
 //! `stiction validate`: the cross-check of a finished run, computed anew from its datasets.
 
 use super::summary::verdict;
+use super::sweep::together;
 use super::{Failure, print};
 use crate::engine::Probe;
 use crate::output::reader::Reader;
-use crate::output::schema::{Dimension, RUN};
+use crate::output::schema::{Dimension, RUN, SWEEP};
 use crate::scene::echo::one_line;
+use crate::scene::sweep::MOST_POINTS;
 use crate::surface::SamplingScheme;
-use crate::validation::{JointTest, Verdict, z_scores};
+use crate::validation::{JointTest, Verdict, overall, z_scores};
 use std::path::Path;
 
 /// Rows of the table; more separations are thinned out.
 const ROWS: usize = 25;
 
 pub(super) fn validate(path: &Path) -> Result<(), Failure> {
-    let reader = Reader::open(path, &[&RUN])?;
+    let reader = Reader::open(path, &[&RUN, &SWEEP])?;
+    if reader.layout().of_points.is_some() {
+        return validate_sweep(&reader, path);
+    }
     let scheme = scheme(&reader, path)?;
     let groups = groups(&reader, scheme, path)?;
     let h_star = finite(&reader, "/h_star", path)?;
@@ -60,6 +65,89 @@ pub(super) fn validate(path: &Path) -> Result<(), Failure> {
     text += &verdict(&joint, &z, &shown);
     print(&text)?;
     if joint.verdict == Verdict::Disagree { Err(Failure::Disagree) } else { Ok(()) }
+}
+
+/// The cross-check of every point of a sweep, a line each, and of all of them together.
+fn validate_sweep(reader: &Reader, path: &Path) -> Result<(), Failure> {
+    let scheme = scheme(reader, path)?;
+    let shape = reader.point_shape()?;
+    let count = shape.iter().try_fold(1_usize, |count, length| count.checked_mul(*length));
+    let Some(count) = count.filter(|count| (1..=MOST_POINTS).contains(count)) else {
+        return Err(refused(path, &format!("has points of the shape {shape:?}; up to {MOST_POINTS} are read")));
+    };
+    let mut text = format!("{}\n", one_line(&path.display().to_string()));
+    let keys = reader.optional_text("/", "sweep_keys")?.unwrap_or_default();
+    text +=
+        &format!("{:>6}  {:<28}{:>10}{:>8}{:>8}{:>10}  {}\n", "point", "indices", "T2", "k", "n - k", "p", "verdict");
+    let mut p_values = Vec::with_capacity(count);
+    for point in 0..count {
+        let place = place(point, &shape);
+        let joint = joint_at(reader, &place, scheme, path)?;
+        let indices: Vec<String> = place.iter().map(usize::to_string).collect();
+        let (components, remaining) = joint.degrees_of_freedom;
+        let (p, verdict) = (joint.p_value, joint.verdict.name());
+        let [statistic, p] = [format!("{:.1}", joint.statistic), format!("{p:.4}")];
+        text += &format!(
+            "{:>6}  {:<28}{statistic:>10}{components:>8}{remaining:>8}{p:>10}  {verdict}\n",
+            point + 1,
+            indices.join(", ")
+        );
+        p_values.push(joint.p_value);
+    }
+    text += &format!("indices along {}\n", one_line(&keys));
+    text += &together(&p_values);
+    print(&text)?;
+    if overall(&p_values) == Verdict::Disagree { Err(Failure::Disagree) } else { Ok(()) }
+}
+
+/// The index of a point along each dimension of a shape.
+fn place(point: usize, shape: &[usize]) -> Vec<usize> {
+    let mut rest = point;
+    let mut place: Vec<usize> = shape.iter().rev().map(|length| (rest % length, rest /= length).0).collect();
+    place.reverse();
+    place
+}
+
+/// The joint test at a point, computed anew.
+fn joint_at(reader: &Reader, place: &[usize], scheme: SamplingScheme, path: &Path) -> Result<JointTest, Failure> {
+    let finite = |name: &str, count: usize| -> Result<Vec<f64>, Failure> {
+        let mut values: Vec<f64> = reader.at_point(name, place)?;
+        values.truncate(count);
+        match values.iter().position(|value| !value.is_finite()) {
+            Some(i) => Err(refused(path, &format!("has the value {} in {name} at the point {place:?}", values[i]))),
+            None => Ok(values),
+        }
+    };
+    let replicas: u64 = reader.at_point("/replica_count", place)?[0];
+    if replicas == 0 || !replicas.is_multiple_of(scheme.group()) {
+        return Err(refused(path, &format!("has {replicas} replicas at a point, no number of {} ones", scheme.name())));
+    }
+    let groups = replicas / scheme.group();
+    let freedom: Vec<u64> = reader.at_point("/validation/degrees_of_freedom", place)?;
+    let (separations, most) = (reader.length(Dimension::SeparationIndex)?, reader.length(Dimension::Component)?);
+    let components = freedom.first().map_or(0, |components| *components as usize).min(most);
+    let curves = |of: &str| -> Result<[Vec<f64>; 2], Failure> {
+        Ok([
+            finite(&of.replace('*', "adhesion_force"), separations)?,
+            finite(&of.replace('*', "external_force"), separations)?,
+        ])
+    };
+    let [adhesion_mean, external_mean] = curves("/ensemble/*_mean")?;
+    let [adhesion, external] = curves("/statistical/*")?;
+    let weights = |name: &str| finite(name, components * separations);
+    let (of_adhesion, of_external) =
+        (weights("/validation/probe_adhesion_force")?, weights("/validation/probe_external_force")?);
+    let rows = of_adhesion.chunks_exact(separations.max(1)).zip(of_external.chunks_exact(separations.max(1)));
+    let probes: Vec<Probe> = rows
+        .map(|(adhesion, external)| Probe { adhesion_force: adhesion.to_vec(), external_force: external.to_vec() })
+        .collect();
+    let all: Vec<f64> = reader.at_point("/validation/score_covariance", place)?;
+    let covariance: Vec<f64> =
+        all.chunks_exact(most.max(1)).take(components).flat_map(|row| &row[..components]).copied().collect();
+    if groups > 1 && !covariance.iter().all(|value| value.is_finite()) {
+        return Err(refused(path, &format!("has no numbers in /validation/score_covariance at the point {place:?}")));
+    }
+    Ok(JointTest::new(&probes, [&adhesion_mean, &external_mean], [&adhesion, &external], &covariance, groups))
 }
 
 /// A z-score; a dash where nothing varies.

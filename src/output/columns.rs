@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 const LONGEST: u64 = 1 << 30;
 
 /// Files beside a scene, whose paths are relative to its folder.
+#[derive(Debug)]
 pub struct Beside {
     folder: PathBuf,
 }

@@ -9,7 +9,9 @@ mod guard;
 pub mod progress;
 pub mod reader;
 mod scales;
+
 pub mod schema;
+pub mod stack;
 pub mod writer;
 
 pub use claim::Claim;

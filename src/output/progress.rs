@@ -7,6 +7,8 @@ use std::time::{Duration, Instant};
 /// Shows the phases of a run, one after the other, on standard error; nothing where that is no terminal, or when quiet.
 pub struct Progress {
     quiet: bool,
+    /// Of which run of several the phases are.
+    run: String,
     bar: ProgressBar,
     phases: Vec<(&'static str, Instant, Duration)>,
 }
@@ -14,7 +16,12 @@ pub struct Progress {
 impl Progress {
     /// Shows nothing yet.
     pub fn new(quiet: bool) -> Self {
-        Self { quiet, bar: ProgressBar::hidden(), phases: Vec::new() }
+        Self::of_run(quiet, String::new())
+    }
+
+    /// Shows nothing yet; then, before each phase, which run of several it is of.
+    pub fn of_run(quiet: bool, run: String) -> Self {
+        Self { quiet, run, bar: ProgressBar::hidden(), phases: Vec::new() }
     }
 
     /// Begins a phase without a count.
@@ -38,7 +45,7 @@ impl Progress {
         bar.set_style(style.with_key("rate", |state: &ProgressState, out: &mut dyn Write| {
             let _ = write!(out, "{:.1} per second", state.per_sec());
         }));
-        bar.set_message(name);
+        bar.set_message(if self.run.is_empty() { name.to_owned() } else { format!("{}: {name}", self.run) });
         self.bar = bar;
         self.bar.tick();
     }

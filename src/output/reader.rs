@@ -9,9 +9,11 @@ use super::attributes::{lossy, read_text};
 use super::guard::{self, fits, is_kind_of};
 use super::schema::{Dimension, Layout};
 use hdf5::types::TypeDescriptor;
-use hdf5::{Attribute, File, Group, H5Type};
+use hdf5::{Attribute, File, Group, H5Type, Hyperslab, SliceOrIndex};
 use std::path::{Path, PathBuf};
 
+/// Most dimensions of points that a file can have.
+const MOST_KEYS: usize = 16;
 /// Most numbers of an attribute that are shown.
 const SHOWN_NUMBERS: usize = 16;
 
@@ -72,6 +74,59 @@ impl Reader {
         dataset.read_raw().map_err(|_| self.broken(format!("has a dataset {path} that is damaged")))
     }
 
+    /// The layout of the file.
+    pub fn layout(&self) -> &'static Layout {
+        self.layout
+    }
+
+    /// The lengths of the dimensions of points, of a file that has such.
+    ///
+    /// # Errors
+    /// When it does not say which they are, or has no scales of them.
+    pub fn point_shape(&self) -> Result<Vec<usize>, OutputError> {
+        let text = |name: &str| {
+            let text = self.optional_text("/", name)?;
+            text.ok_or_else(|| self.broken(format!("lacks the text `{name}` of /")))
+        };
+        let (keys, mode) = (text("sweep_keys")?, text("sweep_mode")?);
+        let names: Vec<&str> = if mode == "zip" { vec!["point"] } else { keys.split(", ").collect() };
+        let length = |name: &&str| match guard::dataset(&self.file, &format!("/{name}")).map(|scale| scale.shape()) {
+            Ok(shape) if shape.len() == 1 => Ok(shape[0]),
+            _ => Err(self.broken(format!("lacks the dimension `{}`", lossy(name.as_bytes())))),
+        };
+        if names.len() > MOST_KEYS {
+            return Err(self.broken(format!("has {} dimensions of points", names.len())));
+        }
+        names.iter().map(length).collect()
+    }
+
+    /// The values of a dataset of the layout at a point, row-major; `place` is its index along each dimension of the points.
+    ///
+    /// # Errors
+    /// As [`Reader::values`].
+    pub fn at_point<T: H5Type>(&self, path: &str, place: &[usize]) -> Result<Vec<T>, OutputError> {
+        let dataset = guard::dataset(&self.file, path).map_err(|problem| self.broken(problem))?;
+        let own: Result<Vec<usize>, _> =
+            self.layout.variable(path).dimensions.iter().map(|d| self.length(d.of_points())).collect();
+        let own = own?;
+        let (shape, needed) = (dataset.shape(), [self.point_shape()?, own.clone()].concat());
+        if shape != needed {
+            return Err(self.broken(format!("has a dataset {path} of the shape {shape:?}, not {needed:?}")));
+        }
+        is_kind_of::<T>(&dataset)
+            .and_then(|()| fits(&dataset, self.length))
+            .map_err(|problem| self.broken(format!("has a dataset {path} that {problem}")))?;
+        if own.contains(&0) {
+            return Ok(Vec::new());
+        }
+        let slab = place.iter().map(|index| (*index, 1)).chain(own.iter().map(|length| (0, *length)));
+        let slab: Vec<SliceOrIndex> =
+            slab.map(|(start, count)| SliceOrIndex::SliceCount { start, step: 1, count, block: 1 }).collect();
+        let values = dataset.read_slice::<T, _, ndarray::IxDyn>(Hyperslab::from(slab));
+        let values = values.map_err(|_| self.broken(format!("has a dataset {path} that is damaged")))?;
+        Ok(values.into_iter().collect())
+    }
+
     /// A numeric attribute of a group.
     ///
     /// # Errors
@@ -121,7 +176,7 @@ impl Reader {
 
     /// The datasets of the file that the layout knows: path and shape.
     pub fn datasets(&self) -> Vec<(&'static str, Vec<usize>)> {
-        let known = self.layout.variables.iter();
+        let known = self.layout.known();
         known
             .filter_map(|variable| Some((variable.path, guard::dataset(&self.file, variable.path).ok()?.shape())))
             .collect()

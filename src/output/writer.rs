@@ -6,7 +6,7 @@ use super::scales::{attach_scale, make_scale};
 use super::schema::{Dimension, Layout};
 use super::{Claim, OutputError};
 use hdf5::types::VarLenUnicode;
-use hdf5::{Dataset, File, H5Type};
+use hdf5::{Dataset, File, H5Type, Hyperslab, SliceOrIndex};
 use std::str::FromStr;
 use tempfile::TempPath;
 
@@ -23,6 +23,8 @@ pub struct Writer<'c> {
     temporary: TempPath,
     force: bool,
     scales: Vec<(Dimension, Dataset)>,
+    /// Scales of the dimensions of points, slowest first.
+    points: Vec<Dataset>,
 }
 
 impl<'c> Writer<'c> {
@@ -45,7 +47,12 @@ impl<'c> Writer<'c> {
         for group in layout.groups {
             file.create_group(group)?;
         }
-        Ok(Self { layout, claim, file, temporary, force, scales: Vec::new() })
+        Ok(Self { layout, claim, file, temporary, force, scales: Vec::new(), points: Vec::new() })
+    }
+
+    /// The layout of the file.
+    pub fn layout(&self) -> &'static Layout {
+        self.layout
     }
 
     /// Writes a text attribute of a group.
@@ -108,8 +115,7 @@ impl<'c> Writer<'c> {
     fn describe_scale(&mut self, dimension: Dimension, dataset: Dataset) -> Result<(), OutputError> {
         let variable = self.layout.variable(&format!("/{}", dimension.name()));
         make_scale(&dataset, dimension.name())?;
-        write_text(&dataset, "units", variable.units)?;
-        write_text(&dataset, "long_name", variable.long_name)?;
+        describe(&dataset, variable.units, variable.long_name)?;
         self.scales.push((dimension, dataset));
         Ok(())
     }
@@ -123,6 +129,126 @@ impl<'c> Writer<'c> {
         let dataset = self.file.new_dataset::<T>().shape(shape).create(path)?;
         dataset.write_raw(values)?;
         self.describe(path, &dataset)
+    }
+
+    /// Writes the scale of the next dimension of the points, by which every dataset of points is led; before all of these.
+    ///
+    /// # Errors
+    /// When HDF5 fails.
+    pub fn point_scale<T: H5Type>(
+        &mut self,
+        name: &str,
+        units: &str,
+        long_name: &str,
+        values: &[T],
+    ) -> Result<(), OutputError> {
+        let dataset = self.file.new_dataset::<T>().shape(values.len()).create(name)?;
+        dataset.write_raw(values)?;
+        make_scale(&dataset, name)?;
+        describe(&dataset, units, long_name)?;
+        self.points.push(dataset);
+        Ok(())
+    }
+
+    /// Writes what has a value at each point and is not of the layout, in the order of the points.
+    ///
+    /// # Errors
+    /// When HDF5 fails.
+    pub fn point_coordinate(
+        &self,
+        name: &str,
+        units: &str,
+        long_name: &str,
+        values: &[f64],
+    ) -> Result<(), OutputError> {
+        let dataset = self.file.new_dataset::<f64>().shape(self.point_shape()).create(name)?;
+        dataset.write_raw(values)?;
+        describe(&dataset, units, long_name)?;
+        self.points.iter().enumerate().try_for_each(|(i, scale)| Ok(attach_scale(&dataset, scale, i)?))
+    }
+
+    /// The lengths of the dimensions of the points.
+    pub fn point_shape(&self) -> Vec<usize> {
+        self.points.iter().map(|scale| scale.size()).collect()
+    }
+
+    /// The lengths that the dimensions of one run have in a file of points.
+    pub fn shape_of_point(&self, path: &str) -> Vec<usize> {
+        let length = |dimension: &Dimension| self.find_scale(dimension.of_points()).size();
+        self.layout.variable(path).dimensions.iter().map(length).collect()
+    }
+
+    /// Makes a dataset of points, filled point by point with [`Writer::at_point`]; in chunks of [`CURVE_CHUNK`] replicas of a point if
+    /// `curves`.
+    ///
+    /// # Errors
+    /// When HDF5 fails.
+    pub fn point_dataset<T: H5Type>(&self, path: &str, curves: bool) -> Result<(), OutputError> {
+        let (points, own) = (self.point_shape(), self.shape_of_point(path));
+        let shape = [points.as_slice(), &own].concat();
+        let builder = self.file.new_dataset::<T>().shape(shape);
+        let dataset = if curves {
+            let chunk = [vec![1; points.len()], vec![own[0].min(CURVE_CHUNK), own[1]]].concat();
+            builder.chunk(chunk).deflate(DEFLATE).fill_value(f64::NAN).create(path)?
+        } else {
+            builder.create(path)?
+        };
+        self.describe_points(path, &dataset)
+    }
+
+    /// Fills the rows from `first` of a dataset at the place of a point, row-major, with as many as there are values; rows are what the
+    /// first dimension of one run counts.
+    ///
+    /// # Errors
+    /// When HDF5 fails.
+    pub fn at_point<T: H5Type>(
+        &self,
+        path: &str,
+        place: &[usize],
+        first: usize,
+        values: &[T],
+    ) -> Result<(), OutputError> {
+        let mut shape = self.shape_of_point(path);
+        if values.is_empty() {
+            return Ok(());
+        }
+        if let Some((rows, row)) = shape.split_first_mut() {
+            *rows = values.len() / row.iter().product::<usize>();
+        }
+        let own = shape.iter().enumerate().map(|(i, count)| (if i == 0 { first } else { 0 }, *count));
+        let along = place.iter().map(|index| (*index, 1)).chain(own);
+        let (slab, shape): (Vec<SliceOrIndex>, Vec<usize>) =
+            along.map(|(start, count)| (SliceOrIndex::SliceCount { start, step: 1, count, block: 1 }, count)).unzip();
+        let view =
+            ndarray::ArrayViewD::from_shape(shape, values).map_err(|error| hdf5::Error::from(error.to_string()))?;
+        Ok(self.file.dataset(path)?.write_slice(view, Hyperslab::from(slab))?)
+    }
+
+    /// Writes a dataset over the points alone, in their order.
+    ///
+    /// # Errors
+    /// When HDF5 fails.
+    pub fn over_points<T: H5Type>(&self, path: &str, values: &[T]) -> Result<(), OutputError> {
+        self.point_dataset::<T>(path, false)?;
+        Ok(self.file.dataset(path)?.write_raw(values)?)
+    }
+
+    /// Writes a dataset of texts over the points.
+    ///
+    /// # Errors
+    /// When HDF5 fails.
+    pub fn point_texts(&self, path: &str, texts: &[String]) -> Result<(), OutputError> {
+        let texts: Vec<&str> = texts.iter().map(String::as_str).collect();
+        let dataset = self.file.new_dataset::<VarLenUnicode>().shape(self.point_shape()).create(path)?;
+        dataset.write_raw(&unicode(&texts))?;
+        self.describe_points(path, &dataset)
+    }
+
+    fn describe_points(&self, path: &str, dataset: &Dataset) -> Result<(), OutputError> {
+        let variable = self.layout.variable(path);
+        describe(dataset, variable.units, variable.long_name)?;
+        let own = variable.dimensions.iter().map(|dimension| self.find_scale(dimension.of_points()));
+        self.points.iter().chain(own).enumerate().try_for_each(|(i, scale)| Ok(attach_scale(dataset, scale, i)?))
     }
 
     /// Makes the dataset of a curve of every replica, filled batch by batch with [`Writer::curves`].
@@ -161,8 +287,7 @@ impl<'c> Writer<'c> {
 
     fn describe(&self, path: &str, dataset: &Dataset) -> Result<(), OutputError> {
         let variable = self.layout.variable(path);
-        write_text(dataset, "units", variable.units)?;
-        write_text(dataset, "long_name", variable.long_name)?;
+        describe(dataset, variable.units, variable.long_name)?;
         for (i, dimension) in variable.dimensions.iter().enumerate() {
             attach_scale(dataset, self.find_scale(*dimension), i)?;
         }
@@ -174,8 +299,8 @@ impl<'c> Writer<'c> {
     /// # Errors
     /// When the disk fails, or the output has come into being meanwhile and must not be overwritten.
     pub fn finish(self) -> Result<(), OutputError> {
-        let Self { file, claim, temporary, force, scales, .. } = self;
-        drop(scales);
+        let Self { file, claim, temporary, force, scales, points, .. } = self;
+        drop((scales, points));
         file.flush()?;
         file.close()?;
         let io = |action, error| OutputError::Io { action, path: claim.output().to_owned(), error };
@@ -191,6 +316,11 @@ impl<'c> Writer<'c> {
             Err(failed) => Err(io("cannot name", failed.error)),
         }
     }
+}
+
+fn describe(dataset: &Dataset, units: &str, long_name: &str) -> hdf5::Result<()> {
+    write_text(dataset, "units", units)?;
+    write_text(dataset, "long_name", long_name)
 }
 
 /// Names and notes of this program, which hold no NUL byte.

@@ -30,7 +30,7 @@ pub struct Measured {
 }
 
 /// Where a scene finds the files that it names.
-pub trait Files {
+pub trait Files: std::fmt::Debug + Send + Sync {
     /// The values of a column.
     ///
     /// # Errors
@@ -45,6 +45,7 @@ pub trait Files {
 }
 
 /// No files at all.
+#[derive(Debug)]
 pub struct NoFiles;
 
 impl Files for NoFiles {

@@ -7,12 +7,14 @@ mod population;
 mod reader;
 mod separation;
 mod sizes;
+pub mod sweep;
 pub mod units;
 mod validity;
 
 pub use plan::{CoreSeconds, Plan, RegimePlan, beyond};
 pub use reader::{SceneError, nearest};
 pub use sizes::{Choice, Sizes};
+pub use sweep::Sweep;
 pub use validity::{Warning, warnings, warnings_of_scene};
 
 use crate::asperity::models::{MODELS, Model, PUBLISHED_FITS};
@@ -22,6 +24,7 @@ use crate::surface::{RADIUS_RANGE, SamplingScheme, Surface};
 use files::{Files, Input, NoFiles};
 use population::{Population, SURFACE_KEYS, population};
 use reader::{Section, document};
+use std::sync::Arc;
 use units::Dimension;
 
 /// The scene format that is read.
@@ -35,8 +38,8 @@ const SUM_TOLERANCES: std::ops::RangeInclusive<f64> = 1e-13..=1e-3;
 /// The tolerance of compressed sums unless a scene gives one.
 const SUM_TOLERANCE: f64 = 1e-9;
 
-const ROOT_KEYS: [&str; 9] =
-    ["format", "title", "material", "surface", "model", "separation", "ensemble", "solver", "output"];
+const ROOT_KEYS: [&str; 10] =
+    ["format", "title", "material", "surface", "model", "separation", "ensemble", "solver", "output", "sweep"];
 const MATERIAL_KEYS: [&str; 5] =
     ["reduced_modulus", "hardness", "poisson_ratio", "work_of_adhesion", "equilibrium_spacing"];
 
@@ -74,36 +77,36 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// Reads a scene that takes nothing out of files.
+    /// Reads a scene that takes nothing out of files; of a sweep that of its first point.
     ///
     /// # Errors
     /// [`SceneError`] with the line, the key, what was given and what would do.
     pub fn parse(text: &str) -> Result<Self, SceneError> {
-        Self::parse_with(text, &NoFiles)
-    }
-
-    /// Reads a scene and what it takes out of `files`.
-    ///
-    /// # Errors
-    /// [`SceneError`] with the line, the key, what was given and what would do.
-    pub fn parse_with(text: &str, files: &dyn Files) -> Result<Self, SceneError> {
         let document = document(text)?;
         let root = Section::root(text, document.get_ref(), &ROOT_KEYS)?;
+        match root.get("sweep") {
+            Some(sweep) => Sweep::read(text, &sweep, Arc::new(NoFiles))?.scene(0),
+            None => Self::read(text, &root, &NoFiles),
+        }
+    }
+
+    /// Reads a scene that is no sweep, and what it takes out of files.
+    fn read(text: &str, root: &Section<'_>, files: &dyn Files) -> Result<Self, SceneError> {
         let format = root.require("format", "1")?;
         if format.integer(0..=u64::MAX)? != FORMAT {
             return Err(format.wrong(&format!("this program reads scenes of format {FORMAT}")));
         }
         let title = root.get("title").map(|entry| entry.string()).transpose()?.unwrap_or_default().to_owned();
-        let material = required(&root, "material", &MATERIAL_KEYS)?;
-        let section = required(&root, "surface", &SURFACE_KEYS)?;
+        let material = required(root, "material", &MATERIAL_KEYS)?;
+        let section = required(root, "surface", &SURFACE_KEYS)?;
         let Population { surface, inputs } = population(&section, files)?;
         let asperity = asperity(&material, &section, surface.asperity_radius)?;
-        let model = required(&root, "model", &["law", "path", "critical_approach"])?;
+        let model = required(root, "model", &["law", "path", "critical_approach"])?;
         let models: Vec<(&str, Model)> = MODELS.iter().map(|model| (model.name, *model)).collect();
         let law = model.require("law", "\"hybrid\"")?.choice("law", &models)?;
         let path = model.get("path").map_or(Ok(Path::Approach), |entry| entry.choice("path", &Path::ALL))?;
         let critical_approach = critical_approach(&model, &law)?;
-        let separation = required(&root, "separation", &["h", "h_star"])?;
+        let separation = required(root, "separation", &["h", "h_star"])?;
         let separations = separation::separations(&separation, surface.surface_height_std)?;
         let most = UNIT_RANGE.1 * Scale::new(&asperity).map_err(|error| SceneError::general(error.to_string()))?.length;
         let d = [separations[0], separations[separations.len() - 1]].map(|h| surface.asperity_separation(h).abs());
@@ -114,7 +117,7 @@ impl Scene {
                  mean_plane_offset, surface_height_std, asperity_height_std and asperity_density"
             )));
         }
-        let ensemble = required(&root, "ensemble", &["replicas", "sampling", "seed"])?;
+        let ensemble = required(root, "ensemble", &["replicas", "sampling", "seed"])?;
         let sampling = ensemble.get("sampling").map(|entry| entry.choice("sampling", &SamplingScheme::ALL));
         let sampling = sampling.transpose()?.unwrap_or_default();
         let given = ensemble.require("replicas", "1000")?;
@@ -126,7 +129,7 @@ impl Scene {
             ));
         }
         let seed = ensemble.get("seed").map_or(Ok(1), |entry| entry.integer(0..=i64::MAX as u64))?;
-        let sum_tolerance = sum_tolerance(&root)?;
+        let sum_tolerance = sum_tolerance(root)?;
         let output = root.section("output", &["curves"], false)?;
         let curves = output.and_then(|output| output.get("curves")).map_or(Ok(false), |entry| entry.boolean())?;
         let scene = Self {
@@ -202,8 +205,35 @@ impl Scene {
     }
 }
 
+/// What a file of a scene says: one scene, or a sweep of them.
+#[derive(Clone, Debug)]
+pub struct Document {
+    /// The scene; of a sweep that of its first point.
+    pub scene: Scene,
+    /// The sweep.
+    pub sweep: Option<Sweep>,
+}
+
+impl Document {
+    /// Reads a scene or a sweep, all of whose points have to be scenes, and what they take out of files.
+    ///
+    /// # Errors
+    /// [`SceneError`] with the line, the key, what was given and what would do, and the point where it is one of a sweep.
+    pub fn parse(text: &str, files: Arc<dyn Files>) -> Result<Self, SceneError> {
+        let document = document(text)?;
+        let root = Section::root(text, document.get_ref(), &ROOT_KEYS)?;
+        let Some(sweep) = root.get("sweep") else {
+            return Ok(Self { scene: Scene::read(text, &root, files.as_ref())?, sweep: None });
+        };
+        let sweep = Sweep::read(text, &sweep, files)?;
+        let scene = sweep.scene(0)?;
+        (1..sweep.count()).try_for_each(|point| sweep.scene(point).map(drop))?;
+        Ok(Self { scene, sweep: Some(sweep) })
+    }
+}
+
 /// A scene's text, and behind it what each of its files gave: the same text is then the same scene.
-fn with_inputs(text: &str, inputs: &[Input]) -> String {
+pub fn with_inputs(text: &str, inputs: &[Input]) -> String {
     let mut text = text.to_owned();
     for input in inputs {
         let line = format!("# {}\n", echo::one_line(&input.line()));

@@ -104,6 +104,15 @@ impl<'a> Section<'a> {
         Some(Entry { text: self.text, name: self.dotted(key), value })
     }
 
+    /// All keys and their values.
+    pub fn entries(&self) -> impl Iterator<Item = (&'a str, Entry<'a>)> {
+        let owner = *self;
+        owner.table.iter().map(move |(key, value)| {
+            let key = key.get_ref().as_ref();
+            (key, Entry { text: owner.text, name: owner.dotted(&shortened(key)), value })
+        })
+    }
+
     /// The value of a key that has to be there.
     pub fn require(&self, key: &str, example: &str) -> Result<Entry<'a>, SceneError> {
         self.get(key).ok_or_else(|| {
@@ -139,6 +148,14 @@ impl<'a> Entry<'a> {
         match self.value.get_ref() {
             DeValue::Table(table) => Section { text: self.text, name: &self.name, table }.restricted(keys),
             other => Err(self.wrong(&format!("is {}, a table with {} is needed", kind(other), keys.join(", ")))),
+        }
+    }
+
+    /// This table as a section without a name, which may hold any keys; `about` tells which make sense.
+    pub fn any_table(&self, about: &str) -> Result<Section<'a>, SceneError> {
+        match self.value.get_ref() {
+            DeValue::Table(table) => Ok(Section { text: self.text, name: "", table }),
+            other => Err(self.wrong(&format!("is {}, a table is needed; {about}", kind(other)))),
         }
     }
 

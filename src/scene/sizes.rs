@@ -55,6 +55,8 @@ pub struct Sizes {
     pub compressed: bool,
     /// Whether the curves of every replica are kept.
     pub curves: bool,
+    /// Files of such a run that are on the disk at once.
+    pub files: f64,
 }
 
 impl Sizes {
@@ -73,6 +75,7 @@ impl Sizes {
             step: range / (separations - 1) as f64 / scene.surface.heights.std,
             compressed: scene.sum_tolerance.is_some(),
             curves: scene.curves,
+            files: 1.0,
         }
     }
 
@@ -132,9 +135,8 @@ impl Sizes {
     /// much in the result, as they may not become smaller there.
     pub fn disk(&self) -> f64 {
         let curves = if self.curves { 2.0 * 2.0 * NUMBER * self.separations * self.replicas } else { 0.0 };
-        2e5 + NUMBER * self.separations * (60.0 + 6.0 * self.regimes + 2.0 * FUNCTIONALS)
-            + 64.0 * self.replicas
-            + curves
+        let means = NUMBER * self.separations * (60.0 + 6.0 * self.regimes + 2.0 * FUNCTIONALS);
+        self.files * (2e5 + means + 64.0 * self.replicas + curves)
     }
 }
 
@@ -221,6 +223,7 @@ mod tests {
         step: 0.05,
         compressed: false,
         curves: false,
+        files: 1.0,
     };
 
     #[test]

@@ -60,6 +60,34 @@ impl Dimension {
         }
     }
 
+    /// Its SI unit as scenes write it.
+    pub fn si(self) -> &'static str {
+        units(self).iter().find(|(_, power)| *power == 0).expect("every dimension has its SI unit").0
+    }
+
+    /// The largest of its units that is not larger than a value, and its size, SI; the SI unit for a value below all of them.
+    pub fn unit_below(self, value: f64) -> (&'static str, f64) {
+        let thousands = units(self).iter().filter(|(unit, power)| unit.is_ascii() && power % 3 == 0);
+        let sizes = thousands.map(|(unit, power)| (*unit, 10_f64.powi(*power)));
+        let below = sizes.filter(|(_, size)| *size <= value * (1.0 + 1e-9));
+        let largest = below.fold(None, |best: Option<(&str, f64)>, unit| match best {
+            Some(best) if best.1 >= unit.1 => Some(best),
+            _ => Some(unit),
+        });
+        largest.unwrap_or((self.si(), 1.0))
+    }
+
+    /// Its SI unit as files write it.
+    pub fn file_units(self) -> &'static str {
+        match self {
+            Self::Length => "m",
+            Self::Area => "m2",
+            Self::ArealDensity => "m-2",
+            Self::Pressure => "Pa",
+            Self::SurfaceEnergy => "J m-2",
+        }
+    }
+
     /// Its units in messages; the spellings with a Greek mu are left out.
     pub fn units(self) -> String {
         let spellings = units(self).iter().map(|(spelling, _)| *spelling).filter(|unit| unit.is_ascii());

@@ -8,9 +8,11 @@
 
 mod basis;
 mod joint;
+mod several;
 
 pub use basis::{Basis, basis, basis_to};
 pub use joint::{JointTest, SIGNIFICANCE, Verdict};
+pub use several::{Difference, disagreeing, overall};
 
 /// Standard error, relative to the expectation, below which that of the quadrature and the sums is larger.
 const ROUNDING: f64 = 1e-10;

@@ -18,6 +18,7 @@ pub static COMPARISON: Layout = Layout {
     version: [1, 1],
     groups: &["statistical", "asperity", "validity", "fit", "ensemble", "replicas", "validation"],
     variables: VARIABLES,
+    of_points: None,
 };
 
 const VARIABLES: &[Variable] = &[

@@ -4,9 +4,11 @@
 
 mod comparison;
 mod run;
+mod sweep;
 
 pub use comparison::COMPARISON;
 pub use run::RUN;
+pub use sweep::SWEEP;
 
 /// A kind of file.
 #[derive(Debug)]
@@ -19,20 +21,28 @@ pub struct Layout {
     pub version: [u32; 2],
     /// Its groups.
     pub groups: &'static [&'static str],
-    /// All datasets that a file may hold.
+    /// All datasets that a file may hold, but for those of points.
     pub variables: &'static [Variable],
+    /// The layout of a file of each point, for a file of points: it may hold the datasets of that too, led by the dimensions of the
+    /// points ([`Dimension::of_points`]).
+    pub of_points: Option<&'static Layout>,
 }
 
 impl Layout {
     /// All kinds of files.
-    pub const ALL: [&'static Self; 2] = [&RUN, &COMPARISON];
+    pub const ALL: [&'static Self; 3] = [&RUN, &COMPARISON, &SWEEP];
+
+    /// All datasets that a file may hold, those of points included.
+    pub fn known(&self) -> impl Iterator<Item = &'static Variable> {
+        self.variables.iter().chain(self.of_points.map_or(&[][..], |layout| layout.variables))
+    }
 
     /// The entry of a path.
     ///
     /// # Panics
     /// When the layout has no such dataset, which is an error in this program.
     pub fn variable(&self, path: &str) -> &'static Variable {
-        let found = self.variables.iter().find(|variable| variable.path == path);
+        let found = self.known().find(|variable| variable.path == path);
         found.unwrap_or_else(|| panic!("no dataset {path} in the layout"))
     }
 }
@@ -68,6 +78,14 @@ pub enum Dimension {
     Coefficient,
     /// Ends of a range.
     RangeEnd,
+    /// Points of a sweep whose keys go together.
+    Point,
+    /// Separations, by index: every point may have its own.
+    SeparationIndex,
+    /// Control variates, by index: every point may have its own.
+    ControlIndex,
+    /// The two degrees of freedom of the joint test.
+    Freedom,
 }
 
 impl Dimension {
@@ -88,6 +106,19 @@ impl Dimension {
             Self::FittedForce => "fitted_force",
             Self::Coefficient => "coefficient",
             Self::RangeEnd => "range_end",
+            Self::Point => "point",
+            Self::SeparationIndex => "separation_index",
+            Self::ControlIndex => "control_index",
+            Self::Freedom => "freedom",
+        }
+    }
+
+    /// What the dimension of one run is in a file of points: an index, if its values may differ from point to point.
+    pub fn of_points(self) -> Self {
+        match self {
+            Self::Separation => Self::SeparationIndex,
+            Self::Control => Self::ControlIndex,
+            other => other,
         }
     }
 }
@@ -103,6 +134,16 @@ pub struct Variable {
     pub units: &'static str,
     /// What it is.
     pub long_name: &'static str,
+}
+
+impl Variable {
+    /// The dimension that it is the scale of, if it is one.
+    pub fn scales(&self) -> Option<Dimension> {
+        match self.dimensions {
+            [dimension] if self.path.strip_prefix('/') == Some(dimension.name()) => Some(*dimension),
+            _ => None,
+        }
+    }
 }
 
 const NONE: &[Dimension] = &[];
@@ -126,7 +167,7 @@ mod tests {
     fn paths_are_unique_and_every_dimension_has_its_scale() {
         for layout in Layout::ALL {
             for variable in layout.variables {
-                let same = layout.variables.iter().filter(|other| other.path == variable.path);
+                let same = layout.known().filter(|other| other.path == variable.path);
                 assert_eq!(same.count(), 1, "{}", variable.path);
                 for dimension in variable.dimensions {
                     let scale = layout.variable(&format!("/{}", dimension.name()));
@@ -140,7 +181,11 @@ mod tests {
 
     #[test]
     fn the_format_pages_describe_every_dataset() {
-        let pages = [include_str!("../../../docs/format.md"), include_str!("../../../docs/comparison.md")];
+        let pages = [
+            include_str!("../../../docs/format.md"),
+            include_str!("../../../docs/comparison.md"),
+            include_str!("../../../docs/sweep_format.md"),
+        ];
         for (layout, page) in Layout::ALL.into_iter().zip(pages) {
             assert!(page.contains(&format!("`{}`", layout.format)));
             assert!(page.contains(&format!("version {}.{}", layout.version[0], layout.version[1])));

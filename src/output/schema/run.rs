@@ -15,6 +15,7 @@ pub static RUN: Layout = Layout {
     version: [1, 2],
     groups: &["ensemble", "replicas", "statistical", "validation", "diagnostics"],
     variables: VARIABLES,
+    of_points: None,
 };
 
 /// All datasets that a file may hold.

@@ -1,0 +1,238 @@
+//! The points of a sweep: each an ordinary run with an output of its own, in a folder beside the output of all.
+//!
+//! The folder `out.h5.points` holds `0001.h5` and so on, and beside the point that is being computed its checkpoint. It stays when the sweep is
+//! interrupted, and goes when the output of all is complete. Points can be computed in any order, and a range of them by itself.
+
+use super::checkpoint::{Manner, identity, is_result_of, kept};
+use super::run::{Session, Task, run_scene};
+use super::sampling::override_ensemble;
+use super::{Failure, law_of, resources};
+use crate::output::checkpoint::{Identity, forget, is_checkpoint};
+use crate::output::progress::Progress;
+use crate::output::schema::{Layout, RUN};
+use crate::output::{Claim, OutputError};
+use crate::scene::{Scene, Sizes, Sweep, with_inputs};
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::Ordering;
+
+/// Times that the result of a point is on the disk when all are put together.
+const COPIES: f64 = 2.0;
+
+/// The points of a sweep on their way into one output.
+pub(super) struct Points<'a> {
+    pub sweep: &'a Sweep,
+    /// The file of the scene, for messages.
+    pub source: &'a Path,
+    /// The claim on the output of all.
+    pub claim: &'a Claim,
+    pub manner: Manner,
+    /// Of the command line, in the place of the scene's.
+    pub replicas: Option<u64>,
+    pub seed: Option<u64>,
+}
+
+impl Points<'_> {
+    /// The folder of the points.
+    pub fn folder(&self) -> PathBuf {
+        self.claim.beside(".points")
+    }
+
+    /// The output of a point.
+    pub fn file(&self, point: usize) -> PathBuf {
+        self.folder().join(format!("{:04}.h5", point + 1))
+    }
+
+    /// The scene of a point, as it is run.
+    pub fn scene(&self, point: usize) -> Result<Scene, Failure> {
+        let named = |problem: String| Failure::Usage(format!("{}: {problem}", self.source.display()));
+        let mut scene = self.sweep.scene(point).map_err(|error| named(error.to_string()))?;
+        let seed = self.seed.map(|seed| self.sweep.seed(seed, point));
+        override_ensemble(&mut scene, self.replicas, seed)?;
+        Ok(scene)
+    }
+
+    /// Which sweep it is: `text` is what it was read from.
+    pub fn identity(&self, text: &str) -> Result<Identity, Failure> {
+        let first = self.scene(0)?;
+        let seed = self.seed.unwrap_or(if self.sweep.common_random_numbers { first.seed } else { self.own_seed()? });
+        Ok(Identity { scene: with_inputs(text, &first.inputs), seed, ..identity(&first) })
+    }
+
+    /// The seed of the scene that the seeds of the points are made of.
+    fn own_seed(&self) -> Result<u64, Failure> {
+        self.sweep.alone(0).map(|scene| scene.seed).map_err(|error| Failure::Usage(error.to_string()))
+    }
+
+    /// Refuses points that cannot be computed: for each the law, and of all together memory and disk.
+    pub fn require(&self, threads: usize) -> Result<(), Failure> {
+        let sizes = self.sizes(threads)?;
+        let sizes = Sizes { files: COPIES * self.sweep.count() as f64, ..sizes };
+        resources::require(self.source, &sizes, (!self.folder().exists()).then_some(self.claim.output()))
+    }
+
+    /// What the point that takes most memory takes.
+    fn sizes(&self, threads: usize) -> Result<Sizes, Failure> {
+        let mut largest: Option<Sizes> = None;
+        for point in 0..self.sweep.count() {
+            let scene = self.scene(point)?;
+            let law = law_of(&scene, &scene.model, self.source).map_err(|failure| self.at(point, failure))?;
+            let sizes = Sizes::new(&scene, law.as_ref(), threads);
+            if largest.is_none_or(|known| known.memory() < sizes.memory()) {
+                largest = Some(sizes);
+            }
+        }
+        Ok(largest.expect("a sweep has points"))
+    }
+
+    /// Whether anything is left to do for the output of all, which has this layout and identity. Refused if that would overwrite a
+    /// result, or drop or mistake points that are there.
+    pub fn begin(&self, layout: &'static Layout, identity: &Identity) -> Result<bool, Failure> {
+        let Manner { resume, force } = self.manner;
+        let exists = self.claim.check(force);
+        if resume {
+            if let Err(exists) = exists {
+                if !is_result_of(self.claim.output(), layout, identity) {
+                    return Err(exists.into());
+                }
+                self.clear()?;
+                return Ok(false);
+            }
+            self.check_kept()?;
+        } else {
+            exists?;
+            self.refuse_kept(force)?;
+        }
+        match std::fs::create_dir(self.folder()) {
+            Err(error) if error.kind() != std::io::ErrorKind::AlreadyExists => {
+                Err(OutputError::Io { action: "cannot make", path: self.folder(), error }.into())
+            }
+            _ => Ok(true),
+        }
+    }
+
+    /// Refuses what is kept of an earlier run, or drops it.
+    fn refuse_kept(&self, force: bool) -> Result<(), Failure> {
+        let checkpoint = self.claim.beside(".checkpoint");
+        let folder = self.folder();
+        let what = match (is_checkpoint(&checkpoint), folder.exists()) {
+            (false, false) => return Ok(()),
+            (true, _) => format!("{} is of an interrupted run; --force drops it", checkpoint.display()),
+            (_, true) => {
+                let (done, all) = (self.done(), self.sweep.count());
+                let kept = format!("{} holds {done} points of an interrupted sweep", folder.display());
+                format!("{kept}, of {all} now; --resume goes on with it, --force begins anew")
+            }
+        };
+        if !force {
+            return Err(Failure::Usage(what));
+        }
+        if is_checkpoint(&checkpoint) {
+            forget(self.claim)?;
+        }
+        self.clear()
+    }
+
+    /// Refuses points that are kept and are not of this sweep.
+    fn check_kept(&self) -> Result<(), Failure> {
+        for point in 0..self.sweep.count() {
+            let file = self.file(point);
+            if file.exists() && !is_result_of(&file, &RUN, &identity(&self.scene(point)?)) {
+                let point = self.sweep.name(point);
+                return Err(Failure::Usage(format!(
+                    "{} is not {point} of this sweep as it would be computed now; --force begins anew",
+                    file.display()
+                )));
+            }
+        }
+        Ok(())
+    }
+
+    /// Points that are complete.
+    fn done(&self) -> usize {
+        (0..self.sweep.count()).filter(|point| self.file(*point).exists()).count()
+    }
+
+    /// Computes a range of points; those that are complete stay as they are.
+    ///
+    /// # Errors
+    /// [`Failure`] with the point named; what has been done is kept.
+    pub fn compute(&self, range: Range<usize>, session: &Session) -> Result<(), Failure> {
+        for point in range {
+            self.compute_one(point, session).map_err(|failure| self.kept(self.at(point, failure)))?;
+        }
+        Ok(())
+    }
+
+    fn compute_one(&self, point: usize, session: &Session) -> Result<(), Failure> {
+        let output = self.file(point);
+        let scene = self.scene(point)?;
+        if session.stop.load(Ordering::Relaxed) {
+            return Err(Failure::Interrupted { done: 0, of: scene.replicas, kept: self.done() > 0 });
+        }
+        let claim = Claim::new(&output)?;
+        let manner = Manner { resume: true, force: false };
+        let task = Task { source: self.source, output: &output, claim: &claim, manner };
+        let name = format!("point {} of {}", point + 1, self.sweep.count());
+        run_scene(scene, &task, session, Progress::of_run(session.quiet, name)).map(drop)
+    }
+
+    /// A failure at a point.
+    fn at(&self, point: usize, failure: Failure) -> Failure {
+        let failure = match failure {
+            Failure::Kept { failure, .. } => failure,
+            other => Box::new(other),
+        };
+        Failure::AtPoint { point: self.sweep.name(point), failure }
+    }
+
+    /// A failure with how to go on with the sweep, if anything was kept of it.
+    pub fn kept(&self, failure: Failure) -> Failure {
+        let folder = self.folder();
+        // Fails when anything is in it.
+        if std::fs::remove_dir(&folder).is_ok() || !folder.exists() {
+            return failure;
+        }
+        kept(failure, &format!("{} of {} points are kept in {}", self.done(), self.sweep.count(), folder.display()))
+    }
+
+    /// Removes the folder of the points and what it holds of this program, and nothing else.
+    pub fn clear(&self) -> Result<(), Failure> {
+        let folder = self.folder();
+        let failed = |error| Failure::from(OutputError::Io { action: "cannot remove", path: folder.clone(), error });
+        let entries = match std::fs::read_dir(&folder) {
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(()),
+            entries => entries.map_err(failed)?,
+        };
+        for entry in entries {
+            let entry = entry.map_err(failed)?;
+            if is_of_point(&entry.file_name().to_string_lossy()) {
+                std::fs::remove_file(entry.path()).map_err(failed)?;
+            }
+        }
+        std::fs::remove_dir(&folder).map_err(failed)
+    }
+}
+
+/// Whether a file has a name that this program gives to what it keeps of a point.
+fn is_of_point(name: &str) -> bool {
+    let name = name.strip_prefix('.').unwrap_or(name);
+    let Some((number, rest)) = name.split_once(".h5") else { return false };
+    let suffixes = ["", ".lock", ".partial", ".checkpoint", ".checkpoint.partial", ".checkpoint.replicas"];
+    number.len() >= 4 && number.bytes().all(|byte| byte.is_ascii_digit()) && suffixes.contains(&rest)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::is_of_point;
+
+    #[test]
+    fn only_what_is_of_a_point_is_taken_for_it() {
+        for name in ["0001.h5", "10000.h5", ".0002.h5.lock", "0003.h5.checkpoint", "0003.h5.checkpoint.replicas"] {
+            assert!(is_of_point(name), "{name}");
+        }
+        for name in ["notes.txt", "1.h5", "0001.h5.bak", "abcd.h5", "0001.h5.checkpoint.old", "", "."] {
+            assert!(!is_of_point(name), "{name}");
+        }
+    }
+}

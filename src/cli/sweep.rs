@@ -1,0 +1,238 @@
+//! `stiction run` of a sweep: its points, one file of them all, and a table.
+
+use super::checkpoint::Manner;
+use super::format::{row, si};
+use super::points::Points;
+use super::record::{write_about, write_model};
+use super::run::{Session, output_of};
+use super::{Failure, RunArguments, print_of, refuse_own_scene};
+use crate::engine::SCALARS;
+use crate::output::checkpoint::Identity;
+use crate::output::reader::Reader;
+use crate::output::schema::{RUN, SWEEP};
+use crate::output::stack::{self, stack};
+use crate::output::writer::Writer;
+use crate::output::{Claim, OutputError};
+use crate::scene::echo::one_line;
+use crate::scene::sweep::Mode;
+use crate::scene::{Scene, Sweep};
+use crate::surface::SamplingScheme;
+use crate::validation::{Difference, SIGNIFICANCE, Verdict, disagreeing, overall};
+use std::path::Path;
+use std::sync::atomic::Ordering;
+
+pub(super) fn run(sweep: &Sweep, arguments: &RunArguments) -> Result<(), Failure> {
+    let output = output_of(arguments);
+    refuse_own_scene(&arguments.scene, &output)?;
+    let session = Session::new(&arguments.execution, arguments.checkpoint)?;
+    let claim = Claim::new(&output)?;
+    let points = Points {
+        sweep,
+        source: &arguments.scene,
+        claim: &claim,
+        manner: Manner { resume: arguments.resume, force: arguments.execution.force },
+        replicas: arguments.replicas,
+        seed: arguments.seed,
+    };
+    points.require(session.pool.current_num_threads())?;
+    let identity = points.identity(sweep.source())?;
+    if !points.begin(&SWEEP, &identity)? {
+        eprintln!("{} is complete: nothing to resume", output.display());
+        return Ok(());
+    }
+    points.compute(0..sweep.count(), &session)?;
+    let scene = points.scene(0)?;
+    let written = assembled(&points, &scene, &identity, &session);
+    let rows = match written.map_err(|error| points.kept(error.writing(&output).into()))? {
+        Some(rows) => rows,
+        None => {
+            let (done, of) = (scene.replicas, scene.replicas);
+            return Err(points.kept(Failure::Interrupted { done, of, kept: true }));
+        }
+    };
+    points.clear()?;
+    print_of(&output, &(title(&scene) + &described(sweep) + "\n" + &table(sweep, &rows) + &written_to(&output)))
+}
+
+/// What a point has to say in the table.
+pub(super) struct Row {
+    /// Mean pull-off force over replicas and its standard error, N.
+    pull_off: [f64; 2],
+    /// Pull-off force of the integral, N.
+    integral: f64,
+    /// Difference of each of the [`SCALARS`] to the first point.
+    differences: [Difference; 4],
+    /// Of the joint test.
+    p_value: f64,
+}
+
+/// Puts the points together into the output; none when it was interrupted.
+fn assembled(
+    points: &Points<'_>,
+    scene: &Scene,
+    identity: &Identity,
+    session: &Session,
+) -> Result<Option<Vec<Row>>, OutputError> {
+    let sweep = points.sweep;
+    let files: Vec<_> = (0..sweep.count()).map(|point| points.file(point)).collect();
+    let places: Vec<_> = (0..sweep.count()).map(|point| sweep.place(point)).collect();
+    let mut writer = Writer::create(&SWEEP, points.claim, points.manner.force)?;
+    write_about(&writer, &scene.title, &identity.scene)?;
+    write_model(&writer, scene, identity.seed)?;
+    write_axes(&mut writer, sweep)?;
+    let goes_on = || !session.stop.load(Ordering::Relaxed);
+    if !stack(&mut writer, &stack::Points { files: &files, places: &places, goes_on: &goes_on })? {
+        return Ok(None);
+    }
+    let first = scalars(&files[0])?;
+    let mut rows = Vec::with_capacity(files.len());
+    for file in &files {
+        if !goes_on() {
+            return Ok(None);
+        }
+        rows.push(compared(file, &first, scene.sampling, sweep.common_random_numbers)?);
+    }
+    write_differences(&writer, &rows)?;
+    let p_values: Vec<f64> = rows.iter().map(|row| row.p_value).collect();
+    writer.number("/validation", "significance", SIGNIFICANCE)?;
+    writer.text("/validation", "correction", "Holm")?;
+    writer.text("/validation", "overall_verdict", overall(&p_values).name())?;
+    writer.finish()?;
+    Ok(Some(rows))
+}
+
+/// Writes the dimensions of the points: one for each key, or one for all.
+fn write_axes(writer: &mut Writer<'_>, sweep: &Sweep) -> Result<(), OutputError> {
+    let keys: Vec<&str> = sweep.axes.iter().map(|axis| axis.key.name).collect();
+    writer.text("/", "sweep_keys", &keys.join(", "))?;
+    writer.text("/", "sweep_mode", sweep.mode.name())?;
+    writer.number("/", "points", sweep.count() as u64)?;
+    writer.number("/", "common_random_numbers", u8::from(sweep.common_random_numbers))?;
+    if sweep.mode == Mode::Zip {
+        let points: Vec<u64> = (0..sweep.count() as u64).collect();
+        writer.point_scale("point", "1", SWEEP.variable("/point").long_name, &points)?;
+    }
+    sweep.axes.iter().try_for_each(|axis| {
+        let (key, values) = (axis.key, &axis.values);
+        let units = key.dimension.map_or("1", |dimension| dimension.file_units());
+        match sweep.mode {
+            Mode::Grid => writer.point_scale(key.name, units, key.long_name, values),
+            Mode::Zip => writer.point_coordinate(key.name, units, key.long_name, values),
+        }
+    })
+}
+
+/// The values of each of the [`SCALARS`] for all replicas of a point.
+fn scalars(file: &Path) -> Result<[Vec<f64>; 4], OutputError> {
+    let reader = Reader::open(file, &[&RUN])?;
+    let mut values: [Vec<f64>; 4] = Default::default();
+    for (values, scalar) in values.iter_mut().zip(SCALARS) {
+        *values = reader.values(&format!("/replicas/{}", scalar.name))?;
+    }
+    Ok(values)
+}
+
+/// What a point has to say, beside the replicas of the first.
+fn compared(file: &Path, first: &[Vec<f64>; 4], scheme: SamplingScheme, common: bool) -> Result<Row, OutputError> {
+    let reader = Reader::open(file, &[&RUN])?;
+    let own = scalars(file)?;
+    let group = scheme.group() as usize;
+    let of_pull_off = |name: &str| reader.values::<f64>(name).map(|values| values[0]);
+    Ok(Row {
+        pull_off: [of_pull_off("/ensemble/scalar_mean")?, of_pull_off("/ensemble/scalar_standard_error")?],
+        integral: reader.number("/statistical", "pull_off_force")?,
+        differences: std::array::from_fn(|i| Difference::new(&first[i], &own[i], group, common)),
+        p_value: reader.number("/validation", "p_value")?,
+    })
+}
+
+fn write_differences(writer: &Writer<'_>, rows: &[Row]) -> Result<(), OutputError> {
+    for (i, scalar) in SCALARS.into_iter().enumerate() {
+        let write = |name: &str, of: fn(&Difference) -> f64| {
+            let values: Vec<f64> = rows.iter().map(|row| of(&row.differences[i])).collect();
+            writer.over_points(&format!("/differences/{}_{name}", scalar.name), &values)
+        };
+        write("mean", |difference| difference.mean)?;
+        write("standard_error", |difference| difference.standard_error)?;
+        write("variance_ratio", |difference| difference.variance_ratio)?;
+    }
+    Ok(())
+}
+
+fn title(scene: &Scene) -> String {
+    format!("{}\n", if scene.title.is_empty() { "Untitled sweep".to_owned() } else { one_line(&scene.title) })
+}
+
+fn written_to(output: &Path) -> String {
+    row("written", &output.display().to_string())
+}
+
+/// What is swept.
+pub(super) fn described(sweep: &Sweep) -> String {
+    let mut text = String::new();
+    for (i, axis) in sweep.axes.iter().enumerate() {
+        let (key, values) = (axis.key, &axis.values);
+        let ends = [values[0], values[values.len() - 1]].map(|value| key.shown(value));
+        let said = match values.len() {
+            1 => format!("{} = {}", key.name, ends[0]),
+            count => format!("{}: {count} values, {} to {}", key.name, ends[0], ends[1]),
+        };
+        text += &row(if i == 0 { "sweep" } else { "" }, &said);
+    }
+    let numbers = if sweep.common_random_numbers { "the same random numbers" } else { "random numbers of its own" };
+    text + &row("", &format!("{} points ({}), each with {numbers}", sweep.count(), sweep.mode.name()))
+}
+
+/// The points, a line each, and the verdict on all of them.
+fn table(sweep: &Sweep, rows: &[Row]) -> String {
+    let disagree = disagreeing(&rows.iter().map(|row| row.p_value).collect::<Vec<f64>>());
+    let mut lines: Vec<Vec<String>> = vec![sweep.axes.iter().map(|axis| axis.key.name.to_owned()).collect()];
+    let heads = ["pull-off", "standard error", "integral", "to the first", "standard error", "variance", "p"];
+    lines[0].extend(heads.map(str::to_owned));
+    for (point, row) in rows.iter().enumerate() {
+        let values = sweep.values(point);
+        let mut line: Vec<String> = sweep.axes.iter().zip(values).map(|(axis, v)| axis.key.shown(v)).collect();
+        let difference = &row.differences[0];
+        line.extend([si(row.pull_off[0], "N"), si(row.pull_off[1], "N"), si(row.integral, "N")]);
+        line.extend(match point {
+            0 => ["-", "-", "-"].map(str::to_owned),
+            _ => {
+                let ratio = difference.variance_ratio;
+                let ratio = match ratio {
+                    ratio if !ratio.is_finite() => "-".to_owned(),
+                    ratio if ratio < 1e4 => format!("/ {ratio:.2}"),
+                    ratio => format!("/ {ratio:.0e}"),
+                };
+                [si(difference.mean, "N"), si(difference.standard_error, "N"), ratio]
+            }
+        });
+        let mark = if disagree[point] { " *" } else { "" };
+        line.push(if row.p_value.is_nan() { "-".to_owned() } else { format!("{:.3}{mark}", row.p_value) });
+        lines.push(line);
+    }
+    let width = |column: usize| lines.iter().map(|line| line[column].chars().count()).max().unwrap_or_default();
+    let widths: Vec<usize> = (0..lines[0].len()).map(width).collect();
+    let shown = |line: &Vec<String>| {
+        let cells: Vec<String> = line.iter().zip(&widths).map(|(cell, width)| format!("{cell:>width$}")).collect();
+        format!("  {}\n", cells.join("  "))
+    };
+    lines.iter().map(shown).collect::<String>()
+        + "\n"
+        + &together(&rows.iter().map(|row| row.p_value).collect::<Vec<f64>>())
+}
+
+/// The verdict of the cross-checks of all points.
+pub(super) fn together(p_values: &[f64]) -> String {
+    let (count, smallest) = (p_values.len(), p_values.iter().copied().fold(f64::INFINITY, f64::min));
+    let verdict = overall(p_values);
+    let text = match verdict {
+        Verdict::NotTested => "not tested at any point".to_owned(),
+        Verdict::Agree => format!("ensemble and integral agree at all points: smallest p = {smallest:.3} of {count}"),
+        Verdict::Disagree => {
+            let disagree = disagreeing(p_values).iter().filter(|disagree| **disagree).count();
+            format!("ensemble and integral disagree at {disagree} of {count} points (*): smallest p = {smallest:.1e}")
+        }
+    };
+    row("cross-check", &text)
+        + &row("", &format!("significance {SIGNIFICANCE} for all points together, by Holm's method"))
+}

@@ -1,0 +1,321 @@
+//! Many results of one scene's kind as one: every dataset of a run, led by the dimensions of the points.
+//!
+//! What the points have in different lengths (regimes, functionals of the joint test, control variates, replicas) has the largest. A regime
+//! that a point does not have is empty there, with 0 asperities and 0 force; all else that a point does not have is NaN, or 0 for
+//! whole numbers. Points are read one after the other.
+
+use super::OutputError;
+use super::attributes::text;
+use super::schema::{Dimension, RUN, Variable};
+use super::writer::{CURVE_CHUNK, Writer};
+use hdf5::types::{TypeDescriptor, VarLenUnicode};
+use hdf5::{Dataset, File, H5Type};
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+/// Results of `stiction run` that belong together, in the order of the points.
+pub struct Points<'a> {
+    /// Their files.
+    pub files: &'a [PathBuf],
+    /// The index of each along each dimension of the points.
+    pub places: &'a [Vec<usize>],
+    /// Asked between one point and the next whether to go on.
+    pub goes_on: &'a dyn Fn() -> bool,
+}
+
+/// What the points have in common along a dimension.
+enum Scale {
+    /// Names, in the order in which they first come.
+    Names(Vec<String>),
+    /// So many, by index.
+    Indices(usize),
+}
+
+/// Stacks the points into a file whose dimensions of points are written. `false` when it was told not to go on.
+///
+/// # Errors
+/// When a point cannot be read, or the file not be written.
+pub fn stack(writer: &mut Writer<'_>, points: &Points<'_>) -> Result<bool, OutputError> {
+    let Some(scales) = scales(points)? else { return Ok(false) };
+    for (dimension, scale) in &scales {
+        match scale {
+            Scale::Names(names) => {
+                let names: Vec<&str> = names.iter().map(String::as_str).collect();
+                writer.named_scale(dimension.of_points(), &names)?;
+            }
+            Scale::Indices(length) => {
+                writer.scale(dimension.of_points(), &(0..*length as u64).collect::<Vec<u64>>())?;
+            }
+        }
+    }
+    writer.named_scale(Dimension::Freedom, &["components", "groups less components"])?;
+    let mut attributes = Attributes::new(writer);
+    let mut made = Vec::new();
+    for (path, place) in points.files.iter().zip(points.places) {
+        if !(points.goes_on)() {
+            return Ok(false);
+        }
+        let file = opened(path)?;
+        attributes.read(&file)?;
+        for variable in stacked() {
+            let Some(dataset) = found(&file, variable) else { continue };
+            copy(writer, &scales, &file, variable, &dataset, place, &mut made)?;
+        }
+    }
+    fill_absent(writer, points, &made)?;
+    attributes.write(writer, points)?;
+    Ok(true)
+}
+
+/// The datasets of a run that have a value for each point: not the scales that all points share.
+fn stacked() -> impl Iterator<Item = &'static Variable> {
+    RUN.variables.iter().filter(|variable| variable.scales().is_none_or(|dimension| dimension.of_points() != dimension))
+}
+
+fn opened(path: &PathBuf) -> Result<File, OutputError> {
+    File::open(path).map_err(|_| OutputError::NotAResult { path: path.clone(), problem: "cannot be read".to_owned() })
+}
+
+fn found(file: &File, variable: &Variable) -> Option<Dataset> {
+    let (group, name) = variable.path.rsplit_once('/')?;
+    let group = file.group(if group.is_empty() { "/" } else { group }).ok()?;
+    if group.link_exists(name) { group.dataset(name).ok() } else { None }
+}
+
+/// What the points have in common along each dimension, in the order of the layout; none when told not to go on.
+fn scales(points: &Points<'_>) -> Result<Option<Vec<(Dimension, Scale)>>, OutputError> {
+    let mut scales: Vec<(Dimension, Scale)> = Vec::new();
+    for path in points.files {
+        if !(points.goes_on)() {
+            return Ok(None);
+        }
+        let file = opened(path)?;
+        for variable in RUN.variables {
+            let (Some(dimension), Some(dataset)) = (variable.scales(), found(&file, variable)) else { continue };
+            let own = if is_text(&dataset)? { Scale::Names(names(&dataset)?) } else { Scale::Indices(dataset.size()) };
+            match (scales.iter_mut().find(|(known, _)| *known == dimension), own) {
+                (None, own) => scales.push((dimension, own)),
+                (Some((_, Scale::Names(known))), Scale::Names(own)) => {
+                    let new: Vec<String> = own.into_iter().filter(|name| !known.contains(name)).collect();
+                    known.extend(new);
+                }
+                (Some((_, Scale::Indices(known))), Scale::Indices(own)) => *known = (*known).max(own),
+                _ => return Err(hdf5::Error::from(format!("the points differ in {}", variable.path)).into()),
+            }
+        }
+    }
+    Ok(Some(scales))
+}
+
+fn is_text(dataset: &Dataset) -> hdf5::Result<bool> {
+    Ok(matches!(dataset.dtype()?.to_descriptor()?, TypeDescriptor::VarLenUnicode))
+}
+
+fn names(dataset: &Dataset) -> hdf5::Result<Vec<String>> {
+    Ok(dataset.read_raw::<VarLenUnicode>()?.iter().map(|name| name.as_str().to_owned()).collect())
+}
+
+/// Copies a dataset of a point to its place; makes it in the file when it is the first.
+fn copy(
+    writer: &Writer<'_>,
+    scales: &[(Dimension, Scale)],
+    file: &File,
+    variable: &'static Variable,
+    dataset: &Dataset,
+    place: &[usize],
+    made: &mut Vec<(&'static str, Vec<Vec<usize>>)>,
+) -> Result<(), OutputError> {
+    let path = variable.path;
+    let first = !made.iter().any(|(known, _)| *known == path);
+    if first {
+        made.push((path, Vec::new()));
+    }
+    let descriptor = dataset.dtype()?.to_descriptor()?;
+    // What is a text is the same for all points.
+    if descriptor == TypeDescriptor::VarLenUnicode {
+        let texts = names(dataset)?;
+        let texts: Vec<&str> = texts.iter().map(String::as_str).collect();
+        return if first { writer.texts(path, &texts) } else { Ok(()) };
+    }
+    let curves = variable.dimensions == [Dimension::Replica, Dimension::Separation];
+    let target = Target { writer, path, place, curves, first };
+    if let Some((_, places)) = made.iter_mut().find(|(known, _)| *known == path) {
+        places.push(place.to_vec());
+    }
+    if curves {
+        return target.rows(dataset);
+    }
+    let maps = variable.dimensions.iter().map(|dimension| indices(scales, file, *dimension));
+    let maps = maps.collect::<Result<Vec<Vec<usize>>, OutputError>>()?;
+    let regimes = variable.dimensions.contains(&Dimension::Regime);
+    match descriptor {
+        TypeDescriptor::Float(_) => target.values(dataset, &maps, if regimes { 0.0 } else { f64::NAN }),
+        TypeDescriptor::Unsigned(size) if size as usize == 1 => target.values(dataset, &maps, 0_u8),
+        _ => target.values(dataset, &maps, 0_u64),
+    }
+}
+
+/// Where in the stack the indices of a point's dimension are.
+fn indices(scales: &[(Dimension, Scale)], file: &File, dimension: Dimension) -> Result<Vec<usize>, OutputError> {
+    let own = file.dataset(dimension.name())?;
+    match scales.iter().find(|(known, _)| *known == dimension) {
+        Some((_, Scale::Names(all))) => {
+            let place = |name: &String| all.iter().position(|known| known == name).unwrap_or_default();
+            Ok(names(&own)?.iter().map(place).collect())
+        }
+        _ => Ok((0..own.size()).collect()),
+    }
+}
+
+/// A dataset of the stack, and the place of a point in it.
+struct Target<'w, 'c> {
+    writer: &'w Writer<'c>,
+    path: &'static str,
+    place: &'w [usize],
+    curves: bool,
+    /// Whether it has to be made.
+    first: bool,
+}
+
+impl Target<'_, '_> {
+    fn made<T: H5Type>(&self) -> Result<(), OutputError> {
+        if self.first { self.writer.point_dataset::<T>(self.path, self.curves) } else { Ok(()) }
+    }
+
+    /// Writes the values of a point, at the indices that its own have in the stack, and `absent` where it has none.
+    fn values<T: H5Type + Copy>(&self, dataset: &Dataset, maps: &[Vec<usize>], absent: T) -> Result<(), OutputError> {
+        self.made::<T>()?;
+        let shape = self.writer.shape_of_point(self.path);
+        let mut values = vec![absent; shape.iter().product()];
+        for (i, value) in dataset.read_raw::<T>()?.into_iter().enumerate() {
+            values[moved(i, maps, &shape)] = value;
+        }
+        self.writer.at_point(self.path, self.place, 0, &values)
+    }
+
+    /// Writes the curves of a point, a few replicas at a time.
+    fn rows(&self, dataset: &Dataset) -> Result<(), OutputError> {
+        self.made::<f64>()?;
+        let replicas = dataset.shape()[0];
+        for first in (0..replicas).step_by(CURVE_CHUNK) {
+            let rows = dataset.read_slice_2d::<f64, _>((first..(first + CURVE_CHUNK).min(replicas), ..))?;
+            let values: Vec<f64> = rows.into_iter().collect();
+            self.writer.at_point(self.path, self.place, first, &values)?;
+        }
+        Ok(())
+    }
+}
+
+/// Where the element `index` of an array goes whose indices along each dimension go to those of `maps`, in an array of `shape`.
+fn moved(index: usize, maps: &[Vec<usize>], shape: &[usize]) -> usize {
+    let (mut rest, mut stride, mut place) = (index, 1, 0);
+    for (map, length) in maps.iter().zip(shape).rev() {
+        place += stride * map[rest % map.len()];
+        rest /= map.len();
+        stride *= length;
+    }
+    place
+}
+
+/// Says so where only some points have a dataset.
+fn fill_absent(
+    writer: &Writer<'_>,
+    points: &Points<'_>,
+    made: &[(&'static str, Vec<Vec<usize>>)],
+) -> Result<(), OutputError> {
+    for (path, filled) in made.iter().filter(|(_, filled)| !filled.is_empty() && filled.len() < points.places.len()) {
+        let absent = vec![f64::NAN; writer.shape_of_point(path).iter().product()];
+        for place in points.places.iter().filter(|place| !filled.contains(place)) {
+            writer.at_point(path, place, 0, &absent)?;
+        }
+    }
+    Ok(())
+}
+
+/// What a run has as attributes, at the points that have been read.
+struct Attributes {
+    numbers: BTreeMap<&'static str, Vec<Option<Vec<f64>>>>,
+    whole: BTreeMap<&'static str, Vec<Option<Vec<u64>>>>,
+    texts: BTreeMap<&'static str, Vec<Option<String>>>,
+    variables: Vec<&'static Variable>,
+    read: usize,
+}
+
+impl Attributes {
+    fn new(writer: &Writer<'_>) -> Self {
+        let own = writer.layout().variables.iter();
+        let variables = own.filter(|v| v.scales().is_none() && !v.path.starts_with("/differences/")).collect();
+        Self { numbers: BTreeMap::new(), whole: BTreeMap::new(), texts: BTreeMap::new(), variables, read: 0 }
+    }
+
+    fn read(&mut self, file: &File) -> Result<(), OutputError> {
+        for variable in &self.variables {
+            let (group, name) = variable.path.rsplit_once('/').unwrap_or_default();
+            // A group has this name.
+            let name = if name == "replica_count" { "replicas" } else { name };
+            let group = file.group(if group.is_empty() { "/" } else { group })?;
+            if !group.attr_names()?.iter().any(|known| known == name) {
+                continue;
+            }
+            let attribute = group.attr(name)?;
+            match attribute.dtype()?.to_descriptor()? {
+                TypeDescriptor::VarLenUnicode => put(&mut self.texts, variable.path, self.read, text(&attribute)?),
+                TypeDescriptor::Float(_) => put(&mut self.numbers, variable.path, self.read, attribute.read_raw()?),
+                _ => put(&mut self.whole, variable.path, self.read, attribute.read_raw()?),
+            }
+        }
+        self.read += 1;
+        Ok(())
+    }
+
+    fn write(self, writer: &Writer<'_>, points: &Points<'_>) -> Result<(), OutputError> {
+        for (path, values) in self.numbers {
+            write(writer, points, path, values, f64::NAN)?;
+        }
+        for (path, values) in self.whole {
+            write(writer, points, path, values, 0)?;
+        }
+        for (path, mut texts) in self.texts {
+            texts.resize(points.files.len(), None);
+            writer.point_texts(path, &texts.into_iter().map(Option::unwrap_or_default).collect::<Vec<String>>())?;
+        }
+        Ok(())
+    }
+}
+
+fn put<T: Clone>(all: &mut BTreeMap<&'static str, Vec<Option<T>>>, path: &'static str, point: usize, value: T) {
+    let values = all.entry(path).or_default();
+    values.resize(point, None);
+    values.push(Some(value));
+}
+
+/// Writes what each point has as an attribute, `absent` where it has none.
+fn write<T: H5Type + Copy>(
+    writer: &Writer<'_>,
+    points: &Points<'_>,
+    path: &'static str,
+    mut values: Vec<Option<Vec<T>>>,
+    absent: T,
+) -> Result<(), OutputError> {
+    let length = writer.shape_of_point(path).iter().product();
+    values.resize(points.files.len(), None);
+    writer.point_dataset::<T>(path, false)?;
+    for (place, value) in points.places.iter().zip(values) {
+        writer.at_point(path, place, 0, &value.unwrap_or_else(|| vec![absent; length]))?;
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A 2 x 2 array whose rows are the rows 2 and 0 of a 3 x 4 one, and its columns the first.
+    #[test]
+    fn elements_go_where_their_indices_are() {
+        let maps = [vec![2, 0], vec![0, 1]];
+        let places: Vec<usize> = (0..4).map(|i| moved(i, &maps, &[3, 4])).collect();
+        assert_eq!(places, [8, 9, 0, 1]);
+        assert_eq!(moved(0, &[], &[]), 0);
+    }
+}

@@ -59,13 +59,18 @@ pub(super) fn write_curves(
     })
 }
 
-/// Writes what made the file, the scene, its numbers and its separations.
-pub(super) fn write_scene(writer: &mut Writer<'_>, scene: &Scene) -> Result<(), OutputError> {
+/// Writes what made the file, and when.
+pub(super) fn write_program(writer: &Writer<'_>) -> Result<(), OutputError> {
     let now = time::OffsetDateTime::now_utc();
     let created = now.format(&time::format_description::well_known::Rfc3339).unwrap_or_default();
     writer.text("/", "program_version", env!("CARGO_PKG_VERSION"))?;
     writer.text("/", "source_revision", env!("STICTION_SOURCE_REVISION"))?;
-    writer.text("/", "created", &created)?;
+    writer.text("/", "created", &created)
+}
+
+/// Writes what made the file, the scene, its numbers and its separations.
+pub(super) fn write_scene(writer: &mut Writer<'_>, scene: &Scene) -> Result<(), OutputError> {
+    write_program(writer)?;
     writer.text("/", "title", &scene.title)?;
     writer.text("/", "scene", &scene.text)?;
     writer.text("/", "path", scene.path.name())?;

@@ -1,5 +1,6 @@
 //! The rough surface: its asperity heights and the conversions from what is measured to what the model takes.
 
+pub mod map;
 mod scheme;
 
 pub use scheme::{STRATA, SamplingScheme};

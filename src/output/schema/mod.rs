@@ -2,9 +2,11 @@
 //!
 //! Others script against these names. They may be added to (a minor version step); changing one is a major version step.
 
+mod asperities;
 mod comparison;
 mod run;
 
+pub use asperities::ASPERITIES;
 pub use comparison::COMPARISON;
 pub use run::RUN;
 
@@ -25,7 +27,7 @@ pub struct Layout {
 
 impl Layout {
     /// All kinds of files.
-    pub const ALL: [&'static Self; 2] = [&RUN, &COMPARISON];
+    pub const ALL: [&'static Self; 3] = [&RUN, &COMPARISON, &ASPERITIES];
 
     /// The entry of a path.
     ///
@@ -68,6 +70,8 @@ pub enum Dimension {
     Coefficient,
     /// Ends of a range.
     RangeEnd,
+    /// Asperities of a measured surface.
+    Asperity,
 }
 
 impl Dimension {
@@ -88,6 +92,7 @@ impl Dimension {
             Self::FittedForce => "fitted_force",
             Self::Coefficient => "coefficient",
             Self::RangeEnd => "range_end",
+            Self::Asperity => "asperity",
         }
     }
 }
@@ -140,7 +145,11 @@ mod tests {
 
     #[test]
     fn the_format_pages_describe_every_dataset() {
-        let pages = [include_str!("../../../docs/format.md"), include_str!("../../../docs/comparison.md")];
+        let pages = [
+            include_str!("../../../docs/format.md"),
+            include_str!("../../../docs/comparison.md"),
+            include_str!("../../../docs/asperity_file.md"),
+        ];
         for (layout, page) in Layout::ALL.into_iter().zip(pages) {
             assert!(page.contains(&format!("`{}`", layout.format)));
             assert!(page.contains(&format!("version {}.{}", layout.version[0], layout.version[1])));

@@ -230,9 +230,7 @@ fn pixel(text: &str) -> Result<[f64; 2], String> {
     let length = |text: &str| match parse(text, Dimension::Length) {
         Ok(length) if PIXELS.contains(&length) => Ok(length),
         Ok(_) => Err("a pixel is between 1e-13 and 1e3 m".to_owned()),
-        Err(_) => {
-            Err(format!("a length with its unit is needed, such as \"9.8 nm\" ({})", Dimension::Length.units()))
-        }
+        Err(_) => Err(format!("a length with its unit is needed, such as \"9.8 nm\" ({})", Dimension::Length.units())),
     };
     let (width, height) = text.split_once(',').unwrap_or((text, text));
     Ok([length(height)?, length(width)?])

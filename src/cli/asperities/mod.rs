@@ -103,8 +103,9 @@ fn height_unit(path: &Path, given: Option<f64>, raw: &RawMap) -> Result<f64, Fai
         Failure::Usage(format!("{}: {problem}; give --height-unit, such as --height-unit nm", path.display()))
     };
     match &raw.unit {
-        Some(unit) => super::length_unit(unit)
-            .map_err(|known| refused(format!("has heights in `{}`, which is no unit of length ({known})", shortened(unit)))),
+        Some(unit) => super::length_unit(unit).map_err(|known| {
+            refused(format!("has heights in `{}`, which is no unit of length ({known})", shortened(unit)))
+        }),
         None => Err(refused("does not say in which unit its heights are".to_owned())),
     }
 }

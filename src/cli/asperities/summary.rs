@@ -9,13 +9,14 @@ pub(super) fn summary(surface: &Surface<'_>) -> String {
     let mut text = format!("{}\n", one_line(&arguments.map.display().to_string()));
     let [rows, columns] = *shape;
     let [dy, dx] = *pixel;
-    text += &row("map", &format!("{columns} x {rows} pixels of {} x {} ({})", si(dx, "m"), si(dy, "m"), surface.source));
+    text +=
+        &row("map", &format!("{columns} x {rows} pixels of {} x {} ({})", si(dx, "m"), si(dy, "m"), surface.source));
     let pixels = (rows * columns) as f64;
     if surface.missing > 0 {
         let share = percent(surface.missing as f64 / pixels);
         text += &row("missing", &format!("{} heights, {share}", surface.missing));
     }
-    text += &row("levelled", &format!("less the {} of least squares", arguments.level.surface()));
+    text += &row("levelled", &format!("less the {}", arguments.level.surface()));
     let moments = &asperities.moments;
     let heights = format!(
         "standard deviation {}, skewness {:.3}, excess kurtosis {:.3}",
@@ -25,7 +26,10 @@ pub(super) fn summary(surface: &Surface<'_>) -> String {
     );
     text += &row("heights", &heights);
     let [m0, m2, m4] = [moments.m0, moments.m2(), moments.m4()];
-    text += &row("moments", &format!("m0 = {m0:.4e} m^2, m2 = {m2:.4e}, m4 = {m4:.4e} /m^2, alpha = {}", pure(moments.alpha())));
+    text += &row(
+        "moments",
+        &format!("m0 = {m0:.4e} m^2, m2 = {m2:.4e}, m4 = {m4:.4e} /m^2, alpha = {}", pure(moments.alpha())),
+    );
     text += &row("asperities", &format!("{} on {:.4e} m^2", asperities.summits.len(), asperities.nominal_area));
     text += &surface.caveats.iter().map(|caveat| row("warning", caveat)).collect::<String>();
     text.push('\n');
@@ -41,9 +45,9 @@ pub(super) fn summary(surface: &Surface<'_>) -> String {
 fn parameters(surface: &Surface<'_>) -> String {
     let (measured, equivalent) = (&surface.asperities.measured, &surface.asperities.equivalent);
     let line = |label: &str, summits: String, moments: String, ratio: f64| {
-        row(label, &format!("{summits:>15}{moments:>15}{ratio:>10.3}"))
+        row(label, &format!("{summits:>16}{moments:>16}{ratio:>9.3}"))
     };
-    let mut text = row("asperities", &format!("{:>15}{:>15}{:>10}", "of summits", "of moments", "ratio"));
+    let mut text = row("", &format!("{:>16}{:>16}{:>9}", "of summits", "of moments", "ratio"));
     let density = |density: f64| format!("{} /um^2", pure(1e-12 * density));
     let (ours, theirs) = (measured.density, equivalent.density);
     text += &line("density", density(ours), density(theirs), ours / theirs);

@@ -39,9 +39,8 @@ fn holds_numbers(dataset: &Dataset) -> bool {
 /// The datasets of the root that may be maps.
 fn maps(file: &File) -> Vec<String> {
     let names = file.member_names().unwrap_or_default().into_iter();
-    let two_dimensional = |name: &String| {
-        guard::dataset(file, name).is_ok_and(|dataset| dataset.ndim() == 2 && holds_numbers(&dataset))
-    };
+    let two_dimensional =
+        |name: &String| guard::dataset(file, name).is_ok_and(|dataset| dataset.ndim() == 2 && holds_numbers(&dataset));
     names.filter(two_dimensional).collect()
 }
 

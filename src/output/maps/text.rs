@@ -64,8 +64,9 @@ impl Grid {
             return Ok(());
         }
         let mut fields = fields(line);
-        // Before the first row every line that does not begin with a number belongs to the header.
-        if let Some(header) = comment.or_else(|| (self.rows == 0 && fields[0].parse::<f64>().is_err()).then_some(line)) {
+        // Before the first row every line that does not begin with a number, be it with a decimal comma, belongs to the header.
+        let is_row = self.rows > 0 || fields[0].replace(',', ".").parse::<f64>().is_ok();
+        if let Some(header) = comment.or_else(|| (!is_row).then_some(line)) {
             self.header(header);
             return Ok(());
         }
@@ -99,8 +100,14 @@ impl Grid {
     fn map(self) -> Result<RawMap, String> {
         let Self { heights, rows, columns, extent, unit, .. } = self;
         match (rows, columns) {
-            (0, _) => Err("holds no row of numbers; NPY, HDF5, or a text with a row of the map on each line is needed".to_owned()),
-            (_, 3) => Err("has 3 numbers on each line, as lists of points x, y, z have; a grid of heights is needed".to_owned()),
+            (0, _) => {
+                Err("holds no row of numbers; NPY, HDF5, or a text with a row of the map on each line is needed"
+                    .to_owned())
+            }
+            (_, 3) => {
+                Err("has 3 numbers on each line, as lists of points x, y, z have; a grid of heights is needed"
+                    .to_owned())
+            }
             _ => Ok(RawMap { heights, shape: [rows, columns], extent, unit, dataset: None }),
         }
     }
@@ -136,13 +143,8 @@ mod tests {
 
     #[test]
     fn separators_and_headers_give_the_same_map() {
-        let expected = RawMap {
-            heights: vec![1.0, 2.5, -3e-9, 4.0],
-            shape: [2, 2],
-            extent: [None; 2],
-            unit: None,
-            dataset: None,
-        };
+        let expected =
+            RawMap { heights: vec![1.0, 2.5, -3e-9, 4.0], shape: [2, 2], extent: [None; 2], unit: None, dataset: None };
         for text in [
             "1 2.5\n-3e-9 4\n",
             "1\t2.5\r\n-3e-9\t4\r\n",
@@ -156,7 +158,8 @@ mod tests {
 
     #[test]
     fn a_header_gives_extent_and_unit() {
-        let text = "# Channel: Topography\n# Width: 2.0 \u{b5}m\n# Height: 500 nm\n# Value units: m\n1e-9\tnan\n2e-9\t3e-9\n";
+        let text =
+            "# Channel: Topography\n# Width: 2.0 \u{b5}m\n# Height: 500 nm\n# Value units: m\n1e-9\tnan\n2e-9\t3e-9\n";
         let latin: Vec<u8> = text.chars().map(|c| c as u8).collect();
         for bytes in [text.as_bytes(), &latin] {
             let map = read_text(bytes).unwrap();

@@ -31,9 +31,19 @@ const VARIABLES: &[Variable] = &[
     variable("/surface/excess_kurtosis", NONE, "1", "excess kurtosis of the heights of the surface"),
     variable("/measured/asperity_density", NONE, "m-2", "asperities over the area searched"),
     variable("/measured/asperity_radius", NONE, "m", "reciprocal of the mean curvature of the asperities"),
-    variable("/measured/asperity_height_mean", NONE, "m", "mean height of the asperities above the mean plane of the surface"),
+    variable(
+        "/measured/asperity_height_mean",
+        NONE,
+        "m",
+        "mean height of the asperities above the mean plane of the surface",
+    ),
     variable("/measured/asperity_height_std", NONE, "m", "standard deviation of the heights of the asperities"),
-    variable("/measured/asperity_curvature_std", NONE, "m-1", "standard deviation of the mean curvatures of the asperities"),
+    variable(
+        "/measured/asperity_curvature_std",
+        NONE,
+        "m-1",
+        "standard deviation of the mean curvatures of the asperities",
+    ),
     variable("/equivalent/asperity_density", NONE, "m-2", "asperity density by the spectral moments"),
     variable("/equivalent/asperity_radius", NONE, "m", "asperity radius by the spectral moments"),
     variable(

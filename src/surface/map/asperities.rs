@@ -124,7 +124,10 @@ impl Asperities {
             ));
         }
         if moments.alpha() < LEAST_ALPHA {
-            caveats.push(format!("alpha = {:.3}, but that of a random isotropic surface is at least 1.5", moments.alpha()));
+            caveats.push(format!(
+                "alpha = {:.3}, but that of a random isotropic surface is at least 1.5",
+                moments.alpha()
+            ));
         }
         caveats
     }
@@ -155,15 +158,10 @@ mod tests {
         let m4 = (3.0 * PI.sqrt() / (8.0 * radius)).powi(2);
         let m2 = m4 / (6.0 * PI * 3.0_f64.sqrt() * density);
         let m0 = sigma * sigma;
-        let moments = SpectralMoments {
-            m0,
-            slope: [m2; 2],
-            curvature: [m4; 2],
-            skewness: 0.0,
-            excess_kurtosis: 0.0,
-        };
+        let moments = SpectralMoments { m0, slope: [m2; 2], curvature: [m4; 2], skewness: 0.0, excess_kurtosis: 0.0 };
         let surface = Equivalent::new(&moments);
-        let close = |value: f64, expected: f64, within: f64| assert!((value / expected - 1.0).abs() < within, "{value:e}");
+        let close =
+            |value: f64, expected: f64, within: f64| assert!((value / expected - 1.0).abs() < within, "{value:e}");
         close(surface.density, density, 1e-14);
         close(surface.radius, radius, 1e-14);
         // σ_s² = σ² − 3.717·10⁻⁴/(ηR)² and y_s = 0.045944/(ηR) have four digits.

@@ -38,8 +38,8 @@ impl Levelling {
     pub fn surface(self) -> &'static str {
         match self {
             Self::None => "mean",
-            Self::Plane => "plane",
-            Self::Quadratic => "quadratic surface",
+            Self::Plane => "plane of least squares",
+            Self::Quadratic => "quadratic surface of least squares",
         }
     }
 
@@ -164,7 +164,7 @@ mod tests {
         let mut line = map(0.0);
         line.heights.iter_mut().enumerate().filter(|(i, _)| i % 50 != 4).for_each(|(_, z)| *z = f64::NAN);
         let error = line.levelled(Levelling::Plane).unwrap_err();
-        assert_eq!(error, MapError::Undetermined { known: 40, pixels: 2000, surface: "plane" });
+        assert_eq!(error, MapError::Undetermined { known: 40, pixels: 2000, surface: "plane of least squares" });
         let none = HeightMap::new(vec![f64::NAN; 64], [8, 8], [1e-9; 2]).unwrap();
         assert!(matches!(none.levelled(Levelling::None), Err(MapError::Undetermined { known: 0, .. })));
         let tilted = (0..100).map(|i| 1e-3 + 1e-7 * f64::from(i % 10) - 3e-8 * f64::from(i / 10)).collect();

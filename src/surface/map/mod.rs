@@ -39,7 +39,9 @@ pub enum MapError {
     #[error("a pixel of {0:e} m is outside 1e-13..1e3 m; check its unit")]
     Pixel(f64),
     /// A height that is no height.
-    #[error("row {row}, column {column}: the height is {height:e} m; finite ones up to 1e6 m, and NaN where it is missing, are needed")]
+    #[error(
+        "row {row}, column {column}: the height is {height:e} m; finite ones up to 1e6 m, and NaN where it is missing, are needed"
+    )]
     Height {
         /// Row, from 1.
         row: usize,
@@ -49,7 +51,7 @@ pub enum MapError {
         height: f64,
     },
     /// The heights that are there do not determine the surface that is to be subtracted.
-    #[error("{known} of {pixels} heights are known, and they do not determine a {surface} through them; try --level none")]
+    #[error("{known} of {pixels} heights are known, and they do not determine the {surface}; try --level none")]
     Undetermined {
         /// Pixels with a height.
         known: usize,

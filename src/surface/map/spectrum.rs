@@ -7,7 +7,8 @@ use super::{HeightMap, MapError};
 pub struct SpectralMoments {
     /// Mean square height m₀ over all known pixels, m².
     pub m0: f64,
-    /// Mean square slope along y and along x, by the pixels on either side, (z₊ − z₋)/(2 pixel).
+    /// Mean square slope along y and along x, in the middle between neighbouring pixels, (z₊ − z)/pixel. Over two pixels its
+    /// discretisation error would be four times as large.
     pub slope: [f64; 2],
     /// Mean square second derivative along y and along x, (z₊ − 2z + z₋)/pixel², 1/m².
     pub curvature: [f64; 2],
@@ -27,13 +28,12 @@ impl SpectralMoments {
         let (mut slope, mut curvature) = ([0.0; 2], [0.0; 2]);
         for (direction, step) in [map.columns, 1].into_iter().enumerate() {
             let pixel = map.pixel[direction];
-            let (squares, count) = differences(map, step);
-            if count == 0 {
+            let [(rises, pairs), (bends, triples)] = differences(map, step);
+            if triples == 0 {
                 return Err(MapError::NoNeighbours);
             }
-            // Of scaled differences: the square of a curvature may be beyond the numbers that a computer has where its parts are not.
-            slope[direction] = squares[0] / count as f64 / (4.0 * pixel * pixel);
-            curvature[direction] = squares[1] / count as f64 / (pixel * pixel) / (pixel * pixel);
+            slope[direction] = rises / pairs as f64 / (pixel * pixel);
+            curvature[direction] = bends / triples as f64 / (pixel * pixel) / (pixel * pixel);
         }
         let (skewness, excess_kurtosis) = (third / (m0 * m0.sqrt()), fourth / (m0 * m0) - 3.0);
         let moments = Self { m0, slope, curvature, skewness, excess_kurtosis };
@@ -76,34 +76,39 @@ fn powers(map: &HeightMap) -> [f64; 3] {
     sums.map(|sum| sum / known as f64)
 }
 
-/// Sums of (z₊ − z₋)² and of (z₊ − 2z + z₋)², m², and their number, over all pixels for which all three heights are known; the
-/// neighbours are `step` places before and behind.
-fn differences(map: &HeightMap, step: usize) -> ([f64; 2], u64) {
-    let (mut sums, mut count) = ([0.0; 2], 0);
-    let (first, last) = if step == 1 { (0, map.rows) } else { (1, map.rows - 1) };
-    let columns = if step == 1 { 1..map.columns - 1 } else { 0..map.columns };
-    for row in first..last {
-        let mut of_row = [0.0; 2];
-        for place in columns.clone().map(|column| row * map.columns + column) {
-            let [before, here, after] = [place - step, place, place + step].map(|place| map.heights[place]);
-            let (rise, bend) = (after - before, (after - here) - (here - before));
-            if !bend.is_nan() {
-                of_row[0] += rise * rise;
-                of_row[1] += bend * bend;
-                count += 1;
+/// Sums of (z₊ − z)² and of (z₊ − 2z + z₋)², m², each with its number of terms: all pixels of which the heights are known. The neighbours
+/// are `step` places before and behind, 1 along the rows, or the columns of the map along them.
+fn differences(map: &HeightMap, step: usize) -> [(f64, u64); 2] {
+    let mut sums = [(0.0, 0); 2];
+    for row in 0..if step == 1 { map.rows } else { map.rows - 1 } {
+        let mut of_row = [(0.0, 0); 2];
+        let mut add = |sum: usize, difference: f64| {
+            if !difference.is_nan() {
+                of_row[sum].0 += difference * difference;
+                of_row[sum].1 += 1;
+            }
+        };
+        for column in 0..if step == 1 { map.columns - 1 } else { map.columns } {
+            let place = row * map.columns + column;
+            let rise = map.heights[place + step] - map.heights[place];
+            add(0, rise);
+            if (if step == 1 { column } else { row }) > 0 {
+                add(1, rise - (map.heights[place] - map.heights[place - step]));
             }
         }
-        sums.iter_mut().zip(of_row).for_each(|(sum, of_row)| *sum += of_row);
+        for (sum, of_row) in sums.iter_mut().zip(of_row) {
+            *sum = (sum.0 + of_row.0, sum.1 + of_row.1);
+        }
     }
-    (sums, count)
+    sums
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// z = a cos(kx) cos(qy) over whole periods: the differences are exact multiples of the derivatives, sin(k dx)/dx for k and
-    /// 2(1 − cos(k dx))/dx² for k², and the mean squares of cosines over rows and columns are 1/2.
+    /// z = a cos(kx) cos(qy) over whole periods: the differences are exact multiples of the derivatives, 2 sin(k dx/2)/dx for k and
+    /// its square for k², and the mean squares of cosines over rows and columns are 1/2.
     #[test]
     fn differences_of_a_wave_are_those_of_its_frequency() {
         let (dy, dx, a) = (2e-9, 1e-9, 3e-9);
@@ -115,10 +120,11 @@ mod tests {
         // Along the other direction, 2 of 402 and 502 lines are more than whole periods.
         let close = |value: f64, exact: f64| assert!((value / exact - 1.0).abs() < 0.011, "{value:e} {exact:e}");
         close(moments.m0, a * a / 4.0);
-        close(moments.slope[1], a * a / 4.0 * ((k * dx).sin() / dx).powi(2));
-        close(moments.slope[0], a * a / 4.0 * ((q * dy).sin() / dy).powi(2));
-        close(moments.curvature[1], a * a / 4.0 * (2.0 * (1.0 - (k * dx).cos()) / (dx * dx)).powi(2));
-        close(moments.curvature[0], a * a / 4.0 * (2.0 * (1.0 - (q * dy).cos()) / (dy * dy)).powi(2));
+        let of_frequency = |k: f64, dx: f64| 2.0 * (0.5 * k * dx).sin() / dx;
+        close(moments.slope[1], a * a / 4.0 * of_frequency(k, dx).powi(2));
+        close(moments.slope[0], a * a / 4.0 * of_frequency(q, dy).powi(2));
+        close(moments.curvature[1], a * a / 4.0 * of_frequency(k, dx).powi(4));
+        close(moments.curvature[0], a * a / 4.0 * of_frequency(q, dy).powi(4));
         close(moments.excess_kurtosis, 9.0 / 4.0 - 3.0);
         assert!(moments.skewness.abs() < 0.02, "{}", moments.skewness);
     }
@@ -130,8 +136,9 @@ mod tests {
         let map = HeightMap::new(heights, [10, 10], [1e-9; 2]).unwrap();
         let mut holed = map.clone();
         holed.heights[34] = f64::NAN;
-        assert_eq!(differences(&map, 1).1, 80);
-        assert_eq!((differences(&holed, 1).1, differences(&holed, 10).1), (77, 77));
+        let counts = |map: &HeightMap, step: usize| differences(map, step).map(|(_, count)| count);
+        assert_eq!((counts(&map, 1), counts(&map, 10)), ([90, 80], [90, 80]));
+        assert_eq!((counts(&holed, 1), counts(&holed, 10)), ([88, 77], [88, 77]));
         let every_other = HeightMap {
             heights: map.heights.iter().enumerate().map(|(i, z)| if i % 2 == 0 { *z } else { f64::NAN }).collect(),
             ..map

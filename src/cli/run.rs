@@ -2,12 +2,12 @@
 
 use super::checkpoint::{Beginning, Keeper, State, beginning};
 use super::record::{write_curves, write_head, write_results};
-use super::results::{Results, integral_features, mean_features};
+use super::results::{Results, Stopped, integral_features, mean_features};
 use super::sampling::{Sampling, basis_of, cross_check, interruption, override_ensemble, thread_pool};
 use super::summary::summary;
 use super::{Failure, RunArguments, law_of, print_of, read_scene, refuse_own_scene, resources, warnings_of};
 use crate::asperity::{Law, Quantity};
-use crate::engine::{Ensemble, Outcome};
+use crate::engine::{Ensemble, Outcome, Rule};
 use crate::math::control_variates::controlled_means;
 use crate::output::progress::Progress;
 use crate::output::schema::RUN;
@@ -52,7 +52,11 @@ pub(super) fn run(arguments: &RunArguments) -> Result<(), Failure> {
     progress.phase("test functionals");
     let state = interrupted.as_ref().map_or_else(|| prepared(&scene, law, &statistical), |run| run.state().clone());
     let State { basis, controls, .. } = state.clone();
-    let setup = Sampling { scene: &scene, law, basis: &basis, controls: &controls, keep_curves: scene.curves };
+    let expected = &statistical.expected[Quantity::ExternalForce.index()];
+    let expected: Vec<f64> = controls.iter().map(|&place| expected[place]).collect();
+    let stopping = scene.stopping.clone();
+    let rule = stopping.as_ref().map(|stopping| Rule { stopping, expected: &expected });
+    let setup = Sampling { scene: &scene, law, basis: &basis, controls: &controls, rule, keep_curves: scene.curves };
     let job = setup.job();
     let (mut keeper, start) = match interrupted {
         Some(run) => Keeper::resume(*run, &job, arguments.checkpoint)?,
@@ -69,10 +73,13 @@ pub(super) fn run(arguments: &RunArguments) -> Result<(), Failure> {
         }
     };
 
+    let stopped = rule.map(|rule| Stopped::new(&rule, &ensemble));
+    // From here on the scene is that of the replicas that there are.
+    scene.stopping = None;
+    let most = std::mem::replace(&mut scene.replicas, ensemble.replicas.len() as u64);
+
     progress.phase("cross-check");
     let (z, joint) = cross_check(&ensemble, &statistical, &basis, &scene);
-    let expected = &statistical.expected[Quantity::ExternalForce.index()];
-    let expected: Vec<f64> = controls.iter().map(|&place| expected[place]).collect();
     let scalars = controlled_means(&ensemble.groups.scalars, &expected);
     let of_mean = mean_features(&scene, law, &ensemble, &statistical);
     let of_integral = integral_features(&scene, law, &statistical);
@@ -81,7 +88,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<(), Failure> {
     seconds.iter_mut().filter(|(name, _)| *name == "ensemble").for_each(|(_, time)| *time += keeper.seconds_before);
     progress.phase("writing");
     let regimes = law.regimes().iter().map(|regime| regime.name()).collect();
-    let (threads, replicas) = (pool.current_num_threads(), scene.replicas);
+    let threads = pool.current_num_threads();
     let results = Results {
         scene,
         plan,
@@ -89,6 +96,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<(), Failure> {
         regimes,
         statistical,
         ensemble,
+        stopped,
         summation,
         basis,
         controls,
@@ -117,16 +125,16 @@ pub(super) fn run(arguments: &RunArguments) -> Result<(), Failure> {
     let kept = keeper.save(&results.ensemble);
     match failure {
         Some(failure) => Err(keeper.advised(failure)),
-        None => Err(kept.map_or_else(Failure::from, |()| keeper.interrupted(replicas))),
+        None => Err(kept.map_or_else(Failure::from, |()| keeper.interrupted(most))),
     }
 }
 
 /// The functionals of the joint test, and the control variates.
 fn prepared(scene: &Scene, law: &dyn Law, statistical: &Statistical) -> State {
     let basis = basis_of(scene, law);
-    let groups = scene.replicas / scene.sampling.group();
+    let groups = scene.fewest_replicas() / scene.sampling.group();
     let controls = controls(&scene.separations, statistical, &basis.tested[1], groups);
-    State::new(basis, controls)
+    State::new(basis, controls, scene.fewest_replicas())
 }
 
 /// Writes the result; `false` if it was interrupted before it was complete, and then is not there.

@@ -14,6 +14,7 @@ mod reduce;
 mod replica;
 mod sampling;
 mod scalars;
+mod stopping;
 pub mod stream;
 mod summation;
 
@@ -24,6 +25,7 @@ pub use reduce::{Outcome, run, run_from};
 pub use replica::{Replica, Workspace};
 pub use sampling::draw;
 pub use scalars::{SCALARS, Scalar};
+pub use stopping::{Attained, Rule};
 pub use summation::Summation;
 
 use crate::asperity::Law;

@@ -5,12 +5,14 @@ mod plan;
 mod reader;
 mod separation;
 mod sizes;
+mod stopping;
 pub mod units;
 mod validity;
 
 pub use plan::{CoreSeconds, Plan, RegimePlan, beyond};
 pub use reader::{SceneError, nearest};
 pub use sizes::{Choice, Sizes};
+pub use stopping::{Estimate, Limit, QUANTITIES, Stopping, Target};
 pub use validity::{Warning, warnings, warnings_of_scene};
 
 use crate::asperity::models::{MODELS, Model, PUBLISHED_FITS};
@@ -35,6 +37,7 @@ const ROOT_KEYS: [&str; 9] =
     ["format", "title", "material", "surface", "model", "separation", "ensemble", "solver", "output"];
 const MATERIAL_KEYS: [&str; 5] =
     ["reduced_modulus", "hardness", "poisson_ratio", "work_of_adhesion", "equilibrium_spacing"];
+const ENSEMBLE_KEYS: [&str; 6] = ["replicas", "target", "min_replicas", "max_replicas", "sampling", "seed"];
 const SURFACE_KEYS: [&str; 7] = [
     "asperity_radius",
     "asperity_density",
@@ -64,8 +67,10 @@ pub struct Scene {
     pub critical_approach: Option<f64>,
     /// Separations h, m, rising.
     pub separations: Vec<f64>,
-    /// Number of replicas, whole groups of the sampling scheme.
+    /// Number of replicas, whole groups of the sampling scheme; with targets the most there may be.
     pub replicas: u64,
+    /// What ends the run before.
+    pub stopping: Option<Stopping>,
     /// How they are drawn relative to each other.
     pub sampling: SamplingScheme,
     /// Seed of the random streams.
@@ -108,12 +113,10 @@ impl Scene {
                  mean_plane_offset, surface_height_std, asperity_height_std and asperity_density"
             )));
         }
-        let ensemble = required(&root, "ensemble", &["replicas", "sampling", "seed"])?;
+        let ensemble = required(&root, "ensemble", &ENSEMBLE_KEYS)?;
         let sampling = ensemble.get("sampling").map(|entry| entry.choice("sampling", &SamplingScheme::ALL));
         let sampling = sampling.transpose()?.unwrap_or_default();
-        let given = ensemble.require("replicas", "1000")?;
-        let replicas = given.integer(1..=1_000_000_000_000)?;
-        sampling.check(replicas).map_err(|problem| given.wrong(&problem))?;
+        let (replicas, stopping) = stopping::replicas(&ensemble, sampling)?;
         let seed = ensemble.get("seed").map_or(Ok(1), |entry| entry.integer(0..=i64::MAX as u64))?;
         let sum_tolerance = sum_tolerance(&root)?;
         let output = root.section("output", &["curves"], false)?;
@@ -128,6 +131,7 @@ impl Scene {
             critical_approach,
             separations,
             replicas,
+            stopping,
             sampling,
             seed,
             sum_tolerance,
@@ -153,6 +157,11 @@ impl Scene {
         Err(format!(
             "beside a mean_plane_offset of {offset:e} m these separations are lost in rounding: check their units"
         ))
+    }
+
+    /// The fewest replicas that a run of it ends with.
+    pub fn fewest_replicas(&self) -> u64 {
+        self.stopping.as_ref().map_or(self.replicas, |stopping| stopping.min_replicas)
     }
 
     /// The range of interferences, m, that the heights of any replica reach.

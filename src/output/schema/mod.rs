@@ -70,6 +70,8 @@ pub enum Dimension {
     Coefficient,
     /// Ends of a range.
     RangeEnd,
+    /// Targets at which a run ends.
+    Target,
     /// Asperities of a measured surface.
     Asperity,
 }
@@ -92,6 +94,7 @@ impl Dimension {
             Self::FittedForce => "fitted_force",
             Self::Coefficient => "coefficient",
             Self::RangeEnd => "range_end",
+            Self::Target => "target",
             Self::Asperity => "asperity",
         }
     }

@@ -29,8 +29,8 @@ const MOST_SAID: u64 = 1 << 28;
 ///
 /// # Errors
 /// Those of `read`, and [`Failure::Usage`] when the file makes the process die or take too long.
-pub(super) fn apart(path: &Path, read: fn(&Path) -> Result<(), Failure>) -> Result<(), Failure> {
-    if std::env::var_os(READER).is_some() {
+pub(super) fn apart(path: &Path, read: impl FnOnce(&Path) -> Result<(), Failure>) -> Result<(), Failure> {
+    if is_apart() {
         limit();
         return read(path);
     }
@@ -63,6 +63,11 @@ pub(super) fn apart(path: &Path, read: fn(&Path) -> Result<(), Failure>) -> Resu
         _ if is_too_long(status) => Err(damaged("reading it takes too long".to_owned())),
         _ => Err(damaged(format!("reading it ended with {status}"))),
     }
+}
+
+/// Whether this process is one that only reads.
+pub(super) fn is_apart() -> bool {
+    std::env::var_os(READER).is_some()
 }
 
 /// Whether a process was ended because it kept the processor busy.

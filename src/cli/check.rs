@@ -5,7 +5,7 @@ use super::sweep::described;
 use super::{Failure, law_of, print, read_document, resources, warnings_of};
 use crate::asperity::scale::Scale;
 use crate::scene::echo::one_line;
-use crate::scene::{Document, Plan, Scene, Sizes, Sweep, Warning};
+use crate::scene::{Document, Limit, Plan, Scene, Sizes, Stopping, Sweep, Warning};
 use crate::surface::{CountLaw, HeightLaw, SamplingScheme, Surface};
 use std::path::Path;
 
@@ -24,9 +24,10 @@ pub(super) fn check(path: &Path) -> Result<(), Failure> {
         text += &row("warning", &warning.finding);
         text += &paragraph(&warning.explanation());
     }
-    text += &row("work", &format!("{:.3e} asperity-separations", plan.pairs));
+    let most = if scene.stopping.is_some() { "at most " } else { "" };
+    text += &row("work", &format!("{most}{:.3e} asperity-separations", plan.pairs));
     let sizes = Sizes::new(&scene, law.as_ref(), threads());
-    text += &cost(&plan, &sizes);
+    text += &cost(&plan, &sizes, most);
     for shortage in resources::shortages(&sizes, Some(Path::new("out.h5"))) {
         text += &row("too large", &format!("here `stiction run` would refuse: {shortage}"));
     }
@@ -86,7 +87,7 @@ pub(super) fn warned(warnings: &[Warning]) -> String {
 }
 
 /// Time, memory and disk.
-fn cost(plan: &Plan, sizes: &Sizes) -> String {
+fn cost(plan: &Plan, sizes: &Sizes, most: &str) -> String {
     let phases = plan.core_seconds.on_threads(sizes);
     let alone = plan.core_seconds.on_threads(&Sizes { threads: 1.0, ..*sizes });
     let [all, on_one] = [phases, alone].map(|phases| duration(phases.iter().sum()));
@@ -95,7 +96,7 @@ fn cost(plan: &Plan, sizes: &Sizes) -> String {
         1.0 => "1 thread".to_owned(),
         threads => format!("{threads} threads"),
     };
-    let mut text = row("time", &format!("about {all} on {threads} ({on_one} on one)"));
+    let mut text = row("time", &format!("{most}about {all} on {threads} ({on_one} on one)"));
     let parts = format!("integral {integral}, test functionals {functionals}, ensemble {ensemble}");
     let busy = sizes.workers();
     let idle = if busy < sizes.threads { format!("; only {busy} have a batch of replicas") } else { String::new() };
@@ -115,8 +116,24 @@ fn facts(scene: &Scene) -> String {
     text += &row("model", &format!("{} on {}", scene.model.name, scene.path.name()));
     text += &row("", scene.model.about);
     text += &numbers(scene);
-    text += &row("replicas", &format!("{} with seed {}", scene.replicas, scene.seed));
+    let most = if scene.stopping.is_some() { "at most " } else { "" };
+    text += &row("replicas", &format!("{most}{} with seed {}", scene.replicas, scene.seed));
+    text += &scene.stopping.as_ref().map(targets).unwrap_or_default();
     text + &row("sampling", &sampling(scene.sampling))
+}
+
+/// What ends the run before all replicas are in.
+fn targets(stopping: &Stopping) -> String {
+    let lines = stopping.targets.iter().enumerate().map(|(i, target)| {
+        let limit = match target.limit {
+            Limit::Relative(share) => format!("{} of it", percent(share)),
+            Limit::Absolute(largest) => si(largest, target.unit()),
+        };
+        let mean = format!("{} mean of {}", target.estimate.name(), target.name());
+        row(if i == 0 { "until" } else { "and" }, &format!("the {mean} has a standard error of at most {limit}"))
+    });
+    let looks = format!("first looked at after {} replicas, then after a tenth more each time", stopping.min_replicas);
+    lines.collect::<String>() + &row("", &looks)
 }
 
 /// How the replicas are drawn relative to each other.

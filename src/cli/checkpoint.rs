@@ -20,14 +20,16 @@ pub(super) struct State {
     pub basis: Basis,
     /// Indices of the separations of the control variates.
     pub controls: Vec<usize>,
+    /// The fewest replicas that the run may end with: of a scene with targets another number than of the same scene with --replicas.
+    fewest_replicas: u64,
     /// The ensemble without its replicas.
     ensemble: Vec<u64>,
 }
 
 impl State {
     /// That of a run that begins.
-    pub fn new(basis: Basis, controls: Vec<usize>) -> Self {
-        Self { basis, controls, ensemble: Vec::new() }
+    pub fn new(basis: Basis, controls: Vec<usize>, fewest_replicas: u64) -> Self {
+        Self { basis, controls, fewest_replicas, ensemble: Vec::new() }
     }
 }
 
@@ -93,7 +95,7 @@ fn resumption(claim: &Claim, scene: &Scene, overwrite: bool) -> Result<Beginning
     let identity = identity(scene);
     let found = Checkpoint::<State>::find(claim)?;
     if let Err(exists) = claim.check(overwrite) {
-        if !is_result_of(claim.output(), &RUN, &identity) {
+        if !is_result_of(claim.output(), &RUN, &identity, scene.stopping.is_some()) {
             return Err(exists.into());
         }
         // The run ended between naming its result and removing what it had kept.
@@ -108,8 +110,8 @@ fn resumption(claim: &Claim, scene: &Scene, overwrite: bool) -> Result<Beginning
     }
 }
 
-/// Whether a file is the complete result of a run.
-pub(super) fn is_result_of(output: &Path, layout: &'static Layout, identity: &Identity) -> bool {
+/// Whether a file is the complete result of a run, with targets or without.
+pub(super) fn is_result_of(output: &Path, layout: &'static Layout, identity: &Identity, with_targets: bool) -> bool {
     let Ok(reader) = Reader::open(output, &[layout]) else { return false };
     let is = |name: &str, text: &str| reader.optional_text("/", name).is_ok_and(|kept| kept.as_deref() == Some(text));
     let number = |name: &str, value: u64| reader.number::<u64>("/", name).is_ok_and(|kept| kept == value);
@@ -117,7 +119,7 @@ pub(super) fn is_result_of(output: &Path, layout: &'static Layout, identity: &Id
         && is("source_revision", &identity.source_revision)
         && is("scene", &identity.scene)
         && number("seed", identity.seed)
-        && number("replicas", identity.replicas)
+        && number(if with_targets { "max_replicas" } else { "replicas" }, identity.replicas)
 }
 
 fn resumed(
@@ -133,7 +135,11 @@ fn resumed(
     if let Some(difference) = identity.difference(&checkpoint.identity) {
         return Err(refused(difference));
     }
-    let (s, State { basis, controls, .. }) = (scene.separations.len(), &checkpoint.state);
+    let (s, State { basis, controls, fewest_replicas, .. }) = (scene.separations.len(), &checkpoint.state);
+    if *fewest_replicas != scene.fewest_replicas() {
+        let (kept, given) = (fewest_replicas, scene.fewest_replicas());
+        return Err(refused(format!("is of a run of at least {kept} replicas, and this one is of at least {given}")));
+    }
     let probes = basis.probes.iter().flat_map(|probe| [probe.adhesion_force.len(), probe.external_force.len()]);
     let tested = basis.tested.iter().map(Vec::len);
     if !is_whole(checkpoint.done, scene.replicas)

@@ -54,8 +54,11 @@ fn checkpoint(path: &Path) -> Result<(), Failure> {
     print(&(text + &scene_text(&identity.scene)))
 }
 
-/// The scene, indented.
+/// The scene, indented; nothing where there is none.
 fn scene_text(scene: &str) -> String {
+    if scene.is_empty() {
+        return String::new();
+    }
     let lines = scene.lines().map(|line| format!("  {line}\n"));
     std::iter::once("scene\n".to_owned()).chain(lines).collect()
 }

@@ -1,6 +1,7 @@
 //! The command line: arguments, exit codes and what the terminal shows.
 
 mod apart;
+mod asperities;
 mod asperity;
 mod check;
 mod checkpoint;
@@ -23,8 +24,10 @@ use crate::math::instruction_set::InstructionSet;
 use crate::output::OutputError;
 use crate::output::columns::Beside;
 use crate::scene::echo::{one_line, printable};
+use crate::scene::units::{Dimension, parse};
 use crate::scene::{Document, Scene, SceneError, Warning, warnings};
 use crate::statistical::Model as Integral;
+use crate::surface::map::{Levelling, PIXELS};
 use anyhow::{Context, anyhow};
 use clap::{Args, Parser, Subcommand};
 use std::ffi::OsString;
@@ -67,9 +70,11 @@ enum Command {
     },
     /// Show what is in a result
     Info {
-        /// A result of `stiction run` or `stiction compare`
+        /// A result of `stiction run`, `stiction compare` or `stiction asperities`
         file: PathBuf,
     },
+    /// Find the asperities of a measured surface: a summary, and one HDF5 file if asked for
+    Asperities(AsperitiesArguments),
     /// Solve one asperity; prints CSV in the scaled variables of Maugis
     Asperity(AsperityArguments),
 }
@@ -135,6 +140,30 @@ struct CompareArguments {
 }
 
 #[derive(Args)]
+struct AsperitiesArguments {
+    /// The height map: NPY, HDF5, or a text with a row of the map on each line
+    map: PathBuf,
+    /// Where the result goes; by default there is only the summary
+    #[arg(short, long, value_name = "FILE.h5")]
+    output: Option<PathBuf>,
+    /// Size of a pixel, such as "9.8 nm", or its width and height, "9.8 nm,10 nm"; by default from the header of a text
+    #[arg(long, value_name = "DX[,DY]", value_parser = pixel, allow_hyphen_values = true)]
+    pixel: Option<[f64; 2]>,
+    /// Unit of the heights, such as nm; by default what the file says
+    #[arg(long, value_name = "UNIT", value_parser = length_unit)]
+    height_unit: Option<f64>,
+    /// Which dataset of an HDF5 file is the map
+    #[arg(long, value_name = "NAME")]
+    dataset: Option<String>,
+    /// What is subtracted from the heights: none (their mean), plane or quadratic
+    #[arg(long, default_value = "plane", value_parser = levelling)]
+    level: Levelling,
+    /// Overwrite an existing result
+    #[arg(long)]
+    force: bool,
+}
+
+#[derive(Args)]
 struct AsperityArguments {
     /// The law: hertz, jkr, dmt, idmt, md, md_kim, emd, ke, or any other that scenes know but fit:paper
     #[arg(long)]
@@ -192,6 +221,27 @@ fn poisson_ratio(text: &str) -> Result<f64, String> {
 fn history(name: &str) -> Result<History, String> {
     let known = History::ALL.iter().find(|(known, _)| *known == name);
     known.map(|(_, path)| *path).ok_or_else(|| "known: approach, retraction".to_owned())
+}
+
+fn levelling(name: &str) -> Result<Levelling, String> {
+    let known = Levelling::ALL.iter().find(|(known, _)| *known == name);
+    known.map(|(_, levelling)| *levelling).ok_or_else(|| "known: none, plane, quadratic".to_owned())
+}
+
+/// Height and width of a pixel, m.
+fn pixel(text: &str) -> Result<[f64; 2], String> {
+    let length = |text: &str| match parse(text, Dimension::Length) {
+        Ok(length) if PIXELS.contains(&length) => Ok(length),
+        Ok(_) => Err("a pixel is between 1e-13 and 1e3 m".to_owned()),
+        Err(_) => Err(format!("a length with its unit is needed, such as \"9.8 nm\" ({})", Dimension::Length.units())),
+    };
+    let (width, height) = text.split_once(',').unwrap_or((text, text));
+    Ok([length(height)?, length(width)?])
+}
+
+/// A unit of length in m.
+fn length_unit(unit: &str) -> Result<f64, String> {
+    parse(&format!("1 {unit}"), Dimension::Length).map_err(|_| format!("known: {}", Dimension::Length.units()))
 }
 
 /// Why a command ends without its result.
@@ -258,6 +308,7 @@ impl From<OutputError> for Failure {
             | OutputError::NotACheckpoint { .. }
             | OutputError::NoFolder(_)
             | OutputError::NotWritable { .. }
+            | OutputError::NotAMap { .. }
             | OutputError::NotAResult { .. } => Self::Usage(error.to_string()),
         }
     }
@@ -310,6 +361,7 @@ fn execute(command: Command) -> Result<(), Failure> {
         Command::Check { scene } => check::check(&scene),
         Command::Validate { file } => apart::apart(&file, validate::validate),
         Command::Info { file } => apart::apart(&file, info::info),
+        Command::Asperities(arguments) => asperities::asperities(&arguments),
         Command::Asperity(arguments) => asperity::asperity(&arguments),
     }
 }
@@ -353,9 +405,14 @@ fn warnings_of(scene: &Scene, model: &Model, law: &dyn Law) -> Vec<Warning> {
 
 /// An output that is the scene itself would destroy it.
 fn refuse_own_scene(scene: &Path, output: &Path) -> Result<(), Failure> {
-    match (scene.canonicalize(), output.canonicalize()) {
+    refuse_own(scene, "scene", output)
+}
+
+/// An output that is the file read, a `what`, would destroy it.
+fn refuse_own(input: &Path, what: &str, output: &Path) -> Result<(), Failure> {
+    match (input.canonicalize(), output.canonicalize()) {
         (Ok(own), Ok(output)) if own == output => {
-            Err(Failure::Usage(format!("{} is the scene itself; give another name with -o", output.display())))
+            Err(Failure::Usage(format!("{} is the {what} itself; give another name with -o", output.display())))
         }
         _ => Ok(()),
     }

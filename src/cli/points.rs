@@ -92,7 +92,7 @@ impl Points<'_> {
         let exists = self.claim.check(force);
         if resume {
             if let Err(exists) = exists {
-                if !is_result_of(self.claim.output(), layout, identity) {
+                if !is_result_of(self.claim.output(), layout, identity, false) {
                     return Err(exists.into());
                 }
                 self.clear()?;
@@ -137,7 +137,7 @@ impl Points<'_> {
     fn check_kept(&self) -> Result<(), Failure> {
         for point in 0..self.sweep.count() {
             let file = self.file(point);
-            if file.exists() && !is_result_of(&file, &RUN, &identity(&self.scene(point)?)) {
+            if file.exists() && !is_result_of(&file, &RUN, &identity(&self.scene(point)?), false) {
                 let point = self.sweep.name(point);
                 return Err(Failure::Usage(format!(
                     "{} is not {point} of this sweep as it would be computed now; --force begins anew",

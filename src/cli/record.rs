@@ -1,8 +1,8 @@
 //! A run's results under the names of the file layout.
 
-use super::results::Results;
+use super::results::{Results, Stopped};
 use crate::asperity::Quantity;
-use crate::engine::{Replica, SCALARS};
+use crate::engine::{Attained, Replica, SCALARS};
 use crate::math::control_variates::ControlledMean;
 use crate::math::extrema::Features;
 use crate::math::instruction_set::InstructionSet;
@@ -28,6 +28,11 @@ pub(super) fn write_head(writer: &mut Writer<'_>, results: &Results) -> Result<(
     writer.scale(Dimension::Component, &components)?;
     writer.scale(Dimension::ComponentOther, &components)?;
     writer.named_scale(Dimension::Scalar, &SCALARS.map(|scalar| scalar.name))?;
+    if let Some(stopped) = &results.stopped {
+        let names: Vec<&str> = stopped.targets.iter().map(|attained| attained.target.name()).collect();
+        writer.number("/", "max_replicas", stopped.max_replicas)?;
+        writer.named_scale(Dimension::Target, &names)?;
+    }
     writer.scale(Dimension::Control, &controls.iter().map(|&place| scene.separations[place]).collect::<Vec<f64>>())
 }
 
@@ -59,13 +64,18 @@ pub(super) fn write_curves(
     })
 }
 
-/// Writes what made the file, and from which text.
-pub(super) fn write_about(writer: &Writer<'_>, title: &str, text: &str) -> Result<(), OutputError> {
+/// Writes what made the file, and when.
+pub(super) fn write_program(writer: &Writer<'_>) -> Result<(), OutputError> {
     let now = time::OffsetDateTime::now_utc();
     let created = now.format(&time::format_description::well_known::Rfc3339).unwrap_or_default();
     writer.text("/", "program_version", env!("CARGO_PKG_VERSION"))?;
     writer.text("/", "source_revision", env!("STICTION_SOURCE_REVISION"))?;
-    writer.text("/", "created", &created)?;
+    writer.text("/", "created", &created)
+}
+
+/// Writes what made the file, and from which text.
+pub(super) fn write_about(writer: &Writer<'_>, title: &str, text: &str) -> Result<(), OutputError> {
+    write_program(writer)?;
     writer.text("/", "title", title)?;
     writer.text("/", "scene", text)
 }
@@ -128,6 +138,7 @@ fn write_ensemble(writer: &Writer<'_>, results: &Results) -> Result<(), OutputEr
         writer.dataset(&format!("/ensemble/{name}_std"), &moments.std())?;
     }
     write_scalars(writer, &results.scalars)?;
+    results.stopped.as_ref().map_or(Ok(()), |stopped| write_stopped(writer, stopped))?;
     writer.dataset("/ensemble/regime_count_mean", ensemble.regime_count.mean())?;
     writer.dataset("/ensemble/regime_adhesion_force_mean", ensemble.regime_adhesion_force.mean())?;
     writer.dataset("/ensemble/regime_external_force_mean", ensemble.regime_external_force.mean())?;
@@ -151,6 +162,25 @@ fn write_ensemble(writer: &Writer<'_>, results: &Results) -> Result<(), OutputEr
         writer.dataset(&format!("/replicas/{}", scalar.name), &values)?;
     }
     Ok(())
+}
+
+/// Why there are so many replicas.
+fn write_stopped(writer: &Writer<'_>, stopped: &Stopped) -> Result<(), OutputError> {
+    let targets = &stopped.targets;
+    let texts = |name: &str, of: fn(&Attained) -> &'static str| {
+        writer.texts(&format!("/ensemble/target_{name}"), &targets.iter().map(of).collect::<Vec<&str>>())
+    };
+    let numbers = |name: &str, of: fn(&Attained) -> f64| {
+        writer.dataset(&format!("/ensemble/target_{name}"), &targets.iter().map(of).collect::<Vec<f64>>())
+    };
+    writer.text("/ensemble", "stopping_reason", stopped.reason())?;
+    texts("estimate", |attained| attained.target.estimate.name())?;
+    texts("units", |attained| SCALARS[attained.target.quantity].units)?;
+    numbers("mean", |attained| attained.mean)?;
+    numbers("standard_error", |attained| attained.standard_error)?;
+    numbers("largest_standard_error", |attained| attained.largest)?;
+    let met: Vec<u8> = targets.iter().map(|attained| u8::from(attained.is_met())).collect();
+    writer.dataset("/ensemble/target_met", &met)
 }
 
 /// The means of the scalars, without and with control variates.

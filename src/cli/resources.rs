@@ -27,6 +27,11 @@ pub(super) fn require(scene: &Path, sizes: &Sizes, output: Option<&Path>) -> Res
     }
 }
 
+/// How many elements of so many bytes fit in memory, at most `most`.
+pub(super) fn fitting(bytes: f64, most: u64) -> u64 {
+    memory(1.0).map_or(most, |memory| most.min((memory / bytes) as u64))
+}
+
 /// Of what a run would take more than can be had, a line each; disk for a file if it writes one.
 pub(super) fn shortages(sizes: &Sizes, output: Option<&Path>) -> Vec<String> {
     let memory = shortage("memory", sizes, memory(sizes.threads), Sizes::memory);

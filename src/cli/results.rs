@@ -1,7 +1,7 @@
 //! What a run has found out, for the file and for the summary.
 
 use crate::asperity::{Law, Quantity};
-use crate::engine::{Ensemble, Summation};
+use crate::engine::{Attained, Ensemble, Rule, Summation};
 use crate::math::control_variates::ControlledMean;
 use crate::math::extrema::Features;
 use crate::math::interpolation::linear;
@@ -19,6 +19,8 @@ pub(super) struct Results {
     pub regimes: Vec<&'static str>,
     pub statistical: Statistical,
     pub ensemble: Box<Ensemble>,
+    /// Why there are so many replicas, if targets decided.
+    pub stopped: Option<Stopped>,
     pub summation: Summation,
     pub basis: Basis,
     /// Indices of the separations of the control variates.
@@ -44,6 +46,31 @@ impl Results {
     /// The mean curve of a quantity.
     pub fn mean(&self, quantity: Quantity) -> &[f64] {
         self.ensemble.curves[quantity.index()].mean()
+    }
+}
+
+/// Why an ensemble has as many replicas as it has.
+pub(super) struct Stopped {
+    /// What became of each target.
+    pub targets: Vec<Attained>,
+    /// The most replicas that there might have been.
+    pub max_replicas: u64,
+}
+
+impl Stopped {
+    /// Of a finished ensemble.
+    pub fn new(rule: &Rule<'_>, ensemble: &Ensemble) -> Self {
+        Self { targets: rule.attained(ensemble), max_replicas: rule.stopping.max_replicas }
+    }
+
+    /// Whether all targets are met.
+    pub fn is_met(&self) -> bool {
+        self.targets.iter().all(Attained::is_met)
+    }
+
+    /// The reason, in files and on the terminal.
+    pub fn reason(&self) -> &'static str {
+        if self.is_met() { "all targets are met" } else { "max_replicas is reached" }
     }
 }
 

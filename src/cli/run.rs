@@ -2,14 +2,14 @@
 
 use super::checkpoint::{Beginning, Keeper, Manner, State, beginning};
 use super::record::{write_curves, write_head, write_results};
-use super::results::{Results, integral_features, mean_features};
+use super::results::{Results, Stopped, integral_features, mean_features};
 use super::sampling::{Sampling, basis_of, cross_check, interruption, override_ensemble, thread_pool};
 use super::summary::summary;
 use super::{
     Execution, Failure, RunArguments, law_of, print_of, read_document, refuse_own_scene, resources, sweep, warnings_of,
 };
 use crate::asperity::{Law, Quantity};
-use crate::engine::{Batch, Ensemble, Outcome};
+use crate::engine::{Batch, Ensemble, Outcome, Rule};
 use crate::math::control_variates::controlled_means;
 use crate::output::progress::Progress;
 use crate::output::schema::RUN;
@@ -89,7 +89,7 @@ pub(super) fn output_of(arguments: &RunArguments) -> PathBuf {
 /// # Errors
 /// [`Failure`]; what has been done is kept beside the output, for a run that resumes it.
 pub(super) fn run_scene(
-    scene: Scene,
+    mut scene: Scene,
     task: &Task<'_>,
     session: &Session,
     mut progress: Progress,
@@ -114,7 +114,11 @@ pub(super) fn run_scene(
     progress.phase("test functionals");
     let state = interrupted.as_ref().map_or_else(|| prepared(&scene, law, &statistical), |run| run.state().clone());
     let State { basis, controls, .. } = state.clone();
-    let setup = Sampling { scene: &scene, law, basis: &basis, controls: &controls, keep_curves: scene.curves };
+    let expected = &statistical.expected[Quantity::ExternalForce.index()];
+    let expected: Vec<f64> = controls.iter().map(|&place| expected[place]).collect();
+    let stopping = scene.stopping.clone();
+    let rule = stopping.as_ref().map(|stopping| Rule { stopping, expected: &expected });
+    let setup = Sampling { scene: &scene, law, basis: &basis, controls: &controls, rule, keep_curves: scene.curves };
     let job = setup.job();
     let (mut keeper, start) = match interrupted {
         Some(run) => Keeper::resume(*run, &job, session.interval)?,
@@ -131,10 +135,13 @@ pub(super) fn run_scene(
         }
     };
 
+    let stopped = rule.map(|rule| Stopped::new(&rule, &ensemble));
+    // From here on the scene is that of the replicas that there are.
+    scene.stopping = None;
+    let most = std::mem::replace(&mut scene.replicas, ensemble.replicas.len() as u64);
+
     progress.phase("cross-check");
     let (z, joint) = cross_check(&ensemble, &statistical, &basis, &scene);
-    let expected = &statistical.expected[Quantity::ExternalForce.index()];
-    let expected: Vec<f64> = controls.iter().map(|&place| expected[place]).collect();
     let scalars = controlled_means(&ensemble.groups.scalars, &expected);
     let of_mean = mean_features(&scene, law, &ensemble, &statistical);
     let of_integral = integral_features(&scene, law, &statistical);
@@ -148,6 +155,7 @@ pub(super) fn run_scene(
         warnings,
         statistical,
         ensemble,
+        stopped,
         summation,
         basis,
         controls,
@@ -163,13 +171,19 @@ pub(super) fn run_scene(
         output: task.output.to_owned(),
     };
     progress.phase("writing");
-    let written = complete(results, keeper, task, session);
+    let written = complete(results, most, keeper, task, session);
     progress.end();
     written.map(Some)
 }
 
-/// Brings the results into their file, after which nothing is kept beside it; or keeps what was computed.
-fn complete(results: Results, mut keeper: Keeper, task: &Task<'_>, session: &Session) -> Result<Box<Results>, Failure> {
+/// Brings the results into their file, after which nothing is kept beside it; or keeps what was computed, of `most` replicas.
+fn complete(
+    results: Results,
+    most: u64,
+    mut keeper: Keeper,
+    task: &Task<'_>,
+    session: &Session,
+) -> Result<Box<Results>, Failure> {
     let failure = match write(task.claim, task.manner.force, &results, &mut keeper, &session.stop) {
         Ok(true) => {
             keeper.journal.discard();
@@ -182,16 +196,16 @@ fn complete(results: Results, mut keeper: Keeper, task: &Task<'_>, session: &Ses
     let kept = keeper.save(&results.ensemble);
     match failure {
         Some(failure) => Err(keeper.advised(failure)),
-        None => Err(kept.map_or_else(Failure::from, |()| keeper.interrupted(results.scene.replicas))),
+        None => Err(kept.map_or_else(Failure::from, |()| keeper.interrupted(most))),
     }
 }
 
 /// The functionals of the joint test, and the control variates.
 fn prepared(scene: &Scene, law: &dyn Law, statistical: &Statistical) -> State {
     let basis = basis_of(scene, law);
-    let groups = scene.replicas / scene.sampling.group();
+    let groups = scene.fewest_replicas() / scene.sampling.group();
     let controls = controls(&scene.separations, statistical, &basis.tested[1], groups);
-    State::new(basis, controls)
+    State::new(basis, controls, scene.fewest_replicas())
 }
 
 /// Writes the result; `false` if it was interrupted before it was complete, and then is not there.

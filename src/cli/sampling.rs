@@ -2,7 +2,7 @@
 
 use super::Failure;
 use crate::asperity::{Law, Quantity};
-use crate::engine::{Batch, Ensemble, Job, Outcome, Summation, run_from};
+use crate::engine::{Batch, Ensemble, Job, Outcome, Rule, Summation, run_from};
 use crate::output::OutputError;
 use crate::output::progress::Progress;
 use crate::scene::Scene;
@@ -25,6 +25,8 @@ pub(super) struct Sampling<'a> {
     pub basis: &'a Basis,
     /// Indices of the separations of the control variates.
     pub controls: &'a [usize],
+    /// What ends it before all replicas of the scene are in.
+    pub rule: Option<Rule<'a>>,
     pub keep_curves: bool,
 }
 
@@ -58,12 +60,16 @@ impl Sampling<'_> {
     ) -> Result<(Outcome, Summation), Failure> {
         let job = self.job();
         let summation = match self.scene.sum_tolerance {
-            Some(tolerance) => pool.install(|| Summation::compressed(&job, tolerance)),
+            // On replicas that are in the result wherever it ends.
+            Some(tolerance) => {
+                let job = Job { replicas: self.scene.fewest_replicas(), ..job };
+                pool.install(|| Summation::compressed(&job, tolerance))
+            }
             None => Summation::direct(),
         };
         let job = Job { compression: summation.compression.as_ref(), ..job };
         progress.replicas(name, start.replicas.len() as u64, self.scene.replicas);
-        let outcome = run_from(&job, pool, stop, start, |batch, ensemble| {
+        let outcome = run_from(&job, pool, stop, start, self.rule, |batch, ensemble| {
             observe(batch, ensemble)?;
             progress.advance(batch.ensemble.replicas.len() as u64);
             Ok::<(), OutputError>(())
@@ -78,7 +84,7 @@ pub(super) fn override_ensemble(scene: &mut Scene, replicas: Option<u64>, seed: 
     if let Some(replicas) = replicas {
         let refused = |problem| Failure::Usage(format!("--replicas {replicas}: {problem}"));
         scene.sampling.check(replicas).map_err(refused)?;
-        scene.replicas = replicas;
+        (scene.replicas, scene.stopping) = (replicas, None);
     }
     scene.seed = seed.unwrap_or(scene.seed);
     Ok(())
@@ -108,10 +114,10 @@ pub(super) fn interruption() -> Result<Arc<AtomicBool>, Failure> {
     Ok(stop)
 }
 
-/// The functionals of the joint test of a scene under a law, for the sums that it asks for.
+/// The functionals of the joint test of a scene under a law, for the sums that it asks for and the fewest replicas that it may have.
 pub(super) fn basis_of(scene: &Scene, law: &dyn Law) -> Basis {
     let accuracy = scene.sum_tolerance.unwrap_or(0.0);
-    basis_to(law, &scene.surface, &scene.separations, scene.sampling, scene.replicas, accuracy)
+    basis_to(law, &scene.surface, &scene.separations, scene.sampling, scene.fewest_replicas(), accuracy)
 }
 
 /// z-scores of adhesion force and external force, and the joint test.

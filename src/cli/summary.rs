@@ -2,13 +2,14 @@
 
 use super::check::{beyond, heading, skipped, warned};
 use super::format::{bound, duration, percent, row, si};
-use super::results::Results;
+use super::results::{Results, Stopped};
 use crate::asperity::Quantity;
 use crate::engine::Replica;
 use crate::engine::Summation;
 use crate::math::control_variates::ControlledMean;
 use crate::math::extrema::{Extremum, Features};
 use crate::math::moments::Moments;
+use crate::scene::Limit;
 use crate::validation::{JointTest, Verdict};
 
 pub(super) fn summary(results: &Results) -> String {
@@ -17,6 +18,7 @@ pub(super) fn summary(results: &Results) -> String {
     text += &beyond(&results.plan);
     text += &warned(&results.warnings);
     text.push('\n');
+    text += &results.stopped.as_ref().map(|stopped| ended(stopped, results.scene.replicas)).unwrap_or_default();
     text += &pull_off(results);
     text += &stiffness(results);
     text += &at_pull_off(results);
@@ -24,6 +26,26 @@ pub(super) fn summary(results: &Results) -> String {
     text += &row("integral", &error_bound(results.statistical.quadrature_error));
     text += &times(results);
     text += &row("written", &results.output.display().to_string());
+    text
+}
+
+/// Why there are so many replicas.
+fn ended(stopped: &Stopped, replicas: u64) -> String {
+    let mut text =
+        row("stopped", &format!("after {replicas} of at most {} replicas: {}", stopped.max_replicas, stopped.reason()));
+    for attained in &stopped.targets {
+        let target = &attained.target;
+        let error = |error: f64| match target.limit {
+            Limit::Relative(_) => percent(error / attained.mean.abs()),
+            Limit::Absolute(_) => si(error, target.unit()),
+        };
+        let missed = if attained.is_met() { "" } else { ": missed" };
+        let [reached, largest] = [attained.standard_error, attained.largest].map(error);
+        text += &row(
+            "",
+            &format!("{} ({}) to {reached}, at most {largest}{missed}", target.name(), target.estimate.name()),
+        );
+    }
     text
 }
 

@@ -15,6 +15,7 @@ mod replica;
 mod sampling;
 mod scalars;
 mod scattered;
+mod stopping;
 pub mod stream;
 mod summation;
 
@@ -25,6 +26,7 @@ pub use reduce::{Outcome, run, run_from};
 pub use replica::{Replica, Workspace};
 pub use sampling::draw;
 pub use scalars::{SCALARS, Scalar};
+pub use stopping::{Attained, Rule};
 pub use summation::Summation;
 
 use crate::asperity::Law;

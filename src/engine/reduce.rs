@@ -3,6 +3,7 @@
 use super::Job;
 use super::batch::{BATCH, Batch, Ensemble};
 use super::replica::Workspace;
+use super::stopping::Rule;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -11,7 +12,7 @@ use std::sync::mpsc::sync_channel;
 /// How a run ended.
 #[derive(Debug)]
 pub enum Outcome {
-    /// All replicas are in.
+    /// All replicas are in, or the targets are met.
     Complete(Box<Ensemble>),
     /// `stop` was set: the batches that were merged until then.
     Interrupted(Box<Ensemble>),
@@ -26,7 +27,7 @@ impl Outcome {
     }
 }
 
-/// Computes a job from its first replica: [`run_from`].
+/// Computes all replicas of a job from its first one: [`run_from`].
 ///
 /// # Errors
 /// The error of `observe`.
@@ -39,12 +40,12 @@ pub fn run<E: Send>(
     stop: &AtomicBool,
     observe: impl FnMut(&Batch, &Ensemble) -> Result<(), E>,
 ) -> Result<Outcome, E> {
-    run_from(job, pool, stop, Ensemble::new(job), observe)
+    run_from(job, pool, stop, Ensemble::new(job), None, observe)
 }
 
 /// Computes a job on `pool`, from the first replica that `merged` does not have yet. `observe` gets every batch in order, with what
-/// it has been merged into; its error ends the run. When `stop` is set no batch is begun any more. The result has the same bits
-/// wherever it began.
+/// it has been merged into; its error ends the run. When `stop` is set no batch is begun any more. With a rule the run is complete
+/// after the first batch that meets it: what other threads have begun by then is dropped. The result has the same bits wherever it began.
 ///
 /// At most a few batches per thread wait to be merged, so memory does not grow with the number of replicas except by what is kept
 /// of each.
@@ -56,21 +57,30 @@ pub fn run_from<E: Send>(
     pool: &rayon::ThreadPool,
     stop: &AtomicBool,
     mut merged: Ensemble,
+    rule: Option<Rule<'_>>,
     mut observe: impl FnMut(&Batch, &Ensemble) -> Result<(), E>,
 ) -> Result<Outcome, E> {
     job.require_whole_groups();
+    let is_enough = |merged: &Ensemble| rule.is_some_and(|rule| rule.is_met(merged));
+    // A run may have been interrupted after the batch that was the last.
+    if is_enough(&merged) {
+        return Ok(Outcome::Complete(Box::new(merged)));
+    }
+    let enough = AtomicBool::new(false);
+    let ends = || stop.load(Ordering::Relaxed) || enough.load(Ordering::Relaxed);
     let (sender, receiver) = sync_channel::<(u64, Batch)>(pool.current_num_threads());
     let first = (merged.replicas.len() as u64).div_ceil(BATCH);
     std::thread::scope(|scope| {
+        let ends = &ends;
         scope.spawn(move || {
             pool.install(|| {
                 // par_bridge hands batches out in order, so those that wait for an earlier one are few.
-                let batches = (first..job.batches()).par_bridge();
+                let batches = (first..job.batches()).take_while(|_| !ends()).par_bridge();
                 batches.for_each_init(
                     // Threads without a batch take no memory.
                     || None,
                     |workspace, index| {
-                        if !stop.load(Ordering::Relaxed) {
+                        if !ends() {
                             let workspace = workspace.get_or_insert_with(|| Workspace::new(job));
                             // A closed channel means that the run has ended with an error.
                             let _ = sender.send((index, Batch::compute(job, workspace, index)));
@@ -91,6 +101,11 @@ pub fn run_from<E: Send>(
                     return Err(error);
                 }
                 next += 1;
+                if is_enough(&merged) {
+                    enough.store(true, Ordering::Relaxed);
+                    drop(receiver);
+                    return Ok(Outcome::Complete(Box::new(merged)));
+                }
             }
         }
         let complete = merged.replicas.len() as u64 == job.replicas;

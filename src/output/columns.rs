@@ -1,5 +1,6 @@
 //! The values that scenes take out of files: columns of CSV files, datasets of HDF5 files, measured asperities.
 
+use super::asperities;
 use super::guard::{self, fits, is_kind_of};
 use crate::scene::files::{Column, Files, MOST_VALUES, Measured};
 use std::path::{Path, PathBuf};
@@ -33,8 +34,13 @@ impl Files for Beside {
     }
 
     fn asperities(&self, path: &str) -> Result<Measured, String> {
-        let path = self.folder.join(path);
-        Err(format!("{} cannot be read yet", path.display()))
+        let file = asperities::read(&self.folder.join(path)).map_err(|error| error.to_string())?;
+        Ok(Measured {
+            heights: file.heights,
+            radii: file.radii,
+            nominal_area: file.nominal_area,
+            surface_height_std: file.m0.sqrt(),
+        })
     }
 }
 

@@ -1,11 +1,13 @@
-//! Files and progress: the HDF5 layout, writing it whole or not at all, reading it back, what an interrupted run keeps, and the bars on
-//! the terminal.
+//! Files and progress: the HDF5 layouts, writing them whole or not at all, reading them back, reading height maps, what an interrupted run
+//! keeps, and the bars on the terminal.
 
+pub mod asperities;
 mod attributes;
 pub mod checkpoint;
 mod claim;
 pub mod columns;
 mod guard;
+pub mod maps;
 pub mod progress;
 pub mod reader;
 mod scales;
@@ -64,6 +66,14 @@ pub enum OutputError {
     /// A file cannot be read as a result of this program.
     #[error("{}: {problem}", path.display())]
     NotAResult {
+        /// The file.
+        path: PathBuf,
+        /// Why not.
+        problem: String,
+    },
+    /// A file cannot be read as a height map.
+    #[error("{}: {problem}", path.display())]
+    NotAMap {
         /// The file.
         path: PathBuf,
         /// Why not.

@@ -7,6 +7,7 @@ mod population;
 mod reader;
 mod separation;
 mod sizes;
+mod stopping;
 pub mod sweep;
 pub mod units;
 mod validity;
@@ -14,6 +15,7 @@ mod validity;
 pub use plan::{CoreSeconds, Plan, RegimePlan, beyond};
 pub use reader::{SceneError, nearest};
 pub use sizes::{Choice, Sizes};
+pub use stopping::{Estimate, Limit, QUANTITIES, Stopping, Target};
 pub use sweep::Sweep;
 pub use validity::{Warning, warnings, warnings_of_scene};
 
@@ -42,6 +44,7 @@ const ROOT_KEYS: [&str; 10] =
     ["format", "title", "material", "surface", "model", "separation", "ensemble", "solver", "output", "sweep"];
 const MATERIAL_KEYS: [&str; 5] =
     ["reduced_modulus", "hardness", "poisson_ratio", "work_of_adhesion", "equilibrium_spacing"];
+const ENSEMBLE_KEYS: [&str; 6] = ["replicas", "target", "min_replicas", "max_replicas", "sampling", "seed"];
 
 /// A validated scene, SI.
 #[derive(Clone, Debug)]
@@ -64,8 +67,10 @@ pub struct Scene {
     pub separations: Vec<f64>,
     /// The files that it has taken values from.
     pub inputs: Vec<Input>,
-    /// Number of replicas, whole groups of the sampling scheme.
+    /// Number of replicas, whole groups of the sampling scheme; with targets the most there may be.
     pub replicas: u64,
+    /// What ends the run before.
+    pub stopping: Option<Stopping>,
     /// How they are drawn relative to each other.
     pub sampling: SamplingScheme,
     /// Seed of the random streams.
@@ -117,12 +122,10 @@ impl Scene {
                  mean_plane_offset, surface_height_std, asperity_height_std and asperity_density"
             )));
         }
-        let ensemble = required(root, "ensemble", &["replicas", "sampling", "seed"])?;
+        let ensemble = required(root, "ensemble", &ENSEMBLE_KEYS)?;
         let sampling = ensemble.get("sampling").map(|entry| entry.choice("sampling", &SamplingScheme::ALL));
         let sampling = sampling.transpose()?.unwrap_or_default();
-        let given = ensemble.require("replicas", "1000")?;
-        let replicas = given.integer(1..=1_000_000_000_000)?;
-        sampling.check(replicas).map_err(|problem| given.wrong(&problem))?;
+        let (replicas, stopping) = stopping::replicas(&ensemble, sampling)?;
         if let Some(entry) = ensemble.get("sampling").filter(|_| sampling.group() > 1 && !surface.is_plain()) {
             return Err(entry.wrong(
                 "is for surfaces of one radius with Gaussian heights and a fixed number of asperities; others need \"independent\"",
@@ -143,6 +146,7 @@ impl Scene {
             separations,
             inputs,
             replicas,
+            stopping,
             sampling,
             seed,
             sum_tolerance,
@@ -168,6 +172,11 @@ impl Scene {
         Err(format!(
             "beside a mean_plane_offset of {offset:e} m these separations are lost in rounding: check their units"
         ))
+    }
+
+    /// The fewest replicas that a run of it ends with.
+    pub fn fewest_replicas(&self) -> u64 {
+        self.stopping.as_ref().map_or(self.replicas, |stopping| stopping.min_replicas)
     }
 
     /// The range of interferences, m, that the heights of any replica reach.
@@ -227,6 +236,11 @@ impl Document {
         };
         let sweep = Sweep::read(text, &sweep, files)?;
         let scene = sweep.scene(0)?;
+        if scene.stopping.is_some() {
+            let problem = "`ensemble.target`: all points of a sweep have the same replicas, so that their differences are those of the \
+                           same surfaces; give replicas in its place";
+            return Err(SceneError::general(problem));
+        }
         (1..sweep.count()).try_for_each(|point| sweep.scene(point).map(drop))?;
         Ok(Self { scene, sweep: Some(sweep) })
     }

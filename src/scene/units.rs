@@ -13,6 +13,10 @@ pub enum Dimension {
     Pressure,
     /// J/m².
     SurfaceEnergy,
+    /// N.
+    Force,
+    /// N/m, of the derivative of a force by a separation.
+    Stiffness,
 }
 
 /// Units by dimension: spelling, factor to SI as power of ten.
@@ -35,6 +39,8 @@ const UNITS: &[(Dimension, &[(&str, i32)])] = &[
     (Dimension::ArealDensity, &[("/m^2", 0), ("/mm^2", 6), ("/um^2", 12), ("/µm^2", 12), ("/μm^2", 12), ("/nm^2", 18)]),
     (Dimension::Pressure, &[("Pa", 0), ("kPa", 3), ("MPa", 6), ("GPa", 9), ("TPa", 12)]),
     (Dimension::SurfaceEnergy, &[("J/m^2", 0), ("mJ/m^2", -3), ("uJ/m^2", -6), ("N/m", 0), ("mN/m", -3), ("uN/m", -6)]),
+    (Dimension::Force, &[("N", 0), ("mN", -3), ("uN", -6), ("µN", -6), ("μN", -6), ("nN", -9), ("pN", -12)]),
+    (Dimension::Stiffness, &[("N/m", 0), ("kN/m", 3), ("MN/m", 6), ("N/mm", 3), ("N/um", 6), ("N/µm", 6), ("N/μm", 6)]),
 ];
 
 impl Dimension {
@@ -46,6 +52,8 @@ impl Dimension {
             Self::ArealDensity => "a number per area",
             Self::Pressure => "a pressure",
             Self::SurfaceEnergy => "an energy per area",
+            Self::Force => "a force",
+            Self::Stiffness => "a stiffness",
         }
     }
 
@@ -57,6 +65,8 @@ impl Dimension {
             Self::ArealDensity => "\"7.39 /um^2\"",
             Self::Pressure => "\"85.29 GPa\"",
             Self::SurfaceEnergy => "\"0.09 J/m^2\"",
+            Self::Force => "\"1 uN\"",
+            Self::Stiffness => "\"1 kN/m\"",
         }
     }
 
@@ -85,6 +95,8 @@ impl Dimension {
             Self::ArealDensity => "m-2",
             Self::Pressure => "Pa",
             Self::SurfaceEnergy => "J m-2",
+            Self::Force => "N",
+            Self::Stiffness => "N m-1",
         }
     }
 
@@ -268,9 +280,15 @@ mod tests {
         assert_eq!(parse("", Dimension::Length), Err(QuantityError::NoNumber));
     }
 
+    /// A spelling stands once for a dimension, and for the same in SI wherever it stands: N/m is an energy per area and a stiffness.
     #[test]
     fn no_spelling_means_two_things() {
-        let all: Vec<&str> = UNITS.iter().flat_map(|(_, units)| units.iter().map(|(spelling, _)| *spelling)).collect();
-        assert!(all.iter().all(|a| all.iter().filter(|b| a == *b).count() == 1));
+        for (_, units) in UNITS {
+            assert!(units.iter().all(|(a, _)| units.iter().filter(|(b, _)| a == b).count() == 1));
+        }
+        let all: Vec<&(&str, i32)> = UNITS.iter().flat_map(|(_, units)| units.iter()).collect();
+        assert!(all.iter().all(|(a, power)| all.iter().all(|(b, other)| a != b || power == other)));
+        let shared = all.iter().filter(|(a, _)| all.iter().filter(|(b, _)| a == b).count() > 1);
+        assert_eq!(shared.map(|(spelling, _)| *spelling).collect::<Vec<&str>>(), ["N/m", "N/m"]);
     }
 }

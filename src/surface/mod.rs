@@ -1,6 +1,7 @@
 //! The rough surface: its asperity heights and the conversions from what is measured to what the model takes.
 
 mod heights;
+pub mod map;
 pub mod nayak;
 mod radii;
 mod scheme;

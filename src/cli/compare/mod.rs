@@ -77,6 +77,11 @@ pub(super) fn compare(arguments: &CompareArguments) -> Result<(), Failure> {
     let models = models(&arguments.laws)?;
     let mut scene = read_scene(&arguments.scene)?;
     override_ensemble(&mut scene, arguments.replicas, arguments.seed)?;
+    if arguments.ensemble && scene.stopping.is_some() {
+        let problem = "ends its ensemble at a target, which differs from law to law";
+        let advice = "give --replicas with the number for all of them";
+        return Err(Failure::Usage(format!("{}: {problem}; {advice}", arguments.scene.display())));
+    }
     let laws: Vec<Box<dyn Law>> =
         models.iter().map(|model| law_of(&scene, model, &arguments.scene)).collect::<Result<_, _>>()?;
     if let Some(output) = &arguments.output {
@@ -179,7 +184,7 @@ fn sample(
     progress: &mut Progress,
 ) -> Result<Sampled, Failure> {
     let basis = basis_of(scene, law);
-    let setup = Sampling { scene, law, basis: &basis, controls: &[], keep_curves: false };
+    let setup = Sampling { scene, law, basis: &basis, controls: &[], rule: None, keep_curves: false };
     let start = Ensemble::new(&setup.job());
     let (outcome, summation) = setup.run(name, pool, stop, progress, start, |_, _| Ok(()))?;
     let Outcome::Complete(ensemble) = outcome else {

@@ -2,10 +2,12 @@
 //!
 //! Others script against these names. They may be added to (a minor version step); changing one is a major version step.
 
+mod asperities;
 mod comparison;
 mod run;
 mod sweep;
 
+pub use asperities::ASPERITIES;
 pub use comparison::COMPARISON;
 pub use run::RUN;
 pub use sweep::SWEEP;
@@ -30,7 +32,7 @@ pub struct Layout {
 
 impl Layout {
     /// All kinds of files.
-    pub const ALL: [&'static Self; 3] = [&RUN, &COMPARISON, &SWEEP];
+    pub const ALL: [&'static Self; 4] = [&RUN, &COMPARISON, &SWEEP, &ASPERITIES];
 
     /// All datasets that a file may hold, those of points included.
     pub fn known(&self) -> impl Iterator<Item = &'static Variable> {
@@ -86,6 +88,10 @@ pub enum Dimension {
     ControlIndex,
     /// The two degrees of freedom of the joint test.
     Freedom,
+    /// Targets at which a run ends.
+    Target,
+    /// Asperities of a measured surface.
+    Asperity,
 }
 
 impl Dimension {
@@ -110,6 +116,8 @@ impl Dimension {
             Self::SeparationIndex => "separation_index",
             Self::ControlIndex => "control_index",
             Self::Freedom => "freedom",
+            Self::Target => "target",
+            Self::Asperity => "asperity",
         }
     }
 
@@ -185,6 +193,7 @@ mod tests {
             include_str!("../../../docs/format.md"),
             include_str!("../../../docs/comparison.md"),
             include_str!("../../../docs/sweep_format.md"),
+            include_str!("../../../docs/asperity_file.md"),
         ];
         for (layout, page) in Layout::ALL.into_iter().zip(pages) {
             assert!(page.contains(&format!("`{}`", layout.format)));

@@ -6,13 +6,14 @@ const RS: &[Dimension] = &[Dimension::Regime, Dimension::Separation];
 const NS: &[Dimension] = &[Dimension::Replica, Dimension::Separation];
 const KS: &[Dimension] = &[Dimension::Component, Dimension::Separation];
 const A: &[Dimension] = &[Dimension::Scalar];
+const T: &[Dimension] = &[Dimension::Target];
 const KK: &[Dimension] = &[Dimension::Component, Dimension::ComponentOther];
 
 /// A result of `stiction run`.
 pub static RUN: Layout = Layout {
     format: "stiction-run",
     command: "stiction run",
-    version: [1, 2],
+    version: [1, 3],
     groups: &["ensemble", "replicas", "statistical", "validation", "diagnostics"],
     variables: VARIABLES,
     of_points: None,
@@ -29,6 +30,7 @@ const VARIABLES: &[Variable] = &[
     variable("/component_other", &[Dimension::ComponentOther], "1", "functional of the joint test, again"),
     variable("/scalar", A, "1", "number that is read off a replica's own curve"),
     variable("/control", &[Dimension::Control], "m", "separation h at which the external force is a control variate"),
+    variable("/target", T, "1", "quantity whose mean is to be known before the run ends"),
     variable("/phase", &[Dimension::Phase], "1", "phase of the run"),
     variable("/skip_reason", &[Dimension::SkipReason], "1", "why an asperity needed no solve"),
     variable("/ensemble/adhesion_force_mean", S, "N", "adhesion force, mean over replicas"),
@@ -59,6 +61,17 @@ const VARIABLES: &[Variable] = &[
         "1",
         "variance of the mean of a scalar over that of the mean with control variates",
     ),
+    variable("/ensemble/target_estimate", T, "1", "which mean the target is for, plain or controlled"),
+    variable("/ensemble/target_units", T, "1", "units of each target"),
+    variable("/ensemble/target_mean", T, "target_units", "mean of the target's quantity over replicas"),
+    variable("/ensemble/target_standard_error", T, "target_units", "standard error of the target's mean"),
+    variable(
+        "/ensemble/target_largest_standard_error",
+        T,
+        "target_units",
+        "largest standard error that the target allows",
+    ),
+    variable("/ensemble/target_met", T, "1", "whether the target is met (1) or not (0)"),
     variable("/ensemble/regime_count_mean", RS, "1", "asperities in each regime, mean over replicas"),
     variable("/ensemble/regime_adhesion_force_mean", RS, "N", "adhesion force of each regime, mean over replicas"),
     variable("/ensemble/regime_external_force_mean", RS, "N", "external force of each regime, mean over replicas"),

@@ -1,0 +1,65 @@
+//! The asperities of a measured surface under the names of their file layout.
+
+use super::Surface;
+use crate::cli::record::write_program;
+use crate::output::OutputError;
+use crate::output::schema::Dimension;
+use crate::output::writer::Writer;
+use crate::surface::map::Summit;
+
+pub(super) fn write(writer: &mut Writer<'_>, surface: &Surface<'_>) -> Result<(), OutputError> {
+    let Surface { arguments, asperities, shape, pixel, .. } = surface;
+    write_program(writer)?;
+    let name = arguments.map.file_name().unwrap_or_default().to_string_lossy();
+    writer.text("/", "map", &name)?;
+    writer.text("/", "map_source", &surface.source)?;
+    writer.text("/", "level", arguments.level.name())?;
+    writer.numbers("/", "map_shape", &shape.map(|length| length as u64))?;
+    writer.numbers("/", "pixel_size", pixel)?;
+    writer.number("/", "missing_pixels", surface.missing as u64)?;
+    writer.number("/", "nominal_area", asperities.nominal_area)?;
+    writer.number("/", "mean_plane_offset", asperities.measured.height_mean)?;
+    writer.text("/", "warnings", &surface.caveats.join("\n"))?;
+    let count = asperities.summits.len() as u64;
+    writer.scale(Dimension::Asperity, &(0..count).collect::<Vec<u64>>())?;
+    write_asperities(writer, surface)?;
+    write_surface(writer, surface)
+}
+
+fn write_asperities(writer: &Writer<'_>, surface: &Surface<'_>) -> Result<(), OutputError> {
+    let [dy, dx] = surface.pixel;
+    let write = |name: &str, of: &dyn Fn(&Summit) -> f64| {
+        let values: Vec<f64> = surface.asperities.summits.iter().map(of).collect();
+        writer.dataset(&format!("/asperities/{name}"), &values)
+    };
+    write("height", &|summit| summit.height)?;
+    write("radius", &Summit::radius)?;
+    // The middle of the pixel; the first one begins at 0.
+    write("x", &|summit| (summit.column as f64 + 0.5) * dx)?;
+    write("y", &|summit| (summit.row as f64 + 0.5) * dy)?;
+    write("curvature_x", &|summit| summit.curvature[1])?;
+    write("curvature_y", &|summit| summit.curvature[0])
+}
+
+fn write_surface(writer: &Writer<'_>, surface: &Surface<'_>) -> Result<(), OutputError> {
+    let (moments, measured) = (&surface.asperities.moments, &surface.asperities.measured);
+    let equivalent = &surface.asperities.equivalent;
+    let write = |path: &str, value: f64| writer.dataset(path, &[value]);
+    write("/surface/m0", moments.m0)?;
+    write("/surface/m2", moments.m2())?;
+    write("/surface/m4", moments.m4())?;
+    write("/surface/slope_x", moments.slope[1])?;
+    write("/surface/slope_y", moments.slope[0])?;
+    write("/surface/alpha", moments.alpha())?;
+    write("/surface/skewness", moments.skewness)?;
+    write("/surface/excess_kurtosis", moments.excess_kurtosis)?;
+    write("/measured/asperity_density", measured.density)?;
+    write("/measured/asperity_radius", measured.radius)?;
+    write("/measured/asperity_height_mean", measured.height_mean)?;
+    write("/measured/asperity_height_std", measured.height_std)?;
+    write("/measured/asperity_curvature_std", measured.curvature_std)?;
+    write("/equivalent/asperity_density", equivalent.density)?;
+    write("/equivalent/asperity_radius", equivalent.radius)?;
+    write("/equivalent/asperity_height_mean", equivalent.height_mean)?;
+    write("/equivalent/asperity_height_std", equivalent.height_std)
+}

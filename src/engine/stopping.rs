@@ -1,0 +1,118 @@
+//! When an ensemble is large enough: the standard errors of the means that are asked for, looked at after fixed numbers of replicas.
+//!
+//! The rule looks at the merged state after numbers of replicas that depend on the scene alone, so where it stops, and with it every bit
+//! of the result, depends on the scene and the seed alone.
+//!
+//! To stop as soon as an estimated error is small enough favours samples that underestimate it. What keeps that small is that the first
+//! look comes late, and that from one look to the next there is more than a little: docs/stopping.md has the coverage of the intervals.
+
+use super::batch::{BATCH, Ensemble};
+use crate::math::control_variates::controlled_means;
+use crate::scene::{Estimate, Limit, Stopping, Target};
+
+/// From one look to the next the replicas grow by one part in so many, and to whole batches.
+const GROWTH: u64 = 10;
+
+/// How well the mean of a target is known.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Attained {
+    /// The target.
+    pub target: Target,
+    /// The mean, in the units of the scalar, likewise below.
+    pub mean: f64,
+    /// Its standard error; NaN for fewer than two groups of replicas.
+    pub standard_error: f64,
+    /// The largest standard error that the target allows.
+    pub largest: f64,
+}
+
+impl Attained {
+    /// Whether the mean is known as well as it is to be.
+    pub fn is_met(&self) -> bool {
+        self.standard_error <= self.largest
+    }
+}
+
+/// When a run ends before all its replicas are in.
+#[derive(Clone, Copy, Debug)]
+pub struct Rule<'a> {
+    /// What is to be reached.
+    pub stopping: &'a Stopping,
+    /// Expectations of the external force at the job's controls, N.
+    pub expected: &'a [f64],
+}
+
+impl Rule<'_> {
+    /// Numbers of replicas after which the targets are looked at, rising; the last is the most there may be.
+    pub fn looks(&self) -> impl Iterator<Item = u64> {
+        let most = self.stopping.max_replicas;
+        let whole = move |replicas: u64| replicas.div_ceil(BATCH).saturating_mul(BATCH).min(most);
+        let next = move |last: &u64| (*last < most).then(|| whole(last.saturating_add(last.div_ceil(GROWTH))));
+        std::iter::successors(Some(whole(self.stopping.min_replicas)), next)
+    }
+
+    /// Whether the targets are looked at after so many replicas.
+    pub fn is_look(&self, replicas: u64) -> bool {
+        self.looks().find(|look| *look >= replicas) == Some(replicas)
+    }
+
+    /// How well each target is known by an ensemble.
+    pub fn attained(&self, ensemble: &Ensemble) -> Vec<Attained> {
+        let means = controlled_means(&ensemble.groups.scalars, self.expected);
+        let attained = |target: &Target| {
+            let (mean, standard_error) = match (means.get(target.quantity), target.estimate) {
+                (Some(mean), Estimate::Plain) => (mean.mean, mean.standard_error),
+                (Some(mean), Estimate::Controlled) => (mean.controlled_mean, mean.controlled_standard_error),
+                (None, _) => (f64::NAN, f64::NAN),
+            };
+            let largest = match target.limit {
+                Limit::Relative(share) => share * mean.abs(),
+                Limit::Absolute(largest) => largest,
+            };
+            Attained { target: *target, mean, standard_error, largest }
+        };
+        self.stopping.targets.iter().map(attained).collect()
+    }
+
+    /// Whether an ensemble is looked at now, and all targets are met.
+    pub fn is_met(&self, ensemble: &Ensemble) -> bool {
+        self.is_look(ensemble.replicas.len() as u64) && self.attained(ensemble).iter().all(Attained::is_met)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::scalars::SCALARS;
+    use super::*;
+    use crate::scene::QUANTITIES;
+
+    fn looks(min_replicas: u64, max_replicas: u64) -> Vec<u64> {
+        let stopping = Stopping { targets: Vec::new(), min_replicas, max_replicas };
+        let rule = Rule { stopping: &stopping, expected: &[] };
+        let looks: Vec<u64> = rule.looks().collect();
+        let last = looks[looks.len() - 1];
+        assert!((0..last.min(1000) + 9).all(|replicas| rule.is_look(replicas) == looks.contains(&replicas)));
+        looks
+    }
+
+    #[test]
+    fn looks_grow_by_a_tenth_in_whole_batches() {
+        assert_eq!(looks(60, 200), [64, 72, 80, 88, 104, 120, 136, 152, 168, 192, 200]);
+        assert_eq!(looks(64, 64), [64]);
+        // What is no whole number of batches ends the run.
+        assert_eq!(looks(1, 13), [8, 13]);
+        let many = looks(64, 1_000_000_000_000);
+        assert!(many.len() < 300 && many.windows(2).all(|pair| pair[0] < pair[1]));
+        assert!(many.iter().all(|look| look.is_multiple_of(BATCH)));
+    }
+
+    #[test]
+    fn quantities_of_scenes_are_the_scalars() {
+        assert!(SCALARS.iter().map(|scalar| scalar.name).eq(QUANTITIES.iter().map(|(name, _)| *name)));
+        // The units of a dimension begin with that of SI.
+        let units = SCALARS.iter().map(|scalar| scalar.units.replace(" m-1", "/m"));
+        assert!(
+            units.zip(QUANTITIES).all(|(units, (_, dimension))| dimension.units().split(", ").next() == Some(&units))
+        );
+    }
+}

@@ -1,0 +1,73 @@
+//! Reading the asperities of a measured surface back, as `stiction asperities` leaves them.
+
+use super::OutputError;
+use super::reader::Reader;
+use super::schema::ASPERITIES;
+use std::path::Path;
+
+/// The asperities of a measured surface.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AsperityFile {
+    /// Height of each above the mean plane of the surface, m.
+    pub heights: Vec<f64>,
+    /// Radius of each, m; positive.
+    pub radii: Vec<f64>,
+    /// Place of each on the map, x and y, m.
+    pub positions: Vec<[f64; 2]>,
+    /// Area that was searched for them, m²; positive.
+    pub nominal_area: f64,
+    /// Asperities over that area, 1/m².
+    pub density: f64,
+    /// Mean of the heights, m: how high the mean plane of the asperities is above that of the surface.
+    pub mean_plane_offset: f64,
+    /// Mean square height of the surface, m².
+    pub m0: f64,
+    /// Mean square slope of profiles.
+    pub m2: f64,
+    /// Mean square second derivative of profiles, 1/m².
+    pub m4: f64,
+}
+
+/// Reads a result of `stiction asperities`.
+///
+/// Like every result it may come from anywhere: what it claims is checked, but a broken structure can keep libhdf5 for ever
+/// ([`super::reader`]).
+///
+/// # Errors
+/// [`OutputError::NotAResult`] when it is no such result, lacks a dataset, or holds what no asperities can have.
+pub fn read(path: &Path) -> Result<AsperityFile, OutputError> {
+    let reader = Reader::open(path, &[&ASPERITIES])?;
+    let refused = |problem: String| OutputError::NotAResult { path: path.to_owned(), problem };
+    let finite = |name: &str, does: fn(f64) -> bool| -> Result<Vec<f64>, OutputError> {
+        let values: Vec<f64> = reader.values(name)?;
+        match values.iter().position(|value| !(value.is_finite() && does(*value))) {
+            Some(place) => Err(refused(format!("has the value {:e} at {place} of {name}", values[place]))),
+            None => Ok(values),
+        }
+    };
+    let any: fn(f64) -> bool = |_| true;
+    let positive: fn(f64) -> bool = |value| value > 0.0;
+    let number = |name: &str| finite(name, positive).map(|values| values[0]);
+    let heights = finite("/asperities/height", any)?;
+    if heights.is_empty() {
+        return Err(refused("has no asperities".to_owned()));
+    }
+    let radii = finite("/asperities/radius", positive)?;
+    let positions = finite("/asperities/x", any)?.into_iter().zip(finite("/asperities/y", any)?);
+    let nominal_area: f64 = reader.number("/", "nominal_area")?;
+    if !(nominal_area > 0.0 && nominal_area.is_finite()) {
+        return Err(refused(format!("has nominal_area = {nominal_area:e}, and a positive area is needed")));
+    }
+    let mean_plane_offset = finite("/measured/asperity_height_mean", any)?[0];
+    Ok(AsperityFile {
+        positions: positions.map(|(x, y)| [x, y]).collect(),
+        heights,
+        radii,
+        nominal_area,
+        density: number("/measured/asperity_density")?,
+        mean_plane_offset,
+        m0: number("/surface/m0")?,
+        m2: number("/surface/m2")?,
+        m4: number("/surface/m4")?,
+    })
+}

@@ -1,0 +1,171 @@
+//! The asperities of a measured surface, and the equivalent surface of McCool.
+
+use super::{HeightMap, MapError, SpectralMoments, Summit};
+use crate::math::moments::Moments;
+use std::f64::consts::PI;
+
+/// σ_s² = (1 − 0.8968/α) m₀ (Bush, Gibson and Thomas 1975; McCool 1987).
+const SUMMIT_VARIANCE: f64 = 0.8968;
+
+/// Fewer pixels from one maximum of a profile to the next leave summits unresolved.
+const FEWEST_PIXELS: f64 = 10.0;
+/// Fewer summits leave the density uncertain by more than a tenth.
+const FEWEST_SUMMITS: usize = 100;
+/// Skewness and excess kurtosis beyond which heights are far from Gaussian.
+const NOT_GAUSSIAN: (f64, f64) = (0.3, 0.6);
+/// Ratio of the mean square slopes along both directions from which a surface has a lay.
+const ANISOTROPIC: f64 = 1.5;
+/// Least α of a random isotropic surface.
+const LEAST_ALPHA: f64 = 1.5;
+
+/// What the asperities of a Greenwood-Williamson surface that is equivalent to a measured one are, from spectral moments alone
+/// (McCool 1987, J. Tribol. 109, 264; mean height by Bush, Gibson and Thomas 1975, Wear 35, 87).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Equivalent {
+    /// Density η = m₄/(6π√3 m₂), 1/m².
+    pub density: f64,
+    /// Radius R = 3√π/(8√m₄), the reciprocal of the mean curvature of summits, m.
+    pub radius: f64,
+    /// Mean height of summits above the mean plane of the surface, 4√(m₀/(πα)), m.
+    pub height_mean: f64,
+    /// Standard deviation of summit heights, √((1 − 0.8968/α) m₀), m; 0 where α is too small for any.
+    pub height_std: f64,
+}
+
+impl Equivalent {
+    /// Of spectral moments.
+    pub fn new(moments: &SpectralMoments) -> Self {
+        let (alpha, m4) = (moments.alpha(), moments.m4());
+        Self {
+            density: m4 / moments.m2() / (6.0 * PI * 3.0_f64.sqrt()),
+            radius: 3.0 * PI.sqrt() / (8.0 * m4.sqrt()),
+            height_mean: 4.0 * (moments.m0 / (PI * alpha)).sqrt(),
+            height_std: ((1.0 - SUMMIT_VARIANCE / alpha).max(0.0) * moments.m0).sqrt(),
+        }
+    }
+}
+
+/// The same, of the summits themselves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Measured {
+    /// Summits over the area that was searched, 1/m².
+    pub density: f64,
+    /// Reciprocal of the mean of their mean curvatures, m.
+    pub radius: f64,
+    /// Mean height above the mean plane of the surface, m.
+    pub height_mean: f64,
+    /// Standard deviation of the heights, m; NaN for one summit.
+    pub height_std: f64,
+    /// Standard deviation of the mean curvatures, 1/m; NaN for one summit.
+    pub curvature_std: f64,
+}
+
+/// What is known of the asperities of a measured surface.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Asperities {
+    /// Every asperity, row by row.
+    pub summits: Vec<Summit>,
+    /// Area that was searched for summits, m²: the pixels that were compared with 8 neighbours.
+    pub nominal_area: f64,
+    /// Spectral moments of the surface.
+    pub moments: SpectralMoments,
+    /// What follows from these.
+    pub equivalent: Equivalent,
+    /// What the summits themselves are.
+    pub measured: Measured,
+}
+
+impl Asperities {
+    /// Of a levelled map.
+    ///
+    /// # Errors
+    /// [`MapError`] when the map has no summit, or no slopes.
+    pub fn new(map: &HeightMap) -> Result<Self, MapError> {
+        let moments = SpectralMoments::new(map)?;
+        let found = map.summits();
+        if found.summits.is_empty() {
+            return Err(MapError::NoSummit);
+        }
+        let [dy, dx] = map.pixel();
+        let nominal_area = found.compared as f64 * dy * dx;
+        let mut sample = Moments::new(2);
+        found.summits.iter().for_each(|summit| sample.push(&[summit.height, summit.mean_curvature()]));
+        let (mean, std) = (sample.mean(), sample.std());
+        let measured = Measured {
+            density: found.summits.len() as f64 / nominal_area,
+            radius: 1.0 / mean[1],
+            height_mean: mean[0],
+            height_std: std[0],
+            curvature_std: std[1],
+        };
+        Ok(Self { summits: found.summits, nominal_area, moments, equivalent: Equivalent::new(&moments), measured })
+    }
+
+    /// Where a surface measured with such pixels, m, is not what the parameters take for granted, a line each: number and consequence.
+    pub fn caveats(&self, pixel: [f64; 2]) -> Vec<String> {
+        let moments = &self.moments;
+        let mut caveats = self.resolution(pixel);
+        let count = self.summits.len();
+        if count < FEWEST_SUMMITS {
+            let error = 100.0 / (count as f64).sqrt();
+            caveats.push(format!("{count} summits are few: their density is uncertain by about {error:.0} %"));
+        }
+        if moments.skewness.abs() > NOT_GAUSSIAN.0 || moments.excess_kurtosis.abs() > NOT_GAUSSIAN.1 {
+            let (skewness, kurtosis) = (moments.skewness, moments.excess_kurtosis);
+            caveats.push(format!(
+                "heights are far from Gaussian (skewness {skewness:.2}, excess kurtosis {kurtosis:.2}), which the parameters from \
+                 moments take for granted"
+            ));
+        }
+        let ratio = moments.slope[1] / moments.slope[0];
+        if !(1.0 / ANISOTROPIC..=ANISOTROPIC).contains(&ratio) {
+            caveats.push(format!(
+                "mean square slopes along x and y differ {ratio:.2} times: the parameters from moments are of isotropic surfaces"
+            ));
+        }
+        if moments.alpha() < LEAST_ALPHA {
+            caveats.push(format!(
+                "alpha = {:.3}, but that of a random isotropic surface is at least 1.5",
+                moments.alpha()
+            ));
+        }
+        caveats
+    }
+
+    /// Whether the pixels resolve the summits.
+    fn resolution(&self, pixel: [f64; 2]) -> Vec<String> {
+        let pixels = self.moments.wavelength() / pixel[0].max(pixel[1]);
+        if pixels >= FEWEST_PIXELS {
+            return Vec::new();
+        }
+        vec![format!(
+            "{pixels:.1} pixels from one maximum of a profile to the next, fewer than {FEWEST_PIXELS}: pixels are too coarse for the \
+             summits, which have a radius of {:.2} pixels",
+            self.measured.radius / pixel[0].max(pixel[1])
+        )]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Table 2 of the hybrid model's paper lists σ, R and η of three surfaces; the relations give them back from moments that follow
+    /// from R and η: m₄ = (3√π/(8R))², m₂ = m₄/(6π√3 η).
+    #[test]
+    fn the_relations_agree_with_each_other() {
+        let (radius, density, sigma): (f64, f64, f64) = (3.33e-6, 7.39e12, 1.619e-9);
+        let m4 = (3.0 * PI.sqrt() / (8.0 * radius)).powi(2);
+        let m2 = m4 / (6.0 * PI * 3.0_f64.sqrt() * density);
+        let m0 = sigma * sigma;
+        let moments = SpectralMoments { m0, slope: [m2; 2], curvature: [m4; 2], skewness: 0.0, excess_kurtosis: 0.0 };
+        let surface = Equivalent::new(&moments);
+        let close =
+            |value: f64, expected: f64, within: f64| assert!((value / expected - 1.0).abs() < within, "{value:e}");
+        close(surface.density, density, 1e-14);
+        close(surface.radius, radius, 1e-14);
+        // σ_s² = σ² − 3.717·10⁻⁴/(ηR)² and y_s = 0.045944/(ηR) have four digits.
+        close(surface.height_std, (m0 - 3.717e-4 / (density * radius).powi(2)).sqrt(), 1e-4);
+        close(surface.height_mean, 0.045944 / (density * radius), 1e-4);
+    }
+}

@@ -1,0 +1,110 @@
+//! Summits: pixels that are higher than their 8 neighbours (Greenwood 1984, Proc. R. Soc. Lond. A 393, 133).
+
+use super::HeightMap;
+
+/// A summit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Summit {
+    /// Its row.
+    pub row: usize,
+    /// Its column.
+    pub column: usize,
+    /// Height of its pixel above the mean plane of the surface, m.
+    pub height: f64,
+    /// −∂²z/∂y² and −∂²z/∂x² there by the pixels on either side, (2z − z₋ − z₊)/pixel², 1/m; positive.
+    pub curvature: [f64; 2],
+}
+
+impl Summit {
+    /// Mean curvature κ, 1/m.
+    pub fn mean_curvature(&self) -> f64 {
+        0.5 * (self.curvature[0] + self.curvature[1])
+    }
+
+    /// Radius 1/κ, m.
+    pub fn radius(&self) -> f64 {
+        1.0 / self.mean_curvature()
+    }
+}
+
+/// The summits of a map.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Summits {
+    /// Row by row.
+    pub summits: Vec<Summit>,
+    /// Pixels that were compared: those whose own height and whose 8 neighbours' are known, the border left out.
+    pub compared: usize,
+}
+
+impl HeightMap {
+    /// The pixels that are higher than each of their 8 neighbours by more than rounding. Pixels of the border, and those next to a
+    /// missing height, are not compared, and their area does not count; plateaus of equally high pixels are no summits.
+    pub fn summits(&self) -> Summits {
+        let (mut summits, mut compared) = (Vec::new(), 0);
+        for row in 1..self.rows - 1 {
+            let [above, here, below] = [row - 1, row, row + 1].map(|row| self.row(row));
+            for column in 1..self.columns - 1 {
+                let height = here[column];
+                let (left, right) = (here[column - 1], here[column + 1]);
+                let around = [
+                    above[column - 1],
+                    above[column],
+                    above[column + 1],
+                    left,
+                    right,
+                    below[column - 1],
+                    below[column],
+                    below[column + 1],
+                ];
+                if height.is_nan() || around.iter().any(|height| height.is_nan()) {
+                    continue;
+                }
+                compared += 1;
+                if around.iter().all(|neighbour| height - neighbour > self.resolution) {
+                    let [dy, dx] = self.pixel;
+                    let bend = |before: f64, after: f64| (height - before) + (height - after);
+                    let curvature = [bend(above[column], below[column]) / (dy * dy), bend(left, right) / (dx * dx)];
+                    summits.push(Summit { row, column, height, curvature });
+                }
+            }
+        }
+        Summits { summits, compared }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A flat map with raised pixels.
+    fn map(raised: &[(usize, usize, f64)]) -> HeightMap {
+        let mut heights = vec![0.0; 90];
+        raised.iter().for_each(|(row, column, height)| heights[row * 10 + column] = *height);
+        HeightMap::new(heights, [9, 10], [2e-9, 1e-9]).unwrap()
+    }
+
+    #[test]
+    fn a_summit_is_higher_than_all_eight() {
+        let found = map(&[(3, 4, 1e-9), (6, 7, 2e-9)]).summits();
+        assert_eq!(found.compared, 7 * 8);
+        let places: Vec<(usize, usize)> = found.summits.iter().map(|summit| (summit.row, summit.column)).collect();
+        assert_eq!(places, [(3, 4), (6, 7)]);
+        let summit = found.summits[0];
+        assert!((summit.curvature[0] / 5e8 - 1.0).abs() < 1e-15 && (summit.curvature[1] / 2e9 - 1.0).abs() < 1e-15);
+        assert!((summit.radius() * 1.25e9 - 1.0).abs() < 1e-15);
+        // Each of the neighbours can take it away, by being as high.
+        for (i, j) in (2..5).flat_map(|i| (3..6).map(move |j| (i, j))).filter(|place| *place != (3, 4)) {
+            assert!(map(&[(3, 4, 1e-9), (i, j, 1e-9)]).summits().summits.is_empty(), "{i}, {j}");
+        }
+        // What is higher by rounding only is not higher.
+        assert!(map(&[(3, 4, 1.0), (3, 5, 1.0 - 1e-15)]).summits().summits.is_empty());
+        assert_eq!(map(&[(3, 4, 1.0), (3, 5, 1.0 - 1e-13)]).summits().summits.len(), 1);
+    }
+
+    #[test]
+    fn the_border_and_what_is_next_to_a_missing_height_are_not_compared() {
+        assert!(map(&[(0, 4, 1e-9), (8, 2, 1e-9), (5, 0, 1e-9), (5, 9, 1e-9)]).summits().summits.is_empty());
+        let found = map(&[(3, 4, 1e-9), (2, 5, f64::NAN), (6, 7, 1e-9)]).summits();
+        assert_eq!((found.summits.len(), found.compared), (1, 56 - 9));
+    }
+}

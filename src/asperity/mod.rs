@@ -15,6 +15,7 @@ pub mod quantity;
 pub mod scale;
 mod setting;
 pub mod table;
+pub mod unloading;
 
 pub use law::{
     BLOCK, Boundary, FitReport, Law, Piece, Regime, Responses, Scratch, Smoothness, for_each_block, for_each_block_of,
@@ -22,6 +23,7 @@ pub use law::{
 };
 pub use quantity::Quantity;
 pub use setting::Setting;
+pub use unloading::Loop;
 
 use thiserror::Error;
 

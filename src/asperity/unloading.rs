@@ -66,14 +66,22 @@ impl Loop {
     /// # Errors
     /// [`LawError`] when the law cannot be made.
     pub fn new(build: Build, setting: &Setting) -> Result<Self, LawError> {
-        let [approach, retraction] = [Path::Approach, Path::Retraction].map(|path| build(&Setting { path, ..*setting }));
+        let [approach, retraction] =
+            [Path::Approach, Path::Retraction].map(|path| build(&Setting { path, ..*setting }));
         let (approach, retraction) = (approach?, retraction?);
         let regimes = approach.regimes();
         let first = |is: fn(&Regime) -> bool| regimes.iter().position(is).unwrap_or(regimes.len());
         let (first_contact, first_plastic) = (first(|regime| regime.is_contact()), first(|regime| is_plastic(*regime)));
         let touch = begin_of(approach.as_ref(), first_contact);
         let capture = approach.capture().map_or(touch, |capture| capture.min(touch));
-        Ok(Self { critical: setting.critical_interference, approach, retraction, capture, first_contact, first_plastic })
+        Ok(Self {
+            critical: setting.critical_interference,
+            approach,
+            retraction,
+            capture,
+            first_contact,
+            first_plastic,
+        })
     }
 
     /// The law on the way there.
@@ -239,12 +247,7 @@ impl<'a> Retraction<'a> {
     }
 
     /// Pieces of a state, of which `place` says where an interference of the law is, m, within `limits`.
-    fn moved(
-        &self,
-        index: usize,
-        limits: (f64, f64),
-        place: impl Fn(f64) -> f64,
-    ) -> impl Iterator<Item = Piece> {
+    fn moved(&self, index: usize, limits: (f64, f64), place: impl Fn(f64) -> f64) -> impl Iterator<Item = Piece> {
         let state = self.states[index];
         let pieces = self.law(state).pieces().into_iter().filter(move |piece| piece.regime == state.regime());
         let moved = pieces.map(move |piece| Piece {

@@ -1,7 +1,8 @@
 //! `stiction check`: what a scene would compute.
 
 use super::format::{bytes, duration, paragraph, percent, pure, row, si};
-use super::{Failure, law_of, print, read_scene, resources, warnings_of};
+use super::instability::held;
+use super::{Failure, law_of, loop_of, print, read_scene, resources, warnings_of};
 use crate::asperity::scale::Scale;
 use crate::scene::echo::one_line;
 use crate::scene::{Plan, Scene, Sizes, Warning};
@@ -11,6 +12,7 @@ use std::path::Path;
 pub(super) fn check(path: &Path) -> Result<(), Failure> {
     let scene = read_scene(path)?;
     let law = law_of(&scene, &scene.model, path)?;
+    loop_of(&scene, path)?;
     let plan = Plan::new(&scene, law.as_ref());
     let mut text = heading(&scene);
     text += &skipped(&plan);
@@ -57,9 +59,10 @@ fn cost(plan: &Plan, sizes: &Sizes) -> String {
 /// The title, the model, and what characterises the scene.
 pub(super) fn heading(scene: &Scene) -> String {
     let mut text = title(scene);
-    text += &row("model", &format!("{} on {}", scene.model.name, scene.path.name()));
+    text += &row("model", &format!("{} on {}", scene.model.name, scene.path_name()));
     text += &row("", scene.model.about);
     text += &numbers(scene);
+    text += &held(scene);
     text += &row("replicas", &format!("{} with seed {}", scene.replicas, scene.seed));
     text + &row("sampling", &sampling(scene.sampling))
 }

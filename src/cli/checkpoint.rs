@@ -1,5 +1,6 @@
 //! What `run` keeps while it goes, and how it goes on after an interruption.
 
+use super::sampling::holding;
 use super::{Failure, RunArguments};
 use crate::engine::{Batch, Ensemble, Job, Replica, is_whole, record_length};
 use crate::math::words::Words;
@@ -36,6 +37,13 @@ pub(super) struct Interrupted {
     journal: Journal,
     checkpoint: Checkpoint<State>,
     replicas: Vec<Replica>,
+    /// The snaps of all of them.
+    snaps: Vec<f64>,
+}
+
+/// Words of the record of a replica.
+fn length_of_record(scene: &Scene) -> usize {
+    record_length(scene.states(), holding(scene).length(), scene.curves)
 }
 
 /// Which run a scene is.
@@ -124,7 +132,7 @@ fn resumed(
     if let Some(difference) = identity.difference(&checkpoint.identity) {
         return Err(refused(difference));
     }
-    let (s, State { basis, controls, .. }) = (scene.separations.len(), &checkpoint.state);
+    let (s, State { basis, controls, .. }) = (scene.states(), &checkpoint.state);
     let probes = basis.probes.iter().flat_map(|probe| [probe.adhesion_force.len(), probe.external_force.len()]);
     let tested = basis.tested.iter().map(Vec::len);
     if !is_whole(checkpoint.done, scene.replicas)
@@ -133,13 +141,15 @@ fn resumed(
     {
         return Err(refused("is not of this scene".to_owned()));
     }
-    let mut replicas = Vec::new();
-    let journal = Journal::resume(claim, record_length(s, scene.curves), &checkpoint, |record| {
+    let (mut replicas, mut snaps) = (Vec::new(), Vec::new());
+    let kept = Replica::WORDS..Replica::WORDS + holding(scene).length();
+    let journal = Journal::resume(claim, length_of_record(scene), &checkpoint, |record| {
         let mut replica = Replica::default();
         replica.restore(&record[..Replica::WORDS]);
         replicas.push(replica);
+        snaps.extend(record[kept.clone()].iter().map(|number| f64::from_bits(*number)));
     })?;
-    Ok(Interrupted { journal, checkpoint, replicas })
+    Ok(Interrupted { journal, checkpoint, replicas, snaps })
 }
 
 impl Interrupted {
@@ -167,14 +177,14 @@ pub(super) struct Keeper {
 impl Keeper {
     /// Keeps a run that begins, every `interval`.
     pub fn begin(claim: &Claim, scene: &Scene, state: State, interval: Duration) -> Result<Self, Failure> {
-        let journal = Journal::begin(claim, record_length(scene.separations.len(), scene.curves))?;
+        let journal = Journal::begin(claim, length_of_record(scene))?;
         Ok(Self::new(identity(scene), journal, state, interval))
     }
 
     /// Keeps a run that goes on, and the ensemble that it goes on from.
     pub fn resume(run: Interrupted, job: &Job<'_>, interval: Duration) -> Result<(Self, Ensemble), Failure> {
-        let Interrupted { journal, checkpoint, replicas } = run;
-        let Some(ensemble) = Ensemble::restored(job, &checkpoint.state.ensemble, replicas) else {
+        let Interrupted { journal, checkpoint, replicas, snaps } = run;
+        let Some(ensemble) = Ensemble::restored(job, &checkpoint.state.ensemble, replicas, snaps) else {
             let path = journal.checkpoint().unwrap_or(Path::new("")).to_owned();
             return Err(OutputError::NotACheckpoint { path, problem: "is not of this scene".to_owned() }.into());
         };

@@ -2,11 +2,11 @@
 
 use super::checkpoint::{Beginning, Keeper, State, beginning};
 use super::record::{write_curves, write_head, write_results};
-use super::results::{Results, integral_features, mean_features};
+use super::results::{Results, WayBack, integral_features, mean_features};
 use super::sampling::{Sampling, basis_of, cross_check, interruption, override_ensemble, thread_pool};
 use super::summary::summary;
-use super::{Failure, RunArguments, law_of, print_of, read_scene, refuse_own_scene, resources, warnings_of};
-use crate::asperity::{Law, Quantity};
+use super::{Failure, RunArguments, law_of, loop_of, print_of, read_scene, refuse_own_scene, resources, warnings_of};
+use crate::asperity::{Law, Loop, Quantity};
 use crate::engine::{Ensemble, Outcome};
 use crate::math::control_variates::controlled_means;
 use crate::output::progress::Progress;
@@ -28,6 +28,8 @@ pub(super) fn run(arguments: &RunArguments) -> Result<(), Failure> {
     };
     let law = law_of(&scene, &scene.model, &arguments.scene)?;
     let law = law.as_ref();
+    let cycle = loop_of(&scene, &arguments.scene)?;
+    let cycle = cycle.as_ref();
     refuse_own_scene(&arguments.scene, &output)?;
     let claim = Claim::new(&output)?;
     let pool = thread_pool(arguments.execution.threads)?;
@@ -49,10 +51,13 @@ pub(super) fn run(arguments: &RunArguments) -> Result<(), Failure> {
     let plan = Plan::new(&scene, law);
     let warnings = warnings_of(&scene, &scene.model, law);
     let statistical = pool.install(|| Statistical::new(law, &scene.surface, &scene.separations));
+    let back = cycle.map(|cycle| pool.install(|| Statistical::way_back(cycle, &scene.surface, &scene.separations)));
     progress.phase("test functionals");
-    let state = interrupted.as_ref().map_or_else(|| prepared(&scene, law, &statistical), |run| run.state().clone());
+    let state = interrupted
+        .as_ref()
+        .map_or_else(|| prepared(&scene, (law, cycle), (&statistical, back.as_ref())), |run| run.state().clone());
     let State { basis, controls, .. } = state.clone();
-    let setup = Sampling { scene: &scene, law, basis: &basis, controls: &controls, keep_curves: scene.curves };
+    let setup = Sampling { scene: &scene, law, cycle, basis: &basis, controls: &controls, keep_curves: scene.curves };
     let job = setup.job();
     let (mut keeper, start) = match interrupted {
         Some(run) => Keeper::resume(*run, &job, arguments.checkpoint)?,
@@ -70,12 +75,15 @@ pub(super) fn run(arguments: &RunArguments) -> Result<(), Failure> {
     };
 
     progress.phase("cross-check");
-    let (z, joint) = cross_check(&ensemble, &statistical, &basis, &scene);
-    let expected = &statistical.expected[Quantity::ExternalForce.index()];
+    let ways: Vec<&Statistical> = [&statistical].into_iter().chain(&back).collect();
+    let (z, joint) = cross_check(&ensemble, &ways, &basis, &scene);
+    let force = |way: &&Statistical| way.expected[Quantity::ExternalForce.index()].clone();
+    let expected: Vec<f64> = ways.iter().flat_map(force).collect();
     let expected: Vec<f64> = controls.iter().map(|&place| expected[place]).collect();
     let scalars = controlled_means(&ensemble.groups.scalars, &expected);
     let of_mean = mean_features(&scene, law, &ensemble, &statistical);
     let of_integral = integral_features(&scene, law, &statistical);
+    let back = cycle.zip(back).map(|(cycle, statistical)| WayBack::new(&scene, cycle, &ensemble, statistical));
     progress.end();
     let mut seconds = progress.seconds();
     seconds.iter_mut().filter(|(name, _)| *name == "ensemble").for_each(|(_, time)| *time += keeper.seconds_before);
@@ -88,6 +96,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<(), Failure> {
         warnings,
         regimes,
         statistical,
+        back,
         ensemble,
         summation,
         basis,
@@ -122,11 +131,17 @@ pub(super) fn run(arguments: &RunArguments) -> Result<(), Failure> {
 }
 
 /// The functionals of the joint test, and the control variates.
-fn prepared(scene: &Scene, law: &dyn Law, statistical: &Statistical) -> State {
-    let basis = basis_of(scene, law);
+fn prepared(
+    scene: &Scene,
+    (law, cycle): (&dyn Law, Option<&Loop>),
+    (there, back): (&Statistical, Option<&Statistical>),
+) -> State {
+    let basis = basis_of(scene, law, cycle);
     let groups = scene.replicas / scene.sampling.group();
-    let controls = controls(&scene.separations, statistical, &basis.tested[1], groups);
-    State::new(basis, controls)
+    // Of a loop the way on which the surfaces are pulled off.
+    let first = back.map_or(0, |_| scene.separations.len());
+    let controls = controls(&scene.separations, back.unwrap_or(there), &basis.tested[1][first..], groups);
+    State::new(basis, controls.into_iter().map(|place| first + place).collect())
 }
 
 /// Writes the result; `false` if it was interrupted before it was complete, and then is not there.

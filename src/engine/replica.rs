@@ -3,10 +3,11 @@
 use super::Job;
 use super::compressed::{self, Compression, LANES};
 use super::curves::Curves;
+use super::cycle::{Cycle, WayBack, snaps};
 use super::pull_off::{Heights, Jump, jumps, pull_off};
 use super::sampling::draw;
-use crate::asperity::{Quantity, Scratch, Work, for_each_block_of, regime_ranges};
-use crate::math::extrema::steepest_rise;
+use crate::asperity::{Law, Quantity, Scratch, Work, for_each_block_of, regime_ranges};
+use crate::math::extrema::{Extremum, steepest_rise};
 use crate::math::instruction_set::InstructionSet;
 use crate::math::sums::{Compensated, lane_sum};
 use crate::math::words::Words;
@@ -29,11 +30,22 @@ pub struct Replica {
     pub peak_stiffness_separation: f64,
     /// Whether the smallest force is at the first or last separation, so that the curve may fall further beyond.
     pub pull_off_at_edge: bool,
+    /// What is kept of it as a loop, of which all above is of the way back.
+    pub cycle: Cycle,
 }
 
 impl Replica {
     /// Its number of words.
-    pub const WORDS: usize = 7;
+    pub const WORDS: usize = 7 + Cycle::WORDS;
+
+    fn pull_off(&mut self, smallest: &Extremum) {
+        (self.pull_off_force, self.pull_off_separation) = (-smallest.value, smallest.place);
+        self.pull_off_at_edge = smallest.at_edge;
+    }
+
+    fn stiffest(&mut self, steepest: &Extremum) {
+        (self.peak_stiffness, self.peak_stiffness_separation) = (steepest.value, steepest.place);
+    }
 }
 
 impl Words for Replica {
@@ -47,6 +59,7 @@ impl Words for Replica {
         let mut at_edge = u64::from(self.pull_off_at_edge);
         visit(&mut at_edge);
         self.pull_off_at_edge = at_edge != 0;
+        self.cycle.each_word(visit);
     }
 }
 
@@ -70,7 +83,7 @@ impl Workspace {
             jumps: jumps(job.law),
             sums: Sums { regimes: vec![RegimeSums::default(); r], scratch: Scratch::default(), work: Work::default() },
             compressed: job.compression.map(|compression| compressed::Sums::new(compression, r)),
-            curves: vec![Curves::new(job.separations.len(), r); at_once],
+            curves: vec![Curves::new(job.states(), r); at_once],
         }
     }
 
@@ -111,6 +124,12 @@ impl Workspace {
                 self.sums.surface(job, heights, job.separations[k]);
                 self.sums.record(k, &mut self.curves[lane]);
             }
+            let Some(cycle) = job.protocol.cycle else { continue };
+            let back = WayBack::new(job, cycle, heights, job.separations[0]);
+            for (k, &separation) in job.separations.iter().enumerate() {
+                back.sum(&mut self.sums, separation);
+                self.sums.record(job.separations.len() + k, &mut self.curves[lane]);
+            }
         }
     }
 
@@ -119,6 +138,7 @@ impl Workspace {
         let heights = &self.heights[lane];
         let highest = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let external = &self.curves[lane].total[Quantity::ExternalForce.index()];
+        let (external, back) = external.split_at(job.separations.len());
         let pull_off = match (job.compression, &mut self.compressed) {
             (Some(compression), Some(sums)) if sums.surface(lane).is_some() => {
                 let work = &mut self.sums.work;
@@ -126,16 +146,21 @@ impl Workspace {
             }
             _ => pull_off(job, &self.jumps, &mut Sorted { job, heights, sums: &mut self.sums }, external),
         };
-        let stiffest = steepest_rise(job.separations, external);
-        Replica {
-            asperity_count: heights.len() as u64,
-            highest_asperity: highest,
-            pull_off_force: -pull_off.value,
-            pull_off_separation: pull_off.place,
-            peak_stiffness: stiffest.value,
-            peak_stiffness_separation: stiffest.place,
-            pull_off_at_edge: pull_off.at_edge,
+        let mut kept =
+            Replica { asperity_count: heights.len() as u64, highest_asperity: highest, ..Replica::default() };
+        let mut last = (external, pull_off);
+        if let Some(cycle) = job.protocol.cycle {
+            kept.cycle = Cycle::new(job, cycle, heights, [external, back], &pull_off);
+            let way = WayBack::new(job, cycle, heights, job.separations[0]);
+            let samples: Vec<(f64, f64)> = job.separations.iter().copied().zip(back.iter().copied()).collect();
+            last = (back, way.pull_off(&mut self.sums, &samples));
         }
+        kept.pull_off(&last.1);
+        kept.stiffest(&steepest_rise(job.separations, last.0));
+        if !job.protocol.holding.stiffness.is_empty() {
+            self.curves[lane].snaps = snaps(job, heights, &mut self.sums, external, Some(last));
+        }
+        kept
     }
 }
 
@@ -190,8 +215,8 @@ impl Heights for Compressed<'_> {
     }
 }
 
-/// Sums over the asperities of one surface at one separation.
-struct Sums {
+/// Sums over the asperities of one surface in one state.
+pub(super) struct Sums {
     regimes: Vec<RegimeSums>,
     scratch: Scratch,
     work: Work,
@@ -208,20 +233,26 @@ struct RegimeSums {
 impl Sums {
     /// Sums a surface: `heights` (m) rising, at the separation h, m.
     fn surface(&mut self, job: &Job<'_>, heights: &[f64], separation: f64) {
+        self.over(job.law, None, heights, job.surface.asperity_separation(separation));
+    }
+
+    /// Sums a law over heights (m), rising, at the separation d, m; `base` says for each of its regimes among which it counts, if not as
+    /// itself.
+    pub fn over(&mut self, law: &dyn Law, base: Option<&[usize]>, heights: &[f64], d: f64) {
         self.regimes.fill(RegimeSums::default());
         let Self { regimes, scratch, work } = self;
-        let d = job.surface.asperity_separation(separation);
-        for (regime, range) in regime_ranges(job.law, heights, d) {
-            let sum = &mut regimes[regime];
-            sum.count = range.len() as f64;
-            if let Some(force) = job.law.constant(regime) {
-                sum.adhesion.add(sum.count * force);
+        for (regime, range) in regime_ranges(law, heights, d) {
+            let sum = &mut regimes[base.map_or(regime, |base| base[regime])];
+            let count = range.len() as f64;
+            sum.count += count;
+            if let Some(force) = law.constant(regime) {
+                sum.adhesion.add(count * force);
                 work.constant += range.len() as u64;
                 continue;
             }
-            let touches = job.law.regimes()[regime].is_contact();
+            let touches = law.regimes()[regime].is_contact();
             work.unloaded += if touches { 0 } else { range.len() as u64 };
-            for_each_block_of(job.law, (regime, range), heights, d, scratch, work, |range, responses| {
+            for_each_block_of(law, (regime, range), heights, d, scratch, work, |range, responses| {
                 let n = range.len();
                 InstructionSet::current().run(
                     #[inline(always)]
@@ -239,7 +270,7 @@ impl Sums {
     }
 
     /// The quantities of the whole surface, by [`Quantity::index`].
-    fn total(&self) -> [f64; 4] {
+    pub fn total(&self) -> [f64; 4] {
         let total = |part: fn(&RegimeSums) -> f64| {
             let mut sum = Compensated::default();
             self.regimes.iter().for_each(|regime| sum.add(part(regime)));
@@ -250,9 +281,9 @@ impl Sums {
 
     /// Hands the sums over as point `k` of the curves.
     fn record(&self, k: usize, curves: &mut Curves) {
-        let separations = curves.total[0].len();
+        let states = curves.total[0].len();
         for (regime, sum) in self.regimes.iter().enumerate() {
-            let place = regime * separations + k;
+            let place = regime * states + k;
             curves.regime_count[place] = sum.count;
             curves.regime_adhesion_force[place] = sum.adhesion.value();
             curves.regime_external_force[place] = sum.contact.value() - sum.adhesion.value();

@@ -1,6 +1,7 @@
 //! Scenes: from TOML to what the program computes, or to an error that says what to change.
 
 pub mod echo;
+mod instability;
 mod plan;
 mod reader;
 mod separation;
@@ -8,6 +9,7 @@ mod sizes;
 pub mod units;
 mod validity;
 
+pub use instability::Instability;
 pub use plan::{CoreSeconds, Plan, RegimePlan, beyond};
 pub use reader::{SceneError, nearest};
 pub use sizes::{Choice, Sizes};
@@ -15,7 +17,7 @@ pub use validity::{Warning, warnings, warnings_of_scene};
 
 use crate::asperity::models::{MODELS, Model, PUBLISHED_FITS};
 use crate::asperity::scale::{Asperity, Scale, UNIT_RANGE};
-use crate::asperity::{Law, LawError, Path, Setting};
+use crate::asperity::{Law, LawError, Loop, Path, Setting};
 use crate::surface::{Roughness, SamplingScheme, Surface, SurfaceError};
 use reader::{Section, document};
 use units::Dimension;
@@ -31,8 +33,10 @@ const SUM_TOLERANCES: std::ops::RangeInclusive<f64> = 1e-13..=1e-3;
 /// The tolerance of compressed sums unless a scene gives one.
 const SUM_TOLERANCE: f64 = 1e-9;
 
-const ROOT_KEYS: [&str; 9] =
-    ["format", "title", "material", "surface", "model", "separation", "ensemble", "solver", "output"];
+const ROOT_KEYS: [&str; 10] =
+    ["format", "title", "material", "surface", "model", "separation", "ensemble", "instability", "solver", "output"];
+/// Name of the path that leads there and back.
+const LOOP: &str = "loop";
 const MATERIAL_KEYS: [&str; 5] =
     ["reduced_modulus", "hardness", "poisson_ratio", "work_of_adhesion", "equilibrium_spacing"];
 const SURFACE_KEYS: [&str; 7] = [
@@ -58,8 +62,12 @@ pub struct Scene {
     pub surface: Surface,
     /// The model.
     pub model: Model,
-    /// The history.
+    /// The history; of a loop the way there.
     pub path: Path,
+    /// Whether the surfaces are pulled back, each asperity by its own history.
+    pub cycle: bool,
+    /// What holds the surfaces.
+    pub instability: Instability,
     /// δ_A, m, that is set instead of following from the history; of the published fits only.
     pub critical_approach: Option<f64>,
     /// Separations h, m, rising.
@@ -95,7 +103,11 @@ impl Scene {
         let model = required(&root, "model", &["law", "path", "critical_approach"])?;
         let models: Vec<(&str, Model)> = MODELS.iter().map(|model| (model.name, *model)).collect();
         let law = model.require("law", "\"hybrid\"")?.choice("law", &models)?;
-        let path = model.get("path").map_or(Ok(Path::Approach), |entry| entry.choice("path", &Path::ALL))?;
+        let paths: Vec<_> = Path::ALL.into_iter().map(|(name, path)| (name, (path, false))).collect();
+        let paths = [paths, vec![(LOOP, (Path::Approach, true))]].concat();
+        let (path, cycle) =
+            model.get("path").map_or(Ok((Path::Approach, false)), |entry| entry.choice("path", &paths))?;
+        let instability = instability::instability(&root, cycle)?;
         let critical_approach = critical_approach(&model, &law)?;
         let separation = required(&root, "separation", &["h", "h_star"])?;
         let separations = separation::separations(&separation, surface.surface_height_std)?;
@@ -125,6 +137,8 @@ impl Scene {
             surface,
             model: law,
             path,
+            cycle,
+            instability,
             critical_approach,
             separations,
             replicas,
@@ -167,6 +181,24 @@ impl Scene {
         Scale::new(&self.asperity).expect("a scene is validated when it is read")
     }
 
+    /// The name of its path.
+    pub fn path_name(&self) -> &'static str {
+        if self.cycle { LOOP } else { self.path.name() }
+    }
+
+    /// States that a surface is summed in: the separations, of a loop twice.
+    pub fn states(&self) -> usize {
+        self.separations.len() * if self.cycle { 2 } else { 1 }
+    }
+
+    /// The loop of an asperity of the scene, if the surfaces are pulled back.
+    ///
+    /// # Errors
+    /// As [`Scene::law_of`].
+    pub fn loop_law(&self) -> Result<Option<Loop>, LawError> {
+        self.cycle.then(|| Loop::new(self.model.build, &self.setting()?)).transpose()
+    }
+
     /// The asperity law of the scene.
     ///
     /// # Errors
@@ -180,8 +212,12 @@ impl Scene {
     /// # Errors
     /// [`LawError`] when the law cannot be made for them.
     pub fn law_of(&self, model: &Model) -> Result<Box<dyn Law>, LawError> {
+        (model.build)(&self.setting()?)
+    }
+
+    fn setting(&self) -> Result<Setting, LawError> {
         let setting = Setting::new(&self.asperity, self.path, self.reach())?;
-        (model.build)(&Setting { critical_approach: self.critical_approach, ..setting })
+        Ok(Setting { critical_approach: self.critical_approach, ..setting })
     }
 }
 

@@ -102,7 +102,9 @@ fn core_seconds(scene: &Scene, law: &dyn Law, regimes: &[RegimePlan]) -> CoreSec
     let (n, s) = (sizes.asperities, sizes.separations);
     let solving: f64 = regimes.iter().enumerate().map(|(i, plan)| plan.asperities * law.cost(i)).sum();
     let between = ((sizes.step / SEARCH.1).ceil() - 1.0).min(SEARCH.2);
-    let searched = SEARCH.0.min(s - 1.0) * between + SEARCH.3;
+    // After each preload a surface is pulled back by itself.
+    let turns = scene.separations.len() * scene.instability.preload.len();
+    let searched = SEARCH.0.min(s - 1.0) * between + SEARCH.3 + turns as f64;
     let direct = DIRECT.0 * n + (s + searched) * (DIRECT.1 + solving);
     let compressed = COMPRESSED.0 * n + COMPRESSED.1 * s;
     let (replica, pilots) = match scene.sum_tolerance {

@@ -16,7 +16,7 @@ const GRID: (f64, usize) = (4001.0, 400);
 /// Functionals of the joint test, at most.
 const FUNCTIONALS: f64 = 32.0;
 /// Bytes that are kept of every replica, and those of what is written of it at once.
-const REPLICA: f64 = 56.0 + 24.0;
+const REPLICA: f64 = 96.0 + 24.0;
 /// Replicas of a chunk of curves in the file.
 const CHUNK: f64 = 64.0;
 /// Bytes of an asperity of a surface whose sums are compressed: its height as it is drawn and in its bin, and the bin's number.
@@ -37,7 +37,7 @@ const COPIED: (f64, f64) = (2.5, 1.0);
 pub struct Sizes {
     /// Asperities of a replica.
     pub asperities: f64,
-    /// Separations.
+    /// States that a surface is summed in: separations, of a loop twice.
     pub separations: f64,
     /// Regimes of the law.
     pub regimes: f64,
@@ -55,16 +55,19 @@ pub struct Sizes {
     pub compressed: bool,
     /// Whether the curves of every replica are kept.
     pub curves: bool,
+    /// Numbers that are kept of the snaps of a replica.
+    pub snaps: f64,
 }
 
 impl Sizes {
     /// Of a scene under its law, on so many threads.
     pub fn new(scene: &Scene, law: &dyn Law, threads: usize) -> Self {
         let separations = scene.separations.len();
+        let snaps = 3 * scene.instability.stiffness.len() * (1 + scene.instability.preload.len());
         let range = scene.separations[separations - 1] - scene.separations[0];
         Self {
             asperities: scene.surface.asperity_count as f64,
-            separations: separations as f64,
+            separations: scene.states() as f64,
             regimes: law.regimes().len() as f64,
             replicas: scene.replicas as f64,
             group: scene.sampling.group() as f64,
@@ -73,6 +76,7 @@ impl Sizes {
             step: range / (separations - 1) as f64 / scene.surface.heights.std,
             compressed: scene.sum_tolerance.is_some(),
             curves: scene.curves,
+            snaps: snaps as f64,
         }
     }
 
@@ -93,7 +97,8 @@ impl Sizes {
         let kept = if self.curves { 2.0 * NUMBER * BATCH * s } else { 0.0 };
         // A batch that is computed, and for each as many that wait to be merged.
         let batches = 3.0 * self.workers() * (moments + kept);
-        let ensembles = self.ensembles * (moments + REPLICA * self.replicas + 2.0 * NUMBER * FUNCTIONALS * s);
+        let ensembles = self.ensembles
+            * (moments + (REPLICA + 3.0 * NUMBER * self.snaps) * self.replicas + 2.0 * NUMBER * FUNCTIONALS * s);
         let statistical = s * (100.0 * r + 24.0 * NUMBER);
         let file = if self.curves { 4.0 * NUMBER * CHUNK * s } else { 0.0 };
         // What is needed one after the other: the grid of the joint test, then the surfaces.
@@ -133,7 +138,7 @@ impl Sizes {
     pub fn disk(&self) -> f64 {
         let curves = if self.curves { 2.0 * 2.0 * NUMBER * self.separations * self.replicas } else { 0.0 };
         2e5 + NUMBER * self.separations * (60.0 + 6.0 * self.regimes + 2.0 * FUNCTIONALS)
-            + 64.0 * self.replicas
+            + (104.0 + 2.0 * NUMBER * self.snaps) * self.replicas
             + curves
     }
 }
@@ -221,6 +226,7 @@ mod tests {
         step: 0.05,
         compressed: false,
         curves: false,
+        snaps: 0.0,
     };
 
     #[test]

@@ -13,6 +13,10 @@ pub enum Dimension {
     Pressure,
     /// J/m².
     SurfaceEnergy,
+    /// N/m.
+    Stiffness,
+    /// N.
+    Force,
 }
 
 /// Units by dimension: spelling, factor to SI as power of ten.
@@ -35,6 +39,11 @@ const UNITS: &[(Dimension, &[(&str, i32)])] = &[
     (Dimension::ArealDensity, &[("/m^2", 0), ("/mm^2", 6), ("/um^2", 12), ("/µm^2", 12), ("/μm^2", 12), ("/nm^2", 18)]),
     (Dimension::Pressure, &[("Pa", 0), ("kPa", 3), ("MPa", 6), ("GPa", 9), ("TPa", 12)]),
     (Dimension::SurfaceEnergy, &[("J/m^2", 0), ("mJ/m^2", -3), ("uJ/m^2", -6), ("N/m", 0), ("mN/m", -3), ("uN/m", -6)]),
+    (
+        Dimension::Stiffness,
+        &[("N/m", 0), ("mN/m", -3), ("uN/m", -6), ("kN/m", 3), ("MN/m", 6), ("N/mm", 3), ("N/um", 6), ("nN/nm", 0)],
+    ),
+    (Dimension::Force, &[("N", 0), ("mN", -3), ("uN", -6), ("µN", -6), ("μN", -6), ("nN", -9), ("pN", -12), ("kN", 3)]),
 ];
 
 impl Dimension {
@@ -46,6 +55,8 @@ impl Dimension {
             Self::ArealDensity => "a number per area",
             Self::Pressure => "a pressure",
             Self::SurfaceEnergy => "an energy per area",
+            Self::Stiffness => "a stiffness",
+            Self::Force => "a force",
         }
     }
 
@@ -57,6 +68,8 @@ impl Dimension {
             Self::ArealDensity => "\"7.39 /um^2\"",
             Self::Pressure => "\"85.29 GPa\"",
             Self::SurfaceEnergy => "\"0.09 J/m^2\"",
+            Self::Stiffness => "\"5 N/m\"",
+            Self::Force => "\"50 uN\"",
         }
     }
 

@@ -7,8 +7,10 @@
 //! kink or jump.
 
 mod controls;
+mod way_back;
 
 pub use controls::controls;
+pub use way_back::external_force_back;
 
 use crate::asperity::{Law, Piece, Quantity, Responses, Smoothness, Work};
 use crate::math::extrema::maximum;

@@ -1,6 +1,6 @@
 //! Functionals of the force curves for the joint test.
 
-use crate::asperity::{Law, Scratch, Work, for_each_block};
+use crate::asperity::{Law, Loop, Scratch, Work, for_each_block};
 use crate::engine::Probe;
 use crate::math::linalg::{gram, whitening};
 use crate::surface::{STRATA, SamplingScheme, Surface};
@@ -36,7 +36,7 @@ const LARGEST_ERROR: f64 = 0.1;
 pub struct Basis {
     /// Each scaled to a score of unit variance per replica, or per replica's worth of what the sampling scheme leaves to chance.
     pub probes: Vec<Probe>,
-    /// For each separation, whether adhesion force and external force are Gaussian enough to be looked at.
+    /// For each state of the job, whether adhesion force and external force are Gaussian enough to be looked at.
     pub tested: [Vec<bool>; 2],
 }
 
@@ -56,6 +56,13 @@ pub fn basis(law: &dyn Law, surface: &Surface, separations: &[f64], scheme: Samp
     basis_to(law, surface, separations, scheme, replicas, ACCURACY)
 }
 
+/// A law, and the separation d, m, at which it acts on the heights.
+#[derive(Clone, Copy)]
+struct State<'a> {
+    law: &'a dyn Law,
+    separation: f64,
+}
+
 /// The same for sums that are accurate to the share `accuracy` of F_s + P: left out are also eigenvectors that vary so little that this
 /// would count.
 pub fn basis_to(
@@ -66,15 +73,40 @@ pub fn basis_to(
     replicas: u64,
     accuracy: f64,
 ) -> Basis {
+    let states: Vec<State<'_>> = separations.iter().map(|&h| at(law, surface, h)).collect();
+    basis_of(&states, surface, scheme, replicas, accuracy)
+}
+
+/// The same for a loop: its functionals look at both ways, between which only what differs counts.
+pub fn basis_of_loop(
+    cycle: &Loop,
+    surface: &Surface,
+    separations: &[f64],
+    scheme: SamplingScheme,
+    replicas: u64,
+) -> Basis {
+    let closest = surface.asperity_separation(separations[0]);
+    let back: Vec<_> = separations.iter().map(|&h| cycle.at(surface.asperity_separation(h) - closest)).collect();
+    let states = separations.iter().map(|&h| at(cycle.approach(), surface, h));
+    let states: Vec<State<'_>> = states.chain(back.iter().map(|law| at(law, surface, separations[0]))).collect();
+    basis_of(&states, surface, scheme, replicas, ACCURACY)
+}
+
+/// A law at the separation h, m.
+fn at<'a>(law: &'a dyn Law, surface: &Surface, separation: f64) -> State<'a> {
+    State { law, separation: surface.asperity_separation(separation) }
+}
+
+fn basis_of(states: &[State<'_>], surface: &Surface, scheme: SamplingScheme, replicas: u64, accuracy: f64) -> Basis {
     let accuracy = accuracy.max(ACCURACY);
-    let all = separations.len();
+    let all = states.len();
     let stride = all.div_ceil(MAX_SEPARATIONS);
-    let separations: Vec<f64> = separations.iter().copied().step_by(stride).collect();
-    let s = separations.len();
+    let states: Vec<State<'_>> = states.iter().copied().step_by(stride).collect();
+    let s = states.len();
     // Independent contributions in the ensemble: a pair of opposite heights is one.
     let pairs = if scheme == SamplingScheme::Antithetic { 0.5 } else { 1.0 };
     let samples = pairs * surface.asperity_count as f64 * replicas as f64;
-    let contributions = contributions(law, surface, &separations, scheme);
+    let contributions = contributions(&states, surface, scheme);
     let columns: Vec<Column> = contributions
         .values
         .chunks_exact(GRID)
@@ -112,19 +144,18 @@ struct Contributions {
     forces: Vec<f64>,
 }
 
-fn contributions(law: &dyn Law, surface: &Surface, separations: &[f64], scheme: SamplingScheme) -> Contributions {
+fn contributions(states: &[State<'_>], surface: &Surface, scheme: SamplingScheme) -> Contributions {
     let std = surface.heights.std;
     let step = 2.0 * GRID_REACH * std / (GRID - 1) as f64;
     let heights: Vec<f64> = (0..GRID).map(|i| (i as f64 - (GRID / 2) as f64) * step).collect();
     let mut weights: Vec<f64> = heights.iter().map(|&u| surface.heights.density(u)).collect();
     let total: f64 = weights.iter().sum();
     weights.iter_mut().for_each(|weight| *weight /= total);
-    let mut values = vec![0.0; 2 * separations.len() * GRID];
-    let (adhesion, external) = values.split_at_mut(separations.len() * GRID);
+    let mut values = vec![0.0; 2 * states.len() * GRID];
+    let (adhesion, external) = values.split_at_mut(states.len() * GRID);
     let (mut scratch, mut work) = (Scratch::default(), Work::default());
-    for (k, &h) in separations.iter().enumerate() {
-        let d = surface.asperity_separation(h);
-        for_each_block(law, &heights, d, &mut scratch, &mut work, |_, range, responses| {
+    for (k, state) in states.iter().enumerate() {
+        for_each_block(state.law, &heights, state.separation, &mut scratch, &mut work, |_, range, responses| {
             for (i, node) in range.enumerate() {
                 adhesion[k * GRID + node] = responses.adhesion[i];
                 external[k * GRID + node] = responses.contact[i] - responses.adhesion[i];
@@ -133,9 +164,8 @@ fn contributions(law: &dyn Law, surface: &Surface, separations: &[f64], scheme: 
     }
     let mean = |column: &[f64]| column.iter().zip(&weights).map(|(f, w)| f * w).sum::<f64>();
     // F_s + P = 2 F_s + F.
-    let columns = values[..separations.len() * GRID]
-        .chunks_exact(GRID)
-        .zip(values[separations.len() * GRID..].chunks_exact(GRID));
+    let columns =
+        values[..states.len() * GRID].chunks_exact(GRID).zip(values[states.len() * GRID..].chunks_exact(GRID));
     let forces = columns.map(|(adhesion, external)| 2.0 * mean(adhesion) + mean(external)).collect();
     let largest = values.chunks_exact(GRID).map(|c| c.iter().fold(0.0, |worst: f64, f| worst.max(f.abs()))).collect();
     let strata = strata(&heights, surface, scheme);

@@ -9,7 +9,7 @@
 mod basis;
 mod joint;
 
-pub use basis::{Basis, basis, basis_to};
+pub use basis::{Basis, basis, basis_of_loop, basis_to};
 pub use joint::{JointTest, SIGNIFICANCE, Verdict};
 
 /// Standard error, relative to the expectation, below which that of the quadrature and the sums is larger.

@@ -71,6 +71,9 @@ pub enum Unfit {
     /// There are more periods than anything is gained by.
     #[error("a step of the separations is only {0:.1e} of the height deviation")]
     TooFine(f64),
+    /// Surfaces are pulled back.
+    #[error("on the way back of a loop the law is another at every separation")]
+    Loop,
     /// Measured against direct sums.
     #[error("the tolerance is not met, the achieved error is {0:.1e}")]
     NotMet(f64),

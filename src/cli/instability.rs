@@ -187,7 +187,8 @@ pub(super) fn instability(results: &Results) -> String {
     }
     for (p, turn) in snaps.places_of_turns().into_iter().enumerate() {
         text += &row(&label(p, "turn"), &turned(&snaps, p, turn, results.scene.replicas));
-        for (i, stiffness) in holding.stiffness.iter().enumerate().take(SHOWN) {
+        let taken = snaps.pull_off(turn).2 > 0;
+        for (i, stiffness) in holding.stiffness.iter().enumerate().take(SHOWN).filter(|_| taken) {
             let counts = snaps.counts(snaps.place_off(p, i));
             let flies = if counts.unstopped > 0 { format!(", {} fly off", counts.unstopped) } else { String::new() };
             let text_of = format!("{} held by {}{flies}", share(counts), stiffness_text(*stiffness));
@@ -216,9 +217,6 @@ fn turned(snaps: &Snaps<'_>, retraction: usize, turn: usize, replicas: u64) -> S
 
 /// The share that snaps with its interval.
 fn share(counts: Counts) -> String {
-    if counts.taken == 0 {
-        return "no replica".to_owned();
-    }
     let (low, high) = counts.interval();
     format!("{} of replicas (95 %: {} to {})", percent(counts.share()), percent(low), percent(high))
 }

@@ -1,7 +1,5 @@
 //! A probability from how often something happened.
 
-use super::extrema::maximum;
-
 /// Standard deviations of a Gaussian between which 95 % lie.
 const QUANTILE: f64 = 1.959_963_984_540_054;
 
@@ -12,8 +10,10 @@ pub fn wilson_interval(count: u64, of: u64) -> (f64, f64) {
     let middle = share + 0.5 * square / n;
     let half = QUANTILE * (share * (1.0 - share) / n + 0.25 * square / (n * n)).sqrt();
     let end = |value: f64| value / (1.0 + square / n);
-    // At the ends of 0..1 rounding would lead beyond.
-    (maximum(end(middle - half), 0.0), -maximum(-end(middle + half), -1.0))
+    // Rounding would lead a little beyond the ends of 0..1, or not quite there.
+    let low = if count == 0 && of > 0 { 0.0 } else { end(middle - half) };
+    let high = if count == of && of > 0 { 1.0 } else { end(middle + half) };
+    (low, high)
 }
 
 #[cfg(test)]

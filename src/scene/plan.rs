@@ -86,7 +86,7 @@ impl Plan {
     /// Plans a scene under its law.
     pub fn new(scene: &Scene, law: &dyn Law) -> Self {
         let regimes = regimes(scene, law);
-        let pairs = scene.surface.asperity_count as f64 * scene.separations.len() as f64 * scene.replicas as f64;
+        let pairs = scene.surface.asperity_count as f64 * scene.states() as f64 * scene.replicas as f64;
         Self {
             skips: skips(scene, law, &regimes),
             beyond: beyond(scene, law),

@@ -13,7 +13,7 @@ use crate::output::writer::Writer;
 use crate::scene::Scene;
 
 /// Most stiffnesses of which the summary tells.
-const SHOWN: usize = 12;
+const SHOWN: usize = 8;
 
 /// One of the numbers that are kept of every replica.
 struct Column<'a> {
@@ -181,24 +181,32 @@ pub(super) fn instability(results: &Results) -> String {
     }
     let label = |line: usize, label: &str| if line == 0 { label.to_owned() } else { String::new() };
     let mut text = String::new();
-    for (i, stiffness) in holding.stiffness.iter().enumerate().take(SHOWN).filter(|_| holding.ways.0) {
-        let counts = snaps.counts(snaps.place_in(i));
-        text += &row(&label(i, "snap-in"), &format!("{} held by {}", share(counts), stiffness_text(*stiffness)));
+    let shown = shown(holding.stiffness.len());
+    for (line, &i) in shown.iter().enumerate().filter(|_| holding.ways.0) {
+        let (counts, stiffness) = (snaps.counts(snaps.place_in(i)), stiffness_text(holding.stiffness[i]));
+        text += &row(&label(line, "snap-in"), &format!("{} held by {stiffness}", share(counts)));
     }
     for (p, turn) in snaps.places_of_turns().into_iter().enumerate() {
         text += &row(&label(p, "turn"), &turned(&snaps, p, turn, results.scene.replicas));
         let taken = snaps.pull_off(turn).2 > 0;
-        for (i, stiffness) in holding.stiffness.iter().enumerate().take(SHOWN).filter(|_| taken) {
+        for (line, &i) in shown.iter().enumerate().filter(|_| taken) {
             let counts = snaps.counts(snaps.place_off(p, i));
             let flies = if counts.unstopped > 0 { format!(", {} fly off", counts.unstopped) } else { String::new() };
-            let text_of = format!("{} held by {}{flies}", share(counts), stiffness_text(*stiffness));
-            text += &row(&label(i, "snap-off"), &text_of);
+            let stiffness = stiffness_text(holding.stiffness[i]);
+            text += &row(&label(line, "snap-off"), &format!("{} held by {stiffness}{flies}", share(counts)));
         }
     }
-    if holding.stiffness.len() > SHOWN {
-        text += &row("", &format!("{SHOWN} of {} stiffnesses; all are in /instability", holding.stiffness.len()));
+    if holding.stiffness.len() > shown.len() {
+        text +=
+            &row("", &format!("{} of {} stiffnesses; all are in /instability", shown.len(), holding.stiffness.len()));
     }
     text
+}
+
+/// Indices of so many stiffnesses, spread over all, that the summary tells of.
+fn shown(all: usize) -> Vec<usize> {
+    let count = all.min(SHOWN);
+    (0..count).map(|i| i * (all - 1) / (count - 1).max(1)).collect()
 }
 
 /// Where the replicas turn back, and what pulls them off.

@@ -253,9 +253,21 @@ mod tests {
         assert_eq!(parse("", Dimension::Length), Err(QuantityError::NoNumber));
     }
 
+    /// An energy per area and a stiffness share units, which are the same in SI; no other spelling is there twice.
     #[test]
     fn no_spelling_means_two_things() {
-        let all: Vec<&str> = UNITS.iter().flat_map(|(_, units)| units.iter().map(|(spelling, _)| *spelling)).collect();
-        assert!(all.iter().all(|a| all.iter().filter(|b| a == *b).count() == 1));
+        let of = |(dimension, units): &(Dimension, &'static [(&'static str, i32)])| {
+            units.iter().map(|unit| (*dimension, *unit)).collect::<Vec<_>>()
+        };
+        let all: Vec<(Dimension, (&str, i32))> = UNITS.iter().flat_map(of).collect();
+        let shared = [Dimension::SurfaceEnergy, Dimension::Stiffness];
+        for (i, (dimension, unit)) in all.iter().enumerate() {
+            let same: Vec<_> = all.iter().enumerate().filter(|(j, (_, other))| *j != i && other.0 == unit.0).collect();
+            assert!(same.len() <= usize::from(shared.contains(dimension)), "{unit:?}");
+            let fits = |(_, (other, also)): &(usize, &(Dimension, (&str, i32)))| {
+                *other != *dimension && shared.contains(other) && also == unit
+            };
+            assert!(same.iter().all(fits), "{unit:?}");
+        }
     }
 }

@@ -135,6 +135,43 @@ const CASES: &[(&str, &str, &[&str])] = &[
         &["line 32", "`solver.tolerance = \"1e-9\"`", "number"],
     ),
     ("[output]", "solver = 3\n[output]", &["`ensemble.solver`"]),
+    (
+        "path = \"approach\"",
+        "path = \"lop\"",
+        &["line 21", "unknown path", "did you mean \"loop\"?", "known: approach, retraction, loop"],
+    ),
+    ("[output]", "[instability]\n[output]", &["`instability.stiffness` is missing", "stiffness = \"5 N/m\""]),
+    (
+        "[output]",
+        "[instability]\nstiffness = 5\n[output]",
+        &["line 31", "`instability.stiffness = 5`", "the unit is missing", "a stiffness is needed"],
+    ),
+    (
+        "[output]",
+        "[instability]\nstiffness = [\"5 N/m\", \"5 nm\"]\n[output]",
+        &["line 31", "`instability.stiffness[1] = \"5 nm\"`", "that of a length"],
+    ),
+    (
+        "[output]",
+        "[instability]\nstiffness = \"-5 N/m\"\n[output]",
+        &["`instability.stiffness", "must not be negative"],
+    ),
+    ("[output]", "[instability]\nstiffness = []\n[output]", &["`instability.stiffness = []`", "has 0 values"]),
+    (
+        "[output]",
+        "[instability]\nstiffness = 0\npreload = \"1 mN\"\n[output]",
+        &["line 32", "`instability.preload = \"1 mN\"`", "path = \"loop\""],
+    ),
+    (
+        "path = \"approach\"",
+        "path = \"loop\"\n[instability]\nstiffness = 0\npreload = [\"0 N\"]",
+        &["line 24", "`instability.preload[0] = \"0 N\"`", "greater than 0"],
+    ),
+    (
+        "[output]",
+        "[instability]\nstifness = 0\n[output]",
+        &["line 31", "`instability.stifness`", "did you mean `stiffness`?"],
+    ),
     ("format = 1", "format = 1\nsolver = 3", &["line 3", "`solver = 3`", "a table [solver] is needed"]),
 ];
 

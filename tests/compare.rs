@@ -32,6 +32,17 @@ fn a_comparison_without_output_is_a_table() {
     assert!(!table.contains("ensemble"), "{table}");
 }
 
+/// A loop is no law's own: which way is compared has to be said.
+#[test]
+fn loops_are_not_compared() {
+    let folder = Folder::new(&small().replace("path = \"approach\"", "path = \"loop\""));
+    let compare = folder.stiction(&["compare", "scene.toml", "--laws", "hybrid,isbl", "-o", "out.h5"]);
+    assert_exit(&compare, 2);
+    let error = text(&compare.stderr);
+    assert!(error.contains("scene.toml: path = \"loop\"") && error.contains("\"retraction\""), "{error}");
+    assert_eq!(folder.files(), ["scene.toml"]);
+}
+
 /// Each law of a comparison is what a run with that law gives, bit by bit: the same integral, and the same asperities.
 #[test]
 fn a_law_of_a_comparison_is_its_run() {

@@ -7,7 +7,7 @@ use std::sync::atomic::AtomicBool;
 use stiction::asperity::{Boundary, Law, Path, Piece, Quantity, Regime, Responses, Work};
 use stiction::engine::compressed::{Compression, Unfit, largest_error};
 use stiction::engine::stream::{Purpose, stream};
-use stiction::engine::{Curves, Ensemble, Job, Outcome, Replica, Summation, Workspace, run};
+use stiction::engine::{Curves, Ensemble, Job, Outcome, Protocol, Replica, Summation, Workspace, run};
 use stiction::surface::{Gaussian, SamplingScheme, Surface};
 
 /// A law on a surface.
@@ -57,6 +57,7 @@ impl Patch {
             controls: &[],
             keep_curves: true,
             compression,
+            protocol: Protocol::default(),
         }
     }
 

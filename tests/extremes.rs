@@ -6,7 +6,7 @@ mod common;
 use common::respond;
 use stiction::asperity::models::{MODELS, Model, PUBLISHED_FITS};
 use stiction::asperity::{Law, Path, Quantity};
-use stiction::engine::{Job, SCALARS, Workspace};
+use stiction::engine::{Job, Protocol, SCALARS, Workspace};
 use stiction::scene::{Scene, SceneError};
 use stiction::statistical::Statistical;
 
@@ -128,6 +128,7 @@ fn numbers(scene: &Scene, model: &Model, name: &str, least: i32) -> Option<[Vec<
         controls: &[],
         keep_curves: false,
         compression: None,
+        protocol: Protocol::default(),
     };
     let mut ensemble = Vec::new();
     Workspace::new(&job).replicas(&job, 0..2, |replica, curves| {

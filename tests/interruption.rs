@@ -346,6 +346,24 @@ fn killed_runs_go_on_to_the_same_bits() {
     println!("{:?}", kill_and_resume(6, 1));
 }
 
+/// A loop with curves, stiffnesses and preloads too.
+#[test]
+fn a_loop_goes_on_to_the_same_bits() {
+    let held = "[instability]\nstiffness = [0, \"1 kN/m\"]\npreload = [\"1 uN\", \"1 kN\"]\n[output]";
+    let scene = scene().replace("path = \"approach\"", "path = \"loop\"").replace("[output]", held);
+    let folder = Folder::new(&scene.replace("replicas = 1600", "replicas = 400"));
+    let reference = reference(&folder);
+    assert!(reference.iter().any(|(name, values)| name == "/replicas/snap_off" && values.len() == 400 * 2 * 2));
+    assert!(
+        reference.iter().any(|(name, values)| name == "/replicas/retraction_external_force" && values.len() == 6400)
+    );
+    let stopped = interrupt(&folder, "-INT", &["--checkpoint", "0"]);
+    assert_exit(&stopped, 130);
+    assert_exit(&folder.stiction(&["run", "scene.toml", "--resume", "--threads", "1"]), 0);
+    assert_same_as(&folder, &reference);
+    assert_exit(&folder.stiction(&["validate", "scene.h5"]), 0);
+}
+
 /// None lost, none different.
 #[test]
 #[ignore = "slow: minutes"]

@@ -5,7 +5,7 @@ mod common;
 use common::{case, law};
 use std::sync::atomic::AtomicBool;
 use stiction::asperity::{Law, Path, Quantity};
-use stiction::engine::{Ensemble, Job, Outcome, SCALARS, run};
+use stiction::engine::{Ensemble, Job, Outcome, Protocol, SCALARS, run};
 use stiction::math::control_variates::{ControlledMean, controlled_means};
 use stiction::statistical::{Statistical, controls};
 use stiction::surface::{SamplingScheme, Surface};
@@ -42,6 +42,7 @@ impl Patch {
             controls: &controls,
             keep_curves: false,
             compression: None,
+            protocol: Protocol::default(),
         };
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         match run::<()>(&job, &pool, &AtomicBool::new(false), |_, _| Ok(())) {

@@ -5,7 +5,7 @@ mod common;
 use common::{case, law};
 use std::sync::atomic::AtomicBool;
 use stiction::asperity::{Boundary, Law, Path, Piece, Quantity, Regime, Responses, Work};
-use stiction::engine::{Job, Outcome, run};
+use stiction::engine::{Job, Outcome, Protocol, run};
 use stiction::statistical::Statistical;
 use stiction::surface::{SamplingScheme, Surface};
 use stiction::validation::{Basis, JointTest, Verdict, basis};
@@ -67,6 +67,7 @@ fn joint_test(scene: &Scene<'_>, law: &dyn Law, basis: &Basis, expected: &Statis
         controls: &[],
         keep_curves: false,
         compression: None,
+        protocol: Protocol::default(),
     };
     let pool = rayon::ThreadPoolBuilder::new().build().unwrap();
     let Ok(Outcome::Complete(ensemble)) = run::<()>(&job, &pool, &AtomicBool::new(false), |_, _| Ok(())) else {

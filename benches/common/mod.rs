@@ -4,7 +4,7 @@
 use std::path::Path;
 use std::time::Instant;
 use stiction::asperity::Law;
-use stiction::engine::Job;
+use stiction::engine::{Job, Protocol};
 use stiction::scene::Scene;
 
 /// The text of a shipped scene.
@@ -31,6 +31,7 @@ pub fn job<'a>(scene: &'a Scene, law: &'a dyn Law, replicas: u64) -> Job<'a> {
         controls: &[],
         keep_curves: false,
         compression: None,
+        protocol: Protocol::default(),
     }
 }
 

@@ -168,6 +168,11 @@ pub trait Law: Send + Sync {
         None
     }
 
+    /// Interference, m, from which an asperity that turns back takes another way, if that is before contact begins.
+    fn capture(&self) -> Option<f64> {
+        None
+    }
+
     /// How well its curve fits are, when it has any.
     fn fit(&self) -> Option<&FitReport> {
         None

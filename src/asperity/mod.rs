@@ -16,6 +16,7 @@ pub mod quantity;
 pub mod scale;
 mod setting;
 pub mod table;
+pub mod unloading;
 
 pub use family::{Family, Typical};
 pub use law::{
@@ -24,6 +25,7 @@ pub use law::{
 };
 pub use quantity::Quantity;
 pub use setting::Setting;
+pub use unloading::Loop;
 
 use thiserror::Error;
 

@@ -27,6 +27,11 @@ pub trait Part: Send + Sync {
         None
     }
 
+    /// Interference, m, from which an asperity that turns back takes another way, if there is one within the part.
+    fn capture(&self) -> Option<f64> {
+        None
+    }
+
     /// Fills the first `interference.len()` responses for interferences δ, m.
     fn evaluate(&self, interference: &[f64], out: &mut Responses, work: &mut Work);
 }
@@ -118,6 +123,10 @@ impl Law for Table {
 
     fn far(&self) -> Option<f64> {
         self.parts.iter().find_map(|part| part.far())
+    }
+
+    fn capture(&self) -> Option<f64> {
+        self.parts.iter().find_map(|part| part.capture())
     }
 
     fn fit(&self) -> Option<&FitReport> {

@@ -1,8 +1,9 @@
 //! `stiction check`: what a scene would compute.
 
 use super::format::{bytes, duration, paragraph, percent, pure, row, si};
+use super::instability::held;
 use super::sweep::described;
-use super::{Failure, law_of, print, read_document, resources, warnings_of};
+use super::{Failure, law_of, loop_of, print, read_document, resources, warnings_of};
 use crate::asperity::scale::Scale;
 use crate::scene::echo::one_line;
 use crate::scene::{Document, Limit, Plan, Scene, Sizes, Stopping, Sweep, Warning};
@@ -15,6 +16,7 @@ pub(super) fn check(path: &Path) -> Result<(), Failure> {
         return check_sweep(&sweep, &scene, path);
     }
     let law = law_of(&scene, &scene.model, path)?;
+    loop_of(&scene, path)?;
     let plan = Plan::new(&scene, law.as_ref());
     let mut text = heading(&scene);
     text += &skipped(&plan);
@@ -113,9 +115,10 @@ pub(super) fn heading(scene: &Scene) -> String {
 /// The model, and what characterises the scene.
 fn facts(scene: &Scene) -> String {
     let mut text = String::new();
-    text += &row("model", &format!("{} on {}", scene.model.name, scene.path.name()));
+    text += &row("model", &format!("{} on {}", scene.model.name, scene.path_name()));
     text += &row("", scene.model.about);
     text += &numbers(scene);
+    text += &held(scene);
     let most = if scene.stopping.is_some() { "at most " } else { "" };
     text += &row("replicas", &format!("{most}{} with seed {}", scene.replicas, scene.seed));
     text += &scene.stopping.as_ref().map(targets).unwrap_or_default();

@@ -1,6 +1,7 @@
 //! What `run` keeps while it goes, and how it goes on after an interruption.
 
 use super::Failure;
+use super::sampling::holding;
 use crate::engine::{Batch, Ensemble, Job, Replica, is_whole, record_length};
 use crate::math::words::Words;
 use crate::output::checkpoint::{Checkpoint, Identity, Journal, forget};
@@ -38,6 +39,13 @@ pub(super) struct Interrupted {
     journal: Journal,
     checkpoint: Checkpoint<State>,
     replicas: Vec<Replica>,
+    /// The snaps of all of them.
+    snaps: Vec<f64>,
+}
+
+/// Words of the record of a replica.
+fn length_of_record(scene: &Scene) -> usize {
+    record_length(scene.states(), holding(scene).length(), scene.curves)
 }
 
 /// Which run a scene is.
@@ -135,7 +143,7 @@ fn resumed(
     if let Some(difference) = identity.difference(&checkpoint.identity) {
         return Err(refused(difference));
     }
-    let (s, State { basis, controls, fewest_replicas, .. }) = (scene.separations.len(), &checkpoint.state);
+    let (s, State { basis, controls, fewest_replicas, .. }) = (scene.states(), &checkpoint.state);
     if *fewest_replicas != scene.fewest_replicas() {
         let (kept, given) = (fewest_replicas, scene.fewest_replicas());
         return Err(refused(format!("is of a run of at least {kept} replicas, and this one is of at least {given}")));
@@ -148,13 +156,15 @@ fn resumed(
     {
         return Err(refused("is not of this scene".to_owned()));
     }
-    let mut replicas = Vec::new();
-    let journal = Journal::resume(claim, record_length(s, scene.curves), &checkpoint, |record| {
+    let (mut replicas, mut snaps) = (Vec::new(), Vec::new());
+    let kept = Replica::WORDS..Replica::WORDS + holding(scene).length();
+    let journal = Journal::resume(claim, length_of_record(scene), &checkpoint, |record| {
         let mut replica = Replica::default();
         replica.restore(&record[..Replica::WORDS]);
         replicas.push(replica);
+        snaps.extend(record[kept.clone()].iter().map(|number| f64::from_bits(*number)));
     })?;
-    Ok(Interrupted { journal, checkpoint, replicas })
+    Ok(Interrupted { journal, checkpoint, replicas, snaps })
 }
 
 impl Interrupted {
@@ -182,14 +192,14 @@ pub(super) struct Keeper {
 impl Keeper {
     /// Keeps a run that begins, every `interval`.
     pub fn begin(claim: &Claim, scene: &Scene, state: State, interval: Duration) -> Result<Self, Failure> {
-        let journal = Journal::begin(claim, record_length(scene.separations.len(), scene.curves))?;
+        let journal = Journal::begin(claim, length_of_record(scene))?;
         Ok(Self::new(identity(scene), journal, state, interval))
     }
 
     /// Keeps a run that goes on, and the ensemble that it goes on from.
     pub fn resume(run: Interrupted, job: &Job<'_>, interval: Duration) -> Result<(Self, Ensemble), Failure> {
-        let Interrupted { journal, checkpoint, replicas } = run;
-        let Some(ensemble) = Ensemble::restored(job, &checkpoint.state.ensemble, replicas) else {
+        let Interrupted { journal, checkpoint, replicas, snaps } = run;
+        let Some(ensemble) = Ensemble::restored(job, &checkpoint.state.ensemble, replicas, snaps) else {
             let path = journal.checkpoint().unwrap_or(Path::new("")).to_owned();
             return Err(OutputError::NotACheckpoint { path, problem: "is not of this scene".to_owned() }.into());
         };

@@ -2,8 +2,8 @@
 
 /// A quantity with an SI prefix and four significant digits.
 pub(super) fn si(value: f64, unit: &str) -> String {
-    const PREFIXES: [(&str, i32); 9] =
-        [("p", -12), ("n", -9), ("µ", -6), ("m", -3), ("", 0), ("k", 3), ("M", 6), ("G", 9), ("T", 12)];
+    const PREFIXES: [(&str, i32); 10] =
+        [("f", -15), ("p", -12), ("n", -9), ("µ", -6), ("m", -3), ("", 0), ("k", 3), ("M", 6), ("G", 9), ("T", 12)];
     if value == 0.0 || !value.is_finite() {
         return format!("{value} {unit}");
     }

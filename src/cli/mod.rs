@@ -8,6 +8,7 @@ mod checkpoint;
 mod compare;
 mod format;
 mod info;
+mod instability;
 mod points;
 mod record;
 mod resources;
@@ -19,7 +20,7 @@ mod sweep;
 mod validate;
 
 use crate::asperity::models::Model;
-use crate::asperity::{Law, Path as History};
+use crate::asperity::{Law, Loop, Path as History};
 use crate::math::instruction_set::InstructionSet;
 use crate::output::OutputError;
 use crate::output::columns::Beside;
@@ -394,6 +395,12 @@ fn print_of(output: &Path, text: &str) -> Result<(), Failure> {
 fn law_of(scene: &Scene, model: &Model, path: &Path) -> Result<Box<dyn Law>, Failure> {
     let refused = |error| format!("{}: the law {} cannot be used: {error}", path.display(), model.name);
     scene.law_of(model).map_err(|error| Failure::Usage(refused(error)))
+}
+
+/// The loop of an asperity of a scene, if it has one, with the scene's file named in every error.
+fn loop_of(scene: &Scene, path: &Path) -> Result<Option<Loop>, Failure> {
+    let refused = |error| format!("{}: the law {} cannot be used: {error}", path.display(), scene.model.name);
+    scene.loop_law().map_err(|error| Failure::Usage(refused(error)))
 }
 
 /// What of a scene under a law is outside of what the models are valid for, or likely a wrong unit.

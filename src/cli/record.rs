@@ -1,10 +1,12 @@
 //! A run's results under the names of the file layout.
 
+use super::instability::write_instability;
 use super::results::{Results, Stopped};
-use crate::asperity::Quantity;
-use crate::engine::{Attained, Replica, SCALARS};
+use super::sampling::holding;
+use crate::asperity::{Quantity, Regime};
+use crate::engine::{Attained, Replica, SCALARS, scalars};
 use crate::math::control_variates::ControlledMean;
-use crate::math::extrema::Features;
+use crate::math::extrema::{Features, maximum};
 use crate::math::instruction_set::InstructionSet;
 use crate::output::OutputError;
 use crate::output::checkpoint::Journal;
@@ -27,13 +29,15 @@ pub(super) fn write_head(writer: &mut Writer<'_>, results: &Results) -> Result<(
     let components: Vec<u64> = (0..basis.probes.len() as u64).collect();
     writer.scale(Dimension::Component, &components)?;
     writer.scale(Dimension::ComponentOther, &components)?;
-    writer.named_scale(Dimension::Scalar, &SCALARS.map(|scalar| scalar.name))?;
+    let names: Vec<&str> = scalars(scene.cycle).map(|scalar| scalar.name).collect();
+    writer.named_scale(Dimension::Scalar, &names)?;
     if let Some(stopped) = &results.stopped {
         let names: Vec<&str> = stopped.targets.iter().map(|attained| attained.target.name()).collect();
         writer.number("/", "max_replicas", stopped.max_replicas)?;
         writer.named_scale(Dimension::Target, &names)?;
     }
-    writer.scale(Dimension::Control, &controls.iter().map(|&place| scene.separations[place]).collect::<Vec<f64>>())
+    let separation = |&place: &usize| scene.separations[place % scene.separations.len()];
+    writer.scale(Dimension::Control, &controls.iter().map(separation).collect::<Vec<f64>>())
 }
 
 /// Writes the curves of all replicas out of their records, unless it is stopped.
@@ -43,12 +47,15 @@ pub(super) fn write_curves(
     journal: &mut Journal,
     stop: &AtomicBool,
 ) -> Result<(), OutputError> {
-    let paths = ["/replicas/external_force", "/replicas/adhesion_force"];
+    let of_ways =
+        |force: &'static str| results.ways().into_iter().map(move |(way, _)| format!("/replicas/{way}{force}"));
+    let paths: Vec<String> = ["external_force", "adhesion_force"].into_iter().flat_map(of_ways).collect();
     paths.iter().try_for_each(|path| writer.curve_dataset(path))?;
     let (s, total) = (results.scene.separations.len(), results.ensemble.replicas.len());
-    let (mut curves, mut written): ([Vec<f64>; 2], _) = ([Vec::new(), Vec::new()], 0);
+    let behind = Replica::WORDS + holding(&results.scene).length();
+    let (mut curves, mut written) = (vec![Vec::new(); paths.len()], 0);
     journal.records(|record| {
-        for (curves, forces) in curves.iter_mut().zip(record[Replica::WORDS..].chunks_exact(s)) {
+        for (curves, forces) in curves.iter_mut().zip(record[behind..].chunks_exact(s)) {
             curves.extend(forces.iter().map(|force| f64::from_bits(*force)));
         }
         let rows = curves[0].len() / s;
@@ -83,7 +90,7 @@ pub(super) fn write_about(writer: &Writer<'_>, title: &str, text: &str) -> Resul
 /// Writes the law and how replicas are drawn.
 pub(super) fn write_model(writer: &Writer<'_>, scene: &Scene, seed: u64) -> Result<(), OutputError> {
     writer.text("/", "law", scene.model.name)?;
-    writer.text("/", "path", scene.path.name())?;
+    writer.text("/", "path", scene.path_name())?;
     writer.number("/", "seed", seed)?;
     writer.number("/", "replicas", scene.replicas)?;
     writer.text("/", "sampling", scene.sampling.name())
@@ -92,7 +99,7 @@ pub(super) fn write_model(writer: &Writer<'_>, scene: &Scene, seed: u64) -> Resu
 /// Writes what made the file, the scene, its numbers and its separations.
 pub(super) fn write_scene(writer: &mut Writer<'_>, scene: &Scene) -> Result<(), OutputError> {
     write_about(writer, &scene.title, &scene.text)?;
-    writer.text("/", "path", scene.path.name())?;
+    writer.text("/", "path", scene.path_name())?;
     writer.number("/", "adhesion_parameter", scene.scale().lambda)?;
     writer.number("/", "plasticity_index", scene.asperity.plasticity_index(scene.surface.surface_height_std))?;
     writer.number("/", "critical_interference", scene.asperity.critical_interference())?;
@@ -115,6 +122,8 @@ pub(super) fn write_scene(writer: &mut Writer<'_>, scene: &Scene) -> Result<(), 
 
 pub(super) fn write_results(writer: &mut Writer<'_>, results: &Results) -> Result<(), OutputError> {
     write_ensemble(writer, results)?;
+    write_jumps(writer, results)?;
+    write_instability(writer, results)?;
     write_statistical(writer, results)?;
     write_validation(writer, results)?;
     write_diagnostics(writer, results)
@@ -129,20 +138,29 @@ fn write_features(writer: &Writer<'_>, group: &str, features: &Features) -> Resu
 
 fn write_ensemble(writer: &Writer<'_>, results: &Results) -> Result<(), OutputError> {
     let ensemble = &results.ensemble;
-    for quantity in Quantity::ALL {
-        let moments = &ensemble.curves[quantity.index()];
-        let error = ensemble.groups.curves[quantity.index()].standard_error();
-        let name = quantity.name();
-        writer.dataset(&format!("/ensemble/{name}_mean"), moments.mean())?;
-        writer.dataset(&format!("/ensemble/{name}_standard_error"), &error)?;
-        writer.dataset(&format!("/ensemble/{name}_std"), &moments.std())?;
+    for (way, states) in results.ways() {
+        for quantity in Quantity::ALL {
+            let moments = &ensemble.curves[quantity.index()];
+            let error = ensemble.groups.curves[quantity.index()].standard_error();
+            let name = format!("/ensemble/{way}{}", quantity.name());
+            writer.dataset(&format!("{name}_mean"), &moments.mean()[states.clone()])?;
+            writer.dataset(&format!("{name}_standard_error"), &error[states.clone()])?;
+            writer.dataset(&format!("{name}_std"), &moments.std()[states.clone()])?;
+        }
+        let tables = [
+            ("count", &ensemble.regime_count),
+            ("adhesion_force", &ensemble.regime_adhesion_force),
+            ("external_force", &ensemble.regime_external_force),
+        ];
+        for (name, moments) in tables {
+            let rows = moments.mean().chunks_exact(results.scene.states());
+            let rows: Vec<f64> = rows.flat_map(|row| row[states.clone()].iter().copied()).collect();
+            writer.dataset(&format!("/ensemble/{way}regime_{name}_mean"), &rows)?;
+        }
     }
-    write_scalars(writer, &results.scalars)?;
+    write_scalars(writer, results)?;
     results.stopped.as_ref().map_or(Ok(()), |stopped| write_stopped(writer, stopped))?;
-    writer.dataset("/ensemble/regime_count_mean", ensemble.regime_count.mean())?;
-    writer.dataset("/ensemble/regime_adhesion_force_mean", ensemble.regime_adhesion_force.mean())?;
-    writer.dataset("/ensemble/regime_external_force_mean", ensemble.regime_external_force.mean())?;
-    write_features(writer, "/ensemble", &results.of_mean)?;
+    write_features(writer, "/ensemble", results.pulled().0)?;
     let summation = &results.summation;
     writer.text("/ensemble", "sum", summation.name())?;
     if let Some(tolerance) = summation.tolerance {
@@ -157,7 +175,7 @@ fn write_ensemble(writer: &Writer<'_>, results: &Results) -> Result<(), OutputEr
     writer.dataset("/replicas/asperity_count", &count)?;
     let highest: Vec<f64> = replicas.iter().map(|replica| replica.highest_asperity).collect();
     writer.dataset("/replicas/highest_asperity", &highest)?;
-    for scalar in SCALARS {
+    for scalar in scalars(results.scene.cycle) {
         let values: Vec<f64> = replicas.iter().map(scalar.of).collect();
         writer.dataset(&format!("/replicas/{}", scalar.name), &values)?;
     }
@@ -183,12 +201,43 @@ fn write_stopped(writer: &Writer<'_>, stopped: &Stopped) -> Result<(), OutputErr
     writer.dataset("/ensemble/target_met", &met)
 }
 
+/// Of a loop, how many asperities come into contact and lose it between neighbouring separations.
+fn write_jumps(writer: &mut Writer<'_>, results: &Results) -> Result<(), OutputError> {
+    let Some(back) = &results.back else { return Ok(()) };
+    let middles: Vec<f64> = results.scene.separations.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])).collect();
+    writer.scale(Dimension::Step, &middles)?;
+    let counts = results.ensemble.regime_count.mean().chunks_exact(results.scene.states());
+    let names = ["jump_in_count", "jump_off_count"];
+    for ((name, (_, states)), model) in
+        names.into_iter().zip(results.ways()).zip([&results.statistical, &back.statistical])
+    {
+        let rows: Vec<&[f64]> = counts.clone().map(|row| &row[states.clone()]).collect();
+        writer.dataset(&format!("/ensemble/{name}_mean"), &changes(results, &rows))?;
+        let rows: Vec<&[f64]> = model.regime_count.iter().map(Vec::as_slice).collect();
+        writer.dataset(&format!("/statistical/{name}"), &changes(results, &rows))?;
+    }
+    Ok(())
+}
+
+/// By how many those out of contact become more between neighbouring separations: on one way an asperity does so once.
+fn changes(results: &Results, counts: &[&[f64]]) -> Vec<f64> {
+    let is_contact = |name: &str| Regime::ALL.iter().any(|regime| regime.name() == name && regime.is_contact());
+    let rows = results.regimes.iter().zip(counts).filter(|(name, _)| !is_contact(name));
+    let mut changes = vec![0.0; counts[0].len() - 1];
+    for (_, row) in rows {
+        changes.iter_mut().zip(row.windows(2)).for_each(|(change, pair)| *change += pair[1] - pair[0]);
+    }
+    changes
+}
+
 /// The means of the scalars, without and with control variates.
-fn write_scalars(writer: &Writer<'_>, means: &[ControlledMean]) -> Result<(), OutputError> {
+fn write_scalars(writer: &Writer<'_>, results: &Results) -> Result<(), OutputError> {
+    let means = &results.scalars;
     let write = |name: &str, of: fn(&ControlledMean) -> f64| {
         writer.dataset(&format!("/ensemble/scalar_{name}"), &means.iter().map(of).collect::<Vec<f64>>())
     };
-    writer.texts("/ensemble/scalar_units", &SCALARS.map(|scalar| scalar.units))?;
+    let units: Vec<&str> = scalars(results.scene.cycle).map(|scalar| scalar.units).collect();
+    writer.texts("/ensemble/scalar_units", &units)?;
     write("mean", |mean| mean.mean)?;
     write("standard_error", |mean| mean.standard_error)?;
     write("controlled_mean", |mean| mean.controlled_mean)?;
@@ -197,28 +246,37 @@ fn write_scalars(writer: &Writer<'_>, means: &[ControlledMean]) -> Result<(), Ou
 }
 
 fn write_statistical(writer: &Writer<'_>, results: &Results) -> Result<(), OutputError> {
-    let model = &results.statistical;
-    for quantity in Quantity::ALL {
-        let name = quantity.name();
-        writer.dataset(&format!("/statistical/{name}"), &model.expected[quantity.index()])?;
-        writer.dataset(&format!("/statistical/{name}_std"), &model.std[quantity.index()])?;
+    let back = results.back.as_ref().map(|back| ("retraction_", &back.statistical));
+    let ways = [("", &results.statistical)].into_iter().chain(back);
+    let mut error = 0.0;
+    for (way, model) in ways {
+        for quantity in Quantity::ALL {
+            let name = quantity.name();
+            writer.dataset(&format!("/statistical/{way}{name}"), &model.expected[quantity.index()])?;
+            writer.dataset(&format!("/statistical/{way}{name}_std"), &model.std[quantity.index()])?;
+        }
+        writer.dataset(&format!("/statistical/{way}regime_count"), &model.regime_count.concat())?;
+        writer.dataset(&format!("/statistical/{way}regime_adhesion_force"), &model.regime_adhesion_force.concat())?;
+        writer.dataset(&format!("/statistical/{way}regime_external_force"), &model.regime_external_force.concat())?;
+        error = maximum(model.quadrature_error, error);
     }
-    writer.dataset("/statistical/regime_count", &model.regime_count.concat())?;
-    writer.dataset("/statistical/regime_adhesion_force", &model.regime_adhesion_force.concat())?;
-    writer.dataset("/statistical/regime_external_force", &model.regime_external_force.concat())?;
-    writer.number("/statistical", "quadrature_error", model.quadrature_error)?;
-    write_features(writer, "/statistical", &results.of_integral)
+    writer.number("/statistical", "quadrature_error", error)?;
+    write_features(writer, "/statistical", results.pulled().1)
 }
 
 fn write_validation(writer: &Writer<'_>, results: &Results) -> Result<(), OutputError> {
     let joint = &results.joint;
-    for (i, name) in ["adhesion_force", "external_force"].into_iter().enumerate() {
-        writer.dataset(&format!("/validation/z_{name}"), &results.z[i])?;
-        let tested: Vec<u8> = results.basis.tested[i].iter().map(|&tested| u8::from(tested)).collect();
-        writer.dataset(&format!("/validation/tested_{name}"), &tested)?;
-        let probes = results.basis.probes.iter();
-        let weights = probes.flat_map(|probe| if i == 0 { &probe.adhesion_force } else { &probe.external_force });
-        writer.dataset(&format!("/validation/probe_{name}"), &weights.copied().collect::<Vec<f64>>())?;
+    for (way, states) in results.ways() {
+        for (i, name) in ["adhesion_force", "external_force"].into_iter().enumerate() {
+            writer.dataset(&format!("/validation/{way}z_{name}"), &results.z[i][states.clone()])?;
+            let tested = &results.basis.tested[i][states.clone()];
+            let tested: Vec<u8> = tested.iter().map(|&tested| u8::from(tested)).collect();
+            writer.dataset(&format!("/validation/{way}tested_{name}"), &tested)?;
+            let probes = results.basis.probes.iter();
+            let weights = probes.map(|probe| if i == 0 { &probe.adhesion_force } else { &probe.external_force });
+            let weights: Vec<f64> = weights.flat_map(|weights| weights[states.clone()].iter().copied()).collect();
+            writer.dataset(&format!("/validation/{way}probe_{name}"), &weights)?;
+        }
     }
     writer.dataset("/validation/score_covariance", &results.ensemble.groups.scores.covariance())?;
     let (components, remaining) = joint.degrees_of_freedom;

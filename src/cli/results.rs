@@ -1,13 +1,14 @@
 //! What a run has found out, for the file and for the summary.
 
-use crate::asperity::{Law, Quantity};
+use crate::asperity::{Law, Loop, Quantity};
 use crate::engine::{Attained, Ensemble, Rule, Summation};
 use crate::math::control_variates::ControlledMean;
 use crate::math::extrema::Features;
 use crate::math::interpolation::linear;
 use crate::scene::{Plan, Scene, Warning};
-use crate::statistical::{Model, Statistical};
+use crate::statistical::{Model, Statistical, external_force_back};
 use crate::validation::{Basis, JointTest};
+use std::ops::Range;
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -18,19 +19,21 @@ pub(super) struct Results {
     pub warnings: Vec<Warning>,
     pub regimes: Vec<&'static str>,
     pub statistical: Statistical,
+    /// Of a loop, the way back; all else that is told of one way is of the way there.
+    pub back: Option<WayBack>,
     pub ensemble: Box<Ensemble>,
     /// Why there are so many replicas, if targets decided.
     pub stopped: Option<Stopped>,
     pub summation: Summation,
     pub basis: Basis,
-    /// Indices of the separations of the control variates.
+    /// Indices of the states of the control variates.
     pub controls: Vec<usize>,
-    /// Means of the scalars of the replicas, in the order of [`crate::engine::SCALARS`].
+    /// Means of the scalars of the replicas, in the order of [`crate::engine::scalars`].
     pub scalars: Vec<ControlledMean>,
     /// What is read off the mean curve of the external force, and off the integral's.
     pub of_mean: Features,
     pub of_integral: Features,
-    /// z-scores of adhesion force and external force.
+    /// z-scores of adhesion force and external force, over the states.
     pub z: [Vec<f64>; 2],
     pub joint: JointTest,
     pub seconds: Vec<(&'static str, f64)>,
@@ -42,10 +45,38 @@ pub(super) struct Results {
     pub output: PathBuf,
 }
 
+/// The way back of a loop.
+pub(super) struct WayBack {
+    pub statistical: Statistical,
+    /// What is read off the mean curve of the external force, and off the integral's.
+    pub of_mean: Features,
+    pub of_integral: Features,
+}
+
+impl WayBack {
+    /// Of an ensemble and its integral.
+    pub fn new(scene: &Scene, cycle: &Loop, ensemble: &Ensemble, statistical: Statistical) -> Self {
+        let q = Quantity::ExternalForce.index();
+        let (separations, expected) = (&scene.separations, &statistical.expected[q]);
+        let integral = |h: f64| external_force_back(cycle, &scene.surface, separations[0], h);
+        let of_integral = Features::new(integral, separations, expected);
+        let mean = &ensemble.curves[q].mean()[separations.len()..];
+        let of_mean = near_features(integral, separations, mean, expected);
+        Self { statistical, of_mean, of_integral }
+    }
+}
+
 impl Results {
-    /// The mean curve of a quantity.
-    pub fn mean(&self, quantity: Quantity) -> &[f64] {
-        self.ensemble.curves[quantity.index()].mean()
+    /// The names that datasets of each way begin with, and the states of it.
+    pub fn ways(&self) -> Vec<(&'static str, Range<usize>)> {
+        let s = self.scene.separations.len();
+        let back = self.back.as_ref().map(|_| ("retraction_", s..2 * s));
+        [("", 0..s)].into_iter().chain(back).collect()
+    }
+
+    /// What is read off the mean curve and off the integral where the surfaces are pulled off: of a loop on the way back.
+    pub fn pulled(&self) -> (&Features, &Features) {
+        self.back.as_ref().map_or((&self.of_mean, &self.of_integral), |back| (&back.of_mean, &back.of_integral))
     }
 }
 
@@ -88,11 +119,17 @@ pub(super) fn integral_features(scene: &Scene, law: &dyn Law, statistical: &Stat
 /// integral, which is small, is interpolated.
 pub(super) fn mean_features(scene: &Scene, law: &dyn Law, ensemble: &Ensemble, statistical: &Statistical) -> Features {
     let q = Quantity::ExternalForce.index();
-    let (mean, expected) = (ensemble.curves[q].mean(), statistical.expected[q].as_slice());
+    let (separations, expected) = (&scene.separations, &statistical.expected[q]);
+    let model = Model::new(law, &scene.surface, separations);
+    let integral = |h: f64| model.external_force(h);
+    near_features(integral, separations, &ensemble.curves[q].mean()[..separations.len()], expected)
+}
+
+/// Features of a mean curve that is known at separations, m, only, and is close to an integral that is expected there, N.
+fn near_features(integral: impl Fn(f64) -> f64, separations: &[f64], mean: &[f64], expected: &[f64]) -> Features {
     let deviation: Vec<f64> = mean.iter().zip(expected).map(|(m, e)| m - e).collect();
     // Where nothing pulls, the interpolated deviation must not.
     let floor = if mean.iter().all(|force| *force >= 0.0) { 0.0 } else { f64::NEG_INFINITY };
-    let model = Model::new(law, &scene.surface, &scene.separations);
-    let of_mean = |h: f64| (model.external_force(h) + linear(&scene.separations, &deviation, h)).max(floor);
-    Features::new(of_mean, &scene.separations, mean)
+    let of_mean = |h: f64| (integral(h) + linear(separations, &deviation, h)).max(floor);
+    Features::new(of_mean, separations, mean)
 }

@@ -2,13 +2,14 @@
 
 use super::checkpoint::{Beginning, Keeper, Manner, State, beginning};
 use super::record::{write_curves, write_head, write_results};
-use super::results::{Results, Stopped, integral_features, mean_features};
+use super::results::{Results, Stopped, WayBack, integral_features, mean_features};
 use super::sampling::{Sampling, basis_of, cross_check, interruption, override_ensemble, thread_pool};
 use super::summary::summary;
 use super::{
-    Execution, Failure, RunArguments, law_of, print_of, read_document, refuse_own_scene, resources, sweep, warnings_of,
+    Execution, Failure, RunArguments, law_of, loop_of, print_of, read_document, refuse_own_scene, resources, sweep,
+    warnings_of,
 };
-use crate::asperity::{Law, Quantity};
+use crate::asperity::{Law, Loop, Quantity};
 use crate::engine::{Batch, Ensemble, Outcome, Rule};
 use crate::math::control_variates::controlled_means;
 use crate::output::progress::Progress;
@@ -97,6 +98,8 @@ pub(super) fn run_scene(
     let (claim, pool) = (task.claim, &session.pool);
     let law = law_of(&scene, &scene.model, task.source)?;
     let law = law.as_ref();
+    let cycle = loop_of(&scene, task.source)?;
+    let cycle = cycle.as_ref();
     let sizes = Sizes::new(&scene, law, pool.current_num_threads());
     // What an interrupted run has kept is on the disk already.
     let begins = !claim.beside(".checkpoint").exists();
@@ -111,14 +114,20 @@ pub(super) fn run_scene(
     let plan = Plan::new(&scene, law);
     let warnings = warnings_of(&scene, &scene.model, law);
     let statistical = pool.install(|| Statistical::new(law, &scene.surface, &scene.separations));
+    let back = cycle.map(|cycle| pool.install(|| Statistical::way_back(cycle, &scene.surface, &scene.separations)));
     progress.phase("test functionals");
-    let state = interrupted.as_ref().map_or_else(|| prepared(&scene, law, &statistical), |run| run.state().clone());
+    let state = interrupted
+        .as_ref()
+        .map_or_else(|| prepared(&scene, (law, cycle), (&statistical, back.as_ref())), |run| run.state().clone());
     let State { basis, controls, .. } = state.clone();
-    let expected = &statistical.expected[Quantity::ExternalForce.index()];
+    let ways: Vec<&Statistical> = [&statistical].into_iter().chain(&back).collect();
+    let force = |way: &&Statistical| way.expected[Quantity::ExternalForce.index()].clone();
+    let expected: Vec<f64> = ways.iter().flat_map(force).collect();
     let expected: Vec<f64> = controls.iter().map(|&place| expected[place]).collect();
     let stopping = scene.stopping.clone();
     let rule = stopping.as_ref().map(|stopping| Rule { stopping, expected: &expected });
-    let setup = Sampling { scene: &scene, law, basis: &basis, controls: &controls, rule, keep_curves: scene.curves };
+    let keep_curves = scene.curves;
+    let setup = Sampling { scene: &scene, law, cycle, basis: &basis, controls: &controls, rule, keep_curves };
     let job = setup.job();
     let (mut keeper, start) = match interrupted {
         Some(run) => Keeper::resume(*run, &job, session.interval)?,
@@ -141,10 +150,11 @@ pub(super) fn run_scene(
     let most = std::mem::replace(&mut scene.replicas, ensemble.replicas.len() as u64);
 
     progress.phase("cross-check");
-    let (z, joint) = cross_check(&ensemble, &statistical, &basis, &scene);
+    let (z, joint) = cross_check(&ensemble, &ways, &basis, &scene);
     let scalars = controlled_means(&ensemble.groups.scalars, &expected);
     let of_mean = mean_features(&scene, law, &ensemble, &statistical);
     let of_integral = integral_features(&scene, law, &statistical);
+    let back = cycle.zip(back).map(|(cycle, statistical)| WayBack::new(&scene, cycle, &ensemble, statistical));
     progress.end();
     let mut seconds = progress.seconds();
     seconds.iter_mut().filter(|(name, _)| *name == "ensemble").for_each(|(_, time)| *time += keeper.seconds_before);
@@ -154,6 +164,7 @@ pub(super) fn run_scene(
         plan,
         warnings,
         statistical,
+        back,
         ensemble,
         stopped,
         summation,
@@ -201,11 +212,17 @@ fn complete(
 }
 
 /// The functionals of the joint test, and the control variates.
-fn prepared(scene: &Scene, law: &dyn Law, statistical: &Statistical) -> State {
-    let basis = basis_of(scene, law);
+fn prepared(
+    scene: &Scene,
+    (law, cycle): (&dyn Law, Option<&Loop>),
+    (there, back): (&Statistical, Option<&Statistical>),
+) -> State {
+    let basis = basis_of(scene, law, cycle);
     let groups = scene.fewest_replicas() / scene.sampling.group();
-    let controls = controls(&scene.separations, statistical, &basis.tested[1], groups);
-    State::new(basis, controls, scene.fewest_replicas())
+    // Of a loop the way on which the surfaces are pulled off.
+    let first = back.map_or(0, |_| scene.separations.len());
+    let controls = controls(&scene.separations, back.unwrap_or(there), &basis.tested[1][first..], groups);
+    State::new(basis, controls.into_iter().map(|place| first + place).collect(), scene.fewest_replicas())
 }
 
 /// Writes the result; `false` if it was interrupted before it was complete, and then is not there.

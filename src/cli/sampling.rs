@@ -1,14 +1,14 @@
 //! What `run` and `compare` do alike: threads, interruptions, the ensemble of a scene under a law, and its cross-check.
 
 use super::Failure;
-use crate::asperity::{Law, Quantity};
-use crate::engine::{Batch, Ensemble, Job, Outcome, Rule, Summation, run_from};
+use crate::asperity::{Law, Loop, Path, Quantity};
+use crate::engine::{Batch, Ensemble, Holding, Job, Outcome, Protocol, Rule, Summation, run_from};
 use crate::output::OutputError;
 use crate::output::progress::Progress;
 use crate::scene::Scene;
 use crate::statistical::Statistical;
 use crate::surface::SamplingScheme;
-use crate::validation::{Basis, JointTest, basis_to, z_scores};
+use crate::validation::{Basis, JointTest, basis_of_loop, basis_to, z_scores};
 use anyhow::Context;
 use signal_hook::consts::TERM_SIGNALS;
 use signal_hook::flag;
@@ -22,8 +22,10 @@ pub(super) const INTERRUPTED: i32 = 130;
 pub(super) struct Sampling<'a> {
     pub scene: &'a Scene,
     pub law: &'a dyn Law,
+    /// The loop of which the law is the approach, if surfaces are pulled back.
+    pub cycle: Option<&'a Loop>,
     pub basis: &'a Basis,
-    /// Indices of the separations of the control variates.
+    /// Indices of the states of the control variates.
     pub controls: &'a [usize],
     /// What ends it before all replicas of the scene are in.
     pub rule: Option<Rule<'a>>,
@@ -44,6 +46,7 @@ impl Sampling<'_> {
             controls: self.controls,
             keep_curves: self.keep_curves,
             compression: None,
+            protocol: Protocol { cycle: self.cycle, holding: holding(self.scene) },
         }
     }
 
@@ -114,25 +117,38 @@ pub(super) fn interruption() -> Result<Arc<AtomicBool>, Failure> {
     Ok(stop)
 }
 
+/// What holds the surfaces of a scene.
+pub(super) fn holding(scene: &Scene) -> Holding<'_> {
+    let ways = (scene.path == Path::Approach, scene.cycle || scene.path == Path::Retraction);
+    Holding { stiffness: &scene.instability.stiffness, preload: &scene.instability.preload, ways }
+}
+
 /// The functionals of the joint test of a scene under a law, for the sums that it asks for and the fewest replicas that it may have.
-pub(super) fn basis_of(scene: &Scene, law: &dyn Law) -> Basis {
+pub(super) fn basis_of(scene: &Scene, law: &dyn Law, cycle: Option<&Loop>) -> Basis {
+    if let Some(cycle) = cycle {
+        return basis_of_loop(cycle, &scene.surface, &scene.separations, scene.sampling, scene.fewest_replicas());
+    }
     let accuracy = scene.sum_tolerance.unwrap_or(0.0);
     basis_to(law, &scene.surface, &scene.separations, scene.sampling, scene.fewest_replicas(), accuracy)
 }
 
-/// z-scores of adhesion force and external force, and the joint test.
+/// z-scores of adhesion force and external force over the states, and the joint test; of a loop `ways` are the integrals of both.
 pub(super) fn cross_check(
     ensemble: &Ensemble,
-    statistical: &Statistical,
+    ways: &[&Statistical],
     basis: &Basis,
     scene: &Scene,
 ) -> ([Vec<f64>; 2], JointTest) {
     let forces = [Quantity::AdhesionForce, Quantity::ExternalForce].map(Quantity::index);
     let mean = forces.map(|q| ensemble.curves[q].mean());
-    let expected = forces.map(|q| statistical.expected[q].as_slice());
+    let joined = |of: fn(&Statistical, usize) -> &Vec<f64>| {
+        forces.map(|q| ways.iter().flat_map(|way| of(way, q).iter().copied()).collect::<Vec<f64>>())
+    };
+    let (expected, std) = (joined(|way, q| &way.expected[q]), joined(|way, q| &way.std[q]));
+    let expected = [0, 1].map(|i| expected[i].as_slice());
     let groups = scene.replicas / scene.sampling.group();
     let z = [0, 1].map(|i| match scene.sampling {
-        SamplingScheme::Independent => z_scores(mean[i], expected[i], &statistical.std[forces[i]], groups),
+        SamplingScheme::Independent => z_scores(mean[i], expected[i], &std[i], groups),
         _ => z_scores(mean[i], expected[i], &ensemble.groups.curves[forces[i]].std(), groups),
     });
     let joint = JointTest::new(&basis.probes, mean, expected, &ensemble.groups.scores.covariance(), groups);

@@ -2,14 +2,17 @@
 
 use super::check::{beyond, heading, skipped, warned};
 use super::format::{bound, duration, percent, row, si};
+use super::instability::instability;
 use super::results::{Results, Stopped};
 use crate::asperity::Quantity;
 use crate::engine::Replica;
 use crate::engine::Summation;
+use crate::engine::area_between;
 use crate::math::control_variates::ControlledMean;
-use crate::math::extrema::{Extremum, Features};
+use crate::math::extrema::{Extremum, Features, maximum};
 use crate::math::moments::Moments;
 use crate::scene::Limit;
+use crate::statistical::Statistical;
 use crate::validation::{JointTest, Verdict};
 
 pub(super) fn summary(results: &Results) -> String {
@@ -21,9 +24,12 @@ pub(super) fn summary(results: &Results) -> String {
     text += &results.stopped.as_ref().map(|stopped| ended(stopped, results.scene.replicas)).unwrap_or_default();
     text += &pull_off(results);
     text += &stiffness(results);
+    text += &cycle(results);
+    text += &instability(results);
     text += &at_pull_off(results);
     text += &verdict(&results.joint, &results.z, "all of them are in /validation");
-    text += &row("integral", &error_bound(results.statistical.quadrature_error));
+    let back = results.back.as_ref().map_or(0.0, |back| back.statistical.quadrature_error);
+    text += &row("integral", &error_bound(maximum(results.statistical.quadrature_error, back)));
     text += &times(results);
     text += &row("written", &results.output.display().to_string());
     text
@@ -91,7 +97,7 @@ fn controlled(results: &Results, mean: &ControlledMean, unit: &str) -> String {
 /// Whether any replica, or the integral, is ever pulled.
 fn pulls(results: &Results) -> bool {
     let replicas = results.ensemble.replicas.iter();
-    results.of_integral.minimum.value < 0.0 || replicas.into_iter().any(|replica| replica.pull_off_force > 0.0)
+    results.pulled().1.minimum.value < 0.0 || replicas.into_iter().any(|replica| replica.pull_off_force > 0.0)
 }
 
 fn pull_off(results: &Results) -> String {
@@ -113,8 +119,9 @@ fn pull_off(results: &Results) -> String {
         let force = si(-features.minimum.value, "N");
         row("", &format!("{force} {name}, {}", place(results, &features.minimum)))
     };
-    text += &line("of the mean curve", &results.of_mean);
-    text + &line("of the integral", &results.of_integral)
+    let (of_mean, of_integral) = results.pulled();
+    text += &line("of the mean curve", of_mean);
+    text + &line("of the integral", of_integral)
 }
 
 fn stiffness(results: &Results) -> String {
@@ -123,11 +130,12 @@ fn stiffness(results: &Results) -> String {
         let stiffness = si(features.steepest.value, "N/m");
         row(label, &format!("{stiffness} {name}, {}", place(results, &features.steepest)))
     };
-    if !(results.of_integral.steepest.value > 0.0) {
+    let (of_mean, of_integral) = results.pulled();
+    if !(of_integral.steepest.value > 0.0) {
         return row("stiffest point", "none: the external force of the integral nowhere rises with the separation");
     }
-    let mut text = line("stiffest point", "of the mean curve", &results.of_mean);
-    text += &line("", "of the integral", &results.of_integral);
+    let mut text = line("stiffest point", "of the mean curve", of_mean);
+    text += &line("", "of the integral", of_integral);
     let (mean, std) = moments(replicas, |replica| replica.peak_stiffness);
     let (separation, _) = moments(replicas, |replica| replica.peak_stiffness_separation);
     let scatter = std / mean.abs();
@@ -136,15 +144,43 @@ fn stiffness(results: &Results) -> String {
     text + &row("", &format!("{} of single replicas on average{scatter}, at h* = {place:.3}", si(mean, "N/m")))
 }
 
+/// What a loop costs, and where contact begins and ends.
+fn cycle(results: &Results) -> String {
+    let Some(back) = &results.back else { return String::new() };
+    let replicas = &results.ensemble.replicas;
+    let [energy, touchdown, takeoff] = [6, 7, 8].map(|scalar| &results.scalars[scalar]);
+    let (_, std) = moments(replicas, |replica| replica.cycle.dissipated_energy);
+    let mut text = row("dissipated", &scatter(energy, std, "J"));
+    let force = |way: &Statistical| way.expected[Quantity::ExternalForce.index()].clone();
+    let of_integral =
+        area_between(&results.scene.separations, [&force(&results.statistical), &force(&back.statistical)]);
+    text += &row("", &format!("{} of the integral, per cycle", si(of_integral, "J")));
+    let place = |mean: &ControlledMean| match mean.mean.is_nan() {
+        true => "not by all replicas".to_owned(),
+        false => format!("at h* = {:.3} on average", h_star(results, mean.mean)),
+    };
+    text += &row("contact", &format!("first {}, last {}", place(touchdown), place(takeoff)));
+    let last = results.scene.separations[results.scene.separations.len() - 1];
+    let open = replicas.iter().filter(|replica| replica.cycle.takeoff_separation > last).count();
+    if open > 0 {
+        text +=
+            &row("", &format!("{open} replicas keep contact at the largest separation: their loops are not closed"));
+    }
+    text
+}
+
 /// Shares of the regimes, and the contact area, at the separation next to the pull-off of the mean curve.
 fn at_pull_off(results: &Results) -> String {
     let separations = &results.scene.separations;
     // Without pull-off, at the smallest separation.
-    let pull_off = if pulls(results) { results.of_mean.minimum.place } else { separations[0] };
+    let pull_off = if pulls(results) { results.pulled().0.minimum.place } else { separations[0] };
     let distance = |k: &usize| (separations[*k] - pull_off).abs();
     let k = (0..separations.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0);
+    // Of a loop on the way back.
+    let states = results.scene.states();
+    let state = states - separations.len() + k;
     let table = |moments: &Moments| -> Vec<f64> {
-        (0..results.regimes.len()).map(|r| moments.mean()[r * separations.len() + k]).collect()
+        (0..results.regimes.len()).map(|r| moments.mean()[r * states + state]).collect()
     };
     let (count, adhesion) = (table(&results.ensemble.regime_count), table(&results.ensemble.regime_adhesion_force));
     let (all, force) = (results.scene.surface.asperity_count as f64, adhesion.iter().sum::<f64>());
@@ -162,7 +198,8 @@ fn at_pull_off(results: &Results) -> String {
         }
         text += &row(&label, &shares);
     }
-    let area = results.mean(Quantity::ContactArea)[k] / results.scene.surface.nominal_area;
+    let area =
+        results.ensemble.curves[Quantity::ContactArea.index()].mean()[state] / results.scene.surface.nominal_area;
     text += &row(
         "",
         &format!("in contact: {} of the nominal area (asperities are independent: no coupling", percent(area)),

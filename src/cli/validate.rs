@@ -23,15 +23,22 @@ pub(super) fn validate(path: &Path) -> Result<(), Failure> {
     let scheme = scheme(&reader, path)?;
     let groups = groups(&reader, scheme, path)?;
     let h_star = finite(&reader, "/h_star", path)?;
+    let ways = ways(&reader)?;
+    let h_star = h_star.repeat(ways.len());
     let curves = |name: &str| -> Result<[Vec<f64>; 3], Failure> {
         Ok([
-            finite(&reader, &format!("/ensemble/{name}_mean"), path)?,
-            finite(&reader, &format!("/statistical/{name}"), path)?,
+            joined(&reader, ways, &|way| format!("/ensemble/{way}{name}_mean"), path)?,
+            joined(&reader, ways, &|way| format!("/statistical/{way}{name}"), path)?,
             match scheme {
-                SamplingScheme::Independent => finite(&reader, &format!("/statistical/{name}_std"), path)?,
+                SamplingScheme::Independent => {
+                    joined(&reader, ways, &|way| format!("/statistical/{way}{name}_std"), path)?
+                }
                 _ => {
-                    let error: Vec<f64> = reader.values(&format!("/ensemble/{name}_standard_error"))?;
-                    error.iter().map(|error| (groups as f64).sqrt() * error).collect()
+                    let mut errors: Vec<f64> = Vec::new();
+                    for way in ways {
+                        errors.extend(reader.values::<f64>(&format!("/ensemble/{way}{name}_standard_error"))?);
+                    }
+                    errors.iter().map(|error| (groups as f64).sqrt() * error).collect()
                 }
             },
         ])
@@ -41,7 +48,7 @@ pub(super) fn validate(path: &Path) -> Result<(), Failure> {
         let [mean, expected, std] = &forces[i];
         z_scores(mean, expected, std, groups)
     });
-    let probes = probes(&reader, path)?;
+    let probes = probes(&reader, ways, path)?;
     let joint = JointTest::new(
         &probes,
         [0, 1].map(|i| forces[i][0].as_slice()),
@@ -55,7 +62,8 @@ pub(super) fn validate(path: &Path) -> Result<(), Failure> {
     for k in (0..h_star.len()).step_by(step.max(1)) {
         let cells =
             [0, 1].map(|i| format!("{:>14.6e} {:>14.6e} {:>7}", forces[i][0][k], forces[i][1][k], score(z[i][k])));
-        text += &format!("{:>10.3} {}\n", h_star[k], cells.join(" "));
+        let back = if k < h_star.len() / ways.len() { "" } else { "  on the way back" };
+        text += &format!("{:>10.3} {}{back}\n", h_star[k], cells.join(" "));
     }
     let shown = if step > 1 {
         format!("every {step}th of {} separations is shown", h_star.len())
@@ -177,15 +185,33 @@ fn groups(reader: &Reader, scheme: SamplingScheme, path: &Path) -> Result<u64, F
     Ok(replicas / scheme.group())
 }
 
+/// What the names of the datasets of each way begin with.
+fn ways(reader: &Reader) -> Result<&'static [&'static str], Failure> {
+    let cycle = reader.optional_text("/", "path")?.is_some_and(|path| path == "loop");
+    Ok(if cycle { &["", "retraction_"] } else { &[""] })
+}
+
+/// The values of a dataset of each way, one behind the other.
+fn joined(reader: &Reader, ways: &[&str], name: &dyn Fn(&str) -> String, path: &Path) -> Result<Vec<f64>, Failure> {
+    let values: Result<Vec<_>, _> = ways.iter().map(|way| finite(reader, &name(way), path)).collect();
+    Ok(values?.concat())
+}
+
 /// The weights of the functionals.
-fn probes(reader: &Reader, path: &Path) -> Result<Vec<Probe>, Failure> {
+fn probes(reader: &Reader, ways: &[&str], path: &Path) -> Result<Vec<Probe>, Failure> {
     let separations = reader.length(Dimension::Separation)?;
+    let components = reader.length(Dimension::Component)?;
     let weights = |name: &str| -> Result<Vec<Vec<f64>>, Failure> {
-        let values = finite(reader, name, path)?;
-        Ok(values.chunks_exact(separations.max(1)).map(<[f64]>::to_vec).collect())
+        let mut weights = vec![Vec::new(); components];
+        for way in ways {
+            let values = finite(reader, &format!("/validation/{way}probe_{name}"), path)?;
+            let rows = weights.iter_mut().zip(values.chunks_exact(separations.max(1)));
+            rows.for_each(|(weights, row)| weights.extend_from_slice(row));
+        }
+        Ok(weights)
     };
-    let adhesion = weights("/validation/probe_adhesion_force")?;
-    let external = weights("/validation/probe_external_force")?;
+    let adhesion = weights("adhesion_force")?;
+    let external = weights("external_force")?;
     let pairs = adhesion.into_iter().zip(external);
     Ok(pairs.map(|(adhesion_force, external_force)| Probe { adhesion_force, external_force }).collect())
 }

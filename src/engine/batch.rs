@@ -22,7 +22,7 @@ pub fn is_whole(done: u64, replicas: u64) -> bool {
 /// The moments of an ensemble and what is kept of every replica.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ensemble {
-    /// Moments of the curves, by [`Quantity::index`], each over S.
+    /// Moments of the curves, by [`Quantity::index`], each over the S states of the job.
     pub curves: [Moments; 4],
     /// Moments of the number of asperities in each regime, R × S.
     pub regime_count: Moments,
@@ -34,6 +34,8 @@ pub struct Ensemble {
     pub groups: Groups,
     /// What is kept of every replica, in order.
     pub replicas: Vec<Replica>,
+    /// The snaps of every replica, in order: replicas × [`Holding::length`](super::Holding::length).
+    pub snaps: Vec<f64>,
     /// What solving cost.
     pub work: Work,
 }
@@ -41,7 +43,7 @@ pub struct Ensemble {
 impl Ensemble {
     /// No replicas yet.
     pub fn new(job: &Job<'_>) -> Self {
-        let (s, r) = (job.separations.len(), job.law.regimes().len());
+        let (s, r) = (job.states(), job.law.regimes().len());
         Self {
             curves: std::array::from_fn(|_| Moments::new(s)),
             regime_count: Moments::new(r * s),
@@ -49,6 +51,7 @@ impl Ensemble {
             regime_external_force: Moments::new(r * s),
             groups: Groups::new(job),
             replicas: Vec::new(),
+            snaps: Vec::new(),
             work: Work::default(),
         }
     }
@@ -63,13 +66,22 @@ impl Ensemble {
         self.regime_external_force.merge(&other.regime_external_force);
         self.groups.merge(&other.groups);
         self.replicas.extend_from_slice(&other.replicas);
+        self.snaps.extend_from_slice(&other.snaps);
         self.work.merge(&other.work);
     }
 
     /// Everything but what is kept of every replica, as words that [`Ensemble::restored`] takes back.
     pub fn state(&self) -> Vec<u64> {
-        let Self { curves, regime_count, regime_adhesion_force, regime_external_force, groups, replicas: _, work } =
-            self;
+        let Self {
+            curves,
+            regime_count,
+            regime_adhesion_force,
+            regime_external_force,
+            groups,
+            replicas: _,
+            snaps: _,
+            work,
+        } = self;
         let mut state = Self {
             curves: curves.clone(),
             regime_count: regime_count.clone(),
@@ -77,17 +89,20 @@ impl Ensemble {
             regime_external_force: regime_external_force.clone(),
             groups: groups.clone(),
             replicas: Vec::new(),
+            snaps: Vec::new(),
             work: *work,
         };
         state.words()
     }
 
-    /// The ensemble of a state and of what was kept of its replicas; none when they are not of this job, or not of whole batches.
-    pub fn restored(job: &Job<'_>, state: &[u64], replicas: Vec<Replica>) -> Option<Self> {
+    /// The ensemble of a state and of what was kept of its replicas and their snaps; none when they are not of this job, or not of whole
+    /// batches.
+    pub fn restored(job: &Job<'_>, state: &[u64], replicas: Vec<Replica>, snaps: Vec<f64>) -> Option<Self> {
         let mut ensemble = Self::new(job);
         let count = replicas.len() as u64;
         let fits = is_whole(count, job.replicas) && ensemble.restore(state) && ensemble.regime_count.count() == count;
-        ensemble.replicas = replicas;
+        let fits = fits && snaps.len() == replicas.len() * job.protocol.holding.length();
+        (ensemble.replicas, ensemble.snaps) = (replicas, snaps);
         fits.then_some(ensemble)
     }
 
@@ -100,6 +115,7 @@ impl Ensemble {
         self.regime_external_force.push(&curves.regime_external_force);
         self.groups.push(job, &replica, curves);
         self.replicas.push(replica);
+        self.snaps.extend_from_slice(&curves.snaps);
     }
 }
 
@@ -133,7 +149,7 @@ impl Words for Ensemble {
 pub struct Batch {
     /// Its replicas' moments and scalars.
     pub ensemble: Ensemble,
-    /// External force of each replica, N, replicas × S; empty unless curves are kept.
+    /// External force of each replica, N, replicas × states; empty unless curves are kept.
     pub external_force: Vec<f64>,
     /// Adhesion force of each replica, N, likewise.
     pub adhesion_force: Vec<f64>,
@@ -155,12 +171,13 @@ impl Batch {
         batch
     }
 
-    /// The record of each of its replicas, one after the other: what is kept of it, and its curves where they are.
+    /// The record of each of its replicas, one after the other: what is kept of it, its snaps, and its curves where they are.
     pub fn records(&self, job: &Job<'_>) -> Vec<u64> {
-        let (s, replicas) = (job.separations.len(), &self.ensemble.replicas);
-        let mut records = Vec::with_capacity(replicas.len() * record_length(s, job.keep_curves));
+        let (s, snaps, replicas) = (job.states(), job.protocol.holding.length(), &self.ensemble.replicas);
+        let mut records = Vec::with_capacity(replicas.len() * record_length(s, snaps, job.keep_curves));
         for (i, mut replica) in replicas.iter().copied().enumerate() {
             replica.each_word(&mut |word| records.push(*word));
+            records.extend(self.ensemble.snaps.iter().skip(i * snaps).take(snaps).map(|number| number.to_bits()));
             for curves in [&self.external_force, &self.adhesion_force] {
                 records.extend(curves.iter().skip(i * s).take(s).map(|force| force.to_bits()));
             }
@@ -169,8 +186,8 @@ impl Batch {
     }
 }
 
-/// Words of the record of a replica over so many separations: what is kept of it, and behind it, where curves are kept, its external
-/// force and its adhesion force, N.
-pub fn record_length(separations: usize, keep_curves: bool) -> usize {
-    Replica::WORDS + if keep_curves { 2 * separations } else { 0 }
+/// Words of the record of a replica over so many states with so many numbers of its snaps: what is kept of it, these numbers, and behind
+/// them, where curves are kept, its external force and its adhesion force, N.
+pub fn record_length(states: usize, snaps: usize, keep_curves: bool) -> usize {
+    Replica::WORDS + snaps + if keep_curves { 2 * states } else { 0 }
 }

@@ -1,6 +1,6 @@
-//! Sums over the asperities of a surface, by separation.
+//! Sums over the asperities of a surface, by state: the separations, and of a loop the separations of the way back behind these.
 
-/// Curves of one surface over S separations and R regimes.
+/// Curves of one surface over S states and R regimes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curves {
     /// Sums over all asperities, by [`Quantity::index`](crate::asperity::Quantity::index), each over S.
@@ -11,16 +11,19 @@ pub struct Curves {
     pub regime_adhesion_force: Vec<f64>,
     /// External force of each regime, N, R × S.
     pub regime_external_force: Vec<f64>,
+    /// Its snaps, in the order of [`Holding::length`](super::Holding::length).
+    pub snaps: Vec<f64>,
 }
 
 impl Curves {
-    /// Nothing yet, over `s` separations and `r` regimes.
+    /// Nothing yet, over `s` states and `r` regimes.
     pub(super) fn new(s: usize, r: usize) -> Self {
         Self {
             total: std::array::from_fn(|_| vec![0.0; s]),
             regime_count: vec![0.0; r * s],
             regime_adhesion_force: vec![0.0; r * s],
             regime_external_force: vec![0.0; r * s],
+            snaps: Vec::new(),
         }
     }
 }

@@ -4,7 +4,7 @@
 use super::Job;
 use super::curves::Curves;
 use super::replica::Replica;
-use super::scalars::SCALARS;
+use super::scalars::scalars;
 use crate::asperity::Quantity;
 use crate::math::moments::{Comoments, Moments};
 use crate::math::words::Words;
@@ -15,11 +15,11 @@ const PARTS: usize = 16;
 /// Moments of the means of groups; of replicas, when each is a group by itself.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Groups {
-    /// Moments of the curves, by [`Quantity::index`], each over S.
+    /// Moments of the curves, by [`Quantity::index`], each over the states.
     pub curves: [Moments; 4],
     /// Mean and covariance of the probes' scores.
     pub scores: Comoments,
-    /// Mean and covariance of the external force at the controls, N, and behind these of the [`SCALARS`]; the batch i of a job is in the
+    /// Mean and covariance of the external force at the controls, N, and behind these of the [`scalars`]; the batch i of a job is in the
     /// part i modulo 16.
     pub scalars: [Comoments; PARTS],
     /// Sums over the replicas of a group that is not complete: curves, scores, controls, scalars.
@@ -32,7 +32,8 @@ pub struct Groups {
 impl Groups {
     /// No replicas yet.
     pub fn new(job: &Job<'_>) -> Self {
-        let (s, k, c) = (job.separations.len(), job.probes.len(), job.controls.len() + SCALARS.len());
+        let (s, k, c) =
+            (job.states(), job.probes.len(), job.controls.len() + scalars(job.protocol.cycle.is_some()).count());
         Self {
             curves: std::array::from_fn(|_| Moments::new(s)),
             scores: Comoments::new(k),
@@ -54,7 +55,7 @@ impl Groups {
             .copied()
             .chain(job.probes.iter().map(|probe| probe.score(adhesion, external)))
             .chain(job.controls.iter().map(|&place| external[place]))
-            .chain(SCALARS.iter().map(|scalar| (scalar.of)(replica)));
+            .chain(scalars(job.protocol.cycle.is_some()).map(|scalar| (scalar.of)(replica)));
         self.sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += value);
         self.filled += 1;
         if self.filled == job.scheme.group() {
@@ -65,8 +66,8 @@ impl Groups {
     fn complete(&mut self, job: &Job<'_>) {
         let group = self.filled as f64;
         self.sums.iter_mut().for_each(|sum| *sum /= group);
-        let (curves, rest) = self.sums.split_at(4 * job.separations.len());
-        for (moments, curve) in self.curves.iter_mut().zip(curves.chunks_exact(job.separations.len())) {
+        let (curves, rest) = self.sums.split_at(4 * job.states());
+        for (moments, curve) in self.curves.iter_mut().zip(curves.chunks_exact(job.states())) {
             moments.push(curve);
         }
         let (scores, scalars) = rest.split_at(job.probes.len());

@@ -8,7 +8,9 @@
 mod batch;
 pub mod compressed;
 mod curves;
+mod cycle;
 mod groups;
+pub mod instability;
 mod pull_off;
 mod reduce;
 mod replica;
@@ -21,25 +23,27 @@ mod summation;
 
 pub use batch::{BATCH, Batch, Ensemble, is_whole, record_length};
 pub use curves::Curves;
+pub use cycle::{Cycle, area_between};
 pub use groups::Groups;
+pub use instability::Holding;
 pub use reduce::{Outcome, run, run_from};
 pub use replica::{Replica, Workspace};
 pub use sampling::draw;
-pub use scalars::{SCALARS, Scalar};
+pub use scalars::{LOOP_SCALARS, SCALARS, Scalar, scalars};
 pub use stopping::{Attained, Rule};
 pub use summation::Summation;
 
-use crate::asperity::Law;
+use crate::asperity::{Law, Loop};
 use crate::surface::{SamplingScheme, Surface};
 use compressed::Compression;
 use serde::{Deserialize, Serialize};
 
-/// A linear functional of a replica's force curves, for the joint test: Σ w_a F_s(d) + Σ w_f F(d).
+/// A linear functional of a replica's force curves, for the joint test: Σ w_a F_s(d) + Σ w_f F(d), over the states of a [`Job`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Probe {
-    /// Weights of the adhesion force at each separation, 1/N.
+    /// Weights of the adhesion force at each state, 1/N.
     pub adhesion_force: Vec<f64>,
-    /// Weights of the external force at each separation, 1/N.
+    /// Weights of the external force at each state, 1/N.
     pub external_force: Vec<f64>,
 }
 
@@ -68,12 +72,23 @@ pub struct Job<'a> {
     pub replicas: u64,
     /// Functionals whose mean and covariance across groups of replicas are wanted.
     pub probes: &'a [Probe],
-    /// Indices of the separations at which the external force is a control variate of the scalars.
+    /// Indices of the states at which the external force is a control variate of the scalars.
     pub controls: &'a [usize],
     /// Whether batches carry the force curves of their replicas.
     pub keep_curves: bool,
     /// How surfaces are summed by moments; directly without it.
     pub compression: Option<&'a Compression>,
+    /// What is done with a surface beside one way.
+    pub protocol: Protocol<'a>,
+}
+
+/// What is done with a surface beside summing it on one way.
+#[derive(Clone, Copy, Default)]
+pub struct Protocol<'a> {
+    /// The loop of which the law of the job is the approach: surfaces are also pulled back, from the smallest separation.
+    pub cycle: Option<&'a Loop>,
+    /// What holds the surfaces.
+    pub holding: Holding<'a>,
 }
 
 impl Job<'_> {
@@ -85,6 +100,11 @@ impl Job<'_> {
         if let Err(problem) = self.scheme.check(self.replicas) {
             panic!("{problem}");
         }
+    }
+
+    /// States that a surface is summed in: the separations, and of a loop behind these the separations again, on the way back.
+    pub fn states(&self) -> usize {
+        self.separations.len() * if self.protocol.cycle.is_some() { 2 } else { 1 }
     }
 
     /// Number of batches.

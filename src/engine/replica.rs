@@ -3,10 +3,11 @@
 use super::Job;
 use super::compressed::{self, Compression, LANES};
 use super::curves::Curves;
+use super::cycle::{Cycle, WayBack, snaps};
 use super::pull_off::{Heights, Jump, jumps, pull_off};
 use super::sampling::draw;
 use super::scattered::Scattered;
-use crate::asperity::{Quantity, Scratch, Work, for_each_block_of, regime_ranges};
+use crate::asperity::{Law, Quantity, Scratch, Work, for_each_block_of, regime_ranges};
 use crate::math::extrema::{Extremum, steepest_rise};
 use crate::math::instruction_set::InstructionSet;
 use crate::math::sums::{Compensated, lane_sum};
@@ -30,11 +31,22 @@ pub struct Replica {
     pub peak_stiffness_separation: f64,
     /// Whether the smallest force is at the first or last separation, so that the curve may fall further beyond.
     pub pull_off_at_edge: bool,
+    /// What is kept of it as a loop, of which all above is of the way back.
+    pub cycle: Cycle,
 }
 
 impl Replica {
     /// Its number of words.
-    pub const WORDS: usize = 7;
+    pub const WORDS: usize = 7 + Cycle::WORDS;
+
+    fn pull_off(&mut self, smallest: &Extremum) {
+        (self.pull_off_force, self.pull_off_separation) = (-smallest.value, smallest.place);
+        self.pull_off_at_edge = smallest.at_edge;
+    }
+
+    fn stiffest(&mut self, steepest: &Extremum) {
+        (self.peak_stiffness, self.peak_stiffness_separation) = (steepest.value, steepest.place);
+    }
 }
 
 impl Words for Replica {
@@ -48,6 +60,7 @@ impl Words for Replica {
         let mut at_edge = u64::from(self.pull_off_at_edge);
         visit(&mut at_edge);
         self.pull_off_at_edge = at_edge != 0;
+        self.cycle.each_word(visit);
     }
 }
 
@@ -76,7 +89,7 @@ impl Workspace {
             jumps: jumps(job.law),
             sums: Sums { regimes: vec![RegimeSums::default(); r], scratch: Scratch::default(), work: Work::default() },
             compressed: job.compression.map(|compression| compressed::Sums::new(compression, r)),
-            curves: vec![Curves::new(job.separations.len(), r); at_once],
+            curves: vec![Curves::new(job.states(), r); at_once],
         }
     }
 
@@ -122,22 +135,36 @@ impl Workspace {
                 self.sums.surface(job, heights, job.separations[k]);
                 RegimeSums::record(&self.sums.regimes, k, &mut self.curves[lane]);
             }
+            let Some(cycle) = job.protocol.cycle else { continue };
+            let back = WayBack::new(job, cycle, heights, job.separations[0]);
+            for (k, &separation) in job.separations.iter().enumerate() {
+                back.sum(&mut self.sums, separation);
+                RegimeSums::record(&self.sums.regimes, job.separations.len() + k, &mut self.curves[lane]);
+            }
         }
     }
 
     /// What is kept of a surface that has been summed.
     fn keep(&mut self, job: &Job<'_>, lane: usize) -> Replica {
-        let pull_off = self.pull_off(job, lane);
-        let stiffest = steepest_rise(job.separations, &self.curves[lane].total[Quantity::ExternalForce.index()]);
-        Replica {
-            asperity_count: self.heights[lane].len() as u64,
-            highest_asperity: self.highest(lane),
-            pull_off_force: -pull_off.value,
-            pull_off_separation: pull_off.place,
-            peak_stiffness: stiffest.value,
-            peak_stiffness_separation: stiffest.place,
-            pull_off_at_edge: pull_off.at_edge,
+        let (highest, pull_off) = (self.highest(lane), self.pull_off(job, lane));
+        let heights = &self.heights[lane];
+        let external = &self.curves[lane].total[Quantity::ExternalForce.index()];
+        let (external, back) = external.split_at(job.separations.len());
+        let mut kept =
+            Replica { asperity_count: heights.len() as u64, highest_asperity: highest, ..Replica::default() };
+        let mut last = (external, pull_off);
+        if let Some(cycle) = job.protocol.cycle {
+            kept.cycle = Cycle::new(job, cycle, heights, [external, back], &pull_off);
+            let way = WayBack::new(job, cycle, heights, job.separations[0]);
+            let samples: Vec<(f64, f64)> = job.separations.iter().copied().zip(back.iter().copied()).collect();
+            last = (back, way.pull_off(&mut self.sums, &samples));
         }
+        kept.pull_off(&last.1);
+        kept.stiffest(&steepest_rise(job.separations, last.0));
+        if !job.protocol.holding.stiffness.is_empty() {
+            self.curves[lane].snaps = snaps(job, heights, &mut self.sums, external, Some(last));
+        }
+        kept
     }
 
     /// The highest asperity of a surface, m; NaN of none.
@@ -213,9 +240,9 @@ impl Heights for Compressed<'_> {
     }
 }
 
-/// Sums over the asperities of one surface at one separation.
-struct Sums {
-    regimes: Vec<RegimeSums>,
+/// Sums over the asperities of one surface in one state.
+pub(super) struct Sums {
+    pub regimes: Vec<RegimeSums>,
     scratch: Scratch,
     work: Work,
 }
@@ -258,20 +285,26 @@ impl RegimeSums {
 impl Sums {
     /// Sums a surface: `heights` (m) rising, at the separation h, m.
     fn surface(&mut self, job: &Job<'_>, heights: &[f64], separation: f64) {
+        self.over(job.law, None, heights, job.surface.asperity_separation(separation));
+    }
+
+    /// Sums a law over heights (m), rising, at the separation d, m; `base` says for each of its regimes among which it counts, if not as
+    /// itself.
+    pub fn over(&mut self, law: &dyn Law, base: Option<&[usize]>, heights: &[f64], d: f64) {
         self.regimes.fill(RegimeSums::default());
         let Self { regimes, scratch, work } = self;
-        let d = job.surface.asperity_separation(separation);
-        for (regime, range) in regime_ranges(job.law, heights, d) {
-            let sum = &mut regimes[regime];
-            sum.count = range.len() as f64;
-            if let Some(force) = job.law.constant(regime) {
-                sum.adhesion.add(sum.count * force);
+        for (regime, range) in regime_ranges(law, heights, d) {
+            let sum = &mut regimes[base.map_or(regime, |base| base[regime])];
+            let count = range.len() as f64;
+            sum.count += count;
+            if let Some(force) = law.constant(regime) {
+                sum.adhesion.add(count * force);
                 work.constant += range.len() as u64;
                 continue;
             }
-            let touches = job.law.regimes()[regime].is_contact();
+            let touches = law.regimes()[regime].is_contact();
             work.unloaded += if touches { 0 } else { range.len() as u64 };
-            for_each_block_of(job.law, (regime, range), heights, d, scratch, work, |range, responses| {
+            for_each_block_of(law, (regime, range), heights, d, scratch, work, |range, responses| {
                 let n = range.len();
                 InstructionSet::current().run(
                     #[inline(always)]

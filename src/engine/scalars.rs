@@ -13,10 +13,28 @@ pub struct Scalar {
     pub of: fn(&Replica) -> f64,
 }
 
-/// All of them.
+/// Those of every replica.
 pub const SCALARS: [Scalar; 4] = [
     Scalar { name: "pull_off_force", units: "N", of: |replica| replica.pull_off_force },
     Scalar { name: "pull_off_separation", units: "m", of: |replica| replica.pull_off_separation },
     Scalar { name: "peak_stiffness", units: "N m-1", of: |replica| replica.peak_stiffness },
     Scalar { name: "peak_stiffness_separation", units: "m", of: |replica| replica.peak_stiffness_separation },
 ];
+
+/// Those of a replica that is brought close and pulled back.
+pub const LOOP_SCALARS: [Scalar; 5] = [
+    Scalar { name: "approach_pull_off_force", units: "N", of: |replica| replica.cycle.approach_pull_off_force },
+    Scalar {
+        name: "approach_pull_off_separation",
+        units: "m",
+        of: |replica| replica.cycle.approach_pull_off_separation,
+    },
+    Scalar { name: "dissipated_energy", units: "J", of: |replica| replica.cycle.dissipated_energy },
+    Scalar { name: "touchdown_separation", units: "m", of: |replica| replica.cycle.touchdown_separation },
+    Scalar { name: "takeoff_separation", units: "m", of: |replica| replica.cycle.takeoff_separation },
+];
+
+/// The scalars of a job: [`SCALARS`], and of loops behind these [`LOOP_SCALARS`].
+pub fn scalars(cycle: bool) -> impl Iterator<Item = Scalar> {
+    SCALARS.into_iter().chain(LOOP_SCALARS.into_iter().filter(move |_| cycle))
+}

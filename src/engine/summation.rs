@@ -34,6 +34,9 @@ impl Summation {
     /// is that of [`largest_error`] and of the pull-off force.
     pub fn compressed(job: &Job<'_>, tolerance: f64) -> Self {
         let direct = Self { tolerance: Some(tolerance), ..Self::direct() };
+        if job.protocol.cycle.is_some() {
+            return Self { refusal: Some(Unfit::Loop), ..direct };
+        }
         let compression = match Compression::new(job.law, job.surface, job.separations, tolerance) {
             Ok(compression) => compression,
             Err(refusal) => return Self { refusal: Some(refusal), ..direct },

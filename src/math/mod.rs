@@ -11,6 +11,7 @@ pub mod linalg;
 pub mod moments;
 pub mod piecewise;
 pub mod polynomials;
+pub mod proportion;
 pub mod quadrature;
 pub mod roots;
 pub mod sums;

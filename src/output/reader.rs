@@ -154,8 +154,9 @@ impl Reader {
     }
 
     /// The names of its groups.
-    pub fn groups(&self) -> &'static [&'static str] {
-        self.layout.groups
+    pub fn groups(&self) -> Vec<&'static str> {
+        let there = |group: &&&str| guard::group(&self.file, group).is_ok();
+        self.layout.groups.iter().chain(self.layout.optional_groups.iter().filter(there)).copied().collect()
     }
 
     /// The attributes of a group, as text, in the order of their names; in brackets what an attribute is that cannot be shown.

@@ -55,10 +55,18 @@ impl<'c> Writer<'c> {
         self.layout
     }
 
-    /// Writes a text attribute of a group.
+    /// Makes a group that not every file of the layout has.
     ///
     /// # Errors
     /// When HDF5 fails; likewise below.
+    pub fn group(&self, name: &str) -> Result<(), OutputError> {
+        Ok(self.file.create_group(name).map(|_| ())?)
+    }
+
+    /// Writes a text attribute of a group.
+    ///
+    /// # Errors
+    /// When HDF5 fails.
     pub fn text(&self, group: &str, name: &str, text: &str) -> Result<(), OutputError> {
         let group = self.file.group(group)?;
         Ok(write_text(&group, name, text)?)

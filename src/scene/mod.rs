@@ -2,6 +2,7 @@
 
 pub mod echo;
 pub mod files;
+mod instability;
 mod plan;
 mod population;
 mod reader;
@@ -12,6 +13,7 @@ pub mod sweep;
 pub mod units;
 mod validity;
 
+pub use instability::Instability;
 pub use plan::{CoreSeconds, Plan, RegimePlan, beyond};
 pub use reader::{SceneError, nearest};
 pub use sizes::{Choice, Sizes};
@@ -21,7 +23,7 @@ pub use validity::{Warning, warnings, warnings_of_scene};
 
 use crate::asperity::models::{MODELS, Model, PUBLISHED_FITS};
 use crate::asperity::scale::{Asperity, Scale, UNIT_RANGE};
-use crate::asperity::{Family, Law, LawError, Path, Setting, Typical};
+use crate::asperity::{Family, Law, LawError, Loop, Path, Setting, Typical};
 use crate::surface::{RADIUS_RANGE, SamplingScheme, Surface};
 use files::{Files, Input, NoFiles};
 use population::{Population, SURFACE_KEYS, population};
@@ -40,8 +42,21 @@ const SUM_TOLERANCES: std::ops::RangeInclusive<f64> = 1e-13..=1e-3;
 /// The tolerance of compressed sums unless a scene gives one.
 const SUM_TOLERANCE: f64 = 1e-9;
 
-const ROOT_KEYS: [&str; 10] =
-    ["format", "title", "material", "surface", "model", "separation", "ensemble", "solver", "output", "sweep"];
+const ROOT_KEYS: [&str; 11] = [
+    "format",
+    "title",
+    "material",
+    "surface",
+    "model",
+    "separation",
+    "ensemble",
+    "instability",
+    "solver",
+    "output",
+    "sweep",
+];
+/// Name of the path that leads there and back.
+const LOOP: &str = "loop";
 const MATERIAL_KEYS: [&str; 5] =
     ["reduced_modulus", "hardness", "poisson_ratio", "work_of_adhesion", "equilibrium_spacing"];
 const ENSEMBLE_KEYS: [&str; 6] = ["replicas", "target", "min_replicas", "max_replicas", "sampling", "seed"];
@@ -59,8 +74,12 @@ pub struct Scene {
     pub surface: Surface,
     /// The model.
     pub model: Model,
-    /// The history.
+    /// The history; of a loop the way there.
     pub path: Path,
+    /// Whether the surfaces are pulled back, each asperity by its own history.
+    pub cycle: bool,
+    /// What holds the surfaces.
+    pub instability: Instability,
     /// δ_A, m, that is set instead of following from the history; of the published fits only.
     pub critical_approach: Option<f64>,
     /// Separations h, m, rising.
@@ -109,7 +128,11 @@ impl Scene {
         let model = required(root, "model", &["law", "path", "critical_approach"])?;
         let models: Vec<(&str, Model)> = MODELS.iter().map(|model| (model.name, *model)).collect();
         let law = model.require("law", "\"hybrid\"")?.choice("law", &models)?;
-        let path = model.get("path").map_or(Ok(Path::Approach), |entry| entry.choice("path", &Path::ALL))?;
+        let paths: Vec<_> = Path::ALL.into_iter().map(|(name, path)| (name, (path, false))).collect();
+        let paths = [paths, vec![(LOOP, (Path::Approach, true))]].concat();
+        let (path, cycle) =
+            model.get("path").map_or(Ok((Path::Approach, false)), |entry| entry.choice("path", &paths))?;
+        let instability = instability::instability(&root, cycle)?;
         let critical_approach = critical_approach(&model, &law)?;
         let separation = required(root, "separation", &["h", "h_star"])?;
         let separations = separation::separations(&separation, surface.surface_height_std)?;
@@ -142,6 +165,8 @@ impl Scene {
             surface,
             model: law,
             path,
+            cycle,
+            instability,
             critical_approach,
             separations,
             inputs,
@@ -191,6 +216,24 @@ impl Scene {
         Scale::new(&self.asperity).expect("a scene is validated when it is read")
     }
 
+    /// The name of its path.
+    pub fn path_name(&self) -> &'static str {
+        if self.cycle { LOOP } else { self.path.name() }
+    }
+
+    /// States that a surface is summed in: the separations, of a loop twice.
+    pub fn states(&self) -> usize {
+        self.separations.len() * if self.cycle { 2 } else { 1 }
+    }
+
+    /// The loop of an asperity of the scene, if the surfaces are pulled back.
+    ///
+    /// # Errors
+    /// As [`Scene::law_of`].
+    pub fn loop_law(&self) -> Result<Option<Loop>, LawError> {
+        self.cycle.then(|| Loop::new(self.model.build, &self.setting()?)).transpose()
+    }
+
     /// The asperity law of the scene.
     ///
     /// # Errors
@@ -204,13 +247,17 @@ impl Scene {
     /// # Errors
     /// [`LawError`] when the law cannot be made for them.
     pub fn law_of(&self, model: &Model) -> Result<Box<dyn Law>, LawError> {
-        let setting = Setting::new(&self.asperity, self.path, self.reach())?;
-        let law = (model.build)(&Setting { critical_approach: self.critical_approach, ..setting })?;
+        let law = (model.build)(&self.setting()?)?;
         if !self.surface.is_scattered() {
             return Ok(law);
         }
         let family = Family::new(*model, self.asperity, self.path, self.critical_approach, RADIUS_RANGE)?;
         Ok(Box::new(Typical::new(law, family)))
+    }
+
+    fn setting(&self) -> Result<Setting, LawError> {
+        let setting = Setting::new(&self.asperity, self.path, self.reach())?;
+        Ok(Setting { critical_approach: self.critical_approach, ..setting })
     }
 }
 

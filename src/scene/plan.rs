@@ -88,7 +88,7 @@ impl Plan {
     /// Plans a scene under its law.
     pub fn new(scene: &Scene, law: &dyn Law) -> Self {
         let regimes = regimes(scene, law);
-        let pairs = scene.surface.asperity_count as f64 * scene.separations.len() as f64 * scene.replicas as f64;
+        let pairs = scene.surface.asperity_count as f64 * scene.states() as f64 * scene.replicas as f64;
         Self {
             skips: skips(scene, law, &regimes),
             beyond: beyond(scene, law),
@@ -106,7 +106,9 @@ fn core_seconds(scene: &Scene, law: &dyn Law, regimes: &[RegimePlan]) -> CoreSec
         |i: usize| if scene.surface.is_scattered() && law.constant(i).is_none() { SCATTERED.1 } else { law.cost(i) };
     let solving: f64 = regimes.iter().enumerate().map(|(i, plan)| plan.asperities * of_asperity(i)).sum();
     let between = ((sizes.step / SEARCH.1).ceil() - 1.0).min(SEARCH.2);
-    let searched = SEARCH.0.min(s - 1.0) * between + SEARCH.3;
+    // After each preload a surface is pulled back by itself.
+    let turns = scene.separations.len() * scene.instability.preload.len();
+    let searched = SEARCH.0.min(s - 1.0) * between + SEARCH.3 + turns as f64;
     let making = if scene.surface.is_scattered() { SCATTERED.0 } else { 0.0 };
     let direct = (DIRECT.0 + making) * n + (s + searched) * (DIRECT.1 + solving);
     let compressed = COMPRESSED.0 * n + COMPRESSED.1 * s;

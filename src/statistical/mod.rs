@@ -11,9 +11,11 @@
 mod alike;
 mod controls;
 mod model;
+mod way_back;
 
 pub use controls::controls;
 pub use model::Model;
+pub use way_back::external_force_back;
 
 use crate::asperity::{Law, Work};
 use crate::surface::Surface;

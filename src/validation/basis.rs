@@ -1,6 +1,6 @@
 //! Functionals of the force curves for the joint test.
 
-use crate::asperity::{Law, Scratch, Work, for_each_block};
+use crate::asperity::{Family, Law, Loop, Scratch, Work, for_each_block};
 use crate::engine::Probe;
 use crate::math::linalg::{gram, whitening};
 use crate::surface::{CountLaw, Part, STRATA, SamplingScheme, Surface};
@@ -38,7 +38,7 @@ const LARGEST_ERROR: f64 = 0.1;
 pub struct Basis {
     /// Each scaled to a score of unit variance per replica, or per replica's worth of what the sampling scheme leaves to chance.
     pub probes: Vec<Probe>,
-    /// For each separation, whether adhesion force and external force are Gaussian enough to be looked at.
+    /// For each state of the job, whether adhesion force and external force are Gaussian enough to be looked at.
     pub tested: [Vec<bool>; 2],
 }
 
@@ -58,6 +58,13 @@ pub fn basis(law: &dyn Law, surface: &Surface, separations: &[f64], scheme: Samp
     basis_to(law, surface, separations, scheme, replicas, ACCURACY)
 }
 
+/// A law, and the separation d, m, at which it acts on the heights.
+#[derive(Clone, Copy)]
+struct State<'a> {
+    law: &'a dyn Law,
+    separation: f64,
+}
+
 /// The same for sums that are accurate to the share `accuracy` of F_s + P: left out are also eigenvectors that vary so little that this
 /// would count.
 pub fn basis_to(
@@ -68,15 +75,40 @@ pub fn basis_to(
     replicas: u64,
     accuracy: f64,
 ) -> Basis {
+    let states: Vec<State<'_>> = separations.iter().map(|&h| at(law, surface, h)).collect();
+    basis_of(&states, surface, scheme, replicas, accuracy)
+}
+
+/// The same for a loop: its functionals look at both ways, between which only what differs counts.
+pub fn basis_of_loop(
+    cycle: &Loop,
+    surface: &Surface,
+    separations: &[f64],
+    scheme: SamplingScheme,
+    replicas: u64,
+) -> Basis {
+    let closest = surface.asperity_separation(separations[0]);
+    let back: Vec<_> = separations.iter().map(|&h| cycle.at(surface.asperity_separation(h) - closest)).collect();
+    let states = separations.iter().map(|&h| at(cycle.approach(), surface, h));
+    let states: Vec<State<'_>> = states.chain(back.iter().map(|law| at(law, surface, separations[0]))).collect();
+    basis_of(&states, surface, scheme, replicas, ACCURACY)
+}
+
+/// A law at the separation h, m.
+fn at<'a>(law: &'a dyn Law, surface: &Surface, separation: f64) -> State<'a> {
+    State { law, separation: surface.asperity_separation(separation) }
+}
+
+fn basis_of(states: &[State<'_>], surface: &Surface, scheme: SamplingScheme, replicas: u64, accuracy: f64) -> Basis {
     let accuracy = accuracy.max(ACCURACY);
-    let all = separations.len();
+    let all = states.len();
     let stride = all.div_ceil(MAX_SEPARATIONS);
-    let separations: Vec<f64> = separations.iter().copied().step_by(stride).collect();
-    let s = separations.len();
+    let states: Vec<State<'_>> = states.iter().copied().step_by(stride).collect();
+    let s = states.len();
     // Independent contributions in the ensemble: a pair of opposite heights is one.
     let pairs = if scheme == SamplingScheme::Antithetic { 0.5 } else { 1.0 };
     let samples = pairs * surface.asperity_count as f64 * replicas as f64;
-    let contributions = contributions(law, surface, &separations, scheme);
+    let contributions = contributions(&states, surface, scheme);
     let columns: Vec<Column> = contributions
         .values
         .chunks_exact(contributions.weights.len())
@@ -125,14 +157,14 @@ struct Alike {
 }
 
 /// The grid: of each radius its heights.
-fn grid(law: &dyn Law, surface: &Surface) -> Vec<Alike> {
+fn grid(family: Option<&Family>, surface: &Surface) -> Vec<Alike> {
     let mut parts = surface.parts();
     let stride = parts.len().div_ceil(OF_RADIUS.1);
     parts = parts.into_iter().step_by(stride).collect();
     let each = (GRID / parts.len()).max(OF_RADIUS.0);
     let alike = |part: Part| {
         let Part { weight, radius, heights, .. } = part;
-        let law = law.family().map(|family| family.law(radius, None));
+        let law = family.map(|family| family.law(radius, None));
         if let Some(values) = heights.values() {
             let heights: Vec<f64> = values.iter().step_by(values.len().div_ceil(GRID)).copied().collect();
             let weights = vec![weight / heights.len() as f64; heights.len()];
@@ -150,21 +182,20 @@ fn grid(law: &dyn Law, surface: &Surface) -> Vec<Alike> {
     parts.into_iter().map(alike).collect()
 }
 
-fn contributions(law: &dyn Law, surface: &Surface, separations: &[f64], scheme: SamplingScheme) -> Contributions {
-    let grid = grid(law, surface);
+fn contributions(states: &[State<'_>], surface: &Surface, scheme: SamplingScheme) -> Contributions {
+    let grid = grid(states[0].law.family(), surface);
     let mut weights: Vec<f64> = grid.iter().flat_map(|alike| alike.weights.iter().copied()).collect();
     let total: f64 = weights.iter().sum();
     weights.iter_mut().for_each(|weight| *weight /= total);
     let count = weights.len();
-    let mut values = vec![0.0; 2 * separations.len() * count];
-    let (adhesion, external) = values.split_at_mut(separations.len() * count);
+    let mut values = vec![0.0; 2 * states.len() * count];
+    let (adhesion, external) = values.split_at_mut(states.len() * count);
     let (mut scratch, mut work) = (Scratch::default(), Work::default());
     let mut first = 0;
     for alike in &grid {
-        let law = alike.law.as_deref().unwrap_or(law);
-        for (k, &h) in separations.iter().enumerate() {
-            let d = surface.asperity_separation(h);
-            for_each_block(law, &alike.heights, d, &mut scratch, &mut work, |_, range, responses| {
+        for (k, state) in states.iter().enumerate() {
+            let law = alike.law.as_deref().unwrap_or(state.law);
+            for_each_block(law, &alike.heights, state.separation, &mut scratch, &mut work, |_, range, responses| {
                 for (i, node) in range.enumerate() {
                     let place = k * count + first + node;
                     adhesion[place] = responses.adhesion[i];

@@ -10,7 +10,7 @@ mod basis;
 mod joint;
 mod several;
 
-pub use basis::{Basis, basis, basis_to};
+pub use basis::{Basis, basis, basis_of_loop, basis_to};
 pub use joint::{JointTest, SIGNIFICANCE, Verdict};
 pub use several::{Difference, disagreeing, overall};
 

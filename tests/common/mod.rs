@@ -8,7 +8,7 @@ use std::sync::Mutex;
 use stiction::asperity::models::model;
 use stiction::asperity::scale::Asperity;
 use stiction::asperity::{Law, Path, Regime, Responses, Scratch, Setting, Work, for_each_block};
-use stiction::engine::Job;
+use stiction::engine::{Job, Protocol};
 use stiction::math::instruction_set::InstructionSet;
 use stiction::surface::{Roughness, SamplingScheme, Surface};
 
@@ -54,6 +54,7 @@ pub fn job<'a>(law: &'a dyn Law, surface: &'a Surface, separations: &'a [f64], r
         controls: &[],
         keep_curves: false,
         compression: None,
+        protocol: Protocol::default(),
     }
 }
 

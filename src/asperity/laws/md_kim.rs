@@ -79,6 +79,10 @@ impl Part for ConstantStress {
         4.0
     }
 
+    fn capture(&self) -> Option<f64> {
+        Some(self.onset * self.scale.length)
+    }
+
     fn evaluate(&self, interference: &[f64], out: &mut Responses, work: &mut Work) {
         let (inverse, begin) = (1.0 / self.scale.length, self.begin * self.scale.length);
         for (i, &delta) in interference.iter().enumerate() {

@@ -18,7 +18,7 @@ use crate::output::Claim;
 use crate::output::progress::Progress;
 use crate::output::schema::COMPARISON;
 use crate::output::writer::Writer;
-use crate::scene::{Scene, Sizes, Warning, beyond, warnings_of_scene};
+use crate::scene::{Instability, Scene, Sizes, Warning, beyond, warnings_of_scene};
 use crate::statistical::{Model as Integral, Statistical};
 use crate::validation::JointTest;
 use std::sync::atomic::AtomicBool;
@@ -82,6 +82,13 @@ pub(super) fn compare(arguments: &CompareArguments) -> Result<(), Failure> {
         let advice = "give --replicas with the number for all of them";
         return Err(Failure::Usage(format!("{}: {problem}; {advice}", arguments.scene.display())));
     }
+    if scene.cycle {
+        let path = arguments.scene.display();
+        let problem = "path = \"loop\": laws are compared on one way; give \"approach\" or \"retraction\"";
+        return Err(Failure::Usage(format!("{path}: {problem}")));
+    }
+    // What holds the surfaces is a question of `stiction run`.
+    scene.instability = Instability::default();
     let laws: Vec<Box<dyn Law>> =
         models.iter().map(|model| law_of(&scene, model, &arguments.scene)).collect::<Result<_, _>>()?;
     if let Some(output) = &arguments.output {
@@ -183,15 +190,15 @@ fn sample(
     stop: &AtomicBool,
     progress: &mut Progress,
 ) -> Result<Sampled, Failure> {
-    let basis = basis_of(scene, law);
-    let setup = Sampling { scene, law, basis: &basis, controls: &[], rule: None, keep_curves: false };
+    let basis = basis_of(scene, law, None);
+    let setup = Sampling { scene, law, cycle: None, basis: &basis, controls: &[], rule: None, keep_curves: false };
     let start = Ensemble::new(&setup.job());
     let (outcome, summation) = setup.run(name, pool, stop, progress, start, |_, _| Ok(()))?;
     let Outcome::Complete(ensemble) = outcome else {
         let done = outcome.ensemble().replicas.len() as u64;
         return Err(Failure::Interrupted { done, of: scene.replicas, kept: false });
     };
-    let (z, joint) = cross_check(&ensemble, statistical, &basis, scene);
+    let (z, joint) = cross_check(&ensemble, &[statistical], &basis, scene);
     Ok(Sampled { ensemble, summation, z, joint })
 }
 

@@ -75,6 +75,9 @@ pub enum Unfit {
     /// Asperities of several radii have no law in common.
     #[error("asperities differ in their radii, so no law is that of all")]
     Scattered,
+    /// Surfaces are pulled back.
+    #[error("on the way back of a loop the law is another at every separation")]
+    Loop,
     /// Measured against direct sums.
     #[error("the tolerance is not met, the achieved error is {0:.1e}")]
     NotMet(f64),

@@ -10,6 +10,7 @@ pub static ASPERITIES: Layout = Layout {
     command: "stiction asperities",
     version: [1, 0],
     groups: &["asperities", "surface", "measured", "equivalent"],
+    optional_groups: &[],
     of_points: None,
     variables: VARIABLES,
 };

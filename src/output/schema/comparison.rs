@@ -17,6 +17,7 @@ pub static COMPARISON: Layout = Layout {
     command: "stiction compare",
     version: [1, 1],
     groups: &["statistical", "asperity", "validity", "fit", "ensemble", "replicas", "validation"],
+    optional_groups: &[],
     variables: VARIABLES,
     of_points: None,
 };

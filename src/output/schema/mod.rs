@@ -23,6 +23,8 @@ pub struct Layout {
     pub version: [u32; 2],
     /// Its groups.
     pub groups: &'static [&'static str],
+    /// Groups that some of its files have.
+    pub optional_groups: &'static [&'static str],
     /// All datasets that a file may hold, but for those of points.
     pub variables: &'static [Variable],
     /// The layout of a file of each point, for a file of points: it may hold the datasets of that too, led by the dimensions of the
@@ -92,6 +94,12 @@ pub enum Dimension {
     Target,
     /// Asperities of a measured surface.
     Asperity,
+    /// Steps between neighbouring separations, m.
+    Step,
+    /// Stiffnesses of what holds the surfaces, N/m.
+    Stiffness,
+    /// External forces at which the surfaces turn back, N.
+    Preload,
 }
 
 impl Dimension {
@@ -118,6 +126,9 @@ impl Dimension {
             Self::Freedom => "freedom",
             Self::Target => "target",
             Self::Asperity => "asperity",
+            Self::Step => "step",
+            Self::Stiffness => "stiffness",
+            Self::Preload => "preload",
         }
     }
 
@@ -182,7 +193,15 @@ mod tests {
                     assert_eq!(scale.dimensions, [*dimension]);
                 }
                 let group = variable.path[1..].split_once('/').map(|(group, _)| group);
-                assert!(group.is_none_or(|group| layout.groups.contains(&group)), "{}", variable.path);
+                assert!(
+                    group.is_none_or(|group| layout
+                        .groups
+                        .iter()
+                        .chain(layout.optional_groups)
+                        .any(|known| *known == group)),
+                    "{}",
+                    variable.path
+                );
             }
         }
     }

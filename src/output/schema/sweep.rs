@@ -10,6 +10,7 @@ pub static SWEEP: Layout = Layout {
     command: "stiction run",
     version: [1, 0],
     groups: &["ensemble", "replicas", "statistical", "validation", "diagnostics", "differences"],
+    optional_groups: RUN.optional_groups,
     variables: VARIABLES,
     of_points: Some(&RUN),
 };

@@ -1,0 +1,359 @@
+//! One asperity that is brought close and pulled back: each with its own history.
+//!
+//! # Formula
+//! When the surfaces turn, an asperity has the interference ω_max; at a distance s ≥ 0 from there it has δ = ω_max − s, and what it does
+//! is a function of ω_max and s alone. So all asperities of a surface at one distance obey one law in the variable ω_max,
+//! [`Loop::at`]:
+//!
+//! | ω_max | what acts |
+//! |---|---|
+//! | below first touch | the law on approach at δ: nothing has been touched, so the way back is the way there |
+//! | up to ω_c | the law on retraction at δ: contact lasts to the end of its stable branch |
+//! | above ω_c | the unloading of an elastic-plastic contact, below |
+//!
+//! After plastic flow the asperity is lower by its residual interference ω_res, and springs back by ω_max − ω_res only. With x = ω_max/ω_c
+//! (Etsion, Kligerman and Kadin 2005)
+//!
+//! ω_res/ω_max = (1 − x^−0.28)(1 − x^−0.69), P/P_max = r^(1.5 x^−0.0331), A/A_max = r^(x^−0.12), r = (δ − ω_res)/(ω_max − ω_res),
+//!
+//! with P_max and A_max of the law on approach at ω_max. At x = 1 that is Hertz's contact.
+//!
+//! # Adhesion
+//! The unloading is published without adhesion. What attracts acts outside the contact, across the gap beside it, and the shape of
+//! that gap is what plastic flow has left behind: it does not heal. So F_s keeps its value at ω_max for as long as there is contact, as in the
+//! DMT limit, for which the elastic-plastic adhesion was computed. Contact lasts, without load, to the place where that of an elastic
+//! asperity would end, counted from the lowered top: to δ − ω_res = −δ_A on retraction. From there on the asperity is one whose top
+//! is lower by ω_res: lubricant and attraction across the gap at δ − ω_res.
+//!
+//! # Validity
+//! One cycle from a fresh surface. The unloading was computed for loads up to the limits of the elastic-plastic fits; in the fully plastic
+//! regime it is used beyond them, without adhesion, as there is none on approach. Its ω_c is taken to be that of the law. Where the
+//! attraction across the gap has two states, both ways take the outer one, as the laws do. Source: Etsion, Kligerman and Kadin, Int.
+//! J. Solids Struct. 42 (2005) 3716.
+
+use super::law::{Boundary, Law, Piece, Regime, Responses, Smoothness};
+use super::models::Build;
+use super::{BLOCK, LawError, Path, Setting, Work};
+use crate::math::roots::{Sample, safe_newton};
+
+/// Exponents of x in ω_max − ω_res = ω_c (x^0.72 + x^0.31 − x^0.03), and their signs.
+const RECOVERY: [(f64, f64); 3] = [(0.72, 1.0), (0.31, 1.0), (0.03, -1.0)];
+/// Exponent of the load over r at x = 1, and that of x in it.
+const LOAD: (f64, f64) = (1.5, -0.0331);
+/// Exponent of x in the exponent of the area over r.
+const AREA: f64 = -0.12;
+/// The powers of r are no power series in any root of it; in the tenth what is left is too smooth to matter.
+const ORDER: i32 = 10;
+/// Nanoseconds that unloading takes beside the law, and the lowered top alone.
+const COSTS: (f64, f64) = (120.0, 50.0);
+
+/// The laws of one asperity on the way there and on the way back.
+pub struct Loop {
+    approach: Box<dyn Law>,
+    retraction: Box<dyn Law>,
+    /// ω_c, m.
+    critical: f64,
+    /// Interference, m, from which the way back is another than the way there.
+    capture: f64,
+    /// Index of the first regime of contact, and of the first above ω_c.
+    first_contact: usize,
+    first_plastic: usize,
+}
+
+impl Loop {
+    /// The loop of a law that `build` makes for a setting, whatever its path.
+    ///
+    /// # Errors
+    /// [`LawError`] when the law cannot be made.
+    pub fn new(build: Build, setting: &Setting) -> Result<Self, LawError> {
+        let [approach, retraction] =
+            [Path::Approach, Path::Retraction].map(|path| build(&Setting { path, ..*setting }));
+        let (approach, retraction) = (approach?, retraction?);
+        let regimes = approach.regimes();
+        let first = |is: fn(&Regime) -> bool| regimes.iter().position(is).unwrap_or(regimes.len());
+        let (first_contact, first_plastic) = (first(|regime| regime.is_contact()), first(|regime| is_plastic(*regime)));
+        let touch = begin_of(approach.as_ref(), first_contact);
+        let capture = approach.capture().map_or(touch, |capture| capture.min(touch));
+        Ok(Self {
+            critical: setting.critical_interference,
+            approach,
+            retraction,
+            capture,
+            first_contact,
+            first_plastic,
+        })
+    }
+
+    /// The law on the way there.
+    pub fn approach(&self) -> &dyn Law {
+        self.approach.as_ref()
+    }
+
+    /// Interference of first touch on the way there, m.
+    pub fn touch(&self) -> f64 {
+        begin_of(self.approach.as_ref(), self.first_contact)
+    }
+
+    /// Interference at which an elastic contact ends on the way back, m.
+    pub fn release(&self) -> f64 {
+        begin_of(self.retraction.as_ref(), self.first_contact)
+    }
+
+    /// ω_max − ω_res, m, by which an asperity of the interference ω_max, m, springs back at most: all of it up to ω_c.
+    pub fn recovery(&self, largest: f64) -> f64 {
+        if largest <= self.top() || self.first_plastic == self.approach.regimes().len() {
+            return largest;
+        }
+        let log = libm::log(largest / self.critical);
+        self.critical * RECOVERY.iter().map(|(exponent, sign)| sign * libm::exp(exponent * log)).sum::<f64>()
+    }
+
+    /// The distance, m, at which an asperity of the interference ω_max, m, loses contact on the way back; none if it has none, or lies
+    /// beyond the law's end.
+    pub fn takeoff(&self, largest: f64) -> Option<f64> {
+        let end = self.approach.boundaries().get(self.approach.regimes().len() - 1);
+        let inside = largest >= self.touch() && end.is_none_or(|end| end.is_above(largest));
+        inside.then(|| self.recovery(largest) - self.release())
+    }
+
+    /// The law at the distance `distance` ≥ 0, m, from the closest approach, in the variable ω_max.
+    pub fn at(&self, distance: f64) -> Retraction<'_> {
+        Retraction::new(self, distance)
+    }
+
+    /// End of the elastic regime, m.
+    fn top(&self) -> f64 {
+        self.approach.boundaries().get(self.first_plastic - 1).map_or(f64::INFINITY, |end| end.interference)
+    }
+
+    /// The ω_max, m, whose recovery is that, m: the inverse of [`Loop::recovery`], below ω_c continued with its slope there, which is 1.
+    fn recovered_from(&self, recovery: f64) -> f64 {
+        let wanted = recovery / self.critical;
+        if !(wanted > 1.0) || wanted.is_infinite() {
+            return recovery;
+        }
+        // All terms but the first are not negative in sum.
+        let highest = libm::pow(wanted, 1.0 / RECOVERY[0].0) * (1.0 + 1e-12);
+        let f = |x: f64| {
+            let log = libm::log(x);
+            let powers = RECOVERY.map(|(exponent, sign)| sign * libm::exp(exponent * log));
+            let slope: f64 = powers.iter().zip(RECOVERY).map(|(power, (exponent, _))| exponent * power).sum();
+            Sample { value: wanted - powers.iter().sum::<f64>(), slope: -slope / x }
+        };
+        let close = |_: f64, sample: Sample| sample.value.abs() <= 2.0 * f64::EPSILON * wanted;
+        self.critical * safe_newton(f, 1.0, highest, wanted, close).x
+    }
+}
+
+/// Interference at which a regime begins, m.
+fn begin_of(law: &dyn Law, regime: usize) -> f64 {
+    if regime == 0 { f64::NEG_INFINITY } else { law.boundaries()[regime - 1].interference }
+}
+
+/// Whether a regime is above ω_c.
+fn is_plastic(regime: Regime) -> bool {
+    matches!(regime, Regime::Elastoplastic1 | Regime::Elastoplastic2 | Regime::Plastic)
+}
+
+/// What has become of an asperity, and the regime of the law that it is in.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum State {
+    /// It has never touched.
+    Untouched(usize),
+    /// It is elastic and has touched.
+    Elastic(usize),
+    /// It has flowed and is out of contact.
+    Lowered(usize),
+    /// It has flowed and is in contact; the regime is that of ω_max.
+    Unloading(usize),
+}
+
+impl State {
+    fn regime(self) -> usize {
+        let (Self::Untouched(regime) | Self::Elastic(regime) | Self::Lowered(regime) | Self::Unloading(regime)) = self;
+        regime
+    }
+}
+
+/// The law of a [`Loop`] at one distance from the closest approach. Its interference is ω_max. Its regimes are those of the law, some
+/// more than once: [`Retraction::base`].
+pub struct Retraction<'a> {
+    cycle: &'a Loop,
+    distance: f64,
+    states: Vec<State>,
+    regimes: Vec<Regime>,
+    base: Vec<usize>,
+    boundaries: Vec<Boundary>,
+}
+
+impl<'a> Retraction<'a> {
+    fn new(cycle: &'a Loop, distance: f64) -> Self {
+        let mut law = Self {
+            cycle,
+            distance,
+            states: Vec::with_capacity(12),
+            regimes: Vec::with_capacity(12),
+            base: Vec::with_capacity(12),
+            boundaries: Vec::with_capacity(12),
+        };
+        let Loop { approach, retraction, capture, first_contact, first_plastic, .. } = cycle;
+        let shifted = |boundary: Boundary| Boundary { interference: boundary.interference + distance, ..boundary };
+        let captured = Boundary { interference: *capture, belongs_below: false };
+        for regime in 0..*first_contact {
+            law.push(State::Untouched(regime), Some(lower(shifted(approach.boundaries()[regime]), captured)));
+        }
+        let top = approach.boundaries().get(first_plastic - 1).copied();
+        for regime in 0..*first_plastic {
+            let end = retraction.boundaries().get(regime).filter(|_| regime + 1 < *first_plastic);
+            let end = end.map(|end| higher(shifted(*end), captured));
+            let end = match (end, top) {
+                (Some(end), Some(top)) => Some(lower(end, top)),
+                (end, top) => end.or(top),
+            };
+            law.push(State::Elastic(regime), end);
+        }
+        let Some(top) = top.filter(|_| *first_plastic < approach.regimes().len()) else { return law };
+        let mut end = top;
+        for regime in 0..*first_contact {
+            let Boundary { interference, belongs_below } = shifted(retraction.boundaries()[regime]);
+            let interference = cycle.recovered_from(interference);
+            end = higher(Boundary { interference, belongs_below }, top);
+            law.push(State::Lowered(regime), Some(end));
+        }
+        for regime in *first_plastic..approach.regimes().len() {
+            law.push(State::Unloading(regime), approach.boundaries().get(regime).map(|upper| higher(*upper, end)));
+        }
+        law
+    }
+
+    fn push(&mut self, state: State, end: Option<Boundary>) {
+        self.states.push(state);
+        self.base.push(state.regime());
+        self.regimes.push(self.cycle.approach.regimes()[state.regime()]);
+        self.boundaries.extend(end);
+    }
+
+    /// For each of its regimes, which one it is of the law on approach.
+    pub fn base(&self) -> &[usize] {
+        &self.base
+    }
+
+    /// The law that acts in a state.
+    fn law(&self, state: State) -> &dyn Law {
+        match state {
+            State::Untouched(_) | State::Unloading(_) => self.cycle.approach.as_ref(),
+            State::Elastic(_) | State::Lowered(_) => self.cycle.retraction.as_ref(),
+        }
+    }
+
+    /// Pieces of a state, of which `place` says where an interference of the law is, m, within `limits`.
+    fn moved(&self, index: usize, limits: (f64, f64), place: impl Fn(f64) -> f64) -> impl Iterator<Item = Piece> {
+        let state = self.states[index];
+        let pieces = self.law(state).pieces().into_iter().filter(move |piece| piece.regime == state.regime());
+        let moved = pieces.map(move |piece| Piece {
+            regime: index,
+            lower: place(piece.lower).max(limits.0),
+            upper: place(piece.upper).min(limits.1),
+            smoothness: match piece.smoothness {
+                Smoothness::Root { place: root, order } => Smoothness::Root { place: place(root), order },
+                Smoothness::Smooth => Smoothness::Smooth,
+            },
+        });
+        moved.filter(|piece| piece.lower < piece.upper)
+    }
+
+    /// Pieces of a contact that is unloaded: without load, and under it.
+    fn unloading(&self, index: usize, limits: (f64, f64)) -> Vec<Piece> {
+        let unloaded = self.cycle.recovered_from(self.distance);
+        let bare = self.moved(index, (limits.0, limits.1.min(unloaded)), |place| place);
+        let loaded = self.moved(index, (limits.0.max(unloaded), limits.1), |place| place);
+        let smoothness = Smoothness::Root { place: unloaded, order: ORDER };
+        bare.chain(loaded.map(|piece| Piece { smoothness, ..piece })).collect()
+    }
+
+    /// Forces of contacts above ω_c that are unloaded from ω_max, m, at which `out` has them.
+    fn unload(&self, largest: &[f64], out: &mut Responses) {
+        for (i, &largest) in largest.iter().enumerate() {
+            let log = libm::log(largest / self.cycle.critical);
+            let recovery = self.cycle.recovery(largest);
+            let ratio = libm::log(((recovery - self.distance) / recovery).max(0.0));
+            out.contact[i] *= libm::exp(LOAD.0 * libm::exp(LOAD.1 * log) * ratio);
+            out.area[i] *= libm::exp(libm::exp(AREA * log) * ratio);
+        }
+    }
+}
+
+/// The lower of two boundaries, the second where they are at the same place.
+fn lower(a: Boundary, b: Boundary) -> Boundary {
+    if a.interference < b.interference { a } else { b }
+}
+
+/// The higher of two boundaries, the second where they are at the same place.
+fn higher(a: Boundary, b: Boundary) -> Boundary {
+    if a.interference > b.interference { a } else { b }
+}
+
+impl Law for Retraction<'_> {
+    fn regimes(&self) -> &[Regime] {
+        &self.regimes
+    }
+
+    fn boundaries(&self) -> &[Boundary] {
+        &self.boundaries
+    }
+
+    fn pieces(&self) -> Vec<Piece> {
+        let mut pieces = Vec::new();
+        let mut lower = f64::NEG_INFINITY;
+        for (index, state) in self.states.iter().enumerate() {
+            let upper = self.boundaries.get(index).map_or(f64::INFINITY, |end| end.interference);
+            let limits = (lower, upper);
+            match state {
+                State::Untouched(_) | State::Elastic(_) => {
+                    pieces.extend(self.moved(index, limits, |place| place + self.distance));
+                }
+                State::Lowered(_) => {
+                    pieces.extend(self.moved(index, limits, |place| self.cycle.recovered_from(place + self.distance)));
+                }
+                State::Unloading(_) => pieces.extend(self.unloading(index, limits)),
+            }
+            lower = upper;
+        }
+        pieces
+    }
+
+    fn cost(&self, regime: usize) -> f64 {
+        let state = self.states[regime];
+        let own = match state {
+            State::Unloading(_) => COSTS.0,
+            State::Lowered(_) => COSTS.1,
+            State::Untouched(_) | State::Elastic(_) => 0.0,
+        };
+        own + self.law(state).cost(state.regime())
+    }
+
+    fn constant(&self, regime: usize) -> Option<f64> {
+        let state = self.states[regime];
+        self.law(state).constant(state.regime()).filter(|_| !matches!(state, State::Unloading(_)))
+    }
+
+    fn evaluate(&self, regime: usize, interference: &[f64], out: &mut Responses, work: &mut Work) {
+        let state = self.states[regime];
+        let (law, base) = (self.law(state), state.regime());
+        if let State::Unloading(_) = state {
+            law.evaluate(base, interference, out, work);
+            self.unload(interference, out);
+            return;
+        }
+        // Rounding must not lead out of the regime.
+        let upper = law.boundaries().get(base).map_or(f64::INFINITY, |end| end.interference);
+        let lower = begin_of(law, base).min(upper);
+        let mut own = [0.0; BLOCK];
+        let own = &mut own[..interference.len()];
+        for (delta, &largest) in own.iter_mut().zip(interference) {
+            let recovery = if let State::Lowered(_) = state { self.cycle.recovery(largest) } else { largest };
+            *delta = (recovery - self.distance).clamp(lower, upper);
+        }
+        law.evaluate(base, own, out, work);
+    }
+}

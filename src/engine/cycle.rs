@@ -1,0 +1,171 @@
+//! The way back of one surface, and what is kept of a surface that is brought close and pulled back.
+
+use super::instability::{Holding, Snap, Turn, largest_snap, reached};
+use super::replica::{RegimeSums, Sums};
+use super::{Job, Protocol};
+use crate::asperity::{Loop, Quantity};
+use crate::math::extrema::Extremum;
+use crate::math::words::Words;
+
+/// Parts of the space between two separations at whose ends the pull-off of the way back is sought.
+const PARTS: usize = 16;
+
+/// What is kept of a replica whose way back is another than its way there.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Cycle {
+    /// −min F on the way there, between the separations too, N.
+    pub approach_pull_off_force: f64,
+    /// Separation h there, m.
+    pub approach_pull_off_separation: f64,
+    /// ∫F dh of the way there less that of the way back, J, with F in straight lines between the separations.
+    pub dissipated_energy: f64,
+    /// Separation h at which the highest asperity touches on the way there, m, wherever the separations are.
+    pub touchdown_separation: f64,
+    /// Separation h at which the last contact is lost on the way back, m; NaN if there was none.
+    pub takeoff_separation: f64,
+}
+
+impl Cycle {
+    /// Its number of words.
+    pub const WORDS: usize = 5;
+
+    /// Of a surface: heights (m) rising, external force (N) of both ways over the separations of the job, and the pull-off on the way there.
+    pub(super) fn new(
+        job: &Job<'_>,
+        cycle: &Loop,
+        heights: &[f64],
+        external: [&[f64]; 2],
+        pull_off: &Extremum,
+    ) -> Self {
+        let (surface, closest) = (job.surface, job.separations[0]);
+        let d = surface.asperity_separation(closest);
+        let highest = heights.last().copied().unwrap_or(f64::NEG_INFINITY);
+        // The higher an asperity, the longer it keeps contact; some may lie beyond the law's end.
+        let takeoff = heights.iter().rev().find_map(|u| cycle.takeoff(u - d));
+        Self {
+            approach_pull_off_force: -pull_off.value,
+            approach_pull_off_separation: pull_off.place,
+            dissipated_energy: area_between(job.separations, external),
+            touchdown_separation: highest - cycle.touch() + surface.mean_plane_offset,
+            takeoff_separation: takeoff.map_or(f64::NAN, |distance| closest + distance),
+        }
+    }
+}
+
+impl Words for Cycle {
+    fn each_word(&mut self, visit: &mut dyn FnMut(&mut u64)) {
+        self.approach_pull_off_force.each_word(visit);
+        self.approach_pull_off_separation.each_word(visit);
+        self.dissipated_energy.each_word(visit);
+        self.touchdown_separation.each_word(visit);
+        self.takeoff_separation.each_word(visit);
+    }
+}
+
+/// The integral of the first of two curves less the second over rising places, by the trapezoidal rule.
+pub fn area_between(places: &[f64], [first, second]: [&[f64]; 2]) -> f64 {
+    let difference = |k: usize| first[k] - second[k];
+    let strip = |k: usize| 0.5 * (places[k + 1] - places[k]) * (difference(k) + difference(k + 1));
+    (0..places.len() - 1).map(strip).sum()
+}
+
+/// A surface that is pulled back from a separation.
+pub(super) struct WayBack<'a> {
+    cycle: &'a Loop,
+    /// Rising, m.
+    heights: &'a [f64],
+    /// Separation h where it begins, m, and of flat and asperity mean plane there.
+    from: f64,
+    closest: f64,
+    /// m.
+    offset: f64,
+}
+
+impl<'a> WayBack<'a> {
+    /// From the separation h `from`, m.
+    pub fn new(job: &Job<'_>, cycle: &'a Loop, heights: &'a [f64], from: f64) -> Self {
+        let closest = job.surface.asperity_separation(from);
+        Self { cycle, heights, from, closest, offset: job.surface.mean_plane_offset }
+    }
+
+    /// Sums the surface at a separation h, m.
+    pub fn sum(&self, sums: &mut Sums, separation: f64) {
+        // As on the way there, so that the distances are those of its interferences.
+        let distance = if separation == self.from { 0.0 } else { separation - self.offset - self.closest };
+        let law = self.cycle.at(distance);
+        sums.over(&law, Some(law.base()), self.heights, self.closest);
+    }
+
+    fn external_force(&self, sums: &mut Sums, separation: f64) -> f64 {
+        self.sum(sums, separation);
+        RegimeSums::total(&sums.regimes)[Quantity::ExternalForce.index()]
+    }
+
+    /// The smallest external force from its samples: separations h, m, rising, and forces, N. Between the neighbours of the smallest the
+    /// surface is solved at every sixteenth of the way.
+    pub fn pull_off(&self, sums: &mut Sums, samples: &[(f64, f64)]) -> Extremum {
+        let smallest = (1..samples.len()).fold(0, |best, k| if samples[k].1 < samples[best].1 { k } else { best });
+        let at_edge = smallest == 0 || smallest + 1 == samples.len();
+        let mut deepest = samples[smallest];
+        for pair in samples[smallest.saturating_sub(1)..samples.len().min(smallest + 2)].windows(2) {
+            for part in 1..PARTS {
+                let h = pair[0].0 + (pair[1].0 - pair[0].0) * part as f64 / PARTS as f64;
+                let force = self.external_force(sums, h);
+                if force < deepest.1 {
+                    deepest = (h, force);
+                }
+            }
+        }
+        Extremum { place: deepest.0, value: deepest.1, at_edge: at_edge && deepest == samples[smallest] }
+    }
+}
+
+/// The snaps of a surface, in the order of [`Holding::length`], from its curves, N, over the separations of the job: on its way, or on its
+/// way there and back.
+pub(super) fn snaps(
+    job: &Job<'_>,
+    heights: &[f64],
+    sums: &mut Sums,
+    there: &[f64],
+    back: Option<(&[f64], Extremum)>,
+) -> Vec<f64> {
+    let Protocol { cycle, holding } = job.protocol;
+    let Holding { stiffness, preload, ways } = holding;
+    let mut numbers = Vec::with_capacity(holding.length());
+    let samples = |force: &[f64]| job.separations.iter().copied().zip(force.iter().copied()).collect::<Vec<_>>();
+    let add = |numbers: &mut Vec<f64>, snap: &dyn Fn(f64) -> Snap| {
+        stiffness.iter().for_each(|&stiffness| numbers.extend(snap(stiffness).numbers()));
+    };
+    if ways.0 {
+        let inward: Vec<(f64, f64)> = samples(there).into_iter().rev().collect();
+        add(&mut numbers, &|stiffness| largest_snap(&inward, stiffness));
+    }
+    if holding.retractions() == 0 {
+        return numbers;
+    }
+    let turn = |separation: f64, pull_off: &Extremum| Turn {
+        separation,
+        pull_off_force: -pull_off.value,
+        pull_off_separation: pull_off.place,
+    };
+    let (Some(cycle), false) = (cycle, preload.is_empty()) else {
+        let Some((force, pull_off)) = back else { return numbers };
+        numbers.extend(turn(job.separations[0], &pull_off).numbers());
+        let outward = samples(force);
+        add(&mut numbers, &|stiffness| largest_snap(&outward, stiffness));
+        return numbers;
+    };
+    for &preload in preload {
+        let Some((nearer, from)) = reached(job.separations, there, preload) else {
+            numbers.extend(Turn::UNKNOWN.numbers());
+            add(&mut numbers, &|_| Snap::UNKNOWN);
+            continue;
+        };
+        let way = WayBack::new(job, cycle, heights, from);
+        let places = [from].into_iter().chain(job.separations[nearer + 1..].iter().copied().filter(|h| *h > from));
+        let outward: Vec<(f64, f64)> = places.map(|h| (h, way.external_force(sums, h))).collect();
+        numbers.extend(turn(from, &way.pull_off(sums, &outward)).numbers());
+        add(&mut numbers, &|stiffness| largest_snap(&outward, stiffness));
+    }
+    numbers
+}

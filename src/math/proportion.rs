@@ -1,0 +1,38 @@
+//! A probability from how often something happened.
+
+/// Standard deviations of a Gaussian between which 95 % lie.
+const QUANTILE: f64 = 1.959_963_984_540_054;
+
+/// The interval of Wilson (1927, J. Am. Stat. Assoc. 22, 209) that covers the probability of something with about 95 %, if it happened
+/// `count` times in `of` independent trials: from and to. NaN without a trial.
+pub fn wilson_interval(count: u64, of: u64) -> (f64, f64) {
+    let (n, share, square) = (of as f64, count as f64 / of as f64, QUANTILE * QUANTILE);
+    let middle = share + 0.5 * square / n;
+    let half = QUANTILE * (share * (1.0 - share) / n + 0.25 * square / (n * n)).sqrt();
+    let end = |value: f64| value / (1.0 + square / n);
+    // Rounding would lead a little beyond the ends of 0..1, or not quite there.
+    let low = if count == 0 && of > 0 { 0.0 } else { end(middle - half) };
+    let high = if count == of && of > 0 { 1.0 } else { end(middle + half) };
+    (low, high)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// From scipy.stats.binomtest(...).proportion_ci(method="wilson").
+    #[test]
+    fn intervals_are_those_of_scipy() {
+        let cases = [
+            (0, 10, 0.0, 0.27753279986288926),
+            (3, 10, 0.10779126740630102, 0.6032218525388546),
+            (10, 10, 0.7224672001371109, 1.0),
+            (497, 1000, 0.4660816352651897, 0.5279413252857236),
+        ];
+        for (count, of, low, high) in cases {
+            let interval = wilson_interval(count, of);
+            assert!((interval.0 - low).abs() < 1e-14 && (interval.1 - high).abs() < 1e-14, "{count}: {interval:?}");
+        }
+        assert!(wilson_interval(0, 0).0.is_nan() && wilson_interval(0, 0).1.is_nan());
+    }
+}

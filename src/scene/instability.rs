@@ -1,0 +1,44 @@
+//! What holds the surfaces of a scene.
+
+use super::reader::{Entry, SceneError, Section};
+use super::units::Dimension;
+use toml::de::DeValue;
+
+/// Most stiffnesses, and most preloads, of a scene.
+const MOST: usize = 200;
+
+/// What holds the surfaces; empty when that is not asked for.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Instability {
+    /// Stiffnesses, N/m; 0 for load control.
+    pub stiffness: Vec<f64>,
+    /// External forces, N, at which the approach ends; none for the smallest separation.
+    pub preload: Vec<f64>,
+}
+
+/// Reads the table `[instability]`, if it is there. A preload is for surfaces that are pulled back after they have been brought close.
+pub(super) fn instability(root: &Section<'_>, cycle: bool) -> Result<Instability, SceneError> {
+    let Some(section) = root.section("instability", &["stiffness", "preload"], false)? else {
+        return Ok(Instability::default());
+    };
+    let stiffness = section.require("stiffness", Dimension::Stiffness.example())?;
+    let stiffness = one_or_more(&stiffness, &|entry| entry.not_negative(Dimension::Stiffness))?;
+    let Some(preload) = section.get("preload") else { return Ok(Instability { stiffness, preload: Vec::new() }) };
+    if !cycle {
+        return Err(preload.wrong("a preload is where a loop turns back; it needs path = \"loop\" in [model]"));
+    }
+    let preload = one_or_more(&preload, &|entry| entry.positive(Dimension::Force))?;
+    Ok(Instability { stiffness, preload })
+}
+
+/// A value, or a list of them, read by `value`.
+fn one_or_more(
+    entry: &Entry<'_>,
+    value: &dyn Fn(&Entry<'_>) -> Result<f64, SceneError>,
+) -> Result<Vec<f64>, SceneError> {
+    let DeValue::Array(array) = entry.value.get_ref() else { return Ok(vec![value(entry)?]) };
+    if !(1..=MOST).contains(&array.len()) {
+        return Err(entry.wrong(&format!("has {} values; 1 to {MOST} are needed", array.len())));
+    }
+    array.iter().enumerate().map(|(i, element)| value(&entry.element(i, element))).collect()
+}

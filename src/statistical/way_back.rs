@@ -1,0 +1,58 @@
+//! The integral of the way back of a loop: at every distance from the closest approach the asperities obey one law in their interference
+//! there.
+
+use super::{Model, Statistical};
+use crate::asperity::{Loop, Work};
+use crate::math::extrema::maximum;
+use crate::surface::Surface;
+use rayon::prelude::*;
+
+impl Statistical {
+    /// Integrates the way back of a loop from the smallest of the separations h, m, rising; regimes are those of the law on approach.
+    pub fn way_back(cycle: &Loop, surface: &Surface, separations: &[f64]) -> Self {
+        let at: Vec<Self> = separations.par_iter().map(|&h| at_separation(cycle, surface, separations[0], h)).collect();
+        let joined = |of: &dyn Fn(&Self) -> f64| at.iter().map(of).collect::<Vec<f64>>();
+        let regimes = cycle.approach().regimes().len();
+        let table = |of: fn(&Self) -> &Vec<Vec<f64>>| (0..regimes).map(|r| joined(&|a| of(a)[r][0])).collect();
+        let mut work = Work::default();
+        at.iter().for_each(|a| work.merge(&a.work));
+        Self {
+            expected: std::array::from_fn(|q| joined(&|a| a.expected[q][0])),
+            std: std::array::from_fn(|q| joined(&|a| a.std[q][0])),
+            regime_count: table(|a| &a.regime_count),
+            regime_adhesion_force: table(|a| &a.regime_adhesion_force),
+            regime_external_force: table(|a| &a.regime_external_force),
+            quadrature_error: at.iter().fold(0.0, |worst, a| maximum(a.quadrature_error, worst)),
+            work,
+        }
+    }
+}
+
+/// The way back from the separation h `closest`, m, at another.
+fn at_separation(cycle: &Loop, surface: &Surface, closest: f64, separation: f64) -> Statistical {
+    let law = cycle.at(distance(surface, closest, separation));
+    let model = Statistical::new(&law, surface, &[closest]);
+    let regimes = cycle.approach().regimes().len();
+    let counted = |table: &[Vec<f64>]| {
+        let mut sums = vec![vec![0.0]; regimes];
+        table.iter().zip(law.base()).for_each(|(row, &base)| sums[base][0] += row[0]);
+        sums
+    };
+    Statistical {
+        regime_count: counted(&model.regime_count),
+        regime_adhesion_force: counted(&model.regime_adhesion_force),
+        regime_external_force: counted(&model.regime_external_force),
+        ..model
+    }
+}
+
+/// How far the way back has led from one separation h to another, m.
+fn distance(surface: &Surface, closest: f64, separation: f64) -> f64 {
+    surface.asperity_separation(separation) - surface.asperity_separation(closest)
+}
+
+/// Expected external force, N, at one separation h, m, on the way back from another.
+pub fn external_force_back(cycle: &Loop, surface: &Surface, closest: f64, separation: f64) -> f64 {
+    let law = cycle.at(distance(surface, closest, separation));
+    Model::new(&law, surface, &[closest]).external_force(closest)
+}

@@ -51,6 +51,10 @@ pub static SWEEPABLE: &[Sweepable] = &[
     key("surface.mean_plane_offset", Some(Dimension::Length), "asperity mean plane above that of the surface"),
     key("surface.nominal_area", Some(Dimension::Area), "nominal area"),
     key("surface.lubricant_thickness", Some(Dimension::Length), "thickness of the lubricant"),
+    key("surface.heights.shape", None, "shape of the law of heights"),
+    key("surface.heights.lower", None, "lower limit of truncated heights"),
+    key("surface.heights.upper", None, "upper limit of truncated heights"),
+    key("surface.radii.coefficient_of_variation", None, "coefficient of variation of the radii"),
     key("model.critical_approach", Some(Dimension::Length), "critical approach of the published fits"),
     key("solver.tolerance", None, "tolerance of compressed sums"),
 ];
@@ -492,16 +496,30 @@ mod tests {
     fn every_key_that_can_be_swept_is_one_of_scenes() {
         let scene = include_str!("../../configs/paper/case_iii_delta_a.toml");
         let scene = scene.replace("[ensemble]", "[solver]\nsum = \"compressed\"\n\n[ensemble]");
-        let base = Scene::parse(&scene).unwrap();
         for key in SWEEPABLE {
+            let of_law = match key.name {
+                "surface.heights.shape" => "heights = { law = \"weibull\", shape = 2.0 }\n",
+                "surface.heights.lower" | "surface.heights.upper" => {
+                    "heights = { law = \"truncated\", lower = -2.0, upper = 2.0 }\n"
+                }
+                "surface.radii.coefficient_of_variation" => {
+                    "radii = { law = \"gamma\", coefficient_of_variation = 0.5 }\n"
+                }
+                _ => "",
+            };
+            let scene = scene.replace("[surface]\n", &format!("[surface]\n{of_law}"));
+            let base = Scene::parse(&scene).unwrap();
             // Such as would do for most of them.
             let number = match key.dimension {
+                None if key.name == "surface.heights.shape" => 1.5,
+                None if !of_law.is_empty() => 0.25,
                 None => 1e-5,
                 Some(Dimension::Length) => 1.25e-8,
                 Some(Dimension::Area) => 1.25e-10,
                 Some(Dimension::ArealDensity) => 1.25e13,
                 Some(Dimension::Pressure) => 1.25e9,
                 Some(Dimension::SurfaceEnergy) => 0.125,
+                Some(Dimension::Force | Dimension::Stiffness) => 1.25,
             };
             let swept = Sweep::along(&scene, key.name, vec![number], &[], Arc::new(NoFiles)).unwrap().scene(0).unwrap();
             let numbers = |scene: &Scene| {

@@ -184,7 +184,7 @@ mod tests {
         let pages = [
             include_str!("../../../docs/format.md"),
             include_str!("../../../docs/comparison.md"),
-            include_str!("../../../docs/sweep_format.md"),
+            include_str!("../../../docs/sweep-format.md"),
         ];
         for (layout, page) in Layout::ALL.into_iter().zip(pages) {
             assert!(page.contains(&format!("`{}`", layout.format)));

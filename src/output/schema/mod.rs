@@ -3,10 +3,12 @@
 //! Others script against these names. They may be added to (a minor version step); changing one is a major version step.
 
 mod comparison;
+mod finite_size;
 mod run;
 mod sweep;
 
 pub use comparison::COMPARISON;
+pub use finite_size::FINITE_SIZE;
 pub use run::RUN;
 pub use sweep::SWEEP;
 
@@ -30,7 +32,7 @@ pub struct Layout {
 
 impl Layout {
     /// All kinds of files.
-    pub const ALL: [&'static Self; 3] = [&RUN, &COMPARISON, &SWEEP];
+    pub const ALL: [&'static Self; 4] = [&RUN, &COMPARISON, &SWEEP, &FINITE_SIZE];
 
     /// All datasets that a file may hold, those of points included.
     pub fn known(&self) -> impl Iterator<Item = &'static Variable> {
@@ -86,6 +88,12 @@ pub enum Dimension {
     ControlIndex,
     /// The two degrees of freedom of the joint test.
     Freedom,
+    /// Numbers of asperities.
+    AsperityCount,
+    /// Probabilities of quantiles.
+    Quantile,
+    /// Relative accuracies.
+    Accuracy,
 }
 
 impl Dimension {
@@ -110,6 +118,9 @@ impl Dimension {
             Self::SeparationIndex => "separation_index",
             Self::ControlIndex => "control_index",
             Self::Freedom => "freedom",
+            Self::AsperityCount => "asperity_count",
+            Self::Quantile => "quantile",
+            Self::Accuracy => "accuracy",
         }
     }
 
@@ -185,6 +196,7 @@ mod tests {
             include_str!("../../../docs/format.md"),
             include_str!("../../../docs/comparison.md"),
             include_str!("../../../docs/sweep-format.md"),
+            include_str!("../../../docs/finite-size.md"),
         ];
         for (layout, page) in Layout::ALL.into_iter().zip(pages) {
             assert!(page.contains(&format!("`{}`", layout.format)));

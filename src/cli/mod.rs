@@ -6,6 +6,7 @@ mod asperity;
 mod check;
 mod checkpoint;
 mod compare;
+mod finite_size;
 mod format;
 mod info;
 mod instability;
@@ -59,6 +60,8 @@ enum Command {
     Run(RunArguments),
     /// Compare laws on the same asperities: a table, and one HDF5 file if asked for
     Compare(CompareArguments),
+    /// Find how the pull-off of a finite patch goes to the integral's as its asperities become more
+    FiniteSize(FiniteSizeArguments),
     /// Say what a scene would compute, what it skips and why, and what that takes; computes nothing
     Check {
         /// The scene, TOML
@@ -162,6 +165,32 @@ struct AsperitiesArguments {
     /// Overwrite an existing result
     #[arg(long)]
     force: bool,
+}
+
+#[derive(Args)]
+struct FiniteSizeArguments {
+    /// The scene, TOML; its nominal_area does not count
+    scene: PathBuf,
+    /// Numbers of asperities, separated by commas; FROM:TO:COUNT stands for so many, spaced by equal factors
+    #[arg(long, value_name = "N,N...", default_value = "10:1e6:11")]
+    counts: String,
+    /// Where the result goes; by default the scene's name with _finite_size.h5, in the current folder
+    #[arg(short, long, value_name = "FILE.h5")]
+    output: Option<PathBuf>,
+    /// Number of replicas of each size, instead of the scene's
+    #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1_000_000_000_000))]
+    replicas: Option<u64>,
+    /// Seed, instead of the scene's
+    #[arg(long, value_parser = clap::value_parser!(u64).range(0..=i64::MAX as u64))]
+    seed: Option<u64>,
+    /// Go on with an interrupted run of this output; begins it if nothing was kept
+    #[arg(long)]
+    resume: bool,
+    /// Keep what has been done so often, beside the output; 0 after every batch of replicas
+    #[arg(long, value_name = "SECONDS", default_value = "30", value_parser = seconds, allow_negative_numbers = true)]
+    checkpoint: Duration,
+    #[command(flatten)]
+    execution: Execution,
 }
 
 #[derive(Args)]
@@ -359,6 +388,7 @@ fn execute(command: Command) -> Result<(), Failure> {
     match command {
         Command::Run(arguments) => run::run(&arguments),
         Command::Compare(arguments) => compare::compare(&arguments),
+        Command::FiniteSize(arguments) => finite_size::finite_size(&arguments),
         Command::Check { scene } => check::check(&scene),
         Command::Validate { file } => apart::apart(&file, validate::validate),
         Command::Info { file } => apart::apart(&file, info::info),

@@ -354,7 +354,8 @@ impl<'a> Options<'a> {
             return Ok(());
         }
         let begins = format!("{name}.");
-        if SWEEPABLE.iter().any(|key| key.name.starts_with(&begins)) {
+        let mut names = SWEEPABLE.iter().map(|key| key.name).chain(REFUSED.iter().map(|(name, _)| *name));
+        if names.any(|known| known.starts_with(&begins)) {
             return self.collect(&entry.any_table("its keys are those of the scene's table")?, name);
         }
         if let Some((_, problem)) = REFUSED.iter().find(|(known, _)| name.starts_with(known)) {

@@ -7,6 +7,7 @@
 //! textbook distribution.
 
 mod basis;
+pub mod finite_size;
 mod joint;
 mod several;
 

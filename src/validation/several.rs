@@ -38,7 +38,7 @@ pub struct Difference {
     pub mean: f64,
     /// Its standard error; NaN for fewer than two groups of replicas.
     pub standard_error: f64,
-    /// The variance that it would have if the points had independent replicas, over the one that it has; NaN where nothing varies.
+    /// The variance that it would have if the points had independent replicas, over the one that it has; NaN where the difference does not vary.
     pub variance_ratio: f64,
 }
 
@@ -61,7 +61,11 @@ impl Difference {
         }
         let pairs: Vec<f64> = first.iter().zip(other).map(|(first, other)| other - first).collect();
         let (mean, squared) = squared_error(&pairs);
-        Self { mean, standard_error: squared.sqrt(), variance_ratio: independent / squared }
+        Self {
+            mean,
+            standard_error: squared.sqrt(),
+            variance_ratio: if squared > 0.0 { independent / squared } else { f64::NAN },
+        }
     }
 }
 

@@ -4,11 +4,13 @@
 
 mod asperities;
 mod comparison;
+mod finite_size;
 mod run;
 mod sweep;
 
 pub use asperities::ASPERITIES;
 pub use comparison::COMPARISON;
+pub use finite_size::FINITE_SIZE;
 pub use run::RUN;
 pub use sweep::SWEEP;
 
@@ -34,7 +36,7 @@ pub struct Layout {
 
 impl Layout {
     /// All kinds of files.
-    pub const ALL: [&'static Self; 4] = [&RUN, &COMPARISON, &SWEEP, &ASPERITIES];
+    pub const ALL: [&'static Self; 5] = [&RUN, &COMPARISON, &SWEEP, &ASPERITIES, &FINITE_SIZE];
 
     /// All datasets that a file may hold, those of points included.
     pub fn known(&self) -> impl Iterator<Item = &'static Variable> {
@@ -100,6 +102,12 @@ pub enum Dimension {
     Stiffness,
     /// External forces at which the surfaces turn back, N.
     Preload,
+    /// Numbers of asperities.
+    AsperityCount,
+    /// Probabilities of quantiles.
+    Quantile,
+    /// Relative accuracies.
+    Accuracy,
 }
 
 impl Dimension {
@@ -129,6 +137,9 @@ impl Dimension {
             Self::Step => "step",
             Self::Stiffness => "stiffness",
             Self::Preload => "preload",
+            Self::AsperityCount => "asperity_count",
+            Self::Quantile => "quantile",
+            Self::Accuracy => "accuracy",
         }
     }
 
@@ -211,8 +222,9 @@ mod tests {
         let pages = [
             include_str!("../../../docs/format.md"),
             include_str!("../../../docs/comparison.md"),
-            include_str!("../../../docs/sweep_format.md"),
-            include_str!("../../../docs/asperity_file.md"),
+            include_str!("../../../docs/sweep-format.md"),
+            include_str!("../../../docs/asperity-file.md"),
+            include_str!("../../../docs/finite-size.md"),
         ];
         for (layout, page) in Layout::ALL.into_iter().zip(pages) {
             assert!(page.contains(&format!("`{}`", layout.format)));

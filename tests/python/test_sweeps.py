@@ -1,0 +1,141 @@
+"""What a sweep file holds, read with h5py and xarray and checked with numpy, and the pictures of one.
+
+Needs the packages of scripts/requirements.txt. The program is $STICTION, by default target/release/stiction.
+"""
+
+import os
+import struct
+import subprocess
+import sys
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+import xarray
+
+ROOT = Path(__file__).resolve().parents[2]
+PROGRAM = Path(os.environ.get("STICTION", ROOT / "target" / "release" / "stiction"))
+PLOT = ROOT / "scripts" / "plot_sweep.py"
+REPLICAS = 24
+ENERGY, LUBRICANT = "material.work_of_adhesion", "surface.lubricant_thickness"
+GRID = f"""
+[sweep]
+"{ENERGY}" = {{ from = "0.06 J/m^2", to = "0.24 J/m^2", count = 3, spacing = "log" }}
+"{LUBRICANT}" = ["0 nm", "0.5 nm"]
+"""
+ZIP = """
+[sweep]
+mode = "zip"
+surface.surface_height_std = ["1.5 nm", "2 nm", "2.5 nm"]
+material.hardness = ["2.5 GPa", "2 GPa", "1.5 GPa"]
+"""
+
+
+def run(folder: Path, sweep: str, *arguments: str) -> Path:
+    assert PROGRAM.is_file(), f"no program {PROGRAM}: run `cargo build --release` or set STICTION"
+    quick = (ROOT / "configs" / "quick.toml").read_text(encoding="utf-8").replace("count = 91", "count = 31")
+    (folder / "sweep.toml").write_text(quick + sweep, encoding="utf-8")
+    command = [PROGRAM, "run", "sweep.toml", "--quiet", "--replicas", str(REPLICAS), *arguments]
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, encoding="utf-8")
+    assert done.returncode == 0, done.stderr
+    return folder / "sweep.h5"
+
+
+@pytest.fixture(scope="module")
+def grid(tmp_path_factory) -> Path:
+    return run(tmp_path_factory.mktemp("grid"), GRID)
+
+
+@pytest.fixture(scope="module")
+def zipped(tmp_path_factory) -> Path:
+    return run(tmp_path_factory.mktemp("zip"), ZIP)
+
+
+@pytest.mark.parametrize("engine", ["h5netcdf", "netcdf4"])
+def test_xarray_sees_keys_by_name(grid, engine):
+    with xarray.open_datatree(grid, engine=engine) as tree:
+        assert tree[ENERGY].values == pytest.approx([0.06, 0.12, 0.24], rel=1e-15)
+        assert tree[ENERGY].attrs["units"] == "J m-2" and tree[LUBRICANT].attrs["units"] == "m"
+        for group in tree.groups[1:]:
+            for name, variable in tree[group].data_vars.items():
+                assert variable.attrs["units"] and variable.attrs["long_name"], name
+                assert variable.dims[:2] == (ENERGY, LUBRICANT) or name == "scalar_units", name
+        force = tree["ensemble"].external_force_mean
+        assert force.dims == (ENERGY, LUBRICANT, "separation_index")
+        pull_off = tree["statistical"].pull_off_force
+        assert float(pull_off.sel({ENERGY: 0.24, LUBRICANT: 0.0})) > float(pull_off.sel({ENERGY: 0.06, LUBRICANT: 0.0}))
+
+
+def test_differences_are_paired(grid):
+    with h5py.File(grid) as file:
+        for name in ["pull_off_force", "pull_off_separation", "peak_stiffness", "peak_stiffness_separation"]:
+            values = file[f"replicas/{name}"][()]
+            assert values.shape == (3, 2, REPLICAS)
+            differences = values - values[0, 0]
+            error = differences.std(axis=-1, ddof=1) / np.sqrt(REPLICAS)
+            assert np.allclose(file[f"differences/{name}_mean"], differences.mean(axis=-1), rtol=1e-9)
+            assert np.allclose(file[f"differences/{name}_standard_error"], error, rtol=1e-9)
+            apart = (values.var(axis=-1, ddof=1) + values[0, 0].var(ddof=1)) / REPLICAS
+            ratio = file[f"differences/{name}_variance_ratio"][()]
+            assert np.isnan(ratio[0, 0])
+            assert np.allclose(ratio.ravel()[1:], apart.ravel()[1:] / error.ravel()[1:] ** 2, rtol=1e-9)
+
+
+def test_numbers_of_a_point_follow_from_its_keys(grid):
+    """lambda goes with the 2/3 power of the work of adhesion; the rest of the scene stays."""
+    with h5py.File(grid) as file:
+        assert file.attrs["format"] == "stiction-sweep" and list(file.attrs["format_version"]) == [1, 0]
+        assert file.attrs["points"] == 6 and file.attrs["sweep_keys"] == f"{ENERGY}, {LUBRICANT}"
+        parameter = file["adhesion_parameter"][()]
+        assert np.allclose(parameter / parameter[0], np.array([[1.0], [2.0], [4.0]]) ** (2 / 3), rtol=1e-14)
+        assert np.ptp(file["nominal_area"][()]) == 0.0 and np.all(file["seed"][()] == 1)
+        # A regime that a point does not have is empty there.
+        lubricant = [name.decode() for name in file["regime"]].index("lubricant")
+        count = file["ensemble/regime_count_mean"][()]
+        assert np.all(count[:, 0, lubricant] == 0.0) and np.all(count[:, 1, lubricant].max(axis=-1) > 0.0)
+        assert np.allclose(count.sum(axis=2), file["replicas/asperity_count"][()].mean(axis=-1)[..., None], rtol=1e-12)
+
+
+def test_keys_that_go_together_are_coordinates_of_points(zipped):
+    with xarray.open_datatree(zipped, engine="h5netcdf") as tree:
+        assert tree["ensemble"].external_force_mean.dims == ("point", "separation_index")
+        assert tree["material.hardness"].dims == ("point",)
+        sigma = tree["surface.surface_height_std"].values
+        assert list(sigma) == [1.5e-9, 2e-9, 2.5e-9] and list(tree["surface_height_std"].values) == list(sigma)
+        # The same h*, so other separations.
+        assert np.allclose(tree["h_star"].values, tree["h_star"].values[0])
+        assert np.allclose(tree["separation"].values, sigma[:, None] * tree["h_star"].values, rtol=1e-14)
+
+
+def size(picture: Path) -> tuple[int, int]:
+    head = picture.read_bytes()[:24]
+    assert head[:8] == b"\x89PNG\r\n\x1a\n"
+    return struct.unpack(">II", head[16:24])
+
+
+@pytest.mark.parametrize("arguments", [[], ["--x", "adhesion_parameter"]])
+def test_a_sweep_can_be_drawn(grid, zipped, tmp_path, arguments):
+    for file in [grid, zipped]:
+        output = tmp_path / "picture.png"
+        command = [sys.executable, PLOT, file, "-o", output, "--dpi", "50", *arguments]
+        drawn = subprocess.run(command, capture_output=True, text=True, encoding="utf-8")
+        assert drawn.returncode == 0 and drawn.stderr == "", drawn.stderr
+        assert drawn.stdout.strip() == str(output) and size(output) == (550, 400)
+
+
+def test_what_cannot_be_drawn_is_said_in_a_line(grid, tmp_path):
+    (tmp_path / "text.h5").write_text("no HDF5")
+    with h5py.File(tmp_path / "other.h5", "w") as file:
+        file.attrs["format"] = "stiction-run"
+    for file, arguments, problem in [
+        (tmp_path / "absent.h5", [], "no such file"),
+        (tmp_path / "text.h5", [], "not an HDF5 file"),
+        (tmp_path / "other.h5", [], "not a sweep"),
+        (grid, ["--x", "no_such"], "the dataset /no_such is missing"),
+        (grid, ["--x", "h_star"], "has no value at each point"),
+    ]:
+        command = [sys.executable, PLOT, file, "-o", tmp_path / "out.png", *arguments]
+        drawn = subprocess.run(command, capture_output=True, text=True, encoding="utf-8")
+        assert drawn.returncode == 2 and problem in drawn.stderr and drawn.stderr.count("\n") == 1, drawn.stderr
+        assert not (tmp_path / "out.png").exists()

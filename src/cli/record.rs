@@ -33,6 +33,7 @@ pub(super) fn write_head(writer: &mut Writer<'_>, results: &Results) -> Result<(
     writer.named_scale(Dimension::Scalar, &names)?;
     if let Some(stopped) = &results.stopped {
         let names: Vec<&str> = stopped.targets.iter().map(|attained| attained.target.name()).collect();
+        writer.number("/", "min_replicas", stopped.min_replicas)?;
         writer.number("/", "max_replicas", stopped.max_replicas)?;
         writer.named_scale(Dimension::Target, &names)?;
     }

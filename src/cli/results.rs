@@ -5,7 +5,7 @@ use crate::engine::{Attained, Ensemble, Rule, Summation};
 use crate::math::control_variates::ControlledMean;
 use crate::math::extrema::Features;
 use crate::math::interpolation::linear;
-use crate::scene::{Plan, Scene, Warning};
+use crate::scene::{Plan, Scene, Stopping, Warning};
 use crate::statistical::{Model, Statistical, external_force_back};
 use crate::validation::{Basis, JointTest};
 use std::ops::Range;
@@ -84,6 +84,8 @@ impl Results {
 pub(super) struct Stopped {
     /// What became of each target.
     pub targets: Vec<Attained>,
+    /// Replicas at the first look.
+    pub min_replicas: u64,
     /// The most replicas that there might have been.
     pub max_replicas: u64,
 }
@@ -91,7 +93,8 @@ pub(super) struct Stopped {
 impl Stopped {
     /// Of a finished ensemble.
     pub fn new(rule: &Rule<'_>, ensemble: &Ensemble) -> Self {
-        Self { targets: rule.attained(ensemble), max_replicas: rule.stopping.max_replicas }
+        let Stopping { min_replicas, max_replicas, .. } = *rule.stopping;
+        Self { targets: rule.attained(ensemble), min_replicas, max_replicas }
     }
 
     /// Whether all targets are met.

@@ -6,8 +6,8 @@ use crate::surface::{STRATA, SamplingScheme};
 use std::ops::RangeInclusive;
 use toml::de::DeValue;
 
-/// Replicas before the targets are looked at for the first time, and at most, unless a scene says otherwise.
-const DEFAULT_REPLICAS: (u64, u64) = (64, 100_000);
+/// Groups of replicas before the targets are looked at for the first time, and replicas at most, unless a scene says otherwise.
+const DEFAULTS: (u64, u64) = (64, 100_000);
 /// Numbers of replicas that can be asked for.
 const REPLICAS: RangeInclusive<u64> = 1..=1_000_000_000_000;
 /// Relative standard errors that make sense: below, rounding is larger; above, nothing is known.
@@ -119,10 +119,10 @@ pub(super) fn replicas(
         );
     }
     let [least, most] = &bounds;
-    let max_replicas = most.as_ref().map_or(Ok(DEFAULT_REPLICAS.1), whole)?;
+    let max_replicas = most.as_ref().map_or(Ok(DEFAULTS.1), whole)?;
     let min_replicas = match least {
         Some(least) => least.integer(REPLICAS)?,
-        None => DEFAULT_REPLICAS.0.min(max_replicas),
+        None => (DEFAULTS.0 * sampling.group()).min(max_replicas),
     };
     let min_replicas = if min_replicas <= max_replicas {
         min_replicas.div_ceil(STRATA).saturating_mul(STRATA).min(max_replicas)

@@ -1,0 +1,120 @@
+"""A run that ended at its targets, read with h5py and checked with numpy, independently of the program.
+
+Needs the packages of scripts/requirements.txt. The program is $STICTION, by default target/release/stiction.
+"""
+
+import math
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+import xarray
+
+ROOT = Path(__file__).resolve().parents[2]
+PROGRAM = Path(os.environ.get("STICTION", ROOT / "target" / "release" / "stiction"))
+PLOT = ROOT / "scripts" / "plot_stopping.py"
+TARGETS = """target = [
+    { quantity = "pull_off_force", relative_standard_error = 0.03 },
+    { quantity = "pull_off_separation", standard_error = "0.04 nm" },
+    { quantity = "pull_off_force", relative_standard_error = 0.02, estimate = "controlled" },
+]
+min_replicas = 50
+max_replicas = 5000
+sampling = "antithetic"
+"""
+
+
+@pytest.fixture(scope="module")
+def path(tmp_path_factory) -> Path:
+    assert PROGRAM.is_file(), f"no program {PROGRAM}: run `cargo build --release` or set STICTION"
+    folder = tmp_path_factory.mktemp("stopping")
+    scene = (ROOT / "configs" / "quick.toml").read_text(encoding="utf-8").replace("count = 91", "count = 31")
+    (folder / "scene.toml").write_text(scene.replace("replicas = 200\n", TARGETS), encoding="utf-8")
+    run = subprocess.run([PROGRAM, "run", "scene.toml", "--quiet"], cwd=folder, capture_output=True, text=True, encoding="utf-8")
+    assert run.returncode == 0, run.stderr
+    return folder / "scene.h5"
+
+
+@pytest.fixture(scope="module")
+def file(path):
+    with h5py.File(path, "r") as file:
+        yield file
+
+
+def looks(first: int, most: int) -> list[int]:
+    found = [first]
+    while found[-1] < most:
+        found.append(min(8 * math.ceil((found[-1] + math.ceil(found[-1] / 10)) / 8), most))
+    return found
+
+
+def error(values: np.ndarray) -> tuple[float, float]:
+    """Mean and standard error by antithetic pairs."""
+    pairs = values.reshape(-1, 2).mean(axis=1)
+    return pairs.mean(), pairs.std(ddof=1) / math.sqrt(pairs.size)
+
+
+def test_the_end_is_the_first_look_that_meets_all_targets(file):
+    force, separation = file["replicas/pull_off_force"][()], file["replicas/pull_off_separation"][()]
+    replicas = file.attrs["replicas"]
+    assert force.size == replicas and file.attrs["min_replicas"] == 56 and file.attrs["max_replicas"] == 5000
+    seen = [look for look in looks(56, 5000) if look <= replicas]
+    assert len(seen) > 3 and seen[-1] == replicas
+
+    def plain_are_met(look: int) -> bool:
+        mean, of_force = error(force[:look])
+        return of_force <= 0.03 * mean and error(separation[:look])[1] <= 0.04e-9
+
+    # The third target, with control variates, is met before these two.
+    assert [plain_are_met(look) for look in seen] == [False] * (len(seen) - 1) + [True]
+    ensemble = file["ensemble"]
+    assert list(file["target"].asstr()) == ["pull_off_force", "pull_off_separation", "pull_off_force"]
+    assert list(ensemble["target_estimate"].asstr()) == ["plain", "plain", "controlled"]
+    assert list(ensemble["target_units"].asstr()) == ["N", "m", "N"]
+    expected = [error(force), error(separation)]
+    np.testing.assert_allclose(ensemble["target_mean"][:2], [mean for mean, _ in expected], rtol=1e-10)
+    np.testing.assert_allclose(ensemble["target_standard_error"][:2], [error for _, error in expected], rtol=1e-10)
+    assert ensemble["target_mean"][2] == ensemble["scalar_controlled_mean"][0]
+    assert ensemble["target_standard_error"][2] == ensemble["scalar_controlled_standard_error"][0]
+    allowed = [0.03 * expected[0][0], 0.04e-9, 0.02 * ensemble["target_mean"][2]]
+    np.testing.assert_allclose(ensemble["target_largest_standard_error"], allowed, rtol=1e-10)
+    assert list(ensemble["target_met"]) == [1, 1, 1] and ensemble.attrs["stopping_reason"] == "all targets are met"
+
+
+def test_xarray_sees_targets(path):
+    with xarray.open_datatree(path, engine="h5netcdf") as tree:
+        names = [name for name in tree["ensemble"].data_vars if name.startswith("target_")]
+        assert len(names) == 6
+        for name in names:
+            variable = tree["ensemble"][name]
+            assert variable.dims == ("target",) and variable.attrs["units"] and variable.attrs["long_name"], name
+
+
+def test_the_plot_is_a_picture(path, tmp_path):
+    picture = tmp_path / "out.png"
+    run = subprocess.run([sys.executable, PLOT, path, "-o", picture, "--dpi", "40"], capture_output=True, text=True)
+    assert run.returncode == 0, run.stderr
+    assert picture.read_bytes().startswith(b"\x89PNG")
+
+
+def test_the_plot_draws_the_looks_and_errors_of_the_program(file):
+    sys.path.insert(0, str(ROOT / "scripts"))
+    from plot_stopping import looks as drawn, running
+
+    assert drawn(int(file.attrs["replicas"]), 56) == [look for look in looks(56, 5000) if look <= file.attrs["replicas"]]
+    replicas, mean, errors = running(file["replicas/pull_off_force"][()], 2)
+    assert replicas[-1] == file.attrs["replicas"]
+    assert mean[-1] == pytest.approx(file["ensemble/target_mean"][0], rel=1e-10)
+    assert errors[-1] == pytest.approx(file["ensemble/target_standard_error"][0], rel=1e-9)
+
+
+def test_a_run_of_a_given_number_has_no_such_plot(tmp_path):
+    run = subprocess.run([PROGRAM, "run", ROOT / "configs" / "quick.toml", "--replicas", "8", "-o", tmp_path / "run.h5", "--quiet"],
+                         capture_output=True, text=True, encoding="utf-8")
+    assert run.returncode == 0, run.stderr
+    refused = subprocess.run([sys.executable, PLOT, tmp_path / "run.h5"], capture_output=True, text=True)
+    assert refused.returncode == 2 and "no targets" in refused.stderr

@@ -279,6 +279,8 @@ def draw_texts(figure: Figure, run: Run) -> None:
 
 
 def draw(run: Run) -> Figure:
+    if run.attribute("/", "path") == "loop":
+        raise RunError("a loop: scripts/plot_loop.py draws it")
     figure = Figure(figsize=PAGE)
 
     def panel(left: float, bottom: float, width: float, height: float, **shared: Axes) -> Axes:

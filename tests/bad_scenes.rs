@@ -169,6 +169,11 @@ const CASES: &[(&str, &str, &[&str])] = &[
     ),
     (
         "[output]",
+        "[instability]\nstiffness = 0\nsmallest_snap = \"1 N\"\n[output]",
+        &["line 32", "`instability.smallest_snap = \"1 N\"`", "that of a force", "a length is needed"],
+    ),
+    (
+        "[output]",
         "[instability]\nstifness = 0\n[output]",
         &["line 31", "`instability.stifness`", "did you mean `stiffness`?"],
     ),

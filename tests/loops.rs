@@ -186,7 +186,7 @@ fn a_jkr_asperity_is_pulled_off_by_its_closed_form() {
     let radii = [0.7, 0.85, 1.0];
     let stiffness: Vec<f64> = [0.0].into_iter().chain(radii.map(|a| -slope(a) * unit)).chain([1e6 * unit]).collect();
     assert!(stiffness[1] > stiffness[2] && stiffness[2] > stiffness[3] && stiffness[3] > 0.0);
-    let holding = Holding { stiffness: &stiffness, preload: &[], ways: (true, true) };
+    let holding = Holding { stiffness: &stiffness, preload: &[], smallest_snap: 0.0, ways: (true, true) };
     let job = Job { protocol: Protocol { cycle: Some(&cycle), holding }, ..job(&cycle, &surface, &separations, 1) };
     let (replica, curves) = one(&job);
     let step = scale.length / 1000.0;
@@ -225,7 +225,7 @@ fn preloads_turn_in_their_order() {
     let cycle = cycle("hybrid", &asperity);
     let separations = separations(&surface, -0.5, 6.0, 66);
     let preload = [1e-6, 1e-4, 1e-2, 0.1, 1e3];
-    let holding = Holding { stiffness: &[1e3], preload: &preload, ways: (true, true) };
+    let holding = Holding { stiffness: &[1e3], preload: &preload, smallest_snap: 0.0, ways: (true, true) };
     let job = Job { protocol: Protocol { cycle: Some(&cycle), holding }, ..job(&cycle, &surface, &separations, 1) };
     let (_, curves) = one(&job);
     assert_eq!(curves.snaps.len(), holding.length());
@@ -265,7 +265,7 @@ fn bits_do_not_depend_on_threads_and_interruptions() {
     surface.asperity_count = 300;
     let cycle = cycle("hybrid", &asperity);
     let separations = separations(&surface, -0.5, 5.0, 20);
-    let holding = Holding { stiffness: &[0.0, 1e3], preload: &[1e-3], ways: (true, true) };
+    let holding = Holding { stiffness: &[0.0, 1e3], preload: &[1e-3], smallest_snap: 0.0, ways: (true, true) };
     let plain = job(&cycle, &surface, &separations, 124);
     let job = Job { protocol: Protocol { cycle: Some(&cycle), holding }, ..plain };
     let bits = |ensemble: &Ensemble| {

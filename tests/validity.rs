@@ -148,6 +148,23 @@ fn each_slip_has_its_warning_and_no_other() {
     }
 }
 
+/// Contacts beyond 110 ω_c when the surfaces turn back, of loops only.
+#[test]
+fn unloading_beyond_its_range_is_told() {
+    let soft = small().replace("\"2.5 GPa\"", "\"0.2 GPa\"");
+    let found = |scene: &str| {
+        let folder = Folder::new(scene);
+        let check = folder.stiction(&["check", "scene.toml"]);
+        assert_exit(&check, 0);
+        warnings(&text(&check.stdout))
+            .iter()
+            .any(|warning| warning.contains("fully plastic when the surfaces turn back"))
+    };
+    assert!(found(&soft.replace("path = \"approach\"", "path = \"loop\"")));
+    assert!(!found(&soft));
+    assert!(!found(&small().replace("path = \"approach\"", "path = \"loop\"")));
+}
+
 /// The shipped scenes begin where half of the area is in contact, which is true and useful to know, and have nothing else to be warned of.
 #[test]
 fn shipped_scenes_are_warned_of_their_deep_end_only() {

@@ -129,6 +129,7 @@ pub(super) fn write_instability(writer: &mut Writer<'_>, results: &Results) -> R
         return Ok(());
     }
     writer.group("instability")?;
+    writer.number("/instability", "smallest_snap", holding.smallest_snap)?;
     writer.scale(Dimension::Stiffness, holding.stiffness)?;
     if holding.ways.0 {
         write_snaps(writer, "in", &snaps, &snaps.places_in())?;
@@ -248,6 +249,9 @@ pub(super) fn held(scene: &Scene) -> String {
     let mut text = row("held by", &list(holding.stiffness, &stiffness_text));
     if !holding.preload.is_empty() {
         text += &row("preload", &list(holding.preload, &|preload| si(preload, "N")));
+    }
+    if holding.smallest_snap > 0.0 {
+        text += &row("snaps", &format!("of at least {}", si(holding.smallest_snap, "m")));
     }
     text
 }

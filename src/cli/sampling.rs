@@ -5,7 +5,7 @@ use crate::asperity::{Law, Loop, Path, Quantity};
 use crate::engine::{Batch, Ensemble, Holding, Job, Outcome, Protocol, Rule, Summation, run_from};
 use crate::output::OutputError;
 use crate::output::progress::Progress;
-use crate::scene::Scene;
+use crate::scene::{Instability, Scene};
 use crate::statistical::Statistical;
 use crate::surface::SamplingScheme;
 use crate::validation::{Basis, JointTest, basis_of_loop, basis_to, z_scores};
@@ -120,7 +120,8 @@ pub(super) fn interruption() -> Result<Arc<AtomicBool>, Failure> {
 /// What holds the surfaces of a scene.
 pub(super) fn holding(scene: &Scene) -> Holding<'_> {
     let ways = (scene.path == Path::Approach, scene.cycle || scene.path == Path::Retraction);
-    Holding { stiffness: &scene.instability.stiffness, preload: &scene.instability.preload, ways }
+    let Instability { stiffness, preload, smallest_snap } = &scene.instability;
+    Holding { stiffness, preload, smallest_snap: *smallest_snap, ways }
 }
 
 /// The functionals of the joint test of a scene under a law, for the sums that it asks for and the fewest replicas that it may have.

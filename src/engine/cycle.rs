@@ -130,7 +130,7 @@ pub(super) fn snaps(
     back: Option<(&[f64], Extremum)>,
 ) -> Vec<f64> {
     let Protocol { cycle, holding } = job.protocol;
-    let Holding { stiffness, preload, ways } = holding;
+    let Holding { stiffness, preload, smallest_snap, ways } = holding;
     let mut numbers = Vec::with_capacity(holding.length());
     let samples = |force: &[f64]| job.separations.iter().copied().zip(force.iter().copied()).collect::<Vec<_>>();
     let add = |numbers: &mut Vec<f64>, snap: &dyn Fn(f64) -> Snap| {
@@ -138,7 +138,7 @@ pub(super) fn snaps(
     };
     if ways.0 {
         let inward: Vec<(f64, f64)> = samples(there).into_iter().rev().collect();
-        add(&mut numbers, &|stiffness| largest_snap(&inward, stiffness));
+        add(&mut numbers, &|stiffness| largest_snap(&inward, stiffness, smallest_snap));
     }
     if holding.retractions() == 0 {
         return numbers;
@@ -152,7 +152,7 @@ pub(super) fn snaps(
         let Some((force, pull_off)) = back else { return numbers };
         numbers.extend(turn(job.separations[0], &pull_off).numbers());
         let outward = samples(force);
-        add(&mut numbers, &|stiffness| largest_snap(&outward, stiffness));
+        add(&mut numbers, &|stiffness| largest_snap(&outward, stiffness, smallest_snap));
         return numbers;
     };
     for &preload in preload {
@@ -165,7 +165,7 @@ pub(super) fn snaps(
         let places = [from].into_iter().chain(job.separations[nearer + 1..].iter().copied().filter(|h| *h > from));
         let outward: Vec<(f64, f64)> = places.map(|h| (h, way.external_force(sums, h))).collect();
         numbers.extend(turn(from, &way.pull_off(sums, &outward)).numbers());
-        add(&mut numbers, &|stiffness| largest_snap(&outward, stiffness));
+        add(&mut numbers, &|stiffness| largest_snap(&outward, stiffness, smallest_snap));
     }
     numbers
 }

@@ -9,7 +9,8 @@
 //!
 //! # Validity
 //! Quasistatic; the surface comes to rest at the first equilibrium. Curves are lines between their samples: a jump of one asperity has
-//! the slope that the samples give it.
+//! the slope that the samples give it, so how many of the smallest snaps are seen depends on these; of those over several samples it does
+//! not.
 
 use crate::math::interpolation::linear;
 
@@ -21,6 +22,8 @@ pub struct Holding<'a> {
     /// Largest external forces, N, at which the approach ends and the retraction begins; without one the approach ends at the smallest
     /// separation.
     pub preload: &'a [f64],
+    /// The least distance, m, that counts as a snap.
+    pub smallest_snap: f64,
     /// Whether the surfaces are brought close, and whether they are pulled back.
     pub ways: (bool, bool),
 }
@@ -92,8 +95,8 @@ impl Turn {
 }
 
 /// The largest snap on the way through the samples of a curve in their order: separations h, m, and external forces, N. One that nothing
-/// stops is the largest.
-pub fn largest_snap(samples: &[(f64, f64)], stiffness: f64) -> Snap {
+/// stops is the largest; one shorter than `smallest`, m, is none.
+pub fn largest_snap(samples: &[(f64, f64)], stiffness: f64, smallest: f64) -> Snap {
     let outward = samples.first().zip(samples.last()).is_some_and(|(first, last)| first.0 < last.0);
     let sign = if outward { 1.0 } else { -1.0 };
     // It has to rise on the way.
@@ -113,7 +116,7 @@ pub fn largest_snap(samples: &[(f64, f64)], stiffness: f64) -> Snap {
         let levels = [level(beyond - 1), level(beyond)];
         let stop = linear(&levels, &[samples[beyond - 1].0, samples[beyond].0], level(i));
         let distance = (stop - separation).abs();
-        if !(distance <= largest.distance) {
+        if distance >= smallest && !(distance <= largest.distance) {
             largest = Snap { is: 1.0, separation, distance };
         }
         i = beyond;
@@ -145,23 +148,23 @@ mod tests {
     /// h/2 − 2 + 2h, so h = 8/5. On retraction from (2, −2): kh − F = 3 is met at h = 6 only, beyond the samples.
     #[test]
     fn snaps_are_where_the_slope_exceeds_the_stiffness() {
-        let soft = largest_snap(&inward(), 0.5);
+        let soft = largest_snap(&inward(), 0.5, 0.0);
         assert_eq!((soft.is, soft.separation), (1.0, 4.0));
         assert!((soft.distance - (4.0 - 1.6)).abs() < 1e-14, "{soft:?}");
-        let off = largest_snap(&WELL, 0.5);
+        let off = largest_snap(&WELL, 0.5, 0.0);
         assert!(off.is == 1.0 && off.separation == 2.0 && off.distance.is_nan(), "{off:?}");
         for stiff in [1.0, 1.5, 100.0] {
-            assert_eq!(largest_snap(&inward(), stiff).is, 0.0);
-            assert_eq!(largest_snap(&WELL, stiff).is, 0.0);
+            assert_eq!(largest_snap(&inward(), stiff, 0.0).is, 0.0);
+            assert_eq!(largest_snap(&WELL, stiff, 0.0).is, 0.0);
         }
     }
 
     /// At constant force 0 from h = 4 to 1; pulled off at −2, where nothing stops it.
     #[test]
     fn without_stiffness_the_force_is_constant() {
-        let dead = largest_snap(&inward(), 0.0);
+        let dead = largest_snap(&inward(), 0.0, 0.0);
         assert_eq!((dead.separation, dead.distance), (4.0, 3.0));
-        let off = largest_snap(&WELL, 0.0);
+        let off = largest_snap(&WELL, 0.0, 0.0);
         assert!(off.separation == 2.0 && off.distance.is_nan());
     }
 
@@ -169,8 +172,10 @@ mod tests {
     #[test]
     fn the_largest_of_several_snaps_is_told() {
         let stairs = [(0.0, 0.0), (1.0, -1.0), (2.0, -0.5), (3.0, -0.5), (4.0, -1.5), (5.0, -1.0), (6.0, -2.0)];
-        let snap = largest_snap(&stairs, 0.0);
+        let snap = largest_snap(&stairs, 0.0, 0.0);
         assert_eq!((snap.separation, snap.distance), (1.0, 2.5));
+        assert_eq!(largest_snap(&stairs, 0.0, 2.5), snap);
+        assert_eq!(largest_snap(&stairs, 0.0, 2.6).is, 0.0);
     }
 
     #[test]
@@ -183,6 +188,6 @@ mod tests {
 
     #[test]
     fn nothing_snaps_where_no_force_acts() {
-        assert_eq!(largest_snap(&[(0.0, 0.0), (1.0, 0.0), (2.0, 0.0)], 0.0).is, 0.0);
+        assert_eq!(largest_snap(&[(0.0, 0.0), (1.0, 0.0), (2.0, 0.0)], 0.0, 0.0).is, 0.0);
     }
 }

@@ -14,21 +14,27 @@ pub struct Instability {
     pub stiffness: Vec<f64>,
     /// External forces, N, at which the approach ends; none for the smallest separation.
     pub preload: Vec<f64>,
+    /// The least distance, m, that counts as a snap.
+    pub smallest_snap: f64,
 }
 
 /// Reads the table `[instability]`, if it is there. A preload is for surfaces that are pulled back after they have been brought close.
 pub(super) fn instability(root: &Section<'_>, cycle: bool) -> Result<Instability, SceneError> {
-    let Some(section) = root.section("instability", &["stiffness", "preload"], false)? else {
+    let Some(section) = root.section("instability", &["stiffness", "preload", "smallest_snap"], false)? else {
         return Ok(Instability::default());
     };
     let stiffness = section.require("stiffness", Dimension::Stiffness.example())?;
     let stiffness = one_or_more(&stiffness, &|entry| entry.not_negative(Dimension::Stiffness))?;
-    let Some(preload) = section.get("preload") else { return Ok(Instability { stiffness, preload: Vec::new() }) };
+    let smallest_snap = section.get("smallest_snap");
+    let smallest_snap = smallest_snap.map_or(Ok(0.0), |entry| entry.not_negative(Dimension::Length))?;
+    let Some(preload) = section.get("preload") else {
+        return Ok(Instability { stiffness, preload: Vec::new(), smallest_snap });
+    };
     if !cycle {
         return Err(preload.wrong("a preload is where a loop turns back; it needs path = \"loop\" in [model]"));
     }
     let preload = one_or_more(&preload, &|entry| entry.positive(Dimension::Force))?;
-    Ok(Instability { stiffness, preload })
+    Ok(Instability { stiffness, preload, smallest_snap })
 }
 
 /// A value, or a list of them, read by `value`.

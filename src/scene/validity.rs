@@ -4,8 +4,8 @@
 //! their radius, their number is large, and the surface is a continuum.
 
 use super::Scene;
-use crate::asperity::Law;
 use crate::asperity::models::Model;
+use crate::asperity::{Law, Regime};
 
 /// What is outside of a limit.
 #[derive(Clone, Debug, PartialEq)]
@@ -66,6 +66,8 @@ const LARGEST_SHARE: f64 = 0.1;
 const FEWEST_ASPERITIES: usize = 30;
 /// Fewest contacts in the whole run at the closest separation.
 const FEWEST_CONTACTS: f64 = 100.0;
+/// Fewest contacts in the whole run that are called some.
+const FEWEST_UNLOADED: f64 = 0.5;
 
 /// The warnings of a scene under a law. `share_in_contact` is the expected share of the nominal area that is in contact at a separation h, m.
 pub fn warnings(scene: &Scene, model: &Model, law: &dyn Law, share_in_contact: impl Fn(f64) -> f64) -> Vec<Warning> {
@@ -84,6 +86,7 @@ pub fn warnings_of_scene(
     let mut warnings: Vec<Warning> = ranges(scene).into_iter().filter_map(Range::warning).collect();
     warnings.extend(sizes(scene, model.validity.dry));
     warnings.extend(contacts(scene, law));
+    warnings.extend(unloading(scene, law));
     warnings.extend(contact_share(scene, share_in_contact));
     warnings
 }
@@ -256,6 +259,20 @@ fn number(value: f64) -> String {
 /// To three significant digits.
 fn rounded(value: f64) -> f64 {
     format!("{value:.2e}").parse().unwrap_or(value)
+}
+
+/// Whether contacts unload that are deeper than those for which that is known.
+fn unloading(scene: &Scene, law: &dyn Law) -> Option<Warning> {
+    let plastic = law.regimes().iter().position(|regime| *regime == Regime::Plastic).filter(|_| scene.cycle)?;
+    let d = scene.surface.asperity_separation(scene.separations[0]);
+    let share = scene.surface.heights.probability(law.boundaries()[plastic - 1].interference + d, f64::INFINITY);
+    let contacts = share * scene.surface.asperity_count as f64 * scene.replicas as f64;
+    (contacts >= FEWEST_UNLOADED).then(|| Warning {
+        finding: format!("{contacts:.0} contacts of the whole run are fully plastic when the surfaces turn back"),
+        reason: "the unloading of elastic-plastic contacts (Etsion, Kligerman and Kadin 2005) is used beyond its range for them"
+            .to_owned(),
+        keys: &["separation", "hardness"],
+    })
 }
 
 /// Whether any asperity touches at the closest separation, and enough of them.

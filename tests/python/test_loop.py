@@ -280,6 +280,20 @@ def test_one_way_snaps_one_way(tmp_path, path_name, has, lacks):
             assert np.isnan(file["preload"][()]).all()
 
 
+def test_short_snaps_need_not_count(tmp_path, file):
+    """0.5 nm is two steps and a half: what is shorter is none, and what is longer is as it was."""
+    path, summary = run_program(tmp_path, SCENE.replace("preload = [", 'smallest_snap = "0.5 nm"\npreload = ['))
+    assert "of at least 500.0 pm" in summary
+    with h5py.File(path, "r") as other:
+        assert other["instability"].attrs["smallest_snap"] == 0.5e-9
+        for name in ["snap_in", "snap_off"]:
+            is_one, distance = file[f"replicas/{name}"][()], file[f"replicas/{name}_distance"][()]
+            counts = (is_one == 1.0) & ~(distance < 0.5e-9)
+            assert np.array_equal(other[f"replicas/{name}"][()] == 1.0, counts)
+            assert np.array_equal(other[f"replicas/{name}_distance"][()][counts], distance[counts], equal_nan=True)
+            assert 0 < counts.sum() < (is_one == 1.0).sum()
+
+
 def unloaded(h: float, closest: float, surface: dict, heights: np.ndarray) -> np.ndarray:
     """F of asperities on the way back under the law isbl, from the published formulas: Kogut and Etsion in contact, Etsion, Kligerman and
     Kadin on the way back, the attraction of an undeformed sphere before contact, counted from what is left of the top."""

@@ -515,6 +515,7 @@ mod tests {
                 None if key.name == "surface.heights.shape" => 1.5,
                 None if !of_law.is_empty() => 0.25,
                 None => 1e-5,
+                Some(_) if key.name == "surface.asperity_radius" => 1.25e-5,
                 Some(Dimension::Length) => 1.25e-8,
                 Some(Dimension::Area) => 1.25e-10,
                 Some(Dimension::ArealDensity) => 1.25e13,

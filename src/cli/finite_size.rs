@@ -268,7 +268,10 @@ fn summary(scene: &Scene, study: &Study) -> String {
         "\n           N   mean pull-off against the integral    scatter  skewness   5 % to 95 % of patches   sums\n";
     for Size { count, bias: [bias, error], scatter, sum, .. } in &study.sizes {
         let [_, low, .., high, _] = scatter.quantiles;
-        let bias = format!("{} ± {}", signed_percent(*bias), percent(*error));
+        let bias = match *bias {
+            bias if bias < 1.0 => format!("{} ± {}", signed_percent(bias), percent(*error)),
+            bias => format!("x {:.4} ± {error:.4}", 1.0 + bias),
+        };
         let range = format!("{low:.3} to {high:.3}");
         let (relative_std, skewness) = (percent(scatter.relative_std), scatter.skewness);
         text += &format!("{count:>12}   {bias:>34} {relative_std:>10} {skewness:>9.2}   {range:>22}   {sum}\n");

@@ -7,7 +7,7 @@ use proptest::prelude::*;
 use std::path::Path;
 use std::time::{Duration, Instant};
 use stiction::asperity::models::{MODELS, Model};
-use stiction::scene::{Plan, Scene, Sizes};
+use stiction::scene::{Document, Plan, Scene, Sizes};
 
 /// Time that reading takes at most: for any text, and for each byte of it; a hundred times what it does take.
 const TIME: (Duration, Duration) = (Duration::from_millis(20), Duration::from_micros(5));
@@ -80,6 +80,44 @@ fn check(text: &str, accepted: &mut u32, refused: &mut u32) {
             }
         }
     }
+}
+
+/// Sweeps that mean harm: reading all points neither panics nor keeps more than the sweep takes, and the scenes of all points are
+/// such as can be computed.
+#[test]
+fn every_sweep_is_read_or_refused_in_a_line() {
+    let _alone = super::alone();
+    let seeds: Vec<String> = seeds().into_iter().map(|(_, seed)| seed).filter(|seed| seed.contains("sweep")).collect();
+    assert!(seeds.len() >= 9, "{}", seeds.len());
+    let mutation = (proptest::sample::select(changes()), any::<u32>(), any::<u32>());
+    let strategy = (0..seeds.len(), proptest::collection::vec(mutation, 0..4));
+    let counts = std::cell::Cell::new((0, 0));
+    let case = |(seed, mutations): (usize, Vec<Mutation>)| {
+        let text = changed(&seeds[seed], &mutations);
+        let before = ALLOCATOR.allocated();
+        match Document::parse(&text) {
+            Ok(Document { sweep: Some(sweep), scene }) => {
+                counts.set((counts.get().0 + 1, counts.get().1));
+                let kept = ALLOCATOR.allocated().saturating_sub(before);
+                assert!(kept <= MEMORY.0 + MEMORY.1 * text.len(), "{kept} bytes for {} bytes", text.len());
+                assert_eq!(scene.text, sweep.text(0).unwrap());
+                for point in [0, sweep.count() / 2, sweep.count() - 1] {
+                    can_be_computed(&sweep.scene(point).unwrap());
+                }
+            }
+            Ok(_) => {}
+            Err(error) => {
+                counts.set((counts.get().0, counts.get().1 + 1));
+                let message = error.to_string();
+                assert!(message.len() <= MESSAGE && !message.contains(char::is_control), "{message:?}");
+            }
+        }
+        Ok(())
+    };
+    runner(cases(100)).run(&strategy, case).unwrap();
+    let (accepted, refused) = counts.get();
+    println!("sweeps: {accepted} accepted, {refused} refused");
+    assert!(accepted.min(refused) > 10, "too hard or too easy: {accepted}, {refused}");
 }
 
 /// Reads a scene and sees to what that takes.

@@ -1,0 +1,98 @@
+//! `stiction finite-size`: patches of growing size against the integral.
+#![cfg(unix)]
+
+mod common;
+
+use common::program::{Folder, assert_exit, bits, number, small, text};
+use std::process::{Command, Stdio};
+use std::time::Duration;
+
+fn values(folder: &Folder, name: &str) -> Vec<f64> {
+    let file = hdf5::File::open(folder.path("scene_finite_size.h5")).unwrap();
+    file.dataset(name).unwrap().read_raw::<f64>().unwrap()
+}
+
+/// Each size is the run of the scene with that nominal area, sums by moments apart.
+#[test]
+fn a_size_is_the_run_of_a_patch() {
+    let folder = Folder::new(&small());
+    assert_exit(&folder.stiction(&["finite-size", "scene.toml", "--counts", "300,739,4000"]), 0);
+    assert_eq!(folder.files(), ["scene.toml", "scene_finite_size.h5"]);
+    assert_exit(&folder.stiction(&["run", "scene.toml"]), 0);
+    let single = hdf5::File::open(folder.path("scene.h5")).unwrap();
+    // 100 um^2 hold 739 asperities.
+    let pull_off = single.dataset("/replicas/pull_off_force").unwrap().read_raw::<f64>().unwrap();
+    let integral = number(&folder.path("scene.h5"), "/statistical", "pull_off_force");
+    let own = values(&folder, "pull_off_per_asperity");
+    for (own, pull_off) in own[40..80].iter().zip(&pull_off) {
+        assert!((739.0 * own / pull_off - 1.0).abs() < 1e-8, "{own} {pull_off}");
+    }
+    assert!((739.0 * values(&folder, "integral_pull_off_per_asperity")[0] / integral - 1.0).abs() < 1e-10);
+    let controlled = single.dataset("/ensemble/scalar_controlled_mean").unwrap().read_raw::<f64>().unwrap()[0];
+    assert!((values(&folder, "bias")[1] - (controlled / integral - 1.0)).abs() < 1e-6, "{:?}", values(&folder, "bias"));
+    let area = values(&folder, "nominal_area");
+    for (area, count) in area.iter().zip([300.0, 739.0, 4000.0]) {
+        assert!((area * 7.39e12 / count - 1.0).abs() < 1e-10, "{area}");
+    }
+}
+
+/// The mean of minima is below the minimum of the mean, the less so the more asperities; and patches scatter less. With 40 replicas biases of
+/// +100 %, +16 % and +2.4 % are known to 11 %, 2 % and 0.3 %, and the scatters of 57 % and 12 % each to 11 % of themselves: to miss a
+/// factor of 2 between them has a probability below 1e-4.
+#[test]
+fn patches_pull_harder_than_the_integral_and_less_so_as_they_grow() {
+    let folder = Folder::new(&small());
+    let run = folder.stiction(&["finite-size", "scene.toml", "--counts", "100:10000:3"]);
+    assert_exit(&run, 0);
+    let (bias, scatter) = (values(&folder, "bias"), values(&folder, "relative_std"));
+    assert!(bias.windows(2).all(|pair| pair[0] > 2.0 * pair[1]) && bias[2] > 0.0, "{bias:?}");
+    assert!(scatter[0] > 2.0 * scatter[2], "{scatter:?}");
+    let summary = text(&run.stdout);
+    for part in ["approach", "10 % from N = ", "interpolated", "extrapolated", "agree"] {
+        assert!(summary.contains(part), "{part}: {summary}");
+    }
+    let quantiles = values(&folder, "pull_off_quantiles");
+    assert!(quantiles.chunks(7).all(|size| size.windows(2).all(|pair| pair[0] <= pair[1])), "{quantiles:?}");
+}
+
+#[test]
+fn an_interrupted_study_goes_on_to_the_same_bits() {
+    let folder = Folder::new(&small().replace("= 40", "= 400"));
+    let command = ["finite-size", "scene.toml", "--counts", "100,1000,8000"];
+    assert_exit(&folder.stiction(&[&command[..], &["-o", "reference.h5", "--threads", "2"]].concat()), 0);
+    let mut child = Command::new(env!("CARGO_BIN_EXE_stiction"));
+    child.args(command).args(["--checkpoint", "0", "--threads", "1"]).current_dir(folder.path(""));
+    let mut child = child.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+    let kept = folder.path("scene_finite_size.h5.points/0003.h5.checkpoint");
+    while !kept.exists() && child.try_wait().unwrap().is_none() {
+        std::thread::sleep(Duration::from_micros(100));
+    }
+    let _ = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    assert_exit(&child.wait_with_output().unwrap(), 130);
+    assert_exit(&folder.stiction(&command), 2);
+    assert_exit(&folder.stiction(&[&command[..], &["--resume"]].concat()), 0);
+    assert!(bits(&folder.path("reference.h5")) == bits(&folder.path("scene_finite_size.h5")));
+    assert_eq!(folder.files(), ["reference.h5", "scene.toml", "scene_finite_size.h5"]);
+    let other = folder.stiction(&["finite-size", "scene.toml", "--counts", "100,1000,9000", "--resume"]);
+    assert_exit(&other, 2);
+    assert!(text(&other.stderr).contains("exists; give --force"), "{}", text(&other.stderr));
+}
+
+#[test]
+fn what_cannot_be_studied_is_refused_with_what_would_do() {
+    let folder = Folder::new(&small());
+    let refused = |arguments: &[&str], part: &str| {
+        let output = folder.stiction(&[&["finite-size", "scene.toml"], arguments].concat());
+        assert_exit(&output, 2);
+        assert!(text(&output.stderr).contains(part), "{}", text(&output.stderr));
+        assert_eq!(folder.files(), ["scene.toml"]);
+    };
+    refused(&["--counts", "10,x"], "`x` is no whole number from 1 to 1e10, such as 10,100,1e4");
+    refused(&["--counts", "10"], "2 to 100 are needed");
+    refused(&["--counts", "10:1e3"], "is neither a number nor a range FROM:TO:COUNT");
+    refused(&["-o", "scene.toml"], "is the scene itself");
+    std::fs::write(folder.path("scene.toml"), small().replace("\"hybrid\"", "\"gw\"")).unwrap();
+    refused(&["--counts", "10,100"], "the integral has no pull-off");
+    std::fs::write(folder.path("scene.toml"), small() + "\n[sweep]\nmaterial.hardness = [\"1 GPa\"]\n").unwrap();
+    refused(&["--counts", "10,100"], "has a table [sweep]");
+}

@@ -34,6 +34,8 @@
 use super::law::{Boundary, Law, Piece, Regime, Responses, Smoothness};
 use super::models::Build;
 use super::{BLOCK, LawError, Path, Setting, Work};
+use crate::math::instruction_set::InstructionSet;
+use crate::math::piecewise::Piecewise;
 use crate::math::roots::{Sample, safe_newton};
 
 /// Exponents of x in ω_max − ω_res = ω_c (x^0.72 + x^0.31 − x^0.03), and their signs.
@@ -45,7 +47,9 @@ const AREA: f64 = -0.12;
 /// The powers of r are no power series in any root of it; in the tenth what is left is too smooth to matter.
 const ORDER: i32 = 10;
 /// Nanoseconds that unloading takes beside the law, and the lowered top alone.
-const COSTS: (f64, f64) = (120.0, 50.0);
+const COSTS: (f64, f64) = (60.0, 5.0);
+/// Relative accuracy of tables: a few roundings, as those of a library's exponentials.
+const TABLE_TOLERANCE: f64 = 2e-15;
 
 /// The laws of one asperity on the way there and on the way back.
 pub struct Loop {
@@ -58,6 +62,10 @@ pub struct Loop {
     /// Index of the first regime of contact, and of the first above ω_c.
     first_contact: usize,
     first_plastic: usize,
+    /// (ω_max − ω_res)/ω_c and the exponents of r in load and area, over x.
+    recovery: OfDepth,
+    load_exponent: OfDepth,
+    area_exponent: OfDepth,
 }
 
 impl Loop {
@@ -74,13 +82,18 @@ impl Loop {
         let (first_contact, first_plastic) = (first(|regime| regime.is_contact()), first(|regime| is_plastic(*regime)));
         let touch = begin_of(approach.as_ref(), first_contact);
         let capture = approach.capture().map_or(touch, |capture| capture.min(touch));
+        let critical = setting.critical_interference;
+        let deepest = setting.reach.map_or(1.0, |(_, deepest)| deepest / critical);
         Ok(Self {
-            critical: setting.critical_interference,
+            critical,
             approach,
             retraction,
             capture,
             first_contact,
             first_plastic,
+            recovery: OfDepth::new(scaled_recovery, deepest),
+            load_exponent: OfDepth::new(|x| LOAD.0 * power(x, LOAD.1), deepest),
+            area_exponent: OfDepth::new(|x| power(x, AREA), deepest),
         })
     }
 
@@ -104,8 +117,7 @@ impl Loop {
         if largest <= self.top() || self.first_plastic == self.approach.regimes().len() {
             return largest;
         }
-        let log = libm::log(largest / self.critical);
-        self.critical * RECOVERY.iter().map(|(exponent, sign)| sign * libm::exp(exponent * log)).sum::<f64>()
+        self.critical * scaled_recovery(largest / self.critical)
     }
 
     /// The distance, m, at which an asperity of the interference ω_max, m, loses contact on the way back; none if it has none, or lies
@@ -119,6 +131,11 @@ impl Loop {
     /// The law at the distance `distance` ≥ 0, m, from the closest approach, in the variable ω_max.
     pub fn at(&self, distance: f64) -> Retraction<'_> {
         Retraction::new(self, distance)
+    }
+
+    /// x of interferences ω_max, m.
+    fn depths(&self, largest: &[f64], places: &mut [f64]) {
+        places.iter_mut().zip(largest).for_each(|(x, largest)| *x = largest / self.critical);
     }
 
     /// End of the elastic regime, m.
@@ -142,6 +159,39 @@ impl Loop {
         };
         let close = |_: f64, sample: Sample| sample.value.abs() <= 2.0 * f64::EPSILON * wanted;
         self.critical * safe_newton(f, 1.0, highest, wanted, close).x
+    }
+}
+
+/// x^exponent.
+fn power(x: f64, exponent: f64) -> f64 {
+    libm::exp(exponent * libm::log(x))
+}
+
+/// (ω_max − ω_res)/ω_c at x.
+fn scaled_recovery(x: f64) -> f64 {
+    let log = libm::log(x);
+    RECOVERY.iter().map(|(exponent, sign)| sign * libm::exp(exponent * log)).sum()
+}
+
+/// A function of x with a table from 1 to the deepest interference that is expected.
+struct OfDepth {
+    exact: fn(f64) -> f64,
+    table: Piecewise,
+}
+
+impl OfDepth {
+    fn new(exact: fn(f64) -> f64, deepest: f64) -> Self {
+        Self { exact, table: Piecewise::new(exact, |_, value| TABLE_TOLERANCE * value, 1.0, deepest) }
+    }
+
+    /// Its values at places x.
+    fn values(&self, places: &[f64], out: &mut [f64]) {
+        InstructionSet::current().run(
+            #[inline(always)]
+            || self.table.values(places, out),
+        );
+        let missing = out.iter_mut().zip(places).filter(|(value, _)| value.is_nan());
+        missing.for_each(|(value, x)| *value = (self.exact)(*x));
     }
 }
 
@@ -273,12 +323,17 @@ impl<'a> Retraction<'a> {
 
     /// Forces of contacts above ω_c that are unloaded from ω_max, m, at which `out` has them.
     fn unload(&self, largest: &[f64], out: &mut Responses) {
-        for (i, &largest) in largest.iter().enumerate() {
-            let log = libm::log(largest / self.cycle.critical);
-            let recovery = self.cycle.recovery(largest);
+        let (mut places, mut recovery, mut load, mut area) = ([0.0; BLOCK], [0.0; BLOCK], [0.0; BLOCK], [0.0; BLOCK]);
+        let count = largest.len();
+        self.cycle.depths(largest, &mut places[..count]);
+        self.cycle.recovery.values(&places[..count], &mut recovery[..count]);
+        self.cycle.load_exponent.values(&places[..count], &mut load[..count]);
+        self.cycle.area_exponent.values(&places[..count], &mut area[..count]);
+        for i in 0..count {
+            let recovery = self.cycle.critical * recovery[i];
             let ratio = libm::log(((recovery - self.distance) / recovery).max(0.0));
-            out.contact[i] *= libm::exp(LOAD.0 * libm::exp(LOAD.1 * log) * ratio);
-            out.area[i] *= libm::exp(libm::exp(AREA * log) * ratio);
+            out.contact[i] *= libm::exp(load[i] * ratio);
+            out.area[i] *= libm::exp(area[i] * ratio);
         }
     }
 }
@@ -350,10 +405,15 @@ impl Law for Retraction<'_> {
         let lower = begin_of(law, base).min(upper);
         let mut own = [0.0; BLOCK];
         let own = &mut own[..interference.len()];
-        for (delta, &largest) in own.iter_mut().zip(interference) {
-            let recovery = if let State::Lowered(_) = state { self.cycle.recovery(largest) } else { largest };
-            *delta = (recovery - self.distance).clamp(lower, upper);
+        if let State::Lowered(_) = state {
+            let mut places = [0.0; BLOCK];
+            self.cycle.depths(interference, &mut places[..interference.len()]);
+            self.cycle.recovery.values(&places[..interference.len()], own);
+            own.iter_mut().for_each(|recovery| *recovery *= self.cycle.critical);
+        } else {
+            own.copy_from_slice(interference);
         }
+        own.iter_mut().for_each(|delta| *delta = (*delta - self.distance).clamp(lower, upper));
         law.evaluate(base, own, out, work);
     }
 }

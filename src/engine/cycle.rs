@@ -74,10 +74,9 @@ pub(super) struct WayBack<'a> {
     cycle: &'a Loop,
     /// Rising, m.
     heights: &'a [f64],
-    /// Separation h where it begins, m, and of flat and asperity mean plane there.
-    from: f64,
+    /// Separation d where it begins, m.
     closest: f64,
-    /// m.
+    /// h − d, m.
     offset: f64,
 }
 
@@ -85,14 +84,12 @@ impl<'a> WayBack<'a> {
     /// From the separation h `from`, m.
     pub fn new(job: &Job<'_>, cycle: &'a Loop, heights: &'a [f64], from: f64) -> Self {
         let closest = job.surface.asperity_separation(from);
-        Self { cycle, heights, from, closest, offset: job.surface.mean_plane_offset }
+        Self { cycle, heights, closest, offset: job.surface.mean_plane_offset }
     }
 
     /// Sums the surface at a separation h, m.
     pub fn sum(&self, sums: &mut Sums, separation: f64) {
-        // As on the way there, so that the distances are those of its interferences.
-        let distance = if separation == self.from { 0.0 } else { separation - self.offset - self.closest };
-        let law = self.cycle.at(distance);
+        let law = self.cycle.at(separation - self.offset - self.closest);
         sums.over(&law, Some(law.base()), self.heights, self.closest);
     }
 
@@ -120,52 +117,65 @@ impl<'a> WayBack<'a> {
     }
 }
 
-/// The snaps of a surface, in the order of [`Holding::length`], from its curves, N, over the separations of the job: on its way, or on its
-/// way there and back.
+/// The snaps of a surface, in the order of [`Holding::length`], from its curve over the separations of the job on the way there, N, and the
+/// one on which it is pulled off, with its pull-off.
 pub(super) fn snaps(
     job: &Job<'_>,
     heights: &[f64],
     sums: &mut Sums,
     there: &[f64],
-    back: Option<(&[f64], Extremum)>,
+    (last, pull_off): (&[f64], Extremum),
 ) -> Vec<f64> {
     let Protocol { cycle, holding } = job.protocol;
-    let Holding { stiffness, preload, smallest_snap, ways } = holding;
     let mut numbers = Vec::with_capacity(holding.length());
-    let samples = |force: &[f64]| job.separations.iter().copied().zip(force.iter().copied()).collect::<Vec<_>>();
-    let add = |numbers: &mut Vec<f64>, snap: &dyn Fn(f64) -> Snap| {
-        stiffness.iter().for_each(|&stiffness| numbers.extend(snap(stiffness).numbers()));
-    };
-    if ways.0 {
+    let samples =
+        |force: &[f64]| -> Vec<(f64, f64)> { job.separations.iter().copied().zip(force.iter().copied()).collect() };
+    if holding.ways.0 {
         let inward: Vec<(f64, f64)> = samples(there).into_iter().rev().collect();
-        add(&mut numbers, &|stiffness| largest_snap(&inward, stiffness, smallest_snap));
+        numbers.extend(of_stiffnesses(&holding, &inward));
     }
-    if holding.retractions() == 0 {
-        return numbers;
-    }
-    let turn = |separation: f64, pull_off: &Extremum| Turn {
-        separation,
-        pull_off_force: -pull_off.value,
-        pull_off_separation: pull_off.place,
-    };
-    let (Some(cycle), false) = (cycle, preload.is_empty()) else {
-        let Some((force, pull_off)) = back else { return numbers };
-        numbers.extend(turn(job.separations[0], &pull_off).numbers());
-        let outward = samples(force);
-        add(&mut numbers, &|stiffness| largest_snap(&outward, stiffness, smallest_snap));
-        return numbers;
-    };
-    for &preload in preload {
-        let Some((nearer, from)) = reached(job.separations, there, preload) else {
-            numbers.extend(Turn::UNKNOWN.numbers());
-            add(&mut numbers, &|_| Snap::UNKNOWN);
-            continue;
-        };
-        let way = WayBack::new(job, cycle, heights, from);
-        let places = [from].into_iter().chain(job.separations[nearer + 1..].iter().copied().filter(|h| *h > from));
-        let outward: Vec<(f64, f64)> = places.map(|h| (h, way.external_force(sums, h))).collect();
-        numbers.extend(turn(from, &way.pull_off(sums, &outward)).numbers());
-        add(&mut numbers, &|stiffness| largest_snap(&outward, stiffness, smallest_snap));
+    match cycle.filter(|_| !holding.preload.is_empty()) {
+        Some(cycle) => {
+            for &preload in holding.preload {
+                numbers.extend(after_preload(job, (cycle, heights), sums, there, preload));
+            }
+        }
+        None if holding.ways.1 => {
+            numbers.extend(turn(job.separations[0], &pull_off).numbers());
+            numbers.extend(of_stiffnesses(&holding, &samples(last)));
+        }
+        None => {}
     }
     numbers
+}
+
+/// The largest snap on a way for each stiffness.
+fn of_stiffnesses(holding: &Holding<'_>, samples: &[(f64, f64)]) -> Vec<f64> {
+    let snap = |&stiffness: &f64| largest_snap(samples, stiffness, holding.smallest_snap).numbers();
+    holding.stiffness.iter().flat_map(snap).collect()
+}
+
+fn turn(separation: f64, pull_off: &Extremum) -> Turn {
+    Turn { separation, pull_off_force: -pull_off.value, pull_off_separation: pull_off.place }
+}
+
+/// The turn of a surface at a preload, N, and its snaps on the way back from there.
+fn after_preload(
+    job: &Job<'_>,
+    (cycle, heights): (&Loop, &[f64]),
+    sums: &mut Sums,
+    there: &[f64],
+    preload: f64,
+) -> Vec<f64> {
+    let holding = &job.protocol.holding;
+    let Some((nearer, from)) = reached(job.separations, there, preload) else {
+        let snaps = holding.stiffness.iter().flat_map(|_| Snap::UNKNOWN.numbers());
+        return Turn::UNKNOWN.numbers().into_iter().chain(snaps).collect();
+    };
+    let way = WayBack::new(job, cycle, heights, from);
+    let further = job.separations[nearer + 1..].iter().copied().filter(|h| *h > from);
+    let outward: Vec<(f64, f64)> =
+        [from].into_iter().chain(further).map(|h| (h, way.external_force(sums, h))).collect();
+    let turn = turn(from, &way.pull_off(sums, &outward));
+    turn.numbers().into_iter().chain(of_stiffnesses(holding, &outward)).collect()
 }

@@ -162,7 +162,7 @@ impl Workspace {
         kept.pull_off(&last.1);
         kept.stiffest(&steepest_rise(job.separations, last.0));
         if !job.protocol.holding.stiffness.is_empty() {
-            self.curves[lane].snaps = snaps(job, heights, &mut self.sums, external, Some(last));
+            self.curves[lane].snaps = snaps(job, heights, &mut self.sums, external, last);
         }
         kept
     }

@@ -119,8 +119,8 @@ fn sums(table: &mut Table) {
 fn summed_one_by_one(scene: &Scene, index: u64) -> Vec<[f64; 2]> {
     let setting = Setting::new(&scene.asperity, scene.path, scene.reach()).expect("a validated scene");
     let law = (scene.model.build)(&Setting { reach: None, ..setting }).expect("a law of the scene");
-    let mut heights = vec![0.0; scene.surface.asperity_count];
-    draw(&scene.surface, scene.seed, scene.sampling, index, &mut heights);
+    let mut heights = Vec::new();
+    draw(&scene.surface, scene.seed, scene.sampling, index, &mut heights, &mut Vec::new());
     heights.sort_unstable_by(f64::total_cmp);
     let at = |&h: &f64| {
         let d = scene.surface.asperity_separation(h);

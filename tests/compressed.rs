@@ -8,7 +8,7 @@ use stiction::asperity::{Boundary, Law, Path, Piece, Quantity, Regime, Responses
 use stiction::engine::compressed::{Compression, Unfit, largest_error};
 use stiction::engine::stream::{Purpose, stream};
 use stiction::engine::{Curves, Ensemble, Job, Outcome, Protocol, Replica, Summation, Workspace, run};
-use stiction::surface::{Gaussian, SamplingScheme, Surface};
+use stiction::surface::{Heights, SamplingScheme, Surface};
 
 /// A law on a surface.
 struct Patch {
@@ -295,7 +295,7 @@ fn a_surface_beyond_the_bins_is_summed_directly() {
     let mut patch = Patch::case("II", "hybrid").with_asperities(700);
     let compression = patch.compression(1e-9).unwrap();
     let reach = 10.0 * patch.surface.heights.std;
-    patch.surface.heights = Gaussian { std: 3.0 * patch.surface.heights.std };
+    patch.surface.heights = Heights::gaussian(3.0 * patch.surface.heights.std);
     // The outermost period is not all within reach.
     let step = patch.separations[1] - patch.separations[0];
     let beyond = |index: u64| patch.heights(index).iter().any(|u| u.abs() > reach + step);

@@ -14,7 +14,7 @@ use stiction::asperity::noncontact::{Branches, Noncontact};
 use stiction::asperity::scale::{Asperity, Scale, pressure_factor};
 use stiction::asperity::{Law, Path, Regime, Setting, Work};
 use stiction::statistical::Statistical;
-use stiction::surface::{Gaussian, Surface};
+use stiction::surface::{Heights, Surface};
 
 const CRITICAL: f64 = 3.0;
 const THICKNESS: f64 = 0.4;
@@ -173,7 +173,8 @@ fn minimum(law: &dyn Law, begin: f64) -> (f64, f64) {
 fn the_integral_of_hertz_contacts_is_that_of_greenwood_and_williamson() {
     let (asperity, surface) = case("II");
     let std = 2e-9;
-    let surface = Surface { heights: Gaussian { std }, surface_height_std: std, mean_plane_offset: 0.0, ..surface };
+    let surface =
+        Surface { heights: Heights::gaussian(std), surface_height_std: std, mean_plane_offset: 0.0, ..surface };
     let gw = law("gw", &asperity, Path::Approach, (-30e-9, 30e-9));
     let rows =
         [(0.0, 0.43001999366226), (1.0, 0.075668177390975), (2.0, 0.0066481776235871), (3.0, 2.6396755426947e-4)];
@@ -183,7 +184,7 @@ fn the_integral_of_hertz_contacts_is_that_of_greenwood_and_williamson() {
         let unit = 4.0 / 3.0 * asperity.reduced_modulus * asperity.radius.sqrt() * std.powf(1.5);
         assert_close(model.expected[1][0], count * unit * load, 1e-13);
         assert_eq!(model.expected[0][0], 0.0);
-        let tail = Gaussian { std: 1.0 }.probability(h, f64::INFINITY);
+        let tail = Heights::gaussian(1.0).probability(h, f64::INFINITY);
         let first = (-0.5 * h * h).exp() / (2.0 * PI).sqrt() - h * tail;
         assert_close(model.expected[3][0], count * PI * asperity.radius * std * first, 1e-13);
     }

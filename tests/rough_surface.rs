@@ -7,7 +7,7 @@ use common::{case, law};
 use stiction::asperity::models::MODELS;
 use stiction::asperity::{Path, Quantity, Responses, Scratch, Work, for_each_block};
 use stiction::math::extrema::Features;
-use stiction::statistical::{Statistical, external_force};
+use stiction::statistical::{Model, Statistical};
 
 #[test]
 fn every_regime_agrees_with_the_inversion_free_quadrature() {
@@ -64,7 +64,8 @@ fn the_integral_of_the_cases_pulls_off_where_it_is_known_to() {
                 (0..count).map(|i| sigma * (0.5 + 7.0 * f64::from(i) / f64::from(count - 1))).collect();
             let model = Statistical::new(law.as_ref(), &surface, &separations);
             let external = &model.expected[Quantity::ExternalForce.index()];
-            let features = Features::new(|h| external_force(law.as_ref(), &surface, h), &separations, external);
+            let integral = Model::new(law.as_ref(), &surface, &separations);
+            let features = Features::new(|h| integral.external_force(h), &separations, external);
             let pull_off = -features.minimum.value;
             assert!((pull_off / force - 1.0).abs() < accuracy, "case {name}, {count}: {pull_off} N");
             let place = features.steepest.place / sigma;
@@ -141,7 +142,8 @@ fn the_published_fits_give_the_published_numbers() {
         let separations: Vec<f64> = (0..141).map(|i| sigma * (0.5 + 0.05 * f64::from(i))).collect();
         let model = Statistical::new(law.as_ref(), &surface, &separations);
         let external = &model.expected[Quantity::ExternalForce.index()];
-        let features = Features::new(|h| external_force(law.as_ref(), &surface, h), &separations, external);
+        let integral = Model::new(law.as_ref(), &surface, &separations);
+        let features = Features::new(|h| integral.external_force(h), &separations, external);
         assert!((-features.minimum.value - force).abs() < rounding, "case {name}: {} N", -features.minimum.value);
         assert!(
             (features.steepest.place / sigma - stiffest).abs() < 0.02,

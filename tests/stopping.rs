@@ -270,7 +270,7 @@ fn a_run_ends_in_the_same_place_wherever_it_is_taken_up() {
     let last = states.len() - 1;
     for place in [0, 1, last - 1, last] {
         let (state, replicas) = states[place].clone();
-        let start = Ensemble::restored(&job, &state, replicas).unwrap();
+        let start = Ensemble::restored(&job, &state, replicas, Vec::new()).unwrap();
         let batches = AtomicUsize::new(0);
         let count = |_: &_, _: &_| {
             batches.fetch_add(1, Ordering::Relaxed);

@@ -13,7 +13,7 @@ use stiction::engine::stream::{Purpose, stream};
 use stiction::engine::{Curves, Job, Workspace};
 use stiction::math::moments::{Comoments, Moments};
 use stiction::statistical::Statistical;
-use stiction::surface::{Gaussian, SamplingScheme, Surface};
+use stiction::surface::{Heights, SamplingScheme, Surface};
 
 /// Half a unit in the last place of 1.
 const U: f64 = 0.5 * f64::EPSILON;
@@ -346,7 +346,7 @@ fn the_integral_knows_the_spread_of_what_hardly_varies() {
         for relative in [1e-4, 1e-7, 1e-10] {
             let h = 1e-9 * (0.5 * (low + high));
             let std = relative * h.abs();
-            let surface = Surface { heights: Gaussian { std }, mean_plane_offset: 0.0, ..surface };
+            let surface = Surface { heights: Heights::gaussian(std), mean_plane_offset: 0.0, ..surface.clone() };
             let integral = Statistical::new(law.as_ref(), &surface, &[h]);
             let step = 1e-4 * h.abs();
             let [above, below] = [-h + step, -h - step].map(|delta| {

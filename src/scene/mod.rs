@@ -132,7 +132,12 @@ impl Scene {
         let paths = [paths, vec![(LOOP, (Path::Approach, true))]].concat();
         let (path, cycle) =
             model.get("path").map_or(Ok((Path::Approach, false)), |entry| entry.choice("path", &paths))?;
-        let instability = instability::instability(&root, cycle)?;
+        if let Some(entry) = model.get("path").filter(|_| cycle && surface.is_scattered()) {
+            return Err(entry.wrong(
+                "a loop is for asperities of one radius; those of several are computed on \"approach\" or \"retraction\"",
+            ));
+        }
+        let instability = instability::instability(root, cycle)?;
         let critical_approach = critical_approach(&model, &law)?;
         let separation = required(root, "separation", &["h", "h_star"])?;
         let separations = separation::separations(&separation, surface.surface_height_std)?;

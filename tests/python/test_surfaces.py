@@ -116,6 +116,7 @@ def test_a_picture_compares_them(results, tmp_path):
         ('surface_height_std = "1.619 nm"', 'surface_height_std = "0.9 nm"\nsummits = "nayak"', "2413 (eta R sigma)^2"),
         ("seed = 1", 'seed = 1\nsampling = "antithetic"', 'others need "independent"'),
         ('law = "hybrid"', 'law = "fit:refit"\n[unknown]', "unknown key"),
+        ('heights = "exponential"', 'radii = { law = "file", path = "a", column = 1, unit = "um" }', "cannot be read"),
     ],
 )
 def test_what_cannot_be_is_refused_with_its_key(tmp_path, old, new, said):

@@ -472,10 +472,10 @@ mod tests {
         let scene = scene.replace("[ensemble]", "[solver]\nsum = \"compressed\"\n\n[ensemble]");
         let base = Scene::parse(&scene).unwrap();
         for key in SWEEPABLE {
-            // Such as would do for most of them.
             let number = match key.dimension {
                 None => 1e-5,
-                Some(Dimension::Length) => 1.25e-8,
+                Some(Dimension::Length) if key.name == "surface.asperity_radius" => 7e-6,
+                Some(Dimension::Length) => 0.7e-9,
                 Some(Dimension::Area) => 1.25e-10,
                 Some(Dimension::ArealDensity) => 1.25e13,
                 Some(Dimension::Pressure) => 1.25e9,

@@ -79,9 +79,11 @@ def draw_ranges(axes: Axes, study: Study) -> None:
     axes.plot(n, quantiles[:, 3], color=BLUE, linewidth=1.3, label="median")
     axes.plot(n, 1.0 + study["bias"], "o", color="black", markersize=4, label="mean over replicas")
     axes.axhline(1.0, color=VERMILION, linestyle=DASH_DOT, linewidth=1.4, label="integral")
-    axes.set(xscale="log", yscale="log", xlabel=COUNT, ylabel="pull-off force over that of the integral")
-    axes.set_ylim(max(0.6 * quantiles[:, 0].min(), 0.01), 1.6 * quantiles.max())
-    axes.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
+    axes.set(xscale="log", xlabel=COUNT, ylabel="pull-off force over that of the integral")
+    if quantiles.max() > 4.0 * max(float(quantiles.min()), 0.01):
+        axes.set_yscale("log")
+        axes.set_ylim(max(0.6 * quantiles[:, 0].min(), 0.01), 1.6 * quantiles.max())
+        axes.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
     axes.set_title("(a) Pull-off force of single patches")
     axes.legend(loc="upper right")
 
@@ -110,10 +112,12 @@ def draw_bias(axes: Axes, study: Study) -> None:
         if math.isfinite(count):
             axes.plot([count], [100.0 * accuracy], "s", color=GREEN, markersize=6, markerfacecolor="none")
             exponent = math.floor(math.log10(count))
-            number = f"{count / 10**exponent:.1f} × $10^{{{exponent}}}$"
+            number = f"{count / 10**exponent:.1f} × $10^{{{exponent}}}$" if count >= 1000.0 else f"{float(f'{count:.2g}'):g}"
+            # Beneath the curve where there is room for it, else above.
+            left = count > 30.0 * n[0]
             axes.annotate(f"{100 * accuracy:g} % from {number}" + (" (extrapolated)" if source == "extrapolated" else ""),
-                          (count, 100.0 * accuracy), xytext=(-6, -3), textcoords="offset points", fontsize=8, color=GREEN,
-                          ha="right", va="top")
+                          (count, 100.0 * accuracy), xytext=(-6, -3) if left else (6, 3), textcoords="offset points",
+                          fontsize=8, color=GREEN, ha="right" if left else "left", va="top" if left else "bottom")
     axes.set(xscale="log", yscale="log", xlabel=COUNT, ylabel="mean pull-off less the integral's (% of it)")
     axes.set_ylim(bottom=40.0 * min(float(bias[bias > 0.0].min(initial=0.01)), 0.01))
     axes.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
@@ -153,11 +157,12 @@ def draw(study: Study) -> Figure:
     title = str(study.attribute("title")).strip() or Path(study.file.filename).name
     figure.text(0.5, 0.985, "\n".join(textwrap.wrap(title, 90, max_lines=2)), ha="center", va="top", size=12,
                 weight="bold", parse_math=False)
-    per_asperity = 1e9 * float(study["integral_pull_off_per_asperity"])
+    per_asperity = float(study["integral_pull_off_per_asperity"])
+    unit = next((unit for unit in [(1e-6, "µN"), (1e-9, "nN")] if per_asperity >= unit[0]), (1e-12, "pN"))
     figure.text(0.5, 0.945, f"law {study.attribute('law')}, path {study.attribute('path')}, "
                 f"λ = {study.attribute('adhesion_parameter'):.4g}, ψ = {study.attribute('plasticity_index'):.4g}, "
                 f"{study.attribute('replicas')} replicas of each size, seed {study.attribute('seed')}; "
-                f"pull-off of the integral {per_asperity:.4g} nN for each asperity", ha="center", va="top", fontsize=9.5)
+                f"pull-off of the integral {per_asperity / unit[0]:.4g} {unit[1]} for each asperity", ha="center", va="top", fontsize=9.5)
     return figure
 
 

@@ -170,11 +170,13 @@ def draw_excess(axes: Axes, sweep: Sweep, x: np.ndarray, curves: list) -> None:
         order = points[np.argsort(x[points])]
         axes.errorbar(x[order], excess[order], error[order], color=color, marker=marker, markersize=4, linewidth=0.9,
                       elinewidth=1.2, capsize=2.5)
-    axes.axhline(0.0, color="0.3", linestyle=DASHED, linewidth=1.0)
     finite = excess[np.isfinite(excess)]
     if finite.size and finite.min() > 0.0 and finite.max() > 20.0 * finite.min():
         axes.set_yscale("log")
+        axes.set_ylim(0.5 * finite.min(), 2.0 * finite.max())
         axes.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
+    else:
+        axes.axhline(0.0, color="0.3", linestyle=DASHED, linewidth=1.0)
     axes.set(ylabel="mean over replicas less integral (% of it)")
     axes.set_title("(b) What finite patches pull more than the integral")
 

@@ -18,7 +18,7 @@ const MAP: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/configs/maps/polished.tx
 fn map(shape: [usize; 2], pixel: [f64; 2], height: impl Fn(f64, f64) -> f64) -> HeightMap {
     let [rows, columns] = shape;
     let place = |i: usize| ((i % columns) as f64 * pixel[1], (i / columns) as f64 * pixel[0]);
-    let heights = (0..rows * columns).map(|i| place(i)).map(|(x, y)| height(x, y)).collect();
+    let heights = (0..rows * columns).map(place).map(|(x, y)| height(x, y)).collect();
     HeightMap::new(heights, shape, pixel).unwrap()
 }
 

@@ -346,7 +346,9 @@ fn intervals_hold_what_they_say_for_any_target() {
     let truth = truth(&job);
     let limits = |share: f64| [Limit::Relative(share), Limit::Absolute(share * truth)];
     for (min_replicas, share) in [(8, 0.2), (8, 0.1), (16, 0.1), (32, 0.1)] {
-        limits(share).map(|limit| coverage(&job, truth, min_replicas, limit, SEEDS));
+        for limit in limits(share) {
+            coverage(&job, truth, min_replicas, limit, SEEDS);
+        }
     }
     for limit in [limits(0.075), limits(0.05)].concat() {
         let (held, _) = coverage(&job, truth, 64, limit, SEEDS);

@@ -172,10 +172,11 @@ impl Workspace {
         self.heights[lane].iter().copied().reduce(f64::max).unwrap_or(f64::NAN)
     }
 
+    /// The pull-off of a surface on its way over the separations.
     fn pull_off(&mut self, job: &Job<'_>, lane: usize) -> Extremum {
         let highest = self.highest(lane);
         let heights = &self.heights[lane];
-        let external = &self.curves[lane].total[Quantity::ExternalForce.index()];
+        let external = &self.curves[lane].total[Quantity::ExternalForce.index()][..job.separations.len()];
         let Sums { scratch, work, .. } = &mut self.sums;
         if let Some(scattered) = &self.scattered {
             return scattered.pull_off(heights, &self.radii, scratch, work, external);

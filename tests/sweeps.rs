@@ -279,6 +279,38 @@ fn validate_sees_a_point_that_disagrees() {
     }
 }
 
+/// A file that says of itself what is not so is refused in a line.
+#[test]
+fn sweeps_that_are_not_what_they_say_are_refused() {
+    let folder = Folder::new(&swept(GRID));
+    assert_exit(&folder.stiction(&["run", "scene.toml"]), 0);
+    let keys = "surface.surface_height_std, surface.lubricant_thickness";
+    let rewritten = |file: &hdf5::File, name: &str, text: &str| {
+        file.delete_attr(name).unwrap();
+        let text: hdf5::types::VarLenUnicode = text.parse().unwrap();
+        file.new_attr::<hdf5::types::VarLenUnicode>().create(name).unwrap().write_scalar(&text).unwrap();
+    };
+    let changes: [(&dyn Fn(&hdf5::File), &str); 6] = [
+        (&|file| file.delete_attr("sweep_keys").unwrap(), "lacks the text `sweep_keys`"),
+        (&|file| rewritten(file, "sweep_keys", "surface.surface_height_std"), "of the shape [2, 2], not [2]"),
+        (&|file| rewritten(file, "sweep_keys", &[keys; 9].join(", ")), "has 18 dimensions of points"),
+        (&|file| rewritten(file, "sweep_keys", "surface.no_such, surface.lubricant_thickness"), "lacks the dimension"),
+        (&|file| rewritten(file, "sweep_mode", "zip"), "lacks the dimension `point`"),
+        (
+            &|file| file.dataset("/ensemble/adhesion_force_mean").unwrap().write_raw(&[f64::NAN; 64]).unwrap(),
+            "has the value NaN in /ensemble/adhesion_force_mean",
+        ),
+    ];
+    for (change, message) in changes {
+        std::fs::copy(folder.path("scene.h5"), folder.path("changed.h5")).unwrap();
+        change(&hdf5::File::open_rw(folder.path("changed.h5")).unwrap());
+        let refused = folder.stiction(&["validate", "changed.h5"]);
+        assert_exit(&refused, 2);
+        let error = text(&refused.stderr);
+        assert!(error.contains(message) && error.lines().count() == 1, "{message}: {error}");
+    }
+}
+
 #[test]
 fn check_says_what_all_points_take() {
     let folder = Folder::new(&swept(GRID));

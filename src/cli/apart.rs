@@ -16,9 +16,10 @@ use std::time::{Duration, Instant};
 const READER: &str = "STICTION_READER";
 /// Longest that a file may take, disk and network included.
 const PATIENCE: Duration = Duration::from_secs(60);
-/// Longest that a file may keep a processor busy, s; results take milliseconds.
-#[cfg(unix)]
+/// Longest that a file may keep a processor busy, s; results of one run take milliseconds.
 const PROCESSOR_SECONDS: u64 = 5;
+/// Bytes for which a file may take a second more of both: sweeps of many points do.
+const BYTES_PER_SECOND: u64 = 4_000_000;
 /// Address space of the process that reads, bytes.
 #[cfg(unix)]
 const ADDRESS_SPACE: u64 = 1 << 30;
@@ -30,8 +31,21 @@ const MOST_SAID: u64 = 1 << 28;
 /// # Errors
 /// Those of `read`, and [`Failure::Usage`] when the file makes the process die or take too long.
 pub(super) fn apart(path: &Path, read: impl FnOnce(&Path) -> Result<(), Failure>) -> Result<(), Failure> {
+    apart_within(path, PROCESSOR_SECONDS, read)
+}
+
+/// The same with a file that may keep a processor busy for so long, and longer the larger it is.
+///
+/// # Errors
+/// As [`apart`].
+pub(super) fn apart_within(
+    path: &Path,
+    processor_seconds: u64,
+    read: impl FnOnce(&Path) -> Result<(), Failure>,
+) -> Result<(), Failure> {
+    let more = path.metadata().map_or(0, |metadata| metadata.len() / BYTES_PER_SECOND);
     if is_apart() {
-        limit();
+        limit(processor_seconds + more);
         return read(path);
     }
     let program = std::env::current_exe().context("cannot find this program to run it once more")?;
@@ -44,7 +58,7 @@ pub(super) fn apart(path: &Path, read: impl FnOnce(&Path) -> Result<(), Failure>
         .spawn()
         .context("cannot run this program once more")?;
     let (out, err) = (said(child.stdout.take()), said(child.stderr.take()));
-    let (text, status) = await_end(&mut child, &out)?;
+    let (text, status) = await_end(&mut child, &out, PATIENCE + Duration::from_secs(more))?;
     let message = err.recv_timeout(Duration::from_secs(1)).unwrap_or_default();
     // The last line, without what libhdf5 may have said before it.
     let message = message.lines().next_back().and_then(|line| line.strip_prefix("stiction: ")).map(str::to_owned);
@@ -92,11 +106,15 @@ fn said(pipe: Option<impl Read + Send + 'static>) -> Receiver<String> {
 }
 
 /// What a process prints and how it ends; the latter is missing if it had to be killed.
-fn await_end(child: &mut Child, out: &Receiver<String>) -> Result<(String, Option<ExitStatus>), Failure> {
+fn await_end(
+    child: &mut Child,
+    out: &Receiver<String>,
+    patience: Duration,
+) -> Result<(String, Option<ExitStatus>), Failure> {
     let begun = Instant::now();
-    let text = out.recv_timeout(PATIENCE);
+    let text = out.recv_timeout(patience);
     // Its output ends when it does, but for a moment.
-    while begun.elapsed() < PATIENCE {
+    while begun.elapsed() < patience {
         if let Some(status) = child.try_wait().context("cannot wait for the process that reads")? {
             return Ok((text.unwrap_or_default(), Some(status)));
         }
@@ -108,11 +126,13 @@ fn await_end(child: &mut Child, out: &Receiver<String>) -> Result<(String, Optio
 }
 
 /// Bounds what this process may use; where a bound is refused the time that its parent waits still holds.
-fn limit() {
+fn limit(processor_seconds: u64) {
+    #[cfg(not(unix))]
+    let _ = processor_seconds;
     #[cfg(unix)]
     {
         use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
-        let bounds = [(Resource::As, ADDRESS_SPACE), (Resource::Cpu, PROCESSOR_SECONDS), (Resource::Core, 0)];
+        let bounds = [(Resource::As, ADDRESS_SPACE), (Resource::Cpu, processor_seconds), (Resource::Core, 0)];
         for (resource, bound) in bounds {
             let maximum = getrlimit(resource).maximum;
             let bound = maximum.map_or(bound, |maximum| maximum.min(bound));

@@ -16,8 +16,7 @@ use std::time::{Duration, Instant};
 const READER: &str = "STICTION_READER";
 /// Longest that a file may take, disk and network included.
 const PATIENCE: Duration = Duration::from_secs(60);
-/// Longest that a file may keep a processor busy, s; results take milliseconds.
-#[cfg(unix)]
+/// Longest that a result may keep a processor busy, s; it takes milliseconds.
 const PROCESSOR_SECONDS: u64 = 5;
 /// Address space of the process that reads, bytes.
 #[cfg(unix)]
@@ -30,8 +29,20 @@ const MOST_SAID: u64 = 1 << 28;
 /// # Errors
 /// Those of `read`, and [`Failure::Usage`] when the file makes the process die or take too long.
 pub(super) fn apart(path: &Path, read: impl FnOnce(&Path) -> Result<(), Failure>) -> Result<(), Failure> {
+    apart_within(path, PROCESSOR_SECONDS, read)
+}
+
+/// The same with a file that may keep a processor busy for longer.
+///
+/// # Errors
+/// As [`apart`].
+pub(super) fn apart_within(
+    path: &Path,
+    processor_seconds: u64,
+    read: impl FnOnce(&Path) -> Result<(), Failure>,
+) -> Result<(), Failure> {
     if is_apart() {
-        limit();
+        limit(processor_seconds);
         return read(path);
     }
     let program = std::env::current_exe().context("cannot find this program to run it once more")?;
@@ -108,11 +119,13 @@ fn await_end(child: &mut Child, out: &Receiver<String>) -> Result<(String, Optio
 }
 
 /// Bounds what this process may use; where a bound is refused the time that its parent waits still holds.
-fn limit() {
+fn limit(processor_seconds: u64) {
+    #[cfg(not(unix))]
+    let _ = processor_seconds;
     #[cfg(unix)]
     {
         use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
-        let bounds = [(Resource::As, ADDRESS_SPACE), (Resource::Cpu, PROCESSOR_SECONDS), (Resource::Core, 0)];
+        let bounds = [(Resource::As, ADDRESS_SPACE), (Resource::Cpu, processor_seconds), (Resource::Core, 0)];
         for (resource, bound) in bounds {
             let maximum = getrlimit(resource).maximum;
             let bound = maximum.map_or(bound, |maximum| maximum.min(bound));

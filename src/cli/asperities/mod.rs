@@ -3,7 +3,7 @@
 mod record;
 mod summary;
 
-use super::apart::{apart, is_apart};
+use super::apart::{apart_within, is_apart};
 use super::{AsperitiesArguments, Failure, print, print_of, refuse_own, resources};
 use crate::output::Claim;
 use crate::output::maps::{self, MOST_PIXELS, MapFormat, RawMap};
@@ -13,8 +13,10 @@ use crate::scene::echo::shortened;
 use crate::surface::map::{Asperities, HeightMap, MapError};
 use std::path::Path;
 
-/// Bytes that a pixel takes while a map is read, levelled and searched.
-const PIXEL: f64 = 48.0;
+/// Bytes that a pixel takes at most while a map is read, levelled and searched.
+const PIXEL: f64 = 24.0;
+/// Longest that an HDF5 file may keep a processor busy until its map is read, s; the largest, deflated, takes some 8.
+const PROCESSOR_SECONDS: u64 = 40;
 
 /// A measured surface and what was found on it.
 struct Surface<'a> {
@@ -35,7 +37,7 @@ pub(super) fn asperities(arguments: &AsperitiesArguments) -> Result<(), Failure>
     let most = resources::fitting(PIXEL, MOST_PIXELS);
     if MapFormat::of(map)? == MapFormat::Hdf5 {
         let dataset = arguments.dataset.as_deref();
-        apart(map, |map| Ok(maps::try_dataset(map, dataset, most)?))?;
+        apart_within(map, PROCESSOR_SECONDS, |map| Ok(maps::try_dataset(map, dataset, most)?))?;
         if is_apart() {
             return Ok(());
         }

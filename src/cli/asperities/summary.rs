@@ -45,9 +45,9 @@ pub(super) fn summary(surface: &Surface<'_>) -> String {
 fn parameters(surface: &Surface<'_>) -> String {
     let (measured, equivalent) = (&surface.asperities.measured, &surface.asperities.equivalent);
     let line = |label: &str, summits: String, moments: String, ratio: f64| {
-        row(label, &format!("{summits:>16}{moments:>16}{ratio:>9.3}"))
+        row(label, &format!("{summits:>18}{moments:>18}{ratio:>9.3}"))
     };
-    let mut text = row("", &format!("{:>16}{:>16}{:>9}", "of summits", "of moments", "ratio"));
+    let mut text = row("", &format!("{:>18}{:>18}{:>9}", "of summits", "of moments", "ratio"));
     let density = |density: f64| format!("{} /um^2", pure(1e-12 * density));
     let (ours, theirs) = (measured.density, equivalent.density);
     text += &line("density", density(ours), density(theirs), ours / theirs);

@@ -97,6 +97,40 @@ fn an_elastic_loop_without_a_fold_closes() {
     assert!((replica.cycle.touchdown_separation / replica.cycle.takeoff_separation - 1.0).abs() < 1e-14);
 }
 
+/// So they are where a law that knows no flow ends at ω_c: what was beyond is known again on the way back.
+#[test]
+fn a_loop_of_a_law_that_ends_closes() {
+    let (asperity, surface) = case("II");
+    let cycle = cycle("emd", &asperity);
+    let separations = separations(&surface, -2.0, 7.0, 61);
+    let (replica, curves) = one(&job(&cycle, &surface, &separations, 1));
+    let counted: f64 = curves.regime_count.chunks_exact(122).map(|row| row[0]).sum();
+    assert!(counted < surface.asperity_count as f64 - 1000.0, "too few are beyond the end: {counted}");
+    let adhesion = &curves.total[Quantity::AdhesionForce.index()];
+    for q in [Quantity::AdhesionForce, Quantity::ContactForce].map(Quantity::index) {
+        let (there, back) = curves.total[q].split_at(61);
+        let scale = |k: usize| adhesion[k] + curves.total[Quantity::ContactForce.index()][k];
+        assert!((0..61).all(|k| (there[k] - back[k]).abs() < 1e-12 * scale(k)));
+    }
+    assert!((replica.cycle.touchdown_separation / replica.cycle.takeoff_separation - 1.0).abs() < 1e-14);
+}
+
+/// What touches on the way back and not on the way there pulls, where nothing acts before contact: F is never larger on the way back.
+#[test]
+fn contact_that_lasts_longer_pulls() {
+    let (mut asperity, surface) = case("III");
+    asperity.lubricant_thickness = 0.0;
+    for law in ["jkr", "md"] {
+        let cycle = cycle(law, &asperity);
+        let separations = separations(&surface, -1.0, 7.0, 81);
+        let (_, curves) = one(&job(&cycle, &surface, &separations, 1));
+        let (there, back) = curves.total[Quantity::ExternalForce.index()].split_at(81);
+        let scale = curves.total[Quantity::AdhesionForce.index()][0];
+        assert!(there.iter().zip(back).all(|(there, back)| *back <= there + 1e-12 * scale), "{law}");
+        assert!(there.iter().zip(back).filter(|(there, back)| **back < *there - 1e-4 * scale).count() > 20, "{law}");
+    }
+}
+
 /// Ensemble against integral on both ways together, of elastic, elastic-plastic and dry surfaces. Each verdict is a false alarm once in
 /// 1000 (the seed is fixed); |z| of thousands of correlated numbers above 6 less often.
 #[test]

@@ -8,7 +8,7 @@
 //! | ω_max | what acts |
 //! |---|---|
 //! | below first touch | the law on approach at δ: nothing has been touched, so the way back is the way there |
-//! | up to ω_c | the law on retraction at δ: contact lasts to the end of its stable branch |
+//! | up to ω_c, or any of a law that knows no flow | the law on retraction at δ: contact lasts to the end of its stable branch |
 //! | above ω_c | the unloading of an elastic-plastic contact, below |
 //!
 //! After plastic flow the asperity is lower by its residual interference ω_res, and springs back by ω_max − ω_res only. With x = ω_max/ω_c
@@ -120,12 +120,9 @@ impl Loop {
         self.critical * scaled_recovery(largest / self.critical)
     }
 
-    /// The distance, m, at which an asperity of the interference ω_max, m, loses contact on the way back; none if it has none, or lies
-    /// beyond the law's end.
+    /// The distance, m, at which an asperity of the interference ω_max, m, loses contact on the way back; none if it has none.
     pub fn takeoff(&self, largest: f64) -> Option<f64> {
-        let end = self.approach.boundaries().get(self.approach.regimes().len() - 1);
-        let inside = largest >= self.touch() && end.is_none_or(|end| end.is_above(largest));
-        inside.then(|| self.recovery(largest) - self.release())
+        (largest >= self.touch()).then(|| self.recovery(largest) - self.release())
     }
 
     /// The law at the distance `distance` ≥ 0, m, from the closest approach, in the variable ω_max.
@@ -252,7 +249,9 @@ impl<'a> Retraction<'a> {
         for regime in 0..*first_contact {
             law.push(State::Untouched(regime), Some(lower(shifted(approach.boundaries()[regime]), captured)));
         }
-        let top = approach.boundaries().get(first_plastic - 1).copied();
+        let flows = *first_plastic < approach.regimes().len();
+        // Where a law without plastic flow ends, it is not known; on the way back it is known again.
+        let top = approach.boundaries().get(first_plastic - 1).map(|end| if flows { *end } else { shifted(*end) });
         for regime in 0..*first_plastic {
             let end = retraction.boundaries().get(regime).filter(|_| regime + 1 < *first_plastic);
             let end = end.map(|end| higher(shifted(*end), captured));
@@ -262,7 +261,7 @@ impl<'a> Retraction<'a> {
             };
             law.push(State::Elastic(regime), end);
         }
-        let Some(top) = top.filter(|_| *first_plastic < approach.regimes().len()) else { return law };
+        let Some(top) = top.filter(|_| flows) else { return law };
         let mut end = top;
         for regime in 0..*first_contact {
             let Boundary { interference, belongs_below } = shifted(retraction.boundaries()[regime]);

@@ -150,7 +150,9 @@ fn cycle(results: &Results) -> String {
     let replicas = &results.ensemble.replicas;
     let [energy, touchdown, takeoff] = [6, 7, 8].map(|scalar| &results.scalars[scalar]);
     let (_, std) = moments(replicas, |replica| replica.cycle.dissipated_energy);
-    let mut text = row("dissipated", &scatter(energy, std, "J"));
+    let nothing = energy.mean == 0.0 && !(std > 0.0);
+    let dissipated = if nothing { "nothing: both ways are one".to_owned() } else { scatter(energy, std, "J") };
+    let mut text = row("dissipated", &dissipated);
     let force = |way: &Statistical| way.expected[Quantity::ExternalForce.index()].clone();
     let of_integral =
         area_between(&results.scene.separations, [&force(&results.statistical), &force(&back.statistical)]);

@@ -40,8 +40,8 @@ impl Cycle {
         let (surface, closest) = (job.surface, job.separations[0]);
         let d = surface.asperity_separation(closest);
         let highest = heights.last().copied().unwrap_or(f64::NEG_INFINITY);
-        // The higher an asperity, the longer it keeps contact; some may lie beyond the law's end.
-        let takeoff = heights.iter().rev().find_map(|u| cycle.takeoff(u - d));
+        // The higher an asperity, the longer it keeps contact.
+        let takeoff = cycle.takeoff(highest - d);
         Self {
             approach_pull_off_force: -pull_off.value,
             approach_pull_off_separation: pull_off.place,

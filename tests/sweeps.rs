@@ -290,7 +290,8 @@ fn sweeps_that_are_not_what_they_say_are_refused() {
         let text: hdf5::types::VarLenUnicode = text.parse().unwrap();
         file.new_attr::<hdf5::types::VarLenUnicode>().create(name).unwrap().write_scalar(&text).unwrap();
     };
-    let changes: [(&dyn Fn(&hdf5::File), &str); 6] = [
+    type Change<'a> = (&'a dyn Fn(&hdf5::File), &'static str);
+    let changes: [Change<'_>; 6] = [
         (&|file| file.delete_attr("sweep_keys").unwrap(), "lacks the text `sweep_keys`"),
         (&|file| rewritten(file, "sweep_keys", "surface.surface_height_std"), "of the shape [2, 2], not [2]"),
         (&|file| rewritten(file, "sweep_keys", &[keys; 9].join(", ")), "has 18 dimensions of points"),

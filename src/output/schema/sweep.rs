@@ -4,7 +4,7 @@ use super::{Dimension, Layout, NONE, RUN, Variable, variable};
 
 const F: &[Dimension] = &[Dimension::Freedom];
 
-/// A result of `stiction run` for a scene with [sweep].
+/// A result of `stiction run` for a scene with a table `[sweep]`.
 pub static SWEEP: Layout = Layout {
     format: "stiction-sweep",
     command: "stiction run",

@@ -63,6 +63,8 @@ def failures(tests):
     failed = []
     for name, report in zip(names, reports, strict=False):
         failed += [f"{name}::{test}" for test in re.findall(r"^test (\S+) \.\.\. FAILED$", report, flags=re.MULTILINE)]
+    if run.returncode and not failed:
+        sys.exit(f"the tests did not run: {run.stderr.strip().splitlines()[-1:]}")
     return failed
 
 

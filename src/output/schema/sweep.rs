@@ -30,6 +30,7 @@ const VARIABLES: &[Variable] = &[
     variable("/surface_height_std", NONE, "m", "standard deviation of the surface heights"),
     variable("/asperity_height_std", NONE, "m", "standard deviation of the asperity heights"),
     variable("/mean_plane_offset", NONE, "m", "asperity mean plane above the surface mean plane"),
+    variable("/asperity_radius", NONE, "m", "radius of the asperities, the mean one where radii differ"),
     variable("/nominal_area", NONE, "m2", "nominal area"),
     variable("/ensemble/pull_off_force", NONE, "N", "pull-off force of the mean curve"),
     variable("/ensemble/pull_off_separation", NONE, "m", "separation h at pull-off of the mean curve"),

@@ -321,6 +321,6 @@ fn bits_do_not_depend_on_threads_and_interruptions() {
     assert!(kept.replicas.len() < 124);
     let restored = Ensemble::restored(&job, &kept.state(), kept.replicas, kept.snaps.clone()).unwrap();
     assert!(Ensemble::restored(&job, &restored.state(), restored.replicas.clone(), Vec::new()).is_none());
-    let outcome = run_from::<()>(&job, &pool, &AtomicBool::new(false), restored, |_, _| Ok(())).unwrap();
+    let outcome = run_from::<()>(&job, &pool, &AtomicBool::new(false), restored, None, |_, _| Ok(())).unwrap();
     assert_eq!(whole, bits(outcome.ensemble()));
 }

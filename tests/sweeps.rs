@@ -7,8 +7,10 @@ use common::program::{Folder, assert_exit, bits, number, small, text};
 use hdf5::types::TypeDescriptor;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
+use std::sync::Arc;
 use std::time::Duration;
 use stiction::output::schema::{Dimension, RUN, SWEEP};
+use stiction::scene::files::NoFiles;
 use stiction::scene::sweep::{MOST_POINTS, Mode};
 use stiction::scene::{Document, Sweep};
 
@@ -22,11 +24,11 @@ const GRID: &str =
     "surface.surface_height_std = [\"1.4 nm\", \"1.8 nm\"]\nsurface.lubricant_thickness = [\"0 nm\", \"0.5 nm\"]";
 
 fn sweep(text: &str) -> Sweep {
-    Document::parse(text).unwrap().sweep.unwrap()
+    Document::parse(text, Arc::new(NoFiles)).unwrap().sweep.unwrap()
 }
 
 fn refusal(text: &str) -> String {
-    Document::parse(text).unwrap_err().to_string()
+    Document::parse(text, Arc::new(NoFiles)).unwrap_err().to_string()
 }
 
 /// All numbers of a dataset as bits, and its shape; none for texts.
@@ -358,7 +360,7 @@ fn lists_and_ranges_have_the_values_that_they_say() {
         .replace("lubricant_thickness = \"0.5 nm\"      # inferred\n", "");
     let text = format!("{added}\n[sweep]\nsurface.lubricant_thickness = [\"1 nm\"]\n");
     assert!(sweep(&text).text(0).unwrap().contains("lubricant_thickness = \"1e-9 m\""));
-    assert_eq!(Document::parse(&text).unwrap().scene.asperity.lubricant_thickness, 1e-9);
+    assert_eq!(Document::parse(&text, Arc::new(NoFiles)).unwrap().scene.asperity.lubricant_thickness, 1e-9);
 }
 
 #[test]

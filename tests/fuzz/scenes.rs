@@ -5,8 +5,10 @@ use super::text::{Mutation, changed, changes};
 use super::{ALLOCATOR, cases, runner};
 use proptest::prelude::*;
 use std::path::Path;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 use stiction::asperity::models::{MODELS, Model};
+use stiction::scene::files::NoFiles;
 use stiction::scene::{Document, Plan, Scene, Sizes};
 
 /// Time that reading takes at most: for any text, and for each byte of it; a hundred times what it does take.
@@ -95,7 +97,7 @@ fn every_sweep_is_read_or_refused_in_a_line() {
     let case = |(seed, mutations): (usize, Vec<Mutation>)| {
         let text = changed(&seeds[seed], &mutations);
         let before = ALLOCATOR.allocated();
-        match Document::parse(&text) {
+        match Document::parse(&text, Arc::new(NoFiles)) {
             Ok(Document { sweep: Some(sweep), scene }) => {
                 counts.set((counts.get().0 + 1, counts.get().1));
                 let kept = ALLOCATOR.allocated().saturating_sub(before);

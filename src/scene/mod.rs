@@ -123,6 +123,10 @@ impl Scene {
         let title = root.get("title").map(|entry| entry.string()).transpose()?.unwrap_or_default().to_owned();
         let material = required(root, "material", &MATERIAL_KEYS)?;
         let section = required(root, "surface", &SURFACE_KEYS)?;
+        // A radius that is given is judged before the surface that follows from it.
+        if let Some(radius) = section.get("asperity_radius") {
+            asperity(&material, &section, radius.positive(Dimension::Length)?)?;
+        }
         let Population { surface, inputs } = population(&section, files)?;
         let asperity = asperity(&material, &section, surface.asperity_radius)?;
         let model = required(root, "model", &["law", "path", "critical_approach"])?;

@@ -167,7 +167,7 @@ pub struct Sweep {
 }
 
 impl Sweep {
-    /// Reads the table [sweep] of a scene.
+    /// Reads the table \[sweep\] of a scene.
     pub(super) fn read(text: &str, sweep: &Entry<'_>, files: Arc<dyn Files>) -> Result<Self, SceneError> {
         let mut options = Options { mode: Mode::Grid, common_random_numbers: true, swept: Vec::new() };
         options.collect(&sweep.any_table("its keys are dotted names of the scene")?, "")?;
@@ -323,7 +323,7 @@ fn split_mix(state: u64, index: u64) -> u64 {
     z ^ (z >> 31)
 }
 
-/// What the table [sweep] says.
+/// What the table \[sweep\] says.
 struct Options<'a> {
     mode: Mode,
     common_random_numbers: bool,
@@ -331,7 +331,7 @@ struct Options<'a> {
 }
 
 impl<'a> Options<'a> {
-    /// Takes the keys of a table, whose own dotted name within [sweep] is `prefix`.
+    /// Takes the keys of a table, whose own dotted name within \[sweep\] is `prefix`.
     fn collect(&mut self, table: &Section<'a>, prefix: &str) -> Result<(), SceneError> {
         for (key, mut entry) in table.entries() {
             let name = if prefix.is_empty() { key.to_owned() } else { format!("{prefix}.{key}") };
@@ -379,7 +379,7 @@ fn known() -> String {
 
 const SPAN_KEYS: [&str; 4] = ["from", "to", "count", "spacing"];
 
-/// The number of values that an entry of [sweep] says.
+/// The number of values that an entry of \[sweep\] says.
 fn length(entry: &Entry<'_>) -> Result<usize, SceneError> {
     match entry.value.get_ref() {
         DeValue::Array(array) if (1..=MOST_POINTS).contains(&array.len()) => Ok(array.len()),

@@ -80,7 +80,7 @@ impl Dimension {
             Self::Pressure => "\"85.29 GPa\"",
             Self::SurfaceEnergy => "\"0.09 J/m^2\"",
             Self::Force => "\"1 uN\"",
-            Self::Stiffness => "\"1 kN/m\"",
+            Self::Stiffness => "\"5 N/m\"",
         }
     }
 

@@ -26,7 +26,7 @@ const TOLERANCE: f64 = 1e-13;
 /// The model's answer over S separations and R regimes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Statistical {
-    /// Expectations, by [`Quantity::index`], each over S; N or m².
+    /// Expectations, by [`crate::asperity::Quantity::index`], each over S; N or m².
     pub expected: [Vec<f64>; 4],
     /// Standard deviations of one replica, likewise.
     pub std: [Vec<f64>; 4],

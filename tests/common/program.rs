@@ -92,5 +92,7 @@ pub fn bits(path: &Path) -> Vec<(String, Vec<u64>)> {
             }
         }
     }
+    // Groups list their members in an order of their own.
+    all.sort();
     all
 }

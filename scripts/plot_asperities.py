@@ -18,62 +18,25 @@ Exit codes: 0 done; 2 the file cannot be read or is not such a result, or the pi
 # dependencies = ["numpy>=1.24", "scipy>=1.10", "h5py>=3.8", "matplotlib>=3.7"]
 # ///
 
-import argparse
 import math
 import sys
 import textwrap
-from pathlib import Path
 
-import h5py
 import numpy as np
-from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from scipy.special import erf
 
-FORMAT, MAJOR_VERSION = "stiction-asperities", 1
+from plot_page import BLUE, DASHED, DASH_DOT, VERMILION, Result, main, si
+
 PAGE = (11.0, 8.2)  # inches
-BLUE, VERMILION, BAR = "#0072B2", "#D55E00", "0.86"
-DASHED, DASH_DOT = (0, (5, 1.5)), (0, (5, 1.2, 1, 1.2))
-STYLE = {
-    "font.size": 9, "axes.titlesize": 9.5, "axes.titlelocation": "left", "axes.labelsize": 9,
-    "legend.fontsize": 8, "xtick.labelsize": 8, "ytick.labelsize": 8, "axes.linewidth": 0.7,
-    "legend.frameon": False, "legend.handlelength": 2.8, "legend.borderaxespad": 0.3,
-    "axes.spines.top": False, "axes.spines.right": False, "axes.formatter.useoffset": False,
-}
+BAR = "0.86"
 
 
-class FileError(Exception):
-    """Why a file cannot be plotted."""
+class Asperities(Result):
+    """A result of `stiction asperities`."""
 
-
-class Asperities:
-    """A result that is open for reading."""
-
-    def __init__(self, file: h5py.File) -> None:
-        self.file = file
-        if file.attrs.get("format") != FORMAT:
-            raise FileError(f"not a result of `stiction asperities`: its attribute `format` is not {FORMAT}")
-        version = np.atleast_1d(self.attribute("format_version"))
-        if version[0] != MAJOR_VERSION:
-            raise FileError(f"its format version is {version[0]}.x, this script reads {MAJOR_VERSION}.x")
-
-    def __getitem__(self, path: str) -> np.ndarray:
-        if not isinstance(self.file.get(path), h5py.Dataset):
-            raise FileError(f"the dataset /{path} is missing")
-        return self.file[path][()]
-
-    def attribute(self, name: str) -> object:
-        if name not in self.file.attrs:
-            raise FileError(f"the attribute {name} is missing")
-        return self.file.attrs[name]
-
-
-def si(largest: float) -> tuple[float, str]:
-    """Factor and sign of the SI prefix for numbers up to `largest`."""
-    exponent = math.floor(math.log10(largest) / 3) if largest > 0 and math.isfinite(largest) else 0
-    exponent = min(max(exponent, -5), 3)
-    return 1000.0**exponent, "fpnµm kMG"[exponent + 5].strip()
+    format, made_by = "stiction-asperities", "a result of `stiction asperities`"
 
 
 def nayak(s: np.ndarray, alpha: float) -> np.ndarray:
@@ -94,7 +57,7 @@ def head(axes: Axes, title: str, rows: int = 1) -> None:
 
 
 def draw_map(figure: Figure, axes: Axes, file: Asperities) -> None:
-    height, width = np.asarray(file.attribute("map_shape")) * np.asarray(file.attribute("pixel_size"))
+    height, width = np.asarray(file.attribute("/", "map_shape")) * np.asarray(file.attribute("/", "pixel_size"))
     unit, sign = si(max(height, width))
     z_unit, z_sign = si(float(np.abs(file["asperities/height"]).max()))
     size = min(max(3000.0 / file["asperity"].size, 1.0), 30.0)
@@ -154,15 +117,15 @@ def draw_curvatures(axes: Axes, file: Asperities) -> None:
 
 
 def draw_texts(figure: Figure, file: Asperities) -> None:
-    name = textwrap.shorten(str(file.attribute("map")), 90)
+    name = textwrap.shorten(str(file.attribute("/", "map")), 90)
     figure.text(0.5, 0.985, f"Asperities of {name}", ha="center", va="top", size=12, weight="bold", parse_math=False)
     sigma, density = math.sqrt(float(file["surface/m0"])), float(file["measured/asperity_density"])
     unit, sign = si(sigma)
     numbers = (f"σ = {sigma / unit:.4g} {sign}m, η = {1e-12 * density:.4g} /µm² "
                f"({1e-12 * float(file['equivalent/asperity_density']):.4g} by the moments), "
-               f"levelled by {file.attribute('level')}, {file.attribute('missing_pixels')} heights missing")
+               f"levelled by {file.attribute('/', 'level')}, {file.attribute('/', 'missing_pixels')} heights missing")
     figure.text(0.5, 0.952, numbers, ha="center", va="top", fontsize=9.5)
-    warnings = [textwrap.shorten(line, 170) for line in str(file.attribute("warnings")).splitlines()]
+    warnings = [textwrap.shorten(line, 170) for line in str(file.attribute("/", "warnings")).splitlines()]
     figure.text(0.06, 0.012, "\n".join(f"warning: {line}" for line in warnings[:3]), fontsize=8, color=VERMILION,
                 parse_math=False)
 
@@ -182,24 +145,5 @@ def draw(file: Asperities) -> Figure:
     return figure
 
 
-def main() -> int:
-    parser = argparse.ArgumentParser(description="Pictures of a result of `stiction asperities`, on one page.")
-    parser.add_argument("file", type=Path, metavar="FILE.h5", help="the result")
-    parser.add_argument("-o", "--output", type=Path, metavar="OUT.png", help="default: beside FILE.h5")
-    parser.add_argument("--dpi", type=int, default=200, metavar="N", help="dots per inch, default 200")
-    arguments = parser.parse_args()
-    output = arguments.output or arguments.file.with_suffix(".png")
-    try:
-        if not arguments.file.is_file() or not h5py.is_hdf5(arguments.file):
-            raise FileError("not an HDF5 file" if arguments.file.is_file() else "no such file")
-        with h5py.File(arguments.file, "r") as file, rc_context(STYLE):
-            draw(Asperities(file)).savefig(output, dpi=arguments.dpi)
-    except (FileError, OSError, ValueError) as error:
-        print(f"plot_asperities: {arguments.file}:", *str(error).split(), file=sys.stderr)
-        return 2
-    print(output)
-    return 0
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(main("Pictures of a result of `stiction asperities`, on one page.", Asperities, draw))

@@ -18,57 +18,25 @@ Exit codes: 0 done; 2 the file cannot be read or is not such a result, or the pi
 # dependencies = ["numpy>=1.24", "h5py>=3.8", "matplotlib>=3.7"]
 # ///
 
-import argparse
 import math
 import sys
 import textwrap
 from pathlib import Path
 
-import h5py
 import numpy as np
-from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import StrMethodFormatter
 
-FORMAT, MAJOR_VERSION = "stiction-finite-size", 1
-PAGE = (11.0, 8.0)  # inches
+from plot_page import BLUE, DASHED, DASH_DOT, GREEN, PAGE, VERMILION, Result, main
+
 COUNT = "asperities of a patch, $N$"
-BLUE, VERMILION, GREEN = "#0072B2", "#D55E00", "#009E73"
-DASHED, DASH_DOT = (0, (5, 1.5)), (0, (5, 1.2, 1, 1.2))
-STYLE = {
-    "font.size": 9, "axes.titlesize": 9.5, "axes.titlelocation": "left", "axes.labelsize": 9,
-    "legend.fontsize": 8, "xtick.labelsize": 8, "ytick.labelsize": 8, "axes.linewidth": 0.7,
-    "legend.frameon": False, "legend.handlelength": 2.8, "legend.columnspacing": 1.1,
-    "legend.borderaxespad": 0.3, "axes.spines.top": False, "axes.spines.right": False,
-    "axes.formatter.useoffset": False,
-}
 
 
-class StudyError(Exception):
-    """Why a file cannot be plotted."""
+class Study(Result):
+    """A result of `stiction finite-size`."""
 
-
-class Study:
-    """A result that is open for reading."""
-
-    def __init__(self, file: h5py.File) -> None:
-        self.file = file
-        if file.attrs.get("format") != FORMAT:
-            raise StudyError(f"not a result of `stiction finite-size`: its attribute `format` is not {FORMAT}")
-        version = np.atleast_1d(file.attrs.get("format_version", 0))
-        if version[0] != MAJOR_VERSION:
-            raise StudyError(f"its format version is {version[0]}.x, this script reads {MAJOR_VERSION}.x")
-
-    def __getitem__(self, path: str) -> np.ndarray:
-        if not isinstance(self.file.get(path), h5py.Dataset):
-            raise StudyError(f"the dataset /{path} is missing")
-        return self.file[path][()]
-
-    def attribute(self, name: str) -> object:
-        if name not in self.file.attrs:
-            raise StudyError(f"the attribute {name} is missing")
-        return self.file.attrs[name]
+    format, made_by = "stiction-finite-size", "a result of `stiction finite-size`"
 
 
 def draw_ranges(axes: Axes, study: Study) -> None:
@@ -100,8 +68,8 @@ def draw_bias(axes: Axes, study: Study) -> None:
                           markersize=4.5, markerfacecolor=face, linewidth=0, elinewidth=1.2, capsize=2.5,
                           label=f"mean over replicas ± standard error, {label}")
     if "fit_exponent" in study.file.attrs:
-        c, a = study.attribute("fit_coefficient"), study.attribute("fit_exponent")
-        da = study.attribute("fit_exponent_standard_error")
+        c, a = study.attribute("/", "fit_coefficient"), study.attribute("/", "fit_exponent")
+        da = study.attribute("/", "fit_exponent_standard_error")
         furthest = np.nanmax([n[-1], *study["count_at_accuracy"]])
         x = np.geomspace(n[fitted][0] / 2.0, furthest * 1.5, 50)
         axes.plot(x, 100.0 * c * x**-a, color=VERMILION, linestyle=DASHED, linewidth=1.4,
@@ -154,36 +122,17 @@ def draw(study: Study) -> Figure:
     grid = figure.add_gridspec(2, 2, left=0.08, right=0.98, bottom=0.07, top=0.88, hspace=0.28, wspace=0.2)
     for i, draw_panel in enumerate([draw_ranges, draw_bias, draw_scatter, draw_skewness]):
         draw_panel(figure.add_subplot(grid[i // 2, i % 2]), study)
-    title = str(study.attribute("title")).strip() or Path(study.file.filename).name
+    title = str(study.attribute("/", "title")).strip() or Path(study.file.filename).name
     figure.text(0.5, 0.985, "\n".join(textwrap.wrap(title, 90, max_lines=2)), ha="center", va="top", size=12,
                 weight="bold", parse_math=False)
     per_asperity = float(study["integral_pull_off_per_asperity"])
     unit = next((unit for unit in [(1e-6, "µN"), (1e-9, "nN")] if per_asperity >= unit[0]), (1e-12, "pN"))
-    figure.text(0.5, 0.945, f"law {study.attribute('law')}, path {study.attribute('path')}, "
-                f"λ = {study.attribute('adhesion_parameter'):.4g}, ψ = {study.attribute('plasticity_index'):.4g}, "
-                f"{study.attribute('replicas')} replicas of each size, seed {study.attribute('seed')}; "
+    figure.text(0.5, 0.945, f"law {study.attribute('/', 'law')}, path {study.attribute('/', 'path')}, "
+                f"λ = {study.attribute('/', 'adhesion_parameter'):.4g}, ψ = {study.attribute('/', 'plasticity_index'):.4g}, "
+                f"{study.attribute('/', 'replicas')} replicas of each size, seed {study.attribute('/', 'seed')}; "
                 f"pull-off of the integral {per_asperity / unit[0]:.4g} {unit[1]} for each asperity", ha="center", va="top", fontsize=9.5)
     return figure
 
 
-def main() -> int:
-    parser = argparse.ArgumentParser(description="Pictures of a result of `stiction finite-size`, on one page.")
-    parser.add_argument("file", type=Path, metavar="FILE.h5", help="the result")
-    parser.add_argument("-o", "--output", type=Path, metavar="OUT.png", help="default: beside FILE.h5")
-    parser.add_argument("--dpi", type=int, default=200, metavar="N", help="dots per inch, default 200")
-    arguments = parser.parse_args()
-    output = arguments.output or arguments.file.with_suffix(".png")
-    try:
-        if not arguments.file.is_file() or not h5py.is_hdf5(arguments.file):
-            raise StudyError("not an HDF5 file" if arguments.file.is_file() else "no such file")
-        with h5py.File(arguments.file, "r") as file, rc_context(STYLE):
-            draw(Study(file)).savefig(output, dpi=arguments.dpi)
-    except (StudyError, OSError, ValueError) as error:
-        print(f"plot_finite_size: {arguments.file}:", *str(error).split(), file=sys.stderr)
-        return 2
-    print(output)
-    return 0
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(main("Pictures of a result of `stiction finite-size`, on one page.", Study, draw))

@@ -19,21 +19,18 @@ Exit codes: 0 done; 2 the file cannot be read or is not such a result, or the pi
 # dependencies = ["numpy>=1.24", "h5py>=3.8", "matplotlib>=3.7"]
 # ///
 
-import argparse
 import math
 import sys
 import textwrap
 from pathlib import Path
 
-import h5py
 import numpy as np
-from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from plot_run import BAND, BLUE, DASH_DOT, DASHED, SEPARATION, STYLE, VERMILION, Run, RunError, head, newton, si
+from plot_page import BLUE, DASHED, DASH_DOT, PAGE, VERMILION, FileError, main, si
+from plot_run import BAND, SEPARATION, Run, head, newton
 
-PAGE = (11.0, 8.0)  # inches
 INTEGRAL = (0, (4, 2))
 PINK = "#F6D5C3"
 # Way, what its datasets begin with, colour, band and line.
@@ -182,7 +179,7 @@ def draw_texts(figure: Figure, run: Run) -> None:
 
 def draw(run: Run) -> Figure:
     if run.attribute("/", "path") != "loop":
-        raise RunError('not a loop: its scene has no path = "loop"; scripts/plot_run.py draws it')
+        raise FileError('not a loop: its scene has no path = "loop"; scripts/plot_run.py draws it')
     figure = Figure(figsize=PAGE)
 
     def panel(left: float, bottom: float, width: float, height: float, **shared: Axes) -> Axes:
@@ -198,24 +195,5 @@ def draw(run: Run) -> Figure:
     return figure
 
 
-def main() -> int:
-    parser = argparse.ArgumentParser(description="Pictures of a loop, on one page.")
-    parser.add_argument("file", type=Path, metavar="FILE.h5", help="the result")
-    parser.add_argument("-o", "--output", type=Path, metavar="OUT.png", help="default: beside FILE.h5")
-    parser.add_argument("--dpi", type=int, default=200, metavar="N", help="dots per inch, default 200")
-    arguments = parser.parse_args()
-    output = arguments.output or arguments.file.with_suffix(".png")
-    try:
-        if not arguments.file.is_file() or not h5py.is_hdf5(arguments.file):
-            raise RunError("not an HDF5 file" if arguments.file.is_file() else "no such file")
-        with h5py.File(arguments.file, "r") as file, rc_context(STYLE):
-            draw(Run(file)).savefig(output, dpi=arguments.dpi)
-    except (RunError, OSError, ValueError) as error:
-        print(f"plot_loop: {arguments.file}:", *str(error).split(), file=sys.stderr)
-        return 2
-    print(output)
-    return 0
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(main("Pictures of a loop, on one page.", Run, draw))

@@ -18,15 +18,12 @@ Exit codes: 0 done; 2 the file cannot be read or is not such a result, or the pi
 # dependencies = ["numpy>=1.24", "h5py>=3.8", "matplotlib>=3.7"]
 # ///
 
-import argparse
 import math
 import sys
 import textwrap
 from pathlib import Path
 
-import h5py
 import numpy as np
-from matplotlib import rc_context
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap
@@ -34,11 +31,10 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator, NullFormatter, StrMethodFormatter
 
-FORMAT, MAJOR_VERSION = "stiction-run", 1
-PAGE = (11.0, 8.0)  # inches
+from plot_page import BLUE, DASHED, DASH_DOT, PAGE, VERMILION, FileError, Result, main, si
+
 SEPARATION = r"separation $h$* = $h/\sigma$"
-BLUE, VERMILION, BAND, GREYS = "#0072B2", "#D55E00", "#BFDBEE", ("white", "0.92", "0.82")
-DASHED, DASH_DOT = (0, (5, 1.5)), (0, (5, 1.2, 1, 1.2))
+BAND, GREYS = "#BFDBEE", ("white", "0.92", "0.82")
 # Colour, line style and width of the curves of (c); in grey, the line styles tell them apart.
 CURVES = {
     "total": ("black", "-", 1.8),
@@ -48,51 +44,18 @@ CURVES = {
     "elastoplastic 1+2": ("#009E73", (0, (1.2, 1.2)), 1.8),
     "plastic": ("#CC79A7", (0, (9, 2)), 1.2),
 }
-STYLE = {
-    "font.size": 9, "axes.titlesize": 9.5, "axes.titlelocation": "left", "axes.labelsize": 9,
-    "legend.fontsize": 8, "xtick.labelsize": 8, "ytick.labelsize": 8, "axes.linewidth": 0.7,
-    "legend.frameon": False, "legend.handlelength": 2.8, "legend.columnspacing": 1.1,
-    "legend.borderaxespad": 0.3, "axes.xmargin": 0.01, "axes.spines.top": False, "axes.spines.right": False,
-    "axes.formatter.useoffset": False,
-}
 
 
-class RunError(Exception):
-    """Why a file cannot be plotted."""
+class Run(Result):
+    """A result of `stiction run`."""
 
-
-class Run:
-    """A result that is open for reading."""
-
-    def __init__(self, file: h5py.File) -> None:
-        self.file = file
-        if file.attrs.get("format") != FORMAT:
-            raise RunError(f"not a result of `stiction run`: its attribute `format` is not {FORMAT}")
-        version = np.atleast_1d(self.attribute("/", "format_version"))
-        if version[0] != MAJOR_VERSION:
-            raise RunError(f"its format version is {version[0]}.x, this script reads {MAJOR_VERSION}.x")
-
-    def __getitem__(self, path: str) -> np.ndarray:
-        if not isinstance(self.file.get(path), h5py.Dataset):
-            raise RunError(f"the dataset /{path} is missing")
-        return self.file[path][()]
-
-    def attribute(self, group: str, name: str) -> object:
-        if group not in self.file or name not in self.file[group].attrs:
-            raise RunError(f"the attribute {name} of {group} is missing")
-        return self.file[group].attrs[name]
+    format, made_by = "stiction-run", "a result of `stiction run`"
+    style = {"axes.xmargin": 0.01}
 
     def pull_off_place(self) -> float:
         """h* of the pull-off of the mean curve."""
         place = self.attribute("ensemble", "pull_off_separation")
         return float(place / self.attribute("/", "surface_height_std"))
-
-
-def si(largest: float) -> tuple[float, str]:
-    """Factor and sign of the SI prefix for numbers up to `largest`."""
-    exponent = math.floor(math.log10(largest) / 3) if largest > 0 and math.isfinite(largest) else 0
-    exponent = min(max(exponent, -5), 3)
-    return 1000.0**exponent, "fpnµm kMG"[exponent + 5].strip()
 
 
 def newton(value: float, error: float = math.nan) -> str:
@@ -280,7 +243,7 @@ def draw_texts(figure: Figure, run: Run) -> None:
 
 def draw(run: Run) -> Figure:
     if run.attribute("/", "path") == "loop":
-        raise RunError("a loop: scripts/plot_loop.py draws it")
+        raise FileError("a loop: scripts/plot_loop.py draws it")
     figure = Figure(figsize=PAGE)
 
     def panel(left: float, bottom: float, width: float, height: float, **shared: Axes) -> Axes:
@@ -296,24 +259,5 @@ def draw(run: Run) -> Figure:
     return figure
 
 
-def main() -> int:
-    parser = argparse.ArgumentParser(description="Pictures of a result of `stiction run`, on one page.")
-    parser.add_argument("file", type=Path, metavar="FILE.h5", help="the result")
-    parser.add_argument("-o", "--output", type=Path, metavar="OUT.png", help="default: beside FILE.h5")
-    parser.add_argument("--dpi", type=int, default=200, metavar="N", help="dots per inch, default 200")
-    arguments = parser.parse_args()
-    output = arguments.output or arguments.file.with_suffix(".png")
-    try:
-        if not arguments.file.is_file() or not h5py.is_hdf5(arguments.file):
-            raise RunError("not an HDF5 file" if arguments.file.is_file() else "no such file")
-        with h5py.File(arguments.file, "r") as file, rc_context(STYLE):
-            draw(Run(file)).savefig(output, dpi=arguments.dpi)
-    except (RunError, OSError, ValueError) as error:
-        print(f"plot_run: {arguments.file}:", *str(error).split(), file=sys.stderr)
-        return 2
-    print(output)
-    return 0
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(main("Pictures of a result of `stiction run`, on one page.", Run, draw))

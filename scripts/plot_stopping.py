@@ -16,7 +16,6 @@ Exit codes: 0 done; 2 the file cannot be read or is not such a result, or the pi
 # dependencies = ["numpy>=1.24", "scipy>=1.10", "h5py>=3.8", "matplotlib>=3.7"]
 # ///
 
-import argparse
 import math
 import sys
 import textwrap
@@ -24,58 +23,28 @@ from pathlib import Path
 
 import h5py
 import numpy as np
-from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from scipy.stats import t as student
 
-FORMAT, MAJOR_VERSION, BATCH = "stiction-run", 1, 8
+from plot_page import BLUE, GREEN, VERMILION, FileError, main, si
+from plot_run import BAND, Run
+
+BATCH = 8
 GROUPS = {"independent": 1, "antithetic": 2, "stratified": 8}
-BLUE, VERMILION, BAND, GREEN = "#0072B2", "#D55E00", "#BFDBEE", "#009E73"
-STYLE = {
-    "font.size": 9, "axes.titlesize": 9.5, "axes.titlelocation": "left", "axes.labelsize": 9,
-    "legend.fontsize": 8, "xtick.labelsize": 8, "ytick.labelsize": 8, "axes.linewidth": 0.7,
-    "legend.frameon": False, "axes.spines.top": False, "axes.spines.right": False, "axes.formatter.useoffset": False,
-}
 
 
-class RunError(Exception):
-    """Why a file cannot be plotted."""
-
-
-class Run:
-    """A result that is open for reading."""
+class Targets(Run):
+    """A result of `stiction run` that ended at targets."""
 
     def __init__(self, file: h5py.File) -> None:
-        self.file = file
-        if file.attrs.get("format") != FORMAT:
-            raise RunError(f"not a result of `stiction run`: its attribute `format` is not {FORMAT}")
-        version = np.atleast_1d(self.attribute("/", "format_version"))
-        if version[0] != MAJOR_VERSION:
-            raise RunError(f"its format version is {version[0]}.x, this script reads {MAJOR_VERSION}.x")
+        super().__init__(file)
         if "target" not in file:
-            raise RunError("it has no targets: its number of replicas was given")
-
-    def __getitem__(self, path: str) -> np.ndarray:
-        if not isinstance(self.file.get(path), h5py.Dataset):
-            raise RunError(f"the dataset /{path} is missing")
-        return self.file[path][()]
+            raise FileError("it has no targets: its number of replicas was given")
 
     def texts(self, path: str) -> list[str]:
         self[path]
         return [str(text) for text in self.file[path].asstr()[()]]
-
-    def attribute(self, group: str, name: str) -> object:
-        if group not in self.file or name not in self.file[group].attrs:
-            raise RunError(f"the attribute {name} of {group} is missing")
-        return self.file[group].attrs[name]
-
-
-def si(largest: float) -> tuple[float, str]:
-    """Factor and sign of the SI prefix for numbers up to `largest`."""
-    exponent = math.floor(math.log10(largest) / 3) if largest > 0 and math.isfinite(largest) else 0
-    exponent = min(max(exponent, -5), 3)
-    return 1000.0**exponent, "fpnµm kMG"[exponent + 5].strip()
 
 
 def running(values: np.ndarray, group: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -97,7 +66,7 @@ def looks(replicas: int, first: int) -> list[int]:
     return found
 
 
-def draw_target(left: Axes, right: Axes, run: Run, place: int) -> None:
+def draw_target(left: Axes, right: Axes, run: Targets, place: int) -> None:
     name, units = run.texts("target")[place], run.texts("ensemble/target_units")[place].replace(" m-1", "/m")
     group = GROUPS[str(run.attribute("/", "sampling"))]
     replicas, mean, error = running(run[f"replicas/{name}"], group)
@@ -123,12 +92,12 @@ def draw_target(left: Axes, right: Axes, run: Run, place: int) -> None:
     right.legend(loc="upper right")
 
 
-def draw(run: Run) -> Figure:
+def draw(run: Targets) -> Figure:
     plain = [i for i, estimate in enumerate(run.texts("ensemble/target_estimate")) if estimate == "plain"]
     if not plain:
-        raise RunError("all its targets are for means with control variates, whose course the file does not hold")
+        raise FileError("all its targets are for means with control variates, whose course the file does not hold")
     if run["replica"].size < 3 * GROUPS[str(run.attribute("/", "sampling"))]:
-        raise RunError("it has too few replicas for a course")
+        raise FileError("it has too few replicas for a course")
     plain = plain[:8]
     figure = Figure(figsize=(11.0, 0.9 + 2.9 * len(plain)))
     axes = figure.subplots(len(plain), 2, squeeze=False)
@@ -144,24 +113,5 @@ def draw(run: Run) -> Figure:
     return figure
 
 
-def main() -> int:
-    parser = argparse.ArgumentParser(description="Pictures of a run that ended at targets, on one page.")
-    parser.add_argument("file", type=Path, metavar="FILE.h5", help="the result")
-    parser.add_argument("-o", "--output", type=Path, metavar="OUT.png", help="default: beside FILE.h5")
-    parser.add_argument("--dpi", type=int, default=200, metavar="N", help="dots per inch, default 200")
-    arguments = parser.parse_args()
-    output = arguments.output or arguments.file.with_suffix(".png")
-    try:
-        if not arguments.file.is_file() or not h5py.is_hdf5(arguments.file):
-            raise RunError("not an HDF5 file" if arguments.file.is_file() else "no such file")
-        with h5py.File(arguments.file, "r") as file, rc_context(STYLE):
-            draw(Run(file)).savefig(output, dpi=arguments.dpi)
-    except (RunError, OSError, ValueError) as error:
-        print(f"plot_stopping: {arguments.file}:", *str(error).split(), file=sys.stderr)
-        return 2
-    print(output)
-    return 0
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(main("Pictures of a run that ended at targets, on one page.", Targets, draw))

@@ -29,7 +29,8 @@ from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from plot_run import SEPARATION, STYLE, Run, RunError, si
+from plot_page import STYLE, FileError, si
+from plot_run import SEPARATION, Run
 
 PAGE = (11.0, 7.0)  # inches
 COLORS = ["black", "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9"]
@@ -117,7 +118,7 @@ def main() -> int:
     for path in arguments.files:
         try:
             surfaces.append(Surface(path))
-        except (OSError, RunError) as error:
+        except (OSError, FileError) as error:
             print(f"plot_surfaces: {path}: {error}", file=sys.stderr)
             return 2
     try:

@@ -22,7 +22,6 @@ Exit codes: 0 done; 2 the file cannot be read or is not such a result, or the pi
 # dependencies = ["numpy>=1.24", "h5py>=3.8", "matplotlib>=3.7"]
 # ///
 
-import argparse
 import math
 import sys
 import textwrap
@@ -30,72 +29,40 @@ from pathlib import Path
 
 import h5py
 import numpy as np
-from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
-FORMAT, MAJOR_VERSION = "stiction-sweep", 1
-PAGE = (11.0, 8.0)  # inches
+from plot_page import DASHED, PAGE, FileError, Result, main, si
+
 COLORS = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "black"]
 MARKERS = "osD^vP*"
-DASHED = (0, (5, 1.5))
-STYLE = {
-    "font.size": 9, "axes.titlesize": 9.5, "axes.titlelocation": "left", "axes.labelsize": 9,
-    "legend.fontsize": 8, "xtick.labelsize": 8, "ytick.labelsize": 8, "axes.linewidth": 0.7,
-    "legend.frameon": False, "legend.handlelength": 2.4, "legend.columnspacing": 1.1,
-    "legend.borderaxespad": 0.3, "axes.spines.top": False, "axes.spines.right": False,
-    "axes.formatter.useoffset": False,
-}
+X_OPTION = {"metavar": "DATASET", "help": "dataset over the points for the axis; default: the first key"}
 # Units that may have a prefix.
 SIMPLE = {"m", "Pa", "N"}
 
 
-class SweepError(Exception):
-    """Why a file cannot be plotted."""
+class Sweep(Result):
+    """A sweep of `stiction run`."""
 
-
-def si(largest: float) -> tuple[float, str]:
-    """Factor and sign of the SI prefix for numbers up to `largest`."""
-    exponent = math.floor(math.log10(largest) / 3) if largest > 0 and math.isfinite(largest) else 0
-    exponent = min(max(exponent, -5), 3)
-    return 1000.0**exponent, "fpnµm kMG"[exponent + 5].strip()
-
-
-class Sweep:
-    """A result that is open for reading."""
+    format, made_by = "stiction-sweep", "a sweep of `stiction run`"
 
     def __init__(self, file: h5py.File) -> None:
-        self.file = file
-        if file.attrs.get("format") != FORMAT:
-            raise SweepError(f"not a sweep of `stiction run`: its attribute `format` is not {FORMAT}")
-        version = np.atleast_1d(file.attrs.get("format_version", 0))
-        if version[0] != MAJOR_VERSION:
-            raise SweepError(f"its format version is {version[0]}.x, this script reads {MAJOR_VERSION}.x")
-        self.keys = str(self.attribute("sweep_keys")).split(", ")
+        super().__init__(file)
+        self.keys = str(self.attribute("/", "sweep_keys")).split(", ")
         self.shape = self["nominal_area"].shape
-
-    def __getitem__(self, path: str) -> np.ndarray:
-        if not isinstance(self.file.get(path), h5py.Dataset):
-            raise SweepError(f"the dataset /{path} is missing")
-        return self.file[path][()]
-
-    def attribute(self, name: str) -> object:
-        if name not in self.file.attrs:
-            raise SweepError(f"the attribute {name} is missing")
-        return self.file.attrs[name]
 
     def over_points(self, name: str) -> np.ndarray:
         """The values of a key, or of a dataset, at every point."""
         values = self[name]
-        if name in self.keys and self.attribute("sweep_mode") == "grid":
+        if name in self.keys and self.attribute("/", "sweep_mode") == "grid":
             axis = self.keys.index(name)
             values = np.broadcast_to(np.expand_dims(values, tuple(i for i in range(len(self.shape)) if i != axis)),
                                      self.shape)
         if values.shape != self.shape:
-            raise SweepError(f"/{name} has no value at each point")
+            raise FileError(f"/{name} has no value at each point")
         return values
 
     def label(self, name: str, values: np.ndarray) -> tuple[float, str, str]:
@@ -109,15 +76,15 @@ class Sweep:
         """A name and the indices of the points of each curve: all of them, or those of each value of a second key."""
         varying = [key for key in self.keys if np.unique(self.over_points(key)).size > 1] or self.keys[:1]
         points = np.arange(math.prod(self.shape))
-        if self.attribute("sweep_mode") == "zip" or len(varying) == 1:
+        if self.attribute("/", "sweep_mode") == "zip" or len(varying) == 1:
             return [("", points)]
         if len(varying) > 2:
-            raise SweepError(f"{len(varying)} keys have several values; one or two can be drawn")
+            raise FileError(f"{len(varying)} keys have several values; one or two can be drawn")
         second = self.over_points(varying[1]).ravel()
         factor, units, words = self.label(varying[1], second)
         values = np.unique(second)
         if values.size > len(COLORS):
-            raise SweepError(f"{varying[1]} has {values.size} values; up to {len(COLORS)} curves can be told apart")
+            raise FileError(f"{varying[1]} has {values.size} values; up to {len(COLORS)} curves can be told apart")
         return [(f"{words} {value / factor:.4g} {units}".strip(), points[second == value]) for value in values]
 
     def scalar(self, name: str, of: str) -> np.ndarray:
@@ -228,12 +195,12 @@ def draw_places(axes: Axes, sweep: Sweep, x: np.ndarray, curves: list) -> None:
 
 
 def draw_texts(figure: Figure, sweep: Sweep, curves: list) -> None:
-    title = str(sweep.attribute("title")).strip() or Path(sweep.file.filename).name
+    title = str(sweep.attribute("/", "title")).strip() or Path(sweep.file.filename).name
     figure.text(0.5, 0.985, "\n".join(textwrap.wrap(title, 90, max_lines=2)), ha="center", va="top", size=12,
                 weight="bold", parse_math=False)
-    numbers = "the same random numbers" if sweep.attribute("common_random_numbers") else "random numbers of its own"
-    figure.text(0.5, 0.95, f"law {sweep.attribute('law')}, path {sweep.attribute('path')}, {sweep.attribute('points')} "
-                f"points with {sweep.attribute('replicas')} replicas each, {numbers}, seed {sweep.attribute('seed')}",
+    numbers = "the same random numbers" if sweep.attribute("/", "common_random_numbers") else "random numbers of its own"
+    figure.text(0.5, 0.95, f"law {sweep.attribute('/', 'law')}, path {sweep.attribute('/', 'path')}, {sweep.attribute('/', 'points')} "
+                f"points with {sweep.attribute('/', 'replicas')} replicas each, {numbers}, seed {sweep.attribute('/', 'seed')}",
                 ha="center", va="top", fontsize=9.5)
     if len(curves) > 1:
         handles = [Line2D([], [], color=color, marker=marker, markersize=4, linewidth=1.3, label=name)
@@ -265,25 +232,5 @@ def draw(sweep: Sweep, name: str | None) -> Figure:
     return figure
 
 
-def main() -> int:
-    parser = argparse.ArgumentParser(description="Pictures of a sweep of `stiction run`, on one page.")
-    parser.add_argument("file", type=Path, metavar="FILE.h5", help="the result")
-    parser.add_argument("-o", "--output", type=Path, metavar="OUT.png", help="default: beside FILE.h5")
-    parser.add_argument("--x", metavar="DATASET", help="dataset over the points for the axis; default: the first key")
-    parser.add_argument("--dpi", type=int, default=200, metavar="N", help="dots per inch, default 200")
-    arguments = parser.parse_args()
-    output = arguments.output or arguments.file.with_suffix(".png")
-    try:
-        if not arguments.file.is_file() or not h5py.is_hdf5(arguments.file):
-            raise SweepError("not an HDF5 file" if arguments.file.is_file() else "no such file")
-        with h5py.File(arguments.file, "r") as file, rc_context(STYLE):
-            draw(Sweep(file), arguments.x).savefig(output, dpi=arguments.dpi)
-    except (SweepError, OSError, ValueError) as error:
-        print(f"plot_sweep: {arguments.file}:", *str(error).split(), file=sys.stderr)
-        return 2
-    print(output)
-    return 0
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(main("Pictures of a sweep of `stiction run`, on one page.", Sweep, draw, {"x": X_OPTION}))

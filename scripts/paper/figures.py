@@ -5,7 +5,7 @@ from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
-from plot_run import BLUE, DASH_DOT, DASHED, STYLE, VERMILION
+from plot_page import BLUE, DASH_DOT, DASHED, STYLE, VERMILION
 
 from paper.data import CASES, ENERGIES, NM, UN, Comparison, Program, contact_zone, fit_points, noncontact
 

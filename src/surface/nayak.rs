@@ -25,10 +25,10 @@ use std::f64::consts::PI;
 
 /// Smallest α of a Gaussian surface.
 pub const LEAST_ALPHA: f64 = 1.5;
-/// Summits flatter than this v are one in 10¹⁰; they count as this flat.
-pub const FLATTEST: f64 = 0.01;
-/// Summits sharper than this v are one in 10¹⁰.
-pub const SHARPEST: f64 = 7.5;
+/// Summits flatter than this v are one in 10¹³; they count as this flat.
+pub const FLATTEST: f64 = 0.003;
+/// Summits sharper than this v are one in 10²⁵. High ones are the sharpest, so that their forces depend on what is far beyond the rest.
+pub const SHARPEST: f64 = 11.0;
 
 /// Spectral moments of a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]

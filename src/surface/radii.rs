@@ -21,7 +21,8 @@ const TAIL: f64 = 1e-11;
 /// Panels of the logarithm of the radius are at most so wide, in standard deviations and in all.
 const PANEL: (f64, f64) = (3.0, 1.0);
 /// Ends of the panels of the scaled curvature of summits.
-const CURVATURES: [f64; 11] = [nayak::FLATTEST, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 3.75, 4.5, 5.5, nayak::SHARPEST];
+const CURVATURES: [f64; 13] =
+    [nayak::FLATTEST, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 3.75, 4.5, 5.5, 7.0, 9.0, nayak::SHARPEST];
 /// Radii beyond these multiples of the mean one count as these.
 pub const RADIUS_RANGE: (f64, f64) = (1e-6, 1e6);
 

@@ -341,6 +341,20 @@ fn kill_and_resume(kills: u32, seed: u64) -> BTreeMap<&'static str, u32> {
     found
 }
 
+/// A run that is killed between removing its checkpoint and its records leaves the records; to resume it tidies up.
+#[test]
+fn records_that_nothing_counts_on_are_removed_from_a_complete_run() {
+    let folder = Folder::new(&scene());
+    assert_exit(&folder.stiction(&["run", "scene.toml"]), 0);
+    let records = folder.path("scene.h5.checkpoint.replicas");
+    std::fs::write(&records, b"stiction replicas of a checkpoint\n12345678").unwrap();
+    assert_exit(&folder.stiction(&["run", "scene.toml", "--resume"]), 0);
+    assert_eq!(folder.files(), ["scene.h5", "scene.toml"]);
+    std::fs::write(&records, b"of another program").unwrap();
+    assert_exit(&folder.stiction(&["run", "scene.toml", "--resume"]), 0);
+    assert_eq!(folder.files(), ["scene.h5", "scene.h5.checkpoint.replicas", "scene.toml"]);
+}
+
 #[test]
 fn killed_runs_go_on_to_the_same_bits() {
     println!("{:?}", kill_and_resume(6, 1));

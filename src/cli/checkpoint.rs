@@ -4,7 +4,7 @@ use super::Failure;
 use super::sampling::holding;
 use crate::engine::{Batch, Ensemble, Job, Replica, is_whole, record_length};
 use crate::math::words::Words;
-use crate::output::checkpoint::{Checkpoint, Identity, Journal, forget};
+use crate::output::checkpoint::{Checkpoint, Identity, Journal, forget, forget_records};
 use crate::output::reader::Reader;
 use crate::output::schema::{Layout, RUN};
 use crate::output::{Claim, OutputError};
@@ -107,8 +107,10 @@ fn resumption(claim: &Claim, scene: &Scene, overwrite: bool) -> Result<Beginning
             return Err(exists.into());
         }
         // The run ended between naming its result and removing what it had kept.
-        if found.is_some_and(|checkpoint| checkpoint.identity == identity) {
-            forget(claim)?;
+        match found {
+            Some(checkpoint) if checkpoint.identity == identity => forget(claim)?,
+            Some(_) => {}
+            None => forget_records(claim),
         }
         return Ok(Beginning::Complete);
     }

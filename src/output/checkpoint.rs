@@ -402,6 +402,14 @@ pub fn forget(claim: &Claim) -> Result<(), OutputError> {
     Ok(())
 }
 
+/// Removes records that no checkpoint counts on, as a run leaves them that is killed while it tidies up.
+pub fn forget_records(claim: &Claim) {
+    let path = claim.beside(".checkpoint.replicas");
+    if begins_as(&path, RECORDS) == Some(RECORDS.len()) {
+        let _ = std::fs::remove_file(path);
+    }
+}
+
 /// How many bytes of a line a file begins with, if it goes no further or only after all of the line.
 fn begins_as(path: &Path, line: &[u8]) -> Option<usize> {
     let mut found = Vec::new();

@@ -26,9 +26,6 @@ pub struct Cycle {
 }
 
 impl Cycle {
-    /// Its number of words.
-    pub const WORDS: usize = 5;
-
     /// Of a surface: heights (m) rising, external force (N) of both ways over the separations of the job, and the pull-off on the way there.
     pub(super) fn new(
         job: &Job<'_>,

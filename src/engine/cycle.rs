@@ -19,7 +19,7 @@ pub struct Cycle {
     pub approach_pull_off_separation: f64,
     /// ∫F dh of the way there less that of the way back, J, with F in straight lines between the separations.
     pub dissipated_energy: f64,
-    /// Separation h at which the highest asperity touches on the way there, m, wherever the separations are.
+    /// Separation h at which the highest asperity touches on the way there, m, wherever the separations are; NaN of no asperities.
     pub touchdown_separation: f64,
     /// Separation h at which the last contact is lost on the way back, m; NaN if there was none.
     pub takeoff_separation: f64,
@@ -39,7 +39,7 @@ impl Cycle {
     ) -> Self {
         let (surface, closest) = (job.surface, job.separations[0]);
         let d = surface.asperity_separation(closest);
-        let highest = heights.last().copied().unwrap_or(f64::NEG_INFINITY);
+        let highest = heights.last().copied().unwrap_or(f64::NAN);
         // The higher an asperity, the longer it keeps contact.
         let takeoff = cycle.takeoff(highest - d);
         Self {

@@ -12,7 +12,7 @@ use stiction::engine::stream::{Purpose, stream};
 use stiction::engine::{Curves, Ensemble, Forest, Holding, Job, Outcome, Protocol, Replica, Workspace, run, run_from};
 use stiction::math::words::Words;
 use stiction::statistical::Statistical;
-use stiction::surface::{SamplingScheme, Surface};
+use stiction::surface::{CountLaw, SamplingScheme, Surface};
 use stiction::validation::{JointTest, Verdict, basis_of_loop, z_scores};
 
 fn cycle(law: &str, asperity: &Asperity) -> Loop {
@@ -175,6 +175,25 @@ fn both_ways_agree_with_their_integral() {
         let counts: f64 = back.regime_count.iter().map(|row| row[12]).sum();
         assert!((counts / 1500.0 - 1.0).abs() < 1e-12);
     }
+}
+
+/// A patch of a Poisson number of asperities may have none: nothing touches and nothing lets go.
+#[test]
+fn a_loop_without_asperities_has_no_contact() {
+    let (asperity, surface) = case("II");
+    let surface = Surface { asperity_count: 1, count_law: CountLaw::Poisson, ..surface };
+    let cycle = cycle("hybrid", &asperity);
+    let separations = separations(&surface, -1.0, 6.0, 5);
+    let job = job(&cycle, &surface, &separations, 40);
+    let mut counts = [0; 2];
+    Workspace::new(&job).replicas(&job, 0..40, |replica, _| {
+        let is_empty = replica.asperity_count == 0;
+        counts[usize::from(is_empty)] += 1;
+        assert_eq!([replica.highest_asperity.is_nan(), replica.cycle.touchdown_separation.is_nan()], [is_empty; 2]);
+        assert!(replica.cycle.takeoff_separation.is_nan() || !is_empty);
+        assert!(!is_empty || (replica.cycle.dissipated_energy == 0.0 && replica.pull_off_force == 0.0));
+    });
+    assert!(counts[0] > 5 && counts[1] > 5, "{counts:?}");
 }
 
 /// Contacts are lost where it is said: none at the takeoff, at least one just before; likewise on the way there.

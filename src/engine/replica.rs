@@ -6,7 +6,7 @@ use super::curves::Curves;
 use super::cycle::{Cycle, WayBack, snaps};
 use super::pull_off::{Heights, Jump, jumps, pull_off};
 use super::sampling::draw;
-use super::scattered::Scattered;
+use super::scattered::{self, Scattered};
 use crate::asperity::{Law, Quantity, Scratch, Work, for_each_block_of, regime_ranges};
 use crate::math::extrema::{Extremum, steepest_rise};
 use crate::math::instruction_set::InstructionSet;
@@ -82,7 +82,7 @@ impl Workspace {
         Self {
             heights: vec![vec![0.0; job.surface.asperity_count]; at_once],
             radii: Vec::new(),
-            scattered: job.law.family().map(|family| Scattered::new(job, family)),
+            scattered: job.law.family().map(|_| Scattered::new(job)),
             jumps: jumps(job.law),
             sums: Sums { regimes: vec![RegimeSums::default(); r], scratch: Scratch::default(), work: Work::default() },
             compressed: job.compression.map(|compression| compressed::Sums::new(compression, r)),
@@ -118,9 +118,9 @@ impl Workspace {
             compressed.take(compression, &self.heights[..count]);
             compressed.fill(compression, job.law, &mut self.curves[..count], &mut self.sums.work);
         }
-        if let Some(scattered) = &mut self.scattered {
+        if let (Some(family), Some(scattered)) = (job.law.family(), &mut self.scattered) {
             let Sums { scratch, work, .. } = &mut self.sums;
-            scattered.surface(&self.heights[0], &self.radii, scratch, work, &mut self.curves[0]);
+            scattered.surface(family, (&self.heights[0], &self.radii), scratch, work, &mut self.curves[0]);
             return;
         }
         for (lane, heights) in self.heights[..count].iter_mut().enumerate() {
@@ -175,8 +175,8 @@ impl Workspace {
         let heights = &self.heights[lane];
         let external = &self.curves[lane].total[Quantity::ExternalForce.index()][..job.separations.len()];
         let Sums { scratch, work, .. } = &mut self.sums;
-        if let Some(scattered) = &self.scattered {
-            return scattered.pull_off(heights, &self.radii, scratch, work, external);
+        if let Some(family) = job.law.family() {
+            return scattered::pull_off(job, family, (heights, &self.radii), scratch, work, external);
         }
         match (job.compression, &mut self.compressed) {
             (Some(compression), Some(sums)) if sums.surface(lane).is_some() => {

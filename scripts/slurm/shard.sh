@@ -105,11 +105,10 @@ compute() {
     child=$!
     # A signal that came before there was a child.
     [[ ! $ends ]] || stop
-    while :; do
-        wait "$child"
-        code=$?
-        # A wait that a signal has cut short.
-        kill -0 "$child" 2>/dev/null || break
+    # A wait for the program that a signal cuts short may lose its exit code: waits for something else as long as it runs.
+    while kill -0 "$child" 2>/dev/null; do
+        sleep 0.5 &
+        wait $!
     done
     wait "$child"
     code=$?
@@ -119,8 +118,9 @@ compute() {
 main() {
     say "shard $task of $shards on ${SLURMD_NODENAME:-$(uname -n)}, $threads threads, job $job, restarted $restarts times"
     [[ ! $scratch || -e $shared ]] || enter_scratch
-    local before attempt patience=10
+    local before attempt patience=60
     before=$(kept)
+    [[ ! -e $output.checkpoint ]] || say "goes on: $("$stiction" info "$output.checkpoint" 2>/dev/null | grep -m 1 -o '[0-9]* of [0-9]* are done' || echo 'a checkpoint is there')"
     for ((attempt = 1; ; attempt++)); do
         compute "$@"
         [[ ! $ends ]] || break
@@ -131,7 +131,7 @@ main() {
         elif ((code == 2 && restarts > 0 && patience-- > 0)) && [[ -e ${output%/*}/.${output##*/}.lock ]]; then
             say "waits for the other process"
             attempt=0
-            sleep 30 &
+            sleep 10 &
             wait $!
         else
             break

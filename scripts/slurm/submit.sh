@@ -8,6 +8,7 @@
 #   --stiction PATH         the program; default: stiction on the PATH. Its full path is what the nodes run
 #   --seed SEED, --replicas COUNT
 #                           instead of those of the scene
+#   --checkpoint SECONDS    how often a task keeps what it has done; default: 30
 #   --at-once M             at most so many tasks at a time
 #   --save-before SECONDS   save and requeue a task so long before its time limit; default: 120
 #   --scratch FOLDER        compute in a folder of the node, such as /local or '$TMPDIR' (in single quotes: the node's), and copy what has been
@@ -44,7 +45,7 @@ shared_options=(account=A comment= constraint=C exclude=x export= mail-type= mai
 
 read_arguments() {
     command_line=$(printf '%q ' "$0" "$@")
-    scene='' shards='' output='' program=stiction seed='' replicas='' at_once='' save_before=120 scratch='' copy_every=300
+    scene='' shards='' output='' program=stiction seed='' replicas='' checkpoint='' at_once='' save_before=120 scratch='' copy_every=300
     merge_time='' merge_mem='' for_array=() for_merge=()
     case ${1-} in
     --help | -h)
@@ -60,7 +61,7 @@ read_arguments() {
     while (($#)); do
         name=${1%%=*}
         case $name in
-        --shards | --output | --stiction | --seed | --replicas | --at-once | --save-before | --scratch | --copy-every | --merge-time | --merge-mem)
+        --shards | --output | --stiction | --seed | --replicas | --checkpoint | --at-once | --save-before | --scratch | --copy-every | --merge-time | --merge-mem)
             if [[ $1 == *=* ]]; then
                 value=${1#*=}
             else
@@ -101,6 +102,7 @@ set_own() {
     --stiction) program=$2 ;;
     --seed) seed=$2 ;;
     --replicas) replicas=$2 ;;
+    --checkpoint) checkpoint=$2 ;;
     --at-once) at_once=$2 ;;
     --save-before) save_before=$2 ;;
     --scratch) scratch=$2 ;;
@@ -142,6 +144,7 @@ check_arguments() {
     [[ ! $at_once ]] || is_count "$at_once" || refuse "--at-once $at_once: a whole number from 1"
     [[ ! $replicas ]] || is_count "$replicas" || refuse "--replicas $replicas: a whole number from 1"
     [[ ! $seed || $seed =~ ^[0-9]+$ ]] || refuse "--seed $seed: a whole number from 0"
+    [[ ! $checkpoint || $checkpoint == 0 ]] || is_count "$checkpoint" || refuse "--checkpoint $checkpoint: seconds, a whole number from 0"
     { is_count "$save_before" && ((save_before <= 65535)); } || refuse "--save-before $save_before: seconds, from 1 to 65535"
     is_count "$copy_every" || refuse "--copy-every $copy_every: seconds, a whole number from 1"
     [[ -f $scene && -r $scene ]] || refuse "$scene: no such scene that can be read"
@@ -251,6 +254,7 @@ submit_array() {
     local run=()
     [[ ! $seed ]] || run+=(--seed "$seed")
     [[ ! $replicas ]] || run+=(--replicas "$replicas")
+    [[ ! $checkpoint ]] || run+=(--checkpoint "$checkpoint")
     array=$(sbatch --parsable --job-name="stiction-$name" --nodes=1 --ntasks=1 --requeue "${for_array[@]}" \
         --array="$indices" --signal="B:USR1@$save_before" --open-mode=append --chdir="$output" --output="logs/shard-%${#shards}a.log" \
         "$here/shard.sh" "$output" "$program" "$scene" "$shards" "$save_before" "$copy_every" "$scratch" "${run[@]}") || {

@@ -46,8 +46,28 @@ fn law_for(name: &str, surface: &Surface, separations: &[f64]) -> Box<dyn Law> {
     if !surface.is_scattered() {
         return law;
     }
-    let family = Family::new(model(name).unwrap(), asperity, Path::Approach, None, RADIUS_RANGE).unwrap();
+    let family = Family::new(model(name).unwrap(), asperity, Path::Approach, RADIUS_RANGE).unwrap();
     Box::new(Typical::new(law, family))
+}
+
+/// The law of the typical asperity of a surface is that of its radius in all that it says of itself; `md_kim` says the most, as there an
+/// asperity is captured before contact.
+#[test]
+fn the_typical_law_is_the_law() {
+    let (asperity, _) = case("II");
+    for name in ["md_kim", "hybrid"] {
+        let plain = law(name, &asperity, Path::Approach, (-9e-9, 9e-9));
+        let family = Family::new(model(name).unwrap(), asperity, Path::Approach, RADIUS_RANGE).unwrap();
+        let typical = Typical::new(law(name, &asperity, Path::Approach, (-9e-9, 9e-9)), family);
+        assert_eq!(plain.capture().is_some(), name == "md_kim");
+        assert_eq!([typical.capture(), typical.far()], [plain.capture(), plain.far()], "{name}");
+        assert_eq!((typical.regimes(), typical.boundaries()), (plain.regimes(), plain.boundaries()), "{name}");
+        assert_eq!(typical.pieces(), plain.pieces(), "{name}");
+        for regime in 0..plain.regimes().len() {
+            assert_eq!(typical.constant(regime), plain.constant(regime), "{name}");
+            assert_eq!(typical.cost(regime), plain.cost(regime), "{name}");
+        }
+    }
 }
 
 /// Surfaces of every kind, of asperities like those of case II, with `count` of them.

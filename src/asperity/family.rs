@@ -11,7 +11,6 @@ pub struct Family {
     model: Model,
     asperity: Asperity,
     path: Path,
-    critical_approach: Option<f64>,
 }
 
 impl Family {
@@ -19,17 +18,11 @@ impl Family {
     ///
     /// # Errors
     /// [`LawError`] when one of these two has no law.
-    pub fn new(
-        model: Model,
-        asperity: Asperity,
-        path: Path,
-        critical_approach: Option<f64>,
-        (least, most): (f64, f64),
-    ) -> Result<Self, LawError> {
+    pub fn new(model: Model, asperity: Asperity, path: Path, (least, most): (f64, f64)) -> Result<Self, LawError> {
         if model.is_fit() {
             return Err(LawError::OneRadius);
         }
-        let family = Self { model, asperity, path, critical_approach };
+        let family = Self { model, asperity, path };
         for factor in [least, most] {
             family.built(factor * asperity.radius, None)?;
         }
@@ -48,7 +41,7 @@ impl Family {
     fn built(&self, radius: f64, reach: Option<(f64, f64)>) -> Result<Box<dyn Law>, LawError> {
         let asperity = Asperity { radius, ..self.asperity };
         let setting = Setting::new(&asperity, self.path, (0.0, 0.0))?;
-        (self.model.build)(&Setting { reach, critical_approach: self.critical_approach, ..setting })
+        (self.model.build)(&Setting { reach, ..setting })
     }
 }
 
@@ -88,6 +81,10 @@ impl Law for Typical {
 
     fn far(&self) -> Option<f64> {
         self.law.far()
+    }
+
+    fn capture(&self) -> Option<f64> {
+        self.law.capture()
     }
 
     fn fit(&self) -> Option<&FitReport> {

@@ -1,14 +1,12 @@
 //! The way back of one surface, and what is kept of a surface that is brought close and pulled back.
 
 use super::instability::{Holding, Snap, Turn, largest_snap, reached};
+use super::pull_off::deepest_of_parts;
 use super::replica::{RegimeSums, Sums};
 use super::{Job, Protocol};
 use crate::asperity::{Loop, Quantity};
 use crate::math::extrema::Extremum;
 use crate::math::words::Words;
-
-/// Parts of the space between two separations at whose ends the pull-off of the way back is sought.
-const PARTS: usize = 16;
 
 /// What is kept of a replica whose way back is another than its way there.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -19,16 +17,13 @@ pub struct Cycle {
     pub approach_pull_off_separation: f64,
     /// ∫F dh of the way there less that of the way back, J, with F in straight lines between the separations.
     pub dissipated_energy: f64,
-    /// Separation h at which the highest asperity touches on the way there, m, wherever the separations are.
+    /// Separation h at which the highest asperity touches on the way there, m, wherever the separations are; NaN of no asperities.
     pub touchdown_separation: f64,
     /// Separation h at which the last contact is lost on the way back, m; NaN if there was none.
     pub takeoff_separation: f64,
 }
 
 impl Cycle {
-    /// Its number of words.
-    pub const WORDS: usize = 5;
-
     /// Of a surface: heights (m) rising, external force (N) of both ways over the separations of the job, and the pull-off on the way there.
     pub(super) fn new(
         job: &Job<'_>,
@@ -39,7 +34,7 @@ impl Cycle {
     ) -> Self {
         let (surface, closest) = (job.surface, job.separations[0]);
         let d = surface.asperity_separation(closest);
-        let highest = heights.last().copied().unwrap_or(f64::NEG_INFINITY);
+        let highest = heights.last().copied().unwrap_or(f64::NAN);
         // The higher an asperity, the longer it keeps contact.
         let takeoff = cycle.takeoff(highest - d);
         Self {
@@ -98,22 +93,9 @@ impl<'a> WayBack<'a> {
         RegimeSums::total(&sums.regimes)[Quantity::ExternalForce.index()]
     }
 
-    /// The smallest external force from its samples: separations h, m, rising, and forces, N. Between the neighbours of the smallest the
-    /// surface is solved at every sixteenth of the way.
+    /// The smallest external force from its samples: separations h, m, rising, and forces, N.
     pub fn pull_off(&self, sums: &mut Sums, samples: &[(f64, f64)]) -> Extremum {
-        let smallest = (1..samples.len()).fold(0, |best, k| if samples[k].1 < samples[best].1 { k } else { best });
-        let at_edge = smallest == 0 || smallest + 1 == samples.len();
-        let mut deepest = samples[smallest];
-        for pair in samples[smallest.saturating_sub(1)..samples.len().min(smallest + 2)].windows(2) {
-            for part in 1..PARTS {
-                let h = pair[0].0 + (pair[1].0 - pair[0].0) * part as f64 / PARTS as f64;
-                let force = self.external_force(sums, h);
-                if force < deepest.1 {
-                    deepest = (h, force);
-                }
-            }
-        }
-        Extremum { place: deepest.0, value: deepest.1, at_edge: at_edge && deepest == samples[smallest] }
+        deepest_of_parts(samples, |places| places.iter().map(|&h| self.external_force(sums, h)).collect())
     }
 }
 

@@ -28,6 +28,8 @@ const SURPRISES: f64 = 6.0;
 const LEAST_SOLVED: usize = 3;
 const SOLVED_ASPERITIES: usize = 60_000;
 const MOST_SOLVED: (usize, usize) = (8, 32);
+/// Parts of the space between two separations at whose ends a curve without a staircase is sought.
+const EVEN_PARTS: usize = 16;
 /// How far beside a jump, as a share of the way to the next, its sides are.
 const BESIDE: f64 = 1e-6;
 
@@ -104,6 +106,24 @@ pub(super) fn pull_off(job: &Job<'_>, jumps: &[Jump], surface: &mut impl Heights
 /// The one of two points with the smaller force.
 fn deeper(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
     if b.1 < a.1 { b } else { a }
+}
+
+/// The minimum of the external force from its samples alone: separations h, m, rising, and forces, N. The forces at every sixteenth of the
+/// way between the neighbours of the smallest, which are asked for at once, are looked at too.
+pub(super) fn deepest_of_parts(samples: &[(f64, f64)], forces: impl FnOnce(&[f64]) -> Vec<f64>) -> Extremum {
+    let smallest = (1..samples.len()).fold(0, |best, k| if samples[k].1 < samples[best].1 { k } else { best });
+    let at_edge = smallest == 0 || smallest + 1 == samples.len();
+    let around = &samples[smallest.saturating_sub(1)..samples.len().min(smallest + 2)];
+    let places: Vec<f64> = around
+        .windows(2)
+        .flat_map(|pair| {
+            let step = (pair[1].0 - pair[0].0) / EVEN_PARTS as f64;
+            (1..EVEN_PARTS).map(move |part| pair[0].0 + step * part as f64)
+        })
+        .collect();
+    let forces = forces(&places);
+    let deepest = places.into_iter().zip(forces).fold(samples[smallest], deeper);
+    Extremum { place: deepest.0, value: deepest.1, at_edge: at_edge && deepest == samples[smallest] }
 }
 
 /// Separations (m) around the minimum, close enough to interpolate between, and the force (N) at each.

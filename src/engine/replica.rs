@@ -6,7 +6,7 @@ use super::curves::Curves;
 use super::cycle::{Cycle, WayBack, snaps};
 use super::pull_off::{Heights, Jump, jumps, pull_off};
 use super::sampling::draw;
-use super::scattered::Scattered;
+use super::scattered::{self, Scattered};
 use crate::asperity::{Law, Quantity, Scratch, Work, for_each_block_of, regime_ranges};
 use crate::math::extrema::{Extremum, steepest_rise};
 use crate::math::instruction_set::InstructionSet;
@@ -15,7 +15,7 @@ use crate::math::words::Words;
 use std::ops::Range;
 
 /// What is kept of every replica.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Replica {
     /// Number of asperities.
     pub asperity_count: u64,
@@ -31,14 +31,11 @@ pub struct Replica {
     pub peak_stiffness_separation: f64,
     /// Whether the smallest force is at the first or last separation, so that the curve may fall further beyond.
     pub pull_off_at_edge: bool,
-    /// What is kept of it as a loop, of which all above is of the way back.
-    pub cycle: Cycle,
+    /// What is kept of it as a loop, if it is one; all above is then of the way back.
+    pub cycle: Option<Box<Cycle>>,
 }
 
 impl Replica {
-    /// Its number of words.
-    pub const WORDS: usize = 7 + Cycle::WORDS;
-
     fn pull_off(&mut self, smallest: &Extremum) {
         (self.pull_off_force, self.pull_off_separation) = (-smallest.value, smallest.place);
         self.pull_off_at_edge = smallest.at_edge;
@@ -60,7 +57,7 @@ impl Words for Replica {
         let mut at_edge = u64::from(self.pull_off_at_edge);
         visit(&mut at_edge);
         self.pull_off_at_edge = at_edge != 0;
-        self.cycle.each_word(visit);
+        self.cycle.iter_mut().for_each(|cycle| cycle.each_word(visit));
     }
 }
 
@@ -85,7 +82,7 @@ impl Workspace {
         Self {
             heights: vec![vec![0.0; job.surface.asperity_count]; at_once],
             radii: Vec::new(),
-            scattered: job.law.family().map(|family| Scattered::new(job, family)),
+            scattered: job.law.family().map(|_| Scattered::new(job)),
             jumps: jumps(job.law),
             sums: Sums { regimes: vec![RegimeSums::default(); r], scratch: Scratch::default(), work: Work::default() },
             compressed: job.compression.map(|compression| compressed::Sums::new(compression, r)),
@@ -121,9 +118,9 @@ impl Workspace {
             compressed.take(compression, &self.heights[..count]);
             compressed.fill(compression, job.law, &mut self.curves[..count], &mut self.sums.work);
         }
-        if let Some(scattered) = &mut self.scattered {
+        if let (Some(family), Some(scattered)) = (job.law.family(), &mut self.scattered) {
             let Sums { scratch, work, .. } = &mut self.sums;
-            scattered.surface(&self.heights[0], &self.radii, scratch, work, &mut self.curves[0]);
+            scattered.surface(family, (&self.heights[0], &self.radii), scratch, work, &mut self.curves[0]);
             return;
         }
         for (lane, heights) in self.heights[..count].iter_mut().enumerate() {
@@ -154,7 +151,7 @@ impl Workspace {
             Replica { asperity_count: heights.len() as u64, highest_asperity: highest, ..Replica::default() };
         let mut last = (external, pull_off);
         if let Some(cycle) = job.protocol.cycle {
-            kept.cycle = Cycle::new(job, cycle, heights, [external, back], &pull_off);
+            kept.cycle = Some(Box::new(Cycle::new(job, cycle, heights, [external, back], &pull_off)));
             let way = WayBack::new(job, cycle, heights, job.separations[0]);
             let samples: Vec<(f64, f64)> = job.separations.iter().copied().zip(back.iter().copied()).collect();
             last = (back, way.pull_off(&mut self.sums, &samples));
@@ -178,8 +175,8 @@ impl Workspace {
         let heights = &self.heights[lane];
         let external = &self.curves[lane].total[Quantity::ExternalForce.index()][..job.separations.len()];
         let Sums { scratch, work, .. } = &mut self.sums;
-        if let Some(scattered) = &self.scattered {
-            return scattered.pull_off(heights, &self.radii, scratch, work, external);
+        if let Some(family) = job.law.family() {
+            return scattered::pull_off(job, family, (heights, &self.radii), scratch, work, external);
         }
         match (job.compression, &mut self.compressed) {
             (Some(compression), Some(sums)) if sums.surface(lane).is_some() => {

@@ -260,7 +260,7 @@ impl Scene {
         if !self.surface.is_scattered() {
             return Ok(law);
         }
-        let family = Family::new(*model, self.asperity, self.path, self.critical_approach, RADIUS_RANGE)?;
+        let family = Family::new(*model, self.asperity, self.path, RADIUS_RANGE)?;
         Ok(Box::new(Typical::new(law, family)))
     }
 

@@ -276,7 +276,7 @@ const VARIABLES: &[Variable] = &[
         "/replicas/touchdown_separation",
         N,
         "m",
-        "separation h at which the highest asperity touches on the way there",
+        "separation h at which the highest asperity touches on the way there, NaN without asperities",
     ),
     variable(
         "/replicas/takeoff_separation",

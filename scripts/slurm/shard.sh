@@ -47,22 +47,38 @@ on_end() {
 trap on_time_limit USR1
 trap on_end TERM
 
-# Bytes of all that the program has kept of its replicas.
-kept() { wc -c 2>/dev/null <"$output.checkpoint.replicas" || echo 0; }
+# Checkpoints beside the shard $1: of a sweep one for each point that is begun, in a folder.
+checkpoints() {
+    local checkpoint
+    for checkpoint in "$1".checkpoint "$1".points/*.checkpoint; do
+        [[ ! -e $checkpoint ]] || printf '%s\n' "$checkpoint"
+    done
+}
+
+# Bytes of all that has been kept of replicas.
+kept() {
+    local checkpoint
+    checkpoints "$output" | while IFS= read -r checkpoint; do cat -- "$checkpoint.replicas"; done | wc -c
+}
 
 # Copies $1 to $2, which has the whole of it or what it had before.
 copy() { dd if="$1" of="$2.$job" bs=1M conv=fsync status=none && mv -f -- "$2.$job" "$2"; }
 
-# The checkpoint and its records to the shared folder. The checkpoint counts records, which only grow: it is taken first and put last.
-keep() {
-    [[ -e $output.checkpoint ]] || return 0
-    dd if="$output.checkpoint" of="$shared.checkpoint.$job" bs=1M conv=fsync status=none &&
-        copy "$output.checkpoint.replicas" "$shared.checkpoint.replicas" &&
-        mv -f -- "$shared.checkpoint.$job" "$shared.checkpoint"
+# Copies checkpoints and their records from beside the shard $1 to beside the shard $2. A checkpoint counts records, which only grow: it is
+# taken first and put last.
+copy_checkpoints() {
+    local from to
+    checkpoints "$1" | while IFS= read -r from; do
+        to=$2${from#"$1"}
+        mkdir -p -- "${to%/*}" &&
+            dd if="$from" of="$to.$job" bs=1M conv=fsync status=none &&
+            copy "$from.replicas" "$to.replicas" &&
+            mv -f -- "$to.$job" "$to" || return 1
+    done
 }
 
 keep_now_and_then() {
-    while sleep "$copy_every"; do keep; done </dev/null >/dev/null &
+    while sleep "$copy_every"; do copy_checkpoints "$output" "$shared"; done </dev/null >/dev/null &
     copier=$!
 }
 
@@ -79,9 +95,7 @@ enter_scratch() {
     rm -rf -- "$own"
     mkdir -p -- "$own" || exit 1
     output=$own/${shared##*/}
-    if [[ -e $shared.checkpoint ]]; then
-        cp -- "$shared.checkpoint" "$output.checkpoint" && cp -- "$shared.checkpoint.replicas" "$output.checkpoint.replicas" || exit 1
-    fi
+    copy_checkpoints "$shared" "$output" || exit 1
     keep_now_and_then
 }
 
@@ -90,13 +104,20 @@ leave_scratch() {
     wait "$copier" 2>/dev/null
     local code=0
     if [[ -e $output ]]; then
-        copy "$output" "$shared" && rm -f -- "$shared.checkpoint" "$shared.checkpoint.replicas" || code=1
+        copy "$output" "$shared" && rm -rf -- "$shared.checkpoint" "$shared.checkpoint.replicas" "$shared.points" || code=1
     else
-        keep || code=1
+        copy_checkpoints "$output" "$shared" || code=1
     fi
     ((code == 0)) || say "cannot copy from ${output%/*} to ${shared%/*}"
     rm -rf -- "${output%/*}"
     return "$code"
+}
+
+tell_what_is_kept() {
+    local checkpoint
+    checkpoints "$output" | while IFS= read -r checkpoint; do
+        say "goes on: $("$stiction" info "$checkpoint" 2>/dev/null | sed -n '/^ *replicas  */{s///;p;q;}') (${checkpoint##*/})"
+    done
 }
 
 # Runs the program and leaves its exit code in `code`.
@@ -105,11 +126,8 @@ compute() {
     child=$!
     # A signal that came before there was a child.
     [[ ! $ends ]] || stop
-    # A wait for the program that a signal cuts short may lose its exit code: waits for something else as long as it runs.
-    while kill -0 "$child" 2>/dev/null; do
-        sleep 0.5 &
-        wait $!
-    done
+    # A wait that a trap cuts short may lose the exit code (bash 5.2 then says -1), so waits only for what has ended.
+    while kill -0 "$child" 2>/dev/null; do sleep 0.2; done
     wait "$child"
     code=$?
     child=''
@@ -120,7 +138,7 @@ main() {
     [[ ! $scratch || -e $shared ]] || enter_scratch
     local before attempt patience=60
     before=$(kept)
-    [[ ! -e $output.checkpoint ]] || say "goes on: $("$stiction" info "$output.checkpoint" 2>/dev/null | grep -m 1 -o '[0-9]* of [0-9]* are done' || echo 'a checkpoint is there')"
+    tell_what_is_kept
     for ((attempt = 1; ; attempt++)); do
         compute "$@"
         [[ ! $ends ]] || break
@@ -131,8 +149,8 @@ main() {
         elif ((code == 2 && restarts > 0 && patience-- > 0)) && [[ -e ${output%/*}/.${output##*/}.lock ]]; then
             say "waits for the other process"
             attempt=0
-            sleep 10 &
-            wait $!
+            sleep 10
+            [[ ! $ends ]] || break
         else
             break
         fi

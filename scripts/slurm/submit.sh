@@ -154,7 +154,11 @@ check_arguments() {
     for needed in sbatch squeue scontrol scancel; do
         command -v "$needed" >/dev/null || refuse "no $needed on the PATH: this is for a machine that submits to Slurm"
     done
+    for_run=()
+    [[ ! $seed ]] || for_run+=(--seed "$seed")
+    [[ ! $replicas ]] || for_run+=(--replicas "$replicas")
     check_program
+    check_scene
 }
 
 check_program() {
@@ -165,8 +169,18 @@ check_program() {
     local help
     help=$("$program" run --help 2>/dev/null) || true
     [[ $help == *--shard* ]] || refuse "--stiction $program: not a stiction that knows run --shard"
-    local message
-    message=$("$program" check "$scene" 2>&1 >/dev/null) || refuse "$message"
+}
+
+# A shard of so many that it is empty computes nothing, and is refused what any shard of this scene would be refused.
+check_scene() {
+    local trial message
+    trial=$(mktemp -d)
+    message=$("$program" run "$scene" --shard 1/1000000000 -o "$trial/shard.h5" --quiet "${for_run[@]}" 2>&1 >/dev/null) || {
+        rm -rf -- "$trial"
+        printf '%s\n' "$message" >&2
+        exit 2
+    }
+    rm -rf -- "$trial"
 }
 
 # What all that is ever computed in the folder has in common.
@@ -251,13 +265,10 @@ check_size_of_array() {
 submit_array() {
     local indices
     indices=$(ranges "${todo[@]}")${at_once:+%$at_once}
-    local run=()
-    [[ ! $seed ]] || run+=(--seed "$seed")
-    [[ ! $replicas ]] || run+=(--replicas "$replicas")
-    [[ ! $checkpoint ]] || run+=(--checkpoint "$checkpoint")
+    [[ ! $checkpoint ]] || for_run+=(--checkpoint "$checkpoint")
     array=$(sbatch --parsable --job-name="stiction-$name" --nodes=1 --ntasks=1 --requeue "${for_array[@]}" \
         --array="$indices" --signal="B:USR1@$save_before" --open-mode=append --chdir="$output" --output="logs/shard-%${#shards}a.log" \
-        "$here/shard.sh" "$output" "$program" "$scene" "$shards" "$save_before" "$copy_every" "$scratch" "${run[@]}") || {
+        "$here/shard.sh" "$output" "$program" "$scene" "$shards" "$save_before" "$copy_every" "$scratch" "${for_run[@]}") || {
         [[ -e $output/jobs ]] || (cd -- "$output" && rm -f experiment && rmdir shards logs "$output")
         fail "sbatch refused the array; nothing was submitted"
     }

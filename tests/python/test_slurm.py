@@ -11,8 +11,11 @@ import time
 from pathlib import Path
 
 import pytest
+from same_bits import contents
 
-SCRIPTS = Path(__file__).resolve().parents[2] / "scripts" / "slurm"
+ROOT = Path(__file__).resolve().parents[2]
+SCRIPTS = ROOT / "scripts" / "slurm"
+PROGRAM = Path(os.environ.get("STICTION", ROOT / "target" / "release" / "stiction"))
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="scripts for bash")
 
@@ -31,9 +34,12 @@ STICTION = """
 here=$(dirname "$0")
 RECORD"$here/calls/stiction"
 case $1 in
-check) grep -q bad "$2" && echo "bad scene" >&2 && exit 2; exit 0 ;;
 info) echo "  replicas   $(wc -c <"$2.replicas") of 40 are done"; exit 0 ;;
-run) [[ $2 != --help ]] || { echo "--shard I/N"; exit 0; } ;;
+run)
+    [[ $2 != --help ]] || { echo "--shard I/N"; exit 0; }
+    ! grep -q bad "$2" || { echo "stiction: bad scene" >&2; exit 2; }
+    [[ $4 != 1/1000000000 ]] || exit 0
+    ;;
 *) exit 0 ;;
 esac
 while (($#)); do [[ $1 != -o ]] || output=$2; shift; done
@@ -300,14 +306,14 @@ def test_what_slurm_refuses_leaves_nothing(site):
 class Task:
     """shard.sh as Slurm starts it."""
 
-    def __init__(self, site: Site, *run: str, scratch: str = "", save_before: int = 4, copy_every: str = "300", **environment: str):
+    def __init__(self, site: Site, *run: str, scratch: str = "", shards: int = 12, save_before: int = 4, copy_every: str = "300", **environment: str):
         self.site = site
         self.shards = site.folder / "case two" / "shards"
         self.shards.mkdir(parents=True, exist_ok=True)
         self.shard = self.shards / "shard-03.h5"
         slurm = {"SLURM_ARRAY_JOB_ID": "100", "SLURM_ARRAY_TASK_ID": "3", "SLURM_JOB_ID": "103", **environment}
         scene, output = site.folder / "case two.toml", site.folder / "case two"
-        command = [SCRIPTS / "shard.sh", output, site.folder / "stiction", scene, "12", str(save_before), copy_every, scratch, *run]
+        command = [SCRIPTS / "shard.sh", output, site.folder / "stiction", scene, str(shards), str(save_before), copy_every, scratch, *run]
         self.log = site.folder / "calls" / "log"
         with self.log.open("a") as log:
             self.process = subprocess.Popen(command, cwd=output, env={**site.environment, **slurm}, stdout=log, stderr=log, start_new_session=True)
@@ -357,7 +363,7 @@ def test_a_task_is_requeued_at_its_time_limit_and_resumes(site):
     assert 5 < kept < 40 and not task.shard.exists()
     task = Task(site, SLURM_RESTART_COUNT="1")
     assert task.code() == 0
-    assert f"goes on: {kept} of 40 are done" in task.log.read_text()
+    assert f"goes on: {kept} of 40 are done (shard-03.h5.checkpoint)" in task.log.read_text()
     assert site.signals() == 1
     assert task.shard.exists() and task.kept() == 0
 
@@ -444,7 +450,7 @@ def test_a_task_in_scratch_leaves_everything_in_the_shared_folder(site):
     # On another node.
     task = Task(site, scratch=str(site.folder / "other"), SLURM_RESTART_COUNT="1")
     assert task.code() == 0, task.log.read_text()
-    assert f"goes on: {kept} of 40 are done" in task.log.read_text()
+    assert f"goes on: {kept} of 40 are done (shard-03.h5.checkpoint)" in task.log.read_text()
     assert [path.name for path in task.shards.iterdir()] == ["shard-03.h5"] and not list((site.folder / "other").iterdir())
 
 
@@ -476,6 +482,45 @@ def test_the_merge_names_every_shard_and_validates(site):
     assert merge[:4] == ["merge", "-o", str(result), "--force"]
     assert merge[-10:] == [f"{site.folder}/case two/shards/shard-{shard:02}.h5" for shard in range(1, 11)]
     assert validate == ["validate", str(result)]
+
+
+# --- With the program itself
+
+
+@pytest.mark.parametrize("of_a_node", [False, True])
+def test_shards_of_a_sweep_stop_and_go_on_to_the_same_bits(site, of_a_node):
+    """Shards keep each point of a sweep by itself."""
+    assert PROGRAM.is_file(), f"no program {PROGRAM}: run `cargo build --release` or set STICTION"
+    shutil.copy(PROGRAM, site.folder / "stiction")
+    text = (ROOT / "configs" / "quick.toml").read_text(encoding="utf-8")
+    text = text.replace("replicas = 200", "replicas = 400").replace('surface_height_std = "1.619 nm"\n', "")
+    text += '\n[sweep]\nsurface.surface_height_std = ["1.2 nm", "1.5 nm", "1.8 nm"]\n'
+    scene = site.folder / "case two.toml"
+    scene.write_text(text, encoding="utf-8")
+    subprocess.run([PROGRAM, "run", scene, "-o", "whole.h5", "--quiet"], cwd=site.folder, check=True, capture_output=True)
+
+    scratch = str(site.folder / "scratch") if of_a_node else ""
+    shards = site.folder / "case two" / "shards"
+    shard = shards / "shard-1.h5"
+    kept = site.folder / "scratch" / "stiction-100_1" / "shard-1.h5.points" if of_a_node else Path(f"{shard}.points")
+    slurm = {"SLURM_ARRAY_TASK_ID": "1"}
+    first = Task(site, "--checkpoint", "0", shards=2, scratch=scratch, **slurm)
+    # The second of the three points, of which the first shard has one and a half.
+    first.wait_until((kept / "0002.h5.checkpoint").exists)
+    first.process.send_signal(signal.SIGUSR1)
+    first.wait_until(lambda: site.calls("scontrol"))
+    first.end()
+    assert not shard.exists() and len(list(Path(f"{shard}.points").glob("*.checkpoint"))) == 2
+    for task in ("1", "2"):
+        assert Task(site, shards=2, scratch=scratch, SLURM_ARRAY_TASK_ID=task).code() == 0
+    assert "goes on: 400 of 400 are done (0001.h5.checkpoint)" in first.log.read_text()
+    assert sorted(path.name for path in shards.iterdir()) == ["shard-1.h5", "shard-2.h5"]
+
+    result = site.folder / "case two.h5"
+    command = [SCRIPTS / "merge.sh", site.folder / "case two", site.folder / "stiction", result, "2"]
+    merged = subprocess.run(command, env=site.environment, capture_output=True, text=True)
+    assert merged.returncode in (0, 3), merged
+    assert contents(result) == contents(site.folder / "whole.h5")
 
 
 def test_shellcheck_finds_nothing():

@@ -237,11 +237,22 @@ holds() { [[ $(find "$1" -mindepth 1 | wc -l) == "$2" ]]; }
 
 logged() { grep -q -- "$2" "$1" 2>/dev/null; }
 
+# Kills the program on a node as often as its task starts it.
+fails_on() {
+    finds_process_on "$1" || return 1
+    local same=$shard log
+    log=$(log_of "$2")
+    until logged "$log" "ends with 137"; do
+        ! finds_process_on "$1" || [[ $shard != "$same" ]] || kill_now "$process"
+        ((SECONDS < deadline)) || return 1
+        sleep 0.1
+    done
+}
+
 log_of() { printf '%s/logs/%s.log' "$1" "$(basename -- "$shard" .h5)"; }
 
 # As many replicas as take 80 s on one thread, on a machine of whatever speed.
 choose_replicas() {
-    [[ ! ${DEV_R-} ]] || { replicas=$DEV_R; return; }
     local begin end
     begin=$(date +%s%N)
     "$stiction" run "$scene" --replicas 400 --threads 1 --quiet -o "$folder/speed.h5" >/dev/null
@@ -267,6 +278,10 @@ test_lost_nodes() {
     kill_now "${slurmd[4]}"
     kill -STOP "$process"
     local works_on=$process
+    check "a task on node1 fails, because its stiction is killed three times" wait_for 60 fails_on 1 "$output"
+    check "... and the merge leaves the queue" wait_for 40 is_gone "$merge"
+    check "the same command again" submit "${arguments[@]}"
+    check "... submits the failed one" grep -q ", 1 submitted as job" <<<"$said"
     check "the killed stiction is started again in its task" wait_for 30 logged "$killed" "killed by signal 9: goes on"
     check "... and Slurm gives up node2 and node4" wait_for 60 nodes_are 'down\*' 2
     start_node 2
@@ -277,7 +292,7 @@ test_lost_nodes() {
     kill -CONT "$works_on"
     check "the merge ends well" completes "$merge" 240
     check "the merged file has the bits of a run on one machine" same_bits "$folder/reference.h5" "$output/case_ii.h5"
-    check "the merge has validated it" logged "$output/logs/merge.log" "agree"
+    check "the merge has validated it" logged "$output/logs/merge.log" "ensemble and integral agree"
     check "each of the 16 shards is there, and nothing else" holds "$output/shards" 16
 
     local before

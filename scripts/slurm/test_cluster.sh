@@ -279,9 +279,10 @@ test_lost_nodes() {
     kill -STOP "$process"
     local works_on=$process
     check "a task on node1 fails, because its stiction is killed three times" wait_for 60 fails_on 1 "$output"
-    check "... and the merge leaves the queue" wait_for 40 is_gone "$merge"
+    local merge_before=$merge
     check "the same command again" submit "${arguments[@]}"
-    check "... submits the failed one" grep -q ", 1 submitted as job" <<<"$said"
+    check "... submits that shard alone" grep -q ", 1 submitted as job" <<<"$said"
+    check "... and another merge for the one before" wait_for 20 is_gone "$merge_before"
     check "the killed stiction is started again in its task" wait_for 30 logged "$killed" "killed by signal 9: goes on"
     check "... and Slurm gives up node2 and node4" wait_for 60 nodes_are 'down\*' 2
     start_node 2

@@ -20,6 +20,9 @@ mod scattered;
 mod stopping;
 pub mod stream;
 mod summation;
+mod sums;
+mod tracts;
+mod whole;
 
 pub use batch::{BATCH, Batch, Ensemble, is_whole, record_length};
 pub use curves::Curves;
@@ -28,7 +31,7 @@ pub use groups::Groups;
 pub use instability::Holding;
 pub use reduce::{Outcome, run, run_from};
 pub use replica::{Replica, Workspace};
-pub use sampling::draw;
+pub use sampling::{TRACT, draw};
 pub use scalars::{LOOP_SCALARS, SCALARS, Scalar, scalars};
 pub use stopping::{Attained, Rule};
 pub use summation::Summation;

@@ -1,16 +1,17 @@
 //! One replica: one surface, its curves and what is kept of them.
 
 use super::Job;
-use super::compressed::{self, Compression, LANES};
+use super::compressed::{self, LANES};
 use super::curves::Curves;
-use super::cycle::{Cycle, WayBack, snaps};
-use super::pull_off::{Heights, Jump, jumps, pull_off};
-use super::sampling::draw;
-use super::scattered::{self, Scattered};
-use crate::asperity::{Law, Quantity, Scratch, Work, for_each_block_of, regime_ranges};
+use super::cycle::{Cycle, pull_off_back, snaps};
+use super::pull_off::{Jump, jumps};
+use super::sampling::{Draws, TRACT, is_divided};
+use super::scattered::Scattered;
+use super::sums::{RegimeSums, State, Sums};
+use super::tracts::Tracts;
+use super::whole::Whole;
+use crate::asperity::{Quantity, Work};
 use crate::math::extrema::{Extremum, steepest_rise};
-use crate::math::instruction_set::InstructionSet;
-use crate::math::sums::{Compensated, lane_sum};
 use crate::math::words::Words;
 use std::ops::Range;
 
@@ -64,8 +65,23 @@ impl Words for Replica {
     }
 }
 
+/// A surface of which more is asked when its curves are known.
+pub(super) trait Summed {
+    /// The highest asperity, m; NaN of none.
+    fn highest(&self) -> f64;
+
+    /// The pull-off on its way over the separations of the job, from its external force there, N.
+    fn pull_off(&mut self, external_force: &[f64]) -> Extremum;
+
+    /// External forces, N, at separations h, m, rising, on the way back from the separation `from`, m.
+    fn back(&mut self, from: f64, separations: &[f64]) -> Vec<f64>;
+}
+
 /// Memory that batches reuse one after the other.
 pub struct Workspace {
+    /// Asperities of a tract, and whether surfaces are summed tract by tract.
+    tract: usize,
+    is_divided: bool,
     heights: Vec<Vec<f64>>,
     /// Of the surface that is summed, where asperities differ in their radii.
     radii: Vec<f64>,
@@ -80,15 +96,24 @@ pub struct Workspace {
 impl Workspace {
     /// Memory for replicas of a job.
     pub fn new(job: &Job<'_>) -> Self {
+        Self::with_tracts(job, TRACT)
+    }
+
+    /// Memory for replicas of a job whose surfaces are drawn, and summed, in tracts of `tract` asperities where they have more.
+    pub fn with_tracts(job: &Job<'_>, tract: usize) -> Self {
         let r = job.law.regimes().len();
-        let at_once = if job.compression.is_some() { LANES } else { 1 };
+        let is_divided = is_divided(job.surface, tract);
+        let compression = job.compression.filter(|_| !is_divided);
+        let at_once = if compression.is_some() { LANES } else { 1 };
         Self {
-            heights: vec![vec![0.0; job.surface.asperity_count]; at_once],
+            tract,
+            is_divided,
+            heights: vec![Vec::new(); at_once],
             radii: Vec::new(),
-            scattered: job.law.family().map(|_| Scattered::new(job)),
+            scattered: job.law.family().filter(|_| !is_divided).map(|_| Scattered::new(job)),
             jumps: jumps(job.law),
-            sums: Sums { regimes: vec![RegimeSums::default(); r], scratch: Scratch::default(), work: Work::default() },
-            compressed: job.compression.map(|compression| compressed::Sums::new(compression, r)),
+            sums: Sums::new(r),
+            compressed: compression.map(|compression| compressed::Sums::new(compression, r)),
             curves: vec![Curves::new(job.states(), r); at_once],
         }
     }
@@ -99,12 +124,30 @@ impl Workspace {
     }
 
     /// Draws replicas, sums them over all separations, and visits each with what is kept of it and its curves.
-    pub fn replicas(&mut self, job: &Job<'_>, replicas: Range<u64>, mut visit: impl FnMut(Replica, &Curves)) {
+    pub fn replicas(&mut self, job: &Job<'_>, replicas: Range<u64>, visit: impl FnMut(Replica, &Curves)) {
+        self.replicas_until(job, replicas, &|| false, visit);
+    }
+
+    /// The same, until `ends` is true, which surfaces that are summed tract by tract look at before each: then the replica at hand is not
+    /// visited, nor any further one. Whether all were visited.
+    pub fn replicas_until(
+        &mut self,
+        job: &Job<'_>,
+        replicas: Range<u64>,
+        ends: &(dyn Fn() -> bool + Sync),
+        mut visit: impl FnMut(Replica, &Curves),
+    ) -> bool {
+        if self.is_divided {
+            return replicas.into_iter().all(|index| {
+                let kept = self.divided(job, index, ends);
+                kept.map(|kept| visit(kept, &self.curves[0])).is_some()
+            });
+        }
         let mut first = replicas.start;
         while first < replicas.end {
             let at_once = (replicas.end - first).min(self.heights.len() as u64);
             for (heights, index) in self.heights.iter_mut().zip(first..first + at_once) {
-                draw(job.surface, job.seed, job.scheme, index, heights, &mut self.radii);
+                Draws::of(job, index, self.tract).all(heights, &mut self.radii);
             }
             self.sum(job, at_once as usize);
             for lane in 0..at_once as usize {
@@ -112,6 +155,17 @@ impl Workspace {
             }
             first += at_once;
         }
+        true
+    }
+
+    /// What is kept of a surface that is summed tract by tract; nothing when that was ended.
+    fn divided(&mut self, job: &Job<'_>, index: u64, ends: &(dyn Fn() -> bool + Sync)) -> Option<Replica> {
+        let draws = Draws::of(job, index, self.tract);
+        let mut surface = Tracts::new(job, draws, &self.jumps, ends);
+        surface.sum(&mut self.curves[0]);
+        let kept = keep(job, &mut surface, draws.count, &mut self.curves[0]);
+        self.sums.work.merge(&surface.work);
+        (!ends()).then_some(kept)
     }
 
     /// Sums the first `count` surfaces, whose heights it sorts: rising heights make the regimes contiguous, and neighbours in a slice
@@ -126,199 +180,55 @@ impl Workspace {
             scattered.surface(family, (&self.heights[0], &self.radii), scratch, work, &mut self.curves[0]);
             return;
         }
+        let states = State::all(job);
         for (lane, heights) in self.heights[..count].iter_mut().enumerate() {
             if self.compressed.as_ref().is_some_and(|compressed| compressed.surface(lane).is_some()) {
                 continue;
             }
             heights.sort_unstable_by(f64::total_cmp);
-            for k in 0..job.separations.len() {
-                self.sums.surface(job, heights, job.separations[k]);
+            for (k, state) in states.iter().enumerate() {
+                self.sums.surface(job, heights, *state);
                 RegimeSums::record(&self.sums.regimes, k, &mut self.curves[lane]);
-            }
-            let Some(cycle) = job.protocol.cycle else { continue };
-            let back = WayBack::new(job, cycle, heights, job.separations[0]);
-            for (k, &separation) in job.separations.iter().enumerate() {
-                back.sum(&mut self.sums, separation);
-                RegimeSums::record(&self.sums.regimes, job.separations.len() + k, &mut self.curves[lane]);
             }
         }
     }
 
     /// What is kept of a surface that has been summed.
     fn keep(&mut self, job: &Job<'_>, lane: usize) -> Replica {
-        let (highest, pull_off) = (self.highest(lane), self.pull_off(job, lane));
-        let heights = &self.heights[lane];
-        let external = &self.curves[lane].total[Quantity::ExternalForce.index()];
-        let (external, back) = external.split_at(job.separations.len());
-        let mut kept =
-            Replica { asperity_count: heights.len() as u64, highest_asperity: highest, ..Replica::default() };
-        let mut last = (external, pull_off);
-        if let Some(cycle) = job.protocol.cycle {
-            kept.cycle = Cycle::new(job, cycle, heights, [external, back], &pull_off);
-            let way = WayBack::new(job, cycle, heights, job.separations[0]);
-            let samples: Vec<(f64, f64)> = job.separations.iter().copied().zip(back.iter().copied()).collect();
-            last = (back, way.pull_off(&mut self.sums, &samples));
-        }
-        kept.pull_off(&last.1);
-        kept.stiffest(&steepest_rise(job.separations, last.0));
-        if !job.protocol.holding.stiffness.is_empty() {
-            self.curves[lane].snaps = snaps(job, heights, &mut self.sums, external, last);
-        }
-        kept
-    }
-
-    /// The highest asperity of a surface, m; NaN of none.
-    fn highest(&self, lane: usize) -> f64 {
-        self.heights[lane].iter().copied().reduce(f64::max).unwrap_or(f64::NAN)
-    }
-
-    /// The pull-off of a surface on its way over the separations.
-    fn pull_off(&mut self, job: &Job<'_>, lane: usize) -> Extremum {
-        let highest = self.highest(lane);
-        let heights = &self.heights[lane];
-        let external = &self.curves[lane].total[Quantity::ExternalForce.index()][..job.separations.len()];
-        let Sums { scratch, work, .. } = &mut self.sums;
-        if let Some(family) = job.law.family() {
-            return scattered::pull_off(job, family, (heights, &self.radii), scratch, work, external);
-        }
-        match (job.compression, &mut self.compressed) {
-            (Some(compression), Some(sums)) if sums.surface(lane).is_some() => {
-                pull_off(job, &self.jumps, &mut Compressed { job, compression, sums, lane, highest, work }, external)
-            }
-            _ => pull_off(job, &self.jumps, &mut Sorted { job, heights, sums: &mut self.sums }, external),
-        }
-    }
-}
-
-/// A surface that is summed asperity by asperity.
-struct Sorted<'a> {
-    job: &'a Job<'a>,
-    /// Rising, m.
-    heights: &'a [f64],
-    sums: &'a mut Sums,
-}
-
-impl Heights for Sorted<'_> {
-    fn between(&self, low: f64, high: f64) -> (Vec<f64>, usize) {
-        let [low, high] = [low, high].map(|limit| self.heights.partition_point(|u| *u < limit));
-        (self.heights[low..high].to_vec(), self.heights.len() - high)
-    }
-
-    fn highest(&self) -> f64 {
-        self.heights.last().copied().unwrap_or(f64::NEG_INFINITY)
-    }
-
-    fn external_force(&mut self, separation: f64) -> f64 {
-        self.sums.surface(self.job, self.heights, separation);
-        RegimeSums::total(&self.sums.regimes)[Quantity::ExternalForce.index()]
-    }
-}
-
-/// A surface that is summed by moments.
-struct Compressed<'a> {
-    job: &'a Job<'a>,
-    compression: &'a Compression,
-    sums: &'a mut compressed::Sums,
-    lane: usize,
-    /// m.
-    highest: f64,
-    work: &'a mut Work,
-}
-
-impl Heights for Compressed<'_> {
-    fn between(&self, low: f64, high: f64) -> (Vec<f64>, usize) {
-        let binned = self.sums.surface(self.lane);
-        binned.map(|binned| binned.between(self.compression, low, high)).unwrap_or_default()
-    }
-
-    fn highest(&self) -> f64 {
-        self.highest
-    }
-
-    fn external_force(&mut self, separation: f64) -> f64 {
-        let d = self.job.surface.asperity_separation(separation);
-        self.sums.external_force(self.compression, self.job.law, self.lane, d, self.work)
-    }
-}
-
-/// Sums over the asperities of one surface in one state.
-pub(super) struct Sums {
-    pub regimes: Vec<RegimeSums>,
-    scratch: Scratch,
-    work: Work,
-}
-
-/// Sums over the asperities of a surface in one regime.
-#[derive(Clone, Copy, Default)]
-pub(super) struct RegimeSums {
-    pub count: f64,
-    pub adhesion: Compensated,
-    pub contact: Compensated,
-    pub area: Compensated,
-}
-
-impl RegimeSums {
-    /// The quantities of all regimes together, by [`Quantity::index`].
-    pub fn total(regimes: &[Self]) -> [f64; 4] {
-        let total = |part: fn(&Self) -> f64| {
-            let mut sum = Compensated::default();
-            regimes.iter().for_each(|regime| sum.add(part(regime)));
-            sum.value()
+        let heights = self.heights[lane].as_slice();
+        let compressed = job.compression.zip(self.compressed.as_mut());
+        let mut surface = Whole {
+            job,
+            heights,
+            radii: &self.radii,
+            jumps: &self.jumps,
+            highest: heights.iter().copied().reduce(f64::max).unwrap_or(f64::NAN),
+            sums: &mut self.sums,
+            compressed: compressed
+                .filter(|(_, sums)| sums.surface(lane).is_some())
+                .map(|(compression, sums)| (compression, sums, lane)),
         };
-        Quantity::of_response(total(|r| r.adhesion.value()), total(|r| r.contact.value()), total(|r| r.area.value()))
-    }
-
-    /// Hands the sums of all regimes over as point `k` of the curves.
-    pub fn record(regimes: &[Self], k: usize, curves: &mut Curves) {
-        let separations = curves.total[0].len();
-        for (regime, sum) in regimes.iter().enumerate() {
-            let place = regime * separations + k;
-            curves.regime_count[place] = sum.count;
-            curves.regime_adhesion_force[place] = sum.adhesion.value();
-            curves.regime_external_force[place] = sum.contact.value() - sum.adhesion.value();
-        }
-        for (curve, value) in curves.total.iter_mut().zip(Self::total(regimes)) {
-            curve[k] = value;
-        }
+        keep(job, &mut surface, heights.len(), &mut self.curves[lane])
     }
 }
 
-impl Sums {
-    /// Sums a surface: `heights` (m) rising, at the separation h, m.
-    fn surface(&mut self, job: &Job<'_>, heights: &[f64], separation: f64) {
-        self.over(job.law, None, heights, job.surface.asperity_separation(separation));
+/// What is kept of a surface of `count` asperities whose curves are known; its snaps are left in these.
+fn keep(job: &Job<'_>, surface: &mut dyn Summed, count: usize, curves: &mut Curves) -> Replica {
+    let external = &curves.total[Quantity::ExternalForce.index()];
+    let (external, back) = external.split_at(job.separations.len());
+    let pull_off = surface.pull_off(external);
+    let highest_asperity = surface.highest();
+    let mut kept = Replica { asperity_count: count as u64, highest_asperity, ..Replica::default() };
+    let mut last = (external, pull_off);
+    if let Some(cycle) = job.protocol.cycle {
+        kept.cycle = Cycle::new(job, cycle, highest_asperity, [external, back], &pull_off);
+        let samples: Vec<(f64, f64)> = job.separations.iter().copied().zip(back.iter().copied()).collect();
+        last = (back, pull_off_back(surface, job.separations[0], &samples));
     }
-
-    /// Sums a law over heights (m), rising, at the separation d, m; `base` says for each of its regimes among which it counts, if not as
-    /// itself.
-    pub fn over(&mut self, law: &dyn Law, base: Option<&[usize]>, heights: &[f64], d: f64) {
-        self.regimes.fill(RegimeSums::default());
-        let Self { regimes, scratch, work } = self;
-        for (regime, range) in regime_ranges(law, heights, d) {
-            let sum = &mut regimes[base.map_or(regime, |base| base[regime])];
-            let count = range.len() as f64;
-            sum.count += count;
-            if let Some(force) = law.constant(regime) {
-                sum.adhesion.add(count * force);
-                work.constant += range.len() as u64;
-                continue;
-            }
-            let touches = law.regimes()[regime].is_contact();
-            work.unloaded += if touches { 0 } else { range.len() as u64 };
-            for_each_block_of(law, (regime, range), heights, d, scratch, work, |range, responses| {
-                let n = range.len();
-                InstructionSet::current().run(
-                    #[inline(always)]
-                    || {
-                        sum.adhesion.add(lane_sum(&responses.adhesion[..n]));
-                        // Where nothing touches there is neither load nor area.
-                        if touches {
-                            sum.contact.add(lane_sum(&responses.contact[..n]));
-                            sum.area.add(lane_sum(&responses.area[..n]));
-                        }
-                    },
-                );
-            });
-        }
+    kept.pull_off(&last.1);
+    kept.stiffest(&steepest_rise(job.separations, last.0));
+    if !job.protocol.holding.stiffness.is_empty() {
+        curves.snaps = snaps(job, surface, external, last);
     }
+    kept
 }

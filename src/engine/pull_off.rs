@@ -197,9 +197,13 @@ fn neighbourhood(job: &Job<'_>, jumps: &[Jump], surface: &mut impl Curve, extern
     let largest_jump = jumps.iter().map(|jump| jump.size.abs()).fold(0.0, f64::max);
     let limit = smallest + NEAR * largest_jump * (1.0 + jumps_between(job, jumps, surface, external_force)).sqrt();
     let belongs = |force: &f64| *force <= limit;
-    let first = external_force.iter().position(belongs).unwrap_or(0).saturating_sub(2);
-    let last = external_force.iter().rposition(belongs).unwrap_or(0) + 2;
-    let last = last.min(external_force.len() - 1);
+    let end = external_force.len() - 1;
+    let mut first = external_force.iter().position(belongs).unwrap_or(0).saturating_sub(2);
+    let mut last = (external_force.iter().rposition(belongs).unwrap_or(0) + 2).min(end);
+    // The more asperities, the fewer samples are near, but as many are needed to interpolate between.
+    while last - first + 1 < POINTS.min(end + 1) {
+        (first, last) = (first.saturating_sub(1), (last + 1).min(end));
+    }
     let spacing = SPACING * job.surface.heights.std;
     let between = |k: usize| {
         let (from, to) = (separations[k], separations[k + 1]);

@@ -34,6 +34,8 @@ const EVEN_PARTS: usize = 16;
 /// Cells that the jumps of a surface whose heights are not held are counted in, about. Between the ends of a cell the curve is not looked at:
 /// it may be deeper there by the jumps of as many asperities as the root of those in a cell.
 const CELLS: usize = 1 << 18;
+/// Kinks whose jump is at most this share of the largest are continuous but for rounding.
+const NO_JUMP: f64 = 1e-11;
 /// How far beside a jump, as a share of the way to the next, its sides are.
 const BESIDE: f64 = 1e-6;
 
@@ -314,7 +316,8 @@ impl Staircase {
 /// between samples of its curve.
 pub(super) struct Cells<'a> {
     samples: &'a [(f64, f64)],
-    jumps: &'a [Jump],
+    /// Those that are worth counting.
+    jumps: Vec<Jump>,
     /// h − d, m.
     offset: f64,
     /// Cells of a space.
@@ -325,7 +328,9 @@ pub(super) struct Cells<'a> {
 
 impl<'a> Cells<'a> {
     /// Nothing counted, for samples of a curve of a job: separations h, m, rising, and forces, N.
-    pub fn new(job: &Job<'_>, jumps: &'a [Jump], samples: &'a [(f64, f64)]) -> Self {
+    pub fn new(job: &Job<'_>, jumps: &[Jump], samples: &'a [(f64, f64)]) -> Self {
+        let largest = jumps.iter().fold(0.0, |most: f64, jump| most.max(jump.size.abs()));
+        let jumps: Vec<Jump> = jumps.iter().copied().filter(|jump| jump.size.abs() > NO_JUMP * largest).collect();
         let cells = (CELLS / (samples.len() - 1)).next_multiple_of(PARTS);
         let counts = jumps.len() * (cells * (samples.len() - 1) + 1);
         let counts = (0..counts).map(|_| AtomicU64::new(0)).collect();

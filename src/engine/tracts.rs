@@ -14,6 +14,7 @@ use super::scattered::{add, planes};
 use super::sums::{RegimeSums, State, Sums};
 use crate::asperity::{Family, Work};
 use crate::math::extrema::{Extremum, maximum, minimum};
+use crate::math::instruction_set::InstructionSet;
 use crate::math::sums::Compensated;
 use rayon::prelude::*;
 use std::cell::Cell;
@@ -105,11 +106,22 @@ impl Memory {
         let compressed = compressed.as_mut().expect("memory of a compression has its sums");
         between.rest(compressed, compression, job.law, heights, &mut sums.work)
     }
+}
 
-    /// The highest asperity of the tract that was drawn, m; NaN of none.
-    fn highest(&self) -> f64 {
-        self.heights.iter().copied().reduce(f64::max).unwrap_or(f64::NAN)
-    }
+/// The largest of heights, m; −∞ of none.
+fn largest(heights: &[f64]) -> f64 {
+    InstructionSet::current().run(
+        #[inline(always)]
+        || {
+            let mut largest = [f64::NEG_INFINITY; 8];
+            for chunk in heights.chunks(8) {
+                for (largest, u) in largest.iter_mut().zip(chunk) {
+                    *largest = if *u > *largest { *u } else { *largest };
+                }
+            }
+            largest.into_iter().fold(f64::NEG_INFINITY, f64::max)
+        },
+    )
 }
 
 /// Sums of heights, m, rising, by state and regime.
@@ -162,13 +174,15 @@ impl<'a> Tracts<'a> {
     /// Draws all tracts, in parallel, has something made of each, and hands that over in their order.
     fn each<T: Send>(&mut self, of: impl Fn(&mut Memory) -> T + Sync, mut take: impl FnMut(T)) {
         let Self { job, draws, ends, .. } = *self;
+        let is_first = self.highest.is_nan();
         let one = |tract: usize| {
             if ends() {
                 return None;
             }
             let mut memory = Memory::of(job);
             draws.tract(tract, &mut memory.heights, &mut memory.radii);
-            let made = (of(&mut memory), memory.highest(), std::mem::take(&mut memory.sums.work));
+            let highest = if is_first { largest(&memory.heights) } else { f64::NAN };
+            let made = (of(&mut memory), highest, std::mem::take(&mut memory.sums.work));
             MEMORY.set(Some(memory));
             Some(made)
         };

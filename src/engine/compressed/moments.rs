@@ -91,6 +91,7 @@ impl Sums {
         let geometry = &compression.geometry;
         for (binned, heights) in self.surfaces.iter_mut().zip(surfaces) {
             binned.take(geometry, heights);
+            binned.order();
         }
         self.surfaces[surfaces.len()..].iter_mut().for_each(|binned| binned.is_binned = false);
         self.form(geometry);
@@ -223,13 +224,18 @@ impl Binned {
             *place -= 1;
             self.heights[*place as usize] = u;
         }
+    }
+
+    /// Puts the heights of crowded bins in order. Steps are then so wide that most of the surface is solved for each pull-off, again and
+    /// again: once in order is enough.
+    fn order(&mut self) {
         let filled = self.filled();
-        if self.heights.len() > CROWDED * filled.len() {
-            // Steps are so wide that most of the surface is solved for each pull-off, again and again: once in order is enough.
-            for bin in filled {
-                let bin = self.starts[bin] as usize..self.starts[bin + 1] as usize;
-                self.heights[bin].sort_unstable_by(f64::total_cmp);
-            }
+        if self.heights.len() <= CROWDED * filled.len() {
+            return;
+        }
+        for bin in filled {
+            let bin = self.starts[bin] as usize..self.starts[bin + 1] as usize;
+            self.heights[bin].sort_unstable_by(f64::total_cmp);
         }
     }
 

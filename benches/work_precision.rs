@@ -12,7 +12,7 @@ use std::sync::atomic::AtomicBool;
 use stiction::asperity::emd::Emd;
 use stiction::asperity::{self, BLOCK, Quantity, Responses, Setting, Work, regime_ranges};
 use stiction::engine::compressed::{Compression, LANES};
-use stiction::engine::{BATCH, Batch, Curves, Ensemble, Job, Outcome, Summation, Workspace, draw};
+use stiction::engine::{BATCH, Batch, Curves, Forest, Job, Outcome, Summation, Workspace, draw};
 use stiction::math::control_variates::controlled_means;
 use stiction::math::instruction_set::InstructionSet;
 use stiction::math::sums::Compensated;
@@ -169,9 +169,9 @@ fn monte_carlo(table: &mut Table) {
             let job = Job { compression, controls: places, replicas: batches * BATCH, ..of_scheme(*scheme) };
             let mut workspace = Workspace::new(&job);
             tasks.push(Box::new(move || {
-                let mut ensemble = Ensemble::new(&job);
-                (0..batches).for_each(|index| ensemble.merge(&Batch::compute(&job, &mut workspace, index).ensemble));
-                black_box(ensemble);
+                let mut merged = Forest::of(&job);
+                (0..batches).for_each(|index| merged.push(&Batch::compute(&job, &mut workspace, index).ensemble));
+                black_box(merged.into_ensemble(&job));
             }));
         }
     }
@@ -223,7 +223,8 @@ fn estimates(job: &Job<'_>, statistical: &Statistical, seeds: u64, pool: &rayon:
     let estimate = |seed| {
         let job = Job { seed, ..*job };
         let outcome = stiction::engine::run(&job, pool, &AtomicBool::new(false), |_, _| Ok::<(), ()>(()));
-        let Ok(Outcome::Complete(ensemble)) = outcome else { panic!("nothing ends the run") };
+        let Ok(Outcome::Complete(forest)) = outcome else { panic!("nothing ends the run") };
+        let ensemble = forest.into_ensemble(&job);
         let pull_off = controlled_means(&ensemble.groups.scalars, &expected)[0];
         [[pull_off.mean, pull_off.standard_error], [pull_off.controlled_mean, pull_off.controlled_standard_error]]
     };

@@ -254,7 +254,7 @@ fn ensemble(job: &Job<'_>, threads: usize) -> (Ensemble, Vec<u64>) {
         Ok(())
     });
     match outcome {
-        Ok(Outcome::Complete(ensemble)) => (*ensemble, curves),
+        Ok(Outcome::Complete(forest)) => (forest.into_ensemble(job), curves),
         _ => panic!("the run did not complete"),
     }
 }

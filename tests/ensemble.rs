@@ -20,7 +20,7 @@ fn job<'a>(law: &'a dyn Law, surface: &'a Surface, separations: &'a [f64], repli
 fn ensemble(job: &Job<'_>) -> Ensemble {
     let pool = rayon::ThreadPoolBuilder::new().build().unwrap();
     match run::<()>(job, &pool, &AtomicBool::new(false), |_, _| Ok(())) {
-        Ok(Outcome::Complete(ensemble)) => *ensemble,
+        Ok(Outcome::Complete(forest)) => forest.into_ensemble(job),
         _ => panic!("the run did not complete"),
     }
 }

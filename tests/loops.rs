@@ -9,7 +9,7 @@ use stiction::asperity::models::model;
 use stiction::asperity::scale::Asperity;
 use stiction::asperity::{Loop, Path, Quantity, Setting};
 use stiction::engine::stream::{Purpose, stream};
-use stiction::engine::{Curves, Ensemble, Holding, Job, Outcome, Protocol, Replica, Workspace, run, run_from};
+use stiction::engine::{Curves, Ensemble, Forest, Holding, Job, Outcome, Protocol, Replica, Workspace, run, run_from};
 use stiction::math::words::Words;
 use stiction::statistical::Statistical;
 use stiction::surface::{CountLaw, SamplingScheme, Surface};
@@ -28,7 +28,7 @@ fn job<'a>(cycle: &'a Loop, surface: &'a Surface, separations: &'a [f64], replic
 fn ensemble(job: &Job<'_>, threads: usize) -> Ensemble {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
     match run::<()>(job, &pool, &AtomicBool::new(false), |_, _| Ok(())) {
-        Ok(Outcome::Complete(ensemble)) => *ensemble,
+        Ok(Outcome::Complete(forest)) => forest.into_ensemble(job),
         _ => panic!("the run did not complete"),
     }
 }
@@ -93,8 +93,9 @@ fn an_elastic_loop_without_a_fold_closes() {
         }
         path += scale * (separations[1] - separations[0]);
     }
-    assert!(replica.cycle.dissipated_energy.abs() < 1e-12 * path, "{}", replica.cycle.dissipated_energy);
-    assert!((replica.cycle.touchdown_separation / replica.cycle.takeoff_separation - 1.0).abs() < 1e-14);
+    let kept = replica.cycle.unwrap();
+    assert!(kept.dissipated_energy.abs() < 1e-12 * path, "{}", kept.dissipated_energy);
+    assert!((kept.touchdown_separation / kept.takeoff_separation - 1.0).abs() < 1e-14);
 }
 
 /// So they are where a law that knows no flow ends at ω_c: what was beyond is known again on the way back.
@@ -112,7 +113,8 @@ fn a_loop_of_a_law_that_ends_closes() {
         let scale = |k: usize| adhesion[k] + curves.total[Quantity::ContactForce.index()][k];
         assert!((0..61).all(|k| (there[k] - back[k]).abs() < 1e-12 * scale(k)));
     }
-    assert!((replica.cycle.touchdown_separation / replica.cycle.takeoff_separation - 1.0).abs() < 1e-14);
+    let kept = replica.cycle.unwrap();
+    assert!((kept.touchdown_separation / kept.takeoff_separation - 1.0).abs() < 1e-14);
 }
 
 /// What touches on the way back and not on the way there pulls, where nothing acts before contact: F is never larger on the way back.
@@ -203,7 +205,8 @@ fn touchdown_and_takeoff_are_where_contact_begins_and_ends() {
         let cycle = cycle("hybrid", &asperity);
         let closest = h_star * surface.surface_height_std;
         let (replica, _) = one(&job(&cycle, &surface, &[closest, 20.0 * surface.surface_height_std], 1));
-        let [touchdown, takeoff] = [replica.cycle.touchdown_separation, replica.cycle.takeoff_separation];
+        let kept = replica.cycle.unwrap();
+        let [touchdown, takeoff] = [kept.touchdown_separation, kept.takeoff_separation];
         let beside = 1e-9 * surface.surface_height_std;
         let contacts = |place: f64, way: usize| -> f64 {
             let separations = [closest, place, 20.0 * surface.surface_height_std];
@@ -304,7 +307,7 @@ fn a_loop_costs_energy_where_something_flows_or_folds() {
         let energies: Vec<f64> = [-0.5, 0.5, 1.5]
             .map(|from| {
                 let separations = separations(&surface, from, 8.0, 100);
-                one(&job(&cycle, &surface, &separations, 1)).0.cycle.dissipated_energy
+                one(&job(&cycle, &surface, &separations, 1)).0.cycle.unwrap().dissipated_energy
             })
             .to_vec();
         assert!(energies.windows(2).all(|pair| pair[0] > pair[1] && pair[1] > 0.0), "{name}: {energies:?}");
@@ -325,10 +328,11 @@ fn bits_do_not_depend_on_threads_and_interruptions() {
         let mut replicas = ensemble.replicas.clone();
         let replicas: Vec<u64> = replicas.iter_mut().flat_map(|replica| replica.words()).collect();
         let snaps: Vec<u64> = ensemble.snaps.iter().map(|number| number.to_bits()).collect();
-        (ensemble.state(), replicas, snaps)
+        let moments = ensemble.clone().words();
+        (replicas, snaps, moments)
     };
     let whole = bits(&ensemble(&job, 1));
-    assert_eq!(whole.2.len(), 124 * holding.length());
+    assert_eq!(whole.1.len(), 124 * holding.length());
     assert_eq!(whole, bits(&ensemble(&job, 2)));
     let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
     let stop = AtomicBool::new(false);
@@ -336,10 +340,10 @@ fn bits_do_not_depend_on_threads_and_interruptions() {
         stop.store(merged.replicas.len() >= 16, Ordering::Relaxed);
         Ok(())
     });
-    let kept = interrupted.unwrap().ensemble().clone();
+    let kept = interrupted.unwrap().forest().clone();
     assert!(kept.replicas.len() < 124);
-    let restored = Ensemble::restored(&job, &kept.state(), kept.replicas, kept.snaps.clone()).unwrap();
-    assert!(Ensemble::restored(&job, &restored.state(), restored.replicas.clone(), Vec::new()).is_none());
+    let restored = Forest::restored(&job, &kept.state(), kept.replicas, kept.snaps.clone()).unwrap();
+    assert!(Forest::restored(&job, &restored.state(), restored.replicas.clone(), Vec::new()).is_none());
     let outcome = run_from::<()>(&job, &pool, &AtomicBool::new(false), restored, None, |_, _| Ok(())).unwrap();
-    assert_eq!(whole, bits(outcome.ensemble()));
+    assert_eq!(whole, bits(&outcome.forest().ensemble(&job)));
 }

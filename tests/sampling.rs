@@ -46,7 +46,7 @@ impl Patch {
         };
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         match run::<()>(&job, &pool, &AtomicBool::new(false), |_, _| Ok(())) {
-            Ok(Outcome::Complete(ensemble)) => (*ensemble, controls),
+            Ok(Outcome::Complete(forest)) => (forest.into_ensemble(&job), controls),
             _ => panic!("the run did not complete"),
         }
     }

@@ -189,7 +189,7 @@ fn curves_are_sums_of_asperities_solved_alone() {
 fn ensemble(job: &Job<'_>) -> Ensemble {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
     match run::<()>(job, &pool, &AtomicBool::new(false), |_, _| Ok(())) {
-        Ok(Outcome::Complete(ensemble)) => *ensemble,
+        Ok(Outcome::Complete(forest)) => forest.into_ensemble(job),
         _ => panic!("the run did not complete"),
     }
 }

@@ -9,7 +9,7 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use stiction::asperity::{Law, Path as History};
-use stiction::engine::{Ensemble, Job, Outcome, Rule, run, run_from};
+use stiction::engine::{Ensemble, Forest, Job, Outcome, Rule, run, run_from};
 use stiction::scene::{Estimate, Limit, Stopping, Target};
 use stiction::surface::Surface;
 
@@ -244,9 +244,9 @@ fn stopping(limit: Limit, min_replicas: u64) -> Stopping {
     Stopping { targets: vec![target], min_replicas, max_replicas: 10_000 }
 }
 
-fn complete(outcome: Result<Outcome, ()>) -> Ensemble {
+fn complete(job: &Job<'_>, outcome: Result<Outcome, ()>) -> Ensemble {
     match outcome {
-        Ok(Outcome::Complete(ensemble)) => *ensemble,
+        Ok(Outcome::Complete(forest)) => forest.into_ensemble(job),
         other => panic!("the run did not complete: {other:?}"),
     }
 }
@@ -261,22 +261,22 @@ fn a_run_ends_in_the_same_place_wherever_it_is_taken_up() {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();
     let never = AtomicBool::new(false);
     let mut states = Vec::new();
-    let keep = |_: &_, ensemble: &Ensemble| {
-        states.push((ensemble.state(), ensemble.replicas.clone()));
+    let keep = |_: &_, merged: &Forest| {
+        states.push((merged.state(), merged.replicas.clone()));
         Ok(())
     };
-    let whole = complete(run_from(&job, &pool, &never, Ensemble::new(&job), Some(rule), keep));
+    let whole = complete(&job, run_from(&job, &pool, &never, Forest::of(&job), Some(rule), keep));
     assert!(states.len() > 5 && states.len() < 1000, "{}", states.len());
     let last = states.len() - 1;
     for place in [0, 1, last - 1, last] {
         let (state, replicas) = states[place].clone();
-        let start = Ensemble::restored(&job, &state, replicas, Vec::new()).unwrap();
+        let start = Forest::restored(&job, &state, replicas, Vec::new()).unwrap();
         let batches = AtomicUsize::new(0);
         let count = |_: &_, _: &_| {
             batches.fetch_add(1, Ordering::Relaxed);
             Ok(())
         };
-        let taken_up = complete(run_from(&job, &pool, &never, start, Some(rule), count));
+        let taken_up = complete(&job, run_from(&job, &pool, &never, start, Some(rule), count));
         assert!(taken_up == whole, "{place}");
         assert_eq!(batches.into_inner(), last - place);
     }
@@ -286,7 +286,7 @@ fn a_run_ends_in_the_same_place_wherever_it_is_taken_up() {
 fn truth(job: &Job<'_>) -> f64 {
     let pool = rayon::ThreadPoolBuilder::new().build().unwrap();
     let huge = Job { seed: 1, replicas: 200_000, ..*job };
-    let huge = complete(run::<()>(&huge, &pool, &AtomicBool::new(false), |_, _| Ok(())));
+    let huge = complete(&huge, run::<()>(&huge, &pool, &AtomicBool::new(false), |_, _| Ok(())));
     let forces: Vec<f64> = huge.replicas.iter().map(|replica| replica.pull_off_force).collect();
     let (mean, error) = mean_and_error(&forces, forces.len());
     // Beside an interval of 500 replicas this is an error of a twentieth, which takes 0.03 % of coverage.
@@ -302,7 +302,7 @@ fn coverage(job: &Job<'_>, truth: f64, min_replicas: u64, limit: Limit, seeds: u
     let end = |pool: &mut rayon::ThreadPool, seed: u64| {
         let job = Job { seed: 1000 + seed, ..*job };
         let never = AtomicBool::new(false);
-        let ensemble = complete(run_from(&job, pool, &never, Ensemble::new(&job), Some(rule), |_, _| Ok(())));
+        let ensemble = complete(&job, run_from(&job, pool, &never, Forest::of(&job), Some(rule), |_, _| Ok(())));
         let [attained] = rule.attained(&ensemble)[..] else { panic!("one target") };
         assert!(attained.is_met());
         let n = ensemble.replicas.len() as u64;

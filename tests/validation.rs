@@ -70,9 +70,10 @@ fn joint_test(scene: &Scene<'_>, law: &dyn Law, basis: &Basis, expected: &Statis
         protocol: Protocol::default(),
     };
     let pool = rayon::ThreadPoolBuilder::new().build().unwrap();
-    let Ok(Outcome::Complete(ensemble)) = run::<()>(&job, &pool, &AtomicBool::new(false), |_, _| Ok(())) else {
+    let Ok(Outcome::Complete(forest)) = run::<()>(&job, &pool, &AtomicBool::new(false), |_, _| Ok(())) else {
         panic!("the run did not complete");
     };
+    let ensemble = forest.into_ensemble(&job);
     let curves = [Quantity::AdhesionForce, Quantity::ExternalForce].map(Quantity::index);
     JointTest::new(
         &basis.probes,

@@ -2,15 +2,15 @@
 
 use super::Failure;
 use super::sampling::holding;
-use crate::engine::{Batch, Ensemble, Job, Replica, is_whole, record_length};
-use crate::math::words::Words;
+use crate::engine::{Batch, Forest, Job, Record, Replica, Shard};
 use crate::output::checkpoint::{Checkpoint, Identity, Journal, forget, forget_records};
 use crate::output::reader::Reader;
-use crate::output::schema::{Layout, RUN};
+use crate::output::schema::{Layout, RUN, SHARD};
 use crate::output::{Claim, OutputError};
 use crate::scene::Scene;
 use crate::validation::Basis;
 use serde::{Deserialize, Serialize};
+use std::ops::Range;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
@@ -23,14 +23,24 @@ pub(super) struct State {
     pub controls: Vec<usize>,
     /// The fewest replicas that the run may end with: of a scene with targets another number than of the same scene with --replicas.
     fewest_replicas: u64,
-    /// The ensemble without its replicas.
-    ensemble: Vec<u64>,
+    /// The forest without its replicas: bits of numbers, which take 8 bytes each here where whole numbers take up to 10.
+    forest: Vec<f64>,
 }
 
 impl State {
     /// That of a run that begins.
     pub fn new(basis: Basis, controls: Vec<usize>, fewest_replicas: u64) -> Self {
-        Self { basis, controls, fewest_replicas, ensemble: Vec::new() }
+        Self { basis, controls, fewest_replicas, forest: Vec::new() }
+    }
+
+    /// The words of the forest.
+    pub fn forest(&self) -> Vec<u64> {
+        self.forest.iter().map(|number| number.to_bits()).collect()
+    }
+
+    /// Whether its ensemble is computed for the same functionals and controls, to the bit, as another's.
+    pub fn is_alike(&self, other: &Self) -> bool {
+        self.basis == other.basis && self.controls == other.controls
     }
 }
 
@@ -43,14 +53,23 @@ pub(super) struct Interrupted {
     snaps: Vec<f64>,
 }
 
-/// Words of the record of a replica.
-fn length_of_record(scene: &Scene) -> usize {
-    record_length(scene.states(), holding(scene).length(), scene.curves)
+/// What the records of a scene's replicas consist of.
+pub(super) fn record_of(scene: &Scene) -> Record {
+    let states = if scene.curves { scene.states() } else { 0 };
+    Record { cycle: scene.cycle, snaps: holding(scene).length(), states }
 }
 
-/// Which run a scene is.
-pub(super) fn identity(scene: &Scene) -> Identity {
+/// What is computed into an output: a scene, or a shard of it.
+#[derive(Clone, Copy)]
+pub(super) struct Run<'a> {
+    pub scene: &'a Scene,
+    pub shard: Option<Shard>,
+}
+
+/// Which run it is.
+pub(super) fn identity(Run { scene, shard }: Run<'_>) -> Identity {
     Identity {
+        shard,
         program_version: env!("CARGO_PKG_VERSION").to_owned(),
         source_revision: env!("STICTION_SOURCE_REVISION").to_owned(),
         scene: scene.text.clone(),
@@ -79,10 +98,10 @@ pub(super) struct Manner {
 }
 
 /// How to begin an output: refused if that would overwrite a result, or drop or mistake a checkpoint.
-pub(super) fn beginning(claim: &Claim, scene: &Scene, manner: Manner) -> Result<Beginning, Failure> {
+pub(super) fn beginning(claim: &Claim, run: Run<'_>, manner: Manner) -> Result<Beginning, Failure> {
     let Manner { resume, force } = manner;
     if resume {
-        return resumption(claim, scene, force);
+        return resumption(claim, run, force);
     }
     claim.check(force)?;
     match Checkpoint::<State>::find(claim)? {
@@ -99,11 +118,12 @@ pub(super) fn beginning(claim: &Claim, scene: &Scene, manner: Manner) -> Result<
 }
 
 /// How to bring an output to completion, whatever is there of it.
-fn resumption(claim: &Claim, scene: &Scene, overwrite: bool) -> Result<Beginning, Failure> {
-    let identity = identity(scene);
+fn resumption(claim: &Claim, run: Run<'_>, overwrite: bool) -> Result<Beginning, Failure> {
+    let identity = identity(run);
     let found = Checkpoint::<State>::find(claim)?;
     if let Err(exists) = claim.check(overwrite) {
-        if !is_result_of(claim.output(), &RUN, &identity, scene.stopping.is_some()) {
+        let layout = if run.shard.is_some() { &SHARD } else { &RUN };
+        if !is_result_of(claim.output(), layout, &identity, run.scene.stopping.is_some()) {
             return Err(exists.into());
         }
         // The run ended between naming its result and removing what it had kept.
@@ -116,7 +136,7 @@ fn resumption(claim: &Claim, scene: &Scene, overwrite: bool) -> Result<Beginning
     }
     match found {
         None => Ok(Beginning::Anew),
-        Some(checkpoint) => Ok(Beginning::Resumed(Box::new(resumed(claim, scene, &identity, checkpoint)?))),
+        Some(checkpoint) => Ok(Beginning::Resumed(Box::new(resumed(claim, run, checkpoint)?))),
     }
 }
 
@@ -130,46 +150,53 @@ pub(super) fn is_result_of(output: &Path, layout: &'static Layout, identity: &Id
         && is("scene", &identity.scene)
         && number("seed", identity.seed)
         && number(if with_targets { "max_replicas" } else { "replicas" }, identity.replicas)
+        && identity.shard.is_none_or(|shard| number("shard", shard.index) && number("shards", shard.count))
 }
 
-fn resumed(
-    claim: &Claim,
-    scene: &Scene,
-    identity: &Identity,
-    checkpoint: Checkpoint<State>,
-) -> Result<Interrupted, Failure> {
-    let refused = |problem: String| {
-        let path = claim.beside(".checkpoint");
-        Failure::from(OutputError::NotACheckpoint { path, problem: format!("{problem}; --force begins anew") })
-    };
-    if let Some(difference) = identity.difference(&checkpoint.identity) {
-        return Err(refused(difference));
+/// Whether a checkpoint is of a run.
+///
+/// # Errors
+/// How it is not.
+pub(super) fn is_of(run: Run<'_>, checkpoint: &Checkpoint<State>) -> Result<(), String> {
+    let scene = run.scene;
+    if let Some(difference) = identity(run).difference("the interrupted run", ("was", "is now"), &checkpoint.identity) {
+        return Err(difference);
     }
     let (s, State { basis, controls, fewest_replicas, .. }) = (scene.states(), &checkpoint.state);
     if *fewest_replicas != scene.fewest_replicas() {
         let (kept, given) = (fewest_replicas, scene.fewest_replicas());
-        return Err(refused(format!("is of a run of at least {kept} replicas, and this one is of at least {given}")));
+        return Err(format!("is of a run of at least {kept} replicas, and this one is of at least {given}"));
     }
     let probes = basis.probes.iter().flat_map(|probe| [probe.adhesion_force.len(), probe.external_force.len()]);
     let tested = basis.tested.iter().map(Vec::len);
-    if !is_whole(checkpoint.done, scene.replicas)
-        || probes.chain(tested).any(|length| length != s)
-        || controls.iter().any(|place| *place >= s)
-    {
-        return Err(refused("is not of this scene".to_owned()));
+    if probes.chain(tested).any(|length| length != s) || controls.iter().any(|place| *place >= s) {
+        return Err("is not of this scene".to_owned());
     }
+    Ok(())
+}
+
+fn resumed(claim: &Claim, run: Run<'_>, checkpoint: Checkpoint<State>) -> Result<Interrupted, Failure> {
+    let refused = |problem: String| {
+        let path = claim.beside(".checkpoint");
+        Failure::from(OutputError::NotACheckpoint { path, problem: format!("{problem}; --force begins anew") })
+    };
+    is_of(run, &checkpoint).map_err(refused)?;
     let (mut replicas, mut snaps) = (Vec::new(), Vec::new());
-    let kept = Replica::WORDS..Replica::WORDS + holding(scene).length();
-    let journal = Journal::resume(claim, length_of_record(scene), &checkpoint, |record| {
-        let mut replica = Replica::default();
-        replica.restore(&record[..Replica::WORDS]);
+    let record = record_of(run.scene);
+    let journal = Journal::resume(claim, record.length(), &checkpoint, |words| {
+        let (replica, own) = record.read(words);
         replicas.push(replica);
-        snaps.extend(record[kept.clone()].iter().map(|number| f64::from_bits(*number)));
+        snaps.extend(own);
     })?;
     Ok(Interrupted { journal, checkpoint, replicas, snaps })
 }
 
 impl Interrupted {
+    /// Replicas that are done.
+    pub fn done(&self) -> u64 {
+        self.checkpoint.done
+    }
+
     /// What was kept of what goes before the ensemble.
     pub fn state(&self) -> &State {
         &self.checkpoint.state
@@ -193,15 +220,22 @@ pub(super) struct Keeper {
 
 impl Keeper {
     /// Keeps a run that begins, every `interval`.
-    pub fn begin(claim: &Claim, scene: &Scene, state: State, interval: Duration) -> Result<Self, Failure> {
-        let journal = Journal::begin(claim, length_of_record(scene))?;
-        Ok(Self::new(identity(scene), journal, state, interval))
+    pub fn begin(claim: &Claim, run: Run<'_>, state: State, interval: Duration) -> Result<Self, Failure> {
+        let journal = Journal::begin(claim, record_of(run.scene).length())?;
+        Ok(Self::new(identity(run), journal, state, interval))
     }
 
-    /// Keeps a run that goes on, and the ensemble that it goes on from.
-    pub fn resume(run: Interrupted, job: &Job<'_>, interval: Duration) -> Result<(Self, Ensemble), Failure> {
+    /// Keeps a run of a range of batches that goes on, and what it goes on from.
+    pub fn resume(
+        run: Interrupted,
+        job: &Job<'_>,
+        batches: &Range<u64>,
+        interval: Duration,
+    ) -> Result<(Self, Forest), Failure> {
         let Interrupted { journal, checkpoint, replicas, snaps } = run;
-        let Some(ensemble) = Ensemble::restored(job, &checkpoint.state.ensemble, replicas, snaps) else {
+        let forest = Forest::restored(job, &checkpoint.state.forest(), replicas, snaps)
+            .filter(|forest| forest.batches() == *batches);
+        let Some(forest) = forest else {
             let path = journal.checkpoint().unwrap_or(Path::new("")).to_owned();
             return Err(OutputError::NotACheckpoint { path, problem: "is not of this scene".to_owned() }.into());
         };
@@ -211,7 +245,7 @@ impl Keeper {
             resumptions: checkpoint.resumptions + 1,
             ..Self::new(checkpoint.identity, journal, checkpoint.state, interval)
         };
-        Ok((keeper, ensemble))
+        Ok((keeper, forest))
     }
 
     fn new(identity: Identity, journal: Journal, state: State, interval: Duration) -> Self {
@@ -230,15 +264,25 @@ impl Keeper {
     }
 
     /// Keeps the records of a batch, and saves a checkpoint if it is time.
-    pub fn keep(&mut self, job: &Job<'_>, batch: &Batch, ensemble: &Ensemble) -> Result<(), OutputError> {
+    pub fn keep(&mut self, job: &Job<'_>, batch: &Batch, merged: &Forest) -> Result<(), OutputError> {
         self.journal.append(&batch.records(job))?;
-        if self.saved.elapsed() >= self.interval { self.save(ensemble) } else { Ok(()) }
+        if self.saved.elapsed() >= self.interval { self.save(merged) } else { Ok(()) }
     }
 
     /// Saves a checkpoint of what has been done since the last one, if anything.
-    pub fn save(&mut self, ensemble: &Ensemble) -> Result<(), OutputError> {
+    pub fn save(&mut self, merged: &Forest) -> Result<(), OutputError> {
+        self.hold(merged);
+        self.save_held()
+    }
+
+    /// Holds what has been merged until it is saved.
+    pub fn hold(&mut self, merged: &Forest) {
+        self.state.forest = merged.state().into_iter().map(f64::from_bits).collect();
+    }
+
+    /// Saves a checkpoint of what is held, if anything has been done since the last one.
+    pub fn save_held(&mut self) -> Result<(), OutputError> {
         if self.journal.done() > self.saved_done {
-            self.state.ensemble = ensemble.state();
             self.journal.save(&self.identity, self.seconds(), self.resumptions, &self.state)?;
             self.saved_done = self.journal.done();
         }
@@ -255,6 +299,24 @@ impl Keeper {
     pub fn interrupted(&self, replicas: u64) -> Failure {
         let kept = self.journal.checkpoint().is_some();
         self.advised(Failure::Interrupted { done: self.journal.done(), of: replicas, kept })
+    }
+
+    /// That the output is written, after which nothing is kept beside it; or that it is not, and what was computed, of `replicas`, is kept:
+    /// it may fit where the output does not.
+    pub fn ended(mut self, written: Result<bool, OutputError>, output: &Path, replicas: u64) -> Result<(), Failure> {
+        let failure = match written {
+            Ok(true) => {
+                self.journal.discard();
+                return Ok(());
+            }
+            Ok(false) => None,
+            Err(error) => Some(Failure::from(error.writing(output))),
+        };
+        let kept = self.save_held();
+        match failure {
+            Some(failure) => Err(self.advised(failure)),
+            None => Err(kept.map_or_else(Failure::from, |()| self.interrupted(replicas))),
+        }
     }
 
     /// A failure with how to go on with the run, if anything was kept of it.

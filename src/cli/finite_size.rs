@@ -48,6 +48,7 @@ pub(super) fn finite_size(arguments: &FiniteSizeArguments) -> Result<(), Failure
         manner: Manner { resume: arguments.resume, force: arguments.execution.force },
         replicas: arguments.replicas,
         seed: arguments.seed,
+        shard: None,
     };
     points.require(session.pool.current_num_threads())?;
     let integral = session.pool.install(|| integral(&points, &scene))?;

@@ -10,18 +10,21 @@ mod finite_size;
 mod format;
 mod info;
 mod instability;
+mod merge;
 mod points;
 mod record;
 mod resources;
 mod results;
 mod run;
 mod sampling;
+mod shard;
 mod summary;
 mod sweep;
 mod validate;
 
 use crate::asperity::models::Model;
 use crate::asperity::{Law, Loop, Path as History};
+use crate::engine::Shard;
 use crate::math::instruction_set::InstructionSet;
 use crate::output::OutputError;
 use crate::output::columns::Beside;
@@ -58,6 +61,8 @@ struct Cli {
 enum Command {
     /// Compute a scene and leave one HDF5 file and a summary
     Run(RunArguments),
+    /// Put the shards of a run together: the same result as by one run of all
+    Merge(MergeArguments),
     /// Compare laws on the same asperities: a table, and one HDF5 file if asked for
     Compare(CompareArguments),
     /// Find how the pull-off of a finite patch goes to the integral's as its asperities become more
@@ -116,6 +121,27 @@ struct RunArguments {
     /// Keep what has been done so often, beside the output; 0 after every batch of replicas
     #[arg(long, value_name = "SECONDS", default_value = "30", value_parser = seconds, allow_negative_numbers = true)]
     checkpoint: Duration,
+    /// Compute only the I-th of N shards, which `stiction merge` puts together; its output is by default the scene's name with .shard-I-of-N.h5
+    #[arg(long, value_name = "I/N")]
+    shard: Option<Shard>,
+    #[command(flatten)]
+    execution: Execution,
+}
+
+#[derive(Args)]
+struct MergeArguments {
+    /// All shards of a run, in any order
+    #[arg(required = true, value_name = "SHARD.h5")]
+    shards: Vec<PathBuf>,
+    /// Where the result goes
+    #[arg(short, long, value_name = "FILE.h5")]
+    output: PathBuf,
+    /// Merge the shards that are there, although some are missing or not finished
+    #[arg(long)]
+    partial: bool,
+    /// The scene, if it takes values from other files and is no more where the shards were computed
+    #[arg(long, value_name = "SCENE.toml")]
+    scene: Option<PathBuf>,
     #[command(flatten)]
     execution: Execution,
 }
@@ -304,6 +330,14 @@ enum Failure {
         /// What went wrong.
         failure: Box<Failure>,
     },
+    /// Several things are wrong, or missing.
+    #[error("{message}")]
+    Listed {
+        /// What they come to.
+        message: String,
+        /// What each is.
+        list: Vec<String>,
+    },
     /// Something of which what was done is kept.
     #[error("{failure}")]
     Kept {
@@ -315,10 +349,19 @@ enum Failure {
 }
 
 impl Failure {
+    /// The same, of what is not kept.
+    fn not_kept(self) -> Self {
+        match self {
+            Self::Interrupted { done, of, .. } => Self::Interrupted { done, of, kept: false },
+            Self::Kept { failure, .. } => failure.not_kept(),
+            other => other,
+        }
+    }
+
     fn exit_code(&self) -> u8 {
         match self {
             Self::Running(_) => 1,
-            Self::Usage(_) => 2,
+            Self::Usage(_) | Self::Listed { .. } => 2,
             Self::Disagree => 3,
             Self::Interrupted { .. } => 130,
             Self::AtPoint { failure, .. } | Self::Kept { failure, .. } => failure.exit_code(),
@@ -359,8 +402,12 @@ pub fn main() -> ExitCode {
         Err(failure) => {
             // Nobody may be there to read it.
             let mut text = format!("stiction: {}\n", one_line(&failure.to_string()));
-            if let Failure::Kept { advice, .. } = &failure {
-                text += &format!("{}\n", printable(advice));
+            match &failure {
+                Failure::Kept { advice, .. } => text += &format!("{}\n", printable(advice)),
+                Failure::Listed { list, .. } => {
+                    text.extend(list.iter().map(|item| format!("  {}\n", one_line(item))));
+                }
+                _ => {}
             }
             let _ = std::io::stderr().write_all(text.as_bytes());
             ExitCode::from(failure.exit_code())
@@ -387,6 +434,7 @@ fn execute(command: Command) -> Result<(), Failure> {
     signal_hook::flag::register(signal_hook::consts::SIGXFSZ, Arc::default()).context("cannot handle signals")?;
     match command {
         Command::Run(arguments) => run::run(&arguments),
+        Command::Merge(arguments) => merge::merge(&arguments),
         Command::Compare(arguments) => compare::compare(&arguments),
         Command::FiniteSize(arguments) => finite_size::finite_size(&arguments),
         Command::Check { scene } => check::check(&scene),

@@ -3,10 +3,11 @@
 //! The folder `out.h5.points` holds `0001.h5` and so on, and beside the point that is being computed its checkpoint. It stays when the sweep is
 //! interrupted, and goes when the output of all is complete. Points can be computed in any order, and a range of them by itself.
 
-use super::checkpoint::{Manner, identity, is_result_of, kept};
+use super::checkpoint::{Manner, Run, identity, is_result_of, kept};
 use super::run::{Session, Task, run_scene};
 use super::sampling::override_ensemble;
 use super::{Failure, law_of, resources};
+use crate::engine::Shard;
 use crate::output::checkpoint::{Identity, forget, is_checkpoint};
 use crate::output::progress::Progress;
 use crate::output::schema::{Layout, RUN};
@@ -30,6 +31,8 @@ pub(super) struct Points<'a> {
     /// Of the command line, in the place of the scene's.
     pub replicas: Option<u64>,
     pub seed: Option<u64>,
+    /// The shard that is computed, if not all points.
+    pub shard: Option<Shard>,
 }
 
 impl Points<'_> {
@@ -56,7 +59,11 @@ impl Points<'_> {
     pub fn identity(&self, text: &str) -> Result<Identity, Failure> {
         let first = self.scene(0)?;
         let seed = self.seed.unwrap_or(if self.sweep.common_random_numbers { first.seed } else { self.own_seed()? });
-        Ok(Identity { scene: with_inputs(text, &first.inputs), seed, ..identity(&first) })
+        Ok(Identity {
+            scene: with_inputs(text, &first.inputs),
+            seed,
+            ..identity(Run { scene: &first, shard: self.shard })
+        })
     }
 
     /// The seed of the scene that the seeds of the points are made of.
@@ -137,7 +144,8 @@ impl Points<'_> {
     fn check_kept(&self) -> Result<(), Failure> {
         for point in 0..self.sweep.count() {
             let file = self.file(point);
-            if file.exists() && !is_result_of(&file, &RUN, &identity(&self.scene(point)?), false) {
+            let scene = self.scene(point)?;
+            if file.exists() && !is_result_of(&file, &RUN, &identity(Run { scene: &scene, shard: None }), false) {
                 let point = self.sweep.name(point);
                 return Err(Failure::Usage(format!(
                     "{} is not {point} of this sweep as it would be computed now; --force begins anew",
@@ -148,9 +156,20 @@ impl Points<'_> {
         Ok(())
     }
 
-    /// Points that are complete.
+    /// Points that are complete, or of which a shard has kept anything.
     fn done(&self) -> usize {
-        (0..self.sweep.count()).filter(|point| self.file(*point).exists()).count()
+        let is_there = |point: usize| match self.shard {
+            None => self.file(point).exists(),
+            Some(_) => self.checkpoint(point).exists(),
+        };
+        (0..self.sweep.count()).filter(|point| is_there(*point)).count()
+    }
+
+    /// The checkpoint of a point.
+    fn checkpoint(&self, point: usize) -> PathBuf {
+        let mut name = self.file(point).into_os_string();
+        name.push(".checkpoint");
+        name.into()
     }
 
     /// Computes a range of points; those that are complete stay as they are.
@@ -172,13 +191,13 @@ impl Points<'_> {
         }
         let claim = Claim::new(&output)?;
         let manner = Manner { resume: true, force: false };
-        let task = Task { source: self.source, output: &output, claim: &claim, manner };
+        let task = Task { source: self.source, output: &output, claim: &claim, manner, shard: None };
         let name = format!("point {} of {}", point + 1, self.sweep.count());
         run_scene(scene, &task, session, Progress::of_run(session.quiet, name)).map(drop)
     }
 
     /// A failure at a point.
-    fn at(&self, point: usize, failure: Failure) -> Failure {
+    pub fn at(&self, point: usize, failure: Failure) -> Failure {
         let failure = match failure {
             Failure::Kept { failure, .. } => failure,
             other => Box::new(other),

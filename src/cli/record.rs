@@ -1,15 +1,15 @@
 //! A run's results under the names of the file layout.
 
+use super::checkpoint::record_of;
 use super::instability::write_instability;
 use super::results::{Results, Stopped};
-use super::sampling::holding;
 use crate::asperity::{Quantity, Regime};
-use crate::engine::{Attained, Replica, SCALARS, scalars};
+use crate::engine::{Attained, SCALARS, scalars};
 use crate::math::control_variates::ControlledMean;
 use crate::math::extrema::{Features, maximum};
 use crate::math::instruction_set::InstructionSet;
 use crate::output::OutputError;
-use crate::output::checkpoint::Journal;
+use crate::output::checkpoint::Records;
 use crate::output::schema::Dimension;
 use crate::output::writer::{CURVE_CHUNK, Writer};
 use crate::scene::Scene;
@@ -25,7 +25,14 @@ pub(super) fn write_head(writer: &mut Writer<'_>, results: &Results) -> Result<(
     writer.number("/", "replicas", scene.replicas)?;
     writer.text("/", "sampling", scene.sampling.name())?;
     writer.named_scale(Dimension::Regime, regimes)?;
-    writer.scale(Dimension::Replica, &(0..scene.replicas).collect::<Vec<u64>>())?;
+    match &results.told.partial {
+        None => writer.scale(Dimension::Replica, &(0..scene.replicas).collect::<Vec<u64>>())?,
+        Some(partial) => {
+            writer.number("/", "partial", 1_u8)?;
+            writer.number("/", "replicas_of_whole_run", partial.of)?;
+            writer.scale(Dimension::Replica, &partial.replicas)?;
+        }
+    }
     let components: Vec<u64> = (0..basis.probes.len() as u64).collect();
     writer.scale(Dimension::Component, &components)?;
     writer.scale(Dimension::ComponentOther, &components)?;
@@ -45,7 +52,7 @@ pub(super) fn write_head(writer: &mut Writer<'_>, results: &Results) -> Result<(
 pub(super) fn write_curves(
     writer: &Writer<'_>,
     results: &Results,
-    journal: &mut Journal,
+    records: &mut dyn Records,
     stop: &AtomicBool,
 ) -> Result<(), OutputError> {
     let of_ways =
@@ -53,18 +60,18 @@ pub(super) fn write_curves(
     let paths: Vec<String> = ["external_force", "adhesion_force"].into_iter().flat_map(of_ways).collect();
     paths.iter().try_for_each(|path| writer.curve_dataset(path))?;
     let (s, total) = (results.scene.separations.len(), results.ensemble.replicas.len());
-    let behind = Replica::WORDS + holding(&results.scene).length();
+    let record = record_of(&results.scene);
     let (mut curves, mut written) = (vec![Vec::new(); paths.len()], 0);
-    journal.records(|record| {
-        for (curves, forces) in curves.iter_mut().zip(record[behind..].chunks_exact(s)) {
-            curves.extend(forces.iter().map(|force| f64::from_bits(*force)));
+    records.records(&mut |words| {
+        for (curves, forces) in curves.iter_mut().zip(record.curves(words)) {
+            curves.extend(forces);
         }
         let rows = curves[0].len() / s;
         if rows < CURVE_CHUNK && written + rows < total {
             return Ok(true);
         }
         for (path, curves) in paths.iter().zip(&mut curves) {
-            writer.curves(path, written, curves)?;
+            writer.rows(path, written, curves)?;
             curves.clear();
         }
         written += rows;
@@ -302,8 +309,8 @@ fn write_diagnostics(writer: &mut Writer<'_>, results: &Results) -> Result<(), O
     count("skipped_loads", work.unloaded)?;
     count("compressed_sums", work.compressed)?;
     count("threads", results.threads as u64)?;
-    let (checkpoints, time) = results.checkpoints;
-    count("resumptions", results.resumptions)?;
+    let (checkpoints, time) = results.told.checkpoints;
+    count("resumptions", results.told.resumptions)?;
     count("checkpoints", checkpoints)?;
     writer.dataset("/diagnostics/checkpoint_seconds", &[time.as_secs_f64()])?;
     writer.dataset("/diagnostics/largest_residual", &[work.largest_residual])?;

@@ -38,11 +38,29 @@ pub(super) struct Results {
     pub joint: JointTest,
     pub seconds: Vec<(&'static str, f64)>,
     pub threads: usize,
+    pub told: Told,
+    pub output: PathBuf,
+}
+
+/// What is told of a run beside its results.
+#[derive(Default)]
+pub(super) struct Told {
+    /// Seconds that the ensemble took before this sitting.
+    pub seconds_before: f64,
     /// How often the run was resumed.
     pub resumptions: u64,
     /// Checkpoints that were saved since it was, and the time that took.
     pub checkpoints: (u64, Duration),
-    pub output: PathBuf,
+    /// Of a run of which not all replicas are there, which are.
+    pub partial: Option<Partial>,
+}
+
+/// What is there of a run.
+pub(super) struct Partial {
+    /// Indices of the replicas that are there.
+    pub replicas: Vec<u64>,
+    /// Replicas of the whole run.
+    pub of: u64,
 }
 
 /// The way back of a loop.

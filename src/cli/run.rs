@@ -1,24 +1,26 @@
 //! `stiction run` of one scene: from there to a checked file and a summary.
 
-use super::checkpoint::{Beginning, Keeper, Manner, State, beginning};
+use super::checkpoint::{Beginning, Interrupted, Keeper, Manner, Run, State, beginning};
 use super::record::{write_curves, write_head, write_results};
-use super::results::{Results, Stopped, WayBack, integral_features, mean_features};
+use super::results::{Results, Stopped, Told, WayBack, integral_features, mean_features};
 use super::sampling::{Sampling, basis_of, cross_check, interruption, override_ensemble, thread_pool};
 use super::summary::summary;
 use super::{
-    Execution, Failure, RunArguments, law_of, loop_of, print_of, read_document, refuse_own_scene, resources, sweep,
-    warnings_of,
+    Execution, Failure, RunArguments, law_of, loop_of, print_of, read_document, refuse_own_scene, resources, shard,
+    sweep, warnings_of,
 };
 use crate::asperity::{Law, Loop, Quantity};
-use crate::engine::{Batch, Ensemble, Outcome, Rule};
+use crate::engine::{Batch, Forest, Outcome, Rule, Shard, Summation, replicas_of};
 use crate::math::control_variates::controlled_means;
+use crate::output::checkpoint::Records;
 use crate::output::progress::Progress;
 use crate::output::schema::RUN;
 use crate::output::writer::Writer;
 use crate::output::{Claim, OutputError};
-use crate::scene::{Document, Plan, Scene, Sizes};
+use crate::scene::{Document, Plan, Scene, Sizes, Warning};
 use crate::statistical::{Statistical, controls};
 use rayon::ThreadPool;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -54,10 +56,16 @@ pub(super) struct Task<'a> {
     pub claim: &'a Claim,
     /// What may become of what is there.
     pub manner: Manner,
+    /// The shard that it is of the run, if not all of it.
+    pub shard: Option<Shard>,
 }
 
 pub(super) fn run(arguments: &RunArguments) -> Result<(), Failure> {
-    let Document { mut scene, sweep } = read_document(&arguments.scene)?;
+    let document = read_document(&arguments.scene)?;
+    if let Some(shard) = arguments.shard {
+        return shard::run(shard, document, arguments);
+    }
+    let Document { mut scene, sweep } = document;
     if let Some(sweep) = sweep {
         return sweep::run(&sweep, arguments);
     }
@@ -67,7 +75,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<(), Failure> {
     let session = Session::new(&arguments.execution, arguments.checkpoint)?;
     let claim = Claim::new(&output)?;
     let manner = Manner { resume: arguments.resume, force: arguments.execution.force };
-    let task = Task { source: &arguments.scene, output: &output, claim: &claim, manner };
+    let task = Task { source: &arguments.scene, output: &output, claim: &claim, manner, shard: None };
     match run_scene(scene, &task, &session, Progress::new(session.quiet))? {
         Some(results) => print_of(&output, &summary(&results)),
         None => {
@@ -90,124 +98,201 @@ pub(super) fn output_of(arguments: &RunArguments) -> PathBuf {
 /// # Errors
 /// [`Failure`]; what has been done is kept beside the output, for a run that resumes it.
 pub(super) fn run_scene(
-    mut scene: Scene,
+    scene: Scene,
     task: &Task<'_>,
     session: &Session,
     mut progress: Progress,
 ) -> Result<Option<Box<Results>>, Failure> {
-    let (claim, pool) = (task.claim, &session.pool);
-    let law = law_of(&scene, &scene.model, task.source)?;
-    let law = law.as_ref();
-    let cycle = loop_of(&scene, task.source)?;
-    let cycle = cycle.as_ref();
-    let sizes = Sizes::new(&scene, law, pool.current_num_threads());
-    // What an interrupted run has kept is on the disk already.
-    let begins = !claim.beside(".checkpoint").exists();
-    resources::require(task.source, &sizes, begins.then_some(task.output))?;
-    let interrupted = match beginning(claim, &scene, task.manner)? {
+    let laws = Laws::new(&scene, task.source)?;
+    laws.require(&scene, scene.replicas, task, session)?;
+    let interrupted = match beginning(task.claim, Run { scene: &scene, shard: task.shard }, task.manner)? {
         Beginning::Complete => return Ok(None),
         Beginning::Anew => None,
         Beginning::Resumed(run) => Some(run),
     };
-
-    progress.phase("integral");
-    let plan = Plan::new(&scene, law);
-    let warnings = warnings_of(&scene, &scene.model, law);
-    let statistical = pool.install(|| Statistical::new(law, &scene.surface, &scene.separations));
-    let back = cycle.map(|cycle| pool.install(|| Statistical::way_back(cycle, &scene.surface, &scene.separations)));
-    progress.phase("test functionals");
-    let state = interrupted
-        .as_ref()
-        .map_or_else(|| prepared(&scene, (law, cycle), (&statistical, back.as_ref())), |run| run.state().clone());
-    let State { basis, controls, .. } = state.clone();
-    let ways: Vec<&Statistical> = [&statistical].into_iter().chain(&back).collect();
-    let force = |way: &&Statistical| way.expected[Quantity::ExternalForce.index()].clone();
-    let expected: Vec<f64> = ways.iter().flat_map(force).collect();
-    let expected: Vec<f64> = controls.iter().map(|&place| expected[place]).collect();
-    let stopping = scene.stopping.clone();
-    let rule = stopping.as_ref().map(|stopping| Rule { stopping, expected: &expected });
-    let keep_curves = scene.curves;
-    let setup = Sampling { scene: &scene, law, cycle, basis: &basis, controls: &controls, rule, keep_curves };
-    let job = setup.job();
-    let (mut keeper, start) = match interrupted {
-        Some(run) => Keeper::resume(*run, &job, session.interval)?,
-        None => (Keeper::begin(claim, &scene, state, session.interval)?, Ensemble::new(&job)),
-    };
-    let observe = |batch: &Batch, ensemble: &Ensemble| keeper.keep(&job, batch, ensemble);
-    let computed = setup.run("ensemble", pool, &session.stop, &mut progress, start, observe);
-    let (outcome, summation) = computed.map_err(|failure| keeper.advised(failure))?;
-    let ensemble = match outcome {
-        Outcome::Complete(ensemble) => ensemble,
-        Outcome::Interrupted(ensemble) => {
-            keeper.save(&ensemble)?;
-            return Err(keeper.interrupted(scene.replicas));
-        }
-    };
-
-    let stopped = rule.map(|rule| Stopped::new(&rule, &ensemble));
-    // From here on the scene is that of the replicas that there are.
-    scene.stopping = None;
-    let most = std::mem::replace(&mut scene.replicas, ensemble.replicas.len() as u64);
-
-    progress.phase("cross-check");
-    let (z, joint) = cross_check(&ensemble, &ways, &basis, &scene);
-    let scalars = controlled_means(&ensemble.groups.scalars, &expected);
-    let of_mean = mean_features(&scene, law, &ensemble, &statistical);
-    let of_integral = integral_features(&scene, law, &statistical);
-    let back = cycle.zip(back).map(|(cycle, statistical)| WayBack::new(&scene, cycle, &ensemble, statistical));
-    progress.end();
-    let mut seconds = progress.seconds();
-    seconds.iter_mut().filter(|(name, _)| *name == "ensemble").for_each(|(_, time)| *time += keeper.seconds_before);
-    let results = Results {
-        regimes: law.regimes().iter().map(|regime| regime.name()).collect(),
-        scene,
-        plan,
-        warnings,
-        statistical,
-        back,
-        ensemble,
-        stopped,
-        summation,
-        basis,
-        controls,
-        scalars,
-        of_mean,
-        of_integral,
-        z,
-        joint,
-        seconds,
-        threads: pool.current_num_threads(),
+    let kept = interrupted.as_ref().map(|run| run.state().clone());
+    let ground = Groundwork::new(scene, laws, kept, session, &mut progress);
+    let batches = 0..ground.sampling().job().batches();
+    let Sampled { forest, summation, mut keeper } =
+        ground.sample(batches, interrupted, task, session, &mut progress)?;
+    let most = ground.scene.replicas;
+    let told = Told {
+        seconds_before: keeper.seconds_before,
         resumptions: keeper.resumptions,
         checkpoints: keeper.journal.cost(),
-        output: task.output.to_owned(),
+        ..Told::default()
     };
+    let results = ground.results(forest, summation, told, session, task.output, &mut progress);
     progress.phase("writing");
-    let written = complete(results, most, keeper, task, session);
+    let written = write(task, &results, &mut keeper.journal, &session.stop);
     progress.end();
-    written.map(Some)
+    keeper.ended(written, task.output, most)?;
+    Ok(Some(Box::new(results)))
 }
 
-/// Brings the results into their file, after which nothing is kept beside it; or keeps what was computed, of `most` replicas.
-fn complete(
-    results: Results,
-    most: u64,
-    mut keeper: Keeper,
-    task: &Task<'_>,
-    session: &Session,
-) -> Result<Box<Results>, Failure> {
-    let failure = match write(task.claim, task.manner.force, &results, &mut keeper, &session.stop) {
-        Ok(true) => {
-            keeper.journal.discard();
-            return Ok(Box::new(results));
+/// The laws of a scene.
+pub(super) struct Laws {
+    law: Box<dyn Law>,
+    /// The loop of which the law is the approach, if surfaces are pulled back.
+    cycle: Option<Loop>,
+}
+
+impl Laws {
+    /// Those of a scene, with its file named in every error.
+    pub fn new(scene: &Scene, source: &Path) -> Result<Self, Failure> {
+        Ok(Self { law: law_of(scene, &scene.model, source)?, cycle: loop_of(scene, source)? })
+    }
+
+    /// Refuses a task of so many replicas of the scene for which there is too little memory or disk.
+    pub fn require(&self, scene: &Scene, replicas: u64, task: &Task<'_>, session: &Session) -> Result<(), Failure> {
+        let threads = session.pool.current_num_threads();
+        let sizes = Sizes { replicas: replicas as f64, ..Sizes::new(scene, self.law.as_ref(), threads) };
+        // What an interrupted run has kept is on the disk already.
+        let begins = !task.claim.beside(".checkpoint").exists();
+        resources::require(task.source, &sizes, begins.then_some(task.output))
+    }
+}
+
+/// What the ensemble of a scene is computed with and checked against.
+pub(super) struct Groundwork {
+    pub scene: Scene,
+    laws: Laws,
+    plan: Plan,
+    warnings: Vec<Warning>,
+    statistical: Statistical,
+    /// Of a loop, the integral of the way back.
+    back: Option<Statistical>,
+    state: State,
+    /// Expectations of the external force at the control variates, N.
+    expected: Vec<f64>,
+}
+
+/// What has been computed of an ensemble.
+pub(super) struct Sampled {
+    pub forest: Box<Forest>,
+    pub summation: Summation,
+    /// What keeps it until it is written.
+    pub keeper: Keeper,
+}
+
+impl Groundwork {
+    /// That of a scene; with what has been kept of it.
+    pub fn new(scene: Scene, laws: Laws, kept: Option<State>, session: &Session, progress: &mut Progress) -> Self {
+        let (law, cycle, pool) = (laws.law.as_ref(), laws.cycle.as_ref(), &session.pool);
+        progress.phase("integral");
+        let plan = Plan::new(&scene, law);
+        let warnings = warnings_of(&scene, &scene.model, law);
+        let statistical = pool.install(|| Statistical::new(law, &scene.surface, &scene.separations));
+        let back = cycle.map(|cycle| pool.install(|| Statistical::way_back(cycle, &scene.surface, &scene.separations)));
+        progress.phase("test functionals");
+        let state = kept.unwrap_or_else(|| prepared(&scene, (law, cycle), (&statistical, back.as_ref())));
+        progress.end();
+        let force = |way: &Statistical| way.expected[Quantity::ExternalForce.index()].clone();
+        let expected: Vec<f64> = [&statistical].into_iter().chain(&back).flat_map(force).collect();
+        let expected = state.controls.iter().map(|&place| expected[place]).collect();
+        Self { scene, laws, plan, warnings, statistical, back, state, expected }
+    }
+
+    /// The ensemble.
+    pub fn sampling(&self) -> Sampling<'_> {
+        Sampling {
+            scene: &self.scene,
+            law: self.laws.law.as_ref(),
+            cycle: self.laws.cycle.as_ref(),
+            basis: &self.state.basis,
+            controls: &self.state.controls,
+            rule: self.rule(),
+            keep_curves: self.scene.curves,
         }
-        Ok(false) => None,
-        Err(error) => Some(Failure::from(error.writing(task.output))),
-    };
-    // What was computed may fit where the result does not.
-    let kept = keeper.save(&results.ensemble);
-    match failure {
-        Some(failure) => Err(keeper.advised(failure)),
-        None => Err(kept.map_or_else(Failure::from, |()| keeper.interrupted(most))),
+    }
+
+    fn rule(&self) -> Option<Rule<'_>> {
+        self.scene.stopping.as_ref().map(|stopping| Rule { stopping, expected: &self.expected })
+    }
+
+    /// Computes a range of batches for a task, from what was kept of it.
+    pub fn sample(
+        &self,
+        batches: Range<u64>,
+        interrupted: Option<Box<Interrupted>>,
+        task: &Task<'_>,
+        session: &Session,
+        progress: &mut Progress,
+    ) -> Result<Sampled, Failure> {
+        let setup = self.sampling();
+        let job = setup.job();
+        let replicas = replicas_of(&job, batches.clone());
+        let (mut keeper, start) = match interrupted {
+            Some(run) => Keeper::resume(*run, &job, &batches, session.interval)?,
+            None => {
+                let run = Run { scene: &self.scene, shard: task.shard };
+                (Keeper::begin(task.claim, run, self.state.clone(), session.interval)?, Forest::new(batches))
+            }
+        };
+        let observe = |batch: &Batch, merged: &Forest| keeper.keep(&job, batch, merged);
+        let computed = setup.run("ensemble", &session.pool, &session.stop, progress, start, observe);
+        let (outcome, summation) = computed.map_err(|failure| keeper.advised(failure))?;
+        match outcome {
+            Outcome::Complete(forest) => {
+                keeper.hold(&forest);
+                Ok(Sampled { forest, summation, keeper })
+            }
+            Outcome::Interrupted(forest) => {
+                keeper.save(&forest)?;
+                Err(keeper.interrupted(replicas.end - replicas.start))
+            }
+        }
+    }
+
+    /// What is found out by the ensemble that has been merged.
+    pub fn results(
+        mut self,
+        forest: Box<Forest>,
+        summation: Summation,
+        told: Told,
+        session: &Session,
+        output: &Path,
+        progress: &mut Progress,
+    ) -> Results {
+        let ensemble = Box::new(forest.into_ensemble(&self.sampling().job()));
+        let stopped = self.rule().map(|rule| Stopped::new(&rule, &ensemble));
+        // From here on the scene is that of the replicas that there are.
+        self.scene.stopping = None;
+        self.scene.replicas = ensemble.replicas.len() as u64;
+        let Self { scene, laws: Laws { law, cycle }, plan, warnings, statistical, back, state, expected } = self;
+        let State { basis, controls, .. } = state;
+        progress.phase("cross-check");
+        let ways: Vec<&Statistical> = [&statistical].into_iter().chain(&back).collect();
+        let (z, joint) = cross_check(&ensemble, &ways, &basis, &scene);
+        let scalars = controlled_means(&ensemble.groups.scalars, &expected);
+        let of_mean = mean_features(&scene, law.as_ref(), &ensemble, &statistical);
+        let of_integral = integral_features(&scene, law.as_ref(), &statistical);
+        let back = cycle.zip(back).map(|(cycle, statistical)| WayBack::new(&scene, &cycle, &ensemble, statistical));
+        progress.end();
+        let mut seconds = progress.seconds();
+        seconds.iter_mut().filter(|(name, _)| *name == "ensemble").for_each(|(_, time)| *time += told.seconds_before);
+        Results {
+            regimes: law.regimes().iter().map(|regime| regime.name()).collect(),
+            scene,
+            plan,
+            warnings,
+            statistical,
+            back,
+            ensemble,
+            stopped,
+            summation,
+            basis,
+            controls,
+            scalars,
+            of_mean,
+            of_integral,
+            z,
+            joint,
+            seconds,
+            threads: session.pool.current_num_threads(),
+            told,
+            output: output.to_owned(),
+        }
     }
 }
 
@@ -225,18 +310,18 @@ fn prepared(
     State::new(basis, controls.into_iter().map(|place| first + place).collect(), scene.fewest_replicas())
 }
 
-/// Writes the result; `false` if it was interrupted before it was complete, and then is not there.
-fn write(
-    claim: &Claim,
-    overwrite: bool,
+/// Writes the result, with curves out of the records of the replicas; `false` if it was interrupted before it was complete, and then is not
+/// there.
+pub(super) fn write(
+    task: &Task<'_>,
     results: &Results,
-    keeper: &mut Keeper,
+    records: &mut dyn Records,
     stop: &AtomicBool,
 ) -> Result<bool, OutputError> {
-    let mut writer = Writer::create(&RUN, claim, overwrite)?;
+    let mut writer = Writer::create(&RUN, task.claim, task.manner.force)?;
     write_head(&mut writer, results)?;
     if results.scene.curves {
-        write_curves(&writer, results, &mut keeper.journal, stop)?;
+        write_curves(&writer, results, records, stop)?;
     }
     if stop.load(Ordering::Relaxed) {
         return Ok(false);

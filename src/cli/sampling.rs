@@ -2,7 +2,7 @@
 
 use super::Failure;
 use crate::asperity::{Law, Loop, Path, Quantity};
-use crate::engine::{Batch, Ensemble, Holding, Job, Outcome, Protocol, Rule, Summation, run_from};
+use crate::engine::{Batch, Ensemble, Forest, Holding, Job, Outcome, Protocol, Rule, Summation, replicas_of, run_from};
 use crate::output::OutputError;
 use crate::output::progress::Progress;
 use crate::scene::{Instability, Scene};
@@ -50,6 +50,18 @@ impl Sampling<'_> {
         }
     }
 
+    /// How the replicas are summed.
+    pub fn summation(&self, pool: &rayon::ThreadPool) -> Summation {
+        match self.scene.sum_tolerance {
+            // On replicas that are in the result wherever it ends.
+            Some(tolerance) => {
+                let job = Job { replicas: self.scene.fewest_replicas(), ..self.job() };
+                pool.install(|| Summation::compressed(&job, tolerance))
+            }
+            None => Summation::direct(),
+        }
+    }
+
     /// Sums the replicas that `start` does not have yet, with progress under `name`; `observe` gets every batch in order, with what it
     /// has been merged into. Also tells how they were summed.
     pub fn run(
@@ -58,22 +70,16 @@ impl Sampling<'_> {
         pool: &rayon::ThreadPool,
         stop: &AtomicBool,
         progress: &mut Progress,
-        start: Ensemble,
-        mut observe: impl FnMut(&Batch, &Ensemble) -> Result<(), OutputError>,
+        start: Forest,
+        mut observe: impl FnMut(&Batch, &Forest) -> Result<(), OutputError>,
     ) -> Result<(Outcome, Summation), Failure> {
         let job = self.job();
-        let summation = match self.scene.sum_tolerance {
-            // On replicas that are in the result wherever it ends.
-            Some(tolerance) => {
-                let job = Job { replicas: self.scene.fewest_replicas(), ..job };
-                pool.install(|| Summation::compressed(&job, tolerance))
-            }
-            None => Summation::direct(),
-        };
+        let summation = self.summation(pool);
         let job = Job { compression: summation.compression.as_ref(), ..job };
-        progress.replicas(name, start.replicas.len() as u64, self.scene.replicas);
-        let outcome = run_from(&job, pool, stop, start, self.rule, |batch, ensemble| {
-            observe(batch, ensemble)?;
+        let replicas = replicas_of(&job, start.batches());
+        progress.replicas(name, start.replicas.len() as u64, replicas.end - replicas.start);
+        let outcome = run_from(&job, pool, stop, start, self.rule, |batch, merged| {
+            observe(batch, merged)?;
             progress.advance(batch.ensemble.replicas.len() as u64);
             Ok::<(), OutputError>(())
         })?;

@@ -5,9 +5,7 @@ use super::format::{bound, duration, percent, row, si};
 use super::instability::instability;
 use super::results::{Results, Stopped};
 use crate::asperity::Quantity;
-use crate::engine::Replica;
-use crate::engine::Summation;
-use crate::engine::area_between;
+use crate::engine::{LOOP_SCALARS, Replica, Summation, area_between};
 use crate::math::control_variates::ControlledMean;
 use crate::math::extrema::{Extremum, Features, maximum};
 use crate::math::moments::Moments;
@@ -149,7 +147,7 @@ fn cycle(results: &Results) -> String {
     let Some(back) = &results.back else { return String::new() };
     let replicas = &results.ensemble.replicas;
     let [energy, touchdown, takeoff] = [6, 7, 8].map(|scalar| &results.scalars[scalar]);
-    let (_, std) = moments(replicas, |replica| replica.cycle.dissipated_energy);
+    let (_, std) = moments(replicas, LOOP_SCALARS[2].of);
     let nothing = energy.mean == 0.0 && !(std > 0.0);
     let dissipated = if nothing { "nothing: both ways are one".to_owned() } else { scatter(energy, std, "J") };
     let mut text = row("dissipated", &dissipated);
@@ -163,7 +161,11 @@ fn cycle(results: &Results) -> String {
     };
     text += &row("contact", &format!("first {}, last {}", place(touchdown), place(takeoff)));
     let last = results.scene.separations[results.scene.separations.len() - 1];
-    let open = replicas.iter().filter(|replica| replica.cycle.takeoff_separation > last).count();
+    let open = replicas
+        .iter()
+        .filter_map(|replica| replica.cycle.as_ref())
+        .filter(|kept| kept.takeoff_separation > last)
+        .count();
     if open > 0 {
         text +=
             &row("", &format!("{open} replicas keep contact at the largest separation: their loops are not closed"));

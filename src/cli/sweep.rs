@@ -16,7 +16,6 @@ use crate::output::{Claim, OutputError};
 use crate::scene::echo::one_line;
 use crate::scene::sweep::Mode;
 use crate::scene::{Scene, Sweep};
-use crate::surface::SamplingScheme;
 use crate::validation::{Difference, SIGNIFICANCE, Verdict, disagreeing, overall};
 use std::path::Path;
 use std::sync::atomic::Ordering;
@@ -33,6 +32,7 @@ pub(super) fn run(sweep: &Sweep, arguments: &RunArguments) -> Result<(), Failure
         manner: Manner { resume: arguments.resume, force: arguments.execution.force },
         replicas: arguments.replicas,
         seed: arguments.seed,
+        shard: None,
     };
     points.require(session.pool.current_num_threads())?;
     let identity = points.identity(sweep.source())?;
@@ -41,17 +41,18 @@ pub(super) fn run(sweep: &Sweep, arguments: &RunArguments) -> Result<(), Failure
         return Ok(());
     }
     points.compute(0..sweep.count(), &session)?;
-    let scene = points.scene(0)?;
-    let written = assembled(&points, &scene, &identity, &session);
-    let rows = match written.map_err(|error| points.kept(error.writing(&output).into()))? {
-        Some(rows) => rows,
-        None => {
-            let (done, of) = (scene.replicas, scene.replicas);
-            return Err(points.kept(Failure::Interrupted { done, of, kept: true }));
-        }
-    };
+    let table = assemble(&points, &identity, &session).map_err(|failure| points.kept(failure))?;
     points.clear()?;
-    print_of(&output, &(title(&scene) + &described(sweep) + "\n" + &table(sweep, &rows) + &written_to(&output)))
+    print_of(&output, &table)
+}
+
+/// Puts the points together into the output; what is to be said of it.
+pub(super) fn assemble(points: &Points<'_>, identity: &Identity, session: &Session) -> Result<String, Failure> {
+    let (scene, sweep, output) = (points.scene(0)?, points.sweep, points.claim.output());
+    match assembled(points, &scene, identity, session).map_err(|error| error.writing(output))? {
+        Some(rows) => Ok(title(&scene) + &described(sweep) + "\n" + &table(sweep, &rows) + &written_to(output)),
+        None => Err(Failure::Interrupted { done: scene.replicas, of: scene.replicas, kept: true }),
+    }
 }
 
 /// What a point has to say in the table.
@@ -66,6 +67,12 @@ pub(super) struct Row {
     p_value: f64,
 }
 
+impl Row {
+    /// Of a point that is not there.
+    const ABSENT: Self =
+        Self { pull_off: [f64::NAN; 2], integral: f64::NAN, differences: [Difference::UNKNOWN; 4], p_value: f64::NAN };
+}
+
 /// Puts the points together into the output; none when it was interrupted.
 fn assembled(
     points: &Points<'_>,
@@ -74,7 +81,7 @@ fn assembled(
     session: &Session,
 ) -> Result<Option<Vec<Row>>, OutputError> {
     let sweep = points.sweep;
-    let files: Vec<_> = (0..sweep.count()).map(|point| points.file(point)).collect();
+    let files: Vec<_> = (0..sweep.count()).map(|point| Some(points.file(point)).filter(|file| file.exists())).collect();
     let places: Vec<_> = (0..sweep.count()).map(|point| sweep.place(point)).collect();
     let mut writer = Writer::create(&SWEEP, points.claim, points.manner.force)?;
     write_about(&writer, &scene.title, &identity.scene)?;
@@ -84,13 +91,16 @@ fn assembled(
     if !stack(&mut writer, &stack::Points { files: &files, places: &places, goes_on: &goes_on })? {
         return Ok(None);
     }
-    let first = scalars(&files[0])?;
+    let first = files[0].as_deref().map(scalars).transpose()?;
     let mut rows = Vec::with_capacity(files.len());
     for file in &files {
         if !goes_on() {
             return Ok(None);
         }
-        rows.push(compared(file, &first, scene.sampling, sweep.common_random_numbers)?);
+        rows.push(match file {
+            Some(file) => compared(file, first.as_ref(), scene, sweep.common_random_numbers)?,
+            None => Row::ABSENT,
+        });
     }
     write_differences(&writer, &rows)?;
     let p_values: Vec<f64> = rows.iter().map(|row| row.p_value).collect();
@@ -132,16 +142,20 @@ fn scalars(file: &Path) -> Result<[Vec<f64>; 4], OutputError> {
     Ok(values)
 }
 
-/// What a point has to say, beside the replicas of the first.
-fn compared(file: &Path, first: &[Vec<f64>; 4], scheme: SamplingScheme, common: bool) -> Result<Row, OutputError> {
+/// What a point has to say, beside the replicas of the first. Only where all replicas of both are there they are compared.
+fn compared(file: &Path, first: Option<&[Vec<f64>; 4]>, scene: &Scene, common: bool) -> Result<Row, OutputError> {
     let reader = Reader::open(file, &[&RUN])?;
     let own = scalars(file)?;
-    let group = scheme.group() as usize;
+    let group = scene.sampling.group() as usize;
+    let are_whole = |values: &[Vec<f64>; 4]| values[0].len() as u64 == scene.replicas;
+    let first = first.filter(|first| are_whole(first) && are_whole(&own));
     let of_pull_off = |name: &str| reader.values::<f64>(name).map(|values| values[0]);
     Ok(Row {
         pull_off: [of_pull_off("/ensemble/scalar_mean")?, of_pull_off("/ensemble/scalar_standard_error")?],
         integral: reader.number("/statistical", "pull_off_force")?,
-        differences: std::array::from_fn(|i| Difference::new(&first[i], &own[i], group, common)),
+        differences: std::array::from_fn(|i| {
+            first.map_or(Difference::UNKNOWN, |first| Difference::new(&first[i], &own[i], group, common))
+        }),
         p_value: reader.number("/validation", "p_value")?,
     })
 }

@@ -3,6 +3,7 @@
 use super::Job;
 use super::curves::Curves;
 use super::groups::Groups;
+use super::record::Record;
 use super::replica::{Replica, Workspace};
 use crate::asperity::{Quantity, Work};
 use crate::math::moments::Moments;
@@ -13,11 +14,6 @@ use crate::surface::STRATA;
 pub const BATCH: u64 = 8;
 // A batch holds whole groups, so that groups need not be put together from two of them.
 const _: () = assert!(BATCH.is_multiple_of(STRATA) && BATCH.is_multiple_of(2));
-
-/// Whether so many of all replicas are those of whole batches.
-pub fn is_whole(done: u64, replicas: u64) -> bool {
-    done == replicas || (done < replicas && done.is_multiple_of(BATCH))
-}
 
 /// The moments of an ensemble and what is kept of every replica.
 #[derive(Clone, Debug, PartialEq)]
@@ -49,15 +45,29 @@ impl Ensemble {
             regime_count: Moments::new(r * s),
             regime_adhesion_force: Moments::new(r * s),
             regime_external_force: Moments::new(r * s),
-            groups: Groups::new(job),
+            groups: Groups::new(job, 0),
             replicas: Vec::new(),
             snaps: Vec::new(),
             work: Work::default(),
         }
     }
 
-    /// Adds the replicas of the next batch.
-    pub fn merge(&mut self, other: &Self) {
+    /// All of it but what is kept of every replica.
+    pub(super) fn sums(&self) -> Self {
+        Self {
+            curves: self.curves.clone(),
+            regime_count: self.regime_count.clone(),
+            regime_adhesion_force: self.regime_adhesion_force.clone(),
+            regime_external_force: self.regime_external_force.clone(),
+            groups: self.groups.clone(),
+            replicas: Vec::new(),
+            snaps: Vec::new(),
+            work: self.work,
+        }
+    }
+
+    /// Adds the sums over the replicas of another that come behind.
+    pub(super) fn merge_sums(&mut self, other: &Self) {
         for (mine, theirs) in self.curves.iter_mut().zip(&other.curves) {
             mine.merge(theirs);
         }
@@ -65,45 +75,7 @@ impl Ensemble {
         self.regime_adhesion_force.merge(&other.regime_adhesion_force);
         self.regime_external_force.merge(&other.regime_external_force);
         self.groups.merge(&other.groups);
-        self.replicas.extend_from_slice(&other.replicas);
-        self.snaps.extend_from_slice(&other.snaps);
         self.work.merge(&other.work);
-    }
-
-    /// Everything but what is kept of every replica, as words that [`Ensemble::restored`] takes back.
-    pub fn state(&self) -> Vec<u64> {
-        let Self {
-            curves,
-            regime_count,
-            regime_adhesion_force,
-            regime_external_force,
-            groups,
-            replicas: _,
-            snaps: _,
-            work,
-        } = self;
-        let mut state = Self {
-            curves: curves.clone(),
-            regime_count: regime_count.clone(),
-            regime_adhesion_force: regime_adhesion_force.clone(),
-            regime_external_force: regime_external_force.clone(),
-            groups: groups.clone(),
-            replicas: Vec::new(),
-            snaps: Vec::new(),
-            work: *work,
-        };
-        state.words()
-    }
-
-    /// The ensemble of a state and of what was kept of its replicas and their snaps; none when they are not of this job, or not of whole
-    /// batches.
-    pub fn restored(job: &Job<'_>, state: &[u64], replicas: Vec<Replica>, snaps: Vec<f64>) -> Option<Self> {
-        let mut ensemble = Self::new(job);
-        let count = replicas.len() as u64;
-        let fits = is_whole(count, job.replicas) && ensemble.restore(state) && ensemble.regime_count.count() == count;
-        let fits = fits && snaps.len() == replicas.len() * job.protocol.holding.length();
-        (ensemble.replicas, ensemble.snaps) = (replicas, snaps);
-        fits.then_some(ensemble)
     }
 
     fn push(&mut self, job: &Job<'_>, replica: Replica, curves: &Curves) {
@@ -158,7 +130,8 @@ pub struct Batch {
 impl Batch {
     /// Computes the batch `index` of a job, in memory of that job.
     pub fn compute(job: &Job<'_>, workspace: &mut Workspace, index: u64) -> Self {
-        let mut batch = Self { ensemble: Ensemble::new(job), external_force: Vec::new(), adhesion_force: Vec::new() };
+        let ensemble = Ensemble { groups: Groups::new(job, index), ..Ensemble::new(job) };
+        let mut batch = Self { ensemble, external_force: Vec::new(), adhesion_force: Vec::new() };
         let replicas = index * BATCH..((index + 1) * BATCH).min(job.replicas);
         workspace.replicas(job, replicas, |replica, curves| {
             batch.ensemble.push(job, replica, curves);
@@ -171,23 +144,16 @@ impl Batch {
         batch
     }
 
-    /// The record of each of its replicas, one after the other: what is kept of it, its snaps, and its curves where they are.
+    /// The record of each of its replicas, one after the other.
     pub fn records(&self, job: &Job<'_>) -> Vec<u64> {
-        let (s, snaps, replicas) = (job.states(), job.protocol.holding.length(), &self.ensemble.replicas);
-        let mut records = Vec::with_capacity(replicas.len() * record_length(s, snaps, job.keep_curves));
-        for (i, mut replica) in replicas.iter().copied().enumerate() {
-            replica.each_word(&mut |word| records.push(*word));
-            records.extend(self.ensemble.snaps.iter().skip(i * snaps).take(snaps).map(|number| number.to_bits()));
-            for curves in [&self.external_force, &self.adhesion_force] {
-                records.extend(curves.iter().skip(i * s).take(s).map(|force| force.to_bits()));
-            }
+        let (record, replicas) = (Record::of(job), &self.ensemble.replicas);
+        let (snaps, states) = (record.snaps, record.states);
+        let mut records = Vec::with_capacity(replicas.len() * record.length());
+        for (i, replica) in replicas.iter().enumerate() {
+            let curves =
+                [&self.external_force, &self.adhesion_force].map(|forces| &forces[i * states..(i + 1) * states]);
+            record.write(&mut records, replica, &self.ensemble.snaps[i * snaps..(i + 1) * snaps], curves);
         }
         records
     }
-}
-
-/// Words of the record of a replica over so many states with so many numbers of its snaps: what is kept of it, these numbers, and behind
-/// them, where curves are kept, its external force and its adhesion force, N.
-pub fn record_length(states: usize, snaps: usize, keep_curves: bool) -> usize {
-    Replica::WORDS + snaps + if keep_curves { 2 * states } else { 0 }
 }

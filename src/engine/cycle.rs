@@ -24,9 +24,6 @@ pub struct Cycle {
 }
 
 impl Cycle {
-    /// Its number of words.
-    pub const WORDS: usize = 5;
-
     /// Of a surface: its highest asperity, m, NaN of none, its external force (N) of both ways over the separations of the job, and the
     /// pull-off on the way there.
     pub(super) fn new(job: &Job<'_>, cycle: &Loop, highest: f64, external: [&[f64]; 2], pull_off: &Extremum) -> Self {

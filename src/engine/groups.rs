@@ -25,13 +25,13 @@ pub struct Groups {
     /// Sums over the replicas of a group that is not complete: curves, scores, controls, scalars.
     sums: Vec<f64>,
     filled: u64,
-    /// Batches that have been merged.
-    batches: u64,
+    /// The part of the scalars that groups go into.
+    part: usize,
 }
 
 impl Groups {
-    /// No replicas yet.
-    pub fn new(job: &Job<'_>) -> Self {
+    /// No replicas yet of the batch of an index.
+    pub fn new(job: &Job<'_>, batch: u64) -> Self {
         let (s, k, c) =
             (job.states(), job.probes.len(), job.controls.len() + scalars(job.protocol.cycle.is_some()).count());
         Self {
@@ -40,7 +40,7 @@ impl Groups {
             scalars: std::array::from_fn(|_| Comoments::new(c)),
             sums: vec![0.0; 4 * s + k + c],
             filled: 0,
-            batches: 0,
+            part: (batch % PARTS as u64) as usize,
         }
     }
 
@@ -72,19 +72,20 @@ impl Groups {
         }
         let (scores, scalars) = rest.split_at(job.probes.len());
         self.scores.push(scores);
-        self.scalars[0].push(scalars);
+        self.scalars[self.part].push(scalars);
         self.sums.fill(0.0);
         self.filled = 0;
     }
 
-    /// Adds the groups of the next batch, which are complete.
+    /// Adds the groups of other batches; all are complete.
     pub fn merge(&mut self, other: &Self) {
         for (mine, theirs) in self.curves.iter_mut().zip(&other.curves) {
             mine.merge(theirs);
         }
         self.scores.merge(&other.scores);
-        self.scalars[(self.batches % PARTS as u64) as usize].merge(&other.scalars[0]);
-        self.batches += 1;
+        for (mine, theirs) in self.scalars.iter_mut().zip(&other.scalars) {
+            mine.merge(theirs);
+        }
     }
 }
 
@@ -92,9 +93,7 @@ impl Words for Groups {
     fn each_word(&mut self, visit: &mut dyn FnMut(&mut u64)) {
         self.curves.each_word(visit);
         self.scores.each_word(visit);
+        // Nothing is left over between batches.
         self.scalars.each_word(visit);
-        self.sums.each_word(visit);
-        visit(&mut self.filled);
-        visit(&mut self.batches);
     }
 }

@@ -2,21 +2,24 @@
 //!
 //! Each replica has its own random stream (seed, replica), and under a [`SamplingScheme`] shares draws with its group. Replicas are
 //! grouped into batches of a fixed size; batches are computed in any order by any number of threads and merged in the order of
-//! their index, so every result depends on the scene and the seed alone. What is kept per replica is a handful of numbers; heights
+//! their index in a fixed tree, so every result depends on the scene and the seed alone. What is kept per replica is a handful of numbers; heights
 //! and curves are dropped with their batch.
 
 mod batch;
 pub mod compressed;
 mod curves;
 mod cycle;
+mod forest;
 mod groups;
 pub mod instability;
 mod pull_off;
+mod record;
 mod reduce;
 mod replica;
 mod sampling;
 mod scalars;
 mod scattered;
+mod shard;
 mod stopping;
 pub mod stream;
 mod summation;
@@ -24,15 +27,18 @@ mod sums;
 mod tracts;
 mod whole;
 
-pub use batch::{BATCH, Batch, Ensemble, is_whole, record_length};
+pub use batch::{BATCH, Batch, Ensemble};
 pub use curves::Curves;
 pub use cycle::{Cycle, area_between};
+pub use forest::{Forest, replicas_of};
 pub use groups::Groups;
 pub use instability::Holding;
+pub use record::Record;
 pub use reduce::{Outcome, run, run_from};
 pub use replica::{Replica, Workspace};
 pub use sampling::{TRACT, draw};
 pub use scalars::{LOOP_SCALARS, SCALARS, Scalar, scalars};
+pub use shard::Shard;
 pub use stopping::{Attained, Rule};
 pub use summation::Summation;
 

@@ -1,7 +1,8 @@
 //! Batches computed in parallel, merged in order.
 
 use super::Job;
-use super::batch::{BATCH, Batch, Ensemble};
+use super::batch::Batch;
+use super::forest::Forest;
 use super::replica::Workspace;
 use super::stopping::Rule;
 use rayon::prelude::*;
@@ -12,17 +13,17 @@ use std::sync::mpsc::sync_channel;
 /// How a run ended.
 #[derive(Debug)]
 pub enum Outcome {
-    /// All replicas are in, or the targets are met.
-    Complete(Box<Ensemble>),
+    /// All batches are in, or the targets are met.
+    Complete(Box<Forest>),
     /// `stop` was set: the batches that were merged until then.
-    Interrupted(Box<Ensemble>),
+    Interrupted(Box<Forest>),
 }
 
 impl Outcome {
     /// What has been merged.
-    pub fn ensemble(&self) -> &Ensemble {
+    pub fn forest(&self) -> &Forest {
         match self {
-            Self::Complete(ensemble) | Self::Interrupted(ensemble) => ensemble,
+            Self::Complete(forest) | Self::Interrupted(forest) => forest,
         }
     }
 }
@@ -38,14 +39,14 @@ pub fn run<E: Send>(
     job: &Job<'_>,
     pool: &rayon::ThreadPool,
     stop: &AtomicBool,
-    observe: impl FnMut(&Batch, &Ensemble) -> Result<(), E>,
+    observe: impl FnMut(&Batch, &Forest) -> Result<(), E>,
 ) -> Result<Outcome, E> {
-    run_from(job, pool, stop, Ensemble::new(job), None, observe)
+    run_from(job, pool, stop, Forest::of(job), None, observe)
 }
 
-/// Computes a job on `pool`, from the first replica that `merged` does not have yet. `observe` gets every batch in order, with what
-/// it has been merged into; its error ends the run. When `stop` is set no batch is begun any more. With a rule the run is complete
-/// after the first batch that meets it: what other threads have begun by then is dropped. The result has the same bits wherever it began.
+/// Computes the batches of a job that `merged` does not have yet, on `pool`. `observe` gets every batch in order, with what it has been
+/// merged into; its error ends the run. When `stop` is set no batch is begun any more. With a rule the run is complete after the first
+/// batch that meets it: what other threads have begun by then is dropped. The result has the same bits wherever it began.
 ///
 /// At most a few batches per thread wait to be merged, so memory does not grow with the number of replicas except by what is kept
 /// of each.
@@ -56,12 +57,12 @@ pub fn run_from<E: Send>(
     job: &Job<'_>,
     pool: &rayon::ThreadPool,
     stop: &AtomicBool,
-    mut merged: Ensemble,
+    mut merged: Forest,
     rule: Option<Rule<'_>>,
-    mut observe: impl FnMut(&Batch, &Ensemble) -> Result<(), E>,
+    mut observe: impl FnMut(&Batch, &Forest) -> Result<(), E>,
 ) -> Result<Outcome, E> {
     job.require_whole_groups();
-    let is_enough = |merged: &Ensemble| rule.is_some_and(|rule| rule.is_met(merged));
+    let is_enough = |merged: &Forest| rule.is_some_and(|rule| rule.is_met(job, merged));
     // A run may have been interrupted after the batch that was the last.
     if is_enough(&merged) {
         return Ok(Outcome::Complete(Box::new(merged)));
@@ -69,13 +70,13 @@ pub fn run_from<E: Send>(
     let enough = AtomicBool::new(false);
     let ends = || stop.load(Ordering::Relaxed) || enough.load(Ordering::Relaxed);
     let (sender, receiver) = sync_channel::<(u64, Batch)>(pool.current_num_threads());
-    let first = (merged.replicas.len() as u64).div_ceil(BATCH);
+    let (first, end) = (merged.next(), merged.batches().end);
     std::thread::scope(|scope| {
         let ends = &ends;
         scope.spawn(move || {
             pool.install(|| {
                 // par_bridge hands batches out in order, so those that wait for an earlier one are few.
-                let batches = (first..job.batches()).take_while(|_| !ends()).par_bridge();
+                let batches = (first..end).take_while(|_| !ends()).par_bridge();
                 batches.for_each_init(
                     // Threads without a batch take no memory.
                     || None,
@@ -94,7 +95,7 @@ pub fn run_from<E: Send>(
         for (index, batch) in receiver.iter() {
             waiting.insert(index, batch);
             while let Some(batch) = waiting.remove(&next) {
-                merged.merge(&batch.ensemble);
+                merged.push(&batch.ensemble);
                 if let Err(error) = observe(&batch, &merged) {
                     stop.store(true, Ordering::Relaxed);
                     drop(receiver);
@@ -108,7 +109,7 @@ pub fn run_from<E: Send>(
                 }
             }
         }
-        let complete = merged.replicas.len() as u64 == job.replicas;
+        let complete = merged.is_complete();
         let merged = Box::new(merged);
         Ok(if complete { Outcome::Complete(merged) } else { Outcome::Interrupted(merged) })
     })

@@ -16,7 +16,7 @@ use crate::math::words::Words;
 use std::ops::Range;
 
 /// What is kept of every replica.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Replica {
     /// Number of asperities.
     pub asperity_count: u64,
@@ -32,14 +32,11 @@ pub struct Replica {
     pub peak_stiffness_separation: f64,
     /// Whether the smallest force is at the first or last separation, so that the curve may fall further beyond.
     pub pull_off_at_edge: bool,
-    /// What is kept of it as a loop, of which all above is of the way back.
-    pub cycle: Cycle,
+    /// What is kept of it as a loop, if it is one; all above is then of the way back.
+    pub cycle: Option<Box<Cycle>>,
 }
 
 impl Replica {
-    /// Its number of words.
-    pub const WORDS: usize = 7 + Cycle::WORDS;
-
     fn pull_off(&mut self, smallest: &Extremum) {
         (self.pull_off_force, self.pull_off_separation) = (-smallest.value, smallest.place);
         self.pull_off_at_edge = smallest.at_edge;
@@ -61,7 +58,7 @@ impl Words for Replica {
         let mut at_edge = u64::from(self.pull_off_at_edge);
         visit(&mut at_edge);
         self.pull_off_at_edge = at_edge != 0;
-        self.cycle.each_word(visit);
+        self.cycle.iter_mut().for_each(|cycle| cycle.each_word(visit));
     }
 }
 
@@ -221,7 +218,7 @@ fn keep(job: &Job<'_>, surface: &mut dyn Summed, count: usize, curves: &mut Curv
     let mut kept = Replica { asperity_count: count as u64, highest_asperity, ..Replica::default() };
     let mut last = (external, pull_off);
     if let Some(cycle) = job.protocol.cycle {
-        kept.cycle = Cycle::new(job, cycle, highest_asperity, [external, back], &pull_off);
+        kept.cycle = Some(Box::new(Cycle::new(job, cycle, highest_asperity, [external, back], &pull_off)));
         let samples: Vec<(f64, f64)> = job.separations.iter().copied().zip(back.iter().copied()).collect();
         last = (back, pull_off_back(surface, job.separations[0], &samples));
     }

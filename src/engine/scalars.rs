@@ -1,5 +1,6 @@
 //! The numbers of a replica whose means over replicas have no closed form.
 
+use super::cycle::Cycle;
 use super::replica::Replica;
 
 /// A number that is read off a replica's own curve.
@@ -23,16 +24,33 @@ pub const SCALARS: [Scalar; 4] = [
 
 /// Those of a replica that is brought close and pulled back.
 pub const LOOP_SCALARS: [Scalar; 5] = [
-    Scalar { name: "approach_pull_off_force", units: "N", of: |replica| replica.cycle.approach_pull_off_force },
+    Scalar {
+        name: "approach_pull_off_force",
+        units: "N",
+        of: |replica| of_cycle(replica, |cycle| cycle.approach_pull_off_force),
+    },
     Scalar {
         name: "approach_pull_off_separation",
         units: "m",
-        of: |replica| replica.cycle.approach_pull_off_separation,
+        of: |replica| of_cycle(replica, |cycle| cycle.approach_pull_off_separation),
     },
-    Scalar { name: "dissipated_energy", units: "J", of: |replica| replica.cycle.dissipated_energy },
-    Scalar { name: "touchdown_separation", units: "m", of: |replica| replica.cycle.touchdown_separation },
-    Scalar { name: "takeoff_separation", units: "m", of: |replica| replica.cycle.takeoff_separation },
+    Scalar { name: "dissipated_energy", units: "J", of: |replica| of_cycle(replica, |cycle| cycle.dissipated_energy) },
+    Scalar {
+        name: "touchdown_separation",
+        units: "m",
+        of: |replica| of_cycle(replica, |cycle| cycle.touchdown_separation),
+    },
+    Scalar {
+        name: "takeoff_separation",
+        units: "m",
+        of: |replica| of_cycle(replica, |cycle| cycle.takeoff_separation),
+    },
 ];
+
+/// A number of a replica that is a loop; NaN of any other.
+fn of_cycle(replica: &Replica, of: fn(&Cycle) -> f64) -> f64 {
+    replica.cycle.as_deref().map_or(f64::NAN, of)
+}
 
 /// The scalars of a job: [`SCALARS`], and of loops behind these [`LOOP_SCALARS`].
 pub fn scalars(cycle: bool) -> impl Iterator<Item = Scalar> {

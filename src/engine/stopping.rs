@@ -6,7 +6,9 @@
 //! To stop as soon as an estimated error is small enough favours samples that underestimate it. What keeps that small is that the first
 //! look comes late, and that from one look to the next there is more than a little: docs/stopping.md has the coverage of the intervals.
 
+use super::Job;
 use super::batch::{BATCH, Ensemble};
+use super::forest::Forest;
 use crate::math::control_variates::controlled_means;
 use crate::scene::{Estimate, Limit, Stopping, Target};
 
@@ -74,9 +76,9 @@ impl Rule<'_> {
         self.stopping.targets.iter().map(attained).collect()
     }
 
-    /// Whether an ensemble is looked at now, and all targets are met.
-    pub fn is_met(&self, ensemble: &Ensemble) -> bool {
-        self.is_look(ensemble.replicas.len() as u64) && self.attained(ensemble).iter().all(Attained::is_met)
+    /// Whether what has been merged of a job is looked at now, and all targets are met.
+    pub fn is_met(&self, job: &Job<'_>, merged: &Forest) -> bool {
+        self.is_look(merged.replicas.len() as u64) && self.attained(&merged.ensemble(job)).iter().all(Attained::is_met)
     }
 }
 

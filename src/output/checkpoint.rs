@@ -10,6 +10,7 @@
 
 use super::OutputError;
 use super::claim::{Claim, flush_names};
+use crate::engine::Shard;
 use crc32fast::Hasher;
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use std::fs::File;
@@ -22,7 +23,7 @@ const CHECKPOINT: &[u8] = b"stiction checkpoint\n";
 /// The line that records begin with.
 const RECORDS: &[u8] = b"stiction replicas of a checkpoint\n";
 /// Version of the layout of both.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 /// Most bytes of a checkpoint; records are no part of it.
 const MOST_BYTES: u64 = 1 << 30;
 /// Bytes that are read at once, about.
@@ -41,13 +42,15 @@ pub struct Identity {
     pub seed: u64,
     /// Number of replicas.
     pub replicas: u64,
+    /// The shard that it is of the run, if not all of it.
+    pub shard: Option<Shard>,
 }
 
 impl Identity {
-    /// How this run differs from the one that a checkpoint belongs to; none when it is that one.
-    pub fn difference(&self, kept: &Self) -> Option<String> {
+    /// How this run differs from another, that of `whose`; none when it is that one. `verbs` say when each is what it is.
+    pub fn difference(&self, whose: &str, verbs: (&str, &str), kept: &Self) -> Option<String> {
         let is = |what: &str, kept: &dyn std::fmt::Display, own: &dyn std::fmt::Display| {
-            Some(format!("{what} of the interrupted run was {kept}, and is now {own}"))
+            Some(format!("{what} of {whose} {} {kept}, and {} {own}", verbs.0, verbs.1))
         };
         if self.program_version != kept.program_version {
             return is("the version of stiction", &kept.program_version, &self.program_version);
@@ -64,7 +67,11 @@ impl Identity {
         if self.scene != kept.scene {
             let lines = self.scene.lines().zip(kept.scene.lines());
             let line = 1 + lines.take_while(|(own, kept)| own == kept).count();
-            return Some(format!("the scene is not that of the interrupted run: it differs in line {line}"));
+            return Some(format!("the scene is not that of {whose}: it differs in line {line}"));
+        }
+        let shard = |shard: Option<Shard>| shard.map_or("none".to_owned(), |shard| shard.to_string());
+        if self.shard != kept.shard {
+            return is("the shard", &shard(kept.shard), &shard(self.shard));
         }
         None
     }
@@ -84,9 +91,9 @@ pub struct Checkpoint<S> {
     /// The state of the run's sums.
     pub state: S,
     /// Words of a record.
-    record_length: u64,
-    /// CRC-32 of the records that count.
-    records_checksum: u32,
+    pub record_length: u64,
+    /// CRC-32 of the records that count, little-endian.
+    pub records_checksum: u32,
 }
 
 impl<S: DeserializeOwned> Checkpoint<S> {
@@ -159,6 +166,18 @@ impl<S: Serialize> Checkpoint<S> {
 /// Whether a file begins as a checkpoint does.
 pub fn is_checkpoint(path: &Path) -> bool {
     begins_as(path, CHECKPOINT) == Some(CHECKPOINT.len())
+}
+
+/// What is done with a record; whether more are asked for.
+pub type Visit<'a> = dyn FnMut(&[u64]) -> Result<bool, OutputError> + 'a;
+
+/// Where the records of replicas are kept.
+pub trait Records {
+    /// Shows every record in order, as long as `visit` asks for more.
+    ///
+    /// # Errors
+    /// When they cannot be read, or those of `visit`.
+    fn records(&mut self, visit: &mut Visit<'_>) -> Result<(), OutputError>;
 }
 
 /// The records of a run, and the checkpoints that make them count.
@@ -340,16 +359,6 @@ impl Journal {
         (self.saved, self.spent)
     }
 
-    /// Shows every record in order, as long as `visit` asks for more.
-    ///
-    /// # Errors
-    /// When the disk fails, or `visit`.
-    pub fn records(&mut self, mut visit: impl FnMut(&[u64]) -> Result<bool, OutputError>) -> Result<(), OutputError> {
-        self.each_record(|words, _| visit(words))?;
-        let end = self.file.seek(SeekFrom::End(0));
-        end.map(|_| ()).map_err(|error| self.failed("cannot read", &self.path, error))
-    }
-
     /// Shows records, as words and as bytes, and leaves the file at some place within.
     fn each_record(
         &mut self,
@@ -380,6 +389,14 @@ impl Journal {
     pub fn discard(mut self) {
         let _ = std::fs::remove_file(&self.checkpoint);
         self.counted = false;
+    }
+}
+
+impl Records for Journal {
+    fn records(&mut self, visit: &mut Visit<'_>) -> Result<(), OutputError> {
+        self.each_record(|words, _| visit(words))?;
+        let end = self.file.seek(SeekFrom::End(0));
+        end.map(|_| ()).map_err(|error| self.failed("cannot read", &self.path, error))
     }
 }
 
@@ -430,24 +447,36 @@ mod tests {
     fn identity() -> Identity {
         let text = |text: &str| text.to_owned();
         let scene = text("format = 1\ntitle = \"\"\n");
-        Identity { program_version: text("0.1.0"), source_revision: text("abc"), scene, seed: 1, replicas: 800 }
+        Identity {
+            program_version: text("0.1.0"),
+            source_revision: text("abc"),
+            scene,
+            seed: 1,
+            replicas: 800,
+            shard: None,
+        }
     }
 
     /// Every part of an identity counts, and the difference names it.
     #[test]
     fn another_run_is_told_by_its_difference() {
         let kept = identity();
-        assert_eq!(kept.difference(&identity()), None);
+        let difference = |own: &Identity| own.difference("the interrupted run", ("was", "is now"), &kept);
+        assert_eq!(difference(&identity()), None);
         let others = [
             (Identity { program_version: "0.2.0".into(), ..identity() }, "version of stiction"),
             (Identity { source_revision: "def".into(), ..identity() }, "source revision"),
             (Identity { scene: "format = 1\ntitle = \"a\"\n".into(), ..identity() }, "line 2"),
             (Identity { scene: "format = 1\n".into(), ..identity() }, "line 2"),
             (Identity { seed: 2, ..identity() }, "seed of the interrupted run was 1, and is now 2"),
+            (
+                Identity { shard: "3/16".parse().ok(), ..identity() },
+                "shard of the interrupted run was none, and is now 3/16",
+            ),
             (Identity { replicas: 8, ..identity() }, "replicas of the interrupted run was 800, and is now 8"),
         ];
         for (own, named) in others {
-            let difference = own.difference(&kept).unwrap();
+            let difference = difference(&own).unwrap();
             assert!(difference.contains(named), "{difference}");
         }
     }
@@ -512,7 +541,7 @@ mod tests {
         journal.append(&[7, 8]).unwrap();
         found.clear();
         journal
-            .records(|record| {
+            .records(&mut |record: &[u64]| {
                 found.extend_from_slice(record);
                 Ok(true)
             })

@@ -11,8 +11,8 @@ pub mod maps;
 pub mod progress;
 pub mod reader;
 mod scales;
-
 pub mod schema;
+pub mod shard;
 pub mod stack;
 pub mod writer;
 

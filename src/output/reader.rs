@@ -9,7 +9,8 @@ use super::attributes::{lossy, read_text};
 use super::guard::{self, fits, is_kind_of};
 use super::schema::{Dimension, Layout};
 use hdf5::types::TypeDescriptor;
-use hdf5::{Attribute, File, Group, H5Type, Hyperslab, SliceOrIndex};
+use hdf5::{Attribute, Dataset, File, Group, H5Type, Hyperslab, SliceOrIndex};
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 /// Most dimensions of points that a file can have.
@@ -61,6 +62,12 @@ impl Reader {
     /// # Errors
     /// When it is missing, has another shape or type than the layout says, or claims more values than the file holds.
     pub fn values<T: H5Type>(&self, path: &str) -> Result<Vec<T>, OutputError> {
+        let dataset = self.checked::<T>(path)?;
+        dataset.read_raw().map_err(|_| self.broken(format!("has a dataset {path} that is damaged")))
+    }
+
+    /// A dataset of the shape and the type that the layout says.
+    fn checked<T: H5Type>(&self, path: &str) -> Result<Dataset, OutputError> {
         let dataset = guard::dataset(&self.file, path).map_err(|problem| self.broken(problem))?;
         let lengths: Result<Vec<usize>, _> =
             self.layout.variable(path).dimensions.iter().map(|d| self.length(*d)).collect();
@@ -71,7 +78,28 @@ impl Reader {
         is_kind_of::<T>(&dataset)
             .and_then(|()| fits(&dataset, self.length))
             .map_err(|problem| self.broken(format!("has a dataset {path} that {problem}")))?;
-        dataset.read_raw().map_err(|_| self.broken(format!("has a dataset {path} that is damaged")))
+        Ok(dataset)
+    }
+
+    /// Some rows of a dataset of the layout that has two dimensions, row-major.
+    ///
+    /// # Errors
+    /// As [`Reader::values`], and when it has no such rows.
+    pub fn rows<T: H5Type>(&self, path: &str, rows: Range<usize>) -> Result<Vec<T>, OutputError> {
+        let dataset = self.checked::<T>(path)?;
+        match dataset.shape()[..] {
+            [count, length] if rows.end <= count && length > 0 => {
+                let values = dataset.read_slice_2d::<T, _>((rows, ..));
+                let values = values.map_err(|_| self.broken(format!("has a dataset {path} that is damaged")))?;
+                Ok(values.into_iter().collect())
+            }
+            _ => Err(self.broken(format!("has no rows {} to {} of {path}", rows.start, rows.end))),
+        }
+    }
+
+    /// Where the file is.
+    pub fn path(&self) -> &Path {
+        &self.path
     }
 
     /// The layout of the file.

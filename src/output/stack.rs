@@ -15,13 +15,16 @@ use std::path::PathBuf;
 
 /// Results of `stiction run` that belong together, in the order of the points.
 pub struct Points<'a> {
-    /// Their files.
-    pub files: &'a [PathBuf],
+    /// Their files, where they are there.
+    pub files: &'a [Option<PathBuf>],
     /// The index of each along each dimension of the points.
     pub places: &'a [Vec<usize>],
     /// Asked between one point and the next whether to go on.
     pub goes_on: &'a dyn Fn() -> bool,
 }
+
+/// A dataset of the stack, the places of the points that have it, and whether it holds fractions.
+type Made = (&'static str, Vec<Vec<usize>>, bool);
 
 /// What the points have in common along a dimension.
 enum Scale {
@@ -55,6 +58,10 @@ pub fn stack(writer: &mut Writer<'_>, points: &Points<'_>) -> Result<bool, Outpu
         if !(points.goes_on)() {
             return Ok(false);
         }
+        let Some(path) = path else {
+            attributes.skip();
+            continue;
+        };
         let file = opened(path)?;
         attributes.read(&file)?;
         for variable in stacked() {
@@ -85,7 +92,7 @@ fn found(file: &File, variable: &Variable) -> Option<Dataset> {
 /// What the points have in common along each dimension, in the order of the layout; none when told not to go on.
 fn scales(points: &Points<'_>) -> Result<Option<Vec<(Dimension, Scale)>>, OutputError> {
     let mut scales: Vec<(Dimension, Scale)> = Vec::new();
-    for path in points.files {
+    for path in points.files.iter().flatten() {
         if !(points.goes_on)() {
             return Ok(None);
         }
@@ -123,14 +130,14 @@ fn copy(
     variable: &'static Variable,
     dataset: &Dataset,
     place: &[usize],
-    made: &mut Vec<(&'static str, Vec<Vec<usize>>)>,
+    made: &mut Vec<Made>,
 ) -> Result<(), OutputError> {
     let path = variable.path;
-    let first = !made.iter().any(|(known, _)| *known == path);
-    if first {
-        made.push((path, Vec::new()));
-    }
+    let first = !made.iter().any(|(known, ..)| *known == path);
     let descriptor = dataset.dtype()?.to_descriptor()?;
+    if first {
+        made.push((path, Vec::new(), matches!(descriptor, TypeDescriptor::Float(_))));
+    }
     // What is a text is the same for all points.
     if descriptor == TypeDescriptor::VarLenUnicode {
         let texts = names(dataset)?;
@@ -139,7 +146,7 @@ fn copy(
     }
     let curves = variable.dimensions == [Dimension::Replica, Dimension::Separation];
     let target = Target { writer, path, place, curves, first };
-    if let Some((_, places)) = made.iter_mut().find(|(known, _)| *known == path) {
+    if let Some((_, places, _)) = made.iter_mut().find(|(known, ..)| *known == path) {
         places.push(place.to_vec());
     }
     if curves {
@@ -218,12 +225,9 @@ fn moved(index: usize, maps: &[Vec<usize>], shape: &[usize]) -> usize {
 }
 
 /// Says so where only some points have a dataset.
-fn fill_absent(
-    writer: &Writer<'_>,
-    points: &Points<'_>,
-    made: &[(&'static str, Vec<Vec<usize>>)],
-) -> Result<(), OutputError> {
-    for (path, filled) in made.iter().filter(|(_, filled)| !filled.is_empty() && filled.len() < points.places.len()) {
+fn fill_absent(writer: &Writer<'_>, points: &Points<'_>, made: &[Made]) -> Result<(), OutputError> {
+    let some = |filled: &[Vec<usize>]| !filled.is_empty() && filled.len() < points.places.len();
+    for (path, filled, _) in made.iter().filter(|(_, filled, is_float)| *is_float && some(filled)) {
         let absent = vec![f64::NAN; writer.shape_of_point(path).iter().product()];
         for place in points.places.iter().filter(|place| !filled.contains(place)) {
             writer.at_point(path, place, 0, &absent)?;
@@ -266,6 +270,11 @@ impl Attributes {
         }
         self.read += 1;
         Ok(())
+    }
+
+    /// Has nothing of a point that is not there.
+    fn skip(&mut self) {
+        self.read += 1;
     }
 
     fn write(self, writer: &Writer<'_>, points: &Points<'_>) -> Result<(), OutputError> {

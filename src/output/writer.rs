@@ -259,7 +259,17 @@ impl<'c> Writer<'c> {
         self.points.iter().chain(own).enumerate().try_for_each(|(i, scale)| Ok(attach_scale(dataset, scale, i)?))
     }
 
-    /// Makes the dataset of a curve of every replica, filled batch by batch with [`Writer::curves`].
+    /// Makes a dataset of two dimensions, filled row by row with [`Writer::rows`].
+    ///
+    /// # Errors
+    /// When HDF5 fails.
+    pub fn rows_dataset<T: H5Type>(&self, path: &str) -> Result<(), OutputError> {
+        let dataset = self.file.new_dataset::<T>().shape(self.shape(path)).create(path)?;
+        self.describe(path, &dataset)
+    }
+
+    /// Makes the dataset of a curve of every replica, filled batch by batch with [`Writer::rows`]; fast for whole chunks of
+    /// [`CURVE_CHUNK`] replicas.
     ///
     /// # Errors
     /// When HDF5 fails.
@@ -270,15 +280,18 @@ impl<'c> Writer<'c> {
         self.describe(path, &dataset)
     }
 
-    /// Fills the curves of consecutive replicas, row-major; fast for whole chunks of [`CURVE_CHUNK`] replicas.
+    /// Fills rows of a dataset of two dimensions from the row `first` on, row-major.
     ///
     /// # Errors
     /// When HDF5 fails.
-    pub fn curves(&self, path: &str, first: usize, values: &[f64]) -> Result<(), OutputError> {
+    pub fn rows<T: H5Type>(&self, path: &str, first: usize, values: &[T]) -> Result<(), OutputError> {
+        if values.is_empty() {
+            return Ok(());
+        }
         let dataset = self.file.dataset(path)?;
-        let separations = dataset.shape()[1];
-        let rows = values.len() / separations;
-        let view = ndarray::ArrayView2::from_shape((rows, separations), values)
+        let length = dataset.shape()[1];
+        let rows = values.len() / length;
+        let view = ndarray::ArrayView2::from_shape((rows, length), values)
             .map_err(|error| hdf5::Error::from(error.to_string()))?;
         Ok(dataset.write_slice(view, (first..first + rows, ..))?)
     }

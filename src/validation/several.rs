@@ -43,6 +43,9 @@ pub struct Difference {
 }
 
 impl Difference {
+    /// That of values that are not known.
+    pub const UNKNOWN: Self = Self { mean: f64::NAN, standard_error: f64::NAN, variance_ratio: f64::NAN };
+
     /// Of the values of all replicas at the first point and at another, in groups of `group` that are independent of each other. With
     /// `common` random numbers replica i of both is the same surface but for what differs between the points, and its difference is
     /// one sample.

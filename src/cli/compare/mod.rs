@@ -12,7 +12,7 @@ use crate::asperity::emd::Emd;
 use crate::asperity::laws::fit::FORCES;
 use crate::asperity::models::Model;
 use crate::asperity::{FitReport, Law, Quantity, Scratch, Work, for_each_block};
-use crate::engine::{Ensemble, Outcome, Summation};
+use crate::engine::{Ensemble, Forest, Outcome, Summation};
 use crate::math::extrema::Features;
 use crate::output::Claim;
 use crate::output::progress::Progress;
@@ -192,12 +192,13 @@ fn sample(
 ) -> Result<Sampled, Failure> {
     let basis = basis_of(scene, law, None);
     let setup = Sampling { scene, law, cycle: None, basis: &basis, controls: &[], rule: None, keep_curves: false };
-    let start = Ensemble::new(&setup.job());
-    let (outcome, summation) = setup.run(name, pool, stop, progress, start, |_, _| Ok(()))?;
-    let Outcome::Complete(ensemble) = outcome else {
-        let done = outcome.ensemble().replicas.len() as u64;
+    let job = setup.job();
+    let (outcome, summation) = setup.run(name, pool, stop, progress, Forest::of(&job), |_, _| Ok(()))?;
+    let Outcome::Complete(forest) = outcome else {
+        let done = outcome.forest().replicas.len() as u64;
         return Err(Failure::Interrupted { done, of: scene.replicas, kept: false });
     };
+    let ensemble = Box::new(forest.into_ensemble(&job));
     let (z, joint) = cross_check(&ensemble, &[statistical], &basis, scene);
     Ok(Sampled { ensemble, summation, z, joint })
 }

@@ -6,12 +6,14 @@ mod asperities;
 mod comparison;
 mod finite_size;
 mod run;
+mod shard;
 mod sweep;
 
 pub use asperities::ASPERITIES;
 pub use comparison::COMPARISON;
 pub use finite_size::FINITE_SIZE;
 pub use run::RUN;
+pub use shard::SHARD;
 pub use sweep::SWEEP;
 
 /// A kind of file.
@@ -36,7 +38,7 @@ pub struct Layout {
 
 impl Layout {
     /// All kinds of files.
-    pub const ALL: [&'static Self; 5] = [&RUN, &COMPARISON, &SWEEP, &ASPERITIES, &FINITE_SIZE];
+    pub const ALL: [&'static Self; 6] = [&RUN, &COMPARISON, &SWEEP, &ASPERITIES, &FINITE_SIZE, &SHARD];
 
     /// All datasets that a file may hold, those of points included.
     pub fn known(&self) -> impl Iterator<Item = &'static Variable> {
@@ -108,6 +110,16 @@ pub enum Dimension {
     Quantile,
     /// Relative accuracies.
     Accuracy,
+    /// Pieces of a shard: of each point of a sweep what the shard has of it.
+    Piece,
+    /// Replicas of a shard.
+    Record,
+    /// Words of what is kept of a replica.
+    RecordWord,
+    /// Rows of the states of the pieces.
+    StateRow,
+    /// Bytes of such a row.
+    StateByte,
 }
 
 impl Dimension {
@@ -140,6 +152,11 @@ impl Dimension {
             Self::AsperityCount => "asperity_count",
             Self::Quantile => "quantile",
             Self::Accuracy => "accuracy",
+            Self::Piece => "piece",
+            Self::Record => "record",
+            Self::RecordWord => "record_word",
+            Self::StateRow => "state_row",
+            Self::StateByte => "state_byte",
         }
     }
 
@@ -225,6 +242,7 @@ mod tests {
             include_str!("../../../docs/sweep-format.md"),
             include_str!("../../../docs/asperity-file.md"),
             include_str!("../../../docs/finite-size.md"),
+            include_str!("../../../docs/shards.md"),
         ];
         for (layout, page) in Layout::ALL.into_iter().zip(pages) {
             assert!(page.contains(&format!("`{}`", layout.format)));

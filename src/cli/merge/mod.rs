@@ -1,0 +1,220 @@
+//! `stiction merge`: the shards of a run put together into the result of one run of all.
+
+mod whole;
+
+use super::checkpoint::{Beginning, Manner, Run, State, beginning, is_of, record_of};
+use super::format::row;
+use super::points::Points;
+use super::results::{Partial, Results, Told};
+use super::run::{Groundwork, Laws, Session, Task, write};
+use super::sampling::override_ensemble;
+use super::summary::summary;
+use super::{Failure, MergeArguments, print_of, refuse_own, sweep};
+use crate::engine::Forest;
+use crate::output::checkpoint::{Checkpoint, Records, Visit};
+use crate::output::progress::Progress;
+use crate::output::schema::SWEEP;
+use crate::output::shard::ShardFile;
+use crate::output::{Claim, OutputError};
+use crate::scene::{Document, Scene};
+use std::sync::atomic::Ordering;
+use std::time::Duration;
+use whole::{Found, Place, WholeRun};
+
+pub(super) fn merge(arguments: &MergeArguments) -> Result<(), Failure> {
+    let MergeArguments { shards, output, partial, scene, .. } = arguments;
+    shards.iter().try_for_each(|shard| refuse_own(shard, "shard", output))?;
+    let session = Session::new(&arguments.execution, Duration::MAX)?;
+    let claim = Claim::new(output)?;
+    let manner = Manner { resume: false, force: arguments.execution.force };
+    claim.check(manner.force)?;
+    let run = WholeRun::new(shards, *partial, scene.as_deref())?;
+    let merge = Merge { run: &run, session: &session };
+    let text = match &run.document {
+        Document { scene, sweep: None } => {
+            let task = Task { source: &run.source, output, claim: &claim, manner, shard: None };
+            let mut scene = scene.clone();
+            override_ensemble(&mut scene, Some(run.identity.replicas), Some(run.identity.seed))?;
+            if let Beginning::Complete | Beginning::Resumed(_) =
+                beginning(&claim, Run { scene: &scene, shard: None }, manner)?
+            {
+                unreachable!("what is not resumed begins anew or is refused");
+            }
+            summary(merge.point(scene, &run.places[0], &task, Progress::new(session.quiet))?.as_ref())
+        }
+        Document { sweep: Some(sweep), .. } => merge.several(&Points {
+            sweep,
+            source: &run.source,
+            claim: &claim,
+            manner,
+            replicas: Some(run.identity.replicas),
+            seed: Some(run.identity.seed),
+            shard: None,
+        })?,
+    };
+    print_of(output, &(text + &missing(&run.missing)))
+}
+
+/// What is not there of a run.
+fn missing(missing: &[String]) -> String {
+    let label = |i: usize| if i == 0 { "incomplete" } else { "" };
+    missing.iter().enumerate().map(|(i, what)| row(label(i), what)).collect()
+}
+
+/// Shards on their way into one result.
+struct Merge<'a> {
+    run: &'a WholeRun,
+    session: &'a Session,
+}
+
+impl Merge<'_> {
+    /// Merges the points of a sweep, each by itself, and then all into one file.
+    fn several(&self, points: &Points<'_>) -> Result<String, Failure> {
+        points.begin(&SWEEP, &self.run.identity)?;
+        let merged = self
+            .each_point(points)
+            .and_then(|()| sweep::assemble(points, &self.run.identity, self.session))
+            .map_err(Failure::not_kept);
+        // What has been merged can be merged again.
+        let cleared = points.clear();
+        let table = merged?;
+        cleared.map(|()| table)
+    }
+
+    fn each_point(&self, points: &Points<'_>) -> Result<(), Failure> {
+        for (point, places) in self.run.places.iter().enumerate().filter(|(_, places)| !places.is_empty()) {
+            let output = points.file(point);
+            let claim = Claim::new(&output)?;
+            let manner = Manner { resume: false, force: false };
+            let task = Task { source: points.source, output: &output, claim: &claim, manner, shard: None };
+            let name = format!("point {} of {}", point + 1, points.sweep.count());
+            let progress = Progress::of_run(self.session.quiet, name);
+            let merged = self.point(points.scene(point)?, places, &task, progress);
+            merged.map_err(|failure| points.at(point, failure))?;
+        }
+        Ok(())
+    }
+
+    /// Merges the pieces of one scene and writes its result.
+    fn point(
+        &self,
+        scene: Scene,
+        places: &[Place],
+        task: &Task<'_>,
+        mut progress: Progress,
+    ) -> Result<Box<Results>, Failure> {
+        let laws = Laws::new(&scene, task.source)?;
+        laws.require(&scene, scene.replicas, task, self.session)?;
+        let of = scene.replicas;
+        let piece = |place: &Place| Piece { run: self.run, place: *place };
+        let Some(first) = places.first() else {
+            return Err(Failure::Usage(format!("{}: no replicas are there", task.source.display())));
+        };
+        let state = piece(first).checkpoint(&scene)?.state;
+        let ground = Groundwork::new(scene, laws, Some(state.clone()), self.session, &mut progress);
+        let setup = ground.sampling();
+        let (job, record) = (setup.job(), record_of(&ground.scene));
+        progress.replicas("ensemble", 0, of);
+        let mut merged = Forest::of(&job);
+        let mut told = Told::default();
+        for place in places {
+            self.goes_on(merged.replicas.len() as u64, of)?;
+            let piece = piece(place);
+            let checkpoint = piece.checkpoint(&ground.scene)?;
+            if !checkpoint.state.is_alike(&state) {
+                return Err(piece.refused("has other functionals of the joint test than the shards before it"));
+            }
+            let (mut replicas, mut snaps) = (Vec::new(), Vec::new());
+            let checksum = piece.records(record.length(), &mut |words: &[u64]| {
+                let (replica, own) = record.read(words);
+                replicas.push(replica);
+                snaps.extend(own);
+                Ok(true)
+            })?;
+            if checksum != Some(checkpoint.records_checksum) {
+                return Err(piece.refused("is damaged: the checksum of its records is wrong"));
+            }
+            let forest = Forest::restored(&job, &checkpoint.state.forest(), replicas, snaps);
+            let Some(forest) = forest.filter(Forest::is_complete) else {
+                return Err(piece.refused("is not of this scene"));
+            };
+            progress.advance(forest.replicas.len() as u64);
+            merged.append(forest);
+            told.seconds_before += checkpoint.seconds;
+            told.resumptions += checkpoint.resumptions;
+        }
+        let there: Vec<u64> = places.iter().flat_map(|place| piece(place).found().replicas.clone()).collect();
+        told.partial = (there.len() as u64 != of).then_some(Partial { replicas: there, of });
+        let summation = setup.summation(&self.session.pool);
+        let results = ground.results(Box::new(merged), summation, told, self.session, task.output, &mut progress);
+        progress.phase("writing");
+        let mut records = Pieces { run: self.run, places, length: record.length() };
+        let written = write(task, &results, &mut records, &self.session.stop);
+        progress.end();
+        match written {
+            Ok(true) => Ok(Box::new(results)),
+            Ok(false) => Err(Failure::Interrupted { done: of, of, kept: false }),
+            Err(error) => Err(error.writing(task.output).into()),
+        }
+    }
+
+    fn goes_on(&self, done: u64, of: u64) -> Result<(), Failure> {
+        let stopped = self.session.stop.load(Ordering::Relaxed);
+        if stopped { Err(Failure::Interrupted { done, of, kept: false }) } else { Ok(()) }
+    }
+}
+
+/// A piece of a shard of a run.
+#[derive(Clone, Copy)]
+struct Piece<'a> {
+    run: &'a WholeRun,
+    place: Place,
+}
+
+impl Piece<'_> {
+    fn shard(&self) -> &Found {
+        &self.run.shards[self.place.0]
+    }
+
+    fn found(&self) -> &crate::output::shard::Piece {
+        &self.shard().pieces[self.place.1]
+    }
+
+    /// The checkpoint of it, which has to be one of a scene.
+    fn checkpoint(&self, scene: &Scene) -> Result<Checkpoint<State>, Failure> {
+        let bytes = ShardFile::open(&self.shard().path)?.state(self.place.1)?;
+        let checkpoint = Checkpoint::<State>::decode(&bytes).map_err(|problem| self.refused(&problem))?;
+        let run = Run { scene, shard: self.shard().identity.shard };
+        match is_of(run, &checkpoint) {
+            Ok(()) => Ok(checkpoint),
+            Err(problem) => Err(self.refused(&problem)),
+        }
+    }
+
+    fn records(&self, length: usize, visit: &mut Visit<'_>) -> Result<Option<u32>, OutputError> {
+        ShardFile::open(&self.shard().path)?.records(self.place.1, length, visit)
+    }
+
+    fn refused(&self, problem: &str) -> Failure {
+        Failure::Usage(format!("{}: {problem}", self.shard().path.display()))
+    }
+}
+
+/// The records of pieces, one after the other.
+struct Pieces<'a> {
+    run: &'a WholeRun,
+    places: &'a [Place],
+    length: usize,
+}
+
+impl Records for Pieces<'_> {
+    fn records(&mut self, visit: &mut Visit<'_>) -> Result<(), OutputError> {
+        for &place in self.places {
+            let piece = Piece { run: self.run, place };
+            if piece.records(self.length, visit)?.is_none() {
+                break;
+            }
+        }
+        Ok(())
+    }
+}

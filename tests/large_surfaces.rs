@@ -1,58 +1,86 @@
-//! Surfaces that are drawn and summed tract by tract: against the same asperities held at once, on any number of threads.
+//! Replicas of more asperities than are held at once, as a user runs them: what memory they take, that they have the same bits on any number
+//! of threads, and that a patch that is nearly as large as its integral has its mean forces.
+#![cfg(target_os = "linux")]
 
 mod common;
 
-use common::{case, job, law};
-use stiction::asperity::{Law, Path, Quantity};
-use stiction::engine::compressed::{Compression, largest_error};
-use stiction::engine::{Curves, Job, Replica, Workspace};
-use stiction::surface::{HeightLaw, Heights, Surface};
+use common::program::{Folder, assert_exit, bits, peak_memory, text};
 
-/// Asperities of a tract, so few that a surface of some thousand has several.
-const TRACT: usize = 1 << 12;
+const CASE_II: &str = include_str!("../configs/case_ii.toml");
+/// Bytes that a run may take on two threads, however many its asperities.
+const MEMORY: f64 = 500e6;
+/// Largest z-score of a test that looks at 362 of them: false alarms below 362 · 2Φ(−5.2) = 7e-5; the seed is fixed.
+const Z: f64 = 5.2;
 
-struct Patch {
-    law: Box<dyn Law>,
-    surface: Surface,
-    separations: Vec<f64>,
+/// One replica of case II with so many asperities at so many separations, summed as `sum` says.
+fn scene(asperities: f64, separations: u32, sum: &str) -> String {
+    CASE_II
+        .replace("\"1000 um^2\"", &format!("\"{} um^2\"", asperities / 7.39))
+        .replace("count = 181", &format!("count = {separations}"))
+        .replace("replicas = 1000", "replicas = 1")
+        .replace("[output]", &format!("[solver]\nsum = \"{sum}\"\n[output]"))
 }
 
-impl Patch {
-    fn new(name: &str, model: &str, count: usize) -> Self {
-        let (asperity, surface) = case(name);
-        let surface = Surface { asperity_count: count, ..surface };
-        let separations: Vec<f64> = (0..91).map(|i| surface.surface_height_std * (-1.0 + 0.1 * f64::from(i))).collect();
-        let margin = 11.0 * surface.heights.std;
-        let law = law(model, &asperity, Path::Approach, (-margin - separations[90], margin - separations[0]));
-        Self { law, surface, separations }
-    }
-
-    fn job<'a>(&'a self, compression: Option<&'a Compression>) -> Job<'a> {
-        Job { compression, ..job(self.law.as_ref(), &self.surface, &self.separations, 8) }
-    }
+fn values(folder: &Folder, name: &str) -> Vec<f64> {
+    hdf5::File::open(folder.path("scene.h5")).unwrap().dataset(name).unwrap().read_raw().unwrap()
 }
 
-/// Replicas of a job in tracts of `tract` asperities, on so many threads.
-fn summed(job: &Job<'_>, tract: usize, threads: usize) -> Vec<(Replica, Curves)> {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-    pool.install(|| {
-        let mut all = Vec::new();
-        let visit = |replica, curves: &Curves| all.push((replica, curves.clone()));
-        Workspace::with_tracts(job, tract).replicas(job, 0..2, visit);
-        all
-    })
+/// Runs one replica of so many asperities, within the memory that it may take and that `check` names within a factor of 2, and judges all
+/// its forces by the scatter of single replicas about the integral; also that this is as small as it has to be.
+fn is_as_its_integral(asperities: f64, separations: u32) {
+    let folder = Folder::new(&scene(asperities, separations, "compressed"));
+    let check = text(&folder.stiction(&["check", "scene.toml"]).stdout);
+    assert!(!check.contains("would refuse"), "{check}");
+    let peak = peak_memory(&folder, &["--threads", "2"]);
+    println!("{asperities:e} asperities: {:.1} MB", peak / 1e6);
+    assert!(peak <= MEMORY, "{peak:e} bytes");
+    let counted: Vec<u64> = hdf5::File::open(folder.path("scene.h5"))
+        .unwrap()
+        .dataset("replicas/asperity_count")
+        .unwrap()
+        .read_raw()
+        .unwrap();
+    assert!((counted[0] as f64 / asperities - 1.0).abs() < 1e-6, "{counted:?}");
+    for force in ["adhesion_force", "external_force"] {
+        let z = values(&folder, &format!("validation/z_{force}"));
+        assert_eq!(z.len(), separations as usize);
+        let largest = z.iter().fold(0.0, |most: f64, z| most.max(z.abs()));
+        println!("{force}: largest |z| {largest:.2}");
+        assert!(largest < Z, "{force}: {z:?}");
+        assert!(largest > 0.1, "{force}: nothing varies");
+    }
+    // At h* = 2.8 the adhesion of an asperity varies by 2.4 times its mean.
+    let [mean, std] =
+        ["statistical/adhesion_force", "statistical/adhesion_force_std"].map(|name| values(&folder, name));
+    let place = (3.8 / 9.0 * f64::from(separations - 1)).round() as usize;
+    let scatter = std[place] / mean[place];
+    assert!(scatter < 5.0 / asperities.sqrt(), "{scatter:e}");
 }
 
 #[test]
-fn debug() {
-    let patch = Patch::new("II", "hybrid", 50_000);
-    let compression = Compression::new(patch.law.as_ref(), &patch.surface, &patch.separations, 1e-9).unwrap();
-    for c in [None, Some(&compression)] {
-        let job = patch.job(c);
-        for tract in [1 << 12, 1 << 30] {
-            for (replica, curves) in summed(&job, tract, 2) {
-                println!("{} {replica:?} {:?}", c.is_some(), &curves.total[2][30..40]);
-            }
-        }
+fn a_patch_of_twenty_million_asperities_is_as_its_integral() {
+    is_as_its_integral(2e7, 91);
+}
+
+/// A minute of a core.
+#[test]
+#[ignore = "slow"]
+fn a_patch_of_a_billion_asperities_is_as_its_integral() {
+    is_as_its_integral(1e9, 181);
+}
+
+/// The same bits on one thread and on three, directly and compressed, of two replicas that are shared in turn.
+#[test]
+fn bits_do_not_depend_on_threads() {
+    for (sum, separations) in [("direct", 7), ("compressed", 46)] {
+        let folder = Folder::new(&scene(2.5e6, separations, sum));
+        let run = |threads: &str, output: &str| {
+            assert_exit(
+                &folder.stiction(&["run", "scene.toml", "--threads", threads, "-o", output, "--replicas", "2"]),
+                0,
+            );
+            bits(&folder.path(output))
+        };
+        assert_eq!(run("1", "one.h5"), run("3", "three.h5"), "{sum}");
     }
 }

@@ -3,10 +3,8 @@
 
 mod common;
 
-use common::program::{Folder, QUICK, assert_exit, small, text};
-use std::io::Read;
-use std::process::{Command, Stdio};
-use std::time::Duration;
+use common::program::{Folder, QUICK, assert_exit, peak_memory, small, text};
+use std::process::Command;
 
 /// The quick scene with other sizes: asperities, separations, replicas.
 fn sized(asperities: f64, separations: u32, replicas: u32) -> String {
@@ -18,35 +16,6 @@ fn sized(asperities: f64, separations: u32, replicas: u32) -> String {
 
 fn compressed(scene: &str) -> String {
     scene.replace("[output]", "[solver]\nsum = \"compressed\"\n[output]")
-}
-
-/// The largest resident memory of a process so far, bytes.
-fn peak(id: u32) -> Option<f64> {
-    let status = std::fs::read_to_string(format!("/proc/{id}/status")).ok()?;
-    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
-    Some(1024.0 * line.trim().trim_end_matches(" kB").parse::<f64>().ok()?)
-}
-
-/// The largest resident memory of a run of the scene in a folder, bytes, by looking at it again and again.
-fn measured(folder: &Folder) -> f64 {
-    let mut run = Command::new(env!("CARGO_BIN_EXE_stiction"))
-        .args(["run", "scene.toml"])
-        .current_dir(folder.path(""))
-        .stdout(Stdio::piped())
-        .spawn()
-        .unwrap();
-    let mut largest: f64 = 0.0;
-    let status = loop {
-        largest = largest.max(peak(run.id()).unwrap_or(0.0));
-        if let Some(status) = run.try_wait().unwrap() {
-            break status;
-        }
-        std::thread::sleep(Duration::from_millis(1));
-    };
-    let mut summary = String::new();
-    run.stdout.take().unwrap().read_to_string(&mut summary).unwrap();
-    assert!(status.success(), "{summary}");
-    largest
 }
 
 /// What `check` says of the scene in a folder on the line that begins so, bytes.
@@ -78,7 +47,7 @@ fn memory_is_estimated_within_a_factor_of_2() {
     ];
     for (name, scene) in scenes {
         let folder = Folder::new(&scene);
-        let (estimate, peak) = (estimated(&folder, "memory"), measured(&folder));
+        let (estimate, peak) = (estimated(&folder, "memory"), peak_memory(&folder, &[]));
         println!("{name}: {:.1} MB estimated, {:.1} MB taken", estimate / 1e6, peak / 1e6);
         assert!((0.5..2.0).contains(&(estimate / peak)), "{name}: {estimate:e} estimated, {peak:e} taken");
         let (estimate, size) = (estimated(&folder, "disk"), folder.path("scene.h5").metadata().unwrap().len() as f64);
@@ -97,7 +66,7 @@ fn memory_of_many_asperities_is_estimated_within_a_factor_of_2() {
             println!("{name}: not run, this machine is too small:\n{check}");
             continue;
         }
-        let (estimate, peak) = (estimated(&folder, "memory"), measured(&folder));
+        let (estimate, peak) = (estimated(&folder, "memory"), peak_memory(&folder, &[]));
         println!("{name}: {:.1} MB estimated, {:.1} MB taken", estimate / 1e6, peak / 1e6);
         assert!((0.5..2.0).contains(&(estimate / peak)), "{name}: {estimate:e} estimated, {peak:e} taken");
     }

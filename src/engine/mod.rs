@@ -36,7 +36,7 @@ pub use instability::Holding;
 pub use record::Record;
 pub use reduce::{Outcome, run, run_from};
 pub use replica::{Replica, Workspace};
-pub use sampling::{TRACT, draw};
+pub use sampling::draw;
 pub use scalars::{LOOP_SCALARS, SCALARS, Scalar, scalars};
 pub use shard::Shard;
 pub use stopping::{Attained, Rule};

@@ -437,6 +437,9 @@ mod tests {
     use crate::asperity::models::model;
     use crate::asperity::scale::{Asperity, Scale};
     use crate::asperity::{Path, Regime, Setting};
+    use crate::engine::Protocol;
+    use crate::engine::stream::{Purpose, stream};
+    use crate::surface::{SamplingScheme, Surface};
 
     const CASE_II: Asperity = Asperity {
         radius: 3.33e-6,
@@ -473,5 +476,76 @@ mod tests {
         assert_eq!(jumps[3].interference, CASE_II.critical_interference());
         assert!(jumps[3].size < -20.0 * unit, "{:?}", jumps[3]);
         assert_eq!(law.regimes().last(), Some(&Regime::Elastic));
+    }
+
+    /// Heights that are held, of which nothing is solved.
+    struct Held<'a> {
+        job: Job<'a>,
+        heights: Vec<f64>,
+    }
+
+    impl Heights for Held<'_> {
+        fn job(&self) -> &Job<'_> {
+            &self.job
+        }
+
+        fn between(&self, low: f64, high: f64) -> (Vec<f64>, usize) {
+            let [low, high] = [low, high].map(|limit| self.heights.partition_point(|u| *u < limit));
+            (self.heights[low..high].to_vec(), self.heights.len() - high)
+        }
+
+        fn highest(&self) -> f64 {
+            self.heights[self.heights.len() - 1]
+        }
+
+        fn external_force(&mut self, _: f64) -> f64 {
+            unreachable!()
+        }
+    }
+
+    /// Between samples of a curve, uneven ones too, cells find the places that the staircase of all heights finds, to within a cell; counted
+    /// in any pieces. Between two steps the curve is no steeper than all their jumps together over their places: 5000 of 6 µN within 5 nm.
+    #[test]
+    fn cells_are_the_staircase() {
+        let setting = Setting::new(&CASE_II, Path::Approach, (-20e-9, 20e-9)).unwrap();
+        let law = (model("emd").unwrap().build)(&setting).unwrap();
+        let jumps = jumps(law.as_ref());
+        let surface = Surface { mean_plane_offset: 0.1e-9, ..Surface::uniform(1.4e-9, 3.33e-6, 5000, 1e-9) };
+        let mut heights = vec![0.0; 5000];
+        surface.heights.draw(&mut stream(1, Purpose::Heights, 0), &mut heights);
+        heights.sort_unstable_by(f64::total_cmp);
+        let separations = [3.0e-9, 3.1e-9, 3.25e-9, 3.3e-9, 3.5e-9, 3.6e-9, 3.65e-9];
+        let samples = separations.map(|h: f64| (h, 1e-4 * (1e9 * h - 3.3).powi(2) - 5e-4));
+        let job = Job {
+            law: law.as_ref(),
+            surface: &surface,
+            separations: &separations,
+            seed: 1,
+            scheme: SamplingScheme::Independent,
+            replicas: 1,
+            probes: &[],
+            controls: &[],
+            keep_curves: false,
+            compression: None,
+            protocol: Protocol::default(),
+        };
+        let cells = Cells::new(&job, &jumps, &samples);
+        heights.rchunks(777).for_each(|piece| cells.count(piece));
+        let mut held = Held { job, heights };
+        let places = held.deepest_places(&jumps, &samples);
+        let found = cells.deepest_places();
+        assert_eq!(found.len(), places.len());
+        let level = |h: f64| Staircase::new(&jumps, &held, separations[0], separations[6]).level(h);
+        let levels = cells.levels();
+        for (i, h) in separations.iter().enumerate() {
+            assert!((levels[i * cells.cells] - level(*h)).abs() < 1e-12 * levels[0].abs(), "{h:e}");
+        }
+        const STEEPEST: f64 = 5000.0 * 6e-6 / 5e-9;
+        let cell = 0.2e-9 / cells.cells as f64;
+        for ((place, expected), (mine, force)) in places.iter().zip(&found) {
+            assert!((force - expected).abs() < STEEPEST * cell, "{mine:e} {force:e}: {place:e} {expected:e}");
+        }
+        let same = places.iter().zip(&found).filter(|(a, b)| (a.0 - b.0).abs() <= 2.0 * cell).count();
+        assert!(same + 1 >= places.len(), "{same} of {}", places.len());
     }
 }

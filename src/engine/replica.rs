@@ -5,7 +5,7 @@ use super::compressed::{self, LANES};
 use super::curves::Curves;
 use super::cycle::{Cycle, pull_off_back, snaps};
 use super::pull_off::{Jump, jumps};
-use super::sampling::{Draws, TRACT, is_divided};
+use super::sampling::{Draws, is_divided};
 use super::scattered::Scattered;
 use super::sums::{RegimeSums, State, Sums};
 use super::tracts::Tracts;
@@ -13,6 +13,7 @@ use super::whole::Whole;
 use crate::asperity::{Quantity, Work};
 use crate::math::extrema::{Extremum, steepest_rise};
 use crate::math::words::Words;
+use crate::surface::TRACT;
 use std::ops::Range;
 
 /// What is kept of every replica.
@@ -228,4 +229,265 @@ fn keep(job: &Job<'_>, surface: &mut dyn Summed, count: usize, curves: &mut Curv
         curves.snaps = snaps(job, surface, external, last);
     }
     kept
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::compressed::{Compression, largest_error};
+    use super::super::{Holding, Protocol};
+    use super::*;
+    use crate::asperity::models::model;
+    use crate::asperity::scale::Asperity;
+    use crate::asperity::{Family, Law, Loop, Path, Setting, Typical};
+    use crate::surface::{
+        CountLaw, HeightLaw, Heights, LogNormal, RADIUS_RANGE, Radii, Roughness, SamplingScheme, Surface,
+    };
+    use std::sync::atomic::{AtomicUsize, Ordering};
+
+    const ASPERITY: Asperity = Asperity {
+        radius: 3.33e-6,
+        reduced_modulus: 85.29e9,
+        work_of_adhesion: 0.09,
+        equilibrium_spacing: 0.2e-9,
+        hardness: 2.5e9,
+        poisson_ratio: 0.27,
+        lubricant_thickness: 0.5e-9,
+    };
+    /// Asperities of a tract, no power of 2, and of a surface of several, the last of which is not full.
+    const SMALL: usize = 3000;
+    const COUNT: usize = 20_000;
+
+    fn surface() -> Surface {
+        let roughness = Roughness {
+            asperity_radius: ASPERITY.radius,
+            asperity_density: 7.39e12,
+            nominal_area: COUNT as f64 / 7.39e12,
+            surface_height_std: Some(1.619e-9),
+            asperity_height_std: None,
+            mean_plane_offset: None,
+        };
+        Surface::new(&roughness).unwrap()
+    }
+
+    fn separations(surface: &Surface, step: f64, count: usize) -> Vec<f64> {
+        (0..count).map(|k| surface.surface_height_std * (-1.0 + step * k as f64)).collect()
+    }
+
+    fn setting() -> Setting {
+        Setting::new(&ASPERITY, Path::Approach, (-40e-9, 60e-9)).unwrap()
+    }
+
+    fn law(name: &str) -> Box<dyn Law> {
+        (model(name).unwrap().build)(&setting()).unwrap()
+    }
+
+    fn job<'a>(law: &'a dyn Law, surface: &'a Surface, separations: &'a [f64]) -> Job<'a> {
+        Job {
+            law,
+            surface,
+            separations,
+            seed: 7,
+            scheme: SamplingScheme::Independent,
+            replicas: 8,
+            probes: &[],
+            controls: &[],
+            keep_curves: false,
+            compression: None,
+            protocol: Protocol::default(),
+        }
+    }
+
+    /// The replica `index` tract by tract.
+    fn divided(job: &Job<'_>, index: u64) -> (Replica, Curves) {
+        let mut workspace = Workspace::with_tracts(job, SMALL);
+        assert!(workspace.is_divided);
+        let kept = workspace.divided(job, index, &|| false).unwrap();
+        (kept, workspace.curves.remove(0))
+    }
+
+    /// The same asperities, all held at once.
+    fn held(job: &Job<'_>, index: u64) -> (Replica, Curves) {
+        let mut workspace = Workspace::with_tracts(job, usize::MAX);
+        assert!(!workspace.is_divided);
+        Draws::of(job, index, SMALL).all(&mut workspace.heights[0], &mut workspace.radii);
+        workspace.sum(job, 1);
+        (workspace.keep(job, 0), workspace.curves.remove(0))
+    }
+
+    /// Has both ways of summing a replica agree: curves to a share `tolerance` of F_s + P, and what is kept to as much. Its pull-off may
+    /// be less deep by what the steepest part of a curve falls on the way between the ends of cells, or deeper; the place of that is
+    /// one of the curve.
+    #[track_caller]
+    fn agree(job: &Job<'_>, index: u64, (mine, curves): &(Replica, Curves), tolerance: f64) {
+        let (truth, direct) = held(&Job { compression: None, ..*job }, index);
+        let error = largest_error(curves, &direct);
+        assert!(error <= tolerance, "{error:e}");
+        let exact =
+            |replica: &Replica| (replica.asperity_count, replica.highest_asperity.to_bits(), replica.pull_off_at_edge);
+        assert_eq!(exact(mine), exact(&truth));
+        let forces = direct.total[0].iter().zip(&direct.total[1]).map(|(adhesion, contact)| adhesion + contact);
+        let rounding = 2.0 * tolerance * forces.fold(0.0, f64::max);
+        // Of the cells in ten spaces between separations.
+        let cell = 10.0 * (job.separations[1] - job.separations[0]) / f64::from(1 << 18);
+        let approach =
+            |replica: &Replica| replica.cycle.as_ref().map_or(f64::NAN, |cycle| cycle.approach_pull_off_force);
+        for force in [|replica: &Replica| replica.pull_off_force, approach] {
+            let missed = force(&truth) - force(mine);
+            assert!(!(missed > 2.0 * cell * truth.peak_stiffness + rounding), "{mine:?}, {truth:?}");
+        }
+        assert_eq!(mine.cycle.is_some(), truth.cycle.is_some());
+        let close = |mine: f64, truth: f64| {
+            let off = (mine - truth).abs();
+            assert!(off <= 1e3 * tolerance * truth.abs() || mine.to_bits() == truth.to_bits(), "{mine:e} {truth:e}");
+        };
+        close(mine.peak_stiffness, truth.peak_stiffness);
+        if let (Some(mine), Some(truth)) = (&mine.cycle, &truth.cycle) {
+            close(mine.dissipated_energy, truth.dissipated_energy);
+            assert_eq!(mine.touchdown_separation.to_bits(), truth.touchdown_separation.to_bits());
+            assert_eq!(mine.takeoff_separation.to_bits(), truth.takeoff_separation.to_bits());
+        }
+        if job.law.family().is_none() && mine.cycle.is_none() {
+            let mut heights = Vec::new();
+            Draws::of(job, index, SMALL).all(&mut heights, &mut Vec::new());
+            heights.sort_unstable_by(f64::total_cmp);
+            let state = State::There(mine.pull_off_separation);
+            let force = Sums::new(job.law.regimes().len()).external_force(job, &heights, state);
+            assert!((force + mine.pull_off_force).abs() <= rounding, "{force:e} {mine:?}");
+        }
+    }
+
+    /// Rounding of sums in another order.
+    const ROUNDING: f64 = 1e-13;
+
+    #[test]
+    fn a_surface_in_tracts_is_the_one_held_at_once() {
+        let surface = surface();
+        for (name, step, count) in
+            [("hybrid", 0.05, 181), ("emd", 0.1, 91), ("jkr", 0.3, 31), ("gw", 0.1, 91), ("hybrid", 1.0, 10)]
+        {
+            let law = law(name);
+            let separations = separations(&surface, step, count);
+            let direct = job(law.as_ref(), &surface, &separations);
+            for index in [0, 5] {
+                agree(&direct, index, &divided(&direct, index), ROUNDING);
+                for tolerance in [1e-6, 1e-9, 1e-12] {
+                    let Ok(compression) = Compression::new(law.as_ref(), &surface, &separations, tolerance) else {
+                        assert_eq!(step, 1.0);
+                        continue;
+                    };
+                    let compressed = Job { compression: Some(&compression), ..direct };
+                    agree(&compressed, index, &divided(&compressed, index), tolerance);
+                }
+            }
+        }
+    }
+
+    /// Other laws of heights, with asperities beyond all bins, a Poisson number, given heights, and every scheme.
+    #[test]
+    fn every_kind_of_surface_comes_in_tracts() {
+        let plain = surface();
+        let law = law("hybrid");
+        let separations = separations(&plain, 0.1, 91);
+        let with = |law| Surface { heights: Heights { law, ..plain.heights.clone() }, ..plain.clone() };
+        let mut given = vec![0.0; COUNT];
+        plain.heights.draw(&mut super::super::stream::stream(3, super::super::stream::Purpose::Heights, 0), &mut given);
+        let given = Surface { heights: Heights::sample(given), ..plain.clone() };
+        let tail = with(HeightLaw::LogNormal(LogNormal::new(1.0)));
+        let poisson = Surface { count_law: CountLaw::Poisson, ..plain.clone() };
+        let whole = Surface { whole: true, ..given.clone() };
+        let independent = [&tail, &poisson, &given, &whole].map(|surface| (surface, SamplingScheme::Independent));
+        let schemes = [SamplingScheme::Antithetic, SamplingScheme::Stratified].map(|scheme| (&plain, scheme));
+        for (surface, scheme) in independent.into_iter().chain(schemes) {
+            let direct = Job { scheme, ..job(law.as_ref(), surface, &separations) };
+            let compression = Compression::new(law.as_ref(), surface, &separations, 1e-9).unwrap();
+            let compressed = Job { compression: Some(&compression), ..direct };
+            for index in [0, 1] {
+                agree(&direct, index, &divided(&direct, index), ROUNDING);
+                agree(&compressed, index, &divided(&compressed, index), 1e-9);
+            }
+        }
+        let beyond = |u: &&f64| **u > 16.0 * tail.heights.std;
+        let mut heights = Vec::new();
+        Draws::of(&job(law.as_ref(), &tail, &separations), 0, SMALL).all(&mut heights, &mut Vec::new());
+        assert!(heights.iter().filter(beyond).count() > 2, "no asperity is beyond the bins");
+    }
+
+    #[test]
+    fn scattered_radii_come_in_tracts() {
+        let surface = Surface { radii: Radii::LogNormal(0.3), ..surface() };
+        let family = Family::new(model("hybrid").unwrap(), ASPERITY, Path::Approach, RADIUS_RANGE).unwrap();
+        let law = Typical::new(law("hybrid"), family);
+        let separations = separations(&surface, 0.5, 15);
+        let job = job(&law, &surface, &separations);
+        agree(&job, 1, &divided(&job, 1), ROUNDING);
+    }
+
+    /// Loops, their snaps, and turns at preloads of which one is never reached.
+    #[test]
+    fn loops_come_in_tracts() {
+        let surface = surface();
+        let cycle = Loop::new(model("hybrid").unwrap().build, &setting()).unwrap();
+        let separations = separations(&surface, 0.1, 81);
+        let [stiffness, preload] = [[1e5, 1e6], [1e-4, 1e3]];
+        for preload in [&preload[..], &[]] {
+            let holding = Holding { stiffness: &stiffness, preload, smallest_snap: 0.0, ways: (true, true) };
+            let protocol = Protocol { cycle: Some(&cycle), holding };
+            let job = Job { protocol, ..job(cycle.approach(), &surface, &separations) };
+            let (mine, truth) = (divided(&job, 0), held(&job, 0));
+            agree(&job, 0, &mine, ROUNDING);
+            assert_eq!(mine.1.snaps.len(), holding.length());
+            for (mine, truth) in mine.1.snaps.iter().zip(&truth.1.snaps) {
+                let off = (mine - truth).abs();
+                assert!(off <= 1e-9 * truth.abs() || mine.to_bits() == truth.to_bits(), "{mine:e} {truth:e}");
+            }
+        }
+    }
+
+    /// Bits on 1, 2, 3 and 8 threads, and what it cost.
+    #[test]
+    fn threads_do_not_matter() {
+        let surface = surface();
+        let law = law("hybrid");
+        let separations = separations(&surface, 0.1, 91);
+        let direct = job(law.as_ref(), &surface, &separations);
+        let compression = Compression::new(law.as_ref(), &surface, &separations, 1e-9).unwrap();
+        for job in [direct, Job { compression: Some(&compression), ..direct }] {
+            let on = |threads: usize| {
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+                pool.install(|| {
+                    let mut workspace = Workspace::with_tracts(&job, SMALL);
+                    let kept = workspace.divided(&job, 3, &|| false).unwrap();
+                    (kept.clone().words(), workspace.curves.remove(0), workspace.sums.work)
+                })
+            };
+            let one = on(1);
+            for threads in [2, 3, 8] {
+                assert_eq!(on(threads), one, "{threads} threads");
+            }
+        }
+    }
+
+    /// Whenever it is ended, nothing of the replica at hand is visited, those before it are, and no tract is begun any more.
+    #[test]
+    fn a_surface_in_tracts_can_be_ended() {
+        let surface = surface();
+        let law = law("hybrid");
+        let separations = separations(&surface, 0.5, 19);
+        let job = job(law.as_ref(), &surface, &separations);
+        let looks = |most: usize| {
+            let (looked, mut visited) = (AtomicUsize::new(0), 0);
+            let ends = || looked.fetch_add(1, Ordering::Relaxed) >= most;
+            let all = Workspace::with_tracts(&job, SMALL).replicas_until(&job, 0..2, &ends, |_, _| visited += 1);
+            (all, visited, looked.into_inner())
+        };
+        let (all, visited, needed) = looks(usize::MAX);
+        assert_eq!((all, visited), (true, 2));
+        assert!(needed > 2 * COUNT / SMALL, "{needed}");
+        for most in [0, 1, 3, needed / 2 - 1] {
+            assert_eq!(looks(most).0, false, "{most}");
+            assert_eq!(looks(most).1, 0, "{most}");
+        }
+        assert_eq!(looks(needed / 2 + 3).1, 1);
+        assert!(!looks(needed - 1).0);
+    }
 }

@@ -2,16 +2,12 @@
 
 use super::Job;
 use super::stream::{Purpose, stream, tract_stream};
-use crate::surface::{CountLaw, Radii, STRATA, SamplingScheme, Surface};
+use crate::surface::{CountLaw, Radii, STRATA, SamplingScheme, Surface, TRACT};
 use rand::RngExt;
 use rand::distr::Open01;
 use rand::seq::SliceRandom;
 use rand_distr::{Distribution, Poisson};
 use std::ops::Range;
-
-/// Asperities of a tract: a surface of more is drawn in tracts, each from streams of its own, so that they can be drawn in any order, and
-/// again. Part of what the bits of a result depend on, so it is fixed.
-pub const TRACT: usize = 1 << 20;
 
 /// Draws the asperities of the replica `index`, unsorted, in the place of those that are there: their heights, m, and where they differ
 /// the radius of each, m.

@@ -3,11 +3,10 @@
 use super::compressed::{Compression, Unfit, largest_error};
 use super::curves::Curves;
 use super::replica::{Replica, Workspace};
-use super::sampling::TRACT;
 use super::{Job, compressed};
 use crate::asperity::Quantity;
 use crate::math::extrema::maximum;
-use crate::surface::Surface;
+use crate::surface::{Surface, TRACT};
 use rayon::prelude::*;
 
 /// Replicas that are summed both ways before the run, spread over it.

@@ -23,7 +23,7 @@ fn scene() -> Scene {
     let (asperity, mut surface) = case("II");
     surface.asperity_count = 40;
     let separations: Vec<f64> = (0..9).map(|k| 0.5 * f64::from(k) * surface.surface_height_std).collect();
-    Scene { law: common::law("hybrid", &asperity, Path::Approach, (-20.0 * STD, 20.0 * STD)), surface, separations }
+    Scene { law: common::law("hybrid", &asperity, Path::Approach, (-3e-8, 3e-8)), surface, separations }
 }
 
 fn computed(job: &Job<'_>, start: Forest) -> Forest {

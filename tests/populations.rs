@@ -174,7 +174,7 @@ fn ensembles_agree_with_the_integral() {
         let job =
             stiction::engine::Job { probes: &basis.probes, ..job(hybrid.as_ref(), &surface, &separations, replicas) };
         let outcome = run(&job, &pool, &AtomicBool::new(false), |_, _| Ok::<(), ()>(())).unwrap();
-        let ensemble: &Ensemble = outcome.ensemble();
+        let ensemble: Ensemble = outcome.forest().ensemble(&job);
         let expected = Statistical::new(hybrid.as_ref(), &surface, &separations);
         let forces = [Quantity::AdhesionForce, Quantity::ExternalForce].map(Quantity::index);
         let means = forces.map(|q| ensemble.curves[q].mean());
@@ -213,6 +213,7 @@ fn every_asperity_has_the_law_of_its_radius() {
     let outcome = run(&job, &pool, &AtomicBool::new(false), |_, _| Ok::<(), ()>(())).unwrap();
     let (mut heights, mut radii) = (Vec::new(), Vec::new());
     draw(&surface, job.seed, job.scheme, 0, &mut heights, &mut radii);
+    let ensemble = outcome.forest().ensemble(&job);
     for (k, &h) in separations.iter().enumerate() {
         let d = surface.asperity_separation(h);
         let (mut sums, mut size) = ([0.0; 3], 0.0);
@@ -223,13 +224,13 @@ fn every_asperity_has_the_law_of_its_radius() {
             sums.iter_mut().zip(response).for_each(|(sum, value)| *sum += value);
             size += response[0] + response[1];
         }
-        let curve = |q: Quantity| outcome.ensemble().curves[q.index()].mean()[k];
+        let curve = |q: Quantity| ensemble.curves[q.index()].mean()[k];
         assert!((curve(Quantity::AdhesionForce) - sums[0]).abs() < 1e-12 * size);
         assert!((curve(Quantity::ContactForce) - sums[1]).abs() < 1e-12 * size);
         assert!((curve(Quantity::ContactArea) - sums[2]).abs() <= 1e-12 * sums[2]);
     }
-    let replica = outcome.ensemble().replicas[0];
-    let sampled = outcome.ensemble().curves[Quantity::ExternalForce.index()].mean().iter().copied();
+    let replica = &ensemble.replicas[0];
+    let sampled = ensemble.curves[Quantity::ExternalForce.index()].mean().iter().copied();
     assert!(-replica.pull_off_force <= sampled.fold(f64::INFINITY, f64::min), "a sample is deeper than the pull-off");
 }
 

@@ -11,7 +11,7 @@ use crate::engine::Shard;
 use crate::output::checkpoint::{Identity, forget, is_checkpoint};
 use crate::output::progress::Progress;
 use crate::output::schema::{Layout, RUN};
-use crate::output::{Claim, OutputError};
+use crate::output::{Claim, OutputError, beside};
 use crate::scene::{Scene, Sizes, Sweep, with_inputs};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -167,9 +167,7 @@ impl Points<'_> {
 
     /// The checkpoint of a point.
     fn checkpoint(&self, point: usize) -> PathBuf {
-        let mut name = self.file(point).into_os_string();
-        name.push(".checkpoint");
-        name.into()
+        beside(&self.file(point), ".checkpoint")
     }
 
     /// Computes a range of points; those that are complete stay as they are.

@@ -41,15 +41,20 @@ pub(super) fn run(sweep: &Sweep, arguments: &RunArguments) -> Result<(), Failure
         return Ok(());
     }
     points.compute(0..sweep.count(), &session)?;
-    let table = assemble(&points, &identity, &session).map_err(|failure| points.kept(failure))?;
+    let table = assemble(&points, &identity, &session, false).map_err(|failure| points.kept(failure))?;
     points.clear()?;
     print_of(&output, &table)
 }
 
-/// Puts the points together into the output; what is to be said of it.
-pub(super) fn assemble(points: &Points<'_>, identity: &Identity, session: &Session) -> Result<String, Failure> {
+/// Puts the points together into the output, all that there are of a `partial` sweep; what is to be said of it.
+pub(super) fn assemble(
+    points: &Points<'_>,
+    identity: &Identity,
+    session: &Session,
+    partial: bool,
+) -> Result<String, Failure> {
     let (scene, sweep, output) = (points.scene(0)?, points.sweep, points.claim.output());
-    match assembled(points, &scene, identity, session).map_err(|error| error.writing(output))? {
+    match assembled(points, &scene, identity, session, partial).map_err(|error| error.writing(output))? {
         Some(rows) => Ok(title(&scene) + &described(sweep) + "\n" + &table(sweep, &rows) + &written_to(output)),
         None => Err(Failure::Interrupted { done: scene.replicas, of: scene.replicas, kept: true }),
     }
@@ -79,6 +84,7 @@ fn assembled(
     scene: &Scene,
     identity: &Identity,
     session: &Session,
+    partial: bool,
 ) -> Result<Option<Vec<Row>>, OutputError> {
     let sweep = points.sweep;
     let files: Vec<_> = (0..sweep.count()).map(|point| Some(points.file(point)).filter(|file| file.exists())).collect();
@@ -87,6 +93,9 @@ fn assembled(
     write_about(&writer, &scene.title, &identity.scene)?;
     write_model(&writer, scene, identity.seed)?;
     write_axes(&mut writer, sweep)?;
+    if partial {
+        writer.number("/", "partial", 1_u8)?;
+    }
     let goes_on = || !session.stop.load(Ordering::Relaxed);
     if !stack(&mut writer, &stack::Points { files: &files, places: &places, goes_on: &goes_on })? {
         return Ok(None);

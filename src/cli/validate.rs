@@ -91,6 +91,11 @@ fn validate_sweep(reader: &Reader, path: &Path) -> Result<(), Failure> {
     for point in 0..count {
         let place = place(point, &shape);
         let joint = joint_at(reader, &place, scheme, path)?;
+        let Some(joint) = joint else {
+            text += &format!("{:>6}  of which no replicas are there\n", point + 1);
+            p_values.push(f64::NAN);
+            continue;
+        };
         let indices: Vec<String> = place.iter().map(usize::to_string).collect();
         let (components, remaining) = joint.degrees_of_freedom;
         let (p, verdict) = (joint.p_value, joint.verdict.name());
@@ -116,8 +121,13 @@ fn place(point: usize, shape: &[usize]) -> Vec<usize> {
     place
 }
 
-/// The joint test at a point, computed anew.
-fn joint_at(reader: &Reader, place: &[usize], scheme: SamplingScheme, path: &Path) -> Result<JointTest, Failure> {
+/// The joint test at a point, computed anew; none where a sweep is not complete and has no replicas.
+fn joint_at(
+    reader: &Reader,
+    place: &[usize],
+    scheme: SamplingScheme,
+    path: &Path,
+) -> Result<Option<JointTest>, Failure> {
     let finite = |name: &str, count: usize| -> Result<Vec<f64>, Failure> {
         let mut values: Vec<f64> = reader.at_point(name, place)?;
         values.truncate(count);
@@ -127,6 +137,9 @@ fn joint_at(reader: &Reader, place: &[usize], scheme: SamplingScheme, path: &Pat
         }
     };
     let replicas: u64 = reader.at_point("/replica_count", place)?[0];
+    if replicas == 0 && reader.has_attribute("/", "partial")? {
+        return Ok(None);
+    }
     if replicas == 0 || !replicas.is_multiple_of(scheme.group()) {
         return Err(refused(path, &format!("has {replicas} replicas at a point, no number of {} ones", scheme.name())));
     }
@@ -155,7 +168,8 @@ fn joint_at(reader: &Reader, place: &[usize], scheme: SamplingScheme, path: &Pat
     if groups > 1 && !covariance.iter().all(|value| value.is_finite()) {
         return Err(refused(path, &format!("has no numbers in /validation/score_covariance at the point {place:?}")));
     }
-    Ok(JointTest::new(&probes, [&adhesion_mean, &external_mean], [&adhesion, &external], &covariance, groups))
+    let means = [&adhesion_mean[..], &external_mean];
+    Ok(Some(JointTest::new(&probes, means, [&adhesion, &external], &covariance, groups)))
 }
 
 /// A z-score; a dash where nothing varies.

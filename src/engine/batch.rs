@@ -45,7 +45,7 @@ impl Ensemble {
             regime_count: Moments::new(r * s),
             regime_adhesion_force: Moments::new(r * s),
             regime_external_force: Moments::new(r * s),
-            groups: Groups::new(job, 0),
+            groups: Groups::new(job),
             replicas: Vec::new(),
             snaps: Vec::new(),
             work: Work::default(),
@@ -78,14 +78,14 @@ impl Ensemble {
         self.work.merge(&other.work);
     }
 
-    fn push(&mut self, job: &Job<'_>, replica: Replica, curves: &Curves) {
+    fn push(&mut self, job: &Job<'_>, batch: u64, replica: Replica, curves: &Curves) {
         for (moments, curve) in self.curves.iter_mut().zip(&curves.total) {
             moments.push(curve);
         }
         self.regime_count.push(&curves.regime_count);
         self.regime_adhesion_force.push(&curves.regime_adhesion_force);
         self.regime_external_force.push(&curves.regime_external_force);
-        self.groups.push(job, &replica, curves);
+        self.groups.push(job, batch, &replica, curves);
         self.replicas.push(replica);
         self.snaps.extend_from_slice(&curves.snaps);
     }
@@ -130,11 +130,10 @@ pub struct Batch {
 impl Batch {
     /// Computes the batch `index` of a job, in memory of that job.
     pub fn compute(job: &Job<'_>, workspace: &mut Workspace, index: u64) -> Self {
-        let ensemble = Ensemble { groups: Groups::new(job, index), ..Ensemble::new(job) };
-        let mut batch = Self { ensemble, external_force: Vec::new(), adhesion_force: Vec::new() };
+        let mut batch = Self { ensemble: Ensemble::new(job), external_force: Vec::new(), adhesion_force: Vec::new() };
         let replicas = index * BATCH..((index + 1) * BATCH).min(job.replicas);
         workspace.replicas(job, replicas, |replica, curves| {
-            batch.ensemble.push(job, replica, curves);
+            batch.ensemble.push(job, index, replica, curves);
             if job.keep_curves {
                 batch.external_force.extend_from_slice(&curves.total[Quantity::ExternalForce.index()]);
                 batch.adhesion_force.extend_from_slice(&curves.total[Quantity::AdhesionForce.index()]);

@@ -25,13 +25,11 @@ pub struct Groups {
     /// Sums over the replicas of a group that is not complete: curves, scores, controls, scalars.
     sums: Vec<f64>,
     filled: u64,
-    /// The part of the scalars that groups go into.
-    part: usize,
 }
 
 impl Groups {
-    /// No replicas yet of the batch of an index.
-    pub fn new(job: &Job<'_>, batch: u64) -> Self {
+    /// No replicas yet.
+    pub fn new(job: &Job<'_>) -> Self {
         let (s, k, c) =
             (job.states(), job.probes.len(), job.controls.len() + scalars(job.protocol.cycle.is_some()).count());
         Self {
@@ -40,12 +38,11 @@ impl Groups {
             scalars: std::array::from_fn(|_| Comoments::new(c)),
             sums: vec![0.0; 4 * s + k + c],
             filled: 0,
-            part: (batch % PARTS as u64) as usize,
         }
     }
 
-    /// Adds the next replica of a batch.
-    pub fn push(&mut self, job: &Job<'_>, replica: &Replica, curves: &Curves) {
+    /// Adds the next replica of the batch of an index.
+    pub fn push(&mut self, job: &Job<'_>, batch: u64, replica: &Replica, curves: &Curves) {
         let [adhesion, external] =
             [Quantity::AdhesionForce, Quantity::ExternalForce].map(|q| curves.total[q.index()].as_slice());
         let values = curves
@@ -59,11 +56,11 @@ impl Groups {
         self.sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += value);
         self.filled += 1;
         if self.filled == job.scheme.group() {
-            self.complete(job);
+            self.complete(job, (batch % PARTS as u64) as usize);
         }
     }
 
-    fn complete(&mut self, job: &Job<'_>) {
+    fn complete(&mut self, job: &Job<'_>, part: usize) {
         let group = self.filled as f64;
         self.sums.iter_mut().for_each(|sum| *sum /= group);
         let (curves, rest) = self.sums.split_at(4 * job.states());
@@ -72,7 +69,7 @@ impl Groups {
         }
         let (scores, scalars) = rest.split_at(job.probes.len());
         self.scores.push(scores);
-        self.scalars[self.part].push(scalars);
+        self.scalars[part].push(scalars);
         self.sums.fill(0.0);
         self.filled = 0;
     }

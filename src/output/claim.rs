@@ -43,7 +43,7 @@ impl Claim {
         if !can_be_renamed_to(&output, folder).map_err(not_writable)? {
             return Err(OutputError::OtherFileSystem(output));
         }
-        let lock = beside(&output, ".", ".lock");
+        let lock = named(&output, ".", ".lock");
         match locked(&lock).map_err(not_writable)? {
             Ok(file) => Ok(Self { folder: folder.to_owned(), output, lock, _locked: file }),
             Err(process) => Err(OutputError::Claimed { output, process }),
@@ -71,12 +71,12 @@ impl Claim {
 
     /// A file beside the output, whose name is that of the output with `suffix`.
     pub fn beside(&self, suffix: &str) -> PathBuf {
-        beside(&self.output, "", suffix)
+        beside(&self.output, suffix)
     }
 
     /// A hidden file beside the output, for what is not complete.
     pub fn hidden(&self, suffix: &str) -> PathBuf {
-        beside(&self.output, ".", suffix)
+        named(&self.output, ".", suffix)
     }
 }
 
@@ -92,7 +92,12 @@ pub(super) fn flush_names(folder: &Path) -> std::io::Result<()> {
     if cfg!(unix) { File::open(folder)?.sync_all() } else { Ok(()) }
 }
 
-fn beside(output: &Path, prefix: &str, suffix: &str) -> PathBuf {
+/// A file beside an output, whose name is that of the output with `suffix`.
+pub fn beside(output: &Path, suffix: &str) -> PathBuf {
+    named(output, "", suffix)
+}
+
+fn named(output: &Path, prefix: &str, suffix: &str) -> PathBuf {
     let mut name = OsString::from(prefix);
     name.push(output.file_name().unwrap_or_default());
     name.push(suffix);

@@ -16,7 +16,7 @@ pub mod shard;
 pub mod stack;
 pub mod writer;
 
-pub use claim::Claim;
+pub use claim::{Claim, beside};
 
 use std::path::{Path, PathBuf};
 use thiserror::Error;

@@ -172,13 +172,22 @@ impl Reader {
     /// # Errors
     /// When the group is missing, or the attribute is no text.
     pub fn optional_text(&self, group: &str, name: &str) -> Result<Option<String>, OutputError> {
-        let at = self.group(group)?;
-        let names = at.attr_names().map_err(|_| self.broken(format!("has damaged attributes of {group}")))?;
-        if !names.iter().any(|known| known == name) {
+        if !self.has_attribute(group, name)? {
             return Ok(None);
         }
+        let at = self.group(group)?;
         let text = read_text(&at, name);
         text.map(Some).map_err(|_| self.broken(format!("has an attribute `{name}` of {group} that is no text")))
+    }
+
+    /// Whether a group has an attribute.
+    ///
+    /// # Errors
+    /// When the group is missing, or its attributes are damaged.
+    pub fn has_attribute(&self, group: &str, name: &str) -> Result<bool, OutputError> {
+        let names = self.group(group)?.attr_names();
+        let names = names.map_err(|_| self.broken(format!("has damaged attributes of {group}")))?;
+        Ok(names.iter().any(|known| known == name))
     }
 
     /// The names of its groups.

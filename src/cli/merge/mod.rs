@@ -73,7 +73,7 @@ impl Merge<'_> {
         points.begin(&SWEEP, &self.run.identity)?;
         let merged = self
             .each_point(points)
-            .and_then(|()| sweep::assemble(points, &self.run.identity, self.session))
+            .and_then(|()| sweep::assemble(points, &self.run.identity, self.session, !self.run.missing.is_empty()))
             .map_err(Failure::not_kept);
         // What has been merged can be merged again.
         let cleared = points.clear();

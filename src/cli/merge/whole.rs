@@ -4,6 +4,7 @@ use super::super::checkpoint::State;
 use super::super::shard::shown;
 use super::super::{Failure, LONGEST_SCENE};
 use crate::engine::Shard;
+use crate::output::beside;
 use crate::output::checkpoint::{Checkpoint, Identity, is_checkpoint};
 use crate::output::columns::Beside;
 use crate::output::shard::{Piece, ShardFile};
@@ -84,9 +85,7 @@ impl WholeRun {
 }
 
 fn found(path: &Path) -> Result<Found, Not> {
-    let mut checkpoint = path.to_owned().into_os_string();
-    checkpoint.push(".checkpoint");
-    let checkpoint = PathBuf::from(checkpoint);
+    let checkpoint = beside(path, ".checkpoint");
     let unfinished = |of: &Path| match Checkpoint::<State>::read(of) {
         Ok(Checkpoint { done, identity, .. }) => {
             let shard = identity.shard.map(|shard| format!(", shard {shard}")).unwrap_or_default();
@@ -98,11 +97,9 @@ fn found(path: &Path) -> Result<Found, Not> {
         return Err(unfinished(path));
     }
     if !path.exists() {
-        let mut points = path.to_owned().into_os_string();
-        points.push(".points");
         return Err(match is_checkpoint(&checkpoint) {
             true => unfinished(&checkpoint),
-            false if Path::new(&points).is_dir() => Not::Unfinished(format!("{}: not finished", path.display())),
+            false if beside(path, ".points").is_dir() => Not::Unfinished(format!("{}: not finished", path.display())),
             false => Not::Shard(format!("{}: is not there", path.display())),
         });
     }

@@ -41,7 +41,7 @@ mod tests {
     use rand::Rng;
 
     #[test]
-    fn streams_differ_by_seed_replica_and_tract_and_repeat() {
+    fn streams_differ_by_seed_and_replica_and_repeat() {
         let first = |seed, replica, tract| tract_stream(seed, Purpose::Heights, replica, tract).next_u64();
         assert_eq!(first(1, 2, 3), first(1, 2, 3));
         assert_eq!(first(1, 2, 0), stream(1, Purpose::Heights, 2).next_u64());

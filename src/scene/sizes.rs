@@ -242,7 +242,7 @@ mod tests {
     use super::*;
 
     const SIZES: Sizes = Sizes {
-        asperities: 1e7,
+        asperities: 1e6,
         separations: 100.0,
         regimes: 6.0,
         replicas: 1e9,
@@ -258,19 +258,33 @@ mod tests {
 
     #[test]
     fn what_fits_is_the_most_that_does() {
-        for (choice, limit) in [(Choice::Asperities, 125e9), (Choice::Replicas, 50e9), (Choice::Threads, 123e9)] {
-            let most = choice.most(&SIZES, limit, Sizes::memory).unwrap();
+        for choice in [Choice::Asperities, Choice::Replicas, Choice::Threads] {
             let with = |value: u64| {
                 let mut sizes = SIZES;
                 *choice.of(&mut sizes) = value as f64;
                 sizes.memory()
             };
+            let limit = 0.5 * (with(1) + SIZES.memory());
+            let most = choice.most(&SIZES, limit, Sizes::memory).unwrap();
             assert!(most > 1 && with(most) <= limit && with(most + most / 10 + 1) > limit, "{choice:?}: {most}");
         }
         let most = Choice::Replicas.most(&Sizes { group: 8.0, ..SIZES }, 50e9, Sizes::memory);
         assert!(most.is_some_and(|most| most.is_multiple_of(8)), "{most:?}");
         // A billion replicas do not fit, however few the asperities.
         assert_eq!(Choice::Asperities.most(&SIZES, 50e9, Sizes::memory), None);
+    }
+
+    /// A surface that is divided takes no more memory with more asperities, and all threads.
+    #[test]
+    fn tracts_take_as_much_memory_however_many() {
+        for compressed in [false, true] {
+            let one = Sizes { asperities: 1e9, replicas: 1.0, compressed, ..SIZES };
+            assert_eq!(one.memory(), Sizes { asperities: 1e12, ..one }.memory());
+            assert_eq!((one.is_divided(), one.workers()), (true, 64.0));
+            assert_eq!(Sizes { asperities: 3e6, ..one }.workers(), 3.0);
+            let held = Sizes { asperities: TRACT as f64, ..one };
+            assert_eq!((held.is_divided(), held.workers()), (false, 1.0));
+        }
     }
 
     #[test]

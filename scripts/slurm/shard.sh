@@ -57,8 +57,9 @@ checkpoints() {
 
 # Bytes of all that has been kept of replicas.
 kept() {
-    local checkpoint
-    checkpoints "$output" | while IFS= read -r checkpoint; do cat -- "$checkpoint.replicas"; done | wc -c
+    local checkpoint total=0
+    while IFS= read -r checkpoint; do total=$((total + $(wc -c <"$checkpoint.replicas"))); done < <(checkpoints "$output")
+    echo "$total"
 }
 
 # Copies $1 to $2, which has the whole of it or what it had before.
@@ -77,8 +78,16 @@ copy_checkpoints() {
     done
 }
 
+# Ends at a TERM, after the file at hand, so that nothing else writes what is copied then.
 keep_now_and_then() {
-    while sleep "$copy_every"; do copy_checkpoints "$output" "$shared"; done </dev/null >/dev/null &
+    (
+        trap 'kill $! 2>/dev/null; exit' TERM
+        while :; do
+            sleep "$copy_every" &
+            wait $!
+            copy_checkpoints "$output" "$shared"
+        done
+    ) </dev/null >/dev/null &
     copier=$!
 }
 

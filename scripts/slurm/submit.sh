@@ -44,7 +44,7 @@ shared_options=(account=A comment= constraint=C exclude=x export= mail-type= mai
     partition=p qos=q reservation= time=t wckey=)
 
 read_arguments() {
-    command_line=$(printf '%q ' "$0" "$@")
+    command_line=$(printf 'cd %q &&' "$PWD" && printf ' %q' "$0" "$@")
     scene='' shards='' output='' program=stiction seed='' replicas='' checkpoint='' at_once='' save_before=120 scratch='' copy_every=300
     merge_time='' merge_mem='' for_array=() for_merge=()
     case ${1-} in
@@ -77,6 +77,7 @@ read_arguments() {
             refuse "$1 is set by submit.sh; which shards there are is --shards, how many at once --at-once, the folder --output"
             ;;
         --clusters | -M*) refuse "$1: submit where that cluster is, or export SLURM_CLUSTERS" ;;
+        --wait | -W | --test-only) refuse "$1: the merge is submitted along with the array" ;;
         --signal) refuse "$1 is set by submit.sh; give --save-before SECONDS" ;;
         --dependency | -d*) refuse "$1: the merge waits for the array, and the array for nothing" ;;
         -*)
@@ -217,12 +218,14 @@ look_for_the_rest() {
     declare -gA queued=() arrays=()
     declare -ga merges=() todo=()
     local queue kind job task state index
+    declare -A kinds=()
     if [[ -e $output/jobs ]]; then
+        while read -r kind job; do kinds[$job]=$kind; done <"$output/jobs"
         queue=$(squeue --noheader --array --user="$(id -un)" --format='%F %K %T') || fail "squeue failed, so what is in the queue is not known"
         while read -r job task state; do
             # Tasks that are coming to their end have done what they could.
             [[ $state != COMPLETING ]] || continue
-            kind=$(sed -n "s/^\([a-z]*\) $job\$/\1/p" "$output/jobs")
+            kind=${kinds[${job:-none}]-}
             case $kind in
             array) queued[$task]=$job arrays[$job]=1 ;;
             merge) merges+=("$job") ;;
@@ -262,6 +265,12 @@ check_size_of_array() {
     ((shards < most)) || refuse "--shards $shards: at most $((most - 1)) on this cluster (its MaxArraySize is $most); a task may have several cores, --cpus-per-task"
 }
 
+# The number of a job, of what sbatch --parsable says: with clusters or without.
+number_of() {
+    [[ $1 =~ ^([0-9]+)(;.*)?$ ]] || fail "sbatch names no job, but says: $1"
+    printf '%s' "${BASH_REMATCH[1]}"
+}
+
 submit_array() {
     local indices
     indices=$(ranges "${todo[@]}")${at_once:+%$at_once}
@@ -272,7 +281,7 @@ submit_array() {
         [[ -e $output/jobs ]] || (cd -- "$output" && rm -f experiment && rmdir shards logs "$output")
         fail "sbatch refused the array; nothing was submitted"
     }
-    array=${array%%;*}
+    array=$(number_of "$array")
     printf 'array %s\n' "$array" >>"$output/jobs"
 }
 
@@ -287,7 +296,7 @@ submit_merge() {
         ((!${#todo[@]})) || scancel "$array"
         fail "sbatch refused the merge${array:+, so its array $array was cancelled}"
     }
-    merge=${merge%%;*}
+    merge=$(number_of "$merge")
     printf 'merge %s\n' "$merge" >>"$output/jobs"
 }
 

@@ -84,3 +84,32 @@ fn bits_do_not_depend_on_threads() {
         assert_eq!(run("1", "one.h5"), run("3", "three.h5"), "{sum}");
     }
 }
+
+/// A replica that would take minutes is given up; nothing is kept of it.
+#[test]
+fn a_signal_ends_a_large_replica() {
+    let folder = Folder::new(&scene(2e10, 46, "compressed"));
+    let mut child = std::process::Command::new(env!("CARGO_BIN_EXE_stiction"))
+        .args(["run", "scene.toml", "--threads", "2"])
+        .current_dir(folder.path(""))
+        .stdout(std::process::Stdio::null())
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    // Its records are begun with the ensemble.
+    while !folder.path("scene.h5.checkpoint.replicas").exists() && child.try_wait().unwrap().is_none() {
+        std::thread::sleep(std::time::Duration::from_millis(10));
+    }
+    std::thread::sleep(std::time::Duration::from_secs(2));
+    std::process::Command::new("kill").args(["-TERM", &child.id().to_string()]).status().unwrap();
+    let signalled = std::time::Instant::now();
+    let output = child.wait_with_output().unwrap();
+    assert_exit(&output, 130);
+    assert!(signalled.elapsed().as_secs() < 30, "{:?}", signalled.elapsed());
+    assert!(
+        text(&output.stderr).contains("interrupted after 0 of 1 replicas; nothing was kept"),
+        "{}",
+        text(&output.stderr)
+    );
+    assert_eq!(folder.files(), ["scene.toml"]);
+}

@@ -102,7 +102,7 @@ fn counts(text: &str) -> Result<Vec<u64>, String> {
                 if !(to > from && (2..=MOST).contains(&count)) {
                     return Err(format!("a range rises, and has 2 to {MOST} numbers"));
                 }
-                let spaced = |i: usize| (from * (to / from).powf(i as f64 / (count - 1) as f64)).round() as u64;
+                let spaced = |i: usize| (from * libm::pow(to / from, i as f64 / (count - 1) as f64)).round() as u64;
                 counts.extend((0..count).map(spaced));
             }
             _ => return Err(format!("`{}` is neither a number nor a range FROM:TO:COUNT", one_line(item))),

@@ -232,7 +232,7 @@ impl Choice {
             if fits(middle) { low = middle } else { high = middle }
         }
         let step = if self == Self::Replicas { sizes.group } else { 1.0 };
-        let two_digits = 10_f64.powf(low.log10().floor() - 1.0).max(1.0);
+        let two_digits = libm::pow(10.0, libm::log10(low).floor() - 1.0).max(1.0);
         let rounded = (low / two_digits).floor() * two_digits;
         Some(((rounded / step).floor() * step).max(self.least(sizes)) as u64)
     }

@@ -22,8 +22,9 @@ const REPLICA: f64 = 64.0 + 24.0;
 const CHUNK: f64 = 64.0;
 /// Bytes of an asperity of a surface whose sums are compressed: its height as it is drawn and in its bin, and the bin's number.
 const BINNED: f64 = 20.0;
-/// Bytes of an asperity at a separation that waits to be solved although sums are compressed, and the share of those that do, about.
-const QUEUED: (f64, f64) = (42.0, 0.01);
+/// Bytes of an asperity at a separation that waits to be solved although sums are compressed, and the share of those that do, about, for a
+/// step of the separations of 1 σ_s; the finer the steps, the fewer.
+const QUEUED: (f64, f64) = (42.0, 0.09);
 /// Replicas that are summed both ways before a compressed run.
 const PILOTS: f64 = 4.0;
 /// Heights that compressed sums bin, in σ_s, and the most periods and separations that are not summed directly all the same.
@@ -144,7 +145,7 @@ impl Sizes {
         let direct = NUMBER * n + copied;
         let periods = BINS.0 / self.step;
         let compressed = self.compressed && periods + self.separations <= BINS.1;
-        let queued = QUEUED.0 * QUEUED.1 * n * self.separations;
+        let queued = QUEUED.0 * (QUEUED.1 * self.step).min(0.5) * n * self.separations;
         let moments = PERIOD * periods;
         let pilot = BINNED * n + queued + direct + moments;
         let pilots = self.threads.min(PILOTS).min(self.replicas) * pilot;

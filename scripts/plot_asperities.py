@@ -27,7 +27,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from scipy.special import erf
 
-from plot_page import BLUE, DASHED, DASH_DOT, VERMILION, Result, main, si
+from plot_page import BLUE, DASHED, DASH_DOT, VERMILION, Result, main, panel, si
 
 PAGE = (11.0, 8.2)  # inches
 BAR = "0.86"
@@ -133,14 +133,10 @@ def draw_texts(figure: Figure, file: Asperities) -> None:
 def draw(file: Asperities) -> Figure:
     figure = Figure(figsize=PAGE)
 
-    def panel(left: float, bottom: float, width: float, height: float) -> Axes:
-        (w, h) = PAGE  # all in inches
-        return figure.add_axes((left / w, bottom / h, width / w, height / h))
-
-    draw_map(figure, panel(0.7, 4.2, 4.9, 3.0), file)
-    draw_heights(panel(6.4, 4.35, 4.3, 2.45), file)
-    draw_relation(panel(0.7, 0.95, 4.55, 2.5), file)
-    draw_curvatures(panel(6.4, 0.95, 4.3, 2.3), file)
+    draw_map(figure, panel(figure, 0.7, 4.2, 4.9, 3.0), file)
+    draw_heights(panel(figure, 6.4, 4.35, 4.3, 2.45), file)
+    draw_relation(panel(figure, 0.7, 0.95, 4.55, 2.5), file)
+    draw_curvatures(panel(figure, 6.4, 0.95, 4.3, 2.3), file)
     draw_texts(figure, file)
     return figure
 

@@ -28,7 +28,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from plot_page import BLUE, DASHED, DASH_DOT, PAGE, VERMILION, FileError, main, si
+from plot_page import BLUE, DASHED, DASH_DOT, PAGE, VERMILION, FileError, main, panel, si
 from plot_run import BAND, SEPARATION, Run, head, newton
 
 INTEGRAL = (0, (4, 2))
@@ -182,15 +182,11 @@ def draw(run: Run) -> Figure:
         raise FileError('not a loop: its scene has no path = "loop"; scripts/plot_run.py draws it')
     figure = Figure(figsize=PAGE)
 
-    def panel(left: float, bottom: float, width: float, height: float, **shared: Axes) -> Axes:
-        (w, h) = PAGE  # all in inches
-        return figure.add_axes((left / w, bottom / h, width / w, height / h), **shared)
-
-    forces = panel(0.85, 3.35, 4.5, 3.2)
+    forces = panel(figure, 0.85, 3.35, 4.5, 3.2)
     draw_forces(forces, run)
-    draw_jumps(panel(0.85, 0.95, 4.5, 1.65, sharex=forces), run)
-    draw_energy(panel(6.3, 4.45, 4.45, 2.1), run)
-    draw_last(panel(6.3, 0.95, 4.45, 2.2), run)
+    draw_jumps(panel(figure, 0.85, 0.95, 4.5, 1.65, sharex=forces), run)
+    draw_energy(panel(figure, 6.3, 4.45, 4.45, 2.1), run)
+    draw_last(panel(figure, 6.3, 0.95, 4.45, 2.2), run)
     draw_texts(figure, run)
     return figure
 

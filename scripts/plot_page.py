@@ -9,6 +9,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 from matplotlib import rc_context
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 PAGE = (11.0, 8.0)  # inches
@@ -51,6 +52,12 @@ class Result:
         if group not in self.file or name not in self.file[group].attrs:
             raise FileError(f"the attribute {name} of {group} is missing")
         return self.file[group].attrs[name]
+
+
+def panel(figure: Figure, left: float, bottom: float, width: float, height: float, **shared: Axes) -> Axes:
+    """Axes at a place of a figure, inches."""
+    w, h = figure.get_size_inches()
+    return figure.add_axes((left / w, bottom / h, width / w, height / h), **shared)
 
 
 def si(largest: float) -> tuple[float, str]:

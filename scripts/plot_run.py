@@ -31,7 +31,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator, NullFormatter, StrMethodFormatter
 
-from plot_page import BLUE, DASHED, DASH_DOT, PAGE, VERMILION, FileError, Result, main, si
+from plot_page import BLUE, DASHED, DASH_DOT, PAGE, VERMILION, FileError, Result, main, panel, si
 
 SEPARATION = r"separation $h$* = $h/\sigma$"
 BAND, GREYS = "#BFDBEE", ("white", "0.92", "0.82")
@@ -246,15 +246,11 @@ def draw(run: Run) -> Figure:
         raise FileError("a loop: scripts/plot_loop.py draws it")
     figure = Figure(figsize=PAGE)
 
-    def panel(left: float, bottom: float, width: float, height: float, **shared: Axes) -> Axes:
-        (w, h) = PAGE  # all in inches
-        return figure.add_axes((left / w, bottom / h, width / w, height / h), **shared)
-
-    forces = panel(0.85, 3.15, 4.5, 3.3)
+    forces = panel(figure, 0.85, 3.15, 4.5, 3.3)
     draw_forces(forces, run)
-    draw_z(panel(0.85, 1.2, 4.5, 1.55, sharex=forces), run)
-    draw_regimes(panel(6.3, 4.0, 4.45, 2.62), run)
-    draw_pull_off(panel(6.3, 1.2, 4.45, 1.65), run)
+    draw_z(panel(figure, 0.85, 1.2, 4.5, 1.55, sharex=forces), run)
+    draw_regimes(panel(figure, 6.3, 4.0, 4.45, 2.62), run)
+    draw_pull_off(panel(figure, 6.3, 1.2, 4.45, 1.65), run)
     draw_texts(figure, run)
     return figure
 

@@ -1,6 +1,5 @@
 //! `stiction finite-size`: how big is big enough for the integral.
 
-use super::checkpoint::Manner;
 use super::format::{bound, percent, row, si, signed_percent};
 use super::points::Points;
 use super::record::{write_about, write_model};
@@ -36,20 +35,12 @@ pub(super) fn finite_size(arguments: &FiniteSizeArguments) -> Result<(), Failure
     let scene = read_scene(&arguments.scene)?;
     let output = output_of(arguments);
     refuse_own_scene(&arguments.scene, &output)?;
-    let session = Session::new(&arguments.execution, arguments.checkpoint)?;
+    let session = Session::new(&arguments.sitting.execution, arguments.sitting.checkpoint)?;
     refuse(&scene).map_err(|problem| named(&arguments.scene, problem))?;
     let files: Arc<dyn Files> = Arc::new(Beside::scene(&arguments.scene));
     let sweep = sizes(&scene, &counts, &files).map_err(|problem| named(&arguments.scene, &problem))?;
     let claim = Claim::new(&output)?;
-    let points = Points {
-        sweep: &sweep,
-        source: &arguments.scene,
-        claim: &claim,
-        manner: Manner { resume: arguments.resume, force: arguments.execution.force },
-        replicas: arguments.replicas,
-        seed: arguments.seed,
-        shard: None,
-    };
+    let points = Points::new(&sweep, &arguments.scene, &claim, &arguments.sitting, None);
     points.require(session.pool.current_num_threads())?;
     let integral = session.pool.install(|| integral(&points, &scene))?;
     let identity = points.identity(&scene.text)?;
@@ -111,7 +102,7 @@ fn counts(text: &str) -> Result<Vec<u64>, String> {
                 if !(to > from && (2..=MOST).contains(&count)) {
                     return Err(format!("a range rises, and has 2 to {MOST} numbers"));
                 }
-                let spaced = |i: usize| (from * (to / from).powf(i as f64 / (count - 1) as f64)).round() as u64;
+                let spaced = |i: usize| (from * libm::pow(to / from, i as f64 / (count - 1) as f64)).round() as u64;
                 counts.extend((0..count).map(spaced));
             }
             _ => return Err(format!("`{}` is neither a number nor a range FROM:TO:COUNT", one_line(item))),

@@ -34,6 +34,7 @@ use crate::scene::{Document, Scene, SceneError, Warning, warnings};
 use crate::statistical::Model as Integral;
 use crate::surface::map::{Levelling, PIXELS};
 use anyhow::{Context, anyhow};
+use checkpoint::Manner;
 use clap::{Args, Parser, Subcommand};
 use std::ffi::OsString;
 use std::io::{ErrorKind, Write};
@@ -102,14 +103,10 @@ struct Execution {
     quiet: bool,
 }
 
+/// How ensembles are computed that may be interrupted.
 #[derive(Args)]
-struct RunArguments {
-    /// The scene, TOML
-    scene: PathBuf,
-    /// Where the result goes; by default the scene's name with .h5, in the current folder
-    #[arg(short, long, value_name = "FILE.h5")]
-    output: Option<PathBuf>,
-    /// Number of replicas, instead of the scene's
+struct Sitting {
+    /// Number of replicas, of each point where there are several, instead of the scene's
     #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1_000_000_000_000))]
     replicas: Option<u64>,
     /// Seed, instead of the scene's
@@ -121,11 +118,28 @@ struct RunArguments {
     /// Keep what has been done so often, beside the output; 0 after every batch of replicas
     #[arg(long, value_name = "SECONDS", default_value = "30", value_parser = seconds, allow_negative_numbers = true)]
     checkpoint: Duration,
-    /// Compute only the I-th of N shards, which `stiction merge` puts together; its output is by default the scene's name with .shard-I-of-N.h5
+    #[command(flatten)]
+    execution: Execution,
+}
+
+impl Sitting {
+    fn manner(&self) -> Manner {
+        Manner { resume: self.resume, force: self.execution.force }
+    }
+}
+
+#[derive(Args)]
+struct RunArguments {
+    /// The scene, TOML
+    scene: PathBuf,
+    /// Where the result goes; by default the scene's name with .h5, in the current folder
+    #[arg(short, long, value_name = "FILE.h5")]
+    output: Option<PathBuf>,
+    /// Compute only the I-th of N shards, for `stiction merge`; the default output is then the scene's name with .shard-I-of-N.h5
     #[arg(long, value_name = "I/N")]
     shard: Option<Shard>,
     #[command(flatten)]
-    execution: Execution,
+    sitting: Sitting,
 }
 
 #[derive(Args)]
@@ -203,20 +217,8 @@ struct FiniteSizeArguments {
     /// Where the result goes; by default the scene's name with _finite_size.h5, in the current folder
     #[arg(short, long, value_name = "FILE.h5")]
     output: Option<PathBuf>,
-    /// Number of replicas of each size, instead of the scene's
-    #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1_000_000_000_000))]
-    replicas: Option<u64>,
-    /// Seed, instead of the scene's
-    #[arg(long, value_parser = clap::value_parser!(u64).range(0..=i64::MAX as u64))]
-    seed: Option<u64>,
-    /// Go on with an interrupted run of this output; begins it if nothing was kept
-    #[arg(long)]
-    resume: bool,
-    /// Keep what has been done so often, beside the output; 0 after every batch of replicas
-    #[arg(long, value_name = "SECONDS", default_value = "30", value_parser = seconds, allow_negative_numbers = true)]
-    checkpoint: Duration,
     #[command(flatten)]
-    execution: Execution,
+    sitting: Sitting,
 }
 
 #[derive(Args)]

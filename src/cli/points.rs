@@ -6,7 +6,7 @@
 use super::checkpoint::{Manner, Run, identity, is_result_of, kept};
 use super::run::{Session, Task, run_scene};
 use super::sampling::override_ensemble;
-use super::{Failure, law_of, resources};
+use super::{Failure, Sitting, law_of, resources};
 use crate::engine::Shard;
 use crate::output::checkpoint::{Identity, forget, is_checkpoint};
 use crate::output::progress::Progress;
@@ -35,7 +35,13 @@ pub(super) struct Points<'a> {
     pub shard: Option<Shard>,
 }
 
-impl Points<'_> {
+impl<'a> Points<'a> {
+    /// Those of a sweep on their way into a claimed output, as the command line asks for them.
+    pub fn new(sweep: &'a Sweep, source: &'a Path, claim: &'a Claim, sitting: &Sitting, shard: Option<Shard>) -> Self {
+        let Sitting { replicas, seed, .. } = *sitting;
+        Self { sweep, source, claim, manner: sitting.manner(), replicas, seed, shard }
+    }
+
     /// The folder of the points.
     pub fn folder(&self) -> PathBuf {
         self.claim.beside(".points")

@@ -69,12 +69,12 @@ pub(super) fn run(arguments: &RunArguments) -> Result<(), Failure> {
     if let Some(sweep) = sweep {
         return sweep::run(&sweep, arguments);
     }
-    override_ensemble(&mut scene, arguments.replicas, arguments.seed)?;
+    override_ensemble(&mut scene, arguments.sitting.replicas, arguments.sitting.seed)?;
     let output = output_of(arguments);
     refuse_own_scene(&arguments.scene, &output)?;
-    let session = Session::new(&arguments.execution, arguments.checkpoint)?;
+    let session = Session::new(&arguments.sitting.execution, arguments.sitting.checkpoint)?;
     let claim = Claim::new(&output)?;
-    let manner = Manner { resume: arguments.resume, force: arguments.execution.force };
+    let manner = arguments.sitting.manner();
     let task = Task { source: &arguments.scene, output: &output, claim: &claim, manner, shard: None };
     match run_scene(scene, &task, &session, Progress::new(session.quiet))? {
         Some(results) => print_of(&output, &summary(&results)),

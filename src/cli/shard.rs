@@ -24,12 +24,12 @@ pub(super) fn run(shard: Shard, document: Document, arguments: &RunArguments) ->
     let output = output_of(shard, arguments);
     refuse_own_scene(&arguments.scene, &output)?;
     let Document { mut scene, sweep } = document;
-    override_ensemble(&mut scene, arguments.replicas, arguments.seed)?;
+    override_ensemble(&mut scene, arguments.sitting.replicas, arguments.sitting.seed)?;
     if scene.stopping.is_some() {
         let problem = "ends its ensemble at a target, so nobody knows before how many replicas there are to share; give --replicas";
         return Err(Failure::Usage(format!("{}: {problem}", arguments.scene.display())));
     }
-    let session = Session::new(&arguments.execution, arguments.checkpoint)?;
+    let session = Session::new(&arguments.sitting.execution, arguments.sitting.checkpoint)?;
     let claim = Claim::new(&output)?;
     let work = Work { shard, arguments, session: &session, claim: &claim, output: &output };
     let made = match &sweep {
@@ -99,15 +99,11 @@ struct Work<'a> {
 }
 
 impl Work<'_> {
-    fn manner(&self) -> Manner {
-        Manner { resume: self.arguments.resume, force: self.arguments.execution.force }
-    }
-
     /// Computes the shard of a scene: what is to be said of it, or none where it was complete before.
     fn one(&self, scene: Scene) -> Result<Option<String>, Failure> {
         let batches = self.shard.range(batches(&scene));
         let parts = [Part { point: 0, scene: scene.clone(), batches, name: None }];
-        if !self.compute(&parts[0], self.manner(), Progress::new(self.session.quiet))? {
+        if !self.compute(&parts[0], self.arguments.sitting.manner(), Progress::new(self.session.quiet))? {
             return Ok(None);
         }
         let parts: &[Part] = if parts[0].batches.is_empty() { &[] } else { &parts };
@@ -123,15 +119,7 @@ impl Work<'_> {
 
     /// The same of a sweep.
     fn several(&self, sweep: &Sweep) -> Result<Option<String>, Failure> {
-        let points = Points {
-            sweep,
-            source: &self.arguments.scene,
-            claim: self.claim,
-            manner: self.manner(),
-            replicas: self.arguments.replicas,
-            seed: self.arguments.seed,
-            shard: Some(self.shard),
-        };
+        let points = Points::new(sweep, &self.arguments.scene, self.claim, &self.arguments.sitting, Some(self.shard));
         points.require(self.session.pool.current_num_threads())?;
         let identity = points.identity(sweep.source())?;
         if !points.begin(&SHARD, &identity)? {
@@ -229,7 +217,7 @@ impl Work<'_> {
         pieces: &[Piece],
         goes_on: &dyn Fn() -> bool,
     ) -> Result<bool, OutputError> {
-        let mut writer = Writer::create(&SHARD, self.claim, self.arguments.execution.force)?;
+        let mut writer = Writer::create(&SHARD, self.claim, self.arguments.sitting.execution.force)?;
         write_about(&writer, &about.scene.title, about.text)?;
         write_model(&writer, about.scene, about.seed)?;
         writer.number("/", "shard", self.shard.index)?;

@@ -1,6 +1,5 @@
 //! `stiction run` of a sweep: its points, one file of them all, and a table.
 
-use super::checkpoint::Manner;
 use super::format::{row, si};
 use super::points::Points;
 use super::record::{write_about, write_model};
@@ -23,17 +22,9 @@ use std::sync::atomic::Ordering;
 pub(super) fn run(sweep: &Sweep, arguments: &RunArguments) -> Result<(), Failure> {
     let output = output_of(arguments);
     refuse_own_scene(&arguments.scene, &output)?;
-    let session = Session::new(&arguments.execution, arguments.checkpoint)?;
+    let session = Session::new(&arguments.sitting.execution, arguments.sitting.checkpoint)?;
     let claim = Claim::new(&output)?;
-    let points = Points {
-        sweep,
-        source: &arguments.scene,
-        claim: &claim,
-        manner: Manner { resume: arguments.resume, force: arguments.execution.force },
-        replicas: arguments.replicas,
-        seed: arguments.seed,
-        shard: None,
-    };
+    let points = Points::new(sweep, &arguments.scene, &claim, &arguments.sitting, None);
     points.require(session.pool.current_num_threads())?;
     let identity = points.identity(sweep.source())?;
     if !points.begin(&SWEEP, &identity)? {

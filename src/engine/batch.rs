@@ -130,9 +130,19 @@ pub struct Batch {
 impl Batch {
     /// Computes the batch `index` of a job, in memory of that job.
     pub fn compute(job: &Job<'_>, workspace: &mut Workspace, index: u64) -> Self {
+        Self::compute_until(job, workspace, index, &|| false).expect("nothing ends it")
+    }
+
+    /// The same, until `ends` is true, which surfaces that are summed tract by tract look at before each: then there is none.
+    pub fn compute_until(
+        job: &Job<'_>,
+        workspace: &mut Workspace,
+        index: u64,
+        ends: &(dyn Fn() -> bool + Sync),
+    ) -> Option<Self> {
         let mut batch = Self { ensemble: Ensemble::new(job), external_force: Vec::new(), adhesion_force: Vec::new() };
         let replicas = index * BATCH..((index + 1) * BATCH).min(job.replicas);
-        workspace.replicas(job, replicas, |replica, curves| {
+        let is_whole = workspace.replicas_until(job, replicas, ends, |replica, curves| {
             batch.ensemble.push(job, index, replica, curves);
             if job.keep_curves {
                 batch.external_force.extend_from_slice(&curves.total[Quantity::ExternalForce.index()]);
@@ -140,7 +150,7 @@ impl Batch {
             }
         });
         batch.ensemble.work = workspace.take_work();
-        batch
+        is_whole.then_some(batch)
     }
 
     /// The record of each of its replicas, one after the other.

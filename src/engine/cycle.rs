@@ -2,9 +2,9 @@
 
 use super::instability::{Holding, Snap, Turn, largest_snap, reached};
 use super::pull_off::deepest_of_parts;
-use super::replica::{RegimeSums, Sums};
+use super::replica::Summed;
 use super::{Job, Protocol};
-use crate::asperity::{Loop, Quantity};
+use crate::asperity::Loop;
 use crate::math::extrema::Extremum;
 use crate::math::words::Words;
 
@@ -24,17 +24,11 @@ pub struct Cycle {
 }
 
 impl Cycle {
-    /// Of a surface: heights (m) rising, external force (N) of both ways over the separations of the job, and the pull-off on the way there.
-    pub(super) fn new(
-        job: &Job<'_>,
-        cycle: &Loop,
-        heights: &[f64],
-        external: [&[f64]; 2],
-        pull_off: &Extremum,
-    ) -> Self {
+    /// Of a surface: its highest asperity, m, NaN of none, its external force (N) of both ways over the separations of the job, and the
+    /// pull-off on the way there.
+    pub(super) fn new(job: &Job<'_>, cycle: &Loop, highest: f64, external: [&[f64]; 2], pull_off: &Extremum) -> Self {
         let (surface, closest) = (job.surface, job.separations[0]);
         let d = surface.asperity_separation(closest);
-        let highest = heights.last().copied().unwrap_or(f64::NAN);
         // The higher an asperity, the longer it keeps contact.
         let takeoff = cycle.takeoff(highest - d);
         Self {
@@ -64,47 +58,16 @@ pub fn area_between(places: &[f64], [first, second]: [&[f64]; 2]) -> f64 {
     (0..places.len() - 1).map(strip).sum()
 }
 
-/// A surface that is pulled back from a separation.
-pub(super) struct WayBack<'a> {
-    cycle: &'a Loop,
-    /// Rising, m.
-    heights: &'a [f64],
-    /// Separation d where it begins, m.
-    closest: f64,
-    /// h − d, m.
-    offset: f64,
-}
-
-impl<'a> WayBack<'a> {
-    /// From the separation h `from`, m.
-    pub fn new(job: &Job<'_>, cycle: &'a Loop, heights: &'a [f64], from: f64) -> Self {
-        let closest = job.surface.asperity_separation(from);
-        Self { cycle, heights, closest, offset: job.surface.mean_plane_offset }
-    }
-
-    /// Sums the surface at a separation h, m.
-    pub fn sum(&self, sums: &mut Sums, separation: f64) {
-        let law = self.cycle.at(separation - self.offset - self.closest);
-        sums.over(&law, Some(law.base()), self.heights, self.closest);
-    }
-
-    fn external_force(&self, sums: &mut Sums, separation: f64) -> f64 {
-        self.sum(sums, separation);
-        RegimeSums::total(&sums.regimes)[Quantity::ExternalForce.index()]
-    }
-
-    /// The smallest external force from its samples: separations h, m, rising, and forces, N.
-    pub fn pull_off(&self, sums: &mut Sums, samples: &[(f64, f64)]) -> Extremum {
-        deepest_of_parts(samples, |places| places.iter().map(|&h| self.external_force(sums, h)).collect())
-    }
+/// The pull-off on the way back from a separation h, m, from its samples: separations h, m, rising, and external forces, N.
+pub(super) fn pull_off_back(surface: &mut dyn Summed, from: f64, samples: &[(f64, f64)]) -> Extremum {
+    deepest_of_parts(samples, |places| surface.back(from, places))
 }
 
 /// The snaps of a surface, in the order of [`Holding::length`], from its curve over the separations of the job on the way there, N, and the
 /// one on which it is pulled off, with its pull-off.
 pub(super) fn snaps(
     job: &Job<'_>,
-    heights: &[f64],
-    sums: &mut Sums,
+    surface: &mut dyn Summed,
     there: &[f64],
     (last, pull_off): (&[f64], Extremum),
 ) -> Vec<f64> {
@@ -116,17 +79,13 @@ pub(super) fn snaps(
         let inward: Vec<(f64, f64)> = samples(there).into_iter().rev().collect();
         numbers.extend(of_stiffnesses(&holding, &inward));
     }
-    match cycle.filter(|_| !holding.preload.is_empty()) {
-        Some(cycle) => {
-            for &preload in holding.preload {
-                numbers.extend(after_preload(job, (cycle, heights), sums, there, preload));
-            }
+    if cycle.is_some() && !holding.preload.is_empty() {
+        for &preload in holding.preload {
+            numbers.extend(after_preload(job, surface, there, preload));
         }
-        None if holding.ways.1 => {
-            numbers.extend(turn(job.separations[0], &pull_off).numbers());
-            numbers.extend(of_stiffnesses(&holding, &samples(last)));
-        }
-        None => {}
+    } else if holding.ways.1 {
+        numbers.extend(turn(job.separations[0], &pull_off).numbers());
+        numbers.extend(of_stiffnesses(&holding, &samples(last)));
     }
     numbers
 }
@@ -142,22 +101,16 @@ fn turn(separation: f64, pull_off: &Extremum) -> Turn {
 }
 
 /// The turn of a surface at a preload, N, and its snaps on the way back from there.
-fn after_preload(
-    job: &Job<'_>,
-    (cycle, heights): (&Loop, &[f64]),
-    sums: &mut Sums,
-    there: &[f64],
-    preload: f64,
-) -> Vec<f64> {
+fn after_preload(job: &Job<'_>, surface: &mut dyn Summed, there: &[f64], preload: f64) -> Vec<f64> {
     let holding = &job.protocol.holding;
     let Some((nearer, from)) = reached(job.separations, there, preload) else {
         let snaps = holding.stiffness.iter().flat_map(|_| Snap::UNKNOWN.numbers());
         return Turn::UNKNOWN.numbers().into_iter().chain(snaps).collect();
     };
-    let way = WayBack::new(job, cycle, heights, from);
     let further = job.separations[nearer + 1..].iter().copied().filter(|h| *h > from);
-    let outward: Vec<(f64, f64)> =
-        [from].into_iter().chain(further).map(|h| (h, way.external_force(sums, h))).collect();
-    let turn = turn(from, &way.pull_off(sums, &outward));
+    let places: Vec<f64> = [from].into_iter().chain(further).collect();
+    let forces = surface.back(from, &places);
+    let outward: Vec<(f64, f64)> = places.into_iter().zip(forces).collect();
+    let turn = turn(from, &pull_off_back(surface, from, &outward));
     turn.numbers().into_iter().chain(of_stiffnesses(holding, &outward)).collect()
 }

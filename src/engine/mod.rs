@@ -2,8 +2,9 @@
 //!
 //! Each replica has its own random stream (seed, replica), and under a [`SamplingScheme`] shares draws with its group. Replicas are
 //! grouped into batches of a fixed size; batches are computed in any order by any number of threads and merged in the order of
-//! their index in a fixed tree, so every result depends on the scene and the seed alone. What is kept per replica is a handful of numbers; heights
-//! and curves are dropped with their batch.
+//! their index in a fixed tree, so every result depends on the scene and the seed alone. What is kept per replica is a handful of
+//! numbers; heights and curves are dropped with their batch. A surface of more than [`TRACT`](crate::surface::TRACT) asperities is not
+//! held at all: its tracts have streams of their own, and are drawn and summed in parallel, and drawn again for what is asked later.
 
 mod batch;
 pub mod compressed;
@@ -23,6 +24,9 @@ mod shard;
 mod stopping;
 pub mod stream;
 mod summation;
+mod sums;
+mod tracts;
+mod whole;
 
 pub use batch::{BATCH, Batch, Ensemble};
 pub use curves::Curves;

@@ -45,7 +45,8 @@ pub fn run<E: Send>(
 }
 
 /// Computes the batches of a job that `merged` does not have yet, on `pool`. `observe` gets every batch in order, with what it has been
-/// merged into; its error ends the run. When `stop` is set no batch is begun any more. With a rule the run is complete after the first
+/// merged into; its error ends the run. When `stop` is set no batch is begun any more, and those of large surfaces
+/// are given up. With a rule the run is complete after the first
 /// batch that meets it: what other threads have begun by then is dropped. The result has the same bits wherever it began.
 ///
 /// At most a few batches per thread wait to be merged, so memory does not grow with the number of replicas except by what is kept
@@ -83,8 +84,10 @@ pub fn run_from<E: Send>(
                     |workspace, index| {
                         if !ends() {
                             let workspace = workspace.get_or_insert_with(|| Workspace::new(job));
-                            // A closed channel means that the run has ended with an error.
-                            let _ = sender.send((index, Batch::compute(job, workspace, index)));
+                            if let Some(batch) = Batch::compute_until(job, workspace, index, ends) {
+                                // A closed channel means that the run has ended with an error.
+                                let _ = sender.send((index, batch));
+                            }
                         }
                     },
                 );

@@ -1,17 +1,19 @@
 //! One replica: one surface, its curves and what is kept of them.
 
 use super::Job;
-use super::compressed::{self, Compression, LANES};
+use super::compressed::{self, LANES};
 use super::curves::Curves;
-use super::cycle::{Cycle, WayBack, snaps};
-use super::pull_off::{Heights, Jump, jumps, pull_off};
-use super::sampling::draw;
-use super::scattered::{self, Scattered};
-use crate::asperity::{Law, Quantity, Scratch, Work, for_each_block_of, regime_ranges};
+use super::cycle::{Cycle, pull_off_back, snaps};
+use super::pull_off::{Jump, jumps};
+use super::sampling::{Draws, is_divided};
+use super::scattered::Scattered;
+use super::sums::{RegimeSums, State, Sums};
+use super::tracts::Tracts;
+use super::whole::Whole;
+use crate::asperity::{Quantity, Work};
 use crate::math::extrema::{Extremum, steepest_rise};
-use crate::math::instruction_set::InstructionSet;
-use crate::math::sums::{Compensated, lane_sum};
 use crate::math::words::Words;
+use crate::surface::TRACT;
 use std::ops::Range;
 
 /// What is kept of every replica.
@@ -61,8 +63,23 @@ impl Words for Replica {
     }
 }
 
+/// A surface of which more is asked when its curves are known.
+pub(super) trait Summed {
+    /// The highest asperity, m; NaN of none.
+    fn highest(&self) -> f64;
+
+    /// The pull-off on its way over the separations of the job, from its external force there, N.
+    fn pull_off(&mut self, external_force: &[f64]) -> Extremum;
+
+    /// External forces, N, at separations h, m, rising, on the way back from the separation `from`, m.
+    fn back(&mut self, from: f64, separations: &[f64]) -> Vec<f64>;
+}
+
 /// Memory that batches reuse one after the other.
 pub struct Workspace {
+    /// Asperities of a tract, and whether surfaces are summed tract by tract.
+    tract: usize,
+    is_divided: bool,
     heights: Vec<Vec<f64>>,
     /// Of the surface that is summed, where asperities differ in their radii.
     radii: Vec<f64>,
@@ -77,15 +94,24 @@ pub struct Workspace {
 impl Workspace {
     /// Memory for replicas of a job.
     pub fn new(job: &Job<'_>) -> Self {
+        Self::with_tracts(job, TRACT)
+    }
+
+    /// Memory for replicas of a job whose surfaces are drawn, and summed, in tracts of `tract` asperities where they have more.
+    pub fn with_tracts(job: &Job<'_>, tract: usize) -> Self {
         let r = job.law.regimes().len();
-        let at_once = if job.compression.is_some() { LANES } else { 1 };
+        let is_divided = is_divided(job.surface, tract);
+        let compression = job.compression.filter(|_| !is_divided);
+        let at_once = if compression.is_some() { LANES } else { 1 };
         Self {
-            heights: vec![vec![0.0; job.surface.asperity_count]; at_once],
+            tract,
+            is_divided,
+            heights: vec![Vec::new(); at_once],
             radii: Vec::new(),
-            scattered: job.law.family().map(|_| Scattered::new(job)),
+            scattered: job.law.family().filter(|_| !is_divided).map(|_| Scattered::new(job)),
             jumps: jumps(job.law),
-            sums: Sums { regimes: vec![RegimeSums::default(); r], scratch: Scratch::default(), work: Work::default() },
-            compressed: job.compression.map(|compression| compressed::Sums::new(compression, r)),
+            sums: Sums::new(r),
+            compressed: compression.map(|compression| compressed::Sums::new(compression, r)),
             curves: vec![Curves::new(job.states(), r); at_once],
         }
     }
@@ -96,12 +122,30 @@ impl Workspace {
     }
 
     /// Draws replicas, sums them over all separations, and visits each with what is kept of it and its curves.
-    pub fn replicas(&mut self, job: &Job<'_>, replicas: Range<u64>, mut visit: impl FnMut(Replica, &Curves)) {
+    pub fn replicas(&mut self, job: &Job<'_>, replicas: Range<u64>, visit: impl FnMut(Replica, &Curves)) {
+        self.replicas_until(job, replicas, &|| false, visit);
+    }
+
+    /// The same, until `ends` is true, which surfaces that are summed tract by tract look at before each: then the replica at hand is not
+    /// visited, nor any further one. Whether all were visited.
+    pub fn replicas_until(
+        &mut self,
+        job: &Job<'_>,
+        replicas: Range<u64>,
+        ends: &(dyn Fn() -> bool + Sync),
+        mut visit: impl FnMut(Replica, &Curves),
+    ) -> bool {
+        if self.is_divided {
+            return replicas.into_iter().all(|index| {
+                let kept = self.divided(job, index, ends);
+                kept.map(|kept| visit(kept, &self.curves[0])).is_some()
+            });
+        }
         let mut first = replicas.start;
         while first < replicas.end {
             let at_once = (replicas.end - first).min(self.heights.len() as u64);
             for (heights, index) in self.heights.iter_mut().zip(first..first + at_once) {
-                draw(job.surface, job.seed, job.scheme, index, heights, &mut self.radii);
+                Draws::of(job, index, self.tract).all(heights, &mut self.radii);
             }
             self.sum(job, at_once as usize);
             for lane in 0..at_once as usize {
@@ -109,6 +153,17 @@ impl Workspace {
             }
             first += at_once;
         }
+        true
+    }
+
+    /// What is kept of a surface that is summed tract by tract; nothing when that was ended.
+    fn divided(&mut self, job: &Job<'_>, index: u64, ends: &(dyn Fn() -> bool + Sync)) -> Option<Replica> {
+        let draws = Draws::of(job, index, self.tract);
+        let mut surface = Tracts::new(job, draws, &self.jumps, ends);
+        surface.sum(&mut self.curves[0]);
+        let kept = keep(job, &mut surface, draws.count, &mut self.curves[0]);
+        self.sums.work.merge(&surface.work);
+        (!ends()).then_some(kept)
     }
 
     /// Sums the first `count` surfaces, whose heights it sorts: rising heights make the regimes contiguous, and neighbours in a slice
@@ -123,199 +178,316 @@ impl Workspace {
             scattered.surface(family, (&self.heights[0], &self.radii), scratch, work, &mut self.curves[0]);
             return;
         }
+        let states = State::all(job);
         for (lane, heights) in self.heights[..count].iter_mut().enumerate() {
             if self.compressed.as_ref().is_some_and(|compressed| compressed.surface(lane).is_some()) {
                 continue;
             }
             heights.sort_unstable_by(f64::total_cmp);
-            for k in 0..job.separations.len() {
-                self.sums.surface(job, heights, job.separations[k]);
+            for (k, state) in states.iter().enumerate() {
+                self.sums.surface(job, heights, *state);
                 RegimeSums::record(&self.sums.regimes, k, &mut self.curves[lane]);
-            }
-            let Some(cycle) = job.protocol.cycle else { continue };
-            let back = WayBack::new(job, cycle, heights, job.separations[0]);
-            for (k, &separation) in job.separations.iter().enumerate() {
-                back.sum(&mut self.sums, separation);
-                RegimeSums::record(&self.sums.regimes, job.separations.len() + k, &mut self.curves[lane]);
             }
         }
     }
 
     /// What is kept of a surface that has been summed.
     fn keep(&mut self, job: &Job<'_>, lane: usize) -> Replica {
-        let (highest, pull_off) = (self.highest(lane), self.pull_off(job, lane));
-        let heights = &self.heights[lane];
-        let external = &self.curves[lane].total[Quantity::ExternalForce.index()];
-        let (external, back) = external.split_at(job.separations.len());
-        let mut kept =
-            Replica { asperity_count: heights.len() as u64, highest_asperity: highest, ..Replica::default() };
-        let mut last = (external, pull_off);
-        if let Some(cycle) = job.protocol.cycle {
-            kept.cycle = Some(Box::new(Cycle::new(job, cycle, heights, [external, back], &pull_off)));
-            let way = WayBack::new(job, cycle, heights, job.separations[0]);
-            let samples: Vec<(f64, f64)> = job.separations.iter().copied().zip(back.iter().copied()).collect();
-            last = (back, way.pull_off(&mut self.sums, &samples));
-        }
-        kept.pull_off(&last.1);
-        kept.stiffest(&steepest_rise(job.separations, last.0));
-        if !job.protocol.holding.stiffness.is_empty() {
-            self.curves[lane].snaps = snaps(job, heights, &mut self.sums, external, last);
-        }
-        kept
-    }
-
-    /// The highest asperity of a surface, m; NaN of none.
-    fn highest(&self, lane: usize) -> f64 {
-        self.heights[lane].iter().copied().reduce(f64::max).unwrap_or(f64::NAN)
-    }
-
-    /// The pull-off of a surface on its way over the separations.
-    fn pull_off(&mut self, job: &Job<'_>, lane: usize) -> Extremum {
-        let highest = self.highest(lane);
-        let heights = &self.heights[lane];
-        let external = &self.curves[lane].total[Quantity::ExternalForce.index()][..job.separations.len()];
-        let Sums { scratch, work, .. } = &mut self.sums;
-        if let Some(family) = job.law.family() {
-            return scattered::pull_off(job, family, (heights, &self.radii), scratch, work, external);
-        }
-        match (job.compression, &mut self.compressed) {
-            (Some(compression), Some(sums)) if sums.surface(lane).is_some() => {
-                pull_off(job, &self.jumps, &mut Compressed { job, compression, sums, lane, highest, work }, external)
-            }
-            _ => pull_off(job, &self.jumps, &mut Sorted { job, heights, sums: &mut self.sums }, external),
-        }
-    }
-}
-
-/// A surface that is summed asperity by asperity.
-struct Sorted<'a> {
-    job: &'a Job<'a>,
-    /// Rising, m.
-    heights: &'a [f64],
-    sums: &'a mut Sums,
-}
-
-impl Heights for Sorted<'_> {
-    fn between(&self, low: f64, high: f64) -> (Vec<f64>, usize) {
-        let [low, high] = [low, high].map(|limit| self.heights.partition_point(|u| *u < limit));
-        (self.heights[low..high].to_vec(), self.heights.len() - high)
-    }
-
-    fn highest(&self) -> f64 {
-        self.heights.last().copied().unwrap_or(f64::NEG_INFINITY)
-    }
-
-    fn external_force(&mut self, separation: f64) -> f64 {
-        self.sums.surface(self.job, self.heights, separation);
-        RegimeSums::total(&self.sums.regimes)[Quantity::ExternalForce.index()]
-    }
-}
-
-/// A surface that is summed by moments.
-struct Compressed<'a> {
-    job: &'a Job<'a>,
-    compression: &'a Compression,
-    sums: &'a mut compressed::Sums,
-    lane: usize,
-    /// m.
-    highest: f64,
-    work: &'a mut Work,
-}
-
-impl Heights for Compressed<'_> {
-    fn between(&self, low: f64, high: f64) -> (Vec<f64>, usize) {
-        let binned = self.sums.surface(self.lane);
-        binned.map(|binned| binned.between(self.compression, low, high)).unwrap_or_default()
-    }
-
-    fn highest(&self) -> f64 {
-        self.highest
-    }
-
-    fn external_force(&mut self, separation: f64) -> f64 {
-        let d = self.job.surface.asperity_separation(separation);
-        self.sums.external_force(self.compression, self.job.law, self.lane, d, self.work)
-    }
-}
-
-/// Sums over the asperities of one surface in one state.
-pub(super) struct Sums {
-    pub regimes: Vec<RegimeSums>,
-    scratch: Scratch,
-    work: Work,
-}
-
-/// Sums over the asperities of a surface in one regime.
-#[derive(Clone, Copy, Default)]
-pub(super) struct RegimeSums {
-    pub count: f64,
-    pub adhesion: Compensated,
-    pub contact: Compensated,
-    pub area: Compensated,
-}
-
-impl RegimeSums {
-    /// The quantities of all regimes together, by [`Quantity::index`].
-    pub fn total(regimes: &[Self]) -> [f64; 4] {
-        let total = |part: fn(&Self) -> f64| {
-            let mut sum = Compensated::default();
-            regimes.iter().for_each(|regime| sum.add(part(regime)));
-            sum.value()
+        let heights = self.heights[lane].as_slice();
+        let compressed = job.compression.zip(self.compressed.as_mut());
+        let mut surface = Whole {
+            job,
+            heights,
+            radii: &self.radii,
+            jumps: &self.jumps,
+            highest: heights.iter().copied().reduce(f64::max).unwrap_or(f64::NAN),
+            sums: &mut self.sums,
+            compressed: compressed
+                .filter(|(_, sums)| sums.surface(lane).is_some())
+                .map(|(compression, sums)| (compression, sums, lane)),
         };
-        Quantity::of_response(total(|r| r.adhesion.value()), total(|r| r.contact.value()), total(|r| r.area.value()))
-    }
-
-    /// Hands the sums of all regimes over as point `k` of the curves.
-    pub fn record(regimes: &[Self], k: usize, curves: &mut Curves) {
-        let separations = curves.total[0].len();
-        for (regime, sum) in regimes.iter().enumerate() {
-            let place = regime * separations + k;
-            curves.regime_count[place] = sum.count;
-            curves.regime_adhesion_force[place] = sum.adhesion.value();
-            curves.regime_external_force[place] = sum.contact.value() - sum.adhesion.value();
-        }
-        for (curve, value) in curves.total.iter_mut().zip(Self::total(regimes)) {
-            curve[k] = value;
-        }
+        keep(job, &mut surface, heights.len(), &mut self.curves[lane])
     }
 }
 
-impl Sums {
-    /// Sums a surface: `heights` (m) rising, at the separation h, m.
-    fn surface(&mut self, job: &Job<'_>, heights: &[f64], separation: f64) {
-        self.over(job.law, None, heights, job.surface.asperity_separation(separation));
+/// What is kept of a surface of `count` asperities whose curves are known; its snaps are left in these.
+fn keep(job: &Job<'_>, surface: &mut dyn Summed, count: usize, curves: &mut Curves) -> Replica {
+    let external = &curves.total[Quantity::ExternalForce.index()];
+    let (external, back) = external.split_at(job.separations.len());
+    let pull_off = surface.pull_off(external);
+    let highest_asperity = surface.highest();
+    let mut kept = Replica { asperity_count: count as u64, highest_asperity, ..Replica::default() };
+    let mut last = (external, pull_off);
+    if let Some(cycle) = job.protocol.cycle {
+        kept.cycle = Some(Box::new(Cycle::new(job, cycle, highest_asperity, [external, back], &pull_off)));
+        let samples: Vec<(f64, f64)> = job.separations.iter().copied().zip(back.iter().copied()).collect();
+        last = (back, pull_off_back(surface, job.separations[0], &samples));
+    }
+    kept.pull_off(&last.1);
+    kept.stiffest(&steepest_rise(job.separations, last.0));
+    if !job.protocol.holding.stiffness.is_empty() {
+        curves.snaps = snaps(job, surface, external, last);
+    }
+    kept
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::compressed::{Compression, largest_error};
+    use super::super::{Holding, Protocol};
+    use super::*;
+    use crate::asperity::models::model;
+    use crate::asperity::scale::Asperity;
+    use crate::asperity::{Family, Law, Loop, Path, Setting, Typical};
+    use crate::surface::{
+        CountLaw, HeightLaw, Heights, LogNormal, RADIUS_RANGE, Radii, Roughness, SamplingScheme, Surface,
+    };
+    use std::sync::atomic::{AtomicUsize, Ordering};
+
+    const ASPERITY: Asperity = Asperity {
+        radius: 3.33e-6,
+        reduced_modulus: 85.29e9,
+        work_of_adhesion: 0.09,
+        equilibrium_spacing: 0.2e-9,
+        hardness: 2.5e9,
+        poisson_ratio: 0.27,
+        lubricant_thickness: 0.5e-9,
+    };
+    /// Asperities of a tract, no power of 2, and of a surface of several, the last of which is not full.
+    const SMALL: usize = 3000;
+    const COUNT: usize = 20_000;
+
+    fn surface() -> Surface {
+        let roughness = Roughness {
+            asperity_radius: ASPERITY.radius,
+            asperity_density: 7.39e12,
+            nominal_area: COUNT as f64 / 7.39e12,
+            surface_height_std: Some(1.619e-9),
+            asperity_height_std: None,
+            mean_plane_offset: None,
+        };
+        Surface::new(&roughness).unwrap()
     }
 
-    /// Sums a law over heights (m), rising, at the separation d, m; `base` says for each of its regimes among which it counts, if not as
-    /// itself.
-    pub fn over(&mut self, law: &dyn Law, base: Option<&[usize]>, heights: &[f64], d: f64) {
-        self.regimes.fill(RegimeSums::default());
-        let Self { regimes, scratch, work } = self;
-        for (regime, range) in regime_ranges(law, heights, d) {
-            let sum = &mut regimes[base.map_or(regime, |base| base[regime])];
-            let count = range.len() as f64;
-            sum.count += count;
-            if let Some(force) = law.constant(regime) {
-                sum.adhesion.add(count * force);
-                work.constant += range.len() as u64;
-                continue;
-            }
-            let touches = law.regimes()[regime].is_contact();
-            work.unloaded += if touches { 0 } else { range.len() as u64 };
-            for_each_block_of(law, (regime, range), heights, d, scratch, work, |range, responses| {
-                let n = range.len();
-                InstructionSet::current().run(
-                    #[inline(always)]
-                    || {
-                        sum.adhesion.add(lane_sum(&responses.adhesion[..n]));
-                        // Where nothing touches there is neither load nor area.
-                        if touches {
-                            sum.contact.add(lane_sum(&responses.contact[..n]));
-                            sum.area.add(lane_sum(&responses.area[..n]));
-                        }
-                    },
-                );
-            });
+    fn separations(surface: &Surface, step: f64, count: usize) -> Vec<f64> {
+        (0..count).map(|k| surface.surface_height_std * (-1.0 + step * k as f64)).collect()
+    }
+
+    fn setting() -> Setting {
+        Setting::new(&ASPERITY, Path::Approach, (-40e-9, 60e-9)).unwrap()
+    }
+
+    fn law(name: &str) -> Box<dyn Law> {
+        (model(name).unwrap().build)(&setting()).unwrap()
+    }
+
+    fn job<'a>(law: &'a dyn Law, surface: &'a Surface, separations: &'a [f64]) -> Job<'a> {
+        Job {
+            law,
+            surface,
+            separations,
+            seed: 7,
+            scheme: SamplingScheme::Independent,
+            replicas: 8,
+            probes: &[],
+            controls: &[],
+            keep_curves: false,
+            compression: None,
+            protocol: Protocol::default(),
         }
+    }
+
+    /// The replica `index` tract by tract.
+    fn divided(job: &Job<'_>, index: u64) -> (Replica, Curves) {
+        let mut workspace = Workspace::with_tracts(job, SMALL);
+        assert!(workspace.is_divided);
+        let kept = workspace.divided(job, index, &|| false).unwrap();
+        (kept, workspace.curves.remove(0))
+    }
+
+    /// The same asperities, all held at once.
+    fn held(job: &Job<'_>, index: u64) -> (Replica, Curves) {
+        let mut workspace = Workspace::with_tracts(job, usize::MAX);
+        assert!(!workspace.is_divided);
+        Draws::of(job, index, SMALL).all(&mut workspace.heights[0], &mut workspace.radii);
+        workspace.sum(job, 1);
+        (workspace.keep(job, 0), workspace.curves.remove(0))
+    }
+
+    /// Has both ways of summing a replica agree: curves to a share `tolerance` of F_s + P, and what is kept to as much. Its pull-off may
+    /// be less deep by what the steepest part of a curve falls on the way between the ends of cells, or deeper; the place of that is
+    /// one of the curve.
+    #[track_caller]
+    fn agree(job: &Job<'_>, index: u64, (mine, curves): &(Replica, Curves), tolerance: f64) {
+        let (truth, direct) = held(&Job { compression: None, ..*job }, index);
+        let error = largest_error(curves, &direct);
+        assert!(error <= tolerance, "{error:e}");
+        let exact =
+            |replica: &Replica| (replica.asperity_count, replica.highest_asperity.to_bits(), replica.pull_off_at_edge);
+        assert_eq!(exact(mine), exact(&truth));
+        let forces = direct.total[0].iter().zip(&direct.total[1]).map(|(adhesion, contact)| adhesion + contact);
+        let rounding = 2.0 * tolerance * forces.fold(0.0, f64::max);
+        // Of the cells in ten spaces between separations.
+        let cell = 10.0 * (job.separations[1] - job.separations[0]) / f64::from(1 << 18);
+        let approach =
+            |replica: &Replica| replica.cycle.as_ref().map_or(f64::NAN, |cycle| cycle.approach_pull_off_force);
+        for force in [|replica: &Replica| replica.pull_off_force, approach] {
+            let missed = force(&truth) - force(mine);
+            assert!(!(missed > 2.0 * cell * truth.peak_stiffness.abs() + rounding), "{mine:?}, {truth:?}");
+        }
+        assert_eq!(mine.cycle.is_some(), truth.cycle.is_some());
+        let close = |mine: f64, truth: f64| {
+            let off = (mine - truth).abs();
+            assert!(off <= 1e3 * tolerance * truth.abs() || mine.to_bits() == truth.to_bits(), "{mine:e} {truth:e}");
+        };
+        close(mine.peak_stiffness, truth.peak_stiffness);
+        if let (Some(mine), Some(truth)) = (&mine.cycle, &truth.cycle) {
+            close(mine.dissipated_energy, truth.dissipated_energy);
+            assert_eq!(mine.touchdown_separation.to_bits(), truth.touchdown_separation.to_bits());
+            assert_eq!(mine.takeoff_separation.to_bits(), truth.takeoff_separation.to_bits());
+        }
+        if job.law.family().is_none() && mine.cycle.is_none() {
+            let mut heights = Vec::new();
+            Draws::of(job, index, SMALL).all(&mut heights, &mut Vec::new());
+            heights.sort_unstable_by(f64::total_cmp);
+            let state = State::There(mine.pull_off_separation);
+            let force = Sums::new(job.law.regimes().len()).external_force(job, &heights, state);
+            assert!((force + mine.pull_off_force).abs() <= rounding, "{force:e} {mine:?}");
+        }
+    }
+
+    /// Rounding of sums in another order.
+    const ROUNDING: f64 = 1e-13;
+
+    #[test]
+    fn a_surface_in_tracts_is_the_one_held_at_once() {
+        let surface = surface();
+        for (name, step, count) in
+            [("hybrid", 0.05, 181), ("emd", 0.1, 91), ("jkr", 0.3, 31), ("gw", 0.1, 91), ("hybrid", 1.0, 10)]
+        {
+            let law = law(name);
+            let separations = separations(&surface, step, count);
+            let direct = job(law.as_ref(), &surface, &separations);
+            for index in [0, 5] {
+                agree(&direct, index, &divided(&direct, index), ROUNDING);
+                for tolerance in [1e-6, 1e-9, 1e-12] {
+                    let Ok(compression) = Compression::new(law.as_ref(), &surface, &separations, tolerance) else {
+                        assert_eq!(step, 1.0);
+                        continue;
+                    };
+                    let compressed = Job { compression: Some(&compression), ..direct };
+                    agree(&compressed, index, &divided(&compressed, index), tolerance);
+                }
+            }
+        }
+    }
+
+    /// Other laws of heights, with asperities beyond all bins, a Poisson number, given heights, and every scheme.
+    #[test]
+    fn every_kind_of_surface_comes_in_tracts() {
+        let plain = surface();
+        let law = law("hybrid");
+        let separations = separations(&plain, 0.1, 91);
+        let with = |law| Surface { heights: Heights { law, ..plain.heights.clone() }, ..plain.clone() };
+        let mut given = vec![0.0; COUNT];
+        plain.heights.draw(&mut super::super::stream::stream(3, super::super::stream::Purpose::Heights, 0), &mut given);
+        let given = Surface { heights: Heights::sample(given), ..plain.clone() };
+        let tail = with(HeightLaw::LogNormal(LogNormal::new(1.0)));
+        let poisson = Surface { count_law: CountLaw::Poisson, ..plain.clone() };
+        let whole = Surface { whole: true, ..given.clone() };
+        let independent = [&tail, &poisson, &given, &whole].map(|surface| (surface, SamplingScheme::Independent));
+        let schemes = [SamplingScheme::Antithetic, SamplingScheme::Stratified].map(|scheme| (&plain, scheme));
+        for (surface, scheme) in independent.into_iter().chain(schemes) {
+            let direct = Job { scheme, ..job(law.as_ref(), surface, &separations) };
+            let compression = Compression::new(law.as_ref(), surface, &separations, 1e-9).unwrap();
+            let compressed = Job { compression: Some(&compression), ..direct };
+            for index in [0, 1] {
+                agree(&direct, index, &divided(&direct, index), ROUNDING);
+                agree(&compressed, index, &divided(&compressed, index), 1e-9);
+            }
+        }
+        let beyond = |u: &&f64| **u > 16.0 * tail.heights.std;
+        let mut heights = Vec::new();
+        Draws::of(&job(law.as_ref(), &tail, &separations), 0, SMALL).all(&mut heights, &mut Vec::new());
+        assert!(heights.iter().filter(beyond).count() > 2, "no asperity is beyond the bins");
+    }
+
+    #[test]
+    fn scattered_radii_come_in_tracts() {
+        let surface = Surface { radii: Radii::LogNormal(0.3), ..surface() };
+        let family = Family::new(model("hybrid").unwrap(), ASPERITY, Path::Approach, RADIUS_RANGE).unwrap();
+        let law = Typical::new(law("hybrid"), family);
+        let separations = separations(&surface, 0.5, 15);
+        let job = job(&law, &surface, &separations);
+        agree(&job, 1, &divided(&job, 1), ROUNDING);
+    }
+
+    /// Loops, their snaps, and turns at preloads of which one is never reached.
+    #[test]
+    fn loops_come_in_tracts() {
+        let surface = surface();
+        let cycle = Loop::new(model("hybrid").unwrap().build, &setting()).unwrap();
+        let separations = separations(&surface, 0.1, 81);
+        let [stiffness, preload] = [[1e5, 1e6], [1e-4, 1e3]];
+        for preload in [&preload[..], &[]] {
+            let holding = Holding { stiffness: &stiffness, preload, smallest_snap: 0.0, ways: (true, true) };
+            let protocol = Protocol { cycle: Some(&cycle), holding };
+            let job = Job { protocol, ..job(cycle.approach(), &surface, &separations) };
+            let (mine, truth) = (divided(&job, 0), held(&job, 0));
+            agree(&job, 0, &mine, ROUNDING);
+            assert_eq!(mine.1.snaps.len(), holding.length());
+            for (mine, truth) in mine.1.snaps.iter().zip(&truth.1.snaps) {
+                let off = (mine - truth).abs();
+                assert!(off <= 1e-9 * truth.abs() || mine.to_bits() == truth.to_bits(), "{mine:e} {truth:e}");
+            }
+        }
+    }
+
+    /// Bits on 1, 2, 3 and 8 threads, and what it cost.
+    #[test]
+    fn threads_do_not_matter() {
+        let surface = surface();
+        let law = law("hybrid");
+        let separations = separations(&surface, 0.1, 91);
+        let direct = job(law.as_ref(), &surface, &separations);
+        let compression = Compression::new(law.as_ref(), &surface, &separations, 1e-9).unwrap();
+        for job in [direct, Job { compression: Some(&compression), ..direct }] {
+            let on = |threads: usize| {
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+                pool.install(|| {
+                    let mut workspace = Workspace::with_tracts(&job, SMALL);
+                    let kept = workspace.divided(&job, 3, &|| false).unwrap();
+                    (kept.clone().words(), workspace.curves.remove(0), workspace.sums.work)
+                })
+            };
+            let one = on(1);
+            for threads in [2, 3, 8] {
+                assert_eq!(on(threads), one, "{threads} threads");
+            }
+        }
+    }
+
+    /// Whenever it is ended, nothing of the replica at hand is visited, those before it are, and no tract is begun any more.
+    #[test]
+    fn a_surface_in_tracts_can_be_ended() {
+        let surface = surface();
+        let law = law("hybrid");
+        let separations = separations(&surface, 0.5, 19);
+        let job = job(law.as_ref(), &surface, &separations);
+        let looks = |most: usize| {
+            let (looked, mut visited) = (AtomicUsize::new(0), 0);
+            let ends = || looked.fetch_add(1, Ordering::Relaxed) >= most;
+            let all = Workspace::with_tracts(&job, SMALL).replicas_until(&job, 0..2, &ends, |_, _| visited += 1);
+            (all, visited, looked.into_inner())
+        };
+        let (all, visited, needed) = looks(usize::MAX);
+        assert_eq!((all, visited), (true, 2));
+        assert!(needed > 2 * COUNT / SMALL, "{needed}");
+        for most in [0, 1, 3, needed / 2 - 1] {
+            assert!(!looks(most).0, "{most}");
+            assert_eq!(looks(most).1, 0, "{most}");
+        }
+        assert_eq!(looks(needed / 2 + 3).1, 1);
+        assert!(!looks(needed - 1).0);
     }
 }

@@ -1,11 +1,13 @@
 //! The asperities of a replica under a sampling scheme.
 
-use super::stream::{Purpose, stream};
-use crate::surface::{CountLaw, Radii, STRATA, SamplingScheme, Surface};
+use super::Job;
+use super::stream::{Purpose, stream, tract_stream};
+use crate::surface::{CountLaw, Radii, STRATA, SamplingScheme, Surface, TRACT};
 use rand::RngExt;
 use rand::distr::Open01;
 use rand::seq::SliceRandom;
 use rand_distr::{Distribution, Poisson};
+use std::ops::Range;
 
 /// Draws the asperities of the replica `index`, unsorted, in the place of those that are there: their heights, m, and where they differ
 /// the radius of each, m.
@@ -20,24 +22,122 @@ pub fn draw(
     heights: &mut Vec<f64>,
     radii: &mut Vec<f64>,
 ) {
-    heights.resize(count(surface, seed, index), 0.0);
-    if surface.is_scattered() {
-        radii.resize(heights.len(), 0.0);
+    Draws::new(surface, (seed, scheme), index, TRACT).all(heights, radii);
+}
+
+/// The asperities of one replica, as they are drawn.
+#[derive(Clone, Copy)]
+pub(super) struct Draws<'a> {
+    surface: &'a Surface,
+    seed: u64,
+    scheme: SamplingScheme,
+    index: u64,
+    /// Their number.
+    pub count: usize,
+    /// Asperities of a tract; all of a surface that is not divided.
+    tract: usize,
+}
+
+impl<'a> Draws<'a> {
+    /// Of the replica `index`, in tracts of `tract` asperities.
+    pub fn new(surface: &'a Surface, (seed, scheme): (u64, SamplingScheme), index: u64, tract: usize) -> Self {
+        let tract = if is_divided(surface, tract) { tract } else { usize::MAX };
+        Self { surface, seed, scheme, index, count: count(surface, seed, index), tract }
     }
-    match (&surface.radii, surface.heights.values()) {
-        (Radii::Measured(asperities), _) if surface.whole => {
-            for ((height, radius), asperity) in heights.iter_mut().zip(radii).zip(asperities.iter()) {
-                [*height, *radius] = *asperity;
+
+    /// Of the replica `index` of a job.
+    pub fn of(job: &Job<'a>, index: u64, tract: usize) -> Self {
+        Self::new(job.surface, (job.seed, job.scheme), index, tract)
+    }
+
+    /// The number of tracts.
+    pub fn tracts(&self) -> usize {
+        self.count.div_ceil(self.tract)
+    }
+
+    /// Draws the asperities of one tract.
+    pub fn tract(&self, tract: usize, heights: &mut Vec<f64>, radii: &mut Vec<f64>) {
+        let range = self.range(tract);
+        heights.resize(range.len(), 0.0);
+        radii.resize(if self.surface.is_scattered() { range.len() } else { 0 }, 0.0);
+        self.fill(tract, heights, radii);
+    }
+
+    /// Draws all asperities.
+    pub fn all(&self, heights: &mut Vec<f64>, radii: &mut Vec<f64>) {
+        heights.resize(self.count, 0.0);
+        radii.resize(if self.surface.is_scattered() { self.count } else { 0 }, 0.0);
+        for tract in 0..self.tracts() {
+            let range = self.range(tract);
+            let radii = if radii.is_empty() { &mut [] } else { &mut radii[range.clone()] };
+            self.fill(tract, &mut heights[range], radii);
+        }
+    }
+
+    fn range(&self, tract: usize) -> Range<usize> {
+        let first = tract * self.tract;
+        first..first.saturating_add(self.tract).min(self.count)
+    }
+
+    /// Draws the asperities of a tract into their places.
+    fn fill(&self, tract: usize, heights: &mut [f64], radii: &mut [f64]) {
+        let surface = self.surface;
+        match (&surface.radii, surface.heights.values()) {
+            (Radii::Measured(asperities), _) if surface.whole => {
+                for ((height, radius), asperity) in heights.iter_mut().zip(radii).zip(&asperities[self.range(tract)]) {
+                    [*height, *radius] = *asperity;
+                }
+            }
+            (_, Some(values)) if surface.whole => heights.copy_from_slice(&values[self.range(tract)]),
+            (Radii::Common, _) => self.fill_heights(tract, heights),
+            (law, _) => {
+                let [mut of_heights, mut of_radii] = [Purpose::Heights, Purpose::Radii]
+                    .map(|purpose| tract_stream(self.seed, purpose, self.index, tract as u64));
+                law.draw(surface.asperity_radius, &surface.heights, (&mut of_heights, &mut of_radii), heights, radii);
             }
         }
-        (_, Some(values)) if surface.whole => heights.copy_from_slice(values),
-        (Radii::Common, _) => draw_heights(surface, seed, scheme, index, heights),
-        (law, _) => {
-            let [mut of_heights, mut of_radii] =
-                [Purpose::Heights, Purpose::Radii].map(|purpose| stream(seed, purpose, index));
-            law.draw(surface.asperity_radius, &surface.heights, (&mut of_heights, &mut of_radii), heights, radii);
+    }
+
+    /// Draws the heights of a tract, m, unsorted; `heights` has one place for each of its asperities.
+    ///
+    /// Under every scheme they are independent and of the law of the surface; those of one group of replicas of a surface that is
+    /// [plain](Surface::is_plain) depend on each other asperity by asperity:
+    ///
+    /// * antithetic: a replica of odd index has the heights of the one before it with opposite sign;
+    /// * stratified: the height of an asperity is the normal quantile of (π + U)/8, where π over the replicas of the group is a random
+    ///   permutation of 0..8, another for each asperity, and U is uniform (McKay, Beckman and Conover 1979).
+    fn fill_heights(&self, tract: usize, heights: &mut [f64]) {
+        let Self { surface, index, .. } = *self;
+        let stream = |purpose, index| tract_stream(self.seed, purpose, index, tract as u64);
+        match self.scheme {
+            SamplingScheme::Independent => {
+                surface.heights.draw(&mut stream(Purpose::Heights, index), heights);
+            }
+            SamplingScheme::Antithetic => {
+                surface.heights.draw(&mut stream(Purpose::Heights, index - index % 2), heights);
+                if index % 2 == 1 {
+                    heights.iter_mut().for_each(|height| *height = -*height);
+                }
+            }
+            SamplingScheme::Stratified => {
+                let mut permutations = stream(Purpose::Strata, index / STRATA);
+                let mut uniforms = stream(Purpose::Heights, index);
+                for height in heights {
+                    let stratum = permutation(&mut permutations)[(index % STRATA) as usize];
+                    let share: f64 = uniforms.sample(Open01);
+                    // The upper half mirrors the lower one, so that both tails keep their digits.
+                    let (below, sign) =
+                        if stratum < STRATA / 2 { (stratum, 1.0) } else { (STRATA - 1 - stratum, -1.0) };
+                    *height = sign * surface.heights.gaussian_quantile((below as f64 + share) / STRATA as f64);
+                }
+            }
         }
     }
+}
+
+/// Whether a surface is drawn in tracts of `tract` asperities.
+pub(super) fn is_divided(surface: &Surface, tract: usize) -> bool {
+    surface.asperity_count > tract
 }
 
 /// The number of asperities of the replica `index`.
@@ -48,39 +148,6 @@ fn count(surface: &Surface, seed: u64, index: u64) -> usize {
             let law = Poisson::new(surface.asperity_count as f64).expect("a surface has asperities");
             let count: f64 = law.sample(&mut stream(seed, Purpose::Count, index));
             count as usize
-        }
-    }
-}
-
-/// Draws the heights of the replica `index`, m, unsorted; `heights` has one place for each asperity of the surface.
-///
-/// Under every scheme they are independent and of the law of the surface; those of one group of replicas of a surface that is
-/// [plain](Surface::is_plain) depend on each other asperity by asperity:
-///
-/// * antithetic: a replica of odd index has the heights of the one before it with opposite sign;
-/// * stratified: the height of an asperity is the normal quantile of (π + U)/8, where π over the replicas of the group is a random
-///   permutation of 0..8, another for each asperity, and U is uniform (McKay, Beckman and Conover 1979).
-fn draw_heights(surface: &Surface, seed: u64, scheme: SamplingScheme, index: u64, heights: &mut [f64]) {
-    match scheme {
-        SamplingScheme::Independent => {
-            surface.heights.draw(&mut stream(seed, Purpose::Heights, index), heights);
-        }
-        SamplingScheme::Antithetic => {
-            surface.heights.draw(&mut stream(seed, Purpose::Heights, index - index % 2), heights);
-            if index % 2 == 1 {
-                heights.iter_mut().for_each(|height| *height = -*height);
-            }
-        }
-        SamplingScheme::Stratified => {
-            let mut permutations = stream(seed, Purpose::Strata, index / STRATA);
-            let mut uniforms = stream(seed, Purpose::Heights, index);
-            for height in heights {
-                let stratum = permutation(&mut permutations)[(index % STRATA) as usize];
-                let share: f64 = uniforms.sample(Open01);
-                // The upper half mirrors the lower one, so that both tails keep their digits.
-                let (below, sign) = if stratum < STRATA / 2 { (stratum, 1.0) } else { (STRATA - 1 - stratum, -1.0) };
-                *height = sign * surface.heights.gaussian_quantile((below as f64 + share) / STRATA as f64);
-            }
         }
     }
 }

@@ -3,8 +3,8 @@
 use super::Job;
 use super::curves::Curves;
 use super::pull_off::deepest_of_parts;
-use super::replica::RegimeSums;
-use crate::asperity::{Family, Quantity, Scratch, Work, for_each_block, regime_ranges};
+use super::sums::RegimeSums;
+use crate::asperity::{Family, Scratch, Work, for_each_block, regime_ranges};
 use crate::math::extrema::{Extremum, minimum};
 
 /// Memory for the sums of one surface after the other.
@@ -59,18 +59,17 @@ pub(super) fn pull_off(
         let planes = planes(job, places);
         let mut sums = vec![RegimeSums::default(); planes.len()];
         add(family, asperities, &planes, scratch, work, &mut sums);
-        let force = |sum: &RegimeSums| RegimeSums::total(std::slice::from_ref(sum))[Quantity::ExternalForce.index()];
-        sums.iter().rev().map(force).collect()
+        sums.iter().rev().map(|sum| RegimeSums::external_force(std::slice::from_ref(sum))).collect()
     })
 }
 
 /// −d, m, rising, of separations h, m, rising.
-fn planes(job: &Job<'_>, separations: &[f64]) -> Vec<f64> {
+pub(super) fn planes(job: &Job<'_>, separations: &[f64]) -> Vec<f64> {
     separations.iter().rev().map(|&h| -job.surface.asperity_separation(h)).collect()
 }
 
 /// Adds asperities, `heights` and `radii`, m, to sums by plane, then regime; to one sum for each plane where there is no more.
-fn add(
+pub(super) fn add(
     family: &Family,
     (heights, radii): (&[f64], &[f64]),
     planes: &[f64],

@@ -6,6 +6,7 @@ use super::replica::{Replica, Workspace};
 use super::{Job, compressed};
 use crate::asperity::Quantity;
 use crate::math::extrema::maximum;
+use crate::surface::{Surface, TRACT};
 use rayon::prelude::*;
 
 /// Replicas that are summed both ways before the run, spread over it.
@@ -31,7 +32,8 @@ impl Summation {
     }
 
     /// By moments to `tolerance` if that can be done, which is tried on a few replicas of the job, in parallel; else directly. The error
-    /// is that of [`largest_error`] and of the pull-off force.
+    /// is that of [`largest_error`] and of the pull-off force. Of surfaces that are drawn in tracts the first one of each is tried: errors
+    /// are relative to the sum of what all asperities do, so those of more are no larger.
     pub fn compressed(job: &Job<'_>, tolerance: f64) -> Self {
         let direct = Self { tolerance: Some(tolerance), ..Self::direct() };
         if job.protocol.cycle.is_some() {
@@ -42,7 +44,9 @@ impl Summation {
             Err(refusal) => return Self { refusal: Some(refusal), ..direct },
         };
         let pilots = PILOTS.min(job.replicas);
-        let error = |i| pilot_error(job, &compression, i * (job.replicas / pilots));
+        let surface = Surface { asperity_count: job.surface.asperity_count.min(TRACT), ..job.surface.clone() };
+        let tried = Job { surface: &surface, ..*job };
+        let error = |i| pilot_error(&tried, &compression, i * (job.replicas / pilots));
         let errors: Vec<f64> = (0..pilots).into_par_iter().map(error).collect();
         let achieved_error = errors.into_iter().fold(0.0, f64::max);
         if achieved_error <= tolerance {

@@ -22,7 +22,7 @@ pub struct Node {
 pub fn nodes(low: f64, high: f64, n: usize) -> Vec<Node> {
     let half = 0.5 * (high - low);
     let node = |j: usize| {
-        let place = 0.5 * (low + high) - half * (j as f64 * PI / n as f64).cos();
+        let place = 0.5 * (low + high) - half * libm::cos(j as f64 * PI / n as f64);
         let coarse = if j.is_multiple_of(2) { half * weight(j / 2, n / 2) } else { 0.0 };
         Node { place, weight: half * weight(j, n), coarse }
     };
@@ -33,7 +33,7 @@ pub fn nodes(low: f64, high: f64, n: usize) -> Vec<Node> {
 fn weight(j: usize, n: usize) -> f64 {
     let term = |k: usize| {
         let ends = if k == 0 || 2 * k == n { 0.5 } else { 1.0 };
-        ends * (2.0 * PI * (j * k) as f64 / n as f64).cos() / (1.0 - 4.0 * (k * k) as f64)
+        ends * libm::cos(2.0 * PI * (j * k) as f64 / n as f64) / (1.0 - 4.0 * (k * k) as f64)
     };
     let ends = if j == 0 || j == n { 0.5 } else { 1.0 };
     4.0 / n as f64 * ends * (0..=n / 2).map(term).sum::<f64>()

@@ -33,6 +33,12 @@ impl Compensated {
         self.sum = sum;
     }
 
+    /// Adds another sum with what it carries.
+    pub fn merge(&mut self, other: &Self) {
+        self.add(other.sum);
+        self.carried += other.carried;
+    }
+
     /// The sum.
     #[inline]
     pub fn value(&self) -> f64 {
@@ -58,6 +64,18 @@ mod tests {
         for value in [1.0, 1e100, 1.0, -1e100] {
             sum.add(value);
         }
+        assert_eq!(sum.value(), 2.0);
+    }
+
+    #[test]
+    fn merging_keeps_what_both_carry() {
+        let of = |values: [f64; 2]| {
+            let mut sum = Compensated::default();
+            values.into_iter().for_each(|value| sum.add(value));
+            sum
+        };
+        let mut sum = of([1.0, 1e100]);
+        sum.merge(&of([-1e100, 1.0]));
         assert_eq!(sum.value(), 2.0);
     }
 }

@@ -207,8 +207,8 @@ impl ShardFile {
         let (mut checksum, at_once) = (Hasher::new(), (AT_ONCE / record_length).max(1));
         for first in (first..end).step_by(at_once) {
             let words: Vec<u64> = self.reader.rows("/records", first..(first + at_once).min(end))?;
+            checksum.update(&words.iter().flat_map(|word| word.to_le_bytes()).collect::<Vec<u8>>());
             for record in words.chunks_exact(record_length) {
-                record.iter().for_each(|word| checksum.update(&word.to_le_bytes()));
                 if !visit(record)? {
                     return Ok(None);
                 }

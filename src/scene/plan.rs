@@ -2,12 +2,15 @@
 
 use super::{Scene, Sizes};
 use crate::asperity::{Law, Regime};
+use crate::surface::TRACT;
 
 /// A regime that is expected less often than this in the whole run, at the separation that reaches it most, is called skipped.
 const NEVER: f64 = 1e-6;
 
 /// Nanoseconds that a replica takes by compressed sums, about: for each asperity, and for each separation.
 const COMPRESSED: (f64, f64) = (30.0, 700.0);
+/// Nanoseconds that an asperity of a surface in tracts takes to be drawn again, twice, and looked at.
+const AGAIN: f64 = 30.0;
 /// Nanoseconds that making the law of an asperity takes, where each has its own, and a solve of that law.
 const SCATTERED: (f64, f64) = (30e3, 400.0);
 /// Replicas that are summed directly too before a compressed run, to see its error.
@@ -71,7 +74,7 @@ pub struct CoreSeconds {
     pub functionals: f64,
     /// What a few replicas take that are summed both ways before a compressed run.
     pub pilots: f64,
-    /// The ensemble, which threads share batch by batch.
+    /// The ensemble, which threads share batch by batch, or tract by tract of each surface.
     pub ensemble: f64,
 }
 
@@ -79,8 +82,9 @@ impl CoreSeconds {
     /// Seconds that the phases take one after the other: integral, functionals, ensemble.
     pub fn on_threads(&self, sizes: &Sizes) -> [f64; 3] {
         let rounds = (sizes.batches() / sizes.threads).ceil();
-        let pilots = self.pilots / sizes.threads.min(PILOTS);
-        [self.integral / sizes.threads, self.functionals, pilots + self.ensemble * rounds / sizes.batches()]
+        let share = if sizes.is_divided() { 1.0 / sizes.workers() } else { rounds / sizes.batches() };
+        let pilots = self.pilots / sizes.threads.min(PILOTS).min(sizes.replicas);
+        [self.integral / sizes.threads, self.functionals, pilots + self.ensemble * share]
     }
 }
 
@@ -111,9 +115,11 @@ fn core_seconds(scene: &Scene, law: &dyn Law, regimes: &[RegimePlan]) -> CoreSec
     let searched = SEARCH.0.min(s - 1.0) * between + SEARCH.3 + turns as f64;
     let making = if scene.surface.is_scattered() { SCATTERED.0 } else { 0.0 };
     let direct = (DIRECT.0 + making) * n + (s + searched) * (DIRECT.1 + solving);
-    let compressed = COMPRESSED.0 * n + COMPRESSED.1 * s;
+    let again = if sizes.is_divided() { AGAIN * n } else { 0.0 };
+    let compressed = COMPRESSED.0 * n + COMPRESSED.1 * s + again;
+    let tried = sizes.asperities.min(TRACT as f64) / sizes.asperities;
     let (replica, pilots) = match scene.sum_tolerance {
-        Some(_) => (compressed, PILOTS.min(sizes.replicas) * (direct + compressed)),
+        Some(_) => (compressed, PILOTS.min(sizes.replicas) * tried * (direct + compressed)),
         None => (direct, 0.0),
     };
     let parts = scene.surface.parts().len() as f64;

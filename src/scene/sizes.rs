@@ -4,6 +4,7 @@
 
 use super::Scene;
 use crate::asperity::Law;
+use crate::surface::TRACT;
 
 /// Bytes of a number.
 const NUMBER: f64 = 8.0;
@@ -31,6 +32,11 @@ const BINS: (f64, f64) = (20.0, 4e3);
 const PERIOD: f64 = 16e3;
 /// Heights that the search for the pull-off copies: those of so many laws' jumps, within so many separations.
 const COPIED: (f64, f64) = (2.5, 1.0);
+
+/// Tracts of a large surface whose sums wait to be added, for each thread; bytes that one takes for a sum of a regime, and for a period.
+const WAITING: (f64, f64, f64) = (8.0, 56.0, 1.5e3);
+/// Bytes that the search for the pull-off of a large surface counts in.
+const COUNTED: f64 = 1e7;
 
 /// What the memory and the disk of a run depend on.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -88,9 +94,15 @@ impl Sizes {
         (self.replicas / BATCH).ceil()
     }
 
-    /// Threads that have a batch to compute.
+    /// Whether surfaces are drawn and summed in tracts, which threads share.
+    pub fn is_divided(&self) -> bool {
+        self.asperities > TRACT as f64
+    }
+
+    /// Threads that have something to compute: a batch, or a tract of one.
     pub fn workers(&self) -> f64 {
-        self.threads.min(self.batches())
+        let tracts = if self.is_divided() { (self.asperities / TRACT as f64).ceil() } else { 1.0 };
+        self.threads.min(self.batches() * tracts)
     }
 
     /// Estimated memory, bytes, at its largest.
@@ -99,7 +111,7 @@ impl Sizes {
         let moments = NUMBER * s * (20.0 + 6.0 * r);
         let kept = if self.curves { 2.0 * NUMBER * BATCH * s } else { 0.0 };
         // A batch that is computed, and for each as many that wait to be merged.
-        let batches = 3.0 * self.workers() * (moments + kept);
+        let batches = 3.0 * self.threads.min(self.batches()) * (moments + kept);
         let ensembles = self.ensembles
             * (moments + (REPLICA + 3.0 * NUMBER * self.snaps) * self.replicas + 2.0 * NUMBER * FUNCTIONALS * s);
         let statistical = s * (100.0 * r + 24.0 * NUMBER);
@@ -120,20 +132,31 @@ impl Sizes {
         NUMBER * (2.0 * GRID.0 * columns + 2.0 * columns * columns)
     }
 
-    /// Bytes of the surfaces that are summed at the same time.
+    /// Bytes of the surfaces, or tracts of them, that are summed at the same time.
     fn surfaces(&self) -> f64 {
-        let n = self.asperities;
+        let n = self.asperities.min(TRACT as f64);
         let copied = NUMBER * n * COPIED.0 * (COPIED.1 * self.step).min(1.0);
         let direct = NUMBER * n + copied;
         let periods = BINS.0 / self.step;
-        if !self.compressed || periods + self.separations > BINS.1 {
-            return self.workers() * direct;
-        }
+        let compressed = self.compressed && periods + self.separations <= BINS.1;
         let queued = QUEUED.0 * QUEUED.1 * n * self.separations;
+        let moments = PERIOD * periods;
+        let pilot = BINNED * n + queued + direct + moments;
+        let pilots = self.threads.min(PILOTS).min(self.replicas) * pilot;
         let lanes = self.replicas.min(BATCH);
-        let worker = lanes * BINNED * n + queued + copied + PERIOD * periods;
-        let pilot = BINNED * n + queued + direct + PERIOD * periods;
-        (self.workers() * worker).max(self.threads.min(PILOTS).min(self.replicas) * pilot)
+        match (self.is_divided(), compressed) {
+            (false, false) => self.workers() * direct,
+            (false, true) => (self.workers() * (lanes * BINNED * n + queued + copied + moments)).max(pilots),
+            (true, false) => {
+                let sums = WAITING.1 * self.separations * self.regimes;
+                COUNTED + self.workers() * (NUMBER * n + WAITING.0 * sums)
+            }
+            (true, true) => {
+                // Each tract is queued in as many pieces as there are lanes.
+                let tract = BINNED * n + queued / BATCH + moments + WAITING.0 * WAITING.2 * periods;
+                (COUNTED + moments + self.workers() * tract).max(pilots)
+            }
+        }
     }
 
     /// Estimated disk, bytes: what is kept of the replicas, and for curves the file beside the result that they are collected in and as
@@ -208,7 +231,7 @@ impl Choice {
             if fits(middle) { low = middle } else { high = middle }
         }
         let step = if self == Self::Replicas { sizes.group } else { 1.0 };
-        let two_digits = 10_f64.powf(low.log10().floor() - 1.0).max(1.0);
+        let two_digits = libm::pow(10.0, libm::log10(low).floor() - 1.0).max(1.0);
         let rounded = (low / two_digits).floor() * two_digits;
         Some(((rounded / step).floor() * step).max(self.least(sizes)) as u64)
     }
@@ -219,7 +242,7 @@ mod tests {
     use super::*;
 
     const SIZES: Sizes = Sizes {
-        asperities: 1e7,
+        asperities: 1e6,
         separations: 100.0,
         regimes: 6.0,
         replicas: 1e9,
@@ -235,19 +258,33 @@ mod tests {
 
     #[test]
     fn what_fits_is_the_most_that_does() {
-        for (choice, limit) in [(Choice::Asperities, 125e9), (Choice::Replicas, 50e9), (Choice::Threads, 123e9)] {
-            let most = choice.most(&SIZES, limit, Sizes::memory).unwrap();
+        for choice in [Choice::Asperities, Choice::Replicas, Choice::Threads] {
             let with = |value: u64| {
                 let mut sizes = SIZES;
                 *choice.of(&mut sizes) = value as f64;
                 sizes.memory()
             };
+            let limit = 0.5 * (with(1) + SIZES.memory());
+            let most = choice.most(&SIZES, limit, Sizes::memory).unwrap();
             assert!(most > 1 && with(most) <= limit && with(most + most / 10 + 1) > limit, "{choice:?}: {most}");
         }
         let most = Choice::Replicas.most(&Sizes { group: 8.0, ..SIZES }, 50e9, Sizes::memory);
         assert!(most.is_some_and(|most| most.is_multiple_of(8)), "{most:?}");
         // A billion replicas do not fit, however few the asperities.
         assert_eq!(Choice::Asperities.most(&SIZES, 50e9, Sizes::memory), None);
+    }
+
+    /// A surface that is divided takes no more memory with more asperities, and all threads.
+    #[test]
+    fn tracts_take_as_much_memory_however_many() {
+        for compressed in [false, true] {
+            let one = Sizes { asperities: 1e9, replicas: 1.0, compressed, ..SIZES };
+            assert_eq!(one.memory(), Sizes { asperities: 1e12, ..one }.memory());
+            assert_eq!((one.is_divided(), one.workers()), (true, 64.0));
+            assert_eq!(Sizes { asperities: 3e6, ..one }.workers(), 3.0);
+            let held = Sizes { asperities: TRACT as f64, ..one };
+            assert_eq!((held.is_divided(), held.workers()), (false, 1.0));
+        }
     }
 
     #[test]

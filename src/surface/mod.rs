@@ -8,7 +8,7 @@ mod scheme;
 
 pub use heights::{HeightLaw, Heights, LogNormal, Truncated, Weibull};
 pub use radii::{Part, RADIUS_RANGE, Radii};
-pub use scheme::{STRATA, SamplingScheme};
+pub use scheme::{STRATA, SamplingScheme, TRACT};
 
 use thiserror::Error;
 

@@ -1,8 +1,10 @@
 //! The program as a user drives it.
 
 use hdf5::types::VarLenUnicode;
+use std::io::Read;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::{Command, Output, Stdio};
+use std::time::Duration;
 use tempfile::TempDir;
 
 pub const QUICK: &str = include_str!("../../configs/quick.toml");
@@ -53,6 +55,38 @@ pub fn text(bytes: &[u8]) -> String {
 #[track_caller]
 pub fn assert_exit(output: &Output, code: i32) {
     assert_eq!(output.status.code(), Some(code), "{}{}", text(&output.stdout), text(&output.stderr));
+}
+
+/// The largest resident memory of a process so far, bytes.
+#[cfg(target_os = "linux")]
+fn peak(id: u32) -> Option<f64> {
+    let status = std::fs::read_to_string(format!("/proc/{id}/status")).ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    Some(1024.0 * line.trim().trim_end_matches(" kB").parse::<f64>().ok()?)
+}
+
+/// The largest resident memory of a run of the scene in a folder, bytes, by looking at it again and again; `arguments` behind the scene.
+#[cfg(target_os = "linux")]
+pub fn peak_memory(folder: &Folder, arguments: &[&str]) -> f64 {
+    let mut run = Command::new(env!("CARGO_BIN_EXE_stiction"))
+        .args(["run", "scene.toml"])
+        .args(arguments)
+        .current_dir(folder.path(""))
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut largest: f64 = 0.0;
+    let status = loop {
+        largest = largest.max(peak(run.id()).unwrap_or(0.0));
+        if let Some(status) = run.try_wait().unwrap() {
+            break status;
+        }
+        std::thread::sleep(Duration::from_millis(1));
+    };
+    let mut summary = String::new();
+    run.stdout.take().unwrap().read_to_string(&mut summary).unwrap();
+    assert!(status.success(), "{summary}");
+    largest
 }
 
 /// An attribute that is a text.

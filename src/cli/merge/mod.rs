@@ -110,7 +110,7 @@ impl Merge<'_> {
         let Some(first) = places.first() else {
             return Err(Failure::Usage(format!("{}: no replicas are there", task.source.display())));
         };
-        let state = piece(first).checkpoint(&scene)?.state;
+        let state = piece(first).checkpoint(&piece(first).open()?, &scene)?.state;
         let ground = Groundwork::new(scene, laws, Some(state.clone()), self.session, &mut progress);
         let setup = ground.sampling();
         let (job, record) = (setup.job(), record_of(&ground.scene));
@@ -120,12 +120,13 @@ impl Merge<'_> {
         for place in places {
             self.goes_on(merged.replicas.len() as u64, of)?;
             let piece = piece(place);
-            let checkpoint = piece.checkpoint(&ground.scene)?;
+            let file = piece.open()?;
+            let checkpoint = piece.checkpoint(&file, &ground.scene)?;
             if !checkpoint.state.is_alike(&state) {
                 return Err(piece.refused("has other functionals of the joint test than the shards before it"));
             }
             let (mut replicas, mut snaps) = (Vec::new(), Vec::new());
-            let checksum = piece.records(record.length(), &mut |words: &[u64]| {
+            let checksum = file.records(place.1, record.length(), &mut |words: &[u64]| {
                 let (replica, own) = record.read(words);
                 replicas.push(replica);
                 snaps.extend(own);
@@ -180,19 +181,20 @@ impl Piece<'_> {
         &self.shard().pieces[self.place.1]
     }
 
-    /// The checkpoint of it, which has to be one of a scene.
-    fn checkpoint(&self, scene: &Scene) -> Result<Checkpoint<State>, Failure> {
-        let bytes = ShardFile::open(&self.shard().path)?.state(self.place.1)?;
+    /// Its shard. To open one takes longer than to read a batch from it: what is read at a time is read from one opening.
+    fn open(&self) -> Result<ShardFile, OutputError> {
+        ShardFile::open(&self.shard().path)
+    }
+
+    /// The checkpoint of it in its shard, which has to be one of a scene.
+    fn checkpoint(&self, file: &ShardFile, scene: &Scene) -> Result<Checkpoint<State>, Failure> {
+        let bytes = file.state(self.place.1)?;
         let checkpoint = Checkpoint::<State>::decode(&bytes).map_err(|problem| self.refused(&problem))?;
         let run = Run { scene, shard: self.shard().identity.shard };
         match is_of(run, &checkpoint) {
             Ok(()) => Ok(checkpoint),
             Err(problem) => Err(self.refused(&problem)),
         }
-    }
-
-    fn records(&self, length: usize, visit: &mut Visit<'_>) -> Result<Option<u32>, OutputError> {
-        ShardFile::open(&self.shard().path)?.records(self.place.1, length, visit)
     }
 
     fn refused(&self, problem: &str) -> Failure {
@@ -211,7 +213,7 @@ impl Records for Pieces<'_> {
     fn records(&mut self, visit: &mut Visit<'_>) -> Result<(), OutputError> {
         for &place in self.places {
             let piece = Piece { run: self.run, place };
-            if piece.records(self.length, visit)?.is_none() {
+            if piece.open()?.records(place.1, self.length, visit)?.is_none() {
                 break;
             }
         }

@@ -10,6 +10,7 @@ use super::offsets::Offset;
 use super::{Compression, LANES, Lanes, TERMS};
 use crate::asperity::{BLOCK, Law, Responses, Scratch, Work, for_each_block};
 use crate::math::chebyshev;
+use std::ops::Range;
 
 /// Nodes of a period.
 #[derive(Debug)]
@@ -57,7 +58,8 @@ impl Nodes {
 pub(super) struct Weighted {
     interference: Vec<f64>,
     weights: Vec<f64>,
-    heights: Vec<f64>,
+    /// Of one separation, m, rising.
+    pub heights: Vec<f64>,
     responses: Box<Responses>,
     scratch: Box<Scratch>,
 }
@@ -73,39 +75,62 @@ impl Sums {
         work: &mut Work,
     ) -> f64 {
         debug_assert!(lane < LANES);
-        let Self { surfaces, weights, occupied, weighted, .. } = self;
-        let Compression { geometry, nodes, offsets, .. } = compression;
-        let segments = geometry.segments();
-        let mut force = 0.0;
-        let mut current = 0;
-        weighted.heights.clear();
-        // All periods are between offsets by the same share.
-        let first = (compression.separations.len() - 1) as f64 - (d - compression.separations[0]) / geometry.step;
-        let below = first.floor();
-        let pair = [below as isize, below as isize + isize::from(first > below)];
-        for period in occupied.clone() {
-            let bins = surfaces[lane].bins(period * segments..(period + 1) * segments);
-            let smooth = match pair.map(|j| offsets.get((period as isize + j) as usize)) {
-                [Some(Offset::Whole(low)), Some(Offset::Whole(high))] if low.piece == high.piece => Some(low.regime),
-                _ => None,
-            };
-            let Some(regime) = smooth.filter(|_| bins.len() > nodes.places.len()) else {
-                weighted.heights.extend_from_slice(bins);
-                continue;
-            };
-            if regime != current {
-                force += weighted.solve(law, current, work);
-                current = regime;
-            }
-            let (middle, half) = geometry.period(period);
-            weighted.interference.extend(nodes.places.iter().map(|place| middle + half * place - d));
-            weighted.weights.extend(weights[period][..nodes.places.len()].iter().map(|weight| weight[lane]));
+        let segments = compression.geometry.segments();
+        let bins = |period: usize| period * segments..(period + 1) * segments;
+        let (smooth, solved) = {
+            let Self { surfaces, weights, occupied, weighted, .. } = self;
+            let count = |period: usize| surfaces[lane].bins(bins(period)).len() as u64;
+            weighted.smooth(compression, law, (weights, lane), (occupied.clone(), count), d, work)
+        };
+        self.weighted.heights.clear();
+        for period in solved {
+            self.weighted.heights.extend_from_slice(self.surfaces[lane].bins(bins(period)));
         }
-        force + weighted.solve(law, current, work) + weighted.solve_heights(law, d, work)
+        sort_binned(&mut self.weighted.heights);
+        smooth + self.weighted.solve_heights(law, d, work)
     }
 }
 
 impl Weighted {
+    /// The external force, N, at the separation d, m, of the periods of a surface on which the law is smooth there, from the weights of
+    /// their nodes in a lane and the number of asperities in each; and the periods that have to be solved asperity by asperity.
+    pub fn smooth(
+        &mut self,
+        compression: &Compression,
+        law: &dyn Law,
+        (weights, lane): (&[[Lanes; TERMS]], usize),
+        (occupied, count): (Range<usize>, impl Fn(usize) -> u64),
+        d: f64,
+        work: &mut Work,
+    ) -> (f64, Vec<usize>) {
+        let Compression { geometry, nodes, offsets, .. } = compression;
+        let mut force = 0.0;
+        let mut current = 0;
+        let mut solved = Vec::new();
+        // All periods are between offsets by the same share.
+        let first = (compression.separations.len() - 1) as f64 - (d - compression.separations[0]) / geometry.step;
+        let below = first.floor();
+        let pair = [below as isize, below as isize + isize::from(first > below)];
+        for period in occupied {
+            let smooth = match pair.map(|j| offsets.get((period as isize + j) as usize)) {
+                [Some(Offset::Whole(low)), Some(Offset::Whole(high))] if low.piece == high.piece => Some(low.regime),
+                _ => None,
+            };
+            let Some(regime) = smooth.filter(|_| count(period) > nodes.places.len() as u64) else {
+                solved.push(period);
+                continue;
+            };
+            if regime != current {
+                force += self.solve(law, current, work);
+                current = regime;
+            }
+            let (middle, half) = geometry.period(period);
+            self.interference.extend(nodes.places.iter().map(|place| middle + half * place - d));
+            self.weights.extend(weights[period][..nodes.places.len()].iter().map(|weight| weight[lane]));
+        }
+        (force + self.solve(law, current, work), solved)
+    }
+
     /// Σ W (P − F_s), N, over the collected interferences, which are then gone.
     fn solve(&mut self, law: &dyn Law, regime: usize, work: &mut Work) -> f64 {
         let mut force = 0.0;
@@ -119,9 +144,8 @@ impl Weighted {
         force
     }
 
-    /// P − F_s, N, of the collected heights.
-    fn solve_heights(&mut self, law: &dyn Law, d: f64, work: &mut Work) -> f64 {
-        sort_binned(&mut self.heights);
+    /// P − F_s, N, of the collected heights, rising.
+    pub fn solve_heights(&mut self, law: &dyn Law, d: f64, work: &mut Work) -> f64 {
         let mut force = 0.0;
         for_each_block(law, &self.heights, d, &mut self.scratch, work, |_, range, responses| {
             for i in 0..range.len() {

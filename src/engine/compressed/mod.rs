@@ -20,8 +20,10 @@ mod between;
 mod geometry;
 mod moments;
 mod offsets;
+mod totals;
 
 pub use moments::{Binned, Sums};
+pub(super) use totals::{Between, Part, Totals};
 
 use super::curves::Curves;
 use crate::asperity::{Law, Quantity};
@@ -66,9 +68,6 @@ pub enum Unfit {
         /// All asperities.
         all: usize,
     },
-    /// There are more asperities than bins can count.
-    #[error("{0} asperities are more than are binned")]
-    TooMany(usize),
     /// There are more periods than anything is gained by.
     #[error("a step of the separations is only {0:.1e} of the height deviation")]
     TooFine(f64),
@@ -111,10 +110,6 @@ impl Compression {
     pub fn new(law: &dyn Law, surface: &Surface, separations: &[f64], tolerance: f64) -> Result<Self, Unfit> {
         if surface.is_scattered() {
             return Err(Unfit::Scattered);
-        }
-        // Places in a bin are counted with 32 bits.
-        if u32::try_from(surface.asperity_count).is_err() {
-            return Err(Unfit::TooMany(surface.asperity_count));
         }
         let separations: Vec<f64> = separations.iter().map(|&h| surface.asperity_separation(h)).collect();
         let step = (separations[separations.len() - 1] - separations[0]) / (separations.len() - 1) as f64;

@@ -23,7 +23,7 @@ const BUCKETS: usize = 64;
 pub struct Sums {
     pub(super) surfaces: Vec<Binned>,
     /// Moments of bins: [bin, term, surface].
-    bins: Vec<[Lanes; TERMS]>,
+    pub(super) bins: Vec<[Lanes; TERMS]>,
     /// Moments of periods: [period, term, surface].
     periods: Vec<[Lanes; TERMS]>,
     /// Weights of the nodes of periods: [period, node, surface].
@@ -31,8 +31,8 @@ pub struct Sums {
     /// Periods that any surface has asperities in.
     pub(super) occupied: Range<usize>,
     /// Adhesion force, contact force and area: [separation, regime, component, surface].
-    sums: Vec<[Lanes; 3]>,
-    queue: Queue,
+    pub(super) sums: Vec<[Lanes; 3]>,
+    pub(super) queue: Queue,
     pub(super) weighted: Weighted,
 }
 
@@ -42,16 +42,16 @@ pub struct Binned {
     /// Bin of each height as it was drawn.
     bins: Vec<u32>,
     /// Where each bin begins among the heights; one more than bins.
-    starts: Vec<u32>,
+    pub(super) starts: Vec<u32>,
     /// Heights, m, bin after bin.
     heights: Vec<f64>,
     /// Whether all heights are within the bins.
-    is_binned: bool,
+    pub(super) is_binned: bool,
 }
 
 /// Asperities of one regime that wait to be solved together, in the order of their interference as far as speed needs it.
 #[derive(Debug, Default)]
-struct Queue {
+pub(super) struct Queue {
     interference: Vec<f64>,
     /// The separation of each.
     separations: Vec<u32>,
@@ -77,34 +77,56 @@ impl Sums {
         }
     }
 
+    /// Whether this is memory for such a compression and law.
+    pub fn fits(&self, compression: &Compression, regimes: usize) -> bool {
+        let periods = compression.geometry.period_count();
+        self.periods.len() == periods
+            && self.bins.len() == periods * compression.geometry.segments()
+            && self.sums.len() == compression.separations.len() * regimes
+    }
+
     /// Takes the heights (m) of a batch, at most [`LANES`] surfaces: bins them and forms their moments. A surface with a height beyond the
     /// bins is left out.
     pub fn take(&mut self, compression: &Compression, surfaces: &[Vec<f64>]) {
         let geometry = &compression.geometry;
-        let segments = geometry.segments();
-        let (mut first, mut end) = (usize::MAX, 0);
         for (binned, heights) in self.surfaces.iter_mut().zip(surfaces) {
             binned.take(geometry, heights);
+            binned.order();
+        }
+        self.surfaces[surfaces.len()..].iter_mut().for_each(|binned| binned.is_binned = false);
+        self.form(geometry);
+        self.merge(compression);
+    }
+
+    /// Forms the moments of the bins of the surfaces.
+    pub(super) fn form(&mut self, geometry: &Geometry) {
+        let segments = geometry.segments();
+        let (mut first, mut end) = (usize::MAX, 0);
+        for binned in &self.surfaces {
             let filled = binned.filled();
             if !filled.is_empty() {
                 (first, end) = (first.min(filled.start / segments), end.max(filled.end.div_ceil(segments)));
             }
         }
-        self.surfaces[surfaces.len()..].iter_mut().for_each(|binned| binned.is_binned = false);
         self.occupied = first.min(end)..end;
         let bins = self.occupied.start * segments..self.occupied.end * segments;
-        let set = InstructionSet::current();
         let (surfaces, moments) = (&self.surfaces, &mut self.bins[bins.clone()]);
-        set.run(
+        InstructionSet::current().run(
             #[inline(always)]
             || form_moments(geometry, surfaces, bins.start, moments),
         );
-        let (bins, periods) = (&self.bins[bins], &mut self.periods[self.occupied.clone()]);
+    }
+
+    /// Makes of the moments of bins those of periods, and the weights of their nodes.
+    pub(super) fn merge(&mut self, compression: &Compression) {
+        let segments = compression.geometry.segments();
+        let bins = &self.bins[self.occupied.start * segments..self.occupied.end * segments];
+        let periods = &mut self.periods[self.occupied.clone()];
         let weights = &mut self.weights[self.occupied.clone()];
-        set.run(
+        InstructionSet::current().run(
             #[inline(always)]
             || {
-                merge(geometry, compression.terms, bins, periods);
+                merge(&compression.geometry, compression.terms, bins, periods);
                 compression.nodes.weigh(periods, weights);
             },
         );
@@ -118,6 +140,25 @@ impl Sums {
     /// Sums the surfaces at all separations into their curves.
     pub fn fill(&mut self, compression: &Compression, law: &dyn Law, curves: &mut [Curves], work: &mut Work) {
         let regimes = law.regimes().len();
+        self.multiply(compression, regimes);
+        for (l, curves) in curves.iter_mut().enumerate().filter(|(l, _)| self.surfaces[*l].is_binned) {
+            let (surface, sums) = (&self.surfaces[l], &mut self.sums);
+            self.queue.sum(compression, law, (surface, &self.occupied), work, |place, values| {
+                for (sum, value) in sums[place].iter_mut().zip(values) {
+                    sum[l] += value;
+                }
+            });
+            let starts = |bin: usize| f64::from(surface.starts[bin]);
+            for k in 0..compression.separations.len() {
+                compression.record(k, starts, l, &self.sums[k * regimes..(k + 1) * regimes], curves);
+            }
+        }
+        let binned = self.surfaces[..curves.len()].iter().filter(|binned| binned.is_binned).count();
+        work.compressed += compression.separations.len() as u64 * binned as u64;
+    }
+
+    /// Sums of what polynomials make of the moments of the surfaces.
+    pub(super) fn multiply(&mut self, compression: &Compression, regimes: usize) {
         self.sums.fill([[0.0; LANES]; 3]);
         let (occupied, sums) = (self.occupied.clone(), &mut self.sums);
         let (bins, periods) = (&self.bins, &self.periods);
@@ -133,25 +174,24 @@ impl Sums {
                 }
             },
         );
-        for (l, curves) in curves.iter_mut().enumerate().filter(|(l, _)| self.surfaces[*l].is_binned) {
-            for regime in (0..regimes).filter(|regime| !compression.solved[*regime].is_empty()) {
-                self.queue.collect(compression, &self.surfaces[l], &self.occupied, regime);
-                self.queue.solve(law, regime, work, |k, sums| {
-                    for (sum, value) in self.sums[k * regimes + regime].iter_mut().zip(sums) {
-                        sum[l] += value;
-                    }
-                });
-            }
-            for k in 0..compression.separations.len() {
-                compression.record(k, &self.surfaces[l], l, &self.sums[k * regimes..(k + 1) * regimes], curves);
-            }
-        }
-        let binned = self.surfaces[..curves.len()].iter().filter(|binned| binned.is_binned).count();
-        work.compressed += compression.separations.len() as u64 * binned as u64;
     }
 }
 
 impl Binned {
+    /// Bins those heights, m, that are within the bins, and hands over the others.
+    pub(super) fn take_within(&mut self, geometry: &Geometry, heights: &[f64], beyond: &mut Vec<f64>) {
+        self.take(geometry, heights);
+        if self.is_binned {
+            return;
+        }
+        let all = (geometry.period_count() * geometry.segments()) as u32;
+        let mut within = Vec::with_capacity(heights.len());
+        for (bin, u) in self.bins.iter().zip(heights) {
+            if *bin < all { &mut within } else { &mut *beyond }.push(*u);
+        }
+        self.take(geometry, &within);
+    }
+
     /// Bins heights, m.
     fn take(&mut self, geometry: &Geometry, heights: &[f64]) {
         self.bins.resize(heights.len(), 0);
@@ -184,13 +224,18 @@ impl Binned {
             *place -= 1;
             self.heights[*place as usize] = u;
         }
+    }
+
+    /// Puts the heights of crowded bins in order. Steps are then so wide that most of the surface is solved for each pull-off, again and
+    /// again: once in order is enough.
+    fn order(&mut self) {
         let filled = self.filled();
-        if self.heights.len() > CROWDED * filled.len() {
-            // Steps are so wide that most of the surface is solved for each pull-off, again and again: once in order is enough.
-            for bin in filled {
-                let bin = self.starts[bin] as usize..self.starts[bin + 1] as usize;
-                self.heights[bin].sort_unstable_by(f64::total_cmp);
-            }
+        if self.heights.len() <= CROWDED * filled.len() {
+            return;
+        }
+        for bin in filled {
+            let bin = self.starts[bin] as usize..self.starts[bin + 1] as usize;
+            self.heights[bin].sort_unstable_by(f64::total_cmp);
         }
     }
 
@@ -323,6 +368,23 @@ fn multiply(polynomials: &Polynomials, moments: &[Lanes; TERMS], sums: &mut [[La
 }
 
 impl Queue {
+    /// Sums the asperities of a surface that no polynomial meets; `add` gets the three components of each with the place of its separation
+    /// and regime.
+    pub(super) fn sum(
+        &mut self,
+        compression: &Compression,
+        law: &dyn Law,
+        (surface, occupied): (&Binned, &Range<usize>),
+        work: &mut Work,
+        mut add: impl FnMut(usize, [f64; 3]),
+    ) {
+        let regimes = law.regimes().len();
+        for regime in (0..regimes).filter(|regime| !compression.solved[*regime].is_empty()) {
+            self.collect(compression, surface, occupied, regime);
+            self.solve(law, regime, work, |k, values| add(k * regimes + regime, values));
+        }
+    }
+
     /// The asperities of a surface in the segments of a regime that no polynomial meets, at all separations.
     fn collect(&mut self, compression: &Compression, surface: &Binned, occupied: &Range<usize>, regime: usize) {
         self.interference.clear();
@@ -406,12 +468,19 @@ impl Compression {
         (offset + k + 1).checked_sub(self.separations.len())
     }
 
-    /// Takes over sums by regime of one lane, and the exact counts, as point `k` of the curves.
-    fn record(&self, k: usize, surface: &Binned, l: usize, sums: &[[Lanes; 3]], curves: &mut Curves) {
+    /// Takes over sums by regime of one lane, and the exact counts by where each bin begins among the heights, as point `k` of the curves.
+    pub(super) fn record(
+        &self,
+        k: usize,
+        starts: impl Fn(usize) -> f64,
+        l: usize,
+        sums: &[[Lanes; 3]],
+        curves: &mut Curves,
+    ) {
         let separations = self.separations.len();
         let segments = self.geometry.segments() as i64;
-        let bins = surface.starts.len() - 1;
-        let mut begin = 0;
+        let bins = self.geometry.period_count() * self.geometry.segments();
+        let mut begin = 0.0;
         let mut total = [0.0; 3];
         for (regime, [adhesion, contact, area]) in sums.iter().enumerate() {
             let [adhesion, contact, area] = [adhesion[l], contact[l], area[l]];
@@ -419,12 +488,12 @@ impl Compression {
                 Some(&(offset, segment)) => {
                     let period = offset + k as i64 - self.geometry.periods.start;
                     let bin = (period * segments + segment as i64).clamp(0, bins as i64);
-                    surface.starts[bin as usize]
+                    starts(bin as usize)
                 }
-                None => surface.starts[bins],
+                None => starts(bins),
             };
             let place = regime * separations + k;
-            curves.regime_count[place] = f64::from(end - begin);
+            curves.regime_count[place] = end - begin;
             curves.regime_adhesion_force[place] = adhesion;
             curves.regime_external_force[place] = contact - adhesion;
             begin = end;

@@ -20,7 +20,7 @@ const KK: &[Dimension] = &[Dimension::Component, Dimension::ComponentOther];
 pub static RUN: Layout = Layout {
     format: "stiction-run",
     command: "stiction run",
-    version: [1, 3],
+    version: [1, 4],
     groups: &["ensemble", "replicas", "statistical", "validation", "diagnostics"],
     optional_groups: &["instability"],
     variables: VARIABLES,

@@ -8,7 +8,7 @@ const F: &[Dimension] = &[Dimension::Freedom];
 pub static SWEEP: Layout = Layout {
     format: "stiction-sweep",
     command: "stiction run",
-    version: [1, 0],
+    version: [1, 1],
     groups: &["ensemble", "replicas", "statistical", "validation", "diagnostics", "differences"],
     optional_groups: RUN.optional_groups,
     variables: VARIABLES,

@@ -1,0 +1,215 @@
+//! Compressed sums of a surface that is taken tract by tract: moments are added up, and no heights are kept.
+//!
+//! What no polynomial meets is solved while the heights of its tract are at hand; a height beyond all bins is handed back, to be summed
+//! directly. At separations between those of the scene, moments give what they can, and a further pass over the tracts the rest.
+
+use super::between::Weighted;
+use super::geometry::Geometry;
+use super::moments::Sums;
+use super::{Compression, LANES, TERMS};
+use crate::asperity::{Law, Work};
+use crate::engine::curves::Curves;
+use crate::math::sums::lane_sum;
+use std::ops::Range;
+
+/// Heights that are binned at once.
+const CHUNK: usize = 1024;
+
+/// What one tract gives.
+#[derive(Debug)]
+pub struct Part {
+    /// The bins that it has asperities in, up to whole periods.
+    bins: Range<usize>,
+    /// Their moments.
+    moments: Vec<[f64; TERMS]>,
+    /// Asperities in each.
+    counts: Vec<u32>,
+    /// Adhesion force, contact force and area, SI, of what was solved asperity by asperity: [separation, regime].
+    solved: Vec<[f64; 3]>,
+    /// Heights, m, that are in no bin.
+    pub beyond: Vec<f64>,
+}
+
+impl Part {
+    /// Of a tract with these heights, m, in memory of the compression. The lanes of that are so many pieces of the tract.
+    pub fn new(sums: &mut Sums, compression: &Compression, law: &dyn Law, heights: &[f64], work: &mut Work) -> Self {
+        let geometry = &compression.geometry;
+        let mut beyond = Vec::new();
+        let mut pieces = heights.chunks(heights.len().div_ceil(LANES).max(1));
+        for binned in &mut sums.surfaces {
+            binned.take_within(geometry, pieces.next().unwrap_or(&[]), &mut beyond);
+        }
+        sums.form(geometry);
+        let mut solved = vec![[0.0; 3]; sums.sums.len()];
+        for surface in &sums.surfaces {
+            sums.queue.sum(compression, law, (surface, &sums.occupied), work, |place, values| {
+                for (sum, value) in solved[place].iter_mut().zip(values) {
+                    *sum += value;
+                }
+            });
+        }
+        let segments = geometry.segments();
+        let bins = sums.occupied.start * segments..sums.occupied.end * segments;
+        let count =
+            |bin: usize| sums.surfaces.iter().map(|surface| surface.starts[bin + 1] - surface.starts[bin]).sum();
+        Self {
+            moments: sums.bins[bins.clone()]
+                .iter()
+                .map(|terms| terms.each_ref().map(|lanes| lane_sum(lanes)))
+                .collect(),
+            counts: bins.clone().map(count).collect(),
+            bins,
+            solved,
+            beyond,
+        }
+    }
+}
+
+/// The sum of the parts of a surface.
+#[derive(Debug)]
+pub struct Totals {
+    moments: Vec<[f64; TERMS]>,
+    /// Asperities in each bin.
+    counts: Vec<u64>,
+    /// As those of a part.
+    solved: Vec<[f64; 3]>,
+}
+
+impl Totals {
+    /// Nothing yet, for a law of so many regimes.
+    pub fn new(compression: &Compression, regimes: usize) -> Self {
+        let bins = bins(&compression.geometry);
+        Self {
+            moments: vec![[0.0; TERMS]; bins],
+            counts: vec![0; bins],
+            solved: vec![[0.0; 3]; compression.separations.len() * regimes],
+        }
+    }
+
+    /// Adds the next tract.
+    pub fn add(&mut self, part: &Part) {
+        for (mine, theirs) in self.moments[part.bins.clone()].iter_mut().zip(&part.moments) {
+            mine.iter_mut().zip(theirs).for_each(|(mine, theirs)| *mine += theirs);
+        }
+        for (mine, theirs) in self.counts[part.bins.clone()].iter_mut().zip(&part.counts) {
+            *mine += u64::from(*theirs);
+        }
+        for (mine, theirs) in self.solved.iter_mut().zip(&part.solved) {
+            mine.iter_mut().zip(theirs).for_each(|(mine, theirs)| *mine += theirs);
+        }
+    }
+
+    /// Sums all asperities in bins at all separations into curves, in memory of the compression, of which the first lane is then this
+    /// surface.
+    pub fn fill(
+        &self,
+        sums: &mut Sums,
+        compression: &Compression,
+        law: &dyn Law,
+        curves: &mut Curves,
+        work: &mut Work,
+    ) {
+        let (regimes, segments) = (law.regimes().len(), compression.geometry.segments());
+        let filled = |count: &u64| *count > 0;
+        let first = self.counts.iter().position(filled).unwrap_or(0) / segments;
+        let end = self.counts.iter().rposition(filled).map_or(0, |last| last / segments + 1);
+        sums.occupied = first.min(end)..end;
+        for (lanes, moments) in sums.bins.iter_mut().zip(&self.moments) {
+            for (lanes, moment) in lanes.iter_mut().zip(moments) {
+                *lanes = [0.0; LANES];
+                lanes[0] = *moment;
+            }
+        }
+        sums.merge(compression);
+        sums.multiply(compression, regimes);
+        for (sums, solved) in sums.sums.iter_mut().zip(&self.solved) {
+            sums.iter_mut().zip(solved).for_each(|(sum, solved)| sum[0] += solved);
+        }
+        let mut below = 0;
+        let mut starts = vec![0.0];
+        starts.extend(self.counts.iter().map(|count| {
+            below += count;
+            below as f64
+        }));
+        for k in 0..compression.separations.len() {
+            compression.record(k, |bin| starts[bin], 0, &sums.sums[k * regimes..(k + 1) * regimes], curves);
+        }
+        work.compressed += compression.separations.len() as u64;
+    }
+}
+
+/// All bins of a geometry.
+fn bins(geometry: &Geometry) -> usize {
+    geometry.period_count() * geometry.segments()
+}
+
+/// The external force of a surface at separations between those of the scene.
+#[derive(Debug)]
+pub struct Between {
+    /// Separations d, m.
+    separations: Vec<f64>,
+    /// What moments give at each, N.
+    pub smooth: Vec<f64>,
+    /// For each, by bin whether its asperities have to be solved; behind all bins those that are in none.
+    solved: Vec<Vec<bool>>,
+    /// The same for any of them.
+    any: Vec<bool>,
+}
+
+impl Between {
+    /// At separations d, m, of a surface that [`Totals::fill`] has left in `sums`.
+    pub fn new(
+        totals: &Totals,
+        sums: &mut Sums,
+        compression: &Compression,
+        law: &dyn Law,
+        separations: Vec<f64>,
+        work: &mut Work,
+    ) -> Self {
+        let segments = compression.geometry.segments();
+        let mut any = vec![false; totals.counts.len() + 1];
+        any[totals.counts.len()] = true;
+        let count = |period: usize| totals.counts[period * segments..(period + 1) * segments].iter().sum();
+        let Sums { weights, occupied, weighted, .. } = sums;
+        let mut smooth = Vec::with_capacity(separations.len());
+        let mut solved = Vec::with_capacity(separations.len());
+        for &d in &separations {
+            let (force, periods) = weighted.smooth(compression, law, (weights, 0), (occupied.clone(), count), d, work);
+            let mut bins = vec![false; any.len()];
+            bins[any.len() - 1] = true;
+            for period in periods {
+                bins[period * segments..(period + 1) * segments].fill(true);
+            }
+            any.iter_mut().zip(&bins).for_each(|(any, bin)| *any |= bin);
+            smooth.push(force);
+            solved.push(bins);
+        }
+        Self { separations, smooth, solved, any }
+    }
+
+    /// What the asperities of a tract add at each, N, that are solved one by one, from its heights, m.
+    pub fn rest(
+        &self,
+        sums: &mut Sums,
+        compression: &Compression,
+        law: &dyn Law,
+        heights: &[f64],
+        work: &mut Work,
+    ) -> Vec<f64> {
+        let mut found: Vec<(f64, u32)> = Vec::new();
+        let mut bins = [0; CHUNK];
+        for heights in heights.chunks(CHUNK) {
+            compression.geometry.bins(heights, &mut bins);
+            found.extend(heights.iter().copied().zip(bins).filter(|(_, bin)| self.any[*bin as usize]));
+        }
+        found.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+        let weighted: &mut Weighted = &mut sums.weighted;
+        let force = |(d, solved): (&f64, &Vec<bool>)| {
+            weighted.heights.clear();
+            let these = found.iter().filter(|(_, bin)| solved[*bin as usize]);
+            weighted.heights.extend(these.map(|(u, _)| *u));
+            weighted.solve_heights(law, *d, work)
+        };
+        self.separations.iter().zip(&self.solved).map(force).collect()
+    }
+}

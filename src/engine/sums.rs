@@ -1,0 +1,157 @@
+//! Direct sums over the asperities of a surface of one radius.
+
+use super::Job;
+use super::curves::Curves;
+use crate::asperity::{Law, Quantity, Scratch, Work, for_each_block_of, regime_ranges};
+use crate::math::instruction_set::InstructionSet;
+use crate::math::sums::{Compensated, lane_sum};
+
+/// A state that a surface is summed in.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum State {
+    /// At a separation h, m, on the way of the job's law.
+    There(f64),
+    /// At the separation `to` on the way back from the separation `from`, m; where there is no other way, on the one there is.
+    Back {
+        /// h, m.
+        from: f64,
+        /// h, m.
+        to: f64,
+    },
+}
+
+impl State {
+    /// Those that the surfaces of a job are summed in, in the order of its curves.
+    pub fn all(job: &Job<'_>) -> Vec<Self> {
+        let there = job.separations.iter().map(|&h| Self::There(h));
+        let back = job.separations.iter().map(|&to| Self::Back { from: job.separations[0], to });
+        there.chain(back.filter(|_| job.protocol.cycle.is_some())).collect()
+    }
+}
+
+/// Sums over the asperities of one surface in one state.
+pub(super) struct Sums {
+    pub regimes: Vec<RegimeSums>,
+    pub scratch: Scratch,
+    pub work: Work,
+}
+
+/// Sums over the asperities of a surface in one regime.
+#[derive(Clone, Copy, Default)]
+pub(super) struct RegimeSums {
+    pub count: f64,
+    pub adhesion: Compensated,
+    pub contact: Compensated,
+    pub area: Compensated,
+}
+
+impl RegimeSums {
+    /// The quantities of all regimes together, by [`Quantity::index`].
+    pub fn total(regimes: &[Self]) -> [f64; 4] {
+        let total = |part: fn(&Self) -> f64| {
+            let mut sum = Compensated::default();
+            regimes.iter().for_each(|regime| sum.add(part(regime)));
+            sum.value()
+        };
+        Quantity::of_response(total(|r| r.adhesion.value()), total(|r| r.contact.value()), total(|r| r.area.value()))
+    }
+
+    /// The external force of all regimes together, N.
+    pub fn external_force(regimes: &[Self]) -> f64 {
+        Self::total(regimes)[Quantity::ExternalForce.index()]
+    }
+
+    /// Adds the sums of other asperities.
+    pub fn merge(&mut self, other: &Self) {
+        self.count += other.count;
+        self.adhesion.merge(&other.adhesion);
+        self.contact.merge(&other.contact);
+        self.area.merge(&other.area);
+    }
+
+    /// Hands the sums of all regimes over as point `k` of the curves.
+    pub fn record(regimes: &[Self], k: usize, curves: &mut Curves) {
+        let separations = curves.total[0].len();
+        for (regime, sum) in regimes.iter().enumerate() {
+            let place = regime * separations + k;
+            curves.regime_count[place] = sum.count;
+            curves.regime_adhesion_force[place] = sum.adhesion.value();
+            curves.regime_external_force[place] = sum.contact.value() - sum.adhesion.value();
+        }
+        for (curve, value) in curves.total.iter_mut().zip(Self::total(regimes)) {
+            curve[k] = value;
+        }
+    }
+
+    /// Adds the sums of all regimes of further asperities to point `k` of the curves.
+    pub fn add(regimes: &[Self], k: usize, curves: &mut Curves) {
+        let separations = curves.total[0].len();
+        for (regime, sum) in regimes.iter().enumerate() {
+            let place = regime * separations + k;
+            curves.regime_count[place] += sum.count;
+            curves.regime_adhesion_force[place] += sum.adhesion.value();
+            curves.regime_external_force[place] += sum.contact.value() - sum.adhesion.value();
+        }
+        for (curve, value) in curves.total.iter_mut().zip(Self::total(regimes)) {
+            curve[k] += value;
+        }
+    }
+}
+
+impl Sums {
+    /// Memory for a law of so many regimes.
+    pub fn new(regimes: usize) -> Self {
+        Self { regimes: vec![RegimeSums::default(); regimes], scratch: Scratch::default(), work: Work::default() }
+    }
+
+    /// Sums a surface of a job, `heights` (m) rising, in a state.
+    pub fn surface(&mut self, job: &Job<'_>, heights: &[f64], state: State) {
+        let d = |h: f64| job.surface.asperity_separation(h);
+        match (state, job.protocol.cycle) {
+            (State::Back { from, to }, Some(cycle)) => {
+                let law = cycle.at(d(to) - d(from));
+                self.over(&law, Some(law.base()), heights, d(from));
+            }
+            (State::There(h) | State::Back { to: h, .. }, _) => self.over(job.law, None, heights, d(h)),
+        }
+    }
+
+    /// The external force, N, of a surface in a state, likewise.
+    pub fn external_force(&mut self, job: &Job<'_>, heights: &[f64], state: State) -> f64 {
+        self.surface(job, heights, state);
+        RegimeSums::external_force(&self.regimes)
+    }
+
+    /// Sums a law over heights (m), rising, at the separation d, m; `base` says for each of its regimes among which it counts, if not as
+    /// itself.
+    pub fn over(&mut self, law: &dyn Law, base: Option<&[usize]>, heights: &[f64], d: f64) {
+        self.regimes.fill(RegimeSums::default());
+        let Self { regimes, scratch, work } = self;
+        for (regime, range) in regime_ranges(law, heights, d) {
+            let sum = &mut regimes[base.map_or(regime, |base| base[regime])];
+            let count = range.len() as f64;
+            sum.count += count;
+            if let Some(force) = law.constant(regime) {
+                sum.adhesion.add(count * force);
+                work.constant += range.len() as u64;
+                continue;
+            }
+            let touches = law.regimes()[regime].is_contact();
+            work.unloaded += if touches { 0 } else { range.len() as u64 };
+            for_each_block_of(law, (regime, range), heights, d, scratch, work, |range, responses| {
+                let n = range.len();
+                InstructionSet::current().run(
+                    #[inline(always)]
+                    || {
+                        sum.adhesion.add(lane_sum(&responses.adhesion[..n]));
+                        // Where nothing touches there is neither load nor area.
+                        if touches {
+                            sum.contact.add(lane_sum(&responses.contact[..n]));
+                            sum.area.add(lane_sum(&responses.area[..n]));
+                        }
+                    },
+                );
+            });
+        }
+    }
+}

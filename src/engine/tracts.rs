@@ -1,0 +1,311 @@
+//! Surfaces of more asperities than are held at once: drawn and summed tract by tract, in parallel, and drawn again for what is asked
+//! later.
+//!
+//! Every tract has random streams of its own, so each is the same in whatever order they are drawn; what they give is added up in their
+//! order. So memory does not grow with the number of asperities, and results do not depend on the number of threads.
+
+use super::Job;
+use super::compressed::{self, Between, Compression, Part, Totals};
+use super::curves::Curves;
+use super::pull_off::{Cells, Curve, Jump, deepest_of_parts, pull_off};
+use super::replica::Summed;
+use super::sampling::Draws;
+use super::scattered::{add, planes};
+use super::sums::{RegimeSums, State, Sums};
+use crate::asperity::{Family, Work};
+use crate::math::extrema::{Extremum, maximum, minimum};
+use crate::math::instruction_set::InstructionSet;
+use crate::math::sums::Compensated;
+use rayon::prelude::*;
+use std::cell::Cell;
+
+/// Tracts for each thread whose sums may wait to be added.
+const AHEAD: usize = 8;
+
+/// Whether what is under way has to end.
+pub(super) type Ends<'a> = &'a (dyn Fn() -> bool + Sync);
+
+/// A surface that is summed tract by tract.
+pub(super) struct Tracts<'a> {
+    job: &'a Job<'a>,
+    draws: Draws<'a>,
+    /// Of the law.
+    jumps: &'a [Jump],
+    ends: Ends<'a>,
+    /// The highest asperity of the tracts that have been summed, m; NaN of none.
+    highest: f64,
+    /// What it has cost.
+    pub work: Work,
+    /// Moments of the whole surface, where it is summed by them.
+    moments: Option<Moments<'a>>,
+}
+
+struct Moments<'a> {
+    compression: &'a Compression,
+    totals: Totals,
+    sums: compressed::Sums,
+}
+
+/// Memory of a thread for one tract after the other.
+struct Memory {
+    heights: Vec<f64>,
+    radii: Vec<f64>,
+    sums: Sums,
+    compressed: Option<compressed::Sums>,
+}
+
+thread_local! {
+    static MEMORY: Cell<Option<Memory>> = const { Cell::new(None) };
+}
+
+impl Memory {
+    /// That of this thread, for a job.
+    fn of(job: &Job<'_>) -> Self {
+        let regimes = job.law.regimes().len();
+        let fits = |memory: &Self| {
+            let compressed = job.compression.zip(memory.compressed.as_ref());
+            let fits = compressed.is_none_or(|(compression, sums)| sums.fits(compression, regimes));
+            fits && memory.sums.regimes.len() == regimes && job.compression.is_some() == memory.compressed.is_some()
+        };
+        MEMORY.take().filter(fits).unwrap_or_else(|| Self {
+            heights: Vec::new(),
+            radii: Vec::new(),
+            sums: Sums::new(regimes),
+            compressed: job.compression.map(|compression| compressed::Sums::new(compression, regimes)),
+        })
+    }
+
+    /// Sums of the tract that was drawn, by state and regime; at separations that rise where radii differ.
+    fn sum(&mut self, job: &Job<'_>, states: &[State]) -> Vec<RegimeSums> {
+        let Self { heights, radii, sums, .. } = self;
+        match job.law.family() {
+            Some(family) => sum_scattered(job, family, (heights, radii), sums, states),
+            None => {
+                heights.sort_unstable_by(f64::total_cmp);
+                sum_heights(job, heights, sums, states)
+            }
+        }
+    }
+
+    /// The tract that was drawn in moments, and sums of those of its asperities that are in no bin, by state and regime; nothing when all are.
+    fn part(&mut self, job: &Job<'_>, compression: &Compression) -> (Part, Vec<RegimeSums>) {
+        let Self { heights, sums, compressed, .. } = self;
+        let compressed = compressed.as_mut().expect("memory of a compression has its sums");
+        let mut part = Part::new(compressed, compression, job.law, heights, &mut sums.work);
+        if part.beyond.is_empty() {
+            return (part, Vec::new());
+        }
+        part.beyond.sort_unstable_by(f64::total_cmp);
+        let beyond = sum_heights(job, &part.beyond, sums, &State::all(job));
+        (part, beyond)
+    }
+
+    /// What asperities of the tract that was drawn add to the external force between separations beside their moments, N.
+    fn rest(&mut self, job: &Job<'_>, compression: &Compression, between: &Between) -> Vec<f64> {
+        let Self { heights, sums, compressed, .. } = self;
+        let compressed = compressed.as_mut().expect("memory of a compression has its sums");
+        between.rest(compressed, compression, job.law, heights, &mut sums.work)
+    }
+}
+
+/// The largest of heights, m; −∞ of none.
+fn largest(heights: &[f64]) -> f64 {
+    InstructionSet::current().run(
+        #[inline(always)]
+        || {
+            let mut largest = [f64::NEG_INFINITY; 8];
+            for chunk in heights.chunks(8) {
+                for (largest, u) in largest.iter_mut().zip(chunk) {
+                    *largest = if *u > *largest { *u } else { *largest };
+                }
+            }
+            largest.into_iter().fold(f64::NEG_INFINITY, f64::max)
+        },
+    )
+}
+
+/// Sums of heights, m, rising, by state and regime.
+fn sum_heights(job: &Job<'_>, heights: &[f64], sums: &mut Sums, states: &[State]) -> Vec<RegimeSums> {
+    let sum = |state: &State| {
+        sums.surface(job, heights, *state);
+        sums.regimes.clone()
+    };
+    states.iter().flat_map(sum).collect()
+}
+
+/// Sums of asperities that differ in their radii, by state and regime, at separations that rise.
+fn sum_scattered(
+    job: &Job<'_>,
+    family: &Family,
+    asperities: (&[f64], &[f64]),
+    sums: &mut Sums,
+    states: &[State],
+) -> Vec<RegimeSums> {
+    let separation = |state: &State| match *state {
+        State::There(h) | State::Back { to: h, .. } => h,
+    };
+    let separations: Vec<f64> = states.iter().map(separation).collect();
+    let Sums { scratch, work, regimes } = sums;
+    let mut by_plane = vec![RegimeSums::default(); regimes.len() * separations.len()];
+    add(family, asperities, &planes(job, &separations), scratch, work, &mut by_plane);
+    by_plane.chunks_exact(regimes.len()).rev().flatten().copied().collect()
+}
+
+impl<'a> Tracts<'a> {
+    /// The surface of the replica `draws` of a job, of which nothing is known yet. When `ends` is true what is under way stops at the next
+    /// tract, and whatever comes of it is to be thrown away.
+    pub fn new(job: &'a Job<'a>, draws: Draws<'a>, jumps: &'a [Jump], ends: Ends<'a>) -> Self {
+        Self { job, draws, jumps, ends, highest: f64::NAN, work: Work::default(), moments: None }
+    }
+
+    /// Sums the surface at all separations into its curves.
+    pub fn sum(&mut self, curves: &mut Curves) {
+        match self.job.compression {
+            Some(compression) => self.sum_moments(compression, curves),
+            None => {
+                let sums = self.states(&State::all(self.job));
+                for (k, sums) in sums.chunks_exact(self.job.law.regimes().len()).enumerate() {
+                    RegimeSums::record(sums, k, curves);
+                }
+            }
+        }
+    }
+
+    /// Draws all tracts, in parallel, has something made of each, and hands that over in their order.
+    fn each<T: Send>(&mut self, of: impl Fn(&mut Memory) -> T + Sync, mut take: impl FnMut(T)) {
+        let Self { job, draws, ends, .. } = *self;
+        let is_first = self.highest.is_nan();
+        let one = |tract: usize| {
+            if ends() {
+                return None;
+            }
+            let mut memory = Memory::of(job);
+            draws.tract(tract, &mut memory.heights, &mut memory.radii);
+            let highest = if is_first { largest(&memory.heights) } else { f64::NAN };
+            let made = (of(&mut memory), highest, std::mem::take(&mut memory.sums.work));
+            MEMORY.set(Some(memory));
+            Some(made)
+        };
+        let ahead = AHEAD * rayon::current_num_threads();
+        for first in (0..draws.tracts()).step_by(ahead) {
+            let tracts = first..draws.tracts().min(first + ahead);
+            let made: Vec<_> = tracts.into_par_iter().map(one).collect();
+            for (made, highest, work) in made.into_iter().flatten() {
+                self.highest = self.highest.max(highest);
+                self.work.merge(&work);
+                take(made);
+            }
+        }
+    }
+
+    /// Sums by state and regime.
+    fn states(&mut self, states: &[State]) -> Vec<RegimeSums> {
+        let job = self.job;
+        let mut sums = vec![RegimeSums::default(); states.len() * job.law.regimes().len()];
+        self.each(|memory| memory.sum(job, states), |part| merge(&mut sums, &part));
+        sums
+    }
+
+    /// External forces, N, by state.
+    fn external_forces_of(&mut self, states: &[State]) -> Vec<f64> {
+        let regimes = self.job.law.regimes().len();
+        self.states(states).chunks_exact(regimes).map(RegimeSums::external_force).collect()
+    }
+
+    /// Sums the surface by moments.
+    fn sum_moments(&mut self, compression: &'a Compression, curves: &mut Curves) {
+        let (job, regimes) = (self.job, self.job.law.regimes().len());
+        let mut totals = Totals::new(compression, regimes);
+        let mut beyond = vec![RegimeSums::default(); job.states() * regimes];
+        self.each(
+            |memory| memory.part(job, compression),
+            |(part, others)| {
+                totals.add(&part);
+                merge(&mut beyond, &others);
+            },
+        );
+        let mut sums = compressed::Sums::new(compression, regimes);
+        totals.fill(&mut sums, compression, job.law, curves, &mut self.work);
+        for (k, beyond) in beyond.chunks_exact(regimes).enumerate() {
+            RegimeSums::add(beyond, k, curves);
+        }
+        self.moments = Some(Moments { compression, totals, sums });
+    }
+
+    /// External forces, N, at separations h, m, from moments and from what has to be solved all the same.
+    fn external_forces_by(&mut self, mut moments: Moments<'a>, separations: &[f64]) -> Vec<f64> {
+        let job = self.job;
+        let Moments { compression, totals, sums } = &mut moments;
+        let d = separations.iter().map(|&h| job.surface.asperity_separation(h)).collect();
+        let between = Between::new(totals, sums, compression, job.law, d, &mut self.work);
+        let mut forces = vec![Compensated::default(); separations.len()];
+        self.each(
+            |memory| memory.rest(job, compression, &between),
+            |part| forces.iter_mut().zip(part).for_each(|(force, part)| force.add(part)),
+        );
+        let forces = forces.iter().zip(&between.smooth).map(|(rest, smooth)| smooth + rest.value()).collect();
+        self.moments = Some(moments);
+        forces
+    }
+}
+
+/// Adds sums of other asperities, where there are any.
+fn merge(sums: &mut [RegimeSums], others: &[RegimeSums]) {
+    sums.iter_mut().zip(others).for_each(|(sum, other)| sum.merge(other));
+}
+
+impl Curve for Tracts<'_> {
+    // Each time, all is drawn again.
+    const AT_ONCE: usize = usize::MAX;
+
+    fn count(&self, low: f64, high: f64) -> f64 {
+        self.draws.count as f64 * self.job.surface.heights.probability(low, high)
+    }
+
+    fn highest(&self) -> f64 {
+        maximum(self.highest, f64::NEG_INFINITY)
+    }
+
+    fn external_forces(&mut self, separations: &[f64]) -> Vec<f64> {
+        if separations.is_empty() {
+            return Vec::new();
+        }
+        match self.moments.take() {
+            Some(moments) => self.external_forces_by(moments, separations),
+            None => {
+                let states: Vec<State> = separations.iter().map(|&h| State::There(h)).collect();
+                self.external_forces_of(&states)
+            }
+        }
+    }
+
+    fn deepest_places(&mut self, jumps: &[Jump], samples: &[(f64, f64)]) -> Vec<(f64, f64)> {
+        let cells = Cells::new(self.job, jumps, samples);
+        self.each(|memory| cells.count(&memory.heights), |()| {});
+        cells.deepest_places()
+    }
+}
+
+impl Summed for Tracts<'_> {
+    fn highest(&self) -> f64 {
+        self.highest
+    }
+
+    fn pull_off(&mut self, external_force: &[f64]) -> Extremum {
+        let job = self.job;
+        if job.law.family().is_none() {
+            return pull_off(job, self.jumps, self, external_force);
+        }
+        let sampled = minimum(job.separations, external_force);
+        if sampled.at_edge {
+            return sampled;
+        }
+        let samples: Vec<(f64, f64)> = job.separations.iter().copied().zip(external_force.iter().copied()).collect();
+        deepest_of_parts(&samples, |places| self.external_forces(places))
+    }
+
+    fn back(&mut self, from: f64, separations: &[f64]) -> Vec<f64> {
+        let states: Vec<State> = separations.iter().map(|&to| State::Back { from, to }).collect();
+        self.external_forces_of(&states)
+    }
+}

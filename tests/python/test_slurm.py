@@ -373,11 +373,32 @@ def test_a_task_is_requeued_at_its_time_limit_and_resumes(site):
 def test_a_cancelled_task_saves_and_is_not_requeued(site):
     task = Task(site)
     task.wait_until(lambda: task.kept() > 5)
-    # Slurm sends it to all processes of the job: the program must not get it twice.
     os.killpg(task.process.pid, signal.SIGTERM)
-    assert task.code() == 130
-    assert site.signals() == 1 and not site.calls("scontrol")
+    assert task.code() == 130 and not site.calls("scontrol")
     assert 5 < task.kept() < 40
+
+
+# Answers a signal at once, as a shell does not, and ends a second after the first.
+ANSWERS = """exec python3 -c '
+import signal, sys, time
+def answer(*_):
+    print("term", file=open(sys.argv[1] + "/calls/signals", "a"), flush=True)
+signal.signal(signal.SIGTERM, answer)
+print("ready", file=open(sys.argv[1] + "/calls/ready", "w"), flush=True)
+signal.pause()
+time.sleep(1)
+sys.exit(130)
+' "$here"
+"""
+
+
+def test_a_program_that_saves_gets_no_second_signal(site, behaves):
+    """Slurm sends a TERM to all processes of a job; a second one would keep the program from saving."""
+    behaves(ANSWERS)
+    task = Task(site)
+    task.wait_until((site.folder / "calls" / "ready").exists)
+    os.killpg(task.process.pid, signal.SIGTERM)
+    assert task.code() == 130 and site.signals() == 1
 
 
 def test_a_signal_to_the_batch_shell_alone_reaches_the_program(site, behaves):

@@ -122,7 +122,7 @@ pub(super) fn run_scene(
         checkpoints: keeper.journal.cost(),
         ..Told::default()
     };
-    let results = ground.results(forest, summation, told, session, task.output, &mut progress);
+    let results = ground.results(*forest, summation, told, session, task.output, &mut progress);
     progress.phase("writing");
     let written = write(task, &results, &mut keeper.journal, &session.stop);
     progress.end();
@@ -246,7 +246,7 @@ impl Groundwork {
     /// What is found out by the ensemble that has been merged.
     pub fn results(
         mut self,
-        forest: Box<Forest>,
+        forest: Forest,
         summation: Summation,
         told: Told,
         session: &Session,

@@ -148,7 +148,7 @@ impl Merge<'_> {
         let there: Vec<u64> = places.iter().flat_map(|place| piece(place).found().replicas.clone()).collect();
         told.partial = (there.len() as u64 != of).then_some(Partial { replicas: there, of });
         let summation = setup.summation(&self.session.pool);
-        let results = ground.results(Box::new(merged), summation, told, self.session, task.output, &mut progress);
+        let results = ground.results(merged, summation, told, self.session, task.output, &mut progress);
         progress.phase("writing");
         let mut records = Pieces { run: self.run, places, length: record.length() };
         let written = write(task, &results, &mut records, &self.session.stop);

@@ -22,59 +22,22 @@ Exit codes: 0 done; 1 a run failed; 2 PROGRAM or a package is missing, or an out
 # dependencies = ["numpy>=1.24", "h5py>=3.8", "matplotlib>=3.7"]
 # ///
 
-import argparse
-import csv
 import math
 import os
-import re
 import subprocess
 import sys
-import tempfile
 import time
 from dataclasses import dataclass, field
 from pathlib import Path
 
-try:
-    import h5py
-    import numpy as np
-    from matplotlib import rc_context
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-    from matplotlib.ticker import FixedLocator, StrMethodFormatter
-except ImportError as error:
-    print(f"scaling: {error}; pip install -r scripts/requirements.txt", file=sys.stderr)
-    sys.exit(2)
+# First, because it says which package is missing.
+from measurement import COMPRESSED, CONFIGS, DIRECT, LONGEST_RUN, PAGE, STYLES, Program, RunError, Table, main, panel
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import FixedLocator, StrMethodFormatter
 
-CONFIGS = Path(__file__).resolve().parents[1] / "configs"
-HEADER = ["quantity", "setting", "value", "unit", "what"]
-PAGE = (11.0, 7.9)  # inches
-COMPRESSED = '\n[solver]\nsum = "compressed"\ntolerance = 1e-9\n'
-DIRECT = '\n[solver]\nsum = "direct"\n'
-STYLES = {"direct": ("#0072B2", "o", "-"), "compressed": ("#D55E00", "s", (0, (5, 1.5)))}
-STYLE = {
-    "font.size": 9, "axes.titlesize": 9.5, "axes.titlelocation": "left", "axes.labelsize": 9,
-    "legend.fontsize": 8, "xtick.labelsize": 8, "ytick.labelsize": 8, "axes.linewidth": 0.7,
-    "legend.frameon": False, "axes.spines.top": False, "axes.spines.right": False,
-}
-# Starts a program and prints the peak resident memory of it. A process counts the memory of the one that started it as its own
-# until it has been replaced, so that it has to be started by something small: not by this script with all its packages.
-LAUNCHER = """
-import os, sys
-process = os.spawnv(os.P_NOWAIT, sys.argv[1], sys.argv[1:])
-_, status, usage = os.wait4(process, 0)
-print(usage.ru_maxrss)
-sys.exit(os.waitstatus_to_exitcode(status) & 255)
-"""
-LONGEST_RUN = 120  # seconds; all runs are meant to take less than 20
-KILOBYTE = 1 if sys.platform == "darwin" else 1024  # unit of ru_maxrss in bytes
-
-
-class ScalingError(Exception):
-    """Why nothing can be measured."""
-
-
-class RunError(Exception):
-    """A run that failed."""
+COLUMNS = (3, 0.7, 3.6, 2.85)  # of the page, inches
 
 
 @dataclass(frozen=True)
@@ -123,21 +86,9 @@ QUICK = Plan(
 
 
 @dataclass
-class Row:
-    """One measured number."""
-
-    quantity: str
-    setting: str
-    value: float
-    unit: str
-    what: str
-
-
-@dataclass
-class Results:
+class Results(Table):
     """Rows of the table, and what is drawn of them."""
 
-    rows: list[Row] = field(default_factory=list)
     times: dict[tuple[str, str], list[tuple[float, float]]] = field(default_factory=dict)  # by series and sum
     exponents: dict[tuple[str, str], float] = field(default_factory=dict)
     threads: dict[str, dict[int, float]] = field(default_factory=dict)
@@ -145,49 +96,9 @@ class Results:
     memory: list[tuple[float, float]] = field(default_factory=list)
     start_up: dict[str, float] = field(default_factory=dict)  # by what it goes into
 
-    def add(self, *row: object) -> None:
-        self.rows.append(Row(*row))
 
-
-class Program:
-    """Runs scenes in a temporary folder."""
-
-    def __init__(self, path: Path, folder: Path) -> None:
-        # Absolute, because a path without a folder would be looked up on the PATH.
-        self.path, self.folder, self.result = path.resolve(), folder, folder / "result.h5"
-        self.case_ii = (CONFIGS / "case_ii.toml").read_text(encoding="utf-8")
-
-    def write_scene(self, area: int, count: int, solver: str) -> Path:
-        text, scene = self.case_ii, self.folder / "scene.toml"
-        for pattern, replacement in [(r'(?m)^nominal_area = "[^"]*"', f'nominal_area = "{area} um^2"'),
-                                     (r"count = \d+", f"count = {count}")]:
-            text, changes = re.subn(pattern, replacement, text)
-            if changes != 1:
-                raise ScalingError(f"{CONFIGS / 'case_ii.toml'}: {pattern} is not there once")
-        scene.write_text(text + solver, encoding="utf-8")
-        return scene
-
-    def command(self, scene: Path, threads: int, replicas: int | None) -> list[str]:
-        given = [] if replicas is None else ["--replicas", str(replicas)]
-        return [str(self.path), "run", str(scene), "-o", str(self.result), "--force", "--quiet", "--threads", str(threads), *given]
-
-    def start(self, command: list[str]) -> str:
-        try:
-            done = subprocess.run(command, capture_output=True, text=True, encoding="utf-8", timeout=LONGEST_RUN)
-        except subprocess.TimeoutExpired:
-            raise RunError(f"a run took longer than {LONGEST_RUN} s: {' '.join(command[1:])}") from None
-        if done.returncode:
-            raise RunError(f"exit code {done.returncode}: {done.stderr.strip()}")
-        return done.stdout
-
-    def phases(self, result: Path | None = None) -> dict[str, float]:
-        """Seconds of the phases of a run, by default the last, in their order."""
-        with h5py.File(result or self.result, "r") as file:
-            return dict(zip((name.decode() for name in file["phase"][()]), file["diagnostics/seconds"][()].tolist()))
-
-    def seconds(self, scene: dict[str, int], solver: str, threads: int = 1) -> float:
-        self.start(self.command(self.write_scene(scene["area"], scene["count"], solver), threads, scene["replicas"]))
-        return self.phases()["ensemble"]
+class Scaling(Program):
+    """Runs by which growth is measured."""
 
     def seconds_side_by_side(self, scene: dict[str, int], solver: str, count: int) -> float:
         """The longest ensemble phase of so many processes at once, of one thread each, that share the replicas of a scene."""
@@ -203,21 +114,10 @@ class Program:
                 raise RunError(f"exit code {process.returncode}: {error.strip()}")
         return max(self.phases(result)["ensemble"] for result in processes)
 
-    def refusal(self) -> str | None:
-        """Why the last run summed directly although it was asked to compress; None if it did as it was asked."""
-        with h5py.File(self.result, "r") as file:
-            text = file["ensemble"].attrs.get("sum_refusal")
-            return text.decode() if isinstance(text, bytes) else text
-
-    def asperities(self) -> float:
-        with h5py.File(self.result, "r") as file:
-            return float(file["replicas/asperity_count"][()].mean())
-
     def memory(self, scene: dict[str, int], solver: str) -> float:
         """Peak resident memory of one run, in bytes."""
         command = self.command(self.write_scene(scene["area"], scene["count"], solver), 1, scene["replicas"])
-        printed = self.start([sys.executable, "-I", "-S", "-c", LAUNCHER, *command])
-        return float(printed.split()[-1]) * KILOBYTE
+        return self.cost(command).memory
 
     def start_up(self) -> dict[str, float]:
         """Wall time of a whole process without the ensemble phase and those after it, by what it goes into."""
@@ -241,8 +141,9 @@ class Program:
         return {"direct": ""}
 
 
-def measure(program: Program, plan: Plan) -> Results:
-    results, solvers = Results(), program.solvers()
+def measure(path: Path, folder: Path, plan: Plan) -> Results:
+    program, results = Scaling(path, folder), Results()
+    solvers = program.solvers()
     for series in plan.series:
         for value in series.values:
             for name, solver in solvers.items():
@@ -271,7 +172,7 @@ def measure(program: Program, plan: Plan) -> Results:
     return results
 
 
-def measure_time(program: Program, plan: Plan, results: Results, series: Series, value: int, name: str, solver: str) -> None:
+def measure_time(program: Scaling, plan: Plan, results: Results, series: Series, value: int, name: str, solver: str) -> None:
     """One point; short runs are repeated and the least is taken."""
     scene, seconds = series.scene(value), []
     while len(seconds) < plan.repetitions and sum(seconds) < 3.0:
@@ -286,7 +187,7 @@ def measure_time(program: Program, plan: Plan, results: Results, series: Series,
                 + (f"; summed directly: {refusal}" if refusal else ""))
 
 
-def measure_threads(program: Program, plan: Plan, results: Results, solvers: dict[str, str]) -> None:
+def measure_threads(program: Scaling, plan: Plan, results: Results, solvers: dict[str, str]) -> None:
     area, count, replicas = plan.threads
     repetitions = plan.thread_repetitions
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
@@ -373,62 +274,16 @@ def draw_start_up(axes: Axes, results: Results) -> None:
 
 def draw(plan: Plan, results: Results) -> Figure:
     figure = Figure(figsize=PAGE)
-    (w, h) = PAGE
-
-    def panel(index: int) -> Axes:
-        left, bottom = 0.7 + 3.6 * (index % 3), 4.65 - 3.75 * (index // 3)
-        return figure.add_axes((left / w, bottom / h, 2.85 / w, 2.75 / h))
-
     for index, series in enumerate(plan.series):
-        draw_times(panel(index), "abc"[index], series, results)
-    draw_threads(panel(3), results)
-    draw_memory(panel(4), results)
-    draw_start_up(panel(5), results)
+        draw_times(panel(figure, index, COLUMNS), "abc"[index], series, results)
+    draw_threads(panel(figure, 3, COLUMNS), results)
+    draw_memory(panel(figure, 4, COLUMNS), results)
+    draw_start_up(panel(figure, 5, COLUMNS), results)
     cores = max(max(ratios) for ratios in results.threads.values())
     figure.text(0.5, 0.015, "case II with other areas, separations and replicas; one thread but in (d), "
                 f"{cores} core{'s' if cores > 1 else ''}; exponents over the upper two decades", ha="center", fontsize=8.5)
     return figure
 
 
-def print_table(rows: list[Row]) -> None:
-    width = max(len(row.quantity) for row in rows), max(len(row.setting) for row in rows)
-    for row in rows:
-        print(f"{row.quantity:{width[0]}}  {row.setting:{width[1]}}  {row.value:10.4g} {'' if row.unit == '1' else row.unit}".rstrip())
-
-
-def main() -> int:
-    parser = argparse.ArgumentParser(description="How time and memory of `stiction run` grow.")
-    parser.add_argument("--stiction", type=Path, required=True, metavar="PROGRAM", help="the program, built with --release")
-    parser.add_argument("-o", "--output", type=Path, default=Path("scaling.png"), metavar="OUT.png", help="default: scaling.png")
-    parser.add_argument("--csv", type=Path, metavar="OUT.csv", help="all points; default: beside OUT.png")
-    parser.add_argument("--quick", action="store_true", help="small scenes, for seconds instead of minutes")
-    parser.add_argument("--dpi", type=int, default=200, metavar="N", help="dots per inch, default 200")
-    arguments = parser.parse_args()
-    plan, table = QUICK if arguments.quick else FULL, arguments.csv or arguments.output.with_suffix(".csv")
-    try:
-        if not arguments.stiction.is_file():
-            raise ScalingError(f"no such program: {arguments.stiction}")
-        for output in (arguments.output, table):
-            # Minutes later would be too late to say so.
-            if not output.resolve().parent.is_dir():
-                raise ScalingError(f"no such folder: {output.parent}")
-        with tempfile.TemporaryDirectory() as folder:
-            results = measure(Program(arguments.stiction, Path(folder)), plan)
-        with open(table, "w", newline="", encoding="utf-8") as file:
-            lines = [[row.quantity, row.setting, f"{row.value:.6g}", row.unit, row.what] for row in results.rows]
-            csv.writer(file, lineterminator="\n").writerows([HEADER, *lines])
-        with rc_context(STYLE):
-            draw(plan, results).savefig(arguments.output, dpi=arguments.dpi)
-    except (RunError, subprocess.TimeoutExpired) as error:
-        print("scaling:", *str(error).split(), file=sys.stderr)
-        return 1
-    except (ScalingError, OSError, ValueError) as error:
-        print("scaling:", *str(error).split(), file=sys.stderr)
-        return 2
-    print_table(results.rows)
-    print(arguments.output)
-    return 0
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(main("How time and memory of `stiction run` grow.", (FULL, QUICK), measure, draw))

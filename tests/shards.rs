@@ -3,6 +3,8 @@
 
 mod common;
 
+#[cfg(target_os = "linux")]
+use common::program::peak_memory_of;
 use common::program::{Folder, assert_exit, attribute, bits, number, small, text};
 use std::process::{Child, Command, Output, Stdio};
 use std::time::Duration;
@@ -330,6 +332,24 @@ fn an_interrupted_shard_of_a_sweep_goes_on_to_the_same_bits() {
     assert_exit(&merge(&folder, &["1.h5".to_owned(), "2.h5".to_owned()], &[]), 0);
     assert_merged_is(&folder, "whole.h5");
     assert_eq!(folder.files(), ["1.h5", "2.h5", "merged.h5", "scene.toml", "whole.h5"]);
+}
+
+/// One node of the tree takes 0.8 MB here, and each shard has at least one.
+#[cfg(target_os = "linux")]
+#[test]
+fn memory_does_not_grow_with_the_number_of_shards() {
+    let folder = Folder::new(&scene().replace("count = 16", "count = 1600").replace("100 um^2", "5 um^2"));
+    let mut peaks = Vec::new();
+    for count in [1, 11] {
+        let names: Vec<String> = (1..=count).map(|index| format!("{index}.h5")).collect();
+        for (index, name) in (1..=count).zip(&names) {
+            shard(&folder, index, count, &["-o", name, "--force"]);
+        }
+        let names: Vec<&str> = names.iter().map(String::as_str).collect();
+        peaks.push(peak_memory_of(&folder, &[&["merge", "--force", "-o", "merged.h5"], &names[..]].concat()));
+    }
+    println!("{peaks:?} bytes for 1 shard and for 11");
+    assert!((peaks[1] - peaks[0]).abs() < 4e6, "{peaks:?}");
 }
 
 #[test]

@@ -104,7 +104,7 @@ pub(super) fn run_scene(
     mut progress: Progress,
 ) -> Result<Option<Box<Results>>, Failure> {
     let laws = Laws::new(&scene, task.source)?;
-    laws.require(&scene, scene.replicas, task, session)?;
+    laws.require(&scene, scene.replicas, task, session.pool.current_num_threads())?;
     let interrupted = match beginning(task.claim, Run { scene: &scene, shard: task.shard }, task.manner)? {
         Beginning::Complete => return Ok(None),
         Beginning::Anew => None,
@@ -122,7 +122,7 @@ pub(super) fn run_scene(
         checkpoints: keeper.journal.cost(),
         ..Told::default()
     };
-    let results = ground.results(forest, summation, told, session, task.output, &mut progress);
+    let results = ground.results(*forest, summation, told, session, task.output, &mut progress);
     progress.phase("writing");
     let written = write(task, &results, &mut keeper.journal, &session.stop);
     progress.end();
@@ -143,9 +143,8 @@ impl Laws {
         Ok(Self { law: law_of(scene, &scene.model, source)?, cycle: loop_of(scene, source)? })
     }
 
-    /// Refuses a task of so many replicas of the scene for which there is too little memory or disk.
-    pub fn require(&self, scene: &Scene, replicas: u64, task: &Task<'_>, session: &Session) -> Result<(), Failure> {
-        let threads = session.pool.current_num_threads();
+    /// Refuses a task of so many replicas of the scene, on so many threads, for which there is too little memory or disk.
+    pub fn require(&self, scene: &Scene, replicas: u64, task: &Task<'_>, threads: usize) -> Result<(), Failure> {
         let sizes = Sizes { replicas: replicas as f64, ..Sizes::new(scene, self.law.as_ref(), threads) };
         // What an interrupted run has kept is on the disk already.
         let begins = !task.claim.beside(".checkpoint").exists();
@@ -247,7 +246,7 @@ impl Groundwork {
     /// What is found out by the ensemble that has been merged.
     pub fn results(
         mut self,
-        forest: Box<Forest>,
+        forest: Forest,
         summation: Summation,
         told: Told,
         session: &Session,

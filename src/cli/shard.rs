@@ -165,7 +165,7 @@ impl Work<'_> {
             let output = part.name.as_deref().unwrap_or(self.output);
             let task = Task { source: &self.arguments.scene, output, claim, manner, shard: Some(self.shard) };
             let laws = Laws::new(&part.scene, task.source)?;
-            laws.require(&part.scene, count, &task, self.session)?;
+            laws.require(&part.scene, count, &task, self.session.pool.current_num_threads())?;
             let run = Run { scene: &part.scene, shard: task.shard };
             let interrupted = match beginning(claim, run, manner)? {
                 Beginning::Complete => return Ok(false),

@@ -17,13 +17,14 @@ const GRID: (f64, usize) = (4001.0, 400);
 /// Functionals of the joint test, at most.
 const FUNCTIONALS: f64 = 32.0;
 /// Bytes that are kept of every replica, and those of what is written of it at once.
-const REPLICA: f64 = 96.0 + 24.0;
+const REPLICA: f64 = 64.0 + 24.0;
 /// Replicas of a chunk of curves in the file.
 const CHUNK: f64 = 64.0;
 /// Bytes of an asperity of a surface whose sums are compressed: its height as it is drawn and in its bin, and the bin's number.
 const BINNED: f64 = 20.0;
-/// Bytes of an asperity at a separation that waits to be solved although sums are compressed, and the share of those that do, about.
-const QUEUED: (f64, f64) = (42.0, 0.01);
+/// Bytes of an asperity at a separation that waits to be solved although sums are compressed, and the share of those that do, about, for a
+/// step of the separations of 1 σ_s; the finer the steps, the fewer.
+const QUEUED: (f64, f64) = (42.0, 0.09);
 /// Replicas that are summed both ways before a compressed run.
 const PILOTS: f64 = 4.0;
 /// Heights that compressed sums bin, in σ_s, and the most periods and separations that are not summed directly all the same.
@@ -112,8 +113,13 @@ impl Sizes {
         let kept = if self.curves { 2.0 * NUMBER * BATCH * s } else { 0.0 };
         // A batch that is computed, and for each as many that wait to be merged.
         let batches = 3.0 * self.threads.min(self.batches()) * (moments + kept);
+        // Sums of batches wait in a tree of so many levels, half of which have any, and once more as what a checkpoint holds.
+        let waiting = (1.0 + self.batches().log2().max(0.0)) * moments;
         let ensembles = self.ensembles
-            * (moments + (REPLICA + 3.0 * NUMBER * self.snaps) * self.replicas + 2.0 * NUMBER * FUNCTIONALS * s);
+            * (moments
+                + waiting
+                + (REPLICA + 3.0 * NUMBER * self.snaps) * self.replicas
+                + 2.0 * NUMBER * FUNCTIONALS * s);
         let statistical = s * (100.0 * r + 24.0 * NUMBER);
         let file = if self.curves { 4.0 * NUMBER * CHUNK * s } else { 0.0 };
         // What is needed one after the other: the grid of the joint test, then the surfaces.
@@ -139,7 +145,7 @@ impl Sizes {
         let direct = NUMBER * n + copied;
         let periods = BINS.0 / self.step;
         let compressed = self.compressed && periods + self.separations <= BINS.1;
-        let queued = QUEUED.0 * QUEUED.1 * n * self.separations;
+        let queued = QUEUED.0 * (QUEUED.1 * self.step).min(0.5) * n * self.separations;
         let moments = PERIOD * periods;
         let pilot = BINNED * n + queued + direct + moments;
         let pilots = self.threads.min(PILOTS).min(self.replicas) * pilot;
@@ -164,7 +170,7 @@ impl Sizes {
     pub fn disk(&self) -> f64 {
         let curves = if self.curves { 2.0 * 2.0 * NUMBER * self.separations * self.replicas } else { 0.0 };
         let means = NUMBER * self.separations * (60.0 + 6.0 * self.regimes + 2.0 * FUNCTIONALS);
-        let replicas = (104.0 + 2.0 * NUMBER * self.snaps) * self.replicas;
+        let replicas = (128.0 + 2.0 * NUMBER * self.snaps) * self.replicas;
         self.files * (2e5 + means + replicas + curves)
     }
 }

@@ -65,11 +65,16 @@ fn peak(id: u32) -> Option<f64> {
     Some(1024.0 * line.trim().trim_end_matches(" kB").parse::<f64>().ok()?)
 }
 
-/// The largest resident memory of a run of the scene in a folder, bytes, by looking at it again and again; `arguments` behind the scene.
+/// The largest resident memory of a run of the scene in a folder, bytes; `arguments` behind the scene.
 #[cfg(target_os = "linux")]
 pub fn peak_memory(folder: &Folder, arguments: &[&str]) -> f64 {
+    peak_memory_of(folder, &[&["run", "scene.toml"], arguments].concat())
+}
+
+/// The largest resident memory of the program in a folder, bytes, by looking at it again and again.
+#[cfg(target_os = "linux")]
+pub fn peak_memory_of(folder: &Folder, arguments: &[&str]) -> f64 {
     let mut run = Command::new(env!("CARGO_BIN_EXE_stiction"))
-        .args(["run", "scene.toml"])
         .args(arguments)
         .current_dir(folder.path(""))
         .stdout(Stdio::piped())

@@ -104,7 +104,8 @@ impl Merge<'_> {
         mut progress: Progress,
     ) -> Result<Box<Results>, Failure> {
         let laws = Laws::new(&scene, task.source)?;
-        laws.require(&scene, scene.replicas, task, self.session)?;
+        // No surfaces but a few on trial.
+        laws.require(&scene, scene.replicas, task, 1)?;
         let of = scene.replicas;
         let piece = |place: &Place| Piece { run: self.run, place: *place };
         let Some(first) = places.first() else {
@@ -147,7 +148,7 @@ impl Merge<'_> {
         let there: Vec<u64> = places.iter().flat_map(|place| piece(place).found().replicas.clone()).collect();
         told.partial = (there.len() as u64 != of).then_some(Partial { replicas: there, of });
         let summation = setup.summation(&self.session.pool);
-        let results = ground.results(Box::new(merged), summation, told, self.session, task.output, &mut progress);
+        let results = ground.results(merged, summation, told, self.session, task.output, &mut progress);
         progress.phase("writing");
         let mut records = Pieces { run: self.run, places, length: record.length() };
         let written = write(task, &results, &mut records, &self.session.stop);

@@ -137,6 +137,8 @@ END
 start() {
     "$@" >>"$folder/log/output" 2>&1 &
     daemons+=($!)
+    # The shell need not say that one was killed.
+    disown
 }
 
 start_cluster() {
@@ -178,17 +180,20 @@ kill_node() {
 
 start_node() {
     start slurmd -D -N "node$1"
-    slurmd[$1]=$!
+    slurmd[$1]=${daemons[-1]}
 }
 
-# Looks for a stiction on a node that has kept something: its `process`, and the `shard` that it makes.
-finds_process_on() {
+# Looks for a stiction on a node that has kept something, and stops it there: its `process`, and the `shard` that it makes.
+holds_process_on() {
     local arguments index
     for process in $(on_node "$1"); do
         mapfile -t -d '' arguments 2>/dev/null <"/proc/$process/cmdline" || continue
         for ((index = 1; index < ${#arguments[@]}; index++)); do
             shard=${arguments[index]}
-            [[ ${arguments[index - 1]} != -o || ! -e $shard.checkpoint ]] || return 0
+            [[ ${arguments[index - 1]} == -o ]] || continue
+            kill -STOP "$process" 2>/dev/null || continue 2
+            [[ ! -e $shard.checkpoint || -e $shard ]] || return 0
+            kill -CONT "$process" 2>/dev/null || true
         done
     done
     return 1
@@ -239,44 +244,55 @@ logged() { grep -q -- "$2" "$1" 2>/dev/null; }
 
 # Kills the program on a node as often as its task starts it.
 fails_on() {
-    finds_process_on "$1" || return 1
+    holds_process_on "$1" || return 1
     local same=$shard log
     log=$(log_of "$2")
     until logged "$log" "ends with 137"; do
-        ! finds_process_on "$1" || [[ $shard != "$same" ]] || kill_now "$process"
+        if holds_process_on "$1"; then
+            kill -CONT "$process"
+            [[ $shard != "$same" ]] || kill_now "$process"
+        fi
         ((SECONDS < deadline)) || return 1
         sleep 0.1
     done
 }
 
+# Holds one process on each of two nodes: `held`.
+holds_two() {
+    local node
+    for node in 1 2 3 4; do
+        [[ ! ${held[node]-} ]] && holds_process_on "$node" && held[node]=$process
+    done
+    ((${#held[@]} == 2))
+}
+
 log_of() { printf '%s/logs/%s.log' "$1" "$(basename -- "$shard" .h5)"; }
 
-# As many replicas as take 80 s on one thread, on a machine of whatever speed.
+# As many replicas as take a minute on one thread, on a machine of whatever speed.
 choose_replicas() {
     local begin end
     begin=$(date +%s%N)
     "$stiction" run "$scene" --replicas 400 --threads 1 --quiet -o "$folder/speed.h5" >/dev/null
     end=$(date +%s%N)
-    replicas=$((80 * 400 * 10 ** 9 / (end - begin) / 128 * 128))
+    replicas=$((60 * 400 * 10 ** 9 / (end - begin) / 128 * 128))
 }
 
 compute_reference() { "$stiction" run "$scene" --replicas "$replicas" --quiet -o "$folder/reference.h5" >/dev/null; }
 
 test_lost_nodes() {
     local output="$folder/an experiment" lost parted killed process shard
-    local arguments=("$scene" --shards 16 --replicas "$replicas" --checkpoint 1 --output "$output" --time=10)
+    local arguments=("$scene" --shards 16 --replicas "$replicas" --checkpoint 0 --output "$output" --time=10)
     check "submit.sh submits 16 shards and a merge" submit "${arguments[@]}"
-    check "a task on node2 keeps a checkpoint" wait_for 60 finds_process_on 2
+    check "a task on node2 keeps a checkpoint" wait_for 60 holds_process_on 2
     lost=$(log_of "$output")
     kill_node 2
-    check "a task on node3 keeps a checkpoint" wait_for 60 finds_process_on 3
+    check "a task on node3 keeps a checkpoint" wait_for 60 holds_process_on 3
     killed=$(log_of "$output")
     kill_now "$process"
-    check "a task on node4 keeps a checkpoint" wait_for 60 finds_process_on 4
+    check "a task on node4 keeps a checkpoint" wait_for 60 holds_process_on 4
     parted=$(log_of "$output")
     # The node is lost to Slurm, and its task works on.
     kill_now "${slurmd[4]}"
-    kill -STOP "$process"
     local works_on=$process
     check "a task on node1 fails, because its stiction is killed three times" wait_for 60 fails_on 1 "$output"
     local merge_before=$merge
@@ -310,10 +326,15 @@ test_lost_nodes() {
 # In the scratch folders of the nodes, so that a task finds only what was copied.
 test_time_limit_and_cancel() {
     local output=$folder/limited process shard times
-    local arguments=("$scene" --shards 2 --replicas "$replicas" --checkpoint 1 --output "$output" --scratch "$folder/scratch of a node")
+    local arguments=("$scene" --shards 2 --replicas "$replicas" --checkpoint 0 --output "$output" --scratch "$folder/scratch of a node")
     check "submit.sh submits 2 shards, of a minute at most" submit "${arguments[@]}" --time=1 --save-before 60
     local log=$output/logs/shard-1.log
+    # Held, so that no machine is fast enough to be done before.
+    held=()
+    check "both tasks keep a checkpoint" wait_for 60 holds_two
     check "a task saves before the time limit" wait_for 90 logged "$log" "the time limit is near: saves"
+    check "... and so does the other" wait_for 10 logged "$output/logs/shard-2.log" "the time limit is near: saves"
+    kill -CONT "${held[@]}"
     check "... and requeues itself" wait_for 30 logged "$log" "  requeues"
     check "... starts again" wait_for 90 logged "$log" "restarted 1 times"
     check "... and resumes" wait_for 10 logged "$log" "goes on: [1-9][0-9]* of"

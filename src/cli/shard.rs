@@ -244,7 +244,7 @@ impl Work<'_> {
         if pieces.is_empty() {
             text += &row("replicas", "none: there are more shards than batches of replicas");
         }
-        let seconds: f64 = pieces.iter().map(|piece| piece.seconds).sum();
+        let seconds = pieces.iter().fold(0.0, |sum, piece| sum + piece.seconds);
         text += &row("time", &format!("{} on {} threads", duration(seconds), self.session.pool.current_num_threads()));
         text + &row("written", &self.output.display().to_string())
     }

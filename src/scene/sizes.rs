@@ -24,7 +24,7 @@ const CHUNK: f64 = 64.0;
 const BINNED: f64 = 20.0;
 /// Bytes of an asperity at a separation that waits to be solved although sums are compressed, and the share of those that do, about, for a
 /// step of the separations of 1 σ_s; the finer the steps, the fewer.
-const QUEUED: (f64, f64) = (42.0, 0.09);
+const QUEUED: (f64, f64) = (42.0, 0.045);
 /// Replicas that are summed both ways before a compressed run.
 const PILOTS: f64 = 4.0;
 /// Heights that compressed sums bin, in σ_s, and the most periods and separations that are not summed directly all the same.

@@ -206,9 +206,9 @@ fn a_checkpoint_of_another_run_is_refused() {
     assert_refused(&folder, &[], "the version of stiction of the interrupted run was 9");
     // Another layout.
     let mut changed = checkpoint.clone();
-    changed[line] = 2;
+    changed[line] = 3;
     std::fs::write(folder.path(CHECKPOINT), &changed).unwrap();
-    assert_refused(&folder, &[], "has the checkpoint layout 2; this program reads 1");
+    assert_refused(&folder, &[], "has the checkpoint layout 3; this program reads 2");
     // Something else.
     std::fs::write(folder.path(CHECKPOINT), "my notes").unwrap();
     assert_refused(&folder, &[], "is not a checkpoint of stiction");

@@ -17,7 +17,7 @@ From these it prints, as Markdown, what larger experiments would cost, and from 
 Usage:
     python scripts/shard_costs.py --stiction PROGRAM [-o OUT.png] [--csv OUT.csv] [--quick] [--dpi N]
 
-Takes ten minutes on two idle cores and half a gigabyte of disk; --quick takes seconds and shows only that everything works.
+Takes five minutes on two idle cores and half a gigabyte of disk; --quick takes seconds and shows only that everything works.
 Exit codes: 0 done; 1 a run failed; 2 PROGRAM or a package is missing, or an output cannot be written.
 """
 
@@ -400,9 +400,9 @@ def draw_throughput(axes: Axes, results: Results) -> None:
     for name, (color, marker, line) in STYLES.items():
         points = [(replica.asperities, 1.0 / replica.per_asperity()) for replica in replicas if replica.sum == name]
         axes.plot(*zip(*points), color=color, marker=marker, linestyle=line, linewidth=1.4, markersize=4.5,
-                  label=f"{name}: {1.0 / results.case_ii[name].seconds:.3g} replicas of case II")
-    axes.set(xscale="log", yscale="log", xlabel="asperities of a replica", ylabel="asperities",
-             title="(a) Asperities and replicas in a second on one core; $S$ = 181")
+                  label=f"{name}; case II: {1.0 / results.case_ii[name].seconds:.3g} replicas/s")
+    axes.set(xscale="log", yscale="log", xlabel="asperities of a replica", ylabel="asperities per second",
+             title="(a) Throughput of a core; $S$ = 181")
     low, high = (f(1.0 / replica.per_asperity() for replica in replicas) for f in (min, max))
     axes.set_ylim(0.5 * low, 6.0 * high)
     axes.legend(loc="upper left")

@@ -46,6 +46,7 @@ COLUMNS = (2, 0.8, 5.35, 4.1)  # of the page, inches
 BLUE, ORANGE = STYLES["direct"][0], STYLES["compressed"][0]
 BATCH = 8  # replicas
 ROW = 4096  # bytes of a row of states, which has an index of 8 more
+TRACT = 2**20  # asperities, more of which are shared by threads
 DENSITY = 7.39  # asperities per um^2 of case II
 # What larger experiments are divided into, at most.
 NODE_CORES, SHARDS = 64, 1000
@@ -322,7 +323,7 @@ class Rates:
 def extrapolation(results: Results) -> str:
     """What larger experiments would cost, as a table in Markdown with its sources."""
     rates, sizes = Rates.of(results), results.sizes
-    lines = [f"Extrapolated, to nodes of {NODE_CORES} such cores and at most {SHARDS} shards:", "",
+    lines = [f"Of nodes of {NODE_CORES} such cores, in at most {SHARDS} shards:", "",
              "| experiment | core-hours | node-hours | bytes of all shards | bytes of the result | merge | memory of the merge |",
              "|---|---|---|---|---|---|---|"]
     longest = []
@@ -333,7 +334,8 @@ def extrapolation(results: Results) -> str:
         for replicas in (1, 1000):
             name = f"{number(replicas)} × {number(asperities)} asperities"
             lines.append(experiment(results, rates, name, replicas, seconds, replica.before, source))
-        longest.append(f"{duration(BATCH * seconds / NODE_CORES)} of {number(asperities)} asperities")
+        if asperities > TRACT:
+            longest.append(f"{duration(BATCH * seconds / NODE_CORES)} of {number(asperities)} asperities")
     for name, replica in results.case_ii.items():
         lines.append(experiment(results, rates, f"{number(1e8)} × case II, {name}", 10**8, replica.seconds, replica.before, "a"))
     sources = [
@@ -350,7 +352,7 @@ def extrapolation(results: Results) -> str:
         f"{1e6 * rates.seconds_per_replica:.2g} µs for each replica; files in the memory of the system, else what reading them takes too.",
         f"h: {bytes_of(rates.memory)}, {bytes_of(rates.memory_per_shard)} for each shard, {rates.memory_per_replica:.0f} B for each replica.",
     ]
-    batch = f"A batch of {BATCH} replicas, the least that a shard has, takes one node {', '.join(longest[:-1])} and {longest[-1]}."
+    batch = f"A batch of {BATCH} replicas, the least that a shard has, takes one node {' and '.join(longest)}, all its cores at one surface."
     return "\n".join([*lines, "", *(f"* {source}" for source in sources), "", batch])
 
 

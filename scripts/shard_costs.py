@@ -17,7 +17,7 @@ From these it prints, as Markdown, what larger experiments would cost, and from 
 Usage:
     python scripts/shard_costs.py --stiction PROGRAM [-o OUT.png] [--csv OUT.csv] [--quick] [--dpi N]
 
-Takes ten minutes on two idle cores and half a gigabyte of disk; --quick takes seconds and shows only that everything works.
+Takes five minutes on two idle cores and half a gigabyte of disk; --quick takes seconds and shows only that everything works.
 Exit codes: 0 done; 1 a run failed; 2 PROGRAM or a package is missing, or an output cannot be written.
 """
 
@@ -46,6 +46,7 @@ COLUMNS = (2, 0.8, 5.35, 4.1)  # of the page, inches
 BLUE, ORANGE = STYLES["direct"][0], STYLES["compressed"][0]
 BATCH = 8  # replicas
 ROW = 4096  # bytes of a row of states, which has an index of 8 more
+TRACT = 2**20  # asperities, more of which are shared by threads
 DENSITY = 7.39  # asperities per um^2 of case II
 # What larger experiments are divided into, at most.
 NODE_CORES, SHARDS = 64, 1000
@@ -322,7 +323,7 @@ class Rates:
 def extrapolation(results: Results) -> str:
     """What larger experiments would cost, as a table in Markdown with its sources."""
     rates, sizes = Rates.of(results), results.sizes
-    lines = [f"Extrapolated, to nodes of {NODE_CORES} such cores and at most {SHARDS} shards:", "",
+    lines = [f"Of nodes of {NODE_CORES} such cores, in at most {SHARDS} shards:", "",
              "| experiment | core-hours | node-hours | bytes of all shards | bytes of the result | merge | memory of the merge |",
              "|---|---|---|---|---|---|---|"]
     longest = []
@@ -333,7 +334,8 @@ def extrapolation(results: Results) -> str:
         for replicas in (1, 1000):
             name = f"{number(replicas)} × {number(asperities)} asperities"
             lines.append(experiment(results, rates, name, replicas, seconds, replica.before, source))
-        longest.append(f"{duration(BATCH * seconds / NODE_CORES)} of {number(asperities)} asperities")
+        if asperities > TRACT:
+            longest.append(f"{duration(BATCH * seconds / NODE_CORES)} of {number(asperities)} asperities")
     for name, replica in results.case_ii.items():
         lines.append(experiment(results, rates, f"{number(1e8)} × case II, {name}", 10**8, replica.seconds, replica.before, "a"))
     sources = [
@@ -350,7 +352,7 @@ def extrapolation(results: Results) -> str:
         f"{1e6 * rates.seconds_per_replica:.2g} µs for each replica; files in the memory of the system, else what reading them takes too.",
         f"h: {bytes_of(rates.memory)}, {bytes_of(rates.memory_per_shard)} for each shard, {rates.memory_per_replica:.0f} B for each replica.",
     ]
-    batch = f"A batch of {BATCH} replicas, the least that a shard has, takes one node {', '.join(longest[:-1])} and {longest[-1]}."
+    batch = f"A batch of {BATCH} replicas, the least that a shard has, takes one node {' and '.join(longest)}, all its cores at one surface."
     return "\n".join([*lines, "", *(f"* {source}" for source in sources), "", batch])
 
 
@@ -400,9 +402,9 @@ def draw_throughput(axes: Axes, results: Results) -> None:
     for name, (color, marker, line) in STYLES.items():
         points = [(replica.asperities, 1.0 / replica.per_asperity()) for replica in replicas if replica.sum == name]
         axes.plot(*zip(*points), color=color, marker=marker, linestyle=line, linewidth=1.4, markersize=4.5,
-                  label=f"{name}: {1.0 / results.case_ii[name].seconds:.3g} replicas of case II")
-    axes.set(xscale="log", yscale="log", xlabel="asperities of a replica", ylabel="asperities",
-             title="(a) Asperities and replicas in a second on one core; $S$ = 181")
+                  label=f"{name}; case II: {1.0 / results.case_ii[name].seconds:.3g} replicas/s")
+    axes.set(xscale="log", yscale="log", xlabel="asperities of a replica", ylabel="asperities per second",
+             title="(a) Throughput of a core; $S$ = 181")
     low, high = (f(1.0 / replica.per_asperity() for replica in replicas) for f in (min, max))
     axes.set_ylim(0.5 * low, 6.0 * high)
     axes.legend(loc="upper left")

@@ -13,7 +13,7 @@ from measurement import Cost  # noqa: E402
 from shard_costs import Merged, Replica, Results, Sizes, extrapolation, most_nodes, nodes  # noqa: E402
 
 # Largest error of the derived bytes of a shard: libhdf5 takes room in blocks of up to 2 kB. A node more or less would be 20 %, a
-# word of a record 1.5 % at the most batches.
+# word of a record 1.2 % where there are most.
 SHARE = 0.01
 
 

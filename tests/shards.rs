@@ -165,10 +165,13 @@ fn a_shard_that_is_changed_is_refused() {
     let path = folder.path(&names[1]);
     let whole = std::fs::read(&path).unwrap();
     let changed = |change: &dyn Fn(&hdf5::File)| {
-        std::fs::write(&path, &whole).unwrap();
-        let file = hdf5::File::open_rw(&path).unwrap();
+        // A copy, because programs that other tests start meanwhile keep the lock of a file that is open for writing.
+        let other = tempfile::NamedTempFile::new().unwrap();
+        std::fs::write(other.path(), &whole).unwrap();
+        let file = hdf5::File::open_rw(other.path()).unwrap();
         change(&file);
         file.close().unwrap();
+        std::fs::copy(other.path(), &path).unwrap();
     };
     changed(&|file| {
         let mut state = file.dataset("state").unwrap().read_2d::<u8>().unwrap();

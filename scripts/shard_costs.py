@@ -341,7 +341,7 @@ def extrapolation(results: Results) -> str:
     sources = [
         f"a: {' and '.join(f'{1e3 * replica.seconds:.3g} ms {name}' for name, replica in results.case_ii.items())} for each replica, "
         f"and for each shard d and {' and '.join(f'{replica.before:.2g} s' for replica in results.case_ii.values())}.",
-        *(f"{letter}: {1e9 * replica.per_asperity():.3g} ns for each asperity of a replica of {replica.asperities:.3g}, {replica.sum} at 181 "
+        *(f"{letter}: {1e9 * replica.per_asperity():.3g} ns for each asperity of a replica of {number(replica.asperities)}, {replica.sum} at 181 "
           f"separations, and for each shard d and {replica.before:.2g} s, which is mostly the trial of compressed sums."
           for letter, replica in zip("bc", results.surfaces)),
         f"d: {results.start:.2g} core seconds of a shard of one batch of hardly any asperities.",
@@ -402,7 +402,7 @@ def draw_throughput(axes: Axes, results: Results) -> None:
     for name, (color, marker, line) in STYLES.items():
         points = [(replica.asperities, 1.0 / replica.per_asperity()) for replica in replicas if replica.sum == name]
         axes.plot(*zip(*points), color=color, marker=marker, linestyle=line, linewidth=1.4, markersize=4.5,
-                  label=f"{name}; case II: {1.0 / results.case_ii[name].seconds:.3g} replicas/s")
+                  label=f"{name}; case II: {1.0 / results.case_ii[name].seconds:.0f} replicas/s")
     axes.set(xscale="log", yscale="log", xlabel="asperities of a replica", ylabel="asperities per second",
              title="(a) Throughput of a core; $S$ = 181")
     low, high = (f(1.0 / replica.per_asperity() for replica in replicas) for f in (min, max))

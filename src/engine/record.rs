@@ -27,8 +27,9 @@ impl Record {
         Replica { cycle: self.cycle.then(Box::<Cycle>::default), ..Replica::default() }
     }
 
+    /// Words of the replica by itself.
     fn of_replica(self) -> usize {
-        self.empty().words().len()
+        7 + if self.cycle { 5 } else { 0 }
     }
 
     /// Its number of words.
@@ -81,6 +82,9 @@ mod tests {
         assert!(snaps.map(f64::to_bits).eq([1.0_f64, -0.0].map(f64::to_bits)));
         let curves: Vec<Vec<f64>> = record.curves(&words).map(Iterator::collect).collect();
         assert_eq!(curves, [[1.0, 2.0], [3.0, 4.0], [5.0, 6.0], [7.0, 8.0]]);
-        assert_eq!(Record { cycle: false, snaps: 0, states: 0 }.length(), 7);
+        for cycle in [false, true] {
+            let record = Record { cycle, snaps: 0, states: 0 };
+            assert_eq!(record.length(), record.empty().words().len());
+        }
     }
 }

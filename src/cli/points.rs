@@ -3,12 +3,12 @@
 //! The folder `out.h5.points` holds `0001.h5` and so on, and beside the point that is being computed its checkpoint. It stays when the sweep is
 //! interrupted, and goes when the output of all is complete. Points can be computed in any order, and a range of them by itself.
 
-use super::checkpoint::{Manner, Run, identity, is_result_of, kept};
+use super::checkpoint::{Manner, Run, State, identity, is_result_of, kept};
 use super::run::{Session, Task, run_scene};
 use super::sampling::override_ensemble;
 use super::{Failure, Sitting, law_of, resources};
 use crate::engine::Shard;
-use crate::output::checkpoint::{Identity, forget, is_checkpoint};
+use crate::output::checkpoint::{Checkpoint, Identity, forget, is_checkpoint};
 use crate::output::progress::Progress;
 use crate::output::schema::{Layout, RUN};
 use crate::output::{Claim, OutputError, beside};
@@ -146,10 +146,10 @@ impl<'a> Points<'a> {
         self.clear()
     }
 
-    /// Refuses points that are kept and are not of this sweep.
+    /// Refuses points that are kept and are not of this sweep, or of another shard of it.
     fn check_kept(&self) -> Result<(), Failure> {
         for point in 0..self.sweep.count() {
-            let file = self.file(point);
+            let (file, checkpoint) = (self.file(point), self.checkpoint(point));
             let scene = self.scene(point)?;
             if file.exists() && !is_result_of(&file, &RUN, &identity(Run { scene: &scene, shard: None }), false) {
                 let point = self.sweep.name(point);
@@ -157,6 +157,14 @@ impl<'a> Points<'a> {
                     "{} is not {point} of this sweep as it would be computed now; --force begins anew",
                     file.display()
                 )));
+            }
+            if is_checkpoint(&checkpoint) {
+                let kept = Checkpoint::<State>::read(&checkpoint)?.identity;
+                let own = identity(Run { scene: &scene, shard: self.shard });
+                if let Some(difference) = own.difference("the interrupted run", ("was", "is now"), &kept) {
+                    let problem = format!("{}: {difference}; --force begins anew", checkpoint.display());
+                    return Err(self.at(point, Failure::Usage(problem)));
+                }
             }
         }
         Ok(())

@@ -75,6 +75,7 @@ class Site:
         self.script("stiction", STICTION)
         (self.folder / "case two.toml").write_text("format = 1\n")
         self.environment = {**os.environ, "PATH": f"{self.folder}/bin:{os.environ['PATH']}"}
+        self.tasks: list[Task] = []
 
     def script(self, name: str, text: str) -> None:
         path = self.folder / name
@@ -111,7 +112,12 @@ class Site:
 
 @pytest.fixture
 def site(tmp_path):
-    return Site(tmp_path)
+    site = Site(tmp_path)
+    yield site
+    # Of a test that failed, a task may still wait for something.
+    for task in site.tasks:
+        if task.process.poll() is None:
+            task.end()
 
 
 def test_an_array_and_a_merge_are_submitted(site):
@@ -317,6 +323,7 @@ class Task:
         scene, output = site.folder / "case two.toml", site.folder / "case two"
         command = [SCRIPTS / "shard.sh", output, site.folder / "stiction", scene, str(shards), str(save_before), copy_every, scratch, *run]
         self.log = site.folder / "calls" / "log"
+        site.tasks.append(self)
         with self.log.open("a") as log:
             self.process = subprocess.Popen(command, cwd=output, env={**site.environment, **slurm}, stdout=log, stderr=log, start_new_session=True)
 

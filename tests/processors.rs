@@ -79,5 +79,7 @@ fn emulated_processors_have_the_same_bits() {
             command
         }
     };
-    assert_same_bits(&scenes(), &[("Haswell", &emulated("Haswell")), ("EPYC-Rome", &emulated("EPYC-Rome"))]);
+    let few: Vec<_> =
+        scenes().into_iter().filter(|(name, _)| ["direct", "compressed", "loop"].contains(name)).collect();
+    assert_same_bits(&few, &[("Haswell", &emulated("Haswell")), ("EPYC-Rome", &emulated("EPYC-Rome"))]);
 }

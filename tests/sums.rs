@@ -10,7 +10,7 @@ use std::sync::atomic::AtomicBool;
 use stiction::asperity::{Path, Quantity, Scratch, Work, for_each_block};
 use stiction::engine::compressed::Compression;
 use stiction::engine::stream::{Purpose, stream};
-use stiction::engine::{Curves, Job, Workspace};
+use stiction::engine::{Curves, Job, Workspace, draw};
 use stiction::math::moments::{Comoments, Moments};
 use stiction::statistical::Statistical;
 use stiction::surface::{Heights, SamplingScheme, Surface};
@@ -30,20 +30,16 @@ fn curves(job: &Job<'_>, replica: u64) -> Curves {
     found.unwrap()
 }
 
-/// F_s, P and F of a replica at a separation h, without rounding of the sums: heights are drawn and solved a few at a time.
+/// F_s, P and F of a replica at a separation h, without rounding of the sums: heights are solved a few at a time.
 fn exact(job: &Job<'_>, replica: u64, separation: f64) -> [f64; 3] {
     let d = job.surface.asperity_separation(separation);
-    let mut random = stream(job.seed, Purpose::Heights, replica);
+    let mut heights = Vec::new();
+    draw(job.surface, job.seed, job.scheme, replica, &mut heights, &mut Vec::new());
     let [mut adhesion_sum, mut contact_sum] = [Exact::default(), Exact::default()];
     let (mut scratch, mut work) = (Scratch::default(), Work::default());
-    let mut left = job.surface.asperity_count;
-    let mut heights = Vec::new();
-    while left > 0 {
-        heights.resize(left.min(1 << 14), 0.0);
-        left -= heights.len();
-        job.surface.heights.draw(&mut random, &mut heights);
+    for heights in heights.chunks_mut(1 << 14) {
         heights.sort_unstable_by(f64::total_cmp);
-        for_each_block(job.law, &heights, d, &mut scratch, &mut work, |_, range, responses| {
+        for_each_block(job.law, heights, d, &mut scratch, &mut work, |_, range, responses| {
             for (adhesion, contact) in responses.adhesion.iter().zip(&responses.contact).take(range.len()) {
                 adhesion_sum.add(*adhesion);
                 contact_sum.add(*contact);

@@ -3,6 +3,7 @@
 What they do on a cluster is tested by scripts/slurm/test_cluster.sh.
 """
 
+import contextlib
 import os
 import re
 import shutil
@@ -340,6 +341,15 @@ class Task:
         path = self.shards / "shard-03.h5.checkpoint.replicas"
         return path.stat().st_size if path.exists() else 0
 
+    def program(self) -> int:
+        """The process of the program that computes the shard."""
+        for stat in Path("/proc").glob("[0-9]*/stat"):
+            with contextlib.suppress(OSError):
+                name, state = stat.read_text().split("(", 1)[1].rsplit(")", 1)
+                if name == "stiction" and int(state.split()[2]) == self.process.pid:
+                    return int(stat.parent.name)
+        raise AssertionError(f"no program runs:\n{self.log.read_text()}")
+
     def end(self) -> None:
         """As Slurm does: whatever is in the job."""
         os.killpg(self.process.pid, signal.SIGKILL)
@@ -523,7 +533,7 @@ def test_shards_of_a_sweep_stop_and_go_on_to_the_same_bits(site, of_a_node):
     assert PROGRAM.is_file(), f"no program {PROGRAM}: run `cargo build --release` or set STICTION"
     shutil.copy(PROGRAM, site.folder / "stiction")
     text = (ROOT / "configs" / "quick.toml").read_text(encoding="utf-8")
-    text = text.replace("replicas = 200", "replicas = 400").replace('surface_height_std = "1.619 nm"\n', "")
+    text = text.replace("replicas = 200", "replicas = 1200").replace('surface_height_std = "1.619 nm"\n', "")
     text += '\n[sweep]\nsurface.surface_height_std = ["1.2 nm", "1.5 nm", "1.8 nm"]\n'
     scene = site.folder / "case two.toml"
     scene.write_text(text, encoding="utf-8")
@@ -537,13 +547,19 @@ def test_shards_of_a_sweep_stop_and_go_on_to_the_same_bits(site, of_a_node):
     first = Task(site, "--checkpoint", "0", shards=2, scratch=scratch, **slurm)
     # The second of the three points, of which the first shard has one and a half.
     first.wait_until((kept / "0002.h5.checkpoint").exists)
+    # It waits for the signal, however fast it is.
+    program = first.program()
+    os.kill(program, signal.SIGSTOP)
     first.process.send_signal(signal.SIGUSR1)
+    first.wait_until(lambda: "the time limit is near" in first.log.read_text())
+    time.sleep(0.5)
+    os.kill(program, signal.SIGCONT)
     first.wait_until(lambda: site.calls("scontrol"))
     first.end()
     assert not shard.exists() and len(list(Path(f"{shard}.points").glob("*.checkpoint"))) == 2
     for task in ("1", "2"):
         assert Task(site, shards=2, scratch=scratch, SLURM_ARRAY_TASK_ID=task).code() == 0
-    assert re.search(r"goes on: 400 of 400 are done.* \(0001\.h5\.checkpoint\)$", first.log.read_text(), re.MULTILINE)
+    assert re.search(r"goes on: 1200 of 1200 are done.* \(0001\.h5\.checkpoint\)$", first.log.read_text(), re.MULTILINE)
     assert sorted(path.name for path in shards.iterdir()) == ["shard-1.h5", "shard-2.h5"]
 
     result = site.folder / "case two.h5"

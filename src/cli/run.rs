@@ -185,7 +185,6 @@ impl Groundwork {
         let back = cycle.map(|cycle| pool.install(|| Statistical::way_back(cycle, &scene.surface, &scene.separations)));
         progress.phase("test functionals");
         let state = kept.unwrap_or_else(|| prepared(&scene, (law, cycle), (&statistical, back.as_ref())));
-        progress.end();
         let force = |way: &Statistical| way.expected[Quantity::ExternalForce.index()].clone();
         let expected: Vec<f64> = [&statistical].into_iter().chain(&back).flat_map(force).collect();
         let expected = state.controls.iter().map(|&place| expected[place]).collect();

@@ -3,8 +3,8 @@
 All is measured on this machine with case II (configs/case_ii.toml), one thread a process:
 
     throughput   ensemble phase of case II, summed directly and compressed, and compressed of surfaces of a million and of ten million
-                 asperities: the difference of runs of few and of many replicas, each the least of several, and what is left of a run
-                 for what goes before its replicas, such as the trial of compressed sums
+                 asperities: the difference of runs of few and of many replicas, each the least of several; and the phase before it, of
+                 the functionals of the joint test and the trial of compressed sums
     sizes        every shard of the series below against what docs/shards.md says that it holds: a node of the tree takes 8 bytes for
                  each word of its moments, a replica 8 for each word of its record and for its index
     merging      core seconds, wall time and peak resident memory of `stiction merge` over 1 to 1000 shards of the same 8000 replicas,
@@ -135,7 +135,7 @@ class Replica:
     sum: str
     asperities: float
     seconds: float
-    before: float  # seconds of the ensemble phase before the first
+    before: float  # seconds of functionals and trial
     memory: float
 
     def per_asperity(self) -> float:
@@ -217,7 +217,7 @@ def measure_throughput(program: Shards, plan: Plan, results: Results) -> None:
         what = f"case II of another area, {replica.sum} sums, {replicas[1]} replicas and {replicas[0]}, 1 thread, least of {of_surfaces}"
         setting = f"asperities = {replica.asperities:g}"
         results.add("seconds per asperity", setting, replica.per_asperity(), "s", f"ensemble phase, {what}")
-        results.add("seconds before the replicas", setting, replica.before, "s", f"ensemble phase less its replicas, {what}")
+        results.add("seconds before the replicas", setting, replica.before, "s", f"functionals of the joint test and trial of compressed sums, {what}")
         results.add("peak resident memory of a surface", setting, replica.memory, "B", what)
 
 
@@ -227,13 +227,14 @@ def measure_replica(program: Shards, area: float, solver: str, replicas: tuple[i
     least = [math.inf, math.inf]
     for _ in range(repetitions):
         least = [min(seconds, program.seconds(scene, solver)) for seconds, scene in zip(least, (few, many))]
+    # Of the run of many, whose trial is on as many replicas as any.
+    before = program.phases()["test functionals"]
     asperities, refusal = program.asperities(), program.refusal()
     cost = program.cost(program.command(program.write_scene(area, 181, solver), 1, few["replicas"]))
     seconds = (least[1] - least[0]) / (replicas[1] - replicas[0])
     if seconds <= 0.0:
-        # A busy machine: what goes before the replicas is counted too.
+        # A busy machine.
         seconds = least[1] / replicas[1]
-    before = max(least[0] - replicas[0] * seconds, 0.0)
     return Replica("direct" if refusal or solver == DIRECT else "compressed", asperities, seconds, before, cost.memory)
 
 

@@ -2,7 +2,7 @@
 
 use super::Failure;
 use super::sampling::holding;
-use crate::engine::{BATCH, Batch, Forest, Job, Record, Replica, Shard};
+use crate::engine::{Batch, Forest, Job, Record, Replica, Shard, replicas_of};
 use crate::output::checkpoint::{Checkpoint, Identity, Journal, forget, forget_records};
 use crate::output::reader::Reader;
 use crate::output::schema::{Layout, RUN, SHARD};
@@ -40,9 +40,8 @@ impl State {
 
     /// The replicas, of `all`, that are computed where they are not all of them.
     pub fn replicas(&self, all: u64) -> Range<u64> {
-        let first =
-            |word: usize| self.forest.get(word).map_or(0, |first| first.to_bits().saturating_mul(BATCH).min(all));
-        first(0)..first(1).max(first(0))
+        let batch = |word: usize| self.forest.get(word).map_or(0, |batch| batch.to_bits());
+        replicas_of(batch(0)..batch(1).max(batch(0)), all)
     }
 
     /// Whether its ensemble is computed for the same functionals and controls, to the bit, as another's.

@@ -10,7 +10,7 @@ use super::{
     sweep, warnings_of,
 };
 use crate::asperity::{Law, Loop, Quantity};
-use crate::engine::{Batch, Forest, Outcome, Rule, Shard, Summation, replicas_of};
+use crate::engine::{Batch, Forest, Outcome, Rule, Shard, Summation, batches_of, replicas_of};
 use crate::math::control_variates::controlled_means;
 use crate::output::checkpoint::Records;
 use crate::output::progress::Progress;
@@ -112,7 +112,7 @@ pub(super) fn run_scene(
     };
     let kept = interrupted.as_ref().map(|run| run.state().clone());
     let ground = Groundwork::new(scene, laws, kept, session, &mut progress);
-    let batches = 0..ground.sampling().job().batches();
+    let batches = 0..batches_of(ground.scene.replicas);
     let Sampled { forest, summation, mut keeper } =
         ground.sample(batches, interrupted, task, session, &mut progress)?;
     let most = ground.scene.replicas;
@@ -219,7 +219,7 @@ impl Groundwork {
     ) -> Result<Sampled, Failure> {
         let setup = self.sampling();
         let job = setup.job();
-        let replicas = replicas_of(&job, batches.clone());
+        let replicas = replicas_of(batches.clone(), job.replicas);
         let (mut keeper, start) = match interrupted {
             Some(run) => Keeper::resume(*run, &job, &batches, session.interval)?,
             None => {

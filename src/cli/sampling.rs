@@ -76,7 +76,7 @@ impl Sampling<'_> {
         let job = self.job();
         let summation = self.summation(pool);
         let job = Job { compression: summation.compression.as_ref(), ..job };
-        let replicas = replicas_of(&job, start.batches());
+        let replicas = replicas_of(start.batches(), job.replicas);
         progress.replicas(name, start.replicas.len() as u64, replicas.end - replicas.start);
         let outcome = run_from(&job, pool, stop, start, self.rule, |batch, merged| {
             observe(batch, merged)?;

@@ -7,7 +7,7 @@ use super::record::{write_about, write_model};
 use super::run::{Groundwork, Laws, Sampled, Session, Task};
 use super::sampling::override_ensemble;
 use super::{Failure, RunArguments, print_of, refuse_own_scene};
-use crate::engine::{BATCH, Shard};
+use crate::engine::{Shard, batches_of, replicas_of};
 use crate::output::checkpoint::{Checkpoint, Journal, Visit, forget};
 use crate::output::progress::Progress;
 use crate::output::schema::SHARD;
@@ -68,8 +68,7 @@ struct Part {
 impl Part {
     /// Indices of its replicas.
     fn replicas(&self) -> Range<u64> {
-        let first = |batch: u64| batch.saturating_mul(BATCH).min(self.scene.replicas);
-        first(self.batches.start)..first(self.batches.end)
+        replicas_of(self.batches.clone(), self.scene.replicas)
     }
 }
 
@@ -85,10 +84,6 @@ fn shares(shard: Shard, batches: &[u64]) -> Vec<Range<u64>> {
     batches.iter().map(share).collect()
 }
 
-fn batches(scene: &Scene) -> u64 {
-    scene.replicas.div_ceil(BATCH)
-}
-
 /// The computation of a shard.
 struct Work<'a> {
     shard: Shard,
@@ -101,7 +96,7 @@ struct Work<'a> {
 impl Work<'_> {
     /// Computes the shard of a scene: what is to be said of it, or none where it was complete before.
     fn one(&self, scene: Scene) -> Result<Option<String>, Failure> {
-        let batches = self.shard.range(batches(&scene));
+        let batches = self.shard.range(batches_of(scene.replicas));
         let parts = [Part { point: 0, scene: scene.clone(), batches, name: None }];
         if !self.compute(&parts[0], self.arguments.sitting.manner(), Progress::new(self.session.quiet))? {
             return Ok(None);
@@ -127,7 +122,7 @@ impl Work<'_> {
         }
         let scenes = (0..sweep.count()).map(|point| points.scene(point)).collect::<Result<Vec<Scene>, Failure>>()?;
         let first = scenes[0].clone();
-        let shares = shares(self.shard, &scenes.iter().map(batches).collect::<Vec<u64>>());
+        let shares = shares(self.shard, &scenes.iter().map(|scene| batches_of(scene.replicas)).collect::<Vec<u64>>());
         let parts = scenes.into_iter().zip(shares).enumerate().filter(|(_, (_, batches))| !batches.is_empty());
         let parts: Vec<Part> = parts
             .map(|(point, (scene, batches))| Part { point, scene, batches, name: Some(points.file(point)) })

@@ -9,11 +9,23 @@ use crate::asperity::{Quantity, Work};
 use crate::math::moments::Moments;
 use crate::math::words::Words;
 use crate::surface::STRATA;
+use std::ops::Range;
 
 /// Replicas of a batch. Part of what the bits of a result depend on, so it is fixed.
 pub const BATCH: u64 = 8;
 // A batch holds whole groups, so that groups need not be put together from two of them.
 const _: () = assert!(BATCH.is_multiple_of(STRATA) && BATCH.is_multiple_of(2));
+
+/// Batches of so many replicas.
+pub fn batches_of(replicas: u64) -> u64 {
+    replicas.div_ceil(BATCH)
+}
+
+/// The indices of the replicas, of so many in all, that are in a range of batches.
+pub fn replicas_of(batches: Range<u64>, replicas: u64) -> Range<u64> {
+    let first = |batch: u64| batch.saturating_mul(BATCH).min(replicas);
+    first(batches.start)..first(batches.end)
+}
 
 /// The moments of an ensemble and what is kept of every replica.
 #[derive(Clone, Debug, PartialEq)]
@@ -141,7 +153,7 @@ impl Batch {
         ends: &(dyn Fn() -> bool + Sync),
     ) -> Option<Self> {
         let mut batch = Self { ensemble: Ensemble::new(job), external_force: Vec::new(), adhesion_force: Vec::new() };
-        let replicas = index * BATCH..((index + 1) * BATCH).min(job.replicas);
+        let replicas = replicas_of(index..index + 1, job.replicas);
         let is_whole = workspace.replicas_until(job, replicas, ends, |replica, curves| {
             batch.ensemble.push(job, index, replica, curves);
             if job.keep_curves {

@@ -73,10 +73,8 @@ pub(super) fn snaps(
 ) -> Vec<f64> {
     let Protocol { cycle, holding } = job.protocol;
     let mut numbers = Vec::with_capacity(holding.length());
-    let samples =
-        |force: &[f64]| -> Vec<(f64, f64)> { job.separations.iter().copied().zip(force.iter().copied()).collect() };
     if holding.ways.0 {
-        let inward: Vec<(f64, f64)> = samples(there).into_iter().rev().collect();
+        let inward: Vec<(f64, f64)> = job.samples(there).into_iter().rev().collect();
         numbers.extend(of_stiffnesses(&holding, &inward));
     }
     if cycle.is_some() && !holding.preload.is_empty() {
@@ -85,7 +83,7 @@ pub(super) fn snaps(
         }
     } else if holding.ways.1 {
         numbers.extend(turn(job.separations[0], &pull_off).numbers());
-        numbers.extend(of_stiffnesses(&holding, &samples(last)));
+        numbers.extend(of_stiffnesses(&holding, &job.samples(last)));
     }
     numbers
 }

@@ -6,7 +6,7 @@
 //! the range covers as a whole. Rounding errors grow with the depth of the tree, the logarithm of the number of batches.
 
 use super::Job;
-use super::batch::{BATCH, Ensemble};
+use super::batch::{Ensemble, replicas_of};
 use super::replica::Replica;
 use crate::math::words::Words;
 use std::ops::Range;
@@ -139,7 +139,7 @@ impl Forest {
     pub fn restored(job: &Job<'_>, state: &[u64], replicas: Vec<Replica>, snaps: Vec<f64>) -> Option<Self> {
         let (&[start, end, next, count], mut rest) = state.split_first_chunk()?;
         let is_range = start <= next && next <= end && end <= job.batches();
-        let replicas_there = replicas_of(job, start..next).count() as u64;
+        let replicas_there = replicas_of(start..next, job.replicas).count() as u64;
         let fits = is_range
             && replicas.len() as u64 == replicas_there
             && snaps.len() == replicas.len() * job.protocol.holding.length();
@@ -162,12 +162,6 @@ impl Forest {
         }
         (rest.is_empty() && covered == replicas_there).then_some(forest)
     }
-}
-
-/// The replicas of batches of a job.
-pub fn replicas_of(job: &Job<'_>, batches: Range<u64>) -> Range<u64> {
-    let first = |batch: u64| batch.saturating_mul(BATCH).min(job.replicas);
-    first(batches.start)..first(batches.end)
 }
 
 /// The batches of the lowest node above two others.

@@ -7,6 +7,8 @@
 //! held at all: its tracts have streams of their own, and are drawn and summed in parallel, and drawn again for what is asked later.
 
 mod batch;
+#[cfg(test)]
+mod case_ii;
 pub mod compressed;
 mod curves;
 mod cycle;
@@ -28,10 +30,10 @@ mod sums;
 mod tracts;
 mod whole;
 
-pub use batch::{BATCH, Batch, Ensemble};
+pub use batch::{BATCH, Batch, Ensemble, batches_of, replicas_of};
 pub use curves::Curves;
 pub use cycle::{Cycle, area_between};
-pub use forest::{Forest, replicas_of};
+pub use forest::Forest;
 pub use groups::Groups;
 pub use instability::Holding;
 pub use record::Record;
@@ -117,8 +119,13 @@ impl Job<'_> {
         self.separations.len() * if self.protocol.cycle.is_some() { 2 } else { 1 }
     }
 
+    /// The separations with the forces of a curve over them, N.
+    fn samples(&self, forces: &[f64]) -> Vec<(f64, f64)> {
+        self.separations.iter().copied().zip(forces.iter().copied()).collect()
+    }
+
     /// Number of batches.
     pub fn batches(&self) -> u64 {
-        self.replicas.div_ceil(BATCH)
+        batches_of(self.replicas)
     }
 }

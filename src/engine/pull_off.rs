@@ -433,23 +433,14 @@ impl Parabola {
 
 #[cfg(test)]
 mod tests {
+    use super::super::case_ii::CASE_II;
     use super::*;
     use crate::asperity::models::model;
-    use crate::asperity::scale::{Asperity, Scale};
+    use crate::asperity::scale::Scale;
     use crate::asperity::{Path, Regime, Setting};
     use crate::engine::Protocol;
     use crate::engine::stream::{Purpose, stream};
     use crate::surface::{SamplingScheme, Surface};
-
-    const CASE_II: Asperity = Asperity {
-        radius: 3.33e-6,
-        reduced_modulus: 85.29e9,
-        work_of_adhesion: 0.09,
-        equilibrium_spacing: 0.2e-9,
-        hardness: 2.5e9,
-        poisson_ratio: 0.27,
-        lubricant_thickness: 0.5e-9,
-    };
 
     #[test]
     fn a_parabola_goes_through_its_values() {

@@ -220,8 +220,7 @@ fn keep(job: &Job<'_>, surface: &mut dyn Summed, count: usize, curves: &mut Curv
     let mut last = (external, pull_off);
     if let Some(cycle) = job.protocol.cycle {
         kept.cycle = Some(Box::new(Cycle::new(job, cycle, highest_asperity, [external, back], &pull_off)));
-        let samples: Vec<(f64, f64)> = job.separations.iter().copied().zip(back.iter().copied()).collect();
-        last = (back, pull_off_back(surface, job.separations[0], &samples));
+        last = (back, pull_off_back(surface, job.separations[0], &job.samples(back)));
     }
     kept.pull_off(&last.1);
     kept.stiffest(&steepest_rise(job.separations, last.0));
@@ -233,33 +232,24 @@ fn keep(job: &Job<'_>, surface: &mut dyn Summed, count: usize, curves: &mut Curv
 
 #[cfg(test)]
 mod tests {
+    use super::super::case_ii::CASE_II;
     use super::super::compressed::{Compression, largest_error};
     use super::super::{Holding, Protocol};
     use super::*;
     use crate::asperity::models::model;
-    use crate::asperity::scale::Asperity;
     use crate::asperity::{Family, Law, Loop, Path, Setting, Typical};
     use crate::surface::{
         CountLaw, HeightLaw, Heights, LogNormal, RADIUS_RANGE, Radii, Roughness, SamplingScheme, Surface,
     };
     use std::sync::atomic::{AtomicUsize, Ordering};
 
-    const ASPERITY: Asperity = Asperity {
-        radius: 3.33e-6,
-        reduced_modulus: 85.29e9,
-        work_of_adhesion: 0.09,
-        equilibrium_spacing: 0.2e-9,
-        hardness: 2.5e9,
-        poisson_ratio: 0.27,
-        lubricant_thickness: 0.5e-9,
-    };
     /// Asperities of a tract, no power of 2, and of a surface of several, the last of which is not full.
     const SMALL: usize = 3000;
     const COUNT: usize = 20_000;
 
     fn surface() -> Surface {
         let roughness = Roughness {
-            asperity_radius: ASPERITY.radius,
+            asperity_radius: CASE_II.radius,
             asperity_density: 7.39e12,
             nominal_area: COUNT as f64 / 7.39e12,
             surface_height_std: Some(1.619e-9),
@@ -274,7 +264,7 @@ mod tests {
     }
 
     fn setting() -> Setting {
-        Setting::new(&ASPERITY, Path::Approach, (-40e-9, 60e-9)).unwrap()
+        Setting::new(&CASE_II, Path::Approach, (-40e-9, 60e-9)).unwrap()
     }
 
     fn law(name: &str) -> Box<dyn Law> {
@@ -415,7 +405,7 @@ mod tests {
     #[test]
     fn scattered_radii_come_in_tracts() {
         let surface = Surface { radii: Radii::LogNormal(0.3), ..surface() };
-        let family = Family::new(model("hybrid").unwrap(), ASPERITY, Path::Approach, RADIUS_RANGE).unwrap();
+        let family = Family::new(model("hybrid").unwrap(), CASE_II, Path::Approach, RADIUS_RANGE).unwrap();
         let law = Typical::new(law("hybrid"), family);
         let separations = separations(&surface, 0.5, 15);
         let job = job(&law, &surface, &separations);

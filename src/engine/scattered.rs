@@ -41,26 +41,28 @@ impl Scattered {
 }
 
 /// The minimum of the external force, N, of a surface whose curve through the separations is known: of that, and of places between the
-/// smallest of the samples and its neighbours, at which the surface is summed too.
-pub(super) fn pull_off(
+/// smallest of the samples and its neighbours, the `forces` at which, N, are asked for at once.
+pub(super) fn pull_off(job: &Job<'_>, external_force: &[f64], forces: impl FnOnce(&[f64]) -> Vec<f64>) -> Extremum {
+    let sampled = minimum(job.separations, external_force);
+    if sampled.at_edge {
+        return sampled;
+    }
+    deepest_of_parts(&job.samples(external_force), forces)
+}
+
+/// External forces, N, of asperities, `heights` and `radii`, m, at separations h, m, rising.
+pub(super) fn external_forces(
     job: &Job<'_>,
     family: &Family,
     asperities: (&[f64], &[f64]),
     scratch: &mut Scratch,
     work: &mut Work,
-    external_force: &[f64],
-) -> Extremum {
-    let sampled = minimum(job.separations, external_force);
-    if sampled.at_edge {
-        return sampled;
-    }
-    let samples: Vec<(f64, f64)> = job.separations.iter().copied().zip(external_force.iter().copied()).collect();
-    deepest_of_parts(&samples, |places| {
-        let planes = planes(job, places);
-        let mut sums = vec![RegimeSums::default(); planes.len()];
-        add(family, asperities, &planes, scratch, work, &mut sums);
-        sums.iter().rev().map(|sum| RegimeSums::external_force(std::slice::from_ref(sum))).collect()
-    })
+    separations: &[f64],
+) -> Vec<f64> {
+    let planes = planes(job, separations);
+    let mut sums = vec![RegimeSums::default(); planes.len()];
+    add(family, asperities, &planes, scratch, work, &mut sums);
+    sums.iter().rev().map(|sum| RegimeSums::external_force(std::slice::from_ref(sum))).collect()
 }
 
 /// −d, m, rising, of separations h, m, rising.

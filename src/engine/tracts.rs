@@ -7,13 +7,13 @@
 use super::Job;
 use super::compressed::{self, Between, Compression, Part, Totals};
 use super::curves::Curves;
-use super::pull_off::{Cells, Curve, Jump, deepest_of_parts, pull_off};
+use super::pull_off::{Cells, Curve, Jump, pull_off};
 use super::replica::Summed;
 use super::sampling::Draws;
-use super::scattered::{add, planes};
+use super::scattered::{self, add, planes};
 use super::sums::{RegimeSums, State, Sums};
 use crate::asperity::{Family, Work};
-use crate::math::extrema::{Extremum, maximum, minimum};
+use crate::math::extrema::{Extremum, maximum};
 use crate::math::instruction_set::InstructionSet;
 use crate::math::sums::Compensated;
 use rayon::prelude::*;
@@ -296,12 +296,7 @@ impl Summed for Tracts<'_> {
         if job.law.family().is_none() {
             return pull_off(job, self.jumps, self, external_force);
         }
-        let sampled = minimum(job.separations, external_force);
-        if sampled.at_edge {
-            return sampled;
-        }
-        let samples: Vec<(f64, f64)> = job.separations.iter().copied().zip(external_force.iter().copied()).collect();
-        deepest_of_parts(&samples, |places| self.external_forces(places))
+        scattered::pull_off(job, external_force, |places| self.external_forces(places))
     }
 
     fn back(&mut self, from: f64, separations: &[f64]) -> Vec<f64> {

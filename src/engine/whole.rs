@@ -34,7 +34,10 @@ impl Summed for Whole<'_> {
         let Self { job, heights, highest, .. } = *self;
         let Sums { scratch, work, .. } = &mut *self.sums;
         if let Some(family) = job.law.family() {
-            return scattered::pull_off(job, family, (heights, self.radii), scratch, work, external);
+            let asperities = (heights, self.radii);
+            return scattered::pull_off(job, external, |places| {
+                scattered::external_forces(job, family, asperities, scratch, work, places)
+            });
         }
         match &mut self.compressed {
             Some((compression, sums, lane)) => {

@@ -9,10 +9,9 @@ import subprocess
 import time
 from pathlib import Path
 
-import h5py
-import numpy as np
 import pytest
 import xarray
+from same_bits import contents
 
 ROOT = Path(__file__).resolve().parents[2]
 PROGRAM = Path(os.environ.get("STICTION", ROOT / "target" / "release" / "stiction"))
@@ -24,13 +23,6 @@ def run(folder: Path, *arguments: str) -> subprocess.Popen:
     assert PROGRAM.is_file(), f"no program {PROGRAM}: run `cargo build --release` or set STICTION"
     command = [PROGRAM, "run", "scene.toml", *arguments]
     return subprocess.Popen(command, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-
-
-def datasets(path: Path) -> dict[str, np.ndarray]:
-    found = {}
-    with h5py.File(path) as file:
-        file.visititems(lambda name, item: found.update({name: item[()]}) if isinstance(item, h5py.Dataset) else None)
-    return {name: values for name, values in found.items() if not name.startswith(("diagnostics", "phase"))}
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
@@ -48,10 +40,10 @@ def test_a_resumed_run_reads_like_any_other(tmp_path, number):
     assert run(tmp_path, "--resume").wait() == 0
     assert sorted(path.name for path in tmp_path.iterdir()) == ["scene.h5", "scene.toml", "whole.h5"]
 
-    whole, resumed = datasets(tmp_path / "whole.h5"), datasets(tmp_path / "scene.h5")
-    assert list(whole) == list(resumed) and len(whole) > 50
+    whole, resumed = contents(tmp_path / "whole.h5"), contents(tmp_path / "scene.h5")
+    assert list(whole) == list(resumed) and len([name for name in whole if ": " not in name]) > 50
     for name, values in whole.items():
-        assert values.tobytes() == resumed[name].tobytes() or values.dtype.kind == "O" and (values == resumed[name]).all(), name
+        assert values == resumed[name], name
     with xarray.open_datatree(tmp_path / "scene.h5", engine="h5netcdf") as tree:
         assert tree["replicas"].external_force.dims == ("replica", "separation")
         assert int(tree["diagnostics"].resumptions) == 1

@@ -2,7 +2,7 @@
 
 mod whole;
 
-use super::checkpoint::{Beginning, Manner, Run, State, beginning, is_of, record_of};
+use super::checkpoint::{Manner, Run, State, beginning, is_of, record_of};
 use super::format::row;
 use super::points::Points;
 use super::results::{Partial, Results, Told};
@@ -35,11 +35,7 @@ pub(super) fn merge(arguments: &MergeArguments) -> Result<(), Failure> {
             let task = Task { source: &run.source, output, claim: &claim, manner, shard: None };
             let mut scene = scene.clone();
             override_ensemble(&mut scene, Some(run.identity.replicas), Some(run.identity.seed))?;
-            if let Beginning::Complete | Beginning::Resumed(_) =
-                beginning(&claim, Run { scene: &scene, shard: None }, manner)?
-            {
-                unreachable!("what is not resumed begins anew or is refused");
-            }
+            beginning(&claim, Run { scene: &scene, shard: None }, manner)?;
             summary(merge.point(scene, &run.places[0], &task, Progress::new(session.quiet))?.as_ref())
         }
         Document { sweep: Some(sweep), .. } => merge.several(&Points {

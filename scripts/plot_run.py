@@ -49,7 +49,7 @@ CURVES = {
 class Run(Result):
     """A result of `stiction run`."""
 
-    format, made_by = "stiction-run", "a result of `stiction run`"
+    format, major_version, made_by = "stiction-run", 2, "a result of `stiction run`"
     style = {"axes.xmargin": 0.01}
 
     def pull_off_place(self) -> float:

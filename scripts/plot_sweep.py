@@ -47,7 +47,7 @@ SIMPLE = {"m", "Pa", "N"}
 class Sweep(Result):
     """A sweep of `stiction run`."""
 
-    format, made_by = "stiction-sweep", "a sweep of `stiction run`"
+    format, major_version, made_by = "stiction-sweep", 2, "a sweep of `stiction run`"
 
     def __init__(self, file: h5py.File) -> None:
         super().__init__(file)
@@ -150,7 +150,7 @@ def draw_excess(axes: Axes, sweep: Sweep, x: np.ndarray, curves: list) -> None:
 
 def draw_stiffness(axes: Axes, sweep: Sweep, x: np.ndarray, curves: list) -> None:
     mean, integral = (sweep[f"{of}/peak_stiffness"].ravel() for of in ("ensemble", "statistical"))
-    single, error = (sweep.scalar("peak_stiffness", of) for of in ("mean", "standard_error"))
+    single, error = (sweep.scalar("peak_secant_stiffness", of) for of in ("mean", "standard_error"))
     unit, sign = si(float(np.abs(integral).max()))
     for (_, points), color, marker in zip(curves, COLORS, MARKERS):
         order = points[np.argsort(x[points])]
@@ -167,7 +167,7 @@ def draw_stiffness(axes: Axes, sweep: Sweep, x: np.ndarray, curves: list) -> Non
     axes.legend(handles=[
         Line2D([], [], color="0.3", marker="o", markersize=4, linewidth=0, label="of the mean curve"),
         Line2D([], [], color="0.3", marker="o", markersize=4, markerfacecolor="white", linewidth=0,
-               label="of single replicas, mean ± standard error"),
+               label="secant of single replicas, mean ± standard error"),
         Line2D([], [], color="0.3", linestyle=DASHED, linewidth=1.3, label="of the integral"),
     ], loc="best")
 

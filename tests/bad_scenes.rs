@@ -140,6 +140,21 @@ const CASES: &[(&str, &str, &[&str])] = &[
         "path = \"lop\"",
         &["line 21", "unknown path", "did you mean \"loop\"?", "known: approach, retraction, loop"],
     ),
+    (
+        "h_star = {",
+        "stiffness_span = 0.2\nh_star = {",
+        &["line 24", "`separation.stiffness_span = 0.2`", "the unit is missing"],
+    ),
+    (
+        "h_star = {",
+        "stiffness_span = \"15 nm\"\nh_star = {",
+        &["line 24", "`separation.stiffness_span = \"15 nm\"`", "reach over 1.4571", "within them"],
+    ),
+    (
+        "h_star = {",
+        "stiffness_span = \"1e-9 nm\"\nh_star = {",
+        &["line 24", "`separation.stiffness_span", "lost in rounding"],
+    ),
     ("[output]", "[instability]\n[output]", &["`instability.stiffness` is missing", "stiffness = \"5 N/m\""]),
     (
         "[output]",

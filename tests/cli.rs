@@ -126,13 +126,13 @@ fn files_of_others_are_refused_in_a_line() {
     assert_exit(&folder.stiction(&["run", "scene.toml", "-o", "newer.h5"]), 0);
     {
         let file = hdf5::File::open_rw(folder.path("newer.h5")).unwrap();
-        file.attr("format_version").unwrap().write_raw(&[2_u32, 0]).unwrap();
+        file.attr("format_version").unwrap().write_raw(&[3_u32, 0]).unwrap();
     }
     for command in ["info", "validate"] {
         for (file, message) in [
             ("text.h5", "is not an HDF5 file"),
             ("other.h5", "has no attribute `format`"),
-            ("newer.h5", "has format version 2.0; this program reads 1.x"),
+            ("newer.h5", "has format version 3.0; this program reads 2.x"),
             ("absent.h5", "cannot be read"),
         ] {
             let refused = folder.stiction(&[command, file]);
@@ -275,17 +275,22 @@ fn one_group_is_not_tested() {
     assert!(text(&folder.stiction(&["validate", "scene.h5"]).stdout).contains("not tested"));
 }
 
-/// A result of format version 1.0 does not say how it was sampled: each replica by itself.
+/// The quantities of an older major version are others.
 #[test]
-fn an_older_result_is_validated() {
+fn an_older_result_is_refused() {
     let folder = Folder::new(&small());
     assert_exit(&folder.stiction(&["run", "scene.toml"]), 0);
     {
         let file = hdf5::File::open_rw(folder.path("scene.h5")).unwrap();
-        file.attr("format_version").unwrap().write_raw(&[1_u32, 0]).unwrap();
-        file.delete_attr("sampling").unwrap();
+        file.attr("format_version").unwrap().write_raw(&[1_u32, 4]).unwrap();
     }
-    assert_exit(&folder.stiction(&["validate", "scene.h5"]), 0);
+    for command in ["info", "validate"] {
+        let refused = folder.stiction(&[command, "scene.h5"]);
+        assert_exit(&refused, 2);
+        let error = text(&refused.stderr);
+        let message = "has format version 1.4; this program reads 2.x: compute it again, with the scene that it holds";
+        assert!(error.contains(message), "{error}");
+    }
 }
 
 #[test]

@@ -61,7 +61,7 @@ fn a_law_of_a_comparison_is_its_run() {
             "ensemble/external_force_mean",
             "ensemble/contact_area_std",
             "replicas/pull_off_force",
-            "replicas/peak_stiffness",
+            "replicas/peak_secant_stiffness",
             "validation/z_external_force",
         ] {
             let bits = |values: Vec<f64>| values.into_iter().map(f64::to_bits).collect::<Vec<u64>>();

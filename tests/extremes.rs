@@ -128,7 +128,7 @@ fn numbers(scene: &Scene, model: &Model, name: &str, least: i32) -> Option<[Vec<
         controls: &[],
         keep_curves: false,
         compression: None,
-        protocol: Protocol::default(),
+        protocol: Protocol { stiffness_span: Some(scene.stiffness_span), ..Protocol::default() },
     };
     let mut ensemble = Vec::new();
     Workspace::new(&job).replicas(&job, 0..2, |replica, curves| {

@@ -114,8 +114,8 @@ fn forged_attributes_are_refused() {
         (|file| replace_number(file, "format", 3.0), "its attribute `format` is no text"),
         (|file| replace_text(file, "format", "\u{1b}[31mother"), "has the format \"\\u{1b}[31mother\", not "),
         (
-            |file| replace_attribute(file, "format_version", &[2_u32, 0]),
-            "has format version 2.0; this program reads 1.x",
+            |file| replace_attribute(file, "format_version", &[3_u32, 0]),
+            "has format version 3.0; this program reads 2.x",
         ),
         (|file| replace_attribute(file, "format_version", &[1_u32]), "no attribute `format_version` of two numbers"),
         (|file| replace_text(file, "format_version", "1.0"), "no attribute `format_version` of two numbers"),
@@ -127,7 +127,8 @@ fn forged_attributes_are_refused() {
             assert_refused(&folder.stiction(&[command, "forged.h5"]), message);
         }
     }
-    let validated: [(Change, &str); 8] = [
+    let validated: [(Change, &str); 9] = [
+        (|file| file.delete_attr("sampling").unwrap(), "lacks the text `sampling` of /"),
         (|file| file.delete_attr("replicas").unwrap(), "lacks the number `replicas` of /"),
         (|file| replace_text(file, "replicas", "40"), "an attribute `replicas` of / that does not hold whole numbers"),
         (
@@ -271,7 +272,7 @@ fn claimed_sizes_are_not_believed() {
 fn newer_minor_versions_are_read() {
     let folder = with_result();
     forged(&folder, |file| {
-        replace_attribute(file, "format_version", &[1_u32, 9]);
+        replace_attribute(file, "format_version", &[2_u32, 9]);
         file.create_group("/novelty").unwrap();
         file.new_attr::<f64>().shape(1000).create("more").unwrap().write_raw(&vec![0.5; 1000]).unwrap();
     });

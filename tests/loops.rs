@@ -21,7 +21,7 @@ fn cycle(law: &str, asperity: &Asperity) -> Loop {
 }
 
 fn job<'a>(cycle: &'a Loop, surface: &'a Surface, separations: &'a [f64], replicas: u64) -> Job<'a> {
-    let protocol = Protocol { cycle: Some(cycle), holding: Holding::default() };
+    let protocol = Protocol { cycle: Some(cycle), ..Protocol::default() };
     Job { protocol, ..common::job(cycle.approach(), surface, separations, replicas) }
 }
 
@@ -244,7 +244,10 @@ fn a_jkr_asperity_is_pulled_off_by_its_closed_form() {
     let stiffness: Vec<f64> = [0.0].into_iter().chain(radii.map(|a| -slope(a) * unit)).chain([1e6 * unit]).collect();
     assert!(stiffness[1] > stiffness[2] && stiffness[2] > stiffness[3] && stiffness[3] > 0.0);
     let holding = Holding { stiffness: &stiffness, preload: &[], smallest_snap: 0.0, ways: (true, true) };
-    let job = Job { protocol: Protocol { cycle: Some(&cycle), holding }, ..job(&cycle, &surface, &separations, 1) };
+    let job = Job {
+        protocol: Protocol { cycle: Some(&cycle), holding, ..Protocol::default() },
+        ..job(&cycle, &surface, &separations, 1)
+    };
     let (replica, curves) = one(&job);
     let step = scale.length / 1000.0;
     assert!((replica.pull_off_force / scale.force - 1.5).abs() < 1e-6, "{}", replica.pull_off_force / scale.force);
@@ -283,7 +286,10 @@ fn preloads_turn_in_their_order() {
     let separations = separations(&surface, -0.5, 6.0, 66);
     let preload = [1e-6, 1e-4, 1e-2, 0.1, 1e3];
     let holding = Holding { stiffness: &[1e3], preload: &preload, smallest_snap: 0.0, ways: (true, true) };
-    let job = Job { protocol: Protocol { cycle: Some(&cycle), holding }, ..job(&cycle, &surface, &separations, 1) };
+    let job = Job {
+        protocol: Protocol { cycle: Some(&cycle), holding, ..Protocol::default() },
+        ..job(&cycle, &surface, &separations, 1)
+    };
     let (_, curves) = one(&job);
     assert_eq!(curves.snaps.len(), holding.length());
     let turns: Vec<&[f64]> = curves.snaps[3..].chunks_exact(6).collect();
@@ -324,7 +330,7 @@ fn bits_do_not_depend_on_threads_and_interruptions() {
     let separations = separations(&surface, -0.5, 5.0, 20);
     let holding = Holding { stiffness: &[0.0, 1e3], preload: &[1e-3], smallest_snap: 0.0, ways: (true, true) };
     let plain = job(&cycle, &surface, &separations, 124);
-    let job = Job { protocol: Protocol { cycle: Some(&cycle), holding }, ..plain };
+    let job = Job { protocol: Protocol { cycle: Some(&cycle), holding, ..Protocol::default() }, ..plain };
     let bits = |ensemble: &Ensemble| {
         let mut replicas = ensemble.replicas.clone();
         let replicas: Vec<u64> = replicas.iter_mut().flat_map(|replica| replica.words()).collect();

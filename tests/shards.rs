@@ -185,8 +185,8 @@ fn a_shard_that_is_changed_is_refused() {
         file.dataset("records").unwrap().write(&records).unwrap();
     });
     assert_refused(&folder, &names, &["is damaged: the checksum of its records is wrong"]);
-    changed(&|file| file.attr("format_version").unwrap().write(&[2_u32, 0]).unwrap());
-    assert_refused(&folder, &names, &["has format version 2.0; this program reads 1.x"]);
+    changed(&|file| file.attr("format_version").unwrap().write(&[1_u32, 0]).unwrap());
+    assert_refused(&folder, &names, &["has format version 1.0; this program reads 2.x"]);
     let version = |value: &str, attribute: &str| {
         let value: hdf5::types::VarLenUnicode = value.parse().unwrap();
         changed(&|file| file.attr(attribute).unwrap().write_scalar(&value).unwrap());

@@ -88,7 +88,7 @@ fn a_run_ends_at_the_first_look_that_meets_its_targets() {
 #[test]
 fn bits_do_not_depend_on_threads() {
     let targets = format!(
-        "[{}, {{ quantity = \"peak_stiffness\", standard_error = \"4 kN/m\", estimate = \"controlled\" }}]",
+        "[{}, {{ quantity = \"peak_secant_stiffness\", standard_error = \"4 kN/m\", estimate = \"controlled\" }}]",
         pull_off(0.03)
     );
     let folder = Folder::new(&scene(&targets, "sampling = \"antithetic\"").replace("curves = false", "curves = true"));
@@ -199,7 +199,7 @@ fn what_is_no_target_is_refused() {
         ),
         ("target = { quantity = \"pull_off_force\", standard_error = 1e-9 }".to_owned(), "the unit is missing"),
         (
-            "target = { quantity = \"peak_stiffness\", standard_error = \"-1 N/m\" }".to_owned(),
+            "target = { quantity = \"peak_secant_stiffness\", standard_error = \"-1 N/m\" }".to_owned(),
             "has to be greater than 0",
         ),
         (

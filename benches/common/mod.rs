@@ -31,7 +31,7 @@ pub fn job<'a>(scene: &'a Scene, law: &'a dyn Law, replicas: u64) -> Job<'a> {
         controls: &[],
         keep_curves: false,
         compression: None,
-        protocol: Protocol::default(),
+        protocol: Protocol { stiffness_span: Some(scene.stiffness_span), ..Protocol::default() },
     }
 }
 

@@ -114,6 +114,7 @@ pub(super) fn write_scene(writer: &mut Writer<'_>, scene: &Scene) -> Result<(), 
     if let Some(critical_approach) = scene.critical_approach {
         writer.number("/", "critical_approach", critical_approach)?;
     }
+    writer.number("/", "stiffness_span", scene.stiffness_span)?;
     writer.number("/", "surface_height_std", scene.surface.surface_height_std)?;
     writer.number("/", "asperity_height_std", scene.surface.heights.std)?;
     writer.number("/", "asperity_radius", scene.surface.asperity_radius)?;

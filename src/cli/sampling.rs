@@ -46,7 +46,11 @@ impl Sampling<'_> {
             controls: self.controls,
             keep_curves: self.keep_curves,
             compression: None,
-            protocol: Protocol { cycle: self.cycle, holding: holding(self.scene) },
+            protocol: Protocol {
+                cycle: self.cycle,
+                holding: holding(self.scene),
+                stiffness_span: Some(self.scene.stiffness_span),
+            },
         }
     }
 

@@ -134,12 +134,13 @@ fn stiffness(results: &Results) -> String {
     }
     let mut text = line("stiffest point", "of the mean curve", of_mean);
     text += &line("", "of the integral", of_integral);
-    let (mean, std) = moments(replicas, |replica| replica.peak_stiffness);
-    let (separation, _) = moments(replicas, |replica| replica.peak_stiffness_separation);
+    let (mean, std) = moments(replicas, |replica| replica.peak_secant_stiffness);
+    let (separation, _) = moments(replicas, |replica| replica.peak_secant_stiffness_separation);
     let scatter = std / mean.abs();
     let scatter = if scatter.is_finite() { format!(", scatter {}", percent(scatter)) } else { String::new() };
-    let place = h_star(results, separation);
-    text + &row("", &format!("{} of single replicas on average{scatter}, at h* = {place:.3}", si(mean, "N/m")))
+    let (place, span) = (h_star(results, separation), si(results.scene.stiffness_span, "m"));
+    text += &row("", &format!("{} of single replicas on average{scatter}, at h* = {place:.3}:", si(mean, "N/m")));
+    text + &row("", &format!("their largest secant over {span} (separation.stiffness_span), as their curves jump"))
 }
 
 /// What a loop costs, and where contact begins and ends.

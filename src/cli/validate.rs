@@ -177,9 +177,10 @@ fn score(z: f64) -> String {
     if z.is_finite() { format!("{z:.2}") } else { "-".to_owned() }
 }
 
-/// How the replicas were drawn; files of format version 1.0 do not say, and knew one way only.
+/// How the replicas were drawn.
 fn scheme(reader: &Reader, path: &Path) -> Result<SamplingScheme, Failure> {
-    let Some(name) = reader.optional_text("/", "sampling")? else { return Ok(SamplingScheme::Independent) };
+    let name = reader.optional_text("/", "sampling")?;
+    let name = name.ok_or_else(|| refused(path, "lacks the text `sampling` of /"))?;
     let known = SamplingScheme::ALL.iter().find(|(known, _)| *known == name);
     known.map(|(_, scheme)| *scheme).ok_or_else(|| {
         Failure::Usage(format!("{} has sampling = \"{name}\", which this program does not know", path.display()))

@@ -71,7 +71,7 @@ pub(super) fn snaps(
     there: &[f64],
     (last, pull_off): (&[f64], Extremum),
 ) -> Vec<f64> {
-    let Protocol { cycle, holding } = job.protocol;
+    let Protocol { cycle, holding, .. } = job.protocol;
     let mut numbers = Vec::with_capacity(holding.length());
     if holding.ways.0 {
         let inward: Vec<(f64, f64)> = job.samples(there).into_iter().rev().collect();

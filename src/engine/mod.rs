@@ -101,6 +101,8 @@ pub struct Protocol<'a> {
     pub cycle: Option<&'a Loop>,
     /// What holds the surfaces.
     pub holding: Holding<'a>,
+    /// Span of separation, m, of the peak secant stiffness; not computed without one.
+    pub stiffness_span: Option<f64>,
 }
 
 impl Job<'_> {

@@ -11,7 +11,7 @@ use super::sums::{RegimeSums, State, Sums};
 use super::tracts::Tracts;
 use super::whole::Whole;
 use crate::asperity::{Quantity, Work};
-use crate::math::extrema::{Extremum, steepest_rise};
+use crate::math::extrema::{Extremum, largest_secant};
 use crate::math::words::Words;
 use crate::surface::TRACT;
 use std::ops::Range;
@@ -27,10 +27,10 @@ pub struct Replica {
     pub pull_off_force: f64,
     /// Separation h of the pull-off, m.
     pub pull_off_separation: f64,
-    /// Largest dF/dh along its own curve, N/m, at the resolution of the separations.
-    pub peak_stiffness: f64,
-    /// Separation h of the peak stiffness, m.
-    pub peak_stiffness_separation: f64,
+    /// Largest secant stiffness of its own curve over the span of the job, N/m; NaN if the job has none.
+    pub peak_secant_stiffness: f64,
+    /// Separation h in the middle of the span there, m.
+    pub peak_secant_stiffness_separation: f64,
     /// Whether the smallest force is at the first or last separation, so that the curve may fall further beyond.
     pub pull_off_at_edge: bool,
     /// What is kept of it as a loop, if it is one; all above is then of the way back.
@@ -43,8 +43,8 @@ impl Replica {
         self.pull_off_at_edge = smallest.at_edge;
     }
 
-    fn stiffest(&mut self, steepest: &Extremum) {
-        (self.peak_stiffness, self.peak_stiffness_separation) = (steepest.value, steepest.place);
+    fn stiffest(&mut self, secant: &Extremum) {
+        (self.peak_secant_stiffness, self.peak_secant_stiffness_separation) = (secant.value, secant.place);
     }
 }
 
@@ -54,8 +54,8 @@ impl Words for Replica {
         self.highest_asperity.each_word(visit);
         self.pull_off_force.each_word(visit);
         self.pull_off_separation.each_word(visit);
-        self.peak_stiffness.each_word(visit);
-        self.peak_stiffness_separation.each_word(visit);
+        self.peak_secant_stiffness.each_word(visit);
+        self.peak_secant_stiffness_separation.each_word(visit);
         let mut at_edge = u64::from(self.pull_off_at_edge);
         visit(&mut at_edge);
         self.pull_off_at_edge = at_edge != 0;
@@ -223,11 +223,17 @@ fn keep(job: &Job<'_>, surface: &mut dyn Summed, count: usize, curves: &mut Curv
         last = (back, pull_off_back(surface, job.separations[0], &job.samples(back)));
     }
     kept.pull_off(&last.1);
-    kept.stiffest(&steepest_rise(job.separations, last.0));
+    kept.stiffest(&secant(job, last.0));
     if !job.protocol.holding.stiffness.is_empty() {
         curves.snaps = snaps(job, surface, external, last);
     }
     kept
+}
+
+/// The peak secant stiffness of a curve over the separations of a job, N; NaN if the job has no span.
+fn secant(job: &Job<'_>, external_force: &[f64]) -> Extremum {
+    let unknown = Extremum { place: f64::NAN, value: f64::NAN, at_edge: false };
+    job.protocol.stiffness_span.map_or(unknown, |span| largest_secant(job.separations, external_force, span))
 }
 
 #[cfg(test)]
@@ -283,7 +289,7 @@ mod tests {
             controls: &[],
             keep_curves: false,
             compression: None,
-            protocol: Protocol::default(),
+            protocol: Protocol { stiffness_span: Some(CASE_II.equilibrium_spacing), ..Protocol::default() },
         }
     }
 
@@ -319,18 +325,21 @@ mod tests {
         let rounding = 2.0 * tolerance * forces.fold(0.0, f64::max);
         // Of the cells in ten spaces between separations.
         let cell = 10.0 * (job.separations[1] - job.separations[0]) / f64::from(1 << 18);
+        let external = direct.total[Quantity::ExternalForce.index()].chunks_exact(job.separations.len());
+        let rises = external.flat_map(|curve| curve.windows(2)).zip(job.separations.windows(2).cycle());
+        let steepest = rises.map(|(force, h)| ((force[1] - force[0]) / (h[1] - h[0])).abs()).fold(0.0, f64::max);
         let approach =
             |replica: &Replica| replica.cycle.as_ref().map_or(f64::NAN, |cycle| cycle.approach_pull_off_force);
         for force in [|replica: &Replica| replica.pull_off_force, approach] {
             let missed = force(&truth) - force(mine);
-            assert!(!(missed > 2.0 * cell * truth.peak_stiffness.abs() + rounding), "{mine:?}, {truth:?}");
+            assert!(!(missed > 2.0 * cell * steepest + rounding), "{mine:?}, {truth:?}");
         }
         assert_eq!(mine.cycle.is_some(), truth.cycle.is_some());
         let close = |mine: f64, truth: f64| {
             let off = (mine - truth).abs();
             assert!(off <= 1e3 * tolerance * truth.abs() || mine.to_bits() == truth.to_bits(), "{mine:e} {truth:e}");
         };
-        close(mine.peak_stiffness, truth.peak_stiffness);
+        close(mine.peak_secant_stiffness, truth.peak_secant_stiffness);
         if let (Some(mine), Some(truth)) = (&mine.cycle, &truth.cycle) {
             close(mine.dissipated_energy, truth.dissipated_energy);
             assert_eq!(mine.touchdown_separation.to_bits(), truth.touchdown_separation.to_bits());
@@ -421,7 +430,7 @@ mod tests {
         let [stiffness, preload] = [[1e5, 1e6], [1e-4, 1e3]];
         for preload in [&preload[..], &[]] {
             let holding = Holding { stiffness: &stiffness, preload, smallest_snap: 0.0, ways: (true, true) };
-            let protocol = Protocol { cycle: Some(&cycle), holding };
+            let protocol = Protocol { cycle: Some(&cycle), holding, ..Protocol::default() };
             let job = Job { protocol, ..job(cycle.approach(), &surface, &separations) };
             let (mine, truth) = (divided(&job, 0), held(&job, 0));
             agree(&job, 0, &mine, ROUNDING);

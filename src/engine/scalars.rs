@@ -18,8 +18,12 @@ pub struct Scalar {
 pub const SCALARS: [Scalar; 4] = [
     Scalar { name: "pull_off_force", units: "N", of: |replica| replica.pull_off_force },
     Scalar { name: "pull_off_separation", units: "m", of: |replica| replica.pull_off_separation },
-    Scalar { name: "peak_stiffness", units: "N m-1", of: |replica| replica.peak_stiffness },
-    Scalar { name: "peak_stiffness_separation", units: "m", of: |replica| replica.peak_stiffness_separation },
+    Scalar { name: "peak_secant_stiffness", units: "N m-1", of: |replica| replica.peak_secant_stiffness },
+    Scalar {
+        name: "peak_secant_stiffness_separation",
+        units: "m",
+        of: |replica| replica.peak_secant_stiffness_separation,
+    },
 ];
 
 /// Those of a replica that is brought close and pulled back.

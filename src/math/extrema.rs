@@ -1,5 +1,6 @@
 //! Extrema of sampled curves, refined between the samples.
 
+use super::interpolation::linear;
 use super::roots::golden_maximum;
 
 /// A place and the value there.
@@ -43,16 +44,25 @@ pub fn minimum(places: &[f64], values: &[f64]) -> Extremum {
     Extremum { place: x1 + step, value: y1 + 0.5 * slope * step, at_edge: false }
 }
 
-/// The largest slope of a sampled curve: differences of neighbours, at the middle between them, refined like a
-/// [`minimum`]. What varies faster than the samples is not resolved.
+/// The largest secant slope over a span, in the middle of it, of a curve in straight lines between its samples: one end of the span is at a
+/// sample.
 ///
-/// `places` and `values` have the same length, at least 2.
-pub fn steepest_rise(places: &[f64], values: &[f64]) -> Extremum {
-    let middles: Vec<f64> = places.windows(2).map(|x| 0.5 * (x[0] + x[1])).collect();
-    let falls: Vec<f64> =
-        places.windows(2).zip(values.windows(2)).map(|(x, y)| -(y[1] - y[0]) / (x[1] - x[0])).collect();
-    let fall = minimum(&middles, &falls);
-    Extremum { value: -fall.value, ..fall }
+/// `places` (rising) and `values` have the same length, at least 2, and reach over the span.
+pub fn largest_secant(places: &[f64], values: &[f64], span: f64) -> Extremum {
+    let (first, last) = (places[0], places[places.len() - 1]);
+    let curve = |x: f64| linear(places, values, x);
+    let begins = places.iter().flat_map(|&place| [place, place - span]);
+    let begins = begins.filter(|&begin| begin >= first && begin + span <= last).chain([last - span]);
+    let secant = |begin: f64| Extremum {
+        place: begin + 0.5 * span,
+        value: (curve(begin + span) - curve(begin)) / span,
+        at_edge: begin == first || begin == last - span,
+    };
+    let steeper = |best: Extremum, begin: f64| {
+        let other = secant(begin);
+        if other.value > best.value { other } else { best }
+    };
+    begins.fold(secant(first), steeper)
 }
 
 /// Minimum and largest slope of a smooth curve that can be asked for anywhere.
@@ -130,11 +140,13 @@ mod tests {
         assert!(!minimum(&[0.0, 1.0, 2.0], &[3.0, 1.0, 1.0]).at_edge);
     }
 
+    /// By hand.
     #[test]
-    fn the_steepest_rise_of_a_sine_is_at_its_zero() {
-        let places: Vec<f64> = (0..60).map(|i| -1.53 + 0.05 * f64::from(i)).collect();
-        let values: Vec<f64> = places.iter().map(|x| x.sin()).collect();
-        let rise = steepest_rise(&places, &values);
-        assert!(rise.place.abs() < 1e-4 && (rise.value - 1.0).abs() < 2e-4, "{rise:?}");
+    fn the_largest_secant_has_an_end_at_a_sample() {
+        let (places, values) = ([0.0, 1.0, 2.0, 4.0], [-1.0, 0.0, 3.0, 2.0]);
+        for (span, value, middle) in [(1.0, 3.0, 1.5), (2.0, 2.0, 1.0), (4.0, 0.75, 2.0), (0.5, 3.0, 1.25)] {
+            let secant = largest_secant(&places, &values, span);
+            assert_eq!((secant.value, secant.place), (value, middle), "{span}");
+        }
     }
 }

@@ -23,7 +23,7 @@ const CHECKPOINT: &[u8] = b"stiction checkpoint\n";
 /// The line that records begin with.
 const RECORDS: &[u8] = b"stiction replicas of a checkpoint\n";
 /// Version of the layout of both.
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 /// Most bytes of a checkpoint; records are no part of it.
 const MOST_BYTES: u64 = 1 << 30;
 /// Bytes that are read at once, about.

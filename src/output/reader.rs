@@ -255,7 +255,9 @@ fn layout(file: &File, length: u64, layouts: &[&'static Layout]) -> Result<&'sta
     match version(&root, length).as_deref() {
         Some([major, _]) if *major == layout.version[0] => Ok(layout),
         Some([major, minor]) => {
-            Err(format!("has format version {major}.{minor}; this program reads {}.x", layout.version[0]))
+            let advice =
+                if *major < layout.version[0] { ": compute it again, with the scene that it holds" } else { "" };
+            Err(format!("has format version {major}.{minor}; this program reads {}.x{advice}", layout.version[0]))
         }
         _ => Err("has no attribute `format_version` of two numbers".to_owned()),
     }

@@ -84,6 +84,8 @@ pub struct Scene {
     pub critical_approach: Option<f64>,
     /// Separations h, m, rising.
     pub separations: Vec<f64>,
+    /// Span of separation, m, of the peak secant stiffness of replicas.
+    pub stiffness_span: f64,
     /// The files that it has taken values from.
     pub inputs: Vec<Input>,
     /// Number of replicas, whole groups of the sampling scheme; with targets the most there may be.
@@ -143,8 +145,9 @@ impl Scene {
         }
         let instability = instability::instability(root, cycle)?;
         let critical_approach = critical_approach(&model, &law)?;
-        let separation = required(root, "separation", &["h", "h_star"])?;
+        let separation = required(root, "separation", &["h", "h_star", "stiffness_span"])?;
         let separations = separation::separations(&separation, surface.surface_height_std)?;
+        let stiffness_span = separation::stiffness_span(&separation, &separations, asperity.equilibrium_spacing)?;
         let most = UNIT_RANGE.1 * Scale::new(&asperity).map_err(|error| SceneError::general(error.to_string()))?.length;
         let d = [separations[0], separations[separations.len() - 1]].map(|h| surface.asperity_separation(h).abs());
         let furthest = d[0].max(d[1]).max(surface.heights.std);
@@ -178,6 +181,7 @@ impl Scene {
             instability,
             critical_approach,
             separations,
+            stiffness_span,
             inputs,
             replicas,
             stopping,

@@ -8,6 +8,9 @@ use toml::de::DeValue;
 /// Most separations of a scene; far more than a curve needs.
 const MOST: u64 = 10_000;
 
+/// Least span of a secant, as a share of the largest separation: a million of its roundings.
+const LEAST_SPAN: f64 = 1e6 * f64::EPSILON;
+
 /// Reads the separations, m, rising.
 pub(super) fn separations(section: &Section<'_>, surface_height_std: f64) -> Result<Vec<f64>, SceneError> {
     let example = "h_star = { from = -1.0, to = 8.0, count = 181 }";
@@ -17,6 +20,29 @@ pub(super) fn separations(section: &Section<'_>, surface_height_std: f64) -> Res
         (Some(h), Some(_)) => Err(h.wrong("give either h or h_star, not both")),
         (None, None) => Err(SceneError::general(format!("[separation] is empty; for example {example}"))),
     }
+}
+
+/// Reads the span of separation, m, of the secant stiffness. Without one it is the equilibrium spacing, the range over which the adhesion of
+/// one asperity falls, within what the separations allow: over less the largest secant is the jump of one asperity over the span, over much
+/// more it is no stiffness. It is a length of the material, so scenes that differ in roughness or separations have the same.
+pub(super) fn stiffness_span(
+    section: &Section<'_>,
+    separations: &[f64],
+    equilibrium_spacing: f64,
+) -> Result<f64, SceneError> {
+    let (first, last) = (separations[0], separations[separations.len() - 1]);
+    let (least, most) = (LEAST_SPAN * first.abs().max(last.abs()), last - first);
+    let Some(entry) = section.get("stiffness_span") else { return Ok(equilibrium_spacing.max(least).min(most)) };
+    let span = entry.positive(Dimension::Length)?;
+    if span > most {
+        return Err(
+            entry.wrong(&format!("the separations reach over {most:e} m only: the span has to lie within them"))
+        );
+    }
+    if span < least {
+        return Err(entry.wrong(&format!("beside these separations less than {least:e} m is lost in rounding")));
+    }
+    Ok(span)
 }
 
 /// A list, or a table `{ from, to, count }`, of values read by `value`.

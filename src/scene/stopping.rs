@@ -20,8 +20,8 @@ const TARGET_KEYS: [&str; 4] = ["quantity", "relative_standard_error", "standard
 pub const QUANTITIES: [(&str, Dimension); 4] = [
     ("pull_off_force", Dimension::Force),
     ("pull_off_separation", Dimension::Length),
-    ("peak_stiffness", Dimension::Stiffness),
-    ("peak_stiffness_separation", Dimension::Length),
+    ("peak_secant_stiffness", Dimension::Stiffness),
+    ("peak_secant_stiffness_separation", Dimension::Length),
 ];
 
 /// Which mean a target is for.

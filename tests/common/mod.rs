@@ -54,7 +54,7 @@ pub fn job<'a>(law: &'a dyn Law, surface: &'a Surface, separations: &'a [f64], r
         controls: &[],
         keep_curves: false,
         compression: None,
-        protocol: Protocol::default(),
+        protocol: Protocol { stiffness_span: Some(0.2e-9), ..Protocol::default() },
     }
 }
 

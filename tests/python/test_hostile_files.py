@@ -98,7 +98,7 @@ def test_formats_that_are_none(tmp_path, value, message):
 @pytest.mark.parametrize(
     "version, message",
     [
-        ([2, 0], "has format version 2.0; this program reads 1.x"),
+        ([3, 0], "has format version 3.0; this program reads 2.x"),
         ([0, 9], "has format version 0.9"),
         ([1], "no attribute `format_version` of two numbers"),
         ([1, 0, 0], "no attribute `format_version` of two numbers"),
@@ -116,7 +116,7 @@ def test_versions_that_are_not_read(result, tmp_path, version, message):
 
 def test_newer_minor_versions_are_read(result, tmp_path):
     with forged(result, tmp_path) as file:
-        file.attrs["format_version"] = numpy.array([1, 9], dtype="u8")
+        file.attrs["format_version"] = numpy.array([2, 9], dtype="u8")
         file.attrs["novelty"] = numpy.zeros(2, dtype=[("a", "f8"), ("b", "S3")])
     assert_read(tmp_path / "forged.h5", "1, 9", "novelty")
     assert ask("validate", tmp_path / "forged.h5").returncode == 0

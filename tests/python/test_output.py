@@ -99,8 +99,8 @@ DATASETS = {
     "replicas/highest_asperity": (N, "m"),
     "replicas/pull_off_force": (N, "N"),
     "replicas/pull_off_separation": (N, "m"),
-    "replicas/peak_stiffness": (N, "N m-1"),
-    "replicas/peak_stiffness_separation": (N, "m"),
+    "replicas/peak_secant_stiffness": (N, "N m-1"),
+    "replicas/peak_secant_stiffness_separation": (N, "m"),
     "replicas/external_force": (NS, "N"),
     "replicas/adhesion_force": (NS, "N"),
     "statistical/adhesion_force": (S, "N"),
@@ -173,7 +173,7 @@ def test_root_attributes(file):
     for name in ["format", "program_version", "source_revision", "created", "title", "scene", "law", "path"]:
         assert isinstance(attributes[name], str), name
     assert attributes["format"] == "stiction-run"
-    assert list(attributes["format_version"]) == [1, 4]
+    assert list(attributes["format_version"]) == [2, 0]
     assert np.issubdtype(attributes["format_version"].dtype, np.integer)
     assert re.fullmatch(r"\d+\.\d+\.\d+.*", attributes["program_version"])
     assert re.fullmatch(r"[0-9a-f]{7,}(-modified)?|unknown", attributes["source_revision"])
@@ -312,7 +312,8 @@ def test_ensemble_is_the_moments_of_the_replicas(file):
 
 def check_controlled_means(file, group: int, controls: int):
     """The means of the scalars with control variates: each part of the sample at the integral's forces by the regression of the others."""
-    units = {"pull_off_force": "N", "pull_off_separation": "m", "peak_stiffness": "N m-1", "peak_stiffness_separation": "m"}
+    units = {"pull_off_force": "N", "pull_off_separation": "m", "peak_secant_stiffness": "N m-1",
+             "peak_secant_stiffness_separation": "m"}
     names = list(file["scalar"].asstr()[()])
     assert names == list(units) and list(file["ensemble/scalar_units"].asstr()[()]) == list(units.values())
     places = np.searchsorted(file["separation"][()], file["control"][()])
@@ -430,10 +431,12 @@ def test_features_of_the_mean_curve_and_the_integral(file, tmp_path):
         assert abs(features["peak_stiffness_separation"] - place) < 0.01 * sigma
 
 
-def check_stiffness(h, curve, stiffness, separation):
-    place, value = minimum(0.5 * (h[1:] + h[:-1]), -np.diff(curve) / np.diff(h))
-    assert stiffness == pytest.approx(-value, rel=1e-10)
-    assert separation == pytest.approx(place, rel=1e-10)
+def check_stiffness(h, curve, span, stiffness, separation):
+    begin = np.sort(np.concatenate([h, h - span, [h[-1] - span]]))
+    begin = begin[(begin >= h[0]) & (begin <= h[-1] - span)]
+    secant = (np.interp(begin + span, h, curve) - np.interp(begin, h, curve)) / span
+    assert stiffness == pytest.approx(secant.max(), rel=1e-10)
+    assert separation == pytest.approx(begin[secant.argmax()] + 0.5 * span, rel=1e-10)
 
 
 def test_features_of_each_replica(file):
@@ -442,7 +445,8 @@ def test_features_of_each_replica(file):
         pull_off, place = replicas["pull_off_force"][i], replicas["pull_off_separation"][i]
         assert -curve.min() * (1 - 1e-12) <= pull_off <= -1.25 * curve.min()
         assert abs(place - h[curve.argmin()]) <= 2.0 * (h[1] - h[0])
-        check_stiffness(h, curve, replicas["peak_stiffness"][i], replicas["peak_stiffness_separation"][i])
+        check_stiffness(h, curve, file.attrs["stiffness_span"], replicas["peak_secant_stiffness"][i],
+                        replicas["peak_secant_stiffness_separation"][i])
 
 
 def test_pull_off_of_a_replica_is_that_of_its_finely_sampled_curve(file, tmp_path):

@@ -69,7 +69,8 @@ def test_xarray_sees_keys_by_name(grid, engine):
 
 def test_differences_are_paired(grid):
     with h5py.File(grid) as file:
-        for name in ["pull_off_force", "pull_off_separation", "peak_stiffness", "peak_stiffness_separation"]:
+        for name in ["pull_off_force", "pull_off_separation", "peak_secant_stiffness",
+                     "peak_secant_stiffness_separation"]:
             values = file[f"replicas/{name}"][()]
             assert values.shape == (3, 2, REPLICAS)
             differences = values - values[0, 0]
@@ -85,7 +86,7 @@ def test_differences_are_paired(grid):
 def test_numbers_of_a_point_follow_from_its_keys(grid):
     """lambda goes with the 2/3 power of the work of adhesion; the rest of the scene stays."""
     with h5py.File(grid) as file:
-        assert file.attrs["format"] == "stiction-sweep" and list(file.attrs["format_version"]) == [1, 1]
+        assert file.attrs["format"] == "stiction-sweep" and list(file.attrs["format_version"]) == [2, 0]
         assert file.attrs["points"] == 6 and file.attrs["sweep_keys"] == f"{ENERGY}, {LUBRICANT}"
         parameter = file["adhesion_parameter"][()]
         assert np.allclose(parameter / parameter[0], np.array([[1.0], [2.0], [4.0]]) ** (2 / 3), rtol=1e-14)

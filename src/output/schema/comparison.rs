@@ -15,7 +15,7 @@ const LFE: &[Dimension] = &[Dimension::Law, Dimension::FittedForce, Dimension::R
 pub static COMPARISON: Layout = Layout {
     format: "stiction-comparison",
     command: "stiction compare",
-    version: [1, 1],
+    version: [2, 0],
     groups: &["statistical", "asperity", "validity", "fit", "ensemble", "replicas", "validation"],
     optional_groups: &[],
     variables: VARIABLES,
@@ -174,8 +174,18 @@ const VARIABLES: &[Variable] = &[
     ),
     variable("/replicas/pull_off_force", LN, "N", "pull-off force, minus the minimum of the replica's external force"),
     variable("/replicas/pull_off_separation", LN, "m", "separation h at pull-off"),
-    variable("/replicas/peak_stiffness", LN, "N m-1", "largest derivative of the external force by the separation"),
-    variable("/replicas/peak_stiffness_separation", LN, "m", "separation h of the peak stiffness"),
+    variable(
+        "/replicas/peak_secant_stiffness",
+        LN,
+        "N m-1",
+        "largest secant stiffness of the external force over the stiffness span",
+    ),
+    variable(
+        "/replicas/peak_secant_stiffness_separation",
+        LN,
+        "m",
+        "separation h in the middle of the span of the peak secant stiffness",
+    ),
     variable(
         "/validation/z_adhesion_force",
         LS,

@@ -8,7 +8,7 @@ const P: &[Dimension] = &[Dimension::Piece];
 pub static SHARD: Layout = Layout {
     format: "stiction-shard",
     command: "stiction run --shard",
-    version: [1, 0],
+    version: [2, 0],
     groups: &["pieces"],
     optional_groups: &[],
     of_points: None,

@@ -41,7 +41,7 @@ fn memory_is_estimated_within_a_factor_of_2() {
         ("compressed", compressed(&sized(5e5, 91, 16))),
         ("fine steps", compressed(&sized(7390.0, 800, 64))),
         ("separations", sized(50.0, 10_000, 64)),
-        ("all of the joint test", sized(739.0, 400, 16)),
+        ("all of the joint test", sized(739.0, 256, 16)),
         ("curves", sized(50.0, 10_000, 64).replace("curves = false", "curves = true")),
         ("replicas", deep(&sized(8.0, 2, 300_000))),
     ];

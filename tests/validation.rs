@@ -171,7 +171,7 @@ fn many_separations_are_thinned_out() {
     for probe in &basis.probes {
         for (weights, tested) in [&probe.adhesion_force, &probe.external_force].into_iter().zip(&basis.tested) {
             assert_eq!((weights.len(), tested.len()), (1201, 1201));
-            assert!(weights.iter().enumerate().all(|(k, weight)| *weight == 0.0 || (tested[k] && k % 4 == 0)));
+            assert!(weights.iter().enumerate().all(|(k, weight)| *weight == 0.0 || (tested[k] && k % 5 == 0)));
             assert!(weights.iter().any(|weight| *weight != 0.0));
         }
     }

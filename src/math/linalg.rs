@@ -1,7 +1,18 @@
-//! The linear algebra of the joint test and of the control variates, by faer, in a fixed order of operations.
+//! The linear algebra of the joint test and of the control variates, in a fixed order of operations.
+//!
+//! Products of long matrices are formed here, decompositions by faer. faer's products split their sums by the size of the caches where
+//! these have more than [`LARGEST`] terms, and with its feature `std` take a buffer of twice the last cache, however small the matrices:
+//! so this feature is off, and no larger matrix is decomposed.
 
+use super::instruction_set::InstructionSet;
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Par, Side};
+
+/// Most rows of a matrix that is decomposed: no sum within has more terms, and up to so many the products of faer (`gemm`, the block of
+/// depth in `cache.rs`) are summed at once on every processor.
+pub const LARGEST: usize = 512;
+/// Columns of a panel of a matrix: its products with another panel stay in registers.
+const PANEL: usize = 8;
 
 /// Symmetric eigenvalues and eigenvectors.
 #[derive(Clone, Debug)]
@@ -20,6 +31,7 @@ fn sequential() {
 /// The eigendecomposition of a symmetric matrix, row-major, n × n; `None` when it does not converge (not finite).
 pub fn symmetric_eigen(matrix: &[f64], n: usize) -> Option<Eigen> {
     sequential();
+    debug_assert!(n <= LARGEST, "{n}");
     if n == 0 || matrix.iter().any(|x| !x.is_finite()) {
         return None;
     }
@@ -54,13 +66,45 @@ pub fn inverse_quadratic_form(matrix: &[f64], x: &[f64]) -> Option<f64> {
     Some((0..n).map(|i| x[i] * solved[(i, 0)]).sum())
 }
 
-/// RᵀR of a matrix of `rows` rows, row-major, each `n` long: n × n, row-major.
-pub fn gram(rows: &[f64], n: usize) -> Vec<f64> {
-    sequential();
-    let count = rows.len().checked_div(n).unwrap_or(0);
-    let matrix = faer::MatRef::from_row_major_slice(rows, count, n);
-    let product = matrix.transpose() * matrix;
-    (0..n * n).map(|i| product[(i / n, i % n)]).collect()
+/// RᵀR of a matrix R of columns of the same length: n × n, row-major. Each element is one sum from the first row to the last.
+pub fn gram(columns: &[Vec<f64>]) -> Vec<f64> {
+    let n = columns.len();
+    let panels: Vec<Vec<[f64; PANEL]>> = columns.chunks(PANEL).map(panel).collect();
+    let mut product = vec![0.0; n * n];
+    for (i, left) in panels.iter().enumerate() {
+        for (j, right) in panels.iter().enumerate().take(i + 1) {
+            let tile = InstructionSet::current().run(
+                #[inline(always)]
+                || products(left, right),
+            );
+            for (row, sums) in (i * PANEL..n).zip(&tile) {
+                for (column, sum) in (j * PANEL..n).zip(sums) {
+                    (product[row * n + column], product[column * n + row]) = (*sum, *sum);
+                }
+            }
+        }
+    }
+    product
+}
+
+/// A few columns side by side, with zeros for those that are missing.
+fn panel(columns: &[Vec<f64>]) -> Vec<[f64; PANEL]> {
+    let row = |i: usize| std::array::from_fn(|c| columns.get(c).map_or(0.0, |column| column[i]));
+    (0..columns[0].len()).map(row).collect()
+}
+
+/// Products of the columns of two panels.
+#[inline(always)]
+fn products(left: &[[f64; PANEL]], right: &[[f64; PANEL]]) -> [[f64; PANEL]; PANEL] {
+    let mut sums = [[0.0; PANEL]; PANEL];
+    for (left, right) in left.iter().zip(right) {
+        for (sums, x) in sums.iter_mut().zip(left) {
+            for (sum, y) in sums.iter_mut().zip(right) {
+                *sum += x * y;
+            }
+        }
+    }
+    sums
 }
 
 #[cfg(test)]
@@ -98,8 +142,30 @@ mod tests {
         assert!(inverse_quadratic_form(&[1.0, 2.0, 2.0, 1.0], &[1.0, 1.0]).is_none());
     }
 
+    /// faer's products of matrices of up to LARGEST rows sum each element from the first term to the last, as no splitting of sums does: so
+    /// nothing in a decomposition depends on the sizes of caches.
+    #[test]
+    fn products_within_decompositions_are_not_split() {
+        let element = |i: usize, j: usize| libm::sin((i * 517 + j * 29) as f64);
+        for (rows, columns) in [(LARGEST, LARGEST), (40, 24), (LARGEST, 8), (96, 3)] {
+            let left = Mat::from_fn(rows, LARGEST, element);
+            let right = Mat::from_fn(LARGEST, columns, |i, j| element(j, i + 1));
+            sequential();
+            let product = &left * &right;
+            for (i, j) in (0..rows).step_by(7).flat_map(|i| (0..columns).map(move |j| (i, j))) {
+                let add = |sum: f64, k: usize| sum + left[(i, k)] * right[(k, j)];
+                assert_eq!(product[(i, j)], (0..LARGEST).fold(0.0, add), "{i} {j}");
+            }
+        }
+    }
+
     #[test]
     fn a_gram_matrix_is_formed() {
-        assert_eq!(gram(&[1.0, 2.0, 3.0, 4.0], 2), [10.0, 14.0, 14.0, 20.0]);
+        assert_eq!(gram(&[vec![1.0, 3.0], vec![2.0, 4.0]]), [10.0, 14.0, 14.0, 20.0]);
+        // Of integers every order has the same sum.
+        let columns: Vec<Vec<f64>> =
+            (0..19).map(|c| (0..7).map(|i| f64::from((c * 5 + i * i * 3) % 11)).collect()).collect();
+        let product = |i: usize| columns[i / 19].iter().zip(&columns[i % 19]).map(|(x, y)| x * y).sum::<f64>();
+        assert_eq!(gram(&columns), (0..19 * 19).map(product).collect::<Vec<f64>>());
     }
 }

@@ -13,7 +13,7 @@ const PROGRAM: f64 = 11e6;
 /// Replicas of a batch, which are summed together when they are compressed.
 const BATCH: f64 = 8.0;
 /// Heights of the grid of the joint test, and the most separations that it looks at.
-const GRID: (f64, usize) = (4001.0, 400);
+const GRID: (f64, usize) = (4001.0, 256);
 /// Functionals of the joint test, at most.
 const FUNCTIONALS: f64 = 32.0;
 /// Bytes that are kept of every replica, and those of what is written of it at once.

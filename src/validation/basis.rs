@@ -2,7 +2,7 @@
 
 use crate::asperity::{Family, Law, Loop, Scratch, Work, for_each_block};
 use crate::engine::Probe;
-use crate::math::linalg::{gram, whitening};
+use crate::math::linalg::{LARGEST, gram, whitening};
 use crate::surface::{CountLaw, Part, STRATA, SamplingScheme, Surface};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
@@ -15,7 +15,7 @@ const OF_RADIUS: (usize, usize) = (81, 100);
 /// The grid covers ± this many σ_s, or all that there is.
 const GRID_REACH: f64 = 8.5;
 /// Most separations that the functionals look at: of more, every n-th, because the eigenvectors cost the cube of their number.
-const MAX_SEPARATIONS: usize = 400;
+const MAX_SEPARATIONS: usize = LARGEST / 2;
 /// Most functionals.
 const MAX_COMPONENTS: usize = 32;
 /// Fewest groups of replicas per functional.
@@ -268,29 +268,29 @@ impl Contributions {
     /// Eigenvectors of the correlation of the kept columns, scaled to unit variance; `errors` of the columns' means are in units of their
     /// standard errors.
     fn components(&self, kept: &[usize], columns: &[Column], samples: f64, errors: &[f64]) -> Vec<Vec<f64>> {
-        let n = kept.len();
         let count = self.weights.len();
-        let mut rows = vec![0.0; count * n];
-        for (place, &j) in kept.iter().enumerate() {
-            for (i, weight) in self.weights.iter().enumerate() {
-                rows[i * n + place] = weight.sqrt() * self.values[j * count + i] / columns[j].std;
-            }
-        }
-        let components = whitening(&gram(&rows, n), n, SMALLEST_EIGENVALUE).into_iter();
+        let scaled = |j: &usize| {
+            let values = self.values[j * count..].iter().zip(&self.weights);
+            values.map(|(value, weight)| weight.sqrt() * value / columns[*j].std).collect()
+        };
+        let scaled: Vec<Vec<f64>> = kept.iter().map(scaled).collect();
+        let components = whitening(&gram(&scaled), kept.len(), SMALLEST_EIGENVALUE).into_iter();
         let error = |component: &[f64]| component.iter().zip(errors).map(|(c, e)| (c * e).powi(2)).sum::<f64>().sqrt();
         let resolved = components.filter(|component| error(component) <= LARGEST_ERROR);
-        resolved.filter(|component| self.is_gaussian(component, &rows, samples)).take(MAX_COMPONENTS).collect()
+        resolved.filter(|component| self.is_gaussian(component, &scaled, samples)).take(MAX_COMPONENTS).collect()
     }
 
     /// Whether the ensemble's mean of a component is close to Gaussian.
-    fn is_gaussian(&self, component: &[f64], rows: &[f64], samples: f64) -> bool {
+    fn is_gaussian(&self, component: &[f64], scaled: &[Vec<f64>], samples: f64) -> bool {
+        let mut scores = vec![0.0; self.weights.len()];
+        for (column, weight) in scaled.iter().zip(component) {
+            scores.iter_mut().zip(column).for_each(|(score, x)| *score += weight * x);
+        }
         let (mut third, mut fourth) = (0.0, 0.0);
-        for (row, weight) in rows.chunks_exact(component.len()).zip(&self.weights) {
-            if *weight > 0.0 {
-                let score: f64 = row.iter().zip(component).map(|(x, c)| x * c).sum::<f64>() / weight.sqrt();
-                third += weight * score.powi(3);
-                fourth += weight * score.powi(4);
-            }
+        for (score, weight) in scores.iter().zip(&self.weights).filter(|(_, weight)| **weight > 0.0) {
+            let score = score / weight.sqrt();
+            third += weight * score.powi(3);
+            fourth += weight * score.powi(4);
         }
         third * third <= LARGEST_SKEWNESS_SQUARED * samples && (fourth - 3.0).abs() <= LARGEST_KURTOSIS * samples
     }

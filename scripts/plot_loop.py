@@ -145,8 +145,14 @@ def draw_pull_off(axes: Axes, run: Run) -> None:
     unit, sign = si(float(max(np.abs(there).max(), np.abs(back).max())))
     handles = [histogram(axes, there, unit, BAND, f"way there: {newton(float(there.mean()))}"),
                histogram(axes, back, unit, PINK, f"way back: {newton(float(back.mean()))}")]
+    for radius, line in (("kept", DASHED), ("elastic", DASH_DOT)):
+        name = f"pull_off_force_{radius}_radius"
+        if name in run.file["statistical"].attrs:
+            force = float(run.attribute("statistical", name))
+            handles.append(axes.axvline(force / unit, color="black", linestyle=line, linewidth=1.1,
+                                        label=f"integral, {radius} radius: {newton(force)}"))
     axes.set(xlabel=f"pull-off force, minus the smallest $F$ ({sign}N)", ylabel="replicas", xmargin=0.04)
-    head(axes, "(d) Pull-off force of single replicas, with means", handles, 2, 1)
+    head(axes, "(d) Pull-off force of single replicas, with means", handles, 2, len(handles) // 2)
 
 
 def draw_last(axes: Axes, run: Run) -> None:

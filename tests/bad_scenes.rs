@@ -61,6 +61,12 @@ const CASES: &[(&str, &str, &[&str])] = &[
         "critical_approach = \"0.3 nm\"",
         &["line 21", "model.critical_approach", "the law hybrid finds its own", "only fit:paper takes it"],
     ),
+    (
+        "path = \"approach\"",
+        "path = \"approach\"\nunloaded_radius = \"elastic\"",
+        &["line 22", "model.unloaded_radius", "pulled back after they were pressed", "path = \"loop\""],
+    ),
+    ("path = \"approach\"", "path = \"loop\"\nunloaded_radius = \"flat\"", &["unknown unloaded_radius", "\"elastic\""]),
     ("replicas = 200", "replicas = 0", &["`ensemble.replicas = 0`", "from 1 to"]),
     ("replicas = 200", "replicas = 2.5", &["`ensemble.replicas = 2.5`", "whole number"]),
     (

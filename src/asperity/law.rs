@@ -2,6 +2,7 @@
 
 use super::Work;
 use super::family::Family;
+use super::flattened::Flattened;
 use super::scale::Scale;
 use crate::math::instruction_set::InstructionSet;
 use std::f64::consts::PI;
@@ -180,6 +181,11 @@ pub trait Law: Send + Sync {
 
     /// The laws of asperities of other radii, where a surface has such: then this is the law of the typical one.
     fn family(&self) -> Option<&Family> {
+        None
+    }
+
+    /// The attraction before contact of asperities of other radii, where the law has it in a form that serves any of them.
+    fn flattened(&self) -> Option<Box<dyn Flattened>> {
         None
     }
 

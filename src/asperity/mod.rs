@@ -8,6 +8,7 @@ pub mod branch;
 pub mod contact;
 pub mod emd;
 pub mod family;
+pub mod flattened;
 pub mod law;
 pub mod laws;
 pub mod models;
@@ -25,7 +26,7 @@ pub use law::{
 };
 pub use quantity::Quantity;
 pub use setting::Setting;
-pub use unloading::Loop;
+pub use unloading::{Loop, UnloadedRadius};
 
 use thiserror::Error;
 
@@ -126,6 +127,9 @@ pub enum LawError {
     /// The law is fitted to one asperity, and there are asperities of many radii.
     #[error("it is a fit to one asperity, and asperities differ in their radii")]
     OneRadius,
+    /// The law is fitted to one asperity, and tops that have flowed have radii of their own.
+    #[error("it is a fit to one radius, so unloaded_radius has to be \"kept\"")]
+    NotFlattened,
     /// The published forms cannot be fitted to the direct law.
     #[error("the published forms cannot be fitted to the law of this asperity")]
     NoFit,

@@ -49,8 +49,13 @@ pub enum Branches {
 impl Noncontact {
     /// The branches of the curve for the adhesion parameter `lambda` > 0.
     pub fn branches(lambda: f64) -> Branches {
-        let whole = Self { lambda, spacing: 2.0 * STRESS_RATIO / (PI * lambda), low: 0.0, high: f64::INFINITY };
-        match whole.outer_fold() {
+        Self::branches_at(lambda, Self::whole(lambda).outer_fold())
+    }
+
+    /// The same where ε at the outer fold is known.
+    pub fn branches_at(lambda: f64, outer_fold: Option<f64>) -> Branches {
+        let whole = Self::whole(lambda);
+        match outer_fold {
             None => Branches::Single(whole),
             Some(fold) => Branches::Folded {
                 outer: Self { low: fold, ..whole },
@@ -59,6 +64,15 @@ impl Noncontact {
                 fold,
             },
         }
+    }
+
+    fn whole(lambda: f64) -> Self {
+        Self { lambda, spacing: 2.0 * STRESS_RATIO / (PI * lambda), low: 0.0, high: f64::INFINITY }
+    }
+
+    /// ε at the outer fold for the adhesion parameter `lambda` > 0, if there is one.
+    pub fn outer_fold_of(lambda: f64) -> Option<f64> {
+        Self::whole(lambda).outer_fold()
     }
 
     /// ε at the outer fold. dΔ/dε has its largest value between the two folds, on a single hump in ln ε.

@@ -3,6 +3,7 @@
 //! The laws in [`super::laws`] are such tables. Their rows share parts: the same contact solution serves several laws, the same
 //! lubricant all that know one.
 
+use super::flattened::Flattened;
 use super::law::{Boundary, FitReport, Law, Piece, Regime, Responses, Smoothness};
 use super::{Setting, Work};
 
@@ -29,6 +30,11 @@ pub trait Part: Send + Sync {
 
     /// Interference, m, from which an asperity that turns back takes another way, if there is one within the part.
     fn capture(&self) -> Option<f64> {
+        None
+    }
+
+    /// The same attraction for asperities of other radii, if the part is one before contact that has it.
+    fn flattened(&self) -> Option<Box<dyn Flattened>> {
         None
     }
 
@@ -131,6 +137,10 @@ impl Law for Table {
 
     fn fit(&self) -> Option<&FitReport> {
         self.fit.as_ref()
+    }
+
+    fn flattened(&self) -> Option<Box<dyn Flattened>> {
+        self.parts.iter().find_map(|part| part.flattened())
     }
 
     fn evaluate(&self, regime: usize, interference: &[f64], out: &mut Responses, work: &mut Work) {

@@ -25,18 +25,26 @@
 //! asperity would end, counted from the lowered top: to δ − ω_res = −δ_A on retraction. From there on the asperity is one whose top
 //! is lower by ω_res: lubricant and attraction across the gap at δ − ω_res.
 //!
+//! # Radius
+//! What flowed is flatter. How much is not published with the unloading, and it decides what attracts from then on, so it is a choice,
+//! [`UnloadedRadius`]: the top keeps R, or it has the R′ = 4E_r a³/(3P) of the elastic contact whose radius and load are those at ω_max
+//! ([`super::flattened`]). With R′ the attraction before contact, the lubricant's force and δ_A are those of R′.
+//!
 //! # Validity
 //! One cycle from a fresh surface. The unloading was computed for loads up to the limits of the elastic-plastic fits; in the fully plastic
 //! regime it is used beyond them, without adhesion, as there is none on approach. Its ω_c is taken to be that of the law. Where the
 //! attraction across the gap has two states, both ways take the outer one, as the laws do. Source: Etsion, Kligerman and Kadin, Int.
 //! J. Solids Struct. 42 (2005) 3716.
 
+use super::flattened::Flattened;
 use super::law::{Boundary, Law, Piece, Regime, Responses, Smoothness};
 use super::models::Build;
+use super::scale::Scale;
 use super::{BLOCK, LawError, Path, Setting, Work};
 use crate::math::instruction_set::InstructionSet;
 use crate::math::piecewise::Piecewise;
 use crate::math::roots::{Sample, safe_newton};
+use std::f64::consts::PI;
 
 /// Exponents of x in ω_max − ω_res = ω_c (x^0.72 + x^0.31 − x^0.03), and their signs.
 const RECOVERY: [(f64, f64); 3] = [(0.72, 1.0), (0.31, 1.0), (0.03, -1.0)];
@@ -46,10 +54,40 @@ const LOAD: (f64, f64) = (1.5, -0.0331);
 const AREA: f64 = -0.12;
 /// The powers of r are no power series in any root of it; in the tenth what is left is too smooth to matter.
 const ORDER: i32 = 10;
-/// Nanoseconds that unloading takes beside the law, and the lowered top alone.
-const COSTS: (f64, f64) = (60.0, 5.0);
+/// Nanoseconds that unloading takes beside the law, the lowered top alone, and one of a radius of its own.
+const COSTS: (f64, f64, f64) = (60.0, 5.0, 400.0);
+/// Parts of a regime of lowered tops of which each is looked at for a place where their attraction is not smooth.
+const KINK_PARTS: usize = 64;
 /// Relative accuracy of tables: a few roundings, as those of a library's exponentials.
 const TABLE_TOLERANCE: f64 = 2e-15;
+
+/// The radius of a top that has flowed, once its contact has ended.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum UnloadedRadius {
+    /// As it was.
+    #[default]
+    Kept,
+    /// 4E_r a³/(3P) of the largest load, the radius whose elastic contact that was.
+    Elastic,
+}
+
+impl UnloadedRadius {
+    /// Both with their names.
+    pub const ALL: [(&'static str, Self); 2] = [("kept", Self::Kept), ("elastic", Self::Elastic)];
+
+    /// Its name in scenes and files.
+    pub fn name(self) -> &'static str {
+        Self::ALL.iter().find(|(_, radius)| *radius == self).expect("every radius is in ALL").0
+    }
+
+    /// The other of the two.
+    pub fn other(self) -> Self {
+        match self {
+            Self::Kept => Self::Elastic,
+            Self::Elastic => Self::Kept,
+        }
+    }
+}
 
 /// The laws of one asperity on the way there and on the way back.
 pub struct Loop {
@@ -66,14 +104,18 @@ pub struct Loop {
     recovery: OfDepth,
     load_exponent: OfDepth,
     area_exponent: OfDepth,
+    /// Attraction of tops that have flowed, where they have radii of their own.
+    flattened: Option<Box<dyn Flattened>>,
+    scale: Scale,
 }
 
 impl Loop {
     /// The loop of a law that `build` makes for a setting, whatever its path.
     ///
     /// # Errors
-    /// [`LawError`] when the law cannot be made.
-    pub fn new(build: Build, setting: &Setting) -> Result<Self, LawError> {
+    /// [`LawError`] when the law cannot be made, [`LawError::NotFlattened`] when it is a fit to one radius and flows, and tops that have
+    /// flowed are to have radii of their own.
+    pub fn new(build: Build, setting: &Setting, radius: UnloadedRadius) -> Result<Self, LawError> {
         let [approach, retraction] =
             [Path::Approach, Path::Retraction].map(|path| build(&Setting { path, ..*setting }));
         let (approach, retraction) = (approach?, retraction?);
@@ -82,6 +124,12 @@ impl Loop {
         let (first_contact, first_plastic) = (first(|regime| regime.is_contact()), first(|regime| is_plastic(*regime)));
         let touch = begin_of(approach.as_ref(), first_contact);
         let capture = approach.capture().map_or(touch, |capture| capture.min(touch));
+        let flattened = match radius {
+            UnloadedRadius::Elastic if first_plastic < regimes.len() => {
+                Some(retraction.flattened().ok_or(LawError::NotFlattened)?)
+            }
+            _ => None,
+        };
         let critical = setting.critical_interference;
         let deepest = setting.reach.map_or(1.0, |(_, deepest)| deepest / critical);
         Ok(Self {
@@ -94,12 +142,19 @@ impl Loop {
             recovery: OfDepth::new(scaled_recovery, deepest),
             load_exponent: OfDepth::new(|x| LOAD.0 * power(x, LOAD.1), deepest),
             area_exponent: OfDepth::new(|x| power(x, AREA), deepest),
+            flattened,
+            scale: setting.scale,
         })
     }
 
     /// The law on the way there.
     pub fn approach(&self) -> &dyn Law {
         self.approach.as_ref()
+    }
+
+    /// Whether the law knows plastic flow.
+    pub fn flows(&self) -> bool {
+        self.first_plastic < self.approach.regimes().len()
     }
 
     /// Interference of first touch on the way there, m.
@@ -114,7 +169,7 @@ impl Loop {
 
     /// ω_max − ω_res, m, by which an asperity of the interference ω_max, m, springs back at most: all of it up to ω_c.
     pub fn recovery(&self, largest: f64) -> f64 {
-        if largest <= self.top() || self.first_plastic == self.approach.regimes().len() {
+        if largest <= self.top() || !self.flows() {
             return largest;
         }
         self.critical * scaled_recovery(largest / self.critical)
@@ -122,7 +177,57 @@ impl Loop {
 
     /// The distance, m, at which an asperity of the interference ω_max, m, loses contact on the way back; none if it has none.
     pub fn takeoff(&self, largest: f64) -> Option<f64> {
-        (largest >= self.touch()).then(|| self.recovery(largest) - self.release())
+        let release = || match &self.flattened {
+            Some(flattened) if largest > self.top() => flattened.release(self.radius_ratio(largest)),
+            _ => self.release(),
+        };
+        (largest >= self.touch()).then(|| self.recovery(largest) - release())
+    }
+
+    /// R′/R of the top of an asperity of the interference ω_max, m, whose contact has ended; 1 where nothing flowed, or R is kept.
+    pub fn radius_ratio(&self, largest: f64) -> f64 {
+        if self.flattened.is_none() || !(largest > self.top()) {
+            return 1.0;
+        }
+        let mut ratio = [0.0];
+        self.radius_ratios(&[largest], &mut ratio, &mut Responses::default(), &mut Work::default());
+        ratio[0]
+    }
+
+    /// R′/R of asperities of interferences ω_max, m, above ω_c.
+    fn radius_ratios(&self, largest: &[f64], ratios: &mut [f64], out: &mut Responses, work: &mut Work) {
+        let boundaries = self.approach.boundaries();
+        let regime = |largest: f64| boundaries.partition_point(|end| !end.is_above(largest)).max(self.first_plastic);
+        let mut begin = 0;
+        while begin < largest.len() {
+            let own = regime(largest[begin]);
+            let end = begin + largest[begin..].iter().take_while(|largest| regime(**largest) == own).count();
+            self.approach.evaluate(own, &largest[begin..end], out, work);
+            for (ratio, (area, load)) in ratios[begin..end].iter_mut().zip(out.area.iter().zip(&out.contact)) {
+                let radius = (area / PI).sqrt() / self.scale.radius;
+                *ratio = self.scale.force * radius * radius * radius / load;
+            }
+            begin = end;
+        }
+    }
+
+    /// The ω_max, m, of the asperities whose contact has ended and that are `further` ≥ 0, m, beyond, at a distance, m; of radii of their
+    /// own; ω_c where all that have flowed are.
+    fn let_go_from(&self, flattened: &dyn Flattened, distance: f64, further: f64) -> f64 {
+        let wanted = distance - further;
+        let beyond = |largest: f64| {
+            let x = largest / self.critical;
+            let slope: f64 = RECOVERY.iter().map(|(exponent, sign)| sign * exponent * power(x, exponent - 1.0)).sum();
+            let release = flattened.release(self.radius_ratio(largest));
+            Sample { value: wanted - (self.recovery(largest) - release), slope: -slope }
+        };
+        let low = self.top().next_up();
+        let high = self.recovered_from(wanted).max(low) * (1.0 + 1e-12);
+        if beyond(low).value <= 0.0 {
+            return self.top();
+        }
+        let close = |_: f64, sample: Sample| sample.value.abs() <= 2.0 * f64::EPSILON * wanted;
+        safe_newton(beyond, low, high, high, close).x
     }
 
     /// The law at the distance `distance` ≥ 0, m, from the closest approach, in the variable ω_max.
@@ -249,7 +354,7 @@ impl<'a> Retraction<'a> {
         for regime in 0..*first_contact {
             law.push(State::Untouched(regime), Some(lower(shifted(approach.boundaries()[regime]), captured)));
         }
-        let flows = *first_plastic < approach.regimes().len();
+        let flows = cycle.flows();
         // Where a law without plastic flow ends, it is not known; on the way back it is known again.
         let top = approach.boundaries().get(first_plastic - 1).map(|end| if flows { *end } else { shifted(*end) });
         for regime in 0..*first_plastic {
@@ -265,7 +370,13 @@ impl<'a> Retraction<'a> {
         let mut end = top;
         for regime in 0..*first_contact {
             let Boundary { interference, belongs_below } = shifted(retraction.boundaries()[regime]);
-            let interference = cycle.recovered_from(interference);
+            let interference = match &cycle.flattened {
+                None => cycle.recovered_from(interference),
+                Some(flattened) => {
+                    let further = cycle.release() - retraction.boundaries()[regime].interference;
+                    cycle.let_go_from(flattened.as_ref(), distance, further)
+                }
+            };
             end = higher(Boundary { interference, belongs_below }, top);
             law.push(State::Lowered(regime), Some(end));
         }
@@ -320,6 +431,49 @@ impl<'a> Retraction<'a> {
         bare.chain(loaded.map(|piece| Piece { smoothness, ..piece })).collect()
     }
 
+    /// Pieces of lowered tops of radii of their own: between jumps of the radius, and on both sides of a jump of the attraction.
+    fn flattened(&self, index: usize, flattened: &dyn Flattened, (lower, upper): (f64, f64)) -> Vec<Piece> {
+        let mut ends: Vec<f64> = self.cycle.approach.boundaries().iter().map(|end| end.interference).collect();
+        ends.retain(|end| lower < *end && *end < upper);
+        ends.push(upper);
+        let mut pieces = Vec::new();
+        let mut lower = lower;
+        for end in ends {
+            let kink = (self.states[index].regime() == 0).then(|| self.kink(flattened, (lower, end))).flatten();
+            if let Some(place) = kink {
+                let smoothness = Smoothness::Root { place, order: 2 };
+                pieces.push(Piece { regime: index, lower, upper: place, smoothness });
+                lower = place;
+            }
+            pieces.push(Piece { regime: index, lower, upper: end, smoothness: Smoothness::Smooth });
+            lower = end;
+        }
+        pieces.retain(|piece| piece.lower < piece.upper);
+        pieces
+    }
+
+    /// The ω_max, m, within limits at which the attraction of lowered tops of radii of their own jumps.
+    fn kink(&self, flattened: &dyn Flattened, (lower, upper): (f64, f64)) -> Option<f64> {
+        let cycle = self.cycle;
+        if !(upper - lower > 4.0 * KINK_PARTS as f64 * f64::EPSILON * upper) {
+            return None;
+        }
+        let beyond = |largest: f64| {
+            let kink = flattened.kink(cycle.radius_ratio(largest))?;
+            Some(kink - (cycle.recovery(largest) - self.distance))
+        };
+        let place = |part: usize| lower + (upper - lower) * part as f64 / KINK_PARTS as f64;
+        let inside = |part: usize| place(part).clamp(lower.next_up(), upper.next_down());
+        let (mut low, mut high) = (0..KINK_PARTS)
+            .map(|part| (inside(part), inside(part + 1)))
+            .find(|&(low, high)| beyond(low).is_some_and(|b| b > 0.0) && beyond(high).is_some_and(|b| b <= 0.0))?;
+        while 0.5 * (low + high) > low && 0.5 * (low + high) < high {
+            let middle = 0.5 * (low + high);
+            *(if beyond(middle)? > 0.0 { &mut low } else { &mut high }) = middle;
+        }
+        Some(high)
+    }
+
     /// Forces of contacts above ω_c that are unloaded from ω_max, m, at which `out` has them.
     fn unload(&self, largest: &[f64], out: &mut Responses) {
         let (mut places, mut recovery, mut load, mut area) = ([0.0; BLOCK], [0.0; BLOCK], [0.0; BLOCK], [0.0; BLOCK]);
@@ -366,6 +520,9 @@ impl Law for Retraction<'_> {
                 State::Untouched(_) | State::Elastic(_) => {
                     pieces.extend(self.moved(index, limits, |place| place + self.distance));
                 }
+                State::Lowered(_) if let Some(flattened) = &self.cycle.flattened => {
+                    pieces.extend(self.flattened(index, flattened.as_ref(), limits));
+                }
                 State::Lowered(_) => {
                     pieces.extend(self.moved(index, limits, |place| self.cycle.recovered_from(place + self.distance)));
                 }
@@ -380,6 +537,7 @@ impl Law for Retraction<'_> {
         let state = self.states[regime];
         let own = match state {
             State::Unloading(_) => COSTS.0,
+            State::Lowered(0) if self.cycle.flattened.is_some() => COSTS.2,
             State::Lowered(_) => COSTS.1,
             State::Untouched(_) | State::Elastic(_) => 0.0,
         };
@@ -388,7 +546,12 @@ impl Law for Retraction<'_> {
 
     fn constant(&self, regime: usize) -> Option<f64> {
         let state = self.states[regime];
-        self.law(state).constant(state.regime()).filter(|_| !matches!(state, State::Unloading(_)))
+        let varies = match state {
+            State::Unloading(_) => true,
+            State::Lowered(_) => self.cycle.flattened.is_some(),
+            State::Untouched(_) | State::Elastic(_) => false,
+        };
+        self.law(state).constant(state.regime()).filter(|_| !varies)
     }
 
     fn evaluate(&self, regime: usize, interference: &[f64], out: &mut Responses, work: &mut Work) {
@@ -411,6 +574,20 @@ impl Law for Retraction<'_> {
             own.iter_mut().for_each(|recovery| *recovery *= self.cycle.critical);
         } else {
             own.copy_from_slice(interference);
+        }
+        if let (State::Lowered(_), Some(flattened)) = (state, &self.cycle.flattened) {
+            let mut ratios = [0.0; BLOCK];
+            let ratios = &mut ratios[..interference.len()];
+            self.cycle.radius_ratios(interference, ratios, out, work);
+            own.iter_mut().for_each(|delta| *delta -= self.distance);
+            match law.constant(base) {
+                None => flattened.attraction(ratios, own, out, work),
+                Some(adhesion) => {
+                    law.evaluate(base, own, out, work);
+                    out.adhesion.iter_mut().zip(ratios).for_each(|(out, ratio)| *out = adhesion * *ratio);
+                }
+            }
+            return;
         }
         own.iter_mut().for_each(|delta| *delta = (*delta - self.distance).clamp(lower, upper));
         law.evaluate(base, own, out, work);

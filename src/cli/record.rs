@@ -108,6 +108,9 @@ pub(super) fn write_model(writer: &Writer<'_>, scene: &Scene, seed: u64) -> Resu
 pub(super) fn write_scene(writer: &mut Writer<'_>, scene: &Scene) -> Result<(), OutputError> {
     write_about(writer, &scene.title, &scene.text)?;
     writer.text("/", "path", scene.path_name())?;
+    if scene.cycle {
+        writer.text("/", "unloaded_radius", scene.unloaded_radius.name())?;
+    }
     writer.number("/", "adhesion_parameter", scene.scale().lambda)?;
     writer.number("/", "plasticity_index", scene.asperity.plasticity_index(scene.surface.surface_height_std))?;
     writer.number("/", "critical_interference", scene.asperity.critical_interference())?;
@@ -270,6 +273,9 @@ fn write_statistical(writer: &Writer<'_>, results: &Results) -> Result<(), Outpu
         error = maximum(model.quadrature_error, error);
     }
     writer.number("/statistical", "quadrature_error", error)?;
+    for (radius, force) in results.back.iter().filter_map(|back| back.by_radius).flatten() {
+        writer.number("/statistical", &format!("pull_off_force_{}_radius", radius.name()), force)?;
+    }
     write_features(writer, "/statistical", results.pulled().1)
 }
 

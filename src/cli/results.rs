@@ -1,6 +1,6 @@
 //! What a run has found out, for the file and for the summary.
 
-use crate::asperity::{Law, Loop, Quantity};
+use crate::asperity::{Law, Loop, Quantity, UnloadedRadius};
 use crate::engine::{Attained, Ensemble, Rule, Summation};
 use crate::math::control_variates::ControlledMean;
 use crate::math::extrema::Features;
@@ -8,6 +8,7 @@ use crate::math::interpolation::linear;
 use crate::scene::{Plan, Scene, Stopping, Warning};
 use crate::statistical::{Model, Statistical, external_force_back};
 use crate::validation::{Basis, JointTest};
+use rayon::prelude::*;
 use std::ops::Range;
 use std::path::PathBuf;
 use std::time::Duration;
@@ -69,6 +70,8 @@ pub(super) struct WayBack {
     /// What is read off the mean curve of the external force, and off the integral's.
     pub of_mean: Features,
     pub of_integral: Features,
+    /// Pull-off of the integral, N, with each radius of tops that have flowed, if any have and the law can be made for both.
+    pub by_radius: Option<[(UnloadedRadius, f64); 2]>,
 }
 
 impl WayBack {
@@ -80,8 +83,20 @@ impl WayBack {
         let of_integral = Features::new(integral, separations, expected);
         let mean = &ensemble.curves[q].mean()[separations.len()..];
         let of_mean = near_features(integral, separations, mean, expected);
-        Self { statistical, of_mean, of_integral }
+        let by_radius = by_radius(scene, cycle, &of_integral);
+        Self { statistical, of_mean, of_integral, by_radius }
     }
+}
+
+/// Pull-off of the integral, N, with either radius of tops that have flowed, of which one is that of a loop with its features.
+fn by_radius(scene: &Scene, cycle: &Loop, features: &Features) -> Option<[(UnloadedRadius, f64); 2]> {
+    let radius = scene.unloaded_radius;
+    let other = scene.loop_law_of(radius.other()).ok().filter(|_| cycle.flows())?;
+    let (surface, separations) = (&scene.surface, &scene.separations);
+    let curve = |h: f64| external_force_back(&other, surface, separations[0], h);
+    let samples: Vec<f64> = separations.par_iter().map(|&h| curve(h)).collect();
+    let pulled = Features::new(curve, separations, &samples).minimum;
+    Some([(radius, -features.minimum.value), (radius.other(), -pulled.value)])
 }
 
 impl Results {

@@ -153,6 +153,19 @@ fn cycle(results: &Results) -> String {
     let dissipated = if nothing { "nothing: both ways are one".to_owned() } else { scatter(energy, std, "J") };
     let mut text = row("dissipated", &dissipated);
     let force = |way: &Statistical| way.expected[Quantity::ExternalForce.index()].clone();
+    if let Some([(radius, force), (other, other_force)]) = back.by_radius.filter(|[(_, force), _]| *force > 0.0) {
+        let change = 100.0 * (other_force / force - 1.0);
+        text = row("flowed tops", &format!("{} radius: the integral pulls off with {}", radius.name(), si(force, "N")))
+            + &row(
+                "",
+                &format!(
+                    "{} ({change:+.1} %) with unloaded_radius = \"{}\": so uncertain is the model",
+                    si(other_force, "N"),
+                    other.name()
+                ),
+            )
+            + &text;
+    }
     let of_integral =
         area_between(&results.scene.separations, [&force(&results.statistical), &force(&back.statistical)]);
     text += &row("", &format!("{} of the integral, per cycle", si(of_integral, "J")));

@@ -243,7 +243,7 @@ mod tests {
     use super::super::{Holding, Protocol};
     use super::*;
     use crate::asperity::models::model;
-    use crate::asperity::{Family, Law, Loop, Path, Setting, Typical};
+    use crate::asperity::{Family, Law, Loop, Path, Setting, Typical, UnloadedRadius};
     use crate::surface::{
         CountLaw, HeightLaw, Heights, LogNormal, RADIUS_RANGE, Radii, Roughness, SamplingScheme, Surface,
     };
@@ -425,7 +425,7 @@ mod tests {
     #[test]
     fn loops_come_in_tracts() {
         let surface = surface();
-        let cycle = Loop::new(model("hybrid").unwrap().build, &setting()).unwrap();
+        let cycle = Loop::new(model("hybrid").unwrap().build, &setting(), UnloadedRadius::Kept).unwrap();
         let separations = separations(&surface, 0.1, 81);
         let [stiffness, preload] = [[1e5, 1e6], [1e-4, 1e3]];
         for preload in [&preload[..], &[]] {

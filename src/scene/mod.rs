@@ -23,7 +23,7 @@ pub use validity::{Warning, warnings, warnings_of_scene};
 
 use crate::asperity::models::{MODELS, Model, PUBLISHED_FITS};
 use crate::asperity::scale::{Asperity, Scale, UNIT_RANGE};
-use crate::asperity::{Family, Law, LawError, Loop, Path, Setting, Typical};
+use crate::asperity::{Family, Law, LawError, Loop, Path, Setting, Typical, UnloadedRadius};
 use crate::surface::{RADIUS_RANGE, SamplingScheme, Surface};
 use files::{Files, Input, NoFiles};
 use population::{Population, SURFACE_KEYS, population};
@@ -78,6 +78,8 @@ pub struct Scene {
     pub path: Path,
     /// Whether the surfaces are pulled back, each asperity by its own history.
     pub cycle: bool,
+    /// The radius of tops that have flowed on the way back.
+    pub unloaded_radius: UnloadedRadius,
     /// What holds the surfaces.
     pub instability: Instability,
     /// δ_A, m, that is set instead of following from the history; of the published fits only.
@@ -131,7 +133,7 @@ impl Scene {
         }
         let Population { surface, inputs } = population(&section, files)?;
         let asperity = asperity(&material, &section, surface.asperity_radius)?;
-        let model = required(root, "model", &["law", "path", "critical_approach"])?;
+        let model = required(root, "model", &["law", "path", "unloaded_radius", "critical_approach"])?;
         let models: Vec<(&str, Model)> = MODELS.iter().map(|model| (model.name, *model)).collect();
         let law = model.require("law", "\"hybrid\"")?.choice("law", &models)?;
         let paths: Vec<_> = Path::ALL.into_iter().map(|(name, path)| (name, (path, false))).collect();
@@ -143,6 +145,7 @@ impl Scene {
                 "a loop is for asperities of one radius; those of several are computed on \"approach\" or \"retraction\"",
             ));
         }
+        let unloaded_radius = unloaded_radius(&model, cycle)?;
         let instability = instability::instability(root, cycle)?;
         let critical_approach = critical_approach(&model, &law)?;
         let separation = required(root, "separation", &["h", "h_star", "stiffness_span"])?;
@@ -178,6 +181,7 @@ impl Scene {
             model: law,
             path,
             cycle,
+            unloaded_radius,
             instability,
             critical_approach,
             separations,
@@ -244,7 +248,15 @@ impl Scene {
     /// # Errors
     /// As [`Scene::law_of`].
     pub fn loop_law(&self) -> Result<Option<Loop>, LawError> {
-        self.cycle.then(|| Loop::new(self.model.build, &self.setting()?)).transpose()
+        self.cycle.then(|| self.loop_law_of(self.unloaded_radius)).transpose()
+    }
+
+    /// The loop of an asperity of the scene whose top has one or the other radius once it has flowed.
+    ///
+    /// # Errors
+    /// As [`Loop::new`].
+    pub fn loop_law_of(&self, radius: UnloadedRadius) -> Result<Loop, LawError> {
+        Loop::new(self.model.build, &self.setting()?, radius)
     }
 
     /// The asperity law of the scene.
@@ -345,6 +357,15 @@ fn critical_approach(section: &Section<'_>, law: &Model) -> Result<Option<f64>, 
         return Err(entry.wrong(&format!("the law {} finds its own; only {PUBLISHED_FITS} takes it", law.name)));
     }
     entry.not_negative(Dimension::Length).map(Some)
+}
+
+/// The radius of tops that have flowed; only a loop asks for it.
+fn unloaded_radius(section: &Section<'_>, cycle: bool) -> Result<UnloadedRadius, SceneError> {
+    let Some(entry) = section.get("unloaded_radius") else { return Ok(UnloadedRadius::default()) };
+    if !cycle {
+        return Err(entry.wrong("it is for surfaces that are pulled back after they were pressed: path = \"loop\""));
+    }
+    entry.choice("unloaded_radius", &UnloadedRadius::ALL)
 }
 
 fn asperity(material: &Section<'_>, surface: &Section<'_>, radius: f64) -> Result<Asperity, SceneError> {

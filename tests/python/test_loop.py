@@ -294,9 +294,10 @@ def test_short_snaps_need_not_count(tmp_path, file):
             assert 0 < counts.sum() < (is_one == 1.0).sum()
 
 
-def unloaded(h: float, closest: float, surface: dict, heights: np.ndarray) -> np.ndarray:
+def unloaded(h: float, closest: float, surface: dict, heights: np.ndarray, flattens: bool) -> np.ndarray:
     """F of asperities on the way back under the law isbl, from the published formulas: Kogut and Etsion in contact, Etsion, Kligerman and
-    Kadin on the way back, the attraction of an undeformed sphere before contact, counted from what is left of the top."""
+    Kadin on the way back, the attraction of an undeformed sphere before contact, counted from what is left of the top, which may have the
+    radius 4 E a^3/(3 P) of its largest load."""
     radius, gamma, spacing, modulus, hardness = 1.66e-6, 0.01, 0.2e-9, 85.29e9, 2.5e9
     k = 0.454 + 0.41 * 0.27
     critical = (np.pi * k * hardness / (2.0 * modulus)) ** 2 * radius
@@ -317,12 +318,17 @@ def unloaded(h: float, closest: float, surface: dict, heights: np.ndarray) -> np
     gap = spacing / (spacing - np.minimum(own + 0.5e-9, 0.0))
     far = -8.0 / 3.0 * np.pi * radius * gamma * (gap**2 - 0.25 * gap**8)
     near = np.where(own < -0.5e-9, far, -2.0 * np.pi * radius * gamma)
+    if flattens:
+        area = np.pi * radius * critical * np.select([x <= 6.0, x <= 110.0], [0.93 * x**1.136, 0.94 * x**1.146], 2.0 * x)
+        flat = 4.0 * modulus * (area / np.pi) ** 1.5 / (3.0 * peak)
+        near = near * np.where(x > 1.0, flat / radius, 1.0)
     return np.where(own < 0.0, near, np.where(x > 1.0, plastic, elastic))
 
 
-def test_the_integral_of_the_way_back_is_that_of_the_published_formulas(tmp_path):
+@pytest.mark.parametrize("radius", ["kept", "elastic"])
+def test_the_integral_of_the_way_back_is_that_of_the_published_formulas(tmp_path, radius):
     text = (ROOT / "configs" / "case_i.toml").read_text()
-    for old, new in [('law = "hybrid"', 'law = "isbl"'), ('path = "approach"', 'path = "loop"'), ("replicas = 1000", "replicas = 8"),
+    for old, new in [('law = "hybrid"', 'law = "isbl"'), ('path = "approach"', f'path = "loop"\nunloaded_radius = "{radius}"'), ("replicas = 1000", "replicas = 8"),
                      ("{ from = -1.0, to = 8.0, count = 181 }", "[-0.5, 0.0, 0.7, 1.5, 2.5, 4.0]")]:
         assert old in text
         text = text.replace(old, new)
@@ -334,8 +340,11 @@ def test_the_integral_of_the_way_back_is_that_of_the_published_formulas(tmp_path
         heights = np.linspace(-8.0, 8.0, 4_000_001) * std
         weights = scipy.stats.norm.pdf(heights, scale=std) * (heights[1] - heights[0])
         h = file["separation"][()]
+        assert file.attrs["unloaded_radius"] == radius
+        pulled = {name: file["statistical"].attrs[f"pull_off_force_{name}_radius"] for name in ("kept", "elastic")}
+        assert pulled[radius] == file["statistical"].attrs["pull_off_force"] and pulled["elastic"] > 1.1 * pulled["kept"]
         for k, separation in enumerate(h):
-            force = count * np.sum(weights * unloaded(separation, h[0], surface, heights))
+            force = count * np.sum(weights * unloaded(separation, h[0], surface, heights, radius == "elastic"))
             scale = file["statistical/retraction_adhesion_force"][k] + file["statistical/retraction_contact_force"][k]
             assert abs(file["statistical/retraction_external_force"][k] - force) < 2e-6 * scale, k
 

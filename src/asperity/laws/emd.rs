@@ -16,9 +16,10 @@
 
 use super::md::MaugisContact;
 use crate::asperity::emd::Emd;
+use crate::asperity::flattened::{ExtendedMaugisDugdale, Flattened};
 use crate::asperity::scale::Scale;
 use crate::asperity::table::{Constant, Part, Row, Table};
-use crate::asperity::{BLOCK, Law, LawError, Regime, Responses, Setting, Smoothness, Work};
+use crate::asperity::{BLOCK, Law, LawError, Path, Regime, Responses, Setting, Smoothness, Work};
 use crate::math::instruction_set::InstructionSet;
 use std::sync::Arc;
 
@@ -50,6 +51,7 @@ pub fn rows(setting: &Setting) -> Result<[Row; 3], LawError> {
 pub struct Attraction {
     emd: Arc<Emd>,
     scale: Scale,
+    path: Path,
     thickness: f64,
 }
 
@@ -59,12 +61,12 @@ impl Attraction {
     /// # Errors
     /// [`LawError`] for a λ that is not solved.
     pub fn new(setting: &Setting) -> Result<Self, LawError> {
-        let Setting { scale, lubricant_thickness: thickness, .. } = *setting;
-        let mut emd = Emd::new(scale.lambda, setting.path)?;
+        let Setting { scale, path, lubricant_thickness: thickness, .. } = *setting;
+        let mut emd = Emd::new(scale.lambda, path)?;
         if let (Some((lowest, _)), Some(deepest)) = (setting.reach, setting.deepest(setting.critical_interference)) {
             emd = emd.with_tables((lowest + thickness) / scale.length, deepest);
         }
-        Ok(Self { emd: Arc::new(emd), scale, thickness })
+        Ok(Self { emd: Arc::new(emd), scale, path, thickness })
     }
 }
 
@@ -83,6 +85,10 @@ impl Part for Attraction {
 
     fn far(&self) -> Option<f64> {
         self.emd.far().map(|far| far * self.scale.length - self.thickness)
+    }
+
+    fn flattened(&self) -> Option<Box<dyn Flattened>> {
+        Some(Box::new(ExtendedMaugisDugdale::new(self.scale, self.path, self.thickness)))
     }
 
     fn evaluate(&self, interference: &[f64], out: &mut Responses, work: &mut Work) {

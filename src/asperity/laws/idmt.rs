@@ -7,6 +7,7 @@
 //! Elastic spheres of low λ. Source: Muller, Derjaguin and Toporov, Colloids Surf. 7 (1983) 251.
 
 use super::hertz::Hertzian;
+use crate::asperity::flattened::{Flattened, UndeformedSphere};
 use crate::asperity::table::{Part, Row, Table};
 use crate::asperity::{Law, LawError, Regime, Responses, Setting, Work};
 
@@ -48,6 +49,10 @@ impl LennardJones {
 impl Part for LennardJones {
     fn cost(&self) -> f64 {
         3.0
+    }
+
+    fn flattened(&self) -> Option<Box<dyn Flattened>> {
+        Some(Box::new(UndeformedSphere::new(*self)))
     }
 
     fn evaluate(&self, interference: &[f64], out: &mut Responses, work: &mut Work) {

@@ -66,7 +66,11 @@ const CASES: &[(&str, &str, &[&str])] = &[
         "path = \"approach\"\nunloaded_radius = \"elastic\"",
         &["line 22", "model.unloaded_radius", "pulled back after they were pressed", "path = \"loop\""],
     ),
-    ("path = \"approach\"", "path = \"loop\"\nunloaded_radius = \"flat\"", &["unknown unloaded_radius", "\"elastic\""]),
+    (
+        "path = \"approach\"",
+        "path = \"loop\"\nunloaded_radius = \"flat\"",
+        &["unknown unloaded_radius", "known: kept, elastic"],
+    ),
     ("replicas = 200", "replicas = 0", &["`ensemble.replicas = 0`", "from 1 to"]),
     ("replicas = 200", "replicas = 2.5", &["`ensemble.replicas = 2.5`", "whole number"]),
     (

@@ -100,7 +100,7 @@ impl Flattened for ExtendedMaugisDugdale {
         match Noncontact::branches_at(lambda, outer_fold(lambda)) {
             Branches::Folded { outer, fold, .. } => {
                 let approach = outer.at(fold).approach;
-                (approach < self.end(lambda)).then(|| approach * length - self.thickness)
+                (approach < self.end(lambda)).then_some(approach * length - self.thickness)
             }
             Branches::Single(_) => None,
         }

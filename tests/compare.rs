@@ -115,7 +115,10 @@ fn bad_comparisons_are_refused_and_leave_nothing() {
         (&["scene.toml", "--laws", "hybrid,emdd"], "--laws emdd: unknown law (did you mean emd?); known: hybrid"),
         (&["scene.toml", "--laws", "emd,emd"], "emd is given twice"),
         (&["scene.toml", "--laws", "emd,"], "a name is empty"),
-        (&["scene.toml", "--laws", "emd", "-o", "scene.toml", "--force"], "scene.toml is the scene itself"),
+        (
+            &["scene.toml", "--laws", "emd", "-o", "scene.toml", "--force"],
+            "scene.toml is scene.toml, which this command reads",
+        ),
         (&["other.toml", "--laws", "fit:paper"], "other.toml: the law fit:paper cannot be used"),
         (&["scene.toml"], "--laws"),
         (&["scene.toml", "--laws", "emd", "--replicas", "3"], "--ensemble"),

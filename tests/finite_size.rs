@@ -90,7 +90,7 @@ fn what_cannot_be_studied_is_refused_with_what_would_do() {
     refused(&["--counts", "10,x"], "`x` is no whole number from 1 to 1e10, such as 10,100,1e4");
     refused(&["--counts", "10"], "2 to 100 are needed");
     refused(&["--counts", "10:1e3"], "is neither a number nor a range FROM:TO:COUNT");
-    refused(&["-o", "scene.toml"], "is the scene itself");
+    refused(&["-o", "scene.toml"], "scene.toml is scene.toml, which this command reads");
     std::fs::write(folder.path("scene.toml"), small().replace("\"hybrid\"", "\"gw\"")).unwrap();
     refused(&["--counts", "10,100"], "the integral has no pull-off");
     std::fs::write(folder.path("scene.toml"), small() + "\n[sweep]\nmaterial.hardness = [\"1 GPa\"]\n").unwrap();

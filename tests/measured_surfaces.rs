@@ -377,7 +377,7 @@ fn what_is_no_map_is_refused() {
         &[&["asperities", "map.h5", "--dataset", "scan/forward", "-o", "map.h5", "--force"], &units[..]].concat(),
     );
     assert_exit(&own, 2);
-    assert!(text(&own.stderr).contains("is the map itself"), "{}", text(&own.stderr));
+    assert!(text(&own.stderr).contains("which this command reads"), "{}", text(&own.stderr));
     assert_eq!(folder.files(), before);
 }
 

@@ -151,7 +151,7 @@ fn what_does_not_fit_together_is_refused_with_a_list() {
     assert_exit(&merge(&folder, &[one.clone(), two, three, four], &[]), 2);
     let own = folder.stiction(&["merge", "--force", "-o", &one, &one]);
     assert_exit(&own, 2);
-    assert!(text(&own.stderr).contains("is the shard itself"));
+    assert!(text(&own.stderr).contains("which this command reads"));
 }
 
 /// A byte of its sums, a byte of its records, another version of the program or of the format.

@@ -5,7 +5,7 @@ use super::points::Points;
 use super::record::{write_about, write_model};
 use super::results::integral_features;
 use super::run::Session;
-use super::{Failure, FiniteSizeArguments, law_of, print_of, read_scene, refuse_own_scene};
+use super::{Failure, FiniteSizeArguments, files_of, law_of, print_of, read_scene};
 use crate::output::checkpoint::Identity;
 use crate::output::columns::Beside;
 use crate::output::reader::Reader;
@@ -34,12 +34,11 @@ pub(super) fn finite_size(arguments: &FiniteSizeArguments) -> Result<(), Failure
     })?;
     let scene = read_scene(&arguments.scene)?;
     let output = output_of(arguments);
-    refuse_own_scene(&arguments.scene, &output)?;
     let session = Session::new(&arguments.sitting.execution, arguments.sitting.checkpoint)?;
     refuse(&scene).map_err(|problem| named(&arguments.scene, problem))?;
     let files: Arc<dyn Files> = Arc::new(Beside::scene(&arguments.scene));
     let sweep = sizes(&scene, &counts, &files).map_err(|problem| named(&arguments.scene, &problem))?;
-    let claim = Claim::new(&output)?;
+    let claim = Claim::new(&output, &files_of(&arguments.scene, &scene))?;
     let points = Points::new(&sweep, &arguments.scene, &claim, &arguments.sitting, None);
     points.require(session.pool.current_num_threads())?;
     let integral = session.pool.install(|| integral(&points, &scene))?;
@@ -168,6 +167,7 @@ struct Study {
 }
 
 fn found(points: &Points<'_>, counts: &[u64], integral: f64) -> Result<Study, OutputError> {
+    points.intact()?;
     let sizes = counts.iter().enumerate().map(|(point, &count)| size(&points.file(point), count, integral));
     let sizes = sizes.collect::<Result<Vec<Size>, OutputError>>()?;
     let counts: Vec<f64> = counts.iter().map(|count| *count as f64).collect();

@@ -380,6 +380,10 @@ impl From<OutputError> for Failure {
             | OutputError::NotAFile(_)
             | OutputError::OtherFileSystem(_)
             | OutputError::Claimed { .. }
+            | OutputError::NoName { .. }
+            | OutputError::IsInput { .. }
+            | OutputError::KeepsInput { .. }
+            | OutputError::Link(_)
             | OutputError::NotACheckpoint { .. }
             | OutputError::NoFolder(_)
             | OutputError::NotWritable { .. }
@@ -490,19 +494,10 @@ fn warnings_of(scene: &Scene, model: &Model, law: &dyn Law) -> Vec<Warning> {
     warnings(scene, model, law, |h| integral.contact_area(h) / surface.nominal_area)
 }
 
-/// An output that is the scene itself would destroy it.
-fn refuse_own_scene(scene: &Path, output: &Path) -> Result<(), Failure> {
-    refuse_own(scene, "scene", output)
-}
-
-/// An output that is the file read, a `what`, would destroy it.
-fn refuse_own(input: &Path, what: &str, output: &Path) -> Result<(), Failure> {
-    match (input.canonicalize(), output.canonicalize()) {
-        (Ok(own), Ok(output)) if own == output => {
-            Err(Failure::Usage(format!("{} is the {what} itself; give another name with -o", output.display())))
-        }
-        _ => Ok(()),
-    }
+/// The files that a scene is made of: its own, and those that it takes values from.
+fn files_of(path: &Path, scene: &Scene) -> Vec<PathBuf> {
+    let beside = Beside::scene(path);
+    std::iter::once(path.to_owned()).chain(scene.inputs.iter().map(|input| beside.path(&input.path))).collect()
 }
 
 /// Reads a scene or a sweep, with its file named in every error.

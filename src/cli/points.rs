@@ -1,6 +1,6 @@
 //! The points of a sweep: each an ordinary run with an output of its own, in a folder beside the output of all.
 //!
-//! The folder `out.h5.points` holds `0001.h5` and so on, and beside the point that is being computed its checkpoint. It stays when the sweep is
+//! The folder `out.h5.points` holds `0001.h5` and so on with their checksums, and beside the point that is being computed its checkpoint. It stays when the sweep is
 //! interrupted, and goes when the output of all is complete. Points can be computed in any order, and a range of them by itself.
 
 use super::checkpoint::{Manner, Run, State, identity, is_result_of, kept};
@@ -9,16 +9,21 @@ use super::sampling::override_ensemble;
 use super::{Failure, Sitting, law_of, resources};
 use crate::engine::Shard;
 use crate::output::checkpoint::{Checkpoint, Identity, forget, is_checkpoint};
+use crate::output::checksum::{self, Finding};
 use crate::output::progress::Progress;
 use crate::output::schema::{Layout, RUN};
 use crate::output::{Claim, OutputError, beside};
+use crate::scene::echo::shortened;
 use crate::scene::{Scene, Sizes, Sweep, with_inputs};
+use std::ffi::OsString;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 
 /// Times that the result of a point is on the disk when all are put together.
 const COPIES: f64 = 2.0;
+/// Files of others that are named.
+const NAMED: usize = 5;
 
 /// The points of a sweep on their way into one output.
 pub(super) struct Points<'a> {
@@ -128,7 +133,7 @@ impl<'a> Points<'a> {
     fn refuse_kept(&self, force: bool) -> Result<(), Failure> {
         let checkpoint = self.claim.beside(".checkpoint");
         let folder = self.folder();
-        let what = match (is_checkpoint(&checkpoint), folder.exists()) {
+        let what = match (is_checkpoint(&checkpoint), !self.entries()?.own.is_empty()) {
             (false, false) => return Ok(()),
             (true, _) => format!("{} is of an interrupted run; --force drops it", checkpoint.display()),
             (_, true) => {
@@ -151,6 +156,7 @@ impl<'a> Points<'a> {
         for point in 0..self.sweep.count() {
             let (file, checkpoint) = (self.file(point), self.checkpoint(point));
             let scene = self.scene(point)?;
+            self.drop_damaged(point)?;
             if file.exists() && !is_result_of(&file, &RUN, &identity(Run { scene: &scene, shard: None }), false) {
                 let point = self.sweep.name(point);
                 return Err(Failure::Usage(format!(
@@ -168,6 +174,41 @@ impl<'a> Points<'a> {
             }
         }
         Ok(())
+    }
+
+    /// Drops the result of a point that is not what it was when it was finished, and says so: it is computed again.
+    fn drop_damaged(&self, point: usize) -> Result<(), Failure> {
+        let file = self.file(point);
+        if file.symlink_metadata().is_err() {
+            return Ok(());
+        }
+        // A link is refused here.
+        let claim = Claim::within(file)?;
+        let problem = match checksum::check(claim.output())? {
+            Finding::Intact => return Ok(()),
+            Finding::Damaged => "is damaged: it does not have its checksum",
+            Finding::Unknown => "has no checksum",
+        };
+        eprintln!("{}: {} {problem}; it is computed again", self.sweep.name(point), claim.output().display());
+        let removed = std::fs::remove_file(claim.output());
+        let path = claim.output().to_owned();
+        removed.map_err(|error| OutputError::Io { action: "cannot remove", path, error }.into())
+    }
+
+    /// The results of the points that are there, each as it was when it was finished.
+    ///
+    /// # Errors
+    /// When one is not.
+    pub fn intact(&self) -> Result<Vec<Option<PathBuf>>, OutputError> {
+        let there = (0..self.sweep.count()).map(|point| Some(self.file(point)).filter(|file| file.exists()));
+        let is_intact = |file: &PathBuf| match checksum::check(file)? {
+            Finding::Intact => Ok(()),
+            Finding::Damaged | Finding::Unknown => {
+                let error = std::io::Error::other("it does not have its checksum any more; --resume computes it again");
+                Err(OutputError::Io { action: "cannot read", path: file.clone(), error })
+            }
+        };
+        there.map(|file| file.as_ref().map_or(Ok(()), is_intact).map(|()| file)).collect()
     }
 
     /// Points that are complete, or of which a shard has kept anything.
@@ -201,9 +242,10 @@ impl<'a> Points<'a> {
         if session.stop.load(Ordering::Relaxed) {
             return Err(Failure::Interrupted { done: 0, of: scene.replicas, kept: self.done() > 0 });
         }
-        let claim = Claim::new(&output)?;
+        let claim = Claim::within(output.clone())?;
         let manner = Manner { resume: true, force: false };
-        let task = Task { source: self.source, output: &output, claim: &claim, manner, shard: None };
+        let source = self.source;
+        let task = Task { source, output: &output, claim: &claim, manner, shard: None, is_read_back: true };
         let name = format!("point {} of {}", point + 1, self.sweep.count());
         run_scene(scene, &task, session, Progress::of_run(session.quiet, name)).map(drop)
     }
@@ -220,36 +262,77 @@ impl<'a> Points<'a> {
     /// A failure with how to go on with the sweep, if anything was kept of it.
     pub fn kept(&self, failure: Failure) -> Failure {
         let folder = self.folder();
-        // Fails when anything is in it.
-        if std::fs::remove_dir(&folder).is_ok() || !folder.exists() {
+        if self.entries().is_ok_and(|entries| entries.own.is_empty()) {
+            // Fails when anything of others is in it.
+            let _ = std::fs::remove_dir(&folder);
             return failure;
         }
         kept(failure, &format!("{} of {} points are kept in {}", self.done(), self.sweep.count(), folder.display()))
     }
 
-    /// Removes the folder of the points and what it holds of this program, and nothing else.
-    pub fn clear(&self) -> Result<(), Failure> {
-        let folder = self.folder();
-        let failed = |error| Failure::from(OutputError::Io { action: "cannot remove", path: folder.clone(), error });
-        let entries = match std::fs::read_dir(&folder) {
-            Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(()),
+    /// What is in the folder of the points.
+    fn entries(&self) -> Result<Entries, Failure> {
+        let path = self.folder();
+        let failed = |error| OutputError::Io { action: "cannot read", path: path.clone(), error };
+        let mut found = Entries::default();
+        let entries = match std::fs::read_dir(&path) {
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(found),
             entries => entries.map_err(failed)?,
         };
         for entry in entries {
             let entry = entry.map_err(failed)?;
-            if is_of_point(&entry.file_name().to_string_lossy()) {
-                std::fs::remove_file(entry.path()).map_err(failed)?;
+            let is_folder = entry.file_type().map_err(failed)?.is_dir();
+            match entry.file_name().to_str().filter(|name| !is_folder && is_of_point(name)) {
+                Some(_) => found.own.push(entry.path()),
+                None => found.foreign.push(entry.file_name()),
             }
         }
-        std::fs::remove_dir(&folder).map_err(failed)
+        Ok(found)
     }
+
+    /// Removes the folder of the points and what it holds of this program; what it holds of others stays there, which is said.
+    pub fn clear(&self) -> Result<(), Failure> {
+        let folder = self.folder();
+        let failed = |error| Failure::from(OutputError::Io { action: "cannot remove", path: folder.clone(), error });
+        let Entries { own, mut foreign } = self.entries()?;
+        own.iter().try_for_each(std::fs::remove_file).map_err(failed)?;
+        if foreign.is_empty() {
+            return match std::fs::remove_dir(&folder) {
+                Err(error) if error.kind() != std::io::ErrorKind::NotFound => Err(failed(error)),
+                _ => Ok(()),
+            };
+        }
+        foreign.sort();
+        let names: Vec<String> = foreign.iter().take(NAMED).map(|name| shortened(&name.to_string_lossy())).collect();
+        let count = if foreign.len() == 1 { "a file".to_owned() } else { format!("{} files", foreign.len()) };
+        eprintln!("{} stays, with {count} of others: {}", folder.display(), names.join(", "));
+        Ok(())
+    }
+}
+
+/// What is in the folder of the points.
+#[derive(Default)]
+struct Entries {
+    /// Paths of what this program keeps of points.
+    own: Vec<PathBuf>,
+    /// Names of what is of others.
+    foreign: Vec<OsString>,
 }
 
 /// Whether a file has a name that this program gives to what it keeps of a point.
 fn is_of_point(name: &str) -> bool {
     let name = name.strip_prefix('.').unwrap_or(name);
     let Some((number, rest)) = name.split_once(".h5") else { return false };
-    let suffixes = ["", ".lock", ".partial", ".checkpoint", ".checkpoint.partial", ".checkpoint.replicas"];
+    let suffixes = [
+        "",
+        ".lock",
+        ".partial",
+        ".checkpoint",
+        ".checkpoint.partial",
+        ".checkpoint.replicas",
+        ".checksum",
+        ".checksum.partial",
+    ];
     number.len() >= 4 && number.bytes().all(|byte| byte.is_ascii_digit()) && suffixes.contains(&rest)
 }
 

@@ -6,8 +6,8 @@ use super::results::{Results, Stopped, Told, WayBack, integral_features, mean_fe
 use super::sampling::{Sampling, basis_of, cross_check, interruption, override_ensemble, thread_pool};
 use super::summary::summary;
 use super::{
-    Execution, Failure, RunArguments, law_of, loop_of, print_of, read_document, refuse_own_scene, resources, shard,
-    sweep, warnings_of,
+    Execution, Failure, RunArguments, files_of, law_of, loop_of, print_of, read_document, resources, shard, sweep,
+    warnings_of,
 };
 use crate::asperity::{Law, Loop, Quantity};
 use crate::engine::{Batch, Forest, Outcome, Rule, Shard, Summation, batches_of, replicas_of};
@@ -16,7 +16,7 @@ use crate::output::checkpoint::Records;
 use crate::output::progress::Progress;
 use crate::output::schema::RUN;
 use crate::output::writer::Writer;
-use crate::output::{Claim, OutputError};
+use crate::output::{Claim, OutputError, checksum};
 use crate::scene::{Document, Plan, Scene, Sizes, Warning};
 use crate::statistical::{Statistical, controls};
 use rayon::ThreadPool;
@@ -58,6 +58,8 @@ pub(super) struct Task<'a> {
     pub manner: Manner,
     /// The shard that it is of the run, if not all of it.
     pub shard: Option<Shard>,
+    /// Whether the result is read back later, and so has a checksum beside it.
+    pub is_read_back: bool,
 }
 
 pub(super) fn run(arguments: &RunArguments) -> Result<(), Failure> {
@@ -67,15 +69,15 @@ pub(super) fn run(arguments: &RunArguments) -> Result<(), Failure> {
     }
     let Document { mut scene, sweep } = document;
     if let Some(sweep) = sweep {
-        return sweep::run(&sweep, arguments);
+        return sweep::run(&sweep, &scene, arguments);
     }
     override_ensemble(&mut scene, arguments.sitting.replicas, arguments.sitting.seed)?;
     let output = output_of(arguments);
-    refuse_own_scene(&arguments.scene, &output)?;
     let session = Session::new(&arguments.sitting.execution, arguments.sitting.checkpoint)?;
-    let claim = Claim::new(&output)?;
+    let claim = Claim::new(&output, &files_of(&arguments.scene, &scene))?;
     let manner = arguments.sitting.manner();
-    let task = Task { source: &arguments.scene, output: &output, claim: &claim, manner, shard: None };
+    let task =
+        Task { source: &arguments.scene, output: &output, claim: &claim, manner, shard: None, is_read_back: false };
     match run_scene(scene, &task, &session, Progress::new(session.quiet))? {
         Some(results) => print_of(&output, &summary(&results)),
         None => {
@@ -326,5 +328,8 @@ pub(super) fn write(
     }
     write_results(&mut writer, results)?;
     writer.finish()?;
+    if task.is_read_back {
+        checksum::keep(task.claim)?;
+    }
     Ok(true)
 }

@@ -6,7 +6,7 @@ use super::points::Points;
 use super::record::{write_about, write_model};
 use super::run::{Groundwork, Laws, Sampled, Session, Task};
 use super::sampling::override_ensemble;
-use super::{Failure, RunArguments, print_of, refuse_own_scene};
+use super::{Failure, RunArguments, files_of, print_of};
 use crate::engine::{Shard, batches_of, replicas_of};
 use crate::output::checkpoint::{Checkpoint, Journal, Visit, forget};
 use crate::output::progress::Progress;
@@ -22,7 +22,6 @@ use std::sync::atomic::Ordering;
 
 pub(super) fn run(shard: Shard, document: Document, arguments: &RunArguments) -> Result<(), Failure> {
     let output = output_of(shard, arguments);
-    refuse_own_scene(&arguments.scene, &output)?;
     let Document { mut scene, sweep } = document;
     override_ensemble(&mut scene, arguments.sitting.replicas, arguments.sitting.seed)?;
     if scene.stopping.is_some() {
@@ -30,7 +29,7 @@ pub(super) fn run(shard: Shard, document: Document, arguments: &RunArguments) ->
         return Err(Failure::Usage(format!("{}: {problem}", arguments.scene.display())));
     }
     let session = Session::new(&arguments.sitting.execution, arguments.sitting.checkpoint)?;
-    let claim = Claim::new(&output)?;
+    let claim = Claim::new(&output, &files_of(&arguments.scene, &scene))?;
     let work = Work { shard, arguments, session: &session, claim: &claim, output: &output };
     let made = match &sweep {
         None => work.one(scene)?,
@@ -148,7 +147,7 @@ impl Work<'_> {
     ) -> Result<T, E> {
         match &part.name {
             None => work(self.claim),
-            Some(name) => work(&Claim::new(name)?),
+            Some(name) => work(&Claim::within(name.clone())?),
         }
     }
 
@@ -158,7 +157,8 @@ impl Work<'_> {
         let count = replicas.end - replicas.start;
         self.with_claim(part, |claim| {
             let output = part.name.as_deref().unwrap_or(self.output);
-            let task = Task { source: &self.arguments.scene, output, claim, manner, shard: Some(self.shard) };
+            let (source, shard) = (&self.arguments.scene, Some(self.shard));
+            let task = Task { source, output, claim, manner, shard, is_read_back: false };
             let laws = Laws::new(&part.scene, task.source)?;
             laws.require(&part.scene, count, &task, self.session.pool.current_num_threads())?;
             let run = Run { scene: &part.scene, shard: task.shard };

@@ -4,7 +4,7 @@ use super::format::{row, si};
 use super::points::Points;
 use super::record::{write_about, write_model};
 use super::run::{Session, output_of};
-use super::{Failure, RunArguments, print_of, refuse_own_scene};
+use super::{Failure, RunArguments, files_of, print_of};
 use crate::engine::SCALARS;
 use crate::output::checkpoint::Identity;
 use crate::output::reader::Reader;
@@ -19,11 +19,10 @@ use crate::validation::{Difference, SIGNIFICANCE, Verdict, disagreeing, overall}
 use std::path::Path;
 use std::sync::atomic::Ordering;
 
-pub(super) fn run(sweep: &Sweep, arguments: &RunArguments) -> Result<(), Failure> {
+pub(super) fn run(sweep: &Sweep, first: &Scene, arguments: &RunArguments) -> Result<(), Failure> {
     let output = output_of(arguments);
-    refuse_own_scene(&arguments.scene, &output)?;
     let session = Session::new(&arguments.sitting.execution, arguments.sitting.checkpoint)?;
-    let claim = Claim::new(&output)?;
+    let claim = Claim::new(&output, &files_of(&arguments.scene, first))?;
     let points = Points::new(sweep, &arguments.scene, &claim, &arguments.sitting, None);
     points.require(session.pool.current_num_threads())?;
     let identity = points.identity(sweep.source())?;
@@ -78,7 +77,7 @@ fn assembled(
     partial: bool,
 ) -> Result<Option<Vec<Row>>, OutputError> {
     let sweep = points.sweep;
-    let files: Vec<_> = (0..sweep.count()).map(|point| Some(points.file(point)).filter(|file| file.exists())).collect();
+    let files = points.intact()?;
     let places: Vec<_> = (0..sweep.count()).map(|point| sweep.place(point)).collect();
     let mut writer = Writer::create(&SWEEP, points.claim, points.manner.force)?;
     write_about(&writer, &scene.title, &identity.scene)?;

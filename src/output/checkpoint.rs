@@ -9,7 +9,7 @@
 //! of the rest, each little-endian, and the rest in the Postcard format. The words of a record are little-endian, 8 bytes each.
 
 use super::OutputError;
-use super::claim::{Claim, flush_names};
+use super::claim::{Claim, flush_names, made_anew, unlinked};
 use crate::engine::Shard;
 use crc32fast::Hasher;
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
@@ -209,9 +209,7 @@ impl Journal {
             let problem = "is not of stiction, but has the name of what a run keeps; move it".to_owned();
             return Err(OutputError::NotACheckpoint { path, problem });
         }
-        let mut options = File::options();
-        options.create(true).truncate(true).read(true).write(true);
-        let made = options.open(&path).and_then(|mut file| file.write_all(RECORDS).map(|()| file));
+        let made = made_anew(&path).and_then(|mut file| file.write_all(RECORDS).map(|()| file));
         let file = made.map_err(|error| OutputError::Io { action: "cannot make", path: path.clone(), error })?;
         Ok(Self::new(claim, path, file, record_length))
     }
@@ -232,7 +230,7 @@ impl Journal {
         if !path.metadata().map_err(unreadable)?.is_file() {
             return Err(refused("is not a file".to_owned()));
         }
-        let file = File::options().read(true).write(true).open(&path).map_err(unreadable)?;
+        let file = unlinked().open(&path).map_err(unreadable)?;
         if checkpoint.record_length != record_length as u64 {
             return Err(refused(format!("has records of {} words, not of {record_length}", checkpoint.record_length)));
         }
@@ -332,7 +330,7 @@ impl Journal {
     }
 
     fn replace(&self, bytes: &[u8]) -> std::io::Result<()> {
-        let mut file = File::create(&self.unfinished)?;
+        let mut file = made_anew(&self.unfinished)?;
         file.write_all(bytes)?;
         file.sync_all()?;
         drop(file);
@@ -394,7 +392,16 @@ impl Journal {
 
 impl Records for Journal {
     fn records(&mut self, visit: &mut Visit<'_>) -> Result<(), OutputError> {
-        self.each_record(|words, _| visit(words))?;
+        let (mut checksum, mut are_all) = (Hasher::new(), true);
+        self.each_record(|words, bytes| {
+            checksum.update(bytes);
+            are_all = visit(words)?;
+            Ok(are_all)
+        })?;
+        if are_all && checksum.finalize() != self.checksum.clone().finalize() {
+            let error = std::io::Error::other("its checksum is not that of what was written");
+            return Err(self.failed("cannot read", &self.path, error));
+        }
         let end = self.file.seek(SeekFrom::End(0));
         end.map(|_| ()).map_err(|error| self.failed("cannot read", &self.path, error))
     }
@@ -527,7 +534,7 @@ mod tests {
     #[test]
     fn records_come_back_as_the_checkpoint_counts_them() {
         let folder = tempfile::tempdir().unwrap();
-        let claim = Claim::new(&folder.path().join("out.h5")).unwrap();
+        let claim = Claim::new(&folder.path().join("out.h5"), &[]).unwrap();
         let mut journal = Journal::begin(&claim, 2).unwrap();
         journal.append(&[1, 2, 3, 4]).unwrap();
         journal.save(&identity(), 0.5, 0, 77_u64).unwrap();

@@ -2,12 +2,18 @@
 
 use super::OutputError;
 use std::ffi::OsString;
-use std::fs::{File, TryLockError};
-use std::io::{Read, Write};
+use std::fs::{File, OpenOptions, TryLockError};
+use std::io::{ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
 
 /// Most symbolic links from one to the next.
 const MOST_LINKS: usize = 40;
+/// What the names of the files end with that are kept beside an output while it is made.
+const BESIDE: [&str; 3] = [".checkpoint", ".checkpoint.replicas", ".points"];
+/// The same of hidden ones.
+const HIDDEN: [&str; 3] = [".lock", ".partial", ".checkpoint.partial"];
+/// The longest path within the folder of the points.
+const DEEPEST: &str = ".points/.0000.h5.checkpoint.partial";
 
 /// An output that this program may make, and no other at the same time: it holds the lock on a hidden file beside it. Dropped, it leaves
 /// neither lock nor file.
@@ -20,12 +26,28 @@ pub struct Claim {
 }
 
 impl Claim {
-    /// Claims an output. A symbolic link stands for the file that it leads to.
+    /// Claims an output of what is computed from `inputs`. A symbolic link stands for the file that it leads to.
     ///
     /// # Errors
-    /// [`OutputError`] when its folder is missing or not writable, when it names what is no file, or when another run has claimed it.
-    pub fn new(output: &Path) -> Result<Self, OutputError> {
+    /// [`OutputError`] when it or a file beside it is one of the inputs, when its name cannot be written, its folder is missing or not
+    /// writable, when it names what is no file, or when another run has claimed it.
+    pub fn new(output: &Path, inputs: &[PathBuf]) -> Result<Self, OutputError> {
         let output = followed(output);
+        refuse_name(&output)?;
+        inputs.iter().try_for_each(|input| refuse_input(&output, input))?;
+        Self::of_file(output)
+    }
+
+    /// Claims an output in a folder of this program's own, where no name is a symbolic link.
+    ///
+    /// # Errors
+    /// As [`Claim::new`].
+    pub fn within(output: PathBuf) -> Result<Self, OutputError> {
+        refuse_link(&output)?;
+        Self::of_file(output)
+    }
+
+    fn of_file(output: PathBuf) -> Result<Self, OutputError> {
         let folder = match output.parent() {
             Some(folder) if folder != Path::new("") => folder,
             _ => Path::new("."),
@@ -39,6 +61,7 @@ impl Claim {
         if output.exists() && !output.is_file() {
             return Err(OutputError::NotAFile(output));
         }
+        kept(&output).try_for_each(|name| refuse_link(&name))?;
         let not_writable = |error| OutputError::NotWritable { folder: folder.to_owned(), error };
         if !can_be_renamed_to(&output, folder).map_err(not_writable)? {
             return Err(OutputError::OtherFileSystem(output));
@@ -104,6 +127,85 @@ fn named(output: &Path, prefix: &str, suffix: &str) -> PathBuf {
     output.with_file_name(name)
 }
 
+/// What is kept beside an output while it is made.
+fn kept(output: &Path) -> impl Iterator<Item = PathBuf> {
+    let beside = BESIDE.into_iter().map(|suffix| named(output, "", suffix));
+    beside.chain(HIDDEN.into_iter().map(|suffix| named(output, ".", suffix)))
+}
+
+/// Refuses an output whose name HDF5 does not take, or which the file system does not with all that is kept beside it.
+fn refuse_name(output: &Path) -> Result<(), OutputError> {
+    let refused = |problem| Err(OutputError::NoName { path: output.to_owned(), problem });
+    if output.to_str().is_none() {
+        return refused("is not UTF-8, which HDF5 needs");
+    }
+    let is_too_long =
+        |path: PathBuf| path.symlink_metadata().is_err_and(|error| error.kind() == ErrorKind::InvalidFilename);
+    if kept(output).chain([named(output, "", DEEPEST)]).any(is_too_long) {
+        return refused("is too long with the endings of the files that are kept beside it");
+    }
+    Ok(())
+}
+
+/// Refuses an output that is what it is made from, or that would be kept in its place while it is made.
+fn refuse_input(output: &Path, input: &Path) -> Result<(), OutputError> {
+    if is_same(output, input) {
+        return Err(OutputError::IsInput { output: output.to_owned(), input: input.to_owned() });
+    }
+    let points = resolved(&named(output, "", ".points"));
+    let is_point = points.zip(resolved(input)).is_some_and(|(points, input)| input.starts_with(points));
+    if is_point || kept(output).any(|name| is_same(&name, input)) {
+        return Err(OutputError::KeepsInput { output: output.to_owned(), input: input.to_owned() });
+    }
+    Ok(())
+}
+
+/// Whether two paths lead to one file, by whatever names, or would if it were there.
+fn is_same(one: &Path, other: &Path) -> bool {
+    #[cfg(unix)]
+    if let (Ok(one), Ok(other)) = (one.metadata(), other.metadata()) {
+        return identity(&one) == identity(&other);
+    }
+    resolved(one).is_some_and(|one| Some(one) == resolved(other))
+}
+
+/// The path without links and detours of a file that need not exist, in a folder that does.
+fn resolved(path: &Path) -> Option<PathBuf> {
+    path.canonicalize().ok().or_else(|| {
+        let folder = path.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."));
+        Some(folder.canonicalize().ok()?.join(path.file_name()?))
+    })
+}
+
+/// Refuses a name that is a symbolic link, which could lead to any file.
+fn refuse_link(name: &Path) -> Result<(), OutputError> {
+    match name.symlink_metadata() {
+        Ok(metadata) if metadata.is_symlink() => Err(OutputError::Link(name.to_owned())),
+        _ => Ok(()),
+    }
+}
+
+/// How a file of that very name is opened, and none that a symbolic link leads to.
+pub(super) fn unlinked() -> OpenOptions {
+    let mut options = File::options();
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::OpenOptionsExt;
+        options.custom_flags(rustix::fs::OFlags::NOFOLLOW.bits().cast_signed());
+    }
+    options.read(true).write(true);
+    options
+}
+
+/// A new file in the place of whatever has the name: neither links nor other names of that are followed.
+pub(super) fn made_anew(name: &Path) -> std::io::Result<File> {
+    match std::fs::remove_file(name) {
+        Err(error) if error.kind() != ErrorKind::NotFound => return Err(error),
+        _ => {}
+    }
+    unlinked().create_new(true).open(name)
+}
+
 /// Where symbolic links lead, to a file that need not exist.
 fn followed(output: &Path) -> PathBuf {
     let mut output = output.to_owned();
@@ -130,7 +232,7 @@ fn can_be_renamed_to(output: &Path, folder: &Path) -> std::io::Result<bool> {
 /// The locked file of a name, with the number of this process in it; or, if another process holds it, that one's, as far as it can be read.
 fn locked(name: &Path) -> std::io::Result<Result<File, String>> {
     loop {
-        let mut file = File::options().create(true).truncate(false).read(true).write(true).open(name)?;
+        let mut file = unlinked().create(true).open(name)?;
         match file.try_lock() {
             Ok(()) => {}
             Err(TryLockError::WouldBlock) => {
@@ -143,8 +245,10 @@ fn locked(name: &Path) -> std::io::Result<Result<File, String>> {
         }
         // The one that held it may have removed the name since it was opened.
         if still_named(&file, name) {
-            // For the message to others only, so a full disk is no reason to stop here.
-            let _ = file.set_len(0).and_then(|()| write!(file, "{}", std::process::id()));
+            // For the message to others only, so a full disk is no reason to stop here; nor is it worth a file with another name.
+            if has_one_name(&file) {
+                let _ = file.set_len(0).and_then(|()| write!(file, "{}", std::process::id()));
+            }
             return Ok(Ok(file));
         }
     }
@@ -153,16 +257,34 @@ fn locked(name: &Path) -> std::io::Result<Result<File, String>> {
 fn still_named(file: &File, name: &Path) -> bool {
     #[cfg(unix)]
     {
-        use std::os::unix::fs::MetadataExt;
-        let identity = |metadata: std::fs::Metadata| (metadata.dev(), metadata.ino());
-        match (file.metadata(), name.metadata()) {
-            (Ok(opened), Ok(named)) => identity(opened) == identity(named),
+        match (file.metadata(), name.symlink_metadata()) {
+            (Ok(opened), Ok(named)) => identity(&opened) == identity(&named),
             _ => false,
         }
     }
     #[cfg(not(unix))]
     {
         let _ = (file, name);
+        true
+    }
+}
+
+/// Tells a file from all others.
+#[cfg(unix)]
+fn identity(metadata: &std::fs::Metadata) -> (u64, u64) {
+    use std::os::unix::fs::MetadataExt;
+    (metadata.dev(), metadata.ino())
+}
+
+fn has_one_name(file: &File) -> bool {
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::MetadataExt;
+        file.metadata().is_ok_and(|metadata| metadata.nlink() == 1)
+    }
+    #[cfg(not(unix))]
+    {
+        let _ = file;
         true
     }
 }
@@ -175,12 +297,12 @@ mod tests {
     fn one_at_a_time_and_nothing_is_left() {
         let folder = tempfile::tempdir().unwrap();
         let output = folder.path().join("out.h5");
-        let first = Claim::new(&output).unwrap();
-        let Err(OutputError::Claimed { process, .. }) = Claim::new(&output) else { panic!("claimed twice") };
+        let first = Claim::new(&output, &[]).unwrap();
+        let Err(OutputError::Claimed { process, .. }) = Claim::new(&output, &[]) else { panic!("claimed twice") };
         assert_eq!(process, std::process::id().to_string());
-        let _other = Claim::new(&folder.path().join("other.h5")).unwrap();
+        let _other = Claim::new(&folder.path().join("other.h5"), &[]).unwrap();
         drop(first);
-        let _again = Claim::new(&output).unwrap();
+        let _again = Claim::new(&output, &[]).unwrap();
         drop((_other, _again));
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
     }
@@ -192,12 +314,12 @@ mod tests {
         let path = |name: &str| folder.path().join(name);
         std::fs::create_dir(path("far")).unwrap();
         std::os::unix::fs::symlink("far/out.h5", path("link.h5")).unwrap();
-        let claim = Claim::new(&path("link.h5")).unwrap();
+        let claim = Claim::new(&path("link.h5"), &[]).unwrap();
         assert_eq!(claim.output(), path("far/out.h5"));
         assert_eq!(claim.hidden(".partial"), path("far/.out.h5.partial"));
         assert_eq!(claim.folder(), path("far"));
-        assert!(matches!(Claim::new(Path::new("/dev/null")), Err(OutputError::NotAFile(_))));
-        assert!(matches!(Claim::new(&path("far")), Err(OutputError::IsFolder(_))));
-        assert!(matches!(Claim::new(&path("none/out.h5")), Err(OutputError::NoFolder(_))));
+        assert!(matches!(Claim::new(Path::new("/dev/null"), &[]), Err(OutputError::NotAFile(_))));
+        assert!(matches!(Claim::new(&path("far"), &[]), Err(OutputError::IsFolder(_))));
+        assert!(matches!(Claim::new(&path("none/out.h5"), &[]), Err(OutputError::NoFolder(_))));
     }
 }

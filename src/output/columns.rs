@@ -19,11 +19,16 @@ impl Beside {
     pub fn scene(path: &Path) -> Self {
         Self { folder: path.parent().unwrap_or(Path::new("")).to_owned() }
     }
+
+    /// Where a file is that the scene names.
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.folder.join(name)
+    }
 }
 
 impl Files for Beside {
     fn column(&self, path: &str, column: &Column) -> Result<Vec<f64>, String> {
-        let path = self.folder.join(path);
+        let path = self.path(path);
         let named = |problem: String| format!("the file {} {problem}", path.display());
         match column {
             Column::Dataset(dataset) => numbers_of_dataset(&path, dataset),
@@ -34,7 +39,7 @@ impl Files for Beside {
     }
 
     fn asperities(&self, path: &str) -> Result<Measured, String> {
-        let file = asperities::read(&self.folder.join(path)).map_err(|error| error.to_string())?;
+        let file = asperities::read(&self.path(path)).map_err(|error| error.to_string())?;
         Ok(Measured {
             heights: file.heights,
             radii: file.radii,
@@ -47,7 +52,7 @@ impl Files for Beside {
 /// A dataset of numbers, whatever its shape.
 fn numbers_of_dataset(path: &Path, name: &str) -> Result<Vec<f64>, String> {
     let length = guard::length(path)?;
-    let file = hdf5::File::open(path).map_err(|_| guard::not_opened(path))?;
+    let file = guard::open(path)?;
     let dataset = guard::dataset(&file, name)?;
     is_kind_of::<f64>(&dataset)
         .and_then(|()| fits(&dataset, length))

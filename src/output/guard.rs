@@ -4,6 +4,7 @@
 use hdf5::plist::dataset_create::Layout;
 use hdf5::types::TypeDescriptor;
 use hdf5::{Container, Dataset, File, Group, H5Type, IndexType, IterationOrder, LinkType};
+use std::fs::TryLockError;
 use std::path::Path;
 
 /// Bytes that a byte of a file can hold at most: deflate makes no more of one.
@@ -27,8 +28,29 @@ pub(super) fn length(path: &Path) -> Result<u64, String> {
     if metadata.len() == 0 { Err("is empty".to_owned()) } else { Ok(metadata.len()) }
 }
 
+/// An HDF5 file for reading, without a lock of its own: files are replaced as a whole here, and locks of readers stand in the way of others.
+///
+/// # Errors
+/// Why libhdf5 does not open it, or that another program has it open for writing.
+pub(super) fn open(path: &Path) -> Result<File, String> {
+    if path.to_str().is_none() {
+        return Err("cannot be read: its name is not UTF-8, which HDF5 needs; rename it".to_owned());
+    }
+    if is_locked(path) {
+        return Err("is locked: another program has it open for writing; close it there, or read a copy".to_owned());
+    }
+    File::with_options().with_fapl(|access| access.file_locking(false)).open(path).map_err(|_| not_opened(path))
+}
+
+/// Whether a file has the lock that libhdf5 takes for writing, unless its users have turned locks off as libhdf5 lets them.
+fn is_locked(path: &Path) -> bool {
+    let are_off = std::env::var_os("HDF5_USE_FILE_LOCKING").is_some_and(|value| value == "FALSE" || value == "0");
+    let lock = std::fs::File::open(path).map(|file| file.try_lock_shared());
+    !are_off && matches!(lock, Ok(Err(TryLockError::WouldBlock)))
+}
+
 /// Why libhdf5 does not open a file.
-pub(super) fn not_opened(path: &Path) -> String {
+fn not_opened(path: &Path) -> String {
     use std::io::Read;
     let mut beginning = [0; 8];
     let read = std::fs::File::open(path).and_then(|mut file| file.read_exact(&mut beginning));

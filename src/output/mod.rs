@@ -4,6 +4,7 @@
 pub mod asperities;
 mod attributes;
 pub mod checkpoint;
+pub mod checksum;
 mod claim;
 pub mod columns;
 mod guard;
@@ -39,6 +40,36 @@ pub enum OutputError {
     /// Something is mounted on the output, so no file of its folder can take its name.
     #[error("{} is on another file system than its folder; name a file beside it with -o", .0.display())]
     OtherFileSystem(PathBuf),
+    /// The name of the output cannot be written.
+    #[error("the name {} {problem}; give another name with -o", path.display())]
+    NoName {
+        /// The output.
+        path: PathBuf,
+        /// Why not.
+        problem: &'static str,
+    },
+    /// The output is what it is made from.
+    #[error("{} is {}, which this command reads; give another name with -o", output.display(), input.display())]
+    IsInput {
+        /// The output.
+        output: PathBuf,
+        /// What it is.
+        input: PathBuf,
+    },
+    /// What is kept beside the output is what it is made from.
+    #[error(
+        "{} has the name of what is kept beside {}, and this command reads it; give another name with -o",
+        input.display(), output.display()
+    )]
+    KeepsInput {
+        /// The output.
+        output: PathBuf,
+        /// What would be in the way.
+        input: PathBuf,
+    },
+    /// A name of this program's own files is a symbolic link.
+    #[error("{} is a symbolic link where this program keeps files of its own; remove it, or give another name with -o", .0.display())]
+    Link(PathBuf),
     /// Another run makes the output.
     #[error("another run makes {} (process {process}); wait for it, or give another name with -o", output.display())]
     Claimed {

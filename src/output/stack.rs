@@ -4,10 +4,10 @@
 //! that a point does not have is empty there, with 0 asperities and 0 force; all else that a point does not have is NaN, or 0 for
 //! whole numbers. Points are read one after the other.
 
-use super::OutputError;
 use super::attributes::text;
 use super::schema::{Dimension, RUN, Variable};
 use super::writer::{CURVE_CHUNK, Writer};
+use super::{OutputError, guard};
 use hdf5::types::{TypeDescriptor, VarLenUnicode};
 use hdf5::{Dataset, File, H5Type};
 use std::collections::BTreeMap;
@@ -80,7 +80,7 @@ fn stacked() -> impl Iterator<Item = &'static Variable> {
 }
 
 fn opened(path: &PathBuf) -> Result<File, OutputError> {
-    File::open(path).map_err(|_| OutputError::NotAResult { path: path.clone(), problem: "cannot be read".to_owned() })
+    guard::open(path).map_err(|problem| OutputError::NotAResult { path: path.clone(), problem })
 }
 
 fn found(file: &File, variable: &Variable) -> Option<Dataset> {

@@ -1,7 +1,7 @@
 //! Writing a result: under a temporary name beside the output, and under its own name only when it is complete.
 
 use super::attributes::{write_number, write_numbers, write_text};
-use super::claim::flush_names;
+use super::claim::{flush_names, made_anew};
 use super::scales::{attach_scale, make_scale};
 use super::schema::{Dimension, Layout};
 use super::{Claim, OutputError};
@@ -36,12 +36,11 @@ impl<'c> Writer<'c> {
     pub fn create(layout: &'static Layout, claim: &'c Claim, force: bool) -> Result<Self, OutputError> {
         claim.check(force)?;
         let temporary = claim.hidden(".partial");
+        let failed = |error| OutputError::Io { action: "cannot make", path: claim.output().to_owned(), error };
+        // HDF5 follows links; what it opens then is the file of that very name.
+        made_anew(&temporary).map_err(failed)?;
+        let temporary = TempPath::try_from_path(temporary).map_err(failed)?;
         let file = File::create(&temporary)?;
-        let temporary = TempPath::try_from_path(temporary).map_err(|error| OutputError::Io {
-            action: "cannot make",
-            path: claim.output().to_owned(),
-            error,
-        })?;
         write_text(&file, "format", layout.format)?;
         write_numbers(&file, "format_version", &layout.version)?;
         for group in layout.groups {

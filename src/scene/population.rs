@@ -393,7 +393,7 @@ fn measured(section: &Section<'_>, entry: &Entry<'_>, files: &dyn Files) -> Resu
     if !(FEWEST..=MOST_VALUES).contains(&heights.len()) {
         return Err(path.wrong(&format!("has {} asperities; {FEWEST} to {MOST_VALUES} are needed", heights.len())));
     }
-    let inputs = vec![Input::new(name, &[&heights, &radii])];
+    let inputs = vec![Input::new(name, &[&heights, &radii, &[nominal_area, surface_height_std]])];
     let count = heights.len() as f64;
     let mean = heights.iter().sum::<f64>() / count;
     let area = section.get("nominal_area");

@@ -4,7 +4,7 @@ mod record;
 mod summary;
 
 use super::apart::{apart_within, is_apart};
-use super::{AsperitiesArguments, Failure, print, print_of, refuse_own, resources};
+use super::{AsperitiesArguments, Failure, print, print_of, resources};
 use crate::output::Claim;
 use crate::output::maps::{self, MOST_PIXELS, MapFormat, RawMap};
 use crate::output::schema::ASPERITIES;
@@ -42,10 +42,7 @@ pub(super) fn asperities(arguments: &AsperitiesArguments) -> Result<(), Failure>
             return Ok(());
         }
     }
-    if let Some(output) = output {
-        refuse_own(map, "map", output)?;
-    }
-    let claim = output.map(|output| Claim::new(output)).transpose()?;
+    let claim = output.map(|output| Claim::new(output, std::slice::from_ref(map))).transpose()?;
     claim.as_ref().map_or(Ok(()), |claim| claim.check(arguments.force))?;
     let surface = surface(arguments, most)?;
     if let Some(claim) = &claim {

@@ -7,7 +7,7 @@ use super::asperity::find;
 use super::format::percent;
 use super::results::integral_features;
 use super::sampling::{Sampling, basis_of, cross_check, interruption, override_ensemble, thread_pool};
-use super::{CompareArguments, Failure, law_of, print, print_of, read_scene, refuse_own_scene, resources};
+use super::{CompareArguments, Failure, files_of, law_of, print, print_of, read_scene, resources};
 use crate::asperity::emd::Emd;
 use crate::asperity::laws::fit::FORCES;
 use crate::asperity::models::Model;
@@ -91,10 +91,8 @@ pub(super) fn compare(arguments: &CompareArguments) -> Result<(), Failure> {
     scene.instability = Instability::default();
     let laws: Vec<Box<dyn Law>> =
         models.iter().map(|model| law_of(&scene, model, &arguments.scene)).collect::<Result<_, _>>()?;
-    if let Some(output) = &arguments.output {
-        refuse_own_scene(&arguments.scene, output)?;
-    }
-    let claim = arguments.output.as_ref().map(|output| Claim::new(output)).transpose()?;
+    let inputs = files_of(&arguments.scene, &scene);
+    let claim = arguments.output.as_ref().map(|output| Claim::new(output, &inputs)).transpose()?;
     claim.as_ref().map_or(Ok(()), |claim| claim.check(arguments.execution.force))?;
     let pool = thread_pool(arguments.execution.threads)?;
     if arguments.ensemble {

@@ -9,7 +9,7 @@ use super::results::{Partial, Results, Told};
 use super::run::{Groundwork, Laws, Session, Task, write};
 use super::sampling::override_ensemble;
 use super::summary::summary;
-use super::{Failure, MergeArguments, print_of, refuse_own, sweep};
+use super::{Failure, MergeArguments, files_of, print_of, sweep};
 use crate::engine::Forest;
 use crate::output::checkpoint::{Checkpoint, Records, Visit};
 use crate::output::progress::Progress;
@@ -23,16 +23,15 @@ use whole::{Found, Place, WholeRun};
 
 pub(super) fn merge(arguments: &MergeArguments) -> Result<(), Failure> {
     let MergeArguments { shards, output, partial, scene, .. } = arguments;
-    shards.iter().try_for_each(|shard| refuse_own(shard, "shard", output))?;
     let session = Session::new(&arguments.execution, Duration::MAX)?;
-    let claim = Claim::new(output)?;
+    let run = WholeRun::new(shards, *partial, scene.as_deref())?;
+    let claim = Claim::new(output, &[&shards[..], &files_of(&run.source, &run.document.scene)].concat())?;
     let manner = Manner { resume: false, force: arguments.execution.force };
     claim.check(manner.force)?;
-    let run = WholeRun::new(shards, *partial, scene.as_deref())?;
     let merge = Merge { run: &run, session: &session };
     let text = match &run.document {
         Document { scene, sweep: None } => {
-            let task = Task { source: &run.source, output, claim: &claim, manner, shard: None };
+            let task = Task { source: &run.source, output, claim: &claim, manner, shard: None, is_read_back: false };
             let mut scene = scene.clone();
             override_ensemble(&mut scene, Some(run.identity.replicas), Some(run.identity.seed))?;
             beginning(&claim, Run { scene: &scene, shard: None }, manner)?;
@@ -80,9 +79,10 @@ impl Merge<'_> {
     fn each_point(&self, points: &Points<'_>) -> Result<(), Failure> {
         for (point, places) in self.run.places.iter().enumerate().filter(|(_, places)| !places.is_empty()) {
             let output = points.file(point);
-            let claim = Claim::new(&output)?;
+            let claim = Claim::within(output.clone())?;
             let manner = Manner { resume: false, force: false };
-            let task = Task { source: points.source, output: &output, claim: &claim, manner, shard: None };
+            let source = points.source;
+            let task = Task { source, output: &output, claim: &claim, manner, shard: None, is_read_back: true };
             let name = format!("point {} of {}", point + 1, points.sweep.count());
             let progress = Progress::of_run(self.session.quiet, name);
             let merged = self.point(points.scene(point)?, places, &task, progress);
@@ -188,10 +188,11 @@ impl Piece<'_> {
         let bytes = file.state(self.place.1)?;
         let checkpoint = Checkpoint::<State>::decode(&bytes).map_err(|problem| self.refused(&problem))?;
         let run = Run { scene, shard: self.shard().identity.shard };
-        match is_of(run, &checkpoint) {
-            Ok(()) => Ok(checkpoint),
-            Err(problem) => Err(self.refused(&problem)),
+        is_of(run, &checkpoint).map_err(|problem| self.refused(&problem))?;
+        if checkpoint.state.replicas(scene.replicas) != self.found().replicas {
+            return Err(self.refused("says that it has other replicas than it has"));
         }
+        Ok(checkpoint)
     }
 
     fn refused(&self, problem: &str) -> Failure {
@@ -210,8 +211,13 @@ impl Records for Pieces<'_> {
     fn records(&mut self, visit: &mut Visit<'_>) -> Result<(), OutputError> {
         for &place in self.places {
             let piece = Piece { run: self.run, place };
-            if piece.open()?.records(place.1, self.length, visit)?.is_none() {
-                break;
+            let file = piece.open()?;
+            let checkpoint =
+                Checkpoint::<State>::decode(&file.state(place.1)?).map_err(|problem| file.broken(problem))?;
+            match file.records(place.1, self.length, visit)? {
+                None => break,
+                Some(checksum) if checksum == checkpoint.records_checksum => {}
+                Some(_) => return Err(file.broken("is damaged: the checksum of its records is wrong".to_owned())),
             }
         }
         Ok(())

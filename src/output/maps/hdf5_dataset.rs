@@ -12,7 +12,7 @@ use std::path::Path;
 const MOST_NAMES: usize = 12;
 
 pub(super) fn read(path: &Path, length: u64, name: Option<&str>, most: u64) -> Result<RawMap, String> {
-    let file = File::open(path).map_err(|_| guard::not_opened(path))?;
+    let file = guard::open(path)?;
     let name = match name {
         Some(name) => name.to_owned(),
         None => only_map(&file)?,

@@ -206,15 +206,18 @@ fn foreign_files_among_the_points_are_left_alone() {
 /// Names that HDF5 or the file system does not take are refused before anything is computed.
 #[test]
 fn names_that_cannot_be_written_are_refused_at_once() {
-    // A run of hours, were it begun.
-    let endless = small().replace("replicas = 40", "replicas = 1000000").replace("\"100 um^2\"", "\"1 mm^2\"");
+    // A run of a minute, were it begun.
+    let endless = small().replace("replicas = 40", "replicas = 100000");
     let folder = Folder::new(&endless);
     let swept = endless.clone() + "\n[sweep]\nmaterial.hardness = [\"2 GPa\", \"3 GPa\"]\n";
     std::fs::write(folder.path("swept.toml"), swept).unwrap();
     std::fs::copy(MAP, folder.path("map.txt")).unwrap();
-    let before = folder.files();
     let too_long = "x".repeat(240) + ".h5";
-    let deep = "./".repeat(2040) + "out.h5";
+    // Itself of a length that can be opened, but not with what is kept beside it.
+    let folders = ("x".repeat(250) + "/").repeat(16);
+    let deep = format!("{folders}{}.h5", "x".repeat(4080 - folders.len()));
+    std::fs::create_dir_all(folder.path(&folders)).unwrap();
+    let before = folder.files();
     for (output, part) in [
         (OsStr::from_bytes(b"out\xff.h5"), "is not UTF-8"),
         (OsStr::new(&too_long), "too long"),

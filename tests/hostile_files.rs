@@ -86,6 +86,26 @@ fn what_is_no_hdf5_file_is_refused() {
     }
 }
 
+/// A file that another program writes is not damaged, and one that others read is no matter.
+#[cfg(unix)]
+#[test]
+fn a_file_that_is_being_written_is_said_to_be_locked() {
+    let folder = with_result();
+    let file = std::fs::File::open(folder.path("scene.h5")).unwrap();
+    // Cargo turns the locks of libhdf5 off for tests.
+    let validate = |locks: Option<&str>| {
+        let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_stiction"));
+        command.args(["validate", "scene.h5"]).current_dir(folder.path("")).env_remove("HDF5_USE_FILE_LOCKING");
+        command.envs(locks.map(|locks| ("HDF5_USE_FILE_LOCKING", locks))).output().unwrap()
+    };
+    file.lock().unwrap();
+    assert_refused(&validate(None), "scene.h5: is locked: another program has it open for writing");
+    assert_exit(&validate(Some("FALSE")), 0);
+    file.unlock().unwrap();
+    file.lock_shared().unwrap();
+    assert_exit(&validate(None), 0);
+}
+
 /// A device has no end, and a pipe that nobody writes to makes whoever opens it wait.
 #[cfg(unix)]
 #[test]

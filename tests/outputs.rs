@@ -326,11 +326,9 @@ fn all_that_is_read_of_a_file_belongs_to_the_run() {
 }
 
 /// A folder with all points of a sweep finished and not yet put together.
-fn finished(command: &str) -> Folder {
-    let folder = Folder::new(&swept());
-    if command.starts_with("finite-size") {
-        std::fs::write(folder.path("scene.toml"), tiny(&small())).unwrap();
-    }
+fn finished(command: &str, law: &str) -> Folder {
+    let scene = if command.starts_with("finite-size") { tiny(&small()) } else { swept() };
+    let folder = Folder::new(&scene.replace("hybrid", law));
     std::fs::create_dir(folder.path(".out.h5.partial")).unwrap();
     let failed = run(&folder, command, "out.h5");
     assert_exit(&failed, 1);
@@ -342,8 +340,10 @@ fn finished(command: &str) -> Folder {
 /// 120 bytes, some of each part of each point: none goes in silently, and each point is named and computed again.
 #[test]
 fn a_damaged_point_is_computed_again_and_named() {
-    for (command, rounds) in [("run scene.toml", 40), ("finite-size scene.toml --counts 10,20,40", 4)] {
-        let folder = finished(command);
+    for (command, law, rounds) in
+        [("run scene.toml", "gw", 40), ("finite-size scene.toml --counts 10,20,40", "hybrid", 3)]
+    {
+        let folder = finished(command, law);
         assert_exit(&run(&folder, command, "reference.h5"), 0);
         let reference = bits(&folder.path("reference.h5"));
         let points = [1, 2, 3].map(|point| format!("out.h5.points/000{point}.h5"));
@@ -381,7 +381,7 @@ fn a_damaged_point_is_computed_again_and_named() {
 /// A point whose checksum is missing is as good as none, and one that is whole is not computed again.
 #[test]
 fn points_that_are_whole_are_taken_as_they_are() {
-    let folder = finished("run scene.toml");
+    let folder = finished("run scene.toml", "gw");
     let modified = |name: &str| folder.path(name).metadata().unwrap().modified().unwrap();
     let before = modified("out.h5.points/0001.h5");
     for name in std::fs::read_dir(folder.path("out.h5.points")).unwrap() {

@@ -11,7 +11,7 @@ use super::{OutputError, guard};
 use hdf5::types::{TypeDescriptor, VarLenUnicode};
 use hdf5::{Dataset, File, H5Type};
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Results of `stiction run` that belong together, in the order of the points.
 pub struct Points<'a> {
@@ -79,8 +79,8 @@ fn stacked() -> impl Iterator<Item = &'static Variable> {
     RUN.variables.iter().filter(|variable| variable.scales().is_none_or(|dimension| dimension.of_points() != dimension))
 }
 
-fn opened(path: &PathBuf) -> Result<File, OutputError> {
-    guard::open(path).map_err(|problem| OutputError::NotAResult { path: path.clone(), problem })
+fn opened(path: &Path) -> Result<File, OutputError> {
+    guard::open(path).map_err(|problem| OutputError::NotAResult { path: path.to_owned(), problem })
 }
 
 fn found(file: &File, variable: &Variable) -> Option<Dataset> {

@@ -285,6 +285,30 @@ fn a_jkr_asperity_is_pulled_off_by_its_closed_form() {
     }
 }
 
+/// The same surface approached from 6 and from 8 σ: what snaps does so where it did. Under a constant load it attracts all the way, so its
+/// snap-in would begin wherever the separations do: it is none that is known.
+#[test]
+fn snaps_do_not_begin_where_the_separations_do() {
+    let (asperity, surface) = case("III");
+    let cycle = cycle("hybrid", &asperity);
+    let holding = Holding { stiffness: &[0.0, 1e7, 1e9], preload: &[], smallest_snap: 0.1e-9, ways: (true, true) };
+    let snaps = [(6.0, 141), (8.0, 181)].map(|(to, count)| {
+        let separations = separations(&surface, -1.0, to, count);
+        let job = Job {
+            protocol: Protocol { cycle: Some(&cycle), holding, ..Protocol::default() },
+            ..job(&cycle, &surface, &separations, 1)
+        };
+        one(&job).1.snaps
+    });
+    for snaps in &snaps {
+        assert!(snaps[..3].iter().all(|number| number.is_nan()), "{snaps:?}");
+        assert!(snaps[3] == 1.0 && snaps[4] < 5.0 * surface.surface_height_std && snaps[6] == 0.0, "{snaps:?}");
+    }
+    for (i, (near, far)) in snaps[0].iter().zip(&snaps[1]).enumerate() {
+        assert!((near - far).abs() <= 1e-9 * far.abs() || near.is_nan() && far.is_nan(), "{i}: {near:e} {far:e}");
+    }
+}
+
 /// The harder the surfaces are pressed together, the closer they turn, the more flows, and the later on the way back they let go.
 #[test]
 fn preloads_turn_in_their_order() {

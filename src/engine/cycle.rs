@@ -1,6 +1,6 @@
 //! The way back of one surface, and what is kept of a surface that is brought close and pulled back.
 
-use super::instability::{Holding, Snap, Turn, largest_snap, reached};
+use super::instability::{Holding, Snap, Turn, largest_snap, largest_snap_of_all, reached};
 use super::pull_off::deepest_of_parts;
 use super::replica::Summed;
 use super::{Job, Protocol};
@@ -75,7 +75,7 @@ pub(super) fn snaps(
     let mut numbers = Vec::with_capacity(holding.length());
     if holding.ways.0 {
         let inward: Vec<(f64, f64)> = job.samples(there).into_iter().rev().collect();
-        numbers.extend(of_stiffnesses(&holding, &inward));
+        numbers.extend(of_stiffnesses(&holding, &inward, largest_snap_of_all));
     }
     if cycle.is_some() && !holding.preload.is_empty() {
         for &preload in holding.preload {
@@ -83,14 +83,18 @@ pub(super) fn snaps(
         }
     } else if holding.ways.1 {
         numbers.extend(turn(job.separations[0], &pull_off).numbers());
-        numbers.extend(of_stiffnesses(&holding, &job.samples(last)));
+        numbers.extend(of_stiffnesses(&holding, &job.samples(last), largest_snap_of_all));
     }
     numbers
 }
 
-/// The largest snap on a way for each stiffness.
-fn of_stiffnesses(holding: &Holding<'_>, samples: &[(f64, f64)]) -> Vec<f64> {
-    let snap = |&stiffness: &f64| largest_snap(samples, stiffness, holding.smallest_snap).numbers();
+/// The largest snap on a way for each stiffness, by `largest` of the samples, the stiffness and the smallest snap.
+fn of_stiffnesses(
+    holding: &Holding<'_>,
+    samples: &[(f64, f64)],
+    largest: fn(&[(f64, f64)], f64, f64) -> Snap,
+) -> Vec<f64> {
+    let snap = |&stiffness: &f64| largest(samples, stiffness, holding.smallest_snap).numbers();
     holding.stiffness.iter().flat_map(snap).collect()
 }
 
@@ -110,5 +114,5 @@ fn after_preload(job: &Job<'_>, surface: &mut dyn Summed, there: &[f64], preload
     let forces = surface.back(from, &places);
     let outward: Vec<(f64, f64)> = places.into_iter().zip(forces).collect();
     let turn = turn(from, &pull_off_back(surface, from, &outward));
-    turn.numbers().into_iter().chain(of_stiffnesses(holding, &outward)).collect()
+    turn.numbers().into_iter().chain(of_stiffnesses(holding, &outward, largest_snap)).collect()
 }

@@ -301,7 +301,12 @@ const VARIABLES: &[Variable] = &[
         "external force of each replica on the way back, compressive positive",
     ),
     variable("/replicas/retraction_adhesion_force", NS, "N", "adhesion force of each replica on the way back"),
-    variable("/replicas/snap_in", ND, "1", "whether the surface snaps in (1) or not (0)"),
+    variable(
+        "/replicas/snap_in",
+        ND,
+        "1",
+        "whether the surface snaps in (1) or not (0), NaN where it is unstable at the last separation",
+    ),
     variable("/replicas/snap_in_separation", ND, "m", "separation h where the largest snap-in begins, NaN without one"),
     variable(
         "/replicas/snap_in_distance",
@@ -313,7 +318,7 @@ const VARIABLES: &[Variable] = &[
         "/replicas/snap_off",
         NPD,
         "1",
-        "whether the surface snaps off (1) or not (0), NaN where it was never turned back",
+        "whether the surface snaps off (1) or not (0), NaN where it was never turned back or is unstable at the first separation",
     ),
     variable(
         "/replicas/snap_off_separation",
@@ -336,7 +341,12 @@ const VARIABLES: &[Variable] = &[
     variable("/replicas/turned_pull_off_force", NP, "N", "pull-off force after that turn"),
     variable("/replicas/turned_pull_off_separation", NP, "m", "separation h at that pull-off"),
     variable("/instability/snap_in_count", D, "1", "replicas that snap in"),
-    variable("/instability/snap_in_probability", D, "1", "share of replicas that snap in"),
+    variable(
+        "/instability/snap_in_probability",
+        D,
+        "1",
+        "share of replicas that snap in, of those that are stable at the last separation",
+    ),
     variable(
         "/instability/snap_in_probability_low",
         D,
@@ -369,7 +379,12 @@ const VARIABLES: &[Variable] = &[
         "1",
         "replicas that snap off and that nothing within the separations stops",
     ),
-    variable("/instability/snap_off_probability", PD, "1", "share of the turned replicas that snap off"),
+    variable(
+        "/instability/snap_off_probability",
+        PD,
+        "1",
+        "share of replicas that snap off, of those that were turned back and are stable at the first separation",
+    ),
     variable(
         "/instability/snap_off_probability_low",
         PD,

@@ -79,27 +79,33 @@ fn the_way_back_is_the_sum_over_its_asperities() {
     }
 }
 
-/// Where nothing flows and the contact of an asperity has one branch, both ways are one.
+/// Where nothing flows and the contact of an asperity has one branch, both ways are one, and what they differ by is rounding: up to the λ
+/// at which contact begins to fold, 0.9379, where its root is almost triple.
 #[test]
 fn an_elastic_loop_without_a_fold_closes() {
-    let (mut asperity, surface) = case("II");
-    // λ = 0.8985 < 0.9379, and a critical interference far beyond all interferences.
-    asperity.hardness *= 100.0;
-    let cycle = cycle("hybrid", &asperity);
-    let separations = separations(&surface, -2.0, 7.0, 61);
-    let (replica, curves) = one(&job(&cycle, &surface, &separations, 1));
-    let [adhesion, contact] = [Quantity::AdhesionForce, Quantity::ContactForce].map(|q| &curves.total[q.index()]);
-    let mut path = 0.0;
-    for k in 0..61 {
-        let scale = adhesion[k] + contact[k];
-        for force in [adhesion, contact] {
-            assert!((force[k] - force[61 + k]).abs() < 1e-12 * scale, "{k}: {} {}", force[k], force[61 + k]);
+    for (name, work_of_adhesion) in [("I", 0.01), ("I", 1e-3), ("II", 0.05), ("II", 0.09), ("II", 0.0959)] {
+        let (mut asperity, surface) = case(name);
+        asperity.work_of_adhesion = work_of_adhesion;
+        // A critical interference far beyond all interferences.
+        asperity.hardness *= 1000.0;
+        let cycle = cycle("hybrid", &asperity);
+        for (from, count) in [(-2.0, 61), (1.0, 200)] {
+            let separations = separations(&surface, from, 7.0, count);
+            let (replica, curves) = one(&job(&cycle, &surface, &separations, 1));
+            let [adhesion, contact] =
+                [Quantity::AdhesionForce, Quantity::ContactForce].map(|q| &curves.total[q.index()]);
+            for k in 0..count {
+                let scale = adhesion[k] + contact[k];
+                for force in [adhesion, contact] {
+                    let back = force[count + k];
+                    assert!((force[k] - back).abs() < 1e-12 * scale, "{name} {k}: {} {back}", force[k]);
+                }
+            }
+            let kept = replica.cycle.unwrap();
+            assert_eq!(kept.dissipated_energy, 0.0, "{name}, {work_of_adhesion} J/m^2 from {from}");
+            assert!((kept.touchdown_separation / kept.takeoff_separation - 1.0).abs() < 1e-14);
         }
-        path += scale * (separations[1] - separations[0]);
     }
-    let kept = replica.cycle.unwrap();
-    assert!(kept.dissipated_energy.abs() < 1e-12 * path, "{}", kept.dissipated_energy);
-    assert!((kept.touchdown_separation / kept.takeoff_separation - 1.0).abs() < 1e-14);
 }
 
 /// So they are where a law that knows no flow ends at ω_c: what was beyond is known again on the way back.

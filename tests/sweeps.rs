@@ -168,6 +168,28 @@ fn differences_are_those_of_two_runs() {
     }
 }
 
+/// Asperities that are nowhere near to flow do not depend on the hardness: what differs between such points is the rounding of their
+/// sums, by moments over other cells. It is told as nothing, and no variance is 1e26 times as small.
+#[test]
+fn differences_below_their_rounding_are_none() {
+    let scene =
+        swept("material.hardness = [\"9 GPa\", \"7 GPa\", \"5 GPa\"]").replace("replicas = 40", "replicas = 16");
+    let folder = Folder::new(&(scene + "\n[solver]\nsum = \"compressed\"\n"));
+    let run = folder.stiction(&["run", "scene.toml"]);
+    assert_exit(&run, 0);
+    assert!(text(&run.stdout).contains("no more than the rounding of the sums"), "{}", text(&run.stdout));
+    let file = hdf5::File::open(folder.path("scene.h5")).unwrap();
+    let values = |name: &str| file.dataset(name).unwrap().read_raw::<f64>().unwrap();
+    let forces = values("/replicas/pull_off_force");
+    let (first, others) = forces.split_at(forces.len() / 3);
+    assert!(others.iter().zip(first.iter().cycle()).any(|(other, first)| other != first), "nothing to round");
+    for name in ["pull_off_force", "pull_off_separation"] {
+        assert_eq!(values(&format!("/differences/{name}_mean")), [0.0; 3], "{name}");
+        assert_eq!(values(&format!("/differences/{name}_standard_error")), [0.0; 3], "{name}");
+        assert!(values(&format!("/differences/{name}_variance_ratio")).iter().all(|ratio| ratio.is_nan()));
+    }
+}
+
 /// The seeds are outputs of SplitMix64, computed by another implementation (Python, unbounded integers), without their lowest bits.
 #[test]
 fn points_may_have_random_numbers_of_their_own() {

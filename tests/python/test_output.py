@@ -436,7 +436,8 @@ def check_stiffness(h, curve, span, stiffness, separation):
     begin = begin[(begin >= h[0]) & (begin <= h[-1] - span)]
     secant = (np.interp(begin + span, h, curve) - np.interp(begin, h, curve)) / span
     assert stiffness == pytest.approx(secant.max(), rel=1e-10)
-    assert separation == pytest.approx(begin[secant.argmax()] + 0.5 * span, rel=1e-10)
+    ends = np.interp([separation - 0.5 * span, separation + 0.5 * span], h, curve)
+    assert (ends[1] - ends[0]) / span == pytest.approx(stiffness, rel=1e-10)
 
 
 def test_features_of_each_replica(file):

@@ -280,7 +280,7 @@ const VARIABLES: &[Variable] = &[
         "/replicas/dissipated_energy",
         N,
         "J",
-        "integral of the external force over the separation, on the way there less on the way back",
+        "integral of the external force over the separation, on the way there less on the way back; 0 where it is below its rounding",
     ),
     variable(
         "/replicas/touchdown_separation",

@@ -355,3 +355,52 @@ fn intervals_hold_what_they_say_for_any_target() {
         assert!(held > 0.95 - four_deviations(SEEDS), "{limit:?}: {held}");
     }
 }
+
+/// A target of the controlled mean is decided by the error of the controlled mean: it is met where the plain error is not, and was not met
+/// at the look before, as runs of these numbers of replicas say.
+#[test]
+fn a_controlled_target_ends_by_the_controlled_error() {
+    let target = "{ quantity = \"pull_off_force\", relative_standard_error = 0.003, estimate = \"controlled\" }";
+    let folder = Folder::new(&scene(target, "min_replicas = 96\nmax_replicas = 4000"));
+    assert_exit(&folder.stiction(&["run", "scene.toml"]), 0);
+    let path = folder.path("scene.h5");
+    let count = values(&path, "/replicas/pull_off_force").len();
+    let looks = looks(96, 4000);
+    let place = looks.iter().position(|look| *look == count).expect("a look");
+    assert!(place > 0 && count < 4000, "{count}");
+    let errors = |replicas: usize| {
+        let replicas = replicas.to_string();
+        assert_exit(&folder.stiction(&["run", "scene.toml", "--replicas", &replicas, "-o", "fixed.h5", "--force"]), 0);
+        let value = |name: &str| values(&folder.path("fixed.h5"), &format!("/ensemble/{name}"))[0];
+        let mean = value("scalar_controlled_mean");
+        (value("scalar_controlled_standard_error") / mean, value("scalar_standard_error") / mean)
+    };
+    let (controlled, plain) = errors(count);
+    assert!(controlled <= 0.003 && plain > 0.004, "{controlled} {plain}");
+    assert!(errors(looks[place - 1]).0 > 0.003);
+    for name in ["mean", "standard_error"] {
+        let [target, own] = [format!("target_{name}"), format!("scalar_controlled_{name}")];
+        let [target, own] = [target, own].map(|name| values(&path, &format!("/ensemble/{name}"))[0]);
+        assert_eq!(target, own, "{name}");
+    }
+}
+
+/// A share of a mean that is negative is a share of its size: heights 20 nm lower move every pull-off 20 nm down, and its separation is
+/// below 0.
+#[test]
+fn a_share_of_a_negative_mean_is_positive() {
+    let (law, mut surface, mut separations) = tiny();
+    surface.heights.mean -= 20e-9;
+    separations.iter_mut().for_each(|h| *h -= 20e-9);
+    let job = common::job(law.as_ref(), &surface, &separations, 64);
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    let ensemble = complete(&job, run::<()>(&job, &pool, &AtomicBool::new(false), |_, _| Ok(())));
+    let scalar = stiction::engine::SCALARS.iter().position(|scalar| scalar.name == "pull_off_separation").unwrap();
+    let target = Target { quantity: scalar, estimate: Estimate::Plain, limit: Limit::Relative(0.1) };
+    let stopping = Stopping { targets: vec![target], min_replicas: 64, max_replicas: 64 };
+    let [attained] = Rule { stopping: &stopping, expected: &[] }.attained(&ensemble)[..] else { panic!("one target") };
+    let places: Vec<f64> = ensemble.replicas.iter().map(|replica| replica.pull_off_separation).collect();
+    let (mean, error) = mean_and_error(&places, places.len());
+    assert!(mean < -10e-9 && error < 0.1 * mean.abs(), "{mean:e} {error:e}");
+    assert!((attained.largest / (0.1 * mean.abs()) - 1.0).abs() < 1e-12 && attained.is_met(), "{attained:?}");
+}

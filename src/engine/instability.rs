@@ -208,6 +208,10 @@ mod tests {
         assert_eq!(reached(&h, &force, 0.5), Some((0, 0.75)));
         assert_eq!(reached(&h, &force, 2.0), Some((0, 0.0)));
         assert_eq!(reached(&h, &force, 3.0), None);
+        // Of several places the outermost: it is come to first. From (4, 0) to (3, 3) F = 1 at 11/3.
+        let places = [0.0, 1.0, 2.0, 3.0, 4.0];
+        let (_, h) = reached(&places, &[5.0, -1.0, -2.0, 3.0, 0.0], 1.0).unwrap();
+        assert!((h - 11.0 / 3.0).abs() < 1e-14, "{h}");
     }
 
     #[test]

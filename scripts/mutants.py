@@ -14,9 +14,11 @@ that, for each mutant, the tests that reach it, the quickest first, to the first
 
 import argparse
 import json
+import math
 import os
 import random
 import re
+import resource
 import shutil
 import signal
 import subprocess
@@ -34,12 +36,14 @@ TREE = PLACE / "tree"
 LEFT_OUT = ("src/cli/", "src/main.rs", "src/output/progress.rs")
 # Test programs that take long, need an emulator or another processor, or only repeat with random input what others check.
 UNUSED = {"fuzz", "processors", "terminal", "instruction_sets", "interruption", "large_surfaces"}
-# A test that takes longer than so many seconds by itself is not used.
-SLOWEST = 12.0
-# For one mutant, tests of so many seconds in all.
-BUDGET = 60.0
-# A test is ended after so many times what it takes, and some seconds.
-PATIENCE = (3.0, 3.0)
+# A test that takes more seconds of a processor by itself is not used.
+SLOWEST = 3
+# For one mutant, tests of so many seconds of a processor in all.
+BUDGET = 8.0
+# A test is ended after so many times the seconds of a processor that it takes, and some more.
+PATIENCE = (3.0, 2.0)
+# And after so many seconds, if it takes no processor.
+WAIT = 120.0
 
 SWITCH = """
 /// Whether a mutant is switched on; for scripts/mutants.py.
@@ -116,6 +120,8 @@ def edit(file, mutant, number):
     """What is inserted where: rising pairs of an offset and a text; None at the place of a copy means the text of a range."""
     genre, replacement, active = mutant["genre"], mutant["replacement"], f"crate::mutant({number})"
     if genre == "FnValue":
+        if "impl " in mutant["function"]["return_type"]:
+            raise Unfit("returns an opaque type")
         body = file.node(mutant, ("function_item",)).child_by_field_name("body")
         value = "" if replacement == "()" else f" {replacement}"
         return (body.start_byte + 1, body.start_byte + 1), lambda _: f" if {active} {{ return{value}; }} "
@@ -222,6 +228,10 @@ def cargo(arguments, **more):
     return run.returncode, [json.loads(line) for line in run.stdout.splitlines() if line.startswith("{")], run.stderr
 
 
+def switches(lines):
+    return {int(number) for number in re.findall(r"crate::mutant\((\d+)\)", "\n".join(lines))}
+
+
 def weed_out(sample):
     """Leaves out what does not compile, until the rest does."""
     while True:
@@ -235,9 +245,11 @@ def weed_out(sample):
                 continue
             for span in message.get("spans", []):
                 lines = (TREE / span["file_name"]).read_text().split("\n") if span["file_name"].startswith("src/") else []
-                text = "\n".join(lines[span["line_start"] - 1 : span["line_end"]])
-                wrong |= {int(number) for number in re.findall(r"crate::mutant\((\d+)\)", text)}
-        wrong = {number for number in wrong if "left out" not in sample[number]}
+                first, last = span["line_start"] - 1, span["line_end"]
+                own = switches(lines[first:last])
+                # An arm that is missing is told of the whole match.
+                wrong |= own or switches(lines[max(first - 12, 0) : last + 12])
+        wrong = {number for number in wrong if number < len(sample) and "left out" not in sample[number]}
         if not wrong:
             sys.exit(f"the tree does not compile: {errors[-3000:]}")
         for number in wrong:
@@ -256,22 +268,31 @@ def programs(targets):
 
 
 def run_test(program, test, limit, **environment):
-    """Runs one test by itself: whether it passes, or None when it does not end; and the seconds that it took."""
-    begun = time.monotonic()
+    """Runs one test by itself, with a limit of seconds of a processor for each of its processes: whether it passes, or None when it
+    does not end; and the seconds of a processor that it took."""
     command = [program, "--exact", test, "--test-threads", "1"]
-    own = {**os.environ, "CARGO_MANIFEST_DIR": str(TREE), **environment}
+    own = {**os.environ, "CARGO_MANIFEST_DIR": str(TREE), "RUST_BACKTRACE": "0", **environment}
+    seconds = math.ceil(limit)
     child = subprocess.Popen(
-        command, cwd=TREE, env=own, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True
+        command,
+        cwd=TREE,
+        env=own,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+        start_new_session=True,
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds)),
     )
+    begun, before = time.monotonic(), resource.getrusage(resource.RUSAGE_CHILDREN)
     try:
-        passed = child.wait(limit) == 0
+        code = child.wait(WAIT)
     except subprocess.TimeoutExpired:
-        passed = None
-    if passed is None:
         # The group of this test, and what it has started.
         os.killpg(child.pid, signal.SIGKILL)
         child.wait()
-    return passed, time.monotonic() - begun
+        return None, time.monotonic() - begun
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    taken = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    return (None if -code in (signal.SIGXCPU, signal.SIGKILL) else code == 0), taken
 
 
 def trace(names):
@@ -287,7 +308,7 @@ def trace(names):
             passed, seconds = run_test(program, test, SLOWEST, STICTION_MUTANT_TRACE=str(reached))
             numbers = {int(line) for line in reached.read_text().split()} if reached.exists() else set()
             if passed:
-                tests.append({"program": name, "path": program, "test": test, "seconds": seconds, "reaches": numbers})
+                tests.append({"program": name, "path": program, "test": test, "seconds": seconds, "reaches": sorted(numbers)})
             else:
                 print(f"not used: {name}::{test} ({'slow' if passed is None else 'fails by itself'})", flush=True)
     return sorted(tests, key=lambda test: test["seconds"])

@@ -403,7 +403,10 @@ fn what_pulls_off_after_a_preload_has_that_history() {
     let separations = separations(&surface, -0.5, 6.0, 66);
     let preload = [1e-7, 1e-6, 1e-5, 1e-4, 3e-4];
     let holding = Holding { stiffness: &[1e3], preload: &preload, smallest_snap: 0.0, ways: (true, true) };
-    let job = Job { protocol: Protocol { cycle: Some(&cycle), holding }, ..job(&cycle, &surface, &separations, 1) };
+    let job = Job {
+        protocol: Protocol { cycle: Some(&cycle), holding, ..Protocol::default() },
+        ..job(&cycle, &surface, &separations, 1)
+    };
     let (replica, curves) = one(&job);
     let mut heights = vec![0.0; 120];
     surface.heights.draw(&mut stream(job.seed, Purpose::Heights, 0), &mut heights);

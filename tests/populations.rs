@@ -410,7 +410,7 @@ fn the_error_over_radii_is_told() {
         let exact = if name == "gw" {
             of_radius(asperity.radius).map(|force| force * (-shape * shape / 8.0).exp())
         } else {
-            let midpoints = 160;
+            let midpoints = 240;
             let mut sums = [0.0; 3];
             for i in 0..midpoints {
                 let deviate = 14.0 * ((f64::from(i) + 0.5) / f64::from(midpoints) - 0.5);

@@ -155,8 +155,8 @@ impl Reached {
         }
         let [x0, x1] = [counts[last].ln(), counts[last + 1].ln()];
         let [y0, y1] = [bias[last], bias[last + 1]];
-        let share =
-            if y0 > 0.0 && y1 > 0.0 { (y0 / accuracy).ln() / (y0 / y1).ln() } else { (y0 - accuracy) / (y0 - y1) };
+        let limit = accuracy.copysign(y0);
+        let share = if y0 * y1 > 0.0 { (y0 / limit).ln() / (y0 / y1).ln() } else { (y0 - limit) / (y0 - y1) };
         if share.is_finite() { Self::Interpolated((x0 + share * (x1 - x0)).exp()) } else { Self::Unknown }
     }
 
@@ -229,5 +229,44 @@ mod tests {
         assert!((intercept / (1e-4_f64 * 5.0 / 6.0).sqrt() - 1.0).abs() < 1e-6, "{approach:?}");
         assert!((approach.degrees_of_freedom, approach.chi_squared < 1e-12) == (1, true));
         assert!(Approach::new(&counts, &[-0.1; 3], &[0.1; 3]).is_none());
+    }
+
+    /// A misfit ε(1, −1, −1, 1) of ln b at N = e⁰ to e³ is orthogonal to every line: the fit stays, to first order, with χ² = 4ε²/s² for relative
+    /// errors s and 2 degrees of freedom, and the error of the slope is s/√5, as Σ(x − x̄)² = 5, times ε√2/s.
+    #[test]
+    fn errors_grow_with_the_misfit() {
+        let (misfit, error) = (1e-3_f64, 1e-4);
+        let counts = [0.0, 1.0, 2.0, 3.0].map(f64::exp);
+        let bias: [f64; 4] = std::array::from_fn(|i| 0.3 / counts[i] * (misfit * [1.0, -1.0, -1.0, 1.0][i]).exp());
+        let approach = Approach::new(&counts, &bias, &bias.map(|b| error * b)).unwrap();
+        assert_eq!(approach.degrees_of_freedom, 2);
+        assert!((approach.chi_squared / (4.0 * (misfit / error).powi(2)) - 1.0).abs() < 1e-2, "{approach:?}");
+        let slope = misfit * (2.0_f64 / 5.0).sqrt();
+        assert!((approach.standard_errors[1] / slope - 1.0).abs() < 1e-2, "{approach:?}");
+        assert!((approach.exponent - 1.0).abs() < 0.1 * slope);
+    }
+
+    /// Where fewer than three sizes have a bias below one half, the last three are fitted.
+    #[test]
+    fn no_fewer_than_three_sizes_are_fitted() {
+        let counts = [1.0, 10.0, 100.0, 1e3, 1e4];
+        let bias = counts.map(|n: f64| 30.0 * n.powf(-0.4));
+        let approach = Approach::new(&counts, &bias, &bias.map(|b| 0.01 * b)).unwrap();
+        assert_eq!(approach.fitted, [false, false, true, true, true], "{bias:?}");
+    }
+
+    /// A bias below 0 is as far off as one above: the accuracy is not had where it is −20 %, and is had on the line from there.
+    #[test]
+    fn a_negative_bias_is_a_bias() {
+        let counts = [10.0, 100.0, 1000.0];
+        assert_eq!(Reached::new(0.05, &counts, &[0.3, 0.04, -0.2], None), Reached::Unknown);
+        let interpolated = |bias: [f64; 3], share: f64| {
+            let Reached::Interpolated(count) = Reached::new(0.05, &counts, &bias, None) else { panic!("{bias:?}") };
+            assert!((count / (100.0 * 10.0_f64.powf(share)) - 1.0).abs() < 1e-12, "{bias:?}: {count}");
+        };
+        interpolated([0.3, -0.2, 0.01], 0.15 / 0.21);
+        interpolated([0.3, 0.2, -0.01], 0.15 / 0.21);
+        // −0.2 N^−1 from 100 on is −0.05 at 400.
+        interpolated([0.3, -0.2, -0.02], 4.0_f64.log10());
     }
 }

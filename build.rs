@@ -1,21 +1,17 @@
-//! Tells the program which source it was built from.
+//! Tells the program which source it is built from.
 
-use std::path::Path;
-use std::process::Command;
+#[path = "src/source.rs"]
+mod source;
+
+use std::path::PathBuf;
 
 fn main() {
-    for file in [".git/HEAD", ".git/index"] {
-        if Path::new(file).exists() {
-            println!("cargo::rerun-if-changed={file}");
-        }
+    let root = PathBuf::from(std::env::var_os("CARGO_MANIFEST_DIR").expect("cargo says where the crate is"));
+    let sources = source::SOURCES.into_iter().map(|name| root.join(name)).filter(|path| path.exists());
+    for path in sources.chain(source::head(&root)) {
+        println!("cargo::rerun-if-changed={}", path.display());
     }
-    let git = |arguments: &[&str]| {
-        let output = Command::new("git").arg("--no-optional-locks").args(arguments).output().ok()?;
-        output.status.success().then(|| String::from_utf8_lossy(&output.stdout).trim().to_owned())
-    };
-    let revision = git(&["rev-parse", "HEAD"]).map_or("unknown".to_owned(), |revision| {
-        let changed = git(&["status", "--porcelain", "--untracked-files=no"]).is_some_and(|files| !files.is_empty());
-        if changed { format!("{revision}-modified") } else { revision }
-    });
-    println!("cargo::rustc-env=STICTION_SOURCE_REVISION={revision}");
+    let hash = source::hash(&root).expect("the sources of the crate can be read");
+    println!("cargo::rustc-env=STICTION_SOURCE_HASH={hash}");
+    println!("cargo::rustc-env=STICTION_SOURCE_REVISION={}", source::revision(&root).unwrap_or("unknown".to_owned()));
 }

@@ -5,6 +5,8 @@ pub mod engine;
 pub mod math;
 pub mod output;
 pub mod scene;
+#[cfg(test)]
+mod source;
 pub mod statistical;
 pub mod surface;
 pub mod validation;

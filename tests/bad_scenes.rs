@@ -1,7 +1,12 @@
-//! Scenes that are wrong, each by one line: the message names the key, its line, what was given and what would do; the exit
-//! code is 2 and nothing is written.
+//! Scenes that are wrong: a line for each problem names the key, its line, what was given and what would do; the exit code is 2 and
+//! nothing is written.
 
+use std::collections::BTreeSet;
+use std::path::Path;
 use std::process::Command;
+use std::sync::Arc;
+use stiction::output::columns::Beside;
+use stiction::scene::{Document, KEYS, Plan};
 
 const QUICK: &str = include_str!("../configs/quick.toml");
 
@@ -18,7 +23,32 @@ const CASES: &[(&str, &str, &[&str])] = &[
         "[material]\ncolour = 3",
         &["line 6", "unknown key `material.colour`", "known here: reduced_modulus"],
     ),
-    ("hardness = \"2.5 GPa\"", "", &["`material.hardness` is missing"]),
+    ("hardness = \"2.5 GPa\"", "", &["`material.hardness` is missing; for example hardness = \"2.5 GPa\""]),
+    (
+        "equilibrium_spacing = \"0.2 nm\"",
+        "",
+        &["`material.equilibrium_spacing` is missing; for example equilibrium_spacing = \"0.2 nm\""],
+    ),
+    (
+        "equilibrium_spacing = \"0.2 nm\"",
+        "equilibrium_spacing = 0.2",
+        &["a length is needed, such as \"0.2 nm\" (m, mm, um, nm, angstrom, pm)"],
+    ),
+    (
+        "reduced_modulus =",
+        "youngs_modulus =",
+        &["did you mean `reduced_modulus`, 1/E_r = (1 - nu1^2)/E1 + (1 - nu2^2)/E2 of the two bodies?"],
+    ),
+    ("work_of_adhesion =", "gamma =", &["unknown key `material.gamma`; did you mean `work_of_adhesion`"]),
+    ("surface_height_std =", "sigma =", &["unknown key `surface.sigma`; did you mean `surface_height_std`?"]),
+    ("asperity_density =", "density =", &["unknown key `surface.density`; did you mean `asperity_density`?"]),
+    ("[surface]", "[surface]\nseed = 2", &["unknown key `surface.seed`; did you mean `ensemble.seed`?"]),
+    ("law = \"hybrid\"", "law = \"JKR\"", &["unknown law (did you mean \"jkr\"?)"]),
+    (
+        "asperity_radius = \"3.33 um\"",
+        "asperity_radius = \"3,33 um\"",
+        &["has a decimal comma; a point is needed", "such as \"3.33 um\""],
+    ),
     (
         "asperity_radius = \"3.33 um\"",
         "asperity_radius = \"3 GPa\"",
@@ -165,7 +195,7 @@ const CASES: &[(&str, &str, &[&str])] = &[
         "stiffness_span = \"1e-9 nm\"\nh_star = {",
         &["line 24", "`separation.stiffness_span", "lost in rounding"],
     ),
-    ("[output]", "[instability]\n[output]", &["`instability.stiffness` is missing", "stiffness = \"5 N/m\""]),
+    ("[output]", "[instability]\n[output]", &["`instability.stiffness` is missing", "stiffness = \"100 kN/m\""]),
     (
         "[output]",
         "[instability]\nstiffness = 5\n[output]",
@@ -226,6 +256,230 @@ fn every_mistake_is_named_and_nothing_is_written() {
             assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1, "{from} -> {to}: something was written");
         }
     }
+}
+
+/// All problems are told at once, a line each, in the order of the lines; a misspelt key is not missing too, and nothing follows from
+/// what could not be read.
+#[test]
+fn all_problems_are_told_at_once() {
+    let changes = [
+        ("hardness = \"2.5 GPa\"", "hardnes = \"2.5 GPa\""),
+        ("poisson_ratio = 0.27", "poisson_ratio = 0.7"),
+        ("equilibrium_spacing = \"0.2 nm\"\n", ""),
+        ("asperity_radius = \"3.33 um\"", "asperity_radius = \"3,33 um\""),
+        ("asperity_density = \"7.39 /um^2\"", "asperity_density = \"7.39 um\""),
+        ("\"hybrid\"", "\"Hybrid\""),
+        ("count = 91", "count = 1"),
+        ("seed = 1", "seed = 1.5"),
+        ("curves = false", "curves = 0\ncurve = true"),
+    ];
+    let scene = changes.iter().fold(QUICK.to_owned(), |scene, (from, to)| {
+        assert!(scene.contains(from), "{from}");
+        scene.replace(from, to)
+    });
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("scene.toml"), scene).unwrap();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_stiction"));
+    let output = command.args(["run", "scene.toml"]).current_dir(folder.path()).output().unwrap();
+    let message = String::from_utf8(output.stderr).unwrap();
+    let lines: Vec<&str> = message.lines().collect();
+    let expected = [
+        "stiction: scene.toml: 10 problems",
+        "  line 7: unknown key `material.hardnes`; did you mean `hardness`?",
+        "  line 8: `material.poisson_ratio = 0.7`: a Poisson ratio",
+        "  line 12: `surface.asperity_radius = \"3,33 um\"`: has a decimal comma",
+        "  line 13: `surface.asperity_density = \"7.39 um\"`: the unit is that of a length",
+        "  line 19: `model.law = \"Hybrid\"`: unknown law (did you mean \"hybrid\"?)",
+        "  line 23: `separation.h_star.count = 1`: a whole number from 2",
+        "  line 27: `ensemble.seed = 1.5`: a whole number",
+        "  line 30: `output.curves = 0`: true or false",
+        "  line 31: unknown key `output.curve`; did you mean `curves`?",
+        "  `material.equilibrium_spacing` is missing; for example equilibrium_spacing = \"0.2 nm\"",
+    ];
+    assert_eq!(lines.len(), expected.len(), "{message}");
+    lines.iter().zip(expected).for_each(|(line, expected)| assert!(line.starts_with(expected), "{line}\n{expected}"));
+}
+
+/// Many problems are told up to a number.
+#[test]
+fn endless_problems_end() {
+    let folder = tempfile::tempdir().unwrap();
+    let many: String = (0..1000).map(|i| format!("colour{i} = 1\n")).collect();
+    std::fs::write(folder.path().join("scene.toml"), QUICK.replace("[output]", &format!("[output]\n{many}"))).unwrap();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_stiction"));
+    let output = command.args(["check", "scene.toml"]).current_dir(folder.path()).output().unwrap();
+    let message = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(message.lines().count(), 22, "{message}");
+    assert!(message.ends_with("  [...] there are more problems\n"), "{message}");
+}
+
+/// The keys of a scene that the others of [`variants`] change.
+const PLAIN: [&str; 19] = [
+    "format",
+    "title",
+    "material.reduced_modulus",
+    "material.hardness",
+    "material.poisson_ratio",
+    "material.work_of_adhesion",
+    "material.equilibrium_spacing",
+    "surface.asperity_radius",
+    "surface.asperity_density",
+    "surface.surface_height_std",
+    "surface.nominal_area",
+    "surface.lubricant_thickness",
+    "model.law",
+    "model.path",
+    "separation.h_star",
+    "separation.stiffness_span",
+    "ensemble.replicas",
+    "ensemble.seed",
+    "output.curves",
+];
+
+/// What is taken away from the plain scene, added to it with the key's own example, and added with a value that the others need.
+type Variant = (&'static [&'static str], &'static [&'static str], &'static [(&'static str, &'static str)]);
+
+const OF_SPECTRUM: &[&str] = &["surface.asperity_radius", "surface.asperity_density", "surface.surface_height_std"];
+
+const VARIANTS: &[Variant] = &[
+    (&[], &["solver.sum", "solver.tolerance", "ensemble.sampling"], &[]),
+    (
+        &["surface.surface_height_std", "separation.h_star", "ensemble.replicas"],
+        &[
+            "surface.asperity_height_std",
+            "surface.mean_plane_offset",
+            "separation.h",
+            "ensemble.target",
+            "ensemble.min_replicas",
+            "ensemble.max_replicas",
+        ],
+        &[("surface.surface_height_std", "\"1.7 nm\"")],
+    ),
+    (&[], &["surface.heights", "surface.radii", "surface.count"], &[]),
+    (
+        &[],
+        &[
+            "surface.heights.law",
+            "surface.heights.shape",
+            "surface.radii.law",
+            "surface.radii.coefficient_of_variation",
+        ],
+        &[],
+    ),
+    (&[], &["surface.heights.lower", "surface.heights.upper"], &[("surface.heights.law", "\"truncated\"")]),
+    (
+        &["surface.asperity_radius"],
+        &[
+            "surface.heights.path",
+            "surface.heights.column",
+            "surface.heights.unit",
+            "surface.radii.path",
+            "surface.radii.column",
+            "surface.radii.unit",
+        ],
+        &[("surface.heights.law", "\"file\""), ("surface.radii.law", "\"file\"")],
+    ),
+    (
+        &["surface.asperity_radius"],
+        &["surface.heights.dataset", "surface.radii.dataset"],
+        &[
+            ("surface.heights.law", "\"file\""),
+            ("surface.heights.path", "\"asperities.h5\""),
+            ("surface.heights.unit", "\"m\""),
+            ("surface.radii.law", "\"file\""),
+            ("surface.radii.path", "\"asperities.h5\""),
+            ("surface.radii.unit", "\"m\""),
+        ],
+    ),
+    (&[], &["surface.summits"], &[]),
+    (OF_SPECTRUM, &["surface.spectrum"], &[]),
+    (OF_SPECTRUM, &["surface.spectrum.m0", "surface.spectrum.m2", "surface.spectrum.m4"], &[]),
+    (OF_SPECTRUM, &["surface.asperities"], &[]),
+    (OF_SPECTRUM, &["surface.asperities.path", "surface.asperities.sample"], &[]),
+    (&["model.law"], &["model.critical_approach"], &[("model.law", "\"fit:paper\"")]),
+    (&["separation.h_star"], &["separation.h.from", "separation.h.to", "separation.h.count"], &[]),
+    (&["separation.h_star"], &["separation.h_star.from", "separation.h_star.to", "separation.h_star.count"], &[]),
+    (
+        &["ensemble.replicas"],
+        &["ensemble.target.quantity", "ensemble.target.relative_standard_error", "ensemble.target.estimate"],
+        &[],
+    ),
+    (&["ensemble.replicas"], &["ensemble.target.quantity", "ensemble.target.standard_error"], &[]),
+    (
+        &["model.path"],
+        &["instability.stiffness", "instability.preload", "instability.smallest_snap"],
+        &[("model.path", "\"loop\"")],
+    ),
+    (&[], &["sweep"], &[]),
+    (
+        &[],
+        &["sweep.mode", "sweep.common_random_numbers", "sweep.*.count", "sweep.*.spacing"],
+        &[("sweep.*.from", "\"0.1 GPa\""), ("sweep.*.to", "\"10 GPa\"")],
+    ),
+];
+
+fn example(key: &str) -> &'static str {
+    KEYS.iter().find(|(name, _)| *name == key).unwrap_or_else(|| panic!("no key {key}")).1
+}
+
+/// The scene of a variant.
+fn scene_of((without, with, given): &Variant) -> String {
+    let plain = PLAIN.iter().filter(|key| !without.contains(key) && !given.iter().any(|(name, _)| name == *key));
+    let examples = plain.chain(with.iter()).map(|key| (*key, example(key)));
+    let values: Vec<(String, &str)> = examples
+        .chain(given.iter().copied())
+        .map(|(key, value)| (key.replace("sweep.*", "sweep.material.hardness"), value))
+        .collect();
+    values.iter().map(|(key, value)| format!("{key} = {value}\n")).collect()
+}
+
+/// Every key has an example that does in a scene; where it says "is missing" or "such as", that is the example. Those of the keys that
+/// every scene has are a scene of sensible size.
+#[test]
+fn examples_of_all_keys_are_scenes() {
+    let folder = tempfile::tempdir().unwrap();
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let stiction = |arguments: &[&str]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_stiction"));
+        let output = command.args(arguments).current_dir(folder.path()).output().unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        String::from_utf8(output.stdout).unwrap()
+    };
+    let map = root.join("configs/maps/polished.txt");
+    stiction(&["asperities", map.to_str().unwrap(), "-o", "asperities.h5"]);
+    std::fs::write(folder.path().join("heights.csv"), "height\n1.5\n-0.5\n0.2\n-1.2\n").unwrap();
+    std::fs::write(folder.path().join("radii.csv"), "radius\n3.1\n2.9\n3.4\n3.0\n").unwrap();
+    let path = folder.path().join("scene.toml");
+    let read =
+        |text: &str| Document::parse(text, Arc::new(Beside::scene(&path))).unwrap_or_else(|e| panic!("{e}\n{text}"));
+    let mut used: BTreeSet<&str> = PLAIN.into_iter().collect();
+    for variant in VARIANTS {
+        used.extend(variant.1);
+        let scene = read(&scene_of(variant)).scene;
+        if scene.critical_approach.is_none() {
+            let plan = Plan::new(&scene, scene.law().unwrap().as_ref());
+            assert!(plan.pairs > 0.0, "{}", scene.text);
+        }
+    }
+    for (key, list, more) in
+        [("separation.h", "separation.h[]", "\"9 nm\""), ("separation.h_star", "separation.h_star[]", "8.0")]
+    {
+        let plain: String = PLAIN
+            .iter()
+            .filter(|key| !key.starts_with("separation"))
+            .map(|key| format!("{key} = {}\n", example(key)))
+            .collect();
+        read(&format!("{plain}{key} = [{}, {more}]\n", example(list)));
+        used.insert(list);
+    }
+    // Tables, and the ends of a sweep, which are examples of the key that is swept.
+    let tables = ["material", "surface", "model", "separation", "ensemble", "instability", "solver", "output"];
+    let unused: Vec<&str> = KEYS.iter().map(|(name, _)| *name).filter(|name| !used.contains(name)).collect();
+    let unused: Vec<&str> = unused.into_iter().filter(|name| !tables.contains(name)).collect();
+    assert_eq!(unused, ["sweep.*.from", "sweep.*.to"]);
+    std::fs::write(&path, scene_of(&(&[], &[], &[]))).unwrap();
+    let summary = stiction(&["run", "scene.toml", "--quiet"]);
+    assert!(summary.contains("verdict") || summary.contains("agree"), "{summary}");
 }
 
 #[test]

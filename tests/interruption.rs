@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::program::{Folder, QUICK, assert_exit, bits, small, text};
+use common::program::{Folder, QUICK, assert_exit, attribute, bits, small, text};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::collections::BTreeMap;
@@ -191,7 +191,11 @@ fn a_checkpoint_of_another_run_is_refused() {
     assert_refused(&folder, &["--replicas", "800"], "the number of replicas of the interrupted run was 1600");
     let scene = std::fs::read_to_string(folder.path("scene.toml")).unwrap();
     std::fs::write(folder.path("scene.toml"), scene.replace("0.09 J/m^2", "0.08 J/m^2")).unwrap();
-    assert_refused(&folder, &[], "it differs in line 9");
+    assert_refused(
+        &folder,
+        &[],
+        "`material.work_of_adhesion` of the interrupted run was \"0.09 J/m^2\", and is now \"0.08 J/m^2\"",
+    );
     std::fs::write(folder.path("scene.toml"), &scene).unwrap();
     // Another version of the program, with the checksum that it would have.
     let checkpoint = std::fs::read(folder.path(CHECKPOINT)).unwrap();
@@ -214,7 +218,14 @@ fn a_checkpoint_of_another_run_is_refused() {
     assert_refused(&folder, &[], "is not a checkpoint of stiction");
     assert_refused(&folder, &["--force"], "is not a checkpoint of stiction");
     std::fs::write(folder.path(CHECKPOINT), checkpoint).unwrap();
+    // The same run under another title, with a comment more.
+    let renamed = format!("# Renamed\n{}", scene.replace("title = \"", "title = \"Another: "));
+    std::fs::write(folder.path("scene.toml"), &renamed).unwrap();
     assert_exit(&folder.stiction(&["run", "scene.toml", "--resume"]), 0);
+    assert_eq!(attribute(&folder.path("scene.h5"), "/", "scene"), renamed);
+    std::fs::write(folder.path("scene.toml"), &scene).unwrap();
+    let again = folder.stiction(&["run", "scene.toml", "--resume"]);
+    assert_eq!(text(&again.stderr), "scene.h5 is complete: nothing to resume\n");
 }
 
 /// Flips and truncations of each of the two files: 30 in their first 60 bytes, 30 anywhere.

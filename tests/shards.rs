@@ -193,8 +193,8 @@ fn a_shard_that_is_changed_is_refused() {
     };
     version("9.9.9", "program_version");
     assert_refused(&folder, &names, &["the version of stiction", "9.9.9"]);
-    version("ffff", "source_revision");
-    assert_refused(&folder, &names, &["the source revision of stiction", "ffff"]);
+    version("ffff", "source_hash");
+    assert_refused(&folder, &names, &["the source of stiction", "ffff"]);
     std::fs::write(&path, &whole[..whole.len() / 2]).unwrap();
     assert_refused(&folder, &names, &[&names[1]]);
 }

@@ -14,7 +14,7 @@ restarts=${SLURM_RESTART_COUNT:-0}
 
 child='' copier='' requeues='' ends=''
 
-say() { printf '%(%F %T)T  %s\n' -1 "$*"; }
+say() { printf '%(%F %T)T  %s\n' -1 "${*//[[:cntrl:]]/?}"; }
 
 # The program saves at its first signal, after the batches at hand, and ends at once at the second.
 stop() { [[ ! $child ]] || kill -TERM "$child" 2>/dev/null; }

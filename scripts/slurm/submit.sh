@@ -27,13 +27,16 @@ set -euo pipefail
 
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd -P)
 
+# A text without what would steer the terminal.
+shown() { printf '%s' "${*//[[:cntrl:]]/?}"; }
+
 refuse() {
-    printf 'submit.sh: %s\n' "$*" >&2
+    printf 'submit.sh: %s\n' "$(shown "$*")" >&2
     exit 2
 }
 
 fail() {
-    printf 'submit.sh: %s\n' "$*" >&2
+    printf 'submit.sh: %s\n' "$(shown "$*")" >&2
     exit 1
 }
 
@@ -309,8 +312,8 @@ report() {
     local complete=$((shards - ${#todo[@]} - ${#queued[@]}))
     printf 'shards    %d, of which %d complete, %d in the queue before, %d submitted%s\n' \
         "$shards" "$complete" "${#queued[@]}" "${#todo[@]}" "${array:+ as job $array}"
-    printf 'merge     job %s, after them: %s\n' "$merge" "$result"
-    printf 'logs      %s\n' "$output/logs"
+    printf 'merge     job %s, after them: %s\n' "$merge" "$(shown "$result")"
+    printf 'logs      %s\n' "$(shown "$output/logs")"
     printf 'watch     squeue --jobs=%s\n' "$(list ${array:+"$array"} "${!arrays[@]}" "$merge")"
     printf 'restart   %s\n' "$command_line"
 }

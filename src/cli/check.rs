@@ -7,7 +7,7 @@ use super::{Failure, law_of, loop_of, print, read_document, resources, warnings_
 use crate::asperity::scale::Scale;
 use crate::scene::echo::one_line;
 use crate::scene::{Document, Limit, Plan, Scene, Sizes, Stopping, Sweep, Warning};
-use crate::surface::{CountLaw, HeightLaw, SamplingScheme, Surface};
+use crate::surface::{CountLaw, HeightLaw, Radii, SamplingScheme, Surface};
 use std::path::Path;
 
 pub(super) fn check(path: &Path) -> Result<(), Failure> {
@@ -215,7 +215,8 @@ fn laws(surface: &Surface, mean_height: f64) -> String {
     }
     if surface.is_scattered() {
         let radius = si(surface.asperity_radius, "m");
-        text += &row("radii", &format!("{}; mean {radius}: each asperity has its own lambda", surface.radii.about()));
+        let what = if matches!(surface.radii, Radii::Nayak(_)) { "1/mean curvature" } else { "mean radius" };
+        text += &row("radii", &format!("{}; {what} {radius}: each asperity has its own lambda", surface.radii.about()));
     }
     if surface.whole {
         text += &row("", "every replica is the measured surface itself: one says all, and nothing is left to chance");

@@ -7,7 +7,7 @@ use crate::output::checkpoint::{Checkpoint, Identity, Journal, forget, forget_re
 use crate::output::reader::Reader;
 use crate::output::schema::{Layout, RUN, SHARD};
 use crate::output::{Claim, OutputError};
-use crate::scene::Scene;
+use crate::scene::{Scene, difference};
 use crate::validation::Basis;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
@@ -77,7 +77,7 @@ pub(super) fn identity(Run { scene, shard }: Run<'_>) -> Identity {
     Identity {
         shard,
         program_version: env!("CARGO_PKG_VERSION").to_owned(),
-        source_revision: env!("STICTION_SOURCE_REVISION").to_owned(),
+        source_hash: env!("STICTION_SOURCE_HASH").to_owned(),
         scene: scene.text.clone(),
         seed: scene.seed,
         replicas: scene.replicas,
@@ -134,7 +134,7 @@ fn resumption(claim: &Claim, run: Run<'_>, overwrite: bool) -> Result<Beginning,
         }
         // The run ended between naming its result and removing what it had kept.
         match found {
-            Some(checkpoint) if checkpoint.identity == identity => forget(claim)?,
+            Some(checkpoint) if checkpoint.identity.is_of(&identity) => forget(claim)?,
             Some(_) => {}
             None => forget_records(claim),
         }
@@ -152,8 +152,10 @@ pub(super) fn is_result_of(output: &Path, layout: &'static Layout, identity: &Id
     let is = |name: &str, text: &str| reader.optional_text("/", name).is_ok_and(|kept| kept.as_deref() == Some(text));
     let number = |name: &str, value: u64| reader.number::<u64>("/", name).is_ok_and(|kept| kept == value);
     is("program_version", &identity.program_version)
-        && is("source_revision", &identity.source_revision)
-        && is("scene", &identity.scene)
+        && is("source_hash", &identity.source_hash)
+        && reader
+            .optional_text("/", "scene")
+            .is_ok_and(|kept| difference(&kept.unwrap_or_default(), &identity.scene).is_none())
         && number("seed", identity.seed)
         && number(if with_targets { "max_replicas" } else { "replicas" }, identity.replicas)
         && identity.shard.is_none_or(|shard| number("shard", shard.index) && number("shards", shard.count))
@@ -316,7 +318,7 @@ impl Keeper {
                 return Ok(());
             }
             Ok(false) => None,
-            Err(error) => Some(Failure::from(error.writing(output))),
+            Err(error) => Some(Failure::not_written(error, output)),
         };
         let kept = self.save_held();
         match failure {

@@ -52,7 +52,7 @@ pub(super) fn finite_size(arguments: &FiniteSizeArguments) -> Result<(), Failure
     }
     points.compute(0..sweep.count(), &session)?;
     let found = found(&points, &counts, integral).and_then(|study| write(&points, &identity, &study).map(|()| study));
-    let study = found.map_err(|error| points.kept(error.writing(&output).into()))?;
+    let study = found.map_err(|error| points.kept(Failure::not_written(error, &output)))?;
     points.clear()?;
     print_of(&output, &(summary(&scene, &study) + &row("written", &output.display().to_string())))
 }

@@ -122,7 +122,7 @@ fn checkpoint(path: &Path) -> Result<(), Failure> {
     let mut text = format!("{}\n", one_line(&path.display().to_string()));
     text += &wide("format", "checkpoint of an interrupted run; the command that made it goes on with --resume");
     text += &wide("program_version", &identity.program_version);
-    text += &wide("source_revision", &identity.source_revision);
+    text += &wide("source_hash", &identity.source_hash);
     text += &wide("seed", &identity.seed.to_string());
     text += &wide("replicas", &done(&checkpoint));
     text += &wide("time", &format!("{} so far", duration(*seconds)));
@@ -139,7 +139,9 @@ fn scene_text(scene: &str) -> String {
     std::iter::once("scene\n".to_owned()).chain(lines).collect()
 }
 
-/// A row with room for long names.
+/// A row with room for the longest name of all layouts.
 fn wide(name: &str, value: &str) -> String {
-    row(&format!("{:<46}", one_line(name)), &one_line(value))
+    let known = Layout::ALL.iter().flat_map(|layout| layout.variables).map(|variable| variable.path.len());
+    let width = known.max().unwrap_or_default() + 2;
+    row(&format!("{:<width$}", one_line(name)), &one_line(value))
 }

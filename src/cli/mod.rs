@@ -61,31 +61,44 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     /// Compute a scene and leave one HDF5 file and a summary
+    #[command(
+        after_help = "Examples:\n  stiction run configs/case_ii.toml -o case_ii.h5\n  stiction run configs/case_ii.toml --replicas 100000 --checkpoint 60 --resume"
+    )]
     Run(RunArguments),
     /// Put the shards of a run together: the same result as by one run of all
+    #[command(after_help = "Example:\n  stiction merge -o case_ii.h5 case_ii.shard-1-of-2.h5 case_ii.shard-2-of-2.h5")]
     Merge(MergeArguments),
     /// Compare laws on the same asperities: a table, and one HDF5 file if asked for
+    #[command(after_help = "Example:\n  stiction compare configs/case_ii.toml --laws hybrid,emd,isbl,sbl")]
     Compare(CompareArguments),
     /// Find how the pull-off of a finite patch goes to the integral's as its asperities become more
+    #[command(after_help = "Example:\n  stiction finite-size configs/case_ii.toml --counts 10:1e5:9 --replicas 200")]
     FiniteSize(FiniteSizeArguments),
     /// Say what a scene would compute, what it skips and why, and what that takes; computes nothing
+    #[command(after_help = "Example:\n  stiction check configs/case_ii.toml")]
     Check {
         /// The scene, TOML
         scene: PathBuf,
     },
     /// Cross-check a finished run: its ensemble against its integral
+    #[command(after_help = "Example:\n  stiction validate case_ii.h5")]
     Validate {
         /// A result of `stiction run`
         file: PathBuf,
     },
     /// Show what is in a result
+    #[command(after_help = "Example:\n  stiction info case_ii.h5")]
     Info {
         /// A result of `stiction run`, `stiction compare` or `stiction asperities`
         file: PathBuf,
     },
     /// Find the asperities of a measured surface: a summary, and one HDF5 file if asked for
+    #[command(
+        after_help = "Examples:\n  stiction asperities configs/maps/polished.txt -o polished.h5\n  stiction asperities scan.npy --pixel \"9.8 nm\" --height-unit nm"
+    )]
     Asperities(AsperitiesArguments),
     /// Solve one asperity; prints CSV in the scaled variables of Maugis
+    #[command(after_help = "Example:\n  stiction asperity --law md --lambda 0.9 --delta -1 -0.5 0 1")]
     Asperity(AsperityArguments),
 }
 
@@ -351,6 +364,11 @@ enum Failure {
 }
 
 impl Failure {
+    /// A result that was computed could not be written, whatever stands in its way.
+    fn not_written(error: OutputError, output: &Path) -> Self {
+        Self::Running(error.writing(output).into())
+    }
+
     /// The same, of what is not kept.
     fn not_kept(self) -> Self {
         match self {
@@ -504,7 +522,19 @@ fn files_of(path: &Path, scene: &Scene) -> Vec<PathBuf> {
 fn read_document(path: &Path) -> Result<Document, Failure> {
     let named = |problem: String| Failure::Usage(format!("{}: {problem}", path.display()));
     let text = read_text(path, LONGEST_SCENE).map_err(named)?;
-    Document::parse(&text, Arc::new(Beside::scene(path))).map_err(|error: SceneError| named(error.to_string()))
+    Document::parse(&text, Arc::new(Beside::scene(path))).map_err(|error| refused_scene(path, &error))
+}
+
+/// All that is wrong with a scene, with its file named.
+fn refused_scene(path: &Path, error: &SceneError) -> Failure {
+    let path = path.display();
+    match &error.problems[..] {
+        [problem] => Failure::Usage(format!("{path}: {problem}")),
+        problems => Failure::Listed {
+            message: format!("{path}: {} problems", problems.len()),
+            list: problems.iter().map(ToString::to_string).collect(),
+        },
+    }
 }
 
 /// Reads a scene that is no sweep, for a command that takes one.
@@ -521,14 +551,89 @@ fn read_scene(path: &Path) -> Result<Scene, Failure> {
 /// Longest scene that is read, bytes; one with the most separations there can be has less than a tenth of it.
 const LONGEST_SCENE: u64 = 4 << 20;
 
-/// Reads a text of at most `most` bytes, from whatever the path names: a file, a pipe, or a device without end.
+/// Reads a text of at most `most` bytes, from whatever the path names: a file, a pipe that somebody writes to, or a device without end.
 fn read_text(path: &Path, most: u64) -> Result<String, String> {
     use std::io::Read;
-    let mut text = String::new();
-    let file = std::fs::File::open(path).map_err(|error| format!("cannot be read: {error}"))?;
-    match file.take(most + 1).read_to_string(&mut text) {
-        Ok(length) if length as u64 > most => Err(format!("is longer than {} MB", most >> 20)),
-        Ok(_) => Ok(text),
-        Err(error) => Err(format!("cannot be read: {error}")),
+    let unreadable = |error| format!("cannot be read: {error}");
+    let mut bytes = Vec::new();
+    opened(path).map_err(unreadable)?.take(most + 1).read_to_end(&mut bytes).map_err(unreadable)?;
+    if bytes.starts_with(HDF5) {
+        return Err("is an HDF5 file, not a text; `stiction info` shows what is in a result".to_owned());
+    }
+    if bytes.len() as u64 > most {
+        return Err(format!("is longer than {} MB", most >> 20));
+    }
+    String::from_utf8(bytes).map_err(|error| {
+        format!("is not a text in UTF-8: byte {} belongs to no character", error.utf8_error().valid_up_to() + 1)
+    })
+}
+
+/// How HDF5 files begin.
+const HDF5: &[u8] = b"\x89HDF\r\n\x1a\n";
+
+/// A file to read from. A pipe that nobody writes to is an error: to open it would wait for ever.
+fn opened(path: &Path) -> std::io::Result<impl std::io::Read> {
+    #[cfg(not(unix))]
+    return std::fs::File::open(path);
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::{FileTypeExt, OpenOptionsExt};
+        if !path.metadata()?.file_type().is_fifo() {
+            return Ok(Source { file: std::fs::File::open(path)?, is_begun: true });
+        }
+        let flags = rustix::fs::OFlags::NONBLOCK.bits() as i32;
+        let file = std::fs::File::options().read(true).custom_flags(flags).open(path)?;
+        Ok(Source { file, is_begun: false })
+    }
+}
+
+/// A file, or a pipe that is opened without waiting for a writer.
+#[cfg(unix)]
+struct Source {
+    file: std::fs::File,
+    /// Whether there has been a writer, if it is a pipe.
+    is_begun: bool,
+}
+
+#[cfg(unix)]
+impl std::io::Read for Source {
+    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
+        loop {
+            match self.file.read(buffer) {
+                Ok(0) if !self.is_begun && !buffer.is_empty() => {
+                    return Err(std::io::Error::other("is a pipe that nobody writes to; name a file"));
+                }
+                Err(error) if error.kind() == ErrorKind::WouldBlock => {
+                    self.is_begun = true;
+                    std::thread::sleep(Duration::from_millis(5));
+                }
+                read => {
+                    self.is_begun = true;
+                    return read;
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    /// The help of every command ends with examples, which are commands.
+    #[test]
+    fn every_help_has_an_example() {
+        for command in Cli::command().get_subcommands() {
+            let help = command.get_after_help().map(ToString::to_string).unwrap_or_default();
+            let examples: Vec<&str> = help.lines().filter_map(|line| line.strip_prefix("  ")).collect();
+            assert!(!examples.is_empty(), "{}", command.get_name());
+            for example in examples {
+                let words = shlex::split(example).unwrap();
+                assert_eq!(words[..2], ["stiction".to_owned(), command.get_name().to_owned()]);
+                let parsed = Cli::try_parse_from(decimal(words.into_iter().map(OsString::from)));
+                assert!(parsed.is_ok(), "{example}: {}", parsed.err().unwrap());
+            }
+        }
     }
 }

@@ -6,7 +6,7 @@
 use super::checkpoint::{Manner, Run, State, identity, is_result_of, kept};
 use super::run::{Session, Task, run_scene};
 use super::sampling::override_ensemble;
-use super::{Failure, Sitting, law_of, resources};
+use super::{Failure, Sitting, law_of, refused_scene, resources};
 use crate::engine::Shard;
 use crate::output::checkpoint::{Checkpoint, Identity, forget, is_checkpoint};
 use crate::output::checksum::{self, Finding};
@@ -59,8 +59,7 @@ impl<'a> Points<'a> {
 
     /// The scene of a point, as it is run.
     pub fn scene(&self, point: usize) -> Result<Scene, Failure> {
-        let named = |problem: String| Failure::Usage(format!("{}: {problem}", self.source.display()));
-        let mut scene = self.sweep.scene(point).map_err(|error| named(error.to_string()))?;
+        let mut scene = self.sweep.scene(point).map_err(|error| refused_scene(self.source, &error))?;
         let seed = self.seed.map(|seed| self.sweep.seed(seed, point));
         override_ensemble(&mut scene, self.replicas, seed)?;
         Ok(scene)
@@ -79,7 +78,7 @@ impl<'a> Points<'a> {
 
     /// The seed of the scene that the seeds of the points are made of.
     fn own_seed(&self) -> Result<u64, Failure> {
-        self.sweep.alone(0).map(|scene| scene.seed).map_err(|error| Failure::Usage(error.to_string()))
+        self.sweep.alone(0).map(|scene| scene.seed).map_err(|error| refused_scene(self.source, &error))
     }
 
     /// Refuses points that cannot be computed: for each the law, and of all together memory and disk.

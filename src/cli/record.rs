@@ -85,6 +85,7 @@ pub(super) fn write_program(writer: &Writer<'_>) -> Result<(), OutputError> {
     let created = now.format(&time::format_description::well_known::Rfc3339).unwrap_or_default();
     writer.text("/", "program_version", env!("CARGO_PKG_VERSION"))?;
     writer.text("/", "source_revision", env!("STICTION_SOURCE_REVISION"))?;
+    writer.text("/", "source_hash", env!("STICTION_SOURCE_HASH"))?;
     writer.text("/", "created", &created)
 }
 

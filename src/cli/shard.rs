@@ -192,7 +192,7 @@ impl Work<'_> {
                 let of = pieces.iter().map(|piece| piece.replicas.end - piece.replicas.start).sum();
                 Err(Failure::Interrupted { done: of, of, kept: true })
             }
-            Err(error) => Err(error.writing(self.output).into()),
+            Err(error) => Err(Failure::not_written(error, self.output)),
         }
     }
 

@@ -1,7 +1,7 @@
 //! The summary of a run on the terminal.
 
 use super::check::{beyond, heading, skipped, warned};
-use super::format::{bound, duration, percent, row, si};
+use super::format::{bound, duration, factor, percent, row, si};
 use super::instability::instability;
 use super::results::{Results, Stopped};
 use crate::asperity::Quantity;
@@ -92,7 +92,13 @@ fn controlled(results: &Results, mean: &ControlledMean, unit: &str) -> String {
         return String::new();
     }
     let (value, error) = (si(mean.controlled_mean, unit), si(mean.controlled_standard_error, unit));
-    row("", &format!("{value} ± {error} with the integral as control variate, variance reduced {reduction:.3} times"))
+    row(
+        "",
+        &format!(
+            "{value} ± {error} with the integral as control variate, variance reduced {} times",
+            factor(reduction)
+        ),
+    )
 }
 
 /// Whether any replica, or the integral, is ever pulled.

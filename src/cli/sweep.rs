@@ -45,7 +45,7 @@ pub(super) fn assemble(
     partial: bool,
 ) -> Result<String, Failure> {
     let (scene, sweep, output) = (points.scene(0)?, points.sweep, points.claim.output());
-    match assembled(points, &scene, identity, session, partial).map_err(|error| error.writing(output))? {
+    match assembled(points, &scene, identity, session, partial).map_err(|error| Failure::not_written(error, output))? {
         Some(rows) => Ok(title(&scene) + &described(sweep) + "\n" + &table(sweep, &rows) + &written_to(output)),
         None => Err(Failure::Interrupted { done: scene.replicas, of: scene.replicas, kept: true }),
     }

@@ -11,6 +11,8 @@
 use super::OutputError;
 use super::claim::{Claim, flush_names, made_anew, unlinked};
 use crate::engine::Shard;
+use crate::scene;
+use crate::scene::echo::shortened;
 use crc32fast::Hasher;
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use std::fs::File;
@@ -34,8 +36,8 @@ const AT_ONCE: usize = 1 << 20;
 pub struct Identity {
     /// Version of the program.
     pub program_version: String,
-    /// Its source revision.
-    pub source_revision: String,
+    /// Hash of the source that it was built from.
+    pub source_hash: String,
     /// Text of the scene.
     pub scene: String,
     /// Seed.
@@ -47,6 +49,11 @@ pub struct Identity {
 }
 
 impl Identity {
+    /// Whether it is the same run as another, whatever its title and comments.
+    pub fn is_of(&self, other: &Self) -> bool {
+        self.difference("", ("", ""), other).is_none()
+    }
+
     /// How this run differs from another, that of `whose`; none when it is that one. `verbs` say when each is what it is.
     pub fn difference(&self, whose: &str, verbs: (&str, &str), kept: &Self) -> Option<String> {
         let is = |what: &str, kept: &dyn std::fmt::Display, own: &dyn std::fmt::Display| {
@@ -55,8 +62,8 @@ impl Identity {
         if self.program_version != kept.program_version {
             return is("the version of stiction", &kept.program_version, &self.program_version);
         }
-        if self.source_revision != kept.source_revision {
-            return is("the source revision of stiction", &kept.source_revision, &self.source_revision);
+        if self.source_hash != kept.source_hash {
+            return is("the source of stiction", &kept.source_hash, &self.source_hash);
         }
         if self.seed != kept.seed {
             return is("the seed", &kept.seed, &self.seed);
@@ -64,10 +71,8 @@ impl Identity {
         if self.replicas != kept.replicas {
             return is("the number of replicas", &kept.replicas, &self.replicas);
         }
-        if self.scene != kept.scene {
-            let lines = self.scene.lines().zip(kept.scene.lines());
-            let line = 1 + lines.take_while(|(own, kept)| own == kept).count();
-            return Some(format!("the scene is not that of {whose}: it differs in line {line}"));
+        if let Some((key, kept, own)) = scene::difference(&kept.scene, &self.scene) {
+            return is(&format!("`{}`", shortened(&key)), &shortened(&kept), &shortened(&own));
         }
         let shard = |shard: Option<Shard>| shard.map_or("none".to_owned(), |shard| shard.to_string());
         if self.shard != kept.shard {
@@ -456,7 +461,7 @@ mod tests {
         let scene = text("format = 1\ntitle = \"\"\n");
         Identity {
             program_version: text("0.1.0"),
-            source_revision: text("abc"),
+            source_hash: text("abc"),
             scene,
             seed: 1,
             replicas: 800,
@@ -470,11 +475,16 @@ mod tests {
         let kept = identity();
         let difference = |own: &Identity| own.difference("the interrupted run", ("was", "is now"), &kept);
         assert_eq!(difference(&identity()), None);
+        let renamed = Identity { scene: "# Another title\nformat = 1\ntitle = \"a\"".into(), ..identity() };
+        assert_eq!(difference(&renamed), None);
         let others = [
             (Identity { program_version: "0.2.0".into(), ..identity() }, "version of stiction"),
-            (Identity { source_revision: "def".into(), ..identity() }, "source revision"),
-            (Identity { scene: "format = 1\ntitle = \"a\"\n".into(), ..identity() }, "line 2"),
-            (Identity { scene: "format = 1\n".into(), ..identity() }, "line 2"),
+            (Identity { source_hash: "def".into(), ..identity() }, "source of stiction"),
+            (
+                Identity { scene: "format = 2\n".into(), ..identity() },
+                "`format` of the interrupted run was 1, and is now 2",
+            ),
+            (Identity { scene: "seed = 1\nformat = 1\n".into(), ..identity() }, "`seed`"),
             (Identity { seed: 2, ..identity() }, "seed of the interrupted run was 1, and is now 2"),
             (
                 Identity { shard: "3/16".parse().ok(), ..identity() },

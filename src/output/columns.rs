@@ -79,9 +79,9 @@ fn numbers_of_column(path: &Path, name: Option<&str>, place: usize) -> Result<Ve
         Some(name) => {
             let names = reader.headers().map_err(|error| format!("is no CSV file: {error}"))?;
             let found = names.iter().position(|known| known == name);
+            // A scene may name any file: its content is not for messages.
             found.ok_or_else(|| {
-                let known: Vec<&str> = names.iter().take(20).collect();
-                format!("has no column \"{name}\", but {}", known.join(", "))
+                format!("has no column \"{name}\" among the {} that its first line names", names.len())
             })?
         }
     };
@@ -90,7 +90,7 @@ fn numbers_of_column(path: &Path, name: Option<&str>, place: usize) -> Result<Ve
         let record = record.map_err(|error| format!("is no CSV file: {error}"))?;
         let line = record.position().map_or(0, csv::Position::line);
         let field = record.get(place).ok_or_else(|| format!("has no column {} in line {line}", place + 1))?;
-        values.push(field.parse().map_err(|_| format!("has \"{field}\" in line {line}, where a number is needed"))?);
+        values.push(field.parse().map_err(|_| format!("has no number in line {line}, column {}", place + 1))?);
         if values.len() > MOST_VALUES {
             return Err(format!("has more than {MOST_VALUES} values"));
         }
@@ -121,9 +121,14 @@ mod tests {
     fn what_is_wrong_with_a_file_is_said() {
         let named = file("x,height\n1,2\n3,high\n");
         let problem = numbers_of_column(named.path(), Some("height"), 0).unwrap_err();
-        assert_eq!(problem, "has \"high\" in line 3, where a number is needed");
+        assert_eq!(problem, "has no number in line 3, column 2");
         let problem = numbers_of_column(named.path(), Some("depth"), 0).unwrap_err();
-        assert_eq!(problem, "has no column \"depth\", but x, height");
+        assert_eq!(problem, "has no column \"depth\" among the 2 that its first line names");
+        let secret = file("root:x:0:0:secret\nhidden\n");
+        for name in [Some("height"), None] {
+            let problem = numbers_of_column(secret.path(), name, 0).unwrap_err();
+            assert!(!["secret", "hidden", "root"].iter().any(|word| problem.contains(word)), "{problem}");
+        }
         assert!(numbers_of_column(named.path(), None, 7).unwrap_err().contains("no column 8"));
         assert_eq!(numbers_of_column(Path::new("/dev/zero"), None, 0).unwrap_err(), "is not a regular file");
         assert_eq!(numbers_of_dataset(named.path(), "/x").unwrap_err(), "is not an HDF5 file");

@@ -1,15 +1,28 @@
-//! Progress on the terminal: the phase by name, and for the ensemble replicas done, their rate and the time left.
+//! Progress on the terminal: the phase by name, and for the ensemble replicas done, their rate and the time left. Where there is no
+//! terminal, a line now and then.
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
+use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use std::fmt::Write;
+use std::io::IsTerminal;
+use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-/// Shows the phases of a run, one after the other, on standard error; nothing where that is no terminal, or when quiet.
+/// When the first line of a log is due, and how far apart lines are at most.
+const LINES: (Duration, Duration) = (Duration::from_secs(10), Duration::from_secs(300));
+
+/// When the next line of this program is due, whatever run of several it is of.
+static SCHEDULE: Mutex<Option<Schedule>> = Mutex::new(None);
+
+/// Shows the phases of a run, one after the other, on standard error; nothing when quiet.
 pub struct Progress {
     quiet: bool,
     /// Of which run of several the phases are.
     run: String,
     bar: ProgressBar,
+    /// In the place of the bar where nobody would see it.
+    log: Option<Log>,
     phases: Vec<(&'static str, Instant, Duration)>,
 }
 
@@ -21,31 +34,37 @@ impl Progress {
 
     /// Shows nothing yet; then, before each phase, which run of several it is of.
     pub fn of_run(quiet: bool, run: String) -> Self {
-        Self { quiet, run, bar: ProgressBar::hidden(), phases: Vec::new() }
+        let log = (!quiet && !std::io::stderr().is_terminal()).then(|| Log::new(&SCHEDULE, std::io::stderr()));
+        Self { quiet, run, bar: ProgressBar::hidden(), log, phases: Vec::new() }
     }
 
     /// Begins a phase without a count.
     pub fn phase(&mut self, name: &'static str) {
-        self.begin(name, ProgressBar::new_spinner(), "{spinner} {msg} {elapsed}");
+        self.begin(name, None, ProgressBar::new_spinner(), "{spinner} {msg} {elapsed}");
         self.bar.enable_steady_tick(Duration::from_millis(100));
     }
 
     /// Begins a phase that counts replicas, of which some are done already.
     pub fn replicas(&mut self, name: &'static str, done: u64, total: u64) {
-        self.begin(name, ProgressBar::new(total), "{msg} {wide_bar} {pos}/{len} replicas, {rate}, {eta} left");
+        let bar = ProgressBar::new(total);
+        self.begin(name, Some((done, total)), bar, "{msg} {wide_bar} {pos}/{len} replicas, {rate}, {eta} left");
         self.bar.set_position(done);
         self.bar.reset_eta();
     }
 
-    fn begin(&mut self, name: &'static str, bar: ProgressBar, template: &str) {
+    fn begin(&mut self, name: &'static str, count: Option<(u64, u64)>, bar: ProgressBar, template: &str) {
         self.end();
+        let title = if self.run.is_empty() { name.to_owned() } else { format!("{}: {name}", self.run) };
+        if let Some(log) = &self.log {
+            log.set(Some(Phase::new(title.clone(), count)));
+        }
         self.phases.push((name, Instant::now(), Duration::ZERO));
         bar.set_draw_target(if self.quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() });
         let style = ProgressStyle::with_template(template).expect("templates are checked by a test");
         bar.set_style(style.with_key("rate", |state: &ProgressState, out: &mut dyn Write| {
             let _ = write!(out, "{:.1} per second", state.per_sec());
         }));
-        bar.set_message(if self.run.is_empty() { name.to_owned() } else { format!("{}: {name}", self.run) });
+        bar.set_message(title);
         self.bar = bar;
         self.bar.tick();
     }
@@ -53,11 +72,17 @@ impl Progress {
     /// So many more replicas are done.
     pub fn advance(&self, replicas: u64) {
         self.bar.inc(replicas);
+        if let Some(log) = &self.log {
+            log.advance(replicas);
+        }
     }
 
     /// Ends the phase and clears its line.
     pub fn end(&mut self) {
         self.bar.finish_and_clear();
+        if let Some(log) = &self.log {
+            log.set(None);
+        }
         if let Some((_, begun, lasted)) = self.phases.last_mut()
             && lasted.is_zero()
         {
@@ -74,9 +99,155 @@ impl Progress {
     }
 }
 
+/// What a log says of a phase.
+struct Phase {
+    name: String,
+    begun: Instant,
+    /// Replicas that were done before, that are done, and all.
+    count: Option<[u64; 3]>,
+}
+
+impl Phase {
+    fn new(name: String, count: Option<(u64, u64)>) -> Self {
+        Self { name, begun: Instant::now(), count: count.map(|(done, total)| [done, done, total]) }
+    }
+
+    /// The line of a phase that has lasted so long.
+    fn line(&self, elapsed: Duration) -> String {
+        let since = format!("{} so far", HumanDuration(elapsed));
+        let Some([before, done, total]) = self.count else { return format!("{}: {since}", self.name) };
+        let line = format!("{}: {done} of {total} replicas, {since}", self.name);
+        match done.saturating_sub(before) {
+            0 => line,
+            own => {
+                let left = elapsed.mul_f64(total.saturating_sub(done) as f64 / own as f64);
+                format!("{line}, about {} left", HumanDuration(left))
+            }
+        }
+    }
+}
+
+/// When lines are due: each time after twice as long as before, up to a limit.
+struct Schedule {
+    due: Instant,
+    interval: Duration,
+}
+
+impl Schedule {
+    fn new(first: Duration) -> Self {
+        Self { due: Instant::now() + first, interval: first }
+    }
+
+    fn next(&mut self, most: Duration) {
+        self.interval = (2 * self.interval).min(most);
+        self.due = Instant::now() + self.interval;
+    }
+}
+
+/// Writes a line now and then, as long as it lives.
+struct Log {
+    phase: Arc<Mutex<Option<Phase>>>,
+    /// Dropped to end the thread.
+    stop: Option<Sender<()>>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Log {
+    fn new(schedule: &'static Mutex<Option<Schedule>>, mut out: impl std::io::Write + Send + 'static) -> Self {
+        let phase = Arc::new(Mutex::new(None));
+        let (stop, stopped) = channel();
+        let due = move || {
+            let mut schedule = schedule.lock().unwrap_or_else(PoisonError::into_inner);
+            schedule.get_or_insert_with(|| Schedule::new(LINES.0)).due
+        };
+        due();
+        let told: Arc<Mutex<Option<Phase>>> = Arc::clone(&phase);
+        let thread = std::thread::spawn(move || {
+            while stopped.recv_timeout(due().saturating_duration_since(Instant::now()))
+                == Err(RecvTimeoutError::Timeout)
+            {
+                let phase = told.lock().unwrap_or_else(PoisonError::into_inner);
+                if let Some(phase) = phase.as_ref() {
+                    // Nobody may be there to read it.
+                    let _ = writeln!(out, "stiction: {}", phase.line(phase.begun.elapsed()));
+                }
+                if let Some(schedule) = schedule.lock().unwrap_or_else(PoisonError::into_inner).as_mut() {
+                    schedule.next(LINES.1);
+                }
+            }
+        });
+        Self { phase, stop: Some(stop), thread: Some(thread) }
+    }
+
+    fn set(&self, phase: Option<Phase>) {
+        *self.phase.lock().unwrap_or_else(PoisonError::into_inner) = phase;
+    }
+
+    fn advance(&self, replicas: u64) {
+        let mut phase = self.phase.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some([_, done, _]) = phase.as_mut().and_then(|phase| phase.count.as_mut()) {
+            *done += replicas;
+        }
+    }
+}
+
+impl Drop for Log {
+    fn drop(&mut self) {
+        drop(self.stop.take());
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_line_says_what_is_done_and_left() {
+        let mut phase = Phase::new("point 2 of 6: ensemble".to_owned(), Some((40, 400)));
+        let told = |phase: &Phase| phase.line(Duration::from_secs(30));
+        assert_eq!(told(&phase), "point 2 of 6: ensemble: 40 of 400 replicas, 30 seconds so far");
+        phase.count = Some([40, 130, 400]);
+        let expected = "point 2 of 6: ensemble: 130 of 400 replicas, 30 seconds so far, about 90 seconds left";
+        assert_eq!(told(&phase), expected);
+        assert_eq!(told(&Phase::new("integral".to_owned(), None)), "integral: 30 seconds so far");
+    }
+
+    /// Lines come at growing intervals, whatever run they are of, and end with it.
+    #[test]
+    fn lines_come_now_and_then() {
+        static SOON: Mutex<Option<Schedule>> = Mutex::new(None);
+        struct Lines(Sender<String>);
+        impl std::io::Write for Lines {
+            fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+                let _ = self.0.send(String::from_utf8_lossy(bytes).into_owned());
+                Ok(bytes.len())
+            }
+
+            fn flush(&mut self) -> std::io::Result<()> {
+                Ok(())
+            }
+        }
+        let (sender, lines) = channel();
+        *SOON.lock().unwrap() = Some(Schedule::new(Duration::from_millis(5)));
+        let log = Log::new(&SOON, Lines(sender));
+        log.set(Some(Phase::new("ensemble".to_owned(), Some((0, 10)))));
+        log.advance(3);
+        let told: String = lines
+            .recv_timeout(Duration::from_secs(60))
+            .into_iter()
+            .chain(lines.recv_timeout(Duration::from_secs(60)))
+            .collect();
+        assert!(told.contains("stiction: "), "{told}");
+        assert!(SOON.lock().unwrap().as_ref().unwrap().interval >= Duration::from_millis(10));
+        drop(log);
+        assert!(lines.iter().count() < 100);
+        let mut schedule = Schedule::new(LINES.0);
+        let intervals: Vec<u64> = (0..7).map(|_| (schedule.next(LINES.1), schedule.interval.as_secs()).1).collect();
+        assert_eq!(intervals, [20, 40, 80, 160, 300, 300, 300]);
+    }
 
     #[test]
     fn phases_are_named_and_timed() {

@@ -161,7 +161,7 @@ impl ShardFile {
         let number = |name: &str| self.reader.number::<u64>("/", name);
         Ok(Identity {
             program_version: text("program_version")?,
-            source_revision: text("source_revision")?,
+            source_hash: text("source_hash")?,
             scene: text("scene")?,
             seed: number("seed")?,
             replicas: number("replicas")?,

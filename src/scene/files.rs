@@ -85,4 +85,12 @@ impl Input {
     pub fn line(&self) -> String {
         format!("{}: {} values, CRC-32 {:08x}", self.path, self.values, self.checksum)
     }
+
+    /// The path and the rest of such a line.
+    pub fn of_line(line: &str) -> Option<(String, String)> {
+        let (path, rest) = line.rsplit_once(": ")?;
+        let (count, checksum) = rest.split_once(" values, CRC-32 ")?;
+        let is_one = count.parse::<u64>().is_ok() && u32::from_str_radix(checksum, 16).is_ok();
+        is_one.then(|| (path.to_owned(), rest.to_owned()))
+    }
 }

@@ -1,6 +1,6 @@
 //! What holds the surfaces of a scene.
 
-use super::reader::{Entry, SceneError, Section};
+use super::reader::{Entry, SceneError, Section, Together};
 use super::units::Dimension;
 use toml::de::DeValue;
 
@@ -20,21 +20,25 @@ pub struct Instability {
 
 /// Reads the table `[instability]`, if it is there. A preload is for surfaces that are pulled back after they have been brought close.
 pub(super) fn instability(root: &Section<'_>, cycle: bool) -> Result<Instability, SceneError> {
-    let Some(section) = root.section("instability", &["stiffness", "preload", "smallest_snap"], false)? else {
+    let Some(section) = root.section("instability", false)? else {
         return Ok(Instability::default());
     };
-    let stiffness = section.require("stiffness", Dimension::Stiffness.example())?;
-    let stiffness = one_or_more(&stiffness, &|entry| entry.not_negative(Dimension::Stiffness))?;
-    let smallest_snap = section.get("smallest_snap");
-    let smallest_snap = smallest_snap.map_or(Ok(0.0), |entry| entry.not_negative(Dimension::Length))?;
-    let Some(preload) = section.get("preload") else {
-        return Ok(Instability { stiffness, preload: Vec::new(), smallest_snap });
-    };
-    if !cycle {
-        return Err(preload.wrong("a preload is where a loop turns back; it needs path = \"loop\" in [model]"));
-    }
-    let preload = one_or_more(&preload, &|entry| entry.positive(Dimension::Force))?;
-    Ok(Instability { stiffness, preload, smallest_snap })
+    let stiffness = section
+        .require("stiffness")
+        .and_then(|stiffness| one_or_more(&stiffness, &|entry| entry.not_negative(Dimension::Stiffness)));
+    let smallest_snap = section.optional("smallest_snap", |entry| entry.not_negative(Dimension::Length));
+    let preload = section.optional("preload", |preload| {
+        if !cycle {
+            return Err(preload.wrong("a preload is where a loop turns back; it needs path = \"loop\" in [model]"));
+        }
+        one_or_more(preload, &|entry| entry.positive(Dimension::Force))
+    });
+    let (stiffness, smallest_snap, preload) = (stiffness, smallest_snap, preload).together()?;
+    Ok(Instability {
+        stiffness,
+        preload: preload.unwrap_or_default(),
+        smallest_snap: smallest_snap.unwrap_or_default(),
+    })
 }
 
 /// A value, or a list of them, read by `value`.

@@ -1,8 +1,10 @@
 //! Scenes: from TOML to what the program computes, or to an error that says what to change.
 
+mod canonical;
 pub mod echo;
 pub mod files;
 mod instability;
+mod keys;
 mod plan;
 mod population;
 mod reader;
@@ -13,9 +15,11 @@ pub mod sweep;
 pub mod units;
 mod validity;
 
+pub use canonical::difference;
 pub use instability::Instability;
+pub use keys::KEYS;
 pub use plan::{CoreSeconds, Plan, RegimePlan, beyond};
-pub use reader::{SceneError, nearest};
+pub use reader::{Problem, SceneError, nearest};
 pub use sizes::{Choice, Sizes};
 pub use stopping::{Estimate, Limit, QUANTITIES, Stopping, Target};
 pub use sweep::Sweep;
@@ -26,8 +30,8 @@ use crate::asperity::scale::{Asperity, Scale, UNIT_RANGE};
 use crate::asperity::{Family, Law, LawError, Loop, Path, Setting, Typical, UnloadedRadius};
 use crate::surface::{RADIUS_RANGE, SamplingScheme, Surface};
 use files::{Files, Input, NoFiles};
-use population::{Population, SURFACE_KEYS, population};
-use reader::{Section, document};
+use population::{Population, population};
+use reader::{Section, Together, document};
 use std::sync::Arc;
 use units::Dimension;
 
@@ -42,25 +46,8 @@ const SUM_TOLERANCES: std::ops::RangeInclusive<f64> = 1e-13..=1e-3;
 /// The tolerance of compressed sums unless a scene gives one.
 const SUM_TOLERANCE: f64 = 1e-9;
 
-const ROOT_KEYS: [&str; 11] = [
-    "format",
-    "title",
-    "material",
-    "surface",
-    "model",
-    "separation",
-    "ensemble",
-    "instability",
-    "solver",
-    "output",
-    "sweep",
-];
 /// Name of the path that leads there and back.
 const LOOP: &str = "loop";
-const MATERIAL_KEYS: [&str; 5] =
-    ["reduced_modulus", "hardness", "poisson_ratio", "work_of_adhesion", "equilibrium_spacing"];
-const ENSEMBLE_KEYS: [&str; 6] = ["replicas", "target", "min_replicas", "max_replicas", "sampling", "seed"];
-
 /// A validated scene, SI.
 #[derive(Clone, Debug)]
 pub struct Scene {
@@ -111,44 +98,53 @@ impl Scene {
     /// [`SceneError`] with the line, the key, what was given and what would do.
     pub fn parse(text: &str) -> Result<Self, SceneError> {
         let document = document(text)?;
-        let root = Section::root(text, document.get_ref(), &ROOT_KEYS)?;
+        let root = Section::root(text, document.get_ref());
         match root.get("sweep") {
-            Some(sweep) => Sweep::read(text, &sweep, Arc::new(NoFiles))?.scene(0),
+            Some(sweep) => Sweep::read(text, &sweep, Arc::new(NoFiles)).and_then(|sweep| sweep.scene(0)),
             None => Self::read(text, &root, &NoFiles),
         }
+        .map_err(SceneError::shortened)
     }
 
     /// Reads a scene that is no sweep, and what it takes out of files.
     fn read(text: &str, root: &Section<'_>, files: &dyn Files) -> Result<Self, SceneError> {
-        let format = root.require("format", "1")?;
-        if format.integer(0..=u64::MAX)? != FORMAT {
-            return Err(format.wrong(&format!("this program reads scenes of format {FORMAT}")));
-        }
-        let title = root.get("title").map(|entry| entry.string()).transpose()?.unwrap_or_default().to_owned();
-        let material = required(root, "material", &MATERIAL_KEYS)?;
-        let section = required(root, "surface", &SURFACE_KEYS)?;
-        // A radius that is given is judged before the surface that follows from it.
-        if let Some(radius) = section.get("asperity_radius") {
-            asperity(&material, &section, radius.positive(Dimension::Length)?)?;
-        }
-        let Population { surface, inputs } = population(&section, files)?;
-        let asperity = asperity(&material, &section, surface.asperity_radius)?;
-        let model = required(root, "model", &["law", "path", "unloaded_radius", "critical_approach"])?;
-        let models: Vec<(&str, Model)> = MODELS.iter().map(|model| (model.name, *model)).collect();
-        let law = model.require("law", "\"hybrid\"")?.choice("law", &models)?;
-        let paths: Vec<_> = Path::ALL.into_iter().map(|(name, path)| (name, (path, false))).collect();
-        let paths = [paths, vec![(LOOP, (Path::Approach, true))]].concat();
-        let (path, cycle) =
-            model.get("path").map_or(Ok((Path::Approach, false)), |entry| entry.choice("path", &paths))?;
-        if let Some(entry) = model.get("path").filter(|_| cycle && surface.is_scattered()) {
+        let section = |name: &'static str| required(root, name);
+        let material = section("material").and_then(|material| Material::read(&material));
+        let population = section("surface").and_then(|surface| {
+            let lubricant = surface.optional("lubricant_thickness", |entry| entry.not_negative(Dimension::Length));
+            // A radius that is given is judged before the surface that follows from it.
+            if let (Ok(material), Some(Ok(radius))) =
+                (&material, surface.get("asperity_radius").map(|entry| entry.positive(Dimension::Length)))
+            {
+                material.asperity(radius, 0.0)?;
+            }
+            (population(&surface, files), lubricant).together()
+        });
+        let model = section("model").and_then(|model| Way::read(&model));
+        // What a separation is depends on the surface, whether it is one does not.
+        let separation = section("separation").and_then(|h| {
+            let span = h.optional("stiffness_span", |span| span.positive(Dimension::Length));
+            (separation::separations(&h, 1.0), span).together().map(|_| h)
+        });
+        let cycle = model.as_ref().is_ok_and(|model| model.cycle);
+        let instability = match &model {
+            Ok(_) => instability::instability(root, cycle),
+            Err(_) => Ok(Instability::default()),
+        };
+        let ensemble = section("ensemble").and_then(|ensemble| Draws::read(&ensemble).map(|draws| (ensemble, draws)));
+        let readings = (root.known(), heading(root), material, population, model, separation, instability, ensemble);
+        let (solver, output) = (sum_tolerance(root), curves(root));
+        let (readings, sum_tolerance, curves) = (readings.together(), solver, output).together()?;
+        let ((), title, material, (population, lubricant), model, separation, instability, (ensemble, draws)) =
+            readings;
+        let Population { surface, inputs } = population;
+        let asperity = material.asperity(surface.asperity_radius, lubricant.unwrap_or(0.0))?;
+        let Way { law, path, cycle, unloaded_radius, critical_approach } = model;
+        if let Some(entry) = required(root, "model")?.get("path").filter(|_| cycle && surface.is_scattered()) {
             return Err(entry.wrong(
                 "a loop is for asperities of one radius; those of several are computed on \"approach\" or \"retraction\"",
             ));
         }
-        let unloaded_radius = unloaded_radius(&model, cycle)?;
-        let instability = instability::instability(root, cycle)?;
-        let critical_approach = critical_approach(&model, &law)?;
-        let separation = required(root, "separation", &["h", "h_star", "stiffness_span"])?;
         let separations = separation::separations(&separation, surface.surface_height_std)?;
         let stiffness_span = separation::stiffness_span(&separation, &separations, asperity.equilibrium_spacing)?;
         let most = UNIT_RANGE.1 * Scale::new(&asperity).map_err(|error| SceneError::general(error.to_string()))?.length;
@@ -160,19 +156,12 @@ impl Scene {
                  mean_plane_offset, surface_height_std, asperity_height_std and asperity_density"
             )));
         }
-        let ensemble = required(root, "ensemble", &ENSEMBLE_KEYS)?;
-        let sampling = ensemble.get("sampling").map(|entry| entry.choice("sampling", &SamplingScheme::ALL));
-        let sampling = sampling.transpose()?.unwrap_or_default();
-        let (replicas, stopping) = stopping::replicas(&ensemble, sampling)?;
+        let Draws { replicas, stopping, sampling, seed } = draws;
         if let Some(entry) = ensemble.get("sampling").filter(|_| sampling.group() > 1 && !surface.is_plain()) {
             return Err(entry.wrong(
                 "is for surfaces of one radius with Gaussian heights and a fixed number of asperities; others need \"independent\"",
             ));
         }
-        let seed = ensemble.get("seed").map_or(Ok(1), |entry| entry.integer(0..=i64::MAX as u64))?;
-        let sum_tolerance = sum_tolerance(root)?;
-        let output = root.section("output", &["curves"], false)?;
-        let curves = output.and_then(|output| output.get("curves")).map_or(Ok(false), |entry| entry.boolean())?;
         let scene = Self {
             text: with_inputs(text, &inputs),
             title,
@@ -302,11 +291,16 @@ impl Document {
     /// [`SceneError`] with the line, the key, what was given and what would do, and the point where it is one of a sweep.
     pub fn parse(text: &str, files: Arc<dyn Files>) -> Result<Self, SceneError> {
         let document = document(text)?;
-        let root = Section::root(text, document.get_ref(), &ROOT_KEYS)?;
-        let Some(sweep) = root.get("sweep") else {
-            return Ok(Self { scene: Scene::read(text, &root, files.as_ref())?, sweep: None });
+        let root = Section::root(text, document.get_ref());
+        let read = match root.get("sweep") {
+            None => Scene::read(text, &root, files.as_ref()).map(|scene| Self { scene, sweep: None }),
+            Some(sweep) => Sweep::read(text, &sweep, files).and_then(Self::swept),
         };
-        let sweep = Sweep::read(text, &sweep, files)?;
+        read.map_err(SceneError::shortened)
+    }
+
+    /// A sweep and the scene of its first point.
+    fn swept(sweep: Sweep) -> Result<Self, SceneError> {
         let scene = sweep.scene(0)?;
         if scene.stopping.is_some() {
             let problem = "`ensemble.target`: all points of a sweep have the same replicas, so that their differences are those of the \
@@ -331,12 +325,27 @@ pub fn with_inputs(text: &str, inputs: &[Input]) -> String {
     text
 }
 
-fn required<'a>(root: &Section<'a>, name: &'a str, keys: &[&str]) -> Result<Section<'a>, SceneError> {
-    Ok(root.section(name, keys, true)?.expect("a required section is there or an error"))
+fn required<'a>(root: &Section<'a>, name: &'a str) -> Result<Section<'a>, SceneError> {
+    Ok(root.section(name, true)?.expect("a required section is there or an error"))
+}
+
+/// Refuses another format; the title, empty without one.
+fn heading(root: &Section<'_>) -> Result<String, SceneError> {
+    let format = root.require("format").and_then(|format| match format.integer(0..=u64::MAX)? {
+        FORMAT => Ok(()),
+        _ => Err(format.wrong(&format!("this program reads scenes of format {FORMAT}"))),
+    });
+    let title = root.optional("title", |title| title.string().map(str::to_owned));
+    (format, title).together().map(|((), title)| title.unwrap_or_default())
+}
+
+fn curves(root: &Section<'_>) -> Result<bool, SceneError> {
+    let output = root.section("output", false)?;
+    output.and_then(|output| output.get("curves")).map_or(Ok(false), |entry| entry.boolean())
 }
 
 fn sum_tolerance(root: &Section<'_>) -> Result<Option<f64>, SceneError> {
-    let Some(solver) = root.section("solver", &["sum", "tolerance"], false)? else { return Ok(None) };
+    let Some(solver) = root.section("solver", false)? else { return Ok(None) };
     let choices = [("direct", false), ("compressed", true)];
     let compressed = solver.get("sum").map_or(Ok(false), |entry| entry.choice("sum", &choices))?;
     let Some(entry) = solver.get("tolerance") else { return Ok(compressed.then_some(SUM_TOLERANCE)) };
@@ -368,32 +377,105 @@ fn unloaded_radius(section: &Section<'_>, cycle: bool) -> Result<UnloadedRadius,
     entry.choice("unloaded_radius", &UnloadedRadius::ALL)
 }
 
-fn asperity(material: &Section<'_>, surface: &Section<'_>, radius: f64) -> Result<Asperity, SceneError> {
-    let poisson = material.require("poisson_ratio", "0.27")?;
-    let poisson_ratio = poisson.number()?;
-    if !(poisson_ratio > -1.0 && poisson_ratio <= 0.5) {
-        return Err(poisson.wrong("a Poisson ratio is greater than -1 and at most 0.5"));
-    }
-    let lubricant = surface.get("lubricant_thickness");
-    let asperity = Asperity {
-        radius,
-        reduced_modulus: material.positive("reduced_modulus", Dimension::Pressure)?,
-        work_of_adhesion: material.positive("work_of_adhesion", Dimension::SurfaceEnergy)?,
-        equilibrium_spacing: material.positive("equilibrium_spacing", Dimension::Length)?,
-        hardness: material.positive("hardness", Dimension::Pressure)?,
-        poisson_ratio,
-        lubricant_thickness: lubricant.map_or(Ok(0.0), |entry| entry.not_negative(Dimension::Length))?,
-    };
-    Setting::new(&asperity, Path::Approach, (0.0, 0.0)).map_err(|error| {
-        let keys = match error {
-            LawError::Lambda(_) => "work_of_adhesion, reduced_modulus, equilibrium_spacing and asperity_radius",
-            LawError::NotPositive { name: "critical_interference", .. }
-            | LawError::Length { name: "critical_interference", .. } => {
-                "hardness, reduced_modulus, poisson_ratio and asperity_radius"
-            }
-            _ => return SceneError::general(format!("{error}: check their units")),
+/// The law of a scene and its history.
+struct Way {
+    law: Model,
+    path: Path,
+    cycle: bool,
+    unloaded_radius: UnloadedRadius,
+    critical_approach: Option<f64>,
+}
+
+impl Way {
+    fn read(section: &Section<'_>) -> Result<Self, SceneError> {
+        let models: Vec<(&str, Model)> = MODELS.iter().map(|model| (model.name, *model)).collect();
+        let law = section.require("law").and_then(|law| law.choice("law", &models));
+        let paths: Vec<_> = Path::ALL.into_iter().map(|(name, path)| (name, (path, false))).collect();
+        let paths = [paths, vec![(LOOP, (Path::Approach, true))]].concat();
+        let path = section.optional("path", |entry| entry.choice("path", &paths));
+        let critical_approach = match &law {
+            Ok(law) => critical_approach(section, law),
+            Err(_) => Ok(None),
         };
-        SceneError::general(format!("{error}; it follows from {keys}: check their units"))
-    })?;
-    Ok(asperity)
+        let unloaded_radius = match &path {
+            Ok(path) => unloaded_radius(section, path.is_some_and(|(_, cycle)| cycle)),
+            Err(_) => Ok(UnloadedRadius::default()),
+        };
+        let readings = (law, path, unloaded_radius, critical_approach);
+        let (law, path, unloaded_radius, critical_approach) = readings.together()?;
+        let (path, cycle) = path.unwrap_or((Path::Approach, false));
+        Ok(Self { law, path, cycle, unloaded_radius, critical_approach })
+    }
+}
+
+/// How many replicas there are, and how they are drawn.
+struct Draws {
+    replicas: u64,
+    stopping: Option<Stopping>,
+    sampling: SamplingScheme,
+    seed: u64,
+}
+
+impl Draws {
+    fn read(section: &Section<'_>) -> Result<Self, SceneError> {
+        let sampling = section.optional("sampling", |entry| entry.choice("sampling", &SamplingScheme::ALL));
+        let sampling = sampling.map(Option::unwrap_or_default);
+        let replicas = stopping::replicas(section, *sampling.as_ref().unwrap_or(&SamplingScheme::default()));
+        let seed = section.optional("seed", |entry| entry.integer(0..=i64::MAX as u64));
+        let ((replicas, stopping), sampling, seed) = (replicas, sampling, seed).together()?;
+        Ok(Self { replicas, stopping, sampling, seed: seed.unwrap_or(1) })
+    }
+}
+
+/// What an asperity is made of, SI.
+struct Material {
+    reduced_modulus: f64,
+    work_of_adhesion: f64,
+    equilibrium_spacing: f64,
+    hardness: f64,
+    poisson_ratio: f64,
+}
+
+impl Material {
+    fn read(section: &Section<'_>) -> Result<Self, SceneError> {
+        let poisson_ratio = section.require("poisson_ratio").and_then(|entry| match entry.number()? {
+            ratio if ratio > -1.0 && ratio <= 0.5 => Ok(ratio),
+            _ => Err(entry.wrong("a Poisson ratio is greater than -1 and at most 0.5")),
+        });
+        let readings = (
+            section.positive("reduced_modulus", Dimension::Pressure),
+            section.positive("work_of_adhesion", Dimension::SurfaceEnergy),
+            section.positive("equilibrium_spacing", Dimension::Length),
+            section.positive("hardness", Dimension::Pressure),
+            poisson_ratio,
+        );
+        let (reduced_modulus, work_of_adhesion, equilibrium_spacing, hardness, poisson_ratio) = readings.together()?;
+        Ok(Self { reduced_modulus, work_of_adhesion, equilibrium_spacing, hardness, poisson_ratio })
+    }
+
+    /// An asperity of it.
+    fn asperity(&self, radius: f64, lubricant_thickness: f64) -> Result<Asperity, SceneError> {
+        let &Self { reduced_modulus, work_of_adhesion, equilibrium_spacing, hardness, poisson_ratio } = self;
+        let asperity = Asperity {
+            radius,
+            reduced_modulus,
+            work_of_adhesion,
+            equilibrium_spacing,
+            hardness,
+            poisson_ratio,
+            lubricant_thickness,
+        };
+        Setting::new(&asperity, Path::Approach, (0.0, 0.0)).map_err(|error| {
+            let keys = match error {
+                LawError::Lambda(_) => "work_of_adhesion, reduced_modulus, equilibrium_spacing and asperity_radius",
+                LawError::NotPositive { name: "critical_interference", .. }
+                | LawError::Length { name: "critical_interference", .. } => {
+                    "hardness, reduced_modulus, poisson_ratio and asperity_radius"
+                }
+                _ => return SceneError::general(format!("{error}: check their units")),
+            };
+            SceneError::general(format!("{error}; it follows from {keys}: check their units"))
+        })?;
+        Ok(asperity)
+    }
 }

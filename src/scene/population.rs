@@ -1,30 +1,14 @@
 //! The asperities of a scene's surface: laws of heights, radii and number.
 
 use super::files::{Column, Files, Input, MOST_VALUES, Measured};
-use super::reader::{Entry, SceneError, Section};
+use super::keys::example;
+use super::reader::{Entry, SceneError, Section, Together, all};
 use super::units::{Dimension, parse};
 use crate::surface::nayak::{LEAST_ALPHA, Spectrum};
 use crate::surface::{
     CountLaw, HeightLaw, Heights, LogNormal, Radii, Roughness, Surface, SurfaceError, Truncated, Weibull,
 };
 use toml::de::DeValue;
-
-/// Keys of `[surface]`.
-pub(super) const SURFACE_KEYS: [&str; 13] = [
-    "asperity_radius",
-    "asperity_density",
-    "surface_height_std",
-    "asperity_height_std",
-    "mean_plane_offset",
-    "nominal_area",
-    "lubricant_thickness",
-    "heights",
-    "radii",
-    "count",
-    "summits",
-    "spectrum",
-    "asperities",
-];
 
 /// Laws of heights, for messages.
 const HEIGHT_LAWS: [(&str, &str); 6] = [
@@ -54,19 +38,24 @@ pub(super) fn population(section: &Section<'_>, files: &dyn Files) -> Result<Pop
     if let Some(entry) = section.get("asperities") {
         return measured(section, &entry, files);
     }
-    let spectrum = spectrum(section)?;
     let mut inputs = Vec::new();
-    let (heights, given_std) = heights(section, files, &mut inputs)?;
-    let radii = radii(section, files, &mut inputs)?;
-    let radius = mean_radius(section, &radii, spectrum.as_ref())?;
-    let surface = rough_surface(section, spectrum.as_ref(), radius, given_std)?;
-    let mut surface = Surface { radii, ..surface };
+    let heights = heights(section, files, &mut inputs);
+    let radii = radii(section, files, &mut inputs);
+    let radius = given_radius(section, &radii);
+    let readings = (spectrum(section), heights, radii, radius, lengths(section), count(section));
+    let (spectrum, (heights, given_std), radii, radius, lengths, count_law) = readings.together()?;
+    let radius = match (&radii, &spectrum, radius) {
+        (_, Some(spectrum), _) => spectrum.radius(),
+        (Radii::Sample(given), ..) => given.iter().sum::<f64>() / given.len() as f64,
+        (.., radius) => radius.expect("one that is not read has another source"),
+    };
+    let surface = rough_surface(section, spectrum.as_ref(), radius, &lengths, given_std)?;
+    let mut surface = Surface { radii, count_law, ..surface };
     surface.heights = match heights {
         HeightLaw::Sample(values) => centred(values.to_vec()),
         law => Heights { law, ..surface.heights },
     };
     summits(section, spectrum, &mut surface)?;
-    surface.count_law = count(section)?;
     Ok(Population { surface, inputs })
 }
 
@@ -75,16 +64,43 @@ fn count(section: &Section<'_>) -> Result<CountLaw, SceneError> {
     section.get("count").map_or(Ok(CountLaw::Fixed), |entry| entry.choice("count", &CountLaw::ALL))
 }
 
+/// The numbers of a surface that stand by themselves, SI.
+struct Lengths {
+    /// None where a spectrum has it.
+    density: Option<f64>,
+    area: f64,
+    surface_std: Option<f64>,
+    asperity_std: Option<f64>,
+    offset: Option<f64>,
+}
+
+fn lengths(section: &Section<'_>) -> Result<Lengths, SceneError> {
+    let optional = |key: &str| section.optional(key, |entry| entry.positive(Dimension::Length));
+    let density = match section.get("spectrum") {
+        Some(_) => Ok(None),
+        None => section.positive("asperity_density", Dimension::ArealDensity).map(Some),
+    };
+    let readings = (
+        density,
+        section.positive("nominal_area", Dimension::Area),
+        optional("surface_height_std"),
+        optional("asperity_height_std"),
+        section.optional("mean_plane_offset", |entry| entry.not_negative(Dimension::Length)),
+    );
+    let (density, area, surface_std, asperity_std, offset) = readings.together()?;
+    Ok(Lengths { density, area, surface_std, asperity_std, offset })
+}
+
 /// The roughness of the keys, or of the spectrum in the place of some of them, and the surface that follows.
 fn rough_surface(
     section: &Section<'_>,
     spectrum: Option<&Spectrum>,
     asperity_radius: f64,
+    lengths: &Lengths,
     given_std: Option<f64>,
 ) -> Result<Surface, SceneError> {
-    let optional = |key| section.get(key).map(|entry| entry.positive(Dimension::Length)).transpose();
-    let offset = section.get("mean_plane_offset").map(|entry| entry.not_negative(Dimension::Length)).transpose()?;
-    let asperity_height_std = match (optional("asperity_height_std")?, given_std) {
+    let &Lengths { density, area, surface_std, asperity_std, offset } = lengths;
+    let asperity_height_std = match (asperity_std, given_std) {
         (Some(_), Some(std)) => {
             let entry = section.get("asperity_height_std").expect("it was read");
             return Err(entry.wrong(&format!("the heights of the file have their own: {std:e} m")));
@@ -95,16 +111,16 @@ fn rough_surface(
         Some(spectrum) => Roughness {
             asperity_radius,
             asperity_density: spectrum.density(),
-            nominal_area: section.positive("nominal_area", Dimension::Area)?,
+            nominal_area: area,
             surface_height_std: Some(spectrum.m0.sqrt()),
             asperity_height_std: Some(spectrum.height_std()),
             mean_plane_offset: Some(offset.unwrap_or_else(|| spectrum.mean_height())),
         },
         None => Roughness {
             asperity_radius,
-            asperity_density: section.positive("asperity_density", Dimension::ArealDensity)?,
-            nominal_area: section.positive("nominal_area", Dimension::Area)?,
-            surface_height_std: optional("surface_height_std")?,
+            asperity_density: density.expect("one that is not read is that of the spectrum"),
+            nominal_area: area,
+            surface_height_std: surface_std,
             asperity_height_std,
             mean_plane_offset: offset,
         },
@@ -112,15 +128,16 @@ fn rough_surface(
     Surface::new(&roughness).map_err(|error| refused(section, error))
 }
 
-/// The mean radius, m: `asperity_radius`, unless it follows from other keys.
-fn mean_radius(section: &Section<'_>, radii: &Radii, spectrum: Option<&Spectrum>) -> Result<f64, SceneError> {
-    match (radii, spectrum, section.get("asperity_radius")) {
-        (_, Some(spectrum), _) => Ok(spectrum.radius()),
-        (Radii::Sample(_), _, Some(entry)) => {
+/// `asperity_radius`, m; none where the mean radius follows from other keys.
+fn given_radius(section: &Section<'_>, radii: &Result<Radii, SceneError>) -> Result<Option<f64>, SceneError> {
+    let given = section.get("asperity_radius");
+    match (radii, given) {
+        _ if section.get("spectrum").is_some() => Ok(None),
+        (Ok(Radii::Sample(_)), Some(entry)) => {
             Err(entry.wrong("the radii of the file have their own mean; give either"))
         }
-        (Radii::Sample(given), _, None) => Ok(given.iter().sum::<f64>() / given.len() as f64),
-        _ => section.positive("asperity_radius", Dimension::Length),
+        (Ok(Radii::Sample(_)) | Err(_), None) => Ok(None),
+        _ => section.positive("asperity_radius", Dimension::Length).map(Some),
     }
 }
 
@@ -135,20 +152,20 @@ fn refused(section: &Section<'_>, error: SurfaceError) -> SceneError {
     match section.get(key) {
         Some(entry) => entry.wrong(&error.to_string()),
         None if error == SurfaceError::NoHeightStd => {
-            SceneError::general(format!("[surface]: {error}; for example surface_height_std = \"1.619 nm\""))
+            let example = example("surface.surface_height_std").unwrap_or_default();
+            SceneError::general(format!("[surface]: {error}; for example surface_height_std = {example}"))
         }
         None => SceneError::general(format!("[surface]: {error}")),
     }
 }
 
 /// A name, or a table with a `law` and its parameters.
-fn law<'a>(entry: &'a Entry<'a>, keys: &[&str]) -> Result<(Entry<'a>, Option<Section<'a>>), SceneError> {
+fn law<'a>(entry: &'a Entry<'a>) -> Result<(Entry<'a>, Option<Section<'a>>), SceneError> {
     if let DeValue::String(_) = entry.value.get_ref() {
         return Ok((entry.clone(), None));
     }
-    let known: Vec<&str> = std::iter::once("law").chain(keys.iter().copied()).collect();
-    let table = entry.table(&known)?;
-    Ok((table.require("law", "\"weibull\"")?, Some(table)))
+    let table = entry.table()?;
+    Ok((table.require("law")?, Some(table)))
 }
 
 /// The parameter `key` of a law, a number in a range.
@@ -158,8 +175,9 @@ fn parameter(
     key: &str,
     range: std::ops::RangeInclusive<f64>,
 ) -> Result<f64, SceneError> {
-    let example = format!("{{ law = \"{}\", {key} = 0.5 }}", name.string()?);
     let Some(entry) = table.and_then(|table| table.get(key)) else {
+        let number = example(&format!("{}.{key}", name.name.trim_end_matches(".law"))).unwrap_or_default();
+        let example = format!("{{ law = \"{}\", {key} = {number} }}", name.string()?);
         return Err(name.wrong(&format!("needs {key}, a number from {} to {}: {example}", range.start(), range.end())));
     };
     let value = entry.number()?;
@@ -170,16 +188,16 @@ fn parameter(
 }
 
 /// Refuses parameters that a law does not have.
-fn only(table: Option<&Section<'_>>, keys: &[&str], all: &[&str]) -> Result<(), SceneError> {
-    let other = all.iter().filter(|key| !keys.contains(key)).find_map(|key| table.and_then(|table| table.get(key)));
-    match other {
-        None => Ok(()),
-        Some(entry) if keys.is_empty() => Err(entry.wrong("this law has no parameters")),
-        Some(entry) => Err(entry.wrong(&format!("this law has no such parameter, but {}", keys.join(", ")))),
-    }
+fn only(table: Option<&Section<'_>>, keys: &[&str]) -> Result<(), SceneError> {
+    let entries = table.into_iter().flat_map(Section::entries);
+    let others = entries.filter(|(key, _)| *key != "law" && !keys.contains(key));
+    all(others.map(|(_, entry)| match keys {
+        [] => Err::<(), _>(entry.wrong("this law has no parameters")),
+        keys => Err(entry.wrong(&format!("this law has no such parameter, but {}", keys.join(", ")))),
+    }))
+    .map(drop)
 }
 
-const HEIGHT_KEYS: [&str; 7] = ["shape", "lower", "upper", "path", "column", "dataset", "unit"];
 const FILE_KEYS: [&str; 4] = ["path", "column", "dataset", "unit"];
 
 /// `heights`: the law, and the standard deviation of given ones, m.
@@ -189,7 +207,7 @@ fn heights(
     inputs: &mut Vec<Input>,
 ) -> Result<(HeightLaw, Option<f64>), SceneError> {
     let Some(entry) = section.get("heights") else { return Ok((HeightLaw::Gaussian, None)) };
-    let (name, table) = law(&entry, &HEIGHT_KEYS)?;
+    let (name, table) = law(&entry)?;
     let table = table.as_ref();
     let chosen = name.choice("law of heights", &HEIGHT_LAWS)?;
     let parameters: &[&str] = match chosen {
@@ -198,7 +216,7 @@ fn heights(
         "file" => &FILE_KEYS,
         _ => &[],
     };
-    only(table, parameters, &HEIGHT_KEYS)?;
+    only(table, parameters)?;
     Ok((
         match chosen {
             "exponential" => HeightLaw::Exponential,
@@ -241,12 +259,10 @@ fn centred(values: Vec<f64>) -> Heights {
     Heights::sample(values.into_iter().map(|value| value - mean).collect())
 }
 
-const RADIUS_KEYS: [&str; 5] = ["coefficient_of_variation", "path", "column", "dataset", "unit"];
-
 /// `radii`.
 fn radii(section: &Section<'_>, files: &dyn Files, inputs: &mut Vec<Input>) -> Result<Radii, SceneError> {
     let Some(entry) = section.get("radii") else { return Ok(Radii::Common) };
-    let (name, table) = law(&entry, &RADIUS_KEYS)?;
+    let (name, table) = law(&entry)?;
     let table = table.as_ref();
     let chosen = name.choice("law of radii", &RADIUS_LAWS)?;
     let parameters: &[&str] = match chosen {
@@ -254,7 +270,7 @@ fn radii(section: &Section<'_>, files: &dyn Files, inputs: &mut Vec<Input>) -> R
         "file" => &FILE_KEYS,
         _ => &[],
     };
-    only(table, parameters, &RADIUS_KEYS)?;
+    only(table, parameters)?;
     let variation = || parameter(&name, table, "coefficient_of_variation", 0.001..=1.0);
     match chosen {
         "lognormal" => variation().map(Radii::LogNormal),
@@ -279,24 +295,12 @@ fn of_file(
 ) -> Result<Vec<f64>, SceneError> {
     let example = "{ law = \"file\", path = \"heights.csv\", column = \"height\", unit = \"nm\" }";
     let Some(table) = table else { return Err(name.wrong(&format!("needs a path and a unit: {example}"))) };
-    let entry = table.require("path", "\"heights.csv\"")?;
-    let path = entry.string()?;
-    let unit = table.require("unit", "\"nm\"")?;
-    let factor = parse(&format!("1 {}", unit.string()?), Dimension::Length)
-        .map_err(|_| unit.wrong("a unit of length is needed, such as nm, um, m"))?;
-    let column = match (table.get("column"), table.get("dataset")) {
-        (Some(column), Some(_)) => return Err(column.wrong("give either column or dataset, not both")),
-        (Some(column), None) => match column.value.get_ref() {
-            DeValue::Integer(_) => Column::Numbered(column.integer(1..=10_000)?),
-            _ => Column::Named(column.string()?.to_owned()),
-        },
-        (None, Some(dataset)) => Column::Dataset(dataset.string()?.to_owned()),
-        (None, None) => {
-            return Err(
-                entry.wrong("needs the column of a CSV file, by name or number, or the dataset of an HDF5 file")
-            );
-        }
-    };
+    let factor = table.require("unit").and_then(|unit| {
+        parse(&format!("1 {}", unit.string()?), Dimension::Length)
+            .map_err(|_| unit.wrong("a unit of length is needed, such as nm, um, m"))
+    });
+    let path = table.require("path").and_then(|entry| entry.string().map(|path| (entry, path)));
+    let ((entry, path), factor, column) = (path, factor, column(name, table)).together()?;
     let values = files.column(path, &column).map_err(|problem| entry.wrong(&problem))?;
     if !(FEWEST..=MOST_VALUES).contains(&values.len()) {
         let count = values.len();
@@ -309,24 +313,37 @@ fn of_file(
     Ok(values.into_iter().map(|value| value * factor).collect())
 }
 
+/// Which values of a file.
+fn column(name: &Entry<'_>, table: &Section<'_>) -> Result<Column, SceneError> {
+    Ok(match (table.get("column"), table.get("dataset")) {
+        (Some(column), Some(_)) => return Err(column.wrong("give either column or dataset, not both")),
+        (Some(column), None) => match column.value.get_ref() {
+            DeValue::Integer(_) => Column::Numbered(column.integer(1..=10_000)?),
+            _ => Column::Named(column.string()?.to_owned()),
+        },
+        (None, Some(dataset)) => Column::Dataset(dataset.string()?.to_owned()),
+        (None, None) => {
+            return Err(name.wrong("needs the column of a CSV file, by name or number, or the dataset of an HDF5 file"));
+        }
+    })
+}
+
 /// `spectrum`: spectral moments, which say all of a Gaussian surface.
 fn spectrum(section: &Section<'_>) -> Result<Option<Spectrum>, SceneError> {
     let Some(entry) = section.get("spectrum") else { return Ok(None) };
-    for key in ["asperity_radius", "asperity_density", "surface_height_std", "asperity_height_std"] {
-        if let Some(other) = section.get(key) {
-            return Err(other.wrong("follows from the spectrum; give either this or the spectrum"));
-        }
-    }
-    let table = entry.table(&["m0", "m2", "m4"])?;
-    let m2 = table.require("m2", "1.65e-4")?;
-    let spectrum = Spectrum {
-        m0: table.positive("m0", Dimension::Area)?,
-        m2: m2.number()?,
-        m4: table.require("m4", "\"0.04 /um^2\"")?.positive(Dimension::ArealDensity)?,
-    };
-    if !(spectrum.m2 > 0.0) {
-        return Err(m2.wrong("has to be greater than 0"));
-    }
+    let others = ["asperity_radius", "asperity_density", "surface_height_std", "asperity_height_std"];
+    let others = others.into_iter().filter_map(|key| section.get(key));
+    let others =
+        all(others
+            .map(|other| Err::<(), _>(other.wrong("follows from the spectrum; give either this or the spectrum"))));
+    let table = entry.table()?;
+    let m2 = table.require("m2").and_then(|m2| match m2.number()? {
+        number if number > 0.0 => Ok(number),
+        _ => Err(m2.wrong("has to be greater than 0")),
+    });
+    let [m0, m4] = [("m0", Dimension::Area), ("m4", Dimension::ArealDensity)].map(|(key, of)| table.positive(key, of));
+    let (_, m0, m2, m4) = (others, m0, m2, m4).together()?;
+    let spectrum = Spectrum { m0, m2, m4 };
     gaussian(&spectrum).map_err(|problem| entry.wrong(&problem))?;
     Ok(Some(spectrum))
 }
@@ -379,15 +396,18 @@ fn measured(section: &Section<'_>, entry: &Entry<'_>, files: &dyn Files) -> Resu
         "summits",
         "spectrum",
     ];
-    if let Some(other) = NOT_BESIDE.iter().find_map(|key| section.get(key)) {
-        return Err(other.wrong("follows from the measured asperities; give either"));
-    }
-    let table = entry.table(&["path", "sample"])?;
-    let path = table.require("path", "\"asperities.h5\"")?;
+    let others = NOT_BESIDE.iter().filter_map(|key| section.get(key));
+    let others =
+        all(others.map(|other| Err::<(), _>(other.wrong("follows from the measured asperities; give either"))));
+    let table = entry.table()?;
+    let path = table.require("path").and_then(|path| path.string().map(|name| (path, name)));
     let choices = [("bootstrap", false), ("whole", true)];
-    let sample = table.get("sample");
-    let whole = sample.as_ref().map_or(Ok(false), |sample| sample.choice("sample", &choices))?;
-    let name = path.string()?;
+    let whole = table.optional("sample", |sample| sample.choice("sample", &choices));
+    let area = section.optional("nominal_area", |area| area.positive(Dimension::Area));
+    let offset = section.optional("mean_plane_offset", |entry| entry.not_negative(Dimension::Length));
+    let readings = (others, path, whole, area, offset, self::count(section));
+    let (_, (path, name), whole, given_area, offset, count_law) = readings.together()?;
+    let whole = whole.unwrap_or(false);
     let Measured { heights, radii, nominal_area, surface_height_std } =
         files.asperities(name).map_err(|problem| path.wrong(&problem))?;
     if !(FEWEST..=MOST_VALUES).contains(&heights.len()) {
@@ -396,24 +416,20 @@ fn measured(section: &Section<'_>, entry: &Entry<'_>, files: &dyn Files) -> Resu
     let inputs = vec![Input::new(name, &[&heights, &radii, &[nominal_area, surface_height_std]])];
     let count = heights.len() as f64;
     let mean = heights.iter().sum::<f64>() / count;
-    let area = section.get("nominal_area");
-    if let (Some(area), true) = (&area, whole) {
+    if let (Some(area), true) = (section.get("nominal_area"), whole) {
         return Err(area.wrong("sample = \"whole\" takes the measured surface, which has its own area"));
     }
-    let area = area.map_or(Ok(nominal_area), |area| area.positive(Dimension::Area))?;
     let pairs: Vec<[f64; 2]> = heights.iter().zip(&radii).map(|(height, radius)| [height - mean, *radius]).collect();
     let heights = Heights::sample(pairs.iter().map(|pair| pair[0]).collect());
-    let offset = section.get("mean_plane_offset").map(|entry| entry.not_negative(Dimension::Length)).transpose()?;
     let roughness = Roughness {
         asperity_radius: radii.iter().sum::<f64>() / count,
         asperity_density: count / nominal_area,
-        nominal_area: area,
+        nominal_area: given_area.unwrap_or(nominal_area),
         surface_height_std: Some(surface_height_std),
         asperity_height_std: Some(heights.std),
         mean_plane_offset: Some(offset.unwrap_or(mean)),
     };
     let surface = Surface::new(&roughness).map_err(|error| path.wrong(&error.to_string()))?;
-    let count_law = self::count(section)?;
     if let (Some(entry), true, CountLaw::Poisson) = (section.get("count"), whole, count_law) {
         return Err(entry.wrong("sample = \"whole\" takes every measured asperity once"));
     }

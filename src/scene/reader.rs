@@ -1,6 +1,7 @@
 //! Reading TOML with errors that name the key, its line, what was given and what would do.
 
 use super::echo::{one_line, shortened};
+use super::keys::{example, keys_of, meant};
 use super::units::{Dimension, QuantityError, parse};
 use thiserror::Error;
 use toml::Spanned;
@@ -11,28 +12,127 @@ const SHOWN_WORDS: usize = 60;
 /// Longest name, in bytes, that is compared with the known ones.
 const LONGEST_NAME: usize = 100;
 
-/// What is wrong with a scene.
+/// Most problems of a scene that are told.
+const MOST_PROBLEMS: usize = 20;
+
+/// One thing that is wrong with a scene.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
-#[error("{}{problem}", line.map(|line| format!("line {line}: ")).unwrap_or_default())]
-pub struct SceneError {
+#[error("{}{text}", line.map(|line| format!("line {line}: ")).unwrap_or_default())]
+pub struct Problem {
     /// Line of the scene, from 1; `None` for what no line shows.
     pub line: Option<usize>,
     /// The problem: key, what was given, what would do.
-    pub problem: String,
+    pub text: String,
+    /// The dotted name of a key that is missing, or was most likely meant by an unknown one.
+    key: Option<String>,
+}
+
+/// What is wrong with a scene: at least one problem, a line each, in the order of the lines; what no line shows comes last.
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+#[error("{}", problems.iter().map(ToString::to_string).collect::<Vec<String>>().join("\n"))]
+pub struct SceneError {
+    /// The problems.
+    pub problems: Vec<Problem>,
 }
 
 impl SceneError {
     /// A problem that no single line shows.
     pub fn general(problem: impl Into<String>) -> Self {
-        Self { line: None, problem: problem.into() }
+        Self { problems: vec![Problem { line: None, text: problem.into(), key: None }] }
     }
+
+    /// A problem of a line.
+    fn at(line: Option<usize>, text: String) -> Self {
+        Self { problems: vec![Problem { line, text, key: None }] }
+    }
+
+    /// A problem that another key than the one that is there would mend.
+    fn for_want_of(line: Option<usize>, text: String, key: String) -> Self {
+        Self { problems: vec![Problem { line, text, key: Some(key) }] }
+    }
+
+    /// Several problems, each told once.
+    fn several(mut problems: Vec<Problem>) -> Self {
+        problems.sort_by_key(|problem| problem.line.unwrap_or(usize::MAX));
+        let mut told = std::collections::BTreeSet::new();
+        problems.retain(|problem| told.insert(problem.to_string()));
+        Self { problems }
+    }
+
+    /// As many problems as are told; a key that is missing where a misspelt one stands is no problem of its own.
+    pub(super) fn shortened(mut self) -> Self {
+        let is_misspelt = |key: &Option<String>| {
+            key.is_some() && self.problems.iter().any(|problem| problem.line.is_some() && problem.key == *key)
+        };
+        let told = |problem: &&Problem| problem.line.is_some() || !is_misspelt(&problem.key);
+        let mut problems: Vec<Problem> = self.problems.iter().filter(told).cloned().collect();
+        if problems.len() > MOST_PROBLEMS {
+            problems.truncate(MOST_PROBLEMS);
+            problems.extend(Self::general("[...] there are more problems").problems);
+        }
+        self.problems = problems;
+        self
+    }
+}
+
+/// Readings that do not depend on each other: what all have given, or the problems of all.
+pub(super) trait Together {
+    /// What they give.
+    type All;
+
+    /// All of them.
+    fn together(self) -> Result<Self::All, SceneError>;
+}
+
+macro_rules! together {
+    ($($kind:ident $value:ident),+) => {
+        impl<$($kind),+> Together for ($(Result<$kind, SceneError>,)+) {
+            type All = ($($kind,)+);
+
+            fn together(self) -> Result<Self::All, SceneError> {
+                let ($($value,)+) = self;
+                let mut problems = Vec::new();
+                $(let $value = $value.map_err(|error: SceneError| problems.extend(error.problems)).ok();)+
+                match ($($value,)+) {
+                    ($(Some($value),)+) => Ok(($($value,)+)),
+                    _ => Err(SceneError::several(problems)),
+                }
+            }
+        }
+    };
+}
+
+together!(A a, B b);
+together!(A a, B b, C c);
+together!(A a, B b, C c, D d);
+together!(A a, B b, C c, D d, E e);
+together!(A a, B b, C c, D d, E e, F f);
+together!(A a, B b, C c, D d, E e, F f, G g);
+together!(A a, B b, C c, D d, E e, F f, G g, H h);
+together!(A a, B b, C c, D d, E e, F f, G g, H h, I i);
+together!(A a, B b, C c, D d, E e, F f, G g, H h, I i, J j);
+
+/// Any number of readings, as [`Together`].
+pub(super) fn all<T>(readings: impl Iterator<Item = Result<T, SceneError>>) -> Result<Vec<T>, SceneError> {
+    let (mut values, mut problems) = (Vec::new(), Vec::new());
+    for reading in readings {
+        match reading {
+            Ok(value) => values.push(value),
+            Err(error) => problems.extend(error.problems),
+        }
+        // To look up the line of each takes time.
+        if problems.len() > MOST_PROBLEMS {
+            break;
+        }
+    }
+    if problems.is_empty() { Ok(values) } else { Err(SceneError::several(problems)) }
 }
 
 /// Parses the document.
 pub(super) fn document(text: &str) -> Result<Spanned<DeTable<'_>>, SceneError> {
-    DeTable::parse(text).map_err(|error| SceneError {
-        line: error.span().map(|span| line_of(text, span.start)),
-        problem: format!("not TOML: {}", one_line(error.message())),
+    DeTable::parse(text).map_err(|error| {
+        let line = error.span().map(|span| line_of(text, span.start));
+        SceneError::at(line, format!("not TOML: {}", one_line(error.message())))
     })
 }
 
@@ -57,40 +157,69 @@ pub(super) struct Entry<'a> {
 }
 
 impl<'a> Section<'a> {
-    /// The root, which may hold `keys` only.
-    pub fn root(text: &'a str, table: &'a DeTable<'a>, keys: &[&str]) -> Result<Self, SceneError> {
-        Self { text, name: "", table }.restricted(keys)
+    /// The root.
+    pub fn root(text: &'a str, table: &'a DeTable<'a>) -> Self {
+        Self { text, name: "", table }
     }
 
-    /// The table `name`, which may hold `keys` only; an absent one is an error if `required`, else empty.
-    pub fn section(&self, name: &'a str, keys: &[&str], required: bool) -> Result<Option<Self>, SceneError> {
+    /// The table `name`; an absent one is an error if `required`.
+    pub fn section(&self, name: &'a str, required: bool) -> Result<Option<Self>, SceneError> {
         match self.get(name) {
             None if required => {
-                Err(SceneError::general(format!("the table [{name}] is missing; its keys: {}", keys.join(", "))))
+                let keys = keys_of(name).collect::<Vec<&str>>().join(", ");
+                let problem = format!("the table [{name}] is missing; its keys: {keys}");
+                Err(SceneError::for_want_of(None, problem, name.to_owned()))
             }
             None => Ok(None),
             Some(entry) => match entry.value.get_ref() {
-                DeValue::Table(table) => Self { text: self.text, name, table }.restricted(keys).map(Some),
+                DeValue::Table(table) => Ok(Some(Self { text: self.text, name, table })),
                 other => Err(entry.wrong(&format!("is {}, a table [{name}] is needed", kind(other)))),
             },
         }
     }
 
-    fn restricted(self, keys: &[&str]) -> Result<Self, SceneError> {
-        let unknown = self.table.keys().find(|key| !keys.contains(&key.get_ref().as_ref()));
-        match unknown {
-            None => Ok(self),
-            Some(key) => Err(SceneError {
-                line: Some(line_of(self.text, key.span().start)),
-                problem: format!(
-                    "unknown key `{}`; {}known here: {}",
-                    self.dotted(&shortened(key.get_ref())),
-                    nearest(key.get_ref(), keys.iter().copied())
-                        .map(|known| format!("did you mean `{known}`? "))
-                        .unwrap_or_default(),
-                    keys.join(", ")
-                ),
-            }),
+    /// Refuses keys that scenes do not know, here and in all tables within but [sweep], which has its own.
+    pub fn known(&self) -> Result<(), SceneError> {
+        let known = keys_of(self.name);
+        all(self.table.iter().map(|(key, value)| {
+            let name = key.get_ref().as_ref();
+            if !known.clone().any(|known| known == name) {
+                return Err(self.unknown(key, known.clone()));
+            }
+            if self.name.is_empty() && name == "sweep" {
+                return Ok(());
+            }
+            let within = self.dotted(name);
+            let tables: Vec<&DeTable<'_>> = match value.get_ref() {
+                DeValue::Table(table) => vec![table],
+                DeValue::Array(array) => array.iter().filter_map(|element| element.get_ref().as_table()).collect(),
+                _ => Vec::new(),
+            };
+            // What is no table of scenes is refused where it is read.
+            let tables = tables.into_iter().filter(|_| keys_of(&within).next().is_some());
+            all(tables.map(|table| Section { text: self.text, name: &within, table }.known())).map(drop)
+        }))
+        .map(drop)
+    }
+
+    fn unknown(
+        &self,
+        key: &Spanned<std::borrow::Cow<'_, str>>,
+        known: impl Iterator<Item = &'static str> + Clone,
+    ) -> SceneError {
+        let given = key.get_ref();
+        let own = |name: &str| name.strip_prefix(self.name).and_then(|key| key.strip_prefix('.')).map(str::to_owned);
+        let meant = meant(given).map(|(name, note)| (name.to_owned(), note));
+        let meant = meant.or_else(|| nearest(given, known.clone()).map(|name| (self.dotted(name), "")));
+        let hint = meant
+            .as_ref()
+            .map(|(name, note)| format!("did you mean `{}`{note}? ", own(name).unwrap_or_else(|| name.clone())));
+        let (name, known) = (self.dotted(&shortened(given)), known.collect::<Vec<&str>>().join(", "));
+        let problem = format!("unknown key `{name}`; {}known here: {known}", hint.unwrap_or_default());
+        let line = Some(line_of(self.text, key.span().start));
+        match meant {
+            Some((meant, _)) => SceneError::for_want_of(line, problem, meant),
+            None => SceneError::at(line, problem),
         }
     }
 
@@ -114,15 +243,26 @@ impl<'a> Section<'a> {
     }
 
     /// The value of a key that has to be there.
-    pub fn require(&self, key: &str, example: &str) -> Result<Entry<'a>, SceneError> {
+    pub fn require(&self, key: &str) -> Result<Entry<'a>, SceneError> {
         self.get(key).ok_or_else(|| {
-            SceneError::general(format!("`{}` is missing; for example {key} = {example}", self.dotted(key)))
+            let name = self.dotted(key);
+            let example = example(&name).map(|example| format!("; for example {key} = {example}")).unwrap_or_default();
+            SceneError::for_want_of(None, format!("`{name}` is missing{example}"), name)
         })
     }
 
     /// A positive quantity that has to be there; SI.
     pub fn positive(&self, key: &str, dimension: Dimension) -> Result<f64, SceneError> {
-        self.require(key, dimension.example())?.positive(dimension)
+        self.require(key)?.positive(dimension)
+    }
+
+    /// What `read` makes of a key, if it is there.
+    pub fn optional<T>(
+        &self,
+        key: &str,
+        read: impl FnOnce(&Entry<'a>) -> Result<T, SceneError>,
+    ) -> Result<Option<T>, SceneError> {
+        self.get(key).map(|entry| read(&entry)).transpose()
     }
 }
 
@@ -132,10 +272,8 @@ impl<'a> Entry<'a> {
         let span = self.value.span();
         let given = self.text.get(span.clone()).unwrap_or_default();
         let given = given.split_whitespace().take(SHOWN_WORDS).collect::<Vec<_>>().join(" ");
-        SceneError {
-            line: Some(line_of(self.text, span.start)),
-            problem: format!("`{} = {}`: {problem}", self.name, shortened(&given)),
-        }
+        let line = Some(line_of(self.text, span.start));
+        SceneError::at(line, format!("`{} = {}`: {problem}", self.name, shortened(&given)))
     }
 
     /// An element of this array.
@@ -143,11 +281,14 @@ impl<'a> Entry<'a> {
         Self { text: self.text, name: format!("{}[{index}]", self.name), value }
     }
 
-    /// This inline table as a section, which may hold `keys` only.
-    pub fn table(&'a self, keys: &[&str]) -> Result<Section<'a>, SceneError> {
+    /// This inline table as a section.
+    pub fn table(&'a self) -> Result<Section<'a>, SceneError> {
         match self.value.get_ref() {
-            DeValue::Table(table) => Section { text: self.text, name: &self.name, table }.restricted(keys),
-            other => Err(self.wrong(&format!("is {}, a table with {} is needed", kind(other), keys.join(", ")))),
+            DeValue::Table(table) => Ok(Section { text: self.text, name: &self.name, table }),
+            other => {
+                let keys = keys_of(&self.name).collect::<Vec<&str>>().join(", ");
+                Err(self.wrong(&format!("is {}, a table with {keys} is needed", kind(other))))
+            }
         }
     }
 
@@ -210,7 +351,8 @@ impl<'a> Entry<'a> {
 
     /// A finite quantity; SI.
     pub fn quantity(&self, dimension: Dimension) -> Result<f64, SceneError> {
-        let needed = format!("{} is needed, such as {} ({})", dimension.name(), dimension.example(), dimension.units());
+        let such = example(&self.name).map(|example| format!(", such as {example}")).unwrap_or_default();
+        let needed = format!("{} is needed{such} ({})", dimension.name(), dimension.units());
         let text = match self.value.get_ref() {
             DeValue::String(text) => text,
             DeValue::Integer(_) | DeValue::Float(_) => {
@@ -222,6 +364,10 @@ impl<'a> Entry<'a> {
             Ok(value) if value.is_finite() => Ok(value),
             Ok(_) => Err(self.wrong(&format!("is not finite; {needed}"))),
             Err(QuantityError::NoNumber) => Err(self.wrong(&format!("does not begin with a number; {needed}"))),
+            Err(QuantityError::DecimalComma) => {
+                Err(self
+                    .wrong(&format!("has a decimal comma; a point is needed, and nothing between thousands: {needed}")))
+            }
             Err(QuantityError::NoUnit) => Err(self.wrong(&format!("the unit is missing; {needed}"))),
             Err(QuantityError::OtherDimension(other)) => {
                 Err(self.wrong(&format!("the unit is that of {}; {needed}", other.name())))
@@ -266,8 +412,9 @@ pub fn nearest<'n>(given: &str, known: impl Iterator<Item = &'n str>) -> Option<
     if given.len() > LONGEST_NAME {
         return None;
     }
+    let given = given.to_lowercase();
     known
-        .map(|name| (strsim::jaro_winkler(given, name), name))
+        .map(|name| (strsim::jaro_winkler(&given, name), name))
         .filter(|(similarity, _)| *similarity > 0.75)
         .max_by(|a, b| a.0.total_cmp(&b.0))
         .map(|(_, name)| name)

@@ -1,6 +1,7 @@
 //! The separations of a scene: h, or h_star as multiples of the standard deviation of the surface heights.
 
-use super::reader::{Entry, SceneError, Section};
+use super::keys::example;
+use super::reader::{Entry, SceneError, Section, Together};
 use super::units::Dimension;
 use crate::surface::LENGTHS;
 use toml::de::DeValue;
@@ -13,12 +14,14 @@ const LEAST_SPAN: f64 = 1e6 * f64::EPSILON;
 
 /// Reads the separations, m, rising.
 pub(super) fn separations(section: &Section<'_>, surface_height_std: f64) -> Result<Vec<f64>, SceneError> {
-    let example = "h_star = { from = -1.0, to = 8.0, count = 181 }";
     match (section.get("h"), section.get("h_star")) {
         (Some(h), None) => rising(&h, &|entry| entry.quantity(Dimension::Length)),
         (None, Some(h_star)) => rising(&h_star, &|entry| Ok(entry.number()? * surface_height_std)),
         (Some(h), Some(_)) => Err(h.wrong("give either h or h_star, not both")),
-        (None, None) => Err(SceneError::general(format!("[separation] is empty; for example {example}"))),
+        (None, None) => Err(SceneError::general(format!(
+            "[separation] has neither h nor h_star; for example h_star = {}",
+            example("separation.h_star").unwrap_or_default()
+        ))),
     }
 }
 
@@ -65,16 +68,18 @@ fn rising(entry: &Entry<'_>, value: &dyn Fn(&Entry<'_>) -> Result<f64, SceneErro
             values
         }
         DeValue::Table(_) => {
-            let table = entry.table(&["from", "to", "count"])?;
-            let from = value(&table.require("from", "-1.0")?)?;
-            let end = table.require("to", "8.0")?;
-            let to = value(&end)?;
-            within_reach(entry, from)?;
-            within_reach(&end, to)?;
+            let table = entry.table()?;
+            let end = |key: &str| {
+                let entry = table.require(key)?;
+                let value = value(&entry)?;
+                within_reach(&entry, value).map(|()| (entry, value))
+            };
+            let count = table.require("count").and_then(|count| count.integer(2..=MOST));
+            let ((_, from), (end, to), count) = (end("from"), end("to"), count).together()?;
             if !(to > from) {
                 return Err(end.wrong("has to be greater than `from`"));
             }
-            let count = table.require("count", "181")?.integer(2..=MOST)? as usize;
+            let count = count as usize;
             (0..count).map(|i| from + (to - from) * (i as f64 / (count - 1) as f64)).collect()
         }
         _ => return Err(entry.wrong("a list, or a table { from, to, count }, is needed")),

@@ -1,6 +1,6 @@
 //! How many replicas a scene asks for: a number, or targets that the ensemble is to reach.
 
-use super::reader::{Entry, SceneError, Section};
+use super::reader::{Entry, SceneError, Section, Together, all};
 use super::units::Dimension;
 use crate::surface::{STRATA, SamplingScheme};
 use std::ops::RangeInclusive;
@@ -14,7 +14,6 @@ const REPLICAS: RangeInclusive<u64> = 1..=1_000_000_000_000;
 const RELATIVE: RangeInclusive<f64> = 1e-9..=0.5;
 /// Most targets of a scene.
 const MOST_TARGETS: usize = 16;
-const TARGET_KEYS: [&str; 4] = ["quantity", "relative_standard_error", "standard_error", "estimate"];
 
 /// The numbers of a replica whose means can be targets, and what they measure; the engine's scalars, in their order.
 pub const QUANTITIES: [(&str, Dimension); 4] = [
@@ -110,7 +109,7 @@ pub(super) fn replicas(
             return Err(bound
                 .wrong("is for runs that end at a target, and there is none; `replicas` is their number without one"));
         }
-        let replicas = whole(&ensemble.require("replicas", "1000")?)?;
+        let replicas = whole(&ensemble.require("replicas")?)?;
         return Ok((replicas, None));
     };
     if let Some(replicas) = ensemble.get("replicas") {
@@ -119,18 +118,17 @@ pub(super) fn replicas(
         );
     }
     let [least, most] = &bounds;
-    let max_replicas = most.as_ref().map_or(Ok(DEFAULTS.1), whole)?;
-    let min_replicas = match least {
-        Some(least) => least.integer(REPLICAS)?,
-        None => (DEFAULTS.0 * sampling.group()).min(max_replicas),
-    };
+    let min_replicas = least.as_ref().map(|least| least.integer(REPLICAS)).transpose();
+    let max_replicas = most.as_ref().map_or(Ok(DEFAULTS.1), whole);
+    let (targets, min_replicas, max_replicas) = (targets(&target), min_replicas, max_replicas).together()?;
+    let min_replicas = min_replicas.unwrap_or((DEFAULTS.0 * sampling.group()).min(max_replicas));
     let min_replicas = if min_replicas <= max_replicas {
         min_replicas.div_ceil(STRATA).saturating_mul(STRATA).min(max_replicas)
     } else {
         let entry = least.as_ref().or(most.as_ref()).expect("one of them is given where the defaults do not fit");
         return Err(entry.wrong(&format!("min_replicas = {min_replicas} is more than max_replicas = {max_replicas}")));
     };
-    Ok((max_replicas, Some(Stopping { targets: targets(&target)?, min_replicas, max_replicas })))
+    Ok((max_replicas, Some(Stopping { targets, min_replicas, max_replicas })))
 }
 
 /// A table, or a list of tables.
@@ -139,14 +137,15 @@ fn targets(entry: &Entry<'_>) -> Result<Vec<Target>, SceneError> {
     if !(1..=MOST_TARGETS).contains(&list.len()) {
         return Err(entry.wrong(&format!("has {} targets; 1 to {MOST_TARGETS} are needed", list.len())));
     }
-    list.iter().enumerate().map(|(i, element)| target(&entry.element(i, element))).collect()
+    all(list.iter().enumerate().map(|(i, element)| target(&entry.element(i, element))))
 }
 
 fn target(entry: &Entry<'_>) -> Result<Target, SceneError> {
-    let table = entry.table(&TARGET_KEYS)?;
+    let table = entry.table()?;
     let places: Vec<(&str, usize)> = QUANTITIES.iter().enumerate().map(|(i, (name, _))| (*name, i)).collect();
-    let quantity = table.require("quantity", "\"pull_off_force\"")?.choice("quantity", &places)?;
-    let estimate = table.get("estimate").map(|entry| entry.choice("estimate", &Estimate::ALL));
+    let quantity = table.require("quantity").and_then(|entry| entry.choice("quantity", &places));
+    let estimate = table.optional("estimate", |entry| entry.choice("estimate", &Estimate::ALL));
+    let (quantity, estimate) = (quantity, estimate).together()?;
     let limit = match (table.get("relative_standard_error"), table.get("standard_error")) {
         (Some(relative), None) => Limit::Relative(share(&relative)?),
         (None, Some(absolute)) => Limit::Absolute(absolute.positive(QUANTITIES[quantity].1)?),
@@ -155,7 +154,7 @@ fn target(entry: &Entry<'_>) -> Result<Target, SceneError> {
         }
         (None, None) => return Err(entry.wrong("lacks relative_standard_error, for example 1e-3, or standard_error")),
     };
-    Ok(Target { quantity, estimate: estimate.transpose()?.unwrap_or_default(), limit })
+    Ok(Target { quantity, estimate: estimate.unwrap_or_default(), limit })
 }
 
 fn share(entry: &Entry<'_>) -> Result<f64, SceneError> {

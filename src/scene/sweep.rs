@@ -8,11 +8,11 @@
 //! "surface.lubricant_thickness" = ["0 nm", "0.5 nm", "1 nm"]
 //! ```
 
+use super::Scene;
 use super::echo::shortened;
 use super::files::Files;
-use super::reader::{Entry, SceneError, Section, document, nearest};
+use super::reader::{Entry, SceneError, Section, Together, all, document, nearest};
 use super::units::Dimension;
-use super::{ROOT_KEYS, Scene};
 use std::sync::Arc;
 use toml::de::DeValue;
 use toml_edit::{DocumentMut, Item, TableLike, value};
@@ -181,7 +181,7 @@ impl Sweep {
         if swept.len() > MOST_KEYS {
             return Err(sweep.wrong(&format!("names {} keys; at most {MOST_KEYS} can be swept", swept.len())));
         }
-        let lengths = swept.iter().map(|(_, entry)| length(entry)).collect::<Result<Vec<usize>, SceneError>>()?;
+        let lengths = all(swept.iter().map(|(_, entry)| length(entry)))?;
         check_lengths(mode, &swept, &lengths)?;
         let axes = swept.iter().map(|(key, entry)| {
             let values = values(key, entry)?;
@@ -190,7 +190,7 @@ impl Sweep {
             }
             Ok(Axis { key, values })
         });
-        let axes = axes.collect::<Result<Vec<Axis>, SceneError>>()?;
+        let axes = all(axes)?;
         Ok(Self { mode, common_random_numbers, axes, text: text.to_owned(), template: template(text)?, files })
     }
 
@@ -293,13 +293,15 @@ impl Sweep {
     /// As [`Sweep::scene`].
     pub fn alone(&self, point: usize) -> Result<Scene, SceneError> {
         let text = self.text(point)?;
-        let document = document(&text).and_then(|document| {
-            let root = Section::root(&text, document.get_ref(), &ROOT_KEYS)?;
-            Scene::read(&text, &root, self.files.as_ref())
-        });
-        document.map_err(|error| SceneError {
-            line: error.line.and_then(|line| self.own_line(text.lines().nth(line - 1)?)),
-            problem: format!("at {}: {}", self.name(point).replace(" (", " (`").replace(')', "`)"), error.problem),
+        let document = document(&text)
+            .and_then(|document| Scene::read(&text, &Section::root(&text, document.get_ref()), self.files.as_ref()));
+        document.map_err(|mut error| {
+            let point = self.name(point).replace(" (", " (`").replace(')', "`)");
+            for problem in &mut error.problems {
+                problem.line = problem.line.and_then(|line| self.own_line(text.lines().nth(line - 1)?));
+                problem.text = format!("at {point}: {}", problem.text);
+            }
+            error
         })
     }
 
@@ -333,7 +335,7 @@ struct Options<'a> {
 impl<'a> Options<'a> {
     /// Takes the keys of a table, whose own dotted name within \[sweep\] is `prefix`.
     fn collect(&mut self, table: &Section<'a>, prefix: &str) -> Result<(), SceneError> {
-        for (key, mut entry) in table.entries() {
+        all(table.entries().map(|(key, mut entry)| {
             let name = if prefix.is_empty() { key.to_owned() } else { format!("{prefix}.{key}") };
             entry.name = format!("sweep.{}", shortened(&name));
             match name.as_str() {
@@ -341,8 +343,9 @@ impl<'a> Options<'a> {
                 "common_random_numbers" => self.common_random_numbers = entry.boolean()?,
                 _ => self.swept_key(&name, entry)?,
             }
-        }
-        Ok(())
+            Ok(())
+        }))
+        .map(drop)
     }
 
     fn swept_key(&mut self, name: &str, entry: Entry<'a>) -> Result<(), SceneError> {
@@ -377,8 +380,6 @@ fn known() -> String {
     text
 }
 
-const SPAN_KEYS: [&str; 4] = ["from", "to", "count", "spacing"];
-
 /// The number of values that an entry of \[sweep\] says.
 fn length(entry: &Entry<'_>) -> Result<usize, SceneError> {
     match entry.value.get_ref() {
@@ -387,7 +388,9 @@ fn length(entry: &Entry<'_>) -> Result<usize, SceneError> {
             Err(entry.wrong(&format!("has {} values; 1 to {MOST_POINTS} are needed", array.len())))
         }
         DeValue::Table(_) => {
-            Ok(entry.table(&SPAN_KEYS)?.require("count", "7")?.integer(2..=MOST_POINTS as u64)? as usize)
+            let table = entry.table()?;
+            let count = table.require("count").and_then(|count| count.integer(2..=MOST_POINTS as u64));
+            (table.known(), count).together().map(|((), count)| count as usize)
         }
         _ => Err(entry.wrong("a list, or a table { from, to, count, spacing }, is needed")),
     }
@@ -420,14 +423,11 @@ fn values(key: &Sweepable, entry: &Entry<'_>) -> Result<Vec<f64>, SceneError> {
     if let DeValue::Array(array) = entry.value.get_ref() {
         return array.iter().enumerate().map(|(i, element)| key.read(&entry.element(i, element))).collect();
     }
-    let table = entry.table(&SPAN_KEYS)?;
-    let example = key.dimension.map_or("0.1", Dimension::example);
-    let ends = [table.require("from", example)?, table.require("to", example)?];
-    let [from, to] = [key.read(&ends[0])?, key.read(&ends[1])?];
-    let count = length(entry)?;
-    let logarithmic = table.get("spacing");
-    let logarithmic =
-        logarithmic.map_or(Ok(false), |entry| entry.choice("spacing", &[("linear", false), ("log", true)]))?;
+    let table = entry.table()?;
+    let end = |name: &str| table.require(name).and_then(|end| key.read(&end));
+    let spacing = table.optional("spacing", |entry| entry.choice("spacing", &[("linear", false), ("log", true)]));
+    let (from, to, count, spacing) = (end("from"), end("to"), length(entry), spacing).together()?;
+    let logarithmic = spacing.unwrap_or(false);
     if logarithmic && !(from > 0.0 && to > 0.0) {
         return Err(entry.wrong("spacing = \"log\" needs ends that are greater than 0"));
     }

@@ -71,19 +71,6 @@ impl Dimension {
         }
     }
 
-    /// An example in messages.
-    pub fn example(self) -> &'static str {
-        match self {
-            Self::Length => "\"3.33 um\"",
-            Self::Area => "\"1000 um^2\"",
-            Self::ArealDensity => "\"7.39 /um^2\"",
-            Self::Pressure => "\"85.29 GPa\"",
-            Self::SurfaceEnergy => "\"0.09 J/m^2\"",
-            Self::Force => "\"1 uN\"",
-            Self::Stiffness => "\"5 N/m\"",
-        }
-    }
-
     /// Its SI unit as scenes write it.
     pub fn si(self) -> &'static str {
         units(self).iter().find(|(_, power)| *power == 0).expect("every dimension has its SI unit").0
@@ -130,6 +117,8 @@ fn units(dimension: Dimension) -> &'static [(&'static str, i32)] {
 pub enum QuantityError {
     /// It does not begin with a number.
     NoNumber,
+    /// A comma stands in the number.
+    DecimalComma,
     /// Nothing follows the number.
     NoUnit,
     /// The unit measures something else.
@@ -147,11 +136,14 @@ pub fn parse(text: &str, dimension: Dimension) -> Result<f64, QuantityError> {
     let text = text.trim();
     let end = number_end(text);
     let (number, unit) = (text[..end].trim(), text[end..].trim());
+    if unit.strip_prefix(',').is_some_and(|rest| rest.starts_with(|c: char| c.is_ascii_digit())) {
+        return Err(QuantityError::DecimalComma);
+    }
     let plain: f64 = number.parse().map_err(|_| QuantityError::NoNumber)?;
     if unit.is_empty() {
         return Err(QuantityError::NoUnit);
     }
-    let normal = unit.replace('²', "^2").replace("1/", "/");
+    let normal = normal(unit);
     let find = |dimension| units(dimension).iter().find(|(spelling, _)| *spelling == normal);
     match find(dimension) {
         Some((_, power)) => Ok(scaled(number, plain, *power)),
@@ -160,6 +152,31 @@ pub fn parse(text: &str, dimension: Dimension) -> Result<f64, QuantityError> {
             .find(|(other, _)| find(*other).is_some())
             .map_or(QuantityError::UnknownUnit(unit.to_owned()), |(other, _)| QuantityError::OtherDimension(*other))),
     }
+}
+
+/// A unit as the table spells it: `um^-2`, `µm⁻²`, `1/um2` and `um**-2` are `/um^2`, `J m-2` is `J/m^2`; the sign ångström is the letter.
+fn normal(unit: &str) -> String {
+    let plain = unit.replace('²', "2").replace('⁻', "-").replace('\u{212b}', "Å").replace("A\u{30a}", "Å");
+    let (mut above, mut below) = (String::new(), String::new());
+    for (i, part) in plain.split('/').enumerate() {
+        for factor in part.split([' ', '·']).filter(|factor| !factor.is_empty() && !(i == 0 && *factor == "1")) {
+            let base = factor.trim_end_matches(|c: char| c.is_ascii_digit());
+            let power = &factor[base.len()..];
+            let (inverse, base) = match base.strip_suffix('-') {
+                Some(base) if !power.is_empty() => (true, base),
+                _ => (false, base),
+            };
+            let name = ["^", "**"].into_iter().find_map(|sign| base.strip_suffix(sign).filter(|_| !power.is_empty()));
+            let name = name.unwrap_or(base);
+            if name.is_empty() {
+                return plain;
+            }
+            let power = if matches!(power, "" | "1") { String::new() } else { format!("^{power}") };
+            let side = if (i > 0) != inverse { &mut below } else { &mut above };
+            *side += &format!("{}{name}{power}", if side.is_empty() { "" } else { " " });
+        }
+    }
+    if below.is_empty() { above } else { format!("{above}/{}", below.replace(' ', "/")) }
 }
 
 /// Where the number at the beginning of a text ends, in bytes; 0 where there is none. Looks at each byte once.
@@ -219,11 +236,23 @@ mod tests {
             ("3.33um", Dimension::Length, 3.33e-6),
             ("1.619 nm", Dimension::Length, 1.619e-9),
             ("1.5e3 µm", Dimension::Length, 1.5e-3),
-            ("2 Å", Dimension::Length, 2e-10),
+            ("2 \u{c5}", Dimension::Length, 2e-10),
+            ("2 \u{212b}", Dimension::Length, 2e-10),
+            ("2 A\u{30a}", Dimension::Length, 2e-10),
             ("-1 nm", Dimension::Length, -1e-9),
             ("7.39 /um^2", Dimension::ArealDensity, 7.39e12),
             ("7.39 1/um^2", Dimension::ArealDensity, 7.39e12),
+            ("7.39 um^-2", Dimension::ArealDensity, 7.39e12),
+            ("7.39 um-2", Dimension::ArealDensity, 7.39e12),
+            ("7.39 /um2", Dimension::ArealDensity, 7.39e12),
+            ("7.39 µm⁻²", Dimension::ArealDensity, 7.39e12),
+            ("7.39 um**-2", Dimension::ArealDensity, 7.39e12),
             ("1000 um²", Dimension::Area, 1e-9),
+            ("1000 um2", Dimension::Area, 1e-9),
+            ("90 mJ/m2", Dimension::SurfaceEnergy, 0.09),
+            ("90 mJ m^-2", Dimension::SurfaceEnergy, 0.09),
+            ("90 mJ·m⁻²", Dimension::SurfaceEnergy, 0.09),
+            ("5 N m-1", Dimension::Stiffness, 5.0),
             ("85.29 GPa", Dimension::Pressure, 85.29e9),
             ("90 mJ/m^2", Dimension::SurfaceEnergy, 0.09),
             ("0.09 N/m", Dimension::SurfaceEnergy, 0.09),
@@ -333,6 +362,15 @@ mod tests {
         assert_eq!(parse("3 furlong", Dimension::Length), Err(QuantityError::UnknownUnit("furlong".into())));
         assert_eq!(parse("three nm", Dimension::Length), Err(QuantityError::NoNumber));
         assert_eq!(parse("", Dimension::Length), Err(QuantityError::NoNumber));
+        for text in ["3,33 um", "3 ,33 um", "1,000 um", ",5 um"] {
+            assert_eq!(parse(text, Dimension::Length), Err(QuantityError::DecimalComma), "{text}");
+        }
+        for unit in ["um^-3", "/um", "um^2 um", "um/1", "m^0", "m^-1/", "um^", "-", "1"] {
+            assert!(
+                matches!(parse(&format!("3 {unit}"), Dimension::Area), Err(QuantityError::UnknownUnit(_))),
+                "{unit}"
+            );
+        }
     }
 
     /// An energy per area and a stiffness share units, which are the same in SI; no other spelling is there twice.

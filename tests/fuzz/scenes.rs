@@ -1,5 +1,5 @@
 //! Scenes that mean harm: [`Scene::parse`] neither panics nor takes more time and memory than the text is long, says what is wrong in a
-//! line, and accepts only what can be computed.
+//! line for each problem, and accepts only what can be computed.
 
 use super::text::{Mutation, changed, changes};
 use super::{ALLOCATOR, cases, runner};
@@ -15,8 +15,8 @@ use stiction::scene::{Document, Plan, Scene, Sizes};
 const TIME: (Duration, Duration) = (Duration::from_millis(20), Duration::from_micros(5));
 /// Bytes that reading allocates at most, freed ones included: for any text, and for each byte of it.
 const MEMORY: (usize, usize) = (256 << 10, 1 << 10);
-/// Longest message, bytes.
-const MESSAGE: usize = 1000;
+/// Longest line of a message, bytes, and most lines.
+const MESSAGE: (usize, usize) = (1000, 21);
 /// Of so many scenes that are accepted one is planned, and of so many one under every law.
 const PLANNED: (u32, u32) = (64, 2048);
 
@@ -72,14 +72,20 @@ fn check(text: &str, accepted: &mut u32, refused: &mut u32) {
         }
         Err(message) => {
             *refused += 1;
-            assert!(message.len() <= MESSAGE, "{message}");
-            assert!(!message.contains(char::is_control), "{message:?}");
-            let named =
-                message.starts_with("line ") || message.contains(['`', '[']) || message.contains("check their units");
-            assert!(named || message == "not TOML: recursion limit", "names neither line nor key: {message}");
-            if let Some(line) = message.strip_prefix("line ").and_then(|rest| rest.split(':').next()) {
-                assert!((1..=text.lines().count().max(1) + 1).contains(&line.parse().unwrap()), "{message}");
-            }
+            told(&message, text);
+        }
+    }
+}
+
+/// Every problem is told in a line of its own, which names a line of the text or a key.
+fn told(message: &str, text: &str) {
+    assert!((1..=MESSAGE.1).contains(&message.lines().count()), "{message}");
+    for line in message.lines() {
+        assert!(line.len() <= MESSAGE.0 && !line.contains(char::is_control), "{line:?}");
+        let named = line.starts_with("line ") || line.contains(['`', '[']) || line.contains("check their units");
+        assert!(named || line == "not TOML: recursion limit", "names neither line nor key: {line}");
+        if let Some(number) = line.strip_prefix("line ").and_then(|rest| rest.split(':').next()) {
+            assert!((1..=text.lines().count().max(1) + 1).contains(&number.parse().unwrap()), "{line}");
         }
     }
 }
@@ -110,8 +116,7 @@ fn every_sweep_is_read_or_refused_in_a_line() {
             Ok(_) => {}
             Err(error) => {
                 counts.set((counts.get().0, counts.get().1 + 1));
-                let message = error.to_string();
-                assert!(message.len() <= MESSAGE && !message.contains(char::is_control), "{message:?}");
+                told(&error.to_string(), &text);
             }
         }
         Ok(())

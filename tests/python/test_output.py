@@ -170,13 +170,14 @@ def minimum(places, values) -> tuple[float, float]:
 
 def test_root_attributes(file):
     attributes = file.attrs
-    for name in ["format", "program_version", "source_revision", "created", "title", "scene", "law", "path"]:
+    for name in ["format", "program_version", "source_revision", "source_hash", "created", "title", "scene", "law", "path"]:
         assert isinstance(attributes[name], str), name
     assert attributes["format"] == "stiction-run"
     assert list(attributes["format_version"]) == [2, 0]
     assert np.issubdtype(attributes["format_version"].dtype, np.integer)
     assert re.fullmatch(r"\d+\.\d+\.\d+.*", attributes["program_version"])
     assert re.fullmatch(r"[0-9a-f]{7,}(-modified)?|unknown", attributes["source_revision"])
+    assert re.fullmatch(r"[0-9a-f]{16}", attributes["source_hash"])
     assert attributes["title"] == "Test patch"
     assert attributes["scene"] == SCENE
     assert (attributes["law"], attributes["path"]) == ("hybrid", "approach")

@@ -227,6 +227,18 @@ def test_a_machine_without_slurm_is_told_so(site):
     assert refused.returncode == 2 and "no sbatch on the PATH" in refused.stderr, refused
 
 
+def test_nothing_that_is_printed_steers_the_terminal(site):
+    (site.folder / "a\x1b[31m.toml").write_text("format = 1\n")
+    refused = site.submit("a\x1b[31m.toml", "--shards", "x\x1b]0;title\x07", "--stiction", "./stiction", own=False)
+    assert refused.returncode == 2 and "--shards x?]0;title?: a whole number" in refused.stderr
+    said = site.submit("a\x1b[31m.toml", "--shards", "3", "--stiction", "./stiction", own=False)
+    assert said.returncode == 0 and "a?[31m/logs" in said.stdout
+    again = site.submit("a\x1b[31m.toml", "--shards", "4", "--stiction", "./stiction", own=False)
+    assert again.returncode == 2
+    for text in (refused.stderr, said.stdout, again.stderr):
+        assert not re.search(r"[\x00-\x09\x0b-\x1f\x7f]", text), repr(text)
+
+
 def test_help_names_every_option(site):
     said = site.submit("--help", own=False)
     assert said.returncode == 0

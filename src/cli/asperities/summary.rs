@@ -3,6 +3,7 @@
 use super::Surface;
 use crate::cli::format::{percent, pure, row, si};
 use crate::scene::echo::one_line;
+use crate::surface::map::Summit;
 
 pub(super) fn summary(surface: &Surface<'_>) -> String {
     let Surface { arguments, asperities, shape, pixel, .. } = surface;
@@ -52,7 +53,10 @@ fn parameters(surface: &Surface<'_>) -> String {
     let (ours, theirs) = (measured.density, equivalent.density);
     text += &line("density", density(ours), density(theirs), ours / theirs);
     let (ours, theirs) = (measured.radius, equivalent.radius);
-    text += &line("radius", si(ours, "m"), si(theirs, "m"), ours / theirs);
+    text += &line("1/mean curvature", si(ours, "m"), si(theirs, "m"), ours / theirs);
+    let summits = &surface.asperities.summits;
+    let mean = summits.iter().map(Summit::radius).sum::<f64>() / summits.len() as f64;
+    text += &row("mean radius", &format!("{:>18}  the R that a run of these asperities tells", si(mean, "m")));
     let (ours, theirs) = (measured.height_mean, equivalent.height_mean);
     text += &line("mean height", si(ours, "m"), si(theirs, "m"), ours / theirs);
     let (ours, theirs) = (measured.height_std, equivalent.height_std);

@@ -134,7 +134,7 @@ pub(super) fn compare(arguments: &CompareArguments) -> Result<(), Failure> {
             record::write(&mut writer, &comparison)?;
             writer.finish()
         });
-        written.map_err(|error| error.writing(claim.output()))?;
+        written.map_err(|error| Failure::not_written(error, claim.output()))?;
     }
     let table = table::table(&comparison, arguments.output.as_deref());
     match &arguments.output {

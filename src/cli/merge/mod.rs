@@ -152,7 +152,7 @@ impl Merge<'_> {
         match written {
             Ok(true) => Ok(Box::new(results)),
             Ok(false) => Err(Failure::Interrupted { done: of, of, kept: false }),
-            Err(error) => Err(error.writing(task.output).into()),
+            Err(error) => Err(Failure::not_written(error, task.output)),
         }
     }
 

@@ -227,7 +227,7 @@ mod tests {
         };
         let identity = Identity {
             program_version: "1".to_owned(),
-            source_revision: "a".to_owned(),
+            source_hash: "a".to_owned(),
             scene: "format = 1\n".to_owned(),
             seed: 1,
             replicas: 40,

@@ -309,3 +309,173 @@ fn replicas_that_are_no_whole_groups_are_refused() {
     assert_eq!(std::fs::read(folder.path("scene.h5")).unwrap(), b"precious");
     assert_eq!(folder.files(), ["scene.h5", "scene.toml"]);
 }
+
+/// A map whose unit is not that of the command or of its header is warned of, with the unit that would do; the size and unit of the header
+/// are not overridden in silence; and R is told by both its meanings, that of the run that follows too.
+#[test]
+fn maps_in_a_wrong_unit_are_warned_of() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let folder = Folder::new(&std::fs::read_to_string(root.join("configs/surfaces/measured.toml")).unwrap());
+    let map = std::fs::read_to_string(root.join("configs/maps/polished.txt")).unwrap();
+    let in_metres: String = map
+        .lines()
+        .map(|line| match line.strip_prefix('#') {
+            Some(_) => format!("{line}\n"),
+            None => line.split('\t').map(|height| format!("{height}e-9")).collect::<Vec<String>>().join("\t") + "\n",
+        })
+        .collect();
+    std::fs::write(folder.path("map.txt"), &map).unwrap();
+    std::fs::write(folder.path("metres.txt"), in_metres).unwrap();
+    let said = |arguments: &[&str]| {
+        let output = folder.stiction(&[&["asperities"], arguments].concat());
+        assert_exit(&output, 0);
+        text(&output.stdout)
+    };
+    let plain = said(&["map.txt", "-o", "polished.h5"]);
+    assert!(!plain.contains("warning"), "{plain}");
+    assert_eq!(
+        said(&["map.txt", "--pixel", "30 nm", "--height-unit", "nm"]),
+        plain.split("\n  written").next().unwrap()
+    );
+    for (arguments, parts) in [
+        (
+            &["metres.txt"][..],
+            &["slopes are 7.9e-12 on average, as on no surface", "with --height-unit m they would be 7.9e-3"][..],
+        ),
+        (
+            &["map.txt", "--height-unit", "m"],
+            &[
+                "--height-unit says 1.000 m, and the file nm",
+                "slopes are 7.9e6",
+                "with --height-unit nm they would be 7.9e-3",
+            ],
+        ),
+        (
+            &["map.txt", "--pixel", "30 nm,31 nm"],
+            &["--pixel says 30.00 nm x 31.00 nm, and the file 30.00 nm x 30.00 nm"],
+        ),
+    ] {
+        let said = said(arguments);
+        for part in parts {
+            let warning = said.lines().find(|line| line.contains(part)).unwrap_or_else(|| panic!("{part}\n{said}"));
+            assert!(warning.starts_with("  warning "), "{warning}");
+        }
+    }
+    // Of the curvatures in the file: 1/<kappa> and <1/kappa>.
+    let file = hdf5::File::open(folder.path("polished.h5")).unwrap();
+    let radii = file.dataset("/asperities/radius").unwrap().read_raw::<f64>().unwrap();
+    let count = radii.len() as f64;
+    let harmonic = count / radii.iter().map(|radius| 1.0 / radius).sum::<f64>();
+    let mean = radii.iter().sum::<f64>() / count;
+    let shown = |radius: f64| format!("{:.3} µm", 1e6 * radius);
+    let row = |label: &str| plain.lines().find(|line| line.contains(label)).unwrap().to_owned();
+    assert!(row("1/mean curvature").contains(&shown(harmonic)), "{plain}");
+    assert!(row("mean radius").contains(&shown(mean)), "{plain}");
+    let check = text(&folder.stiction(&["check", "scene.toml"]).stdout);
+    assert!(check.contains(&format!("mean radius {}", shown(mean))), "{check}");
+}
+
+/// What is no scene is refused in words that say what it is; a pipe that nobody writes to is not waited for.
+#[test]
+fn what_is_no_text_is_said() {
+    let folder = Folder::new(&small());
+    assert_exit(&folder.stiction(&["run", "scene.toml", "--quiet"]), 0);
+    std::fs::write(folder.path("latin.toml"), b"title = \"\xb5m\"\n").unwrap();
+    for (name, part) in [
+        ("scene.h5", "scene.h5: is an HDF5 file, not a text; `stiction info` shows what is in a result"),
+        ("latin.toml", "latin.toml: is not a text in UTF-8: byte 10 belongs to no character"),
+    ] {
+        for command in ["run", "check"] {
+            let output = folder.stiction(&[command, name, "--quiet"][..if command == "run" { 3 } else { 2 }]);
+            assert_exit(&output, 2);
+            assert!(text(&output.stderr).contains(part), "{}", text(&output.stderr));
+        }
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_pipe_is_read_if_somebody_writes_to_it() {
+    let folder = Folder::new(&small());
+    let made = std::process::Command::new("mkfifo").arg(folder.path("pipe.toml")).status().unwrap();
+    assert!(made.success());
+    for arguments in [
+        &["check", "pipe.toml"][..],
+        &["run", "pipe.toml", "--quiet"],
+        &["asperity", "--law", "md", "--table", "pipe.toml"],
+    ] {
+        let refused = folder.stiction(arguments);
+        assert_exit(&refused, 2);
+        assert!(
+            text(&refused.stderr).contains("is a pipe that nobody writes to; name a file"),
+            "{}",
+            text(&refused.stderr)
+        );
+    }
+    let (pipe, scene) = (folder.path("pipe.toml"), small());
+    let writer = std::thread::spawn(move || std::fs::write(pipe, scene));
+    let output = (0..100).map(|_| folder.stiction(&["check", "pipe.toml"])).find(|output| output.status.success());
+    assert!(text(&output.unwrap().stdout).contains("case II"));
+    writer.join().unwrap().unwrap();
+}
+
+/// A scene may come from anybody and name any file of the user: what is in it is not in the messages.
+#[test]
+fn files_that_scenes_name_are_not_shown() {
+    let folder = Folder::new("");
+    std::fs::write(folder.path("private"), "root:x:0:0:secret\nhidden:1\n").unwrap();
+    for column in ["\"height\"", "1", "3"] {
+        let heights = format!("heights = {{ law = \"file\", path = \"private\", column = {column}, unit = \"nm\" }}");
+        let scene = small().replace("[surface]", &format!("[surface]\n{heights}"));
+        std::fs::write(folder.path("scene.toml"), scene).unwrap();
+        let output = folder.stiction(&["check", "scene.toml"]);
+        assert_exit(&output, 2);
+        let message = text(&output.stderr);
+        assert!(message.contains("private"), "{message}");
+        assert!(!["root", "secret", "hidden"].iter().any(|word| message.contains(word)), "{message}");
+    }
+}
+
+/// What is told of a result stands in two columns, however long its names are.
+#[test]
+fn columns_of_info_do_not_touch() {
+    let folder = Folder::new(
+        &small().replace("[surface]", "[surface]\nradii = { law = \"gamma\", coefficient_of_variation = 0.3 }"),
+    );
+    assert_exit(&folder.stiction(&["run", "scene.toml", "--quiet"]), 0);
+    let info = text(&folder.stiction(&["info", "scene.h5"]).stdout);
+    let (head, _) = info.split_once("\nscene\n").unwrap();
+    let rows: Vec<&str> = head.lines().filter(|line| line.starts_with("  ")).collect();
+    let names: Vec<&str> = rows.iter().map(|row| row.split_whitespace().next().unwrap()).collect();
+    assert!(names.iter().map(|name| name.len()).max() > Some(46), "{info}");
+    let column = |row: &&str| row.len() - row[2..].split_once("  ").unwrap().1.trim_start().len();
+    assert!(rows.iter().all(|row| column(row) == column(&rows[0])), "{info}");
+}
+
+/// A log gets a line after ten seconds, and none with --quiet.
+#[test]
+#[ignore = "slow: twelve seconds"]
+fn there_is_a_sign_of_life_without_a_terminal() {
+    use std::io::{BufRead, BufReader, Read};
+    use std::process::{Command, Stdio};
+    let folder = Folder::new(&small().replace("replicas = 40", "replicas = 100000000"));
+    let begin = |arguments: &[&str]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_stiction"));
+        command.args(["run", "scene.toml", "--threads", "1"]).args(arguments).current_dir(folder.path(""));
+        command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap()
+    };
+    let (mut told, mut quiet) = (begin(&["-o", "told.h5"]), begin(&["-o", "quiet.h5", "--quiet"]));
+    let mut line = String::new();
+    BufReader::new(told.stderr.take().unwrap()).read_line(&mut line).unwrap();
+    assert!(
+        line.starts_with("stiction: ensemble: ") && line.contains(" of 100000000 replicas, 10 seconds so far"),
+        "{line}"
+    );
+    for child in [&mut told, &mut quiet] {
+        child.kill().unwrap();
+        child.wait().unwrap();
+    }
+    let mut said = String::new();
+    quiet.stderr.take().unwrap().read_to_string(&mut said).unwrap();
+    assert_eq!(said, "");
+}

@@ -590,3 +590,20 @@ fn a_run_that_is_interrupted_before_its_first_batch_leaves_nothing() {
     let files = folder.files();
     assert!(!files.contains(&"scene.h5".to_owned()) && !files.contains(&CHECKPOINT.to_owned()), "{files:?}");
 }
+
+/// Who finds a file under the name of the output when everything is computed has done nothing wrong: the code is that of a failure, the
+/// file stays, and what was computed is kept.
+#[test]
+fn a_result_that_cannot_be_named_is_a_failure_while_running() {
+    let folder = Folder::new(&scene());
+    let mut child = begin(&folder, &["--checkpoint", "0", "--quiet"]);
+    wait_while_running(&mut child, || folder.path(CHECKPOINT).exists());
+    std::fs::write(folder.path("scene.h5"), "mine").unwrap();
+    let output = child.wait_with_output().unwrap();
+    assert_exit(&output, 1);
+    let message = text(&output.stderr);
+    assert!(message.contains("scene.h5 exists") && message.contains("--resume"), "{message}");
+    assert_eq!(std::fs::read(folder.path("scene.h5")).unwrap(), b"mine");
+    std::fs::remove_file(folder.path("scene.h5")).unwrap();
+    assert_exit(&folder.stiction(&["run", "scene.toml", "--resume"]), 0);
+}

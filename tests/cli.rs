@@ -439,9 +439,7 @@ fn files_that_scenes_name_are_not_shown() {
 /// What is told of a result stands in two columns, however long its names are.
 #[test]
 fn columns_of_info_do_not_touch() {
-    let folder = Folder::new(
-        &small().replace("[surface]", "[surface]\nradii = { law = \"gamma\", coefficient_of_variation = 0.3 }"),
-    );
+    let folder = Folder::new(&small().replace("path = \"approach\"", "path = \"loop\""));
     assert_exit(&folder.stiction(&["run", "scene.toml", "--quiet"]), 0);
     let info = text(&folder.stiction(&["info", "scene.h5"]).stdout);
     let (head, _) = info.split_once("\nscene\n").unwrap();
@@ -467,10 +465,7 @@ fn there_is_a_sign_of_life_without_a_terminal() {
     let (mut told, mut quiet) = (begin(&["-o", "told.h5"]), begin(&["-o", "quiet.h5", "--quiet"]));
     let mut line = String::new();
     BufReader::new(told.stderr.take().unwrap()).read_line(&mut line).unwrap();
-    assert!(
-        line.starts_with("stiction: ensemble: ") && line.contains(" of 100000000 replicas, 10 seconds so far"),
-        "{line}"
-    );
+    assert!(line.starts_with("stiction: ensemble: ") && line.contains(" of 100000000 replicas, 10 s so far"), "{line}");
     for child in [&mut told, &mut quiet] {
         child.kill().unwrap();
         child.wait().unwrap();

@@ -1,7 +1,7 @@
 //! Progress on the terminal: the phase by name, and for the ensemble replicas done, their rate and the time left. Where there is no
 //! terminal, a line now and then.
 
-use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use std::fmt::Write;
 use std::io::IsTerminal;
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
@@ -114,16 +114,25 @@ impl Phase {
 
     /// The line of a phase that has lasted so long.
     fn line(&self, elapsed: Duration) -> String {
-        let since = format!("{} so far", HumanDuration(elapsed));
+        let since = format!("{} so far", lasting(elapsed));
         let Some([before, done, total]) = self.count else { return format!("{}: {since}", self.name) };
         let line = format!("{}: {done} of {total} replicas, {since}", self.name);
         match done.saturating_sub(before) {
             0 => line,
             own => {
                 let left = elapsed.mul_f64(total.saturating_sub(done) as f64 / own as f64);
-                format!("{line}, about {} left", HumanDuration(left))
+                format!("{line}, about {} left", lasting(left))
             }
         }
+    }
+}
+
+/// Seconds, minutes or hours, about.
+fn lasting(time: Duration) -> String {
+    match time.as_secs_f64() {
+        seconds if seconds < 99.5 => format!("{seconds:.0} s"),
+        seconds if seconds < 5970.0 => format!("{:.0} min", seconds / 60.0),
+        seconds => format!("{:.1} h", seconds / 3600.0),
     }
 }
 
@@ -208,11 +217,12 @@ mod tests {
     fn a_line_says_what_is_done_and_left() {
         let mut phase = Phase::new("point 2 of 6: ensemble".to_owned(), Some((40, 400)));
         let told = |phase: &Phase| phase.line(Duration::from_secs(30));
-        assert_eq!(told(&phase), "point 2 of 6: ensemble: 40 of 400 replicas, 30 seconds so far");
+        assert_eq!(told(&phase), "point 2 of 6: ensemble: 40 of 400 replicas, 30 s so far");
         phase.count = Some([40, 130, 400]);
-        let expected = "point 2 of 6: ensemble: 130 of 400 replicas, 30 seconds so far, about 90 seconds left";
+        let expected = "point 2 of 6: ensemble: 130 of 400 replicas, 30 s so far, about 90 s left";
         assert_eq!(told(&phase), expected);
-        assert_eq!(told(&Phase::new("integral".to_owned(), None)), "integral: 30 seconds so far");
+        assert_eq!(told(&Phase::new("integral".to_owned(), None)), "integral: 30 s so far");
+        assert_eq!([600, 7200].map(|seconds| lasting(Duration::from_secs(seconds))), ["10 min", "2.0 h"]);
     }
 
     /// Lines come at growing intervals, whatever run they are of, and end with it.

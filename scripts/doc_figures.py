@@ -1,0 +1,312 @@
+"""Figures of README and docs, computed anew and compared with the pages: those that take seconds each, a few minutes in all.
+
+Usage:
+    python scripts/doc_figures.py [--write] [--program PATH] [PAGE...]
+
+A figure is a piece of a page with `{}` where its numbers stand, or a block of what the program prints. With --write numbers that differ
+are replaced in the pages. Only figures of the PAGEs named are looked at, if any are. The program is target/release/stiction, or that of
+the environment variable STICTION, unless --program says otherwise.
+Exit codes: 0 all agree, or were replaced; 1 some differ, or are not on their page; 2 the program fails.
+"""
+
+# /// script
+# requires-python = ">=3.11"
+# dependencies = ["numpy>=1.24", "h5py>=3.8"]
+# ///
+
+import argparse
+import functools
+import os
+import re
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+ROOT = Path(__file__).resolve().parent.parent
+# A number as pages write it.
+NUMBER = r"([-+−]?[0-9][0-9.]*(?:e-?[0-9]+|·10[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+)?)"
+SCALARS = ["pull_off_force", "pull_off_separation", "peak_secant_stiffness", "peak_secant_stiffness_separation"]
+CASES = ["case_i", "case_ii", "case_iii"]
+
+
+class Program:
+    """Runs the program in a folder of its own, each command once."""
+
+    def __init__(self, path: Path, folder: Path):
+        self.path, self.folder = path, folder
+
+    @functools.cache
+    def said(self, *arguments: str) -> str:
+        run = subprocess.run([self.path, *arguments], cwd=self.folder, capture_output=True, text=True)
+        if run.returncode:
+            sys.exit(f"doc_figures.py: stiction {' '.join(arguments)}: {run.stderr.strip()}")
+        return run.stdout
+
+    @functools.cache
+    def run(self, scene: str, sampling: str = "independent") -> h5py.File:
+        """The result of `stiction run configs/SCENE.toml`, with another sampling."""
+        path = ROOT / "configs" / f"{scene}.toml"
+        if sampling != "independent":
+            text = path.read_text().replace("[ensemble]", f'[ensemble]\nsampling = "{sampling}"')
+            path = self.folder / f"{scene}_{sampling}.toml"
+            path.write_text(text)
+        return self.file("run", path)
+
+    def file(self, command: str, scene: Path, *arguments: str) -> h5py.File:
+        output = f"{scene.stem}-{command}.h5"
+        self.said(command, str(scene), *arguments, "-o", output)
+        return h5py.File(self.folder / output)
+
+
+@dataclass(frozen=True)
+class Figure:
+    """Numbers of a page: a text with `{}` in the place of each, and what they are now."""
+
+    page: str
+    text: str
+    values: Callable[[Program], list[str]]
+
+    def compared(self, page: str, program: Program) -> tuple[str, list[str]]:
+        """The page with the numbers as they are, and how they differ."""
+        parts = [r"\s+".join(map(re.escape, re.split(r"\s+", part))) for part in self.text.split("{}")]
+        found = re.findall(NUMBER.join(parts), page)
+        if len(found) != 1:
+            return page, [f"is there {len(found)} times: {self.text}"]
+        match = re.search(NUMBER.join(parts), page)
+        values = self.values(program)
+        assert len(values) == len(parts) - 1, (self.text, values)
+        differences = []
+        for group in range(len(values), 0, -1):
+            if match[group] != values[group - 1]:
+                differences.insert(0, f"{match[group]} is now {values[group - 1]}: {self.text.splitlines()[0]}")
+                page = page[: match.start(group)] + values[group - 1] + page[match.end(group) :]
+        return page, differences
+
+
+@dataclass(frozen=True)
+class Block:
+    """A fenced block of a page that begins with a line: rows of what a command prints, `...` for those that are left out."""
+
+    page: str
+    first: str
+    command: tuple[str, ...]
+
+    def compared(self, page: str, program: Program) -> tuple[str, list[str]]:
+        match = re.search(rf"(?<=```text\n){re.escape(self.first)}.*?(?=```)", page, re.S)
+        if not match:
+            return page, [f"has no block that begins with {self.first}"]
+        prompt, kept = "", match[0]
+        if kept.startswith("$ "):
+            prompt, kept = kept[: kept.index("\n") + 1], kept[kept.index("\n") + 1 :]
+        said = program.said(*self.command).splitlines()
+        try:
+            pieces = [self.piece(piece.strip("\n").splitlines(), said) for piece in kept.split("  ...\n")]
+        except LookupError as missing:
+            return page, [f"has a row `{missing}` that the program does not print"]
+        now = prompt + "\n  ...\n".join(pieces) + "\n"
+        differences = [
+            f"`{one}` is now `{other}`"
+            for one, other in zip(match[0].splitlines(), now.splitlines(), strict=False)
+            if one != other
+        ]
+        if now != match[0] and not differences:
+            differences = [f"the block of {self.first} has other rows now"]
+        return page[: match.start()] + now + page[match.end() :], differences
+
+    @staticmethod
+    def piece(kept: list[str], said: list[str]) -> str:
+        """The rows from the first label of a piece to its last, with the rows that go on from that."""
+
+        def label(line: str) -> str:
+            return line[2:20].strip()
+
+        labels = [label(line) for line in kept if label(line)]
+        ends = {name: [i for i, line in enumerate(said) if label(line) == name] for name in labels}
+        for name, places in ends.items():
+            if not places:
+                raise LookupError(name)
+        start, end = ends[labels[0]][0], ends[labels[-1]][-1] + 1
+        # What goes on behind the last label, as far as it does on the page.
+        for line in kept[max(i for i, line in enumerate(kept) if label(line)) + 1 :]:
+            if not line.strip() or end >= len(said) or label(said[end]):
+                break
+            end += 1
+        return "\n".join(said[start:end])
+
+
+def digits(value: float, count: int = 3) -> str:
+    """So many significant digits, without a power of ten."""
+    return f"{value:.{max(count - 1 - int(np.floor(np.log10(abs(value)))), 0)}f}"
+
+
+def power(value: float) -> str:
+    """Two significant digits; from a thousand on with a power of ten."""
+    if value < 1000.0:
+        return digits(value, 2)
+    mantissa, exponent = f"{value:.1e}".split("e+")
+    return f"{mantissa}·10{str(int(exponent)).translate(str.maketrans('0123456789', '⁰¹²³⁴⁵⁶⁷⁸⁹'))}"
+
+
+def error(run: h5py.File, scalar: str, controlled: bool) -> float:
+    name = "scalar_controlled_standard_error" if controlled else "scalar_standard_error"
+    return float(run[f"ensemble/{name}"][SCALARS.index(scalar)])
+
+
+def reductions(program: Program) -> list[str]:
+    """The table of sampling.md: by how many times the variance of a mean is smaller than that of plain independent replicas."""
+    values = []
+    for scalar in SCALARS:
+        for case in CASES:
+            plain = error(program.run(case), scalar, controlled=False)
+            own = [("independent", True), ("antithetic", False), ("antithetic", True), ("stratified", False), ("stratified", True)]
+            ratios = [(plain / error(program.run(case, scheme), scalar, controlled)) ** 2 for scheme, controlled in own]
+            values += [f"{ratio:.2f}" if ratio < 9.995 else f"{ratio:.1f}" for ratio in ratios]
+    return values
+
+
+def reduction(program: Program, case: str) -> float:
+    return float(program.run(case)["ensemble/scalar_variance_reduction"][0])
+
+
+def strata(program: Program) -> list[str]:
+    """By how many times the variance of the mean external force is smaller with strata, and with opposite heights, in case II."""
+
+    def ratio(scheme: str, h_star: float) -> float:
+        plain, other = program.run("case_ii"), program.run("case_ii", scheme)
+        place = int(np.argmin(np.abs(plain["h_star"][:] - h_star)))
+        errors = [run["ensemble/external_force_standard_error"][place] for run in (plain, other)]
+        return (errors[0] / errors[1]) ** 2
+
+    places = [("stratified", 0.0), ("antithetic", 0.0), ("stratified", 1.0), ("antithetic", 1.0)]
+    return [digits(ratio(*place), 2) for place in places]
+
+
+def mean_pull_off(program: Program) -> list[str]:
+    ensemble = program.run("case_ii")["ensemble"]
+    names = ["controlled_mean", "controlled_standard_error", "mean", "standard_error"]
+    mean, precise, plain, rough = [1e6 * ensemble[f"scalar_{name}"][0] for name in names]
+    return [f"{mean:.1f}", f"{precise:.2f}", f"{plain:.1f}", f"{rough:.1f}"]
+
+
+def fits(case: str, unit: float, decimals: tuple[int, int, int]) -> Callable[[Program], list[str]]:
+    """Pull-off of the integral and the h* of its stiffest point: directly, with the published fits, refitted."""
+
+    def values(program: Program) -> list[str]:
+        file = program.file("compare", ROOT / f"configs/{case}.toml", "--laws", "hybrid,fit:paper,fit:refit")
+        force = file["statistical/pull_off_force"][:]
+        place = file["statistical/peak_stiffness_separation"][:] / file.attrs["surface_height_std"]
+        forces = [f"{value / unit:.{count}f}" for value, count in zip(force, decimals, strict=True)]
+        ratio = force[1] / force[0]
+        excess = f"{ratio:.1f}" if ratio > 2.0 else f"+{100 * (ratio - 1):.1f}"
+        places = [f"{value:.2f}" for value in place]
+        return [forces[0], places[0], forces[1], excess, places[1], forces[2], places[2]]
+
+    return values
+
+
+def cycle(program: Program) -> list[str]:
+    run = program.run("loop")
+    energy = 1e12 * run["replicas/dissipated_energy"][:]
+    there, back = [run[f"statistical/{way}external_force"][:] for way in ("", "retraction_")]
+    integral = 1e12 * np.trapezoid(there - back, run["separation"][:])
+    error = energy.std(ddof=1) / len(energy) ** 0.5
+    return [f"{energy.mean():.2f}", f"{error:.2f}", f"{float(integral):.2f}", f"{100 * energy.std(ddof=1) / energy.mean():.1f}"]
+
+
+def pulled(program: Program) -> list[str]:
+    replicas = program.run("loop")["replicas"]
+    return [f"{1e6 * replicas[name][:].mean():.2f}" for name in ("pull_off_force", "approach_pull_off_force")]
+
+
+def contact(program: Program) -> list[str]:
+    run = program.run("loop")
+    sigma = run.attrs["surface_height_std"]
+    return [f"{run[f'replicas/{name}_separation'][:].mean() / sigma:.2f}" for name in ("takeoff", "touchdown")]
+
+
+def surface_energy(program: Program) -> list[str]:
+    run = program.file("run", ROOT / "configs/sweep_surface_energy.toml")
+    values = []
+    for point in (0, 2, 3):
+        mean, error = [1e3 * float(run[f"ensemble/scalar_{name}"][point, 0]) for name in ("mean", "standard_error")]
+        integral = 1e3 * float(run["statistical/pull_off_force"][point])
+        decimals = 3 if mean < 10 else 2
+        place = float(run["statistical/peak_stiffness_separation"][point] / run["surface_height_std"][point])
+        values += [f"{mean:.{decimals}f}", f"{error:.{decimals}f}", f"{integral:.{decimals}f}", f"{place:.2f}"]
+    return values
+
+
+def sizes(program: Program) -> list[str]:
+    """Of case II, the sizes at which the bias is 10 and 5 %, between three sizes of the default ones."""
+    run = program.file("finite-size", ROOT / "configs/case_ii.toml", "--counts", "1000,3162,10000")
+    accuracies = list(np.round(run["accuracy"][:], 4))
+    return [power(float(run["count_at_accuracy"][accuracies.index(accuracy)])) for accuracy in (0.1, 0.05)]
+
+
+ROW = "| {} | {} / {} | {} / {} |"
+TABLE = "\n".join(
+    f"| {name if case == 'I' else ''} | {case} ".replace("|  |", "| |")
+    + (ROW.replace("| {} |", "| **{}** |", 1) if name == "pull-off force" and case != "I" else ROW)
+    for name in ("pull-off force", "pull-off separation", "peak stiffness", "its separation")
+    for case in ("I", "II", "III")
+)
+
+FIGURES = [
+    Block("README.md", "  pull-off ", ("run", str(ROOT / "configs/case_ii.toml"), "-o", "case_ii.h5")),
+    Block("README.md", "$ stiction compare configs/case_ii.toml", ("compare", str(ROOT / "configs/case_ii.toml"), "--laws", "hybrid,emd,isbl,sbl")),
+    Figure(
+        "README.md",
+        "{} times less variance of the mean pull-off in case II, {} in case III",
+        lambda program: [f"{reduction(program, case):.0f}" for case in ("case_ii", "case_iii")],
+    ),
+    Figure("README.md", "| case I: pull-off, stiffest at h* | {} µN, {} | {} µN ({} times), {} | {} µN, {} |", fits("case_i", 1e-6, (3, 3, 2))),
+    Figure("README.md", "| case II | {} mN, {} | {} mN ({} %), {} | {} mN, {} | 0.6 mN", fits("case_ii", 1e-3, (3, 3, 3))),
+    Figure("README.md", "| case III | {} mN, {} | {} mN ({} %), {} | {} mN, {} | 93.5 mN", fits("case_iii", 1e-3, (1, 1, 1))),
+    Figure("docs/sampling.md", TABLE, reductions),
+    Figure("docs/sampling.md", "the mean pull-off of case II is {} ± {} µN instead of {} ± {} µN", mean_pull_off),
+    Figure("docs/sampling.md", "falls {} times at h* = 0 in case II (antithetic: {}), {} times at h* = 1 ({})", strata),
+    Figure("docs/hysteresis.md", "{} ± {} pJ per cycle (integral: {} pJ), with a scatter of {} % from patch to patch", cycle),
+    Figure("docs/hysteresis.md", "Pulled off at {} µN after the cycle, where the way there has its minimum at {} µN", pulled),
+    Figure("docs/hysteresis.md", "contact ends at h* = {} on average, where it had begun at {}.", contact),
+    Figure(
+        "docs/sweeps.md",
+        "| 0.04 | 6.3 mN | {} ± {} mN | {} mN | 2.82 | {} |\n| 0.09 | 19.9 mN | {} ± {} mN | {} mN | 2.75 | {} |\n"
+        "| 0.14 | 35.8 mN | {} ± {} mN | {} mN | 2.80 | {} |",
+        surface_energy,
+    ),
+    Figure("docs/finite-size.md", "| case II | {} | {} |", sizes),
+]
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("pages", nargs="*", metavar="PAGE", help="such as docs/sampling.md")
+    parser.add_argument("--write", action="store_true", help="replace the numbers that differ")
+    default = os.environ.get("STICTION", ROOT / "target/release/stiction")
+    parser.add_argument("--program", type=Path, default=Path(default), help="the program")
+    arguments = parser.parse_args()
+    differences = 0
+    with tempfile.TemporaryDirectory() as folder:
+        program = Program(arguments.program.resolve(), Path(folder))
+        for figure in FIGURES:
+            if arguments.pages and figure.page not in arguments.pages:
+                continue
+            path = ROOT / figure.page
+            page, found = figure.compared(path.read_text(), program)
+            print("\n".join(f"{figure.page}: {difference}" for difference in found), end="\n" if found else "")
+            differences += len(found)
+            if arguments.write and page != path.read_text():
+                path.write_text(page)
+    of = f"{len(FIGURES)} pieces" if not arguments.pages else "the pages named"
+    print(f"{differences} differences in {of}" + (", written" if arguments.write and differences else ""))
+    return 1 if differences and not arguments.write else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

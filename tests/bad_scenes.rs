@@ -407,7 +407,7 @@ const VARIANTS: &[Variant] = &[
     (&["ensemble.replicas"], &["ensemble.target.quantity", "ensemble.target.standard_error"], &[]),
     (
         &["model.path"],
-        &["instability.stiffness", "instability.preload", "instability.smallest_snap"],
+        &["model.unloaded_radius", "instability.stiffness", "instability.preload", "instability.smallest_snap"],
         &[("model.path", "\"loop\"")],
     ),
     (&[], &["sweep"], &[]),

@@ -210,9 +210,9 @@ fn a_checkpoint_of_another_run_is_refused() {
     assert_refused(&folder, &[], "the version of stiction of the interrupted run was 9");
     // Another layout.
     let mut changed = checkpoint.clone();
-    changed[line] = 3;
+    changed[line] = 99;
     std::fs::write(folder.path(CHECKPOINT), &changed).unwrap();
-    assert_refused(&folder, &[], "has the checkpoint layout 3; this program reads 2");
+    assert_refused(&folder, &[], "has the checkpoint layout 99; this program reads");
     // Something else.
     std::fs::write(folder.path(CHECKPOINT), "my notes").unwrap();
     assert_refused(&folder, &[], "is not a checkpoint of stiction");

@@ -159,7 +159,7 @@ fn normal(unit: &str) -> String {
     let plain = unit.replace('²', "2").replace('⁻', "-").replace('\u{212b}', "Å").replace("A\u{30a}", "Å");
     let (mut above, mut below) = (String::new(), String::new());
     for (i, part) in plain.split('/').enumerate() {
-        for factor in part.split([' ', '·']).filter(|factor| !factor.is_empty() && !(i == 0 && *factor == "1")) {
+        for factor in part.split([' ', '·']).filter(|factor| !(factor.is_empty() || i == 0 && *factor == "1")) {
             let base = factor.trim_end_matches(|c: char| c.is_ascii_digit());
             let power = &factor[base.len()..];
             let (inverse, base) = match base.strip_suffix('-') {

@@ -129,7 +129,8 @@ fn devices_and_pipes_are_not_opened() {
 fn forged_attributes_are_refused() {
     let folder = with_result();
     type Change = fn(&hdf5::File);
-    let both: [(Change, &str); 7] = [
+    let both: [(Change, &str); 8] = [
+        (|file| replace_attribute(file, "format_version", &[0_u32, 9]), "has format version 0.9; this program reads"),
         (|file| file.delete_attr("format").unwrap(), "has no attribute `format`"),
         (|file| replace_number(file, "format", 3.0), "its attribute `format` is no text"),
         (|file| replace_text(file, "format", "\u{1b}[31mother"), "has the format \"\\u{1b}[31mother\", not "),

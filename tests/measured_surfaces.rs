@@ -419,3 +419,20 @@ fn files_of_asperities_are_not_trusted() {
     std::fs::write(&path, "no HDF5").unwrap();
     refused("is not an HDF5 file");
 }
+
+/// Summits of 6 pixels from one to the next are told to be too coarse, along whichever side; of 16 they are not. A caveat is of the surface as
+/// well as of the pixels: an egg-box is no Gaussian surface.
+#[test]
+fn coarse_pixels_are_told() {
+    let period = 480e-9;
+    let k = 2.0 * PI / period;
+    for (down, across, is_told) in [(16, 16, false), (6, 6, true), (6, 16, true), (16, 6, true)] {
+        let pixel = [period / f64::from(down), period / f64::from(across)];
+        let shape = [5 * down as usize + 2, 5 * across as usize + 2];
+        let eggs = map(shape, pixel, |x, y| 2e-9 * ((k * (x + 0.1 * period)).cos() + (k * (y + 0.2 * period)).cos()));
+        let found = Asperities::new(&eggs.levelled(Levelling::None).unwrap()).unwrap();
+        let caveats = found.caveats(pixel);
+        let of_pixels = |caveat: &&String| caveat.contains("pixels are too coarse");
+        assert_eq!(caveats.iter().filter(of_pixels).count(), usize::from(is_told), "{down} {across}: {caveats:?}");
+    }
+}

@@ -311,3 +311,144 @@ fn heights_are_drawn_from_their_law() {
         assert!(distance < 2.225 / n.sqrt(), "{name}: {distance}");
     }
 }
+
+/// Scatter of one replica of a Gaussian surface under `gw`, where p = K√R δ^1.5 of δ > 0, in closed form: with I_n(h) = ∫(s − h)ⁿφ(s)ds over
+/// s > h, I_3 = (h² + 2)φ(h) − (h³ + 3h)Q(h), it is N(I_3 − I_1.5²) of a number N of asperities that is fixed, and N I_3 of one that is
+/// Poisson-distributed. I_1.5 is by 50-digit arithmetic.
+#[test]
+fn the_scatter_of_a_surface_has_its_closed_form() {
+    let (asperity, case_ii) = case("II");
+    for (h, load) in [(0.0, 0.430_019_993_662_26), (1.0, 0.075_668_177_390_975), (2.0, 0.006_648_177_623_587_1)] {
+        let h: f64 = h;
+        let density = (-0.5 * h * h).exp() / (2.0 * std::f64::consts::PI).sqrt();
+        let tail = 0.5 * libm::erfc(h / std::f64::consts::SQRT_2);
+        let square = (h * h + 2.0) * density - (h * h * h + 3.0 * h) * tail;
+        let surface = Surface::uniform(1.6e-9, asperity.radius, 100, case_ii.nominal_area);
+        let std = surface.heights.std;
+        let unit = 4.0 / 3.0 * asperity.reduced_modulus * (asperity.radius * std).sqrt() * std;
+        for (surface, variance) in [
+            (Surface { count_law: CountLaw::Fixed, ..surface.clone() }, square - load * load),
+            (Surface { count_law: CountLaw::Poisson, ..surface.clone() }, square),
+            (Surface { whole: true, ..surface }, 0.0),
+        ] {
+            let separations = [h * std];
+            let gw = law_for("gw", &surface, &separations);
+            let found = Statistical::new(gw.as_ref(), &surface, &separations).std[Quantity::ContactForce.index()][0];
+            let exact = (100.0_f64 * variance).sqrt() * unit;
+            assert!((found - exact).abs() <= 1e-9 * exact, "{h} {variance}: {found:e} {exact:e}");
+        }
+    }
+}
+
+/// The same under `emd`, a third of whose asperities are beyond its end at ω_c and bear nothing, of Gaussian and of given heights: against
+/// sums over asperities one by one. Midpoints over Gaussian heights are off by the jumps between two of them, some 1e-4.
+#[test]
+fn the_scatter_counts_what_is_beyond_the_end_of_a_law() {
+    let (asperity, case_ii) = case("II");
+    let plain = Surface { asperity_count: 150, ..case_ii };
+    let std = plain.heights.std;
+    let separations = [-1e-9, 1e-9];
+    let given: Vec<f64> = (0..150).map(|i| std * 4.0 * (f64::from(i * 37 % 150) / 149.0 - 0.5)).collect();
+    let midpoints = 40_000;
+    let place = |i: usize| 8.0 * ((2 * i + 1) as f64 / midpoints as f64 - 1.0);
+    let gaussian: Vec<(f64, f64)> = (0..midpoints)
+        .map(|i| (std * place(i), (-0.5 * place(i) * place(i)).exp() * 16.0 / midpoints as f64 / 2.506_628_274_631))
+        .collect();
+    let sample: Vec<(f64, f64)> = given.iter().map(|height| (*height, 1.0 / 150.0)).collect();
+    let of_sample = Surface { heights: Heights::sample(given), ..plain.clone() };
+    for (name, surface, asperities, tolerance) in
+        [("gaussian", plain, gaussian, 2e-3), ("given", of_sample, sample, 1e-12)]
+    {
+        let emd = law("emd", &asperity, Path::Approach, (-3e-8, 3e-8));
+        let answer = Statistical::new(emd.as_ref(), &surface, &separations);
+        for (k, &h) in separations.iter().enumerate() {
+            let d = surface.asperity_separation(h);
+            let (mut mean, mut square, mut beyond) = ([0.0; 4], [0.0; 4], 0.0);
+            for (height, weight) in &asperities {
+                let [adhesion, contact, area] = respond(emd.as_ref(), height - d).map_or_else(
+                    || {
+                        beyond += weight;
+                        [0.0; 3]
+                    },
+                    |(_, forces)| forces,
+                );
+                for (q, value) in [adhesion, contact, contact - adhesion, area].into_iter().enumerate() {
+                    mean[q] += weight * value;
+                    square[q] += weight * value * value;
+                }
+            }
+            assert!(k == 1 || beyond > 0.2, "{name}: {beyond}");
+            for q in 0..4 {
+                let exact = (150.0 * (square[q] - mean[q] * mean[q])).sqrt();
+                let found = answer.std[q][k];
+                assert!((found / exact - 1.0).abs() < tolerance, "{name} {h:e} {q}: {found:e} {exact:e}");
+            }
+        }
+    }
+}
+
+/// The integral over radii says how far off it is: under `gw` against E[√R] = √R exp(−ς²/8), ς² = ln(1 + v²), of log-normal radii, and under
+/// `hybrid` against midpoints of the normal deviate of the radius, each a surface of one radius. What it says is the difference to a coarser
+/// division, thousands of times more, but far from 1.
+#[test]
+fn the_error_over_radii_is_told() {
+    let (asperity, plain) = case("II");
+    let mut seen: f64 = 0.0;
+    for (name, variation, h) in [("gw", 0.1, 1.0), ("gw", 0.3, 1.0), ("gw", 0.6, 1.0), ("hybrid", 0.5, 3.0)] {
+        let separations = [h * plain.heights.std];
+        let surface = Surface { asperity_count: 100, radii: Radii::LogNormal(variation), ..plain.clone() };
+        let answer = Statistical::new(law_for(name, &surface, &separations).as_ref(), &surface, &separations);
+        let shape = f64::ln(1.0 + variation * variation).sqrt();
+        let of_radius = |radius: f64| {
+            let (lowest, highest) = plain.heights.reach(11.0);
+            let own = stiction::asperity::scale::Asperity { radius, ..asperity };
+            let law = law(name, &own, Path::Approach, (lowest - separations[0], highest - separations[0]));
+            let common = Surface { asperity_count: 100, ..plain.clone() };
+            let answer = Statistical::new(law.as_ref(), &common, &separations);
+            [answer.expected[0][0], answer.expected[1][0]]
+        };
+        let exact = if name == "gw" {
+            of_radius(asperity.radius).map(|force| force * (-shape * shape / 8.0).exp())
+        } else {
+            let midpoints = 240;
+            let mut sums = [0.0; 3];
+            for i in 0..midpoints {
+                let deviate = 14.0 * ((f64::from(i) + 0.5) / f64::from(midpoints) - 0.5);
+                let weight = (-0.5 * deviate * deviate).exp();
+                let forces = of_radius(asperity.radius * (shape * deviate - 0.5 * shape * shape).exp());
+                sums[0] += weight;
+                sums[1] += weight * forces[0];
+                sums[2] += weight * forces[1];
+            }
+            [sums[1] / sums[0], sums[2] / sums[0]]
+        };
+        let forces = exact[0] + exact[1];
+        let off = (0..2).map(|q| (answer.expected[q][0] - exact[q]).abs() / forces).fold(0.0, f64::max);
+        println!("{name} {variation}: {off:e} {:e}", answer.quadrature_error);
+        assert!(off <= answer.quadrature_error.max(1e-12), "{name} {variation}: {off:e} {:e}", answer.quadrature_error);
+        assert!(answer.quadrature_error < 1e-5, "{name} {variation}: {:e}", answer.quadrature_error);
+        seen = seen.max(off);
+    }
+    assert!(seen > 1e-11, "nothing is off enough to be told: {seen:e}");
+}
+
+/// Mean and standard deviation of truncated normal heights, by midpoints of the density that the normal law has between its ends.
+#[test]
+fn truncated_heights_have_their_moments() {
+    for (lower, upper) in [(-2.5, 1.0), (f64::NEG_INFINITY, 0.3), (0.5, f64::INFINITY), (1.0, 1.5), (-1.0, 1.0)] {
+        let heights = Heights { mean: 2e-9, std: 3e-9, law: HeightLaw::Truncated(Truncated::new(lower, upper)) };
+        let (from, to): (f64, f64) = (lower.max(-12.0), upper.min(12.0));
+        let count = 200_000;
+        let mut sums = [0.0; 3];
+        for i in 0..count {
+            let z = from + (to - from) * (f64::from(i) + 0.5) / f64::from(count);
+            let density = (-0.5 * z * z).exp();
+            sums.iter_mut().zip([1.0, z, z * z]).for_each(|(sum, power)| *sum += power * density);
+        }
+        let (mean, square) = (sums[1] / sums[0], sums[2] / sums[0]);
+        let (found_mean, found_std) = heights.moments();
+        assert!((found_mean - (2e-9 + 3e-9 * mean)).abs() < 1e-8 * 3e-9, "{lower} {upper}: {found_mean:e} {mean}");
+        let std = 3e-9 * (square - mean * mean).sqrt();
+        assert!((found_std / std - 1.0).abs() < 1e-7, "{lower} {upper}: {found_std:e} {std:e}");
+    }
+}

@@ -233,6 +233,25 @@ fn what_is_there_can_be_merged_and_is_marked() {
     assert!(info.contains("replicas 0 to 39, 64 to 82 of 0 to 82"), "{info}");
 }
 
+/// What a point says stays that point's where the point before it is not there at all.
+#[test]
+fn a_point_behind_one_that_is_missing_keeps_its_place() {
+    let folder = Folder::new(&swept());
+    assert_exit(&folder.stiction(&["run", "scene.toml", "-o", "whole.h5"]), 0);
+    for index in [1, 3] {
+        shard(&folder, index, 3, &[]);
+    }
+    assert_exit(&merge(&folder, &[name(1, 3), name(3, 3)], &["--partial"]), 0);
+    let read = |name: &str, path: &str| hdf5::File::open(folder.path(name)).unwrap().dataset(path).unwrap();
+    let counts: Vec<u64> = read("merged.h5", "replica_count").read_raw().unwrap();
+    assert_eq!(counts, [83, 0, 83]);
+    for path in ["statistical/pull_off_force", "statistical/quadrature_error", "validation/p_value"] {
+        let [merged, whole] = ["merged.h5", "whole.h5"].map(|name| read(name, path).read_raw::<f64>().unwrap());
+        assert!(merged[1].is_nan() && whole.iter().all(|value| value.is_finite()), "{path}: {merged:?}");
+        assert_eq!([merged[0], merged[2]], [whole[0], whole[2]], "{path}");
+    }
+}
+
 /// Of three points the last has not all of its replicas, then none.
 #[test]
 fn what_is_there_of_a_sweep_can_be_merged() {

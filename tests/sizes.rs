@@ -30,8 +30,15 @@ fn estimated(folder: &Folder, what: &str) -> f64 {
     value * units.iter().find(|(unit, _)| Some(*unit) == words.clone().next()).unwrap().1
 }
 
+/// The scene pulled back after 8 preloads, on springs of 50 stiffnesses.
+fn snapping(scene: &str) -> String {
+    let list = |count: u32, unit: &str| (1..=count).map(|i| format!("\"{i} {unit}\"")).collect::<Vec<_>>().join(", ");
+    let held = format!("[instability]\nstiffness = [{}]\npreload = [{}]\n", list(50, "N/m"), list(8, "uN"));
+    scene.replace("path = \"approach\"", "path = \"loop\"").replace("[output]", &format!("{held}[output]"))
+}
+
 /// Memory is estimated within a factor of 2, whatever it is that takes it: nothing, asperities (few, many; direct, compressed), separations,
-/// curves, replicas.
+/// curves, replicas, snaps.
 #[test]
 fn memory_is_estimated_within_a_factor_of_2() {
     let deep = |scene: &str| scene.replace("from = -1.0, to = 8.0", "from = 4.0, to = 4.5");
@@ -44,6 +51,7 @@ fn memory_is_estimated_within_a_factor_of_2() {
         ("all of the joint test", sized(739.0, 256, 16)),
         ("curves", sized(50.0, 10_000, 64).replace("curves = false", "curves = true")),
         ("replicas", deep(&sized(8.0, 2, 300_000))),
+        ("snaps", snapping(&deep(&sized(8.0, 2, 8_000)))),
     ];
     for (name, scene) in scenes {
         let folder = Folder::new(&scene);

@@ -216,3 +216,16 @@ fn runs_and_comparisons_repeat_warnings() {
         assert!(lines[1].contains("of the nominal area is in contact") && !said.contains("Bogy 1990"), "{said}");
     }
 }
+
+/// A law that takes the asperities as dry has no film that could be too thick.
+#[test]
+fn dry_laws_are_not_warned_of_a_thick_film() {
+    let thick = QUICK.replace("lubricant_thickness = \"0.5 nm\"", "lubricant_thickness = \"5 nm\"");
+    for (law, is_told) in [("hybrid", true), ("isbl", true), ("jkr", false), ("md", false), ("ke", false)] {
+        let folder = Folder::new(&thick.replace("law = \"hybrid\"", &format!("law = \"{law}\"")));
+        let check = folder.stiction(&["check", "scene.toml"]);
+        assert_exit(&check, 0);
+        let found = warnings(&text(&check.stdout));
+        assert_eq!(found.iter().any(|warning| warning.contains("is thicker than sigma")), is_told, "{law}: {found:?}");
+    }
+}

@@ -219,7 +219,7 @@ fn laws(surface: &Surface, mean_height: f64) -> String {
         text += &row("radii", &format!("{}; {what} {radius}: each asperity has its own lambda", surface.radii.about()));
     }
     if surface.whole {
-        text += &row("", "every replica is the measured surface itself");
+        text += &row("", "every replica is the measured surface itself: one says all, and nothing is left to chance");
     }
     text
 }

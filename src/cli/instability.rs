@@ -35,10 +35,10 @@ struct Snaps<'a> {
     holding: Holding<'a>,
 }
 
-/// Replicas of a way that was taken: how many, how many of them snap, and how many of these nothing stops.
+/// Replicas of which it is known whether they snap: how many, how many do, and how many of these nothing stops.
 #[derive(Clone, Copy)]
 struct Counts {
-    taken: u64,
+    known: u64,
     snap: u64,
     unstopped: u64,
 }
@@ -46,12 +46,12 @@ struct Counts {
 impl Counts {
     /// The share that snaps.
     fn share(self) -> f64 {
-        self.snap as f64 / self.taken as f64
+        self.snap as f64 / self.known as f64
     }
 
     /// The 95 % interval of its probability.
     fn interval(self) -> (f64, f64) {
-        wilson_interval(self.snap, self.taken)
+        wilson_interval(self.snap, self.known)
     }
 }
 
@@ -82,9 +82,9 @@ impl<'a> Snaps<'a> {
 
     fn counts(&self, place: usize) -> Counts {
         let (is, distance) = (self.column(place), self.column(place + 2));
-        let mut counts = Counts { taken: 0, snap: 0, unstopped: 0 };
+        let mut counts = Counts { known: 0, snap: 0, unstopped: 0 };
         for (is, distance) in is.values().zip(distance.values()) {
-            counts.taken += u64::from(!is.is_nan());
+            counts.known += u64::from(!is.is_nan());
             counts.snap += u64::from(is == 1.0);
             counts.unstopped += u64::from(is == 1.0 && distance.is_nan());
         }
@@ -185,16 +185,16 @@ pub(super) fn instability(results: &Results) -> String {
     let shown = shown(holding.stiffness.len());
     for (line, &i) in shown.iter().enumerate().filter(|_| holding.ways.0) {
         let (counts, stiffness) = (snaps.counts(snaps.place_in(i)), stiffness_text(holding.stiffness[i]));
-        text += &row(&label(line, "snap-in"), &format!("{} held by {stiffness}", share(counts)));
+        let replicas = results.scene.replicas;
+        text += &row(&label(line, "snap-in"), &held_by(counts, &stiffness, replicas, "last"));
     }
     for (p, turn) in snaps.places_of_turns().into_iter().enumerate() {
         text += &row(&label(p, "turn"), &turned(&snaps, p, turn, results.scene.replicas));
-        let taken = snaps.pull_off(turn).2 > 0;
-        for (line, &i) in shown.iter().enumerate().filter(|_| taken) {
+        let taken = snaps.pull_off(turn).2;
+        for (line, &i) in shown.iter().enumerate().filter(|_| taken > 0) {
             let counts = snaps.counts(snaps.place_off(p, i));
-            let flies = if counts.unstopped > 0 { format!(", {} fly off", counts.unstopped) } else { String::new() };
             let stiffness = stiffness_text(holding.stiffness[i]);
-            text += &row(&label(line, "snap-off"), &format!("{} held by {stiffness}{flies}", share(counts)));
+            text += &row(&label(line, "snap-off"), &held_by(counts, &stiffness, taken, "first"));
         }
     }
     if holding.stiffness.len() > shown.len() {
@@ -224,10 +224,21 @@ fn turned(snaps: &Snaps<'_>, retraction: usize, turn: usize, replicas: u64) -> S
     format!("{place}; pull-off {}{scatter}", si(mean, "N"))
 }
 
-/// The share that snaps with its interval.
-fn share(counts: Counts) -> String {
+/// How many of the replicas that took a way snap, held by a stiffness. One that is unstable where the separations begin, the first or the
+/// last of them, would have snapped beyond.
+fn held_by(counts: Counts, stiffness: &str, taken: u64, begin: &str) -> String {
+    let unknown = taken - counts.known;
+    if counts.known == 0 {
+        return format!("not known held by {stiffness}: all are unstable at the {begin} separation");
+    }
     let (low, high) = counts.interval();
-    format!("{} of replicas (95 %: {} to {})", percent(counts.share()), percent(low), percent(high))
+    let share = format!("{} of replicas (95 %: {} to {})", percent(counts.share()), percent(low), percent(high));
+    let flies = if counts.unstopped > 0 { format!(", {} fly off", counts.unstopped) } else { String::new() };
+    let left_out = match unknown {
+        0 => String::new(),
+        _ => format!(", but for {unknown} that are unstable at the {begin} separation"),
+    };
+    format!("{share} held by {stiffness}{flies}{left_out}")
 }
 
 /// A stiffness, or load control.

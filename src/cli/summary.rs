@@ -5,13 +5,12 @@ use super::format::{bound, duration, factor, percent, row, si};
 use super::instability::instability;
 use super::results::{Results, Stopped};
 use crate::asperity::Quantity;
-use crate::engine::{LOOP_SCALARS, Replica, Summation, area_between};
+use crate::engine::{LOOP_SCALARS, Replica, Summation, dissipated};
 use crate::math::control_variates::ControlledMean;
 use crate::math::extrema::{Extremum, Features, maximum};
-use crate::math::interval::{FEWEST, LEVEL};
 use crate::math::moments::Moments;
+use crate::math::sums::SUM_ROUNDING;
 use crate::scene::Limit;
-use crate::statistical::Statistical;
 use crate::validation::{JointTest, Verdict};
 
 pub(super) fn summary(results: &Results) -> String {
@@ -50,7 +49,6 @@ fn ended(stopped: &Stopped, replicas: u64) -> String {
             "",
             &format!("{} ({}) to {reached}, at most {largest}{missed}", target.name(), target.estimate.name()),
         );
-        text += &interval(attained.interval, attained.samples, target.unit());
     }
     text
 }
@@ -77,6 +75,9 @@ fn scatter(mean: &ControlledMean, std: f64, unit: &str) -> String {
     if !std.is_finite() {
         return format!("{value}  (one replica: no scatter)");
     }
+    if std <= SUM_ROUNDING * mean.mean.abs() {
+        return format!("{value}  (the same in all replicas: nothing is left to chance)");
+    }
     let scatter = format!("scatter {} from patch to patch", percent(std / mean.mean.abs()));
     if !mean.standard_error.is_finite() {
         return format!("{value}  (one group of replicas: no standard error), {scatter}");
@@ -100,15 +101,6 @@ fn controlled(results: &Results, mean: &ControlledMean, unit: &str) -> String {
     )
 }
 
-/// The interval of a mean of so many groups of replicas; nothing where there is none.
-fn interval([from, to]: [f64; 2], groups: u64, unit: &str) -> String {
-    if !(to > from) {
-        return String::new();
-    }
-    let few = if groups < FEWEST { " (less than that for so few replicas)" } else { "" };
-    row("", &format!("{:.0} % interval {} to {}{few}", 100.0 * LEVEL, si(from, unit), si(to, unit)))
-}
-
 /// Whether any replica, or the integral, is ever pulled.
 fn pulls(results: &Results) -> bool {
     let replicas = results.ensemble.replicas.iter();
@@ -126,7 +118,6 @@ fn pull_off(results: &Results) -> String {
     let mut text = row("pull-off", &scatter(mean, std, "N"));
     text += &controlled(results, mean, "N");
     text += &row("", &format!("mean over replicas, at h* = {:.3} on average", h_star(results, separation)));
-    text += &interval(mean.controlled_interval, mean.samples, "N");
     let at_edge = replicas.iter().filter(|replica| replica.pull_off_at_edge).count();
     if at_edge > 0 {
         text += &row("", &format!("{at_edge} replicas have it at the edge of the separations: it may lie beyond"));
@@ -155,7 +146,7 @@ fn stiffness(results: &Results) -> String {
     let (mean, std) = moments(replicas, |replica| replica.peak_secant_stiffness);
     let (separation, _) = moments(replicas, |replica| replica.peak_secant_stiffness_separation);
     let scatter = std / mean.abs();
-    let scatter = if scatter.is_finite() { format!(", scatter {}", percent(scatter)) } else { String::new() };
+    let scatter = if scatter > SUM_ROUNDING { format!(", scatter {}", percent(scatter)) } else { String::new() };
     let (place, span) = (h_star(results, separation), si(results.scene.stiffness_span, "m"));
     text += &row("", &format!("{} of single replicas on average{scatter}, at h* = {place:.3}:", si(mean, "N/m")));
     text + &row("", &format!("their largest secant over {span} (separation.stiffness_span), as their curves jump"))
@@ -168,9 +159,9 @@ fn cycle(results: &Results) -> String {
     let [energy, touchdown, takeoff] = [6, 7, 8].map(|scalar| &results.scalars[scalar]);
     let (_, std) = moments(replicas, LOOP_SCALARS[2].of);
     let nothing = energy.mean == 0.0 && !(std > 0.0);
-    let dissipated = if nothing { "nothing: both ways are one".to_owned() } else { scatter(energy, std, "J") };
-    let mut text = row("dissipated", &dissipated);
-    let force = |way: &Statistical| way.expected[Quantity::ExternalForce.index()].clone();
+    let of_replicas =
+        if nothing { "nothing beyond rounding: both ways are one".to_owned() } else { scatter(energy, std, "J") };
+    let mut text = row("dissipated", &of_replicas);
     if let Some([(radius, force), (other, other_force)]) = back.by_radius.filter(|[(_, force), _]| *force > 0.0) {
         let change = 100.0 * (other_force / force - 1.0);
         text = row("flowed tops", &format!("{} radius: the integral pulls off with {}", radius.name(), si(force, "N")))
@@ -184,8 +175,11 @@ fn cycle(results: &Results) -> String {
             )
             + &text;
     }
-    let of_integral =
-        area_between(&results.scene.separations, [&force(&results.statistical), &force(&back.statistical)]);
+    let integrals = [&results.statistical, &back.statistical];
+    let forces =
+        integrals.map(|way| [Quantity::AdhesionForce, Quantity::ContactForce].map(|q| &*way.expected[q.index()]));
+    let error = integrals.iter().fold(SUM_ROUNDING, |error, way| maximum(error, way.quadrature_error));
+    let of_integral = dissipated(&results.scene.separations, forces, error, results.scene.reach().1);
     text += &row("", &format!("{} of the integral, per cycle", si(of_integral, "J")));
     let place = |mean: &ControlledMean| match mean.mean.is_nan() {
         true => "not by all replicas".to_owned(),

@@ -6,6 +6,7 @@ use super::record::{write_about, write_model};
 use super::run::{Session, output_of};
 use super::{Failure, RunArguments, files_of, print_of};
 use crate::engine::SCALARS;
+use crate::math::sums::SUM_ROUNDING;
 use crate::output::checkpoint::Identity;
 use crate::output::reader::Reader;
 use crate::output::schema::{RUN, SWEEP};
@@ -90,7 +91,7 @@ fn assembled(
     if !stack(&mut writer, &stack::Points { files: &files, places: &places, goes_on: &goes_on })? {
         return Ok(None);
     }
-    let first = files[0].as_deref().map(scalars).transpose()?;
+    let first = files[0].as_deref().map(Compared::read).transpose()?;
     let mut rows = Vec::with_capacity(files.len());
     for file in &files {
         if !goes_on() {
@@ -131,30 +132,60 @@ fn write_axes(writer: &mut Writer<'_>, sweep: &Sweep) -> Result<(), OutputError>
     })
 }
 
-/// The values of each of the [`SCALARS`] for all replicas of a point.
-fn scalars(file: &Path) -> Result<[Vec<f64>; 4], OutputError> {
-    let reader = Reader::open(file, &[&RUN])?;
-    let mut values: [Vec<f64>; 4] = Default::default();
-    for (values, scalar) in values.iter_mut().zip(SCALARS) {
-        *values = reader.values(&format!("/replicas/{}", scalar.name))?;
+/// What is compared of a point.
+struct Compared {
+    /// The values of each of the [`SCALARS`] for all replicas.
+    values: [Vec<f64>; 4],
+    /// What rounding may make of each: of a force its share of F_s + P, of a secant that of both ends of the span, and of a separation a few
+    /// units in its last place.
+    rounding: [f64; 4],
+}
+
+impl Compared {
+    fn read(file: &Path) -> Result<Self, OutputError> {
+        let reader = Reader::open(file, &[&RUN])?;
+        let mut values: [Vec<f64>; 4] = Default::default();
+        for (values, scalar) in values.iter_mut().zip(SCALARS) {
+            *values = reader.values(&format!("/replicas/{}", scalar.name))?;
+        }
+        let way = if reader.optional_text("/", "path")?.as_deref() == Some("loop") { "retraction_" } else { "" };
+        let curve = |name: &str| reader.values::<f64>(&format!("/ensemble/{way}{name}_mean"));
+        let (adhesion, contact) = (curve("adhesion_force")?, curve("contact_force")?);
+        let separations = reader.values::<f64>("/separation")?;
+        let span: f64 = reader.number("/", "stiffness_span")?;
+        // That of the mean surface at or before the nearest place of any replica: it falls with the separation.
+        let load = |nearest: f64| {
+            let before = separations.partition_point(|h| *h <= nearest).saturating_sub(1);
+            adhesion[before] + contact[before]
+        };
+        let nearest = |places: &[f64]| places.iter().copied().fold(f64::INFINITY, f64::min);
+        let of_place = 4.0 * f64::EPSILON * separations.iter().fold(0.0, |most: f64, h| most.max(h.abs()));
+        let of_force = SUM_ROUNDING * load(nearest(&values[1]));
+        let of_secant = 2.0 * SUM_ROUNDING * load(nearest(&values[3]) - 0.5 * span) / span;
+        Ok(Self { values, rounding: [of_force, of_place, of_secant, of_place] })
     }
-    Ok(values)
+
+    /// The difference of each scalar to that of the first point.
+    fn differences(&self, first: &Self, group: usize, common: bool) -> [Difference; 4] {
+        std::array::from_fn(|i| {
+            let rounding = first.rounding[i] + self.rounding[i];
+            Difference::new(&first.values[i], &self.values[i], group, common, rounding)
+        })
+    }
 }
 
 /// What a point has to say, beside the replicas of the first. Only where all replicas of both are there they are compared.
-fn compared(file: &Path, first: Option<&[Vec<f64>; 4]>, scene: &Scene, common: bool) -> Result<Row, OutputError> {
+fn compared(file: &Path, first: Option<&Compared>, scene: &Scene, common: bool) -> Result<Row, OutputError> {
     let reader = Reader::open(file, &[&RUN])?;
-    let own = scalars(file)?;
+    let own = Compared::read(file)?;
     let group = scene.sampling.group() as usize;
-    let are_whole = |values: &[Vec<f64>; 4]| values[0].len() as u64 == scene.replicas;
+    let are_whole = |point: &Compared| point.values[0].len() as u64 == scene.replicas;
     let first = first.filter(|first| are_whole(first) && are_whole(&own));
     let of_pull_off = |name: &str| reader.values::<f64>(name).map(|values| values[0]);
     Ok(Row {
         pull_off: [of_pull_off("/ensemble/scalar_mean")?, of_pull_off("/ensemble/scalar_standard_error")?],
         integral: reader.number("/statistical", "pull_off_force")?,
-        differences: std::array::from_fn(|i| {
-            first.map_or(Difference::UNKNOWN, |first| Difference::new(&first[i], &own[i], group, common))
-        }),
+        differences: first.map_or([Difference::UNKNOWN; 4], |first| own.differences(first, group, common)),
         p_value: reader.number("/validation", "p_value")?,
     })
 }
@@ -229,8 +260,14 @@ fn table(sweep: &Sweep, rows: &[Row]) -> String {
         let cells: Vec<String> = line.iter().zip(&widths).map(|(cell, width)| format!("{cell:>width$}")).collect();
         format!("  {}\n", cells.join("  "))
     };
+    let none = |row: &Row| row.differences[0].mean == 0.0 && row.differences[0].standard_error == 0.0;
+    let rounding = match rows.iter().skip(1).any(none) {
+        true => row("0 N", "to the first: no more than the rounding of the sums"),
+        false => String::new(),
+    };
     lines.iter().map(shown).collect::<String>()
         + "\n"
+        + &rounding
         + &together(&rows.iter().map(|row| row.p_value).collect::<Vec<f64>>())
 }
 

@@ -1,11 +1,13 @@
 //! The way back of one surface, and what is kept of a surface that is brought close and pulled back.
 
-use super::instability::{Holding, Snap, Turn, largest_snap, reached};
+use super::curves::Curves;
+use super::instability::{Holding, Snap, Turn, largest_snap, largest_snap_of_all, reached};
 use super::pull_off::deepest_of_parts;
 use super::replica::Summed;
 use super::{Job, Protocol};
-use crate::asperity::Loop;
+use crate::asperity::{Loop, Quantity};
 use crate::math::extrema::Extremum;
+use crate::math::sums::SUM_ROUNDING;
 use crate::math::words::Words;
 
 /// What is kept of a replica whose way back is another than its way there.
@@ -15,7 +17,8 @@ pub struct Cycle {
     pub approach_pull_off_force: f64,
     /// Separation h there, m.
     pub approach_pull_off_separation: f64,
-    /// ∫F dh of the way there less that of the way back, J, with F in straight lines between the separations.
+    /// ∫F dh of the way there less that of the way back, J, with F in straight lines between the separations; 0 where it is below its
+    /// rounding.
     pub dissipated_energy: f64,
     /// Separation h at which the highest asperity touches on the way there, m, wherever the separations are; NaN of no asperities.
     pub touchdown_separation: f64,
@@ -24,17 +27,19 @@ pub struct Cycle {
 }
 
 impl Cycle {
-    /// Of a surface: its highest asperity, m, NaN of none, its external force (N) of both ways over the separations of the job, and the
-    /// pull-off on the way there.
-    pub(super) fn new(job: &Job<'_>, cycle: &Loop, highest: f64, external: [&[f64]; 2], pull_off: &Extremum) -> Self {
+    /// Of a surface: its highest asperity, m, NaN of none, its curves over the states of the job, and the pull-off on the way there.
+    pub(super) fn new(job: &Job<'_>, cycle: &Loop, highest: f64, curves: &Curves, pull_off: &Extremum) -> Self {
         let (surface, closest) = (job.surface, job.separations[0]);
+        let ways = [Quantity::AdhesionForce, Quantity::ContactForce]
+            .map(|quantity| curves.total[quantity.index()].split_at(job.separations.len()));
+        let [there, back] = [ways.map(|way| way.0), ways.map(|way| way.1)];
         let d = surface.asperity_separation(closest);
         // The higher an asperity, the longer it keeps contact.
         let takeoff = cycle.takeoff(highest - d);
         Self {
             approach_pull_off_force: -pull_off.value,
             approach_pull_off_separation: pull_off.place,
-            dissipated_energy: area_between(job.separations, external),
+            dissipated_energy: dissipated(job.separations, [there, back], SUM_ROUNDING, highest),
             touchdown_separation: highest - cycle.touch() + surface.mean_plane_offset,
             takeoff_separation: takeoff.map_or(f64::NAN, |distance| closest + distance),
         }
@@ -51,11 +56,26 @@ impl Words for Cycle {
     }
 }
 
-/// The integral of the first of two curves less the second over rising places, by the trapezoidal rule.
-pub fn area_between(places: &[f64], [first, second]: [&[f64]; 2]) -> f64 {
-    let difference = |k: usize| first[k] - second[k];
-    let strip = |k: usize| 0.5 * (places[k + 1] - places[k]) * (difference(k) + difference(k + 1));
-    (0..places.len() - 1).map(strip).sum()
+/// ∫F dh of one way less that of the other, J, by the trapezoidal rule, from F_s and P of both, N, over rising separations, m; 0 where it is
+/// below its rounding. `error` is that of F_s and P, relative; `highest`, m, is the highest asperity.
+///
+/// The interference of an asperity takes at most 8 roundings of lengths within |h| + |u| on either way, and moves the forces along their
+/// curves by as much.
+pub fn dissipated(separations: &[f64], ways: [[&[f64]; 2]; 2], error: f64, highest: f64) -> f64 {
+    let [there, back] = ways;
+    let difference = |k: usize| (there[1][k] - there[0][k]) - (back[1][k] - back[0][k]);
+    let magnitude = |k: usize| there[0][k] + there[1][k] + back[0][k] + back[1][k];
+    let (first, last) = (separations[0], separations[separations.len() - 1]);
+    let offset = 4.0 * f64::EPSILON * (first.abs().max(last.abs()) + highest.abs());
+    let (mut energy, mut rounding) = (0.0, 0.0);
+    for k in 0..separations.len() - 1 {
+        let half = 0.5 * (separations[k + 1] - separations[k]);
+        energy += half * (difference(k) + difference(k + 1));
+        rounding += error * half * (magnitude(k) + magnitude(k + 1));
+        let moves = |force: &[f64]| (force[k + 1] - force[k]).abs();
+        rounding += offset * ways.iter().flatten().map(|force| moves(force)).sum::<f64>();
+    }
+    if energy.abs() <= rounding { 0.0 } else { energy }
 }
 
 /// The pull-off on the way back from a separation h, m, from its samples: separations h, m, rising, and external forces, N.
@@ -75,7 +95,7 @@ pub(super) fn snaps(
     let mut numbers = Vec::with_capacity(holding.length());
     if holding.ways.0 {
         let inward: Vec<(f64, f64)> = job.samples(there).into_iter().rev().collect();
-        numbers.extend(of_stiffnesses(&holding, &inward));
+        numbers.extend(of_stiffnesses(&holding, &inward, largest_snap_of_all));
     }
     if cycle.is_some() && !holding.preload.is_empty() {
         for &preload in holding.preload {
@@ -83,14 +103,18 @@ pub(super) fn snaps(
         }
     } else if holding.ways.1 {
         numbers.extend(turn(job.separations[0], &pull_off).numbers());
-        numbers.extend(of_stiffnesses(&holding, &job.samples(last)));
+        numbers.extend(of_stiffnesses(&holding, &job.samples(last), largest_snap_of_all));
     }
     numbers
 }
 
-/// The largest snap on a way for each stiffness.
-fn of_stiffnesses(holding: &Holding<'_>, samples: &[(f64, f64)]) -> Vec<f64> {
-    let snap = |&stiffness: &f64| largest_snap(samples, stiffness, holding.smallest_snap).numbers();
+/// The largest snap on a way for each stiffness, by `largest` of the samples, the stiffness and the smallest snap.
+fn of_stiffnesses(
+    holding: &Holding<'_>,
+    samples: &[(f64, f64)],
+    largest: fn(&[(f64, f64)], f64, f64) -> Snap,
+) -> Vec<f64> {
+    let snap = |&stiffness: &f64| largest(samples, stiffness, holding.smallest_snap).numbers();
     holding.stiffness.iter().flat_map(snap).collect()
 }
 
@@ -110,5 +134,27 @@ fn after_preload(job: &Job<'_>, surface: &mut dyn Summed, there: &[f64], preload
     let forces = surface.back(from, &places);
     let outward: Vec<(f64, f64)> = places.into_iter().zip(forces).collect();
     let turn = turn(from, &pull_off_back(surface, from, &outward));
-    turn.numbers().into_iter().chain(of_stiffnesses(holding, &outward)).collect()
+    turn.numbers().into_iter().chain(of_stiffnesses(holding, &outward, largest_snap)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// F_s = 1 N and P = 3 N over 2 nm on either way: 16e-9 J in all, of which SUM_ROUNDING is 7e-23 J. The places are off by up to 2e-23 m,
+    /// which takes nothing where no force changes.
+    #[test]
+    fn what_is_below_its_rounding_is_nothing() {
+        let (separations, adhesion, contact) = ([0.0, 1e-9, 2e-9], [1.0; 3], [3.0; 3]);
+        let lost = |loss: f64| {
+            let less = [3.0, 3.0 - loss, 3.0];
+            dissipated(&separations, [[&adhesion, &contact], [&adhesion, &less]], SUM_ROUNDING, 1e-9)
+        };
+        for loss in [2e-13, 0.5, -2e-13] {
+            assert!((lost(loss) / (loss * 1e-9) - 1.0).abs() < 1e-2, "{loss}: {:e}", lost(loss));
+        }
+        for loss in [0.0, 4e-14, -4e-14] {
+            assert_eq!(lost(loss), 0.0, "{loss}");
+        }
+    }
 }

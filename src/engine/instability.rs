@@ -49,7 +49,7 @@ impl Holding<'_> {
 /// The largest snap of a surface on its way.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Snap {
-    /// Whether there is one, 1 or 0; NaN where the surface never came to begin its way.
+    /// Whether there is one, 1 or 0; NaN where the surface never came to begin its way, or is unstable where the separations begin.
     pub is: f64,
     /// Separation h where it begins, m; NaN without one.
     pub separation: f64,
@@ -73,7 +73,7 @@ impl Snap {
     pub const LENGTH: usize = 3;
     /// No snap.
     pub const NONE: Self = Self { is: 0.0, separation: f64::NAN, distance: f64::NAN };
-    /// Of a way that was not taken.
+    /// Of a way that was not taken, or begins beyond the separations.
     pub const UNKNOWN: Self = Self { is: f64::NAN, ..Self::NONE };
 
     /// Its numbers as they are kept.
@@ -124,6 +124,13 @@ pub fn largest_snap(samples: &[(f64, f64)], stiffness: f64, smallest: f64) -> Sn
     largest
 }
 
+/// The same on a way through all separations. A surface that snaps from the first of them cannot rest there, so it has snapped before, where
+/// the samples do not reach: the range has no say in where a snap begins, and if that one is the largest, none is known.
+pub fn largest_snap_of_all(samples: &[(f64, f64)], stiffness: f64, smallest: f64) -> Snap {
+    let snap = largest_snap(samples, stiffness, smallest);
+    if samples.first().is_some_and(|first| snap.separation == first.0) { Snap::UNKNOWN } else { snap }
+}
+
 /// Where a surface that is brought close first bears a preload, N: the index of the sample before, at rising separations, m, and the
 /// separation, m.
 pub fn reached(separations: &[f64], external_force: &[f64], preload: f64) -> Option<(usize, f64)> {
@@ -159,6 +166,23 @@ mod tests {
         }
     }
 
+    /// The well pulls from h = 4 on: it is not known where it began to. On a stiffer spring nothing snaps, and off the spring it does at 2.
+    #[test]
+    fn what_is_unstable_where_the_samples_begin_has_begun_before() {
+        for soft in [0.0, 0.5] {
+            let snap = largest_snap_of_all(&inward(), soft, 0.0);
+            assert!(snap.is.is_nan() && snap.separation.is_nan() && snap.distance.is_nan(), "{snap:?}");
+            assert_eq!(largest_snap_of_all(&WELL, soft, 0.0).separation, 2.0);
+        }
+        assert_eq!(largest_snap_of_all(&inward(), 1.0, 0.0).is, 0.0);
+        // A flat beginning is stable, and what lies behind it is known.
+        let flat = [&[(5.0, 0.0)][..], &inward()].concat();
+        assert_eq!(largest_snap_of_all(&flat, 0.0, 0.0).separation, 4.0);
+        // A shorter one at the beginning leaves the largest known.
+        let behind = [&[(5.5, 0.5), (5.0, 0.0), (4.5, 0.9)][..], &inward()].concat();
+        assert_eq!(largest_snap_of_all(&behind, 0.0, 0.0).separation, 4.5);
+    }
+
     /// At constant force 0 from h = 4 to 1; pulled off at −2, where nothing stops it.
     #[test]
     fn without_stiffness_the_force_is_constant() {
@@ -184,6 +208,10 @@ mod tests {
         assert_eq!(reached(&h, &force, 0.5), Some((0, 0.75)));
         assert_eq!(reached(&h, &force, 2.0), Some((0, 0.0)));
         assert_eq!(reached(&h, &force, 3.0), None);
+        // Of several places the outermost: it is come to first. From (4, 0) to (3, 3) F = 1 at 11/3.
+        let places = [0.0, 1.0, 2.0, 3.0, 4.0];
+        let (_, h) = reached(&places, &[5.0, -1.0, -2.0, 3.0, 0.0], 1.0).unwrap();
+        assert!((h - 11.0 / 3.0).abs() < 1e-14, "{h}");
     }
 
     #[test]

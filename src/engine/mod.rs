@@ -32,7 +32,7 @@ mod whole;
 
 pub use batch::{BATCH, Batch, Ensemble, batches_of, replicas_of};
 pub use curves::Curves;
-pub use cycle::{Cycle, area_between};
+pub use cycle::{Cycle, dissipated};
 pub use forest::Forest;
 pub use groups::Groups;
 pub use instability::Holding;

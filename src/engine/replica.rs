@@ -219,7 +219,7 @@ fn keep(job: &Job<'_>, surface: &mut dyn Summed, count: usize, curves: &mut Curv
     let mut kept = Replica { asperity_count: count as u64, highest_asperity, ..Replica::default() };
     let mut last = (external, pull_off);
     if let Some(cycle) = job.protocol.cycle {
-        kept.cycle = Some(Box::new(Cycle::new(job, cycle, highest_asperity, [external, back], &pull_off)));
+        kept.cycle = Some(Box::new(Cycle::new(job, cycle, highest_asperity, curves, &pull_off)));
         last = (back, pull_off_back(surface, job.separations[0], &job.samples(back)));
     }
     kept.pull_off(&last.1);

@@ -118,7 +118,7 @@ impl Sizes {
         let ensembles = self.ensembles
             * (moments
                 + waiting
-                + (REPLICA + 3.0 * NUMBER * self.snaps) * self.replicas
+                + (REPLICA + 2.0 * NUMBER * self.snaps) * self.replicas
                 + 2.0 * NUMBER * FUNCTIONALS * s);
         let statistical = s * (100.0 * r + 24.0 * NUMBER);
         let file = if self.curves { 4.0 * NUMBER * CHUNK * s } else { 0.0 };

@@ -264,6 +264,47 @@ mod tests {
         assert_eq!(parse("inf nm", Dimension::Length), Ok(f64::INFINITY));
     }
 
+    /// The power of ten of a spelling, from what its prefixes and exponents mean in the SI.
+    fn power(spelling: &str) -> i32 {
+        let factor = |text: &str| {
+            let digits = text.find(|c: char| c == '^' || c == '-' || c.is_ascii_digit()).unwrap_or(text.len());
+            let (unit, exponent) = (&text[..digits], text[digits..].trim_start_matches('^'));
+            let exponent: i32 = if exponent.is_empty() { 1 } else { exponent.parse().unwrap() };
+            let prefix = match unit.strip_suffix("Pa").or(unit.strip_suffix(['m', 'N', 'J'])) {
+                _ if unit == "angstrom" || unit == "Å" || unit == "\u{212b}" => -10,
+                Some("") => 0,
+                Some("p") => -12,
+                Some("n") => -9,
+                Some("u" | "µ" | "μ") => -6,
+                Some("m") => -3,
+                Some("k") => 3,
+                Some("M") => 6,
+                Some("G") => 9,
+                Some("T") => 12,
+                _ => panic!("{spelling}"),
+            };
+            prefix * exponent
+        };
+        match spelling.split_once('/') {
+            Some(("", below)) => -factor(below),
+            Some((above, below)) => factor(above) - factor(below),
+            None => factor(spelling),
+        }
+    }
+
+    #[test]
+    fn every_unit_has_the_power_of_its_prefixes() {
+        let mut units = 0;
+        for (dimension, spellings) in UNITS {
+            for (spelling, _) in *spellings {
+                let value: f64 = format!("2.5e{}", power(spelling)).parse().unwrap();
+                assert_eq!(parse(&format!("2.5 {spelling}"), *dimension), Ok(value), "{spelling}");
+                units += 1;
+            }
+        }
+        assert!(units >= 50, "{units}");
+    }
+
     #[test]
     fn exponents_beyond_any_integer_are_no_other_number() {
         assert_eq!(parse("1e99999999999999999999 m", Dimension::Length), Ok(f64::INFINITY));

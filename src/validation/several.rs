@@ -48,8 +48,8 @@ impl Difference {
 
     /// Of the values of all replicas at the first point and at another, in groups of `group` that are independent of each other. With
     /// `common` random numbers replica i of both is the same surface but for what differs between the points, and its difference is
-    /// one sample.
-    pub fn new(first: &[f64], other: &[f64], group: usize, common: bool) -> Self {
+    /// one sample; where that is at most `rounding`, it is 0.
+    pub fn new(first: &[f64], other: &[f64], group: usize, common: bool, rounding: f64) -> Self {
         let squared_error = |values: &[f64]| {
             let mut moments = Moments::new(1);
             let groups = values.chunks_exact(group);
@@ -62,7 +62,8 @@ impl Difference {
             let (mean, standard_error) = (mean_of_other - mean_of_first, independent.sqrt());
             return Self { mean, standard_error, variance_ratio: 1.0 };
         }
-        let pairs: Vec<f64> = first.iter().zip(other).map(|(first, other)| other - first).collect();
+        let differences = first.iter().zip(other).map(|(first, other)| other - first);
+        let pairs: Vec<f64> = differences.map(|pair| if pair.abs() <= rounding { 0.0 } else { pair }).collect();
         let (mean, squared) = squared_error(&pairs);
         Self {
             mean,
@@ -91,16 +92,21 @@ mod tests {
     #[test]
     fn differences_are_those_of_pairs() {
         let (first, other) = ([1.0, 3.0, 5.0, 7.0], [2.0, 5.0, 8.0, 9.0]);
-        let common = Difference::new(&first, &other, 1, true);
+        let common = Difference::new(&first, &other, 1, true, 0.0);
         assert_eq!(common.mean, 2.0);
         assert!((common.standard_error.powi(2) - 2.0 / 3.0 / 4.0).abs() < 1e-15, "{common:?}");
         let variance = (20.0 / 3.0 + 10.0) / 4.0;
         assert!((common.variance_ratio - variance / (1.0 / 6.0)).abs() < 1e-12, "{common:?}");
-        let independent = Difference::new(&first, &other, 1, false);
+        let independent = Difference::new(&first, &other, 1, false, 0.0);
         assert!((independent.standard_error.powi(2) - variance).abs() < 1e-14 && independent.mean == 2.0);
         // Pairs of replicas: means 2, 6 and 3.5, 8.5 differ by 1.5 and 2.5.
-        let grouped = Difference::new(&first, &other, 2, true);
+        let grouped = Difference::new(&first, &other, 2, true, 0.0);
         assert!((grouped.standard_error - 0.5).abs() < 1e-15, "{grouped:?}");
-        assert!(Difference::new(&[1.0], &[2.0], 1, true).standard_error.is_nan());
+        assert!(Difference::new(&[1.0], &[2.0], 1, true, 0.0).standard_error.is_nan());
+        // The pairs that differ by at most 1 count as none: 0, 2, 3, 2 have the mean 7/4; all by at most 3, so nothing is left to vary.
+        assert_eq!(Difference::new(&first, &other, 1, true, 1.0).mean, 1.75);
+        let none = Difference::new(&first, &other, 1, true, 3.0);
+        assert_eq!((none.mean, none.standard_error), (0.0, 0.0));
+        assert!(none.variance_ratio.is_nan());
     }
 }

@@ -7,8 +7,6 @@ const NS: &[Dimension] = &[Dimension::Replica, Dimension::Separation];
 const KS: &[Dimension] = &[Dimension::Component, Dimension::Separation];
 const A: &[Dimension] = &[Dimension::Scalar];
 const T: &[Dimension] = &[Dimension::Target];
-const AE: &[Dimension] = &[Dimension::Scalar, Dimension::RangeEnd];
-const TE: &[Dimension] = &[Dimension::Target, Dimension::RangeEnd];
 const J: &[Dimension] = &[Dimension::Step];
 const D: &[Dimension] = &[Dimension::Stiffness];
 const P: &[Dimension] = &[Dimension::Preload];
@@ -39,7 +37,6 @@ const VARIABLES: &[Variable] = &[
     variable("/component", &[Dimension::Component], "1", "functional of the joint test"),
     variable("/component_other", &[Dimension::ComponentOther], "1", "functional of the joint test, again"),
     variable("/scalar", A, "1", "number that is read off a replica's own curve"),
-    variable("/range_end", &[Dimension::RangeEnd], "1", "end of a range"),
     variable("/control", &[Dimension::Control], "m", "separation h at which the external force is a control variate"),
     variable("/target", T, "1", "quantity whose mean is to be known before the run ends"),
     variable("/phase", &[Dimension::Phase], "1", "phase of the run"),
@@ -59,19 +56,12 @@ const VARIABLES: &[Variable] = &[
     variable("/ensemble/scalar_units", A, "1", "units of each scalar"),
     variable("/ensemble/scalar_mean", A, "scalar_units", "scalar, mean over replicas"),
     variable("/ensemble/scalar_standard_error", A, "scalar_units", "scalar, standard error of the mean"),
-    variable("/ensemble/scalar_interval", AE, "scalar_units", "scalar, confidence interval of the mean"),
     variable("/ensemble/scalar_controlled_mean", A, "scalar_units", "scalar, mean with control variates"),
     variable(
         "/ensemble/scalar_controlled_standard_error",
         A,
         "scalar_units",
         "scalar, standard error of the mean with control variates",
-    ),
-    variable(
-        "/ensemble/scalar_controlled_interval",
-        AE,
-        "scalar_units",
-        "scalar, confidence interval of the mean with control variates",
     ),
     variable(
         "/ensemble/scalar_variance_reduction",
@@ -83,7 +73,6 @@ const VARIABLES: &[Variable] = &[
     variable("/ensemble/target_units", T, "1", "units of each target"),
     variable("/ensemble/target_mean", T, "target_units", "mean of the target's quantity over replicas"),
     variable("/ensemble/target_standard_error", T, "target_units", "standard error of the target's mean"),
-    variable("/ensemble/target_interval", TE, "target_units", "confidence interval of the target's mean"),
     variable(
         "/ensemble/target_largest_standard_error",
         T,
@@ -291,7 +280,7 @@ const VARIABLES: &[Variable] = &[
         "/replicas/dissipated_energy",
         N,
         "J",
-        "integral of the external force over the separation, on the way there less on the way back",
+        "integral of the external force over the separation, on the way there less on the way back; 0 where it is below its rounding",
     ),
     variable(
         "/replicas/touchdown_separation",
@@ -312,7 +301,12 @@ const VARIABLES: &[Variable] = &[
         "external force of each replica on the way back, compressive positive",
     ),
     variable("/replicas/retraction_adhesion_force", NS, "N", "adhesion force of each replica on the way back"),
-    variable("/replicas/snap_in", ND, "1", "whether the surface snaps in (1) or not (0)"),
+    variable(
+        "/replicas/snap_in",
+        ND,
+        "1",
+        "whether the surface snaps in (1) or not (0), NaN where it is unstable at the last separation",
+    ),
     variable("/replicas/snap_in_separation", ND, "m", "separation h where the largest snap-in begins, NaN without one"),
     variable(
         "/replicas/snap_in_distance",
@@ -324,7 +318,7 @@ const VARIABLES: &[Variable] = &[
         "/replicas/snap_off",
         NPD,
         "1",
-        "whether the surface snaps off (1) or not (0), NaN where it was never turned back",
+        "whether the surface snaps off (1) or not (0), NaN where it was never turned back or is unstable at the first separation",
     ),
     variable(
         "/replicas/snap_off_separation",
@@ -347,7 +341,12 @@ const VARIABLES: &[Variable] = &[
     variable("/replicas/turned_pull_off_force", NP, "N", "pull-off force after that turn"),
     variable("/replicas/turned_pull_off_separation", NP, "m", "separation h at that pull-off"),
     variable("/instability/snap_in_count", D, "1", "replicas that snap in"),
-    variable("/instability/snap_in_probability", D, "1", "share of replicas that snap in"),
+    variable(
+        "/instability/snap_in_probability",
+        D,
+        "1",
+        "share of replicas that snap in, of those that are stable at the last separation",
+    ),
     variable(
         "/instability/snap_in_probability_low",
         D,
@@ -380,7 +379,12 @@ const VARIABLES: &[Variable] = &[
         "1",
         "replicas that snap off and that nothing within the separations stops",
     ),
-    variable("/instability/snap_off_probability", PD, "1", "share of the turned replicas that snap off"),
+    variable(
+        "/instability/snap_off_probability",
+        PD,
+        "1",
+        "share of replicas that snap off, of those that were turned back and are stable at the first separation",
+    ),
     variable(
         "/instability/snap_off_probability_low",
         PD,

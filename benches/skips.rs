@@ -124,7 +124,7 @@ fn scenes() -> Vec<(&'static str, Scene)> {
         ("case III", scene("case_iii")),
         ("II, dry", changed("case_ii", &[("lubricant_thickness = \"0.5 nm\"", "lubricant_thickness = \"0 nm\"")])),
         ("III, emd", changed("case_iii", &[("\"hybrid\"", "\"emd\"")])),
-        ("II, h* 6 to 12", changed("case_ii", &[("from = -1.0, to = 8.0", "from = 6.0, to = 12.0")])),
+        ("II, h* 6 to 12", changed("case_ii", &[("from = 0.7, to = 8.0", "from = 6.0, to = 12.0")])),
         ("II, 25 GPa hard", changed("case_ii", &[("\"2.5 GPa\"", "\"25 GPa\"")])),
     ]
 }

@@ -104,7 +104,7 @@ class Program:
     def write_scene(self, area: float, count: int, solver: str) -> Path:
         text, scene = self.case_ii, self.folder / "scene.toml"
         for pattern, replacement in [(r'(?m)^nominal_area = "[^"]*"', f'nominal_area = "{area:.9g} um^2"'),
-                                     (r"count = \d+", f"count = {count}")]:
+                                     (r"from = [\d.]+, to = 8.0, count = \d+", f"from = -1.0, to = 8.0, count = {count}")]:
             text, changes = re.subn(pattern, replacement, text)
             if changes != 1:
                 raise MeasurementError(f"{CONFIGS / 'case_ii.toml'}: {pattern} is not there once")

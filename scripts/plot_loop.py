@@ -171,7 +171,8 @@ def draw_texts(figure: Figure, run: Run) -> None:
     figure.text(0.5, 0.985, "\n".join(title), ha="center", va="top", size=12, weight="bold", parse_math=False)
     replicas, count = run.attribute("/", "replicas"), round(float(run["replicas/asperity_count"].mean()))
     verdict, p_value = run.attribute("validation", "verdict"), float(run.attribute("validation", "p_value"))
-    verdict += f" (p = {p_value:#.2g})" if math.isfinite(p_value) else ""
+    level = 100.0 * float(run.attribute("validation", "significance"))
+    verdict += f" at the {level:g} % level (p = {p_value:#.2g})" if math.isfinite(p_value) else ""
     numbers = (f"law {run.attribute('/', 'law')}, λ = {run.attribute('/', 'adhesion_parameter'):.4g}, "
                f"ψ = {run.attribute('/', 'plasticity_index'):.4g}, N = {count} asperities, "
                f"{replicas} replica{'s' if replicas > 1 else ''}, both ways and their integral: {verdict}")

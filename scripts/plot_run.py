@@ -132,7 +132,8 @@ def draw_z(axes: Axes, run: Run) -> None:
     handles += [Patch(color=GREYS[count], label=labels[count]) for count in labels if count in left_out]
     p_value = float(run.attribute("validation", "p_value"))
     verdict = run.attribute("validation", "verdict")
-    verdict += f", p = {p_value:#.2g}" if math.isfinite(p_value) else ""
+    level = 100.0 * float(run.attribute("validation", "significance"))
+    verdict += f" at the {level:g} % level, p = {p_value:#.2g}" if math.isfinite(p_value) else ""
     axes.set(ylim=(-limit, limit), xlabel=SEPARATION, ylabel="$z$ (standard errors)")
     axes.set_title(f"(b) Deviation from the integral; joint test: {verdict}")
     axes.legend(handles=handles, loc="upper left", bbox_to_anchor=(-0.02, -0.27), ncols=2)
@@ -234,9 +235,8 @@ def draw_texts(figure: Figure, run: Run) -> None:
                f"ψ = {run.attribute('/', 'plasticity_index'):.4g}, N = {count} asperities, "
                f"{replicas} replica{'s' if replicas > 1 else ''}, seed {run.attribute('/', 'seed')}")
     figure.text(0.5, 0.981 - 0.027 * len(title), numbers, ha="center", va="top", fontsize=9.5)
-    nearest = np.abs(run["h_star"] - run.pull_off_place()).argmin()
-    share = 100.0 * run["ensemble/contact_area_mean"][nearest] / run.attribute("/", "nominal_area")
-    place = "pull-off" if run.attribute("ensemble", "pull_off_force") > 0.0 else "the smallest force"
+    share = 100.0 * float(run["statistical/pull_off_contact_area"]) / run.attribute("/", "nominal_area")
+    place = "pull-off" if run.attribute("statistical", "pull_off_force") > 0.0 else "the smallest separation"
     figure.text(0.5, 0.015, "independent asperities: no coupling through the substrate, no coalescence; "
                 f"contact area at {place} {share:.2g} % of the nominal area", ha="center", fontsize=8.5)
 

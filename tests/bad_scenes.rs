@@ -8,7 +8,7 @@ use std::sync::Arc;
 use stiction::output::columns::Beside;
 use stiction::scene::{Document, KEYS, Plan};
 
-const QUICK: &str = include_str!("../configs/quick.toml");
+const QUICK: &str = include_str!("data/quick.toml");
 
 /// What is replaced in the quick scene, by what, and what the message has to say.
 const CASES: &[(&str, &str, &[&str])] = &[

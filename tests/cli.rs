@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::program::{Folder, assert_exit, bits, small, text};
+use common::program::{Folder, QUICK, assert_exit, bits, small, text};
 use std::path::Path;
 
 #[test]
@@ -27,6 +27,43 @@ fn a_run_leaves_one_file_and_a_summary() {
     let validate = folder.stiction(&["validate", "scene.h5"]);
     assert_exit(&validate, 0);
     assert!(text(&validate.stdout).contains("agree"));
+}
+
+/// Five separations say of the integral's pull-off and stiffest point what ninety-one do, and tell the shares at pull-off, not those at the
+/// separation next to it: the same as a polynomial through what the fine ones have around it.
+#[test]
+fn coarse_separations_tell_the_same_of_the_integral() {
+    let results = [5, 91].map(|count| {
+        let folder = Folder::new(&QUICK.replace("count = 91", &format!("count = {count}")));
+        let run = folder.stiction(&["run", "scene.toml", "--replicas", "20"]);
+        assert_exit(&run, 0);
+        let summary = text(&run.stdout);
+        assert_eq!(summary.contains("the curves miss 54 % of the pull-off at h* = 2.815"), count == 5, "{summary}");
+        let told = summary.split("\n  at pull-off").nth(1).and_then(|rest| rest.split("\n  cross-check").next());
+        let file = hdf5::File::open(folder.path("scene.h5")).unwrap();
+        let model = file.group("statistical").unwrap();
+        let names = ["pull_off_force", "pull_off_separation", "peak_stiffness", "peak_stiffness_separation"];
+        let read: Vec<f64> = names.iter().map(|name| model.attr(name).unwrap().read_scalar().unwrap()).collect();
+        let values = |name: &str| file.dataset(name).unwrap().read_raw::<f64>().unwrap();
+        let shares = ["pull_off_regime_count", "pull_off_regime_adhesion_force", "pull_off_contact_area"];
+        let shares: Vec<f64> = shares.iter().flat_map(|name| values(&format!("/statistical/{name}"))).collect();
+        let curves = ["regime_count", "regime_adhesion_force", "contact_area"];
+        let curves: Vec<f64> = curves.iter().flat_map(|name| values(&format!("/statistical/{name}"))).collect();
+        (told.unwrap().to_owned(), read, shares, values("/separation"), curves)
+    });
+    let [(told, read, shares, ..), (of_fine, read_of_fine, shares_of_fine, separations, curves)] = results;
+    assert_eq!(told, of_fine);
+    for (coarse, fine) in read.iter().zip(&read_of_fine) {
+        assert!((coarse / fine - 1.0).abs() < 1e-4, "{coarse:e} {fine:e}");
+    }
+    for ((coarse, fine), curve) in shares.iter().zip(&shares_of_fine).zip(curves.chunks_exact(91)) {
+        let around = stiction::math::interpolation::lagrange(&separations, curve, read[1]);
+        // Where a regime is in its tail the polynomial is not what the curve is.
+        let tail = 1e-9 * curve.iter().copied().fold(0.0, f64::max);
+        assert!((coarse - around).abs() <= 1e-3 * around + tail, "{coarse:e} {around:e}");
+        assert!((coarse - fine).abs() <= 1e-3 * fine, "{coarse:e} {fine:e}");
+    }
+    assert_eq!(shares.len(), 13);
 }
 
 /// Every shipped scene is valid, and `check` says what it would do.

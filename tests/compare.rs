@@ -51,7 +51,10 @@ fn a_law_of_a_comparison_is_its_run() {
     let compare = folder.stiction(&["compare", "scene.toml", "--laws", &laws.join(","), "--ensemble", "-o", "all.h5"]);
     assert_exit(&compare, 0);
     let table = text(&compare.stdout);
-    assert!(table.contains("the same asperities for every law") && table.contains("agree, p ="), "{table}");
+    assert!(
+        table.contains("the same asperities for every law") && table.contains("agree at the 0.1 % level, p ="),
+        "{table}"
+    );
     for (i, law) in laws.into_iter().enumerate() {
         std::fs::write(folder.path("one.toml"), small().replace("\"hybrid\"", &format!("\"{law}\""))).unwrap();
         assert_exit(&folder.stiction(&["run", "one.toml", "--force"]), 0);

@@ -16,7 +16,7 @@ const Z: f64 = 5.2;
 fn scene(asperities: f64, separations: u32, sum: &str) -> String {
     CASE_II
         .replace("\"1000 um^2\"", &format!("\"{} um^2\"", asperities / 7.39))
-        .replace("count = 181", &format!("count = {separations}"))
+        .replace("from = 0.7, to = 8.0, count = 147", &format!("from = -1.0, to = 8.0, count = {separations}"))
         .replace("replicas = 1000", "replicas = 1")
         .replace("[output]", &format!("[solver]\nsum = \"{sum}\"\n[output]"))
 }

@@ -417,7 +417,7 @@ fn a_run_that_ends_at_a_target_has_no_shards_unless_its_replicas_are_given() {
 /// The scene names a file beside it: found where it was, or where --scene says, and refused when it has changed.
 #[test]
 fn what_a_scene_takes_from_files_is_found_again() {
-    let scene = include_str!("../configs/surfaces/file.toml").replace("count = 71", "count = 12").replace("400", "40");
+    let scene = include_str!("../configs/surfaces/file.toml").replace("count = 54", "count = 12").replace("400", "40");
     let folder = Folder::new(&scene);
     let heights = include_str!("../configs/surfaces/heights.csv");
     std::fs::write(folder.path("heights.csv"), heights).unwrap();

@@ -101,7 +101,7 @@ impl Emd {
         (!self.far.is_empty()).then(|| self.outer.anchor().approach - FAR)
     }
 
-    /// The end of the stable contact branch, where A and F̂_s vary like a square root; at or below [`Emd::end`].
+    /// The end of the stable contact branch, where A and F̂_s vary like a square root; at or below [`Emd::end`] but for rounding.
     pub fn contact_fold(&self) -> f64 {
         self.contact.anchor().approach
     }

@@ -67,14 +67,26 @@ impl Boundary {
     }
 }
 
+/// An end of a piece.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum End {
+    /// Towards less interference.
+    Lower,
+    /// Towards more.
+    Upper,
+}
+
 /// How a law varies at the ends of a piece.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Smoothness {
     /// Smooth up to both ends.
     Smooth,
-    /// Smooth in |δ − place|^(1/order); `place` is at the end of the piece or beyond it.
+    /// Smooth in |δ − place|^(1/order). The law says on which end of the piece the root sits, because comparing places would leave that to
+    /// rounding.
     Root {
-        /// m.
+        /// The end of the piece at which, or beyond which, the root is.
+        end: End,
+        /// δ of the root, m; within the piece by a rounding at most.
         place: f64,
         /// 2 next to a fold or where a contact begins as Hertz's does.
         order: i32,
@@ -92,6 +104,16 @@ pub struct Piece {
     pub upper: f64,
     /// How the law varies on it.
     pub smoothness: Smoothness,
+}
+
+impl Piece {
+    /// δ of an end, m, and the direction from there into the piece, 1 or −1.
+    pub fn inwards(&self, end: End) -> (f64, f64) {
+        match end {
+            End::Lower => (self.lower, 1.0),
+            End::Upper => (self.upper, -1.0),
+        }
+    }
 }
 
 /// Responses of a block of asperities, on cache lines of their own: a vector of 512 bits that lies across two lines takes twice as long to

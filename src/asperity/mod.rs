@@ -21,8 +21,8 @@ pub mod unloading;
 
 pub use family::{Family, Typical};
 pub use law::{
-    BLOCK, Boundary, FitReport, Law, Piece, Regime, Responses, Scratch, Smoothness, for_each_block, for_each_block_of,
-    regime_ranges,
+    BLOCK, Boundary, End, FitReport, Law, Piece, Regime, Responses, Scratch, Smoothness, for_each_block,
+    for_each_block_of, regime_ranges,
 };
 pub use quantity::Quantity;
 pub use setting::Setting;

@@ -37,7 +37,7 @@
 //! J. Solids Struct. 42 (2005) 3716.
 
 use super::flattened::Flattened;
-use super::law::{Boundary, Law, Piece, Regime, Responses, Smoothness};
+use super::law::{Boundary, End, Law, Piece, Regime, Responses, Smoothness};
 use super::models::Build;
 use super::scale::Scale;
 use super::{BLOCK, LawError, Path, Setting, Work};
@@ -415,7 +415,7 @@ impl<'a> Retraction<'a> {
             lower: place(piece.lower).max(limits.0),
             upper: place(piece.upper).min(limits.1),
             smoothness: match piece.smoothness {
-                Smoothness::Root { place: root, order } => Smoothness::Root { place: place(root), order },
+                Smoothness::Root { place: root, end, order } => Smoothness::Root { place: place(root), end, order },
                 Smoothness::Smooth => Smoothness::Smooth,
             },
         });
@@ -427,7 +427,7 @@ impl<'a> Retraction<'a> {
         let unloaded = self.cycle.recovered_from(self.distance);
         let bare = self.moved(index, (limits.0, limits.1.min(unloaded)), |place| place);
         let loaded = self.moved(index, (limits.0.max(unloaded), limits.1), |place| place);
-        let smoothness = Smoothness::Root { place: unloaded, order: ORDER };
+        let smoothness = Smoothness::Root { end: End::Lower, place: unloaded, order: ORDER };
         bare.chain(loaded.map(|piece| Piece { smoothness, ..piece })).collect()
     }
 
@@ -441,7 +441,7 @@ impl<'a> Retraction<'a> {
         for end in ends {
             let kink = (self.states[index].regime() == 0).then(|| self.kink(flattened, (lower, end))).flatten();
             if let Some(place) = kink {
-                let smoothness = Smoothness::Root { place, order: 2 };
+                let smoothness = Smoothness::Root { end: End::Upper, place, order: 2 };
                 pieces.push(Piece { regime: index, lower, upper: place, smoothness });
                 lower = place;
             }

@@ -2,11 +2,13 @@
 
 use super::format::{bytes, duration, paragraph, percent, pure, row, si};
 use super::instability::held;
+use super::integral::Integral;
 use super::sweep::described;
-use super::{Failure, law_of, loop_of, print, read_document, resources, warnings_of};
+use super::{Failure, law_of, loop_of, print, read_document, resources};
 use crate::asperity::scale::Scale;
+use crate::asperity::{Law, Loop};
 use crate::scene::echo::one_line;
-use crate::scene::{Document, Limit, Plan, Scene, Sizes, Stopping, Sweep, Warning};
+use crate::scene::{Document, Limit, Plan, Scene, Sizes, Stopping, Sweep, Warning, warnings};
 use crate::surface::{CountLaw, HeightLaw, Radii, SamplingScheme, Surface};
 use std::path::Path;
 
@@ -16,13 +18,13 @@ pub(super) fn check(path: &Path) -> Result<(), Failure> {
         return check_sweep(&sweep, &scene, path);
     }
     let law = law_of(&scene, &scene.model, path)?;
-    loop_of(&scene, path)?;
+    let cycle = loop_of(&scene, path)?;
     let plan = Plan::new(&scene, law.as_ref());
     let mut text = heading(&scene);
     text += &skipped(&plan);
     text += &beyond(&plan);
     text += &regimes(&plan, scene.surface.asperity_count as f64);
-    for warning in warnings_of(&scene, &scene.model, law.as_ref()) {
+    for warning in warnings_of(&scene, law.as_ref(), cycle.as_ref()) {
         text += &row("warning", &warning.finding);
         text += &paragraph(&warning.explanation());
     }
@@ -56,7 +58,8 @@ fn check_sweep(sweep: &Sweep, first: &Scene, path: &Path) -> Result<(), Failure>
             seconds[i] += plan.core_seconds.on_threads(&Sizes { threads, ..sizes }).iter().sum::<f64>();
         }
         largest = if largest.memory() < sizes.memory() { sizes } else { largest };
-        for warning in warnings_of(&scene, &scene.model, law.as_ref()) {
+        let cycle = loop_of(&scene, path).map_err(at)?;
+        for warning in warnings_of(&scene, law.as_ref(), cycle.as_ref()) {
             // Findings say the numbers of their point; what is the matter is the same.
             match warned.iter_mut().find(|(known, _)| known.explanation() == warning.explanation()) {
                 Some((_, points)) => points.push(point),
@@ -77,6 +80,12 @@ fn check_sweep(sweep: &Sweep, first: &Scene, path: &Path) -> Result<(), Failure>
         text += &row("too large", &format!("here `stiction run` would refuse: {shortage}"));
     }
     print(&text)
+}
+
+/// What of a scene is outside of what the models are valid for, or likely a wrong unit.
+fn warnings_of(scene: &Scene, law: &dyn Law, cycle: Option<&Loop>) -> Vec<Warning> {
+    let expected = Integral::new(scene, law, cycle).expected(scene, law);
+    warnings(scene, &scene.model, law, &expected)
 }
 
 fn threads() -> usize {

@@ -1,9 +1,9 @@
 //! `stiction finite-size`: how big is big enough for the integral.
 
 use super::format::{bound, percent, row, si, signed_percent};
+use super::integral::Way;
 use super::points::Points;
 use super::record::{write_about, write_model};
-use super::results::integral_features;
 use super::run::Session;
 use super::{Failure, FiniteSizeArguments, files_of, law_of, print_of, read_scene};
 use crate::output::checkpoint::Identity;
@@ -15,9 +15,8 @@ use crate::output::{Claim, OutputError};
 use crate::scene::echo::one_line;
 use crate::scene::files::Files;
 use crate::scene::{Scene, Sweep};
-use crate::statistical::Statistical;
 use crate::validation::finite_size::{ACCURACIES, Approach, QUANTILES, Reached, Scatter};
-use crate::validation::overall;
+use crate::validation::{SIGNIFICANCE, overall};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -130,8 +129,7 @@ fn sizes(scene: &Scene, counts: &[u64], files: &Arc<dyn Files>) -> Result<Sweep,
 /// The pull-off force of the integral for one asperity, N.
 fn integral(points: &Points<'_>, scene: &Scene) -> Result<f64, Failure> {
     let law = law_of(scene, &scene.model, points.source)?;
-    let statistical = Statistical::new(law.as_ref(), &scene.surface, &scene.separations);
-    let force = -integral_features(scene, law.as_ref(), &statistical).minimum.value;
+    let force = -Way::of(scene, law.as_ref()).features.minimum.value;
     if force > 0.0 {
         return Ok(force / scene.surface.asperity_count as f64);
     }
@@ -292,7 +290,11 @@ fn summary(scene: &Scene, study: &Study) -> String {
         text += &row(if i == 0 { "good to" } else { "" }, &format!("{:>3.0} % from {count}", 100.0 * accuracy));
     }
     let p_values: Vec<f64> = study.sizes.iter().map(|size| size.p_value).collect();
-    text + &row("cross-check", &format!("ensemble and integral at all sizes together: {}", overall(&p_values).name()))
+    let (verdict, level) = (overall(&p_values).name(), 100.0 * SIGNIFICANCE);
+    text + &row(
+        "cross-check",
+        &format!("ensemble and integral {verdict} at the {level} % level for all sizes together"),
+    )
 }
 
 #[cfg(test)]

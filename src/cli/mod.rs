@@ -10,6 +10,7 @@ mod finite_size;
 mod format;
 mod info;
 mod instability;
+mod integral;
 mod merge;
 mod points;
 mod record;
@@ -30,8 +31,7 @@ use crate::output::OutputError;
 use crate::output::columns::Beside;
 use crate::scene::echo::{one_line, printable};
 use crate::scene::units::{Dimension, parse};
-use crate::scene::{Document, Scene, SceneError, Warning, warnings};
-use crate::statistical::Model as Integral;
+use crate::scene::{Document, Scene, SceneError};
 use crate::surface::map::{Levelling, PIXELS};
 use anyhow::{Context, anyhow};
 use checkpoint::Manner;
@@ -503,13 +503,6 @@ fn law_of(scene: &Scene, model: &Model, path: &Path) -> Result<Box<dyn Law>, Fai
 fn loop_of(scene: &Scene, path: &Path) -> Result<Option<Loop>, Failure> {
     let refused = |error| format!("{}: the law {} cannot be used: {error}", path.display(), scene.model.name);
     scene.loop_law().map_err(|error| Failure::Usage(refused(error)))
-}
-
-/// What of a scene under a law is outside of what the models are valid for, or likely a wrong unit.
-fn warnings_of(scene: &Scene, model: &Model, law: &dyn Law) -> Vec<Warning> {
-    let surface = &scene.surface;
-    let integral = Integral::new(law, surface, &scene.separations);
-    warnings(scene, model, law, |h| integral.contact_area(h) / surface.nominal_area)
 }
 
 /// The files that a scene is made of: its own, and those that it takes values from.

@@ -277,6 +277,10 @@ fn write_statistical(writer: &Writer<'_>, results: &Results) -> Result<(), Outpu
     for (radius, force) in results.back.iter().filter_map(|back| back.by_radius).flatten() {
         writer.number("/statistical", &format!("pull_off_force_{}_radius", radius.name()), force)?;
     }
+    let at = &results.at_pull_off;
+    writer.dataset("/statistical/pull_off_regime_count", &at.regime_count.concat())?;
+    writer.dataset("/statistical/pull_off_regime_adhesion_force", &at.regime_adhesion_force.concat())?;
+    writer.dataset("/statistical/pull_off_contact_area", &at.expected[Quantity::ContactArea.index()])?;
     write_features(writer, "/statistical", results.pulled().1)
 }
 

@@ -1,14 +1,14 @@
 //! What a run has found out, for the file and for the summary.
 
+use super::integral::{Way, resolving};
 use crate::asperity::{Law, Loop, Quantity, UnloadedRadius};
 use crate::engine::{Attained, Ensemble, Rule, Summation};
 use crate::math::control_variates::ControlledMean;
 use crate::math::extrema::Features;
 use crate::math::interpolation::linear;
 use crate::scene::{Plan, Scene, Stopping, Warning};
-use crate::statistical::{Model, Statistical, external_force_back};
+use crate::statistical::{Model, Statistical};
 use crate::validation::{Basis, JointTest};
-use rayon::prelude::*;
 use std::ops::Range;
 use std::path::PathBuf;
 use std::time::Duration;
@@ -34,6 +34,8 @@ pub(super) struct Results {
     /// What is read off the mean curve of the external force, and off the integral's.
     pub of_mean: Features,
     pub of_integral: Features,
+    /// The integral where the surfaces are pulled off, or at the smallest separation where nothing pulls.
+    pub at_pull_off: Statistical,
     /// z-scores of adhesion force and external force, over the states.
     pub z: [Vec<f64>; 2],
     pub joint: JointTest,
@@ -76,13 +78,13 @@ pub(super) struct WayBack {
 
 impl WayBack {
     /// Of an ensemble and its integral.
-    pub fn new(scene: &Scene, cycle: &Loop, ensemble: &Ensemble, statistical: Statistical) -> Self {
+    pub fn new(scene: &Scene, cycle: &Loop, ensemble: &Ensemble, integral: Way) -> Self {
         let q = Quantity::ExternalForce.index();
-        let (separations, expected) = (&scene.separations, &statistical.expected[q]);
-        let integral = |h: f64| external_force_back(cycle, &scene.surface, separations[0], h);
-        let of_integral = Features::new(integral, separations, expected);
+        let separations = &scene.separations;
+        let Way { statistical, features: of_integral, .. } = integral;
+        let force = |h: f64| Statistical::back_at(cycle, &scene.surface, separations[0], h).expected[q][0];
         let mean = &ensemble.curves[q].mean()[separations.len()..];
-        let of_mean = near_features(integral, separations, mean, expected);
+        let of_mean = near_features(force, scene, mean, &statistical.expected[q]);
         let by_radius = by_radius(scene, cycle, &of_integral);
         Self { statistical, of_mean, of_integral, by_radius }
     }
@@ -92,10 +94,7 @@ impl WayBack {
 fn by_radius(scene: &Scene, cycle: &Loop, features: &Features) -> Option<[(UnloadedRadius, f64); 2]> {
     let radius = scene.unloaded_radius;
     let other = scene.loop_law_of(radius.other()).ok().filter(|_| cycle.flows())?;
-    let (surface, separations) = (&scene.surface, &scene.separations);
-    let curve = |h: f64| external_force_back(&other, surface, separations[0], h);
-    let samples: Vec<f64> = separations.par_iter().map(|&h| curve(h)).collect();
-    let pulled = Features::new(curve, separations, &samples).minimum;
+    let pulled = Way::back(scene, &other).features.minimum;
     Some([(radius, -features.minimum.value), (radius.other(), -pulled.value)])
 }
 
@@ -141,31 +140,21 @@ impl Stopped {
     }
 }
 
-/// Pull-off and stiffest point of the integral, which is solved where it is asked for.
-pub(super) fn integral_features(scene: &Scene, law: &dyn Law, statistical: &Statistical) -> Features {
-    let model = Model::new(law, &scene.surface, &scene.separations);
-    Features::new(
-        |h| model.external_force(h),
-        &scene.separations,
-        &statistical.expected[Quantity::ExternalForce.index()],
-    )
-}
-
 /// Pull-off and stiffest point of the mean curve, which is known at the separations only: between them its deviation from the
 /// integral, which is small, is interpolated.
 pub(super) fn mean_features(scene: &Scene, law: &dyn Law, ensemble: &Ensemble, statistical: &Statistical) -> Features {
     let q = Quantity::ExternalForce.index();
-    let (separations, expected) = (&scene.separations, &statistical.expected[q]);
-    let model = Model::new(law, &scene.surface, separations);
-    let integral = |h: f64| model.external_force(h);
-    near_features(integral, separations, &ensemble.curves[q].mean()[..separations.len()], expected)
+    let model = Model::new(law, &scene.surface, &scene.separations);
+    let mean = &ensemble.curves[q].mean()[..scene.separations.len()];
+    near_features(|h| model.external_force(h), scene, mean, &statistical.expected[q])
 }
 
-/// Features of a mean curve that is known at separations, m, only, and is close to an integral that is expected there, N.
-fn near_features(integral: impl Fn(f64) -> f64, separations: &[f64], mean: &[f64], expected: &[f64]) -> Features {
+/// Features of a mean curve that is known at the separations of a scene only, and is close to an integral that is expected there, N.
+fn near_features(integral: impl Fn(f64) -> f64, scene: &Scene, mean: &[f64], expected: &[f64]) -> Features {
+    let separations = &scene.separations;
     let deviation: Vec<f64> = mean.iter().zip(expected).map(|(m, e)| m - e).collect();
     // Where nothing pulls, the interpolated deviation must not.
     let floor = if mean.iter().all(|force| *force >= 0.0) { 0.0 } else { f64::NEG_INFINITY };
     let of_mean = |h: f64| (integral(h) + linear(separations, &deviation, h)).max(floor);
-    Features::new(of_mean, separations, mean)
+    Features::new(of_mean, separations, mean, resolving(scene))
 }

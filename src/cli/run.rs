@@ -1,13 +1,13 @@
 //! `stiction run` of one scene: from there to a checked file and a summary.
 
 use super::checkpoint::{Beginning, Interrupted, Keeper, Manner, Run, State, beginning};
+use super::integral::{Integral, Way};
 use super::record::{write_curves, write_head, write_results};
-use super::results::{Results, Stopped, Told, WayBack, integral_features, mean_features};
+use super::results::{Results, Stopped, Told, WayBack, mean_features};
 use super::sampling::{Sampling, basis_of, cross_check, interruption, override_ensemble, thread_pool};
 use super::summary::summary;
 use super::{
     Execution, Failure, RunArguments, files_of, law_of, loop_of, print_of, read_document, resources, shard, sweep,
-    warnings_of,
 };
 use crate::asperity::{Law, Loop, Quantity};
 use crate::engine::{Batch, Forest, Outcome, Rule, Shard, Summation, batches_of, replicas_of};
@@ -17,7 +17,7 @@ use crate::output::progress::Progress;
 use crate::output::schema::RUN;
 use crate::output::writer::Writer;
 use crate::output::{Claim, OutputError, checksum};
-use crate::scene::{Document, Plan, Scene, Sizes, Warning};
+use crate::scene::{Document, Plan, Scene, Sizes, Warning, warnings};
 use crate::statistical::{Statistical, controls};
 use rayon::ThreadPool;
 use std::ops::Range;
@@ -160,9 +160,7 @@ pub(super) struct Groundwork {
     laws: Laws,
     plan: Plan,
     warnings: Vec<Warning>,
-    statistical: Statistical,
-    /// Of a loop, the integral of the way back.
-    back: Option<Statistical>,
+    integral: Integral,
     state: State,
     /// Expectations of the external force at the control variates, N.
     expected: Vec<f64>,
@@ -182,15 +180,14 @@ impl Groundwork {
         let (law, cycle, pool) = (laws.law.as_ref(), laws.cycle.as_ref(), &session.pool);
         progress.phase("integral");
         let plan = Plan::new(&scene, law);
-        let warnings = warnings_of(&scene, &scene.model, law);
-        let statistical = pool.install(|| Statistical::new(law, &scene.surface, &scene.separations));
-        let back = cycle.map(|cycle| pool.install(|| Statistical::way_back(cycle, &scene.surface, &scene.separations)));
+        let integral = pool.install(|| Integral::new(&scene, law, cycle));
+        let warnings = warnings(&scene, &scene.model, law, &integral.expected(&scene, law));
         progress.phase("test functionals");
-        let state = kept.unwrap_or_else(|| prepared(&scene, (law, cycle), (&statistical, back.as_ref())));
-        let force = |way: &Statistical| way.expected[Quantity::ExternalForce.index()].clone();
-        let expected: Vec<f64> = [&statistical].into_iter().chain(&back).flat_map(force).collect();
+        let state = kept.unwrap_or_else(|| prepared(&scene, (law, cycle), &integral));
+        let force = |way: &Way| way.statistical.expected[Quantity::ExternalForce.index()].clone();
+        let expected: Vec<f64> = integral.ways().flat_map(force).collect();
         let expected = state.controls.iter().map(|&place| expected[place]).collect();
-        Self { scene, laws, plan, warnings, statistical, back, state, expected }
+        Self { scene, laws, plan, warnings, integral, state, expected }
     }
 
     /// The ensemble.
@@ -259,15 +256,16 @@ impl Groundwork {
         // From here on the scene is that of the replicas that there are.
         self.scene.stopping = None;
         self.scene.replicas = ensemble.replicas.len() as u64;
-        let Self { scene, laws: Laws { law, cycle }, plan, warnings, statistical, back, state, expected } = self;
+        let Self { scene, laws: Laws { law, cycle }, plan, warnings, integral, state, expected } = self;
         let State { basis, controls, .. } = state;
         progress.phase("cross-check");
-        let ways: Vec<&Statistical> = [&statistical].into_iter().chain(&back).collect();
+        let ways: Vec<&Statistical> = integral.ways().map(|way| &way.statistical).collect();
         let (z, joint) = cross_check(&ensemble, &ways, &basis, &scene);
         let scalars = controlled_means(&ensemble.groups.scalars, &expected);
+        let at_pull_off = integral.pulled().at_pull_off.clone();
+        let Integral { there: Way { statistical, features: of_integral, .. }, back } = integral;
         let of_mean = mean_features(&scene, law.as_ref(), &ensemble, &statistical);
-        let of_integral = integral_features(&scene, law.as_ref(), &statistical);
-        let back = cycle.zip(back).map(|(cycle, statistical)| WayBack::new(&scene, &cycle, &ensemble, statistical));
+        let back = cycle.zip(back).map(|(cycle, way)| WayBack::new(&scene, &cycle, &ensemble, way));
         progress.end();
         let mut seconds = progress.seconds();
         seconds.iter_mut().filter(|(name, _)| *name == "ensemble").for_each(|(_, time)| *time += told.seconds_before);
@@ -286,6 +284,7 @@ impl Groundwork {
             scalars,
             of_mean,
             of_integral,
+            at_pull_off,
             z,
             joint,
             seconds,
@@ -297,16 +296,13 @@ impl Groundwork {
 }
 
 /// The functionals of the joint test, and the control variates.
-fn prepared(
-    scene: &Scene,
-    (law, cycle): (&dyn Law, Option<&Loop>),
-    (there, back): (&Statistical, Option<&Statistical>),
-) -> State {
+fn prepared(scene: &Scene, (law, cycle): (&dyn Law, Option<&Loop>), integral: &Integral) -> State {
     let basis = basis_of(scene, law, cycle);
     let groups = scene.fewest_replicas() / scene.sampling.group();
     // Of a loop the way on which the surfaces are pulled off.
-    let first = back.map_or(0, |_| scene.separations.len());
-    let controls = controls(&scene.separations, back.unwrap_or(there), &basis.tested[1][first..], groups);
+    let first = cycle.map_or(0, |_| scene.separations.len());
+    let pulled = &integral.pulled().statistical;
+    let controls = controls(&scene.separations, pulled, &basis.tested[1][first..], groups);
     State::new(basis, controls.into_iter().map(|place| first + place).collect(), scene.fewest_replicas())
 }
 

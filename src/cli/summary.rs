@@ -11,7 +11,7 @@ use crate::math::extrema::{Extremum, Features, maximum};
 use crate::math::moments::Moments;
 use crate::math::sums::SUM_ROUNDING;
 use crate::scene::Limit;
-use crate::validation::{JointTest, Verdict};
+use crate::validation::{JointTest, SIGNIFICANCE, Verdict};
 
 pub(super) fn summary(results: &Results) -> String {
     let mut text = heading(&results.scene);
@@ -69,6 +69,15 @@ pub(super) fn moments(replicas: &[Replica], scalar: fn(&Replica) -> f64) -> (f64
     (moments.mean()[0], moments.std()[0])
 }
 
+/// The scatter of one replica as a share of the mean.
+fn scattered(share: f64) -> String {
+    if share.is_finite() {
+        format!("scatter {} from patch to patch", percent(share))
+    } else {
+        "one replica: no scatter".to_owned()
+    }
+}
+
 /// A mean over replicas with its standard error and the scatter of one replica.
 fn scatter(mean: &ControlledMean, std: f64, unit: &str) -> String {
     let value = si(mean.mean, unit);
@@ -78,27 +87,27 @@ fn scatter(mean: &ControlledMean, std: f64, unit: &str) -> String {
     if std <= SUM_ROUNDING * mean.mean.abs() {
         return format!("{value}  (the same in all replicas: nothing is left to chance)");
     }
-    let scatter = format!("scatter {} from patch to patch", percent(std / mean.mean.abs()));
+    let scatter = scattered(std / mean.mean.abs());
     if !mean.standard_error.is_finite() {
         return format!("{value}  (one group of replicas: no standard error), {scatter}");
     }
     format!("{value} ± {} (standard error), {scatter}", si(mean.standard_error, unit))
 }
 
-/// A mean with control variates, beside the plain one; nothing without controls.
-fn controlled(results: &Results, mean: &ControlledMean, unit: &str) -> String {
-    let (controls, reduction) = (results.controls.len(), mean.variance_reduction());
-    if controls == 0 || !reduction.is_finite() {
-        return String::new();
+/// The mean over replicas to quote, which has control variates where they tell something, and the plain one beside it.
+fn quoted(results: &Results, mean: &ControlledMean, unit: &str) -> String {
+    let told = |value: f64, error: f64| match error.is_finite() {
+        true => format!("{} ± {} (standard error)", si(value, unit), si(error, unit)),
+        false => format!("{} (one group of replicas: no standard error)", si(value, unit)),
+    };
+    let first = |value: String| row("pull-off", &format!("{value} is to be quoted: the mean over replicas"));
+    let (plain, reduction) = (told(mean.mean, mean.standard_error), mean.variance_reduction());
+    if results.controls.is_empty() || !reduction.is_finite() {
+        return first(plain);
     }
-    let (value, error) = (si(mean.controlled_mean, unit), si(mean.controlled_standard_error, unit));
-    row(
-        "",
-        &format!(
-            "{value} ± {error} with the integral as control variate, variance reduced {} times",
-            factor(reduction)
-        ),
-    )
+    let without = format!("with the integral as control variate, variance reduced {} times", factor(reduction));
+    let quoted = first(told(mean.controlled_mean, mean.controlled_standard_error));
+    quoted + &row("", &without) + &row("", &format!("{plain} without"))
 }
 
 /// Whether any replica, or the integral, is ever pulled.
@@ -115,9 +124,12 @@ fn pull_off(results: &Results) -> String {
         return row("pull-off", "none: the external force is compressive at all separations");
     }
     let mean = &results.scalars[0];
-    let mut text = row("pull-off", &scatter(mean, std, "N"));
-    text += &controlled(results, mean, "N");
-    text += &row("", &format!("mean over replicas, at h* = {:.3} on average", h_star(results, separation)));
+    let on_average = format!("at h* = {:.3} on average", h_star(results, separation));
+    let mut text = if std <= SUM_ROUNDING * mean.mean.abs() {
+        row("pull-off", &scatter(mean, std, "N")) + &row("", &on_average)
+    } else {
+        quoted(results, mean, "N") + &row("", &format!("{}, {on_average}", scattered(std / mean.mean.abs())))
+    };
     let at_edge = replicas.iter().filter(|replica| replica.pull_off_at_edge).count();
     if at_edge > 0 {
         text += &row("", &format!("{at_edge} replicas have it at the edge of the separations: it may lie beyond"));
@@ -199,37 +211,28 @@ fn cycle(results: &Results) -> String {
     text
 }
 
-/// Shares of the regimes, and the contact area, at the separation next to the pull-off of the mean curve.
+/// Shares of the regimes, and the contact area, at the pull-off of the integral, which the separations need not hold.
 fn at_pull_off(results: &Results) -> String {
-    let separations = &results.scene.separations;
-    // Without pull-off, at the smallest separation.
-    let pull_off = if pulls(results) { results.pulled().0.minimum.place } else { separations[0] };
-    let distance = |k: &usize| (separations[*k] - pull_off).abs();
-    let k = (0..separations.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0);
-    // Of a loop on the way back.
-    let states = results.scene.states();
-    let state = states - separations.len() + k;
-    let table = |moments: &Moments| -> Vec<f64> {
-        (0..results.regimes.len()).map(|r| moments.mean()[r * states + state]).collect()
+    let (integral, minimum) = (&results.at_pull_off, &results.pulled().1.minimum);
+    let place = if minimum.value < 0.0 { minimum.place } else { results.scene.separations[0] };
+    let h_star = format!("at h* = {:.3}", h_star(results, place));
+    let (label, place) = match minimum.value < 0.0 {
+        true => ("at pull-off", format!("of the integral, {h_star}")),
+        false => (h_star.as_str(), "of the integral".to_owned()),
     };
-    let (count, adhesion) = (table(&results.ensemble.regime_count), table(&results.ensemble.regime_adhesion_force));
-    let (all, force) = (results.scene.surface.asperity_count as f64, adhesion.iter().sum::<f64>());
-    let mut text = String::new();
-    let reached = results.regimes.iter().enumerate().filter(|(r, _)| count[*r] > 0.0);
-    for (line, (r, name)) in reached.enumerate() {
-        let label = match line {
-            0 if pulls(results) => "at pull-off".to_owned(),
-            0 => format!("at h* = {:.3}", h_star(results, separations[k])),
-            _ => String::new(),
-        };
-        let mut shares = format!("{name:<16}{:>10} of asperities", percent(count[r] / all));
-        if force > 0.0 {
-            shares += &format!(" {:>10} of adhesion", percent(adhesion[r] / force));
+    let mut text = row(label, &place);
+    let (count, all) = (&integral.regime_count, results.scene.surface.asperity_count as f64);
+    let adhesion = integral.expected[Quantity::AdhesionForce.index()][0];
+    // Only those that any asperity of the run is in.
+    let some = |r: usize| count[r][0] * results.scene.replicas as f64 >= 0.5;
+    for (r, name) in results.regimes.iter().enumerate().filter(|(r, _)| some(*r)) {
+        let mut shares = format!("{name:<16}{:>10} of asperities", percent(count[r][0] / all));
+        if adhesion > 0.0 {
+            shares += &format!(" {:>10} of adhesion", percent(integral.regime_adhesion_force[r][0] / adhesion));
         }
-        text += &row(&label, &shares);
+        text += &row("", &shares);
     }
-    let area =
-        results.ensemble.curves[Quantity::ContactArea.index()].mean()[state] / results.scene.surface.nominal_area;
+    let area = integral.expected[Quantity::ContactArea.index()][0] / results.scene.surface.nominal_area;
     text += &row(
         "",
         &format!("in contact: {} of the nominal area (asperities are independent: no coupling", percent(area)),
@@ -240,13 +243,15 @@ fn at_pull_off(results: &Results) -> String {
 /// The verdict of the cross-check.
 pub(super) fn verdict(joint: &JointTest, z: &[Vec<f64>; 2], note: &str) -> String {
     let (components, remaining) = joint.degrees_of_freedom;
+    let per_cent = 100.0 * SIGNIFICANCE;
     let mut text = match joint.verdict {
         Verdict::NotTested => row("cross-check", "not tested: too few replicas, or nothing that varies"),
         Verdict::Agree | Verdict::Disagree => row(
             "cross-check",
             &format!(
-                "ensemble and integral {}: p = {:.3} (T² = {:.1}, {components} and {remaining} degrees of freedom)",
+                "ensemble and integral {} at the {} % level: p = {:.3} (T² = {:.1}, {components} and {remaining} degrees of freedom)",
                 joint.verdict.name(),
+                per_cent,
                 joint.p_value,
                 joint.statistic
             ),

@@ -80,10 +80,12 @@ const PLACE_TOLERANCE: f64 = 1e-5;
 const SLOPE_LENGTH: f64 = 1e-2;
 
 impl Features {
-    /// Searches for the minimum between the neighbours of the smallest sample, and for the largest slope likewise.
+    /// Searches for the minimum between the neighbours of the smallest sample, and for the largest slope likewise. Where samples are
+    /// further apart than `spacing`, which resolves the curve, it is sampled between them too.
     ///
     /// `places` (rising) and `values` have the same length, at least 2, and sample `curve`.
-    pub fn new(curve: impl Fn(f64) -> f64, places: &[f64], values: &[f64]) -> Self {
+    pub fn new(curve: impl Fn(f64) -> f64, places: &[f64], values: &[f64], spacing: f64) -> Self {
+        let (places, values) = refined(&curve, places, values, spacing);
         let slope = |k: usize| (values[k + 1] - values[k]) / (places[k + 1] - places[k]);
         let smallest = (1..values.len()).fold(0, |best, k| if values[k] < values[best] { k } else { best });
         let steepest = (1..values.len() - 1).fold(0, |best, k| if slope(k) > slope(best) { k } else { best });
@@ -107,6 +109,23 @@ impl Features {
     }
 }
 
+/// Most samples that are added to a curve.
+const MOST_ADDED: f64 = 400.0;
+
+/// Samples of a curve with even ones added wherever they are further apart than `spacing`, or than what so many added ones leave.
+fn refined(curve: impl Fn(f64) -> f64, places: &[f64], values: &[f64], spacing: f64) -> (Vec<f64>, Vec<f64>) {
+    let spacing = maximum(spacing, (places[places.len() - 1] - places[0]) / MOST_ADDED);
+    let mut samples = vec![(places[0], values[0])];
+    for (ends, values) in places.windows(2).zip(values.windows(2)) {
+        // What is wider by its rounding alone is not divided.
+        let parts = ((ends[1] - ends[0]) / spacing * (1.0 - 1e-9)).ceil().max(1.0);
+        let between = (1..parts as usize).map(|i| ends[0] + (ends[1] - ends[0]) * i as f64 / parts);
+        samples.extend(between.map(|place| (place, curve(place))));
+        samples.push((ends[1], values[1]));
+    }
+    samples.into_iter().unzip()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -125,12 +144,31 @@ mod tests {
         for count in [8, 50] {
             let places: Vec<f64> = (0..count).map(|i| -3.1 + 6.0 * f64::from(i) / f64::from(count - 1)).collect();
             let values: Vec<f64> = places.iter().map(|x| curve(*x)).collect();
-            let features = Features::new(curve, &places, &values);
+            let features = Features::new(curve, &places, &values, f64::INFINITY);
             // The steepest rise of −1/(1 + x²) is √27/8 at 1/√3.
             assert!(features.minimum.place.abs() < 1e-4 && (features.minimum.value + 1.0).abs() < 1e-8, "{features:?}");
             assert!((features.steepest.place - 3f64.sqrt().recip()).abs() < 1e-4, "{features:?}");
             assert!((features.steepest.value - 27f64.sqrt() / 8.0).abs() < 1e-4, "{features:?}");
         }
+    }
+
+    /// Two samples on either side of what the curve does, and uneven ones, say as much as many.
+    #[test]
+    fn what_lies_between_the_samples_is_found() {
+        let curve = |x: f64| -1.0 / (1.0 + 25.0 * x * x);
+        for places in [&[-6.1, 6.3][..], &[-6.1, -3.0, -2.9, 5.0, 8.0], &[-2.0, -1.0, 1.1, 1.2]] {
+            let values: Vec<f64> = places.iter().map(|x| curve(*x)).collect();
+            let features = Features::new(curve, places, &values, 0.1);
+            assert!(features.minimum.place.abs() < 1e-4 && (features.minimum.value + 1.0).abs() < 1e-6, "{features:?}");
+            assert!((features.steepest.place - 75f64.sqrt().recip()).abs() < 1e-4, "{features:?}");
+            assert!((features.steepest.value - 5.0 * 27f64.sqrt() / 8.0).abs() < 1e-3, "{features:?}");
+        }
+        // Samples that resolve it are taken as they are.
+        let places: Vec<f64> = (0..11).map(|i| 0.1 * f64::from(i)).collect();
+        let asked = std::cell::Cell::new(0);
+        let count = |_: f64| f64::from(asked.replace(asked.get() + 1));
+        assert_eq!(refined(count, &places, &places, 0.1).0, places);
+        assert_eq!(asked.get(), 0);
     }
 
     #[test]

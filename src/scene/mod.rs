@@ -23,7 +23,7 @@ pub use reader::{Problem, SceneError, nearest};
 pub use sizes::{Choice, Sizes};
 pub use stopping::{Estimate, Limit, QUANTITIES, Stopping, Target};
 pub use sweep::Sweep;
-pub use validity::{Warning, warnings, warnings_of_scene};
+pub use validity::{Expected, Reading, Warning, WhatIsRead, warnings, warnings_of_scene};
 
 use crate::asperity::models::{MODELS, Model, PUBLISHED_FITS};
 use crate::asperity::scale::{Asperity, Scale, UNIT_RANGE};

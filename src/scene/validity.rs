@@ -29,6 +29,62 @@ impl Warning {
     }
 }
 
+/// What is read off a scene's curves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum WhatIsRead {
+    /// The pull-off.
+    PullOff,
+    /// The largest stiffness.
+    StiffestPoint,
+    /// Where surfaces turn that are pulled back: all that follows depends on it.
+    Turn,
+    /// The shares at the smallest separation, where nothing pulls.
+    Nearest,
+}
+
+/// A place where something is read off, by the integral.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reading {
+    /// What.
+    pub what: WhatIsRead,
+    /// Where: separation h, m.
+    pub separation: f64,
+    /// Expected share of the nominal area in contact there.
+    pub share_in_contact: f64,
+    /// The share of it that the curve does not have at any of the scene's separations.
+    pub missed: f64,
+}
+
+/// What the integral of a scene expects.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Expected {
+    /// Where results are read off.
+    pub readings: Vec<Reading>,
+    /// The bound of its relative error.
+    pub error: f64,
+}
+
+impl WhatIsRead {
+    /// Where it is.
+    fn place(self) -> &'static str {
+        match self {
+            Self::PullOff => "at pull-off",
+            Self::StiffestPoint => "at the stiffest point",
+            Self::Turn => "where the surfaces turn back",
+            Self::Nearest => "at the smallest separation",
+        }
+    }
+
+    /// What it is called.
+    fn name(self) -> &'static str {
+        match self {
+            Self::PullOff => "pull-off",
+            Self::StiffestPoint => "peak stiffness",
+            Self::Turn | Self::Nearest => "curve",
+        }
+    }
+}
+
 /// A range of a number, and what is said of it.
 struct Range {
     name: &'static str,
@@ -62,6 +118,10 @@ const LARGEST_CONTACT: f64 = 0.3;
 const HIGHEST: f64 = 3.0;
 /// Largest share of the nominal area in contact.
 const LARGEST_SHARE: f64 = 0.1;
+/// Largest share of what is read off that the separations may miss.
+const LARGEST_MISSED: f64 = 0.05;
+/// Largest relative error of an integral that is one.
+const LARGEST_ERROR: f64 = 1e-6;
 /// Fewest asperities of a replica.
 const FEWEST_ASPERITIES: usize = 30;
 /// Fewest contacts in the whole run at the closest separation.
@@ -69,25 +129,22 @@ const FEWEST_CONTACTS: f64 = 100.0;
 /// Fewest contacts in the whole run that are called some.
 const FEWEST_UNLOADED: f64 = 0.5;
 
-/// The warnings of a scene under a law. `share_in_contact` is the expected share of the nominal area that is in contact at a separation h, m.
-pub fn warnings(scene: &Scene, model: &Model, law: &dyn Law, share_in_contact: impl Fn(f64) -> f64) -> Vec<Warning> {
+/// The warnings of a scene under a law, of which the integral is `expected`.
+pub fn warnings(scene: &Scene, model: &Model, law: &dyn Law, expected: &Expected) -> Vec<Warning> {
     let mut warnings = exceeded(scene, model);
-    warnings.extend(warnings_of_scene(scene, model, law, share_in_contact));
+    warnings.extend(warnings_of_scene(scene, model, law, expected));
     warnings
 }
 
 /// The warnings of a scene but for those of the law's own limits.
-pub fn warnings_of_scene(
-    scene: &Scene,
-    model: &Model,
-    law: &dyn Law,
-    share_in_contact: impl Fn(f64) -> f64,
-) -> Vec<Warning> {
+pub fn warnings_of_scene(scene: &Scene, model: &Model, law: &dyn Law, expected: &Expected) -> Vec<Warning> {
     let mut warnings: Vec<Warning> = ranges(scene).into_iter().filter_map(Range::warning).collect();
     warnings.extend(sizes(scene, model.validity.dry));
     warnings.extend(contacts(scene, law));
     warnings.extend(unloading(scene, law));
-    warnings.extend(contact_share(scene, share_in_contact));
+    warnings.extend(contact_share(scene, &expected.readings));
+    warnings.extend(unresolved(scene, &expected.readings));
+    warnings.extend(inaccurate(expected.error));
     warnings
 }
 
@@ -301,27 +358,55 @@ fn contacts(scene: &Scene, law: &dyn Law) -> Option<Warning> {
     Some(Warning { finding, reason, keys: &["separation", "surface_height_std"] })
 }
 
-/// Whether contacts are still far apart.
-fn contact_share(scene: &Scene, share_in_contact: impl Fn(f64) -> f64) -> Option<Warning> {
-    let closest = scene.separations[0];
-    let share = share_in_contact(closest);
-    if !(share > LARGEST_SHARE) {
-        return None;
-    }
-    let h_star = |h: f64| h / scene.surface.surface_height_std;
-    let end = scene.separations.partition_point(|&h| share_in_contact(h) > LARGEST_SHARE);
-    let last = scene.separations[end - 1];
+/// What is said of those readings that have more than `largest` of something, by `told` of the share in per cent and of where it is.
+fn told_of(
+    scene: &Scene,
+    readings: &[Reading],
+    largest: f64,
+    of: fn(&Reading) -> f64,
+    told: fn(WhatIsRead, &str, &str) -> String,
+) -> Option<String> {
+    let told = |reading: &Reading| {
+        let h_star = reading.separation / scene.surface.surface_height_std;
+        told(reading.what, &format!("{:.0} %", 100.0 * of(reading)), &format!("h* = {h_star:.3}"))
+    };
+    let all: Vec<String> = readings.iter().filter(|reading| of(reading) > largest).map(told).collect();
+    (!all.is_empty()).then(|| all.join(" and "))
+}
+
+/// Whether contacts are still far apart where results are read off.
+fn contact_share(scene: &Scene, readings: &[Reading]) -> Option<Warning> {
+    let told = |what: WhatIsRead, share: &str, h_star: &str| {
+        format!("{share} of the nominal area is in contact {}, {h_star}", what.place())
+    };
+    let shares = told_of(scene, readings, LARGEST_SHARE, |reading| reading.share_in_contact, told)?;
     Some(Warning {
-        finding: format!(
-            "{:.0} % of the nominal area is in contact at h* = {:.3}, and more than {:.0} % up to h* = {:.3}",
-            100.0 * share,
-            h_star(closest),
-            100.0 * LARGEST_SHARE,
-            h_star(last)
-        ),
+        finding: format!("{shares}: more than {:.0} %", 100.0 * LARGEST_SHARE),
         reason: "asperities are taken as independent (Greenwood and Williamson 1966), but of contacts that cover so much at \
                  random one in three overlaps"
             .to_owned(),
+        keys: &[],
+    })
+}
+
+/// Whether the curves have what is read off them.
+fn unresolved(scene: &Scene, readings: &[Reading]) -> Option<Warning> {
+    let told = |what: WhatIsRead, share: &str, h_star: &str| format!("{share} of the {} at {h_star}", what.name());
+    let missed = told_of(scene, readings, LARGEST_MISSED, |reading| reading.missed, told)?;
+    Some(Warning {
+        finding: format!("the separations are too coarse: the curves miss {missed}"),
+        reason: "curves, scores and control variates are known at the separations only; steps of 0.2 in h* resolve what the \
+                 integral expects"
+            .to_owned(),
+        keys: &[],
+    })
+}
+
+/// Whether the integral is one.
+fn inaccurate(error: f64) -> Option<Warning> {
+    (!(error <= LARGEST_ERROR)).then(|| Warning {
+        finding: format!("the integral may be off by {error:.1e} of itself, more than {LARGEST_ERROR:.0e}"),
+        reason: "what is compared with it, or corrected by it as a control variate, is off by as much".to_owned(),
         keys: &[],
     })
 }
@@ -340,6 +425,14 @@ mod tests {
             let product = m4 / (6.0 * PI * 3.0_f64.sqrt() * m2) * 0.375 * (PI / m4).sqrt() * m0.sqrt();
             assert!((limit / product - 1.0).abs() < 5e-3, "{limit} {product}");
         }
+    }
+
+    /// An integral that has lost something, or is not a number, is warned of.
+    #[test]
+    fn an_integral_that_is_none_is_told() {
+        assert!(inaccurate(1e-6).is_none());
+        let finding = |error: f64| inaccurate(error).unwrap().finding;
+        assert!(finding(0.19).contains("off by 1.9e-1 of itself") && finding(f64::NAN).contains("NaN"));
     }
 
     /// Circles of one size at random overlap none of their neighbours with the probability exp(−4 share).

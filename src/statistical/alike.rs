@@ -8,6 +8,9 @@ use crate::surface::Heights;
 /// Heights beyond so many σ_s have a normal density that underflows.
 const LARGEST_HEIGHT: f64 = 38.0;
 
+/// Roundings by which a probability may be off.
+const ROUNDINGS: f64 = 16.0;
+
 /// Components of an integrand: adhesion, contact, area, squares of the four quantities, and the density itself.
 const COMPONENTS: usize = 8;
 
@@ -104,15 +107,17 @@ impl AtSeparation {
 
     /// Heights that have a density.
     fn integrate_pieces(&mut self, law: &dyn Law, heights: &Heights, separation: f64, tolerance: f64) {
-        let pieces = law.pieces();
-        if let Some(end) = pieces.last().map(|piece| piece.upper).filter(|end| end.is_finite()) {
-            self.beyond = heights.probability(end + separation, f64::INFINITY);
+        let boundaries = law.boundaries();
+        let end_of = |regime: usize| boundaries.get(regime).map_or(f64::INFINITY, |end| end.interference);
+        if let Some(end) = boundaries.get(law.regimes().len() - 1) {
+            self.beyond = heights.probability(end.interference + separation, f64::INFINITY);
         }
-        for piece in pieces {
-            let probability = heights.probability(piece.lower + separation, piece.upper + separation);
-            self.regimes[piece.regime].probability += probability;
+        let mut covered = vec![0.0; self.regimes.len()];
+        for piece in law.pieces() {
             let integral = self.integrate(law, heights, separation, &piece, tolerance);
             self.density += integral.value[7];
+            covered[piece.regime] += integral.value[7];
+            self.error = maximum(self.error, loss(integral.value[7], heights, separation, [piece.lower, piece.upper]));
             let regime = &mut self.regimes[piece.regime];
             regime.adhesion += integral.value[0];
             regime.contact += integral.value[1];
@@ -126,6 +131,14 @@ impl AtSeparation {
                     self.error = maximum(self.error, integral.error[c] / integral.value[c]);
                 }
             }
+        }
+        // Pieces may leave something out between them.
+        let mut lower = f64::NEG_INFINITY;
+        for (regime, covered) in covered.into_iter().enumerate() {
+            let ends = [lower, end_of(regime)];
+            self.regimes[regime].probability = heights.probability(ends[0] + separation, ends[1] + separation);
+            self.error = maximum(self.error, loss(covered, heights, separation, ends));
+            lower = ends[1];
         }
     }
 
@@ -189,6 +202,26 @@ pub(super) fn typical(law: &dyn Law, interference: f64, work: &mut Work) -> [f64
     Quantity::of_response(responses.adhesion[0], responses.contact[0], responses.area[0])
 }
 
+/// The share by which the integral of the density between two interferences, m, misses the probability, which is known without
+/// quadrature: what is left out of it, or counted twice, has no force either, whatever the error that the quadrature sees. 0 where
+/// rounding of the ends, or of the differences that probabilities are, explains it.
+fn loss(integral: f64, heights: &Heights, separation: f64, ends: [f64; 2]) -> f64 {
+    let [low, high] = ends.map(|end| end + separation);
+    let probability = heights.probability(low, high);
+    let rounding = |end: f64, u: f64| {
+        if u.is_infinite() {
+            return 0.0;
+        }
+        let tail = heights.probability(f64::NEG_INFINITY, u).min(heights.probability(u, f64::INFINITY));
+        let moved = f64::EPSILON * (end.abs() + separation.abs()) * heights.density(u);
+        ROUNDINGS * (f64::EPSILON * tail + moved)
+    };
+    let missing = (integral - probability).abs() - rounding(ends[0], low) - rounding(ends[1], high);
+    // What underflows has no relative error.
+    let some = maximum(probability, integral) > f64::MIN_POSITIVE / f64::EPSILON;
+    if some && missing > 0.0 { missing / maximum(probability, integral) } else { 0.0 }
+}
+
 /// The variable x in which a piece is integrated: δ = interference + sign·x^order, and likewise for the height u = δ + d, which has an
 /// origin of its own so that no digit of either is lost to the other.
 #[derive(Clone, Copy)]
@@ -210,7 +243,11 @@ impl Variable {
     fn of(piece: &Piece, separation: f64, std: f64) -> Self {
         let (interference, sign, order) = match piece.smoothness {
             Smoothness::Smooth => (0.0, 1.0, 1),
-            Smoothness::Root { place, order } => (place, if place <= piece.lower { 1.0 } else { -1.0 }, order),
+            Smoothness::Root { end, place, order } => {
+                let (end, sign) = piece.inwards(end);
+                // A root within the piece is at its end but for rounding.
+                (end - sign * maximum(sign * (end - place), 0.0), sign, order)
+            }
         };
         let height = interference + separation;
         if height.abs() <= FURTHEST_ORIGIN * std {

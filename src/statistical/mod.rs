@@ -15,13 +15,12 @@ mod way_back;
 
 pub use controls::controls;
 pub use model::Model;
-pub use way_back::external_force_back;
 
 use crate::asperity::{Law, Work};
 use crate::surface::Surface;
 
 /// Relative accuracy asked of every piece of the law, unless another is given.
-const TOLERANCE: f64 = 1e-13;
+pub const TOLERANCE: f64 = 1e-13;
 
 /// The model's answer over S separations and R regimes.
 #[derive(Clone, Debug, PartialEq)]
@@ -60,9 +59,16 @@ mod tests {
     use super::*;
     use crate::asperity::{Boundary, Piece, Regime, Responses, Smoothness};
 
-    /// A force of 1 that is not a number above some interference, m.
+    /// A force of 1 that is not a number above some interference, m, in pieces, m, that should reach without end.
     struct Broken {
         above: f64,
+        pieces: Vec<[f64; 2]>,
+    }
+
+    impl Broken {
+        fn above(above: f64) -> Self {
+            Self { above, pieces: vec![[f64::NEG_INFINITY, f64::INFINITY]] }
+        }
     }
 
     impl Law for Broken {
@@ -75,8 +81,9 @@ mod tests {
         }
 
         fn pieces(&self) -> Vec<Piece> {
-            let [lower, upper] = [f64::NEG_INFINITY, f64::INFINITY];
-            vec![Piece { regime: 0, lower, upper, smoothness: Smoothness::Smooth }]
+            let smoothness = Smoothness::Smooth;
+            let ends = self.pieces.iter();
+            ends.map(|&[lower, upper]| Piece { regime: 0, lower, upper, smoothness }).collect()
         }
 
         fn cost(&self, _: usize) -> f64 {
@@ -91,14 +98,37 @@ mod tests {
         }
     }
 
+    /// What pieces leave out, or have twice, is seen: the density between their ends is known.
+    #[test]
+    fn a_loss_is_in_the_error() {
+        let surface = Surface::uniform(1.0, 1.0, 10, 1.0);
+        let [begin, end] = [f64::NEG_INFINITY, f64::INFINITY];
+        let answer = |pieces: &[[f64; 2]]| {
+            let law = Broken { above: f64::INFINITY, pieces: pieces.to_vec() };
+            Statistical::new(&law, &surface, &[0.0])
+        };
+        // Shares of a normal law: Φ(0.5) − Φ(0) = 0.19146246127401, Φ(−5) = 2.866515718791946e-7, Φ(−4.5) = 3.397673124730053e-6.
+        for (pieces, lost) in [
+            (vec![[begin, 0.0], [0.5, end]], 0.191_462_461_274_01),
+            (vec![[begin, 0.5], [0.0, end]], 0.191_462_461_274_01 / 1.191_462_461_274_01),
+            (vec![[begin, 5.0]], 2.866_515_718_791_946e-7),
+            (vec![[-4.5, end]], 3.397_673_124_730_053e-6),
+            (vec![], 1.0),
+        ] {
+            let error = answer(&pieces).quadrature_error;
+            assert!((error / lost - 1.0).abs() < 1e-6, "{pieces:?}: {error:e}, not {lost:e}");
+        }
+        assert!(answer(&[[begin, 0.3], [0.3, 0.3 + 1e-15], [0.3 + 1e-15, end]]).quadrature_error < 1e-13);
+    }
+
     /// What is not a number at one separation of several is not passed over in the error, nor does it become a spread of 0.
     #[test]
     fn what_is_not_a_number_stays_so() {
         let surface = Surface::uniform(1.0, 1.0, 10, 1.0);
         let separations = [-40.0, 0.0, 1.0, 40.0];
-        let sound = Statistical::new(&Broken { above: f64::INFINITY }, &surface, &separations);
+        let sound = Statistical::new(&Broken::above(f64::INFINITY), &surface, &separations);
         assert!(sound.quadrature_error < 1e-13 && sound.expected[0].iter().all(|force| (force - 10.0).abs() < 1e-12));
-        let broken = Statistical::new(&Broken { above: 5.0 }, &surface, &separations);
+        let broken = Statistical::new(&Broken::above(5.0), &surface, &separations);
         assert!(broken.quadrature_error.is_nan(), "{}", broken.quadrature_error);
         for k in [1, 2] {
             assert!(broken.expected[0][k].is_nan() && broken.std[0][k].is_nan());

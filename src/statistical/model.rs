@@ -74,17 +74,8 @@ impl<'a> Model<'a> {
 
     /// Expected external force, N, at one separation h, m.
     pub fn external_force(&self, separation: f64) -> f64 {
-        self.mean(Quantity::ExternalForce, separation)
-    }
-
-    /// Expected contact area, m², at one separation h, m.
-    pub fn contact_area(&self, separation: f64) -> f64 {
-        self.mean(Quantity::ContactArea, separation)
-    }
-
-    fn mean(&self, quantity: Quantity, separation: f64) -> f64 {
         let at = self.at(&[separation], TOLERANCE);
-        self.surface.asperity_count as f64 * at[0].fine.means()[quantity.index()]
+        self.surface.asperity_count as f64 * at[0].fine.means()[Quantity::ExternalForce.index()]
     }
 
     /// Expectations at separations h, m.

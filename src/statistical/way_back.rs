@@ -1,7 +1,7 @@
 //! The integral of the way back of a loop: at every distance from the closest approach the asperities obey one law in their interference
 //! there.
 
-use super::{Model, Statistical};
+use super::Statistical;
 use crate::asperity::{Loop, Work};
 use crate::math::extrema::maximum;
 use crate::surface::Surface;
@@ -10,7 +10,7 @@ use rayon::prelude::*;
 impl Statistical {
     /// Integrates the way back of a loop from the smallest of the separations h, m, rising; regimes are those of the law on approach.
     pub fn way_back(cycle: &Loop, surface: &Surface, separations: &[f64]) -> Self {
-        let at: Vec<Self> = separations.par_iter().map(|&h| at_separation(cycle, surface, separations[0], h)).collect();
+        let at: Vec<Self> = separations.par_iter().map(|&h| Self::back_at(cycle, surface, separations[0], h)).collect();
         let joined = |of: &dyn Fn(&Self) -> f64| at.iter().map(of).collect::<Vec<f64>>();
         let regimes = cycle.approach().regimes().len();
         let table = |of: fn(&Self) -> &Vec<Vec<f64>>| (0..regimes).map(|r| joined(&|a| of(a)[r][0])).collect();
@@ -26,33 +26,22 @@ impl Statistical {
             work,
         }
     }
-}
 
-/// The way back from the separation h `closest`, m, at another.
-fn at_separation(cycle: &Loop, surface: &Surface, closest: f64, separation: f64) -> Statistical {
-    let law = cycle.at(distance(surface, closest, separation));
-    let model = Statistical::new(&law, surface, &[closest]);
-    let regimes = cycle.approach().regimes().len();
-    let counted = |table: &[Vec<f64>]| {
-        let mut sums = vec![vec![0.0]; regimes];
-        table.iter().zip(law.base()).for_each(|(row, &base)| sums[base][0] += row[0]);
-        sums
-    };
-    Statistical {
-        regime_count: counted(&model.regime_count),
-        regime_adhesion_force: counted(&model.regime_adhesion_force),
-        regime_external_force: counted(&model.regime_external_force),
-        ..model
+    /// The way back from the separation h `closest`, m, at another.
+    pub fn back_at(cycle: &Loop, surface: &Surface, closest: f64, separation: f64) -> Self {
+        let law = cycle.at(surface.asperity_separation(separation) - surface.asperity_separation(closest));
+        let model = Self::new(&law, surface, &[closest]);
+        let regimes = cycle.approach().regimes().len();
+        let counted = |table: &[Vec<f64>]| {
+            let mut sums = vec![vec![0.0]; regimes];
+            table.iter().zip(law.base()).for_each(|(row, &base)| sums[base][0] += row[0]);
+            sums
+        };
+        Self {
+            regime_count: counted(&model.regime_count),
+            regime_adhesion_force: counted(&model.regime_adhesion_force),
+            regime_external_force: counted(&model.regime_external_force),
+            ..model
+        }
     }
-}
-
-/// How far the way back has led from one separation h to another, m.
-fn distance(surface: &Surface, closest: f64, separation: f64) -> f64 {
-    surface.asperity_separation(separation) - surface.asperity_separation(closest)
-}
-
-/// Expected external force, N, at one separation h, m, on the way back from another.
-pub fn external_force_back(cycle: &Loop, surface: &Surface, closest: f64, separation: f64) -> f64 {
-    let law = cycle.at(distance(surface, closest, separation));
-    Model::new(&law, surface, &[closest]).external_force(closest)
 }

@@ -7,7 +7,8 @@ use std::process::{Command, Output, Stdio};
 use std::time::Duration;
 use tempfile::TempDir;
 
-pub const QUICK: &str = include_str!("../../configs/quick.toml");
+/// The quick scene from deep in contact on, where asperities are in every regime.
+pub const QUICK: &str = include_str!("../data/quick.toml");
 
 /// A folder with a scene in it.
 pub struct Folder {

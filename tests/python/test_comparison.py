@@ -29,7 +29,7 @@ DIMENSIONS = {
 def path(tmp_path_factory) -> Path:
     folder = tmp_path_factory.mktemp("compare")
     assert PROGRAM.is_file(), f"no program {PROGRAM}: run `cargo build --release` or set STICTION"
-    command = [PROGRAM, "compare", ROOT / "configs" / "quick.toml", "--laws", ",".join(LAWS), "--ensemble",
+    command = [PROGRAM, "compare", ROOT / "tests" / "data" / "quick.toml", "--laws", ",".join(LAWS), "--ensemble",
                "--replicas", str(REPLICAS), "-o", folder / "all.h5", "--quiet"]
     run = subprocess.run(command, capture_output=True, text=True, encoding="utf-8")
     assert run.returncode == 0, run.stderr

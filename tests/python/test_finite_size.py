@@ -26,7 +26,7 @@ REPLICAS, COUNTS = 48, [100, 316, 1000, 3162, 10000]
 def path(tmp_path_factory) -> Path:
     assert PROGRAM.is_file(), f"no program {PROGRAM}: run `cargo build --release` or set STICTION"
     folder = tmp_path_factory.mktemp("finite")
-    command = [PROGRAM, "finite-size", ROOT / "configs" / "quick.toml", "--counts", "100:1e4:5",
+    command = [PROGRAM, "finite-size", ROOT / "tests" / "data" / "quick.toml", "--counts", "100:1e4:5",
                "--replicas", str(REPLICAS), "-o", folder / "sizes.h5", "--quiet"]
     done = subprocess.run(command, capture_output=True, text=True, encoding="utf-8")
     assert done.returncode == 0, done.stderr

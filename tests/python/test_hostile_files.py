@@ -18,7 +18,7 @@ NOT_OURS = "is not a result of stiction: it has no attribute `format`"
 def result(tmp_path_factory):
     """A small result."""
     folder = tmp_path_factory.mktemp("result")
-    scene = (ROOT / "configs/quick.toml").read_text().replace("count = 91", "count = 16").replace("replicas = 200", "replicas = 40")
+    scene = (ROOT / "tests/data/quick.toml").read_text().replace("count = 91", "count = 16").replace("replicas = 200", "replicas = 40")
     (folder / "scene.toml").write_text(scene)
     subprocess.run([STICTION, "run", "scene.toml"], cwd=folder, check=True, capture_output=True)
     return folder / "scene.h5"

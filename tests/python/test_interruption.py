@@ -27,7 +27,7 @@ def run(folder: Path, *arguments: str) -> subprocess.Popen:
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_a_resumed_run_reads_like_any_other(tmp_path, number):
-    scene = (ROOT / "configs" / "quick.toml").read_text(encoding="utf-8")
+    scene = (ROOT / "tests" / "data" / "quick.toml").read_text(encoding="utf-8")
     scene = scene.replace("replicas = 200", "replicas = 800").replace("curves = false", "curves = true")
     (tmp_path / "scene.toml").write_text(scene, encoding="utf-8")
     assert run(tmp_path, "-o", "whole.h5").wait() == 0

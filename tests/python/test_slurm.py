@@ -544,7 +544,7 @@ def test_shards_of_a_sweep_stop_and_go_on_to_the_same_bits(site, of_a_node):
     """Shards keep each point of a sweep by itself."""
     assert PROGRAM.is_file(), f"no program {PROGRAM}: run `cargo build --release` or set STICTION"
     shutil.copy(PROGRAM, site.folder / "stiction")
-    text = (ROOT / "configs" / "quick.toml").read_text(encoding="utf-8")
+    text = (ROOT / "tests" / "data" / "quick.toml").read_text(encoding="utf-8")
     text = text.replace("replicas = 200", "replicas = 1200").replace('surface_height_std = "1.619 nm"\n', "")
     text += '\n[sweep]\nsurface.surface_height_std = ["1.2 nm", "1.5 nm", "1.8 nm"]\n'
     scene = site.folder / "case two.toml"

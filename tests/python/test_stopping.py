@@ -32,7 +32,7 @@ sampling = "antithetic"
 def path(tmp_path_factory) -> Path:
     assert PROGRAM.is_file(), f"no program {PROGRAM}: run `cargo build --release` or set STICTION"
     folder = tmp_path_factory.mktemp("stopping")
-    scene = (ROOT / "configs" / "quick.toml").read_text(encoding="utf-8").replace("count = 91", "count = 31")
+    scene = (ROOT / "tests" / "data" / "quick.toml").read_text(encoding="utf-8").replace("count = 91", "count = 31")
     (folder / "scene.toml").write_text(scene.replace("replicas = 200\n", TARGETS), encoding="utf-8")
     run = subprocess.run([PROGRAM, "run", "scene.toml", "--quiet"], cwd=folder, capture_output=True, text=True, encoding="utf-8")
     assert run.returncode == 0, run.stderr
@@ -113,7 +113,7 @@ def test_the_plot_draws_the_looks_and_errors_of_the_program(file):
 
 
 def test_a_run_of_a_given_number_has_no_such_plot(tmp_path):
-    run = subprocess.run([PROGRAM, "run", ROOT / "configs" / "quick.toml", "--replicas", "8", "-o", tmp_path / "run.h5", "--quiet"],
+    run = subprocess.run([PROGRAM, "run", ROOT / "tests" / "data" / "quick.toml", "--replicas", "8", "-o", tmp_path / "run.h5", "--quiet"],
                          capture_output=True, text=True, encoding="utf-8")
     assert run.returncode == 0, run.stderr
     refused = subprocess.run([sys.executable, PLOT, tmp_path / "run.h5"], capture_output=True, text=True)

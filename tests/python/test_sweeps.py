@@ -34,7 +34,7 @@ material.hardness = ["2.5 GPa", "2 GPa", "1.5 GPa"]
 
 def run(folder: Path, sweep: str, *arguments: str) -> Path:
     assert PROGRAM.is_file(), f"no program {PROGRAM}: run `cargo build --release` or set STICTION"
-    quick = (ROOT / "configs" / "quick.toml").read_text(encoding="utf-8").replace("count = 91", "count = 31")
+    quick = (ROOT / "tests" / "data" / "quick.toml").read_text(encoding="utf-8").replace("count = 91", "count = 31")
     (folder / "sweep.toml").write_text(quick + sweep, encoding="utf-8")
     command = [PROGRAM, "run", "sweep.toml", "--quiet", "--replicas", str(REPLICAS), *arguments]
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True, encoding="utf-8")

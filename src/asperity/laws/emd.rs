@@ -19,7 +19,7 @@ use crate::asperity::emd::Emd;
 use crate::asperity::flattened::{ExtendedMaugisDugdale, Flattened};
 use crate::asperity::scale::Scale;
 use crate::asperity::table::{Constant, Part, Row, Table};
-use crate::asperity::{BLOCK, Law, LawError, Path, Regime, Responses, Setting, Smoothness, Work};
+use crate::asperity::{BLOCK, End, Law, LawError, Path, Regime, Responses, Setting, Smoothness, Work};
 use crate::math::instruction_set::InstructionSet;
 use std::sync::Arc;
 
@@ -74,7 +74,9 @@ impl Part for Attraction {
     fn smoothness(&self, lower: f64, upper: f64) -> (Vec<f64>, Vec<Smoothness>) {
         let fold = self.emd.noncontact_fold().map(|fold| fold * self.scale.length - self.thickness);
         match fold.filter(|place| lower < *place && *place < upper) {
-            Some(place) => (vec![place], vec![Smoothness::Root { place, order: 2 }, Smoothness::Smooth]),
+            Some(place) => {
+                (vec![place], vec![Smoothness::Root { end: End::Upper, place, order: 2 }, Smoothness::Smooth])
+            }
             None => (Vec::new(), vec![Smoothness::Smooth]),
         }
     }

@@ -9,7 +9,7 @@
 
 use crate::asperity::scale::Scale;
 use crate::asperity::table::{Constant, Part, Row, Table};
-use crate::asperity::{Law, LawError, Regime, Responses, Setting, Smoothness, Work};
+use crate::asperity::{End, Law, LawError, Regime, Responses, Setting, Smoothness, Work};
 use std::f64::consts::PI;
 
 /// The law `hertz`, which is that of the rough surface `gw`.
@@ -39,7 +39,7 @@ impl Hertzian {
 
 impl Part for Hertzian {
     fn smoothness(&self, lower: f64, _: f64) -> (Vec<f64>, Vec<Smoothness>) {
-        (Vec::new(), vec![Smoothness::Root { place: lower, order: 2 }])
+        (Vec::new(), vec![Smoothness::Root { end: End::Lower, place: lower, order: 2 }])
     }
 
     fn cost(&self) -> f64 {

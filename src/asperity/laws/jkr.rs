@@ -13,7 +13,7 @@
 use crate::asperity::branch::{Anchor, Branch, Curve, State};
 use crate::asperity::scale::Scale;
 use crate::asperity::table::{Constant, Part, Row, Table};
-use crate::asperity::{BLOCK, Law, LawError, Path, Regime, Responses, Setting, Smoothness, Work};
+use crate::asperity::{BLOCK, End, Law, LawError, Path, Regime, Responses, Setting, Smoothness, Work};
 
 /// The law `jkr`.
 ///
@@ -101,7 +101,7 @@ impl JkrContact {
 
 impl Part for JkrContact {
     fn smoothness(&self, _: f64, _: f64) -> (Vec<f64>, Vec<Smoothness>) {
-        (Vec::new(), vec![Smoothness::Root { place: self.end(), order: 2 }])
+        (Vec::new(), vec![Smoothness::Root { end: End::Lower, place: self.end(), order: 2 }])
     }
 
     fn cost(&self) -> f64 {

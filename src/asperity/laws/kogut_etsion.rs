@@ -19,7 +19,7 @@
 
 use super::idmt::LennardJones;
 use crate::asperity::table::{Part, Row, Table};
-use crate::asperity::{BLOCK, Law, LawError, Regime, Responses, Setting, Smoothness, Work};
+use crate::asperity::{BLOCK, End, Law, LawError, Regime, Responses, Setting, Smoothness, Work};
 use crate::math::instruction_set::InstructionSet;
 use crate::math::piecewise::Piecewise;
 use std::f64::consts::PI;
@@ -153,8 +153,11 @@ impl Power {
 
 impl Part for Powers {
     fn smoothness(&self, lower: f64, _: f64) -> (Vec<f64>, Vec<Smoothness>) {
-        let smoothness =
-            if self.elastic { Smoothness::Root { place: lower, order: ELASTIC_ORDER } } else { Smoothness::Smooth };
+        let smoothness = if self.elastic {
+            Smoothness::Root { end: End::Lower, place: lower, order: ELASTIC_ORDER }
+        } else {
+            Smoothness::Smooth
+        };
         (Vec::new(), vec![smoothness])
     }
 

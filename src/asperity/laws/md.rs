@@ -10,7 +10,7 @@
 use crate::asperity::emd::Emd;
 use crate::asperity::scale::Scale;
 use crate::asperity::table::{Constant, Part, Row, Table};
-use crate::asperity::{BLOCK, Law, LawError, Regime, Responses, Setting, Smoothness, Work};
+use crate::asperity::{BLOCK, End, Law, LawError, Regime, Responses, Setting, Smoothness, Work};
 use crate::math::instruction_set::InstructionSet;
 use std::sync::Arc;
 
@@ -60,7 +60,10 @@ impl MaugisContact {
 
 impl Part for MaugisContact {
     fn smoothness(&self, _: f64, _: f64) -> (Vec<f64>, Vec<Smoothness>) {
-        (Vec::new(), vec![Smoothness::Root { place: self.emd.contact_fold() * self.scale.length, order: 2 }])
+        (
+            Vec::new(),
+            vec![Smoothness::Root { end: End::Lower, place: self.emd.contact_fold() * self.scale.length, order: 2 }],
+        )
     }
 
     fn cost(&self) -> f64 {

@@ -17,7 +17,7 @@
 use super::md::MaugisContact;
 use crate::asperity::scale::Scale;
 use crate::asperity::table::{Part, Row, Table};
-use crate::asperity::{Law, LawError, Path, Regime, Responses, Setting, Smoothness, Work};
+use crate::asperity::{End, Law, LawError, Path, Regime, Responses, Setting, Smoothness, Work};
 use std::f64::consts::PI;
 
 /// The law `md_kim`.
@@ -69,7 +69,7 @@ impl Part for ConstantStress {
     fn smoothness(&self, lower: f64, upper: f64) -> (Vec<f64>, Vec<Smoothness>) {
         let [begin, place] = [self.begin, self.fold].map(|approach| approach * self.scale.length);
         if lower < begin && begin < upper {
-            (vec![begin], vec![Smoothness::Smooth, Smoothness::Root { place, order: 2 }])
+            (vec![begin], vec![Smoothness::Smooth, Smoothness::Root { end: End::Lower, place, order: 2 }])
         } else {
             (Vec::new(), vec![Smoothness::Smooth])
         }

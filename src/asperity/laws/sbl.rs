@@ -16,7 +16,7 @@
 use super::isbl;
 use super::kogut_etsion::{FIRST_END, Powers, SECOND_END};
 use crate::asperity::table::{Part, Row, Table};
-use crate::asperity::{BLOCK, Law, LawError, Regime, Responses, Setting, Smoothness, Work};
+use crate::asperity::{BLOCK, End, Law, LawError, Regime, Responses, Setting, Smoothness, Work};
 use crate::math::instruction_set::InstructionSet;
 use crate::math::piecewise::Piecewise;
 use crate::math::polynomials::horner;
@@ -145,7 +145,8 @@ struct SblContact {
 
 impl Part for SblContact {
     fn smoothness(&self, lower: f64, _: f64) -> (Vec<f64>, Vec<Smoothness>) {
-        let smoothness = if self.first { Smoothness::Root { place: lower, order: 2 } } else { Smoothness::Smooth };
+        let smoothness =
+            if self.first { Smoothness::Root { end: End::Lower, place: lower, order: 2 } } else { Smoothness::Smooth };
         (Vec::new(), vec![smoothness])
     }
 

@@ -5,7 +5,7 @@ mod table;
 
 use super::asperity::find;
 use super::format::percent;
-use super::results::integral_features;
+use super::integral::{Integral, Way};
 use super::sampling::{Sampling, basis_of, cross_check, interruption, override_ensemble, thread_pool};
 use super::{CompareArguments, Failure, files_of, law_of, print, print_of, read_scene, resources};
 use crate::asperity::emd::Emd;
@@ -19,7 +19,7 @@ use crate::output::progress::Progress;
 use crate::output::schema::COMPARISON;
 use crate::output::writer::Writer;
 use crate::scene::{Instability, Scene, Sizes, Warning, beyond, warnings_of_scene};
-use crate::statistical::{Model as Integral, Statistical};
+use crate::statistical::Statistical;
 use crate::validation::JointTest;
 use std::sync::atomic::AtomicBool;
 
@@ -103,12 +103,15 @@ pub(super) fn compare(arguments: &CompareArguments) -> Result<(), Failure> {
     }
     let mut progress = Progress::new(arguments.execution.quiet);
     let interferences = interferences(&scene);
-    let mut compared = Vec::new();
+    let (mut compared, mut warnings) = (Vec::new(), Vec::new());
     for (model, law) in models.into_iter().zip(&laws) {
         progress.phase(model.name);
         let law = law.as_ref();
-        let statistical = pool.install(|| Statistical::new(law, &scene.surface, &scene.separations));
-        let features = integral_features(&scene, law, &statistical);
+        let integral = pool.install(|| Integral::new(&scene, law, None));
+        if compared.is_empty() {
+            warnings = warnings_of_scene(&scene, &model, law, &integral.expected(&scene, law));
+        }
+        let Way { statistical, features, .. } = integral.there;
         let sampled = match arguments.ensemble {
             true => Some(sample(&scene, law, model.name, &statistical, &pool, &stop, &mut progress)?),
             false => None,
@@ -125,9 +128,6 @@ pub(super) fn compare(arguments: &CompareArguments) -> Result<(), Failure> {
         });
     }
     progress.end();
-    let integral = Integral::new(laws[0].as_ref(), &scene.surface, &scene.separations);
-    let share_in_contact = |h: f64| integral.contact_area(h) / scene.surface.nominal_area;
-    let warnings = warnings_of_scene(&scene, &compared[0].model, laws[0].as_ref(), share_in_contact);
     let comparison = Comparison { scene, interferences, laws: compared, warnings };
     if let Some(claim) = &claim {
         let written = Writer::create(&COMPARISON, claim, arguments.execution.force).and_then(|mut writer| {

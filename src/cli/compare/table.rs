@@ -8,7 +8,7 @@ use crate::cli::summary::moments;
 use crate::math::extrema::Extremum;
 use crate::math::moments::Moments;
 use crate::surface::SamplingScheme;
-use crate::validation::Verdict;
+use crate::validation::{SIGNIFICANCE, Verdict};
 use std::path::Path;
 
 pub(super) fn table(comparison: &Comparison, output: Option<&Path>) -> String {
@@ -146,7 +146,8 @@ fn verdict(sampled: &Sampled) -> String {
     match sampled.joint.verdict {
         Verdict::NotTested => "not tested".to_owned(),
         Verdict::Agree | Verdict::Disagree => {
-            format!("{}, p = {:.3}", sampled.joint.verdict.name(), sampled.joint.p_value)
+            let level = 100.0 * SIGNIFICANCE;
+            format!("{} at the {level} % level, p = {:.3}", sampled.joint.verdict.name(), sampled.joint.p_value)
         }
     }
 }

@@ -43,8 +43,8 @@ impl Geometry {
         };
         kinks.iter().copied().filter(|kink| reached(*kink)).for_each(&mut add);
         for piece in pieces {
-            let Smoothness::Root { place, .. } = piece.smoothness else { continue };
-            let (end, sign) = if place <= piece.lower { (piece.lower, 1.0) } else { (piece.upper, -1.0) };
+            let Smoothness::Root { end, .. } = piece.smoothness else { continue };
+            let (end, sign) = piece.inwards(end);
             let graded = GRADED.iter().map(|share| end + sign * share * step);
             graded.filter(|delta| piece.lower < *delta && *delta < piece.upper && reached(*delta)).for_each(&mut add);
         }

@@ -2,6 +2,7 @@
 
 use super::{Dimension, Layout, N, NONE, S, Variable, variable};
 
+const R: &[Dimension] = &[Dimension::Regime];
 const RS: &[Dimension] = &[Dimension::Regime, Dimension::Separation];
 const NS: &[Dimension] = &[Dimension::Replica, Dimension::Separation];
 const KS: &[Dimension] = &[Dimension::Component, Dimension::Separation];
@@ -101,6 +102,24 @@ const VARIABLES: &[Variable] = &[
     ),
     variable("/replicas/external_force", NS, "N", "external force of each replica, compressive positive"),
     variable("/replicas/adhesion_force", NS, "N", "adhesion force of each replica"),
+    variable(
+        "/statistical/pull_off_regime_count",
+        R,
+        "1",
+        "asperities in each regime at pull-off of the integral, or at the smallest separation where nothing pulls",
+    ),
+    variable(
+        "/statistical/pull_off_regime_adhesion_force",
+        R,
+        "N",
+        "adhesion force of each regime at pull-off of the integral, or at the smallest separation where nothing pulls",
+    ),
+    variable(
+        "/statistical/pull_off_contact_area",
+        NONE,
+        "m2",
+        "contact area at pull-off of the integral, or at the smallest separation where nothing pulls",
+    ),
     variable("/statistical/adhesion_force", S, "N", "adhesion force, expectation by the integral"),
     variable("/statistical/contact_force", S, "N", "contact force, expectation by the integral"),
     variable(

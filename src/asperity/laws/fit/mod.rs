@@ -24,7 +24,7 @@ pub use forms::{Coefficients, FORCES, NAMES};
 use super::kogut_etsion::plastic_rows;
 use crate::asperity::scale::{Asperity, Scale};
 use crate::asperity::table::{Constant, Part, Row, Table};
-use crate::asperity::{Law, LawError, Regime, Responses, Setting, Smoothness, Work};
+use crate::asperity::{End, Law, LawError, Regime, Responses, Setting, Smoothness, Work};
 use refit::{Direct, FITTED, JUDGED};
 use std::f64::consts::PI;
 
@@ -152,7 +152,7 @@ impl Part for FittedContact {
         let of = |begin: f64| if begin >= 0.0 { 0.0 } else { zero };
         let smoothness = |begin: f64| match begin < of(begin) {
             true => Smoothness::Smooth,
-            false => Smoothness::Root { place: of(begin), order: ORDER },
+            false => Smoothness::Root { end: End::Lower, place: of(begin), order: ORDER },
         };
         let pieces = begins.map(smoothness).collect();
         (ends, pieces)

@@ -1,0 +1,132 @@
+//! The integral of a scene, and what is read off it.
+
+use crate::asperity::{Law, Loop, Quantity};
+use crate::math::extrema::{Extremum, Features, maximum};
+use crate::scene::{Expected, Reading, Scene, WhatIsRead};
+use crate::statistical::{Model, Statistical, TOLERANCE};
+
+/// Steps of h* that resolve the integral, which is an average over heights that scatter by about σ.
+const RESOLVING: f64 = 0.125;
+
+/// The integral on one way.
+pub(super) struct Way {
+    pub statistical: Statistical,
+    /// Pull-off and stiffest point, wherever they are between the separations.
+    pub features: Features,
+    /// The integral at pull-off, or at the smallest separation where nothing pulls.
+    pub at_pull_off: Statistical,
+    /// The integral at the stiffest point.
+    at_stiffest: Statistical,
+}
+
+/// The integral of a scene.
+pub(super) struct Integral {
+    pub there: Way,
+    /// Of a loop, the way back.
+    pub back: Option<Way>,
+}
+
+/// Steps, m, that resolve what is read off the integral of a scene; over given heights it jumps, and no steps do.
+pub(super) fn resolving(scene: &Scene) -> f64 {
+    if is_smooth(scene) { RESOLVING * scene.surface.surface_height_std } else { f64::INFINITY }
+}
+
+/// Whether heights have a density.
+fn is_smooth(scene: &Scene) -> bool {
+    scene.surface.heights.values().is_none()
+}
+
+impl Way {
+    /// From the integral over the separations of a scene, and at any one, h, m.
+    fn new(scene: &Scene, statistical: Statistical, at: impl Fn(f64) -> Statistical) -> Self {
+        let q = Quantity::ExternalForce.index();
+        let features =
+            Features::new(|h| at(h).expected[q][0], &scene.separations, &statistical.expected[q], resolving(scene));
+        let pulls = features.minimum.value < 0.0;
+        let at_pull_off = at(if pulls { features.minimum.place } else { scene.separations[0] });
+        Self { at_pull_off, at_stiffest: at(features.steepest.place), features, statistical }
+    }
+
+    /// The integral of a law on one way.
+    pub fn of(scene: &Scene, law: &dyn Law) -> Self {
+        let model = Model::new(law, &scene.surface, &scene.separations);
+        Self::new(scene, model.answer(&scene.separations, TOLERANCE), |h| model.answer(&[h], TOLERANCE))
+    }
+
+    /// Of a loop, that of the way back.
+    pub fn back(scene: &Scene, cycle: &Loop) -> Self {
+        let (surface, separations) = (&scene.surface, &scene.separations);
+        let statistical = Statistical::way_back(cycle, surface, separations);
+        Self::new(scene, statistical, |h| Statistical::back_at(cycle, surface, separations[0], h))
+    }
+
+    /// Pull-off and stiffest point, or the smallest separation where nothing pulls.
+    fn readings(&self, scene: &Scene) -> Vec<Reading> {
+        let force = &self.statistical.expected[Quantity::ExternalForce.index()];
+        let deepest = force.iter().copied().fold(f64::INFINITY, f64::min);
+        let slopes = force.windows(2).zip(scene.separations.windows(2));
+        let stiffest = slopes.map(|(f, h)| (f[1] - f[0]) / (h[1] - h[0])).fold(f64::NEG_INFINITY, f64::max);
+        let Features { minimum, steepest } = &self.features;
+        if !(minimum.value < 0.0) {
+            return vec![reading(scene, WhatIsRead::Nearest, scene.separations[0], &self.at_pull_off)];
+        }
+        let missed = |extremum: &Extremum, sampled| match extremum.at_edge || !is_smooth(scene) {
+            true => 0.0,
+            false => 1.0 - sampled / extremum.value,
+        };
+        let pull_off = reading(scene, WhatIsRead::PullOff, minimum.place, &self.at_pull_off);
+        let mut readings = vec![Reading { missed: missed(minimum, deepest), ..pull_off }];
+        if steepest.value > 0.0 {
+            let point = reading(scene, WhatIsRead::StiffestPoint, steepest.place, &self.at_stiffest);
+            readings.push(Reading { missed: missed(steepest, stiffest), ..point });
+        }
+        readings
+    }
+
+    /// Where the approach of a loop ends, m: at its largest preload, or the smallest separation.
+    fn turn(&self, scene: &Scene) -> f64 {
+        let force = &self.statistical.expected[Quantity::ExternalForce.index()];
+        let preload = scene.instability.preload.iter().copied().reduce(f64::max).unwrap_or(f64::INFINITY);
+        let beyond = force.iter().take_while(|force| **force >= preload).count();
+        if beyond == 0 || beyond == force.len() {
+            return scene.separations[0];
+        }
+        let [near, far] = [beyond - 1, beyond].map(|k| (scene.separations[k], force[k]));
+        near.0 + (far.0 - near.0) * (near.1 - preload) / (near.1 - far.1)
+    }
+}
+
+/// A reading at a separation h, m, at which the integral is given.
+fn reading(scene: &Scene, what: WhatIsRead, separation: f64, at: &Statistical) -> Reading {
+    let share_in_contact = at.expected[Quantity::ContactArea.index()][0] / scene.surface.nominal_area;
+    Reading { what, separation, share_in_contact, missed: 0.0 }
+}
+
+impl Integral {
+    /// That of a scene under a law, and its loop if surfaces are pulled back.
+    pub fn new(scene: &Scene, law: &dyn Law, cycle: Option<&Loop>) -> Self {
+        Self { there: Way::of(scene, law), back: cycle.map(|cycle| Way::back(scene, cycle)) }
+    }
+
+    /// The way there, and of a loop the way back.
+    pub fn ways(&self) -> impl Iterator<Item = &Way> {
+        [&self.there].into_iter().chain(&self.back)
+    }
+
+    /// The way on which the surfaces are pulled off.
+    pub fn pulled(&self) -> &Way {
+        self.back.as_ref().unwrap_or(&self.there)
+    }
+
+    /// What is read off it where, and how good it is.
+    pub fn expected(&self, scene: &Scene, law: &dyn Law) -> Expected {
+        let mut readings = self.pulled().readings(scene);
+        if self.back.is_some() {
+            let place = self.there.turn(scene);
+            let at = Model::new(law, &scene.surface, &[place]).answer(&[place], TOLERANCE);
+            readings.push(reading(scene, WhatIsRead::Turn, place, &at));
+        }
+        let error = |way: &Way| way.statistical.quadrature_error;
+        Expected { readings, error: maximum(error(&self.there), error(self.pulled())) }
+    }
+}

@@ -557,7 +557,7 @@ fn laws_are_smooth_between_the_ends_of_their_pieces() {
                     let (low, high) = (piece.lower.max(-20.0), piece.upper.min(400.0));
                     let (place, order) = match piece.smoothness {
                         Smoothness::Smooth => (low - 1.0, 1),
-                        Smoothness::Root { place, order } => (place, order),
+                        Smoothness::Root { place, order, .. } => (place, order),
                     };
                     let sign = if place <= low { 1.0 } else { -1.0 };
                     let to = |delta: f64| ((delta - place) * sign).max(0.0).powf(1.0 / f64::from(order));

@@ -15,7 +15,7 @@ use crate::output::{Claim, OutputError};
 use crate::scene::echo::one_line;
 use crate::scene::files::Files;
 use crate::scene::{Scene, Sweep};
-use crate::validation::finite_size::{ACCURACIES, Approach, QUANTILES, Reached, Scatter};
+use crate::validation::finite_size::{ACCURACIES, Approach, QUANTILES, Reached, Refusal, Scatter};
 use crate::validation::{SIGNIFICANCE, overall};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -160,7 +160,7 @@ struct Study {
     /// Pull-off force of the integral over N, N.
     integral: f64,
     sizes: Vec<Size>,
-    approach: Option<Approach>,
+    approach: Result<Approach, Refusal>,
     reached: [Reached; 3],
 }
 
@@ -172,7 +172,7 @@ fn found(points: &Points<'_>, counts: &[u64], integral: f64) -> Result<Study, Ou
     let bias: Vec<f64> = sizes.iter().map(|size| size.bias[0]).collect();
     let errors: Vec<f64> = sizes.iter().map(|size| size.bias[1]).collect();
     let approach = Approach::new(&counts, &bias, &errors);
-    let reached = ACCURACIES.map(|accuracy| Reached::new(accuracy, &counts, &bias, approach.as_ref()));
+    let reached = ACCURACIES.map(|accuracy| Reached::new(accuracy, &counts, &bias, &errors, approach.as_ref().ok()));
     Ok(Study { integral, sizes, approach, reached })
 }
 
@@ -223,7 +223,7 @@ fn write(points: &Points<'_>, identity: &Identity, study: &Study) -> Result<(), 
     }
     writer.dataset("/bias", &of_sizes(sizes, |size| size.bias[0]))?;
     writer.dataset("/bias_standard_error", &of_sizes(sizes, |size| size.bias[1]))?;
-    let fitted = |size: &Size| approach.as_ref().map_or(f64::NAN, |fit| fit.bias(size.count as f64));
+    let fitted = |size: &Size| approach.as_ref().map_or(f64::NAN, |fit: &Approach| fit.bias(size.count as f64));
     writer.dataset("/bias_fitted", &of_sizes(sizes, fitted))?;
     let is_fitted = approach.as_ref().map_or(vec![false; sizes.len()], |fit| fit.fitted.clone());
     writer.dataset("/is_fitted", &is_fitted.into_iter().map(u8::from).collect::<Vec<u8>>())?;
@@ -235,15 +235,20 @@ fn write(points: &Points<'_>, identity: &Identity, study: &Study) -> Result<(), 
     writer.texts("/sum", &sizes.iter().map(|size| size.sum.as_str()).collect::<Vec<&str>>())?;
     writer.dataset("/count_at_accuracy", &reached.map(Reached::count))?;
     writer.texts("/count_at_accuracy_source", &reached.map(Reached::name))?;
-    if let Some(fit) = approach {
-        writer.number("/", "fit_coefficient", fit.coefficient)?;
-        writer.number("/", "fit_exponent", fit.exponent)?;
-        writer.number("/", "fit_log_coefficient_standard_error", fit.standard_errors[0])?;
-        writer.number("/", "fit_exponent_standard_error", fit.standard_errors[1])?;
-        writer.number("/", "fit_chi_squared", fit.chi_squared)?;
-        writer.number("/", "fit_degrees_of_freedom", fit.degrees_of_freedom as u64)?;
+    match approach {
+        Err(refusal) => writer.text("/", "fit_refusal", &refusal.to_string())?,
+        Ok(fit) => write_fit(&writer, fit)?,
     }
     writer.finish()
+}
+
+fn write_fit(writer: &Writer<'_>, fit: &Approach) -> Result<(), OutputError> {
+    writer.number("/", "fit_coefficient", fit.coefficient)?;
+    writer.number("/", "fit_exponent", fit.exponent)?;
+    writer.number("/", "fit_log_coefficient_standard_error", fit.standard_errors[0])?;
+    writer.number("/", "fit_exponent_standard_error", fit.standard_errors[1])?;
+    writer.number("/", "fit_chi_squared", fit.chi_squared)?;
+    writer.number("/", "fit_degrees_of_freedom", fit.degrees_of_freedom as u64)
 }
 
 fn of_sizes<T>(sizes: &[Size], of: impl Fn(&Size) -> T) -> Vec<T> {
@@ -268,8 +273,10 @@ fn summary(scene: &Scene, study: &Study) -> String {
     }
     text.push('\n');
     text += &match &study.approach {
-        None => row("approach", "no power law fits"),
-        Some(fit) => {
+        Err(refusal) => {
+            row("approach", "no power law, and nothing beyond the largest size:") + &row("", &refusal.to_string())
+        }
+        Ok(fit) => {
             let [_, exponent_error] = fit.standard_errors;
             let law =
                 format!("bias = {:.3} N^-{:.3}, exponent ± {}", fit.coefficient, fit.exponent, bound(exponent_error));
@@ -285,7 +292,8 @@ fn summary(scene: &Scene, study: &Study) -> String {
                 format!("N = {count:.2e} ({})", reached.name())
             }
             Reached::BelowSmallest => format!("N = {} already", study.sizes[0].count),
-            Reached::Unknown => "unknown".to_owned(),
+            Reached::Beyond => format!("beyond N = {}", study.sizes[study.sizes.len() - 1].count),
+            Reached::Unknown => "unknown: the bias is not known as well as that".to_owned(),
         };
         text += &row(if i == 0 { "good to" } else { "" }, &format!("{:>3.0} % from {count}", 100.0 * accuracy));
     }

@@ -8,9 +8,10 @@ use crate::engine::{Attained, SCALARS, scalars};
 use crate::math::control_variates::ControlledMean;
 use crate::math::extrema::{Features, maximum};
 use crate::math::instruction_set::InstructionSet;
+use crate::math::interval::LEVEL;
 use crate::output::OutputError;
 use crate::output::checkpoint::Records;
-use crate::output::schema::Dimension;
+use crate::output::schema::{Dimension, RANGE_ENDS};
 use crate::output::writer::{CURVE_CHUNK, Writer};
 use crate::scene::Scene;
 use crate::validation::SIGNIFICANCE;
@@ -38,6 +39,7 @@ pub(super) fn write_head(writer: &mut Writer<'_>, results: &Results) -> Result<(
     writer.scale(Dimension::ComponentOther, &components)?;
     let names: Vec<&str> = scalars(scene.cycle).map(|scalar| scalar.name).collect();
     writer.named_scale(Dimension::Scalar, &names)?;
+    writer.named_scale(Dimension::RangeEnd, &RANGE_ENDS)?;
     if let Some(stopped) = &results.stopped {
         let names: Vec<&str> = stopped.targets.iter().map(|attained| attained.target.name()).collect();
         writer.number("/", "min_replicas", stopped.min_replicas)?;
@@ -209,6 +211,8 @@ fn write_stopped(writer: &Writer<'_>, stopped: &Stopped) -> Result<(), OutputErr
     texts("units", |attained| SCALARS[attained.target.quantity].units)?;
     numbers("mean", |attained| attained.mean)?;
     numbers("standard_error", |attained| attained.standard_error)?;
+    let intervals: Vec<f64> = targets.iter().flat_map(|attained| attained.interval).collect();
+    writer.dataset("/ensemble/target_interval", &intervals)?;
     numbers("largest_standard_error", |attained| attained.largest)?;
     let met: Vec<u8> = targets.iter().map(|attained| u8::from(attained.is_met())).collect();
     writer.dataset("/ensemble/target_met", &met)
@@ -253,6 +257,12 @@ fn write_scalars(writer: &Writer<'_>, results: &Results) -> Result<(), OutputErr
     writer.texts("/ensemble/scalar_units", &units)?;
     write("mean", |mean| mean.mean)?;
     write("standard_error", |mean| mean.standard_error)?;
+    let intervals = |name: &str, of: fn(&ControlledMean) -> [f64; 2]| {
+        writer.dataset(&format!("/ensemble/scalar_{name}"), &means.iter().flat_map(of).collect::<Vec<f64>>())
+    };
+    writer.number("/ensemble", "interval_level", LEVEL)?;
+    intervals("interval", |mean| mean.interval)?;
+    intervals("controlled_interval", |mean| mean.controlled_interval)?;
     write("controlled_mean", |mean| mean.controlled_mean)?;
     write("controlled_standard_error", |mean| mean.controlled_standard_error)?;
     write("variance_reduction", ControlledMean::variance_reduction)

@@ -8,6 +8,7 @@ use crate::asperity::Quantity;
 use crate::engine::{LOOP_SCALARS, Replica, Summation, dissipated};
 use crate::math::control_variates::ControlledMean;
 use crate::math::extrema::{Extremum, Features, maximum};
+use crate::math::interval::{FEWEST, LEVEL};
 use crate::math::moments::Moments;
 use crate::math::sums::SUM_ROUNDING;
 use crate::scene::Limit;
@@ -49,6 +50,7 @@ fn ended(stopped: &Stopped, replicas: u64) -> String {
             "",
             &format!("{} ({}) to {reached}, at most {largest}{missed}", target.name(), target.estimate.name()),
         );
+        text += &interval(attained.interval, attained.samples, target.unit());
     }
     text
 }
@@ -103,11 +105,23 @@ fn quoted(results: &Results, mean: &ControlledMean, unit: &str) -> String {
     let first = |value: String| row("pull-off", &format!("{value} is to be quoted: the mean over replicas"));
     let (plain, reduction) = (told(mean.mean, mean.standard_error), mean.variance_reduction());
     if results.controls.is_empty() || !reduction.is_finite() {
-        return first(plain);
+        return first(plain) + &interval(mean.interval, mean.samples, unit);
     }
     let without = format!("with the integral as control variate, variance reduced {} times", factor(reduction));
     let quoted = first(told(mean.controlled_mean, mean.controlled_standard_error));
-    quoted + &row("", &without) + &row("", &format!("{plain} without"))
+    quoted
+        + &interval(mean.controlled_interval, mean.samples, unit)
+        + &row("", &without)
+        + &row("", &format!("{plain} without"))
+}
+
+/// The interval of a mean of so many groups of replicas; nothing where there is none.
+fn interval([from, to]: [f64; 2], groups: u64, unit: &str) -> String {
+    if !(to > from) {
+        return String::new();
+    }
+    let few = if groups < FEWEST { " (less than that for so few replicas)" } else { "" };
+    row("", &format!("{:.0} % interval {} to {}{few}", 100.0 * LEVEL, si(from, unit), si(to, unit)))
 }
 
 /// Whether any replica, or the integral, is ever pulled.

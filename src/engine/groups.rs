@@ -6,7 +6,7 @@ use super::curves::Curves;
 use super::replica::Replica;
 use super::scalars::scalars;
 use crate::asperity::Quantity;
-use crate::math::moments::{Comoments, Moments};
+use crate::math::moments::{CentralMoments, Comoments, Moments};
 use crate::math::words::Words;
 
 /// Parts that the scalars of an ensemble are split into, by batches in turn: independent of each other, as control variates need them.
@@ -19,9 +19,9 @@ pub struct Groups {
     pub curves: [Moments; 4],
     /// Mean and covariance of the probes' scores.
     pub scores: Comoments,
-    /// Mean and covariance of the external force at the controls, N, and behind these of the [`scalars`]; the batch i of a job is in the
-    /// part i modulo 16.
-    pub scalars: [Comoments; PARTS],
+    /// Mean, covariance and third moments of the external force at the controls, N, and behind these of the [`scalars`]; the batch i of a
+    /// job is in the part i modulo 16.
+    pub scalars: [CentralMoments; PARTS],
     /// Sums over the replicas of a group that is not complete: curves, scores, controls, scalars.
     sums: Vec<f64>,
     filled: u64,
@@ -35,7 +35,7 @@ impl Groups {
         Self {
             curves: std::array::from_fn(|_| Moments::new(s)),
             scores: Comoments::new(k),
-            scalars: std::array::from_fn(|_| Comoments::new(c)),
+            scalars: std::array::from_fn(|_| CentralMoments::new(c)),
             sums: vec![0.0; 4 * s + k + c],
             filled: 0,
         }

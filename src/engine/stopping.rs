@@ -24,6 +24,10 @@ pub struct Attained {
     pub mean: f64,
     /// Its standard error; NaN for fewer than two groups of replicas.
     pub standard_error: f64,
+    /// Its 95 % interval, from and to.
+    pub interval: [f64; 2],
+    /// Groups of replicas.
+    pub samples: u64,
     /// The largest standard error that the target allows.
     pub largest: f64,
 }
@@ -61,17 +65,20 @@ impl Rule<'_> {
     /// How well each target is known by an ensemble.
     pub fn attained(&self, ensemble: &Ensemble) -> Vec<Attained> {
         let means = controlled_means(&ensemble.groups.scalars, self.expected);
+        let samples = means.first().map_or(0, |mean| mean.samples);
         let attained = |target: &Target| {
-            let (mean, standard_error) = match (means.get(target.quantity), target.estimate) {
-                (Some(mean), Estimate::Plain) => (mean.mean, mean.standard_error),
-                (Some(mean), Estimate::Controlled) => (mean.controlled_mean, mean.controlled_standard_error),
-                (None, _) => (f64::NAN, f64::NAN),
+            let (mean, standard_error, interval) = match (means.get(target.quantity), target.estimate) {
+                (Some(of), Estimate::Plain) => (of.mean, of.standard_error, of.interval),
+                (Some(of), Estimate::Controlled) => {
+                    (of.controlled_mean, of.controlled_standard_error, of.controlled_interval)
+                }
+                (None, _) => (f64::NAN, f64::NAN, [f64::NAN; 2]),
             };
             let largest = match target.limit {
                 Limit::Relative(share) => share * mean.abs(),
                 Limit::Absolute(largest) => largest,
             };
-            Attained { target: *target, mean, standard_error, largest }
+            Attained { target: *target, mean, standard_error, interval, samples, largest }
         };
         self.stopping.targets.iter().map(attained).collect()
     }

@@ -6,12 +6,14 @@
 //! So the sample is split, and each part is corrected with the coefficients of all the others, of which it
 //! is independent: the estimate is unbiased whatever the distribution (Avramidis and Wilson 1993, Operations Research Letters 14, 187).
 //!
-//! The standard error is that of the regression line of the whole sample at μ: s²(1/n + (x̄ − μ)ᵀ P⁻¹ (x̄ − μ)) with P = Σ(x − x̄)(x − x̄)ᵀ
-//! and s² the sum of squared residuals over n − 1 − k for k coefficients. So it holds what estimating the coefficients costs, on average
-//! a factor (n − 2)/(n − 2 − k) of variance (Nelson 1990, Operations Research 38, 974).
+//! So the estimate is the mean of the values y − βᵀ(x − μ), each with the coefficients of the other parts, and its standard error and
+//! interval are those of a mean of these values. Their scatter holds what estimating the coefficients costs, on average a factor
+//! (n − 2)/(n − 2 − k) of variance for k coefficients (Nelson 1990, Operations Research 38, 974), and is right where the scatter of y about
+//! the regression line changes along it.
 
+use super::interval::{interval, skewness};
 use super::linalg::whitening;
-use super::moments::Comoments;
+use super::moments::{CentralMoments, Comoments};
 
 /// Directions of the controls' correlation whose variance is less than this share of the largest are left out as collinear.
 const COLLINEAR: f64 = 1e-8;
@@ -19,14 +21,20 @@ const COLLINEAR: f64 = 1e-8;
 /// A mean without and with control variates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ControlledMean {
+    /// Independent samples.
+    pub samples: u64,
     /// The plain mean.
     pub mean: f64,
     /// Its standard error; NaN for fewer than two samples, likewise below.
     pub standard_error: f64,
+    /// Its 95 % [`interval`], from and to.
+    pub interval: [f64; 2],
     /// The mean with control variates.
     pub controlled_mean: f64,
     /// Its standard error, with what the estimated coefficients cost.
     pub controlled_standard_error: f64,
+    /// Its 95 % [`interval`], from and to.
+    pub controlled_interval: [f64; 2],
 }
 
 impl ControlledMean {
@@ -41,50 +49,65 @@ impl ControlledMean {
 /// The means of the last components of a sample in independent `parts`, with the first ones as controls, whose expectations are
 /// `expected`. Controls that do not vary, and collinear ones, do no harm. A plain mean is its own controlled mean without controls, and
 /// when any part leaves no more than two elements more to the others than there are controls.
-pub fn controlled_means(parts: &[Comoments], expected: &[f64]) -> Vec<ControlledMean> {
-    let parts: Vec<&Comoments> = parts.iter().filter(|part| part.count() > 0).collect();
+pub fn controlled_means(parts: &[CentralMoments], expected: &[f64]) -> Vec<ControlledMean> {
+    let parts: Vec<&CentralMoments> = parts.iter().filter(|part| part.count() > 0).collect();
     let Some(first) = parts.first() else { return Vec::new() };
-    let length = first.mean().len();
-    let merged = |left_out: Option<usize>| {
+    let length = first.second().mean().len();
+    let others = |left_out: usize| {
         let mut sample = Comoments::new(length);
-        let taken = parts.iter().enumerate().filter(|(i, _)| Some(*i) != left_out);
-        taken.for_each(|(_, part)| sample.merge(part));
+        let taken = parts.iter().enumerate().filter(|(i, _)| *i != left_out);
+        taken.for_each(|(_, part)| sample.merge(part.second()));
         sample
     };
-    let others: Vec<Comoments> = (0..parts.len()).map(|part| merged(Some(part))).collect();
+    let others: Vec<Comoments> = (0..parts.len()).map(others).collect();
     let enough = others.iter().all(|others| others.count() > expected.len() as u64 + 2);
-    let expected_of_controls = if enough { expected } else { &[] };
     let regressions: Vec<Regression> =
-        others.iter().map(|others| Regression::new(others, expected_of_controls)).collect();
-    let whole = merged(None);
-    let regression = Regression::new(&whole, expected_of_controls);
-    let (n, k) = (whole.count() as f64, regression.components.len() as f64);
-    let leverage = regression.deviations(whole.mean()).map(|deviation| deviation * deviation).sum::<f64>() / (n - 1.0);
-    let controlled = |y: usize| {
-        let variance = regression.covariance(y, y);
-        let shift = |(part, regression): (&&Comoments, &Regression)| -> f64 {
-            let deviations = regression.deviations(part.mean());
-            part.count() as f64 / n * deviations.zip(regression.coefficients(y)).map(|(d, c)| d * c).sum::<f64>()
-        };
-        let shift: f64 = parts.iter().zip(&regressions).map(shift).sum();
-        let explained: f64 = regression.coefficients(y).map(|coefficient| coefficient * coefficient).sum();
+        if enough { others.iter().map(|others| Regression::new(others, expected.len())).collect() } else { Vec::new() };
+    let coefficients = regressions.iter().map(|regression| regression.components.len()).max().unwrap_or(0);
+    // Mean, standard error, interval and sum of squares, which counts as 0 where it is at most so much.
+    let mean_of = |y: usize, controlled: bool, nothing: f64| {
+        let mut merged = CentralMoments::new(1);
+        for (i, part) in parts.iter().enumerate() {
+            let mut weights = vec![0.0; length];
+            weights[y] = 1.0;
+            let mut shift = 0.0;
+            if controlled {
+                for (j, slope) in regressions[i].slopes(y).into_iter().enumerate() {
+                    weights[j] = -slope;
+                    shift += slope * expected[j];
+                }
+            }
+            merged.merge(&part.combined(&weights, shift));
+        }
+        let ([mean, squares, cubes], n) = (merged.of_combination(&[1.0]), merged.count());
+        let squares = if squares <= nothing { 0.0 } else { squares };
+        let freedom = n as f64 - 1.0 - if controlled { coefficients as f64 } else { 0.0 };
+        let standard_error = if n < 2 { f64::NAN } else { (squares / (n - 1) as f64 / n as f64).sqrt() };
+        (mean, standard_error, interval(mean, standard_error, skewness(n, squares, cubes), n, freedom), squares)
+    };
+    let samples: u64 = parts.iter().map(|part| part.count()).sum();
+    let means = |y: usize| {
+        let plain = mean_of(y, false, 0.0);
         // What the sums round off is no residual.
-        let left = if variance - explained <= (n + k) * f64::EPSILON * variance { 0.0 } else { variance - explained };
-        let residual = (n - 1.0) * left / (n - 1.0 - k);
-        let standard_error = (variance / n).sqrt();
+        let rounding = 16.0 * (samples as f64 + coefficients as f64) * f64::EPSILON * plain.3;
+        let controlled = if coefficients > 0 { mean_of(y, true, rounding) } else { plain };
         ControlledMean {
-            mean: whole.mean()[y],
-            standard_error,
-            controlled_mean: whole.mean()[y] - shift,
-            controlled_standard_error: if k == 0.0 { standard_error } else { (residual * (1.0 / n + leverage)).sqrt() },
+            samples,
+            mean: plain.0,
+            standard_error: plain.1,
+            interval: plain.2,
+            controlled_mean: controlled.0,
+            controlled_standard_error: controlled.1,
+            controlled_interval: controlled.2,
         }
     };
-    (expected.len()..length).map(controlled).collect()
+    (expected.len()..length).map(means).collect()
 }
 
 /// The regression of components of a sample on its first ones, through uncorrelated combinations of these of unit variance.
-struct Regression<'a> {
-    expected: &'a [f64],
+struct Regression {
+    /// How many components come first.
+    expected: usize,
     covariance: Vec<f64>,
     length: usize,
     /// Controls that vary.
@@ -93,11 +116,11 @@ struct Regression<'a> {
     components: Vec<Vec<f64>>,
 }
 
-impl<'a> Regression<'a> {
-    fn new(sample: &Comoments, expected: &'a [f64]) -> Self {
+impl Regression {
+    fn new(sample: &Comoments, expected: usize) -> Self {
         let (covariance, length) = (sample.covariance(), sample.mean().len());
         let variance = |i: usize| covariance[i * length + i];
-        let controls: Vec<usize> = (0..expected.len()).filter(|&i| variance(i) > 0.0).collect();
+        let controls: Vec<usize> = (0..expected).filter(|&i| variance(i) > 0.0).collect();
         let correlation = |i: usize, j: usize| covariance[i * length + j] / variance(i).sqrt() / variance(j).sqrt();
         let matrix: Vec<f64> = controls
             .iter()
@@ -112,20 +135,18 @@ impl<'a> Regression<'a> {
         self.covariance[i * self.length + j]
     }
 
-    /// Each component of a value for each control.
-    fn of_components(&self, value: impl Fn(usize) -> f64) -> impl Iterator<Item = f64> {
-        let scaled: Vec<f64> = self.controls.iter().map(|&i| value(i) / self.covariance(i, i).sqrt()).collect();
-        self.components.iter().map(move |weights| weights.iter().zip(&scaled).map(|(weight, x)| weight * x).sum())
-    }
-
-    /// The components of a mean less its expectation.
-    fn deviations(&self, mean: &[f64]) -> impl Iterator<Item = f64> {
-        self.of_components(|i| mean[i] - self.expected[i])
-    }
-
-    /// The coefficients of y for each component.
-    fn coefficients(&self, y: usize) -> impl Iterator<Item = f64> {
-        self.of_components(move |i| self.covariance(i, y))
+    /// The slope of y along each of the expected components, 0 for those that do not vary.
+    fn slopes(&self, y: usize) -> Vec<f64> {
+        let std = |i: usize| self.covariance(i, i).sqrt();
+        let scaled: Vec<f64> = self.controls.iter().map(|&i| self.covariance(i, y) / std(i)).collect();
+        let mut slopes = vec![0.0; self.expected];
+        for weights in &self.components {
+            let coefficient: f64 = weights.iter().zip(&scaled).map(|(weight, x)| weight * x).sum();
+            for (&i, weight) in self.controls.iter().zip(weights) {
+                slopes[i] += coefficient * weight / std(i);
+            }
+        }
+        slopes
     }
 }
 
@@ -133,8 +154,8 @@ impl<'a> Regression<'a> {
 mod tests {
     use super::*;
 
-    fn parts(samples: &[&[f64]], count: usize) -> Vec<Comoments> {
-        let mut parts = vec![Comoments::new(samples[0].len()); count];
+    fn parts(samples: &[&[f64]], count: usize) -> Vec<CentralMoments> {
+        let mut parts = vec![CentralMoments::new(samples[0].len()); count];
         samples.iter().enumerate().for_each(|(i, values)| parts[i % count].push(values));
         parts
     }
@@ -157,9 +178,8 @@ mod tests {
     }
 
     /// By hand: x = 0..7 and y = 1, 3, 2, 5, 4, 4, 8, 5 with E\[x\] = 3, in two parts of even and odd x. Even: x̄ = 3, ȳ = 15/4, P = 20,
-    /// Σ(x − x̄)(y − ȳ) = 23, slope 23/20. Odd: x̄ = 4, ȳ = 17/4, Σ = 5, slope 1/4. Estimate: (15/4 − 0 +
-    /// 17/4 − 23/20)/2 = 3.425. Whole: x̄ = 3.5, ȳ = 4, P = 42, Σ(x − x̄)(y − ȳ) = 29, Σ(y − ȳ)² = 32: s² =
-    /// (32 − 841/42)/6 = 503/252, and the squared error is 503/252 (1/8 + 0.25/42). Plain: 32/7/8 = 4/7.
+    /// Σ(x − x̄)(y − ȳ) = 23, slope 23/20. Odd: x̄ = 4, ȳ = 17/4, Σ = 5, slope 1/4. So the even y become 7/4, 9/4, 15/4, 29/4, the odd ones
+    /// 53/10, 5, 17/10, 2/5, in all with the mean 137/40 and Σ(r − 137/40)² = 37.045. Plain: 32/7/8 = 4/7.
     #[test]
     fn one_control_is_a_regression_line_of_the_other_part() {
         let y = [1.0, 3.0, 2.0, 5.0, 4.0, 4.0, 8.0, 5.0];
@@ -168,9 +188,16 @@ mod tests {
         let [mean] = controlled_means(&parts(&rows, 2), &[3.0])[..] else { panic!() };
         assert!((mean.mean - 4.0).abs() < 1e-15 && (mean.standard_error.powi(2) - 4.0 / 7.0).abs() < 1e-15, "{mean:?}");
         assert!((mean.controlled_mean - 3.425).abs() < 1e-14, "{mean:?}");
-        let squared = 503.0 / 252.0 * (0.125 + 0.25 / 42.0);
+        let squared = 37.045 / 56.0;
         assert!((mean.controlled_standard_error.powi(2) - squared).abs() < 1e-14, "{mean:?}");
         assert!((mean.variance_reduction() - 4.0 / 7.0 / squared).abs() < 1e-13);
+        // Skewnesses of the values as scipy.stats.skew(bias=False) has them; of the plain mean 7 degrees of freedom, of the other 6.
+        for (found, exact) in [
+            (mean.interval, interval(4.0, (4.0_f64 / 7.0).sqrt(), 0.5846339666834283, 8, 7.0)),
+            (mean.controlled_interval, interval(3.425, squared.sqrt(), 0.4280647349008284, 8, 6.0)),
+        ] {
+            assert!(found.iter().zip(exact).all(|(a, b)| (a - b).abs() < 1e-9), "{found:?} {exact:?}");
+        }
     }
 
     #[test]

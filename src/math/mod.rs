@@ -6,6 +6,7 @@ pub mod control_variates;
 pub mod extrema;
 pub mod instruction_set;
 pub mod interpolation;
+pub mod interval;
 pub mod least_squares;
 pub mod linalg;
 pub mod moments;

@@ -150,6 +150,111 @@ impl Words for Comoments {
     }
 }
 
+/// Mean, covariance and third central moments of vectors.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CentralMoments {
+    second: Comoments,
+    /// Sums of products of three deviations, of components i ≤ j ≤ k in lexicographic order.
+    third: Vec<f64>,
+}
+
+impl CentralMoments {
+    /// No samples of vectors of `length` components.
+    pub fn new(length: usize) -> Self {
+        Self { second: Comoments::new(length), third: vec![0.0; length * (length + 1) * (length + 2) / 6] }
+    }
+
+    /// Adds one sample of the same length.
+    pub fn push(&mut self, sample: &[f64]) {
+        let mut one = Comoments::new(sample.len());
+        one.push(sample);
+        self.merge_third(&one, None);
+        self.second.push(sample);
+    }
+
+    /// Adds the samples of another.
+    pub fn merge(&mut self, other: &Self) {
+        if other.count() == 0 {
+            return;
+        }
+        self.merge_third(&other.second, Some(&other.third));
+        self.second.merge(&other.second);
+    }
+
+    /// Adds the third moments of another, before its other moments are added (Pébay 2008, SAND2008-6212).
+    fn merge_third(&mut self, other: &Comoments, third: Option<&[f64]>) {
+        let (n, mine, theirs) = (self.second.mean.len(), self.second.count as f64, other.count as f64);
+        let total = mine + theirs;
+        let deviations: Vec<f64> = other.mean.iter().zip(&self.second.mean).map(|(b, a)| b - a).collect();
+        let [mine, theirs] = [mine / total, theirs / total];
+        let cubic = total * mine * theirs * (mine - theirs);
+        // Σ over the three choices of δ_i (mine B_jk − theirs A_jk).
+        let between = |j: usize, k: usize| mine * other.products[j * n + k] - theirs * self.second.products[j * n + k];
+        let between: Vec<f64> = (0..n * n).map(|place| between(place / n, place % n)).collect();
+        let mut place = 0;
+        for i in 0..n {
+            for j in i..n {
+                let pair = cubic * deviations[i] * deviations[j] + between[i * n + j];
+                for k in j..n {
+                    let rest = deviations[i] * between[j * n + k] + deviations[j] * between[i * n + k];
+                    self.third[place] += third.map_or(0.0, |third| third[place]) + (pair * deviations[k] + rest);
+                    place += 1;
+                }
+            }
+        }
+    }
+
+    /// How many samples.
+    pub fn count(&self) -> u64 {
+        self.second.count
+    }
+
+    /// Mean and covariance.
+    pub fn second(&self) -> &Comoments {
+        &self.second
+    }
+
+    /// Moments of the combination of the components with `weights`, `shift` added.
+    pub fn combined(&self, weights: &[f64], shift: f64) -> Self {
+        let [mean, squares, cubes] = self.of_combination(weights);
+        let second = Comoments { count: self.count(), mean: vec![mean + shift], products: vec![squares] };
+        Self { second, third: vec![cubes] }
+    }
+
+    /// Mean and sums of squared and cubed deviations of the combination of the components with `weights`.
+    pub fn of_combination(&self, weights: &[f64]) -> [f64; 3] {
+        let n = weights.len();
+        let used: Vec<usize> = (0..n).filter(|&i| weights[i] != 0.0).collect();
+        let mut sums = [0.0; 3];
+        for &i in &used {
+            sums[0] += weights[i] * self.second.mean[i];
+            for &j in &used {
+                sums[1] += weights[i] * weights[j] * self.second.products[i * n + j];
+                for &k in &used {
+                    let mut sorted = [i, j, k];
+                    sorted.sort_unstable();
+                    sums[2] += weights[i] * weights[j] * weights[k] * self.third[place_of(n, sorted)];
+                }
+            }
+        }
+        [sums[0], sums[1].max(0.0), sums[2]]
+    }
+}
+
+/// The place of components i ≤ j ≤ k of n among the packed third moments.
+fn place_of(n: usize, [i, j, k]: [usize; 3]) -> usize {
+    let triangle = |m: usize| m * (m + 1) / 2;
+    let tetrahedron = |m: usize| m * (m + 1) * (m + 2) / 6;
+    tetrahedron(n) - tetrahedron(n - i) + triangle(n - i) - triangle(n - j) + (k - j)
+}
+
+impl Words for CentralMoments {
+    fn each_word(&mut self, visit: &mut dyn FnMut(&mut u64)) {
+        self.second.each_word(visit);
+        self.third.each_word(visit);
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -190,6 +295,37 @@ mod tests {
             }
             for (a, b) in comoments.covariance().iter().zip(covariance) {
                 assert!((a - b).abs() < 1e-8 * b.abs().max(1.0), "{a} {b}");
+            }
+        }
+    }
+
+    /// Combinations of merged parts against their own values in two passes, shifted so far that sums of cubes would lose them.
+    #[test]
+    fn combinations_have_the_moments_of_their_values() {
+        let samples: Vec<[f64; 4]> = (0..41)
+            .map(|i| {
+                let x = f64::from(i);
+                [1e4 + f64::from(i * i % 17), f64::from(i * 7 % 11) - 3.0, (0.2 * x).exp(), f64::from(i * i * i % 13)]
+            })
+            .collect();
+        for split in [0, 1, 2, 20, 40, 41] {
+            let mut merged = CentralMoments::new(4);
+            for part in [&samples[..split], &samples[split..]] {
+                let mut moments = CentralMoments::new(4);
+                part.iter().for_each(|sample| moments.push(sample));
+                merged.merge(&moments);
+            }
+            assert_eq!(merged.count(), 41);
+            for weights in [[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0], [0.3, -2.0, 0.05, 1.5], [0.0, 1.0, 0.0, 2.0]] {
+                let values: Vec<f64> =
+                    samples.iter().map(|sample| sample.iter().zip(weights).map(|(x, w)| x * w).sum()).collect();
+                let mean = values.iter().sum::<f64>() / 41.0;
+                let [found, squares, cubes] = merged.of_combination(&weights);
+                let sum = |power: i32| values.iter().map(|value| (value - mean).powi(power)).sum::<f64>();
+                let scale = values.iter().map(|value| (value - mean).abs().powi(3)).sum::<f64>();
+                assert!((found - mean).abs() < 1e-11 * mean.abs().max(1.0), "{found} {mean}");
+                assert!((squares / sum(2) - 1.0).abs() < 1e-9, "{squares} {}", sum(2));
+                assert!((cubes - sum(3)).abs() < 1e-9 * scale, "{split} {weights:?}: {cubes} {}", sum(3));
             }
         }
     }

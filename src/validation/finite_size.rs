@@ -4,6 +4,7 @@
 //! than the integral, and the less so the more asperities they have.
 
 use crate::math::least_squares::least_squares;
+use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 /// Probabilities of the quantiles.
 pub const QUANTILES: [f64; 7] = [0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99];
@@ -11,8 +12,12 @@ pub const QUANTILES: [f64; 7] = [0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99];
 pub const ACCURACIES: [f64; 3] = [0.10, 0.05, 0.01];
 /// The power law is fitted to biases of at most so much: it is what the bias goes to as N grows.
 const FITTED: f64 = 0.5;
-/// Fewest numbers of asperities that it is fitted to, if there are so many.
+/// Fewest sizes that it is fitted to: with two it would go through both.
 const FEWEST: usize = 3;
+/// A power law is rejected where a χ² as large has a smaller probability.
+const REJECTED: f64 = 0.01;
+/// Largest standard error of the logarithm of an extrapolated number of asperities that is told.
+const KNOWN: f64 = 0.5;
 
 /// The pull-off forces of patches of one size, over that of the integral.
 #[derive(Clone, Debug, PartialEq)]
@@ -55,28 +60,76 @@ pub struct Approach {
     pub coefficient: f64,
     /// a.
     pub exponent: f64,
-    /// Standard errors of ln c and a; larger by √(χ²/degrees of freedom) where the power law does not fit within the errors.
+    /// Standard errors of ln c and a; larger by √(χ²/degrees of freedom) where that is more than 1.
     pub standard_errors: [f64; 2],
+    /// Covariance of ln c and a.
+    pub covariance: f64,
     /// χ² of the fit.
     pub chi_squared: f64,
-    /// Its degrees of freedom.
+    /// Its degrees of freedom, at least 1.
     pub degrees_of_freedom: usize,
     /// Which of the sizes it is fitted to.
     pub fitted: Vec<bool>,
 }
 
-impl Approach {
-    /// Fits the biases of sizes in rising order, with their standard errors, by weighted least squares: to those of at most one half, or
-    /// to the last three if fewer are. `None` with fewer than two sizes, and when no decreasing power law fits.
-    pub fn new(counts: &[f64], bias: &[f64], standard_error: &[f64]) -> Option<Self> {
-        let usable = |i: usize| bias[i].is_finite() && standard_error[i] > 0.0;
-        let small = (0..counts.len()).filter(|&i| usable(i) && bias[i] <= FITTED).collect::<Vec<usize>>();
-        let last = (0..counts.len()).rev().filter(|&i| usable(i)).take(FEWEST).collect::<Vec<usize>>();
-        let mut taken = if small.len() >= FEWEST { small } else { last };
-        taken.sort_unstable();
-        if taken.len() < 2 {
-            return None;
+/// Why no power law is told.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Refusal {
+    /// Fewer than three sizes have a small bias.
+    TooFew,
+    /// The biases do not fall by a power law.
+    NotFalling,
+    /// Not even the largest three sizes lie on a power law within their errors.
+    Rejected {
+        /// χ² of the fit to these three, with one degree of freedom.
+        chi_squared: f64,
+        /// The exponents between the first and the last two of them.
+        exponents: [f64; 2],
+    },
+}
+
+impl std::fmt::Display for Refusal {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::TooFew => {
+                write!(f, "fewer than {FEWEST} sizes have a bias of at most {:.0} %", 100.0 * FITTED)
+            }
+            Self::NotFalling => write!(f, "the bias does not fall with N within its errors"),
+            Self::Rejected { chi_squared, exponents: [first, last] } => write!(
+                f,
+                "the exponent is still changing, from {first:.2} to {last:.2} among the largest {FEWEST} sizes \
+                 (chi squared {chi_squared:.1} for 1 degree of freedom)"
+            ),
         }
+    }
+}
+
+impl Approach {
+    /// Fits the biases of sizes in rising order, with their standard errors, by weighted least squares: to those of at most one half, less
+    /// the smallest ones as long as the χ² rejects a power law, because it is what the bias goes to.
+    ///
+    /// # Errors
+    /// [`Refusal`], when the biases carry no power law.
+    pub fn new(counts: &[f64], bias: &[f64], standard_error: &[f64]) -> Result<Self, Refusal> {
+        let usable = |i: usize| bias[i].is_finite() && standard_error[i] > 0.0;
+        let small: Vec<usize> = (0..counts.len()).filter(|&i| usable(i) && bias[i] <= FITTED).collect();
+        for taken in (FEWEST..=small.len()).rev().map(|count| &small[small.len() - count..]) {
+            let fit = Self::of_sizes(counts, bias, standard_error, taken).ok_or(Refusal::NotFalling)?;
+            let distribution = ChiSquared::new(fit.degrees_of_freedom as f64);
+            if distribution.is_ok_and(|distribution| distribution.sf(fit.chi_squared) >= REJECTED) {
+                return Ok(fit);
+            }
+            if let &[a, b, c] = taken {
+                let exponent = |i: usize, j: usize| (bias[i] / bias[j]).ln() / (counts[j] / counts[i]).ln();
+                let exponents = [exponent(a, b), exponent(b, c)];
+                return Err(Refusal::Rejected { chi_squared: fit.chi_squared, exponents });
+            }
+        }
+        Err(Refusal::TooFew)
+    }
+
+    /// The fit to the sizes of these indices, at least three; `None` when no decreasing power law fits.
+    fn of_sizes(counts: &[f64], bias: &[f64], standard_error: &[f64], taken: &[usize]) -> Option<Self> {
         // About the middle of the counts the two parameters are all but independent.
         let centre = taken.iter().map(|&i| counts[i].ln()).sum::<f64>() / taken.len() as f64;
         let model = |p: &[f64; 2], place: f64| {
@@ -105,7 +158,7 @@ impl Approach {
             return None;
         }
         let degrees_of_freedom = taken.len() - 2;
-        let misfit = (fit.sum_of_squares / degrees_of_freedom.max(1) as f64).max(1.0);
+        let misfit = (fit.sum_of_squares / degrees_of_freedom as f64).max(1.0);
         let [level_squared, exponent_squared] =
             [normal[1][1], normal[0][0]].map(|diagonal| diagonal / determinant * misfit);
         let covariance = -normal[0][1] / determinant * misfit;
@@ -115,10 +168,19 @@ impl Approach {
             coefficient: (level + exponent * centre).exp(),
             exponent,
             standard_errors: [squared.max(0.0).sqrt(), exponent_squared.sqrt()],
+            covariance: covariance + centre * exponent_squared,
             chi_squared: fit.sum_of_squares,
             degrees_of_freedom,
             fitted: (0..counts.len()).map(|i| taken.contains(&i)).collect(),
         })
+    }
+
+    /// The number of asperities at which the bias is so much, and the standard error of its logarithm: of ln N = (ln c − ln b)/a.
+    fn count(&self, bias: f64) -> (f64, f64) {
+        let (ln, a) = ((self.coefficient / bias).ln() / self.exponent, self.exponent);
+        let [level, exponent] = self.standard_errors;
+        let squared = level * level + ln * ln * exponent * exponent - 2.0 * ln * self.covariance;
+        (ln.exp(), squared.max(0.0).sqrt() / a)
     }
 
     /// The bias at a number of asperities.
@@ -137,20 +199,32 @@ pub enum Reached {
     /// It is at the smallest size already.
     BelowSmallest,
     /// Beyond the largest size, and no power law tells where.
+    Beyond,
+    /// The biases are not known as well as that.
     Unknown,
 }
 
 impl Reached {
-    /// Of the biases of sizes in rising order.
-    pub fn new(accuracy: f64, counts: &[f64], bias: &[f64], approach: Option<&Approach>) -> Self {
-        let Some(last) = (0..counts.len()).rev().find(|&i| !(bias[i].abs() <= accuracy)) else {
-            return Self::BelowSmallest;
-        };
+    /// Of the biases of sizes in rising order, with their standard errors.
+    pub fn new(
+        accuracy: f64,
+        counts: &[f64],
+        bias: &[f64],
+        standard_error: &[f64],
+        approach: Option<&Approach>,
+    ) -> Self {
+        let last = (0..counts.len()).rev().find(|&i| !(bias[i].abs() <= accuracy));
+        // What decides where it is: the sizes from there on.
+        let unknown = |i: usize| bias[i].abs() <= accuracy && !(standard_error[i] <= 0.5 * accuracy);
+        if (last.map_or(0, |last| last + 1)..counts.len()).any(unknown) {
+            return Self::Unknown;
+        }
+        let Some(last) = last else { return Self::BelowSmallest };
         if last + 1 == counts.len() {
-            let beyond = approach.map(|fit| (fit.coefficient / accuracy).powf(1.0 / fit.exponent));
-            return match beyond.filter(|count| count.is_finite() && *count > counts[last]) {
-                Some(count) => Self::Extrapolated(count),
-                None => Self::Unknown,
+            let beyond = approach.map(|fit| fit.count(accuracy));
+            return match beyond {
+                Some((count, error)) if count > counts[last] && error <= KNOWN => Self::Extrapolated(count),
+                _ => Self::Beyond,
             };
         }
         let [x0, x1] = [counts[last].ln(), counts[last + 1].ln()];
@@ -164,7 +238,7 @@ impl Reached {
     pub fn count(self) -> f64 {
         match self {
             Self::Interpolated(count) | Self::Extrapolated(count) => count,
-            Self::BelowSmallest | Self::Unknown => f64::NAN,
+            Self::BelowSmallest | Self::Beyond | Self::Unknown => f64::NAN,
         }
     }
 
@@ -174,6 +248,7 @@ impl Reached {
             Self::Interpolated(_) => "interpolated",
             Self::Extrapolated(_) => "extrapolated",
             Self::BelowSmallest => "below the smallest",
+            Self::Beyond => "beyond the largest",
             Self::Unknown => "unknown",
         }
     }
@@ -206,15 +281,66 @@ mod tests {
         );
         // 8/10^0.6 and 8/100^0.6 are more than one half.
         assert_eq!(approach.fitted, [false, false, true, true, true]);
-        let at =
-            |accuracy: f64, sizes: usize| Reached::new(accuracy, &counts[..sizes], &bias[..sizes], Some(&approach));
+        let at = |accuracy: f64, sizes: usize| {
+            Reached::new(accuracy, &counts[..sizes], &bias[..sizes], &[1e-4; 5][..sizes], Some(&approach))
+        };
         let exact = |accuracy: f64| (8.0 / accuracy).powf(1.0 / 0.6);
         let Reached::Interpolated(count) = at(0.05, 5) else { panic!() };
         assert!((count / exact(0.05) - 1.0).abs() < 1e-9, "{count}");
         let Reached::Extrapolated(count) = at(0.01, 4) else { panic!() };
         assert!((count / exact(0.01) - 1.0).abs() < 1e-8, "{count}");
         assert_eq!(at(3.0, 5), Reached::BelowSmallest);
-        assert_eq!(Reached::new(0.01, &counts, &bias.map(|b| b + 1.0), None), Reached::Unknown);
+        assert_eq!(Reached::new(0.01, &counts, &bias.map(|b| b + 1.0), &[1e-4; 5], None), Reached::Beyond);
+        // A bias of 1 % that is known to 3 % only does not tell that it is below 5 %.
+        assert_eq!(
+            Reached::new(0.05, &counts, &bias, &[1e-4, 1e-4, 1e-4, 1e-4, 0.03], Some(&approach)),
+            Reached::Unknown
+        );
+    }
+
+    /// Two sizes carry no power law, whatever a line through them says, and neither do biases that are still far from their limit.
+    #[test]
+    fn what_the_sizes_do_not_carry_is_not_told() {
+        let counts = [10.0, 100.0, 1e3, 1e4, 1e5, 1e6];
+        let power = counts.map(|n: f64| 0.4 * (n / 1e5).powf(-0.6));
+        let errors = power.map(|b| 0.01 * b);
+        // Two of at most one half; then three.
+        assert_eq!(Approach::new(&counts, &power, &errors), Err(Refusal::TooFew));
+        let three = power.map(|b| b / 4.0);
+        assert_eq!(Approach::new(&counts, &three, &errors.map(|e| e / 4.0)).map(|fit| fit.degrees_of_freedom), Ok(1));
+        assert!(Approach::new(&counts[..2], &[0.2, 0.1], &[0.01; 2]).is_err());
+        // Local exponents 0.3, 0.65 and 0.9 at the end, as of a rough surface: refused, and told why.
+        let growing = [30.0, 9.0, 4.0, 0.5, 0.5 * 10f64.powf(-0.3), 0.5 * 10f64.powf(-0.95)];
+        let refusal = Approach::new(&counts, &growing, &growing.map(|b| 0.02 * b)).unwrap_err();
+        let Refusal::Rejected { chi_squared, exponents } = refusal else { panic!("{refusal:?}") };
+        assert!((exponents[0] - 0.3).abs() < 1e-9 && (exponents[1] - 0.65).abs() < 1e-9 && chi_squared > 100.0);
+        assert!(refusal.to_string().contains("from 0.30 to 0.65"), "{refusal}");
+        // A first size off the power law that the others lie on is left out.
+        let mut bent = power.map(|b| b / 300.0);
+        bent[0] *= 0.6;
+        let fit = Approach::new(&counts, &bent, &bent.map(|b| 0.01 * b)).unwrap();
+        assert_eq!(fit.fitted, [false, true, true, true, true, true]);
+        assert!((fit.exponent - 0.6).abs() < 1e-9);
+        assert_eq!(Approach::new(&counts, &[0.1, 0.2, 0.3, 0.4, 0.45, 0.5], &[0.01; 6]), Err(Refusal::NotFalling));
+    }
+
+    /// The error of an extrapolated number is that of a line: at ln N = 2 + x beyond the sizes of the next test, ln b has the variance
+    /// 10⁻⁴ (1/3 + (1 + x)²/2), and ln N that over a². Where that is half a unit it is not told.
+    #[test]
+    fn what_is_extrapolated_is_known() {
+        let counts = [0.0, 1.0, 2.0].map(f64::exp);
+        let bias = counts.map(|n| 0.3 / n);
+        for (relative, told) in [(0.01, true), (0.05, true), (0.3, false)] {
+            let errors = bias.map(|b| relative * b);
+            let fit = Approach::new(&counts, &bias, &errors).unwrap();
+            let (count, error) = fit.count(0.3 * (-4.0_f64).exp());
+            assert!((count.ln() - 4.0).abs() < 1e-9, "{count}");
+            let exact = relative * (1.0_f64 / 3.0 + 9.0 / 2.0).sqrt();
+            assert!((error / exact - 1.0).abs() < 1e-6, "{error} {exact}");
+            let reached = Reached::new(0.3 * (-4.0_f64).exp(), &counts, &bias, &[0.0; 3], Some(&fit));
+            assert_eq!(reached == Reached::Beyond, exact > 0.5);
+            assert_eq!(told, exact <= 0.5);
+        }
     }
 
     /// The errors are those of a line through ln b: for b with relative errors of 1 % at N = e⁰, e¹, e² (all below one half) the slope has
@@ -228,14 +354,15 @@ mod tests {
         assert!((slope / (5e-5_f64).sqrt() - 1.0).abs() < 1e-6, "{approach:?}");
         assert!((intercept / (1e-4_f64 * 5.0 / 6.0).sqrt() - 1.0).abs() < 1e-6, "{approach:?}");
         assert!((approach.degrees_of_freedom, approach.chi_squared < 1e-12) == (1, true));
-        assert!(Approach::new(&counts, &[-0.1; 3], &[0.1; 3]).is_none());
+        assert_eq!(Approach::new(&counts, &[-0.1; 3], &[0.1; 3]), Err(Refusal::NotFalling));
     }
 
     /// A misfit ε(1, −1, −1, 1) of ln b at N = e⁰ to e³ is orthogonal to every line: the fit stays, to first order, with χ² = 4ε²/s² for relative
     /// errors s and 2 degrees of freedom, and the error of the slope is s/√5, as Σ(x − x̄)² = 5, times ε√2/s.
     #[test]
     fn errors_grow_with_the_misfit() {
-        let (misfit, error) = (1e-3_f64, 1e-4);
+        // A χ² of 7.84 for 2 degrees of freedom has a probability of 2 %.
+        let (misfit, error) = (1.4e-4_f64, 1e-4);
         let counts = [0.0, 1.0, 2.0, 3.0].map(f64::exp);
         let bias: [f64; 4] = std::array::from_fn(|i| 0.3 / counts[i] * (misfit * [1.0, -1.0, -1.0, 1.0][i]).exp());
         let approach = Approach::new(&counts, &bias, &bias.map(|b| error * b)).unwrap();
@@ -246,22 +373,15 @@ mod tests {
         assert!((approach.exponent - 1.0).abs() < 0.1 * slope);
     }
 
-    /// Where fewer than three sizes have a bias below one half, the last three are fitted.
-    #[test]
-    fn no_fewer_than_three_sizes_are_fitted() {
-        let counts = [1.0, 10.0, 100.0, 1e3, 1e4];
-        let bias = counts.map(|n: f64| 30.0 * n.powf(-0.4));
-        let approach = Approach::new(&counts, &bias, &bias.map(|b| 0.01 * b)).unwrap();
-        assert_eq!(approach.fitted, [false, false, true, true, true], "{bias:?}");
-    }
-
     /// A bias below 0 is as far off as one above: the accuracy is not had where it is −20 %, and is had on the line from there.
     #[test]
     fn a_negative_bias_is_a_bias() {
         let counts = [10.0, 100.0, 1000.0];
-        assert_eq!(Reached::new(0.05, &counts, &[0.3, 0.04, -0.2], None), Reached::Unknown);
+        assert_eq!(Reached::new(0.05, &counts, &[0.3, 0.04, -0.2], &[1e-4; 3], None), Reached::Beyond);
         let interpolated = |bias: [f64; 3], share: f64| {
-            let Reached::Interpolated(count) = Reached::new(0.05, &counts, &bias, None) else { panic!("{bias:?}") };
+            let Reached::Interpolated(count) = Reached::new(0.05, &counts, &bias, &[1e-4; 3], None) else {
+                panic!("{bias:?}")
+            };
             assert!((count / (100.0 * 10.0_f64.powf(share)) - 1.0).abs() < 1e-12, "{bias:?}: {count}");
         };
         interpolated([0.3, -0.2, 0.01], 0.15 / 0.21);

@@ -2,6 +2,7 @@
 #![allow(dead_code)] // Each test takes what it needs.
 
 pub mod exact;
+pub mod pool;
 pub mod program;
 
 use std::sync::Mutex;

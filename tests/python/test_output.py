@@ -71,6 +71,7 @@ DATASETS = {
     "component": (("component",), "1"),
     "component_other": (("component_other",), "1"),
     "scalar": (("scalar",), "1"),
+    "range_end": (("range_end",), "1"),
     "control": (("control",), "m"),
     "phase": (("phase",), "1"),
     "skip_reason": (("skip_reason",), "1"),
@@ -89,7 +90,9 @@ DATASETS = {
     "ensemble/scalar_units": (("scalar",), "1"),
     "ensemble/scalar_mean": (("scalar",), "scalar_units"),
     "ensemble/scalar_standard_error": (("scalar",), "scalar_units"),
+    "ensemble/scalar_interval": (("scalar", "range_end"), "scalar_units"),
     "ensemble/scalar_controlled_mean": (("scalar",), "scalar_units"),
+    "ensemble/scalar_controlled_interval": (("scalar", "range_end"), "scalar_units"),
     "ensemble/scalar_controlled_standard_error": (("scalar",), "scalar_units"),
     "ensemble/scalar_variance_reduction": (("scalar",), "1"),
     "ensemble/regime_count_mean": (RS, "1"),
@@ -311,6 +314,18 @@ def test_ensemble_is_the_moments_of_the_replicas(file):
         assert close(file[f"ensemble/{name}_standard_error"][()], std / np.sqrt(REPLICAS), std)
 
 
+def hall(sample: np.ndarray, freedom: int) -> list[float]:
+    """The 95 % interval of a mean after P. Hall, J. R. Statist. Soc. B 54 (1992) 221: where his polynomial is the quantile of Student's t."""
+    a = scipy.stats.skew(sample, bias=False) / np.sqrt(sample.size)
+    error = sample.std(ddof=1) / np.sqrt(sample.size)
+
+    def end(quantile: float) -> float:
+        roots = np.roots([a**2 / 27.0, a / 3.0, 1.0, a / 6.0 - quantile])
+        return sample.mean() - error * roots[np.argmin(abs(roots.imag))].real
+
+    return [end(scipy.stats.t.ppf(probability, freedom)) for probability in [0.975, 0.025]]
+
+
 def check_controlled_means(file, group: int, controls: int):
     """The means of the scalars with control variates: each part of the sample at the integral's forces by the regression of the others."""
     units = {"pull_off_force": "N", "pull_off_separation": "m", "peak_secant_stiffness": "N m-1",
@@ -334,15 +349,18 @@ def check_controlled_means(file, group: int, controls: int):
         error = values.std(ddof=1) / np.sqrt(n)
         assert scalar["mean"] == pytest.approx(values.mean(), rel=1e-12)
         assert scalar["standard_error"] == pytest.approx(error, rel=1e-9)
-        residual = values - design @ np.linalg.lstsq(design, values, rcond=None)[0]
-        variance = residual @ residual / (n - 1 - k) * np.linalg.inv(design.T @ design)[0, 0]
-        controlled = values.mean()
+        adjusted = np.empty(n)
         for part in set(parts):
             own, others = parts == part, parts != part
             slopes = np.linalg.lstsq(design[others], values[others], rcond=None)[0][1:]
-            controlled -= own.sum() / n * design[own, 1:].mean(axis=0) @ slopes
-        assert scalar["controlled_mean"] == pytest.approx(controlled, abs=1e-6 * error)
+            adjusted[own] = values[own] - design[own, 1:] @ slopes
+        variance = adjusted.var(ddof=1) / n
+        assert scalar["controlled_mean"] == pytest.approx(adjusted.mean(), abs=1e-6 * error)
         assert scalar["controlled_standard_error"] == pytest.approx(np.sqrt(variance), rel=1e-6)
+        intervals = {"interval": (values, n - 1), "controlled_interval": (adjusted, n - 1 - k)}
+        for part, (sample, freedom) in intervals.items():
+            found = file[f"ensemble/scalar_{part}"][i]
+            assert found == pytest.approx(hall(sample, freedom), abs=1e-5 * error), (name, part)
         assert scalar["variance_reduction"] == pytest.approx(error**2 / variance, rel=1e-6)
 
 

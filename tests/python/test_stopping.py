@@ -80,6 +80,8 @@ def test_the_end_is_the_first_look_that_meets_all_targets(file):
     np.testing.assert_allclose(ensemble["target_standard_error"][:2], [error for _, error in expected], rtol=1e-10)
     assert ensemble["target_mean"][2] == ensemble["scalar_controlled_mean"][0]
     assert ensemble["target_standard_error"][2] == ensemble["scalar_controlled_standard_error"][0]
+    assert (ensemble["target_interval"][2] == ensemble["scalar_controlled_interval"][0]).all()
+    assert (ensemble["target_interval"][0] == ensemble["scalar_interval"][0]).all()
     allowed = [0.03 * expected[0][0], 0.04e-9, 0.02 * ensemble["target_mean"][2]]
     np.testing.assert_allclose(ensemble["target_largest_standard_error"], allowed, rtol=1e-10)
     assert list(ensemble["target_met"]) == [1, 1, 1] and ensemble.attrs["stopping_reason"] == "all targets are met"
@@ -88,10 +90,11 @@ def test_the_end_is_the_first_look_that_meets_all_targets(file):
 def test_xarray_sees_targets(path):
     with xarray.open_datatree(path, engine="h5netcdf") as tree:
         names = [name for name in tree["ensemble"].data_vars if name.startswith("target_")]
-        assert len(names) == 6
+        assert len(names) == 7
         for name in names:
             variable = tree["ensemble"][name]
-            assert variable.dims == ("target",) and variable.attrs["units"] and variable.attrs["long_name"], name
+            dims = ("target", "range_end") if name == "target_interval" else ("target",)
+            assert variable.dims == dims and variable.attrs["units"] and variable.attrs["long_name"], name
 
 
 def test_the_plot_is_a_picture(path, tmp_path):

@@ -9,7 +9,7 @@ use crate::cli::record::write_scene;
 use crate::engine::SCALARS;
 use crate::math::moments::Moments;
 use crate::output::OutputError;
-use crate::output::schema::Dimension;
+use crate::output::schema::{Dimension, RANGE_ENDS};
 use crate::output::writer::Writer;
 use crate::validation::SIGNIFICANCE;
 
@@ -115,7 +115,7 @@ fn write_asperity(writer: &Writer<'_>, laws: &[Compared]) -> Result<(), OutputEr
 fn write_fits(writer: &mut Writer<'_>, laws: &[Compared]) -> Result<(), OutputError> {
     writer.named_scale(Dimension::FittedForce, &FORCES)?;
     writer.named_scale(Dimension::Coefficient, &NAMES)?;
-    writer.named_scale(Dimension::RangeEnd, &["from", "to"])?;
+    writer.named_scale(Dimension::RangeEnd, &RANGE_ENDS)?;
     let fits = || laws.iter().map(|law| law.fit.as_ref());
     let of_forces = |value: fn(&crate::asperity::FitReport) -> [f64; 3]| -> Vec<f64> {
         fits().flat_map(|fit| fit.map_or([f64::NAN; 3], value)).collect()

@@ -11,7 +11,7 @@ const A: &[Dimension] = &[Dimension::Accuracy];
 pub static FINITE_SIZE: Layout = Layout {
     format: "stiction-finite-size",
     command: "stiction finite-size",
-    version: [1, 0],
+    version: [1, 1],
     groups: &[],
     optional_groups: &[],
     variables: VARIABLES,
@@ -59,7 +59,7 @@ const VARIABLES: &[Variable] = &[
         "/count_at_accuracy",
         A,
         "1",
-        "number of asperities from which on the bias is within the accuracy; NaN where unknown",
+        "number of asperities from which on the bias is within the accuracy; NaN where the sizes do not tell",
     ),
     variable("/count_at_accuracy_source", A, "1", "where that number comes from"),
 ];

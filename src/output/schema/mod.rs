@@ -193,6 +193,9 @@ impl Variable {
     }
 }
 
+/// The ends of a range, the names of [`Dimension::RangeEnd`].
+pub const RANGE_ENDS: [&str; 2] = ["from", "to"];
+
 const NONE: &[Dimension] = &[];
 const S: &[Dimension] = &[Dimension::Separation];
 const N: &[Dimension] = &[Dimension::Replica];

@@ -8,6 +8,8 @@ const NS: &[Dimension] = &[Dimension::Replica, Dimension::Separation];
 const KS: &[Dimension] = &[Dimension::Component, Dimension::Separation];
 const A: &[Dimension] = &[Dimension::Scalar];
 const T: &[Dimension] = &[Dimension::Target];
+const AE: &[Dimension] = &[Dimension::Scalar, Dimension::RangeEnd];
+const TE: &[Dimension] = &[Dimension::Target, Dimension::RangeEnd];
 const J: &[Dimension] = &[Dimension::Step];
 const D: &[Dimension] = &[Dimension::Stiffness];
 const P: &[Dimension] = &[Dimension::Preload];
@@ -38,6 +40,7 @@ const VARIABLES: &[Variable] = &[
     variable("/component", &[Dimension::Component], "1", "functional of the joint test"),
     variable("/component_other", &[Dimension::ComponentOther], "1", "functional of the joint test, again"),
     variable("/scalar", A, "1", "number that is read off a replica's own curve"),
+    variable("/range_end", &[Dimension::RangeEnd], "1", "end of a range"),
     variable("/control", &[Dimension::Control], "m", "separation h at which the external force is a control variate"),
     variable("/target", T, "1", "quantity whose mean is to be known before the run ends"),
     variable("/phase", &[Dimension::Phase], "1", "phase of the run"),
@@ -57,12 +60,19 @@ const VARIABLES: &[Variable] = &[
     variable("/ensemble/scalar_units", A, "1", "units of each scalar"),
     variable("/ensemble/scalar_mean", A, "scalar_units", "scalar, mean over replicas"),
     variable("/ensemble/scalar_standard_error", A, "scalar_units", "scalar, standard error of the mean"),
+    variable("/ensemble/scalar_interval", AE, "scalar_units", "scalar, confidence interval of the mean"),
     variable("/ensemble/scalar_controlled_mean", A, "scalar_units", "scalar, mean with control variates"),
     variable(
         "/ensemble/scalar_controlled_standard_error",
         A,
         "scalar_units",
         "scalar, standard error of the mean with control variates",
+    ),
+    variable(
+        "/ensemble/scalar_controlled_interval",
+        AE,
+        "scalar_units",
+        "scalar, confidence interval of the mean with control variates",
     ),
     variable(
         "/ensemble/scalar_variance_reduction",
@@ -74,6 +84,7 @@ const VARIABLES: &[Variable] = &[
     variable("/ensemble/target_units", T, "1", "units of each target"),
     variable("/ensemble/target_mean", T, "target_units", "mean of the target's quantity over replicas"),
     variable("/ensemble/target_standard_error", T, "target_units", "standard error of the target's mean"),
+    variable("/ensemble/target_interval", TE, "target_units", "confidence interval of the target's mean"),
     variable(
         "/ensemble/target_largest_standard_error",
         T,

@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::program::{Folder, QUICK, assert_exit, attribute, bits, small, text};
+use common::program::{Folder, QUICK, assert_exit, attribute, bits, skip, small, text};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::collections::BTreeMap;
@@ -463,8 +463,7 @@ fn a_full_file_system_is_an_error_and_the_run_goes_on_after_space_is_made() {
         );
         let output = Command::new("unshare").args(["-rm", "sh", "-c", &script]).current_dir(folder.path("")).output();
         let Some(output) = output.ok().filter(|output| matches!(output.status.code(), Some(0 | 1 | 98))) else {
-            println!("skipped: this system lets us mount nothing");
-            return;
+            return skip("interruption, full file systems", "this system lets us mount nothing");
         };
         assert_ne!(output.status.code(), Some(98), "{}", text(&output.stderr));
         if output.status.code() == Some(1) {
@@ -517,8 +516,7 @@ fn a_folder_that_is_made_read_only_is_an_error() {
     let mut child = command.spawn().unwrap();
     wait_while_running(&mut child, || folder.path(CHECKPOINT).exists());
     if !folder.path(CHECKPOINT).exists() {
-        println!("skipped: {}", text(&child.wait_with_output().unwrap().stderr));
-        return;
+        return skip("interruption, read-only folders", text(&child.wait_with_output().unwrap().stderr).trim());
     }
     permit(0o555);
     let output = child.wait_with_output().unwrap();
@@ -539,11 +537,12 @@ fn an_output_may_be_a_link_to_another_file_system() {
     use std::os::unix::fs::MetadataExt;
     let folder = Folder::new(&small());
     let Ok(other) = tempfile::tempdir_in("/dev/shm") else {
-        println!("skipped: there is no /dev/shm");
-        return;
+        return skip("interruption, links to another file system", "there is no /dev/shm");
     };
     let device = |path: &Path| path.metadata().unwrap().dev();
-    println!("another file system: {}", device(other.path()) != device(&folder.path("")));
+    if device(other.path()) == device(&folder.path("")) {
+        return skip("interruption, links to another file system", "/dev/shm is none");
+    }
     let target = other.path().join("out.h5");
     std::os::unix::fs::symlink(&target, folder.path("scene.h5")).unwrap();
     assert_exit(&folder.stiction(&["run", "scene.toml"]), 0);
@@ -568,8 +567,7 @@ fn mounts_that_forbid_the_output_are_refused() {
     );
     let output = Command::new("unshare").args(["-rm", "sh", "-c", &script]).current_dir(folder.path("")).output();
     let Some(output) = output.ok().filter(|output| output.status.code() == Some(0)) else {
-        println!("skipped: this system lets us mount nothing");
-        return;
+        return skip("interruption, mounts", "this system lets us mount nothing");
     };
     let message = text(&output.stderr);
     assert_eq!(text(&output.stdout), "2\n2\n", "{message}");
@@ -606,4 +604,17 @@ fn a_result_that_cannot_be_named_is_a_failure_while_running() {
     assert_eq!(std::fs::read(folder.path("scene.h5")).unwrap(), b"mine");
     std::fs::remove_file(folder.path("scene.h5")).unwrap();
     assert_exit(&folder.stiction(&["run", "scene.toml", "--resume"]), 0);
+}
+
+/// A checkpoint costs at most a hundredth of the 30 s between two, as the program itself counts them: here after every batch of a run with
+/// curves, whose checkpoints are larger than most.
+#[test]
+fn checkpoints_cost_at_most_a_hundredth_of_their_interval() {
+    let folder = Folder::new(&scene());
+    assert_exit(&folder.stiction(&["run", "scene.toml", "--checkpoint", "0"]), 0);
+    let file = hdf5::File::open(folder.path("scene.h5")).unwrap();
+    let number = |name: &str| file.dataset(name).unwrap().read_raw::<f64>().unwrap()[0];
+    let (checkpoints, seconds) = (number("diagnostics/checkpoints"), number("diagnostics/checkpoint_seconds"));
+    assert!(checkpoints >= 10.0 && seconds > 0.0, "{checkpoints} {seconds}");
+    assert!(seconds / checkpoints < 0.01 * 30.0, "{seconds} s for {checkpoints} checkpoints");
 }

@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::program::{Folder, assert_exit, bits, small};
+use common::program::{Folder, assert_exit, bits, skip, small};
 use std::process::Command;
 
 /// Every kind of sum, sample and law that calls functions or libraries of its own, small enough for an emulator.
@@ -65,12 +65,10 @@ fn functions_of_the_c_library_do_not_matter() {
 #[ignore = "minutes, and needs qemu-x86_64 on the PATH (Debian: qemu-user)"]
 fn emulated_processors_have_the_same_bits() {
     if Command::new("qemu-x86_64").arg("--version").output().is_err() {
-        eprintln!("skipped: there is no qemu-x86_64 on the PATH");
-        return;
+        return skip("processors", "there is no qemu-x86_64 on the PATH (Debian: qemu-user)");
     }
     if !std::arch::is_x86_feature_detected!("avx2") || !std::arch::is_x86_feature_detected!("fma") {
-        eprintln!("skipped: this processor has no AVX2 or no fused multiply-add");
-        return;
+        return skip("processors", "this processor has no AVX2 or no fused multiply-add");
     }
     let emulated = |processor: &'static str| {
         move || {

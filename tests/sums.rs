@@ -151,8 +151,8 @@ fn available() -> f64 {
 /// So many asperities in one replica at two separations, directly, and compressed where asked for.
 fn many(asperities: usize, model: &str, tolerance: Option<f64>, bytes: f64) {
     if available() < bytes {
-        println!("not run: {asperities} asperities take {bytes:e} bytes, {:e} are available", available());
-        return;
+        let reason = format!("{asperities} asperities take {bytes:e} bytes, {:e} are available", available());
+        return common::program::skip("sums of many asperities", &reason);
     }
     let (asperity, mut surface) = case("II");
     surface.asperity_count = asperities;

@@ -565,6 +565,20 @@ mod tests {
             .unwrap();
         assert_eq!(found, [1, 2, 3, 4, 7, 8]);
         assert!(Journal::resume(&claim, 3, &checkpoint, |_| ()).is_err());
+        // Every bit of the records that the checkpoint counts is guarded, none behind them is looked at.
+        drop(journal);
+        let path = claim.beside(".checkpoint.replicas");
+        let whole = std::fs::read(&path).unwrap();
+        let end = records_end(checkpoint.done, 2).unwrap() as usize;
+        assert!(whole.len() > end);
+        for (place, bit) in (0..end).flat_map(|place| (0..8).map(move |bit| (place, bit))) {
+            let mut flipped = whole.clone();
+            flipped[place] ^= 1 << bit;
+            std::fs::write(&path, flipped).unwrap();
+            assert!(Journal::resume(&claim, 2, &checkpoint, |_| ()).is_err(), "byte {place}, bit {bit}");
+        }
+        std::fs::write(&path, &whole).unwrap();
+        let journal = Journal::resume(&claim, 2, &checkpoint, |_| ()).unwrap();
         journal.discard();
         let left: Vec<_> = std::fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
         assert_eq!(left, [".out.h5.lock"]);

@@ -33,7 +33,7 @@ const JOB: &str = "STICTION_FUZZ_JOB";
 /// Names a folder for the files that kill a reader.
 const KEEP: &str = "STICTION_FUZZ_KEEP";
 /// Longest that a case may take.
-const PATIENCE: Duration = Duration::from_secs(1);
+const PATIENCE: Duration = Duration::from_secs(5);
 /// Address space of a process that reads.
 #[cfg(unix)]
 const ADDRESS_SPACE: u64 = 1 << 30;
@@ -163,6 +163,9 @@ fn no_damaged_file_makes_a_reader_panic() {
             tally.died
         );
         assert!(tally.read > 0 && tally.refused > 0, "the cases are too hard or too easy: {tally:?}");
+        // libhdf5 does not return from 0.5 % of damaged files: of n cases so many with a probability below 1e-5.
+        let most = 0.005 * end as f64 + 8.0 + 4.5 * (0.005 * end as f64).sqrt();
+        assert!((tally.died.len() as f64) <= most, "{} of {end} {} died: {tally:?}", tally.died.len(), target.name);
     }
 }
 

@@ -476,7 +476,7 @@ fn what_the_file_says_of_a_loop_follows_from_the_file() {
         .replace("from = -1.0, to = 8.0, count = 16", "from = 1.0, to = 8.0, count = 281")
         .replace("\"100 um^2\"", "\"10 um^2\"");
     let folder = Folder::new(&format!(
-        "{scene}\n[instability]\nstiffness = [\"0 N/m\", \"1 kN/m\"]\npreload = [\"1 uN\", \"150 uN\"]\n"
+        "{scene}\n[instability]\nstiffness = [\"0 N/m\", \"1 kN/m\"]\npreload = [\"1 uN\", \"350 uN\"]\n"
     ));
     assert_exit(&folder.stiction(&["run", "scene.toml"]), 0);
     let file = hdf5::File::open(folder.path("scene.h5")).unwrap();

@@ -47,6 +47,24 @@ class Targets(Run):
         return [str(text) for text in self.file[path].asstr()[()]]
 
 
+def hall(quantile: np.ndarray, skewness: np.ndarray, count: np.ndarray) -> np.ndarray:
+    """Where Hall's transformation of the t statistic is the quantile of Student's (docs/sampling.md)."""
+    a = skewness / np.sqrt(count)
+    root = np.cbrt(1.0 + a * (quantile - a / 6.0))
+    return 3.0 * (quantile - a / 6.0) / (root**2 + root + 1.0)
+
+
+def skewnesses(values: np.ndarray, group: int) -> np.ndarray:
+    """Adjusted skewness of the means of groups after each group from the third on."""
+    means = values[: values.size // group * group].reshape(-1, group).mean(axis=1)
+    count = np.arange(1.0, means.size + 1.0)
+    shifted = (means - means.mean()) / max(means.std(), 1e-300)
+    first, second, third = (np.cumsum(shifted**power) / count for power in (1, 2, 3))
+    squares = np.maximum(second - first**2, 1e-12)
+    cubes = third - 3.0 * first * second + 2.0 * first**3
+    return (np.sqrt(count * (count - 1.0))[2:] / (count - 2.0)[2:]) * (cubes / squares**1.5)[2:]
+
+
 def running(values: np.ndarray, group: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Replicas, mean and standard error after each group from the third on."""
     means = values[: values.size // group * group].reshape(-1, group).mean(axis=1)
@@ -70,12 +88,14 @@ def draw_target(left: Axes, right: Axes, run: Targets, place: int) -> None:
     name, units = run.texts("target")[place], run.texts("ensemble/target_units")[place].replace(" m-1", "/m")
     group = GROUPS[str(run.attribute("/", "sampling"))]
     replicas, mean, error = running(run[f"replicas/{name}"], group)
-    unit, sign = si(abs(float(mean[-1])))
-    half = student.ppf(0.975, replicas / group - 1) * error
-    left.fill_between(replicas, (mean - half) / unit, (mean + half) / unit, color=BAND, linewidth=0.0, label="95 % interval")
+    unit, prefix = si(abs(float(mean[-1])))
+    quantile, skewness = student.ppf(0.975, replicas / group - 1), skewnesses(run[f"replicas/{name}"], group)
+    low, high = (mean - hall(sign * quantile, skewness, replicas / group) * error for sign in (1.0, -1.0))
+    half = 0.5 * (high - low)
+    left.fill_between(replicas, low / unit, high / unit, color=BAND, linewidth=0.0, label="95 % interval")
     left.plot(replicas, mean / unit, color=BLUE, linewidth=1.4, label="mean")
     spread = 6.0 * half[-1]
-    left.set(xscale="log", ylim=((mean[-1] - spread) / unit, (mean[-1] + spread) / unit), xlabel="replicas", ylabel=f"{sign}{units}")
+    left.set(xscale="log", ylim=((mean[-1] - spread) / unit, (mean[-1] + spread) / unit), xlabel="replicas", ylabel=f"{prefix}{units}")
     left.set_title(f"({'acegikmo'[place % 8]}) Mean of {name}")
     left.legend(loc="upper right", ncols=2, frameon=True, framealpha=1.0, edgecolor="none")
     unit, sign = si(float(error[-1]))

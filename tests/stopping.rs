@@ -381,7 +381,7 @@ fn intervals_hold_what_they_say() {
 /// The table of docs/stopping.md: patches, laws, heights, quantities, estimates and targets. From 64 replicas before the first look on, no
 /// interval holds less than 1.5 % less than it says, over 4 standard deviations of a share of 2000 runs.
 #[test]
-#[ignore = "slow: 20 s"]
+#[ignore = "slow: a minute"]
 fn intervals_hold_what_they_say_for_any_target() {
     const RUNS: u64 = 2000;
     let lognormal = HeightLaw::LogNormal(LogNormal::new(0.4));

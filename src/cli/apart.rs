@@ -68,9 +68,10 @@ pub(super) fn apart_within(
     };
     match (status.code(), message) {
         (Some(0), _) => print(&text),
-        (Some(3), _) => {
+        (Some(3), message) => {
             print(&text)?;
-            Err(Failure::Disagree)
+            let disagree = Failure::Disagree.to_string();
+            Err(message.filter(|message| *message != disagree).map_or(Failure::Disagree, Failure::Contradicts))
         }
         (Some(2), Some(message)) => Err(Failure::Usage(message)),
         (Some(1), Some(message)) => Err(Failure::Running(anyhow!(message))),

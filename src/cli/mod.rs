@@ -45,7 +45,7 @@ use std::time::Duration;
 use thiserror::Error;
 
 const AFTER_HELP: &str = "Exit codes: 0 done; 1 failed while running; 2 the command or scene is wrong, nothing was written; \
-3 validate: ensemble and integral disagree; 130 interrupted, what was done is kept: run --resume.
+3 validate: ensemble and integral disagree, or datasets contradict each other; 130 interrupted, what was done is kept: run --resume.
 
 STICTION_INSTRUCTION_SET=baseline, avx2 or avx512 chooses vector instructions; by default the fastest of this processor. They do not \
 change the result.";
@@ -80,7 +80,7 @@ enum Command {
         /// The scene, TOML
         scene: PathBuf,
     },
-    /// Cross-check a finished run: its ensemble against its integral
+    /// Check a finished run: its ensemble against its integral, and its datasets against each other
     #[command(after_help = "Example:\n  stiction validate case_ii.h5")]
     Validate {
         /// A result of `stiction run`
@@ -327,6 +327,9 @@ enum Failure {
     /// Ensemble and integral disagree.
     #[error("ensemble and integral disagree")]
     Disagree,
+    /// Datasets contradict each other.
+    #[error("{0}")]
+    Contradicts(String),
     /// Interrupted by the user.
     #[error("interrupted after {done} of {of} replicas; {} was kept", if *kept { "what was done" } else { "nothing" })]
     Interrupted {
@@ -382,7 +385,7 @@ impl Failure {
         match self {
             Self::Running(_) => 1,
             Self::Usage(_) | Self::Listed { .. } => 2,
-            Self::Disagree => 3,
+            Self::Disagree | Self::Contradicts(_) => 3,
             Self::Interrupted { .. } => 130,
             Self::AtPoint { failure, .. } | Self::Kept { failure, .. } => failure.exit_code(),
         }

@@ -8,7 +8,7 @@ use super::OutputError;
 use super::attributes::{lossy, read_text};
 use super::guard::{self, fits, is_kind_of};
 use super::schema::{Dimension, Layout};
-use hdf5::types::TypeDescriptor;
+use hdf5::types::{TypeDescriptor, VarLenUnicode};
 use hdf5::{Attribute, Dataset, File, Group, H5Type, Hyperslab, SliceOrIndex};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -64,6 +64,44 @@ impl Reader {
     pub fn values<T: H5Type>(&self, path: &str) -> Result<Vec<T>, OutputError> {
         let dataset = self.checked::<T>(path)?;
         dataset.read_raw().map_err(|_| self.broken(format!("has a dataset {path} that is damaged")))
+    }
+
+    /// Whether the file has a dataset in itself.
+    pub fn has(&self, path: &str) -> bool {
+        guard::dataset(&self.file, path).is_ok()
+    }
+
+    /// The numbers of a dataset of the layout, whole or not; at a point of a file of points, where `place` says which.
+    ///
+    /// # Errors
+    /// As [`Reader::values`].
+    pub fn numbers(&self, path: &str, place: Option<&[usize]>) -> Result<Vec<f64>, OutputError> {
+        let dataset = guard::dataset(&self.file, path).map_err(|problem| self.broken(problem))?;
+        match (is_kind_of::<u64>(&dataset).is_ok(), place) {
+            (true, None) => Ok(self.values::<u64>(path)?.into_iter().map(|value| value as f64).collect()),
+            (true, Some(place)) => {
+                Ok(self.at_point::<u64>(path, place)?.into_iter().map(|value| value as f64).collect())
+            }
+            (false, None) => self.values(path),
+            (false, Some(place)) => self.at_point(path, place),
+        }
+    }
+
+    /// The texts of a dataset of the layout.
+    ///
+    /// # Errors
+    /// As [`Reader::values`].
+    pub fn texts(&self, path: &str) -> Result<Vec<String>, OutputError> {
+        let dataset = guard::dataset(&self.file, path).map_err(|problem| self.broken(problem))?;
+        let wrong = |problem: &str| self.broken(format!("has a dataset {path} that {problem}"));
+        fits(&dataset, self.length).map_err(|problem| wrong(&problem))?;
+        match dataset.dtype().and_then(|dtype| dtype.to_descriptor()) {
+            Ok(TypeDescriptor::VarLenUnicode) => {
+                let texts = dataset.read_raw::<VarLenUnicode>().map_err(|_| wrong("is damaged"))?;
+                Ok(texts.iter().map(|text| lossy(text.as_bytes())).collect())
+            }
+            _ => Err(wrong("does not hold texts")),
+        }
     }
 
     /// A dataset of the shape and the type that the layout says.

@@ -1,5 +1,9 @@
-//! `stiction validate`: the cross-check of a finished run, computed anew from its datasets.
+//! `stiction validate`: the cross-check of a finished run, computed anew from its datasets, and whether these fit together.
 
+mod bounds;
+mod consistency;
+
+use super::format::row;
 use super::summary::verdict;
 use super::sweep::together;
 use super::{Failure, print};
@@ -10,6 +14,7 @@ use crate::scene::echo::one_line;
 use crate::scene::sweep::MOST_POINTS;
 use crate::surface::SamplingScheme;
 use crate::validation::{JointTest, Verdict, overall, z_scores};
+use consistency::{Checked, TOLD};
 use std::path::Path;
 
 /// Rows of the table; more separations are thinned out.
@@ -71,8 +76,29 @@ pub(super) fn validate(path: &Path) -> Result<(), Failure> {
         "all separations are shown".to_owned()
     };
     text += &verdict(&joint, &z, &shown);
-    print(&text)?;
-    if joint.verdict == Verdict::Disagree { Err(Failure::Disagree) } else { Ok(()) }
+    let (group, replicas) = (scheme.group(), groups * scheme.group());
+    let checked = Checked { reader: &reader, place: None, group, replicas, joint: &joint, findings: Vec::new() };
+    concluded(text, checked.findings()?, joint.verdict)
+}
+
+/// Prints what was found, and what comes of it.
+fn concluded(text: String, findings: Vec<String>, verdict: Verdict) -> Result<(), Failure> {
+    let more = findings.len().saturating_sub(TOLD);
+    let told = findings.iter().take(TOLD).enumerate();
+    let mut rows: String = told.map(|(i, finding)| row(if i == 0 { "contradictions" } else { "" }, finding)).collect();
+    if more > 0 {
+        rows += &row("", &format!("and {more} more"));
+    }
+    if findings.is_empty() {
+        rows = row("datasets", "fit together");
+    }
+    print(&(text + &rows))?;
+    match (findings.len(), verdict) {
+        (0, Verdict::Disagree) => Err(Failure::Disagree),
+        (0, _) => Ok(()),
+        (1, _) => Err(Failure::Contradicts("a dataset contradicts others or cannot be".to_owned())),
+        (count, _) => Err(Failure::Contradicts(format!("{count} datasets contradict others or cannot be"))),
+    }
 }
 
 /// The cross-check of every point of a sweep, a line each, and of all of them together.
@@ -87,7 +113,7 @@ fn validate_sweep(reader: &Reader, path: &Path) -> Result<(), Failure> {
     let keys = reader.optional_text("/", "sweep_keys")?.unwrap_or_default();
     text +=
         &format!("{:>6}  {:<28}{:>10}{:>8}{:>8}{:>10}  {}\n", "point", "indices", "T2", "k", "n - k", "p", "verdict");
-    let mut p_values = Vec::with_capacity(count);
+    let (mut p_values, mut findings) = (Vec::with_capacity(count), Vec::new());
     for point in 0..count {
         let place = place(point, &shape);
         let joint = joint_at(reader, &place, scheme, path)?;
@@ -106,11 +132,14 @@ fn validate_sweep(reader: &Reader, path: &Path) -> Result<(), Failure> {
             indices.join(", ")
         );
         p_values.push(joint.p_value);
+        let replicas = reader.at_point::<u64>("/replica_count", &place)?[0];
+        let group = scheme.group();
+        let checked = Checked { reader, place: Some(&place), group, replicas, joint: &joint, findings: Vec::new() };
+        findings.extend(checked.findings()?.into_iter().map(|finding| format!("point {}: {finding}", point + 1)));
     }
     text += &format!("indices along {}\n", one_line(&keys));
     text += &together(&p_values);
-    print(&text)?;
-    if overall(&p_values) == Verdict::Disagree { Err(Failure::Disagree) } else { Ok(()) }
+    concluded(text, findings, overall(&p_values))
 }
 
 /// The index of a point along each dimension of a shape.

@@ -22,6 +22,10 @@ const ROWS: usize = 256;
 const MOST_AT_POINT: usize = 1 << 23;
 /// Parts that the groups are put into, batch by batch, each with the coefficients of the others.
 const PARTS: usize = 16;
+/// Contacts of all replicas from which on means and deviations are near those of the integral.
+const POPULATED: f64 = 2000.0;
+/// Asperities from which on the highest of a replica is above their mean plane.
+const MANY: f64 = 100.0;
 /// A mean with control variates is no more standard errors of the plain one away from this.
 const FARTHEST: f64 = 50.0;
 
@@ -139,13 +143,15 @@ impl Checked<'_> {
                     Nan::Never => false,
                     Nan::OneGroup => self.groups() < 2,
                     Nan::Absent => true,
+                    Nan::Padded => self.place.is_some() || self.groups() < 2,
                 }
         };
         let does = |i: usize| {
             let value = values[i];
-            value.is_finite()
+            (value.is_finite() || bound.kind == Kind::Ratio && value == f64::INFINITY)
                 && match bound.kind {
                     Kind::Text | Kind::Finite => true,
+                    Kind::Ratio => value >= 0.0,
                     Kind::Index => value == i as f64,
                     Kind::Rising => i == 0 || value > values[i - 1],
                     Kind::NotNegative => value >= -slack,
@@ -172,6 +178,11 @@ impl Checked<'_> {
             let middles: Vec<f64> = h.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])).collect();
             let found = self.values("/step")?;
             self.compare("/step", &found, &middles, |_| ROUNDING * largest, "/separation");
+        }
+        if self.place.is_none() && !self.reader.has_attribute("/", "partial")? {
+            let indices: Vec<f64> = (0..self.replicas).map(|index| index as f64).collect();
+            let found = self.values("/replica")?;
+            self.compare("/replica", &found, &indices, |_| 0.0, "the number of replicas");
         }
         let controls = self.values("/control")?;
         if let Some(other) = controls.iter().find(|control| !control.is_nan() && !h.contains(control)) {
@@ -305,11 +316,11 @@ impl Checked<'_> {
             let (mean, std, expected, by_integral) = (mean?, std?, expected?, by_integral?);
             let is_far = |i: &usize| {
                 let error = by_integral[*i] / n.sqrt() + ROUNDING * expected[*i];
-                n * touching[*i] > 1e4 && (mean[*i] - expected[*i]).abs() > 12.0 * error
+                n * touching[*i] > POPULATED && (mean[*i] - expected[*i]).abs() > 12.0 * error
             };
             let scatters_otherwise = |i: &usize| {
                 let ratio = std[*i] / by_integral[*i];
-                n >= 40.0 && n * touching[*i] > 1e4 && by_integral[*i] > 0.0 && !(0.4..=2.5).contains(&ratio)
+                n >= 40.0 && n * touching[*i] > POPULATED && by_integral[*i] > 0.0 && !(0.4..=2.5).contains(&ratio)
             };
             // The scheme of sampling changes the scatter within a group, not that of one replica.
             if let Some(i) = (0..s).find(is_far) {
@@ -359,6 +370,7 @@ impl Checked<'_> {
                 );
             }
         }
+        self.highest(&own, &regimes, s)?;
         if !cycle {
             return Ok(());
         }
@@ -370,6 +382,33 @@ impl Checked<'_> {
                 let path = format!("/{group}/{name}{of}");
                 let found = self.values(&path)?;
                 self.compare(&path, &found, &changes, |_| ROUNDING * mean, "the counts of the regimes");
+            }
+        }
+        Ok(())
+    }
+
+    /// The highest asperities: one that is above the other surface touches it.
+    fn highest(&mut self, asperities: &[f64], regimes: &[String], s: usize) -> Result<(), Failure> {
+        const PATH: &str = "/replicas/highest_asperity";
+        let highest = self.values(PATH)?;
+        let is_wrong = |i: &usize| {
+            let (count, highest) = (asperities[*i], highest[*i]);
+            count > 0.0 && !highest.is_finite() || count >= MANY && highest <= 0.0
+        };
+        if let Some(i) = (0..highest.len().min(asperities.len())).find(is_wrong) {
+            self.say(PATH, &format!("has {:e} at {i}, of {} asperities", highest[i], asperities[i]));
+        }
+        let counts = self.values("/ensemble/regime_count_mean")?;
+        let touching = summed(&counts, s, |row| regimes.get(row).is_some_and(|name| is_contact(name)));
+        let all = summed(&counts, s, |_| true);
+        let mean = asperities.iter().sum::<f64>() / asperities.len().max(1) as f64;
+        for (k, d) in self.values("/asperity_separation")?.into_iter().enumerate() {
+            let above = highest.iter().filter(|highest| **highest > d).count() as f64;
+            // A law may end before.
+            if all[k] >= mean * (1.0 - ROUNDING) && above > self.replicas as f64 * touching[k] * (1.0 + ROUNDING) + 0.5
+            {
+                self.say(PATH, &format!("is above the other surface in {above} replicas at {k}, more than touch"));
+                break;
             }
         }
         Ok(())
@@ -411,7 +450,10 @@ impl Checked<'_> {
         );
         let ratios: Vec<f64> = error.iter().zip(&controlled_error).map(|(all, own)| (all / own).powi(2)).collect();
         self.compare(&of("variance_reduction"), &reduction, &ratios, |i| ROUNDING * ratios[i], "standard errors");
-        let is_far = |i: &usize| (controlled[*i] - mean[*i]).abs() > FARTHEST * error[*i] + ROUNDING * largest[*i];
+        let is_far = |i: &usize| {
+            let (plain, own) = (mean[*i], controlled[*i]);
+            plain.is_nan() != own.is_nan() || (own - plain).abs() > FARTHEST * error[*i] + ROUNDING * largest[*i]
+        };
         if let Some(i) = (0..mean.len().min(controlled.len()).min(error.len())).find(is_far) {
             self.say(&of("controlled_mean"), &format!("is far from the plain mean at {i}"));
         }
@@ -503,6 +545,19 @@ impl Checked<'_> {
             for (path, values) in paths.iter().zip(&chunk) {
                 if let Some(i) = values.iter().position(|value| !value.is_finite()) {
                     self.say(path, &format!("has {:e} at {} of replica {}", values[i], i % s, first + i / s));
+                    return Ok(());
+                }
+            }
+            for (pair, forces) in paths.chunks_exact(2).zip(chunk.chunks_exact(2)) {
+                let contact = |i: &usize| {
+                    let (external, adhesion) = (forces[0][*i], forces[1][*i]);
+                    external + adhesion < -ROUNDING * (external.abs() + adhesion.abs())
+                };
+                if let Some(i) = (0..forces[0].len()).find(contact) {
+                    self.say(
+                        &pair[1],
+                        &format!("leaves a negative contact force at {} of replica {}", i % s, first + i / s),
+                    );
                     return Ok(());
                 }
             }

@@ -725,6 +725,30 @@ impl Checked<'_> {
                 self.say(&format!("{group} pull_off_separation"), &format!("is {place:e}, beyond the separations"));
             }
         }
+        self.at_pull_off(way, &h)
+    }
+
+    /// What is told at the pull-off of the integral is near what is told at the separations beside it.
+    fn at_pull_off(&mut self, way: &str, h: &[f64]) -> Result<(), Failure> {
+        if !self.has("/statistical/pull_off_contact_area") {
+            return Ok(());
+        }
+        let place = self.number("/statistical", "pull_off_separation")?;
+        let next = h.iter().position(|h| *h >= place).unwrap_or(h.len());
+        let near = next.saturating_sub(2)..(next + 2).min(h.len());
+        for (name, of) in [
+            ("regime_count", "regime_count"),
+            ("regime_adhesion_force", "adhesion_force"),
+            ("contact_area", "contact_area"),
+        ] {
+            let path = format!("/statistical/pull_off_{name}");
+            let sum = self.values(&path)?.iter().sum::<f64>();
+            let curve = summed(&self.values(&format!("/statistical/{way}{of}"))?, h.len().max(1), |_| true);
+            let largest = curve[near.clone()].iter().copied().fold(0.0, f64::max);
+            if !(sum <= 2.0 * largest) {
+                self.say(&path, &format!("comes to {sum:e}, and beside the pull-off there is {largest:e}"));
+            }
+        }
         Ok(())
     }
 

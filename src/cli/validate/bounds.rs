@@ -69,6 +69,7 @@ const EXCHANGEABLE: &str = "the order of the replicas: their means are the same 
 const OF_THE_LAW: &str = "of the law and the surface, which are not computed anew";
 const OF_THE_RUN: &str = "what the run took, which does not change its result";
 const NAMES: &str = "names";
+const OF_THE_TARGET: &str = "that of the scalar, which is checked";
 const GIVEN: &str = "given by the scene";
 
 /// What the datasets of a run have to be, in the order of its layout.
@@ -82,6 +83,7 @@ const BOUNDS: &[Bound] = &[
     bound("/component_other", Index, Never, Others),
     bound("/scalar", Text, Never, Nothing(NAMES)),
     bound("/control", Within, Padded, Others),
+    bound("/range_end", Text, Never, Nothing(NAMES)),
     bound("/target", Text, Never, Nothing(NAMES)),
     bound("/phase", Text, Never, Nothing(NAMES)),
     bound("/skip_reason", Text, Never, Nothing(NAMES)),
@@ -105,12 +107,15 @@ const BOUNDS: &[Bound] = &[
     bound("/ensemble/scalar_standard_error", NotNegative, Absent, Others),
     bound("/ensemble/scalar_controlled_mean", Finite, Absent, Curves("changes by less than the error")),
     bound("/ensemble/scalar_controlled_standard_error", NotNegative, Absent, Others),
+    bound("/ensemble/scalar_interval", Finite, Absent, Others),
+    bound("/ensemble/scalar_controlled_interval", Finite, Absent, Others),
     bound("/ensemble/scalar_variance_reduction", Ratio, Absent, Others),
     bound("/ensemble/target_estimate", Text, Never, Nothing(NAMES)),
     bound("/ensemble/target_units", Text, Never, Nothing(NAMES)),
     bound("/ensemble/target_mean", Finite, Never, Others),
     bound("/ensemble/target_standard_error", NotNegative, OneGroup, Others),
     bound("/ensemble/target_largest_standard_error", NotNegative, Never, Nothing(GIVEN)),
+    bound("/ensemble/target_interval", Finite, Absent, Nothing(OF_THE_TARGET)),
     bound("/ensemble/target_met", Flag, Never, Others),
     bound("/ensemble/~regime_count_mean", NotNegative, Never, Others),
     bound("/ensemble/~regime_adhesion_force_mean", NotNegative, Never, Others),

@@ -6,7 +6,7 @@ use crate::asperity::{Quantity, Regime};
 use crate::engine::{BATCH, LOOP_SCALARS, SCALARS};
 use crate::math::control_variates::controlled_means;
 use crate::math::extrema::largest_secant;
-use crate::math::moments::{Comoments, Moments};
+use crate::math::moments::{CentralMoments, Moments};
 use crate::math::proportion::wilson_interval;
 use crate::output::reader::Reader;
 use crate::output::schema::{Dimension, RUN};
@@ -448,6 +448,22 @@ impl Checked<'_> {
             |i| ROUNDING * (errors[i] + 1e-3 * largest[i]),
             "/replicas",
         );
+        for (name, mean, error) in
+            [("interval", &mean, &error), ("controlled_interval", &controlled, &controlled_error)]
+        {
+            if !self.has(&of(name)) {
+                continue;
+            }
+            let (ends, few) = (self.values(&of(name))?, self.groups() < 20);
+            let is_off = |(i, ends): (usize, &[f64])| {
+                let (width, slack) = (ends[1] - ends[0], ROUNDING * largest[i]);
+                let is_near = (ends[0] - width - slack..=ends[1] + width + slack).contains(&mean[i]);
+                !ends[0].is_nan() && !(is_near && width >= -slack && (few || width <= FARTHEST * error[i] + slack))
+            };
+            if let Some(i) = ends.chunks_exact(2).enumerate().position(is_off) {
+                self.say(&of(name), &format!("is none of the mean at {i}"));
+            }
+        }
         let ratios: Vec<f64> = error.iter().zip(&controlled_error).map(|(all, own)| (all / own).powi(2)).collect();
         self.compare(&of("variance_reduction"), &reduction, &ratios, |i| ROUNDING * ratios[i], "standard errors");
         let is_far = |i: &usize| {
@@ -529,7 +545,8 @@ impl Checked<'_> {
         let names = names(cycle);
         let columns =
             names.iter().map(|name| self.values(&format!("/replicas/{name}"))).collect::<Result<Vec<_>, _>>()?;
-        let mut parts: Vec<Comoments> = (0..PARTS).map(|_| Comoments::new(controls.len() + names.len())).collect();
+        let mut parts: Vec<CentralMoments> =
+            (0..PARTS).map(|_| CentralMoments::new(controls.len() + names.len())).collect();
         let span = if self.place.is_none() { self.number("/", "stiffness_span").ok() } else { None };
         let mut wrong: Vec<(&str, usize)> = Vec::new();
         let rows = (ROWS / group).max(1) * group;

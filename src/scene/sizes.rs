@@ -276,6 +276,9 @@ mod tests {
         }
         let most = Choice::Replicas.most(&Sizes { group: 8.0, ..SIZES }, 50e9, Sizes::memory);
         assert!(most.is_some_and(|most| most.is_multiple_of(8)), "{most:?}");
+        // Two digits of what fits, and whole groups of it, are what fits to a tenth.
+        let with = |replicas: u64| Sizes { replicas: replicas as f64, ..SIZES }.memory();
+        assert!(most.is_some_and(|most| with(most) <= 50e9 && with(most + most / 10 + 8) > 50e9), "{most:?}");
         // A billion replicas do not fit, however few the asperities.
         assert_eq!(Choice::Asperities.most(&SIZES, 50e9, Sizes::memory), None);
     }

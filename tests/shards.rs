@@ -138,9 +138,11 @@ fn what_does_not_fit_together_is_refused_with_a_list() {
     let twice = ["copy.h5 and ", "both have replicas 16 to 39 of 0 to 82"];
     assert_refused(&folder, &list(&["copy.h5", &one, &two, &three, &four]), &twice);
     assert_refused(&folder, &list(&[&name(1, 3), &two, &three, &four]), &["both have replicas 16 to 23 of 0 to 82"]);
-    for (other, difference) in
-        [("seed.h5", "is 1, and here 9"), ("replicas.h5", "is 83, and here 80"), ("scene.h5", "line")]
-    {
+    for (other, difference) in [
+        ("seed.h5", "is 1, and here 9"),
+        ("replicas.h5", "is 83, and here 80"),
+        ("scene.h5", "`material.poisson_ratio` of scene.shard-1-of-4.h5 is 0.27, and here 0.28"),
+    ] {
         let shards = list(&[&one, other, &three, &four]);
         assert_refused(&folder, &shards, &[&format!("{other}: is of another run"), difference]);
     }

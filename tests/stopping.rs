@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use stiction::asperity::{Law, Path as History};
-use stiction::engine::{Ensemble, Forest, Job, Outcome, Rule, run_from};
+use stiction::engine::{Ensemble, Forest, Job, Outcome, Rule, run, run_from};
 use stiction::scene::{Estimate, Limit, Stopping, Target};
 use stiction::surface::{HeightLaw, LogNormal, Surface};
 

@@ -465,7 +465,10 @@ impl Checked<'_> {
             }
         }
         let ratios: Vec<f64> = error.iter().zip(&controlled_error).map(|(all, own)| (all / own).powi(2)).collect();
-        self.compare(&of("variance_reduction"), &reduction, &ratios, |i| ROUNDING * ratios[i], "standard errors");
+        // Of what does not vary beside its controls there is no number.
+        let found: Vec<f64> =
+            reduction.iter().zip(&ratios).map(|(own, all)| if all.is_finite() { *own } else { *all }).collect();
+        self.compare(&of("variance_reduction"), &found, &ratios, |i| ROUNDING * ratios[i], "standard errors");
         let is_far = |i: &usize| {
             let (plain, own) = (mean[*i], controlled[*i]);
             plain.is_nan() != own.is_nan() || (own - plain).abs() > FARTHEST * error[*i] + ROUNDING * largest[*i]
@@ -756,7 +759,7 @@ impl Checked<'_> {
         }
         let place = self.number("/statistical", "pull_off_separation")?;
         let next = h.iter().position(|h| *h >= place).unwrap_or(h.len());
-        let near = next.saturating_sub(2)..(next + 2).min(h.len());
+        let near = next.saturating_sub(1)..(next + 1).min(h.len());
         for (name, of) in [
             ("regime_count", "regime_count"),
             ("regime_adhesion_force", "adhesion_force"),
@@ -769,6 +772,29 @@ impl Checked<'_> {
             if !(sum <= 2.0 * largest) {
                 self.say(&path, &format!("comes to {sum:e}, and beside the pull-off there is {largest:e}"));
             }
+        }
+        self.adhesion_at_pull_off(way, h.len())
+    }
+
+    /// The adhesion of an asperity at pull-off is no more than it is at some separation, regime by regime.
+    fn adhesion_at_pull_off(&mut self, way: &str, s: usize) -> Result<(), Failure> {
+        const PATH: &str = "/statistical/pull_off_regime_adhesion_force";
+        let [counts, forces] =
+            ["count", "adhesion_force"].map(|name| self.values(&format!("/statistical/pull_off_regime_{name}")));
+        let [all_counts, all_forces] =
+            ["count", "adhesion_force"].map(|name| self.values(&format!("/statistical/{way}regime_{name}")));
+        let (counts, forces, all_counts, all_forces) = (counts?, forces?, all_counts?, all_forces?);
+        let of_one = |force: f64, count: f64| if count > 0.0 { force / count } else { 0.0 };
+        let is_more = |regime: &usize| {
+            let rows = regime * s..((regime + 1) * s).min(all_counts.len());
+            let largest = rows.map(|i| of_one(all_forces[i], all_counts[i])).fold(0.0, f64::max);
+            of_one(forces[*regime], counts[*regime]) > 1.5 * largest
+        };
+        if let Some(regime) = (0..counts.len().min(forces.len())).find(is_more) {
+            self.say(
+                PATH,
+                &format!("has {:e} in regime {regime}, more than its asperities have anywhere", forces[regime]),
+            );
         }
         Ok(())
     }

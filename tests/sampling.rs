@@ -247,7 +247,8 @@ fn coverage_of_intervals() {
 fn controls_bring_what_the_docs_say() {
     for (name, documented) in [("II", 46.0_f64), ("III", 56.0)] {
         let (asperity, surface) = case(name);
-        let separations: Vec<f64> = (0..91).map(|i| surface.surface_height_std * (-1.0 + 0.1 * f64::from(i))).collect();
+        let separations: Vec<f64> =
+            (0..147).map(|i| surface.surface_height_std * (0.7 + 0.05 * f64::from(i))).collect();
         let law = law("hybrid", &asperity, Path::Approach, (-20e-9, 20e-9));
         let statistical = Statistical::new(law.as_ref(), &surface, &separations);
         let patch = Patch { surface, separations, law, statistical };

@@ -9,7 +9,8 @@ use hdf5::types::TypeDescriptor;
 const DAMAGES: [&str; 4] = ["scale", "NaN", "negate", "reverse"];
 
 /// What cannot be found, and why.
-const NOT_FOUND: [(&str, &str, &str); 12] = [
+const NOT_FOUND: [(&str, &str, &str); 13] = [
+    ("/statistical/pull_off_contact_area", "scale", "bounded by coarse separations only"),
     ("/replicas/highest_asperity", "reverse", "replicas may stand in any order"),
     ("/replicas/pull_off_force", "reverse", "replicas may stand in any order"),
     ("/replicas/pull_off_separation", "reverse", "replicas may stand in any order"),
@@ -52,8 +53,8 @@ fn datasets(file: &hdf5::File) -> Vec<(String, bool)> {
     found
 }
 
-/// Damages datasets of the result of a scene, each by itself: all in every way, or one way after the other.
-fn assert_found(scene: &str, all: bool) {
+/// Damages datasets of the result of a scene, each by itself, all in every way or one way after the other: what is not found.
+fn missed(scene: &str, all: bool) -> Vec<String> {
     let folder = Folder::new(scene);
     assert_exit(&folder.stiction(&["run", "scene.toml"]), 0);
     let whole = folder.stiction(&["validate", "scene.h5"]);
@@ -90,21 +91,25 @@ fn assert_found(scene: &str, all: bool) {
         }
     }
     assert!(tried > names.len() / 2, "{tried}");
-    assert!(missed.is_empty(), "{missed:?}");
+    missed
 }
 
 #[test]
 fn damaged_datasets_are_found() {
-    assert_found(&small(), false);
+    let missed = missed(&small(), false);
+    assert!(missed.is_empty(), "{missed:?}");
 }
 
 #[test]
 #[ignore = "slow: several hundred results are validated, two minutes of one core"]
 fn all_damages_of_all_datasets_are_found() {
     let curves = small().replace("curves = false", "curves = true");
-    assert_found(&small(), true);
-    assert_found(&curves.replace("\"approach\"", "\"loop\""), true);
-    assert_found(&curves.replace("seed = 1", "seed = 1\nsampling = \"stratified\""), true);
+    let stratified = curves.replace("seed = 1", "seed = 1\nsampling = \"stratified\"");
+    let stratified = stratified.replace("replicas = 40", "replicas = 160");
+    let missed = [small(), curves.replace("\"approach\"", "\"loop\""), stratified].map(|scene| missed(&scene, true));
+    // Of groups the error of what has no curves is bounded by the deviation only.
+    let expected: [&[&str]; 3] = [&[], &[], &["/ensemble/contact_area_standard_error scale"]];
+    assert_eq!(missed, expected);
 }
 
 /// Of every point of a sweep, and of both ways of a loop.

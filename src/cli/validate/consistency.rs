@@ -458,7 +458,8 @@ impl Checked<'_> {
             let is_off = |(i, ends): (usize, &[f64])| {
                 let (width, slack) = (ends[1] - ends[0], ROUNDING * largest[i]);
                 let is_near = (ends[0] - width - slack..=ends[1] + width + slack).contains(&mean[i]);
-                !ends[0].is_nan() && !(is_near && width >= -slack && (few || width <= FARTHEST * error[i] + slack))
+                let is_known = !ends[0].is_nan() || !few && error[i] > 0.0;
+                is_known && !(is_near && width >= -slack && (few || width <= FARTHEST * error[i] + slack))
             };
             if let Some(i) = ends.chunks_exact(2).enumerate().position(is_off) {
                 self.say(&of(name), &format!("is none of the mean at {i}"));

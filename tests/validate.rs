@@ -107,9 +107,7 @@ fn all_damages_of_all_datasets_are_found() {
     let stratified = curves.replace("seed = 1", "seed = 1\nsampling = \"stratified\"");
     let stratified = stratified.replace("replicas = 40", "replicas = 160");
     let missed = [small(), curves.replace("\"approach\"", "\"loop\""), stratified].map(|scene| missed(&scene, true));
-    // Of groups the error of what has no curves is bounded by the deviation only.
-    let expected: [&[&str]; 3] = [&[], &[], &["/ensemble/contact_area_standard_error scale"]];
-    assert_eq!(missed, expected);
+    assert!(missed.iter().all(Vec::is_empty), "{missed:?}");
 }
 
 /// Of every point of a sweep, and of both ways of a loop.

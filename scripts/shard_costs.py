@@ -115,7 +115,7 @@ class Sizes:
         """Those of the scene of a shard of one batch, and of a result of it."""
         with h5py.File(result, "r") as file:
             separations, regimes = len(file["separation"]), len(file["regime"])
-            functionals, scalars = int(file["validation"].attrs["degrees_of_freedom"][0]), len(file["control"]) + len(file["scalar"])
+            functionals, scalars = int(file["validation"].attrs["degrees_of_freedom"]), len(file["control"]) + len(file["scalar"])
         moments, comoments = (lambda length: 1 + 2 * length), (lambda length: 1 + length + length**2)
         # Four curves over replicas and over groups, three of each regime, scores, 16 parts of the scalars, counts of what was solved.
         words = (8 * moments(separations) + 3 * moments(regimes * separations) + comoments(functionals) + 16 * comoments(scalars) + 10)

@@ -176,9 +176,17 @@ fn both_ways_agree_with_their_integral() {
         let joined = |q: usize| [there.expected[q].as_slice(), &back.expected[q]].concat();
         let expected = forces.map(joined);
         let expected = [0, 1].map(|i| expected[i].as_slice());
-        let covariance = sampled.groups.scores.covariance();
-        let test = JointTest::new(&basis.probes, mean, expected, &covariance, replicas);
+        let test = JointTest::new(&basis.probes, mean, expected, basis.cumulants, replicas);
         assert_eq!(test.verdict, Verdict::Agree, "{name} {law}: {test:?}");
+        // One per cent more adhesion on the way back alone.
+        let more: Vec<f64> = back.expected[forces[0]].iter().map(|force| 0.01 * force).collect();
+        let planted = [0, 1].map(|i| {
+            let sign = if i == 0 { 1.0 } else { -1.0 };
+            let back = expected[i][31..].iter().zip(&more).map(|(force, more)| force + sign * more);
+            expected[i][..31].iter().copied().chain(back).collect::<Vec<f64>>()
+        });
+        let test = JointTest::new(&basis.probes, mean, [&planted[0], &planted[1]], basis.cumulants, replicas);
+        assert_eq!(test.verdict, Verdict::Disagree, "{name} {law}: {test:?}");
         // The mean of 240 000 asperities against the scatter of the integral, where many bear the force.
         for q in [Quantity::AdhesionForce, Quantity::ContactForce, Quantity::ContactArea].map(Quantity::index) {
             let mean = &sampled.curves[q].mean()[31..];

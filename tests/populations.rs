@@ -190,7 +190,7 @@ fn ensembles_agree_with_the_integral() {
             &basis.probes,
             means,
             forces.map(|q| expected.expected[q].as_slice()),
-            &ensemble.groups.scores.covariance(),
+            basis.cumulants,
             replicas,
         );
         assert!(test.verdict != Verdict::NotTested && test.p_value > 1e-4, "{name}: {test:?}");
@@ -198,6 +198,37 @@ fn ensembles_agree_with_the_integral() {
         let k = 6;
         let (std, exact) = (ensemble.curves[forces[0]].std()[k], expected.std[forces[0]][k]);
         assert!((std / exact - 1.0).abs() < 4.5 * (5.0 / replicas as f64).sqrt() / 2.0, "{name}: {std:e}, {exact:e}");
+    }
+}
+
+/// Surfaces that another surface is taken for: of the mean radius, and with heights and radii that know nothing of each other. The joint
+/// test disagrees; its own false-alarm rate is 1e-3, and the seed is fixed.
+#[test]
+fn radii_that_are_not_those_of_the_integral_are_caught() {
+    let separations: Vec<f64> = (0..13).map(|k| 0.5e-9 * f64::from(k)).collect();
+    let pool = rayon::ThreadPoolBuilder::new().build().unwrap();
+    let of = |name: &str| surfaces(120).into_iter().find(|(found, _)| *found == name).unwrap().1;
+    let scattered = of("lognormal radii");
+    let mean = Surface { radii: Radii::Common, ..scattered.clone() };
+    let measured = of("measured");
+    let Radii::Measured(pairs) = &measured.radii else { panic!("measured radii") };
+    let uncorrelated = Surface { radii: Radii::Sample(pairs.iter().map(|pair| pair[1]).collect()), ..measured.clone() };
+    for (name, drawn, taken) in [("mean radius", &scattered, &mean), ("uncorrelated", &measured, &uncorrelated)] {
+        let [law, other] = [drawn, taken].map(|surface| law_for("hybrid", surface, &separations));
+        let basis = basis(other.as_ref(), taken, &separations, SamplingScheme::Independent, 160);
+        let job = stiction::engine::Job { probes: &basis.probes, ..job(law.as_ref(), drawn, &separations, 160) };
+        let outcome = run(&job, &pool, &AtomicBool::new(false), |_, _| Ok::<(), ()>(())).unwrap();
+        let ensemble: Ensemble = outcome.forest().ensemble(&job);
+        let expected = Statistical::new(other.as_ref(), taken, &separations);
+        let forces = [Quantity::AdhesionForce, Quantity::ExternalForce].map(Quantity::index);
+        let test = stiction::validation::JointTest::new(
+            &basis.probes,
+            forces.map(|q| ensemble.curves[q].mean()),
+            forces.map(|q| expected.expected[q].as_slice()),
+            basis.cumulants,
+            160,
+        );
+        assert_eq!(test.verdict, Verdict::Disagree, "{name}: {test:?}");
     }
 }
 

@@ -14,7 +14,7 @@ use crate::output::checkpoint::Records;
 use crate::output::schema::{Dimension, RANGE_ENDS};
 use crate::output::writer::{CURVE_CHUNK, Writer};
 use crate::scene::Scene;
-use crate::validation::SIGNIFICANCE;
+use crate::validation::{Cumulants, SIGNIFICANCE};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Writes what is computed, and the dimensions.
@@ -309,10 +309,12 @@ fn write_validation(writer: &Writer<'_>, results: &Results) -> Result<(), Output
         }
     }
     writer.dataset("/validation/score_covariance", &results.ensemble.groups.scores.covariance())?;
-    let (components, remaining) = joint.degrees_of_freedom;
-    writer.text("/validation", "test", "Hotelling T2")?;
+    writer.text("/validation", "test", "chi-squared")?;
     writer.number("/validation", "statistic", joint.statistic)?;
-    writer.numbers("/validation", "degrees_of_freedom", &[components, remaining])?;
+    writer.number("/validation", "degrees_of_freedom", joint.degrees_of_freedom)?;
+    let Cumulants { kurtosis, skewness } = results.basis.cumulants;
+    writer.number("/validation", "kurtosis", kurtosis)?;
+    writer.number("/validation", "skewness", skewness)?;
     writer.number("/validation", "p_value", joint.p_value)?;
     writer.number("/validation", "significance", SIGNIFICANCE)?;
     writer.text("/validation", "verdict", joint.verdict.name())

@@ -162,6 +162,6 @@ pub(super) fn cross_check(
         SamplingScheme::Independent => z_scores(mean[i], expected[i], &std[i], groups),
         _ => z_scores(mean[i], expected[i], &ensemble.groups.curves[forces[i]].std(), groups),
     });
-    let joint = JointTest::new(&basis.probes, mean, expected, &ensemble.groups.scores.covariance(), groups);
+    let joint = JointTest::new(&basis.probes, mean, expected, basis.cumulants, scene.replicas);
     (z, joint)
 }

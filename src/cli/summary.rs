@@ -256,18 +256,20 @@ fn at_pull_off(results: &Results) -> String {
 
 /// The verdict of the cross-check.
 pub(super) fn verdict(joint: &JointTest, z: &[Vec<f64>; 2], note: &str) -> String {
-    let (components, remaining) = joint.degrees_of_freedom;
     let per_cent = 100.0 * SIGNIFICANCE;
     let mut text = match joint.verdict {
-        Verdict::NotTested => row("cross-check", "not tested: too few replicas, or nothing that varies"),
+        Verdict::NotTested => {
+            row("cross-check", "not tested: too few asperities in all replicas, or nothing that varies")
+        }
         Verdict::Agree | Verdict::Disagree => row(
             "cross-check",
             &format!(
-                "ensemble and integral {} at the {} % level: p = {:.3} (T² = {:.1}, {components} and {remaining} degrees of freedom)",
+                "ensemble and integral {} at the {} % level: p = {:.3} (χ² = {:.1}, {} degrees of freedom)",
                 joint.verdict.name(),
                 per_cent,
                 joint.p_value,
-                joint.statistic
+                joint.statistic,
+                joint.degrees_of_freedom
             ),
         ),
     };

@@ -5,7 +5,6 @@
 //! so this feature is off, and no larger matrix is decomposed.
 
 use super::instruction_set::InstructionSet;
-use faer::linalg::solvers::Solve;
 use faer::{Mat, Par, Side};
 
 /// Most rows of a matrix that is decomposed: no sum within has more terms, and up to so many the products of faer (`gemm`, the block of
@@ -54,16 +53,6 @@ pub fn whitening(covariance: &[f64], n: usize, smallest: f64) -> Vec<Vec<f64>> {
     let limit = (smallest * eigen.values[0]).max(f64::MIN_POSITIVE);
     let kept = eigen.values.iter().zip(&eigen.vectors).filter(|(value, _)| **value >= limit);
     kept.map(|(value, vector)| vector.iter().map(|x| x / value.sqrt()).collect()).collect()
-}
-
-/// xᵀ M⁻¹ x for a symmetric positive definite matrix, row-major, n × n; `None` when it is not.
-pub fn inverse_quadratic_form(matrix: &[f64], x: &[f64]) -> Option<f64> {
-    sequential();
-    let n = x.len();
-    let factor = Mat::from_fn(n, n, |i, j| matrix[i * n + j]).llt(Side::Lower).ok()?;
-    let right = Mat::from_fn(n, 1, |i, _| x[i]);
-    let solved = factor.solve(&right);
-    Some((0..n).map(|i| x[i] * solved[(i, 0)]).sum())
 }
 
 /// RᵀR of a matrix R of columns of the same length: n × n, row-major. Each element is one sum from the first row to the last.
@@ -133,13 +122,6 @@ mod tests {
             }
         }
         assert!(whitening(&[0.0], 1, 1e-9).is_empty() && whitening(&[f64::NAN], 1, 1e-9).is_empty());
-    }
-
-    #[test]
-    fn a_quadratic_form_is_inverted() {
-        let form = inverse_quadratic_form(&[4.0, 1.0, 1.0, 3.0], &[1.0, 2.0]).unwrap();
-        assert!((form - 15.0 / 11.0).abs() < 1e-14, "{form}");
-        assert!(inverse_quadratic_form(&[1.0, 2.0, 2.0, 1.0], &[1.0, 1.0]).is_none());
     }
 
     /// faer's products of matrices of up to LARGEST rows sum each element from the first term to the last, as no splitting of sums does: so

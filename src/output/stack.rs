@@ -51,7 +51,6 @@ pub fn stack(writer: &mut Writer<'_>, points: &Points<'_>) -> Result<bool, Outpu
             }
         }
     }
-    writer.named_scale(Dimension::Freedom, &["components", "groups less components"])?;
     let mut attributes = Attributes::new(writer);
     let mut made = Vec::new();
     for (path, place) in points.files.iter().zip(points.places) {

@@ -1,25 +1,31 @@
 //! Functionals of the force curves for the joint test.
 
-use crate::asperity::{Family, Law, Loop, Scratch, Work, for_each_block};
+use super::joint::SIGNIFICANCE;
+use super::null::{Cumulants, GrowingCumulants};
+use crate::asperity::{Law, Loop, Scratch, Work, for_each_block};
 use crate::engine::Probe;
 use crate::math::linalg::{LARGEST, gram, whitening};
-use crate::surface::{CountLaw, Part, STRATA, SamplingScheme, Surface};
+use crate::surface::{CountLaw, Heights, Part, STRATA, SamplingScheme, Surface};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
-/// Asperities of the grid on which the covariance of the law over separations is formed, about. It shapes the functionals only: their
-/// expectations are the integral's and their covariance the sample's, so its error costs power, not truth.
-const GRID: usize = 4001;
-/// Fewest heights of each radius in the grid, and most radii.
-const OF_RADIUS: (usize, usize) = (81, 100);
+/// Cells, about, of the grid on which the covariance of the law over separations is formed, beside those that end where a law is not
+/// smooth.
+const CELLS: usize = 1000;
+/// Places of the two nodes in a cell, of Gauss's rule.
+const NODES: [f64; 2] = [0.211_324_865_405_187_1, 0.788_675_134_594_812_9];
+/// Heights of each radius in the grid, and most radii.
+const OF_RADIUS: (usize, usize) = (101, 100);
+/// Most given asperities in the grid: of more, every n-th.
+const MOST_GIVEN: usize = 10_000;
+/// The golden ratio less 1: its multiples are spread evenly between whole numbers.
+const GOLDEN: f64 = 0.618_033_988_749_894_9;
 /// The grid covers ± this many σ_s, or all that there is.
 const GRID_REACH: f64 = 8.5;
 /// Most separations that the functionals look at: of more, every n-th, because the eigenvectors cost the cube of their number.
 const MAX_SEPARATIONS: usize = LARGEST / 2;
 /// Most functionals.
 const MAX_COMPONENTS: usize = 32;
-/// Fewest groups of replicas per functional.
-const GROUPS_PER_COMPONENT: u64 = 4;
 /// Smallest eigenvalue that is kept, relative to the largest.
 const SMALLEST_EIGENVALUE: f64 = 1e-9;
 /// Largest squared skewness of a mean over all replicas that is still treated as Gaussian; for a rare event, the reciprocal of how
@@ -27,6 +33,8 @@ const SMALLEST_EIGENVALUE: f64 = 1e-9;
 const LARGEST_SKEWNESS_SQUARED: f64 = 0.01;
 /// Largest excess kurtosis of a mean over all replicas, likewise.
 const LARGEST_KURTOSIS: f64 = 0.02;
+/// Largest correction of the p-value at the significance by the third and fourth cumulants, relative.
+const LARGEST_CORRECTION: f64 = 0.1;
 
 /// Relative accuracy of the integral, and of direct sums.
 const ACCURACY: f64 = 2e-12;
@@ -38,6 +46,8 @@ const LARGEST_ERROR: f64 = 0.1;
 pub struct Basis {
     /// Each scaled to a score of unit variance per replica, or per replica's worth of what the sampling scheme leaves to chance.
     pub probes: Vec<Probe>,
+    /// Fourth and third cumulants of the scores of a replica.
+    pub cumulants: Cumulants,
     /// For each state of the job, whether adhesion force and external force are Gaussian enough to be looked at.
     pub tested: [Vec<bool>; 2],
 }
@@ -103,35 +113,40 @@ fn basis_of(states: &[State<'_>], surface: &Surface, scheme: SamplingScheme, rep
     let accuracy = accuracy.max(ACCURACY);
     let all = states.len();
     let stride = all.div_ceil(MAX_SEPARATIONS);
+    if surface.whole {
+        // Nothing is left to chance.
+        return Basis {
+            probes: Vec::new(),
+            cumulants: Cumulants::default(),
+            tested: [vec![false; all], vec![false; all]],
+        };
+    }
     let states: Vec<State<'_>> = states.iter().copied().step_by(stride).collect();
     let s = states.len();
     // Independent contributions in the ensemble: a pair of opposite heights is one.
     let pairs = if scheme == SamplingScheme::Antithetic { 0.5 } else { 1.0 };
     let samples = pairs * surface.asperity_count as f64 * replicas as f64;
     let contributions = contributions(&states, surface, scheme);
-    let columns: Vec<Column> = contributions
-        .values
-        .chunks_exact(contributions.weights.len())
-        .zip(&contributions.largest)
-        .map(|(c, largest)| contributions.column(c, *largest, samples))
-        .collect();
+    let columns = contributions.values.chunks_exact(contributions.weights.len()).zip(&contributions.largest);
+    let columns: Vec<Column> = columns.map(|(c, largest)| contributions.column(c, *largest, samples)).collect();
     let kept: Vec<usize> = (0..2 * s).filter(|&j| columns[j].gaussian).collect();
     let tested = [0, 1].map(|q| (0..all).map(|k| k % stride == 0 && columns[q * s + k / stride].gaussian).collect());
-    let most = MAX_COMPONENTS.min((replicas / scheme.group() / GROUPS_PER_COMPONENT) as usize);
     let errors: Vec<f64> =
         kept.iter().map(|&j| accuracy * contributions.forces[j % s] / columns[j].std * samples.sqrt()).collect();
-    let components = contributions.components(&kept, &columns, samples, &errors).into_iter().take(most);
-    let root_count = (surface.asperity_count as f64).sqrt();
+    let (components, cumulants) = contributions.components(&kept, &columns, samples, &errors);
+    // A pair of opposite heights adds twice the half of it that is not odd.
+    let root_count = (surface.asperity_count as f64 / pairs).sqrt();
     let probes = components
+        .iter()
         .map(|component| {
             let mut weights = vec![0.0; 2 * all];
-            for (&j, weight) in kept.iter().zip(&component) {
+            for (&j, weight) in kept.iter().zip(component) {
                 weights[j / s * all + j % s * stride] = weight / (columns[j].std * root_count);
             }
             Probe { external_force: weights.split_off(all), adhesion_force: weights }
         })
         .collect();
-    Basis { probes, tested }
+    Basis { probes, cumulants: cumulants.of(1.0 / (pairs * surface.asperity_count as f64)), tested }
 }
 
 /// What one asperity contributes, less its mean where the number of asperities is fixed.
@@ -144,6 +159,8 @@ struct Contributions {
     largest: Vec<f64>,
     /// Mean F_s + P at each separation, N.
     forces: Vec<f64>,
+    /// Ranges of the grid over each of which the mean is not left to chance; none where the number of asperities is left to it.
+    strata: Vec<Range<usize>>,
 }
 
 /// Asperities of the grid that have one law.
@@ -157,33 +174,78 @@ struct Alike {
 }
 
 /// The grid: of each radius its heights.
-fn grid(family: Option<&Family>, surface: &Surface) -> Vec<Alike> {
+fn grid(states: &[State<'_>], surface: &Surface, scheme: SamplingScheme) -> Vec<Alike> {
+    let family = states[0].law.family();
     let mut parts = surface.parts();
-    let stride = parts.len().div_ceil(OF_RADIUS.1);
-    parts = parts.into_iter().step_by(stride).collect();
-    let each = (GRID / parts.len()).max(OF_RADIUS.0);
-    let alike = |part: Part| {
-        let Part { weight, radius, heights, .. } = part;
-        let law = family.map(|family| family.law(radius, None));
-        if let Some(values) = heights.values() {
-            let heights: Vec<f64> = values.iter().step_by(values.len().div_ceil(GRID)).copied().collect();
-            let weights = vec![weight / heights.len() as f64; heights.len()];
-            return Alike { law, heights, weights };
-        }
-        let (low, high) = heights.reach(GRID_REACH);
-        let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
-        // An odd number, so that opposite heights have opposite places.
-        let places = (0..each | 1).map(|i| (i as f64 - (each / 2) as f64) / (each / 2) as f64);
-        let grid: Vec<f64> = places.map(|place| middle + half * place).collect();
-        let densities: Vec<f64> = grid.iter().map(|&u| heights.density(u)).collect();
-        let total: f64 = densities.iter().sum();
-        Alike { law, heights: grid, weights: densities.iter().map(|density| weight * density / total).collect() }
+    let given = |part: &Part| part.heights.values().map(|values| values[0]);
+    let each_given = parts.len() > 1 && given(&parts[0]).is_some();
+    let place = |part: &Part| given(part).unwrap_or(part.radius);
+    parts.sort_by(|a, b| place(a).total_cmp(&place(b)));
+    let stride = parts.len().div_ceil(if each_given { MOST_GIVEN } else { OF_RADIUS.1 });
+    let alike = |(index, alike): (usize, &[Part])| {
+        // The middle one stands for its neighbours.
+        let Part { radius, heights, .. } = &alike[alike.len() / 2];
+        let weight: f64 = alike.iter().map(|part| part.weight).sum();
+        let law = family.map(|family| family.law(*radius, None));
+        let (heights, weights) = match (heights.values(), &law) {
+            (Some(values), _) => {
+                let heights: Vec<f64> = values.iter().step_by(values.len().div_ceil(MOST_GIVEN)).copied().collect();
+                let weights = vec![1.0; heights.len()];
+                (heights, weights)
+            }
+            (None, None) => cells(states, heights, scheme),
+            (None, Some(_)) => shifted(heights, libm::fmod(index as f64 * GOLDEN, 1.0)),
+        };
+        let total: f64 = weights.iter().sum();
+        Alike { law, heights, weights: weights.into_iter().map(|share| weight * share / total).collect() }
     };
-    parts.into_iter().map(alike).collect()
+    parts.chunks(stride).enumerate().map(alike).collect()
+}
+
+/// Heights, m, rising, and their weights: nodes in cells on each of which all that is integrated is smooth.
+fn cells(states: &[State<'_>], heights: &Heights, scheme: SamplingScheme) -> (Vec<f64>, Vec<f64>) {
+    let mut ends = divided(heights, CELLS);
+    let (low, high) = (ends[0], ends[ends.len() - 1]);
+    for state in states {
+        ends.extend(state.law.pieces().iter().map(|piece| piece.upper + state.separation));
+    }
+    match scheme {
+        SamplingScheme::Independent => {}
+        // Opposite heights are a pair.
+        SamplingScheme::Antithetic => ends.extend(ends.clone().iter().map(|end| -end)),
+        SamplingScheme::Stratified => {
+            ends.extend((1..STRATA).map(|i| heights.gaussian_quantile(i as f64 / STRATA as f64)));
+        }
+    }
+    ends.retain(|end| (low..=high).contains(end));
+    ends.sort_by(f64::total_cmp);
+    ends.dedup();
+    let nodes =
+        ends.windows(2).flat_map(|ends| NODES.map(|place| (ends[0] + place * (ends[1] - ends[0]), ends[1] - ends[0])));
+    nodes.map(|(u, width)| (u, heights.density(u) * width)).unzip()
+}
+
+/// Heights, m, rising, and their weights: one in each of even cells at the same share of it, so that over many radii they lie densely.
+fn shifted(heights: &Heights, share: f64) -> (Vec<f64>, Vec<f64>) {
+    let ends = divided(heights, OF_RADIUS.0);
+    let nodes = ends.windows(2).map(|ends| (ends[0] + share * (ends[1] - ends[0]), ends[1] - ends[0]));
+    nodes.map(|(u, width)| (u, heights.density(u) * width)).unzip()
+}
+
+/// Ends of about so many cells of a law of heights, m, rising.
+fn divided(heights: &Heights, cells: usize) -> Vec<f64> {
+    let (low, high) = heights.reach(GRID_REACH);
+    let panels = heights.panels(low, high);
+    let each = cells.div_ceil(panels.len() - 1);
+    let within = |ends: &[f64]| {
+        let (low, width) = (ends[0], ends[1] - ends[0]);
+        (0..each).map(move |i| low + width * i as f64 / each as f64)
+    };
+    panels.windows(2).flat_map(within).chain(panels.last().copied()).collect()
 }
 
 fn contributions(states: &[State<'_>], surface: &Surface, scheme: SamplingScheme) -> Contributions {
-    let grid = grid(states[0].law.family(), surface);
+    let grid = grid(states, surface, scheme);
     let mut weights: Vec<f64> = grid.iter().flat_map(|alike| alike.weights.iter().copied()).collect();
     let total: f64 = weights.iter().sum();
     weights.iter_mut().for_each(|weight| *weight /= total);
@@ -210,16 +272,18 @@ fn contributions(states: &[State<'_>], surface: &Surface, scheme: SamplingScheme
     let columns = adhesion.chunks_exact(count).zip(external.chunks_exact(count));
     let forces = columns.map(|(adhesion, external)| 2.0 * mean(adhesion) + mean(external)).collect();
     let largest = values.chunks_exact(count).map(|c| c.iter().fold(0.0, |worst: f64, f| worst.max(f.abs()))).collect();
+    let mut strata = strata(&grid[0].heights, count, surface, scheme);
     if surface.count_law == CountLaw::Fixed {
-        centre(&mut values, &weights, &grid[0].heights, surface, scheme);
+        centre(&mut values, &weights, &strata, scheme);
+    } else {
+        strata.clear();
     }
-    Contributions { weights, values, largest, forces }
+    Contributions { weights, values, largest, forces, strata }
 }
 
 /// Takes away what is not left to chance: the mean over all asperities, or over those of each stratum.
-fn centre(values: &mut [f64], weights: &[f64], heights: &[f64], surface: &Surface, scheme: SamplingScheme) {
+fn centre(values: &mut [f64], weights: &[f64], strata: &[Range<usize>], scheme: SamplingScheme) {
     let count = weights.len();
-    let strata = strata(heights, count, surface, scheme);
     for column in values.chunks_exact_mut(count) {
         if scheme == SamplingScheme::Antithetic {
             // What is odd in the height cancels in every pair.
@@ -228,7 +292,7 @@ fn centre(values: &mut [f64], weights: &[f64], heights: &[f64], surface: &Surfac
                 (column[i], column[count - 1 - i]) = (even, even);
             }
         }
-        for range in &strata {
+        for range in strata {
             let (column, weights) = (&mut column[range.clone()], &weights[range.clone()]);
             let mean: f64 = column.iter().zip(weights).map(|(f, w)| f * w).sum::<f64>();
             let mean = if strata.len() == 1 { mean } else { mean / weights.iter().sum::<f64>() };
@@ -265,33 +329,42 @@ impl Contributions {
         Column { std, gaussian }
     }
 
-    /// Eigenvectors of the correlation of the kept columns, scaled to unit variance; `errors` of the columns' means are in units of their
-    /// standard errors.
-    fn components(&self, kept: &[usize], columns: &[Column], samples: f64, errors: &[f64]) -> Vec<Vec<f64>> {
+    /// Eigenvectors of the correlation of the kept columns, scaled to unit variance, and the cumulants of one asperity's contributions to
+    /// them; `errors` of the columns' means are in units of their standard errors. Left out are those with which the mean of `samples`
+    /// contributions would not be close to Gaussian.
+    fn components(
+        &self,
+        kept: &[usize],
+        columns: &[Column],
+        samples: f64,
+        errors: &[f64],
+    ) -> (Vec<Vec<f64>>, Cumulants) {
         let count = self.weights.len();
         let scaled = |j: &usize| {
             let values = self.values[j * count..].iter().zip(&self.weights);
             values.map(|(value, weight)| weight.sqrt() * value / columns[*j].std).collect()
         };
         let scaled: Vec<Vec<f64>> = kept.iter().map(scaled).collect();
-        let components = whitening(&gram(&scaled), kept.len(), SMALLEST_EIGENVALUE).into_iter();
+        let (mut components, mut growing) = (Vec::new(), GrowingCumulants::new(&self.weights, &self.strata));
         let error = |component: &[f64]| component.iter().zip(errors).map(|(c, e)| (c * e).powi(2)).sum::<f64>().sqrt();
-        let resolved = components.filter(|component| error(component) <= LARGEST_ERROR);
-        resolved.filter(|component| self.is_gaussian(component, &scaled, samples)).take(MAX_COMPONENTS).collect()
-    }
-
-    /// Whether the ensemble's mean of a component is close to Gaussian.
-    fn is_gaussian(&self, component: &[f64], scaled: &[Vec<f64>], samples: f64) -> bool {
-        let mut scores = vec![0.0; self.weights.len()];
-        for (column, weight) in scaled.iter().zip(component) {
-            scores.iter_mut().zip(column).for_each(|(score, x)| *score += weight * x);
+        for component in whitening(&gram(&scaled), kept.len(), SMALLEST_EIGENVALUE) {
+            if components.len() == MAX_COMPONENTS {
+                break;
+            }
+            if error(&component) > LARGEST_ERROR {
+                continue;
+            }
+            let mut scores = vec![0.0; count];
+            for (column, weight) in scaled.iter().zip(&component) {
+                scores.iter_mut().zip(column).for_each(|(score, x)| *score += weight * x);
+            }
+            let unweighted = scores.iter().zip(&self.weights).map(|(x, w)| if *w > 0.0 { x / w.sqrt() } else { 0.0 });
+            if growing.push(unweighted.collect(), |cumulants, k| {
+                cumulants.of(1.0 / samples).correction_at(SIGNIFICANCE, k) <= LARGEST_CORRECTION
+            }) {
+                components.push(component);
+            }
         }
-        let (mut third, mut fourth) = (0.0, 0.0);
-        for (score, weight) in scores.iter().zip(&self.weights).filter(|(_, weight)| **weight > 0.0) {
-            let score = score / weight.sqrt();
-            third += weight * score.powi(3);
-            fourth += weight * score.powi(4);
-        }
-        third * third <= LARGEST_SKEWNESS_SQUARED * samples && (fourth - 3.0).abs() <= LARGEST_KURTOSIS * samples
+        (components, growing.cumulants)
     }
 }

@@ -2,17 +2,19 @@
 //!
 //! Neighbouring separations share their asperities, so their deviations are almost the same deviation and z-scores
 //! alone cannot be counted up. The joint test asks whether the mean curves of adhesion and external force, as vectors over all
-//! separations, deviate from the integral by more than their covariance across replicas explains: Hotelling's T² of a few
-//! linear functionals of the curves ([`basis()`]). The functionals come from the law alone, not from the sample, so that T² has its
-//! textbook distribution.
+//! separations, deviate from the integral by more than chance explains: the sum of squares of a few linear functionals of the curves
+//! ([`basis()`]), uncorrelated and of unit variance by the law. Functionals, covariance and the cumulants that make the p-value right for
+//! small surfaces come from the law alone, not from the sample.
 
 mod basis;
 pub mod finite_size;
 mod joint;
+mod null;
 mod several;
 
 pub use basis::{Basis, basis, basis_of_loop, basis_to};
 pub use joint::{JointTest, SIGNIFICANCE, Verdict};
+pub use null::Cumulants;
 pub use several::{Difference, disagreeing, overall};
 
 /// Standard error, relative to the expectation, below which that of the quadrature and the sums is larger.

@@ -388,7 +388,10 @@ def test_sampling_schemes(tmp_path, sampling, group, replicas, controls):
         covariance = np.atleast_2d(np.cov(scores, rowvar=False))
         assert close(file["validation/score_covariance"][()], covariance, np.abs(covariance).max(), 1e-8)
         k = scores.shape[1]
-        assert k == groups // 4 and list(file["validation"].attrs["degrees_of_freedom"]) == [k, groups - k]
+        # What chance leaves of the mean of a group is 1/n of the variance of a replica's worth of it, on average over the scores to
+        # 5 standard errors (the seed is fixed).
+        assert k >= 1 and file["validation"].attrs["degrees_of_freedom"] == k
+        assert abs(np.trace(covariance) * group / k - 1.0) < 5.0 * np.sqrt(2.0 / groups)
 
 
 def test_compressed_sums(file, tmp_path):
@@ -504,10 +507,14 @@ def test_joint_test(file):
     covariance = np.atleast_2d(np.cov(scores, rowvar=False))
     assert close(group["score_covariance"][()], covariance, np.abs(covariance).max(), 1e-9)
     n, k = scores.shape
-    assert k >= 1 and list(group.attrs["degrees_of_freedom"]) == [k, n - k]
+    assert k >= 1 and group.attrs["degrees_of_freedom"] == k
     difference = scores.mean(axis=0) - expected
-    statistic = n * difference @ np.linalg.solve(group["score_covariance"][()], difference)
-    p_value = scipy.stats.f.sf((n - k) / (k * (n - 1)) * statistic, k, n - k)
+    statistic = n * difference @ difference
+    # Edgeworth's expansion of the sum of squares of almost Gaussian scores.
+    s = [scipy.stats.chi2.sf(statistic, k + 2 * j) for j in range(4)]
+    correction = group.attrs["kurtosis"] / n / 8 * (s[2] - 2 * s[1] + s[0])
+    correction += group.attrs["skewness"] / n / 24 * (s[3] - 3 * s[2] + 3 * s[1] - s[0])
+    p_value = s[0] * np.exp(correction / s[0])
     assert group.attrs["statistic"] == pytest.approx(statistic, rel=1e-6)
     assert group.attrs["p_value"] == pytest.approx(p_value, abs=1e-6)
     assert group.attrs["verdict"] == ("agree" if p_value >= group.attrs["significance"] else "disagree")

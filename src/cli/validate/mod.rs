@@ -13,7 +13,7 @@ use crate::output::schema::{Dimension, RUN, SWEEP};
 use crate::scene::echo::one_line;
 use crate::scene::sweep::MOST_POINTS;
 use crate::surface::SamplingScheme;
-use crate::validation::{JointTest, Verdict, overall, z_scores};
+use crate::validation::{Cumulants, JointTest, Verdict, overall, z_scores};
 use consistency::{Checked, TOLD};
 use std::path::Path;
 
@@ -54,12 +54,13 @@ pub(super) fn validate(path: &Path) -> Result<(), Failure> {
         z_scores(mean, expected, std, groups)
     });
     let probes = probes(&reader, ways, path)?;
+    covariance(&reader, probes.len(), groups, path)?;
     let joint = JointTest::new(
         &probes,
         [0, 1].map(|i| forces[i][0].as_slice()),
         [0, 1].map(|i| forces[i][1].as_slice()),
-        &covariance(&reader, probes.len(), groups, path)?,
-        groups,
+        Cumulants { kurtosis: cumulant(&reader, "kurtosis", path)?, skewness: cumulant(&reader, "skewness", path)? },
+        groups * scheme.group(),
     );
     let mut text = format!("{}\n", one_line(&path.display().to_string()));
     text += "        h*   mean F_s (N)   integral (N)       z     mean F (N)   integral (N)       z\n";
@@ -111,8 +112,7 @@ fn validate_sweep(reader: &Reader, path: &Path) -> Result<(), Failure> {
     };
     let mut text = format!("{}\n", one_line(&path.display().to_string()));
     let keys = reader.optional_text("/", "sweep_keys")?.unwrap_or_default();
-    text +=
-        &format!("{:>6}  {:<28}{:>10}{:>8}{:>8}{:>10}  {}\n", "point", "indices", "T2", "k", "n - k", "p", "verdict");
+    text += &format!("{:>6}  {:<28}{:>10}{:>8}{:>10}  {}\n", "point", "indices", "chi2", "k", "p", "verdict");
     let (mut p_values, mut findings) = (Vec::with_capacity(count), Vec::new());
     for point in 0..count {
         let place = place(point, &shape);
@@ -123,14 +123,11 @@ fn validate_sweep(reader: &Reader, path: &Path) -> Result<(), Failure> {
             continue;
         };
         let indices: Vec<String> = place.iter().map(usize::to_string).collect();
-        let (components, remaining) = joint.degrees_of_freedom;
+        let components = joint.degrees_of_freedom;
         let (p, verdict) = (joint.p_value, joint.verdict.name());
         let [statistic, p] = [format!("{:.1}", joint.statistic), format!("{p:.4}")];
-        text += &format!(
-            "{:>6}  {:<28}{statistic:>10}{components:>8}{remaining:>8}{p:>10}  {verdict}\n",
-            point + 1,
-            indices.join(", ")
-        );
+        text +=
+            &format!("{:>6}  {:<28}{statistic:>10}{components:>8}{p:>10}  {verdict}\n", point + 1, indices.join(", "));
         p_values.push(joint.p_value);
         let replicas = reader.at_point::<u64>("/replica_count", &place)?[0];
         let group = scheme.group();
@@ -198,7 +195,10 @@ fn joint_at(
         return Err(refused(path, &format!("has no numbers in /validation/score_covariance at the point {place:?}")));
     }
     let means = [&adhesion_mean[..], &external_mean];
-    Ok(Some(JointTest::new(&probes, means, [&adhesion, &external], &covariance, groups)))
+    let cumulant = |name: &str| Ok::<f64, Failure>(finite(name, 1)?[0]);
+    let cumulants =
+        Cumulants { kurtosis: cumulant("/validation/kurtosis")?, skewness: cumulant("/validation/skewness")? };
+    Ok(Some(JointTest::new(&probes, means, [&adhesion, &external], cumulants, replicas)))
 }
 
 /// A z-score; a dash where nothing varies.
@@ -258,6 +258,12 @@ fn probes(reader: &Reader, ways: &[&str], path: &Path) -> Result<Vec<Probe>, Fai
     let external = weights("external_force")?;
     let pairs = adhesion.into_iter().zip(external);
     Ok(pairs.map(|(adhesion_force, external_force)| Probe { adhesion_force, external_force }).collect())
+}
+
+/// A cumulant of the scores, which has to be finite.
+fn cumulant(reader: &Reader, name: &str, path: &Path) -> Result<f64, Failure> {
+    let value: f64 = reader.number("/validation", name)?;
+    if value.is_finite() { Ok(value) } else { Err(refused(path, &format!("has {name} = {value} in /validation"))) }
 }
 
 /// The covariance of the scores of `count` functionals, row-major; one group of replicas has none.

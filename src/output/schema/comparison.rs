@@ -198,7 +198,7 @@ const VARIABLES: &[Variable] = &[
         "1",
         "deviation of the mean external force from the integral, in standard errors",
     ),
-    variable("/validation/statistic", L, "1", "Hotelling's T2 of ensemble against integral"),
+    variable("/validation/statistic", L, "1", "sum of squared scores of ensemble against integral"),
     variable(
         "/validation/p_value",
         L,

@@ -92,8 +92,6 @@ pub enum Dimension {
     SeparationIndex,
     /// Control variates, by index: every point may have its own.
     ControlIndex,
-    /// The two degrees of freedom of the joint test.
-    Freedom,
     /// Targets at which a run ends.
     Target,
     /// Asperities of a measured surface.
@@ -143,7 +141,6 @@ impl Dimension {
             Self::Point => "point",
             Self::SeparationIndex => "separation_index",
             Self::ControlIndex => "control_index",
-            Self::Freedom => "freedom",
             Self::Target => "target",
             Self::Asperity => "asperity",
             Self::Step => "step",

@@ -2,8 +2,6 @@
 
 use super::{Dimension, Layout, NONE, RUN, Variable, variable};
 
-const F: &[Dimension] = &[Dimension::Freedom];
-
 /// A result of `stiction run` for a scene with a table `[sweep]`.
 pub static SWEEP: Layout = Layout {
     format: "stiction-sweep",
@@ -20,7 +18,6 @@ const VARIABLES: &[Variable] = &[
     variable("/point", &[Dimension::Point], "1", "index of the point"),
     variable("/separation_index", &[Dimension::SeparationIndex], "1", "index of the separation"),
     variable("/control_index", &[Dimension::ControlIndex], "1", "index of the control variate"),
-    variable("/freedom", F, "1", "which degrees of freedom of the joint test"),
     variable("/replica_count", NONE, "1", "replicas of the point"),
     variable("/seed", NONE, "1", "seed of the point"),
     variable("/adhesion_parameter", NONE, "1", "adhesion parameter lambda"),
@@ -46,8 +43,10 @@ const VARIABLES: &[Variable] = &[
     variable("/statistical/peak_stiffness", NONE, "N m-1", "largest derivative of the integral by the separation"),
     variable("/statistical/peak_stiffness_separation", NONE, "m", "separation h of the peak stiffness of the integral"),
     variable("/statistical/quadrature_error", NONE, "1", "largest bound of the relative error of the integral"),
-    variable("/validation/statistic", NONE, "1", "Hotelling's T2 of ensemble against integral"),
-    variable("/validation/degrees_of_freedom", F, "1", "degrees of freedom of the joint test"),
+    variable("/validation/statistic", NONE, "1", "sum of squared scores of ensemble against integral"),
+    variable("/validation/degrees_of_freedom", NONE, "1", "degrees of freedom of the joint test"),
+    variable("/validation/kurtosis", NONE, "1", "fourth cumulants of the scores of a replica, contracted"),
+    variable("/validation/skewness", NONE, "1", "third cumulants of the scores of a replica, squared and contracted"),
     variable(
         "/validation/p_value",
         NONE,

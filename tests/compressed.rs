@@ -57,7 +57,7 @@ impl Patch {
             controls: &[],
             keep_curves: true,
             compression,
-            protocol: Protocol::default(),
+            protocol: Protocol { stiffness_span: Some(0.2e-9), ..Protocol::default() },
         }
     }
 

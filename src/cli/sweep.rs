@@ -6,6 +6,7 @@ use super::record::{write_about, write_model};
 use super::run::{Session, output_of};
 use super::{Failure, RunArguments, files_of, print_of};
 use crate::engine::SCALARS;
+use crate::math::interval::LEVEL;
 use crate::math::sums::SUM_ROUNDING;
 use crate::output::checkpoint::Identity;
 use crate::output::reader::Reader;
@@ -104,6 +105,7 @@ fn assembled(
     }
     write_differences(&writer, &rows)?;
     let p_values: Vec<f64> = rows.iter().map(|row| row.p_value).collect();
+    writer.number("/ensemble", "interval_level", LEVEL)?;
     writer.number("/validation", "significance", SIGNIFICANCE)?;
     writer.text("/validation", "correction", "Holm")?;
     writer.text("/validation", "overall_verdict", overall(&p_values).name())?;

@@ -150,10 +150,10 @@ fn what_does_not_fit_together_is_refused_with_a_list() {
     assert_refused(&folder, &list(&["scene.toml"]), &["is not an HDF5 file"]);
     // An output that is there, or a shard itself, is not overwritten.
     assert_exit(&merge(&folder, &[one.clone(), two.clone(), three.clone(), four.clone()], &[]), 0);
-    assert_exit(&merge(&folder, &[one.clone(), two, three, four], &[]), 2);
-    let own = folder.stiction(&["merge", "--force", "-o", &one, &one]);
+    assert_exit(&merge(&folder, &[one.clone(), two.clone(), three.clone(), four.clone()], &[]), 2);
+    let own = folder.stiction(&["merge", "--force", "-o", &one, &one, &two, &three, &four]);
     assert_exit(&own, 2);
-    assert!(text(&own.stderr).contains("which this command reads"));
+    assert!(text(&own.stderr).contains("which this command reads"), "{}", text(&own.stderr));
 }
 
 /// A byte of its sums, a byte of its records, another version of the program or of the format.

@@ -130,6 +130,8 @@ fn naive(parts: &[CentralMoments; 16], expected: &[f64], y: usize) -> f64 {
 /// sample is not: it fails for the pull-off force by more than twice as many.
 #[test]
 fn means_with_controls_are_unbiased_and_the_naive_ones_are_not() {
+    /// Of the scalars, with controls and by the naive estimate.
+    type Means = (Vec<f64>, Vec<f64>);
     const ENSEMBLES: u64 = 10_000;
     for (name, scheme) in SamplingScheme::ALL {
         let heights = if scheme == SamplingScheme::Independent { HeightLaw::Exponential } else { HeightLaw::Gaussian };
@@ -139,7 +141,7 @@ fn means_with_controls_are_unbiased_and_the_naive_ones_are_not() {
             (means.iter().map(|mean| mean.controlled_mean).collect::<Vec<f64>>(), own)
         });
         for (i, scalar) in SCALARS.iter().enumerate() {
-            let z = |of: &dyn Fn(&(Vec<f64>, Vec<f64>)) -> f64| {
+            let z = |of: &dyn Fn(&Means) -> f64| {
                 let n = ENSEMBLES as f64;
                 let deviations: Vec<f64> = found.iter().map(|found| of(found) - patch.pool.truth()[i]).collect();
                 let mean = deviations.iter().sum::<f64>() / n;

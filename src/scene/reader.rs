@@ -178,7 +178,7 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// Refuses keys that scenes do not know, here and in all tables within but [sweep], which has its own.
+    /// Refuses keys that scenes do not know, here and in all tables within but `[sweep]`, which has its own.
     pub fn known(&self) -> Result<(), SceneError> {
         let known = keys_of(self.name);
         all(self.table.iter().map(|(key, value)| {

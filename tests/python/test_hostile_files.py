@@ -120,7 +120,7 @@ def test_newer_minor_versions_are_read(result, tmp_path):
     with forged(result, tmp_path) as file:
         file.attrs["format_version"] = numpy.array([2, 9], dtype="u8")
         file.attrs["novelty"] = numpy.zeros(2, dtype=[("a", "f8"), ("b", "S3")])
-    assert_read(tmp_path / "forged.h5", "1, 9", "novelty")
+    assert_read(tmp_path / "forged.h5", "2, 9", "novelty")
     assert ask("validate", tmp_path / "forged.h5").returncode == 0
 
 

@@ -106,6 +106,9 @@ DATASETS = {
     "replicas/peak_secant_stiffness_separation": (N, "m"),
     "replicas/external_force": (NS, "N"),
     "replicas/adhesion_force": (NS, "N"),
+    "statistical/pull_off_regime_count": (("regime",), "1"),
+    "statistical/pull_off_regime_adhesion_force": (("regime",), "N"),
+    "statistical/pull_off_contact_area": ((), "m2"),
     "statistical/adhesion_force": (S, "N"),
     "statistical/contact_force": (S, "N"),
     "statistical/external_force": (S, "N"),
@@ -541,7 +544,7 @@ def test_plot_draws_a_picture_beside_the_result(path):
     assert struct.unpack(">II", data[16:24]) == (1100, 800)
 
 
-def test_one_dry_elastic_replica_is_not_tested_and_can_be_plotted(tmp_path):
+def test_one_dry_elastic_replica_can_be_tested_and_plotted(tmp_path):
     text = SCENE.replace('lubricant_thickness = "0.5 nm"', "").replace('law = "hybrid"', 'law = "emd"')
     path = run_program(tmp_path, text.replace(f"replicas = {REPLICAS}", "replicas = 1"))
     with h5py.File(path, "r") as file:
@@ -549,8 +552,9 @@ def test_one_dry_elastic_replica_is_not_tested_and_can_be_plotted(tmp_path):
         assert np.all(file["ensemble/regime_adhesion_force_mean"][1] == 0.0)
         assert np.all(np.isnan(file["ensemble/external_force_std"][()]))
         assert np.all(np.isfinite(file["validation/z_external_force"][()]))
-        assert file["validation"].attrs["verdict"] == "not tested"
-        assert np.isnan(file["validation"].attrs["p_value"])
+        # A single replica of many asperities has a distribution by the law; a false alarm once in 1000, the seed is fixed.
+        assert file["validation"].attrs["verdict"] == "agree"
+        assert 0.001 <= file["validation"].attrs["p_value"] <= 1.0
     run = run_plot(path, "-o", tmp_path / "one.png", "--dpi", "50")
     assert run.returncode == 0 and (tmp_path / "one.png").stat().st_size > 10_000, run.stderr
 

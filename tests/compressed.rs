@@ -53,7 +53,6 @@ impl Patch {
             seed: 11,
             scheme: SamplingScheme::Independent,
             replicas: 11,
-            probes: &[],
             controls: &[],
             keep_curves: true,
             compression,

@@ -124,7 +124,6 @@ fn numbers(scene: &Scene, model: &Model, name: &str, least: i32) -> Option<[Vec<
         seed: scene.seed,
         scheme: scene.sampling,
         replicas: 2,
-        probes: &[],
         controls: &[],
         keep_curves: false,
         compression: None,

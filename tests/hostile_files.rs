@@ -182,7 +182,7 @@ fn forged_datasets_are_refused() {
     let (s, k) = (count("/separation"), count("/component"));
     assert!(s == 16 && k == 11, "{s} {k}");
     type Change = fn(&hdf5::File);
-    let cases: [(Change, &str); 20] = [
+    let cases: [(Change, &str); 18] = [
         (|file| file.unlink("/h_star").unwrap(), "lacks the dataset /h_star"),
         (|file| file.unlink("/separation").unwrap(), "lacks the dimension `separation`"),
         (|file| file.unlink("/statistical").unwrap(), "lacks the group /statistical"),
@@ -195,15 +195,8 @@ fn forged_datasets_are_refused() {
         ),
         (|file| replace_dataset(file, "/replica", &[39], &[0_u64; 39]), "but the dimension `replica` has 39"),
         (
-            |file| replace_dataset(file, "/component_other", &[1], &[0_u64]),
-            "score_covariance of the shape [11, 11], not [11, 1]",
-        ),
-        (
-            |file| {
-                replace_dataset(file, "/component_other", &[1], &[0_u64]);
-                replace_dataset(file, "/validation/score_covariance", &[11, 1], &[1.0; 11]);
-            },
-            "has 11 values of /validation/score_covariance for 11 functionals",
+            |file| replace_dataset(file, "/component", &[1], &[0_u64]),
+            "probe_adhesion_force of the shape [11, 16], not [1, 16]",
         ),
         (|file| replace_dataset(file, "/h_star", &[16], &[0_i32; 16]), "/h_star that does not hold numbers"),
         (
@@ -226,7 +219,6 @@ fn forged_datasets_are_refused() {
             |file| plant(file, "/validation/probe_adhesion_force", f64::NAN),
             "NaN at 1 of /validation/probe_adhesion_force",
         ),
-        (|file| plant(file, "/validation/score_covariance", f64::NAN), "NaN at 1 of /validation/score_covariance"),
         (
             |file| file.group("/validation").unwrap().attr("skewness").unwrap().write_scalar(&f64::NAN).unwrap(),
             "has skewness = NaN in /validation",

@@ -166,7 +166,7 @@ fn both_ways_agree_with_their_integral() {
         let separations = separations(&surface, -1.0, 5.0, 31);
         let replicas = 160;
         let basis = basis_of_loop(&cycle, &surface, &separations, SamplingScheme::Independent, replicas);
-        let job = Job { probes: &basis.probes, ..job(&cycle, &surface, &separations, replicas) };
+        let job = job(&cycle, &surface, &separations, replicas);
         let sampled = ensemble(&job, 2);
         let there = Statistical::new(cycle.approach(), &surface, &separations);
         let back = Statistical::way_back(&cycle, &surface, &separations);

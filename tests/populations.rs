@@ -171,8 +171,7 @@ fn ensembles_agree_with_the_integral() {
         let hybrid = law_for("hybrid", &surface, &separations);
         let replicas = if surface.whole { 2 } else { 160 };
         let basis = basis(hybrid.as_ref(), &surface, &separations, SamplingScheme::Independent, replicas);
-        let job =
-            stiction::engine::Job { probes: &basis.probes, ..job(hybrid.as_ref(), &surface, &separations, replicas) };
+        let job = job(hybrid.as_ref(), &surface, &separations, replicas);
         let outcome = run(&job, &pool, &AtomicBool::new(false), |_, _| Ok::<(), ()>(())).unwrap();
         let ensemble: Ensemble = outcome.forest().ensemble(&job);
         let expected = Statistical::new(hybrid.as_ref(), &surface, &separations);
@@ -216,7 +215,7 @@ fn radii_that_are_not_those_of_the_integral_are_caught() {
     for (name, drawn, taken) in [("mean radius", &scattered, &mean), ("uncorrelated", &measured, &uncorrelated)] {
         let [law, other] = [drawn, taken].map(|surface| law_for("hybrid", surface, &separations));
         let basis = basis(other.as_ref(), taken, &separations, SamplingScheme::Independent, 160);
-        let job = stiction::engine::Job { probes: &basis.probes, ..job(law.as_ref(), drawn, &separations, 160) };
+        let job = job(law.as_ref(), drawn, &separations, 160);
         let outcome = run(&job, &pool, &AtomicBool::new(false), |_, _| Ok::<(), ()>(())).unwrap();
         let ensemble: Ensemble = outcome.forest().ensemble(&job);
         let expected = Statistical::new(other.as_ref(), taken, &separations);

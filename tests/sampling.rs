@@ -42,7 +42,6 @@ impl Patch {
             seed,
             scheme,
             replicas,
-            probes: &[],
             controls: &controls,
             keep_curves: false,
             compression: None,

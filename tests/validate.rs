@@ -9,7 +9,7 @@ use hdf5::types::TypeDescriptor;
 const DAMAGES: [&str; 4] = ["scale", "NaN", "negate", "reverse"];
 
 /// What cannot be found, and why.
-const NOT_FOUND: [(&str, &str, &str); 14] = [
+const NOT_FOUND: [(&str, &str, &str); 13] = [
     ("/statistical/pull_off_contact_area", "scale", "bounded by coarse separations only"),
     ("/replicas/highest_asperity", "reverse", "replicas may stand in any order"),
     ("/replicas/pull_off_force", "reverse", "replicas may stand in any order"),
@@ -20,7 +20,6 @@ const NOT_FOUND: [(&str, &str, &str); 14] = [
     ("/validation/tested_external_force", "reverse", "of the law, which is not computed anew"),
     ("/validation/retraction_tested_adhesion_force", "reverse", "of the law, which is not computed anew"),
     ("/validation/retraction_tested_external_force", "reverse", "of the law, which is not computed anew"),
-    ("/validation/score_covariance", "reverse", "of nothing else that is kept, and symmetric as it was"),
     ("/control", "reverse", "controls may stand in any order"),
     ("/stiffness", "scale", "given by the scene"),
     ("/preload", "scale", "given by the scene"),

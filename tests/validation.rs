@@ -65,7 +65,6 @@ fn joint_test(scene: &Scene<'_>, law: &dyn Law, basis: &Basis, expected: &Statis
         seed,
         scheme: scene.scheme,
         replicas: scene.replicas,
-        probes: &basis.probes,
         controls: &[],
         keep_curves: false,
         compression: None,

@@ -27,7 +27,6 @@ pub fn job<'a>(scene: &'a Scene, law: &'a dyn Law, replicas: u64) -> Job<'a> {
         seed: scene.seed,
         scheme: scene.sampling,
         replicas,
-        probes: &[],
         controls: &[],
         keep_curves: false,
         compression: None,

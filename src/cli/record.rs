@@ -36,7 +36,6 @@ pub(super) fn write_head(writer: &mut Writer<'_>, results: &Results) -> Result<(
     }
     let components: Vec<u64> = (0..basis.probes.len() as u64).collect();
     writer.scale(Dimension::Component, &components)?;
-    writer.scale(Dimension::ComponentOther, &components)?;
     let names: Vec<&str> = scalars(scene.cycle).map(|scalar| scalar.name).collect();
     writer.named_scale(Dimension::Scalar, &names)?;
     writer.named_scale(Dimension::RangeEnd, &RANGE_ENDS)?;
@@ -308,7 +307,6 @@ fn write_validation(writer: &Writer<'_>, results: &Results) -> Result<(), Output
             writer.dataset(&format!("/validation/{way}probe_{name}"), &weights)?;
         }
     }
-    writer.dataset("/validation/score_covariance", &results.ensemble.groups.scores.covariance())?;
     writer.text("/validation", "test", "chi-squared")?;
     writer.number("/validation", "statistic", joint.statistic)?;
     writer.number("/validation", "degrees_of_freedom", joint.degrees_of_freedom)?;

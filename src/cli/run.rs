@@ -196,7 +196,6 @@ impl Groundwork {
             scene: &self.scene,
             law: self.laws.law.as_ref(),
             cycle: self.laws.cycle.as_ref(),
-            basis: &self.state.basis,
             controls: &self.state.controls,
             rule: self.rule(),
             keep_curves: self.scene.curves,

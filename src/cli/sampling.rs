@@ -24,7 +24,6 @@ pub(super) struct Sampling<'a> {
     pub law: &'a dyn Law,
     /// The loop of which the law is the approach, if surfaces are pulled back.
     pub cycle: Option<&'a Loop>,
-    pub basis: &'a Basis,
     /// Indices of the states of the control variates.
     pub controls: &'a [usize],
     /// What ends it before all replicas of the scene are in.
@@ -42,7 +41,6 @@ impl Sampling<'_> {
             seed: self.scene.seed,
             scheme: self.scene.sampling,
             replicas: self.scene.replicas,
-            probes: &self.basis.probes,
             controls: self.controls,
             keep_curves: self.keep_curves,
             compression: None,

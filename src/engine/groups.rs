@@ -6,7 +6,7 @@ use super::curves::Curves;
 use super::replica::Replica;
 use super::scalars::scalars;
 use crate::asperity::Quantity;
-use crate::math::moments::{CentralMoments, Comoments, Moments};
+use crate::math::moments::{CentralMoments, Moments};
 use crate::math::words::Words;
 
 /// Parts that the scalars of an ensemble are split into, by batches in turn: independent of each other, as control variates need them.
@@ -17,12 +17,10 @@ const PARTS: usize = 16;
 pub struct Groups {
     /// Moments of the curves, by [`Quantity::index`], each over the states.
     pub curves: [Moments; 4],
-    /// Mean and covariance of the probes' scores.
-    pub scores: Comoments,
     /// Mean, covariance and third moments of the external force at the controls, N, and behind these of the [`scalars`]; the batch i of a
     /// job is in the part i modulo 16.
     pub scalars: [CentralMoments; PARTS],
-    /// Sums over the replicas of a group that is not complete: curves, scores, controls, scalars.
+    /// Sums over the replicas of a group that is not complete: curves, controls, scalars.
     sums: Vec<f64>,
     filled: u64,
 }
@@ -30,27 +28,23 @@ pub struct Groups {
 impl Groups {
     /// No replicas yet.
     pub fn new(job: &Job<'_>) -> Self {
-        let (s, k, c) =
-            (job.states(), job.probes.len(), job.controls.len() + scalars(job.protocol.cycle.is_some()).count());
+        let (s, c) = (job.states(), job.controls.len() + scalars(job.protocol.cycle.is_some()).count());
         Self {
             curves: std::array::from_fn(|_| Moments::new(s)),
-            scores: Comoments::new(k),
             scalars: std::array::from_fn(|_| CentralMoments::new(c)),
-            sums: vec![0.0; 4 * s + k + c],
+            sums: vec![0.0; 4 * s + c],
             filled: 0,
         }
     }
 
     /// Adds the next replica of the batch of an index.
     pub fn push(&mut self, job: &Job<'_>, batch: u64, replica: &Replica, curves: &Curves) {
-        let [adhesion, external] =
-            [Quantity::AdhesionForce, Quantity::ExternalForce].map(|q| curves.total[q.index()].as_slice());
+        let external = &curves.total[Quantity::ExternalForce.index()];
         let values = curves
             .total
             .iter()
             .flatten()
             .copied()
-            .chain(job.probes.iter().map(|probe| probe.score(adhesion, external)))
             .chain(job.controls.iter().map(|&place| external[place]))
             .chain(scalars(job.protocol.cycle.is_some()).map(|scalar| (scalar.of)(replica)));
         self.sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += value);
@@ -63,12 +57,10 @@ impl Groups {
     fn complete(&mut self, job: &Job<'_>, part: usize) {
         let group = self.filled as f64;
         self.sums.iter_mut().for_each(|sum| *sum /= group);
-        let (curves, rest) = self.sums.split_at(4 * job.states());
+        let (curves, scalars) = self.sums.split_at(4 * job.states());
         for (moments, curve) in self.curves.iter_mut().zip(curves.chunks_exact(job.states())) {
             moments.push(curve);
         }
-        let (scores, scalars) = rest.split_at(job.probes.len());
-        self.scores.push(scores);
         self.scalars[part].push(scalars);
         self.sums.fill(0.0);
         self.filled = 0;
@@ -79,7 +71,6 @@ impl Groups {
         for (mine, theirs) in self.curves.iter_mut().zip(&other.curves) {
             mine.merge(theirs);
         }
-        self.scores.merge(&other.scores);
         for (mine, theirs) in self.scalars.iter_mut().zip(&other.scalars) {
             mine.merge(theirs);
         }
@@ -89,7 +80,6 @@ impl Groups {
 impl Words for Groups {
     fn each_word(&mut self, visit: &mut dyn FnMut(&mut u64)) {
         self.curves.each_word(visit);
-        self.scores.each_word(visit);
         // Nothing is left over between batches.
         self.scalars.each_word(visit);
     }

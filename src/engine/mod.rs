@@ -48,24 +48,6 @@ pub use summation::Summation;
 use crate::asperity::{Law, Loop};
 use crate::surface::{SamplingScheme, Surface};
 use compressed::Compression;
-use serde::{Deserialize, Serialize};
-
-/// A linear functional of a replica's force curves, for the joint test: Σ w_a F_s(d) + Σ w_f F(d), over the states of a [`Job`].
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Probe {
-    /// Weights of the adhesion force at each state, 1/N.
-    pub adhesion_force: Vec<f64>,
-    /// Weights of the external force at each state, 1/N.
-    pub external_force: Vec<f64>,
-}
-
-impl Probe {
-    /// The functional of two curves.
-    pub fn score(&self, adhesion_force: &[f64], external_force: &[f64]) -> f64 {
-        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
-        dot(&self.adhesion_force, adhesion_force) + dot(&self.external_force, external_force)
-    }
-}
 
 /// What is to be computed.
 #[derive(Clone, Copy)]
@@ -82,8 +64,6 @@ pub struct Job<'a> {
     pub scheme: SamplingScheme,
     /// Number of replicas, at least 1, in whole groups of the scheme.
     pub replicas: u64,
-    /// Functionals whose mean and covariance across groups of replicas are wanted.
-    pub probes: &'a [Probe],
     /// Indices of the states at which the external force is a control variate of the scalars.
     pub controls: &'a [usize],
     /// Whether batches carry the force curves of their replicas.

@@ -514,7 +514,6 @@ mod tests {
             seed: 1,
             scheme: SamplingScheme::Independent,
             replicas: 1,
-            probes: &[],
             controls: &[],
             keep_curves: false,
             compression: None,

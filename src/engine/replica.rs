@@ -285,7 +285,6 @@ mod tests {
             seed: 7,
             scheme: SamplingScheme::Independent,
             replicas: 8,
-            probes: &[],
             controls: &[],
             keep_curves: false,
             compression: None,

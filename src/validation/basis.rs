@@ -1,9 +1,8 @@
 //! Functionals of the force curves for the joint test.
 
-use super::joint::SIGNIFICANCE;
+use super::joint::{Probe, SIGNIFICANCE};
 use super::null::{Cumulants, GrowingCumulants};
 use crate::asperity::{Law, Loop, Scratch, Work, for_each_block};
-use crate::engine::Probe;
 use crate::math::linalg::{LARGEST, gram, whitening};
 use crate::surface::{CountLaw, Heights, Part, STRATA, SamplingScheme, Surface};
 use serde::{Deserialize, Serialize};

@@ -1,10 +1,27 @@
 //! The sum of squares of the mean scores.
 
 use super::null::Cumulants;
-use crate::engine::Probe;
+use serde::{Deserialize, Serialize};
 
 /// Significance of the verdict: ensembles that agree are called different once in a thousand.
 pub const SIGNIFICANCE: f64 = 1e-3;
+
+/// A linear functional of a replica's force curves, for the joint test: Σ w_a F_s(d) + Σ w_f F(d), over the states of a [`Job`](crate::engine::Job).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Probe {
+    /// Weights of the adhesion force at each state, 1/N.
+    pub adhesion_force: Vec<f64>,
+    /// Weights of the external force at each state, 1/N.
+    pub external_force: Vec<f64>,
+}
+
+impl Probe {
+    /// The functional of two curves.
+    pub fn score(&self, adhesion_force: &[f64], external_force: &[f64]) -> f64 {
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
+        dot(&self.adhesion_force, adhesion_force) + dot(&self.external_force, external_force)
+    }
+}
 
 /// What the joint test says.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -13,7 +13,7 @@ mod null;
 mod several;
 
 pub use basis::{Basis, basis, basis_of_loop, basis_to};
-pub use joint::{JointTest, SIGNIFICANCE, Verdict};
+pub use joint::{JointTest, Probe, SIGNIFICANCE, Verdict};
 pub use null::Cumulants;
 pub use several::{Difference, disagreeing, overall};
 

@@ -51,7 +51,6 @@ pub fn job<'a>(law: &'a dyn Law, surface: &'a Surface, separations: &'a [f64], r
         seed: 5,
         scheme: SamplingScheme::Independent,
         replicas,
-        probes: &[],
         controls: &[],
         keep_curves: false,
         compression: None,

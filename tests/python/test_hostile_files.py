@@ -230,7 +230,7 @@ def test_a_sea_of_zeros_is_not_believed(result, tmp_path):
 def test_repacked_results_are_read(result, tmp_path):
     """Chunked and compressed, as other tools rewrite files."""
     with forged(result, tmp_path) as file:
-        for name in ("ensemble/external_force_mean", "statistical/external_force", "validation/score_covariance"):
+        for name in ("ensemble/external_force_mean", "statistical/external_force", "validation/probe_external_force"):
             values = file[name][()]
             del file[name]
             file.create_dataset(name, data=values, chunks=True, compression="gzip", shuffle=True, fletcher32=True)

@@ -189,7 +189,7 @@ fn sample(
     progress: &mut Progress,
 ) -> Result<Sampled, Failure> {
     let basis = basis_of(scene, law, None);
-    let setup = Sampling { scene, law, cycle: None, basis: &basis, controls: &[], rule: None, keep_curves: false };
+    let setup = Sampling { scene, law, cycle: None, controls: &[], rule: None, keep_curves: false };
     let job = setup.job();
     let (outcome, summation) = setup.run(name, pool, stop, progress, Forest::of(&job), |_, _| Ok(()))?;
     let Outcome::Complete(forest) = outcome else {

@@ -7,13 +7,12 @@ use super::format::row;
 use super::summary::verdict;
 use super::sweep::together;
 use super::{Failure, print};
-use crate::engine::Probe;
 use crate::output::reader::Reader;
 use crate::output::schema::{Dimension, RUN, SWEEP};
 use crate::scene::echo::one_line;
 use crate::scene::sweep::MOST_POINTS;
 use crate::surface::SamplingScheme;
-use crate::validation::{Cumulants, JointTest, Verdict, overall, z_scores};
+use crate::validation::{Cumulants, JointTest, Probe, Verdict, overall, z_scores};
 use consistency::{Checked, TOLD};
 use std::path::Path;
 
@@ -54,7 +53,6 @@ pub(super) fn validate(path: &Path) -> Result<(), Failure> {
         z_scores(mean, expected, std, groups)
     });
     let probes = probes(&reader, ways, path)?;
-    covariance(&reader, probes.len(), groups, path)?;
     let joint = JointTest::new(
         &probes,
         [0, 1].map(|i| forces[i][0].as_slice()),
@@ -169,7 +167,6 @@ fn joint_at(
     if replicas == 0 || !replicas.is_multiple_of(scheme.group()) {
         return Err(refused(path, &format!("has {replicas} replicas at a point, no number of {} ones", scheme.name())));
     }
-    let groups = replicas / scheme.group();
     let freedom: Vec<u64> = reader.at_point("/validation/degrees_of_freedom", place)?;
     let (separations, most) = (reader.length(Dimension::SeparationIndex)?, reader.length(Dimension::Component)?);
     let components = freedom.first().map_or(0, |components| *components as usize).min(most);
@@ -188,12 +185,6 @@ fn joint_at(
     let probes: Vec<Probe> = rows
         .map(|(adhesion, external)| Probe { adhesion_force: adhesion.to_vec(), external_force: external.to_vec() })
         .collect();
-    let all: Vec<f64> = reader.at_point("/validation/score_covariance", place)?;
-    let covariance: Vec<f64> =
-        all.chunks_exact(most.max(1)).take(components).flat_map(|row| &row[..components]).copied().collect();
-    if groups > 1 && !covariance.iter().all(|value| value.is_finite()) {
-        return Err(refused(path, &format!("has no numbers in /validation/score_covariance at the point {place:?}")));
-    }
     let means = [&adhesion_mean[..], &external_mean];
     let cumulant = |name: &str| Ok::<f64, Failure>(finite(name, 1)?[0]);
     let cumulants =
@@ -264,16 +255,6 @@ fn probes(reader: &Reader, ways: &[&str], path: &Path) -> Result<Vec<Probe>, Fai
 fn cumulant(reader: &Reader, name: &str, path: &Path) -> Result<f64, Failure> {
     let value: f64 = reader.number("/validation", name)?;
     if value.is_finite() { Ok(value) } else { Err(refused(path, &format!("has {name} = {value} in /validation"))) }
-}
-
-/// The covariance of the scores of `count` functionals, row-major; one group of replicas has none.
-fn covariance(reader: &Reader, count: usize, groups: u64, path: &Path) -> Result<Vec<f64>, Failure> {
-    const NAME: &str = "/validation/score_covariance";
-    let values: Vec<f64> = if groups > 1 { finite(reader, NAME, path)? } else { reader.values(NAME)? };
-    if values.len() != count * count {
-        return Err(refused(path, &format!("has {} values of {NAME} for {count} functionals", values.len())));
-    }
-    Ok(values)
 }
 
 /// The values of a dataset, all of which have to be finite.

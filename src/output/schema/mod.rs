@@ -66,8 +66,6 @@ pub enum Dimension {
     Replica,
     /// Functionals of the joint test.
     Component,
-    /// The same, for the second dimension of their covariance.
-    ComponentOther,
     /// Numbers that are read off a replica's own curve.
     Scalar,
     /// Separations h of the control variates, m.
@@ -128,7 +126,6 @@ impl Dimension {
             Self::Regime => "regime",
             Self::Replica => "replica",
             Self::Component => "component",
-            Self::ComponentOther => "component_other",
             Self::Scalar => "scalar",
             Self::Control => "control",
             Self::Phase => "phase",

@@ -17,7 +17,6 @@ const PD: &[Dimension] = &[Dimension::Preload, Dimension::Stiffness];
 const ND: &[Dimension] = &[Dimension::Replica, Dimension::Stiffness];
 const NP: &[Dimension] = &[Dimension::Replica, Dimension::Preload];
 const NPD: &[Dimension] = &[Dimension::Replica, Dimension::Preload, Dimension::Stiffness];
-const KK: &[Dimension] = &[Dimension::Component, Dimension::ComponentOther];
 
 /// A result of `stiction run`.
 pub static RUN: Layout = Layout {
@@ -38,7 +37,6 @@ const VARIABLES: &[Variable] = &[
     variable("/regime", &[Dimension::Regime], "1", "regime of an asperity"),
     variable("/replica", N, "1", "index of the replica"),
     variable("/component", &[Dimension::Component], "1", "functional of the joint test"),
-    variable("/component_other", &[Dimension::ComponentOther], "1", "functional of the joint test, again"),
     variable("/scalar", A, "1", "number that is read off a replica's own curve"),
     variable("/range_end", &[Dimension::RangeEnd], "1", "end of a range"),
     variable("/control", &[Dimension::Control], "m", "separation h at which the external force is a control variate"),
@@ -213,7 +211,6 @@ const VARIABLES: &[Variable] = &[
         "N-1",
         "weights of the external force in each functional of the joint test",
     ),
-    variable("/validation/score_covariance", KK, "1", "covariance of the functionals across groups of replicas"),
     variable("/step", J, "m", "middle between neighbouring separations h"),
     variable("/stiffness", D, "N m-1", "stiffness of what holds the surface, 0 for load control"),
     variable("/preload", P, "N", "external force at which the surface turns back, NaN for the smallest separation"),

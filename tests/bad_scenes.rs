@@ -493,3 +493,67 @@ fn a_missing_scene_is_named() {
     assert_eq!(output.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&output.stderr).contains("absent.toml: cannot be read"));
 }
+
+/// Whether the quick scene with something replaced is a scene.
+fn is_scene(from: &str, to: &str) -> bool {
+    assert!(QUICK.contains(from), "{from}");
+    Document::parse(&QUICK.replace(from, to), Arc::new(Beside::scene(Path::new("scene.toml")))).is_ok()
+}
+
+/// Limits belong to what is allowed; the next number beyond does not.
+#[test]
+fn limits_are_within() {
+    let separations = "h_star = { from = -1.0, to = 8.0, count = 91 }";
+    let list = |count: u32| (0..count).map(|i| format!("{}.0", f64::from(i) / 1e3)).collect::<Vec<_>>().join(", ");
+    let list = |count: u32| format!("h_star = [{}]", list(count).replace(".0,", ",").trim_end_matches(".0"));
+    assert!(is_scene(separations, &list(10_000)) && !is_scene(separations, &list(10_001)));
+    let even = |count: u32| format!("h_star = {{ from = -1.0, to = 8.0, count = {count} }}");
+    assert!([2, 10_000].into_iter().all(|count| is_scene(separations, &even(count))));
+    assert!([1, 10_001].into_iter().all(|count| !is_scene(separations, &even(count))));
+    let span =
+        |span: f64| is_scene(separations, &format!("h = [\"0 m\", \"8e-9 m\"]\nstiffness_span = \"{span:e} m\""));
+    assert!(span(8e-9) && !span(8e-9_f64.next_up()));
+    // A million roundings of the largest separation: 8e-9 · 1e6 · 2⁻⁵².
+    let least = 8e-9 * 1e6 / 2.0_f64.powi(52);
+    assert!(span(least * (1.0 + 1e-15)) && !span(least * (1.0 - 1e-15)));
+    let ratio = |ratio: f64| is_scene("poisson_ratio = 0.27", &format!("poisson_ratio = {ratio:?}"));
+    assert!(ratio(0.5) && !ratio(0.5_f64.next_up()));
+    let law = |key: &str, law: &str, parameter: &str, value: f64| {
+        let entry = format!("[surface]\n{key} = {{ law = \"{law}\", {parameter} = {value:?} }}");
+        is_scene("[surface]", &entry)
+    };
+    for (key, name, parameter, [low, high]) in [
+        ("heights", "weibull", "shape", [1.0, 20.0]),
+        ("heights", "lognormal", "shape", [0.01, 1.5]),
+        ("radii", "lognormal", "coefficient_of_variation", [0.001, 1.0]),
+        ("radii", "gamma", "coefficient_of_variation", [0.001, 1.0]),
+    ] {
+        assert!(law(key, name, parameter, low) && law(key, name, parameter, high), "{name}");
+        assert!(!law(key, name, parameter, f64::next_down(low)), "{name}");
+        assert!(!law(key, name, parameter, f64::next_up(high)), "{name}");
+    }
+}
+
+/// Replicas that depend on each other are for surfaces of one radius with Gaussian heights and a fixed number of asperities; all others are
+/// refused them, and nothing else.
+#[test]
+fn schemes_are_for_plain_surfaces() {
+    for (surface, is_plain) in [
+        ("", true),
+        ("heights = \"gaussian\"\nradii = \"common\"\ncount = \"fixed\"", true),
+        ("heights = \"exponential\"", false),
+        ("heights = { law = \"truncated\", upper = 2.0 }", false),
+        ("radii = { law = \"gamma\", coefficient_of_variation = 0.2 }", false),
+        ("count = \"poisson\"", false),
+        ("summits = \"nayak\"", false),
+    ] {
+        for (sampling, is_for_all) in [("independent", true), ("antithetic", false), ("stratified", false)] {
+            let text = QUICK.replace("[surface]", &format!("[surface]\n{surface}"));
+            let text = text.replace("seed = 1", &format!("seed = 1\nsampling = \"{sampling}\""));
+            let read = Document::parse(&text, Arc::new(Beside::scene(Path::new("scene.toml"))));
+            assert_eq!(read.is_ok(), is_plain || is_for_all, "{surface} {sampling}");
+            let problem = read.err().map(|error| error.to_string()).unwrap_or_default();
+            assert!(problem.is_empty() || problem.contains("is for surfaces of one radius"), "{problem}");
+        }
+    }
+}

@@ -8,7 +8,7 @@ use stiction::asperity::{Boundary, Law, Path, Piece, Quantity, Regime, Responses
 use stiction::engine::compressed::{Compression, Unfit, largest_error};
 use stiction::engine::stream::{Purpose, stream};
 use stiction::engine::{Curves, Ensemble, Job, Outcome, Protocol, Replica, Summation, Workspace, run};
-use stiction::surface::{Heights, SamplingScheme, Surface};
+use stiction::surface::{Heights, SamplingScheme, Surface, TRACT};
 
 /// A law on a surface.
 struct Patch {
@@ -153,6 +153,21 @@ fn every_step_is_met_to_the_tolerance() {
         }
     }
     println!("worst: {worst:?} tolerances");
+}
+
+/// A surface of more asperities than are held at once, too, in its curves and in its pull-off between them.
+#[test]
+fn tracts_are_met_to_the_tolerance() {
+    let mut patch = Patch::case("II", "hybrid").with_asperities(TRACT + 70_000);
+    patch.separations = grid(&patch.surface, 2.05, 0.25, 8);
+    let direct = patch.summed(None, 0, 1);
+    assert!(!direct[0].0.pull_off_at_edge);
+    let compression = patch.compression(1e-9).unwrap();
+    let errors = patch.errors(&compression, &direct);
+    assert!(errors[0] <= 1.0 && errors[1] <= PULL_OFF, "{errors:?}");
+    // Between the separations it is deeper than at any.
+    let deepest = direct[0].1.total[Quantity::ExternalForce.index()].iter().copied().fold(f64::INFINITY, f64::min);
+    assert!(direct[0].0.pull_off_force.abs() > 1.0001 * deepest.abs(), "{direct:?}");
 }
 
 /// From one asperity, whose curve is nothing but kinks and jumps, to many: also where the pull-off is. (One asperity in its lubricant pulls
@@ -352,19 +367,31 @@ fn what_does_not_fit_is_refused() {
 #[test]
 fn a_trial_tells_the_error_and_refuses() {
     let patch = Patch::case("II", "hybrid").with_asperities(2000);
-    for tolerance in TOLERANCES {
-        let tried = Summation::compressed(&patch.job(None), tolerance);
-        assert_eq!((tried.name(), tried.tolerance, tried.refusal), ("compressed", Some(tolerance), None));
-        assert!(tried.achieved_error > 0.0 && tried.achieved_error <= tolerance, "{}", tried.achieved_error);
-        assert_eq!(tried.sum_error(), tried.achieved_error);
-        // It is the largest of replicas 0, 2, 4 and 6 of 11.
-        let compression = tried.compression.as_ref().unwrap();
-        let error = |index| {
-            let [mine, truth] = [Some(compression), None].map(|sums| patch.summed(sums, index, 1).remove(0).1);
-            largest_error(&mine, &truth)
-        };
-        let found = [0, 2, 4, 6].map(error).into_iter().fold(0.0, f64::max);
-        assert!(found <= tried.achieved_error, "{found} {}", tried.achieved_error);
+    // Up to where the mean force of all crosses 0, that is where adhesion and load cancel, errors are largest of the pull-off.
+    let mut cut = Patch::case("II", "hybrid").with_asperities(2000);
+    cut.separations.truncate(34);
+    for (patch, of_pull_off) in [(&patch, false), (&cut, true)] {
+        for tolerance in TOLERANCES {
+            let tried = Summation::compressed(&patch.job(None), tolerance);
+            if !of_pull_off {
+                assert_eq!((tried.name(), tried.tolerance, tried.refusal), ("compressed", Some(tolerance), None));
+                assert!(tried.achieved_error > 0.0 && tried.achieved_error <= tolerance, "{}", tried.achieved_error);
+                assert_eq!(tried.sum_error(), tried.achieved_error);
+            }
+            // It is the largest of replicas 0, 2, 4 and 6 of 11, of their curves and of their pull-offs.
+            let compression = patch.compression(tolerance).unwrap();
+            let errors = [0, 2, 4, 6].map(|index| {
+                let [mine, truth] = [Some(&compression), None].map(|sums| patch.summed(sums, index, 1).remove(0));
+                let largest = truth.1.total[Quantity::AdhesionForce.index()].iter().copied().fold(0.0, f64::max);
+                let [force, of_truth] = [&mine, &truth].map(|(replica, _)| replica.pull_off_force);
+                [largest_error(&mine.1, &truth.1), (force - of_truth).abs() / of_truth.abs().max(1e-3 * largest)]
+            });
+            let [curves, pull_offs] = [0, 1].map(|i| errors.iter().map(|of| of[i]).fold(0.0, f64::max));
+            println!("{tolerance:e}: {curves:e} {pull_offs:e}");
+            assert_eq!(pull_offs > curves, of_pull_off, "{curves:e} {pull_offs:e}");
+            let found = curves.max(pull_offs);
+            assert!((found / tried.achieved_error - 1.0).abs() < 1e-9, "{found} {}", tried.achieved_error);
+        }
     }
     let direct = Summation::direct();
     assert!(direct.name() == "direct" && direct.sum_error().is_nan() && direct.compression.is_none());

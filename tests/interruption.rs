@@ -272,6 +272,18 @@ fn a_foreign_file_is_not_overwritten() {
     assert_eq!(folder.files(), [RECORDS, "scene.toml"]);
 }
 
+/// The beginning of records, as a run leaves it that is killed when it begins, is in no one's way.
+#[test]
+fn records_that_were_only_begun_are_overwritten() {
+    const BEGINNING: &str = "stiction replicas of a checkpoint\n";
+    let folder = Folder::new(&small().replace("replicas = 40", "replicas = 2"));
+    for begun in [0, 8, BEGINNING.len()] {
+        std::fs::write(folder.path(RECORDS), &BEGINNING[..begun]).unwrap();
+        assert_exit(&folder.stiction(&["run", "scene.toml", "--force"]), 0);
+        assert_eq!(folder.files(), ["scene.h5", "scene.toml"], "{begun}");
+    }
+}
+
 #[test]
 fn two_runs_of_one_output_are_not_made_at_once() {
     let folder = Folder::new(&scene().replace("replicas = 1600", "replicas = 100000"));

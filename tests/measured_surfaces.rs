@@ -3,14 +3,18 @@
 
 mod common;
 
-use common::program::{Folder, assert_exit, attribute, bits, text};
+use common::program::{Folder, QUICK, assert_exit, attribute, bits, text};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 use std::f64::consts::PI;
 use std::path::Path;
+use std::sync::Arc;
 use stiction::math::moments::Moments;
 use stiction::output::asperities;
+use stiction::scene::files::{Column, Files, Measured};
+use stiction::scene::{Document, Scene};
+use stiction::surface::Radii;
 use stiction::surface::map::{Asperities, HeightMap, Levelling};
 
 const MAP: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/configs/maps/polished.txt");
@@ -435,4 +439,98 @@ fn coarse_pixels_are_told() {
         let of_pixels = |caveat: &&String| caveat.contains("pixels are too coarse");
         assert_eq!(caveats.iter().filter(of_pixels).count(), usize::from(is_told), "{down} {across}: {caveats:?}");
     }
+}
+
+/// Mean square slopes along two directions are as the squares of the wave numbers: an egg-box with periods that differ by 3 is told to
+/// be anisotropic, whichever is the longer; one whose periods differ by 5 % is not.
+#[test]
+fn unequal_slopes_are_told() {
+    let shortest = 480e-9;
+    for (down, across, is_told) in [(1.0, 1.0, false), (1.0, 1.05, false), (1.0, 3.0, true), (3.0, 1.0, true)] {
+        let pixel = [shortest / 24.0; 2];
+        let shape = [3 * 24 * 3 + 2, 3 * 24 * 3 + 2];
+        let eggs = map(shape, pixel, |x, y| {
+            let [x, y] = [2.0 * PI / (shortest * across) * x + 0.6, 2.0 * PI / (shortest * down) * y + 1.3];
+            2e-9 * (x.cos() + y.cos())
+        });
+        let found = Asperities::new(&eggs.levelled(Levelling::None).unwrap()).unwrap();
+        let caveats = found.caveats(pixel);
+        let of_slopes = |caveat: &&String| caveat.contains("slopes along x and y differ");
+        assert_eq!(caveats.iter().filter(of_slopes).count(), usize::from(is_told), "{down} {across}: {caveats:?}");
+    }
+}
+
+/// Files with a few values, by hand.
+#[derive(Debug)]
+struct Few;
+
+impl Files for Few {
+    fn column(&self, path: &str, column: &Column) -> Result<Vec<f64>, String> {
+        assert_eq!(path, "few.csv");
+        match column {
+            Column::Numbered(2) => Ok(vec![1.0, 2.0, 6.0]),
+            Column::Named(name) if name == "second" => Ok(vec![3.0, 5.0]),
+            Column::Dataset(name) if name == "third" => Ok(vec![4.0]),
+            other => Err(format!("{other:?}")),
+        }
+    }
+
+    fn asperities(&self, path: &str) -> Result<Measured, String> {
+        assert_eq!(path, "few.h5");
+        let (heights, radii) = (vec![1e-9, 4e-9, 2.5e-9, 0.5e-9], vec![2e-6, 1e-6, 4e-6, 5e-6]);
+        Ok(Measured { heights, radii, nominal_area: 2e-12, surface_height_std: 2e-9 })
+    }
+}
+
+fn scene_with(surface: &str) -> Result<Scene, String> {
+    let (head, rest) = QUICK.split_once("[surface]").unwrap();
+    let text = format!("{head}[surface]\n{surface}\n[model]{}", rest.split_once("[model]").unwrap().1);
+    Document::parse(&text, Arc::new(Few)).map(|document| document.scene).map_err(|error| error.to_string())
+}
+
+/// Four measured asperities, by hand: heights about their mean, 2 nm, with a variance of (1 + 4 + 0.25 + 2.25)/4 nm²; two to a µm².
+#[test]
+fn measured_asperities_are_taken_as_they_are() {
+    let scene = scene_with("asperities = { path = \"few.h5\", sample = \"whole\" }").unwrap();
+    let surface = &scene.surface;
+    let near = |value: f64, exact: f64| assert!((value / exact - 1.0).abs() < 1e-12, "{value:e} {exact:e}");
+    near(surface.asperity_radius, 3e-6);
+    near(surface.mean_plane_offset, 2e-9);
+    near(surface.surface_height_std, 2e-9);
+    near(surface.heights.std, 1.875_f64.sqrt() * 1e-9);
+    near(surface.nominal_area, 2e-12);
+    assert_eq!((surface.asperity_count, surface.whole), (4, true));
+    let Radii::Measured(pairs) = &surface.radii else { panic!("{:?}", surface.radii) };
+    let exact = [[-1.0, 2.0], [2.0, 1.0], [0.5, 4.0], [-1.5, 5.0]];
+    for (pair, [height, radius]) in pairs.iter().zip(exact) {
+        near(pair[0], height * 1e-9);
+        near(pair[1], radius * 1e-6);
+    }
+    let drawn = scene_with("asperities = { path = \"few.h5\" }\nnominal_area = \"50 um^2\"").unwrap().surface;
+    assert_eq!((drawn.asperity_count, drawn.whole, drawn.nominal_area), (100, false, 50e-12));
+    assert_eq!(scene_with("asperities = { path = \"few.h5\" }").unwrap().surface.asperity_count, 4);
+}
+
+/// Values of a file by number and name of a column and by name of a dataset, in the unit that is given; of two values on.
+#[test]
+fn given_values_are_taken_as_they_are() {
+    let rest = "asperity_density = \"7 /um^2\"\nnominal_area = \"10 um^2\"\nsurface_height_std = \"9 nm\"";
+    let given = |key: &str, values: &str, unit: &str| {
+        let radius = if key == "heights" { "asperity_radius = \"3 um\"" } else { "" };
+        let given = format!("{key} = {{ law = \"file\", path = \"few.csv\", {values}, unit = \"{unit}\" }}");
+        scene_with(&format!("{given}\n{rest}\n{radius}")).map(|scene| scene.surface)
+    };
+    let heights = given("heights", "column = 2", "nm").unwrap().heights;
+    let values = heights.values().unwrap();
+    assert!(
+        values.iter().zip([-2e-9, -1e-9, 3e-9]).all(|(value, exact)| (value / exact - 1.0).abs() < 1e-12),
+        "{values:?}"
+    );
+    assert!((heights.std / (14.0_f64 / 3.0).sqrt() * 1e9 - 1.0).abs() < 1e-12, "{:e}", heights.std);
+    let radii = given("radii", "column = \"second\"", "um").unwrap();
+    assert!((radii.asperity_radius / 4e-6 - 1.0).abs() < 1e-12);
+    let Radii::Sample(values) = radii.radii else { panic!("{:?}", radii.radii) };
+    assert!((values[0] / 3e-6 - 1.0).abs() < 1e-12 && (values[1] / 5e-6 - 1.0).abs() < 1e-12 && values.len() == 2);
+    let few = given("radii", "dataset = \"third\"", "um").unwrap_err();
+    assert!(few.contains("has 1 values; 2 to"), "{few}");
 }

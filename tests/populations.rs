@@ -7,11 +7,11 @@ use common::{case, job, law, respond};
 use std::sync::atomic::AtomicBool;
 use stiction::asperity::models::model;
 use stiction::asperity::{Family, Law, Path, Quantity, Typical};
-use stiction::engine::{Ensemble, draw, run};
+use stiction::engine::{Curves, Ensemble, Workspace, draw, run};
 use stiction::statistical::Statistical;
 use stiction::surface::nayak::Spectrum;
 use stiction::surface::{
-    CountLaw, HeightLaw, Heights, LogNormal, RADIUS_RANGE, Radii, SamplingScheme, Surface, Truncated, Weibull,
+    CountLaw, HeightLaw, Heights, LogNormal, RADIUS_RANGE, Radii, SamplingScheme, Surface, TRACT, Truncated, Weibull,
 };
 use stiction::validation::{Verdict, basis};
 
@@ -480,5 +480,62 @@ fn truncated_heights_have_their_moments() {
         assert!((found_mean - (2e-9 + 3e-9 * mean)).abs() < 1e-8 * 3e-9, "{lower} {upper}: {found_mean:e} {mean}");
         let std = 3e-9 * (square - mean * mean).sqrt();
         assert!((found_std / std - 1.0).abs() < 1e-7, "{lower} {upper}: {found_std:e} {std:e}");
+    }
+}
+
+/// The integral over heights says how far off it is: asked for few digits, at least as much as it differs from all digits, relative to each
+/// force, and not a thousand million times as much.
+#[test]
+fn the_error_over_heights_is_told() {
+    let (_, plain) = case("II");
+    let separations: Vec<f64> = (0..8).map(|k| 0.7 * f64::from(k) * plain.heights.std).collect();
+    let hybrid = law_for("hybrid", &plain, &separations);
+    let exact = Statistical::new(hybrid.as_ref(), &plain, &separations);
+    let rough = Statistical::with_tolerance(hybrid.as_ref(), &plain, &separations, 1e-2);
+    let regimes = exact.regime_adhesion_force.iter().zip(&rough.regime_adhesion_force);
+    let off = regimes.flat_map(|(exact, rough)| exact.iter().zip(rough));
+    let off = off.filter(|(exact, _)| **exact > 0.0).fold(0.0_f64, |worst, (a, b)| worst.max((b / a - 1.0).abs()));
+    assert!(off > 1e-13, "{off:e}");
+    assert!(
+        rough.quadrature_error >= off && rough.quadrature_error < 1e9 * off,
+        "{:e} {off:e}",
+        rough.quadrature_error
+    );
+}
+
+/// A surface of more asperities than are held at once, of radii of their own: at each separation what the textbook's Hertzian asperities that
+/// were drawn add up to, and as many of them in contact as are higher.
+#[test]
+fn tracts_of_several_radii_add_up() {
+    let (asperity, case_ii) = case("II");
+    let count = TRACT + 70_000;
+    let surface = Surface { radii: Radii::LogNormal(0.3), asperity_count: count, ..case_ii };
+    let separations: Vec<f64> = (0..3).map(|k| 1.5 * f64::from(k) * surface.heights.std).collect();
+    let law = law_for("gw", &surface, &separations);
+    let job = job(law.as_ref(), &surface, &separations, 1);
+    let mut curves = None;
+    Workspace::new(&job).replicas(&job, 0..1, |_, found: &Curves| curves = Some(found.clone()));
+    let curves = curves.unwrap();
+    let (mut heights, mut radii) = (Vec::new(), Vec::new());
+    draw(&surface, job.seed, SamplingScheme::Independent, 0, &mut heights, &mut radii);
+    assert_eq!((heights.len(), radii.len()), (count, count));
+    for (k, h) in separations.iter().enumerate() {
+        let d = surface.asperity_separation(*h);
+        let touching = || heights.iter().zip(&radii).filter(|(u, _)| **u > d);
+        let load: f64 = touching().map(|(u, r)| r.sqrt() * (u - d).powf(1.5)).sum::<f64>();
+        let load = 4.0 / 3.0 * asperity.reduced_modulus * load;
+        let area = std::f64::consts::PI * touching().map(|(u, r)| r * (u - d)).sum::<f64>();
+        let of = |q: Quantity| curves.total[q.index()][k];
+        assert!(
+            (of(Quantity::ContactForce) / load - 1.0).abs() < 1e-11,
+            "{k}: {:e} {load:e}",
+            of(Quantity::ContactForce)
+        );
+        assert!(
+            (of(Quantity::ContactArea) / area - 1.0).abs() < 1e-11,
+            "{k}: {:e} {area:e}",
+            of(Quantity::ContactArea)
+        );
+        assert_eq!(curves.regime_count[k + separations.len()], touching().count() as f64, "{k}");
     }
 }

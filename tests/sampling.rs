@@ -7,7 +7,7 @@ use common::{case, law};
 use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 use std::sync::atomic::AtomicBool;
-use stiction::asperity::{Law, Path, Quantity};
+use stiction::asperity::{Law, Path, Quantity, Work};
 use stiction::engine::{Ensemble, Job, Outcome, Protocol, SCALARS, run};
 use stiction::math::control_variates::{ControlledMean, controlled_means};
 use stiction::math::moments::{CentralMoments, Comoments};
@@ -343,4 +343,35 @@ fn controls_are_around_the_pull_off() {
     let near = controls(&eligible);
     assert!(near.contains(&4) && near.iter().all(|&k| k < 5), "{near:?}");
     assert_eq!(controls(&[false; 13]), [0_usize; 0]);
+}
+
+/// Controls by hand: on curves that are made so that each has its place. The parabola is deepest at 12; one standard deviation reaches as
+/// deep from 9 to 15, and also at 3, which is not beside them; halfway are 11 and 14. It is stiffest behind 15, where the separations
+/// are ten times as far apart from there on, and half as stiff from 14 on; behind 19, where they are not.
+#[test]
+fn controls_are_where_they_are_said_to_be() {
+    let force: Vec<f64> = (0..21).map(|k| f64::from(k - 12).powi(2)).collect();
+    let mut std = [9.0; 21];
+    std[3] = 100.0;
+    let of = |force: &[f64]| {
+        std::array::from_fn(|q| if q == Quantity::ExternalForce.index() { force.to_vec() } else { Vec::new() })
+    };
+    let statistical = Statistical {
+        expected: of(&force),
+        std: of(&std),
+        regime_count: Vec::new(),
+        regime_adhesion_force: Vec::new(),
+        regime_external_force: Vec::new(),
+        quadrature_error: 0.0,
+        work: Work::default(),
+    };
+    let wider: Vec<f64> = (0..21).map(|k| f64::from(k.min(16) + 10 * (k - 16).max(0))).collect();
+    let even: Vec<f64> = (0..21).map(f64::from).collect();
+    let chosen = |separations: &[f64], groups| controls(separations, &statistical, &[true; 21], groups);
+    assert_eq!(chosen(&wider, 1000), [9, 11, 12, 14, 15, 16]);
+    assert_eq!(chosen(&even, 1000), [9, 11, 12, 14, 15, 16, 19, 20]);
+    // In the order of what they explain.
+    assert_eq!(chosen(&even, 19), [12]);
+    assert_eq!(chosen(&even, 59), [9, 11, 12, 15, 19]);
+    assert_eq!(chosen(&wider, 49), [9, 11, 12, 15]);
 }

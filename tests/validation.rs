@@ -274,3 +274,165 @@ fn many_separations_are_thinned_out() {
     let expected = Statistical::new(law.as_ref(), &surface, &separations);
     assert_eq!(joint_test(&scene, law.as_ref(), &basis, &expected, 5).verdict, Verdict::Agree);
 }
+
+/// Quantiles of the standard normal law at multiples of 1/8, by mpmath.
+const EIGHTHS: [f64; 7] = [
+    -1.150_349_380_376_008,
+    -0.674_489_750_196_081_7,
+    -0.318_639_363_964_375_2,
+    0.0,
+    0.318_639_363_964_375_2,
+    0.674_489_750_196_081_7,
+    1.150_349_380_376_008,
+];
+
+/// Contributions of one asperity to adhesion force and external force, by the textbook's Derjaguin-Muller-Toporov asperity and Simpson's rule
+/// over pieces that end where it jumps: less their means over each stratum, and of opposite heights their half sum.
+struct Reference {
+    weights: Vec<f64>,
+    /// The range of nodes of each stratum.
+    strata: Vec<Range<usize>>,
+    /// Adhesion force at each separation, then external force: over the nodes.
+    columns: Vec<Vec<f64>>,
+}
+
+impl Reference {
+    fn new(std: f64, forces: impl Fn(f64) -> [f64; 2], planes: &[f64], scheme: SamplingScheme, fixed: bool) -> Self {
+        let reach = 9.0 * std;
+        let quantiles: Vec<f64> = EIGHTHS.iter().map(|x| x * std).collect();
+        let mut ends: Vec<f64> = planes.iter().flat_map(|d| [*d, -d]).chain(quantiles.iter().copied()).collect();
+        ends.extend([-reach, reach]);
+        ends.sort_by(f64::total_cmp);
+        ends.dedup_by(|b, a| *b - *a < 1e-9 * std);
+        const STEPS: usize = 60;
+        let (mut nodes, mut weights) = (Vec::new(), Vec::new());
+        for pair in ends.windows(2) {
+            let step = (pair[1] - pair[0]) / STEPS as f64;
+            for i in 0..=STEPS {
+                let simpson = if i == 0 || i == STEPS { 1.0 } else { 2.0 + 2.0 * (i % 2) as f64 };
+                // Just inside of the piece, beside a jump at its end.
+                let u = (pair[0] + step * i as f64).clamp(pair[0] + 1e-9 * step, pair[1] - 1e-9 * step);
+                nodes.push(u);
+                weights
+                    .push(simpson / 3.0 * step / std * (-0.5 * (u / std).powi(2)).exp() / std::f64::consts::TAU.sqrt());
+            }
+        }
+        let strata = match scheme {
+            SamplingScheme::Stratified => {
+                let place = |end: &f64| nodes.partition_point(|u| u < end);
+                let ends: Vec<usize> =
+                    [0].into_iter().chain(quantiles.iter().map(place)).chain([nodes.len()]).collect();
+                ends.windows(2).map(|pair| pair[0]..pair[1]).collect()
+            }
+            _ => vec![0..nodes.len()],
+        };
+        let column = |(q, d): (usize, f64)| {
+            let at = |u: f64| forces(u - d)[q];
+            let even = scheme == SamplingScheme::Antithetic;
+            let mut column: Vec<f64> =
+                nodes.iter().map(|u| if even { 0.5 * (at(*u) + at(-u)) } else { at(*u) }).collect();
+            for stratum in strata.iter().filter(|_| fixed) {
+                let total: f64 = weights[stratum.clone()].iter().sum();
+                let mean = stratum.clone().map(|i| weights[i] * column[i]).sum::<f64>() / total;
+                column[stratum.clone()].iter_mut().for_each(|value| *value -= mean);
+            }
+            column
+        };
+        let columns = [0, 1].into_iter().flat_map(|q| planes.iter().map(move |d| (q, *d))).map(column).collect();
+        Self { weights, strata, columns }
+    }
+
+    fn mean(&self, nodes: Range<usize>, of: impl Fn(usize) -> f64) -> f64 {
+        nodes.map(|i| self.weights[i] * of(i)).sum()
+    }
+
+    fn all(&self) -> Range<usize> {
+        0..self.weights.len()
+    }
+
+    /// What the expansion of the sum of squares needs, from the definition: Σ κ_iijj, and Σ (3 κ_iij κ_jll + 2 κ_ijl²).
+    fn cumulants(&self, scores: &[Vec<f64>], fixed: bool) -> [f64; 2] {
+        let third =
+            |i: usize, j: usize, l: usize| self.mean(self.all(), |n| scores[i][n] * scores[j][n] * scores[l][n]);
+        let (mut fourth, mut thirds) = (0.0, 0.0);
+        let k = scores.len();
+        for (i, j) in (0..k).flat_map(|i| (0..k).map(move |j| (i, j))) {
+            for stratum in &self.strata {
+                let share: f64 = self.weights[stratum.clone()].iter().sum();
+                let mean = |of: &dyn Fn(usize) -> f64| self.mean(stratum.clone(), of) / share;
+                let (x, y) = (&scores[i], &scores[j]);
+                let pairs = mean(&|n| x[n] * x[n]) * mean(&|n| y[n] * y[n]) + 2.0 * mean(&|n| x[n] * y[n]).powi(2);
+                fourth += share * (mean(&|n| (x[n] * y[n]).powi(2)) - if fixed { pairs } else { 0.0 });
+            }
+            thirds += (0..k).map(|l| 3.0 * third(i, i, j) * third(j, l, l) + 2.0 * third(i, j, l).powi(2)).sum::<f64>();
+        }
+        [fourth, thirds]
+    }
+}
+
+/// The functionals are what they are said to be, of every scheme and of a number of asperities by Poisson's law: of unit variance and
+/// uncorrelated, with the cumulants that correct the p-value; and looked at is each force whose mean over the ensemble has a skewness of at
+/// most 0.1 and an excess kurtosis of at most 0.02, no other.
+#[test]
+fn functionals_are_those_of_the_law() {
+    let (asperity, mut surface) = case("II");
+    surface.asperity_count = 300;
+    let std = surface.heights.std;
+    let law = law("dmt", &asperity, Path::Approach, (-30e-9, 20e-9));
+    let modulus = 4.0 / 3.0 * asperity.reduced_modulus * asperity.radius.sqrt();
+    let pull = std::f64::consts::TAU * asperity.radius * asperity.work_of_adhesion;
+    let forces = |delta: f64| if delta >= 0.0 { [pull, modulus * delta.powf(1.5) - pull] } else { [0.0; 2] };
+    let planes: Vec<f64> = (0..12).map(|k| std * (0.4 * f64::from(k) - 0.55)).collect();
+    let offset = surface.asperity_separation(0.0);
+    let separations: Vec<f64> = planes.iter().map(|d| d - offset).collect();
+    let all = [SamplingScheme::ALL[0].1, SamplingScheme::Antithetic, SamplingScheme::Stratified];
+    for (scheme, count_law) in all.into_iter().map(|s| (s, CountLaw::Fixed)).chain([(INDEPENDENT, CountLaw::Poisson)]) {
+        let surface = Surface { count_law, ..surface.clone() };
+        let fixed = count_law == CountLaw::Fixed;
+        let replicas = 64;
+        let basis = basis(law.as_ref(), &surface, &separations, scheme, replicas);
+        let reference = Reference::new(std, forces, &planes, scheme, fixed);
+        let pairs = if scheme == SamplingScheme::Antithetic { 0.5 } else { 1.0 };
+        let of_replica = surface.asperity_count as f64 * pairs;
+        let tested: Vec<bool> = basis.tested.concat();
+        let mut judged = [0, 0];
+        for (column, is_tested) in reference.columns.iter().zip(&tested) {
+            let moment = |power: i32| reference.mean(reference.all(), |i| column[i].powi(power));
+            let [variance, third, fourth] = [2, 3, 4].map(moment);
+            let count = of_replica * replicas as f64;
+            let skewness = (third / variance.powf(1.5) / count.sqrt()).abs() / 0.1;
+            let kurtosis = (fourth / variance.powi(2) - 3.0).abs() / count / 0.02;
+            let largest = skewness.max(kurtosis);
+            // Beside the limit the quadratures may differ.
+            if variance > 0.0 && !(0.99..1.01).contains(&largest) {
+                assert_eq!(*is_tested, largest < 1.0, "{scheme:?} {count_law:?}: {largest}");
+                judged[usize::from(*is_tested)] += 1;
+            }
+        }
+        println!("{scheme:?} {count_law:?}: {judged:?} judged, {} functionals", basis.probes.len());
+        assert!(judged[0] > 3 && judged[1] > 8, "{judged:?}");
+        let scores: Vec<Vec<f64>> = basis
+            .probes
+            .iter()
+            .map(|probe| {
+                let weights = [probe.adhesion_force.as_slice(), &probe.external_force].concat();
+                assert!(weights.iter().zip(&tested).all(|(weight, tested)| *tested || *weight == 0.0));
+                let of_node = |i| weights.iter().zip(&reference.columns).map(|(w, column)| w * column[i]).sum::<f64>();
+                let share = (surface.asperity_count as f64 / pairs).sqrt();
+                reference.all().map(|i| share * of_node(i)).collect()
+            })
+            .collect();
+        for (i, x) in scores.iter().enumerate() {
+            for (j, y) in scores.iter().enumerate().take(i + 1) {
+                let product = reference.mean(reference.all(), |n| x[n] * y[n]);
+                assert!((product - f64::from(i == j)).abs() < 1e-3, "{scheme:?} {count_law:?} {i} {j}: {product}");
+            }
+        }
+        assert!(scores.len() > 8);
+        let [fourth, thirds] = reference.cumulants(&scores, fixed).map(|sum| sum / of_replica);
+        let told = basis.cumulants;
+        println!("{told:?} {fourth} {thirds}");
+        assert!((told.kurtosis / fourth - 1.0).abs() < 1e-3, "{told:?} {fourth}");
+        assert!((told.skewness / thirds - 1.0).abs() < 1e-3, "{told:?} {thirds}");
+    }
+}

@@ -4,6 +4,7 @@ mod common;
 
 use common::program::{Folder, QUICK, assert_exit, small, text};
 use std::path::Path;
+use stiction::asperity::models::model;
 
 /// The lines of warnings, each with the one behind it.
 fn warnings(check: &str) -> Vec<String> {
@@ -243,4 +244,13 @@ fn dry_laws_are_not_warned_of_a_thick_film() {
         let found = warnings(&text(&check.stdout));
         assert_eq!(found.iter().any(|warning| warning.contains("is thicker than sigma")), is_told, "{law}: {found:?}");
     }
+}
+
+/// The limit of a law belongs to it; the next number beyond does not.
+#[test]
+fn limits_of_laws_are_within() {
+    let exceeded = |law: &str, lambda: f64, psi: f64| model(law).unwrap().validity.exceeded(lambda, psi).len();
+    assert_eq!(exceeded("dmt", 0.1, 0.6), 0);
+    assert_eq!([exceeded("dmt", 0.1_f64.next_up(), 0.6), exceeded("dmt", 0.1, 0.6_f64.next_up())], [1, 1]);
+    assert_eq!([exceeded("jkr", 5.0, 0.6), exceeded("jkr", 5.0_f64.next_down(), 0.6)], [0, 1]);
 }

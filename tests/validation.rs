@@ -317,15 +317,10 @@ impl Reference {
                     .push(simpson / 3.0 * step / std * (-0.5 * (u / std).powi(2)).exp() / std::f64::consts::TAU.sqrt());
             }
         }
-        let strata = match scheme {
-            SamplingScheme::Stratified => {
-                let place = |end: &f64| nodes.partition_point(|u| u < end);
-                let ends: Vec<usize> =
-                    [0].into_iter().chain(quantiles.iter().map(place)).chain([nodes.len()]).collect();
-                ends.windows(2).map(|pair| pair[0]..pair[1]).collect()
-            }
-            _ => vec![0..nodes.len()],
-        };
+        let between = if scheme == SamplingScheme::Stratified { quantiles } else { Vec::new() };
+        let places = between.iter().map(|end| nodes.partition_point(|u| u < end));
+        let ends: Vec<usize> = [0].into_iter().chain(places).chain([nodes.len()]).collect();
+        let strata: Vec<Range<usize>> = ends.windows(2).map(|pair| pair[0]..pair[1]).collect();
         let column = |(q, d): (usize, f64)| {
             let at = |u: f64| forces(u - d)[q];
             let even = scheme == SamplingScheme::Antithetic;

@@ -3,6 +3,8 @@
 //! libhdf5 can be made to loop for ever, to crash or to ask for any amount of memory by a file whose structure is broken. So the program
 //! runs itself once more, with limits on time and memory, and says in a line what became of that.
 
+use super::format::bytes;
+use super::memory::SHORT;
 use super::{Failure, print};
 use anyhow::{Context, anyhow};
 use std::io::Read;
@@ -21,7 +23,6 @@ const PROCESSOR_SECONDS: u64 = 5;
 /// Bytes for which a file may take a second more of both: sweeps of many points do.
 const BYTES_PER_SECOND: u64 = 4_000_000;
 /// Address space of the process that reads, bytes.
-#[cfg(unix)]
 const ADDRESS_SPACE: u64 = 1 << 30;
 /// Most bytes that are taken from it.
 const MOST_SAID: u64 = 1 << 28;
@@ -57,7 +58,7 @@ pub(super) fn apart_within(
         .stderr(Stdio::piped())
         .spawn()
         .context("cannot run this program once more")?;
-    let (out, err) = (said(child.stdout.take()), said(child.stderr.take()));
+    let (out, err) = (said(child.stdout.take())?, said(child.stderr.take())?);
     let (text, status) = await_end(&mut child, &out, PATIENCE + Duration::from_secs(more))?;
     let message = err.recv_timeout(Duration::from_secs(1)).unwrap_or_default();
     // The last line, without what libhdf5 may have said before it.
@@ -74,6 +75,9 @@ pub(super) fn apart_within(
             Err(message.filter(|message| *message != disagree).map_or(Failure::Disagree, Failure::Contradicts))
         }
         (Some(2), Some(message)) => Err(Failure::Usage(message)),
+        (Some(1), Some(message)) if message.starts_with(SHORT) && !is_limited() => {
+            Err(damaged(format!("reading it takes more than {} of memory", bytes(ADDRESS_SPACE as f64))))
+        }
         (Some(1), Some(message)) => Err(Failure::Running(anyhow!(message))),
         _ if is_too_long(status) => Err(damaged("reading it takes too long".to_owned())),
         _ => Err(damaged(format!("reading it ended with {status}"))),
@@ -85,6 +89,16 @@ pub(super) fn is_apart() -> bool {
     std::env::var_os(READER).is_some()
 }
 
+/// Whether the user has set a limit of memory below that of the process that reads.
+fn is_limited() -> bool {
+    #[cfg(unix)]
+    return rustix::process::getrlimit(rustix::process::Resource::As)
+        .current
+        .is_some_and(|limit| limit < ADDRESS_SPACE);
+    #[cfg(not(unix))]
+    return false;
+}
+
 /// Whether a process was ended because it kept the processor busy.
 fn is_too_long(status: ExitStatus) -> bool {
     #[cfg(unix)]
@@ -94,16 +108,17 @@ fn is_too_long(status: ExitStatus) -> bool {
 }
 
 /// What comes out of a pipe, once it is closed.
-fn said(pipe: Option<impl Read + Send + 'static>) -> Receiver<String> {
+fn said(pipe: Option<impl Read + Send + 'static>) -> Result<Receiver<String>, Failure> {
     let (sender, receiver) = channel();
-    thread::spawn(move || {
+    let read = move || {
         let mut bytes = Vec::new();
         if let Some(pipe) = pipe {
             let _ = pipe.take(MOST_SAID).read_to_end(&mut bytes);
         }
         let _ = sender.send(String::from_utf8_lossy(&bytes).into_owned());
-    });
-    receiver
+    };
+    thread::Builder::new().spawn(read).context("cannot start threads")?;
+    Ok(receiver)
 }
 
 /// What a process prints and how it ends; the latter is missing if it had to be killed.

@@ -3,6 +3,7 @@
 use super::format::{bytes, duration, paragraph, percent, pure, row, si};
 use super::instability::held;
 use super::integral::Integral;
+use super::sampling::thread_pool;
 use super::sweep::described;
 use super::{Failure, law_of, loop_of, print, read_document, resources};
 use crate::asperity::scale::Scale;
@@ -13,6 +14,12 @@ use crate::surface::{CountLaw, HeightLaw, Radii, SamplingScheme, Surface};
 use std::path::Path;
 
 pub(super) fn check(path: &Path) -> Result<(), Failure> {
+    let threads = thread_pool(None)?;
+    print(&threads.install(|| checked(path))?)
+}
+
+/// What a scene or a sweep would compute.
+fn checked(path: &Path) -> Result<String, Failure> {
     let Document { scene, sweep } = read_document(path)?;
     if let Some(sweep) = sweep {
         return check_sweep(&sweep, &scene, path);
@@ -35,11 +42,11 @@ pub(super) fn check(path: &Path) -> Result<(), Failure> {
     for shortage in resources::shortages(&sizes, Some(Path::new("out.h5"))) {
         text += &row("too large", &format!("here `stiction run` would refuse: {shortage}"));
     }
-    print(&text)
+    Ok(text)
 }
 
 /// What a sweep would compute: its first point, and what all of them take.
-fn check_sweep(sweep: &Sweep, first: &Scene, path: &Path) -> Result<(), Failure> {
+fn check_sweep(sweep: &Sweep, first: &Scene, path: &Path) -> Result<String, Failure> {
     let law = law_of(first, &first.model, path)?;
     let plan = Plan::new(first, law.as_ref());
     let mut text = title(first) + &described(sweep) + "first point\n" + &facts(first);
@@ -79,7 +86,7 @@ fn check_sweep(sweep: &Sweep, first: &Scene, path: &Path) -> Result<(), Failure>
     for shortage in resources::shortages(&sizes, Some(Path::new("out.h5"))) {
         text += &row("too large", &format!("here `stiction run` would refuse: {shortage}"));
     }
-    print(&text)
+    Ok(text)
 }
 
 /// What of a scene is outside of what the models are valid for, or likely a wrong unit.

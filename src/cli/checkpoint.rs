@@ -1,6 +1,7 @@
 //! What `run` keeps while it goes, and how it goes on after an interruption.
 
 use super::Failure;
+use super::memory::note_kept;
 use super::sampling::holding;
 use crate::engine::{Batch, Forest, Job, Record, Replica, Shard, replicas_of};
 use crate::output::checkpoint::{Checkpoint, Identity, Journal, forget, forget_records};
@@ -247,6 +248,7 @@ impl Keeper {
             let path = journal.checkpoint().unwrap_or(Path::new("")).to_owned();
             return Err(OutputError::NotACheckpoint { path, problem: "is not of this scene".to_owned() }.into());
         };
+        note_kept();
         let keeper = Self {
             saved_done: checkpoint.done,
             seconds_before: checkpoint.seconds,
@@ -293,6 +295,7 @@ impl Keeper {
         if self.journal.done() > self.saved_done {
             self.journal.save(&self.identity, self.seconds(), self.resumptions, &self.state)?;
             self.saved_done = self.journal.done();
+            note_kept();
         }
         self.saved = Instant::now();
         Ok(())

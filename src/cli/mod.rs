@@ -11,6 +11,7 @@ mod format;
 mod info;
 mod instability;
 mod integral;
+mod memory;
 mod merge;
 mod points;
 mod record;
@@ -22,6 +23,8 @@ mod shard;
 mod summary;
 mod sweep;
 mod validate;
+
+pub use memory::Allocator;
 
 use crate::asperity::models::Model;
 use crate::asperity::{Law, Loop, Path as History};
@@ -459,6 +462,7 @@ fn execute(command: Command) -> Result<(), Failure> {
     // To write beyond the size that files may have is then an error, as on a full disk; without a handler the signal would kill.
     #[cfg(unix)]
     signal_hook::flag::register(signal_hook::consts::SIGXFSZ, Arc::default()).context("cannot handle signals")?;
+    memory::watch().context("cannot handle signals")?;
     match command {
         Command::Run(arguments) => run::run(&arguments),
         Command::Merge(arguments) => merge::merge(&arguments),

@@ -4,6 +4,7 @@
 //! interrupted, and goes when the output of all is complete. Points can be computed in any order, and a range of them by itself.
 
 use super::checkpoint::{Manner, Run, State, identity, is_result_of, kept};
+use super::memory::note_kept;
 use super::run::{Session, Task, run_scene};
 use super::sampling::override_ensemble;
 use super::{Failure, Sitting, law_of, refused_scene, resources};
@@ -240,6 +241,9 @@ impl<'a> Points<'a> {
         let scene = self.scene(point)?;
         if session.stop.load(Ordering::Relaxed) {
             return Err(Failure::Interrupted { done: 0, of: scene.replicas, kept: self.done() > 0 });
+        }
+        if self.done() > 0 {
+            note_kept();
         }
         let claim = Claim::within(output.clone())?;
         let manner = Manner { resume: true, force: false };

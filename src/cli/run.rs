@@ -180,8 +180,11 @@ impl Groundwork {
         let (law, cycle, pool) = (laws.law.as_ref(), laws.cycle.as_ref(), &session.pool);
         progress.phase("integral");
         let plan = Plan::new(&scene, law);
-        let integral = pool.install(|| Integral::new(&scene, law, cycle));
-        let warnings = warnings(&scene, &scene.model, law, &integral.expected(&scene, law));
+        let (integral, warnings) = pool.install(|| {
+            let integral = Integral::new(&scene, law, cycle);
+            let warnings = warnings(&scene, &scene.model, law, &integral.expected(&scene, law));
+            (integral, warnings)
+        });
         progress.phase("test functionals");
         let state = kept.unwrap_or_else(|| prepared(&scene, (law, cycle), &integral));
         let force = |way: &Way| way.statistical.expected[Quantity::ExternalForce.index()].clone();
@@ -263,8 +266,10 @@ impl Groundwork {
         let scalars = controlled_means(&ensemble.groups.scalars, &expected);
         let at_pull_off = integral.pulled().at_pull_off.clone();
         let Integral { there: Way { statistical, features: of_integral, .. }, back } = integral;
-        let of_mean = mean_features(&scene, law.as_ref(), &ensemble, &statistical);
-        let back = cycle.zip(back).map(|(cycle, way)| WayBack::new(&scene, &cycle, &ensemble, way));
+        let (of_mean, back) = session.pool.install(|| {
+            let of_mean = mean_features(&scene, law.as_ref(), &ensemble, &statistical);
+            (of_mean, cycle.zip(back).map(|(cycle, way)| WayBack::new(&scene, &cycle, &ensemble, way)))
+        });
         progress.end();
         let mut seconds = progress.seconds();
         seconds.iter_mut().filter(|(name, _)| *name == "ensemble").for_each(|(_, time)| *time += told.seconds_before);

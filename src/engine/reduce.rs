@@ -72,26 +72,24 @@ pub fn run_from<E: Send>(
     let ends = || stop.load(Ordering::Relaxed) || enough.load(Ordering::Relaxed);
     let (sender, receiver) = sync_channel::<(u64, Batch)>(pool.current_num_threads());
     let (first, end) = (merged.next(), merged.batches().end);
-    std::thread::scope(|scope| {
+    pool.in_place_scope(|scope| {
         let ends = &ends;
-        scope.spawn(move || {
-            pool.install(|| {
-                // par_bridge hands batches out in order, so those that wait for an earlier one are few.
-                let batches = (first..end).take_while(|_| !ends()).par_bridge();
-                batches.for_each_init(
-                    // Threads without a batch take no memory.
-                    || None,
-                    |workspace, index| {
-                        if !ends() {
-                            let workspace = workspace.get_or_insert_with(|| Workspace::new(job));
-                            if let Some(batch) = Batch::compute_until(job, workspace, index, ends) {
-                                // A closed channel means that the run has ended with an error.
-                                let _ = sender.send((index, batch));
-                            }
+        scope.spawn(move |_| {
+            // par_bridge hands batches out in order, so those that wait for an earlier one are few.
+            let batches = (first..end).take_while(|_| !ends()).par_bridge();
+            batches.for_each_init(
+                // Threads without a batch take no memory.
+                || None,
+                |workspace, index| {
+                    if !ends() {
+                        let workspace = workspace.get_or_insert_with(|| Workspace::new(job));
+                        if let Some(batch) = Batch::compute_until(job, workspace, index, ends) {
+                            // A closed channel means that the run has ended with an error.
+                            let _ = sender.send((index, batch));
                         }
-                    },
-                );
-            });
+                    }
+                },
+            );
         });
         let mut waiting = BTreeMap::new();
         let mut next = first;

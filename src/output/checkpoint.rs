@@ -10,6 +10,7 @@
 
 use super::OutputError;
 use super::claim::{Claim, flush_names, made_anew, unlinked};
+use super::register::Registered;
 use crate::engine::Shard;
 use crate::scene;
 use crate::scene::echo::shortened;
@@ -201,6 +202,8 @@ pub struct Journal {
     spent: Duration,
     /// Whether a checkpoint counts on the records.
     counted: bool,
+    /// The records as long as none does.
+    registered: Option<Registered>,
 }
 
 impl Journal {
@@ -216,7 +219,10 @@ impl Journal {
         }
         let made = made_anew(&path).and_then(|mut file| file.write_all(RECORDS).map(|()| file));
         let file = made.map_err(|error| OutputError::Io { action: "cannot make", path: path.clone(), error })?;
-        Ok(Self::new(claim, path, file, record_length))
+        let registered = Some(Registered::new(&path));
+        let mut journal = Self::new(claim, path, file, record_length);
+        journal.registered = registered;
+        Ok(journal)
     }
 
     /// Takes the records up again that a checkpoint counts, and shows each to `visit`; those beyond are dropped.
@@ -284,6 +290,7 @@ impl Journal {
             saved: 0,
             spent: Duration::ZERO,
             counted: false,
+            registered: None,
         }
     }
 
@@ -323,6 +330,8 @@ impl Journal {
             record_length: self.record_length as u64,
             records_checksum: self.checksum.clone().finalize(),
         };
+        // Before there is a checkpoint: no records go that one counts on.
+        self.registered = None;
         let saved = checkpoint.encode().map_err(std::io::Error::other).and_then(|bytes| self.replace(&bytes));
         if let Err(error) = saved {
             let _ = std::fs::remove_file(&self.unfinished);
@@ -335,6 +344,7 @@ impl Journal {
     }
 
     fn replace(&self, bytes: &[u8]) -> std::io::Result<()> {
+        let _registered = Registered::new(&self.unfinished);
         let mut file = made_anew(&self.unfinished)?;
         file.write_all(bytes)?;
         file.sync_all()?;

@@ -3,6 +3,7 @@
 //! Beside a file `0001.h5` stands `0001.h5.checksum`, a line with the length and the CRC-32 checksum of the file.
 
 use super::claim::{Claim, flush_names, made_anew};
+use super::register::Registered;
 use super::{OutputError, beside};
 use std::fs::File;
 use std::io::{ErrorKind, Read, Write};
@@ -29,6 +30,7 @@ pub enum Finding {
 pub fn keep(claim: &Claim) -> Result<(), OutputError> {
     let (path, unfinished) = (claim.beside(".checksum"), claim.hidden(".checksum.partial"));
     let write = || {
+        let _registered = Registered::new(&unfinished);
         let mut file = made_anew(&unfinished)?;
         file.write_all(line(claim.output())?.as_bytes())?;
         file.sync_all()?;

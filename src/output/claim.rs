@@ -1,6 +1,7 @@
 //! The claim on an output: where it goes, what stands beside it while it is made, and that nobody else makes it at the same time.
 
 use super::OutputError;
+use super::register::Registered;
 use std::ffi::OsString;
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{ErrorKind, Read, Write};
@@ -23,6 +24,7 @@ pub struct Claim {
     folder: PathBuf,
     lock: PathBuf,
     _locked: File,
+    _registered: Registered,
 }
 
 impl Claim {
@@ -68,7 +70,10 @@ impl Claim {
         }
         let lock = named(&output, ".", ".lock");
         match locked(&lock).map_err(not_writable)? {
-            Ok(file) => Ok(Self { folder: folder.to_owned(), output, lock, _locked: file }),
+            Ok(file) => {
+                let registered = Registered::new(&lock);
+                Ok(Self { folder: folder.to_owned(), output, lock, _locked: file, _registered: registered })
+            }
             Err(process) => Err(OutputError::Claimed { output, process }),
         }
     }

@@ -12,6 +12,15 @@ const LARGEST_EXPANSION: u64 = 1032;
 /// How every HDF5 file begins, where nothing is prepended to it.
 const SIGNATURE: [u8; 8] = *b"\x89HDF\r\n\x1a\n";
 
+/// Bytes that libhdf5 has to be able to get before it is asked for anything: where an allocation is refused in its midst it may crash. Above
+/// the largest of those that the allocator of the GNU C library takes as a measure of what to keep.
+const HEADROOM: usize = 40 << 20;
+
+/// Ends the program, as every allocation does that is refused, where libhdf5 might not get what it needs.
+pub(super) fn require_headroom() {
+    drop(std::hint::black_box(Vec::<u8>::with_capacity(HEADROOM)));
+}
+
 /// The length in bytes of a regular file. Others are not opened: a pipe may wait for ever, a device may have no end.
 ///
 /// # Errors
@@ -33,6 +42,7 @@ pub(super) fn length(path: &Path) -> Result<u64, String> {
 /// # Errors
 /// Why libhdf5 does not open it, or that another program has it open for writing.
 pub(super) fn open(path: &Path) -> Result<File, String> {
+    require_headroom();
     if path.to_str().is_none() {
         return Err("cannot be read: its name is not UTF-8, which HDF5 needs; rename it".to_owned());
     }
@@ -66,6 +76,7 @@ fn not_opened(path: &Path) -> String {
 /// # Errors
 /// What is there instead.
 pub(super) fn group(file: &File, path: &str) -> Result<Group, String> {
+    require_headroom();
     let missing = || format!("lacks the group /{}", path.trim_start_matches('/'));
     let root = file.as_group().map_err(|_| missing())?;
     names(path).try_fold(root, |group, name| {

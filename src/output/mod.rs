@@ -11,6 +11,7 @@ mod guard;
 pub mod maps;
 pub mod progress;
 pub mod reader;
+mod register;
 mod scales;
 pub mod schema;
 pub mod shard;
@@ -18,6 +19,7 @@ pub mod stack;
 pub mod writer;
 
 pub use claim::{Claim, beside};
+pub use register::remove_registered;
 
 use std::path::{Path, PathBuf};
 use thiserror::Error;

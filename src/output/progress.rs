@@ -171,7 +171,7 @@ impl Log {
         };
         due();
         let told: Arc<Mutex<Option<Phase>>> = Arc::clone(&phase);
-        let thread = std::thread::spawn(move || {
+        let lines = move || {
             while stopped.recv_timeout(due().saturating_duration_since(Instant::now()))
                 == Err(RecvTimeoutError::Timeout)
             {
@@ -184,8 +184,10 @@ impl Log {
                     schedule.next(LINES.1);
                 }
             }
-        });
-        Self { phase, stop: Some(stop), thread: Some(thread) }
+        };
+        // Without a thread there are no lines.
+        let thread = std::thread::Builder::new().spawn(lines).ok();
+        Self { phase, stop: Some(stop), thread }
     }
 
     fn set(&self, phase: Option<Phase>) {

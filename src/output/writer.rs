@@ -2,6 +2,8 @@
 
 use super::attributes::{write_number, write_numbers, write_text};
 use super::claim::{flush_names, made_anew};
+use super::guard::require_headroom;
+use super::register::Registered;
 use super::scales::{attach_scale, make_scale};
 use super::schema::{Dimension, Layout};
 use super::{Claim, OutputError};
@@ -21,6 +23,7 @@ pub struct Writer<'c> {
     claim: &'c Claim,
     file: File,
     temporary: TempPath,
+    _registered: Registered,
     force: bool,
     scales: Vec<(Dimension, Dataset)>,
     /// Scales of the dimensions of points, slowest first.
@@ -38,15 +41,32 @@ impl<'c> Writer<'c> {
         let temporary = claim.hidden(".partial");
         let failed = |error| OutputError::Io { action: "cannot make", path: claim.output().to_owned(), error };
         // HDF5 follows links; what it opens then is the file of that very name.
+        let registered = Registered::new(&temporary);
         made_anew(&temporary).map_err(failed)?;
         let temporary = TempPath::try_from_path(temporary).map_err(failed)?;
+        require_headroom();
         let file = File::create(&temporary)?;
         write_text(&file, "format", layout.format)?;
         write_numbers(&file, "format_version", &layout.version)?;
         for group in layout.groups {
             file.create_group(group)?;
         }
-        Ok(Self { layout, claim, file, temporary, force, scales: Vec::new(), points: Vec::new() })
+        Ok(Self {
+            layout,
+            claim,
+            file,
+            temporary,
+            _registered: registered,
+            force,
+            scales: Vec::new(),
+            points: Vec::new(),
+        })
+    }
+
+    /// The file, with all that libhdf5 needs to do something in it.
+    fn file(&self) -> &File {
+        require_headroom();
+        &self.file
     }
 
     /// The layout of the file.
@@ -59,7 +79,7 @@ impl<'c> Writer<'c> {
     /// # Errors
     /// When HDF5 fails; likewise below.
     pub fn group(&self, name: &str) -> Result<(), OutputError> {
-        Ok(self.file.create_group(name).map(|_| ())?)
+        Ok(self.file().create_group(name).map(|_| ())?)
     }
 
     /// Writes a text attribute of a group.
@@ -67,7 +87,7 @@ impl<'c> Writer<'c> {
     /// # Errors
     /// When HDF5 fails.
     pub fn text(&self, group: &str, name: &str, text: &str) -> Result<(), OutputError> {
-        let group = self.file.group(group)?;
+        let group = self.file().group(group)?;
         Ok(write_text(&group, name, text)?)
     }
 
@@ -76,7 +96,7 @@ impl<'c> Writer<'c> {
     /// # Errors
     /// When HDF5 fails.
     pub fn number<T: H5Type>(&self, group: &str, name: &str, value: T) -> Result<(), OutputError> {
-        let group = self.file.group(group)?;
+        let group = self.file().group(group)?;
         Ok(write_number(&group, name, value)?)
     }
 
@@ -85,7 +105,7 @@ impl<'c> Writer<'c> {
     /// # Errors
     /// When HDF5 fails.
     pub fn numbers<T: H5Type>(&self, group: &str, name: &str, values: &[T]) -> Result<(), OutputError> {
-        let group = self.file.group(group)?;
+        let group = self.file().group(group)?;
         Ok(write_numbers(&group, name, values)?)
     }
 
@@ -94,7 +114,7 @@ impl<'c> Writer<'c> {
     /// # Errors
     /// When HDF5 fails.
     pub fn scale<T: H5Type>(&mut self, dimension: Dimension, values: &[T]) -> Result<(), OutputError> {
-        let dataset = self.file.new_dataset::<T>().shape(values.len()).create(dimension.name())?;
+        let dataset = self.file().new_dataset::<T>().shape(values.len()).create(dimension.name())?;
         dataset.write_raw(values)?;
         self.describe_scale(dimension, dataset)
     }
@@ -104,7 +124,7 @@ impl<'c> Writer<'c> {
     /// # Errors
     /// When HDF5 fails.
     pub fn texts(&self, path: &str, texts: &[&str]) -> Result<(), OutputError> {
-        let dataset = self.file.new_dataset::<VarLenUnicode>().shape(self.shape(path)).create(path)?;
+        let dataset = self.file().new_dataset::<VarLenUnicode>().shape(self.shape(path)).create(path)?;
         dataset.write_raw(&unicode(texts))?;
         self.describe(path, &dataset)
     }
@@ -114,7 +134,7 @@ impl<'c> Writer<'c> {
     /// # Errors
     /// When HDF5 fails.
     pub fn named_scale(&mut self, dimension: Dimension, names: &[&str]) -> Result<(), OutputError> {
-        let dataset = self.file.new_dataset::<VarLenUnicode>().shape(names.len()).create(dimension.name())?;
+        let dataset = self.file().new_dataset::<VarLenUnicode>().shape(names.len()).create(dimension.name())?;
         dataset.write_raw(&unicode(names))?;
         self.describe_scale(dimension, dataset)
     }
@@ -133,7 +153,7 @@ impl<'c> Writer<'c> {
     /// When HDF5 fails.
     pub fn dataset<T: H5Type>(&self, path: &str, values: &[T]) -> Result<(), OutputError> {
         let shape = self.shape(path);
-        let dataset = self.file.new_dataset::<T>().shape(shape).create(path)?;
+        let dataset = self.file().new_dataset::<T>().shape(shape).create(path)?;
         dataset.write_raw(values)?;
         self.describe(path, &dataset)
     }
@@ -149,7 +169,7 @@ impl<'c> Writer<'c> {
         long_name: &str,
         values: &[T],
     ) -> Result<(), OutputError> {
-        let dataset = self.file.new_dataset::<T>().shape(values.len()).create(name)?;
+        let dataset = self.file().new_dataset::<T>().shape(values.len()).create(name)?;
         dataset.write_raw(values)?;
         make_scale(&dataset, name)?;
         describe(&dataset, units, long_name)?;
@@ -168,7 +188,7 @@ impl<'c> Writer<'c> {
         long_name: &str,
         values: &[f64],
     ) -> Result<(), OutputError> {
-        let dataset = self.file.new_dataset::<f64>().shape(self.point_shape()).create(name)?;
+        let dataset = self.file().new_dataset::<f64>().shape(self.point_shape()).create(name)?;
         dataset.write_raw(values)?;
         describe(&dataset, units, long_name)?;
         self.points.iter().enumerate().try_for_each(|(i, scale)| Ok(attach_scale(&dataset, scale, i)?))
@@ -193,7 +213,7 @@ impl<'c> Writer<'c> {
     pub fn point_dataset<T: H5Type>(&self, path: &str, curves: bool) -> Result<(), OutputError> {
         let (points, own) = (self.point_shape(), self.shape_of_point(path));
         let shape = [points.as_slice(), &own].concat();
-        let builder = self.file.new_dataset::<T>().shape(shape);
+        let builder = self.file().new_dataset::<T>().shape(shape);
         let dataset = if curves {
             let chunk = [vec![1; points.len()], vec![own[0].min(CURVE_CHUNK), own[1]]].concat();
             builder.chunk(chunk).deflate(DEFLATE).fill_value(f64::NAN).create(path)?
@@ -228,7 +248,7 @@ impl<'c> Writer<'c> {
             along.map(|(start, count)| (SliceOrIndex::SliceCount { start, step: 1, count, block: 1 }, count)).unzip();
         let view =
             ndarray::ArrayViewD::from_shape(shape, values).map_err(|error| hdf5::Error::from(error.to_string()))?;
-        Ok(self.file.dataset(path)?.write_slice(view, Hyperslab::from(slab))?)
+        Ok(self.file().dataset(path)?.write_slice(view, Hyperslab::from(slab))?)
     }
 
     /// Writes a dataset over the points alone, in their order.
@@ -237,7 +257,7 @@ impl<'c> Writer<'c> {
     /// When HDF5 fails.
     pub fn over_points<T: H5Type>(&self, path: &str, values: &[T]) -> Result<(), OutputError> {
         self.point_dataset::<T>(path, false)?;
-        Ok(self.file.dataset(path)?.write_raw(values)?)
+        Ok(self.file().dataset(path)?.write_raw(values)?)
     }
 
     /// Writes a dataset of texts over the points.
@@ -246,7 +266,7 @@ impl<'c> Writer<'c> {
     /// When HDF5 fails.
     pub fn point_texts(&self, path: &str, texts: &[String]) -> Result<(), OutputError> {
         let texts: Vec<&str> = texts.iter().map(String::as_str).collect();
-        let dataset = self.file.new_dataset::<VarLenUnicode>().shape(self.point_shape()).create(path)?;
+        let dataset = self.file().new_dataset::<VarLenUnicode>().shape(self.point_shape()).create(path)?;
         dataset.write_raw(&unicode(&texts))?;
         self.describe_points(path, &dataset)
     }
@@ -263,7 +283,7 @@ impl<'c> Writer<'c> {
     /// # Errors
     /// When HDF5 fails.
     pub fn rows_dataset<T: H5Type>(&self, path: &str) -> Result<(), OutputError> {
-        let dataset = self.file.new_dataset::<T>().shape(self.shape(path)).create(path)?;
+        let dataset = self.file().new_dataset::<T>().shape(self.shape(path)).create(path)?;
         self.describe(path, &dataset)
     }
 
@@ -275,7 +295,7 @@ impl<'c> Writer<'c> {
     pub fn curve_dataset(&self, path: &str) -> Result<(), OutputError> {
         let shape = self.shape(path);
         let chunk = vec![shape[0].min(CURVE_CHUNK), shape[1]];
-        let dataset = self.file.new_dataset::<f64>().shape(shape).chunk(chunk).deflate(DEFLATE).create(path)?;
+        let dataset = self.file().new_dataset::<f64>().shape(shape).chunk(chunk).deflate(DEFLATE).create(path)?;
         self.describe(path, &dataset)
     }
 
@@ -287,7 +307,7 @@ impl<'c> Writer<'c> {
         if values.is_empty() {
             return Ok(());
         }
-        let dataset = self.file.dataset(path)?;
+        let dataset = self.file().dataset(path)?;
         let length = dataset.shape()[1];
         let rows = values.len() / length;
         let view = ndarray::ArrayView2::from_shape((rows, length), values)
@@ -321,6 +341,7 @@ impl<'c> Writer<'c> {
     pub fn finish(self) -> Result<(), OutputError> {
         let Self { file, claim, temporary, force, scales, points, .. } = self;
         drop((scales, points));
+        require_headroom();
         file.flush()?;
         file.close()?;
         let io = |action, error| OutputError::Io { action, path: claim.output().to_owned(), error };

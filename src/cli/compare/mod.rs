@@ -107,9 +107,13 @@ pub(super) fn compare(arguments: &CompareArguments) -> Result<(), Failure> {
     for (model, law) in models.into_iter().zip(&laws) {
         progress.phase(model.name);
         let law = law.as_ref();
-        let integral = pool.install(|| Integral::new(&scene, law, None));
-        if compared.is_empty() {
-            warnings = warnings_of_scene(&scene, &model, law, &integral.expected(&scene, law));
+        let (integral, expected) = pool.install(|| {
+            let integral = Integral::new(&scene, law, None);
+            let expected = compared.is_empty().then(|| integral.expected(&scene, law));
+            (integral, expected)
+        });
+        if let Some(expected) = expected {
+            warnings = warnings_of_scene(&scene, &model, law, &expected);
         }
         let Way { statistical, features, .. } = integral.there;
         let sampled = match arguments.ensemble {

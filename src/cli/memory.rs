@@ -1,0 +1,122 @@
+//! What becomes of the program when there is no more memory: a message, no file that it would have removed, and its exit code; not an abort.
+//!
+//! Rust ends a process that an allocation is refused to. So do the C library, where it has to note down a thread's destructor, and a thread
+//! that finds no place for its signal stack. None of them runs a destructor, so files are removed by the register of them.
+#![allow(unsafe_code)]
+
+use crate::output::remove_registered;
+use signal_hook::consts::SIGABRT;
+use signal_hook::low_level;
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::io::{Cursor, IsTerminal, Write};
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// How the message begins, behind the program's name.
+pub(super) const SHORT: &str = "not enough memory";
+/// Bytes of the longest message.
+const LONGEST: usize = 512;
+/// How a panic begins for which there is no memory in a new thread.
+const NO_STACK: &str = "failed to allocate";
+
+/// Whether anything is kept that `--resume` goes on with.
+static IS_KEPT: AtomicBool = AtomicBool::new(false);
+/// Whether a thread ends the process already.
+static ENDS: AtomicBool = AtomicBool::new(false);
+
+/// The allocator of the system, which ends the program where there is no more memory.
+#[derive(Debug)]
+pub struct Allocator;
+
+// SAFETY: All is done by the allocator of the system, whose answers are passed on as they are; for a null pointer the process ends.
+unsafe impl GlobalAlloc for Allocator {
+    #[inline]
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        // SAFETY: The caller's promises are those that it asks for; likewise below.
+        given(unsafe { System.alloc(layout) }, layout.size())
+    }
+
+    #[inline]
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        // SAFETY: As above.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+
+    #[inline]
+    unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
+        // SAFETY: As above.
+        given(unsafe { System.alloc_zeroed(layout) }, layout.size())
+    }
+
+    #[inline]
+    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        // SAFETY: As above.
+        given(unsafe { System.realloc(pointer, layout, size) }, size)
+    }
+}
+
+/// What the system has given of so many bytes, if it has.
+#[inline]
+fn given(pointer: *mut u8, bytes: usize) -> *mut u8 {
+    if pointer.is_null() {
+        end(Some(bytes));
+    }
+    pointer
+}
+
+/// Notes that something is kept that `--resume` goes on with.
+pub(super) fn note_kept() {
+    IS_KEPT.store(true, Ordering::Relaxed);
+}
+
+/// Has ends for want of memory that are not seen by the allocator end as those that are.
+///
+/// # Errors
+/// When the operating system refuses.
+pub(super) fn watch() -> std::io::Result<()> {
+    // SAFETY: What is done there allocates nothing and waits for nobody.
+    unsafe { low_level::register(SIGABRT, || end(None)) }?;
+    let usual = std::panic::take_hook();
+    std::panic::set_hook(Box::new(move |panic| {
+        let payload = panic.payload();
+        let text = payload.downcast_ref::<String>().map(String::as_str).or(payload.downcast_ref::<&str>().copied());
+        match text {
+            Some(text) if text.starts_with(NO_STACK) => end(None),
+            _ => usual(panic),
+        }
+    }));
+    Ok(())
+}
+
+/// Ends the process, with a message that names the bytes that were refused. Allocates nothing, and runs no destructor: other threads go on
+/// until then, and may wait for this one.
+#[cold]
+fn end(bytes: Option<usize>) -> ! {
+    while ENDS.swap(true, Ordering::SeqCst) {
+        std::thread::sleep(std::time::Duration::from_secs(1));
+    }
+    remove_registered();
+    let mut text = Cursor::new([0; LONGEST]);
+    // Behind a progress bar.
+    let begin = if std::io::stderr().is_terminal() { "\n" } else { "" };
+    let _ = write!(text, "{begin}stiction: {SHORT}");
+    let _ = bytes.map_or(Ok(()), |bytes| write!(text, ": {bytes} bytes more were refused"));
+    let _ = writeln!(text, "; give it more memory, or less to do (fewer --threads, a smaller scene)");
+    if IS_KEPT.load(Ordering::Relaxed) {
+        let _ = writeln!(text, "what was done is kept; to go on: the same command with --resume");
+    }
+    let length = text.position() as usize;
+    tell(&text.get_ref()[..length]);
+    low_level::exit(1)
+}
+
+/// Writes to standard error, which another thread may have locked.
+fn tell(text: &[u8]) {
+    #[cfg(unix)]
+    {
+        use std::os::fd::AsFd;
+        // Nobody may be there to read it.
+        let _ = rustix::io::write(std::io::stderr().as_fd(), text);
+    }
+    #[cfg(not(unix))]
+    let _ = std::io::stderr().write_all(text);
+}

@@ -1,0 +1,99 @@
+//! The register of files that must not outlive this process, for an end at once that runs no destructor.
+
+use std::path::Path;
+use std::sync::{Mutex, TryLockError};
+
+/// Most files that are registered at the same time. A point of a sweep has seven: two claims, and what is being written.
+const MOST: usize = 16;
+/// How often a register is asked for that another thread is about to change.
+const PATIENCE: usize = 1000;
+
+#[cfg(unix)]
+type Name = std::ffi::CString;
+#[cfg(not(unix))]
+type Name = std::path::PathBuf;
+
+/// Nothing is allocated while it is locked, so that a thread that finds no memory never waits for itself.
+static NAMES: Mutex<[Option<Name>; MOST]> = Mutex::new([const { None }; MOST]);
+
+/// The entry of a file, as long as it lives.
+#[derive(Debug)]
+pub(super) struct Registered {
+    /// None where the register was full.
+    place: Option<usize>,
+}
+
+impl Registered {
+    /// Registers a file.
+    pub fn new(path: &Path) -> Self {
+        let name = absolute(path);
+        let mut names = NAMES.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        let place = names.iter().position(Option::is_none).filter(|_| name.is_some());
+        if let Some(place) = place {
+            names[place] = name;
+        }
+        Self { place }
+    }
+}
+
+impl Drop for Registered {
+    fn drop(&mut self) {
+        if let Some(place) = self.place {
+            NAMES.lock().unwrap_or_else(std::sync::PoisonError::into_inner)[place] = None;
+        }
+    }
+}
+
+/// The name of a file as the operating system takes it.
+fn absolute(path: &Path) -> Option<Name> {
+    let path = std::path::absolute(path).ok()?;
+    #[cfg(unix)]
+    return Name::new(std::os::unix::ffi::OsStringExt::into_vec(path.into_os_string())).ok();
+    #[cfg(not(unix))]
+    Some(path)
+}
+
+/// Removes all files that are registered. Allocates nothing and waits for nobody, and can be done in a signal handler.
+pub fn remove_registered() {
+    for _ in 0..PATIENCE {
+        let names = match NAMES.try_lock() {
+            Ok(names) => names,
+            Err(TryLockError::Poisoned(names)) => names.into_inner(),
+            Err(TryLockError::WouldBlock) => {
+                std::thread::yield_now();
+                continue;
+            }
+        };
+        for name in names.iter().flatten() {
+            #[cfg(unix)]
+            let _ = rustix::fs::unlink(name.as_c_str());
+            #[cfg(not(unix))]
+            let _ = std::fs::remove_file(name);
+        }
+        return;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Other tests of this process have claims of their own, which stay.
+    #[test]
+    fn entries_end_with_their_owner() {
+        let is_known = |path: &Path| {
+            let name = absolute(path);
+            NAMES.lock().unwrap().contains(&name)
+        };
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a");
+        let entry = Registered::new(&path);
+        assert!(is_known(&path));
+        drop(entry);
+        assert!(!is_known(&path));
+        let many: Vec<Registered> = (0..2 * MOST).map(|_| Registered::new(&path)).collect();
+        assert!(many.iter().any(|entry| entry.place.is_none()) && is_known(&path));
+        drop(many);
+        assert!(!is_known(&path));
+    }
+}

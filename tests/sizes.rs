@@ -3,8 +3,10 @@
 
 mod common;
 
-use common::program::{Folder, QUICK, assert_exit, peak_memory, small, text};
-use std::process::Command;
+use common::program::{Folder, QUICK, assert_exit, bits, peak_memory, small, text};
+use std::path::PathBuf;
+use std::process::{Command, Output, Stdio};
+use std::time::Duration;
 
 /// The quick scene with other sizes: asperities, separations, replicas.
 fn sized(asperities: f64, separations: u32, replicas: u32) -> String {
@@ -166,5 +168,135 @@ fn time_is_that_of_all_phases() {
     }
     if std::thread::available_parallelism().is_ok_and(|threads| threads.get() > 1) {
         assert!(check.contains("; only 1 have a batch of replicas"), "{check}");
+    }
+}
+
+/// Bytes of address space that a run on two threads is given beside its memory: the program's own, and what the C library reserves for threads.
+const RESERVE: f64 = 3e8 + 6.0 * 67_108_864.0;
+
+/// Runs a command of the program in a folder, with so many bytes of address space.
+fn within(folder: &Folder, bytes: f64, arguments: &str) -> Output {
+    let limit = (bytes / 1024.0).ceil();
+    let command = format!("ulimit -v {limit}; exec {} {arguments}", env!("CARGO_BIN_EXE_stiction"));
+    Command::new("sh").args(["-c", &command]).current_dir(folder.path("")).output().unwrap()
+}
+
+/// Runs a command of the program in a folder, whose address space is bounded by what it has, and `more` bytes, as soon as a file exists.
+fn bounded_when(folder: &Folder, file: &str, more: u64, arguments: &str) -> Output {
+    use rustix::process::{Pid, Resource, Rlimit, prlimit};
+    let mut command = Command::new(env!("CARGO_BIN_EXE_stiction"));
+    command.args(arguments.split(' ')).current_dir(folder.path("")).stdout(Stdio::null()).stderr(Stdio::piped());
+    let mut child = command.spawn().unwrap();
+    while !folder.path(file).exists() && child.try_wait().unwrap().is_none() {
+        std::thread::sleep(Duration::from_micros(100));
+    }
+    let status = std::fs::read_to_string(format!("/proc/{}/status", child.id())).unwrap_or_default();
+    let line = status.lines().find_map(|line| line.strip_prefix("VmSize:")?.trim().strip_suffix(" kB"));
+    if let Some(has) = line.and_then(|has| has.parse::<u64>().ok()) {
+        let limit = Some(1024 * has + more);
+        let _ = prlimit(Pid::from_child(&child).into(), Resource::As, Rlimit { current: limit, maximum: limit });
+    }
+    child.wait_with_output().unwrap()
+}
+
+/// That a command has ended as it may where memory is short: done, or refused, or failed with a message, and nothing left but what
+/// `--resume` goes on with. Whether it failed.
+fn has_failed_well(folder: &Folder, output: &Output, at: &str) -> bool {
+    let message = text(&output.stderr);
+    let told = match output.status.code() {
+        Some(0) => true,
+        Some(1) => {
+            message.contains("stiction: not enough memory") || message.contains("stiction: cannot start threads")
+        }
+        Some(2) => message.contains(" of memory, and ") && message.contains(" can be had"),
+        _ => false,
+    };
+    assert!(
+        told && !message.contains("panicked") && !message.contains("backtrace"),
+        "{at}: {}: {message}",
+        output.status
+    );
+    let left = |path: PathBuf| {
+        let files = std::fs::read_dir(path).into_iter().flatten().map(|entry| entry.unwrap().file_name());
+        files.filter(|name| [".lock", ".partial"].iter().any(|end| name.to_str().unwrap().ends_with(end))).next()
+    };
+    assert_eq!([left(folder.path("")), left(folder.path("scene.h5.points"))], [None, None], "{at}: {message}");
+    output.status.code() == Some(1)
+}
+
+/// A run gets by with what is said of it, and with less either does or says that it does not; never dies of it.
+#[test]
+fn a_run_gets_by_with_its_estimate_or_says_what_it_lacks() {
+    let folder = Folder::new(&sized(50.0, 800, 32).replace("curves = false", "curves = true"));
+    let needed = RESERVE + 2.0 * estimated(&folder, "memory");
+    assert_exit(&within(&folder, needed, "run scene.toml --threads 2"), 0);
+    let undisturbed = bits(&folder.path("scene.h5"));
+    std::fs::rename(folder.path("scene.h5"), folder.path("whole.h5")).unwrap();
+    for step in 1..=8 {
+        let bytes = 3e7 + (needed - 3e7) * f64::from(step) / 9.0;
+        let run = within(&folder, bytes, "run scene.toml --threads 2 --force");
+        has_failed_well(&folder, &run, &format!("{bytes} bytes"));
+    }
+    let mut failed = 0;
+    for (file, more) in [".scene.h5.lock", "scene.h5.checkpoint", ".scene.h5.partial"]
+        .into_iter()
+        .flat_map(|file| [(file, 0), (file, 1 << 24)])
+    {
+        let _ = std::fs::remove_file(folder.path("scene.h5"));
+        let run = bounded_when(&folder, file, more, "run scene.toml --threads 2 --checkpoint 0");
+        failed += u32::from(has_failed_well(&folder, &run, &format!("{more} bytes more than with {file}")));
+        let message = text(&run.stderr);
+        assert!(!message.contains("with --resume") || folder.path("scene.h5.checkpoint").exists(), "{message}");
+        assert_exit(&folder.stiction(&["run", "scene.toml", "--resume"]), 0);
+        assert!(bits(&folder.path("scene.h5")) == undisturbed, "{more} bytes more than with {file}");
+        assert_eq!(folder.files(), ["scene.h5", "scene.toml", "whole.h5"]);
+    }
+    // Before it writes, a run wants more than this in one piece. The last two may be done before they are bounded.
+    assert!(failed >= 4, "{failed}");
+}
+
+/// The same for what is made of several runs, or reads a result.
+#[test]
+fn other_commands_say_what_they_lack() {
+    let sweep = format!("{}\n[sweep]\n\"material.hardness\" = [\"2 GPa\", \"3 GPa\"]\n", sized(50.0, 300, 32));
+    let folder = Folder::new(&sweep);
+    assert_exit(&folder.stiction(&["run", "scene.toml", "-o", "whole.h5"]), 0);
+    let undisturbed = bits(&folder.path("whole.h5"));
+    for file in [
+        ".scene.h5.lock",
+        "scene.h5.points/0001.h5.checkpoint",
+        "scene.h5.points/0002.h5.checkpoint",
+        ".scene.h5.partial",
+    ] {
+        let _ = std::fs::remove_file(folder.path("scene.h5"));
+        let run = bounded_when(&folder, file, 0, "run scene.toml --threads 2 --checkpoint 0");
+        has_failed_well(&folder, &run, file);
+        assert_exit(&folder.stiction(&["run", "scene.toml", "--resume"]), 0);
+        assert!(bits(&folder.path("scene.h5")) == undisturbed, "{file}");
+        assert_eq!(folder.files(), ["scene.h5", "scene.toml", "whole.h5"]);
+    }
+    std::fs::write(folder.path("scene.toml"), sized(50.0, 500, 32)).unwrap();
+    let shard = |index: u32| {
+        folder.stiction(&["run", "scene.toml", "--shard", &format!("{index}/2"), "-o", &format!("{index}.h5")])
+    };
+    (1..=2).for_each(|index| assert_exit(&shard(index), 0));
+    for (file, arguments) in [
+        (".scene.h5.lock", "merge 1.h5 2.h5 -o scene.h5 --threads 2 --force"),
+        (".scene.h5.partial", "merge 1.h5 2.h5 -o scene.h5 --threads 2 --force"),
+        (".scene.h5.lock", "compare scene.toml --laws gw,md --ensemble -o scene.h5 --threads 2 --force"),
+    ] {
+        has_failed_well(&folder, &bounded_when(&folder, file, 0, arguments), arguments);
+    }
+    for (command, bytes) in ["validate whole.h5", "info whole.h5", "check scene.toml"]
+        .into_iter()
+        .flat_map(|c| [2e7, 4e7, 6e7, 2e8].map(|b| (c, b)))
+    {
+        let run = within(&folder, bytes, command);
+        let failed = has_failed_well(&folder, &run, &format!("{command}: {bytes} bytes"));
+        assert!(
+            failed == (bytes < 5e7) || command == "check scene.toml",
+            "{command}: {bytes} bytes: {}",
+            text(&run.stderr)
+        );
     }
 }

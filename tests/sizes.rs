@@ -217,8 +217,8 @@ fn has_failed_well(folder: &Folder, output: &Output, at: &str) -> bool {
         output.status
     );
     let left = |path: PathBuf| {
-        let files = std::fs::read_dir(path).into_iter().flatten().map(|entry| entry.unwrap().file_name());
-        files.filter(|name| [".lock", ".partial"].iter().any(|end| name.to_str().unwrap().ends_with(end))).next()
+        let mut files = std::fs::read_dir(path).into_iter().flatten().map(|entry| entry.unwrap().file_name());
+        files.find(|name| [".lock", ".partial"].iter().any(|end| name.to_str().unwrap().ends_with(end)))
     };
     assert_eq!([left(folder.path("")), left(folder.path("scene.h5.points"))], [None, None], "{at}: {message}");
     output.status.code() == Some(1)

@@ -20,9 +20,9 @@ import json
 import random
 import subprocess
 
-from switches import ROOT, Build, Unfit, side_by_side
+from switches import ROOT, TARGET, Build, Unfit, side_by_side
 
-PLACE = ROOT / "target" / "mutants"
+PLACE = TARGET / "mutants"
 # The terminal's rooms.
 LEFT_OUT = ("src/cli/", "src/main.rs", "src/output/progress.rs")
 # Test programs that take long, need an emulator or another processor, or only repeat with random input what others check.
@@ -61,20 +61,17 @@ def edit(file, mutant, number):
         if begin != operator.start_byte:
             raise Unfit("another operator")
         left, right = whole.child_by_field_name("left"), whole.child_by_field_name("right")
-        between = (file.text(operator), replacement)
 
         def switched(render):
             a, b = render(left.start_byte, left.end_byte), render(right.start_byte, right.end_byte)
-            return f"(if {active} {{ {a} {between[1]} {b} }} else {{ {a} {between[0]} {b} }})"
+            return f"(if {active} {{ {a} {replacement} {b} }} else {{ {render(whole.start_byte, whole.end_byte)} }})"
 
         return (whole.start_byte, whole.end_byte), switched
     if genre == "UnaryOperator":
         whole = node("unary_expression", "negative_literal")
 
         def without(render):
-            inner = render(end, whole.end_byte)
-            sign = file.bytes[whole.start_byte : end].decode()
-            return f"(if {active} {{ {inner} }} else {{ {sign}{inner} }})"
+            return f"(if {active} {{ {render(end, whole.end_byte)} }} else {{ {render(whole.start_byte, whole.end_byte)} }})"
 
         return (whole.start_byte, whole.end_byte), without
     if genre == "MatchArmGuard":
@@ -148,15 +145,15 @@ def main():
     sample = random.Random(arguments.seed).sample(everything, min(arguments.count, len(everything)))
     build = Build(PLACE, sample, edit)
     print(f"{len(everything)} mutants are listed, {len(sample)} drawn, {sum('left out' in m for m in sample)} left out", flush=True)
-    names = build.programs(["lib", *sorted(path.stem for path in (ROOT / "tests").glob("*.rs") if path.stem not in UNUSED)])
+    build.build_tests(path.stem for path in (ROOT / "tests").glob("*.rs") if path.stem not in UNUSED)
     kept = Kept(arguments, build)
     if kept.values["tests"] is None:
-        kept.values["tests"] = build.trace(names, SLOWEST)
+        kept.values["tests"] = build.trace(SLOWEST)
         kept.save()
     tests, results = kept.values["tests"], kept.values["results"]
     print(f"{len(tests)} tests, {sum(test['seconds'] for test in tests):.0f} s", flush=True)
     left = [number for number, mutant in enumerate(sample) if "left out" not in mutant and str(number) not in results]
-    judged = side_by_side(lambda number: (number, build.judge(number, names, tests, BUDGET)), left)
+    judged = side_by_side(lambda number: (number, build.judge(number, tests, BUDGET)), left)
     for number, result in judged:
         results[str(number)] = result
         kept.save()

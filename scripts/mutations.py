@@ -1,107 +1,141 @@
 #!/usr/bin/env python3
-"""Plants the mistakes of tests/mutations.toml one at a time and lists which tests catch each.
+"""Plants the mistakes of tests/mutations.toml, and requires that the test that each names fails of it and passes without it.
 
-    scripts/mutations.py            all of them, about two minutes each on two cores
-    scripts/mutations.py sign       those whose description has "sign" in it
-    scripts/mutations.py --check    only whether each still applies; builds nothing
-    scripts/mutations.py --markdown prints a table for the documentation
+    scripts/mutations.py              all: most in one build, each behind a switch, and after them those in constants, each in a build of its own
+    scripts/mutations.py sign         those whose description has "sign" in it
+    scripts/mutations.py --together   only those in the one build, which is quick
+    scripts/mutations.py --check      only whether each still applies, and its test is there; builds nothing
+    scripts/mutations.py --find       which test is the quickest to notice each, of all that reach it
+    scripts/mutations.py --markdown   prints a table for the documentation
 
-The tree as it stands is copied to target/mutations and changed there. Exit code 1 if a mistake survives or does not apply.
+The tree as it stands is copied to target/mutations and changed there (switches.py; needs `pip install tree-sitter tree-sitter-rust`). A
+mistake is switched with the whole body of its function; what is outside of functions is a constant. Exit code 1 if a mistake survives or
+does not apply.
 """
 
 import argparse
-import re
-import shutil
-import subprocess
+import os
 import sys
+import time
 import tomllib
-from pathlib import Path
 
-ROOT = Path(__file__).resolve().parent.parent
-TREE = ROOT / "target" / "mutations"
-# A mistake may make a loop endless; that is then how it is caught.
-MOST_SECONDS = 1800
+from switches import PATIENCE, ROOT, TARGET, Build, Unfit, side_by_side
+
+PLACE = TARGET / "mutations"
+# Seconds of a processor after which a test is not the one to name.
+SLOWEST = 8
 
 
 def read(path=ROOT / "tests" / "mutations.toml"):
     return tomllib.loads(path.read_text())["mutation"]
 
 
-def planted(mutation):
-    """The changed text of the file of a mutation; an error if it does not apply."""
-    text = (ROOT / mutation["file"]).read_text()
-    count = text.count(mutation["find"])
+def wrong(mutation):
+    """Why a mistake cannot be planted, or its test not run; nothing if both can."""
+    count = (ROOT / mutation["file"]).read_text().count(mutation["find"])
     if count != 1 or mutation["find"] == mutation["replace"]:
-        raise ValueError(f"{mutation['file']}: occurs {count} times, once is needed: {mutation['find']!r}")
-    return text.replace(mutation["find"], mutation["replace"])
+        return f"{mutation['file']}: occurs {count} times, once is needed: {mutation['find']!r}"
+    program, _, test = mutation["test"].partition("::")
+    files = (ROOT / "src").rglob("*.rs") if program == "lib" else [ROOT / "tests" / f"{program}.rs"]
+    if not any(f"fn {test.split('::')[-1]}(" in path.read_text() for path in files):
+        return f"{mutation['mistake']}: there is no test {mutation['test']}"
+    return None
 
 
-def copy_tree():
-    shutil.rmtree(TREE, ignore_errors=True)
-    listed = ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"]
-    for name in subprocess.run(listed, cwd=ROOT, check=True, capture_output=True, text=True).stdout.split("\0"):
-        source = ROOT / name
-        if name and source.is_file():
-            target = TREE / name
-            target.parent.mkdir(parents=True, exist_ok=True)
-            shutil.copy2(source, target)
+def changed_part(file, mutation):
+    """The range of bytes that a mistake changes, and what is there then."""
+    find, replace = mutation["find"].encode(), mutation["replace"].encode()
+    same = len(os.path.commonprefix([find, replace]))
+    tail = len(os.path.commonprefix([find[same:][::-1], replace[same:][::-1]]))
+    begin = file.bytes.index(find)
+    return begin + same, begin + len(find) - tail, replace[same : len(replace) - tail]
 
 
-def failures(tests):
-    """The failed tests, as program::test; or that it does not build, or does not end."""
-    programs = [part for test in tests for part in (["--lib"] if test == "lib" else ["--test", test])]
-    command = ["cargo", "test", "--release", "--no-fail-fast", "--target-dir", str(ROOT / "target"), *programs]
-    try:
-        run = subprocess.run(command, cwd=TREE, capture_output=True, text=True, timeout=MOST_SECONDS)
-    except subprocess.TimeoutExpired:
-        return ["(does not end)"]
-    if "error: could not compile" in run.stderr:
-        return ["(does not build)"]
-    # Cargo names the programs on standard error, in the order in which these report on standard output.
-    names = re.findall(r"Running (?:unittests )?(?:src|tests)/(\w+)\.rs", run.stderr)
-    reports = re.split(r"^running \d+ tests?$", run.stdout, flags=re.MULTILINE)[1:]
-    failed = []
-    for name, report in zip(names, reports, strict=False):
-        failed += [f"{name}::{test}" for test in re.findall(r"^test (\S+) \.\.\. FAILED$", report, flags=re.MULTILINE)]
-    if run.returncode and not failed:
-        sys.exit(f"the tests did not run: {run.stderr.strip().splitlines()[-1:]}")
-    return failed
+def switched(file, mutation, number):
+    """A mistake behind its switch, with the body of its function."""
+    begin, end, replacement = changed_part(file, mutation)
+    body = file.node(begin, end, ("function_item",)).child_by_field_name("body")
+    low, high = body.start_byte, body.end_byte
+    if not low < begin <= end < high:
+        raise Unfit("not in a body")
+    mistaken = (file.bytes[low:begin] + replacement + file.bytes[end:high]).decode()
+    return (low, high), lambda render: f"{{ if crate::mutant({number}) {mistaken} else {render(low, high)} }}"
+
+
+def replaced(file, mutation, _):
+    """A mistake as it is."""
+    begin, end, replacement = changed_part(file, mutation)
+    return (begin, end), lambda _: replacement.decode()
+
+
+def judged(build, mutations, numbers):
+    """For each of some mistakes of a build what becomes of it: its test has to pass without it, and to fail with it."""
+    tests = sorted({mutations[number]["test"] for number in numbers})
+    build.build_tests({test.split("::")[0] for test in tests})
+    without = dict(zip(tests, side_by_side(lambda test: build.run(test, SLOWEST), tests), strict=True))
+
+    def verdict(number):
+        test = mutations[number]["test"]
+        passes, seconds = without[test]
+        if not passes:
+            return "FAILS WITHOUT IT"
+        passes, _ = build.run(test, PATIENCE[0] * seconds + PATIENCE[1], STICTION_MUTANT=str(number))
+        return {True: "SURVIVED", False: "caught", None: "caught: does not end"}[passes]
+
+    return side_by_side(lambda number: (number, verdict(number)), numbers)
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("only", nargs="?", default="", help="part of the description of the mistakes to plant")
+    parser.add_argument("--together", action="store_true", help="leave out what needs a build of its own")
     parser.add_argument("--check", action="store_true", help="only check that each mistake still applies")
+    parser.add_argument("--find", action="store_true", help="find the quickest test that notices each")
     parser.add_argument("--markdown", action="store_true", help="print a table for the documentation")
     arguments = parser.parse_args()
     mutations = [mutation for mutation in read() if arguments.only in mutation["mistake"]]
     if not mutations:
         parser.error(f"no mistake has {arguments.only!r} in its description")
-    try:
-        texts = [planted(mutation) for mutation in mutations]
-    except ValueError as error:
-        sys.exit(str(error))
+    if problems := [problem for problem in map(wrong, mutations) if problem]:
+        sys.exit("\n".join(problems))
     if arguments.check:
         print(f"{len(mutations)} mistakes apply")
         return
-    copy_tree()
-    survived = 0
     if arguments.markdown:
         print("| mistake | caught by |\n|---|---|")
-    for mutation, text in zip(mutations, texts, strict=True):
-        place = TREE / mutation["file"]
-        place.write_text(text)
-        caught = failures(mutation["tests"])
-        place.write_text((ROOT / mutation["file"]).read_text())
-        survived += not caught
-        if arguments.markdown:
-            more = f" and {len(caught) - 2} more" if len(caught) > 2 else ""
-            names = ", ".join(f"`{name}`" for name in caught[:2])
-            print(f"| {mutation['mistake']} | {names or '**nothing**'}{more} |", flush=True)
-        else:
-            print(f"{mutation['mistake']}\n  {', '.join(caught) or 'SURVIVED'}", flush=True)
-    if survived:
-        sys.exit(f"{survived} of {len(mutations)} mistakes survived")
+        print("\n".join(f"| {mutation['mistake']} | `{mutation['test']}` |" for mutation in mutations))
+        return
+    begun = time.monotonic()
+    build = Build(PLACE, mutations, switched)
+    together = [number for number, mutation in enumerate(mutations) if "left out" not in mutation]
+    alone = [number for number, mutation in enumerate(mutations) if "left out" in mutation]
+    if arguments.find:
+        build.build_tests(path.stem for path in (ROOT / "tests").glob("*.rs"))
+        tests = build.trace(SLOWEST)
+        for number in together:
+            print(f"{mutations[number]['mistake']}\n  {' by '.join(build.judge(number, tests))}", flush=True)
+        return
+    results = {}
+
+    def note(number, result):
+        results[number] = result
+        print(f"{mutations[number]['mistake']}\n  {result} by {mutations[number]['test']}", flush=True)
+
+    for number, result in judged(build, mutations, together + ([] if arguments.together else alone)):
+        # Those that are not planted in this build are only seen to let their tests pass.
+        if number in together or result != "SURVIVED":
+            note(number, result)
+    print(f"{len(together)} mistakes in one build: {time.monotonic() - begun:.0f} s", flush=True)
+    for number in [] if arguments.together else alone:
+        one = {key: value for key, value in mutations[number].items() if key != "left out"}
+        ((_, result),) = judged(Build(PLACE, [one], replaced), [one], [0])
+        note(number, "caught" if result == "FAILS WITHOUT IT" else result)
+    if arguments.together and alone:
+        print(f"{len(alone)} mistakes in constants are left to scripts/mutations.py without --together:")
+        print("\n".join(f"  {mutations[number]['mistake']} ({mutations[number]['left out']})" for number in alone))
+    print(f"{len(results)} mistakes planted in {time.monotonic() - begun:.0f} s")
+    if survived := [number for number, result in results.items() if not result.startswith("caught")]:
+        sys.exit(f"{len(survived)} of {len(results)} mistakes were not caught as they should be")
 
 
 if __name__ == "__main__":

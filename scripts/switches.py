@@ -17,10 +17,10 @@ import sys
 import threading
 from pathlib import Path
 
-import tree_sitter_rust
-from tree_sitter import Language, Parser
-
 ROOT = Path(__file__).resolve().parent.parent
+TARGET = ROOT / os.environ.get("CARGO_TARGET_DIR", "target")
+# The program that all of tests/ is a module of.
+TOGETHER = "together"
 # A test is ended after so many times the seconds of a processor that it takes, and some more.
 PATIENCE = (3.0, 2.0)
 # And after so many seconds, if it takes no processor.
@@ -57,6 +57,9 @@ class File:
     """A source file with its tree."""
 
     def __init__(self, name):
+        import tree_sitter_rust
+        from tree_sitter import Language, Parser
+
         self.bytes = (ROOT / name).read_bytes()
         self.lines = self.bytes.decode().split("\n")
         self.starts = [0]
@@ -140,11 +143,12 @@ class Build:
             return
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_bytes(text)
-        shutil.copymode(ROOT / name, path)
+        if (ROOT / name).exists():
+            shutil.copymode(ROOT / name, path)
 
     def borrow(self):
         """Links what the source's own target directory has of its dependencies, which are the same."""
-        own, there = self.target / "release", Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "release"
+        own, there = self.target / "release", TARGET / "release"
         if own.exists() or not there.exists():
             return
 
@@ -198,23 +202,39 @@ class Build:
                 self.changes[number]["left out"] = "does not compile"
             self.write()
 
-    def programs(self, targets):
-        """The built test programs by name; `lib` is the unit tests, and `bins` those of the binary."""
-        own = {"lib": ["--lib"], "bins": ["--bins"]}
-        selection = [part for target in targets for part in own.get(target, ["--test", target])]
-        code, messages, errors = self.cargo("test", "--no-run", *selection)
+    def build_tests(self, names):
+        """Builds test programs, `lib` for the unit tests: all of tests/ as modules of one, which takes a third of the time."""
+        modules = "".join(f'#[path = "{name}.rs"]\nmod {name};\n' for name in sorted(names) if name != "lib")
+        self.put(f"tests/{TOGETHER}.rs", modules.encode())
+        code, messages, errors = self.cargo("test", "--no-run", "--lib", "--test", TOGETHER)
         if code:
             sys.exit(errors[-3000:])
         built = [m for m in messages if m.get("reason") == "compiler-artifact" and m.get("executable") and m["profile"]["test"]]
-        return {("lib" if "lib" in m["target"]["kind"] else m["target"]["name"]): m["executable"] for m in built}
+        self.programs = {("lib" if "lib" in m["target"]["kind"] else TOGETHER): m["executable"] for m in built}
 
-    def run_test(self, program, test, limit, **switch):
+    def command(self, test):
+        """Runs one test, named program::test."""
+        is_unit = test.startswith("lib::")
+        name = test.removeprefix("lib::")
+        return [self.programs["lib" if is_unit else TOGETHER], "--exact", name, "--test-threads", "1"]
+
+    def tests(self):
+        """Names of all tests that are not ignored."""
+
+        def listed(program, *more):
+            listing = subprocess.run([self.programs[program], "--list", *more], cwd=self.tree, capture_output=True, text=True).stdout
+            return {line.removesuffix(": test") for line in listing.splitlines() if line.endswith(": test")}
+
+        return sorted(
+            ("lib::" if program == "lib" else "") + test for program in self.programs for test in listed(program) - listed(program, "--ignored")
+        )
+
+    def run(self, test, limit, **switch):
         """Runs one test by itself, with a limit of seconds of a processor for each of its processes: whether it passes, or None when it
         does not end; and the seconds of a processor that it took."""
-        command = [program, "--exact", test, "--test-threads", "1"]
         seconds = math.ceil(limit)
         child = subprocess.Popen(
-            command,
+            self.command(test),
             cwd=self.tree,
             env={**self.environment, "CARGO_MANIFEST_DIR": str(self.tree), "RUST_BACKTRACE": "0", **switch},
             stdout=subprocess.DEVNULL,
@@ -230,28 +250,23 @@ class Build:
         child.returncode = code = os.waitstatus_to_exitcode(status)
         return (None if -code in (signal.SIGXCPU, signal.SIGKILL) else code == 0), usage.ru_utime + usage.ru_stime
 
-    def trace(self, names, slowest):
-        """Every test of some programs that takes at most so many seconds of a processor: program, name, seconds, and the changes that it
-        reaches; the quickest first."""
+    def trace(self, slowest):
+        """Every test that takes at most so many seconds of a processor: its name, its seconds, and the changes that it reaches; the quickest
+        first."""
 
-        def traced(name, test):
-            reached = self.place / f"reached-{name}-{test}".replace("::", "-")
+        def traced(test):
+            reached = self.place / f"reached-{test.replace('::', '-')}"
             reached.unlink(missing_ok=True)
-            passed, seconds = self.run_test(names[name], test, slowest, STICTION_MUTANT_TRACE=str(reached))
+            passed, seconds = self.run(test, slowest, STICTION_MUTANT_TRACE=str(reached))
             numbers = sorted({int(line) for line in reached.read_text().split()}) if reached.exists() else []
             reached.unlink(missing_ok=True)
             if not passed:
-                print(f"not used: {name}::{test} ({'slow' if passed is None else 'fails by itself'})", flush=True)
-            return {"program": name, "test": test, "seconds": seconds, "reaches": numbers, "is used": bool(passed)}
+                print(f"not used: {test} ({'slow' if passed is None else 'fails by itself'})", flush=True)
+            return {"test": test, "seconds": seconds, "reaches": numbers, "is used": bool(passed)}
 
-        def listed(name, *more):
-            listing = subprocess.run([names[name], "--list", *more], cwd=self.tree, capture_output=True, text=True).stdout
-            return {line.removesuffix(": test") for line in listing.splitlines() if line.endswith(": test")}
+        return sorted((test for test in side_by_side(traced, self.tests()) if test["is used"]), key=lambda test: test["seconds"])
 
-        tests = [(name, test) for name in names for test in sorted(listed(name) - listed(name, "--ignored"))]
-        return sorted((test for test in side_by_side(lambda pair: traced(*pair), tests) if test["is used"]), key=lambda test: test["seconds"])
-
-    def judge(self, number, names, tests, budget=math.inf):
+    def judge(self, number, tests, budget=math.inf):
         """What becomes of a change by the tests that reach it, of so many seconds in all, and by which test."""
         spent, tried = 0.0, 0
         for test in tests:
@@ -260,9 +275,9 @@ class Build:
             if spent > budget:
                 return "not caught", f"{tried} tests of {budget:g} s in all"
             limit = PATIENCE[0] * test["seconds"] + PATIENCE[1]
-            passed, _ = self.run_test(names[test["program"]], test["test"], limit, STICTION_MUTANT=str(number))
+            passed, _ = self.run(test["test"], limit, STICTION_MUTANT=str(number))
             if not passed:
-                return ("caught" if passed is False else "does not end"), f"{test['program']}::{test['test']}"
+                return ("caught" if passed is False else "does not end"), test["test"]
             spent, tried = spent + test["seconds"], tried + 1
         return ("not caught", f"all {tried} tests that reach it") if tried else ("not reached", "")
 

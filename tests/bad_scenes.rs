@@ -518,6 +518,20 @@ fn limits_are_within() {
     assert!(span(least * (1.0 + 1e-15)) && !span(least * (1.0 - 1e-15)));
     let ratio = |ratio: f64| is_scene("poisson_ratio = 0.27", &format!("poisson_ratio = {ratio:?}"));
     assert!(ratio(0.5) && !ratio(0.5_f64.next_up()));
+    let slope = |m2: &str| {
+        let others = [
+            "asperity_radius = \"3.33 um\"\n",
+            "asperity_density = \"7.39 /um^2\"\n",
+            "surface_height_std = \"1.619 nm\"\n",
+        ];
+        let text = others.iter().fold(QUICK.to_owned(), |text, other| text.replace(other, ""));
+        let spectrum =
+            format!("[surface]\nspectrum = {{ m0 = \"2.373e-18 m^2\", m2 = {m2}, m4 = \"1.4584e10 /m^2\" }}");
+        Document::parse(&text.replace("[surface]", &spectrum), Arc::new(Beside::scene(Path::new("scene.toml"))))
+            .map_err(|error| error.to_string())
+    };
+    assert!(slope("6.2595e-5").is_ok());
+    assert!(["0.0", "-6.2595e-5"].into_iter().all(|m2| slope(m2).is_err_and(|e| e.contains("greater than 0"))));
     let law = |key: &str, law: &str, parameter: &str, value: f64| {
         let entry = format!("[surface]\n{key} = {{ law = \"{law}\", {parameter} = {value:?} }}");
         is_scene("[surface]", &entry)

@@ -12,6 +12,7 @@ use std::path::Path;
 use std::sync::Arc;
 use stiction::math::moments::Moments;
 use stiction::output::asperities;
+use stiction::output::columns::Beside;
 use stiction::scene::files::{Column, Files, Measured};
 use stiction::scene::{Document, Scene};
 use stiction::surface::Radii;
@@ -469,6 +470,7 @@ impl Files for Few {
         assert_eq!(path, "few.csv");
         match column {
             Column::Numbered(2) => Ok(vec![1.0, 2.0, 6.0]),
+            Column::Numbered(3) => Ok(vec![1.0, 0.0]),
             Column::Named(name) if name == "second" => Ok(vec![3.0, 5.0]),
             Column::Dataset(name) if name == "third" => Ok(vec![4.0]),
             other => Err(format!("{other:?}")),
@@ -533,4 +535,18 @@ fn given_values_are_taken_as_they_are() {
     assert!((values[0] / 3e-6 - 1.0).abs() < 1e-12 && (values[1] / 5e-6 - 1.0).abs() < 1e-12 && values.len() == 2);
     let few = given("radii", "dataset = \"third\"", "um").unwrap_err();
     assert!(few.contains("has 1 values; 2 to"), "{few}");
+    let none = given("radii", "column = 3", "um").unwrap_err();
+    assert!(none.contains("radii are positive"), "{none}");
+}
+
+/// Columns of a file are counted from 1.
+#[test]
+fn columns_are_counted_from_one() {
+    let folder = Folder::new("");
+    std::fs::write(folder.path("few.csv"), "1,10,100\n2,20,200\n").unwrap();
+    let beside = Beside::scene(&folder.path("scene.toml"));
+    for (number, values) in [(1, [1.0, 2.0]), (2, [10.0, 20.0]), (3, [100.0, 200.0])] {
+        assert_eq!(beside.column("few.csv", &Column::Numbered(number)).unwrap(), values);
+    }
+    assert!(beside.column("few.csv", &Column::Numbered(4)).is_err());
 }

@@ -270,6 +270,25 @@ mod tests {
         assert!(one.relative_std.is_nan() && one.skewness.is_nan() && one.quantiles == [3.0; 7]);
     }
 
+    /// ln N = (ln c − ln b)/a, by hand: with a = 1/2 and ln c − ln b = 3/2 the squared error of ln N is (0.1² + 3²·0.02² − 2·3·0.001)/a².
+    #[test]
+    fn a_count_has_its_error() {
+        let approach = Approach {
+            coefficient: 2.0,
+            exponent: 0.5,
+            standard_errors: [0.1, 0.02],
+            covariance: 0.001,
+            chi_squared: 0.0,
+            degrees_of_freedom: 1,
+            fitted: vec![true; 3],
+        };
+        for (bias, count, error) in [(2.0, 1.0, 0.2), (2.0 * (-1.5_f64).exp(), 3.0_f64.exp(), 2.0 * 0.0076_f64.sqrt())]
+        {
+            let found = approach.count(bias);
+            assert!((found.0 / count - 1.0).abs() < 1e-12 && (found.1 / error - 1.0).abs() < 1e-12, "{found:?}");
+        }
+    }
+
     #[test]
     fn a_power_law_is_found_and_read_backwards() {
         let counts = [10.0, 100.0, 1e3, 1e4, 1e5];

@@ -104,6 +104,16 @@ mod tests {
         assert_eq!(test.verdict, Verdict::Agree);
     }
 
+    /// Edgeworth's expansion of one score that is a mean of 16, two-sided: 2(1 − Φ(z)) + 2φ(z) [κ₄ He₃(z)/24 + κ₃² He₅(z)/72] with He₃(2) = 2
+    /// and He₅(2) = −18; for κ₄ = 1.6/16 and κ₃² = 0.32/16 that is 0.0455003 (1 + 0.0079107).
+    #[test]
+    fn cumulants_are_those_of_the_mean() {
+        let probe = Probe { adhesion_force: vec![0.0], external_force: vec![1.0] };
+        let cumulants = Cumulants { kurtosis: 1.6, skewness: 5.0 * 0.32 };
+        let test = JointTest::new(&[probe], [&[0.0], &[1.5]], [&[0.0], &[1.0]], cumulants, 16);
+        assert!((test.p_value / 0.045500263896 - 1.0079107).abs() < 5e-5, "{}", test.p_value);
+    }
+
     #[test]
     fn without_functionals_nothing_is_tested() {
         let test = JointTest::new(&[], [&[0.0], &[0.0]], [&[0.0], &[0.0]], Cumulants::default(), 1);

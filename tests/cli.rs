@@ -3,6 +3,7 @@
 mod common;
 
 use common::program::{Folder, QUICK, assert_exit, bits, small, text};
+use common::unlocked;
 use std::path::Path;
 
 #[test]
@@ -40,7 +41,7 @@ fn coarse_separations_tell_the_same_of_the_integral() {
         let summary = text(&run.stdout);
         assert_eq!(summary.contains("the curves miss 54 % of the pull-off at h* = 2.815"), count == 5, "{summary}");
         let told = summary.split("\n  at pull-off").nth(1).and_then(|rest| rest.split("\n  cross-check").next());
-        let file = hdf5::File::open(folder.path("scene.h5")).unwrap();
+        let file = unlocked::open(folder.path("scene.h5"));
         let model = file.group("statistical").unwrap();
         let names = ["pull_off_force", "pull_off_separation", "peak_stiffness", "peak_stiffness_separation"];
         let read: Vec<f64> = names.iter().map(|name| model.attr(name).unwrap().read_scalar().unwrap()).collect();
@@ -107,7 +108,7 @@ fn fewer_replicas_are_the_first_ones() {
     assert_exit(&folder.stiction(&["run", "scene.toml", "-o", "all.h5"]), 0);
     assert_exit(&folder.stiction(&["run", "scene.toml", "--replicas", "11", "-o", "few.h5"]), 0);
     let pull_off = |name: &str| {
-        let file = hdf5::File::open(folder.path(name)).unwrap();
+        let file = unlocked::open(folder.path(name));
         file.dataset("/replicas/pull_off_force").unwrap().read_raw::<f64>().unwrap()
     };
     assert_eq!(pull_off("few.h5"), pull_off("all.h5")[..11]);
@@ -145,7 +146,7 @@ fn validate_sees_a_disagreement() {
     let folder = Folder::new(&small());
     assert_exit(&folder.stiction(&["run", "scene.toml"]), 0);
     {
-        let file = hdf5::File::open_rw(folder.path("scene.h5")).unwrap();
+        let file = unlocked::open_rw(folder.path("scene.h5"));
         let dataset = file.dataset("/statistical/adhesion_force").unwrap();
         let changed: Vec<f64> = dataset.read_raw::<f64>().unwrap().iter().map(|force| 1.05 * force).collect();
         dataset.write_raw(&changed).unwrap();
@@ -159,10 +160,10 @@ fn validate_sees_a_disagreement() {
 fn files_of_others_are_refused_in_a_line() {
     let folder = Folder::new(&small());
     std::fs::write(folder.path("text.h5"), "no HDF5").unwrap();
-    drop(hdf5::File::create(folder.path("other.h5")).unwrap());
+    drop(unlocked::create(folder.path("other.h5")));
     assert_exit(&folder.stiction(&["run", "scene.toml", "-o", "newer.h5"]), 0);
     {
-        let file = hdf5::File::open_rw(folder.path("newer.h5")).unwrap();
+        let file = unlocked::open_rw(folder.path("newer.h5"));
         file.attr("format_version").unwrap().write_raw(&[3_u32, 0]).unwrap();
     }
     for command in ["info", "validate"] {
@@ -318,7 +319,7 @@ fn an_older_result_is_refused() {
     let folder = Folder::new(&small());
     assert_exit(&folder.stiction(&["run", "scene.toml"]), 0);
     {
-        let file = hdf5::File::open_rw(folder.path("scene.h5")).unwrap();
+        let file = unlocked::open_rw(folder.path("scene.h5"));
         file.attr("format_version").unwrap().write_raw(&[1_u32, 4]).unwrap();
     }
     for command in ["info", "validate"] {
@@ -399,7 +400,7 @@ fn maps_in_a_wrong_unit_are_warned_of() {
         }
     }
     // Of the curvatures in the file: 1/<kappa> and <1/kappa>.
-    let file = hdf5::File::open(folder.path("polished.h5")).unwrap();
+    let file = unlocked::open(folder.path("polished.h5"));
     let radii = file.dataset("/asperities/radius").unwrap().read_raw::<f64>().unwrap();
     let count = radii.len() as f64;
     let harmonic = count / radii.iter().map(|radius| 1.0 / radius).sum::<f64>();

@@ -3,11 +3,12 @@
 mod common;
 
 use common::program::{Folder, QUICK, assert_exit, bits, small, text};
+use common::unlocked;
 use stiction::asperity::models::MODELS;
 
 /// One law of a dataset of a comparison.
 fn row(folder: &Folder, file: &str, dataset: &str, law: usize, laws: usize) -> Vec<f64> {
-    let values: Vec<f64> = hdf5::File::open(folder.path(file)).unwrap().dataset(dataset).unwrap().read_raw().unwrap();
+    let values: Vec<f64> = unlocked::open(folder.path(file)).dataset(dataset).unwrap().read_raw().unwrap();
     values.chunks_exact(values.len() / laws).nth(law).unwrap().to_vec()
 }
 

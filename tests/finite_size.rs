@@ -4,11 +4,12 @@
 mod common;
 
 use common::program::{Folder, assert_exit, bits, number, small, text};
+use common::unlocked;
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
 fn values(folder: &Folder, name: &str) -> Vec<f64> {
-    let file = hdf5::File::open(folder.path("scene_finite_size.h5")).unwrap();
+    let file = unlocked::open(folder.path("scene_finite_size.h5"));
     file.dataset(name).unwrap().read_raw::<f64>().unwrap()
 }
 
@@ -19,7 +20,7 @@ fn a_size_is_the_run_of_a_patch() {
     assert_exit(&folder.stiction(&["finite-size", "scene.toml", "--counts", "300,739,4000"]), 0);
     assert_eq!(folder.files(), ["scene.toml", "scene_finite_size.h5"]);
     assert_exit(&folder.stiction(&["run", "scene.toml"]), 0);
-    let single = hdf5::File::open(folder.path("scene.h5")).unwrap();
+    let single = unlocked::open(folder.path("scene.h5"));
     // 100 um^2 hold 739 asperities.
     let pull_off = single.dataset("/replicas/pull_off_force").unwrap().read_raw::<f64>().unwrap();
     let integral = number(&folder.path("scene.h5"), "/statistical", "pull_off_force");
@@ -66,7 +67,7 @@ fn too_few_sizes_tell_no_power_law() {
         assert_exit(&run, 0);
         let summary = text(&run.stdout);
         let file = folder.path("scene_finite_size.h5");
-        let attributes = hdf5::File::open(&file).unwrap().attr_names().unwrap();
+        let attributes = unlocked::open(&file).attr_names().unwrap();
         let has = |name: &str| attributes.iter().any(|attribute| attribute == name);
         let fitted = ["fit_coefficient", "fit_exponent", "fit_chi_squared", "fit_exponent_standard_error"];
         assert!(fitted.into_iter().all(|name| has(name) == is_told), "{counts}: {attributes:?}");

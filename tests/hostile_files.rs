@@ -4,6 +4,7 @@
 mod common;
 
 use common::program::{Folder, QUICK, assert_exit, small, text};
+use common::unlocked;
 use hdf5::types::VarLenUnicode;
 use std::process::Output;
 use std::str::FromStr;
@@ -19,7 +20,7 @@ fn with_result() -> Folder {
 /// A copy of the result, changed.
 fn forged(folder: &Folder, change: impl FnOnce(&hdf5::File)) {
     std::fs::copy(folder.path("scene.h5"), folder.path("forged.h5")).unwrap();
-    let file = hdf5::File::open_rw(folder.path("forged.h5")).unwrap();
+    let file = unlocked::open_rw(folder.path("forged.h5"));
     change(&file);
     file.close().unwrap();
 }
@@ -92,7 +93,7 @@ fn what_is_no_hdf5_file_is_refused() {
 fn a_file_that_is_being_written_is_said_to_be_locked() {
     let folder = with_result();
     let file = std::fs::File::open(folder.path("scene.h5")).unwrap();
-    // Cargo turns the locks of libhdf5 off for tests.
+    // Who runs the tests may have turned the locks of libhdf5 off.
     let validate = |locks: Option<&str>| {
         let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_stiction"));
         command.args(["validate", "scene.h5"]).current_dir(folder.path("")).env_remove("HDF5_USE_FILE_LOCKING");
@@ -104,6 +105,35 @@ fn a_file_that_is_being_written_is_said_to_be_locked() {
     file.unlock().unwrap();
     file.lock_shared().unwrap();
     assert_exit(&validate(None), 0);
+}
+
+/// `cargo run`, as the README has it, leaves locks on. The settings of this folder hold for whatever cargo runs in it: here a program that runs
+/// another.
+#[cfg(unix)]
+#[test]
+fn cargo_run_leaves_locks_on() {
+    let folder = with_result();
+    std::fs::create_dir(folder.path("src")).unwrap();
+    let manifest = "[package]\nname = \"runner\"\nedition = \"2024\"\n[workspace]\n";
+    let program = "fn main() {
+        let mut arguments = std::env::args().skip(1);
+        let run = std::process::Command::new(arguments.next().unwrap()).args(arguments).status().unwrap();
+        std::process::exit(run.code().unwrap());
+    }";
+    std::fs::write(folder.path("Cargo.toml"), manifest).unwrap();
+    std::fs::write(folder.path("src/main.rs"), program).unwrap();
+    let run = || {
+        let mut cargo = std::process::Command::new(env!("CARGO"));
+        cargo.args(["run", "--quiet", "--offline", "--manifest-path"]).arg(folder.path("Cargo.toml"));
+        cargo.arg("--target-dir").arg(folder.path("target"));
+        cargo.args(["--", env!("CARGO_BIN_EXE_stiction"), "validate"]).arg(folder.path("scene.h5"));
+        cargo.current_dir(env!("CARGO_MANIFEST_DIR")).env_remove("HDF5_USE_FILE_LOCKING").output().unwrap()
+    };
+    let file = std::fs::File::open(folder.path("scene.h5")).unwrap();
+    file.lock().unwrap();
+    assert_refused(&run(), "scene.h5: is locked: another program has it open for writing");
+    file.unlock().unwrap();
+    assert_exit(&run(), 0);
 }
 
 /// A device has no end, and a pipe that nobody writes to makes whoever opens it wait.
@@ -176,7 +206,7 @@ fn forged_attributes_are_refused() {
 fn forged_datasets_are_refused() {
     let folder = with_result();
     let count = |name: &str| {
-        let file = hdf5::File::open(folder.path("scene.h5")).unwrap();
+        let file = unlocked::open(folder.path("scene.h5"));
         file.dataset(name).unwrap().size()
     };
     let (s, k) = (count("/separation"), count("/component"));

@@ -4,6 +4,7 @@
 mod common;
 
 use common::program::{Folder, QUICK, assert_exit, attribute, bits, skip, small, text};
+use common::unlocked;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::collections::BTreeMap;
@@ -69,7 +70,7 @@ fn interrupted() -> Folder {
 }
 
 fn diagnostic(folder: &Folder, name: &str) -> f64 {
-    let file = hdf5::File::open(folder.path("scene.h5")).unwrap();
+    let file = unlocked::open(folder.path("scene.h5"));
     file.dataset(&format!("/diagnostics/{name}")).unwrap().read_scalar().unwrap()
 }
 
@@ -624,7 +625,7 @@ fn a_result_that_cannot_be_named_is_a_failure_while_running() {
 fn checkpoints_cost_at_most_a_hundredth_of_their_interval() {
     let folder = Folder::new(&scene());
     assert_exit(&folder.stiction(&["run", "scene.toml", "--checkpoint", "0"]), 0);
-    let file = hdf5::File::open(folder.path("scene.h5")).unwrap();
+    let file = unlocked::open(folder.path("scene.h5"));
     let number = |name: &str| file.dataset(name).unwrap().read_raw::<f64>().unwrap()[0];
     let (checkpoints, seconds) = (number("diagnostics/checkpoints"), number("diagnostics/checkpoint_seconds"));
     assert!(checkpoints >= 10.0 && seconds > 0.0, "{checkpoints} {seconds}");

@@ -5,6 +5,7 @@
 mod common;
 
 use common::program::{Folder, assert_exit, bits, peak_memory, text};
+use common::unlocked;
 
 const CASE_II: &str = include_str!("../configs/case_ii.toml");
 /// Bytes that a run may take on two threads, however many its asperities.
@@ -22,7 +23,7 @@ fn scene(asperities: f64, separations: u32, sum: &str) -> String {
 }
 
 fn values(folder: &Folder, name: &str) -> Vec<f64> {
-    hdf5::File::open(folder.path("scene.h5")).unwrap().dataset(name).unwrap().read_raw().unwrap()
+    unlocked::open(folder.path("scene.h5")).dataset(name).unwrap().read_raw().unwrap()
 }
 
 /// Runs one replica of so many asperities, within the memory that it may take and that `check` names within a factor of 2, and judges all
@@ -34,12 +35,8 @@ fn is_as_its_integral(asperities: f64, separations: u32) {
     let peak = peak_memory(&folder, &["--threads", "2"]);
     println!("{asperities:e} asperities: {:.1} MB", peak / 1e6);
     assert!(peak <= MEMORY, "{peak:e} bytes");
-    let counted: Vec<u64> = hdf5::File::open(folder.path("scene.h5"))
-        .unwrap()
-        .dataset("replicas/asperity_count")
-        .unwrap()
-        .read_raw()
-        .unwrap();
+    let counted: Vec<u64> =
+        unlocked::open(folder.path("scene.h5")).dataset("replicas/asperity_count").unwrap().read_raw().unwrap();
     assert!((counted[0] as f64 / asperities - 1.0).abs() < 1e-6, "{counted:?}");
     for force in ["adhesion_force", "external_force"] {
         let z = values(&folder, &format!("validation/z_{force}"));

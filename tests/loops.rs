@@ -4,6 +4,7 @@
 mod common;
 
 use common::program::{Folder, assert_exit, small};
+use common::unlocked;
 use common::{case, respond};
 use std::sync::atomic::{AtomicBool, Ordering};
 use stiction::asperity::models::model;
@@ -487,7 +488,7 @@ fn what_the_file_says_of_a_loop_follows_from_the_file() {
         "{scene}\n[instability]\nstiffness = [\"0 N/m\", \"1 kN/m\"]\npreload = [\"1 uN\", \"350 uN\"]\n"
     ));
     assert_exit(&folder.stiction(&["run", "scene.toml"]), 0);
-    let file = hdf5::File::open(folder.path("scene.h5")).unwrap();
+    let file = unlocked::open(folder.path("scene.h5"));
     let read = |name: &str| file.dataset(name).unwrap().read_raw::<f64>().unwrap();
     let curve = read("/statistical/retraction_external_force");
     let deepest = curve.iter().copied().fold(f64::INFINITY, f64::min);

@@ -4,6 +4,7 @@
 mod common;
 
 use common::program::{Folder, QUICK, assert_exit, attribute, bits, text};
+use common::unlocked;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use statrs::distribution::{ContinuousCDF, StudentsT};
@@ -220,7 +221,7 @@ fn write_npy(path: &Path, heights: &[f64], side: usize) {
 }
 
 fn write_hdf5(path: &Path, heights: &[f64], side: usize) {
-    let file = hdf5::File::create(path).unwrap();
+    let file = unlocked::create(path);
     let group = file.create_group("scan").unwrap();
     for name in ["forward", "backward"] {
         let dataset = group.new_dataset::<f64>().shape((side, side)).create(name).unwrap();
@@ -411,7 +412,7 @@ fn files_of_asperities_are_not_trusted() {
         [("/asperities/radius", -1e-6), ("/asperities/height", f64::NAN), ("/asperities/x", f64::INFINITY)]
     {
         write();
-        let file = hdf5::File::open_rw(&path).unwrap();
+        let file = unlocked::open_rw(&path);
         let mut values = file.dataset(dataset).unwrap().read_raw::<f64>().unwrap();
         values[3] = value;
         file.dataset(dataset).unwrap().write_raw(&values).unwrap();
@@ -419,7 +420,7 @@ fn files_of_asperities_are_not_trusted() {
         refused(&format!("at 3 of {dataset}"));
     }
     write();
-    hdf5::File::open_rw(&path).unwrap().unlink("/surface/m4").unwrap();
+    unlocked::open_rw(&path).unlink("/surface/m4").unwrap();
     refused("lacks the dataset /surface/m4");
     std::fs::write(&path, "no HDF5").unwrap();
     refused("is not an HDF5 file");

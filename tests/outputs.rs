@@ -4,6 +4,7 @@
 mod common;
 
 use common::program::{Folder, assert_exit, bits, small, text};
+use common::unlocked;
 use std::ffi::OsStr;
 use std::os::unix::ffi::OsStrExt;
 use std::os::unix::fs::symlink;
@@ -310,7 +311,7 @@ fn all_that_is_read_of_a_file_belongs_to_the_run() {
     };
     for change in [area, roughness] {
         std::fs::write(folder.path("polished.h5"), &whole).unwrap();
-        let file = hdf5::File::open_rw(folder.path("polished.h5")).unwrap();
+        let file = unlocked::open_rw(folder.path("polished.h5"));
         change(&file);
         file.close().unwrap();
         let merged = run(&folder, "merge 1.h5 2.h5", "merged.h5");

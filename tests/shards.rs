@@ -6,6 +6,7 @@ mod common;
 #[cfg(target_os = "linux")]
 use common::program::peak_memory_of;
 use common::program::{Folder, assert_exit, attribute, bits, number, small, text};
+use common::unlocked;
 use std::process::{Child, Command, Output, Stdio};
 use std::time::Duration;
 
@@ -170,7 +171,7 @@ fn a_shard_that_is_changed_is_refused() {
         // A copy, because programs that other tests start meanwhile keep the lock of a file that is open for writing.
         let other = tempfile::NamedTempFile::new().unwrap();
         std::fs::write(other.path(), &whole).unwrap();
-        let file = hdf5::File::open_rw(other.path()).unwrap();
+        let file = unlocked::open_rw(other.path());
         change(&file);
         file.close().unwrap();
         std::fs::copy(other.path(), &path).unwrap();
@@ -216,19 +217,15 @@ fn what_is_there_can_be_merged_and_is_marked() {
         [59.0, 83.0, 1.0]
     );
     let there: Vec<u64> = (0..40).chain(64..83).collect();
-    let file = hdf5::File::open(&merged).unwrap();
+    let file = unlocked::open(&merged);
     assert_eq!(file.dataset("replica").unwrap().read_raw::<u64>().unwrap(), there);
     let forces: Vec<f64> = file.dataset("replicas/pull_off_force").unwrap().read_raw().unwrap();
     let mean: Vec<f64> = file.dataset("ensemble/scalar_mean").unwrap().read_raw().unwrap();
     assert!((forces.iter().sum::<f64>() / 59.0 / mean[0] - 1.0).abs() < 1e-13);
     // They are the replicas that they are in the whole run.
     assert_exit(&folder.stiction(&["run", "scene.toml", "-o", "whole.h5"]), 0);
-    let whole: Vec<f64> = hdf5::File::open(folder.path("whole.h5"))
-        .unwrap()
-        .dataset("replicas/pull_off_force")
-        .unwrap()
-        .read_raw()
-        .unwrap();
+    let whole: Vec<f64> =
+        unlocked::open(folder.path("whole.h5")).dataset("replicas/pull_off_force").unwrap().read_raw().unwrap();
     assert!(there.iter().zip(&forces).all(|(index, force)| whole[*index as usize] == *force));
     assert_exit(&folder.stiction(&["validate", "merged.h5"]), 0);
     let info = text(&folder.stiction(&["info", "merged.h5"]).stdout);
@@ -244,7 +241,7 @@ fn a_point_behind_one_that_is_missing_keeps_its_place() {
         shard(&folder, index, 3, &[]);
     }
     assert_exit(&merge(&folder, &[name(1, 3), name(3, 3)], &["--partial"]), 0);
-    let read = |name: &str, path: &str| hdf5::File::open(folder.path(name)).unwrap().dataset(path).unwrap();
+    let read = |name: &str, path: &str| unlocked::open(folder.path(name)).dataset(path).unwrap();
     let counts: Vec<u64> = read("merged.h5", "replica_count").read_raw().unwrap();
     assert_eq!(counts, [83, 0, 83]);
     for path in ["statistical/pull_off_force", "statistical/quadrature_error", "validation/p_value"] {
@@ -262,7 +259,7 @@ fn what_is_there_of_a_sweep_can_be_merged() {
     for index in 1..=6 {
         shard(&folder, index, 6, &[]);
     }
-    let read = |name: &str, path: &str| hdf5::File::open(folder.path(name)).unwrap().dataset(path).unwrap();
+    let read = |name: &str, path: &str| unlocked::open(folder.path(name)).dataset(path).unwrap();
     for (there, counts) in [(5, [83_u64, 83, 40]), (4, [83, 83, 0])] {
         let names: Vec<String> = (1..=there).map(|index| name(index, 6)).collect();
         let output = merge(&folder, &names, &["--partial", "--force"]);
@@ -329,7 +326,7 @@ fn an_interrupted_shard_goes_on_to_the_same_bits() {
     assert_exit(&merge(&folder, &names, &[]), 0);
     assert_merged_is(&folder, "whole.h5");
     let resumptions: u64 = {
-        let file = hdf5::File::open(folder.path("merged.h5")).unwrap();
+        let file = unlocked::open(folder.path("merged.h5"));
         file.dataset("diagnostics/resumptions").unwrap().read_scalar().unwrap()
     };
     assert!(resumptions >= 1);

@@ -3,6 +3,7 @@
 mod common;
 
 use common::program::{Folder, assert_exit, attribute, bits, number, small, text};
+use common::unlocked;
 use std::path::Path;
 
 /// A quick scene with a solver.
@@ -15,7 +16,7 @@ const COMPRESSED: &str = "sum = \"compressed\"";
 const UNEVEN: (&str, &str) = ("{ from = -1.0, to = 8.0, count = 16 }", "[-1.0, 0.0, 1.0, 2.0, 2.5, 3.0, 4.0, 5.0]");
 
 fn dataset(path: &Path, name: &str) -> Vec<f64> {
-    hdf5::File::open(path).unwrap().dataset(name).unwrap().read_raw().unwrap()
+    unlocked::open(path).dataset(name).unwrap().read_raw().unwrap()
 }
 
 fn names(bits: &[(String, Vec<u64>)]) -> Vec<&str> {
@@ -23,11 +24,11 @@ fn names(bits: &[(String, Vec<u64>)]) -> Vec<&str> {
 }
 
 fn compressed_sums(path: &Path) -> u64 {
-    hdf5::File::open(path).unwrap().dataset("/diagnostics/compressed_sums").unwrap().read_raw::<u64>().unwrap()[0]
+    unlocked::open(path).dataset("/diagnostics/compressed_sums").unwrap().read_raw::<u64>().unwrap()[0]
 }
 
 fn attributes(path: &Path, group: &str) -> Vec<String> {
-    hdf5::File::open(path).unwrap().group(group).unwrap().attr_names().unwrap()
+    unlocked::open(path).group(group).unwrap().attr_names().unwrap()
 }
 
 /// Direct, by default and when asked for: the same bits, and no attribute of a tolerance.

@@ -5,6 +5,7 @@ mod common;
 
 use common::pool::{Coverage, Pool, deviations, patch};
 use common::program::{Folder, assert_exit, attribute, bits, number, small, text};
+use common::unlocked;
 use rayon::prelude::*;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -23,7 +24,7 @@ fn pull_off(share: f64) -> String {
 }
 
 fn values(path: &Path, dataset: &str) -> Vec<f64> {
-    hdf5::File::open(path).unwrap().dataset(dataset).unwrap().read_raw::<f64>().unwrap()
+    unlocked::open(path).dataset(dataset).unwrap().read_raw::<f64>().unwrap()
 }
 
 /// Mean and standard error of the first values.
@@ -82,7 +83,7 @@ fn a_run_ends_at_the_first_look_that_meets_its_targets() {
     let fixed = folder.path("fixed.h5");
     assert_eq!(values(&fixed, "/replicas/pull_off_force"), forces);
     assert_eq!(values(&fixed, "/ensemble/external_force_mean"), values(&path, "/ensemble/external_force_mean"));
-    assert!(hdf5::File::open(&fixed).unwrap().attr("max_replicas").is_err());
+    assert!(unlocked::open(&fixed).attr("max_replicas").is_err());
 }
 
 #[test]
@@ -159,7 +160,7 @@ fn a_target_that_is_not_met_is_said() {
     assert!(summary.contains("after 20 of at most 20 replicas: max_replicas is reached"), "{summary}");
     assert!(summary.lines().filter(|line| line.ends_with(": missed")).count() == 1, "{summary}");
     assert_eq!(attribute(&folder.path("scene.h5"), "/ensemble", "stopping_reason"), "max_replicas is reached");
-    let met = hdf5::File::open(folder.path("scene.h5")).unwrap().dataset("/ensemble/target_met").unwrap();
+    let met = unlocked::open(folder.path("scene.h5")).dataset("/ensemble/target_met").unwrap();
     assert_eq!(met.read_raw::<u8>().unwrap(), [0, 1]);
 }
 

@@ -5,6 +5,7 @@ mod common;
 
 use common::exact::Exact;
 use common::program::{Folder, QUICK, assert_exit, text};
+use common::unlocked;
 use common::{case, job, law, respond};
 use std::sync::atomic::AtomicBool;
 use stiction::asperity::{Path, Quantity, Scratch, Work, for_each_block};
@@ -285,7 +286,7 @@ fn one_regime_alone_runs() {
                 assert!(tested || allowed, "{name}, {sum}: {said}");
                 assert!(!(tested && name == "lubricant"), "{name}, {sum}: {said}");
             }
-            let file = hdf5::File::open(folder.path("scene.h5")).unwrap();
+            let file = unlocked::open(folder.path("scene.h5"));
             let values = |path: &str| file.dataset(path).unwrap().read_raw::<f64>().unwrap();
             for (regime, counts) in values("/ensemble/regime_count_mean").chunks_exact(21).enumerate() {
                 let expected = if regime == i { 739.0 } else { 0.0 };

@@ -4,6 +4,7 @@
 mod common;
 
 use common::program::{Folder, assert_exit, bits, number, small, text};
+use common::unlocked;
 use hdf5::types::TypeDescriptor;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
@@ -61,11 +62,11 @@ fn a_point_has_the_bits_of_the_run_of_its_scene() {
         let folder = Folder::new(&text);
         assert_exit(&folder.stiction(&["run", "scene.toml"]), 0);
         assert_eq!(folder.files(), ["scene.h5", "scene.toml"]);
-        let (sweep, all) = (sweep(&text), hdf5::File::open(folder.path("scene.h5")).unwrap());
+        let (sweep, all) = (sweep(&text), unlocked::open(folder.path("scene.h5")));
         for point in 0..sweep.count() {
             std::fs::write(folder.path("point.toml"), sweep.text(point).unwrap()).unwrap();
             assert_exit(&folder.stiction(&["run", "point.toml", "--force"]), 0);
-            let single = hdf5::File::open(folder.path("point.h5")).unwrap();
+            let single = unlocked::open(folder.path("point.h5"));
             same(&single, &all, &sweep.place(point));
         }
     }
@@ -139,7 +140,7 @@ fn differences_are_those_of_two_runs() {
             let name = format!("{point}.toml");
             std::fs::write(folder.path(&name), sweep(&text).text(point).unwrap()).unwrap();
             assert_exit(&folder.stiction(&["run", &name]), 0);
-            let file = hdf5::File::open(folder.path(&format!("{point}.h5"))).unwrap();
+            let file = unlocked::open(folder.path(&format!("{point}.h5")));
             file.dataset("/replicas/pull_off_force").unwrap().read_raw::<f64>().unwrap()
         };
         let (first, second) = (pull_off(0), pull_off(1));
@@ -153,7 +154,7 @@ fn differences_are_those_of_two_runs() {
         let differences: Vec<f64> = first.iter().zip(&second).map(|(a, b)| b - a).collect();
         let squared = squared_error(&differences);
         let ratio = (squared_error(&first) + squared_error(&second)) / squared;
-        let all = hdf5::File::open(folder.path("scene.h5")).unwrap();
+        let all = unlocked::open(folder.path("scene.h5"));
         let found = |name: &str| {
             all.dataset(&format!("/differences/pull_off_force_{name}")).unwrap().read_raw::<f64>().unwrap()
         };
@@ -179,7 +180,7 @@ fn differences_below_their_rounding_are_none() {
     let run = folder.stiction(&["run", "scene.toml"]);
     assert_exit(&run, 0);
     assert!(text(&run.stdout).contains("no more than the rounding of the sums"), "{}", text(&run.stdout));
-    let file = hdf5::File::open(folder.path("scene.h5")).unwrap();
+    let file = unlocked::open(folder.path("scene.h5"));
     let values = |name: &str| file.dataset(name).unwrap().read_raw::<f64>().unwrap();
     let forces = values("/replicas/pull_off_force");
     let (first, others) = forces.split_at(forces.len() / 3);
@@ -202,7 +203,7 @@ fn points_may_have_random_numbers_of_their_own() {
         ("7", [0x63CB_E1E4_5932_0DD7, 0x044C_3CD7_F43C_661C, 0xE698_4080_BAB1_2A02]),
     ] {
         assert_exit(&folder.stiction(&["run", "scene.toml", "--force", "--seed", seed]), 0);
-        let all = hdf5::File::open(folder.path("scene.h5")).unwrap();
+        let all = unlocked::open(folder.path("scene.h5"));
         let found = all.dataset("/seed").unwrap().read_raw::<u64>().unwrap();
         assert_eq!(found, seeds.map(|seed| seed >> 1));
         let ratio = all.dataset("/differences/pull_off_force_variance_ratio").unwrap().read_raw::<f64>().unwrap();
@@ -284,7 +285,7 @@ fn validate_sees_a_point_that_disagrees() {
     assert_exit(&agrees, 0);
     assert_eq!(text(&agrees.stdout).matches("agree\n").count(), 4, "{}", text(&agrees.stdout));
     {
-        let file = hdf5::File::open_rw(folder.path("scene.h5")).unwrap();
+        let file = unlocked::open_rw(folder.path("scene.h5"));
         let dataset = file.dataset("/statistical/adhesion_force").unwrap();
         let mut forces = dataset.read_raw::<f64>().unwrap();
         let separations = forces.len() / 4;
@@ -351,7 +352,7 @@ fn sweeps_that_are_not_what_they_say_are_refused() {
     ];
     for (change, message) in changes {
         std::fs::copy(folder.path("scene.h5"), folder.path("changed.h5")).unwrap();
-        change(&hdf5::File::open_rw(folder.path("changed.h5")).unwrap());
+        change(&unlocked::open_rw(folder.path("changed.h5")));
         let refused = folder.stiction(&["validate", "changed.h5"]);
         assert_exit(&refused, 2);
         let error = text(&refused.stderr);

@@ -3,6 +3,7 @@
 mod common;
 
 use common::program::{Folder, assert_exit, small, text};
+use common::unlocked;
 use hdf5::types::TypeDescriptor;
 
 /// What may happen to a dataset.
@@ -61,7 +62,7 @@ fn missed(scene: &str, all: bool) -> Vec<String> {
     assert_exit(&whole, 0);
     assert!(text(&whole.stdout).contains("fit together"), "{}", text(&whole.stdout));
     let bytes = std::fs::read(folder.path("scene.h5")).unwrap();
-    let names = datasets(&hdf5::File::open(folder.path("scene.h5")).unwrap());
+    let names = datasets(&unlocked::open(folder.path("scene.h5")));
     let (mut missed, mut tried) = (Vec::new(), 0);
     for (i, (name, is_whole)) in names.iter().enumerate() {
         for (j, damage) in DAMAGES.into_iter().enumerate() {
@@ -70,7 +71,7 @@ fn missed(scene: &str, all: bool) -> Vec<String> {
                 continue;
             }
             std::fs::write(folder.path("damaged.h5"), &bytes).unwrap();
-            let file = hdf5::File::open_rw(folder.path("damaged.h5")).unwrap();
+            let file = unlocked::open_rw(folder.path("damaged.h5"));
             let dataset = file.dataset(name).unwrap();
             let values = dataset.read_raw::<f64>().unwrap();
             let changed = damaged(&values, damage);
@@ -119,7 +120,7 @@ fn sweeps_and_loops_fit_together_too() {
         assert_exit(&folder.stiction(&["run", "scene.toml"]), 0);
         assert_exit(&folder.stiction(&["validate", "scene.h5"]), 0);
         for path in ["/replicas/pull_off_force", "/ensemble/scalar_mean", "/ensemble/scalar_standard_error"] {
-            let file = hdf5::File::open_rw(folder.path("scene.h5")).unwrap();
+            let file = unlocked::open_rw(folder.path("scene.h5"));
             let dataset = file.dataset(path).unwrap();
             let values = dataset.read_raw::<f64>().unwrap();
             dataset.write_raw(&damaged(&values, "scale")).unwrap();
@@ -128,7 +129,7 @@ fn sweeps_and_loops_fit_together_too() {
             let validate = folder.stiction(&["validate", "scene.h5"]);
             assert_exit(&validate, 3);
             assert!(text(&validate.stdout).contains("contradictions"), "{}", text(&validate.stdout));
-            let file = hdf5::File::open_rw(folder.path("scene.h5")).unwrap();
+            let file = unlocked::open_rw(folder.path("scene.h5"));
             file.dataset(path).unwrap().write_raw(&values).unwrap();
             file.close().unwrap();
         }

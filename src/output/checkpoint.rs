@@ -217,9 +217,9 @@ impl Journal {
             let problem = "is not of stiction, but has the name of what a run keeps; move it".to_owned();
             return Err(OutputError::NotACheckpoint { path, problem });
         }
+        let registered = Some(Registered::new(&path));
         let made = made_anew(&path).and_then(|mut file| file.write_all(RECORDS).map(|()| file));
         let file = made.map_err(|error| OutputError::Io { action: "cannot make", path: path.clone(), error })?;
-        let registered = Some(Registered::new(&path));
         let mut journal = Self::new(claim, path, file, record_length);
         journal.registered = registered;
         Ok(journal)

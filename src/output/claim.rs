@@ -1,7 +1,7 @@
 //! The claim on an output: where it goes, what stands beside it while it is made, and that nobody else makes it at the same time.
 
 use super::OutputError;
-use super::register::Registered;
+use super::register::{Name, Registered};
 use std::ffi::OsString;
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{ErrorKind, Read, Write};
@@ -69,9 +69,11 @@ impl Claim {
             return Err(OutputError::OtherFileSystem(output));
         }
         let lock = named(&output, ".", ".lock");
+        // Before there is a file, as there may be no memory for it.
+        let name = Name::of(&lock);
         match locked(&lock).map_err(not_writable)? {
             Ok(file) => {
-                let registered = Registered::new(&lock);
+                let registered = Registered::named(name);
                 Ok(Self { folder: folder.to_owned(), output, lock, _locked: file, _registered: registered })
             }
             Err(process) => Err(OutputError::Claimed { output, process }),

@@ -1,5 +1,7 @@
 //! The register of files that must not outlive this process, for an end at once that runs no destructor.
 
+#[cfg(unix)]
+use std::os::unix::ffi::OsStringExt;
 use std::path::Path;
 use std::sync::{Mutex, TryLockError};
 
@@ -9,12 +11,12 @@ const MOST: usize = 16;
 const PATIENCE: usize = 1000;
 
 #[cfg(unix)]
-type Name = std::ffi::CString;
+type Text = std::ffi::CString;
 #[cfg(not(unix))]
-type Name = std::path::PathBuf;
+type Text = std::path::PathBuf;
 
 /// Nothing is allocated while it is locked, so that a thread that finds no memory never waits for itself.
-static NAMES: Mutex<[Option<Name>; MOST]> = Mutex::new([const { None }; MOST]);
+static NAMES: Mutex<[Option<Text>; MOST]> = Mutex::new([const { None }; MOST]);
 
 /// The entry of a file, as long as it lives.
 #[derive(Debug)]
@@ -24,9 +26,13 @@ pub(super) struct Registered {
 }
 
 impl Registered {
-    /// Registers a file.
+    /// Registers a file that there may be from now on.
     pub fn new(path: &Path) -> Self {
-        let name = absolute(path);
+        Self::named(Name::of(path))
+    }
+
+    /// The same by its name, and allocates nothing.
+    pub fn named(Name(name): Name) -> Self {
         let mut names = NAMES.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         let place = names.iter().position(Option::is_none).filter(|_| name.is_some());
         if let Some(place) = place {
@@ -44,13 +50,18 @@ impl Drop for Registered {
     }
 }
 
-/// The name of a file as the operating system takes it.
-fn absolute(path: &Path) -> Option<Name> {
-    let path = std::path::absolute(path).ok()?;
-    #[cfg(unix)]
-    return Name::new(std::os::unix::ffi::OsStringExt::into_vec(path.into_os_string())).ok();
-    #[cfg(not(unix))]
-    Some(path)
+/// The name of a file as the operating system takes it; none of what cannot be one.
+#[derive(Debug)]
+pub(super) struct Name(Option<Text>);
+
+impl Name {
+    /// That of a path.
+    pub fn of(path: &Path) -> Self {
+        let path = std::path::absolute(path).ok();
+        #[cfg(unix)]
+        let path = path.and_then(|path| Text::new(path.into_os_string().into_vec()).ok());
+        Self(path)
+    }
 }
 
 /// Removes all files that are registered. Allocates nothing and waits for nobody, and can be done in a signal handler.
@@ -82,7 +93,7 @@ mod tests {
     #[test]
     fn entries_end_with_their_owner() {
         let is_known = |path: &Path| {
-            let name = absolute(path);
+            let Name(name) = Name::of(path);
             NAMES.lock().unwrap().contains(&name)
         };
         let folder = tempfile::tempdir().unwrap();

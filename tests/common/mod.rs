@@ -4,6 +4,7 @@
 pub mod exact;
 pub mod pool;
 pub mod program;
+pub mod unlocked;
 
 use std::sync::Mutex;
 use stiction::asperity::models::model;

@@ -1,5 +1,6 @@
 //! The program as a user drives it.
 
+use super::unlocked;
 use hdf5::types::VarLenUnicode;
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -109,19 +110,19 @@ pub fn peak_memory_of(folder: &Folder, arguments: &[&str]) -> f64 {
 
 /// An attribute that is a text.
 pub fn attribute(path: &Path, group: &str, name: &str) -> String {
-    let file = hdf5::File::open(path).unwrap();
+    let file = unlocked::open(path);
     let value = file.group(group).unwrap().attr(name).unwrap().read_scalar::<VarLenUnicode>();
     value.unwrap().to_string()
 }
 
 /// An attribute that is a number.
 pub fn number(path: &Path, group: &str, name: &str) -> f64 {
-    hdf5::File::open(path).unwrap().group(group).unwrap().attr(name).unwrap().read_scalar().unwrap()
+    unlocked::open(path).group(group).unwrap().attr(name).unwrap().read_scalar().unwrap()
 }
 
 /// All numbers of all datasets outside /diagnostics, and the attributes of its groups that are no whole numbers, as bits.
 pub fn bits(path: &Path) -> Vec<(String, Vec<u64>)> {
-    let file = hdf5::File::open(path).unwrap();
+    let file = unlocked::open(path);
     let mut all = Vec::new();
     let groups = file.groups().unwrap().into_iter().filter(|group| group.name() != "/diagnostics");
     for group in std::iter::once(file.as_group().unwrap()).chain(groups) {

@@ -71,7 +71,9 @@ def replaced(file, mutation, _):
 def judged(build, mutations, numbers):
     """For each of some mistakes of a build what becomes of it: its test has to pass without it, and to fail with it."""
     tests = sorted({mutations[number]["test"] for number in numbers})
+    begun = time.monotonic()
     build.build_tests({test.split("::")[0] for test in tests})
+    print(f"the build of tests: {time.monotonic() - begun:.0f} s", flush=True)
     without = dict(zip(tests, side_by_side(lambda test: build.run(test, SLOWEST), tests), strict=True))
 
     def verdict(number):
@@ -107,6 +109,7 @@ def main():
         return
     begun = time.monotonic()
     build = Build(PLACE, mutations, switched)
+    print(f"the build of the library: {time.monotonic() - begun:.0f} s", flush=True)
     together = [number for number, mutation in enumerate(mutations) if "left out" not in mutation]
     alone = [number for number, mutation in enumerate(mutations) if "left out" in mutation]
     if arguments.find:

@@ -513,6 +513,8 @@ fn limits_are_within() {
     let span =
         |span: f64| is_scene(separations, &format!("h = [\"0 m\", \"8e-9 m\"]\nstiffness_span = \"{span:e} m\""));
     assert!(span(8e-9) && !span(8e-9_f64.next_up()));
+    let far = |h: &str| is_scene(separations, &format!("h = [\"0 m\", \"{h} m\"]"));
+    assert!(!far("1e155") && !far("1e200"));
     // A million roundings of the largest separation: 8e-9 · 1e6 · 2⁻⁵².
     let least = 8e-9 * 1e6 / 2.0_f64.powi(52);
     assert!(span(least * (1.0 + 1e-15)) && !span(least * (1.0 - 1e-15)));

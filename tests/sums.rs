@@ -485,3 +485,25 @@ fn a_million_merged_batches_are_two_passes() {
         assert!(error <= of_product(i, j), "{error:e}");
     }
 }
+
+/// The work of two parts is the sum of each, and the larger of the largest residuals.
+#[test]
+fn work_adds_up() {
+    let of = |k: u64, largest_residual: f64| Work {
+        contact_solves: k,
+        noncontact_solves: 2 * k,
+        constant: 3 * k,
+        closed_form: 4 * k,
+        far: 5 * k,
+        unloaded: 6 * k,
+        compressed: 7 * k,
+        evaluations: 8 * k,
+        safeguarded: 9 * k,
+        largest_residual,
+    };
+    for residuals in [[1e-3, 1e-2], [1e-2, 1e-3]] {
+        let mut sum = of(10, residuals[0]);
+        sum.merge(&of(1, residuals[1]));
+        assert_eq!(sum, of(11, 1e-2));
+    }
+}

@@ -122,6 +122,10 @@ mod tests {
             }
         }
         assert!(whitening(&[0.0], 1, 1e-9).is_empty() && whitening(&[f64::NAN], 1, 1e-9).is_empty());
+        // A share of the largest, however large that is.
+        for (values, kept) in [([100.0, 1e-3], 1), ([100.0, 0.1], 2), ([1e-3, 1e-8], 1), ([1e-3, 1e-6], 2)] {
+            assert_eq!(whitening(&[values[0], 0.0, 0.0, values[1]], 2, 1e-4).len(), kept, "{values:?}");
+        }
     }
 
     /// faer's products of matrices of up to LARGEST rows sum each element from the first term to the last, as no splitting of sums does: so

@@ -363,7 +363,8 @@ mod tests {
     }
 
     /// The errors are those of a line through ln b: for b with relative errors of 1 % at N = e⁰, e¹, e² (all below one half) the slope has
-    /// the variance 10⁻⁴/Σ(x − x̄)² = 10⁻⁴/2 and the intercept at x = 0 the variance 10⁻⁴ (1/3 + 1/2).
+    /// the variance 10⁻⁴/Σ(x − x̄)² = 10⁻⁴/2 and the intercept at x = 0 the variance 10⁻⁴ (1/3 + 1/2). With 2 % at the last the normal matrix of
+    /// weights 1/s² is [[22500, 15000], [15000, 20000]], of determinant 2.25·10⁸.
     #[test]
     fn errors_of_a_fit_are_those_of_a_line() {
         let counts = [0.0, 1.0, 2.0].map(f64::exp);
@@ -374,6 +375,10 @@ mod tests {
         assert!((intercept / (1e-4_f64 * 5.0 / 6.0).sqrt() - 1.0).abs() < 1e-6, "{approach:?}");
         assert!((approach.degrees_of_freedom, approach.chi_squared < 1e-12) == (1, true));
         assert_eq!(Approach::new(&counts, &[-0.1; 3], &[0.1; 3]), Err(Refusal::NotFalling));
+        let approach = Approach::new(&counts, &bias, &[0.01 * bias[0], 0.01 * bias[1], 0.02 * bias[2]]).unwrap();
+        let [intercept, slope] = approach.standard_errors.map(|error| 2.25e8 * error * error);
+        assert!((intercept / 20_000.0 - 1.0).abs() < 1e-6 && (slope / 22_500.0 - 1.0).abs() < 1e-6, "{approach:?}");
+        assert!((2.25e8 * approach.covariance / 15_000.0 - 1.0).abs() < 1e-6, "{approach:?}");
     }
 
     /// A misfit ε(1, −1, −1, 1) of ln b at N = e⁰ to e³ is orthogonal to every line: the fit stays, to first order, with χ² = 4ε²/s² for relative

@@ -6,7 +6,7 @@ use crate::scene::{Expected, Reading, Scene, WhatIsRead};
 use crate::statistical::{Model, Statistical, TOLERANCE};
 
 /// Steps of h* that resolve the integral, which is an average over heights that scatter by about σ.
-const RESOLVING: f64 = 0.125;
+pub(super) const RESOLVING: f64 = 0.125;
 
 /// The integral on one way.
 pub(super) struct Way {

@@ -135,7 +135,7 @@ fn write_axes(writer: &mut Writer<'_>, sweep: &Sweep) -> Result<(), OutputError>
 }
 
 /// What is compared of a point.
-struct Compared {
+pub(super) struct Compared {
     /// The values of each of the [`SCALARS`] for all replicas.
     values: [Vec<f64>; 4],
     /// What rounding may make of each: of a force its share of F_s + P, of a secant that of both ends of the span, and of a separation a few
@@ -146,15 +146,20 @@ struct Compared {
 impl Compared {
     fn read(file: &Path) -> Result<Self, OutputError> {
         let reader = Reader::open(file, &[&RUN])?;
+        let is_loop = reader.optional_text("/", "path")?.as_deref() == Some("loop");
+        Self::new(&|path| reader.values::<f64>(path), reader.number("/", "stiffness_span")?, is_loop)
+    }
+
+    /// From the datasets of a run, its stiffness span, and whether it is of a loop.
+    pub fn new<E>(read: &dyn Fn(&str) -> Result<Vec<f64>, E>, span: f64, is_loop: bool) -> Result<Self, E> {
         let mut values: [Vec<f64>; 4] = Default::default();
         for (values, scalar) in values.iter_mut().zip(SCALARS) {
-            *values = reader.values(&format!("/replicas/{}", scalar.name))?;
+            *values = read(&format!("/replicas/{}", scalar.name))?;
         }
-        let way = if reader.optional_text("/", "path")?.as_deref() == Some("loop") { "retraction_" } else { "" };
-        let curve = |name: &str| reader.values::<f64>(&format!("/ensemble/{way}{name}_mean"));
+        let way = if is_loop { "retraction_" } else { "" };
+        let curve = |name: &str| read(&format!("/ensemble/{way}{name}_mean"));
         let (adhesion, contact) = (curve("adhesion_force")?, curve("contact_force")?);
-        let separations = reader.values::<f64>("/separation")?;
-        let span: f64 = reader.number("/", "stiffness_span")?;
+        let separations = read("/separation")?;
         // That of the mean surface at or before the nearest place of any replica: it falls with the separation.
         let load = |nearest: f64| {
             let before = separations.partition_point(|h| *h <= nearest).saturating_sub(1);
@@ -167,8 +172,13 @@ impl Compared {
         Ok(Self { values, rounding: [of_force, of_place, of_secant, of_place] })
     }
 
+    /// How many replicas there are.
+    pub fn replicas(&self) -> u64 {
+        self.values[0].len() as u64
+    }
+
     /// The difference of each scalar to that of the first point.
-    fn differences(&self, first: &Self, group: usize, common: bool) -> [Difference; 4] {
+    pub fn differences(&self, first: &Self, group: usize, common: bool) -> [Difference; 4] {
         std::array::from_fn(|i| {
             let rounding = first.rounding[i] + self.rounding[i];
             Difference::new(&first.values[i], &self.values[i], group, common, rounding)
@@ -181,7 +191,7 @@ fn compared(file: &Path, first: Option<&Compared>, scene: &Scene, common: bool) 
     let reader = Reader::open(file, &[&RUN])?;
     let own = Compared::read(file)?;
     let group = scene.sampling.group() as usize;
-    let are_whole = |point: &Compared| point.values[0].len() as u64 == scene.replicas;
+    let are_whole = |point: &Compared| point.replicas() == scene.replicas;
     let first = first.filter(|first| are_whole(first) && are_whole(&own));
     let of_pull_off = |name: &str| reader.values::<f64>(name).map(|values| values[0]);
     Ok(Row {

@@ -110,7 +110,7 @@ impl Features {
 }
 
 /// Most samples that are added to a curve.
-const MOST_ADDED: f64 = 400.0;
+pub const MOST_ADDED: f64 = 400.0;
 
 /// Samples of a curve with even ones added wherever they are further apart than `spacing`, or than what so many added ones leave.
 fn refined(curve: impl Fn(f64) -> f64, places: &[f64], values: &[f64], spacing: f64) -> (Vec<f64>, Vec<f64>) {

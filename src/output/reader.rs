@@ -166,6 +166,24 @@ impl Reader {
         names.iter().map(length).collect()
     }
 
+    /// The names of what differs from point to point, and its values along its dimension or over the points.
+    ///
+    /// # Errors
+    /// As [`Reader::point_shape`].
+    pub fn axes(&self) -> Result<Vec<(String, Vec<f64>)>, OutputError> {
+        let keys = self.optional_text("/", "sweep_keys")?;
+        let keys = keys.ok_or_else(|| self.broken("lacks the text `sweep_keys` of /".to_owned()))?;
+        let values = |name: &str| -> Result<(String, Vec<f64>), OutputError> {
+            let shown = lossy(name.as_bytes());
+            let refused = |problem: String| self.broken(format!("has a dataset `{shown}` that {problem}"));
+            let dataset = guard::dataset(&self.file, &format!("/{name}")).map_err(|problem| self.broken(problem))?;
+            is_kind_of::<f64>(&dataset).and_then(|()| fits(&dataset, self.length)).map_err(refused)?;
+            let values = dataset.read_raw().map_err(|_| refused("is damaged".to_owned()))?;
+            Ok((name.to_owned(), values))
+        };
+        keys.split(", ").take(MOST_KEYS).map(values).collect()
+    }
+
     /// The values of a dataset of the layout at a point, row-major; `place` is its index along each dimension of the points.
     ///
     /// # Errors
@@ -203,6 +221,18 @@ impl Reader {
         let wrong = |problem: String| self.broken(format!("has an attribute `{name}` of {group} that {problem}"));
         is_kind_of::<T>(&attribute).map_err(wrong)?;
         attribute.read_scalar().map_err(|_| wrong("is not one number".to_owned()))
+    }
+
+    /// The numbers of an attribute of a group.
+    ///
+    /// # Errors
+    /// As [`Reader::number`].
+    pub fn attribute<T: H5Type>(&self, group: &str, name: &str) -> Result<Vec<T>, OutputError> {
+        let at = self.group(group)?;
+        let attribute = at.attr(name).map_err(|_| self.broken(format!("lacks the numbers `{name}` of {group}")))?;
+        let wrong = |problem: String| self.broken(format!("has an attribute `{name}` of {group} that {problem}"));
+        is_kind_of::<T>(&attribute).and_then(|()| fits(&attribute, self.length)).map_err(wrong)?;
+        attribute.read_raw().map_err(|_| wrong("cannot be read".to_owned()))
     }
 
     /// A text attribute of a group, if it has it.

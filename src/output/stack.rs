@@ -30,8 +30,26 @@ type Made = (&'static str, Vec<Vec<usize>>, bool);
 enum Scale {
     /// Names, in the order in which they first come.
     Names(Vec<String>),
+    /// Numbers, the same for all points.
+    Numbers(Vec<f64>),
     /// So many, by index.
     Indices(usize),
+}
+
+impl Scale {
+    fn length(&self) -> usize {
+        match self {
+            Self::Names(names) => names.len(),
+            Self::Numbers(numbers) => numbers.len(),
+            Self::Indices(length) => *length,
+        }
+    }
+
+    /// Whether both have the same numbers, to the bit.
+    fn is_equal(&self, other: &Self) -> bool {
+        let bits = |numbers: &[f64]| numbers.iter().map(|number| number.to_bits()).collect::<Vec<u64>>();
+        matches!((self, other), (Self::Numbers(a), Self::Numbers(b)) if bits(a) == bits(b))
+    }
 }
 
 /// Stacks the points into a file whose dimensions of points are written. `false` when it was told not to go on.
@@ -46,7 +64,9 @@ pub fn stack(writer: &mut Writer<'_>, points: &Points<'_>) -> Result<bool, Outpu
                 let names: Vec<&str> = names.iter().map(String::as_str).collect();
                 writer.named_scale(dimension.of_points(), &names)?;
             }
-            Scale::Indices(length) => {
+            Scale::Numbers(numbers) if dimension.of_points() == *dimension => writer.scale(*dimension, numbers)?,
+            Scale::Numbers(_) | Scale::Indices(_) => {
+                let length = &scale.length();
                 writer.scale(dimension.of_points(), &(0..*length as u64).collect::<Vec<u64>>())?;
             }
         }
@@ -98,23 +118,28 @@ fn scales(points: &Points<'_>) -> Result<Option<Vec<(Dimension, Scale)>>, Output
         let file = opened(path)?;
         for variable in RUN.variables {
             let (Some(dimension), Some(dataset)) = (variable.scales(), found(&file, variable)) else { continue };
-            let own = if is_text(&dataset)? { Scale::Names(names(&dataset)?) } else { Scale::Indices(dataset.size()) };
+            let own = match dataset.dtype()?.to_descriptor()? {
+                TypeDescriptor::VarLenUnicode => Scale::Names(names(&dataset)?),
+                TypeDescriptor::Float(_) => Scale::Numbers(dataset.read_raw()?),
+                _ => Scale::Indices(dataset.size()),
+            };
             match (scales.iter_mut().find(|(known, _)| *known == dimension), own) {
                 (None, own) => scales.push((dimension, own)),
                 (Some((_, Scale::Names(known))), Scale::Names(own)) => {
                     let new: Vec<String> = own.into_iter().filter(|name| !known.contains(name)).collect();
                     known.extend(new);
                 }
-                (Some((_, Scale::Indices(known))), Scale::Indices(own)) => *known = (*known).max(own),
-                _ => return Err(hdf5::Error::from(format!("the points differ in {}", variable.path)).into()),
+                (Some((_, Scale::Names(_))), _) | (_, Scale::Names(_)) => {
+                    return Err(hdf5::Error::from(format!("the points differ in {}", variable.path)).into());
+                }
+                (Some((_, known)), own) if !known.is_equal(&own) => {
+                    *known = Scale::Indices(known.length().max(own.length()));
+                }
+                _ => {}
             }
         }
     }
     Ok(Some(scales))
-}
-
-fn is_text(dataset: &Dataset) -> hdf5::Result<bool> {
-    Ok(matches!(dataset.dtype()?.to_descriptor()?, TypeDescriptor::VarLenUnicode))
 }
 
 fn names(dataset: &Dataset) -> hdf5::Result<Vec<String>> {

@@ -19,7 +19,7 @@ pub use canonical::difference;
 pub use instability::Instability;
 pub use keys::KEYS;
 pub use plan::{CoreSeconds, Plan, RegimePlan, beyond};
-pub use reader::{Problem, SceneError, nearest};
+pub use reader::{Problem, SceneError, nearest, takes_heights};
 pub use sizes::{Choice, Sizes};
 pub use stopping::{Estimate, Limit, QUANTITIES, Stopping, Target};
 pub use sweep::Sweep;

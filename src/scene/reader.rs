@@ -136,6 +136,17 @@ pub(super) fn document(text: &str) -> Result<Spanned<DeTable<'_>>, SceneError> {
     })
 }
 
+/// Whether the text of a scene takes heights out of a file; none where it is no scene.
+pub fn takes_heights(text: &str) -> Option<bool> {
+    let document = document(text).ok()?;
+    let DeValue::Table(surface) = document.get_ref().get("surface")?.get_ref() else { return None };
+    let names_a_file = |key: &str| match surface.get(key).map(Spanned::get_ref) {
+        Some(DeValue::Table(table)) => table.contains_key("path"),
+        _ => false,
+    };
+    Some(names_a_file("heights") || names_a_file("asperities"))
+}
+
 fn line_of(text: &str, offset: usize) -> usize {
     1 + text.as_bytes()[..offset.min(text.len())].iter().filter(|&&byte| byte == b'\n').count()
 }

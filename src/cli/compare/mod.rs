@@ -20,7 +20,7 @@ use crate::output::schema::COMPARISON;
 use crate::output::writer::Writer;
 use crate::scene::{Instability, Scene, Sizes, Warning, beyond, warnings_of_scene};
 use crate::statistical::Statistical;
-use crate::validation::JointTest;
+use crate::validation::{Cumulants, JointTest};
 use std::sync::atomic::AtomicBool;
 
 /// Interferences of the curves of one asperity.
@@ -49,7 +49,7 @@ struct Compared {
 }
 
 /// A value over that of the first law, less 1; NaN where one of them has none, which is 0 or negative.
-fn deviation(value: f64, first: f64) -> f64 {
+pub(super) fn deviation(value: f64, first: f64) -> f64 {
     if value > 0.0 && first > 0.0 { value / first - 1.0 } else { f64::NAN }
 }
 
@@ -60,6 +60,7 @@ struct Sampled {
     /// z-scores of adhesion force and external force.
     z: [Vec<f64>; 2],
     joint: JointTest,
+    cumulants: Cumulants,
 }
 
 /// A comparison.
@@ -202,7 +203,7 @@ fn sample(
     };
     let ensemble = Box::new(forest.into_ensemble(&job));
     let (z, joint) = cross_check(&ensemble, &[statistical], &basis, scene);
-    Ok(Sampled { ensemble, summation, z, joint })
+    Ok(Sampled { ensemble, summation, z, joint, cumulants: basis.cumulants })
 }
 
 /// Interferences, m, from far before contact to beyond ω_c.

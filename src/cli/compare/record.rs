@@ -158,6 +158,10 @@ fn write_ensemble(writer: &Writer<'_>, comparison: &Comparison, sampled: &[&Samp
     }
     let joint = |value: fn(&Sampled) -> f64| sampled.iter().map(|sampled| value(sampled)).collect::<Vec<f64>>();
     writer.dataset("/validation/statistic", &joint(|sampled| sampled.joint.statistic))?;
+    let freedom: Vec<u64> = sampled.iter().map(|sampled| sampled.joint.degrees_of_freedom).collect();
+    writer.dataset("/validation/degrees_of_freedom", &freedom)?;
+    writer.dataset("/validation/kurtosis", &joint(|sampled| sampled.cumulants.kurtosis))?;
+    writer.dataset("/validation/skewness", &joint(|sampled| sampled.cumulants.skewness))?;
     writer.dataset("/validation/p_value", &joint(|sampled| sampled.joint.p_value))?;
     writer.number("/validation", "significance", SIGNIFICANCE)
 }

@@ -1,16 +1,18 @@
-//! What every dataset of a run has to be by itself, and which of them follow from others.
+//! What every dataset has to be by itself.
 
 /// What the values of a dataset are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
-    /// Names.
-    Text,
+    /// Names, or bytes.
+    Other,
     /// 0, 1, 2 and so on.
     Index,
     /// Finite, each greater than the one before.
     Rising,
     /// Finite.
     Finite,
+    /// Above 0.
+    Positive,
     /// At least 0, but for rounding.
     NotNegative,
     /// At least 0, or infinite.
@@ -23,6 +25,22 @@ pub(super) enum Kind {
     Within,
 }
 
+impl Kind {
+    /// What is expected of a value.
+    pub fn expected(self, (first, last): (f64, f64)) -> String {
+        match self {
+            Self::Index => "an index is expected: 0, 1, 2 and so on".to_owned(),
+            Self::Within => format!("a separation from {first:e} to {last:e} is expected"),
+            Self::Rising => "a number above the one before is expected".to_owned(),
+            Self::Positive => "a number above 0 is expected".to_owned(),
+            Self::NotNegative | Self::Ratio => "a number of at least 0 is expected".to_owned(),
+            Self::Share => "a number from 0 to 1 is expected".to_owned(),
+            Self::Flag => "0 or 1 is expected".to_owned(),
+            Self::Other | Self::Finite => "a number is expected".to_owned(),
+        }
+    }
+}
+
 /// Where NaN may stand for what is not there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Nan {
@@ -31,193 +49,232 @@ pub(super) enum Nan {
     OneGroup,
     /// Where what the dataset is of did not happen.
     Absent,
-    /// In a sweep, at points that have fewer than others; or where there is one group of replicas only.
+    /// In a sweep, at points that have fewer than others.
     Padded,
 }
 
-/// What a dataset has to be.
+/// What datasets have to be.
+#[derive(Debug, PartialEq)]
 pub(super) struct Bound {
-    /// Its path; of both ways of a loop where it begins with `~`.
+    /// Their path, in which `*` stands for any characters. Of the way back of a loop they are what they are of the way there.
     path: &'static str,
     pub kind: Kind,
     pub nan: Nan,
-    /// Whether it follows from others.
-    #[cfg_attr(not(test), expect(dead_code, reason = "what the tests hold the checks to"))]
-    pub derived: Derived,
 }
 
-/// Whether a dataset follows from others.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Derived {
-    /// It follows from others in every file, or others follow from it.
-    Others,
-    /// It follows from the curves of the replicas, where the file has them; without them it is bounded only.
-    Curves(&'static str),
-    /// It follows from nothing in the file.
-    Nothing(&'static str),
+impl Bound {
+    pub fn is_of_numbers(&self) -> bool {
+        self.kind != Kind::Other
+    }
 }
 
-use Derived::{Curves, Nothing, Others};
-use Kind::{Finite, Flag, Index, NotNegative, Ratio, Rising, Share, Text, Within};
+use Kind::{Finite, Flag, Index, NotNegative, Other, Positive, Ratio, Rising, Share, Within};
 use Nan::{Absent, Never, OneGroup, Padded};
 
-const fn bound(path: &'static str, kind: Kind, nan: Nan, derived: Derived) -> Bound {
-    Bound { path, kind, nan, derived }
+const fn bound(path: &'static str, kind: Kind, nan: Nan) -> Bound {
+    Bound { path, kind, nan }
 }
 
-const EXCHANGEABLE: &str = "the order of the replicas: their means are the same in any";
-const OF_THE_LAW: &str = "of the law and the surface, which are not computed anew";
-const OF_THE_RUN: &str = "what the run took, which does not change its result";
-const NAMES: &str = "names";
-const OF_THE_TARGET: &str = "that of the scalar, which is checked";
-const GIVEN: &str = "given by the scene";
-
-/// What the datasets of a run have to be, in the order of its layout.
+/// What the datasets of all kinds of files have to be; of several that stand for a path the first.
 const BOUNDS: &[Bound] = &[
-    bound("/separation", Rising, Never, Others),
-    bound("/h_star", Rising, Never, Others),
-    bound("/asperity_separation", Rising, Never, Others),
-    bound("/regime", Text, Never, Nothing(NAMES)),
-    bound("/replica", Rising, Never, Others),
-    bound("/component", Index, Never, Others),
-    bound("/scalar", Text, Never, Nothing(NAMES)),
-    bound("/control", Within, Padded, Others),
-    bound("/range_end", Text, Never, Nothing(NAMES)),
-    bound("/target", Text, Never, Nothing(NAMES)),
-    bound("/phase", Text, Never, Nothing(NAMES)),
-    bound("/skip_reason", Text, Never, Nothing(NAMES)),
-    bound("/step", Rising, Never, Others),
-    bound("/stiffness", NotNegative, Never, Nothing(GIVEN)),
-    bound("/preload", Finite, Absent, Nothing(GIVEN)),
-    bound("/ensemble/~adhesion_force_mean", NotNegative, Never, Others),
-    bound("/ensemble/~contact_force_mean", NotNegative, Never, Others),
-    bound("/ensemble/~external_force_mean", Finite, Never, Others),
-    bound("/ensemble/~contact_area_mean", NotNegative, Never, Others),
-    bound("/ensemble/~adhesion_force_standard_error", NotNegative, OneGroup, Others),
-    bound("/ensemble/~contact_force_standard_error", NotNegative, OneGroup, Others),
-    bound("/ensemble/~external_force_standard_error", NotNegative, OneGroup, Others),
-    bound("/ensemble/~contact_area_standard_error", NotNegative, OneGroup, Others),
-    bound("/ensemble/~adhesion_force_std", NotNegative, OneGroup, Others),
-    bound("/ensemble/~contact_force_std", NotNegative, OneGroup, Others),
-    bound("/ensemble/~external_force_std", NotNegative, OneGroup, Others),
-    bound("/ensemble/~contact_area_std", NotNegative, OneGroup, Others),
-    bound("/ensemble/scalar_units", Text, Never, Nothing(NAMES)),
-    bound("/ensemble/scalar_mean", Finite, Absent, Others),
-    bound("/ensemble/scalar_standard_error", NotNegative, Absent, Others),
-    bound("/ensemble/scalar_controlled_mean", Finite, Absent, Curves("changes by less than the error")),
-    bound("/ensemble/scalar_controlled_standard_error", NotNegative, Absent, Others),
-    bound("/ensemble/scalar_interval", Finite, Absent, Others),
-    bound("/ensemble/scalar_controlled_interval", Finite, Absent, Others),
-    bound("/ensemble/scalar_variance_reduction", Ratio, Absent, Others),
-    bound("/ensemble/target_estimate", Text, Never, Nothing(NAMES)),
-    bound("/ensemble/target_units", Text, Never, Nothing(NAMES)),
-    bound("/ensemble/target_mean", Finite, Never, Others),
-    bound("/ensemble/target_standard_error", NotNegative, OneGroup, Others),
-    bound("/ensemble/target_largest_standard_error", NotNegative, Never, Nothing(GIVEN)),
-    bound("/ensemble/target_interval", Finite, Absent, Nothing(OF_THE_TARGET)),
-    bound("/ensemble/target_met", Flag, Never, Others),
-    bound("/ensemble/~regime_count_mean", NotNegative, Never, Others),
-    bound("/ensemble/~regime_adhesion_force_mean", NotNegative, Never, Others),
-    bound("/ensemble/~regime_external_force_mean", Finite, Never, Others),
-    bound("/ensemble/jump_in_count_mean", Finite, Never, Others),
-    bound("/ensemble/jump_off_count_mean", Finite, Never, Others),
-    bound("/replicas/asperity_count", NotNegative, Never, Others),
-    bound("/replicas/highest_asperity", Finite, Absent, Curves(EXCHANGEABLE)),
-    bound("/replicas/pull_off_force", Finite, Never, Curves(EXCHANGEABLE)),
-    bound("/replicas/pull_off_separation", Within, Never, Curves(EXCHANGEABLE)),
-    bound("/replicas/peak_secant_stiffness", Finite, Absent, Curves(EXCHANGEABLE)),
-    bound("/replicas/peak_secant_stiffness_separation", Within, Absent, Curves(EXCHANGEABLE)),
-    bound("/replicas/~external_force", Finite, Never, Others),
-    bound("/replicas/~adhesion_force", NotNegative, Never, Others),
-    bound("/replicas/approach_pull_off_force", Finite, Never, Curves(EXCHANGEABLE)),
-    bound("/replicas/approach_pull_off_separation", Within, Never, Curves(EXCHANGEABLE)),
-    bound("/replicas/dissipated_energy", Finite, Never, Curves(EXCHANGEABLE)),
-    bound("/replicas/touchdown_separation", Finite, Absent, Others),
-    bound("/replicas/takeoff_separation", Finite, Absent, Curves(EXCHANGEABLE)),
-    bound("/replicas/snap_in", Flag, Absent, Others),
-    bound("/replicas/snap_in_separation", Finite, Absent, Nothing(EXCHANGEABLE)),
-    bound("/replicas/snap_in_distance", NotNegative, Absent, Nothing(EXCHANGEABLE)),
-    bound("/replicas/snap_off", Flag, Absent, Others),
-    bound("/replicas/snap_off_separation", Finite, Absent, Nothing(EXCHANGEABLE)),
-    bound("/replicas/snap_off_distance", NotNegative, Absent, Nothing(EXCHANGEABLE)),
-    bound("/replicas/turn_separation", Finite, Absent, Nothing(EXCHANGEABLE)),
-    bound("/replicas/turned_pull_off_force", Finite, Absent, Others),
-    bound("/replicas/turned_pull_off_separation", Finite, Absent, Nothing(EXCHANGEABLE)),
-    bound("/instability/snap_in_count", NotNegative, Never, Others),
-    bound("/instability/snap_in_probability", Share, Absent, Others),
-    bound("/instability/snap_in_probability_low", Share, Absent, Others),
-    bound("/instability/snap_in_probability_high", Share, Absent, Others),
-    bound("/instability/turned_count", NotNegative, Never, Others),
-    bound("/instability/turned_pull_off_force_mean", Finite, Absent, Others),
-    bound("/instability/turned_pull_off_force_std", NotNegative, Absent, Others),
-    bound("/instability/snap_off_count", NotNegative, Never, Others),
-    bound("/instability/fly_off_count", NotNegative, Never, Others),
-    bound("/instability/snap_off_probability", Share, Absent, Others),
-    bound("/instability/snap_off_probability_low", Share, Absent, Others),
-    bound("/instability/snap_off_probability_high", Share, Absent, Others),
-    bound("/statistical/pull_off_regime_count", NotNegative, Never, Others),
-    bound("/statistical/pull_off_regime_adhesion_force", NotNegative, Never, Others),
-    bound("/statistical/pull_off_contact_area", NotNegative, Never, Others),
-    bound("/statistical/~adhesion_force", NotNegative, Never, Others),
-    bound("/statistical/~contact_force", NotNegative, Never, Others),
-    bound("/statistical/~external_force", Finite, Never, Others),
-    bound("/statistical/~contact_area", NotNegative, Never, Others),
-    bound("/statistical/~adhesion_force_std", NotNegative, Never, Others),
-    bound("/statistical/~contact_force_std", NotNegative, Never, Others),
-    bound("/statistical/~external_force_std", NotNegative, Never, Others),
-    bound("/statistical/~contact_area_std", NotNegative, Never, Others),
-    bound("/statistical/~regime_count", NotNegative, Never, Others),
-    bound("/statistical/~regime_adhesion_force", NotNegative, Never, Others),
-    bound("/statistical/~regime_external_force", Finite, Never, Others),
-    bound("/statistical/jump_in_count", Finite, Never, Others),
-    bound("/statistical/jump_off_count", Finite, Never, Others),
-    bound("/validation/~z_adhesion_force", Finite, OneGroup, Others),
-    bound("/validation/~z_external_force", Finite, OneGroup, Others),
-    bound("/validation/~tested_adhesion_force", Flag, Never, Nothing(OF_THE_LAW)),
-    bound("/validation/~tested_external_force", Flag, Never, Nothing(OF_THE_LAW)),
-    bound("/validation/~probe_adhesion_force", Finite, Padded, Others),
-    bound("/validation/~probe_external_force", Finite, Padded, Others),
-    bound("/diagnostics/contact_solves", NotNegative, Never, Nothing(OF_THE_RUN)),
-    bound("/diagnostics/noncontact_solves", NotNegative, Never, Nothing(OF_THE_RUN)),
-    bound("/diagnostics/safeguarded_solves", NotNegative, Never, Nothing(OF_THE_RUN)),
-    bound("/diagnostics/skipped_solves", NotNegative, Never, Nothing(OF_THE_RUN)),
-    bound("/diagnostics/skipped_loads", NotNegative, Never, Nothing(OF_THE_RUN)),
-    bound("/diagnostics/compressed_sums", NotNegative, Never, Nothing(OF_THE_RUN)),
-    bound("/diagnostics/iterations", NotNegative, Never, Nothing(OF_THE_RUN)),
-    bound("/diagnostics/largest_residual", NotNegative, Never, Nothing(OF_THE_RUN)),
-    bound("/diagnostics/seconds", NotNegative, Absent, Nothing(OF_THE_RUN)),
-    bound("/diagnostics/threads", NotNegative, Never, Nothing(OF_THE_RUN)),
-    bound("/diagnostics/resumptions", NotNegative, Never, Nothing(OF_THE_RUN)),
-    bound("/diagnostics/checkpoints", NotNegative, Never, Nothing(OF_THE_RUN)),
-    bound("/diagnostics/checkpoint_seconds", NotNegative, Never, Nothing(OF_THE_RUN)),
+    // Scales.
+    bound("/separation", Rising, Never),
+    bound("/h_star", Rising, Never),
+    bound("/asperity_separation", Rising, Never),
+    bound("/step", Rising, Never),
+    bound("/interference", Rising, Never),
+    bound("/replica", Rising, Never),
+    bound("/asperity_count", Rising, Never),
+    bound("/quantile", Rising, Never),
+    bound("/accuracy", Positive, Never),
+    bound("/component", Index, Never),
+    bound("/point", Index, Never),
+    bound("/separation_index", Index, Never),
+    bound("/control_index", Index, Never),
+    bound("/asperity", Index, Never),
+    bound("/piece", Rising, Never),
+    bound("/record", NotNegative, Never),
+    bound("/record_word", Index, Never),
+    bound("/state_row", Index, Never),
+    bound("/state_byte", Index, Never),
+    bound("/control", Within, Padded),
+    bound("/stiffness", NotNegative, Never),
+    bound("/preload", Finite, Absent),
+    // Names and bytes.
+    bound("/regime", Other, Never),
+    bound("/scalar", Other, Never),
+    bound("/range_end", Other, Never),
+    bound("/target", Other, Never),
+    bound("/phase", Other, Never),
+    bound("/skip_reason", Other, Never),
+    bound("/law", Other, Never),
+    bound("/fitted_force", Other, Never),
+    bound("/coefficient", Other, Never),
+    bound("*/sum", Other, Never),
+    bound("/ensemble/sum_refusal", Other, Never),
+    bound("/ensemble/*_units", Other, Never),
+    bound("/ensemble/target_estimate", Other, Never),
+    bound("/validation/verdict", Other, Never),
+    bound("/validity/note", Other, Never),
+    bound("/count_at_accuracy_source", Other, Never),
+    bound("/records", Other, Never),
+    bound("/state", Other, Never),
+    // Numbers of a run, which a sweep has over its points.
+    bound("/replica_count", NotNegative, Never),
+    bound("/seed", NotNegative, Never),
+    bound("/adhesion_parameter", Positive, Never),
+    bound("/plasticity_index", NotNegative, Never),
+    bound("/critical_interference", Positive, Never),
+    bound("/critical_approach", Finite, Absent),
+    bound("/stiffness_span", Positive, Never),
+    bound("/surface_height_std", Positive, Never),
+    bound("/asperity_height_std", NotNegative, Never),
+    bound("/mean_plane_offset", Finite, Never),
+    bound("/asperity_radius", Positive, Never),
+    bound("/nominal_area", Positive, Never),
+    // Means over replicas.
+    bound("/ensemble/scalar_mean", Finite, Absent),
+    bound("/ensemble/scalar_controlled_mean", Finite, Absent),
+    bound("/ensemble/*_interval", Finite, Absent),
+    bound("/ensemble/scalar_variance_reduction", Ratio, Absent),
+    bound("/ensemble/scalar_*", NotNegative, Absent),
+    bound("/ensemble/target_mean", Finite, Never),
+    bound("/ensemble/target_standard_error", NotNegative, OneGroup),
+    bound("/ensemble/target_largest_standard_error", NotNegative, Never),
+    bound("/ensemble/target_met", Flag, Never),
+    bound("/ensemble/pull_off_force_difference_mean", Finite, Never),
+    bound("/ensemble/sum_error", NotNegative, Absent),
+    bound("/ensemble/sum_tolerance", Positive, Absent),
+    bound("/ensemble/*_separation", Within, Never),
+    bound("/ensemble/*_standard_error", NotNegative, OneGroup),
+    bound("/ensemble/*_std", NotNegative, OneGroup),
+    bound("/ensemble/*external_force_mean", Finite, Never),
+    bound("/ensemble/jump_*", Finite, Never),
+    bound("/ensemble/*_mean", NotNegative, Never),
+    bound("/ensemble/*", Finite, Never),
+    // Replicas.
+    bound("/replicas/asperity_count", NotNegative, Never),
+    bound("/replicas/highest_asperity", Finite, Absent),
+    bound("/replicas/touchdown_separation", Finite, Absent),
+    bound("/replicas/takeoff_separation", Finite, Absent),
+    bound("/replicas/snap_*_separation", Within, Absent),
+    bound("/replicas/snap_*_distance", NotNegative, Absent),
+    bound("/replicas/snap_*", Flag, Absent),
+    bound("/replicas/turn_separation", Within, Absent),
+    bound("/replicas/turned_pull_off_separation", Within, Absent),
+    bound("/replicas/turned_pull_off_force", Finite, Absent),
+    bound("/replicas/*pull_off_separation", Within, Never),
+    bound("/replicas/peak_secant_stiffness", Finite, Absent),
+    bound("/replicas/peak_secant_stiffness_separation", Within, Absent),
+    bound("/replicas/adhesion_force", NotNegative, Never),
+    bound("/replicas/*", Finite, Never),
+    bound("/instability/*_probability*", Share, Absent),
+    bound("/instability/*_mean", Finite, Absent),
+    bound("/instability/*_std", NotNegative, Absent),
+    bound("/instability/*_count", NotNegative, Never),
+    // The integral.
+    bound("/statistical/*_separation", Within, Never),
+    bound("/statistical/*_at_edge", Flag, Never),
+    bound("/statistical/*_deviation", Finite, Absent),
+    bound("/statistical/*_difference", Finite, Never),
+    bound("/statistical/*external_force", Finite, Never),
+    bound("/statistical/jump_*", Finite, Never),
+    bound("/statistical/pull_off_force", Finite, Never),
+    bound("/statistical/peak_stiffness", Finite, Never),
+    bound("/statistical/*", NotNegative, Never),
+    bound("/asperity/*_difference", Finite, Never),
+    bound("/asperity/external_force", Finite, Never),
+    bound("/asperity/*", NotNegative, Never),
+    bound("/fit/coefficients", Finite, Absent),
+    bound("/fit/range", Finite, Absent),
+    bound("/fit/*", NotNegative, Absent),
+    bound("/validity/valid", Flag, Never),
+    // Ensemble against integral.
+    bound("/validation/z_*", Finite, OneGroup),
+    bound("/validation/tested_*", Flag, Never),
+    bound("/validation/probe_*", Finite, Padded),
+    bound("/validation/statistic", NotNegative, Absent),
+    bound("/validation/p_value", Share, Absent),
+    bound("/validation/degrees_of_freedom", NotNegative, Never),
+    bound("/validation/kurtosis", Finite, Never),
+    bound("/validation/skewness", NotNegative, Never),
+    bound("/differences/*_mean", Finite, Absent),
+    bound("/differences/*_standard_error", NotNegative, Absent),
+    bound("/differences/*_variance_ratio", Ratio, Absent),
+    bound("/diagnostics/seconds", NotNegative, Absent),
+    bound("/diagnostics/*", NotNegative, Never),
+    // Patches of several sizes.
+    bound("/integral_pull_off_per_asperity", Positive, Never),
+    bound("/pull_off_per_asperity", Finite, Never),
+    bound("/pull_off_per_asperity_*_standard_error", NotNegative, Absent),
+    bound("/pull_off_per_asperity_standard_error", NotNegative, OneGroup),
+    bound("/pull_off_per_asperity_controlled_mean", Finite, Absent),
+    bound("/pull_off_per_asperity_mean", Finite, Never),
+    bound("/bias", Finite, Absent),
+    bound("/bias_standard_error", NotNegative, Absent),
+    bound("/bias_fitted", Positive, Absent),
+    bound("/is_fitted", Flag, Never),
+    bound("/relative_std", NotNegative, Absent),
+    bound("/skewness", Finite, Absent),
+    bound("/pull_off_quantiles", Finite, Never),
+    bound("/p_value", Share, Absent),
+    bound("/count_at_accuracy", Positive, Absent),
+    // Measured surfaces.
+    bound("/asperities/radius", Positive, Never),
+    bound("/asperities/x", NotNegative, Never),
+    bound("/asperities/y", NotNegative, Never),
+    bound("/asperities/*", Finite, Never),
+    bound("/surface/skewness", Finite, Never),
+    bound("/surface/excess_kurtosis", Finite, Never),
+    bound("/surface/slope_*", NotNegative, Never),
+    bound("/surface/*", Positive, Never),
+    bound("*/asperity_height_mean", Finite, Never),
+    bound("/measured/*_std", NotNegative, Absent),
+    bound("/measured/*", Positive, Never),
+    bound("/equivalent/asperity_height_std", NotNegative, Never),
+    bound("/equivalent/*", Positive, Never),
+    // Shards.
+    bound("/pieces/*", NotNegative, Never),
 ];
 
-/// What a dataset of a run has to be.
+/// What a dataset has to be.
 pub(super) fn bound_of(path: &str) -> Option<&'static Bound> {
     let of_way = path.replacen("/retraction_", "/", 1);
-    BOUNDS.iter().find(|bound| bound.path == path || bound.path.replacen('~', "", 1) == of_way && bound.path != of_way)
+    BOUNDS.iter().find(|bound| stands_for(bound.path, &of_way))
+}
+
+/// Whether a path with `*` stands for another: what is between the stars comes one after the other.
+fn stands_for(pattern: &str, path: &str) -> bool {
+    let Some((begin, rest)) = pattern.split_once('*') else { return pattern == path };
+    let Some(path) = path.strip_prefix(begin) else { return false };
+    (0..=path.len()).any(|place| stands_for(rest, &path[place..]))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::output::schema::RUN;
+    use crate::output::schema::Layout;
 
-    /// A new dataset is derived, bounded, or said to follow from nothing.
+    /// A new dataset is bounded, by what somebody thought of: a row that nothing needs is none.
     #[test]
-    fn every_dataset_of_a_run_has_its_bound() {
-        for variable in RUN.variables {
-            assert!(bound_of(variable.path).is_some(), "{} is not checked by `validate`", variable.path);
+    fn every_dataset_of_every_file_has_its_bound() {
+        let known: Vec<&str> = Layout::ALL.iter().flat_map(|layout| layout.known()).map(|known| known.path).collect();
+        for path in &known {
+            assert!(bound_of(path).is_some(), "{path} is not checked by `validate`");
         }
         for bound in BOUNDS {
-            // A reason for each that nothing else shows to be wrong.
-            let reason = match bound.derived {
-                Others => "others",
-                Curves(reason) | Nothing(reason) => reason,
-            };
-            assert!(!reason.is_empty(), "{}", bound.path);
-            let path = bound.path.replacen('~', "", 1);
-            assert!(RUN.variables.iter().any(|variable| variable.path == path), "{path} is not of the layout");
+            assert!(known.iter().any(|path| bound_of(path) == Some(bound)), "{} is of no layout", bound.path);
+        }
+    }
+
+    #[test]
+    fn stars_stand_for_anything() {
+        for (pattern, path) in [("/a", "/a"), ("/a/*_b", "/a/c_b"), ("*/b", "/a/b"), ("/*a*_c", "/xa_yz_c"), ("*", "")]
+        {
+            assert!(stands_for(pattern, path), "{pattern} {path}");
+        }
+        for (pattern, path) in [("/a", "/ab"), ("/a/*_b", "/a/c_bd"), ("*/b", "/a/c"), ("/*a*_c", "/xb_yz_c")] {
+            assert!(!stands_for(pattern, path), "{pattern} {path}");
         }
     }
 }

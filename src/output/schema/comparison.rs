@@ -199,6 +199,9 @@ const VARIABLES: &[Variable] = &[
         "deviation of the mean external force from the integral, in standard errors",
     ),
     variable("/validation/statistic", L, "1", "sum of squared scores of ensemble against integral"),
+    variable("/validation/degrees_of_freedom", L, "1", "degrees of freedom of the joint test"),
+    variable("/validation/kurtosis", L, "1", "fourth cumulants of the scores of a replica, contracted"),
+    variable("/validation/skewness", L, "1", "third cumulants of the scores of a replica, squared and contracted"),
     variable(
         "/validation/p_value",
         L,

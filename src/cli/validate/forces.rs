@@ -1,0 +1,198 @@
+//! Curves of forces and areas: F = P − F_s, sums of regimes, deviations, z-scores and pull-off.
+
+use super::super::Failure;
+use super::checked::{Checked, Place, ROUNDING, is_contact, summed};
+use crate::asperity::Quantity;
+use crate::validation::z_scores;
+
+/// Contacts of all replicas from which on means and deviations are near those of the integral.
+const POPULATED: f64 = 2000.0;
+
+impl Checked<'_> {
+    /// Other ways to write the separations.
+    pub fn separations(&mut self) -> Result<(), Failure> {
+        let h = self.values("/separation")?;
+        let (std, offset) = (self.number("/", "surface_height_std")?, self.number("/", "mean_plane_offset")?);
+        let largest = h.iter().fold(offset.abs(), |largest: f64, h| largest.max(h.abs()));
+        let of = |f: &dyn Fn(f64) -> f64| h.iter().map(|&h| f(h)).collect::<Vec<f64>>();
+        let found = self.values("/h_star")?;
+        self.compare("/h_star", &found, &of(&|h| h / std), |_| ROUNDING * largest / std, "/separation");
+        let found = self.values("/asperity_separation")?;
+        self.compare("/asperity_separation", &found, &of(&|h| h - offset), |_| ROUNDING * largest, "/separation");
+        if self.has("/step") {
+            let middles: Vec<f64> = h.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])).collect();
+            let found = self.values("/step")?;
+            // Of a sweep whose points have separations of their own they are indices.
+            let are_indices = self.place != Place::File && found.iter().enumerate().all(|(i, step)| *step == i as f64);
+            let middles = if are_indices { found.clone() } else { middles };
+            self.compare("/step", &found, &middles, |_| ROUNDING * largest, "/separation");
+        }
+        if self.place == Place::File && self.has("/replica") && !self.is_partial()? {
+            let indices: Vec<f64> = (0..self.replicas).map(|index| index as f64).collect();
+            let found = self.values("/replica")?;
+            self.compare("/replica", &found, &indices, |_| 0.0, "the number of replicas");
+        }
+        let controls = if self.has("/control") { self.values("/control")? } else { Vec::new() };
+        if let Some(i) = controls.iter().position(|control| !control.is_nan() && !h.contains(control)) {
+            self.say_at("/control", i, controls[i], "one of the separations is expected");
+        }
+        Ok(())
+    }
+
+    /// F = P − F_s, and regimes add up to what they are of.
+    pub fn sums(&mut self, group: &str, way: &str, of: &str) -> Result<(), Failure> {
+        let path = |name: &str| format!("/{group}/{way}{name}{of}");
+        let [adhesion, contact, external] = [
+            self.values(&path("adhesion_force"))?,
+            self.values(&path("contact_force"))?,
+            self.values(&path("external_force"))?,
+        ];
+        let tolerance = |i: usize| ROUNDING * (adhesion[i].abs() + contact[i].abs());
+        let difference: Vec<f64> =
+            contact.iter().zip(&adhesion).map(|(contact, adhesion)| contact - adhesion).collect();
+        self.compare(&path("external_force"), &external, &difference, tolerance, "contact less adhesion force");
+        let s = adhesion.len().max(1);
+        if !self.has(&path("regime_count")) {
+            return Ok(());
+        }
+        let regimes = self.reader.texts("/regime")?;
+        let [by_adhesion, by_external] =
+            [self.values(&path("regime_adhesion_force"))?, self.values(&path("regime_external_force"))?];
+        for (name, total, parts) in
+            [("adhesion_force", &adhesion, &by_adhesion), ("external_force", &external, &by_external)]
+        {
+            let sum = summed(parts, s, |_| true);
+            let size = summed(&parts.iter().map(|part| part.abs()).collect::<Vec<f64>>(), s, |_| true);
+            self.compare(&path(&format!("regime_{name}")), &sum, total, |i| ROUNDING * size[i], "all regimes together");
+        }
+        // Before contact the external force is adhesion alone.
+        let expected: Vec<f64> = (by_external.iter().zip(&by_adhesion).enumerate())
+            .map(
+                |(i, (own, adhesion))| {
+                    if regimes.get(i / s).is_some_and(|name| is_contact(name)) { *own } else { -adhesion }
+                },
+            )
+            .collect();
+        let of_regimes = path("regime_external_force");
+        self.compare(&of_regimes, &by_external, &expected, |i| ROUNDING * expected[i].abs(), "adhesion before contact");
+        let counts = self.values(&path("regime_count"))?;
+        for (name, forces) in [("regime_adhesion_force", by_adhesion), ("regime_external_force", by_external)] {
+            if let Some(i) = (0..counts.len().min(forces.len())).find(|&i| counts[i] == 0.0 && forces[i] != 0.0) {
+                self.say_at(&path(name), i, forces[i], "0 is expected where no asperities are");
+            }
+        }
+        Ok(())
+    }
+
+    /// Standard errors and deviations.
+    pub fn errors(&mut self, way: &str) -> Result<(), Failure> {
+        let (n, groups) = (self.replicas as f64, self.groups() as f64);
+        let mut of_forces = Vec::new();
+        for quantity in Quantity::ALL {
+            let name = format!("/ensemble/{way}{}", quantity.name());
+            let path = format!("{name}_standard_error");
+            let [mean, std, error] =
+                [self.values(&format!("{name}_mean"))?, self.values(&format!("{name}_std"))?, self.values(&path)?];
+            // Of independent replicas the error follows; of groups it is bounded, as their scatter is part of that of all.
+            let largest = if self.group == 1 { n.sqrt().recip() } else { ((n - 1.0) / (n * (groups - 1.0))).sqrt() };
+            let expected: Vec<f64> = std.iter().map(|std| largest * std).collect();
+            let tolerance = |i: usize| ROUNDING * (expected[i] + mean[i].abs() * largest) + 1e-12 * mean[i].abs();
+            if self.group == 1 {
+                self.compare(&path, &error, &expected, tolerance, "the standard deviation");
+            } else if let Some(i) = (0..error.len()).find(|&i| error[i] > expected[i] + tolerance(i)) {
+                self.say_at(&path, i, error[i], &format!("the standard deviation allows {:e}", expected[i]));
+            }
+            of_forces.push((mean, [std, error]));
+        }
+        for (i, name) in ["std", "standard_error"].into_iter().enumerate() {
+            let of = |quantity: Quantity| of_forces[quantity.index()].1[i].clone();
+            let own = |quantity: Quantity| &of_forces[quantity.index()].0;
+            let size: Vec<f64> = own(Quantity::AdhesionForce)
+                .iter()
+                .zip(own(Quantity::ContactForce))
+                .map(|(a, b)| a.abs() + b.abs())
+                .collect();
+            let all = [of(Quantity::AdhesionForce), of(Quantity::ContactForce), of(Quantity::ExternalForce)];
+            self.triangle(&format!("/ensemble/{way}*_force_{name}"), &all, &size);
+        }
+        Ok(())
+    }
+
+    /// Deviations by the integral.
+    pub fn deviations(&mut self, way: &str) -> Result<(), Failure> {
+        let std = |name: &str| self.values(&format!("/statistical/{way}{name}_force_std"));
+        let all = [std("adhesion")?, std("contact")?, std("external")?];
+        let mean = |name: &str| self.values(&format!("/statistical/{way}{name}_force"));
+        let size: Vec<f64> = mean("adhesion")?.iter().zip(&mean("contact")?).map(|(a, b)| a.abs() + b.abs()).collect();
+        self.triangle(&format!("/statistical/{way}*_force_std"), &all, &size);
+        Ok(())
+    }
+
+    /// The deviation of a difference is between the difference and the sum of the deviations.
+    fn triangle(&mut self, path: &str, [adhesion, contact, external]: &[Vec<f64>; 3], size: &[f64]) {
+        let fails = |i: &usize| {
+            let (a, p, f, slack) =
+                (adhesion[*i], contact[*i], external[*i], 1e-6 * (adhesion[*i] + contact[*i]) + 1e-10 * size[*i]);
+            !(f.is_nan() || f <= a + p + slack && f >= (a - p).abs() - slack)
+        };
+        let length = adhesion.len().min(contact.len()).min(external.len());
+        if let Some(i) = (0..length).find(fails) {
+            let [a, p, f] = [adhesion[i], contact[i], external[i]];
+            let between = format!("from {:e} to {:e} for the external force", (a - p).abs(), a + p);
+            self.say(path, &format!("have {a:e}, {p:e} and {f:e} at {i}, and the first two allow {between}"));
+        }
+    }
+
+    /// z-scores.
+    pub fn scores(&mut self, way: &str) -> Result<(), Failure> {
+        for name in ["adhesion_force", "external_force"] {
+            let mean = self.values(&format!("/ensemble/{way}{name}_mean"))?;
+            let expected = self.values(&format!("/statistical/{way}{name}"))?;
+            let std = if self.group == 1 {
+                self.values(&format!("/statistical/{way}{name}_std"))?
+            } else {
+                let root = (self.groups() as f64).sqrt();
+                let errors = self.values(&format!("/ensemble/{way}{name}_standard_error"))?;
+                errors.iter().map(|error| root * error).collect()
+            };
+            let scores = z_scores(&mean, &expected, &std, self.groups());
+            let path = format!("/validation/{way}z_{name}");
+            let found = self.values(&path)?;
+            self.compare(&path, &found, &scores, |i| ROUNDING * (1.0 + scores[i].abs()), "means and integral");
+        }
+        Ok(())
+    }
+
+    /// What follows from nothing else cannot be far from the integral where many asperities touch.
+    pub fn plausible(&mut self, way: &str) -> Result<(), Failure> {
+        let s = self.values("/separation")?.len().max(1);
+        let regimes = self.reader.texts("/regime")?;
+        let counts = self.values(&format!("/statistical/{way}regime_count"))?;
+        let touching = summed(&counts, s, |row| regimes.get(row).is_some_and(|name| is_contact(name)));
+        let n = self.replicas as f64;
+        for quantity in [Quantity::ContactForce, Quantity::ContactArea] {
+            let name = quantity.name();
+            let [mean, std] = ["mean", "std"].map(|of| self.values(&format!("/ensemble/{way}{name}_{of}")));
+            let [expected, by_integral] = ["", "_std"].map(|of| self.values(&format!("/statistical/{way}{name}{of}")));
+            let (mean, std, expected, by_integral) = (mean?, std?, expected?, by_integral?);
+            let is_far = |i: &usize| {
+                let error = by_integral[*i] / n.sqrt() + ROUNDING * expected[*i];
+                n * touching[*i] > POPULATED && (mean[*i] - expected[*i]).abs() > 12.0 * error
+            };
+            let scatters_otherwise = |i: &usize| {
+                let ratio = std[*i] / by_integral[*i];
+                n >= 40.0 && n * touching[*i] > POPULATED && by_integral[*i] > 0.0 && !(0.4..=2.5).contains(&ratio)
+            };
+            // The scheme of sampling changes the scatter within a group, not that of one replica.
+            if let Some(i) = (0..s).find(is_far) {
+                let integral = format!("/statistical/{way}{name} has {:e}", expected[i]);
+                self.say_at(&format!("/ensemble/{way}{name}_mean"), i, mean[i], &integral);
+            }
+            if let Some(i) = (0..s).find(scatters_otherwise) {
+                let integral = format!("/statistical/{way}{name}_std has {:e}", by_integral[i]);
+                self.say_at(&format!("/ensemble/{way}{name}_std"), i, std[i], &integral);
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,157 @@
+//! A sweep: each of its points as a run, a line each, what all points share, and their differences.
+
+use super::super::Failure;
+use super::super::sweep::{Compared, together};
+use super::checked::{Checked, Place, ROUNDING};
+use super::cross_check::{CrossCheck, scheme};
+use super::{Answer, heading, refused};
+use crate::engine::SCALARS;
+use crate::output::reader::Reader;
+use crate::output::schema::Dimension;
+use crate::scene::echo::one_line;
+use crate::scene::sweep::MOST_POINTS;
+use crate::surface::SamplingScheme;
+use crate::validation::{Difference, overall};
+
+/// What is looked at of a sweep.
+struct Points<'a> {
+    reader: &'a Reader,
+    scheme: SamplingScheme,
+    /// Replicas of a point that is whole, where they do not depend on a target.
+    replicas: u64,
+    common: bool,
+}
+
+pub(super) fn validate(reader: &Reader) -> Result<Answer, Failure> {
+    let shape = reader.point_shape()?;
+    let count = shape.iter().try_fold(1_usize, |count, length| count.checked_mul(*length));
+    let Some(count) = count.filter(|count| (1..=MOST_POINTS).contains(count)) else {
+        let problem = format!("has points of the shape {shape:?}; up to {MOST_POINTS} are read");
+        return Err(refused(reader.path(), &problem));
+    };
+    let mut file = Checked::new(reader, 0);
+    let points = Points {
+        reader,
+        scheme: scheme(&file)?,
+        replicas: reader.number("/", "replicas")?,
+        common: reader.number::<u8>("/", "common_random_numbers")? == 1,
+    };
+    file.bounds()?;
+    let replicas: Vec<f64> = (0..reader.length(Dimension::Replica)?).map(|index| index as f64).collect();
+    file.follows("/replica", &replicas, 0.0, "their number")?;
+    file.axes()?;
+    let mut findings = std::mem::take(&mut file.findings);
+    let mut text = heading(reader);
+    text += &format!("{:>6}  {:<28}{:>10}{:>8}{:>10}  {}\n", "point", "indices", "chi2", "k", "p", "verdict");
+    let (mut p_values, mut first) = (Vec::with_capacity(count), None);
+    for point in 0..count {
+        let place = place(point, &shape);
+        let Some((cross_check, own)) = points.point(&place, &mut first)? else {
+            text += &format!("{:>6}  of which no replicas are there\n", point + 1);
+            p_values.push(f64::NAN);
+            continue;
+        };
+        let indices: Vec<String> = place.iter().map(usize::to_string).collect();
+        let joint = cross_check.joint;
+        let (components, p, verdict) = (joint.degrees_of_freedom, joint.p_value, joint.verdict.name());
+        let [statistic, p] = [format!("{:.1}", joint.statistic), format!("{p:.4}")];
+        text +=
+            &format!("{:>6}  {:<28}{statistic:>10}{components:>8}{p:>10}  {verdict}\n", point + 1, indices.join(", "));
+        p_values.push(joint.p_value);
+        findings.extend(own.into_iter().map(|finding| format!("point {}: {finding}", point + 1)));
+    }
+    let told = reader.optional_text("/validation", "overall_verdict")?.unwrap_or_default();
+    if told != overall(&p_values).name() {
+        let own = overall(&p_values).name();
+        findings.push(format!("/validation/overall_verdict is \"{}\", and \"{own}\" follows", one_line(&told)));
+    }
+    let keys = reader.optional_text("/", "sweep_keys")?.unwrap_or_default();
+    text += &format!("indices along {}\n", one_line(&keys));
+    text += &together(&p_values);
+    Ok(Answer { text, findings, verdict: overall(&p_values) })
+}
+
+/// The index of a point along each dimension of a shape.
+fn place(point: usize, shape: &[usize]) -> Vec<usize> {
+    let mut rest = point;
+    let mut place: Vec<usize> = shape.iter().rev().map(|length| (rest % length, rest /= length).0).collect();
+    place.reverse();
+    place
+}
+
+impl Points<'_> {
+    /// The cross-check of a point and what does not fit together there; none where a sweep is not complete and the point has no replicas.
+    /// What is compared of the first point is kept.
+    fn point(
+        &self,
+        place: &[usize],
+        first: &mut Option<Option<Compared>>,
+    ) -> Result<Option<(CrossCheck, Vec<String>)>, Failure> {
+        let reader = self.reader;
+        let replicas: u64 = reader.at_point("/replica_count", place)?[0];
+        let group = self.scheme.group();
+        let mut checked = Checked { place: Place::Point(place), group, ..Checked::new(reader, replicas) };
+        if replicas == 0 && checked.is_partial()? {
+            first.get_or_insert(None);
+            return Ok(None);
+        }
+        if replicas == 0 || !replicas.is_multiple_of(group) || replicas > reader.length(Dimension::Replica)? as u64 {
+            let problem = format!("has {replicas} replicas at a point, no number of {} ones", self.scheme.name());
+            return Err(refused(reader.path(), &problem));
+        }
+        let cross_check = CrossCheck::new(&checked)?;
+        checked.run(&cross_check.joint)?;
+        let compared =
+            Compared::new(&|path| checked.values(path), checked.number("/", "stiffness_span")?, checked.is_loop()?)?;
+        let compared = Some(compared).filter(|compared| compared.replicas() == self.replicas);
+        let differences = match (first.as_ref(), &compared) {
+            (None, Some(own)) => own.differences(own, group as usize, self.common),
+            (Some(Some(first)), Some(own)) => own.differences(first, group as usize, self.common),
+            _ => [Difference::UNKNOWN; 4],
+        };
+        checked.of_sweep(&differences, &cross_check)?;
+        first.get_or_insert(compared);
+        Ok(Some((cross_check, checked.findings)))
+    }
+}
+
+impl Checked<'_> {
+    /// The values of what is swept.
+    fn axes(&mut self) -> Result<(), Failure> {
+        for (name, values) in self.reader.axes()? {
+            let is_wrong = |i: usize| !values[i].is_finite() || values[..i].contains(&values[i]);
+            if let Some(i) = (0..values.len()).find(|&i| is_wrong(i)) {
+                let name = one_line(&name);
+                self.say(&format!("/{name}"), &format!("has {:e} at {i}, and another number is expected", values[i]));
+            }
+        }
+        Ok(())
+    }
+
+    /// What only a point of a sweep has as datasets.
+    fn of_sweep(&mut self, differences: &[Difference; 4], cross_check: &CrossCheck) -> Result<(), Failure> {
+        // ω_c = σ/ψ².
+        let (std, psi) = (self.number("/", "surface_height_std")?, self.number("/", "plasticity_index")?);
+        self.follows("/critical_interference", &[std / (psi * psi)], ROUNDING, "/surface_height_std and ψ")?;
+        let name = cross_check.joint.verdict.name();
+        let told = self.text("/validation/verdict")?;
+        if told != name {
+            self.say("/validation/verdict", &format!("is \"{}\", and \"{name}\" follows", one_line(&told)));
+        }
+        for (scalar, difference) in SCALARS.iter().zip(differences) {
+            let path = |of: &str| format!("/differences/{}_{of}", scalar.name);
+            let size = difference.mean.abs() + difference.standard_error.abs();
+            let slack = if size.is_nan() { 0.0 } else { ROUNDING * size };
+            for (of, expected) in [
+                ("mean", difference.mean),
+                ("standard_error", difference.standard_error),
+                ("variance_ratio", difference.variance_ratio),
+            ] {
+                let found = self.values(&path(of))?;
+                let slack = if of == "variance_ratio" { 1e-6 * expected.abs() } else { slack };
+                self.compare(&path(of), &found, &[expected], |_| slack, "/replicas");
+            }
+        }
+        Ok(())
+    }
+}

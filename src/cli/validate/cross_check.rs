@@ -125,7 +125,10 @@ fn probes(checked: &Checked<'_>) -> Result<Vec<Probe>, Failure> {
 
 /// At most so many of the values of a dataset, all of which have to be finite.
 fn finite(checked: &Checked<'_>, name: &str, count: usize) -> Result<Vec<f64>, Failure> {
-    let mut values: Vec<f64> = checked.values(name)?;
+    let mut values: Vec<f64> = match checked.place {
+        Place::Point(place) => checked.reader.at_point(name, place)?,
+        _ => checked.reader.values(name)?,
+    };
     values.truncate(count);
     let Some(place) = values.iter().position(|value| !value.is_finite()) else { return Ok(values) };
     let of_point = match checked.place {

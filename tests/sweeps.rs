@@ -347,7 +347,7 @@ fn sweeps_that_are_not_what_they_say_are_refused() {
         (&|file| rewritten(file, "sweep_mode", "zip"), "lacks the dimension `point`"),
         (
             &|file| file.dataset("/ensemble/adhesion_force_mean").unwrap().write_raw(&[f64::NAN; 64]).unwrap(),
-            "has the value NaN in /ensemble/adhesion_force_mean",
+            "has the value NaN at 0 of /ensemble/adhesion_force_mean of the point [0, 0]",
         ),
     ];
     for (change, message) in changes {

@@ -3,6 +3,7 @@
 mod common;
 
 use common::program::{Folder, assert_exit, small, text};
+use common::unlocked;
 use hdf5::types::TypeDescriptor;
 
 /// What may happen to a dataset.
@@ -103,17 +104,6 @@ fn damaged(values: &[f64], damage: &str) -> Vec<f64> {
     }
 }
 
-/// Opens a file to change it. A program that another test has just started may still hold a copy of a lock that is gone here.
-fn to_change(path: &std::path::Path) -> hdf5::File {
-    for _ in 0..100 {
-        match hdf5::File::open_rw(path) {
-            Ok(file) => return file,
-            Err(_) => std::thread::sleep(std::time::Duration::from_millis(20)),
-        }
-    }
-    hdf5::File::open_rw(path).unwrap()
-}
-
 /// Datasets of numbers outside /diagnostics, and whether they are whole.
 fn datasets(file: &hdf5::File) -> Vec<(String, bool)> {
     let mut found = Vec::new();
@@ -147,7 +137,7 @@ fn missed(made: &Made, every: Option<usize>) -> Vec<String> {
     assert_exit(&whole, 0);
     assert!(text(&whole.stdout).contains("fit together"), "{}", text(&whole.stdout));
     let bytes = std::fs::read(folder.path("out.h5")).unwrap();
-    let names = datasets(&hdf5::File::open(folder.path("out.h5")).unwrap());
+    let names = datasets(&unlocked::open(folder.path("out.h5")));
     let (mut missed, mut tried) = (Vec::new(), 0);
     for (i, (name, is_whole)) in names.iter().enumerate() {
         for (j, damage) in DAMAGES.into_iter().enumerate() {
@@ -160,7 +150,7 @@ fn missed(made: &Made, every: Option<usize>) -> Vec<String> {
                 continue;
             }
             std::fs::write(folder.path("damaged.h5"), &bytes).unwrap();
-            let file = to_change(&folder.path("damaged.h5"));
+            let file = unlocked::open_rw(folder.path("damaged.h5"));
             let dataset = file.dataset(name).unwrap();
             let values = dataset.read_raw::<f64>().unwrap();
             let changed = damaged(&values, damage);
@@ -278,7 +268,7 @@ fn sweeps_and_loops_fit_together_too() {
         assert_exit(&folder.stiction(&["run", "scene.toml"]), 0);
         assert_exit(&folder.stiction(&["validate", "scene.h5"]), 0);
         for path in ["/replicas/pull_off_force", "/ensemble/scalar_mean", "/ensemble/scalar_standard_error"] {
-            let file = to_change(&folder.path("scene.h5"));
+            let file = unlocked::open_rw(folder.path("scene.h5"));
             let dataset = file.dataset(path).unwrap();
             let values = dataset.read_raw::<f64>().unwrap();
             dataset.write_raw(&damaged(&values, "scale")).unwrap();
@@ -287,7 +277,7 @@ fn sweeps_and_loops_fit_together_too() {
             let validate = folder.stiction(&["validate", "scene.h5"]);
             assert_exit(&validate, 3);
             assert!(text(&validate.stdout).contains("contradictions"), "{}", text(&validate.stdout));
-            let file = to_change(&folder.path("scene.h5"));
+            let file = unlocked::open_rw(folder.path("scene.h5"));
             file.dataset(path).unwrap().write_raw(&values).unwrap();
             file.close().unwrap();
         }
@@ -301,12 +291,12 @@ fn sweeps_of_held_surfaces_have_their_springs() {
     let made = swept(&small().replace("\"approach\"", "\"loop\"").replace("[output]", springs));
     let folder = Folder::new(&made.scene);
     assert_exit(&folder.stiction(&["run", "scene.toml"]), 0);
-    let file = hdf5::File::open(folder.path("scene.h5")).unwrap();
+    let file = unlocked::open(folder.path("scene.h5"));
     assert_eq!(file.dataset("/stiffness").unwrap().read_raw::<f64>().unwrap(), [300.0, 0.0]);
     assert_eq!(file.dataset("/preload").unwrap().read_raw::<f64>().unwrap(), [50e-6, 5e-6]);
     drop(file);
     assert_exit(&folder.stiction(&["validate", "scene.h5"]), 0);
-    let file = to_change(&folder.path("scene.h5"));
+    let file = unlocked::open_rw(folder.path("scene.h5"));
     file.dataset("/preload").unwrap().write_raw(&[5e-6, 50e-6]).unwrap();
     file.close().unwrap();
     assert_exit(&folder.stiction(&["validate", "scene.h5"]), 3);

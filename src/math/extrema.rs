@@ -182,7 +182,9 @@ mod tests {
     #[test]
     fn the_largest_secant_has_an_end_at_a_sample() {
         let (places, values) = ([0.0, 1.0, 2.0, 4.0], [-1.0, 0.0, 3.0, 2.0]);
-        for (span, value, middle) in [(1.0, 3.0, 1.5), (2.0, 2.0, 1.0), (4.0, 0.75, 2.0), (0.5, 3.0, 1.25)] {
+        for (span, value, middle) in
+            [(1.0, 3.0, 1.5), (2.0, 2.0, 1.0), (4.0, 0.75, 2.0), (0.5, 3.0, 1.25), (1.5, 3.5 / 1.5, 1.25)]
+        {
             let secant = largest_secant(&places, &values, span);
             assert_eq!(
                 (secant.value, secant.place, secant.at_edge),

@@ -205,9 +205,7 @@ fn has_failed_well(folder: &Folder, output: &Output, at: &str) -> bool {
     let message = text(&output.stderr);
     let told = match output.status.code() {
         Some(0) => true,
-        Some(1) => {
-            message.contains("stiction: not enough memory") || message.contains("stiction: cannot start threads")
-        }
+        Some(1) => message.contains("not enough memory") || message.contains("stiction: cannot start threads"),
         Some(2) => message.contains(" of memory, and ") && message.contains(" can be had"),
         _ => false,
     };

@@ -4,6 +4,7 @@
 //! that finds no place for its signal stack. None of them runs a destructor, so files are removed by the register of them.
 #![allow(unsafe_code)]
 
+use super::apart::is_apart;
 use crate::output::remove_registered;
 use signal_hook::consts::SIGABRT;
 use signal_hook::low_level;
@@ -58,7 +59,7 @@ unsafe impl GlobalAlloc for Allocator {
 #[inline]
 fn given(pointer: *mut u8, bytes: usize) -> *mut u8 {
     if pointer.is_null() {
-        end(Some(bytes));
+        end(Cause::Refused(bytes));
     }
     pointer
 }
@@ -68,29 +69,42 @@ pub(super) fn note_kept() {
     IS_KEPT.store(true, Ordering::Relaxed);
 }
 
-/// Has ends for want of memory that are not seen by the allocator end as those that are.
+/// Why the process ends.
+enum Cause {
+    /// So many bytes were refused.
+    Refused(usize),
+    /// There is no place for the signal stack of a thread.
+    NoStack,
+    /// The C library gives up, or Rust does.
+    Aborted,
+}
+
+/// Has ends for want of memory that are not seen by the allocator end as those that are. A process that reads a file of unknown origin may
+/// be aborted for what is in that, and leaves nothing.
 ///
 /// # Errors
 /// When the operating system refuses.
 pub(super) fn watch() -> std::io::Result<()> {
-    // SAFETY: What is done there allocates nothing and waits for nobody.
-    unsafe { low_level::register(SIGABRT, || end(None)) }?;
+    if !is_apart() {
+        // SAFETY: What is done there allocates nothing and waits for nobody.
+        unsafe { low_level::register(SIGABRT, || end(Cause::Aborted)) }?;
+    }
     let usual = std::panic::take_hook();
     std::panic::set_hook(Box::new(move |panic| {
         let payload = panic.payload();
         let text = payload.downcast_ref::<String>().map(String::as_str).or(payload.downcast_ref::<&str>().copied());
         match text {
-            Some(text) if text.starts_with(NO_STACK) => end(None),
+            Some(text) if text.starts_with(NO_STACK) => end(Cause::NoStack),
             _ => usual(panic),
         }
     }));
     Ok(())
 }
 
-/// Ends the process, with a message that names the bytes that were refused. Allocates nothing, and runs no destructor: other threads go on
+/// Ends the process, with a message that says why. Allocates nothing, and runs no destructor: other threads go on
 /// until then, and may wait for this one.
 #[cold]
-fn end(bytes: Option<usize>) -> ! {
+fn end(cause: Cause) -> ! {
     while ENDS.swap(true, Ordering::SeqCst) {
         std::thread::sleep(std::time::Duration::from_secs(1));
     }
@@ -98,8 +112,11 @@ fn end(bytes: Option<usize>) -> ! {
     let mut text = Cursor::new([0; LONGEST]);
     // Behind a progress bar.
     let begin = if std::io::stderr().is_terminal() { "\n" } else { "" };
-    let _ = write!(text, "{begin}stiction: {SHORT}");
-    let _ = bytes.map_or(Ok(()), |bytes| write!(text, ": {bytes} bytes more were refused"));
+    let _ = match cause {
+        Cause::Refused(bytes) => write!(text, "{begin}stiction: {SHORT}: {bytes} bytes more were refused"),
+        Cause::NoStack => write!(text, "{begin}stiction: {SHORT} for a thread"),
+        Cause::Aborted => write!(text, "{begin}stiction: aborted, most likely as there is {SHORT}"),
+    };
     let _ = writeln!(text, "; give it more memory, or less to do (fewer --threads, a smaller scene)");
     if IS_KEPT.load(Ordering::Relaxed) {
         let _ = writeln!(text, "what was done is kept; to go on: the same command with --resume");

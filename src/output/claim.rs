@@ -71,11 +71,9 @@ impl Claim {
         let lock = named(&output, ".", ".lock");
         // Before there is a file, as there may be no memory for it.
         let name = Name::of(&lock);
-        match locked(&lock).map_err(not_writable)? {
-            Ok(file) => {
-                let registered = Registered::named(name);
-                Ok(Self { folder: folder.to_owned(), output, lock, _locked: file, _registered: registered })
-            }
+        let (made, registered) = Registered::once_made(name, || locked(&lock), |made| matches!(made, Ok(Ok(_))));
+        match made.map_err(not_writable)? {
+            Ok(file) => Ok(Self { folder: folder.to_owned(), output, lock, _locked: file, _registered: registered }),
             Err(process) => Err(OutputError::Claimed { output, process }),
         }
     }

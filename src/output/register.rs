@@ -4,11 +4,12 @@
 use std::os::unix::ffi::OsStringExt;
 use std::path::Path;
 use std::sync::{Mutex, TryLockError};
+use std::time::Duration;
 
 /// Most files that are registered at the same time. A point of a sweep has seven: two claims, and what is being written.
 const MOST: usize = 16;
-/// How often a register is asked for that another thread is about to change.
-const PATIENCE: usize = 1000;
+/// How often, ms, a register is asked for that another thread is about to change.
+const PATIENCE: u64 = 1000;
 
 #[cfg(unix)]
 type Text = std::ffi::CString;
@@ -28,17 +29,18 @@ pub(super) struct Registered {
 impl Registered {
     /// Registers a file that there may be from now on.
     pub fn new(path: &Path) -> Self {
-        Self::named(Name::of(path))
+        Self::once_made(Name::of(path), || (), |()| true).1
     }
 
-    /// The same by its name, and allocates nothing.
-    pub fn named(Name(name): Name) -> Self {
+    /// Makes something and registers the file if it is made. A thread that finds no memory meanwhile waits for that.
+    pub fn once_made<T>(Name(name): Name, make: impl FnOnce() -> T, is_made: impl FnOnce(&T) -> bool) -> (T, Self) {
         let mut names = NAMES.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-        let place = names.iter().position(Option::is_none).filter(|_| name.is_some());
+        let made = make();
+        let place = names.iter().position(Option::is_none).filter(|_| name.is_some() && is_made(&made));
         if let Some(place) = place {
             names[place] = name;
         }
-        Self { place }
+        (made, Self { place })
     }
 }
 
@@ -64,14 +66,14 @@ impl Name {
     }
 }
 
-/// Removes all files that are registered. Allocates nothing and waits for nobody, and can be done in a signal handler.
+/// Removes all files that are registered. Allocates nothing and waits for a bounded time only, and can be done in a signal handler.
 pub fn remove_registered() {
     for _ in 0..PATIENCE {
         let names = match NAMES.try_lock() {
             Ok(names) => names,
             Err(TryLockError::Poisoned(names)) => names.into_inner(),
             Err(TryLockError::WouldBlock) => {
-                std::thread::yield_now();
+                std::thread::sleep(Duration::from_millis(1));
                 continue;
             }
         };

@@ -3,15 +3,17 @@
 
 mod common;
 
-use common::{case, law};
+use common::{brute_force, case, law};
 use std::sync::atomic::AtomicBool;
 use stiction::asperity::emd::{Emd, State};
+use stiction::asperity::models::model;
 use stiction::asperity::scale::{Asperity, Scale};
-use stiction::asperity::{Law, Path, Quantity, Work};
+use stiction::asperity::{Family, Law, Path, Quantity, Typical, Work};
+use stiction::engine::compressed::Compression;
 use stiction::engine::stream::{Purpose, stream};
-use stiction::engine::{Ensemble, Job, Outcome, Workspace, run};
+use stiction::engine::{Ensemble, Job, Outcome, Workspace, draw, run};
 use stiction::statistical::Statistical;
-use stiction::surface::Surface;
+use stiction::surface::{RADIUS_RANGE, Radii, Surface};
 
 fn job<'a>(law: &'a dyn Law, surface: &'a Surface, separations: &'a [f64], replicas: u64) -> Job<'a> {
     Job { seed: 3, ..common::job(law, surface, separations, replicas) }
@@ -103,28 +105,114 @@ fn scatter_agrees_with_the_integral() {
     }
 }
 
-/// Pull-off and its place from separations 0.05 σ apart, against the same replicas on separations 25 times finer: mostly the same
-/// point of the curve, and never one that a finer look would call another pull-off.
+/// How much less deep than the deepest point of its curve, as a share of that, the pull-off of each replica is, by brute force over
+/// separations 0.05 σ apart; and at its place the curve has to have that force, to the share `accuracy` of all forces.
+fn misses(job: &Job<'_>, far: f64, accuracy: f64) -> Vec<f64> {
+    let surface = job.surface;
+    let events = brute_force::events(job.law);
+    let mut misses = Vec::new();
+    let mut workspace = Workspace::new(job);
+    workspace.replicas(job, 0..job.replicas, |replica, curves| {
+        let (mut heights, mut radii) = (vec![0.0; surface.asperity_count], Vec::new());
+        draw(surface, job.seed, job.scheme, misses.len() as u64, &mut heights, &mut radii);
+        heights.sort_by(f64::total_cmp);
+        let force = |h: f64| brute_force::external_force(job.law, &heights, surface.asperity_separation(h));
+        let of_all = heights.iter().flat_map(|u| events.iter().map(move |event| u - event + surface.mean_plane_offset));
+        let (place, deepest) = brute_force::deepest(job.separations, of_all.collect(), far, force);
+        let largest = curves.total[0].iter().zip(&curves.total[1]).fold(0.0, |most: f64, (a, p)| most.max(a + p));
+        let there = force(replica.pull_off_separation);
+        assert!((there + replica.pull_off_force).abs() <= accuracy * largest, "{there:e} {replica:?}");
+        let miss = (-deepest - replica.pull_off_force) / deepest.abs();
+        if miss > 1e-6 {
+            println!("{miss:.1e} at {:e}: {place:e} {deepest:e}", replica.pull_off_separation);
+        }
+        misses.push(miss);
+    });
+    misses
+}
+
+fn separations(surface: &Surface) -> Vec<f64> {
+    (0..181).map(|k| surface.surface_height_std * (-1.0 + 0.05 * f64::from(k))).collect()
+}
+
+/// The pull-off of replicas of cases I to III, of patches of them from one asperity on, of both histories, directly and by moments, is the
+/// deepest point of their curves.
 #[test]
-fn refinement_finds_what_a_finer_curve_shows() {
-    let (asperity, surface) = case("II");
-    let sigma = surface.surface_height_std;
-    let law = law("hybrid", &asperity, Path::Approach, (-20e-9, 20e-9));
-    let grid = |from: f64, to: f64, step: f64| -> Vec<f64> {
-        (0..=((to - from) / step).round() as u32).map(|i| sigma * (from + step * f64::from(i))).collect()
-    };
-    let coarse = grid(1.0, 4.0, 0.05);
-    let fine = grid(2.0, 4.0, 0.002);
-    let [coarse, fine] =
-        [&coarse, &fine].map(|separations| ensemble(&job(law.as_ref(), &surface, separations, 16)).replicas);
-    let mut errors = Vec::new();
-    for (a, b) in coarse.iter().zip(&fine) {
-        assert!(!a.pull_off_at_edge && !b.pull_off_at_edge);
-        assert!((a.pull_off_separation - b.pull_off_separation).abs() < 0.005 * sigma, "{a:?} {b:?}");
-        errors.push((a.pull_off_force / b.pull_off_force - 1.0).abs());
+fn the_pull_off_is_the_deepest_point_of_the_curve() {
+    for (name, path, far) in [
+        ("I", Path::Approach, 0.02),
+        ("II", Path::Approach, 0.002),
+        ("III", Path::Approach, 0.0002),
+        ("III", Path::Retraction, 0.0002),
+    ] {
+        let (asperity, surface) = case(name);
+        let law = law("hybrid", &asperity, path, (-60e-9, 60e-9));
+        let separations = separations(&surface);
+        for (count, replicas, far) in [(1, 3, 9.0), (3, 3, 9.0), (32, 1, 0.2), (surface.asperity_count, 1, far)] {
+            let surface = Surface { asperity_count: count, ..surface.clone() };
+            let direct = job(law.as_ref(), &surface, &separations, replicas);
+            let compression = Compression::new(law.as_ref(), &surface, &separations, 1e-9).unwrap();
+            for job in [direct, Job { compression: Some(&compression), ..direct }] {
+                let accuracy = if job.compression.is_some() { 1e-9 } else { 1e-13 };
+                let misses = misses(&job, far, accuracy);
+                assert!(misses.iter().all(|miss| *miss < 1e-6), "{name} {path:?} {count}: {misses:?}");
+            }
+        }
     }
-    errors.sort_by(f64::total_cmp);
-    let (median, largest) = (errors[errors.len() / 2], errors[errors.len() - 1]);
-    println!("pull-off within {median:.1e} in the median, {largest:.1e} at most");
-    assert!(median < 1e-6 && largest < 1e-3, "{errors:?}");
+}
+
+/// The same where radii differ, each asperity by a law of its own: no look at the curve finds anything deeper.
+#[test]
+fn the_pull_off_of_several_radii_is_the_deepest_point() {
+    let (asperity, surface) = case("II");
+    for (count, law_name) in [(1, "hybrid"), (40, "hybrid"), (150, "emd"), (150, "hybrid")] {
+        let surface = Surface { asperity_count: count, radii: Radii::LogNormal(0.3), ..surface.clone() };
+        let family = Family::new(model(law_name).unwrap(), asperity, Path::Approach, RADIUS_RANGE).unwrap();
+        let law = Typical::new(law(law_name, &asperity, Path::Approach, (-60e-9, 60e-9)), family.clone());
+        let separations = separations(&surface);
+        let job = job(&law, &surface, &separations, 2);
+        let mut index = 0;
+        Workspace::new(&job).replicas(&job, 0..2, |replica, _| {
+            let (mut heights, mut radii) = (vec![0.0; count], Vec::new());
+            draw(&surface, job.seed, job.scheme, index, &mut heights, &mut radii);
+            index += 1;
+            let laws: Vec<_> = radii.iter().map(|radius| family.law(*radius, None)).collect();
+            let force = |h: f64| {
+                let d = surface.asperity_separation(h);
+                let one = |(law, height): (&dyn Law, &f64)| brute_force::external_force(law, &[*height], d);
+                laws.iter().map(AsRef::as_ref).zip(&heights).map(one).sum::<f64>()
+            };
+            let there = force(replica.pull_off_separation);
+            assert!((there / replica.pull_off_force + 1.0).abs() < 1e-9, "{there:e} {replica:?}");
+            let (place, deepest) = brute_force::deepest_of_looks(separations[0], separations[180], force);
+            println!(
+                "{law_name}, {count} asperities: {:e} at {:e}, by looks {deepest:e} at {place:e}",
+                replica.pull_off_force, replica.pull_off_separation
+            );
+            assert!(-replica.pull_off_force <= deepest * (1.0 - 1e-6), "{place:e} {deepest:e} {replica:?}");
+        });
+    }
+}
+
+/// The same of many: before, with parabolas between samples, the mean of case I was 5.4e-3 and the largest 2e-2.
+#[test]
+#[ignore = "slow: a minute"]
+fn the_pull_off_is_the_deepest_point_of_many_curves() {
+    for (name, count, replicas, far) in [
+        ("I", 8510, 32, 0.2),
+        ("II", 7390, 8, 0.02),
+        ("III", 9870, 2, 0.004),
+        ("II", 32, 64, 0.2),
+        ("II", 316, 64, 0.1),
+    ] {
+        let (asperity, surface) = case(name);
+        let law = law("hybrid", &asperity, Path::Approach, (-60e-9, 60e-9));
+        let surface = Surface { asperity_count: count, ..surface };
+        let separations = separations(&surface);
+        let misses = misses(&Job { seed: 1, ..job(law.as_ref(), &surface, &separations, replicas) }, far, 1e-13);
+        let mean = misses.iter().sum::<f64>() / misses.len() as f64;
+        let largest = misses.iter().copied().fold(f64::MIN, f64::max);
+        println!("{name}, {count} asperities: mean {mean:.1e}, largest {largest:.1e}");
+        assert!(largest < 1e-6, "{name} {count}: {misses:?}");
+    }
 }

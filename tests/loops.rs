@@ -5,7 +5,7 @@ mod common;
 
 use common::program::{Folder, assert_exit, small};
 use common::unlocked;
-use common::{case, respond};
+use common::{brute_force, case, respond};
 use std::sync::atomic::{AtomicBool, Ordering};
 use stiction::asperity::models::model;
 use stiction::asperity::scale::Asperity;
@@ -437,6 +437,52 @@ fn what_pulls_off_after_a_preload_has_that_history() {
         differ += usize::from((of_whole / -pull_off - 1.0).abs() > 1e-3);
     }
     assert!(differ >= 2, "{turns:?} {}", replica.pull_off_force);
+}
+
+/// The pull-off on the way back, from the closest separation and after a preload, tops flattened or not: no look at the curve finds anything
+/// deeper, and at its place the curve has that force.
+#[test]
+fn the_pull_off_on_the_way_back_is_the_deepest_point() {
+    for (name, radius, count) in [
+        ("I", UnloadedRadius::Kept, 60),
+        ("II", UnloadedRadius::Kept, 3),
+        ("II", UnloadedRadius::Kept, 200),
+        ("II", UnloadedRadius::Elastic, 60),
+        ("III", UnloadedRadius::Kept, 60),
+        ("I", UnloadedRadius::Elastic, 30),
+    ] {
+        let (asperity, mut surface) = case(name);
+        surface.asperity_count = count;
+        let cycle = cycle_of("hybrid", &asperity, radius);
+        let separations = separations(&surface, -0.5, 6.0, 131);
+        let preload = [1e-5];
+        let holding = Holding { stiffness: &[1e3], preload: &preload, smallest_snap: 0.0, ways: (true, true) };
+        let job = Job {
+            protocol: Protocol { cycle: Some(&cycle), holding, ..Protocol::default() },
+            ..job(&cycle, &surface, &separations, 1)
+        };
+        let (replica, curves) = one(&job);
+        let mut heights = vec![0.0; count];
+        surface.heights.draw(&mut stream(job.seed, Purpose::Heights, 0), &mut heights);
+        let turned = &curves.snaps[3..6];
+        for (from, pull_off, place) in
+            [(separations[0], replica.pull_off_force, replica.pull_off_separation), (turned[0], turned[1], turned[2])]
+        {
+            if from.is_nan() {
+                continue;
+            }
+            let force = |h: f64| {
+                let law = cycle.at(h - from);
+                let closest = surface.asperity_separation(from);
+                let one = |height: &f64| respond(&law, height - closest).unwrap().1;
+                heights.iter().map(one).map(|[a, p, _]| p - a).sum::<f64>()
+            };
+            assert!((force(place) / pull_off + 1.0).abs() < 1e-9, "{name} {radius:?}: {pull_off:e} at {place:e}");
+            let (there, deepest) = brute_force::deepest_of_looks(from, separations[130], force);
+            println!("{name} {radius:?} from {from:e}: {pull_off:e} at {place:e}, by looks {deepest:e} at {there:e}");
+            assert!(-pull_off <= deepest * (1.0 - 1e-6), "{name} {radius:?}: {pull_off:e} {deepest:e}");
+        }
+    }
 }
 
 /// One asperity of `md_kim` (Kim, McMeeking and Johnson): it feels nothing before Δ_on = −2/(πλ). A loop that turns before has no force at all; one

@@ -28,7 +28,7 @@ const NOT_FOUND: &[(&str, &str, &str, &str)] = &[
     ("run sweep", "/validation/retraction_tested_external_force", "reverse", "of the law, which is not computed anew"),
     ("run sweep", "/control", "reverse", "controls may stand in any order"),
     ("sweep", "/control", "NaN", "a point may have fewer controls"),
-    ("run", "/stiffness", "scale", "given by the scene"),
+    ("run", "/stiffness", "scale reverse", "given by the scene"),
     ("run", "/preload", "scale", "given by the scene"),
     ("sweep", "/adhesion_parameter", "scale", "given by the scene"),
     ("sweep", "/asperity_height_std", "scale", "given by the scene"),

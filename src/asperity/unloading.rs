@@ -157,6 +157,47 @@ impl Loop {
         self.first_plastic < self.approach.regimes().len()
     }
 
+    /// The law on the way back, of an asperity that has not flowed.
+    pub fn retraction(&self) -> &dyn Law {
+        self.retraction.as_ref()
+    }
+
+    /// What has become of an asperity of the interference ω_max, m: 0 of one that has never touched, 1 of one that has, 2 of one that has
+    /// flowed.
+    pub fn fate(&self, largest: f64) -> usize {
+        if largest < self.capture {
+            0
+        } else if self.flows() && largest > self.top() {
+            2
+        } else {
+            1
+        }
+    }
+
+    /// Interferences, m, rising, at which the force on the way back is not smooth, by [`Loop::fate`]: counted from the top that the
+    /// asperity has then, so they are passed at the distance [`Loop::recovery`] less them.
+    pub fn kinks(&self) -> [Vec<f64>; 3] {
+        let ends = |law: &dyn Law, regimes: usize| {
+            let mut ends: Vec<f64> =
+                law.pieces().iter().filter(|piece| piece.regime < regimes).map(|piece| piece.upper).collect();
+            ends.retain(|end| end.is_finite());
+            ends
+        };
+        let untouched = ends(self.approach(), self.first_contact).into_iter().filter(|end| *end <= self.capture);
+        let elastic = ends(self.retraction(), self.first_plastic);
+        // The load ends where it has sprung back.
+        let flowed = ends(self.retraction(), self.first_contact).into_iter().chain([0.0]);
+        [untouched.collect(), elastic, flowed.collect()]
+    }
+
+    /// The same of a top that has a radius of its own since it flowed, at the interference ω_max, m: where its attraction jumps, if it
+    /// does (else NaN), where contact ends, and where its load ends. None where R is kept.
+    pub fn flattened_kinks(&self, largest: f64) -> Option<[f64; 3]> {
+        let flattened = self.flattened.as_ref()?;
+        let ratio = self.radius_ratio(largest);
+        Some([flattened.kink(ratio).unwrap_or(f64::NAN), flattened.release(ratio), 0.0])
+    }
+
     /// Interference of first touch on the way there, m.
     pub fn touch(&self) -> f64 {
         begin_of(self.approach.as_ref(), self.first_contact)

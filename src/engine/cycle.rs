@@ -2,7 +2,6 @@
 
 use super::curves::Curves;
 use super::instability::{Holding, Snap, Turn, largest_snap, largest_snap_of_all, reached};
-use super::pull_off::deepest_of_parts;
 use super::replica::Summed;
 use super::{Job, Protocol};
 use crate::asperity::{Loop, Quantity};
@@ -78,11 +77,6 @@ pub fn dissipated(separations: &[f64], ways: [[&[f64]; 2]; 2], error: f64, highe
     if energy.abs() <= rounding { 0.0 } else { energy }
 }
 
-/// The pull-off on the way back from a separation h, m, from its samples: separations h, m, rising, and external forces, N.
-pub(super) fn pull_off_back(surface: &mut dyn Summed, from: f64, samples: &[(f64, f64)]) -> Extremum {
-    deepest_of_parts(samples, |places| surface.back(from, places))
-}
-
 /// The snaps of a surface, in the order of [`Holding::length`], from its curve over the separations of the job on the way there, N, and the
 /// one on which it is pulled off, with its pull-off.
 pub(super) fn snaps(
@@ -133,7 +127,7 @@ fn after_preload(job: &Job<'_>, surface: &mut dyn Summed, there: &[f64], preload
     let places: Vec<f64> = [from].into_iter().chain(further).collect();
     let forces = surface.back(from, &places);
     let outward: Vec<(f64, f64)> = places.into_iter().zip(forces).collect();
-    let turn = turn(from, &pull_off_back(surface, from, &outward));
+    let turn = turn(from, &surface.pull_off_back(from, &outward));
     turn.numbers().into_iter().chain(of_stiffnesses(holding, &outward, largest_snap)).collect()
 }
 

@@ -9,7 +9,7 @@
 use super::Job;
 use crate::asperity::{Law, Scratch, Work, for_each_block};
 use crate::math::extrema::{Extremum, minimum};
-use crate::math::interpolation::{POINTS, lagrange};
+use crate::math::interpolation::lagrange;
 use crate::math::polynomials::horner;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -29,11 +29,11 @@ const SURPRISES: f64 = 6.0;
 const LEAST_SOLVED: usize = 3;
 const SOLVED_ASPERITIES: usize = 60_000;
 const MOST_SOLVED: (usize, usize) = (8, 32);
-/// Parts of the space between two separations at whose ends a curve without a staircase is sought.
-const EVEN_PARTS: usize = 16;
 /// Cells that the jumps of a surface whose heights are not held are counted in, about. Between the ends of a cell the curve is not looked at:
 /// it may be deeper there by the jumps of as many asperities as the root of those in a cell.
 const CELLS: usize = 1 << 18;
+/// Samples that are interpolated.
+const POINTS: usize = 6;
 /// Kinks whose jump is at most this share of the largest are continuous but for rounding.
 const NO_JUMP: f64 = 1e-11;
 /// How far beside a jump, as a share of the way to the next, its sides are.
@@ -174,22 +174,9 @@ fn deeper(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
     if b.1 < a.1 { b } else { a }
 }
 
-/// The minimum of the external force from its samples alone: separations h, m, rising, and forces, N. The forces at every sixteenth of the
-/// way between the neighbours of the smallest, which are asked for at once, are looked at too.
-pub(super) fn deepest_of_parts(samples: &[(f64, f64)], forces: impl FnOnce(&[f64]) -> Vec<f64>) -> Extremum {
-    let smallest = (1..samples.len()).fold(0, |best, k| if samples[k].1 < samples[best].1 { k } else { best });
-    let at_edge = smallest == 0 || smallest + 1 == samples.len();
-    let around = &samples[smallest.saturating_sub(1)..samples.len().min(smallest + 2)];
-    let places: Vec<f64> = around
-        .windows(2)
-        .flat_map(|pair| {
-            let step = (pair[1].0 - pair[0].0) / EVEN_PARTS as f64;
-            (1..EVEN_PARTS).map(move |part| pair[0].0 + step * part as f64)
-        })
-        .collect();
-    let forces = forces(&places);
-    let deepest = places.into_iter().zip(forces).fold(samples[smallest], deeper);
-    Extremum { place: deepest.0, value: deepest.1, at_edge: at_edge && deepest == samples[smallest] }
+/// How far apart separations of a job may be at most to interpolate between, m.
+pub(super) fn widest_spacing(job: &Job<'_>) -> f64 {
+    SPACING * job.surface.heights.std
 }
 
 /// Separations (m) around the minimum, close enough to interpolate between, and the force (N) at each.
@@ -206,7 +193,7 @@ fn neighbourhood(job: &Job<'_>, jumps: &[Jump], surface: &mut impl Curve, extern
     while last - first + 1 < POINTS.min(end + 1) {
         (first, last) = (first.saturating_sub(1), (last + 1).min(end));
     }
-    let spacing = SPACING * job.surface.heights.std;
+    let spacing = widest_spacing(job);
     let between = |k: usize| {
         let (from, to) = (separations[k], separations[k + 1]);
         let parts = (((to - from) / spacing).ceil() as usize).clamp(1, MOST_BETWEEN);
@@ -225,7 +212,7 @@ fn jumps_between(job: &Job<'_>, jumps: &[Jump], surface: &impl Curve, external_f
     let samples = external_force.windows(2).zip(job.separations.windows(2));
     let smallest = samples.min_by(|(a, _), (b, _)| (a[0] + a[1]).total_cmp(&(b[0] + b[1])));
     let Some((_, interval)) = smallest else { return 0.0 };
-    let spacing = (SPACING * job.surface.heights.std).min(interval[1] - interval[0]);
+    let spacing = widest_spacing(job).min(interval[1] - interval[0]);
     let d = job.surface.asperity_separation(interval[0]);
     let passing = |jump: &Jump| surface.count(d + jump.interference, d + spacing + jump.interference);
     jumps.iter().map(passing).sum()
@@ -406,7 +393,7 @@ fn parabolas(samples: &[(f64, f64)], levels: &[f64]) -> Vec<Parabola> {
     let continuous: Vec<f64> = samples.iter().zip(levels).map(|((_, force), level)| force - level).collect();
     let parabola = |i: usize| {
         let (from, to) = (separations[i], separations[i + 1]);
-        let middle = lagrange(&separations, &continuous, 0.5 * (from + to));
+        let middle = lagrange::<POINTS>(&separations, &continuous, 0.5 * (from + to));
         Parabola::new(from, to, [continuous[i], middle, continuous[i + 1]])
     };
     (0..samples.len() - 1).map(parabola).collect()

@@ -3,15 +3,17 @@
 use super::Job;
 use super::compressed::{self, LANES};
 use super::curves::Curves;
-use super::cycle::{Cycle, pull_off_back, snaps};
-use super::pull_off::{Jump, jumps};
+use super::cycle::{Cycle, snaps};
+use super::force_table::ForceTable;
+use super::kinks::Kinks;
+use super::pull_off::{Jump, jumps, widest_spacing};
 use super::sampling::{Draws, is_divided};
 use super::scattered::Scattered;
 use super::sums::{RegimeSums, State, Sums};
 use super::tracts::Tracts;
 use super::whole::Whole;
 use crate::asperity::{Quantity, Work};
-use crate::math::extrema::{Extremum, largest_secant};
+use crate::math::extrema::Extremum;
 use crate::math::words::Words;
 use crate::surface::TRACT;
 use std::ops::Range;
@@ -73,6 +75,12 @@ pub(super) trait Summed {
 
     /// External forces, N, at separations h, m, rising, on the way back from the separation `from`, m.
     fn back(&mut self, from: f64, separations: &[f64]) -> Vec<f64>;
+
+    /// The pull-off on the way back from the separation `from`, m, from samples of it: separations h, m, rising, and external forces, N.
+    fn pull_off_back(&mut self, from: f64, samples: &[(f64, f64)]) -> Extremum;
+
+    /// The largest secant stiffness over a span, m, from samples of its way: on the way back from the separation `from`, m, if there is one.
+    fn stiffest(&mut self, from: Option<f64>, samples: &[(f64, f64)], span: f64) -> Extremum;
 }
 
 /// Memory that batches reuse one after the other.
@@ -85,6 +93,8 @@ pub struct Workspace {
     radii: Vec<f64>,
     scattered: Option<Scattered>,
     jumps: Vec<Jump>,
+    kinks: Kinks,
+    table: ForceTable,
     sums: Sums,
     compressed: Option<compressed::Sums>,
     /// The curves of the surfaces that were summed last.
@@ -103,6 +113,7 @@ impl Workspace {
         let is_divided = is_divided(job.surface, tract);
         let compression = job.compression.filter(|_| !is_divided);
         let at_once = if compression.is_some() { LANES } else { 1 };
+        let kinks = Kinks::new(job, widest_spacing(job));
         Self {
             tract,
             is_divided,
@@ -110,6 +121,8 @@ impl Workspace {
             radii: Vec::new(),
             scattered: job.law.family().filter(|_| !is_divided).map(|_| Scattered::new(job)),
             jumps: jumps(job.law),
+            table: kinks.table(job, widest_spacing(job)),
+            kinks,
             sums: Sums::new(r),
             compressed: compression.map(|compression| compressed::Sums::new(compression, r)),
             curves: vec![Curves::new(job.states(), r); at_once],
@@ -159,7 +172,7 @@ impl Workspace {
     /// What is kept of a surface that is summed tract by tract; nothing when that was ended.
     fn divided(&mut self, job: &Job<'_>, index: u64, ends: &(dyn Fn() -> bool + Sync)) -> Option<Replica> {
         let draws = Draws::of(job, index, self.tract);
-        let mut surface = Tracts::new(job, draws, &self.jumps, ends);
+        let mut surface = Tracts::new(job, draws, (&self.jumps, &self.kinks), ends);
         surface.sum(&mut self.curves[0]);
         let kept = keep(job, &mut surface, draws.count, &mut self.curves[0]);
         self.sums.work.merge(&surface.work);
@@ -199,7 +212,10 @@ impl Workspace {
             job,
             heights,
             radii: &self.radii,
-            jumps: &self.jumps,
+            kinks: &self.kinks,
+            table: &mut self.table,
+            places: None,
+            flattened: None,
             highest: heights.iter().copied().reduce(f64::max).unwrap_or(f64::NAN),
             sums: &mut self.sums,
             compressed: compressed
@@ -220,26 +236,24 @@ fn keep(job: &Job<'_>, surface: &mut dyn Summed, count: usize, curves: &mut Curv
     let mut last = (external, pull_off);
     if let Some(cycle) = job.protocol.cycle {
         kept.cycle = Some(Box::new(Cycle::new(job, cycle, highest_asperity, curves, &pull_off)));
-        last = (back, pull_off_back(surface, job.separations[0], &job.samples(back)));
+        last = (back, surface.pull_off_back(job.separations[0], &job.samples(back)));
     }
     kept.pull_off(&last.1);
-    kept.stiffest(&secant(job, last.0));
+    let from = job.protocol.cycle.map(|_| job.separations[0]);
+    let unknown = Extremum { place: f64::NAN, value: f64::NAN, at_edge: false };
+    let stiffest = |span| surface.stiffest(from, &job.samples(last.0), span);
+    kept.stiffest(&job.protocol.stiffness_span.map_or(unknown, stiffest));
     if !job.protocol.holding.stiffness.is_empty() {
         curves.snaps = snaps(job, surface, external, last);
     }
     kept
 }
 
-/// The peak secant stiffness of a curve over the separations of a job, N; NaN if the job has no span.
-fn secant(job: &Job<'_>, external_force: &[f64]) -> Extremum {
-    let unknown = Extremum { place: f64::NAN, value: f64::NAN, at_edge: false };
-    job.protocol.stiffness_span.map_or(unknown, |span| largest_secant(job.separations, external_force, span))
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::case_ii::CASE_II;
     use super::super::compressed::{Compression, largest_error};
+    use super::super::kinks::Kink;
     use super::super::{Holding, Protocol};
     use super::*;
     use crate::asperity::models::model;
@@ -329,16 +343,23 @@ mod tests {
         let steepest = rises.map(|(force, h)| ((force[1] - force[0]) / (h[1] - h[0])).abs()).fold(0.0, f64::max);
         let approach =
             |replica: &Replica| replica.cycle.as_ref().map_or(f64::NAN, |cycle| cycle.approach_pull_off_force);
+        let is_scattered = job.law.family().is_some();
         for force in [|replica: &Replica| replica.pull_off_force, approach] {
             let missed = force(&truth) - force(mine);
-            assert!(!(missed > 2.0 * cell * steepest + rounding), "{mine:?}, {truth:?}");
+            // Of several radii in tracts no kinks are known, so that even places are looked at.
+            assert!(is_scattered || !(missed > 2.0 * cell * steepest + rounding), "{mine:?}, {truth:?}");
+            assert!(!(missed < -rounding - 2.0 * cell * steepest), "{mine:?}, {truth:?}");
         }
         assert_eq!(mine.cycle.is_some(), truth.cycle.is_some());
         let close = |mine: f64, truth: f64| {
             let off = (mine - truth).abs();
             assert!(off <= 1e3 * tolerance * truth.abs() || mine.to_bits() == truth.to_bits(), "{mine:e} {truth:e}");
         };
-        close(mine.peak_secant_stiffness, truth.peak_secant_stiffness);
+        if is_scattered {
+            assert!(mine.peak_secant_stiffness <= truth.peak_secant_stiffness * (1.0 + 1e-9), "{mine:?}, {truth:?}");
+        } else {
+            close(mine.peak_secant_stiffness, truth.peak_secant_stiffness);
+        }
         if let (Some(mine), Some(truth)) = (&mine.cycle, &truth.cycle) {
             close(mine.dissipated_energy, truth.dissipated_energy);
             assert_eq!(mine.touchdown_separation.to_bits(), truth.touchdown_separation.to_bits());
@@ -408,6 +429,38 @@ mod tests {
         let mut heights = Vec::new();
         Draws::of(&job(law.as_ref(), &tail, &separations), 0, SMALL).all(&mut heights, &mut Vec::new());
         assert!(heights.iter().filter(beyond).count() > 2, "no asperity is beyond the bins");
+    }
+
+    /// A surface of so many tracts that it is not held has a pull-off that is less deep by what roots leave out of what is interpolated
+    /// between samples, and by the jumps of the asperities of a cell: 3.5 √(Σ n r²) + Σ n |J| / cells, n asperities that pass a kink in a
+    /// space between samples, at most, with jump J and r for its roots.
+    #[test]
+    fn the_pull_off_of_many_tracts_is_within_its_bound() {
+        let surface = surface();
+        let law = law("hybrid");
+        let separations = separations(&surface, 0.05, 181);
+        let job = job(law.as_ref(), &surface, &separations);
+        let width = separations[1] - separations[0];
+        let per_space = COUNT as f64 * width / (surface.heights.std * (2.0 * std::f64::consts::PI).sqrt());
+        let (mut square, mut jumps) = (0.0, 0.0);
+        for kink in Kink::of(law.as_ref(), width).iter().filter(|kink| kink.interference < surface.heights.std) {
+            square += per_space * kink.stray.samples.1.powi(2);
+            jumps += per_space * kink.jump.abs();
+        }
+        // As few cells as a space has at least.
+        let bound = 3.5 * f64::sqrt(square) + jumps / f64::from(1 << 10);
+        let mut largest: f64 = 0.0;
+        for index in 0..6 {
+            let mut workspace = Workspace::with_tracts(&job, 200);
+            let mine = workspace.divided(&job, index, &|| false).unwrap();
+            let mut workspace = Workspace::with_tracts(&job, usize::MAX);
+            Draws::of(&job, index, 200).all(&mut workspace.heights[0], &mut workspace.radii);
+            workspace.sum(&job, 1);
+            let missed = workspace.keep(&job, 0).pull_off_force - mine.pull_off_force;
+            assert!(missed >= -1e-12 * mine.pull_off_force && missed <= bound, "{missed:e} {bound:e}");
+            largest = largest.max(missed / mine.pull_off_force);
+        }
+        println!("missed by {largest:.1e} of the pull-off at most, bound {bound:.1e} N");
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use super::Job;
 use super::curves::Curves;
-use super::pull_off::deepest_of_parts;
+use super::parts::deepest_of_parts;
 use super::sums::RegimeSums;
 use crate::asperity::{Family, Scratch, Work, for_each_block, regime_ranges};
 use crate::math::extrema::{Extremum, minimum};

@@ -46,8 +46,10 @@ impl Summation {
         let pilots = PILOTS.min(job.replicas);
         let surface = Surface { asperity_count: job.surface.asperity_count.min(TRACT), ..job.surface.clone() };
         let tried = Job { surface: &surface, ..*job };
-        let error = |i| pilot_error(&tried, &compression, i * (job.replicas / pilots));
-        let errors: Vec<f64> = (0..pilots).into_par_iter().map(error).collect();
+        let ways = [Job { compression: Some(&compression), ..tried }, Job { compression: None, ..tried }];
+        let error = |workspaces: &mut [Workspace; 2], i| pilot_error(&ways, workspaces, i * (job.replicas / pilots));
+        let errors: Vec<f64> =
+            (0..pilots).into_par_iter().map_init(|| ways.each_ref().map(Workspace::new), error).collect();
         let achieved_error = errors.into_iter().fold(0.0, f64::max);
         if achieved_error <= tolerance {
             Self { compression: Some(compression), achieved_error, ..direct }
@@ -67,17 +69,15 @@ impl Summation {
     }
 }
 
-/// The error of compressed against direct sums of one replica; infinite where it is not a number.
-fn pilot_error(job: &Job<'_>, compression: &Compression, index: u64) -> f64 {
-    let summed = |compression| {
-        let job = Job { compression, ..*job };
+/// The error of compressed against direct sums of one replica of the same job, each in its own memory; infinite where it is not a number.
+fn pilot_error(ways: &[Job<'_>; 2], workspaces: &mut [Workspace; 2], index: u64) -> f64 {
+    let mut summed = ways.iter().zip(workspaces).map(|(job, workspace)| {
         let mut result: Option<(Replica, Curves)> = None;
-        Workspace::new(&job).replicas(&job, index..index + 1, |replica, curves| {
-            result = Some((replica, curves.clone()));
-        });
+        workspace.replicas(job, index..index + 1, |replica, curves| result = Some((replica, curves.clone())));
         result.expect("one replica was asked for")
-    };
-    let ((replica, curves), (truth, direct)) = (summed(Some(compression)), summed(None));
+    });
+    let mut next = || summed.next().expect("there are two ways");
+    let ((replica, curves), (truth, direct)) = (next(), next());
     let largest = direct.total[Quantity::AdhesionForce.index()].iter().copied().fold(f64::MIN_POSITIVE, f64::max);
     let scale = truth.pull_off_force.abs().max(compressed::SMALL * largest);
     let pull_off_error = (replica.pull_off_force - truth.pull_off_force).abs() / scale;

@@ -121,7 +121,7 @@ impl Sums {
     /// itself.
     pub fn over(&mut self, law: &dyn Law, base: Option<&[usize]>, heights: &[f64], d: f64) {
         self.regimes.fill(RegimeSums::default());
-        let Self { regimes, scratch, work } = self;
+        let Self { regimes, scratch, work, .. } = self;
         for (regime, range) in regime_ranges(law, heights, d) {
             let sum = &mut regimes[base.map_or(regime, |base| base[regime])];
             let count = range.len() as f64;

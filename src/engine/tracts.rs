@@ -7,11 +7,14 @@
 use super::Job;
 use super::compressed::{self, Between, Compression, Part, Totals};
 use super::curves::Curves;
-use super::pull_off::{Cells, Curve, Jump, pull_off};
+use super::kinks::Kinks;
+use super::parts::{deepest_of_parts, stiffest_of_parts};
+use super::pull_off::{Cells, Curve, Jump, pull_off, widest_spacing};
 use super::replica::Summed;
 use super::sampling::Draws;
 use super::scattered::{self, add, planes};
 use super::sums::{RegimeSums, State, Sums};
+use super::whole::Whole;
 use crate::asperity::{Family, Work};
 use crate::math::extrema::{Extremum, maximum};
 use crate::math::instruction_set::InstructionSet;
@@ -19,6 +22,8 @@ use crate::math::sums::Compensated;
 use rayon::prelude::*;
 use std::cell::Cell;
 
+/// A surface of at most so many tracts is held for the search of its pull-off: 32 MB.
+const HELD: usize = 64;
 /// Tracts for each thread whose sums may wait to be added.
 const AHEAD: usize = 8;
 
@@ -31,6 +36,7 @@ pub(super) struct Tracts<'a> {
     draws: Draws<'a>,
     /// Of the law.
     jumps: &'a [Jump],
+    kinks: &'a Kinks,
     ends: Ends<'a>,
     /// The highest asperity of the tracts that have been summed, m; NaN of none.
     highest: f64,
@@ -145,7 +151,7 @@ fn sum_scattered(
         State::There(h) | State::Back { to: h, .. } => h,
     };
     let separations: Vec<f64> = states.iter().map(separation).collect();
-    let Sums { scratch, work, regimes } = sums;
+    let Sums { scratch, work, regimes, .. } = sums;
     let mut by_plane = vec![RegimeSums::default(); regimes.len() * separations.len()];
     add(family, asperities, &planes(job, &separations), scratch, work, &mut by_plane);
     by_plane.chunks_exact(regimes.len()).rev().flatten().copied().collect()
@@ -154,8 +160,8 @@ fn sum_scattered(
 impl<'a> Tracts<'a> {
     /// The surface of the replica `draws` of a job, of which nothing is known yet. When `ends` is true what is under way stops at the next
     /// tract, and whatever comes of it is to be thrown away.
-    pub fn new(job: &'a Job<'a>, draws: Draws<'a>, jumps: &'a [Jump], ends: Ends<'a>) -> Self {
-        Self { job, draws, jumps, ends, highest: f64::NAN, work: Work::default(), moments: None }
+    pub fn new(job: &'a Job<'a>, draws: Draws<'a>, (jumps, kinks): (&'a [Jump], &'a Kinks), ends: Ends<'a>) -> Self {
+        Self { job, draws, jumps, kinks, ends, highest: f64::NAN, work: Work::default(), moments: None }
     }
 
     /// Sums the surface at all separations into its curves.
@@ -196,6 +202,34 @@ impl<'a> Tracts<'a> {
                 take(made);
             }
         }
+    }
+
+    /// What the surface with all its heights held answers, if it is small enough.
+    fn held(&mut self, answer: impl FnOnce(&mut Whole<'_>) -> Extremum) -> Option<Extremum> {
+        if self.draws.tracts() > HELD || self.job.law.family().is_some() || (self.ends)() {
+            return None;
+        }
+        let mut heights = Vec::new();
+        self.draws.all(&mut heights, &mut Vec::new());
+        heights.sort_unstable_by(f64::total_cmp);
+        let job = Job { compression: None, ..*self.job };
+        let mut sums = Sums::new(job.law.regimes().len());
+        let highest = self.highest;
+        let mut whole = Whole {
+            job: &job,
+            heights: &heights,
+            radii: &[],
+            kinks: self.kinks,
+            table: &mut self.kinks.table(&job, widest_spacing(&job)),
+            places: None,
+            flattened: None,
+            highest,
+            sums: &mut sums,
+            compressed: None,
+        };
+        let found = answer(&mut whole);
+        self.work.merge(&sums.work);
+        Some(found)
     }
 
     /// Sums by state and regime.
@@ -293,6 +327,9 @@ impl Summed for Tracts<'_> {
 
     fn pull_off(&mut self, external_force: &[f64]) -> Extremum {
         let job = self.job;
+        if let Some(found) = self.held(|whole| whole.pull_off(external_force)) {
+            return found;
+        }
         if job.law.family().is_none() {
             return pull_off(job, self.jumps, self, external_force);
         }
@@ -302,5 +339,20 @@ impl Summed for Tracts<'_> {
     fn back(&mut self, from: f64, separations: &[f64]) -> Vec<f64> {
         let states: Vec<State> = separations.iter().map(|&to| State::Back { from, to }).collect();
         self.external_forces_of(&states)
+    }
+
+    fn stiffest(&mut self, from: Option<f64>, samples: &[(f64, f64)], span: f64) -> Extremum {
+        let state = |&to: &f64| from.map_or(State::There(to), |from| State::Back { from, to });
+        let found = self.held(|whole| whole.stiffest(from, samples, span));
+        found.unwrap_or_else(|| {
+            stiffest_of_parts(samples, span, |places| {
+                self.external_forces_of(&places.iter().map(state).collect::<Vec<State>>())
+            })
+        })
+    }
+
+    fn pull_off_back(&mut self, from: f64, samples: &[(f64, f64)]) -> Extremum {
+        let found = self.held(|whole| whole.pull_off_back(from, samples));
+        found.unwrap_or_else(|| deepest_of_parts(samples, |places| self.back(from, places)))
     }
 }

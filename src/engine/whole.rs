@@ -2,11 +2,14 @@
 
 use super::Job;
 use super::compressed::{self, Compression};
-use super::pull_off::{Heights, Jump, pull_off};
+use super::force_table::ForceTable;
+use super::kinks::{Kink, Kinks, rounding};
+use super::pull_off::widest_spacing;
+use super::radii::{Places, Scattered};
 use super::replica::Summed;
-use super::scattered;
+use super::retraction::{Retracted, flattened};
+use super::search::{Curve, Passing, Sought, Stray};
 use super::sums::{State, Sums};
-use crate::asperity::Work;
 use crate::math::extrema::Extremum;
 
 /// A surface that has been summed.
@@ -17,10 +20,15 @@ pub(super) struct Whole<'a> {
     /// m, where they differ.
     pub radii: &'a [f64],
     /// Of the law.
-    pub jumps: &'a [Jump],
+    pub kinks: &'a Kinks,
+    pub table: &'a mut ForceTable,
     /// The highest of the heights, m; NaN of none.
     pub highest: f64,
     pub sums: &'a mut Sums,
+    /// Of the kinks of its asperities where radii differ, when they have been asked for.
+    pub places: Option<Places>,
+    /// The same of tops that have flowed and have radii of their own, when they are pulled back from a separation h, m.
+    pub flattened: Option<(f64, Vec<[f64; 3]>)>,
     /// The lane of the surface, if it was summed by moments.
     pub compressed: Option<(&'a Compression, &'a mut compressed::Sums, usize)>,
 }
@@ -31,26 +39,150 @@ impl Summed for Whole<'_> {
     }
 
     fn pull_off(&mut self, external: &[f64]) -> Extremum {
-        let Self { job, heights, highest, .. } = *self;
-        let Sums { scratch, work, .. } = &mut *self.sums;
-        if let Some(family) = job.law.family() {
-            let asperities = (heights, self.radii);
-            return scattered::pull_off(job, external, |places| {
-                scattered::external_forces(job, family, asperities, scratch, work, places)
-            });
-        }
-        match &mut self.compressed {
-            Some((compression, sums, lane)) => {
-                let mut surface = Compressed { job, compression, sums, lane: *lane, highest, work };
-                pull_off(job, self.jumps, &mut surface, external)
-            }
-            None => pull_off(job, self.jumps, &mut Sorted { job, heights, sums: self.sums }, external),
-        }
+        self.find(Sought::PullOff, &self.job.samples(external))
     }
 
     fn back(&mut self, from: f64, separations: &[f64]) -> Vec<f64> {
         let force = |&to: &f64| self.sums.external_force(self.job, self.heights, State::Back { from, to });
         separations.iter().map(force).collect()
+    }
+
+    fn pull_off_back(&mut self, from: f64, samples: &[(f64, f64)]) -> Extremum {
+        self.find_back(Sought::PullOff, from, samples)
+    }
+
+    fn stiffest(&mut self, from: Option<f64>, samples: &[(f64, f64)], span: f64) -> Extremum {
+        match from {
+            Some(from) => self.find_back(Sought::Stiffness(span), from, samples),
+            None => self.find(Sought::Stiffness(span), samples),
+        }
+    }
+}
+
+impl Whole<'_> {
+    /// Finds what is sought on the way of the job from samples of it: separations h, m, rising, and external forces, N.
+    fn find(&mut self, sought: Sought, samples: &[(f64, f64)]) -> Extremum {
+        let Self { job, heights, highest, .. } = *self;
+        let (kinks, spacing) = (self.kinks.there.as_slice(), widest_spacing(job));
+        if let Some(family) = job.law.family() {
+            let asperities = (heights, self.radii);
+            let places = self.places.get_or_insert_with(|| Places::new(job, family, asperities));
+            let Sums { scratch, work, .. } = &mut *self.sums;
+            let mut surface = Scattered::new(job, family, (kinks, places), asperities, scratch, work);
+            return sought.find(&mut surface, samples, spacing);
+        }
+        match &mut self.compressed {
+            Some((compression, sums, lane)) => {
+                let heights = Compressed { job, compression, moments: sums, lane: *lane, sums: self.sums };
+                sought.find(&mut OfHeights { job, kinks, highest, table: self.table, heights }, samples, spacing)
+            }
+            None => {
+                let heights = Sorted { job, heights, sums: self.sums };
+                sought.find(&mut OfHeights { job, kinks, highest, table: self.table, heights }, samples, spacing)
+            }
+        }
+    }
+
+    /// The same on the way back from the separation `from`, m.
+    fn find_back(&mut self, sought: Sought, from: f64, samples: &[(f64, f64)]) -> Extremum {
+        let Self { job, heights, highest, .. } = *self;
+        let (kinks, spacing) = (self.kinks.there.as_slice(), widest_spacing(job));
+        match job.protocol.cycle {
+            Some(cycle) => {
+                if self.flattened.as_ref().is_none_or(|(of, _)| *of != from) {
+                    self.flattened = Some((from, flattened(job, cycle, heights, from)));
+                }
+                let flattened = self.flattened.as_ref().map_or(&[][..], |(_, flattened)| flattened);
+                let kinks = (&self.kinks.back, flattened);
+                sought.find(&mut Retracted::new(job, cycle, kinks, heights, from, self.sums), samples, spacing)
+            }
+            None => {
+                let heights = Sorted { job, heights, sums: self.sums };
+                sought.find(&mut OfHeights { job, kinks, highest, table: self.table, heights }, samples, spacing)
+            }
+        }
+    }
+}
+
+/// Heights that are held.
+trait Heights {
+    /// Those in `low..high`, m, rising.
+    fn between(&self, low: f64, high: f64) -> Vec<f64>;
+
+    /// How many there are in `low..high`, m, at least.
+    fn count(&self, low: f64, high: f64) -> usize;
+
+    /// External force of all, N, at a separation h, m, solved.
+    fn external_force(&mut self, separation: f64) -> f64;
+
+    /// Memory to sum a few of them.
+    fn sums(&mut self) -> &mut Sums;
+}
+
+/// The curve of heights that obey one law.
+struct OfHeights<'a, T> {
+    job: &'a Job<'a>,
+    /// The highest of the heights, m.
+    highest: f64,
+    kinks: &'a [Kink],
+    table: &'a mut ForceTable,
+    heights: T,
+}
+
+impl<T: Heights> Curve for OfHeights<'_, T> {
+    type Asperity = f64;
+
+    fn exact(&mut self, separations: &[f64]) -> Vec<f64> {
+        separations.iter().map(|&h| self.heights.external_force(h)).collect()
+    }
+
+    fn kinked(&mut self, low: f64, high: f64) -> Vec<f64> {
+        let [low, high] = [low, high].map(|h| self.job.surface.asperity_separation(h));
+        let mut found = Vec::new();
+        let mut reached = f64::NEG_INFINITY;
+        for Kink { interference, .. } in self.kinks {
+            let (begin, end) = ((low + interference).max(reached), high + interference);
+            if begin < end {
+                found.append(&mut self.heights.between(begin, end));
+                reached = end;
+            }
+        }
+        found
+    }
+
+    fn passings(&mut self, heights: &[f64], low: f64, high: f64, passings: &mut Vec<Passing>) {
+        let offset = self.job.surface.mean_plane_offset;
+        for (kink, of) in self.kinks.iter().enumerate().rev() {
+            let kink = kink as u32;
+            let place = |height: f64| height - of.interference + offset;
+            let first = heights.partition_point(|height| place(*height) < low);
+            let passing =
+                |(asperity, height): (u32, &f64)| Passing { place: place(*height), step: -of.jump, kink, asperity };
+            let all = (first as u32..).zip(&heights[first..]).map(passing);
+            passings.extend(all.take_while(|passing| passing.place <= high));
+        }
+    }
+
+    fn stray(&self, kink: u32) -> &Stray {
+        &self.kinks[kink as usize].stray
+    }
+
+    fn rounding(&self) -> f64 {
+        rounding(self.job, self.highest)
+    }
+
+    fn add(&mut self, heights: &[f64], separations: &[f64], sums: &mut [f64]) {
+        for (separation, sum) in separations.iter().zip(sums) {
+            let d = self.job.surface.asperity_separation(*separation);
+            *sum += self.table.sum(self.job.law, heights, d, self.heights.sums());
+        }
+    }
+
+    fn falls(&mut self, low: f64, high: f64, mut visit: impl FnMut(f64, usize)) {
+        let [low, high] = [low, high].map(|h| self.job.surface.asperity_separation(h));
+        for kink in self.kinks.iter().filter(|kink| kink.fall > 0.0) {
+            visit(kink.fall, self.heights.count(low + kink.interference, high + kink.interference));
+        }
     }
 }
 
@@ -63,21 +195,22 @@ struct Sorted<'a> {
 }
 
 impl Heights for Sorted<'_> {
-    fn job(&self) -> &Job<'_> {
-        self.job
-    }
-
-    fn between(&self, low: f64, high: f64) -> (Vec<f64>, usize) {
+    fn between(&self, low: f64, high: f64) -> Vec<f64> {
         let [low, high] = [low, high].map(|limit| self.heights.partition_point(|u| *u < limit));
-        (self.heights[low..high].to_vec(), self.heights.len() - high)
+        self.heights[low..high].to_vec()
     }
 
-    fn highest(&self) -> f64 {
-        self.heights.last().copied().unwrap_or(f64::NEG_INFINITY)
+    fn count(&self, low: f64, high: f64) -> usize {
+        let [low, high] = [low, high].map(|limit| self.heights.partition_point(|u| *u < limit));
+        high - low
     }
 
     fn external_force(&mut self, separation: f64) -> f64 {
         self.sums.external_force(self.job, self.heights, State::There(separation))
+    }
+
+    fn sums(&mut self) -> &mut Sums {
+        self.sums
     }
 }
 
@@ -85,29 +218,27 @@ impl Heights for Sorted<'_> {
 struct Compressed<'a> {
     job: &'a Job<'a>,
     compression: &'a Compression,
-    sums: &'a mut compressed::Sums,
+    moments: &'a mut compressed::Sums,
     lane: usize,
-    /// m.
-    highest: f64,
-    work: &'a mut Work,
+    sums: &'a mut Sums,
 }
 
 impl Heights for Compressed<'_> {
-    fn job(&self) -> &Job<'_> {
-        self.job
-    }
-
-    fn between(&self, low: f64, high: f64) -> (Vec<f64>, usize) {
-        let binned = self.sums.surface(self.lane);
+    fn between(&self, low: f64, high: f64) -> Vec<f64> {
+        let binned = self.moments.surface(self.lane);
         binned.map(|binned| binned.between(self.compression, low, high)).unwrap_or_default()
     }
 
-    fn highest(&self) -> f64 {
-        self.highest
+    fn count(&self, low: f64, high: f64) -> usize {
+        self.moments.surface(self.lane).map_or(0, |binned| binned.count(self.compression, low, high))
     }
 
     fn external_force(&mut self, separation: f64) -> f64 {
         let d = self.job.surface.asperity_separation(separation);
-        self.sums.external_force(self.compression, self.job.law, self.lane, d, self.work)
+        self.moments.external_force(self.compression, self.job.law, self.lane, d, &mut self.sums.work)
+    }
+
+    fn sums(&mut self) -> &mut Sums {
+        self.sums
     }
 }

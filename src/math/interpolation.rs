@@ -1,11 +1,8 @@
 //! Interpolation of sampled smooth curves.
 
-/// Samples of the interpolating polynomial.
-pub const POINTS: usize = 6;
-
-/// The value at `x` of the polynomial through the [`POINTS`] samples nearest to it (or all, if there are fewer), at rising places that may be
-/// unevenly spaced. For a smooth curve with samples Δ apart the error is O(Δ⁶) of its sixth derivative.
-pub fn lagrange(places: &[f64], values: &[f64], x: f64) -> f64 {
+/// The value at `x` of the polynomial through the `POINTS` samples nearest to it (or all, if there are fewer), at rising places that may be
+/// unevenly spaced. For a smooth curve with samples Δ apart the error is O(Δⁿ) of its n-th derivative, n = `POINTS`.
+pub fn lagrange<const POINTS: usize>(places: &[f64], values: &[f64], x: f64) -> f64 {
     let above = places.partition_point(|&place| place < x);
     let points = POINTS.min(places.len());
     let first = above.saturating_sub(points / 2).min(places.len() - points);
@@ -43,7 +40,7 @@ mod tests {
         let f = |x: f64| 1.0 + x - 2.0 * x.powi(3) + 0.5 * x.powi(5);
         let values = places.map(f);
         for x in [0.0, 0.1, 0.7, 1.44, 2.05, 2.9] {
-            assert!((lagrange(&places, &values, x) - f(x)).abs() < 1e-12 * (1.0 + f(x).abs()), "{x}");
+            assert!((lagrange::<6>(&places, &values, x) - f(x)).abs() < 1e-12 * (1.0 + f(x).abs()), "{x}");
         }
     }
 }

@@ -70,6 +70,11 @@ impl Piecewise {
         self.cells.len()
     }
 
+    /// Whether every cell meets the tolerance.
+    pub fn is_complete(&self) -> bool {
+        self.cells.iter().all(|cell| !cell.coefficients[0].is_nan())
+    }
+
     /// Whether there is no cell.
     pub fn is_empty(&self) -> bool {
         self.cells.is_empty()

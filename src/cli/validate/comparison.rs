@@ -5,6 +5,7 @@ use super::super::compare::deviation;
 use super::super::sweep::together;
 use super::checked::{Checked, Place, ROUNDING, largest, summed};
 use super::cross_check::scheme;
+use super::curves::LINES;
 use super::{Answer, heading, refused};
 use crate::math::extrema::largest_secant;
 use crate::math::moments::Moments;
@@ -210,7 +211,7 @@ impl Checked<'_> {
         let curve = self.values("/ensemble/external_force_mean")?;
         if h.len() > 1 && span <= h[h.len() - 1] - h[0] {
             let (mean, of_mean) = (own.iter().sum::<f64>() / own.len() as f64, largest_secant(&h, &curve, span).value);
-            if mean < of_mean - ROUNDING * (largest(&own) + largest(&curve) / span) {
+            if mean < of_mean - LINES * of_mean.abs() - ROUNDING * (largest(&own) + largest(&curve) / span) {
                 self.say(PATH, &format!("has the mean {mean:e}, and the mean curve has {of_mean:e}"));
             }
         }

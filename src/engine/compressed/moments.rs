@@ -254,15 +254,23 @@ impl Binned {
         &self.heights[self.starts[bins.start] as usize..self.starts[bins.end] as usize]
     }
 
-    /// Heights in `low..high`, m, rising, and how many are above.
-    pub fn between(&self, compression: &Compression, low: f64, high: f64) -> (Vec<f64>, usize) {
-        let geometry = &compression.geometry;
-        let [first, last] = [low, high].map(|u| geometry.nearest_bin(u));
-        let candidates = self.bins(first..last + 1);
-        let mut found: Vec<f64> = candidates.iter().copied().filter(|u| *u >= low && *u < high).collect();
+    /// Heights in `low..high`, m, rising.
+    pub fn between(&self, compression: &Compression, low: f64, high: f64) -> Vec<f64> {
+        let mut found: Vec<f64> = self.candidates(compression, low, high).collect();
         sort_binned(&mut found);
-        let above = candidates.iter().filter(|u| **u >= high).count();
-        (found, self.heights.len() - self.starts[last + 1] as usize + above)
+        found
+    }
+
+    /// How many heights there are in the bins of `low..high`, m.
+    pub fn count(&self, compression: &Compression, low: f64, high: f64) -> usize {
+        let [first, last] = [low, high].map(|u| compression.geometry.nearest_bin(u));
+        (self.starts[last + 1] - self.starts[first]) as usize
+    }
+
+    /// Heights in `low..high`, m, bin after bin.
+    fn candidates(&self, compression: &Compression, low: f64, high: f64) -> impl Iterator<Item = f64> {
+        let [first, last] = [low, high].map(|u| compression.geometry.nearest_bin(u));
+        self.bins(first..last + 1).iter().copied().filter(move |u| *u >= low && *u < high)
     }
 }
 

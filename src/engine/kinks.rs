@@ -1,0 +1,216 @@
+//! The kinks of a law: the interferences at which the force of one asperity is not smooth.
+
+use super::Job;
+use super::force_table::ForceTable;
+use super::search::{Stray, interpolated, interpolated_from_samples};
+use crate::asperity::{Law, Scratch, Work, for_each_block};
+use std::cell::RefCell;
+
+/// Windows in which a fall at a kink is sought, and places of each that are looked at.
+const WINDOWS: usize = 8;
+const PLACES: usize = 8;
+/// Places of a kink in each space or interval, and between which a kink of it matters: in spaces from the one that is interpolated, and
+/// in the widths of an interval.
+const POSITIONS: f64 = 4.0;
+const SPACES: (f64, f64) = (-2.5, 3.5);
+const INTERVAL: (f64, f64) = (-0.25, 1.25);
+/// Kinks that are closer to each other than this share of the space between samples are one to what is interpolated between them.
+const CLOSE: f64 = 0.25;
+/// Roundings by which the separation of a kink may be off.
+const ROUNDINGS: f64 = 16.0;
+/// How far beside a kink its sides are, as a share of its place.
+const BESIDE: f64 = 1e-13;
+/// Spaces between samples that an asperity with a kink in the search may be away from it.
+const REACH: f64 = 12.0;
+/// A jump of at most this share of the largest is rounding.
+const NO_JUMP: f64 = 1e-11;
+
+/// An interference at which the force of one asperity is not smooth.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Kink {
+    /// δ, m.
+    pub interference: f64,
+    /// Force above less force below, N.
+    pub jump: f64,
+    /// How far the force falls below the line between the ends of an interval with the kink in it, N, about.
+    pub fall: f64,
+    /// How far the force without its jumps is off what is interpolated, N.
+    pub stray: Stray,
+}
+
+impl Kink {
+    /// Those of a law, rising, with falls and strays in intervals of the width `width`, m.
+    pub fn of(law: &dyn Law, width: f64) -> Vec<Self> {
+        let memory = RefCell::new((Scratch::default(), Work::default()));
+        let solved = |places: &[f64]| {
+            let (scratch, work) = &mut *memory.borrow_mut();
+            forces(law, places, scratch, work)
+        };
+        let ends = Self::interferences(law);
+        let jump = |end: &f64| {
+            let forces = solved(&beside(*end));
+            forces[1] - forces[0]
+        };
+        let mut jumps: Vec<f64> = ends.iter().map(jump).collect();
+        let largest = jumps.iter().fold(0.0, |most: f64, jump| most.max(jump.abs()));
+        jumps.iter_mut().filter(|jump| jump.abs() <= NO_JUMP * largest).for_each(|jump| *jump = 0.0);
+        let continuous = |places: &[f64]| {
+            let mut forces = solved(places);
+            for (place, force) in places.iter().zip(&mut forces) {
+                let passed = ends.iter().zip(&jumps).filter(|(end, _)| *end <= place);
+                passed.for_each(|(_, jump)| *force -= jump);
+            }
+            forces
+        };
+        let kink = |(interference, jump): (&f64, &f64)| Self {
+            interference: *interference,
+            jump: *jump,
+            fall: fall(&solved, *interference, width),
+            stray: stray(&continuous, *interference, width),
+        };
+        let mut kinks: Vec<Self> = ends.iter().zip(&jumps).map(kink).collect();
+        // Kinks that are close to each other go astray together, where the first does.
+        for i in (1..kinks.len()).rev() {
+            if kinks[i].interference - kinks[i - 1].interference < CLOSE * width {
+                kinks[i].stray.samples = (0.0, 0.0);
+            }
+        }
+        kinks
+    }
+
+    /// Where the force of a law is not smooth, δ in m, rising.
+    pub fn interferences(law: &dyn Law) -> Vec<f64> {
+        let pieces = law.pieces();
+        // Where pieces meet, and where the law ends.
+        let ends = pieces.iter().map(|piece| piece.lower).chain(pieces.last().map(|piece| piece.upper));
+        ends.filter(|end| end.is_finite()).collect()
+    }
+}
+
+/// The two sides of a kink, δ in m.
+pub(super) fn beside(interference: f64) -> [f64; 2] {
+    let beside = BESIDE * interference.abs();
+    [interference - beside, interference + beside]
+}
+
+/// By how much rounding may move the separation at which an asperity of a surface passes a kink, m, the highest of which is at `highest`, m.
+pub(super) fn rounding(job: &Job<'_>, highest: f64) -> f64 {
+    let furthest = job.separations.iter().fold(0.0, |most: f64, h| most.max(h.abs()));
+    ROUNDINGS * f64::EPSILON * (furthest + highest.abs() + job.surface.heights.std)
+}
+
+/// The kinks of the laws of a job.
+#[derive(Debug)]
+pub(super) struct Kinks {
+    /// On the way of its law.
+    pub there: Vec<Kink>,
+    /// On the way back of its loop, by what has become of an asperity.
+    pub back: [Vec<Kink>; 3],
+}
+
+impl Kinks {
+    /// Of a job, whose curves are sampled at most `widest` apart, m, where they are searched.
+    pub fn new(job: &Job<'_>, widest: f64) -> Self {
+        let width = widest_of(job).min(widest);
+        let there = Kink::of(job.law, width);
+        let Some(cycle) = job.protocol.cycle else { return Self { there, back: Default::default() } };
+        let known: Vec<Kink> = there.iter().copied().chain(Kink::of(cycle.retraction(), width)).collect();
+        let back = cycle.kinks().map(|kinks| {
+            // What begins or ends on the way back alone does so with about as much as what does so before contact.
+            let largest = |of: &dyn Fn(&Kink) -> f64| {
+                known.iter().filter(|kink| kink.interference <= 0.0).map(of).fold(0.0, f64::max)
+            };
+            let other = |interference: f64| Kink {
+                interference,
+                jump: 0.0,
+                fall: largest(&|kink| kink.fall),
+                stray: Stray {
+                    samples: (largest(&|kink| kink.stray.samples.0), largest(&|kink| kink.stray.samples.1)),
+                    points: (largest(&|kink| kink.stray.points.0), largest(&|kink| kink.stray.points.1)),
+                },
+            };
+            let of = |interference: f64| {
+                let same = known.iter().rev().find(|kink| kink.interference == interference);
+                same.copied().unwrap_or_else(|| other(interference))
+            };
+            kinks.into_iter().map(of).collect()
+        });
+        Self { there, back }
+    }
+
+    /// The force of the law of a job at all interferences that asperities have where a search takes their terms out of samples at most
+    /// `widest` apart, m.
+    pub fn table(&self, job: &Job<'_>, widest: f64) -> ForceTable {
+        // Asperities of several radii have no force in common.
+        let kinks = if job.law.family().is_some() { &[][..] } else { &self.there };
+        ForceTable::new(job.law, kinks, REACH * widest_of(job).min(widest) + job.protocol.stiffness_span.unwrap_or(0.0))
+    }
+}
+
+/// The widest space between separations of a job, m.
+fn widest_of(job: &Job<'_>) -> f64 {
+    job.separations.windows(2).fold(0.0, |most: f64, pair| most.max(pair[1] - pair[0]))
+}
+
+/// The largest fall of a force below the line between the ends of intervals with a kink in them, N.
+fn fall(force: &dyn Fn(&[f64]) -> Vec<f64>, kink: f64, width: f64) -> f64 {
+    let mut fall: f64 = 0.0;
+    for window in 0..=WINDOWS {
+        let low = kink - width * (window as f64 / WINDOWS as f64);
+        let share = |i: usize| i as f64 / PLACES as f64;
+        let mut places: Vec<f64> = (0..=PLACES).map(|i| low + width * share(i)).collect();
+        places.extend(beside(kink).into_iter().filter(|place| *place >= low && *place <= low + width));
+        places.sort_by(f64::total_cmp);
+        let forces = force(&places);
+        let last = places.len() - 1;
+        let slope = (forces[last] - forces[0]) / (places[last] - places[0]);
+        for (place, force) in places.iter().zip(&forces) {
+            fall = fall.max(forces[0] + slope * (place - places[0]) - force);
+        }
+    }
+    fall
+}
+
+/// How far a force is off what is interpolated, with the kink anywhere nearby.
+fn stray(force: &dyn Fn(&[f64]) -> Vec<f64>, kink: f64, width: f64) -> Stray {
+    let mut stray = Stray::default();
+    let mut squares = [[0.0; PLACES - 1]; 2];
+    let positions = |from: f64, to: f64| {
+        let parts = ((to - from) * POSITIONS) as usize;
+        (0..parts).map(move |i| from + (i as f64 + 0.5) / POSITIONS)
+    };
+    for (between, (from, to)) in [(true, SPACES), (false, INTERVAL)] {
+        for position in positions(from, to) {
+            let low = kink - width * position;
+            let places: Vec<f64> = (1..PLACES).map(|i| low + width * (i as f64 / PLACES as f64)).collect();
+            let values = if between {
+                interpolated_from_samples(force, low, width, &places)
+            } else {
+                interpolated(force, low, width, &places)
+            };
+            let (most, squares) = match between {
+                true => (&mut stray.samples.0, &mut squares[0]),
+                false => (&mut stray.points.0, &mut squares[1]),
+            };
+            for ((value, truth), square) in values.iter().zip(force(&places)).zip(squares) {
+                *most = most.max((value - truth).abs());
+                *square += (value - truth).powi(2);
+            }
+        }
+    }
+    let largest = squares.map(|squares| squares.into_iter().fold(0.0, f64::max));
+    stray.samples.1 = (largest[0] / POSITIONS).sqrt();
+    stray.points.1 = (largest[1] / (POSITIONS * (INTERVAL.1 - INTERVAL.0))).sqrt();
+    stray
+}
+
+/// External forces, N, of an asperity at interferences δ, m, rising.
+pub(super) fn forces(law: &dyn Law, interferences: &[f64], scratch: &mut Scratch, work: &mut Work) -> Vec<f64> {
+    let mut forces = vec![0.0; interferences.len()];
+    for_each_block(law, interferences, 0.0, scratch, work, |_, range, responses| {
+        for (i, place) in range.enumerate() {
+            forces[place] = responses.contact[i] - responses.adhesion[i];
+        }
+    });
+    forces
+}

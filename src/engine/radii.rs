@@ -1,0 +1,148 @@
+//! The curve of a surface of asperities that differ in their radii, each with a law, and so with kinks, of its own.
+
+use super::Job;
+use super::kinks::{Kink, beside, forces, rounding};
+use super::scattered;
+use super::search::{Curve, Passing, Stray};
+use crate::asperity::{Family, Law, Scratch, Work};
+use std::collections::BTreeMap;
+
+/// How many times the stray and the fall of a kink of the typical asperity those of another may be.
+const UNLIKE: f64 = 2.0;
+
+/// Separations h, m, of the kinks of asperities, those of one after those of the other, and where those of each end.
+#[derive(Debug)]
+pub(super) struct Places {
+    places: Vec<f64>,
+    ends: Vec<u32>,
+}
+
+impl Places {
+    /// Of asperities of a job, `heights` and `radii`, m, whose laws are a family.
+    pub fn new(job: &Job<'_>, family: &Family, (heights, radii): (&[f64], &[f64])) -> Self {
+        let (mut places, mut ends) = (Vec::new(), Vec::with_capacity(heights.len()));
+        for (height, radius) in heights.iter().zip(radii) {
+            let interferences = Kink::interferences(family.law(*radius, None).as_ref());
+            places.extend(interferences.iter().map(|kink| height - kink + job.surface.mean_plane_offset));
+            ends.push(places.len() as u32);
+        }
+        Self { places, ends }
+    }
+
+    /// Of an asperity, falling.
+    fn of(&self, asperity: u32) -> &[f64] {
+        let asperity = asperity as usize;
+        let first = if asperity == 0 { 0 } else { self.ends[asperity - 1] as usize };
+        &self.places[first..self.ends[asperity] as usize]
+    }
+}
+
+/// A surface of which all asperities are held.
+pub(super) struct Scattered<'a> {
+    job: &'a Job<'a>,
+    family: &'a Family,
+    /// Of the typical asperity.
+    typical: Vec<Kink>,
+    /// m.
+    heights: &'a [f64],
+    radii: &'a [f64],
+    places: &'a Places,
+    /// Laws of asperities that have been asked for.
+    laws: BTreeMap<u32, Box<dyn Law>>,
+    scratch: &'a mut Scratch,
+    work: &'a mut Work,
+}
+
+impl<'a> Scattered<'a> {
+    /// A surface of a job whose laws are a family: `heights` and `radii`, m, of its asperities, with their kinks and these of the
+    /// typical one.
+    pub fn new(
+        job: &'a Job<'a>,
+        family: &'a Family,
+        (typical, places): (&[Kink], &'a Places),
+        (heights, radii): (&'a [f64], &'a [f64]),
+        scratch: &'a mut Scratch,
+        work: &'a mut Work,
+    ) -> Self {
+        let mut last = Stray::default();
+        let unlike = |kink: &Kink| {
+            // Kinks that are one to the typical asperity may be two to another.
+            let samples = if kink.stray.samples.0 > 0.0 { kink.stray.samples } else { last.samples };
+            last = Stray { samples, ..kink.stray };
+            Kink { fall: UNLIKE * kink.fall, stray: last.times(UNLIKE), ..*kink }
+        };
+        let typical = typical.iter().map(unlike).collect();
+        Self { job, family, typical, heights, radii, places, laws: BTreeMap::new(), scratch, work }
+    }
+
+    /// The kinks of an asperity: separations h, m, falling, and the kink of the typical asperity that is like each. The last are alike, and
+    /// what not all have comes first.
+    fn kinks(&self, asperity: u32) -> impl Iterator<Item = (f64, usize)> + use<'_> {
+        let (places, typical) = (self.places.of(asperity), self.typical.len());
+        places
+            .iter()
+            .enumerate()
+            .map(move |(i, place)| (*place, (i + typical).saturating_sub(places.len()).min(typical - 1)))
+    }
+
+    /// External forces, N, of an asperity at interferences δ, m, rising.
+    fn forces(&mut self, asperity: u32, interferences: &[f64]) -> Vec<f64> {
+        let radius = self.radii[asperity as usize];
+        let law = self.laws.entry(asperity).or_insert_with(|| self.family.law(radius, None));
+        forces(law.as_ref(), interferences, self.scratch, self.work)
+    }
+}
+
+impl Curve for Scattered<'_> {
+    type Asperity = u32;
+
+    fn exact(&mut self, separations: &[f64]) -> Vec<f64> {
+        let asperities = (self.heights, self.radii);
+        scattered::external_forces(self.job, self.family, asperities, self.scratch, self.work, separations)
+    }
+
+    fn kinked(&mut self, low: f64, high: f64) -> Vec<u32> {
+        let is_near = |asperity: &u32| self.kinks(*asperity).any(|(place, _)| place >= low && place <= high);
+        (0..self.heights.len() as u32).filter(is_near).collect()
+    }
+
+    fn passings(&mut self, asperities: &[u32], low: f64, high: f64, passings: &mut Vec<Passing>) {
+        for (i, asperity) in asperities.iter().enumerate() {
+            let height = self.heights[*asperity as usize] + self.job.surface.mean_plane_offset;
+            let near: Vec<(f64, usize)> =
+                self.kinks(*asperity).filter(|(place, _)| *place >= low && *place <= high).collect();
+            for (place, kink) in near {
+                let force = self.forces(*asperity, &beside(height - place));
+                passings.push(Passing { place, step: force[0] - force[1], kink: kink as u32, asperity: i as u32 });
+            }
+        }
+    }
+
+    fn stray(&self, kink: u32) -> &Stray {
+        &self.typical[kink as usize].stray
+    }
+
+    fn rounding(&self) -> f64 {
+        rounding(self.job, self.heights.iter().fold(0.0, |most: f64, u| most.max(u.abs())))
+    }
+
+    fn add(&mut self, asperities: &[u32], separations: &[f64], sums: &mut [f64]) {
+        for asperity in asperities {
+            let height = self.heights[*asperity as usize];
+            let interference = |h: &f64| height - self.job.surface.asperity_separation(*h);
+            let interferences: Vec<f64> = separations.iter().rev().map(interference).collect();
+            let forces = self.forces(*asperity, &interferences);
+            sums.iter_mut().zip(forces.iter().rev()).for_each(|(sum, force)| *sum += force);
+        }
+    }
+
+    fn falls(&mut self, low: f64, high: f64, mut visit: impl FnMut(f64, usize)) {
+        let mut counts = vec![0; self.typical.len()];
+        for asperity in 0..self.heights.len() as u32 {
+            let near = self.kinks(asperity).filter(|(place, _)| *place >= low && *place <= high);
+            near.for_each(|(_, kink)| counts[kink] += 1);
+        }
+        let kinks = self.typical.iter().zip(counts);
+        kinks.filter(|(kink, count)| kink.fall > 0.0 && *count > 0).for_each(|(kink, count)| visit(kink.fall, count));
+    }
+}

@@ -1,0 +1,219 @@
+//! The curve of a surface on the way back of a loop.
+
+use super::Job;
+use super::kinks::{Kink, rounding};
+use super::search::{Curve, Passing, Stray};
+use super::sums::{RegimeSums, State, Sums};
+use crate::asperity::Loop;
+use std::ops::Range;
+
+/// What has become of an asperity that has flowed, by [`Loop::fate`].
+const FLOWED: usize = 2;
+/// Roundings of a recovery and of its inverse in those of a height.
+const ROUNDINGS: f64 = 32.0;
+/// How many times the stray of a kink those of flattened tops of the same radius may be.
+const UNLIKE: f64 = 1.5;
+/// More kinks than there are of one fate.
+const KINKS: usize = 64;
+
+/// A surface on its way back from one separation, all heights held.
+pub(super) struct Retracted<'a> {
+    job: &'a Job<'a>,
+    cycle: &'a Loop,
+    /// Kinks in δ, by what has become of an asperity.
+    kinks: [Vec<Kink>; 3],
+    /// Separations h, m, of the kinks of asperities that have flowed, where their tops have radii of their own.
+    flattened: &'a [[f64; 3]],
+    /// m, rising.
+    heights: &'a [f64],
+    /// By what has become of them, which rises with the height, where their heights end.
+    ends: [usize; 3],
+    /// h, m.
+    from: f64,
+    sums: &'a mut Sums,
+    /// Memory for the heights of a few asperities.
+    few: Vec<f64>,
+}
+
+/// What is to be known of an asperity.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Released {
+    /// Among the heights.
+    number: usize,
+    /// m.
+    height: f64,
+    /// By how much it springs back, m.
+    recovery: f64,
+    /// What has become of it.
+    fate: usize,
+}
+
+/// Separations h, m, of the kinks of those of `heights`, m, rising, that have flowed when they are pulled back from a separation h, m; nothing
+/// where tops keep their radius.
+pub(super) fn flattened(job: &Job<'_>, cycle: &Loop, heights: &[f64], from: f64) -> Vec<[f64; 3]> {
+    let closest = job.surface.asperity_separation(from);
+    let first = heights.partition_point(|u| cycle.fate(u - closest) < FLOWED);
+    let places = |largest: f64| Some(cycle.flattened_kinks(largest)?.map(|kink| from + cycle.recovery(largest) - kink));
+    heights[first..].iter().map_while(|u| places(u - closest)).collect()
+}
+
+impl<'a> Retracted<'a> {
+    /// A surface of a job, `heights`, m, rising, pulled back from a separation h, m.
+    pub fn new(
+        job: &'a Job<'a>,
+        cycle: &'a Loop,
+        (kinks, flattened): (&[Vec<Kink>; 3], &'a [[f64; 3]]),
+        heights: &'a [f64],
+        from: f64,
+        sums: &'a mut Sums,
+    ) -> Self {
+        let closest = job.surface.asperity_separation(from);
+        let ends = std::array::from_fn(|fate| heights.partition_point(|u| cycle.fate(u - closest) <= fate));
+        let mut kinks = kinks.clone();
+        if !flattened.is_empty() {
+            // Forces grow with the radius.
+            let flattest =
+                heights[ends[FLOWED - 1]..].iter().map(|u| cycle.radius_ratio(u - closest)).fold(1.0, f64::max);
+            for kink in &mut kinks[FLOWED] {
+                (kink.fall, kink.stray) = (flattest * kink.fall, kink.stray.times(UNLIKE * flattest));
+            }
+        }
+        Self { job, cycle, kinks, flattened, heights, ends, from, sums, few: Vec::new() }
+    }
+
+    /// Whether asperities of a fate have kinks of their own.
+    fn is_flattened(&self, fate: usize) -> bool {
+        fate == FLOWED && !self.flattened.is_empty()
+    }
+
+    /// Which of the kinks of a flattened top is like which of one that is not: the last are alike.
+    fn alike(&self, kink: usize) -> usize {
+        (kink + self.kinks[FLOWED].len()).saturating_sub(3)
+    }
+
+    /// The separation h, m, of a kink of an asperity, by the number of the kink, if it has that.
+    fn place(&self, asperity: &Released, number: usize) -> f64 {
+        if self.is_flattened(asperity.fate) {
+            return self.flattened[asperity.number - self.ends[FLOWED - 1]][number];
+        }
+        self.from + asperity.recovery - self.kinks[asperity.fate][number].interference
+    }
+
+    /// How many kinks asperities of a fate have at most.
+    fn count(&self, fate: usize) -> usize {
+        if self.is_flattened(fate) { 3 } else { self.kinks[fate].len() }
+    }
+
+    /// An asperity by its number among the heights.
+    fn released(&self, number: usize, fate: usize) -> Released {
+        let height = self.heights[number];
+        let closest = self.job.surface.asperity_separation(self.from);
+        Released { number, height, recovery: self.cycle.recovery(height - closest), fate }
+    }
+
+    /// The heights of a fate whose recovery is in `low..high`, m.
+    fn recovering(&self, fate: usize, low: f64, high: f64) -> Range<usize> {
+        let closest = self.job.surface.asperity_separation(self.from);
+        let first = if fate == 0 { 0 } else { self.ends[fate - 1] };
+        let heights = &self.heights[first..self.ends[fate]];
+        let [low, high] =
+            [low, high].map(|limit| heights.partition_point(|u| self.cycle.recovery(u - closest) < limit));
+        first + low..first + high
+    }
+}
+
+impl Retracted<'_> {
+    /// External force, N, of a few asperities at a separation h, m.
+    fn sum(&mut self, asperities: &[Released], separation: f64) -> f64 {
+        let closest = self.job.surface.asperity_separation(self.from);
+        let law = self.cycle.at(self.job.surface.asperity_separation(separation) - closest);
+        self.few.clear();
+        self.few.extend(asperities.iter().map(|asperity| asperity.height));
+        self.sums.over(&law, Some(law.base()), &self.few, closest);
+        RegimeSums::external_force(&self.sums.regimes)
+    }
+}
+
+impl Curve for Retracted<'_> {
+    type Asperity = Released;
+
+    fn exact(&mut self, separations: &[f64]) -> Vec<f64> {
+        let state = |&to: &f64| State::Back { from: self.from, to };
+        separations.iter().map(|to| self.sums.external_force(self.job, self.heights, state(to))).collect()
+    }
+
+    fn kinked(&mut self, low: f64, high: f64) -> Vec<Released> {
+        let mut found = Vec::new();
+        for (fate, kinks) in self.kinks.iter().enumerate() {
+            if self.is_flattened(fate) {
+                let is_near = |places: &[f64; 3]| places.iter().any(|place| *place >= low && *place <= high);
+                let near = self.flattened.iter().enumerate().filter(|(_, places)| is_near(places));
+                found.extend(near.map(|(i, _)| self.released(self.ends[FLOWED - 1] + i, fate)));
+                continue;
+            }
+            let mut reached = 0;
+            for Kink { interference, .. } in kinks {
+                let range = self.recovering(fate, low - self.from + interference, high - self.from + interference);
+                let range = range.start.max(reached)..range.end;
+                reached = reached.max(range.end);
+                found.extend(range.map(|number| self.released(number, fate)));
+            }
+        }
+        found
+    }
+
+    fn passings(&mut self, asperities: &[Released], low: f64, high: f64, passings: &mut Vec<Passing>) {
+        for fate in 0..self.kinks.len() {
+            let first = asperities.partition_point(|asperity| asperity.fate < fate);
+            let end = asperities.partition_point(|asperity| asperity.fate <= fate);
+            for number in (0..self.count(fate)).rev() {
+                let like = if self.is_flattened(fate) { self.alike(number) } else { number };
+                let kink = (fate * KINKS + like) as u32;
+                for (i, asperity) in asperities[first..end].iter().enumerate() {
+                    let place = self.place(asperity, number);
+                    if !(place >= low && place <= high) {
+                        continue;
+                    }
+                    let mut step = -self.kinks[fate][like].jump;
+                    if fate == FLOWED {
+                        let beside = self.rounding();
+                        let [below, above] = [place - beside, place + beside].map(|h| self.sum(&[*asperity], h));
+                        step = above - below;
+                    }
+                    passings.push(Passing { place, step, kink, asperity: (first + i) as u32 });
+                }
+            }
+        }
+    }
+
+    fn stray(&self, kink: u32) -> &Stray {
+        &self.kinks[kink as usize / KINKS][kink as usize % KINKS].stray
+    }
+
+    fn rounding(&self) -> f64 {
+        // A recovery is found by powers, and its inverse by solving.
+        ROUNDINGS * rounding(self.job, self.heights.last().copied().unwrap_or(0.0))
+    }
+
+    fn add(&mut self, asperities: &[Released], separations: &[f64], sums: &mut [f64]) {
+        for (separation, sum) in separations.iter().zip(sums) {
+            *sum += self.sum(asperities, *separation);
+        }
+    }
+
+    fn falls(&mut self, low: f64, high: f64, mut visit: impl FnMut(f64, usize)) {
+        for (fate, kinks) in self.kinks.iter().enumerate() {
+            if self.is_flattened(fate) {
+                for number in 0..3 {
+                    let passing = |places: &&[f64; 3]| places[number] >= low && places[number] <= high;
+                    visit(kinks[self.alike(number)].fall, self.flattened.iter().filter(passing).count());
+                }
+                continue;
+            }
+            for kink in kinks.iter().filter(|kink| kink.fall > 0.0) {
+                let [low, high] = [low, high].map(|h| h - self.from + kink.interference);
+                visit(kink.fall, self.recovering(fate, low, high).len());
+            }
+        }
+    }
+}

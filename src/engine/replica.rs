@@ -264,7 +264,7 @@ mod tests {
     use std::sync::atomic::{AtomicUsize, Ordering};
 
     /// Asperities of a tract, no power of 2, and of a surface of several, the last of which is not full.
-    const SMALL: usize = 3000;
+    const SMALL: usize = 6000;
     const COUNT: usize = 20_000;
 
     fn surface() -> Surface {

@@ -23,7 +23,7 @@ use rayon::prelude::*;
 use std::cell::Cell;
 
 /// A surface of at most so many tracts is held for the search of its pull-off: 32 MB.
-const HELD: usize = 64;
+const HELD: usize = 4;
 /// Tracts for each thread whose sums may wait to be added.
 const AHEAD: usize = 8;
 

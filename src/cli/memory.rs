@@ -16,8 +16,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 pub(super) const SHORT: &str = "not enough memory";
 /// Bytes of the longest message.
 const LONGEST: usize = 512;
-/// How a panic begins for which there is no memory in a new thread.
-const NO_STACK: &str = "failed to allocate";
+/// How the standard library begins to say that a thread finds no place for its signal stack, or cannot be started.
+const NO_THREAD: [&str; 2] = ["failed to allocate", "failed to spawn thread"];
 
 /// Whether anything is kept that `--resume` goes on with.
 static IS_KEPT: AtomicBool = AtomicBool::new(false);
@@ -73,8 +73,8 @@ pub(super) fn note_kept() {
 enum Cause {
     /// So many bytes were refused.
     Refused(usize),
-    /// There is no place for the signal stack of a thread.
-    NoStack,
+    /// There is no place for a thread or its signal stack.
+    NoThread,
     /// The C library gives up, or Rust does.
     Aborted,
 }
@@ -94,7 +94,7 @@ pub(super) fn watch() -> std::io::Result<()> {
         let payload = panic.payload();
         let text = payload.downcast_ref::<String>().map(String::as_str).or(payload.downcast_ref::<&str>().copied());
         match text {
-            Some(text) if text.starts_with(NO_STACK) => end(Cause::NoStack),
+            Some(text) if NO_THREAD.iter().any(|begin| text.starts_with(begin)) => end(Cause::NoThread),
             _ => usual(panic),
         }
     }));
@@ -114,7 +114,7 @@ fn end(cause: Cause) -> ! {
     let begin = if std::io::stderr().is_terminal() { "\n" } else { "" };
     let _ = match cause {
         Cause::Refused(bytes) => write!(text, "{begin}stiction: {SHORT}: {bytes} bytes more were refused"),
-        Cause::NoStack => write!(text, "{begin}stiction: {SHORT} for a thread"),
+        Cause::NoThread => write!(text, "{begin}stiction: {SHORT} for a thread"),
         Cause::Aborted => write!(text, "{begin}stiction: aborted, most likely as there is {SHORT}"),
     };
     let _ = writeln!(text, "; give it more memory, or less to do (fewer --threads, a smaller scene)");

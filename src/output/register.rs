@@ -10,6 +10,8 @@ use std::time::Duration;
 const MOST: usize = 16;
 /// How often, ms, a register is asked for that another thread is about to change.
 const PATIENCE: u64 = 1000;
+/// How long a file takes to be made at most that is registered already.
+const MAKING: Duration = Duration::from_millis(20);
 
 #[cfg(unix)]
 type Text = std::ffi::CString;
@@ -66,7 +68,7 @@ impl Name {
     }
 }
 
-/// Removes all files that are registered. Allocates nothing and waits for a bounded time only, and can be done in a signal handler.
+/// Removes all files that are registered, for a process that ends then. Allocates nothing and waits for a bounded time only, and can be done in a signal handler.
 pub fn remove_registered() {
     for _ in 0..PATIENCE {
         let names = match NAMES.try_lock() {
@@ -77,12 +79,17 @@ pub fn remove_registered() {
                 continue;
             }
         };
-        for name in names.iter().flatten() {
-            #[cfg(unix)]
-            let _ = rustix::fs::unlink(name.as_c_str());
-            #[cfg(not(unix))]
-            let _ = std::fs::remove_file(name);
+        // Another thread may be about to open by its name, and so to make, what it has registered. Nothing new is registered any more.
+        for wait in [MAKING, Duration::ZERO] {
+            for name in names.iter().flatten() {
+                #[cfg(unix)]
+                let _ = rustix::fs::unlink(name.as_c_str());
+                #[cfg(not(unix))]
+                let _ = std::fs::remove_file(name);
+            }
+            std::thread::sleep(wait);
         }
+        std::mem::forget(names);
         return;
     }
 }

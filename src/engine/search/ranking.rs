@@ -1,0 +1,196 @@
+//! Which spaces between samples may have the deepest point, and how deep they are expected to be.
+
+use super::{Curve, Search, levels, sort, within};
+use crate::math::interpolation::linear;
+use crate::math::polynomials::horner;
+use std::ops::Range;
+
+/// Steps of independent asperities in an interval do not all come at its beginning: their sum stays within so many times the root of the sum
+/// of their squares of a straight line, by Kolmogorov's distribution but for 6 of 10⁵ intervals.
+const DEVIATION: f64 = 2.2;
+/// Spaces around one between samples in which kinks are counted for how many there are in a space.
+const AROUND: f64 = 1.0;
+/// Separations between two samples at most.
+const MOST_BETWEEN: f64 = 64.0;
+/// Intervals that are judged together first.
+const TOGETHER: usize = 8;
+/// Looks at a quartic in parts of so many of the interval.
+const LOOKS: f64 = 8.0;
+
+/// What is expected of the space behind a sample.
+pub(super) struct Guess {
+    pub space: usize,
+    /// The smallest value.
+    pub lowest: f64,
+    /// How far it may be off.
+    pub margin: f64,
+}
+
+impl<C: Curve> Search<'_, C> {
+    /// Which spaces may have the deepest point: a line between samples, bent as these are, less what kinks leave out.
+    pub(super) fn candidates(&mut self) -> Vec<bool> {
+        let edges = self.edges();
+        let (places, values) = (&self.separations, &self.values);
+        let rough: Vec<f64> = edges
+            .iter()
+            .map(|h| self.shifts.iter().map(|(shift, sign)| sign * linear(places, values, h + shift)).sum())
+            .collect();
+        let bend = |k: usize| {
+            if k == 0 || k + 1 == places.len() {
+                return 0.0;
+            }
+            let line = linear(&[places[k - 1], places[k + 1]], &[values[k - 1], values[k + 1]], places[k]);
+            (values[k] - line).abs()
+        };
+        let bends: Vec<f64> = (0..places.len()).map(bend).collect();
+        let bent = |low: f64, high: f64| {
+            let first = places.partition_point(|h| *h <= low).saturating_sub(2);
+            let end = (places.partition_point(|h| *h < high) + 2).min(bends.len());
+            bends[first..end].iter().copied().fold(0.0, f64::max)
+        };
+        let (curve, shifts) = (&mut *self.curve, self.shifts);
+        // What bends and kinks may take from the line between two edges.
+        let mut slack = |from: usize, to: usize| {
+            let (mut slack, mut fall, mut square) = (0.0, 0.0, 0.0);
+            for (shift, _) in shifts {
+                let (low, high) = (edges[from] + shift, edges[to] + shift);
+                slack += 0.5 * bent(low, high);
+                curve.falls(low, high, |own, count| {
+                    let count = count as f64;
+                    (fall, square) = (fall + own * count, square + own * own * count);
+                });
+            }
+            slack + f64::min(fall, DEVIATION * square.sqrt())
+        };
+        let spaces = edges.len() - 1;
+        let groups: Vec<(usize, usize, f64)> = (0..spaces)
+            .step_by(TOGETHER)
+            .map(|first| {
+                let end = spaces.min(first + TOGETHER);
+                (first, end, slack(first, end))
+            })
+            .collect();
+        let least = |from: usize, to: usize| rough[from..=to].iter().copied().fold(f64::INFINITY, f64::min);
+        let known = |slack: f64| if shifts.len() > 1 { slack } else { 0.0 };
+        let mut attained = f64::INFINITY;
+        for (first, end, slack) in &groups {
+            attained = attained.min(least(*first, *end) + known(*slack));
+        }
+        let mut slacks = vec![f64::NEG_INFINITY; spaces];
+        for (first, end, of_group) in groups {
+            if least(first, end) - of_group <= attained {
+                for (k, own) in (first..end).zip(&mut slacks[first..end]) {
+                    *own = slack(k, k + 1);
+                    attained = attained.min(least(k, k + 1) + known(*own));
+                }
+            }
+        }
+        (0..spaces).map(|k| least(k, k + 1) - slacks[k] <= attained).collect()
+    }
+
+    /// Adds samples where the spaces between them are wider than `spacing`, m, and may have the deepest point; whether there were any.
+    pub(super) fn sample(&mut self, may_be: &[bool], spacing: f64) -> bool {
+        let (Some(first), Some(last)) = (may_be.iter().position(|is| *is), may_be.iter().rposition(|is| *is)) else {
+            return false;
+        };
+        let Self { curve, separations, values, .. } = self;
+        let low = separations[first];
+        let high = separations[last + 1] + self.shifts.iter().fold(0.0, |most: f64, (shift, _)| most.max(*shift));
+        let first = separations.partition_point(|h| *h <= low).saturating_sub(2);
+        let end = (separations.partition_point(|h| *h < high) + 1).min(separations.len() - 1);
+        let between = |k: usize| {
+            let (from, to) = (separations[k], separations[k + 1]);
+            let parts = ((to - from) / spacing).ceil().clamp(1.0, MOST_BETWEEN);
+            (1..parts as usize).map(move |i| from + (to - from) * i as f64 / parts)
+        };
+        let places: Vec<f64> = (first..end).flat_map(between).collect();
+        if places.is_empty() {
+            return false;
+        }
+        let known = separations.iter().copied().zip(values.iter().copied());
+        let mut all: Vec<(f64, f64)> = known.chain(places.iter().copied().zip(curve.exact(&places))).collect();
+        all.sort_by(|a, b| a.0.total_cmp(&b.0));
+        (*separations, *values) = all.into_iter().unzip();
+        true
+    }
+
+    /// How deep spaces behind samples are, by the staircase and what is interpolated between the samples without it.
+    pub(super) fn guess(&mut self, spaces: Range<usize>, guesses: &mut Vec<Guess>) {
+        let edges = self.edges();
+        let around = self.around(edges[spaces.start], edges[spaces.end]);
+        let (low, high) = (self.separations[around.start], self.separations[around.end - 1]);
+        let asperities = self.curve.kinked(low, high);
+        let mut passings = Vec::new();
+        self.curve.passings(&asperities, low, high, &mut passings);
+        sort(&mut passings);
+        let (levels, is_known) = levels(&passings, &self.separations[around.clone()], self.rounding);
+        let continuous: Vec<f64> =
+            self.values[around.clone()].iter().zip(&levels).map(|(v, level)| v - level).collect();
+        let shifted = self.shifted(&passings, edges[spaces.start], edges[spaces.end]);
+        // What is sought is the continuous part and the level, which begins with the levels of the samples before.
+        let mut level: f64 = 0.0;
+        for (shift, sign) in self.shifts {
+            let from = edges[spaces.start] + shift;
+            let before = passings.iter().take_while(|passing| passing.place <= from);
+            level += sign * before.map(|passing| passing.step).sum::<f64>();
+        }
+        for space in spaces {
+            let (from, to) = (edges[space], edges[space + 1]);
+            let quarters = [0.0, 0.25, 0.5, 0.75, 1.0].map(|share| from + (to - from) * share);
+            let curve = Quartic::new(from, to, quarters.map(|h| self.interpolated(around.start, &continuous, h)));
+            let (mut lowest, mut last) = (curve.value(from) + level, from);
+            for passing in within(&shifted, from, to).iter().filter(|passing| passing.place > from) {
+                for h in curve.between(last, passing.place) {
+                    lowest = lowest.min(curve.value(h) + level);
+                }
+                let value = curve.value(passing.place) + level;
+                level += passing.step;
+                lowest = lowest.min(value).min(value + passing.step);
+                last = passing.place;
+            }
+            for h in curve.between(last, to).chain([to]) {
+                lowest = lowest.min(curve.value(h) + level);
+            }
+            let (near, spaces) = (AROUND * (to - from), 2.0 * AROUND + 1.0);
+            let nearby =
+                self.shifts.iter().flat_map(|(shift, _)| within(&passings, from - near + shift, to + near + shift));
+            let roots = self.margin(nearby, 1.0 / spaces, |stray| stray.samples);
+            let used = self.around(from, to);
+            let known = is_known[used.start - around.start..used.end - around.start].iter().all(|is| *is);
+            guesses.push(Guess { space, lowest, margin: if known { roots } else { f64::INFINITY } });
+        }
+    }
+}
+
+/// The polynomial of degree 4 over an interval.
+struct Quartic {
+    from: f64,
+    width: f64,
+    coefficients: [f64; 5],
+}
+
+impl Quartic {
+    /// Through its values at the ends of the quarters.
+    fn new(from: f64, to: f64, [a, b, c, d, e]: [f64; 5]) -> Self {
+        let third = 1.0 / 3.0;
+        let coefficients = [
+            a,
+            third * (-25.0 * a + 48.0 * b - 36.0 * c + 16.0 * d - 3.0 * e),
+            third * (70.0 * a - 208.0 * b + 228.0 * c - 112.0 * d + 22.0 * e),
+            third * (-80.0 * a + 288.0 * b - 384.0 * c + 224.0 * d - 48.0 * e),
+            third * (32.0 * a - 128.0 * b + 192.0 * c - 128.0 * d + 32.0 * e),
+        ];
+        Self { from, width: to - from, coefficients }
+    }
+
+    fn value(&self, h: f64) -> f64 {
+        horner(&self.coefficients, (h - self.from) / self.width)
+    }
+
+    /// Places between two that are far apart.
+    fn between(&self, low: f64, high: f64) -> impl Iterator<Item = f64> {
+        let parts = (LOOKS * (high - low) / self.width) as usize + 1;
+        let step = (high - low) / parts as f64;
+        (1..parts).map(move |i| low + step * i as f64)
+    }
+}

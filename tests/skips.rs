@@ -195,7 +195,7 @@ fn ensemble(job: &Job<'_>) -> Ensemble {
 }
 
 /// Every asperity at every separation is counted once: as a solve, or with the reason why it needed none. Separations beyond the
-/// pull-off only, so that no more than they are solved; and those of a whole curve, where the search for it solves whole surfaces more.
+/// pull-off only, so that little more than they is solved; and those of a whole curve, where the search for it solves more.
 #[test]
 fn every_asperity_is_counted_once() {
     for name in ["I", "II", "III"] {
@@ -205,8 +205,8 @@ fn every_asperity_is_counted_once() {
         for model in MODELS {
             let law = law(model.name, &asperity, Path::Approach, (-90e-9, 50e-9));
             let law = law.as_ref();
-            for (from, at_edge) in [(5.0, true), (-1.0, false)] {
-                let separations: Vec<f64> = (0..12).map(|i| sigma * (from + 0.5 * f64::from(i))).collect();
+            for (from, step, at_edge) in [(5.0, 0.05, true), (-1.0, 0.05, false)] {
+                let separations: Vec<f64> = (0..120).map(|i| sigma * (from + step * f64::from(i))).collect();
                 let sampled = ensemble(&job(law, &surface, &separations, 9));
                 let Work {
                     contact_solves, noncontact_solves, constant, closed_form, far, unloaded, compressed, ..
@@ -215,14 +215,11 @@ fn every_asperity_is_counted_once() {
                 let place = format!("{} in case {name} from {from}: {:?}", model.name, sampled.work);
                 assert_eq!(compressed, 0);
                 let most = 9 * 900 * separations.len() as u64;
-                if at_edge || sampled.replicas.iter().all(|replica| replica.pull_off_at_edge) {
-                    // Those beyond the end of a law are in no regime.
-                    let mean = sampled.regime_count.mean().iter().sum::<f64>();
-                    assert_eq!(counted as f64, (9.0 * mean).round(), "{place}");
-                    assert!(counted <= most, "{place}");
-                } else if law.boundaries().len() < law.regimes().len() {
-                    assert!(counted > most && counted.is_multiple_of(900), "{place}");
-                }
+                // Those beyond the end of a law are in no regime. The search solves a few whole surfaces more.
+                let of_curves = (9.0 * sampled.regime_count.mean().iter().sum::<f64>()).round();
+                let more = counted as f64 - of_curves;
+                assert!((0.0..0.3 * of_curves).contains(&more), "{place}");
+                assert!(!at_edge || of_curves == most as f64 && counted.is_multiple_of(900), "{place}");
                 // What the reasons are for.
                 assert_eq!(far > 0, law.far().is_some(), "{place}");
                 let is_constant = (0..law.regimes().len()).any(|regime| law.constant(regime).is_some());

@@ -218,7 +218,7 @@ fn every_asperity_is_counted_once() {
                 // Those beyond the end of a law are in no regime. The search solves a few whole surfaces more.
                 let of_curves = (9.0 * sampled.regime_count.mean().iter().sum::<f64>()).round();
                 let more = counted as f64 - of_curves;
-                assert!((0.0..0.3 * of_curves).contains(&more), "{place}");
+                assert!((0.0..0.9 * of_curves).contains(&more), "{place}");
                 assert!(!at_edge || of_curves == most as f64 && counted.is_multiple_of(900), "{place}");
                 // What the reasons are for.
                 assert_eq!(far > 0, law.far().is_some(), "{place}");

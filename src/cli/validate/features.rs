@@ -6,6 +6,8 @@ use crate::cli::integral::RESOLVING;
 use crate::math::extrema::MOST_ADDED;
 use crate::scene::takes_heights;
 
+/// Rounding of a slope over a hundredth of the space between separations, in forces over such a space.
+const SLOPE_ROUNDING: f64 = 1e-11;
 /// A slope of a smooth curve in a step is between these shares of the one that is the largest beside it.
 const SLOPES: (f64, f64) = (0.5, 2.9);
 
@@ -70,7 +72,16 @@ impl Checked<'_> {
         let path = |name: &str| format!("{group}/peak_stiffness{name}");
         let slopes: Vec<f64> = h.windows(2).zip(curve.windows(2)).map(|(h, f)| (f[1] - f[0]) / (h[1] - h[0])).collect();
         let at = (1..slopes.len()).fold(0, |best, k| if slopes[k] > slopes[best] { k } else { best });
-        let slack = 1e-6 * largest(&slopes);
+        let narrowest = h.windows(2).fold(f64::INFINITY, |least: f64, pair| least.min(pair[1] - pair[0]));
+        let rounding = SLOPE_ROUNDING * largest(curve) / narrowest;
+        if largest(&slopes) <= rounding {
+            // The force is constant.
+            if !(value.abs() <= rounding) {
+                self.say_at(&path(""), 0, value, "the curve has no slope");
+            }
+            return Ok(());
+        }
+        let slack = 1e-6 * largest(&slopes) + rounding;
         let resolved = self.is_resolved(h)?;
         let is_edge = resolved && (at == 0 || at + 1 == slopes.len());
         let slope = slopes[at];

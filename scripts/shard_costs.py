@@ -102,7 +102,7 @@ class Sizes:
     """Bytes of the parts of a shard's file."""
 
     fixed: float  # attributes, indices and structure of the file
-    state: float  # that every piece has: functionals of the joint test, what run it is of
+    state: float  # that every piece has: what run it is of
     node: float
     replica: float
 
@@ -115,10 +115,11 @@ class Sizes:
         """Those of the scene of a shard of one batch, and of a result of it."""
         with h5py.File(result, "r") as file:
             separations, regimes = len(file["separation"]), len(file["regime"])
-            functionals, scalars = int(file["validation"].attrs["degrees_of_freedom"]), len(file["control"]) + len(file["scalar"])
+            scalars = len(file["control"]) + len(file["scalar"])
         moments, comoments = (lambda length: 1 + 2 * length), (lambda length: 1 + length + length**2)
-        # Four curves over replicas and over groups, three of each regime, scores, 16 parts of the scalars, counts of what was solved.
-        words = (8 * moments(separations) + 3 * moments(regimes * separations) + comoments(functionals) + 16 * comoments(scalars) + 10)
+        thirds = scalars * (scalars + 1) * (scalars + 2) // 6
+        # Four curves over replicas and over groups, three of each regime, 16 parts of the scalars, counts of what was solved.
+        words = 8 * moments(separations) + 3 * moments(regimes * separations) + 16 * (comoments(scalars) + thirds) + 10
         with h5py.File(shard, "r") as file:
             state, replicas = float(file["pieces/state_bytes"][0]), len(file["record"])
             replica = 8.0 + 8.0 * len(file["record_word"])

@@ -12,7 +12,7 @@
 //! To search a space, all terms with a kink nearby are taken out of the samples: what is left is smooth, and interpolated. An interval
 //! is divided in quarters; in each, the terms whose kinks are further away than its width join what is interpolated, now by a polynomial
 //! through 7 Chebyshev points, which for a root at that distance is off by less than 1e-6 of its term. The narrower the interval,
-//! the less roots leave out: √(width). An interval that cannot be the deepest is left. Where at most [`FEW`] kinks are left, both sides of
+//! the less roots leave out: √(width). An interval that cannot be the deepest is left. Where at most 6 kinks are left, both sides of
 //! each are looked at, and between them the curve is searched in the angle θ, h = middle − half·cos θ, in which roots at either end are
 //! smooth too. At the deepest places the whole curve is evaluated, so what is found is a point of it.
 

@@ -182,14 +182,9 @@ fn the_pull_off_of_several_radii_is_the_deepest_point() {
                 let one = |(law, height): (&dyn Law, &f64)| brute_force::external_force(law, &[*height], d);
                 laws.iter().map(AsRef::as_ref).zip(&heights).map(one).sum::<f64>()
             };
-            let there = force(replica.pull_off_separation);
-            assert!((there / replica.pull_off_force + 1.0).abs() < 1e-9, "{there:e} {replica:?}");
-            let (place, deepest) = brute_force::deepest_of_looks(separations[0], separations[180], force);
-            println!(
-                "{law_name}, {count} asperities: {:e} at {:e}, by looks {deepest:e} at {place:e}",
-                replica.pull_off_force, replica.pull_off_separation
-            );
-            assert!(-replica.pull_off_force <= deepest * (1.0 - 1e-6), "{place:e} {deepest:e} {replica:?}");
+            let found = (replica.pull_off_separation, replica.pull_off_force);
+            let what = format!("{law_name}, {count} asperities");
+            brute_force::require_deepest(&what, found, (separations[0], separations[180]), force);
         });
     }
 }

@@ -477,10 +477,8 @@ fn the_pull_off_on_the_way_back_is_the_deepest_point() {
                 let one = |height: &f64| respond(&law, height - closest).unwrap().1;
                 heights.iter().map(one).map(|[a, p, _]| p - a).sum::<f64>()
             };
-            assert!((force(place) / pull_off + 1.0).abs() < 1e-9, "{name} {radius:?}: {pull_off:e} at {place:e}");
-            let (there, deepest) = brute_force::deepest_of_looks(from, separations[130], force);
-            println!("{name} {radius:?} from {from:e}: {pull_off:e} at {place:e}, by looks {deepest:e} at {there:e}");
-            assert!(-pull_off <= deepest * (1.0 - 1e-6), "{name} {radius:?}: {pull_off:e} {deepest:e}");
+            let what = format!("{name} {radius:?} from {from:e} m");
+            brute_force::require_deepest(&what, (place, pull_off), (from, separations[130]), force);
         }
     }
 }

@@ -6,7 +6,6 @@ use common::{brute_force, program::QUICK};
 use stiction::asperity::Law;
 use stiction::engine::{Job, Protocol, Replica, Workspace, draw};
 use stiction::scene::Scene;
-use stiction::surface::SamplingScheme;
 
 /// The quick scene on so many separations over the same range.
 fn scene(count: usize, law: &str) -> Scene {
@@ -15,18 +14,8 @@ fn scene(count: usize, law: &str) -> Scene {
 }
 
 fn job<'a>(scene: &'a Scene, law: &'a dyn Law, replicas: u64) -> Job<'a> {
-    Job {
-        law,
-        surface: &scene.surface,
-        separations: &scene.separations,
-        seed: scene.seed,
-        scheme: SamplingScheme::Independent,
-        replicas,
-        controls: &[],
-        keep_curves: false,
-        compression: None,
-        protocol: Protocol { stiffness_span: Some(scene.stiffness_span), ..Protocol::default() },
-    }
+    let protocol = Protocol { stiffness_span: Some(scene.stiffness_span), ..Protocol::default() };
+    Job { seed: scene.seed, protocol, ..common::job(law, &scene.surface, &scene.separations, replicas) }
 }
 
 fn replicas(job: &Job<'_>) -> Vec<Replica> {

@@ -2,7 +2,7 @@
 
 use super::Job;
 use super::force_table::ForceTable;
-use super::search::{Stray, interpolated, interpolated_from_samples};
+use super::search::{Interpolation, Stray, interpolated, interpolated_from_samples, widest_space};
 use crate::asperity::{Law, Scratch, Work, for_each_block};
 use std::cell::RefCell;
 
@@ -22,6 +22,8 @@ const ROUNDINGS: f64 = 16.0;
 const BESIDE: f64 = 1e-13;
 /// Spaces between samples that an asperity with a kink in the search may be away from it.
 const REACH: f64 = 12.0;
+/// Separations that curves are interpolated between are at most so many asperity height deviations apart.
+const SPACING: f64 = 0.06;
 /// A jump of at most this share of the largest is rounding.
 const NO_JUMP: f64 = 1e-11;
 
@@ -109,9 +111,9 @@ pub(super) struct Kinks {
 }
 
 impl Kinks {
-    /// Of a job, whose curves are sampled at most `widest` apart, m, where they are searched.
-    pub fn new(job: &Job<'_>, widest: f64) -> Self {
-        let width = widest_of(job).min(widest);
+    /// Of a job.
+    pub fn new(job: &Job<'_>) -> Self {
+        let width = spacing(job);
         let there = Kink::of(job.law, width);
         let Some(cycle) = job.protocol.cycle else { return Self { there, back: Default::default() } };
         let known: Vec<Kink> = there.iter().copied().chain(Kink::of(cycle.retraction(), width)).collect();
@@ -138,18 +140,22 @@ impl Kinks {
         Self { there, back }
     }
 
-    /// The force of the law of a job at all interferences that asperities have where a search takes their terms out of samples at most
-    /// `widest` apart, m.
-    pub fn table(&self, job: &Job<'_>, widest: f64) -> ForceTable {
+    /// The force of the law of a job at all interferences that asperities have where a search takes their terms out of samples.
+    pub fn table(&self, job: &Job<'_>) -> ForceTable {
         // Asperities of several radii have no force in common.
         let kinks = if job.law.family().is_some() { &[][..] } else { &self.there };
-        ForceTable::new(job.law, kinks, REACH * widest_of(job).min(widest) + job.protocol.stiffness_span.unwrap_or(0.0))
+        ForceTable::new(job.law, kinks, REACH * spacing(job) + job.protocol.stiffness_span.unwrap_or(0.0))
     }
 }
 
-/// The widest space between separations of a job, m.
-fn widest_of(job: &Job<'_>) -> f64 {
-    job.separations.windows(2).fold(0.0, |most: f64, pair| most.max(pair[1] - pair[0]))
+/// How far apart separations of a job may be at most to interpolate between, m.
+pub(super) fn widest_spacing(job: &Job<'_>) -> f64 {
+    SPACING * job.surface.heights.std
+}
+
+/// How far apart the samples of the curves of a job are at most where they are searched, m.
+fn spacing(job: &Job<'_>) -> f64 {
+    widest_space(job.separations).min(widest_spacing(job))
 }
 
 /// The largest fall of a force below the line between the ends of intervals with a kink in them, N.
@@ -173,35 +179,34 @@ fn fall(force: &dyn Fn(&[f64]) -> Vec<f64>, kink: f64, width: f64) -> f64 {
 
 /// How far a force is off what is interpolated, with the kink anywhere nearby.
 fn stray(force: &dyn Fn(&[f64]) -> Vec<f64>, kink: f64, width: f64) -> Stray {
-    let mut stray = Stray::default();
-    let mut squares = [[0.0; PLACES - 1]; 2];
-    let positions = |from: f64, to: f64| {
-        let parts = ((to - from) * POSITIONS) as usize;
-        (0..parts).map(move |i| from + (i as f64 + 0.5) / POSITIONS)
-    };
-    for (between, (from, to)) in [(true, SPACES), (false, INTERVAL)] {
-        for position in positions(from, to) {
-            let low = kink - width * position;
-            let places: Vec<f64> = (1..PLACES).map(|i| low + width * (i as f64 / PLACES as f64)).collect();
-            let values = if between {
-                interpolated_from_samples(force, low, width, &places)
-            } else {
-                interpolated(force, low, width, &places)
-            };
-            let (most, squares) = match between {
-                true => (&mut stray.samples.0, &mut squares[0]),
-                false => (&mut stray.points.0, &mut squares[1]),
-            };
-            for ((value, truth), square) in values.iter().zip(force(&places)).zip(squares) {
-                *most = most.max((value - truth).abs());
-                *square += (value - truth).powi(2);
-            }
+    Stray {
+        samples: stray_of(force, kink, width, interpolated_from_samples, SPACES, 1.0),
+        points: stray_of(force, kink, width, interpolated, INTERVAL, INTERVAL.1 - INTERVAL.0),
+    }
+}
+
+/// How far a force is off what is interpolated in one way with the kink between two places, in widths: at most, and the root of the mean
+/// square over so many widths.
+fn stray_of(
+    force: &dyn Fn(&[f64]) -> Vec<f64>,
+    kink: f64,
+    width: f64,
+    interpolated: Interpolation,
+    (from, to): (f64, f64),
+    widths: f64,
+) -> (f64, f64) {
+    let mut most: f64 = 0.0;
+    let mut squares = [0.0; PLACES - 1];
+    for position in 0..((to - from) * POSITIONS) as usize {
+        let low = kink - width * (from + (position as f64 + 0.5) / POSITIONS);
+        let places: Vec<f64> = (1..PLACES).map(|i| low + width * (i as f64 / PLACES as f64)).collect();
+        let values = interpolated(force, low, width, &places);
+        for ((value, truth), square) in values.iter().zip(force(&places)).zip(&mut squares) {
+            most = most.max((value - truth).abs());
+            *square += (value - truth).powi(2);
         }
     }
-    let largest = squares.map(|squares| squares.into_iter().fold(0.0, f64::max));
-    stray.samples.1 = (largest[0] / POSITIONS).sqrt();
-    stray.points.1 = (largest[1] / (POSITIONS * (INTERVAL.1 - INTERVAL.0))).sqrt();
-    stray
+    (most, (squares.into_iter().fold(0.0, f64::max) / (POSITIONS * widths)).sqrt())
 }
 
 /// External forces, N, of an asperity at interferences δ, m, rising.
@@ -213,4 +218,31 @@ pub(super) fn forces(law: &dyn Law, interferences: &[f64], scratch: &mut Scratch
         }
     });
     forces
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::case_ii::CASE_II;
+    use super::*;
+    use crate::asperity::models::model;
+    use crate::asperity::scale::Scale;
+    use crate::asperity::{Path, Regime, Setting};
+
+    /// Published values of F_s on both sides: 0.766 and 0.909 at the fold, 1.268 where the lubricant with 2 begins, 0.977 at first
+    /// touch; the elastic law ends with the Hertz-like load of its last asperity.
+    #[test]
+    fn jumps_are_where_and_as_large_as_the_law_has_them() {
+        let setting = Setting::new(&CASE_II, Path::Approach, (-20e-9, 20e-9)).unwrap();
+        let law = (model("emd").unwrap().build)(&setting).unwrap();
+        let unit = Scale::new(&CASE_II).unwrap().force;
+        let kinks = Kink::of(law.as_ref(), 0.07e-9);
+        let expected = [-(0.909 - 0.766), -(2.0 - 1.268), 2.0 - 0.977];
+        for (kink, size) in kinks.iter().zip(expected) {
+            assert!((kink.jump / unit - size).abs() < 2e-3, "{kink:?}: {}", kink.jump / unit);
+        }
+        assert_eq!(kinks.len(), 4);
+        assert_eq!(kinks[3].interference, CASE_II.critical_interference());
+        assert!(kinks[3].jump < -20.0 * unit, "{:?}", kinks[3]);
+        assert_eq!(law.regimes().last(), Some(&Regime::Elastic));
+    }
 }

@@ -9,6 +9,7 @@
 mod batch;
 #[cfg(test)]
 mod case_ii;
+mod cells;
 pub mod compressed;
 mod curves;
 mod cycle;
@@ -18,7 +19,6 @@ mod groups;
 pub mod instability;
 mod kinks;
 mod parts;
-mod pull_off;
 mod radii;
 mod record;
 mod reduce;

@@ -1,6 +1,6 @@
 //! The pull-off and the stiffest place of a curve of which no kinks are known: at even parts of the spaces between samples.
 
-use crate::math::extrema::{Extremum, largest_secant};
+use crate::math::extrema::{Extremum, deeper, largest_secant};
 
 /// Parts of the space between two separations at whose ends the curve is looked at.
 const PARTS: usize = 16;
@@ -19,7 +19,7 @@ pub(super) fn deepest_of_parts(samples: &[(f64, f64)], forces: impl FnOnce(&[f64
         })
         .collect();
     let forces = forces(&places);
-    let deepest = places.into_iter().zip(forces).fold(samples[smallest], |a, b| if b.1 < a.1 { b } else { a });
+    let deepest = places.into_iter().zip(forces).fold(samples[smallest], deeper);
     Extremum { place: deepest.0, value: deepest.1, at_edge: at_edge && deepest == samples[smallest] }
 }
 

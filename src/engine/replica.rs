@@ -6,7 +6,6 @@ use super::curves::Curves;
 use super::cycle::{Cycle, snaps};
 use super::force_table::ForceTable;
 use super::kinks::Kinks;
-use super::pull_off::{Jump, jumps, widest_spacing};
 use super::sampling::{Draws, is_divided};
 use super::scattered::Scattered;
 use super::sums::{RegimeSums, State, Sums};
@@ -92,7 +91,6 @@ pub struct Workspace {
     /// Of the surface that is summed, where asperities differ in their radii.
     radii: Vec<f64>,
     scattered: Option<Scattered>,
-    jumps: Vec<Jump>,
     kinks: Kinks,
     table: ForceTable,
     sums: Sums,
@@ -113,15 +111,14 @@ impl Workspace {
         let is_divided = is_divided(job.surface, tract);
         let compression = job.compression.filter(|_| !is_divided);
         let at_once = if compression.is_some() { LANES } else { 1 };
-        let kinks = Kinks::new(job, widest_spacing(job));
+        let kinks = Kinks::new(job);
         Self {
             tract,
             is_divided,
             heights: vec![Vec::new(); at_once],
             radii: Vec::new(),
             scattered: job.law.family().filter(|_| !is_divided).map(|_| Scattered::new(job)),
-            jumps: jumps(job.law),
-            table: kinks.table(job, widest_spacing(job)),
+            table: kinks.table(job),
             kinks,
             sums: Sums::new(r),
             compressed: compression.map(|compression| compressed::Sums::new(compression, r)),
@@ -172,7 +169,7 @@ impl Workspace {
     /// What is kept of a surface that is summed tract by tract; nothing when that was ended.
     fn divided(&mut self, job: &Job<'_>, index: u64, ends: &(dyn Fn() -> bool + Sync)) -> Option<Replica> {
         let draws = Draws::of(job, index, self.tract);
-        let mut surface = Tracts::new(job, draws, (&self.jumps, &self.kinks), ends);
+        let mut surface = Tracts::new(job, draws, (&self.kinks, &mut self.table), ends);
         surface.sum(&mut self.curves[0]);
         let kept = keep(job, &mut surface, draws.count, &mut self.curves[0]);
         self.sums.work.merge(&surface.work);

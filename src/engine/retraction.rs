@@ -120,9 +120,7 @@ impl<'a> Retracted<'a> {
             [low, high].map(|limit| heights.partition_point(|u| self.cycle.recovery(u - closest) < limit));
         first + low..first + high
     }
-}
 
-impl Retracted<'_> {
     /// External force, N, of a few asperities at a separation h, m.
     fn sum(&mut self, asperities: &[Released], separation: f64) -> f64 {
         let closest = self.job.surface.asperity_separation(self.from);

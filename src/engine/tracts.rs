@@ -5,11 +5,12 @@
 //! order. So memory does not grow with the number of asperities, and results do not depend on the number of threads.
 
 use super::Job;
+use super::cells::{Cells, Redrawn, pull_off};
 use super::compressed::{self, Between, Compression, Part, Totals};
 use super::curves::Curves;
+use super::force_table::ForceTable;
 use super::kinks::Kinks;
 use super::parts::{deepest_of_parts, stiffest_of_parts};
-use super::pull_off::{Cells, Curve, Jump, pull_off, widest_spacing};
 use super::replica::Summed;
 use super::sampling::Draws;
 use super::scattered::{self, add, planes};
@@ -35,9 +36,11 @@ pub(super) struct Tracts<'a> {
     job: &'a Job<'a>,
     draws: Draws<'a>,
     /// Of the law.
-    jumps: &'a [Jump],
     kinks: &'a Kinks,
+    table: &'a mut ForceTable,
     ends: Ends<'a>,
+    /// All heights, m, rising, once they have been asked for, if they are few enough.
+    heights: Vec<f64>,
     /// The highest asperity of the tracts that have been summed, m; NaN of none.
     highest: f64,
     /// What it has cost.
@@ -160,8 +163,14 @@ fn sum_scattered(
 impl<'a> Tracts<'a> {
     /// The surface of the replica `draws` of a job, of which nothing is known yet. When `ends` is true what is under way stops at the next
     /// tract, and whatever comes of it is to be thrown away.
-    pub fn new(job: &'a Job<'a>, draws: Draws<'a>, (jumps, kinks): (&'a [Jump], &'a Kinks), ends: Ends<'a>) -> Self {
-        Self { job, draws, jumps, kinks, ends, highest: f64::NAN, work: Work::default(), moments: None }
+    pub fn new(
+        job: &'a Job<'a>,
+        draws: Draws<'a>,
+        (kinks, table): (&'a Kinks, &'a mut ForceTable),
+        ends: Ends<'a>,
+    ) -> Self {
+        let (heights, highest) = (Vec::new(), f64::NAN);
+        Self { job, draws, kinks, table, ends, heights, highest, work: Work::default(), moments: None }
     }
 
     /// Sums the surface at all separations into its curves.
@@ -179,7 +188,7 @@ impl<'a> Tracts<'a> {
 
     /// Draws all tracts, in parallel, has something made of each, and hands that over in their order.
     fn each<T: Send>(&mut self, of: impl Fn(&mut Memory) -> T + Sync, mut take: impl FnMut(T)) {
-        let Self { job, draws, ends, .. } = *self;
+        let Self { job, ref draws, ends, .. } = *self;
         let is_first = self.highest.is_nan();
         let one = |tract: usize| {
             if ends() {
@@ -209,21 +218,21 @@ impl<'a> Tracts<'a> {
         if self.draws.tracts() > HELD || self.job.law.family().is_some() || (self.ends)() {
             return None;
         }
-        let mut heights = Vec::new();
-        self.draws.all(&mut heights, &mut Vec::new());
-        heights.sort_unstable_by(f64::total_cmp);
+        if self.heights.is_empty() {
+            self.draws.all(&mut self.heights, &mut Vec::new());
+            self.heights.sort_unstable_by(f64::total_cmp);
+        }
         let job = Job { compression: None, ..*self.job };
         let mut sums = Sums::new(job.law.regimes().len());
-        let highest = self.highest;
         let mut whole = Whole {
             job: &job,
-            heights: &heights,
+            heights: &self.heights,
             radii: &[],
             kinks: self.kinks,
-            table: &mut self.kinks.table(&job, widest_spacing(&job)),
+            table: self.table,
             places: None,
             flattened: None,
-            highest,
+            highest: self.highest,
             sums: &mut sums,
             compressed: None,
         };
@@ -288,10 +297,7 @@ fn merge(sums: &mut [RegimeSums], others: &[RegimeSums]) {
     sums.iter_mut().zip(others).for_each(|(sum, other)| sum.merge(other));
 }
 
-impl Curve for Tracts<'_> {
-    // Each time, all is drawn again.
-    const AT_ONCE: usize = usize::MAX;
-
+impl Redrawn for Tracts<'_> {
     fn count(&self, low: f64, high: f64) -> f64 {
         self.draws.count as f64 * self.job.surface.heights.probability(low, high)
     }
@@ -313,10 +319,8 @@ impl Curve for Tracts<'_> {
         }
     }
 
-    fn deepest_places(&mut self, jumps: &[Jump], samples: &[(f64, f64)]) -> Vec<(f64, f64)> {
-        let cells = Cells::new(self.job, jumps, samples);
+    fn count_in(&mut self, cells: &Cells<'_>) {
         self.each(|memory| cells.count(&memory.heights), |()| {});
-        cells.deepest_places()
     }
 }
 
@@ -331,7 +335,7 @@ impl Summed for Tracts<'_> {
             return found;
         }
         if job.law.family().is_none() {
-            return pull_off(job, self.jumps, self, external_force);
+            return pull_off(job, &self.kinks.there, self, external_force);
         }
         scattered::pull_off(job, external_force, |places| self.external_forces(places))
     }

@@ -3,8 +3,7 @@
 use super::Job;
 use super::compressed::{self, Compression};
 use super::force_table::ForceTable;
-use super::kinks::{Kink, Kinks, rounding};
-use super::pull_off::widest_spacing;
+use super::kinks::{Kink, Kinks, rounding, widest_spacing};
 use super::radii::{Places, Scattered};
 use super::replica::Summed;
 use super::retraction::{Retracted, flattened};
@@ -72,35 +71,32 @@ impl Whole<'_> {
             return sought.find(&mut surface, samples, spacing);
         }
         match &mut self.compressed {
-            Some((compression, sums, lane)) => {
-                let heights = Compressed { job, compression, moments: sums, lane: *lane, sums: self.sums };
+            Some((compression, moments, lane)) => {
+                let heights = Compressed { job, compression, moments, lane: *lane, sums: self.sums };
                 sought.find(&mut OfHeights { job, kinks, highest, table: self.table, heights }, samples, spacing)
             }
-            None => {
-                let heights = Sorted { job, heights, sums: self.sums };
-                sought.find(&mut OfHeights { job, kinks, highest, table: self.table, heights }, samples, spacing)
-            }
+            None => self.find_sorted(sought, samples),
         }
     }
 
     /// The same on the way back from the separation `from`, m.
     fn find_back(&mut self, sought: Sought, from: f64, samples: &[(f64, f64)]) -> Extremum {
-        let Self { job, heights, highest, .. } = *self;
-        let (kinks, spacing) = (self.kinks.there.as_slice(), widest_spacing(job));
-        match job.protocol.cycle {
-            Some(cycle) => {
-                if self.flattened.as_ref().is_none_or(|(of, _)| *of != from) {
-                    self.flattened = Some((from, flattened(job, cycle, heights, from)));
-                }
-                let flattened = self.flattened.as_ref().map_or(&[][..], |(_, flattened)| flattened);
-                let kinks = (&self.kinks.back, flattened);
-                sought.find(&mut Retracted::new(job, cycle, kinks, heights, from, self.sums), samples, spacing)
-            }
-            None => {
-                let heights = Sorted { job, heights, sums: self.sums };
-                sought.find(&mut OfHeights { job, kinks, highest, table: self.table, heights }, samples, spacing)
-            }
+        let Self { job, heights, .. } = *self;
+        let Some(cycle) = job.protocol.cycle else { return self.find_sorted(sought, samples) };
+        if self.flattened.as_ref().is_none_or(|(of, _)| *of != from) {
+            self.flattened = Some((from, flattened(job, cycle, heights, from)));
         }
+        let flattened = self.flattened.as_ref().map_or(&[][..], |(_, flattened)| flattened);
+        let mut surface = Retracted::new(job, cycle, (&self.kinks.back, flattened), heights, from, self.sums);
+        sought.find(&mut surface, samples, widest_spacing(job))
+    }
+
+    /// The same where nothing but heights counts, which rise.
+    fn find_sorted(&mut self, sought: Sought, samples: &[(f64, f64)]) -> Extremum {
+        let Self { job, heights, highest, .. } = *self;
+        let heights = Sorted { job, heights, sums: self.sums };
+        let mut surface = OfHeights { job, kinks: &self.kinks.there, highest, table: self.table, heights };
+        sought.find(&mut surface, samples, widest_spacing(job))
     }
 }
 

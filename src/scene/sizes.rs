@@ -31,7 +31,7 @@ const PILOTS: f64 = 4.0;
 const BINS: (f64, f64) = (20.0, 4e3);
 /// Bytes that the moments of a period take, for a dozen segments.
 const PERIOD: f64 = 16e3;
-/// Heights that the search for the pull-off copies: those of so many laws' jumps, within so many separations.
+/// Heights that the search for the pull-off copies: those that pass so many kinks within so many separations.
 const COPIED: (f64, f64) = (2.5, 1.0);
 
 /// Tracts of a large surface whose sums wait to be added, for each thread; bytes that one takes for a sum of a regime, and for a period.

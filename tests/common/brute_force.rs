@@ -82,7 +82,7 @@ fn deepest_between(low: f64, high: f64, space: f64, force: &mut impl FnMut(f64) 
 
 /// How deep a curve is at its deepest of even places and of even places around the deepest of these, again and again: at most how deep it is,
 /// and where it jumps, to within a jump's last asperity.
-pub fn deepest_of_looks(low: f64, high: f64, mut force: impl FnMut(f64) -> f64) -> (f64, f64) {
+fn deepest_of_looks(low: f64, high: f64, mut force: impl FnMut(f64) -> f64) -> (f64, f64) {
     const PLACES: usize = 3000;
     const CLOSER: usize = 60;
     let mut look = |low: f64, high: f64, places: usize| -> Vec<(f64, f64)> {
@@ -105,4 +105,20 @@ pub fn deepest_of_looks(low: f64, high: f64, mut force: impl FnMut(f64) -> f64) 
         }
     }
     best
+}
+
+/// Requires that a curve has a pull-off where it is said to be, and that no look at it between two separations, m, finds anything deeper.
+#[track_caller]
+pub fn require_deepest(what: &str, (place, pull_off): (f64, f64), (low, high): (f64, f64), force: impl Fn(f64) -> f64) {
+    assert!(
+        (force(place) / pull_off + 1.0).abs() < 1e-9,
+        "{what}: {pull_off:e} N at {place:e} m is {:e}",
+        force(place)
+    );
+    let (there, deepest) = deepest_of_looks(low, high, force);
+    println!("{what}: {pull_off:e} N at {place:e} m, by looks {deepest:e} at {there:e}");
+    assert!(
+        -pull_off <= deepest * (1.0 - 1e-6),
+        "{what}: {pull_off:e} N at {place:e} m, by looks {deepest:e} at {there:e}"
+    );
 }

@@ -2,7 +2,7 @@
 
 use super::gap::{Gap, PARTS, SAMPLED, vertex};
 use super::points::{POINTS, Polynomial, points};
-use super::{Curve, Passing, SAMPLES, Search, levels, within};
+use super::{Curve, Passing, SAMPLES, Search, levels, widest_space, within};
 use crate::math::interpolation::lagrange;
 
 /// Kinks that need not be divided any more.
@@ -45,8 +45,7 @@ impl<C: Curve> Search<'_, C> {
         let (low, high) = (edges[space], edges[space + 1]);
         let around = self.around(low, high);
         let samples = self.separations[around.clone()].to_vec();
-        let widest = samples.windows(2).fold(0.0, |most: f64, pair| most.max(pair[1] - pair[0]));
-        let margin = if samples.len() < 2 * SAMPLES { f64::INFINITY } else { MARGIN * widest };
+        let margin = if samples.len() < 2 * SAMPLES { f64::INFINITY } else { MARGIN * widest_space(&samples) };
         let asperities = self.curve.kinked(samples[0] - margin, samples[samples.len() - 1] + margin);
         let passings = self.passings(&asperities, low - (high - low), high + (high - low));
         let passings = self.shifted(&passings, low - (high - low), high + (high - low));

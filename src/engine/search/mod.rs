@@ -21,9 +21,9 @@ mod gap;
 mod points;
 mod ranking;
 
-pub(super) use points::{interpolated, interpolated_from_samples};
+pub(super) use points::{Interpolation, interpolated, interpolated_from_samples};
 
-use crate::math::extrema::Extremum;
+use crate::math::extrema::{Extremum, deeper};
 use crate::math::interpolation::lagrange;
 use std::ops::Range;
 
@@ -31,9 +31,6 @@ use std::ops::Range;
 pub(super) trait Curve {
     /// What is to be known of an asperity.
     type Asperity: Copy;
-
-    /// Separations at which the whole is evaluated at once, if so many are wanted.
-    const AT_ONCE: usize = 1;
 
     /// The whole curve at separations h, m, rising.
     fn exact(&mut self, separations: &[f64]) -> Vec<f64>;
@@ -128,9 +125,9 @@ impl Sought {
     }
 }
 
-/// The one of two points with the smaller value.
-fn deeper(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
-    if b.1 < a.1 { b } else { a }
+/// The widest space between rising separations, m; 0 of fewer than 2.
+pub(super) fn widest_space(separations: &[f64]) -> f64 {
+    separations.windows(2).fold(0.0, |most: f64, pair| most.max(pair[1] - pair[0]))
 }
 
 /// Those of rising passings that are in `low..=high`, h in m.
@@ -172,14 +169,12 @@ impl<'a, C: Curve> Search<'a, C> {
     /// The deepest point of the sum of a curve at shifted separations, from samples of the curve.
     fn deepest(curve: &'a mut C, shifts: &'a [(f64, f64)], samples: &[(f64, f64)], spacing: f64) -> Extremum {
         let (separations, values): (Vec<f64>, Vec<f64>) = samples.iter().copied().unzip();
-        let width = |separations: &[f64], pick: fn(f64, f64) -> f64| {
-            separations.windows(2).map(|pair| pair[1] - pair[0]).reduce(pick).unwrap_or(0.0)
-        };
+        let narrowest = separations.windows(2).map(|pair| pair[1] - pair[0]).fold(spacing, f64::min);
         let mut search = Self {
             curve,
             shifts,
-            apart: APART * width(&separations, f64::min).min(spacing),
-            spacing: width(&separations, f64::max).min(spacing),
+            apart: APART * narrowest,
+            spacing: widest_space(&separations).min(spacing),
             separations,
             values,
             tolerance: 0.0,
@@ -192,7 +187,7 @@ impl<'a, C: Curve> Search<'a, C> {
         search.rounding = search.curve.rounding();
         if search.edges().len() == 1 {
             let place = search.last();
-            return Extremum { place, value: search.exact(&[place])[0], at_edge: true };
+            return Extremum { place, value: search.exact(place), at_edge: true };
         }
         let mut candidates = search.candidates();
         if search.sample(&candidates, spacing) {
@@ -221,10 +216,14 @@ impl<'a, C: Curve> Search<'a, C> {
         Extremum { place: deepest.0, value: deepest.1, at_edge: ends.contains(&deepest.0) }
     }
 
+    /// How much further on than h the curve is looked at, m.
+    fn largest_shift(&self) -> f64 {
+        self.shifts.iter().fold(0.0, |most: f64, (shift, _)| most.max(*shift))
+    }
+
     /// The last separation h, m, at which all shifted ones are sampled.
     fn last(&self) -> f64 {
-        let shift = self.shifts.iter().fold(0.0, |most: f64, (shift, _)| most.max(*shift));
-        (self.separations[self.separations.len() - 1] - shift).max(self.separations[0])
+        (self.separations[self.separations.len() - 1] - self.largest_shift()).max(self.separations[0])
     }
 
     /// Separations h, m, at the ends of the spaces between samples, up to the last.
@@ -243,15 +242,10 @@ impl<'a, C: Curve> Search<'a, C> {
         self.separations.iter().copied().zip(self.values.iter().copied()).fold(nothing, deeper)
     }
 
-    /// What is sought at separations h, m, evaluated.
-    fn exact(&mut self, separations: &[f64]) -> Vec<f64> {
-        let mut places: Vec<f64> =
-            self.shifts.iter().flat_map(|(shift, _)| separations.iter().map(move |h| h + shift)).collect();
-        places.sort_by(f64::total_cmp);
-        places.dedup();
-        let values = self.curve.exact(&places);
-        let value = |h: f64| values[places.partition_point(|place| *place < h)];
-        separations.iter().map(|h| self.shifts.iter().map(|(shift, sign)| sign * value(h + shift)).sum()).collect()
+    /// What is sought at a separation h, m, evaluated.
+    fn exact(&mut self, separation: f64) -> f64 {
+        let places: Vec<f64> = self.shifts.iter().map(|(shift, _)| separation + shift).collect();
+        self.shifts.iter().zip(self.curve.exact(&places)).map(|((_, sign), value)| sign * value).sum()
     }
 
     /// What asperities add to what is sought at rising separations h, m.
@@ -276,7 +270,7 @@ impl<'a, C: Curve> Search<'a, C> {
 
     /// The samples around separations h, m, and these shifted.
     fn around(&self, low: f64, high: f64) -> Range<usize> {
-        let high = high + self.shifts.iter().fold(0.0, |most: f64, (shift, _)| most.max(*shift));
+        let high = high + self.largest_shift();
         let first = self.separations.partition_point(|h| *h <= low).saturating_sub(SAMPLES);
         let end = (self.separations.partition_point(|h| *h < high) + SAMPLES).min(self.separations.len());
         first.min(end.saturating_sub(2 * SAMPLES))..end.max((first + 2 * SAMPLES).min(self.separations.len()))
@@ -285,8 +279,7 @@ impl<'a, C: Curve> Search<'a, C> {
     /// The passings of asperities in `low..=high`, h in m, and further on where the shifted curve is looked at.
     fn passings(&mut self, asperities: &[C::Asperity], low: f64, high: f64) -> Vec<Passing> {
         let mut passings = Vec::new();
-        let shift = self.shifts.iter().fold(0.0, |most: f64, (shift, _)| most.max(*shift));
-        self.curve.passings(asperities, low, high + shift, &mut passings);
+        self.curve.passings(asperities, low, high + self.largest_shift(), &mut passings);
         sort(&mut passings);
         passings
     }
@@ -338,17 +331,13 @@ impl<'a, C: Curve> Search<'a, C> {
             }
         }
         let mut surprise: f64 = 0.0;
-        for next in places.chunks(C::AT_ONCE) {
-            if !(next[0].1 - SURPRISES * surprise < deepest.1) {
+        for (place, expected) in places {
+            if !(expected - SURPRISES * surprise < deepest.1) {
                 break;
             }
-            let mut next = next.to_vec();
-            next.sort_by(|a, b| a.0.total_cmp(&b.0));
-            let separations: Vec<f64> = next.iter().map(|(place, _)| *place).collect();
-            for ((place, expected), value) in next.into_iter().zip(self.exact(&separations)) {
-                surprise = surprise.max((value - expected).abs());
-                deepest = deeper(deepest, (place, value));
-            }
+            let value = self.exact(place);
+            surprise = surprise.max((value - expected).abs());
+            deepest = deeper(deepest, (place, value));
         }
         deepest
     }

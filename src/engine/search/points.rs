@@ -19,6 +19,9 @@ pub(super) fn points(low: f64, high: f64) -> [f64; POINTS] {
     })
 }
 
+/// Values at places of an interval, from its beginning and its width, of what is interpolated of a function.
+pub type Interpolation = fn(&dyn Fn(&[f64]) -> Vec<f64>, f64, f64, &[f64]) -> Vec<f64>;
+
 /// Values of a function at places of the interval from `low` on, as its polynomial has them.
 pub fn interpolated(of: &dyn Fn(&[f64]) -> Vec<f64>, low: f64, width: f64, places: &[f64]) -> Vec<f64> {
     let points = points(low, low + width);

@@ -93,9 +93,8 @@ impl<C: Curve> Search<'_, C> {
         let (Some(first), Some(last)) = (may_be.iter().position(|is| *is), may_be.iter().rposition(|is| *is)) else {
             return false;
         };
+        let (low, high) = (self.separations[first], self.separations[last + 1] + self.largest_shift());
         let Self { curve, separations, values, .. } = self;
-        let low = separations[first];
-        let high = separations[last + 1] + self.shifts.iter().fold(0.0, |most: f64, (shift, _)| most.max(*shift));
         let first = separations.partition_point(|h| *h <= low).saturating_sub(2);
         let end = (separations.partition_point(|h| *h < high) + 1).min(separations.len() - 1);
         let between = |k: usize| {

@@ -24,6 +24,8 @@ from switches import PATIENCE, ROOT, TARGET, Build, Unfit, side_by_side
 PLACE = TARGET / "mutations"
 # Seconds of a processor after which a test is not the one to name.
 SLOWEST = 8
+# And after which a test without any mistake is taken not to end.
+ENDLESS = 120
 
 
 def read(path=ROOT / "tests" / "mutations.toml"):
@@ -74,7 +76,7 @@ def judged(build, mutations, numbers):
     begun = time.monotonic()
     build.build_tests({test.split("::")[0] for test in tests})
     print(f"the build of tests: {time.monotonic() - begun:.0f} s", flush=True)
-    without = dict(zip(tests, side_by_side(lambda test: build.run(test, SLOWEST), tests), strict=True))
+    without = dict(zip(tests, side_by_side(lambda test: build.run(test, ENDLESS), tests), strict=True))
 
     def verdict(number):
         test = mutations[number]["test"]

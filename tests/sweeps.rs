@@ -10,6 +10,7 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::sync::Arc;
 use std::time::Duration;
+use stiction::output::reader::Reader;
 use stiction::output::schema::{Dimension, RUN, SWEEP};
 use stiction::scene::files::NoFiles;
 use stiction::scene::sweep::{MOST_POINTS, Mode};
@@ -358,6 +359,12 @@ fn sweeps_that_are_not_what_they_say_are_refused() {
         let error = text(&refused.stderr);
         assert!(error.contains(message) && error.lines().count() == 1, "{message}: {error}");
     }
+    // Whoever reads a point first is told the same.
+    std::fs::copy(folder.path("scene.h5"), folder.path("changed.h5")).unwrap();
+    claims(&unlocked::open_rw(folder.path("changed.h5")));
+    let reader = Reader::open(&folder.path("changed.h5"), &[&SWEEP]).unwrap();
+    let error = reader.at_point::<f64>("/ensemble/adhesion_force_mean", &[0, 0]).unwrap_err().to_string();
+    assert!(error.contains("/ensemble/adhesion_force_mean that has more values than the file holds"), "{error}");
 }
 
 #[test]

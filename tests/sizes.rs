@@ -71,6 +71,8 @@ fn memory_is_estimated_within_a_factor_of_2() {
 fn memory_of_many_asperities_is_estimated_within_a_factor_of_2() {
     let scenes = [
         ("direct, held", sized(1e6, 11, 8)),
+        ("loop, held", sized(1e6, 91, 2).replace("path = \"approach\"", "path = \"loop\"")),
+        ("direct, held for the search", sized(3e6, 91, 1)),
         ("compressed, held", compressed(&sized(1e6, 46, 8))),
         ("direct", sized(1e7, 11, 2)),
         ("compressed", compressed(&sized(1e7, 46, 2))),

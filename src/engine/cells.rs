@@ -289,7 +289,7 @@ mod tests {
             compression: None,
             protocol: Protocol::default(),
         };
-        let kinks = Kink::of(law.as_ref(), widest_spacing(&job));
+        let kinks = Kink::of(law.as_ref(), widest_spacing(&job)).0;
         let cells = Cells::new(&job, &kinks, &samples);
         heights.rchunks(777).for_each(|piece| cells.count(piece));
         let mut steps: Vec<(f64, f64)> = kinks

@@ -2,7 +2,8 @@
 
 use super::Job;
 use super::force_table::ForceTable;
-use super::search::{Interpolation, Stray, interpolated, interpolated_from_samples, widest_space};
+use super::search::{Interpolation, Stray, interpolated, interpolated_from_samples, resolved};
+use super::stray_table::StrayTable;
 use crate::asperity::{Law, Scratch, Work, for_each_block};
 use std::cell::RefCell;
 
@@ -41,8 +42,9 @@ pub(super) struct Kink {
 }
 
 impl Kink {
-    /// Those of a law, rising, with falls and strays in intervals of the width `width`, m.
-    pub fn of(law: &dyn Law, width: f64) -> Vec<Self> {
+    /// Those of a law, rising, with falls and strays in intervals of the width `width`, m; and what its force is off what is interpolated
+    /// between samples as far apart.
+    pub fn of(law: &dyn Law, width: f64) -> (Vec<Self>, StrayTable) {
         let memory = RefCell::new((Scratch::default(), Work::default()));
         let solved = |places: &[f64]| {
             let (scratch, work) = &mut *memory.borrow_mut();
@@ -77,7 +79,11 @@ impl Kink {
                 kinks[i].stray.samples = (0.0, 0.0);
             }
         }
-        kinks
+        let table = StrayTable::new(&continuous, &ends, width);
+        for (kink, stray) in kinks.iter_mut().zip(table.strays(&continuous, &ends)) {
+            kink.stray.table = stray;
+        }
+        (kinks, table)
     }
 
     /// Where the force of a law is not smooth, δ in m, rising.
@@ -106,6 +112,8 @@ pub(super) fn rounding(job: &Job<'_>, highest: f64) -> f64 {
 pub(super) struct Kinks {
     /// On the way of its law.
     pub there: Vec<Kink>,
+    /// What asperities are off there.
+    pub strays: StrayTable,
     /// On the way back of its loop, by what has become of an asperity.
     pub back: [Vec<Kink>; 3],
 }
@@ -114,9 +122,9 @@ impl Kinks {
     /// Of a job.
     pub fn new(job: &Job<'_>) -> Self {
         let width = spacing(job);
-        let there = Kink::of(job.law, width);
-        let Some(cycle) = job.protocol.cycle else { return Self { there, back: Default::default() } };
-        let known: Vec<Kink> = there.iter().copied().chain(Kink::of(cycle.retraction(), width)).collect();
+        let (there, strays) = Kink::of(job.law, width);
+        let Some(cycle) = job.protocol.cycle else { return Self { there, strays, back: Default::default() } };
+        let known: Vec<Kink> = there.iter().copied().chain(Kink::of(cycle.retraction(), width).0).collect();
         let back = cycle.kinks().map(|kinks| {
             // What begins or ends on the way back alone does so with about as much as what does so before contact.
             let largest = |of: &dyn Fn(&Kink) -> f64| {
@@ -129,6 +137,7 @@ impl Kinks {
                 stray: Stray {
                     samples: (largest(&|kink| kink.stray.samples.0), largest(&|kink| kink.stray.samples.1)),
                     points: (largest(&|kink| kink.stray.points.0), largest(&|kink| kink.stray.points.1)),
+                    ..Stray::default()
                 },
             };
             let of = |interference: f64| {
@@ -137,7 +146,7 @@ impl Kinks {
             };
             kinks.into_iter().map(of).collect()
         });
-        Self { there, back }
+        Self { there, strays, back }
     }
 
     /// The force of the law of a job at all interferences that asperities have where a search takes their terms out of samples.
@@ -155,7 +164,7 @@ pub(super) fn widest_spacing(job: &Job<'_>) -> f64 {
 
 /// How far apart the samples of the curves of a job are at most where they are searched, m.
 fn spacing(job: &Job<'_>) -> f64 {
-    widest_space(job.separations).min(widest_spacing(job))
+    resolved(job.separations, widest_spacing(job))
 }
 
 /// The largest fall of a force below the line between the ends of intervals with a kink in them, N.
@@ -182,6 +191,7 @@ fn stray(force: &dyn Fn(&[f64]) -> Vec<f64>, kink: f64, width: f64) -> Stray {
     Stray {
         samples: stray_of(force, kink, width, interpolated_from_samples, SPACES, 1.0),
         points: stray_of(force, kink, width, interpolated, INTERVAL, INTERVAL.1 - INTERVAL.0),
+        ..Stray::default()
     }
 }
 
@@ -235,7 +245,7 @@ mod tests {
         let setting = Setting::new(&CASE_II, Path::Approach, (-20e-9, 20e-9)).unwrap();
         let law = (model("emd").unwrap().build)(&setting).unwrap();
         let unit = Scale::new(&CASE_II).unwrap().force;
-        let kinks = Kink::of(law.as_ref(), 0.07e-9);
+        let kinks = Kink::of(law.as_ref(), 0.07e-9).0;
         let expected = [-(0.909 - 0.766), -(2.0 - 1.268), 2.0 - 0.977];
         for (kink, size) in kinks.iter().zip(expected) {
             assert!((kink.jump / unit - size).abs() < 2e-3, "{kink:?}: {}", kink.jump / unit);

@@ -30,6 +30,7 @@ mod scattered;
 mod search;
 mod shard;
 mod stopping;
+mod stray_table;
 pub mod stream;
 mod summation;
 mod sums;

@@ -32,6 +32,10 @@ pub(super) fn stiffest_of_parts(
 ) -> Extremum {
     let (separations, sampled): (Vec<f64>, Vec<f64>) = samples.iter().copied().unzip();
     let (first, last) = (separations[0], separations[separations.len() - 1] - span);
+    if last <= first {
+        let value = -differences(&[first], span, forces)[0] / span;
+        return Extremum { place: first + 0.5 * span, value, at_edge: true };
+    }
     let about = largest_secant(&separations, &sampled, span).place - 0.5 * span;
     let above = separations.partition_point(|h| *h < about).clamp(1, separations.len() - 1);
     let step = separations[above] - separations[above - 1];
@@ -52,4 +56,26 @@ fn differences(separations: &[f64], span: f64, forces: impl FnOnce(&[f64]) -> Ve
     let forces = forces(&places);
     let force = |h: f64| forces[places.partition_point(|place| *place < h)];
     separations.iter().map(|h| force(*h) - force(h + span)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// By hand: sin has its largest secants in the middle of what rises. A span that is wider than the samples begins with these.
+    #[test]
+    fn secants_are_found_between_samples_and_beyond_them() {
+        let sin = |places: &[f64]| places.iter().map(|x| x.sin()).collect::<Vec<f64>>();
+        let samples = |from: f64, step: f64, count: usize| -> Vec<(f64, f64)> {
+            (0..count).map(|i| from + step * i as f64).map(|x| (x, x.sin())).collect()
+        };
+        let found = stiffest_of_parts(&samples(-1.0, 0.23, 10), 0.5, sin);
+        assert!((found.value - 2.0 * 0.25f64.sin() / 0.5).abs() < 1e-4 && !found.at_edge, "{found:?}");
+        for span in [0.3, 0.4] {
+            let found = stiffest_of_parts(&samples(0.1, 0.3, 2), span, sin);
+            let secant = ((0.1 + span).sin() - 0.1f64.sin()) / span;
+            assert!((found.value - secant).abs() < 1e-15 && found.at_edge, "{found:?}");
+            assert_eq!(found.place, 0.1 + 0.5 * span);
+        }
+    }
 }

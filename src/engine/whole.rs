@@ -7,7 +7,8 @@ use super::kinks::{Kink, Kinks, rounding, widest_spacing};
 use super::radii::{Places, Scattered};
 use super::replica::Summed;
 use super::retraction::{Retracted, flattened};
-use super::search::{Curve, Passing, Sought, Stray};
+use super::search::{Curve, NODES, Passing, Sought, Stray};
+use super::stray_table::StrayTable;
 use super::sums::{State, Sums};
 use crate::math::extrema::Extremum;
 
@@ -73,7 +74,11 @@ impl Whole<'_> {
         match &mut self.compressed {
             Some((compression, moments, lane)) => {
                 let heights = Compressed { job, compression, moments, lane: *lane, sums: self.sums };
-                sought.find(&mut OfHeights { job, kinks, highest, table: self.table, heights }, samples, spacing)
+                sought.find(
+                    &mut OfHeights { job, kinks, strays: &self.kinks.strays, highest, table: self.table, heights },
+                    samples,
+                    spacing,
+                )
             }
             None => self.find_sorted(sought, samples),
         }
@@ -95,7 +100,8 @@ impl Whole<'_> {
     fn find_sorted(&mut self, sought: Sought, samples: &[(f64, f64)]) -> Extremum {
         let Self { job, heights, highest, .. } = *self;
         let heights = Sorted { job, heights, sums: self.sums };
-        let mut surface = OfHeights { job, kinks: &self.kinks.there, highest, table: self.table, heights };
+        let Kinks { there, strays, .. } = self.kinks;
+        let mut surface = OfHeights { job, kinks: there, strays, highest, table: self.table, heights };
         sought.find(&mut surface, samples, widest_spacing(job))
     }
 }
@@ -121,6 +127,7 @@ struct OfHeights<'a, T> {
     /// The highest of the heights, m.
     highest: f64,
     kinks: &'a [Kink],
+    strays: &'a StrayTable,
     table: &'a mut ForceTable,
     heights: T,
 }
@@ -172,6 +179,11 @@ impl<T: Heights> Curve for OfHeights<'_, T> {
             let d = self.job.surface.asperity_separation(*separation);
             *sum += self.table.sum(self.job.law, heights, d, self.heights.sums());
         }
+    }
+
+    fn strays(&self, heights: &[f64], third: f64, sums: &mut [f64; NODES]) -> bool {
+        self.strays.add(heights, self.job.surface.asperity_separation(third), sums);
+        true
     }
 
     fn falls(&mut self, low: f64, high: f64, mut visit: impl FnMut(f64, usize)) {

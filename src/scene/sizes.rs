@@ -31,8 +31,10 @@ const PILOTS: f64 = 4.0;
 const BINS: (f64, f64) = (20.0, 4e3);
 /// Bytes that the moments of a period take, for a dozen segments.
 const PERIOD: f64 = 16e3;
-/// Heights that the search for the pull-off copies: those that pass so many kinks within so many separations.
-const COPIED: (f64, f64) = (2.5, 1.0);
+/// Bytes of an asperity in the search for the pull-off, on one way and on the way back of a loop.
+const SEARCHED: (f64, f64) = (14.0, 80.0);
+/// A surface of at most so many tracts is held for it.
+const HELD: f64 = 4.0;
 
 /// Tracts of a large surface whose sums wait to be added, for each thread; bytes that one takes for a sum of a regime, and for a period.
 const WAITING: (f64, f64, f64) = (8.0, 56.0, 1.5e3);
@@ -46,6 +48,8 @@ pub struct Sizes {
     pub asperities: f64,
     /// States that a surface is summed in: separations, of a loop twice.
     pub separations: f64,
+    /// Whether a surface is pulled back.
+    pub is_loop: bool,
     /// Regimes of the law.
     pub regimes: f64,
     /// Replicas.
@@ -77,6 +81,7 @@ impl Sizes {
         Self {
             asperities: scene.surface.asperity_count as f64,
             separations: scene.states() as f64,
+            is_loop: scene.states() > separations,
             regimes: law.regimes().len() as f64,
             replicas: scene.replicas as f64,
             group: scene.sampling.group() as f64,
@@ -141,8 +146,10 @@ impl Sizes {
     /// Bytes of the surfaces, or tracts of them, that are summed at the same time.
     fn surfaces(&self) -> f64 {
         let n = self.asperities.min(TRACT as f64);
-        let copied = NUMBER * n * COPIED.0 * (COPIED.1 * self.step).min(1.0);
-        let direct = NUMBER * n + copied;
+        let of_search = if self.is_loop { SEARCHED.1 } else { SEARCHED.0 };
+        let searched = n * of_search;
+        let direct = NUMBER * n + searched;
+        let held = if self.asperities > HELD * TRACT as f64 { 0.0 } else { self.asperities * (NUMBER + of_search) };
         let periods = BINS.0 / self.step;
         let compressed = self.compressed && periods + self.separations <= BINS.1;
         let queued = QUEUED.0 * (QUEUED.1 * self.step).min(0.5) * n * self.separations;
@@ -152,15 +159,15 @@ impl Sizes {
         let lanes = self.replicas.min(BATCH);
         match (self.is_divided(), compressed) {
             (false, false) => self.workers() * direct,
-            (false, true) => (self.workers() * (lanes * BINNED * n + queued + copied + moments)).max(pilots),
+            (false, true) => (self.workers() * (lanes * BINNED * n + queued + searched + moments)).max(pilots),
             (true, false) => {
                 let sums = WAITING.1 * self.separations * self.regimes;
-                COUNTED + self.workers() * (NUMBER * n + WAITING.0 * sums)
+                COUNTED + self.workers() * (NUMBER * n + WAITING.0 * sums) + held
             }
             (true, true) => {
                 // Each tract is queued in as many pieces as there are lanes.
                 let tract = BINNED * n + queued / BATCH + moments + WAITING.0 * WAITING.2 * periods;
-                (COUNTED + moments + self.workers() * tract).max(pilots)
+                (COUNTED + moments + self.workers() * tract + held).max(pilots)
             }
         }
     }
@@ -248,6 +255,7 @@ mod tests {
     use super::*;
 
     const SIZES: Sizes = Sizes {
+        is_loop: false,
         asperities: 1e6,
         separations: 100.0,
         regimes: 6.0,

@@ -1,8 +1,8 @@
-//! The search of one space between samples: intervals that are divided until few kinks are left in them.
+//! The search between two samples: intervals that are divided until few kinks are left in them.
 
 use super::gap::{Gap, PARTS, SAMPLED, vertex};
 use super::points::{POINTS, Polynomial, points};
-use super::{Curve, Passing, SAMPLES, Search, levels, widest_space, within};
+use super::{Curve, Passing, SAMPLES, Search, levels, margin, widest_space, within};
 use crate::math::interpolation::lagrange;
 
 /// Kinks that need not be divided any more.
@@ -39,10 +39,8 @@ struct Near<A> {
 }
 
 impl<C: Curve> Search<'_, C> {
-    /// Searches the space behind a sample.
-    pub(super) fn space(&mut self, space: usize) {
-        let edges = self.edges();
-        let (low, high) = (edges[space], edges[space + 1]);
+    /// Searches an interval between two samples, h in m.
+    pub(super) fn interval(&mut self, low: f64, high: f64) {
         let around = self.around(low, high);
         let samples = self.separations[around.clone()].to_vec();
         let margin = if samples.len() < 2 * SAMPLES { f64::INFINITY } else { MARGIN * widest_space(&samples) };
@@ -90,7 +88,8 @@ impl<C: Curve> Search<'_, C> {
             look(*h, *value);
         }
         let nearby = within(passings, low - 0.25 * width, high + 0.25 * width).iter();
-        let roots = self.margin(nearby, 1.0, |stray| stray.points) * (width / self.spacing).sqrt();
+        let nearby = nearby.map(|passing| self.curve.stray(passing.kink).points);
+        let roots = margin(nearby, 1.0) * (width / self.spacing).sqrt();
         let margin = if is_known.iter().all(|is| *is) { roots + continuous.bend() } else { f64::INFINITY };
         if !(lowest.iter().any(|lowest| lowest - margin < self.deepest - self.tolerance)) {
             return;

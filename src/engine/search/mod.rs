@@ -7,9 +7,9 @@
 //! The term of an asperity is smooth but at its kinks, the separations at which it passes an end of a piece of its law: there it may jump
 //! by a known step, or begin like a root. So the curve is a staircase, which is counted, and a continuous part. Between samples of
 //! the curve the continuous part is interpolated, which tells how deep each space is to within what the roots of the asperities
-//! nearby leave out. Spaces that may be the deepest are searched, the one that is expected to be deepest first.
+//! nearby leave out. Spaces that may be the deepest are searched where they may be, the one that is expected to be deepest first.
 //!
-//! To search a space, all terms with a kink nearby are taken out of the samples: what is left is smooth, and interpolated. An interval
+//! To search there, all terms with a kink nearby are taken out of the samples: what is left is smooth, and interpolated. An interval
 //! is divided in quarters; in each, the terms whose kinks are further away than its width join what is interpolated, now by a polynomial
 //! through 7 Chebyshev points, which for a root at that distance is off by less than 1e-6 of its term. The narrower the interval,
 //! the less roots leave out: √(width). An interval that cannot be the deepest is left. Where at most 6 kinks are left, both sides of
@@ -50,6 +50,13 @@ pub(super) trait Curve {
     /// Adds the terms of asperities at rising separations h, m, to the sums there.
     fn add(&mut self, asperities: &[Self::Asperity], separations: &[f64], sums: &mut [f64]);
 
+    /// Adds to `sums` what terms of asperities are off what is interpolated through 6 even samples, from the third on, h in m, which are as far
+    /// apart as the largest space between samples where the curve is searched: at even places from the third to the fourth. Whether
+    /// that is known.
+    fn strays(&self, _asperities: &[Self::Asperity], _third: f64, _sums: &mut [f64; NODES]) -> bool {
+        false
+    }
+
     /// For each kink that asperities pass in `low..high`, h in m: how far a term falls below the line between its ends there, about, and
     /// of how many.
     fn falls(&mut self, low: f64, high: f64, visit: impl FnMut(f64, usize));
@@ -76,13 +83,18 @@ pub(super) struct Stray {
     /// Through the points of an interval that is as wide as the space between samples: at most, and the root of the mean square over
     /// places of the kink in the interval.
     pub points: (f64, f64),
+    /// Between samples beside what [`Curve::strays`] knows of it: where the term is below what is interpolated, and where it is above.
+    pub table: [(f64, f64); 2],
 }
+
+/// Even places between two samples at which it is known how far terms are off, from the first sample on, without the second.
+pub(super) const NODES: usize = 16;
 
 impl Stray {
     /// So many times as far.
     pub fn times(&self, factor: f64) -> Self {
         let times = |(most, rms): (f64, f64)| (factor * most, factor * rms);
-        Self { samples: times(self.samples), points: times(self.points) }
+        Self { samples: times(self.samples), points: times(self.points), table: self.table.map(times) }
     }
 }
 
@@ -126,8 +138,14 @@ impl Sought {
 }
 
 /// The widest space between rising separations, m; 0 of fewer than 2.
-pub(super) fn widest_space(separations: &[f64]) -> f64 {
+fn widest_space(separations: &[f64]) -> f64 {
     separations.windows(2).fold(0.0, |most: f64, pair| most.max(pair[1] - pair[0]))
+}
+
+/// How far apart samples at rising separations are at most where spaces wider than `spacing` are divided evenly, m.
+pub(super) fn resolved(separations: &[f64], spacing: f64) -> f64 {
+    let widest = widest_space(separations);
+    widest / ranking::parts(widest, spacing)
 }
 
 /// Those of rising passings that are in `low..=high`, h in m.
@@ -135,6 +153,15 @@ fn within(passings: &[Passing], low: f64, high: f64) -> &[Passing] {
     let first = passings.partition_point(|passing| passing.place < low);
     let end = passings.partition_point(|passing| passing.place <= high);
     &passings[first..end.max(first)]
+}
+
+/// How far what is interpolated may be off by strays nearby, at most and the root of the mean square, of which a `share` counts.
+fn margin(nearby: impl Iterator<Item = (f64, f64)>, share: f64) -> f64 {
+    let (mut most, mut square) = (0.0, 0.0);
+    for (largest, rms) in nearby {
+        (most, square) = (f64::max(most, largest), square + rms * rms);
+    }
+    most + DEVIATIONS * (share * square).sqrt()
 }
 
 /// Puts passings in the order of their places.
@@ -174,7 +201,7 @@ impl<'a, C: Curve> Search<'a, C> {
             curve,
             shifts,
             apart: APART * narrowest,
-            spacing: widest_space(&separations).min(spacing),
+            spacing: resolved(&separations, spacing),
             separations,
             values,
             tolerance: 0.0,
@@ -207,8 +234,8 @@ impl<'a, C: Curve> Search<'a, C> {
         let least = guesses.first().map_or(search.deepest, |guess| guess.lowest.min(search.deepest));
         search.tolerance += SHARE.0 * least.abs();
         for guess in guesses {
-            if guess.lowest - guess.margin < search.deepest - search.tolerance {
-                search.space(guess.space);
+            if let Some((low, high)) = guess.interval(search.deepest - search.tolerance) {
+                search.interval(low, high);
             }
         }
         let ends = [search.separations[0], search.last()];
@@ -295,21 +322,6 @@ impl<'a, C: Curve> Search<'a, C> {
             sort(&mut all);
         }
         all
-    }
-
-    /// How far what is interpolated may be off, by kinks nearby, of which a `share` counts, each in the way `of`.
-    fn margin<'p>(
-        &self,
-        nearby: impl Iterator<Item = &'p Passing>,
-        share: f64,
-        of: impl Fn(&Stray) -> (f64, f64),
-    ) -> f64 {
-        let (mut most, mut square) = (0.0, 0.0);
-        for passing in nearby {
-            let (largest, rms) = of(self.curve.stray(passing.kink));
-            (most, square) = (f64::max(most, largest), square + rms * rms);
-        }
-        most + DEVIATIONS * (share * square).sqrt()
     }
 
     /// Remembers a point, if it may be the deepest.

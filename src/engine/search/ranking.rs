@@ -1,7 +1,7 @@
 //! Which spaces between samples may have the deepest point, and how deep they are expected to be.
 
-use super::{Curve, Search, levels, sort, within};
-use crate::math::interpolation::linear;
+use super::{Curve, NODES, Passing, SAMPLES, Search, Stray, levels, margin, sort, within};
+use crate::math::interpolation::{lagrange, linear};
 use crate::math::polynomials::horner;
 use std::ops::Range;
 
@@ -12,18 +12,51 @@ const DEVIATION: f64 = 2.2;
 const AROUND: f64 = 1.0;
 /// Separations between two samples at most.
 const MOST_BETWEEN: f64 = 64.0;
+/// No less than this share of a space is searched.
+const NARROWEST: f64 = 1.0 / 64.0;
+/// Spaces between samples are even where they differ by at most this share.
+const UNEVEN: f64 = 1e-6;
 /// Intervals that are judged together first.
 const TOGETHER: usize = 8;
-/// Looks at a quartic in parts of so many of the interval.
+/// Looks at the curve in parts of so many of a space.
 const LOOKS: f64 = 8.0;
+
+/// Parts of a space between samples, m, none of which is wider than `spacing`, m.
+pub(super) fn parts(width: f64, spacing: f64) -> f64 {
+    (width / spacing).ceil().clamp(1.0, MOST_BETWEEN)
+}
 
 /// What is expected of the space behind a sample.
 pub(super) struct Guess {
-    pub space: usize,
     /// The smallest value.
     pub lowest: f64,
     /// How far it may be off.
-    pub margin: f64,
+    margin: f64,
+    /// Where the space begins and ends, h in m.
+    ends: (f64, f64),
+    /// Those of its treads that may be the deepest.
+    treads: Vec<Tread>,
+}
+
+/// What is between two passings.
+struct Tread {
+    /// Where it begins and ends, h in m.
+    from: f64,
+    to: f64,
+    /// The smallest value that is expected.
+    lowest: f64,
+}
+
+impl Guess {
+    /// The interval that may have values below `limit`, h in m, if there is one.
+    pub fn interval(&self, limit: f64) -> Option<(f64, f64)> {
+        let mut may_be = self.treads.iter().filter(|tread| tread.lowest - self.margin < limit);
+        let first = may_be.next()?;
+        let last = may_be.next_back().unwrap_or(first);
+        let (from, to) = self.ends;
+        let wider = (0.5 * ((to - from) * NARROWEST - (last.to - first.from))).max(0.0);
+        Some(((first.from - wider).max(from), (last.to + wider).min(to)))
+    }
 }
 
 impl<C: Curve> Search<'_, C> {
@@ -99,7 +132,7 @@ impl<C: Curve> Search<'_, C> {
         let end = (separations.partition_point(|h| *h < high) + 1).min(separations.len() - 1);
         let between = |k: usize| {
             let (from, to) = (separations[k], separations[k + 1]);
-            let parts = ((to - from) / spacing).ceil().clamp(1.0, MOST_BETWEEN);
+            let parts = parts(to - from, spacing);
             (1..parts as usize).map(move |i| from + (to - from) * i as f64 / parts)
         };
         let places: Vec<f64> = (first..end).flat_map(between).collect();
@@ -125,6 +158,7 @@ impl<C: Curve> Search<'_, C> {
         let (levels, is_known) = levels(&passings, &self.separations[around.clone()], self.rounding);
         let continuous: Vec<f64> =
             self.values[around.clone()].iter().zip(&levels).map(|(v, level)| v - level).collect();
+        let curve = self.between(around.clone(), &continuous, &asperities, edges[spaces.start], edges[spaces.end]);
         let shifted = self.shifted(&passings, edges[spaces.start], edges[spaces.end]);
         // What is sought is the continuous part and the level, which begins with the levels of the samples before.
         let mut level: f64 = 0.0;
@@ -133,31 +167,115 @@ impl<C: Curve> Search<'_, C> {
             let before = passings.iter().take_while(|passing| passing.place <= from);
             level += sign * before.map(|passing| passing.step).sum::<f64>();
         }
+        let value = |h: f64| -> f64 { self.shifts.iter().map(|(shift, sign)| sign * curve.value(h + shift)).sum() };
         for space in spaces {
             let (from, to) = (edges[space], edges[space + 1]);
-            let quarters = [0.0, 0.25, 0.5, 0.75, 1.0].map(|share| from + (to - from) * share);
-            let curve = Quartic::new(from, to, quarters.map(|h| self.interpolated(around.start, &continuous, h)));
-            let (mut lowest, mut last) = (curve.value(from) + level, from);
-            for passing in within(&shifted, from, to).iter().filter(|passing| passing.place > from) {
-                for h in curve.between(last, passing.place) {
-                    lowest = lowest.min(curve.value(h) + level);
+            let looks = |low: f64, high: f64| {
+                let parts = (LOOKS * (high - low) / (to - from)) as usize + 1;
+                (1..parts).map(move |i| low + (high - low) * i as f64 / parts as f64)
+            };
+            let mut treads = Vec::new();
+            let (mut begin, mut lowest) = (from, value(from) + level);
+            let passed = within(&shifted, from, to).iter().filter(|passing| passing.place > from);
+            for (place, step) in passed.map(|passing| (passing.place, passing.step)).chain([(to, 0.0)]) {
+                for h in looks(begin, place) {
+                    lowest = lowest.min(value(h) + level);
                 }
-                let value = curve.value(passing.place) + level;
-                level += passing.step;
-                lowest = lowest.min(value).min(value + passing.step);
-                last = passing.place;
-            }
-            for h in curve.between(last, to).chain([to]) {
-                lowest = lowest.min(curve.value(h) + level);
+                let end = value(place) + level;
+                treads.push(Tread { from: begin, to: place, lowest: lowest.min(end) });
+                level += step;
+                (begin, lowest) = (place, end + step);
             }
             let (near, spaces) = (AROUND * (to - from), 2.0 * AROUND + 1.0);
-            let nearby =
-                self.shifts.iter().flat_map(|(shift, _)| within(&passings, from - near + shift, to + near + shift));
-            let roots = self.margin(nearby, 1.0 / spaces, |stray| stray.samples);
+            let are_known = self.shifts.iter().all(|(shift, _)| curve.has_strays(from + shift, to + shift));
+            let stray = |sign: f64, passing: &Passing| {
+                let Stray { samples, table: [below, above], .. } = *self.curve.stray(passing.kink);
+                match are_known {
+                    true if sign > 0.0 => below,
+                    true => above,
+                    false => samples,
+                }
+            };
+            let nearby = self.shifts.iter().flat_map(|(shift, sign)| {
+                let passings = within(&passings, from - near + shift, to + near + shift).iter();
+                passings.map(|passing| stray(*sign, passing))
+            });
+            let roots = margin(nearby, 1.0 / spaces);
             let used = self.around(from, to);
             let known = is_known[used.start - around.start..used.end - around.start].iter().all(|is| *is);
-            guesses.push(Guess { space, lowest, margin: if known { roots } else { f64::INFINITY } });
+            let margin = if known { roots } else { f64::INFINITY };
+            let lowest = treads.iter().fold(f64::INFINITY, |lowest, tread| lowest.min(tread.lowest));
+            treads.retain(|tread| !(tread.lowest > lowest + 2.0 * margin));
+            guesses.push(Guess { lowest, margin, ends: (from, to), treads });
         }
+    }
+
+    /// The continuous part of the curve, interpolated between samples, whose values are `continuous`, where it is sought between two edges,
+    /// h in m; with what terms of asperities are off where that is known.
+    fn between(
+        &self,
+        samples: Range<usize>,
+        continuous: &[f64],
+        asperities: &[C::Asperity],
+        low: f64,
+        high: f64,
+    ) -> Interpolated {
+        let places = &self.separations[samples];
+        let is_sought =
+            |from: f64, to: f64| self.shifts.iter().any(|(shift, _)| from < high + shift && to > low + shift);
+        let mut spaces = Vec::new();
+        let mut begins = Vec::new();
+        for (k, ends) in places.windows(2).enumerate().filter(|(_, ends)| is_sought(ends[0], ends[1])) {
+            let (from, to) = (ends[0], ends[1]);
+            let quarters = [0.0, 0.25, 0.5, 0.75, 1.0].map(|share| from + (to - from) * share);
+            let curve = Quartic::new(from, to, quarters.map(|h| lagrange::<{ 2 * SAMPLES }>(places, continuous, h)));
+            let mut strays = [0.0; NODES];
+            let stencil = (k + 1).checked_sub(SAMPLES).and_then(|first| places.get(first..first + 2 * SAMPLES));
+            let is_even = |stencil: &[f64]| {
+                stencil.windows(2).all(|pair| (pair[1] - pair[0] - self.spacing).abs() < UNEVEN * self.spacing)
+            };
+            let has_strays = stencil.is_some_and(is_even) && self.curve.strays(asperities, from, &mut strays);
+            begins.push(from);
+            spaces.push(Between { curve, strays, has_strays });
+        }
+        Interpolated { begins, spaces }
+    }
+}
+
+/// A continuous curve between samples.
+struct Interpolated {
+    /// Separations h, m, at which spaces begin, rising.
+    begins: Vec<f64>,
+    spaces: Vec<Between>,
+}
+
+/// The same between two samples.
+struct Between {
+    curve: Quartic,
+    /// What is to be added at even places.
+    strays: [f64; NODES],
+    has_strays: bool,
+}
+
+impl Interpolated {
+    /// The number of the space of a separation h, m.
+    fn space(&self, h: f64) -> usize {
+        self.begins.partition_point(|begin| *begin <= h).max(1) - 1
+    }
+
+    /// The curve at a separation h, m.
+    fn value(&self, h: f64) -> f64 {
+        let Between { curve, strays, .. } = &self.spaces[self.space(h)];
+        let share = (h - curve.from) / curve.width;
+        let node = (share * NODES as f64).clamp(0.0, NODES as f64);
+        let first = (node as usize).min(NODES - 1);
+        let next = strays.get(first + 1).unwrap_or(&0.0);
+        horner(&curve.coefficients, share) + strays[first] + (node - first as f64) * (next - strays[first])
+    }
+
+    /// Whether it is known everywhere between two separations h, m, how far what is interpolated is off.
+    fn has_strays(&self, low: f64, high: f64) -> bool {
+        self.spaces[self.space(low)..=self.space(high - UNEVEN * (high - low))].iter().all(|space| space.has_strays)
     }
 }
 
@@ -180,16 +298,5 @@ impl Quartic {
             third * (32.0 * a - 128.0 * b + 192.0 * c - 128.0 * d + 32.0 * e),
         ];
         Self { from, width: to - from, coefficients }
-    }
-
-    fn value(&self, h: f64) -> f64 {
-        horner(&self.coefficients, (h - self.from) / self.width)
-    }
-
-    /// Places between two that are far apart.
-    fn between(&self, low: f64, high: f64) -> impl Iterator<Item = f64> {
-        let parts = (LOOKS * (high - low) / self.width) as usize + 1;
-        let step = (high - low) / parts as f64;
-        (1..parts).map(move |i| low + step * i as f64)
     }
 }

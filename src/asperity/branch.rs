@@ -5,7 +5,8 @@
 //! step and corrects the outputs along it. The step decides: if it is not so small that its square is below rounding, the point
 //! is solved again by safeguarded Newton from the bracket.
 
-use super::{BLOCK, Work};
+use super::law::BLOCK;
+use super::work::Work;
 use crate::math::instruction_set::InstructionSet;
 use crate::math::piecewise::{Cell, Piecewise, leading};
 use crate::math::roots::{MAX_EVALUATIONS, Sample, safe_newton};

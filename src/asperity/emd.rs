@@ -6,9 +6,11 @@
 
 use super::branch::{Anchor, Branch, Curve, Solution};
 use super::contact::Contact;
+use super::error::LawError;
+use super::history::Path;
 use super::noncontact::{Branches, Noncontact};
 use super::scale::Scale;
-use super::{LawError, Path, Work};
+use super::work::Work;
 use crate::math::piecewise::{Piecewise, leading};
 
 /// On which branch an asperity is.

@@ -1,9 +1,12 @@
 //! Laws of asperities that differ in their radius alone.
 
+use super::error::LawError;
+use super::history::Path;
 use super::law::{Boundary, FitReport, Law, Piece, Regime, Responses};
 use super::models::Model;
 use super::scale::Asperity;
-use super::{LawError, Path, Setting, Work};
+use super::setting::Setting;
+use super::work::Work;
 
 /// The laws of one model for asperities of any radius.
 #[derive(Clone, Debug)]

@@ -11,53 +11,13 @@
 
 use super::branch::{Anchor, Branch, Curve};
 use super::contact::Contact;
-use super::laws::idmt::LennardJones;
+use super::history::Path;
+use super::law::{Flattened, Responses};
 use super::noncontact::{Branches, Noncontact};
 use super::scale::Scale;
-use super::table::Part;
-use super::{Path, Responses, Work};
+use super::work::Work;
 use crate::math::piecewise::Piecewise;
 use std::sync::OnceLock;
-
-/// Attraction before contact of asperities of any radius.
-pub trait Flattened: Send + Sync {
-    /// Interference, m, at which the contact of an asperity of `ratio` times the radius ends, by the history of the law.
-    fn release(&self, ratio: f64) -> f64;
-
-    /// Interference, m, at which its attraction jumps and is a root of what is left of the way there, if there is one.
-    fn kink(&self, ratio: f64) -> Option<f64>;
-
-    /// F_s, N, of asperities of `ratios` times the radius at interferences δ, m, at which they are not in contact.
-    fn attraction(&self, ratios: &[f64], interference: &[f64], out: &mut Responses, work: &mut Work);
-}
-
-/// The attraction of an undeformed sphere.
-#[derive(Clone, Copy, Debug)]
-pub struct UndeformedSphere {
-    law: LennardJones,
-}
-
-impl UndeformedSphere {
-    /// Of the radius and lubricant of a law.
-    pub fn new(law: LennardJones) -> Self {
-        Self { law }
-    }
-}
-
-impl Flattened for UndeformedSphere {
-    fn release(&self, _: f64) -> f64 {
-        0.0
-    }
-
-    fn kink(&self, _: f64) -> Option<f64> {
-        None
-    }
-
-    fn attraction(&self, ratios: &[f64], interference: &[f64], out: &mut Responses, work: &mut Work) {
-        self.law.evaluate(interference, out, work);
-        out.adhesion.iter_mut().zip(ratios).for_each(|(adhesion, ratio)| *adhesion *= ratio);
-    }
-}
 
 /// The extended Maugis-Dugdale law across the lubricant.
 #[derive(Clone, Debug)]

@@ -1,9 +1,8 @@
 //! The contract between an asperity law and everything that sums it.
 
-use super::Work;
 use super::family::Family;
-use super::flattened::Flattened;
 use super::scale::Scale;
+use super::work::Work;
 use crate::math::instruction_set::InstructionSet;
 use std::f64::consts::PI;
 
@@ -163,6 +162,18 @@ impl Responses {
             self.area[i] = area_unit * square;
         }
     }
+}
+
+/// Attraction before contact of asperities of any radius.
+pub trait Flattened: Send + Sync {
+    /// Interference, m, at which the contact of an asperity of `ratio` times the radius ends, by the history of the law.
+    fn release(&self, ratio: f64) -> f64;
+
+    /// Interference, m, at which its attraction jumps and is a root of what is left of the way there, if there is one.
+    fn kink(&self, ratio: f64) -> Option<f64>;
+
+    /// F_s, N, of asperities of `ratios` times the radius at interferences δ, m, at which they are not in contact.
+    fn attraction(&self, ratios: &[f64], interference: &[f64], out: &mut Responses, work: &mut Work);
 }
 
 /// A law of one asperity as the sums see it: contiguous regimes of interference, and forces evaluated block by block, so

@@ -1,7 +1,9 @@
 //! The registry of laws: their names, what they are, where they are valid, how they are made. A new law is its file and a line here.
 
+use super::error::LawError;
+use super::law::Law;
 use super::laws::{dmt, emd, fit, hertz, hybrid, idmt, isbl, jkr, kogut_etsion, md, md_kim, sbl};
-use super::{Law, LawError, Setting};
+use super::setting::Setting;
 
 /// Makes a law.
 pub type Build = fn(&Setting) -> Result<Box<dyn Law>, LawError>;

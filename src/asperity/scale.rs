@@ -1,6 +1,6 @@
 //! From SI quantities to the scaled variables of the elastic laws and back.
 
-use super::LawError;
+use super::error::LawError;
 use super::noncontact::STRESS_RATIO;
 use std::f64::consts::PI;
 

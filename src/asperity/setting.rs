@@ -1,7 +1,8 @@
 //! What a law is made for: one asperity in its units, the history, and where starting tables are worth their making.
 
+use super::error::LawError;
+use super::history::Path;
 use super::scale::{Asperity, Scale, UNIT_RANGE};
-use super::{LawError, Path};
 
 /// Everything that the laws of one asperity depend on.
 #[derive(Clone, Copy, Debug, PartialEq)]

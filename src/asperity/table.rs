@@ -3,9 +3,8 @@
 //! The laws in [`super::laws`] are such tables. Their rows share parts: the same contact solution serves several laws, the same
 //! lubricant all that know one.
 
-use super::flattened::Flattened;
-use super::law::{Boundary, FitReport, Law, Piece, Regime, Responses, Smoothness};
-use super::{Setting, Work};
+use super::law::{Boundary, FitReport, Flattened, Law, Piece, Regime, Responses, Smoothness};
+use super::work::Work;
 
 /// What acts in a regime.
 pub trait Part: Send + Sync {
@@ -145,39 +144,5 @@ impl Law for Table {
 
     fn evaluate(&self, regime: usize, interference: &[f64], out: &mut Responses, work: &mut Work) {
         self.parts[regime].evaluate(interference, out, work);
-    }
-}
-
-/// A constant adhesion force and nothing else: none at all before contact in laws that know no attraction across a gap, or that of
-/// a lubricant.
-#[derive(Clone, Copy, Debug)]
-pub struct Constant {
-    adhesion: f64,
-}
-
-impl Constant {
-    /// No force.
-    pub const NOTHING: Self = Self { adhesion: 0.0 };
-
-    /// The lubricant's force while the solids do not touch, 2πRΔγ (Stanley et al. 1990; Shi and Polycarpou 2005, eq. 16).
-    pub fn lubricant(setting: &Setting) -> Self {
-        Self { adhesion: 2.0 * setting.scale.force }
-    }
-}
-
-impl Part for Constant {
-    fn cost(&self) -> f64 {
-        0.0
-    }
-
-    fn constant(&self) -> Option<f64> {
-        Some(self.adhesion)
-    }
-
-    fn evaluate(&self, interference: &[f64], out: &mut Responses, work: &mut Work) {
-        out.adhesion[..interference.len()].fill(self.adhesion);
-        out.contact[..interference.len()].fill(0.0);
-        out.area[..interference.len()].fill(0.0);
-        work.constant += interference.len() as u64;
     }
 }

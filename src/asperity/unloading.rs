@@ -36,11 +36,13 @@
 //! attraction across the gap has two states, both ways take the outer one, as the laws do. Source: Etsion, Kligerman and Kadin, Int.
 //! J. Solids Struct. 42 (2005) 3716.
 
-use super::flattened::Flattened;
-use super::law::{Boundary, End, Law, Piece, Regime, Responses, Smoothness};
+use super::error::LawError;
+use super::history::Path;
+use super::law::{BLOCK, Boundary, End, Flattened, Law, Piece, Regime, Responses, Smoothness};
 use super::models::Build;
 use super::scale::Scale;
-use super::{BLOCK, LawError, Path, Setting, Work};
+use super::setting::Setting;
+use super::work::Work;
 use crate::math::instruction_set::InstructionSet;
 use crate::math::piecewise::Piecewise;
 use crate::math::roots::{Sample, safe_newton};

@@ -7,9 +7,12 @@
 //! Elastic spheres of low λ; the limit of Maugis-Dugdale as λ → 0. Source: Derjaguin, Muller and Toporov, J. Colloid Interface
 //! Sci. 53 (1975) 314, in the form of Maugis (1992).
 
-use super::hertz::Hertzian;
-use crate::asperity::table::{Constant, Row, Table};
-use crate::asperity::{Law, LawError, Regime, Setting};
+use super::hertz::contact;
+use crate::asperity::error::LawError;
+use crate::asperity::formula::Constant;
+use crate::asperity::law::{Law, Regime};
+use crate::asperity::setting::Setting;
+use crate::asperity::table::{Row, Table};
 
 /// The law `dmt`.
 ///
@@ -18,6 +21,6 @@ use crate::asperity::{Law, LawError, Regime, Setting};
 pub fn dmt(setting: &Setting) -> Result<Box<dyn Law>, LawError> {
     Ok(Box::new(Table::new([
         Row::below(Regime::Noncontact, 0.0, Constant::NOTHING),
-        Row::last(Regime::Elastic, Hertzian::with_pull(setting, 2.0)),
+        Row::last(Regime::Elastic, contact(setting, 2.0)),
     ])))
 }

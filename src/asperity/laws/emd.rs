@@ -16,10 +16,15 @@
 
 use super::md::MaugisContact;
 use crate::asperity::emd::Emd;
-use crate::asperity::flattened::{ExtendedMaugisDugdale, Flattened};
+use crate::asperity::error::LawError;
+use crate::asperity::flattened::ExtendedMaugisDugdale;
+use crate::asperity::formula::Constant;
+use crate::asperity::history::Path;
+use crate::asperity::law::{BLOCK, End, Flattened, Law, Regime, Responses, Smoothness};
 use crate::asperity::scale::Scale;
-use crate::asperity::table::{Constant, Part, Row, Table};
-use crate::asperity::{BLOCK, End, Law, LawError, Path, Regime, Responses, Setting, Smoothness, Work};
+use crate::asperity::setting::Setting;
+use crate::asperity::table::{Part, Row, Table};
+use crate::asperity::work::Work;
 use crate::math::instruction_set::InstructionSet;
 use std::sync::Arc;
 

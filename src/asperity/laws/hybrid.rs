@@ -13,8 +13,10 @@
 //! All λ in 1e-6..1e6; independent asperities. The joints at ω_c, 6ω_c and 110ω_c are jumps of the published fits.
 
 use super::{emd, kogut_etsion};
+use crate::asperity::error::LawError;
+use crate::asperity::law::Law;
+use crate::asperity::setting::Setting;
 use crate::asperity::table::Table;
-use crate::asperity::{Law, LawError, Setting};
 
 /// The law `hybrid`.
 ///

@@ -10,10 +10,12 @@
 //! # Validity
 //! Low λ. Sources: Lee, in Shi and Polycarpou (2005), eq. B.2, whose limits are read as d + ω_c, d + 6ω_c, d + 110ω_c.
 
-use super::idmt::LennardJones;
-use super::kogut_etsion;
-use crate::asperity::table::{Constant, Row, Table};
-use crate::asperity::{Law, LawError, Regime, Setting};
+use super::{idmt, kogut_etsion};
+use crate::asperity::error::LawError;
+use crate::asperity::formula::Constant;
+use crate::asperity::law::{Law, Regime};
+use crate::asperity::setting::Setting;
+use crate::asperity::table::{Row, Table};
 
 /// The law `isbl`.
 ///
@@ -26,8 +28,9 @@ pub fn isbl(setting: &Setting) -> Result<Box<dyn Law>, LawError> {
 
 /// The rows before the solids touch.
 pub fn rows_before_contact(setting: &Setting) -> [Row; 2] {
+    let thickness = setting.lubricant_thickness;
     [
-        Row::below(Regime::Noncontact, -setting.lubricant_thickness, LennardJones::lubricated(setting)),
+        Row::below(Regime::Noncontact, -thickness, idmt::attraction(setting, thickness)),
         Row::below(Regime::Lubricant, 0.0, Constant::lubricant(setting)),
     ]
 }

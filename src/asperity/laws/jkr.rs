@@ -11,9 +11,14 @@
 //! (1971) 301; for rough surfaces Fuller and Tabor, Proc. R. Soc. Lond. A 345 (1975) 327.
 
 use crate::asperity::branch::{Anchor, Branch, Curve, State};
+use crate::asperity::error::LawError;
+use crate::asperity::formula::Constant;
+use crate::asperity::history::Path;
+use crate::asperity::law::{BLOCK, End, Law, Regime, Responses, Smoothness};
 use crate::asperity::scale::Scale;
-use crate::asperity::table::{Constant, Part, Row, Table};
-use crate::asperity::{BLOCK, End, Law, LawError, Path, Regime, Responses, Setting, Smoothness, Work};
+use crate::asperity::setting::Setting;
+use crate::asperity::table::{Part, Row, Table};
+use crate::asperity::work::Work;
 
 /// The law `jkr`.
 ///

@@ -17,19 +17,22 @@
 //! the attraction ends with 2πRΔγ, and are reproduced with their jumps. Sources: Kogut and Etsion, J. Appl. Mech. 69 (2002) 657
 //! (loads, areas); J. Colloid Interface Sci. 261 (2003) 372 (adhesion).
 
-use super::idmt::LennardJones;
-use crate::asperity::table::{Part, Row, Table};
-use crate::asperity::{BLOCK, End, Law, LawError, Regime, Responses, Setting, Smoothness, Work};
-use crate::math::instruction_set::InstructionSet;
-use crate::math::piecewise::Piecewise;
+use super::idmt;
+use crate::asperity::error::LawError;
+use crate::asperity::formula::{ClosedForm, Formula, Tabulated, Zero};
+use crate::asperity::law::{Law, Regime};
+use crate::asperity::setting::Setting;
+use crate::asperity::table::{Row, Table};
 use std::f64::consts::PI;
 
 /// x at the upper end of the first elastic-plastic regime.
-pub const FIRST_END: f64 = 6.0;
+const FIRST_END: f64 = 6.0;
 /// x at the upper end of the second elastic-plastic regime.
-pub const SECOND_END: f64 = 110.0;
+const SECOND_END: f64 = 110.0;
 /// The force x^0.298 is no power series in any root of δ; in the tenth what is left is too smooth to matter.
 const ELASTIC_ORDER: i32 = 10;
+/// Relative accuracy of tabulated powers: a few roundings, as those of a library's power and of a product.
+const TABLE_TOLERANCE: f64 = 2e-15;
 
 /// The law `ke`.
 ///
@@ -37,147 +40,87 @@ const ELASTIC_ORDER: i32 = 10;
 /// [`LawError::Elastic`] without a critical interference.
 pub fn ke(setting: &Setting) -> Result<Box<dyn Law>, LawError> {
     setting.plastic("ke")?;
-    let before = Row::below(Regime::Noncontact, 0.0, LennardJones::dry(setting));
+    let before = Row::below(Regime::Noncontact, 0.0, idmt::attraction(setting, 0.0));
     Ok(Box::new(Table::new([before].into_iter().chain(contact_rows(setting)))))
 }
 
 /// The four rows of contact.
-pub fn contact_rows(setting: &Setting) -> impl Iterator<Item = Row> {
-    let elastic = Row::up_to(Regime::Elastic, setting.critical_interference, Powers::elastic(setting));
+pub fn contact_rows(setting: &Setting) -> impl Iterator<Item = Row> + use<> {
+    let critical = Critical::new(setting);
+    let pull = critical.power(critical.pull(-0.29) * 0.98, 0.298, (0.0, 1.0));
+    let elastic = critical.elastic(pull, ELASTIC_ORDER);
     [elastic].into_iter().chain(plastic_rows(setting))
 }
 
 /// The three rows above ω_c.
 pub fn plastic_rows(setting: &Setting) -> [Row; 3] {
-    let critical = setting.critical_interference;
-    let [first, second, plastic] = Powers::above_critical(setting);
-    [
-        Row::up_to(Regime::Elastoplastic1, FIRST_END * critical, first),
-        Row::up_to(Regime::Elastoplastic2, SECOND_END * critical, second),
-        Row::last(Regime::Plastic, plastic),
-    ]
+    let critical = Critical::new(setting);
+    let first = critical.power(critical.pull(-0.321) * 0.79, 0.356, (1.0, FIRST_END));
+    let second = critical.power(critical.pull(-0.332) * 1.19, 0.093, (FIRST_END, SECOND_END));
+    critical.plastic(first, second, Zero)
 }
 
-/// Forces and area of a regime as powers of x.
-#[derive(Clone, Debug)]
-pub struct Powers {
-    inverse_critical: f64,
-    adhesion: Power,
-    contact: Power,
-    area: Power,
-    elastic: bool,
+/// The contact of an asperity in units of that at ω_c.
+pub struct Critical<'a> {
+    setting: &'a Setting,
+    /// 1/ω_c, 1/m.
+    per_length: f64,
+    /// P_c, N.
+    load: f64,
+    /// πRω_c, m².
+    disc: f64,
 }
 
-impl Powers {
-    /// The regime up to ω_c.
-    pub fn elastic(setting: &Setting) -> Self {
-        Self { elastic: true, ..Self::new(setting, (0.0, 1.0), (0.98, 0.298, -0.29), (1.0, 1.5), (1.0, 1.0)) }
-    }
-
-    /// The three regimes above ω_c.
-    pub fn above_critical(setting: &Setting) -> [Self; 3] {
-        let factor = 3.0 / setting.pressure_factor;
-        [
-            Self::new(setting, (1.0, FIRST_END), (0.79, 0.356, -0.321), (1.03, 1.425), (0.93, 1.136)),
-            Self::new(setting, (FIRST_END, SECOND_END), (1.19, 0.093, -0.332), (1.40, 1.263), (0.94, 1.146)),
-            Self::new(setting, (SECOND_END, f64::INFINITY), (0.0, 0.0, 0.0), (factor, 1.0), (2.0, 1.0)),
-        ]
-    }
-
-    /// The same loads and areas without adhesion.
-    pub fn without_adhesion(self) -> Self {
-        Self { adhesion: Power::new(0.0, 0.0, (0.0, 0.0)), ..self }
-    }
-
-    /// `x` is the regime's interval; adhesion has a factor, an exponent and the exponent of ε/ω_c, the others factor and exponent.
-    fn new(setting: &Setting, x: (f64, f64), adhesion: (f64, f64, f64), contact: (f64, f64), area: (f64, f64)) -> Self {
-        let critical = setting.critical_interference;
-        let scaled = critical / setting.scale.length;
-        let load = setting.scale.force * scaled * scaled.sqrt();
-        let disc = PI * setting.scale.radius * setting.scale.radius * scaled;
-        let ratio = setting.scale.equilibrium_spacing() / critical;
-        let pull = 2.0 * setting.scale.force * libm::pow(ratio, adhesion.2);
-        let reach = (x.0, setting.reach.map_or(x.0, |(_, deepest)| x.1.min(deepest / critical)));
+impl<'a> Critical<'a> {
+    /// The units of a setting.
+    pub fn new(setting: &'a Setting) -> Self {
+        let scaled = setting.critical_interference / setting.scale.length;
         Self {
-            inverse_critical: 1.0 / critical,
-            adhesion: Power::new(pull * adhesion.0, adhesion.1, reach),
-            contact: Power::new(load * contact.0, contact.1, reach),
-            area: Power::new(disc * area.0, area.1, reach),
-            elastic: false,
+            setting,
+            per_length: 1.0 / setting.critical_interference,
+            load: setting.scale.force * scaled * scaled.sqrt(),
+            disc: PI * setting.scale.radius * setting.scale.radius * scaled,
         }
     }
-}
 
-/// Factor · x^exponent.
-#[derive(Clone, Debug)]
-struct Power {
-    factor: f64,
-    exponent: f64,
-    /// The whole, for exponents that take more than a product.
-    table: Piecewise,
-}
-
-/// Relative accuracy of tabulated powers: a few roundings, as those of a library's power and of a product.
-const TABLE_TOLERANCE: f64 = 2e-15;
-
-impl Power {
-    /// With a table for x in the interval `reach`.
-    fn new(factor: f64, exponent: f64, reach: (f64, f64)) -> Self {
-        let mut power = Self { factor, exponent, table: Piecewise::default() };
-        if exponent != 0.0 && exponent != 1.0 {
-            power.table = Piecewise::new(|x| power.value(x), |_, value| TABLE_TOLERANCE * value, reach.0, reach.1);
-        }
-        power
+    /// 2πRΔγ(ε/ω_c)^exponent, N.
+    fn pull(&self, exponent: f64) -> f64 {
+        let ratio = self.setting.scale.equilibrium_spacing() / self.setting.critical_interference;
+        2.0 * self.setting.scale.force * libm::pow(ratio, exponent)
     }
 
-    fn value(&self, x: f64) -> f64 {
-        self.factor * libm::pow(x, self.exponent)
+    /// factor · x^exponent in a regime of x.
+    fn power(&self, factor: f64, exponent: f64, (begin, end): (f64, f64)) -> impl Formula + use<> {
+        let reach = self.setting.reach.map(|(_, deepest)| deepest / self.setting.critical_interference);
+        let end = reach.map_or(begin, |deepest| end.min(deepest));
+        let power = move |x: f64| factor * libm::pow(x, exponent);
+        Tabulated::new(1.0, self.per_length, power, TABLE_TOLERANCE, (begin, end))
     }
 
-    /// The values at places x > 0.
-    #[inline(always)]
-    fn values(&self, places: &[f64], out: &mut [f64]) {
-        if self.exponent == 0.0 {
-            out.fill(self.factor);
-        } else if self.exponent == 1.0 {
-            out.iter_mut().zip(places).for_each(|(value, x)| *value = self.factor * x);
-        } else {
-            self.table.values(places, out);
-            if out.iter().fold(false, |any, value| any | value.is_nan()) {
-                let missing = out.iter_mut().zip(places).filter(|(value, _)| value.is_nan());
-                missing.for_each(|(value, x)| *value = self.value(*x));
-            }
-        }
-    }
-}
-
-impl Part for Powers {
-    fn smoothness(&self, lower: f64, _: f64) -> (Vec<f64>, Vec<Smoothness>) {
-        let smoothness = if self.elastic {
-            Smoothness::Root { end: End::Lower, place: lower, order: ELASTIC_ORDER }
-        } else {
-            Smoothness::Smooth
-        };
-        (Vec::new(), vec![smoothness])
+    /// factor · x.
+    fn multiple(&self, factor: f64) -> impl Formula + use<> {
+        let per_length = self.per_length;
+        move |delta: f64| factor * (delta * per_length)
     }
 
-    fn cost(&self) -> f64 {
-        if self.contact.exponent == 1.0 { 1.0 } else { 4.0 }
+    /// The row up to ω_c, with its adhesion, which is smooth in (δ/ω_c)^(1/order).
+    pub fn elastic(&self, adhesion: impl Formula, order: i32) -> Row {
+        let load = self.power(self.load, 1.5, (0.0, 1.0));
+        let contact = ClosedForm::new(adhesion, load, self.multiple(self.disc)).with_root(0.0, order);
+        Row::up_to(Regime::Elastic, self.setting.critical_interference, contact)
     }
 
-    fn evaluate(&self, interference: &[f64], out: &mut Responses, work: &mut Work) {
-        let count = interference.len();
-        let mut places = [0.0; BLOCK];
-        let places = &mut places[..count];
-        InstructionSet::current().run(
-            #[inline(always)]
-            || {
-                places.iter_mut().zip(interference).for_each(|(x, delta)| *x = delta * self.inverse_critical);
-                self.adhesion.values(places, &mut out.adhesion[..count]);
-                self.contact.values(places, &mut out.contact[..count]);
-                self.area.values(places, &mut out.area[..count]);
-            },
-        );
-        work.closed_form += count as u64;
+    /// The rows above ω_c, each with its adhesion.
+    pub fn plastic(&self, first: impl Formula, second: impl Formula, last: impl Formula) -> [Row; 3] {
+        let (critical, x) = (self.setting.critical_interference, [(1.0, FIRST_END), (FIRST_END, SECOND_END)]);
+        let power = |factor, exponent, x| self.power(factor, exponent, x);
+        let loads = (power(self.load * 1.03, 1.425, x[0]), power(self.load * 1.40, 1.263, x[1]));
+        let areas = (power(self.disc * 0.93, 1.136, x[0]), power(self.disc * 0.94, 1.146, x[1]));
+        let plastic = (self.multiple(self.load * (3.0 / self.setting.pressure_factor)), self.multiple(self.disc * 2.0));
+        [
+            Row::up_to(Regime::Elastoplastic1, FIRST_END * critical, ClosedForm::new(first, loads.0, areas.0)),
+            Row::up_to(Regime::Elastoplastic2, SECOND_END * critical, ClosedForm::new(second, loads.1, areas.1)),
+            Row::last(Regime::Plastic, ClosedForm::new(last, plastic.0, plastic.1)),
+        ]
     }
 }

@@ -8,9 +8,13 @@
 //! Mohd Azhar, J. Tribol. 125 (2003) 700, who leave out what acts before contact.
 
 use crate::asperity::emd::Emd;
+use crate::asperity::error::LawError;
+use crate::asperity::formula::Constant;
+use crate::asperity::law::{BLOCK, End, Law, Regime, Responses, Smoothness};
 use crate::asperity::scale::Scale;
-use crate::asperity::table::{Constant, Part, Row, Table};
-use crate::asperity::{BLOCK, End, Law, LawError, Regime, Responses, Setting, Smoothness, Work};
+use crate::asperity::setting::Setting;
+use crate::asperity::table::{Part, Row, Table};
+use crate::asperity::work::Work;
 use crate::math::instruction_set::InstructionSet;
 use std::sync::Arc;
 

@@ -14,15 +14,15 @@
 //! Low λ. Sources: Stanley, Etsion and Bogy, J. Tribol. 112 (1990) 98; Shi and Polycarpou (2005), eq. B.1.
 
 use super::isbl;
-use super::kogut_etsion::{FIRST_END, Powers, SECOND_END};
-use crate::asperity::table::{Part, Row, Table};
-use crate::asperity::{BLOCK, End, Law, LawError, Regime, Responses, Setting, Smoothness, Work};
-use crate::math::instruction_set::InstructionSet;
-use crate::math::piecewise::Piecewise;
+use super::kogut_etsion::Critical;
+use crate::asperity::error::LawError;
+use crate::asperity::formula::{Formula, Tabulated};
+use crate::asperity::law::Law;
+use crate::asperity::setting::Setting;
+use crate::asperity::table::Table;
 use crate::math::polynomials::horner;
 use crate::math::quadrature::{NODES, Rule};
 use std::f64::consts::PI;
-use std::sync::Arc;
 
 /// Relative accuracy of the table.
 const TABLE_TOLERANCE: f64 = 1e-13;
@@ -35,67 +35,18 @@ const QUADRATURE_TOLERANCE: f64 = 1e-15;
 /// [`LawError::Elastic`] without a critical interference.
 pub fn sbl(setting: &Setting) -> Result<Box<dyn Law>, LawError> {
     setting.plastic("sbl")?;
-    let critical = setting.critical_interference;
-    let attraction = Arc::new(RingAttraction::new(setting));
-    let contact = |powers: Powers, first| SblContact {
-        attraction: Arc::clone(&attraction),
-        powers: powers.without_adhesion(),
-        first,
-    };
-    let [first, second, plastic] = Powers::above_critical(setting);
-    let rows = [
-        Row::up_to(Regime::Elastic, critical, contact(Powers::elastic(setting), true)),
-        Row::up_to(Regime::Elastoplastic1, FIRST_END * critical, contact(first, false)),
-        Row::up_to(Regime::Elastoplastic2, SECOND_END * critical, contact(second, false)),
-        Row::last(Regime::Plastic, contact(plastic, false)),
-    ];
+    let (critical, ring) = (Critical::new(setting), ring_attraction(setting));
+    let rows =
+        [critical.elastic(ring.clone(), 2)].into_iter().chain(critical.plastic(ring.clone(), ring.clone(), ring));
     Ok(Box::new(Table::new(isbl::rows_before_contact(setting).into_iter().chain(rows))))
 }
 
-/// F_s around a contact by its interference.
-#[derive(Clone, Debug)]
-struct RingAttraction {
-    force: f64,
-    /// 1/(πZ₀), 1/m.
-    inverse_length: f64,
-    /// F_s/2πRΔγ over √p.
-    table: Piecewise,
-}
-
-impl RingAttraction {
-    fn new(setting: &Setting) -> Self {
-        let inverse_length = 1.0 / (PI * setting.scale.equilibrium_spacing());
-        let deepest = setting.reach.map_or(0.0, |(_, deepest)| deepest.max(0.0) * inverse_length);
-        let rule = Rule::shared();
-        let table = Piecewise::new(
-            |root| ring_integral(root * root, rule),
-            |_, value| TABLE_TOLERANCE * value,
-            0.0,
-            deepest.sqrt(),
-        );
-        Self { force: 2.0 * setting.scale.force, inverse_length, table }
-    }
-
-    /// F_s, N, at interferences δ ≥ 0, m.
-    fn at(&self, interference: &[f64], adhesion: &mut [f64]) {
-        let mut roots = [0.0; BLOCK];
-        let (roots, adhesion) = (&mut roots[..interference.len()], &mut adhesion[..interference.len()]);
-        InstructionSet::current().run(
-            #[inline(always)]
-            || {
-                for (root, &delta) in roots.iter_mut().zip(interference) {
-                    *root = (delta * self.inverse_length).sqrt();
-                }
-                self.table.values(roots, adhesion);
-            },
-        );
-        for (force, &delta) in adhesion.iter_mut().zip(interference) {
-            if force.is_nan() {
-                *force = ring_integral(delta * self.inverse_length, Rule::shared());
-            }
-            *force *= self.force;
-        }
-    }
+/// F_s around a contact that keeps its elastic profile, at interferences δ ≥ 0.
+pub fn ring_attraction(setting: &Setting) -> impl Formula + use<> {
+    let per_length = 1.0 / (PI * setting.scale.equilibrium_spacing());
+    let deepest = setting.reach.map_or(0.0, |(_, deepest)| deepest.max(0.0) * per_length);
+    let integral = |p: f64| ring_integral(p, Rule::shared());
+    Tabulated::over_root(2.0 * setting.scale.force, per_length, integral, TABLE_TOLERANCE, (0.0, deepest))
 }
 
 /// g(u) = u + (u² − 1) arctan u, which is (4/3)u³ − … for small u.
@@ -133,31 +84,6 @@ fn ring_integral(p: f64, rule: &Rule) -> f64 {
         }
     });
     8.0 / 3.0 * PI * p * integral.value[0]
-}
-
-/// A regime of contact.
-struct SblContact {
-    attraction: Arc<RingAttraction>,
-    powers: Powers,
-    /// Whether it is the regime that begins at δ = 0.
-    first: bool,
-}
-
-impl Part for SblContact {
-    fn smoothness(&self, lower: f64, _: f64) -> (Vec<f64>, Vec<Smoothness>) {
-        let smoothness =
-            if self.first { Smoothness::Root { end: End::Lower, place: lower, order: 2 } } else { Smoothness::Smooth };
-        (Vec::new(), vec![smoothness])
-    }
-
-    fn cost(&self) -> f64 {
-        self.powers.cost() + 5.0
-    }
-
-    fn evaluate(&self, interference: &[f64], out: &mut Responses, work: &mut Work) {
-        self.powers.evaluate(interference, out, work);
-        self.attraction.at(interference, &mut out.adhesion);
-    }
 }
 
 #[cfg(test)]

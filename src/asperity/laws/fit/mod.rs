@@ -22,9 +22,13 @@ mod refit;
 pub use forms::{Coefficients, FORCES, NAMES};
 
 use super::kogut_etsion::plastic_rows;
+use crate::asperity::error::LawError;
+use crate::asperity::formula::{ClosedForm, Constant};
+use crate::asperity::law::{End, Law, Regime, Responses, Smoothness};
 use crate::asperity::scale::{Asperity, Scale};
-use crate::asperity::table::{Constant, Part, Row, Table};
-use crate::asperity::{End, Law, LawError, Regime, Responses, Setting, Smoothness, Work};
+use crate::asperity::setting::Setting;
+use crate::asperity::table::{Part, Row, Table};
+use crate::asperity::work::Work;
 use refit::{Direct, FITTED, JUDGED};
 use std::f64::consts::PI;
 
@@ -67,12 +71,9 @@ fn law(setting: &Setting, coefficients: &Coefficients) -> Result<Box<dyn Law>, L
     let critical_approach = setting.critical_approach.unwrap_or(-direct.end * setting.scale.length);
     let thickness = setting.lubricant_thickness;
     let (scale, coefficients) = (setting.scale, *coefficients);
+    let attraction = move |delta: f64| scale.force * coefficients.noncontact((delta + thickness) / scale.length);
     let rows = [
-        Row::below(
-            Regime::Noncontact,
-            -critical_approach - thickness,
-            FittedAttraction { coefficients, scale, thickness },
-        ),
+        Row::below(Regime::Noncontact, -critical_approach - thickness, ClosedForm::attraction(attraction)),
         Row::below(Regime::Lubricant, -critical_approach, Constant::lubricant(setting)),
         Row::up_to(Regime::Elastic, setting.critical_interference, FittedContact { coefficients, scale }),
     ];
@@ -107,30 +108,6 @@ fn published(scale: &Scale) -> Option<Coefficients> {
             && same(own.force, scale.force);
         if is_it { Some(Coefficients::from_list(coefficients.try_into().ok()?)) } else { None }
     })
-}
-
-/// f_snc.
-#[derive(Clone, Copy, Debug)]
-struct FittedAttraction {
-    coefficients: Coefficients,
-    scale: Scale,
-    thickness: f64,
-}
-
-impl Part for FittedAttraction {
-    fn cost(&self) -> f64 {
-        4.0
-    }
-
-    fn evaluate(&self, interference: &[f64], out: &mut Responses, work: &mut Work) {
-        for (i, &delta) in interference.iter().enumerate() {
-            out.adhesion[i] =
-                self.scale.force * self.coefficients.noncontact((delta + self.thickness) / self.scale.length);
-        }
-        out.contact[..interference.len()].fill(0.0);
-        out.area[..interference.len()].fill(0.0);
-        work.closed_form += interference.len() as u64;
-    }
 }
 
 /// f_sel and f_f.

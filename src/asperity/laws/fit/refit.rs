@@ -5,8 +5,10 @@
 
 use super::forms::{Coefficients, lorentzian, power, two_powers};
 use crate::asperity::emd::Emd;
+use crate::asperity::error::LawError;
 use crate::asperity::law::FitReport;
-use crate::asperity::{LawError, Setting, Work};
+use crate::asperity::setting::Setting;
+use crate::asperity::work::Work;
 use crate::math::least_squares::least_squares;
 
 /// Approaches that each force is fitted on.

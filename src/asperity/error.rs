@@ -1,0 +1,56 @@
+//! Errors of making a law.
+
+use thiserror::Error;
+
+/// Why a law cannot be made.
+#[derive(Clone, Copy, Debug, Error, PartialEq)]
+pub enum LawError {
+    /// λ outside the range that is solved.
+    #[error("the adhesion parameter lambda is {0:e}, outside 1e-6..1e6")]
+    Lambda(f64),
+    /// A unit of the scaled variables outside the range whose powers are numbers.
+    #[error(
+        "the unit of {name} that follows from asperity_radius, work_of_adhesion and reduced_modulus is {value:e} in SI, outside \
+         1e-60..1e60"
+    )]
+    Unit {
+        /// What it is the unit of.
+        name: &'static str,
+        /// Its value, SI.
+        value: f64,
+    },
+    /// A length that is too small or too large beside the unit of the approach.
+    #[error("{name} is {value:e}, outside 1e-60..1e60 times the unit of the approach")]
+    Length {
+        /// Name of the quantity, as in scenes.
+        name: &'static str,
+        /// What was given or follows, SI.
+        value: f64,
+    },
+    /// ω_c is infinite, but the law has an elastic-plastic scale even in its elastic regime.
+    #[error("no critical interference is given, which the law {0} needs")]
+    Elastic(&'static str),
+    /// The asperity is none of the three whose curve fits are published.
+    #[error(
+        "Table 3 has curve fits for three asperities only (R, work of adhesion: 1.66 um, 0.01 J/m^2; 3.33 um, 0.09 J/m^2; \
+         6.38 um, 0.30 J/m^2; E_r 85.29 GPa, Z_0 0.2 nm), and this is none of them; fit:refit fits any"
+    )]
+    NotInTable3,
+    /// The law is fitted to one asperity, and there are asperities of many radii.
+    #[error("it is a fit to one asperity, and asperities differ in their radii")]
+    OneRadius,
+    /// The law is fitted to one asperity, and tops that have flowed have radii of their own.
+    #[error("it is a fit to one radius, so unloaded_radius has to be \"kept\"")]
+    NotFlattened,
+    /// The published forms cannot be fitted to the direct law.
+    #[error("the published forms cannot be fitted to the law of this asperity")]
+    NoFit,
+    /// A quantity that has to be positive and finite.
+    #[error("{name} is {value:e}, but has to be positive and finite")]
+    NotPositive {
+        /// Name of the quantity, as in scenes.
+        name: &'static str,
+        /// What was given, SI.
+        value: f64,
+    },
+}

@@ -1,0 +1,268 @@
+//! Closed forms as they are printed: a formula for each force at one interference, from which [`ClosedForm`] makes the loop over blocks.
+//!
+//! # Examples
+//! Hertz's contact under a constant pull, DMT's law:
+//!
+//! ```
+//! use stiction::asperity::formula::{ClosedForm, Constant};
+//! use stiction::asperity::table::{Row, Table};
+//! use stiction::asperity::{Law, LawError, Regime, Setting};
+//! use std::f64::consts::PI;
+//!
+//! fn dmt(setting: &Setting) -> Result<Box<dyn Law>, LawError> {
+//!     // s_δ, s_a and s_F: F_s = 2πRΔγ = 2 s_F, P = s_F (δ/s_δ)^(3/2), area = π s_a² δ/s_δ.
+//!     let scale = setting.scale;
+//!     let adhesion = move |_: f64| 2.0 * scale.force;
+//!     let contact = move |delta: f64| scale.force * (delta / scale.length).powi(3).sqrt();
+//!     let area = move |delta: f64| PI * scale.radius * scale.radius * delta / scale.length;
+//!     Ok(Box::new(Table::new([
+//!         Row::below(Regime::Noncontact, 0.0, Constant::NOTHING),
+//!         Row::last(Regime::Elastic, ClosedForm::new(adhesion, contact, area).with_root(0.0, 2)),
+//!     ])))
+//! }
+//! ```
+
+use super::law::{BLOCK, End, Flattened, Responses, Smoothness};
+use super::setting::Setting;
+use super::table::Part;
+use super::work::Work;
+use crate::math::instruction_set::InstructionSet;
+use crate::math::piecewise::Piecewise;
+
+/// One quantity of an asperity by its interference δ, m: any `Fn(f64) -> f64` is one.
+pub trait Formula: Clone + Send + Sync + 'static {
+    /// Fills `out` with the values at interferences δ, m.
+    fn fill(&self, interference: &[f64], out: &mut [f64]);
+}
+
+impl<F: Fn(f64) -> f64 + Clone + Send + Sync + 'static> Formula for F {
+    #[inline(always)]
+    fn fill(&self, interference: &[f64], out: &mut [f64]) {
+        for (value, &delta) in out.iter_mut().zip(interference) {
+            *value = self(delta);
+        }
+    }
+}
+
+/// No force and no area.
+#[derive(Clone, Copy, Debug)]
+pub struct Zero;
+
+impl Formula for Zero {
+    #[inline(always)]
+    fn fill(&self, _: &[f64], out: &mut [f64]) {
+        out.fill(0.0);
+    }
+}
+
+/// A formula that takes longer than a few products, such as a power or an integral, and is read from a table where it has one.
+#[derive(Clone, Debug)]
+pub struct Tabulated<F> {
+    formula: F,
+    /// What the formula is of, δ times this, 1/m.
+    per_length: f64,
+    /// What its values are multiplied by.
+    unit: f64,
+    /// Whether the table is over the root of the variable.
+    over_root: bool,
+    table: Piecewise,
+}
+
+impl<F: Fn(f64) -> f64> Tabulated<F> {
+    /// `unit` times the formula of x = δ `per_length`, with a table on the interval `reach` of x that meets it to a relative `tolerance`.
+    pub fn new(unit: f64, per_length: f64, formula: F, tolerance: f64, reach: (f64, f64)) -> Self {
+        let table = Piecewise::new(&formula, |_, value| tolerance * value, reach.0, reach.1);
+        Self { formula, per_length, unit, over_root: false, table }
+    }
+
+    /// The same for a formula that is smooth in √x.
+    pub fn over_root(unit: f64, per_length: f64, formula: F, tolerance: f64, reach: (f64, f64)) -> Self {
+        let of_root = |root: f64| formula(root * root);
+        let table = Piecewise::new(of_root, |_, value| tolerance * value, reach.0.sqrt(), reach.1.sqrt());
+        Self { formula, per_length, unit, over_root: true, table }
+    }
+
+    /// Values that the table does not have.
+    #[cold]
+    fn complete(&self, interference: &[f64], out: &mut [f64]) {
+        for (value, &delta) in out.iter_mut().zip(interference).filter(|(value, _)| value.is_nan()) {
+            *value = (self.formula)(delta * self.per_length);
+        }
+    }
+}
+
+impl<F: Fn(f64) -> f64 + Clone + Send + Sync + 'static> Formula for Tabulated<F> {
+    #[inline(always)]
+    fn fill(&self, interference: &[f64], out: &mut [f64]) {
+        let mut places = [0.0; BLOCK];
+        let places = &mut places[..interference.len()];
+        places.iter_mut().zip(interference).for_each(|(place, delta)| *place = delta * self.per_length);
+        if self.over_root {
+            places.iter_mut().for_each(|place| *place = place.sqrt());
+        }
+        self.table.values(places, out);
+        if out.iter().fold(false, |any, value| any | value.is_nan()) {
+            self.complete(interference, out);
+        }
+        if self.unit != 1.0 {
+            out.iter_mut().for_each(|value| *value *= self.unit);
+        }
+    }
+}
+
+/// Where a closed form begins to vary like a root of δ.
+#[derive(Clone, Copy, Debug)]
+struct Root {
+    /// δ from which it does, m.
+    from: f64,
+    /// δ of the root, m.
+    place: f64,
+    order: i32,
+}
+
+/// What acts in a regime, by a formula for the adhesion force F_s, N, the contact force P, N, and the contact area, m².
+#[derive(Clone, Debug)]
+pub struct ClosedForm<F, P, A> {
+    adhesion: F,
+    contact: P,
+    area: A,
+    roots: Vec<Root>,
+    capture: Option<f64>,
+    is_proportional: bool,
+}
+
+/// Nanoseconds of one evaluation, about.
+const NANOSECONDS: f64 = 4.0;
+
+impl<F: Formula> ClosedForm<F, Zero, Zero> {
+    /// An attraction alone, smooth.
+    pub fn attraction(adhesion: F) -> Self {
+        Self::new(adhesion, Zero, Zero)
+    }
+}
+
+impl<F: Formula, P: Formula, A: Formula> ClosedForm<F, P, A> {
+    /// Formulas for F_s, P and the area, smooth.
+    pub fn new(adhesion: F, contact: P, area: A) -> Self {
+        Self { adhesion, contact, area, roots: Vec::new(), capture: None, is_proportional: false }
+    }
+
+    /// The same, but from the interference `place`, m, on smooth in (δ − place)^(1/order) only.
+    pub fn with_root(self, place: f64, order: i32) -> Self {
+        self.with_root_from(place, place, order)
+    }
+
+    /// The same with the root at a `place` before the interference `from` which it acts.
+    pub fn with_root_from(mut self, from: f64, place: f64, order: i32) -> Self {
+        self.roots.push(Root { from, place, order });
+        self
+    }
+
+    /// The same with the interference, m, from which an asperity that turns back takes another way.
+    pub fn with_capture(self, interference: f64) -> Self {
+        Self { capture: Some(interference), ..self }
+    }
+
+    /// The same, told to be an attraction before contact that is proportional to the radius of the asperity at each δ.
+    pub fn proportional_to_radius(self) -> Self {
+        Self { is_proportional: true, ..self }
+    }
+}
+
+impl<F: Formula, P: Formula, A: Formula> Part for ClosedForm<F, P, A> {
+    fn smoothness(&self, lower: f64, upper: f64) -> (Vec<f64>, Vec<Smoothness>) {
+        let mut ends: Vec<f64> = self.roots.iter().map(|root| root.from).collect();
+        ends.retain(|end| lower < *end && *end < upper);
+        ends.sort_by(f64::total_cmp);
+        let of = |begin: f64| {
+            let roots = self.roots.iter().filter(|root| root.from <= begin);
+            roots.max_by(|a, b| a.from.total_cmp(&b.from)).map_or(Smoothness::Smooth, |root| Smoothness::Root {
+                end: End::Lower,
+                place: root.place,
+                order: root.order,
+            })
+        };
+        let smoothness = [lower].into_iter().chain(ends.iter().copied()).map(of).collect();
+        (ends, smoothness)
+    }
+
+    fn cost(&self) -> f64 {
+        NANOSECONDS
+    }
+
+    fn capture(&self) -> Option<f64> {
+        self.capture
+    }
+
+    fn flattened(&self) -> Option<Box<dyn Flattened>> {
+        let adhesion = self.is_proportional.then(|| self.adhesion.clone())?;
+        Some(Box::new(Proportional { adhesion }))
+    }
+
+    fn evaluate(&self, interference: &[f64], out: &mut Responses, work: &mut Work) {
+        let count = interference.len();
+        InstructionSet::current().run(
+            #[inline(always)]
+            || {
+                self.adhesion.fill(interference, &mut out.adhesion[..count]);
+                self.contact.fill(interference, &mut out.contact[..count]);
+                self.area.fill(interference, &mut out.area[..count]);
+            },
+        );
+        work.closed_form += count as u64;
+    }
+}
+
+/// An attraction before contact that is proportional to the radius.
+struct Proportional<F> {
+    adhesion: F,
+}
+
+impl<F: Formula> Flattened for Proportional<F> {
+    fn release(&self, _: f64) -> f64 {
+        0.0
+    }
+
+    fn kink(&self, _: f64) -> Option<f64> {
+        None
+    }
+
+    fn attraction(&self, ratios: &[f64], interference: &[f64], out: &mut Responses, work: &mut Work) {
+        ClosedForm::attraction(self.adhesion.clone()).evaluate(interference, out, work);
+        out.adhesion.iter_mut().zip(ratios).for_each(|(adhesion, ratio)| *adhesion *= ratio);
+    }
+}
+
+/// A constant adhesion force and nothing else: none at all before contact in laws that know no attraction across a gap, or that of
+/// a lubricant. Nothing is evaluated where it acts.
+#[derive(Clone, Copy, Debug)]
+pub struct Constant {
+    adhesion: f64,
+}
+
+impl Constant {
+    /// No force.
+    pub const NOTHING: Self = Self { adhesion: 0.0 };
+
+    /// The lubricant's force while the solids do not touch, 2πRΔγ (Stanley et al. 1990; Shi and Polycarpou 2005, eq. 16).
+    pub fn lubricant(setting: &Setting) -> Self {
+        Self { adhesion: 2.0 * setting.scale.force }
+    }
+}
+
+impl Part for Constant {
+    fn cost(&self) -> f64 {
+        0.0
+    }
+
+    fn constant(&self) -> Option<f64> {
+        Some(self.adhesion)
+    }
+
+    fn evaluate(&self, interference: &[f64], out: &mut Responses, work: &mut Work) {
+        out.adhesion[..interference.len()].fill(self.adhesion);
+        out.contact[..interference.len()].fill(0.0);
+        out.area[..interference.len()].fill(0.0);
+        work.constant += interference.len() as u64;
+    }
+}

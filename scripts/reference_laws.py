@@ -9,10 +9,12 @@ functions of lambda and delta, with the condition number of each, by the laws
 * md_kim: md in contact, the Dugdale stress kept at sigma_0 before contact;
 * ke: idmt before contact, in contact the fits of L. Kogut and I. Etsion to their elastic-plastic sphere;
 * sbl: idmt before contact, in contact the Lennard-Jones stress integrated over the Hertz gap outside the contact,
-  with the load and the contact radius of ke.
+  with the load and the contact radius of ke;
+* ceb: idmt before contact, hertz with the adhesion force of sbl up to the critical interference; above it the contact of
+  constant volume of W. R. Chang, I. Etsion and D. B. Bogy under their mean pressure, with the adhesion force of dmt.
 
 They are written down in closed form, along a parameter where delta cannot be solved for, with no series; all
-arithmetic has 80 digits instead. The one integral (sbl) is done twice, by different rules in different variables.
+arithmetic has 80 digits instead. The one integral (sbl, ceb) is done twice, by different rules in different variables.
 
 Scaled quantities, with K = 4/3 E_r and g = pi * (work of adhesion):
     delta and omega_c in (g^2 R / K^2)^(1/3), contact radius in (g R^2 / K)^(1/3), forces in g R,
@@ -384,6 +386,19 @@ def sbl(path, lam, delta, critical, poisson):
     return state._replace(adhesion=Quantity(force, slope, slope))
 
 
+def ceb(path, lam, delta, critical, poisson):
+    if delta < 0:
+        return rigid_sphere(lam, delta)
+    if delta <= critical:
+        force, slope = hertz_profile_force(delta / (mp.pi * spacing(lam))) if delta else (mpf(2), mpf(0))
+        return hertz_contact(delta, Quantity(force, slope, slope))
+    # A = pi R (2 delta - omega_c), P = K H A, where K H A = 3/2 P_c at A = pi R omega_c
+    radius = mp.sqrt(2 * delta - critical)
+    pressure = mpf(3) / 2 * mp.sqrt(critical)
+    load = Quantity(pressure * radius**2, 2 * pressure * delta, mpf(0))
+    return State("contact", load, constant(2), Quantity(radius, delta / radius, mpf(0)))
+
+
 def cases():
     """Law, path and the texts of the inputs of every row."""
     both = ("approach", "retraction")
@@ -405,7 +420,7 @@ def cases():
             for lam in lams:
                 for delta in deltas or ordered(DELTAS + end_points(lam)):
                     yield law, path, lam, delta, "", ""
-    for law in (ke, sbl):
+    for law in (ke, sbl, ceb):
         for critical, poisson in MATERIALS:
             multiples = [str(float(Decimal(critical) * Decimal(x))) for x in MULTIPLES]
             for lam in PLASTIC_LAMBDAS:

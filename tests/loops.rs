@@ -23,7 +23,7 @@ fn cycle(law: &str, asperity: &Asperity) -> Loop {
 
 fn cycle_of(law: &str, asperity: &Asperity, radius: UnloadedRadius) -> Loop {
     let setting = Setting::new(asperity, Path::Approach, (-60e-9, 60e-9)).unwrap();
-    Loop::new(model(law).unwrap().build, &setting, radius).unwrap()
+    Loop::new(&model(law).unwrap(), &setting, radius).unwrap()
 }
 
 fn job<'a>(cycle: &'a Loop, surface: &'a Surface, separations: &'a [f64], replicas: u64) -> Job<'a> {

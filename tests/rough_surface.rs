@@ -195,7 +195,7 @@ fn assert_nothing_is_lost(law: &dyn Law, surface: &Surface, h: f64, what: &str) 
 fn assert_nothing_is_lost_near(criticals: &[f64], name: &str, decades: std::ops::Range<u32>, per_decade: u32) {
     let (_, surface) = case("II");
     let (sigma, reach) = (surface.surface_height_std, (-40e-9, 40e-9));
-    let build = model(name).unwrap().build;
+    let model = model(name).unwrap();
     let steps = (decades.start * per_decade..decades.end * per_decade).map(f64::from);
     let distances = steps.map(|step| libm::pow(10.0, step / f64::from(per_decade) - 15.0));
     let sides: Vec<f64> = distances.flat_map(|distance| [-distance, distance]).chain([0.0]).collect();
@@ -205,11 +205,14 @@ fn assert_nothing_is_lost_near(criticals: &[f64], name: &str, decades: std::ops:
         for (path, way) in [(Path::Approach, "approach"), (Path::Retraction, "retraction")] {
             let setting = Setting::new(&asperity, path, reach).unwrap();
             // The published fits are of other asperities.
-            let Ok(law) = build(&setting) else { return assert_eq!(name, "fit:paper") };
+            let Ok(law) = (model.build)(&setting) else { return assert_eq!(name, "fit:paper") };
             assert_nothing_is_lost(law.as_ref(), &surface, 1.5 * sigma, &what(way));
         }
-        let cycle =
-            Loop::new(build, &Setting::new(&asperity, Path::Approach, reach).unwrap(), UnloadedRadius::Kept).unwrap();
+        let setting = Setting::new(&asperity, Path::Approach, reach).unwrap();
+        let Ok(cycle) = Loop::new(&model, &setting, UnloadedRadius::Kept) else {
+            assert_eq!(name, "ceb");
+            continue;
+        };
         for distance in [0.3, 1.5] {
             assert_nothing_is_lost(&cycle.at(distance * sigma), &surface, sigma, &what("back"));
         }

@@ -225,7 +225,7 @@ fn sweep(name: &str, setting: &Setting, count: usize) -> usize {
     let (direct, tables) = (build(None), build(Some((-1e6, 1e6))));
     let context = |delta: f64| format!("{name}, {:?}, λ {:e}, Δ {delta:e}", setting.path, setting.scale.lambda);
     // The attraction around a contact is tabulated to 1e-13.
-    let own = if name == "sbl" { 1e-12 } else { 1e-13 };
+    let own = if name == "sbl" || name == "ceb" { 1e-12 } else { 1e-13 };
     let mut points = 0;
     for (regime, kind) in direct.regimes().iter().enumerate() {
         let deltas = approaches(direct.as_ref(), regime, count);

@@ -5,7 +5,7 @@ mod common;
 
 use common::{case, respond};
 use std::f64::consts::PI;
-use stiction::asperity::models::{MODELS, model};
+use stiction::asperity::models::{MODELS, Plasticity, model};
 use stiction::asperity::scale::{Asperity, Scale};
 use stiction::asperity::{Law, LawError, Loop, Path, Regime, Setting, UnloadedRadius};
 use stiction::math::quadrature::{NODES, Rule};
@@ -16,7 +16,7 @@ fn cycle(name: &str, asperity: &Asperity) -> Loop {
 
 fn cycle_of(name: &str, asperity: &Asperity, radius: UnloadedRadius) -> Result<Loop, LawError> {
     let setting = Setting::new(asperity, Path::Approach, (-60e-9, 60e-9)).unwrap();
-    Loop::new(model(name).unwrap().build, &setting, radius)
+    Loop::new(&model(name).unwrap(), &setting, radius)
 }
 
 /// F = P − F_s of an asperity of the interference ω_max, m, at a distance, m.
@@ -105,6 +105,24 @@ fn the_energy_of_an_unloading_is_its_closed_form() {
     }
 }
 
+/// The unloading was computed for Kogut and Etsion's contact: a law that flows in another way is refused by name, with those that are not.
+#[test]
+fn laws_that_flow_otherwise_are_refused() {
+    let (asperity, _) = case("II");
+    for model in MODELS {
+        let law = common::law(model.name, &asperity, Path::Approach, (-60e-9, 60e-9));
+        let is_other = law.regimes().contains(&Regime::Plastic) && !law.regimes().contains(&Regime::Elastoplastic1);
+        assert_eq!(is_other, model.name == "ceb");
+        let cycle = cycle_of(model.name, &asperity, UnloadedRadius::Kept);
+        assert_eq!(cycle.is_err(), is_other, "{}", model.name);
+        let Err(error) = cycle else { continue };
+        assert!(matches!(error, LawError::NoUnloading { law: "ceb", .. }));
+        let text = error.to_string();
+        assert!(text.contains("plastic contact of ceb") && text.contains("hybrid, emd, fit:paper"), "{text}");
+        assert_eq!(text.matches("ceb").count(), 1, "{text}");
+    }
+}
+
 /// What has not touched goes back as it came, what has touched and not flowed goes back along the law of retraction, whatever the law.
 #[test]
 fn elastic_asperities_go_back_along_the_laws() {
@@ -112,6 +130,9 @@ fn elastic_asperities_go_back_along_the_laws() {
         let (asperity, _) = case(name);
         for model in MODELS {
             let law = |path| common::law(model.name, &asperity, path, (-60e-9, 60e-9));
+            if model.validity.plasticity == Plasticity::ChangEtsionBogy {
+                continue;
+            }
             let [approach, retraction] = [law(Path::Approach), law(Path::Retraction)];
             let cycle = cycle(model.name, &asperity);
             let flows = cycle.approach().regimes().contains(&Regime::Elastoplastic1);
@@ -218,7 +239,7 @@ fn what_has_flowed_may_have_the_radius_of_its_unloading() {
 #[test]
 fn the_loop_of_a_jkr_asperity_has_its_closed_area() {
     let setting = Setting::scaled(50.0, Path::Approach).unwrap();
-    let cycle = Loop::new(model("jkr").unwrap().build, &setting, UnloadedRadius::Kept).unwrap();
+    let cycle = Loop::new(&model("jkr").unwrap(), &setting, UnloadedRadius::Kept).unwrap();
     let fold = cycle.release();
     // ∫F̂ dΔ = (2/5)A⁵ − (√6·4/7 + √(2/3)·2/7) A^(7/2) + A².
     let primitive = |a: f64| {
@@ -289,7 +310,7 @@ fn loops_of_elastic_asperities_have_their_areas() {
         let numbers: Vec<f64> = row.split(',').map(|number| number.parse().unwrap()).collect();
         let [lambda, area, release, touch] = numbers[..] else { panic!("{row}") };
         let setting = Setting::scaled(lambda, Path::Approach).unwrap();
-        let cycle = Loop::new(model("emd").unwrap().build, &setting, UnloadedRadius::Kept).unwrap();
+        let cycle = Loop::new(&model("emd").unwrap(), &setting, UnloadedRadius::Kept).unwrap();
         assert!(
             (cycle.release() / release - 1.0).abs() < 1e-14 && (cycle.touch() / touch - 1.0).abs() < 1e-14,
             "{row}"

@@ -42,6 +42,17 @@ pub enum LawError {
     /// The law is fitted to one asperity, and tops that have flowed have radii of their own.
     #[error("it is a fit to one radius, so unloaded_radius has to be \"kept\"")]
     NotFlattened,
+    /// The law has a plastic contact for which the unloading was not computed.
+    #[error(
+        "no unloading is known of the plastic contact of {law}: that of Etsion, Kligerman and Kadin (2005) is of Kogut and \
+         Etsion's; laws that can be pulled back are {others}"
+    )]
+    NoUnloading {
+        /// Name of the law.
+        law: &'static str,
+        /// Names of the laws that have one.
+        others: &'static str,
+    },
     /// The published forms cannot be fitted to the direct law.
     #[error("the published forms cannot be fitted to the law of this asperity")]
     NoFit,

@@ -2,7 +2,7 @@
 
 use super::error::LawError;
 use super::law::Law;
-use super::laws::{dmt, emd, fit, hertz, hybrid, idmt, isbl, jkr, kogut_etsion, md, md_kim, sbl};
+use super::laws::{ceb, dmt, emd, fit, hertz, hybrid, idmt, isbl, jkr, kogut_etsion, md, md_kim, sbl};
 use super::setting::Setting;
 
 /// Makes a law.
@@ -36,10 +36,21 @@ impl Model {
 pub struct Validity {
     /// Which adhesion parameters it is for.
     pub adhesion: Adhesion,
-    /// Whether it knows elastic contact only.
-    pub elastic: bool,
+    /// Its contact above the critical interference.
+    pub plasticity: Plasticity,
     /// Whether it knows no lubricant.
     pub dry: bool,
+}
+
+/// Elastic-plastic contact of a law.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Plasticity {
+    /// It has none, and is elastic only.
+    Without,
+    /// Kogut and Etsion's.
+    KogutEtsion,
+    /// Chang, Etsion and Bogy's.
+    ChangEtsionBogy,
 }
 
 /// Which adhesion parameters λ a law is for.
@@ -97,7 +108,7 @@ impl Validity {
             }
             _ => {}
         }
-        if self.elastic && plasticity_index > LARGEST_ELASTIC_PSI {
+        if self.plasticity == Plasticity::Without && plasticity_index > LARGEST_ELASTIC_PSI {
             exceeded.push((
                 format!("psi = {plasticity_index:.3} is above {LARGEST_ELASTIC_PSI}"),
                 "the limit of elastic contact (Greenwood and Williamson 1966)".to_owned(),
@@ -107,45 +118,49 @@ impl Validity {
     }
 }
 
-const fn validity(adhesion: Adhesion, elastic: bool, dry: bool) -> Validity {
-    Validity { adhesion, elastic, dry }
+const fn validity(adhesion: Adhesion, plasticity: Plasticity, dry: bool) -> Validity {
+    Validity { adhesion, plasticity, dry }
 }
 
 const fn law(name: &'static str, about: &'static str, validity: Validity, build: Build) -> Model {
     Model { name, about, validity, build }
 }
 
+use Plasticity::{ChangEtsionBogy, KogutEtsion, Without};
+
 /// All laws. `hertz` is the law of one asperity, `gw` the rough surface of such asperities.
 #[rustfmt::skip]
 pub const MODELS: &[Model] = &[
     law("hybrid", "extended Maugis-Dugdale up to the critical interference, Kogut-Etsion above",
-        validity(Adhesion::Any, false, false), hybrid::hybrid),
+        validity(Adhesion::Any, KogutEtsion, false), hybrid::hybrid),
     law("emd", "extended Maugis-Dugdale up to the critical interference, no force above",
-        validity(Adhesion::Any, true, false), emd::emd),
+        validity(Adhesion::Any, Without, false), emd::emd),
     law(PUBLISHED_FITS, "the hybrid law with the published curve fits of its elastic part, for the three published asperities",
-        validity(Adhesion::Any, false, false), fit::paper),
+        validity(Adhesion::Any, KogutEtsion, false), fit::paper),
     law("fit:refit", "the hybrid law with its elastic part refitted by the published forms",
-        validity(Adhesion::Any, false, false), fit::refit),
+        validity(Adhesion::Any, KogutEtsion, false), fit::refit),
     law("isbl", "attraction of an undeformed sphere across the lubricant, Kogut-Etsion in contact",
-        validity(Adhesion::Low, false, false), isbl::isbl),
+        validity(Adhesion::Low, KogutEtsion, false), isbl::isbl),
     law("sbl", "attraction of an undeformed sphere across the lubricant, and around a contact of elastic profile",
-        validity(Adhesion::Low, false, false), sbl::sbl),
+        validity(Adhesion::Low, KogutEtsion, false), sbl::sbl),
     law("ke", "improved DMT before contact, Kogut-Etsion in contact, dry",
-        validity(Adhesion::Low, false, true), kogut_etsion::ke),
+        validity(Adhesion::Low, KogutEtsion, true), kogut_etsion::ke),
+    law("ceb", "improved DMT before contact, Hertz and Chang-Etsion-Bogy in contact, dry",
+        validity(Adhesion::Low, ChangEtsionBogy, true), ceb::ceb),
     law("md", "Maugis-Dugdale in contact, nothing before it, elastic and dry",
-        validity(Adhesion::Any, true, true), md::md),
+        validity(Adhesion::Any, Without, true), md::md),
     law("md_kim", "Maugis-Dugdale in contact, constant stress before it, elastic and dry",
-        validity(Adhesion::Any, true, true), md_kim::md_kim),
+        validity(Adhesion::Any, Without, true), md_kim::md_kim),
     law("jkr", "Johnson-Kendall-Roberts, elastic and dry",
-        validity(Adhesion::High, true, true), jkr::jkr),
+        validity(Adhesion::High, Without, true), jkr::jkr),
     law("dmt", "Derjaguin-Muller-Toporov, nothing before contact, elastic and dry",
-        validity(Adhesion::Low, true, true), dmt::dmt),
+        validity(Adhesion::Low, Without, true), dmt::dmt),
     law("idmt", "improved Derjaguin-Muller-Toporov: attraction before contact too, elastic and dry",
-        validity(Adhesion::Low, true, true), idmt::idmt),
+        validity(Adhesion::Low, Without, true), idmt::idmt),
     law("hertz", "Hertz contact without adhesion, elastic and dry",
-        validity(Adhesion::Without, true, true), hertz::hertz),
+        validity(Adhesion::Without, Without, true), hertz::hertz),
     law("gw", "Greenwood-Williamson: Hertz contacts without adhesion, elastic and dry",
-        validity(Adhesion::Without, true, true), hertz::hertz),
+        validity(Adhesion::Without, Without, true), hertz::hertz),
 ];
 
 /// The law of a name.

@@ -39,7 +39,7 @@
 use super::error::LawError;
 use super::history::Path;
 use super::law::{BLOCK, Boundary, End, Flattened, Law, Piece, Regime, Responses, Smoothness};
-use super::models::Build;
+use super::models::{MODELS, Model, Plasticity};
 use super::scale::Scale;
 use super::setting::Setting;
 use super::work::Work;
@@ -47,6 +47,7 @@ use crate::math::instruction_set::InstructionSet;
 use crate::math::piecewise::Piecewise;
 use crate::math::roots::{Sample, safe_newton};
 use std::f64::consts::PI;
+use std::sync::LazyLock;
 
 /// Exponents of x in ω_max − ω_res = ω_c (x^0.72 + x^0.31 − x^0.03), and their signs.
 const RECOVERY: [(f64, f64); 3] = [(0.72, 1.0), (0.31, 1.0), (0.03, -1.0)];
@@ -112,14 +113,18 @@ pub struct Loop {
 }
 
 impl Loop {
-    /// The loop of a law that `build` makes for a setting, whatever its path.
+    /// The loop of the law of a model for a setting, whatever its path.
     ///
     /// # Errors
-    /// [`LawError`] when the law cannot be made, [`LawError::NotFlattened`] when it is a fit to one radius and flows, and tops that have
+    /// [`LawError`] when the law cannot be made, [`LawError::NoUnloading`] when it flows otherwise than the contact that the unloading
+    /// was computed for, [`LawError::NotFlattened`] when it is a fit to one radius and flows, and tops that have
     /// flowed are to have radii of their own.
-    pub fn new(build: Build, setting: &Setting, radius: UnloadedRadius) -> Result<Self, LawError> {
+    pub fn new(model: &Model, setting: &Setting, radius: UnloadedRadius) -> Result<Self, LawError> {
+        if !unloads(model) {
+            return Err(LawError::NoUnloading { law: model.name, others: &UNLOADING });
+        }
         let [approach, retraction] =
-            [Path::Approach, Path::Retraction].map(|path| build(&Setting { path, ..*setting }));
+            [Path::Approach, Path::Retraction].map(|path| (model.build)(&Setting { path, ..*setting }));
         let (approach, retraction) = (approach?, retraction?);
         let regimes = approach.regimes();
         let first = |is: fn(&Regime) -> bool| regimes.iter().position(is).unwrap_or(regimes.len());
@@ -306,6 +311,17 @@ impl Loop {
         self.critical * safe_newton(f, 1.0, highest, wanted, close).x
     }
 }
+
+/// Whether the unloading is known of what flows in a law.
+fn unloads(model: &Model) -> bool {
+    matches!(model.validity.plasticity, Plasticity::Without | Plasticity::KogutEtsion)
+}
+
+/// Names of the laws that can be unloaded.
+static UNLOADING: LazyLock<String> = LazyLock::new(|| {
+    let names: Vec<&str> = MODELS.iter().filter(|model| unloads(model)).map(|model| model.name).collect();
+    names.join(", ")
+});
 
 /// x^exponent.
 fn power(x: f64, exponent: f64) -> f64 {

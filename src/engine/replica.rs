@@ -474,7 +474,7 @@ mod tests {
     #[test]
     fn loops_come_in_tracts() {
         let surface = surface();
-        let cycle = Loop::new(model("hybrid").unwrap().build, &setting(), UnloadedRadius::Kept).unwrap();
+        let cycle = Loop::new(&model("hybrid").unwrap(), &setting(), UnloadedRadius::Kept).unwrap();
         let separations = separations(&surface, 0.1, 81);
         let [stiffness, preload] = [[1e5, 1e6], [1e-4, 1e3]];
         for preload in [&preload[..], &[]] {

@@ -245,7 +245,7 @@ impl Scene {
     /// # Errors
     /// As [`Loop::new`].
     pub fn loop_law_of(&self, radius: UnloadedRadius) -> Result<Loop, LawError> {
-        Loop::new(self.model.build, &self.setting()?, radius)
+        Loop::new(&self.model, &self.setting()?, radius)
     }
 
     /// The asperity law of the scene.

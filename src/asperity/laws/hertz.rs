@@ -8,7 +8,7 @@
 //! Williamson, Proc. R. Soc. Lond. A 295 (1966) 300.
 
 use crate::asperity::error::LawError;
-use crate::asperity::formula::{ClosedForm, Constant};
+use crate::asperity::formula::{ClosedForm, Constant, Formula};
 use crate::asperity::law::{Law, Regime};
 use crate::asperity::setting::Setting;
 use crate::asperity::table::{Part, Row, Table};
@@ -27,10 +27,18 @@ pub fn hertz(setting: &Setting) -> Result<Box<dyn Law>, LawError> {
 
 /// The contact of Hertz under a constant adhesion force of `pull` πΔγR.
 pub fn contact(setting: &Setting, pull: f64) -> impl Part + use<> {
-    let scale = setting.scale;
-    let (pull, per_length) = (pull * scale.force, 1.0 / scale.length);
-    let disc = PI * scale.radius * scale.radius;
-    let load = move |delta: f64| scale.force * (delta * per_length) * (delta * per_length).sqrt();
-    let area = move |delta: f64| disc * (delta * per_length);
-    ClosedForm::new(move |_: f64| pull, load, area).with_root(0.0, 2)
+    let pull = pull * setting.scale.force;
+    ClosedForm::new(move |_: f64| pull, load(setting), area(setting)).with_root(0.0, 2)
+}
+
+/// P = K√R δ^(3/2).
+pub fn load(setting: &Setting) -> impl Formula + use<> {
+    let (unit, per_length) = (setting.scale.force, 1.0 / setting.scale.length);
+    move |delta: f64| unit * (delta * per_length) * (delta * per_length).sqrt()
+}
+
+/// πa² = πRδ.
+pub fn area(setting: &Setting) -> impl Formula + use<> {
+    let (unit, per_length) = (PI * setting.scale.radius * setting.scale.radius, 1.0 / setting.scale.length);
+    move |delta: f64| unit * (delta * per_length)
 }

@@ -66,9 +66,9 @@ pub struct Critical<'a> {
     /// 1/ω_c, 1/m.
     per_length: f64,
     /// P_c, N.
-    load: f64,
+    pub load: f64,
     /// πRω_c, m².
-    disc: f64,
+    pub disc: f64,
 }
 
 impl<'a> Critical<'a> {

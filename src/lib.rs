@@ -2,6 +2,7 @@
 pub mod asperity;
 pub mod cli;
 pub mod engine;
+pub mod experiment;
 pub mod math;
 pub mod output;
 pub mod scene;

@@ -2,12 +2,12 @@
 
 use super::format::{bytes, duration, paragraph, percent, pure, row, si};
 use super::instability::held;
-use super::integral::Integral;
-use super::sampling::thread_pool;
+use super::session::thread_pool;
 use super::sweep::described;
 use super::{Failure, law_of, loop_of, print, read_document, resources};
 use crate::asperity::scale::Scale;
 use crate::asperity::{Law, Loop};
+use crate::experiment::integral::Integral;
 use crate::scene::echo::one_line;
 use crate::scene::{Document, Limit, Plan, Scene, Sizes, Stopping, Sweep, Warning, warnings};
 use crate::surface::{CountLaw, HeightLaw, Radii, SamplingScheme, Surface};

@@ -1,9 +1,9 @@
 //! `stiction info`: what is in a result, or in the checkpoint of a run that was interrupted.
 
-use super::checkpoint::State;
 use super::format::{duration, row};
 use super::shard::shown;
 use super::{Failure, print};
+use crate::experiment::checkpoint::State;
 use crate::output::checkpoint::{Checkpoint, is_checkpoint};
 use crate::output::reader::Reader;
 use crate::output::schema::{Layout, SHARD, SWEEP};

@@ -5,7 +5,7 @@
 #![allow(unsafe_code)]
 
 use super::apart::is_apart;
-use crate::output::remove_registered;
+use crate::output::{is_kept, remove_registered};
 use signal_hook::consts::SIGABRT;
 use signal_hook::low_level;
 use std::alloc::{GlobalAlloc, Layout, System};
@@ -19,8 +19,6 @@ const LONGEST: usize = 512;
 /// How the standard library begins to say that a thread finds no place for its signal stack, or cannot be started.
 const NO_THREAD: [&str; 2] = ["failed to allocate", "failed to spawn thread"];
 
-/// Whether anything is kept that `--resume` goes on with.
-static IS_KEPT: AtomicBool = AtomicBool::new(false);
 /// Whether a thread ends the process already.
 static ENDS: AtomicBool = AtomicBool::new(false);
 
@@ -62,11 +60,6 @@ fn given(pointer: *mut u8, bytes: usize) -> *mut u8 {
         end(Cause::Refused(bytes));
     }
     pointer
-}
-
-/// Notes that something is kept that `--resume` goes on with.
-pub(super) fn note_kept() {
-    IS_KEPT.store(true, Ordering::Relaxed);
 }
 
 /// Why the process ends.
@@ -118,7 +111,7 @@ fn end(cause: Cause) -> ! {
         Cause::Aborted => write!(text, "{begin}stiction: aborted, most likely as there is {SHORT}"),
     };
     let _ = writeln!(text, "; give it more memory, or less to do (fewer --threads, a smaller scene)");
-    if IS_KEPT.load(Ordering::Relaxed) {
+    if is_kept() {
         let _ = writeln!(text, "what was done is kept; to go on: the same command with --resume");
     }
     let length = text.position() as usize;

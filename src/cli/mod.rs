@@ -4,21 +4,18 @@ mod apart;
 mod asperities;
 mod asperity;
 mod check;
-mod checkpoint;
 mod compare;
 mod finite_size;
 mod format;
 mod info;
 mod instability;
-mod integral;
 mod memory;
 mod merge;
 mod points;
-mod record;
+mod progress;
 mod resources;
-mod results;
 mod run;
-mod sampling;
+mod session;
 mod shard;
 mod summary;
 mod sweep;
@@ -29,6 +26,8 @@ pub use memory::Allocator;
 use crate::asperity::models::Model;
 use crate::asperity::{Law, Loop, Path as History};
 use crate::engine::Shard;
+use crate::experiment;
+use crate::experiment::checkpoint::Manner;
 use crate::math::instruction_set::InstructionSet;
 use crate::output::OutputError;
 use crate::output::columns::Beside;
@@ -37,7 +36,6 @@ use crate::scene::units::{Dimension, parse};
 use crate::scene::{Document, Scene, SceneError};
 use crate::surface::map::{Levelling, PIXELS};
 use anyhow::{Context, anyhow};
-use checkpoint::Manner;
 use clap::{Args, Parser, Subcommand};
 use std::ffi::OsString;
 use std::io::{ErrorKind, Write};
@@ -395,6 +393,24 @@ impl Failure {
     }
 }
 
+impl From<experiment::Error> for Failure {
+    fn from(error: experiment::Error) -> Self {
+        use experiment::Error;
+        match error {
+            Error::Output(error) => error.into(),
+            Error::NotWritten(error) => Self::Running(error.into()),
+            Error::Unfinished { .. } => Self::Usage(format!("{error}; --resume goes on with it, --force begins anew")),
+            Error::OtherRun { checkpoint: path, problem } => {
+                OutputError::NotACheckpoint { path, problem: format!("{problem}; --force begins anew") }.into()
+            }
+            Error::Interrupted { done, of, kept } => Self::Interrupted { done, of, kept },
+            Error::Kept { error, replicas, checkpoint } => {
+                kept((*error).into(), &format!("{replicas} replicas are kept in {}", checkpoint.display()))
+            }
+        }
+    }
+}
+
 impl From<OutputError> for Failure {
     fn from(error: OutputError) -> Self {
         match error {
@@ -415,6 +431,15 @@ impl From<OutputError> for Failure {
             | OutputError::NotAResult { .. } => Self::Usage(error.to_string()),
         }
     }
+}
+
+/// A failure with what is kept, and the command that goes on with it.
+fn kept(failure: Failure, what: &str) -> Failure {
+    let arguments = std::env::args_os().map(|argument| argument.to_string_lossy().into_owned());
+    let resume = "--resume".to_owned();
+    let arguments: Vec<String> = arguments.filter(|argument| *argument != resume).chain([resume.clone()]).collect();
+    let command = shlex::try_join(arguments.iter().map(String::as_str)).unwrap_or_default();
+    Failure::Kept { failure: Box::new(failure), advice: format!("{what}; to go on:\n  {command}") }
 }
 
 /// Parses the command line, runs the command, prints the error, returns the exit code.

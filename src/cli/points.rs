@@ -3,17 +3,17 @@
 //! The folder `out.h5.points` holds `0001.h5` and so on with their checksums, and beside the point that is being computed its checkpoint. It stays when the sweep is
 //! interrupted, and goes when the output of all is complete. Points can be computed in any order, and a range of them by itself.
 
-use super::checkpoint::{Manner, Run, State, identity, is_result_of, kept};
-use super::memory::note_kept;
-use super::run::{Session, Task, run_scene};
-use super::sampling::override_ensemble;
-use super::{Failure, Sitting, law_of, refused_scene, resources};
+use super::progress::Progress;
+use super::run::laws_of;
+use super::session::{Session, override_ensemble};
+use super::{Failure, Sitting, kept, law_of, refused_scene, resources};
 use crate::engine::Shard;
+use crate::experiment::checkpoint::{Manner, Run, State, identity, is_result_of};
+use crate::experiment::prepared::{Task, run_scene};
 use crate::output::checkpoint::{Checkpoint, Identity, forget, is_checkpoint};
 use crate::output::checksum::{self, Finding};
-use crate::output::progress::Progress;
 use crate::output::schema::{Layout, RUN};
-use crate::output::{Claim, OutputError, beside};
+use crate::output::{Claim, OutputError, beside, note_kept};
 use crate::scene::echo::shortened;
 use crate::scene::{Scene, Sizes, Sweep, with_inputs};
 use std::ffi::OsString;
@@ -247,10 +247,10 @@ impl<'a> Points<'a> {
         }
         let claim = Claim::within(output.clone())?;
         let manner = Manner { resume: true, force: false };
-        let source = self.source;
-        let task = Task { source, output: &output, claim: &claim, manner, shard: None, is_read_back: true };
+        let task = Task { output: &output, claim: &claim, manner, shard: None, is_read_back: true };
+        let laws = laws_of(&scene, scene.replicas, (self.source, &task), session.pool.current_num_threads())?;
         let name = format!("point {} of {}", point + 1, self.sweep.count());
-        run_scene(scene, &task, session, Progress::of_run(session.quiet, name)).map(drop)
+        Ok(run_scene(scene, laws, &task, session, &mut Progress::of_run(session.quiet, name)).map(drop)?)
     }
 
     /// A failure at a point.

@@ -1,15 +1,17 @@
 //! `stiction run --shard`: a fixed range of the batches of a run, of a sweep of all points one after the other, kept for `stiction merge`.
 
-use super::checkpoint::{Beginning, Manner, Run, State, beginning, kept, record_of};
 use super::format::{duration, row};
 use super::points::Points;
-use super::record::{write_about, write_model};
-use super::run::{Groundwork, Laws, Sampled, Session, Task};
-use super::sampling::override_ensemble;
-use super::{Failure, RunArguments, files_of, print_of};
+use super::progress::Progress;
+use super::run::laws_of;
+use super::session::{Session, override_ensemble};
+use super::{Failure, RunArguments, files_of, kept, print_of};
 use crate::engine::{Shard, batches_of, replicas_of};
+use crate::experiment::Phases;
+use crate::experiment::checkpoint::{Beginning, Manner, Run, State, beginning, record_of};
+use crate::experiment::prepared::{Groundwork, Sampled, Task};
+use crate::experiment::record::{write_about, write_model};
 use crate::output::checkpoint::{Checkpoint, Journal, Visit, forget};
-use crate::output::progress::Progress;
 use crate::output::schema::SHARD;
 use crate::output::shard::{Piece, Source, write};
 use crate::output::writer::Writer;
@@ -157,10 +159,9 @@ impl Work<'_> {
         let count = replicas.end - replicas.start;
         self.with_claim(part, |claim| {
             let output = part.name.as_deref().unwrap_or(self.output);
-            let (source, shard) = (&self.arguments.scene, Some(self.shard));
-            let task = Task { source, output, claim, manner, shard, is_read_back: false };
-            let laws = Laws::new(&part.scene, task.source)?;
-            laws.require(&part.scene, count, &task, self.session.pool.current_num_threads())?;
+            let task = Task { output, claim, manner, shard: Some(self.shard), is_read_back: false };
+            let threads = self.session.pool.current_num_threads();
+            let laws = laws_of(&part.scene, count, (&self.arguments.scene, &task), threads)?;
             let run = Run { scene: &part.scene, shard: task.shard };
             let interrupted = match beginning(claim, run, manner)? {
                 Beginning::Complete => return Ok(false),
@@ -174,8 +175,9 @@ impl Work<'_> {
                 return Err(Failure::Interrupted { done: 0, of: count, kept: false });
             }
             let state = interrupted.as_ref().map(|run| run.state().clone());
-            let ground = Groundwork::new(part.scene.clone(), laws, state, self.session, &mut progress);
-            let sampled = ground.sample(part.batches.clone(), interrupted, &task, self.session, &mut progress)?;
+            let mut phases = Phases::new(&mut progress);
+            let ground = Groundwork::new(part.scene.clone(), laws, state, self.session, &mut phases);
+            let sampled = ground.sample(part.batches.clone(), interrupted, &task, self.session, &mut phases)?;
             let Sampled { mut keeper, .. } = sampled;
             keeper.save_held().map_err(|error| keeper.advised(error.into()))?;
             Ok(true)

@@ -3,9 +3,9 @@
 use super::check::{beyond, heading, skipped, warned};
 use super::format::{bound, duration, factor, percent, row, si};
 use super::instability::instability;
-use super::results::{Results, Stopped};
 use crate::asperity::Quantity;
 use crate::engine::{LOOP_SCALARS, Replica, Summation, dissipated};
+use crate::experiment::results::{Results, Stopped};
 use crate::math::control_variates::ControlledMean;
 use crate::math::extrema::{Extremum, Features, maximum};
 use crate::math::interval::{FEWEST, LEVEL};

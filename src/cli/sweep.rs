@@ -2,10 +2,11 @@
 
 use super::format::{row, si};
 use super::points::Points;
-use super::record::{write_about, write_model};
-use super::run::{Session, output_of};
+use super::run::output_of;
+use super::session::Session;
 use super::{Failure, RunArguments, files_of, print_of};
 use crate::engine::SCALARS;
+use crate::experiment::record::{write_about, write_model};
 use crate::math::interval::LEVEL;
 use crate::math::sums::SUM_ROUNDING;
 use crate::output::checkpoint::Identity;

@@ -9,7 +9,6 @@ mod claim;
 pub mod columns;
 mod guard;
 pub mod maps;
-pub mod progress;
 pub mod reader;
 mod register;
 mod scales;
@@ -19,7 +18,7 @@ pub mod stack;
 pub mod writer;
 
 pub use claim::{Claim, beside};
-pub use register::remove_registered;
+pub use register::{is_kept, note_kept, remove_registered};
 
 use std::path::{Path, PathBuf};
 use thiserror::Error;

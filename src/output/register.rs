@@ -3,6 +3,7 @@
 #[cfg(unix)]
 use std::os::unix::ffi::OsStringExt;
 use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, TryLockError};
 use std::time::Duration;
 
@@ -17,6 +18,19 @@ const MAKING: Duration = Duration::from_millis(20);
 type Text = std::ffi::CString;
 #[cfg(not(unix))]
 type Text = std::path::PathBuf;
+
+/// Whether anything is kept that a later process can go on with.
+static IS_KEPT: AtomicBool = AtomicBool::new(false);
+
+/// Notes that something is kept that a later process can go on with.
+pub fn note_kept() {
+    IS_KEPT.store(true, Ordering::Relaxed);
+}
+
+/// Whether anything is kept that a later process can go on with.
+pub fn is_kept() -> bool {
+    IS_KEPT.load(Ordering::Relaxed)
+}
 
 /// Nothing is allocated while it is locked, so that a thread that finds no memory never waits for itself.
 static NAMES: Mutex<[Option<Text>; MOST]> = Mutex::new([const { None }; MOST]);

@@ -5,17 +5,19 @@ mod table;
 
 use super::asperity::find;
 use super::format::percent;
-use super::integral::{Integral, Way};
-use super::sampling::{Sampling, basis_of, cross_check, interruption, override_ensemble, thread_pool};
+use super::progress::Progress;
+use super::session::{interruption, override_ensemble, thread_pool};
 use super::{CompareArguments, Failure, files_of, law_of, print, print_of, read_scene, resources};
 use crate::asperity::emd::Emd;
 use crate::asperity::laws::fit::FORCES;
 use crate::asperity::models::Model;
 use crate::asperity::{FitReport, Law, Quantity, Scratch, Work, for_each_block};
 use crate::engine::{Ensemble, Forest, Outcome, Summation};
+use crate::experiment::Phases;
+use crate::experiment::integral::{Integral, Way};
+use crate::experiment::sampling::{Sampling, basis_of, cross_check};
 use crate::math::extrema::Features;
 use crate::output::Claim;
-use crate::output::progress::Progress;
 use crate::output::schema::COMPARISON;
 use crate::output::writer::Writer;
 use crate::scene::{Instability, Scene, Sizes, Warning, beyond, warnings_of_scene};
@@ -103,10 +105,11 @@ pub(super) fn compare(arguments: &CompareArguments) -> Result<(), Failure> {
         resources::require(&arguments.scene, &sizes, arguments.output.as_deref())?;
     }
     let mut progress = Progress::new(arguments.execution.quiet);
+    let mut phases = Phases::new(&mut progress);
     let interferences = interferences(&scene);
     let (mut compared, mut warnings) = (Vec::new(), Vec::new());
     for (model, law) in models.into_iter().zip(&laws) {
-        progress.phase(model.name);
+        phases.phase(model.name);
         let law = law.as_ref();
         let (integral, expected) = pool.install(|| {
             let integral = Integral::new(&scene, law, None);
@@ -118,7 +121,7 @@ pub(super) fn compare(arguments: &CompareArguments) -> Result<(), Failure> {
         }
         let Way { statistical, features, .. } = integral.there;
         let sampled = match arguments.ensemble {
-            true => Some(sample(&scene, law, model.name, &statistical, &pool, &stop, &mut progress)?),
+            true => Some(sample(&scene, law, model.name, &statistical, &pool, &stop, &mut phases)?),
             false => None,
         };
         compared.push(Compared {
@@ -132,7 +135,7 @@ pub(super) fn compare(arguments: &CompareArguments) -> Result<(), Failure> {
             sampled,
         });
     }
-    progress.end();
+    phases.end();
     let comparison = Comparison { scene, interferences, laws: compared, warnings };
     if let Some(claim) = &claim {
         let written = Writer::create(&COMPARISON, claim, arguments.execution.force).and_then(|mut writer| {
@@ -191,12 +194,12 @@ fn sample(
     statistical: &Statistical,
     pool: &rayon::ThreadPool,
     stop: &AtomicBool,
-    progress: &mut Progress,
+    phases: &mut Phases<'_>,
 ) -> Result<Sampled, Failure> {
     let basis = basis_of(scene, law, None);
     let setup = Sampling { scene, law, cycle: None, controls: &[], rule: None, keep_curves: false };
     let job = setup.job();
-    let (outcome, summation) = setup.run(name, pool, stop, progress, Forest::of(&job), |_, _| Ok(()))?;
+    let (outcome, summation) = setup.run(name, pool, stop, phases, Forest::of(&job), |_, _| Ok(()))?;
     let Outcome::Complete(forest) = outcome else {
         let done = outcome.forest().replicas.len() as u64;
         return Err(Failure::Interrupted { done, of: scene.replicas, kept: false });

@@ -2,17 +2,19 @@
 
 mod whole;
 
-use super::checkpoint::{Manner, Run, State, beginning, is_of, record_of};
 use super::format::row;
 use super::points::Points;
-use super::results::{Partial, Results, Told};
-use super::run::{Groundwork, Laws, Session, Task, write};
-use super::sampling::override_ensemble;
+use super::progress::Progress;
+use super::run::laws_of;
+use super::session::{Session, override_ensemble};
 use super::summary::summary;
 use super::{Failure, MergeArguments, files_of, print_of, sweep};
 use crate::engine::Forest;
+use crate::experiment::Phases;
+use crate::experiment::checkpoint::{Manner, Run, State, beginning, is_of, record_of};
+use crate::experiment::prepared::{Groundwork, Task, write};
+use crate::experiment::results::{Partial, Results, Told};
 use crate::output::checkpoint::{Checkpoint, Records, Visit};
-use crate::output::progress::Progress;
 use crate::output::schema::SWEEP;
 use crate::output::shard::ShardFile;
 use crate::output::{Claim, OutputError};
@@ -31,7 +33,7 @@ pub(super) fn merge(arguments: &MergeArguments) -> Result<(), Failure> {
     let merge = Merge { run: &run, session: &session };
     let text = match &run.document {
         Document { scene, sweep: None } => {
-            let task = Task { source: &run.source, output, claim: &claim, manner, shard: None, is_read_back: false };
+            let task = Task { output, claim: &claim, manner, shard: None, is_read_back: false };
             let mut scene = scene.clone();
             override_ensemble(&mut scene, Some(run.identity.replicas), Some(run.identity.seed))?;
             beginning(&claim, Run { scene: &scene, shard: None }, manner)?;
@@ -81,8 +83,7 @@ impl Merge<'_> {
             let output = points.file(point);
             let claim = Claim::within(output.clone())?;
             let manner = Manner { resume: false, force: false };
-            let source = points.source;
-            let task = Task { source, output: &output, claim: &claim, manner, shard: None, is_read_back: true };
+            let task = Task { output: &output, claim: &claim, manner, shard: None, is_read_back: true };
             let name = format!("point {} of {}", point + 1, points.sweep.count());
             let progress = Progress::of_run(self.session.quiet, name);
             let merged = self.point(points.scene(point)?, places, &task, progress);
@@ -99,19 +100,19 @@ impl Merge<'_> {
         task: &Task<'_>,
         mut progress: Progress,
     ) -> Result<Box<Results>, Failure> {
-        let laws = Laws::new(&scene, task.source)?;
+        let mut phases = Phases::new(&mut progress);
         // No surfaces but a few on trial.
-        laws.require(&scene, scene.replicas, task, 1)?;
+        let laws = laws_of(&scene, scene.replicas, (&self.run.source, task), 1)?;
         let of = scene.replicas;
         let piece = |place: &Place| Piece { run: self.run, place: *place };
         let Some(first) = places.first() else {
-            return Err(Failure::Usage(format!("{}: no replicas are there", task.source.display())));
+            return Err(Failure::Usage(format!("{}: no replicas are there", self.run.source.display())));
         };
         let state = piece(first).checkpoint(&piece(first).open()?, &scene)?.state;
-        let ground = Groundwork::new(scene, laws, Some(state.clone()), self.session, &mut progress);
+        let ground = Groundwork::new(scene, laws, Some(state.clone()), self.session, &mut phases);
         let setup = ground.sampling();
         let (job, record) = (setup.job(), record_of(&ground.scene));
-        progress.replicas("ensemble", 0, of);
+        phases.replicas("ensemble", 0, of);
         let mut merged = Forest::of(&job);
         let mut told = Told::default();
         for place in places {
@@ -136,7 +137,7 @@ impl Merge<'_> {
             let Some(forest) = forest.filter(Forest::is_complete) else {
                 return Err(piece.refused("is not of this scene"));
             };
-            progress.advance(forest.replicas.len() as u64);
+            phases.advance(forest.replicas.len() as u64);
             merged.append(forest);
             told.seconds_before += checkpoint.seconds;
             told.resumptions += checkpoint.resumptions;
@@ -144,11 +145,11 @@ impl Merge<'_> {
         let there: Vec<u64> = places.iter().flat_map(|place| piece(place).found().replicas.clone()).collect();
         told.partial = (there.len() as u64 != of).then_some(Partial { replicas: there, of });
         let summation = setup.summation(&self.session.pool);
-        let results = ground.results(merged, summation, told, self.session, task.output, &mut progress);
-        progress.phase("writing");
+        let results = ground.results(merged, summation, told, self.session, task.output, &mut phases);
+        phases.phase("writing");
         let mut records = Pieces { run: self.run, places, length: record.length() };
         let written = write(task, &results, &mut records, &self.session.stop);
-        progress.end();
+        phases.end();
         match written {
             Ok(true) => Ok(Box::new(results)),
             Ok(false) => Err(Failure::Interrupted { done: of, of, kept: false }),

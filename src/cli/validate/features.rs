@@ -2,7 +2,7 @@
 
 use super::super::Failure;
 use super::checked::{Checked, Place, ROUNDING, largest, summed};
-use crate::cli::integral::RESOLVING;
+use crate::experiment::integral::RESOLVING;
 use crate::math::extrema::MOST_ADDED;
 use crate::scene::takes_heights;
 

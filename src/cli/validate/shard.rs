@@ -1,9 +1,9 @@
 //! A shard: the checkpoint of each of its pieces, which has a checksum of itself and of the records.
 
 use super::super::Failure;
-use super::super::checkpoint::State;
 use super::checked::Checked;
 use super::{Answer, heading};
+use crate::experiment::checkpoint::State;
 use crate::output::checkpoint::{Checkpoint, Identity};
 use crate::output::reader::Reader;
 use crate::output::schema::Dimension;

@@ -1,25 +1,17 @@
-//! What `run` and `compare` do alike: threads, interruptions, the ensemble of a scene under a law, and its cross-check.
+//! The ensemble of a scene under a law, and its cross-check.
 
-use super::Failure;
+use super::observer::Phases;
 use crate::asperity::{Law, Loop, Path, Quantity};
 use crate::engine::{Batch, Ensemble, Forest, Holding, Job, Outcome, Protocol, Rule, Summation, replicas_of, run_from};
 use crate::output::OutputError;
-use crate::output::progress::Progress;
 use crate::scene::{Instability, Scene};
 use crate::statistical::Statistical;
 use crate::surface::SamplingScheme;
 use crate::validation::{Basis, JointTest, basis_of_loop, basis_to, z_scores};
-use anyhow::Context;
-use signal_hook::consts::TERM_SIGNALS;
-use signal_hook::flag;
-use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-/// Exit code of a run that was interrupted.
-pub(super) const INTERRUPTED: i32 = 130;
-
 /// The ensemble of a scene under a law.
-pub(super) struct Sampling<'a> {
+pub(crate) struct Sampling<'a> {
     pub scene: &'a Scene,
     pub law: &'a dyn Law,
     /// The loop of which the law is the approach, if surfaces are pulled back.
@@ -64,76 +56,41 @@ impl Sampling<'_> {
         }
     }
 
-    /// Sums the replicas that `start` does not have yet, with progress under `name`; `observe` gets every batch in order, with what it
+    /// Sums the replicas that `start` does not have yet, told of as the phase `name`; `observe` gets every batch in order, with what it
     /// has been merged into. Also tells how they were summed.
     pub fn run(
         &self,
         name: &'static str,
         pool: &rayon::ThreadPool,
         stop: &AtomicBool,
-        progress: &mut Progress,
+        phases: &mut Phases<'_>,
         start: Forest,
         mut observe: impl FnMut(&Batch, &Forest) -> Result<(), OutputError>,
-    ) -> Result<(Outcome, Summation), Failure> {
+    ) -> Result<(Outcome, Summation), OutputError> {
         let job = self.job();
         let summation = self.summation(pool);
         let job = Job { compression: summation.compression.as_ref(), ..job };
         let replicas = replicas_of(start.batches(), job.replicas);
-        progress.replicas(name, start.replicas.len() as u64, replicas.end - replicas.start);
+        phases.replicas(name, start.replicas.len() as u64, replicas.end - replicas.start);
         let outcome = run_from(&job, pool, stop, start, self.rule, |batch, merged| {
             observe(batch, merged)?;
-            progress.advance(batch.ensemble.replicas.len() as u64);
+            phases.advance(batch.ensemble.replicas.len() as u64);
             Ok::<(), OutputError>(())
         })?;
-        progress.end();
+        phases.end();
         Ok((outcome, summation))
     }
 }
 
-/// Puts what the command line says of the ensemble in the place of what the scene says.
-pub(super) fn override_ensemble(scene: &mut Scene, replicas: Option<u64>, seed: Option<u64>) -> Result<(), Failure> {
-    if let Some(replicas) = replicas {
-        let refused = |problem| Failure::Usage(format!("--replicas {replicas}: {problem}"));
-        scene.sampling.check(replicas).map_err(refused)?;
-        (scene.replicas, scene.stopping) = (replicas, None);
-    }
-    scene.seed = seed.unwrap_or(scene.seed);
-    Ok(())
-}
-
-/// So many threads, or one per core.
-pub(super) fn thread_pool(count: Option<u16>) -> Result<rayon::ThreadPool, Failure> {
-    let mut threads = rayon::ThreadPoolBuilder::new();
-    if let Some(count) = count {
-        threads = threads.num_threads(usize::from(count));
-    }
-    Ok(threads.build().context("cannot start threads")?)
-}
-
-/// A flag that the first interruption sets; a second one ends the program at once.
-pub(super) fn interruption() -> Result<Arc<AtomicBool>, Failure> {
-    let stop = Arc::new(AtomicBool::new(false));
-    let handle = || {
-        for signal in TERM_SIGNALS {
-            // Of the two that a signal sets off, the first sees what the signals before it have set.
-            flag::register_conditional_shutdown(*signal, INTERRUPTED, Arc::clone(&stop))?;
-            flag::register(*signal, Arc::clone(&stop))?;
-        }
-        std::io::Result::Ok(())
-    };
-    handle().context("cannot handle interruptions")?;
-    Ok(stop)
-}
-
 /// What holds the surfaces of a scene.
-pub(super) fn holding(scene: &Scene) -> Holding<'_> {
+pub(crate) fn holding(scene: &Scene) -> Holding<'_> {
     let ways = (scene.path == Path::Approach, scene.cycle || scene.path == Path::Retraction);
     let Instability { stiffness, preload, smallest_snap } = &scene.instability;
     Holding { stiffness, preload, smallest_snap: *smallest_snap, ways }
 }
 
 /// The functionals of the joint test of a scene under a law, for the sums that it asks for and the fewest replicas that it may have.
-pub(super) fn basis_of(scene: &Scene, law: &dyn Law, cycle: Option<&Loop>) -> Basis {
+pub(crate) fn basis_of(scene: &Scene, law: &dyn Law, cycle: Option<&Loop>) -> Basis {
     if let Some(cycle) = cycle {
         return basis_of_loop(cycle, &scene.surface, &scene.separations, scene.sampling, scene.fewest_replicas());
     }
@@ -142,7 +99,7 @@ pub(super) fn basis_of(scene: &Scene, law: &dyn Law, cycle: Option<&Loop>) -> Ba
 }
 
 /// z-scores of adhesion force and external force over the states, and the joint test; of a loop `ways` are the integrals of both.
-pub(super) fn cross_check(
+pub(crate) fn cross_check(
     ensemble: &Ensemble,
     ways: &[&Statistical],
     basis: &Basis,

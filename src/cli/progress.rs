@@ -1,6 +1,7 @@
 //! Progress on the terminal: the phase by name, and for the ensemble replicas done, their rate and the time left. Where there is no
 //! terminal, a line now and then.
 
+use crate::experiment::Observer;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use std::fmt::Write;
 use std::io::IsTerminal;
@@ -16,14 +17,13 @@ const LINES: (Duration, Duration) = (Duration::from_secs(10), Duration::from_sec
 static SCHEDULE: Mutex<Option<Schedule>> = Mutex::new(None);
 
 /// Shows the phases of a run, one after the other, on standard error; nothing when quiet.
-pub struct Progress {
+pub(super) struct Progress {
     quiet: bool,
     /// Of which run of several the phases are.
     run: String,
     bar: ProgressBar,
     /// In the place of the bar where nobody would see it.
     log: Option<Log>,
-    phases: Vec<(&'static str, Instant, Duration)>,
 }
 
 impl Progress {
@@ -35,21 +35,7 @@ impl Progress {
     /// Shows nothing yet; then, before each phase, which run of several it is of.
     pub fn of_run(quiet: bool, run: String) -> Self {
         let log = (!quiet && !std::io::stderr().is_terminal()).then(|| Log::new(&SCHEDULE, std::io::stderr()));
-        Self { quiet, run, bar: ProgressBar::hidden(), log, phases: Vec::new() }
-    }
-
-    /// Begins a phase without a count.
-    pub fn phase(&mut self, name: &'static str) {
-        self.begin(name, None, ProgressBar::new_spinner(), "{spinner} {msg} {elapsed}");
-        self.bar.enable_steady_tick(Duration::from_millis(100));
-    }
-
-    /// Begins a phase that counts replicas, of which some are done already.
-    pub fn replicas(&mut self, name: &'static str, done: u64, total: u64) {
-        let bar = ProgressBar::new(total);
-        self.begin(name, Some((done, total)), bar, "{msg} {wide_bar} {pos}/{len} replicas, {rate}, {eta} left");
-        self.bar.set_position(done);
-        self.bar.reset_eta();
+        Self { quiet, run, bar: ProgressBar::hidden(), log }
     }
 
     fn begin(&mut self, name: &'static str, count: Option<(u64, u64)>, bar: ProgressBar, template: &str) {
@@ -58,7 +44,6 @@ impl Progress {
         if let Some(log) = &self.log {
             log.set(Some(Phase::new(title.clone(), count)));
         }
-        self.phases.push((name, Instant::now(), Duration::ZERO));
         bar.set_draw_target(if self.quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() });
         let style = ProgressStyle::with_template(template).expect("templates are checked by a test");
         bar.set_style(style.with_key("rate", |state: &ProgressState, out: &mut dyn Write| {
@@ -68,34 +53,33 @@ impl Progress {
         self.bar = bar;
         self.bar.tick();
     }
+}
 
-    /// So many more replicas are done.
-    pub fn advance(&self, replicas: u64) {
+impl Observer for Progress {
+    fn phase(&mut self, name: &'static str) {
+        self.begin(name, None, ProgressBar::new_spinner(), "{spinner} {msg} {elapsed}");
+        self.bar.enable_steady_tick(Duration::from_millis(100));
+    }
+
+    fn replicas(&mut self, name: &'static str, done: u64, total: u64) {
+        let bar = ProgressBar::new(total);
+        self.begin(name, Some((done, total)), bar, "{msg} {wide_bar} {pos}/{len} replicas, {rate}, {eta} left");
+        self.bar.set_position(done);
+        self.bar.reset_eta();
+    }
+
+    fn advance(&mut self, replicas: u64) {
         self.bar.inc(replicas);
         if let Some(log) = &self.log {
             log.advance(replicas);
         }
     }
 
-    /// Ends the phase and clears its line.
-    pub fn end(&mut self) {
+    fn end(&mut self) {
         self.bar.finish_and_clear();
         if let Some(log) = &self.log {
             log.set(None);
         }
-        if let Some((_, begun, lasted)) = self.phases.last_mut()
-            && lasted.is_zero()
-        {
-            *lasted = begun.elapsed();
-        }
-    }
-
-    /// The phases so far and the seconds that each took.
-    pub fn seconds(&self) -> Vec<(&'static str, f64)> {
-        let lasted = |begun: &Instant, lasted: &Duration| {
-            if lasted.is_zero() { begun.elapsed() } else { *lasted }
-        };
-        self.phases.iter().map(|(name, begun, time)| (*name, lasted(begun, time).as_secs_f64())).collect()
     }
 }
 
@@ -260,15 +244,5 @@ mod tests {
         let mut schedule = Schedule::new(LINES.0);
         let intervals: Vec<u64> = (0..7).map(|_| (schedule.next(LINES.1), schedule.interval.as_secs()).1).collect();
         assert_eq!(intervals, [20, 40, 80, 160, 300, 300, 300]);
-    }
-
-    #[test]
-    fn phases_are_named_and_timed() {
-        let mut progress = Progress::new(true);
-        progress.phase("integral");
-        progress.replicas("ensemble", 0, 10);
-        progress.advance(10);
-        let names: Vec<&str> = progress.seconds().iter().map(|(name, _)| *name).collect();
-        assert_eq!(names, ["integral", "ensemble"]);
     }
 }

@@ -14,7 +14,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 /// Everything that a run has found out.
-pub(super) struct Results {
+pub(crate) struct Results {
     pub scene: Scene,
     pub plan: Plan,
     pub warnings: Vec<Warning>,
@@ -47,7 +47,7 @@ pub(super) struct Results {
 
 /// What is told of a run beside its results.
 #[derive(Default)]
-pub(super) struct Told {
+pub(crate) struct Told {
     /// Seconds that the ensemble took before this sitting.
     pub seconds_before: f64,
     /// How often the run was resumed.
@@ -59,7 +59,7 @@ pub(super) struct Told {
 }
 
 /// What is there of a run.
-pub(super) struct Partial {
+pub(crate) struct Partial {
     /// Indices of the replicas that are there.
     pub replicas: Vec<u64>,
     /// Replicas of the whole run.
@@ -67,7 +67,7 @@ pub(super) struct Partial {
 }
 
 /// The way back of a loop.
-pub(super) struct WayBack {
+pub(crate) struct WayBack {
     pub statistical: Statistical,
     /// What is read off the mean curve of the external force, and off the integral's.
     pub of_mean: Features,
@@ -113,7 +113,7 @@ impl Results {
 }
 
 /// Why an ensemble has as many replicas as it has.
-pub(super) struct Stopped {
+pub(crate) struct Stopped {
     /// What became of each target.
     pub targets: Vec<Attained>,
     /// Replicas at the first look.
@@ -142,7 +142,7 @@ impl Stopped {
 
 /// Pull-off and stiffest point of the mean curve, which is known at the separations only: between them its deviation from the
 /// integral, which is small, is interpolated.
-pub(super) fn mean_features(scene: &Scene, law: &dyn Law, ensemble: &Ensemble, statistical: &Statistical) -> Features {
+pub(crate) fn mean_features(scene: &Scene, law: &dyn Law, ensemble: &Ensemble, statistical: &Statistical) -> Features {
     let q = Quantity::ExternalForce.index();
     let model = Model::new(law, &scene.surface, &scene.separations);
     let mean = &ensemble.curves[q].mean()[..scene.separations.len()];

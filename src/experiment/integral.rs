@@ -6,10 +6,10 @@ use crate::scene::{Expected, Reading, Scene, WhatIsRead};
 use crate::statistical::{Model, Statistical, TOLERANCE};
 
 /// Steps of h* that resolve the integral, which is an average over heights that scatter by about σ.
-pub(super) const RESOLVING: f64 = 0.125;
+pub(crate) const RESOLVING: f64 = 0.125;
 
 /// The integral on one way.
-pub(super) struct Way {
+pub(crate) struct Way {
     pub statistical: Statistical,
     /// Pull-off and stiffest point, wherever they are between the separations.
     pub features: Features,
@@ -20,14 +20,14 @@ pub(super) struct Way {
 }
 
 /// The integral of a scene.
-pub(super) struct Integral {
+pub(crate) struct Integral {
     pub there: Way,
     /// Of a loop, the way back.
     pub back: Option<Way>,
 }
 
 /// Steps, m, that resolve what is read off the integral of a scene; over given heights it jumps, and no steps do.
-pub(super) fn resolving(scene: &Scene) -> f64 {
+pub(crate) fn resolving(scene: &Scene) -> f64 {
     if is_smooth(scene) { RESOLVING * scene.surface.surface_height_std } else { f64::INFINITY }
 }
 

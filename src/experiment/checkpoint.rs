@@ -1,13 +1,12 @@
 //! What `run` keeps while it goes, and how it goes on after an interruption.
 
-use super::Failure;
-use super::memory::note_kept;
+use super::Error;
 use super::sampling::holding;
 use crate::engine::{Batch, Forest, Job, Record, Replica, Shard, replicas_of};
 use crate::output::checkpoint::{Checkpoint, Identity, Journal, forget, forget_records};
 use crate::output::reader::Reader;
 use crate::output::schema::{Layout, RUN, SHARD};
-use crate::output::{Claim, OutputError};
+use crate::output::{Claim, OutputError, note_kept};
 use crate::scene::{Scene, difference};
 use crate::validation::Basis;
 use serde::{Deserialize, Serialize};
@@ -17,7 +16,7 @@ use std::time::{Duration, Instant};
 
 /// What a checkpoint holds of a run beside the records of its replicas.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(super) struct State {
+pub(crate) struct State {
     /// The functionals of the joint test. They come from linear algebra whose last bits may differ between processors, so they are kept.
     pub basis: Basis,
     /// Indices of the separations of the control variates.
@@ -52,7 +51,7 @@ impl State {
 }
 
 /// A run that was interrupted.
-pub(super) struct Interrupted {
+pub(crate) struct Interrupted {
     journal: Journal,
     checkpoint: Checkpoint<State>,
     replicas: Vec<Replica>,
@@ -61,20 +60,20 @@ pub(super) struct Interrupted {
 }
 
 /// What the records of a scene's replicas consist of.
-pub(super) fn record_of(scene: &Scene) -> Record {
+pub(crate) fn record_of(scene: &Scene) -> Record {
     let states = if scene.curves { scene.states() } else { 0 };
     Record { cycle: scene.cycle, snaps: holding(scene).length(), states }
 }
 
 /// What is computed into an output: a scene, or a shard of it.
 #[derive(Clone, Copy)]
-pub(super) struct Run<'a> {
+pub(crate) struct Run<'a> {
     pub scene: &'a Scene,
     pub shard: Option<Shard>,
 }
 
 /// Which run it is.
-pub(super) fn identity(Run { scene, shard }: Run<'_>) -> Identity {
+pub(crate) fn identity(Run { scene, shard }: Run<'_>) -> Identity {
     Identity {
         shard,
         program_version: env!("CARGO_PKG_VERSION").to_owned(),
@@ -86,7 +85,7 @@ pub(super) fn identity(Run { scene, shard }: Run<'_>) -> Identity {
 }
 
 /// What an output is begun with.
-pub(super) enum Beginning {
+pub(crate) enum Beginning {
     /// It is there already, of the same run.
     Complete,
     /// Nothing was kept.
@@ -97,7 +96,7 @@ pub(super) enum Beginning {
 
 /// What may become of what is there of an output.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Manner {
+pub(crate) struct Manner {
     /// A run that was interrupted goes on.
     pub resume: bool,
     /// A result is overwritten, and what was kept of an interrupted run dropped.
@@ -105,7 +104,7 @@ pub(super) struct Manner {
 }
 
 /// How to begin an output: refused if that would overwrite a result, or drop or mistake a checkpoint.
-pub(super) fn beginning(claim: &Claim, run: Run<'_>, manner: Manner) -> Result<Beginning, Failure> {
+pub(crate) fn beginning(claim: &Claim, run: Run<'_>, manner: Manner) -> Result<Beginning, Error> {
     let Manner { resume, force } = manner;
     if resume {
         return resumption(claim, run, force);
@@ -115,17 +114,14 @@ pub(super) fn beginning(claim: &Claim, run: Run<'_>, manner: Manner) -> Result<B
         None => Ok(Beginning::Anew),
         Some(_) if force => Ok(forget(claim).map(|()| Beginning::Anew)?),
         Some(checkpoint) => {
-            let kept = format!("{} of {} replicas", checkpoint.done, checkpoint.identity.replicas);
-            Err(Failure::Usage(format!(
-                "{} holds {kept} of an interrupted run; --resume goes on with it, --force begins anew",
-                claim.beside(".checkpoint").display()
-            )))
+            let (done, of) = (checkpoint.done, checkpoint.identity.replicas);
+            Err(Error::Unfinished { checkpoint: claim.beside(".checkpoint"), done, of })
         }
     }
 }
 
 /// How to bring an output to completion, whatever is there of it.
-fn resumption(claim: &Claim, run: Run<'_>, overwrite: bool) -> Result<Beginning, Failure> {
+fn resumption(claim: &Claim, run: Run<'_>, overwrite: bool) -> Result<Beginning, Error> {
     let identity = identity(run);
     let found = Checkpoint::<State>::find(claim)?;
     if let Err(exists) = claim.check(overwrite) {
@@ -148,7 +144,7 @@ fn resumption(claim: &Claim, run: Run<'_>, overwrite: bool) -> Result<Beginning,
 }
 
 /// Whether a file is the complete result of a run, with targets or without.
-pub(super) fn is_result_of(output: &Path, layout: &'static Layout, identity: &Identity, with_targets: bool) -> bool {
+pub(crate) fn is_result_of(output: &Path, layout: &'static Layout, identity: &Identity, with_targets: bool) -> bool {
     let Ok(reader) = Reader::open(output, &[layout]) else { return false };
     let is = |name: &str, text: &str| reader.optional_text("/", name).is_ok_and(|kept| kept.as_deref() == Some(text));
     let number = |name: &str, value: u64| reader.number::<u64>("/", name).is_ok_and(|kept| kept == value);
@@ -166,7 +162,7 @@ pub(super) fn is_result_of(output: &Path, layout: &'static Layout, identity: &Id
 ///
 /// # Errors
 /// How it is not.
-pub(super) fn is_of(run: Run<'_>, checkpoint: &Checkpoint<State>) -> Result<(), String> {
+pub(crate) fn is_of(run: Run<'_>, checkpoint: &Checkpoint<State>) -> Result<(), String> {
     let scene = run.scene;
     if let Some(difference) = identity(run).difference("the interrupted run", ("was", "is now"), &checkpoint.identity) {
         return Err(difference);
@@ -184,11 +180,8 @@ pub(super) fn is_of(run: Run<'_>, checkpoint: &Checkpoint<State>) -> Result<(), 
     Ok(())
 }
 
-fn resumed(claim: &Claim, run: Run<'_>, checkpoint: Checkpoint<State>) -> Result<Interrupted, Failure> {
-    let refused = |problem: String| {
-        let path = claim.beside(".checkpoint");
-        Failure::from(OutputError::NotACheckpoint { path, problem: format!("{problem}; --force begins anew") })
-    };
+fn resumed(claim: &Claim, run: Run<'_>, checkpoint: Checkpoint<State>) -> Result<Interrupted, Error> {
+    let refused = |problem| Error::OtherRun { checkpoint: claim.beside(".checkpoint"), problem };
     is_of(run, &checkpoint).map_err(refused)?;
     let (mut replicas, mut snaps) = (Vec::new(), Vec::new());
     let record = record_of(run.scene);
@@ -213,7 +206,7 @@ impl Interrupted {
 }
 
 /// Keeps what a run has done.
-pub(super) struct Keeper {
+pub(crate) struct Keeper {
     identity: Identity,
     pub journal: Journal,
     state: State,
@@ -229,7 +222,7 @@ pub(super) struct Keeper {
 
 impl Keeper {
     /// Keeps a run that begins, every `interval`.
-    pub fn begin(claim: &Claim, run: Run<'_>, state: State, interval: Duration) -> Result<Self, Failure> {
+    pub fn begin(claim: &Claim, run: Run<'_>, state: State, interval: Duration) -> Result<Self, Error> {
         let journal = Journal::begin(claim, record_of(run.scene).length())?;
         Ok(Self::new(identity(run), journal, state, interval))
     }
@@ -240,7 +233,7 @@ impl Keeper {
         job: &Job<'_>,
         batches: &Range<u64>,
         interval: Duration,
-    ) -> Result<(Self, Forest), Failure> {
+    ) -> Result<(Self, Forest), Error> {
         let Interrupted { journal, checkpoint, replicas, snaps } = run;
         let forest = Forest::restored(job, &checkpoint.state.forest(), replicas, snaps)
             .filter(|forest| forest.batches() == *batches);
@@ -307,41 +300,33 @@ impl Keeper {
     }
 
     /// That the run was interrupted, and how to go on with it.
-    pub fn interrupted(&self, replicas: u64) -> Failure {
+    pub fn interrupted(&self, replicas: u64) -> Error {
         let kept = self.journal.checkpoint().is_some();
-        self.advised(Failure::Interrupted { done: self.journal.done(), of: replicas, kept })
+        self.advised(Error::Interrupted { done: self.journal.done(), of: replicas, kept })
     }
 
     /// That the output is written, after which nothing is kept beside it; or that it is not, and what was computed, of `replicas`, is kept:
     /// it may fit where the output does not.
-    pub fn ended(mut self, written: Result<bool, OutputError>, output: &Path, replicas: u64) -> Result<(), Failure> {
+    pub fn ended(mut self, written: Result<bool, OutputError>, output: &Path, replicas: u64) -> Result<(), Error> {
         let failure = match written {
             Ok(true) => {
                 self.journal.discard();
                 return Ok(());
             }
             Ok(false) => None,
-            Err(error) => Some(Failure::not_written(error, output)),
+            Err(error) => Some(Error::NotWritten(error.writing(output))),
         };
         let kept = self.save_held();
         match failure {
             Some(failure) => Err(self.advised(failure)),
-            None => Err(kept.map_or_else(Failure::from, |()| self.interrupted(replicas))),
+            None => Err(kept.map_or_else(Error::from, |()| self.interrupted(replicas))),
         }
     }
 
     /// A failure with how to go on with the run, if anything was kept of it.
-    pub fn advised(&self, failure: Failure) -> Failure {
+    pub fn advised(&self, failure: Error) -> Error {
         let Some(checkpoint) = self.journal.checkpoint() else { return failure };
-        kept(failure, &format!("{} replicas are kept in {}", self.saved_done, checkpoint.display()))
+        let checkpoint = checkpoint.to_owned();
+        Error::Kept { error: Box::new(failure), replicas: self.saved_done, checkpoint }
     }
-}
-
-/// A failure with what is kept, and the command that goes on with it.
-pub(super) fn kept(failure: Failure, what: &str) -> Failure {
-    let arguments = std::env::args_os().map(|argument| argument.to_string_lossy().into_owned());
-    let resume = "--resume".to_owned();
-    let arguments: Vec<String> = arguments.filter(|argument| *argument != resume).chain([resume.clone()]).collect();
-    let command = shlex::try_join(arguments.iter().map(String::as_str)).unwrap_or_default();
-    Failure::Kept { failure: Box::new(failure), advice: format!("{what}; to go on:\n  {command}") }
 }

@@ -1,8 +1,8 @@
 //! A run's results under the names of the file layout.
 
 use super::checkpoint::record_of;
-use super::instability::write_instability;
 use super::results::{Results, Stopped};
+use super::snaps::write_instability;
 use crate::asperity::{Quantity, Regime};
 use crate::engine::{Attained, SCALARS, scalars};
 use crate::math::control_variates::ControlledMean;
@@ -18,7 +18,7 @@ use crate::validation::{Cumulants, SIGNIFICANCE};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Writes what is computed, and the dimensions.
-pub(super) fn write_head(writer: &mut Writer<'_>, results: &Results) -> Result<(), OutputError> {
+pub(crate) fn write_head(writer: &mut Writer<'_>, results: &Results) -> Result<(), OutputError> {
     let Results { scene, basis, controls, regimes, .. } = results;
     write_scene(writer, scene)?;
     writer.text("/", "law", scene.model.name)?;
@@ -50,7 +50,7 @@ pub(super) fn write_head(writer: &mut Writer<'_>, results: &Results) -> Result<(
 }
 
 /// Writes the curves of all replicas out of their records, unless it is stopped.
-pub(super) fn write_curves(
+pub(crate) fn write_curves(
     writer: &Writer<'_>,
     results: &Results,
     records: &mut dyn Records,
@@ -81,7 +81,7 @@ pub(super) fn write_curves(
 }
 
 /// Writes what made the file, and when.
-pub(super) fn write_program(writer: &Writer<'_>) -> Result<(), OutputError> {
+pub(crate) fn write_program(writer: &Writer<'_>) -> Result<(), OutputError> {
     let now = time::OffsetDateTime::now_utc();
     let created = now.format(&time::format_description::well_known::Rfc3339).unwrap_or_default();
     writer.text("/", "program_version", env!("CARGO_PKG_VERSION"))?;
@@ -91,14 +91,14 @@ pub(super) fn write_program(writer: &Writer<'_>) -> Result<(), OutputError> {
 }
 
 /// Writes what made the file, and from which text.
-pub(super) fn write_about(writer: &Writer<'_>, title: &str, text: &str) -> Result<(), OutputError> {
+pub(crate) fn write_about(writer: &Writer<'_>, title: &str, text: &str) -> Result<(), OutputError> {
     write_program(writer)?;
     writer.text("/", "title", title)?;
     writer.text("/", "scene", text)
 }
 
 /// Writes the law and how replicas are drawn.
-pub(super) fn write_model(writer: &Writer<'_>, scene: &Scene, seed: u64) -> Result<(), OutputError> {
+pub(crate) fn write_model(writer: &Writer<'_>, scene: &Scene, seed: u64) -> Result<(), OutputError> {
     writer.text("/", "law", scene.model.name)?;
     writer.text("/", "path", scene.path_name())?;
     writer.number("/", "seed", seed)?;
@@ -107,7 +107,7 @@ pub(super) fn write_model(writer: &Writer<'_>, scene: &Scene, seed: u64) -> Resu
 }
 
 /// Writes what made the file, the scene, its numbers and its separations.
-pub(super) fn write_scene(writer: &mut Writer<'_>, scene: &Scene) -> Result<(), OutputError> {
+pub(crate) fn write_scene(writer: &mut Writer<'_>, scene: &Scene) -> Result<(), OutputError> {
     write_about(writer, &scene.title, &scene.text)?;
     writer.text("/", "path", scene.path_name())?;
     if scene.cycle {
@@ -134,7 +134,7 @@ pub(super) fn write_scene(writer: &mut Writer<'_>, scene: &Scene) -> Result<(), 
     writer.dataset("/asperity_separation", &of_separation(&|h| scene.surface.asperity_separation(h)))
 }
 
-pub(super) fn write_results(writer: &mut Writer<'_>, results: &Results) -> Result<(), OutputError> {
+pub(crate) fn write_results(writer: &mut Writer<'_>, results: &Results) -> Result<(), OutputError> {
     write_ensemble(writer, results)?;
     write_jumps(writer, results)?;
     write_instability(writer, results)?;

@@ -1,0 +1,15 @@
+//! Experiments on scenes: the integral, the ensemble, its cross-check, and what is found out, kept and written.
+
+pub(crate) mod checkpoint;
+mod error;
+pub(crate) mod integral;
+mod observer;
+pub(crate) mod prepared;
+pub(crate) mod record;
+pub(crate) mod results;
+pub(crate) mod sampling;
+pub(crate) mod snaps;
+
+pub use error::Error;
+pub use observer::Observer;
+pub(crate) use observer::Phases;

@@ -1,0 +1,87 @@
+//! Progress of an experiment, for whoever watches it.
+
+use std::time::Instant;
+
+/// Somebody who watches an experiment. All methods do nothing by default.
+pub trait Observer {
+    /// A phase without a count begins; another may go on until then.
+    fn phase(&mut self, _name: &'static str) {}
+
+    /// A phase begins that counts replicas, of which `done` are done already.
+    fn replicas(&mut self, _name: &'static str, _done: u64, _total: u64) {}
+
+    /// So many more replicas are done.
+    fn advance(&mut self, _replicas: u64) {}
+
+    /// The phase ends.
+    fn end(&mut self) {}
+}
+
+/// Nobody watches.
+impl Observer for () {}
+
+/// The phases of an experiment as it goes through them: their times, and an observer who is told of them.
+pub(crate) struct Phases<'a> {
+    observer: &'a mut dyn Observer,
+    /// Name, begin, and seconds once it has ended.
+    phases: Vec<(&'static str, Instant, Option<f64>)>,
+}
+
+impl<'a> Phases<'a> {
+    /// None yet.
+    pub fn new(observer: &'a mut dyn Observer) -> Self {
+        Self { observer, phases: Vec::new() }
+    }
+
+    /// Begins a phase without a count.
+    pub fn phase(&mut self, name: &'static str) {
+        self.begin(name);
+        self.observer.phase(name);
+    }
+
+    /// Begins a phase that counts replicas, of which some are done already.
+    pub fn replicas(&mut self, name: &'static str, done: u64, total: u64) {
+        self.begin(name);
+        self.observer.replicas(name, done, total);
+    }
+
+    fn begin(&mut self, name: &'static str) {
+        self.end();
+        self.phases.push((name, Instant::now(), None));
+    }
+
+    /// Tells that so many more replicas are done.
+    pub fn advance(&mut self, replicas: u64) {
+        self.observer.advance(replicas);
+    }
+
+    /// Ends the phase.
+    pub fn end(&mut self) {
+        self.observer.end();
+        if let Some((_, begun, lasted @ None)) = self.phases.last_mut() {
+            *lasted = Some(begun.elapsed().as_secs_f64());
+        }
+    }
+
+    /// The phases so far and the seconds that each took.
+    pub fn seconds(&self) -> Vec<(&'static str, f64)> {
+        let seconds = |begun: &Instant, lasted: &Option<f64>| lasted.unwrap_or(begun.elapsed().as_secs_f64());
+        self.phases.iter().map(|(name, begun, lasted)| (*name, seconds(begun, lasted))).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn phases_are_named_and_timed() {
+        let mut nobody = ();
+        let mut phases = Phases::new(&mut nobody);
+        phases.phase("integral");
+        phases.replicas("ensemble", 0, 10);
+        phases.advance(10);
+        let names: Vec<&str> = phases.seconds().iter().map(|(name, _)| *name).collect();
+        assert_eq!(names, ["integral", "ensemble"]);
+    }
+}

@@ -1,0 +1,270 @@
+//! One scene, from its laws to a checked file.
+
+use super::checkpoint::{Beginning, Interrupted, Keeper, Manner, Run, State, beginning};
+use super::integral::{Integral, Way};
+use super::record::{write_curves, write_head, write_results};
+use super::results::{Results, Stopped, Told, WayBack, mean_features};
+use super::sampling::{Sampling, basis_of, cross_check};
+use super::{Error, Observer, Phases};
+use crate::asperity::{Law, Loop, Quantity};
+use crate::engine::{Batch, Forest, Outcome, Rule, Shard, Summation, batches_of, replicas_of};
+use crate::math::control_variates::controlled_means;
+use crate::output::checkpoint::Records;
+use crate::output::schema::RUN;
+use crate::output::writer::Writer;
+use crate::output::{Claim, OutputError, checksum};
+use crate::scene::{Plan, Scene, Warning, warnings};
+use crate::statistical::{Statistical, controls};
+use rayon::ThreadPool;
+use std::ops::Range;
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+/// What experiments one after the other have in common.
+pub(crate) struct Session {
+    /// Set by an interruption.
+    pub stop: Arc<AtomicBool>,
+    /// The threads that compute.
+    pub pool: ThreadPool,
+    /// How often what has been done is kept.
+    pub interval: Duration,
+}
+
+/// One scene and where its result goes.
+pub(crate) struct Task<'a> {
+    /// The output, as the user names it.
+    pub output: &'a Path,
+    /// The claim on it.
+    pub claim: &'a Claim,
+    /// What may become of what is there.
+    pub manner: Manner,
+    /// The shard that it is of the run, if not all of it.
+    pub shard: Option<Shard>,
+    /// Whether the result is read back later, and so has a checksum beside it.
+    pub is_read_back: bool,
+}
+
+/// Computes a scene into its output; what it has found out, or none where the output was complete before.
+///
+/// # Errors
+/// [`Error`]; what has been done is kept beside the output, for a run that resumes it.
+pub(crate) fn run_scene(
+    scene: Scene,
+    laws: Laws,
+    task: &Task<'_>,
+    session: &Session,
+    observer: &mut dyn Observer,
+) -> Result<Option<Box<Results>>, Error> {
+    let mut phases = Phases::new(observer);
+    let interrupted = match beginning(task.claim, Run { scene: &scene, shard: task.shard }, task.manner)? {
+        Beginning::Complete => return Ok(None),
+        Beginning::Anew => None,
+        Beginning::Resumed(run) => Some(run),
+    };
+    let kept = interrupted.as_ref().map(|run| run.state().clone());
+    let ground = Groundwork::new(scene, laws, kept, session, &mut phases);
+    let batches = 0..batches_of(ground.scene.replicas);
+    let Sampled { forest, summation, mut keeper } = ground.sample(batches, interrupted, task, session, &mut phases)?;
+    let most = ground.scene.replicas;
+    let told = Told {
+        seconds_before: keeper.seconds_before,
+        resumptions: keeper.resumptions,
+        checkpoints: keeper.journal.cost(),
+        ..Told::default()
+    };
+    let results = ground.results(*forest, summation, told, session, task.output, &mut phases);
+    phases.phase("writing");
+    let written = write(task, &results, &mut keeper.journal, &session.stop);
+    phases.end();
+    keeper.ended(written, task.output, most)?;
+    Ok(Some(Box::new(results)))
+}
+
+/// The laws of a scene.
+pub(crate) struct Laws {
+    pub law: Box<dyn Law>,
+    /// The loop of which the law is the approach, if surfaces are pulled back.
+    pub cycle: Option<Loop>,
+}
+
+/// What the ensemble of a scene is computed with and checked against.
+pub(crate) struct Groundwork {
+    pub scene: Scene,
+    laws: Laws,
+    plan: Plan,
+    warnings: Vec<Warning>,
+    integral: Integral,
+    state: State,
+    /// Expectations of the external force at the control variates, N.
+    expected: Vec<f64>,
+}
+
+/// What has been computed of an ensemble.
+pub(crate) struct Sampled {
+    pub forest: Box<Forest>,
+    pub summation: Summation,
+    /// What keeps it until it is written.
+    pub keeper: Keeper,
+}
+
+impl Groundwork {
+    /// That of a scene; with what has been kept of it.
+    pub fn new(scene: Scene, laws: Laws, kept: Option<State>, session: &Session, phases: &mut Phases<'_>) -> Self {
+        let (law, cycle, pool) = (laws.law.as_ref(), laws.cycle.as_ref(), &session.pool);
+        phases.phase("integral");
+        let plan = Plan::new(&scene, law);
+        let (integral, warnings) = pool.install(|| {
+            let integral = Integral::new(&scene, law, cycle);
+            let warnings = warnings(&scene, &scene.model, law, &integral.expected(&scene, law));
+            (integral, warnings)
+        });
+        phases.phase("test functionals");
+        let state = kept.unwrap_or_else(|| prepared(&scene, (law, cycle), &integral));
+        let force = |way: &Way| way.statistical.expected[Quantity::ExternalForce.index()].clone();
+        let expected: Vec<f64> = integral.ways().flat_map(force).collect();
+        let expected = state.controls.iter().map(|&place| expected[place]).collect();
+        Self { scene, laws, plan, warnings, integral, state, expected }
+    }
+
+    /// The ensemble.
+    pub fn sampling(&self) -> Sampling<'_> {
+        Sampling {
+            scene: &self.scene,
+            law: self.laws.law.as_ref(),
+            cycle: self.laws.cycle.as_ref(),
+            controls: &self.state.controls,
+            rule: self.rule(),
+            keep_curves: self.scene.curves,
+        }
+    }
+
+    fn rule(&self) -> Option<Rule<'_>> {
+        self.scene.stopping.as_ref().map(|stopping| Rule { stopping, expected: &self.expected })
+    }
+
+    /// Computes a range of batches for a task, from what was kept of it.
+    pub fn sample(
+        &self,
+        batches: Range<u64>,
+        interrupted: Option<Box<Interrupted>>,
+        task: &Task<'_>,
+        session: &Session,
+        phases: &mut Phases<'_>,
+    ) -> Result<Sampled, Error> {
+        let setup = self.sampling();
+        let job = setup.job();
+        let replicas = replicas_of(batches.clone(), job.replicas);
+        let (mut keeper, start) = match interrupted {
+            Some(run) => Keeper::resume(*run, &job, &batches, session.interval)?,
+            None => {
+                let run = Run { scene: &self.scene, shard: task.shard };
+                (Keeper::begin(task.claim, run, self.state.clone(), session.interval)?, Forest::new(batches))
+            }
+        };
+        let observe = |batch: &Batch, merged: &Forest| keeper.keep(&job, batch, merged);
+        let computed = setup.run("ensemble", &session.pool, &session.stop, phases, start, observe);
+        let (outcome, summation) = computed.map_err(|error| keeper.advised(error.into()))?;
+        match outcome {
+            Outcome::Complete(forest) => {
+                keeper.hold(&forest);
+                Ok(Sampled { forest, summation, keeper })
+            }
+            Outcome::Interrupted(forest) => {
+                keeper.save(&forest)?;
+                Err(keeper.interrupted(replicas.end - replicas.start))
+            }
+        }
+    }
+
+    /// What is found out by the ensemble that has been merged.
+    pub fn results(
+        mut self,
+        forest: Forest,
+        summation: Summation,
+        told: Told,
+        session: &Session,
+        output: &Path,
+        phases: &mut Phases<'_>,
+    ) -> Results {
+        let ensemble = Box::new(forest.into_ensemble(&self.sampling().job()));
+        let stopped = self.rule().map(|rule| Stopped::new(&rule, &ensemble));
+        // From here on the scene is that of the replicas that there are.
+        self.scene.stopping = None;
+        self.scene.replicas = ensemble.replicas.len() as u64;
+        let Self { scene, laws: Laws { law, cycle }, plan, warnings, integral, state, expected } = self;
+        let State { basis, controls, .. } = state;
+        phases.phase("cross-check");
+        let ways: Vec<&Statistical> = integral.ways().map(|way| &way.statistical).collect();
+        let (z, joint) = cross_check(&ensemble, &ways, &basis, &scene);
+        let scalars = controlled_means(&ensemble.groups.scalars, &expected);
+        let at_pull_off = integral.pulled().at_pull_off.clone();
+        let Integral { there: Way { statistical, features: of_integral, .. }, back } = integral;
+        let (of_mean, back) = session.pool.install(|| {
+            let of_mean = mean_features(&scene, law.as_ref(), &ensemble, &statistical);
+            (of_mean, cycle.zip(back).map(|(cycle, way)| WayBack::new(&scene, &cycle, &ensemble, way)))
+        });
+        phases.end();
+        let mut seconds = phases.seconds();
+        seconds.iter_mut().filter(|(name, _)| *name == "ensemble").for_each(|(_, time)| *time += told.seconds_before);
+        Results {
+            regimes: law.regimes().iter().map(|regime| regime.name()).collect(),
+            scene,
+            plan,
+            warnings,
+            statistical,
+            back,
+            ensemble,
+            stopped,
+            summation,
+            basis,
+            controls,
+            scalars,
+            of_mean,
+            of_integral,
+            at_pull_off,
+            z,
+            joint,
+            seconds,
+            threads: session.pool.current_num_threads(),
+            told,
+            output: output.to_owned(),
+        }
+    }
+}
+
+/// The functionals of the joint test, and the control variates.
+fn prepared(scene: &Scene, (law, cycle): (&dyn Law, Option<&Loop>), integral: &Integral) -> State {
+    let basis = basis_of(scene, law, cycle);
+    let groups = scene.fewest_replicas() / scene.sampling.group();
+    // Of a loop the way on which the surfaces are pulled off.
+    let first = cycle.map_or(0, |_| scene.separations.len());
+    let pulled = &integral.pulled().statistical;
+    let controls = controls(&scene.separations, pulled, &basis.tested[1][first..], groups);
+    State::new(basis, controls.into_iter().map(|place| first + place).collect(), scene.fewest_replicas())
+}
+
+/// Writes the result, with curves out of the records of the replicas; `false` if it was interrupted before it was complete, and then is not
+/// there.
+pub(crate) fn write(
+    task: &Task<'_>,
+    results: &Results,
+    records: &mut dyn Records,
+    stop: &AtomicBool,
+) -> Result<bool, OutputError> {
+    let mut writer = Writer::create(&RUN, task.claim, task.manner.force)?;
+    write_head(&mut writer, results)?;
+    if results.scene.curves {
+        write_curves(&writer, results, records, stop)?;
+    }
+    if stop.load(Ordering::Relaxed) {
+        return Ok(false);
+    }
+    write_results(&mut writer, results)?;
+    writer.finish()?;
+    if task.is_read_back {
+        checksum::keep(task.claim)?;
+    }
+    Ok(true)
+}

@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::program::{Folder, QUICK, assert_exit, bits, small, text};
+use common::program::{Folder, QUICK, assert_exit, bits, small, text, told};
 use common::unlocked;
 use std::path::Path;
 
@@ -12,7 +12,7 @@ fn a_run_leaves_one_file_and_a_summary() {
     let run = folder.stiction(&["run", "scene.toml"]);
     assert_exit(&run, 0);
     assert_eq!(folder.files(), ["scene.h5", "scene.toml"]);
-    assert_eq!(text(&run.stderr), "", "no progress where standard error is no terminal");
+    assert_eq!(told(&run), "", "no progress where standard error is no terminal");
     let summary = text(&run.stdout);
     for part in ["lambda", "psi", "skipped", "pull-off", "standard error", "patch to patch", "of the mean curve"] {
         assert!(summary.contains(part), "{part}: {summary}");
@@ -511,4 +511,32 @@ fn there_is_a_sign_of_life_without_a_terminal() {
     let mut said = String::new();
     quiet.stderr.take().unwrap().read_to_string(&mut said).unwrap();
     assert_eq!(said, "");
+}
+
+/// A run by the library has the bits of the command's, with the curves of its replicas; it overwrites nothing, and ends when it is told to.
+#[test]
+fn a_run_from_rust_is_that_of_the_command() {
+    let folder = Folder::new(&small().replace("curves = false", "curves = true"));
+    assert_exit(&folder.stiction(&["run", "scene.toml"]), 0);
+    let scene = stiction::Scene::from_toml_file(folder.path("scene.toml")).unwrap();
+    let result = stiction::builder(&scene).threads(2).run().unwrap();
+    result.write(folder.path("library.h5")).unwrap();
+    assert_eq!(bits(&folder.path("library.h5")), bits(&folder.path("scene.h5")));
+    let means = unlocked::open(folder.path("scene.h5")).dataset("/ensemble/scalar_mean").unwrap();
+    assert_eq!(means.read_raw::<f64>().unwrap()[0].to_bits(), result.pull_off().mean.to_bits());
+    let error = result.write(folder.path("library.h5")).unwrap_err();
+    assert!(matches!(error, stiction::Error::Output(stiction::output::OutputError::Exists(_))), "{error}");
+    assert_exit(&folder.stiction(&["validate", "library.h5"]), 0);
+    let stop = std::sync::Arc::new(std::sync::atomic::AtomicBool::new(true));
+    let stopped = stiction::builder(&scene).stop(stop).run();
+    assert!(matches!(stopped, Err(stiction::Error::Interrupted { kept: false, .. })));
+}
+
+#[test]
+fn a_sweep_is_no_scene() {
+    let folder = Folder::new(&format!("{}\n[sweep]\nsurface.surface_height_std = [\"1.4 nm\", \"1.8 nm\"]\n", small()));
+    let error = stiction::Scene::from_toml_file(folder.path("scene.toml")).unwrap_err().to_string();
+    assert!(error.contains("scene.toml: has a table [sweep]"), "{error}");
+    let error = stiction::Scene::from_toml_file(folder.path("none.toml")).unwrap_err().to_string();
+    assert!(error.contains("none.toml: cannot be read"), "{error}");
 }

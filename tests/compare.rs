@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::program::{Folder, QUICK, assert_exit, bits, small, text};
+use common::program::{Folder, QUICK, assert_exit, bits, small, text, told};
 use common::unlocked;
 use stiction::asperity::models::MODELS;
 
@@ -18,7 +18,7 @@ fn a_comparison_without_output_is_a_table() {
     let compare = folder.stiction(&["compare", "scene.toml", "--laws", "hybrid,isbl,gw,fit:paper"]);
     assert_exit(&compare, 0);
     assert_eq!(folder.files(), ["scene.toml"]);
-    assert_eq!(text(&compare.stderr), "");
+    assert_eq!(told(&compare), "");
     let table = text(&compare.stdout);
     for part in
         ["pull-off", "at h*", "deviation", "peak stiffness", "first", "gw                  none", "f_snc", "f_sel"]

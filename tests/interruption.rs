@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::program::{Folder, QUICK, assert_exit, attribute, bits, skip, small, text};
+use common::program::{Folder, QUICK, assert_exit, attribute, bits, skip, small, text, told};
 use common::unlocked;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -112,7 +112,7 @@ fn a_second_signal_ends_at_once_and_leaves_the_last_checkpoint() {
     let output = child.wait_with_output().unwrap();
     assert_exit(&output, 130);
     // The first signal alone would have it say how to go on, after the batch.
-    assert_eq!(text(&output.stderr), "");
+    assert_eq!(told(&output), "");
     assert_eq!(std::fs::read(folder.path(CHECKPOINT)).unwrap(), kept);
     assert_exit(&folder.stiction(&["run", "scene.toml", "--resume"]), 0);
     assert_same_as(&folder, &reference);

@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::program::{Folder, assert_exit, small, text};
+use common::program::{Folder, assert_exit, small, text, told};
 use std::fs::File;
 use std::process::{Command, Output, Stdio};
 
@@ -77,7 +77,7 @@ fn readers_may_leave() {
     drop(child.stdout.take());
     let output = child.wait_with_output().unwrap();
     assert_exit(&output, 0);
-    assert_eq!(text(&output.stderr), "");
+    assert_eq!(told(&output), "");
     let full = || File::options().write(true).open("/dev/full").unwrap();
     for (arguments, code) in [(&["check", "absent.toml"][..], 2), (&["chek"], 2)] {
         let status = Command::new(env!("CARGO_BIN_EXE_stiction")).args(arguments).stderr(full()).status().unwrap();

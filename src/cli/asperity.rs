@@ -1,9 +1,10 @@
 //! `stiction asperity`: one asperity in scaled variables, as CSV.
 
-use super::{AsperityArguments, Failure, print, read_text};
+use super::{AsperityArguments, Failure, print};
 use crate::asperity::models::{MODELS, Model, model};
 use crate::asperity::scale::pressure_factor;
 use crate::asperity::{Law, LawError, Regime, Responses, Scratch, Setting, Work, for_each_block};
+use crate::experiment::scene_file::read_text;
 use crate::scene::echo::shortened;
 use crate::scene::nearest;
 use std::f64::consts::PI;

@@ -398,7 +398,10 @@ impl From<experiment::Error> for Failure {
         use experiment::Error;
         match error {
             Error::Output(error) => error.into(),
-            Error::NotWritten(error) => Self::Running(error.into()),
+            Error::NotWritten(_) | Error::Threads(_) => Self::Running(error.into()),
+            Error::Scene { .. } | Error::Unreadable { .. } | Error::IsSweep(_) | Error::Law { .. } => {
+                Self::Usage(error.to_string())
+            }
             Error::Unfinished { .. } => Self::Usage(format!("{error}; --resume goes on with it, --force begins anew")),
             Error::OtherRun { checkpoint: path, problem } => {
                 OutputError::NotACheckpoint { path, problem: format!("{problem}; --force begins anew") }.into()
@@ -545,9 +548,10 @@ fn files_of(path: &Path, scene: &Scene) -> Vec<PathBuf> {
 
 /// Reads a scene or a sweep, with its file named in every error.
 fn read_document(path: &Path) -> Result<Document, Failure> {
-    let named = |problem: String| Failure::Usage(format!("{}: {problem}", path.display()));
-    let text = read_text(path, LONGEST_SCENE).map_err(named)?;
-    Document::parse(&text, Arc::new(Beside::scene(path))).map_err(|error| refused_scene(path, &error))
+    Document::from_toml_file(path).map_err(|error| match error {
+        experiment::Error::Scene { path, error } => refused_scene(&path, &error),
+        other => other.into(),
+    })
 }
 
 /// All that is wrong with a scene, with its file named.
@@ -569,74 +573,6 @@ fn read_scene(path: &Path) -> Result<Scene, Failure> {
         Document { .. } => {
             let problem = "has a table [sweep], which only `stiction run` and `stiction check` take; leave it out here";
             Err(Failure::Usage(format!("{}: {problem}", path.display())))
-        }
-    }
-}
-
-/// Longest scene that is read, bytes; one with the most separations there can be has less than a tenth of it.
-const LONGEST_SCENE: u64 = 4 << 20;
-
-/// Reads a text of at most `most` bytes, from whatever the path names: a file, a pipe that somebody writes to, or a device without end.
-fn read_text(path: &Path, most: u64) -> Result<String, String> {
-    use std::io::Read;
-    let unreadable = |error| format!("cannot be read: {error}");
-    let mut bytes = Vec::new();
-    opened(path).map_err(unreadable)?.take(most + 1).read_to_end(&mut bytes).map_err(unreadable)?;
-    if bytes.starts_with(HDF5) {
-        return Err("is an HDF5 file, not a text; `stiction info` shows what is in a result".to_owned());
-    }
-    if bytes.len() as u64 > most {
-        return Err(format!("is longer than {} MB", most >> 20));
-    }
-    String::from_utf8(bytes).map_err(|error| {
-        format!("is not a text in UTF-8: byte {} belongs to no character", error.utf8_error().valid_up_to() + 1)
-    })
-}
-
-/// How HDF5 files begin.
-const HDF5: &[u8] = b"\x89HDF\r\n\x1a\n";
-
-/// A file to read from. A pipe that nobody writes to is an error: to open it would wait for ever.
-fn opened(path: &Path) -> std::io::Result<impl std::io::Read> {
-    #[cfg(not(unix))]
-    return std::fs::File::open(path);
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::{FileTypeExt, OpenOptionsExt};
-        if !path.metadata()?.file_type().is_fifo() {
-            return Ok(Source { file: std::fs::File::open(path)?, is_begun: true });
-        }
-        let flags = rustix::fs::OFlags::NONBLOCK.bits() as i32;
-        let file = std::fs::File::options().read(true).custom_flags(flags).open(path)?;
-        Ok(Source { file, is_begun: false })
-    }
-}
-
-/// A file, or a pipe that is opened without waiting for a writer.
-#[cfg(unix)]
-struct Source {
-    file: std::fs::File,
-    /// Whether there has been a writer, if it is a pipe.
-    is_begun: bool,
-}
-
-#[cfg(unix)]
-impl std::io::Read for Source {
-    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
-        loop {
-            match self.file.read(buffer) {
-                Ok(0) if !self.is_begun && !buffer.is_empty() => {
-                    return Err(std::io::Error::other("is a pipe that nobody writes to; name a file"));
-                }
-                Err(error) if error.kind() == ErrorKind::WouldBlock => {
-                    self.is_begun = true;
-                    std::thread::sleep(Duration::from_millis(5));
-                }
-                read => {
-                    self.is_begun = true;
-                    return read;
-                }
-            }
         }
     }
 }

@@ -3,7 +3,7 @@
 use super::progress::Progress;
 use super::session::{Session, override_ensemble};
 use super::summary::summary;
-use super::{Failure, RunArguments, files_of, law_of, loop_of, print_of, read_document, resources, shard, sweep};
+use super::{Failure, RunArguments, files_of, print_of, read_document, resources, shard, sweep};
 use crate::experiment::prepared::{Laws, Task, run_scene};
 use crate::output::Claim;
 use crate::scene::{Document, Scene, Sizes};
@@ -26,7 +26,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<(), Failure> {
     let task = Task { output: &output, claim: &claim, manner, shard: None, is_read_back: false };
     let laws = laws_of(&scene, scene.replicas, (&arguments.scene, &task), session.pool.current_num_threads())?;
     match run_scene(scene, laws, &task, &session, &mut Progress::new(session.quiet))? {
-        Some(results) => print_of(&output, &summary(&results)),
+        Some(results) => print_of(&output, &summary(&results, &output)),
         None => {
             eprintln!("{} is complete: nothing to resume", output.display());
             Ok(())
@@ -52,7 +52,8 @@ pub(super) fn laws_of(
     (source, task): (&Path, &Task<'_>),
     threads: usize,
 ) -> Result<Laws, Failure> {
-    let laws = Laws { law: law_of(scene, &scene.model, source)?, cycle: loop_of(scene, source)? };
+    let refused = |error| Failure::Usage(format!("{}: {error}", source.display()));
+    let laws = Laws::new(scene).map_err(refused)?;
     let sizes = Sizes { replicas: replicas as f64, ..Sizes::new(scene, laws.law.as_ref(), threads) };
     // What an interrupted run has kept is on the disk already.
     let begins = !task.claim.beside(".checkpoint").exists();

@@ -9,7 +9,7 @@ use super::{Failure, RunArguments, files_of, kept, print_of};
 use crate::engine::{Shard, batches_of, replicas_of};
 use crate::experiment::Phases;
 use crate::experiment::checkpoint::{Beginning, Manner, Run, State, beginning, record_of};
-use crate::experiment::prepared::{Groundwork, Sampled, Task};
+use crate::experiment::prepared::{PreparedRun, Sampled, Task};
 use crate::experiment::record::{write_about, write_model};
 use crate::output::checkpoint::{Checkpoint, Journal, Visit, forget};
 use crate::output::schema::SHARD;
@@ -176,7 +176,7 @@ impl Work<'_> {
             }
             let state = interrupted.as_ref().map(|run| run.state().clone());
             let mut phases = Phases::new(&mut progress);
-            let ground = Groundwork::new(part.scene.clone(), laws, state, self.session, &mut phases);
+            let ground = PreparedRun::new(part.scene.clone(), laws, state, self.session, &mut phases);
             let sampled = ground.sample(part.batches.clone(), interrupted, &task, self.session, &mut phases)?;
             let Sampled { mut keeper, .. } = sampled;
             keeper.save_held().map_err(|error| keeper.advised(error.into()))?;

@@ -13,8 +13,9 @@ use crate::math::moments::Moments;
 use crate::math::sums::SUM_ROUNDING;
 use crate::scene::Limit;
 use crate::validation::{JointTest, SIGNIFICANCE, Verdict};
+use std::path::Path;
 
-pub(super) fn summary(results: &Results) -> String {
+pub(super) fn summary(results: &Results, output: &Path) -> String {
     let mut text = heading(&results.scene);
     text += &skipped(&results.plan);
     text += &beyond(&results.plan);
@@ -30,7 +31,7 @@ pub(super) fn summary(results: &Results) -> String {
     let back = results.back.as_ref().map_or(0.0, |back| back.statistical.quadrature_error);
     text += &row("integral", &error_bound(maximum(results.statistical.quadrature_error, back)));
     text += &times(results);
-    text += &row("written", &results.output.display().to_string());
+    text += &row("written", &output.display().to_string());
     text
 }
 

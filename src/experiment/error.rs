@@ -1,12 +1,44 @@
 //! Why an experiment ends without its result.
 
+use crate::asperity::LawError;
 use crate::output::OutputError;
+use crate::scene::SceneError;
 use std::path::PathBuf;
 use thiserror::Error;
 
 /// Why an experiment ends without its result.
 #[derive(Debug, Error)]
 pub enum Error {
+    /// A scene is wrong.
+    #[error("{}: {error}", path.display())]
+    Scene {
+        /// The file of the scene.
+        path: PathBuf,
+        /// All that is wrong with it.
+        error: SceneError,
+    },
+    /// A scene cannot be read.
+    #[error("{}: {problem}", path.display())]
+    Unreadable {
+        /// The file of the scene.
+        path: PathBuf,
+        /// Why.
+        problem: String,
+    },
+    /// A sweep was given where one scene is needed.
+    #[error("{}: has a table [sweep], and one scene is needed; leave it out here, or read it as a Document", .0.display())]
+    IsSweep(PathBuf),
+    /// The law of a scene cannot be made for its asperities.
+    #[error("the law {law} cannot be used: {error}")]
+    Law {
+        /// Its name.
+        law: &'static str,
+        /// Why.
+        error: LawError,
+    },
+    /// Threads cannot be started.
+    #[error("cannot start threads: {0}")]
+    Threads(#[from] rayon::ThreadPoolBuildError),
     /// Something about the files that it keeps, reads or writes.
     #[error(transparent)]
     Output(#[from] OutputError),

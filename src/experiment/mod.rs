@@ -7,9 +7,12 @@ mod observer;
 pub(crate) mod prepared;
 pub(crate) mod record;
 pub(crate) mod results;
+mod run;
 pub(crate) mod sampling;
+pub(crate) mod scene_file;
 pub(crate) mod snaps;
 
 pub use error::Error;
 pub use observer::Observer;
 pub(crate) use observer::Phases;
+pub use run::{Builder, RunResult, builder, run};

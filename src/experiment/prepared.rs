@@ -64,7 +64,7 @@ pub(crate) fn run_scene(
         Beginning::Resumed(run) => Some(run),
     };
     let kept = interrupted.as_ref().map(|run| run.state().clone());
-    let ground = Groundwork::new(scene, laws, kept, session, &mut phases);
+    let ground = PreparedRun::new(scene, laws, kept, session, &mut phases);
     let batches = 0..batches_of(ground.scene.replicas);
     let Sampled { forest, summation, mut keeper } = ground.sample(batches, interrupted, task, session, &mut phases)?;
     let most = ground.scene.replicas;
@@ -74,7 +74,7 @@ pub(crate) fn run_scene(
         checkpoints: keeper.journal.cost(),
         ..Told::default()
     };
-    let results = ground.results(*forest, summation, told, session, task.output, &mut phases);
+    let results = ground.results(*forest, summation, told, session, &mut phases);
     phases.phase("writing");
     let written = write(task, &results, &mut keeper.journal, &session.stop);
     phases.end();
@@ -89,8 +89,16 @@ pub(crate) struct Laws {
     pub cycle: Option<Loop>,
 }
 
+impl Laws {
+    /// Those of a scene.
+    pub fn new(scene: &Scene) -> Result<Self, Error> {
+        let refused = |error| Error::Law { law: scene.model.name, error };
+        Ok(Self { law: scene.law().map_err(refused)?, cycle: scene.loop_law().map_err(refused)? })
+    }
+}
+
 /// What the ensemble of a scene is computed with and checked against.
-pub(crate) struct Groundwork {
+pub(crate) struct PreparedRun {
     pub scene: Scene,
     laws: Laws,
     plan: Plan,
@@ -109,7 +117,7 @@ pub(crate) struct Sampled {
     pub keeper: Keeper,
 }
 
-impl Groundwork {
+impl PreparedRun {
     /// That of a scene; with what has been kept of it.
     pub fn new(scene: Scene, laws: Laws, kept: Option<State>, session: &Session, phases: &mut Phases<'_>) -> Self {
         let (law, cycle, pool) = (laws.law.as_ref(), laws.cycle.as_ref(), &session.pool);
@@ -185,7 +193,6 @@ impl Groundwork {
         summation: Summation,
         told: Told,
         session: &Session,
-        output: &Path,
         phases: &mut Phases<'_>,
     ) -> Results {
         let ensemble = Box::new(forest.into_ensemble(&self.sampling().job()));
@@ -229,7 +236,6 @@ impl Groundwork {
             seconds,
             threads: session.pool.current_num_threads(),
             told,
-            output: output.to_owned(),
         }
     }
 }

@@ -10,7 +10,6 @@ use crate::scene::{Plan, Scene, Stopping, Warning};
 use crate::statistical::{Model, Statistical};
 use crate::validation::{Basis, JointTest};
 use std::ops::Range;
-use std::path::PathBuf;
 use std::time::Duration;
 
 /// Everything that a run has found out.
@@ -42,7 +41,6 @@ pub(crate) struct Results {
     pub seconds: Vec<(&'static str, f64)>,
     pub threads: usize,
     pub told: Told,
-    pub output: PathBuf,
 }
 
 /// What is told of a run beside its results.

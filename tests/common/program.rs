@@ -66,6 +66,12 @@ pub fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
 }
 
+/// What a run says on standard error beside its progress, of which a line comes after 10 seconds, on a busy machine also of a quick run.
+pub fn told(output: &Output) -> String {
+    let is_progress = |line: &&str| line.ends_with(" so far") || line.ends_with(" left");
+    text(&output.stderr).lines().filter(|line| !is_progress(line)).collect()
+}
+
 #[track_caller]
 pub fn assert_exit(output: &Output, code: i32) {
     assert_eq!(output.status.code(), Some(code), "{}{}", text(&output.stdout), text(&output.stderr));

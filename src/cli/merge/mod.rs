@@ -12,7 +12,7 @@ use super::{Failure, MergeArguments, files_of, print_of, sweep};
 use crate::engine::Forest;
 use crate::experiment::Phases;
 use crate::experiment::checkpoint::{Manner, Run, State, beginning, is_of, record_of};
-use crate::experiment::prepared::{Groundwork, Task, write};
+use crate::experiment::prepared::{PreparedRun, Task, write};
 use crate::experiment::results::{Partial, Results, Told};
 use crate::output::checkpoint::{Checkpoint, Records, Visit};
 use crate::output::schema::SWEEP;
@@ -37,7 +37,7 @@ pub(super) fn merge(arguments: &MergeArguments) -> Result<(), Failure> {
             let mut scene = scene.clone();
             override_ensemble(&mut scene, Some(run.identity.replicas), Some(run.identity.seed))?;
             beginning(&claim, Run { scene: &scene, shard: None }, manner)?;
-            summary(merge.point(scene, &run.places[0], &task, Progress::new(session.quiet))?.as_ref())
+            summary(merge.point(scene, &run.places[0], &task, Progress::new(session.quiet))?.as_ref(), output)
         }
         Document { sweep: Some(sweep), .. } => merge.several(&Points {
             sweep,
@@ -109,7 +109,7 @@ impl Merge<'_> {
             return Err(Failure::Usage(format!("{}: no replicas are there", self.run.source.display())));
         };
         let state = piece(first).checkpoint(&piece(first).open()?, &scene)?.state;
-        let ground = Groundwork::new(scene, laws, Some(state.clone()), self.session, &mut phases);
+        let ground = PreparedRun::new(scene, laws, Some(state.clone()), self.session, &mut phases);
         let setup = ground.sampling();
         let (job, record) = (setup.job(), record_of(&ground.scene));
         phases.replicas("ensemble", 0, of);
@@ -145,7 +145,7 @@ impl Merge<'_> {
         let there: Vec<u64> = places.iter().flat_map(|place| piece(place).found().replicas.clone()).collect();
         told.partial = (there.len() as u64 != of).then_some(Partial { replicas: there, of });
         let summation = setup.summation(&self.session.pool);
-        let results = ground.results(merged, summation, told, self.session, task.output, &mut phases);
+        let results = ground.results(merged, summation, told, self.session, &mut phases);
         phases.phase("writing");
         let mut records = Pieces { run: self.run, places, length: record.length() };
         let written = write(task, &results, &mut records, &self.session.stop);

@@ -1,9 +1,10 @@
 //! Whether shards make up a run: what is missing, doubled, unfinished or of another run.
 
+use super::super::Failure;
 use super::super::shard::shown;
-use super::super::{Failure, LONGEST_SCENE};
 use crate::engine::Shard;
 use crate::experiment::checkpoint::State;
+use crate::experiment::scene_file::LONGEST_SCENE;
 use crate::output::beside;
 use crate::output::checkpoint::{Checkpoint, Identity, is_checkpoint};
 use crate::output::columns::Beside;

@@ -24,7 +24,7 @@ from switches import ROOT, TARGET, Build, Unfit, side_by_side
 
 PLACE = TARGET / "mutants"
 # The terminal's rooms.
-LEFT_OUT = ("src/cli/", "src/main.rs", "src/output/progress.rs")
+LEFT_OUT = ("src/cli/", "src/main.rs")
 # Test programs that take long, need an emulator or another processor, or only repeat with random input what others check.
 UNUSED = {"fuzz", "processors", "terminal", "instruction_sets", "interruption", "large_surfaces"}
 # A test that takes more seconds of a processor by itself is not used.

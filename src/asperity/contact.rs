@@ -14,8 +14,8 @@
 //! All λ > 0. θ = π/2 is first touch, θ → 0 heavy load or the JKR limit. Above λ_f = 0.9379… Δ(θ) folds before
 //! first touch; the stable branch is 0 < θ ≤ θ_fold.
 
+use super::angle::{AngleTerms, angle_terms};
 use super::branch::{Curve, State};
-use crate::math::polynomials::{AngleTerms, angle_terms};
 use crate::math::roots::{Sample, safe_newton};
 
 const FIRST_TOUCH: f64 = std::f64::consts::FRAC_PI_2;

@@ -2,19 +2,11 @@
 
 use super::error::LawError;
 use super::history::Path;
-use super::law::{Boundary, FitReport, Law, Piece, Regime, Responses};
+use super::law::{Boundary, Family, FitReport, Law, Piece, Regime, Responses};
 use super::models::Model;
 use super::scale::Asperity;
 use super::setting::Setting;
 use super::work::Work;
-
-/// The laws of one model for asperities of any radius.
-#[derive(Clone, Debug)]
-pub struct Family {
-    model: Model,
-    asperity: Asperity,
-    path: Path,
-}
 
 impl Family {
     /// The laws of a model for asperities like one, whose radii differ from its radius by factors between `least` and `most`.
@@ -25,26 +17,15 @@ impl Family {
         if model.is_fit() {
             return Err(LawError::OneRadius);
         }
-        let family = Self { model, asperity, path };
+        let of_radius = move |radius: f64, reach: Option<(f64, f64)>| {
+            let setting = Setting::new(&Asperity { radius, ..asperity }, path, (0.0, 0.0))?;
+            (model.build)(&Setting { reach, ..setting })
+        };
         for factor in [least, most] {
-            family.built(factor * asperity.radius, None)?;
+            of_radius(factor * asperity.radius, None)?;
         }
-        Ok(family)
-    }
-
-    /// The law of an asperity of a radius, m, with starting tables for interferences in `reach`, m; without, it takes less to make, and
-    /// each solve more.
-    ///
-    /// # Panics
-    /// When the radius is not between those that the family was made for.
-    pub fn law(&self, radius: f64, reach: Option<(f64, f64)>) -> Box<dyn Law> {
-        self.built(radius, reach).expect("laws between two radii that have one have one")
-    }
-
-    fn built(&self, radius: f64, reach: Option<(f64, f64)>) -> Result<Box<dyn Law>, LawError> {
-        let asperity = Asperity { radius, ..self.asperity };
-        let setting = Setting::new(&asperity, self.path, (0.0, 0.0))?;
-        (self.model.build)(&Setting { reach, ..setting })
+        let law = move |radius, reach| of_radius(radius, reach).expect("laws between two radii that have one have one");
+        Ok(Self::from_fn(law))
     }
 }
 

@@ -4,6 +4,7 @@
 //! ([`emd`] and below); [`scale`] is the one place that knows R, E_r and Δγ. A law of a rough surface's asperity
 //! ([`laws`]) is a [`table`] of regimes, intervals of interference, and what acts in each, and shows itself to the sums through [`Law`].
 
+mod angle;
 pub mod branch;
 pub mod contact;
 pub mod emd;
@@ -24,11 +25,11 @@ pub mod unloading;
 mod work;
 
 pub use error::LawError;
-pub use family::{Family, Typical};
+pub use family::Typical;
 pub use history::Path;
 pub use law::{
-    BLOCK, Boundary, End, FitReport, Flattened, Law, Piece, Regime, Responses, Scratch, Smoothness, for_each_block,
-    for_each_block_of, regime_ranges,
+    BLOCK, Boundary, End, Family, FitReport, Flattened, Law, Piece, Regime, Responses, Scratch, Smoothness,
+    for_each_block, for_each_block_of, regime_ranges,
 };
 pub use quantity::Quantity;
 pub use setting::Setting;

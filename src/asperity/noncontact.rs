@@ -15,11 +15,9 @@
 //! All λ > 0, ε > 0. Δ(ε) folds for λ > 0.88832; the outermost branch is the one that approach follows.
 
 use super::branch::{Curve, State};
+use super::scale::STRESS_RATIO;
 use crate::math::roots::{Sample, golden_maximum, safe_newton};
 use std::f64::consts::PI;
-
-/// σ₀Z₀/Δγ: the stress of the Dugdale zone in units of Δγ/Z₀ (Shi and Polycarpou 2005, eq. 6).
-pub const STRESS_RATIO: f64 = 1.03;
 
 /// The noncontact curve Δ(ε), F̂_s(ε) of one adhesion parameter, cut to one monotone branch.
 #[derive(Clone, Copy, Debug)]

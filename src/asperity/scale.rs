@@ -1,8 +1,10 @@
 //! From SI quantities to the scaled variables of the elastic laws and back.
 
 use super::error::LawError;
-use super::noncontact::STRESS_RATIO;
 use std::f64::consts::PI;
+
+/// σ₀Z₀/Δγ: the stress of the Dugdale zone in units of Δγ/Z₀ (Shi and Polycarpou 2005, eq. 6).
+pub const STRESS_RATIO: f64 = 1.03;
 
 /// One asperity against a flat: geometry and material, SI.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -24,7 +24,7 @@
 
 use super::law::{BLOCK, End, Flattened, Responses, Smoothness};
 use super::setting::Setting;
-use super::table::Part;
+use super::table::{Method, Part};
 use super::work::Work;
 use crate::math::instruction_set::InstructionSet;
 use crate::math::piecewise::Piecewise;
@@ -131,9 +131,6 @@ pub struct ClosedForm<F, P, A> {
     is_proportional: bool,
 }
 
-/// Nanoseconds of one evaluation, about.
-const NANOSECONDS: f64 = 4.0;
-
 impl<F: Formula> ClosedForm<F, Zero, Zero> {
     /// An attraction alone, smooth.
     pub fn attraction(adhesion: F) -> Self {
@@ -186,8 +183,8 @@ impl<F: Formula, P: Formula, A: Formula> Part for ClosedForm<F, P, A> {
         (ends, smoothness)
     }
 
-    fn cost(&self) -> f64 {
-        NANOSECONDS
+    fn method(&self) -> Method {
+        Method::ClosedForm
     }
 
     fn capture(&self) -> Option<f64> {
@@ -199,7 +196,7 @@ impl<F: Formula, P: Formula, A: Formula> Part for ClosedForm<F, P, A> {
         Some(Box::new(Proportional { adhesion }))
     }
 
-    fn evaluate(&self, interference: &[f64], out: &mut Responses, work: &mut Work) {
+    fn evaluate(&self, interference: &[f64], out: &mut Responses, _: &mut Work) {
         let count = interference.len();
         InstructionSet::current().run(
             #[inline(always)]
@@ -209,7 +206,6 @@ impl<F: Formula, P: Formula, A: Formula> Part for ClosedForm<F, P, A> {
                 self.area.fill(interference, &mut out.area[..count]);
             },
         );
-        work.closed_form += count as u64;
     }
 }
 
@@ -229,6 +225,7 @@ impl<F: Formula> Flattened for Proportional<F> {
 
     fn attraction(&self, ratios: &[f64], interference: &[f64], out: &mut Responses, work: &mut Work) {
         ClosedForm::attraction(self.adhesion.clone()).evaluate(interference, out, work);
+        work.closed_form += interference.len() as u64;
         out.adhesion.iter_mut().zip(ratios).for_each(|(adhesion, ratio)| *adhesion *= ratio);
     }
 }
@@ -251,18 +248,13 @@ impl Constant {
 }
 
 impl Part for Constant {
-    fn cost(&self) -> f64 {
-        0.0
+    fn method(&self) -> Method {
+        Method::Constant(self.adhesion)
     }
 
-    fn constant(&self) -> Option<f64> {
-        Some(self.adhesion)
-    }
-
-    fn evaluate(&self, interference: &[f64], out: &mut Responses, work: &mut Work) {
+    fn evaluate(&self, interference: &[f64], out: &mut Responses, _: &mut Work) {
         out.adhesion[..interference.len()].fill(self.adhesion);
         out.contact[..interference.len()].fill(0.0);
         out.area[..interference.len()].fill(0.0);
-        work.constant += interference.len() as u64;
     }
 }

@@ -23,7 +23,7 @@ use crate::asperity::history::Path;
 use crate::asperity::law::{BLOCK, End, Flattened, Law, Regime, Responses, Smoothness};
 use crate::asperity::scale::Scale;
 use crate::asperity::setting::Setting;
-use crate::asperity::table::{Part, Row, Table};
+use crate::asperity::table::{Method, Part, Row, Table};
 use crate::asperity::work::Work;
 use crate::math::instruction_set::InstructionSet;
 use std::sync::Arc;
@@ -86,8 +86,8 @@ impl Part for Attraction {
         }
     }
 
-    fn cost(&self) -> f64 {
-        7.0
+    fn method(&self) -> Method {
+        Method::Noncontact
     }
 
     fn far(&self) -> Option<f64> {
@@ -102,7 +102,6 @@ impl Part for Attraction {
         let inverse = 1.0 / self.scale.length;
         let count = interference.len();
         let mut approaches = [0.0; BLOCK];
-        let far = work.far;
         InstructionSet::current().run(
             #[inline(always)]
             || {
@@ -115,6 +114,5 @@ impl Part for Attraction {
                 out.area[..count].fill(0.0);
             },
         );
-        work.noncontact_solves += interference.len() as u64 - (work.far - far);
     }
 }

@@ -17,7 +17,7 @@ use crate::asperity::history::Path;
 use crate::asperity::law::{BLOCK, End, Law, Regime, Responses, Smoothness};
 use crate::asperity::scale::Scale;
 use crate::asperity::setting::Setting;
-use crate::asperity::table::{Part, Row, Table};
+use crate::asperity::table::{Method, Part, Row, Table};
 use crate::asperity::work::Work;
 
 /// The law `jkr`.
@@ -109,8 +109,8 @@ impl Part for JkrContact {
         (Vec::new(), vec![Smoothness::Root { end: End::Lower, place: self.end(), order: 2 }])
     }
 
-    fn cost(&self) -> f64 {
-        9.0
+    fn method(&self) -> Method {
+        Method::Contact
     }
 
     fn evaluate(&self, interference: &[f64], out: &mut Responses, work: &mut Work) {
@@ -122,6 +122,5 @@ impl Part for JkrContact {
         }
         self.branch.solve_block(&approaches[..count], &mut out.adhesion, &mut radius, work);
         out.scale_contacts(&self.scale, &radius[..count]);
-        work.contact_solves += interference.len() as u64;
     }
 }

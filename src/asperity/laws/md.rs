@@ -13,7 +13,7 @@ use crate::asperity::formula::Constant;
 use crate::asperity::law::{BLOCK, End, Law, Regime, Responses, Smoothness};
 use crate::asperity::scale::Scale;
 use crate::asperity::setting::Setting;
-use crate::asperity::table::{Part, Row, Table};
+use crate::asperity::table::{Method, Part, Row, Table};
 use crate::asperity::work::Work;
 use crate::math::instruction_set::InstructionSet;
 use std::sync::Arc;
@@ -70,8 +70,8 @@ impl Part for MaugisContact {
         )
     }
 
-    fn cost(&self) -> f64 {
-        8.0
+    fn method(&self) -> Method {
+        Method::Contact
     }
 
     fn evaluate(&self, interference: &[f64], out: &mut Responses, work: &mut Work) {
@@ -88,6 +88,5 @@ impl Part for MaugisContact {
                 out.scale_contacts(&self.scale, &radius[..count]);
             },
         );
-        work.contact_solves += interference.len() as u64;
     }
 }

@@ -27,7 +27,7 @@ use crate::asperity::formula::{ClosedForm, Constant};
 use crate::asperity::law::{End, Law, Regime, Responses, Smoothness};
 use crate::asperity::scale::{Asperity, Scale};
 use crate::asperity::setting::Setting;
-use crate::asperity::table::{Part, Row, Table};
+use crate::asperity::table::{Method, Part, Row, Table};
 use crate::asperity::work::Work;
 use refit::{Direct, FITTED, JUDGED};
 use std::f64::consts::PI;
@@ -135,11 +135,11 @@ impl Part for FittedContact {
         (ends, pieces)
     }
 
-    fn cost(&self) -> f64 {
-        120.0
+    fn method(&self) -> Method {
+        Method::Powers
     }
 
-    fn evaluate(&self, interference: &[f64], out: &mut Responses, work: &mut Work) {
+    fn evaluate(&self, interference: &[f64], out: &mut Responses, _: &mut Work) {
         let area_unit = PI * self.scale.radius * self.scale.radius;
         for (i, &delta) in interference.iter().enumerate() {
             let scaled = delta / self.scale.length;
@@ -149,6 +149,5 @@ impl Part for FittedContact {
             out.contact[i] = self.scale.force * contact;
             out.area[i] = area_unit * scaled.max(0.0);
         }
-        work.closed_form += interference.len() as u64;
     }
 }

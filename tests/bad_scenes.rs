@@ -1,6 +1,9 @@
 //! Scenes that are wrong: a line for each problem names the key, its line, what was given and what would do; the exit code is 2 and
 //! nothing is written.
 
+#[path = "scenes/keys.rs"]
+mod keys;
+
 use std::collections::BTreeSet;
 use std::path::Path;
 use std::process::Command;
@@ -37,7 +40,58 @@ const CASES: &[(&str, &str, &[&str])] = &[
     (
         "reduced_modulus =",
         "youngs_modulus =",
+        &[
+            "a list of two is needed",
+            "is reduced_modulus, 1/E_r = (1 - nu1^2)/E1 + (1 - nu2^2)/E2",
+            "`material.poissons_ratio` is missing",
+        ],
+    ),
+    (
+        "reduced_modulus =",
+        "e_star =",
         &["did you mean `reduced_modulus`, 1/E_r = (1 - nu1^2)/E1 + (1 - nu2^2)/E2 of the two bodies?"],
+    ),
+    (
+        "[material]",
+        "[material]\nyoungs_modulus = [\"169 GPa\", \"70 GPa\"]\npoissons_ratio = [0.22, 0.27]",
+        &[
+            "line 6: `material.youngs_modulus",
+            "line 7: `material.poissons_ratio",
+            "same as reduced_modulus; give either",
+        ],
+    ),
+    (
+        "reduced_modulus = \"85.29 GPa\"",
+        "youngs_modulus = [\"169 GPa\", \"70 GPa\"]",
+        &["`material.poissons_ratio` is missing; for example poissons_ratio = [0.22, 0.27]"],
+    ),
+    (
+        "reduced_modulus = \"85.29 GPa\"",
+        "youngs_modulus = [\"169 GPa\", 70]\npoissons_ratio = [0.22, 0.6]",
+        &[
+            "line 6: `material.youngs_modulus[1] = 70`: the unit is missing",
+            "line 7: `material.poissons_ratio[1] = 0.6`: a Poisson ratio",
+        ],
+    ),
+    (
+        "reduced_modulus = \"85.29 GPa\"",
+        "youngs_modulus = [\"169 GPa\", \"70 GPa\"]\npoissons_ratio = [0.22, 0.33]",
+        &["`material.poisson_ratio = 0.27`: is that of the softer body, one of the two of poissons_ratio"],
+    ),
+    (
+        "[material]",
+        "[material]\nsurface_energy = [\"50 mJ/m^2\", \"60 mJ/m^2\"]",
+        &["line 6: `material.surface_energy", "same as work_of_adhesion; give either"],
+    ),
+    (
+        "work_of_adhesion = \"0.09 J/m^2\"",
+        "surface_energy = [\"50 mJ/m^2\", \"60 mJ/m^2\"]\ninterface_energy = \"110 mJ/m^2\"",
+        &["`material.interface_energy = \"110 mJ/m^2\"`: is not less than the sum of surface_energy"],
+    ),
+    (
+        "work_of_adhesion = \"0.09 J/m^2\"",
+        "surface_energy = \"50 mJ/m^2\"\ninterface_energy = 0",
+        &["`material.surface_energy = \"50 mJ/m^2\"`: a list of two is needed", "is work_of_adhesion"],
     ),
     ("work_of_adhesion =", "gamma =", &["unknown key `material.gamma`; did you mean `work_of_adhesion`"]),
     ("surface_height_std =", "sigma =", &["unknown key `surface.sigma`; did you mean `surface_height_std`?"]),
@@ -355,6 +409,11 @@ const VARIANTS: &[Variant] = &[
         ],
         &[("surface.surface_height_std", "\"1.7 nm\"")],
     ),
+    (
+        &["material.reduced_modulus", "material.work_of_adhesion"],
+        &["material.youngs_modulus", "material.poissons_ratio", "material.surface_energy", "material.interface_energy"],
+        &[],
+    ),
     (&[], &["surface.heights", "surface.radii", "surface.count"], &[]),
     (
         &[],
@@ -419,7 +478,7 @@ const VARIANTS: &[Variant] = &[
 ];
 
 fn example(key: &str) -> &'static str {
-    KEYS.iter().find(|(name, _)| *name == key).unwrap_or_else(|| panic!("no key {key}")).1
+    KEYS.iter().find(|known| known.name == key).unwrap_or_else(|| panic!("no key {key}")).example
 }
 
 /// The scene of a variant.
@@ -433,22 +492,28 @@ fn scene_of((without, with, given): &Variant) -> String {
     values.iter().map(|(key, value)| format!("{key} = {value}\n")).collect()
 }
 
+fn stiction(folder: &Path, arguments: &[&str]) -> String {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_stiction"));
+    let output = command.args(arguments).current_dir(folder).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).unwrap()
+}
+
+/// A folder with the files that examples name.
+fn files() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let map = Path::new(env!("CARGO_MANIFEST_DIR")).join("configs/maps/polished.txt");
+    stiction(folder.path(), &["asperities", map.to_str().unwrap(), "-o", "asperities.h5"]);
+    std::fs::write(folder.path().join("heights.csv"), "height\n1.5\n-0.5\n0.2\n-1.2\n").unwrap();
+    std::fs::write(folder.path().join("radii.csv"), "radius\n3.1\n2.9\n3.4\n3.0\n").unwrap();
+    folder
+}
+
 /// Every key has an example that does in a scene; where it says "is missing" or "such as", that is the example. Those of the keys that
 /// every scene has are a scene of sensible size.
 #[test]
 fn examples_of_all_keys_are_scenes() {
-    let folder = tempfile::tempdir().unwrap();
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let stiction = |arguments: &[&str]| {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_stiction"));
-        let output = command.args(arguments).current_dir(folder.path()).output().unwrap();
-        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-        String::from_utf8(output.stdout).unwrap()
-    };
-    let map = root.join("configs/maps/polished.txt");
-    stiction(&["asperities", map.to_str().unwrap(), "-o", "asperities.h5"]);
-    std::fs::write(folder.path().join("heights.csv"), "height\n1.5\n-0.5\n0.2\n-1.2\n").unwrap();
-    std::fs::write(folder.path().join("radii.csv"), "radius\n3.1\n2.9\n3.4\n3.0\n").unwrap();
+    let folder = files();
     let path = folder.path().join("scene.toml");
     let read =
         |text: &str| Document::parse(text, Arc::new(Beside::scene(&path))).unwrap_or_else(|e| panic!("{e}\n{text}"));
@@ -474,11 +539,12 @@ fn examples_of_all_keys_are_scenes() {
     }
     // Tables, and the ends of a sweep, which are examples of the key that is swept.
     let tables = ["material", "surface", "model", "separation", "ensemble", "instability", "solver", "output"];
-    let unused: Vec<&str> = KEYS.iter().map(|(name, _)| *name).filter(|name| !used.contains(name)).collect();
+    let unused: Vec<&str> = KEYS.iter().map(|key| key.name).filter(|name| !used.contains(name)).collect();
     let unused: Vec<&str> = unused.into_iter().filter(|name| !tables.contains(name)).collect();
-    assert_eq!(unused, ["sweep.*.from", "sweep.*.to"]);
+    let elements = ["material.youngs_modulus[]", "material.poissons_ratio[]", "material.surface_energy[]"];
+    assert_eq!(unused, [&elements[..], &["sweep.*.from", "sweep.*.to"]].concat());
     std::fs::write(&path, scene_of(&(&[], &[], &[]))).unwrap();
-    let summary = stiction(&["run", "scene.toml", "--quiet"]);
+    let summary = stiction(folder.path(), &["run", "scene.toml", "--quiet"]);
     assert!(summary.contains("verdict") || summary.contains("agree"), "{summary}");
 }
 

@@ -1,6 +1,8 @@
 //! The program as a user drives it: files, messages, exit codes.
 
 mod common;
+#[path = "cli/pages.rs"]
+mod pages;
 
 use common::program::{Folder, QUICK, assert_exit, bits, small, text, told};
 use common::unlocked;

@@ -1,7 +1,6 @@
 //! What holds the surfaces of a scene.
 
 use super::reader::{Entry, SceneError, Section, Together};
-use super::units::Dimension;
 use toml::de::DeValue;
 
 /// Most stiffnesses, and most preloads, of a scene.
@@ -23,15 +22,13 @@ pub(super) fn instability(root: &Section<'_>, cycle: bool) -> Result<Instability
     let Some(section) = root.section("instability", false)? else {
         return Ok(Instability::default());
     };
-    let stiffness = section
-        .require("stiffness")
-        .and_then(|stiffness| one_or_more(&stiffness, &|entry| entry.not_negative(Dimension::Stiffness)));
-    let smallest_snap = section.optional("smallest_snap", |entry| entry.not_negative(Dimension::Length));
+    let stiffness = section.require("stiffness").and_then(|stiffness| one_or_more(&stiffness));
+    let smallest_snap = section.optional("smallest_snap", |entry| entry.measured());
     let preload = section.optional("preload", |preload| {
         if !cycle {
             return Err(preload.wrong("a preload is where a loop turns back; it needs path = \"loop\" in [model]"));
         }
-        one_or_more(preload, &|entry| entry.positive(Dimension::Force))
+        one_or_more(preload)
     });
     let (stiffness, smallest_snap, preload) = (stiffness, smallest_snap, preload).together()?;
     Ok(Instability {
@@ -41,14 +38,11 @@ pub(super) fn instability(root: &Section<'_>, cycle: bool) -> Result<Instability
     })
 }
 
-/// A value, or a list of them, read by `value`.
-fn one_or_more(
-    entry: &Entry<'_>,
-    value: &dyn Fn(&Entry<'_>) -> Result<f64, SceneError>,
-) -> Result<Vec<f64>, SceneError> {
-    let DeValue::Array(array) = entry.value.get_ref() else { return Ok(vec![value(entry)?]) };
+/// A value, or a list of them.
+fn one_or_more(entry: &Entry<'_>) -> Result<Vec<f64>, SceneError> {
+    let DeValue::Array(array) = entry.value.get_ref() else { return Ok(vec![entry.measured()?]) };
     if !(1..=MOST).contains(&array.len()) {
         return Err(entry.wrong(&format!("has {} values; 1 to {MOST} are needed", array.len())));
     }
-    array.iter().enumerate().map(|(i, element)| value(&entry.element(i, element))).collect()
+    array.iter().enumerate().map(|(i, element)| entry.element(i, element).measured()).collect()
 }

@@ -1,105 +1,109 @@
-//! The keys of scenes: each with an example of its own magnitude, and what people write in their place.
+//! Keys of scenes: what a row of their [table](super::table::KEYS) says, and what people write in their place.
 
-/// Every key of a scene by its dotted name, with an example as it stands behind the `=`. `[]` stands for an element of a list, `sweep.*`
-/// for a key that is swept.
-pub const KEYS: &[(&str, &str)] = &[
-    ("format", "1"),
-    ("title", "\"Case II\""),
-    ("material", "{ reduced_modulus = \"85.29 GPa\" }"),
-    ("material.reduced_modulus", "\"85.29 GPa\""),
-    ("material.hardness", "\"2.5 GPa\""),
-    ("material.poisson_ratio", "0.27"),
-    ("material.work_of_adhesion", "\"0.09 J/m^2\""),
-    ("material.equilibrium_spacing", "\"0.2 nm\""),
-    ("surface", "{ asperity_radius = \"3.33 um\" }"),
-    ("surface.asperity_radius", "\"3.33 um\""),
-    ("surface.asperity_density", "\"7.39 /um^2\""),
-    ("surface.surface_height_std", "\"1.619 nm\""),
-    ("surface.asperity_height_std", "\"1.417 nm\""),
-    ("surface.mean_plane_offset", "\"1.867 nm\""),
-    ("surface.nominal_area", "\"100 um^2\""),
-    ("surface.lubricant_thickness", "\"0.5 nm\""),
-    ("surface.heights", "{ law = \"weibull\", shape = 2.0 }"),
-    ("surface.heights.law", "\"weibull\""),
-    ("surface.heights.shape", "1.5"),
-    ("surface.heights.lower", "-3.0"),
-    ("surface.heights.upper", "1.5"),
-    ("surface.heights.path", "\"heights.csv\""),
-    ("surface.heights.column", "\"height\""),
-    ("surface.heights.dataset", "\"/asperities/height\""),
-    ("surface.heights.unit", "\"nm\""),
-    ("surface.radii", "{ law = \"gamma\", coefficient_of_variation = 0.5 }"),
-    ("surface.radii.law", "\"lognormal\""),
-    ("surface.radii.coefficient_of_variation", "0.3"),
-    ("surface.radii.path", "\"radii.csv\""),
-    ("surface.radii.column", "\"radius\""),
-    ("surface.radii.dataset", "\"/asperities/radius\""),
-    ("surface.radii.unit", "\"um\""),
-    ("surface.count", "\"poisson\""),
-    ("surface.summits", "\"nayak\""),
-    ("surface.spectrum", "{ m0 = \"2.37 nm^2\", m2 = 6.26e-5, m4 = \"0.0146 /um^2\" }"),
-    ("surface.spectrum.m0", "\"2.37 nm^2\""),
-    ("surface.spectrum.m2", "6.26e-5"),
-    ("surface.spectrum.m4", "\"0.0146 /um^2\""),
-    ("surface.asperities", "{ path = \"asperities.h5\" }"),
-    ("surface.asperities.path", "\"asperities.h5\""),
-    ("surface.asperities.sample", "\"bootstrap\""),
-    ("model", "{ law = \"hybrid\" }"),
-    ("model.law", "\"hybrid\""),
-    ("model.path", "\"approach\""),
-    ("model.unloaded_radius", "\"elastic\""),
-    ("model.critical_approach", "\"0.3 nm\""),
-    ("separation", "{ h_star = { from = -1.0, to = 8.0, count = 91 } }"),
-    ("separation.h", "{ from = \"-2 nm\", to = \"13 nm\", count = 91 }"),
-    ("separation.h.from", "\"-2 nm\""),
-    ("separation.h.to", "\"13 nm\""),
-    ("separation.h.count", "91"),
-    ("separation.h[]", "\"3 nm\""),
-    ("separation.h_star", "{ from = -1.0, to = 8.0, count = 91 }"),
-    ("separation.h_star.from", "-1.0"),
-    ("separation.h_star.to", "8.0"),
-    ("separation.h_star.count", "91"),
-    ("separation.h_star[]", "2.0"),
-    ("separation.stiffness_span", "\"0.2 nm\""),
-    ("ensemble", "{ replicas = 200 }"),
-    ("ensemble.replicas", "200"),
-    ("ensemble.target", "{ quantity = \"pull_off_force\", relative_standard_error = 5e-3 }"),
-    ("ensemble.target.quantity", "\"pull_off_force\""),
-    ("ensemble.target.relative_standard_error", "5e-3"),
-    ("ensemble.target.standard_error", "\"0.5 uN\""),
-    ("ensemble.target.estimate", "\"controlled\""),
-    ("ensemble.min_replicas", "64"),
-    ("ensemble.max_replicas", "50000"),
-    ("ensemble.sampling", "\"stratified\""),
-    ("ensemble.seed", "1"),
-    ("instability", "{ stiffness = \"100 kN/m\" }"),
-    ("instability.stiffness", "\"100 kN/m\""),
-    ("instability.preload", "\"10 mN\""),
-    ("instability.smallest_snap", "\"0.01 nm\""),
-    ("solver", "{ sum = \"compressed\" }"),
-    ("solver.sum", "\"compressed\""),
-    ("solver.tolerance", "1e-9"),
-    ("output", "{ curves = true }"),
-    ("output.curves", "true"),
-    ("sweep", "{ \"material.work_of_adhesion\" = [\"0.04 J/m^2\", \"0.09 J/m^2\"] }"),
-    ("sweep.mode", "\"grid\""),
-    ("sweep.common_random_numbers", "true"),
-    ("sweep.*.from", ""),
-    ("sweep.*.to", ""),
-    ("sweep.*.count", "7"),
-    ("sweep.*.spacing", "\"log\""),
-];
+pub use super::table::KEYS;
+use super::units::Dimension;
+use std::ops::Bound;
+
+/// A key of scenes.
+#[derive(Debug)]
+pub struct Key {
+    /// Its dotted name.
+    pub name: &'static str,
+    /// An example as it stands behind the `=`.
+    pub example: &'static str,
+    /// The values that it takes.
+    pub value: Value,
+    /// What holds where it is absent.
+    pub absent: Absent,
+    /// A few words on what it is; empty for elements of lists.
+    pub what: &'static str,
+    /// Sentences on what to know of it.
+    pub about: &'static str,
+    /// Whether `[sweep]` takes it.
+    pub is_swept: bool,
+    /// Keys that must not stand beside it.
+    pub excluded: &'static [&'static str],
+}
+
+/// Values of a key.
+#[derive(Debug)]
+pub enum Value {
+    /// A table of keys.
+    Table,
+    /// A text.
+    Text,
+    /// true or false.
+    Switch,
+    /// A whole number from one to the other.
+    Whole(u64, u64),
+    /// A number between bounds.
+    Number(Bound<f64>, Bound<f64>),
+    /// A number with a unit.
+    Quantity(Dimension, Sign),
+    /// One or a list of them.
+    OneOrMore(Dimension, Sign),
+    /// One of some names.
+    Choice(fn() -> Vec<&'static str>),
+    /// Anything else, in words.
+    Various(&'static str),
+}
+
+/// Which quantities do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sign {
+    /// All.
+    Any,
+    /// Zero, with or without a unit, and all above.
+    NotNegative,
+    /// All above zero.
+    Positive,
+}
+
+/// What holds where a key is absent.
+#[derive(Debug)]
+pub enum Absent {
+    /// The key has to be there, unless another that excludes it is.
+    Required,
+    /// A value as it stands behind the `=`.
+    Is(&'static str),
+    /// What follows from other keys, in words.
+    Follows(&'static str),
+}
+
+/// A row of the table.
+pub(super) const fn key(
+    name: &'static str,
+    example: &'static str,
+    value: Value,
+    absent: Absent,
+    what: &'static str,
+    about: &'static str,
+) -> Key {
+    Key { name, example, value, absent, what, about, is_swept: false, excluded: &[] }
+}
+
+impl Key {
+    /// The same, for a key that can be swept.
+    pub(super) const fn swept(self) -> Self {
+        Self { is_swept: true, ..self }
+    }
+
+    /// The same, with keys that must not stand beside it.
+    pub(super) const fn excludes(self, excluded: &'static [&'static str]) -> Self {
+        Self { excluded, ..self }
+    }
+}
 
 /// What is written in the place of a key, in lower case, the key, and what to know of it.
 const MEANT: &[(&[&str], &str, &str)] = &[
     (
-        &["youngs_modulus", "young_modulus", "young", "elastic_modulus", "modulus", "e", "e1", "e_r", "e_star"],
+        &["young_modulus", "young", "elastic_modulus", "modulus", "e", "e1", "e_r", "e_star"],
         "material.reduced_modulus",
         ", 1/E_r = (1 - nu1^2)/E1 + (1 - nu2^2)/E2 of the two bodies",
     ),
-    (&["nu", "poisson", "poissons_ratio"], "material.poisson_ratio", ""),
+    (&["nu", "poisson"], "material.poisson_ratio", ""),
     (
-        &["gamma", "surface_energy", "delta_gamma", "dgamma", "adhesion_energy", "adhesion", "w"],
+        &["gamma", "delta_gamma", "dgamma", "adhesion_energy", "adhesion", "w"],
         "material.work_of_adhesion",
         ", the energy of both surfaces less that of their interface",
     ),
@@ -133,17 +137,22 @@ fn tabled(name: &str) -> String {
     }
 }
 
+/// The key of a dotted name, or the list of which it is an element.
+pub fn find(name: &str) -> Option<&'static Key> {
+    let name = tabled(name);
+    let find = |name: &str| KEYS.iter().find(|key| key.name == name);
+    find(&name).or_else(|| find(name.trim_end_matches("[]")))
+}
+
 /// An example for the key of a dotted name; none for what is no key.
 pub fn example(name: &str) -> Option<&'static str> {
-    let name = tabled(name);
-    let find = |name: &str| KEYS.iter().find(|(known, _)| *known == name).map(|(_, example)| *example);
-    find(&name).or_else(|| find(name.trim_end_matches("[]")))
+    find(name).map(|key| key.example)
 }
 
 /// The keys of a table by its dotted name, "" for the root.
 pub fn keys_of(table: &str) -> impl Iterator<Item = &'static str> + Clone + use<> {
     let prefix = if table.is_empty() { String::new() } else { format!("{}.", tabled_table(table)) };
-    KEYS.iter().filter_map(move |(name, _)| name.strip_prefix(&prefix)).filter(|rest| !rest.contains(['.', '[']))
+    KEYS.iter().filter_map(move |key| key.name.strip_prefix(&prefix)).filter(|rest| !rest.contains(['.', '[']))
 }
 
 /// The name of a table as the keys in it have it.
@@ -160,7 +169,7 @@ pub fn meant(given: &str) -> Option<(&'static str, &'static str)> {
     let alias = MEANT.iter().find(|(words, ..)| words.contains(&given.as_str()));
     let elsewhere = || {
         let is_meant = |name: &str| name.split_once('.').is_some_and(|(_, key)| key == given);
-        KEYS.iter().find(|(name, _)| is_meant(name)).map(|(name, _)| (*name, ""))
+        KEYS.iter().find(|key| is_meant(key.name)).map(|key| (key.name, ""))
     };
     alias.map(|(_, key, note)| (*key, *note)).or_else(elsewhere)
 }
@@ -200,8 +209,8 @@ mod tests {
     #[test]
     fn what_people_write_is_known_and_names_keys() {
         for (given, key) in [
-            ("youngs_modulus", "material.reduced_modulus"),
-            ("Young's modulus", "material.reduced_modulus"),
+            ("e", "material.reduced_modulus"),
+            ("Young's modulus", "material.youngs_modulus"),
             ("sigma", "surface.surface_height_std"),
             ("gamma", "material.work_of_adhesion"),
             ("density", "surface.asperity_density"),
@@ -210,7 +219,7 @@ mod tests {
         ] {
             assert_eq!(meant(given).unwrap().0, key, "{given}");
         }
-        assert!(MEANT.iter().all(|(_, key, _)| KEYS.iter().any(|(name, _)| name == key)));
+        assert!(MEANT.iter().all(|(_, meant, _)| KEYS.iter().any(|key| key.name == *meant)));
         assert_eq!(meant("colour"), None);
     }
 }

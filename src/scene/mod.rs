@@ -5,6 +5,7 @@ pub mod echo;
 pub mod files;
 mod instability;
 mod keys;
+mod material;
 mod plan;
 mod population;
 mod reader;
@@ -12,12 +13,13 @@ mod separation;
 mod sizes;
 mod stopping;
 pub mod sweep;
+mod table;
 pub mod units;
 mod validity;
 
 pub use canonical::difference;
 pub use instability::Instability;
-pub use keys::KEYS;
+pub use keys::{Absent, KEYS, Key, Sign, Value};
 pub use plan::{CoreSeconds, Plan, RegimePlan, beyond};
 pub use reader::{Problem, SceneError, nearest, takes_heights};
 pub use sizes::{Choice, Sizes};
@@ -30,10 +32,10 @@ use crate::asperity::scale::{Asperity, Scale, UNIT_RANGE};
 use crate::asperity::{Family, Law, LawError, Loop, Path, Setting, Typical, UnloadedRadius};
 use crate::surface::{RADIUS_RANGE, SamplingScheme, Surface};
 use files::{Files, Input, NoFiles};
+use material::Material;
 use population::{Population, population};
 use reader::{Section, Together, document};
 use std::sync::Arc;
-use units::Dimension;
 
 /// The scene format that is read.
 pub const FORMAT: u64 = 1;
@@ -46,6 +48,15 @@ const SUM_TOLERANCES: std::ops::RangeInclusive<f64> = 1e-13..=1e-3;
 /// The tolerance of compressed sums unless a scene gives one.
 const SUM_TOLERANCE: f64 = 1e-9;
 
+/// Ways of summing; whether compressed.
+const SUMS: [(&str, bool); 2] = [("direct", false), ("compressed", true)];
+
+/// Histories: their paths, of a loop that of its first way, and whether the surfaces are pulled back.
+const HISTORIES: [(&str, (Path, bool)); 3] = [
+    (Path::ALL[0].0, (Path::ALL[0].1, false)),
+    (Path::ALL[1].0, (Path::ALL[1].1, false)),
+    (LOOP, (Path::Approach, true)),
+];
 /// Name of the path that leads there and back.
 const LOOP: &str = "loop";
 /// A validated scene, SI.
@@ -111,10 +122,10 @@ impl Scene {
         let section = |name: &'static str| required(root, name);
         let material = section("material").and_then(|material| Material::read(&material));
         let population = section("surface").and_then(|surface| {
-            let lubricant = surface.optional("lubricant_thickness", |entry| entry.not_negative(Dimension::Length));
+            let lubricant = surface.optional("lubricant_thickness", |entry| entry.measured());
             // A radius that is given is judged before the surface that follows from it.
             if let (Ok(material), Some(Ok(radius))) =
-                (&material, surface.get("asperity_radius").map(|entry| entry.positive(Dimension::Length)))
+                (&material, surface.get("asperity_radius").map(|entry| entry.measured()))
             {
                 material.asperity(radius, 0.0)?;
             }
@@ -123,7 +134,7 @@ impl Scene {
         let model = section("model").and_then(|model| Way::read(&model));
         // What a separation is depends on the surface, whether it is one does not.
         let separation = section("separation").and_then(|h| {
-            let span = h.optional("stiffness_span", |span| span.positive(Dimension::Length));
+            let span = h.optional("stiffness_span", |span| span.measured());
             (separation::separations(&h, 1.0), span).together().map(|_| h)
         });
         let cycle = model.as_ref().is_ok_and(|model| model.cycle);
@@ -346,8 +357,7 @@ fn curves(root: &Section<'_>) -> Result<bool, SceneError> {
 
 fn sum_tolerance(root: &Section<'_>) -> Result<Option<f64>, SceneError> {
     let Some(solver) = root.section("solver", false)? else { return Ok(None) };
-    let choices = [("direct", false), ("compressed", true)];
-    let compressed = solver.get("sum").map_or(Ok(false), |entry| entry.choice("sum", &choices))?;
+    let compressed = solver.get("sum").map_or(Ok(false), |entry| entry.choice("sum", &SUMS))?;
     let Some(entry) = solver.get("tolerance") else { return Ok(compressed.then_some(SUM_TOLERANCE)) };
     if !compressed {
         return Err(entry.wrong("direct sums have no tolerance; sum = \"compressed\" has one"));
@@ -365,7 +375,7 @@ fn critical_approach(section: &Section<'_>, law: &Model) -> Result<Option<f64>, 
     if law.name != PUBLISHED_FITS {
         return Err(entry.wrong(&format!("the law {} finds its own; only {PUBLISHED_FITS} takes it", law.name)));
     }
-    entry.not_negative(Dimension::Length).map(Some)
+    entry.measured().map(Some)
 }
 
 /// The radius of tops that have flowed; only a loop asks for it.
@@ -390,9 +400,7 @@ impl Way {
     fn read(section: &Section<'_>) -> Result<Self, SceneError> {
         let models: Vec<(&str, Model)> = MODELS.iter().map(|model| (model.name, *model)).collect();
         let law = section.require("law").and_then(|law| law.choice("law", &models));
-        let paths: Vec<_> = Path::ALL.into_iter().map(|(name, path)| (name, (path, false))).collect();
-        let paths = [paths, vec![(LOOP, (Path::Approach, true))]].concat();
-        let path = section.optional("path", |entry| entry.choice("path", &paths));
+        let path = section.optional("path", |entry| entry.choice("path", &HISTORIES));
         let critical_approach = match &law {
             Ok(law) => critical_approach(section, law),
             Err(_) => Ok(None),
@@ -421,61 +429,8 @@ impl Draws {
         let sampling = section.optional("sampling", |entry| entry.choice("sampling", &SamplingScheme::ALL));
         let sampling = sampling.map(Option::unwrap_or_default);
         let replicas = stopping::replicas(section, *sampling.as_ref().unwrap_or(&SamplingScheme::default()));
-        let seed = section.optional("seed", |entry| entry.integer(0..=i64::MAX as u64));
+        let seed = section.optional("seed", |entry| entry.whole());
         let ((replicas, stopping), sampling, seed) = (replicas, sampling, seed).together()?;
         Ok(Self { replicas, stopping, sampling, seed: seed.unwrap_or(1) })
-    }
-}
-
-/// What an asperity is made of, SI.
-struct Material {
-    reduced_modulus: f64,
-    work_of_adhesion: f64,
-    equilibrium_spacing: f64,
-    hardness: f64,
-    poisson_ratio: f64,
-}
-
-impl Material {
-    fn read(section: &Section<'_>) -> Result<Self, SceneError> {
-        let poisson_ratio = section.require("poisson_ratio").and_then(|entry| match entry.number()? {
-            ratio if ratio > -1.0 && ratio <= 0.5 => Ok(ratio),
-            _ => Err(entry.wrong("a Poisson ratio is greater than -1 and at most 0.5")),
-        });
-        let readings = (
-            section.positive("reduced_modulus", Dimension::Pressure),
-            section.positive("work_of_adhesion", Dimension::SurfaceEnergy),
-            section.positive("equilibrium_spacing", Dimension::Length),
-            section.positive("hardness", Dimension::Pressure),
-            poisson_ratio,
-        );
-        let (reduced_modulus, work_of_adhesion, equilibrium_spacing, hardness, poisson_ratio) = readings.together()?;
-        Ok(Self { reduced_modulus, work_of_adhesion, equilibrium_spacing, hardness, poisson_ratio })
-    }
-
-    /// An asperity of it.
-    fn asperity(&self, radius: f64, lubricant_thickness: f64) -> Result<Asperity, SceneError> {
-        let &Self { reduced_modulus, work_of_adhesion, equilibrium_spacing, hardness, poisson_ratio } = self;
-        let asperity = Asperity {
-            radius,
-            reduced_modulus,
-            work_of_adhesion,
-            equilibrium_spacing,
-            hardness,
-            poisson_ratio,
-            lubricant_thickness,
-        };
-        Setting::new(&asperity, Path::Approach, (0.0, 0.0)).map_err(|error| {
-            let keys = match error {
-                LawError::Lambda(_) => "work_of_adhesion, reduced_modulus, equilibrium_spacing and asperity_radius",
-                LawError::NotPositive { name: "critical_interference", .. }
-                | LawError::Length { name: "critical_interference", .. } => {
-                    "hardness, reduced_modulus, poisson_ratio and asperity_radius"
-                }
-                _ => return SceneError::general(format!("{error}: check their units")),
-            };
-            SceneError::general(format!("{error}; it follows from {keys}: check their units"))
-        })?;
-        Ok(asperity)
     }
 }

@@ -11,7 +11,7 @@ use crate::surface::{
 use toml::de::DeValue;
 
 /// Laws of heights, for messages.
-const HEIGHT_LAWS: [(&str, &str); 6] = [
+pub(super) const HEIGHT_LAWS: [(&str, &str); 6] = [
     ("gaussian", "gaussian"),
     ("exponential", "exponential"),
     ("weibull", "weibull"),
@@ -19,8 +19,14 @@ const HEIGHT_LAWS: [(&str, &str); 6] = [
     ("truncated", "truncated"),
     ("file", "file"),
 ];
-const RADIUS_LAWS: [(&str, &str); 4] =
+pub(super) const RADIUS_LAWS: [(&str, &str); 4] =
     [("common", "common"), ("lognormal", "lognormal"), ("gamma", "gamma"), ("file", "file")];
+/// Laws of summits.
+pub(super) const SUMMIT_LAWS: [(&str, ()); 1] = [("nayak", ())];
+/// How replicas are made of measured asperities; whether of all of them.
+pub(super) const SAMPLES: [(&str, bool); 2] = [("bootstrap", false), ("whole", true)];
+/// Coefficients of variation that laws of radii have.
+pub(super) const VARIATIONS: std::ops::RangeInclusive<f64> = 0.001..=1.0;
 
 /// Fewest values of a file, so that they have a scatter.
 const FEWEST: usize = 2;
@@ -75,17 +81,17 @@ struct Lengths {
 }
 
 fn lengths(section: &Section<'_>) -> Result<Lengths, SceneError> {
-    let optional = |key: &str| section.optional(key, |entry| entry.positive(Dimension::Length));
+    let optional = |key: &str| section.optional(key, |entry| entry.measured());
     let density = match section.get("spectrum") {
         Some(_) => Ok(None),
-        None => section.positive("asperity_density", Dimension::ArealDensity).map(Some),
+        None => section.measured("asperity_density").map(Some),
     };
     let readings = (
         density,
-        section.positive("nominal_area", Dimension::Area),
+        section.measured("nominal_area"),
         optional("surface_height_std"),
         optional("asperity_height_std"),
-        section.optional("mean_plane_offset", |entry| entry.not_negative(Dimension::Length)),
+        section.optional("mean_plane_offset", |entry| entry.measured()),
     );
     let (density, area, surface_std, asperity_std, offset) = readings.together()?;
     Ok(Lengths { density, area, surface_std, asperity_std, offset })
@@ -137,7 +143,7 @@ fn given_radius(section: &Section<'_>, radii: &Result<Radii, SceneError>) -> Res
             Err(entry.wrong("the radii of the file have their own mean; give either"))
         }
         (Ok(Radii::Sample(_)) | Err(_), None) => Ok(None),
-        _ => section.positive("asperity_radius", Dimension::Length).map(Some),
+        _ => section.measured("asperity_radius").map(Some),
     }
 }
 
@@ -271,7 +277,7 @@ fn radii(section: &Section<'_>, files: &dyn Files, inputs: &mut Vec<Input>) -> R
         _ => &[],
     };
     only(table, parameters)?;
-    let variation = || parameter(&name, table, "coefficient_of_variation", 0.001..=1.0);
+    let variation = || parameter(&name, table, "coefficient_of_variation", VARIATIONS);
     match chosen {
         "lognormal" => variation().map(Radii::LogNormal),
         "gamma" => variation().map(Radii::Gamma),
@@ -331,17 +337,13 @@ fn column(name: &Entry<'_>, table: &Section<'_>) -> Result<Column, SceneError> {
 /// `spectrum`: spectral moments, which say all of a Gaussian surface.
 fn spectrum(section: &Section<'_>) -> Result<Option<Spectrum>, SceneError> {
     let Some(entry) = section.get("spectrum") else { return Ok(None) };
-    let others = ["asperity_radius", "asperity_density", "surface_height_std", "asperity_height_std"];
-    let others = others.into_iter().filter_map(|key| section.get(key));
-    let others =
-        all(others
-            .map(|other| Err::<(), _>(other.wrong("follows from the spectrum; give either this or the spectrum"))));
+    let others = section.excluded("spectrum", "follows from the spectrum; give either this or the spectrum");
     let table = entry.table()?;
     let m2 = table.require("m2").and_then(|m2| match m2.number()? {
         number if number > 0.0 => Ok(number),
         _ => Err(m2.wrong("has to be greater than 0")),
     });
-    let [m0, m4] = [("m0", Dimension::Area), ("m4", Dimension::ArealDensity)].map(|(key, of)| table.positive(key, of));
+    let [m0, m4] = ["m0", "m4"].map(|key| table.measured(key));
     let (_, m0, m2, m4) = (others, m0, m2, m4).together()?;
     let spectrum = Spectrum { m0, m2, m4 };
     gaussian(&spectrum).map_err(|problem| entry.wrong(&problem))?;
@@ -352,7 +354,7 @@ fn spectrum(section: &Section<'_>) -> Result<Option<Spectrum>, SceneError> {
 fn summits(section: &Section<'_>, given: Option<Spectrum>, surface: &mut Surface) -> Result<(), SceneError> {
     let entry = section.get("summits");
     if let Some(entry) = &entry {
-        entry.choice("law of summits", &[("nayak", ())])?;
+        entry.choice("law of summits", &SUMMIT_LAWS)?;
     }
     let Some(cause) = entry.or_else(|| section.get("spectrum")) else { return Ok(()) };
     for key in ["heights", "radii"] {
@@ -360,7 +362,7 @@ fn summits(section: &Section<'_>, given: Option<Spectrum>, surface: &mut Surface
             return Err(other.wrong(&format!("`{}` says both heights and radii; give either", cause.name)));
         }
     }
-    let density = if given.is_some() { 0.0 } else { section.positive("asperity_density", Dimension::ArealDensity)? };
+    let density = if given.is_some() { 0.0 } else { section.measured("asperity_density")? };
     let spectrum =
         given.unwrap_or_else(|| Spectrum::of_asperities(surface.surface_height_std, surface.asperity_radius, density));
     gaussian(&spectrum).map_err(|problem| cause.wrong(&problem))?;
@@ -386,25 +388,12 @@ fn gaussian(spectrum: &Spectrum) -> Result<(), String> {
 
 /// `asperities`: those of a file of measured ones.
 fn measured(section: &Section<'_>, entry: &Entry<'_>, files: &dyn Files) -> Result<Population, SceneError> {
-    const NOT_BESIDE: [&str; 8] = [
-        "asperity_radius",
-        "asperity_density",
-        "surface_height_std",
-        "asperity_height_std",
-        "heights",
-        "radii",
-        "summits",
-        "spectrum",
-    ];
-    let others = NOT_BESIDE.iter().filter_map(|key| section.get(key));
-    let others =
-        all(others.map(|other| Err::<(), _>(other.wrong("follows from the measured asperities; give either"))));
+    let others = section.excluded("asperities", "follows from the measured asperities; give either");
     let table = entry.table()?;
     let path = table.require("path").and_then(|path| path.string().map(|name| (path, name)));
-    let choices = [("bootstrap", false), ("whole", true)];
-    let whole = table.optional("sample", |sample| sample.choice("sample", &choices));
-    let area = section.optional("nominal_area", |area| area.positive(Dimension::Area));
-    let offset = section.optional("mean_plane_offset", |entry| entry.not_negative(Dimension::Length));
+    let whole = table.optional("sample", |sample| sample.choice("sample", &SAMPLES));
+    let area = section.optional("nominal_area", |area| area.measured());
+    let offset = section.optional("mean_plane_offset", |entry| entry.measured());
     let readings = (others, path, whole, area, offset, self::count(section));
     let (_, (path, name), whole, given_area, offset, count_law) = readings.together()?;
     let whole = whole.unwrap_or(false);

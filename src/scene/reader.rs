@@ -1,7 +1,7 @@
 //! Reading TOML with errors that name the key, its line, what was given and what would do.
 
 use super::echo::{one_line, shortened};
-use super::keys::{example, keys_of, meant};
+use super::keys::{Sign, Value, example, find, keys_of, meant};
 use super::units::{Dimension, QuantityError, parse};
 use thiserror::Error;
 use toml::Spanned;
@@ -262,9 +262,17 @@ impl<'a> Section<'a> {
         })
     }
 
-    /// A positive quantity that has to be there; SI.
-    pub fn positive(&self, key: &str, dimension: Dimension) -> Result<f64, SceneError> {
-        self.require(key)?.positive(dimension)
+    /// The quantity of a key that has to be there; SI.
+    pub fn measured(&self, key: &str) -> Result<f64, SceneError> {
+        self.require(key)?.measured()
+    }
+
+    /// Refuses what must not stand beside a key of this table, by the table of keys.
+    pub fn excluded(&self, key: &str, problem: &str) -> Result<(), SceneError> {
+        let excluded = find(&self.dotted(key)).map_or(&[][..], |key| key.excluded);
+        let keys = excluded.iter().filter_map(|name| name.strip_prefix(self.name)?.strip_prefix('.'));
+        let others = keys.filter_map(|key| self.get(key));
+        all(others.map(|other| Err::<(), _>(other.wrong(problem)))).map(drop)
     }
 
     /// What `read` makes of a key, if it is there.
@@ -389,6 +397,27 @@ impl<'a> Entry<'a> {
         }
     }
 
+    /// The quantity that the table of keys has for this one; SI.
+    pub fn measured(&self) -> Result<f64, SceneError> {
+        let value = find(&self.name).map(|key| &key.value);
+        let Some(&(Value::Quantity(dimension, sign) | Value::OneOrMore(dimension, sign))) = value else {
+            unreachable!("`{}` is read as a quantity", self.name)
+        };
+        match sign {
+            Sign::Any => self.quantity(dimension),
+            Sign::NotNegative => self.not_negative(dimension),
+            Sign::Positive => self.positive(dimension),
+        }
+    }
+
+    /// The whole number that the table of keys has for this one.
+    pub fn whole(&self) -> Result<u64, SceneError> {
+        match find(&self.name).map(|key| &key.value) {
+            Some(&Value::Whole(least, most)) => self.integer(least..=most),
+            _ => unreachable!("`{}` is read as a whole number", self.name),
+        }
+    }
+
     /// A positive quantity; SI.
     pub fn positive(&self, dimension: Dimension) -> Result<f64, SceneError> {
         match self.quantity(dimension)? {
@@ -398,7 +427,7 @@ impl<'a> Entry<'a> {
     }
 
     /// A quantity that may be 0, and is then allowed to have no unit; SI.
-    pub fn not_negative(&self, dimension: Dimension) -> Result<f64, SceneError> {
+    fn not_negative(&self, dimension: Dimension) -> Result<f64, SceneError> {
         if self.number() == Ok(0.0) {
             return Ok(0.0);
         }

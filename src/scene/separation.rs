@@ -2,12 +2,11 @@
 
 use super::keys::example;
 use super::reader::{Entry, SceneError, Section, Together};
-use super::units::Dimension;
 use crate::surface::LENGTHS;
 use toml::de::DeValue;
 
 /// Most separations of a scene; far more than a curve needs.
-const MOST: u64 = 10_000;
+pub(super) const MOST: u64 = 10_000;
 
 /// Least span of a secant, as a share of the largest separation: a million of its roundings.
 const LEAST_SPAN: f64 = 1e6 * f64::EPSILON;
@@ -15,7 +14,7 @@ const LEAST_SPAN: f64 = 1e6 * f64::EPSILON;
 /// Reads the separations, m, rising.
 pub(super) fn separations(section: &Section<'_>, surface_height_std: f64) -> Result<Vec<f64>, SceneError> {
     match (section.get("h"), section.get("h_star")) {
-        (Some(h), None) => rising(&h, &|entry| entry.quantity(Dimension::Length)),
+        (Some(h), None) => rising(&h, &|entry| entry.measured()),
         (None, Some(h_star)) => rising(&h_star, &|entry| Ok(entry.number()? * surface_height_std)),
         (Some(h), Some(_)) => Err(h.wrong("give either h or h_star, not both")),
         (None, None) => Err(SceneError::general(format!(
@@ -36,7 +35,7 @@ pub(super) fn stiffness_span(
     let (first, last) = (separations[0], separations[separations.len() - 1]);
     let (least, most) = (LEAST_SPAN * first.abs().max(last.abs()), last - first);
     let Some(entry) = section.get("stiffness_span") else { return Ok(equilibrium_spacing.max(least).min(most)) };
-    let span = entry.positive(Dimension::Length)?;
+    let span = entry.measured()?;
     if span > most {
         return Err(
             entry.wrong(&format!("the separations reach over {most:e} m only: the span has to lie within them"))
@@ -74,7 +73,7 @@ fn rising(entry: &Entry<'_>, value: &dyn Fn(&Entry<'_>) -> Result<f64, SceneErro
                 let value = value(&entry)?;
                 within_reach(&entry, value).map(|()| (entry, value))
             };
-            let count = table.require("count").and_then(|count| count.integer(2..=MOST));
+            let count = table.require("count").and_then(|count| count.whole());
             let ((_, from), (end, to), count) = (end("from"), end("to"), count).together()?;
             if !(to > from) {
                 return Err(end.wrong("has to be greater than `from`"));

@@ -9,9 +9,9 @@ use toml::de::DeValue;
 /// Groups of replicas before the targets are looked at for the first time, and replicas at most, unless a scene says otherwise.
 const DEFAULTS: (u64, u64) = (64, 100_000);
 /// Numbers of replicas that can be asked for.
-const REPLICAS: RangeInclusive<u64> = 1..=1_000_000_000_000;
+pub(super) const REPLICAS: RangeInclusive<u64> = 1..=1_000_000_000_000;
 /// Relative standard errors that make sense: below, rounding is larger; above, nothing is known.
-const RELATIVE: RangeInclusive<f64> = 1e-9..=0.5;
+pub(super) const RELATIVE: RangeInclusive<f64> = 1e-9..=0.5;
 /// Most targets of a scene.
 const MOST_TARGETS: usize = 16;
 
@@ -99,7 +99,7 @@ pub(super) fn replicas(
     sampling: SamplingScheme,
 ) -> Result<(u64, Option<Stopping>), SceneError> {
     let whole = |entry: &Entry<'_>| {
-        let replicas = entry.integer(REPLICAS)?;
+        let replicas = entry.whole()?;
         sampling.check(replicas).map_err(|problem| entry.wrong(&problem))?;
         Ok(replicas)
     };
@@ -118,7 +118,7 @@ pub(super) fn replicas(
         );
     }
     let [least, most] = &bounds;
-    let min_replicas = least.as_ref().map(|least| least.integer(REPLICAS)).transpose();
+    let min_replicas = least.as_ref().map(|least| least.whole()).transpose();
     let max_replicas = most.as_ref().map_or(Ok(DEFAULTS.1), whole);
     let (targets, min_replicas, max_replicas) = (targets(&target), min_replicas, max_replicas).together()?;
     let min_replicas = min_replicas.unwrap_or((DEFAULTS.0 * sampling.group()).min(max_replicas));

@@ -11,9 +11,10 @@
 use super::Scene;
 use super::echo::shortened;
 use super::files::Files;
+use super::keys::{KEYS, Key, Value};
 use super::reader::{Entry, SceneError, Section, Together, all, document, nearest};
 use super::units::Dimension;
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 use toml::de::DeValue;
 use toml_edit::{DocumentMut, Item, TableLike, value};
 
@@ -21,6 +22,8 @@ use toml_edit::{DocumentMut, Item, TableLike, value};
 pub const MOST_POINTS: usize = 10_000;
 /// Most keys of a sweep.
 pub const MOST_KEYS: usize = 6;
+/// How the values between two ends lie; whether by their logarithm.
+pub(super) const SPACINGS: [(&str, bool); 2] = [("linear", false), ("log", true)];
 
 /// A key of a scene that can be swept.
 #[derive(Debug, PartialEq, Eq)]
@@ -33,31 +36,18 @@ pub struct Sweepable {
     pub long_name: &'static str,
 }
 
-const fn key(name: &'static str, dimension: Option<Dimension>, long_name: &'static str) -> Sweepable {
-    Sweepable { name, dimension, long_name }
-}
-
 /// All keys that can be swept: the numbers of a scene, but for those that every point has to have alike.
-pub static SWEEPABLE: &[Sweepable] = &[
-    key("material.reduced_modulus", Some(Dimension::Pressure), "reduced modulus"),
-    key("material.hardness", Some(Dimension::Pressure), "hardness of the softer body"),
-    key("material.poisson_ratio", None, "Poisson ratio of the softer body"),
-    key("material.work_of_adhesion", Some(Dimension::SurfaceEnergy), "work of adhesion"),
-    key("material.equilibrium_spacing", Some(Dimension::Length), "equilibrium spacing"),
-    key("surface.asperity_radius", Some(Dimension::Length), "radius of the asperities"),
-    key("surface.asperity_density", Some(Dimension::ArealDensity), "asperities per area"),
-    key("surface.surface_height_std", Some(Dimension::Length), "standard deviation of the surface heights"),
-    key("surface.asperity_height_std", Some(Dimension::Length), "standard deviation of the asperity heights"),
-    key("surface.mean_plane_offset", Some(Dimension::Length), "asperity mean plane above that of the surface"),
-    key("surface.nominal_area", Some(Dimension::Area), "nominal area"),
-    key("surface.lubricant_thickness", Some(Dimension::Length), "thickness of the lubricant"),
-    key("surface.heights.shape", None, "shape of the law of heights"),
-    key("surface.heights.lower", None, "lower limit of truncated heights"),
-    key("surface.heights.upper", None, "upper limit of truncated heights"),
-    key("surface.radii.coefficient_of_variation", None, "coefficient of variation of the radii"),
-    key("model.critical_approach", Some(Dimension::Length), "critical approach of the published fits"),
-    key("solver.tolerance", None, "tolerance of compressed sums"),
-];
+pub static SWEEPABLE: LazyLock<Vec<Sweepable>> = LazyLock::new(|| {
+    let swept = KEYS.iter().filter(|key| key.is_swept);
+    let sweepable = |key: &Key| {
+        let dimension = match key.value {
+            Value::Quantity(dimension, _) => Some(dimension),
+            _ => None,
+        };
+        Sweepable { name: key.name, dimension, long_name: key.what }
+    };
+    swept.map(sweepable).collect()
+});
 
 /// Keys that are not swept, by how their names begin, and what would do.
 const REFUSED: &[(&str, &str)] = &[
@@ -389,7 +379,7 @@ fn length(entry: &Entry<'_>) -> Result<usize, SceneError> {
         }
         DeValue::Table(_) => {
             let table = entry.table()?;
-            let count = table.require("count").and_then(|count| count.integer(2..=MOST_POINTS as u64));
+            let count = table.require("count").and_then(|count| count.whole());
             (table.known(), count).together().map(|((), count)| count as usize)
         }
         _ => Err(entry.wrong("a list, or a table { from, to, count, spacing }, is needed")),
@@ -425,7 +415,7 @@ fn values(key: &Sweepable, entry: &Entry<'_>) -> Result<Vec<f64>, SceneError> {
     }
     let table = entry.table()?;
     let end = |name: &str| table.require(name).and_then(|end| key.read(&end));
-    let spacing = table.optional("spacing", |entry| entry.choice("spacing", &[("linear", false), ("log", true)]));
+    let spacing = table.optional("spacing", |entry| entry.choice("spacing", &SPACINGS));
     let (from, to, count, spacing) = (end("from"), end("to"), length(entry), spacing).together()?;
     let logarithmic = spacing.unwrap_or(false);
     if logarithmic && !(from > 0.0 && to > 0.0) {
@@ -497,7 +487,7 @@ mod tests {
     fn every_key_that_can_be_swept_is_one_of_scenes() {
         let scene = include_str!("../../configs/paper/case_iii_delta_a.toml");
         let scene = scene.replace("[ensemble]", "[solver]\nsum = \"compressed\"\n\n[ensemble]");
-        for key in SWEEPABLE {
+        for key in SWEEPABLE.iter() {
             let of_law = match key.name {
                 "surface.heights.shape" => "heights = { law = \"weibull\", shape = 2.0 }\n",
                 "surface.heights.lower" | "surface.heights.upper" => {

@@ -1,4 +1,4 @@
-"""A program that depends on the crate by a path, on a machine without CMake: the line that README gives finds or makes one."""
+"""A program that depends on the crate by a path, on a machine without CMake: the line that docs/library.md gives finds or makes one."""
 
 import re
 import shutil
@@ -22,8 +22,8 @@ fn main() {
 
 
 @pytest.mark.skipif(not shutil.which("cargo"), reason="no cargo")
-def test_the_line_of_the_readme_gives_a_cmake(tmp_path, monkeypatch):
-    line = re.search(r"^env\.CMAKE = .*$", (ROOT / "README.md").read_text(), re.M)[0]
+def test_the_line_of_the_page_gives_a_cmake(tmp_path, monkeypatch):
+    line = re.search(r"^env\.CMAKE = .*$", (ROOT / "docs/library.md").read_text(), re.M)[0]
     assert "../stiction/" in line
     user = tmp_path / "user"
     (user / "src").mkdir(parents=True)

@@ -1,4 +1,4 @@
-"""The scripts that reproduce the publication run and find what the README says that they find.
+"""The scripts that reproduce the publication run and find what docs/publication.md says that they find.
 
 Needs the packages of scripts/requirements.txt. The program is $STICTION, by default target/release/stiction.
 """

@@ -260,15 +260,15 @@ TABLE = "\n".join(
 
 FIGURES = [
     Block("README.md", "  pull-off ", ("run", str(ROOT / "configs/case_ii.toml"), "-o", "case_ii.h5")),
-    Block("README.md", "$ stiction compare configs/case_ii.toml", ("compare", str(ROOT / "configs/case_ii.toml"), "--laws", "hybrid,emd,isbl,sbl")),
+    Block("docs/laws.md", "$ stiction compare configs/case_ii.toml", ("compare", str(ROOT / "configs/case_ii.toml"), "--laws", "hybrid,emd,isbl,sbl")),
     Figure(
-        "README.md",
+        "docs/overview.md",
         "{} times less variance of the mean pull-off in case II, {} in case III",
         lambda program: [f"{reduction(program, case):.0f}" for case in ("case_ii", "case_iii")],
     ),
-    Figure("README.md", "| case I: pull-off, stiffest at h* | {} µN, {} | {} µN ({} times), {} | {} µN, {} |", fits("case_i", 1e-6, (3, 3, 2))),
-    Figure("README.md", "| case II | {} mN, {} | {} mN ({} %), {} | {} mN, {} | 0.6 mN", fits("case_ii", 1e-3, (3, 3, 3))),
-    Figure("README.md", "| case III | {} mN, {} | {} mN ({} %), {} | {} mN, {} | 93.5 mN", fits("case_iii", 1e-3, (1, 1, 1))),
+    Figure("docs/publication.md", "| case I: pull-off, stiffest at h* | {} µN, {} | {} µN ({} times), {} | {} µN, {} |", fits("case_i", 1e-6, (3, 3, 2))),
+    Figure("docs/publication.md", "| case II | {} mN, {} | {} mN ({} %), {} | {} mN, {} | 0.6 mN", fits("case_ii", 1e-3, (3, 3, 3))),
+    Figure("docs/publication.md", "| case III | {} mN, {} | {} mN ({} %), {} | {} mN, {} | 93.5 mN", fits("case_iii", 1e-3, (1, 1, 1))),
     Figure("docs/sampling.md", TABLE, reductions),
     Figure("docs/sampling.md", "the mean pull-off of case II is {} ± {} µN instead of {} ± {} µN", mean_pull_off),
     Figure(

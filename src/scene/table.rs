@@ -1,4 +1,5 @@
-//! The table of the keys of scenes: the reader takes units, ranges, examples and exclusions from it, `docs/scene.md` all of it.
+//! The table of the keys of scenes: the reader takes units, ranges, examples and exclusions from it, and
+//! `docs/scene.md` all of it. It is longer than files should be, since it is one table.
 
 use super::keys::{Absent, Key, Sign, Value, key};
 use super::material::POISSON_RATIOS;
@@ -23,8 +24,8 @@ const FILE_COLUMN: &str = "For a CSV file. A column by its name, or by its numbe
 const FILE_DATASET: &str = "For an HDF5 file. A dataset of one dimension.";
 const FILE_UNIT: &str = "The values of the file are multiplied by it.";
 
-/// Every key of a scene by its dotted name, in the order of the reference. `[]` stands for an element of a list, `sweep.*` for a key that
-/// is swept.
+/// Every key of a scene by its dotted name, in the order of the reference. `[]` stands for an element of a list,
+/// `sweep.*` for a key that is swept.
 pub static KEYS: &[Key] = &[
     key("format", "1", Whole(FORMAT, FORMAT), Required, "version of the scene format", ""),
     key("title", "\"Case II\"", Text, Is("\"\""), "name of the scene, for people", "It changes no result."),
@@ -35,7 +36,8 @@ pub static KEYS: &[Key] = &[
         Quantity(Of::Pressure, Positive),
         Required,
         "reduced modulus",
-        "E_r with 1/E_r = (1 − ν₁²)/E₁ + (1 − ν₂²)/E₂. Give it, or the two bodies by `youngs_modulus` and `poissons_ratio`.",
+        "E_r with 1/E_r = (1 − ν₁²)/E₁ + (1 − ν₂²)/E₂. Give it, or the two bodies by `youngs_modulus` and \
+         `poissons_ratio`.",
     )
     .swept()
     .excludes(&["material.youngs_modulus", "material.poissons_ratio"]),
@@ -72,7 +74,8 @@ pub static KEYS: &[Key] = &[
         Number(POISSON_RATIOS.0, POISSON_RATIOS.1),
         Required,
         "Poisson ratio of the softer body",
-        "It enters k = 0.454 + 0.41 ν of the elastic-plastic laws only. Beside `poissons_ratio` it has to be one of the two.",
+        "It enters k = 0.454 + 0.41 ν of the elastic-plastic laws only. Beside `poissons_ratio` it has to \
+         be one of the two.",
     )
     .swept(),
     key(
@@ -108,7 +111,8 @@ pub static KEYS: &[Key] = &[
         Quantity(Of::Length, Positive),
         Required,
         "equilibrium spacing",
-        "Z₀, the distance at which the two faces neither attract nor repel each other; 0.15 to 0.4 nm for most solids.",
+        "Z₀, the distance at which the two faces neither attract nor repel each other; 0.15 to 0.4 nm for \
+         most solids.",
     )
     .swept(),
     key("surface", "{ asperity_radius = \"3.33 um\" }", Table, Required, "the rough surface", ""),
@@ -136,8 +140,8 @@ pub static KEYS: &[Key] = &[
         Quantity(Of::Length, Positive),
         Follows("from `asperity_height_std`"),
         "standard deviation of the surface heights",
-        "σ of all points of the surface, the Rq or Sq of a profilometer. One of σ and σ_s has to be there; the other follows by \
-         σ_s² = σ² − 3.717·10⁻⁴/(ηR)².",
+        "σ of all points of the surface, the Rq or Sq of a profilometer. One of σ and σ_s has to be there; \
+         the other follows by σ_s² = σ² − 3.717·10⁻⁴/(ηR)².",
     )
     .swept(),
     key(
@@ -164,8 +168,8 @@ pub static KEYS: &[Key] = &[
         Quantity(Of::Area, Positive),
         Required,
         "nominal area",
-        "A_n of one replica, a finite patch. Means are proportional to it; the scatter from patch to patch falls as 1/√A_n. \
-         Beside `asperities` it may be left out and is then that of the map.",
+        "A_n of one replica, a finite patch. Means are proportional to it; the scatter from patch to patch \
+         falls as 1/√A_n. Beside `asperities` it may be left out and is then that of the map.",
     )
     .swept(),
     key(
@@ -185,14 +189,22 @@ pub static KEYS: &[Key] = &[
         "law of the asperity heights",
         "Whatever the law, its standard deviation is σ_s and its mean 0.",
     ),
-    key("surface.heights.law", "\"weibull\"", Choice(|| names(&population::HEIGHT_LAWS)), Required, "name of the law", ""),
+    key(
+        "surface.heights.law",
+        "\"weibull\"",
+        Choice(|| names(&population::HEIGHT_LAWS)),
+        Required,
+        "name of the law",
+        "",
+    ),
     key(
         "surface.heights.shape",
         "1.5",
         Various("a number from 1 to 20 of `weibull`, from 0.01 to 1.5 of `lognormal`"),
         Required,
         "shape of the law of heights",
-        "Of `weibull` the exponent, of `lognormal` the standard deviation of the logarithm. Other laws have none.",
+        "Of `weibull` the exponent, of `lognormal` the standard deviation of the logarithm. Other laws have \
+         none.",
     )
     .swept(),
     key(
@@ -201,7 +213,8 @@ pub static KEYS: &[Key] = &[
         Number(Unbounded, Unbounded),
         Follows("no limit"),
         "lower limit of truncated heights",
-        "Of `truncated`, in standard deviations of the Gaussian that is cut. One of the limits has to be there.",
+        "Of `truncated`, in standard deviations of the Gaussian that is cut. One of the limits has to be \
+         there.",
     )
     .swept(),
     key(
@@ -210,12 +223,20 @@ pub static KEYS: &[Key] = &[
         Number(Unbounded, Unbounded),
         Follows("no limit"),
         "upper limit of truncated heights",
-        "Of `truncated`, in standard deviations of the Gaussian that is cut; a polished surface has lost its highest tops.",
+        "Of `truncated`, in standard deviations of the Gaussian that is cut; a polished surface has lost \
+         its highest tops.",
     )
     .swept(),
     key("surface.heights.path", "\"heights.csv\"", Text, Required, "file of heights, of the law `file`", FILE_PATH),
-    key("surface.heights.column", "\"height\"", Various("a name, or a number from 1"), Required, "column of the file", FILE_COLUMN)
-        .excludes(&["surface.heights.dataset"]),
+    key(
+        "surface.heights.column",
+        "\"height\"",
+        Various("a name, or a number from 1"),
+        Required,
+        "column of the file",
+        FILE_COLUMN,
+    )
+    .excludes(&["surface.heights.dataset"]),
     key("surface.heights.dataset", "\"/asperities/height\"", Text, Required, "dataset of the file", FILE_DATASET),
     key("surface.heights.unit", "\"nm\"", Various("a unit of length"), Required, "unit of the file", FILE_UNIT),
     key(
@@ -224,9 +245,17 @@ pub static KEYS: &[Key] = &[
         Various("the name of a law, or a table with `law` and its parameters"),
         Is("\"common\""),
         "law of the asperity radii",
-        "`common`: all have `asperity_radius`. Where radii scatter, each asperity has its own λ. Radius and height are drawn independently.",
+        "`common`: all have `asperity_radius`. Where radii scatter, each asperity has its own λ. Radius and \
+         height are drawn independently.",
     ),
-    key("surface.radii.law", "\"lognormal\"", Choice(|| names(&population::RADIUS_LAWS)), Required, "name of the law", ""),
+    key(
+        "surface.radii.law",
+        "\"lognormal\"",
+        Choice(|| names(&population::RADIUS_LAWS)),
+        Required,
+        "name of the law",
+        "",
+    ),
     key(
         "surface.radii.coefficient_of_variation",
         "0.3",
@@ -238,8 +267,15 @@ pub static KEYS: &[Key] = &[
     .swept(),
     key("surface.radii.path", "\"radii.csv\"", Text, Required, "file of radii, of the law `file`", FILE_PATH)
         .excludes(&["surface.asperity_radius"]),
-    key("surface.radii.column", "\"radius\"", Various("a name, or a number from 1"), Required, "column of the file", FILE_COLUMN)
-        .excludes(&["surface.radii.dataset"]),
+    key(
+        "surface.radii.column",
+        "\"radius\"",
+        Various("a name, or a number from 1"),
+        Required,
+        "column of the file",
+        FILE_COLUMN,
+    )
+    .excludes(&["surface.radii.dataset"]),
     key("surface.radii.dataset", "\"/asperities/radius\"", Text, Required, "dataset of the file", FILE_DATASET),
     key("surface.radii.unit", "\"um\"", Various("a unit of length"), Required, "unit of the file", FILE_UNIT),
     key(
@@ -248,7 +284,8 @@ pub static KEYS: &[Key] = &[
         Choice(|| names(&CountLaw::ALL)),
         Is("\"fixed\""),
         "whether every replica has the same number of asperities",
-        "`fixed`: N = ηA_n in all of them. `poisson`: N scatters as in patches cut at random from a large surface.",
+        "`fixed`: N = ηA_n in all of them. `poisson`: N scatters as in patches cut at random from a large \
+         surface.",
     ),
     key(
         "surface.summits",
@@ -256,7 +293,7 @@ pub static KEYS: &[Key] = &[
         Choice(|| names(&population::SUMMIT_LAWS)),
         Follows("no; heights and radii have their own laws"),
         "heights and radii of the summits of a Gaussian surface",
-        "Higher summits are sharper or blunter as Nayak's theory has it; heights and radii are drawn together.",
+        "Heights and radii are drawn together, as Nayak's theory has them: higher summits are sharper.",
     )
     .excludes(&["surface.heights", "surface.radii"]),
     key(
@@ -275,7 +312,14 @@ pub static KEYS: &[Key] = &[
         "surface.heights",
         "surface.radii",
     ]),
-    key("surface.spectrum.m0", "\"2.37 nm^2\"", Quantity(Of::Area, Positive), Required, "variance of heights", "m₀ = σ²."),
+    key(
+        "surface.spectrum.m0",
+        "\"2.37 nm^2\"",
+        Quantity(Of::Area, Positive),
+        Required,
+        "variance of heights",
+        "m₀ = σ².",
+    ),
     key(
         "surface.spectrum.m2",
         "6.26e-5",
@@ -298,7 +342,8 @@ pub static KEYS: &[Key] = &[
         Table,
         Follows("not used; asperities are drawn from laws"),
         "asperities of a measured height map",
-        "Written by `stiction asperities`. They say R, η, σ, σ_s, y_s and A_n; each height keeps its own radius.",
+        "Written by `stiction asperities`. They say R, η, σ, σ_s, y_s and A_n; each height keeps its own \
+         radius.",
     )
     .excludes(&[
         "surface.asperity_radius",
@@ -317,8 +362,8 @@ pub static KEYS: &[Key] = &[
         Choice(|| names(&population::SAMPLES)),
         Is("\"bootstrap\""),
         "how a replica is made of them",
-        "`bootstrap`: every asperity is one of the measured ones, drawn with replacement. `whole`: all of them once, in every replica; \
-         then `nominal_area` is that of the map.",
+        "`bootstrap`: every asperity is one of the measured ones, drawn with replacement. `whole`: all of \
+         them once, in every replica; then `nominal_area` is that of the map.",
     ),
     key("model", "{ law = \"hybrid\" }", Table, Required, "the law of one asperity, and the history", ""),
     key(
@@ -335,8 +380,8 @@ pub static KEYS: &[Key] = &[
         Choice(|| names(&HISTORIES)),
         Is("\"approach\""),
         "history",
-        "`approach`: contact begins at first touch. `retraction`: contact lasts to the end of its stable branch. `loop`: there and back, \
-         each asperity by its own history; for one radius.",
+        "`approach`: contact begins at first touch. `retraction`: contact lasts to the end of its stable \
+         branch. `loop`: there and back, each asperity by its own history; for one radius.",
     ),
     key(
         "model.unloaded_radius",
@@ -344,7 +389,8 @@ pub static KEYS: &[Key] = &[
         Choice(|| names(&UnloadedRadius::ALL)),
         Is("\"kept\""),
         "radius of flattened tops on the way back",
-        "Needs `path = \"loop\"`. `kept`: R. `elastic`: that of the elastic contact which has the largest load and its area.",
+        "Needs `path = \"loop\"`. `kept`: R. `elastic`: that of the elastic contact which has the largest \
+         load and its area.",
     ),
     key(
         "model.critical_approach",
@@ -382,7 +428,8 @@ pub static KEYS: &[Key] = &[
         Various(RANGE),
         Follows("from `h`"),
         "separations of the mean planes over σ",
-        "h* = h/σ, with σ of the surface, not σ_s. Pull-off is mostly found between 1 and 6; 0.05 is a good step.",
+        "h* = h/σ, with σ of the surface, not σ_s. Pull-off is mostly found between 1 and 6; 0.05 is a good \
+         step.",
     ),
     key("separation.h_star.from", "-1.0", Number(Unbounded, Unbounded), Required, "the first", ""),
     key("separation.h_star.to", "8.0", Number(Unbounded, Unbounded), Required, "the last", "Greater than `from`."),
@@ -394,7 +441,8 @@ pub static KEYS: &[Key] = &[
         Quantity(Of::Length, Positive),
         Follows("`equilibrium_spacing`"),
         "span of the secant stiffness",
-        "The stiffness of a replica is the steepest secant of its force over this length. It lies within the separations.",
+        "The stiffness of a replica is the steepest secant of its force over this length. It lies within \
+         the separations.",
     ),
     key("ensemble", "{ replicas = 200 }", Table, Required, "how many surfaces are drawn, and how", ""),
     key(
@@ -471,9 +519,17 @@ pub static KEYS: &[Key] = &[
         Choice(|| names(&SamplingScheme::ALL)),
         Is("\"independent\""),
         "how surfaces are drawn relative to each other",
-        "`antithetic` takes them in pairs, `stratified` in groups of 8; both are for Gaussian heights, one radius and a fixed number.",
+        "`antithetic` takes them in pairs, `stratified` in groups of 8; both are for Gaussian heights, one \
+         radius and a fixed number.",
     ),
-    key("ensemble.seed", "1", Whole(0, i64::MAX as u64), Is("1"), "seed of the random numbers", "The same seed gives the same bits."),
+    key(
+        "ensemble.seed",
+        "1",
+        Whole(0, i64::MAX as u64),
+        Is("1"),
+        "seed of the random numbers",
+        "The same seed gives the same bits.",
+    ),
     key(
         "instability",
         "{ stiffness = \"100 kN/m\" }",
@@ -513,7 +569,8 @@ pub static KEYS: &[Key] = &[
         Choice(|| names(&SUMS)),
         Is("\"direct\""),
         "way of summing",
-        "`direct`: asperity by asperity. `compressed`: by moments of bins of heights, faster, to a tolerance.",
+        "`direct`: asperity by asperity. `compressed`: by moments of bins of heights, faster, to a \
+         tolerance.",
     ),
     key(
         "solver.tolerance",
@@ -560,5 +617,12 @@ pub static KEYS: &[Key] = &[
     key("sweep.*.from", "", Various("a value of the key"), Required, "the first value", ""),
     key("sweep.*.to", "", Various("a value of the key"), Required, "the last value", ""),
     key("sweep.*.count", "7", Whole(2, sweep::MOST_POINTS as u64), Required, "number of values", ""),
-    key("sweep.*.spacing", "\"log\"", Choice(|| names(&sweep::SPACINGS)), Is("\"linear\""), "linear or logarithmic", ""),
+    key(
+        "sweep.*.spacing",
+        "\"log\"",
+        Choice(|| names(&sweep::SPACINGS)),
+        Is("\"linear\""),
+        "linear or logarithmic",
+        "",
+    ),
 ];

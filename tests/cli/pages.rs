@@ -145,6 +145,9 @@ fn scenes_of_pages_are_scenes() {
         }
     }
     assert_eq!(seen, 2);
+    let tutorial = std::fs::read_to_string(docs.join("tutorial.md")).unwrap();
+    let first = include_str!("../../configs/first.toml");
+    assert!(tutorial.contains(&format!("```toml\n{first}```")), "the scene of the tutorial is configs/first.toml");
 }
 
 fn help(command: &str) -> String {

@@ -97,17 +97,36 @@ fn a_signal_saves_and_the_message_says_how_to_go_on() {
     }
 }
 
-/// A batch of half a second: a second signal does not wait for its end.
+/// Two signals at the same time, as `timeout` sends them, are one interruption: what was done is kept, and how to go on is said.
+#[test]
+fn signals_that_come_together_are_one() {
+    let folder = Folder::new(&small().replace("replicas = 40", "replicas = 100000"));
+    let mut child = begin(&folder, &["--checkpoint", "30", "--threads", "1"]);
+    wait_while_running(&mut child, || folder.path("scene.h5.checkpoint.replicas").exists());
+    std::thread::sleep(Duration::from_millis(300));
+    signal(&child, "-INT");
+    signal(&child, "-INT");
+    let output = child.wait_with_output().unwrap();
+    assert_exit(&output, 130);
+    assert!(told(&output).contains("--resume"), "{}", told(&output));
+    assert!(folder.path(CHECKPOINT).exists());
+}
+
+/// A batch of seconds: a second signal does not wait for its end.
 #[test]
 fn a_second_signal_ends_at_once_and_leaves_the_last_checkpoint() {
-    let folder =
-        Folder::new(&small().replace("\"100 um^2\"", "\"0.1 mm^2\"").replace("replicas = 40", "replicas = 32"));
+    let folder = Folder::new(
+        &small()
+            .replace("\"100 um^2\"", "\"0.13 mm^2\"")
+            .replace("replicas = 40", "replicas = 16")
+            .replace("count = 16", "count = 48"),
+    );
     let reference = reference(&folder);
     let mut child = begin(&folder, &["--checkpoint", "0", "--threads", "1"]);
     wait_while_running(&mut child, || folder.path(CHECKPOINT).exists());
     let kept = std::fs::read(folder.path(CHECKPOINT)).unwrap();
     signal(&child, "-INT");
-    std::thread::sleep(Duration::from_millis(50));
+    std::thread::sleep(Duration::from_millis(400));
     signal(&child, "-TERM");
     let output = child.wait_with_output().unwrap();
     assert_exit(&output, 130);

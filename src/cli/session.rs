@@ -6,9 +6,10 @@ use crate::scene::Scene;
 use anyhow::Context;
 use signal_hook::consts::TERM_SIGNALS;
 use signal_hook::flag;
+use signal_hook::iterator::Signals;
 use std::ops::Deref;
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 /// Exit code of a run that was interrupted.
@@ -58,16 +59,26 @@ pub(super) fn thread_pool(count: Option<u16>) -> Result<rayon::ThreadPool, Failu
     Ok(threads.build().context("cannot start threads")?)
 }
 
-/// A flag that the first interruption sets; a second one ends the program at once.
+/// Signals that come so soon after the first are one with it: `timeout`, for one, sends its signal to the program and then to its group.
+const TOGETHER: Duration = Duration::from_millis(250);
+
+/// A flag that the first interruption sets; a second one that does not come with it ends the program at once.
 pub(super) fn interruption() -> Result<Arc<AtomicBool>, Failure> {
-    let stop = Arc::new(AtomicBool::new(false));
+    let [stop, is_second] = [(); 2].map(|()| Arc::new(AtomicBool::new(false)));
     let handle = || {
         for signal in TERM_SIGNALS {
             // Of the two that a signal sets off, the first sees what the signals before it have set.
-            flag::register_conditional_shutdown(*signal, INTERRUPTED, Arc::clone(&stop))?;
+            flag::register_conditional_shutdown(*signal, INTERRUPTED, Arc::clone(&is_second))?;
             flag::register(*signal, Arc::clone(&stop))?;
         }
-        std::io::Result::Ok(())
+        let mut first = Signals::new(TERM_SIGNALS)?;
+        let wait = move || {
+            if first.forever().next().is_some() {
+                std::thread::sleep(TOGETHER);
+                is_second.store(true, Ordering::Relaxed);
+            }
+        };
+        std::thread::Builder::new().name("signals".to_owned()).spawn(wait).map(drop)
     };
     handle().context("cannot handle interruptions")?;
     Ok(stop)

@@ -283,6 +283,13 @@ impl Loop {
         Retraction::new(self, distance)
     }
 
+    /// The same for asperities of one interference ω_max, m, alone.
+    pub fn at_for(&self, distance: f64, largest: f64) -> Retraction<'_> {
+        let reach = self.takeoff(largest).unwrap_or(f64::NEG_INFINITY);
+        let end = |_: &dyn Flattened, further| if distance - further >= reach { f64::INFINITY } else { self.top() };
+        Retraction::with(self, distance, end)
+    }
+
     /// x of interferences ω_max, m.
     fn depths(&self, largest: &[f64], places: &mut [f64]) {
         places.iter_mut().zip(largest).for_each(|(x, largest)| *x = largest / self.critical);
@@ -399,6 +406,11 @@ pub struct Retraction<'a> {
 
 impl<'a> Retraction<'a> {
     fn new(cycle: &'a Loop, distance: f64) -> Self {
+        Self::with(cycle, distance, |flattened, further| cycle.let_go_from(flattened, distance, further))
+    }
+
+    /// With the end of what has flowed, is `further` beyond the end of its contact and has a radius of its own, in ω_max, m.
+    fn with(cycle: &'a Loop, distance: f64, let_go: impl Fn(&dyn Flattened, f64) -> f64) -> Self {
         let mut law = Self {
             cycle,
             distance,
@@ -433,7 +445,7 @@ impl<'a> Retraction<'a> {
                 None => cycle.recovered_from(interference),
                 Some(flattened) => {
                     let further = cycle.release() - retraction.boundaries()[regime].interference;
-                    cycle.let_go_from(flattened.as_ref(), distance, further)
+                    let_go(flattened.as_ref(), further)
                 }
             };
             end = higher(Boundary { interference, belongs_below }, top);

@@ -121,6 +121,15 @@ impl<'a> Retracted<'a> {
         first + low..first + high
     }
 
+    /// External force, N, of one asperity at a separation h, m.
+    fn force(&mut self, asperity: &Released, separation: f64) -> f64 {
+        let closest = self.job.surface.asperity_separation(self.from);
+        let distance = self.job.surface.asperity_separation(separation) - closest;
+        let law = self.cycle.at_for(distance, asperity.height - closest);
+        self.sums.over(&law, Some(law.base()), &[asperity.height], closest);
+        RegimeSums::external_force(&self.sums.regimes)
+    }
+
     /// External force, N, of a few asperities at a separation h, m.
     fn sum(&mut self, asperities: &[Released], separation: f64) -> f64 {
         let closest = self.job.surface.asperity_separation(self.from);
@@ -175,7 +184,7 @@ impl Curve for Retracted<'_> {
                     let mut step = -self.kinks[fate][like].jump;
                     if fate == FLOWED {
                         let beside = self.rounding();
-                        let [below, above] = [place - beside, place + beside].map(|h| self.sum(&[*asperity], h));
+                        let [below, above] = [place - beside, place + beside].map(|h| self.force(asperity, h));
                         step = above - below;
                     }
                     passings.push(Passing { place, step, kink, asperity: (first + i) as u32 });

@@ -410,11 +410,14 @@ def test_a_cancelled_task_saves_and_is_not_requeued(site):
 # Answers a signal at once, as a shell does not, and ends a second after the first.
 ANSWERS = """exec python3 -c '
 import signal, sys, time
+answers = []
 def answer(*_):
-    print("term", file=open(sys.argv[1] + "/calls/signals", "a"), flush=True)
+    answers.append(print("term", file=open(sys.argv[1] + "/calls/signals", "a"), flush=True))
 signal.signal(signal.SIGTERM, answer)
 print("ready", file=open(sys.argv[1] + "/calls/ready", "w"), flush=True)
-signal.pause()
+# A pause would miss a signal that comes before it.
+while not answers:
+    time.sleep(0.02)
 time.sleep(1)
 sys.exit(130)
 ' "$here"

@@ -7,6 +7,7 @@
 
 use super::Job;
 use super::kinks::{Kink, widest_spacing};
+use super::search::between;
 use crate::math::extrema::{Extremum, deeper, minimum};
 use crate::math::interpolation::lagrange;
 use crate::math::polynomials::horner;
@@ -15,8 +16,6 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// Samples belong to the neighbourhood of the minimum when they are within so many of the largest jumps of the smallest, times the root of the
 /// number of jumps between two samples: that far a random walk of them may lead below its ends.
 const NEAR: f64 = 4.0;
-/// Between separations that are too far apart to interpolate the surface is solved, at most so many times between two of them.
-const MOST_BETWEEN: usize = 64;
 /// Parts of the space between two separations, the deepest place of each is found.
 const PARTS: usize = 2;
 /// At the deepest of these the whole surface is solved, from the deepest on, until the next would have to be deeper than it was found by so
@@ -104,13 +103,7 @@ fn neighbourhood(job: &Job<'_>, kinks: &[Kink], surface: &mut impl Redrawn, exte
     while last - first + 1 < POINTS.min(end + 1) {
         (first, last) = (first.saturating_sub(1), (last + 1).min(end));
     }
-    let spacing = widest_spacing(job);
-    let between = |k: usize| {
-        let (from, to) = (separations[k], separations[k + 1]);
-        let parts = (((to - from) / spacing).ceil() as usize).clamp(1, MOST_BETWEEN);
-        (1..parts).map(move |i| from + (to - from) * i as f64 / parts as f64)
-    };
-    let places: Vec<f64> = (first..last).flat_map(between).collect();
+    let places = between(&separations[first..=last], widest_spacing(job));
     let forces = surface.external_forces(&places);
     let known = (first..=last).map(|k| (separations[k], external_force[k]));
     let mut samples: Vec<(f64, f64)> = known.chain(places.into_iter().zip(forces)).collect();
@@ -289,7 +282,7 @@ mod tests {
             compression: None,
             protocol: Protocol::default(),
         };
-        let kinks = Kink::of(law.as_ref(), widest_spacing(&job)).0;
+        let kinks = Kink::of(law.as_ref(), widest_spacing(&job));
         let cells = Cells::new(&job, &kinks, &samples);
         heights.rchunks(777).for_each(|piece| cells.count(piece));
         let mut steps: Vec<(f64, f64)> = kinks

@@ -1,12 +1,11 @@
 //! The external force of one asperity in a table, for many sums over a few asperities.
 
-use super::kinks::{Kink, forces};
+use super::kinks::{Kink, solver};
 use super::sums::{RegimeSums, Sums};
-use crate::asperity::{Law, Piece, Scratch, Smoothness, Work};
+use crate::asperity::{Law, Piece, Smoothness};
 use crate::math::instruction_set::InstructionSet;
 use crate::math::piecewise::Piecewise;
 use crate::math::sums::lane_sum;
-use std::cell::RefCell;
 
 /// Accuracy relative to the force and the largest attraction at a kink.
 const TOLERANCE: f64 = 1e-8;
@@ -41,11 +40,7 @@ struct Tabulated {
 impl ForceTable {
     /// Of a law, to `reach` beyond its first and its last kink, m.
     pub fn new(law: &dyn Law, kinks: &[Kink], reach: f64) -> Self {
-        let memory = RefCell::new((Scratch::default(), Work::default()));
-        let forces = |interferences: &[f64]| {
-            let (scratch, work) = &mut *memory.borrow_mut();
-            forces(law, interferences, scratch, work)
-        };
+        let forces = solver(law);
         let (Some(first), Some(last)) = (kinks.first(), kinks.last()) else {
             return Self {
                 low: 0.0,

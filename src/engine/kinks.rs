@@ -42,14 +42,9 @@ pub(super) struct Kink {
 }
 
 impl Kink {
-    /// Those of a law, rising, with falls and strays in intervals of the width `width`, m; and what its force is off what is interpolated
-    /// between samples as far apart.
-    pub fn of(law: &dyn Law, width: f64) -> (Vec<Self>, StrayTable) {
-        let memory = RefCell::new((Scratch::default(), Work::default()));
-        let solved = |places: &[f64]| {
-            let (scratch, work) = &mut *memory.borrow_mut();
-            forces(law, places, scratch, work)
-        };
+    /// Those of a law, rising, with falls and strays in intervals of the width `width`, m.
+    pub fn of(law: &dyn Law, width: f64) -> Vec<Self> {
+        let solved = solver(law);
         let ends = Self::interferences(law);
         let jump = |end: &f64| {
             let forces = solved(&beside(*end));
@@ -58,32 +53,24 @@ impl Kink {
         let mut jumps: Vec<f64> = ends.iter().map(jump).collect();
         let largest = jumps.iter().fold(0.0, |most: f64, jump| most.max(jump.abs()));
         jumps.iter_mut().filter(|jump| jump.abs() <= NO_JUMP * largest).for_each(|jump| *jump = 0.0);
-        let continuous = |places: &[f64]| {
-            let mut forces = solved(places);
-            for (place, force) in places.iter().zip(&mut forces) {
-                let passed = ends.iter().zip(&jumps).filter(|(end, _)| *end <= place);
-                passed.for_each(|(_, jump)| *force -= jump);
-            }
-            forces
-        };
         let kink = |(interference, jump): (&f64, &f64)| Self {
             interference: *interference,
             jump: *jump,
             fall: fall(&solved, *interference, width),
-            stray: stray(&continuous, *interference, width),
+            stray: Stray::default(),
         };
         let mut kinks: Vec<Self> = ends.iter().zip(&jumps).map(kink).collect();
+        let force = continuous(law, &kinks);
+        let strays: Vec<Stray> = ends.iter().map(|end| stray(&force, *end, width)).collect();
+        drop(force);
+        kinks.iter_mut().zip(strays).for_each(|(kink, stray)| kink.stray = stray);
         // Kinks that are close to each other go astray together, where the first does.
         for i in (1..kinks.len()).rev() {
             if kinks[i].interference - kinks[i - 1].interference < CLOSE * width {
                 kinks[i].stray.samples = (0.0, 0.0);
             }
         }
-        let table = StrayTable::new(&continuous, &ends, width);
-        for (kink, stray) in kinks.iter_mut().zip(table.strays(&continuous, &ends)) {
-            kink.stray.table = stray;
-        }
-        (kinks, table)
+        kinks
     }
 
     /// Where the force of a law is not smooth, δ in m, rising.
@@ -122,9 +109,11 @@ impl Kinks {
     /// Of a job.
     pub fn new(job: &Job<'_>) -> Self {
         let width = spacing(job);
-        let (there, strays) = Kink::of(job.law, width);
+        let mut there = Kink::of(job.law, width);
+        let strays =
+            if job.law.family().is_some() { StrayTable::default() } else { tabulated(job.law, &mut there, width) };
         let Some(cycle) = job.protocol.cycle else { return Self { there, strays, back: Default::default() } };
-        let known: Vec<Kink> = there.iter().copied().chain(Kink::of(cycle.retraction(), width).0).collect();
+        let known: Vec<Kink> = there.iter().copied().chain(Kink::of(cycle.retraction(), width)).collect();
         let back = cycle.kinks().map(|kinks| {
             // What begins or ends on the way back alone does so with about as much as what does so before contact.
             let largest = |of: &dyn Fn(&Kink) -> f64| {
@@ -155,6 +144,17 @@ impl Kinks {
         let kinks = if job.law.family().is_some() { &[][..] } else { &self.there };
         ForceTable::new(job.law, kinks, REACH * spacing(job) + job.protocol.stiffness_span.unwrap_or(0.0))
     }
+}
+
+/// What asperities are off what is interpolated between samples `width`, m, apart, and at each kink of their law what that leaves out.
+fn tabulated(law: &dyn Law, kinks: &mut [Kink], width: f64) -> StrayTable {
+    let interferences: Vec<f64> = kinks.iter().map(|kink| kink.interference).collect();
+    let force = continuous(law, kinks);
+    let table = StrayTable::new(&force, &interferences, width);
+    let strays = table.strays(&force, &interferences);
+    drop(force);
+    kinks.iter_mut().zip(strays).for_each(|(kink, stray)| kink.stray.table = stray);
+    table
 }
 
 /// How far apart separations of a job may be at most to interpolate between, m.
@@ -219,6 +219,28 @@ fn stray_of(
     (most, (squares.into_iter().fold(0.0, f64::max) / (POSITIONS * widths)).sqrt())
 }
 
+/// External forces, N, of an asperity at interferences δ, m, rising, however often.
+pub(super) fn solver(law: &dyn Law) -> impl Fn(&[f64]) -> Vec<f64> {
+    let memory = RefCell::new((Scratch::default(), Work::default()));
+    move |interferences| {
+        let (scratch, work) = &mut *memory.borrow_mut();
+        forces(law, interferences, scratch, work)
+    }
+}
+
+/// The same without the jumps of its kinks.
+fn continuous(law: &dyn Law, kinks: &[Kink]) -> impl Fn(&[f64]) -> Vec<f64> {
+    let solved = solver(law);
+    move |interferences| {
+        let mut forces = solved(interferences);
+        for (place, force) in interferences.iter().zip(&mut forces) {
+            let passed = kinks.iter().filter(|kink| kink.interference <= *place);
+            passed.for_each(|kink| *force -= kink.jump);
+        }
+        forces
+    }
+}
+
 /// External forces, N, of an asperity at interferences δ, m, rising.
 pub(super) fn forces(law: &dyn Law, interferences: &[f64], scratch: &mut Scratch, work: &mut Work) -> Vec<f64> {
     let mut forces = vec![0.0; interferences.len()];
@@ -245,7 +267,7 @@ mod tests {
         let setting = Setting::new(&CASE_II, Path::Approach, (-20e-9, 20e-9)).unwrap();
         let law = (model("emd").unwrap().build)(&setting).unwrap();
         let unit = Scale::new(&CASE_II).unwrap().force;
-        let kinks = Kink::of(law.as_ref(), 0.07e-9).0;
+        let kinks = Kink::of(law.as_ref(), 0.07e-9);
         let expected = [-(0.909 - 0.766), -(2.0 - 1.268), 2.0 - 0.977];
         for (kink, size) in kinks.iter().zip(expected) {
             assert!((kink.jump / unit - size).abs() < 2e-3, "{kink:?}: {}", kink.jump / unit);

@@ -440,7 +440,7 @@ mod tests {
         let width = separations[1] - separations[0];
         let per_space = COUNT as f64 * width / (surface.heights.std * (2.0 * std::f64::consts::PI).sqrt());
         let (mut square, mut jumps) = (0.0, 0.0);
-        for kink in Kink::of(law.as_ref(), width).0.iter().filter(|kink| kink.interference < surface.heights.std) {
+        for kink in Kink::of(law.as_ref(), width).iter().filter(|kink| kink.interference < surface.heights.std) {
             square += per_space * kink.stray.samples.1.powi(2);
             jumps += per_space * kink.jump.abs();
         }

@@ -5,6 +5,7 @@ use super::kinks::{Kink, rounding};
 use super::search::{Curve, Passing, Stray};
 use super::sums::{RegimeSums, State, Sums};
 use crate::asperity::Loop;
+use crate::asperity::unloading::Retraction;
 use std::ops::Range;
 
 /// What has become of an asperity that has flowed, by [`Loop::fate`].
@@ -28,8 +29,9 @@ pub(super) struct Retracted<'a> {
     heights: &'a [f64],
     /// By what has become of them, which rises with the height, where their heights end.
     ends: [usize; 3],
-    /// h, m.
+    /// h, m, and the separation d of the asperity mean plane there, m.
     from: f64,
+    closest: f64,
     sums: &'a mut Sums,
     /// Memory for the heights of a few asperities.
     few: Vec<f64>,
@@ -78,7 +80,7 @@ impl<'a> Retracted<'a> {
                 (kink.fall, kink.stray) = (flattest * kink.fall, kink.stray.times(UNLIKE * flattest));
             }
         }
-        Self { job, cycle, kinks, flattened, heights, ends, from, sums, few: Vec::new() }
+        Self { job, cycle, kinks, flattened, heights, ends, from, closest, sums, few: Vec::new() }
     }
 
     /// Whether asperities of a fate have kinks of their own.
@@ -107,38 +109,42 @@ impl<'a> Retracted<'a> {
     /// An asperity by its number among the heights.
     fn released(&self, number: usize, fate: usize) -> Released {
         let height = self.heights[number];
-        let closest = self.job.surface.asperity_separation(self.from);
-        Released { number, height, recovery: self.cycle.recovery(height - closest), fate }
+        Released { number, height, recovery: self.cycle.recovery(height - self.closest), fate }
     }
 
     /// The heights of a fate whose recovery is in `low..high`, m.
     fn recovering(&self, fate: usize, low: f64, high: f64) -> Range<usize> {
-        let closest = self.job.surface.asperity_separation(self.from);
         let first = if fate == 0 { 0 } else { self.ends[fate - 1] };
         let heights = &self.heights[first..self.ends[fate]];
         let [low, high] =
-            [low, high].map(|limit| heights.partition_point(|u| self.cycle.recovery(u - closest) < limit));
+            [low, high].map(|limit| heights.partition_point(|u| self.cycle.recovery(u - self.closest) < limit));
         first + low..first + high
     }
 
     /// External force, N, of one asperity at a separation h, m.
     fn force(&mut self, asperity: &Released, separation: f64) -> f64 {
-        let closest = self.job.surface.asperity_separation(self.from);
-        let distance = self.job.surface.asperity_separation(separation) - closest;
-        let law = self.cycle.at_for(distance, asperity.height - closest);
-        self.sums.over(&law, Some(law.base()), &[asperity.height], closest);
-        RegimeSums::external_force(&self.sums.regimes)
+        let law = self.cycle.at_for(self.distance(separation), asperity.height - self.closest);
+        external_force(self.sums, &law, &[asperity.height], self.closest)
     }
 
     /// External force, N, of a few asperities at a separation h, m.
     fn sum(&mut self, asperities: &[Released], separation: f64) -> f64 {
-        let closest = self.job.surface.asperity_separation(self.from);
-        let law = self.cycle.at(self.job.surface.asperity_separation(separation) - closest);
+        let law = self.cycle.at(self.distance(separation));
         self.few.clear();
         self.few.extend(asperities.iter().map(|asperity| asperity.height));
-        self.sums.over(&law, Some(law.base()), &self.few, closest);
-        RegimeSums::external_force(&self.sums.regimes)
+        external_force(self.sums, &law, &self.few, self.closest)
     }
+
+    /// The distance, m, of a separation h, m, from the closest.
+    fn distance(&self, separation: f64) -> f64 {
+        self.job.surface.asperity_separation(separation) - self.closest
+    }
+}
+
+/// External force, N, of heights, m, that were as close as `closest`, m, by the law of their way back.
+fn external_force(sums: &mut Sums, law: &Retraction<'_>, heights: &[f64], closest: f64) -> f64 {
+    sums.over(law, Some(law.base()), heights, closest);
+    RegimeSums::external_force(&sums.regimes)
 }
 
 impl Curve for Retracted<'_> {

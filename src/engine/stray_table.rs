@@ -6,7 +6,7 @@
 //! h; L_i are Lagrange's polynomials and 0 ≤ t ≤ 1. Where f is smooth, e is negligible; where it begins like a root among the samples, it
 //! is some tenths of the force a space behind the kink. Asperities of one law have one e, so it is in a table.
 
-use super::search::NODES;
+use super::search::{NODES, interpolated_from_samples};
 use crate::math::instruction_set::InstructionSet;
 use crate::math::interpolation::lagrange;
 
@@ -94,16 +94,13 @@ impl StrayTable {
     fn left_out(&self, force: &dyn Fn(&[f64]) -> Vec<f64>, interference: f64) -> [f64; NODES] {
         let mut known = [0.0; NODES];
         self.add(&[interference], 0.0, &mut known);
-        let share = |i: usize| (i as f64 + 0.5) / NODES as f64;
-        let at = |i: f64| interference - i * self.width;
-        let samples: Vec<f64> = (0..SAMPLES).rev().map(|i| at(i as f64 - BEFORE as f64)).collect();
-        let values = force(&samples);
-        let places: Vec<f64> = (0..NODES).rev().map(|i| at(share(i))).collect();
-        let mut truth = force(&places);
-        truth.reverse();
+        let places: Vec<f64> =
+            (0..NODES).rev().map(|i| interference - self.width * (i as f64 + 0.5) / NODES as f64).collect();
+        let truth = force(&places);
+        let values = interpolated_from_samples(force, interference - self.width, self.width, &places);
         std::array::from_fn(|i| {
-            let next = known.get(i + 1).unwrap_or(&0.0);
-            truth[i] - lagrange::<SAMPLES>(&samples, &values, at(share(i))) - 0.5 * (known[i] + next)
+            let (next, place) = (known.get(i + 1).unwrap_or(&0.0), NODES - 1 - i);
+            truth[place] - values[place] - 0.5 * (known[i] + next)
         })
     }
 }

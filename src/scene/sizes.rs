@@ -81,7 +81,7 @@ impl Sizes {
         Self {
             asperities: scene.surface.asperity_count as f64,
             separations: scene.states() as f64,
-            is_loop: scene.states() > separations,
+            is_loop: scene.cycle,
             regimes: law.regimes().len() as f64,
             replicas: scene.replicas as f64,
             group: scene.sampling.group() as f64,

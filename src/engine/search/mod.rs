@@ -22,6 +22,7 @@ mod points;
 mod ranking;
 
 pub(super) use points::{Interpolation, interpolated, interpolated_from_samples};
+pub(super) use ranking::between;
 
 use crate::math::extrema::{Extremum, deeper};
 use crate::math::interpolation::lagrange;

@@ -26,6 +26,15 @@ pub(super) fn parts(width: f64, spacing: f64) -> f64 {
     (width / spacing).ceil().clamp(1.0, MOST_BETWEEN)
 }
 
+/// Places between rising separations, m, that divide the spaces wider than `spacing`, m, evenly.
+pub fn between(separations: &[f64], spacing: f64) -> Vec<f64> {
+    let places = |ends: &[f64]| {
+        let (from, to, parts) = (ends[0], ends[1], parts(ends[1] - ends[0], spacing));
+        (1..parts as usize).map(move |i| from + (to - from) * i as f64 / parts)
+    };
+    separations.windows(2).flat_map(places).collect()
+}
+
 /// What is expected of the space behind a sample.
 pub(super) struct Guess {
     /// The smallest value.
@@ -130,12 +139,7 @@ impl<C: Curve> Search<'_, C> {
         let Self { curve, separations, values, .. } = self;
         let first = separations.partition_point(|h| *h <= low).saturating_sub(2);
         let end = (separations.partition_point(|h| *h < high) + 1).min(separations.len() - 1);
-        let between = |k: usize| {
-            let (from, to) = (separations[k], separations[k + 1]);
-            let parts = parts(to - from, spacing);
-            (1..parts as usize).map(move |i| from + (to - from) * i as f64 / parts)
-        };
-        let places: Vec<f64> = (first..end).flat_map(between).collect();
+        let places = between(&separations[first..=end], spacing);
         if places.is_empty() {
             return false;
         }
@@ -158,7 +162,7 @@ impl<C: Curve> Search<'_, C> {
         let (levels, is_known) = levels(&passings, &self.separations[around.clone()], self.rounding);
         let continuous: Vec<f64> =
             self.values[around.clone()].iter().zip(&levels).map(|(v, level)| v - level).collect();
-        let curve = self.between(around.clone(), &continuous, &asperities, edges[spaces.start], edges[spaces.end]);
+        let curve = self.continuous(around.clone(), &continuous, &asperities, edges[spaces.start], edges[spaces.end]);
         let shifted = self.shifted(&passings, edges[spaces.start], edges[spaces.end]);
         // What is sought is the continuous part and the level, which begins with the levels of the samples before.
         let mut level: f64 = 0.0;
@@ -212,7 +216,7 @@ impl<C: Curve> Search<'_, C> {
 
     /// The continuous part of the curve, interpolated between samples, whose values are `continuous`, where it is sought between two edges,
     /// h in m; with what terms of asperities are off where that is known.
-    fn between(
+    fn continuous(
         &self,
         samples: Range<usize>,
         continuous: &[f64],

@@ -13,5 +13,8 @@ fn main() {
     }
     let hash = source::hash(&root).expect("the sources of the crate can be read");
     println!("cargo::rustc-env=STICTION_SOURCE_HASH={hash}");
-    println!("cargo::rustc-env=STICTION_SOURCE_REVISION={}", source::revision(&root).unwrap_or("unknown".to_owned()));
+    println!(
+        "cargo::rustc-env=STICTION_SOURCE_REVISION={}",
+        source::revision(&root).unwrap_or("unknown".to_owned())
+    );
 }

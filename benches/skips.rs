@@ -1,19 +1,21 @@
-//! What each skip brings: the time of one replica, summed directly, with it and without, in the same run. A skip is switched off from
-//! outside, by a law that hides what allows it, so that the library has one way only:
+//! What each skip brings: the time of one replica, summed directly, with it and without, in the same run. A
+//! skip is switched off from outside, by a law that hides what allows it, so that the library has one way
+//! only:
 //!
 //! * series: far from contact every asperity is solved;
 //! * constant: the lubricant's force is evaluated and summed asperity by asperity;
 //! * touches: where nothing touches, load and area are summed, too;
-//! * unreached: the regimes that no asperity reaches are there. This is the other way round, because a regime without asperities
-//!   is an empty range and nothing needs to be skipped: what would be gained without them.
+//! * unreached: the regimes that no asperity reaches are there. This is the other way round, because a regime
+//!   without asperities is an empty range and nothing needs to be skipped: what would be gained without them.
 //!
-//! Both runs alternate, and the least of many counts. How far two runs of the same law are from 1 is said first, as `nothing`.
+//! Both runs alternate, and the least of many counts. How far two runs of the same law are from 1 is said
+//! first, as `nothing`.
 
 mod common;
 
 use common::{job, scene, seconds, text};
 use stiction::asperity::emd::Emd;
-use stiction::asperity::{BLOCK, Boundary, Law, Piece, Regime, Responses, Work};
+use stiction::asperity::{BLOCK, Boundary, Law, Piece, Regime, Responses, SolverStats};
 use stiction::engine::Workspace;
 use stiction::math::instruction_set::InstructionSet;
 use stiction::scene::Scene;
@@ -25,7 +27,8 @@ const RUNS: usize = 60;
 struct Hidden<'a> {
     law: &'a dyn Law,
     regimes: Vec<Regime>,
-    /// The branch before contact without the series, the unit of length, the lubricant's thickness and the unit of force, SI.
+    /// The branch before contact without the series, the unit of length, the lubricant's thickness and the
+    /// unit of force, SI.
     solved: Option<(Emd, f64, f64, f64)>,
     hides_constant: bool,
 }
@@ -51,7 +54,11 @@ impl<'a> Hidden<'a> {
     /// With regimes before contact under the name of one in contact.
     fn touches(law: &'a dyn Law) -> Self {
         let mut hidden = Self::nothing(law);
-        hidden.regimes.iter_mut().filter(|regime| !regime.is_contact()).for_each(|regime| *regime = Regime::Elastic);
+        hidden
+            .regimes
+            .iter_mut()
+            .filter(|regime| !regime.is_contact())
+            .for_each(|regime| *regime = Regime::Elastic);
         hidden
     }
 
@@ -59,7 +66,8 @@ impl<'a> Hidden<'a> {
     fn unreached(law: &'a dyn Law, scene: &Scene) -> Self {
         let (_, highest) = scene.reach();
         let mut hidden = Self::nothing(law);
-        let reached = law.boundaries().iter().take_while(|boundary| boundary.interference < highest).count() + 1;
+        let reached =
+            law.boundaries().iter().take_while(|boundary| boundary.interference < highest).count() + 1;
         hidden.regimes.truncate(reached);
         hidden
     }
@@ -87,9 +95,9 @@ impl Law for Hidden<'_> {
         self.law.constant(regime).filter(|_| !self.hides_constant)
     }
 
-    fn evaluate(&self, regime: usize, interference: &[f64], out: &mut Responses, work: &mut Work) {
+    fn evaluate(&self, regime: usize, interference: &[f64], out: &mut Responses, stats: &mut SolverStats) {
         let Some((emd, length, thickness, force)) = self.solved.as_ref().filter(|_| regime == 0) else {
-            return self.law.evaluate(regime, interference, out, work);
+            return self.law.evaluate(regime, interference, out, stats);
         };
         let (inverse, count) = (1.0 / length, interference.len());
         let mut approaches = [0.0; BLOCK];
@@ -99,7 +107,7 @@ impl Law for Hidden<'_> {
                 for (approach, &delta) in approaches.iter_mut().zip(interference) {
                     *approach = (delta + thickness) * inverse;
                 }
-                emd.noncontact_block(&mut approaches[..count], &mut out.adhesion, work);
+                emd.noncontact_block(&mut approaches[..count], &mut out.adhesion, stats);
                 out.adhesion[..count].iter_mut().for_each(|adhesion| *adhesion *= force);
                 out.contact[..count].fill(0.0);
                 out.area[..count].fill(0.0);
@@ -122,14 +130,18 @@ fn scenes() -> Vec<(&'static str, Scene)> {
         ("case I", scene("case_i")),
         ("case II", scene("case_ii")),
         ("case III", scene("case_iii")),
-        ("II, dry", changed("case_ii", &[("lubricant_thickness = \"0.5 nm\"", "lubricant_thickness = \"0 nm\"")])),
+        (
+            "II, dry",
+            changed("case_ii", &[("lubricant_thickness = \"0.5 nm\"", "lubricant_thickness = \"0 nm\"")]),
+        ),
         ("III, emd", changed("case_iii", &[("\"hybrid\"", "\"emd\"")])),
         ("II, h* 6 to 12", changed("case_ii", &[("from = 0.7, to = 8.0", "from = 6.0, to = 12.0")])),
         ("II, 25 GPa hard", changed("case_ii", &[("\"2.5 GPa\"", "\"25 GPa\"")])),
     ]
 }
 
-/// Least seconds of a replica under each of two laws, in alternating runs, each law first in every other round.
+/// Least seconds of a replica under each of two laws, in alternating runs, each law first in every other
+/// round.
 fn compare(scene: &Scene, laws: [&dyn Law; 2]) -> [f64; 2] {
     let jobs = laws.map(|law| job(scene, law, 1));
     let mut workspaces = jobs.each_ref().map(Workspace::new);

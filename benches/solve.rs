@@ -1,12 +1,13 @@
-//! One direct solve of the law of one asperity, in contact and before it, per adhesion parameter, beside drawing one
-//! Gaussian height: the yardstick for everything else. Each sample covers a slice of rising interferences, as a sorted
-//! surface gives them; divan reports the time of one solve as the reciprocal of its item throughput.
+//! One direct solve of the law of one asperity, in contact and before it, per adhesion parameter, beside
+//! drawing one Gaussian height: the yardstick for everything else. Each sample covers a slice of rising
+//! interferences, as a sorted surface gives them; divan reports the time of one solve as the reciprocal of
+//! its item throughput.
 
 use divan::{Bencher, black_box, counter::ItemsCount};
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use stiction::asperity::emd::Emd;
-use stiction::asperity::{BLOCK, Path, Work};
+use stiction::asperity::{BLOCK, Path, SolverStats};
 use stiction::math::instruction_set::InstructionSet;
 
 const COUNT: usize = 4096;
@@ -26,11 +27,11 @@ fn contact(bencher: Bencher, lambda: f64) {
     let law = Emd::new(lambda, Path::Approach).expect("a valid lambda").with_tables(-30.0, 10.0);
     let approaches = slice(law.end(), 10.0);
     bencher.counter(ItemsCount::new(COUNT)).bench_local(|| {
-        let (mut work, mut sum) = (Work::default(), 0.0);
+        let (mut stats, mut sum) = (SolverStats::default(), 0.0);
         let (mut block, mut adhesion, mut radius) = ([0.0; BLOCK], [0.0; BLOCK], [0.0; BLOCK]);
         for approaches in black_box(&approaches).chunks_exact(BLOCK) {
             block.copy_from_slice(approaches);
-            law.contact_block(&mut block, &mut adhesion, &mut radius, &mut work);
+            law.contact_block(&mut block, &mut adhesion, &mut radius, &mut stats);
             sum += adhesion[0] + radius[BLOCK - 1];
         }
         sum
@@ -54,13 +55,13 @@ fn noncontact_solved(bencher: Bencher, lambda: f64) {
 fn before_contact(bencher: Bencher, law: &Emd, furthest: f64) {
     let approaches = slice(furthest, law.end() - 1e-9);
     bencher.counter(ItemsCount::new(COUNT)).bench_local(|| {
-        let (mut work, mut sum) = (Work::default(), 0.0);
+        let (mut stats, mut sum) = (SolverStats::default(), 0.0);
         let (mut block, mut adhesion) = ([0.0; BLOCK], [0.0; BLOCK]);
         for approaches in black_box(&approaches).chunks_exact(BLOCK) {
             block.copy_from_slice(approaches);
             InstructionSet::current().run(
                 #[inline(always)]
-                || law.noncontact_block(&mut block, &mut adhesion, &mut work),
+                || law.noncontact_block(&mut block, &mut adhesion, &mut stats),
             );
             sum += adhesion[0];
         }
@@ -70,7 +71,9 @@ fn before_contact(bencher: Bencher, law: &Emd, furthest: f64) {
 
 #[divan::bench]
 fn starting_tables(bencher: Bencher) {
-    bencher.bench_local(|| Emd::new(black_box(0.9), Path::Approach).expect("a valid lambda").with_tables(-30.0, 10.0));
+    bencher.bench_local(|| {
+        Emd::new(black_box(0.9), Path::Approach).expect("a valid lambda").with_tables(-30.0, 10.0)
+    });
 }
 
 #[divan::bench]

@@ -1,5 +1,5 @@
-//! One replica of the published cases, draws and sorting and all 181 separations included, and the integral of the same scene:
-//! what a run costs, and by law. divan reports asperity-separations per second.
+//! One replica of the published cases, draws and sorting and all 181 separations included, and the integral
+//! of the same scene: what a run costs, and by law. divan reports asperity-separations per second.
 
 mod common;
 
@@ -8,7 +8,7 @@ use divan::{Bencher, counter::ItemsCount};
 use stiction::asperity::models::{MODELS, model};
 use stiction::engine::compressed::{Compression, LANES};
 use stiction::engine::{Job, Workspace};
-use stiction::statistical::Statistical;
+use stiction::integral::Expectations;
 
 const CASES: [&str; 3] = ["case_i", "case_ii", "case_iii"];
 
@@ -63,5 +63,5 @@ fn replica_by_law(bencher: Bencher, name: &str) {
 fn integral(bencher: Bencher, name: &str) {
     let scene = scene(name);
     let law = scene.law().expect("a law of the scene");
-    bencher.bench_local(|| Statistical::new(law.as_ref(), &scene.surface, &scene.separations));
+    bencher.bench_local(|| Expectations::new(law.as_ref(), &scene.surface, &scene.separations));
 }

@@ -1,6 +1,7 @@
-//! What accuracy costs, as a table for `scripts/work_precision.py`: sums over a replica, the mean pull-off over an ensemble, the
-//! integral, and one solve of an asperity. Every row says in its last column what was run. Times are of one core, the least of several
-//! runs. Writes `work_precision.csv` into the target folder; takes two minutes on two cores.
+//! What accuracy costs, as a table for `scripts/work_precision.py`: sums over a replica, the mean pull-off
+//! over an ensemble, the integral, and one solve of an asperity. Every row says in its last column what was
+//! run. Times are of one core, the least of several runs. Writes `work_precision.csv` into the target folder;
+//! takes two minutes on two cores.
 
 mod common;
 
@@ -10,14 +11,14 @@ use std::hint::black_box;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use stiction::asperity::emd::Emd;
-use stiction::asperity::{self, BLOCK, Quantity, Responses, Setting, Work, regime_ranges};
+use stiction::asperity::{self, BLOCK, LawParameters, Quantity, Responses, SolverStats, regime_ranges};
 use stiction::engine::compressed::{Compression, LANES};
-use stiction::engine::{BATCH, Batch, Curves, Forest, Job, Outcome, Summation, Workspace, draw};
+use stiction::engine::{BATCH, Batch, Curves, Job, Outcome, ReductionTree, Summation, Workspace, draw};
+use stiction::integral::{Expectations, controls};
 use stiction::math::control_variates::controlled_means;
 use stiction::math::instruction_set::InstructionSet;
 use stiction::math::sums::Compensated;
 use stiction::scene::Scene;
-use stiction::statistical::{Statistical, controls};
 use stiction::surface::SamplingScheme;
 use stiction::validation::basis;
 
@@ -32,7 +33,8 @@ const DIRECT_BATCHES: u64 = 2;
 const COMPRESSED_BATCHES: u64 = 8;
 /// Asperities that are solved in one run, as in `solve.rs`.
 const SOLVES: usize = 4096;
-/// The adhesion parameter of timed solves, that of case II, and the range of approaches, as in `peers/peers.py`.
+/// The adhesion parameter of timed solves, that of case II, and the range of approaches, as in
+/// `peers/peers.py`.
 const LAMBDA: f64 = 0.9;
 const FURTHEST: f64 = -30.0;
 const DEEPEST: f64 = 10.0;
@@ -44,9 +46,9 @@ const RUNS: usize = 9;
 struct Table(String);
 
 impl Table {
-    fn row(&mut self, panel: &str, method: &str, setting: &str, seconds: f64, error: f64, what: &str) {
-        eprintln!("{panel:12} {method:28} {setting:24} {seconds:10.3e} s  {error:9.2e}");
-        self.0 += &format!("{panel},\"{method}\",\"{setting}\",{seconds:.4e},{error:.4e},\"{what}\"\n");
+    fn row(&mut self, panel: &str, method: &str, parameters: &str, seconds: f64, error: f64, what: &str) {
+        eprintln!("{panel:12} {method:28} {parameters:24} {seconds:10.3e} s  {error:9.2e}");
+        self.0 += &format!("{panel},\"{method}\",\"{parameters}\",{seconds:.4e},{error:.4e},\"{what}\"\n");
     }
 }
 
@@ -102,34 +104,41 @@ fn sums(table: &mut Table) {
         Workspace::new(of).replicas(of, 0..LANES as u64, |_, of_replica| curves.push(of_replica.clone()));
         let error = curves.iter().zip(&truth).fold(0.0, |worst: f64, (curves, truth)| {
             let external = &curves.total[Quantity::ExternalForce.index()];
-            external.iter().zip(truth).fold(worst, |worst, (f, [truth, size])| worst.max((f - truth).abs() / size))
+            external
+                .iter()
+                .zip(truth)
+                .fold(worst, |worst, (f, [truth, size])| worst.max((f - truth).abs() / size))
         });
-        let (method, setting, refusal) = match of.compression {
+        let (method, parameters, refusal) = match of.compression {
             None => ("direct", String::new(), None),
-            Some(Compression { tolerance, .. }) => {
-                ("compressed", format!("{tolerance:e} tolerance"), Summation::compressed(&job, *tolerance).refusal)
-            }
+            Some(Compression { tolerance, .. }) => (
+                "compressed",
+                format!("{tolerance:e} tolerance"),
+                Summation::compressed(&job, *tolerance).refusal,
+            ),
         };
         let remark = refusal.map_or(String::new(), |why| format!("; a run sums directly: {why}"));
-        table.row("sums", method, &setting, seconds / LANES as f64, error, &format!("{what}{remark}"));
+        table.row("sums", method, &parameters, seconds / LANES as f64, error, &format!("{what}{remark}"));
     }
 }
 
-/// External force of a replica and the sum of the magnitudes of its parts, N, at every separation: each asperity by itself.
+/// External force of a replica and the sum of the magnitudes of its parts, N, at every separation: each
+/// asperity by itself.
 fn summed_one_by_one(scene: &Scene, index: u64) -> Vec<[f64; 2]> {
-    let setting = Setting::new(&scene.asperity, scene.path, scene.reach()).expect("a validated scene");
-    let law = (scene.model.build)(&Setting { reach: None, ..setting }).expect("a law of the scene");
+    let parameters =
+        LawParameters::new(&scene.asperity, scene.path, scene.reach()).expect("a validated scene");
+    let law = (scene.model.build)(&LawParameters { reach: None, ..parameters }).expect("a law of the scene");
     let mut heights = Vec::new();
     draw(&scene.surface, scene.seed, scene.sampling, index, &mut heights, &mut Vec::new());
     heights.sort_unstable_by(f64::total_cmp);
     let at = |&h: &f64| {
         let d = scene.surface.asperity_separation(h);
-        let (mut out, mut work) = (Responses::default(), Work::default());
+        let (mut out, mut stats) = (Responses::default(), SolverStats::default());
         let (mut force, mut size) = (Compensated::default(), Compensated::default());
         let ranges: Vec<_> = regime_ranges(law.as_ref(), &heights, d).collect();
         for (regime, range) in ranges.into_iter().rev() {
             for u in heights[range].iter().rev() {
-                law.evaluate(regime, &[u - d], &mut out, &mut work);
+                law.evaluate(regime, &[u - d], &mut out, &mut stats);
                 for (part, sign) in [(out.contact[0], 1.0), (out.adhesion[0], -1.0)] {
                     force.add(sign * part);
                     size.add(part);
@@ -147,14 +156,15 @@ fn monte_carlo(table: &mut Table) {
     let all = rayon::ThreadPoolBuilder::new().build().expect("threads");
     let scene = scene("case_ii");
     let law = scene.law().expect("a law of the scene");
-    let model = || one.install(|| Statistical::new(law.as_ref(), &scene.surface, &scene.separations));
-    let statistical = model();
+    let model = || one.install(|| Expectations::new(law.as_ref(), &scene.surface, &scene.separations));
+    let expectations = model();
     let of_scheme = |scheme| Job { scheme, ..job(&scene, law.as_ref(), BATCH) };
     let try_out = |scheme| one.install(|| Summation::compressed(&of_scheme(scheme), COMPRESSED));
-    let basis_of = |scheme, replicas| basis(law.as_ref(), &scene.surface, &scene.separations, scheme, replicas);
+    let basis_of =
+        |scheme, replicas| basis(law.as_ref(), &scene.surface, &scene.separations, scheme, replicas);
     let places_of = |scheme: SamplingScheme, replicas| {
         let eligible = &basis_of(scheme, replicas).tested[1];
-        controls(&scene.separations, &statistical, eligible, replicas / scheme.group())
+        controls(&scene.separations, &expectations, eligible, replicas / scheme.group())
     };
     let schemes = SamplingScheme::ALL.map(|(_, scheme)| (scheme, try_out(scheme), places_of(scheme, 1024)));
     let mut tasks: Vec<Box<dyn FnMut() + '_>> = vec![
@@ -169,8 +179,9 @@ fn monte_carlo(table: &mut Table) {
             let job = Job { compression, controls: places, replicas: batches * BATCH, ..of_scheme(*scheme) };
             let mut workspace = Workspace::new(&job);
             tasks.push(Box::new(move || {
-                let mut merged = Forest::of(&job);
-                (0..batches).for_each(|index| merged.push(&Batch::compute(&job, &mut workspace, index).ensemble));
+                let mut merged = ReductionTree::of(&job);
+                (0..batches)
+                    .for_each(|index| merged.push(&Batch::compute(&job, &mut workspace, index).ensemble));
                 black_box(merged.into_ensemble(&job));
             }));
         }
@@ -185,7 +196,8 @@ fn monte_carlo(table: &mut Table) {
         let compressed = Job { compression: summation.compression.as_ref(), ..of_scheme(*scheme) };
         for (replicas, seeds) in ENSEMBLES {
             let places = places_of(*scheme, replicas);
-            let means = estimates(&Job { replicas, controls: &places, ..compressed }, &statistical, seeds, &all);
+            let means =
+                estimates(&Job { replicas, controls: &places, ..compressed }, &expectations, seeds, &all);
             for (controlled, of) in [("", 0), (", controlled", 1)] {
                 if of == 1 && places.is_empty() {
                     continue;
@@ -193,7 +205,8 @@ fn monte_carlo(table: &mut Table) {
                 let estimates: Vec<[f64; 2]> = means.iter().map(|means| means[of]).collect();
                 let count = estimates.len() as f64;
                 let mean = estimates.iter().map(|[mean, _]| mean).sum::<f64>() / count;
-                let reported = (estimates.iter().map(|[_, error]| error * error).sum::<f64>() / count).sqrt() / mean;
+                let reported =
+                    (estimates.iter().map(|[_, error]| error * error).sum::<f64>() / count).sqrt() / mean;
                 let squares = estimates.iter().map(|[value, _]| (value - mean).powi(2)).sum::<f64>();
                 let scatter = (squares / (count - 1.0)).sqrt() / mean;
                 let share = if of == 1 { model_seconds + basis_seconds } else { 0.0 };
@@ -208,8 +221,15 @@ fn monte_carlo(table: &mut Table) {
                     ("direct", direct_seconds, law_seconds + share),
                 ] {
                     let method = format!("{name}{controlled}, {sum}");
-                    let setting = format!("{replicas} replicas");
-                    table.row("monte_carlo", &method, &setting, set_up + replicas as f64 * each, reported, &what);
+                    let parameters = format!("{replicas} replicas");
+                    table.row(
+                        "monte_carlo",
+                        &method,
+                        &parameters,
+                        set_up + replicas as f64 * each,
+                        reported,
+                        &what,
+                    );
                 }
             }
         }
@@ -217,16 +237,24 @@ fn monte_carlo(table: &mut Table) {
 }
 
 /// Mean pull-off and its standard error, N, without and with control variates, of runs with the seeds from 1.
-fn estimates(job: &Job<'_>, statistical: &Statistical, seeds: u64, pool: &rayon::ThreadPool) -> Vec<[[f64; 2]; 2]> {
-    let expected = &statistical.expected[Quantity::ExternalForce.index()];
+fn estimates(
+    job: &Job<'_>,
+    expectations: &Expectations,
+    seeds: u64,
+    pool: &rayon::ThreadPool,
+) -> Vec<[[f64; 2]; 2]> {
+    let expected = &expectations.expected[Quantity::ExternalForce.index()];
     let expected: Vec<f64> = job.controls.iter().map(|&place| expected[place]).collect();
     let estimate = |seed| {
         let job = Job { seed, ..*job };
         let outcome = stiction::engine::run(&job, pool, &AtomicBool::new(false), |_, _| Ok::<(), ()>(()));
-        let Ok(Outcome::Complete(forest)) = outcome else { panic!("nothing ends the run") };
-        let ensemble = forest.into_ensemble(&job);
+        let Ok(Outcome::Complete(reduction_tree)) = outcome else { panic!("nothing ends the run") };
+        let ensemble = reduction_tree.into_ensemble(&job);
         let pull_off = controlled_means(&ensemble.groups.scalars, &expected)[0];
-        [[pull_off.mean, pull_off.standard_error], [pull_off.controlled_mean, pull_off.controlled_standard_error]]
+        [
+            [pull_off.mean, pull_off.standard_error],
+            [pull_off.controlled_mean, pull_off.controlled_standard_error],
+        ]
     };
     (1..=seeds).map(estimate).collect()
 }
@@ -238,25 +266,33 @@ fn integral(table: &mut Table) {
         let scene = scene(name);
         let law = scene.law().expect("a law of the scene");
         let taken = |separations: &[f64], tolerance: f64| {
-            Statistical::with_tolerance(law.as_ref(), &scene.surface, separations, tolerance)
+            Expectations::with_tolerance(law.as_ref(), &scene.surface, separations, tolerance)
         };
         let known = known_integral(case);
-        let places: Vec<f64> = known.iter().map(|(h_star, _)| h_star * scene.surface.surface_height_std).collect();
+        let places: Vec<f64> =
+            known.iter().map(|(h_star, _)| h_star * scene.surface.surface_height_std).collect();
         let truth: Vec<[f64; 2]> = known.iter().map(|(_, values)| *values).collect();
         let tightest = taken(&scene.separations, 0.0);
-        let [external, adhesion, contact] = [Quantity::ExternalForce, Quantity::AdhesionForce, Quantity::ContactForce]
-            .map(|q| &tightest.expected[q.index()]);
-        let tightest: Vec<[f64; 2]> = (0..external.len()).map(|k| [external[k], adhesion[k] + contact[k]]).collect();
-        let largest = |model: &Statistical, truth: &[[f64; 2]]| {
+        let [external, adhesion, contact] =
+            [Quantity::ExternalForce, Quantity::AdhesionForce, Quantity::ContactForce]
+                .map(|q| &tightest.expected[q.index()]);
+        let tightest: Vec<[f64; 2]> =
+            (0..external.len()).map(|k| [external[k], adhesion[k] + contact[k]]).collect();
+        let largest = |model: &Expectations, truth: &[[f64; 2]]| {
             let external = &model.expected[Quantity::ExternalForce.index()];
-            external.iter().zip(truth).fold(0.0, |worst: f64, (f, [truth, size])| worst.max((f - truth).abs() / size))
+            external
+                .iter()
+                .zip(truth)
+                .fold(0.0, |worst: f64, (f, [truth, size])| worst.max((f - truth).abs() / size))
         };
         let timed = |tolerance| one.install(|| taken(&scene.separations, tolerance));
         let mut tasks: Vec<Box<dyn FnMut() + '_>> = Vec::new();
         for tolerance in INTEGRAL_TOLERANCES {
             tasks.push(Box::new(move || drop(black_box(timed(tolerance)))));
         }
-        for (tolerance, seconds) in INTEGRAL_TOLERANCES.into_iter().zip(least_seconds_of(2 * RUNS, &mut tasks)) {
+        for (tolerance, seconds) in
+            INTEGRAL_TOLERANCES.into_iter().zip(least_seconds_of(2 * RUNS, &mut tasks))
+        {
             let of_tightest = largest(&timed(tolerance), &tightest);
             let of_known = largest(&taken(&places, tolerance), &truth);
             let what = format!(
@@ -267,8 +303,15 @@ fn integral(table: &mut Table) {
                 2 * RUNS,
                 places.len()
             );
-            let setting = format!("{tolerance:e} tolerance");
-            table.row("integral", &format!("case {case}"), &setting, seconds, of_known.max(of_tightest), &what);
+            let parameters = format!("{tolerance:e} tolerance");
+            table.row(
+                "integral",
+                &format!("case {case}"),
+                &parameters,
+                seconds,
+                of_known.max(of_tightest),
+                &what,
+            );
         }
     }
 }
@@ -299,7 +342,7 @@ fn solves(table: &mut Table) {
     let end = Emd::new(LAMBDA, asperity::Path::Approach).expect("a valid lambda").end();
     for set in InstructionSet::available() {
         set.select();
-        for (branch, setting, low, high) in [
+        for (branch, parameters, low, high) in [
             ("contact", "solve", end, DEEPEST),
             ("before contact", "solve", end - SOLVED, end - 1e-9),
             ("before contact", "with series", FURTHEST, end - 1e-9),
@@ -319,9 +362,12 @@ fn solves(table: &mut Table) {
             for row in rows {
                 let path = if contact { asperity::Path::Retraction } else { asperity::Path::Approach };
                 let law = tabulated(Emd::new(row.lambda, path).expect("a valid lambda"));
-                let mut work = Work::default();
-                let solution =
-                    if contact { law.contact(row.delta, &mut work) } else { law.noncontact(row.delta, &mut work) };
+                let mut stats = SolverStats::default();
+                let solution = if contact {
+                    law.contact(row.delta, &mut stats)
+                } else {
+                    law.noncontact(row.delta, &mut stats)
+                };
                 let external = solution.radius.powi(3) - solution.adhesion;
                 let size = row.external + 2.0 * row.adhesion;
                 error = error.max((solution.adhesion - row.adhesion).abs() / row.adhesion);
@@ -334,23 +380,23 @@ fn solves(table: &mut Table) {
                  of {} runs, 1 thread; error: worst of {count} rows of all lambdas",
                 50 * RUNS
             );
-            table.row("peers", &format!("stiction {set}, {branch}"), setting, least, error, &what);
+            table.row("peers", &format!("stiction {set}, {branch}"), parameters, least, error, &what);
         }
     }
     chosen.select();
 }
 
 fn solve(law: &Emd, approaches: &[f64], contact: bool) {
-    let (mut work, mut block) = (Work::default(), [0.0; BLOCK]);
+    let (mut stats, mut block) = (SolverStats::default(), [0.0; BLOCK]);
     let (mut adhesion, mut radius) = ([0.0; BLOCK], [0.0; BLOCK]);
     for approaches in black_box(approaches).chunks_exact(BLOCK) {
         block.copy_from_slice(approaches);
         if contact {
-            law.contact_block(&mut block, &mut adhesion, &mut radius, &mut work);
+            law.contact_block(&mut block, &mut adhesion, &mut radius, &mut stats);
         } else {
             InstructionSet::current().run(
                 #[inline(always)]
-                || law.noncontact_block(&mut block, &mut adhesion, &mut work),
+                || law.noncontact_block(&mut block, &mut adhesion, &mut stats),
             );
         }
         black_box((&adhesion, &radius));
@@ -370,7 +416,8 @@ fn reference() -> Vec<Row> {
     let lines = include_str!("../tests/data/single_asperity.csv").lines().skip(1);
     let row = |line: &str| {
         let fields: Vec<&str> = line.split(',').collect();
-        let [lambda, delta, adhesion, external] = [0, 1, 3, 4].map(|i| fields[i].parse::<f64>().expect("a number"));
+        let [lambda, delta, adhesion, external] =
+            [0, 1, 3, 4].map(|i| fields[i].parse::<f64>().expect("a number"));
         Row { lambda, delta, contact: fields[2] == "contact", adhesion, external }
     };
     lines.map(row).collect()

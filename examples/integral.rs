@@ -1,9 +1,10 @@
-//! The statistical integral of a law over a surface, without any scene: the external force over the separation.
+//! The statistical integral of a law over a surface, without any scene: the external force over the
+//! separation.
 
 use stiction::asperity::models::model;
 use stiction::asperity::scale::Asperity;
-use stiction::asperity::{LawError, Path, Quantity, Setting};
-use stiction::statistical::Statistical;
+use stiction::asperity::{LawError, LawParameters, Path, Quantity};
+use stiction::integral::Expectations;
 use stiction::surface::Surface;
 
 fn main() -> Result<(), LawError> {
@@ -18,10 +19,13 @@ fn main() -> Result<(), LawError> {
     };
     // Heights of 1.6 nm standard deviation, 7390 asperities on 1000 µm².
     let surface = Surface::uniform(1.6e-9, asperity.radius, 7390, 1e-9);
-    let law =
-        (model("hybrid").expect("it is a law").build)(&Setting::new(&asperity, Path::Approach, (-50e-9, 50e-9))?)?;
+    let law = (model("hybrid").expect("it is a law").build)(&LawParameters::new(
+        &asperity,
+        Path::Approach,
+        (-50e-9, 50e-9),
+    )?)?;
     let separations: Vec<f64> = (0..40).map(|k| 0.2e-9 * f64::from(k)).collect();
-    let integral = Statistical::new(law.as_ref(), &surface, &separations);
+    let integral = Expectations::new(law.as_ref(), &surface, &separations);
     for (h, force) in separations.iter().zip(&integral.expected[Quantity::ExternalForce.index()]) {
         println!("{:5.1} nm {:12.3} uN", h * 1e9, force * 1e6);
     }

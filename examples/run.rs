@@ -1,4 +1,5 @@
-//! Runs a scene and writes its result: `cargo run --release --example run -- configs/case_ii.toml case_ii.h5`.
+//! Runs a scene and writes its result: `cargo run --release --example run -- configs/case_ii.toml
+//! case_ii.h5`.
 
 use stiction::{Error, Scene};
 
@@ -9,7 +10,11 @@ fn main() -> Result<(), Error> {
     let result = stiction::run(&scene)?;
     let pull_off = result.pull_off();
     println!("pull-off {:.4e} N, standard error {:.1e} N", pull_off.mean, pull_off.standard_error);
-    println!("of the integral {:.4e} N: {}", result.pull_off_of_integral(), result.joint_test().verdict.name());
+    println!(
+        "of the integral {:.4e} N: {}",
+        result.pull_off_of_integral(),
+        result.joint_test().verdict.name()
+    );
     match arguments.next() {
         Some(output) => result.write(output),
         None => Ok(()),

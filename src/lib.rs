@@ -1,6 +1,7 @@
 //! Adhesion of rough surfaces from explicit ensembles of asperities.
 //!
-//! A scene says what surfaces there are, by which law their asperities attract each other, and how many patches of them are drawn:
+//! A scene says what surfaces there are, by which law their asperities attract each other, and how many
+//! patches of them are drawn:
 //!
 //! ```no_run
 //! let scene = stiction::Scene::from_toml_file("configs/case_ii.toml")?;
@@ -10,10 +11,11 @@
 //! # Ok::<(), stiction::Error>(())
 //! ```
 //!
-//! [`builder`] sets a run up: threads, progress, an end from outside. Below it, each by itself and without any scene:
+//! [`builder`] sets a run up: threads, progress, an end from outside. Below it, each by itself and without
+//! any scene:
 //! - [`asperity`]: laws of one asperity, from interference to forces and area;
 //! - [`surface`]: heights, radii and numbers of asperities, and measured surfaces;
-//! - [`statistical`]: the integral of a law over a surface;
+//! - [`integral`]: the integral of a law over a surface;
 //! - [`engine`]: ensembles of replicas, summed asperity by asperity or by moments;
 //! - [`validation`]: tests of one against the other;
 //! - [`output`]: files of results, and how they are read back.
@@ -24,12 +26,12 @@ pub mod asperity;
 pub mod cli;
 pub mod engine;
 pub mod experiment;
+pub mod integral;
 pub mod math;
 pub mod output;
 pub mod scene;
 #[cfg(test)]
 mod source;
-pub mod statistical;
 pub mod surface;
 pub mod validation;
 

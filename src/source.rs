@@ -4,11 +4,12 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Files and folders that the program is built from, relative to the folder of the crate; a package may lack some.
+/// Files and folders that the program is built from, relative to the folder of the crate; a package may lack
+/// some.
 pub const SOURCES: [&str; 4] = ["Cargo.lock", "Cargo.toml", "build.rs", "src"];
 
-/// A hash of the names and contents of all sources in a folder, 16 hexadecimal digits: the same wherever the folder is and whenever its
-/// files were written. Every byte counts, comments too.
+/// A hash of the names and contents of all sources in a folder, 16 hexadecimal digits: the same wherever the
+/// folder is and whenever its files were written. Every byte counts, comments too.
 ///
 /// # Errors
 /// When a source cannot be read.
@@ -59,8 +60,8 @@ impl Fnv {
     }
 }
 
-/// The commit of a folder that is the root of a repository of its own, with `-modified` if a source differs from it. The repository around
-/// an unpacked or vendored crate is another one's.
+/// The commit of a folder that is the root of a repository of its own, with `-modified` if a source differs
+/// from it. The repository around an unpacked or vendored crate is another one's.
 pub fn revision(root: &Path) -> Option<String> {
     let top = git(root, &["rev-parse", "--show-toplevel"])?;
     if Path::new(&top).canonicalize().ok()? != root.canonicalize().ok()? {
@@ -98,19 +99,23 @@ mod tests {
     fn package() -> tempfile::TempDir {
         let folder = tempfile::tempdir().unwrap();
         create_dir_all(folder.path().join("src/laws")).unwrap();
-        for (name, text) in [("Cargo.toml", "[package]"), ("src/main.rs", "fn main() {}"), ("src/laws/a.rs", "1")] {
+        for (name, text) in
+            [("Cargo.toml", "[package]"), ("src/main.rs", "fn main() {}"), ("src/laws/a.rs", "1")]
+        {
             write(folder.path().join(name), text).unwrap();
         }
         folder
     }
 
-    /// The hash that the program has been built with is that of the source beside it: the build script has run since the last change.
+    /// The hash that the program has been built with is that of the source beside it: the build script has
+    /// run since the last change.
     #[test]
     fn the_program_knows_its_source() {
         let built = std::env::current_exe().and_then(|program| program.metadata()?.modified()).unwrap();
         let mut files = Vec::new();
         SOURCES.iter().for_each(|name| collect(Path::new(ROOT), Path::new(name), &mut files).unwrap());
-        if files.iter().any(|file| Path::new(ROOT).join(file).metadata().unwrap().modified().unwrap() > built) {
+        if files.iter().any(|file| Path::new(ROOT).join(file).metadata().unwrap().modified().unwrap() > built)
+        {
             println!("skipped: a source was edited after the program was built");
             return;
         }
@@ -120,7 +125,9 @@ mod tests {
     /// Values of the published test vectors (draft-eastlake-fnv, appendix C).
     #[test]
     fn the_hash_is_that_of_fowler_noll_and_vo() {
-        for (text, expected) in [("", 0xcbf29ce484222325), ("a", 0xaf63dc4c8601ec8c), ("foobar", 0x85944171f73967e8)] {
+        for (text, expected) in
+            [("", 0xcbf29ce484222325), ("a", 0xaf63dc4c8601ec8c), ("foobar", 0x85944171f73967e8)]
+        {
             let mut hash = Fnv::default();
             hash.add(text.as_bytes());
             assert_eq!(hash.0, expected, "{text}");
@@ -151,12 +158,14 @@ mod tests {
         assert_ne!(hash(path).unwrap(), before);
     }
 
-    /// An unpacked package has no revision, even inside another repository; a checkout has that of its commit.
+    /// An unpacked package has no revision, even inside another repository; a checkout has that of its
+    /// commit.
     #[test]
     fn a_revision_is_that_of_the_own_repository() {
         let around = tempfile::tempdir().unwrap();
         let run = |folder: &Path, arguments: &[&str]| {
-            let identity = ["-c", "user.name=a", "-c", "user.email=a@example.org", "-c", "commit.gpgsign=false"];
+            let identity =
+                ["-c", "user.name=a", "-c", "user.email=a@example.org", "-c", "commit.gpgsign=false"];
             git(folder, &[&identity[..], arguments].concat())
         };
         if run(around.path(), &["init", "--quiet"]).is_none() {

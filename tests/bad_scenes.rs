@@ -1,5 +1,5 @@
-//! Scenes that are wrong: a line for each problem names the key, its line, what was given and what would do; the exit code is 2 and
-//! nothing is written.
+//! Scenes that are wrong: a line for each problem names the key, its line, what was given and what would do;
+//! the exit code is 2 and nothing is written.
 
 #[path = "scenes/keys.rs"]
 mod keys;
@@ -8,7 +8,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 use std::process::Command;
 use std::sync::Arc;
-use stiction::output::columns::Beside;
+use stiction::output::columns::SceneFiles;
 use stiction::scene::{Document, KEYS, Plan};
 
 const QUICK: &str = include_str!("data/quick.toml");
@@ -175,7 +175,11 @@ const CASES: &[(&str, &str, &[&str])] = &[
     ),
     ("path = \"approach\"", "path = \"sideways\"", &["unknown path", "approach, retraction"]),
     ("equilibrium_spacing = \"0.2 nm\"", "equilibrium_spacing = \"0.2 m\"", &["lambda", "outside 1e-6..1e6"]),
-    ("equilibrium_spacing = \"0.2 nm\"", "equilibrium_spacing = \"1e-9 pm\"", &["lambda", "outside 1e-6..1e6"]),
+    (
+        "equilibrium_spacing = \"0.2 nm\"",
+        "equilibrium_spacing = \"1e-9 pm\"",
+        &["lambda", "outside 1e-6..1e6"],
+    ),
     ("curves = false", "curves = \"no\"", &["output.curves", "true or false"]),
     (
         "[output]",
@@ -196,7 +200,12 @@ const CASES: &[(&str, &str, &[&str])] = &[
     (
         "[output]",
         "[solver]\ntolerance = 1e-9\n[output]",
-        &["line 31", "`solver.tolerance = 1e-9`", "direct sums have no tolerance", "sum = \"compressed\" has one"],
+        &[
+            "line 31",
+            "`solver.tolerance = 1e-9`",
+            "direct sums have no tolerance",
+            "sum = \"compressed\" has one",
+        ],
     ),
     (
         "[output]",
@@ -249,7 +258,11 @@ const CASES: &[(&str, &str, &[&str])] = &[
         "stiffness_span = \"1e-9 nm\"\nh_star = {",
         &["line 24", "`separation.stiffness_span", "lost in rounding"],
     ),
-    ("[output]", "[instability]\n[output]", &["`instability.stiffness` is missing", "stiffness = \"100 kN/m\""]),
+    (
+        "[output]",
+        "[instability]\n[output]",
+        &["`instability.stiffness` is missing", "stiffness = \"100 kN/m\""],
+    ),
     (
         "[output]",
         "[instability]\nstiffness = 5\n[output]",
@@ -265,7 +278,11 @@ const CASES: &[(&str, &str, &[&str])] = &[
         "[instability]\nstiffness = \"-5 N/m\"\n[output]",
         &["`instability.stiffness", "must not be negative"],
     ),
-    ("[output]", "[instability]\nstiffness = []\n[output]", &["`instability.stiffness = []`", "has 0 values"]),
+    (
+        "[output]",
+        "[instability]\nstiffness = []\n[output]",
+        &["`instability.stiffness = []`", "has 0 values"],
+    ),
     (
         "[output]",
         "[instability]\nstiffness = 0\npreload = \"1 mN\"\n[output]",
@@ -307,13 +324,17 @@ fn every_mistake_is_named_and_nothing_is_written() {
                 assert!(error.contains(message), "{from} -> {to}: no \"{message}\" in\n{error}");
             }
             assert!(error.starts_with("stiction: scene.toml: "), "{error}");
-            assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1, "{from} -> {to}: something was written");
+            assert_eq!(
+                std::fs::read_dir(folder.path()).unwrap().count(),
+                1,
+                "{from} -> {to}: something was written"
+            );
         }
     }
 }
 
-/// All problems are told at once, a line each, in the order of the lines; a misspelt key is not missing too, and nothing follows from
-/// what could not be read.
+/// All problems are told at once, a line each, in the order of the lines; a misspelt key is not missing too,
+/// and nothing follows from what could not be read.
 #[test]
 fn all_problems_are_told_at_once() {
     let changes = [
@@ -351,7 +372,10 @@ fn all_problems_are_told_at_once() {
         "  `material.equilibrium_spacing` is missing; for example equilibrium_spacing = \"0.2 nm\"",
     ];
     assert_eq!(lines.len(), expected.len(), "{message}");
-    lines.iter().zip(expected).for_each(|(line, expected)| assert!(line.starts_with(expected), "{line}\n{expected}"));
+    lines
+        .iter()
+        .zip(expected)
+        .for_each(|(line, expected)| assert!(line.starts_with(expected), "{line}\n{expected}"));
 }
 
 /// Many problems are told up to a number.
@@ -359,7 +383,8 @@ fn all_problems_are_told_at_once() {
 fn endless_problems_end() {
     let folder = tempfile::tempdir().unwrap();
     let many: String = (0..1000).map(|i| format!("colour{i} = 1\n")).collect();
-    std::fs::write(folder.path().join("scene.toml"), QUICK.replace("[output]", &format!("[output]\n{many}"))).unwrap();
+    std::fs::write(folder.path().join("scene.toml"), QUICK.replace("[output]", &format!("[output]\n{many}")))
+        .unwrap();
     let mut command = Command::new(env!("CARGO_BIN_EXE_stiction"));
     let output = command.args(["check", "scene.toml"]).current_dir(folder.path()).output().unwrap();
     let message = String::from_utf8(output.stderr).unwrap();
@@ -390,10 +415,12 @@ const PLAIN: [&str; 19] = [
     "output.curves",
 ];
 
-/// What is taken away from the plain scene, added to it with the key's own example, and added with a value that the others need.
+/// What is taken away from the plain scene, added to it with the key's own example, and added with a value
+/// that the others need.
 type Variant = (&'static [&'static str], &'static [&'static str], &'static [(&'static str, &'static str)]);
 
-const OF_SPECTRUM: &[&str] = &["surface.asperity_radius", "surface.asperity_density", "surface.surface_height_std"];
+const OF_SPECTRUM: &[&str] =
+    &["surface.asperity_radius", "surface.asperity_density", "surface.surface_height_std"];
 
 const VARIANTS: &[Variant] = &[
     (&[], &["solver.sum", "solver.tolerance", "ensemble.sampling"], &[]),
@@ -411,7 +438,12 @@ const VARIANTS: &[Variant] = &[
     ),
     (
         &["material.reduced_modulus", "material.work_of_adhesion"],
-        &["material.youngs_modulus", "material.poissons_ratio", "material.surface_energy", "material.interface_energy"],
+        &[
+            "material.youngs_modulus",
+            "material.poissons_ratio",
+            "material.surface_energy",
+            "material.interface_energy",
+        ],
         &[],
     ),
     (&[], &["surface.heights", "surface.radii", "surface.count"], &[]),
@@ -457,7 +489,11 @@ const VARIANTS: &[Variant] = &[
     (OF_SPECTRUM, &["surface.asperities.path", "surface.asperities.sample"], &[]),
     (&["model.law"], &["model.critical_approach"], &[("model.law", "\"fit:paper\"")]),
     (&["separation.h_star"], &["separation.h.from", "separation.h.to", "separation.h.count"], &[]),
-    (&["separation.h_star"], &["separation.h_star.from", "separation.h_star.to", "separation.h_star.count"], &[]),
+    (
+        &["separation.h_star"],
+        &["separation.h_star.from", "separation.h_star.to", "separation.h_star.count"],
+        &[],
+    ),
     (
         &["ensemble.replicas"],
         &["ensemble.target.quantity", "ensemble.target.relative_standard_error", "ensemble.target.estimate"],
@@ -466,7 +502,12 @@ const VARIANTS: &[Variant] = &[
     (&["ensemble.replicas"], &["ensemble.target.quantity", "ensemble.target.standard_error"], &[]),
     (
         &["model.path"],
-        &["model.unloaded_radius", "instability.stiffness", "instability.preload", "instability.smallest_snap"],
+        &[
+            "model.unloaded_radius",
+            "instability.stiffness",
+            "instability.preload",
+            "instability.smallest_snap",
+        ],
         &[("model.path", "\"loop\"")],
     ),
     (&[], &["sweep"], &[]),
@@ -483,7 +524,8 @@ fn example(key: &str) -> &'static str {
 
 /// The scene of a variant.
 fn scene_of((without, with, given): &Variant) -> String {
-    let plain = PLAIN.iter().filter(|key| !without.contains(key) && !given.iter().any(|(name, _)| name == *key));
+    let plain =
+        PLAIN.iter().filter(|key| !without.contains(key) && !given.iter().any(|(name, _)| name == *key));
     let examples = plain.chain(with.iter()).map(|key| (*key, example(key)));
     let values: Vec<(String, &str)> = examples
         .chain(given.iter().copied())
@@ -509,14 +551,15 @@ fn files() -> tempfile::TempDir {
     folder
 }
 
-/// Every key has an example that does in a scene; where it says "is missing" or "such as", that is the example. Those of the keys that
-/// every scene has are a scene of sensible size.
+/// Every key has an example that does in a scene; where it says "is missing" or "such as", that is the
+/// example. Those of the keys that every scene has are a scene of sensible size.
 #[test]
 fn examples_of_all_keys_are_scenes() {
     let folder = files();
     let path = folder.path().join("scene.toml");
-    let read =
-        |text: &str| Document::parse(text, Arc::new(Beside::scene(&path))).unwrap_or_else(|e| panic!("{e}\n{text}"));
+    let read = |text: &str| {
+        Document::parse(text, Arc::new(SceneFiles::scene(&path))).unwrap_or_else(|e| panic!("{e}\n{text}"))
+    };
     let mut used: BTreeSet<&str> = PLAIN.into_iter().collect();
     for variant in VARIANTS {
         used.extend(variant.1);
@@ -538,7 +581,8 @@ fn examples_of_all_keys_are_scenes() {
         used.insert(list);
     }
     // Tables, and the ends of a sweep, which are examples of the key that is swept.
-    let tables = ["material", "surface", "model", "separation", "ensemble", "instability", "solver", "output"];
+    let tables =
+        ["material", "surface", "model", "separation", "ensemble", "instability", "solver", "output"];
     let unused: Vec<&str> = KEYS.iter().map(|key| key.name).filter(|name| !used.contains(name)).collect();
     let unused: Vec<&str> = unused.into_iter().filter(|name| !tables.contains(name)).collect();
     let elements = ["material.youngs_modulus[]", "material.poissons_ratio[]", "material.surface_energy[]"];
@@ -563,21 +607,23 @@ fn a_missing_scene_is_named() {
 /// Whether the quick scene with something replaced is a scene.
 fn is_scene(from: &str, to: &str) -> bool {
     assert!(QUICK.contains(from), "{from}");
-    Document::parse(&QUICK.replace(from, to), Arc::new(Beside::scene(Path::new("scene.toml")))).is_ok()
+    Document::parse(&QUICK.replace(from, to), Arc::new(SceneFiles::scene(Path::new("scene.toml")))).is_ok()
 }
 
 /// Limits belong to what is allowed; the next number beyond does not.
 #[test]
 fn limits_are_within() {
     let separations = "h_star = { from = -1.0, to = 8.0, count = 91 }";
-    let list = |count: u32| (0..count).map(|i| format!("{}.0", f64::from(i) / 1e3)).collect::<Vec<_>>().join(", ");
+    let list =
+        |count: u32| (0..count).map(|i| format!("{}.0", f64::from(i) / 1e3)).collect::<Vec<_>>().join(", ");
     let list = |count: u32| format!("h_star = [{}]", list(count).replace(".0,", ",").trim_end_matches(".0"));
     assert!(is_scene(separations, &list(10_000)) && !is_scene(separations, &list(10_001)));
     let even = |count: u32| format!("h_star = {{ from = -1.0, to = 8.0, count = {count} }}");
     assert!([2, 10_000].into_iter().all(|count| is_scene(separations, &even(count))));
     assert!([1, 10_001].into_iter().all(|count| !is_scene(separations, &even(count))));
-    let span =
-        |span: f64| is_scene(separations, &format!("h = [\"0 m\", \"8e-9 m\"]\nstiffness_span = \"{span:e} m\""));
+    let span = |span: f64| {
+        is_scene(separations, &format!("h = [\"0 m\", \"8e-9 m\"]\nstiffness_span = \"{span:e} m\""))
+    };
     assert!(span(8e-9) && !span(8e-9_f64.next_up()));
     let far = |h: &str| is_scene(separations, &format!("h = [\"0 m\", \"{h} m\"]"));
     assert!(!far("1e155") && !far("1e200"));
@@ -595,11 +641,16 @@ fn limits_are_within() {
         let text = others.iter().fold(QUICK.to_owned(), |text, other| text.replace(other, ""));
         let spectrum =
             format!("[surface]\nspectrum = {{ m0 = \"2.373e-18 m^2\", m2 = {m2}, m4 = \"1.4584e10 /m^2\" }}");
-        Document::parse(&text.replace("[surface]", &spectrum), Arc::new(Beside::scene(Path::new("scene.toml"))))
-            .map_err(|error| error.to_string())
+        Document::parse(
+            &text.replace("[surface]", &spectrum),
+            Arc::new(SceneFiles::scene(Path::new("scene.toml"))),
+        )
+        .map_err(|error| error.to_string())
     };
     assert!(slope("6.2595e-5").is_ok());
-    assert!(["0.0", "-6.2595e-5"].into_iter().all(|m2| slope(m2).is_err_and(|e| e.contains("greater than 0"))));
+    assert!(
+        ["0.0", "-6.2595e-5"].into_iter().all(|m2| slope(m2).is_err_and(|e| e.contains("greater than 0")))
+    );
     let law = |key: &str, law: &str, parameter: &str, value: f64| {
         let entry = format!("[surface]\n{key} = {{ law = \"{law}\", {parameter} = {value:?} }}");
         is_scene("[surface]", &entry)
@@ -616,8 +667,8 @@ fn limits_are_within() {
     }
 }
 
-/// Replicas that depend on each other are for surfaces of one radius with Gaussian heights and a fixed number of asperities; all others are
-/// refused them, and nothing else.
+/// Replicas that depend on each other are for surfaces of one radius with Gaussian heights and a fixed number
+/// of asperities; all others are refused them, and nothing else.
 #[test]
 fn schemes_are_for_plain_surfaces() {
     for (surface, is_plain) in [
@@ -632,7 +683,7 @@ fn schemes_are_for_plain_surfaces() {
         for (sampling, is_for_all) in [("independent", true), ("antithetic", false), ("stratified", false)] {
             let text = QUICK.replace("[surface]", &format!("[surface]\n{surface}"));
             let text = text.replace("seed = 1", &format!("seed = 1\nsampling = \"{sampling}\""));
-            let read = Document::parse(&text, Arc::new(Beside::scene(Path::new("scene.toml"))));
+            let read = Document::parse(&text, Arc::new(SceneFiles::scene(Path::new("scene.toml"))));
             assert_eq!(read.is_ok(), is_plain || is_for_all, "{surface} {sampling}");
             let problem = read.err().map(|error| error.to_string()).unwrap_or_default();
             assert!(problem.is_empty() || problem.contains("is for surfaces of one radius"), "{problem}");

@@ -16,24 +16,30 @@ fn a_run_leaves_one_file_and_a_summary() {
     assert_eq!(folder.files(), ["scene.h5", "scene.toml"]);
     assert_eq!(told(&run), "", "no progress where standard error is no terminal");
     let summary = text(&run.stdout);
-    for part in ["lambda", "psi", "skipped", "pull-off", "standard error", "patch to patch", "of the mean curve"] {
+    for part in
+        ["lambda", "psi", "skipped", "pull-off", "standard error", "patch to patch", "of the mean curve"]
+    {
         assert!(summary.contains(part), "{part}: {summary}");
     }
-    for part in ["of the integral", "stiffest point", "at pull-off", "cross-check", "nominal area", "scene.h5"] {
+    for part in
+        ["of the integral", "stiffest point", "at pull-off", "cross-check", "nominal area", "scene.h5"]
+    {
         assert!(summary.contains(part), "{part}: {summary}");
     }
     let info = folder.stiction(&["info", "scene.h5"]);
     assert_exit(&info, 0);
     assert!(
-        text(&info.stdout).contains("format_version") && text(&info.stdout).contains("/ensemble/external_force_mean")
+        text(&info.stdout).contains("format_version")
+            && text(&info.stdout).contains("/ensemble/external_force_mean")
     );
     let validate = folder.stiction(&["validate", "scene.h5"]);
     assert_exit(&validate, 0);
     assert!(text(&validate.stdout).contains("agree"));
 }
 
-/// Five separations say of the integral's pull-off and stiffest point what ninety-one do, and tell the shares at pull-off, not those at the
-/// separation next to it: the same as a polynomial through what the fine ones have around it.
+/// Five separations say of the integral's pull-off and stiffest point what ninety-one do, and tell the shares
+/// at pull-off, not those at the separation next to it: the same as a polynomial through what the fine ones
+/// have around it.
 #[test]
 fn coarse_separations_tell_the_same_of_the_integral() {
     let results = [5, 91].map(|count| {
@@ -41,17 +47,25 @@ fn coarse_separations_tell_the_same_of_the_integral() {
         let run = folder.stiction(&["run", "scene.toml", "--replicas", "20"]);
         assert_exit(&run, 0);
         let summary = text(&run.stdout);
-        assert_eq!(summary.contains("the curves miss 54 % of the pull-off at h* = 2.815"), count == 5, "{summary}");
-        let told = summary.split("\n  at pull-off").nth(1).and_then(|rest| rest.split("\n  cross-check").next());
+        assert_eq!(
+            summary.contains("the curves miss 54 % of the pull-off at h* = 2.815"),
+            count == 5,
+            "{summary}"
+        );
+        let told =
+            summary.split("\n  at pull-off").nth(1).and_then(|rest| rest.split("\n  cross-check").next());
         let file = unlocked::open(folder.path("scene.h5"));
         let model = file.group("statistical").unwrap();
         let names = ["pull_off_force", "pull_off_separation", "peak_stiffness", "peak_stiffness_separation"];
-        let read: Vec<f64> = names.iter().map(|name| model.attr(name).unwrap().read_scalar().unwrap()).collect();
+        let read: Vec<f64> =
+            names.iter().map(|name| model.attr(name).unwrap().read_scalar().unwrap()).collect();
         let values = |name: &str| file.dataset(name).unwrap().read_raw::<f64>().unwrap();
         let shares = ["pull_off_regime_count", "pull_off_regime_adhesion_force", "pull_off_contact_area"];
-        let shares: Vec<f64> = shares.iter().flat_map(|name| values(&format!("/statistical/{name}"))).collect();
+        let shares: Vec<f64> =
+            shares.iter().flat_map(|name| values(&format!("/statistical/{name}"))).collect();
         let curves = ["regime_count", "regime_adhesion_force", "contact_area"];
-        let curves: Vec<f64> = curves.iter().flat_map(|name| values(&format!("/statistical/{name}"))).collect();
+        let curves: Vec<f64> =
+            curves.iter().flat_map(|name| values(&format!("/statistical/{name}"))).collect();
         (told.unwrap().to_owned(), read, shares, values("/separation"), curves)
     });
     let [(told, read, shares, ..), (of_fine, read_of_fine, shares_of_fine, separations, curves)] = results;
@@ -75,7 +89,8 @@ fn check_computes_nothing_and_says_what_would_be() {
     let folder = Folder::new("");
     let configs = Path::new(env!("CARGO_MANIFEST_DIR")).join("configs");
     let folders = [configs.clone(), configs.join("paper")];
-    let files = folders.iter().flat_map(|folder| std::fs::read_dir(folder).unwrap()).map(|file| file.unwrap().path());
+    let files =
+        folders.iter().flat_map(|folder| std::fs::read_dir(folder).unwrap()).map(|file| file.unwrap().path());
     for path in files.filter(|path| path.is_file()) {
         let check = folder.stiction(&["check", path.to_str().unwrap()]);
         assert_exit(&check, 0);
@@ -195,7 +210,11 @@ fn one_asperity_is_printed_as_csv() {
     assert_eq!(fields[2], "contact");
     // 50-digit value.
     assert!((fields[3].parse::<f64>().unwrap() / 3.0650413658748398 - 1.0).abs() < 1e-14);
-    assert!(fields[3].starts_with("3.065041365874839") || fields[3].starts_with("3.065041365874840"), "{}", fields[3]);
+    assert!(
+        fields[3].starts_with("3.065041365874839") || fields[3].starts_with("3.065041365874840"),
+        "{}",
+        fields[3]
+    );
 
     // A table among other columns, both histories.
     let table = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/single_asperity.csv");
@@ -206,7 +225,8 @@ fn one_asperity_is_printed_as_csv() {
     }
 }
 
-/// What a solve took beside what it found, which stays as it is: with starting tables one evaluation, without them a bracketed search.
+/// What a solve took beside what it found, which stays as it is: with starting tables one evaluation, without
+/// them a bracketed search.
 #[test]
 fn what_a_solve_took_is_printed_when_asked_for() {
     let folder = Folder::new("");
@@ -223,13 +243,17 @@ fn what_a_solve_took_is_printed_when_asked_for() {
                 assert_eq!((values, took), (plain, ",iterations,safeguarded"));
                 continue;
             }
-            let number = |text: &str, column: usize| text.split(',').nth(column).unwrap().parse::<f64>().unwrap();
+            let number =
+                |text: &str, column: usize| text.split(',').nth(column).unwrap().parse::<f64>().unwrap();
             assert!((number(values, 3) / number(plain, 3) - 1.0).abs() < 1e-14, "{values} {plain}");
             let [iterations, bracketed] = [1, 2].map(|column| took.split(',').nth(column).unwrap());
             assert_eq!(bracketed, safeguarded[i - 1], "{line}");
             let iterations: u32 = iterations.parse().unwrap();
             // Three units before contact a series may take the place of the solve.
-            assert!(if bracketed == "1" { (3..=70).contains(&iterations) } else { iterations <= 1 }, "{line}");
+            assert!(
+                if bracketed == "1" { (3..=70).contains(&iterations) } else { iterations <= 1 },
+                "{line}"
+            );
         }
         assert_eq!(solved.lines().count(), 4);
     }
@@ -251,7 +275,10 @@ fn bad_arguments_of_asperity_are_named() {
             &["--law", "ke", "--lambda", "1", "--delta", "0", "--critical-interference", "0"],
             "a positive number is needed",
         ),
-        (&["--law", "ke", "--lambda", "1", "--delta", "200", "--critical-interference", "1"], "give --poisson-ratio"),
+        (
+            &["--law", "ke", "--lambda", "1", "--delta", "200", "--critical-interference", "1"],
+            "give --poisson-ratio",
+        ),
         (
             &["--law", "emd", "--lambda", "1", "--delta", "0", "--lubricant-thickness=-1"],
             "0 or a positive number is needed",
@@ -273,22 +300,28 @@ fn sampled(scheme: &str) -> String {
     small().replace("[ensemble]", &format!("[ensemble]\nsampling = \"{scheme}\""))
 }
 
-/// Every scheme through the whole program: the file says it, its cross-check is computed anew from the file, and bits do not depend on
-/// threads.
+/// Every scheme through the whole program: the file says it, its cross-check is computed anew from the file,
+/// and bits do not depend on threads.
 #[test]
 fn sampling_schemes_are_honoured() {
     for scheme in ["independent", "antithetic", "stratified"] {
         let folder = Folder::new(&sampled(scheme));
         assert!(text(&folder.stiction(&["check", "scene.toml"]).stdout).contains(&format!("  {scheme}: ")));
-        let run = folder.stiction(&["run", "scene.toml", "--replicas", "160", "--threads", "1", "-o", "1.h5"]);
+        let run =
+            folder.stiction(&["run", "scene.toml", "--replicas", "160", "--threads", "1", "-o", "1.h5"]);
         assert_exit(&run, 0);
         let summary = text(&run.stdout);
         assert!(summary.contains("with the integral as control variate, variance reduced"), "{summary}");
-        let p = |text: &str| text.split("p = ").nth(1).map(|rest| rest.split('\n').next().unwrap().to_owned());
+        let p =
+            |text: &str| text.split("p = ").nth(1).map(|rest| rest.split('\n').next().unwrap().to_owned());
         assert!(p(&summary).is_some(), "{summary}");
-        let largest =
-            |text: &str| text.split("largest |z|").nth(1).map(|rest| rest.split(';').next().unwrap().to_owned());
-        assert_exit(&folder.stiction(&["run", "scene.toml", "--replicas", "160", "--threads", "3", "-o", "3.h5"]), 0);
+        let largest = |text: &str| {
+            text.split("largest |z|").nth(1).map(|rest| rest.split(';').next().unwrap().to_owned())
+        };
+        assert_exit(
+            &folder.stiction(&["run", "scene.toml", "--replicas", "160", "--threads", "3", "-o", "3.h5"]),
+            0,
+        );
         assert_eq!(bits(&folder.path("1.h5")), bits(&folder.path("3.h5")));
         let validate = folder.stiction(&["validate", "1.h5"]);
         assert_exit(&validate, 0);
@@ -300,7 +333,8 @@ fn sampling_schemes_are_honoured() {
     }
 }
 
-/// One group has a mean and a scatter, but no standard error; the joint test takes its scatter from the law and is told all the same.
+/// One group has a mean and a scatter, but no standard error; the joint test takes its scatter from the law
+/// and is told all the same.
 #[test]
 fn one_group_has_no_standard_error() {
     let folder = Folder::new(&sampled("stratified"));
@@ -308,7 +342,8 @@ fn one_group_has_no_standard_error() {
     assert_exit(&run, 0);
     let summary = text(&run.stdout);
     assert!(
-        summary.contains("one group of replicas: no standard error") && summary.contains("ensemble and integral agree"),
+        summary.contains("one group of replicas: no standard error")
+            && summary.contains("ensemble and integral agree"),
         "{summary}"
     );
     assert!(!summary.contains("NaN") && !summary.contains("control variate"), "{summary}");
@@ -328,7 +363,8 @@ fn an_older_result_is_refused() {
         let refused = folder.stiction(&[command, "scene.h5"]);
         assert_exit(&refused, 2);
         let error = text(&refused.stderr);
-        let message = "has format version 1.4; this program reads 2.x: compute it again, with the scene that it holds";
+        let message =
+            "has format version 1.4; this program reads 2.x: compute it again, with the scene that it holds";
         assert!(error.contains(message), "{error}");
     }
 }
@@ -337,12 +373,16 @@ fn an_older_result_is_refused() {
 fn replicas_that_are_no_whole_groups_are_refused() {
     let folder = Folder::new(&sampled("stratified"));
     std::fs::write(folder.path("scene.h5"), "precious").unwrap();
-    for command in [&["run", "scene.toml", "--force"][..], &["compare", "scene.toml", "--laws", "emd", "--ensemble"]] {
+    for command in
+        [&["run", "scene.toml", "--force"][..], &["compare", "scene.toml", "--laws", "emd", "--ensemble"]]
+    {
         let refused = folder.stiction(&[command, &["--replicas", "20"]].concat());
         assert_exit(&refused, 2);
         let error = text(&refused.stderr);
         assert!(
-            error.contains("--replicas 20: sampling = \"stratified\" needs a multiple of 8 replicas, such as 16 or 24"),
+            error.contains(
+                "--replicas 20: sampling = \"stratified\" needs a multiple of 8 replicas, such as 16 or 24"
+            ),
             "{error}"
         );
     }
@@ -350,8 +390,9 @@ fn replicas_that_are_no_whole_groups_are_refused() {
     assert_eq!(folder.files(), ["scene.h5", "scene.toml"]);
 }
 
-/// A map whose unit is not that of the command or of its header is warned of, with the unit that would do; the size and unit of the header
-/// are not overridden in silence; and R is told by both its meanings, that of the run that follows too.
+/// A map whose unit is not that of the command or of its header is warned of, with the unit that would do;
+/// the size and unit of the header are not overridden in silence; and R is told by both its meanings, that of
+/// the run that follows too.
 #[test]
 fn maps_in_a_wrong_unit_are_warned_of() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
@@ -361,7 +402,10 @@ fn maps_in_a_wrong_unit_are_warned_of() {
         .lines()
         .map(|line| match line.strip_prefix('#') {
             Some(_) => format!("{line}\n"),
-            None => line.split('\t').map(|height| format!("{height}e-9")).collect::<Vec<String>>().join("\t") + "\n",
+            None => {
+                line.split('\t').map(|height| format!("{height}e-9")).collect::<Vec<String>>().join("\t")
+                    + "\n"
+            }
         })
         .collect();
     std::fs::write(folder.path("map.txt"), &map).unwrap();
@@ -380,7 +424,8 @@ fn maps_in_a_wrong_unit_are_warned_of() {
     for (arguments, parts) in [
         (
             &["metres.txt"][..],
-            &["slopes are 7.9e-12 on average, as on no surface", "with --height-unit m they would be 7.9e-3"][..],
+            &["slopes are 7.9e-12 on average, as on no surface", "with --height-unit m they would be 7.9e-3"]
+                [..],
         ),
         (
             &["map.txt", "--height-unit", "m"],
@@ -397,7 +442,8 @@ fn maps_in_a_wrong_unit_are_warned_of() {
     ] {
         let said = said(arguments);
         for part in parts {
-            let warning = said.lines().find(|line| line.contains(part)).unwrap_or_else(|| panic!("{part}\n{said}"));
+            let warning =
+                said.lines().find(|line| line.contains(part)).unwrap_or_else(|| panic!("{part}\n{said}"));
             assert!(warning.starts_with("  warning "), "{warning}");
         }
     }
@@ -454,7 +500,8 @@ fn a_pipe_is_read_if_somebody_writes_to_it() {
     }
     let (pipe, scene) = (folder.path("pipe.toml"), small());
     let writer = std::thread::spawn(move || std::fs::write(pipe, scene));
-    let output = (0..100).map(|_| folder.stiction(&["check", "pipe.toml"])).find(|output| output.status.success());
+    let output =
+        (0..100).map(|_| folder.stiction(&["check", "pipe.toml"])).find(|output| output.status.success());
     assert!(text(&output.unwrap().stdout).contains("case II"));
     writer.join().unwrap().unwrap();
 }
@@ -465,7 +512,8 @@ fn files_that_scenes_name_are_not_shown() {
     let folder = Folder::new("");
     std::fs::write(folder.path("private"), "root:x:0:0:secret\nhidden:1\n").unwrap();
     for column in ["\"height\"", "1", "3"] {
-        let heights = format!("heights = {{ law = \"file\", path = \"private\", column = {column}, unit = \"nm\" }}");
+        let heights =
+            format!("heights = {{ law = \"file\", path = \"private\", column = {column}, unit = \"nm\" }}");
         let scene = small().replace("[surface]", &format!("[surface]\n{heights}"));
         std::fs::write(folder.path("scene.toml"), scene).unwrap();
         let output = folder.stiction(&["check", "scene.toml"]);
@@ -505,7 +553,10 @@ fn there_is_a_sign_of_life_without_a_terminal() {
     let (mut told, mut quiet) = (begin(&["-o", "told.h5"]), begin(&["-o", "quiet.h5", "--quiet"]));
     let mut line = String::new();
     BufReader::new(told.stderr.take().unwrap()).read_line(&mut line).unwrap();
-    assert!(line.starts_with("stiction: ensemble: ") && line.contains(" of 100000000 replicas, 10 s so far"), "{line}");
+    assert!(
+        line.starts_with("stiction: ensemble: ") && line.contains(" of 100000000 replicas, 10 s so far"),
+        "{line}"
+    );
     for child in [&mut told, &mut quiet] {
         child.kill().unwrap();
         child.wait().unwrap();
@@ -515,7 +566,8 @@ fn there_is_a_sign_of_life_without_a_terminal() {
     assert_eq!(said, "");
 }
 
-/// A run by the library has the bits of the command's, with the curves of its replicas; it overwrites nothing, and ends when it is told to.
+/// A run by the library has the bits of the command's, with the curves of its replicas; it overwrites
+/// nothing, and ends when it is told to.
 #[test]
 fn a_run_from_rust_is_that_of_the_command() {
     let folder = Folder::new(&small().replace("curves = false", "curves = true"));
@@ -536,7 +588,10 @@ fn a_run_from_rust_is_that_of_the_command() {
 
 #[test]
 fn a_sweep_is_no_scene() {
-    let folder = Folder::new(&format!("{}\n[sweep]\nsurface.surface_height_std = [\"1.4 nm\", \"1.8 nm\"]\n", small()));
+    let folder = Folder::new(&format!(
+        "{}\n[sweep]\nsurface.surface_height_std = [\"1.4 nm\", \"1.8 nm\"]\n",
+        small()
+    ));
     let error = stiction::Scene::from_toml_file(folder.path("scene.toml")).unwrap_err().to_string();
     assert!(error.contains("scene.toml: has a table [sweep]"), "{error}");
     let error = stiction::Scene::from_toml_file(folder.path("none.toml")).unwrap_err().to_string();

@@ -5,7 +5,7 @@ mod common;
 use common::{case, law, respond};
 use std::sync::atomic::AtomicBool;
 use stiction::asperity::models::MODELS;
-use stiction::asperity::{Boundary, Law, Path, Piece, Quantity, Regime, Responses, Work};
+use stiction::asperity::{Boundary, Law, Path, Piece, Quantity, Regime, Responses, SolverStats};
 use stiction::engine::compressed::{Compression, Unfit, largest_error};
 use stiction::engine::stream::{Purpose, stream};
 use stiction::engine::{Curves, Ensemble, Job, Outcome, Protocol, Replica, Summation, Workspace, run};
@@ -76,7 +76,8 @@ impl Patch {
         heights
     }
 
-    /// Errors of the curves and of the pull-off of the first replicas, over the tolerance; infinite where counts differ.
+    /// Errors of the curves and of the pull-off of the first replicas, over the tolerance; infinite where
+    /// counts differ.
     fn errors(&self, compression: &Compression, direct: &[(Replica, Curves)]) -> [f64; 2] {
         let mut errors = [0.0_f64; 2];
         let compressed = self.summed(Some(compression), 0, direct.len() as u64);
@@ -101,14 +102,16 @@ impl Patch {
         worst
     }
 
-    /// Error of the pull-off force, relative to F_s + P at the separations next to it: that is what errors of sums are relative to.
+    /// Error of the pull-off force, relative to F_s + P at the separations next to it: that is what errors of
+    /// sums are relative to.
     fn pull_off_error(&self, mine: &Replica, truth: &Replica, direct: &Curves) -> f64 {
         assert_eq!(mine.asperity_count, truth.asperity_count);
         assert_eq!(mine.highest_asperity.to_bits(), truth.highest_asperity.to_bits());
         assert_eq!(mine.pull_off_at_edge, truth.pull_off_at_edge);
         let after = self.separations.partition_point(|h| *h < truth.pull_off_separation);
         let near = after.saturating_sub(1)..(after + 1).min(self.separations.len());
-        let [adhesion, contact] = [Quantity::AdhesionForce, Quantity::ContactForce].map(|q| &direct.total[q.index()]);
+        let [adhesion, contact] =
+            [Quantity::AdhesionForce, Quantity::ContactForce].map(|q| &direct.total[q.index()]);
         let scale = near.map(|k| adhesion[k] + contact[k]).fold(f64::MIN_POSITIVE, f64::max);
         (mine.pull_off_force - truth.pull_off_force).abs() / scale
     }
@@ -116,16 +119,19 @@ impl Patch {
 
 const TOLERANCES: [f64; 3] = [1e-6, 1e-9, 1e-12];
 
-/// Pull-offs are off by no more than this many tolerances of F_s + P next to them: they are one sum, whose places are bounded like those of
-/// the curves, and the place is the same, or one whose expected force is the same to as much.
+/// Pull-offs are off by no more than this many tolerances of F_s + P next to them: they are one sum, whose
+/// places are bounded like those of the curves, and the place is the same, or one whose expected force is the
+/// same to as much.
 const PULL_OFF: f64 = 2.0;
 
-/// Every law in every case, wet and dry, on both ways: curves of five replicas and what is kept of them, none refused.
+/// Every law in every case, wet and dry, on both ways: curves of five replicas and what is kept of them, none
+/// refused.
 #[test]
 fn every_law_is_met_to_the_tolerance() {
     let mut worst = [0.0_f64; 2];
     for name in ["I", "II", "III"] {
-        for (path, thickness) in [(Path::Approach, 0.5e-9), (Path::Approach, 0.0), (Path::Retraction, 0.5e-9)] {
+        for (path, thickness) in [(Path::Approach, 0.5e-9), (Path::Approach, 0.0), (Path::Retraction, 0.5e-9)]
+        {
             // `gw` is `hertz`, and the fits are of few asperities.
             let laws = MODELS.iter().filter(|model| !model.is_fit() && model.name != "hertz");
             for law in laws.map(|model| model.name) {
@@ -140,8 +146,9 @@ fn every_law_is_met_to_the_tolerance() {
     println!("worst: {worst:?} tolerances");
 }
 
-/// Steps from a hundredth of the spacing that a curve needs to some that jump over all that the law does; two separations only. The step
-/// does not matter for what is right, only for what is worth it; every one of these is.
+/// Steps from a hundredth of the spacing that a curve needs to some that jump over all that the law does; two
+/// separations only. The step does not matter for what is right, only for what is worth it; every one of
+/// these is.
 #[test]
 fn every_step_is_met_to_the_tolerance() {
     let mut worst = [0.0_f64; 2];
@@ -150,7 +157,8 @@ fn every_step_is_met_to_the_tolerance() {
         for (step, count) in [(0.02, 400), (0.1, 2), (0.5, 19), (1.0, 10), (2.0, 5), (5.0, 3), (20.0, 2)] {
             patch.separations = grid(&patch.surface, 1.0, step, count);
             let direct = patch.summed(None, 0, 3);
-            let errors = patch.meets_every_tolerance(&direct, &format!("{law}, {count} separations {step} apart"));
+            let errors =
+                patch.meets_every_tolerance(&direct, &format!("{law}, {count} separations {step} apart"));
             worst = [0, 1].map(|i| worst[i].max(errors[i]));
         }
     }
@@ -168,12 +176,13 @@ fn tracts_are_met_to_the_tolerance() {
     let errors = patch.errors(&compression, &direct);
     assert!(errors[0] <= 1.0 && errors[1] <= PULL_OFF, "{errors:?}");
     // Between the separations it is deeper than at any.
-    let deepest = direct[0].1.total[Quantity::ExternalForce.index()].iter().copied().fold(f64::INFINITY, f64::min);
+    let deepest =
+        direct[0].1.total[Quantity::ExternalForce.index()].iter().copied().fold(f64::INFINITY, f64::min);
     assert!(direct[0].0.pull_off_force.abs() > 1.0001 * deepest.abs(), "{direct:?}");
 }
 
-/// From one asperity, whose curve is nothing but kinks and jumps, to many: also where the pull-off is. (One asperity in its lubricant pulls
-/// alike over an interval; there is no place.)
+/// From one asperity, whose curve is nothing but kinks and jumps, to many: also where the pull-off is. (One
+/// asperity in its lubricant pulls alike over an interval; there is no place.)
 #[test]
 fn any_number_of_asperities_will_do() {
     let mut worst = [0.0_f64; 2];
@@ -184,20 +193,26 @@ fn any_number_of_asperities_will_do() {
         for tolerance in TOLERANCES {
             let compression = patch.compression(tolerance).unwrap();
             let errors = patch.errors(&compression, &direct);
-            assert!(errors[0] <= 1.0 && errors[1] <= PULL_OFF, "{count} asperities to {tolerance:e}: {errors:?}");
+            assert!(
+                errors[0] <= 1.0 && errors[1] <= PULL_OFF,
+                "{count} asperities to {tolerance:e}: {errors:?}"
+            );
             worst = [0, 1].map(|i| worst[i].max(errors[i]));
             for ((mine, _), (truth, _)) in patch.summed(Some(&compression), 0, replicas).iter().zip(&direct) {
                 let off = (mine.pull_off_separation - truth.pull_off_separation).abs();
-                assert!(count <= 2 || off <= 1e-6 * patch.surface.surface_height_std, "{count}: {mine:?} {truth:?}");
+                assert!(
+                    count <= 2 || off <= 1e-6 * patch.surface.surface_height_std,
+                    "{count}: {mine:?} {truth:?}"
+                );
             }
         }
     }
     println!("worst: {worst:?} tolerances");
 }
 
-/// Sums of asperities that the law is asked for one after the other, by regime, and beside each what an error is relative to: the sum of
-/// the largest F_s + P, or area, that each asperity has here and one step to both sides. The module says that of each asperity; no
-/// curve of the engine enters. Rounding may take 1e-13 more.
+/// Sums of asperities that the law is asked for one after the other, by regime, and beside each what an error
+/// is relative to: the sum of the largest F_s + P, or area, that each asperity has here and one step to both
+/// sides. The module says that of each asperity; no curve of the engine enters. Rounding may take 1e-13 more.
 #[test]
 fn every_regime_is_met_asperity_by_asperity() {
     let mut worst = 0.0_f64;
@@ -218,8 +233,10 @@ fn every_regime_is_met_asperity_by_asperity() {
                     let at = |delta: f64| respond(patch.law.as_ref(), delta);
                     let Some((regime, values)) = at(u - d) else { continue };
                     let mut scales = [0.0_f64; 2];
-                    for [adhesion, contact, area] in
-                        [-1.0, 0.0, 1.0].into_iter().filter_map(|side| at(u - d + side * step)).map(|found| found.1)
+                    for [adhesion, contact, area] in [-1.0, 0.0, 1.0]
+                        .into_iter()
+                        .filter_map(|side| at(u - d + side * step))
+                        .map(|found| found.1)
                     {
                         scales = [scales[0].max(adhesion + contact), scales[1].max(area)];
                     }
@@ -229,7 +246,10 @@ fn every_regime_is_met_asperity_by_asperity() {
                 }
                 let mut check = |value: f64, truth: f64, scale: f64| {
                     let allowed = (tolerance + 1e-13) * scale;
-                    assert!((value - truth).abs() <= allowed, "{law} {name} {tolerance:e} at {k}: {value:e} {truth:e}");
+                    assert!(
+                        (value - truth).abs() <= allowed,
+                        "{law} {name} {tolerance:e} at {k}: {value:e} {truth:e}"
+                    );
                     worst = worst.max((value - truth).abs() / allowed.max(f64::MIN_POSITIVE));
                 };
                 for (regime, [adhesion, contact, _, scale, _]) in sums.iter().enumerate() {
@@ -270,12 +290,13 @@ fn ensemble(job: &Job<'_>, threads: usize) -> (Ensemble, Vec<u64>) {
         Ok(())
     });
     match outcome {
-        Ok(Outcome::Complete(forest)) => (forest.into_ensemble(job), curves),
+        Ok(Outcome::Complete(reduction_tree)) => (reduction_tree.into_ensemble(job), curves),
         _ => panic!("the run did not complete"),
     }
 }
 
-/// 21 replicas, two batches and part of a third, on one to three threads; and their moments are those of direct sums.
+/// 21 replicas, two batches and part of a third, on one to three threads; and their moments are those of
+/// direct sums.
 #[test]
 fn bits_do_not_depend_on_threads() {
     let patch = Patch::case("II", "hybrid").with_asperities(700);
@@ -287,9 +308,9 @@ fn bits_do_not_depend_on_threads() {
     for threads in [2, 3] {
         assert!(ensemble(&job(Some(&compression)), threads) == expected, "{threads} threads");
     }
-    assert_eq!(expected.0.work.compressed, 21 * patch.separations.len() as u64);
+    assert_eq!(expected.0.stats.compressed, 21 * patch.separations.len() as u64);
     let (direct, _) = ensemble(&job(None), 2);
-    assert_eq!(direct.work.compressed, 0);
+    assert_eq!(direct.stats.compressed, 0);
     assert_eq!(direct.regime_count, expected.0.regime_count);
     let scale = |k: usize| {
         let force = |quantity: Quantity| direct.curves[quantity.index()].mean()[k];
@@ -302,8 +323,8 @@ fn bits_do_not_depend_on_threads() {
     }
 }
 
-/// Bins for heights of a third of the deviation that they are drawn with: some surfaces of a batch are beyond them, and are summed
-/// directly, to the bits of a direct sum; the others are compressed all the same.
+/// Bins for heights of a third of the deviation that they are drawn with: some surfaces of a batch are beyond
+/// them, and are summed directly, to the bits of a direct sum; the others are compressed all the same.
 #[test]
 fn a_surface_beyond_the_bins_is_summed_directly() {
     /// The first of a batch in which no height is close to the reach.
@@ -317,7 +338,11 @@ fn a_surface_beyond_the_bins_is_summed_directly() {
     let beyond = |index: u64| patch.heights(index).iter().any(|u| u.abs() > reach + step);
     let within = |index: u64| patch.heights(index).iter().all(|u| u.abs() < reach);
     let batch = FIRST..FIRST + 8;
-    assert!(batch.clone().any(beyond) && batch.clone().any(within) && batch.clone().all(|i| beyond(i) || within(i)));
+    assert!(
+        batch.clone().any(beyond)
+            && batch.clone().any(within)
+            && batch.clone().all(|i| beyond(i) || within(i))
+    );
     let compressed = patch.summed(Some(&compression), FIRST, 8);
     let direct = patch.summed(None, FIRST, 8);
     for (index, (mine, truth)) in batch.clone().zip(compressed.iter().zip(&direct)) {
@@ -332,7 +357,7 @@ fn a_surface_beyond_the_bins_is_summed_directly() {
     let mut workspace = Workspace::new(&job);
     workspace.replicas(&job, batch.clone(), |_, _| ());
     let binned = batch.filter(|index| within(*index)).count();
-    assert_eq!(workspace.take_work().compressed, (binned * patch.separations.len()) as u64);
+    assert_eq!(workspace.take_stats().compressed, (binned * patch.separations.len()) as u64);
 }
 
 /// What is refused, and why; nothing else is.
@@ -351,8 +376,8 @@ fn what_does_not_fit_is_refused() {
     patch.separations = (0..3).map(|i| 1e-9 + step * f64::from(i)).collect();
     let Err(Unfit::TooFine(share)) = patch.compression(1e-9) else { panic!("not refused") };
     assert!((share / 1.9e-4 - 1.0).abs() < 1e-9, "{share}");
-    // Two separations so far apart that no polynomial meets a regime of all asperities: one in deep contact, the other
-    // before any.
+    // Two separations so far apart that no polynomial meets a regime of all asperities: one in deep contact,
+    // the other before any.
     let mut patch = Patch::case("II", "ke");
     let sigma = patch.surface.heights.std;
     patch.separations = vec![-5.0 * sigma, 5.0 * sigma];
@@ -364,29 +389,42 @@ fn what_does_not_fit_is_refused() {
     }
 }
 
-/// The trial before a run finds the error that replicas have, and refuses what is not met: here by a law that the polynomials are
-/// not of.
+/// The trial before a run finds the error that replicas have, and refuses what is not met: here by a law that
+/// the polynomials are not of.
 #[test]
 fn a_trial_tells_the_error_and_refuses() {
     let patch = Patch::case("II", "hybrid").with_asperities(2000);
-    // Up to where the mean force of all crosses 0, that is where adhesion and load cancel, errors are largest of the pull-off.
+    // Up to where the mean force of all crosses 0, that is where adhesion and load cancel, errors are largest
+    // of the pull-off.
     let mut cut = Patch::case("II", "hybrid").with_asperities(2000);
     cut.separations.truncate(34);
     for (patch, of_pull_off) in [(&patch, false), (&cut, true)] {
         for tolerance in TOLERANCES {
             let tried = Summation::compressed(&patch.job(None), tolerance);
             if !of_pull_off {
-                assert_eq!((tried.name(), tried.tolerance, tried.refusal), ("compressed", Some(tolerance), None));
-                assert!(tried.achieved_error > 0.0 && tried.achieved_error <= tolerance, "{}", tried.achieved_error);
+                assert_eq!(
+                    (tried.name(), tried.tolerance, tried.refusal),
+                    ("compressed", Some(tolerance), None)
+                );
+                assert!(
+                    tried.achieved_error > 0.0 && tried.achieved_error <= tolerance,
+                    "{}",
+                    tried.achieved_error
+                );
                 assert_eq!(tried.sum_error(), tried.achieved_error);
             }
             // It is the largest of replicas 0, 2, 4 and 6 of 11, of their curves and of their pull-offs.
             let compression = patch.compression(tolerance).unwrap();
             let errors = [0, 2, 4, 6].map(|index| {
-                let [mine, truth] = [Some(&compression), None].map(|sums| patch.summed(sums, index, 1).remove(0));
-                let largest = truth.1.total[Quantity::AdhesionForce.index()].iter().copied().fold(0.0, f64::max);
+                let [mine, truth] =
+                    [Some(&compression), None].map(|sums| patch.summed(sums, index, 1).remove(0));
+                let largest =
+                    truth.1.total[Quantity::AdhesionForce.index()].iter().copied().fold(0.0, f64::max);
                 let [force, of_truth] = [&mine, &truth].map(|(replica, _)| replica.pull_off_force);
-                [largest_error(&mine.1, &truth.1), (force - of_truth).abs() / of_truth.abs().max(1e-3 * largest)]
+                [
+                    largest_error(&mine.1, &truth.1),
+                    (force - of_truth).abs() / of_truth.abs().max(1e-3 * largest),
+                ]
             });
             let [curves, pull_offs] = [0, 1].map(|i| errors.iter().map(|of| of[i]).fold(0.0, f64::max));
             println!("{tolerance:e}: {curves:e} {pull_offs:e}");
@@ -424,8 +462,8 @@ impl Law for Noisy {
         self.0.cost(regime)
     }
 
-    fn evaluate(&self, regime: usize, interference: &[f64], out: &mut Responses, work: &mut Work) {
-        self.0.evaluate(regime, interference, out, work);
+    fn evaluate(&self, regime: usize, interference: &[f64], out: &mut Responses, stats: &mut SolverStats) {
+        self.0.evaluate(regime, interference, out, stats);
         if interference.len() > 64 {
             out.adhesion[..interference.len()].iter_mut().for_each(|force| *force *= 1.0 + 1e-5);
         }

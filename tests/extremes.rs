@@ -1,5 +1,5 @@
-//! Scenes at the ends of what numbers can be: what is computed is finite, and what cannot be computed is refused with the key that
-//! says why.
+//! Scenes at the ends of what numbers can be: what is computed is finite, and what cannot be computed is
+//! refused with the key that says why.
 
 mod common;
 
@@ -7,15 +7,15 @@ use common::respond;
 use stiction::asperity::models::{MODELS, Model, PUBLISHED_FITS};
 use stiction::asperity::{Law, Path, Quantity};
 use stiction::engine::{Job, Protocol, SCALARS, Workspace};
+use stiction::integral::Expectations;
 use stiction::scene::{Scene, SceneError};
-use stiction::statistical::Statistical;
 
 /// What a scene gives, SI.
 #[derive(Clone, Copy, Debug)]
 struct Inputs {
     modulus: f64,
     hardness: f64,
-    work: f64,
+    stats: f64,
     spacing: f64,
     radius: f64,
     density: f64,
@@ -31,7 +31,7 @@ struct Inputs {
 const ORDINARY: Inputs = Inputs {
     modulus: 85.29e9,
     hardness: 2.5e9,
-    work: 0.09,
+    stats: 0.09,
     spacing: 0.2e-9,
     radius: 3.33e-6,
     density: 7.39e12,
@@ -43,14 +43,14 @@ const ORDINARY: Inputs = Inputs {
 };
 
 impl Inputs {
-    /// All lengths 2^`length` and all forces 2^`force` times as large: the same problem in other units, with the same bits but for
-    /// the exponents.
+    /// All lengths 2^`length` and all forces 2^`force` times as large: the same problem in other units, with
+    /// the same bits but for the exponents.
     fn scaled(self, length: i32, force: i32) -> Self {
         let unit = |lengths: i32, forces: i32| f64::from(lengths * length + forces * force).exp2();
         Self {
             modulus: self.modulus * unit(-2, 1),
             hardness: self.hardness * unit(-2, 1),
-            work: self.work * unit(-1, 1),
+            stats: self.stats * unit(-1, 1),
             spacing: self.spacing * unit(1, 0),
             radius: self.radius * unit(1, 0),
             density: self.density * unit(-2, 0),
@@ -62,10 +62,11 @@ impl Inputs {
     }
 
     fn scene(&self) -> Result<Scene, SceneError> {
-        let Self { modulus, hardness, work, spacing, radius, density, std, area, thickness, path, h_star } = self;
+        let Self { modulus, hardness, stats, spacing, radius, density, std, area, thickness, path, h_star } =
+            self;
         Scene::parse(&format!(
             "format = 1\n[material]\nreduced_modulus = \"{modulus:e} Pa\"\nhardness = \"{hardness:e} Pa\"\npoisson_ratio = 0.27\n\
-             work_of_adhesion = \"{work:e} J/m^2\"\nequilibrium_spacing = \"{spacing:e} m\"\n\
+             work_of_adhesion = \"{stats:e} J/m^2\"\nequilibrium_spacing = \"{spacing:e} m\"\n\
              [surface]\nasperity_radius = \"{radius:e} m\"\nasperity_density = \"{density:e} /m^2\"\n\
              asperity_height_std = \"{std:e} m\"\nnominal_area = \"{area:e} m^2\"\nlubricant_thickness = \"{thickness:e} m\"\n\
              [model]\nlaw = \"hybrid\"\npath = \"{}\"\n[separation]\nh_star = {{ from = {:e}, to = {:e}, count = 8 }}\n\
@@ -77,19 +78,22 @@ impl Inputs {
     }
 }
 
-/// Interferences in and beyond the reach of a scene: evenly, by decades about 0 from the `least`, and at, beside and near every boundary.
+/// Interferences in and beyond the reach of a scene: evenly, by decades about 0 from the `least`, and at,
+/// beside and near every boundary.
 fn interferences(law: &dyn Law, (low, high): (f64, f64), least: i32) -> Vec<f64> {
     let size = high.abs().max(low.abs());
-    let boundaries = law.boundaries().iter().map(|boundary| boundary.interference).filter(|place| place.is_finite());
-    let beside = boundaries.flat_map(|place| [place, place.next_up(), place.next_down(), 1.001 * place, 0.999 * place]);
+    let boundaries =
+        law.boundaries().iter().map(|boundary| boundary.interference).filter(|place| place.is_finite());
+    let beside = boundaries
+        .flat_map(|place| [place, place.next_up(), place.next_down(), 1.001 * place, 0.999 * place]);
     let decades = (least..2).flat_map(|k| [1.0, -1.0].map(|sign| sign * size * 10f64.powi(k)));
     let evenly = (0..=200).map(|i| low + (high - low) * f64::from(i) / 200.0);
     let all = evenly.chain(decades).chain(beside);
     all.filter(|delta| *delta == 0.0 || delta.abs() >= size * 10f64.powi(least)).collect()
 }
 
-/// Everything that a scene makes of a law: one asperity, the integral, two replicas. Asserts that it is finite, and not negative where
-/// it cannot be.
+/// Everything that a scene makes of a law: one asperity, the integral, two replicas. Asserts that it is
+/// finite, and not negative where it cannot be.
 fn numbers(scene: &Scene, model: &Model, name: &str, least: i32) -> Option<[Vec<f64>; 3]> {
     let law = match scene.law_of(model) {
         Ok(law) => law,
@@ -111,7 +115,7 @@ fn numbers(scene: &Scene, model: &Model, name: &str, least: i32) -> Option<[Vec<
         assert!(values.iter().all(|value| value.is_finite()), "{name}, {}, {what}: {values:?}", model.name);
         values
     };
-    let model_of = Statistical::new(law, &scene.surface, &scene.separations);
+    let model_of = Expectations::new(law, &scene.surface, &scene.separations);
     let regimes = [&model_of.regime_adhesion_force, &model_of.regime_external_force];
     let all = [&model_of.expected[..], &model_of.std[..]].concat().concat();
     let integral = [all, regimes.map(|rows| rows.concat()).concat()].concat();
@@ -178,7 +182,8 @@ fn extremes_of_one_quantity_are_computed() {
     }
 }
 
-/// The same problem in units that differ by powers of two has the same bits, as far as those of SI numbers go.
+/// The same problem in units that differ by powers of two has the same bits, as far as those of SI numbers
+/// go.
 #[test]
 fn results_scale_exactly_with_the_units() {
     for (_, path) in Path::ALL {
@@ -202,7 +207,11 @@ fn results_scale_exactly_with_the_units() {
                 }
                 let curves = scene.separations.len();
                 let unit = |curve: usize| {
-                    if curve < 8 && curve % 4 == Quantity::ContactArea.index() { unit_area } else { unit_force }
+                    if curve < 8 && curve % 4 == Quantity::ContactArea.index() {
+                        unit_area
+                    } else {
+                        unit_force
+                    }
                 };
                 for (i, (mine, other)) in mine[2].iter().zip(&others[2]).enumerate() {
                     let scaled = mine * unit(i / curves);
@@ -213,7 +222,11 @@ fn results_scale_exactly_with_the_units() {
                     let largest = other.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
                     for (mine, other) in mine.iter().zip(other) {
                         let error = (mine * unit(k) - other).abs();
-                        assert!(error <= 1e-12 * largest, "{name}: {}, curve {k}: {mine:e} {other:e}", model.name);
+                        assert!(
+                            error <= 1e-12 * largest,
+                            "{name}: {}, curve {k}: {mine:e} {other:e}",
+                            model.name
+                        );
                     }
                 }
             }
@@ -231,9 +244,10 @@ fn a_surface_without_spread_is_one_asperity_many_times() {
             scene.separations = vec![h, h + 1e-9];
             for model in MODELS.iter().filter(|model| !model.name.starts_with("fit:")) {
                 let law = scene.law_of(model).unwrap();
-                let integral = Statistical::new(law.as_ref(), &scene.surface, &scene.separations);
+                let integral = Expectations::new(law.as_ref(), &scene.surface, &scene.separations);
                 let d = scene.surface.asperity_separation(h);
-                let [adhesion, contact, area] = respond(law.as_ref(), -d).map_or([0.0; 3], |(_, values)| values);
+                let [adhesion, contact, area] =
+                    respond(law.as_ref(), -d).map_or([0.0; 3], |(_, values)| values);
                 let n = scene.surface.asperity_count as f64;
                 for (quantity, value) in [
                     (Quantity::AdhesionForce, adhesion),
@@ -242,7 +256,8 @@ fn a_surface_without_spread_is_one_asperity_many_times() {
                 ] {
                     let found = integral.expected[quantity.index()][0];
                     let (expected, name) = (n * value, quantity.name());
-                    // Over a spread σ the law changes by less than 1e3 σ per Z₀; rounding is that of the heights.
+                    // Over a spread σ the law changes by less than 1e3 σ per Z₀; rounding is that of the
+                    // heights.
                     let allowed = (1e-12 + 1e3 * std / inputs.spacing) * n * (adhesion + contact).max(1e-300);
                     let allowed = if quantity == Quantity::ContactArea {
                         (1e-12 + 1e3 * std / inputs.spacing) * expected
@@ -260,7 +275,8 @@ fn a_surface_without_spread_is_one_asperity_many_times() {
     }
 }
 
-/// What under- or overflows on the way is refused when the scene is read, and the message names a key that is at fault.
+/// What under- or overflows on the way is refused when the scene is read, and the message names a key that is
+/// at fault.
 #[test]
 fn what_cannot_be_computed_is_refused_by_its_key() {
     for (key, inputs) in [
@@ -268,8 +284,8 @@ fn what_cannot_be_computed_is_refused_by_its_key() {
         ("asperity_radius", Inputs { radius: 1e300, ..ORDINARY }),
         ("reduced_modulus", Inputs { modulus: 1e300, ..ORDINARY }),
         ("reduced_modulus", Inputs { modulus: 5e-324, ..ORDINARY }),
-        ("work_of_adhesion", Inputs { work: 1e-310, ..ORDINARY }),
-        ("work_of_adhesion", Inputs { work: 1e308, ..ORDINARY }),
+        ("work_of_adhesion", Inputs { stats: 1e-310, ..ORDINARY }),
+        ("work_of_adhesion", Inputs { stats: 1e308, ..ORDINARY }),
         ("equilibrium_spacing", Inputs { spacing: 5e-324, ..ORDINARY }),
         ("equilibrium_spacing", Inputs { spacing: 1e308, ..ORDINARY }),
         ("hardness", Inputs { hardness: 1e-170, ..ORDINARY }),

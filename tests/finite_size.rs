@@ -29,17 +29,23 @@ fn a_size_is_the_run_of_a_patch() {
         assert!((739.0 * own / pull_off - 1.0).abs() < 1e-8, "{own} {pull_off}");
     }
     assert!((739.0 * values(&folder, "integral_pull_off_per_asperity")[0] / integral - 1.0).abs() < 1e-10);
-    let controlled = single.dataset("/ensemble/scalar_controlled_mean").unwrap().read_raw::<f64>().unwrap()[0];
-    assert!((values(&folder, "bias")[1] - (controlled / integral - 1.0)).abs() < 1e-6, "{:?}", values(&folder, "bias"));
+    let controlled =
+        single.dataset("/ensemble/scalar_controlled_mean").unwrap().read_raw::<f64>().unwrap()[0];
+    assert!(
+        (values(&folder, "bias")[1] - (controlled / integral - 1.0)).abs() < 1e-6,
+        "{:?}",
+        values(&folder, "bias")
+    );
     let area = values(&folder, "nominal_area");
     for (area, count) in area.iter().zip([300.0, 739.0, 4000.0]) {
         assert!((area * 7.39e12 / count - 1.0).abs() < 1e-10, "{area}");
     }
 }
 
-/// The mean of minima is below the minimum of the mean, the less so the more asperities; and patches scatter less. With 40 replicas biases of
-/// +100 %, +16 % and +2.4 % are known to 11 %, 2 % and 0.3 %, and the scatters of 57 % and 12 % each to 11 % of themselves: to miss a
-/// factor of 2 between them has a probability below 1e-4.
+/// The mean of minima is below the minimum of the mean, the less so the more asperities; and patches scatter
+/// less. With 40 replicas biases of +100 %, +16 % and +2.4 % are known to 11 %, 2 % and 0.3 %, and the
+/// scatters of 57 % and 12 % each to 11 % of themselves: to miss a factor of 2 between them has a probability
+/// below 1e-4.
 #[test]
 fn patches_pull_harder_than_the_integral_and_less_so_as_they_grow() {
     let folder = Folder::new(&small());
@@ -57,8 +63,9 @@ fn patches_pull_harder_than_the_integral_and_less_so_as_they_grow() {
     assert!(quantiles.chunks(7).all(|size| size.windows(2).all(|pair| pair[0] <= pair[1])), "{quantiles:?}");
 }
 
-/// With two sizes, or three of which one is far from the limit, a line through them is no power law: none is told, in the table, the file
-/// and what follows from it, and nothing is extrapolated. Four small biases carry one.
+/// With two sizes, or three of which one is far from the limit, a line through them is no power law: none is
+/// told, in the table, the file and what follows from it, and nothing is extrapolated. Four small biases
+/// carry one.
 #[test]
 fn too_few_sizes_tell_no_power_law() {
     let folder = Folder::new(&small());
@@ -78,7 +85,10 @@ fn too_few_sizes_tell_no_power_law() {
             assert!(number(&file, "/", "fit_degrees_of_freedom") >= 1.0);
         } else {
             assert!(summary.contains("fewer than 3 sizes have a bias of at most 50 %"), "{summary}");
-            assert!(!summary.contains("extrapolated") && summary.contains("1 % from beyond N = "), "{summary}");
+            assert!(
+                !summary.contains("extrapolated") && summary.contains("1 % from beyond N = "),
+                "{summary}"
+            );
             assert!(values(&folder, "count_at_accuracy")[2].is_nan());
         }
     }
@@ -122,6 +132,7 @@ fn what_cannot_be_studied_is_refused_with_what_would_do() {
     refused(&["-o", "scene.toml"], "scene.toml is scene.toml, which this command reads");
     std::fs::write(folder.path("scene.toml"), small().replace("\"hybrid\"", "\"gw\"")).unwrap();
     refused(&["--counts", "10,100"], "the integral has no pull-off");
-    std::fs::write(folder.path("scene.toml"), small() + "\n[sweep]\nmaterial.hardness = [\"1 GPa\"]\n").unwrap();
+    std::fs::write(folder.path("scene.toml"), small() + "\n[sweep]\nmaterial.hardness = [\"1 GPa\"]\n")
+        .unwrap();
     refused(&["--counts", "10,100"], "has a table [sweep]");
 }

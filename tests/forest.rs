@@ -1,11 +1,12 @@
-//! The tree in which batches are merged: the same bits however its leaves are divided, and moments that are those of all replicas.
+//! The tree in which batches are merged: the same bits however its leaves are divided, and moments that are
+//! those of all replicas.
 
 mod common;
 
 use common::{case, job};
 use std::sync::atomic::AtomicBool;
 use stiction::asperity::{Path, Quantity};
-use stiction::engine::{Ensemble, Forest, Job, Outcome, Replica, Shard, run_from};
+use stiction::engine::{Ensemble, Job, Outcome, ReductionTree, Replica, Shard, run_from};
 use stiction::math::words::Words;
 use stiction::surface::Surface;
 
@@ -26,10 +27,10 @@ fn scene() -> Scene {
     Scene { law: common::law("hybrid", &asperity, Path::Approach, (-3e-8, 3e-8)), surface, separations }
 }
 
-fn computed(job: &Job<'_>, start: Forest) -> Forest {
+fn computed(job: &Job<'_>, start: ReductionTree) -> ReductionTree {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
     match run_from::<()>(job, &pool, &AtomicBool::new(false), start, None, |_, _| Ok(())) {
-        Ok(Outcome::Complete(forest)) => *forest,
+        Ok(Outcome::Complete(reduction_tree)) => *reduction_tree,
         other => panic!("the run did not complete: {other:?}"),
     }
 }
@@ -44,17 +45,18 @@ fn bits(ensemble: &Ensemble) -> (Vec<u64>, Vec<u64>) {
 fn bits_do_not_depend_on_how_batches_are_divided() {
     let scene = scene();
     let job = job(scene.law.as_ref(), &scene.surface, &scene.separations, REPLICAS);
-    let whole = computed(&job, Forest::of(&job));
+    let whole = computed(&job, ReductionTree::of(&job));
     assert!(whole.is_complete() && whole.replicas.len() as u64 == REPLICAS);
     let whole = bits(&whole.into_ensemble(&job));
     for count in [1, 2, 3, 5, 16, 27, 40] {
-        let mut merged = Forest::of(&job);
+        let mut merged = ReductionTree::of(&job);
         for index in 1..=count {
-            let own = computed(&job, Forest::new(Shard { index, count }.range(BATCHES)));
+            let own = computed(&job, ReductionTree::new(Shard { index, count }.range(BATCHES)));
             // A run of consecutive leaves needs no more nodes than the two flanks of a tree have levels.
             let empty = Ensemble::new(&job).words().len();
             assert!((own.state().len() - 4) / (empty + 2) <= 8, "{count}");
-            let restored = Forest::restored(&job, &own.state(), own.replicas.clone(), Vec::new()).unwrap();
+            let restored =
+                ReductionTree::restored(&job, &own.state(), own.replicas.clone(), Vec::new()).unwrap();
             assert!(restored == own);
             merged.append(restored);
         }
@@ -63,16 +65,17 @@ fn bits_do_not_depend_on_how_batches_are_divided() {
     }
 }
 
-/// What is missing changes nothing but that it is missing: the moments are those of the replicas that are there, by two passes.
+/// What is missing changes nothing but that it is missing: the moments are those of the replicas that are
+/// there, by two passes.
 #[test]
 fn what_is_missing_is_left_out() {
     let scene = scene();
     let job = job(scene.law.as_ref(), &scene.surface, &scene.separations, REPLICAS);
-    let mut merged = Forest::of(&job);
+    let mut merged = ReductionTree::of(&job);
     for index in [1, 2, 5, 9] {
-        merged.append(computed(&job, Forest::new(Shard { index, count: 9 }.range(BATCHES))));
+        merged.append(computed(&job, ReductionTree::new(Shard { index, count: 9 }.range(BATCHES))));
     }
-    let whole = computed(&job, Forest::of(&job)).replicas;
+    let whole = computed(&job, ReductionTree::of(&job)).replicas;
     let there: Vec<Replica> =
         [0..48, 96..120, 192..REPLICAS as usize].into_iter().flat_map(|r| whole[r].to_vec()).collect();
     assert!(merged.replicas == there);
@@ -93,9 +96,9 @@ fn what_is_missing_is_left_out() {
 fn a_state_of_another_job_or_range_is_refused() {
     let scene = scene();
     let job = job(scene.law.as_ref(), &scene.surface, &scene.separations, REPLICAS);
-    let own = computed(&job, Forest::new(3..9));
+    let own = computed(&job, ReductionTree::new(3..9));
     let restored = |job: &Job<'_>, state: &[u64], replicas: &[Replica]| {
-        Forest::restored(job, state, replicas.to_vec(), Vec::new())
+        ReductionTree::restored(job, state, replicas.to_vec(), Vec::new())
     };
     let state = own.state();
     assert!(restored(&job, &state, &own.replicas).is_some());
@@ -110,7 +113,10 @@ fn a_state_of_another_job_or_range_is_refused() {
             wrong[place] = wrong[place].wrapping_add(change);
             let found = restored(&job, &wrong, &own.replicas);
             // Its range may be longer than what is there.
-            assert!(found.is_none_or(|forest| place == 1 && !forest.is_complete()), "{place} {change}");
+            assert!(
+                found.is_none_or(|reduction_tree| place == 1 && !reduction_tree.is_complete()),
+                "{place} {change}"
+            );
         }
     }
     assert!(restored(&job, &[], &[]).is_none());

@@ -1,5 +1,6 @@
-//! `stiction info` and `stiction validate` on files of other programs and on damaged or forged results: one clear line on standard error,
-//! exit code 2, nothing on standard output, in any case within the limits of time and memory.
+//! `stiction info` and `stiction validate` on files of other programs and on damaged or forged results: one
+//! clear line on standard error, exit code 2, nothing on standard output, in any case within the limits of
+//! time and memory.
 
 mod common;
 
@@ -96,7 +97,10 @@ fn a_file_that_is_being_written_is_said_to_be_locked() {
     // Who runs the tests may have turned the locks of libhdf5 off.
     let validate = |locks: Option<&str>| {
         let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_stiction"));
-        command.args(["validate", "scene.h5"]).current_dir(folder.path("")).env_remove("HDF5_USE_FILE_LOCKING");
+        command
+            .args(["validate", "scene.h5"])
+            .current_dir(folder.path(""))
+            .env_remove("HDF5_USE_FILE_LOCKING");
         command.envs(locks.map(|locks| ("HDF5_USE_FILE_LOCKING", locks))).output().unwrap()
     };
     file.lock().unwrap();
@@ -107,8 +111,8 @@ fn a_file_that_is_being_written_is_said_to_be_locked() {
     assert_exit(&validate(None), 0);
 }
 
-/// `cargo run`, as the README has it, leaves locks on. The settings of this folder hold for whatever cargo runs in it: here a program that runs
-/// another.
+/// `cargo run`, as the README has it, leaves locks on. The settings of this folder hold for whatever cargo
+/// runs in it: here a program that runs another.
 #[cfg(unix)]
 #[test]
 fn cargo_run_leaves_locks_on() {
@@ -160,7 +164,10 @@ fn forged_attributes_are_refused() {
     let folder = with_result();
     type Change = fn(&hdf5::File);
     let both: [(Change, &str); 8] = [
-        (|file| replace_attribute(file, "format_version", &[0_u32, 9]), "has format version 0.9; this program reads"),
+        (
+            |file| replace_attribute(file, "format_version", &[0_u32, 9]),
+            "has format version 0.9; this program reads",
+        ),
         (|file| file.delete_attr("format").unwrap(), "has no attribute `format`"),
         (|file| replace_number(file, "format", 3.0), "its attribute `format` is no text"),
         (|file| replace_text(file, "format", "\u{1b}[31mother"), "has the format \"\\u{1b}[31mother\", not "),
@@ -168,9 +175,15 @@ fn forged_attributes_are_refused() {
             |file| replace_attribute(file, "format_version", &[3_u32, 0]),
             "has format version 3.0; this program reads 2.x",
         ),
-        (|file| replace_attribute(file, "format_version", &[1_u32]), "no attribute `format_version` of two numbers"),
+        (
+            |file| replace_attribute(file, "format_version", &[1_u32]),
+            "no attribute `format_version` of two numbers",
+        ),
         (|file| replace_text(file, "format_version", "1.0"), "no attribute `format_version` of two numbers"),
-        (|file| replace_attribute(file, "format_version", &[1.0, 1.0]), "no attribute `format_version` of two numbers"),
+        (
+            |file| replace_attribute(file, "format_version", &[1.0, 1.0]),
+            "no attribute `format_version` of two numbers",
+        ),
     ];
     for (change, message) in both {
         forged(&folder, change);
@@ -181,14 +194,23 @@ fn forged_attributes_are_refused() {
     let validated: [(Change, &str); 9] = [
         (|file| file.delete_attr("sampling").unwrap(), "lacks the text `sampling` of /"),
         (|file| file.delete_attr("replicas").unwrap(), "lacks the number `replicas` of /"),
-        (|file| replace_text(file, "replicas", "40"), "an attribute `replicas` of / that does not hold whole numbers"),
+        (
+            |file| replace_text(file, "replicas", "40"),
+            "an attribute `replicas` of / that does not hold whole numbers",
+        ),
         (
             |file| replace_number(file, "replicas", 40.5),
             "an attribute `replicas` of / that does not hold whole numbers",
         ),
         (|file| replace_attribute(file, "replicas", &[40_u64, 40]), "`replicas` of / that is not one number"),
-        (|file| replace_number(file, "replicas", 0_u64), "has replicas = 0, but the dimension `replica` has 40"),
-        (|file| replace_number(file, "replicas", u64::MAX), "replicas = 18446744073709551615, but the dimension"),
+        (
+            |file| replace_number(file, "replicas", 0_u64),
+            "has replicas = 0, but the dimension `replica` has 40",
+        ),
+        (
+            |file| replace_number(file, "replicas", u64::MAX),
+            "replicas = 18446744073709551615, but the dimension",
+        ),
         (
             |file| replace_text(file, "sampling", "\u{9b}2J"),
             "sampling = \"\\u{9b}2J\", which this program does not know",
@@ -218,7 +240,10 @@ fn forged_datasets_are_refused() {
         (|file| file.unlink("/statistical").unwrap(), "lacks the group /statistical"),
         (|file| file.unlink("/validation").unwrap(), "lacks the group /validation"),
         (|file| replace_dataset(file, "/h_star", &[15], &[0.0; 15]), "/h_star of the shape [15], not [16]"),
-        (|file| replace_dataset(file, "/h_star", &[4, 4], &[0.0; 16]), "/h_star of the shape [4, 4], not [16]"),
+        (
+            |file| replace_dataset(file, "/h_star", &[4, 4], &[0.0; 16]),
+            "/h_star of the shape [4, 4], not [16]",
+        ),
         (
             |file| replace_dataset(file, "/separation", &[4, 4], &[0.0; 16]),
             "a dimension `separation` of the shape [4, 4]",
@@ -250,7 +275,9 @@ fn forged_datasets_are_refused() {
             "NaN at 1 of /validation/probe_adhesion_force",
         ),
         (
-            |file| file.group("/validation").unwrap().attr("skewness").unwrap().write_scalar(&f64::NAN).unwrap(),
+            |file| {
+                file.group("/validation").unwrap().attr("skewness").unwrap().write_scalar(&f64::NAN).unwrap()
+            },
             "has skewness = NaN in /validation",
         ),
         (
@@ -277,7 +304,8 @@ fn forged_datasets_are_refused() {
 /// One asperity in one replica is no mean of many, and is not tested.
 #[test]
 fn what_cannot_be_tested_is_not() {
-    let folder = Folder::new(&small().replace("100 um^2", "0.1 um^2").replace("replicas = 40", "replicas = 1"));
+    let folder =
+        Folder::new(&small().replace("100 um^2", "0.1 um^2").replace("replicas = 40", "replicas = 1"));
     let run = folder.stiction(&["run", "scene.toml"]);
     assert_exit(&run, 0);
     let validate = folder.stiction(&["validate", "scene.h5"]);
@@ -299,7 +327,10 @@ fn claimed_sizes_are_not_believed() {
         }
     });
     let begun = Instant::now();
-    assert_refused(&folder.stiction(&["validate", "forged.h5"]), "/h_star that has more values than the file holds");
+    assert_refused(
+        &folder.stiction(&["validate", "forged.h5"]),
+        "/h_star that has more values than the file holds",
+    );
     let info = folder.stiction(&["info", "forged.h5"]);
     assert_exit(&info, 0);
     assert!(text(&info.stdout).contains("1000000000000000"));
@@ -346,7 +377,8 @@ fn terminals_are_not_steered() {
     assert_exit(&check, 0);
     let shown = text(&check.stdout);
     assert!(shown.starts_with("\\u{1b}[2J\\u{a}  cross-check"), "{shown}");
-    for (from, to) in [("3.33 um", "3.33 \\u001b[2J"), ("hardness =", "\"\\u001b[2J\" ="), ("hybrid", "\\u001b[2J\\n")]
+    for (from, to) in
+        [("3.33 um", "3.33 \\u001b[2J"), ("hardness =", "\"\\u001b[2J\" ="), ("hybrid", "\\u001b[2J\\n")]
     {
         std::fs::write(folder.path("wrong.toml"), QUICK.replace(from, to)).unwrap();
         let refused = folder.stiction(&["check", "wrong.toml"]);
@@ -362,7 +394,8 @@ fn a_file_that_makes_libhdf5_loop_is_given_up() {
     let folder = with_result();
     let mut bytes = std::fs::read(folder.path("scene.h5")).unwrap();
     let heap = bytes.windows(4).position(|window| window == b"GCOL").expect("texts are in a global heap");
-    // The first object begins after the heap's header of 16 bytes: index, references, and after 8 bytes its length.
+    // The first object begins after the heap's header of 16 bytes: index, references, and after 8 bytes its
+    // length.
     let (index, length) = (heap + 16, heap + 24);
     bytes[index..index + 2].copy_from_slice(&1_u16.to_le_bytes());
     bytes[length..length + 8].copy_from_slice(&u64::MAX.wrapping_sub(15).to_le_bytes());

@@ -1,4 +1,5 @@
-//! The hybrid law against closed forms and published numbers: regimes and their ends, jumps, histories, scaling.
+//! The hybrid law against closed forms and published numbers: regimes and their ends, jumps, histories,
+//! scaling.
 
 mod common;
 
@@ -7,7 +8,7 @@ use std::f64::consts::PI;
 use stiction::asperity::emd::{Emd, State};
 use stiction::asperity::models::model;
 use stiction::asperity::scale::{Asperity, Scale};
-use stiction::asperity::{Law, Path, Regime, Setting, Work};
+use stiction::asperity::{Law, LawParameters, Path, Regime, SolverStats};
 
 fn hybrid(asperity: &Asperity, path: Path) -> Box<dyn Law> {
     law("hybrid", asperity, path, (-20e-9, 20e-9))
@@ -82,15 +83,16 @@ fn closed_forms_hold_beyond_the_elastic_regime() {
     assert_close(at(1.0 + 1e-12)[1] / load, 1.03, 1e-9);
 }
 
-/// Case II between its noncontact fold and first touch, numbers published with the branch rule: Δ from −1.0378 to −0.9970; F_s jumps
-/// 0.766 → 0.909 at the fold, climbs to 1.268 and drops to 0.977 at first touch.
+/// Case II between its noncontact fold and first touch, numbers published with the branch rule: Δ from
+/// −1.0378 to −0.9970; F_s jumps 0.766 → 0.909 at the fold, climbs to 1.268 and drops to 0.977 at first
+/// touch.
 #[test]
 fn the_gap_between_the_folds_takes_the_inner_root() {
     let (asperity, _) = case("II");
     let emd = Emd::new(Scale::new(&asperity).unwrap().lambda, Path::Approach).unwrap();
     let fold = emd.noncontact_fold().unwrap();
     assert!((fold + 1.0378).abs() < 5e-5 && (emd.end() + 0.9970).abs() < 5e-5, "{fold} {}", emd.end());
-    let adhesion = |delta: f64| emd.respond(delta, &mut Work::default()).1.adhesion;
+    let adhesion = |delta: f64| emd.respond(delta, &mut SolverStats::default()).1.adhesion;
     assert!((adhesion(fold - 1e-12) - 0.766).abs() < 5e-4);
     assert!((adhesion(fold + 1e-12) - 0.909).abs() < 5e-4);
     assert!((adhesion(emd.end() - 1e-12) - 1.268).abs() < 5e-4);
@@ -99,14 +101,18 @@ fn the_gap_between_the_folds_takes_the_inner_root() {
 
 #[test]
 fn histories_differ_above_the_contact_fold_only() {
-    for (lambda, differ) in [(0.1, false), (0.9, false), (0.9379, false), (0.938, true), (2.5, true), (100.0, true)] {
-        let [approach, retraction] = [Path::Approach, Path::Retraction].map(|path| Emd::new(lambda, path).unwrap());
+    for (lambda, differ) in
+        [(0.1, false), (0.9, false), (0.9379, false), (0.938, true), (2.5, true), (100.0, true)]
+    {
+        let [approach, retraction] =
+            [Path::Approach, Path::Retraction].map(|path| Emd::new(lambda, path).unwrap());
         assert_eq!(approach.end() != retraction.end(), differ, "λ = {lambda}");
         assert!(retraction.end() <= approach.end());
         // Between the two ends the asperity is out of contact coming and in contact going.
         if differ {
             let middle = 0.5 * (approach.end() + retraction.end());
-            let [coming, going] = [&approach, &retraction].map(|law| law.respond(middle, &mut Work::default()));
+            let [coming, going] =
+                [&approach, &retraction].map(|law| law.respond(middle, &mut SolverStats::default()));
             assert!(coming.1.radius == 0.0 && going.1.radius > 0.0, "λ = {lambda}");
         }
     }
@@ -123,51 +129,64 @@ fn a_dry_asperity_has_no_lubricant_regime() {
     assert!(law.pieces().iter().all(|piece| law.regimes()[piece.regime] != Regime::Lubricant));
 }
 
-/// At the very ends of the branches, with and without tables: the states meet their closed forms and nothing panics.
+/// At the very ends of the branches, with and without tables: the states meet their closed forms and nothing
+/// panics.
 #[test]
 fn ends_of_branches_are_solved() {
     for lambda in [1e-6, 0.5, 0.9, 0.95, 2.5, 1e6] {
         for path in [Path::Approach, Path::Retraction] {
             let plain = Emd::new(lambda, path).unwrap();
             for law in [plain.clone(), plain.with_tables(-10.0, 10.0)] {
-                let mut work = Work::default();
+                let mut stats = SolverStats::default();
                 let mut places =
                     vec![law.end(), law.end().next_down(), law.contact_fold(), law.contact_fold().next_up()];
-                places.extend(law.noncontact_fold().iter().flat_map(|fold| [*fold, fold.next_down(), fold.next_up()]));
+                places.extend(
+                    law.noncontact_fold().iter().flat_map(|fold| [*fold, fold.next_down(), fold.next_up()]),
+                );
                 for approach in places {
-                    let (state, solution) = law.respond(approach, &mut work);
-                    assert!(solution.adhesion > 0.0 && solution.adhesion.is_finite(), "λ {lambda}, Δ {approach}");
+                    let (state, solution) = law.respond(approach, &mut stats);
+                    assert!(
+                        solution.adhesion > 0.0 && solution.adhesion.is_finite(),
+                        "λ {lambda}, Δ {approach}"
+                    );
                     assert!(state == State::Contact || solution.radius == 0.0, "λ {lambda}, Δ {approach}");
                 }
-                // First touch is a = 0 (Maugis 1992): where contact begins there, the radius vanishes like a square root.
+                // First touch is a = 0 (Maugis 1992): where contact begins there, the radius vanishes like a
+                // square root.
                 if law.end() == law.contact_fold() && lambda < 0.9 {
-                    assert!(law.contact(law.end(), &mut work).radius < 1e-6);
+                    assert!(law.contact(law.end(), &mut stats).radius < 1e-6);
                 }
             }
         }
     }
 }
 
-/// The forms of the published fits, fitted anew, follow the solution of each asperity, but for what they cannot: the attraction just before
-/// contact, which rises too steeply for a Lorentzian where the approach jumps into contact. Shares of the largest force of each range.
+/// The forms of the published fits, fitted anew, follow the solution of each asperity, but for what they
+/// cannot: the attraction just before contact, which rises too steeply for a Lorentzian where the approach
+/// jumps into contact. Shares of the largest force of each range.
 #[test]
 fn refits_follow_the_solution() {
     for (name, work_of_adhesion) in [("I", 0.02), ("II", 0.09), ("II", 0.05), ("III", 0.2)] {
         let (mut asperity, _) = case(name);
         asperity.work_of_adhesion = work_of_adhesion;
         asperity.lubricant_thickness = 0.0;
-        let [refit, emd] = ["fit:refit", "emd"].map(|law| self::law(law, &asperity, Path::Approach, (-20e-9, 20e-9)));
+        let [refit, emd] =
+            ["fit:refit", "emd"].map(|law| self::law(law, &asperity, Path::Approach, (-20e-9, 20e-9)));
         let touch = first_touch(&asperity);
-        let critical = Setting::new(&asperity, Path::Approach, (-20e-9, 20e-9)).unwrap().critical_interference;
-        for (range, q, most) in
-            [((touch - 10.0 * 0.2e-9, touch), 0, 0.25), ((touch, critical), 0, 3e-3), ((0.0, critical), 1, 3e-3)]
-        {
+        let critical =
+            LawParameters::new(&asperity, Path::Approach, (-20e-9, 20e-9)).unwrap().critical_interference;
+        for (range, q, most) in [
+            ((touch - 10.0 * 0.2e-9, touch), 0, 0.25),
+            ((touch, critical), 0, 3e-3),
+            ((0.0, critical), 1, 3e-3),
+        ] {
             let places = (1..40).map(|i| range.0 + (range.1 - range.0) * f64::from(i) / 40.0);
             let force = |law: &dyn Law, delta: f64| {
                 let [adhesion, contact, _] = respond(law, delta).unwrap().1;
                 [adhesion, contact - adhesion][q]
             };
-            let pairs: Vec<[f64; 2]> = places.map(|d| [force(refit.as_ref(), d), force(emd.as_ref(), d)]).collect();
+            let pairs: Vec<[f64; 2]> =
+                places.map(|d| [force(refit.as_ref(), d), force(emd.as_ref(), d)]).collect();
             let largest = pairs.iter().map(|pair| pair[1].abs()).fold(0.0, f64::max);
             let off = pairs.iter().map(|[fit, exact]| (fit - exact).abs()).fold(0.0, f64::max) / largest;
             println!("{name} {work_of_adhesion} {range:?} {q}: {off:.2e}");
@@ -176,17 +195,24 @@ fn refits_follow_the_solution() {
     }
 }
 
-/// The published fits are those of three asperities; one of the same λ and length that is four times as large and twice as stiff is another.
+/// The published fits are those of three asperities; one of the same λ and length that is four times as large
+/// and twice as stiff is another.
 #[test]
 fn published_fits_are_of_their_asperities() {
     let (asperity, _) = case("II");
     let made = |asperity: &Asperity| {
-        let setting = Setting::new(asperity, Path::Approach, (-20e-9, 20e-9)).unwrap();
-        (model("fit:paper").unwrap().build)(&setting).is_ok()
+        let parameters = LawParameters::new(asperity, Path::Approach, (-20e-9, 20e-9)).unwrap();
+        (model("fit:paper").unwrap().build)(&parameters).is_ok()
     };
-    let larger =
-        Asperity { radius: 4.0 * asperity.radius, reduced_modulus: 2.0 * asperity.reduced_modulus, ..asperity };
+    let larger = Asperity {
+        radius: 4.0 * asperity.radius,
+        reduced_modulus: 2.0 * asperity.reduced_modulus,
+        ..asperity
+    };
     let [own, of_larger] = [&asperity, &larger].map(|asperity| Scale::new(asperity).unwrap());
-    assert!((own.lambda / of_larger.lambda - 1.0).abs() < 1e-12 && (own.length / of_larger.length - 1.0).abs() < 1e-12);
+    assert!(
+        (own.lambda / of_larger.lambda - 1.0).abs() < 1e-12
+            && (own.length / of_larger.length - 1.0).abs() < 1e-12
+    );
     assert!(made(&asperity) && !made(&larger));
 }

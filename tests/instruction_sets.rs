@@ -1,5 +1,5 @@
-//! Vector instructions are a matter of speed: every law and every result has the same bits with all of them, and the program takes the
-//! ones it is told to.
+//! Vector instructions are a matter of speed: every law and every result has the same bits with all of them,
+//! and the program takes the ones it is told to.
 
 mod common;
 
@@ -7,12 +7,14 @@ use common::program::{Folder, assert_exit, attribute, bits, small, text};
 use common::{case, for_each_instruction_set, law};
 use std::process::{Command, Output};
 use stiction::asperity::models::{MODELS, Model};
-use stiction::asperity::{BLOCK, Law, Path, Responses, Setting, Work};
+use stiction::asperity::{BLOCK, Law, LawParameters, Path, Responses, SolverStats};
 use stiction::math::instruction_set::{InstructionSet, VARIABLE};
 
 /// Interferences of a regime within ±`reach`, in no order.
 fn mixed(law: &dyn Law, regime: usize, reach: f64, count: usize) -> Vec<f64> {
-    let end = |i: usize| law.boundaries().get(i).map_or(reach, |boundary| boundary.interference).clamp(-reach, reach);
+    let end = |i: usize| {
+        law.boundaries().get(i).map_or(reach, |boundary| boundary.interference).clamp(-reach, reach)
+    };
     let (low, high) = (if regime == 0 { -reach } else { end(regime - 1) }, end(regime));
     let share = |i: usize| (0.37 + 0.618_033_988 * i as f64).fract();
     // Half of them close to one end, where roots are.
@@ -25,19 +27,19 @@ fn mixed(law: &dyn Law, regime: usize, reach: f64, count: usize) -> Vec<f64> {
 }
 
 /// Forces, area and what they cost on blocks of all regimes.
-fn evaluated(law: &dyn Law, reach: f64) -> (Vec<u64>, Work) {
-    let (mut all, mut work) = (Vec::new(), Work::default());
+fn evaluated(law: &dyn Law, reach: f64) -> (Vec<u64>, SolverStats) {
+    let (mut all, mut stats) = (Vec::new(), SolverStats::default());
     for regime in 0..law.regimes().len() {
         for count in [BLOCK, 100, 9, 1] {
             let block = mixed(law, regime, reach, count);
             let mut out = Responses::default();
-            law.evaluate(regime, &block, &mut out, &mut work);
+            law.evaluate(regime, &block, &mut out, &mut stats);
             for values in [&out.adhesion, &out.contact, &out.area] {
                 all.extend(values[..block.len()].iter().map(|value| value.to_bits()));
             }
         }
     }
-    (all, work)
+    (all, stats)
 }
 
 fn assert_same_bits(name: &str, law: &dyn Law, reach: f64) {
@@ -50,7 +52,8 @@ fn assert_same_bits(name: &str, law: &dyn Law, reach: f64) {
     });
 }
 
-/// Case I to III with tables that do not reach everywhere, and scaled asperities from one limit of λ to the other with and without tables.
+/// Case I to III with tables that do not reach everywhere, and scaled asperities from one limit of λ to the
+/// other with and without tables.
 #[test]
 fn every_law_has_the_same_bits() {
     for (_, path) in Path::ALL {
@@ -65,14 +68,19 @@ fn every_law_has_the_same_bits() {
         }
         for lambda in [1e-6, 1e-3, 0.1, 0.94, 1.0, 5.0, 1e3, 1e6] {
             for reach in [None, Some((-30.0, 40.0))] {
-                let setting = Setting {
+                let parameters = LawParameters {
                     critical_interference: 3.0,
                     lubricant_thickness: 0.4,
                     reach,
-                    ..Setting::scaled(lambda, path).unwrap()
+                    ..LawParameters::scaled(lambda, path).unwrap()
                 };
-                for Model { name, build, .. } in MODELS.iter().filter(|model| !model.name.starts_with("fit")) {
-                    assert_same_bits(&format!("{name} at λ = {lambda}"), build(&setting).unwrap().as_ref(), 400.0);
+                for Model { name, build, .. } in MODELS.iter().filter(|model| !model.name.starts_with("fit"))
+                {
+                    assert_same_bits(
+                        &format!("{name} at λ = {lambda}"),
+                        build(&parameters).unwrap().as_ref(),
+                        400.0,
+                    );
                 }
             }
         }
@@ -122,7 +130,8 @@ fn a_run_has_the_same_bits() {
 fn what_the_processor_does_not_have_is_refused() {
     let folder = Folder::new(&small());
     let all = InstructionSet::available().iter().map(|set| set.name()).collect::<Vec<_>>().join(", ");
-    let unavailable = ["baseline", "avx2", "avx512"].into_iter().filter(|name| InstructionSet::named(name).is_err());
+    let unavailable =
+        ["baseline", "avx2", "avx512"].into_iter().filter(|name| InstructionSet::named(name).is_err());
     let commands: [&[&str]; 4] = [
         &["run", "scene.toml"],
         &["check", "scene.toml"],
@@ -157,6 +166,10 @@ fn a_value_that_is_no_text_is_refused() {
         .output()
         .unwrap();
     assert_exit(&refused, 2);
-    assert!(text(&refused.stderr).starts_with(&format!("stiction: {VARIABLE}: ")), "{}", text(&refused.stderr));
+    assert!(
+        text(&refused.stderr).starts_with(&format!("stiction: {VARIABLE}: ")),
+        "{}",
+        text(&refused.stderr)
+    );
     assert_eq!(folder.files(), ["scene.toml"]);
 }

@@ -28,7 +28,8 @@ fn begin(folder: &Folder, arguments: &[&str]) -> Child {
 
 fn signal(child: &Child, signal: &str) {
     // It may have ended before.
-    let _ = Command::new("kill").args([signal, &child.id().to_string()]).stderr(Stdio::null()).status().unwrap();
+    let _ =
+        Command::new("kill").args([signal, &child.id().to_string()]).stderr(Stdio::null()).status().unwrap();
 }
 
 /// Waits until something is so, while a process runs.
@@ -78,7 +79,8 @@ fn diagnostic(folder: &Folder, name: &str) -> f64 {
 #[test]
 fn a_signal_saves_and_the_message_says_how_to_go_on() {
     let compressed = scene().replace("[output]", "[solver]\nsum = \"compressed\"\n\n[output]");
-    let stratified = compressed.replace("seed = 1", "seed = 1\nsampling = \"stratified\"").replace("true", "false");
+    let stratified =
+        compressed.replace("seed = 1", "seed = 1\nsampling = \"stratified\"").replace("true", "false");
     for (scene, name) in [(scene(), "-INT"), (compressed, "-TERM"), (stratified, "-INT")] {
         let folder = Folder::new(&scene);
         let reference = reference(&folder);
@@ -97,7 +99,8 @@ fn a_signal_saves_and_the_message_says_how_to_go_on() {
     }
 }
 
-/// Two signals at the same time, as `timeout` sends them, are one interruption: what was done is kept, and how to go on is said.
+/// Two signals at the same time, as `timeout` sends them, are one interruption: what was done is kept, and
+/// how to go on is said.
 #[test]
 fn signals_that_come_together_are_one() {
     let folder = Folder::new(&small().replace("replicas = 40", "replicas = 100000"));
@@ -309,12 +312,16 @@ fn two_runs_of_one_output_are_not_made_at_once() {
     let folder = Folder::new(&scene().replace("replicas = 1600", "replicas = 100000"));
     let mut first = begin(&folder, &["--checkpoint", "0"]);
     wait_while_running(&mut first, || folder.path(CHECKPOINT).exists());
-    for arguments in [&["run", "scene.toml"][..], &["run", "scene.toml", "--resume"], &["run", "scene.toml", "--force"]]
+    for arguments in
+        [&["run", "scene.toml"][..], &["run", "scene.toml", "--resume"], &["run", "scene.toml", "--force"]]
     {
         let second = folder.stiction(arguments);
         assert_exit(&second, 2);
         let message = text(&second.stderr);
-        assert!(message.contains(&format!("another run makes scene.h5 (process {})", first.id())), "{message}");
+        assert!(
+            message.contains(&format!("another run makes scene.h5 (process {})", first.id())),
+            "{message}"
+        );
     }
     let comparison = folder.stiction(&["compare", "scene.toml", "--laws", "gw,md", "-o", "scene.h5"]);
     assert_exit(&comparison, 2);
@@ -342,8 +349,9 @@ fn left(folder: &Folder) -> &'static str {
     }
 }
 
-/// Kills runs at moments that are random over the whole run, over the writing of a checkpoint, and over the writing of the result; goes on
-/// with each, and with some after another kill. Kills that come after the end do not count. Returns how often what was left.
+/// Kills runs at moments that are random over the whole run, over the writing of a checkpoint, and over the
+/// writing of the result; goes on with each, and with some after another kill. Kills that come after the end
+/// do not count. Returns how often what was left.
 fn kill_and_resume(kills: u32, seed: u64) -> BTreeMap<&'static str, u32> {
     let folder = Folder::new(&scene());
     let reference = reference(&folder);
@@ -384,7 +392,8 @@ fn kill_and_resume(kills: u32, seed: u64) -> BTreeMap<&'static str, u32> {
     found
 }
 
-/// A run that is killed between removing its checkpoint and its records leaves the records; to resume it tidies up.
+/// A run that is killed between removing its checkpoint and its records leaves the records; to resume it
+/// tidies up.
 #[test]
 fn records_that_nothing_counts_on_are_removed_from_a_complete_run() {
     let folder = Folder::new(&scene());
@@ -410,9 +419,13 @@ fn a_loop_goes_on_to_the_same_bits() {
     let scene = scene().replace("path = \"approach\"", "path = \"loop\"").replace("[output]", held);
     let folder = Folder::new(&scene.replace("replicas = 1600", "replicas = 400"));
     let reference = reference(&folder);
-    assert!(reference.iter().any(|(name, values)| name == "/replicas/snap_off" && values.len() == 400 * 2 * 2));
     assert!(
-        reference.iter().any(|(name, values)| name == "/replicas/retraction_external_force" && values.len() == 6400)
+        reference.iter().any(|(name, values)| name == "/replicas/snap_off" && values.len() == 400 * 2 * 2)
+    );
+    assert!(
+        reference
+            .iter()
+            .any(|(name, values)| name == "/replicas/retraction_external_force" && values.len() == 6400)
     );
     let stopped = interrupt(&folder, "-INT", &["--checkpoint", "0"]);
     assert_exit(&stopped, 130);
@@ -449,7 +462,8 @@ fn said(output: &Output, files: &[String]) -> String {
     message.lines().next().unwrap().to_owned()
 }
 
-/// The limit meets every write: of the records, the checkpoint, the result; with curves, whose records are the longest file, and without.
+/// The limit meets every write: of the records, the checkpoint, the result; with curves, whose records are
+/// the longest file, and without.
 #[test]
 fn a_full_disk_is_an_error_and_the_run_goes_on_after_space_is_made() {
     let mut messages = BTreeMap::<String, u32>::new();
@@ -473,7 +487,9 @@ fn a_full_disk_is_an_error_and_the_run_goes_on_after_space_is_made() {
         assert!((6..13).contains(&failures), "{failures}");
     }
     println!("{messages:#?}");
-    for what in ["scene.h5.checkpoint:", "scene.h5.checkpoint.replicas:", "cannot write scene.h5: File too large"] {
+    for what in
+        ["scene.h5.checkpoint:", "scene.h5.checkpoint.replicas:", "cannot write scene.h5: File too large"]
+    {
         assert!(messages.keys().any(|message| message.contains(what)), "{what} {messages:?}");
     }
 }
@@ -493,8 +509,10 @@ fn a_full_file_system_is_an_error_and_the_run_goes_on_after_space_is_made() {
              mount -o remount,size=10m disk; '{program}' run scene.toml -o disk/scene.h5 --resume >&2 || exit 98; \
              cp disk/scene.h5 .; exit $code"
         );
-        let output = Command::new("unshare").args(["-rm", "sh", "-c", &script]).current_dir(folder.path("")).output();
-        let Some(output) = output.ok().filter(|output| matches!(output.status.code(), Some(0 | 1 | 98))) else {
+        let output =
+            Command::new("unshare").args(["-rm", "sh", "-c", &script]).current_dir(folder.path("")).output();
+        let Some(output) = output.ok().filter(|output| matches!(output.status.code(), Some(0 | 1 | 98)))
+        else {
             return skip("interruption, full file systems", "this system lets us mount nothing");
         };
         assert_ne!(output.status.code(), Some(98), "{}", text(&output.stderr));
@@ -532,7 +550,8 @@ fn a_folder_that_goes_away_is_an_error() {
     assert_exit(&child.wait_with_output().unwrap(), 130);
 }
 
-/// A folder that is made read-only while the run goes. Root may write there nevertheless, so root becomes nobody for this test.
+/// A folder that is made read-only while the run goes. Root may write there nevertheless, so root becomes
+/// nobody for this test.
 #[test]
 fn a_folder_that_is_made_read_only_is_an_error() {
     use std::os::unix::fs::{MetadataExt, PermissionsExt};
@@ -543,12 +562,20 @@ fn a_folder_that_is_made_read_only_is_an_error() {
     let nobody: &[&str] =
         if is_root { &["setpriv", "--reuid=65534", "--regid=65534", "--clear-groups"] } else { &["env"] };
     let mut command = Command::new(nobody[0]);
-    command.args(&nobody[1..]).arg(env!("CARGO_BIN_EXE_stiction")).args(["run", "scene.toml", "--checkpoint", "0"]);
+    command.args(&nobody[1..]).arg(env!("CARGO_BIN_EXE_stiction")).args([
+        "run",
+        "scene.toml",
+        "--checkpoint",
+        "0",
+    ]);
     command.current_dir(folder.path("")).stdout(Stdio::piped()).stderr(Stdio::piped());
     let mut child = command.spawn().unwrap();
     wait_while_running(&mut child, || folder.path(CHECKPOINT).exists());
     if !folder.path(CHECKPOINT).exists() {
-        return skip("interruption, read-only folders", text(&child.wait_with_output().unwrap().stderr).trim());
+        return skip(
+            "interruption, read-only folders",
+            text(&child.wait_with_output().unwrap().stderr).trim(),
+        );
     }
     permit(0o555);
     let output = child.wait_with_output().unwrap();
@@ -585,7 +612,8 @@ fn an_output_may_be_a_link_to_another_file_system() {
     assert!(folder.path("scene.h5").is_symlink());
 }
 
-/// In a mount namespace of its own, where this system lets us have one: a read-only folder, and a file that something is mounted on.
+/// In a mount namespace of its own, where this system lets us have one: a read-only folder, and a file that
+/// something is mounted on.
 #[test]
 fn mounts_that_forbid_the_output_are_refused() {
     let folder = Folder::new(&small());
@@ -597,7 +625,8 @@ fn mounts_that_forbid_the_output_are_refused() {
          || exit 99; rm /dev/shm/stiction.$$; '{program}' run scene.toml -o read_only/out.h5; echo $?; \
          '{program}' run scene.toml --force -o mounted.h5; echo $?"
     );
-    let output = Command::new("unshare").args(["-rm", "sh", "-c", &script]).current_dir(folder.path("")).output();
+    let output =
+        Command::new("unshare").args(["-rm", "sh", "-c", &script]).current_dir(folder.path("")).output();
     let Some(output) = output.ok().filter(|output| output.status.code() == Some(0)) else {
         return skip("interruption, mounts", "this system lets us mount nothing");
     };
@@ -621,8 +650,8 @@ fn a_run_that_is_interrupted_before_its_first_batch_leaves_nothing() {
     assert!(!files.contains(&"scene.h5".to_owned()) && !files.contains(&CHECKPOINT.to_owned()), "{files:?}");
 }
 
-/// Who finds a file under the name of the output when everything is computed has done nothing wrong: the code is that of a failure, the
-/// file stays, and what was computed is kept.
+/// Who finds a file under the name of the output when everything is computed has done nothing wrong: the code
+/// is that of a failure, the file stays, and what was computed is kept.
 #[test]
 fn a_result_that_cannot_be_named_is_a_failure_while_running() {
     let folder = Folder::new(&scene());
@@ -638,15 +667,16 @@ fn a_result_that_cannot_be_named_is_a_failure_while_running() {
     assert_exit(&folder.stiction(&["run", "scene.toml", "--resume"]), 0);
 }
 
-/// A checkpoint costs at most a hundredth of the 30 s between two, as the program itself counts them: here after every batch of a run with
-/// curves, whose checkpoints are larger than most.
+/// A checkpoint costs at most a hundredth of the 30 s between two, as the program itself counts them: here
+/// after every batch of a run with curves, whose checkpoints are larger than most.
 #[test]
 fn checkpoints_cost_at_most_a_hundredth_of_their_interval() {
     let folder = Folder::new(&scene());
     assert_exit(&folder.stiction(&["run", "scene.toml", "--checkpoint", "0"]), 0);
     let file = unlocked::open(folder.path("scene.h5"));
     let number = |name: &str| file.dataset(name).unwrap().read_raw::<f64>().unwrap()[0];
-    let (checkpoints, seconds) = (number("diagnostics/checkpoints"), number("diagnostics/checkpoint_seconds"));
+    let (checkpoints, seconds) =
+        (number("diagnostics/checkpoints"), number("diagnostics/checkpoint_seconds"));
     assert!(checkpoints >= 10.0 && seconds > 0.0, "{checkpoints} {seconds}");
     assert!(seconds / checkpoints < 0.01 * 30.0, "{seconds} s for {checkpoints} checkpoints");
 }

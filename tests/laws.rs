@@ -1,6 +1,7 @@
 //! Every law of the registry in one place: values from elsewhere, limits, jumps, slopes, signs, scaling.
 //!
-//! Laws are asked through the contract that sums them. In scaled variables all units are 1; `Setting::scaled` is such an asperity.
+//! Laws are asked through the contract that sums them. In scaled variables all units are 1;
+//! `LawParameters::scaled` is such an asperity.
 
 mod common;
 
@@ -12,37 +13,42 @@ use stiction::asperity::emd::Emd;
 use stiction::asperity::models::{MODELS, model};
 use stiction::asperity::noncontact::{Branches, Noncontact};
 use stiction::asperity::scale::{Asperity, Scale, pressure_factor};
-use stiction::asperity::{Law, Path, Regime, Setting, Work};
-use stiction::statistical::Statistical;
+use stiction::asperity::{Law, LawParameters, Path, Regime, SolverStats};
+use stiction::integral::Expectations;
 use stiction::surface::{Heights, Surface};
 
 const CRITICAL: f64 = 3.0;
 const THICKNESS: f64 = 0.4;
 
 /// A scaled asperity with a lubricant and plastic flow, as far as laws know them.
-fn setting(lambda: f64, path: Path) -> Setting {
-    Setting {
+fn parameters(lambda: f64, path: Path) -> LawParameters {
+    LawParameters {
         critical_interference: CRITICAL,
         pressure_factor: pressure_factor(0.27),
         lubricant_thickness: THICKNESS,
         reach: Some((-1e3, 1e3)),
-        ..Setting::scaled(lambda, path).unwrap()
+        ..LawParameters::scaled(lambda, path).unwrap()
     }
 }
 
 /// An elastic, dry scaled asperity.
 fn elastic(name: &str, lambda: f64, path: Path) -> Box<dyn Law> {
-    build(name, &Setting::scaled(lambda, path).unwrap())
+    build(name, &LawParameters::scaled(lambda, path).unwrap())
 }
 
-fn build(name: &str, setting: &Setting) -> Box<dyn Law> {
-    (model(name).unwrap().build)(setting).unwrap_or_else(|error| panic!("{name}: {error}"))
+fn build(name: &str, parameters: &LawParameters) -> Box<dyn Law> {
+    (model(name).unwrap().build)(parameters).unwrap_or_else(|error| panic!("{name}: {error}"))
 }
 
-/// All laws at a λ: the published fits are of λ = 0.1647, 0.8985 and 2.490 only, so they come by their asperities.
+/// All laws at a λ: the published fits are of λ = 0.1647, 0.8985 and 2.490 only, so they come by their
+/// asperities.
 fn all(lambda: f64, path: Path) -> Vec<(&'static str, Box<dyn Law>)> {
     let fits = |name: &str| name != "fit:paper";
-    MODELS.iter().filter(|m| fits(m.name)).map(|m| (m.name, build(m.name, &setting(lambda, path)))).collect()
+    MODELS
+        .iter()
+        .filter(|m| fits(m.name))
+        .map(|m| (m.name, build(m.name, &parameters(lambda, path))))
+        .collect()
 }
 
 /// F_s, P and area/π; 0 beyond the law's end.
@@ -58,8 +64,9 @@ fn assert_close(value: f64, expected: f64, tolerance: f64) {
 
 // Values from elsewhere.
 
-/// `tests/data/laws.csv`, made by `scripts/reference_laws.py`: every row to 10 ε (1 + cond), with and without starting tables. A power
-/// x^b by exp(b ln x) rounds b ln x; the attraction around a contact is tabulated to 1e-13.
+/// `tests/data/laws.csv`, made by `scripts/reference_laws.py`: every row to 10 ε (1 + cond), with and without
+/// starting tables. A power x^b by exp(b ln x) rounds b ln x; the attraction around a contact is tabulated to
+/// 1e-13.
 #[test]
 fn every_row_of_the_reference_is_met() {
     let text = include_str!("data/laws.csv");
@@ -72,27 +79,34 @@ fn every_row_of_the_reference_is_met() {
     let mut worst = (0.0_f64, String::new());
     let mut rows = 0;
     // The table is sorted by asperity.
-    type Known<'a> = ((&'a str, Setting), [Box<dyn Law>; 2]);
+    type Known<'a> = ((&'a str, LawParameters), [Box<dyn Law>; 2]);
     let mut known: Option<Known<'_>> = None;
     for line in lines {
         let fields: Vec<&str> = line.split(',').collect();
         let number = |i: usize| fields[i].parse::<f64>().unwrap();
         let (name, delta) = (fields[column("law")], number(column("delta")));
         let path = Path::ALL.iter().find(|(path, _)| *path == fields[column("path")]).unwrap().1;
-        let mut setting = Setting::scaled(number(column("lambda")), path).unwrap();
+        let mut parameters = LawParameters::scaled(number(column("lambda")), path).unwrap();
         if !fields[column("critical_interference")].is_empty() {
-            setting.critical_interference = number(column("critical_interference"));
-            setting.pressure_factor = pressure_factor(number(column("poisson_ratio")));
+            parameters.critical_interference = number(column("critical_interference"));
+            parameters.pressure_factor = pressure_factor(number(column("poisson_ratio")));
         }
-        let powers =
-            if name == "ke" || name == "sbl" { (delta / setting.critical_interference).abs().ln().abs() } else { 0.0 };
-        let settings = [None, Some((-1e3, 1e3))].map(|reach| Setting { reach, ..setting });
-        if !known.as_ref().is_some_and(|(own, _)| *own == (name, setting)) {
-            known = Some(((name, setting), settings.map(|setting| build(name, &setting))));
+        let powers = if name == "ke" || name == "sbl" {
+            (delta / parameters.critical_interference).abs().ln().abs()
+        } else {
+            0.0
+        };
+        let settings = [None, Some((-1e3, 1e3))].map(|reach| LawParameters { reach, ..parameters });
+        if !known.as_ref().is_some_and(|(own, _)| *own == (name, parameters)) {
+            known = Some(((name, parameters), settings.map(|parameters| build(name, &parameters))));
         }
-        for (law, Setting { reach, .. }) in known.iter().flat_map(|(_, laws)| laws).zip(settings) {
+        for (law, LawParameters { reach, .. }) in known.iter().flat_map(|(_, laws)| laws).zip(settings) {
             let (regime, [adhesion, contact, area]) = respond(law.as_ref(), delta).unwrap();
-            assert_eq!(if regime.is_contact() { "contact" } else { "noncontact" }, fields[column("branch")], "{line}");
+            assert_eq!(
+                if regime.is_contact() { "contact" } else { "noncontact" },
+                fields[column("branch")],
+                "{line}"
+            );
             let [expected_adhesion, expected_external, expected_radius] = values.map(number);
             let load = expected_external + expected_adhesion;
             let is_ring = name == "sbl" && regime.is_contact() || name == "ceb" && regime == Regime::Elastic;
@@ -140,7 +154,8 @@ fn pull_off_of_maugis_dugdale_is_met() {
         let (place, least) = minimum(law.as_ref(), begin);
         assert!((-least - pull_off).abs() < 2e-11, "λ = {lambda}: {least}");
         assert!((at(law.as_ref(), place)[2].sqrt() - radius).abs() < 1e-6, "λ = {lambda}");
-        // Before contact begins on retraction lies first touch; its force is that of the equations at θ = π/2.
+        // Before contact begins on retraction lies first touch; its force is that of the equations at θ =
+        // π/2.
         let touch = Contact::new(lambda).at(PI / 2.0).adhesion;
         assert!((touch - at_touch).abs() < 1e-9, "λ = {lambda}: {touch}");
     }
@@ -155,7 +170,8 @@ fn pull_off_of_maugis_dugdale_is_met() {
     assert_close(area.sqrt(), 6.0_f64.cbrt().recip(), 1e-7);
 }
 
-/// Place and value of the smallest external force of a contact branch from `begin`: ternary search in √(Δ − begin), where it is smooth.
+/// Place and value of the smallest external force of a contact branch from `begin`: ternary search in √(Δ −
+/// begin), where it is smooth.
 fn minimum(law: &dyn Law, begin: f64) -> (f64, f64) {
     let force = |root: f64| {
         let [adhesion, contact, _] = at(law, begin + root * root);
@@ -169,18 +185,27 @@ fn minimum(law: &dyn Law, begin: f64) -> (f64, f64) {
     (begin + low * low, force(low))
 }
 
-/// ∫(s − h)ⁿφ(s)ds by which Greenwood and Williamson's surface is known: n = 3/2 by 50-digit arithmetic, n = 1 in closed form.
+/// ∫(s − h)ⁿφ(s)ds by which Greenwood and Williamson's surface is known: n = 3/2 by 50-digit arithmetic, n =
+/// 1 in closed form.
 #[test]
 fn the_integral_of_hertz_contacts_is_that_of_greenwood_and_williamson() {
     let (asperity, surface) = case("II");
     let std = 2e-9;
-    let surface =
-        Surface { heights: Heights::gaussian(std), surface_height_std: std, mean_plane_offset: 0.0, ..surface };
+    let surface = Surface {
+        heights: Heights::gaussian(std),
+        surface_height_std: std,
+        mean_plane_offset: 0.0,
+        ..surface
+    };
     let gw = law("gw", &asperity, Path::Approach, (-30e-9, 30e-9));
-    let rows =
-        [(0.0, 0.43001999366226), (1.0, 0.075668177390975), (2.0, 0.0066481776235871), (3.0, 2.6396755426947e-4)];
+    let rows = [
+        (0.0, 0.43001999366226),
+        (1.0, 0.075668177390975),
+        (2.0, 0.0066481776235871),
+        (3.0, 2.6396755426947e-4),
+    ];
     for (h, load) in rows {
-        let model = Statistical::new(gw.as_ref(), &surface, &[h * std]);
+        let model = Expectations::new(gw.as_ref(), &surface, &[h * std]);
         let count = surface.asperity_count as f64;
         let unit = 4.0 / 3.0 * asperity.reduced_modulus * asperity.radius.sqrt() * std.powf(1.5);
         assert_close(model.expected[1][0], count * unit * load, 1e-13);
@@ -193,7 +218,8 @@ fn the_integral_of_hertz_contacts_is_that_of_greenwood_and_williamson() {
 
 // Limits.
 
-/// Largest differences of F_s and P between two laws, relative to P + F_s, over interferences that both have contact at.
+/// Largest differences of F_s and P between two laws, relative to P + F_s, over interferences that both have
+/// contact at.
 fn difference(one: &dyn Law, other: &dyn Law, deltas: &[f64]) -> f64 {
     let of = |delta: &f64| {
         let ([f, p, _], [g, q, _]) = (at(one, *delta), at(other, *delta));
@@ -202,8 +228,8 @@ fn difference(one: &dyn Law, other: &dyn Law, deltas: &[f64]) -> f64 {
     deltas.iter().map(of).fold(0.0, f64::max)
 }
 
-/// The differences vanish as fast as the equations have it: at a given Δ like √λ as λ → 0, because the pull λc̄²π/2 → 2 of a zone
-/// c̄ ~ λ^(−1/2) lowers Δ by (4/3)λc̄, and like λ^(−2) as λ → ∞.
+/// The differences vanish as fast as the equations have it: at a given Δ like √λ as λ → 0, because the pull
+/// λc̄²π/2 → 2 of a zone c̄ ~ λ^(−1/2) lowers Δ by (4/3)λc̄, and like λ^(−2) as λ → ∞.
 #[test]
 fn maugis_dugdale_tends_to_dmt_and_to_jkr() {
     let deltas = [0.1, 0.5, 2.0, 10.0];
@@ -234,17 +260,23 @@ fn the_extended_law_tends_to_the_undeformed_sphere() {
     };
     let differences = [1e-2, 1e-3, 1e-4].map(difference);
     println!("to the undeformed sphere: {differences:?}");
-    assert!(differences[1] < differences[0] / 4.0 && differences[2] < differences[1] / 4.0 && differences[2] < 1e-3);
+    assert!(
+        differences[1] < differences[0] / 4.0
+            && differences[2] < differences[1] / 4.0
+            && differences[2] < 1e-3
+    );
 }
 
-/// Without adhesion every elastic contact is Hertz's: F_s and the excess of P vanish at least like √Δγ, the rate of JKR.
+/// Without adhesion every elastic contact is Hertz's: F_s and the excess of P vanish at least like √Δγ, the
+/// rate of JKR.
 #[test]
 fn laws_tend_to_hertz_as_adhesion_vanishes() {
     let (case_ii, _) = case("II");
     for model in MODELS.iter().filter(|model| model.name != "fit:paper" && model.name != "fit:refit") {
         for delta in [0.1e-9, 1e-9, 5e-9] {
             let [strong, weak] = [3e-6, 3e-8].map(|work_of_adhesion| {
-                let asperity = Asperity { work_of_adhesion, lubricant_thickness: 0.0, hardness: 1e12, ..case_ii };
+                let asperity =
+                    Asperity { work_of_adhesion, lubricant_thickness: 0.0, hardness: 1e12, ..case_ii };
                 let [adhesion, contact, area] =
                     at(law(model.name, &asperity, Path::Approach, (-10e-9, 10e-9)).as_ref(), delta);
                 let k = 4.0 / 3.0 * asperity.reduced_modulus;
@@ -256,15 +288,16 @@ fn laws_tend_to_hertz_as_adhesion_vanishes() {
     }
 }
 
-/// F_s/2πRΔγ of Chang, Etsion and Bogy's elastic contact by ω/Z₀, from a quadrature elsewhere, and its limits; above ω_c the load is the
-/// hardness K H times the area of the volume that is conserved.
+/// F_s/2πRΔγ of Chang, Etsion and Bogy's elastic contact by ω/Z₀, from a quadrature elsewhere, and its
+/// limits; above ω_c the load is the hardness K H times the area of the volume that is conserved.
 #[test]
 fn chang_etsion_and_bogy_have_their_limits() {
     for lambda in [0.01, 0.3] {
         let spacing = Scale::unit(lambda).unwrap().equilibrium_spacing();
-        let own = Setting { critical_interference: 1e6 * spacing, ..setting(lambda, Path::Approach) };
+        let own =
+            LawParameters { critical_interference: 1e6 * spacing, ..parameters(lambda, Path::Approach) };
         for reach in [None, Some((-1e3, 1e4 * spacing))] {
-            let ceb = build("ceb", &Setting { reach, ..own });
+            let ceb = build("ceb", &LawParameters { reach, ..own });
             for (depth, force) in [(1.0, 1.180224534), (10.0, 1.831128124), (100.0, 3.560264914)] {
                 // Nine decimals of half the force.
                 let found = at(ceb.as_ref(), depth * spacing)[0];
@@ -273,7 +306,7 @@ fn chang_etsion_and_bogy_have_their_limits() {
             assert_close(at(ceb.as_ref(), 1e-12 * spacing)[0], 2.0, 1e-5);
             assert_close(at(ceb.as_ref(), 1e5 * spacing)[0], 2.0 * 0.744 * 1e5_f64.cbrt(), 2e-2);
         }
-        let flowing = setting(lambda, Path::Approach);
+        let flowing = parameters(lambda, Path::Approach);
         let ceb = build("ceb", &flowing);
         for x in [1.0_f64.next_up(), 2.0, 7.0, 100.0] {
             let [adhesion, load, area] = at(ceb.as_ref(), x * CRITICAL);
@@ -296,9 +329,9 @@ fn laws_that_contain_each_other_agree_where_they_do() {
     let below: Vec<f64> = deltas.iter().copied().filter(|delta| *delta <= CRITICAL).collect();
     for path in [Path::Approach, Path::Retraction] {
         for lambda in [0.1, 0.9, 2.5] {
-            let own = setting(lambda, path);
-            let dry = Setting { lubricant_thickness: 0.0, ..own };
-            let thin = Setting { lubricant_thickness: 1e-300, ..own };
+            let own = parameters(lambda, path);
+            let dry = LawParameters { lubricant_thickness: 0.0, ..own };
+            let thin = LawParameters { lubricant_thickness: 1e-300, ..own };
             // Nothing reaches ω_c, and beyond it the elastic law has nothing.
             let [hybrid, emd] = [build("hybrid", &own), build("emd", &own)];
             same(hybrid.as_ref(), emd.as_ref(), &below);
@@ -309,11 +342,13 @@ fn laws_that_contain_each_other_agree_where_they_do() {
             same(build("sbl", &thin).as_ref(), build("sbl", &dry).as_ref(), &deltas);
             same(build("hybrid", &thin).as_ref(), build("hybrid", &dry).as_ref(), &deltas);
             // Contact of the extended laws is Maugis-Dugdale's.
-            let plain = Setting { reach: None, ..dry };
+            let plain = LawParameters { reach: None, ..dry };
             let [md, kim, dry_emd] = ["md", "md_kim", "emd"].map(|name| build(name, &plain));
-            let contact: Vec<f64> = below.iter().copied().filter(|d| *d >= kim.boundaries()[0].interference).collect();
+            let contact: Vec<f64> =
+                below.iter().copied().filter(|d| *d >= kim.boundaries()[0].interference).collect();
             same(kim.as_ref(), md.as_ref(), &contact);
-            let contact: Vec<f64> = below.iter().copied().filter(|d| *d >= md.boundaries()[0].interference).collect();
+            let contact: Vec<f64> =
+                below.iter().copied().filter(|d| *d >= md.boundaries()[0].interference).collect();
             same(dry_emd.as_ref(), md.as_ref(), &contact);
             same(build("gw", &own).as_ref(), build("hertz", &own).as_ref(), &deltas);
         }
@@ -328,7 +363,8 @@ type Jump = (f64, [f64; 2]);
 /// The jumps that the laws are documented to have, in closed form, for the setting of these tests.
 fn documented(name: &str, lambda: f64, path: Path) -> Vec<Jump> {
     let spacing = 2.06 / (PI * lambda);
-    let ke = |factor: f64, b: f64, c: f64, x: f64| 2.0 * factor * f64::powf(x, b) * (spacing / CRITICAL).powf(c);
+    let ke =
+        |factor: f64, b: f64, c: f64, x: f64| 2.0 * factor * f64::powf(x, b) * (spacing / CRITICAL).powf(c);
     let first = |x| ke(0.98, 0.298, -0.29, x);
     let second = |x| ke(0.79, 0.356, -0.321, x);
     let third = |x| ke(1.19, 0.093, -0.332, x);
@@ -354,7 +390,7 @@ fn documented(name: &str, lambda: f64, path: Path) -> Vec<Jump> {
     // Where contact begins on approach above λ_f the state is that of the stable branch at the same Δ.
     let emd = Emd::new(lambda, path).unwrap();
     let contact_at = |delta: f64| {
-        let solution = emd.contact(delta, &mut Work::default());
+        let solution = emd.contact(delta, &mut SolverStats::default());
         [solution.adhesion, solution.radius.powi(3)]
     };
     let begin = if path == Path::Approach { touch.approach } else { end.approach };
@@ -372,7 +408,7 @@ fn documented(name: &str, lambda: f64, path: Path) -> Vec<Jump> {
             }
             jumps.push((at_fold.approach - t, [inner.at(low).adhesion - at_fold.adhesion, 0.0]));
         }
-        let before = emd.noncontact(begin.next_down(), &mut Work::default()).adhesion;
+        let before = emd.noncontact(begin.next_down(), &mut SolverStats::default()).adhesion;
         let [adhesion, load] = contact_at(begin);
         if t > 0.0 {
             jumps.push((begin - t, [2.0 - before, 0.0]));
@@ -392,7 +428,9 @@ fn documented(name: &str, lambda: f64, path: Path) -> Vec<Jump> {
         "md" => vec![(begin, contact_at(begin))],
         "md_kim" if path == Path::Approach && onset > begin => vec![(onset, contact_at(onset))],
         "md_kim" if path == Path::Approach => vec![(onset, [2.0 * PI * lambda * half * half, 0.0])],
-        "md_kim" if lambda < 0.9379 => vec![(onset - 0.5 * half * half, [PI / 2.0 * lambda * half * half, 0.0])],
+        "md_kim" if lambda < 0.9379 => {
+            vec![(onset - 0.5 * half * half, [PI / 2.0 * lambda * half * half, 0.0])]
+        }
         "md_kim" => vec![(begin, contact_at(begin))],
         "emd" => {
             let [adhesion, load] = contact_at(CRITICAL);
@@ -401,8 +439,9 @@ fn documented(name: &str, lambda: f64, path: Path) -> Vec<Jump> {
         "hybrid" => extended(THICKNESS).into_iter().chain(plastic(contact_at(CRITICAL))).collect(),
         "ke" | "isbl" => [(0.0, [-2.0, 0.0])].into_iter().chain(plastic([first(1.0), unit])).collect(),
         "ceb" => {
-            // The ring around an elastic contact at ω_c, which the plastic one does not have; the load jumps by half.
-            let end = at(build("ceb", &setting(lambda, path)).as_ref(), CRITICAL)[0];
+            // The ring around an elastic contact at ω_c, which the plastic one does not have; the load jumps
+            // by half.
+            let end = at(build("ceb", &parameters(lambda, path)).as_ref(), CRITICAL)[0];
             vec![(CRITICAL, [2.0 - end, 0.5 * unit])]
         }
         "sbl" => joints.into_iter().zip(loads).map(|(joint, load)| (joint, [0.0, load])).collect(),
@@ -418,7 +457,8 @@ fn laws_jump_where_and_as_much_as_documented() {
             for (name, law) in all(lambda, path).into_iter().filter(|(name, _)| !name.starts_with("fit")) {
                 let jumps = documented(name, lambda, path);
                 let beside = |delta: f64, step: f64| {
-                    let ([f, p, _], [g, q, _]) = (at(law.as_ref(), delta - step), at(law.as_ref(), delta + step));
+                    let ([f, p, _], [g, q, _]) =
+                        (at(law.as_ref(), delta - step), at(law.as_ref(), delta + step));
                     ([g - f, q - p], f + p + g + q)
                 };
                 let ends: Vec<f64> = law.pieces().iter().map(|piece| piece.upper).collect();
@@ -438,7 +478,8 @@ fn laws_jump_where_and_as_much_as_documented() {
                         );
                     }
                 }
-                // Nowhere else: halving the distance of two interferences beside each other always brings them closer.
+                // Nowhere else: halving the distance of two interferences beside each other always brings
+                // them closer.
                 for i in 0..5000 {
                     let (mut low, mut high) = (-12.0 + 0.08 * f64::from(i), -12.0 + 0.08 * f64::from(i + 1));
                     if jumps.iter().any(|(place, _)| low <= *place + 1e-9 && *place - 1e-9 <= high) {
@@ -462,7 +503,8 @@ fn laws_jump_where_and_as_much_as_documented() {
     }
 }
 
-/// Interferences at the boundaries themselves belong where the papers have them: contact from its beginning on, each fit up to its end.
+/// Interferences at the boundaries themselves belong where the papers have them: contact from its beginning
+/// on, each fit up to its end.
 #[test]
 fn boundaries_belong_where_the_papers_have_them() {
     for (name, law) in all(0.5, Path::Approach) {
@@ -481,8 +523,8 @@ fn boundaries_belong_where_the_papers_have_them() {
 
 // Slopes.
 
-/// dF_s/dΔ and dP/dΔ in closed form, where the law has one: of the classical laws, and along the curves of the extended law by the
-/// chain rule.
+/// dF_s/dΔ and dP/dΔ in closed form, where the law has one: of the classical laws, and along the curves of
+/// the extended law by the chain rule.
 fn slopes(name: &str, lambda: f64, delta: f64) -> Option<[f64; 2]> {
     let spacing = 2.06 / (PI * lambda);
     let u = 1.0 / (1.0 - delta / spacing);
@@ -566,7 +608,9 @@ fn slopes_along_the_curves_agree_with_finite_differences() {
             let step = 1e-5 * (state.approach - end).abs();
             let [below, above] = [-step, step].map(|step| at(law.as_ref(), state.approach + step));
             let load_slope = 3.0 * state.radius * state.radius * state.radius_slope;
-            for (i, slope) in [state.adhesion_slope / state.slope, load_slope / state.slope].into_iter().enumerate() {
+            for (i, slope) in
+                [state.adhesion_slope / state.slope, load_slope / state.slope].into_iter().enumerate()
+            {
                 let difference = (above[i] - below[i]) / (2.0 * step);
                 let size = (above[0] + above[1]) / (state.approach - end).abs();
                 assert!(
@@ -581,8 +625,9 @@ fn slopes_along_the_curves_agree_with_finite_differences() {
     }
 }
 
-/// Between the ends of its pieces, in the variable that a law says, third differences vanish with the step, so there is no kink. How it
-/// varies next to the ends only costs the integral panels. All laws, the fits too.
+/// Between the ends of its pieces, in the variable that a law says, third differences vanish with the step,
+/// so there is no kink. How it varies next to the ends only costs the integral panels. All laws, the fits
+/// too.
 #[test]
 fn laws_are_smooth_between_the_ends_of_their_pieces() {
     use stiction::asperity::Smoothness;
@@ -607,10 +652,12 @@ fn laws_are_smooth_between_the_ends_of_their_pieces() {
                     let step = (s1 - s0) / f64::from(intervals);
                     for i in 4..intervals - 4 {
                         let s = s0 + step * f64::from(i);
-                        let points: Vec<[f64; 2]> = (-3..=3).map(|j| value(s + 0.25 * step * f64::from(j))).collect();
+                        let points: Vec<[f64; 2]> =
+                            (-3..=3).map(|j| value(s + 0.25 * step * f64::from(j))).collect();
                         for q in 0..2 {
                             let wide = points[6][q] - 3.0 * points[4][q] + 3.0 * points[2][q] - points[0][q];
-                            let narrow = (points[5][q] - 3.0 * points[4][q] + 3.0 * points[3][q] - points[2][q]).abs();
+                            let narrow =
+                                (points[5][q] - 3.0 * points[4][q] + 3.0 * points[3][q] - points[2][q]).abs();
                             let size: f64 = points.iter().map(|p| p[0] + p[1]).fold(0.0, f64::max);
                             // Eightfold for a smooth curve; about onefold at a kink or jump.
                             let bent = wide.abs().max(1e-3 * size * step.min(1.0)) + 1e-9 * size;
@@ -646,15 +693,18 @@ fn forces_and_areas_are_never_negative_or_infinite() {
                     );
                     let regime = respond(law.as_ref(), delta).map(|(regime, _)| regime);
                     let contact = regime.is_some_and(Regime::is_contact);
-                    assert!(contact || values[1..] == [0.0, 0.0], "{name}, λ {lambda}, Δ {delta}: {values:?}");
+                    assert!(
+                        contact || values[1..] == [0.0, 0.0],
+                        "{name}, λ {lambda}, Δ {delta}: {values:?}"
+                    );
                 }
             }
         }
     }
 }
 
-/// An SI asperity is the scaled one in its units; with three geometries of different λ and none of R, E_r, Δγ near 1, a misplaced
-/// one would show.
+/// An SI asperity is the scaled one in its units; with three geometries of different λ and none of R, E_r, Δγ
+/// near 1, a misplaced one would show.
 #[test]
 fn laws_scale_away_from_one() {
     let (soft, _) = case("III");
@@ -670,16 +720,16 @@ fn laws_scale_away_from_one() {
         let length = (pull * pull / (asperity.radius * k * k)).cbrt();
         let width = (pull * asperity.radius / k).cbrt();
         for path in [Path::Approach, Path::Retraction] {
-            let own = Setting::new(&asperity, path, (-20e-9, 20e-9)).unwrap();
-            let scaled = Setting {
+            let own = LawParameters::new(&asperity, path, (-20e-9, 20e-9)).unwrap();
+            let scaled = LawParameters {
                 critical_interference: asperity.critical_interference() / length,
                 pressure_factor: own.pressure_factor,
                 lubricant_thickness: asperity.lubricant_thickness / length,
                 reach: own.reach.map(|(low, high)| (low / length, high / length)),
-                ..Setting::scaled(scale.lambda, path).unwrap()
+                ..LawParameters::scaled(scale.lambda, path).unwrap()
             };
             for model in MODELS.iter().filter(|model| model.name != "fit:paper") {
-                let [si, unit] = [own, scaled].map(|setting| (model.build)(&setting).unwrap());
+                let [si, unit] = [own, scaled].map(|parameters| (model.build)(&parameters).unwrap());
                 for delta in [-7.3, -3.0, -1.1, -0.72, -0.21, 0.01, 0.53, 3.0, 11.0, 60.0] {
                     let [adhesion, contact, area] = at(si.as_ref(), delta * length);
                     let found = [adhesion / pull, contact / pull, area / (width * width)];
@@ -688,7 +738,11 @@ fn laws_scale_away_from_one() {
                     let tolerance = if model.name == "fit:refit" { 1e-5 } else { 2e-11 };
                     for i in 0..3 {
                         let error = (found[i] - expected[i]).abs();
-                        assert!(error <= tolerance * expected[i], "{}, Δ {delta}: {found:?} {expected:?}", model.name);
+                        assert!(
+                            error <= tolerance * expected[i],
+                            "{}, Δ {delta}: {found:?} {expected:?}",
+                            model.name
+                        );
                     }
                 }
             }
@@ -724,7 +778,7 @@ fn the_published_fits_are_those_of_the_table() {
         assert_close(area + 1e-30, asperity.radius * delta * 1e-9 + 1e-30, 1e-13);
     }
     let other = Asperity { radius: 3.34e-6, ..asperity };
-    let setting = Setting::new(&other, Path::Approach, (-20e-9, 20e-9)).unwrap();
-    let refused = (model("fit:paper").unwrap().build)(&setting).err().unwrap();
+    let parameters = LawParameters::new(&other, Path::Approach, (-20e-9, 20e-9)).unwrap();
+    let refused = (model("fit:paper").unwrap().build)(&parameters).err().unwrap();
     assert!(refused.to_string().contains("fit:refit fits any"), "{refused}");
 }

@@ -1,5 +1,5 @@
-//! Surfaces that are brought close and pulled back: against plain loops over their asperities, their integral, closed forms of one asperity,
-//! and themselves on other threads and after an interruption.
+//! Surfaces that are brought close and pulled back: against plain loops over their asperities, their
+//! integral, closed forms of one asperity, and themselves on other threads and after an interruption.
 
 mod common;
 
@@ -9,11 +9,13 @@ use common::{brute_force, case, respond};
 use std::sync::atomic::{AtomicBool, Ordering};
 use stiction::asperity::models::model;
 use stiction::asperity::scale::Asperity;
-use stiction::asperity::{Loop, Path, Quantity, Setting, UnloadedRadius};
+use stiction::asperity::{LawParameters, Loop, Path, Quantity, UnloadedRadius};
 use stiction::engine::stream::{Purpose, stream};
-use stiction::engine::{Curves, Ensemble, Forest, Holding, Job, Outcome, Protocol, Replica, Workspace, run, run_from};
+use stiction::engine::{
+    Curves, Ensemble, Job, Loading, Outcome, Protocol, ReductionTree, Replica, Workspace, run, run_from,
+};
+use stiction::integral::Expectations;
 use stiction::math::words::Words;
-use stiction::statistical::Statistical;
 use stiction::surface::{CountLaw, SamplingScheme, Surface};
 use stiction::validation::{JointTest, Verdict, basis_of_loop, z_scores};
 
@@ -22,8 +24,8 @@ fn cycle(law: &str, asperity: &Asperity) -> Loop {
 }
 
 fn cycle_of(law: &str, asperity: &Asperity, radius: UnloadedRadius) -> Loop {
-    let setting = Setting::new(asperity, Path::Approach, (-60e-9, 60e-9)).unwrap();
-    Loop::new(&model(law).unwrap(), &setting, radius).unwrap()
+    let parameters = LawParameters::new(asperity, Path::Approach, (-60e-9, 60e-9)).unwrap();
+    Loop::new(&model(law).unwrap(), &parameters, radius).unwrap()
 }
 
 fn job<'a>(cycle: &'a Loop, surface: &'a Surface, separations: &'a [f64], replicas: u64) -> Job<'a> {
@@ -34,7 +36,7 @@ fn job<'a>(cycle: &'a Loop, surface: &'a Surface, separations: &'a [f64], replic
 fn ensemble(job: &Job<'_>, threads: usize) -> Ensemble {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
     match run::<()>(job, &pool, &AtomicBool::new(false), |_, _| Ok(())) {
-        Ok(Outcome::Complete(forest)) => forest.into_ensemble(job),
+        Ok(Outcome::Complete(reduction_tree)) => reduction_tree.into_ensemble(job),
         _ => panic!("the run did not complete"),
     }
 }
@@ -81,8 +83,8 @@ fn the_way_back_is_the_sum_over_its_asperities() {
     }
 }
 
-/// Where nothing flows and the contact of an asperity has one branch, both ways are one, and what they differ by is rounding: up to the λ
-/// at which contact begins to fold, 0.9379, where its root is almost triple.
+/// Where nothing flows and the contact of an asperity has one branch, both ways are one, and what they differ
+/// by is rounding: up to the λ at which contact begins to fold, 0.9379, where its root is almost triple.
 #[test]
 fn an_elastic_loop_without_a_fold_closes() {
     for (name, work_of_adhesion) in [("I", 0.01), ("I", 1e-3), ("II", 0.05), ("II", 0.09), ("II", 0.0959)] {
@@ -129,7 +131,8 @@ fn a_loop_of_a_law_that_ends_closes() {
     assert!((kept.touchdown_separation / kept.takeoff_separation - 1.0).abs() < 1e-14);
 }
 
-/// What touches on the way back and not on the way there pulls, where nothing acts before contact: F is never larger on the way back.
+/// What touches on the way back and not on the way there pulls, where nothing acts before contact: F is never
+/// larger on the way back.
 #[test]
 fn contact_that_lasts_longer_pulls() {
     let (mut asperity, surface) = case("III");
@@ -141,12 +144,16 @@ fn contact_that_lasts_longer_pulls() {
         let (there, back) = curves.total[Quantity::ExternalForce.index()].split_at(81);
         let scale = curves.total[Quantity::AdhesionForce.index()][0];
         assert!(there.iter().zip(back).all(|(there, back)| *back <= there + 1e-12 * scale), "{law}");
-        assert!(there.iter().zip(back).filter(|(there, back)| **back < *there - 1e-4 * scale).count() > 20, "{law}");
+        assert!(
+            there.iter().zip(back).filter(|(there, back)| **back < *there - 1e-4 * scale).count() > 20,
+            "{law}"
+        );
     }
 }
 
-/// Ensemble against integral on both ways together, of elastic, elastic-plastic and dry surfaces. Each verdict is a false alarm once in
-/// 1000 (the seed is fixed); |z| of thousands of correlated numbers above 6 less often.
+/// Ensemble against integral on both ways together, of elastic, elastic-plastic and dry surfaces. Each
+/// verdict is a false alarm once in 1000 (the seed is fixed); |z| of thousands of correlated numbers above 6
+/// less often.
 #[test]
 fn both_ways_agree_with_their_integral() {
     use UnloadedRadius::{Elastic, Kept};
@@ -169,8 +176,8 @@ fn both_ways_agree_with_their_integral() {
         let basis = basis_of_loop(&cycle, &surface, &separations, SamplingScheme::Independent, replicas);
         let job = job(&cycle, &surface, &separations, replicas);
         let sampled = ensemble(&job, 2);
-        let there = Statistical::new(cycle.approach(), &surface, &separations);
-        let back = Statistical::way_back(&cycle, &surface, &separations);
+        let there = Expectations::new(cycle.approach(), &surface, &separations);
+        let back = Expectations::way_back(&cycle, &surface, &separations);
         assert!(back.quadrature_error < 1e-10, "{name} {law}: {}", back.quadrature_error);
         let forces = [Quantity::AdhesionForce, Quantity::ExternalForce].map(Quantity::index);
         let mean = forces.map(|q| sampled.curves[q].mean());
@@ -189,7 +196,8 @@ fn both_ways_agree_with_their_integral() {
         let test = JointTest::new(&basis.probes, mean, [&planted[0], &planted[1]], basis.cumulants, replicas);
         assert_eq!(test.verdict, Verdict::Disagree, "{name} {law}: {test:?}");
         // The mean of 240 000 asperities against the scatter of the integral, where many bear the force.
-        for q in [Quantity::AdhesionForce, Quantity::ContactForce, Quantity::ContactArea].map(Quantity::index) {
+        for q in [Quantity::AdhesionForce, Quantity::ContactForce, Quantity::ContactArea].map(Quantity::index)
+        {
             let mean = &sampled.curves[q].mean()[31..];
             let z = z_scores(mean, &back.expected[q], &back.std[q], replicas);
             let busy = |k: &usize| (0..=15).contains(k) && back.std[q][*k] < 0.2 * back.expected[q][*k];
@@ -220,7 +228,8 @@ fn a_loop_without_asperities_has_no_contact() {
     assert!(counts[0] > 5 && counts[1] > 5, "{counts:?}");
 }
 
-/// Contacts are lost where it is said: none at the takeoff, at least one just before; likewise on the way there.
+/// Contacts are lost where it is said: none at the takeoff, at least one just before; likewise on the way
+/// there.
 #[test]
 fn touchdown_and_takeoff_are_where_contact_begins_and_ends() {
     for (name, h_star) in [("I", 0.0), ("II", 0.5), ("III", 1.0)] {
@@ -245,8 +254,9 @@ fn touchdown_and_takeoff_are_where_contact_begins_and_ends() {
     }
 }
 
-/// One asperity of JKR under a spring: pulled off at −(3/2)πRΔγ by a constant load, at −(5/6)πRΔγ by fixed grips, between these where
-/// dF̂/dΔ = (3A² − (3/2)√6 √A)/(2A − √(2/3)/√A) is minus the stiffness, which is the fold of H.
+/// One asperity of JKR under a spring: pulled off at −(3/2)πRΔγ by a constant load, at −(5/6)πRΔγ by fixed
+/// grips, between these where dF̂/dΔ = (3A² − (3/2)√6 √A)/(2A − √(2/3)/√A) is minus the stiffness, which is
+/// the fold of H.
 #[test]
 fn a_jkr_asperity_is_pulled_off_by_its_closed_form() {
     let (asperity, mut surface) = case("III");
@@ -257,23 +267,30 @@ fn a_jkr_asperity_is_pulled_off_by_its_closed_form() {
     let mut height = [0.0];
     surface.heights.draw(&mut stream(5, Purpose::Heights, 0), &mut height);
     let top = height[0] + surface.mean_plane_offset;
-    let separations: Vec<f64> = (0..12_001).map(|i| top + scale.length * (f64::from(i) / 1000.0 - 2.0)).collect();
+    let separations: Vec<f64> =
+        (0..12_001).map(|i| top + scale.length * (f64::from(i) / 1000.0 - 2.0)).collect();
     let unit = scale.force / scale.length;
     // A, F̂ and Δ at the fold of H for a few A between those of constant load and of fixed grips.
     let root = 6.0_f64.sqrt();
     let at = |a: f64| (a.powi(3) - root * a.powf(1.5), a * a - 2.0 / 3.0 * root * a.sqrt());
-    let slope = |a: f64| (3.0 * a * a - 1.5 * root * a.sqrt()) / (2.0 * a - (2.0_f64 / 3.0).sqrt() / a.sqrt());
+    let slope =
+        |a: f64| (3.0 * a * a - 1.5 * root * a.sqrt()) / (2.0 * a - (2.0_f64 / 3.0).sqrt() / a.sqrt());
     let radii = [0.7, 0.85, 1.0];
-    let stiffness: Vec<f64> = [0.0].into_iter().chain(radii.map(|a| -slope(a) * unit)).chain([1e6 * unit]).collect();
+    let stiffness: Vec<f64> =
+        [0.0].into_iter().chain(radii.map(|a| -slope(a) * unit)).chain([1e6 * unit]).collect();
     assert!(stiffness[1] > stiffness[2] && stiffness[2] > stiffness[3] && stiffness[3] > 0.0);
-    let holding = Holding { stiffness: &stiffness, preload: &[], smallest_snap: 0.0, ways: (true, true) };
+    let loading = Loading { stiffness: &stiffness, preload: &[], smallest_snap: 0.0, ways: (true, true) };
     let job = Job {
-        protocol: Protocol { cycle: Some(&cycle), holding, ..Protocol::default() },
+        protocol: Protocol { cycle: Some(&cycle), loading, ..Protocol::default() },
         ..job(&cycle, &surface, &separations, 1)
     };
     let (replica, curves) = one(&job);
     let step = scale.length / 1000.0;
-    assert!((replica.pull_off_force / scale.force - 1.5).abs() < 1e-6, "{}", replica.pull_off_force / scale.force);
+    assert!(
+        (replica.pull_off_force / scale.force - 1.5).abs() < 1e-6,
+        "{}",
+        replica.pull_off_force / scale.force
+    );
     let turn = &curves.snaps[3 * stiffness.len()..];
     assert_eq!(turn[0], separations[0]);
     assert_eq!(turn[1], replica.pull_off_force);
@@ -283,12 +300,17 @@ fn a_jkr_asperity_is_pulled_off_by_its_closed_form() {
         let place = top - scale.length * at(a).1;
         assert_eq!(off(i)[0], 1.0);
         assert!((off(i)[1] - place).abs() < 2.0 * step, "{a}: {} {place}", off(i)[1]);
-        // It comes to rest where nothing acts any more, with the same H = h − F/k; under a constant load nowhere.
+        // It comes to rest where nothing acts any more, with the same H = h − F/k; under a constant load
+        // nowhere.
         if i == 0 {
             assert!(off(i)[2].is_nan());
         } else {
             let distance = -at(a).0 * scale.force / stiffness[i];
-            assert!((off(i)[2] - distance).abs() < 0.01 * distance + 3.0 * step, "{a}: {} {distance}", off(i)[2]);
+            assert!(
+                (off(i)[2] - distance).abs() < 0.01 * distance + 3.0 * step,
+                "{a}: {} {distance}",
+                off(i)[2]
+            );
         }
     }
     // Fixed grips: off at the fold of the contact itself, over one step of the separations.
@@ -301,44 +323,52 @@ fn a_jkr_asperity_is_pulled_off_by_its_closed_form() {
     }
 }
 
-/// The same surface approached from 6 and from 8 σ: what snaps does so where it did. Under a constant load it attracts all the way, so its
-/// snap-in would begin wherever the separations do: it is none that is known.
+/// The same surface approached from 6 and from 8 σ: what snaps does so where it did. Under a constant load it
+/// attracts all the way, so its snap-in would begin wherever the separations do: it is none that is known.
 #[test]
 fn snaps_do_not_begin_where_the_separations_do() {
     let (asperity, surface) = case("III");
     let cycle = cycle("hybrid", &asperity);
-    let holding = Holding { stiffness: &[0.0, 1e7, 1e9], preload: &[], smallest_snap: 0.1e-9, ways: (true, true) };
+    let loading =
+        Loading { stiffness: &[0.0, 1e7, 1e9], preload: &[], smallest_snap: 0.1e-9, ways: (true, true) };
     let snaps = [(6.0, 141), (8.0, 181)].map(|(to, count)| {
         let separations = separations(&surface, -1.0, to, count);
         let job = Job {
-            protocol: Protocol { cycle: Some(&cycle), holding, ..Protocol::default() },
+            protocol: Protocol { cycle: Some(&cycle), loading, ..Protocol::default() },
             ..job(&cycle, &surface, &separations, 1)
         };
         one(&job).1.snaps
     });
     for snaps in &snaps {
         assert!(snaps[..3].iter().all(|number| number.is_nan()), "{snaps:?}");
-        assert!(snaps[3] == 1.0 && snaps[4] < 5.0 * surface.surface_height_std && snaps[6] == 0.0, "{snaps:?}");
+        assert!(
+            snaps[3] == 1.0 && snaps[4] < 5.0 * surface.surface_height_std && snaps[6] == 0.0,
+            "{snaps:?}"
+        );
     }
     for (i, (near, far)) in snaps[0].iter().zip(&snaps[1]).enumerate() {
-        assert!((near - far).abs() <= 1e-9 * far.abs() || near.is_nan() && far.is_nan(), "{i}: {near:e} {far:e}");
+        assert!(
+            (near - far).abs() <= 1e-9 * far.abs() || near.is_nan() && far.is_nan(),
+            "{i}: {near:e} {far:e}"
+        );
     }
 }
 
-/// The harder the surfaces are pressed together, the closer they turn, the more flows, and the later on the way back they let go.
+/// The harder the surfaces are pressed together, the closer they turn, the more flows, and the later on the
+/// way back they let go.
 #[test]
 fn preloads_turn_in_their_order() {
     let (asperity, surface) = case("I");
     let cycle = cycle("hybrid", &asperity);
     let separations = separations(&surface, -0.5, 6.0, 66);
     let preload = [1e-6, 1e-4, 1e-2, 0.1, 1e3];
-    let holding = Holding { stiffness: &[1e3], preload: &preload, smallest_snap: 0.0, ways: (true, true) };
+    let loading = Loading { stiffness: &[1e3], preload: &preload, smallest_snap: 0.0, ways: (true, true) };
     let job = Job {
-        protocol: Protocol { cycle: Some(&cycle), holding, ..Protocol::default() },
+        protocol: Protocol { cycle: Some(&cycle), loading, ..Protocol::default() },
         ..job(&cycle, &surface, &separations, 1)
     };
     let (_, curves) = one(&job);
-    assert_eq!(curves.snaps.len(), holding.length());
+    assert_eq!(curves.snaps.len(), loading.length());
     let turns: Vec<&[f64]> = curves.snaps[3..].chunks_exact(6).collect();
     assert!(turns[..4].windows(2).all(|pair| pair[0][0] > pair[1][0]), "{turns:?}");
     assert!(turns[4].iter().all(|number| number.is_nan()), "{turns:?}");
@@ -351,7 +381,8 @@ fn preloads_turn_in_their_order() {
     }
 }
 
-/// What is dissipated is what plastic flow and folds take: more where the surfaces were closer, and never a gain.
+/// What is dissipated is what plastic flow and folds take: more where the surfaces were closer, and never a
+/// gain.
 #[test]
 fn a_loop_costs_energy_where_something_flows_or_folds() {
     for name in ["I", "II", "III"] {
@@ -375,9 +406,10 @@ fn bits_do_not_depend_on_threads_and_interruptions() {
     surface.asperity_count = 300;
     let cycle = cycle("hybrid", &asperity);
     let separations = separations(&surface, -0.5, 5.0, 20);
-    let holding = Holding { stiffness: &[0.0, 1e3], preload: &[1e-3], smallest_snap: 0.0, ways: (true, true) };
+    let loading =
+        Loading { stiffness: &[0.0, 1e3], preload: &[1e-3], smallest_snap: 0.0, ways: (true, true) };
     let plain = job(&cycle, &surface, &separations, 124);
-    let job = Job { protocol: Protocol { cycle: Some(&cycle), holding, ..Protocol::default() }, ..plain };
+    let job = Job { protocol: Protocol { cycle: Some(&cycle), loading, ..Protocol::default() }, ..plain };
     let bits = |ensemble: &Ensemble| {
         let mut replicas = ensemble.replicas.clone();
         let replicas: Vec<u64> = replicas.iter_mut().flat_map(|replica| replica.words()).collect();
@@ -386,7 +418,7 @@ fn bits_do_not_depend_on_threads_and_interruptions() {
         (replicas, snaps, moments)
     };
     let whole = bits(&ensemble(&job, 1));
-    assert_eq!(whole.1.len(), 124 * holding.length());
+    assert_eq!(whole.1.len(), 124 * loading.length());
     assert_eq!(whole, bits(&ensemble(&job, 2)));
     let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
     let stop = AtomicBool::new(false);
@@ -394,16 +426,20 @@ fn bits_do_not_depend_on_threads_and_interruptions() {
         stop.store(merged.replicas.len() >= 16, Ordering::Relaxed);
         Ok(())
     });
-    let kept = interrupted.unwrap().forest().clone();
+    let kept = interrupted.unwrap().reduction_tree().clone();
     assert!(kept.replicas.len() < 124);
-    let restored = Forest::restored(&job, &kept.state(), kept.replicas, kept.snaps.clone()).unwrap();
-    assert!(Forest::restored(&job, &restored.state(), restored.replicas.clone(), Vec::new()).is_none());
-    let outcome = run_from::<()>(&job, &pool, &AtomicBool::new(false), restored, None, |_, _| Ok(())).unwrap();
-    assert_eq!(whole, bits(&outcome.forest().ensemble(&job)));
+    let restored = ReductionTree::restored(&job, &kept.state(), kept.replicas, kept.snaps.clone()).unwrap();
+    assert!(
+        ReductionTree::restored(&job, &restored.state(), restored.replicas.clone(), Vec::new()).is_none()
+    );
+    let outcome =
+        run_from::<()>(&job, &pool, &AtomicBool::new(false), restored, None, |_, _| Ok(())).unwrap();
+    assert_eq!(whole, bits(&outcome.reduction_tree().ensemble(&job)));
 }
 
-/// The pull-off after a preload belongs to the history that ends where the surfaces turned: the force there is the sum over the asperities
-/// of what [`Loop::at`] that distance from the turn says of each, and nowhere on the way back it is deeper by more than the search may miss.
+/// The pull-off after a preload belongs to the history that ends where the surfaces turned: the force there
+/// is the sum over the asperities of what [`Loop::at`] that distance from the turn says of each, and nowhere
+/// on the way back it is deeper by more than the search may miss.
 #[test]
 fn what_pulls_off_after_a_preload_has_that_history() {
     let (asperity, mut surface) = case("I");
@@ -411,9 +447,9 @@ fn what_pulls_off_after_a_preload_has_that_history() {
     let cycle = cycle("hybrid", &asperity);
     let separations = separations(&surface, -0.5, 6.0, 66);
     let preload = [1e-7, 1e-6, 1e-5, 1e-4, 3e-4];
-    let holding = Holding { stiffness: &[1e3], preload: &preload, smallest_snap: 0.0, ways: (true, true) };
+    let loading = Loading { stiffness: &[1e3], preload: &preload, smallest_snap: 0.0, ways: (true, true) };
     let job = Job {
-        protocol: Protocol { cycle: Some(&cycle), holding, ..Protocol::default() },
+        protocol: Protocol { cycle: Some(&cycle), loading, ..Protocol::default() },
         ..job(&cycle, &surface, &separations, 1)
     };
     let (replica, curves) = one(&job);
@@ -422,7 +458,11 @@ fn what_pulls_off_after_a_preload_has_that_history() {
     let force = |turn: f64, h: f64| {
         let law = cycle.at(h - turn);
         let closest = surface.asperity_separation(turn);
-        heights.iter().map(|height| respond(&law, height - closest).unwrap().1).map(|[a, p, _]| p - a).sum::<f64>()
+        heights
+            .iter()
+            .map(|height| respond(&law, height - closest).unwrap().1)
+            .map(|[a, p, _]| p - a)
+            .sum::<f64>()
     };
     let turns: Vec<&[f64]> = curves.snaps[3..].chunks_exact(6).collect();
     let mut differ = 0;
@@ -431,7 +471,8 @@ fn what_pulls_off_after_a_preload_has_that_history() {
         let own = force(from, place);
         assert!((own / -pull_off - 1.0).abs() < 1e-9, "{turn:?}: {own:e}");
         let end = separations[65];
-        let deepest = (0..=4000).map(|i| force(from, from + (end - from) * f64::from(i) / 4000.0)).fold(0.0, f64::min);
+        let deepest =
+            (0..=4000).map(|i| force(from, from + (end - from) * f64::from(i) / 4000.0)).fold(0.0, f64::min);
         assert!(-pull_off <= 0.98 * deepest, "{turn:?}: {deepest:e}");
         let of_whole = force(separations[0], place);
         differ += usize::from((of_whole / -pull_off - 1.0).abs() > 1e-3);
@@ -439,8 +480,8 @@ fn what_pulls_off_after_a_preload_has_that_history() {
     assert!(differ >= 2, "{turns:?} {}", replica.pull_off_force);
 }
 
-/// The pull-off on the way back, from the closest separation and after a preload, tops flattened or not: no look at the curve finds anything
-/// deeper, and at its place the curve has that force.
+/// The pull-off on the way back, from the closest separation and after a preload, tops flattened or not: no
+/// look at the curve finds anything deeper, and at its place the curve has that force.
 #[test]
 fn the_pull_off_on_the_way_back_is_the_deepest_point() {
     for (name, radius, count) in [
@@ -456,18 +497,20 @@ fn the_pull_off_on_the_way_back_is_the_deepest_point() {
         let cycle = cycle_of("hybrid", &asperity, radius);
         let separations = separations(&surface, -0.5, 6.0, 131);
         let preload = [1e-5];
-        let holding = Holding { stiffness: &[1e3], preload: &preload, smallest_snap: 0.0, ways: (true, true) };
+        let loading =
+            Loading { stiffness: &[1e3], preload: &preload, smallest_snap: 0.0, ways: (true, true) };
         let job = Job {
-            protocol: Protocol { cycle: Some(&cycle), holding, ..Protocol::default() },
+            protocol: Protocol { cycle: Some(&cycle), loading, ..Protocol::default() },
             ..job(&cycle, &surface, &separations, 1)
         };
         let (replica, curves) = one(&job);
         let mut heights = vec![0.0; count];
         surface.heights.draw(&mut stream(job.seed, Purpose::Heights, 0), &mut heights);
         let turned = &curves.snaps[3..6];
-        for (from, pull_off, place) in
-            [(separations[0], replica.pull_off_force, replica.pull_off_separation), (turned[0], turned[1], turned[2])]
-        {
+        for (from, pull_off, place) in [
+            (separations[0], replica.pull_off_force, replica.pull_off_separation),
+            (turned[0], turned[1], turned[2]),
+        ] {
             if from.is_nan() {
                 continue;
             }
@@ -483,8 +526,9 @@ fn the_pull_off_on_the_way_back_is_the_deepest_point() {
     }
 }
 
-/// One asperity of `md_kim` (Kim, McMeeking and Johnson): it feels nothing before Δ_on = −2/(πλ). A loop that turns before has no force at all; one
-/// that has passed Δ_on, without contact, keeps F̂_s = (π/2)λC², C = b + √(b² + 2(Δ − Δ_on)), b = 8λ/(3π), down to Δ_on − b²/2.
+/// One asperity of `md_kim` (Kim, McMeeking and Johnson): it feels nothing before Δ_on = −2/(πλ). A loop that
+/// turns before has no force at all; one that has passed Δ_on, without contact, keeps F̂_s = (π/2)λC², C = b
+/// + √(b² + 2(Δ − Δ_on)), b = 8λ/(3π), down to Δ_on − b²/2.
 #[test]
 fn an_asperity_is_captured_where_its_attraction_begins() {
     let (mut asperity, mut surface) = case("I");
@@ -499,7 +543,8 @@ fn an_asperity_is_captured_where_its_attraction_begins() {
     let top = height[0] + surface.mean_plane_offset;
     for turn in [onset - 0.3 * b * b, onset + 0.05 * b] {
         // From the turn on to beyond the fold, none of the places on it.
-        let approaches: Vec<f64> = (0..60).map(|i| turn - f64::from(i) * (turn - fold + 0.1 * b * b) / 58.7).collect();
+        let approaches: Vec<f64> =
+            (0..60).map(|i| turn - f64::from(i) * (turn - fold + 0.1 * b * b) / 58.7).collect();
         let separations: Vec<f64> = approaches.iter().map(|delta| top - scale.length * delta).collect();
         let (_, curves) = one(&job(&cycle, &surface, &separations, 1));
         let (there, back) = curves.total[Quantity::AdhesionForce.index()].split_at(60);
@@ -513,15 +558,19 @@ fn an_asperity_is_captured_where_its_attraction_begins() {
             let captured = turn >= onset && *delta >= fold;
             let on_the_way_back = if captured { branch() } else { 0.0 };
             held += usize::from(captured && *delta < onset);
-            assert!((there[i] - on_approach).abs() < 1e-6 * scale.force, "{turn} {delta}: {} {on_approach}", there[i]);
+            assert!(
+                (there[i] - on_approach).abs() < 1e-6 * scale.force,
+                "{turn} {delta}: {} {on_approach}",
+                there[i]
+            );
             assert!((back[i] - on_the_way_back).abs() < 1e-5 * scale.force, "{turn} {delta}: {}", back[i]);
         }
         assert_eq!(held > 20, turn >= onset, "{held}");
     }
 }
 
-/// The pull-off of the integral on the way back is where its curve is deepest, and every probability of a snap is over the replicas that took the
-/// way: a preload that not all patches bear leaves some out.
+/// The pull-off of the integral on the way back is where its curve is deepest, and every probability of a
+/// snap is over the replicas that took the way: a preload that not all patches bear leaves some out.
 #[test]
 fn what_the_file_says_of_a_loop_follows_from_the_file() {
     let scene = small()
@@ -536,7 +585,8 @@ fn what_the_file_says_of_a_loop_follows_from_the_file() {
     let read = |name: &str| file.dataset(name).unwrap().read_raw::<f64>().unwrap();
     let curve = read("/statistical/retraction_external_force");
     let deepest = curve.iter().copied().fold(f64::INFINITY, f64::min);
-    let told: f64 = file.group("/statistical").unwrap().attr("pull_off_force").unwrap().read_scalar().unwrap();
+    let told: f64 =
+        file.group("/statistical").unwrap().attr("pull_off_force").unwrap().read_scalar().unwrap();
     assert!(told >= -deepest * (1.0 - 1e-12) && told < -deepest * 1.02, "{told:e} {deepest:e}");
     let turned = read("/replicas/turn_separation");
     let count = |p: usize| turned.iter().skip(p).step_by(2).filter(|h| !h.is_nan()).count();

@@ -1,5 +1,5 @@
-//! Asperities of height maps that are known: spheres on a plane, an egg-box, Gaussian surfaces of Nayak's theory; and the program that
-//! finds them.
+//! Asperities of height maps that are known: spheres on a plane, an egg-box, Gaussian surfaces of Nayak's
+//! theory; and the program that finds them.
 
 mod common;
 
@@ -13,7 +13,7 @@ use std::path::Path;
 use std::sync::Arc;
 use stiction::math::moments::Moments;
 use stiction::output::asperities;
-use stiction::output::columns::Beside;
+use stiction::output::columns::SceneFiles;
 use stiction::scene::files::{Column, Files, Measured};
 use stiction::scene::{Document, Scene};
 use stiction::surface::Radii;
@@ -28,9 +28,10 @@ fn map(shape: [usize; 2], pixel: [f64; 2], height: impl Fn(f64, f64) -> f64) -> 
     HeightMap::new(heights, shape, pixel).unwrap()
 }
 
-/// Spheres of radius R on a plane, anywhere between the pixels. The pixel next to a top is at most (a, b) = (dx, dy)/2 off it: its height
-/// is less by at most (a² + b²)/2R, and its mean curvature off by the relative (a² + b²)/R² + dx²/4R², to leading order, where the last
-/// is that of second differences: Δ⁴z dx²/12 with Δ⁴z = 3/R³.
+/// Spheres of radius R on a plane, anywhere between the pixels. The pixel next to a top is at most (a, b) =
+/// (dx, dy)/2 off it: its height is less by at most (a² + b²)/2R, and its mean curvature off by the relative
+/// (a² + b²)/R² + dx²/4R², to leading order, where the last is that of second differences: Δ⁴z dx²/12 with
+/// Δ⁴z = 3/R³.
 #[test]
 fn spheres_on_a_plane_are_found_one_by_one() {
     let (radius, pixel, spacing, protrusion) = (40e-9, 1e-9, 40, 10e-9);
@@ -40,7 +41,8 @@ fn spheres_on_a_plane_are_found_one_by_one() {
     let tops: Vec<(f64, f64)> = (0..down * across).map(|i| (place(i % across), place(i / across))).collect();
     let shape = [down * spacing, across * spacing];
     let height = |x: f64, y: f64| {
-        let nearest = tops.iter().map(|(u, v)| (x - u).powi(2) + (y - v).powi(2)).fold(f64::INFINITY, f64::min);
+        let nearest =
+            tops.iter().map(|(u, v)| (x - u).powi(2) + (y - v).powi(2)).fold(f64::INFINITY, f64::min);
         (protrusion - radius + (radius * radius - nearest).max(0.0).sqrt()).max(0.0)
     };
     let spheres = map(shape, [pixel; 2], height);
@@ -62,8 +64,8 @@ fn spheres_on_a_plane_are_found_one_by_one() {
     assert!((found.measured.density * area / 72.0 - 1.0).abs() < 1e-14);
 }
 
-/// z = a (cos kx + cos ky) with its summits at a fixed part of a pixel off the next one: the density is one in a period squared, and
-/// height 2a and radius 1/(ak²) are approached with the second order of the pixel.
+/// z = a (cos kx + cos ky) with its summits at a fixed part of a pixel off the next one: the density is one
+/// in a period squared, and height 2a and radius 1/(ak²) are approached with the second order of the pixel.
 #[test]
 fn an_egg_box_is_approached_with_second_order() {
     let (a, period, periods) = (2e-9, 480e-9, 5);
@@ -94,14 +96,16 @@ fn an_egg_box_is_approached_with_second_order() {
     assert!((errors[3][0] / (-0.0325 * step * step) - 1.0).abs() < 1e-3, "{errors:?}");
 }
 
-/// An isotropic Gaussian surface of unit variance as a sum of many waves whose wave vectors are drawn from a disc of radius q: profiles
-/// have m₂ = q²/4 and m₄ = q⁴/8, so α = 2. Every wave is a product of functions of x and y, summed without evaluating cosines anew.
+/// An isotropic Gaussian surface of unit variance as a sum of many waves whose wave vectors are drawn from a
+/// disc of radius q: profiles have m₂ = q²/4 and m₄ = q⁴/8, so α = 2. Every wave is a product of functions of
+/// x and y, summed without evaluating cosines anew.
 fn gaussian_surface(side: usize, q: f64, random: &mut ChaCha8Rng) -> HeightMap {
     const WAVES: usize = 500;
     let mut heights = vec![0.0; side * side];
     let amplitude = (2.0 / WAVES as f64).sqrt();
     for wave in 0..WAVES {
-        // Radii and directions in as many equally probable ranges as there are waves: less scatter from map to map.
+        // Radii and directions in as many equally probable ranges as there are waves: less scatter from map
+        // to map.
         let radius = q * ((wave as f64 + random.random::<f64>()) / WAVES as f64).sqrt();
         let direction: f64 = PI * ((wave * 263 % WAVES) as f64 + random.random::<f64>()) / WAVES as f64;
         let phase: f64 = 2.0 * PI * random.random::<f64>();
@@ -129,13 +133,21 @@ fn statistics(map: HeightMap) -> [f64; 6] {
     let found = Asperities::new(&map.levelled(Levelling::None).unwrap()).unwrap();
     let measured = found.measured;
     let curvature = 1.0 / measured.radius;
-    [measured.density, measured.height_mean, measured.height_std, curvature, found.moments.m2(), found.moments.m4()]
+    [
+        measured.density,
+        measured.height_mean,
+        measured.height_std,
+        curvature,
+        found.moments.m2(),
+        found.moments.m4(),
+    ]
 }
 
-/// Nayak (1971): η = m₄/(6π√3 m₂), mean height 4√(m₀/(πα)); Bush, Gibson and Thomas (1975): mean curvature 8/3 √(m₄/π); the variance of
-/// heights is (1 − 0.896805756…/α) m₀, by quadrature of Nayak's density in 30 digits. The means of two maps, of pixels of 1/28 and 1/14
-/// of the wavelength 2π√(m₂/m₄), are extrapolated to pixels of no size, with the second order that differences have. Student's t of
-/// six means over 40 independent maps; false alarms: 6 × 2·10⁻⁵.
+/// Nayak (1971): η = m₄/(6π√3 m₂), mean height 4√(m₀/(πα)); Bush, Gibson and Thomas (1975): mean curvature
+/// 8/3 √(m₄/π); the variance of heights is (1 − 0.896805756…/α) m₀, by quadrature of Nayak's density in 30
+/// digits. The means of two maps, of pixels of 1/28 and 1/14 of the wavelength 2π√(m₂/m₄), are extrapolated
+/// to pixels of no size, with the second order that differences have. Student's t of six means over 40
+/// independent maps; false alarms: 6 × 2·10⁻⁵.
 #[test]
 fn summits_of_gaussian_surfaces_are_those_of_nayaks_theory() {
     const MAPS: u64 = 40;
@@ -175,11 +187,13 @@ fn summits_of_gaussian_surfaces_are_those_of_nayaks_theory() {
     assert!(coarse[3] > 0.94 && coarse[3] < 1.0, "{coarse:?}");
 }
 
-/// Turning a map by a quarter exchanges x and y and changes nothing else; coarser steps along y are no other heights.
+/// Turning a map by a quarter exchanges x and y and changes nothing else; coarser steps along y are no other
+/// heights.
 #[test]
 fn directions_are_not_mixed_up() {
-    let wave =
-        |x: f64, y: f64| 1e-9 * ((0.3e9 * x).cos() + 2.0 * (0.2e9 * y + 0.1).cos() + 0.1 * (0.11e9 * (x + y)).sin());
+    let wave = |x: f64, y: f64| {
+        1e-9 * ((0.3e9 * x).cos() + 2.0 * (0.2e9 * y + 0.1).cos() + 0.1 * (0.11e9 * (x + y)).sin())
+    };
     let level = |map: HeightMap| Asperities::new(&map.levelled(Levelling::Plane).unwrap()).unwrap();
     let upright = level(map([120, 90], [2e-9, 1e-9], wave));
     let turned = level(map([90, 120], [1e-9, 2e-9], |x, y| wave(y, x)));
@@ -196,16 +210,20 @@ fn directions_are_not_mixed_up() {
         assert!((upright.moments.slope[i] / turned.moments.slope[1 - i] - 1.0).abs() < 1e-12);
     }
     // −∂²z/∂y² of the second wave at its crests is 2·(0.2)² = 0.08, against 0.09 along x.
-    let [along_y, along_x] =
-        [0, 1].map(|i| upright.summits.iter().map(|s| s.curvature[i]).sum::<f64>() / upright.summits.len() as f64);
-    assert!((along_y / 0.08e9 - 1.0).abs() < 0.05 && (along_x / 0.09e9 - 1.0).abs() < 0.05, "{along_y:e} {along_x:e}");
+    let [along_y, along_x] = [0, 1]
+        .map(|i| upright.summits.iter().map(|s| s.curvature[i]).sum::<f64>() / upright.summits.len() as f64);
+    assert!(
+        (along_y / 0.08e9 - 1.0).abs() < 0.05 && (along_x / 0.09e9 - 1.0).abs() < 0.05,
+        "{along_y:e} {along_x:e}"
+    );
 }
 
 /// The heights of the shipped map, nm, and its side.
 fn shipped() -> (Vec<f64>, usize) {
     let text = std::fs::read_to_string(MAP).unwrap();
     let rows = text.lines().filter(|line| !line.starts_with('#'));
-    let heights: Vec<f64> = rows.flat_map(|row| row.split('\t')).map(|field| field.parse().unwrap()).collect();
+    let heights: Vec<f64> =
+        rows.flat_map(|row| row.split('\t')).map(|field| field.parse().unwrap()).collect();
     let side = heights.len().isqrt();
     assert_eq!(side * side, heights.len());
     (heights, side)
@@ -229,7 +247,8 @@ fn write_hdf5(path: &Path, heights: &[f64], side: usize) {
     }
 }
 
-/// Whatever the kind of file, the same heights give the same bits; and what is read back is what the summits are.
+/// Whatever the kind of file, the same heights give the same bits; and what is read back is what the summits
+/// are.
 #[test]
 fn kinds_of_files_give_the_same_bits() {
     let folder = Folder::new("");
@@ -242,11 +261,23 @@ fn kinds_of_files_give_the_same_bits() {
         text(&run.stdout)
     };
     let summary = read(&[MAP, "-o", "text.h5"]);
-    for part in ["pixels", "levelled", "alpha", "of summits", "of moments", "density", "eta R sigma_s", "text.h5"] {
+    for part in
+        ["pixels", "levelled", "alpha", "of summits", "of moments", "density", "eta R sigma_s", "text.h5"]
+    {
         assert!(summary.contains(part), "{part}: {summary}");
     }
     read(&["map.npy", "--pixel", "30 nm", "--height-unit", "nm", "-o", "npy.h5"]);
-    read(&["map.h5", "--dataset", "scan/forward", "--pixel", "0.03 um,30 nm", "--height-unit", "nm", "-o", "hdf5.h5"]);
+    read(&[
+        "map.h5",
+        "--dataset",
+        "scan/forward",
+        "--pixel",
+        "0.03 um,30 nm",
+        "--height-unit",
+        "nm",
+        "-o",
+        "hdf5.h5",
+    ]);
     let expected = bits(&folder.path("text.h5"));
     assert!(expected.len() > 20 && expected.iter().any(|(_, values)| values.len() > 100));
     for other in ["npy.h5", "hdf5.h5"] {
@@ -260,18 +291,29 @@ fn kinds_of_files_give_the_same_bits() {
     assert_eq!(back.heights.len(), found.summits.len());
     let close = |a: f64, b: f64| (a / b - 1.0).abs() < 1e-9;
     for (i, summit) in found.summits.iter().enumerate() {
-        assert!(close(back.radii[i], summit.radius()) && (back.heights[i] - summit.height).abs() < 1e-18, "{i}");
+        assert!(
+            close(back.radii[i], summit.radius()) && (back.heights[i] - summit.height).abs() < 1e-18,
+            "{i}"
+        );
         let [x, y] = back.positions[i];
-        assert!(close(x, 3e-8 * (summit.column as f64 + 0.5)) && close(y, 3e-8 * (summit.row as f64 + 0.5)), "{i}");
+        assert!(
+            close(x, 3e-8 * (summit.column as f64 + 0.5)) && close(y, 3e-8 * (summit.row as f64 + 0.5)),
+            "{i}"
+        );
     }
     assert!(close(back.nominal_area, found.nominal_area) && close(back.density, found.measured.density));
     assert!(close(back.mean_plane_offset, back.heights.iter().sum::<f64>() / back.heights.len() as f64));
     assert!(
-        close(back.m0, found.moments.m0) && close(back.m2, found.moments.m2()) && close(back.m4, found.moments.m4())
+        close(back.m0, found.moments.m0)
+            && close(back.m2, found.moments.m2())
+            && close(back.m4, found.moments.m4())
     );
     let info = folder.stiction(&["info", "text.h5"]);
     assert_exit(&info, 0);
-    assert!(text(&info.stdout).contains("stiction-asperities") && text(&info.stdout).contains("/asperities/radius"));
+    assert!(
+        text(&info.stdout).contains("stiction-asperities")
+            && text(&info.stdout).contains("/asperities/radius")
+    );
 }
 
 /// Without -o there is a summary and no file.
@@ -289,9 +331,22 @@ fn missing_heights_are_left_out() {
     let (mut heights, side) = shipped();
     heights.iter_mut().enumerate().filter(|(i, _)| i % 41 == 0).for_each(|(_, height)| *height = f64::NAN);
     write_npy(&folder.path("map.npy"), &heights, side);
-    let run = folder.stiction(&["asperities", "map.npy", "--pixel", "30 nm", "--height-unit", "nm", "-o", "map.h5"]);
+    let run = folder.stiction(&[
+        "asperities",
+        "map.npy",
+        "--pixel",
+        "30 nm",
+        "--height-unit",
+        "nm",
+        "-o",
+        "map.h5",
+    ]);
     assert_exit(&run, 0);
-    assert!(text(&run.stdout).contains("warning           2.4 % of the heights are missing"), "{}", text(&run.stdout));
+    assert!(
+        text(&run.stdout).contains("warning           2.4 % of the heights are missing"),
+        "{}",
+        text(&run.stdout)
+    );
     assert!(attribute(&folder.path("map.h5"), "/", "warnings").contains("2.4 % of the heights are missing"));
     let whole = Folder::new("");
     assert_exit(&whole.stiction(&["asperities", MAP, "-o", "map.h5"]), 0);
@@ -299,8 +354,13 @@ fn missing_heights_are_left_out() {
     // A missing pixel takes 9 with it.
     let share = part.nominal_area / all.nominal_area;
     assert!((share - (1.0 - 9.0 / 41.0)).abs() < 0.01, "{share}");
-    // Of about 200 summits about 170 are left: the density changes by no more than 5 standard errors of what is lost.
-    assert!((part.density / all.density - 1.0).abs() < 5.0 * (0.22_f64 / 0.78 / 213.0).sqrt(), "{}", part.density);
+    // Of about 200 summits about 170 are left: the density changes by no more than 5 standard errors of what
+    // is lost.
+    assert!(
+        (part.density / all.density - 1.0).abs() < 5.0 * (0.22_f64 / 0.78 / 213.0).sqrt(),
+        "{}",
+        part.density
+    );
 }
 
 /// Coarse pixels, few summits, a lay and steps of height are warned of.
@@ -319,7 +379,8 @@ fn what_the_map_does_not_show_is_warned_of() {
     warned(&heights[..side * 50][..50 * 50], 50, "summits are few");
     let stepped: Vec<f64> = heights.iter().map(|height| (height / 0.5).round() * 0.5).collect();
     warned(&stepped, side, "of neighbouring pixels are equally high");
-    let lay: Vec<f64> = heights.iter().enumerate().map(|(i, z)| z + 3.0 * (0.4 * (i % side) as f64).sin()).collect();
+    let lay: Vec<f64> =
+        heights.iter().enumerate().map(|(i, z)| z + 3.0 * (0.4 * (i % side) as f64).sin()).collect();
     warned(&lay, side, "mean square slopes along x and y differ");
     let spiky: Vec<f64> = heights.iter().map(|height| height.powi(3)).collect();
     warned(&spiky, side, "heights are far from Gaussian");
@@ -380,7 +441,8 @@ fn what_is_no_map_is_refused() {
     refused("none.txt", &units, "cannot be read");
     refused(".", &units, "is a folder");
     let own = folder.stiction(
-        &[&["asperities", "map.h5", "--dataset", "scan/forward", "-o", "map.h5", "--force"], &units[..]].concat(),
+        &[&["asperities", "map.h5", "--dataset", "scan/forward", "-o", "map.h5", "--force"], &units[..]]
+            .concat(),
     );
     assert_exit(&own, 2);
     assert!(text(&own.stderr).contains("which this command reads"), "{}", text(&own.stderr));
@@ -426,8 +488,8 @@ fn files_of_asperities_are_not_trusted() {
     refused("is not an HDF5 file");
 }
 
-/// Summits of 6 pixels from one to the next are told to be too coarse, along whichever side; of 16 they are not. A caveat is of the surface as
-/// well as of the pixels: an egg-box is no Gaussian surface.
+/// Summits of 6 pixels from one to the next are told to be too coarse, along whichever side; of 16 they are
+/// not. A caveat is of the surface as well as of the pixels: an egg-box is no Gaussian surface.
 #[test]
 fn coarse_pixels_are_told() {
     let period = 480e-9;
@@ -435,20 +497,28 @@ fn coarse_pixels_are_told() {
     for (down, across, is_told) in [(16, 16, false), (6, 6, true), (6, 16, true), (16, 6, true)] {
         let pixel = [period / f64::from(down), period / f64::from(across)];
         let shape = [5 * down as usize + 2, 5 * across as usize + 2];
-        let eggs = map(shape, pixel, |x, y| 2e-9 * ((k * (x + 0.1 * period)).cos() + (k * (y + 0.2 * period)).cos()));
+        let eggs = map(shape, pixel, |x, y| {
+            2e-9 * ((k * (x + 0.1 * period)).cos() + (k * (y + 0.2 * period)).cos())
+        });
         let found = Asperities::new(&eggs.levelled(Levelling::None).unwrap()).unwrap();
         let caveats = found.caveats(pixel);
         let of_pixels = |caveat: &&String| caveat.contains("pixels are too coarse");
-        assert_eq!(caveats.iter().filter(of_pixels).count(), usize::from(is_told), "{down} {across}: {caveats:?}");
+        assert_eq!(
+            caveats.iter().filter(of_pixels).count(),
+            usize::from(is_told),
+            "{down} {across}: {caveats:?}"
+        );
     }
 }
 
-/// Mean square slopes along two directions are as the squares of the wave numbers: an egg-box with periods that differ by 3 is told to
-/// be anisotropic, whichever is the longer; one whose periods differ by 5 % is not.
+/// Mean square slopes along two directions are as the squares of the wave numbers: an egg-box with periods
+/// that differ by 3 is told to be anisotropic, whichever is the longer; one whose periods differ by 5 % is
+/// not.
 #[test]
 fn unequal_slopes_are_told() {
     let shortest = 480e-9;
-    for (down, across, is_told) in [(1.0, 1.0, false), (1.0, 1.05, false), (1.0, 3.0, true), (3.0, 1.0, true)] {
+    for (down, across, is_told) in [(1.0, 1.0, false), (1.0, 1.05, false), (1.0, 3.0, true), (3.0, 1.0, true)]
+    {
         let pixel = [shortest / 24.0; 2];
         let shape = [3 * 24 * 3 + 2, 3 * 24 * 3 + 2];
         let eggs = map(shape, pixel, |x, y| {
@@ -458,7 +528,11 @@ fn unequal_slopes_are_told() {
         let found = Asperities::new(&eggs.levelled(Levelling::None).unwrap()).unwrap();
         let caveats = found.caveats(pixel);
         let of_slopes = |caveat: &&String| caveat.contains("slopes along x and y differ");
-        assert_eq!(caveats.iter().filter(of_slopes).count(), usize::from(is_told), "{down} {across}: {caveats:?}");
+        assert_eq!(
+            caveats.iter().filter(of_slopes).count(),
+            usize::from(is_told),
+            "{down} {across}: {caveats:?}"
+        );
     }
 }
 
@@ -491,7 +565,8 @@ fn scene_with(surface: &str) -> Result<Scene, String> {
     Document::parse(&text, Arc::new(Few)).map(|document| document.scene).map_err(|error| error.to_string())
 }
 
-/// Four measured asperities, by hand: heights about their mean, 2 nm, with a variance of (1 + 4 + 0.25 + 2.25)/4 nm²; two to a µm².
+/// Four measured asperities, by hand: heights about their mean, 2 nm, with a variance of (1 + 4 + 0.25 +
+/// 2.25)/4 nm²; two to a µm².
 #[test]
 fn measured_asperities_are_taken_as_they_are() {
     let scene = scene_with("asperities = { path = \"few.h5\", sample = \"whole\" }").unwrap();
@@ -514,7 +589,8 @@ fn measured_asperities_are_taken_as_they_are() {
     assert_eq!(scene_with("asperities = { path = \"few.h5\" }").unwrap().surface.asperity_count, 4);
 }
 
-/// Values of a file by number and name of a column and by name of a dataset, in the unit that is given; of two values on.
+/// Values of a file by number and name of a column and by name of a dataset, in the unit that is given; of
+/// two values on.
 #[test]
 fn given_values_are_taken_as_they_are() {
     let rest = "asperity_density = \"7 /um^2\"\nnominal_area = \"10 um^2\"\nsurface_height_std = \"9 nm\"";
@@ -533,7 +609,9 @@ fn given_values_are_taken_as_they_are() {
     let radii = given("radii", "column = \"second\"", "um").unwrap();
     assert!((radii.asperity_radius / 4e-6 - 1.0).abs() < 1e-12);
     let Radii::Sample(values) = radii.radii else { panic!("{:?}", radii.radii) };
-    assert!((values[0] / 3e-6 - 1.0).abs() < 1e-12 && (values[1] / 5e-6 - 1.0).abs() < 1e-12 && values.len() == 2);
+    assert!(
+        (values[0] / 3e-6 - 1.0).abs() < 1e-12 && (values[1] / 5e-6 - 1.0).abs() < 1e-12 && values.len() == 2
+    );
     let few = given("radii", "dataset = \"third\"", "um").unwrap_err();
     assert!(few.contains("has 1 values; 2 to"), "{few}");
     let none = given("radii", "column = 3", "um").unwrap_err();
@@ -545,7 +623,7 @@ fn given_values_are_taken_as_they_are() {
 fn columns_are_counted_from_one() {
     let folder = Folder::new("");
     std::fs::write(folder.path("few.csv"), "1,10,100\n2,20,200\n").unwrap();
-    let beside = Beside::scene(&folder.path("scene.toml"));
+    let beside = SceneFiles::scene(&folder.path("scene.toml"));
     for (number, values) in [(1, [1.0, 2.0]), (2, [10.0, 20.0]), (3, [100.0, 200.0])] {
         assert_eq!(beside.column("few.csv", &Column::Numbered(number)).unwrap(), values);
     }

@@ -1,4 +1,5 @@
-//! Outputs destroy nothing that is read or another's, whatever their name; and what is read back of them is what was written.
+//! Outputs destroy nothing that is read or another's, whatever their name; and what is read back of them is
+//! what was written.
 #![cfg(unix)]
 
 mod common;
@@ -26,7 +27,8 @@ fn tiny(scene: &str) -> String {
 }
 
 fn swept() -> String {
-    tiny(&small()) + "\n[sweep]\nmaterial.work_of_adhesion = [\"0.05 J/m^2\", \"0.09 J/m^2\", \"0.2 J/m^2\"]\n"
+    tiny(&small())
+        + "\n[sweep]\nmaterial.work_of_adhesion = [\"0.05 J/m^2\", \"0.09 J/m^2\", \"0.2 J/m^2\"]\n"
 }
 
 /// A folder with a scene, files that it reads, and two shards of it.
@@ -66,7 +68,8 @@ fn an_output_is_never_an_input() {
         let shard = format!("run heights.toml --shard {}/2", index + 1);
         assert_exit(&run(&folder, &shard, &format!("shard{name}.h5")), 0);
     }
-    for (input, link) in [("polished.h5", "a"), ("heights.csv", "b"), ("scene.toml", "c"), ("shard1.h5", "d")] {
+    for (input, link) in [("polished.h5", "a"), ("heights.csv", "b"), ("scene.toml", "c"), ("shard1.h5", "d")]
+    {
         symlink(input, folder.path(&format!("{link}.link"))).unwrap();
         std::fs::hard_link(folder.path(input), folder.path(&format!("{link}.hard"))).unwrap();
     }
@@ -75,14 +78,20 @@ fn an_output_is_never_an_input() {
     let absolute = here.join("polished.h5").display().to_string();
     let before = contents(&folder);
     let cases: [(&str, &[&str]); 9] = [
-        ("run scene.toml", &["polished.h5", "./sub/../polished.h5", &absolute, "a.link", "a.hard", "c.link", "c.hard"]),
+        (
+            "run scene.toml",
+            &["polished.h5", "./sub/../polished.h5", &absolute, "a.link", "a.hard", "c.link", "c.hard"],
+        ),
         ("run heights.toml", &["heights.csv", "b.link", "b.hard", "heights.toml"]),
         ("run swept.toml", &["heights.csv", "b.hard"]),
         ("run heights.toml --shard 1/2", &["heights.csv", "b.link"]),
         ("compare scene.toml --laws emd,hybrid", &["polished.h5", "a.link", "a.hard", "scene.toml"]),
         ("compare scene.toml --laws emd,hybrid --ensemble", &["polished.h5", "a.hard"]),
         ("finite-size scene.toml --counts 10,20 --replicas 4", &["polished.h5", "a.hard"]),
-        ("merge shard1.h5 shard2.h5", &["shard1.h5", "shard2.h5", "d.link", "d.hard", "heights.csv", "heights.toml"]),
+        (
+            "merge shard1.h5 shard2.h5",
+            &["shard1.h5", "shard2.h5", "d.link", "d.hard", "heights.csv", "heights.toml"],
+        ),
         ("merge shard1.h5 shard2.h5 --scene heights.toml", &["heights.toml", "b.hard"]),
     ];
     for (command, outputs) in cases {
@@ -288,7 +297,8 @@ fn inputs_whose_names_are_not_utf_8_are_refused_by_name() {
     assert_exit(&run, 0);
 }
 
-/// All that a scene takes from a file of asperities belongs to the run: another area or roughness is another surface.
+/// All that a scene takes from a file of asperities belongs to the run: another area or roughness is another
+/// surface.
 #[test]
 fn all_that_is_read_of_a_file_belongs_to_the_run() {
     let folder = with_inputs();
@@ -370,7 +380,8 @@ fn a_damaged_point_is_computed_again_and_named() {
                 let mut bytes = bytes.clone();
                 if points.contains(name) {
                     // Spread over the file, and over the bits of a byte.
-                    let place = (bytes.len() * (2 * round + 1)) / (2 * rounds) + usize::from(name.as_bytes()[17]);
+                    let place =
+                        (bytes.len() * (2 * round + 1)) / (2 * rounds) + usize::from(name.as_bytes()[17]);
                     let place = place % bytes.len();
                     bytes[place] ^= 1 << (round % 8);
                 }

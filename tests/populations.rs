@@ -1,5 +1,5 @@
-//! Surfaces whose asperities are not all alike: the integral against independent quadrature, ensembles against the integral, and what does
-//! not depend on what.
+//! Surfaces whose asperities are not all alike: the integral against independent quadrature, ensembles
+//! against the integral, and what does not depend on what.
 
 mod common;
 
@@ -8,10 +8,11 @@ use std::sync::atomic::AtomicBool;
 use stiction::asperity::models::model;
 use stiction::asperity::{Family, Law, Path, Quantity, Typical};
 use stiction::engine::{Curves, Ensemble, Workspace, draw, run};
-use stiction::statistical::Statistical;
+use stiction::integral::Expectations;
 use stiction::surface::nayak::Spectrum;
 use stiction::surface::{
-    CountLaw, HeightLaw, Heights, LogNormal, RADIUS_RANGE, Radii, SamplingScheme, Surface, TRACT, Truncated, Weibull,
+    CountLaw, HeightLaw, Heights, LogNormal, RADIUS_RANGE, Radii, SamplingScheme, Surface, TRACT, Truncated,
+    Weibull,
 };
 use stiction::validation::{Verdict, basis};
 
@@ -50,8 +51,8 @@ fn law_for(name: &str, surface: &Surface, separations: &[f64]) -> Box<dyn Law> {
     Box::new(Typical::new(law, family))
 }
 
-/// The law of the typical asperity of a surface is that of its radius in all that it says of itself; `md_kim` says the most, as there an
-/// asperity is captured before contact.
+/// The law of the typical asperity of a surface is that of its radius in all that it says of itself; `md_kim`
+/// says the most, as there an asperity is captured before contact.
 #[test]
 fn the_typical_law_is_the_law() {
     let (asperity, _) = case("II");
@@ -61,7 +62,11 @@ fn the_typical_law_is_the_law() {
         let typical = Typical::new(law(name, &asperity, Path::Approach, (-9e-9, 9e-9)), family);
         assert_eq!(plain.capture().is_some(), name == "md_kim");
         assert_eq!([typical.capture(), typical.far()], [plain.capture(), plain.far()], "{name}");
-        assert_eq!((typical.regimes(), typical.boundaries()), (plain.regimes(), plain.boundaries()), "{name}");
+        assert_eq!(
+            (typical.regimes(), typical.boundaries()),
+            (plain.regimes(), plain.boundaries()),
+            "{name}"
+        );
         assert_eq!(typical.pieces(), plain.pieces(), "{name}");
         for regime in 0..plain.regimes().len() {
             assert_eq!(typical.constant(regime), plain.constant(regime), "{name}");
@@ -79,8 +84,10 @@ fn surfaces(count: usize) -> Vec<(&'static str, Surface)> {
     let of = |radii| Surface { radii, ..plain.clone() };
     let spectrum = Spectrum::of_asperities(plain.surface_height_std, plain.asperity_radius, 7.39e12);
     // Measured asperities: any few will do.
-    let measured: Vec<[f64; 2]> =
-        (0..200).map(|i| f64::from(i) / 199.0).map(|x| [std * (4.0 * x - 2.0), 3.33e-6 * (0.5 + x * x)]).collect();
+    let measured: Vec<[f64; 2]> = (0..200)
+        .map(|i| f64::from(i) / 199.0)
+        .map(|x| [std * (4.0 * x - 2.0), 3.33e-6 * (0.5 + x * x)])
+        .collect();
     let values: Vec<f64> = measured.iter().map(|pair| pair[0]).collect();
     let joint = Surface {
         heights: Heights::sample(values.clone()),
@@ -103,7 +110,8 @@ fn surfaces(count: usize) -> Vec<(&'static str, Surface)> {
     ]
 }
 
-/// Densities and probabilities against 30-digit values, to rounding: of a power x^k, its logarithm's is multiplied.
+/// Densities and probabilities against 30-digit values, to rounding: of a power x^k, its logarithm's is
+/// multiplied.
 #[test]
 fn laws_of_heights_are_those_of_the_textbook() {
     for row in rows(HEIGHTS) {
@@ -119,7 +127,8 @@ fn laws_of_heights_are_those_of_the_textbook() {
     }
 }
 
-/// Means of load and area and the scatter of the load by the integral, against independent quadrature over heights and radii.
+/// Means of load and area and the scatter of the load by the integral, against independent quadrature over
+/// heights and radii.
 #[test]
 fn the_integral_follows_heights_and_radii() {
     let (asperity, case_ii) = case("II");
@@ -143,12 +152,14 @@ fn the_integral_follows_heights_and_radii() {
         let std = surface.heights.std;
         let separations = [number(row[4]) * std];
         let gw = law_for("gw", &surface, &separations);
-        let answer = Statistical::new(gw.as_ref(), &surface, &separations);
+        let answer = Expectations::new(gw.as_ref(), &surface, &separations);
         let (radius, count) = (surface.asperity_radius, 100.0);
         let unit = 4.0 / 3.0 * asperity.reduced_modulus * (radius * std).sqrt() * std;
         let load = answer.expected[Quantity::ContactForce.index()][0] / (count * unit);
-        let area = answer.expected[Quantity::ContactArea.index()][0] / (count * std::f64::consts::PI * radius * std);
-        let square = answer.std[Quantity::ContactForce.index()][0].powi(2) / (count * unit * unit) + load * load;
+        let area =
+            answer.expected[Quantity::ContactArea.index()][0] / (count * std::f64::consts::PI * radius * std);
+        let square =
+            answer.std[Quantity::ContactForce.index()][0].powi(2) / (count * unit * unit) + load * load;
         // Over radii, of which tails of 1e-10 are left out, the answer is as good as it says itself.
         let tolerance = if row[2] == "common" { 1e-11 } else { answer.quadrature_error.clamp(1e-9, 1e-6) };
         for (value, exact) in [(load, row[5]), (area, row[6]), (square, row[7])] {
@@ -161,8 +172,9 @@ fn the_integral_follows_heights_and_radii() {
     }
 }
 
-/// Replicas of every kind of surface, summed asperity by asperity: the joint test agrees with the integral for each, at the level 1e-4 for all
-/// (the false-alarm rate of this test is 1e-3; the seed is fixed); and where nothing is left to chance they are equal.
+/// Replicas of every kind of surface, summed asperity by asperity: the joint test agrees with the integral
+/// for each, at the level 1e-4 for all (the false-alarm rate of this test is 1e-3; the seed is fixed); and
+/// where nothing is left to chance they are equal.
 #[test]
 fn ensembles_agree_with_the_integral() {
     let separations: Vec<f64> = (0..13).map(|k| 0.5e-9 * f64::from(k)).collect();
@@ -173,8 +185,8 @@ fn ensembles_agree_with_the_integral() {
         let basis = basis(hybrid.as_ref(), &surface, &separations, SamplingScheme::Independent, replicas);
         let job = job(hybrid.as_ref(), &surface, &separations, replicas);
         let outcome = run(&job, &pool, &AtomicBool::new(false), |_, _| Ok::<(), ()>(())).unwrap();
-        let ensemble: Ensemble = outcome.forest().ensemble(&job);
-        let expected = Statistical::new(hybrid.as_ref(), &surface, &separations);
+        let ensemble: Ensemble = outcome.reduction_tree().ensemble(&job);
+        let expected = Expectations::new(hybrid.as_ref(), &surface, &separations);
         let forces = [Quantity::AdhesionForce, Quantity::ExternalForce].map(Quantity::index);
         let means = forces.map(|q| ensemble.curves[q].mean());
         if surface.whole {
@@ -193,15 +205,19 @@ fn ensembles_agree_with_the_integral() {
             replicas,
         );
         assert!(test.verdict != Verdict::NotTested && test.p_value > 1e-4, "{name}: {test:?}");
-        // The scatter too: within 4.5 of its relative standard errors √((κ − 1)/n)/2, with a kurtosis κ of a sum of so many of at most 6.
+        // The scatter too: within 4.5 of its relative standard errors √((κ − 1)/n)/2, with a kurtosis κ of a
+        // sum of so many of at most 6.
         let k = 6;
         let (std, exact) = (ensemble.curves[forces[0]].std()[k], expected.std[forces[0]][k]);
-        assert!((std / exact - 1.0).abs() < 4.5 * (5.0 / replicas as f64).sqrt() / 2.0, "{name}: {std:e}, {exact:e}");
+        assert!(
+            (std / exact - 1.0).abs() < 4.5 * (5.0 / replicas as f64).sqrt() / 2.0,
+            "{name}: {std:e}, {exact:e}"
+        );
     }
 }
 
-/// Surfaces that another surface is taken for: of the mean radius, and with heights and radii that know nothing of each other. The joint
-/// test disagrees; its own false-alarm rate is 1e-3, and the seed is fixed.
+/// Surfaces that another surface is taken for: of the mean radius, and with heights and radii that know
+/// nothing of each other. The joint test disagrees; its own false-alarm rate is 1e-3, and the seed is fixed.
 #[test]
 fn radii_that_are_not_those_of_the_integral_are_caught() {
     let separations: Vec<f64> = (0..13).map(|k| 0.5e-9 * f64::from(k)).collect();
@@ -211,14 +227,17 @@ fn radii_that_are_not_those_of_the_integral_are_caught() {
     let mean = Surface { radii: Radii::Common, ..scattered.clone() };
     let measured = of("measured");
     let Radii::Measured(pairs) = &measured.radii else { panic!("measured radii") };
-    let uncorrelated = Surface { radii: Radii::Sample(pairs.iter().map(|pair| pair[1]).collect()), ..measured.clone() };
-    for (name, drawn, taken) in [("mean radius", &scattered, &mean), ("uncorrelated", &measured, &uncorrelated)] {
+    let uncorrelated =
+        Surface { radii: Radii::Sample(pairs.iter().map(|pair| pair[1]).collect()), ..measured.clone() };
+    for (name, drawn, taken) in
+        [("mean radius", &scattered, &mean), ("uncorrelated", &measured, &uncorrelated)]
+    {
         let [law, other] = [drawn, taken].map(|surface| law_for("hybrid", surface, &separations));
         let basis = basis(other.as_ref(), taken, &separations, SamplingScheme::Independent, 160);
         let job = job(law.as_ref(), drawn, &separations, 160);
         let outcome = run(&job, &pool, &AtomicBool::new(false), |_, _| Ok::<(), ()>(())).unwrap();
-        let ensemble: Ensemble = outcome.forest().ensemble(&job);
-        let expected = Statistical::new(other.as_ref(), taken, &separations);
+        let ensemble: Ensemble = outcome.reduction_tree().ensemble(&job);
+        let expected = Expectations::new(other.as_ref(), taken, &separations);
         let forces = [Quantity::AdhesionForce, Quantity::ExternalForce].map(Quantity::index);
         let test = stiction::validation::JointTest::new(
             &basis.probes,
@@ -243,7 +262,7 @@ fn every_asperity_has_the_law_of_its_radius() {
     let outcome = run(&job, &pool, &AtomicBool::new(false), |_, _| Ok::<(), ()>(())).unwrap();
     let (mut heights, mut radii) = (Vec::new(), Vec::new());
     draw(&surface, job.seed, job.scheme, 0, &mut heights, &mut radii);
-    let ensemble = outcome.forest().ensemble(&job);
+    let ensemble = outcome.reduction_tree().ensemble(&job);
     for (k, &h) in separations.iter().enumerate() {
         let d = surface.asperity_separation(h);
         let (mut sums, mut size) = ([0.0; 3], 0.0);
@@ -261,7 +280,10 @@ fn every_asperity_has_the_law_of_its_radius() {
     }
     let replica = &ensemble.replicas[0];
     let sampled = ensemble.curves[Quantity::ExternalForce.index()].mean().iter().copied();
-    assert!(-replica.pull_off_force <= sampled.fold(f64::INFINITY, f64::min), "a sample is deeper than the pull-off");
+    assert!(
+        -replica.pull_off_force <= sampled.fold(f64::INFINITY, f64::min),
+        "a sample is deeper than the pull-off"
+    );
 }
 
 /// A narrow scatter of radii is almost one radius: forces are off by its second order.
@@ -271,7 +293,7 @@ fn a_narrow_scatter_is_almost_one_radius() {
     let (_, plain) = case("II");
     let of = |surface: &Surface| {
         let hybrid = law_for("hybrid", surface, &separations);
-        Statistical::new(hybrid.as_ref(), surface, &separations).expected
+        Expectations::new(hybrid.as_ref(), surface, &separations).expected
     };
     let common = of(&plain);
     for variation in [0.01, 0.02] {
@@ -304,7 +326,8 @@ fn what_is_drawn_does_not_depend_on_the_rest() {
     assert_eq!(drawn(&Surface { heights: weibull, radii: Radii::Gamma(0.3), ..plain }).1, radii);
 }
 
-/// Mean and variance of Poisson counts over 4000 replicas, each within 4.5 standard errors (false alarm below 2e-5; the seed is fixed).
+/// Mean and variance of Poisson counts over 4000 replicas, each within 4.5 standard errors (false alarm below
+/// 2e-5; the seed is fixed).
 #[test]
 fn poisson_counts_have_their_mean_and_variance() {
     let (_, plain) = case("II");
@@ -322,7 +345,8 @@ fn poisson_counts_have_their_mean_and_variance() {
     assert!((variance - 30.0).abs() < 4.5 * ((30.0_f64 + 1800.0) / 4000.0).sqrt(), "{variance}");
 }
 
-/// Draws of every law of heights by Kolmogorov and Smirnov at the level 1e-4 (false alarm below 1e-3 for all; the seed is fixed).
+/// Draws of every law of heights by Kolmogorov and Smirnov at the level 1e-4 (false alarm below 1e-3 for all;
+/// the seed is fixed).
 #[test]
 fn heights_are_drawn_from_their_law() {
     let (_, plain) = case("II");
@@ -342,13 +366,16 @@ fn heights_are_drawn_from_their_law() {
     }
 }
 
-/// Scatter of one replica of a Gaussian surface under `gw`, where p = K√R δ^1.5 of δ > 0, in closed form: with I_n(h) = ∫(s − h)ⁿφ(s)ds over
-/// s > h, I_3 = (h² + 2)φ(h) − (h³ + 3h)Q(h), it is N(I_3 − I_1.5²) of a number N of asperities that is fixed, and N I_3 of one that is
-/// Poisson-distributed. I_1.5 is by 50-digit arithmetic.
+/// Scatter of one replica of a Gaussian surface under `gw`, where p = K√R δ^1.5 of δ > 0, in closed form:
+/// with I_n(h) = ∫(s − h)ⁿφ(s)ds over s > h, I_3 = (h² + 2)φ(h) − (h³ + 3h)Q(h), it is N(I_3 − I_1.5²) of a
+/// number N of asperities that is fixed, and N I_3 of one that is Poisson-distributed. I_1.5 is by 50-digit
+/// arithmetic.
 #[test]
 fn the_scatter_of_a_surface_has_its_closed_form() {
     let (asperity, case_ii) = case("II");
-    for (h, load) in [(0.0, 0.430_019_993_662_26), (1.0, 0.075_668_177_390_975), (2.0, 0.006_648_177_623_587_1)] {
+    for (h, load) in
+        [(0.0, 0.430_019_993_662_26), (1.0, 0.075_668_177_390_975), (2.0, 0.006_648_177_623_587_1)]
+    {
         let h: f64 = h;
         let density = (-0.5 * h * h).exp() / (2.0 * std::f64::consts::PI).sqrt();
         let tail = 0.5 * libm::erfc(h / std::f64::consts::SQRT_2);
@@ -363,15 +390,17 @@ fn the_scatter_of_a_surface_has_its_closed_form() {
         ] {
             let separations = [h * std];
             let gw = law_for("gw", &surface, &separations);
-            let found = Statistical::new(gw.as_ref(), &surface, &separations).std[Quantity::ContactForce.index()][0];
+            let found =
+                Expectations::new(gw.as_ref(), &surface, &separations).std[Quantity::ContactForce.index()][0];
             let exact = (100.0_f64 * variance).sqrt() * unit;
             assert!((found - exact).abs() <= 1e-9 * exact, "{h} {variance}: {found:e} {exact:e}");
         }
     }
 }
 
-/// The same under `emd`, a third of whose asperities are beyond its end at ω_c and bear nothing, of Gaussian and of given heights: against
-/// sums over asperities one by one. Midpoints over Gaussian heights are off by the jumps between two of them, some 1e-4.
+/// The same under `emd`, a third of whose asperities are beyond its end at ω_c and bear nothing, of Gaussian
+/// and of given heights: against sums over asperities one by one. Midpoints over Gaussian heights are off by
+/// the jumps between two of them, some 1e-4.
 #[test]
 fn the_scatter_counts_what_is_beyond_the_end_of_a_law() {
     let (asperity, case_ii) = case("II");
@@ -382,7 +411,9 @@ fn the_scatter_counts_what_is_beyond_the_end_of_a_law() {
     let midpoints = 40_000;
     let place = |i: usize| 8.0 * ((2 * i + 1) as f64 / midpoints as f64 - 1.0);
     let gaussian: Vec<(f64, f64)> = (0..midpoints)
-        .map(|i| (std * place(i), (-0.5 * place(i) * place(i)).exp() * 16.0 / midpoints as f64 / 2.506_628_274_631))
+        .map(|i| {
+            (std * place(i), (-0.5 * place(i) * place(i)).exp() * 16.0 / midpoints as f64 / 2.506_628_274_631)
+        })
         .collect();
     let sample: Vec<(f64, f64)> = given.iter().map(|height| (*height, 1.0 / 150.0)).collect();
     let of_sample = Surface { heights: Heights::sample(given), ..plain.clone() };
@@ -390,7 +421,7 @@ fn the_scatter_counts_what_is_beyond_the_end_of_a_law() {
         [("gaussian", plain, gaussian, 2e-3), ("given", of_sample, sample, 1e-12)]
     {
         let emd = law("emd", &asperity, Path::Approach, (-3e-8, 3e-8));
-        let answer = Statistical::new(emd.as_ref(), &surface, &separations);
+        let answer = Expectations::new(emd.as_ref(), &surface, &separations);
         for (k, &h) in separations.iter().enumerate() {
             let d = surface.asperity_separation(h);
             let (mut mean, mut square, mut beyond) = ([0.0; 4], [0.0; 4], 0.0);
@@ -417,9 +448,10 @@ fn the_scatter_counts_what_is_beyond_the_end_of_a_law() {
     }
 }
 
-/// The integral over radii says how far off it is: under `gw` against E[√R] = √R exp(−ς²/8), ς² = ln(1 + v²), of log-normal radii, and under
-/// `hybrid` against midpoints of the normal deviate of the radius, each a surface of one radius. What it says is the difference to a coarser
-/// division, thousands of times more, but far from 1.
+/// The integral over radii says how far off it is: under `gw` against E[√R] = √R exp(−ς²/8), ς² = ln(1 + v²),
+/// of log-normal radii, and under `hybrid` against midpoints of the normal deviate of the radius, each a
+/// surface of one radius. What it says is the difference to a coarser division, thousands of times more, but
+/// far from 1.
 #[test]
 fn the_error_over_radii_is_told() {
     let (asperity, plain) = case("II");
@@ -427,14 +459,15 @@ fn the_error_over_radii_is_told() {
     for (name, variation, h) in [("gw", 0.1, 1.0), ("gw", 0.3, 1.0), ("gw", 0.6, 1.0), ("hybrid", 0.5, 3.0)] {
         let separations = [h * plain.heights.std];
         let surface = Surface { asperity_count: 100, radii: Radii::LogNormal(variation), ..plain.clone() };
-        let answer = Statistical::new(law_for(name, &surface, &separations).as_ref(), &surface, &separations);
+        let answer =
+            Expectations::new(law_for(name, &surface, &separations).as_ref(), &surface, &separations);
         let shape = f64::ln(1.0 + variation * variation).sqrt();
         let of_radius = |radius: f64| {
             let (lowest, highest) = plain.heights.reach(11.0);
             let own = stiction::asperity::scale::Asperity { radius, ..asperity };
             let law = law(name, &own, Path::Approach, (lowest - separations[0], highest - separations[0]));
             let common = Surface { asperity_count: 100, ..plain.clone() };
-            let answer = Statistical::new(law.as_ref(), &common, &separations);
+            let answer = Expectations::new(law.as_ref(), &common, &separations);
             [answer.expected[0][0], answer.expected[1][0]]
         };
         let exact = if name == "gw" {
@@ -455,18 +488,26 @@ fn the_error_over_radii_is_told() {
         let forces = exact[0] + exact[1];
         let off = (0..2).map(|q| (answer.expected[q][0] - exact[q]).abs() / forces).fold(0.0, f64::max);
         println!("{name} {variation}: {off:e} {:e}", answer.quadrature_error);
-        assert!(off <= answer.quadrature_error.max(1e-12), "{name} {variation}: {off:e} {:e}", answer.quadrature_error);
+        assert!(
+            off <= answer.quadrature_error.max(1e-12),
+            "{name} {variation}: {off:e} {:e}",
+            answer.quadrature_error
+        );
         assert!(answer.quadrature_error < 1e-5, "{name} {variation}: {:e}", answer.quadrature_error);
         seen = seen.max(off);
     }
     assert!(seen > 1e-11, "nothing is off enough to be told: {seen:e}");
 }
 
-/// Mean and standard deviation of truncated normal heights, by midpoints of the density that the normal law has between its ends.
+/// Mean and standard deviation of truncated normal heights, by midpoints of the density that the normal law
+/// has between its ends.
 #[test]
 fn truncated_heights_have_their_moments() {
-    for (lower, upper) in [(-2.5, 1.0), (f64::NEG_INFINITY, 0.3), (0.5, f64::INFINITY), (1.0, 1.5), (-1.0, 1.0)] {
-        let heights = Heights { mean: 2e-9, std: 3e-9, law: HeightLaw::Truncated(Truncated::new(lower, upper)) };
+    for (lower, upper) in
+        [(-2.5, 1.0), (f64::NEG_INFINITY, 0.3), (0.5, f64::INFINITY), (1.0, 1.5), (-1.0, 1.0)]
+    {
+        let heights =
+            Heights { mean: 2e-9, std: 3e-9, law: HeightLaw::Truncated(Truncated::new(lower, upper)) };
         let (from, to): (f64, f64) = (lower.max(-12.0), upper.min(12.0));
         let count = 200_000;
         let mut sums = [0.0; 3];
@@ -477,24 +518,28 @@ fn truncated_heights_have_their_moments() {
         }
         let (mean, square) = (sums[1] / sums[0], sums[2] / sums[0]);
         let (found_mean, found_std) = heights.moments();
-        assert!((found_mean - (2e-9 + 3e-9 * mean)).abs() < 1e-8 * 3e-9, "{lower} {upper}: {found_mean:e} {mean}");
+        assert!(
+            (found_mean - (2e-9 + 3e-9 * mean)).abs() < 1e-8 * 3e-9,
+            "{lower} {upper}: {found_mean:e} {mean}"
+        );
         let std = 3e-9 * (square - mean * mean).sqrt();
         assert!((found_std / std - 1.0).abs() < 1e-7, "{lower} {upper}: {found_std:e} {std:e}");
     }
 }
 
-/// The integral over heights says how far off it is: asked for few digits, at least as much as it differs from all digits, relative to each
-/// force, and not a thousand million times as much.
+/// The integral over heights says how far off it is: asked for few digits, at least as much as it differs
+/// from all digits, relative to each force, and not a thousand million times as much.
 #[test]
 fn the_error_over_heights_is_told() {
     let (_, plain) = case("II");
     let separations: Vec<f64> = (0..8).map(|k| 0.7 * f64::from(k) * plain.heights.std).collect();
     let hybrid = law_for("hybrid", &plain, &separations);
-    let exact = Statistical::new(hybrid.as_ref(), &plain, &separations);
-    let rough = Statistical::with_tolerance(hybrid.as_ref(), &plain, &separations, 1e-2);
+    let exact = Expectations::new(hybrid.as_ref(), &plain, &separations);
+    let rough = Expectations::with_tolerance(hybrid.as_ref(), &plain, &separations, 1e-2);
     let regimes = exact.regime_adhesion_force.iter().zip(&rough.regime_adhesion_force);
     let off = regimes.flat_map(|(exact, rough)| exact.iter().zip(rough));
-    let off = off.filter(|(exact, _)| **exact > 0.0).fold(0.0_f64, |worst, (a, b)| worst.max((b / a - 1.0).abs()));
+    let off =
+        off.filter(|(exact, _)| **exact > 0.0).fold(0.0_f64, |worst, (a, b)| worst.max((b / a - 1.0).abs()));
     assert!(off > 1e-13, "{off:e}");
     assert!(
         rough.quadrature_error >= off && rough.quadrature_error < 1e9 * off,
@@ -503,8 +548,8 @@ fn the_error_over_heights_is_told() {
     );
 }
 
-/// A surface of more asperities than are held at once, of radii of their own: at each separation what the textbook's Hertzian asperities that
-/// were drawn add up to, and as many of them in contact as are higher.
+/// A surface of more asperities than are held at once, of radii of their own: at each separation what the
+/// textbook's Hertzian asperities that were drawn add up to, and as many of them in contact as are higher.
 #[test]
 fn tracts_of_several_radii_add_up() {
     let (asperity, case_ii) = case("II");

@@ -1,4 +1,5 @@
-//! The same bits on other processors: the program runs with the functions that the C library has for an older one, and on emulated ones.
+//! The same bits on other processors: the program runs with the functions that the C library has for an older
+//! one, and on emulated ones.
 #![cfg(all(target_arch = "x86_64", target_os = "linux"))]
 
 mod common;
@@ -6,7 +7,8 @@ mod common;
 use common::program::{Folder, assert_exit, bits, skip, small};
 use std::process::Command;
 
-/// Every kind of sum, sample and law that calls functions or libraries of its own, small enough for an emulator.
+/// Every kind of sum, sample and law that calls functions or libraries of its own, small enough for an
+/// emulator.
 fn scenes() -> Vec<(&'static str, String)> {
     let with = |from: &str, to: &str| {
         let scene = small().replace(from, to);
@@ -21,11 +23,15 @@ fn scenes() -> Vec<(&'static str, String)> {
         ("stratified", with("seed = 1", "seed = 1\nsampling = \"stratified\"")),
         ("refitted", with("\"hybrid\"", "\"fit:refit\"")),
         ("truncated", with(radius, &format!("{radius}\nheights = {{ law = \"truncated\", upper = 1.5 }}"))),
-        ("sweep", with("[material]", "[sweep]\nsurface.nominal_area = [\"60 um^2\", \"90 um^2\"]\n\n[material]")),
+        (
+            "sweep",
+            with("[material]", "[sweep]\nsurface.nominal_area = [\"60 um^2\", \"90 um^2\"]\n\n[material]"),
+        ),
     ]
 }
 
-/// Runs each scene natively and by each of the commands, which get the program and its arguments, and compares all bits.
+/// Runs each scene natively and by each of the commands, which get the program and its arguments, and
+/// compares all bits.
 fn assert_same_bits(scenes: &[(&str, String)], others: &[(&str, &dyn Fn() -> Command)]) {
     for (scene, text) in scenes {
         let folder = Folder::new(text);
@@ -47,8 +53,9 @@ fn assert_same_bits(scenes: &[(&str, String)], others: &[(&str, &dyn Fn() -> Com
     }
 }
 
-/// glibc takes other exponentials, logarithms, powers, sines and cosines where the processor does not multiply and add at once: one in
-/// some thousand of their results has another last bit. Its variable, which other C libraries do not know, makes it believe so.
+/// glibc takes other exponentials, logarithms, powers, sines and cosines where the processor does not
+/// multiply and add at once: one in some thousand of their results has another last bit. Its variable, which
+/// other C libraries do not know, makes it believe so.
 #[test]
 fn functions_of_the_c_library_do_not_matter() {
     let older = || {
@@ -59,8 +66,9 @@ fn functions_of_the_c_library_do_not_matter() {
     assert_same_bits(&scenes(), &[("an older processor's C library", &older)]);
 }
 
-/// Emulated processors with AVX2 and the fused multiply-add, as all have since about 2013; their caches differ from the native ones too.
-/// The linear algebra of the joint test chooses its kernels by the processor, and has other last digits without these.
+/// Emulated processors with AVX2 and the fused multiply-add, as all have since about 2013; their caches
+/// differ from the native ones too. The linear algebra of the joint test chooses its kernels by the
+/// processor, and has other last digits without these.
 #[test]
 #[ignore = "minutes, and needs qemu-x86_64 on the PATH (Debian: qemu-user)"]
 fn emulated_processors_have_the_same_bits() {

@@ -1,4 +1,5 @@
-//! The largest secant stiffness of replicas, against brute force over all events of their curves, whatever the separations.
+//! The largest secant stiffness of replicas, against brute force over all events of their curves, whatever
+//! the separations.
 
 mod common;
 
@@ -9,7 +10,8 @@ use stiction::scene::Scene;
 
 /// The quick scene on so many separations over the same range.
 fn scene(count: usize, law: &str) -> Scene {
-    let text = QUICK.replace("count = 91", &format!("count = {count}")).replace("\"hybrid\"", &format!("\"{law}\""));
+    let text =
+        QUICK.replace("count = 91", &format!("count = {count}")).replace("\"hybrid\"", &format!("\"{law}\""));
     Scene::parse(&text).unwrap()
 }
 
@@ -32,7 +34,8 @@ fn curve<'a>(job: &'a Job<'a>, index: u64) -> (impl Fn(f64) -> f64 + 'a, Vec<f64
     let events = brute_force::events(job.law);
     let offset = job.surface.mean_plane_offset;
     let of_all = heights.iter().flat_map(|u| events.iter().map(move |event| u - event + offset)).collect();
-    let force = move |h: f64| brute_force::external_force(job.law, &heights, job.surface.asperity_separation(h));
+    let force =
+        move |h: f64| brute_force::external_force(job.law, &heights, job.surface.asperity_separation(h));
     (force, of_all)
 }
 
@@ -45,7 +48,8 @@ fn the_largest_secant_does_not_depend_on_the_separations() {
     let job_of = job(&fine, law.as_ref(), REPLICAS);
     let span = fine.stiffness_span;
     assert_eq!(span, 0.2e-9);
-    let begins: Vec<f64> = fine.separations.iter().copied().filter(|h| h + span <= fine.separations[360]).collect();
+    let begins: Vec<f64> =
+        fine.separations.iter().copied().filter(|h| h + span <= fine.separations[360]).collect();
     let expected: Vec<f64> = (0..REPLICAS)
         .map(|index| {
             let (force, events) = curve(&job_of, index);
@@ -58,9 +62,12 @@ fn the_largest_secant_does_not_depend_on_the_separations() {
         let law = scene.law().unwrap();
         let job = job(&scene, law.as_ref(), REPLICAS);
         for ((replica, expected), index) in replicas(&job).iter().zip(&expected).zip(0..) {
-            let (stiffness, place) = (replica.peak_secant_stiffness, replica.peak_secant_stiffness_separation);
+            let (stiffness, place) =
+                (replica.peak_secant_stiffness, replica.peak_secant_stiffness_separation);
             let off = stiffness / expected - 1.0;
-            println!("{count} separations, replica {index}: {stiffness:e} N/m at {place:e} m, off by {off:.1e}");
+            println!(
+                "{count} separations, replica {index}: {stiffness:e} N/m at {place:e} m, off by {off:.1e}"
+            );
             assert!(off.abs() < 1e-6, "{count} separations, replica {index}: {stiffness:e} {expected:e}");
             // What is told is the secant there.
             let (force, _) = curve(&job, index);

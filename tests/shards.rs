@@ -1,4 +1,5 @@
-//! Runs that are computed in shards and merged, as a user drives them: the same bits as one run, what is refused, what is told.
+//! Runs that are computed in shards and merged, as a user drives them: the same bits as one run, what is
+//! refused, what is told.
 #![cfg(unix)]
 
 mod common;
@@ -57,14 +58,16 @@ fn assert_merged_is(folder: &Folder, reference: &str) {
     }
 }
 
-/// Whatever the number of shards, of threads and the way of summing and sampling; more shards than batches too.
+/// Whatever the number of shards, of threads and the way of summing and sampling; more shards than batches
+/// too.
 #[test]
 fn merged_shards_have_the_bits_of_one_run() {
     let curves = scene().replace("curves = false", "curves = true");
     let compressed = scene().replace("[output]", "[solver]\nsum = \"compressed\"\n\n[output]");
     let stratified = scene().replace("replicas = 83", "replicas = 80\nsampling = \"stratified\"");
     let cycle = scene().replace("path = \"approach\"", "path = \"loop\"");
-    for (scene, counts) in [(curves, &[1, 3, 16][..]), (compressed, &[4]), (stratified, &[5]), (cycle, &[2])] {
+    for (scene, counts) in [(curves, &[1, 3, 16][..]), (compressed, &[4]), (stratified, &[5]), (cycle, &[2])]
+    {
         let folder = Folder::new(&scene);
         assert_exit(&folder.stiction(&["run", "scene.toml", "-o", "whole.h5"]), 0);
         for &count in counts {
@@ -138,7 +141,11 @@ fn what_does_not_fit_together_is_refused_with_a_list() {
     assert_refused(&folder, &list(&[&one, "none.h5", &four]), &["none.h5: is not there"]);
     let twice = ["copy.h5 and ", "both have replicas 16 to 39 of 0 to 82"];
     assert_refused(&folder, &list(&["copy.h5", &one, &two, &three, &four]), &twice);
-    assert_refused(&folder, &list(&[&name(1, 3), &two, &three, &four]), &["both have replicas 16 to 23 of 0 to 82"]);
+    assert_refused(
+        &folder,
+        &list(&[&name(1, 3), &two, &three, &four]),
+        &["both have replicas 16 to 23 of 0 to 82"],
+    );
     for (other, difference) in [
         ("seed.h5", "is 1, and here 9"),
         ("replicas.h5", "is 83, and here 80"),
@@ -168,7 +175,8 @@ fn a_shard_that_is_changed_is_refused() {
     let path = folder.path(&names[1]);
     let whole = std::fs::read(&path).unwrap();
     let changed = |change: &dyn Fn(&hdf5::File)| {
-        // A copy, because programs that other tests start meanwhile keep the lock of a file that is open for writing.
+        // A copy, because programs that other tests start meanwhile keep the lock of a file that is open for
+        // writing.
         let other = tempfile::NamedTempFile::new().unwrap();
         std::fs::write(other.path(), &whole).unwrap();
         let file = unlocked::open_rw(other.path());
@@ -224,8 +232,11 @@ fn what_is_there_can_be_merged_and_is_marked() {
     assert!((forces.iter().sum::<f64>() / 59.0 / mean[0] - 1.0).abs() < 1e-13);
     // They are the replicas that they are in the whole run.
     assert_exit(&folder.stiction(&["run", "scene.toml", "-o", "whole.h5"]), 0);
-    let whole: Vec<f64> =
-        unlocked::open(folder.path("whole.h5")).dataset("replicas/pull_off_force").unwrap().read_raw().unwrap();
+    let whole: Vec<f64> = unlocked::open(folder.path("whole.h5"))
+        .dataset("replicas/pull_off_force")
+        .unwrap()
+        .read_raw()
+        .unwrap();
     assert!(there.iter().zip(&forces).all(|(index, force)| whole[*index as usize] == *force));
     assert_exit(&folder.stiction(&["validate", "merged.h5"]), 0);
     let info = text(&folder.stiction(&["info", "merged.h5"]).stdout);
@@ -245,7 +256,8 @@ fn a_point_behind_one_that_is_missing_keeps_its_place() {
     let counts: Vec<u64> = read("merged.h5", "replica_count").read_raw().unwrap();
     assert_eq!(counts, [83, 0, 83]);
     for path in ["statistical/pull_off_force", "statistical/quadrature_error", "validation/p_value"] {
-        let [merged, whole] = ["merged.h5", "whole.h5"].map(|name| read(name, path).read_raw::<f64>().unwrap());
+        let [merged, whole] =
+            ["merged.h5", "whole.h5"].map(|name| read(name, path).read_raw::<f64>().unwrap());
         assert!(merged[1].is_nan() && whole.iter().all(|value| value.is_finite()), "{path}: {merged:?}");
         assert_eq!([merged[0], merged[2]], [whole[0], whole[2]], "{path}");
     }
@@ -266,7 +278,8 @@ fn what_is_there_of_a_sweep_can_be_merged() {
         assert_exit(&output, 0);
         assert_eq!(read("merged.h5", "replica_count").read_raw::<u64>().unwrap(), counts);
         for path in ["ensemble/external_force_mean", "statistical/external_force"] {
-            let [merged, whole] = ["merged.h5", "whole.h5"].map(|name| read(name, path).read_2d::<f64>().unwrap());
+            let [merged, whole] =
+                ["merged.h5", "whole.h5"].map(|name| read(name, path).read_2d::<f64>().unwrap());
             assert!(merged.row(0) == whole.row(0) && merged.row(1) == whole.row(1));
             assert!(counts[2] > 0 || merged.row(2).iter().all(|force| force.is_nan()), "{path}");
         }
@@ -290,7 +303,8 @@ fn interrupt(folder: &Folder, signal: &str, checkpoint: &str, arguments: &[&str]
     while !folder.path(checkpoint).exists() && child.try_wait().unwrap().is_none() {
         std::thread::sleep(Duration::from_micros(50));
     }
-    let _ = Command::new("kill").args([signal, &child.id().to_string()]).stderr(Stdio::null()).status().unwrap();
+    let _ =
+        Command::new("kill").args([signal, &child.id().to_string()]).stderr(Stdio::null()).status().unwrap();
     child.wait_with_output().unwrap()
 }
 
@@ -309,13 +323,21 @@ fn an_interrupted_shard_goes_on_to_the_same_bits() {
     for path in ["2.h5", "2.h5.checkpoint"] {
         let info = folder.stiction(&["info", path]);
         assert_exit(&info, 0);
-        assert!(text(&info.stdout).contains("shard 2/2 has 1600 to 3199 of 0 to 3199"), "{}", text(&info.stdout));
+        assert!(
+            text(&info.stdout).contains("shard 2/2 has 1600 to 3199 of 0 to 3199"),
+            "{}",
+            text(&info.stdout)
+        );
     }
     // Neither the whole run nor another shard goes on with it.
     for other in [&["-o", "2.h5"][..], &["--shard", "1/2", "-o", "2.h5"]] {
         let output = folder.stiction(&[&["run", "scene.toml", "--resume"], other].concat());
         assert_exit(&output, 2);
-        assert!(text(&output.stderr).contains("the shard of the interrupted run was 2/2"), "{}", text(&output.stderr));
+        assert!(
+            text(&output.stderr).contains("the shard of the interrupted run was 2/2"),
+            "{}",
+            text(&output.stderr)
+        );
     }
     assert_exit(&folder.stiction(&[&["run", "scene.toml"], &arguments[..]].concat()), 2);
     let killed = interrupt(&folder, "-KILL", "2.h5.checkpoint", &[&arguments[..], &["--resume"]].concat());
@@ -343,14 +365,22 @@ fn an_interrupted_shard_of_a_sweep_goes_on_to_the_same_bits() {
     let output = interrupt(&folder, "-TERM", "2.h5.points/0003.h5.checkpoint", &arguments);
     assert_exit(&output, 130);
     let info = folder.stiction(&["info", "2.h5"]);
-    assert!(text(&info.stdout).contains("800 of 800 are done; shard 2/2 has 800 to 1599"), "{}", text(&info.stdout));
+    assert!(
+        text(&info.stdout).contains("800 of 800 are done; shard 2/2 has 800 to 1599"),
+        "{}",
+        text(&info.stdout)
+    );
     assert_refused(&folder, &["1.h5".to_owned(), "2.h5".to_owned()], &["2.h5: not finished"]);
     // Of three shards the first has no point of those that are kept.
     let kept = std::fs::read_dir(folder.path("2.h5.points")).unwrap().count();
     for other in ["1/2", "1/3"] {
         let output = folder.stiction(&["run", "scene.toml", "--shard", other, "-o", "2.h5", "--resume"]);
         assert_exit(&output, 2);
-        assert!(text(&output.stderr).contains("the shard of the interrupted run was 2/2"), "{}", text(&output.stderr));
+        assert!(
+            text(&output.stderr).contains("the shard of the interrupted run was 2/2"),
+            "{}",
+            text(&output.stderr)
+        );
     }
     assert_eq!(std::fs::read_dir(folder.path("2.h5.points")).unwrap().count(), kept);
     assert_exit(&folder.stiction(&[&["run", "scene.toml", "--resume"], &arguments[..]].concat()), 0);
@@ -401,7 +431,8 @@ fn what_a_shard_is_of_is_told() {
 
 #[test]
 fn a_run_that_ends_at_a_target_has_no_shards_unless_its_replicas_are_given() {
-    let target = "target = { quantity = \"pull_off_force\", relative_standard_error = 0.05 }\nmax_replicas = 400";
+    let target =
+        "target = { quantity = \"pull_off_force\", relative_standard_error = 0.05 }\nmax_replicas = 400";
     let folder = Folder::new(&scene().replace("replicas = 83", target));
     let output = folder.stiction(&["run", "scene.toml", "--shard", "1/2"]);
     assert_exit(&output, 2);
@@ -415,10 +446,13 @@ fn a_run_that_ends_at_a_target_has_no_shards_unless_its_replicas_are_given() {
     assert_merged_is(&folder, "whole.h5");
 }
 
-/// The scene names a file beside it: found where it was, or where --scene says, and refused when it has changed.
+/// The scene names a file beside it: found where it was, or where --scene says, and refused when it has
+/// changed.
 #[test]
 fn what_a_scene_takes_from_files_is_found_again() {
-    let scene = include_str!("../configs/surfaces/file.toml").replace("count = 54", "count = 12").replace("400", "40");
+    let scene = include_str!("../configs/surfaces/file.toml")
+        .replace("count = 54", "count = 12")
+        .replace("400", "40");
     let folder = Folder::new(&scene);
     let heights = include_str!("../configs/surfaces/heights.csv");
     std::fs::write(folder.path("heights.csv"), heights).unwrap();

@@ -1,11 +1,12 @@
-//! The direct solution against 50-digit values: `tests/data/single_asperity.csv`, made by `scripts/reference_values.py`.
+//! The direct solution against 50-digit values: `tests/data/single_asperity.csv`, made by
+//! `scripts/reference_values.py`.
 
 mod common;
 
 use common::for_each_instruction_set;
 use stiction::asperity::branch::Solution;
 use stiction::asperity::emd::Emd;
-use stiction::asperity::{Path, Work};
+use stiction::asperity::{Path, SolverStats};
 
 struct Row {
     lambda: f64,
@@ -49,8 +50,12 @@ impl Row {
     }
 
     fn solve(&self, law: &Emd) -> Solution {
-        let mut work = Work::default();
-        if self.contact { law.contact(self.delta, &mut work) } else { law.noncontact(self.delta, &mut work) }
+        let mut stats = SolverStats::default();
+        if self.contact {
+            law.contact(self.delta, &mut stats)
+        } else {
+            law.noncontact(self.delta, &mut stats)
+        }
     }
 
     /// Distance to the nearest end of the branch.
@@ -76,11 +81,13 @@ fn errors(row: &Row, solution: Solution) -> [f64; 3] {
     ]
 }
 
-/// Every row to 10 ε (1 + cond), and further than 1e-3 from the ends of its branch F_s, and F against A³ + F_s, to 2e-14: with and without
-/// starting tables, on every instruction set, and with the bits of all others.
+/// Every row to 10 ε (1 + cond), and further than 1e-3 from the ends of its branch F_s, and F against A³ +
+/// F_s, to 2e-14: with and without starting tables, on every instruction set, and with the bits of all
+/// others.
 #[test]
 fn every_row_is_met_to_rounding() {
-    let rows: Vec<(Row, [Emd; 2])> = rows().into_iter().map(|row| (row.laws(), row)).map(|(l, r)| (r, l)).collect();
+    let rows: Vec<(Row, [Emd; 2])> =
+        rows().into_iter().map(|row| (row.laws(), row)).map(|(l, r)| (r, l)).collect();
     assert_eq!(rows.len(), 322);
     let mut first = None;
     let (mut worst, mut largest, mut far) = (0.0_f64, 0.0_f64, 0);
@@ -93,7 +100,12 @@ fn every_row_is_met_to_rounding() {
             for (error, condition) in errors.into_iter().zip(row.conditions) {
                 let ratio = error / (f64::EPSILON * (1.0 + condition));
                 worst = worst.max(ratio);
-                assert!(ratio <= 10.0, "{set}: λ {}, Δ {}: {ratio} ε(1 + {condition})", row.lambda, row.delta);
+                assert!(
+                    ratio <= 10.0,
+                    "{set}: λ {}, Δ {}: {ratio} ε(1 + {condition})",
+                    row.lambda,
+                    row.delta
+                );
             }
             if row.distance(law) > 1e-3 {
                 far += 1;

@@ -1,4 +1,5 @@
-//! Memory and time that runs take beside what is estimated before, and runs that are refused because they would take more than can be had.
+//! Memory and time that runs take beside what is estimated before, and runs that are refused because they
+//! would take more than can be had.
 #![cfg(target_os = "linux")]
 
 mod common;
@@ -34,13 +35,15 @@ fn estimated(folder: &Folder, what: &str) -> f64 {
 
 /// The scene pulled back after 8 preloads, on springs of 50 stiffnesses.
 fn snapping(scene: &str) -> String {
-    let list = |count: u32, unit: &str| (1..=count).map(|i| format!("\"{i} {unit}\"")).collect::<Vec<_>>().join(", ");
+    let list = |count: u32, unit: &str| {
+        (1..=count).map(|i| format!("\"{i} {unit}\"")).collect::<Vec<_>>().join(", ")
+    };
     let held = format!("[instability]\nstiffness = [{}]\npreload = [{}]\n", list(50, "N/m"), list(8, "uN"));
     scene.replace("path = \"approach\"", "path = \"loop\"").replace("[output]", &format!("{held}[output]"))
 }
 
-/// Memory is estimated within a factor of 2, whatever it is that takes it: nothing, asperities (few, many; direct, compressed), separations,
-/// curves, replicas, snaps.
+/// Memory is estimated within a factor of 2, whatever it is that takes it: nothing, asperities (few, many;
+/// direct, compressed), separations, curves, replicas, snaps.
 #[test]
 fn memory_is_estimated_within_a_factor_of_2() {
     let deep = |scene: &str| scene.replace("from = -1.0, to = 8.0", "from = 4.0, to = 4.5");
@@ -60,7 +63,8 @@ fn memory_is_estimated_within_a_factor_of_2() {
         let (estimate, peak) = (estimated(&folder, "memory"), peak_memory(&folder, &[]));
         println!("{name}: {:.1} MB estimated, {:.1} MB taken", estimate / 1e6, peak / 1e6);
         assert!((0.5..2.0).contains(&(estimate / peak)), "{name}: {estimate:e} estimated, {peak:e} taken");
-        let (estimate, size) = (estimated(&folder, "disk"), folder.path("scene.h5").metadata().unwrap().len() as f64);
+        let (estimate, size) =
+            (estimated(&folder, "disk"), folder.path("scene.h5").metadata().unwrap().len() as f64);
         assert!(size < estimate, "{name}: {estimate:e} of disk estimated, {size:e} taken");
     }
 }
@@ -122,7 +126,8 @@ fn what_does_not_fit_is_refused() {
         assert!(text(&check.stdout).contains("too large"), "{}", text(&check.stdout));
         // Curves are kept by runs alone.
         if name != "curves" {
-            let compare = folder.stiction(&["compare", "scene.toml", "--laws", "gw,md", "--ensemble", "-o", "out.h5"]);
+            let compare =
+                folder.stiction(&["compare", "scene.toml", "--laws", "gw,md", "--ensemble", "-o", "out.h5"]);
             assert_exit(&compare, 2);
             assert!(text(&compare.stderr).contains("of memory"), "{}", text(&compare.stderr));
         }
@@ -136,8 +141,10 @@ fn what_is_said_to_fit_does() {
     let deep = |replicas| sized(8.0, 2, replicas).replace("from = -1.0, to = 8.0", "from = 4.0, to = 4.5");
     let folder = Folder::new(&deep(1_000_000_000));
     let limited = |more: &str| {
-        let command =
-            format!("ulimit -v 740000; exec {} run scene.toml --threads 2 {more}", env!("CARGO_BIN_EXE_stiction"));
+        let command = format!(
+            "ulimit -v 740000; exec {} run scene.toml --threads 2 {more}",
+            env!("CARGO_BIN_EXE_stiction")
+        );
         Command::new("sh").args(["-c", &command]).current_dir(folder.path("")).output().unwrap()
     };
     let refused = limited("");
@@ -149,14 +156,18 @@ fn what_is_said_to_fit_does() {
     assert_exit(&limited(&format!("--replicas {replicas}")), 0);
 }
 
-/// However many its asperities, a replica is not held at once: all that there may be would fit, if not in a life.
+/// However many its asperities, a replica is not held at once: all that there may be would fit, if not in a
+/// life.
 #[test]
 fn any_number_of_asperities_fits() {
     for scene in [sized(9.9e11, 91, 16), compressed(&sized(9.9e11, 91, 16))] {
         let folder = Folder::new(&scene);
         assert!(estimated(&folder, "memory") < 500e6);
         let check = text(&folder.stiction(&["check", "scene.toml"]).stdout);
-        assert!(check.contains("990000000000 asperities per replica") && !check.contains("too large"), "{check}");
+        assert!(
+            check.contains("990000000000 asperities per replica") && !check.contains("too large"),
+            "{check}"
+        );
     }
 }
 
@@ -173,7 +184,8 @@ fn time_is_that_of_all_phases() {
     }
 }
 
-/// Bytes of address space that a run on two threads is given beside its memory: the program's own, and what the C library reserves for threads.
+/// Bytes of address space that a run on two threads is given beside its memory: the program's own, and what
+/// the C library reserves for threads.
 const RESERVE: f64 = 3e8 + 6.0 * 67_108_864.0;
 
 /// Runs a command of the program in a folder, with so many bytes of address space.
@@ -183,11 +195,16 @@ fn within(folder: &Folder, bytes: f64, arguments: &str) -> Output {
     Command::new("sh").args(["-c", &command]).current_dir(folder.path("")).output().unwrap()
 }
 
-/// Runs a command of the program in a folder, whose address space is bounded by a share of what it has as soon as a file exists.
+/// Runs a command of the program in a folder, whose address space is bounded by a share of what it has as
+/// soon as a file exists.
 fn bounded_when(folder: &Folder, file: &str, share: f64, arguments: &str) -> Output {
     use rustix::process::{Pid, Resource, Rlimit, prlimit};
     let mut command = Command::new(env!("CARGO_BIN_EXE_stiction"));
-    command.args(arguments.split(' ')).current_dir(folder.path("")).stdout(Stdio::null()).stderr(Stdio::piped());
+    command
+        .args(arguments.split(' '))
+        .current_dir(folder.path(""))
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped());
     let mut child = command.spawn().unwrap();
     while !folder.path(file).exists() && child.try_wait().unwrap().is_none() {
         std::thread::sleep(Duration::from_micros(100));
@@ -196,18 +213,21 @@ fn bounded_when(folder: &Folder, file: &str, share: f64, arguments: &str) -> Out
     let line = status.lines().find_map(|line| line.strip_prefix("VmSize:")?.trim().strip_suffix(" kB"));
     if let Some(has) = line.and_then(|has| has.parse::<f64>().ok()) {
         let limit = Some((1024.0 * share * has) as u64);
-        let _ = prlimit(Pid::from_child(&child).into(), Resource::As, Rlimit { current: limit, maximum: limit });
+        let _ =
+            prlimit(Pid::from_child(&child).into(), Resource::As, Rlimit { current: limit, maximum: limit });
     }
     child.wait_with_output().unwrap()
 }
 
-/// That a command has ended as it may where memory is short: done, or refused, or failed with a message, and nothing left but what
-/// `--resume` goes on with. Whether it failed.
+/// That a command has ended as it may where memory is short: done, or refused, or failed with a message, and
+/// nothing left but what `--resume` goes on with. Whether it failed.
 fn has_failed_well(folder: &Folder, output: &Output, at: &str) -> bool {
     let message = text(&output.stderr);
     let told = match output.status.code() {
         Some(0) => true,
-        Some(1) => message.contains("not enough memory") || message.contains("stiction: cannot start threads"),
+        Some(1) => {
+            message.contains("not enough memory") || message.contains("stiction: cannot start threads")
+        }
         Some(2) => message.contains(" of memory, and ") && message.contains(" can be had"),
         _ => false,
     };
@@ -220,11 +240,16 @@ fn has_failed_well(folder: &Folder, output: &Output, at: &str) -> bool {
         let mut files = std::fs::read_dir(path).into_iter().flatten().map(|entry| entry.unwrap().file_name());
         files.find(|name| [".lock", ".partial"].iter().any(|end| name.to_str().unwrap().ends_with(end)))
     };
-    assert_eq!([left(folder.path("")), left(folder.path("scene.h5.points"))], [None, None], "{at}: {message}");
+    assert_eq!(
+        [left(folder.path("")), left(folder.path("scene.h5.points"))],
+        [None, None],
+        "{at}: {message}"
+    );
     output.status.code() == Some(1)
 }
 
-/// A run gets by with what is said of it, and with less either does or says that it does not; never dies of it.
+/// A run gets by with what is said of it, and with less either does or says that it does not; never dies of
+/// it.
 #[test]
 fn a_run_gets_by_with_its_estimate_or_says_what_it_lacks() {
     let folder = Folder::new(&sized(50.0, 800, 32).replace("curves = false", "curves = true"));
@@ -245,7 +270,10 @@ fn a_run_gets_by_with_its_estimate_or_says_what_it_lacks() {
         let at = format!("{share} of what it has with {file}");
         failed += u32::from(has_failed_well(&folder, &run, &at));
         let message = text(&run.stderr);
-        assert!(!message.contains("with --resume") || folder.path("scene.h5.checkpoint").exists(), "{at}: {message}");
+        assert!(
+            !message.contains("with --resume") || folder.path("scene.h5.checkpoint").exists(),
+            "{at}: {message}"
+        );
         assert_exit(&folder.stiction(&["run", "scene.toml", "--resume"]), 0);
         assert!(bits(&folder.path("scene.h5")) == undisturbed, "{at}");
         assert_eq!(folder.files(), ["scene.h5", "scene.toml", "whole.h5"]);
@@ -257,7 +285,8 @@ fn a_run_gets_by_with_its_estimate_or_says_what_it_lacks() {
 /// The same for what is made of several runs, or reads a result.
 #[test]
 fn other_commands_say_what_they_lack() {
-    let sweep = format!("{}\n[sweep]\n\"material.hardness\" = [\"2 GPa\", \"3 GPa\"]\n", sized(50.0, 300, 32));
+    let sweep =
+        format!("{}\n[sweep]\n\"material.hardness\" = [\"2 GPa\", \"3 GPa\"]\n", sized(50.0, 300, 32));
     let folder = Folder::new(&sweep);
     assert_exit(&folder.stiction(&["run", "scene.toml", "-o", "whole.h5"]), 0);
     let undisturbed = bits(&folder.path("whole.h5"));
@@ -276,7 +305,14 @@ fn other_commands_say_what_they_lack() {
     }
     std::fs::write(folder.path("scene.toml"), sized(50.0, 500, 32)).unwrap();
     let shard = |index: u32| {
-        folder.stiction(&["run", "scene.toml", "--shard", &format!("{index}/2"), "-o", &format!("{index}.h5")])
+        folder.stiction(&[
+            "run",
+            "scene.toml",
+            "--shard",
+            &format!("{index}/2"),
+            "-o",
+            &format!("{index}.h5"),
+        ])
     };
     (1..=2).for_each(|index| assert_exit(&shard(index), 0));
     for (file, arguments) in [

@@ -1,4 +1,5 @@
-//! What is skipped against what is not: series far from contact, constant forces, loads where nothing touches, and the count of it all.
+//! What is skipped against what is not: series far from contact, constant forces, loads where nothing
+//! touches, and the count of it all.
 
 mod common;
 
@@ -6,7 +7,7 @@ use common::{case, job, law, respond};
 use std::sync::atomic::AtomicBool;
 use stiction::asperity::emd::Emd;
 use stiction::asperity::models::MODELS;
-use stiction::asperity::{BLOCK, Path, Quantity, Work};
+use stiction::asperity::{BLOCK, Path, Quantity, SolverStats};
 use stiction::engine::stream::{Purpose, stream};
 use stiction::engine::{Ensemble, Job, Outcome, Workspace, run};
 
@@ -18,14 +19,17 @@ fn lambdas() -> Vec<f64> {
     lambdas
 }
 
-/// The law with a series against the law without, from where the series begins, 2 before the end of the branch, to the end of the tables and
-/// beyond: to 4e-15 + 10 ε (1 + cond), cond = |Δ F_s'/F_s|. What the tables do not reach is solved by both alike, to the same bits.
+/// The law with a series against the law without, from where the series begins, 2 before the end of the
+/// branch, to the end of the tables and beyond: to 4e-15 + 10 ε (1 + cond), cond = |Δ F_s'/F_s|. What the
+/// tables do not reach is solved by both alike, to the same bits.
 #[test]
 fn the_series_far_from_contact_is_the_solution() {
     assert_eq!(lambdas().len(), 12);
     let mut worst = 0.0_f64;
     for lambda in lambdas() {
-        for ((_, path), reach) in Path::ALL.into_iter().flat_map(|path| [(path, 8.0), (path, 1e3), (path, 1e4)]) {
+        for ((_, path), reach) in
+            Path::ALL.into_iter().flat_map(|path| [(path, 8.0), (path, 1e3), (path, 1e4)])
+        {
             let solved = Emd::new(lambda, path).unwrap();
             let begin = solved.noncontact_fold().unwrap_or(solved.end()).min(solved.end()) - 2.0;
             let tabulated = solved.clone().with_noncontact_tables(-reach).with_far_series(-reach);
@@ -39,20 +43,21 @@ fn the_series_far_from_contact_is_the_solution() {
             let inside = approaches.len();
             approaches.extend([(-reach).next_down(), -1.0001 * reach, -2.0 * reach, -50.0 * reach]);
             for (i, &approach) in approaches.iter().enumerate() {
-                let (mut series, mut solves) = (Work::default(), Work::default());
+                let (mut series, mut solves) = (SolverStats::default(), SolverStats::default());
                 let value = tabulated.noncontact(approach, &mut series).adhesion;
                 let truth = solved.noncontact(approach, &mut solves).adhesion;
                 assert_eq!((solves.far, solves.safeguarded), (0, 1));
                 let place = format!("λ {lambda}, Δ {approach} of {begin}..{}", -reach);
-                // Whether the last bits next to the end are in the table depends on the rounding of its length.
+                // Whether the last bits next to the end are in the table depends on the rounding of its
+                // length.
                 if i < inside - 2 {
                     assert_eq!((series.far, series.evaluations), (1, 0), "{place}");
                 } else if i > inside {
                     assert_eq!((series.far, series.safeguarded), (0, 1), "{place}");
                     assert_eq!(value.to_bits(), truth.to_bits(), "{place}");
                 }
-                let [more, less] =
-                    [1.0 + 1e-5, 1.0 - 1e-5].map(|factor| solved.noncontact(factor * approach, &mut solves).adhesion);
+                let [more, less] = [1.0 + 1e-5, 1.0 - 1e-5]
+                    .map(|factor| solved.noncontact(factor * approach, &mut solves).adhesion);
                 let condition = ((more - less) / (2e-5 * truth)).abs();
                 let allowed = 4e-15 + 10.0 * f64::EPSILON * (1.0 + condition);
                 worst = worst.max((value / truth - 1.0).abs() / allowed);
@@ -63,8 +68,8 @@ fn the_series_far_from_contact_is_the_solution() {
     println!("worst: {worst} of what is allowed");
 }
 
-/// A block that goes through all parts of the branch before contact has the bits of its lanes alone; also where one part ends and the
-/// next begins.
+/// A block that goes through all parts of the branch before contact has the bits of its lanes alone; also
+/// where one part ends and the next begins.
 #[test]
 fn parts_before_contact_do_not_depend_on_the_lanes_beside() {
     let mut folded = 0;
@@ -85,9 +90,9 @@ fn parts_before_contact_do_not_depend_on_the_lanes_beside() {
                 }
                 assert!(approaches.len() <= BLOCK);
                 let mut adhesion = vec![0.0; approaches.len()];
-                law.noncontact_block(&mut approaches.clone(), &mut adhesion, &mut Work::default());
+                law.noncontact_block(&mut approaches.clone(), &mut adhesion, &mut SolverStats::default());
                 for (value, &approach) in adhesion.iter().zip(&approaches) {
-                    let alone = law.noncontact(approach, &mut Work::default()).adhesion;
+                    let alone = law.noncontact(approach, &mut SolverStats::default()).adhesion;
                     assert_eq!(
                         value.to_bits(),
                         alone.to_bits(),
@@ -120,13 +125,18 @@ impl Exact {
     #[track_caller]
     fn assert_is(&self, value: f64, what: &str) -> f64 {
         let error = (value - (self.high + self.low)).abs();
-        assert!(error <= 1e-14 * self.magnitude, "{what}: {value:e} is off by {error:e} of {:e}", self.magnitude);
+        assert!(
+            error <= 1e-14 * self.magnitude,
+            "{what}: {value:e} is off by {error:e} of {:e}",
+            self.magnitude
+        );
         if self.magnitude > 0.0 { error / self.magnitude } else { 0.0 }
     }
 }
 
-/// Curves of one surface of each case, wet and dry, under every law, against a loop that asks the law for one asperity after the
-/// other, constant forces and loads of what does not touch included: to 1e-14 of the sum of magnitudes, by regime too.
+/// Curves of one surface of each case, wet and dry, under every law, against a loop that asks the law for one
+/// asperity after the other, constant forces and loads of what does not touch included: to 1e-14 of the sum
+/// of magnitudes, by regime too.
 #[test]
 fn curves_are_sums_of_asperities_solved_alone() {
     let mut worst = 0.0_f64;
@@ -150,7 +160,9 @@ fn curves_are_sums_of_asperities_solved_alone() {
                 let mut total = [Exact::default(); 4];
                 let mut regimes = vec![(0.0, [Exact::default(); 2]); law.regimes().len()];
                 for &u in &heights {
-                    let Some((regime, [adhesion, contact, area])) = respond(law.as_ref(), u - d) else { continue };
+                    let Some((regime, [adhesion, contact, area])) = respond(law.as_ref(), u - d) else {
+                        continue;
+                    };
                     let regime = law.regimes().iter().position(|known| *known == regime).unwrap();
                     regimes[regime].0 += 1.0;
                     regimes[regime].1[0].add(adhesion);
@@ -189,13 +201,14 @@ fn curves_are_sums_of_asperities_solved_alone() {
 fn ensemble(job: &Job<'_>) -> Ensemble {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
     match run::<()>(job, &pool, &AtomicBool::new(false), |_, _| Ok(())) {
-        Ok(Outcome::Complete(forest)) => forest.into_ensemble(job),
+        Ok(Outcome::Complete(reduction_tree)) => reduction_tree.into_ensemble(job),
         _ => panic!("the run did not complete"),
     }
 }
 
-/// Every asperity at every separation is counted once: as a solve, or with the reason why it needed none. Separations beyond the
-/// pull-off only, so that little more than they is solved; and those of a whole curve, where the search for it solves more.
+/// Every asperity at every separation is counted once: as a solve, or with the reason why it needed none.
+/// Separations beyond the pull-off only, so that little more than they is solved; and those of a whole curve,
+/// where the search for it solves more.
 #[test]
 fn every_asperity_is_counted_once() {
     for name in ["I", "II", "III"] {
@@ -208,14 +221,22 @@ fn every_asperity_is_counted_once() {
             for (from, step, at_edge) in [(5.0, 0.05, true), (-1.0, 0.05, false)] {
                 let separations: Vec<f64> = (0..120).map(|i| sigma * (from + step * f64::from(i))).collect();
                 let sampled = ensemble(&job(law, &surface, &separations, 9));
-                let Work {
-                    contact_solves, noncontact_solves, constant, closed_form, far, unloaded, compressed, ..
-                } = sampled.work;
+                let SolverStats {
+                    contact_solves,
+                    noncontact_solves,
+                    constant,
+                    closed_form,
+                    far,
+                    unloaded,
+                    compressed,
+                    ..
+                } = sampled.stats;
                 let counted = contact_solves + noncontact_solves + constant + closed_form + far;
-                let place = format!("{} in case {name} from {from}: {:?}", model.name, sampled.work);
+                let place = format!("{} in case {name} from {from}: {:?}", model.name, sampled.stats);
                 assert_eq!(compressed, 0);
                 let most = 9 * 900 * separations.len() as u64;
-                // Those beyond the end of a law are in no regime. The search solves a few whole surfaces more.
+                // Those beyond the end of a law are in no regime. The search solves a few whole surfaces
+                // more.
                 let of_curves = (9.0 * sampled.regime_count.mean().iter().sum::<f64>()).round();
                 let more = counted as f64 - of_curves;
                 assert!((0.0..0.9 * of_curves).contains(&more), "{place}");

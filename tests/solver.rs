@@ -1,4 +1,5 @@
-//! `[solver]` as a user drives it: what is asked for, what is done, and what is said of it in summaries and files.
+//! `[solver]` as a user drives it: what is asked for, what is done, and what is said of it in summaries and
+//! files.
 
 mod common;
 
@@ -13,7 +14,8 @@ fn scene(solver: &str) -> String {
 
 const COMPRESSED: &str = "sum = \"compressed\"";
 /// Separations of which two are closer.
-const UNEVEN: (&str, &str) = ("{ from = -1.0, to = 8.0, count = 16 }", "[-1.0, 0.0, 1.0, 2.0, 2.5, 3.0, 4.0, 5.0]");
+const UNEVEN: (&str, &str) =
+    ("{ from = -1.0, to = 8.0, count = 16 }", "[-1.0, 0.0, 1.0, 2.0, 2.5, 3.0, 4.0, 5.0]");
 
 fn dataset(path: &Path, name: &str) -> Vec<f64> {
     unlocked::open(path).dataset(name).unwrap().read_raw().unwrap()
@@ -51,8 +53,9 @@ fn sums_are_direct_by_default() {
     }
 }
 
-/// A compressed run says what it is, agrees with its integral and with a direct run to the tolerance, counts exactly, and has the same bits on
-/// any number of threads. One seed, one test of significance 1e-3; the same replicas agree when they are summed directly.
+/// A compressed run says what it is, agrees with its integral and with a direct run to the tolerance, counts
+/// exactly, and has the same bits on any number of threads. One seed, one test of significance 1e-3; the same
+/// replicas agree when they are summed directly.
 #[test]
 fn a_compressed_run_is_the_direct_one_to_the_tolerance() {
     let folder = Folder::new(&small());
@@ -91,11 +94,16 @@ fn a_compressed_run_is_the_direct_one_to_the_tolerance() {
         for name in ["adhesion_force_mean", "contact_force_mean", "external_force_mean"] {
             let [mine, truth] = [&path, &direct].map(|path| dataset(path, &format!("/ensemble/{name}")));
             for (k, (mine, truth)) in mine.iter().zip(&truth).enumerate() {
-                assert!((mine - truth).abs() <= tolerance * (adhesion[k] + contact[k]), "{name}: {mine:e} {truth:e}");
+                assert!(
+                    (mine - truth).abs() <= tolerance * (adhesion[k] + contact[k]),
+                    "{name}: {mine:e} {truth:e}"
+                );
             }
             assert_ne!(mine, truth);
         }
-        for name in ["/ensemble/regime_count_mean", "/replicas/highest_asperity", "/statistical/external_force"] {
+        for name in
+            ["/ensemble/regime_count_mean", "/replicas/highest_asperity", "/statistical/external_force"]
+        {
             assert_eq!(dataset(&path, name), dataset(&direct, name), "{name}");
         }
         // At pull-off a replica has about as much load as it lacks, so F_s + P is a few times F.
@@ -106,11 +114,13 @@ fn a_compressed_run_is_the_direct_one_to_the_tolerance() {
     }
 }
 
-/// Curves of single replicas are the compressed ones: their mean is that of the ensemble, and all else has the bits of a run without.
+/// Curves of single replicas are the compressed ones: their mean is that of the ensemble, and all else has
+/// the bits of a run without.
 #[test]
 fn curves_of_compressed_replicas_are_kept() {
     let folder = Folder::new(&scene(COMPRESSED));
-    std::fs::write(folder.path("curves.toml"), scene(COMPRESSED).replace("curves = false", "curves = true")).unwrap();
+    std::fs::write(folder.path("curves.toml"), scene(COMPRESSED).replace("curves = false", "curves = true"))
+        .unwrap();
     assert_exit(&folder.stiction(&["run", "scene.toml", "--replicas", "19"]), 0);
     assert_exit(&folder.stiction(&["run", "curves.toml", "--replicas", "19"]), 0);
     let path = folder.path("curves.h5");
@@ -160,7 +170,8 @@ fn a_refusal_is_said_and_sums_are_direct() {
 #[test]
 fn sampling_schemes_are_compressed_too() {
     for scheme in ["antithetic", "stratified"] {
-        let sampled = scene(COMPRESSED).replace("[ensemble]", &format!("[ensemble]\nsampling = \"{scheme}\""));
+        let sampled =
+            scene(COMPRESSED).replace("[ensemble]", &format!("[ensemble]\nsampling = \"{scheme}\""));
         let folder = Folder::new(&sampled);
         std::fs::write(folder.path("direct.toml"), sampled.replace(COMPRESSED, "")).unwrap();
         let run = folder.stiction(&["run", "scene.toml"]);
@@ -175,12 +186,22 @@ fn sampling_schemes_are_compressed_too() {
     }
 }
 
-/// A comparison sums every law by itself: by moments where that is so, directly where not, with the error of each in the file.
+/// A comparison sums every law by itself: by moments where that is so, directly where not, with the error of
+/// each in the file.
 #[test]
 fn a_comparison_is_compressed_law_by_law() {
     let folder = Folder::new(&scene(&format!("{COMPRESSED}\ntolerance = 1e-8")));
-    let compare =
-        ["compare", "scene.toml", "--laws", "hybrid,sbl,gw", "--ensemble", "--replicas", "20", "-o", "all.h5"];
+    let compare = [
+        "compare",
+        "scene.toml",
+        "--laws",
+        "hybrid,sbl,gw",
+        "--ensemble",
+        "--replicas",
+        "20",
+        "-o",
+        "all.h5",
+    ];
     assert_exit(&folder.stiction(&compare), 0);
     let errors = dataset(&folder.path("all.h5"), "/ensemble/sum_error");
     assert!(errors.len() == 3 && errors.iter().all(|error| *error > 0.0 && *error <= 1e-8), "{errors:?}");
@@ -212,7 +233,8 @@ fn check_says_what_is_skipped() {
     ] {
         assert!(wet.contains(part), "{part}: {wet}");
     }
-    let dry = small().replace("lubricant_thickness = \"0.5 nm\"", "").replace("curves = false", "curves = true");
+    let dry =
+        small().replace("lubricant_thickness = \"0.5 nm\"", "").replace("curves = false", "curves = true");
     let dry = text(&check(&dry));
     assert!(dry.contains("lubricant regime: the scene is dry"), "{dry}");
     assert!(!dry.contains("sums by moments") && !dry.contains("curves of single replicas"), "{dry}");

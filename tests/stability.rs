@@ -1,5 +1,6 @@
-//! Where solving is hard: values at the ends of branches, in the limits of λ, far and deep, against `tests/data/stability.csv`, made by
-//! `scripts/reference_stability.py`; and how many evaluations a solve may take.
+//! Where solving is hard: values at the ends of branches, in the limits of λ, far and deep, against
+//! `tests/data/stability.csv`, made by `scripts/reference_stability.py`; and how many evaluations a solve may
+//! take.
 
 mod common;
 
@@ -9,7 +10,7 @@ use std::f64::consts::PI;
 use stiction::asperity::branch::MOST_EVALUATIONS;
 use stiction::asperity::models::{MODELS, model};
 use stiction::asperity::scale::pressure_factor;
-use stiction::asperity::{BLOCK, Law, Path, Responses, Scratch, Setting, Work, for_each_block};
+use stiction::asperity::{BLOCK, Law, LawParameters, Path, Responses, Scratch, SolverStats, for_each_block};
 
 /// Errors that are allowed, in ε (1 + condition number).
 const ALLOWED: f64 = 10.0;
@@ -23,7 +24,7 @@ const EVALUATIONS: u64 = 70;
 struct Row {
     region: &'static str,
     law: &'static str,
-    setting: Setting,
+    parameters: LawParameters,
     delta: f64,
     contact: bool,
     /// Adhesion force, external force, contact radius.
@@ -48,14 +49,15 @@ fn row(line: &'static str) -> Row {
     let fields: Vec<&str> = line.split(',').collect();
     let number = |i: usize| fields[i].parse::<f64>().expect("a number");
     let path = Path::ALL.iter().find(|(name, _)| *name == fields[2]).expect("a path").1;
-    let mut setting = Setting::scaled(number(3), path).expect("a λ in range");
+    let mut parameters = LawParameters::scaled(number(3), path).expect("a λ in range");
     if !fields[5].is_empty() {
-        (setting.critical_interference, setting.pressure_factor) = (number(5), pressure_factor(number(6)));
+        (parameters.critical_interference, parameters.pressure_factor) =
+            (number(5), pressure_factor(number(6)));
     }
     Row {
         region: fields[0],
         law: fields[1],
-        setting,
+        parameters,
         delta: number(4),
         contact: fields[7] == "contact",
         values: [number(8), number(9), number(10)],
@@ -65,45 +67,55 @@ fn row(line: &'static str) -> Row {
 }
 
 /// What one asperity does, whether it is in contact, and what that took.
-fn solve(law: &dyn Law, delta: f64) -> (bool, [f64; 3], Work) {
-    let (mut found, mut work) = (None, Work::default());
+fn solve(law: &dyn Law, delta: f64) -> (bool, [f64; 3], SolverStats) {
+    let (mut found, mut stats) = (None, SolverStats::default());
     let visit = |regime: usize, _: std::ops::Range<usize>, out: &Responses| {
         let values = [out.adhesion[0], out.contact[0] - out.adhesion[0], (out.area[0] / PI).sqrt()];
         found = Some((law.regimes()[regime].is_contact(), values));
     };
-    for_each_block(law, &[delta], 0.0, &mut Scratch::default(), &mut work, visit);
+    for_each_block(law, &[delta], 0.0, &mut Scratch::default(), &mut stats, visit);
     let (contact, values) = found.expect("a law without end");
-    (contact, values, work)
+    (contact, values, stats)
 }
 
-/// Starting tables: none, so that every solve is safeguarded; near contact, so that solves reach beyond them; and as far as any row.
+/// Starting tables: none, so that every solve is safeguarded; near contact, so that solves reach beyond them;
+/// and as far as any row.
 const REACHES: [Option<(f64, f64)>; 3] = [None, Some((-30.0, 30.0)), Some((-1e6, 1e6))];
 
 fn laws(row: &Row) -> [Box<dyn Law>; 3] {
     REACHES.map(|reach| {
         // Beyond ω_c the law emd would bear nothing: it stays infinite in a scaled setting.
-        (model(row.law).expect("a known law").build)(&Setting { reach, ..row.setting }).expect("a law")
+        (model(row.law).expect("a known law").build)(&LawParameters { reach, ..row.parameters })
+            .expect("a law")
     })
 }
 
 impl Row {
-    /// Errors in ε (1 + cond): of F_s, of F relative to A³ + F_s, of A. A power x^b by exp(b ln x) rounds b ln x, and `sbl` has its force in
-    /// contact from a table and a quadrature to 1e-13.
+    /// Errors in ε (1 + cond): of F_s, of F relative to A³ + F_s, of A. A power x^b by exp(b ln x) rounds b
+    /// ln x, and `sbl` has its force in contact from a table and a quadrature to 1e-13.
     fn errors(&self, values: [f64; 3], tables: bool) -> [f64; 3] {
         let [adhesion, external, radius] = self.values;
         let sizes = [adhesion, external + 2.0 * adhesion, radius];
-        let (critical, sbl) = (self.setting.critical_interference, self.law == "sbl" && self.contact && tables);
-        let powers = if critical.is_finite() && self.delta > 0.0 { (self.delta / critical).ln().abs() } else { 0.0 };
+        let (critical, sbl) =
+            (self.parameters.critical_interference, self.law == "sbl" && self.contact && tables);
+        let powers =
+            if critical.is_finite() && self.delta > 0.0 { (self.delta / critical).ln().abs() } else { 0.0 };
         std::array::from_fn(|i| {
             let tabulated = if sbl && i < 2 { 1e-13 } else { 0.0 };
             let error = ((values[i] - self.values[i]).abs() - tabulated * sizes[i]).max(0.0);
-            if error == 0.0 { 0.0 } else { error / (sizes[i] * f64::EPSILON * (1.0 + self.conditions[i] + powers)) }
+            if error == 0.0 {
+                0.0
+            } else {
+                error / (sizes[i] * f64::EPSILON * (1.0 + self.conditions[i] + powers))
+            }
         })
     }
 
-    /// Whether values are those of this row to what rounding at the end of a branch leaves: the root of some ε, at λ_f the fourth root.
+    /// Whether values are those of this row to what rounding at the end of a branch leaves: the root of some
+    /// ε, at λ_f the fourth root.
     fn is_near(&self, contact: bool, values: [f64; 3]) -> bool {
-        contact == self.contact && values.iter().zip(self.values).all(|(a, b)| (a - b).abs() <= 1e-3 * (1.0 + b.abs()))
+        contact == self.contact
+            && values.iter().zip(self.values).all(|(a, b)| (a - b).abs() <= 1e-3 * (1.0 + b.abs()))
     }
 }
 
@@ -123,7 +135,10 @@ fn every_row_is_met_to_rounding_in_every_region() {
     let mut worst: BTreeMap<&str, Worst> = BTreeMap::new();
     let mut known: Vec<(usize, [Box<dyn Law>; 3])> = Vec::new();
     for (i, row) in rows.iter().enumerate() {
-        if !known.last().is_some_and(|(j, _)| rows[*j].law == row.law && rows[*j].setting == row.setting) {
+        if !known
+            .last()
+            .is_some_and(|(j, _)| rows[*j].law == row.law && rows[*j].parameters == row.parameters)
+        {
             known.push((i, laws(row)));
         }
     }
@@ -136,31 +151,33 @@ fn every_row_is_met_to_rounding_in_every_region() {
             let worst = worst.entry(row.region).or_default();
             worst.rows += usize::from(first.is_none());
             for (law, reach) in known[at].1.iter().zip(REACHES) {
-                let (contact, values, work) = solve(law.as_ref(), row.delta);
+                let (contact, values, stats) = solve(law.as_ref(), row.delta);
                 bits.push(values.map(f64::to_bits));
-                worst.evaluations = worst.evaluations.max(work.evaluations);
+                worst.evaluations = worst.evaluations.max(stats.evaluations);
                 assert!(
-                    work.evaluations <= EVALUATIONS,
-                    "{} λ {:e}, Δ {:e}: {work:?}",
+                    stats.evaluations <= EVALUATIONS,
+                    "{} λ {:e}, Δ {:e}: {stats:?}",
                     row.law,
-                    row.setting.scale.lambda,
+                    row.parameters.scale.lambda,
                     row.delta
                 );
                 let errors = row.errors(values, reach.is_some());
                 if contact != row.contact || !errors.iter().all(|error| *error <= ALLOWED) {
                     let beside = rows.iter().filter(|other| {
                         other.law == row.law
-                            && other.setting == row.setting
+                            && other.parameters == row.parameters
                             && (other.delta - row.delta).abs() <= 3e-14 * row.delta.abs()
                     });
-                    if row.margin <= AMBIGUOUS && beside.into_iter().any(|other| other.is_near(contact, values)) {
+                    if row.margin <= AMBIGUOUS
+                        && beside.into_iter().any(|other| other.is_near(contact, values))
+                    {
                         worst.ambiguous += usize::from(first.is_none() && reach.is_none());
                         continue;
                     }
                     failures.push(format!(
                         "{set} {reach:?} {}: {} λ {:e}, Δ {:e} (margin {:.1e}): contact {contact} {values:?} instead of {} {:?}: \
                          {errors:?} ε (1 + {:?})",
-                        row.region, row.law, row.setting.scale.lambda, row.delta, row.margin, row.contact, row.values, row.conditions
+                        row.region, row.law, row.parameters.scale.lambda, row.delta, row.margin, row.contact, row.values, row.conditions
                     ));
                 }
                 for (most, error) in worst.errors.iter_mut().zip(errors) {
@@ -172,7 +189,9 @@ fn every_row_is_met_to_rounding_in_every_region() {
     });
     println!("| region | rows | F_s | F | A | evaluations | other side |\n|---|---|---|---|---|---|---|");
     for (region, Worst { rows, errors: [adhesion, external, radius], evaluations, ambiguous }) in worst {
-        println!("| {region} | {rows} | {adhesion:.2} | {external:.2} | {radius:.2} | {evaluations} | {ambiguous} |");
+        println!(
+            "| {region} | {rows} | {adhesion:.2} | {external:.2} | {radius:.2} | {evaluations} | {ambiguous} |"
+        );
     }
     assert!(
         failures.is_empty(),
@@ -186,8 +205,9 @@ fn every_row_is_met_to_rounding_in_every_region() {
 fn lambdas(count: usize) -> Vec<f64> {
     let even = (0..=count).map(|i| 10f64.powf(-6.0 + 12.0 * i as f64 / count as f64).clamp(1e-6, 1e6));
     let folds = [0.888_320_0, 0.937_947_457_211_071, 1.116, 2.0];
-    let beside =
-        folds.into_iter().flat_map(|fold| [-1e-3, -1e-6, 0.0, 1e-12, 1e-6, 1e-3].map(|shift| fold * (1.0 + shift)));
+    let beside = folds
+        .into_iter()
+        .flat_map(|fold| [-1e-3, -1e-6, 0.0, 1e-12, 1e-6, 1e-3].map(|shift| fold * (1.0 + shift)));
     let mut all: Vec<f64> = even.chain(beside).collect();
     all.sort_by(f64::total_cmp);
     all
@@ -195,7 +215,8 @@ fn lambdas(count: usize) -> Vec<f64> {
 
 /// Δ of a sweep in one regime, rising: by decades from both ends and evenly between, within ±1e6.
 fn approaches(law: &dyn Law, regime: usize, count: usize) -> Vec<f64> {
-    let end = |i: usize| law.boundaries().get(i).map_or(1e6, |boundary| boundary.interference.clamp(-1e6, 1e6));
+    let end =
+        |i: usize| law.boundaries().get(i).map_or(1e6, |boundary| boundary.interference.clamp(-1e6, 1e6));
     let (low, high) = (if regime == 0 { -1e6 } else { end(regime - 1) }, end(regime));
     let decades = (0..count).map(|i| 10f64.powf(-16.0 + 22.0 * i as f64 / count as f64));
     let both = decades.flat_map(|distance| {
@@ -209,34 +230,43 @@ fn approaches(law: &dyn Law, regime: usize, count: usize) -> Vec<f64> {
 }
 
 /// Forces, load and area/π of a regime at rising Δ, block by block, and what they took.
-fn evaluate(law: &dyn Law, regime: usize, deltas: &[f64]) -> (Vec<[f64; 3]>, Work) {
-    let (mut values, mut out, mut work) = (Vec::new(), Responses::default(), Work::default());
+fn evaluate(law: &dyn Law, regime: usize, deltas: &[f64]) -> (Vec<[f64; 3]>, SolverStats) {
+    let (mut values, mut out, mut stats) = (Vec::new(), Responses::default(), SolverStats::default());
     for block in deltas.chunks(BLOCK) {
-        law.evaluate(regime, block, &mut out, &mut work);
+        law.evaluate(regime, block, &mut out, &mut stats);
         values.extend((0..block.len()).map(|i| [out.adhesion[i], out.contact[i], out.area[i] / PI]));
     }
-    (values, work)
+    (values, stats)
 }
 
-/// One law at one λ: finite and not negative; load and area rise with Δ; solves from tables agree with solves without, as far as the law's
-/// own change over a few roundings of Δ allows; few evaluations. How many Δ it was asked for.
-fn sweep(name: &str, setting: &Setting, count: usize) -> usize {
-    let build = |reach| (model(name).expect("a known law").build)(&Setting { reach, ..*setting }).expect("a law");
+/// One law at one λ: finite and not negative; load and area rise with Δ; solves from tables agree with solves
+/// without, as far as the law's own change over a few roundings of Δ allows; few evaluations. How many Δ it
+/// was asked for.
+fn sweep(name: &str, parameters: &LawParameters, count: usize) -> usize {
+    let build = |reach| {
+        (model(name).expect("a known law").build)(&LawParameters { reach, ..*parameters }).expect("a law")
+    };
     let (direct, tables) = (build(None), build(Some((-1e6, 1e6))));
-    let context = |delta: f64| format!("{name}, {:?}, λ {:e}, Δ {delta:e}", setting.path, setting.scale.lambda);
+    let context =
+        |delta: f64| format!("{name}, {:?}, λ {:e}, Δ {delta:e}", parameters.path, parameters.scale.lambda);
     // The attraction around a contact is tabulated to 1e-13.
     let own = if name == "sbl" || name == "ceb" { 1e-12 } else { 1e-13 };
     let mut points = 0;
     for (regime, kind) in direct.regimes().iter().enumerate() {
         let deltas = approaches(direct.as_ref(), regime, count);
-        let [(plain, work), (fast, _)] = [&direct, &tables].map(|law| evaluate(law.as_ref(), regime, &deltas));
-        let solves = work.contact_solves + work.noncontact_solves;
-        assert!(work.evaluations <= EVALUATIONS * solves, "{}: {work:?}", context(f64::NAN));
+        let [(plain, stats), (fast, _)] =
+            [&direct, &tables].map(|law| evaluate(law.as_ref(), regime, &deltas));
+        let solves = stats.contact_solves + stats.noncontact_solves;
+        assert!(stats.evaluations <= EVALUATIONS * solves, "{}: {stats:?}", context(f64::NAN));
         let ends = direct.boundaries().iter().map(|boundary| boundary.interference);
         let ends: Vec<f64> = ends.chain(direct.pieces().iter().map(|piece| piece.upper)).collect();
         for (i, &delta) in deltas.iter().enumerate() {
             let (here, other) = (plain[i], fast[i]);
-            assert!(here.iter().chain(&other).all(|v| v.is_finite() && *v >= 0.0), "{}: {here:?}", context(delta));
+            assert!(
+                here.iter().chain(&other).all(|v| v.is_finite() && *v >= 0.0),
+                "{}: {here:?}",
+                context(delta)
+            );
             // Within some roundings of where it ends a branch has no more than the root of these.
             if ends.iter().any(|end| (delta - end).abs() <= 1e-14 * end.abs()) {
                 continue;
@@ -268,8 +298,8 @@ fn sweep_all(lambdas_of_a_law: usize, count: usize) {
     let mut points = 0;
     for (_, path) in Path::ALL {
         for lambda in lambdas(lambdas_of_a_law) {
-            let elastic = Setting::scaled(lambda, path).expect("a λ in range");
-            let plastic = Setting {
+            let elastic = LawParameters::scaled(lambda, path).expect("a λ in range");
+            let plastic = LawParameters {
                 critical_interference: 0.7,
                 pressure_factor: pressure_factor(0.27),
                 lubricant_thickness: 0.4,
@@ -306,12 +336,16 @@ fn approaches_beyond_all_measure_end_within_the_bound() {
     for lambda in [1e-6, 1e-3, 0.9, 1.0, 10.0, 1e6] {
         for (_, path) in Path::ALL {
             for name in ["hybrid", "emd", "md", "md_kim", "jkr", "hertz", "dmt", "idmt", "gw"] {
-                let law =
-                    (model(name).expect("a known law").build)(&Setting::scaled(lambda, path).expect("a λ in range"))
-                        .expect("a law");
+                let law = (model(name).expect("a known law").build)(
+                    &LawParameters::scaled(lambda, path).expect("a λ in range"),
+                )
+                .expect("a law");
                 for delta in [1e12, 1e50, 1e100, -1e12, -1e50, -1e100, 5e-324, -5e-324] {
-                    let (_, values, work) = solve(law.as_ref(), delta);
-                    assert!(work.evaluations <= MOST_EVALUATIONS, "{name} λ {lambda:e}, Δ {delta:e}: {work:?}");
+                    let (_, values, stats) = solve(law.as_ref(), delta);
+                    assert!(
+                        stats.evaluations <= MOST_EVALUATIONS,
+                        "{name} λ {lambda:e}, Δ {delta:e}: {stats:?}"
+                    );
                     assert!(
                         values.iter().all(|value| value.is_finite()),
                         "{name} λ {lambda:e}, Δ {delta:e}: {values:?}"

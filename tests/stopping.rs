@@ -1,5 +1,5 @@
-//! Runs that end at a target: where they end, that it does not depend on how they are computed, and that the intervals that they report hold
-//! what they say.
+//! Runs that end at a target: where they end, that it does not depend on how they are computed, and that the
+//! intervals that they report hold what they say.
 
 mod common;
 
@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use stiction::asperity::{Law, Path as History};
-use stiction::engine::{Ensemble, Forest, Job, Outcome, Rule, run, run_from};
+use stiction::engine::{Ensemble, Job, Outcome, ReductionTree, Rule, run, run_from};
 use stiction::scene::{Estimate, Limit, Stopping, Target};
 use stiction::surface::{HeightLaw, LogNormal, Surface};
 
@@ -35,7 +35,8 @@ fn mean_and_error(values: &[f64], count: usize) -> (f64, f64) {
     (mean, (squares / (n - 1.0) / n).sqrt())
 }
 
-/// Numbers of replicas at which the rule looks: from the first a tenth more each time, rounded up to multiples of 8.
+/// Numbers of replicas at which the rule looks: from the first a tenth more each time, rounded up to
+/// multiples of 8.
 fn looks(first: usize, most: usize) -> Vec<usize> {
     let mut looks = vec![first];
     while looks[looks.len() - 1] < most {
@@ -73,7 +74,8 @@ fn a_run_ends_at_the_first_look_that_meets_its_targets() {
     close("/ensemble/target_standard_error", error);
     close("/ensemble/target_largest_standard_error", 0.02 * mean);
     let summary = text(&run.stdout);
-    let said = format!("stopped           after {} of at most 4000 replicas: all targets are met", forces.len());
+    let said =
+        format!("stopped           after {} of at most 4000 replicas: all targets are met", forces.len());
     assert!(summary.contains(&said), "{summary}");
     assert!(summary.contains("pull_off_force (plain) to"), "{summary}");
     assert_exit(&folder.stiction(&["validate", "scene.h5"]), 0);
@@ -82,7 +84,10 @@ fn a_run_ends_at_the_first_look_that_meets_its_targets() {
     assert_exit(&folder.stiction(&["run", "scene.toml", "--replicas", &count, "-o", "fixed.h5"]), 0);
     let fixed = folder.path("fixed.h5");
     assert_eq!(values(&fixed, "/replicas/pull_off_force"), forces);
-    assert_eq!(values(&fixed, "/ensemble/external_force_mean"), values(&path, "/ensemble/external_force_mean"));
+    assert_eq!(
+        values(&fixed, "/ensemble/external_force_mean"),
+        values(&path, "/ensemble/external_force_mean")
+    );
     assert!(unlocked::open(&fixed).attr("max_replicas").is_err());
 }
 
@@ -92,7 +97,8 @@ fn bits_do_not_depend_on_threads() {
         "[{}, {{ quantity = \"peak_secant_stiffness\", standard_error = \"4 kN/m\", estimate = \"controlled\" }}]",
         pull_off(0.03)
     );
-    let folder = Folder::new(&scene(&targets, "sampling = \"antithetic\"").replace("curves = false", "curves = true"));
+    let folder =
+        Folder::new(&scene(&targets, "sampling = \"antithetic\"").replace("curves = false", "curves = true"));
     assert_exit(&folder.stiction(&["run", "scene.toml", "--threads", "1", "-o", "1.h5"]), 0);
     let reference = bits(&folder.path("1.h5"));
     for threads in ["2", "3", "8"] {
@@ -109,13 +115,16 @@ fn bits_do_not_depend_on_threads() {
 #[cfg(unix)]
 #[test]
 fn an_interruption_changes_nothing() {
-    let folder =
-        Folder::new(&scene(&pull_off(0.007), "max_replicas = 40000").replace("curves = false", "curves = true"));
+    let folder = Folder::new(
+        &scene(&pull_off(0.007), "max_replicas = 40000").replace("curves = false", "curves = true"),
+    );
     assert_exit(&folder.stiction(&["run", "scene.toml", "-o", "reference.h5"]), 0);
     let reference = bits(&folder.path("reference.h5"));
     let begin = || {
         let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_stiction"));
-        command.args(["run", "scene.toml", "--checkpoint", "0", "--resume", "--quiet"]).current_dir(folder.path(""));
+        command
+            .args(["run", "scene.toml", "--checkpoint", "0", "--resume", "--quiet"])
+            .current_dir(folder.path(""));
         command.stdout(std::process::Stdio::null()).stderr(std::process::Stdio::null()).spawn().unwrap()
     };
     let mut interruptions = 0;
@@ -142,7 +151,8 @@ fn an_interruption_changes_nothing() {
 
 #[test]
 fn a_target_that_is_not_met_is_said() {
-    let targets = format!("[{}, {{ quantity = \"pull_off_separation\", standard_error = \"1 mm\" }}]", pull_off(1e-6));
+    let targets =
+        format!("[{}, {{ quantity = \"pull_off_separation\", standard_error = \"1 mm\" }}]", pull_off(1e-6));
     let folder = Folder::new(&scene(&targets, "min_replicas = 8\nmax_replicas = 20"));
     let check = folder.stiction(&["check", "scene.toml"]);
     assert_exit(&check, 0);
@@ -159,7 +169,10 @@ fn a_target_that_is_not_met_is_said() {
     let summary = text(&run.stdout);
     assert!(summary.contains("after 20 of at most 20 replicas: max_replicas is reached"), "{summary}");
     assert!(summary.lines().filter(|line| line.ends_with(": missed")).count() == 1, "{summary}");
-    assert_eq!(attribute(&folder.path("scene.h5"), "/ensemble", "stopping_reason"), "max_replicas is reached");
+    assert_eq!(
+        attribute(&folder.path("scene.h5"), "/ensemble", "stopping_reason"),
+        "max_replicas is reached"
+    );
     let met = unlocked::open(folder.path("scene.h5")).dataset("/ensemble/target_met").unwrap();
     assert_eq!(met.read_raw::<u8>().unwrap(), [0, 1]);
 }
@@ -235,7 +248,8 @@ fn what_is_no_target_is_refused() {
 fn tiny() -> (Box<dyn Law>, Surface, Vec<f64>) {
     let (asperity, mut surface) = common::case("II");
     surface.asperity_count = 20;
-    let separations: Vec<f64> = (0..6).map(|i| (0.5 + 0.6 * f64::from(i)) * surface.surface_height_std).collect();
+    let separations: Vec<f64> =
+        (0..6).map(|i| (0.5 + 0.6 * f64::from(i)) * surface.surface_height_std).collect();
     let law = common::law("isbl", &asperity, History::Approach, (-2e-8, 2e-8));
     (law, surface, separations)
 }
@@ -247,12 +261,13 @@ fn stopping(limit: Limit, min_replicas: u64) -> Stopping {
 
 fn complete(job: &Job<'_>, outcome: Result<Outcome, ()>) -> Ensemble {
     match outcome {
-        Ok(Outcome::Complete(forest)) => forest.into_ensemble(job),
+        Ok(Outcome::Complete(reduction_tree)) => reduction_tree.into_ensemble(job),
         other => panic!("the run did not complete: {other:?}"),
     }
 }
 
-/// Where a run is taken up, the batch that was its last one included, it ends at the same replica with the same bits.
+/// Where a run is taken up, the batch that was its last one included, it ends at the same replica with the
+/// same bits.
 #[test]
 fn a_run_ends_in_the_same_place_wherever_it_is_taken_up() {
     let (law, surface, separations) = tiny();
@@ -262,16 +277,16 @@ fn a_run_ends_in_the_same_place_wherever_it_is_taken_up() {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();
     let never = AtomicBool::new(false);
     let mut states = Vec::new();
-    let keep = |_: &_, merged: &Forest| {
+    let keep = |_: &_, merged: &ReductionTree| {
         states.push((merged.state(), merged.replicas.clone()));
         Ok(())
     };
-    let whole = complete(&job, run_from(&job, &pool, &never, Forest::of(&job), Some(rule), keep));
+    let whole = complete(&job, run_from(&job, &pool, &never, ReductionTree::of(&job), Some(rule), keep));
     assert!(states.len() > 5 && states.len() < 1000, "{}", states.len());
     let last = states.len() - 1;
     for place in [0, 1, last - 1, last] {
         let (state, replicas) = states[place].clone();
-        let start = Forest::restored(&job, &state, replicas, Vec::new()).unwrap();
+        let start = ReductionTree::restored(&job, &state, replicas, Vec::new()).unwrap();
         let batches = AtomicUsize::new(0);
         let count = |_: &_, _: &_| {
             batches.fetch_add(1, Ordering::Relaxed);
@@ -347,7 +362,8 @@ impl Study {
         (coverage, replicas)
     }
 
-    /// Targets that take about the same replicas for each scalar: a share of its mean in units of what its scatter takes.
+    /// Targets that take about the same replicas for each scalar: a share of its mean in units of what its
+    /// scatter takes.
     fn target(&self, quantity: usize, estimate: Estimate, replicas: f64, relative: bool) -> Target {
         let truth = self.pool.truth()[quantity];
         let values: Vec<f64> =
@@ -359,9 +375,10 @@ impl Study {
     }
 }
 
-/// The intervals of runs that end at a target hold the true mean within 1 % of what they say with the default of 64 replicas before the first
-/// look, for both estimates, two laws and heights, and a relative as well as an absolute target; over that 4 standard deviations of a
-/// share of 4000 runs (false alarm below 1e-3 for all eight, where the shares are at the end of the range; the seeds are fixed).
+/// The intervals of runs that end at a target hold the true mean within 1 % of what they say with the default
+/// of 64 replicas before the first look, for both estimates, two laws and heights, and a relative as well as
+/// an absolute target; over that 4 standard deviations of a share of 4000 runs (false alarm below 1e-3 for
+/// all eight, where the shares are at the end of the range; the seeds are fixed).
 #[test]
 fn intervals_hold_what_they_say() {
     const RUNS: u64 = 3000;
@@ -379,8 +396,9 @@ fn intervals_hold_what_they_say() {
     }
 }
 
-/// The table of docs/stopping.md: patches, laws, heights, quantities, estimates and targets. From 64 replicas before the first look on, no
-/// interval holds less than 1.5 % less than it says, over 4 standard deviations of a share of 2000 runs.
+/// The table of docs/stopping.md: patches, laws, heights, quantities, estimates and targets. From 64 replicas
+/// before the first look on, no interval holds less than 1.5 % less than it says, over 4 standard deviations
+/// of a share of 2000 runs.
 #[test]
 #[ignore = "slow: a minute"]
 fn intervals_hold_what_they_say_for_any_target() {
@@ -399,7 +417,8 @@ fn intervals_hold_what_they_say_for_any_target() {
                 (0, Estimate::Controlled, true),
                 (1, Estimate::Plain, true),
             ] {
-                let (found, _) = study.ends(study.target(quantity, estimate, most, relative), min_replicas, RUNS);
+                let (found, _) =
+                    study.ends(study.target(quantity, estimate, most, relative), min_replicas, RUNS);
                 let least = 0.95 - 0.015 - deviations(4.0, 0.065, RUNS as usize);
                 assert!(min_replicas < 64 || found.held > least, "{found:?}");
             }
@@ -407,11 +426,12 @@ fn intervals_hold_what_they_say_for_any_target() {
     }
 }
 
-/// A target of the controlled mean is decided by the error of the controlled mean: it is met where the plain error is not, and was not met
-/// at the look before, as runs of these numbers of replicas say.
+/// A target of the controlled mean is decided by the error of the controlled mean: it is met where the plain
+/// error is not, and was not met at the look before, as runs of these numbers of replicas say.
 #[test]
 fn a_controlled_target_ends_by_the_controlled_error() {
-    let target = "{ quantity = \"pull_off_force\", relative_standard_error = 0.003, estimate = \"controlled\" }";
+    let target =
+        "{ quantity = \"pull_off_force\", relative_standard_error = 0.003, estimate = \"controlled\" }";
     let folder = Folder::new(&scene(target, "min_replicas = 96\nmax_replicas = 4000"));
     assert_exit(&folder.stiction(&["run", "scene.toml"]), 0);
     let path = folder.path("scene.h5");
@@ -421,7 +441,10 @@ fn a_controlled_target_ends_by_the_controlled_error() {
     assert!(place > 0 && count < 4000, "{count}");
     let errors = |replicas: usize| {
         let replicas = replicas.to_string();
-        assert_exit(&folder.stiction(&["run", "scene.toml", "--replicas", &replicas, "-o", "fixed.h5", "--force"]), 0);
+        assert_exit(
+            &folder.stiction(&["run", "scene.toml", "--replicas", &replicas, "-o", "fixed.h5", "--force"]),
+            0,
+        );
         let value = |name: &str| values(&folder.path("fixed.h5"), &format!("/ensemble/{name}"))[0];
         let mean = value("scalar_controlled_mean");
         (value("scalar_controlled_standard_error") / mean, value("scalar_standard_error") / mean)
@@ -436,8 +459,8 @@ fn a_controlled_target_ends_by_the_controlled_error() {
     }
 }
 
-/// A share of a mean that is negative is a share of its size: heights 20 nm lower move every pull-off 20 nm down, and its separation is
-/// below 0.
+/// A share of a mean that is negative is a share of its size: heights 20 nm lower move every pull-off 20 nm
+/// down, and its separation is below 0.
 #[test]
 fn a_share_of_a_negative_mean_is_positive() {
     let (law, mut surface, mut separations) = tiny();
@@ -446,10 +469,13 @@ fn a_share_of_a_negative_mean_is_positive() {
     let job = common::job(law.as_ref(), &surface, &separations, 64);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     let ensemble = complete(&job, run::<()>(&job, &pool, &AtomicBool::new(false), |_, _| Ok(())));
-    let scalar = stiction::engine::SCALARS.iter().position(|scalar| scalar.name == "pull_off_separation").unwrap();
+    let scalar =
+        stiction::engine::SCALARS.iter().position(|scalar| scalar.name == "pull_off_separation").unwrap();
     let target = Target { quantity: scalar, estimate: Estimate::Plain, limit: Limit::Relative(0.1) };
     let stopping = Stopping { targets: vec![target], min_replicas: 64, max_replicas: 64 };
-    let [attained] = Rule { stopping: &stopping, expected: &[] }.attained(&ensemble)[..] else { panic!("one target") };
+    let [attained] = Rule { stopping: &stopping, expected: &[] }.attained(&ensemble)[..] else {
+        panic!("one target")
+    };
     let places: Vec<f64> = ensemble.replicas.iter().map(|replica| replica.pull_off_separation).collect();
     let (mean, error) = mean_and_error(&places, places.len());
     assert!(mean < -10e-9 && error < 0.1 * mean.abs(), "{mean:e} {error:e}");

@@ -1,5 +1,5 @@
-//! Sums under stress: forces that cancel, a hundred million asperities or one, all of them in one regime, quantities that hardly vary, a
-//! million merged batches; against sums without rounding and closed forms.
+//! Sums under stress: forces that cancel, a hundred million asperities or one, all of them in one regime,
+//! quantities that hardly vary, a million merged batches; against sums without rounding and closed forms.
 
 mod common;
 
@@ -8,20 +8,21 @@ use common::program::{Folder, QUICK, assert_exit, text};
 use common::unlocked;
 use common::{case, job, law, respond};
 use std::sync::atomic::AtomicBool;
-use stiction::asperity::{Path, Quantity, Scratch, Work, for_each_block};
+use stiction::asperity::{Path, Quantity, Scratch, SolverStats, for_each_block};
 use stiction::engine::compressed::Compression;
 use stiction::engine::stream::{Purpose, stream};
 use stiction::engine::{Curves, Job, Workspace, draw};
+use stiction::integral::Expectations;
 use stiction::math::moments::{Comoments, Moments};
-use stiction::statistical::Statistical;
 use stiction::surface::{Heights, SamplingScheme, Surface};
 
 /// Half a unit in the last place of 1.
 const U: f64 = 0.5 * f64::EPSILON;
 
-/// What rounding may take of a sum of forces of one sign, relative: a lane of a block adds 256/8 numbers, which takes 31 roundings, lanes
-/// are combined in 3; blocks and regimes are added with compensation, 2 roundings each whatever their number (Neumaier 1974; its second-order
-/// term is below 1e-9 of the first even for 1e6 blocks).
+/// What rounding may take of a sum of forces of one sign, relative: a lane of a block adds 256/8 numbers,
+/// which takes 31 roundings, lanes are combined in 3; blocks and regimes are added with compensation, 2
+/// roundings each whatever their number (Neumaier 1974; its second-order term is below 1e-9 of the first even
+/// for 1e6 blocks).
 const DIRECT_SUM: f64 = 38.0 * U;
 
 /// The curves of one replica.
@@ -31,16 +32,17 @@ fn curves(job: &Job<'_>, replica: u64) -> Curves {
     found.unwrap()
 }
 
-/// F_s, P and F of a replica at a separation h, without rounding of the sums: heights are solved a few at a time.
+/// F_s, P and F of a replica at a separation h, without rounding of the sums: heights are solved a few at a
+/// time.
 fn exact(job: &Job<'_>, replica: u64, separation: f64) -> [f64; 3] {
     let d = job.surface.asperity_separation(separation);
     let mut heights = Vec::new();
     draw(job.surface, job.seed, job.scheme, replica, &mut heights, &mut Vec::new());
     let [mut adhesion_sum, mut contact_sum] = [Exact::default(), Exact::default()];
-    let (mut scratch, mut work) = (Scratch::default(), Work::default());
+    let (mut scratch, mut stats) = (Scratch::default(), SolverStats::default());
     for heights in heights.chunks_mut(1 << 14) {
         heights.sort_unstable_by(f64::total_cmp);
-        for_each_block(job.law, heights, d, &mut scratch, &mut work, |_, range, responses| {
+        for_each_block(job.law, heights, d, &mut scratch, &mut stats, |_, range, responses| {
             for (adhesion, contact) in responses.adhesion.iter().zip(&responses.contact).take(range.len()) {
                 adhesion_sum.add(*adhesion);
                 contact_sum.add(*contact);
@@ -56,7 +58,11 @@ fn assert_close(curves: &Curves, k: usize, exact: [f64; 3], share: f64, place: &
     let quantities = [Quantity::AdhesionForce, Quantity::ContactForce, Quantity::ExternalForce];
     for (quantity, exact_sum) in quantities.into_iter().zip(exact) {
         let error = (curves.total[quantity.index()][k] - exact_sum).abs() / (exact[0] + exact[1]);
-        assert!(error <= share, "{place}: {} is off by {error:e} of F_s + P, more than {share:e}", quantity.name());
+        assert!(
+            error <= share,
+            "{place}: {} is off by {error:e} of F_s + P, more than {share:e}",
+            quantity.name()
+        );
     }
 }
 
@@ -81,7 +87,8 @@ fn the_exact_sum_is_exact() {
     assert_eq!(sum(&many), 0.0);
 }
 
-/// A separation h at which the external force of a replica crosses zero without a jump, by bisection of the exact sum, and its sums there.
+/// A separation h at which the external force of a replica crosses zero without a jump, by bisection of the
+/// exact sum, and its sums there.
 fn crossing(job: &Job<'_>, replica: u64) -> Option<(f64, [f64; 3])> {
     let sigma = job.surface.surface_height_std;
     let (mut low, mut high) = (-sigma, 6.0 * sigma);
@@ -97,7 +104,8 @@ fn crossing(job: &Job<'_>, replica: u64) -> Option<(f64, [f64; 3])> {
     (sums[2].abs() < 1e-10 * (sums[0] + sums[1])).then_some((high, sums))
 }
 
-/// Where adhesion and contact force cancel to ten digits and more, the sums are as accurate as ever relative to F_s + P.
+/// Where adhesion and contact force cancel to ten digits and more, the sums are as accurate as ever relative
+/// to F_s + P.
 #[test]
 fn cancelling_forces_keep_the_digits_of_their_parts() {
     let mut crossings = 0;
@@ -115,11 +123,13 @@ fn cancelling_forces_keep_the_digits_of_their_parts() {
             let summed = curves(&direct, replica);
             assert_close(&summed, 20, sums, DIRECT_SUM, &place);
             let forces = [Quantity::AdhesionForce, Quantity::ContactForce].map(|q| &summed.total[q.index()]);
-            let near = (19..22).map(|k| forces[0][k] + forces[1][k]).fold(0.0, f64::max) / (sums[0] + sums[1]);
+            let near =
+                (19..22).map(|k| forces[0][k] + forces[1][k]).fold(0.0, f64::max) / (sums[0] + sums[1]);
             for tolerance in [1e-6, 1e-9, 1e-12] {
                 let compression = Compression::new(law.as_ref(), &surface, &separations, tolerance).unwrap();
                 let compressed = Job { compression: Some(&compression), ..direct };
-                // Relative to the largest F_s + P at this separation and its neighbours, as the tolerance is meant.
+                // Relative to the largest F_s + P at this separation and its neighbours, as the tolerance is
+                // meant.
                 assert_close(&curves(&compressed, replica), 20, sums, tolerance * near, &place);
             }
             crossings += 1;
@@ -129,14 +139,19 @@ fn cancelling_forces_keep_the_digits_of_their_parts() {
     assert!(crossings >= 6, "{crossings}");
 }
 
-/// Replicas beyond the last whole group would be in the means, but in no standard error: the engine takes none.
+/// Replicas beyond the last whole group would be in the means, but in no standard error: the engine takes
+/// none.
 #[test]
 #[should_panic(expected = "sampling = \"stratified\" needs a multiple of 8 replicas, such as 8 or 16")]
 fn replicas_that_are_no_whole_groups_are_refused_by_the_engine() {
     let (asperity, surface) = case("II");
     let law = law("gw", &asperity, Path::Approach, (-30e-9, 20e-9));
     let separations = [0.0, 1e-9];
-    let job = Job { scheme: SamplingScheme::Stratified, replicas: 12, ..job(law.as_ref(), &surface, &separations, 8) };
+    let job = Job {
+        scheme: SamplingScheme::Stratified,
+        replicas: 12,
+        ..job(law.as_ref(), &surface, &separations, 8)
+    };
     let pool = rayon::ThreadPoolBuilder::new().build().unwrap();
     let _ = stiction::engine::run::<()>(&job, &pool, &AtomicBool::new(false), |_, _| Ok(()));
 }
@@ -168,7 +183,13 @@ fn many(asperities: usize, model: &str, tolerance: Option<f64>, bytes: f64) {
     for (k, &h) in separations.iter().enumerate() {
         let counted: f64 = (0..law.regimes().len()).map(|r| curves.regime_count[r * 2 + k]).sum();
         assert_eq!(counted, asperities as f64);
-        assert_close(&curves, k, exact(&job, 0, h), tolerance.unwrap_or(DIRECT_SUM), &format!("{model}, {asperities}"));
+        assert_close(
+            &curves,
+            k,
+            exact(&job, 0, h),
+            tolerance.unwrap_or(DIRECT_SUM),
+            &format!("{model}, {asperities}"),
+        );
     }
 }
 
@@ -212,7 +233,12 @@ fn one_asperity_is_its_law() {
             let expected = Quantity::of_response(adhesion, contact, area);
             for quantity in Quantity::ALL {
                 let sum = curves.total[quantity.index()][k];
-                assert_eq!(sum.to_bits(), expected[quantity.index()].to_bits(), "{} at {delta:e}", quantity.name());
+                assert_eq!(
+                    sum.to_bits(),
+                    expected[quantity.index()].to_bits(),
+                    "{} at {delta:e}",
+                    quantity.name()
+                );
             }
             reached.insert(regime.name());
         }
@@ -232,8 +258,15 @@ fn one_asperity_runs() {
         assert_exit(&run, 0);
         let validate = folder.stiction(&["validate", "scene.h5"]);
         assert_exit(&validate, 0);
-        let compare =
-            folder.stiction(&["compare", "scene.toml", "--laws", "hybrid,gw", "--ensemble", "--replicas", replicas]);
+        let compare = folder.stiction(&[
+            "compare",
+            "scene.toml",
+            "--laws",
+            "hybrid,gw",
+            "--ensemble",
+            "--replicas",
+            replicas,
+        ]);
         assert_exit(&compare, 0);
         for text in [run, validate, compare].map(|output| text(&output.stdout)) {
             assert!(!text.contains("NaN") && !text.contains("inf "), "{replicas} replicas: {text}");
@@ -241,7 +274,8 @@ fn one_asperity_runs() {
     }
 }
 
-/// Separations h, nm, at which every asperity of a flat surface of case II is in one regime of the hybrid law.
+/// Separations h, nm, at which every asperity of a flat surface of case II is in one regime of the hybrid
+/// law.
 const REGIMES: [(&str, f64, f64); 6] = [
     ("noncontact", 1.5, 2.5),
     ("lubricant", 0.4, 0.65),
@@ -264,11 +298,13 @@ fn flat(low: f64, high: f64, height_std: &str) -> String {
         )
 }
 
-/// Every asperity in one regime: the ensemble's mean is the integral's, and what does not vary is not tested and has no score.
+/// Every asperity in one regime: the ensemble's mean is the integral's, and what does not vary is not tested
+/// and has no score.
 #[test]
 fn one_regime_alone_runs() {
     for (i, (name, low, high)) in REGIMES.into_iter().enumerate() {
-        // A tolerance is one of F_s + P; deep in contact F_s is a thousandth of P, and hardly varies here: 1e-9 would be the larger.
+        // A tolerance is one of F_s + P; deep in contact F_s is a thousandth of P, and hardly varies here:
+        // 1e-9 would be the larger.
         for (sum, tolerance) in [("direct", ""), ("compressed", "tolerance = 1e-12\n")] {
             let solver = format!("[solver]\nsum = \"{sum}\"\n{tolerance}[output]");
             let folder = Folder::new(&flat(low, high, "5 pm").replace("[output]", &solver));
@@ -280,7 +316,8 @@ fn one_regime_alone_runs() {
             let table = text(&validate.stdout);
             for said in [&summary, &table] {
                 assert!(!said.contains("NaN") && !said.contains("inf "), "{name}, {sum}: {said}");
-                // Compressed sums may be too coarse for a test of what varies as little, but must not fail it.
+                // Compressed sums may be too coarse for a test of what varies as little, but must not fail
+                // it.
                 let tested = said.contains("ensemble and integral agree at the 0.1 % level: p = ");
                 let allowed = said.contains("not tested") && (name == "lubricant" || sum == "compressed");
                 assert!(tested || allowed, "{name}, {sum}: {said}");
@@ -306,8 +343,8 @@ fn one_regime_alone_runs() {
                         assert!(mean[k] == 0.0 && std[k] == 0.0, "{place}");
                         continue;
                     }
-                    // 6 standard errors, in at most 500 places: false alarm below 1e-6; rounding where nothing varies, and for compressed
-                    // sums their tolerance, which is one of F_s + P.
+                    // 6 standard errors, in at most 500 places: false alarm below 1e-6; rounding where
+                    // nothing varies, and for compressed sums their tolerance, which is one of F_s + P.
                     let rounding = if sum == "direct" { 1e-12 } else { 1e-9 } * expected[k].abs();
                     assert!((mean[k] - expected[k]).abs() <= 6.0 * error[k] + rounding, "{place}");
                     if exact_std[k] < 1e-30 {
@@ -332,8 +369,8 @@ fn one_regime_alone_runs() {
     }
 }
 
-/// The integral's standard deviation of a replica whose asperities all but have one height: √N |f′(δ)| σ_s, with f′ by a central
-/// difference of the law; the next terms are smaller by (σ_s/δ)².
+/// The integral's standard deviation of a replica whose asperities all but have one height: √N |f′(δ)| σ_s,
+/// with f′ by a central difference of the law; the next terms are smaller by (σ_s/δ)².
 #[test]
 fn the_integral_knows_the_spread_of_what_hardly_varies() {
     let (asperity, surface) = case("II");
@@ -343,8 +380,9 @@ fn the_integral_knows_the_spread_of_what_hardly_varies() {
         for relative in [1e-4, 1e-7, 1e-10] {
             let h = 1e-9 * (0.5 * (low + high));
             let std = relative * h.abs();
-            let surface = Surface { heights: Heights::gaussian(std), mean_plane_offset: 0.0, ..surface.clone() };
-            let integral = Statistical::new(law.as_ref(), &surface, &[h]);
+            let surface =
+                Surface { heights: Heights::gaussian(std), mean_plane_offset: 0.0, ..surface.clone() };
+            let integral = Expectations::new(law.as_ref(), &surface, &[h]);
             let step = 1e-4 * h.abs();
             let [above, below] = [-h + step, -h - step].map(|delta| {
                 let (_, [adhesion, contact, area]) = respond(law.as_ref(), delta).unwrap();
@@ -357,7 +395,11 @@ fn the_integral_knows_the_spread_of_what_hardly_varies() {
                 let found = integral.std[q][0];
                 if slope == 0.0 {
                     let size = integral.expected[q][0].abs();
-                    assert!(found <= 1e-14 * size, "{name}, {relative:e}, {}: {found:e} of {size:e}", quantity.name());
+                    assert!(
+                        found <= 1e-14 * size,
+                        "{name}, {relative:e}, {}: {found:e} of {size:e}",
+                        quantity.name()
+                    );
                     continue;
                 }
                 // The difference is off by its step squared, heights of 1e-10 relative by their rounding.
@@ -376,7 +418,8 @@ fn the_integral_knows_the_spread_of_what_hardly_varies() {
 /// Mean and sum of squared deviations of whole numbers, without rounding but the last.
 fn two_pass(samples: impl Iterator<Item = [i64; 2]> + Clone) -> ([f64; 2], [f64; 3]) {
     let count = samples.clone().count() as i128;
-    let sums = samples.clone().fold([0_i128; 2], |sums, s| [sums[0] + i128::from(s[0]), sums[1] + i128::from(s[1])]);
+    let sums =
+        samples.clone().fold([0_i128; 2], |sums, s| [sums[0] + i128::from(s[0]), sums[1] + i128::from(s[1])]);
     // n Σ(x − x̄)(y − ȳ) = n Σxy − Σx Σy, in whole numbers.
     let products = samples.fold([0_i128; 3], |p, [x, y]| {
         let (x, y) = (i128::from(x), i128::from(y));
@@ -390,8 +433,9 @@ fn two_pass(samples: impl Iterator<Item = [i64; 2]> + Clone) -> ([f64; 2], [f64;
     (sums.map(|sum| sum as f64 / count as f64), centred.map(|product| product as f64 / count as f64))
 }
 
-/// A value around 1 whose deviations are units in the last place, whole multiples of ε: a spread of 1e-12, and none at all. Merging m batches
-/// rounds the mean m times, the k-th time with the weight k/m of the last: as good as random, by U√(m/3) in the root of the mean square.
+/// A value around 1 whose deviations are units in the last place, whole multiples of ε: a spread of 1e-12,
+/// and none at all. Merging m batches rounds the mean m times, the k-th time with the weight k/m of the last:
+/// as good as random, by U√(m/3) in the root of the mean square.
 #[test]
 fn what_hardly_varies_has_a_spread() {
     for (units, replicas) in [(16_384, 1000), (16_384, 200_000), (1, 200_000)] {
@@ -431,16 +475,18 @@ fn what_hardly_varies_has_a_spread() {
 
 /// A million batches of 8, merged one after the other, against whole numbers.
 ///
-/// The bound: merging batch k moves the mean by 1/k of the difference, exactly but for one rounding of the mean, U|x̄|, and 3 of
-/// the step, which is smaller by 1/k. An error that is there shrinks by 1 − 1/k. So k e_k ≤ (k − 1) e_(k−1) + k U|x̄| (1 + …), and
-/// e_m ≤ U |x̄| (m + 1)/2, to which the batch's own 8 pushes add 8 U|x̄|. Squares are sums of m + 8 terms ≥ 0, so rounding
-/// takes at most (m + 16) U of them; that the deviations are off by e takes 2e/σ + (e/σ)² more (Cauchy and Schwarz).
+/// The bound: merging batch k moves the mean by 1/k of the difference, exactly but for one rounding of the
+/// mean, U|x̄|, and 3 of the step, which is smaller by 1/k. An error that is there shrinks by 1 − 1/k. So k
+/// e_k ≤ (k − 1) e_(k−1) + k U|x̄| (1 + …), and e_m ≤ U |x̄| (m + 1)/2, to which the batch's own 8 pushes add
+/// 8 U|x̄|. Squares are sums of m + 8 terms ≥ 0, so rounding takes at most (m + 16) U of them; that the
+/// deviations are off by e takes 2e/σ + (e/σ)² more (Cauchy and Schwarz).
 #[test]
 fn a_million_merged_batches_are_two_passes() {
     const BATCHES: i64 = 1_000_000;
     // Means 1000 and −17 with deviations of the order of 3 and 5, correlated.
     let sample = |i: i64| {
-        let hash = (i.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407) >> 33) & 0xffff;
+        let hash = (i.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407) >> 33)
+            & 0xffff;
         let r = hash % 11 - 5;
         [1000 + r, -17 + r + (hash >> 8) % 13 - 6]
     };
@@ -489,7 +535,7 @@ fn a_million_merged_batches_are_two_passes() {
 /// The work of two parts is the sum of each, and the larger of the largest residuals.
 #[test]
 fn work_adds_up() {
-    let of = |k: u64, largest_residual: f64| Work {
+    let of = |k: u64, largest_residual: f64| SolverStats {
         contact_solves: k,
         noncontact_solves: 2 * k,
         constant: 3 * k,

@@ -1,4 +1,5 @@
-//! Sweeps: each point is the run of its own scene, and the file of all holds what the files of the points would.
+//! Sweeps: each point is the run of its own scene, and the file of all holds what the files of the points
+//! would.
 #![cfg(unix)]
 
 mod common;
@@ -22,8 +23,7 @@ fn swept(sweep: &str) -> String {
 }
 
 /// Two keys, one of which moves the separations, and the other takes a regime away.
-const GRID: &str =
-    "surface.surface_height_std = [\"1.4 nm\", \"1.8 nm\"]\nsurface.lubricant_thickness = [\"0 nm\", \"0.5 nm\"]";
+const GRID: &str = "surface.surface_height_std = [\"1.4 nm\", \"1.8 nm\"]\nsurface.lubricant_thickness = [\"0 nm\", \"0.5 nm\"]";
 
 fn sweep(text: &str) -> Sweep {
     Document::parse(text, Arc::new(NoFiles)).unwrap().sweep.unwrap()
@@ -36,7 +36,9 @@ fn refusal(text: &str) -> String {
 /// All numbers of a dataset as bits, and its shape; none for texts.
 fn words(dataset: &hdf5::Dataset) -> Option<(Vec<usize>, Vec<u64>)> {
     let values = match dataset.dtype().unwrap().to_descriptor().unwrap() {
-        TypeDescriptor::Float(_) => dataset.read_raw::<f64>().unwrap().into_iter().map(f64::to_bits).collect(),
+        TypeDescriptor::Float(_) => {
+            dataset.read_raw::<f64>().unwrap().into_iter().map(f64::to_bits).collect()
+        }
         TypeDescriptor::Unsigned(_) => dataset.read_raw::<u64>().unwrap(),
         _ => return None,
     };
@@ -49,7 +51,11 @@ fn part(shape: &[usize], values: &[u64], place: &[usize], own: &[usize]) -> Vec<
         let mut rest = i;
         let mut indices: Vec<usize> = own.iter().rev().map(|n| (rest % n, rest /= n).0).collect();
         indices.extend(place.iter().rev());
-        indices.iter().zip(shape.iter().rev()).fold((0, 1), |(at, stride), (i, n)| (at + stride * i, stride * n)).0
+        indices
+            .iter()
+            .zip(shape.iter().rev())
+            .fold((0, 1), |(at, stride), (i, n)| (at + stride * i, stride * n))
+            .0
     };
     (0..own.iter().product()).map(|i| values[index(i)]).collect()
 }
@@ -103,7 +109,8 @@ fn same(single: &hdf5::File, all: &hdf5::File, place: &[usize]) {
                 let own_shape = if values.len() == 1 { Vec::new() } else { vec![values.len()] };
                 assert_eq!(part(&shape, &all, place, &own_shape), values, "{path}");
             } else if name != "format_version" {
-                let of_all = group_of_all.attr(&name).unwrap_or_else(|_| panic!("{path} is nowhere in the sweep"));
+                let of_all =
+                    group_of_all.attr(&name).unwrap_or_else(|_| panic!("{path} is nowhere in the sweep"));
                 let of_all: Vec<u64> = match of_all.dtype().unwrap().to_descriptor().unwrap() {
                     TypeDescriptor::Float(_) => {
                         of_all.read_raw::<f64>().unwrap().into_iter().map(f64::to_bits).collect()
@@ -128,8 +135,8 @@ fn bits_do_not_depend_on_threads() {
     }
 }
 
-/// The first point, and every point of a key that changes nothing, differ by nothing; others by the mean of the differences of their
-/// replicas, whose scatter makes the standard error.
+/// The first point, and every point of a key that changes nothing, differ by nothing; others by the mean of
+/// the differences of their replicas, whose scatter makes the standard error.
 #[test]
 fn differences_are_those_of_two_runs() {
     for sampling in ["independent", "antithetic"] {
@@ -162,7 +169,11 @@ fn differences_are_those_of_two_runs() {
         for (name, expected) in
             [("mean", mean_of(&differences)), ("standard_error", squared.sqrt()), ("variance_ratio", ratio)]
         {
-            assert!((found(name)[1] / expected - 1.0).abs() < 1e-9, "{sampling} {name}: {:?} {expected}", found(name));
+            assert!(
+                (found(name)[1] / expected - 1.0).abs() < 1e-9,
+                "{sampling} {name}: {:?} {expected}",
+                found(name)
+            );
         }
         assert_eq!((found("mean")[0], found("standard_error")[0]), (0.0, 0.0));
         assert!(found("variance_ratio")[0].is_nan());
@@ -171,12 +182,13 @@ fn differences_are_those_of_two_runs() {
     }
 }
 
-/// Asperities that are nowhere near to flow do not depend on the hardness: what differs between such points is the rounding of their
-/// sums, by moments over other cells. It is told as nothing, and no variance is 1e26 times as small.
+/// Asperities that are nowhere near to flow do not depend on the hardness: what differs between such points
+/// is the rounding of their sums, by moments over other cells. It is told as nothing, and no variance is 1e26
+/// times as small.
 #[test]
 fn differences_below_their_rounding_are_none() {
-    let scene =
-        swept("material.hardness = [\"9 GPa\", \"7 GPa\", \"5 GPa\"]").replace("replicas = 40", "replicas = 16");
+    let scene = swept("material.hardness = [\"9 GPa\", \"7 GPa\", \"5 GPa\"]")
+        .replace("replicas = 40", "replicas = 16");
     let folder = Folder::new(&(scene + "\n[solver]\nsum = \"compressed\"\n"));
     let run = folder.stiction(&["run", "scene.toml"]);
     assert_exit(&run, 0);
@@ -193,11 +205,13 @@ fn differences_below_their_rounding_are_none() {
     }
 }
 
-/// The seeds are outputs of SplitMix64, computed by another implementation (Python, unbounded integers), without their lowest bits.
+/// The seeds are outputs of SplitMix64, computed by another implementation (Python, unbounded integers),
+/// without their lowest bits.
 #[test]
 fn points_may_have_random_numbers_of_their_own() {
-    let text =
-        swept("common_random_numbers = false\nsurface.lubricant_thickness = [\"0.5 nm\", \"0.6 nm\", \"0.7 nm\"]");
+    let text = swept(
+        "common_random_numbers = false\nsurface.lubricant_thickness = [\"0.5 nm\", \"0.6 nm\", \"0.7 nm\"]",
+    );
     let folder = Folder::new(&text);
     for (seed, seeds) in [
         ("1", [0x910A_2DEC_8902_5CC1_u64, 0xBEEB_8DA1_658E_EC67, 0xF893_A2EE_FB32_555E]),
@@ -207,7 +221,8 @@ fn points_may_have_random_numbers_of_their_own() {
         let all = unlocked::open(folder.path("scene.h5"));
         let found = all.dataset("/seed").unwrap().read_raw::<u64>().unwrap();
         assert_eq!(found, seeds.map(|seed| seed >> 1));
-        let ratio = all.dataset("/differences/pull_off_force_variance_ratio").unwrap().read_raw::<f64>().unwrap();
+        let ratio =
+            all.dataset("/differences/pull_off_force_variance_ratio").unwrap().read_raw::<f64>().unwrap();
         assert_eq!(ratio, [1.0; 3]);
         assert_eq!(number(&folder.path("scene.h5"), "/", "seed"), seed.parse::<f64>().unwrap());
     }
@@ -225,12 +240,14 @@ fn stopped(folder: &Folder, signal: &str, file: &str) -> std::process::Output {
     while !folder.path(file).exists() && child.try_wait().unwrap().is_none() {
         std::thread::sleep(Duration::from_micros(100));
     }
-    let _ = Command::new("kill").args([signal, &child.id().to_string()]).stderr(Stdio::null()).status().unwrap();
+    let _ =
+        Command::new("kill").args([signal, &child.id().to_string()]).stderr(Stdio::null()).status().unwrap();
     child.wait_with_output().unwrap()
 }
 
 fn long() -> String {
-    swept("material.work_of_adhesion = [\"0.05 J/m^2\", \"0.09 J/m^2\", \"0.2 J/m^2\"]").replace("= 40", "= 800")
+    swept("material.work_of_adhesion = [\"0.05 J/m^2\", \"0.09 J/m^2\", \"0.2 J/m^2\"]")
+        .replace("= 40", "= 800")
 }
 
 #[test]
@@ -243,7 +260,9 @@ fn an_interrupted_sweep_goes_on_to_the_same_bits() {
         assert!(folder.path("scene.h5.points/0001.h5").exists() && !folder.path("scene.h5").exists());
         let message = text(&output.stderr);
         if code.is_some() {
-            for part in ["point 2 of 3 (material.work_of_adhesion = 90 mJ/m^2)", "1 of 3 points are kept", "--resume"] {
+            for part in
+                ["point 2 of 3 (material.work_of_adhesion = 90 mJ/m^2)", "1 of 3 points are kept", "--resume"]
+            {
                 assert!(message.contains(part), "{part}: {message}");
             }
         }
@@ -326,9 +345,14 @@ fn sweeps_that_are_not_what_they_say_are_refused() {
     };
     // Every dataset over the separations claims to hold more than any machine does.
     let claims = |file: &hdf5::File| {
-        let over = |variable: &&stiction::output::schema::Variable| variable.dimensions == [Dimension::Separation];
-        let paths =
-            RUN.variables.iter().filter(over).map(|variable| variable.path).filter(|path| *path != "/separation");
+        let over =
+            |variable: &&stiction::output::schema::Variable| variable.dimensions == [Dimension::Separation];
+        let paths = RUN
+            .variables
+            .iter()
+            .filter(over)
+            .map(|variable| variable.path)
+            .filter(|path| *path != "/separation");
         for path in ["/separation_index"].into_iter().chain(paths) {
             let Ok(dataset) = file.dataset(path) else { continue };
             let mut shape = dataset.shape();
@@ -344,10 +368,15 @@ fn sweeps_that_are_not_what_they_say_are_refused() {
         (&|file| file.delete_attr("sweep_keys").unwrap(), "lacks the text `sweep_keys`"),
         (&|file| rewritten(file, "sweep_keys", "surface.surface_height_std"), "of the shape [2, 2], not [2]"),
         (&|file| rewritten(file, "sweep_keys", &[keys; 9].join(", ")), "has 18 dimensions of points"),
-        (&|file| rewritten(file, "sweep_keys", "surface.no_such, surface.lubricant_thickness"), "lacks the dimension"),
+        (
+            &|file| rewritten(file, "sweep_keys", "surface.no_such, surface.lubricant_thickness"),
+            "lacks the dimension",
+        ),
         (&|file| rewritten(file, "sweep_mode", "zip"), "lacks the dimension `point`"),
         (
-            &|file| file.dataset("/ensemble/adhesion_force_mean").unwrap().write_raw(&[f64::NAN; 64]).unwrap(),
+            &|file| {
+                file.dataset("/ensemble/adhesion_force_mean").unwrap().write_raw(&[f64::NAN; 64]).unwrap()
+            },
             "has the value NaN at 0 of /ensemble/adhesion_force_mean of the point [0, 0]",
         ),
     ];
@@ -364,7 +393,10 @@ fn sweeps_that_are_not_what_they_say_are_refused() {
     claims(&unlocked::open_rw(folder.path("changed.h5")));
     let reader = Reader::open(&folder.path("changed.h5"), &[&SWEEP]).unwrap();
     let error = reader.at_point::<f64>("/ensemble/adhesion_force_mean", &[0, 0]).unwrap_err().to_string();
-    assert!(error.contains("/ensemble/adhesion_force_mean that has more values than the file holds"), "{error}");
+    assert!(
+        error.contains("/ensemble/adhesion_force_mean that has more values than the file holds"),
+        "{error}"
+    );
 }
 
 #[test]
@@ -372,9 +404,13 @@ fn check_says_what_all_points_take() {
     let folder = Folder::new(&swept(GRID));
     let check = folder.stiction(&["check", "scene.toml"]);
     assert_exit(&check, 0);
-    for part in
-        ["surface.surface_height_std: 2 values, 1.4 nm to 1.8 nm", "4 points (grid)", "first point", "time", "memory"]
-    {
+    for part in [
+        "surface.surface_height_std: 2 values, 1.4 nm to 1.8 nm",
+        "4 points (grid)",
+        "first point",
+        "time",
+        "memory",
+    ] {
         assert!(text(&check.stdout).contains(part), "{part}: {}", text(&check.stdout));
     }
     let compare = folder.stiction(&["compare", "scene.toml", "--laws", "gw"]);
@@ -385,17 +421,26 @@ fn check_says_what_all_points_take() {
 
 #[test]
 fn lists_and_ranges_have_the_values_that_they_say() {
-    let values = |text: &str| sweep(&swept(text)).axes.iter().map(|axis| axis.values.clone()).collect::<Vec<_>>();
+    let values =
+        |text: &str| sweep(&swept(text)).axes.iter().map(|axis| axis.values.clone()).collect::<Vec<_>>();
     assert_eq!(
-        values("material.hardness = [\"2 GPa\", \"1.5 GPa\"]\n\"surface.lubricant_thickness\" = [0, \"1 nm\"]"),
+        values(
+            "material.hardness = [\"2 GPa\", \"1.5 GPa\"]\n\"surface.lubricant_thickness\" = [0, \"1 nm\"]"
+        ),
         [vec![2e9, 1.5e9], vec![0.0, 1e-9]]
     );
     let linear = values("surface.lubricant_thickness = { from = \"0 nm\", to = \"2 nm\", count = 5 }");
-    assert!(linear[0].iter().zip([0.0, 0.5e-9, 1e-9, 1.5e-9, 2e-9]).all(|(a, b)| (a - b).abs() < 1e-24), "{linear:?}");
+    assert!(
+        linear[0].iter().zip([0.0, 0.5e-9, 1e-9, 1.5e-9, 2e-9]).all(|(a, b)| (a - b).abs() < 1e-24),
+        "{linear:?}"
+    );
     let log = values(
         "material.work_of_adhesion = { from = \"0.01 J/m^2\", to = \"0.16 J/m^2\", count = 5, spacing = \"log\" }",
     );
-    assert!(log[0].iter().zip([0.01, 0.02, 0.04, 0.08, 0.16]).all(|(a, b)| (a / b - 1.0).abs() < 1e-15), "{log:?}");
+    assert!(
+        log[0].iter().zip([0.01, 0.02, 0.04, 0.08, 0.16]).all(|(a, b)| (a / b - 1.0).abs() < 1e-15),
+        "{log:?}"
+    );
     assert_eq!((log[0][0], log[0][4]), (0.01, 0.16));
     // In the order of the text, not of the alphabet; the last runs fastest.
     let grid = sweep(&swept(
@@ -421,7 +466,10 @@ fn what_cannot_be_swept_is_refused_with_what_would_do() {
     let hardness = "material.hardness = [\"1 GPa\", \"2 GPa\"]";
     for (sweep, parts) in [
         ("", ["`sweep = ", "names no key"]),
-        ("material.hardnes = [\"1 GPa\"]", ["`sweep.material.hardnes = ", "did you mean `material.hardness`?"]),
+        (
+            "material.hardnes = [\"1 GPa\"]",
+            ["`sweep.material.hardnes = ", "did you mean `material.hardness`?"],
+        ),
         ("ensemble.replicas = [1, 2]", ["`sweep.ensemble.replicas", "all points have the same replicas"]),
         ("ensemble.seed = [1, 2]", ["`sweep.ensemble.seed", "common_random_numbers = false"]),
         ("separation.h_star = [1, 2]", ["`sweep.separation", "give them in [separation]"]),
@@ -435,9 +483,18 @@ fn what_cannot_be_swept_is_refused_with_what_would_do() {
         ),
         ("material.hardness = []", ["`sweep.material.hardness = []`", "has 0 values"]),
         ("material.hardness = [1e9]", ["`sweep.material.hardness[0] = 1e9`", "the unit is missing"]),
-        ("material.hardness = [\"1 GPa\", \"1e9 Pa\"]", ["`sweep.material.hardness", "has the value 1 GPa twice"]),
-        ("material.hardness = { from = \"1 GPa\", to = \"2 GPa\" }", ["sweep.material.hardness.count", "is missing"]),
-        ("material.hardness = { from = \"1 GPa\", to = \"2 GPa\", count = 1 }", ["count = 1`", "from 2 to 10000"]),
+        (
+            "material.hardness = [\"1 GPa\", \"1e9 Pa\"]",
+            ["`sweep.material.hardness", "has the value 1 GPa twice"],
+        ),
+        (
+            "material.hardness = { from = \"1 GPa\", to = \"2 GPa\" }",
+            ["sweep.material.hardness.count", "is missing"],
+        ),
+        (
+            "material.hardness = { from = \"1 GPa\", to = \"2 GPa\", count = 1 }",
+            ["count = 1`", "from 2 to 10000"],
+        ),
         (
             "material.hardness = { from = \"1 GPa\", to = \"2 GPa\", steps = 3 }",
             ["hardness.steps", "known here: from, to"],
@@ -480,7 +537,8 @@ fn nothing_is_written_of_a_sweep_that_is_refused() {
         assert_exit(&folder.stiction(&[&["run", "scene.toml"], arguments].concat()), 2);
         assert_eq!(folder.files(), ["scene.toml"]);
     }
-    std::fs::write(folder.path("scene.toml"), scene.replace("poisson_ratio = 0.27", "poisson_ratio = 0.7")).unwrap();
+    std::fs::write(folder.path("scene.toml"), scene.replace("poisson_ratio = 0.27", "poisson_ratio = 0.7"))
+        .unwrap();
     assert_exit(&folder.stiction(&["run", "scene.toml"]), 2);
     assert_eq!(folder.files(), ["scene.toml"]);
 }

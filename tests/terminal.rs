@@ -1,4 +1,5 @@
-//! What the terminal gets: numbers as users type them, output that cannot be written, figures that say what is so.
+//! What the terminal gets: numbers as users type them, output that cannot be written, figures that say what
+//! is so.
 
 mod common;
 
@@ -50,14 +51,21 @@ fn output_that_cannot_be_written_is_a_failure() {
     for command in commands {
         let output = into_full(&folder, command);
         assert_exit(&output, 1);
-        assert!(text(&output.stderr).starts_with("stiction: cannot write to standard output: "), "{command:?}");
+        assert!(
+            text(&output.stderr).starts_with("stiction: cannot write to standard output: "),
+            "{command:?}"
+        );
     }
     // The result is there, and the message says so.
     for (command, file) in [("run", "run.h5"), ("compare", "compare.h5")] {
         let laws = if command == "compare" { &["--laws", "gw"][..] } else { &[] };
         let output = into_full(&folder, &[&[command, "scene.toml", "-o", file][..], laws].concat());
         assert_exit(&output, 1);
-        assert!(text(&output.stderr).contains(&format!("the result {file} is complete")), "{}", text(&output.stderr));
+        assert!(
+            text(&output.stderr).contains(&format!("the result {file} is complete")),
+            "{}",
+            text(&output.stderr)
+        );
         assert_exit(&folder.stiction(&["info", file]), 0);
     }
 }
@@ -80,7 +88,8 @@ fn readers_may_leave() {
     assert_eq!(told(&output), "");
     let full = || File::options().write(true).open("/dev/full").unwrap();
     for (arguments, code) in [(&["check", "absent.toml"][..], 2), (&["chek"], 2)] {
-        let status = Command::new(env!("CARGO_BIN_EXE_stiction")).args(arguments).stderr(full()).status().unwrap();
+        let status =
+            Command::new(env!("CARGO_BIN_EXE_stiction")).args(arguments).stderr(full()).status().unwrap();
         assert_eq!(status.code(), Some(code));
     }
 }
@@ -88,7 +97,8 @@ fn readers_may_leave() {
 /// A law that has ended before the asperities of a scene begin: none is in any of its regimes.
 #[test]
 fn no_asperity_in_any_regime_is_no_share() {
-    let scene = small().replace("\"hybrid\"", "\"emd\"").replace("from = -1.0, to = 8.0", "from = -50.0, to = -40.0");
+    let scene =
+        small().replace("\"hybrid\"", "\"emd\"").replace("from = -1.0, to = 8.0", "from = -50.0, to = -40.0");
     let folder = Folder::new(&scene);
     let check = folder.stiction(&["check", "scene.toml"]);
     assert_exit(&check, 0);

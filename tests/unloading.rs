@@ -1,5 +1,5 @@
-//! The way back of one asperity against closed forms: the published unloading, its energy, the histories, and that its pieces are those of
-//! what it computes.
+//! The way back of one asperity against closed forms: the published unloading, its energy, the histories, and
+//! that its pieces are those of what it computes.
 
 mod common;
 
@@ -7,7 +7,7 @@ use common::{case, respond};
 use std::f64::consts::PI;
 use stiction::asperity::models::{MODELS, Plasticity, model};
 use stiction::asperity::scale::{Asperity, Scale};
-use stiction::asperity::{Law, LawError, Loop, Path, Regime, Setting, UnloadedRadius};
+use stiction::asperity::{Law, LawError, LawParameters, Loop, Path, Regime, UnloadedRadius};
 use stiction::math::quadrature::{NODES, Rule};
 
 fn cycle(name: &str, asperity: &Asperity) -> Loop {
@@ -15,8 +15,8 @@ fn cycle(name: &str, asperity: &Asperity) -> Loop {
 }
 
 fn cycle_of(name: &str, asperity: &Asperity, radius: UnloadedRadius) -> Result<Loop, LawError> {
-    let setting = Setting::new(asperity, Path::Approach, (-60e-9, 60e-9)).unwrap();
-    Loop::new(&model(name).unwrap(), &setting, radius)
+    let parameters = LawParameters::new(asperity, Path::Approach, (-60e-9, 60e-9)).unwrap();
+    Loop::new(&model(name).unwrap(), &parameters, radius)
 }
 
 /// F = P − F_s of an asperity of the interference ω_max, m, at a distance, m.
@@ -30,7 +30,8 @@ fn residual(x: f64) -> f64 {
     (1.0 - x.powf(-0.28)) * (1.0 - x.powf(-0.69))
 }
 
-/// Load, area and adhesion above ω_c by the formulas as they are published, away from R = E_r = 1, in all three regimes.
+/// Load, area and adhesion above ω_c by the formulas as they are published, away from R = E_r = 1, in all
+/// three regimes.
 #[test]
 fn unloading_is_that_of_etsion_kligerman_and_kadin() {
     let (asperity, _) = case("I");
@@ -54,8 +55,8 @@ fn unloading_is_that_of_etsion_kligerman_and_kadin() {
     }
 }
 
-/// At ω_max = ω_c nothing is left, and the way back is Hertz's: P = (4/3)E_r √R δ^1.5, but for the jump of 3 % that the fits of the load
-/// have there.
+/// At ω_max = ω_c nothing is left, and the way back is Hertz's: P = (4/3)E_r √R δ^1.5, but for the jump of 3
+/// % that the fits of the load have there.
 #[test]
 fn at_the_critical_interference_unloading_is_that_of_hertz() {
     let (asperity, _) = case("II");
@@ -71,8 +72,8 @@ fn at_the_critical_interference_unloading_is_that_of_hertz() {
     }
 }
 
-/// ∫P dδ of the unloading is P_max (ω_max − ω_res)/(n + 1), and after it contact lasts over the way of the elastic one's pull with the
-/// adhesion alone.
+/// ∫P dδ of the unloading is P_max (ω_max − ω_res)/(n + 1), and after it contact lasts over the way of the
+/// elastic one's pull with the adhesion alone.
 #[test]
 fn the_energy_of_an_unloading_is_its_closed_form() {
     let (asperity, _) = case("I");
@@ -86,11 +87,12 @@ fn the_energy_of_an_unloading_is_its_closed_form() {
             // In the square root of what is left of the way, where P is nearly a cube.
             let end = (to - from).sqrt();
             let breaks: Vec<f64> = (0..=20).map(|i| end * f64::from(i) / 20.0).collect();
-            let integral = Rule::shared().integrate(&breaks, 1e-12, |roots, values: &mut [[f64; 1]; NODES]| {
-                for (value, root) in values.iter_mut().zip(roots) {
-                    *value = [2.0 * root * force(&cycle, largest, to - root * root)];
-                }
-            });
+            let integral =
+                Rule::shared().integrate(&breaks, 1e-12, |roots, values: &mut [[f64; 1]; NODES]| {
+                    for (value, root) in values.iter_mut().zip(roots) {
+                        *value = [2.0 * root * force(&cycle, largest, to - root * root)];
+                    }
+                });
             integral.value[0]
         };
         let expected = load * recovery / (1.5 * x.powf(-0.0331) + 1.0) - adhesion * recovery;
@@ -105,13 +107,15 @@ fn the_energy_of_an_unloading_is_its_closed_form() {
     }
 }
 
-/// The unloading was computed for Kogut and Etsion's contact: a law that flows in another way is refused by name, with those that are not.
+/// The unloading was computed for Kogut and Etsion's contact: a law that flows in another way is refused by
+/// name, with those that are not.
 #[test]
 fn laws_that_flow_otherwise_are_refused() {
     let (asperity, _) = case("II");
     for model in MODELS {
         let law = common::law(model.name, &asperity, Path::Approach, (-60e-9, 60e-9));
-        let is_other = law.regimes().contains(&Regime::Plastic) && !law.regimes().contains(&Regime::Elastoplastic1);
+        let is_other =
+            law.regimes().contains(&Regime::Plastic) && !law.regimes().contains(&Regime::Elastoplastic1);
         assert_eq!(is_other, model.name == "ceb");
         let cycle = cycle_of(model.name, &asperity, UnloadedRadius::Kept);
         assert_eq!(cycle.is_err(), is_other, "{}", model.name);
@@ -123,7 +127,8 @@ fn laws_that_flow_otherwise_are_refused() {
     }
 }
 
-/// What has not touched goes back as it came, what has touched and not flowed goes back along the law of retraction, whatever the law.
+/// What has not touched goes back as it came, what has touched and not flowed goes back along the law of
+/// retraction, whatever the law.
 #[test]
 fn elastic_asperities_go_back_along_the_laws() {
     for name in ["I", "II", "III"] {
@@ -146,14 +151,20 @@ fn elastic_asperities_go_back_along_the_laws() {
                     }
                     let law = if largest < capture { approach.as_ref() } else { retraction.as_ref() };
                     let expected = respond(law, largest - distance);
-                    assert_eq!(respond(&back, largest), expected, "{} {name} {largest} {distance}", model.name);
+                    assert_eq!(
+                        respond(&back, largest),
+                        expected,
+                        "{} {name} {largest} {distance}",
+                        model.name
+                    );
                 }
             }
         }
     }
 }
 
-/// An asperity whose top was lowered attracts across the gap, and through the lubricant, as one whose top is lower.
+/// An asperity whose top was lowered attracts across the gap, and through the lubricant, as one whose top is
+/// lower.
 #[test]
 fn what_has_flowed_and_let_go_is_lower() {
     for (name, dry) in [("I", false), ("II", true), ("III", false)] {
@@ -189,8 +200,9 @@ fn flattened(x: f64) -> f64 {
     area.powf(1.5) / load
 }
 
-/// With the radius of elastic unloading, an asperity that has let go is one of that radius whose top is lower: it has let go where such
-/// an asperity does, and its law is made anew here. Its contact, while there is one, is as it was.
+/// With the radius of elastic unloading, an asperity that has let go is one of that radius whose top is
+/// lower: it has let go where such an asperity does, and its law is made anew here. Its contact, while there
+/// is one, is as it was.
 #[test]
 fn what_has_flowed_may_have_the_radius_of_its_unloading() {
     for (name, law, dry) in [
@@ -203,8 +215,8 @@ fn what_has_flowed_may_have_the_radius_of_its_unloading() {
         let (mut asperity, _) = case(name);
         asperity.lubricant_thickness = if dry { 0.0 } else { 0.5e-9 };
         let critical = asperity.critical_interference();
-        let [kept, elastic] =
-            [UnloadedRadius::Kept, UnloadedRadius::Elastic].map(|radius| cycle_of(law, &asperity, radius).unwrap());
+        let [kept, elastic] = [UnloadedRadius::Kept, UnloadedRadius::Elastic]
+            .map(|radius| cycle_of(law, &asperity, radius).unwrap());
         for x in [1.01, 1.7, 4.0, 5.99, 6.01, 20.0, 109.0, 140.0] {
             let largest = x * critical;
             assert!((elastic.radius_ratio(largest) / flattened(x) - 1.0).abs() < 1e-12, "{name} {x}");
@@ -224,7 +236,10 @@ fn what_has_flowed_may_have_the_radius_of_its_unloading() {
                 let (regime, expected) = respond(retraction.as_ref(), recovery - takeoff - further).unwrap();
                 let (state, forces) = respond(&elastic.at(takeoff + further), largest).unwrap();
                 assert_eq!(state, regime, "{name} {x} {further}");
-                assert!((forces[0] / expected[0] - 1.0).abs() < 1e-9, "{name} {x} {further}: {forces:?} {expected:?}");
+                assert!(
+                    (forces[0] / expected[0] - 1.0).abs() < 1e-9,
+                    "{name} {x} {further}: {forces:?} {expected:?}"
+                );
                 assert_eq!(forces[1..], [0.0, 0.0]);
             }
         }
@@ -234,12 +249,13 @@ fn what_has_flowed_may_have_the_radius_of_its_unloading() {
     assert!(cycle_of("emd", &asperity, UnloadedRadius::Elastic).is_ok(), "nothing flows");
 }
 
-/// A loop of one asperity of JKR: it jumps in at Δ = 0 and off at the fold. There is no force on the way there between the two, so the area
-/// of the loop is −∫F̂ dΔ along the contact, with F̂ = A³ − √6 A^(3/2) and dΔ = (2A − √(2/3) A^(−1/2)) dA.
+/// A loop of one asperity of JKR: it jumps in at Δ = 0 and off at the fold. There is no force on the way
+/// there between the two, so the area of the loop is −∫F̂ dΔ along the contact, with F̂ = A³ − √6 A^(3/2) and
+/// dΔ = (2A − √(2/3) A^(−1/2)) dA.
 #[test]
 fn the_loop_of_a_jkr_asperity_has_its_closed_area() {
-    let setting = Setting::scaled(50.0, Path::Approach).unwrap();
-    let cycle = Loop::new(&model("jkr").unwrap(), &setting, UnloadedRadius::Kept).unwrap();
+    let parameters = LawParameters::scaled(50.0, Path::Approach).unwrap();
+    let cycle = Loop::new(&model("jkr").unwrap(), &parameters, UnloadedRadius::Kept).unwrap();
     let fold = cycle.release();
     // ∫F̂ dΔ = (2/5)A⁵ − (√6·4/7 + √(2/3)·2/7) A^(7/2) + A².
     let primitive = |a: f64| {
@@ -255,11 +271,16 @@ fn the_loop_of_a_jkr_asperity_has_its_closed_area() {
             *value = [-2.0 * root * force(&cycle, 1.0, 1.0 - fold - root * root)];
         }
     });
-    assert!(expected > 0.0 && (integral.value[0] / expected - 1.0).abs() < 1e-11, "{} {expected}", integral.value[0]);
+    assert!(
+        expected > 0.0 && (integral.value[0] / expected - 1.0).abs() < 1e-11,
+        "{} {expected}",
+        integral.value[0]
+    );
 }
 
-/// Regimes, boundaries and pieces fit together at any distance: pieces cover the line in order, lie in their regimes, and the force is
-/// continuous inside them. A step of 1e-7 of a piece that changes it by more than 1e-3 would be a jump.
+/// Regimes, boundaries and pieces fit together at any distance: pieces cover the line in order, lie in their
+/// regimes, and the force is continuous inside them. A step of 1e-7 of a piece that changes it by more than
+/// 1e-3 would be a jump.
 #[test]
 fn pieces_are_where_the_way_back_is_smooth() {
     for name in ["I", "II", "III"] {
@@ -291,7 +312,11 @@ fn pieces_are_where_the_way_back_is_smooth() {
                         assert_eq!(regime, law.regimes()[piece.regime], "{} {name} {distance}", model.name);
                         for q in 0..2 {
                             let step = (beside[q] - at[q]).abs();
-                            assert!(step < 1e-3 * (scale + at[q]), "{} {name} {distance} {share}: {step}", model.name);
+                            assert!(
+                                step < 1e-3 * (scale + at[q]),
+                                "{} {name} {distance} {share}: {step}",
+                                model.name
+                            );
                         }
                     }
                 }
@@ -300,7 +325,8 @@ fn pieces_are_where_the_way_back_is_smooth() {
     }
 }
 
-/// Areas of the loops of the extended Maugis-Dugdale law by another program, to the 1e-10 of the largest force times the way.
+/// Areas of the loops of the extended Maugis-Dugdale law by another program, to the 1e-10 of the largest
+/// force times the way.
 #[test]
 fn loops_of_elastic_asperities_have_their_areas() {
     let table = include_str!("data/loops.csv");
@@ -309,8 +335,8 @@ fn loops_of_elastic_asperities_have_their_areas() {
     for row in rows {
         let numbers: Vec<f64> = row.split(',').map(|number| number.parse().unwrap()).collect();
         let [lambda, area, release, touch] = numbers[..] else { panic!("{row}") };
-        let setting = Setting::scaled(lambda, Path::Approach).unwrap();
-        let cycle = Loop::new(&model("emd").unwrap(), &setting, UnloadedRadius::Kept).unwrap();
+        let parameters = LawParameters::scaled(lambda, Path::Approach).unwrap();
+        let cycle = Loop::new(&model("emd").unwrap(), &parameters, UnloadedRadius::Kept).unwrap();
         assert!(
             (cycle.release() / release - 1.0).abs() < 1e-14 && (cycle.touch() / touch - 1.0).abs() < 1e-14,
             "{row}"

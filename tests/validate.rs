@@ -24,8 +24,18 @@ const NOT_FOUND: &[(&str, &str, &str, &str)] = &[
     ("run", "/replicas/snap_off_separation", "reverse", "replicas may stand in any order"),
     ("run sweep", "/validation/tested_adhesion_force", "reverse", "of the law, which is not computed anew"),
     ("run sweep", "/validation/tested_external_force", "reverse", "of the law, which is not computed anew"),
-    ("run sweep", "/validation/retraction_tested_adhesion_force", "reverse", "of the law, which is not computed anew"),
-    ("run sweep", "/validation/retraction_tested_external_force", "reverse", "of the law, which is not computed anew"),
+    (
+        "run sweep",
+        "/validation/retraction_tested_adhesion_force",
+        "reverse",
+        "of the law, which is not computed anew",
+    ),
+    (
+        "run sweep",
+        "/validation/retraction_tested_external_force",
+        "reverse",
+        "of the law, which is not computed anew",
+    ),
     ("run sweep", "/control", "reverse", "controls may stand in any order"),
     ("sweep", "/control", "NaN", "a point may have fewer controls"),
     ("run", "/stiffness", "scale reverse", "given by the scene"),
@@ -39,9 +49,24 @@ const NOT_FOUND: &[(&str, &str, &str, &str)] = &[
     ("sweep", "/surface.lubricant_thickness", "scale negate reverse", "given by the scene"),
     ("sweep", "/statistical/quadrature_error", "scale reverse", "of the law, which is not computed anew"),
     ("compare", "/statistical/quadrature_error", "scale", "of the law, which is not computed anew"),
-    ("compare", "/replicas/peak_secant_stiffness", "scale", "of the curves of the replicas, which are not there"),
-    ("compare", "/replicas/pull_off_separation", "reverse", "of the curves of the replicas, which are not there"),
-    ("compare", "/replicas/peak_secant_stiffness", "reverse", "of the curves of the replicas, which are not there"),
+    (
+        "compare",
+        "/replicas/peak_secant_stiffness",
+        "scale",
+        "of the curves of the replicas, which are not there",
+    ),
+    (
+        "compare",
+        "/replicas/pull_off_separation",
+        "reverse",
+        "of the curves of the replicas, which are not there",
+    ),
+    (
+        "compare",
+        "/replicas/peak_secant_stiffness",
+        "reverse",
+        "of the curves of the replicas, which are not there",
+    ),
     (
         "compare",
         "/replicas/peak_secant_stiffness_separation",
@@ -65,8 +90,18 @@ const NOT_FOUND: &[(&str, &str, &str, &str)] = &[
         "reverse",
         "what is beside it is alike to less than the separations tell",
     ),
-    ("sweep", "/ensemble/peak_stiffness", "reverse", "what is beside it is alike to less than the separations tell"),
-    ("sweep", "/statistical/peak_stiffness", "reverse", "what is beside it is alike to less than the separations tell"),
+    (
+        "sweep",
+        "/ensemble/peak_stiffness",
+        "reverse",
+        "what is beside it is alike to less than the separations tell",
+    ),
+    (
+        "sweep",
+        "/statistical/peak_stiffness",
+        "reverse",
+        "what is beside it is alike to less than the separations tell",
+    ),
     (
         "sweep",
         "/statistical/peak_stiffness_separation",
@@ -98,9 +133,11 @@ fn damaged(values: &[f64], damage: &str) -> Vec<f64> {
         "scale" => values.iter().map(|value| 3.0 * value).collect(),
         "negate" => values.iter().map(|value| -value).collect(),
         "reverse" => values.iter().rev().copied().collect(),
-        _ => {
-            values.iter().enumerate().map(|(i, value)| if i == values.len() / 2 { f64::NAN } else { *value }).collect()
-        }
+        _ => values
+            .iter()
+            .enumerate()
+            .map(|(i, value)| if i == values.len() / 2 { f64::NAN } else { *value })
+            .collect(),
     }
 }
 
@@ -128,7 +165,8 @@ struct Made {
     arguments: &'static [&'static str],
 }
 
-/// Damages datasets of a result, each by itself: what is not found. All in every way, or one in `every` in one way after the other.
+/// Damages datasets of a result, each by itself: what is not found. All in every way, or one in `every` in
+/// one way after the other.
 fn missed(made: &Made, every: Option<usize>) -> Vec<String> {
     let folder = Folder::new(&made.scene);
     std::fs::write(folder.path("map.txt"), map()).unwrap();
@@ -142,7 +180,9 @@ fn missed(made: &Made, every: Option<usize>) -> Vec<String> {
     for (i, (name, is_whole)) in names.iter().enumerate() {
         for (j, damage) in DAMAGES.into_iter().enumerate() {
             let is_known = |(kind, path, of, _): &&(&str, &str, &str, &str)| {
-                kind.split(' ').any(|kind| kind == made.kind) && path == name && of.split(' ').any(|of| of == damage)
+                kind.split(' ').any(|kind| kind == made.kind)
+                    && path == name
+                    && of.split(' ').any(|of| of == damage)
             };
             let known = NOT_FOUND.iter().any(|known| is_known(&known));
             let is_taken = every.is_none_or(|every| i % (every * DAMAGES.len()) == every * j);
@@ -158,7 +198,9 @@ fn missed(made: &Made, every: Option<usize>) -> Vec<String> {
                 continue;
             }
             match is_whole {
-                true => dataset.write_raw(&changed.iter().map(|value| *value as u64).collect::<Vec<u64>>()).unwrap(),
+                true => dataset
+                    .write_raw(&changed.iter().map(|value| *value as u64).collect::<Vec<u64>>())
+                    .unwrap(),
                 false => dataset.write_raw(&changed).unwrap(),
             }
             drop(dataset);
@@ -168,9 +210,11 @@ fn missed(made: &Made, every: Option<usize>) -> Vec<String> {
             match validate.status.code() {
                 Some(0) => missed.push(format!("{}: {name} {damage}", made.kind)),
                 Some(2 | 3) => {}
-                other => {
-                    missed.push(format!("{}: {name} {damage} ends it: {other:?} {}", made.kind, text(&validate.stderr)))
-                }
+                other => missed.push(format!(
+                    "{}: {name} {damage} ends it: {other:?} {}",
+                    made.kind,
+                    text(&validate.stderr)
+                )),
             }
         }
     }
@@ -180,10 +224,12 @@ fn missed(made: &Made, every: Option<usize>) -> Vec<String> {
 
 /// A map of 24 x 30 heights, waves of several lengths.
 fn map() -> String {
-    let height =
-        |x: f64, y: f64| (0.9 * x).sin() * (1.1 * y).cos() + 0.4 * (2.3 * x + 0.7 * y).sin() + 0.2 * (1.7 * y).sin();
-    let row =
-        |y: u32| (0..30).map(|x| format!("{:.6}", height(f64::from(x), f64::from(y)))).collect::<Vec<_>>().join(" ");
+    let height = |x: f64, y: f64| {
+        (0.9 * x).sin() * (1.1 * y).cos() + 0.4 * (2.3 * x + 0.7 * y).sin() + 0.2 * (1.7 * y).sin()
+    };
+    let row = |y: u32| {
+        (0..30).map(|x| format!("{:.6}", height(f64::from(x), f64::from(y)))).collect::<Vec<_>>().join(" ")
+    };
     (0..24).map(|y| row(y) + "\n").collect()
 }
 
@@ -237,10 +283,13 @@ fn all_damages_of_all_datasets_are_found() {
     let stratified = curves.replace("seed = 1", "seed = 1\nsampling = \"stratified\"");
     let stratified = stratified.replace("replicas = 40", "replicas = 160");
     let of_loop = curves.replace("\"approach\"", "\"loop\"");
-    let springs = "[instability]\nstiffness = [\"0 N/m\", \"300 N/m\"]\npreload = [\"5 uN\", \"50 uN\"]\n\n[output]";
+    let springs =
+        "[instability]\nstiffness = [\"0 N/m\", \"300 N/m\"]\npreload = [\"5 uN\", \"50 uN\"]\n\n[output]";
     let held = resolved().replace("\"approach\"", "\"loop\"").replace("[output]", springs);
-    let missed: Vec<String> =
-        [small(), of_loop, stratified, held].into_iter().flat_map(|scene| missed(&run(scene), None)).collect();
+    let missed: Vec<String> = [small(), of_loop, stratified, held]
+        .into_iter()
+        .flat_map(|scene| missed(&run(scene), None))
+        .collect();
     assert!(missed.is_empty(), "{missed:#?}");
 }
 
@@ -248,7 +297,8 @@ fn all_damages_of_all_datasets_are_found() {
 #[ignore = "slow: several hundred results are validated, a minute of one core"]
 fn all_damages_of_sweeps_are_found() {
     let of_loop = resolved().replace("curves = false", "curves = true").replace("\"approach\"", "\"loop\"");
-    let missed: Vec<String> = [resolved(), of_loop].iter().flat_map(|scene| missed(&swept(scene), None)).collect();
+    let missed: Vec<String> =
+        [resolved(), of_loop].iter().flat_map(|scene| missed(&swept(scene), None)).collect();
     assert!(missed.is_empty(), "{missed:#?}");
 }
 
@@ -284,10 +334,12 @@ fn sweeps_and_loops_fit_together_too() {
     }
 }
 
-/// Springs and preloads of a sweep are those of its scene, not indices, and are looked at with what they are of.
+/// Springs and preloads of a sweep are those of its scene, not indices, and are looked at with what they are
+/// of.
 #[test]
 fn sweeps_of_held_surfaces_have_their_springs() {
-    let springs = "[instability]\nstiffness = [\"300 N/m\", \"0 N/m\"]\npreload = [\"50 uN\", \"5 uN\"]\n\n[output]";
+    let springs =
+        "[instability]\nstiffness = [\"300 N/m\", \"0 N/m\"]\npreload = [\"50 uN\", \"5 uN\"]\n\n[output]";
     let made = swept(&small().replace("\"approach\"", "\"loop\"").replace("[output]", springs));
     let folder = Folder::new(&made.scene);
     assert_exit(&folder.stiction(&["run", "scene.toml"]), 0);

@@ -1,4 +1,5 @@
-//! The cross-check itself: its p-values are as small as they should be when ensemble and integral agree, and it sees a 1 % error in any regime.
+//! The cross-check itself: its p-values are as small as they should be when ensemble and integral agree, and
+//! it sees a 1 % error in any regime.
 
 mod common;
 
@@ -7,10 +8,14 @@ use std::ops::Range;
 use std::sync::LazyLock;
 use std::sync::atomic::AtomicBool;
 use stiction::asperity::models::model;
-use stiction::asperity::{Boundary, Family, Law, Path, Piece, Quantity, Regime, Responses, Typical, Work};
+use stiction::asperity::{
+    Boundary, Family, Law, Path, Piece, Quantity, Regime, Responses, SolverStats, Typical,
+};
 use stiction::engine::{Job, Outcome, Protocol, run};
-use stiction::statistical::Statistical;
-use stiction::surface::{CountLaw, HeightLaw, Heights, LogNormal, RADIUS_RANGE, Radii, SamplingScheme, Surface};
+use stiction::integral::Expectations;
+use stiction::surface::{
+    CountLaw, HeightLaw, Heights, LogNormal, RADIUS_RANGE, Radii, SamplingScheme, Surface,
+};
 use stiction::validation::{Basis, JointTest, Verdict, basis};
 
 /// A law with the forces of one regime multiplied by a factor.
@@ -37,8 +42,8 @@ impl Law for Planted<'_> {
         self.law.cost(regime)
     }
 
-    fn evaluate(&self, regime: usize, interference: &[f64], out: &mut Responses, work: &mut Work) {
-        self.law.evaluate(regime, interference, out, work);
+    fn evaluate(&self, regime: usize, interference: &[f64], out: &mut Responses, stats: &mut SolverStats) {
+        self.law.evaluate(regime, interference, out, stats);
         if regime == self.regime {
             for i in 0..interference.len() {
                 out.adhesion[i] *= self.factor;
@@ -58,7 +63,13 @@ struct Scene<'a> {
 const INDEPENDENT: SamplingScheme = SamplingScheme::Independent;
 
 /// The joint test of an ensemble that is summed with `law` against the integral `expected`.
-fn joint_test(scene: &Scene<'_>, law: &dyn Law, basis: &Basis, expected: &Statistical, seed: u64) -> JointTest {
+fn joint_test(
+    scene: &Scene<'_>,
+    law: &dyn Law,
+    basis: &Basis,
+    expected: &Expectations,
+    seed: u64,
+) -> JointTest {
     let job = Job {
         law,
         surface: scene.surface,
@@ -72,11 +83,14 @@ fn joint_test(scene: &Scene<'_>, law: &dyn Law, basis: &Basis, expected: &Statis
         protocol: Protocol::default(),
     };
     // Threads of their own for each ensemble would take longer than the small ones.
-    static POOL: LazyLock<rayon::ThreadPool> = LazyLock::new(|| rayon::ThreadPoolBuilder::new().build().unwrap());
-    let Ok(Outcome::Complete(forest)) = run::<()>(&job, &POOL, &AtomicBool::new(false), |_, _| Ok(())) else {
+    static POOL: LazyLock<rayon::ThreadPool> =
+        LazyLock::new(|| rayon::ThreadPoolBuilder::new().build().unwrap());
+    let Ok(Outcome::Complete(reduction_tree)) =
+        run::<()>(&job, &POOL, &AtomicBool::new(false), |_, _| Ok(()))
+    else {
         panic!("the run did not complete");
     };
-    let ensemble = forest.into_ensemble(&job);
+    let ensemble = reduction_tree.into_ensemble(&job);
     let curves = [Quantity::AdhesionForce, Quantity::ExternalForce].map(Quantity::index);
     JointTest::new(
         &basis.probes,
@@ -94,7 +108,7 @@ fn separations(surface: &Surface, from: f64, to: f64, count: usize) -> Vec<f64> 
 
 /// p-values of ensembles that agree: how many are below 0.1, 0.01 and 0.001.
 fn alarms(scene: &Scene<'_>, law: &dyn Law, seeds: Range<u64>) -> (usize, [u64; 3]) {
-    let expected = Statistical::new(law, scene.surface, scene.separations);
+    let expected = Expectations::new(law, scene.surface, scene.separations);
     let basis = basis(law, scene.surface, scene.separations, scene.scheme, scene.replicas);
     let mut counts = [0; 3];
     for seed in seeds {
@@ -141,7 +155,8 @@ fn fewest(law: &dyn Law, surface: &Surface, separations: &[f64], scheme: Samplin
 /// Surfaces under a law: name, law, surface, scheme.
 fn populations() -> Vec<(String, &'static str, Surface, SamplingScheme)> {
     let (_, surface) = case("II");
-    let with = |law: HeightLaw| Surface { heights: Heights { law, ..surface.heights.clone() }, ..surface.clone() };
+    let with =
+        |law: HeightLaw| Surface { heights: Heights { law, ..surface.heights.clone() }, ..surface.clone() };
     let mut populations = Vec::new();
     for law in ["hybrid", "gw", "jkr", "emd"] {
         for (name, heights) in [
@@ -176,7 +191,8 @@ fn false_alarms_are_as_rare_as_they_should_be() {
     assert_alarms(sum);
 }
 
-/// The table of docs/cross-check.md: the fewest replicas that are tested of 100 asperities, eight times as many of 10, and of one.
+/// The table of docs/cross-check.md: the fewest replicas that are tested of 100 asperities, eight times as
+/// many of 10, and of one.
 #[test]
 #[ignore = "slow: minutes"]
 fn false_alarms_over_surfaces_laws_and_schemes() {
@@ -198,8 +214,8 @@ fn false_alarms_over_surfaces_laws_and_schemes() {
     assert_alarms(sum);
 }
 
-/// The ensembles in which a test by the sample's own covariance cried wolf, 47 of 10 000 below 0.001: 100 asperities, 200 replicas, 29
-/// separations.
+/// The ensembles in which a test by the sample's own covariance cried wolf, 47 of 10 000 below 0.001: 100
+/// asperities, 200 replicas, 29 separations.
 #[test]
 #[ignore = "slow: minutes"]
 fn small_patches_raise_no_false_alarms() {
@@ -213,18 +229,21 @@ fn small_patches_raise_no_false_alarms() {
     assert_alarms(sum);
 }
 
-/// 120 replicas of case II, at the separations where each regime acts: it takes a surface pressed flat to have asperities beyond 110 ω_c. The
-/// verdict's own false-alarm rate is 1e-3; the seeds are fixed.
+/// 120 replicas of case II, at the separations where each regime acts: it takes a surface pressed flat to
+/// have asperities beyond 110 ω_c. The verdict's own false-alarm rate is 1e-3; the seeds are fixed.
 #[test]
 fn an_error_of_one_per_cent_in_any_regime_is_caught() {
     let (asperity, surface) = case("II");
     let law = law("hybrid", &asperity, Path::Approach, (-60e-9, 40e-9));
     let names = ["noncontact", "lubricant", "elastic", "elastoplastic1", "elastoplastic2", "plastic"];
-    for (from, to, count, regimes) in [(-1.0, 8.0, 31, 0..4), (-20.0, -5.0, 8, 4..5), (-170.0, -150.0, 8, 5..6)] {
+    for (from, to, count, regimes) in
+        [(-1.0, 8.0, 31, 0..4), (-20.0, -5.0, 8, 4..5), (-170.0, -150.0, 8, 5..6)]
+    {
         let separations = separations(&surface, from, to, count);
-        let expected = Statistical::new(law.as_ref(), &surface, &separations);
+        let expected = Expectations::new(law.as_ref(), &surface, &separations);
         let basis = basis(law.as_ref(), &surface, &separations, INDEPENDENT, 120);
-        let scene = Scene { surface: &surface, separations: &separations, scheme: INDEPENDENT, replicas: 120 };
+        let scene =
+            Scene { surface: &surface, separations: &separations, scheme: INDEPENDENT, replicas: 120 };
         for seed in [7, 8, 9] {
             let agrees = joint_test(&scene, law.as_ref(), &basis, &expected, seed);
             assert_eq!(agrees.verdict, Verdict::Agree, "{agrees:?}");
@@ -238,14 +257,14 @@ fn an_error_of_one_per_cent_in_any_regime_is_caught() {
     }
 }
 
-/// A stratified ensemble of case II sees a smaller error with fewer replicas: 96 replicas, 12 groups, three functionals. The verdict's own
-/// false-alarm rate is 1e-3; the seed is fixed.
+/// A stratified ensemble of case II sees a smaller error with fewer replicas: 96 replicas, 12 groups, three
+/// functionals. The verdict's own false-alarm rate is 1e-3; the seed is fixed.
 #[test]
 fn an_error_is_caught_by_a_stratified_ensemble() {
     let (asperity, surface) = case("II");
     let separations = separations(&surface, -1.0, 8.0, 46);
     let law = law("hybrid", &asperity, Path::Approach, (-60e-9, 40e-9));
-    let expected = Statistical::new(law.as_ref(), &surface, &separations);
+    let expected = Expectations::new(law.as_ref(), &surface, &separations);
     let scheme = SamplingScheme::Stratified;
     let basis = basis(law.as_ref(), &surface, &separations, scheme, 96);
     let scene = Scene { surface: &surface, separations: &separations, scheme, replicas: 96 };
@@ -254,7 +273,8 @@ fn an_error_is_caught_by_a_stratified_ensemble() {
     assert_eq!(joint_test(&scene, &planted, &basis, &expected, 7).verdict, Verdict::Disagree);
 }
 
-/// Many separations are thinned out for the test, in bounded time, and the functionals still look at the right ones.
+/// Many separations are thinned out for the test, in bounded time, and the functionals still look at the
+/// right ones.
 #[test]
 fn many_separations_are_thinned_out() {
     let (asperity, mut surface) = case("II");
@@ -264,15 +284,18 @@ fn many_separations_are_thinned_out() {
     let basis = basis(law.as_ref(), &surface, &separations, INDEPENDENT, 48);
     assert_eq!(basis.probes.len(), 32);
     for probe in &basis.probes {
-        for (weights, tested) in [&probe.adhesion_force, &probe.external_force].into_iter().zip(&basis.tested) {
+        for (weights, tested) in [&probe.adhesion_force, &probe.external_force].into_iter().zip(&basis.tested)
+        {
             assert_eq!((weights.len(), tested.len()), (1201, 1201));
-            assert!(weights.iter().enumerate().all(|(k, weight)| *weight == 0.0 || (tested[k] && k % 5 == 0)));
+            assert!(
+                weights.iter().enumerate().all(|(k, weight)| *weight == 0.0 || (tested[k] && k % 5 == 0))
+            );
             assert!(weights.iter().any(|weight| *weight != 0.0));
         }
     }
     // False alarm 1e-3; the seed is fixed.
     let scene = Scene { surface: &surface, separations: &separations, scheme: INDEPENDENT, replicas: 48 };
-    let expected = Statistical::new(law.as_ref(), &surface, &separations);
+    let expected = Expectations::new(law.as_ref(), &surface, &separations);
     assert_eq!(joint_test(&scene, law.as_ref(), &basis, &expected, 5).verdict, Verdict::Agree);
 }
 
@@ -287,8 +310,9 @@ const EIGHTHS: [f64; 7] = [
     1.150_349_380_376_008,
 ];
 
-/// Contributions of one asperity to adhesion force and external force, by the textbook's Derjaguin-Muller-Toporov asperity and Simpson's rule
-/// over pieces that end where it jumps: less their means over each stratum, and of opposite heights their half sum.
+/// Contributions of one asperity to adhesion force and external force, by the textbook's
+/// Derjaguin-Muller-Toporov asperity and Simpson's rule over pieces that end where it jumps: less their means
+/// over each stratum, and of opposite heights their half sum.
 struct Reference {
     weights: Vec<f64>,
     /// The range of nodes of each stratum.
@@ -308,7 +332,8 @@ impl Reference {
     ) -> Self {
         let reach = 9.0 * std;
         let quantiles: Vec<f64> = EIGHTHS.iter().map(|x| x * std).collect();
-        let mut ends: Vec<f64> = planes.iter().flat_map(|d| [*d, -d]).chain(quantiles.iter().copied()).collect();
+        let mut ends: Vec<f64> =
+            planes.iter().flat_map(|d| [*d, -d]).chain(quantiles.iter().copied()).collect();
         ends.extend([-reach, reach]);
         ends.sort_by(f64::total_cmp);
         ends.dedup_by(|b, a| *b - *a < 1e-9 * std);
@@ -332,8 +357,10 @@ impl Reference {
         let column = |(q, d): (usize, f64)| {
             let at = |u: f64, radius: f64| forces(u - d, radius)[q];
             let even = scheme == SamplingScheme::Antithetic;
-            let mut column: Vec<f64> =
-                nodes.iter().map(|&(u, r)| if even { 0.5 * (at(u, r) + at(-u, r)) } else { at(u, r) }).collect();
+            let mut column: Vec<f64> = nodes
+                .iter()
+                .map(|&(u, r)| if even { 0.5 * (at(u, r) + at(-u, r)) } else { at(u, r) })
+                .collect();
             for stratum in strata.iter().filter(|_| fixed) {
                 let total: f64 = weights[stratum.clone()].iter().sum();
                 let mean = stratum.clone().map(|i| weights[i] * column[i]).sum::<f64>() / total;
@@ -341,7 +368,8 @@ impl Reference {
             }
             column
         };
-        let columns = [0, 1].into_iter().flat_map(|q| planes.iter().map(move |d| (q, *d))).map(column).collect();
+        let columns =
+            [0, 1].into_iter().flat_map(|q| planes.iter().map(move |d| (q, *d))).map(column).collect();
         Self { weights, strata, columns }
     }
 
@@ -353,10 +381,12 @@ impl Reference {
         0..self.weights.len()
     }
 
-    /// What the expansion of the sum of squares needs, from the definition: Σ κ_iijj, and Σ (3 κ_iij κ_jll + 2 κ_ijl²).
+    /// What the expansion of the sum of squares needs, from the definition: Σ κ_iijj, and Σ (3 κ_iij κ_jll +
+    /// 2 κ_ijl²).
     fn cumulants(&self, scores: &[Vec<f64>], fixed: bool) -> [f64; 2] {
-        let third =
-            |i: usize, j: usize, l: usize| self.mean(self.all(), |n| scores[i][n] * scores[j][n] * scores[l][n]);
+        let third = |i: usize, j: usize, l: usize| {
+            self.mean(self.all(), |n| scores[i][n] * scores[j][n] * scores[l][n])
+        };
         let (mut fourth, mut thirds) = (0.0, 0.0);
         let k = scores.len();
         for (i, j) in (0..k).flat_map(|i| (0..k).map(move |j| (i, j))) {
@@ -364,18 +394,22 @@ impl Reference {
                 let share: f64 = self.weights[stratum.clone()].iter().sum();
                 let mean = |of: &dyn Fn(usize) -> f64| self.mean(stratum.clone(), of) / share;
                 let (x, y) = (&scores[i], &scores[j]);
-                let pairs = mean(&|n| x[n] * x[n]) * mean(&|n| y[n] * y[n]) + 2.0 * mean(&|n| x[n] * y[n]).powi(2);
+                let pairs =
+                    mean(&|n| x[n] * x[n]) * mean(&|n| y[n] * y[n]) + 2.0 * mean(&|n| x[n] * y[n]).powi(2);
                 fourth += share * (mean(&|n| (x[n] * y[n]).powi(2)) - if fixed { pairs } else { 0.0 });
             }
-            thirds += (0..k).map(|l| 3.0 * third(i, i, j) * third(j, l, l) + 2.0 * third(i, j, l).powi(2)).sum::<f64>();
+            thirds += (0..k)
+                .map(|l| 3.0 * third(i, i, j) * third(j, l, l) + 2.0 * third(i, j, l).powi(2))
+                .sum::<f64>();
         }
         [fourth, thirds]
     }
 }
 
-/// The functionals are what they are said to be, of every scheme and of a number of asperities by Poisson's law: of unit variance and
-/// uncorrelated, with the cumulants that correct the p-value; and looked at is each force whose mean over the ensemble has a skewness of at
-/// most 0.1 and an excess kurtosis of at most 0.02, no other.
+/// The functionals are what they are said to be, of every scheme and of a number of asperities by Poisson's
+/// law: of unit variance and uncorrelated, with the cumulants that correct the p-value; and looked at is each
+/// force whose mean over the ensemble has a skewness of at most 0.1 and an excess kurtosis of at most 0.02,
+/// no other.
 #[test]
 fn functionals_are_those_of_the_law() {
     let (asperity, mut surface) = case("II");
@@ -438,7 +472,8 @@ fn functionals_are_those_of_the_law() {
             .map(|probe| {
                 let weights = [probe.adhesion_force.as_slice(), &probe.external_force].concat();
                 assert!(weights.iter().zip(&tested).all(|(weight, tested)| *tested || *weight == 0.0));
-                let of_node = |i| weights.iter().zip(&reference.columns).map(|(w, column)| w * column[i]).sum::<f64>();
+                let of_node =
+                    |i| weights.iter().zip(&reference.columns).map(|(w, column)| w * column[i]).sum::<f64>();
                 let share = (surface.asperity_count as f64 / pairs).sqrt();
                 reference.all().map(|i| share * of_node(i)).collect()
             })
@@ -446,7 +481,10 @@ fn functionals_are_those_of_the_law() {
         for (i, x) in scores.iter().enumerate() {
             for (j, y) in scores.iter().enumerate().take(i + 1) {
                 let product = reference.mean(reference.all(), |n| x[n] * y[n]);
-                assert!((product - f64::from(i == j)).abs() < accuracy, "{scheme:?} {count_law:?} {i} {j}: {product}");
+                assert!(
+                    (product - f64::from(i == j)).abs() < accuracy,
+                    "{scheme:?} {count_law:?} {i} {j}: {product}"
+                );
             }
         }
         assert!(scores.len() > 8);

@@ -1,4 +1,5 @@
-//! What `check`, `run` and `compare` warn of: one change of the quick scene each, most of them the slip of a unit.
+//! What `check`, `run` and `compare` warn of: one change of the quick scene each, most of them the slip of a
+//! unit.
 
 mod common;
 
@@ -31,7 +32,9 @@ const CASES: &[(&str, &str, &[&[&str]])] = &[
         "law = \"gw\"",
         &[
             &["psi = 0.848 is above 0.6"],
-            &["27 % of the nominal area is in contact at the smallest separation, h* = -1.000: more than 10 %"],
+            &[
+                "27 % of the nominal area is in contact at the smallest separation, h* = -1.000: more than 10 %",
+            ],
         ],
     ),
     (
@@ -63,7 +66,10 @@ const CASES: &[(&str, &str, &[&[&str]])] = &[
                 "check the units of hardness, reduced_modulus",
             ],
             &["psi = 8.48e-4 is below 0.01", "Greenwood and Williamson 1966"],
-            &["407 % of the nominal area is in contact at pull-off, h* = 0.020", "at the stiffest point, h* = 1.936"],
+            &[
+                "407 % of the nominal area is in contact at pull-off, h* = 0.020",
+                "at the stiffest point, h* = 1.936",
+            ],
         ],
     ),
     (
@@ -85,7 +91,11 @@ const CASES: &[(&str, &str, &[&[&str]])] = &[
         "\"0.09 J/m^2\"",
         "\"90 J/m^2\"",
         &[
-            &["work_of_adhesion = 90 J/m^2 is above 12 J/m^2", "Israelachvili 2011", "units of work_of_adhesion"],
+            &[
+                "work_of_adhesion = 90 J/m^2 is above 12 J/m^2",
+                "Israelachvili 2011",
+                "units of work_of_adhesion",
+            ],
             &["nominal area"],
         ],
     ),
@@ -101,7 +111,12 @@ const CASES: &[(&str, &str, &[&[&str]])] = &[
         "\"3.33 um\"",
         "\"3.33 mm\"",
         &[
-            &["eta R sigma = 39.8 is above 0.204", "McCool 1986", "Johnson 1985", "asperity_density, asperity_radius"],
+            &[
+                "eta R sigma = 39.8 is above 0.204",
+                "McCool 1986",
+                "Johnson 1985",
+                "asperity_density, asperity_radius",
+            ],
             &["nominal area"],
         ],
     ),
@@ -115,7 +130,10 @@ const CASES: &[(&str, &str, &[&[&str]])] = &[
         "\"1.619 um\"",
         &[
             &["eta R sigma = 39.8 is above 0.204"],
-            &["contacts of the highest asperities are 1.39 of their radius wide", "Johnson 1985, section 4.2"],
+            &[
+                "contacts of the highest asperities are 1.39 of their radius wide",
+                "Johnson 1985, section 4.2",
+            ],
         ],
     ),
     (
@@ -126,9 +144,16 @@ const CASES: &[(&str, &str, &[&[&str]])] = &[
     (
         "from = -1.0",
         "from = 7.0",
-        &[&["contacts are expected in the whole run at the closest separation, h* = 7.000", "nothing touches"]],
+        &[&[
+            "contacts are expected in the whole run at the closest separation, h* = 7.000",
+            "nothing touches",
+        ]],
     ),
-    ("from = -1.0", "from = 5.0", &[&["contacts are expected", "fewer than 100", "relative error of", "(Poisson)"]]),
+    (
+        "from = -1.0",
+        "from = 5.0",
+        &[&["contacts are expected", "fewer than 100", "relative error of", "(Poisson)"]],
+    ),
     (
         "law = \"hybrid\"",
         "law = \"dmt\"",
@@ -137,7 +162,11 @@ const CASES: &[(&str, &str, &[&[&str]])] = &[
             &["psi = 0.848 is above 0.6", "the limit of elastic contact (Greenwood and Williamson 1966)"],
         ],
     ),
-    ("law = \"hybrid\"", "law = \"jkr\"", &[&["lambda = 0.899 is below 5", "limit of JKR"], &["psi = 0.848"]]),
+    (
+        "law = \"hybrid\"",
+        "law = \"jkr\"",
+        &[&["lambda = 0.899 is below 5", "limit of JKR"], &["psi = 0.848"]],
+    ),
 ];
 
 #[test]
@@ -174,9 +203,10 @@ fn unloading_beyond_its_range_is_told() {
     assert!(!found(&small().replace("path = \"approach\"", "path = \"loop\"")));
 }
 
-/// What the shipped scenes are warned of is true and matters: case III sticks so well that a seventh of the area is in contact at
-/// pull-off, loops that are pressed deep turn where asperities are not far apart, and two sweeps go to the end of what a lubricant and
-/// a Gaussian surface can be. All others have nothing to be warned of.
+/// What the shipped scenes are warned of is true and matters: case III sticks so well that a seventh of the
+/// area is in contact at pull-off, loops that are pressed deep turn where asperities are not far apart, and
+/// two sweeps go to the end of what a lubricant and a Gaussian surface can be. All others have nothing to be
+/// warned of.
 #[test]
 fn shipped_scenes_are_warned_of_what_matters_only() {
     const AT_PULL_OFF: &str = "15 % of the nominal area is in contact at pull-off, h* = 1.746: more";
@@ -185,8 +215,14 @@ fn shipped_scenes_are_warned_of_what_matters_only() {
         ("paper/case_iii.toml", AT_PULL_OFF),
         ("paper/case_iii_retraction.toml", "of the nominal area is in contact at pull-off"),
         ("instability.toml", "13 % of the nominal area is in contact at pull-off, h* = 1.915 and 53 %"),
-        ("loop.toml", "11 % of the nominal area is in contact where the surfaces turn back, h* = 0.500: more"),
-        ("preload.toml", "17 % of the nominal area is in contact where the surfaces turn back, h* = 0.000: more"),
+        (
+            "loop.toml",
+            "11 % of the nominal area is in contact where the surfaces turn back, h* = 0.500: more",
+        ),
+        (
+            "preload.toml",
+            "17 % of the nominal area is in contact where the surfaces turn back, h* = 0.000: more",
+        ),
         ("sweep_surface_energy.toml", AT_PULL_OFF),
         ("sweep_lubricant.toml", "is thicker than sigma"),
         ("sweep_roughness.toml", "eta R sigma = 0.0221 is below"),
@@ -221,12 +257,14 @@ fn needs_a_map(path: &Path) -> bool {
 /// A run and a comparison repeat what was found, without the reasons, and go on.
 #[test]
 fn runs_and_comparisons_repeat_warnings() {
-    let folder = Folder::new(&small().replace("lubricant_thickness = \"0.5 nm\"", "lubricant_thickness = \"5 nm\""));
+    let folder =
+        Folder::new(&small().replace("lubricant_thickness = \"0.5 nm\"", "lubricant_thickness = \"5 nm\""));
     for command in [&["run", "scene.toml"][..], &["compare", "scene.toml", "--laws", "hybrid,isbl"]] {
         let output = folder.stiction(command);
         assert_exit(&output, 0);
         let said = text(&output.stdout);
-        let lines: Vec<&str> = said.lines().filter(|line| line.trim_start().starts_with("warning ")).collect();
+        let lines: Vec<&str> =
+            said.lines().filter(|line| line.trim_start().starts_with("warning ")).collect();
         assert_eq!(lines.len(), 2, "{said}");
         assert!(lines[0].contains("the lubricant of 5.000 nm is thicker than sigma = 1.619 nm"), "{said}");
         assert!(lines[1].contains("the separations are too coarse") && !said.contains("Bogy 1990"), "{said}");
@@ -242,14 +280,19 @@ fn dry_laws_are_not_warned_of_a_thick_film() {
         let check = folder.stiction(&["check", "scene.toml"]);
         assert_exit(&check, 0);
         let found = warnings(&text(&check.stdout));
-        assert_eq!(found.iter().any(|warning| warning.contains("is thicker than sigma")), is_told, "{law}: {found:?}");
+        assert_eq!(
+            found.iter().any(|warning| warning.contains("is thicker than sigma")),
+            is_told,
+            "{law}: {found:?}"
+        );
     }
 }
 
 /// The limit of a law belongs to it; the next number beyond does not.
 #[test]
 fn limits_of_laws_are_within() {
-    let exceeded = |law: &str, lambda: f64, psi: f64| model(law).unwrap().validity.exceeded(lambda, psi).len();
+    let exceeded =
+        |law: &str, lambda: f64, psi: f64| model(law).unwrap().validity.exceeded(lambda, psi).len();
     assert_eq!(exceeded("dmt", 0.1, 0.6), 0);
     assert_eq!([exceeded("dmt", 0.1_f64.next_up(), 0.6), exceeded("dmt", 0.1, 0.6_f64.next_up())], [1, 1]);
     assert_eq!([exceeded("jkr", 5.0, 0.6), exceeded("jkr", 5.0_f64.next_down(), 0.6)], [0, 1]);

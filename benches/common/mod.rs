@@ -46,8 +46,8 @@ pub fn least_seconds(runs: usize, mut run: impl FnMut()) -> f64 {
     (0..runs).map(|_| seconds(&mut run)).fold(f64::INFINITY, f64::min)
 }
 
-/// The least seconds of each of several tasks, in so many rounds of all of them, so that a busy moment of the machine is none of one
-/// task alone.
+/// The least seconds of each of several tasks, in so many rounds of all of them, so that a busy moment of the
+/// machine is none of one task alone.
 pub fn least_seconds_of(rounds: usize, tasks: &mut [Box<dyn FnMut() + '_>]) -> Vec<f64> {
     let mut least = vec![f64::INFINITY; tasks.len()];
     for _ in 0..rounds {

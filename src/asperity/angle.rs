@@ -1,9 +1,10 @@
 //! Polynomials in t = θ² for the bracket terms of the Maugis-Dugdale equations.
 //!
-//! Both brackets cancel as θ → 0 (like θ³ and θ²), so they are never formed. With u = (1 − sin θ/θ)/θ², v = (1 − cos θ)/θ² and
-//! s = sin θ/θ = 1 − tu, all of the order of 1, their quotients are s(2s − v) − u and s − v, which lose two bits at most. u, v and
-//! cos θ/(π²/4 − t) are polynomials in t − 1.25 on 0 ≤ t ≤ π²/4: Chebyshev interpolants computed with 60 digits and rounded, each off by
-//! less than 7·10⁻¹⁸. The tests compare with power series.
+//! Both brackets cancel as θ → 0 (like θ³ and θ²), so they are never formed. With u = (1 − sin θ/θ)/θ², v =
+//! (1 − cos θ)/θ² and s = sin θ/θ = 1 − tu, all of the order of 1, their quotients are s(2s − v) − u and s −
+//! v, which lose two bits at most. u, v and cos θ/(π²/4 − t) are polynomials in t − 1.25 on 0 ≤ t ≤ π²/4:
+//! Chebyshev interpolants computed with 60 digits and rounded, each off by less than 7·10⁻¹⁸. The tests
+//! compare with power series.
 
 use crate::math::polynomials::estrin;
 
@@ -68,7 +69,8 @@ pub struct AngleTerms {
 pub fn angle_terms(angle: f64) -> AngleTerms {
     let square = angle * angle;
     let x = square - CENTRE;
-    // (π/2 − θ)(π/2 + θ), the first factor exact to rounding: cos θ keeps its relative accuracy where it vanishes.
+    // (π/2 − θ)(π/2 + θ), the first factor exact to rounding: cos θ keeps its relative accuracy where it
+    // vanishes.
     let gap = ((HALF_PI - angle) + HALF_PI_LOW) * (HALF_PI + angle);
     let sine_rest = estrin(&SINE_REST, x);
     let cosine_rest = estrin(&COSINE_REST, x);

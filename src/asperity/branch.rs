@@ -1,19 +1,21 @@
 //! Inverting a monotone branch: from the approach Δ to the state of the asperity.
 //!
-//! A branch is given by a parameter x (θ in contact, ε before it) as Δ(x) and the outputs. Per-λ tables of x over the distance
-//! D = |Δ − Δ_ref|, next to a fold over √D, are a *starting point only*: every solve evaluates the equations there, takes one Newton
-//! step and corrects the outputs along it. The step decides: if it is not so small that its square is below rounding, the point
-//! is solved again by safeguarded Newton from the bracket.
+//! A branch is given by a parameter x (θ in contact, ε before it) as Δ(x) and the outputs. Per-λ tables of x
+//! over the distance D = |Δ − Δ_ref|, next to a fold over √D, are a *starting point only*: every solve
+//! evaluates the equations there, takes one Newton step and corrects the outputs along it. The step decides:
+//! if it is not so small that its square is below rounding, the point is solved again by safeguarded Newton
+//! from the bracket.
 
 use super::law::BLOCK;
-use super::work::Work;
+use super::stats::SolverStats;
 use crate::math::instruction_set::InstructionSet;
 use crate::math::piecewise::{Cell, Piecewise, leading};
 use crate::math::roots::{MAX_EVALUATIONS, Sample, safe_newton};
 use std::cell::RefCell;
 use std::ops::Range;
 
-/// Everything known at one parameter value, scaled as in Maugis (1992); slopes are derivatives by the parameter.
+/// Everything known at one parameter value, scaled as in Maugis (1992); slopes are derivatives by the
+/// parameter.
 #[derive(Clone, Copy, Debug)]
 pub struct State {
     /// Approach Δ.
@@ -34,8 +36,9 @@ pub struct State {
 
 /// A curve on which Δ falls with the parameter.
 pub trait Curve: Copy {
-    /// What the state is made of that depends on the parameter alone or nearly so. Lanes compute the terms of all before the states of
-    /// any, because a vector processor is faster on two short chains of operations than on a long one.
+    /// What the state is made of that depends on the parameter alone or nearly so. Lanes compute the terms of
+    /// all before the states of any, because a vector processor is faster on two short chains of operations
+    /// than on a long one.
     fn terms(&self, x: f64) -> [f64; 4];
 
     /// The state at the parameter `x` from its terms.
@@ -71,8 +74,8 @@ pub struct Anchor {
     pub fold: bool,
 }
 
-/// Lanes that are computed together. A vector that reaches beyond its table cell, or beyond the last lane, is computed whole; what
-/// comes after overwrites what it left there.
+/// Lanes that are computed together. A vector that reaches beyond its table cell, or beyond the last lane, is
+/// computed whole; what comes after overwrites what it left there.
 const VECTOR: usize = 8;
 /// A block, and room for the last vector.
 const ROOM: usize = BLOCK + VECTOR;
@@ -135,7 +138,13 @@ fn whole_vectors(run: Range<usize>) -> Range<usize> {
 
 /// Starting points and slopes of a run of lanes that share a table cell.
 #[inline(always)]
-fn start_lanes<const NEAR: bool>(anchor: &Anchor, sign: f64, cell: &Cell, lanes: &mut Lanes, run: Range<usize>) {
+fn start_lanes<const NEAR: bool>(
+    anchor: &Anchor,
+    sign: f64,
+    cell: &Cell,
+    lanes: &mut Lanes,
+    run: Range<usize>,
+) {
     let run = whole_vectors(run);
     let places = &lanes.places[run.clone()];
     let (parameters, inverse_slopes) = (&mut lanes.parameters[run.clone()], &mut lanes.inverse_slopes[run]);
@@ -151,9 +160,9 @@ fn start_lanes<const NEAR: bool>(anchor: &Anchor, sign: f64, cell: &Cell, lanes:
     }
 }
 
-/// One evaluation and one Newton step for every lane, without a branch and without fused multiply-add, so that it vectorises and has the
-/// same bits on every instruction set. The slope is the table's: it is off by the table's error over the width of a cell, and is
-/// multiplied by a step that is as small.
+/// One evaluation and one Newton step for every lane, without a branch and without fused multiply-add, so
+/// that it vectorises and has the same bits on every instruction set. The slope is the table's: it is off by
+/// the table's error over the width of a cell, and is multiplied by a step that is as small.
 #[inline(always)]
 fn step_lanes<C: Curve>(curve: &C, anchor: &Anchor, lanes: &mut Lanes, count: usize) {
     let count = whole_vectors(0..count.min(BLOCK)).end / VECTOR * VECTOR;
@@ -173,8 +182,8 @@ fn step_lanes<C: Curve>(curve: &C, anchor: &Anchor, lanes: &mut Lanes, count: us
     }
 }
 
-/// The Newton step that completes a solve, 0 where it is not small, and whether x was good enough for that: the step is small, or the
-/// residual is rounding noise.
+/// The Newton step that completes a solve, 0 where it is not small, and whether x was good enough for that:
+/// the step is small, or the residual is rounding noise.
 #[inline(always)]
 fn last_step(anchor: &Anchor, x: f64, state: &State, approach: f64, inverse_slope: f64) -> (f64, bool) {
     let residual = approach - state.approach;
@@ -184,8 +193,8 @@ fn last_step(anchor: &Anchor, x: f64, state: &State, approach: f64, inverse_slop
     (if small { step } else { 0.0 }, small | noise)
 }
 
-/// The Newton step from an x that was searched for to its last bit. Close to a fold that bit is more of the way there than a step is
-/// else allowed to be, and no other x is closer.
+/// The Newton step from an x that was searched for to its last bit. Close to a fold that bit is more of the
+/// way there than a step is else allowed to be, and no other x is closer.
 fn closing_step(anchor: &Anchor, x: f64, state: &State, approach: f64) -> f64 {
     let step = (approach - state.approach) / state.slope;
     let room = room(anchor, x);
@@ -209,16 +218,18 @@ fn room(anchor: &Anchor, x: f64) -> f64 {
     if distance < x { distance } else { x }
 }
 
-/// Largest last step, relative to the distance to the fold and to zero. The error it leaves is of the order of its
-/// square: 4·10⁻¹⁸.
+/// Largest last step, relative to the distance to the fold and to zero. The error it leaves is of the order
+/// of its square: 4·10⁻¹⁸.
 const STEP_TOLERANCE: f64 = 2e-9;
 /// Relative accuracy asked of the tables.
 const TABLE_TOLERANCE: f64 = 3e-10;
 /// Residuals below this many `magnitude`s are rounding noise.
 const NOISE: f64 = 4.0 * f64::EPSILON;
-/// Largest share of the distance to the fold and to zero over which one Newton step from the last bit of x is better than none.
+/// Largest share of the distance to the fold and to zero over which one Newton step from the last bit of x is
+/// better than none.
 const LAST_BIT: f64 = 0.25;
-/// Evaluations that a solve takes at most: one from a table, then the bracketed search, and one where that ended.
+/// Evaluations that a solve takes at most: one from a table, then the bracketed search, and one where that
+/// ended.
 pub const MOST_EVALUATIONS: u64 = MAX_EVALUATIONS as u64 + 2;
 /// Distance from a fold up to which tables are over its root.
 const NEAR: f64 = 0.5;
@@ -251,7 +262,8 @@ impl<C: Curve> Branch<C> {
         let root = |s: f64| (at(s * s) - parameter) / s;
         let near = |s: f64, value: f64| value.abs() * TABLE_TOLERANCE.max(noise / (s * s));
         let far = |_: f64, x: f64| TABLE_TOLERANCE * room(&self.anchor, x);
-        (self.near, self.far) = (Piecewise::new(root, near, 0.0, split.sqrt()), Piecewise::new(at, far, split, end));
+        (self.near, self.far) =
+            (Piecewise::new(root, near, 0.0, split.sqrt()), Piecewise::new(at, far, split, end));
         self
     }
 
@@ -261,26 +273,33 @@ impl<C: Curve> Branch<C> {
     }
 
     /// The state at the approach Δ.
-    pub fn solve(&self, approach: f64, work: &mut Work) -> Solution {
+    pub fn solve(&self, approach: f64, stats: &mut SolverStats) -> Solution {
         let (mut adhesion, mut radius) = ([0.0], [0.0]);
-        self.solve_block(&[approach], &mut adhesion, &mut radius, work);
+        self.solve_block(&[approach], &mut adhesion, &mut radius, stats);
         Solution { adhesion: adhesion[0], radius: radius[0] }
     }
 
-    /// The states at the approaches Δ, at most [`BLOCK`] of them, in any order; neighbours that rise share table cells, which is
-    /// fast. The bits do not depend on the instruction set, nor on which lanes stand beside each other.
-    pub fn solve_block(&self, approaches: &[f64], adhesion: &mut [f64], radius: &mut [f64], work: &mut Work) {
+    /// The states at the approaches Δ, at most [`BLOCK`] of them, in any order; neighbours that rise share
+    /// table cells, which is fast. The bits do not depend on the instruction set, nor on which lanes stand
+    /// beside each other.
+    pub fn solve_block(
+        &self,
+        approaches: &[f64],
+        adhesion: &mut [f64],
+        radius: &mut [f64],
+        stats: &mut SolverStats,
+    ) {
         let count = approaches.len();
         LANES.with_borrow_mut(|lanes| {
             InstructionSet::current().run(
                 #[inline(always)]
                 || {
                     lanes.approaches[..count].copy_from_slice(approaches);
-                    work.evaluations += self.start(lanes, count);
+                    stats.evaluations += self.start(lanes, count);
                     step_lanes(&self.curve, &self.anchor, lanes, count);
                     adhesion[..count].copy_from_slice(&lanes.adhesion[..count]);
                     radius[..count].copy_from_slice(&lanes.radius[..count]);
-                    self.finish(approaches, adhesion, radius, &lanes.residual[..count], work);
+                    self.finish(approaches, adhesion, radius, &lanes.residual[..count], stats);
                 },
             )
         });
@@ -326,31 +345,39 @@ impl<C: Curve> Branch<C> {
 
     /// Solves the lanes again whose step was not good enough, and notes the largest residual.
     #[inline(always)]
-    fn finish(&self, approaches: &[f64], adhesion: &mut [f64], radius: &mut [f64], residual: &[f32], work: &mut Work) {
+    fn finish(
+        &self,
+        approaches: &[f64],
+        adhesion: &mut [f64],
+        radius: &mut [f64],
+        residual: &[f32],
+        stats: &mut SolverStats,
+    ) {
         // The bits of numbers that are not negative are in their order, and those of NaN above all.
         let largest = f32::from_bits(residual.iter().fold(0, |most, off| most.max(off.to_bits())));
         if !largest.is_nan() {
-            work.largest_residual = work.largest_residual.max(f64::from(largest));
+            stats.largest_residual = stats.largest_residual.max(f64::from(largest));
             return;
         }
         for (i, off) in residual.iter().enumerate() {
             if off.is_nan() {
-                let solution = self.solve_safely(approaches[i], work);
+                let solution = self.solve_safely(approaches[i], stats);
                 (adhesion[i], radius[i]) = (solution.adhesion, solution.radius);
             } else {
-                work.largest_residual = work.largest_residual.max(f64::from(*off));
+                stats.largest_residual = stats.largest_residual.max(f64::from(*off));
             }
         }
     }
 
     #[cold]
     #[inline(never)]
-    fn solve_safely(&self, approach: f64, work: &mut Work) -> Solution {
+    fn solve_safely(&self, approach: f64, stats: &mut SolverStats) -> Solution {
         let (x, evaluations) = self.locate(approach);
-        work.evaluations += u64::from(evaluations);
-        work.safeguarded += 1;
+        stats.evaluations += u64::from(evaluations);
+        stats.safeguarded += 1;
         let state = self.curve.at(x);
-        work.largest_residual = work.largest_residual.max((approach - state.approach).abs() / state.magnitude);
+        stats.largest_residual =
+            stats.largest_residual.max((approach - state.approach).abs() / state.magnitude);
         corrected(&state, closing_step(&self.anchor, x, &state, approach))
     }
 
@@ -382,7 +409,7 @@ mod tests {
             set.select();
             let mut out = vec![vec![0.0; approaches.len()]; 2];
             let [adhesion, radius] = &mut out[..] else { panic!("two outputs") };
-            branch.solve_block(approaches, adhesion, radius, &mut Work::default());
+            branch.solve_block(approaches, adhesion, radius, &mut SolverStats::default());
             out.concat().into_iter().map(f64::to_bits).collect()
         });
         sets.collect()
@@ -397,7 +424,8 @@ mod tests {
             let (Branches::Single(far) | Branches::Folded { outer: far, .. }) = Noncontact::branches(lambda);
             let begin = far.at(0.5);
             let before = Branch::new(far, Anchor { approach: begin.approach, parameter: 0.5, fold: false });
-            let (contact, before) = (contact.with_table(end + 30.0), before.with_table(begin.approach - 30.0));
+            let (contact, before) =
+                (contact.with_table(end + 30.0), before.with_table(begin.approach - 30.0));
             for count in [256, 100, 7, 1] {
                 let shares = (0..count).map(|i| (0.37 + 0.618_033_988 * f64::from(i)).fract());
                 // Some lanes are beyond the tables.
@@ -440,15 +468,18 @@ mod tests {
     #[test]
     fn a_solve_that_does_not_converge_ends_at_its_bound() {
         let branch = Branch::new(Flat, Anchor { approach: 0.0, parameter: 1.0, fold: false });
-        let mut work = Work::default();
-        let solution = branch.solve(0.0, &mut work);
+        let mut stats = SolverStats::default();
+        let solution = branch.solve(0.0, &mut stats);
         // No table here, so one less than the most.
-        assert_eq!((work.evaluations, work.safeguarded), (MOST_EVALUATIONS - 1, 1));
+        assert_eq!((stats.evaluations, stats.safeguarded), (MOST_EVALUATIONS - 1, 1));
         assert!(solution.radius > 0.0 && solution.radius < 1e-9, "{solution:?}");
-        assert!((solution.adhesion - 1.0 - solution.radius).abs() < 1e-15 && work.largest_residual < 1e-80);
+        assert!((solution.adhesion - 1.0 - solution.radius).abs() < 1e-15 && stats.largest_residual < 1e-80);
         // Nor does one for what is no number, whose answer is one of the bracket.
-        let solution = branch.solve(f64::NAN, &mut work);
-        assert!(work.evaluations <= 2 * MOST_EVALUATIONS && (0.0..=1.0).contains(&solution.radius), "{solution:?}");
+        let solution = branch.solve(f64::NAN, &mut stats);
+        assert!(
+            stats.evaluations <= 2 * MOST_EVALUATIONS && (0.0..=1.0).contains(&solution.radius),
+            "{solution:?}"
+        );
     }
 
     #[test]
@@ -459,12 +490,15 @@ mod tests {
         // Rising, falling, beyond the table and at its beginning.
         let mut approaches: Vec<f64> = (0..256).map(|i| anchor.approach + 0.09 * f64::from(i)).collect();
         approaches[100..].reverse();
-        let (mut adhesion, mut radius, mut work) = (vec![0.0; 256], vec![0.0; 256], Work::default());
-        branch.solve_block(&approaches, &mut adhesion, &mut radius, &mut work);
-        assert!(work.safeguarded > 0 && work.safeguarded < 60, "{}", work.safeguarded);
+        let (mut adhesion, mut radius, mut stats) = (vec![0.0; 256], vec![0.0; 256], SolverStats::default());
+        branch.solve_block(&approaches, &mut adhesion, &mut radius, &mut stats);
+        assert!(stats.safeguarded > 0 && stats.safeguarded < 60, "{}", stats.safeguarded);
         for (i, &approach) in approaches.iter().enumerate() {
-            let alone = branch.solve(approach, &mut Work::default());
-            assert_eq!([alone.adhesion, alone.radius].map(f64::to_bits), [adhesion[i], radius[i]].map(f64::to_bits));
+            let alone = branch.solve(approach, &mut SolverStats::default());
+            assert_eq!(
+                [alone.adhesion, alone.radius].map(f64::to_bits),
+                [adhesion[i], radius[i]].map(f64::to_bits)
+            );
         }
     }
 }

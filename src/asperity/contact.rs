@@ -1,8 +1,8 @@
 //! An elastic asperity in contact: the Maugis-Dugdale equations, parametrised by the angle θ.
 //!
 //! # Formula
-//! With m = c/a = sec θ, 0 < θ ≤ π/2 and k = 4λ/3, the condition on the energy release rate (Maugis 1992; Shi and
-//! Polycarpou 2005, eq. 1) is a quadratic in the adhesive radius c̄ with the positive root
+//! With m = c/a = sec θ, 0 < θ ≤ π/2 and k = 4λ/3, the condition on the energy release rate (Maugis 1992; Shi
+//! and Polycarpou 2005, eq. 1) is a quadratic in the adhesive radius c̄ with the positive root
 //!
 //! c̄ = 2/(θ(kqg + √(g(k²q²g + 2p)))), g = λθ,
 //!
@@ -11,8 +11,8 @@
 //! A = c̄ cos θ, Δ = A² − k c̄ sin θ, F̂_s = λ c̄² (sin θ cos θ + θ), F̂ = A³ − F̂_s.
 //!
 //! # Validity
-//! All λ > 0. θ = π/2 is first touch, θ → 0 heavy load or the JKR limit. Above λ_f = 0.9379… Δ(θ) folds before
-//! first touch; the stable branch is 0 < θ ≤ θ_fold.
+//! All λ > 0. θ = π/2 is first touch, θ → 0 heavy load or the JKR limit. Above λ_f = 0.9379… Δ(θ) folds
+//! before first touch; the stable branch is 0 < θ ≤ θ_fold.
 
 use super::angle::{AngleTerms, angle_terms};
 use super::branch::{Curve, State};
@@ -55,7 +55,8 @@ impl Contact {
         if self.reduced_slope(FIRST_TOUCH) <= 0.0 {
             return FIRST_TOUCH;
         }
-        // The slope is negative towards θ = 0 and changes its sign once; bisection, because it is flat near λ_f.
+        // The slope is negative towards θ = 0 and changes its sign once; bisection, because it is flat near
+        // λ_f.
         let falling = |angle: f64| Sample { value: -self.reduced_slope(angle), slope: f64::NAN };
         safe_newton(falling, 0.0, FIRST_TOUCH, 1.0, |_, _| false).x
     }

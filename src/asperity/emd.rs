@@ -1,8 +1,9 @@
-//! The extended Maugis-Dugdale law of one elastic asperity: noncontact and contact branches joined by history.
+//! The extended Maugis-Dugdale law of one elastic asperity: noncontact and contact branches joined by
+//! history.
 //!
 //! # Validity
-//! Elastic spheres, every adhesion parameter λ in [`super::scale::LAMBDA_RANGE`]. Source: Maugis (1992) in contact, Shi and Polycarpou
-//! (2005) before it; the branch rules are those of displacement control.
+//! Elastic spheres, every adhesion parameter λ in [`super::scale::LAMBDA_RANGE`]. Source: Maugis (1992) in
+//! contact, Shi and Polycarpou (2005) before it; the branch rules are those of displacement control.
 
 use super::branch::{Anchor, Branch, Curve, Solution};
 use super::contact::Contact;
@@ -10,7 +11,7 @@ use super::error::LawError;
 use super::history::Path;
 use super::noncontact::{Branches, Noncontact};
 use super::scale::Scale;
-use super::work::Work;
+use super::stats::SolverStats;
 use crate::math::piecewise::{Piecewise, leading};
 
 /// On which branch an asperity is.
@@ -33,8 +34,8 @@ pub struct Emd {
     end: f64,
 }
 
-/// From this distance |Δ − Δ_ref| on, asperities before contact need no solve: their force falls like an inverse square, and a Chebyshev
-/// series on each of a few intervals has it to [`FAR_TOLERANCE`].
+/// From this distance |Δ − Δ_ref| on, asperities before contact need no solve: their force falls like an
+/// inverse square, and a Chebyshev series on each of a few intervals has it to [`FAR_TOLERANCE`].
 const FAR: f64 = 2.0;
 /// Relative accuracy of that series, which is that of a solve.
 const FAR_TOLERANCE: f64 = 2e-15;
@@ -56,7 +57,8 @@ impl Emd {
         Ok(Self { contact: Branch::new(curve, fold), outer, inner, far: Piecewise::default(), end })
     }
 
-    /// The same law with starting tables for approaches in `lowest..=highest`, which make solves in that range fast.
+    /// The same law with starting tables for approaches in `lowest..=highest`, which make solves in that
+    /// range fast.
     pub fn with_tables(self, lowest: f64, highest: f64) -> Self {
         self.with_contact_table(highest).with_noncontact_tables(lowest).with_far_series(lowest)
     }
@@ -79,11 +81,12 @@ impl Emd {
         self
     }
 
-    /// The same law with a series in the place of solves far from contact, down to the approach `lowest`. It is made by solves, which are
-    /// fast with tables.
+    /// The same law with a series in the place of solves far from contact, down to the approach `lowest`. It
+    /// is made by solves, which are fast with tables.
     pub fn with_far_series(mut self, lowest: f64) -> Self {
         let innermost = self.outer.anchor().approach;
-        let force = |distance: f64| self.outer.solve(innermost - distance, &mut Work::default()).adhesion;
+        let force =
+            |distance: f64| self.outer.solve(innermost - distance, &mut SolverStats::default()).adhesion;
         self.far = Piecewise::new(force, |_, force| FAR_TOLERANCE * force, FAR, innermost - lowest);
         self
     }
@@ -93,7 +96,8 @@ impl Emd {
         self.end
     }
 
-    /// Δ of the fold of the noncontact branch, where it is followed up to the fold and then left for its inner part.
+    /// Δ of the fold of the noncontact branch, where it is followed up to the fold and then left for its
+    /// inner part.
     pub fn noncontact_fold(&self) -> Option<f64> {
         self.outer.anchor().fold.then(|| self.outer.anchor().approach)
     }
@@ -103,43 +107,52 @@ impl Emd {
         (!self.far.is_empty()).then(|| self.outer.anchor().approach - FAR)
     }
 
-    /// The end of the stable contact branch, where A and F̂_s vary like a square root; at or below [`Emd::end`] but for rounding.
+    /// The end of the stable contact branch, where A and F̂_s vary like a square root; at or below
+    /// [`Emd::end`] but for rounding.
     pub fn contact_fold(&self) -> f64 {
         self.contact.anchor().approach
     }
 
     /// The state at any approach: the branch that the history selects.
-    pub fn respond(&self, approach: f64, work: &mut Work) -> (State, Solution) {
+    pub fn respond(&self, approach: f64, stats: &mut SolverStats) -> (State, Solution) {
         if approach >= self.end {
-            (State::Contact, self.contact(approach, work))
+            (State::Contact, self.contact(approach, stats))
         } else {
-            (State::Noncontact, self.noncontact(approach, work))
+            (State::Noncontact, self.noncontact(approach, stats))
         }
     }
 
     /// The contact branch; approaches below its end are taken as the end.
-    pub fn contact(&self, approach: f64, work: &mut Work) -> Solution {
-        self.contact.solve(approach.max(self.contact.anchor().approach), work)
+    pub fn contact(&self, approach: f64, stats: &mut SolverStats) -> Solution {
+        self.contact.solve(approach.max(self.contact.anchor().approach), stats)
     }
 
     /// The contact branch at up to [`super::BLOCK`] approaches; those below its end are taken as the end.
-    pub fn contact_block(&self, approaches: &mut [f64], adhesion: &mut [f64], radius: &mut [f64], work: &mut Work) {
+    pub fn contact_block(
+        &self,
+        approaches: &mut [f64],
+        adhesion: &mut [f64],
+        radius: &mut [f64],
+        stats: &mut SolverStats,
+    ) {
         for approach in approaches.iter_mut() {
             *approach = approach.max(self.contact.anchor().approach);
         }
-        self.contact.solve_block(approaches, adhesion, radius, work);
+        self.contact.solve_block(approaches, adhesion, radius, stats);
     }
 
     /// The noncontact branch at up to [`super::BLOCK`] approaches below [`Emd::end`]: the outermost roots.
     #[inline(always)]
-    pub fn noncontact_block(&self, approaches: &mut [f64], adhesion: &mut [f64], work: &mut Work) {
+    pub fn noncontact_block(&self, approaches: &mut [f64], adhesion: &mut [f64], stats: &mut SolverStats) {
         let anchor = self.outer.anchor().approach;
         // The anchor itself is the first of the inner part, if there is one.
         let outer_end = if self.inner.is_some() { anchor.next_down() } else { anchor };
         let begin_of_far = if self.far.is_empty() { f64::NEG_INFINITY } else { anchor - FAR };
         let part = |approach: f64| match approach {
             far if far < begin_of_far => (Part::Far, f64::NEG_INFINITY, begin_of_far.next_down()),
-            outer if outer < anchor || self.inner.is_none() => (Part::Outer, begin_of_far.next_down(), outer_end),
+            outer if outer < anchor || self.inner.is_none() => {
+                (Part::Outer, begin_of_far.next_down(), outer_end)
+            }
             _ => (Part::Inner, anchor.next_down(), f64::INFINITY),
         };
         let mut begin = 0;
@@ -149,11 +162,13 @@ impl Emd {
             begin = run.end;
             let (approaches, adhesion) = (&mut approaches[run.clone()], &mut adhesion[run]);
             match (part, &self.inner) {
-                (Part::Far, _) => self.far_block(approaches, adhesion, work),
-                (Part::Inner, Some(inner)) => inner.solve_block(approaches, adhesion, &mut [0.0; super::BLOCK], work),
+                (Part::Far, _) => self.far_block(approaches, adhesion, stats),
+                (Part::Inner, Some(inner)) => {
+                    inner.solve_block(approaches, adhesion, &mut [0.0; super::BLOCK], stats)
+                }
                 _ => {
                     approaches.iter_mut().for_each(|approach| *approach = approach.min(anchor));
-                    self.outer.solve_block(approaches, adhesion, &mut [0.0; super::BLOCK], work);
+                    self.outer.solve_block(approaches, adhesion, &mut [0.0; super::BLOCK], stats);
                 }
             }
         }
@@ -161,25 +176,26 @@ impl Emd {
 
     /// Approaches far from contact: the series, and solves where it does not reach.
     #[inline(always)]
-    fn far_block(&self, approaches: &[f64], adhesion: &mut [f64], work: &mut Work) {
+    fn far_block(&self, approaches: &[f64], adhesion: &mut [f64], stats: &mut SolverStats) {
         let anchor = self.outer.anchor().approach;
         let mut distances = [0.0; super::BLOCK];
         let distances = &mut distances[..approaches.len()];
         distances.iter_mut().zip(approaches).for_each(|(distance, approach)| *distance = anchor - approach);
         self.far.values(distances, adhesion);
         let missing = adhesion.iter().fold(0, |missing, force| missing + u64::from(force.is_nan()));
-        work.far += approaches.len() as u64 - missing;
+        stats.far += approaches.len() as u64 - missing;
         if missing > 0 {
-            for (force, &approach) in adhesion.iter_mut().zip(approaches).filter(|(force, _)| force.is_nan()) {
-                *force = self.outer.solve(approach, work).adhesion;
+            for (force, &approach) in adhesion.iter_mut().zip(approaches).filter(|(force, _)| force.is_nan())
+            {
+                *force = self.outer.solve(approach, stats).adhesion;
             }
         }
     }
 
     /// The noncontact branch at an approach below [`Emd::end`]: the outermost root.
-    pub fn noncontact(&self, approach: f64, work: &mut Work) -> Solution {
+    pub fn noncontact(&self, approach: f64, stats: &mut SolverStats) -> Solution {
         let mut adhesion = [0.0];
-        self.noncontact_block(&mut [approach], &mut adhesion, work);
+        self.noncontact_block(&mut [approach], &mut adhesion, stats);
         Solution { adhesion: adhesion[0], radius: 0.0 }
     }
 }
@@ -191,7 +207,8 @@ enum Part {
     Inner,
 }
 
-/// The noncontact branches needed below `end`. Anchored at the outer fold where that is reached first, else at `end`.
+/// The noncontact branches needed below `end`. Anchored at the outer fold where that is reached first, else
+/// at `end`.
 fn noncontact_branches(lambda: f64, end: f64) -> (Branch<Noncontact>, Option<Branch<Noncontact>>) {
     let regular = |curve: Noncontact| {
         let anywhere = Anchor { approach: end, parameter: f64::NAN, fold: false };

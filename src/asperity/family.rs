@@ -4,27 +4,35 @@ use super::error::LawError;
 use super::history::Path;
 use super::law::{Boundary, Family, FitReport, Law, Piece, Regime, Responses};
 use super::models::Model;
+use super::parameters::LawParameters;
 use super::scale::Asperity;
-use super::setting::Setting;
-use super::work::Work;
+use super::stats::SolverStats;
 
 impl Family {
-    /// The laws of a model for asperities like one, whose radii differ from its radius by factors between `least` and `most`.
+    /// The laws of a model for asperities like one, whose radii differ from its radius by factors between
+    /// `least` and `most`.
     ///
     /// # Errors
     /// [`LawError`] when one of these two has no law.
-    pub fn new(model: Model, asperity: Asperity, path: Path, (least, most): (f64, f64)) -> Result<Self, LawError> {
+    pub fn new(
+        model: Model,
+        asperity: Asperity,
+        path: Path,
+        (least, most): (f64, f64),
+    ) -> Result<Self, LawError> {
         if model.is_fit() {
             return Err(LawError::OneRadius);
         }
         let of_radius = move |radius: f64, reach: Option<(f64, f64)>| {
-            let setting = Setting::new(&Asperity { radius, ..asperity }, path, (0.0, 0.0))?;
-            (model.build)(&Setting { reach, ..setting })
+            let parameters = LawParameters::new(&Asperity { radius, ..asperity }, path, (0.0, 0.0))?;
+            (model.build)(&LawParameters { reach, ..parameters })
         };
         for factor in [least, most] {
             of_radius(factor * asperity.radius, None)?;
         }
-        let law = move |radius, reach| of_radius(radius, reach).expect("laws between two radii that have one have one");
+        let law = move |radius, reach| {
+            of_radius(radius, reach).expect("laws between two radii that have one have one")
+        };
         Ok(Self::from_fn(law))
     }
 }
@@ -79,7 +87,7 @@ impl Law for Typical {
         Some(&self.family)
     }
 
-    fn evaluate(&self, regime: usize, interference: &[f64], out: &mut Responses, work: &mut Work) {
-        self.law.evaluate(regime, interference, out, work);
+    fn evaluate(&self, regime: usize, interference: &[f64], out: &mut Responses, stats: &mut SolverStats) {
+        self.law.evaluate(regime, interference, out, stats);
     }
 }

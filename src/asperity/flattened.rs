@@ -1,13 +1,14 @@
-//! Attraction before contact of asperities that are alike but for their radii, as plastic flow leaves them: each top has the radius
-//! R′ = 4E_r a³/(3P) of the sphere whose elastic contact has the radius a at the load P.
+//! Attraction before contact of asperities that are alike but for their radii, as plastic flow leaves them:
+//! each top has the radius R′ = 4E_r a³/(3P) of the sphere whose elastic contact has the radius a at the load
+//! P.
 //!
 //! # Formula
-//! With the ratio ρ = R′/R, λ′ = λρ^(1/3), s_δ′ = s_δ ρ^(1/3) and s_F′ = s_F ρ: the extended Maugis-Dugdale law is solved anew for each λ′,
-//! the attraction of an undeformed sphere is proportional to ρ.
+//! With the ratio ρ = R′/R, λ′ = λρ^(1/3), s_δ′ = s_δ ρ^(1/3) and s_F′ = s_F ρ: the extended Maugis-Dugdale
+//! law is solved anew for each λ′, the attraction of an undeformed sphere is proportional to ρ.
 //!
 //! # Validity
-//! That of the laws. Hertz's relation between a, P and R is Johnson's (Contact Mechanics, 1985, section 6.4) for the unloading of a
-//! plastic indentation.
+//! That of the laws. Hertz's relation between a, P and R is Johnson's (Contact Mechanics, 1985, section 6.4)
+//! for the unloading of a plastic indentation.
 
 use super::branch::{Anchor, Branch, Curve};
 use super::contact::Contact;
@@ -15,7 +16,7 @@ use super::history::Path;
 use super::law::{Flattened, Responses};
 use super::noncontact::{Branches, Noncontact};
 use super::scale::Scale;
-use super::work::Work;
+use super::stats::SolverStats;
 use crate::math::piecewise::Piecewise;
 use std::sync::OnceLock;
 
@@ -66,32 +67,35 @@ impl Flattened for ExtendedMaugisDugdale {
         }
     }
 
-    fn attraction(&self, ratios: &[f64], interference: &[f64], out: &mut Responses, work: &mut Work) {
+    fn attraction(&self, ratios: &[f64], interference: &[f64], out: &mut Responses, stats: &mut SolverStats) {
         for (i, (&ratio, delta)) in ratios.iter().zip(interference).enumerate() {
             let (lambda, length) = self.scaled(ratio);
             let approach = (delta + self.thickness) / length;
-            out.adhesion[i] = self.scale.force * ratio * outermost(lambda, approach, work);
+            out.adhesion[i] = self.scale.force * ratio * outermost(lambda, approach, stats);
         }
         out.contact[..interference.len()].fill(0.0);
         out.area[..interference.len()].fill(0.0);
-        work.noncontact_solves += interference.len() as u64;
+        stats.noncontact_solves += interference.len() as u64;
     }
 }
 
-/// Most Newton steps from outside, and the last, relative to ε: the error that it leaves is of the order of its square.
+/// Most Newton steps from outside, and the last, relative to ε: the error that it leaves is of the order of
+/// its square.
 const NEWTON_STEPS: (usize, f64) = (12, 2e-9);
 
 /// F̂_s of the outermost root before contact.
 ///
-/// Outside the outer fold −Δ is a convex function of ε, so Newton's method from outside of all roots falls monotonically to the outermost. Where
-/// that is inside of a fold, or close to one, the branches are told apart.
-fn outermost(lambda: f64, approach: f64, work: &mut Work) -> f64 {
-    let (Branches::Single(whole) | Branches::Folded { outer: whole, .. }) = Noncontact::branches_at(lambda, None);
+/// Outside the outer fold −Δ is a convex function of ε, so Newton's method from outside of all roots falls
+/// monotonically to the outermost. Where that is inside of a fold, or close to one, the branches are told
+/// apart.
+fn outermost(lambda: f64, approach: f64, stats: &mut SolverStats) -> f64 {
+    let (Branches::Single(whole) | Branches::Folded { outer: whole, .. }) =
+        Noncontact::branches_at(lambda, None);
     let mut gap = whole.bracket(approach).1;
     for _ in 0..NEWTON_STEPS.0 {
         let state = whole.at(gap);
         let step = (approach - state.approach) / state.slope;
-        work.evaluations += 1;
+        stats.evaluations += 1;
         if !(state.slope < 0.0 && step <= NEWTON_STEPS.1 * gap && -step < gap) {
             break;
         }
@@ -100,7 +104,7 @@ fn outermost(lambda: f64, approach: f64, work: &mut Work) -> f64 {
         }
         gap += step;
     }
-    branch_of(lambda, approach).solve(approach, work).adhesion
+    branch_of(lambda, approach).solve(approach, stats).adhesion
 }
 
 /// The branch on which the outermost root is.
@@ -130,7 +134,8 @@ struct Folds {
     table: Piecewise,
 }
 
-/// ε at the outer fold of the branch before contact, as [`Noncontact::outer_fold_of`] finds it, from a table where there is one.
+/// ε at the outer fold of the branch before contact, as [`Noncontact::outer_fold_of`] finds it, from a table
+/// where there is one.
 fn outer_fold(lambda: f64) -> Option<f64> {
     static FOLDS: OnceLock<Folds> = OnceLock::new();
     if lambda < FIRST_FOLD.0 {
@@ -159,7 +164,8 @@ mod tests {
     use super::*;
     use crate::asperity::emd::Emd;
 
-    /// The law of each radius made anew, at radii that lead over the first fold and beyond 1.116, where the branch is left before it.
+    /// The law of each radius made anew, at radii that lead over the first fold and beyond 1.116, where the
+    /// branch is left before it.
     #[test]
     fn other_radii_have_the_law_of_their_own_lambda() {
         for path in [Path::Approach, Path::Retraction] {
@@ -179,8 +185,9 @@ mod tests {
                         if ((delta - place) / place).abs() < 1e-9 {
                             continue;
                         }
-                        law.attraction(&[ratio], &[delta], &mut out, &mut Work::default());
-                        let expected = ratio * own.noncontact(delta / length, &mut Work::default()).adhesion;
+                        law.attraction(&[ratio], &[delta], &mut out, &mut SolverStats::default());
+                        let expected =
+                            ratio * own.noncontact(delta / length, &mut SolverStats::default()).adhesion;
                         assert!((out.adhesion[0] / expected - 1.0).abs() < 1e-12, "{base} {ratio} {below}");
                     }
                 }

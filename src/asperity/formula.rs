@@ -1,4 +1,5 @@
-//! Closed forms as they are printed: a formula for each force at one interference, from which [`ClosedForm`] makes the loop over blocks.
+//! Closed forms as they are printed: a formula for each force at one interference, from which [`ClosedForm`]
+//! makes the loop over blocks.
 //!
 //! # Examples
 //! Hertz's contact under a constant pull, DMT's law:
@@ -23,9 +24,9 @@
 //! ```
 
 use super::law::{BLOCK, End, Flattened, Responses, Smoothness};
-use super::setting::Setting;
+use super::parameters::LawParameters;
+use super::stats::SolverStats;
 use super::table::{Method, Part};
-use super::work::Work;
 use crate::math::instruction_set::InstructionSet;
 use crate::math::piecewise::Piecewise;
 
@@ -55,7 +56,8 @@ impl Formula for Zero {
     }
 }
 
-/// A formula that takes longer than a few products, such as a power or an integral, and is read from a table where it has one.
+/// A formula that takes longer than a few products, such as a power or an integral, and is read from a table
+/// where it has one.
 #[derive(Clone, Debug)]
 pub struct Tabulated<F> {
     formula: F,
@@ -69,7 +71,8 @@ pub struct Tabulated<F> {
 }
 
 impl<F: Fn(f64) -> f64> Tabulated<F> {
-    /// `unit` times the formula of x = δ `per_length`, with a table on the interval `reach` of x that meets it to a relative `tolerance`.
+    /// `unit` times the formula of x = δ `per_length`, with a table on the interval `reach` of x that meets
+    /// it to a relative `tolerance`.
     pub fn new(unit: f64, per_length: f64, formula: F, tolerance: f64, reach: (f64, f64)) -> Self {
         let table = Piecewise::new(&formula, |_, value| tolerance * value, reach.0, reach.1);
         Self { formula, per_length, unit, over_root: false, table }
@@ -120,7 +123,8 @@ struct Root {
     order: i32,
 }
 
-/// What acts in a regime, by a formula for the adhesion force F_s, N, the contact force P, N, and the contact area, m².
+/// What acts in a regime, by a formula for the adhesion force F_s, N, the contact force P, N, and the contact
+/// area, m².
 #[derive(Clone, Debug)]
 pub struct ClosedForm<F, P, A> {
     adhesion: F,
@@ -160,7 +164,8 @@ impl<F: Formula, P: Formula, A: Formula> ClosedForm<F, P, A> {
         Self { capture: Some(interference), ..self }
     }
 
-    /// The same, told to be an attraction before contact that is proportional to the radius of the asperity at each δ.
+    /// The same, told to be an attraction before contact that is proportional to the radius of the asperity
+    /// at each δ.
     pub fn proportional_to_radius(self) -> Self {
         Self { is_proportional: true, ..self }
     }
@@ -173,10 +178,8 @@ impl<F: Formula, P: Formula, A: Formula> Part for ClosedForm<F, P, A> {
         ends.sort_by(f64::total_cmp);
         let of = |begin: f64| {
             let roots = self.roots.iter().filter(|root| root.from <= begin);
-            roots.max_by(|a, b| a.from.total_cmp(&b.from)).map_or(Smoothness::Smooth, |root| Smoothness::Root {
-                end: End::Lower,
-                place: root.place,
-                order: root.order,
+            roots.max_by(|a, b| a.from.total_cmp(&b.from)).map_or(Smoothness::Smooth, |root| {
+                Smoothness::Root { end: End::Lower, place: root.place, order: root.order }
             })
         };
         let smoothness = [lower].into_iter().chain(ends.iter().copied()).map(of).collect();
@@ -196,7 +199,7 @@ impl<F: Formula, P: Formula, A: Formula> Part for ClosedForm<F, P, A> {
         Some(Box::new(Proportional { adhesion }))
     }
 
-    fn evaluate(&self, interference: &[f64], out: &mut Responses, _: &mut Work) {
+    fn evaluate(&self, interference: &[f64], out: &mut Responses, _: &mut SolverStats) {
         let count = interference.len();
         InstructionSet::current().run(
             #[inline(always)]
@@ -223,15 +226,15 @@ impl<F: Formula> Flattened for Proportional<F> {
         None
     }
 
-    fn attraction(&self, ratios: &[f64], interference: &[f64], out: &mut Responses, work: &mut Work) {
-        ClosedForm::attraction(self.adhesion.clone()).evaluate(interference, out, work);
-        work.closed_form += interference.len() as u64;
+    fn attraction(&self, ratios: &[f64], interference: &[f64], out: &mut Responses, stats: &mut SolverStats) {
+        ClosedForm::attraction(self.adhesion.clone()).evaluate(interference, out, stats);
+        stats.closed_form += interference.len() as u64;
         out.adhesion.iter_mut().zip(ratios).for_each(|(adhesion, ratio)| *adhesion *= ratio);
     }
 }
 
-/// A constant adhesion force and nothing else: none at all before contact in laws that know no attraction across a gap, or that of
-/// a lubricant. Nothing is evaluated where it acts.
+/// A constant adhesion force and nothing else: none at all before contact in laws that know no attraction
+/// across a gap, or that of a lubricant. Nothing is evaluated where it acts.
 #[derive(Clone, Copy, Debug)]
 pub struct Constant {
     adhesion: f64,
@@ -241,9 +244,10 @@ impl Constant {
     /// No force.
     pub const NOTHING: Self = Self { adhesion: 0.0 };
 
-    /// The lubricant's force while the solids do not touch, 2πRΔγ (Stanley et al. 1990; Shi and Polycarpou 2005, eq. 16).
-    pub fn lubricant(setting: &Setting) -> Self {
-        Self { adhesion: 2.0 * setting.scale.force }
+    /// The lubricant's force while the solids do not touch, 2πRΔγ (Stanley et al. 1990; Shi and Polycarpou
+    /// 2005, eq. 16).
+    pub fn lubricant(parameters: &LawParameters) -> Self {
+        Self { adhesion: 2.0 * parameters.scale.force }
     }
 }
 
@@ -252,7 +256,7 @@ impl Part for Constant {
         Method::Constant(self.adhesion)
     }
 
-    fn evaluate(&self, interference: &[f64], out: &mut Responses, _: &mut Work) {
+    fn evaluate(&self, interference: &[f64], out: &mut Responses, _: &mut SolverStats) {
         out.adhesion[..interference.len()].fill(self.adhesion);
         out.contact[..interference.len()].fill(0.0);
         out.area[..interference.len()].fill(0.0);

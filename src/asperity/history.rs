@@ -11,7 +11,8 @@ pub enum Path {
 
 impl Path {
     /// Both histories with their names.
-    pub const ALL: [(&'static str, Self); 2] = [("approach", Self::Approach), ("retraction", Self::Retraction)];
+    pub const ALL: [(&'static str, Self); 2] =
+        [("approach", Self::Approach), ("retraction", Self::Retraction)];
 
     /// Its name in scenes and files.
     pub fn name(self) -> &'static str {

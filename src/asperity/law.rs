@@ -1,7 +1,7 @@
 //! The contract between an asperity law and everything that sums it.
 
 use super::scale::Scale;
-use super::work::Work;
+use super::stats::SolverStats;
 use crate::math::instruction_set::InstructionSet;
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -28,8 +28,14 @@ pub enum Regime {
 
 impl Regime {
     /// All of them, from far to deep.
-    pub const ALL: [Self; 6] =
-        [Self::Noncontact, Self::Lubricant, Self::Elastic, Self::Elastoplastic1, Self::Elastoplastic2, Self::Plastic];
+    pub const ALL: [Self; 6] = [
+        Self::Noncontact,
+        Self::Lubricant,
+        Self::Elastic,
+        Self::Elastoplastic1,
+        Self::Elastoplastic2,
+        Self::Plastic,
+    ];
 
     /// Whether the solids touch.
     pub fn is_contact(self) -> bool {
@@ -80,8 +86,8 @@ pub enum End {
 pub enum Smoothness {
     /// Smooth up to both ends.
     Smooth,
-    /// Smooth in |δ − place|^(1/order). The law says on which end of the piece the root sits, because comparing places would leave that to
-    /// rounding.
+    /// Smooth in |δ − place|^(1/order). The law says on which end of the piece the root sits, because
+    /// comparing places would leave that to rounding.
     Root {
         /// The end of the piece at which, or beyond which, the root is.
         end: End,
@@ -115,8 +121,8 @@ impl Piece {
     }
 }
 
-/// Responses of a block of asperities, on cache lines of their own: a vector of 512 bits that lies across two lines takes twice as long to
-/// load and store, and where memory begins would be luck.
+/// Responses of a block of asperities, on cache lines of their own: a vector of 512 bits that lies across two
+/// lines takes twice as long to load and store, and where memory begins would be luck.
 #[derive(Clone, Debug)]
 #[repr(align(64))]
 pub struct Responses {
@@ -134,7 +140,8 @@ impl Default for Responses {
     }
 }
 
-/// Curve fits of the three elastic forces f_snc, f_sel and f_f against the direct solution, on the ranges of the fits.
+/// Curve fits of the three elastic forces f_snc, f_sel and f_f against the direct solution, on the ranges of
+/// the fits.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FitReport {
     /// The 13 coefficients in the order of the published Table 3, approach in nm, forces in µN.
@@ -150,8 +157,8 @@ pub struct FitReport {
 }
 
 impl Responses {
-    /// Completes the first contacts from their scaled adhesion forces, which are in place, and scaled contact radii A: F_s and P = A³ in the
-    /// unit of force, area πa².
+    /// Completes the first contacts from their scaled adhesion forces, which are in place, and scaled contact
+    /// radii A: F_s and P = A³ in the unit of force, area πa².
     #[inline(always)]
     pub fn scale_contacts(&mut self, scale: &Scale, radius: &[f64]) {
         let area_unit = PI * scale.radius * scale.radius;
@@ -166,17 +173,21 @@ impl Responses {
 
 /// Attraction before contact of asperities of any radius.
 pub trait Flattened: Send + Sync {
-    /// Interference, m, at which the contact of an asperity of `ratio` times the radius ends, by the history of the law.
+    /// Interference, m, at which the contact of an asperity of `ratio` times the radius ends, by the history
+    /// of the law.
     fn release(&self, ratio: f64) -> f64;
 
-    /// Interference, m, at which its attraction jumps and is a root of what is left of the way there, if there is one.
+    /// Interference, m, at which its attraction jumps and is a root of what is left of the way there, if
+    /// there is one.
     fn kink(&self, ratio: f64) -> Option<f64>;
 
-    /// F_s, N, of asperities of `ratios` times the radius at interferences δ, m, at which they are not in contact.
-    fn attraction(&self, ratios: &[f64], interference: &[f64], out: &mut Responses, work: &mut Work);
+    /// F_s, N, of asperities of `ratios` times the radius at interferences δ, m, at which they are not in
+    /// contact.
+    fn attraction(&self, ratios: &[f64], interference: &[f64], out: &mut Responses, stats: &mut SolverStats);
 }
 
-/// Makes the law of an asperity of a radius, m, with starting tables for interferences in a range, m, where there is one.
+/// Makes the law of an asperity of a radius, m, with starting tables for interferences in a range, m, where
+/// there is one.
 type OfRadius = dyn Fn(f64, Option<(f64, f64)>) -> Box<dyn Law> + Send + Sync;
 
 /// The laws of asperities that differ in their radius alone.
@@ -187,12 +198,14 @@ pub struct Family {
 
 impl Family {
     /// The laws that a function makes.
-    pub fn from_fn(of_radius: impl Fn(f64, Option<(f64, f64)>) -> Box<dyn Law> + Send + Sync + 'static) -> Self {
+    pub fn from_fn(
+        of_radius: impl Fn(f64, Option<(f64, f64)>) -> Box<dyn Law> + Send + Sync + 'static,
+    ) -> Self {
         Self { of_radius: Arc::new(of_radius) }
     }
 
-    /// The law of an asperity of a radius, m, with starting tables for interferences in `reach`, m; without, it takes less to make, and
-    /// each solve more.
+    /// The law of an asperity of a radius, m, with starting tables for interferences in `reach`, m; without,
+    /// it takes less to make, and each solve more.
     ///
     /// # Panics
     /// When the radius is not between those that the family was made for.
@@ -201,14 +214,14 @@ impl Family {
     }
 }
 
-/// A law of one asperity as the sums see it: contiguous regimes of interference, and forces evaluated block by block, so
-/// that choosing the law costs one call per block and nothing in the inner loop.
+/// A law of one asperity as the sums see it: contiguous regimes of interference, and forces evaluated block
+/// by block, so that choosing the law costs one call per block and nothing in the inner loop.
 pub trait Law: Send + Sync {
     /// The regimes from far to deep.
     fn regimes(&self) -> &[Regime];
 
-    /// The boundaries between the regimes, rising; one more than between them when the law ends above the last regime.
-    /// Asperities beyond the end bear no force and are counted nowhere.
+    /// The boundaries between the regimes, rising; one more than between them when the law ends above the
+    /// last regime. Asperities beyond the end bear no force and are counted nowhere.
     fn boundaries(&self) -> &[Boundary];
 
     /// The smooth pieces, rising, that cover the regimes: split at every kink and jump.
@@ -217,7 +230,8 @@ pub trait Law: Send + Sync {
     /// Nanoseconds of one evaluation in a regime, about, on one core of a 2020s server.
     fn cost(&self, regime: usize) -> f64;
 
-    /// The adhesion force, N, of every asperity in a regime where that is constant and all that there is; nothing is evaluated there.
+    /// The adhesion force, N, of every asperity in a regime where that is constant and all that there is;
+    /// nothing is evaluated there.
     fn constant(&self, _regime: usize) -> Option<f64> {
         None
     }
@@ -227,7 +241,8 @@ pub trait Law: Send + Sync {
         None
     }
 
-    /// Interference, m, from which an asperity that turns back takes another way, if that is before contact begins.
+    /// Interference, m, from which an asperity that turns back takes another way, if that is before contact
+    /// begins.
     fn capture(&self) -> Option<f64> {
         None
     }
@@ -237,18 +252,21 @@ pub trait Law: Send + Sync {
         None
     }
 
-    /// The laws of asperities of other radii, where a surface has such: then this is the law of the typical one.
+    /// The laws of asperities of other radii, where a surface has such: then this is the law of the typical
+    /// one.
     fn family(&self) -> Option<&Family> {
         None
     }
 
-    /// The attraction before contact of asperities of other radii, where the law has it in a form that serves any of them.
+    /// The attraction before contact of asperities of other radii, where the law has it in a form that serves
+    /// any of them.
     fn flattened(&self) -> Option<Box<dyn Flattened>> {
         None
     }
 
-    /// Fills the first `interference.len()` ≤ [`BLOCK`] responses for interferences δ, m, that all lie in one regime.
-    fn evaluate(&self, regime: usize, interference: &[f64], out: &mut Responses, work: &mut Work);
+    /// Fills the first `interference.len()` ≤ [`BLOCK`] responses for interferences δ, m, that all lie in one
+    /// regime.
+    fn evaluate(&self, regime: usize, interference: &[f64], out: &mut Responses, stats: &mut SolverStats);
 }
 
 /// Scratch space of [`for_each_block`].
@@ -265,7 +283,8 @@ impl Default for Scratch {
     }
 }
 
-/// The ranges of `heights` (m, rising) that the regimes of a law have at one separation, m, with their indices, rising.
+/// The ranges of `heights` (m, rising) that the regimes of a law have at one separation, m, with their
+/// indices, rising.
 pub fn regime_ranges(
     law: &dyn Law,
     heights: &[f64],
@@ -274,22 +293,24 @@ pub fn regime_ranges(
     let mut start = 0;
     (0..law.regimes().len()).map(move |regime| {
         let end = match law.boundaries().get(regime) {
-            Some(boundary) => start + heights[start..].partition_point(|&u| boundary.is_above(u - separation)),
+            Some(boundary) => {
+                start + heights[start..].partition_point(|&u| boundary.is_above(u - separation))
+            }
             None => heights.len(),
         };
         (regime, std::mem::replace(&mut start, end)..end)
     })
 }
 
-/// Evaluates a law for a range of `heights` (m, rising) in one regime at one separation, m. `visit` gets the range of each block and its
-/// responses.
+/// Evaluates a law for a range of `heights` (m, rising) in one regime at one separation, m. `visit` gets the
+/// range of each block and its responses.
 pub fn for_each_block_of(
     law: &dyn Law,
     (regime, range): (usize, std::ops::Range<usize>),
     heights: &[f64],
     separation: f64,
     scratch: &mut Scratch,
-    work: &mut Work,
+    stats: &mut SolverStats,
     mut visit: impl FnMut(std::ops::Range<usize>, &Responses),
 ) {
     for block in range.clone().step_by(BLOCK) {
@@ -303,23 +324,24 @@ pub fn for_each_block_of(
                 }
             },
         );
-        law.evaluate(regime, interference, &mut scratch.responses, work);
+        law.evaluate(regime, interference, &mut scratch.responses, stats);
         visit(block, &scratch.responses);
     }
 }
 
-/// Evaluates a law for a whole surface: `heights` (m, rising) at one separation (m). `visit` gets the regime's index, the
-/// range of heights and their responses, block by block; the ranges of a regime are contiguous and rise.
+/// Evaluates a law for a whole surface: `heights` (m, rising) at one separation (m). `visit` gets the
+/// regime's index, the range of heights and their responses, block by block; the ranges of a regime are
+/// contiguous and rise.
 pub fn for_each_block(
     law: &dyn Law,
     heights: &[f64],
     separation: f64,
     scratch: &mut Scratch,
-    work: &mut Work,
+    stats: &mut SolverStats,
     mut visit: impl FnMut(usize, std::ops::Range<usize>, &Responses),
 ) {
     for (regime, range) in regime_ranges(law, heights, separation) {
         let visit = |range, responses: &Responses| visit(regime, range, responses);
-        for_each_block_of(law, (regime, range), heights, separation, scratch, work, visit);
+        for_each_block_of(law, (regime, range), heights, separation, scratch, stats, visit);
     }
 }

@@ -1,8 +1,9 @@
 //! Laws of one asperity: from its interference to its forces and contact area.
 //!
-//! The elastic laws are solved in scaled form, where the adhesion parameter λ and the scaled approach Δ are all there is
-//! ([`emd`] and below); [`scale`] is the one place that knows R, E_r and Δγ. A law of a rough surface's asperity
-//! ([`laws`]) is a [`table`] of regimes, intervals of interference, and what acts in each, and shows itself to the sums through [`Law`].
+//! The elastic laws are solved in scaled form, where the adhesion parameter λ and the scaled approach Δ are
+//! all there is ([`emd`] and below); [`scale`] is the one place that knows R, E_r and Δγ. A law of a rough
+//! surface's asperity ([`laws`]) is a [`table`] of regimes, intervals of interference, and what acts in each,
+//! and shows itself to the sums through [`Law`].
 
 mod angle;
 pub mod branch;
@@ -17,12 +18,12 @@ pub mod law;
 pub mod laws;
 pub mod models;
 pub mod noncontact;
+mod parameters;
 pub mod quantity;
 pub mod scale;
-mod setting;
+mod stats;
 pub mod table;
 pub mod unloading;
-mod work;
 
 pub use error::LawError;
 pub use family::Typical;
@@ -31,7 +32,7 @@ pub use law::{
     BLOCK, Boundary, End, Family, FitReport, Flattened, Law, Piece, Regime, Responses, Scratch, Smoothness,
     for_each_block, for_each_block_of, regime_ranges,
 };
+pub use parameters::LawParameters;
 pub use quantity::Quantity;
-pub use setting::Setting;
+pub use stats::SolverStats;
 pub use unloading::{Loop, UnloadedRadius};
-pub use work::Work;

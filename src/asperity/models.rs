@@ -1,12 +1,13 @@
-//! The registry of laws: their names, what they are, where they are valid, how they are made. A new law is its file and a line here.
+//! The registry of laws: their names, what they are, where they are valid, how they are made. A new law is
+//! its file and a line here.
 
 use super::error::LawError;
 use super::law::Law;
 use super::laws::{ceb, dmt, emd, fit, hertz, hybrid, idmt, isbl, jkr, kogut_etsion, md, md_kim, sbl};
-use super::setting::Setting;
+use super::parameters::LawParameters;
 
 /// Makes a law.
-pub type Build = fn(&Setting) -> Result<Box<dyn Law>, LawError>;
+pub type Build = fn(&LawParameters) -> Result<Box<dyn Law>, LawError>;
 
 /// A law by name.
 #[derive(Clone, Copy, Debug)]
@@ -66,8 +67,8 @@ pub enum Adhesion {
     Any,
 }
 
-/// Largest λ of the DMT limit: there its pull-off is 2.5 % above that of Maugis-Dugdale (Maugis 1992; Johnson and Greenwood,
-/// J. Colloid Interface Sci. 192 (1997) 326).
+/// Largest λ of the DMT limit: there its pull-off is 2.5 % above that of Maugis-Dugdale (Maugis 1992; Johnson
+/// and Greenwood, J. Colloid Interface Sci. 192 (1997) 326).
 pub const LARGEST_DMT_LAMBDA: f64 = 0.1;
 /// Smallest λ of the JKR limit (the same sources).
 pub const SMALLEST_JKR_LAMBDA: f64 = 5.0;
@@ -75,8 +76,8 @@ pub const SMALLEST_JKR_LAMBDA: f64 = 5.0;
 pub const LARGEST_ELASTIC_PSI: f64 = 0.6;
 
 impl Validity {
-    /// What a law is not valid for at an adhesion parameter λ, a plasticity index ψ and a lubricant thickness t, m: a line each,
-    /// with the limit and its source. Empty where it is valid.
+    /// What a law is not valid for at an adhesion parameter λ, a plasticity index ψ and a lubricant thickness
+    /// t, m: a line each, with the limit and its source. Empty where it is valid.
     pub fn limits(&self, lambda: f64, plasticity_index: f64, lubricant_thickness: f64) -> Vec<String> {
         let mut limits = Vec::new();
         if self.adhesion == Adhesion::Without {
@@ -90,8 +91,8 @@ impl Validity {
         limits
     }
 
-    /// The limits of a law that an adhesion parameter λ and a plasticity index ψ exceed: the number and the limit, and what it is and
-    /// whose.
+    /// The limits of a law that an adhesion parameter λ and a plasticity index ψ exceed: the number and the
+    /// limit, and what it is and whose.
     pub fn exceeded(&self, lambda: f64, plasticity_index: f64) -> Vec<(String, String)> {
         let mut exceeded = Vec::new();
         match self.adhesion {

@@ -1,8 +1,8 @@
 //! An asperity before contact: the extended Maugis-Dugdale equations, parametrised by the gap.
 //!
 //! # Formula
-//! With ε = z − 1, z = h₀/Z₀ ≥ 1, μ = λŝ, ŝ = (8/3)(z⁻³ − z⁻⁹)/1.03, w = (4/3)z⁻² − (1/3)z⁻⁸ (Shi and Polycarpou 2005,
-//! eqs. 9 to 13, with the −Z₀ that eq. 13 lost in print),
+//! With ε = z − 1, z = h₀/Z₀ ≥ 1, μ = λŝ, ŝ = (8/3)(z⁻³ − z⁻⁹)/1.03, w = (4/3)z⁻² − (1/3)z⁻⁸ (Shi and
+//! Polycarpou 2005, eqs. 9 to 13, with the −Z₀ that eq. 13 lost in print),
 //!
 //! G = b̂μ^(3/2), b̂ = 4(π−2)/(3π), W = 4w/π, Y = W/(G + √(G² + W)),
 //!
@@ -33,7 +33,8 @@ pub struct Noncontact {
 pub enum Branches {
     /// Δ(ε) falls throughout.
     Single(Noncontact),
-    /// Δ(ε) folds: the outermost branch, ε from `fold` outwards, and the inner one, ε from 0 inwards of its own fold.
+    /// Δ(ε) folds: the outermost branch, ε from `fold` outwards, and the inner one, ε from 0 inwards of its
+    /// own fold.
     Folded {
         /// The branch that approach follows from far away.
         outer: Noncontact,
@@ -76,7 +77,8 @@ impl Noncontact {
     /// ε at the outer fold. dΔ/dε has its largest value between the two folds, on a single hump in ln ε.
     fn outer_fold(&self) -> Option<f64> {
         let slope = |log_gap: f64| self.at(libm::exp(log_gap)).slope;
-        let grid: Vec<f64> = (0..=400).map(|i| libm::log(1e-9 / (1e-3 + self.lambda)) + 0.1 * f64::from(i)).collect();
+        let grid: Vec<f64> =
+            (0..=400).map(|i| libm::log(1e-9 / (1e-3 + self.lambda)) + 0.1 * f64::from(i)).collect();
         let steepest = (1..grid.len() - 1)
             .filter(|&i| libm::exp(grid[i]) < OUTSIDE_FOLD)
             .max_by(|&i, &j| slope(grid[i]).total_cmp(&slope(grid[j])))?;
@@ -102,22 +104,22 @@ impl Curve for Noncontact {
         let rest = gap * (2.0 + gap) * v; // 1 − z⁻²
         let stress = self.lambda * PEAK * u * v * rest * (1.0 + v + v * v);
         let stress_slope = self.lambda * PEAK * v * v * (9.0 * v3 - 3.0);
-        let work = 4.0 / (3.0 * PI) * v * (4.0 - v3);
+        let stats = 4.0 / (3.0 * PI) * v * (4.0 - v3);
         let work_slope = -32.0 / (3.0 * PI) * u * rest * v * (1.0 + v + v * v);
-        [stress, stress_slope, work, work_slope]
+        [stress, stress_slope, stats, work_slope]
     }
 
     #[inline(always)]
-    fn state(&self, gap: f64, [stress, stress_slope, work, work_slope]: [f64; 4]) -> State {
+    fn state(&self, gap: f64, [stress, stress_slope, stats, work_slope]: [f64; 4]) -> State {
         const B: f64 = 4.0 * (PI - 2.0) / (3.0 * PI);
         let root_stress = stress.sqrt();
         let g = B * stress * root_stress;
         let g_slope = 1.5 * B * root_stress * stress_slope;
-        let sum = (g * g + work).sqrt();
+        let sum = (g * g + stats).sqrt();
         // One division serves Y and its slope.
         let whole = g + sum;
         let inverse = 1.0 / (whole * sum);
-        let y = work * (inverse * sum);
+        let y = stats * (inverse * sum);
         let y_slope = 0.5 * (work_slope - 2.0 * g_slope * y) * (inverse * whole);
         let pull = 4.0 / 3.0 * root_stress * y;
         let pull_slope = 4.0 / 3.0 * (root_stress * y_slope + stress_slope * y / (2.0 * root_stress));
@@ -164,7 +166,8 @@ mod tests {
     #[test]
     fn tends_to_its_limits() {
         for lambda in [1e-6, 1e-3, 0.5, 3.0, 1e3] {
-            let (Branches::Single(curve) | Branches::Folded { outer: curve, .. }) = Noncontact::branches(lambda);
+            let (Branches::Single(curve) | Branches::Folded { outer: curve, .. }) =
+                Noncontact::branches(lambda);
             // F̂_s → 2 as the gap closes, F̂_s ~ (8/3)/z² far away.
             assert!((curve.at(1e-30).adhesion - 2.0).abs() < 1e-9, "λ = {lambda}");
             let z = 1e6 * (1.0 + lambda);
@@ -175,7 +178,8 @@ mod tests {
     #[test]
     fn slopes_agree_with_finite_differences() {
         for lambda in [1e-3, 0.1, 0.9, 2.5, 100.0, 1e3] {
-            let (Branches::Single(curve) | Branches::Folded { outer: curve, .. }) = Noncontact::branches(lambda);
+            let (Branches::Single(curve) | Branches::Folded { outer: curve, .. }) =
+                Noncontact::branches(lambda);
             for i in 0..60 {
                 let gap = libm::exp(-12.0 + 0.3 * f64::from(i));
                 let h = 1e-5 * gap;

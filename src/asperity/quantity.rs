@@ -15,7 +15,8 @@ pub enum Quantity {
 
 impl Quantity {
     /// All of them, in the order of every table.
-    pub const ALL: [Self; 4] = [Self::AdhesionForce, Self::ContactForce, Self::ExternalForce, Self::ContactArea];
+    pub const ALL: [Self; 4] =
+        [Self::AdhesionForce, Self::ContactForce, Self::ExternalForce, Self::ContactArea];
 
     /// Its name in files.
     pub fn name(self) -> &'static str {

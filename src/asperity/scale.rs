@@ -37,8 +37,8 @@ impl Asperity {
         strain * strain * self.radius
     }
 
-    /// Plasticity index ψ = √(σ/ω_c) of a surface whose heights have the standard deviation `surface_height_std`, m
-    /// (Shi and Polycarpou 2005, eq. 14).
+    /// Plasticity index ψ = √(σ/ω_c) of a surface whose heights have the standard deviation
+    /// `surface_height_std`, m (Shi and Polycarpou 2005, eq. 14).
     pub fn plasticity_index(&self, surface_height_std: f64) -> f64 {
         (surface_height_std / self.critical_interference()).sqrt()
     }
@@ -52,7 +52,8 @@ pub fn pressure_factor(poisson_ratio: f64) -> f64 {
 /// The adhesion parameters that the equations are solved for.
 pub const LAMBDA_RANGE: (f64, f64) = (1e-6, 1e6);
 
-/// Units, SI, that leave room for the powers and sums that are taken of them, and lengths as multiples of a unit.
+/// Units, SI, that leave room for the powers and sums that are taken of them, and lengths as multiples of a
+/// unit.
 pub const UNIT_RANGE: (f64, f64) = (1e-60, 1e60);
 
 /// Whether a unit is within [`UNIT_RANGE`].
@@ -77,8 +78,9 @@ impl Scale {
     /// The units for an asperity.
     ///
     /// # Errors
-    /// [`LawError::NotPositive`] when one of R, E_r, Δγ, Z₀ is not positive and finite, [`LawError::Unit`] when a unit of the scaled
-    /// variables is outside [`UNIT_RANGE`], [`LawError::Lambda`] when λ is outside [`LAMBDA_RANGE`].
+    /// [`LawError::NotPositive`] when one of R, E_r, Δγ, Z₀ is not positive and finite, [`LawError::Unit`]
+    /// when a unit of the scaled variables is outside [`UNIT_RANGE`], [`LawError::Lambda`] when λ is outside
+    /// [`LAMBDA_RANGE`].
     pub fn new(asperity: &Asperity) -> Result<Self, LawError> {
         let positive = [
             ("asperity_radius", asperity.radius),
@@ -86,7 +88,8 @@ impl Scale {
             ("work_of_adhesion", asperity.work_of_adhesion),
             ("equilibrium_spacing", asperity.equilibrium_spacing),
         ];
-        if let Some(&(name, value)) = positive.iter().find(|(_, value)| !(*value > 0.0 && value.is_finite())) {
+        if let Some(&(name, value)) = positive.iter().find(|(_, value)| !(*value > 0.0 && value.is_finite()))
+        {
             return Err(LawError::NotPositive { name, value });
         }
         let k = 4.0 / 3.0 * asperity.reduced_modulus;
@@ -152,7 +155,11 @@ mod tests {
             let asperity = case(radius, work);
             // The table rounds λ of case I up from 0.1549 to 0.16 and ψ to two digits.
             assert!((Scale::new(&asperity).unwrap().lambda - lambda).abs() < 0.01);
-            assert!((asperity.plasticity_index(std) - psi).abs() < 0.06, "{}", asperity.plasticity_index(std));
+            assert!(
+                (asperity.plasticity_index(std) - psi).abs() < 0.06,
+                "{}",
+                asperity.plasticity_index(std)
+            );
         }
     }
 

@@ -1,10 +1,10 @@
 //! A law as a table: regimes of interference, rising, and what acts in each.
 //!
-//! The laws in [`super::laws`] are such tables. Their rows share parts: the same contact solution serves several laws, the same
-//! lubricant all that know one.
+//! The laws in [`super::laws`] are such tables. Their rows share parts: the same contact solution serves
+//! several laws, the same lubricant all that know one.
 
 use super::law::{Boundary, FitReport, Flattened, Law, Piece, Regime, Responses, Smoothness};
-use super::work::Work;
+use super::stats::SolverStats;
 
 /// How what acts in a regime is evaluated.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,20 +34,20 @@ impl Method {
     }
 
     /// Counts evaluations, of which some were not solved because they are far from contact.
-    fn count(self, evaluations: u64, far: u64, work: &mut Work) {
+    fn count(self, evaluations: u64, far: u64, stats: &mut SolverStats) {
         match self {
-            Self::Constant(_) => work.constant += evaluations,
-            Self::ClosedForm | Self::Powers => work.closed_form += evaluations,
-            Self::Contact => work.contact_solves += evaluations,
-            Self::Noncontact => work.noncontact_solves += evaluations - far,
+            Self::Constant(_) => stats.constant += evaluations,
+            Self::ClosedForm | Self::Powers => stats.closed_form += evaluations,
+            Self::Contact => stats.contact_solves += evaluations,
+            Self::Noncontact => stats.noncontact_solves += evaluations - far,
         }
     }
 }
 
 /// What acts in a regime.
 pub trait Part: Send + Sync {
-    /// Ends, m, inside `lower..upper` where the part is not smooth, rising, and how it varies on each of the intervals that they
-    /// leave: one more than ends.
+    /// Ends, m, inside `lower..upper` where the part is not smooth, rising, and how it varies on each of the
+    /// intervals that they leave: one more than ends.
     fn smoothness(&self, _lower: f64, _upper: f64) -> (Vec<f64>, Vec<Smoothness>) {
         (Vec::new(), vec![Smoothness::Smooth])
     }
@@ -60,7 +60,8 @@ pub trait Part: Send + Sync {
         None
     }
 
-    /// Interference, m, from which an asperity that turns back takes another way, if there is one within the part.
+    /// Interference, m, from which an asperity that turns back takes another way, if there is one within the
+    /// part.
     fn capture(&self) -> Option<f64> {
         None
     }
@@ -71,7 +72,7 @@ pub trait Part: Send + Sync {
     }
 
     /// Fills the first `interference.len()` responses for interferences δ, m.
-    fn evaluate(&self, interference: &[f64], out: &mut Responses, work: &mut Work);
+    fn evaluate(&self, interference: &[f64], out: &mut Responses, stats: &mut SolverStats);
 }
 
 /// A regime, the boundary at its upper end if it has one, and what acts in it.
@@ -178,9 +179,9 @@ impl Law for Table {
         self.parts.iter().find_map(|part| part.flattened())
     }
 
-    fn evaluate(&self, regime: usize, interference: &[f64], out: &mut Responses, work: &mut Work) {
-        let (part, far) = (&self.parts[regime], work.far);
-        part.evaluate(interference, out, work);
-        part.method().count(interference.len() as u64, work.far - far, work);
+    fn evaluate(&self, regime: usize, interference: &[f64], out: &mut Responses, stats: &mut SolverStats) {
+        let (part, far) = (&self.parts[regime], stats.far);
+        part.evaluate(interference, out, stats);
+        part.method().count(interference.len() as u64, stats.far - far, stats);
     }
 }

@@ -1,9 +1,9 @@
 //! One asperity that is brought close and pulled back: each with its own history.
 //!
 //! # Formula
-//! When the surfaces turn, an asperity has the interference ω_max; at a distance s ≥ 0 from there it has δ = ω_max − s, and what it does
-//! is a function of ω_max and s alone. So all asperities of a surface at one distance obey one law in the variable ω_max,
-//! [`Loop::at`]:
+//! When the surfaces turn, an asperity has the interference ω_max; at a distance s ≥ 0 from there it has δ =
+//! ω_max − s, and what it does is a function of ω_max and s alone. So all asperities of a surface at one
+//! distance obey one law in the variable ω_max, [`Loop::at`]:
 //!
 //! | ω_max | what acts |
 //! |---|---|
@@ -11,38 +11,42 @@
 //! | up to ω_c, or any of a law that knows no flow | the law on retraction at δ: contact lasts to the end of its stable branch |
 //! | above ω_c | the unloading of an elastic-plastic contact, below |
 //!
-//! After plastic flow the asperity is lower by its residual interference ω_res, and springs back by ω_max − ω_res only. With x = ω_max/ω_c
-//! (Etsion, Kligerman and Kadin 2005)
+//! After plastic flow the asperity is lower by its residual interference ω_res, and springs back by ω_max −
+//! ω_res only. With x = ω_max/ω_c (Etsion, Kligerman and Kadin 2005)
 //!
-//! ω_res/ω_max = (1 − x^−0.28)(1 − x^−0.69), P/P_max = r^(1.5 x^−0.0331), A/A_max = r^(x^−0.12), r = (δ − ω_res)/(ω_max − ω_res),
+//! ω_res/ω_max = (1 − x^−0.28)(1 − x^−0.69), P/P_max = r^(1.5 x^−0.0331), A/A_max = r^(x^−0.12), r = (δ −
+//! ω_res)/(ω_max − ω_res),
 //!
 //! with P_max and A_max of the law on approach at ω_max. At x = 1 that is Hertz's contact.
 //!
 //! # Adhesion
-//! The unloading is published without adhesion. What attracts acts outside the contact, across the gap beside it, and the shape of
-//! that gap is what plastic flow has left behind: it does not heal. So F_s keeps its value at ω_max for as long as there is contact, as in the
-//! DMT limit, for which the elastic-plastic adhesion was computed. Contact lasts, without load, to the place where that of an elastic
-//! asperity would end, counted from the lowered top: to δ − ω_res = −δ_A on retraction. From there on the asperity is one whose top
-//! is lower by ω_res: lubricant and attraction across the gap at δ − ω_res.
+//! The unloading is published without adhesion. What attracts acts outside the contact, across the gap beside
+//! it, and the shape of that gap is what plastic flow has left behind: it does not heal. So F_s keeps its
+//! value at ω_max for as long as there is contact, as in the DMT limit, for which the elastic-plastic
+//! adhesion was computed. Contact lasts, without load, to the place where that of an elastic asperity would
+//! end, counted from the lowered top: to δ − ω_res = −δ_A on retraction. From there on the asperity is one
+//! whose top is lower by ω_res: lubricant and attraction across the gap at δ − ω_res.
 //!
 //! # Radius
-//! What flowed is flatter. How much is not published with the unloading, and it decides what attracts from then on, so it is a choice,
-//! [`UnloadedRadius`]: the top keeps R, or it has the R′ = 4E_r a³/(3P) of the elastic contact whose radius and load are those at ω_max
-//! ([`super::flattened`]). With R′ the attraction before contact, the lubricant's force and δ_A are those of R′.
+//! What flowed is flatter. How much is not published with the unloading, and it decides what attracts from
+//! then on, so it is a choice, [`UnloadedRadius`]: the top keeps R, or it has the R′ = 4E_r a³/(3P) of the
+//! elastic contact whose radius and load are those at ω_max ([`super::flattened`]). With R′ the attraction
+//! before contact, the lubricant's force and δ_A are those of R′.
 //!
 //! # Validity
-//! One cycle from a fresh surface. The unloading was computed for loads up to the limits of the elastic-plastic fits; in the fully plastic
-//! regime it is used beyond them, without adhesion, as there is none on approach. Its ω_c is taken to be that of the law. Where the
-//! attraction across the gap has two states, both ways take the outer one, as the laws do. Source: Etsion, Kligerman and Kadin, Int.
-//! J. Solids Struct. 42 (2005) 3716.
+//! One cycle from a fresh surface. The unloading was computed for loads up to the limits of the
+//! elastic-plastic fits; in the fully plastic regime it is used beyond them, without adhesion, as there is
+//! none on approach. Its ω_c is taken to be that of the law. Where the attraction across the gap has two
+//! states, both ways take the outer one, as the laws do. Source: Etsion, Kligerman and Kadin, Int. J. Solids
+//! Struct. 42 (2005) 3716.
 
 use super::error::LawError;
 use super::history::Path;
 use super::law::{BLOCK, Boundary, End, Flattened, Law, Piece, Regime, Responses, Smoothness};
 use super::models::{MODELS, Model, Plasticity};
+use super::parameters::LawParameters;
 use super::scale::Scale;
-use super::setting::Setting;
-use super::work::Work;
+use super::stats::SolverStats;
 use crate::math::instruction_set::InstructionSet;
 use crate::math::piecewise::Piecewise;
 use crate::math::roots::{Sample, safe_newton};
@@ -59,7 +63,8 @@ const AREA: f64 = -0.12;
 const ORDER: i32 = 10;
 /// Nanoseconds that unloading takes beside the law, the lowered top alone, and one of a radius of its own.
 const COSTS: (f64, f64, f64) = (60.0, 5.0, 400.0);
-/// Parts of a regime of lowered tops of which each is looked at for a place where their attraction is not smooth.
+/// Parts of a regime of lowered tops of which each is looked at for a place where their attraction is not
+/// smooth.
 const KINK_PARTS: usize = 64;
 /// Relative accuracy of tables: a few roundings, as those of a library's exponentials.
 const TABLE_TOLERANCE: f64 = 2e-15;
@@ -116,19 +121,20 @@ impl Loop {
     /// The loop of the law of a model for a setting, whatever its path.
     ///
     /// # Errors
-    /// [`LawError`] when the law cannot be made, [`LawError::NoUnloading`] when it flows otherwise than the contact that the unloading
-    /// was computed for, [`LawError::NotFlattened`] when it is a fit to one radius and flows, and tops that have
-    /// flowed are to have radii of their own.
-    pub fn new(model: &Model, setting: &Setting, radius: UnloadedRadius) -> Result<Self, LawError> {
+    /// [`LawError`] when the law cannot be made, [`LawError::NoUnloading`] when it flows otherwise than the
+    /// contact that the unloading was computed for, [`LawError::NotFlattened`] when it is a fit to one radius
+    /// and flows, and tops that have flowed are to have radii of their own.
+    pub fn new(model: &Model, parameters: &LawParameters, radius: UnloadedRadius) -> Result<Self, LawError> {
         if !unloads(model) {
             return Err(LawError::NoUnloading { law: model.name, others: &UNLOADING });
         }
-        let [approach, retraction] =
-            [Path::Approach, Path::Retraction].map(|path| (model.build)(&Setting { path, ..*setting }));
+        let [approach, retraction] = [Path::Approach, Path::Retraction]
+            .map(|path| (model.build)(&LawParameters { path, ..*parameters }));
         let (approach, retraction) = (approach?, retraction?);
         let regimes = approach.regimes();
         let first = |is: fn(&Regime) -> bool| regimes.iter().position(is).unwrap_or(regimes.len());
-        let (first_contact, first_plastic) = (first(|regime| regime.is_contact()), first(|regime| is_plastic(*regime)));
+        let (first_contact, first_plastic) =
+            (first(|regime| regime.is_contact()), first(|regime| is_plastic(*regime)));
         let touch = begin_of(approach.as_ref(), first_contact);
         let capture = approach.capture().map_or(touch, |capture| capture.min(touch));
         let flattened = match radius {
@@ -137,8 +143,8 @@ impl Loop {
             }
             _ => None,
         };
-        let critical = setting.critical_interference;
-        let deepest = setting.reach.map_or(1.0, |(_, deepest)| deepest / critical);
+        let critical = parameters.critical_interference;
+        let deepest = parameters.reach.map_or(1.0, |(_, deepest)| deepest / critical);
         Ok(Self {
             critical,
             approach,
@@ -150,7 +156,7 @@ impl Loop {
             load_exponent: OfDepth::new(|x| LOAD.0 * power(x, LOAD.1), deepest),
             area_exponent: OfDepth::new(|x| power(x, AREA), deepest),
             flattened,
-            scale: setting.scale,
+            scale: parameters.scale,
         })
     }
 
@@ -169,8 +175,8 @@ impl Loop {
         self.retraction.as_ref()
     }
 
-    /// What has become of an asperity of the interference ω_max, m: 0 of one that has never touched, 1 of one that has, 2 of one that has
-    /// flowed.
+    /// What has become of an asperity of the interference ω_max, m: 0 of one that has never touched, 1 of one
+    /// that has, 2 of one that has flowed.
     pub fn fate(&self, largest: f64) -> usize {
         if largest < self.capture {
             0
@@ -181,8 +187,9 @@ impl Loop {
         }
     }
 
-    /// Interferences, m, rising, at which the force on the way back is not smooth, by [`Loop::fate`]: counted from the top that the
-    /// asperity has then, so they are passed at the distance [`Loop::recovery`] less them.
+    /// Interferences, m, rising, at which the force on the way back is not smooth, by [`Loop::fate`]: counted
+    /// from the top that the asperity has then, so they are passed at the distance [`Loop::recovery`] less
+    /// them.
     pub fn kinks(&self) -> [Vec<f64>; 3] {
         let ends = |law: &dyn Law, regimes: usize| {
             let mut ends: Vec<f64> =
@@ -190,15 +197,17 @@ impl Loop {
             ends.retain(|end| end.is_finite());
             ends
         };
-        let untouched = ends(self.approach(), self.first_contact).into_iter().filter(|end| *end <= self.capture);
+        let untouched =
+            ends(self.approach(), self.first_contact).into_iter().filter(|end| *end <= self.capture);
         let elastic = ends(self.retraction(), self.first_plastic);
         // The load ends where it has sprung back.
         let flowed = ends(self.retraction(), self.first_contact).into_iter().chain([0.0]);
         [untouched.collect(), elastic, flowed.collect()]
     }
 
-    /// The same of a top that has a radius of its own since it flowed, at the interference ω_max, m: where its attraction jumps, if it
-    /// does (else NaN), where contact ends, and where its load ends. None where R is kept.
+    /// The same of a top that has a radius of its own since it flowed, at the interference ω_max, m: where
+    /// its attraction jumps, if it does (else NaN), where contact ends, and where its load ends. None where R
+    /// is kept.
     pub fn flattened_kinks(&self, largest: f64) -> Option<[f64; 3]> {
         let flattened = self.flattened.as_ref()?;
         let ratio = self.radius_ratio(largest);
@@ -215,7 +224,8 @@ impl Loop {
         begin_of(self.retraction.as_ref(), self.first_contact)
     }
 
-    /// ω_max − ω_res, m, by which an asperity of the interference ω_max, m, springs back at most: all of it up to ω_c.
+    /// ω_max − ω_res, m, by which an asperity of the interference ω_max, m, springs back at most: all of it
+    /// up to ω_c.
     pub fn recovery(&self, largest: f64) -> f64 {
         if largest <= self.top() || !self.flows() {
             return largest;
@@ -223,7 +233,8 @@ impl Loop {
         self.critical * scaled_recovery(largest / self.critical)
     }
 
-    /// The distance, m, at which an asperity of the interference ω_max, m, loses contact on the way back; none if it has none.
+    /// The distance, m, at which an asperity of the interference ω_max, m, loses contact on the way back;
+    /// none if it has none.
     pub fn takeoff(&self, largest: f64) -> Option<f64> {
         let release = || match &self.flattened {
             Some(flattened) if largest > self.top() => flattened.release(self.radius_ratio(largest)),
@@ -232,26 +243,35 @@ impl Loop {
         (largest >= self.touch()).then(|| self.recovery(largest) - release())
     }
 
-    /// R′/R of the top of an asperity of the interference ω_max, m, whose contact has ended; 1 where nothing flowed, or R is kept.
+    /// R′/R of the top of an asperity of the interference ω_max, m, whose contact has ended; 1 where nothing
+    /// flowed, or R is kept.
     pub fn radius_ratio(&self, largest: f64) -> f64 {
         if self.flattened.is_none() || !(largest > self.top()) {
             return 1.0;
         }
         let mut ratio = [0.0];
-        self.radius_ratios(&[largest], &mut ratio, &mut Responses::default(), &mut Work::default());
+        self.radius_ratios(&[largest], &mut ratio, &mut Responses::default(), &mut SolverStats::default());
         ratio[0]
     }
 
     /// R′/R of asperities of interferences ω_max, m, above ω_c.
-    fn radius_ratios(&self, largest: &[f64], ratios: &mut [f64], out: &mut Responses, work: &mut Work) {
+    fn radius_ratios(
+        &self,
+        largest: &[f64],
+        ratios: &mut [f64],
+        out: &mut Responses,
+        stats: &mut SolverStats,
+    ) {
         let boundaries = self.approach.boundaries();
-        let regime = |largest: f64| boundaries.partition_point(|end| !end.is_above(largest)).max(self.first_plastic);
+        let regime =
+            |largest: f64| boundaries.partition_point(|end| !end.is_above(largest)).max(self.first_plastic);
         let mut begin = 0;
         while begin < largest.len() {
             let own = regime(largest[begin]);
             let end = begin + largest[begin..].iter().take_while(|largest| regime(**largest) == own).count();
-            self.approach.evaluate(own, &largest[begin..end], out, work);
-            for (ratio, (area, load)) in ratios[begin..end].iter_mut().zip(out.area.iter().zip(&out.contact)) {
+            self.approach.evaluate(own, &largest[begin..end], out, stats);
+            for (ratio, (area, load)) in ratios[begin..end].iter_mut().zip(out.area.iter().zip(&out.contact))
+            {
                 let radius = (area / PI).sqrt() / self.scale.radius;
                 *ratio = self.scale.force * radius * radius * radius / load;
             }
@@ -259,13 +279,14 @@ impl Loop {
         }
     }
 
-    /// The ω_max, m, of the asperities whose contact has ended and that are `further` ≥ 0, m, beyond, at a distance, m; of radii of their
-    /// own; ω_c where all that have flowed are.
+    /// The ω_max, m, of the asperities whose contact has ended and that are `further` ≥ 0, m, beyond, at a
+    /// distance, m; of radii of their own; ω_c where all that have flowed are.
     fn let_go_from(&self, flattened: &dyn Flattened, distance: f64, further: f64) -> f64 {
         let wanted = distance - further;
         let beyond = |largest: f64| {
             let x = largest / self.critical;
-            let slope: f64 = RECOVERY.iter().map(|(exponent, sign)| sign * exponent * power(x, exponent - 1.0)).sum();
+            let slope: f64 =
+                RECOVERY.iter().map(|(exponent, sign)| sign * exponent * power(x, exponent - 1.0)).sum();
             let release = flattened.release(self.radius_ratio(largest));
             Sample { value: wanted - (self.recovery(largest) - release), slope: -slope }
         };
@@ -286,7 +307,8 @@ impl Loop {
     /// The same for asperities of one interference ω_max, m, alone.
     pub fn at_for(&self, distance: f64, largest: f64) -> Retraction<'_> {
         let reach = self.takeoff(largest).unwrap_or(f64::NEG_INFINITY);
-        let end = |_: &dyn Flattened, further| if distance - further >= reach { f64::INFINITY } else { self.top() };
+        let end =
+            |_: &dyn Flattened, further| if distance - further >= reach { f64::INFINITY } else { self.top() };
         Retraction::with(self, distance, end)
     }
 
@@ -300,7 +322,8 @@ impl Loop {
         self.approach.boundaries().get(self.first_plastic - 1).map_or(f64::INFINITY, |end| end.interference)
     }
 
-    /// The ω_max, m, whose recovery is that, m: the inverse of [`Loop::recovery`], below ω_c continued with its slope there, which is 1.
+    /// The ω_max, m, whose recovery is that, m: the inverse of [`Loop::recovery`], below ω_c continued with
+    /// its slope there, which is 1.
     fn recovered_from(&self, recovery: f64) -> f64 {
         let wanted = recovery / self.critical;
         if !(wanted > 1.0) || wanted.is_infinite() {
@@ -388,13 +411,16 @@ enum State {
 
 impl State {
     fn regime(self) -> usize {
-        let (Self::Untouched(regime) | Self::Elastic(regime) | Self::Lowered(regime) | Self::Unloading(regime)) = self;
+        let (Self::Untouched(regime)
+        | Self::Elastic(regime)
+        | Self::Lowered(regime)
+        | Self::Unloading(regime)) = self;
         regime
     }
 }
 
-/// The law of a [`Loop`] at one distance from the closest approach. Its interference is ω_max. Its regimes are those of the law, some
-/// more than once: [`Retraction::base`].
+/// The law of a [`Loop`] at one distance from the closest approach. Its interference is ω_max. Its regimes
+/// are those of the law, some more than once: [`Retraction::base`].
 pub struct Retraction<'a> {
     cycle: &'a Loop,
     distance: f64,
@@ -409,7 +435,8 @@ impl<'a> Retraction<'a> {
         Self::with(cycle, distance, |flattened, further| cycle.let_go_from(flattened, distance, further))
     }
 
-    /// With the end of what has flowed, is `further` beyond the end of its contact and has a radius of its own, in ω_max, m.
+    /// With the end of what has flowed, is `further` beyond the end of its contact and has a radius of its
+    /// own, in ω_max, m.
     fn with(cycle: &'a Loop, distance: f64, let_go: impl Fn(&dyn Flattened, f64) -> f64) -> Self {
         let mut law = Self {
             cycle,
@@ -420,14 +447,16 @@ impl<'a> Retraction<'a> {
             boundaries: Vec::with_capacity(12),
         };
         let Loop { approach, retraction, capture, first_contact, first_plastic, .. } = cycle;
-        let shifted = |boundary: Boundary| Boundary { interference: boundary.interference + distance, ..boundary };
+        let shifted =
+            |boundary: Boundary| Boundary { interference: boundary.interference + distance, ..boundary };
         let captured = Boundary { interference: *capture, belongs_below: false };
         for regime in 0..*first_contact {
             law.push(State::Untouched(regime), Some(lower(shifted(approach.boundaries()[regime]), captured)));
         }
         let flows = cycle.flows();
         // Where a law without plastic flow ends, it is not known; on the way back it is known again.
-        let top = approach.boundaries().get(first_plastic - 1).map(|end| if flows { *end } else { shifted(*end) });
+        let top =
+            approach.boundaries().get(first_plastic - 1).map(|end| if flows { *end } else { shifted(*end) });
         for regime in 0..*first_plastic {
             let end = retraction.boundaries().get(regime).filter(|_| regime + 1 < *first_plastic);
             let end = end.map(|end| higher(shifted(*end), captured));
@@ -452,7 +481,10 @@ impl<'a> Retraction<'a> {
             law.push(State::Lowered(regime), Some(end));
         }
         for regime in *first_plastic..approach.regimes().len() {
-            law.push(State::Unloading(regime), approach.boundaries().get(regime).map(|upper| higher(*upper, end)));
+            law.push(
+                State::Unloading(regime),
+                approach.boundaries().get(regime).map(|upper| higher(*upper, end)),
+            );
         }
         law
     }
@@ -478,7 +510,12 @@ impl<'a> Retraction<'a> {
     }
 
     /// Pieces of a state, of which `place` says where an interference of the law is, m, within `limits`.
-    fn moved(&self, index: usize, limits: (f64, f64), place: impl Fn(f64) -> f64) -> impl Iterator<Item = Piece> {
+    fn moved(
+        &self,
+        index: usize,
+        limits: (f64, f64),
+        place: impl Fn(f64) -> f64,
+    ) -> impl Iterator<Item = Piece> {
         let state = self.states[index];
         let pieces = self.law(state).pieces().into_iter().filter(move |piece| piece.regime == state.regime());
         let moved = pieces.map(move |piece| Piece {
@@ -486,7 +523,9 @@ impl<'a> Retraction<'a> {
             lower: place(piece.lower).max(limits.0),
             upper: place(piece.upper).min(limits.1),
             smoothness: match piece.smoothness {
-                Smoothness::Root { place: root, end, order } => Smoothness::Root { place: place(root), end, order },
+                Smoothness::Root { place: root, end, order } => {
+                    Smoothness::Root { place: place(root), end, order }
+                }
                 Smoothness::Smooth => Smoothness::Smooth,
             },
         });
@@ -502,15 +541,18 @@ impl<'a> Retraction<'a> {
         bare.chain(loaded.map(|piece| Piece { smoothness, ..piece })).collect()
     }
 
-    /// Pieces of lowered tops of radii of their own: between jumps of the radius, and on both sides of a jump of the attraction.
+    /// Pieces of lowered tops of radii of their own: between jumps of the radius, and on both sides of a jump
+    /// of the attraction.
     fn flattened(&self, index: usize, flattened: &dyn Flattened, (lower, upper): (f64, f64)) -> Vec<Piece> {
-        let mut ends: Vec<f64> = self.cycle.approach.boundaries().iter().map(|end| end.interference).collect();
+        let mut ends: Vec<f64> =
+            self.cycle.approach.boundaries().iter().map(|end| end.interference).collect();
         ends.retain(|end| lower < *end && *end < upper);
         ends.push(upper);
         let mut pieces = Vec::new();
         let mut lower = lower;
         for end in ends {
-            let kink = (self.states[index].regime() == 0).then(|| self.kink(flattened, (lower, end))).flatten();
+            let kink =
+                (self.states[index].regime() == 0).then(|| self.kink(flattened, (lower, end))).flatten();
             if let Some(place) = kink {
                 let smoothness = Smoothness::Root { end: End::Upper, place, order: 2 };
                 pieces.push(Piece { regime: index, lower, upper: place, smoothness });
@@ -535,9 +577,10 @@ impl<'a> Retraction<'a> {
         };
         let place = |part: usize| lower + (upper - lower) * part as f64 / KINK_PARTS as f64;
         let inside = |part: usize| place(part).clamp(lower.next_up(), upper.next_down());
-        let (mut low, mut high) = (0..KINK_PARTS)
-            .map(|part| (inside(part), inside(part + 1)))
-            .find(|&(low, high)| beyond(low).is_some_and(|b| b > 0.0) && beyond(high).is_some_and(|b| b <= 0.0))?;
+        let (mut low, mut high) =
+            (0..KINK_PARTS).map(|part| (inside(part), inside(part + 1))).find(|&(low, high)| {
+                beyond(low).is_some_and(|b| b > 0.0) && beyond(high).is_some_and(|b| b <= 0.0)
+            })?;
         while 0.5 * (low + high) > low && 0.5 * (low + high) < high {
             let middle = 0.5 * (low + high);
             *(if beyond(middle)? > 0.0 { &mut low } else { &mut high }) = middle;
@@ -547,7 +590,8 @@ impl<'a> Retraction<'a> {
 
     /// Forces of contacts above ω_c that are unloaded from ω_max, m, at which `out` has them.
     fn unload(&self, largest: &[f64], out: &mut Responses) {
-        let (mut places, mut recovery, mut load, mut area) = ([0.0; BLOCK], [0.0; BLOCK], [0.0; BLOCK], [0.0; BLOCK]);
+        let (mut places, mut recovery, mut load, mut area) =
+            ([0.0; BLOCK], [0.0; BLOCK], [0.0; BLOCK], [0.0; BLOCK]);
         let count = largest.len();
         self.cycle.depths(largest, &mut places[..count]);
         self.cycle.recovery.values(&places[..count], &mut recovery[..count]);
@@ -595,7 +639,9 @@ impl Law for Retraction<'_> {
                     pieces.extend(self.flattened(index, flattened.as_ref(), limits));
                 }
                 State::Lowered(_) => {
-                    pieces.extend(self.moved(index, limits, |place| self.cycle.recovered_from(place + self.distance)));
+                    pieces.extend(
+                        self.moved(index, limits, |place| self.cycle.recovered_from(place + self.distance)),
+                    );
                 }
                 State::Unloading(_) => pieces.extend(self.unloading(index, limits)),
             }
@@ -625,11 +671,11 @@ impl Law for Retraction<'_> {
         self.law(state).constant(state.regime()).filter(|_| !varies)
     }
 
-    fn evaluate(&self, regime: usize, interference: &[f64], out: &mut Responses, work: &mut Work) {
+    fn evaluate(&self, regime: usize, interference: &[f64], out: &mut Responses, stats: &mut SolverStats) {
         let state = self.states[regime];
         let (law, base) = (self.law(state), state.regime());
         if let State::Unloading(_) = state {
-            law.evaluate(base, interference, out, work);
+            law.evaluate(base, interference, out, stats);
             self.unload(interference, out);
             return;
         }
@@ -649,18 +695,18 @@ impl Law for Retraction<'_> {
         if let (State::Lowered(_), Some(flattened)) = (state, &self.cycle.flattened) {
             let mut ratios = [0.0; BLOCK];
             let ratios = &mut ratios[..interference.len()];
-            self.cycle.radius_ratios(interference, ratios, out, work);
+            self.cycle.radius_ratios(interference, ratios, out, stats);
             own.iter_mut().for_each(|delta| *delta -= self.distance);
             match law.constant(base) {
-                None => flattened.attraction(ratios, own, out, work),
+                None => flattened.attraction(ratios, own, out, stats),
                 Some(adhesion) => {
-                    law.evaluate(base, own, out, work);
+                    law.evaluate(base, own, out, stats);
                     out.adhesion.iter_mut().zip(ratios).for_each(|(out, ratio)| *out = adhesion * *ratio);
                 }
             }
             return;
         }
         own.iter_mut().for_each(|delta| *delta = (*delta - self.distance).clamp(lower, upper));
-        law.evaluate(base, own, out, work);
+        law.evaluate(base, own, out, stats);
     }
 }

@@ -3,7 +3,9 @@
 use super::{AsperityArguments, Failure, print};
 use crate::asperity::models::{MODELS, Model, model};
 use crate::asperity::scale::pressure_factor;
-use crate::asperity::{Law, LawError, Regime, Responses, Scratch, Setting, Work, for_each_block};
+use crate::asperity::{
+    Law, LawError, LawParameters, Regime, Responses, Scratch, SolverStats, for_each_block,
+};
 use crate::experiment::scene_file::read_text;
 use crate::scene::echo::shortened;
 use crate::scene::nearest;
@@ -27,11 +29,13 @@ pub(super) fn asperity(arguments: &AsperityArguments) -> Result<(), Failure> {
     let mut law: Option<(f64, Box<dyn Law>)> = None;
     for (lambda, delta) in points {
         if !(delta.abs() <= 1e100) {
-            return Err(Failure::Usage(format!("delta = {delta}: a finite number is needed, -1e100 to 1e100")));
+            return Err(Failure::Usage(format!(
+                "delta = {delta}: a finite number is needed, -1e100 to 1e100"
+            )));
         }
         let known = match law.take() {
             Some((known, law)) if known == lambda => law,
-            _ => (model.build)(&setting(lambda, arguments)?).map_err(usage)?,
+            _ => (model.build)(&parameters(lambda, arguments)?).map_err(usage)?,
         };
         text += &line(known.as_ref(), lambda, delta, arguments)?;
         law = Some((lambda, known));
@@ -43,28 +47,31 @@ pub(super) fn asperity(arguments: &AsperityArguments) -> Result<(), Failure> {
 pub(super) fn find(argument: &str, name: &str) -> Result<Model, Failure> {
     model(name.trim()).ok_or_else(|| {
         let names: Vec<&str> = MODELS.iter().map(|model| model.name).collect();
-        let hint =
-            nearest(name, names.iter().copied()).map(|near| format!(" (did you mean {near}?)")).unwrap_or_default();
+        let hint = nearest(name, names.iter().copied())
+            .map(|near| format!(" (did you mean {near}?)"))
+            .unwrap_or_default();
         Failure::Usage(format!("{argument} {name}: unknown law{hint}; known: {}", names.join(", ")))
     })
 }
 
 /// The scaled asperity that the arguments ask for.
-fn setting(lambda: f64, arguments: &AsperityArguments) -> Result<Setting, Failure> {
-    let setting = Setting::scaled(lambda, arguments.path).map_err(usage)?;
-    let setting = Setting {
+fn parameters(lambda: f64, arguments: &AsperityArguments) -> Result<LawParameters, Failure> {
+    let parameters = LawParameters::scaled(lambda, arguments.path).map_err(usage)?;
+    let parameters = LawParameters {
         critical_interference: arguments.critical_interference.unwrap_or(f64::INFINITY),
-        pressure_factor: arguments.poisson_ratio.map_or(setting.pressure_factor, pressure_factor),
+        pressure_factor: arguments.poisson_ratio.map_or(parameters.pressure_factor, pressure_factor),
         lubricant_thickness: arguments.lubricant_thickness,
         reach: arguments.tables.map(|furthest| (-furthest, furthest)),
-        ..setting
+        ..parameters
     };
-    setting.checked().map_err(usage)
+    parameters.checked().map_err(usage)
 }
 
 fn usage(error: LawError) -> Failure {
     Failure::Usage(match error {
-        LawError::NotInTable3 => "fit:paper is of three asperities with dimensions, and these have none".to_owned(),
+        LawError::NotInTable3 => {
+            "fit:paper is of three asperities with dimensions, and these have none".to_owned()
+        }
         LawError::Elastic(_) => format!("{error}: give --critical-interference, in the unit of --delta"),
         _ => error.to_string(),
     })
@@ -79,8 +86,8 @@ fn line(law: &dyn Law, lambda: f64, delta: f64, arguments: &AsperityArguments) -
         plastic = law.regimes()[regime] == Regime::Plastic;
         response = [responses.adhesion[0], responses.contact[0], responses.area[0]];
     };
-    let mut work = Work::default();
-    for_each_block(law, &[delta], 0.0, &mut Scratch::default(), &mut work, visit);
+    let mut stats = SolverStats::default();
+    for_each_block(law, &[delta], 0.0, &mut Scratch::default(), &mut stats, visit);
     if plastic && arguments.poisson_ratio.is_none() {
         return Err(Failure::Usage(format!(
             "delta = {delta} is fully plastic: give --poisson-ratio, which its load needs"
@@ -88,8 +95,11 @@ fn line(law: &dyn Law, lambda: f64, delta: f64, arguments: &AsperityArguments) -
     }
     let [adhesion, contact, area] = response;
     let numbers = [adhesion, contact - adhesion, (area / PI).sqrt()].map(|value| format!("{value:.16e}"));
-    let cost =
-        if arguments.diagnostics { format!(",{},{}", work.evaluations, work.safeguarded) } else { String::new() };
+    let cost = if arguments.diagnostics {
+        format!(",{},{}", stats.evaluations, stats.safeguarded)
+    } else {
+        String::new()
+    };
     Ok(format!("{lambda:.16e},{delta:.16e},{branch},{}{cost}\n", numbers.join(",")))
 }
 
@@ -161,12 +171,14 @@ mod tests {
         "18446744073709551616",
     ];
 
-    /// Any text is a table or is refused in a line that names its line; what is read is as many points as there are rows.
+    /// Any text is a table or is refused in a line that names its line; what is read is as many points as
+    /// there are rows.
     #[test]
     fn every_text_is_a_table_or_refused_in_a_line() {
         let pieces = proptest::collection::vec(proptest::sample::select(&PIECES[..]), 0..12);
-        let header =
-            proptest::sample::select(&["", "lambda,delta\n", "delta, x ,lambda\r\n", "lambda,lambda,delta\n"][..]);
+        let header = proptest::sample::select(
+            &["", "lambda,delta\n", "delta, x ,lambda\r\n", "lambda,lambda,delta\n"][..],
+        );
         let config = Config { cases: 20_000, failure_persistence: None, ..Config::default() };
         let mut runner = TestRunner::new_with_rng(config, TestRng::from_seed(RngAlgorithm::ChaCha, &[7; 32]));
         let read = std::cell::Cell::new(0);
@@ -174,11 +186,18 @@ mod tests {
             let text = header.to_owned() + &pieces.concat();
             match points(&text) {
                 Ok(points) => {
-                    prop_assert_eq!(points.len(), text.lines().skip(1).filter(|line| !line.trim().is_empty()).count());
+                    prop_assert_eq!(
+                        points.len(),
+                        text.lines().skip(1).filter(|line| !line.trim().is_empty()).count()
+                    );
                     read.set(read.get() + usize::from(!points.is_empty()));
                 }
                 Err(problem) => {
-                    prop_assert!(problem.starts_with("line ") && !problem.contains(char::is_control), "{:?}", problem);
+                    prop_assert!(
+                        problem.starts_with("line ") && !problem.contains(char::is_control),
+                        "{:?}",
+                        problem
+                    );
                     prop_assert!(problem.len() < 300, "{}", problem);
                 }
             }
@@ -191,7 +210,9 @@ mod tests {
     /// Megabytes without a line end, or of line ends, take no longer than they are.
     #[test]
     fn long_tables_take_no_longer_than_they_are() {
-        for row in [",".repeat(4_000_000), "\n".repeat(4_000_000), "1,2\n".repeat(1_000_000), "9".repeat(4_000_000)] {
+        for row in
+            [",".repeat(4_000_000), "\n".repeat(4_000_000), "1,2\n".repeat(1_000_000), "9".repeat(4_000_000)]
+        {
             let begun = Instant::now();
             let _ = points(&format!("lambda,delta\n{row}"));
             assert!(begun.elapsed() < Duration::from_secs(10), "{:?}", begun.elapsed());

@@ -75,7 +75,8 @@ fn check_sweep(sweep: &Sweep, first: &Scene, path: &Path) -> Result<String, Fail
         }
     }
     for (warning, points) in warned {
-        let at = format!("at {} of {} points, first at {}", points.len(), sweep.count(), sweep.name(points[0]));
+        let at =
+            format!("at {} of {} points, first at {}", points.len(), sweep.count(), sweep.name(points[0]));
         text += &(row("warning", &warning.finding) + &row("", &at) + &paragraph(&warning.explanation()));
     }
     let sizes = Sizes { files: 2.0 * sweep.count() as f64, ..largest };
@@ -117,7 +118,8 @@ fn cost(plan: &Plan, sizes: &Sizes, most: &str) -> String {
     let mut text = row("time", &format!("{most}about {all} on {threads} ({on_one} on one)"));
     let parts = format!("integral {integral}, test functionals {functionals}, ensemble {ensemble}");
     let busy = sizes.workers();
-    let idle = if busy < sizes.threads { format!("; only {busy} have a batch of replicas") } else { String::new() };
+    let idle =
+        if busy < sizes.threads { format!("; only {busy} have a batch of replicas") } else { String::new() };
     text += &row("", &format!("{parts}{idle}"));
     text += &row("memory", &format!("about {} on {threads}", bytes(sizes.memory())));
     text + &row("disk", &format!("at most about {}", bytes(sizes.disk())))
@@ -149,9 +151,15 @@ fn targets(stopping: &Stopping) -> String {
             Limit::Absolute(largest) => si(largest, target.unit()),
         };
         let mean = format!("{} mean of {}", target.estimate.name(), target.name());
-        row(if i == 0 { "until" } else { "and" }, &format!("the {mean} has a standard error of at most {limit}"))
+        row(
+            if i == 0 { "until" } else { "and" },
+            &format!("the {mean} has a standard error of at most {limit}"),
+        )
     });
-    let looks = format!("first looked at after {} replicas, then after a tenth more each time", stopping.min_replicas);
+    let looks = format!(
+        "first looked at after {} replicas, then after a tenth more each time",
+        stopping.min_replicas
+    );
     lines.collect::<String>() + &row("", &looks)
 }
 
@@ -182,7 +190,10 @@ pub(super) fn numbers(scene: &Scene) -> String {
     let (first, last) = (scene.separations[0], scene.separations[scene.separations.len() - 1]);
     let h_star = |h: f64| h / surface.surface_height_std;
     let mut text = String::new();
-    text += &row("lambda", &format!("{}  adhesion parameter (unit of approach {})", pure(lambda), si(length, "m")));
+    text += &row(
+        "lambda",
+        &format!("{}  adhesion parameter (unit of approach {})", pure(lambda), si(length, "m")),
+    );
     text += &row(
         "psi",
         &format!(
@@ -192,7 +203,10 @@ pub(super) fn numbers(scene: &Scene) -> String {
         ),
     );
     if let Some(critical_approach) = scene.critical_approach {
-        text += &row("delta_A", &format!("{}  critical approach, as the scene sets it", si(critical_approach, "m")));
+        text += &row(
+            "delta_A",
+            &format!("{}  critical approach, as the scene sets it", si(critical_approach, "m")),
+        );
     }
     let (mean, std) = surface.heights.moments();
     let varies = match surface.count_law {
@@ -232,10 +246,16 @@ fn laws(surface: &Surface, mean_height: f64) -> String {
     if surface.is_scattered() {
         let radius = si(surface.asperity_radius, "m");
         let what = if matches!(surface.radii, Radii::Nayak(_)) { "1/mean curvature" } else { "mean radius" };
-        text += &row("radii", &format!("{}; {what} {radius}: each asperity has its own lambda", surface.radii.about()));
+        text += &row(
+            "radii",
+            &format!("{}; {what} {radius}: each asperity has its own lambda", surface.radii.about()),
+        );
     }
     if surface.whole {
-        text += &row("", "every replica is the measured surface itself: one says all, and nothing is left to chance");
+        text += &row(
+            "",
+            "every replica is the measured surface itself: one says all, and nothing is left to chance",
+        );
     }
     text
 }
@@ -245,8 +265,10 @@ pub(super) fn beyond(plan: &Plan) -> String {
     if plan.beyond < 1e-6 {
         return String::new();
     }
-    let text =
-        format!("up to {:.3} asperities per replica are beyond this law's last regime and bear no force", plan.beyond);
+    let text = format!(
+        "up to {:.3} asperities per replica are beyond this law's last regime and bear no force",
+        plan.beyond
+    );
     row("left out", &text)
 }
 

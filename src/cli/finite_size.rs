@@ -7,11 +7,11 @@ use super::{Failure, FiniteSizeArguments, files_of, law_of, print_of, read_scene
 use crate::experiment::integral::Way;
 use crate::experiment::record::{write_about, write_model};
 use crate::output::checkpoint::Identity;
-use crate::output::columns::Beside;
+use crate::output::columns::SceneFiles;
 use crate::output::reader::Reader;
 use crate::output::schema::{Dimension, FINITE_SIZE, RUN};
 use crate::output::writer::Writer;
-use crate::output::{Claim, OutputError};
+use crate::output::{OutputError, OutputLock};
 use crate::scene::echo::one_line;
 use crate::scene::files::Files;
 use crate::scene::{Scene, Sweep};
@@ -29,20 +29,23 @@ const PROBE: f64 = 1e11;
 
 pub(super) fn finite_size(arguments: &FiniteSizeArguments) -> Result<(), Failure> {
     let counts = counts(&arguments.counts).map_err(|problem| {
-        Failure::Usage(format!("--counts {}: {problem}, such as 10,100,1e4 or 10:1e6:11", one_line(&arguments.counts)))
+        Failure::Usage(format!(
+            "--counts {}: {problem}, such as 10,100,1e4 or 10:1e6:11",
+            one_line(&arguments.counts)
+        ))
     })?;
     let scene = read_scene(&arguments.scene)?;
     let output = output_of(arguments);
-    let session = Session::new(&arguments.sitting.execution, arguments.sitting.checkpoint)?;
+    let session = Session::new(&arguments.options.execution, arguments.options.checkpoint)?;
     refuse(&scene).map_err(|problem| named(&arguments.scene, problem))?;
-    let files: Arc<dyn Files> = Arc::new(Beside::scene(&arguments.scene));
+    let files: Arc<dyn Files> = Arc::new(SceneFiles::scene(&arguments.scene));
     let sweep = sizes(&scene, &counts, &files).map_err(|problem| named(&arguments.scene, &problem))?;
-    let claim = Claim::new(&output, &files_of(&arguments.scene, &scene))?;
-    let points = Points::new(&sweep, &arguments.scene, &claim, &arguments.sitting, None);
+    let lock = OutputLock::new(&output, &files_of(&arguments.scene, &scene))?;
+    let points = Points::new(&sweep, &arguments.scene, &lock, &arguments.options, None);
     points.require(session.pool.current_num_threads())?;
     let integral = session.pool.install(|| integral(&points, &scene))?;
     let identity = points.identity(&scene.text)?;
-    if !points.manner.force && output.exists() && !has_counts(&output, &counts) {
+    if !points.policy.force && output.exists() && !has_counts(&output, &counts) {
         return Err(OutputError::Exists(output).into());
     }
     if !points.begin(&FINITE_SIZE, &identity)? {
@@ -50,7 +53,8 @@ pub(super) fn finite_size(arguments: &FiniteSizeArguments) -> Result<(), Failure
         return Ok(());
     }
     points.compute(0..sweep.count(), &session)?;
-    let found = found(&points, &counts, integral).and_then(|study| write(&points, &identity, &study).map(|()| study));
+    let found =
+        found(&points, &counts, integral).and_then(|study| write(&points, &identity, &study).map(|()| study));
     let study = found.map_err(|error| points.kept(Failure::not_written(error, &output)))?;
     points.clear()?;
     print_of(&output, &(summary(&scene, &study) + &row("written", &output.display().to_string())))
@@ -100,7 +104,8 @@ fn counts(text: &str) -> Result<Vec<u64>, String> {
                 if !(to > from && (2..=MOST).contains(&count)) {
                     return Err(format!("a range rises, and has 2 to {MOST} numbers"));
                 }
-                let spaced = |i: usize| (from * libm::pow(to / from, i as f64 / (count - 1) as f64)).round() as u64;
+                let spaced =
+                    |i: usize| (from * libm::pow(to / from, i as f64 / (count - 1) as f64)).round() as u64;
                 counts.extend((0..count).map(spaced));
             }
             _ => return Err(format!("`{}` is neither a number nor a range FROM:TO:COUNT", one_line(item))),
@@ -114,12 +119,15 @@ fn counts(text: &str) -> Result<Vec<u64>, String> {
     }
 }
 
-/// The sweep of the nominal area that gives each number of asperities, with sums by moments where these are as good.
+/// The sweep of the nominal area that gives each number of asperities, with sums by moments where these are
+/// as good.
 fn sizes(scene: &Scene, counts: &[u64], files: &Arc<dyn Files>) -> Result<Sweep, String> {
     const KEY: &str = "surface.nominal_area";
-    let texts: &[(&str, &str)] = if scene.sum_tolerance.is_some() { &[] } else { &[("solver.sum", "compressed")] };
-    let along =
-        |areas| Sweep::along(&scene.text, KEY, areas, texts, Arc::clone(files)).map_err(|error| error.to_string());
+    let texts: &[(&str, &str)] =
+        if scene.sum_tolerance.is_some() { &[] } else { &[("solver.sum", "compressed")] };
+    let along = |areas| {
+        Sweep::along(&scene.text, KEY, areas, texts, Arc::clone(files)).map_err(|error| error.to_string())
+    };
     let probe = PROBE / scene.surface.asperity_count as f64 * scene.surface.nominal_area;
     let probe = along(vec![probe])?.scene(0).map_err(|error| error.to_string())?.surface;
     let density = probe.asperity_count as f64 / probe.nominal_area;
@@ -137,7 +145,8 @@ fn integral(points: &Points<'_>, scene: &Scene) -> Result<f64, Failure> {
 }
 
 fn has_counts(output: &Path, counts: &[u64]) -> bool {
-    let values = Reader::open(output, &[&FINITE_SIZE]).and_then(|reader| reader.values::<u64>("/asperity_count"));
+    let values =
+        Reader::open(output, &[&FINITE_SIZE]).and_then(|reader| reader.values::<u64>("/asperity_count"));
     values.is_ok_and(|values| values == counts)
 }
 
@@ -172,7 +181,8 @@ fn found(points: &Points<'_>, counts: &[u64], integral: f64) -> Result<Study, Ou
     let bias: Vec<f64> = sizes.iter().map(|size| size.bias[0]).collect();
     let errors: Vec<f64> = sizes.iter().map(|size| size.bias[1]).collect();
     let approach = Approach::new(&counts, &bias, &errors);
-    let reached = ACCURACIES.map(|accuracy| Reached::new(accuracy, &counts, &bias, &errors, approach.as_ref().ok()));
+    let reached =
+        ACCURACIES.map(|accuracy| Reached::new(accuracy, &counts, &bias, &errors, approach.as_ref().ok()));
     Ok(Study { integral, sizes, approach, reached })
 }
 
@@ -184,8 +194,10 @@ fn size(file: &Path, count: u64, integral: f64) -> Result<Size, OutputError> {
     };
     // Of the scalars, the pull-off force is the first.
     let first = |name: &str| per_asperity(&format!("/ensemble/scalar_{name}")).map(|values| values[0]);
-    let means =
-        [[first("mean")?, first("standard_error")?], [first("controlled_mean")?, first("controlled_standard_error")?]];
+    let means = [
+        [first("mean")?, first("standard_error")?],
+        [first("controlled_mean")?, first("controlled_standard_error")?],
+    ];
     let pull_off = per_asperity("/replicas/pull_off_force")?;
     let relative: Vec<f64> = pull_off.iter().map(|force| force / integral).collect();
     Ok(Size {
@@ -204,11 +216,15 @@ fn write(points: &Points<'_>, identity: &Identity, study: &Study) -> Result<(), 
     let Ok(first) = points.scene(0) else {
         unreachable!("the scenes of all points were read before");
     };
-    let mut writer = Writer::create(&FINITE_SIZE, points.claim, points.manner.force)?;
+    let mut writer = Writer::create(&FINITE_SIZE, points.lock, points.policy.force)?;
     write_about(&writer, &first.title, &identity.scene)?;
     write_model(&writer, &first, identity.seed)?;
     writer.number("/", "adhesion_parameter", first.scale().lambda)?;
-    writer.number("/", "plasticity_index", first.asperity.plasticity_index(first.surface.surface_height_std))?;
+    writer.number(
+        "/",
+        "plasticity_index",
+        first.asperity.plasticity_index(first.surface.surface_height_std),
+    )?;
     let Study { integral, sizes, approach, reached } = study;
     writer.scale(Dimension::AsperityCount, &of_sizes(sizes, |size| size.count))?;
     writer.scale(Dimension::Replica, &(0..sizes[0].pull_off.len() as u64).collect::<Vec<u64>>())?;
@@ -223,7 +239,8 @@ fn write(points: &Points<'_>, identity: &Identity, study: &Study) -> Result<(), 
     }
     writer.dataset("/bias", &of_sizes(sizes, |size| size.bias[0]))?;
     writer.dataset("/bias_standard_error", &of_sizes(sizes, |size| size.bias[1]))?;
-    let fitted = |size: &Size| approach.as_ref().map_or(f64::NAN, |fit: &Approach| fit.bias(size.count as f64));
+    let fitted =
+        |size: &Size| approach.as_ref().map_or(f64::NAN, |fit: &Approach| fit.bias(size.count as f64));
     writer.dataset("/bias_fitted", &of_sizes(sizes, fitted))?;
     let is_fitted = approach.as_ref().map_or(vec![false; sizes.len()], |fit| fit.fitted.clone());
     writer.dataset("/is_fitted", &is_fitted.into_iter().map(u8::from).collect::<Vec<u8>>())?;
@@ -256,11 +273,12 @@ fn of_sizes<T>(sizes: &[Size], of: impl Fn(&Size) -> T) -> Vec<T> {
 }
 
 fn summary(scene: &Scene, study: &Study) -> String {
-    let mut text =
-        format!("{}\n", if scene.title.is_empty() { "Untitled scene".to_owned() } else { one_line(&scene.title) });
+    let mut text = format!(
+        "{}\n",
+        if scene.title.is_empty() { "Untitled scene".to_owned() } else { one_line(&scene.title) }
+    );
     text += &row("integral", &format!("pull-off {} for each asperity", si(study.integral, "N")));
-    text +=
-        "\n           N   mean pull-off against the integral    scatter  skewness   5 % to 95 % of patches   sums\n";
+    text += "\n           N   mean pull-off against the integral    scatter  skewness   5 % to 95 % of patches   sums\n";
     for Size { count, bias: [bias, error], scatter, sum, .. } in &study.sizes {
         let [_, low, .., high, _] = scatter.quantiles;
         let bias = match *bias {
@@ -269,21 +287,32 @@ fn summary(scene: &Scene, study: &Study) -> String {
         };
         let range = format!("{low:.3} to {high:.3}");
         let (relative_std, skewness) = (percent(scatter.relative_std), scatter.skewness);
-        text += &format!("{count:>12}   {bias:>34} {relative_std:>10} {skewness:>9.2}   {range:>22}   {sum}\n");
+        text +=
+            &format!("{count:>12}   {bias:>34} {relative_std:>10} {skewness:>9.2}   {range:>22}   {sum}\n");
     }
     text.push('\n');
     text += &match &study.approach {
         Err(refusal) => {
-            row("approach", "no power law, and nothing beyond the largest size:") + &row("", &refusal.to_string())
+            row("approach", "no power law, and nothing beyond the largest size:")
+                + &row("", &refusal.to_string())
         }
         Ok(fit) => {
             let [_, exponent_error] = fit.standard_errors;
-            let law =
-                format!("bias = {:.3} N^-{:.3}, exponent ± {}", fit.coefficient, fit.exponent, bound(exponent_error));
+            let law = format!(
+                "bias = {:.3} N^-{:.3}, exponent ± {}",
+                fit.coefficient,
+                fit.exponent,
+                bound(exponent_error)
+            );
             let (chi, freedom) = (fit.chi_squared, fit.degrees_of_freedom);
             let sizes = fit.fitted.iter().filter(|fitted| **fitted).count();
             row("approach", &law)
-                + &row("", &format!("fitted to {sizes} sizes, chi squared {chi:.1} for {freedom} degrees of freedom"))
+                + &row(
+                    "",
+                    &format!(
+                        "fitted to {sizes} sizes, chi squared {chi:.1} for {freedom} degrees of freedom"
+                    ),
+                )
         }
     };
     for (i, (accuracy, reached)) in ACCURACIES.iter().zip(study.reached).enumerate() {
@@ -295,7 +324,8 @@ fn summary(scene: &Scene, study: &Study) -> String {
             Reached::Beyond => format!("beyond N = {}", study.sizes[study.sizes.len() - 1].count),
             Reached::Unknown => "unknown: the bias is not known as well as that".to_owned(),
         };
-        text += &row(if i == 0 { "good to" } else { "" }, &format!("{:>3.0} % from {count}", 100.0 * accuracy));
+        text +=
+            &row(if i == 0 { "good to" } else { "" }, &format!("{:>3.0} % from {count}", 100.0 * accuracy));
     }
     let p_values: Vec<f64> = study.sizes.iter().map(|size| size.p_value).collect();
     let (verdict, level) = (overall(&p_values).name(), 100.0 * SIGNIFICANCE);
@@ -314,9 +344,19 @@ mod tests {
         assert_eq!(counts("10,1e3, 100,100"), Ok(vec![10, 100, 1000]));
         assert_eq!(counts("10:1e6:6"), Ok(vec![10, 100, 1000, 10_000, 100_000, 1_000_000]));
         assert_eq!(counts("5,10:40:3"), Ok(vec![5, 10, 20, 40]));
-        for wrong in
-            ["", "10", "0,10", "1.5,10", "10:5:3", "10:100:1", "10:100", "1e11,10", "nan,1", "-5,10", "10:1e6:101"]
-        {
+        for wrong in [
+            "",
+            "10",
+            "0,10",
+            "1.5,10",
+            "10:5:3",
+            "10:100:1",
+            "10:100",
+            "1e11,10",
+            "nan,1",
+            "-5,10",
+            "10:1e6:101",
+        ] {
             assert!(counts(wrong).is_err(), "{wrong}");
         }
     }

@@ -2,8 +2,18 @@
 
 /// A quantity with an SI prefix and four significant digits.
 pub(super) fn si(value: f64, unit: &str) -> String {
-    const PREFIXES: [(&str, i32); 10] =
-        [("f", -15), ("p", -12), ("n", -9), ("µ", -6), ("m", -3), ("", 0), ("k", 3), ("M", 6), ("G", 9), ("T", 12)];
+    const PREFIXES: [(&str, i32); 10] = [
+        ("f", -15),
+        ("p", -12),
+        ("n", -9),
+        ("µ", -6),
+        ("m", -3),
+        ("", 0),
+        ("k", 3),
+        ("M", 6),
+        ("G", 9),
+        ("T", 12),
+    ];
     if value == 0.0 || !value.is_finite() {
         return format!("{value} {unit}");
     }
@@ -41,11 +51,13 @@ pub(super) fn percent(share: f64) -> String {
 pub(super) fn bound(value: f64) -> String {
     let nearest = format!("{value:.0e}");
     match nearest.split_once('e') {
-        Some((digit, exponent)) if nearest.parse::<f64>().is_ok_and(|nearest| nearest < value) => match digit.parse() {
-            Ok(9) => format!("1e{}", exponent.parse::<i32>().unwrap_or_default() + 1),
-            Ok(digit) => format!("{}e{exponent}", digit + 1),
-            Err(_) => nearest,
-        },
+        Some((digit, exponent)) if nearest.parse::<f64>().is_ok_and(|nearest| nearest < value) => {
+            match digit.parse() {
+                Ok(9) => format!("1e{}", exponent.parse::<i32>().unwrap_or_default() + 1),
+                Ok(digit) => format!("{}e{exponent}", digit + 1),
+                Err(_) => nearest,
+            }
+        }
         _ => nearest,
     }
 }
@@ -107,7 +119,9 @@ pub(super) fn paragraph(text: &str) -> String {
     for word in text.split_whitespace() {
         match lines.last_mut() {
             Some(line) if line.is_empty() => line.push_str(word),
-            Some(line) if line.chars().count() + 1 + word.chars().count() <= LINE => *line += &format!(" {word}"),
+            Some(line) if line.chars().count() + 1 + word.chars().count() <= LINE => {
+                *line += &format!(" {word}")
+            }
             _ => lines.push(word.to_owned()),
         }
     }

@@ -69,7 +69,9 @@ fn completeness(reader: &Reader, path: &Path) -> Result<String, Failure> {
         }
         return Ok(match file.pieces.len() {
             0 => text + &wide("replicas", "none: there are more shards than batches of replicas"),
-            count if count > MOST_PIECES => text + &wide("", &format!("and {} points more", count - MOST_PIECES)),
+            count if count > MOST_PIECES => {
+                text + &wide("", &format!("and {} points more", count - MOST_PIECES))
+            }
             _ => text,
         });
     }
@@ -79,7 +81,8 @@ fn completeness(reader: &Reader, path: &Path) -> Result<String, Failure> {
     if reader.layout().format == SWEEP.format {
         return Ok(wide("incomplete", "replica_count says how many replicas of each point are there"));
     }
-    let (there, all) = (reader.values::<u64>("/replica")?, reader.number::<u64>("/", "replicas_of_whole_run")?);
+    let (there, all) =
+        (reader.values::<u64>("/replica")?, reader.number::<u64>("/", "replicas_of_whole_run")?);
     let ranges = there.chunk_by(|one, next| one.checked_add(1) == Some(*next));
     let named = ranges.map(|range| format!("{} to {}", range[0], range[range.len() - 1])).take(MOST_PIECES);
     let named: Vec<String> = named.collect();
@@ -120,7 +123,8 @@ fn checkpoint(path: &Path) -> Result<(), Failure> {
     let checkpoint = Checkpoint::<State>::read(path)?;
     let Checkpoint { identity, seconds, resumptions, .. } = &checkpoint;
     let mut text = format!("{}\n", one_line(&path.display().to_string()));
-    text += &wide("format", "checkpoint of an interrupted run; the command that made it goes on with --resume");
+    text +=
+        &wide("format", "checkpoint of an interrupted run; the command that made it goes on with --resume");
     text += &wide("program_version", &identity.program_version);
     text += &wide("source_hash", &identity.source_hash);
     text += &wide("seed", &identity.seed.to_string());

@@ -2,25 +2,26 @@
 
 use super::format::{percent, row, si};
 use crate::experiment::results::Results;
-use crate::experiment::sampling::holding;
+use crate::experiment::sampling::loading;
 use crate::experiment::snaps::{Counts, Snaps};
 use crate::scene::Scene;
 
 /// Most stiffnesses of which the summary tells.
 const SHOWN: usize = 8;
 
-/// Rows of the summary: how often surfaces snap in, and after each turn how hard they are pulled off and how often they snap off.
+/// Rows of the summary: how often surfaces snap in, and after each turn how hard they are pulled off and how
+/// often they snap off.
 pub(super) fn instability(results: &Results) -> String {
     let snaps = Snaps::of(results);
-    let holding = snaps.holding;
-    if holding.length() == 0 {
+    let loading = snaps.loading;
+    if loading.length() == 0 {
         return String::new();
     }
     let label = |line: usize, label: &str| if line == 0 { label.to_owned() } else { String::new() };
     let mut text = String::new();
-    let shown = shown(holding.stiffness.len());
-    for (line, &i) in shown.iter().enumerate().filter(|_| holding.ways.0) {
-        let (counts, stiffness) = (snaps.counts(snaps.place_in(i)), stiffness_text(holding.stiffness[i]));
+    let shown = shown(loading.stiffness.len());
+    for (line, &i) in shown.iter().enumerate().filter(|_| loading.ways.0) {
+        let (counts, stiffness) = (snaps.counts(snaps.place_in(i)), stiffness_text(loading.stiffness[i]));
         let replicas = results.scene.replicas;
         text += &row(&label(line, "snap-in"), &held_by(counts, &stiffness, replicas, "last"));
     }
@@ -29,13 +30,15 @@ pub(super) fn instability(results: &Results) -> String {
         let taken = snaps.pull_off(turn).2;
         for (line, &i) in shown.iter().enumerate().filter(|_| taken > 0) {
             let counts = snaps.counts(snaps.place_off(p, i));
-            let stiffness = stiffness_text(holding.stiffness[i]);
+            let stiffness = stiffness_text(loading.stiffness[i]);
             text += &row(&label(line, "snap-off"), &held_by(counts, &stiffness, taken, "first"));
         }
     }
-    if holding.stiffness.len() > shown.len() {
-        text +=
-            &row("", &format!("{} of {} stiffnesses; all are in /instability", shown.len(), holding.stiffness.len()));
+    if loading.stiffness.len() > shown.len() {
+        text += &row(
+            "",
+            &format!("{} of {} stiffnesses; all are in /instability", shown.len(), loading.stiffness.len()),
+        );
     }
     text
 }
@@ -49,26 +52,28 @@ fn shown(all: usize) -> Vec<usize> {
 /// Where the replicas turn back, and what pulls them off.
 fn turned(snaps: &Snaps<'_>, retraction: usize, turn: usize, replicas: u64) -> String {
     let (mean, std, count) = snaps.pull_off(turn);
-    let place = match snaps.holding.preload.get(retraction) {
+    let place = match snaps.loading.preload.get(retraction) {
         Some(preload) => format!("at {}, which {count} of {replicas} replicas reach", si(*preload, "N")),
         None => "at the smallest separation".to_owned(),
     };
     if count == 0 {
         return place;
     }
-    let scatter = if std.is_finite() { format!(", scatter {}", percent(std / mean.abs())) } else { String::new() };
+    let scatter =
+        if std.is_finite() { format!(", scatter {}", percent(std / mean.abs())) } else { String::new() };
     format!("{place}; pull-off {}{scatter}", si(mean, "N"))
 }
 
-/// How many of the replicas that took a way snap, held by a stiffness. One that is unstable where the separations begin, the first or the
-/// last of them, would have snapped beyond.
+/// How many of the replicas that took a way snap, held by a stiffness. One that is unstable where the
+/// separations begin, the first or the last of them, would have snapped beyond.
 fn held_by(counts: Counts, stiffness: &str, taken: u64, begin: &str) -> String {
     let unknown = taken - counts.known;
     if counts.known == 0 {
         return format!("not known held by {stiffness}: all are unstable at the {begin} separation");
     }
     let (low, high) = counts.interval();
-    let share = format!("{} of replicas (95 %: {} to {})", percent(counts.share()), percent(low), percent(high));
+    let share =
+        format!("{} of replicas (95 %: {} to {})", percent(counts.share()), percent(low), percent(high));
     let flies = if counts.unstopped > 0 { format!(", {} fly off", counts.unstopped) } else { String::new() };
     let left_out = match unknown {
         0 => String::new(),
@@ -84,8 +89,8 @@ fn stiffness_text(stiffness: f64) -> String {
 
 /// What holds the surfaces of a scene, for `check` and the heading of a summary.
 pub(super) fn held(scene: &Scene) -> String {
-    let holding = holding(scene);
-    if holding.length() == 0 {
+    let loading = loading(scene);
+    if loading.length() == 0 {
         return String::new();
     }
     let list = |values: &[f64], text: &dyn Fn(f64) -> String| match values {
@@ -93,12 +98,12 @@ pub(super) fn held(scene: &Scene) -> String {
         [only] => text(*only),
         [first, .., last] => format!("{} values from {} to {}", values.len(), text(*first), text(*last)),
     };
-    let mut text = row("held by", &list(holding.stiffness, &stiffness_text));
-    if !holding.preload.is_empty() {
-        text += &row("preload", &list(holding.preload, &|preload| si(preload, "N")));
+    let mut text = row("held by", &list(loading.stiffness, &stiffness_text));
+    if !loading.preload.is_empty() {
+        text += &row("preload", &list(loading.preload, &|preload| si(preload, "N")));
     }
-    if holding.smallest_snap > 0.0 {
-        text += &row("snaps", &format!("of at least {}", si(holding.smallest_snap, "m")));
+    if loading.smallest_snap > 0.0 {
+        text += &row("snaps", &format!("of at least {}", si(loading.smallest_snap, "m")));
     }
     text
 }

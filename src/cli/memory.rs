@@ -1,10 +1,12 @@
-//! What becomes of the program when there is no more memory: a message, no file that it would have removed, and its exit code; not an abort.
+//! What becomes of the program when there is no more memory: a message, no file that it would have removed,
+//! and its exit code; not an abort.
 //!
-//! Rust ends a process that an allocation is refused to. So do the C library, where it has to note down a thread's destructor, and a thread
-//! that finds no place for its signal stack. None of them runs a destructor, so files are removed by the register of them.
+//! Rust ends a process that an allocation is refused to. So do the C library, where it has to note down a
+//! thread's destructor, and a thread that finds no place for its signal stack. None of them runs a
+//! destructor, so files are removed by the register of them.
 #![allow(unsafe_code)]
 
-use super::apart::is_apart;
+use super::sandbox::is_sandboxed;
 use crate::output::{is_kept, remove_registered};
 use signal_hook::consts::SIGABRT;
 use signal_hook::low_level;
@@ -16,7 +18,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 pub(super) const SHORT: &str = "not enough memory";
 /// Bytes of the longest message.
 const LONGEST: usize = 512;
-/// How the standard library begins to say that a thread finds no place for its signal stack, or cannot be started.
+/// How the standard library begins to say that a thread finds no place for its signal stack, or cannot be
+/// started.
 const NO_THREAD: [&str; 2] = ["failed to allocate", "failed to spawn thread"];
 
 /// Whether a thread ends the process already.
@@ -26,7 +29,8 @@ static ENDS: AtomicBool = AtomicBool::new(false);
 #[derive(Debug)]
 pub struct Allocator;
 
-// SAFETY: All is done by the allocator of the system, whose answers are passed on as they are; for a null pointer the process ends.
+// SAFETY: All is done by the allocator of the system, whose answers are passed on as they are; for a null
+// pointer the process ends.
 unsafe impl GlobalAlloc for Allocator {
     #[inline]
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
@@ -72,20 +76,21 @@ enum Cause {
     Aborted,
 }
 
-/// Has ends for want of memory that are not seen by the allocator end as those that are. A process that reads a file of unknown origin may
-/// be aborted for what is in that, and leaves nothing.
+/// Has ends for want of memory that are not seen by the allocator end as those that are. A process that reads
+/// a file of unknown origin may be aborted for what is in that, and leaves nothing.
 ///
 /// # Errors
 /// When the operating system refuses.
 pub(super) fn watch() -> std::io::Result<()> {
-    if !is_apart() {
+    if !is_sandboxed() {
         // SAFETY: What is done there allocates nothing and waits for nobody.
         unsafe { low_level::register(SIGABRT, || end(Cause::Aborted)) }?;
     }
     let usual = std::panic::take_hook();
     std::panic::set_hook(Box::new(move |panic| {
         let payload = panic.payload();
-        let text = payload.downcast_ref::<String>().map(String::as_str).or(payload.downcast_ref::<&str>().copied());
+        let text =
+            payload.downcast_ref::<String>().map(String::as_str).or(payload.downcast_ref::<&str>().copied());
         match text {
             Some(text) if NO_THREAD.iter().any(|begin| text.starts_with(begin)) => end(Cause::NoThread),
             _ => usual(panic),
@@ -94,8 +99,8 @@ pub(super) fn watch() -> std::io::Result<()> {
     Ok(())
 }
 
-/// Ends the process, with a message that says why. Allocates nothing, and runs no destructor: other threads go on
-/// until then, and may wait for this one.
+/// Ends the process, with a message that says why. Allocates nothing, and runs no destructor: other threads
+/// go on until then, and may wait for this one.
 #[cold]
 fn end(cause: Cause) -> ! {
     while ENDS.swap(true, Ordering::SeqCst) {

@@ -1,6 +1,5 @@
 //! The command line: arguments, exit codes and what the terminal shows.
 
-mod apart;
 mod asperities;
 mod asperity;
 mod check;
@@ -15,6 +14,7 @@ mod points;
 mod progress;
 mod resources;
 mod run;
+mod sandbox;
 mod session;
 mod shard;
 mod summary;
@@ -27,10 +27,10 @@ use crate::asperity::models::Model;
 use crate::asperity::{Law, Loop, Path as History};
 use crate::engine::Shard;
 use crate::experiment;
-use crate::experiment::checkpoint::Manner;
+use crate::experiment::checkpoint::OverwritePolicy;
 use crate::math::instruction_set::InstructionSet;
 use crate::output::OutputError;
-use crate::output::columns::Beside;
+use crate::output::columns::SceneFiles;
 use crate::scene::echo::{one_line, printable};
 use crate::scene::units::{Dimension, parse};
 use crate::scene::{Document, Scene, SceneError};
@@ -67,13 +67,17 @@ enum Command {
     )]
     Run(RunArguments),
     /// Put the shards of a run together: the same result as by one run of all
-    #[command(after_help = "Example:\n  stiction merge -o case_ii.h5 case_ii.shard-1-of-2.h5 case_ii.shard-2-of-2.h5")]
+    #[command(
+        after_help = "Example:\n  stiction merge -o case_ii.h5 case_ii.shard-1-of-2.h5 case_ii.shard-2-of-2.h5"
+    )]
     Merge(MergeArguments),
     /// Compare laws on the same asperities: a table, and one HDF5 file if asked for
     #[command(after_help = "Example:\n  stiction compare configs/case_ii.toml --laws hybrid,emd,isbl,sbl")]
     Compare(CompareArguments),
     /// Find how the pull-off of a finite patch goes to the integral's as its asperities become more
-    #[command(after_help = "Example:\n  stiction finite-size configs/case_ii.toml --counts 10:1e5:9 --replicas 200")]
+    #[command(
+        after_help = "Example:\n  stiction finite-size configs/case_ii.toml --counts 10:1e5:9 --replicas 200"
+    )]
     FiniteSize(FiniteSizeArguments),
     /// Say what a scene would compute, what it skips and why, and what that takes; computes nothing
     #[command(after_help = "Example:\n  stiction check configs/case_ii.toml")]
@@ -119,7 +123,7 @@ struct Execution {
 
 /// How ensembles are computed that may be interrupted.
 #[derive(Args)]
-struct Sitting {
+struct RunOptions {
     /// Number of replicas, of each point where there are several, instead of the scene's
     #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1_000_000_000_000))]
     replicas: Option<u64>,
@@ -136,9 +140,9 @@ struct Sitting {
     execution: Execution,
 }
 
-impl Sitting {
-    fn manner(&self) -> Manner {
-        Manner { resume: self.resume, force: self.execution.force }
+impl RunOptions {
+    fn policy(&self) -> OverwritePolicy {
+        OverwritePolicy { resume: self.resume, force: self.execution.force }
     }
 }
 
@@ -149,11 +153,12 @@ struct RunArguments {
     /// Where the result goes; by default the scene's name with .h5, in the current folder
     #[arg(short, long, value_name = "FILE.h5")]
     output: Option<PathBuf>,
-    /// Compute only the I-th of N shards, for `stiction merge`; the default output is then the scene's name with .shard-I-of-N.h5
+    /// Compute only the I-th of N shards, for `stiction merge`; the default output is then the scene's name
+    /// with .shard-I-of-N.h5
     #[arg(long, value_name = "I/N")]
     shard: Option<Shard>,
     #[command(flatten)]
-    sitting: Sitting,
+    options: RunOptions,
 }
 
 #[derive(Args)]
@@ -204,7 +209,8 @@ struct AsperitiesArguments {
     /// Where the result goes; by default there is only the summary
     #[arg(short, long, value_name = "FILE.h5")]
     output: Option<PathBuf>,
-    /// Size of a pixel, such as "9.8 nm", or its width and height, "9.8 nm,10 nm"; by default from the header of a text
+    /// Size of a pixel, such as "9.8 nm", or its width and height, "9.8 nm,10 nm"; by default from the header
+    /// of a text
     #[arg(long, value_name = "DX[,DY]", value_parser = pixel, allow_hyphen_values = true)]
     pixel: Option<[f64; 2]>,
     /// Unit of the heights, such as nm; by default what the file says
@@ -232,7 +238,7 @@ struct FiniteSizeArguments {
     #[arg(short, long, value_name = "FILE.h5")]
     output: Option<PathBuf>,
     #[command(flatten)]
-    sitting: Sitting,
+    options: RunOptions,
 }
 
 #[derive(Args)]
@@ -261,7 +267,8 @@ struct AsperityArguments {
     /// Scaled thickness of the lubricant
     #[arg(long, value_name = "T", value_parser = not_negative, default_value = "0", allow_negative_numbers = true)]
     lubricant_thickness: f64,
-    /// Adds the columns iterations (evaluations of the equations) and safeguarded (1 where the search took a bracket)
+    /// Adds the columns iterations (evaluations of the equations) and safeguarded (1 where the search took a
+    /// bracket)
     #[arg(long)]
     diagnostics: bool,
     /// Largest |delta| that starting tables are made for; without it every solve is safeguarded
@@ -305,7 +312,10 @@ fn pixel(text: &str) -> Result<[f64; 2], String> {
     let length = |text: &str| match parse(text, Dimension::Length) {
         Ok(length) if PIXELS.contains(&length) => Ok(length),
         Ok(_) => Err("a pixel is between 1e-13 and 1e3 m".to_owned()),
-        Err(_) => Err(format!("a length with its unit is needed, such as \"9.8 nm\" ({})", Dimension::Length.units())),
+        Err(_) => Err(format!(
+            "a length with its unit is needed, such as \"9.8 nm\" ({})",
+            Dimension::Length.units()
+        )),
     };
     let (width, height) = text.split_once(',').unwrap_or((text, text));
     Ok([length(height)?, length(width)?])
@@ -313,7 +323,8 @@ fn pixel(text: &str) -> Result<[f64; 2], String> {
 
 /// A unit of length in m.
 fn length_unit(unit: &str) -> Result<f64, String> {
-    parse(&format!("1 {unit}"), Dimension::Length).map_err(|_| format!("known: {}", Dimension::Length.units()))
+    parse(&format!("1 {unit}"), Dimension::Length)
+        .map_err(|_| format!("known: {}", Dimension::Length.units()))
 }
 
 /// Why a command ends without its result.
@@ -402,9 +413,12 @@ impl From<experiment::Error> for Failure {
             Error::Scene { .. } | Error::Unreadable { .. } | Error::IsSweep(_) | Error::Law { .. } => {
                 Self::Usage(error.to_string())
             }
-            Error::Unfinished { .. } => Self::Usage(format!("{error}; --resume goes on with it, --force begins anew")),
+            Error::Unfinished { .. } => {
+                Self::Usage(format!("{error}; --resume goes on with it, --force begins anew"))
+            }
             Error::OtherRun { checkpoint: path, problem } => {
-                OutputError::NotACheckpoint { path, problem: format!("{problem}; --force begins anew") }.into()
+                OutputError::NotACheckpoint { path, problem: format!("{problem}; --force begins anew") }
+                    .into()
             }
             Error::Interrupted { done, of, kept } => Self::Interrupted { done, of, kept },
             Error::Kept { error, replicas, checkpoint } => {
@@ -440,7 +454,8 @@ impl From<OutputError> for Failure {
 fn kept(failure: Failure, what: &str) -> Failure {
     let arguments = std::env::args_os().map(|argument| argument.to_string_lossy().into_owned());
     let resume = "--resume".to_owned();
-    let arguments: Vec<String> = arguments.filter(|argument| *argument != resume).chain([resume.clone()]).collect();
+    let arguments: Vec<String> =
+        arguments.filter(|argument| *argument != resume).chain([resume.clone()]).collect();
     let command = shlex::try_join(arguments.iter().map(String::as_str)).unwrap_or_default();
     Failure::Kept { failure: Box::new(failure), advice: format!("{what}; to go on:\n  {command}") }
 }
@@ -473,8 +488,8 @@ pub fn main() -> ExitCode {
     }
 }
 
-/// The arguments, with negative numbers up to a `--` written without exponent and with a digit before the point: `-1e-5` and `-.5`
-/// would be taken for options.
+/// The arguments, with negative numbers up to a `--` written without exponent and with a digit before the
+/// point: `-1e-5` and `-.5` would be taken for options.
 fn decimal(arguments: impl Iterator<Item = OsString>) -> impl Iterator<Item = OsString> {
     let mut options = true;
     arguments.map(move |argument| {
@@ -487,9 +502,11 @@ fn decimal(arguments: impl Iterator<Item = OsString>) -> impl Iterator<Item = Os
 
 fn execute(command: Command) -> Result<(), Failure> {
     InstructionSet::of_environment().map_err(Failure::Usage)?.select();
-    // To write beyond the size that files may have is then an error, as on a full disk; without a handler the signal would kill.
+    // To write beyond the size that files may have is then an error, as on a full disk; without a handler the
+    // signal would kill.
     #[cfg(unix)]
-    signal_hook::flag::register(signal_hook::consts::SIGXFSZ, Arc::default()).context("cannot handle signals")?;
+    signal_hook::flag::register(signal_hook::consts::SIGXFSZ, Arc::default())
+        .context("cannot handle signals")?;
     memory::watch().context("cannot handle signals")?;
     match command {
         Command::Run(arguments) => run::run(&arguments),
@@ -497,8 +514,8 @@ fn execute(command: Command) -> Result<(), Failure> {
         Command::Compare(arguments) => compare::compare(&arguments),
         Command::FiniteSize(arguments) => finite_size::finite_size(&arguments),
         Command::Check { scene } => check::check(&scene),
-        Command::Validate { file } => apart::apart(&file, validate::validate),
-        Command::Info { file } => apart::apart(&file, info::info),
+        Command::Validate { file } => sandbox::sandboxed(&file, validate::validate),
+        Command::Info { file } => sandbox::sandboxed(&file, info::info),
         Command::Asperities(arguments) => asperities::asperities(&arguments),
         Command::Asperity(arguments) => asperity::asperity(&arguments),
     }
@@ -525,7 +542,9 @@ fn printed(written: std::io::Result<()>) -> Result<(), Failure> {
 
 /// Prints what is said of a result that is complete, and says that it is where this fails.
 fn print_of(output: &Path, text: &str) -> Result<(), Failure> {
-    print(text).map_err(|failure| Failure::Running(anyhow!("{failure}; the result {} is complete", output.display())))
+    print(text).map_err(|failure| {
+        Failure::Running(anyhow!("{failure}; the result {} is complete", output.display()))
+    })
 }
 
 /// A law for the asperities of a scene, with the scene's file named in every error.
@@ -542,8 +561,10 @@ fn loop_of(scene: &Scene, path: &Path) -> Result<Option<Loop>, Failure> {
 
 /// The files that a scene is made of: its own, and those that it takes values from.
 fn files_of(path: &Path, scene: &Scene) -> Vec<PathBuf> {
-    let beside = Beside::scene(path);
-    std::iter::once(path.to_owned()).chain(scene.inputs.iter().map(|input| beside.path(&input.path))).collect()
+    let beside = SceneFiles::scene(path);
+    std::iter::once(path.to_owned())
+        .chain(scene.inputs.iter().map(|input| beside.path(&input.path)))
+        .collect()
 }
 
 /// Reads a scene or a sweep, with its file named in every error.
@@ -571,7 +592,8 @@ fn read_scene(path: &Path) -> Result<Scene, Failure> {
     match read_document(path)? {
         Document { scene, sweep: None } => Ok(scene),
         Document { .. } => {
-            let problem = "has a table [sweep], which only `stiction run` and `stiction check` take; leave it out here";
+            let problem =
+                "has a table [sweep], which only `stiction run` and `stiction check` take; leave it out here";
             Err(Failure::Usage(format!("{}: {problem}", path.display())))
         }
     }

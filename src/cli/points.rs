@@ -1,19 +1,21 @@
-//! The points of a sweep: each an ordinary run with an output of its own, in a folder beside the output of all.
+//! The points of a sweep: each an ordinary run with an output of its own, in a folder beside the output of
+//! all.
 //!
-//! The folder `out.h5.points` holds `0001.h5` and so on with their checksums, and beside the point that is being computed its checkpoint. It stays when the sweep is
-//! interrupted, and goes when the output of all is complete. Points can be computed in any order, and a range of them by itself.
+//! The folder `out.h5.points` holds `0001.h5` and so on with their checksums, and beside the point that is
+//! being computed its checkpoint. It stays when the sweep is interrupted, and goes when the output of all is
+//! complete. Points can be computed in any order, and a range of them by itself.
 
 use super::progress::Progress;
 use super::run::laws_of;
 use super::session::{Session, override_ensemble};
-use super::{Failure, Sitting, kept, law_of, refused_scene, resources};
+use super::{Failure, RunOptions, kept, law_of, refused_scene, resources};
 use crate::engine::Shard;
-use crate::experiment::checkpoint::{Manner, Run, State, identity, is_result_of};
+use crate::experiment::checkpoint::{OverwritePolicy, Run, State, identity, is_result_of};
 use crate::experiment::prepared::{Task, run_scene};
 use crate::output::checkpoint::{Checkpoint, Identity, forget, is_checkpoint};
 use crate::output::checksum::{self, Finding};
 use crate::output::schema::{Layout, RUN};
-use crate::output::{Claim, OutputError, beside, note_kept};
+use crate::output::{OutputError, OutputLock, beside, note_kept};
 use crate::scene::echo::shortened;
 use crate::scene::{Scene, Sizes, Sweep, with_inputs};
 use std::ffi::OsString;
@@ -32,8 +34,8 @@ pub(super) struct Points<'a> {
     /// The file of the scene, for messages.
     pub source: &'a Path,
     /// The claim on the output of all.
-    pub claim: &'a Claim,
-    pub manner: Manner,
+    pub lock: &'a OutputLock,
+    pub policy: OverwritePolicy,
     /// Of the command line, in the place of the scene's.
     pub replicas: Option<u64>,
     pub seed: Option<u64>,
@@ -43,14 +45,20 @@ pub(super) struct Points<'a> {
 
 impl<'a> Points<'a> {
     /// Those of a sweep on their way into a claimed output, as the command line asks for them.
-    pub fn new(sweep: &'a Sweep, source: &'a Path, claim: &'a Claim, sitting: &Sitting, shard: Option<Shard>) -> Self {
-        let Sitting { replicas, seed, .. } = *sitting;
-        Self { sweep, source, claim, manner: sitting.manner(), replicas, seed, shard }
+    pub fn new(
+        sweep: &'a Sweep,
+        source: &'a Path,
+        lock: &'a OutputLock,
+        options: &RunOptions,
+        shard: Option<Shard>,
+    ) -> Self {
+        let RunOptions { replicas, seed, .. } = *options;
+        Self { sweep, source, lock, policy: options.policy(), replicas, seed, shard }
     }
 
     /// The folder of the points.
     pub fn folder(&self) -> PathBuf {
-        self.claim.beside(".points")
+        self.lock.beside(".points")
     }
 
     /// The output of a point.
@@ -69,7 +77,8 @@ impl<'a> Points<'a> {
     /// Which sweep it is: `text` is what it was read from.
     pub fn identity(&self, text: &str) -> Result<Identity, Failure> {
         let first = self.scene(0)?;
-        let seed = self.seed.unwrap_or(if self.sweep.common_random_numbers { first.seed } else { self.own_seed()? });
+        let seed =
+            self.seed.unwrap_or(if self.sweep.common_random_numbers { first.seed } else { self.own_seed()? });
         Ok(Identity {
             scene: with_inputs(text, &first.inputs),
             seed,
@@ -86,7 +95,7 @@ impl<'a> Points<'a> {
     pub fn require(&self, threads: usize) -> Result<(), Failure> {
         let sizes = self.sizes(threads)?;
         let sizes = Sizes { files: COPIES * self.sweep.count() as f64, ..sizes };
-        resources::require(self.source, &sizes, (!self.folder().exists()).then_some(self.claim.output()))
+        resources::require(self.source, &sizes, (!self.folder().exists()).then_some(self.lock.output()))
     }
 
     /// What the point that takes most memory takes.
@@ -103,14 +112,14 @@ impl<'a> Points<'a> {
         Ok(largest.expect("a sweep has points"))
     }
 
-    /// Whether anything is left to do for the output of all, which has this layout and identity. Refused if that would overwrite a
-    /// result, or drop or mistake points that are there.
+    /// Whether anything is left to do for the output of all, which has this layout and identity. Refused if
+    /// that would overwrite a result, or drop or mistake points that are there.
     pub fn begin(&self, layout: &'static Layout, identity: &Identity) -> Result<bool, Failure> {
-        let Manner { resume, force } = self.manner;
-        let exists = self.claim.check(force);
+        let OverwritePolicy { resume, force } = self.policy;
+        let exists = self.lock.check(force);
         if resume {
             if let Err(exists) = exists {
-                if !is_result_of(self.claim.output(), layout, identity, false) {
+                if !is_result_of(self.lock.output(), layout, identity, false) {
                     return Err(exists.into());
                 }
                 self.clear()?;
@@ -131,7 +140,7 @@ impl<'a> Points<'a> {
 
     /// Refuses what is kept of an earlier run, or drops it.
     fn refuse_kept(&self, force: bool) -> Result<(), Failure> {
-        let checkpoint = self.claim.beside(".checkpoint");
+        let checkpoint = self.lock.beside(".checkpoint");
         let folder = self.folder();
         let what = match (is_checkpoint(&checkpoint), !self.entries()?.own.is_empty()) {
             (false, false) => return Ok(()),
@@ -146,7 +155,7 @@ impl<'a> Points<'a> {
             return Err(Failure::Usage(what));
         }
         if is_checkpoint(&checkpoint) {
-            forget(self.claim)?;
+            forget(self.lock)?;
         }
         self.clear()
     }
@@ -157,7 +166,9 @@ impl<'a> Points<'a> {
             let (file, checkpoint) = (self.file(point), self.checkpoint(point));
             let scene = self.scene(point)?;
             self.drop_damaged(point)?;
-            if file.exists() && !is_result_of(&file, &RUN, &identity(Run { scene: &scene, shard: None }), false) {
+            if file.exists()
+                && !is_result_of(&file, &RUN, &identity(Run { scene: &scene, shard: None }), false)
+            {
                 let point = self.sweep.name(point);
                 return Err(Failure::Usage(format!(
                     "{} is not {point} of this sweep as it would be computed now; --force begins anew",
@@ -176,22 +187,23 @@ impl<'a> Points<'a> {
         Ok(())
     }
 
-    /// Drops the result of a point that is not what it was when it was finished, and says so: it is computed again.
+    /// Drops the result of a point that is not what it was when it was finished, and says so: it is computed
+    /// again.
     fn drop_damaged(&self, point: usize) -> Result<(), Failure> {
         let file = self.file(point);
         if file.symlink_metadata().is_err() {
             return Ok(());
         }
         // A link is refused here.
-        let claim = Claim::within(file)?;
-        let problem = match checksum::check(claim.output())? {
+        let lock = OutputLock::within(file)?;
+        let problem = match checksum::check(lock.output())? {
             Finding::Intact => return Ok(()),
             Finding::Damaged => "is damaged: it does not have its checksum",
             Finding::Unknown => "has no checksum",
         };
-        eprintln!("{}: {} {problem}; it is computed again", self.sweep.name(point), claim.output().display());
-        let removed = std::fs::remove_file(claim.output());
-        let path = claim.output().to_owned();
+        eprintln!("{}: {} {problem}; it is computed again", self.sweep.name(point), lock.output().display());
+        let removed = std::fs::remove_file(lock.output());
+        let path = lock.output().to_owned();
         removed.map_err(|error| OutputError::Io { action: "cannot remove", path, error }.into())
     }
 
@@ -204,7 +216,9 @@ impl<'a> Points<'a> {
         let is_intact = |file: &PathBuf| match checksum::check(file)? {
             Finding::Intact => Ok(()),
             Finding::Damaged | Finding::Unknown => {
-                let error = std::io::Error::other("it does not have its checksum any more; --resume computes it again");
+                let error = std::io::Error::other(
+                    "it does not have its checksum any more; --resume computes it again",
+                );
                 Err(OutputError::Io { action: "cannot read", path: file.clone(), error })
             }
         };
@@ -245,9 +259,9 @@ impl<'a> Points<'a> {
         if self.done() > 0 {
             note_kept();
         }
-        let claim = Claim::within(output.clone())?;
-        let manner = Manner { resume: true, force: false };
-        let task = Task { output: &output, claim: &claim, manner, shard: None, is_read_back: true };
+        let lock = OutputLock::within(output.clone())?;
+        let policy = OverwritePolicy { resume: true, force: false };
+        let task = Task { output: &output, lock: &lock, policy, shard: None, is_read_back: true };
         let laws = laws_of(&scene, scene.replicas, (self.source, &task), session.pool.current_num_threads())?;
         let name = format!("point {} of {}", point + 1, self.sweep.count());
         Ok(run_scene(scene, laws, &task, session, &mut Progress::of_run(session.quiet, name)).map(drop)?)
@@ -270,7 +284,10 @@ impl<'a> Points<'a> {
             let _ = std::fs::remove_dir(&folder);
             return failure;
         }
-        kept(failure, &format!("{} of {} points are kept in {}", self.done(), self.sweep.count(), folder.display()))
+        kept(
+            failure,
+            &format!("{} of {} points are kept in {}", self.done(), self.sweep.count(), folder.display()),
+        )
     }
 
     /// What is in the folder of the points.
@@ -293,10 +310,12 @@ impl<'a> Points<'a> {
         Ok(found)
     }
 
-    /// Removes the folder of the points and what it holds of this program; what it holds of others stays there, which is said.
+    /// Removes the folder of the points and what it holds of this program; what it holds of others stays
+    /// there, which is said.
     pub fn clear(&self) -> Result<(), Failure> {
         let folder = self.folder();
-        let failed = |error| Failure::from(OutputError::Io { action: "cannot remove", path: folder.clone(), error });
+        let failed =
+            |error| Failure::from(OutputError::Io { action: "cannot remove", path: folder.clone(), error });
         let Entries { own, mut foreign } = self.entries()?;
         own.iter().try_for_each(std::fs::remove_file).map_err(failed)?;
         if foreign.is_empty() {
@@ -306,7 +325,8 @@ impl<'a> Points<'a> {
             };
         }
         foreign.sort();
-        let names: Vec<String> = foreign.iter().take(NAMED).map(|name| shortened(&name.to_string_lossy())).collect();
+        let names: Vec<String> =
+            foreign.iter().take(NAMED).map(|name| shortened(&name.to_string_lossy())).collect();
         let count = if foreign.len() == 1 { "a file".to_owned() } else { format!("{} files", foreign.len()) };
         eprintln!("{} stays, with {count} of others: {}", folder.display(), names.join(", "));
         Ok(())
@@ -345,7 +365,9 @@ mod tests {
 
     #[test]
     fn only_what_is_of_a_point_is_taken_for_it() {
-        for name in ["0001.h5", "10000.h5", ".0002.h5.lock", "0003.h5.checkpoint", "0003.h5.checkpoint.replicas"] {
+        for name in
+            ["0001.h5", "10000.h5", ".0002.h5.lock", "0003.h5.checkpoint", "0003.h5.checkpoint.replicas"]
+        {
             assert!(is_of_point(name), "{name}");
         }
         for name in ["notes.txt", "1.h5", "0001.h5.bak", "abcd.h5", "0001.h5.checkpoint.old", "", "."] {

@@ -1,5 +1,5 @@
-//! Progress on the terminal: the phase by name, and for the ensemble replicas done, their rate and the time left. Where there is no
-//! terminal, a line now and then.
+//! Progress on the terminal: the phase by name, and for the ensemble replicas done, their rate and the time
+//! left. Where there is no terminal, a line now and then.
 
 use crate::experiment::Observer;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
@@ -34,7 +34,8 @@ impl Progress {
 
     /// Shows nothing yet; then, before each phase, which run of several it is of.
     pub fn of_run(quiet: bool, run: String) -> Self {
-        let log = (!quiet && !std::io::stderr().is_terminal()).then(|| Log::new(&SCHEDULE, std::io::stderr()));
+        let log =
+            (!quiet && !std::io::stderr().is_terminal()).then(|| Log::new(&SCHEDULE, std::io::stderr()));
         Self { quiet, run, bar: ProgressBar::hidden(), log }
     }
 
@@ -44,7 +45,11 @@ impl Progress {
         if let Some(log) = &self.log {
             log.set(Some(Phase::new(title.clone(), count)));
         }
-        bar.set_draw_target(if self.quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() });
+        bar.set_draw_target(if self.quiet {
+            ProgressDrawTarget::hidden()
+        } else {
+            ProgressDrawTarget::stderr()
+        });
         let style = ProgressStyle::with_template(template).expect("templates are checked by a test");
         bar.set_style(style.with_key("rate", |state: &ProgressState, out: &mut dyn Write| {
             let _ = write!(out, "{:.1} per second", state.per_sec());
@@ -63,7 +68,12 @@ impl Observer for Progress {
 
     fn replicas(&mut self, name: &'static str, done: u64, total: u64) {
         let bar = ProgressBar::new(total);
-        self.begin(name, Some((done, total)), bar, "{msg} {wide_bar} {pos}/{len} replicas, {rate}, {eta} left");
+        self.begin(
+            name,
+            Some((done, total)),
+            bar,
+            "{msg} {wide_bar} {pos}/{len} replicas, {rate}, {eta} left",
+        );
         self.bar.set_position(done);
         self.bar.reset_eta();
     }
@@ -146,7 +156,10 @@ struct Log {
 }
 
 impl Log {
-    fn new(schedule: &'static Mutex<Option<Schedule>>, mut out: impl std::io::Write + Send + 'static) -> Self {
+    fn new(
+        schedule: &'static Mutex<Option<Schedule>>,
+        mut out: impl std::io::Write + Send + 'static,
+    ) -> Self {
         let phase = Arc::new(Mutex::new(None));
         let (stop, stopped) = channel();
         let due = move || {
@@ -242,7 +255,8 @@ mod tests {
         assert!(SOON.lock().unwrap().as_ref().unwrap().interval >= Duration::from_millis(10));
         assert!(lines.iter().count() < 100);
         let mut schedule = Schedule::new(LINES.0);
-        let intervals: Vec<u64> = (0..7).map(|_| (schedule.next(LINES.1), schedule.interval.as_secs()).1).collect();
+        let intervals: Vec<u64> =
+            (0..7).map(|_| (schedule.next(LINES.1), schedule.interval.as_secs()).1).collect();
         assert_eq!(intervals, [20, 40, 80, 160, 300, 300, 300]);
     }
 }

@@ -12,8 +12,8 @@ const GROUP_FILES: [(&str, [&str; 2]); 2] = [
     ("/sys/fs/cgroup/memory", ["memory.limit_in_bytes", "memory.usage_in_bytes"]),
 ];
 
-/// Bytes of address space that the program takes by itself, that the allocator of the GNU C library reserves for each thread, and threads
-/// beside those that compute.
+/// Bytes of address space that the program takes by itself, that the allocator of the GNU C library reserves
+/// for each thread, and threads beside those that compute.
 const RESERVE: (f64, f64, f64) = (3e8, 67_108_864.0, 4.0);
 
 /// Refuses a run that would take more memory, or more disk where its output is to be, than can be had.
@@ -45,15 +45,16 @@ fn shortage(what: &str, sizes: &Sizes, had: Option<f64>, needed: fn(&Sizes) -> f
     let fit = |choice: Choice| Some(choice.chosen(choice.most(sizes, limit, needed)?));
     let fitting: Vec<String> = Choice::ALL.into_iter().filter_map(fit).collect();
     let fitting = match fitting.as_slice() {
-        [] => "not even the fewest asperities, separations, replicas or threads by themselves would fit".to_owned(),
+        [] => "not even the fewest asperities, separations, replicas or threads by themselves would fit"
+            .to_owned(),
         fitting => format!("all else the same, {} would fit", fitting.join(", or ")),
     };
     let [needed, limit] = [needed(sizes), limit].map(bytes);
     Some(format!("the run would take about {needed} of {what}, and {limit} can be had; {fitting}"))
 }
 
-/// Bytes of memory that can be had by so many threads: what is available, and what limits of this process and of its control groups
-/// leave.
+/// Bytes of memory that can be had by so many threads: what is available, and what limits of this process and
+/// of its control groups leave.
 fn memory(threads: f64) -> Option<f64> {
     let ram = RefreshKind::nothing().with_memory(MemoryRefreshKind::nothing().with_ram());
     let available = System::new_with_specifics(ram).available_memory() as f64;
@@ -61,7 +62,8 @@ fn memory(threads: f64) -> Option<f64> {
     [available, address_space(threads), control_groups()].into_iter().flatten().reduce(f64::min)
 }
 
-/// Bytes of address space that are left of a limit such as that of `ulimit -v`: in it counts what is reserved too.
+/// Bytes of address space that are left of a limit such as that of `ulimit -v`: in it counts what is reserved
+/// too.
 #[cfg(unix)]
 fn address_space(threads: f64) -> Option<f64> {
     let limit = rustix::process::getrlimit(rustix::process::Resource::As).current? as f64;
@@ -87,7 +89,9 @@ fn control_groups() -> Option<f64> {
         // Each group limits those below it.
         let within = Path::new(path).ancestors().filter(move |_| counts);
         let (root, files) = GROUP_FILES[version];
-        within.filter_map(move |group| left_in(&Path::new(root).join(group.strip_prefix("/").unwrap_or(group)), files))
+        within.filter_map(move |group| {
+            left_in(&Path::new(root).join(group.strip_prefix("/").unwrap_or(group)), files)
+        })
     });
     left.reduce(f64::min)
 }

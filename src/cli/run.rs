@@ -5,7 +5,7 @@ use super::session::{Session, override_ensemble};
 use super::summary::summary;
 use super::{Failure, RunArguments, files_of, print_of, read_document, resources, shard, sweep};
 use crate::experiment::prepared::{Laws, Task, run_scene};
-use crate::output::Claim;
+use crate::output::OutputLock;
 use crate::scene::{Document, Scene, Sizes};
 use std::path::{Path, PathBuf};
 
@@ -18,13 +18,14 @@ pub(super) fn run(arguments: &RunArguments) -> Result<(), Failure> {
     if let Some(sweep) = sweep {
         return sweep::run(&sweep, &scene, arguments);
     }
-    override_ensemble(&mut scene, arguments.sitting.replicas, arguments.sitting.seed)?;
+    override_ensemble(&mut scene, arguments.options.replicas, arguments.options.seed)?;
     let output = output_of(arguments);
-    let session = Session::new(&arguments.sitting.execution, arguments.sitting.checkpoint)?;
-    let claim = Claim::new(&output, &files_of(&arguments.scene, &scene))?;
-    let manner = arguments.sitting.manner();
-    let task = Task { output: &output, claim: &claim, manner, shard: None, is_read_back: false };
-    let laws = laws_of(&scene, scene.replicas, (&arguments.scene, &task), session.pool.current_num_threads())?;
+    let session = Session::new(&arguments.options.execution, arguments.options.checkpoint)?;
+    let lock = OutputLock::new(&output, &files_of(&arguments.scene, &scene))?;
+    let policy = arguments.options.policy();
+    let task = Task { output: &output, lock: &lock, policy, shard: None, is_read_back: false };
+    let laws =
+        laws_of(&scene, scene.replicas, (&arguments.scene, &task), session.pool.current_num_threads())?;
     match run_scene(scene, laws, &task, &session, &mut Progress::new(session.quiet))? {
         Some(results) => print_of(&output, &summary(&results, &output)),
         None => {
@@ -45,7 +46,8 @@ pub(super) fn output_of(arguments: &RunArguments) -> PathBuf {
 /// The laws of a scene, for a task of so many replicas of it on so many threads.
 ///
 /// # Errors
-/// [`Failure::Usage`] with the file of the scene named, `source`, when a law cannot be made, or there is too little memory or disk.
+/// [`Failure::Usage`] with the file of the scene named, `source`, when a law cannot be made, or there is too
+/// little memory or disk.
 pub(super) fn laws_of(
     scene: &Scene,
     replicas: u64,
@@ -56,7 +58,7 @@ pub(super) fn laws_of(
     let laws = Laws::new(scene).map_err(refused)?;
     let sizes = Sizes { replicas: replicas as f64, ..Sizes::new(scene, laws.law.as_ref(), threads) };
     // What an interrupted run has kept is on the disk already.
-    let begins = !task.claim.beside(".checkpoint").exists();
+    let begins = !task.lock.beside(".checkpoint").exists();
     resources::require(source, &sizes, begins.then_some(task.output))?;
     Ok(laws)
 }

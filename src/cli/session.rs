@@ -1,4 +1,5 @@
-//! What commands that compute have in common: threads, interruptions, and what the command line says of the ensemble.
+//! What commands that compute have in common: threads, interruptions, and what the command line says of the
+//! ensemble.
 
 use super::{Execution, Failure};
 use crate::experiment::prepared;
@@ -40,7 +41,11 @@ impl Deref for Session {
 }
 
 /// Puts what the command line says of the ensemble in the place of what the scene says.
-pub(super) fn override_ensemble(scene: &mut Scene, replicas: Option<u64>, seed: Option<u64>) -> Result<(), Failure> {
+pub(super) fn override_ensemble(
+    scene: &mut Scene,
+    replicas: Option<u64>,
+    seed: Option<u64>,
+) -> Result<(), Failure> {
     if let Some(replicas) = replicas {
         let refused = |problem| Failure::Usage(format!("--replicas {replicas}: {problem}"));
         scene.sampling.check(replicas).map_err(refused)?;
@@ -59,7 +64,8 @@ pub(super) fn thread_pool(count: Option<u16>) -> Result<rayon::ThreadPool, Failu
     Ok(threads.build().context("cannot start threads")?)
 }
 
-/// Signals that come so soon after the first are one with it: `timeout`, for one, sends its signal to the program and then to its group.
+/// Signals that come so soon after the first are one with it: `timeout`, for one, sends its signal to the
+/// program and then to its group.
 const TOGETHER: Duration = Duration::from_millis(250);
 
 /// A flag that the first interruption sets; a second one that does not come with it ends the program at once.

@@ -1,4 +1,5 @@
-//! `stiction run --shard`: a fixed range of the batches of a run, of a sweep of all points one after the other, kept for `stiction merge`.
+//! `stiction run --shard`: a fixed range of the batches of a run, of a sweep of all points one after the
+//! other, kept for `stiction merge`.
 
 use super::format::{duration, row};
 use super::points::Points;
@@ -8,14 +9,14 @@ use super::session::{Session, override_ensemble};
 use super::{Failure, RunArguments, files_of, kept, print_of};
 use crate::engine::{Shard, batches_of, replicas_of};
 use crate::experiment::Phases;
-use crate::experiment::checkpoint::{Beginning, Manner, Run, State, beginning, record_of};
+use crate::experiment::checkpoint::{Beginning, OverwritePolicy, Run, State, beginning, record_of};
 use crate::experiment::prepared::{PreparedRun, Sampled, Task};
 use crate::experiment::record::{write_about, write_model};
 use crate::output::checkpoint::{Checkpoint, Journal, Visit, forget};
 use crate::output::schema::SHARD;
 use crate::output::shard::{Piece, Source, write};
 use crate::output::writer::Writer;
-use crate::output::{Claim, OutputError};
+use crate::output::{OutputError, OutputLock};
 use crate::scene::echo::one_line;
 use crate::scene::{Document, Scene, Sweep};
 use std::ops::Range;
@@ -25,14 +26,14 @@ use std::sync::atomic::Ordering;
 pub(super) fn run(shard: Shard, document: Document, arguments: &RunArguments) -> Result<(), Failure> {
     let output = output_of(shard, arguments);
     let Document { mut scene, sweep } = document;
-    override_ensemble(&mut scene, arguments.sitting.replicas, arguments.sitting.seed)?;
+    override_ensemble(&mut scene, arguments.options.replicas, arguments.options.seed)?;
     if scene.stopping.is_some() {
         let problem = "ends its ensemble at a target, so nobody knows before how many replicas there are to share; give --replicas";
         return Err(Failure::Usage(format!("{}: {problem}", arguments.scene.display())));
     }
-    let session = Session::new(&arguments.sitting.execution, arguments.sitting.checkpoint)?;
-    let claim = Claim::new(&output, &files_of(&arguments.scene, &scene))?;
-    let work = Work { shard, arguments, session: &session, claim: &claim, output: &output };
+    let session = Session::new(&arguments.options.execution, arguments.options.checkpoint)?;
+    let lock = OutputLock::new(&output, &files_of(&arguments.scene, &scene))?;
+    let work = Work { shard, arguments, session: &session, lock: &lock, output: &output };
     let made = match &sweep {
         None => work.one(scene)?,
         Some(sweep) => work.several(sweep)?,
@@ -90,7 +91,7 @@ struct Work<'a> {
     shard: Shard,
     arguments: &'a RunArguments,
     session: &'a Session,
-    claim: &'a Claim,
+    lock: &'a OutputLock,
     output: &'a Path,
 }
 
@@ -99,32 +100,39 @@ impl Work<'_> {
     fn one(&self, scene: Scene) -> Result<Option<String>, Failure> {
         let batches = self.shard.range(batches_of(scene.replicas));
         let parts = [Part { point: 0, scene: scene.clone(), batches, name: None }];
-        if !self.compute(&parts[0], self.arguments.sitting.manner(), Progress::new(self.session.quiet))? {
+        if !self.compute(&parts[0], self.arguments.options.policy(), Progress::new(self.session.quiet))? {
             return Ok(None);
         }
         let parts: &[Part] = if parts[0].batches.is_empty() { &[] } else { &parts };
         let about = About { scene: &scene, text: &scene.text, seed: scene.seed };
         let advised = |failure| match parts {
             [] => failure,
-            _ => kept(failure, &format!("all replicas are kept in {}", self.claim.beside(".checkpoint").display())),
+            _ => kept(
+                failure,
+                &format!("all replicas are kept in {}", self.lock.beside(".checkpoint").display()),
+            ),
         };
         let pieces = self.written(&about, parts).map_err(advised)?;
-        parts.iter().try_for_each(|_| forget(self.claim))?;
+        parts.iter().try_for_each(|_| forget(self.lock))?;
         Ok(Some(self.summary(&scene, &pieces, "")))
     }
 
     /// The same of a sweep.
     fn several(&self, sweep: &Sweep) -> Result<Option<String>, Failure> {
-        let points = Points::new(sweep, &self.arguments.scene, self.claim, &self.arguments.sitting, Some(self.shard));
+        let points =
+            Points::new(sweep, &self.arguments.scene, self.lock, &self.arguments.options, Some(self.shard));
         points.require(self.session.pool.current_num_threads())?;
         let identity = points.identity(sweep.source())?;
         if !points.begin(&SHARD, &identity)? {
             return Ok(None);
         }
-        let scenes = (0..sweep.count()).map(|point| points.scene(point)).collect::<Result<Vec<Scene>, Failure>>()?;
+        let scenes =
+            (0..sweep.count()).map(|point| points.scene(point)).collect::<Result<Vec<Scene>, Failure>>()?;
         let first = scenes[0].clone();
-        let shares = shares(self.shard, &scenes.iter().map(|scene| batches_of(scene.replicas)).collect::<Vec<u64>>());
-        let parts = scenes.into_iter().zip(shares).enumerate().filter(|(_, (_, batches))| !batches.is_empty());
+        let shares =
+            shares(self.shard, &scenes.iter().map(|scene| batches_of(scene.replicas)).collect::<Vec<u64>>());
+        let parts =
+            scenes.into_iter().zip(shares).enumerate().filter(|(_, (_, batches))| !batches.is_empty());
         let parts: Vec<Part> = parts
             .map(|(point, (scene, batches))| Part { point, scene, batches, name: Some(points.file(point)) })
             .collect();
@@ -132,7 +140,7 @@ impl Work<'_> {
             let name = format!("point {} of {}", part.point + 1, sweep.count());
             let progress = Progress::of_run(self.session.quiet, name);
             // What is there of a point is gone on with, whatever became of the shard.
-            let computed = self.compute(part, Manner { resume: true, force: false }, progress);
+            let computed = self.compute(part, OverwritePolicy { resume: true, force: false }, progress);
             computed.map_err(|failure| points.kept(points.at(part.point, failure)))?;
         }
         let about = About { scene: &first, text: &identity.scene, seed: identity.seed };
@@ -145,25 +153,26 @@ impl Work<'_> {
     fn with_claim<T, E: From<OutputError>>(
         &self,
         part: &Part,
-        work: impl FnOnce(&Claim) -> Result<T, E>,
+        work: impl FnOnce(&OutputLock) -> Result<T, E>,
     ) -> Result<T, E> {
         match &part.name {
-            None => work(self.claim),
-            Some(name) => work(&Claim::within(name.clone())?),
+            None => work(self.lock),
+            Some(name) => work(&OutputLock::within(name.clone())?),
         }
     }
 
-    /// Computes a part, after which a checkpoint of all of it is beside its name; `false` where the output was there already.
-    fn compute(&self, part: &Part, manner: Manner, mut progress: Progress) -> Result<bool, Failure> {
+    /// Computes a part, after which a checkpoint of all of it is beside its name; `false` where the output
+    /// was there already.
+    fn compute(&self, part: &Part, policy: OverwritePolicy, mut progress: Progress) -> Result<bool, Failure> {
         let replicas = part.replicas();
         let count = replicas.end - replicas.start;
-        self.with_claim(part, |claim| {
+        self.with_claim(part, |lock| {
             let output = part.name.as_deref().unwrap_or(self.output);
-            let task = Task { output, claim, manner, shard: Some(self.shard), is_read_back: false };
+            let task = Task { output, lock, policy, shard: Some(self.shard), is_read_back: false };
             let threads = self.session.pool.current_num_threads();
             let laws = laws_of(&part.scene, count, (&self.arguments.scene, &task), threads)?;
             let run = Run { scene: &part.scene, shard: task.shard };
-            let interrupted = match beginning(claim, run, manner)? {
+            let interrupted = match beginning(lock, run, policy)? {
                 Beginning::Complete => return Ok(false),
                 Beginning::Anew => None,
                 Beginning::Resumed(run) => Some(run),
@@ -177,9 +186,10 @@ impl Work<'_> {
             let state = interrupted.as_ref().map(|run| run.state().clone());
             let mut phases = Phases::new(&mut progress);
             let ground = PreparedRun::new(part.scene.clone(), laws, state, self.session, &mut phases);
-            let sampled = ground.sample(part.batches.clone(), interrupted, &task, self.session, &mut phases)?;
-            let Sampled { mut keeper, .. } = sampled;
-            keeper.save_held().map_err(|error| keeper.advised(error.into()))?;
+            let sampled =
+                ground.sample(part.batches.clone(), interrupted, &task, self.session, &mut phases)?;
+            let Sampled { mut checkpointer, .. } = sampled;
+            checkpointer.save_held().map_err(|error| checkpointer.advised(error.into()))?;
             Ok(true)
         })
     }
@@ -199,11 +209,17 @@ impl Work<'_> {
     }
 
     fn piece(&self, part: &Part) -> Result<Piece, Failure> {
-        self.with_claim(part, |claim| {
-            let path = claim.beside(".checkpoint");
+        self.with_claim(part, |lock| {
+            let path = lock.beside(".checkpoint");
             let Checkpoint { seconds, resumptions, .. } = Checkpoint::<State>::read(&path)?;
             let state_bytes = path.metadata().map_or(0, |metadata| metadata.len());
-            Ok(Piece { point: part.point as u64, replicas: part.replicas(), seconds, resumptions, state_bytes })
+            Ok(Piece {
+                point: part.point as u64,
+                replicas: part.replicas(),
+                seconds,
+                resumptions,
+                state_bytes,
+            })
         })
     }
 
@@ -214,7 +230,7 @@ impl Work<'_> {
         pieces: &[Piece],
         goes_on: &dyn Fn() -> bool,
     ) -> Result<bool, OutputError> {
-        let mut writer = Writer::create(&SHARD, self.claim, self.arguments.sitting.execution.force)?;
+        let mut writer = Writer::create(&SHARD, self.lock, self.arguments.options.execution.force)?;
         write_about(&writer, &about.scene.title, about.text)?;
         write_model(&writer, about.scene, about.seed)?;
         writer.number("/", "shard", self.shard.index)?;
@@ -233,8 +249,11 @@ impl Work<'_> {
         let mut text = format!("{title}\n");
         text += &row("shard", &format!("{} of {}", self.shard.index, self.shard.count));
         for (i, piece) in pieces.iter().enumerate() {
-            let point =
-                if of_points.is_empty() { String::new() } else { format!(", point {}{of_points}", piece.point + 1) };
+            let point = if of_points.is_empty() {
+                String::new()
+            } else {
+                format!(", point {}{of_points}", piece.point + 1)
+            };
             let own = shown(&piece.replicas, scene.replicas) + &point;
             text += &row(if i == 0 { "replicas" } else { "" }, &own);
         }
@@ -242,7 +261,10 @@ impl Work<'_> {
             text += &row("replicas", "none: there are more shards than batches of replicas");
         }
         let seconds = pieces.iter().fold(0.0, |sum, piece| sum + piece.seconds);
-        text += &row("time", &format!("{} on {} threads", duration(seconds), self.session.pool.current_num_threads()));
+        text += &row(
+            "time",
+            &format!("{} on {} threads", duration(seconds), self.session.pool.current_num_threads()),
+        );
         text + &row("written", &self.output.display().to_string())
     }
 }
@@ -268,17 +290,17 @@ struct Kept<'a> {
 
 impl Source for Kept<'_> {
     fn state(&mut self, piece: usize) -> Result<Vec<u8>, OutputError> {
-        self.work.with_claim(&self.parts[piece], |claim| {
-            let path = claim.beside(".checkpoint");
+        self.work.with_claim(&self.parts[piece], |lock| {
+            let path = lock.beside(".checkpoint");
             std::fs::read(&path).map_err(|error| OutputError::Io { action: "cannot read", path, error })
         })
     }
 
     fn records(&mut self, piece: usize, visit: &mut Visit<'_>) -> Result<(), OutputError> {
-        self.work.with_claim(&self.parts[piece], |claim| {
-            let checkpoint = Checkpoint::<State>::read(&claim.beside(".checkpoint"))?;
+        self.work.with_claim(&self.parts[piece], |lock| {
+            let checkpoint = Checkpoint::<State>::read(&lock.beside(".checkpoint"))?;
             let mut visited = Ok(true);
-            Journal::resume(claim, record_of(&self.parts[piece].scene).length(), &checkpoint, |words| {
+            Journal::resume(lock, record_of(&self.parts[piece].scene).length(), &checkpoint, |words| {
                 if let Ok(true) = visited {
                     visited = visit(words);
                 }

@@ -21,15 +21,16 @@ pub(super) fn summary(results: &Results, output: &Path) -> String {
     text += &beyond(&results.plan);
     text += &warned(&results.warnings);
     text.push('\n');
-    text += &results.stopped.as_ref().map(|stopped| ended(stopped, results.scene.replicas)).unwrap_or_default();
+    text +=
+        &results.stopped.as_ref().map(|stopped| ended(stopped, results.scene.replicas)).unwrap_or_default();
     text += &pull_off(results);
     text += &stiffness(results);
     text += &cycle(results);
     text += &instability(results);
     text += &at_pull_off(results);
     text += &verdict(&results.joint, &results.z, "all of them are in /validation");
-    let back = results.back.as_ref().map_or(0.0, |back| back.statistical.quadrature_error);
-    text += &row("integral", &error_bound(maximum(results.statistical.quadrature_error, back)));
+    let back = results.back.as_ref().map_or(0.0, |back| back.expectations.quadrature_error);
+    text += &row("integral", &error_bound(maximum(results.expectations.quadrature_error, back)));
     text += &times(results);
     text += &row("written", &output.display().to_string());
     text
@@ -37,8 +38,10 @@ pub(super) fn summary(results: &Results, output: &Path) -> String {
 
 /// Why there are so many replicas.
 fn ended(stopped: &Stopped, replicas: u64) -> String {
-    let mut text =
-        row("stopped", &format!("after {replicas} of at most {} replicas: {}", stopped.max_replicas, stopped.reason()));
+    let mut text = row(
+        "stopped",
+        &format!("after {replicas} of at most {} replicas: {}", stopped.max_replicas, stopped.reason()),
+    );
     for attained in &stopped.targets {
         let target = &attained.target;
         let error = |error: f64| match target.limit {
@@ -49,7 +52,11 @@ fn ended(stopped: &Stopped, replicas: u64) -> String {
         let [reached, largest] = [attained.standard_error, attained.largest].map(error);
         text += &row(
             "",
-            &format!("{} ({}) to {reached}, at most {largest}{missed}", target.name(), target.estimate.name()),
+            &format!(
+                "{} ({}) to {reached}, at most {largest}{missed}",
+                target.name(),
+                target.estimate.name()
+            ),
         );
         text += &interval(attained.interval, attained.samples, target.unit());
     }
@@ -97,7 +104,8 @@ fn scatter(mean: &ControlledMean, std: f64, unit: &str) -> String {
     format!("{value} ± {} (standard error), {scatter}", si(mean.standard_error, unit))
 }
 
-/// The mean over replicas to quote, which has control variates where they tell something, and the plain one beside it.
+/// The mean over replicas to quote, which has control variates where they tell something, and the plain one
+/// beside it.
 fn quoted(results: &Results, mean: &ControlledMean, unit: &str) -> String {
     let told = |value: f64, error: f64| match error.is_finite() {
         true => format!("{} ± {} (standard error)", si(value, unit), si(error, unit)),
@@ -108,7 +116,8 @@ fn quoted(results: &Results, mean: &ControlledMean, unit: &str) -> String {
     if results.controls.is_empty() || !reduction.is_finite() {
         return first(plain) + &interval(mean.interval, mean.samples, unit);
     }
-    let without = format!("with the integral as control variate, variance reduced {} times", factor(reduction));
+    let without =
+        format!("with the integral as control variate, variance reduced {} times", factor(reduction));
     let quoted = first(told(mean.controlled_mean, mean.controlled_standard_error));
     quoted
         + &interval(mean.controlled_interval, mean.samples, unit)
@@ -147,7 +156,10 @@ fn pull_off(results: &Results) -> String {
     };
     let at_edge = replicas.iter().filter(|replica| replica.pull_off_at_edge).count();
     if at_edge > 0 {
-        text += &row("", &format!("{at_edge} replicas have it at the edge of the separations: it may lie beyond"));
+        text += &row(
+            "",
+            &format!("{at_edge} replicas have it at the edge of the separations: it may lie beyond"),
+        );
     }
     let line = |name: &str, features: &Features| {
         let force = si(-features.minimum.value, "N");
@@ -166,17 +178,25 @@ fn stiffness(results: &Results) -> String {
     };
     let (of_mean, of_integral) = results.pulled();
     if !(of_integral.steepest.value > 0.0) {
-        return row("stiffest point", "none: the external force of the integral nowhere rises with the separation");
+        return row(
+            "stiffest point",
+            "none: the external force of the integral nowhere rises with the separation",
+        );
     }
     let mut text = line("stiffest point", "of the mean curve", of_mean);
     text += &line("", "of the integral", of_integral);
     let (mean, std) = moments(replicas, |replica| replica.peak_secant_stiffness);
     let (separation, _) = moments(replicas, |replica| replica.peak_secant_stiffness_separation);
     let scatter = std / mean.abs();
-    let scatter = if scatter > SUM_ROUNDING { format!(", scatter {}", percent(scatter)) } else { String::new() };
+    let scatter =
+        if scatter > SUM_ROUNDING { format!(", scatter {}", percent(scatter)) } else { String::new() };
     let (place, span) = (h_star(results, separation), si(results.scene.stiffness_span, "m"));
-    text += &row("", &format!("{} of single replicas on average{scatter}, at h* = {place:.3}:", si(mean, "N/m")));
-    text + &row("", &format!("their largest secant over {span} (separation.stiffness_span), as their curves jump"))
+    text +=
+        &row("", &format!("{} of single replicas on average{scatter}, at h* = {place:.3}:", si(mean, "N/m")));
+    text + &row(
+        "",
+        &format!("their largest secant over {span} (separation.stiffness_span), as their curves jump"),
+    )
 }
 
 /// What a loop costs, and where contact begins and ends.
@@ -186,25 +206,31 @@ fn cycle(results: &Results) -> String {
     let [energy, touchdown, takeoff] = [6, 7, 8].map(|scalar| &results.scalars[scalar]);
     let (_, std) = moments(replicas, LOOP_SCALARS[2].of);
     let nothing = energy.mean == 0.0 && !(std > 0.0);
-    let of_replicas =
-        if nothing { "nothing beyond rounding: both ways are one".to_owned() } else { scatter(energy, std, "J") };
+    let of_replicas = if nothing {
+        "nothing beyond rounding: both ways are one".to_owned()
+    } else {
+        scatter(energy, std, "J")
+    };
     let mut text = row("dissipated", &of_replicas);
-    if let Some([(radius, force), (other, other_force)]) = back.by_radius.filter(|[(_, force), _]| *force > 0.0) {
+    if let Some([(radius, force), (other, other_force)]) =
+        back.by_radius.filter(|[(_, force), _]| *force > 0.0)
+    {
         let change = 100.0 * (other_force / force - 1.0);
-        text = row("flowed tops", &format!("{} radius: the integral pulls off with {}", radius.name(), si(force, "N")))
-            + &row(
-                "",
-                &format!(
-                    "{} ({change:+.1} %) with unloaded_radius = \"{}\": so uncertain is the model",
-                    si(other_force, "N"),
-                    other.name()
-                ),
-            )
-            + &text;
+        text = row(
+            "flowed tops",
+            &format!("{} radius: the integral pulls off with {}", radius.name(), si(force, "N")),
+        ) + &row(
+            "",
+            &format!(
+                "{} ({change:+.1} %) with unloaded_radius = \"{}\": so uncertain is the model",
+                si(other_force, "N"),
+                other.name()
+            ),
+        ) + &text;
     }
-    let integrals = [&results.statistical, &back.statistical];
-    let forces =
-        integrals.map(|way| [Quantity::AdhesionForce, Quantity::ContactForce].map(|q| &*way.expected[q.index()]));
+    let integrals = [&results.expectations, &back.expectations];
+    let forces = integrals
+        .map(|way| [Quantity::AdhesionForce, Quantity::ContactForce].map(|q| &*way.expected[q.index()]));
     let error = integrals.iter().fold(SUM_ROUNDING, |error, way| maximum(error, way.quadrature_error));
     let of_integral = dissipated(&results.scene.separations, forces, error, results.scene.reach().1);
     text += &row("", &format!("{} of the integral, per cycle", si(of_integral, "J")));
@@ -220,13 +246,16 @@ fn cycle(results: &Results) -> String {
         .filter(|kept| kept.takeoff_separation > last)
         .count();
     if open > 0 {
-        text +=
-            &row("", &format!("{open} replicas keep contact at the largest separation: their loops are not closed"));
+        text += &row(
+            "",
+            &format!("{open} replicas keep contact at the largest separation: their loops are not closed"),
+        );
     }
     text
 }
 
-/// Shares of the regimes, and the contact area, at the pull-off of the integral, which the separations need not hold.
+/// Shares of the regimes, and the contact area, at the pull-off of the integral, which the separations need
+/// not hold.
 fn at_pull_off(results: &Results) -> String {
     let (integral, minimum) = (&results.at_pull_off, &results.pulled().1.minimum);
     let place = if minimum.value < 0.0 { minimum.place } else { results.scene.separations[0] };
@@ -243,14 +272,18 @@ fn at_pull_off(results: &Results) -> String {
     for (r, name) in results.regimes.iter().enumerate().filter(|(r, _)| some(*r)) {
         let mut shares = format!("{name:<16}{:>10} of asperities", percent(count[r][0] / all));
         if adhesion > 0.0 {
-            shares += &format!(" {:>10} of adhesion", percent(integral.regime_adhesion_force[r][0] / adhesion));
+            shares +=
+                &format!(" {:>10} of adhesion", percent(integral.regime_adhesion_force[r][0] / adhesion));
         }
         text += &row("", &shares);
     }
     let area = integral.expected[Quantity::ContactArea.index()][0] / results.scene.surface.nominal_area;
     text += &row(
         "",
-        &format!("in contact: {} of the nominal area (asperities are independent: no coupling", percent(area)),
+        &format!(
+            "in contact: {} of the nominal area (asperities are independent: no coupling",
+            percent(area)
+        ),
     );
     text + &row("", "through the substrate, no coalescence; trust this less the larger the share)")
 }
@@ -281,7 +314,8 @@ pub(super) fn verdict(joint: &JointTest, z: &[Vec<f64>; 2], note: &str) -> Strin
     text
 }
 
-/// The bound of the integral's relative error, which rounding alone keeps from being smaller than the machine's precision.
+/// The bound of the integral's relative error, which rounding alone keeps from being smaller than the
+/// machine's precision.
 fn error_bound(error: f64) -> String {
     if error.is_nan() {
         return "the error is unknown: the law is not a number somewhere".to_owned();
@@ -292,9 +326,9 @@ fn error_bound(error: f64) -> String {
 fn times(results: &Results) -> String {
     let phases: Vec<String> =
         results.seconds.iter().map(|(name, seconds)| format!("{name} {}", duration(*seconds))).collect();
-    let work = &results.ensemble.work;
-    let solves = (work.contact_solves + work.noncontact_solves) as f64;
-    let skipped = (work.constant + work.closed_form + work.far) as f64;
+    let stats = &results.ensemble.stats;
+    let solves = (stats.contact_solves + stats.noncontact_solves) as f64;
+    let skipped = (stats.constant + stats.closed_form + stats.far) as f64;
     let mut text = row("time", &format!("{} on {} threads", phases.join(", "), results.threads));
     text += &row("", &format!("{solves:.3e} solves, {skipped:.3e} asperities needed none"));
     text + &sums(&results.summation)
@@ -307,7 +341,9 @@ fn sums(summation: &Summation) -> String {
     let said = match summation.refusal {
         Some(refusal) => format!("direct, although compressed to {tolerance:e} was asked for: {refusal}"),
         None => {
-            format!("compressed to {tolerance:e}; off by {error:.1e} where a few replicas were also summed directly")
+            format!(
+                "compressed to {tolerance:e}; off by {error:.1e} where a few replicas were also summed directly"
+            )
         }
     };
     row("sums", &said)

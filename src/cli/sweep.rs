@@ -14,7 +14,7 @@ use crate::output::reader::Reader;
 use crate::output::schema::{RUN, SWEEP};
 use crate::output::stack::{self, stack};
 use crate::output::writer::Writer;
-use crate::output::{Claim, OutputError};
+use crate::output::{OutputError, OutputLock};
 use crate::scene::echo::one_line;
 use crate::scene::sweep::Mode;
 use crate::scene::{Scene, Sweep};
@@ -24,9 +24,9 @@ use std::sync::atomic::Ordering;
 
 pub(super) fn run(sweep: &Sweep, first: &Scene, arguments: &RunArguments) -> Result<(), Failure> {
     let output = output_of(arguments);
-    let session = Session::new(&arguments.sitting.execution, arguments.sitting.checkpoint)?;
-    let claim = Claim::new(&output, &files_of(&arguments.scene, first))?;
-    let points = Points::new(sweep, &arguments.scene, &claim, &arguments.sitting, None);
+    let session = Session::new(&arguments.options.execution, arguments.options.checkpoint)?;
+    let lock = OutputLock::new(&output, &files_of(&arguments.scene, first))?;
+    let points = Points::new(sweep, &arguments.scene, &lock, &arguments.options, None);
     points.require(session.pool.current_num_threads())?;
     let identity = points.identity(sweep.source())?;
     if !points.begin(&SWEEP, &identity)? {
@@ -39,16 +39,21 @@ pub(super) fn run(sweep: &Sweep, first: &Scene, arguments: &RunArguments) -> Res
     print_of(&output, &table)
 }
 
-/// Puts the points together into the output, all that there are of a `partial` sweep; what is to be said of it.
+/// Puts the points together into the output, all that there are of a `partial` sweep; what is to be said of
+/// it.
 pub(super) fn assemble(
     points: &Points<'_>,
     identity: &Identity,
     session: &Session,
     partial: bool,
 ) -> Result<String, Failure> {
-    let (scene, sweep, output) = (points.scene(0)?, points.sweep, points.claim.output());
-    match assembled(points, &scene, identity, session, partial).map_err(|error| Failure::not_written(error, output))? {
-        Some(rows) => Ok(title(&scene) + &described(sweep) + "\n" + &table(sweep, &rows) + &written_to(output)),
+    let (scene, sweep, output) = (points.scene(0)?, points.sweep, points.lock.output());
+    match assembled(points, &scene, identity, session, partial)
+        .map_err(|error| Failure::not_written(error, output))?
+    {
+        Some(rows) => {
+            Ok(title(&scene) + &described(sweep) + "\n" + &table(sweep, &rows) + &written_to(output))
+        }
         None => Err(Failure::Interrupted { done: scene.replicas, of: scene.replicas, kept: true }),
     }
 }
@@ -67,8 +72,12 @@ pub(super) struct Row {
 
 impl Row {
     /// Of a point that is not there.
-    const ABSENT: Self =
-        Self { pull_off: [f64::NAN; 2], integral: f64::NAN, differences: [Difference::UNKNOWN; 4], p_value: f64::NAN };
+    const ABSENT: Self = Self {
+        pull_off: [f64::NAN; 2],
+        integral: f64::NAN,
+        differences: [Difference::UNKNOWN; 4],
+        p_value: f64::NAN,
+    };
 }
 
 /// Puts the points together into the output; none when it was interrupted.
@@ -82,7 +91,7 @@ fn assembled(
     let sweep = points.sweep;
     let files = points.intact()?;
     let places: Vec<_> = (0..sweep.count()).map(|point| sweep.place(point)).collect();
-    let mut writer = Writer::create(&SWEEP, points.claim, points.manner.force)?;
+    let mut writer = Writer::create(&SWEEP, points.lock, points.policy.force)?;
     write_about(&writer, &scene.title, &identity.scene)?;
     write_model(&writer, scene, identity.seed)?;
     write_axes(&mut writer, sweep)?;
@@ -139,8 +148,8 @@ fn write_axes(writer: &mut Writer<'_>, sweep: &Sweep) -> Result<(), OutputError>
 pub(super) struct Compared {
     /// The values of each of the [`SCALARS`] for all replicas.
     values: [Vec<f64>; 4],
-    /// What rounding may make of each: of a force its share of F_s + P, of a secant that of both ends of the span, and of a separation a few
-    /// units in its last place.
+    /// What rounding may make of each: of a force its share of F_s + P, of a secant that of both ends of the
+    /// span, and of a separation a few units in its last place.
     rounding: [f64; 4],
 }
 
@@ -161,7 +170,8 @@ impl Compared {
         let curve = |name: &str| read(&format!("/ensemble/{way}{name}_mean"));
         let (adhesion, contact) = (curve("adhesion_force")?, curve("contact_force")?);
         let separations = read("/separation")?;
-        // That of the mean surface at or before the nearest place of any replica: it falls with the separation.
+        // That of the mean surface at or before the nearest place of any replica: it falls with the
+        // separation.
         let load = |nearest: f64| {
             let before = separations.partition_point(|h| *h <= nearest).saturating_sub(1);
             adhesion[before] + contact[before]
@@ -187,7 +197,8 @@ impl Compared {
     }
 }
 
-/// What a point has to say, beside the replicas of the first. Only where all replicas of both are there they are compared.
+/// What a point has to say, beside the replicas of the first. Only where all replicas of both are there they
+/// are compared.
 fn compared(file: &Path, first: Option<&Compared>, scene: &Scene, common: bool) -> Result<Row, OutputError> {
     let reader = Reader::open(file, &[&RUN])?;
     let own = Compared::read(file)?;
@@ -236,7 +247,8 @@ pub(super) fn described(sweep: &Sweep) -> String {
         };
         text += &row(if i == 0 { "sweep" } else { "" }, &said);
     }
-    let numbers = if sweep.common_random_numbers { "the same random numbers" } else { "random numbers of its own" };
+    let numbers =
+        if sweep.common_random_numbers { "the same random numbers" } else { "random numbers of its own" };
     text + &row("", &format!("{} points ({}), each with {numbers}", sweep.count(), sweep.mode.name()))
 }
 
@@ -248,7 +260,8 @@ fn table(sweep: &Sweep, rows: &[Row]) -> String {
     lines[0].extend(heads.map(str::to_owned));
     for (point, row) in rows.iter().enumerate() {
         let values = sweep.values(point);
-        let mut line: Vec<String> = sweep.axes.iter().zip(values).map(|(axis, v)| axis.key.shown(v)).collect();
+        let mut line: Vec<String> =
+            sweep.axes.iter().zip(values).map(|(axis, v)| axis.key.shown(v)).collect();
         let difference = &row.differences[0];
         line.extend([si(row.pull_off[0], "N"), si(row.pull_off[1], "N"), si(row.integral, "N")]);
         line.extend(match point {
@@ -267,10 +280,12 @@ fn table(sweep: &Sweep, rows: &[Row]) -> String {
         line.push(if row.p_value.is_nan() { "-".to_owned() } else { format!("{:.3}{mark}", row.p_value) });
         lines.push(line);
     }
-    let width = |column: usize| lines.iter().map(|line| line[column].chars().count()).max().unwrap_or_default();
+    let width =
+        |column: usize| lines.iter().map(|line| line[column].chars().count()).max().unwrap_or_default();
     let widths: Vec<usize> = (0..lines[0].len()).map(width).collect();
     let shown = |line: &Vec<String>| {
-        let cells: Vec<String> = line.iter().zip(&widths).map(|(cell, width)| format!("{cell:>width$}")).collect();
+        let cells: Vec<String> =
+            line.iter().zip(&widths).map(|(cell, width)| format!("{cell:>width$}")).collect();
         format!("  {}\n", cells.join("  "))
     };
     let none = |row: &Row| row.differences[0].mean == 0.0 && row.differences[0].standard_error == 0.0;
@@ -290,10 +305,14 @@ pub(super) fn together(p_values: &[f64]) -> String {
     let verdict = overall(p_values);
     let text = match verdict {
         Verdict::NotTested => "not tested at any point".to_owned(),
-        Verdict::Agree => format!("ensemble and integral agree at all points: smallest p = {smallest:.3} of {count}"),
+        Verdict::Agree => {
+            format!("ensemble and integral agree at all points: smallest p = {smallest:.3} of {count}")
+        }
         Verdict::Disagree => {
             let disagree = disagreeing(p_values).iter().filter(|disagree| **disagree).count();
-            format!("ensemble and integral disagree at {disagree} of {count} points (*): smallest p = {smallest:.1e}")
+            format!(
+                "ensemble and integral disagree at {disagree} of {count} points (*): smallest p = {smallest:.1e}"
+            )
         }
     };
     row("cross-check", &text)

@@ -5,7 +5,7 @@ use super::curves::Curves;
 use super::groups::Groups;
 use super::record::Record;
 use super::replica::{Replica, Workspace};
-use crate::asperity::{Quantity, Work};
+use crate::asperity::{Quantity, SolverStats};
 use crate::math::moments::Moments;
 use crate::math::words::Words;
 use crate::surface::STRATA;
@@ -42,10 +42,10 @@ pub struct Ensemble {
     pub groups: Groups,
     /// What is kept of every replica, in order.
     pub replicas: Vec<Replica>,
-    /// The snaps of every replica, in order: replicas × [`Holding::length`](super::Holding::length).
+    /// The snaps of every replica, in order: replicas × [`Loading::length`](super::Loading::length).
     pub snaps: Vec<f64>,
     /// What solving cost.
-    pub work: Work,
+    pub stats: SolverStats,
 }
 
 impl Ensemble {
@@ -60,7 +60,7 @@ impl Ensemble {
             groups: Groups::new(job),
             replicas: Vec::new(),
             snaps: Vec::new(),
-            work: Work::default(),
+            stats: SolverStats::default(),
         }
     }
 
@@ -74,7 +74,7 @@ impl Ensemble {
             groups: self.groups.clone(),
             replicas: Vec::new(),
             snaps: Vec::new(),
-            work: self.work,
+            stats: self.stats,
         }
     }
 
@@ -87,7 +87,7 @@ impl Ensemble {
         self.regime_adhesion_force.merge(&other.regime_adhesion_force);
         self.regime_external_force.merge(&other.regime_external_force);
         self.groups.merge(&other.groups);
-        self.work.merge(&other.work);
+        self.stats.merge(&other.stats);
     }
 
     fn push(&mut self, job: &Job<'_>, batch: u64, replica: Replica, curves: &Curves) {
@@ -110,7 +110,7 @@ impl Words for Ensemble {
         self.regime_adhesion_force.each_word(visit);
         self.regime_external_force.each_word(visit);
         self.groups.each_word(visit);
-        let Work {
+        let SolverStats {
             contact_solves,
             noncontact_solves,
             constant,
@@ -121,7 +121,7 @@ impl Words for Ensemble {
             evaluations,
             safeguarded,
             largest_residual,
-        } = &mut self.work;
+        } = &mut self.stats;
         let counts = [constant, closed_form, far, unloaded, compressed, evaluations, safeguarded];
         [contact_solves, noncontact_solves].into_iter().chain(counts).for_each(&mut *visit);
         largest_residual.each_word(visit);
@@ -145,14 +145,16 @@ impl Batch {
         Self::compute_until(job, workspace, index, &|| false).expect("nothing ends it")
     }
 
-    /// The same, until `ends` is true, which surfaces that are summed tract by tract look at before each: then there is none.
+    /// The same, until `ends` is true, which surfaces that are summed tract by tract look at before each:
+    /// then there is none.
     pub fn compute_until(
         job: &Job<'_>,
         workspace: &mut Workspace,
         index: u64,
         ends: &(dyn Fn() -> bool + Sync),
     ) -> Option<Self> {
-        let mut batch = Self { ensemble: Ensemble::new(job), external_force: Vec::new(), adhesion_force: Vec::new() };
+        let mut batch =
+            Self { ensemble: Ensemble::new(job), external_force: Vec::new(), adhesion_force: Vec::new() };
         let replicas = replicas_of(index..index + 1, job.replicas);
         let is_whole = workspace.replicas_until(job, replicas, ends, |replica, curves| {
             batch.ensemble.push(job, index, replica, curves);
@@ -161,7 +163,7 @@ impl Batch {
                 batch.adhesion_force.extend_from_slice(&curves.total[Quantity::AdhesionForce.index()]);
             }
         });
-        batch.ensemble.work = workspace.take_work();
+        batch.ensemble.stats = workspace.take_stats();
         is_whole.then_some(batch)
     }
 
@@ -171,8 +173,8 @@ impl Batch {
         let (snaps, states) = (record.snaps, record.states);
         let mut records = Vec::with_capacity(replicas.len() * record.length());
         for (i, replica) in replicas.iter().enumerate() {
-            let curves =
-                [&self.external_force, &self.adhesion_force].map(|forces| &forces[i * states..(i + 1) * states]);
+            let curves = [&self.external_force, &self.adhesion_force]
+                .map(|forces| &forces[i * states..(i + 1) * states]);
             record.write(&mut records, replica, &self.ensemble.snaps[i * snaps..(i + 1) * snaps], curves);
         }
         records

@@ -1,9 +1,12 @@
-//! The pull-off of one replica whose heights are not held, between the separations at which its curve is known.
+//! The pull-off of one replica whose heights are not held, between the separations at which its curve is
+//! known.
 //!
-//! The curve of a finite patch is jagged: every asperity that wets, touches or lets go makes it jump, and the deepest point is next to a
-//! jump, not at a sample. All asperities obey one law, so their jumps have a few known sizes and happen at known separations: the curve is
-//! a continuous part, which is interpolated between its samples, and a staircase, which is counted in cells when all asperities are drawn
-//! once more. That finds the deepest places; at these the whole surface is solved, so the pull-off is an exact point of the curve.
+//! The curve of a finite patch is jagged: every asperity that wets, touches or lets go makes it jump, and the
+//! deepest point is next to a jump, not at a sample. All asperities obey one law, so their jumps have a few
+//! known sizes and happen at known separations: the curve is a continuous part, which is interpolated between
+//! its samples, and a staircase, which is counted in cells when all asperities are drawn once more. That
+//! finds the deepest places; at these the whole surface is solved, so the pull-off is an exact point of the
+//! curve.
 
 use super::Job;
 use super::kinks::{Kink, widest_spacing};
@@ -13,18 +16,19 @@ use crate::math::interpolation::lagrange;
 use crate::math::polynomials::horner;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Samples belong to the neighbourhood of the minimum when they are within so many of the largest jumps of the smallest, times the root of the
-/// number of jumps between two samples: that far a random walk of them may lead below its ends.
+/// Samples belong to the neighbourhood of the minimum when they are within so many of the largest jumps of
+/// the smallest, times the root of the number of jumps between two samples: that far a random walk of them
+/// may lead below its ends.
 const NEAR: f64 = 4.0;
 /// Parts of the space between two separations, the deepest place of each is found.
 const PARTS: usize = 2;
-/// At the deepest of these the whole surface is solved, from the deepest on, until the next would have to be deeper than it was found by so
-/// many times the largest surprise so far to be the deepest of all.
+/// At the deepest of these the whole surface is solved, from the deepest on, until the next would have to be
+/// deeper than it was found by so many times the largest surprise so far to be the deepest of all.
 const SURPRISES: f64 = 6.0;
 /// But at least at so many, and at most at so many.
 const SOLVED: (usize, usize) = (3, 8);
-/// Cells that jumps are counted in, about. Between the ends of a cell the curve is not looked at: it may be deeper there by the jumps of as
-/// many asperities as the root of those in a cell.
+/// Cells that jumps are counted in, about. Between the ends of a cell the curve is not looked at: it may be
+/// deeper there by the jumps of as many asperities as the root of those in a cell.
 const CELLS: usize = 1 << 18;
 /// Samples that are interpolated.
 const POINTS: usize = 6;
@@ -44,14 +48,21 @@ pub(super) trait Redrawn {
     fn count_in(&mut self, cells: &Cells<'_>);
 }
 
-/// The minimum of the external force of one surface from its samples, N, at the separations of the job. The kinks are those of its law.
-pub(super) fn pull_off(job: &Job<'_>, kinks: &[Kink], surface: &mut impl Redrawn, external_force: &[f64]) -> Extremum {
+/// The minimum of the external force of one surface from its samples, N, at the separations of the job. The
+/// kinks are those of its law.
+pub(super) fn pull_off(
+    job: &Job<'_>,
+    kinks: &[Kink],
+    surface: &mut impl Redrawn,
+    external_force: &[f64],
+) -> Extremum {
     let sampled = minimum(job.separations, external_force);
     if sampled.at_edge {
         return sampled;
     }
     // Kinks that no asperity comes near to are none of this surface's.
-    let deepest = surface.highest() - job.surface.asperity_separation(sampled.place) + job.surface.heights.std;
+    let deepest =
+        surface.highest() - job.surface.asperity_separation(sampled.place) + job.surface.heights.std;
     let kinks = &kinks[..kinks.partition_point(|kink| kink.interference <= deepest)];
     let samples = neighbourhood(job, kinks, surface, external_force);
     let deepest = samples.iter().copied().fold((sampled.place, f64::INFINITY), deeper);
@@ -67,7 +78,8 @@ pub(super) fn pull_off(job: &Job<'_>, kinks: &[Kink], surface: &mut impl Redrawn
     Extremum { place: deepest.0, value: deepest.1, at_edge: false }
 }
 
-/// The deepest of a point and of places, from the one on that is expected to be deepest, for as long as another may be deeper.
+/// The deepest of a point and of places, from the one on that is expected to be deepest, for as long as
+/// another may be deeper.
 fn solve(surface: &mut impl Redrawn, places: &[(f64, f64)], mut deepest: (f64, f64)) -> (f64, f64) {
     let mut surprise: f64 = 0.0;
     let mut solved = 0;
@@ -90,11 +102,17 @@ fn solve(surface: &mut impl Redrawn, places: &[(f64, f64)], mut deepest: (f64, f
 }
 
 /// Separations (m) around the minimum, close enough to interpolate between, and the force (N) at each.
-fn neighbourhood(job: &Job<'_>, kinks: &[Kink], surface: &mut impl Redrawn, external_force: &[f64]) -> Vec<(f64, f64)> {
+fn neighbourhood(
+    job: &Job<'_>,
+    kinks: &[Kink],
+    surface: &mut impl Redrawn,
+    external_force: &[f64],
+) -> Vec<(f64, f64)> {
     let separations = job.separations;
     let smallest = external_force.iter().copied().fold(f64::INFINITY, f64::min);
     let largest_jump = kinks.iter().map(|kink| kink.jump.abs()).fold(0.0, f64::max);
-    let limit = smallest + NEAR * largest_jump * (1.0 + jumps_between(job, kinks, surface, external_force)).sqrt();
+    let limit =
+        smallest + NEAR * largest_jump * (1.0 + jumps_between(job, kinks, surface, external_force)).sqrt();
     let belongs = |force: &f64| *force <= limit;
     let end = external_force.len() - 1;
     let mut first = external_force.iter().position(belongs).unwrap_or(0).saturating_sub(2);
@@ -122,8 +140,8 @@ fn jumps_between(job: &Job<'_>, kinks: &[Kink], surface: &impl Redrawn, external
     kinks.iter().map(passing).sum()
 }
 
-/// The staircase of a surface whose heights are not held: how many asperities pass each of the law's kinks in even cells of the spaces
-/// between samples of its curve.
+/// The staircase of a surface whose heights are not held: how many asperities pass each of the law's kinks in
+/// even cells of the spaces between samples of its curve.
 pub(super) struct Cells<'a> {
     samples: &'a [(f64, f64)],
     /// At which the force jumps.
@@ -177,7 +195,8 @@ impl<'a> Cells<'a> {
         space * self.cells + cell.min(self.cells - 1)
     }
 
-    /// The deepest ends of cells, one in each part of the space between two samples, in any order: separations h, m, and the force there, N.
+    /// The deepest ends of cells, one in each part of the space between two samples, in any order:
+    /// separations h, m, and the force there, N.
     pub fn deepest_places(&self) -> Vec<(f64, f64)> {
         let levels = self.levels();
         let of_samples: Vec<f64> = levels.iter().copied().step_by(self.cells).collect();
@@ -209,7 +228,8 @@ impl<'a> Cells<'a> {
     }
 }
 
-/// Between each two samples of a curve its continuous part: samples less `levels` of the staircase there, N, interpolated.
+/// Between each two samples of a curve its continuous part: samples less `levels` of the staircase there, N,
+/// interpolated.
 fn parabolas(samples: &[(f64, f64)], levels: &[f64]) -> Vec<Parabola> {
     let separations: Vec<f64> = samples.iter().map(|(h, _)| *h).collect();
     let continuous: Vec<f64> = samples.iter().zip(levels).map(|((_, force), level)| force - level).collect();
@@ -245,7 +265,7 @@ mod tests {
     use super::super::case_ii::CASE_II;
     use super::*;
     use crate::asperity::models::model;
-    use crate::asperity::{Path, Setting};
+    use crate::asperity::{LawParameters, Path};
     use crate::engine::Protocol;
     use crate::engine::stream::{Purpose, stream};
     use crate::surface::{SamplingScheme, Surface};
@@ -259,12 +279,13 @@ mod tests {
         }
     }
 
-    /// Between samples of a curve, uneven ones too, cells find the deepest sides of all steps of the staircase, to within a cell; counted in
-    /// any pieces. Between two steps the curve is no steeper than all their jumps together over their places: 5000 of 6 µN within 5 nm.
+    /// Between samples of a curve, uneven ones too, cells find the deepest sides of all steps of the
+    /// staircase, to within a cell; counted in any pieces. Between two steps the curve is no steeper than all
+    /// their jumps together over their places: 5000 of 6 µN within 5 nm.
     #[test]
     fn cells_are_the_staircase() {
-        let setting = Setting::new(&CASE_II, Path::Approach, (-20e-9, 20e-9)).unwrap();
-        let law = (model("emd").unwrap().build)(&setting).unwrap();
+        let parameters = LawParameters::new(&CASE_II, Path::Approach, (-20e-9, 20e-9)).unwrap();
+        let law = (model("emd").unwrap().build)(&parameters).unwrap();
         let surface = Surface { mean_plane_offset: 0.1e-9, ..Surface::uniform(1.4e-9, 3.33e-6, 5000, 1e-9) };
         let mut heights = vec![0.0; 5000];
         surface.heights.draw(&mut stream(1, Purpose::Heights, 0), &mut heights);
@@ -287,7 +308,9 @@ mod tests {
         heights.rchunks(777).for_each(|piece| cells.count(piece));
         let mut steps: Vec<(f64, f64)> = kinks
             .iter()
-            .flat_map(|kink| heights.iter().map(|u| (u - kink.interference + surface.mean_plane_offset, kink.jump)))
+            .flat_map(|kink| {
+                heights.iter().map(|u| (u - kink.interference + surface.mean_plane_offset, kink.jump))
+            })
             .collect();
         steps.sort_by(|a, b| a.0.total_cmp(&b.0));
         let level = |h: f64| -> f64 {
@@ -306,10 +329,14 @@ mod tests {
                 let end = |part: usize| ends[0] + (ends[1] - ends[0]) * part as f64 / PARTS as f64;
                 let inside = steps.iter().filter(|(place, _)| *place >= end(part) && *place <= end(part + 1));
                 let sides = inside.flat_map(|(place, _)| [place - 1e-15, place + 1e-15]);
-                let places = sides.chain([end(part), end(part + 1)]).map(|h| (h, parabola.value(h) + level(h)));
+                let places =
+                    sides.chain([end(part), end(part + 1)]).map(|h| (h, parabola.value(h) + level(h)));
                 let (place, expected) = places.fold((f64::NAN, f64::INFINITY), deeper);
                 let (mine, force) = found.next().unwrap();
-                assert!((force - expected).abs() < STEEPEST * cell, "{mine:e} {force:e}: {place:e} {expected:e}");
+                assert!(
+                    (force - expected).abs() < STEEPEST * cell,
+                    "{mine:e} {force:e}: {place:e} {expected:e}"
+                );
                 parts += 1;
                 same += usize::from((mine - place).abs() <= 2.0 * cell);
             }

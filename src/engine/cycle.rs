@@ -1,7 +1,7 @@
 //! The way back of one surface, and what is kept of a surface that is brought close and pulled back.
 
 use super::curves::Curves;
-use super::instability::{Holding, Snap, Turn, largest_snap, largest_snap_of_all, reached};
+use super::instability::{Loading, Snap, Turn, largest_snap, largest_snap_of_all, reached};
 use super::replica::Summed;
 use super::{Job, Protocol};
 use crate::asperity::{Loop, Quantity};
@@ -16,18 +16,26 @@ pub struct Cycle {
     pub approach_pull_off_force: f64,
     /// Separation h there, m.
     pub approach_pull_off_separation: f64,
-    /// ∫F dh of the way there less that of the way back, J, with F in straight lines between the separations; 0 where it is below its
-    /// rounding.
+    /// ∫F dh of the way there less that of the way back, J, with F in straight lines between the separations;
+    /// 0 where it is below its rounding.
     pub dissipated_energy: f64,
-    /// Separation h at which the highest asperity touches on the way there, m, wherever the separations are; NaN of no asperities.
+    /// Separation h at which the highest asperity touches on the way there, m, wherever the separations are;
+    /// NaN of no asperities.
     pub touchdown_separation: f64,
     /// Separation h at which the last contact is lost on the way back, m; NaN if there was none.
     pub takeoff_separation: f64,
 }
 
 impl Cycle {
-    /// Of a surface: its highest asperity, m, NaN of none, its curves over the states of the job, and the pull-off on the way there.
-    pub(super) fn new(job: &Job<'_>, cycle: &Loop, highest: f64, curves: &Curves, pull_off: &Extremum) -> Self {
+    /// Of a surface: its highest asperity, m, NaN of none, its curves over the states of the job, and the
+    /// pull-off on the way there.
+    pub(super) fn new(
+        job: &Job<'_>,
+        cycle: &Loop,
+        highest: f64,
+        curves: &Curves,
+        pull_off: &Extremum,
+    ) -> Self {
         let (surface, closest) = (job.surface, job.separations[0]);
         let ways = [Quantity::AdhesionForce, Quantity::ContactForce]
             .map(|quantity| curves.total[quantity.index()].split_at(job.separations.len()));
@@ -55,11 +63,12 @@ impl Words for Cycle {
     }
 }
 
-/// ∫F dh of one way less that of the other, J, by the trapezoidal rule, from F_s and P of both, N, over rising separations, m; 0 where it is
-/// below its rounding. `error` is that of F_s and P, relative; `highest`, m, is the highest asperity.
+/// ∫F dh of one way less that of the other, J, by the trapezoidal rule, from F_s and P of both, N, over
+/// rising separations, m; 0 where it is below its rounding. `error` is that of F_s and P, relative;
+/// `highest`, m, is the highest asperity.
 ///
-/// The interference of an asperity takes at most 8 roundings of lengths within |h| + |u| on either way, and moves the forces along their
-/// curves by as much.
+/// The interference of an asperity takes at most 8 roundings of lengths within |h| + |u| on either way, and
+/// moves the forces along their curves by as much.
 pub fn dissipated(separations: &[f64], ways: [[&[f64]; 2]; 2], error: f64, highest: f64) -> f64 {
     let [there, back] = ways;
     let difference = |k: usize| (there[1][k] - there[0][k]) - (back[1][k] - back[0][k]);
@@ -77,39 +86,40 @@ pub fn dissipated(separations: &[f64], ways: [[&[f64]; 2]; 2], error: f64, highe
     if energy.abs() <= rounding { 0.0 } else { energy }
 }
 
-/// The snaps of a surface, in the order of [`Holding::length`], from its curve over the separations of the job on the way there, N, and the
-/// one on which it is pulled off, with its pull-off.
+/// The snaps of a surface, in the order of [`Loading::length`], from its curve over the separations of the
+/// job on the way there, N, and the one on which it is pulled off, with its pull-off.
 pub(super) fn snaps(
     job: &Job<'_>,
     surface: &mut dyn Summed,
     there: &[f64],
     (last, pull_off): (&[f64], Extremum),
 ) -> Vec<f64> {
-    let Protocol { cycle, holding, .. } = job.protocol;
-    let mut numbers = Vec::with_capacity(holding.length());
-    if holding.ways.0 {
+    let Protocol { cycle, loading, .. } = job.protocol;
+    let mut numbers = Vec::with_capacity(loading.length());
+    if loading.ways.0 {
         let inward: Vec<(f64, f64)> = job.samples(there).into_iter().rev().collect();
-        numbers.extend(of_stiffnesses(&holding, &inward, largest_snap_of_all));
+        numbers.extend(of_stiffnesses(&loading, &inward, largest_snap_of_all));
     }
-    if cycle.is_some() && !holding.preload.is_empty() {
-        for &preload in holding.preload {
+    if cycle.is_some() && !loading.preload.is_empty() {
+        for &preload in loading.preload {
             numbers.extend(after_preload(job, surface, there, preload));
         }
-    } else if holding.ways.1 {
+    } else if loading.ways.1 {
         numbers.extend(turn(job.separations[0], &pull_off).numbers());
-        numbers.extend(of_stiffnesses(&holding, &job.samples(last), largest_snap_of_all));
+        numbers.extend(of_stiffnesses(&loading, &job.samples(last), largest_snap_of_all));
     }
     numbers
 }
 
-/// The largest snap on a way for each stiffness, by `largest` of the samples, the stiffness and the smallest snap.
+/// The largest snap on a way for each stiffness, by `largest` of the samples, the stiffness and the smallest
+/// snap.
 fn of_stiffnesses(
-    holding: &Holding<'_>,
+    loading: &Loading<'_>,
     samples: &[(f64, f64)],
     largest: fn(&[(f64, f64)], f64, f64) -> Snap,
 ) -> Vec<f64> {
-    let snap = |&stiffness: &f64| largest(samples, stiffness, holding.smallest_snap).numbers();
-    holding.stiffness.iter().flat_map(snap).collect()
+    let snap = |&stiffness: &f64| largest(samples, stiffness, loading.smallest_snap).numbers();
+    loading.stiffness.iter().flat_map(snap).collect()
 }
 
 fn turn(separation: f64, pull_off: &Extremum) -> Turn {
@@ -118,9 +128,9 @@ fn turn(separation: f64, pull_off: &Extremum) -> Turn {
 
 /// The turn of a surface at a preload, N, and its snaps on the way back from there.
 fn after_preload(job: &Job<'_>, surface: &mut dyn Summed, there: &[f64], preload: f64) -> Vec<f64> {
-    let holding = &job.protocol.holding;
+    let loading = &job.protocol.loading;
     let Some((nearer, from)) = reached(job.separations, there, preload) else {
-        let snaps = holding.stiffness.iter().flat_map(|_| Snap::UNKNOWN.numbers());
+        let snaps = loading.stiffness.iter().flat_map(|_| Snap::UNKNOWN.numbers());
         return Turn::UNKNOWN.numbers().into_iter().chain(snaps).collect();
     };
     let further = job.separations[nearer + 1..].iter().copied().filter(|h| *h > from);
@@ -128,15 +138,15 @@ fn after_preload(job: &Job<'_>, surface: &mut dyn Summed, there: &[f64], preload
     let forces = surface.back(from, &places);
     let outward: Vec<(f64, f64)> = places.into_iter().zip(forces).collect();
     let turn = turn(from, &surface.pull_off_back(from, &outward));
-    turn.numbers().into_iter().chain(of_stiffnesses(holding, &outward, largest_snap)).collect()
+    turn.numbers().into_iter().chain(of_stiffnesses(loading, &outward, largest_snap)).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// F_s = 1 N and P = 3 N over 2 nm on either way: 16e-9 J in all, of which SUM_ROUNDING is 7e-23 J. The places are off by up to 2e-23 m,
-    /// which takes nothing where no force changes.
+    /// F_s = 1 N and P = 3 N over 2 nm on either way: 16e-9 J in all, of which SUM_ROUNDING is 7e-23 J. The
+    /// places are off by up to 2e-23 m, which takes nothing where no force changes.
     #[test]
     fn what_is_below_its_rounding_is_nothing() {
         let (separations, adhesion, contact) = ([0.0, 1e-9, 2e-9], [1.0; 3], [3.0; 3]);

@@ -54,7 +54,11 @@ impl ForceTable {
         let at_kinks: Vec<f64> = kinks.iter().map(|kink| kink.interference).collect();
         let at_kinks = forces(&at_kinks);
         let pull = at_kinks.iter().fold(0.0, |most: f64, force| most.max(-force));
-        let unit = if pull > 0.0 { pull } else { at_kinks.iter().fold(0.0, |most: f64, force| most.max(force.abs())) };
+        let unit = if pull > 0.0 {
+            pull
+        } else {
+            at_kinks.iter().fold(0.0, |most: f64, force| most.max(force.abs()))
+        };
         let pieces = law.pieces();
         let pieces = pieces.iter().filter(|piece| piece.upper > low && piece.lower < high).map(|piece| {
             let mut tabulated = Tabulated::of(piece, low, high);
@@ -67,7 +71,8 @@ impl ForceTable {
         Self { low, high, pieces: pieces.collect(), places: Vec::new(), values: Vec::new() }
     }
 
-    /// The external force, N, of heights, m, rising, at the separation d, m; what is in no table is solved by `sums`.
+    /// The external force, N, of heights, m, rising, at the separation d, m; what is in no table is solved by
+    /// `sums`.
     pub fn sum(&mut self, law: &dyn Law, heights: &[f64], d: f64, sums: &mut Sums) -> f64 {
         let mut solve = |heights: &[f64]| {
             sums.over(law, None, heights, d);
@@ -129,8 +134,9 @@ impl Tabulated {
     /// δ, m, of s, within the piece.
     fn interference(&self, s: f64, piece: &Piece) -> f64 {
         let distance = if self.is_root { s * s } else { s };
-        let inside =
-            |end: f64, towards: f64| if end.is_finite() { end + towards * 4.0 * f64::EPSILON * end.abs() } else { end };
+        let inside = |end: f64, towards: f64| {
+            if end.is_finite() { end + towards * 4.0 * f64::EPSILON * end.abs() } else { end }
+        };
         (self.origin + self.sign * distance).max(inside(piece.lower, 1.0)).min(inside(piece.upper, -1.0))
     }
 

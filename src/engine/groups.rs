@@ -1,5 +1,5 @@
-//! Moments of the means of groups of replicas. Replicas of a group depend on each other, groups do not: what a mean over all replicas
-//! is worth follows from the scatter of the groups.
+//! Moments of the means of groups of replicas. Replicas of a group depend on each other, groups do not: what
+//! a mean over all replicas is worth follows from the scatter of the groups.
 
 use super::Job;
 use super::curves::Curves;
@@ -9,7 +9,8 @@ use crate::asperity::Quantity;
 use crate::math::moments::{CentralMoments, Moments};
 use crate::math::words::Words;
 
-/// Parts that the scalars of an ensemble are split into, by batches in turn: independent of each other, as control variates need them.
+/// Parts that the scalars of an ensemble are split into, by batches in turn: independent of each other, as
+/// control variates need them.
 const PARTS: usize = 16;
 
 /// Moments of the means of groups; of replicas, when each is a group by itself.
@@ -17,8 +18,8 @@ const PARTS: usize = 16;
 pub struct Groups {
     /// Moments of the curves, by [`Quantity::index`], each over the states.
     pub curves: [Moments; 4],
-    /// Mean, covariance and third moments of the external force at the controls, N, and behind these of the [`scalars`]; the batch i of a
-    /// job is in the part i modulo 16.
+    /// Mean, covariance and third moments of the external force at the controls, N, and behind these of the
+    /// [`scalars`]; the batch i of a job is in the part i modulo 16.
     pub scalars: [CentralMoments; PARTS],
     /// Sums over the replicas of a group that is not complete: curves, controls, scalars.
     sums: Vec<f64>,

@@ -1,26 +1,27 @@
 //! Snaps of a surface that is held by a spring.
 //!
 //! # Formula
-//! The external force F(h) bends what holds the surface: with a stiffness k its base is at H = h − F(h)/k, above the surface where F pulls it
-//! down. The base is moved steadily, and the surface follows for as long as H(h) is monotone. Where dF/dh exceeds k it is not: at
-//! constant H the surface snaps to the next separation on its way that has this H. Load control is the limit k → 0, at constant F.
+//! The external force F(h) bends what holds the surface: with a stiffness k its base is at H = h − F(h)/k,
+//! above the surface where F pulls it down. The base is moved steadily, and the surface follows for as long
+//! as H(h) is monotone. Where dF/dh exceeds k it is not: at constant H the surface snaps to the next
+//! separation on its way that has this H. Load control is the limit k → 0, at constant F.
 //!
 //! Both are the same in kh − F, which is kH, so that is what is followed.
 //!
 //! # Validity
-//! Quasistatic; the surface comes to rest at the first equilibrium. Curves are lines between their samples: a jump of one asperity has
-//! the slope that the samples give it, so how many of the smallest snaps are seen depends on these; of those over several samples it does
-//! not.
+//! Quasistatic; the surface comes to rest at the first equilibrium. Curves are lines between their samples: a
+//! jump of one asperity has the slope that the samples give it, so how many of the smallest snaps are seen
+//! depends on these; of those over several samples it does not.
 
 use crate::math::interpolation::linear;
 
 /// What holds the surfaces.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Holding<'a> {
+pub struct Loading<'a> {
     /// Stiffnesses k, N/m; 0 for load control.
     pub stiffness: &'a [f64],
-    /// Largest external forces, N, at which the approach ends and the retraction begins; without one the approach ends at the smallest
-    /// separation.
+    /// Largest external forces, N, at which the approach ends and the retraction begins; without one the
+    /// approach ends at the smallest separation.
     pub preload: &'a [f64],
     /// The least distance, m, that counts as a snap.
     pub smallest_snap: f64,
@@ -28,7 +29,7 @@ pub struct Holding<'a> {
     pub ways: (bool, bool),
 }
 
-impl Holding<'_> {
+impl Loading<'_> {
     /// Retractions of a replica.
     pub fn retractions(&self) -> usize {
         if self.stiffness.is_empty() || !self.ways.1 { 0 } else { self.preload.len().max(1) }
@@ -39,17 +40,19 @@ impl Holding<'_> {
         if self.ways.0 { self.stiffness.len() } else { 0 }
     }
 
-    /// Numbers that are kept of a replica: [`Snap`] for each stiffness on approach, then for each retraction [`Turn`] and a [`Snap`] for
-    /// each stiffness.
+    /// Numbers that are kept of a replica: [`Snap`] for each stiffness on approach, then for each retraction
+    /// [`Turn`] and a [`Snap`] for each stiffness.
     pub fn length(&self) -> usize {
-        Snap::LENGTH * self.snaps_in() + self.retractions() * (Turn::LENGTH + Snap::LENGTH * self.stiffness.len())
+        Snap::LENGTH * self.snaps_in()
+            + self.retractions() * (Turn::LENGTH + Snap::LENGTH * self.stiffness.len())
     }
 }
 
 /// The largest snap of a surface on its way.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Snap {
-    /// Whether there is one, 1 or 0; NaN where the surface never came to begin its way, or is unstable where the separations begin.
+    /// Whether there is one, 1 or 0; NaN where the surface never came to begin its way, or is unstable where
+    /// the separations begin.
     pub is: f64,
     /// Separation h where it begins, m; NaN without one.
     pub separation: f64,
@@ -86,7 +89,8 @@ impl Turn {
     /// Its numbers.
     pub const LENGTH: usize = 3;
     /// Of a way that was not taken.
-    pub const UNKNOWN: Self = Self { separation: f64::NAN, pull_off_force: f64::NAN, pull_off_separation: f64::NAN };
+    pub const UNKNOWN: Self =
+        Self { separation: f64::NAN, pull_off_force: f64::NAN, pull_off_separation: f64::NAN };
 
     /// Its numbers as they are kept.
     pub fn numbers(self) -> [f64; Self::LENGTH] {
@@ -94,8 +98,8 @@ impl Turn {
     }
 }
 
-/// The largest snap on the way through the samples of a curve in their order: separations h, m, and external forces, N. One that nothing
-/// stops is the largest; one shorter than `smallest`, m, is none.
+/// The largest snap on the way through the samples of a curve in their order: separations h, m, and external
+/// forces, N. One that nothing stops is the largest; one shorter than `smallest`, m, is none.
 pub fn largest_snap(samples: &[(f64, f64)], stiffness: f64, smallest: f64) -> Snap {
     let outward = samples.first().zip(samples.last()).is_some_and(|(first, last)| first.0 < last.0);
     let sign = if outward { 1.0 } else { -1.0 };
@@ -124,15 +128,16 @@ pub fn largest_snap(samples: &[(f64, f64)], stiffness: f64, smallest: f64) -> Sn
     largest
 }
 
-/// The same on a way through all separations. A surface that snaps from the first of them cannot rest there, so it has snapped before, where
-/// the samples do not reach: the range has no say in where a snap begins, and if that one is the largest, none is known.
+/// The same on a way through all separations. A surface that snaps from the first of them cannot rest there,
+/// so it has snapped before, where the samples do not reach: the range has no say in where a snap begins, and
+/// if that one is the largest, none is known.
 pub fn largest_snap_of_all(samples: &[(f64, f64)], stiffness: f64, smallest: f64) -> Snap {
     let snap = largest_snap(samples, stiffness, smallest);
     if samples.first().is_some_and(|first| snap.separation == first.0) { Snap::UNKNOWN } else { snap }
 }
 
-/// Where a surface that is brought close first bears a preload, N: the index of the sample before, at rising separations, m, and the
-/// separation, m.
+/// Where a surface that is brought close first bears a preload, N: the index of the sample before, at rising
+/// separations, m, and the separation, m.
 pub fn reached(separations: &[f64], external_force: &[f64], preload: f64) -> Option<(usize, f64)> {
     let nearer = external_force.iter().rposition(|force| *force >= preload)?;
     let Some(&further) = external_force.get(nearer + 1) else { return Some((nearer, separations[nearer])) };
@@ -151,8 +156,9 @@ mod tests {
         WELL.iter().rev().copied().collect()
     }
 
-    /// Slope 1 beyond the minimum. On approach at k = 1/2 from H = 4: kh − F = 2 is met again at h = 2/5·…: on the steep side kh − F =
-    /// h/2 − 2 + 2h, so h = 8/5. On retraction from (2, −2): kh − F = 3 is met at h = 6 only, beyond the samples.
+    /// Slope 1 beyond the minimum. On approach at k = 1/2 from H = 4: kh − F = 2 is met again at h = 2/5·…:
+    /// on the steep side kh − F = h/2 − 2 + 2h, so h = 8/5. On retraction from (2, −2): kh − F = 3 is met at
+    /// h = 6 only, beyond the samples.
     #[test]
     fn snaps_are_where_the_slope_exceeds_the_stiffness() {
         let soft = largest_snap(&inward(), 0.5, 0.0);
@@ -166,7 +172,8 @@ mod tests {
         }
     }
 
-    /// The well pulls from h = 4 on: it is not known where it began to. On a stiffer spring nothing snaps, and off the spring it does at 2.
+    /// The well pulls from h = 4 on: it is not known where it began to. On a stiffer spring nothing snaps,
+    /// and off the spring it does at 2.
     #[test]
     fn what_is_unstable_where_the_samples_begin_has_begun_before() {
         for soft in [0.0, 0.5] {
@@ -195,7 +202,8 @@ mod tests {
     /// Two wells at k = 0: from (1, −1) to F = −1 at h = 7/2, on to (4, −3/2), and from there to h = 11/2.
     #[test]
     fn the_largest_of_several_snaps_is_told() {
-        let stairs = [(0.0, 0.0), (1.0, -1.0), (2.0, -0.5), (3.0, -0.5), (4.0, -1.5), (5.0, -1.0), (6.0, -2.0)];
+        let stairs =
+            [(0.0, 0.0), (1.0, -1.0), (2.0, -0.5), (3.0, -0.5), (4.0, -1.5), (5.0, -1.0), (6.0, -2.0)];
         let snap = largest_snap(&stairs, 0.0, 0.0);
         assert_eq!((snap.separation, snap.distance), (1.0, 2.5));
         assert_eq!(largest_snap(&stairs, 0.0, 2.5), snap);

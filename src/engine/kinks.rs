@@ -4,18 +4,19 @@ use super::Job;
 use super::force_table::ForceTable;
 use super::search::{Interpolation, Stray, interpolated, interpolated_from_samples, resolved};
 use super::stray_table::StrayTable;
-use crate::asperity::{Law, Scratch, Work, for_each_block};
+use crate::asperity::{Law, Scratch, SolverStats, for_each_block};
 use std::cell::RefCell;
 
 /// Windows in which a fall at a kink is sought, and places of each that are looked at.
 const WINDOWS: usize = 8;
 const PLACES: usize = 8;
-/// Places of a kink in each space or interval, and between which a kink of it matters: in spaces from the one that is interpolated, and
-/// in the widths of an interval.
+/// Places of a kink in each space or interval, and between which a kink of it matters: in spaces from the one
+/// that is interpolated, and in the widths of an interval.
 const POSITIONS: f64 = 4.0;
 const SPACES: (f64, f64) = (-2.5, 3.5);
 const INTERVAL: (f64, f64) = (-0.25, 1.25);
-/// Kinks that are closer to each other than this share of the space between samples are one to what is interpolated between them.
+/// Kinks that are closer to each other than this share of the space between samples are one to what is
+/// interpolated between them.
 const CLOSE: f64 = 0.25;
 /// Roundings by which the separation of a kink may be off.
 const ROUNDINGS: f64 = 16.0;
@@ -88,7 +89,8 @@ pub(super) fn beside(interference: f64) -> [f64; 2] {
     [interference - beside, interference + beside]
 }
 
-/// By how much rounding may move the separation at which an asperity of a surface passes a kink, m, the highest of which is at `highest`, m.
+/// By how much rounding may move the separation at which an asperity of a surface passes a kink, m, the
+/// highest of which is at `highest`, m.
 pub(super) fn rounding(job: &Job<'_>, highest: f64) -> f64 {
     let furthest = job.separations.iter().fold(0.0, |most: f64, h| most.max(h.abs()));
     ROUNDINGS * f64::EPSILON * (furthest + highest.abs() + job.surface.heights.std)
@@ -110,12 +112,16 @@ impl Kinks {
     pub fn new(job: &Job<'_>) -> Self {
         let width = spacing(job);
         let mut there = Kink::of(job.law, width);
-        let strays =
-            if job.law.family().is_some() { StrayTable::default() } else { tabulated(job.law, &mut there, width) };
+        let strays = if job.law.family().is_some() {
+            StrayTable::default()
+        } else {
+            tabulated(job.law, &mut there, width)
+        };
         let Some(cycle) = job.protocol.cycle else { return Self { there, strays, back: Default::default() } };
         let known: Vec<Kink> = there.iter().copied().chain(Kink::of(cycle.retraction(), width)).collect();
         let back = cycle.kinks().map(|kinks| {
-            // What begins or ends on the way back alone does so with about as much as what does so before contact.
+            // What begins or ends on the way back alone does so with about as much as what does so before
+            // contact.
             let largest = |of: &dyn Fn(&Kink) -> f64| {
                 known.iter().filter(|kink| kink.interference <= 0.0).map(of).fold(0.0, f64::max)
             };
@@ -138,7 +144,8 @@ impl Kinks {
         Self { there, strays, back }
     }
 
-    /// The force of the law of a job at all interferences that asperities have where a search takes their terms out of samples.
+    /// The force of the law of a job at all interferences that asperities have where a search takes their
+    /// terms out of samples.
     pub fn table(&self, job: &Job<'_>) -> ForceTable {
         // Asperities of several radii have no force in common.
         let kinks = if job.law.family().is_some() { &[][..] } else { &self.there };
@@ -146,7 +153,8 @@ impl Kinks {
     }
 }
 
-/// What asperities are off what is interpolated between samples `width`, m, apart, and at each kink of their law what that leaves out.
+/// What asperities are off what is interpolated between samples `width`, m, apart, and at each kink of their
+/// law what that leaves out.
 fn tabulated(law: &dyn Law, kinks: &mut [Kink], width: f64) -> StrayTable {
     let interferences: Vec<f64> = kinks.iter().map(|kink| kink.interference).collect();
     let force = continuous(law, kinks);
@@ -195,8 +203,8 @@ fn stray(force: &dyn Fn(&[f64]) -> Vec<f64>, kink: f64, width: f64) -> Stray {
     }
 }
 
-/// How far a force is off what is interpolated in one way with the kink between two places, in widths: at most, and the root of the mean
-/// square over so many widths.
+/// How far a force is off what is interpolated in one way with the kink between two places, in widths: at
+/// most, and the root of the mean square over so many widths.
 fn stray_of(
     force: &dyn Fn(&[f64]) -> Vec<f64>,
     kink: f64,
@@ -221,10 +229,10 @@ fn stray_of(
 
 /// External forces, N, of an asperity at interferences δ, m, rising, however often.
 pub(super) fn solver(law: &dyn Law) -> impl Fn(&[f64]) -> Vec<f64> {
-    let memory = RefCell::new((Scratch::default(), Work::default()));
+    let memory = RefCell::new((Scratch::default(), SolverStats::default()));
     move |interferences| {
-        let (scratch, work) = &mut *memory.borrow_mut();
-        forces(law, interferences, scratch, work)
+        let (scratch, stats) = &mut *memory.borrow_mut();
+        forces(law, interferences, scratch, stats)
     }
 }
 
@@ -242,9 +250,14 @@ fn continuous(law: &dyn Law, kinks: &[Kink]) -> impl Fn(&[f64]) -> Vec<f64> {
 }
 
 /// External forces, N, of an asperity at interferences δ, m, rising.
-pub(super) fn forces(law: &dyn Law, interferences: &[f64], scratch: &mut Scratch, work: &mut Work) -> Vec<f64> {
+pub(super) fn forces(
+    law: &dyn Law,
+    interferences: &[f64],
+    scratch: &mut Scratch,
+    stats: &mut SolverStats,
+) -> Vec<f64> {
     let mut forces = vec![0.0; interferences.len()];
-    for_each_block(law, interferences, 0.0, scratch, work, |_, range, responses| {
+    for_each_block(law, interferences, 0.0, scratch, stats, |_, range, responses| {
         for (i, place) in range.enumerate() {
             forces[place] = responses.contact[i] - responses.adhesion[i];
         }
@@ -258,14 +271,14 @@ mod tests {
     use super::*;
     use crate::asperity::models::model;
     use crate::asperity::scale::Scale;
-    use crate::asperity::{Path, Regime, Setting};
+    use crate::asperity::{LawParameters, Path, Regime};
 
-    /// Published values of F_s on both sides: 0.766 and 0.909 at the fold, 1.268 where the lubricant with 2 begins, 0.977 at first
-    /// touch; the elastic law ends with the Hertz-like load of its last asperity.
+    /// Published values of F_s on both sides: 0.766 and 0.909 at the fold, 1.268 where the lubricant with 2
+    /// begins, 0.977 at first touch; the elastic law ends with the Hertz-like load of its last asperity.
     #[test]
     fn jumps_are_where_and_as_large_as_the_law_has_them() {
-        let setting = Setting::new(&CASE_II, Path::Approach, (-20e-9, 20e-9)).unwrap();
-        let law = (model("emd").unwrap().build)(&setting).unwrap();
+        let parameters = LawParameters::new(&CASE_II, Path::Approach, (-20e-9, 20e-9)).unwrap();
+        let law = (model("emd").unwrap().build)(&parameters).unwrap();
         let unit = Scale::new(&CASE_II).unwrap().force;
         let kinks = Kink::of(law.as_ref(), 0.07e-9);
         let expected = [-(0.909 - 0.766), -(2.0 - 1.268), 2.0 - 0.977];

@@ -1,10 +1,12 @@
 //! Explicit ensembles: replicas of a surface, summed asperity by asperity and reduced in a fixed order.
 //!
-//! Each replica has its own random stream (seed, replica), and under a [`SamplingScheme`] shares draws with its group. Replicas are
-//! grouped into batches of a fixed size; batches are computed in any order by any number of threads and merged in the order of
-//! their index in a fixed tree, so every result depends on the scene and the seed alone. What is kept per replica is a handful of
-//! numbers; heights and curves are dropped with their batch. A surface of more than [`TRACT`](crate::surface::TRACT) asperities is not
-//! held at all: its tracts have streams of their own, and are drawn and summed in parallel, and drawn again for what is asked later.
+//! Each replica has its own random stream (seed, replica), and under a [`SamplingScheme`] shares draws with
+//! its group. Replicas are grouped into batches of a fixed size; batches are computed in any order by any
+//! number of threads and merged in the order of their index in a fixed tree, so every result depends on the
+//! scene and the seed alone. What is kept per replica is a handful of numbers; heights and curves are dropped
+//! with their batch. A surface of more than [`TRACT`](crate::surface::TRACT) asperities is not held at all:
+//! its tracts have streams of their own, and are drawn and summed in parallel, and drawn again for what is
+//! asked later.
 
 mod batch;
 #[cfg(test)]
@@ -14,7 +16,6 @@ pub mod compressed;
 mod curves;
 mod cycle;
 mod force_table;
-mod forest;
 mod groups;
 pub mod instability;
 mod kinks;
@@ -22,6 +23,7 @@ mod parts;
 mod radii;
 mod record;
 mod reduce;
+mod reduction_tree;
 mod replica;
 mod retraction;
 mod sampling;
@@ -40,11 +42,11 @@ mod whole;
 pub use batch::{BATCH, Batch, Ensemble, batches_of, replicas_of};
 pub use curves::Curves;
 pub use cycle::{Cycle, dissipated};
-pub use forest::Forest;
 pub use groups::Groups;
-pub use instability::Holding;
+pub use instability::Loading;
 pub use record::Record;
 pub use reduce::{Outcome, run, run_from};
+pub use reduction_tree::ReductionTree;
 pub use replica::{Replica, Workspace};
 pub use sampling::draw;
 pub use scalars::{LOOP_SCALARS, SCALARS, Scalar, scalars};
@@ -84,16 +86,18 @@ pub struct Job<'a> {
 /// What is done with a surface beside summing it on one way.
 #[derive(Clone, Copy, Default)]
 pub struct Protocol<'a> {
-    /// The loop of which the law of the job is the approach: surfaces are also pulled back, from the smallest separation.
+    /// The loop of which the law of the job is the approach: surfaces are also pulled back, from the smallest
+    /// separation.
     pub cycle: Option<&'a Loop>,
     /// What holds the surfaces.
-    pub holding: Holding<'a>,
+    pub loading: Loading<'a>,
     /// Span of separation, m, of the peak secant stiffness; not computed without one.
     pub stiffness_span: Option<f64>,
 }
 
 impl Job<'_> {
-    /// Has the replicas come in whole groups: the last replicas would otherwise be in the means, but in no standard error and no test.
+    /// Has the replicas come in whole groups: the last replicas would otherwise be in the means, but in no
+    /// standard error and no test.
     ///
     /// # Panics
     /// When they do not; scenes are refused before ([`SamplingScheme::check`]).
@@ -103,7 +107,8 @@ impl Job<'_> {
         }
     }
 
-    /// States that a surface is summed in: the separations, and of a loop behind these the separations again, on the way back.
+    /// States that a surface is summed in: the separations, and of a loop behind these the separations again,
+    /// on the way back.
     pub fn states(&self) -> usize {
         self.separations.len() * if self.protocol.cycle.is_some() { 2 } else { 1 }
     }

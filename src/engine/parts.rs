@@ -1,14 +1,17 @@
-//! The pull-off and the stiffest place of a curve of which no kinks are known: at even parts of the spaces between samples.
+//! The pull-off and the stiffest place of a curve of which no kinks are known: at even parts of the spaces
+//! between samples.
 
 use crate::math::extrema::{Extremum, deeper, largest_secant};
 
 /// Parts of the space between two separations at whose ends the curve is looked at.
 const PARTS: usize = 16;
 
-/// The minimum of the external force from its samples alone: separations h, m, rising, and forces, N. The forces at every sixteenth of the
-/// way between the neighbours of the smallest, which are asked for at once, are looked at too.
+/// The minimum of the external force from its samples alone: separations h, m, rising, and forces, N. The
+/// forces at every sixteenth of the way between the neighbours of the smallest, which are asked for at once,
+/// are looked at too.
 pub(super) fn deepest_of_parts(samples: &[(f64, f64)], forces: impl FnOnce(&[f64]) -> Vec<f64>) -> Extremum {
-    let smallest = (1..samples.len()).fold(0, |best, k| if samples[k].1 < samples[best].1 { k } else { best });
+    let smallest =
+        (1..samples.len()).fold(0, |best, k| if samples[k].1 < samples[best].1 { k } else { best });
     let at_edge = smallest == 0 || smallest + 1 == samples.len();
     let around = &samples[smallest.saturating_sub(1)..samples.len().min(smallest + 2)];
     let places: Vec<f64> = around
@@ -23,8 +26,8 @@ pub(super) fn deepest_of_parts(samples: &[(f64, f64)], forces: impl FnOnce(&[f64
     Extremum { place: deepest.0, value: deepest.1, at_edge: at_edge && deepest == samples[smallest] }
 }
 
-/// The largest secant stiffness over a span, m, in its middle, likewise: of spans that begin in the spaces beside the one where the samples
-/// have it.
+/// The largest secant stiffness over a span, m, in its middle, likewise: of spans that begin in the spaces
+/// beside the one where the samples have it.
 pub(super) fn stiffest_of_parts(
     samples: &[(f64, f64)],
     span: f64,
@@ -62,7 +65,8 @@ fn differences(separations: &[f64], span: f64, forces: impl FnOnce(&[f64]) -> Ve
 mod tests {
     use super::*;
 
-    /// By hand: sin has its largest secants in the middle of what rises. A span that is wider than the samples begins with these.
+    /// By hand: sin has its largest secants in the middle of what rises. A span that is wider than the
+    /// samples begins with these.
     #[test]
     fn secants_are_found_between_samples_and_beyond_them() {
         let sin = |places: &[f64]| places.iter().map(|x| x.sin()).collect::<Vec<f64>>();

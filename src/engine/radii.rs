@@ -1,16 +1,18 @@
-//! The curve of a surface of asperities that differ in their radii, each with a law, and so with kinks, of its own.
+//! The curve of a surface of asperities that differ in their radii, each with a law, and so with kinks, of
+//! its own.
 
 use super::Job;
 use super::kinks::{Kink, beside, forces, rounding};
 use super::scattered;
 use super::search::{Curve, Passing, Stray};
-use crate::asperity::{Family, Law, Scratch, Work};
+use crate::asperity::{Family, Law, Scratch, SolverStats};
 use std::collections::BTreeMap;
 
 /// How many times the stray and the fall of a kink of the typical asperity those of another may be.
 const UNLIKE: f64 = 2.0;
 
-/// Separations h, m, of the kinks of asperities, those of one after those of the other, and where those of each end.
+/// Separations h, m, of the kinks of asperities, those of one after those of the other, and where those of
+/// each end.
 #[derive(Debug)]
 pub(super) struct Places {
     places: Vec<f64>,
@@ -50,19 +52,19 @@ pub(super) struct Scattered<'a> {
     /// Laws of asperities that have been asked for.
     laws: BTreeMap<u32, Box<dyn Law>>,
     scratch: &'a mut Scratch,
-    work: &'a mut Work,
+    stats: &'a mut SolverStats,
 }
 
 impl<'a> Scattered<'a> {
-    /// A surface of a job whose laws are a family: `heights` and `radii`, m, of its asperities, with their kinks and these of the
-    /// typical one.
+    /// A surface of a job whose laws are a family: `heights` and `radii`, m, of its asperities, with their
+    /// kinks and these of the typical one.
     pub fn new(
         job: &'a Job<'a>,
         family: &'a Family,
         (typical, places): (&[Kink], &'a Places),
         (heights, radii): (&'a [f64], &'a [f64]),
         scratch: &'a mut Scratch,
-        work: &'a mut Work,
+        stats: &'a mut SolverStats,
     ) -> Self {
         let mut last = Stray::default();
         let unlike = |kink: &Kink| {
@@ -72,11 +74,11 @@ impl<'a> Scattered<'a> {
             Kink { fall: UNLIKE * kink.fall, stray: last.times(UNLIKE), ..*kink }
         };
         let typical = typical.iter().map(unlike).collect();
-        Self { job, family, typical, heights, radii, places, laws: BTreeMap::new(), scratch, work }
+        Self { job, family, typical, heights, radii, places, laws: BTreeMap::new(), scratch, stats }
     }
 
-    /// The kinks of an asperity: separations h, m, falling, and the kink of the typical asperity that is like each. The last are alike, and
-    /// what not all have comes first.
+    /// The kinks of an asperity: separations h, m, falling, and the kink of the typical asperity that is like
+    /// each. The last are alike, and what not all have comes first.
     fn kinks(&self, asperity: u32) -> impl Iterator<Item = (f64, usize)> + use<'_> {
         let (places, typical) = (self.places.of(asperity), self.typical.len());
         places
@@ -89,7 +91,7 @@ impl<'a> Scattered<'a> {
     fn forces(&mut self, asperity: u32, interferences: &[f64]) -> Vec<f64> {
         let radius = self.radii[asperity as usize];
         let law = self.laws.entry(asperity).or_insert_with(|| self.family.law(radius, None));
-        forces(law.as_ref(), interferences, self.scratch, self.work)
+        forces(law.as_ref(), interferences, self.scratch, self.stats)
     }
 }
 
@@ -98,7 +100,7 @@ impl Curve for Scattered<'_> {
 
     fn exact(&mut self, separations: &[f64]) -> Vec<f64> {
         let asperities = (self.heights, self.radii);
-        scattered::external_forces(self.job, self.family, asperities, self.scratch, self.work, separations)
+        scattered::external_forces(self.job, self.family, asperities, self.scratch, self.stats, separations)
     }
 
     fn kinked(&mut self, low: f64, high: f64) -> Vec<u32> {
@@ -113,7 +115,12 @@ impl Curve for Scattered<'_> {
                 self.kinks(*asperity).filter(|(place, _)| *place >= low && *place <= high).collect();
             for (place, kink) in near {
                 let force = self.forces(*asperity, &beside(height - place));
-                passings.push(Passing { place, step: force[0] - force[1], kink: kink as u32, asperity: i as u32 });
+                passings.push(Passing {
+                    place,
+                    step: force[0] - force[1],
+                    kink: kink as u32,
+                    asperity: i as u32,
+                });
             }
         }
     }
@@ -143,6 +150,8 @@ impl Curve for Scattered<'_> {
             near.for_each(|(_, kink)| counts[kink] += 1);
         }
         let kinks = self.typical.iter().zip(counts);
-        kinks.filter(|(kink, count)| kink.fall > 0.0 && *count > 0).for_each(|(kink, count)| visit(kink.fall, count));
+        kinks
+            .filter(|(kink, count)| kink.fall > 0.0 && *count > 0)
+            .for_each(|(kink, count)| visit(kink.fall, count));
     }
 }

@@ -5,7 +5,8 @@ use super::cycle::Cycle;
 use super::replica::Replica;
 use crate::math::words::Words;
 
-/// What records of a run consist of: the numbers of the replica, its snaps, and its curves where these are kept.
+/// What records of a run consist of: the numbers of the replica, its snaps, and its curves where these are
+/// kept.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Record {
     /// Whether it is of a loop.
@@ -20,7 +21,7 @@ impl Record {
     /// Those of a job.
     pub fn of(job: &Job<'_>) -> Self {
         let states = if job.keep_curves { job.states() } else { 0 };
-        Self { cycle: job.protocol.cycle.is_some(), snaps: job.protocol.holding.length(), states }
+        Self { cycle: job.protocol.cycle.is_some(), snaps: job.protocol.loading.length(), states }
     }
 
     fn empty(self) -> Replica {
@@ -37,7 +38,8 @@ impl Record {
         self.of_replica() + self.snaps + 2 * self.states
     }
 
-    /// Adds a record to others: of a replica, of its snaps, and of its external force and its adhesion force over the states, N.
+    /// Adds a record to others: of a replica, of its snaps, and of its external force and its adhesion force
+    /// over the states, N.
     pub fn write(self, records: &mut Vec<u64>, replica: &Replica, snaps: &[f64], curves: [&[f64]; 2]) {
         replica.clone().each_word(&mut |word| records.push(*word));
         records.extend(snaps.iter().map(|number| number.to_bits()));
@@ -51,11 +53,15 @@ impl Record {
     pub fn read(self, record: &[u64]) -> (Replica, impl Iterator<Item = f64> + '_) {
         let mut replica = self.empty();
         let (own, rest) = record.split_at(self.of_replica());
-        assert!(replica.restore(own) && rest.len() == self.snaps + 2 * self.states, "a record of another length");
+        assert!(
+            replica.restore(own) && rest.len() == self.snaps + 2 * self.states,
+            "a record of another length"
+        );
         (replica, rest[..self.snaps].iter().map(|number| f64::from_bits(*number)))
     }
 
-    /// The curves of a record, each over the separations of one way: external force, then adhesion force, N; of a loop each on both ways.
+    /// The curves of a record, each over the separations of one way: external force, then adhesion force, N;
+    /// of a loop each on both ways.
     pub fn curves(self, record: &[u64]) -> impl Iterator<Item = impl Iterator<Item = f64> + '_> {
         let separations = self.states / if self.cycle { 2 } else { 1 };
         let curves = record[self.of_replica() + self.snaps..].chunks_exact(separations.max(1));
@@ -72,8 +78,13 @@ mod tests {
         let record = Record { cycle: true, snaps: 2, states: 4 };
         let cycle = Cycle { dissipated_energy: 3.0, takeoff_separation: f64::NAN, ..Cycle::default() };
         let cycle = Some(Box::new(cycle));
-        let replica =
-            Replica { asperity_count: 7, pull_off_force: -0.5, pull_off_at_edge: true, cycle, ..Replica::default() };
+        let replica = Replica {
+            asperity_count: 7,
+            pull_off_force: -0.5,
+            pull_off_at_edge: true,
+            cycle,
+            ..Replica::default()
+        };
         let mut words = Vec::new();
         record.write(&mut words, &replica, &[1.0, -0.0], [&[1.0, 2.0, 3.0, 4.0], &[5.0, 6.0, 7.0, 8.0]]);
         assert_eq!(words.len(), record.length());

@@ -2,7 +2,7 @@
 
 use super::Job;
 use super::batch::Batch;
-use super::forest::Forest;
+use super::reduction_tree::ReductionTree;
 use super::replica::Workspace;
 use super::stopping::Rule;
 use rayon::prelude::*;
@@ -14,16 +14,16 @@ use std::sync::mpsc::sync_channel;
 #[derive(Debug)]
 pub enum Outcome {
     /// All batches are in, or the targets are met.
-    Complete(Box<Forest>),
+    Complete(Box<ReductionTree>),
     /// `stop` was set: the batches that were merged until then.
-    Interrupted(Box<Forest>),
+    Interrupted(Box<ReductionTree>),
 }
 
 impl Outcome {
     /// What has been merged.
-    pub fn forest(&self) -> &Forest {
+    pub fn reduction_tree(&self) -> &ReductionTree {
         match self {
-            Self::Complete(forest) | Self::Interrupted(forest) => forest,
+            Self::Complete(reduction_tree) | Self::Interrupted(reduction_tree) => reduction_tree,
         }
     }
 }
@@ -39,18 +39,19 @@ pub fn run<E: Send>(
     job: &Job<'_>,
     pool: &rayon::ThreadPool,
     stop: &AtomicBool,
-    observe: impl FnMut(&Batch, &Forest) -> Result<(), E>,
+    observe: impl FnMut(&Batch, &ReductionTree) -> Result<(), E>,
 ) -> Result<Outcome, E> {
-    run_from(job, pool, stop, Forest::of(job), None, observe)
+    run_from(job, pool, stop, ReductionTree::of(job), None, observe)
 }
 
-/// Computes the batches of a job that `merged` does not have yet, on `pool`. `observe` gets every batch in order, with what it has been
-/// merged into; its error ends the run. When `stop` is set no batch is begun any more, and those of large surfaces
-/// are given up. With a rule the run is complete after the first
-/// batch that meets it: what other threads have begun by then is dropped. The result has the same bits wherever it began.
+/// Computes the batches of a job that `merged` does not have yet, on `pool`. `observe` gets every batch in
+/// order, with what it has been merged into; its error ends the run. When `stop` is set no batch is begun any
+/// more, and those of large surfaces are given up. With a rule the run is complete after the first batch that
+/// meets it: what other threads have begun by then is dropped. The result has the same bits wherever it
+/// began.
 ///
-/// At most a few batches per thread wait to be merged, so memory does not grow with the number of replicas except by what is kept
-/// of each.
+/// At most a few batches per thread wait to be merged, so memory does not grow with the number of replicas
+/// except by what is kept of each.
 ///
 /// # Errors
 /// The error of `observe`.
@@ -58,12 +59,12 @@ pub fn run_from<E: Send>(
     job: &Job<'_>,
     pool: &rayon::ThreadPool,
     stop: &AtomicBool,
-    mut merged: Forest,
+    mut merged: ReductionTree,
     rule: Option<Rule<'_>>,
-    mut observe: impl FnMut(&Batch, &Forest) -> Result<(), E>,
+    mut observe: impl FnMut(&Batch, &ReductionTree) -> Result<(), E>,
 ) -> Result<Outcome, E> {
     job.require_whole_groups();
-    let is_enough = |merged: &Forest| rule.is_some_and(|rule| rule.is_met(job, merged));
+    let is_enough = |merged: &ReductionTree| rule.is_some_and(|rule| rule.is_met(job, merged));
     // A run may have been interrupted after the batch that was the last.
     if is_enough(&merged) {
         return Ok(Outcome::Complete(Box::new(merged)));

@@ -11,7 +11,7 @@ use super::scattered::Scattered;
 use super::sums::{RegimeSums, State, Sums};
 use super::tracts::Tracts;
 use super::whole::Whole;
-use crate::asperity::{Quantity, Work};
+use crate::asperity::{Quantity, SolverStats};
 use crate::math::extrema::Extremum;
 use crate::math::words::Words;
 use crate::surface::TRACT;
@@ -32,7 +32,8 @@ pub struct Replica {
     pub peak_secant_stiffness: f64,
     /// Separation h in the middle of the span there, m.
     pub peak_secant_stiffness_separation: f64,
-    /// Whether the smallest force is at the first or last separation, so that the curve may fall further beyond.
+    /// Whether the smallest force is at the first or last separation, so that the curve may fall further
+    /// beyond.
     pub pull_off_at_edge: bool,
     /// What is kept of it as a loop, if it is one; all above is then of the way back.
     pub cycle: Option<Box<Cycle>>,
@@ -75,10 +76,12 @@ pub(super) trait Summed {
     /// External forces, N, at separations h, m, rising, on the way back from the separation `from`, m.
     fn back(&mut self, from: f64, separations: &[f64]) -> Vec<f64>;
 
-    /// The pull-off on the way back from the separation `from`, m, from samples of it: separations h, m, rising, and external forces, N.
+    /// The pull-off on the way back from the separation `from`, m, from samples of it: separations h, m,
+    /// rising, and external forces, N.
     fn pull_off_back(&mut self, from: f64, samples: &[(f64, f64)]) -> Extremum;
 
-    /// The largest secant stiffness over a span, m, from samples of its way: on the way back from the separation `from`, m, if there is one.
+    /// The largest secant stiffness over a span, m, from samples of its way: on the way back from the
+    /// separation `from`, m, if there is one.
     fn stiffest(&mut self, from: Option<f64>, samples: &[(f64, f64)], span: f64) -> Extremum;
 }
 
@@ -105,7 +108,8 @@ impl Workspace {
         Self::with_tracts(job, TRACT)
     }
 
-    /// Memory for replicas of a job whose surfaces are drawn, and summed, in tracts of `tract` asperities where they have more.
+    /// Memory for replicas of a job whose surfaces are drawn, and summed, in tracts of `tract` asperities
+    /// where they have more.
     pub fn with_tracts(job: &Job<'_>, tract: usize) -> Self {
         let r = job.law.regimes().len();
         let is_divided = is_divided(job.surface, tract);
@@ -127,17 +131,18 @@ impl Workspace {
     }
 
     /// What the surfaces since the last call have cost.
-    pub fn take_work(&mut self) -> Work {
-        std::mem::take(&mut self.sums.work)
+    pub fn take_stats(&mut self) -> SolverStats {
+        std::mem::take(&mut self.sums.stats)
     }
 
-    /// Draws replicas, sums them over all separations, and visits each with what is kept of it and its curves.
+    /// Draws replicas, sums them over all separations, and visits each with what is kept of it and its
+    /// curves.
     pub fn replicas(&mut self, job: &Job<'_>, replicas: Range<u64>, visit: impl FnMut(Replica, &Curves)) {
         self.replicas_until(job, replicas, &|| false, visit);
     }
 
-    /// The same, until `ends` is true, which surfaces that are summed tract by tract look at before each: then the replica at hand is not
-    /// visited, nor any further one. Whether all were visited.
+    /// The same, until `ends` is true, which surfaces that are summed tract by tract look at before each:
+    /// then the replica at hand is not visited, nor any further one. Whether all were visited.
     pub fn replicas_until(
         &mut self,
         job: &Job<'_>,
@@ -172,20 +177,20 @@ impl Workspace {
         let mut surface = Tracts::new(job, draws, (&self.kinks, &mut self.table), ends);
         surface.sum(&mut self.curves[0]);
         let kept = keep(job, &mut surface, draws.count, &mut self.curves[0]);
-        self.sums.work.merge(&surface.work);
+        self.sums.stats.merge(&surface.stats);
         (!ends()).then_some(kept)
     }
 
-    /// Sums the first `count` surfaces, whose heights it sorts: rising heights make the regimes contiguous, and neighbours in a slice
-    /// neighbours in the law.
+    /// Sums the first `count` surfaces, whose heights it sorts: rising heights make the regimes contiguous,
+    /// and neighbours in a slice neighbours in the law.
     fn sum(&mut self, job: &Job<'_>, count: usize) {
         if let (Some(compression), Some(compressed)) = (job.compression, &mut self.compressed) {
             compressed.take(compression, &self.heights[..count]);
-            compressed.fill(compression, job.law, &mut self.curves[..count], &mut self.sums.work);
+            compressed.fill(compression, job.law, &mut self.curves[..count], &mut self.sums.stats);
         }
         if let (Some(family), Some(scattered)) = (job.law.family(), &mut self.scattered) {
-            let Sums { scratch, work, .. } = &mut self.sums;
-            scattered.surface(family, (&self.heights[0], &self.radii), scratch, work, &mut self.curves[0]);
+            let Sums { scratch, stats, .. } = &mut self.sums;
+            scattered.surface(family, (&self.heights[0], &self.radii), scratch, stats, &mut self.curves[0]);
             return;
         }
         let states = State::all(job);
@@ -240,7 +245,7 @@ fn keep(job: &Job<'_>, surface: &mut dyn Summed, count: usize, curves: &mut Curv
     let unknown = Extremum { place: f64::NAN, value: f64::NAN, at_edge: false };
     let stiffest = |span| surface.stiffest(from, &job.samples(last.0), span);
     kept.stiffest(&job.protocol.stiffness_span.map_or(unknown, stiffest));
-    if !job.protocol.holding.stiffness.is_empty() {
+    if !job.protocol.loading.stiffness.is_empty() {
         curves.snaps = snaps(job, surface, external, last);
     }
     kept
@@ -251,10 +256,10 @@ mod tests {
     use super::super::case_ii::CASE_II;
     use super::super::compressed::{Compression, largest_error};
     use super::super::kinks::Kink;
-    use super::super::{Holding, Protocol};
+    use super::super::{Loading, Protocol};
     use super::*;
     use crate::asperity::models::model;
-    use crate::asperity::{Family, Law, Loop, Path, Setting, Typical, UnloadedRadius};
+    use crate::asperity::{Family, Law, LawParameters, Loop, Path, Typical, UnloadedRadius};
     use crate::surface::{
         CountLaw, HeightLaw, Heights, LogNormal, RADIUS_RANGE, Radii, Roughness, SamplingScheme, Surface,
     };
@@ -280,12 +285,12 @@ mod tests {
         (0..count).map(|k| surface.surface_height_std * (-1.0 + step * k as f64)).collect()
     }
 
-    fn setting() -> Setting {
-        Setting::new(&CASE_II, Path::Approach, (-40e-9, 60e-9)).unwrap()
+    fn parameters() -> LawParameters {
+        LawParameters::new(&CASE_II, Path::Approach, (-40e-9, 60e-9)).unwrap()
     }
 
     fn law(name: &str) -> Box<dyn Law> {
-        (model(name).unwrap().build)(&setting()).unwrap()
+        (model(name).unwrap().build)(&parameters()).unwrap()
     }
 
     fn job<'a>(law: &'a dyn Law, surface: &'a Surface, separations: &'a [f64]) -> Job<'a> {
@@ -320,26 +325,30 @@ mod tests {
         (workspace.keep(job, 0), workspace.curves.remove(0))
     }
 
-    /// Has both ways of summing a replica agree: curves to a share `tolerance` of F_s + P, and what is kept to as much. Its pull-off may
-    /// be less deep by what the steepest part of a curve falls on the way between the ends of cells, or deeper; the place of that is
-    /// one of the curve.
+    /// Has both ways of summing a replica agree: curves to a share `tolerance` of F_s + P, and what is kept
+    /// to as much. Its pull-off may be less deep by what the steepest part of a curve falls on the way
+    /// between the ends of cells, or deeper; the place of that is one of the curve.
     #[track_caller]
     fn agree(job: &Job<'_>, index: u64, (mine, curves): &(Replica, Curves), tolerance: f64) {
         let (truth, direct) = held(&Job { compression: None, ..*job }, index);
         let error = largest_error(curves, &direct);
         assert!(error <= tolerance, "{error:e}");
-        let exact =
-            |replica: &Replica| (replica.asperity_count, replica.highest_asperity.to_bits(), replica.pull_off_at_edge);
+        let exact = |replica: &Replica| {
+            (replica.asperity_count, replica.highest_asperity.to_bits(), replica.pull_off_at_edge)
+        };
         assert_eq!(exact(mine), exact(&truth));
-        let forces = direct.total[0].iter().zip(&direct.total[1]).map(|(adhesion, contact)| adhesion + contact);
+        let forces =
+            direct.total[0].iter().zip(&direct.total[1]).map(|(adhesion, contact)| adhesion + contact);
         let rounding = 2.0 * tolerance * forces.fold(0.0, f64::max);
         // Of the cells in ten spaces between separations.
         let cell = 10.0 * (job.separations[1] - job.separations[0]) / f64::from(1 << 18);
         let external = direct.total[Quantity::ExternalForce.index()].chunks_exact(job.separations.len());
         let rises = external.flat_map(|curve| curve.windows(2)).zip(job.separations.windows(2).cycle());
-        let steepest = rises.map(|(force, h)| ((force[1] - force[0]) / (h[1] - h[0])).abs()).fold(0.0, f64::max);
-        let approach =
-            |replica: &Replica| replica.cycle.as_ref().map_or(f64::NAN, |cycle| cycle.approach_pull_off_force);
+        let steepest =
+            rises.map(|(force, h)| ((force[1] - force[0]) / (h[1] - h[0])).abs()).fold(0.0, f64::max);
+        let approach = |replica: &Replica| {
+            replica.cycle.as_ref().map_or(f64::NAN, |cycle| cycle.approach_pull_off_force)
+        };
         let is_scattered = job.law.family().is_some();
         for force in [|replica: &Replica| replica.pull_off_force, approach] {
             let missed = force(&truth) - force(mine);
@@ -350,10 +359,16 @@ mod tests {
         assert_eq!(mine.cycle.is_some(), truth.cycle.is_some());
         let close = |mine: f64, truth: f64| {
             let off = (mine - truth).abs();
-            assert!(off <= 1e3 * tolerance * truth.abs() || mine.to_bits() == truth.to_bits(), "{mine:e} {truth:e}");
+            assert!(
+                off <= 1e3 * tolerance * truth.abs() || mine.to_bits() == truth.to_bits(),
+                "{mine:e} {truth:e}"
+            );
         };
         if is_scattered {
-            assert!(mine.peak_secant_stiffness <= truth.peak_secant_stiffness * (1.0 + 1e-9), "{mine:?}, {truth:?}");
+            assert!(
+                mine.peak_secant_stiffness <= truth.peak_secant_stiffness * (1.0 + 1e-9),
+                "{mine:?}, {truth:?}"
+            );
         } else {
             close(mine.peak_secant_stiffness, truth.peak_secant_stiffness);
         }
@@ -387,7 +402,8 @@ mod tests {
             for index in [0, 5] {
                 agree(&direct, index, &divided(&direct, index), ROUNDING);
                 for tolerance in [1e-6, 1e-9, 1e-12] {
-                    let Ok(compression) = Compression::new(law.as_ref(), &surface, &separations, tolerance) else {
+                    let Ok(compression) = Compression::new(law.as_ref(), &surface, &separations, tolerance)
+                    else {
                         assert_eq!(step, 1.0);
                         continue;
                     };
@@ -398,7 +414,8 @@ mod tests {
         }
     }
 
-    /// Other laws of heights, with asperities beyond all bins, a Poisson number, given heights, and every scheme.
+    /// Other laws of heights, with asperities beyond all bins, a Poisson number, given heights, and every
+    /// scheme.
     #[test]
     fn every_kind_of_surface_comes_in_tracts() {
         let plain = surface();
@@ -406,12 +423,16 @@ mod tests {
         let separations = separations(&plain, 0.1, 91);
         let with = |law| Surface { heights: Heights { law, ..plain.heights.clone() }, ..plain.clone() };
         let mut given = vec![0.0; COUNT];
-        plain.heights.draw(&mut super::super::stream::stream(3, super::super::stream::Purpose::Heights, 0), &mut given);
+        plain.heights.draw(
+            &mut super::super::stream::stream(3, super::super::stream::Purpose::Heights, 0),
+            &mut given,
+        );
         let given = Surface { heights: Heights::sample(given), ..plain.clone() };
         let tail = with(HeightLaw::LogNormal(LogNormal::new(1.0)));
         let poisson = Surface { count_law: CountLaw::Poisson, ..plain.clone() };
         let whole = Surface { whole: true, ..given.clone() };
-        let independent = [&tail, &poisson, &given, &whole].map(|surface| (surface, SamplingScheme::Independent));
+        let independent =
+            [&tail, &poisson, &given, &whole].map(|surface| (surface, SamplingScheme::Independent));
         let schemes = [SamplingScheme::Antithetic, SamplingScheme::Stratified].map(|scheme| (&plain, scheme));
         for (surface, scheme) in independent.into_iter().chain(schemes) {
             let direct = Job { scheme, ..job(law.as_ref(), surface, &separations) };
@@ -428,9 +449,10 @@ mod tests {
         assert!(heights.iter().filter(beyond).count() > 2, "no asperity is beyond the bins");
     }
 
-    /// A surface of so many tracts that it is not held has a pull-off that is less deep by what roots leave out of what is interpolated
-    /// between samples, and by the jumps of the asperities of a cell: 3.5 √(Σ n r²) + Σ n |J| / cells, n asperities that pass a kink in a
-    /// space between samples, at most, with jump J and r for its roots.
+    /// A surface of so many tracts that it is not held has a pull-off that is less deep by what roots leave
+    /// out of what is interpolated between samples, and by the jumps of the asperities of a cell: 3.5 √(Σ n
+    /// r²) + Σ n |J| / cells, n asperities that pass a kink in a space between samples, at most, with jump J
+    /// and r for its roots.
     #[test]
     fn the_pull_off_of_many_tracts_is_within_its_bound() {
         let surface = surface();
@@ -440,7 +462,9 @@ mod tests {
         let width = separations[1] - separations[0];
         let per_space = COUNT as f64 * width / (surface.heights.std * (2.0 * std::f64::consts::PI).sqrt());
         let (mut square, mut jumps) = (0.0, 0.0);
-        for kink in Kink::of(law.as_ref(), width).iter().filter(|kink| kink.interference < surface.heights.std) {
+        for kink in
+            Kink::of(law.as_ref(), width).iter().filter(|kink| kink.interference < surface.heights.std)
+        {
             square += per_space * kink.stray.samples.1.powi(2);
             jumps += per_space * kink.jump.abs();
         }
@@ -474,16 +498,16 @@ mod tests {
     #[test]
     fn loops_come_in_tracts() {
         let surface = surface();
-        let cycle = Loop::new(&model("hybrid").unwrap(), &setting(), UnloadedRadius::Kept).unwrap();
+        let cycle = Loop::new(&model("hybrid").unwrap(), &parameters(), UnloadedRadius::Kept).unwrap();
         let separations = separations(&surface, 0.1, 81);
         let [stiffness, preload] = [[1e5, 1e6], [1e-4, 1e3]];
         for preload in [&preload[..], &[]] {
-            let holding = Holding { stiffness: &stiffness, preload, smallest_snap: 0.0, ways: (true, true) };
-            let protocol = Protocol { cycle: Some(&cycle), holding, ..Protocol::default() };
+            let loading = Loading { stiffness: &stiffness, preload, smallest_snap: 0.0, ways: (true, true) };
+            let protocol = Protocol { cycle: Some(&cycle), loading, ..Protocol::default() };
             let job = Job { protocol, ..job(cycle.approach(), &surface, &separations) };
             let (mine, truth) = (divided(&job, 0), held(&job, 0));
             agree(&job, 0, &mine, ROUNDING);
-            assert_eq!(mine.1.snaps.len(), holding.length());
+            assert_eq!(mine.1.snaps.len(), loading.length());
             for (mine, truth) in mine.1.snaps.iter().zip(&truth.1.snaps) {
                 let off = (mine - truth).abs();
                 assert!(off <= 1e-9 * truth.abs() || mine.to_bits() == truth.to_bits(), "{mine:e} {truth:e}");
@@ -505,7 +529,7 @@ mod tests {
                 pool.install(|| {
                     let mut workspace = Workspace::with_tracts(&job, SMALL);
                     let kept = workspace.divided(&job, 3, &|| false).unwrap();
-                    (kept.clone().words(), workspace.curves.remove(0), workspace.sums.work)
+                    (kept.clone().words(), workspace.curves.remove(0), workspace.sums.stats)
                 })
             };
             let one = on(1);
@@ -515,7 +539,8 @@ mod tests {
         }
     }
 
-    /// Whenever it is ended, nothing of the replica at hand is visited, those before it are, and no tract is begun any more.
+    /// Whenever it is ended, nothing of the replica at hand is visited, those before it are, and no tract is
+    /// begun any more.
     #[test]
     fn a_surface_in_tracts_can_be_ended() {
         let surface = surface();
@@ -525,7 +550,8 @@ mod tests {
         let looks = |most: usize| {
             let (looked, mut visited) = (AtomicUsize::new(0), 0);
             let ends = || looked.fetch_add(1, Ordering::Relaxed) >= most;
-            let all = Workspace::with_tracts(&job, SMALL).replicas_until(&job, 0..2, &ends, |_, _| visited += 1);
+            let all =
+                Workspace::with_tracts(&job, SMALL).replicas_until(&job, 0..2, &ends, |_, _| visited += 1);
             (all, visited, looked.into_inner())
         };
         let (all, visited, needed) = looks(usize::MAX);

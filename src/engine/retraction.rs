@@ -23,7 +23,8 @@ pub(super) struct Retracted<'a> {
     cycle: &'a Loop,
     /// Kinks in δ, by what has become of an asperity.
     kinks: [Vec<Kink>; 3],
-    /// Separations h, m, of the kinks of asperities that have flowed, where their tops have radii of their own.
+    /// Separations h, m, of the kinks of asperities that have flowed, where their tops have radii of their
+    /// own.
     flattened: &'a [[f64; 3]],
     /// m, rising.
     heights: &'a [f64],
@@ -50,12 +51,14 @@ pub(super) struct Released {
     fate: usize,
 }
 
-/// Separations h, m, of the kinks of those of `heights`, m, rising, that have flowed when they are pulled back from a separation h, m; nothing
-/// where tops keep their radius.
+/// Separations h, m, of the kinks of those of `heights`, m, rising, that have flowed when they are pulled
+/// back from a separation h, m; nothing where tops keep their radius.
 pub(super) fn flattened(job: &Job<'_>, cycle: &Loop, heights: &[f64], from: f64) -> Vec<[f64; 3]> {
     let closest = job.surface.asperity_separation(from);
     let first = heights.partition_point(|u| cycle.fate(u - closest) < FLOWED);
-    let places = |largest: f64| Some(cycle.flattened_kinks(largest)?.map(|kink| from + cycle.recovery(largest) - kink));
+    let places = |largest: f64| {
+        Some(cycle.flattened_kinks(largest)?.map(|kink| from + cycle.recovery(largest) - kink))
+    };
     heights[first..].iter().map_while(|u| places(u - closest)).collect()
 }
 
@@ -74,8 +77,10 @@ impl<'a> Retracted<'a> {
         let mut kinks = kinks.clone();
         if !flattened.is_empty() {
             // Forces grow with the radius.
-            let flattest =
-                heights[ends[FLOWED - 1]..].iter().map(|u| cycle.radius_ratio(u - closest)).fold(1.0, f64::max);
+            let flattest = heights[ends[FLOWED - 1]..]
+                .iter()
+                .map(|u| cycle.radius_ratio(u - closest))
+                .fold(1.0, f64::max);
             for kink in &mut kinks[FLOWED] {
                 (kink.fall, kink.stray) = (flattest * kink.fall, kink.stray.times(UNLIKE * flattest));
             }
@@ -116,8 +121,8 @@ impl<'a> Retracted<'a> {
     fn recovering(&self, fate: usize, low: f64, high: f64) -> Range<usize> {
         let first = if fate == 0 { 0 } else { self.ends[fate - 1] };
         let heights = &self.heights[first..self.ends[fate]];
-        let [low, high] =
-            [low, high].map(|limit| heights.partition_point(|u| self.cycle.recovery(u - self.closest) < limit));
+        let [low, high] = [low, high]
+            .map(|limit| heights.partition_point(|u| self.cycle.recovery(u - self.closest) < limit));
         first + low..first + high
     }
 
@@ -166,7 +171,8 @@ impl Curve for Retracted<'_> {
             }
             let mut reached = 0;
             for Kink { interference, .. } in kinks {
-                let range = self.recovering(fate, low - self.from + interference, high - self.from + interference);
+                let range =
+                    self.recovering(fate, low - self.from + interference, high - self.from + interference);
                 let range = range.start.max(reached)..range.end;
                 reached = reached.max(range.end);
                 found.extend(range.map(|number| self.released(number, fate)));
@@ -190,7 +196,8 @@ impl Curve for Retracted<'_> {
                     let mut step = -self.kinks[fate][like].jump;
                     if fate == FLOWED {
                         let beside = self.rounding();
-                        let [below, above] = [place - beside, place + beside].map(|h| self.force(asperity, h));
+                        let [below, above] =
+                            [place - beside, place + beside].map(|h| self.force(asperity, h));
                         step = above - below;
                     }
                     passings.push(Passing { place, step, kink, asperity: (first + i) as u32 });

@@ -9,11 +9,11 @@ use rand::seq::SliceRandom;
 use rand_distr::{Distribution, Poisson};
 use std::ops::Range;
 
-/// Draws the asperities of the replica `index`, unsorted, in the place of those that are there: their heights, m, and where they differ
-/// the radius of each, m.
+/// Draws the asperities of the replica `index`, unsorted, in the place of those that are there: their
+/// heights, m, and where they differ the radius of each, m.
 ///
-/// They depend on seed, scheme and index alone. Number, heights and radii have streams of their own, so that a surface on which one of
-/// them follows another law still has the same of the others.
+/// They depend on seed, scheme and index alone. Number, heights and radii have streams of their own, so that
+/// a surface on which one of them follows another law still has the same of the others.
 pub fn draw(
     surface: &Surface,
     seed: u64,
@@ -40,7 +40,12 @@ pub(super) struct Draws<'a> {
 
 impl<'a> Draws<'a> {
     /// Of the replica `index`, in tracts of `tract` asperities.
-    pub fn new(surface: &'a Surface, (seed, scheme): (u64, SamplingScheme), index: u64, tract: usize) -> Self {
+    pub fn new(
+        surface: &'a Surface,
+        (seed, scheme): (u64, SamplingScheme),
+        index: u64,
+        tract: usize,
+    ) -> Self {
         let tract = if is_divided(surface, tract) { tract } else { usize::MAX };
         Self { surface, seed, scheme, index, count: count(surface, seed, index), tract }
     }
@@ -84,7 +89,9 @@ impl<'a> Draws<'a> {
         let surface = self.surface;
         match (&surface.radii, surface.heights.values()) {
             (Radii::Measured(asperities), _) if surface.whole => {
-                for ((height, radius), asperity) in heights.iter_mut().zip(radii).zip(&asperities[self.range(tract)]) {
+                for ((height, radius), asperity) in
+                    heights.iter_mut().zip(radii).zip(&asperities[self.range(tract)])
+                {
                     [*height, *radius] = *asperity;
                 }
             }
@@ -93,19 +100,26 @@ impl<'a> Draws<'a> {
             (law, _) => {
                 let [mut of_heights, mut of_radii] = [Purpose::Heights, Purpose::Radii]
                     .map(|purpose| tract_stream(self.seed, purpose, self.index, tract as u64));
-                law.draw(surface.asperity_radius, &surface.heights, (&mut of_heights, &mut of_radii), heights, radii);
+                law.draw(
+                    surface.asperity_radius,
+                    &surface.heights,
+                    (&mut of_heights, &mut of_radii),
+                    heights,
+                    radii,
+                );
             }
         }
     }
 
     /// Draws the heights of a tract, m, unsorted; `heights` has one place for each of its asperities.
     ///
-    /// Under every scheme they are independent and of the law of the surface; those of one group of replicas of a surface that is
-    /// [plain](Surface::is_plain) depend on each other asperity by asperity:
+    /// Under every scheme they are independent and of the law of the surface; those of one group of replicas
+    /// of a surface that is [plain](Surface::is_plain) depend on each other asperity by asperity:
     ///
     /// * antithetic: a replica of odd index has the heights of the one before it with opposite sign;
-    /// * stratified: the height of an asperity is the normal quantile of (π + U)/8, where π over the replicas of the group is a random
-    ///   permutation of 0..8, another for each asperity, and U is uniform (McKay, Beckman and Conover 1979).
+    /// * stratified: the height of an asperity is the normal quantile of (π + U)/8, where π over the replicas
+    ///   of the group is a random permutation of 0..8, another for each asperity, and U is uniform (McKay,
+    ///   Beckman and Conover 1979).
     fn fill_heights(&self, tract: usize, heights: &mut [f64]) {
         let Self { surface, index, .. } = *self;
         let stream = |purpose, index| tract_stream(self.seed, purpose, index, tract as u64);
@@ -128,7 +142,8 @@ impl<'a> Draws<'a> {
                     // The upper half mirrors the lower one, so that both tails keep their digits.
                     let (below, sign) =
                         if stratum < STRATA / 2 { (stratum, 1.0) } else { (STRATA - 1 - stratum, -1.0) };
-                    *height = sign * surface.heights.gaussian_quantile((below as f64 + share) / STRATA as f64);
+                    *height =
+                        sign * surface.heights.gaussian_quantile((below as f64 + share) / STRATA as f64);
                 }
             }
         }
@@ -186,7 +201,8 @@ mod tests {
     #[test]
     fn antithetic_pairs_are_mirror_images() {
         for pair in 0..3 {
-            let [first, second] = [0, 1].map(|member| heights(SamplingScheme::Antithetic, 2 * pair + member, 500));
+            let [first, second] =
+                [0, 1].map(|member| heights(SamplingScheme::Antithetic, 2 * pair + member, 500));
             assert!(first.iter().zip(&second).all(|(a, b)| *a == -*b));
             assert_eq!(first, heights(SamplingScheme::Independent, 2 * pair, 500));
         }
@@ -201,7 +217,9 @@ mod tests {
             for asperity in 0..300 {
                 let mut strata: Vec<u64> = group
                     .iter()
-                    .map(|replica| (8.0 * distribution.probability(f64::NEG_INFINITY, replica[asperity])) as u64)
+                    .map(|replica| {
+                        (8.0 * distribution.probability(f64::NEG_INFINITY, replica[asperity])) as u64
+                    })
                     .collect();
                 strata.sort_unstable();
                 assert_eq!(strata, [0, 1, 2, 3, 4, 5, 6, 7], "asperity {asperity}");
@@ -209,8 +227,9 @@ mod tests {
         }
     }
 
-    /// All 8! permutations are equally likely: Pearson's χ² of pairs of the first two entries over 56 cells, 55 degrees of freedom; the
-    /// critical value at the level 1e-3 is 93.2 (the false-alarm rate of this test; the seed is fixed).
+    /// All 8! permutations are equally likely: Pearson's χ² of pairs of the first two entries over 56 cells,
+    /// 55 degrees of freedom; the critical value at the level 1e-3 is 93.2 (the false-alarm rate of this
+    /// test; the seed is fixed).
     #[test]
     fn permutations_are_random() {
         let mut random = stream(1, Purpose::Strata, 0);
@@ -228,8 +247,9 @@ mod tests {
         assert!(statistic < 93.2, "{statistic}");
     }
 
-    /// Each of the 8 replicas of a group is Gaussian by itself, by Kolmogorov and Smirnov at the level 1e-4 (false alarm below 1e-3
-    /// for all; the seed is fixed), and its asperities are uncorrelated: their lag-1 correlation is below 4 standard errors (5e-4).
+    /// Each of the 8 replicas of a group is Gaussian by itself, by Kolmogorov and Smirnov at the level 1e-4
+    /// (false alarm below 1e-3 for all; the seed is fixed), and its asperities are uncorrelated: their lag-1
+    /// correlation is below 4 standard errors (5e-4).
     #[test]
     fn one_replica_is_a_plain_surface() {
         let (distribution, n) = (Heights::gaussian(STD), 20_000);

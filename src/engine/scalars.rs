@@ -38,7 +38,11 @@ pub const LOOP_SCALARS: [Scalar; 5] = [
         units: "m",
         of: |replica| of_cycle(replica, |cycle| cycle.approach_pull_off_separation),
     },
-    Scalar { name: "dissipated_energy", units: "J", of: |replica| of_cycle(replica, |cycle| cycle.dissipated_energy) },
+    Scalar {
+        name: "dissipated_energy",
+        units: "J",
+        of: |replica| of_cycle(replica, |cycle| cycle.dissipated_energy),
+    },
     Scalar {
         name: "touchdown_separation",
         units: "m",

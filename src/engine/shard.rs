@@ -32,7 +32,8 @@ impl FromStr for Shard {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let needed = || "which of how many is needed, such as 3/16: a number from 1 to the second one".to_owned();
+        let needed =
+            || "which of how many is needed, such as 3/16: a number from 1 to the second one".to_owned();
         let (index, count) = text.split_once('/').ok_or_else(needed)?;
         let number = |text: &str| text.parse::<u64>().map_err(|_| needed());
         let shard = Self { index: number(index)?, count: number(count)? };
@@ -47,7 +48,8 @@ mod tests {
     #[test]
     fn shards_share_all_work_among_them() {
         for (all, count) in [(100, 16), (5, 8), (0, 3), (12_500_000, 1000), (u64::MAX, 7)] {
-            let ranges: Vec<Range<u64>> = (1..=count).map(|index| Shard { index, count }.range(all)).collect();
+            let ranges: Vec<Range<u64>> =
+                (1..=count).map(|index| Shard { index, count }.range(all)).collect();
             assert_eq!((ranges[0].start, ranges[ranges.len() - 1].end), (0, all));
             assert!(ranges.windows(2).all(|pair| pair[0].end == pair[1].start));
             let lengths = ranges.iter().map(|range| range.end - range.start);

@@ -1,14 +1,16 @@
-//! When an ensemble is large enough: the standard errors of the means that are asked for, looked at after fixed numbers of replicas.
+//! When an ensemble is large enough: the standard errors of the means that are asked for, looked at after
+//! fixed numbers of replicas.
 //!
-//! The rule looks at the merged state after numbers of replicas that depend on the scene alone, so where it stops, and with it every bit
-//! of the result, depends on the scene and the seed alone.
+//! The rule looks at the merged state after numbers of replicas that depend on the scene alone, so where it
+//! stops, and with it every bit of the result, depends on the scene and the seed alone.
 //!
-//! To stop as soon as an estimated error is small enough favours samples that underestimate it. What keeps that small is that the first
-//! look comes late, and that from one look to the next there is more than a little: docs/stopping.md has the coverage of the intervals.
+//! To stop as soon as an estimated error is small enough favours samples that underestimate it. What keeps
+//! that small is that the first look comes late, and that from one look to the next there is more than a
+//! little: docs/stopping.md has the coverage of the intervals.
 
 use super::Job;
 use super::batch::{BATCH, Ensemble};
-use super::forest::Forest;
+use super::reduction_tree::ReductionTree;
 use crate::math::control_variates::controlled_means;
 use crate::scene::{Estimate, Limit, Stopping, Target};
 
@@ -53,7 +55,8 @@ impl Rule<'_> {
     pub fn looks(&self) -> impl Iterator<Item = u64> {
         let most = self.stopping.max_replicas;
         let whole = move |replicas: u64| replicas.div_ceil(BATCH).saturating_mul(BATCH).min(most);
-        let next = move |last: &u64| (*last < most).then(|| whole(last.saturating_add(last.div_ceil(GROWTH))));
+        let next =
+            move |last: &u64| (*last < most).then(|| whole(last.saturating_add(last.div_ceil(GROWTH))));
         std::iter::successors(Some(whole(self.stopping.min_replicas)), next)
     }
 
@@ -84,8 +87,9 @@ impl Rule<'_> {
     }
 
     /// Whether what has been merged of a job is looked at now, and all targets are met.
-    pub fn is_met(&self, job: &Job<'_>, merged: &Forest) -> bool {
-        self.is_look(merged.replicas.len() as u64) && self.attained(&merged.ensemble(job)).iter().all(Attained::is_met)
+    pub fn is_met(&self, job: &Job<'_>, merged: &ReductionTree) -> bool {
+        self.is_look(merged.replicas.len() as u64)
+            && self.attained(&merged.ensemble(job)).iter().all(Attained::is_met)
     }
 }
 
@@ -121,7 +125,9 @@ mod tests {
         // The units of a dimension begin with that of SI.
         let units = SCALARS.iter().map(|scalar| scalar.units.replace(" m-1", "/m"));
         assert!(
-            units.zip(QUANTITIES).all(|(units, (_, dimension))| dimension.units().split(", ").next() == Some(&units))
+            units
+                .zip(QUANTITIES)
+                .all(|(units, (_, dimension))| dimension.units().split(", ").next() == Some(&units))
         );
     }
 }

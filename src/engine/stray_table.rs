@@ -1,10 +1,12 @@
-//! How far the force of one asperity is off what is interpolated between samples, where it has a kink among these.
+//! How far the force of one asperity is off what is interpolated between samples, where it has a kink among
+//! these.
 //!
 //! # Formula
-//! Between samples at h and h + w of a curve, all w apart, the polynomial through the 6 samples around is off by
-//! e(δ, t) = f(δ − t·w) − Σ L_i(t)·f(δ − i·w), i = −2 … 3, for the force f, without its jumps, of an asperity that has the interference δ at
-//! h; L_i are Lagrange's polynomials and 0 ≤ t ≤ 1. Where f is smooth, e is negligible; where it begins like a root among the samples, it
-//! is some tenths of the force a space behind the kink. Asperities of one law have one e, so it is in a table.
+//! Between samples at h and h + w of a curve, all w apart, the polynomial through the 6 samples around is off
+//! by e(δ, t) = f(δ − t·w) − Σ L_i(t)·f(δ − i·w), i = −2 … 3, for the force f, without its jumps, of an
+//! asperity that has the interference δ at h; L_i are Lagrange's polynomials and 0 ≤ t ≤ 1. Where f is
+//! smooth, e is negligible; where it begins like a root among the samples, it is some tenths of the force a
+//! space behind the kink. Asperities of one law have one e, so it is in a table.
 
 use super::search::{NODES, interpolated_from_samples};
 use crate::math::instruction_set::InstructionSet;
@@ -39,7 +41,8 @@ impl StrayTable {
     pub fn new(force: &dyn Fn(&[f64]) -> Vec<f64>, kinks: &[f64], width: f64) -> Self {
         let mut windows: Vec<(f64, f64)> = Vec::new();
         for kink in kinks {
-            // A kink is in the middle between two places of the table, so that no rounding decides what is at it.
+            // A kink is in the middle between two places of the table, so that no rounding decides what is at
+            // it.
             let low = kink - (BEFORE as f64 + 0.5 / NODES as f64) * width;
             let high = kink + (BEFORE as f64 + 1.0) * width;
             match windows.last_mut().filter(|window| low <= window.1) {
@@ -50,7 +53,8 @@ impl StrayTable {
         Self { width, windows: windows.into_iter().map(|window| Window::new(force, window, width)).collect() }
     }
 
-    /// Adds what heights, m, rising, are off at even places of a space at whose first sample the separation is d, m.
+    /// Adds what heights, m, rising, are off at even places of a space at whose first sample the separation
+    /// is d, m.
     pub fn add(&self, heights: &[f64], d: f64, sums: &mut [f64; NODES]) {
         for window in &self.windows {
             let first = heights.partition_point(|u| u - d < window.low);
@@ -62,8 +66,9 @@ impl StrayTable {
         }
     }
 
-    /// What the table leaves out next to each of the kinks that it was made of, where the force is less and where it is more: at most, and the
-    /// root of the mean square where that is largest, summed over the spaces that the kink may be in.
+    /// What the table leaves out next to each of the kinks that it was made of, where the force is less and
+    /// where it is more: at most, and the root of the mean square where that is largest, summed over the
+    /// spaces that the kink may be in.
     pub fn strays(&self, force: &dyn Fn(&[f64]) -> Vec<f64>, kinks: &[f64]) -> Vec<[(f64, f64); 2]> {
         let middle = |a: f64, b: f64| 0.5 * (a + b);
         let stray = |k: usize| {
@@ -111,7 +116,8 @@ impl Window {
         let rows = ((high - low) / step).ceil() as usize + 2;
         // From the last sample of the first row to the first of the last.
         let (before, behind) = ((BEFORE + 1) * NODES, BEFORE * NODES);
-        let places: Vec<f64> = (0..before + rows + behind).map(|i| low + step * (i as f64 - before as f64)).collect();
+        let places: Vec<f64> =
+            (0..before + rows + behind).map(|i| low + step * (i as f64 - before as f64)).collect();
         let forces = force(&places);
         let even: [f64; SAMPLES] = std::array::from_fn(|i| i as f64 - BEFORE as f64);
         let row = |row: usize| {
@@ -125,8 +131,8 @@ impl Window {
         Self { low, high, rows: (0..rows).map(row).collect() }
     }
 
-    /// Adds the two rows around the interference of each of some heights at the separation d, m, by their shares; there are `per_metre` rows
-    /// to a metre.
+    /// Adds the two rows around the interference of each of some heights at the separation d, m, by their
+    /// shares; there are `per_metre` rows to a metre.
     #[inline(always)]
     fn add(&self, heights: &[f64], d: f64, per_metre: f64, sums: &mut [f64; NODES]) {
         let mut total = *sums;

@@ -22,8 +22,8 @@ pub fn stream(seed: u64, purpose: Purpose, replica: u64) -> ChaCha8Rng {
     tract_stream(seed, purpose, replica, 0)
 }
 
-/// The stream of a tract of a replica, or of a group: ChaCha8 with the key (seed, purpose, tract) and the stream number `replica`, from its
-/// beginning.
+/// The stream of a tract of a replica, or of a group: ChaCha8 with the key (seed, purpose, tract) and the
+/// stream number `replica`, from its beginning.
 pub fn tract_stream(seed: u64, purpose: Purpose, replica: u64, tract: u64) -> ChaCha8Rng {
     let mut key = [0; 32];
     key[..8].copy_from_slice(&seed.to_le_bytes());
@@ -45,15 +45,17 @@ mod tests {
         let first = |seed, replica, tract| tract_stream(seed, Purpose::Heights, replica, tract).next_u64();
         assert_eq!(first(1, 2, 3), first(1, 2, 3));
         assert_eq!(first(1, 2, 0), stream(1, Purpose::Heights, 2).next_u64());
-        let all =
-            (0..10).flat_map(|seed| (0..10).flat_map(move |replica| (0..10).map(move |tract| [seed, replica, tract])));
+        let all = (0..10).flat_map(|seed| {
+            (0..10).flat_map(move |replica| (0..10).map(move |tract| [seed, replica, tract]))
+        });
         let distinct: std::collections::BTreeSet<u64> =
             all.map(|[seed, replica, tract]| first(seed, replica, tract)).collect();
         assert_eq!(distinct.len(), 1000);
     }
 
     /// Pinned, so that a new version of the generator that draws other heights is noticed. The value is the
-    /// ChaCha8 keystream of a zero key and nonce (Strombergson, "Test Vectors for the Stream Cipher ChaCha", TC1).
+    /// ChaCha8 keystream of a zero key and nonce (Strombergson, "Test Vectors for the Stream Cipher ChaCha",
+    /// TC1).
     #[test]
     fn the_keystream_is_chacha8() {
         let word = stream(0, Purpose::Heights, 0).next_u64();

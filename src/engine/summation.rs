@@ -31,9 +31,10 @@ impl Summation {
         Self { achieved_error: f64::NAN, ..Self::default() }
     }
 
-    /// By moments to `tolerance` if that can be done, which is tried on a few replicas of the job, in parallel; else directly. The error
-    /// is that of [`largest_error`] and of the pull-off force. Of surfaces that are drawn in tracts the first one of each is tried: errors
-    /// are relative to the sum of what all asperities do, so those of more are no larger.
+    /// By moments to `tolerance` if that can be done, which is tried on a few replicas of the job, in
+    /// parallel; else directly. The error is that of [`largest_error`] and of the pull-off force. Of surfaces
+    /// that are drawn in tracts the first one of each is tried: errors are relative to the sum of what all
+    /// asperities do, so those of more are no larger.
     pub fn compressed(job: &Job<'_>, tolerance: f64) -> Self {
         let direct = Self { tolerance: Some(tolerance), ..Self::direct() };
         if job.protocol.cycle.is_some() {
@@ -44,10 +45,12 @@ impl Summation {
             Err(refusal) => return Self { refusal: Some(refusal), ..direct },
         };
         let pilots = PILOTS.min(job.replicas);
-        let surface = Surface { asperity_count: job.surface.asperity_count.min(TRACT), ..job.surface.clone() };
+        let surface =
+            Surface { asperity_count: job.surface.asperity_count.min(TRACT), ..job.surface.clone() };
         let tried = Job { surface: &surface, ..*job };
         let ways = [Job { compression: Some(&compression), ..tried }, Job { compression: None, ..tried }];
-        let error = |workspaces: &mut [Workspace; 2], i| pilot_error(&ways, workspaces, i * (job.replicas / pilots));
+        let error =
+            |workspaces: &mut [Workspace; 2], i| pilot_error(&ways, workspaces, i * (job.replicas / pilots));
         let errors: Vec<f64> =
             (0..pilots).into_par_iter().map_init(|| ways.each_ref().map(Workspace::new), error).collect();
         let achieved_error = errors.into_iter().fold(0.0, f64::max);
@@ -69,7 +72,8 @@ impl Summation {
     }
 }
 
-/// The error of compressed against direct sums of one replica of the same job, each in its own memory; infinite where it is not a number.
+/// The error of compressed against direct sums of one replica of the same job, each in its own memory;
+/// infinite where it is not a number.
 fn pilot_error(ways: &[Job<'_>; 2], workspaces: &mut [Workspace; 2], index: u64) -> f64 {
     let mut summed = ways.iter().zip(workspaces).map(|(job, workspace)| {
         let mut result: Option<(Replica, Curves)> = None;
@@ -78,7 +82,8 @@ fn pilot_error(ways: &[Job<'_>; 2], workspaces: &mut [Workspace; 2], index: u64)
     });
     let mut next = || summed.next().expect("there are two ways");
     let ((replica, curves), (truth, direct)) = (next(), next());
-    let largest = direct.total[Quantity::AdhesionForce.index()].iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+    let largest =
+        direct.total[Quantity::AdhesionForce.index()].iter().copied().fold(f64::MIN_POSITIVE, f64::max);
     let scale = truth.pull_off_force.abs().max(compressed::SMALL * largest);
     let pull_off_error = (replica.pull_off_force - truth.pull_off_force).abs() / scale;
     let error = maximum(largest_error(&curves, &direct), pull_off_error);

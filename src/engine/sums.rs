@@ -2,7 +2,7 @@
 
 use super::Job;
 use super::curves::Curves;
-use crate::asperity::{Law, Quantity, Scratch, Work, for_each_block_of, regime_ranges};
+use crate::asperity::{Law, Quantity, Scratch, SolverStats, for_each_block_of, regime_ranges};
 use crate::math::instruction_set::InstructionSet;
 use crate::math::sums::{Compensated, lane_sum};
 
@@ -11,7 +11,8 @@ use crate::math::sums::{Compensated, lane_sum};
 pub(super) enum State {
     /// At a separation h, m, on the way of the job's law.
     There(f64),
-    /// At the separation `to` on the way back from the separation `from`, m; where there is no other way, on the one there is.
+    /// At the separation `to` on the way back from the separation `from`, m; where there is no other way, on
+    /// the one there is.
     Back {
         /// h, m.
         from: f64,
@@ -33,7 +34,7 @@ impl State {
 pub(super) struct Sums {
     pub regimes: Vec<RegimeSums>,
     pub scratch: Scratch,
-    pub work: Work,
+    pub stats: SolverStats,
 }
 
 /// Sums over the asperities of a surface in one regime.
@@ -53,7 +54,11 @@ impl RegimeSums {
             regimes.iter().for_each(|regime| sum.add(part(regime)));
             sum.value()
         };
-        Quantity::of_response(total(|r| r.adhesion.value()), total(|r| r.contact.value()), total(|r| r.area.value()))
+        Quantity::of_response(
+            total(|r| r.adhesion.value()),
+            total(|r| r.contact.value()),
+            total(|r| r.area.value()),
+        )
     }
 
     /// The external force of all regimes together, N.
@@ -96,7 +101,11 @@ impl RegimeSums {
 impl Sums {
     /// Memory for a law of so many regimes.
     pub fn new(regimes: usize) -> Self {
-        Self { regimes: vec![RegimeSums::default(); regimes], scratch: Scratch::default(), work: Work::default() }
+        Self {
+            regimes: vec![RegimeSums::default(); regimes],
+            scratch: Scratch::default(),
+            stats: SolverStats::default(),
+        }
     }
 
     /// Sums a surface of a job, `heights` (m) rising, in a state.
@@ -117,23 +126,23 @@ impl Sums {
         RegimeSums::external_force(&self.regimes)
     }
 
-    /// Sums a law over heights (m), rising, at the separation d, m; `base` says for each of its regimes among which it counts, if not as
-    /// itself.
+    /// Sums a law over heights (m), rising, at the separation d, m; `base` says for each of its regimes among
+    /// which it counts, if not as itself.
     pub fn over(&mut self, law: &dyn Law, base: Option<&[usize]>, heights: &[f64], d: f64) {
         self.regimes.fill(RegimeSums::default());
-        let Self { regimes, scratch, work, .. } = self;
+        let Self { regimes, scratch, stats, .. } = self;
         for (regime, range) in regime_ranges(law, heights, d) {
             let sum = &mut regimes[base.map_or(regime, |base| base[regime])];
             let count = range.len() as f64;
             sum.count += count;
             if let Some(force) = law.constant(regime) {
                 sum.adhesion.add(count * force);
-                work.constant += range.len() as u64;
+                stats.constant += range.len() as u64;
                 continue;
             }
             let touches = law.regimes()[regime].is_contact();
-            work.unloaded += if touches { 0 } else { range.len() as u64 };
-            for_each_block_of(law, (regime, range), heights, d, scratch, work, |range, responses| {
+            stats.unloaded += if touches { 0 } else { range.len() as u64 };
+            for_each_block_of(law, (regime, range), heights, d, scratch, stats, |range, responses| {
                 let n = range.len();
                 InstructionSet::current().run(
                     #[inline(always)]

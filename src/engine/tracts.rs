@@ -1,8 +1,9 @@
-//! Surfaces of more asperities than are held at once: drawn and summed tract by tract, in parallel, and drawn again for what is asked
-//! later.
+//! Surfaces of more asperities than are held at once: drawn and summed tract by tract, in parallel, and drawn
+//! again for what is asked later.
 //!
-//! Every tract has random streams of its own, so each is the same in whatever order they are drawn; what they give is added up in their
-//! order. So memory does not grow with the number of asperities, and results do not depend on the number of threads.
+//! Every tract has random streams of its own, so each is the same in whatever order they are drawn; what they
+//! give is added up in their order. So memory does not grow with the number of asperities, and results do not
+//! depend on the number of threads.
 
 use super::Job;
 use super::cells::{Cells, Redrawn, pull_off};
@@ -16,7 +17,7 @@ use super::sampling::Draws;
 use super::scattered::{self, add, planes};
 use super::sums::{RegimeSums, State, Sums};
 use super::whole::Whole;
-use crate::asperity::{Family, Work};
+use crate::asperity::{Family, SolverStats};
 use crate::math::extrema::{Extremum, maximum};
 use crate::math::instruction_set::InstructionSet;
 use crate::math::sums::Compensated;
@@ -44,7 +45,7 @@ pub(super) struct Tracts<'a> {
     /// The highest asperity of the tracts that have been summed, m; NaN of none.
     highest: f64,
     /// What it has cost.
-    pub work: Work,
+    pub stats: SolverStats,
     /// Moments of the whole surface, where it is summed by them.
     moments: Option<Moments<'a>>,
 }
@@ -74,7 +75,8 @@ impl Memory {
         let fits = |memory: &Self| {
             let compressed = job.compression.zip(memory.compressed.as_ref());
             let fits = compressed.is_none_or(|(compression, sums)| sums.fits(compression, regimes));
-            fits && memory.sums.regimes.len() == regimes && job.compression.is_some() == memory.compressed.is_some()
+            fits && memory.sums.regimes.len() == regimes
+                && job.compression.is_some() == memory.compressed.is_some()
         };
         MEMORY.take().filter(fits).unwrap_or_else(|| Self {
             heights: Vec::new(),
@@ -96,11 +98,12 @@ impl Memory {
         }
     }
 
-    /// The tract that was drawn in moments, and sums of those of its asperities that are in no bin, by state and regime; nothing when all are.
+    /// The tract that was drawn in moments, and sums of those of its asperities that are in no bin, by state
+    /// and regime; nothing when all are.
     fn part(&mut self, job: &Job<'_>, compression: &Compression) -> (Part, Vec<RegimeSums>) {
         let Self { heights, sums, compressed, .. } = self;
         let compressed = compressed.as_mut().expect("memory of a compression has its sums");
-        let mut part = Part::new(compressed, compression, job.law, heights, &mut sums.work);
+        let mut part = Part::new(compressed, compression, job.law, heights, &mut sums.stats);
         if part.beyond.is_empty() {
             return (part, Vec::new());
         }
@@ -109,11 +112,12 @@ impl Memory {
         (part, beyond)
     }
 
-    /// What asperities of the tract that was drawn add to the external force between separations beside their moments, N.
+    /// What asperities of the tract that was drawn add to the external force between separations beside their
+    /// moments, N.
     fn rest(&mut self, job: &Job<'_>, compression: &Compression, between: &Between) -> Vec<f64> {
         let Self { heights, sums, compressed, .. } = self;
         let compressed = compressed.as_mut().expect("memory of a compression has its sums");
-        between.rest(compressed, compression, job.law, heights, &mut sums.work)
+        between.rest(compressed, compression, job.law, heights, &mut sums.stats)
     }
 }
 
@@ -154,15 +158,15 @@ fn sum_scattered(
         State::There(h) | State::Back { to: h, .. } => h,
     };
     let separations: Vec<f64> = states.iter().map(separation).collect();
-    let Sums { scratch, work, regimes, .. } = sums;
+    let Sums { scratch, stats, regimes, .. } = sums;
     let mut by_plane = vec![RegimeSums::default(); regimes.len() * separations.len()];
-    add(family, asperities, &planes(job, &separations), scratch, work, &mut by_plane);
+    add(family, asperities, &planes(job, &separations), scratch, stats, &mut by_plane);
     by_plane.chunks_exact(regimes.len()).rev().flatten().copied().collect()
 }
 
 impl<'a> Tracts<'a> {
-    /// The surface of the replica `draws` of a job, of which nothing is known yet. When `ends` is true what is under way stops at the next
-    /// tract, and whatever comes of it is to be thrown away.
+    /// The surface of the replica `draws` of a job, of which nothing is known yet. When `ends` is true what
+    /// is under way stops at the next tract, and whatever comes of it is to be thrown away.
     pub fn new(
         job: &'a Job<'a>,
         draws: Draws<'a>,
@@ -170,7 +174,17 @@ impl<'a> Tracts<'a> {
         ends: Ends<'a>,
     ) -> Self {
         let (heights, highest) = (Vec::new(), f64::NAN);
-        Self { job, draws, kinks, table, ends, heights, highest, work: Work::default(), moments: None }
+        Self {
+            job,
+            draws,
+            kinks,
+            table,
+            ends,
+            heights,
+            highest,
+            stats: SolverStats::default(),
+            moments: None,
+        }
     }
 
     /// Sums the surface at all separations into its curves.
@@ -197,7 +211,7 @@ impl<'a> Tracts<'a> {
             let mut memory = Memory::of(job);
             draws.tract(tract, &mut memory.heights, &mut memory.radii);
             let highest = if is_first { largest(&memory.heights) } else { f64::NAN };
-            let made = (of(&mut memory), highest, std::mem::take(&mut memory.sums.work));
+            let made = (of(&mut memory), highest, std::mem::take(&mut memory.sums.stats));
             MEMORY.set(Some(memory));
             Some(made)
         };
@@ -205,9 +219,9 @@ impl<'a> Tracts<'a> {
         for first in (0..draws.tracts()).step_by(ahead) {
             let tracts = first..draws.tracts().min(first + ahead);
             let made: Vec<_> = tracts.into_par_iter().map(one).collect();
-            for (made, highest, work) in made.into_iter().flatten() {
+            for (made, highest, stats) in made.into_iter().flatten() {
                 self.highest = self.highest.max(highest);
-                self.work.merge(&work);
+                self.stats.merge(&stats);
                 take(made);
             }
         }
@@ -237,7 +251,7 @@ impl<'a> Tracts<'a> {
             compressed: None,
         };
         let found = answer(&mut whole);
-        self.work.merge(&sums.work);
+        self.stats.merge(&sums.stats);
         Some(found)
     }
 
@@ -268,7 +282,7 @@ impl<'a> Tracts<'a> {
             },
         );
         let mut sums = compressed::Sums::new(compression, regimes);
-        totals.fill(&mut sums, compression, job.law, curves, &mut self.work);
+        totals.fill(&mut sums, compression, job.law, curves, &mut self.stats);
         for (k, beyond) in beyond.chunks_exact(regimes).enumerate() {
             RegimeSums::add(beyond, k, curves);
         }
@@ -280,7 +294,7 @@ impl<'a> Tracts<'a> {
         let job = self.job;
         let Moments { compression, totals, sums } = &mut moments;
         let d = separations.iter().map(|&h| job.surface.asperity_separation(h)).collect();
-        let between = Between::new(totals, sums, compression, job.law, d, &mut self.work);
+        let between = Between::new(totals, sums, compression, job.law, d, &mut self.stats);
         let mut forces = vec![Compensated::default(); separations.len()];
         self.each(
             |memory| memory.rest(job, compression, &between),

@@ -27,7 +27,8 @@ pub(super) struct Whole<'a> {
     pub sums: &'a mut Sums,
     /// Of the kinks of its asperities where radii differ, when they have been asked for.
     pub places: Option<Places>,
-    /// The same of tops that have flowed and have radii of their own, when they are pulled back from a separation h, m.
+    /// The same of tops that have flowed and have radii of their own, when they are pulled back from a
+    /// separation h, m.
     pub flattened: Option<(f64, Vec<[f64; 3]>)>,
     /// The lane of the surface, if it was summed by moments.
     pub compressed: Option<(&'a Compression, &'a mut compressed::Sums, usize)>,
@@ -60,22 +61,30 @@ impl Summed for Whole<'_> {
 }
 
 impl Whole<'_> {
-    /// Finds what is sought on the way of the job from samples of it: separations h, m, rising, and external forces, N.
+    /// Finds what is sought on the way of the job from samples of it: separations h, m, rising, and external
+    /// forces, N.
     fn find(&mut self, sought: Sought, samples: &[(f64, f64)]) -> Extremum {
         let Self { job, heights, highest, .. } = *self;
         let (kinks, spacing) = (self.kinks.there.as_slice(), widest_spacing(job));
         if let Some(family) = job.law.family() {
             let asperities = (heights, self.radii);
             let places = self.places.get_or_insert_with(|| Places::new(job, family, asperities));
-            let Sums { scratch, work, .. } = &mut *self.sums;
-            let mut surface = Scattered::new(job, family, (kinks, places), asperities, scratch, work);
+            let Sums { scratch, stats, .. } = &mut *self.sums;
+            let mut surface = Scattered::new(job, family, (kinks, places), asperities, scratch, stats);
             return sought.find(&mut surface, samples, spacing);
         }
         match &mut self.compressed {
             Some((compression, moments, lane)) => {
                 let heights = Compressed { job, compression, moments, lane: *lane, sums: self.sums };
                 sought.find(
-                    &mut OfHeights { job, kinks, strays: &self.kinks.strays, highest, table: self.table, heights },
+                    &mut OfHeights {
+                        job,
+                        kinks,
+                        strays: &self.kinks.strays,
+                        highest,
+                        table: self.table,
+                        heights,
+                    },
                     samples,
                     spacing,
                 )
@@ -159,8 +168,12 @@ impl<T: Heights> Curve for OfHeights<'_, T> {
             let kink = kink as u32;
             let place = |height: f64| height - of.interference + offset;
             let first = heights.partition_point(|height| place(*height) < low);
-            let passing =
-                |(asperity, height): (u32, &f64)| Passing { place: place(*height), step: -of.jump, kink, asperity };
+            let passing = |(asperity, height): (u32, &f64)| Passing {
+                place: place(*height),
+                step: -of.jump,
+                kink,
+                asperity,
+            };
             let all = (first as u32..).zip(&heights[first..]).map(passing);
             passings.extend(all.take_while(|passing| passing.place <= high));
         }
@@ -243,7 +256,7 @@ impl Heights for Compressed<'_> {
 
     fn external_force(&mut self, separation: f64) -> f64 {
         let d = self.job.surface.asperity_separation(separation);
-        self.moments.external_force(self.compression, self.job.law, self.lane, d, &mut self.sums.work)
+        self.moments.external_force(self.compression, self.job.law, self.lane, d, &mut self.sums.stats)
     }
 
     fn sums(&mut self) -> &mut Sums {

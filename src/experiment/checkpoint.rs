@@ -1,12 +1,12 @@
 //! What `run` keeps while it goes, and how it goes on after an interruption.
 
 use super::Error;
-use super::sampling::holding;
-use crate::engine::{Batch, Forest, Job, Record, Replica, Shard, replicas_of};
+use super::sampling::loading;
+use crate::engine::{Batch, Job, Record, ReductionTree, Replica, Shard, replicas_of};
 use crate::output::checkpoint::{Checkpoint, Identity, Journal, forget, forget_records};
 use crate::output::reader::Reader;
 use crate::output::schema::{Layout, RUN, SHARD};
-use crate::output::{Claim, OutputError, note_kept};
+use crate::output::{OutputError, OutputLock, note_kept};
 use crate::scene::{Scene, difference};
 use crate::validation::Basis;
 use serde::{Deserialize, Serialize};
@@ -17,30 +17,33 @@ use std::time::{Duration, Instant};
 /// What a checkpoint holds of a run beside the records of its replicas.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct State {
-    /// The functionals of the joint test. They come from linear algebra whose last bits may differ between processors, so they are kept.
+    /// The functionals of the joint test. They come from linear algebra whose last bits may differ between
+    /// processors, so they are kept.
     pub basis: Basis,
     /// Indices of the separations of the control variates.
     pub controls: Vec<usize>,
-    /// The fewest replicas that the run may end with: of a scene with targets another number than of the same scene with --replicas.
+    /// The fewest replicas that the run may end with: of a scene with targets another number than of the same
+    /// scene with --replicas.
     fewest_replicas: u64,
-    /// The forest without its replicas: bits of numbers, which take 8 bytes each here where whole numbers take up to 10.
-    forest: Vec<f64>,
+    /// The forest without its replicas: bits of numbers, which take 8 bytes each here where whole numbers
+    /// take up to 10.
+    reduction_tree: Vec<f64>,
 }
 
 impl State {
     /// That of a run that begins.
     pub fn new(basis: Basis, controls: Vec<usize>, fewest_replicas: u64) -> Self {
-        Self { basis, controls, fewest_replicas, forest: Vec::new() }
+        Self { basis, controls, fewest_replicas, reduction_tree: Vec::new() }
     }
 
     /// The words of the forest.
-    pub fn forest(&self) -> Vec<u64> {
-        self.forest.iter().map(|number| number.to_bits()).collect()
+    pub fn reduction_tree(&self) -> Vec<u64> {
+        self.reduction_tree.iter().map(|number| number.to_bits()).collect()
     }
 
     /// The replicas, of `all`, that are computed where they are not all of them.
     pub fn replicas(&self, all: u64) -> Range<u64> {
-        let batch = |word: usize| self.forest.get(word).map_or(0, |batch| batch.to_bits());
+        let batch = |word: usize| self.reduction_tree.get(word).map_or(0, |batch| batch.to_bits());
         replicas_of(batch(0)..batch(1).max(batch(0)), all)
     }
 
@@ -62,7 +65,7 @@ pub(crate) struct Interrupted {
 /// What the records of a scene's replicas consist of.
 pub(crate) fn record_of(scene: &Scene) -> Record {
     let states = if scene.curves { scene.states() } else { 0 };
-    Record { cycle: scene.cycle, snaps: holding(scene).length(), states }
+    Record { cycle: scene.cycle, snaps: loading(scene).length(), states }
 }
 
 /// What is computed into an output: a scene, or a shard of it.
@@ -96,7 +99,7 @@ pub(crate) enum Beginning {
 
 /// What may become of what is there of an output.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Manner {
+pub(crate) struct OverwritePolicy {
     /// A run that was interrupted goes on.
     pub resume: bool,
     /// A result is overwritten, and what was kept of an interrupted run dropped.
@@ -104,49 +107,60 @@ pub(crate) struct Manner {
 }
 
 /// How to begin an output: refused if that would overwrite a result, or drop or mistake a checkpoint.
-pub(crate) fn beginning(claim: &Claim, run: Run<'_>, manner: Manner) -> Result<Beginning, Error> {
-    let Manner { resume, force } = manner;
+pub(crate) fn beginning(
+    lock: &OutputLock,
+    run: Run<'_>,
+    policy: OverwritePolicy,
+) -> Result<Beginning, Error> {
+    let OverwritePolicy { resume, force } = policy;
     if resume {
-        return resumption(claim, run, force);
+        return resumption(lock, run, force);
     }
-    claim.check(force)?;
-    match Checkpoint::<State>::find(claim)? {
+    lock.check(force)?;
+    match Checkpoint::<State>::find(lock)? {
         None => Ok(Beginning::Anew),
-        Some(_) if force => Ok(forget(claim).map(|()| Beginning::Anew)?),
+        Some(_) if force => Ok(forget(lock).map(|()| Beginning::Anew)?),
         Some(checkpoint) => {
             let (done, of) = (checkpoint.done, checkpoint.identity.replicas);
-            Err(Error::Unfinished { checkpoint: claim.beside(".checkpoint"), done, of })
+            Err(Error::Unfinished { checkpoint: lock.beside(".checkpoint"), done, of })
         }
     }
 }
 
 /// How to bring an output to completion, whatever is there of it.
-fn resumption(claim: &Claim, run: Run<'_>, overwrite: bool) -> Result<Beginning, Error> {
+fn resumption(lock: &OutputLock, run: Run<'_>, overwrite: bool) -> Result<Beginning, Error> {
     let identity = identity(run);
-    let found = Checkpoint::<State>::find(claim)?;
-    if let Err(exists) = claim.check(overwrite) {
+    let found = Checkpoint::<State>::find(lock)?;
+    if let Err(exists) = lock.check(overwrite) {
         let layout = if run.shard.is_some() { &SHARD } else { &RUN };
-        if !is_result_of(claim.output(), layout, &identity, run.scene.stopping.is_some()) {
+        if !is_result_of(lock.output(), layout, &identity, run.scene.stopping.is_some()) {
             return Err(exists.into());
         }
         // The run ended between naming its result and removing what it had kept.
         match found {
-            Some(checkpoint) if checkpoint.identity.is_of(&identity) => forget(claim)?,
+            Some(checkpoint) if checkpoint.identity.is_of(&identity) => forget(lock)?,
             Some(_) => {}
-            None => forget_records(claim),
+            None => forget_records(lock),
         }
         return Ok(Beginning::Complete);
     }
     match found {
         None => Ok(Beginning::Anew),
-        Some(checkpoint) => Ok(Beginning::Resumed(Box::new(resumed(claim, run, checkpoint)?))),
+        Some(checkpoint) => Ok(Beginning::Resumed(Box::new(resumed(lock, run, checkpoint)?))),
     }
 }
 
 /// Whether a file is the complete result of a run, with targets or without.
-pub(crate) fn is_result_of(output: &Path, layout: &'static Layout, identity: &Identity, with_targets: bool) -> bool {
+pub(crate) fn is_result_of(
+    output: &Path,
+    layout: &'static Layout,
+    identity: &Identity,
+    with_targets: bool,
+) -> bool {
     let Ok(reader) = Reader::open(output, &[layout]) else { return false };
-    let is = |name: &str, text: &str| reader.optional_text("/", name).is_ok_and(|kept| kept.as_deref() == Some(text));
+    let is = |name: &str, text: &str| {
+        reader.optional_text("/", name).is_ok_and(|kept| kept.as_deref() == Some(text))
+    };
     let number = |name: &str, value: u64| reader.number::<u64>("/", name).is_ok_and(|kept| kept == value);
     is("program_version", &identity.program_version)
         && is("source_hash", &identity.source_hash)
@@ -164,7 +178,9 @@ pub(crate) fn is_result_of(output: &Path, layout: &'static Layout, identity: &Id
 /// How it is not.
 pub(crate) fn is_of(run: Run<'_>, checkpoint: &Checkpoint<State>) -> Result<(), String> {
     let scene = run.scene;
-    if let Some(difference) = identity(run).difference("the interrupted run", ("was", "is now"), &checkpoint.identity) {
+    if let Some(difference) =
+        identity(run).difference("the interrupted run", ("was", "is now"), &checkpoint.identity)
+    {
         return Err(difference);
     }
     let (s, State { basis, controls, fewest_replicas, .. }) = (scene.states(), &checkpoint.state);
@@ -172,7 +188,8 @@ pub(crate) fn is_of(run: Run<'_>, checkpoint: &Checkpoint<State>) -> Result<(), 
         let (kept, given) = (fewest_replicas, scene.fewest_replicas());
         return Err(format!("is of a run of at least {kept} replicas, and this one is of at least {given}"));
     }
-    let probes = basis.probes.iter().flat_map(|probe| [probe.adhesion_force.len(), probe.external_force.len()]);
+    let probes =
+        basis.probes.iter().flat_map(|probe| [probe.adhesion_force.len(), probe.external_force.len()]);
     let tested = basis.tested.iter().map(Vec::len);
     if probes.chain(tested).any(|length| length != s) || controls.iter().any(|place| *place >= s) {
         return Err("is not of this scene".to_owned());
@@ -180,12 +197,12 @@ pub(crate) fn is_of(run: Run<'_>, checkpoint: &Checkpoint<State>) -> Result<(), 
     Ok(())
 }
 
-fn resumed(claim: &Claim, run: Run<'_>, checkpoint: Checkpoint<State>) -> Result<Interrupted, Error> {
-    let refused = |problem| Error::OtherRun { checkpoint: claim.beside(".checkpoint"), problem };
+fn resumed(lock: &OutputLock, run: Run<'_>, checkpoint: Checkpoint<State>) -> Result<Interrupted, Error> {
+    let refused = |problem| Error::OtherRun { checkpoint: lock.beside(".checkpoint"), problem };
     is_of(run, &checkpoint).map_err(refused)?;
     let (mut replicas, mut snaps) = (Vec::new(), Vec::new());
     let record = record_of(run.scene);
-    let journal = Journal::resume(claim, record.length(), &checkpoint, |words| {
+    let journal = Journal::resume(lock, record.length(), &checkpoint, |words| {
         let (replica, own) = record.read(words);
         replicas.push(replica);
         snaps.extend(own);
@@ -206,7 +223,7 @@ impl Interrupted {
 }
 
 /// Keeps what a run has done.
-pub(crate) struct Keeper {
+pub(crate) struct Checkpointer {
     identity: Identity,
     pub journal: Journal,
     state: State,
@@ -220,10 +237,10 @@ pub(crate) struct Keeper {
     pub resumptions: u64,
 }
 
-impl Keeper {
+impl Checkpointer {
     /// Keeps a run that begins, every `interval`.
-    pub fn begin(claim: &Claim, run: Run<'_>, state: State, interval: Duration) -> Result<Self, Error> {
-        let journal = Journal::begin(claim, record_of(run.scene).length())?;
+    pub fn begin(lock: &OutputLock, run: Run<'_>, state: State, interval: Duration) -> Result<Self, Error> {
+        let journal = Journal::begin(lock, record_of(run.scene).length())?;
         Ok(Self::new(identity(run), journal, state, interval))
     }
 
@@ -233,22 +250,25 @@ impl Keeper {
         job: &Job<'_>,
         batches: &Range<u64>,
         interval: Duration,
-    ) -> Result<(Self, Forest), Error> {
+    ) -> Result<(Self, ReductionTree), Error> {
         let Interrupted { journal, checkpoint, replicas, snaps } = run;
-        let forest = Forest::restored(job, &checkpoint.state.forest(), replicas, snaps)
-            .filter(|forest| forest.batches() == *batches);
-        let Some(forest) = forest else {
+        let reduction_tree =
+            ReductionTree::restored(job, &checkpoint.state.reduction_tree(), replicas, snaps)
+                .filter(|reduction_tree| reduction_tree.batches() == *batches);
+        let Some(reduction_tree) = reduction_tree else {
             let path = journal.checkpoint().unwrap_or(Path::new("")).to_owned();
-            return Err(OutputError::NotACheckpoint { path, problem: "is not of this scene".to_owned() }.into());
+            return Err(
+                OutputError::NotACheckpoint { path, problem: "is not of this scene".to_owned() }.into()
+            );
         };
         note_kept();
-        let keeper = Self {
+        let checkpointer = Self {
             saved_done: checkpoint.done,
             seconds_before: checkpoint.seconds,
             resumptions: checkpoint.resumptions + 1,
             ..Self::new(checkpoint.identity, journal, checkpoint.state, interval)
         };
-        Ok((keeper, forest))
+        Ok((checkpointer, reduction_tree))
     }
 
     fn new(identity: Identity, journal: Journal, state: State, interval: Duration) -> Self {
@@ -267,20 +287,20 @@ impl Keeper {
     }
 
     /// Keeps the records of a batch, and saves a checkpoint if it is time.
-    pub fn keep(&mut self, job: &Job<'_>, batch: &Batch, merged: &Forest) -> Result<(), OutputError> {
+    pub fn keep(&mut self, job: &Job<'_>, batch: &Batch, merged: &ReductionTree) -> Result<(), OutputError> {
         self.journal.append(&batch.records(job))?;
         if self.saved.elapsed() >= self.interval { self.save(merged) } else { Ok(()) }
     }
 
     /// Saves a checkpoint of what has been done since the last one, if anything.
-    pub fn save(&mut self, merged: &Forest) -> Result<(), OutputError> {
+    pub fn save(&mut self, merged: &ReductionTree) -> Result<(), OutputError> {
         self.hold(merged);
         self.save_held()
     }
 
     /// Holds what has been merged until it is saved.
-    pub fn hold(&mut self, merged: &Forest) {
-        self.state.forest = merged.state().into_iter().map(f64::from_bits).collect();
+    pub fn hold(&mut self, merged: &ReductionTree) {
+        self.state.reduction_tree = merged.state().into_iter().map(f64::from_bits).collect();
     }
 
     /// Saves a checkpoint of what is held, if anything has been done since the last one.
@@ -305,9 +325,14 @@ impl Keeper {
         self.advised(Error::Interrupted { done: self.journal.done(), of: replicas, kept })
     }
 
-    /// That the output is written, after which nothing is kept beside it; or that it is not, and what was computed, of `replicas`, is kept:
-    /// it may fit where the output does not.
-    pub fn ended(mut self, written: Result<bool, OutputError>, output: &Path, replicas: u64) -> Result<(), Error> {
+    /// That the output is written, after which nothing is kept beside it; or that it is not, and what was
+    /// computed, of `replicas`, is kept: it may fit where the output does not.
+    pub fn ended(
+        mut self,
+        written: Result<bool, OutputError>,
+        output: &Path,
+        replicas: u64,
+    ) -> Result<(), Error> {
         let failure = match written {
             Ok(true) => {
                 self.journal.discard();

@@ -1,22 +1,22 @@
 //! The integral of a scene, and what is read off it.
 
 use crate::asperity::{Law, Loop, Quantity};
+use crate::integral::{Expectations, Model, TOLERANCE};
 use crate::math::extrema::{Extremum, Features, maximum};
 use crate::scene::{Expected, Reading, Scene, WhatIsRead};
-use crate::statistical::{Model, Statistical, TOLERANCE};
 
 /// Steps of h* that resolve the integral, which is an average over heights that scatter by about σ.
 pub(crate) const RESOLVING: f64 = 0.125;
 
 /// The integral on one way.
 pub(crate) struct Way {
-    pub statistical: Statistical,
+    pub expectations: Expectations,
     /// Pull-off and stiffest point, wherever they are between the separations.
     pub features: Features,
     /// The integral at pull-off, or at the smallest separation where nothing pulls.
-    pub at_pull_off: Statistical,
+    pub at_pull_off: Expectations,
     /// The integral at the stiffest point.
-    at_stiffest: Statistical,
+    at_stiffest: Expectations,
 }
 
 /// The integral of a scene.
@@ -26,7 +26,8 @@ pub(crate) struct Integral {
     pub back: Option<Way>,
 }
 
-/// Steps, m, that resolve what is read off the integral of a scene; over given heights it jumps, and no steps do.
+/// Steps, m, that resolve what is read off the integral of a scene; over given heights it jumps, and no steps
+/// do.
 pub(crate) fn resolving(scene: &Scene) -> f64 {
     if is_smooth(scene) { RESOLVING * scene.surface.surface_height_std } else { f64::INFINITY }
 }
@@ -38,13 +39,17 @@ fn is_smooth(scene: &Scene) -> bool {
 
 impl Way {
     /// From the integral over the separations of a scene, and at any one, h, m.
-    fn new(scene: &Scene, statistical: Statistical, at: impl Fn(f64) -> Statistical) -> Self {
+    fn new(scene: &Scene, expectations: Expectations, at: impl Fn(f64) -> Expectations) -> Self {
         let q = Quantity::ExternalForce.index();
-        let features =
-            Features::new(|h| at(h).expected[q][0], &scene.separations, &statistical.expected[q], resolving(scene));
+        let features = Features::new(
+            |h| at(h).expected[q][0],
+            &scene.separations,
+            &expectations.expected[q],
+            resolving(scene),
+        );
         let pulls = features.minimum.value < 0.0;
         let at_pull_off = at(if pulls { features.minimum.place } else { scene.separations[0] });
-        Self { at_pull_off, at_stiffest: at(features.steepest.place), features, statistical }
+        Self { at_pull_off, at_stiffest: at(features.steepest.place), features, expectations }
     }
 
     /// The integral of a law on one way.
@@ -56,13 +61,13 @@ impl Way {
     /// Of a loop, that of the way back.
     pub fn back(scene: &Scene, cycle: &Loop) -> Self {
         let (surface, separations) = (&scene.surface, &scene.separations);
-        let statistical = Statistical::way_back(cycle, surface, separations);
-        Self::new(scene, statistical, |h| Statistical::back_at(cycle, surface, separations[0], h))
+        let expectations = Expectations::way_back(cycle, surface, separations);
+        Self::new(scene, expectations, |h| Expectations::back_at(cycle, surface, separations[0], h))
     }
 
     /// Pull-off and stiffest point, or the smallest separation where nothing pulls.
     fn readings(&self, scene: &Scene) -> Vec<Reading> {
-        let force = &self.statistical.expected[Quantity::ExternalForce.index()];
+        let force = &self.expectations.expected[Quantity::ExternalForce.index()];
         let deepest = force.iter().copied().fold(f64::INFINITY, f64::min);
         let slopes = force.windows(2).zip(scene.separations.windows(2));
         let stiffest = slopes.map(|(f, h)| (f[1] - f[0]) / (h[1] - h[0])).fold(f64::NEG_INFINITY, f64::max);
@@ -85,7 +90,7 @@ impl Way {
 
     /// Where the approach of a loop ends, m: at its largest preload, or the smallest separation.
     fn turn(&self, scene: &Scene) -> f64 {
-        let force = &self.statistical.expected[Quantity::ExternalForce.index()];
+        let force = &self.expectations.expected[Quantity::ExternalForce.index()];
         let preload = scene.instability.preload.iter().copied().reduce(f64::max).unwrap_or(f64::INFINITY);
         let beyond = force.iter().take_while(|force| **force >= preload).count();
         if beyond == 0 || beyond == force.len() {
@@ -97,7 +102,7 @@ impl Way {
 }
 
 /// A reading at a separation h, m, at which the integral is given.
-fn reading(scene: &Scene, what: WhatIsRead, separation: f64, at: &Statistical) -> Reading {
+fn reading(scene: &Scene, what: WhatIsRead, separation: f64, at: &Expectations) -> Reading {
     let share_in_contact = at.expected[Quantity::ContactArea.index()][0] / scene.surface.nominal_area;
     Reading { what, separation, share_in_contact, missed: 0.0 }
 }
@@ -126,7 +131,7 @@ impl Integral {
             let at = Model::new(law, &scene.surface, &[place]).answer(&[place], TOLERANCE);
             readings.push(reading(scene, WhatIsRead::Turn, place, &at));
         }
-        let error = |way: &Way| way.statistical.quadrature_error;
+        let error = |way: &Way| way.expectations.quadrature_error;
         Expected { readings, error: maximum(error(&self.there), error(self.pulled())) }
     }
 }

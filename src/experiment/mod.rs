@@ -1,4 +1,5 @@
-//! Experiments on scenes: the integral, the ensemble, its cross-check, and what is found out, kept and written.
+//! Experiments on scenes: the integral, the ensemble, its cross-check, and what is found out, kept and
+//! written.
 
 pub(crate) mod checkpoint;
 mod error;

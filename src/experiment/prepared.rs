@@ -1,20 +1,20 @@
 //! One scene, from its laws to a checked file.
 
-use super::checkpoint::{Beginning, Interrupted, Keeper, Manner, Run, State, beginning};
+use super::checkpoint::{Beginning, Checkpointer, Interrupted, OverwritePolicy, Run, State, beginning};
 use super::integral::{Integral, Way};
 use super::record::{write_curves, write_head, write_results};
-use super::results::{Results, Stopped, Told, WayBack, mean_features};
+use super::results::{Results, RunMetadata, Stopped, WayBack, mean_features};
 use super::sampling::{Sampling, basis_of, cross_check};
 use super::{Error, Observer, Phases};
 use crate::asperity::{Law, Loop, Quantity};
-use crate::engine::{Batch, Forest, Outcome, Rule, Shard, Summation, batches_of, replicas_of};
+use crate::engine::{Batch, Outcome, ReductionTree, Rule, Shard, Summation, batches_of, replicas_of};
+use crate::integral::{Expectations, controls};
 use crate::math::control_variates::controlled_means;
 use crate::output::checkpoint::Records;
 use crate::output::schema::RUN;
 use crate::output::writer::Writer;
-use crate::output::{Claim, OutputError, checksum};
+use crate::output::{OutputError, OutputLock, checksum};
 use crate::scene::{Plan, Scene, Warning, warnings};
-use crate::statistical::{Statistical, controls};
 use rayon::ThreadPool;
 use std::ops::Range;
 use std::path::Path;
@@ -37,9 +37,9 @@ pub(crate) struct Task<'a> {
     /// The output, as the user names it.
     pub output: &'a Path,
     /// The claim on it.
-    pub claim: &'a Claim,
+    pub lock: &'a OutputLock,
     /// What may become of what is there.
-    pub manner: Manner,
+    pub policy: OverwritePolicy,
     /// The shard that it is of the run, if not all of it.
     pub shard: Option<Shard>,
     /// Whether the result is read back later, and so has a checksum beside it.
@@ -58,7 +58,7 @@ pub(crate) fn run_scene(
     observer: &mut dyn Observer,
 ) -> Result<Option<Box<Results>>, Error> {
     let mut phases = Phases::new(observer);
-    let interrupted = match beginning(task.claim, Run { scene: &scene, shard: task.shard }, task.manner)? {
+    let interrupted = match beginning(task.lock, Run { scene: &scene, shard: task.shard }, task.policy)? {
         Beginning::Complete => return Ok(None),
         Beginning::Anew => None,
         Beginning::Resumed(run) => Some(run),
@@ -66,19 +66,20 @@ pub(crate) fn run_scene(
     let kept = interrupted.as_ref().map(|run| run.state().clone());
     let ground = PreparedRun::new(scene, laws, kept, session, &mut phases);
     let batches = 0..batches_of(ground.scene.replicas);
-    let Sampled { forest, summation, mut keeper } = ground.sample(batches, interrupted, task, session, &mut phases)?;
+    let Sampled { reduction_tree, summation, mut checkpointer } =
+        ground.sample(batches, interrupted, task, session, &mut phases)?;
     let most = ground.scene.replicas;
-    let told = Told {
-        seconds_before: keeper.seconds_before,
-        resumptions: keeper.resumptions,
-        checkpoints: keeper.journal.cost(),
-        ..Told::default()
+    let told = RunMetadata {
+        seconds_before: checkpointer.seconds_before,
+        resumptions: checkpointer.resumptions,
+        checkpoints: checkpointer.journal.cost(),
+        ..RunMetadata::default()
     };
-    let results = ground.results(*forest, summation, told, session, &mut phases);
+    let results = ground.results(*reduction_tree, summation, told, session, &mut phases);
     phases.phase("writing");
-    let written = write(task, &results, &mut keeper.journal, &session.stop);
+    let written = write(task, &results, &mut checkpointer.journal, &session.stop);
     phases.end();
-    keeper.ended(written, task.output, most)?;
+    checkpointer.ended(written, task.output, most)?;
     Ok(Some(Box::new(results)))
 }
 
@@ -111,15 +112,21 @@ pub(crate) struct PreparedRun {
 
 /// What has been computed of an ensemble.
 pub(crate) struct Sampled {
-    pub forest: Box<Forest>,
+    pub reduction_tree: Box<ReductionTree>,
     pub summation: Summation,
     /// What keeps it until it is written.
-    pub keeper: Keeper,
+    pub checkpointer: Checkpointer,
 }
 
 impl PreparedRun {
     /// That of a scene; with what has been kept of it.
-    pub fn new(scene: Scene, laws: Laws, kept: Option<State>, session: &Session, phases: &mut Phases<'_>) -> Self {
+    pub fn new(
+        scene: Scene,
+        laws: Laws,
+        kept: Option<State>,
+        session: &Session,
+        phases: &mut Phases<'_>,
+    ) -> Self {
         let (law, cycle, pool) = (laws.law.as_ref(), laws.cycle.as_ref(), &session.pool);
         phases.phase("integral");
         let plan = Plan::new(&scene, law);
@@ -130,7 +137,7 @@ impl PreparedRun {
         });
         phases.phase("test functionals");
         let state = kept.unwrap_or_else(|| prepared(&scene, (law, cycle), &integral));
-        let force = |way: &Way| way.statistical.expected[Quantity::ExternalForce.index()].clone();
+        let force = |way: &Way| way.expectations.expected[Quantity::ExternalForce.index()].clone();
         let expected: Vec<f64> = integral.ways().flat_map(force).collect();
         let expected = state.controls.iter().map(|&place| expected[place]).collect();
         Self { scene, laws, plan, warnings, integral, state, expected }
@@ -164,24 +171,27 @@ impl PreparedRun {
         let setup = self.sampling();
         let job = setup.job();
         let replicas = replicas_of(batches.clone(), job.replicas);
-        let (mut keeper, start) = match interrupted {
-            Some(run) => Keeper::resume(*run, &job, &batches, session.interval)?,
+        let (mut checkpointer, start) = match interrupted {
+            Some(run) => Checkpointer::resume(*run, &job, &batches, session.interval)?,
             None => {
                 let run = Run { scene: &self.scene, shard: task.shard };
-                (Keeper::begin(task.claim, run, self.state.clone(), session.interval)?, Forest::new(batches))
+                (
+                    Checkpointer::begin(task.lock, run, self.state.clone(), session.interval)?,
+                    ReductionTree::new(batches),
+                )
             }
         };
-        let observe = |batch: &Batch, merged: &Forest| keeper.keep(&job, batch, merged);
+        let observe = |batch: &Batch, merged: &ReductionTree| checkpointer.keep(&job, batch, merged);
         let computed = setup.run("ensemble", &session.pool, &session.stop, phases, start, observe);
-        let (outcome, summation) = computed.map_err(|error| keeper.advised(error.into()))?;
+        let (outcome, summation) = computed.map_err(|error| checkpointer.advised(error.into()))?;
         match outcome {
-            Outcome::Complete(forest) => {
-                keeper.hold(&forest);
-                Ok(Sampled { forest, summation, keeper })
+            Outcome::Complete(reduction_tree) => {
+                checkpointer.hold(&reduction_tree);
+                Ok(Sampled { reduction_tree, summation, checkpointer })
             }
-            Outcome::Interrupted(forest) => {
-                keeper.save(&forest)?;
-                Err(keeper.interrupted(replicas.end - replicas.start))
+            Outcome::Interrupted(reduction_tree) => {
+                checkpointer.save(&reduction_tree)?;
+                Err(checkpointer.interrupted(replicas.end - replicas.start))
             }
         }
     }
@@ -189,13 +199,13 @@ impl PreparedRun {
     /// What is found out by the ensemble that has been merged.
     pub fn results(
         mut self,
-        forest: Forest,
+        reduction_tree: ReductionTree,
         summation: Summation,
-        told: Told,
+        told: RunMetadata,
         session: &Session,
         phases: &mut Phases<'_>,
     ) -> Results {
-        let ensemble = Box::new(forest.into_ensemble(&self.sampling().job()));
+        let ensemble = Box::new(reduction_tree.into_ensemble(&self.sampling().job()));
         let stopped = self.rule().map(|rule| Stopped::new(&rule, &ensemble));
         // From here on the scene is that of the replicas that there are.
         self.scene.stopping = None;
@@ -203,24 +213,27 @@ impl PreparedRun {
         let Self { scene, laws: Laws { law, cycle }, plan, warnings, integral, state, expected } = self;
         let State { basis, controls, .. } = state;
         phases.phase("cross-check");
-        let ways: Vec<&Statistical> = integral.ways().map(|way| &way.statistical).collect();
+        let ways: Vec<&Expectations> = integral.ways().map(|way| &way.expectations).collect();
         let (z, joint) = cross_check(&ensemble, &ways, &basis, &scene);
         let scalars = controlled_means(&ensemble.groups.scalars, &expected);
         let at_pull_off = integral.pulled().at_pull_off.clone();
-        let Integral { there: Way { statistical, features: of_integral, .. }, back } = integral;
+        let Integral { there: Way { expectations, features: of_integral, .. }, back } = integral;
         let (of_mean, back) = session.pool.install(|| {
-            let of_mean = mean_features(&scene, law.as_ref(), &ensemble, &statistical);
+            let of_mean = mean_features(&scene, law.as_ref(), &ensemble, &expectations);
             (of_mean, cycle.zip(back).map(|(cycle, way)| WayBack::new(&scene, &cycle, &ensemble, way)))
         });
         phases.end();
         let mut seconds = phases.seconds();
-        seconds.iter_mut().filter(|(name, _)| *name == "ensemble").for_each(|(_, time)| *time += told.seconds_before);
+        seconds
+            .iter_mut()
+            .filter(|(name, _)| *name == "ensemble")
+            .for_each(|(_, time)| *time += told.seconds_before);
         Results {
             regimes: law.regimes().iter().map(|regime| regime.name()).collect(),
             scene,
             plan,
             warnings,
-            statistical,
+            expectations,
             back,
             ensemble,
             stopped,
@@ -246,20 +259,20 @@ fn prepared(scene: &Scene, (law, cycle): (&dyn Law, Option<&Loop>), integral: &I
     let groups = scene.fewest_replicas() / scene.sampling.group();
     // Of a loop the way on which the surfaces are pulled off.
     let first = cycle.map_or(0, |_| scene.separations.len());
-    let pulled = &integral.pulled().statistical;
+    let pulled = &integral.pulled().expectations;
     let controls = controls(&scene.separations, pulled, &basis.tested[1][first..], groups);
     State::new(basis, controls.into_iter().map(|place| first + place).collect(), scene.fewest_replicas())
 }
 
-/// Writes the result, with curves out of the records of the replicas; `false` if it was interrupted before it was complete, and then is not
-/// there.
+/// Writes the result, with curves out of the records of the replicas; `false` if it was interrupted before it
+/// was complete, and then is not there.
 pub(crate) fn write(
     task: &Task<'_>,
     results: &Results,
     records: &mut dyn Records,
     stop: &AtomicBool,
 ) -> Result<bool, OutputError> {
-    let mut writer = Writer::create(&RUN, task.claim, task.manner.force)?;
+    let mut writer = Writer::create(&RUN, task.lock, task.policy.force)?;
     write_head(&mut writer, results)?;
     if results.scene.curves {
         write_curves(&writer, results, records, stop)?;
@@ -270,7 +283,7 @@ pub(crate) fn write(
     write_results(&mut writer, results)?;
     writer.finish()?;
     if task.is_read_back {
-        checksum::keep(task.claim)?;
+        checksum::keep(task.lock)?;
     }
     Ok(true)
 }

@@ -56,8 +56,9 @@ pub(crate) fn write_curves(
     records: &mut dyn Records,
     stop: &AtomicBool,
 ) -> Result<(), OutputError> {
-    let of_ways =
-        |force: &'static str| results.ways().into_iter().map(move |(way, _)| format!("/replicas/{way}{force}"));
+    let of_ways = |force: &'static str| {
+        results.ways().into_iter().map(move |(way, _)| format!("/replicas/{way}{force}"))
+    };
     let paths: Vec<String> = ["external_force", "adhesion_force"].into_iter().flat_map(of_ways).collect();
     paths.iter().try_for_each(|path| writer.curve_dataset(path))?;
     let (s, total) = (results.scene.separations.len(), results.ensemble.replicas.len());
@@ -114,7 +115,11 @@ pub(crate) fn write_scene(writer: &mut Writer<'_>, scene: &Scene) -> Result<(), 
         writer.text("/", "unloaded_radius", scene.unloaded_radius.name())?;
     }
     writer.number("/", "adhesion_parameter", scene.scale().lambda)?;
-    writer.number("/", "plasticity_index", scene.asperity.plasticity_index(scene.surface.surface_height_std))?;
+    writer.number(
+        "/",
+        "plasticity_index",
+        scene.asperity.plasticity_index(scene.surface.surface_height_std),
+    )?;
     writer.number("/", "critical_interference", scene.asperity.critical_interference())?;
     if let Some(critical_approach) = scene.critical_approach {
         writer.number("/", "critical_approach", critical_approach)?;
@@ -129,7 +134,8 @@ pub(crate) fn write_scene(writer: &mut Writer<'_>, scene: &Scene) -> Result<(), 
     writer.text("/", "count", scene.surface.count_law.name())?;
     writer.number("/", "nominal_area", scene.surface.nominal_area)?;
     writer.scale(Dimension::Separation, &scene.separations)?;
-    let of_separation = |f: &dyn Fn(f64) -> f64| scene.separations.iter().map(|&h| f(h)).collect::<Vec<f64>>();
+    let of_separation =
+        |f: &dyn Fn(f64) -> f64| scene.separations.iter().map(|&h| f(h)).collect::<Vec<f64>>();
     writer.dataset("/h_star", &of_separation(&|h| h / scene.surface.surface_height_std))?;
     writer.dataset("/asperity_separation", &of_separation(&|h| scene.surface.asperity_separation(h)))
 }
@@ -220,12 +226,13 @@ fn write_stopped(writer: &Writer<'_>, stopped: &Stopped) -> Result<(), OutputErr
 /// Of a loop, how many asperities come into contact and lose it between neighbouring separations.
 fn write_jumps(writer: &mut Writer<'_>, results: &Results) -> Result<(), OutputError> {
     let Some(back) = &results.back else { return Ok(()) };
-    let middles: Vec<f64> = results.scene.separations.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])).collect();
+    let middles: Vec<f64> =
+        results.scene.separations.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])).collect();
     writer.scale(Dimension::Step, &middles)?;
     let counts = results.ensemble.regime_count.mean().chunks_exact(results.scene.states());
     let names = ["jump_in_count", "jump_off_count"];
     for ((name, (_, states)), model) in
-        names.into_iter().zip(results.ways()).zip([&results.statistical, &back.statistical])
+        names.into_iter().zip(results.ways()).zip([&results.expectations, &back.expectations])
     {
         let rows: Vec<&[f64]> = counts.clone().map(|row| &row[states.clone()]).collect();
         writer.dataset(&format!("/ensemble/{name}_mean"), &changes(results, &rows))?;
@@ -235,9 +242,11 @@ fn write_jumps(writer: &mut Writer<'_>, results: &Results) -> Result<(), OutputE
     Ok(())
 }
 
-/// By how many those out of contact become more between neighbouring separations: on one way an asperity does so once.
+/// By how many those out of contact become more between neighbouring separations: on one way an asperity does
+/// so once.
 fn changes(results: &Results, counts: &[&[f64]]) -> Vec<f64> {
-    let is_contact = |name: &str| Regime::ALL.iter().any(|regime| regime.name() == name && regime.is_contact());
+    let is_contact =
+        |name: &str| Regime::ALL.iter().any(|regime| regime.name() == name && regime.is_contact());
     let rows = results.regimes.iter().zip(counts).filter(|(name, _)| !is_contact(name));
     let mut changes = vec![0.0; counts[0].len() - 1];
     for (_, row) in rows {
@@ -268,8 +277,8 @@ fn write_scalars(writer: &Writer<'_>, results: &Results) -> Result<(), OutputErr
 }
 
 fn write_statistical(writer: &Writer<'_>, results: &Results) -> Result<(), OutputError> {
-    let back = results.back.as_ref().map(|back| ("retraction_", &back.statistical));
-    let ways = [("", &results.statistical)].into_iter().chain(back);
+    let back = results.back.as_ref().map(|back| ("retraction_", &back.expectations));
+    let ways = [("", &results.expectations)].into_iter().chain(back);
     let mut error = 0.0;
     for (way, model) in ways {
         for quantity in Quantity::ALL {
@@ -278,8 +287,14 @@ fn write_statistical(writer: &Writer<'_>, results: &Results) -> Result<(), Outpu
             writer.dataset(&format!("/statistical/{way}{name}_std"), &model.std[quantity.index()])?;
         }
         writer.dataset(&format!("/statistical/{way}regime_count"), &model.regime_count.concat())?;
-        writer.dataset(&format!("/statistical/{way}regime_adhesion_force"), &model.regime_adhesion_force.concat())?;
-        writer.dataset(&format!("/statistical/{way}regime_external_force"), &model.regime_external_force.concat())?;
+        writer.dataset(
+            &format!("/statistical/{way}regime_adhesion_force"),
+            &model.regime_adhesion_force.concat(),
+        )?;
+        writer.dataset(
+            &format!("/statistical/{way}regime_external_force"),
+            &model.regime_external_force.concat(),
+        )?;
         error = maximum(model.quadrature_error, error);
     }
     writer.number("/statistical", "quadrature_error", error)?;
@@ -302,8 +317,10 @@ fn write_validation(writer: &Writer<'_>, results: &Results) -> Result<(), Output
             let tested: Vec<u8> = tested.iter().map(|&tested| u8::from(tested)).collect();
             writer.dataset(&format!("/validation/{way}tested_{name}"), &tested)?;
             let probes = results.basis.probes.iter();
-            let weights = probes.map(|probe| if i == 0 { &probe.adhesion_force } else { &probe.external_force });
-            let weights: Vec<f64> = weights.flat_map(|weights| weights[states.clone()].iter().copied()).collect();
+            let weights =
+                probes.map(|probe| if i == 0 { &probe.adhesion_force } else { &probe.external_force });
+            let weights: Vec<f64> =
+                weights.flat_map(|weights| weights[states.clone()].iter().copied()).collect();
             writer.dataset(&format!("/validation/{way}probe_{name}"), &weights)?;
         }
     }
@@ -319,24 +336,24 @@ fn write_validation(writer: &Writer<'_>, results: &Results) -> Result<(), Output
 }
 
 fn write_diagnostics(writer: &mut Writer<'_>, results: &Results) -> Result<(), OutputError> {
-    let work = &results.ensemble.work;
+    let stats = &results.ensemble.stats;
     let (phases, seconds): (Vec<&str>, Vec<f64>) = results.seconds.iter().copied().unzip();
     writer.named_scale(Dimension::Phase, &phases)?;
     writer.named_scale(Dimension::SkipReason, &["constant force", "closed form", "far from contact"])?;
     let count = |name: &str, value: u64| writer.dataset(&format!("/diagnostics/{name}"), &[value]);
-    count("contact_solves", work.contact_solves)?;
-    count("noncontact_solves", work.noncontact_solves)?;
-    count("safeguarded_solves", work.safeguarded)?;
-    count("iterations", work.evaluations)?;
-    count("skipped_loads", work.unloaded)?;
-    count("compressed_sums", work.compressed)?;
+    count("contact_solves", stats.contact_solves)?;
+    count("noncontact_solves", stats.noncontact_solves)?;
+    count("safeguarded_solves", stats.safeguarded)?;
+    count("iterations", stats.evaluations)?;
+    count("skipped_loads", stats.unloaded)?;
+    count("compressed_sums", stats.compressed)?;
     count("threads", results.threads as u64)?;
     let (checkpoints, time) = results.told.checkpoints;
     count("resumptions", results.told.resumptions)?;
     count("checkpoints", checkpoints)?;
     writer.dataset("/diagnostics/checkpoint_seconds", &[time.as_secs_f64()])?;
-    writer.dataset("/diagnostics/largest_residual", &[work.largest_residual])?;
-    writer.dataset("/diagnostics/skipped_solves", &[work.constant, work.closed_form, work.far])?;
+    writer.dataset("/diagnostics/largest_residual", &[stats.largest_residual])?;
+    writer.dataset("/diagnostics/skipped_solves", &[stats.constant, stats.closed_form, stats.far])?;
     writer.text("/diagnostics", "instruction_set", InstructionSet::current().name())?;
     writer.dataset("/diagnostics/seconds", &seconds)
 }

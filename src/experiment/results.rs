@@ -3,11 +3,11 @@
 use super::integral::{Way, resolving};
 use crate::asperity::{Law, Loop, Quantity, UnloadedRadius};
 use crate::engine::{Attained, Ensemble, Rule, Summation};
+use crate::integral::{Expectations, Model};
 use crate::math::control_variates::ControlledMean;
 use crate::math::extrema::Features;
 use crate::math::interpolation::linear;
 use crate::scene::{Plan, Scene, Stopping, Warning};
-use crate::statistical::{Model, Statistical};
 use crate::validation::{Basis, JointTest};
 use std::ops::Range;
 use std::time::Duration;
@@ -18,7 +18,7 @@ pub(crate) struct Results {
     pub plan: Plan,
     pub warnings: Vec<Warning>,
     pub regimes: Vec<&'static str>,
-    pub statistical: Statistical,
+    pub expectations: Expectations,
     /// Of a loop, the way back; all else that is told of one way is of the way there.
     pub back: Option<WayBack>,
     pub ensemble: Box<Ensemble>,
@@ -34,18 +34,18 @@ pub(crate) struct Results {
     pub of_mean: Features,
     pub of_integral: Features,
     /// The integral where the surfaces are pulled off, or at the smallest separation where nothing pulls.
-    pub at_pull_off: Statistical,
+    pub at_pull_off: Expectations,
     /// z-scores of adhesion force and external force, over the states.
     pub z: [Vec<f64>; 2],
     pub joint: JointTest,
     pub seconds: Vec<(&'static str, f64)>,
     pub threads: usize,
-    pub told: Told,
+    pub told: RunMetadata,
 }
 
 /// What is told of a run beside its results.
 #[derive(Default)]
-pub(crate) struct Told {
+pub(crate) struct RunMetadata {
     /// Seconds that the ensemble took before this sitting.
     pub seconds_before: f64,
     /// How often the run was resumed.
@@ -66,11 +66,12 @@ pub(crate) struct Partial {
 
 /// The way back of a loop.
 pub(crate) struct WayBack {
-    pub statistical: Statistical,
+    pub expectations: Expectations,
     /// What is read off the mean curve of the external force, and off the integral's.
     pub of_mean: Features,
     pub of_integral: Features,
-    /// Pull-off of the integral, N, with each radius of tops that have flowed, if any have and the law can be made for both.
+    /// Pull-off of the integral, N, with each radius of tops that have flowed, if any have and the law can be
+    /// made for both.
     pub by_radius: Option<[(UnloadedRadius, f64); 2]>,
 }
 
@@ -79,16 +80,17 @@ impl WayBack {
     pub fn new(scene: &Scene, cycle: &Loop, ensemble: &Ensemble, integral: Way) -> Self {
         let q = Quantity::ExternalForce.index();
         let separations = &scene.separations;
-        let Way { statistical, features: of_integral, .. } = integral;
-        let force = |h: f64| Statistical::back_at(cycle, &scene.surface, separations[0], h).expected[q][0];
+        let Way { expectations, features: of_integral, .. } = integral;
+        let force = |h: f64| Expectations::back_at(cycle, &scene.surface, separations[0], h).expected[q][0];
         let mean = &ensemble.curves[q].mean()[separations.len()..];
-        let of_mean = near_features(force, scene, mean, &statistical.expected[q]);
+        let of_mean = near_features(force, scene, mean, &expectations.expected[q]);
         let by_radius = by_radius(scene, cycle, &of_integral);
-        Self { statistical, of_mean, of_integral, by_radius }
+        Self { expectations, of_mean, of_integral, by_radius }
     }
 }
 
-/// Pull-off of the integral, N, with either radius of tops that have flowed, of which one is that of a loop with its features.
+/// Pull-off of the integral, N, with either radius of tops that have flowed, of which one is that of a loop
+/// with its features.
 fn by_radius(scene: &Scene, cycle: &Loop, features: &Features) -> Option<[(UnloadedRadius, f64); 2]> {
     let radius = scene.unloaded_radius;
     let other = scene.loop_law_of(radius.other()).ok().filter(|_| cycle.flows())?;
@@ -104,9 +106,12 @@ impl Results {
         [("", 0..s)].into_iter().chain(back).collect()
     }
 
-    /// What is read off the mean curve and off the integral where the surfaces are pulled off: of a loop on the way back.
+    /// What is read off the mean curve and off the integral where the surfaces are pulled off: of a loop on
+    /// the way back.
     pub fn pulled(&self) -> (&Features, &Features) {
-        self.back.as_ref().map_or((&self.of_mean, &self.of_integral), |back| (&back.of_mean, &back.of_integral))
+        self.back
+            .as_ref()
+            .map_or((&self.of_mean, &self.of_integral), |back| (&back.of_mean, &back.of_integral))
     }
 }
 
@@ -138,16 +143,22 @@ impl Stopped {
     }
 }
 
-/// Pull-off and stiffest point of the mean curve, which is known at the separations only: between them its deviation from the
-/// integral, which is small, is interpolated.
-pub(crate) fn mean_features(scene: &Scene, law: &dyn Law, ensemble: &Ensemble, statistical: &Statistical) -> Features {
+/// Pull-off and stiffest point of the mean curve, which is known at the separations only: between them its
+/// deviation from the integral, which is small, is interpolated.
+pub(crate) fn mean_features(
+    scene: &Scene,
+    law: &dyn Law,
+    ensemble: &Ensemble,
+    expectations: &Expectations,
+) -> Features {
     let q = Quantity::ExternalForce.index();
     let model = Model::new(law, &scene.surface, &scene.separations);
     let mean = &ensemble.curves[q].mean()[..scene.separations.len()];
-    near_features(|h| model.external_force(h), scene, mean, &statistical.expected[q])
+    near_features(|h| model.external_force(h), scene, mean, &expectations.expected[q])
 }
 
-/// Features of a mean curve that is known at the separations of a scene only, and is close to an integral that is expected there, N.
+/// Features of a mean curve that is known at the separations of a scene only, and is close to an integral
+/// that is expected there, N.
 fn near_features(integral: impl Fn(f64) -> f64, scene: &Scene, mean: &[f64], expected: &[f64]) -> Features {
     let separations = &scene.separations;
     let deviation: Vec<f64> = mean.iter().zip(expected).map(|(m, e)| m - e).collect();

@@ -1,14 +1,14 @@
 //! Runs of scenes from Rust: with nothing but the scene, or set up.
 
 use super::Error;
-use super::checkpoint::{Manner, record_of};
+use super::checkpoint::{OverwritePolicy, record_of};
 use super::observer::{Observer, Phases};
 use super::prepared::{Laws, PreparedRun, Session, Task, write};
-use super::results::{Results, Told};
-use crate::engine::{Batch, Ensemble, Forest, Outcome, scalars};
+use super::results::{Results, RunMetadata};
+use crate::engine::{Batch, Ensemble, Outcome, ReductionTree, scalars};
 use crate::math::control_variates::ControlledMean;
 use crate::output::checkpoint::{Records, Visit};
-use crate::output::{Claim, OutputError};
+use crate::output::{OutputError, OutputLock};
 use crate::scene::Scene;
 use crate::validation::JointTest;
 use std::path::Path;
@@ -83,19 +83,26 @@ impl<'a> Builder<'a> {
         let setup = run.sampling();
         let job = setup.job();
         let mut records = Vec::new();
-        let observe = |batch: &Batch, _: &Forest| {
+        let observe = |batch: &Batch, _: &ReductionTree| {
             if scene.curves {
                 records.extend(batch.records(&job));
             }
             Ok(())
         };
-        let (outcome, summation) =
-            setup.run("ensemble", &session.pool, &session.stop, &mut phases, Forest::of(&job), observe)?;
-        let Outcome::Complete(forest) = outcome else {
-            let done = outcome.forest().replicas.len() as u64;
+        let (outcome, summation) = setup.run(
+            "ensemble",
+            &session.pool,
+            &session.stop,
+            &mut phases,
+            ReductionTree::of(&job),
+            observe,
+        )?;
+        let Outcome::Complete(reduction_tree) = outcome else {
+            let done = outcome.reduction_tree().replicas.len() as u64;
             return Err(Error::Interrupted { done, of: scene.replicas, kept: false });
         };
-        let results = Box::new(run.results(*forest, summation, Told::default(), &session, &mut phases));
+        let results =
+            Box::new(run.results(*reduction_tree, summation, RunMetadata::default(), &session, &mut phases));
         Ok(RunResult { results, records })
     }
 }
@@ -113,7 +120,8 @@ impl RunResult {
         &self.results.scene
     }
 
-    /// The pull-off force of the replicas, N: mean, standard error and 95 % interval, without and with control variates; of a loop on retraction.
+    /// The pull-off force of the replicas, N: mean, standard error and 95 % interval, without and with
+    /// control variates; of a loop on retraction.
     pub fn pull_off(&self) -> &ControlledMean {
         self.scalar("pull_off_force").expect("every run has a pull-off")
     }
@@ -145,10 +153,10 @@ impl RunResult {
     /// [`Error::Output`] when the file exists, [`Error::NotWritten`] when it cannot be written.
     pub fn write(&self, path: impl AsRef<Path>) -> Result<(), Error> {
         let output = path.as_ref();
-        let claim = Claim::new(output, &[])?;
-        claim.check(false)?;
-        let manner = Manner { resume: false, force: false };
-        let task = Task { output, claim: &claim, manner, shard: None, is_read_back: false };
+        let lock = OutputLock::new(output, &[])?;
+        lock.check(false)?;
+        let policy = OverwritePolicy { resume: false, force: false };
+        let task = Task { output, lock: &lock, policy, shard: None, is_read_back: false };
         let mut records = Held { records: &self.records, length: record_of(&self.results.scene).length() };
         let written = write(&task, &self.results, &mut records, &AtomicBool::new(false));
         written.map(drop).map_err(|error| Error::NotWritten(error.writing(output)))

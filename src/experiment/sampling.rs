@@ -2,10 +2,12 @@
 
 use super::observer::Phases;
 use crate::asperity::{Law, Loop, Path, Quantity};
-use crate::engine::{Batch, Ensemble, Forest, Holding, Job, Outcome, Protocol, Rule, Summation, replicas_of, run_from};
+use crate::engine::{
+    Batch, Ensemble, Job, Loading, Outcome, Protocol, ReductionTree, Rule, Summation, replicas_of, run_from,
+};
+use crate::integral::Expectations;
 use crate::output::OutputError;
 use crate::scene::{Instability, Scene};
-use crate::statistical::Statistical;
 use crate::surface::SamplingScheme;
 use crate::validation::{Basis, JointTest, basis_of_loop, basis_to, z_scores};
 use std::sync::atomic::AtomicBool;
@@ -38,7 +40,7 @@ impl Sampling<'_> {
             compression: None,
             protocol: Protocol {
                 cycle: self.cycle,
-                holding: holding(self.scene),
+                loading: loading(self.scene),
                 stiffness_span: Some(self.scene.stiffness_span),
             },
         }
@@ -56,16 +58,16 @@ impl Sampling<'_> {
         }
     }
 
-    /// Sums the replicas that `start` does not have yet, told of as the phase `name`; `observe` gets every batch in order, with what it
-    /// has been merged into. Also tells how they were summed.
+    /// Sums the replicas that `start` does not have yet, told of as the phase `name`; `observe` gets every
+    /// batch in order, with what it has been merged into. Also tells how they were summed.
     pub fn run(
         &self,
         name: &'static str,
         pool: &rayon::ThreadPool,
         stop: &AtomicBool,
         phases: &mut Phases<'_>,
-        start: Forest,
-        mut observe: impl FnMut(&Batch, &Forest) -> Result<(), OutputError>,
+        start: ReductionTree,
+        mut observe: impl FnMut(&Batch, &ReductionTree) -> Result<(), OutputError>,
     ) -> Result<(Outcome, Summation), OutputError> {
         let job = self.job();
         let summation = self.summation(pool);
@@ -83,31 +85,39 @@ impl Sampling<'_> {
 }
 
 /// What holds the surfaces of a scene.
-pub(crate) fn holding(scene: &Scene) -> Holding<'_> {
+pub(crate) fn loading(scene: &Scene) -> Loading<'_> {
     let ways = (scene.path == Path::Approach, scene.cycle || scene.path == Path::Retraction);
     let Instability { stiffness, preload, smallest_snap } = &scene.instability;
-    Holding { stiffness, preload, smallest_snap: *smallest_snap, ways }
+    Loading { stiffness, preload, smallest_snap: *smallest_snap, ways }
 }
 
-/// The functionals of the joint test of a scene under a law, for the sums that it asks for and the fewest replicas that it may have.
+/// The functionals of the joint test of a scene under a law, for the sums that it asks for and the fewest
+/// replicas that it may have.
 pub(crate) fn basis_of(scene: &Scene, law: &dyn Law, cycle: Option<&Loop>) -> Basis {
     if let Some(cycle) = cycle {
-        return basis_of_loop(cycle, &scene.surface, &scene.separations, scene.sampling, scene.fewest_replicas());
+        return basis_of_loop(
+            cycle,
+            &scene.surface,
+            &scene.separations,
+            scene.sampling,
+            scene.fewest_replicas(),
+        );
     }
     let accuracy = scene.sum_tolerance.unwrap_or(0.0);
     basis_to(law, &scene.surface, &scene.separations, scene.sampling, scene.fewest_replicas(), accuracy)
 }
 
-/// z-scores of adhesion force and external force over the states, and the joint test; of a loop `ways` are the integrals of both.
+/// z-scores of adhesion force and external force over the states, and the joint test; of a loop `ways` are
+/// the integrals of both.
 pub(crate) fn cross_check(
     ensemble: &Ensemble,
-    ways: &[&Statistical],
+    ways: &[&Expectations],
     basis: &Basis,
     scene: &Scene,
 ) -> ([Vec<f64>; 2], JointTest) {
     let forces = [Quantity::AdhesionForce, Quantity::ExternalForce].map(Quantity::index);
     let mean = forces.map(|q| ensemble.curves[q].mean());
-    let joined = |of: fn(&Statistical, usize) -> &Vec<f64>| {
+    let joined = |of: fn(&Expectations, usize) -> &Vec<f64>| {
         forces.map(|q| ways.iter().flat_map(|way| of(way, q).iter().copied()).collect::<Vec<f64>>())
     };
     let (expected, std) = (joined(|way, q| &way.expected[q]), joined(|way, q| &way.std[q]));

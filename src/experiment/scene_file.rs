@@ -1,7 +1,7 @@
 //! Scenes and sweeps from files.
 
 use super::Error;
-use crate::output::columns::Beside;
+use crate::output::columns::SceneFiles;
 use crate::scene::{Document, Scene};
 use std::io::ErrorKind;
 use std::path::Path;
@@ -15,9 +15,9 @@ impl Document {
     /// [`Error::Unreadable`] when it cannot be read, [`Error::Scene`] with all that is wrong with it.
     pub fn from_toml_file(path: impl AsRef<Path>) -> Result<Self, Error> {
         let path = path.as_ref();
-        let text =
-            read_text(path, LONGEST_SCENE).map_err(|problem| Error::Unreadable { path: path.to_owned(), problem })?;
-        let document = Self::parse(&text, Arc::new(Beside::scene(path)));
+        let text = read_text(path, LONGEST_SCENE)
+            .map_err(|problem| Error::Unreadable { path: path.to_owned(), problem })?;
+        let document = Self::parse(&text, Arc::new(SceneFiles::scene(path)));
         document.map_err(|error| Error::Scene { path: path.to_owned(), error })
     }
 }
@@ -26,7 +26,8 @@ impl Scene {
     /// Reads a scene from a TOML file; paths in it are relative to its folder.
     ///
     /// # Errors
-    /// As [`Document::from_toml_file`], and [`Error::IsSweep`] when it has a sweep, which is read as a [`Document`].
+    /// As [`Document::from_toml_file`], and [`Error::IsSweep`] when it has a sweep, which is read as a
+    /// [`Document`].
     pub fn from_toml_file(path: impl AsRef<Path>) -> Result<Self, Error> {
         match Document::from_toml_file(path.as_ref())? {
             Document { scene, sweep: None } => Ok(scene),
@@ -38,7 +39,8 @@ impl Scene {
 /// Longest scene that is read, bytes; one with the most separations there can be has less than a tenth of it.
 pub(crate) const LONGEST_SCENE: u64 = 4 << 20;
 
-/// Reads a text of at most `most` bytes, from whatever the path names: a file, a pipe that somebody writes to, or a device without end.
+/// Reads a text of at most `most` bytes, from whatever the path names: a file, a pipe that somebody writes
+/// to, or a device without end.
 pub(crate) fn read_text(path: &Path, most: u64) -> Result<String, String> {
     use std::io::Read;
     let unreadable = |error| format!("cannot be read: {error}");
@@ -51,7 +53,10 @@ pub(crate) fn read_text(path: &Path, most: u64) -> Result<String, String> {
         return Err(format!("is longer than {} MB", most >> 20));
     }
     String::from_utf8(bytes).map_err(|error| {
-        format!("is not a text in UTF-8: byte {} belongs to no character", error.utf8_error().valid_up_to() + 1)
+        format!(
+            "is not a text in UTF-8: byte {} belongs to no character",
+            error.utf8_error().valid_up_to() + 1
+        )
     })
 }
 

@@ -1,8 +1,8 @@
 //! Snaps of the replicas of a run: counts, probabilities, pull-off after preloads.
 
 use super::results::Results;
-use super::sampling::holding;
-use crate::engine::Holding;
+use super::sampling::loading;
+use crate::engine::Loading;
 use crate::engine::instability::{Snap, Turn};
 use crate::math::moments::Moments;
 use crate::math::proportion::wilson_interval;
@@ -27,10 +27,11 @@ impl Column<'_> {
 /// The snaps of all replicas.
 pub(crate) struct Snaps<'a> {
     snaps: &'a [f64],
-    pub holding: Holding<'a>,
+    pub loading: Loading<'a>,
 }
 
-/// Replicas of which it is known whether they snap: how many, how many do, and how many of these nothing stops.
+/// Replicas of which it is known whether they snap: how many, how many do, and how many of these nothing
+/// stops.
 #[derive(Clone, Copy)]
 pub(crate) struct Counts {
     pub known: u64,
@@ -52,11 +53,11 @@ impl Counts {
 
 impl<'a> Snaps<'a> {
     pub fn of(results: &'a Results) -> Self {
-        Self { snaps: &results.ensemble.snaps, holding: holding(&results.scene) }
+        Self { snaps: &results.ensemble.snaps, loading: loading(&results.scene) }
     }
 
     fn column(&self, place: usize) -> Column<'a> {
-        Column { snaps: self.snaps, length: self.holding.length(), place }
+        Column { snaps: self.snaps, length: self.loading.length(), place }
     }
 
     /// The place of a snap on approach.
@@ -66,8 +67,8 @@ impl<'a> Snaps<'a> {
 
     /// The place of a retraction.
     fn place_of_turn(&self, retraction: usize) -> usize {
-        let one = Turn::LENGTH + Snap::LENGTH * self.holding.stiffness.len();
-        Snap::LENGTH * self.holding.snaps_in() + one * retraction
+        let one = Turn::LENGTH + Snap::LENGTH * self.loading.stiffness.len();
+        Snap::LENGTH * self.loading.snaps_in() + one * retraction
     }
 
     /// The place of a snap on retraction.
@@ -88,25 +89,26 @@ impl<'a> Snaps<'a> {
 
     /// Number `offset` behind each of the places, for every replica.
     fn table(&self, places: &[usize], offset: usize) -> Vec<f64> {
-        let replicas = self.snaps.chunks_exact(self.holding.length());
+        let replicas = self.snaps.chunks_exact(self.loading.length());
         replicas.flat_map(|numbers| places.iter().map(move |place| numbers[place + offset])).collect()
     }
 
     fn places_in(&self) -> Vec<usize> {
-        (0..self.holding.snaps_in()).map(|stiffness| self.place_in(stiffness)).collect()
+        (0..self.loading.snaps_in()).map(|stiffness| self.place_in(stiffness)).collect()
     }
 
     pub fn places_of_turns(&self) -> Vec<usize> {
-        (0..self.holding.retractions()).map(|retraction| self.place_of_turn(retraction)).collect()
+        (0..self.loading.retractions()).map(|retraction| self.place_of_turn(retraction)).collect()
     }
 
     fn places_off(&self) -> Vec<usize> {
-        let stiffnesses = self.holding.stiffness.len();
+        let stiffnesses = self.loading.stiffness.len();
         let of = |retraction| (0..stiffnesses).map(move |stiffness| self.place_off(retraction, stiffness));
-        (0..self.holding.retractions()).flat_map(of).collect()
+        (0..self.loading.retractions()).flat_map(of).collect()
     }
 
-    /// Mean and standard deviation of the pull-off after a turn, over the replicas that turn, and how many these are.
+    /// Mean and standard deviation of the pull-off after a turn, over the replicas that turn, and how many
+    /// these are.
     pub fn pull_off(&self, turn: usize) -> (f64, f64, u64) {
         let mut moments = Moments::new(1);
         let forces = self.column(turn + 1);
@@ -119,18 +121,18 @@ impl<'a> Snaps<'a> {
 /// Writes the snaps, if they were asked for.
 pub(crate) fn write_instability(writer: &mut Writer<'_>, results: &Results) -> Result<(), OutputError> {
     let snaps = Snaps::of(results);
-    let holding = snaps.holding;
-    if holding.length() == 0 {
+    let loading = snaps.loading;
+    if loading.length() == 0 {
         return Ok(());
     }
     writer.group("instability")?;
-    writer.number("/instability", "smallest_snap", holding.smallest_snap)?;
-    writer.scale(Dimension::Stiffness, holding.stiffness)?;
-    if holding.ways.0 {
+    writer.number("/instability", "smallest_snap", loading.smallest_snap)?;
+    writer.scale(Dimension::Stiffness, loading.stiffness)?;
+    if loading.ways.0 {
         write_snaps(writer, "in", &snaps, &snaps.places_in())?;
     }
-    if holding.retractions() > 0 {
-        let preload = if holding.preload.is_empty() { &[f64::NAN] } else { holding.preload };
+    if loading.retractions() > 0 {
+        let preload = if loading.preload.is_empty() { &[f64::NAN] } else { loading.preload };
         writer.scale(Dimension::Preload, preload)?;
         write_turns(writer, &snaps)?;
         let places = snaps.places_off();
@@ -141,14 +143,20 @@ pub(crate) fn write_instability(writer: &mut Writer<'_>, results: &Results) -> R
     Ok(())
 }
 
-fn write_snaps(writer: &Writer<'_>, name: &str, snaps: &Snaps<'_>, places: &[usize]) -> Result<(), OutputError> {
+fn write_snaps(
+    writer: &Writer<'_>,
+    name: &str,
+    snaps: &Snaps<'_>,
+    places: &[usize],
+) -> Result<(), OutputError> {
     for (offset, number) in ["", "_separation", "_distance"].into_iter().enumerate() {
         writer.dataset(&format!("/replicas/snap_{name}{number}"), &snaps.table(places, offset))?;
     }
     let counts: Vec<Counts> = places.iter().map(|place| snaps.counts(*place)).collect();
     let all = |of: fn(&Counts) -> f64| counts.iter().map(of).collect::<Vec<f64>>();
     let group = format!("/instability/snap_{name}");
-    writer.dataset(&format!("{group}_count"), &counts.iter().map(|counts| counts.snap).collect::<Vec<u64>>())?;
+    writer
+        .dataset(&format!("{group}_count"), &counts.iter().map(|counts| counts.snap).collect::<Vec<u64>>())?;
     writer.dataset(&format!("{group}_probability"), &all(|counts| counts.share()))?;
     writer.dataset(&format!("{group}_probability_low"), &all(|counts| counts.interval().0))?;
     writer.dataset(&format!("{group}_probability_high"), &all(|counts| counts.interval().1))
@@ -161,7 +169,10 @@ fn write_turns(writer: &Writer<'_>, snaps: &Snaps<'_>) -> Result<(), OutputError
         writer.dataset(&format!("/replicas/{name}"), &snaps.table(&turns, offset))?;
     }
     let pull_off: Vec<(f64, f64, u64)> = turns.iter().map(|turn| snaps.pull_off(*turn)).collect();
-    writer.dataset("/instability/turned_count", &pull_off.iter().map(|(.., count)| *count).collect::<Vec<u64>>())?;
+    writer.dataset(
+        "/instability/turned_count",
+        &pull_off.iter().map(|(.., count)| *count).collect::<Vec<u64>>(),
+    )?;
     let mean: Vec<f64> = pull_off.iter().map(|(mean, ..)| *mean).collect();
     writer.dataset("/instability/turned_pull_off_force_mean", &mean)?;
     let std: Vec<f64> = pull_off.iter().map(|(_, std, _)| *std).collect();

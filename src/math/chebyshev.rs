@@ -1,4 +1,5 @@
-//! Chebyshev interpolation on −1..1: from samples at the nodes cos(π(i + 1/2)/n) to coefficients, and from these to powers.
+//! Chebyshev interpolation on −1..1: from samples at the nodes cos(π(i + 1/2)/n) to coefficients, and from
+//! these to powers.
 
 use std::f64::consts::PI;
 
@@ -7,7 +8,8 @@ pub fn angle(i: usize, n: usize) -> f64 {
     PI * (i as f64 + 0.5) / n as f64
 }
 
-/// Coefficients c of the interpolant Σ c_k T_k(v) through samples at the nodes, by the discrete orthogonality of the T_k there.
+/// Coefficients c of the interpolant Σ c_k T_k(v) through samples at the nodes, by the discrete orthogonality
+/// of the T_k there.
 pub fn coefficients(samples: &[f64]) -> Vec<f64> {
     let n = samples.len();
     let coefficient = |k: usize| {
@@ -27,7 +29,8 @@ pub fn powers<const N: usize>(chebyshev: &[f64]) -> [f64; N] {
             *coefficient += c * power;
         }
         let factor = if k == 0 { 1.0 } else { 2.0 };
-        let next = std::array::from_fn(|i| if i == 0 { -before[0] } else { factor * current[i - 1] - before[i] });
+        let next =
+            std::array::from_fn(|i| if i == 0 { -before[0] } else { factor * current[i - 1] - before[i] });
         before = current;
         current = next;
     }

@@ -1,9 +1,10 @@
-//! Clenshaw-Curtis quadrature: nodes that include the ends and, of every other one, those of half the degree, so that one set of values gives
-//! an integral and what it was with fewer of them.
+//! Clenshaw-Curtis quadrature: nodes that include the ends and, of every other one, those of half the degree,
+//! so that one set of values gives an integral and what it was with fewer of them.
 //!
 //! # Formula
-//! Nodes cos(jπ/n) on −1..1, j = 0..=n, with the weights (4/n)(c_j/2) Σ' cos(2kjπ/n)/(1 − 4k²) over k = 0..=n/2, where the first and last
-//! term of the sum and the weights of the ends count half (Clenshaw and Curtis, Numer. Math. 2 (1960) 197).
+//! Nodes cos(jπ/n) on −1..1, j = 0..=n, with the weights (4/n)(c_j/2) Σ' cos(2kjπ/n)/(1 − 4k²) over k =
+//! 0..=n/2, where the first and last term of the sum and the weights of the ends count half (Clenshaw and
+//! Curtis, Numer. Math. 2 (1960) 197).
 
 use std::f64::consts::PI;
 
@@ -49,7 +50,8 @@ mod tests {
         assert_eq!((nodes[0].place, nodes[16].place, nodes.len()), (-1.0, 3.0, 17));
         for power in 0..=16 {
             let exact = (3_f64.powi(power + 1) - (-1_f64).powi(power + 1)) / f64::from(power + 1);
-            let sum = |weight: fn(&Node) -> f64| nodes.iter().map(|n| weight(n) * n.place.powi(power)).sum::<f64>();
+            let sum =
+                |weight: fn(&Node) -> f64| nodes.iter().map(|n| weight(n) * n.place.powi(power)).sum::<f64>();
             assert!((sum(|n| n.weight) / exact - 1.0).abs() < 1e-13, "{power}");
             assert!(power > 8 || (sum(|n| n.coarse) / exact - 1.0).abs() < 1e-13, "{power}");
         }

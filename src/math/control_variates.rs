@@ -1,21 +1,25 @@
-//! Means with control variates: what is known of the expectation of one part of a sample makes the mean of another part more precise.
+//! Means with control variates: what is known of the expectation of one part of a sample makes the mean of
+//! another part more precise.
 //!
 //! Of n independent samples (x, y) with E\[x\] = μ known, ȳ − βᵀ(x̄ − μ) is an estimate of E\[y\] for every
-//! β, and best for the coefficients of the regression of y on x (Lavenberg and Welch 1981, Management
-//! Science 27, 322). Coefficients of the same sample would bias it where x and y are not jointly Gaussian.
-//! So the sample is split, and each part is corrected with the coefficients of all the others, of which it
-//! is independent: the estimate is unbiased whatever the distribution (Avramidis and Wilson 1993, Operations Research Letters 14, 187).
+//! β, and best for the coefficients of the regression of y on x (Lavenberg and Welch 1981, Management Science
+//! 27, 322). Coefficients of the same sample would bias it where x and y are not jointly Gaussian. So the
+//! sample is split, and each part is corrected with the coefficients of all the others, of which it is
+//! independent: the estimate is unbiased whatever the distribution (Avramidis and Wilson 1993, Operations
+//! Research Letters 14, 187).
 //!
-//! So the estimate is the mean of the values y − βᵀ(x − μ), each with the coefficients of the other parts, and its standard error and
-//! interval are those of a mean of these values. Their scatter holds what estimating the coefficients costs, on average a factor
-//! (n − 2)/(n − 2 − k) of variance for k coefficients (Nelson 1990, Operations Research 38, 974), and is right where the scatter of y about
-//! the regression line changes along it.
+//! So the estimate is the mean of the values y − βᵀ(x − μ), each with the coefficients of the other parts,
+//! and its standard error and interval are those of a mean of these values. Their scatter holds what
+//! estimating the coefficients costs, on average a factor (n − 2)/(n − 2 − k) of variance for k coefficients
+//! (Nelson 1990, Operations Research 38, 974), and is right where the scatter of y about the regression line
+//! changes along it.
 
 use super::interval::{interval, skewness};
 use super::linalg::whitening;
 use super::moments::{CentralMoments, Comoments};
 
-/// Directions of the controls' correlation whose variance is less than this share of the largest are left out as collinear.
+/// Directions of the controls' correlation whose variance is less than this share of the largest are left out
+/// as collinear.
 const COLLINEAR: f64 = 1e-8;
 
 /// A mean without and with control variates.
@@ -46,9 +50,10 @@ impl ControlledMean {
     }
 }
 
-/// The means of the last components of a sample in independent `parts`, with the first ones as controls, whose expectations are
-/// `expected`. Controls that do not vary, and collinear ones, do no harm. A plain mean is its own controlled mean without controls, and
-/// when any part leaves no more than two elements more to the others than there are controls.
+/// The means of the last components of a sample in independent `parts`, with the first ones as controls,
+/// whose expectations are `expected`. Controls that do not vary, and collinear ones, do no harm. A plain mean
+/// is its own controlled mean without controls, and when any part leaves no more than two elements more to
+/// the others than there are controls.
 pub fn controlled_means(parts: &[CentralMoments], expected: &[f64]) -> Vec<ControlledMean> {
     let parts: Vec<&CentralMoments> = parts.iter().filter(|part| part.count() > 0).collect();
     let Some(first) = parts.first() else { return Vec::new() };
@@ -61,8 +66,11 @@ pub fn controlled_means(parts: &[CentralMoments], expected: &[f64]) -> Vec<Contr
     };
     let others: Vec<Comoments> = (0..parts.len()).map(others).collect();
     let enough = others.iter().all(|others| others.count() > expected.len() as u64 + 2);
-    let regressions: Vec<Regression> =
-        if enough { others.iter().map(|others| Regression::new(others, expected.len())).collect() } else { Vec::new() };
+    let regressions: Vec<Regression> = if enough {
+        others.iter().map(|others| Regression::new(others, expected.len())).collect()
+    } else {
+        Vec::new()
+    };
     let coefficients = regressions.iter().map(|regression| regression.components.len()).max().unwrap_or(0);
     // Mean, standard error, interval and sum of squares, which counts as 0 where it is at most so much.
     let mean_of = |y: usize, controlled: bool, nothing: f64| {
@@ -83,7 +91,12 @@ pub fn controlled_means(parts: &[CentralMoments], expected: &[f64]) -> Vec<Contr
         let squares = if squares <= nothing { 0.0 } else { squares };
         let freedom = n as f64 - 1.0 - if controlled { coefficients as f64 } else { 0.0 };
         let standard_error = if n < 2 { f64::NAN } else { (squares / (n - 1) as f64 / n as f64).sqrt() };
-        (mean, standard_error, interval(mean, standard_error, skewness(n, squares, cubes), n, freedom), squares)
+        (
+            mean,
+            standard_error,
+            interval(mean, standard_error, skewness(n, squares, cubes), n, freedom),
+            squares,
+        )
     };
     let samples: u64 = parts.iter().map(|part| part.count()).sum();
     let means = |y: usize| {
@@ -104,7 +117,8 @@ pub fn controlled_means(parts: &[CentralMoments], expected: &[f64]) -> Vec<Contr
     (expected.len()..length).map(means).collect()
 }
 
-/// The regression of components of a sample on its first ones, through uncorrelated combinations of these of unit variance.
+/// The regression of components of a sample on its first ones, through uncorrelated combinations of these of
+/// unit variance.
 struct Regression {
     /// How many components come first.
     expected: usize,
@@ -121,7 +135,8 @@ impl Regression {
         let (covariance, length) = (sample.covariance(), sample.mean().len());
         let variance = |i: usize| covariance[i * length + i];
         let controls: Vec<usize> = (0..expected).filter(|&i| variance(i) > 0.0).collect();
-        let correlation = |i: usize, j: usize| covariance[i * length + j] / variance(i).sqrt() / variance(j).sqrt();
+        let correlation =
+            |i: usize, j: usize| covariance[i * length + j] / variance(i).sqrt() / variance(j).sqrt();
         let matrix: Vec<f64> = controls
             .iter()
             .flat_map(|&i| controls.iter().map(move |&j| (i, j)))
@@ -160,7 +175,8 @@ mod tests {
         parts
     }
 
-    /// y = 3 + 2 a − b: exact from any sample, whatever a third control that is a sum of the others, and a fourth that is constant.
+    /// y = 3 + 2 a − b: exact from any sample, whatever a third control that is a sum of the others, and a
+    /// fourth that is constant.
     #[test]
     fn what_is_linear_in_the_controls_is_exact() {
         let rows: Vec<[f64; 5]> = (0..14)
@@ -177,21 +193,26 @@ mod tests {
         assert!(mean.variance_reduction().is_nan());
     }
 
-    /// By hand: x = 0..7 and y = 1, 3, 2, 5, 4, 4, 8, 5 with E\[x\] = 3, in two parts of even and odd x. Even: x̄ = 3, ȳ = 15/4, P = 20,
-    /// Σ(x − x̄)(y − ȳ) = 23, slope 23/20. Odd: x̄ = 4, ȳ = 17/4, Σ = 5, slope 1/4. So the even y become 7/4, 9/4, 15/4, 29/4, the odd ones
-    /// 53/10, 5, 17/10, 2/5, in all with the mean 137/40 and Σ(r − 137/40)² = 37.045. Plain: 32/7/8 = 4/7.
+    /// By hand: x = 0..7 and y = 1, 3, 2, 5, 4, 4, 8, 5 with E\[x\] = 3, in two parts of even and odd x.
+    /// Even: x̄ = 3, ȳ = 15/4, P = 20, Σ(x − x̄)(y − ȳ) = 23, slope 23/20. Odd: x̄ = 4, ȳ = 17/4, Σ = 5,
+    /// slope 1/4. So the even y become 7/4, 9/4, 15/4, 29/4, the odd ones 53/10, 5, 17/10, 2/5, in all with
+    /// the mean 137/40 and Σ(r − 137/40)² = 37.045. Plain: 32/7/8 = 4/7.
     #[test]
     fn one_control_is_a_regression_line_of_the_other_part() {
         let y = [1.0, 3.0, 2.0, 5.0, 4.0, 4.0, 8.0, 5.0];
         let rows: Vec<[f64; 2]> = (0..8).map(|i| [i as f64, y[i]]).collect();
         let rows: Vec<&[f64]> = rows.iter().map(<[f64; 2]>::as_slice).collect();
         let [mean] = controlled_means(&parts(&rows, 2), &[3.0])[..] else { panic!() };
-        assert!((mean.mean - 4.0).abs() < 1e-15 && (mean.standard_error.powi(2) - 4.0 / 7.0).abs() < 1e-15, "{mean:?}");
+        assert!(
+            (mean.mean - 4.0).abs() < 1e-15 && (mean.standard_error.powi(2) - 4.0 / 7.0).abs() < 1e-15,
+            "{mean:?}"
+        );
         assert!((mean.controlled_mean - 3.425).abs() < 1e-14, "{mean:?}");
         let squared = 37.045 / 56.0;
         assert!((mean.controlled_standard_error.powi(2) - squared).abs() < 1e-14, "{mean:?}");
         assert!((mean.variance_reduction() - 4.0 / 7.0 / squared).abs() < 1e-13);
-        // Skewnesses of the values as scipy.stats.skew(bias=False) has them; of the plain mean 7 degrees of freedom, of the other 6.
+        // Skewnesses of the values as scipy.stats.skew(bias=False) has them; of the plain mean 7 degrees of
+        // freedom, of the other 6.
         for (found, exact) in [
             (mean.interval, interval(4.0, (4.0_f64 / 7.0).sqrt(), 0.5846339666834283, 8, 7.0)),
             (mean.controlled_interval, interval(3.425, squared.sqrt(), 0.4280647349008284, 8, 6.0)),

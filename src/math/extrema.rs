@@ -24,13 +24,14 @@ pub fn deeper(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
     if b.1 < a.1 { b } else { a }
 }
 
-/// The minimum of a curve sampled at rising places: the vertex of the parabola through the smallest sample and its
-/// neighbours, or the smallest sample itself at an edge. Spacings may differ. For a smooth curve with samples Δ apart the
-/// value is off by O(Δ³) of its third derivative, and by nothing for a parabola.
+/// The minimum of a curve sampled at rising places: the vertex of the parabola through the smallest sample
+/// and its neighbours, or the smallest sample itself at an edge. Spacings may differ. For a smooth curve with
+/// samples Δ apart the value is off by O(Δ³) of its third derivative, and by nothing for a parabola.
 ///
 /// `places` and `values` have the same length, at least 1.
 pub fn minimum(places: &[f64], values: &[f64]) -> Extremum {
-    let smallest = (0..values.len()).reduce(|best, i| if values[i] < values[best] { i } else { best }).unwrap_or(0);
+    let smallest =
+        (0..values.len()).reduce(|best, i| if values[i] < values[best] { i } else { best }).unwrap_or(0);
     let sample = Extremum { place: places[smallest], value: values[smallest], at_edge: true };
     if smallest == 0 || smallest + 1 == values.len() {
         return sample;
@@ -49,8 +50,8 @@ pub fn minimum(places: &[f64], values: &[f64]) -> Extremum {
     Extremum { place: x1 + step, value: y1 + 0.5 * slope * step, at_edge: false }
 }
 
-/// The largest secant slope over a span, in the middle of it, of a curve in straight lines between its samples: one end of the span is at a
-/// sample.
+/// The largest secant slope over a span, in the middle of it, of a curve in straight lines between its
+/// samples: one end of the span is at a sample.
 ///
 /// `places` (rising) and `values` have the same length, at least 2, and reach over the span.
 pub fn largest_secant(places: &[f64], values: &[f64], span: f64) -> Extremum {
@@ -85,8 +86,9 @@ const PLACE_TOLERANCE: f64 = 1e-5;
 const SLOPE_LENGTH: f64 = 1e-2;
 
 impl Features {
-    /// Searches for the minimum between the neighbours of the smallest sample, and for the largest slope likewise. Where samples are
-    /// further apart than `spacing`, which resolves the curve, it is sampled between them too.
+    /// Searches for the minimum between the neighbours of the smallest sample, and for the largest slope
+    /// likewise. Where samples are further apart than `spacing`, which resolves the curve, it is sampled
+    /// between them too.
     ///
     /// `places` (rising) and `values` have the same length, at least 2, and sample `curve`.
     pub fn new(curve: impl Fn(f64) -> f64, places: &[f64], values: &[f64], spacing: f64) -> Self {
@@ -117,7 +119,8 @@ impl Features {
 /// Most samples that are added to a curve.
 pub const MOST_ADDED: f64 = 400.0;
 
-/// Samples of a curve with even ones added wherever they are further apart than `spacing`, or than what so many added ones leave.
+/// Samples of a curve with even ones added wherever they are further apart than `spacing`, or than what so
+/// many added ones leave.
 fn refined(curve: impl Fn(f64) -> f64, places: &[f64], values: &[f64], spacing: f64) -> (Vec<f64>, Vec<f64>) {
     let spacing = maximum(spacing, (places[places.len() - 1] - places[0]) / MOST_ADDED);
     let mut samples = vec![(places[0], values[0])];
@@ -140,18 +143,24 @@ mod tests {
         let places = [0.0, 0.4, 1.0, 1.3, 2.2];
         let values = places.map(|x: f64| 3.0 * (x - 0.9) * (x - 0.9) - 2.0);
         let minimum = minimum(&places, &values);
-        assert!((minimum.place - 0.9).abs() < 1e-14 && (minimum.value + 2.0).abs() < 1e-14 && !minimum.at_edge);
+        assert!(
+            (minimum.place - 0.9).abs() < 1e-14 && (minimum.value + 2.0).abs() < 1e-14 && !minimum.at_edge
+        );
     }
 
     #[test]
     fn features_do_not_depend_on_the_samples() {
         let curve = |x: f64| -1.0 / (1.0 + x * x);
         for count in [8, 50] {
-            let places: Vec<f64> = (0..count).map(|i| -3.1 + 6.0 * f64::from(i) / f64::from(count - 1)).collect();
+            let places: Vec<f64> =
+                (0..count).map(|i| -3.1 + 6.0 * f64::from(i) / f64::from(count - 1)).collect();
             let values: Vec<f64> = places.iter().map(|x| curve(*x)).collect();
             let features = Features::new(curve, &places, &values, f64::INFINITY);
             // The steepest rise of −1/(1 + x²) is √27/8 at 1/√3.
-            assert!(features.minimum.place.abs() < 1e-4 && (features.minimum.value + 1.0).abs() < 1e-8, "{features:?}");
+            assert!(
+                features.minimum.place.abs() < 1e-4 && (features.minimum.value + 1.0).abs() < 1e-8,
+                "{features:?}"
+            );
             assert!((features.steepest.place - 3f64.sqrt().recip()).abs() < 1e-4, "{features:?}");
             assert!((features.steepest.value - 27f64.sqrt() / 8.0).abs() < 1e-4, "{features:?}");
         }
@@ -164,7 +173,10 @@ mod tests {
         for places in [&[-6.1, 6.3][..], &[-6.1, -3.0, -2.9, 5.0, 8.0], &[-2.0, -1.0, 1.1, 1.2]] {
             let values: Vec<f64> = places.iter().map(|x| curve(*x)).collect();
             let features = Features::new(curve, places, &values, 0.1);
-            assert!(features.minimum.place.abs() < 1e-4 && (features.minimum.value + 1.0).abs() < 1e-6, "{features:?}");
+            assert!(
+                features.minimum.place.abs() < 1e-4 && (features.minimum.value + 1.0).abs() < 1e-6,
+                "{features:?}"
+            );
             assert!((features.steepest.place - 75f64.sqrt().recip()).abs() < 1e-4, "{features:?}");
             assert!((features.steepest.value - 5.0 * 27f64.sqrt() / 8.0).abs() < 1e-3, "{features:?}");
         }

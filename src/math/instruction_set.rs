@@ -1,8 +1,9 @@
 //! Which vector instructions the hot loops are compiled for, chosen when the program runs.
 //!
-//! A hot loop is a branch-free function that is inlined into [`InstructionSet::run`], which compiles it once for each set. There is no
-//! fused multiply-add in any of them and no sum is reordered, so all of them give the same bits; the choice is one of speed only. Tests
-//! and benchmarks force it by [`InstructionSet::select`], users by the environment variable [`VARIABLE`].
+//! A hot loop is a branch-free function that is inlined into [`InstructionSet::run`], which compiles it once
+//! for each set. There is no fused multiply-add in any of them and no sum is reordered, so all of them give
+//! the same bits; the choice is one of speed only. Tests and benchmarks force it by
+//! [`InstructionSet::select`], users by the environment variable [`VARIABLE`].
 
 use std::fmt;
 use std::sync::atomic::{AtomicU8, Ordering};
@@ -75,7 +76,9 @@ impl InstructionSet {
     pub fn of_environment() -> Result<Self, String> {
         match std::env::var_os(VARIABLE) {
             // A name that is no text is none of the known ones.
-            Some(name) => Self::named(&name.to_string_lossy()).map_err(|problem| format!("{VARIABLE}: {problem}")),
+            Some(name) => {
+                Self::named(&name.to_string_lossy()).map_err(|problem| format!("{VARIABLE}: {problem}"))
+            }
             None => Ok(*Self::available().last().expect("the baseline is always there")),
         }
     }
@@ -108,13 +111,14 @@ impl InstructionSet {
         self.0.name()
     }
 
-    /// Runs a task compiled for it. What is to profit has to be inlined into the task, and the task into this: mark both
-    /// `#[inline(always)]`.
+    /// Runs a task compiled for it. What is to profit has to be inlined into the task, and the task into
+    /// this: mark both `#[inline(always)]`.
     #[inline(always)]
     #[allow(unsafe_code)]
     pub fn run<R>(self, task: impl FnOnce() -> R) -> R {
         match self.0 {
-            // SAFETY: a value of this kind is only made where `is_there` has found the features that the functions enable.
+            // SAFETY: a value of this kind is only made where `is_there` has found the features that the
+            // functions enable.
             #[cfg(target_arch = "x86_64")]
             Kind::Avx512 => unsafe { avx512(task) },
             // SAFETY: as above.

@@ -1,7 +1,8 @@
 //! Interpolation of sampled smooth curves.
 
-/// The value at `x` of the polynomial through the `POINTS` samples nearest to it (or all, if there are fewer), at rising places that may be
-/// unevenly spaced. For a smooth curve with samples Δ apart the error is O(Δⁿ) of its n-th derivative, n = `POINTS`.
+/// The value at `x` of the polynomial through the `POINTS` samples nearest to it (or all, if there are
+/// fewer), at rising places that may be unevenly spaced. For a smooth curve with samples Δ apart the error is
+/// O(Δⁿ) of its n-th derivative, n = `POINTS`.
 pub fn lagrange<const POINTS: usize>(places: &[f64], values: &[f64], x: f64) -> f64 {
     let above = places.partition_point(|&place| place < x);
     let points = POINTS.min(places.len());
@@ -14,7 +15,8 @@ pub fn lagrange<const POINTS: usize>(places: &[f64], values: &[f64], x: f64) -> 
     (0..points).map(|i| values[i] * weight(i)).sum()
 }
 
-/// The value at `x` of the straight line between its neighbours among at least 2 samples at rising places; it cannot overshoot them.
+/// The value at `x` of the straight line between its neighbours among at least 2 samples at rising places; it
+/// cannot overshoot them.
 pub fn linear(places: &[f64], values: &[f64], x: f64) -> f64 {
     let above = places.partition_point(|&place| place < x).clamp(1, places.len() - 1);
     let share = ((x - places[above - 1]) / (places[above] - places[above - 1])).clamp(0.0, 1.0);

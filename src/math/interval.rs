@@ -1,12 +1,12 @@
 //! Confidence intervals of means of skewed samples.
 //!
-//! The interval is that of Student's t after Hall's transformation, which is monotonic and takes the skewness γ of the sample out of
-//! T = (mean − μ)/(standard error): with a = γ/√n,
+//! The interval is that of Student's t after Hall's transformation, which is monotonic and takes the skewness
+//! γ of the sample out of T = (mean − μ)/(standard error): with a = γ/√n,
 //!
 //! g(T) = T + a T²/3 + a² T³/27 + a/6,  g⁻¹(y) = 3 [(1 + a (y − a/6))^{1/3} − 1]/a
 //!
-//! (P. Hall, J. R. Statist. Soc. B 54 (1992) 221). For a positive skewness the interval reaches further up than down; without
-//! skewness it is mean ± t · standard error.
+//! (P. Hall, J. R. Statist. Soc. B 54 (1992) 221). For a positive skewness the interval reaches further up
+//! than down; without skewness it is mean ± t · standard error.
 
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
@@ -15,8 +15,9 @@ pub const LEVEL: f64 = 0.95;
 /// With fewer independent samples an interval of a skewed quantity holds visibly less than it says.
 pub const FEWEST: u64 = 16;
 
-/// The interval of a mean with its standard error, from the adjusted skewness of so many samples and the degrees of freedom of the
-/// standard error. Not a number where the standard error is not, or leaves no degree of freedom.
+/// The interval of a mean with its standard error, from the adjusted skewness of so many samples and the
+/// degrees of freedom of the standard error. Not a number where the standard error is not, or leaves no
+/// degree of freedom.
 pub fn interval(mean: f64, standard_error: f64, skewness: f64, samples: u64, freedom: f64) -> [f64; 2] {
     if !(standard_error.is_finite() && freedom > 0.0) {
         return [f64::NAN; 2];
@@ -32,7 +33,8 @@ pub fn interval(mean: f64, standard_error: f64, skewness: f64, samples: u64, fre
     [quantile, -quantile].map(|y| mean - back(y) * standard_error)
 }
 
-/// The quantile of Student's distribution that belongs to [`LEVEL`], for positive degrees of freedom: relative error below 1e-8.
+/// The quantile of Student's distribution that belongs to [`LEVEL`], for positive degrees of freedom:
+/// relative error below 1e-8.
 fn quantile(freedom: f64) -> f64 {
     /// That of the normal distribution.
     const NORMAL: f64 = 1.959_963_984_540_054;
@@ -52,8 +54,8 @@ fn quantile(freedom: f64) -> f64 {
     z + terms.iter().rev().fold(0.0, |sum, term| (sum + term) / freedom)
 }
 
-/// The adjusted Fisher-Pearson skewness, √(n(n − 1))/(n − 2) m₃/m₂^{3/2}, of n samples with sums of squared and cubed deviations; 0 where
-/// nothing varies or n < 3.
+/// The adjusted Fisher-Pearson skewness, √(n(n − 1))/(n − 2) m₃/m₂^{3/2}, of n samples with sums of squared
+/// and cubed deviations; 0 where nothing varies or n < 3.
 pub fn skewness(samples: u64, squares: f64, cubes: f64) -> f64 {
     let n = samples as f64;
     if samples < 3 || !(squares > 0.0) {
@@ -67,7 +69,8 @@ pub fn skewness(samples: u64, squares: f64, cubes: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// scipy.stats.t.ppf(0.975, degrees of freedom), and the same of 1e12 degrees of freedom as of infinitely many.
+    /// scipy.stats.t.ppf(0.975, degrees of freedom), and the same of 1e12 degrees of freedom as of infinitely
+    /// many.
     #[test]
     fn without_skewness_it_is_that_of_student() {
         for (freedom, quantile) in [

@@ -12,8 +12,8 @@ pub struct Fit<const N: usize> {
     pub sum_of_squares: f64,
 }
 
-/// Fits `model`, which gives the value at a place and its derivatives by the N parameters, to `values` at `places`, from each of
-/// the `starts`; the best of the fits. `None` when no start leads to finite values.
+/// Fits `model`, which gives the value at a place and its derivatives by the N parameters, to `values` at
+/// `places`, from each of the `starts`; the best of the fits. `None` when no start leads to finite values.
 pub fn least_squares<const N: usize>(
     model: impl Fn(&[f64; N], f64) -> (f64, [f64; N]) + Copy,
     places: &[f64],
@@ -25,7 +25,8 @@ pub fn least_squares<const N: usize>(
         let (problem, report) = LevenbergMarquardt::new().minimize(problem);
         Fit { parameters: problem.parameters.into(), sum_of_squares: 2.0 * report.objective_function }
     });
-    let finite = fits.filter(|fit| fit.sum_of_squares.is_finite() && fit.parameters.iter().all(|p| p.is_finite()));
+    let finite =
+        fits.filter(|fit| fit.sum_of_squares.is_finite() && fit.parameters.iter().all(|p| p.is_finite()));
     finite.min_by(|a, b| a.sum_of_squares.total_cmp(&b.sum_of_squares))
 }
 

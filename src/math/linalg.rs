@@ -1,14 +1,15 @@
 //! The linear algebra of the joint test and of the control variates, in a fixed order of operations.
 //!
-//! Products of long matrices are formed here, decompositions by faer. faer's products split their sums by the size of the caches where
-//! these have more than [`LARGEST`] terms, and with its feature `std` take a buffer of twice the last cache, however small the matrices:
-//! so this feature is off, and no larger matrix is decomposed.
+//! Products of long matrices are formed here, decompositions by faer. faer's products split their sums by the
+//! size of the caches where these have more than [`LARGEST`] terms, and with its feature `std` take a buffer
+//! of twice the last cache, however small the matrices: so this feature is off, and no larger matrix is
+//! decomposed.
 
 use super::instruction_set::InstructionSet;
 use faer::{Mat, Par, Side};
 
-/// Most rows of a matrix that is decomposed: no sum within has more terms, and up to so many the products of faer (`gemm`, the block of
-/// depth in `cache.rs`) are summed at once on every processor.
+/// Most rows of a matrix that is decomposed: no sum within has more terms, and up to so many the products of
+/// faer (`gemm`, the block of depth in `cache.rs`) are summed at once on every processor.
 pub const LARGEST: usize = 512;
 /// Columns of a panel of a matrix: its products with another panel stay in registers.
 const PANEL: usize = 8;
@@ -27,7 +28,8 @@ fn sequential() {
     faer::set_global_parallelism(Par::Seq);
 }
 
-/// The eigendecomposition of a symmetric matrix, row-major, n × n; `None` when it does not converge (not finite).
+/// The eigendecomposition of a symmetric matrix, row-major, n × n; `None` when it does not converge (not
+/// finite).
 pub fn symmetric_eigen(matrix: &[f64], n: usize) -> Option<Eigen> {
     sequential();
     debug_assert!(n <= LARGEST, "{n}");
@@ -42,12 +44,16 @@ pub fn symmetric_eigen(matrix: &[f64], n: usize) -> Option<Eigen> {
         let sign = if largest < 0.0 { -1.0 } else { 1.0 };
         raw.into_iter().map(|x| sign * x).collect()
     };
-    Some(Eigen { values: (0..n).rev().map(|i| values[i]).collect(), vectors: (0..n).rev().map(vector).collect() })
+    Some(Eigen {
+        values: (0..n).rev().map(|i| values[i]).collect(),
+        vectors: (0..n).rev().map(vector).collect(),
+    })
 }
 
-/// Functionals that are uncorrelated and of unit variance when `covariance`, row-major, n × n, is that of what they act on: its
-/// eigenvectors over the roots of the eigenvalues, largest first, of all eigenvalues that are at least `smallest` of the largest.
-/// There are fewer than n of them where components are collinear, and none when the matrix is not finite.
+/// Functionals that are uncorrelated and of unit variance when `covariance`, row-major, n × n, is that of
+/// what they act on: its eigenvectors over the roots of the eigenvalues, largest first, of all eigenvalues
+/// that are at least `smallest` of the largest. There are fewer than n of them where components are
+/// collinear, and none when the matrix is not finite.
 pub fn whitening(covariance: &[f64], n: usize, smallest: f64) -> Vec<Vec<f64>> {
     let Some(eigen) = symmetric_eigen(covariance, n) else { return Vec::new() };
     let limit = (smallest * eigen.values[0]).max(f64::MIN_POSITIVE);
@@ -55,7 +61,8 @@ pub fn whitening(covariance: &[f64], n: usize, smallest: f64) -> Vec<Vec<f64>> {
     kept.map(|(value, vector)| vector.iter().map(|x| x / value.sqrt()).collect()).collect()
 }
 
-/// RᵀR of a matrix R of columns of the same length: n × n, row-major. Each element is one sum from the first row to the last.
+/// RᵀR of a matrix R of columns of the same length: n × n, row-major. Each element is one sum from the first
+/// row to the last.
 pub fn gram(columns: &[Vec<f64>]) -> Vec<f64> {
     let n = columns.len();
     let panels: Vec<Vec<[f64; PANEL]>> = columns.chunks(PANEL).map(panel).collect();
@@ -128,8 +135,8 @@ mod tests {
         }
     }
 
-    /// faer's products of matrices of up to LARGEST rows sum each element from the first term to the last, as no splitting of sums does: so
-    /// nothing in a decomposition depends on the sizes of caches.
+    /// faer's products of matrices of up to LARGEST rows sum each element from the first term to the last, as
+    /// no splitting of sums does: so nothing in a decomposition depends on the sizes of caches.
     #[test]
     fn products_within_decompositions_are_not_split() {
         let element = |i: usize, j: usize| libm::sin((i * 517 + j * 29) as f64);
@@ -151,7 +158,8 @@ mod tests {
         // Of integers every order has the same sum.
         let columns: Vec<Vec<f64>> =
             (0..19).map(|c| (0..7).map(|i| f64::from((c * 5 + i * i * 3) % 11)).collect()).collect();
-        let product = |i: usize| columns[i / 19].iter().zip(&columns[i % 19]).map(|(x, y)| x * y).sum::<f64>();
+        let product =
+            |i: usize| columns[i / 19].iter().zip(&columns[i % 19]).map(|(x, y)| x * y).sum::<f64>();
         assert_eq!(gram(&columns), (0..19 * 19).map(product).collect::<Vec<f64>>());
     }
 }

@@ -119,7 +119,8 @@ impl Comoments {
         for i in 0..n {
             self.mean[i] += weight * deviations[i];
             for j in 0..n {
-                self.products[i * n + j] += other.products[i * n + j] + between * deviations[i] * deviations[j];
+                self.products[i * n + j] +=
+                    other.products[i * n + j] + between * deviations[i] * deviations[j];
             }
         }
         self.count = total;
@@ -189,7 +190,8 @@ impl CentralMoments {
         let [mine, theirs] = [mine / total, theirs / total];
         let cubic = total * mine * theirs * (mine - theirs);
         // Σ over the three choices of δ_i (mine B_jk − theirs A_jk).
-        let between = |j: usize, k: usize| mine * other.products[j * n + k] - theirs * self.second.products[j * n + k];
+        let between =
+            |j: usize, k: usize| mine * other.products[j * n + k] - theirs * self.second.products[j * n + k];
         let between: Vec<f64> = (0..n * n).map(|place| between(place / n, place % n)).collect();
         let mut place = 0;
         for i in 0..n {
@@ -197,7 +199,8 @@ impl CentralMoments {
                 let pair = cubic * deviations[i] * deviations[j] + between[i * n + j];
                 for k in j..n {
                     let rest = deviations[i] * between[j * n + k] + deviations[j] * between[i * n + k];
-                    self.third[place] += third.map_or(0.0, |third| third[place]) + (pair * deviations[k] + rest);
+                    self.third[place] +=
+                        third.map_or(0.0, |third| third[place]) + (pair * deviations[k] + rest);
                     place += 1;
                 }
             }
@@ -267,8 +270,9 @@ mod tests {
     fn two_pass(samples: &[[f64; 2]]) -> ([f64; 2], [f64; 4]) {
         let n = samples.len() as f64;
         let mean = [0, 1].map(|c| samples.iter().map(|s| s[c]).sum::<f64>() / n);
-        let product =
-            |a: usize, b: usize| samples.iter().map(|s| (s[a] - mean[a]) * (s[b] - mean[b])).sum::<f64>() / (n - 1.0);
+        let product = |a: usize, b: usize| {
+            samples.iter().map(|s| (s[a] - mean[a]) * (s[b] - mean[b])).sum::<f64>() / (n - 1.0)
+        };
         (mean, [product(0, 0), product(0, 1), product(1, 0), product(1, 1)])
     }
 
@@ -299,13 +303,19 @@ mod tests {
         }
     }
 
-    /// Combinations of merged parts against their own values in two passes, shifted so far that sums of cubes would lose them.
+    /// Combinations of merged parts against their own values in two passes, shifted so far that sums of cubes
+    /// would lose them.
     #[test]
     fn combinations_have_the_moments_of_their_values() {
         let samples: Vec<[f64; 4]> = (0..41)
             .map(|i| {
                 let x = f64::from(i);
-                [1e4 + f64::from(i * i % 17), f64::from(i * 7 % 11) - 3.0, (0.2 * x).exp(), f64::from(i * i * i % 13)]
+                [
+                    1e4 + f64::from(i * i % 17),
+                    f64::from(i * 7 % 11) - 3.0,
+                    (0.2 * x).exp(),
+                    f64::from(i * i * i % 13),
+                ]
             })
             .collect();
         for split in [0, 1, 2, 20, 40, 41] {
@@ -316,9 +326,13 @@ mod tests {
                 merged.merge(&moments);
             }
             assert_eq!(merged.count(), 41);
-            for weights in [[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0], [0.3, -2.0, 0.05, 1.5], [0.0, 1.0, 0.0, 2.0]] {
-                let values: Vec<f64> =
-                    samples.iter().map(|sample| sample.iter().zip(weights).map(|(x, w)| x * w).sum()).collect();
+            for weights in
+                [[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0], [0.3, -2.0, 0.05, 1.5], [0.0, 1.0, 0.0, 2.0]]
+            {
+                let values: Vec<f64> = samples
+                    .iter()
+                    .map(|sample| sample.iter().zip(weights).map(|(x, w)| x * w).sum())
+                    .collect();
                 let mean = values.iter().sum::<f64>() / 41.0;
                 let [found, squares, cubes] = merged.of_combination(&weights);
                 let sum = |power: i32| values.iter().map(|value| (value - mean).powi(power)).sum::<f64>();

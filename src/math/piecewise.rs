@@ -39,8 +39,9 @@ pub struct Cell {
 }
 
 impl Piecewise {
-    /// Tabulates `f` on (`begin`, `end`] so that it is met to `tolerance(s, f(s))`, an absolute error. Cells are halved until
-    /// they meet it; one that is narrower than `end`·1e-7, or comes after 4096 others, and does not meet it holds NaN. The function is never evaluated at `begin`.
+    /// Tabulates `f` on (`begin`, `end`] so that it is met to `tolerance(s, f(s))`, an absolute error. Cells
+    /// are halved until they meet it; one that is narrower than `end`·1e-7, or comes after 4096 others, and
+    /// does not meet it holds NaN. The function is never evaluated at `begin`.
     pub fn new(f: impl Fn(f64) -> f64, tolerance: impl Fn(f64, f64) -> f64, begin: f64, end: f64) -> Self {
         let mut table = Self::default();
         if !(end > begin && end.is_finite()) {
@@ -87,8 +88,8 @@ impl Piecewise {
         (s > cell.low || s == self.cells[0].low).then_some(cell)
     }
 
-    /// The cell of the first of some places, if there is one, and how many of the first places share it (1 without a cell): many
-    /// where the places rise or fall.
+    /// The cell of the first of some places, if there is one, and how many of the first places share it (1
+    /// without a cell): many where the places rise or fall.
     #[inline(always)]
     pub fn run(&self, places: &[f64]) -> (Option<&Cell>, usize) {
         match self.cell(places[0]) {
@@ -143,7 +144,8 @@ impl Cell {
     /// The interpolant at Chebyshev nodes, corrected once by that of its own rounding errors.
     fn interpolate(f: &impl Fn(f64) -> f64, low: f64, high: f64) -> Self {
         let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
-        let places: [f64; NODES] = std::array::from_fn(|j| middle + half * libm::cos(chebyshev::angle(j, NODES)));
+        let places: [f64; NODES] =
+            std::array::from_fn(|j| middle + half * libm::cos(chebyshev::angle(j, NODES)));
         let samples = places.map(f);
         let powers = |samples: [f64; NODES]| chebyshev::powers::<NODES>(&chebyshev::coefficients(&samples));
         let mut cell = Self {

@@ -12,8 +12,8 @@ pub fn horner<const N: usize>(coefficients: &[f64; N], x: f64) -> f64 {
     value
 }
 
-/// Σ cᵢ xⁱ of degree 7 by Estrin's scheme, which vector processors finish in half the time of Horner's because less of it waits for the
-/// rest.
+/// Σ cᵢ xⁱ of degree 7 by Estrin's scheme, which vector processors finish in half the time of Horner's
+/// because less of it waits for the rest.
 #[inline(always)]
 pub fn estrin(coefficients: &[f64; 8], x: f64) -> f64 {
     let [c0, c1, c2, c3, c4, c5, c6, c7] = *coefficients;

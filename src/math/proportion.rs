@@ -3,8 +3,8 @@
 /// Standard deviations of a Gaussian between which 95 % lie.
 const QUANTILE: f64 = 1.959_963_984_540_054;
 
-/// The interval of Wilson (1927, J. Am. Stat. Assoc. 22, 209) that covers the probability of something with about 95 %, if it happened
-/// `count` times in `of` independent trials: from and to. NaN without a trial.
+/// The interval of Wilson (1927, J. Am. Stat. Assoc. 22, 209) that covers the probability of something with
+/// about 95 %, if it happened `count` times in `of` independent trials: from and to. NaN without a trial.
 pub fn wilson_interval(count: u64, of: u64) -> (f64, f64) {
     let (n, share, square) = (of as f64, count as f64 / of as f64, QUANTILE * QUANTILE);
     let middle = share + 0.5 * square / n;
@@ -31,7 +31,10 @@ mod tests {
         ];
         for (count, of, low, high) in cases {
             let interval = wilson_interval(count, of);
-            assert!((interval.0 - low).abs() < 1e-14 && (interval.1 - high).abs() < 1e-14, "{count}: {interval:?}");
+            assert!(
+                (interval.0 - low).abs() < 1e-14 && (interval.1 - high).abs() < 1e-14,
+                "{count}: {interval:?}"
+            );
         }
         assert!(wilson_interval(0, 0).0.is_nan() && wilson_interval(0, 0).1.is_nan());
     }

@@ -7,8 +7,8 @@ use std::sync::LazyLock;
 /// Nodes of a panel.
 pub const NODES: usize = 20;
 
-/// Bisections after which an integral is taken as it is, with the error that it then has: an integrand whose noise is above the
-/// tolerance would never meet it.
+/// Bisections after which an integral is taken as it is, with the error that it then has: an integrand whose
+/// noise is above the tolerance would never meet it.
 const MAX_BISECTIONS: usize = 300;
 
 /// Nodes and weights of the rule on −1..1.
@@ -57,8 +57,9 @@ impl Rule {
         &RULE
     }
 
-    /// ∫f over consecutive panels `breaks[i]..breaks[i + 1]`. The panel with the largest error is bisected until the errors of all
-    /// panels add up to at most `tolerance` times the integral of |panel|, component by component.
+    /// ∫f over consecutive panels `breaks[i]..breaks[i + 1]`. The panel with the largest error is bisected
+    /// until the errors of all panels add up to at most `tolerance` times the integral of |panel|, component
+    /// by component.
     ///
     /// `f` fills the values at [`NODES`] places at once.
     pub fn integrate<const N: usize>(
@@ -80,7 +81,8 @@ impl Rule {
             };
             let (size, error) = (sum(|panel, c| panel.value(c).abs()), sum(|panel, c| panel.error[c]));
             let open: Vec<usize> = (0..N).filter(|&c| error[c] > tolerance * size[c]).collect();
-            let weight = |panel: &Panel<N>| open.iter().map(|&c| panel.error[c] / size[c]).fold(0.0, f64::max);
+            let weight =
+                |panel: &Panel<N>| open.iter().map(|&c| panel.error[c] / size[c]).fold(0.0, f64::max);
             let worst = (0..panels.len()).max_by(|&i, &j| weight(&panels[i]).total_cmp(&weight(&panels[j])));
             let Some(worst) = worst.filter(|_| !open.is_empty()) else { break };
             let Panel { low, high, halves, .. } = panels.swap_remove(worst);

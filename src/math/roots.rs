@@ -21,11 +21,12 @@ pub struct Root {
 /// Evaluations after which [`safe_newton`] stops in any case: 60 halvings and as many Newton steps.
 pub const MAX_EVALUATIONS: u32 = 200;
 
-/// Newton's method inside a bracket for a function that falls through zero, with bisection wherever Newton leaves the
-/// bracket or fails to halve the value.
+/// Newton's method inside a bracket for a function that falls through zero, with bisection wherever Newton
+/// leaves the bracket or fails to halve the value.
 ///
-/// `f(low) ≥ 0 ≥ f(high)`, 0 ≤ low < high; a `start` outside them, or NaN, is replaced by the middle. `done(x, sample)` decides when to stop; the caller usually adds
-/// the last Newton step itself. Also stops when the bracket cannot shrink, or after [`MAX_EVALUATIONS`].
+/// `f(low) ≥ 0 ≥ f(high)`, 0 ≤ low < high; a `start` outside them, or NaN, is replaced by the middle.
+/// `done(x, sample)` decides when to stop; the caller usually adds the last Newton step itself. Also stops
+/// when the bracket cannot shrink, or after [`MAX_EVALUATIONS`].
 pub fn safe_newton(
     mut f: impl FnMut(f64) -> Sample,
     mut low: f64,
@@ -57,12 +58,14 @@ pub fn safe_newton(
     Root { x, evaluations: MAX_EVALUATIONS }
 }
 
-/// The middle of a bracket: geometric where it spans decades, so that small roots are found as fast as large ones.
+/// The middle of a bracket: geometric where it spans decades, so that small roots are found as fast as large
+/// ones.
 fn middle(low: f64, high: f64) -> f64 {
     if low > 0.0 && high > 4.0 * low { (low * high).sqrt() } else { 0.5 * (low + high) }
 }
 
-/// The place of the maximum of `f` between `low` and `high` by golden section, to `tolerance` times the interval.
+/// The place of the maximum of `f` between `low` and `high` by golden section, to `tolerance` times the
+/// interval.
 pub fn golden_maximum(mut f: impl FnMut(f64) -> f64, mut low: f64, mut high: f64, tolerance: f64) -> f64 {
     const RATIO: f64 = 0.618_033_988_749_894_9;
     let tolerance = tolerance * (high - low);
@@ -108,7 +111,8 @@ mod tests {
 
     #[test]
     fn ends_at_the_bound_where_nothing_converges() {
-        // Newton's method gains a ninth with every step towards the multiple root at 0, and never meets `done`.
+        // Newton's method gains a ninth with every step towards the multiple root at 0, and never meets
+        // `done`.
         let multiple = |x: f64| Sample { value: -x.powi(9), slope: -9.0 * x.powi(8) };
         let root = safe_newton(multiple, 0.0, 1.0, 1.0, |_, _| false);
         assert_eq!(root.evaluations, MAX_EVALUATIONS);

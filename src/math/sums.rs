@@ -1,8 +1,8 @@
 //! Sums whose order, and so whose bits, never depends on the machine.
 
-/// What rounding may take of a sum of asperities' forces of one sign, relative: in a block of 256 a lane adds 32 numbers, 31 roundings, and 3
-/// combine the lanes; blocks and regimes are added with compensation, 2 roundings each, whatever their number (Neumaier 1974). A rounding is
-/// half of epsilon.
+/// What rounding may take of a sum of asperities' forces of one sign, relative: in a block of 256 a lane adds
+/// 32 numbers, 31 roundings, and 3 combine the lanes; blocks and regimes are added with compensation, 2
+/// roundings each, whatever their number (Neumaier 1974). A rounding is half of epsilon.
 pub const SUM_ROUNDING: f64 = 19.0 * f64::EPSILON;
 
 /// The sum of a slice in eight interleaved lanes, combined pairwise.
@@ -34,7 +34,8 @@ impl Compensated {
     #[inline]
     pub fn add(&mut self, value: f64) {
         let sum = self.sum + value;
-        self.carried += if self.sum.abs() >= value.abs() { (self.sum - sum) + value } else { (value - sum) + self.sum };
+        self.carried +=
+            if self.sum.abs() >= value.abs() { (self.sum - sum) + value } else { (value - sum) + self.sum };
         self.sum = sum;
     }
 

@@ -1,6 +1,7 @@
 //! The memory of an accumulator as 64-bit words, so that it can be kept and restored to the bit.
 
-/// What consists of 64-bit words in a fixed order. How many there are depends on its size alone, not on its values.
+/// What consists of 64-bit words in a fixed order. How many there are depends on its size alone, not on its
+/// values.
 pub trait Words {
     /// Shows every word; one that `visit` changes is taken over.
     fn each_word(&mut self, visit: &mut dyn FnMut(&mut u64));

@@ -30,11 +30,12 @@ pub struct AsperityFile {
 
 /// Reads a result of `stiction asperities`.
 ///
-/// Like every result it may come from anywhere: what it claims is checked, but a broken structure can keep libhdf5 for ever
-/// ([`super::reader`]).
+/// Like every result it may come from anywhere: what it claims is checked, but a broken structure can keep
+/// libhdf5 for ever ([`super::reader`]).
 ///
 /// # Errors
-/// [`OutputError::NotAResult`] when it is no such result, lacks a dataset, or holds what no asperities can have.
+/// [`OutputError::NotAResult`] when it is no such result, lacks a dataset, or holds what no asperities can
+/// have.
 pub fn read(path: &Path) -> Result<AsperityFile, OutputError> {
     let reader = Reader::open(path, &[&ASPERITIES])?;
     let refused = |problem: String| OutputError::NotAResult { path: path.to_owned(), problem };

@@ -1,15 +1,17 @@
 //! Checkpoints: what a run has done so far, kept beside its output, so that an interrupted run can go on.
 //!
-//! Two files stand beside an output `out.h5` while it is made. `out.h5.checkpoint.replicas` holds a record of each replica, one after the
-//! other, and grows as the run goes. `out.h5.checkpoint` says how many of the records count and what their checksum is, which run they belong
-//! to, and the state of its sums; it is replaced as a whole, after the records that it counts have reached the disk. So what these two
-//! say is at any moment what the last complete checkpoint said: records beyond it do not count.
+//! Two files stand beside an output `out.h5` while it is made. `out.h5.checkpoint.replicas` holds a record of
+//! each replica, one after the other, and grows as the run goes. `out.h5.checkpoint` says how many of the
+//! records count and what their checksum is, which run they belong to, and the state of its sums; it is
+//! replaced as a whole, after the records that it counts have reached the disk. So what these two say is at
+//! any moment what the last complete checkpoint said: records beyond it do not count.
 //!
-//! Both begin with a line that names them. Behind that line a checkpoint has the version of its layout, the length and the CRC-32 checksum
-//! of the rest, each little-endian, and the rest in the Postcard format. The words of a record are little-endian, 8 bytes each.
+//! Both begin with a line that names them. Behind that line a checkpoint has the version of its layout, the
+//! length and the CRC-32 checksum of the rest, each little-endian, and the rest in the Postcard format. The
+//! words of a record are little-endian, 8 bytes each.
 
 use super::OutputError;
-use super::claim::{Claim, flush_names, made_anew, unlinked};
+use super::lock::{OutputLock, flush_names, made_anew, unlinked};
 use super::register::Registered;
 use crate::engine::Shard;
 use crate::scene;
@@ -55,7 +57,8 @@ impl Identity {
         self.difference("", ("", ""), other).is_none()
     }
 
-    /// How this run differs from another, that of `whose`; none when it is that one. `verbs` say when each is what it is.
+    /// How this run differs from another, that of `whose`; none when it is that one. `verbs` say when each is
+    /// what it is.
     pub fn difference(&self, whose: &str, verbs: (&str, &str), kept: &Self) -> Option<String> {
         let is = |what: &str, kept: &dyn std::fmt::Display, own: &dyn std::fmt::Display| {
             Some(format!("{what} of {whose} {} {kept}, and {} {own}", verbs.0, verbs.1))
@@ -106,9 +109,10 @@ impl<S: DeserializeOwned> Checkpoint<S> {
     /// The checkpoint of an output, if there is one.
     ///
     /// # Errors
-    /// [`OutputError::NotACheckpoint`] when there is something else, or a checkpoint that is damaged or of another version.
-    pub fn find(claim: &Claim) -> Result<Option<Self>, OutputError> {
-        let path = claim.beside(".checkpoint");
+    /// [`OutputError::NotACheckpoint`] when there is something else, or a checkpoint that is damaged or of
+    /// another version.
+    pub fn find(lock: &OutputLock) -> Result<Option<Self>, OutputError> {
+        let path = lock.beside(".checkpoint");
         match std::fs::symlink_metadata(&path) {
             Err(error) if error.kind() == ErrorKind::NotFound => Ok(None),
             _ => Self::read(&path).map(Some),
@@ -207,35 +211,39 @@ pub struct Journal {
 }
 
 impl Journal {
-    /// Begins the records of an output, of so many words each. Nothing counts on what stands there from before.
+    /// Begins the records of an output, of so many words each. Nothing counts on what stands there from
+    /// before.
     ///
     /// # Errors
     /// When there is a file of the name that is not of this program, or none can be made.
-    pub fn begin(claim: &Claim, record_length: usize) -> Result<Self, OutputError> {
-        let path = claim.beside(".checkpoint.replicas");
+    pub fn begin(lock: &OutputLock, record_length: usize) -> Result<Self, OutputError> {
+        let path = lock.beside(".checkpoint.replicas");
         if path.exists() && begins_as(&path, RECORDS).is_none() {
             let problem = "is not of stiction, but has the name of what a run keeps; move it".to_owned();
             return Err(OutputError::NotACheckpoint { path, problem });
         }
         let registered = Some(Registered::new(&path));
         let made = made_anew(&path).and_then(|mut file| file.write_all(RECORDS).map(|()| file));
-        let file = made.map_err(|error| OutputError::Io { action: "cannot make", path: path.clone(), error })?;
-        let mut journal = Self::new(claim, path, file, record_length);
+        let file =
+            made.map_err(|error| OutputError::Io { action: "cannot make", path: path.clone(), error })?;
+        let mut journal = Self::new(lock, path, file, record_length);
         journal.registered = registered;
         Ok(journal)
     }
 
-    /// Takes the records up again that a checkpoint counts, and shows each to `visit`; those beyond are dropped.
+    /// Takes the records up again that a checkpoint counts, and shows each to `visit`; those beyond are
+    /// dropped.
     ///
     /// # Errors
-    /// [`OutputError::NotACheckpoint`] when they are not the ones that it counts; then the file stays as it is.
+    /// [`OutputError::NotACheckpoint`] when they are not the ones that it counts; then the file stays as it
+    /// is.
     pub fn resume<S>(
-        claim: &Claim,
+        lock: &OutputLock,
         record_length: usize,
         checkpoint: &Checkpoint<S>,
         mut visit: impl FnMut(&[u64]),
     ) -> Result<Self, OutputError> {
-        let path = claim.beside(".checkpoint.replicas");
+        let path = lock.beside(".checkpoint.replicas");
         let refused = |problem: String| OutputError::NotACheckpoint { path: path.clone(), problem };
         let unreadable = |error: std::io::Error| refused(format!("cannot be read: {error}"));
         if !path.metadata().map_err(unreadable)?.is_file() {
@@ -243,14 +251,17 @@ impl Journal {
         }
         let file = unlinked().open(&path).map_err(unreadable)?;
         if checkpoint.record_length != record_length as u64 {
-            return Err(refused(format!("has records of {} words, not of {record_length}", checkpoint.record_length)));
+            return Err(refused(format!(
+                "has records of {} words, not of {record_length}",
+                checkpoint.record_length
+            )));
         }
         let length = records_end(checkpoint.done, record_length);
         let has = file.metadata().map_err(unreadable)?.len();
         if length.is_none_or(|length| has < length) {
             return Err(refused(format!("is truncated: it has {has} bytes")));
         }
-        let mut journal = Self::new(claim, path.clone(), file, record_length);
+        let mut journal = Self::new(lock, path.clone(), file, record_length);
         (journal.done, journal.counted) = (checkpoint.done, true);
         let mut line = vec![0; RECORDS.len()];
         journal.file.get_mut().read_exact(&mut line).map_err(unreadable)?;
@@ -274,15 +285,15 @@ impl Journal {
         Ok(journal)
     }
 
-    fn new(claim: &Claim, path: PathBuf, file: File, record_length: usize) -> Self {
-        let unfinished = claim.hidden(".checkpoint.partial");
+    fn new(lock: &OutputLock, path: PathBuf, file: File, record_length: usize) -> Self {
+        let unfinished = lock.hidden(".checkpoint.partial");
         // Of a run that was killed.
         let _ = std::fs::remove_file(&unfinished);
         Self {
-            checkpoint: claim.beside(".checkpoint"),
+            checkpoint: lock.beside(".checkpoint"),
             unfinished,
             path,
-            folder: claim.folder().to_owned(),
+            folder: lock.folder().to_owned(),
             file: BufWriter::with_capacity(AT_ONCE, file),
             record_length,
             done: 0,
@@ -306,8 +317,8 @@ impl Journal {
         written.map_err(|error| self.failed("cannot write", &self.path, error))
     }
 
-    /// Saves a checkpoint, which makes all records count: first these reach the disk, then the checkpoint of before is replaced by one that
-    /// has reached it.
+    /// Saves a checkpoint, which makes all records count: first these reach the disk, then the checkpoint of
+    /// before is replaced by one that has reached it.
     ///
     /// # Errors
     /// When the disk fails; the checkpoint of before then still counts.
@@ -398,7 +409,8 @@ impl Journal {
         Ok(())
     }
 
-    /// Removes records and checkpoint, of a run that is complete: the checkpoint first, so that none counts on records that are gone.
+    /// Removes records and checkpoint, of a run that is complete: the checkpoint first, so that none counts
+    /// on records that are gone.
     pub fn discard(mut self) {
         let _ = std::fs::remove_file(&self.checkpoint);
         self.counted = false;
@@ -434,16 +446,16 @@ impl Drop for Journal {
 ///
 /// # Errors
 /// When it cannot be removed.
-pub fn forget(claim: &Claim) -> Result<(), OutputError> {
-    let path = claim.beside(".checkpoint");
+pub fn forget(lock: &OutputLock) -> Result<(), OutputError> {
+    let path = lock.beside(".checkpoint");
     std::fs::remove_file(&path).map_err(|error| OutputError::Io { action: "cannot remove", path, error })?;
-    let _ = std::fs::remove_file(claim.beside(".checkpoint.replicas"));
+    let _ = std::fs::remove_file(lock.beside(".checkpoint.replicas"));
     Ok(())
 }
 
 /// Removes records that no checkpoint counts on, as a run leaves them that is killed while it tidies up.
-pub fn forget_records(claim: &Claim) {
-    let path = claim.beside(".checkpoint.replicas");
+pub fn forget_records(lock: &OutputLock) {
+    let path = lock.beside(".checkpoint.replicas");
     if begins_as(&path, RECORDS) == Some(RECORDS.len()) {
         let _ = std::fs::remove_file(path);
     }
@@ -546,7 +558,8 @@ mod tests {
         rest.extend([2]); // resumptions
         rest.extend(postcard::to_stdvec(&(1_u64 << 60)).unwrap()); // length of the state
         let length = (rest.len() as u64).to_le_bytes();
-        let parts = [CHECKPOINT, &VERSION.to_le_bytes(), &length, &crc32fast::hash(&rest).to_le_bytes(), &rest];
+        let parts =
+            [CHECKPOINT, &VERSION.to_le_bytes(), &length, &crc32fast::hash(&rest).to_le_bytes(), &rest];
         assert!(Checkpoint::<Vec<u64>>::decode(&parts.concat()).unwrap_err().starts_with("is damaged"));
     }
 
@@ -554,16 +567,17 @@ mod tests {
     #[test]
     fn records_come_back_as_the_checkpoint_counts_them() {
         let folder = tempfile::tempdir().unwrap();
-        let claim = Claim::new(&folder.path().join("out.h5"), &[]).unwrap();
-        let mut journal = Journal::begin(&claim, 2).unwrap();
+        let lock = OutputLock::new(&folder.path().join("out.h5"), &[]).unwrap();
+        let mut journal = Journal::begin(&lock, 2).unwrap();
         journal.append(&[1, 2, 3, 4]).unwrap();
         journal.save(&identity(), 0.5, 0, 77_u64).unwrap();
         journal.append(&[5, 6]).unwrap();
         drop(journal);
-        let checkpoint = Checkpoint::<u64>::find(&claim).unwrap().unwrap();
+        let checkpoint = Checkpoint::<u64>::find(&lock).unwrap().unwrap();
         assert_eq!((checkpoint.done, checkpoint.state, checkpoint.seconds), (2, 77, 0.5));
         let mut found = Vec::new();
-        let mut journal = Journal::resume(&claim, 2, &checkpoint, |record| found.extend_from_slice(record)).unwrap();
+        let mut journal =
+            Journal::resume(&lock, 2, &checkpoint, |record| found.extend_from_slice(record)).unwrap();
         assert_eq!(found, [1, 2, 3, 4]);
         journal.append(&[7, 8]).unwrap();
         found.clear();
@@ -574,10 +588,10 @@ mod tests {
             })
             .unwrap();
         assert_eq!(found, [1, 2, 3, 4, 7, 8]);
-        assert!(Journal::resume(&claim, 3, &checkpoint, |_| ()).is_err());
+        assert!(Journal::resume(&lock, 3, &checkpoint, |_| ()).is_err());
         // Every bit of the records that the checkpoint counts is guarded, none behind them is looked at.
         drop(journal);
-        let path = claim.beside(".checkpoint.replicas");
+        let path = lock.beside(".checkpoint.replicas");
         let whole = std::fs::read(&path).unwrap();
         let end = records_end(checkpoint.done, 2).unwrap() as usize;
         assert!(whole.len() > end);
@@ -585,12 +599,13 @@ mod tests {
             let mut flipped = whole.clone();
             flipped[place] ^= 1 << bit;
             std::fs::write(&path, flipped).unwrap();
-            assert!(Journal::resume(&claim, 2, &checkpoint, |_| ()).is_err(), "byte {place}, bit {bit}");
+            assert!(Journal::resume(&lock, 2, &checkpoint, |_| ()).is_err(), "byte {place}, bit {bit}");
         }
         std::fs::write(&path, &whole).unwrap();
-        let journal = Journal::resume(&claim, 2, &checkpoint, |_| ()).unwrap();
+        let journal = Journal::resume(&lock, 2, &checkpoint, |_| ()).unwrap();
         journal.discard();
-        let left: Vec<_> = std::fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+        let left: Vec<_> =
+            std::fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
         assert_eq!(left, [".out.h5.lock"]);
     }
 }

@@ -1,8 +1,10 @@
-//! Checksums of finished files that are read back later: damage in between is found before anything is made of it.
+//! Checksums of finished files that are read back later: damage in between is found before anything is made
+//! of it.
 //!
-//! Beside a file `0001.h5` stands `0001.h5.checksum`, a line with the length and the CRC-32 checksum of the file.
+//! Beside a file `0001.h5` stands `0001.h5.checksum`, a line with the length and the CRC-32 checksum of the
+//! file.
 
-use super::claim::{Claim, flush_names, made_anew};
+use super::lock::{OutputLock, flush_names, made_anew};
 use super::register::Registered;
 use super::{OutputError, beside};
 use std::fs::File;
@@ -27,15 +29,15 @@ pub enum Finding {
 ///
 /// # Errors
 /// When the output cannot be read, or the checksum not be written.
-pub fn keep(claim: &Claim) -> Result<(), OutputError> {
-    let (path, unfinished) = (claim.beside(".checksum"), claim.hidden(".checksum.partial"));
+pub fn keep(lock: &OutputLock) -> Result<(), OutputError> {
+    let (path, unfinished) = (lock.beside(".checksum"), lock.hidden(".checksum.partial"));
     let write = || {
         let _registered = Registered::new(&unfinished);
         let mut file = made_anew(&unfinished)?;
-        file.write_all(line(claim.output())?.as_bytes())?;
+        file.write_all(line(lock.output())?.as_bytes())?;
         file.sync_all()?;
         std::fs::rename(&unfinished, &path)?;
-        flush_names(claim.folder())
+        flush_names(lock.folder())
     };
     write().map_err(|error| OutputError::Io { action: "cannot write", path: path.clone(), error })
 }
@@ -79,10 +81,10 @@ mod tests {
     fn every_flipped_bit_of_either_is_found() {
         let folder = tempfile::tempdir().unwrap();
         let output = folder.path().join("0001.h5");
-        let claim = Claim::within(output.clone()).unwrap();
+        let lock = OutputLock::within(output.clone()).unwrap();
         std::fs::write(&output, "123456789").unwrap();
         assert_eq!(check(&output).unwrap(), Finding::Unknown);
-        keep(&claim).unwrap();
+        keep(&lock).unwrap();
         let kept = beside(&output, ".checksum");
         assert_eq!(std::fs::read(&kept).unwrap(), b"9 bytes, CRC-32 cbf43926\n");
         assert_eq!(check(&output).unwrap(), Finding::Intact);

@@ -1,4 +1,5 @@
-//! The values that scenes take out of files: columns of CSV files, datasets of HDF5 files, measured asperities.
+//! The values that scenes take out of files: columns of CSV files, datasets of HDF5 files, measured
+//! asperities.
 
 use super::asperities;
 use super::guard::{self, fits, is_kind_of};
@@ -10,11 +11,11 @@ const LONGEST: u64 = 1 << 30;
 
 /// Files beside a scene, whose paths are relative to its folder.
 #[derive(Debug)]
-pub struct Beside {
+pub struct SceneFiles {
     folder: PathBuf,
 }
 
-impl Beside {
+impl SceneFiles {
     /// Those beside the scene of a path.
     pub fn scene(path: &Path) -> Self {
         Self { folder: path.parent().unwrap_or(Path::new("")).to_owned() }
@@ -26,7 +27,7 @@ impl Beside {
     }
 }
 
-impl Files for Beside {
+impl Files for SceneFiles {
     fn column(&self, path: &str, column: &Column) -> Result<Vec<f64>, String> {
         let path = self.path(path);
         let named = |problem: String| format!("the file {} {problem}", path.display());
@@ -63,7 +64,8 @@ fn numbers_of_dataset(path: &Path, name: &str) -> Result<Vec<f64>, String> {
     dataset.read_raw().map_err(|_| format!("has a dataset {name} that is damaged"))
 }
 
-/// A column of a CSV file, by the name in its first line or, without names, by its place from 0. Lines that begin with # are comments.
+/// A column of a CSV file, by the name in its first line or, without names, by its place from 0. Lines that
+/// begin with # are comments.
 fn numbers_of_column(path: &Path, name: Option<&str>, place: usize) -> Result<Vec<f64>, String> {
     if guard::length(path)? > LONGEST {
         return Err(format!("is longer than {} MB", LONGEST >> 20));
@@ -90,7 +92,8 @@ fn numbers_of_column(path: &Path, name: Option<&str>, place: usize) -> Result<Ve
         let record = record.map_err(|error| format!("is no CSV file: {error}"))?;
         let line = record.position().map_or(0, csv::Position::line);
         let field = record.get(place).ok_or_else(|| format!("has no column {} in line {line}", place + 1))?;
-        values.push(field.parse().map_err(|_| format!("has no number in line {line}, column {}", place + 1))?);
+        values
+            .push(field.parse().map_err(|_| format!("has no number in line {line}, column {}", place + 1))?);
         if values.len() > MOST_VALUES {
             return Err(format!("has more than {MOST_VALUES} values"));
         }

@@ -1,5 +1,5 @@
-//! What a file of unknown origin has to show before its parts are read: libhdf5 follows links into other files, and what a file
-//! claims to hold is not bounded by its size.
+//! What a file of unknown origin has to show before its parts are read: libhdf5 follows links into other
+//! files, and what a file claims to hold is not bounded by its size.
 
 use hdf5::plist::dataset_create::Layout;
 use hdf5::types::TypeDescriptor;
@@ -12,8 +12,9 @@ const LARGEST_EXPANSION: u64 = 1032;
 /// How every HDF5 file begins, where nothing is prepended to it.
 const SIGNATURE: [u8; 8] = *b"\x89HDF\r\n\x1a\n";
 
-/// Bytes that libhdf5 has to be able to get before it is asked for anything: where an allocation is refused in its midst it may crash. Above
-/// the largest of those that the allocator of the GNU C library takes as a measure of what to keep.
+/// Bytes that libhdf5 has to be able to get before it is asked for anything: where an allocation is refused
+/// in its midst it may crash. Above the largest of those that the allocator of the GNU C library takes as a
+/// measure of what to keep.
 const HEADROOM: usize = 40 << 20;
 
 /// Ends the program, as every allocation does that is refused, where libhdf5 might not get what it needs.
@@ -21,7 +22,8 @@ pub(super) fn require_headroom() {
     drop(std::hint::black_box(Vec::<u8>::with_capacity(HEADROOM)));
 }
 
-/// The length in bytes of a regular file. Others are not opened: a pipe may wait for ever, a device may have no end.
+/// The length in bytes of a regular file. Others are not opened: a pipe may wait for ever, a device may have
+/// no end.
 ///
 /// # Errors
 /// What the path is instead, or why it cannot be read.
@@ -37,7 +39,8 @@ pub(super) fn length(path: &Path) -> Result<u64, String> {
     if metadata.len() == 0 { Err("is empty".to_owned()) } else { Ok(metadata.len()) }
 }
 
-/// An HDF5 file for reading, without a lock of its own: files are replaced as a whole here, and locks of readers stand in the way of others.
+/// An HDF5 file for reading, without a lock of its own: files are replaced as a whole here, and locks of
+/// readers stand in the way of others.
 ///
 /// # Errors
 /// Why libhdf5 does not open it, or that another program has it open for writing.
@@ -47,14 +50,21 @@ pub(super) fn open(path: &Path) -> Result<File, String> {
         return Err("cannot be read: its name is not UTF-8, which HDF5 needs; rename it".to_owned());
     }
     if is_locked(path) {
-        return Err("is locked: another program has it open for writing; close it there, or read a copy".to_owned());
+        return Err(
+            "is locked: another program has it open for writing; close it there, or read a copy".to_owned()
+        );
     }
-    File::with_options().with_fapl(|access| access.file_locking(false)).open(path).map_err(|_| not_opened(path))
+    File::with_options()
+        .with_fapl(|access| access.file_locking(false))
+        .open(path)
+        .map_err(|_| not_opened(path))
 }
 
-/// Whether a file has the lock that libhdf5 takes for writing, unless its users have turned locks off as libhdf5 lets them.
+/// Whether a file has the lock that libhdf5 takes for writing, unless its users have turned locks off as
+/// libhdf5 lets them.
 fn is_locked(path: &Path) -> bool {
-    let are_off = std::env::var_os("HDF5_USE_FILE_LOCKING").is_some_and(|value| value == "FALSE" || value == "0");
+    let are_off =
+        std::env::var_os("HDF5_USE_FILE_LOCKING").is_some_and(|value| value == "FALSE" || value == "0");
     let lock = std::fs::File::open(path).map(|file| file.try_lock_shared());
     !are_off && matches!(lock, Ok(Err(TryLockError::WouldBlock)))
 }
@@ -93,7 +103,8 @@ pub(super) fn group(file: &File, path: &str) -> Result<Group, String> {
 /// What is there instead.
 pub(super) fn dataset(file: &File, path: &str) -> Result<Dataset, String> {
     let missing = || format!("lacks the dataset {path}");
-    let (parent, name) = path.trim_start_matches('/').rsplit_once('/').unwrap_or(("", path.trim_start_matches('/')));
+    let (parent, name) =
+        path.trim_start_matches('/').rsplit_once('/').unwrap_or(("", path.trim_start_matches('/')));
     let parent = group(file, parent)?;
     if !held(&parent, name)? {
         return Err(missing());
@@ -102,8 +113,8 @@ pub(super) fn dataset(file: &File, path: &str) -> Result<Dataset, String> {
     let creation = dataset.dcpl().map_err(|_| format!("has a dataset {path} that cannot be read"))?;
     let layout = creation.get_layout().unwrap_or(Layout::Virtual);
     // Asked for only where there can be any: of other layouts libhdf5 knows no external files.
-    let external =
-        matches!(layout, Layout::Contiguous) && creation.get_external().map_or(true, |files| !files.is_empty());
+    let external = matches!(layout, Layout::Contiguous)
+        && creation.get_external().map_or(true, |files| !files.is_empty());
     if external || matches!(layout, Layout::Virtual) {
         return Err(format!("has a dataset {path} whose values are in other files, which are not read"));
     }
@@ -131,7 +142,8 @@ fn held(group: &Group, name: &str) -> Result<bool, String> {
 /// What it claims.
 pub(super) fn fits(container: &Container, bytes: u64) -> Result<(), String> {
     let element = container.dtype().map_or(u64::MAX, |dtype| dtype.size() as u64);
-    let claimed = container.shape().iter().try_fold(element, |product, &length| product.checked_mul(length as u64));
+    let claimed =
+        container.shape().iter().try_fold(element, |product, &length| product.checked_mul(length as u64));
     let stored = container.storage_size().min(bytes);
     match claimed {
         Some(claimed) if claimed <= stored.saturating_mul(LARGEST_EXPANSION) => Ok(()),
@@ -139,8 +151,8 @@ pub(super) fn fits(container: &Container, bytes: u64) -> Result<(), String> {
     }
 }
 
-/// Refuses a dataset or attribute whose values are of another kind than `T`: texts or compounds in place of numbers, fractions in
-/// place of whole numbers.
+/// Refuses a dataset or attribute whose values are of another kind than `T`: texts or compounds in place of
+/// numbers, fractions in place of whole numbers.
 ///
 /// # Errors
 /// What it holds.

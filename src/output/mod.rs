@@ -1,13 +1,13 @@
-//! Files and progress: the HDF5 layouts, writing them whole or not at all, reading them back, reading height maps, what an interrupted run
-//! keeps, and the bars on the terminal.
+//! Files and progress: the HDF5 layouts, writing them whole or not at all, reading them back, reading height
+//! maps, what an interrupted run keeps, and the bars on the terminal.
 
 pub mod asperities;
 mod attributes;
 pub mod checkpoint;
 pub mod checksum;
-mod claim;
 pub mod columns;
 mod guard;
+mod lock;
 pub mod maps;
 pub mod reader;
 mod register;
@@ -17,7 +17,7 @@ pub mod shard;
 pub mod stack;
 pub mod writer;
 
-pub use claim::{Claim, beside};
+pub use lock::{OutputLock, beside};
 pub use register::{is_kept, note_kept, remove_registered};
 
 use std::path::{Path, PathBuf};
@@ -146,7 +146,8 @@ impl From<hdf5::Error> for OutputError {
     }
 }
 
-/// Of what HDF5 says, what the operating system said, or else the first reason: the rest repeats it, with addresses.
+/// Of what HDF5 says, what the operating system said, or else the first reason: the rest repeats it, with
+/// addresses.
 fn brief(error: &str) -> &str {
     let system = error.split_once("error message = '").and_then(|(_, rest)| rest.split_once('\''));
     system.map_or_else(|| error.split(": ").take(2).last().unwrap_or(error), |(message, _)| message)

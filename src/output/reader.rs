@@ -1,8 +1,9 @@
 //! Reading a result back.
 //!
-//! A result may come from anywhere. What it claims is checked before it is read, and only what is in the file itself is; but libhdf5 is not
-//! proof against a file whose structure is broken: it may never return. Programs that read files of unknown origin do so in a process that
-//! can be ended, as `stiction info` and `stiction validate` do.
+//! A result may come from anywhere. What it claims is checked before it is read, and only what is in the file
+//! itself is; but libhdf5 is not proof against a file whose structure is broken: it may never return.
+//! Programs that read files of unknown origin do so in a process that can be ended, as `stiction info` and
+//! `stiction validate` do.
 
 use super::OutputError;
 use super::attributes::{lossy, read_text};
@@ -52,7 +53,9 @@ impl Reader {
         let scale = guard::dataset(&self.file, &format!("/{}", dimension.name()));
         match scale.map(|scale| scale.shape()).as_deref() {
             Ok([length]) => Ok(*length),
-            Ok(shape) => Err(self.broken(format!("has a dimension `{}` of the shape {shape:?}", dimension.name()))),
+            Ok(shape) => {
+                Err(self.broken(format!("has a dimension `{}` of the shape {shape:?}", dimension.name())))
+            }
             Err(_) => Err(self.broken(format!("lacks the dimension `{}`", dimension.name()))),
         }
     }
@@ -60,7 +63,8 @@ impl Reader {
     /// The values of a dataset of the layout, row-major.
     ///
     /// # Errors
-    /// When it is missing, has another shape or type than the layout says, or claims more values than the file holds.
+    /// When it is missing, has another shape or type than the layout says, or claims more values than the
+    /// file holds.
     pub fn values<T: H5Type>(&self, path: &str) -> Result<Vec<T>, OutputError> {
         let dataset = self.checked::<T>(path)?;
         dataset.read_raw().map_err(|_| self.broken(format!("has a dataset {path} that is damaged")))
@@ -71,7 +75,8 @@ impl Reader {
         guard::dataset(&self.file, path).is_ok()
     }
 
-    /// The numbers of a dataset of the layout, whole or not; at a point of a file of points, where `place` says which.
+    /// The numbers of a dataset of the layout, whole or not; at a point of a file of points, where `place`
+    /// says which.
     ///
     /// # Errors
     /// As [`Reader::values`].
@@ -128,7 +133,8 @@ impl Reader {
         match dataset.shape()[..] {
             [count, length] if rows.end <= count && length > 0 => {
                 let values = dataset.read_slice_2d::<T, _>((rows, ..));
-                let values = values.map_err(|_| self.broken(format!("has a dataset {path} that is damaged")))?;
+                let values =
+                    values.map_err(|_| self.broken(format!("has a dataset {path} that is damaged")))?;
                 Ok(values.into_iter().collect())
             }
             _ => Err(self.broken(format!("has no rows {} to {} of {path}", rows.start, rows.end))),
@@ -156,10 +162,11 @@ impl Reader {
         };
         let (keys, mode) = (text("sweep_keys")?, text("sweep_mode")?);
         let names: Vec<&str> = if mode == "zip" { vec!["point"] } else { keys.split(", ").collect() };
-        let length = |name: &&str| match guard::dataset(&self.file, &format!("/{name}")).map(|scale| scale.shape()) {
-            Ok(shape) if shape.len() == 1 => Ok(shape[0]),
-            _ => Err(self.broken(format!("lacks the dimension `{}`", lossy(name.as_bytes())))),
-        };
+        let length =
+            |name: &&str| match guard::dataset(&self.file, &format!("/{name}")).map(|scale| scale.shape()) {
+                Ok(shape) if shape.len() == 1 => Ok(shape[0]),
+                _ => Err(self.broken(format!("lacks the dimension `{}`", lossy(name.as_bytes())))),
+            };
         if names.len() > MOST_KEYS {
             return Err(self.broken(format!("has {} dimensions of points", names.len())));
         }
@@ -176,7 +183,8 @@ impl Reader {
         let values = |name: &str| -> Result<(String, Vec<f64>), OutputError> {
             let shown = lossy(name.as_bytes());
             let refused = |problem: String| self.broken(format!("has a dataset `{shown}` that {problem}"));
-            let dataset = guard::dataset(&self.file, &format!("/{name}")).map_err(|problem| self.broken(problem))?;
+            let dataset =
+                guard::dataset(&self.file, &format!("/{name}")).map_err(|problem| self.broken(problem))?;
             is_kind_of::<f64>(&dataset).and_then(|()| fits(&dataset, self.length)).map_err(refused)?;
             let values = dataset.read_raw().map_err(|_| refused("is damaged".to_owned()))?;
             Ok((name.to_owned(), values))
@@ -184,7 +192,8 @@ impl Reader {
         keys.split(", ").take(MOST_KEYS).map(values).collect()
     }
 
-    /// The values of a dataset of the layout at a point, row-major; `place` is its index along each dimension of the points.
+    /// The values of a dataset of the layout at a point, row-major; `place` is its index along each dimension
+    /// of the points.
     ///
     /// # Errors
     /// As [`Reader::values`].
@@ -217,8 +226,10 @@ impl Reader {
     /// When it is missing or of another type.
     pub fn number<T: H5Type>(&self, group: &str, name: &str) -> Result<T, OutputError> {
         let at = self.group(group)?;
-        let attribute = at.attr(name).map_err(|_| self.broken(format!("lacks the number `{name}` of {group}")))?;
-        let wrong = |problem: String| self.broken(format!("has an attribute `{name}` of {group} that {problem}"));
+        let attribute =
+            at.attr(name).map_err(|_| self.broken(format!("lacks the number `{name}` of {group}")))?;
+        let wrong =
+            |problem: String| self.broken(format!("has an attribute `{name}` of {group} that {problem}"));
         is_kind_of::<T>(&attribute).map_err(wrong)?;
         attribute.read_scalar().map_err(|_| wrong("is not one number".to_owned()))
     }
@@ -229,8 +240,10 @@ impl Reader {
     /// As [`Reader::number`].
     pub fn attribute<T: H5Type>(&self, group: &str, name: &str) -> Result<Vec<T>, OutputError> {
         let at = self.group(group)?;
-        let attribute = at.attr(name).map_err(|_| self.broken(format!("lacks the numbers `{name}` of {group}")))?;
-        let wrong = |problem: String| self.broken(format!("has an attribute `{name}` of {group} that {problem}"));
+        let attribute =
+            at.attr(name).map_err(|_| self.broken(format!("lacks the numbers `{name}` of {group}")))?;
+        let wrong =
+            |problem: String| self.broken(format!("has an attribute `{name}` of {group} that {problem}"));
         is_kind_of::<T>(&attribute).and_then(|()| fits(&attribute, self.length)).map_err(wrong)?;
         attribute.read_raw().map_err(|_| wrong("cannot be read".to_owned()))
     }
@@ -245,7 +258,8 @@ impl Reader {
         }
         let at = self.group(group)?;
         let text = read_text(&at, name);
-        text.map(Some).map_err(|_| self.broken(format!("has an attribute `{name}` of {group} that is no text")))
+        text.map(Some)
+            .map_err(|_| self.broken(format!("has an attribute `{name}` of {group} that is no text")))
     }
 
     /// Whether a group has an attribute.
@@ -264,13 +278,15 @@ impl Reader {
         self.layout.groups.iter().chain(self.layout.optional_groups.iter().filter(there)).copied().collect()
     }
 
-    /// The attributes of a group, as text, in the order of their names; in brackets what an attribute is that cannot be shown.
+    /// The attributes of a group, as text, in the order of their names; in brackets what an attribute is that
+    /// cannot be shown.
     ///
     /// # Errors
     /// When the group is missing or its attributes cannot be listed.
     pub fn attributes(&self, group: &str) -> Result<Vec<(String, String)>, OutputError> {
         let at = self.group(group)?;
-        let mut names = at.attr_names().map_err(|_| self.broken(format!("has damaged attributes of {group}")))?;
+        let mut names =
+            at.attr_names().map_err(|_| self.broken(format!("has damaged attributes of {group}")))?;
         names.sort();
         let shown = |name: String| {
             let text = at.attr(&name).map_err(|_| ()).and_then(|attribute| self.attribute_text(&attribute));
@@ -284,7 +300,9 @@ impl Reader {
     pub fn datasets(&self) -> Vec<(&'static str, Vec<usize>)> {
         let known = self.layout.known();
         known
-            .filter_map(|variable| Some((variable.path, guard::dataset(&self.file, variable.path).ok()?.shape())))
+            .filter_map(|variable| {
+                Some((variable.path, guard::dataset(&self.file, variable.path).ok()?.shape()))
+            })
             .collect()
     }
 
@@ -297,7 +315,9 @@ impl Reader {
         fits(attribute, self.length).map_err(|_| ())?;
         let shape = attribute.shape();
         match descriptor {
-            TypeDescriptor::VarLenUnicode if shape.is_empty() => super::attributes::text(attribute).map_err(|_| ()),
+            TypeDescriptor::VarLenUnicode if shape.is_empty() => {
+                super::attributes::text(attribute).map_err(|_| ())
+            }
             TypeDescriptor::Float(_) => numbers::<f64>(attribute),
             TypeDescriptor::Integer(_) => numbers::<i64>(attribute),
             TypeDescriptor::Unsigned(_) => numbers::<u64>(attribute),
@@ -323,9 +343,15 @@ fn layout(file: &File, length: u64, layouts: &[&'static Layout]) -> Result<&'sta
     match version(&root, length).as_deref() {
         Some([major, _]) if *major == layout.version[0] => Ok(layout),
         Some([major, minor]) => {
-            let advice =
-                if *major < layout.version[0] { ": compute it again, with the scene that it holds" } else { "" };
-            Err(format!("has format version {major}.{minor}; this program reads {}.x{advice}", layout.version[0]))
+            let advice = if *major < layout.version[0] {
+                ": compute it again, with the scene that it holds"
+            } else {
+                ""
+            };
+            Err(format!(
+                "has format version {major}.{minor}; this program reads {}.x{advice}",
+                layout.version[0]
+            ))
         }
         _ => Err("has no attribute `format_version` of two numbers".to_owned()),
     }
@@ -341,7 +367,8 @@ fn version(root: &Group, length: u64) -> Option<Vec<u32>> {
 /// The numbers of an attribute, or the first of them and how many there are.
 fn numbers<T: H5Type + std::fmt::Debug>(attribute: &Attribute) -> Result<String, ()> {
     let values: Vec<T> = attribute.read_raw().map_err(|_| ())?;
-    let mut shown: Vec<String> = values.iter().take(SHOWN_NUMBERS).map(|value| format!("{value:?}")).collect();
+    let mut shown: Vec<String> =
+        values.iter().take(SHOWN_NUMBERS).map(|value| format!("{value:?}")).collect();
     if values.len() > SHOWN_NUMBERS {
         shown.push(format!("... ({} numbers)", values.len()));
     }

@@ -7,7 +7,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, TryLockError};
 use std::time::Duration;
 
-/// Most files that are registered at the same time. A point of a sweep has seven: two claims, and what is being written.
+/// Most files that are registered at the same time. A point of a sweep has seven: two claims, and what is
+/// being written.
 const MOST: usize = 16;
 /// How often, ms, a register is asked for that another thread is about to change.
 const PATIENCE: u64 = 1000;
@@ -48,8 +49,13 @@ impl Registered {
         Self::once_made(Name::of(path), || (), |()| true).1
     }
 
-    /// Makes something and registers the file if it is made. A thread that finds no memory meanwhile waits for that.
-    pub fn once_made<T>(Name(name): Name, make: impl FnOnce() -> T, is_made: impl FnOnce(&T) -> bool) -> (T, Self) {
+    /// Makes something and registers the file if it is made. A thread that finds no memory meanwhile waits
+    /// for that.
+    pub fn once_made<T>(
+        Name(name): Name,
+        make: impl FnOnce() -> T,
+        is_made: impl FnOnce(&T) -> bool,
+    ) -> (T, Self) {
         let mut names = NAMES.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         let made = make();
         let place = names.iter().position(Option::is_none).filter(|_| name.is_some() && is_made(&made));
@@ -82,7 +88,8 @@ impl Name {
     }
 }
 
-/// Removes all files that are registered, for a process that ends then. Allocates nothing and waits for a bounded time only, and can be done in a signal handler.
+/// Removes all files that are registered, for a process that ends then. Allocates nothing and waits for a
+/// bounded time only, and can be done in a signal handler.
 pub fn remove_registered() {
     for _ in 0..PATIENCE {
         let names = match NAMES.try_lock() {
@@ -93,7 +100,8 @@ pub fn remove_registered() {
                 continue;
             }
         };
-        // Another thread may be about to open by its name, and so to make, what it has registered. Nothing new is registered any more.
+        // Another thread may be about to open by its name, and so to make, what it has registered. Nothing
+        // new is registered any more.
         for wait in [MAKING, Duration::ZERO] {
             for name in names.iter().flatten() {
                 #[cfg(unix)]

@@ -1,7 +1,7 @@
 //! HDF5 dimension scales, for which the hdf5 crate has no safe interface.
 //!
-//! The two functions of libhdf5's high-level library are declared here and nowhere else. Attributes alone would not do: h5py's
-//! scale functions and the netCDF library read what these calls write.
+//! The two functions of libhdf5's high-level library are declared here and nowhere else. Attributes alone
+//! would not do: h5py's scale functions and the netCDF library read what these calls write.
 #![allow(unsafe_code)]
 
 use hdf5::Dataset;
@@ -16,8 +16,9 @@ unsafe extern "C" {
 /// Makes a dataset the scale of the dimension `name`.
 pub(super) fn make_scale(dataset: &Dataset, name: &str) -> hdf5::Result<()> {
     let name = CString::new(name).map_err(|_| hdf5::Error::from("a dimension name holds a NUL byte"))?;
-    // SAFETY: the handle is valid while `dataset` lives, the name is NUL-terminated and only read during the call, and
-    // libhdf5, which is not thread-safe, is entered under the lock that the hdf5 crate uses for all of its calls.
+    // SAFETY: the handle is valid while `dataset` lives, the name is NUL-terminated and only read during the
+    // call, and libhdf5, which is not thread-safe, is entered under the lock that the hdf5 crate uses for all
+    // of its calls.
     check(hdf5::sync::sync(|| unsafe { H5DSset_scale(dataset.id(), name.as_ptr()) }), "H5DSset_scale")
 }
 

@@ -1,6 +1,7 @@
 //! Shards of a run in their files: of each point what the shard has of it, a piece, as checkpoints keep it.
 //!
-//! A piece is the checkpoint of its replicas, which says what run they are of and holds their sums, and the record of each.
+//! A piece is the checkpoint of its replicas, which says what run they are of and holds their sums, and the
+//! record of each.
 
 use super::OutputError;
 use super::checkpoint::{Identity, Visit};
@@ -126,10 +127,13 @@ impl ShardFile {
     /// [`OutputError::NotAResult`].
     pub fn open(path: &Path) -> Result<Self, OutputError> {
         let reader = Reader::open(path, &[&SHARD])?;
-        let broken = |problem: &str| OutputError::NotAResult { path: path.to_owned(), problem: problem.to_owned() };
+        let broken =
+            |problem: &str| OutputError::NotAResult { path: path.to_owned(), problem: problem.to_owned() };
         let whole = |name: &str| reader.values::<u64>(name);
-        let (points, first, end) = (whole("/piece")?, whole("/pieces/first_replica")?, whole("/pieces/end_replica")?);
-        let (seconds, resumptions) = (reader.values::<f64>("/pieces/seconds")?, whole("/pieces/resumptions")?);
+        let (points, first, end) =
+            (whole("/piece")?, whole("/pieces/first_replica")?, whole("/pieces/end_replica")?);
+        let (seconds, resumptions) =
+            (reader.values::<f64>("/pieces/seconds")?, whole("/pieces/resumptions")?);
         let bytes = whole("/pieces/state_bytes")?;
         let piece = |i: usize| Piece {
             point: points[i],
@@ -144,8 +148,13 @@ impl ShardFile {
         }
         let (records, rows) = (reader.length(Dimension::Record)?, reader.length(Dimension::StateRow)?);
         let count = pieces.iter().try_fold(0_u64, |sum, piece| sum.checked_add(piece.count()));
-        let all = pieces.iter().try_fold(0_u64, |sum, piece| sum.checked_add(piece.state_bytes.div_ceil(ROW as u64)));
-        if count != Some(records as u64) || all != Some(rows as u64) || reader.length(Dimension::StateByte)? != ROW {
+        let all = pieces
+            .iter()
+            .try_fold(0_u64, |sum, piece| sum.checked_add(piece.state_bytes.div_ceil(ROW as u64)));
+        if count != Some(records as u64)
+            || all != Some(rows as u64)
+            || reader.length(Dimension::StateByte)? != ROW
+        {
             return Err(broken("has pieces that are not as large as they say"));
         }
         let record_length = reader.length(Dimension::RecordWord)?;
@@ -189,7 +198,8 @@ impl ShardFile {
         Ok(bytes)
     }
 
-    /// Shows every record of a piece in order, as long as `visit` asks for more; then also the CRC-32 of all of them, little-endian.
+    /// Shows every record of a piece in order, as long as `visit` asks for more; then also the CRC-32 of all
+    /// of them, little-endian.
     ///
     /// # Errors
     /// When the file is damaged or its records have not so many words, and those of `visit`.
@@ -200,7 +210,9 @@ impl ShardFile {
         visit: &mut Visit<'_>,
     ) -> Result<Option<u32>, OutputError> {
         if self.record_length != record_length {
-            return Err(self.broken(format!("has records of {} words, not of {record_length}", self.record_length)));
+            return Err(
+                self.broken(format!("has records of {} words, not of {record_length}", self.record_length))
+            );
         }
         let first: u64 = self.pieces[..piece].iter().map(Piece::count).sum();
         let (first, end) = (first as usize, (first + self.pieces[piece].count()) as usize);

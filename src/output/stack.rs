@@ -1,8 +1,9 @@
 //! Many results of one scene's kind as one: every dataset of a run, led by the dimensions of the points.
 //!
-//! What the points have in different lengths (regimes, functionals of the joint test, control variates, replicas) has the largest. A regime
-//! that a point does not have is empty there, with 0 asperities and 0 force; all else that a point does not have is NaN, or 0 for
-//! whole numbers. Points are read one after the other.
+//! What the points have in different lengths (regimes, functionals of the joint test, control variates,
+//! replicas) has the largest. A regime that a point does not have is empty there, with 0 asperities and 0
+//! force; all else that a point does not have is NaN, or 0 for whole numbers. Points are read one after the
+//! other.
 
 use super::attributes::text;
 use super::schema::{Dimension, RUN, Variable};
@@ -52,7 +53,8 @@ impl Scale {
     }
 }
 
-/// Stacks the points into a file whose dimensions of points are written. `false` when it was told not to go on.
+/// Stacks the points into a file whose dimensions of points are written. `false` when it was told not to go
+/// on.
 ///
 /// # Errors
 /// When a point cannot be read, or the file not be written.
@@ -64,7 +66,9 @@ pub fn stack(writer: &mut Writer<'_>, points: &Points<'_>) -> Result<bool, Outpu
                 let names: Vec<&str> = names.iter().map(String::as_str).collect();
                 writer.named_scale(dimension.of_points(), &names)?;
             }
-            Scale::Numbers(numbers) if dimension.of_points() == *dimension => writer.scale(*dimension, numbers)?,
+            Scale::Numbers(numbers) if dimension.of_points() == *dimension => {
+                writer.scale(*dimension, numbers)?
+            }
             Scale::Numbers(_) | Scale::Indices(_) => {
                 let length = &scale.length();
                 writer.scale(dimension.of_points(), &(0..*length as u64).collect::<Vec<u64>>())?;
@@ -95,7 +99,9 @@ pub fn stack(writer: &mut Writer<'_>, points: &Points<'_>) -> Result<bool, Outpu
 
 /// The datasets of a run that have a value for each point: not the scales that all points share.
 fn stacked() -> impl Iterator<Item = &'static Variable> {
-    RUN.variables.iter().filter(|variable| variable.scales().is_none_or(|dimension| dimension.of_points() != dimension))
+    RUN.variables
+        .iter()
+        .filter(|variable| variable.scales().is_none_or(|dimension| dimension.of_points() != dimension))
 }
 
 fn opened(path: &Path) -> Result<File, OutputError> {
@@ -108,7 +114,8 @@ fn found(file: &File, variable: &Variable) -> Option<Dataset> {
     if group.link_exists(name) { group.dataset(name).ok() } else { None }
 }
 
-/// What the points have in common along each dimension, in the order of the layout; none when told not to go on.
+/// What the points have in common along each dimension, in the order of the layout; none when told not to go
+/// on.
 fn scales(points: &Points<'_>) -> Result<Option<Vec<(Dimension, Scale)>>, OutputError> {
     let mut scales: Vec<(Dimension, Scale)> = Vec::new();
     for path in points.files.iter().flatten() {
@@ -117,7 +124,9 @@ fn scales(points: &Points<'_>) -> Result<Option<Vec<(Dimension, Scale)>>, Output
         }
         let file = opened(path)?;
         for variable in RUN.variables {
-            let (Some(dimension), Some(dataset)) = (variable.scales(), found(&file, variable)) else { continue };
+            let (Some(dimension), Some(dataset)) = (variable.scales(), found(&file, variable)) else {
+                continue;
+            };
             let own = match dataset.dtype()?.to_descriptor()? {
                 TypeDescriptor::VarLenUnicode => Scale::Names(names(&dataset)?),
                 TypeDescriptor::Float(_) => Scale::Numbers(dataset.read_raw()?),
@@ -187,7 +196,11 @@ fn copy(
 }
 
 /// Where in the stack the indices of a point's dimension are.
-fn indices(scales: &[(Dimension, Scale)], file: &File, dimension: Dimension) -> Result<Vec<usize>, OutputError> {
+fn indices(
+    scales: &[(Dimension, Scale)],
+    file: &File,
+    dimension: Dimension,
+) -> Result<Vec<usize>, OutputError> {
     let own = file.dataset(dimension.name())?;
     match scales.iter().find(|(known, _)| *known == dimension) {
         Some((_, Scale::Names(all))) => {
@@ -213,8 +226,14 @@ impl Target<'_, '_> {
         if self.first { self.writer.point_dataset::<T>(self.path, self.curves) } else { Ok(()) }
     }
 
-    /// Writes the values of a point, at the indices that its own have in the stack, and `absent` where it has none.
-    fn values<T: H5Type + Copy>(&self, dataset: &Dataset, maps: &[Vec<usize>], absent: T) -> Result<(), OutputError> {
+    /// Writes the values of a point, at the indices that its own have in the stack, and `absent` where it has
+    /// none.
+    fn values<T: H5Type + Copy>(
+        &self,
+        dataset: &Dataset,
+        maps: &[Vec<usize>],
+        absent: T,
+    ) -> Result<(), OutputError> {
         self.made::<T>()?;
         let shape = self.writer.shape_of_point(self.path);
         let mut values = vec![absent; shape.iter().product()];
@@ -237,7 +256,8 @@ impl Target<'_, '_> {
     }
 }
 
-/// Where the element `index` of an array goes whose indices along each dimension go to those of `maps`, in an array of `shape`.
+/// Where the element `index` of an array goes whose indices along each dimension go to those of `maps`, in an
+/// array of `shape`.
 fn moved(index: usize, maps: &[Vec<usize>], shape: &[usize]) -> usize {
     let (mut rest, mut stride, mut place) = (index, 1, 0);
     for (map, length) in maps.iter().zip(shape).rev() {
@@ -272,7 +292,8 @@ struct Attributes {
 impl Attributes {
     fn new(writer: &Writer<'_>) -> Self {
         let own = writer.layout().variables.iter();
-        let variables = own.filter(|v| v.scales().is_none() && !v.path.starts_with("/differences/")).collect();
+        let variables =
+            own.filter(|v| v.scales().is_none() && !v.path.starts_with("/differences/")).collect();
         Self { numbers: BTreeMap::new(), whole: BTreeMap::new(), texts: BTreeMap::new(), variables, read: 0 }
     }
 
@@ -287,8 +308,12 @@ impl Attributes {
             }
             let attribute = group.attr(name)?;
             match attribute.dtype()?.to_descriptor()? {
-                TypeDescriptor::VarLenUnicode => put(&mut self.texts, variable.path, self.read, text(&attribute)?),
-                TypeDescriptor::Float(_) => put(&mut self.numbers, variable.path, self.read, attribute.read_raw()?),
+                TypeDescriptor::VarLenUnicode => {
+                    put(&mut self.texts, variable.path, self.read, text(&attribute)?)
+                }
+                TypeDescriptor::Float(_) => {
+                    put(&mut self.numbers, variable.path, self.read, attribute.read_raw()?)
+                }
                 _ => put(&mut self.whole, variable.path, self.read, attribute.read_raw()?),
             }
         }
@@ -310,13 +335,21 @@ impl Attributes {
         }
         for (path, mut texts) in self.texts {
             texts.resize(points.files.len(), None);
-            writer.point_texts(path, &texts.into_iter().map(Option::unwrap_or_default).collect::<Vec<String>>())?;
+            writer.point_texts(
+                path,
+                &texts.into_iter().map(Option::unwrap_or_default).collect::<Vec<String>>(),
+            )?;
         }
         Ok(())
     }
 }
 
-fn put<T: Clone>(all: &mut BTreeMap<&'static str, Vec<Option<T>>>, path: &'static str, point: usize, value: T) {
+fn put<T: Clone>(
+    all: &mut BTreeMap<&'static str, Vec<Option<T>>>,
+    path: &'static str,
+    point: usize,
+    value: T,
+) {
     let values = all.entry(path).or_default();
     values.resize(point, None);
     values.push(Some(value));

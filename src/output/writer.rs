@@ -1,12 +1,13 @@
-//! Writing a result: under a temporary name beside the output, and under its own name only when it is complete.
+//! Writing a result: under a temporary name beside the output, and under its own name only when it is
+//! complete.
 
 use super::attributes::{write_number, write_numbers, write_text};
-use super::claim::{flush_names, made_anew};
 use super::guard::require_headroom;
+use super::lock::{flush_names, made_anew};
 use super::register::Registered;
 use super::scales::{attach_scale, make_scale};
 use super::schema::{Dimension, Layout};
-use super::{Claim, OutputError};
+use super::{OutputError, OutputLock};
 use hdf5::types::VarLenUnicode;
 use hdf5::{Dataset, File, H5Type, Hyperslab, SliceOrIndex};
 use std::str::FromStr;
@@ -20,7 +21,7 @@ const DEFLATE: u8 = 4;
 /// A result that is being written.
 pub struct Writer<'c> {
     layout: &'static Layout,
-    claim: &'c Claim,
+    lock: &'c OutputLock,
     file: File,
     temporary: TempPath,
     _registered: Registered,
@@ -31,15 +32,15 @@ pub struct Writer<'c> {
 }
 
 impl<'c> Writer<'c> {
-    /// Begins a file of a layout that will be the output of a claim. Nothing appears under that name before [`Writer::finish`]; dropped
-    /// before, it leaves nothing.
+    /// Begins a file of a layout that will be the output of a claim. Nothing appears under that name before
+    /// [`Writer::finish`]; dropped before, it leaves nothing.
     ///
     /// # Errors
     /// [`OutputError`] when the output exists and `force` is not set, or HDF5 fails.
-    pub fn create(layout: &'static Layout, claim: &'c Claim, force: bool) -> Result<Self, OutputError> {
-        claim.check(force)?;
-        let temporary = claim.hidden(".partial");
-        let failed = |error| OutputError::Io { action: "cannot make", path: claim.output().to_owned(), error };
+    pub fn create(layout: &'static Layout, lock: &'c OutputLock, force: bool) -> Result<Self, OutputError> {
+        lock.check(force)?;
+        let temporary = lock.hidden(".partial");
+        let failed = |error| OutputError::Io { action: "cannot make", path: lock.output().to_owned(), error };
         // HDF5 follows links; what it opens then is the file of that very name.
         let registered = Registered::new(&temporary);
         made_anew(&temporary).map_err(failed)?;
@@ -53,7 +54,7 @@ impl<'c> Writer<'c> {
         }
         Ok(Self {
             layout,
-            claim,
+            lock,
             file,
             temporary,
             _registered: registered,
@@ -134,7 +135,8 @@ impl<'c> Writer<'c> {
     /// # Errors
     /// When HDF5 fails.
     pub fn named_scale(&mut self, dimension: Dimension, names: &[&str]) -> Result<(), OutputError> {
-        let dataset = self.file().new_dataset::<VarLenUnicode>().shape(names.len()).create(dimension.name())?;
+        let dataset =
+            self.file().new_dataset::<VarLenUnicode>().shape(names.len()).create(dimension.name())?;
         dataset.write_raw(&unicode(names))?;
         self.describe_scale(dimension, dataset)
     }
@@ -158,7 +160,8 @@ impl<'c> Writer<'c> {
         self.describe(path, &dataset)
     }
 
-    /// Writes the scale of the next dimension of the points, by which every dataset of points is led; before all of these.
+    /// Writes the scale of the next dimension of the points, by which every dataset of points is led; before
+    /// all of these.
     ///
     /// # Errors
     /// When HDF5 fails.
@@ -205,8 +208,8 @@ impl<'c> Writer<'c> {
         self.layout.variable(path).dimensions.iter().map(length).collect()
     }
 
-    /// Makes a dataset of points, filled point by point with [`Writer::at_point`]; in chunks of [`CURVE_CHUNK`] replicas of a point if
-    /// `curves`.
+    /// Makes a dataset of points, filled point by point with [`Writer::at_point`]; in chunks of
+    /// [`CURVE_CHUNK`] replicas of a point if `curves`.
     ///
     /// # Errors
     /// When HDF5 fails.
@@ -223,8 +226,8 @@ impl<'c> Writer<'c> {
         self.describe_points(path, &dataset)
     }
 
-    /// Fills the rows from `first` of a dataset at the place of a point, row-major, with as many as there are values; rows are what the
-    /// first dimension of one run counts.
+    /// Fills the rows from `first` of a dataset at the place of a point, row-major, with as many as there are
+    /// values; rows are what the first dimension of one run counts.
     ///
     /// # Errors
     /// When HDF5 fails.
@@ -244,10 +247,11 @@ impl<'c> Writer<'c> {
         }
         let own = shape.iter().enumerate().map(|(i, count)| (if i == 0 { first } else { 0 }, *count));
         let along = place.iter().map(|index| (*index, 1)).chain(own);
-        let (slab, shape): (Vec<SliceOrIndex>, Vec<usize>) =
-            along.map(|(start, count)| (SliceOrIndex::SliceCount { start, step: 1, count, block: 1 }, count)).unzip();
-        let view =
-            ndarray::ArrayViewD::from_shape(shape, values).map_err(|error| hdf5::Error::from(error.to_string()))?;
+        let (slab, shape): (Vec<SliceOrIndex>, Vec<usize>) = along
+            .map(|(start, count)| (SliceOrIndex::SliceCount { start, step: 1, count, block: 1 }, count))
+            .unzip();
+        let view = ndarray::ArrayViewD::from_shape(shape, values)
+            .map_err(|error| hdf5::Error::from(error.to_string()))?;
         Ok(self.file().dataset(path)?.write_slice(view, Hyperslab::from(slab))?)
     }
 
@@ -275,7 +279,11 @@ impl<'c> Writer<'c> {
         let variable = self.layout.variable(path);
         describe(dataset, variable.units, variable.long_name)?;
         let own = variable.dimensions.iter().map(|dimension| self.find_scale(dimension.of_points()));
-        self.points.iter().chain(own).enumerate().try_for_each(|(i, scale)| Ok(attach_scale(dataset, scale, i)?))
+        self.points
+            .iter()
+            .chain(own)
+            .enumerate()
+            .try_for_each(|(i, scale)| Ok(attach_scale(dataset, scale, i)?))
     }
 
     /// Makes a dataset of two dimensions, filled row by row with [`Writer::rows`].
@@ -287,15 +295,16 @@ impl<'c> Writer<'c> {
         self.describe(path, &dataset)
     }
 
-    /// Makes the dataset of a curve of every replica, filled batch by batch with [`Writer::rows`]; fast for whole chunks of
-    /// [`CURVE_CHUNK`] replicas.
+    /// Makes the dataset of a curve of every replica, filled batch by batch with [`Writer::rows`]; fast for
+    /// whole chunks of [`CURVE_CHUNK`] replicas.
     ///
     /// # Errors
     /// When HDF5 fails.
     pub fn curve_dataset(&self, path: &str) -> Result<(), OutputError> {
         let shape = self.shape(path);
         let chunk = vec![shape[0].min(CURVE_CHUNK), shape[1]];
-        let dataset = self.file().new_dataset::<f64>().shape(shape).chunk(chunk).deflate(DEFLATE).create(path)?;
+        let dataset =
+            self.file().new_dataset::<f64>().shape(shape).chunk(chunk).deflate(DEFLATE).create(path)?;
         self.describe(path, &dataset)
     }
 
@@ -339,18 +348,18 @@ impl<'c> Writer<'c> {
     /// # Errors
     /// When the disk fails, or the output has come into being meanwhile and must not be overwritten.
     pub fn finish(self) -> Result<(), OutputError> {
-        let Self { file, claim, temporary, force, scales, points, .. } = self;
+        let Self { file, lock, temporary, force, scales, points, .. } = self;
         drop((scales, points));
         require_headroom();
         file.flush()?;
         file.close()?;
-        let io = |action, error| OutputError::Io { action, path: claim.output().to_owned(), error };
+        let io = |action, error| OutputError::Io { action, path: lock.output().to_owned(), error };
         let flushed = std::fs::File::open(&temporary).and_then(|file| file.sync_all());
         flushed.map_err(|error| io("cannot flush", error))?;
-        let output = claim.output();
+        let output = lock.output();
         let renamed = if force { temporary.persist(output) } else { temporary.persist_noclobber(output) };
         match renamed {
-            Ok(()) => flush_names(claim.folder()).map_err(|error| io("cannot flush the name of", error)),
+            Ok(()) => flush_names(lock.folder()).map_err(|error| io("cannot flush the name of", error)),
             Err(failed) if failed.error.kind() == std::io::ErrorKind::AlreadyExists => {
                 Err(OutputError::Exists(output.to_owned()))
             }

@@ -4,8 +4,8 @@ use super::files::Input;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-/// The keys of a scene and their values, in the order of their names, and what its files gave. The order of the keys of a sweep counts. None
-/// for what is not TOML.
+/// The keys of a scene and their values, in the order of their names, and what its files gave. The order of
+/// the keys of a sweep counts. None for what is not TOML.
 fn canonical(text: &str) -> Option<Vec<(String, String)>> {
     let document = DeTable::parse(text).ok()?;
     let mut values = Vec::new();
@@ -19,7 +19,8 @@ fn canonical(text: &str) -> Option<Vec<(String, String)>> {
     Some(values.into_iter().map(|(_, name, value)| (name, value)).chain(files).collect())
 }
 
-/// A key whose value differs between two scenes, with both values, or that of a file; `none` where it is missing.
+/// A key whose value differs between two scenes, with both values, or that of a file; `none` where it is
+/// missing.
 pub fn difference(one: &str, other: &str) -> Option<(String, String, String)> {
     if one == other {
         return None;
@@ -60,9 +61,10 @@ fn shown(value: &Spanned<DeValue<'_>>) -> String {
             let number = i128::from_str_radix(integer.as_str(), integer.radix());
             number.map_or_else(|_| integer.as_str().to_owned(), |number| number.to_string())
         }
-        DeValue::Float(float) => {
-            float.as_str().parse::<f64>().map_or_else(|_| float.as_str().to_owned(), |number| number.to_string())
-        }
+        DeValue::Float(float) => float
+            .as_str()
+            .parse::<f64>()
+            .map_or_else(|_| float.as_str().to_owned(), |number| number.to_string()),
         DeValue::Array(array) => format!("[{}]", array.iter().map(shown).collect::<Vec<String>>().join(", ")),
         DeValue::Table(table) => {
             let mut values = Vec::new();

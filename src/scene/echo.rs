@@ -3,7 +3,8 @@
 /// Most characters of a text that a message repeats.
 const MOST: usize = 60;
 
-/// A text whose control characters, except for line ends and tabs, and invisible or reordering characters stand as escapes: `\u{1b}`.
+/// A text whose control characters, except for line ends and tabs, and invisible or reordering characters
+/// stand as escapes: `\u{1b}`.
 pub fn printable(text: &str) -> String {
     escaped(text, |c| c != '\n' && c != '\t' && steers(c))
 }
@@ -20,8 +21,8 @@ pub fn shortened(text: &str) -> String {
     one_line(&beginning) + end
 }
 
-/// Whether a character moves the cursor, hides, or changes the direction of what follows: control characters, line and paragraph
-/// separators, zero-width characters, directional marks and tags.
+/// Whether a character moves the cursor, hides, or changes the direction of what follows: control characters,
+/// line and paragraph separators, zero-width characters, directional marks and tags.
 fn steers(c: char) -> bool {
     c.is_control()
         || matches!(c,

@@ -17,7 +17,8 @@ pub struct Instability {
     pub smallest_snap: f64,
 }
 
-/// Reads the table `[instability]`, if it is there. A preload is for surfaces that are pulled back after they have been brought close.
+/// Reads the table `[instability]`, if it is there. A preload is for surfaces that are pulled back after they
+/// have been brought close.
 pub(super) fn instability(root: &Section<'_>, cycle: bool) -> Result<Instability, SceneError> {
     let Some(section) = root.section("instability", false)? else {
         return Ok(Instability::default());
@@ -26,7 +27,9 @@ pub(super) fn instability(root: &Section<'_>, cycle: bool) -> Result<Instability
     let smallest_snap = section.optional("smallest_snap", |entry| entry.measured());
     let preload = section.optional("preload", |preload| {
         if !cycle {
-            return Err(preload.wrong("a preload is where a loop turns back; it needs path = \"loop\" in [model]"));
+            return Err(
+                preload.wrong("a preload is where a loop turns back; it needs path = \"loop\" in [model]")
+            );
         }
         one_or_more(preload)
     });

@@ -1,4 +1,5 @@
-//! Keys of scenes: what a row of their [table](super::table::KEYS) says, and what people write in their place.
+//! Keys of scenes: what a row of their [table](super::table::KEYS) says, and what people write in their
+//! place.
 
 pub use super::table::KEYS;
 use super::units::Dimension;
@@ -119,7 +120,8 @@ const MEANT: &[(&[&str], &str, &str)] = &[
     (&["n", "samples", "runs"], "ensemble.replicas", ""),
 ];
 
-/// A dotted name as the table has it: without the index of an element, and without the sweep that a key is in.
+/// A dotted name as the table has it: without the index of an element, and without the sweep that a key is
+/// in.
 fn tabled(name: &str) -> String {
     let name = match name.split_once('[') {
         Some((list, rest)) => {
@@ -152,7 +154,9 @@ pub fn example(name: &str) -> Option<&'static str> {
 /// The keys of a table by its dotted name, "" for the root.
 pub fn keys_of(table: &str) -> impl Iterator<Item = &'static str> + Clone + use<> {
     let prefix = if table.is_empty() { String::new() } else { format!("{}.", tabled_table(table)) };
-    KEYS.iter().filter_map(move |key| key.name.strip_prefix(&prefix)).filter(|rest| !rest.contains(['.', '[']))
+    KEYS.iter()
+        .filter_map(move |key| key.name.strip_prefix(&prefix))
+        .filter(|rest| !rest.contains(['.', '[']))
 }
 
 /// The name of a table as the keys in it have it.
@@ -200,7 +204,10 @@ mod tests {
     fn tables_have_their_keys() {
         let of = |name: &str| keys_of(name).collect::<Vec<&str>>();
         assert_eq!(of("solver"), ["sum", "tolerance"]);
-        assert_eq!(of("ensemble.target[3]"), ["quantity", "relative_standard_error", "standard_error", "estimate"]);
+        assert_eq!(
+            of("ensemble.target[3]"),
+            ["quantity", "relative_standard_error", "standard_error", "estimate"]
+        );
         assert_eq!(of("sweep.material.hardness"), ["from", "to", "count", "spacing"]);
         assert!(of("").contains(&"sweep") && !of("").contains(&"hardness"));
         assert!(of("title").is_empty());

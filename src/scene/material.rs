@@ -2,7 +2,7 @@
 
 use super::reader::{Entry, SceneError, Section, Together};
 use crate::asperity::scale::Asperity;
-use crate::asperity::{LawError, Path, Setting};
+use crate::asperity::{LawError, LawParameters, Path};
 use std::ops::{Bound, RangeBounds};
 use toml::de::DeValue;
 
@@ -54,9 +54,11 @@ impl Material {
             poisson_ratio,
             lubricant_thickness,
         };
-        Setting::new(&asperity, Path::Approach, (0.0, 0.0)).map_err(|error| {
+        LawParameters::new(&asperity, Path::Approach, (0.0, 0.0)).map_err(|error| {
             let keys = match error {
-                LawError::Lambda(_) => "work_of_adhesion, reduced_modulus, equilibrium_spacing and asperity_radius",
+                LawError::Lambda(_) => {
+                    "work_of_adhesion, reduced_modulus, equilibrium_spacing and asperity_radius"
+                }
                 LawError::NotPositive { name: "critical_interference", .. }
                 | LawError::Length { name: "critical_interference", .. } => {
                     "hardness, reduced_modulus, poisson_ratio and asperity_radius"
@@ -93,8 +95,10 @@ fn work_of_adhesion(section: &Section<'_>) -> Result<f64, SceneError> {
     if section.get("surface_energy").is_none() && section.get("interface_energy").is_none() {
         return section.measured("work_of_adhesion");
     }
-    let surfaces = section.require("surface_energy").and_then(|entry| pair(&entry, ADHESION, Entry::measured));
-    let interface = section.require("interface_energy").and_then(|entry| entry.measured().map(|value| (entry, value)));
+    let surfaces =
+        section.require("surface_energy").and_then(|entry| pair(&entry, ADHESION, Entry::measured));
+    let interface =
+        section.require("interface_energy").and_then(|entry| entry.measured().map(|value| (entry, value)));
     let (surfaces, (entry, interface)) = (surfaces, interface).together()?;
     let work = surfaces[0] + surfaces[1] - interface;
     if work > 0.0 {

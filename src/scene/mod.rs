@@ -29,7 +29,7 @@ pub use validity::{Expected, Reading, Warning, WhatIsRead, warnings, warnings_of
 
 use crate::asperity::models::{MODELS, Model, PUBLISHED_FITS};
 use crate::asperity::scale::{Asperity, Scale, UNIT_RANGE};
-use crate::asperity::{Family, Law, LawError, Loop, Path, Setting, Typical, UnloadedRadius};
+use crate::asperity::{Family, Law, LawError, LawParameters, Loop, Path, Typical, UnloadedRadius};
 use crate::surface::{RADIUS_RANGE, SamplingScheme, Surface};
 use files::{Files, Input, NoFiles};
 use material::Material;
@@ -43,7 +43,8 @@ pub const FORMAT: u64 = 1;
 /// Heights further than this many σ_s from their mean plane are solved without starting tables.
 const HEIGHT_REACH: f64 = 11.0;
 
-/// Tolerances of compressed sums that make sense: below, the rounding of a solve is larger; above, nothing gets faster.
+/// Tolerances of compressed sums that make sense: below, the rounding of a solve is larger; above, nothing
+/// gets faster.
 const SUM_TOLERANCES: std::ops::RangeInclusive<f64> = 1e-13..=1e-3;
 /// The tolerance of compressed sums unless a scene gives one.
 const SUM_TOLERANCE: f64 = 1e-9;
@@ -142,8 +143,10 @@ impl Scene {
             Ok(_) => instability::instability(root, cycle),
             Err(_) => Ok(Instability::default()),
         };
-        let ensemble = section("ensemble").and_then(|ensemble| Draws::read(&ensemble).map(|draws| (ensemble, draws)));
-        let readings = (root.known(), heading(root), material, population, model, separation, instability, ensemble);
+        let ensemble =
+            section("ensemble").and_then(|ensemble| Draws::read(&ensemble).map(|draws| (ensemble, draws)));
+        let readings =
+            (root.known(), heading(root), material, population, model, separation, instability, ensemble);
         let (solver, output) = (sum_tolerance(root), curves(root));
         let (readings, sum_tolerance, curves) = (readings.together(), solver, output).together()?;
         let ((), title, material, (population, lubricant), model, separation, instability, (ensemble, draws)) =
@@ -151,15 +154,19 @@ impl Scene {
         let Population { surface, inputs } = population;
         let asperity = material.asperity(surface.asperity_radius, lubricant.unwrap_or(0.0))?;
         let Way { law, path, cycle, unloaded_radius, critical_approach } = model;
-        if let Some(entry) = required(root, "model")?.get("path").filter(|_| cycle && surface.is_scattered()) {
+        if let Some(entry) = required(root, "model")?.get("path").filter(|_| cycle && surface.is_scattered())
+        {
             return Err(entry.wrong(
                 "a loop is for asperities of one radius; those of several are computed on \"approach\" or \"retraction\"",
             ));
         }
         let separations = separation::separations(&separation, surface.surface_height_std)?;
-        let stiffness_span = separation::stiffness_span(&separation, &separations, asperity.equilibrium_spacing)?;
-        let most = UNIT_RANGE.1 * Scale::new(&asperity).map_err(|error| SceneError::general(error.to_string()))?.length;
-        let d = [separations[0], separations[separations.len() - 1]].map(|h| surface.asperity_separation(h).abs());
+        let stiffness_span =
+            separation::stiffness_span(&separation, &separations, asperity.equilibrium_spacing)?;
+        let most = UNIT_RANGE.1
+            * Scale::new(&asperity).map_err(|error| SceneError::general(error.to_string()))?.length;
+        let d = [separations[0], separations[separations.len() - 1]]
+            .map(|h| surface.asperity_separation(h).abs());
         let furthest = d[0].max(d[1]).max(surface.heights.std);
         if !(furthest <= most) {
             return Err(SceneError::general(format!(
@@ -168,7 +175,8 @@ impl Scene {
             )));
         }
         let Draws { replicas, stopping, sampling, seed } = draws;
-        if let Some(entry) = ensemble.get("sampling").filter(|_| sampling.group() > 1 && !surface.is_plain()) {
+        if let Some(entry) = ensemble.get("sampling").filter(|_| sampling.group() > 1 && !surface.is_plain())
+        {
             return Err(entry.wrong(
                 "is for surfaces of one radius with Gaussian heights and a fixed number of asperities; others need \"independent\"",
             ));
@@ -256,7 +264,7 @@ impl Scene {
     /// # Errors
     /// As [`Loop::new`].
     pub fn loop_law_of(&self, radius: UnloadedRadius) -> Result<Loop, LawError> {
-        Loop::new(&self.model, &self.setting()?, radius)
+        Loop::new(&self.model, &self.parameters()?, radius)
     }
 
     /// The asperity law of the scene.
@@ -272,7 +280,7 @@ impl Scene {
     /// # Errors
     /// [`LawError`] when the law cannot be made for them.
     pub fn law_of(&self, model: &Model) -> Result<Box<dyn Law>, LawError> {
-        let law = (model.build)(&self.setting()?)?;
+        let law = (model.build)(&self.parameters()?)?;
         if !self.surface.is_scattered() {
             return Ok(law);
         }
@@ -280,9 +288,9 @@ impl Scene {
         Ok(Box::new(Typical::new(law, family)))
     }
 
-    fn setting(&self) -> Result<Setting, LawError> {
-        let setting = Setting::new(&self.asperity, self.path, self.reach())?;
-        Ok(Setting { critical_approach: self.critical_approach, ..setting })
+    fn parameters(&self) -> Result<LawParameters, LawError> {
+        let parameters = LawParameters::new(&self.asperity, self.path, self.reach())?;
+        Ok(LawParameters { critical_approach: self.critical_approach, ..parameters })
     }
 }
 
@@ -299,7 +307,8 @@ impl Document {
     /// Reads a scene or a sweep, all of whose points have to be scenes, and what they take out of files.
     ///
     /// # Errors
-    /// [`SceneError`] with the line, the key, what was given and what would do, and the point where it is one of a sweep.
+    /// [`SceneError`] with the line, the key, what was given and what would do, and the point where it is one
+    /// of a sweep.
     pub fn parse(text: &str, files: Arc<dyn Files>) -> Result<Self, SceneError> {
         let document = document(text)?;
         let root = Section::root(text, document.get_ref());
@@ -373,7 +382,9 @@ fn sum_tolerance(root: &Section<'_>) -> Result<Option<f64>, SceneError> {
 fn critical_approach(section: &Section<'_>, law: &Model) -> Result<Option<f64>, SceneError> {
     let Some(entry) = section.get("critical_approach") else { return Ok(None) };
     if law.name != PUBLISHED_FITS {
-        return Err(entry.wrong(&format!("the law {} finds its own; only {PUBLISHED_FITS} takes it", law.name)));
+        return Err(
+            entry.wrong(&format!("the law {} finds its own; only {PUBLISHED_FITS} takes it", law.name))
+        );
     }
     entry.measured().map(Some)
 }
@@ -382,7 +393,9 @@ fn critical_approach(section: &Section<'_>, law: &Model) -> Result<Option<f64>, 
 fn unloaded_radius(section: &Section<'_>, cycle: bool) -> Result<UnloadedRadius, SceneError> {
     let Some(entry) = section.get("unloaded_radius") else { return Ok(UnloadedRadius::default()) };
     if !cycle {
-        return Err(entry.wrong("it is for surfaces that are pulled back after they were pressed: path = \"loop\""));
+        return Err(
+            entry.wrong("it is for surfaces that are pulled back after they were pressed: path = \"loop\"")
+        );
     }
     entry.choice("unloaded_radius", &UnloadedRadius::ALL)
 }

@@ -4,7 +4,8 @@ use super::{Scene, Sizes};
 use crate::asperity::{Law, Regime};
 use crate::surface::TRACT;
 
-/// A regime that is expected less often than this in the whole run, at the separation that reaches it most, is called skipped.
+/// A regime that is expected less often than this in the whole run, at the separation that reaches it most,
+/// is called skipped.
 const NEVER: f64 = 1e-6;
 
 /// Nanoseconds that a replica takes by compressed sums, about: for each asperity, and for each separation.
@@ -15,15 +16,17 @@ const AGAIN: f64 = 30.0;
 const SCATTERED: (f64, f64) = (30e3, 400.0);
 /// Replicas that are summed directly too before a compressed run, to see its error.
 const PILOTS: f64 = 4.0;
-/// Nanoseconds that an asperity takes to be drawn and sorted, about, and a surface at a separation, however few its asperities.
+/// Nanoseconds that an asperity takes to be drawn and sorted, about, and a surface at a separation, however
+/// few its asperities.
 const DIRECT: (f64, f64) = (40.0, 700.0);
-/// The search for the pull-off solves a surface in so many spaces between separations that they are at most so many σ_s apart, but at
-/// most so many times in each; and so many times more.
+/// The search for the pull-off solves a surface in so many spaces between separations that they are at most
+/// so many σ_s apart, but at most so many times in each; and so many times more.
 const SEARCH: (f64, f64, f64, f64) = (3.0, 0.06, 63.0, 5.0);
-/// Of the integral: evaluations on a panel, panels of all heights, nanoseconds of the density of one of them, and how many times the
-/// cost in full blocks one takes.
+/// Of the integral: evaluations on a panel, panels of all heights, nanoseconds of the density of one of them,
+/// and how many times the cost in full blocks one takes.
 const INTEGRAL: (f64, f64, f64, f64) = (60.0, 17.0, 30.0, 3.0);
-/// Nanoseconds of the joint test: for each height of its grid and separation, for each height and pair of separations, for each triple.
+/// Nanoseconds of the joint test: for each height of its grid and separation, for each height and pair of
+/// separations, for each triple.
 const FUNCTIONALS: (f64, f64, f64) = (40.0, 0.12, 0.8);
 /// Heights of that grid.
 const GRID: f64 = 4001.0;
@@ -57,7 +60,8 @@ pub struct Plan {
     pub regimes: Vec<RegimePlan>,
     /// What is skipped, and why, a line each.
     pub skips: Vec<String>,
-    /// Expected asperities per replica beyond the law's last regime, where it has no force, at the separation with most of them.
+    /// Expected asperities per replica beyond the law's last regime, where it has no force, at the separation
+    /// with most of them.
     pub beyond: f64,
     /// Asperity-separations of the run.
     pub pairs: f64,
@@ -106,8 +110,9 @@ impl Plan {
 fn core_seconds(scene: &Scene, law: &dyn Law, regimes: &[RegimePlan]) -> CoreSeconds {
     let sizes = Sizes::new(scene, law, 1);
     let (n, s) = (sizes.asperities, sizes.separations);
-    let of_asperity =
-        |i: usize| if scene.surface.is_scattered() && law.constant(i).is_none() { SCATTERED.1 } else { law.cost(i) };
+    let of_asperity = |i: usize| {
+        if scene.surface.is_scattered() && law.constant(i).is_none() { SCATTERED.1 } else { law.cost(i) }
+    };
     let solving: f64 = regimes.iter().enumerate().map(|(i, plan)| plan.asperities * of_asperity(i)).sum();
     let between = ((sizes.step / SEARCH.1).ceil() - 1.0).min(SEARCH.2);
     // After each preload a surface is pulled back by itself.
@@ -153,7 +158,8 @@ fn regimes(scene: &Scene, law: &dyn Law) -> Vec<RegimePlan> {
     plans
 }
 
-/// Expected asperities per replica beyond the law's last regime, where it has no force, at the separation with most of them.
+/// Expected asperities per replica beyond the law's last regime, where it has no force, at the separation
+/// with most of them.
 pub fn beyond(scene: &Scene, law: &dyn Law) -> f64 {
     let Some(end) = law.boundaries().get(law.regimes().len() - 1) else { return 0.0 };
     let smallest = scene.surface.asperity_separation(scene.separations[0]);
@@ -191,7 +197,8 @@ fn skips(scene: &Scene, law: &dyn Law, regimes: &[RegimePlan]) -> Vec<String> {
             100.0 * share
         ));
     }
-    let loads = regimes.iter().filter(|plan| !plan.regime.is_contact()).map(|plan| plan.asperities).sum::<f64>();
+    let loads =
+        regimes.iter().filter(|plan| !plan.regime.is_contact()).map(|plan| plan.asperities).sum::<f64>();
     let all = scene.surface.asperity_count as f64;
     skips.push(format!(
         "load and area where nothing touches: {:.3} % of asperities and separations",

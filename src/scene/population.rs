@@ -184,7 +184,11 @@ fn parameter(
     let Some(entry) = table.and_then(|table| table.get(key)) else {
         let number = example(&format!("{}.{key}", name.name.trim_end_matches(".law"))).unwrap_or_default();
         let example = format!("{{ law = \"{}\", {key} = {number} }}", name.string()?);
-        return Err(name.wrong(&format!("needs {key}, a number from {} to {}: {example}", range.start(), range.end())));
+        return Err(name.wrong(&format!(
+            "needs {key}, a number from {} to {}: {example}",
+            range.start(),
+            range.end()
+        )));
     };
     let value = entry.number()?;
     if range.contains(&value) {
@@ -227,7 +231,9 @@ fn heights(
         match chosen {
             "exponential" => HeightLaw::Exponential,
             "weibull" => HeightLaw::Weibull(Weibull::new(parameter(&name, table, "shape", 1.0..=20.0)?)),
-            "lognormal" => HeightLaw::LogNormal(LogNormal::new(parameter(&name, table, "shape", 0.01..=1.5)?)),
+            "lognormal" => {
+                HeightLaw::LogNormal(LogNormal::new(parameter(&name, table, "shape", 0.01..=1.5)?))
+            }
             "truncated" => HeightLaw::Truncated(truncated(&name, table)?),
             "file" => {
                 let values = of_file(&name, table, files, inputs)?;
@@ -254,7 +260,9 @@ fn truncated(name: &Entry<'_>, table: Option<&Section<'_>>) -> Result<Truncated,
     let (lower, upper) = (lower.unwrap_or(f64::NEG_INFINITY), upper.unwrap_or(f64::INFINITY));
     let left = Heights::gaussian(1.0).probability(lower, upper);
     if !(lower < upper && left >= LEAST_LEFT) {
-        return Err(name.wrong(&format!("leaves nothing between lower = {lower} and upper = {upper}: {example}")));
+        return Err(
+            name.wrong(&format!("leaves nothing between lower = {lower} and upper = {upper}: {example}"))
+        );
     }
     Ok(Truncated::new(lower, upper))
 }
@@ -284,7 +292,9 @@ fn radii(section: &Section<'_>, files: &dyn Files, inputs: &mut Vec<Input>) -> R
         "file" => {
             let values = of_file(&name, table, files, inputs)?;
             match values.iter().find(|value| !(**value > 0.0)) {
-                Some(value) => Err(name.wrong(&format!("the file has a radius of {value:e} m; radii are positive"))),
+                Some(value) => {
+                    Err(name.wrong(&format!("the file has a radius of {value:e} m; radii are positive")))
+                }
                 None => Ok(Radii::Sample(values.into())),
             }
         }
@@ -329,7 +339,8 @@ fn column(name: &Entry<'_>, table: &Section<'_>) -> Result<Column, SceneError> {
         },
         (None, Some(dataset)) => Column::Dataset(dataset.string()?.to_owned()),
         (None, None) => {
-            return Err(name.wrong("needs the column of a CSV file, by name or number, or the dataset of an HDF5 file"));
+            return Err(name
+                .wrong("needs the column of a CSV file, by name or number, or the dataset of an HDF5 file"));
         }
     })
 }
@@ -363,8 +374,9 @@ fn summits(section: &Section<'_>, given: Option<Spectrum>, surface: &mut Surface
         }
     }
     let density = if given.is_some() { 0.0 } else { section.measured("asperity_density")? };
-    let spectrum =
-        given.unwrap_or_else(|| Spectrum::of_asperities(surface.surface_height_std, surface.asperity_radius, density));
+    let spectrum = given.unwrap_or_else(|| {
+        Spectrum::of_asperities(surface.surface_height_std, surface.asperity_radius, density)
+    });
     gaussian(&spectrum).map_err(|problem| cause.wrong(&problem))?;
     if let (None, Some(std)) = (given, section.get("asperity_height_std")) {
         return Err(std.wrong("summits of a Gaussian surface have one that follows from surface_height_std"));
@@ -400,7 +412,9 @@ fn measured(section: &Section<'_>, entry: &Entry<'_>, files: &dyn Files) -> Resu
     let Measured { heights, radii, nominal_area, surface_height_std } =
         files.asperities(name).map_err(|problem| path.wrong(&problem))?;
     if !(FEWEST..=MOST_VALUES).contains(&heights.len()) {
-        return Err(path.wrong(&format!("has {} asperities; {FEWEST} to {MOST_VALUES} are needed", heights.len())));
+        return Err(
+            path.wrong(&format!("has {} asperities; {FEWEST} to {MOST_VALUES} are needed", heights.len()))
+        );
     }
     let inputs = vec![Input::new(name, &[&heights, &radii, &[nominal_area, surface_height_std]])];
     let count = heights.len() as f64;
@@ -408,7 +422,8 @@ fn measured(section: &Section<'_>, entry: &Entry<'_>, files: &dyn Files) -> Resu
     if let (Some(area), true) = (section.get("nominal_area"), whole) {
         return Err(area.wrong("sample = \"whole\" takes the measured surface, which has its own area"));
     }
-    let pairs: Vec<[f64; 2]> = heights.iter().zip(&radii).map(|(height, radius)| [height - mean, *radius]).collect();
+    let pairs: Vec<[f64; 2]> =
+        heights.iter().zip(&radii).map(|(height, radius)| [height - mean, *radius]).collect();
     let heights = Heights::sample(pairs.iter().map(|pair| pair[0]).collect());
     let roughness = Roughness {
         asperity_radius: radii.iter().sum::<f64>() / count,

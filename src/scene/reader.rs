@@ -27,7 +27,8 @@ pub struct Problem {
     key: Option<String>,
 }
 
-/// What is wrong with a scene: at least one problem, a line each, in the order of the lines; what no line shows comes last.
+/// What is wrong with a scene: at least one problem, a line each, in the order of the lines; what no line
+/// shows comes last.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 #[error("{}", problems.iter().map(ToString::to_string).collect::<Vec<String>>().join("\n"))]
 pub struct SceneError {
@@ -59,7 +60,8 @@ impl SceneError {
         Self { problems }
     }
 
-    /// As many problems as are told; a key that is missing where a misspelt one stands is no problem of its own.
+    /// As many problems as are told; a key that is missing where a misspelt one stands is no problem of its
+    /// own.
     pub(super) fn shortened(mut self) -> Self {
         let is_misspelt = |key: &Option<String>| {
             key.is_some() && self.problems.iter().any(|problem| problem.line.is_some() && problem.key == *key)
@@ -203,7 +205,9 @@ impl<'a> Section<'a> {
             let within = self.dotted(name);
             let tables: Vec<&DeTable<'_>> = match value.get_ref() {
                 DeValue::Table(table) => vec![table],
-                DeValue::Array(array) => array.iter().filter_map(|element| element.get_ref().as_table()).collect(),
+                DeValue::Array(array) => {
+                    array.iter().filter_map(|element| element.get_ref().as_table()).collect()
+                }
                 _ => Vec::new(),
             };
             // What is no table of scenes is refused where it is read.
@@ -219,12 +223,14 @@ impl<'a> Section<'a> {
         known: impl Iterator<Item = &'static str> + Clone,
     ) -> SceneError {
         let given = key.get_ref();
-        let own = |name: &str| name.strip_prefix(self.name).and_then(|key| key.strip_prefix('.')).map(str::to_owned);
+        let own = |name: &str| {
+            name.strip_prefix(self.name).and_then(|key| key.strip_prefix('.')).map(str::to_owned)
+        };
         let meant = meant(given).map(|(name, note)| (name.to_owned(), note));
         let meant = meant.or_else(|| nearest(given, known.clone()).map(|name| (self.dotted(name), "")));
-        let hint = meant
-            .as_ref()
-            .map(|(name, note)| format!("did you mean `{}`{note}? ", own(name).unwrap_or_else(|| name.clone())));
+        let hint = meant.as_ref().map(|(name, note)| {
+            format!("did you mean `{}`{note}? ", own(name).unwrap_or_else(|| name.clone()))
+        });
         let (name, known) = (self.dotted(&shortened(given)), known.collect::<Vec<&str>>().join(", "));
         let problem = format!("unknown key `{name}`; {}known here: {known}", hint.unwrap_or_default());
         let line = Some(line_of(self.text, key.span().start));
@@ -257,7 +263,8 @@ impl<'a> Section<'a> {
     pub fn require(&self, key: &str) -> Result<Entry<'a>, SceneError> {
         self.get(key).ok_or_else(|| {
             let name = self.dotted(key);
-            let example = example(&name).map(|example| format!("; for example {key} = {example}")).unwrap_or_default();
+            let example =
+                example(&name).map(|example| format!("; for example {key} = {example}")).unwrap_or_default();
             SceneError::for_want_of(None, format!("`{name}` is missing{example}"), name)
         })
     }
@@ -323,7 +330,9 @@ impl<'a> Entry<'a> {
     pub fn number(&self) -> Result<f64, SceneError> {
         let value = match self.value.get_ref() {
             DeValue::Integer(integer) if integer.radix() == 10 => integer.as_str().parse().ok(),
-            DeValue::Integer(integer) => u64::from_str_radix(integer.as_str(), integer.radix()).ok().map(|n| n as f64),
+            DeValue::Integer(integer) => {
+                u64::from_str_radix(integer.as_str(), integer.radix()).ok().map(|n| n as f64)
+            }
             DeValue::Float(float) => float.as_str().parse::<f64>().ok(),
             _ => None,
         };
@@ -340,9 +349,9 @@ impl<'a> Entry<'a> {
             DeValue::Integer(integer) => u64::from_str_radix(integer.as_str(), integer.radix()).ok(),
             _ => None,
         };
-        value
-            .filter(|value| range.contains(value))
-            .ok_or_else(|| self.wrong(&format!("a whole number from {} to {} is needed", range.start(), range.end())))
+        value.filter(|value| range.contains(value)).ok_or_else(|| {
+            self.wrong(&format!("a whole number from {} to {} is needed", range.start(), range.end()))
+        })
     }
 
     /// true or false.
@@ -363,7 +372,8 @@ impl<'a> Entry<'a> {
         let given = self.string()?;
         choices.iter().find(|(name, _)| *name == given).map(|(_, choice)| *choice).ok_or_else(|| {
             let names: Vec<&str> = choices.iter().map(|(name, _)| *name).collect();
-            let hint = nearest(given, names.iter().copied()).map(|name| format!(" (did you mean \"{name}\"?)"));
+            let hint =
+                nearest(given, names.iter().copied()).map(|name| format!(" (did you mean \"{name}\"?)"));
             self.wrong(&format!("unknown {what}{}; known: {}", hint.unwrap_or_default(), names.join(", ")))
         })
     }
@@ -382,11 +392,12 @@ impl<'a> Entry<'a> {
         match parse(text, dimension) {
             Ok(value) if value.is_finite() => Ok(value),
             Ok(_) => Err(self.wrong(&format!("is not finite; {needed}"))),
-            Err(QuantityError::NoNumber) => Err(self.wrong(&format!("does not begin with a number; {needed}"))),
-            Err(QuantityError::DecimalComma) => {
-                Err(self
-                    .wrong(&format!("has a decimal comma; a point is needed, and nothing between thousands: {needed}")))
+            Err(QuantityError::NoNumber) => {
+                Err(self.wrong(&format!("does not begin with a number; {needed}")))
             }
+            Err(QuantityError::DecimalComma) => Err(self.wrong(&format!(
+                "has a decimal comma; a point is needed, and nothing between thousands: {needed}"
+            ))),
             Err(QuantityError::NoUnit) => Err(self.wrong(&format!("the unit is missing; {needed}"))),
             Err(QuantityError::OtherDimension(other)) => {
                 Err(self.wrong(&format!("the unit is that of {}; {needed}", other.name())))

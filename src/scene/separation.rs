@@ -24,9 +24,10 @@ pub(super) fn separations(section: &Section<'_>, surface_height_std: f64) -> Res
     }
 }
 
-/// Reads the span of separation, m, of the secant stiffness. Without one it is the equilibrium spacing, the range over which the adhesion of
-/// one asperity falls, within what the separations allow: over less the largest secant is the jump of one asperity over the span, over much
-/// more it is no stiffness. It is a length of the material, so scenes that differ in roughness or separations have the same.
+/// Reads the span of separation, m, of the secant stiffness. Without one it is the equilibrium spacing, the
+/// range over which the adhesion of one asperity falls, within what the separations allow: over less the
+/// largest secant is the jump of one asperity over the span, over much more it is no stiffness. It is a
+/// length of the material, so scenes that differ in roughness or separations have the same.
 pub(super) fn stiffness_span(
     section: &Section<'_>,
     separations: &[f64],
@@ -34,21 +35,27 @@ pub(super) fn stiffness_span(
 ) -> Result<f64, SceneError> {
     let (first, last) = (separations[0], separations[separations.len() - 1]);
     let (least, most) = (LEAST_SPAN * first.abs().max(last.abs()), last - first);
-    let Some(entry) = section.get("stiffness_span") else { return Ok(equilibrium_spacing.max(least).min(most)) };
+    let Some(entry) = section.get("stiffness_span") else {
+        return Ok(equilibrium_spacing.max(least).min(most));
+    };
     let span = entry.measured()?;
     if span > most {
-        return Err(
-            entry.wrong(&format!("the separations reach over {most:e} m only: the span has to lie within them"))
-        );
+        return Err(entry
+            .wrong(&format!("the separations reach over {most:e} m only: the span has to lie within them")));
     }
     if span < least {
-        return Err(entry.wrong(&format!("beside these separations less than {least:e} m is lost in rounding")));
+        return Err(
+            entry.wrong(&format!("beside these separations less than {least:e} m is lost in rounding"))
+        );
     }
     Ok(span)
 }
 
 /// A list, or a table `{ from, to, count }`, of values read by `value`.
-fn rising(entry: &Entry<'_>, value: &dyn Fn(&Entry<'_>) -> Result<f64, SceneError>) -> Result<Vec<f64>, SceneError> {
+fn rising(
+    entry: &Entry<'_>,
+    value: &dyn Fn(&Entry<'_>) -> Result<f64, SceneError>,
+) -> Result<Vec<f64>, SceneError> {
     let values = match entry.value.get_ref() {
         DeValue::Array(array) => {
             if !(2..=MOST as usize).contains(&array.len()) {
@@ -94,5 +101,8 @@ fn within_reach(entry: &Entry<'_>, separation: f64) -> Result<(), SceneError> {
     if separation.abs() <= *LENGTHS.end() {
         return Ok(());
     }
-    Err(entry.wrong(&format!("is a separation of {separation:e} m; at most {:e} m can be computed", LENGTHS.end())))
+    Err(entry.wrong(&format!(
+        "is a separation of {separation:e} m; at most {:e} m can be computed",
+        LENGTHS.end()
+    )))
 }

@@ -1,6 +1,7 @@
 //! How much memory and disk the ensemble of a scene takes.
 //!
-//! Estimates, from what the parts of the program hold at once; `tests/sizes.rs` has them within a factor of 2 of what a run takes.
+//! Estimates, from what the parts of the program hold at once; `tests/sizes.rs` has them within a factor of 2
+//! of what a run takes.
 
 use super::Scene;
 use crate::asperity::Law;
@@ -20,14 +21,16 @@ const FUNCTIONALS: f64 = 32.0;
 const REPLICA: f64 = 64.0 + 24.0;
 /// Replicas of a chunk of curves in the file.
 const CHUNK: f64 = 64.0;
-/// Bytes of an asperity of a surface whose sums are compressed: its height as it is drawn and in its bin, and the bin's number.
+/// Bytes of an asperity of a surface whose sums are compressed: its height as it is drawn and in its bin, and
+/// the bin's number.
 const BINNED: f64 = 20.0;
-/// Bytes of an asperity at a separation that waits to be solved although sums are compressed, and the share of those that do, about, for a
-/// step of the separations of 1 σ_s; the finer the steps, the fewer.
+/// Bytes of an asperity at a separation that waits to be solved although sums are compressed, and the share
+/// of those that do, about, for a step of the separations of 1 σ_s; the finer the steps, the fewer.
 const QUEUED: (f64, f64) = (42.0, 0.045);
 /// Replicas that are summed both ways before a compressed run.
 const PILOTS: f64 = 4.0;
-/// Heights that compressed sums bin, in σ_s, and the most periods and separations that are not summed directly all the same.
+/// Heights that compressed sums bin, in σ_s, and the most periods and separations that are not summed
+/// directly all the same.
 const BINS: (f64, f64) = (20.0, 4e3);
 /// Bytes that the moments of a period take, for a dozen segments.
 const PERIOD: f64 = 16e3;
@@ -36,7 +39,8 @@ const SEARCHED: (f64, f64) = (14.0, 80.0);
 /// A surface of at most so many tracts is held for it.
 const HELD: f64 = 4.0;
 
-/// Tracts of a large surface whose sums wait to be added, for each thread; bytes that one takes for a sum of a regime, and for a period.
+/// Tracts of a large surface whose sums wait to be added, for each thread; bytes that one takes for a sum of
+/// a regime, and for a period.
 const WAITING: (f64, f64, f64) = (8.0, 56.0, 1.5e3);
 /// Bytes that the search for the pull-off of a large surface counts in.
 const COUNTED: f64 = 1e7;
@@ -118,17 +122,18 @@ impl Sizes {
         let kept = if self.curves { 2.0 * NUMBER * BATCH * s } else { 0.0 };
         // A batch that is computed, and for each as many that wait to be merged.
         let batches = 3.0 * self.threads.min(self.batches()) * (moments + kept);
-        // Sums of batches wait in a tree of so many levels, half of which have any, and once more as what a checkpoint holds.
+        // Sums of batches wait in a tree of so many levels, half of which have any, and once more as what a
+        // checkpoint holds.
         let waiting = (1.0 + self.batches().log2().max(0.0)) * moments;
         let ensembles = self.ensembles
             * (moments
                 + waiting
                 + (REPLICA + 2.0 * NUMBER * self.snaps) * self.replicas
                 + 2.0 * NUMBER * FUNCTIONALS * s);
-        let statistical = s * (100.0 * r + 24.0 * NUMBER);
+        let expectations = s * (100.0 * r + 24.0 * NUMBER);
         let file = if self.curves { 4.0 * NUMBER * CHUNK * s } else { 0.0 };
         // What is needed one after the other: the grid of the joint test, then the surfaces.
-        PROGRAM + ensembles + statistical + file + self.functionals().max(batches + self.surfaces())
+        PROGRAM + ensembles + expectations + file + self.functionals().max(batches + self.surfaces())
     }
 
     /// Separations that the joint test looks at.
@@ -149,7 +154,8 @@ impl Sizes {
         let of_search = if self.is_loop { SEARCHED.1 } else { SEARCHED.0 };
         let searched = n * of_search;
         let direct = NUMBER * n + searched;
-        let held = if self.asperities > HELD * TRACT as f64 { 0.0 } else { self.asperities * (NUMBER + of_search) };
+        let held =
+            if self.asperities > HELD * TRACT as f64 { 0.0 } else { self.asperities * (NUMBER + of_search) };
         let periods = BINS.0 / self.step;
         let compressed = self.compressed && periods + self.separations <= BINS.1;
         let queued = QUEUED.0 * (QUEUED.1 * self.step).min(0.5) * n * self.separations;
@@ -159,7 +165,9 @@ impl Sizes {
         let lanes = self.replicas.min(BATCH);
         match (self.is_divided(), compressed) {
             (false, false) => self.workers() * direct,
-            (false, true) => (self.workers() * (lanes * BINNED * n + queued + searched + moments)).max(pilots),
+            (false, true) => {
+                (self.workers() * (lanes * BINNED * n + queued + searched + moments)).max(pilots)
+            }
             (true, false) => {
                 let sums = WAITING.1 * self.separations * self.regimes;
                 COUNTED + self.workers() * (NUMBER * n + WAITING.0 * sums) + held
@@ -172,8 +180,8 @@ impl Sizes {
         }
     }
 
-    /// Estimated disk, bytes: what is kept of the replicas, and for curves the file beside the result that they are collected in and as
-    /// much in the result, as they may not become smaller there.
+    /// Estimated disk, bytes: what is kept of the replicas, and for curves the file beside the result that
+    /// they are collected in and as much in the result, as they may not become smaller there.
     pub fn disk(&self) -> f64 {
         let curves = if self.curves { 2.0 * 2.0 * NUMBER * self.separations * self.replicas } else { 0.0 };
         let means = NUMBER * self.separations * (60.0 + 6.0 * self.regimes + 2.0 * FUNCTIONALS);
@@ -227,8 +235,8 @@ impl Choice {
         }
     }
 
-    /// About the most of these, all else being as it is, for which `needed` bytes are at most `limit`, to two digits; `None` when not
-    /// even the fewest do.
+    /// About the most of these, all else being as it is, for which `needed` bytes are at most `limit`, to two
+    /// digits; `None` when not even the fewest do.
     pub fn most(self, sizes: &Sizes, limit: f64, needed: impl Fn(&Sizes) -> f64) -> Option<u64> {
         let fits = |value: f64| {
             let mut sizes = *sizes;
@@ -280,7 +288,10 @@ mod tests {
             };
             let limit = 0.5 * (with(1) + SIZES.memory());
             let most = choice.most(&SIZES, limit, Sizes::memory).unwrap();
-            assert!(most > 1 && with(most) <= limit && with(most + most / 10 + 1) > limit, "{choice:?}: {most}");
+            assert!(
+                most > 1 && with(most) <= limit && with(most + most / 10 + 1) > limit,
+                "{choice:?}: {most}"
+            );
         }
         let most = Choice::Replicas.most(&Sizes { group: 8.0, ..SIZES }, 50e9, Sizes::memory);
         assert!(most.is_some_and(|most| most.is_multiple_of(8)), "{most:?}");

@@ -6,7 +6,8 @@ use crate::surface::{STRATA, SamplingScheme};
 use std::ops::RangeInclusive;
 use toml::de::DeValue;
 
-/// Groups of replicas before the targets are looked at for the first time, and replicas at most, unless a scene says otherwise.
+/// Groups of replicas before the targets are looked at for the first time, and replicas at most, unless a
+/// scene says otherwise.
 const DEFAULTS: (u64, u64) = (64, 100_000);
 /// Numbers of replicas that can be asked for.
 pub(super) const REPLICAS: RangeInclusive<u64> = 1..=1_000_000_000_000;
@@ -15,7 +16,8 @@ pub(super) const RELATIVE: RangeInclusive<f64> = 1e-9..=0.5;
 /// Most targets of a scene.
 const MOST_TARGETS: usize = 16;
 
-/// The numbers of a replica whose means can be targets, and what they measure; the engine's scalars, in their order.
+/// The numbers of a replica whose means can be targets, and what they measure; the engine's scalars, in their
+/// order.
 pub const QUANTITIES: [(&str, Dimension); 4] = [
     ("pull_off_force", Dimension::Force),
     ("pull_off_separation", Dimension::Length),
@@ -87,7 +89,8 @@ impl Target {
 pub struct Stopping {
     /// At least one; all are to be met.
     pub targets: Vec<Target>,
-    /// Replicas before the targets are looked at for the first time, in whole groups of any sampling scheme unless it is all there may be.
+    /// Replicas before the targets are looked at for the first time, in whole groups of any sampling scheme
+    /// unless it is all there may be.
     pub min_replicas: u64,
     /// Replicas at most, at least as many, in whole groups of the sampling scheme.
     pub max_replicas: u64,
@@ -106,16 +109,16 @@ pub(super) fn replicas(
     let bounds = ["min_replicas", "max_replicas"].map(|key| ensemble.get(key));
     let Some(target) = ensemble.get("target") else {
         if let Some(bound) = bounds.iter().flatten().next() {
-            return Err(bound
-                .wrong("is for runs that end at a target, and there is none; `replicas` is their number without one"));
+            return Err(bound.wrong(
+                "is for runs that end at a target, and there is none; `replicas` is their number without one",
+            ));
         }
         let replicas = whole(&ensemble.require("replicas")?)?;
         return Ok((replicas, None));
     };
     if let Some(replicas) = ensemble.get("replicas") {
-        return Err(
-            replicas.wrong("with a target the number follows from it: give min_replicas and max_replicas instead")
-        );
+        return Err(replicas
+            .wrong("with a target the number follows from it: give min_replicas and max_replicas instead"));
     }
     let [least, most] = &bounds;
     let min_replicas = least.as_ref().map(|least| least.whole()).transpose();
@@ -125,8 +128,11 @@ pub(super) fn replicas(
     let min_replicas = if min_replicas <= max_replicas {
         min_replicas.div_ceil(STRATA).saturating_mul(STRATA).min(max_replicas)
     } else {
-        let entry = least.as_ref().or(most.as_ref()).expect("one of them is given where the defaults do not fit");
-        return Err(entry.wrong(&format!("min_replicas = {min_replicas} is more than max_replicas = {max_replicas}")));
+        let entry =
+            least.as_ref().or(most.as_ref()).expect("one of them is given where the defaults do not fit");
+        return Err(
+            entry.wrong(&format!("min_replicas = {min_replicas} is more than max_replicas = {max_replicas}"))
+        );
     };
     Ok((max_replicas, Some(Stopping { targets, min_replicas, max_replicas })))
 }
@@ -150,9 +156,12 @@ fn target(entry: &Entry<'_>) -> Result<Target, SceneError> {
         (Some(relative), None) => Limit::Relative(share(&relative)?),
         (None, Some(absolute)) => Limit::Absolute(absolute.positive(QUANTITIES[quantity].1)?),
         (Some(_), Some(absolute)) => {
-            return Err(absolute.wrong("give either relative_standard_error or standard_error; for both, two targets"));
+            return Err(absolute
+                .wrong("give either relative_standard_error or standard_error; for both, two targets"));
         }
-        (None, None) => return Err(entry.wrong("lacks relative_standard_error, for example 1e-3, or standard_error")),
+        (None, None) => {
+            return Err(entry.wrong("lacks relative_standard_error, for example 1e-3, or standard_error"));
+        }
     };
     Ok(Target { quantity, estimate: estimate.unwrap_or_default(), limit })
 }

@@ -52,7 +52,10 @@ pub static SWEEPABLE: LazyLock<Vec<Sweepable>> = LazyLock::new(|| {
 /// Keys that are not swept, by how their names begin, and what would do.
 const REFUSED: &[(&str, &str)] = &[
     ("ensemble.replicas", "all points have the same replicas: give them in [ensemble], or with --replicas"),
-    ("ensemble.seed", "all points have the same seed; common_random_numbers = false gives each one of its own"),
+    (
+        "ensemble.seed",
+        "all points have the same seed; common_random_numbers = false gives each one of its own",
+    ),
     ("ensemble.", "all points are sampled alike: give it in [ensemble]"),
     (
         "separation",
@@ -181,7 +184,14 @@ impl Sweep {
             Ok(Axis { key, values })
         });
         let axes = all(axes)?;
-        Ok(Self { mode, common_random_numbers, axes, text: text.to_owned(), template: template(text)?, files })
+        Ok(Self {
+            mode,
+            common_random_numbers,
+            axes,
+            text: text.to_owned(),
+            template: template(text)?,
+            files,
+        })
     }
 
     /// The sweep of one key of a scene that has none, with texts put in the place of some of its keys.
@@ -205,7 +215,14 @@ impl Sweep {
             put(&mut template, name, value(*text))?;
         }
         let axes = vec![Axis { key, values }];
-        Ok(Self { mode: Mode::Grid, common_random_numbers: true, axes, text: text.to_owned(), template, files })
+        Ok(Self {
+            mode: Mode::Grid,
+            common_random_numbers: true,
+            axes,
+            text: text.to_owned(),
+            template,
+            files,
+        })
     }
 
     /// The text of the scene with its sweep.
@@ -229,7 +246,8 @@ impl Sweep {
     /// The index of a point along each dimension.
     pub fn place(&self, point: usize) -> Vec<usize> {
         let mut rest = point;
-        let mut place: Vec<usize> = self.shape().iter().rev().map(|length| (rest % length, rest /= length).0).collect();
+        let mut place: Vec<usize> =
+            self.shape().iter().rev().map(|length| (rest % length, rest /= length).0).collect();
         place.reverse();
         place
     }
@@ -249,7 +267,11 @@ impl Sweep {
     /// The value of each key at a point, in words.
     pub fn assignments(&self, point: usize) -> String {
         let values = self.values(point);
-        let pairs = self.axes.iter().zip(values).map(|(axis, v)| format!("{} = {}", axis.key.name, axis.key.shown(v)));
+        let pairs = self
+            .axes
+            .iter()
+            .zip(values)
+            .map(|(axis, v)| format!("{} = {}", axis.key.name, axis.key.shown(v)));
         pairs.collect::<Vec<String>>().join(", ")
     }
 
@@ -268,7 +290,8 @@ impl Sweep {
     /// The scene of a point.
     ///
     /// # Errors
-    /// [`SceneError`] of that scene, with the point named, and the line where it is one of the sweep's own text.
+    /// [`SceneError`] of that scene, with the point named, and the line where it is one of the sweep's own
+    /// text.
     pub fn scene(&self, point: usize) -> Result<Scene, SceneError> {
         let mut scene = self.alone(point)?;
         if !self.common_random_numbers {
@@ -283,8 +306,9 @@ impl Sweep {
     /// As [`Sweep::scene`].
     pub fn alone(&self, point: usize) -> Result<Scene, SceneError> {
         let text = self.text(point)?;
-        let document = document(&text)
-            .and_then(|document| Scene::read(&text, &Section::root(&text, document.get_ref()), self.files.as_ref()));
+        let document = document(&text).and_then(|document| {
+            Scene::read(&text, &Section::root(&text, document.get_ref()), self.files.as_ref())
+        });
         document.map_err(|mut error| {
             let point = self.name(point).replace(" (", " (`").replace(')', "`)");
             for problem in &mut error.problems {
@@ -295,8 +319,9 @@ impl Sweep {
         })
     }
 
-    /// The seed of a point: with common random numbers that of the sweep, else output `point` of the generator SplitMix64 (Steele, Lea
-    /// and Flood 2014, OOPSLA 453) that begins at the seed of the sweep, without its lowest bit.
+    /// The seed of a point: with common random numbers that of the sweep, else output `point` of the
+    /// generator SplitMix64 (Steele, Lea and Flood 2014, OOPSLA 453) that begins at the seed of the sweep,
+    /// without its lowest bit.
     pub fn seed(&self, seed: u64, point: usize) -> u64 {
         if self.common_random_numbers { seed } else { split_mix(seed, point as u64) >> 1 }
     }
@@ -471,12 +496,17 @@ mod tests {
     use super::*;
     use crate::scene::files::NoFiles;
 
-    /// The first outputs of the published generator begun at 1234567 (Vigna, splitmix64.c; Rosetta Code, "Pseudo-random
-    /// numbers/Splitmix64").
+    /// The first outputs of the published generator begun at 1234567 (Vigna, splitmix64.c; Rosetta Code,
+    /// "Pseudo-random numbers/Splitmix64").
     #[test]
     fn seeds_are_those_of_splitmix64() {
-        let expected =
-            [6457827717110365317, 3203168211198807973, 9817491932198370423, 4593380528125082431, 16408922859458223821];
+        let expected = [
+            6457827717110365317,
+            3203168211198807973,
+            9817491932198370423,
+            4593380528125082431,
+            16408922859458223821,
+        ];
         for (i, output) in expected.into_iter().enumerate() {
             assert_eq!(split_mix(1234567, i as u64), output);
         }
@@ -513,7 +543,10 @@ mod tests {
                 Some(Dimension::SurfaceEnergy) => 0.125,
                 Some(Dimension::Force | Dimension::Stiffness) => 1.25,
             };
-            let swept = Sweep::along(&scene, key.name, vec![number], &[], Arc::new(NoFiles)).unwrap().scene(0).unwrap();
+            let swept = Sweep::along(&scene, key.name, vec![number], &[], Arc::new(NoFiles))
+                .unwrap()
+                .scene(0)
+                .unwrap();
             let numbers = |scene: &Scene| {
                 format!(
                     "{:?} {:?} {:?} {:?}",

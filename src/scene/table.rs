@@ -24,12 +24,19 @@ const FILE_COLUMN: &str = "For a CSV file. A column by its name, or by its numbe
 const FILE_DATASET: &str = "For an HDF5 file. A dataset of one dimension.";
 const FILE_UNIT: &str = "The values of the file are multiplied by it.";
 
-/// Every key of a scene by its dotted name, in the order of the reference. `[]` stands for an element of a list,
-/// `sweep.*` for a key that is swept.
+/// Every key of a scene by its dotted name, in the order of the reference. `[]` stands for an element of a
+/// list, `sweep.*` for a key that is swept.
 pub static KEYS: &[Key] = &[
     key("format", "1", Whole(FORMAT, FORMAT), Required, "version of the scene format", ""),
     key("title", "\"Case II\"", Text, Is("\"\""), "name of the scene, for people", "It changes no result."),
-    key("material", "{ reduced_modulus = \"85.29 GPa\" }", Table, Required, "what the two bodies are made of", ""),
+    key(
+        "material",
+        "{ reduced_modulus = \"85.29 GPa\" }",
+        Table,
+        Required,
+        "what the two bodies are made of",
+        "",
+    ),
     key(
         "material.reduced_modulus",
         "\"85.29 GPa\"",
@@ -96,7 +103,14 @@ pub static KEYS: &[Key] = &[
         "surface energies γ₁ and γ₂ of the two bodies",
         "Needs `interface_energy`.",
     ),
-    key("material.surface_energy[]", "\"50 mJ/m^2\"", Quantity(Of::SurfaceEnergy, Positive), Required, "", ""),
+    key(
+        "material.surface_energy[]",
+        "\"50 mJ/m^2\"",
+        Quantity(Of::SurfaceEnergy, Positive),
+        Required,
+        "",
+        "",
+    ),
     key(
         "material.interface_energy",
         "\"20 mJ/m^2\"",
@@ -227,7 +241,14 @@ pub static KEYS: &[Key] = &[
          its highest tops.",
     )
     .swept(),
-    key("surface.heights.path", "\"heights.csv\"", Text, Required, "file of heights, of the law `file`", FILE_PATH),
+    key(
+        "surface.heights.path",
+        "\"heights.csv\"",
+        Text,
+        Required,
+        "file of heights, of the law `file`",
+        FILE_PATH,
+    ),
     key(
         "surface.heights.column",
         "\"height\"",
@@ -237,8 +258,22 @@ pub static KEYS: &[Key] = &[
         FILE_COLUMN,
     )
     .excludes(&["surface.heights.dataset"]),
-    key("surface.heights.dataset", "\"/asperities/height\"", Text, Required, "dataset of the file", FILE_DATASET),
-    key("surface.heights.unit", "\"nm\"", Various("a unit of length"), Required, "unit of the file", FILE_UNIT),
+    key(
+        "surface.heights.dataset",
+        "\"/asperities/height\"",
+        Text,
+        Required,
+        "dataset of the file",
+        FILE_DATASET,
+    ),
+    key(
+        "surface.heights.unit",
+        "\"nm\"",
+        Various("a unit of length"),
+        Required,
+        "unit of the file",
+        FILE_UNIT,
+    ),
     key(
         "surface.radii",
         "{ law = \"gamma\", coefficient_of_variation = 0.5 }",
@@ -276,7 +311,14 @@ pub static KEYS: &[Key] = &[
         FILE_COLUMN,
     )
     .excludes(&["surface.radii.dataset"]),
-    key("surface.radii.dataset", "\"/asperities/radius\"", Text, Required, "dataset of the file", FILE_DATASET),
+    key(
+        "surface.radii.dataset",
+        "\"/asperities/radius\"",
+        Text,
+        Required,
+        "dataset of the file",
+        FILE_DATASET,
+    ),
     key("surface.radii.unit", "\"um\"", Various("a unit of length"), Required, "unit of the file", FILE_UNIT),
     key(
         "surface.count",
@@ -419,7 +461,14 @@ pub static KEYS: &[Key] = &[
     )
     .excludes(&["separation.h_star"]),
     key("separation.h.from", "\"-2 nm\"", Quantity(Of::Length, Any), Required, "the first", ""),
-    key("separation.h.to", "\"13 nm\"", Quantity(Of::Length, Any), Required, "the last", "Greater than `from`."),
+    key(
+        "separation.h.to",
+        "\"13 nm\"",
+        Quantity(Of::Length, Any),
+        Required,
+        "the last",
+        "Greater than `from`.",
+    ),
     key("separation.h.count", "91", Whole(2, separation::MOST), Required, "how many, evenly spaced", ""),
     key("separation.h[]", "\"3 nm\"", Quantity(Of::Length, Any), Required, "", ""),
     key(
@@ -432,7 +481,14 @@ pub static KEYS: &[Key] = &[
          step.",
     ),
     key("separation.h_star.from", "-1.0", Number(Unbounded, Unbounded), Required, "the first", ""),
-    key("separation.h_star.to", "8.0", Number(Unbounded, Unbounded), Required, "the last", "Greater than `from`."),
+    key(
+        "separation.h_star.to",
+        "8.0",
+        Number(Unbounded, Unbounded),
+        Required,
+        "the last",
+        "Greater than `from`.",
+    ),
     key("separation.h_star.count", "91", Whole(2, separation::MOST), Required, "how many, evenly spaced", ""),
     key("separation.h_star[]", "2.0", Number(Unbounded, Unbounded), Required, "", ""),
     key(

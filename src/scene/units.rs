@@ -35,11 +35,23 @@ const UNITS: &[(Dimension, &[(&str, i32)])] = &[
             ("pm", -12),
         ],
     ),
-    (Dimension::Area, &[("m^2", 0), ("mm^2", -6), ("um^2", -12), ("µm^2", -12), ("μm^2", -12), ("nm^2", -18)]),
-    (Dimension::ArealDensity, &[("/m^2", 0), ("/mm^2", 6), ("/um^2", 12), ("/µm^2", 12), ("/μm^2", 12), ("/nm^2", 18)]),
+    (
+        Dimension::Area,
+        &[("m^2", 0), ("mm^2", -6), ("um^2", -12), ("µm^2", -12), ("μm^2", -12), ("nm^2", -18)],
+    ),
+    (
+        Dimension::ArealDensity,
+        &[("/m^2", 0), ("/mm^2", 6), ("/um^2", 12), ("/µm^2", 12), ("/μm^2", 12), ("/nm^2", 18)],
+    ),
     (Dimension::Pressure, &[("Pa", 0), ("kPa", 3), ("MPa", 6), ("GPa", 9), ("TPa", 12)]),
-    (Dimension::SurfaceEnergy, &[("J/m^2", 0), ("mJ/m^2", -3), ("uJ/m^2", -6), ("N/m", 0), ("mN/m", -3), ("uN/m", -6)]),
-    (Dimension::Force, &[("N", 0), ("mN", -3), ("uN", -6), ("µN", -6), ("μN", -6), ("nN", -9), ("pN", -12), ("kN", 3)]),
+    (
+        Dimension::SurfaceEnergy,
+        &[("J/m^2", 0), ("mJ/m^2", -3), ("uJ/m^2", -6), ("N/m", 0), ("mN/m", -3), ("uN/m", -6)],
+    ),
+    (
+        Dimension::Force,
+        &[("N", 0), ("mN", -3), ("uN", -6), ("µN", -6), ("μN", -6), ("nN", -9), ("pN", -12), ("kN", 3)],
+    ),
     (
         Dimension::Stiffness,
         &[
@@ -76,7 +88,8 @@ impl Dimension {
         units(self).iter().find(|(_, power)| *power == 0).expect("every dimension has its SI unit").0
     }
 
-    /// The largest of its units that is not larger than a value, and its size, SI; the SI unit for a value below all of them.
+    /// The largest of its units that is not larger than a value, and its size, SI; the SI unit for a value
+    /// below all of them.
     pub fn unit_below(self, value: f64) -> (&'static str, f64) {
         let thousands = units(self).iter().filter(|(unit, power)| unit.is_ascii() && power % 3 == 0);
         let sizes = thousands.map(|(unit, power)| (*unit, 10_f64.powi(*power)));
@@ -127,8 +140,8 @@ pub enum QuantityError {
     UnknownUnit(String),
 }
 
-/// Reads a quantity such as `3.33 um`; SI. The power of ten of the unit is applied in the decimal text, so `1.6 nm` is the
-/// double nearest to 1.6e-9.
+/// Reads a quantity such as `3.33 um`; SI. The power of ten of the unit is applied in the decimal text, so
+/// `1.6 nm` is the double nearest to 1.6e-9.
 ///
 /// # Errors
 /// [`QuantityError`].
@@ -150,23 +163,29 @@ pub fn parse(text: &str, dimension: Dimension) -> Result<f64, QuantityError> {
         None => Err(UNITS
             .iter()
             .find(|(other, _)| find(*other).is_some())
-            .map_or(QuantityError::UnknownUnit(unit.to_owned()), |(other, _)| QuantityError::OtherDimension(*other))),
+            .map_or(QuantityError::UnknownUnit(unit.to_owned()), |(other, _)| {
+                QuantityError::OtherDimension(*other)
+            })),
     }
 }
 
-/// A unit as the table spells it: `um^-2`, `µm⁻²`, `1/um2` and `um**-2` are `/um^2`, `J m-2` is `J/m^2`; the sign ångström is the letter.
+/// A unit as the table spells it: `um^-2`, `µm⁻²`, `1/um2` and `um**-2` are `/um^2`, `J m-2` is `J/m^2`; the
+/// sign ångström is the letter.
 fn normal(unit: &str) -> String {
     let plain = unit.replace('²', "2").replace('⁻', "-").replace('\u{212b}', "Å").replace("A\u{30a}", "Å");
     let (mut above, mut below) = (String::new(), String::new());
     for (i, part) in plain.split('/').enumerate() {
-        for factor in part.split([' ', '·']).filter(|factor| !(factor.is_empty() || i == 0 && *factor == "1")) {
+        for factor in part.split([' ', '·']).filter(|factor| !(factor.is_empty() || i == 0 && *factor == "1"))
+        {
             let base = factor.trim_end_matches(|c: char| c.is_ascii_digit());
             let power = &factor[base.len()..];
             let (inverse, base) = match base.strip_suffix('-') {
                 Some(base) if !power.is_empty() => (true, base),
                 _ => (false, base),
             };
-            let name = ["^", "**"].into_iter().find_map(|sign| base.strip_suffix(sign).filter(|_| !power.is_empty()));
+            let name = ["^", "**"]
+                .into_iter()
+                .find_map(|sign| base.strip_suffix(sign).filter(|_| !power.is_empty()));
             let name = name.unwrap_or(base);
             if name.is_empty() {
                 return plain;
@@ -179,13 +198,16 @@ fn normal(unit: &str) -> String {
     if below.is_empty() { above } else { format!("{above}/{}", below.replace(' ', "/")) }
 }
 
-/// Where the number at the beginning of a text ends, in bytes; 0 where there is none. Looks at each byte once.
+/// Where the number at the beginning of a text ends, in bytes; 0 where there is none. Looks at each byte
+/// once.
 fn number_end(text: &str) -> usize {
     let bytes = text.as_bytes();
     let digits = |from: usize| bytes[from..].iter().take_while(|byte| byte.is_ascii_digit()).count();
     let sign = |at: usize| usize::from(bytes.get(at).is_some_and(|byte| matches!(byte, b'+' | b'-')));
     let start = sign(0);
-    let word = |word: &&str| bytes[start..].get(..word.len()).is_some_and(|b| b.eq_ignore_ascii_case(word.as_bytes()));
+    let word = |word: &&str| {
+        bytes[start..].get(..word.len()).is_some_and(|b| b.eq_ignore_ascii_case(word.as_bytes()))
+    };
     if let Some(word) = ["infinity", "inf", "nan"].iter().find(|name| word(name)) {
         return start + word.len();
     }
@@ -267,7 +289,8 @@ mod tests {
     /// The power of ten of a spelling, from what its prefixes and exponents mean in the SI.
     fn power(spelling: &str) -> i32 {
         let factor = |text: &str| {
-            let digits = text.find(|c: char| c == '^' || c == '-' || c.is_ascii_digit()).unwrap_or(text.len());
+            let digits =
+                text.find(|c: char| c == '^' || c == '-' || c.is_ascii_digit()).unwrap_or(text.len());
             let (unit, exponent) = (&text[..digits], text[digits..].trim_start_matches('^'));
             let exponent: i32 = if exponent.is_empty() { 1 } else { exponent.parse().unwrap() };
             let prefix = match unit.strip_suffix("Pa").or(unit.strip_suffix(['m', 'N', 'J'])) {
@@ -358,7 +381,10 @@ mod tests {
     #[test]
     fn what_is_not_a_quantity_is_named() {
         assert_eq!(parse("3", Dimension::Length), Err(QuantityError::NoUnit));
-        assert_eq!(parse("3 GPa", Dimension::Length), Err(QuantityError::OtherDimension(Dimension::Pressure)));
+        assert_eq!(
+            parse("3 GPa", Dimension::Length),
+            Err(QuantityError::OtherDimension(Dimension::Pressure))
+        );
         assert_eq!(parse("3 furlong", Dimension::Length), Err(QuantityError::UnknownUnit("furlong".into())));
         assert_eq!(parse("three nm", Dimension::Length), Err(QuantityError::NoNumber));
         assert_eq!(parse("", Dimension::Length), Err(QuantityError::NoNumber));
@@ -373,7 +399,8 @@ mod tests {
         }
     }
 
-    /// An energy per area and a stiffness share units, which are the same in SI; no other spelling is there twice.
+    /// An energy per area and a stiffness share units, which are the same in SI; no other spelling is there
+    /// twice.
     #[test]
     fn no_spelling_means_two_things() {
         let of = |(dimension, units): &(Dimension, &'static [(&'static str, i32)])| {
@@ -382,7 +409,8 @@ mod tests {
         let all: Vec<(Dimension, (&str, i32))> = UNITS.iter().flat_map(of).collect();
         let shared = [Dimension::SurfaceEnergy, Dimension::Stiffness];
         for (i, (dimension, unit)) in all.iter().enumerate() {
-            let same: Vec<_> = all.iter().enumerate().filter(|(j, (_, other))| *j != i && other.0 == unit.0).collect();
+            let same: Vec<_> =
+                all.iter().enumerate().filter(|(j, (_, other))| *j != i && other.0 == unit.0).collect();
             assert!(same.len() <= usize::from(shared.contains(dimension)), "{unit:?}");
             let fits = |(_, (other, also)): &(usize, &(Dimension, (&str, i32)))| {
                 *other != *dimension && shared.contains(other) && also == unit

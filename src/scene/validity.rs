@@ -1,7 +1,8 @@
-//! What of a scene is outside of what the models are valid for, or of what is known of materials and surfaces, so that a unit may be wrong.
+//! What of a scene is outside of what the models are valid for, or of what is known of materials and
+//! surfaces, so that a unit may be wrong.
 //!
-//! Asperities are independent: no elastic coupling through the substrate, no coalescence of contacts. Their contacts are small against
-//! their radius, their number is large, and the surface is a continuum.
+//! Asperities are independent: no elastic coupling through the substrate, no coalescence of contacts. Their
+//! contacts are small against their radius, their number is large, and the surface is a continuum.
 
 use super::Scene;
 use crate::asperity::models::Model;
@@ -110,7 +111,8 @@ const RADII: [f64; 2] = [10e-9, 1e-2];
 const LAMBDAS: [f64; 2] = [1e-3, 1e4];
 /// ψ, likewise.
 const PLASTICITY_INDICES: [f64; 2] = [0.01, 300.0];
-/// ηRσ = 0.0204 √α of an isotropic Gaussian surface, for Nayak parameters α from 1.5, the least possible, to 100.
+/// ηRσ = 0.0204 √α of an isotropic Gaussian surface, for Nayak parameters α from 1.5, the least possible, to
+/// 100.
 const PRODUCTS: [f64; 2] = [0.0249, 0.204];
 /// Largest radius of a contact over that of its asperity.
 const LARGEST_CONTACT: f64 = 0.3;
@@ -155,7 +157,8 @@ fn exceeded(scene: &Scene, model: &Model) -> Vec<Warning> {
     exceeded.map(|(finding, reason)| Warning { finding, reason, keys: &[] }).collect()
 }
 
-/// Lengths that are too large or too small beside others, under a law that may take the asperities as dry, and too few asperities.
+/// Lengths that are too large or too small beside others, under a law that may take the asperities as dry,
+/// and too few asperities.
 fn sizes(scene: &Scene, dry: bool) -> Vec<Warning> {
     let (asperity, surface) = (&scene.asperity, &scene.surface);
     let sigma = surface.surface_height_std;
@@ -174,7 +177,9 @@ fn sizes(scene: &Scene, dry: bool) -> Vec<Warning> {
     let adhesive = scene.scale().radius / asperity.radius;
     if adhesive > LARGEST_CONTACT {
         warnings.push(Warning {
-            finding: format!("adhesion makes contacts {adhesive:.2} of their radius wide, more than {LARGEST_CONTACT}"),
+            finding: format!(
+                "adhesion makes contacts {adhesive:.2} of their radius wide, more than {LARGEST_CONTACT}"
+            ),
             reason: "the laws take contacts as small against the radius (Maugis 1995)".to_owned(),
             keys: &["reduced_modulus", "work_of_adhesion", "asperity_radius"],
         });
@@ -221,8 +226,11 @@ fn ranges(scene: &Scene) -> Vec<Range> {
     let sigma = scene.surface.surface_height_std;
     // N/A_n is η up to the rounding of N.
     let density = scene.surface.asperity_count as f64 / scene.surface.nominal_area;
-    let product =
-        if scene.surface.asperity_count < FEWEST_ASPERITIES { f64::NAN } else { density * asperity.radius * sigma };
+    let product = if scene.surface.asperity_count < FEWEST_ASPERITIES {
+        f64::NAN
+    } else {
+        density * asperity.radius * sigma
+    };
     vec![
         Range {
             name: "reduced_modulus",
@@ -320,9 +328,11 @@ fn rounded(value: f64) -> f64 {
 
 /// Whether contacts unload that are deeper than those for which that is known.
 fn unloading(scene: &Scene, law: &dyn Law) -> Option<Warning> {
-    let plastic = law.regimes().iter().position(|regime| *regime == Regime::Plastic).filter(|_| scene.cycle)?;
+    let plastic =
+        law.regimes().iter().position(|regime| *regime == Regime::Plastic).filter(|_| scene.cycle)?;
     let d = scene.surface.asperity_separation(scene.separations[0]);
-    let share = scene.surface.heights.probability(law.boundaries()[plastic - 1].interference + d, f64::INFINITY);
+    let share =
+        scene.surface.heights.probability(law.boundaries()[plastic - 1].interference + d, f64::INFINITY);
     let contacts = share * scene.surface.asperity_count as f64 * scene.replicas as f64;
     (contacts >= FEWEST_UNLOADED).then(|| Warning {
         finding: format!("{contacts:.0} contacts of the whole run are fully plastic when the surfaces turn back"),
@@ -352,13 +362,18 @@ fn contacts(scene: &Scene, law: &dyn Law) -> Option<Warning> {
         let finding = format!("{contacts:.1e} contacts are expected {place}");
         (finding, "nothing touches, only attraction across the gap is computed".to_owned())
     } else {
-        let finding = format!("only {contacts:.0} contacts are expected {place}, fewer than {FEWEST_CONTACTS}");
-        (finding, format!("what rests on them has a relative error of {:.0} % (Poisson)", 100.0 / contacts.sqrt()))
+        let finding =
+            format!("only {contacts:.0} contacts are expected {place}, fewer than {FEWEST_CONTACTS}");
+        (
+            finding,
+            format!("what rests on them has a relative error of {:.0} % (Poisson)", 100.0 / contacts.sqrt()),
+        )
     };
     Some(Warning { finding, reason, keys: &["separation", "surface_height_std"] })
 }
 
-/// What is said of those readings that have more than `largest` of something, by `told` of the share in per cent and of where it is.
+/// What is said of those readings that have more than `largest` of something, by `told` of the share in per
+/// cent and of where it is.
 fn told_of(
     scene: &Scene,
     readings: &[Reading],
@@ -391,7 +406,8 @@ fn contact_share(scene: &Scene, readings: &[Reading]) -> Option<Warning> {
 
 /// Whether the curves have what is read off them.
 fn unresolved(scene: &Scene, readings: &[Reading]) -> Option<Warning> {
-    let told = |what: WhatIsRead, share: &str, h_star: &str| format!("{share} of the {} at {h_star}", what.name());
+    let told =
+        |what: WhatIsRead, share: &str, h_star: &str| format!("{share} of the {} at {h_star}", what.name());
     let missed = told_of(scene, readings, LARGEST_MISSED, |reading| reading.missed, told)?;
     Some(Warning {
         finding: format!("the separations are too coarse: the curves miss {missed}"),
@@ -406,7 +422,8 @@ fn unresolved(scene: &Scene, readings: &[Reading]) -> Option<Warning> {
 fn inaccurate(error: f64) -> Option<Warning> {
     (!(error <= LARGEST_ERROR)).then(|| Warning {
         finding: format!("the integral may be off by {error:.1e} of itself, more than {LARGEST_ERROR:.0e}"),
-        reason: "what is compared with it, or corrected by it as a control variate, is off by as much".to_owned(),
+        reason: "what is compared with it, or corrected by it as a control variate, is off by as much"
+            .to_owned(),
         keys: &[],
     })
 }

@@ -12,8 +12,9 @@
 //! | truncated | a standard normal deviate of those between `lower` and `upper` |
 //! | sample | one of given values, each as likely |
 //!
-//! All but the last two have mean 0 and standard deviation 1. A truncated law keeps the scale of the normal law that it was cut from, as a
-//! surface does whose tops are worn off. Values of a sample are heights themselves: its scale is 1.
+//! All but the last two have mean 0 and standard deviation 1. A truncated law keeps the scale of the normal
+//! law that it was cut from, as a surface does whose tops are worn off. Values of a sample are heights
+//! themselves: its scale is 1.
 
 use rand::distr::Open01;
 use rand::{Rng, RngExt};
@@ -94,7 +95,9 @@ impl HeightLaw {
             Self::Exponential => "exponential".to_owned(),
             Self::Weibull(law) => format!("weibull, shape {}", law.shape),
             Self::LogNormal(law) => format!("lognormal, shape {}", law.shape),
-            Self::Truncated(law) => format!("gaussian from {} to {} standard deviations", law.lower, law.upper),
+            Self::Truncated(law) => {
+                format!("gaussian from {} to {} standard deviations", law.lower, law.upper)
+            }
             Self::Sample(values) => format!("one of {} given values", values.len()),
         }
     }
@@ -228,7 +231,8 @@ impl Heights {
         (self.mean + self.std * low, self.mean + self.std * high)
     }
 
-    /// Heights, m, between which all lie that are ever drawn; at least `margin` standard deviations where the normal law has no end.
+    /// Heights, m, between which all lie that are ever drawn; at least `margin` standard deviations where the
+    /// normal law has no end.
     pub fn reach(&self, margin: f64) -> (f64, f64) {
         let support = self.support();
         let (low, high) = match &self.law {
@@ -257,8 +261,8 @@ impl Heights {
         density / self.std
     }
 
-    /// Probability of a height between `low` and `high`, m, accurate in both tails; of a sample, the share of values from `low` to
-    /// below `high`.
+    /// Probability of a height between `low` and `high`, m, accurate in both tails; of a sample, the share of
+    /// values from `low` to below `high`.
     pub fn probability(&self, low: f64, high: f64) -> f64 {
         let deviates = [low, high].map(|u| (u - self.mean) / self.std);
         let [low_s, high_s] = deviates;
@@ -279,14 +283,14 @@ impl Heights {
         }
     }
 
-    /// The height, m, below which lies the share `probability`, within 0 and 1, of a Gaussian law; where that is below 1/2, to a few
-    /// roundings.
+    /// The height, m, below which lies the share `probability`, within 0 and 1, of a Gaussian law; where that
+    /// is below 1/2, to a few roundings.
     pub fn gaussian_quantile(&self, probability: f64) -> f64 {
         self.mean + self.std * Normal::standard().inverse_cdf(probability)
     }
 
-    /// Rising heights, m, from `low` to `high` that divide the law between them into panels on which its density is smooth and varies
-    /// little; nothing is where it is negligible.
+    /// Rising heights, m, from `low` to `high` that divide the law between them into panels on which its
+    /// density is smooth and varies little; nothing is where it is negligible.
     pub fn panels(&self, low: f64, high: f64) -> Vec<f64> {
         let [low, high] = [low, high].map(|u| (u - self.mean) / self.std);
         let panels = match &self.law {
@@ -323,7 +327,9 @@ impl Heights {
                 exponential - 1.0
             }),
             HeightLaw::Weibull(law) => standard(heights, &mut || law.of_exponential(Exp1.sample(random))),
-            HeightLaw::LogNormal(law) => standard(heights, &mut || law.of_normal(StandardNormal.sample(random))),
+            HeightLaw::LogNormal(law) => {
+                standard(heights, &mut || law.of_normal(StandardNormal.sample(random)))
+            }
             HeightLaw::Truncated(law) => standard(heights, &mut || law.draw(random)),
             HeightLaw::Sample(values) => {
                 heights.fill_with(|| self.mean + values[random.random_range(0..values.len())]);
@@ -356,7 +362,8 @@ fn normal_probability(low: f64, high: f64) -> f64 {
     }
 }
 
-/// Rising deviates, one per standard deviation, where the normal density is not below 1e-30 of its largest between `low` and `high`.
+/// Rising deviates, one per standard deviation, where the normal density is not below 1e-30 of its largest
+/// between `low` and `high`.
 fn normal_panels(low: f64, high: f64) -> Vec<f64> {
     let nearest = if low > 0.0 { low } else { high.min(0.0) };
     let reach = (nearest * nearest + 2.0 * NEGLIGIBLE).sqrt();

@@ -43,7 +43,8 @@ pub enum CountLaw {
     /// Always as many.
     #[default]
     Fixed,
-    /// Poisson-distributed, as those of a patch are that is cut out of a large surface of independent asperities.
+    /// Poisson-distributed, as those of a patch are that is cut out of a large surface of independent
+    /// asperities.
     Poisson,
 }
 
@@ -132,7 +133,10 @@ impl Surface {
                 (Some(surface), None) => {
                     let variance = surface * surface - difference;
                     if !(variance > 0.0) {
-                        return Err(SurfaceError::NegativeVariance { given: surface, least: difference.sqrt() });
+                        return Err(SurfaceError::NegativeVariance {
+                            given: surface,
+                            least: difference.sqrt(),
+                        });
                     }
                     (surface, variance.sqrt())
                 }
@@ -143,7 +147,8 @@ impl Surface {
             return Err(SurfaceError::Count(roughness.asperity_density * roughness.nominal_area));
         }
         let mean_plane_offset = roughness.mean_plane_offset.unwrap_or(OFFSET_FACTOR * inverse);
-        let lengths = [("asperity_height_std", asperity_height_std), ("surface_height_std", surface_height_std)];
+        let lengths =
+            [("asperity_height_std", asperity_height_std), ("surface_height_std", surface_height_std)];
         if let Some(&(name, value)) = lengths.iter().find(|(_, value)| !LENGTHS.contains(value)) {
             return Err(SurfaceError::Length { name, value });
         }
@@ -164,7 +169,8 @@ impl Surface {
         })
     }
 
-    /// Asperities of one kind: Gaussian heights of standard deviation `std`, m, about the mean plane of the surface.
+    /// Asperities of one kind: Gaussian heights of standard deviation `std`, m, about the mean plane of the
+    /// surface.
     pub fn uniform(std: f64, asperity_radius: f64, asperity_count: usize, nominal_area: f64) -> Self {
         Self {
             surface_height_std: std,
@@ -184,7 +190,8 @@ impl Surface {
         self.radii != Radii::Common
     }
 
-    /// Whether asperities are drawn as the schemes that stratify need it: a fixed number of Gaussian heights, one radius.
+    /// Whether asperities are drawn as the schemes that stratify need it: a fixed number of Gaussian heights,
+    /// one radius.
     pub fn is_plain(&self) -> bool {
         !self.is_scattered() && self.heights.law == HeightLaw::Gaussian && self.count_law == CountLaw::Fixed
     }
@@ -224,7 +231,11 @@ mod tests {
         assert!((surface.mean_plane_offset - 0.045944 / eta_r).abs() < 1e-24);
         assert_eq!(surface.asperity_count, 7390);
         // Back from σ_s alone.
-        let back = Roughness { surface_height_std: None, asperity_height_std: Some(surface.heights.std), ..case_ii() };
+        let back = Roughness {
+            surface_height_std: None,
+            asperity_height_std: Some(surface.heights.std),
+            ..case_ii()
+        };
         assert!((Surface::new(&back).unwrap().surface_height_std - 1.619e-9).abs() < 1e-23);
     }
 

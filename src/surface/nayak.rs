@@ -1,21 +1,22 @@
 //! Summits of an isotropic Gaussian surface: the joint law of their heights and curvatures.
 //!
 //! # Formula
-//! With the spectral moments m₀ (variance of the heights), m₂ (of the slope along a line) and m₄ (of the curvature along a line), the height
-//! z of a point and its mean curvature κ = −(z_xx + z_yy)/2 are jointly normal with variances m₀ and (2/3)m₄ and covariance m₂. A point is a
-//! summit if its Hessian is definite, which weights κ > 0 by ⟨κ² − r²⟩ over r² < κ², where r² is exponential with mean (2/3)m₄. With
-//! v = κ/√((2/3)m₄) the density of summits is
+//! With the spectral moments m₀ (variance of the heights), m₂ (of the slope along a line) and m₄ (of the
+//! curvature along a line), the height z of a point and its mean curvature κ = −(z_xx + z_yy)/2 are jointly
+//! normal with variances m₀ and (2/3)m₄ and covariance m₂. A point is a summit if its Hessian is definite,
+//! which weights κ > 0 by ⟨κ² − r²⟩ over r² < κ², where r² is exponential with mean (2/3)m₄. With v =
+//! κ/√((2/3)m₄) the density of summits is
 //!
 //! p(v) = 2√3 φ(v) (v² − 1 + e^(−v²)), v > 0,
 //!
-//! and their height is normal at a given κ, with mean (3/2)(m₂/m₄)κ and variance m₀(1 − 3/(2α)), α = m₀m₄/m₂². Hence, with
-//! E\[v\] = 8/√(6π) and E\[v²\] = 2√3 + 1/3,
+//! and their height is normal at a given κ, with mean (3/2)(m₂/m₄)κ and variance m₀(1 − 3/(2α)), α =
+//! m₀m₄/m₂². Hence, with E\[v\] = 8/√(6π) and E\[v²\] = 2√3 + 1/3,
 //!
 //! E\[κ\] = (8/(3√π))√m₄, E\[z\] = 4m₂/√(πm₄), Var z = m₀(1 − 0.8968/α), η = m₄/(6π√3 m₂).
 //!
 //! # Validity
-//! Isotropic Gaussian surfaces, α > 3/2. Sources: Nayak, J. Lubr. Technol. 93 (1971) 398; Greenwood, Wear 261 (2006) 191; the equivalent
-//! asperities as McCool, J. Tribol. 109 (1987) 264 has them, with R = 1/E\[κ\].
+//! Isotropic Gaussian surfaces, α > 3/2. Sources: Nayak, J. Lubr. Technol. 93 (1971) 398; Greenwood, Wear 261
+//! (2006) 191; the equivalent asperities as McCool, J. Tribol. 109 (1987) 264 has them, with R = 1/E\[κ\].
 
 use super::heights::Heights;
 use rand::distr::Open01;
@@ -27,7 +28,8 @@ use std::f64::consts::PI;
 pub const LEAST_ALPHA: f64 = 1.5;
 /// Summits flatter than this v are one in 10¹³; they count as this flat.
 pub const FLATTEST: f64 = 0.003;
-/// Summits sharper than this v are one in 10²⁵. High ones are the sharpest, so that their forces depend on what is far beyond the rest.
+/// Summits sharper than this v are one in 10²⁵. High ones are the sharpest, so that their forces depend on
+/// what is far beyond the rest.
 pub const SHARPEST: f64 = 11.0;
 
 /// Spectral moments of a surface.
@@ -42,8 +44,8 @@ pub struct Spectrum {
 }
 
 impl Spectrum {
-    /// The spectrum whose equivalent asperities have the radius R = 1/E\[κ\], m, and the density η, 1/m², on a surface of standard deviation
-    /// σ, m: m₄ = (3√π/(8R))², m₂ = m₄/(6π√3 η), m₀ = σ².
+    /// The spectrum whose equivalent asperities have the radius R = 1/E\[κ\], m, and the density η, 1/m², on
+    /// a surface of standard deviation σ, m: m₄ = (3√π/(8R))², m₂ = m₄/(6π√3 η), m₀ = σ².
     pub fn of_asperities(surface_height_std: f64, radius: f64, density: f64) -> Self {
         let root = 3.0 * PI.sqrt() / (8.0 * radius);
         let m4 = root * root;
@@ -130,8 +132,8 @@ fn square_deviate() -> f64 {
     2.0 * 3_f64.sqrt() + 1.0 / 3.0
 }
 
-/// Draws a scaled curvature: of the law v²φ(v), which is that of the length of three normal deviates, it keeps the share
-/// (v² − 1 + e^(−v²))/v².
+/// Draws a scaled curvature: of the law v²φ(v), which is that of the length of three normal deviates, it
+/// keeps the share (v² − 1 + e^(−v²))/v².
 pub fn draw(random: &mut impl Rng) -> f64 {
     loop {
         let square: f64 = (0..3).map(|_| Distribution::<f64>::sample(&StandardNormal, random).powi(2)).sum();
@@ -175,7 +177,8 @@ mod tests {
         assert!((mean - mean_deviate()).abs() < 1e-14 && (square - square_deviate()).abs() < 1e-13);
     }
 
-    /// The published factors: 0.8968 of the variance, 0.045944 of the mean height, 3.717e-4 of the variance's difference.
+    /// The published factors: 0.8968 of the variance, 0.045944 of the mean height, 3.717e-4 of the variance's
+    /// difference.
     #[test]
     fn the_equivalent_asperities_are_mccools() {
         let spectrum = spectrum();
@@ -188,8 +191,8 @@ mod tests {
         assert!(((spectrum.m0 - variance) * eta_r * eta_r / 3.717e-4 - 1.0).abs() < 2e-4);
     }
 
-    /// Mean, variance and covariance of 200 000 draws, each within 4.5 standard errors (false alarm below 4e-5 in all; the seed is fixed),
-    /// against the closed forms.
+    /// Mean, variance and covariance of 200 000 draws, each within 4.5 standard errors (false alarm below
+    /// 4e-5 in all; the seed is fixed), against the closed forms.
     #[test]
     fn draws_have_the_joint_moments() {
         let (mut random, count, spectrum) = (ChaCha8Rng::seed_from_u64(7), 200_000, spectrum());

@@ -1,9 +1,10 @@
 //! Laws of asperity radii, alone or together with heights.
 //!
 //! # Formula
-//! Log-normal and gamma radii have the mean radius of the surface and the given coefficient of variation c: R = R̄ exp(ςz − ς²/2) with
-//! ς² = ln(1 + c²), and R = R̄ c² G with a gamma deviate G of the shape 1/c². Summits of a Gaussian surface have radii and heights
-//! that depend on each other ([`super::nayak`]); measured asperities have those that they have.
+//! Log-normal and gamma radii have the mean radius of the surface and the given coefficient of variation c: R
+//! = R̄ exp(ςz − ς²/2) with ς² = ln(1 + c²), and R = R̄ c² G with a gamma deviate G of the shape 1/c².
+//! Summits of a Gaussian surface have radii and heights that depend on each other ([`super::nayak`]);
+//! measured asperities have those that they have.
 
 use super::heights::Heights;
 use super::nayak::{self, Spectrum};
@@ -65,15 +66,21 @@ impl Radii {
             Self::Gamma(variation) => format!("gamma, coefficient of variation {variation}"),
             Self::Sample(radii) => format!("one of {} given values", radii.len()),
             Self::Nayak(spectrum) => {
-                format!("summits of a Gaussian surface, jointly with their heights, alpha = {:.3}", spectrum.alpha())
+                format!(
+                    "summits of a Gaussian surface, jointly with their heights, alpha = {:.3}",
+                    spectrum.alpha()
+                )
             }
-            Self::Measured(asperities) => format!("of {} measured asperities, with their heights", asperities.len()),
+            Self::Measured(asperities) => {
+                format!("of {} measured asperities, with their heights", asperities.len())
+            }
         }
     }
 
     /// The asperities of each radius, for an integral over radii about the mean radius, m.
     pub fn parts(&self, mean: f64, heights: &Heights) -> Vec<Part> {
-        let each = |weight: f64, radius: f64, heights: Heights| Part { weight, coarse: weight, radius, heights };
+        let each =
+            |weight: f64, radius: f64, heights: Heights| Part { weight, coarse: weight, radius, heights };
         match self {
             Self::Common => vec![each(1.0, mean, heights.clone())],
             Self::Sample(radii) => {
@@ -82,7 +89,10 @@ impl Radii {
             }
             Self::Measured(asperities) => {
                 let weight = 1.0 / asperities.len() as f64;
-                asperities.iter().map(|[u, radius]| each(weight, *radius, Heights::sample(vec![*u]))).collect()
+                asperities
+                    .iter()
+                    .map(|[u, radius]| each(weight, *radius, Heights::sample(vec![*u])))
+                    .collect()
             }
             Self::LogNormal(variation) => {
                 let shape = log_shape(*variation);
@@ -148,7 +158,9 @@ impl Radii {
             }
         }
         law.draw(of_heights, heights);
-        radii.iter_mut().for_each(|radius| *radius = radius.clamp(mean * RADIUS_RANGE.0, mean * RADIUS_RANGE.1));
+        radii
+            .iter_mut()
+            .for_each(|radius| *radius = radius.clamp(mean * RADIUS_RANGE.0, mean * RADIUS_RANGE.1));
     }
 }
 
@@ -169,7 +181,8 @@ fn even(low: f64, high: f64, width: f64) -> Vec<f64> {
     (0..=panels).map(|i| low + (high - low) * i as f64 / panels as f64).collect()
 }
 
-/// Parts at the nodes of panels of a variable of some density. Their weights add up to 1, as those of the coarser division do.
+/// Parts at the nodes of panels of a variable of some density. Their weights add up to 1, as those of the
+/// coarser division do.
 fn parts(breaks: &[f64], density: impl Fn(f64) -> f64, of: impl Fn(f64) -> (f64, Heights)) -> Vec<Part> {
     let nodes: Vec<Node> = breaks.windows(2).flat_map(|ends| nodes(ends[0], ends[1], DEGREE)).collect();
     let part = |node: &Node| {
@@ -213,12 +226,14 @@ mod tests {
         laws
     }
 
-    /// Moments of the radius, or of the curvature where that has the closed form, by parts against the closed forms.
+    /// Moments of the radius, or of the curvature where that has the closed form, by parts against the closed
+    /// forms.
     #[test]
     fn parts_have_the_moments_of_the_law() {
         for law in laws() {
             let parts = law.parts(MEAN, &Heights::gaussian(1e-9));
-            let mean = |of: &dyn Fn(&Part) -> f64| parts.iter().map(|part| part.weight * of(part)).sum::<f64>();
+            let mean =
+                |of: &dyn Fn(&Part) -> f64| parts.iter().map(|part| part.weight * of(part)).sum::<f64>();
             match &law {
                 Radii::LogNormal(c) | Radii::Gamma(c) => {
                     let [first, second] = [1, 2].map(|n| mean(&|part| (part.radius / MEAN).powi(n)));
@@ -238,8 +253,8 @@ mod tests {
         }
     }
 
-    /// The share of draws below the median of the parts, in standard errors: below 4.5 (false alarm below 5e-5 in all; the seed is
-    /// fixed), and likewise below their lower and upper decile.
+    /// The share of draws below the median of the parts, in standard errors: below 4.5 (false alarm below
+    /// 5e-5 in all; the seed is fixed), and likewise below their lower and upper decile.
     #[test]
     fn draws_are_those_of_the_parts() {
         for law in laws() {
@@ -249,7 +264,8 @@ mod tests {
             let streams = (&mut ChaCha8Rng::seed_from_u64(3), &mut ChaCha8Rng::seed_from_u64(4));
             law.draw(MEAN, &Heights::gaussian(1e-9), streams, &mut heights, &mut radii);
             for power in [-1, 1, 2] {
-                let expected: f64 = parts.iter().map(|part| part.weight * (part.radius / MEAN).powi(power)).sum();
+                let expected: f64 =
+                    parts.iter().map(|part| part.weight * (part.radius / MEAN).powi(power)).sum();
                 let values: Vec<f64> = radii.iter().map(|radius| (radius / MEAN).powi(power)).collect();
                 let mean = values.iter().sum::<f64>() / values.len() as f64;
                 let square: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
@@ -258,7 +274,10 @@ mod tests {
                 if law == Radii::Gamma(1.0) && power == -1 {
                     continue;
                 }
-                assert!((mean - expected).abs() < 4.5 * error, "{law:?}, {power}: {mean}, {expected} within {error}");
+                assert!(
+                    (mean - expected).abs() < 4.5 * error,
+                    "{law:?}, {power}: {mean}, {expected} within {error}"
+                );
             }
         }
     }

@@ -1,14 +1,14 @@
 //! How the replicas of a surface are drawn relative to each other.
 
-/// Asperities of a tract: a surface of more is drawn in tracts, each from streams of its own, so that they can be drawn in any order, and
-/// again. Part of what the bits of a result depend on, so it is fixed.
+/// Asperities of a tract: a surface of more is drawn in tracts, each from streams of its own, so that they
+/// can be drawn in any order, and again. Part of what the bits of a result depend on, so it is fixed.
 pub const TRACT: usize = 1 << 20;
 
 /// Replicas of a stratified group, and strata of the normal distribution.
 pub const STRATA: u64 = 8;
 
-/// How the replicas of an ensemble are drawn relative to each other. Whatever the scheme, one replica by itself is N independent
-/// Gaussian heights, and groups of replicas are independent of each other.
+/// How the replicas of an ensemble are drawn relative to each other. Whatever the scheme, one replica by
+/// itself is N independent Gaussian heights, and groups of replicas are independent of each other.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SamplingScheme {
     /// Each replica by itself.
@@ -16,15 +16,18 @@ pub enum SamplingScheme {
     Independent,
     /// Pairs of replicas with the same heights of opposite sign (Hammersley and Morton 1956).
     Antithetic,
-    /// Groups of [`STRATA`] replicas, in which each asperity has a height in each of as many equally probable strata: Latin hypercube
-    /// sampling (McKay, Beckman and Conover 1979).
+    /// Groups of [`STRATA`] replicas, in which each asperity has a height in each of as many equally probable
+    /// strata: Latin hypercube sampling (McKay, Beckman and Conover 1979).
     Stratified,
 }
 
 impl SamplingScheme {
     /// All of them, by name.
-    pub const ALL: [(&'static str, Self); 3] =
-        [("independent", Self::Independent), ("antithetic", Self::Antithetic), ("stratified", Self::Stratified)];
+    pub const ALL: [(&'static str, Self); 3] = [
+        ("independent", Self::Independent),
+        ("antithetic", Self::Antithetic),
+        ("stratified", Self::Stratified),
+    ];
 
     /// Its name in scenes and files.
     pub fn name(self) -> &'static str {
@@ -56,7 +59,10 @@ impl SamplingScheme {
         let below = replicas / group * group;
         let such = if below == 0 { String::new() } else { format!("{below} or ") };
         let name = self.name();
-        Err(format!("sampling = \"{name}\" needs a multiple of {group} replicas, such as {such}{}", below + group))
+        Err(format!(
+            "sampling = \"{name}\" needs a multiple of {group} replicas, such as {such}{}",
+            below + group
+        ))
     }
 }
 

@@ -2,14 +2,14 @@
 
 use super::joint::{Probe, SIGNIFICANCE};
 use super::null::{Cumulants, GrowingCumulants};
-use crate::asperity::{Law, Loop, Scratch, Work, for_each_block};
+use crate::asperity::{Law, Loop, Scratch, SolverStats, for_each_block};
 use crate::math::linalg::{LARGEST, gram, whitening};
 use crate::surface::{CountLaw, Heights, Part, STRATA, SamplingScheme, Surface};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
-/// Cells, about, of the grid on which the covariance of the law over separations is formed, beside those that end where a law is not
-/// smooth.
+/// Cells, about, of the grid on which the covariance of the law over separations is formed, beside those that
+/// end where a law is not smooth.
 const CELLS: usize = 1000;
 /// Places of the two nodes in a cell, of Gauss's rule.
 const NODES: [f64; 2] = [0.211_324_865_405_187_1, 0.788_675_134_594_812_9];
@@ -21,14 +21,15 @@ const MOST_GIVEN: usize = 10_000;
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
 /// The grid covers ± this many σ_s, or all that there is.
 const GRID_REACH: f64 = 8.5;
-/// Most separations that the functionals look at: of more, every n-th, because the eigenvectors cost the cube of their number.
+/// Most separations that the functionals look at: of more, every n-th, because the eigenvectors cost the cube
+/// of their number.
 const MAX_SEPARATIONS: usize = LARGEST / 2;
 /// Most functionals.
 const MAX_COMPONENTS: usize = 32;
 /// Smallest eigenvalue that is kept, relative to the largest.
 const SMALLEST_EIGENVALUE: f64 = 1e-9;
-/// Largest squared skewness of a mean over all replicas that is still treated as Gaussian; for a rare event, the reciprocal of how
-/// often it is expected in the whole ensemble.
+/// Largest squared skewness of a mean over all replicas that is still treated as Gaussian; for a rare event,
+/// the reciprocal of how often it is expected in the whole ensemble.
 const LARGEST_SKEWNESS_SQUARED: f64 = 0.01;
 /// Largest excess kurtosis of a mean over all replicas, likewise.
 const LARGEST_KURTOSIS: f64 = 0.02;
@@ -43,11 +44,13 @@ const LARGEST_ERROR: f64 = 0.1;
 /// The functionals and the separations that they look at.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Basis {
-    /// Each scaled to a score of unit variance per replica, or per replica's worth of what the sampling scheme leaves to chance.
+    /// Each scaled to a score of unit variance per replica, or per replica's worth of what the sampling
+    /// scheme leaves to chance.
     pub probes: Vec<Probe>,
     /// Fourth and third cumulants of the scores of a replica.
     pub cumulants: Cumulants,
-    /// For each state of the job, whether adhesion force and external force are Gaussian enough to be looked at.
+    /// For each state of the job, whether adhesion force and external force are Gaussian enough to be looked
+    /// at.
     pub tested: [Vec<bool>; 2],
 }
 
@@ -57,13 +60,19 @@ struct Column {
     gaussian: bool,
 }
 
-/// The functionals for `replicas` replicas that are drawn by a scheme, at separations h, m: leading eigenvectors of the correlation
-/// of adhesion and external force over all separations, by the law and of what the scheme leaves to chance. Separations, and
-/// eigenvectors, whose mean over the ensemble is still decided by a few rare asperities are left out, because no covariance
-/// describes them.
+/// The functionals for `replicas` replicas that are drawn by a scheme, at separations h, m: leading
+/// eigenvectors of the correlation of adhesion and external force over all separations, by the law and of
+/// what the scheme leaves to chance. Separations, and eigenvectors, whose mean over the ensemble is still
+/// decided by a few rare asperities are left out, because no covariance describes them.
 ///
 /// Sums are direct; [`basis_to`] is for others.
-pub fn basis(law: &dyn Law, surface: &Surface, separations: &[f64], scheme: SamplingScheme, replicas: u64) -> Basis {
+pub fn basis(
+    law: &dyn Law,
+    surface: &Surface,
+    separations: &[f64],
+    scheme: SamplingScheme,
+    replicas: u64,
+) -> Basis {
     basis_to(law, surface, separations, scheme, replicas, ACCURACY)
 }
 
@@ -74,8 +83,8 @@ struct State<'a> {
     separation: f64,
 }
 
-/// The same for sums that are accurate to the share `accuracy` of F_s + P: left out are also eigenvectors that vary so little that this
-/// would count.
+/// The same for sums that are accurate to the share `accuracy` of F_s + P: left out are also eigenvectors
+/// that vary so little that this would count.
 pub fn basis_to(
     law: &dyn Law,
     surface: &Surface,
@@ -97,9 +106,11 @@ pub fn basis_of_loop(
     replicas: u64,
 ) -> Basis {
     let closest = surface.asperity_separation(separations[0]);
-    let back: Vec<_> = separations.iter().map(|&h| cycle.at(surface.asperity_separation(h) - closest)).collect();
+    let back: Vec<_> =
+        separations.iter().map(|&h| cycle.at(surface.asperity_separation(h) - closest)).collect();
     let states = separations.iter().map(|&h| at(cycle.approach(), surface, h));
-    let states: Vec<State<'_>> = states.chain(back.iter().map(|law| at(law, surface, separations[0]))).collect();
+    let states: Vec<State<'_>> =
+        states.chain(back.iter().map(|law| at(law, surface, separations[0]))).collect();
     basis_of(&states, surface, scheme, replicas, ACCURACY)
 }
 
@@ -108,7 +119,13 @@ fn at<'a>(law: &'a dyn Law, surface: &Surface, separation: f64) -> State<'a> {
     State { law, separation: surface.asperity_separation(separation) }
 }
 
-fn basis_of(states: &[State<'_>], surface: &Surface, scheme: SamplingScheme, replicas: u64, accuracy: f64) -> Basis {
+fn basis_of(
+    states: &[State<'_>],
+    surface: &Surface,
+    scheme: SamplingScheme,
+    replicas: u64,
+    accuracy: f64,
+) -> Basis {
     let accuracy = accuracy.max(ACCURACY);
     let all = states.len();
     let stride = all.div_ceil(MAX_SEPARATIONS);
@@ -127,11 +144,15 @@ fn basis_of(states: &[State<'_>], surface: &Surface, scheme: SamplingScheme, rep
     let samples = pairs * surface.asperity_count as f64 * replicas as f64;
     let contributions = contributions(&states, surface, scheme);
     let columns = contributions.values.chunks_exact(contributions.weights.len()).zip(&contributions.largest);
-    let columns: Vec<Column> = columns.map(|(c, largest)| contributions.column(c, *largest, samples)).collect();
+    let columns: Vec<Column> =
+        columns.map(|(c, largest)| contributions.column(c, *largest, samples)).collect();
     let kept: Vec<usize> = (0..2 * s).filter(|&j| columns[j].gaussian).collect();
-    let tested = [0, 1].map(|q| (0..all).map(|k| k % stride == 0 && columns[q * s + k / stride].gaussian).collect());
-    let errors: Vec<f64> =
-        kept.iter().map(|&j| accuracy * contributions.forces[j % s] / columns[j].std * samples.sqrt()).collect();
+    let tested =
+        [0, 1].map(|q| (0..all).map(|k| k % stride == 0 && columns[q * s + k / stride].gaussian).collect());
+    let errors: Vec<f64> = kept
+        .iter()
+        .map(|&j| accuracy * contributions.forces[j % s] / columns[j].std * samples.sqrt())
+        .collect();
     let (components, cumulants) = contributions.components(&kept, &columns, samples, &errors);
     // A pair of opposite heights adds twice the half of it that is not odd.
     let root_count = (surface.asperity_count as f64 / pairs).sqrt();
@@ -158,7 +179,8 @@ struct Contributions {
     largest: Vec<f64>,
     /// Mean F_s + P at each separation, N.
     forces: Vec<f64>,
-    /// Ranges of the grid over each of which the mean is not left to chance; none where the number of asperities is left to it.
+    /// Ranges of the grid over each of which the mean is not left to chance; none where the number of
+    /// asperities is left to it.
     strata: Vec<Range<usize>>,
 }
 
@@ -188,7 +210,8 @@ fn grid(states: &[State<'_>], surface: &Surface, scheme: SamplingScheme) -> Vec<
         let law = family.map(|family| family.law(*radius, None));
         let (heights, weights) = match (heights.values(), &law) {
             (Some(values), _) => {
-                let heights: Vec<f64> = values.iter().step_by(values.len().div_ceil(MOST_GIVEN)).copied().collect();
+                let heights: Vec<f64> =
+                    values.iter().step_by(values.len().div_ceil(MOST_GIVEN)).copied().collect();
                 let weights = vec![1.0; heights.len()];
                 (heights, weights)
             }
@@ -219,12 +242,14 @@ fn cells(states: &[State<'_>], heights: &Heights, scheme: SamplingScheme) -> (Ve
     ends.retain(|end| (low..=high).contains(end));
     ends.sort_by(f64::total_cmp);
     ends.dedup();
-    let nodes =
-        ends.windows(2).flat_map(|ends| NODES.map(|place| (ends[0] + place * (ends[1] - ends[0]), ends[1] - ends[0])));
+    let nodes = ends
+        .windows(2)
+        .flat_map(|ends| NODES.map(|place| (ends[0] + place * (ends[1] - ends[0]), ends[1] - ends[0])));
     nodes.map(|(u, width)| (u, heights.density(u) * width)).unzip()
 }
 
-/// Heights, m, rising, and their weights: one in each of even cells at the same share of it, so that over many radii they lie densely.
+/// Heights, m, rising, and their weights: one in each of even cells at the same share of it, so that over
+/// many radii they lie densely.
 fn shifted(heights: &Heights, share: f64) -> (Vec<f64>, Vec<f64>) {
     let ends = divided(heights, OF_RADIUS.0);
     let nodes = ends.windows(2).map(|ends| (ends[0] + share * (ends[1] - ends[0]), ends[1] - ends[0]));
@@ -251,18 +276,25 @@ fn contributions(states: &[State<'_>], surface: &Surface, scheme: SamplingScheme
     let count = weights.len();
     let mut values = vec![0.0; 2 * states.len() * count];
     let (adhesion, external) = values.split_at_mut(states.len() * count);
-    let (mut scratch, mut work) = (Scratch::default(), Work::default());
+    let (mut scratch, mut stats) = (Scratch::default(), SolverStats::default());
     let mut first = 0;
     for alike in &grid {
         for (k, state) in states.iter().enumerate() {
             let law = alike.law.as_deref().unwrap_or(state.law);
-            for_each_block(law, &alike.heights, state.separation, &mut scratch, &mut work, |_, range, responses| {
-                for (i, node) in range.enumerate() {
-                    let place = k * count + first + node;
-                    adhesion[place] = responses.adhesion[i];
-                    external[place] = responses.contact[i] - responses.adhesion[i];
-                }
-            });
+            for_each_block(
+                law,
+                &alike.heights,
+                state.separation,
+                &mut scratch,
+                &mut stats,
+                |_, range, responses| {
+                    for (i, node) in range.enumerate() {
+                        let place = k * count + first + node;
+                        adhesion[place] = responses.adhesion[i];
+                        external[place] = responses.contact[i] - responses.adhesion[i];
+                    }
+                },
+            );
         }
         first += alike.heights.len();
     }
@@ -270,7 +302,8 @@ fn contributions(states: &[State<'_>], surface: &Surface, scheme: SamplingScheme
     // F_s + P = 2 F_s + F.
     let columns = adhesion.chunks_exact(count).zip(external.chunks_exact(count));
     let forces = columns.map(|(adhesion, external)| 2.0 * mean(adhesion) + mean(external)).collect();
-    let largest = values.chunks_exact(count).map(|c| c.iter().fold(0.0, |worst: f64, f| worst.max(f.abs()))).collect();
+    let largest =
+        values.chunks_exact(count).map(|c| c.iter().fold(0.0, |worst: f64, f| worst.max(f.abs()))).collect();
     let mut strata = strata(&grid[0].heights, count, surface, scheme);
     if surface.count_law == CountLaw::Fixed {
         centre(&mut values, &weights, &strata, scheme);
@@ -300,8 +333,8 @@ fn centre(values: &mut [f64], weights: &[f64], strata: &[Range<usize>], scheme: 
     }
 }
 
-/// Ranges of the `count` asperities of the grid over each of which the mean contribution is not left to chance; where there are several, the
-/// surface is a plain one, and the grid that of its rising heights, m.
+/// Ranges of the `count` asperities of the grid over each of which the mean contribution is not left to
+/// chance; where there are several, the surface is a plain one, and the grid that of its rising heights, m.
 fn strata(heights: &[f64], count: usize, surface: &Surface, scheme: SamplingScheme) -> Vec<Range<usize>> {
     let strata = if scheme == SamplingScheme::Stratified { STRATA } else { 1 };
     let end = |stratum: u64| {
@@ -315,7 +348,8 @@ fn strata(heights: &[f64], count: usize, surface: &Surface, scheme: SamplingSche
 
 impl Contributions {
     fn column(&self, column: &[f64], largest: f64, samples: f64) -> Column {
-        let moment = |power: i32| column.iter().zip(&self.weights).map(|(f, w)| w * f.powi(power)).sum::<f64>();
+        let moment =
+            |power: i32| column.iter().zip(&self.weights).map(|(f, w)| w * f.powi(power)).sum::<f64>();
         let std = moment(2).sqrt();
         // What is constant but for rounding, as in the lubricant regime, has no covariance.
         if !(std > 1e-10 * largest && std.is_finite()) {
@@ -323,14 +357,15 @@ impl Contributions {
         }
         let skewness = moment(3) / std.powi(3);
         let kurtosis = moment(4) / std.powi(4) - 3.0;
-        let gaussian =
-            skewness * skewness <= LARGEST_SKEWNESS_SQUARED * samples && kurtosis.abs() <= LARGEST_KURTOSIS * samples;
+        let gaussian = skewness * skewness <= LARGEST_SKEWNESS_SQUARED * samples
+            && kurtosis.abs() <= LARGEST_KURTOSIS * samples;
         Column { std, gaussian }
     }
 
-    /// Eigenvectors of the correlation of the kept columns, scaled to unit variance, and the cumulants of one asperity's contributions to
-    /// them; `errors` of the columns' means are in units of their standard errors. Left out are those with which the mean of `samples`
-    /// contributions would not be close to Gaussian.
+    /// Eigenvectors of the correlation of the kept columns, scaled to unit variance, and the cumulants of one
+    /// asperity's contributions to them; `errors` of the columns' means are in units of their standard
+    /// errors. Left out are those with which the mean of `samples` contributions would not be close to
+    /// Gaussian.
     fn components(
         &self,
         kept: &[usize],
@@ -345,7 +380,9 @@ impl Contributions {
         };
         let scaled: Vec<Vec<f64>> = kept.iter().map(scaled).collect();
         let (mut components, mut growing) = (Vec::new(), GrowingCumulants::new(&self.weights, &self.strata));
-        let error = |component: &[f64]| component.iter().zip(errors).map(|(c, e)| (c * e).powi(2)).sum::<f64>().sqrt();
+        let error = |component: &[f64]| {
+            component.iter().zip(errors).map(|(c, e)| (c * e).powi(2)).sum::<f64>().sqrt()
+        };
         for component in whitening(&gram(&scaled), kept.len(), SMALLEST_EIGENVALUE) {
             if components.len() == MAX_COMPONENTS {
                 break;
@@ -357,7 +394,8 @@ impl Contributions {
             for (column, weight) in scaled.iter().zip(&component) {
                 scores.iter_mut().zip(column).for_each(|(score, x)| *score += weight * x);
             }
-            let unweighted = scores.iter().zip(&self.weights).map(|(x, w)| if *w > 0.0 { x / w.sqrt() } else { 0.0 });
+            let unweighted =
+                scores.iter().zip(&self.weights).map(|(x, w)| if *w > 0.0 { x / w.sqrt() } else { 0.0 });
             if growing.push(unweighted.collect(), |cumulants, k| {
                 cumulants.of(1.0 / samples).correction_at(SIGNIFICANCE, k) <= LARGEST_CORRECTION
             }) {

@@ -1,7 +1,8 @@
-//! How the pull-off force of a finite patch goes to that of the integral as the number N of its asperities grows.
+//! How the pull-off force of a finite patch goes to that of the integral as the number N of its asperities
+//! grows.
 //!
-//! The pull-off of a patch is the minimum of its own curve, and the mean of minima is below the minimum of the mean: single patches pull harder
-//! than the integral, and the less so the more asperities they have.
+//! The pull-off of a patch is the minimum of its own curve, and the mean of minima is below the minimum of
+//! the mean: single patches pull harder than the integral, and the less so the more asperities they have.
 
 use crate::math::least_squares::least_squares;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
@@ -26,7 +27,8 @@ pub struct Scatter {
     pub relative_std: f64,
     /// Adjusted Fisher-Pearson skewness, √(n(n − 1))/(n − 2) m₃/m₂^{3/2}; NaN for fewer than three replicas.
     pub skewness: f64,
-    /// The [`QUANTILES`], interpolated linearly between order statistics (definition 7 of Hyndman and Fan 1996).
+    /// The [`QUANTILES`], interpolated linearly between order statistics (definition 7 of Hyndman and Fan
+    /// 1996).
     pub quantiles: [f64; 7],
 }
 
@@ -38,10 +40,15 @@ impl Scatter {
         let moment = |power: i32| values.iter().map(|value| (value - mean).powi(power)).sum::<f64>() / n;
         let (second, third) = (moment(2), moment(3));
         let relative_std = if n < 2.0 { f64::NAN } else { (second * n / (n - 1.0)).sqrt() / mean.abs() };
-        let skewness = if n < 3.0 { f64::NAN } else { (n * (n - 1.0)).sqrt() / (n - 2.0) * third / second.powf(1.5) };
+        let skewness =
+            if n < 3.0 { f64::NAN } else { (n * (n - 1.0)).sqrt() / (n - 2.0) * third / second.powf(1.5) };
         let mut sorted = values.to_vec();
         sorted.sort_unstable_by(f64::total_cmp);
-        Self { relative_std, skewness, quantiles: QUANTILES.map(|probability| quantile(&sorted, probability)) }
+        Self {
+            relative_std,
+            skewness,
+            quantiles: QUANTILES.map(|probability| quantile(&sorted, probability)),
+        }
     }
 }
 
@@ -105,8 +112,9 @@ impl std::fmt::Display for Refusal {
 }
 
 impl Approach {
-    /// Fits the biases of sizes in rising order, with their standard errors, by weighted least squares: to those of at most one half, less
-    /// the smallest ones as long as the χ² rejects a power law, because it is what the bias goes to.
+    /// Fits the biases of sizes in rising order, with their standard errors, by weighted least squares: to
+    /// those of at most one half, less the smallest ones as long as the χ² rejects a power law, because it is
+    /// what the bias goes to.
     ///
     /// # Errors
     /// [`Refusal`], when the biases carry no power law.
@@ -144,7 +152,8 @@ impl Approach {
         if !(level > 0.0) {
             return None;
         }
-        let fit = least_squares(model, &places, &values, &[[level.ln() - 1.0, 0.5], [level.ln() - 3.0, 1.0]])?;
+        let fit =
+            least_squares(model, &places, &values, &[[level.ln() - 1.0, 0.5], [level.ln() - 3.0, 1.0]])?;
         let [level, exponent] = fit.parameters;
         let mut normal = [[0.0; 2]; 2];
         for &place in &places {
@@ -175,7 +184,8 @@ impl Approach {
         })
     }
 
-    /// The number of asperities at which the bias is so much, and the standard error of its logarithm: of ln N = (ln c − ln b)/a.
+    /// The number of asperities at which the bias is so much, and the standard error of its logarithm: of ln
+    /// N = (ln c − ln b)/a.
     fn count(&self, bias: f64) -> (f64, f64) {
         let (ln, a) = ((self.coefficient / bias).ln() / self.exponent, self.exponent);
         let [level, exponent] = self.standard_errors;
@@ -270,7 +280,8 @@ mod tests {
         assert!(one.relative_std.is_nan() && one.skewness.is_nan() && one.quantiles == [3.0; 7]);
     }
 
-    /// ln N = (ln c − ln b)/a, by hand: with a = 1/2 and ln c − ln b = 3/2 the squared error of ln N is (0.1² + 3²·0.02² − 2·3·0.001)/a².
+    /// ln N = (ln c − ln b)/a, by hand: with a = 1/2 and ln c − ln b = 3/2 the squared error of ln N is (0.1²
+    /// + 3²·0.02² − 2·3·0.001)/a².
     #[test]
     fn a_count_has_its_error() {
         let approach = Approach {
@@ -282,10 +293,14 @@ mod tests {
             degrees_of_freedom: 1,
             fitted: vec![true; 3],
         };
-        for (bias, count, error) in [(2.0, 1.0, 0.2), (2.0 * (-1.5_f64).exp(), 3.0_f64.exp(), 2.0 * 0.0076_f64.sqrt())]
+        for (bias, count, error) in
+            [(2.0, 1.0, 0.2), (2.0 * (-1.5_f64).exp(), 3.0_f64.exp(), 2.0 * 0.0076_f64.sqrt())]
         {
             let found = approach.count(bias);
-            assert!((found.0 / count - 1.0).abs() < 1e-12 && (found.1 / error - 1.0).abs() < 1e-12, "{found:?}");
+            assert!(
+                (found.0 / count - 1.0).abs() < 1e-12 && (found.1 / error - 1.0).abs() < 1e-12,
+                "{found:?}"
+            );
         }
     }
 
@@ -317,7 +332,8 @@ mod tests {
         );
     }
 
-    /// Two sizes carry no power law, whatever a line through them says, and neither do biases that are still far from their limit.
+    /// Two sizes carry no power law, whatever a line through them says, and neither do biases that are still
+    /// far from their limit.
     #[test]
     fn what_the_sizes_do_not_carry_is_not_told() {
         let counts = [10.0, 100.0, 1e3, 1e4, 1e5, 1e6];
@@ -326,13 +342,18 @@ mod tests {
         // Two of at most one half; then three.
         assert_eq!(Approach::new(&counts, &power, &errors), Err(Refusal::TooFew));
         let three = power.map(|b| b / 4.0);
-        assert_eq!(Approach::new(&counts, &three, &errors.map(|e| e / 4.0)).map(|fit| fit.degrees_of_freedom), Ok(1));
+        assert_eq!(
+            Approach::new(&counts, &three, &errors.map(|e| e / 4.0)).map(|fit| fit.degrees_of_freedom),
+            Ok(1)
+        );
         assert!(Approach::new(&counts[..2], &[0.2, 0.1], &[0.01; 2]).is_err());
         // Local exponents 0.3, 0.65 and 0.9 at the end, as of a rough surface: refused, and told why.
         let growing = [30.0, 9.0, 4.0, 0.5, 0.5 * 10f64.powf(-0.3), 0.5 * 10f64.powf(-0.95)];
         let refusal = Approach::new(&counts, &growing, &growing.map(|b| 0.02 * b)).unwrap_err();
         let Refusal::Rejected { chi_squared, exponents } = refusal else { panic!("{refusal:?}") };
-        assert!((exponents[0] - 0.3).abs() < 1e-9 && (exponents[1] - 0.65).abs() < 1e-9 && chi_squared > 100.0);
+        assert!(
+            (exponents[0] - 0.3).abs() < 1e-9 && (exponents[1] - 0.65).abs() < 1e-9 && chi_squared > 100.0
+        );
         assert!(refusal.to_string().contains("from 0.30 to 0.65"), "{refusal}");
         // A first size off the power law that the others lie on is left out.
         let mut bent = power.map(|b| b / 300.0);
@@ -340,11 +361,15 @@ mod tests {
         let fit = Approach::new(&counts, &bent, &bent.map(|b| 0.01 * b)).unwrap();
         assert_eq!(fit.fitted, [false, true, true, true, true, true]);
         assert!((fit.exponent - 0.6).abs() < 1e-9);
-        assert_eq!(Approach::new(&counts, &[0.1, 0.2, 0.3, 0.4, 0.45, 0.5], &[0.01; 6]), Err(Refusal::NotFalling));
+        assert_eq!(
+            Approach::new(&counts, &[0.1, 0.2, 0.3, 0.4, 0.45, 0.5], &[0.01; 6]),
+            Err(Refusal::NotFalling)
+        );
     }
 
-    /// The error of an extrapolated number is that of a line: at ln N = 2 + x beyond the sizes of the next test, ln b has the variance
-    /// 10⁻⁴ (1/3 + (1 + x)²/2), and ln N that over a². Where that is half a unit it is not told.
+    /// The error of an extrapolated number is that of a line: at ln N = 2 + x beyond the sizes of the next
+    /// test, ln b has the variance 10⁻⁴ (1/3 + (1 + x)²/2), and ln N that over a². Where that is half a unit
+    /// it is not told.
     #[test]
     fn what_is_extrapolated_is_known() {
         let counts = [0.0, 1.0, 2.0].map(f64::exp);
@@ -362,9 +387,10 @@ mod tests {
         }
     }
 
-    /// The errors are those of a line through ln b: for b with relative errors of 1 % at N = e⁰, e¹, e² (all below one half) the slope has
-    /// the variance 10⁻⁴/Σ(x − x̄)² = 10⁻⁴/2 and the intercept at x = 0 the variance 10⁻⁴ (1/3 + 1/2). With 2 % at the last the normal matrix of
-    /// weights 1/s² is [[22500, 15000], [15000, 20000]], of determinant 2.25·10⁸.
+    /// The errors are those of a line through ln b: for b with relative errors of 1 % at N = e⁰, e¹, e² (all
+    /// below one half) the slope has the variance 10⁻⁴/Σ(x − x̄)² = 10⁻⁴/2 and the intercept at x = 0 the
+    /// variance 10⁻⁴ (1/3 + 1/2). With 2 % at the last the normal matrix of weights 1/s² is [[22500, 15000],
+    /// [15000, 20000]], of determinant 2.25·10⁸.
     #[test]
     fn errors_of_a_fit_are_those_of_a_line() {
         let counts = [0.0, 1.0, 2.0].map(f64::exp);
@@ -375,20 +401,26 @@ mod tests {
         assert!((intercept / (1e-4_f64 * 5.0 / 6.0).sqrt() - 1.0).abs() < 1e-6, "{approach:?}");
         assert!((approach.degrees_of_freedom, approach.chi_squared < 1e-12) == (1, true));
         assert_eq!(Approach::new(&counts, &[-0.1; 3], &[0.1; 3]), Err(Refusal::NotFalling));
-        let approach = Approach::new(&counts, &bias, &[0.01 * bias[0], 0.01 * bias[1], 0.02 * bias[2]]).unwrap();
+        let approach =
+            Approach::new(&counts, &bias, &[0.01 * bias[0], 0.01 * bias[1], 0.02 * bias[2]]).unwrap();
         let [intercept, slope] = approach.standard_errors.map(|error| 2.25e8 * error * error);
-        assert!((intercept / 20_000.0 - 1.0).abs() < 1e-6 && (slope / 22_500.0 - 1.0).abs() < 1e-6, "{approach:?}");
+        assert!(
+            (intercept / 20_000.0 - 1.0).abs() < 1e-6 && (slope / 22_500.0 - 1.0).abs() < 1e-6,
+            "{approach:?}"
+        );
         assert!((2.25e8 * approach.covariance / 15_000.0 - 1.0).abs() < 1e-6, "{approach:?}");
     }
 
-    /// A misfit ε(1, −1, −1, 1) of ln b at N = e⁰ to e³ is orthogonal to every line: the fit stays, to first order, with χ² = 4ε²/s² for relative
-    /// errors s and 2 degrees of freedom, and the error of the slope is s/√5, as Σ(x − x̄)² = 5, times ε√2/s.
+    /// A misfit ε(1, −1, −1, 1) of ln b at N = e⁰ to e³ is orthogonal to every line: the fit stays, to first
+    /// order, with χ² = 4ε²/s² for relative errors s and 2 degrees of freedom, and the error of the slope is
+    /// s/√5, as Σ(x − x̄)² = 5, times ε√2/s.
     #[test]
     fn errors_grow_with_the_misfit() {
         // A χ² of 7.84 for 2 degrees of freedom has a probability of 2 %.
         let (misfit, error) = (1.4e-4_f64, 1e-4);
         let counts = [0.0, 1.0, 2.0, 3.0].map(f64::exp);
-        let bias: [f64; 4] = std::array::from_fn(|i| 0.3 / counts[i] * (misfit * [1.0, -1.0, -1.0, 1.0][i]).exp());
+        let bias: [f64; 4] =
+            std::array::from_fn(|i| 0.3 / counts[i] * (misfit * [1.0, -1.0, -1.0, 1.0][i]).exp());
         let approach = Approach::new(&counts, &bias, &bias.map(|b| error * b)).unwrap();
         assert_eq!(approach.degrees_of_freedom, 2);
         assert!((approach.chi_squared / (4.0 * (misfit / error).powi(2)) - 1.0).abs() < 1e-2, "{approach:?}");
@@ -397,7 +429,8 @@ mod tests {
         assert!((approach.exponent - 1.0).abs() < 0.1 * slope);
     }
 
-    /// A bias below 0 is as far off as one above: the accuracy is not had where it is −20 %, and is had on the line from there.
+    /// A bias below 0 is as far off as one above: the accuracy is not had where it is −20 %, and is had on
+    /// the line from there.
     #[test]
     fn a_negative_bias_is_a_bias() {
         let counts = [10.0, 100.0, 1000.0];

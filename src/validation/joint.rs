@@ -6,7 +6,8 @@ use serde::{Deserialize, Serialize};
 /// Significance of the verdict: ensembles that agree are called different once in a thousand.
 pub const SIGNIFICANCE: f64 = 1e-3;
 
-/// A linear functional of a replica's force curves, for the joint test: Σ w_a F_s(d) + Σ w_f F(d), over the states of a [`Job`](crate::engine::Job).
+/// A linear functional of a replica's force curves, for the joint test: Σ w_a F_s(d) + Σ w_f F(d), over the
+/// states of a [`Job`](crate::engine::Job).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Probe {
     /// Weights of the adhesion force at each state, 1/N.
@@ -59,8 +60,9 @@ pub struct JointTest {
 }
 
 impl JointTest {
-    /// Tests mean curves over S separations of so many replicas against their expectations: χ² = n |s̄ − μ|² of k probes whose scores are
-    /// uncorrelated and of unit variance, with the `cumulants` of those of a replica.
+    /// Tests mean curves over S separations of so many replicas against their expectations: χ² = n |s̄ − μ|²
+    /// of k probes whose scores are uncorrelated and of unit variance, with the `cumulants` of those of a
+    /// replica.
     ///
     /// `mean` and `expected` hold adhesion force and external force, N.
     pub fn new(
@@ -71,12 +73,17 @@ impl JointTest {
         replicas: u64,
     ) -> Self {
         let k = probes.len() as u64;
-        let untested =
-            Self { statistic: f64::NAN, degrees_of_freedom: k, p_value: f64::NAN, verdict: Verdict::NotTested };
+        let untested = Self {
+            statistic: f64::NAN,
+            degrees_of_freedom: k,
+            p_value: f64::NAN,
+            verdict: Verdict::NotTested,
+        };
         if k == 0 {
             return untested;
         }
-        let difference = |q: usize| -> Vec<f64> { mean[q].iter().zip(expected[q]).map(|(m, e)| m - e).collect() };
+        let difference =
+            |q: usize| -> Vec<f64> { mean[q].iter().zip(expected[q]).map(|(m, e)| m - e).collect() };
         let (adhesion, external) = (difference(0), difference(1));
         let squares = probes.iter().map(|probe| probe.score(&adhesion, &external).powi(2));
         let n = replicas as f64;
@@ -104,8 +111,9 @@ mod tests {
         assert_eq!(test.verdict, Verdict::Agree);
     }
 
-    /// Edgeworth's expansion of one score that is a mean of 16, two-sided: 2(1 − Φ(z)) + 2φ(z) [κ₄ He₃(z)/24 + κ₃² He₅(z)/72] with He₃(2) = 2
-    /// and He₅(2) = −18; for κ₄ = 1.6/16 and κ₃² = 0.32/16 that is 0.0455003 (1 + 0.0079107).
+    /// Edgeworth's expansion of one score that is a mean of 16, two-sided: 2(1 − Φ(z)) + 2φ(z) [κ₄ He₃(z)/24
+    /// + κ₃² He₅(z)/72] with He₃(2) = 2 and He₅(2) = −18; for κ₄ = 1.6/16 and κ₃² = 0.32/16 that is 0.0455003
+    ///   (1 + 0.0079107).
     #[test]
     fn cumulants_are_those_of_the_mean() {
         let probe = Probe { adhesion_force: vec![0.0], external_force: vec![1.0] };

@@ -1,10 +1,11 @@
 //! The ensemble against the statistical integral: pointwise z-scores and one joint test over all separations.
 //!
-//! Neighbouring separations share their asperities, so their deviations are almost the same deviation and z-scores
-//! alone cannot be counted up. The joint test asks whether the mean curves of adhesion and external force, as vectors over all
-//! separations, deviate from the integral by more than chance explains: the sum of squares of a few linear functionals of the curves
-//! ([`basis()`]), uncorrelated and of unit variance by the law. Functionals, covariance and the cumulants that make the p-value right for
-//! small surfaces come from the law alone, not from the sample.
+//! Neighbouring separations share their asperities, so their deviations are almost the same deviation and
+//! z-scores alone cannot be counted up. The joint test asks whether the mean curves of adhesion and external
+//! force, as vectors over all separations, deviate from the integral by more than chance explains: the sum of
+//! squares of a few linear functionals of the curves ([`basis()`]), uncorrelated and of unit variance by the
+//! law. Functionals, covariance and the cumulants that make the p-value right for small surfaces come from
+//! the law alone, not from the sample.
 
 mod basis;
 pub mod finite_size;
@@ -20,12 +21,13 @@ pub use several::{Difference, disagreeing, overall};
 /// Standard error, relative to the expectation, below which that of the quadrature and the sums is larger.
 const ROUNDING: f64 = 1e-10;
 
-/// z-scores of an ensemble's means over `count` independent samples: (mean − expected)/(std/√count), with the expectation from the
-/// integral. Independent replicas are such samples, whose standard deviation the integral knows; groups of replicas that depend on
-/// each other are, whose standard deviation is the sample's, so that z has Student's t distribution.
+/// z-scores of an ensemble's means over `count` independent samples: (mean − expected)/(std/√count), with the
+/// expectation from the integral. Independent replicas are such samples, whose standard deviation the
+/// integral knows; groups of replicas that depend on each other are, whose standard deviation is the
+/// sample's, so that z has Student's t distribution.
 ///
-/// Where replicas hardly differ, or no force acts at all, what is left is rounding: a standard error counts as at least 1e-10 of the
-/// expectation, and nothing where nothing is expected is a z-score of 0.
+/// Where replicas hardly differ, or no force acts at all, what is left is rounding: a standard error counts
+/// as at least 1e-10 of the expectation, and nothing where nothing is expected is a z-score of 0.
 pub fn z_scores(mean: &[f64], expected: &[f64], std: &[f64], count: u64) -> Vec<f64> {
     let root = (count as f64).sqrt();
     let score = |mean: f64, expected: f64, std: f64| {

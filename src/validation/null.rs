@@ -1,12 +1,15 @@
-//! The distribution of a sum of squares of scores that are uncorrelated, of unit variance and almost Gaussian.
+//! The distribution of a sum of squares of scores that are uncorrelated, of unit variance and almost
+//! Gaussian.
 //!
-//! The scores are means of many independent contributions, and their third and fourth cumulants, of the orders M^(-1/2) and 1/M in the number
-//! M of these, are known. To the order 1/M the sum of the squares of k of them has the upper tail
+//! The scores are means of many independent contributions, and their third and fourth cumulants, of the
+//! orders M^(-1/2) and 1/M in the number M of these, are known. To the order 1/M the sum of the squares of k
+//! of them has the upper tail
 //!
 //! S(k) + κ/8 [S(k+4) − 2 S(k+2) + S(k)] + s/24 [S(k+6) − 3 S(k+4) + 3 S(k+2) − S(k)]
 //!
-//! with S(k) that of χ² with k degrees of freedom, κ = Σ κ_iijj and s = Σ (3 κ_iij κ_jll + 2 κ_ijl²): Edgeworth's expansion of the density,
-//! integrated over spheres term by term (Bhattacharya and Rao 1976, Normal Approximation and Asymptotic Expansions).
+//! with S(k) that of χ² with k degrees of freedom, κ = Σ κ_iijj and s = Σ (3 κ_iij κ_jll + 2 κ_ijl²):
+//! Edgeworth's expansion of the density, integrated over spheres term by term (Bhattacharya and Rao 1976,
+//! Normal Approximation and Asymptotic Expansions).
 
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
@@ -27,8 +30,8 @@ impl Cumulants {
         Self { kurtosis: share * self.kurtosis, skewness: share * self.skewness }
     }
 
-    /// The probability of a larger sum of squares of k scores; NaN when it cannot be known. Far out, where the correction is no longer small,
-    /// it changes the exponent by a quarter at most.
+    /// The probability of a larger sum of squares of k scores; NaN when it cannot be known. Far out, where
+    /// the correction is no longer small, it changes the exponent by a quarter at most.
     pub fn upper_tail(self, sum: f64, k: u64) -> f64 {
         let (tail, correction) = self.tail(sum, k);
         if !(tail > 0.0) {
@@ -59,7 +62,8 @@ impl Cumulants {
 pub(super) struct GrowingCumulants<'a> {
     /// Probability of each contribution.
     weights: &'a [f64],
-    /// Ranges from each of which as many contributions are taken as its probability says, centred; none where their number is Poisson's.
+    /// Ranges from each of which as many contributions are taken as its probability says, centred; none where
+    /// their number is Poisson's.
     strata: &'a [Range<usize>],
     scores: Vec<Vec<f64>>,
     /// Σ_i κ_iij for each score j.

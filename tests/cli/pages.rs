@@ -1,5 +1,5 @@
-//! Pages that are made from the program: the blocks between `<!-- keys: TABLE -->` or `<!-- help: COMMAND -->` and `<!-- end -->`.
-//! `STICTION_WRITE_PAGES=1 cargo test --release --test cli pages` writes them anew.
+//! Pages that are made from the program: the blocks between `<!-- keys: TABLE -->` or `<!-- help: COMMAND
+//! -->` and `<!-- end -->`. `STICTION_WRITE_PAGES=1 cargo test --release --test cli pages` writes them anew.
 
 use std::ops::Bound;
 use std::path::Path;
@@ -49,10 +49,13 @@ fn table(key: &Key) -> &str {
 }
 
 fn bounds(low: Bound<f64>, high: Bound<f64>) -> String {
-    let number =
-        |bound: f64| if bound != 0.0 && bound.abs() < 1e-2 { format!("{bound:e}") } else { format!("{bound}") };
+    let number = |bound: f64| {
+        if bound != 0.0 && bound.abs() < 1e-2 { format!("{bound:e}") } else { format!("{bound}") }
+    };
     let text = match (low, high) {
-        (Bound::Included(low), Bound::Included(high)) => return format!(" from {} to {}", number(low), number(high)),
+        (Bound::Included(low), Bound::Included(high)) => {
+            return format!(" from {} to {}", number(low), number(high));
+        }
         (Bound::Excluded(low), Bound::Included(high)) => {
             format!(" greater than {} and at most {}", number(low), number(high))
         }
@@ -76,11 +79,15 @@ fn value(key: &Key) -> String {
         Value::Whole(least, most) if least == most => format!("{least}"),
         Value::Whole(least, most) => format!("a whole number from {least} to {most}"),
         Value::Number(low, high) => format!("a number{}", bounds(*low, *high)),
-        Value::Quantity(dimension, of) => format!("{}{}, in {}", dimension.name(), sign(*of), dimension.units()),
+        Value::Quantity(dimension, of) => {
+            format!("{}{}, in {}", dimension.name(), sign(*of), dimension.units())
+        }
         Value::OneOrMore(dimension, of) => {
             format!("{}{}, in {}; or a list of them", dimension.name(), sign(*of), dimension.units())
         }
-        Value::Choice(names) => names().iter().map(|name| format!("`\"{name}\"`")).collect::<Vec<_>>().join(", "),
+        Value::Choice(names) => {
+            names().iter().map(|name| format!("`\"{name}\"`")).collect::<Vec<_>>().join(", ")
+        }
         Value::Various(words) => (*words).to_owned(),
     }
 }
@@ -106,7 +113,8 @@ fn entry(key: &Key) -> String {
         Absent::Follows(words) => words.to_owned(),
     };
     let name = key.name.replace("sweep.*", "sweep.KEY");
-    let mut text = format!("#### `{name}`\n\n{what}.{about}\n\n- Value: {}\n- Default: {default}\n", value(key));
+    let mut text =
+        format!("#### `{name}`\n\n{what}.{about}\n\n- Value: {}\n- Default: {default}\n", value(key));
     let beside: Vec<String> = beside(key).into_iter().map(|name| format!("`{name}`")).collect();
     if !beside.is_empty() {
         text += &format!("- Not beside: {}\n", beside.join(", "));
@@ -126,7 +134,8 @@ fn the_scene_reference_is_what_the_table_of_keys_says() {
     let mut tables: Vec<String> = KEYS.iter().map(|key| table(key).to_owned()).collect();
     tables.dedup();
     held("scene.md", "keys", &tables, &|name| {
-        let keys = KEYS.iter().filter(|key| table(key) == name && key.name != name && !key.name.contains('['));
+        let keys =
+            KEYS.iter().filter(|key| table(key) == name && key.name != name && !key.name.contains('['));
         keys.map(entry).collect::<Vec<String>>().join("\n")
     });
 }
@@ -147,11 +156,15 @@ fn scenes_of_pages_are_scenes() {
     assert_eq!(seen, 2);
     let tutorial = std::fs::read_to_string(docs.join("tutorial.md")).unwrap();
     let first = include_str!("../../configs/first.toml");
-    assert!(tutorial.contains(&format!("```toml\n{first}```")), "the scene of the tutorial is configs/first.toml");
+    assert!(
+        tutorial.contains(&format!("```toml\n{first}```")),
+        "the scene of the tutorial is configs/first.toml"
+    );
 }
 
 fn help(command: &str) -> String {
-    let arguments: Vec<&str> = command.split(' ').filter(|word| *word != "stiction").chain(["--help"]).collect();
+    let arguments: Vec<&str> =
+        command.split(' ').filter(|word| *word != "stiction").chain(["--help"]).collect();
     let output = Command::new(env!("CARGO_BIN_EXE_stiction")).args(arguments).output().unwrap();
     assert!(output.status.success());
     String::from_utf8(output.stdout).unwrap()
@@ -160,8 +173,10 @@ fn help(command: &str) -> String {
 #[test]
 fn the_page_of_commands_is_what_help_says() {
     let all = help("stiction");
-    let listed = all.lines().skip_while(|line| *line != "Commands:").skip(1).take_while(|line| !line.is_empty());
-    let names = listed.filter_map(|line| line.strip_prefix("  ")?.split(' ').next()).filter(|name| !name.is_empty());
+    let listed =
+        all.lines().skip_while(|line| *line != "Commands:").skip(1).take_while(|line| !line.is_empty());
+    let names =
+        listed.filter_map(|line| line.strip_prefix("  ")?.split(' ').next()).filter(|name| !name.is_empty());
     let names = names.filter(|name| *name != "help").map(|name| format!("stiction {name}"));
     let names: Vec<String> = std::iter::once("stiction".to_owned()).chain(names).collect();
     assert!(names.len() > 5, "{all}");

@@ -1,6 +1,7 @@
-//! The deepest point of a curve by looking at all of it: both sides of every event, and what lies between them.
+//! The deepest point of a curve by looking at all of it: both sides of every event, and what lies between
+//! them.
 
-use stiction::asperity::{Law, Scratch, Work, for_each_block};
+use stiction::asperity::{Law, Scratch, SolverStats, for_each_block};
 use stiction::math::sums::Compensated;
 
 /// Interferences, m, at which a law is not smooth, from its boundaries and pieces.
@@ -15,8 +16,9 @@ pub fn events(law: &dyn Law) -> Vec<f64> {
 
 /// External force, N, of rising heights at the separation d, m.
 pub fn external_force(law: &dyn Law, heights: &[f64], d: f64) -> f64 {
-    let (mut scratch, mut work, mut sum) = (Scratch::default(), Work::default(), Compensated::default());
-    for_each_block(law, heights, d, &mut scratch, &mut work, |_, range, responses| {
+    let (mut scratch, mut stats, mut sum) =
+        (Scratch::default(), SolverStats::default(), Compensated::default());
+    for_each_block(law, heights, d, &mut scratch, &mut stats, |_, range, responses| {
         for i in 0..range.len() {
             sum.add(responses.contact[i]);
             sum.add(-responses.adhesion[i]);
@@ -25,9 +27,15 @@ pub fn external_force(law: &dyn Law, heights: &[f64], d: f64) -> f64 {
     sum.value()
 }
 
-/// Where a curve is deepest between the first and the last of rising places, and how deep, with its `events`; spaces between neighbouring
-/// places are passed over where the curve at both is less deep than the deepest of the places by more than the share `far` of that.
-pub fn deepest(places: &[f64], mut events: Vec<f64>, far: f64, mut force: impl FnMut(f64) -> f64) -> (f64, f64) {
+/// Where a curve is deepest between the first and the last of rising places, and how deep, with its `events`;
+/// spaces between neighbouring places are passed over where the curve at both is less deep than the deepest
+/// of the places by more than the share `far` of that.
+pub fn deepest(
+    places: &[f64],
+    mut events: Vec<f64>,
+    far: f64,
+    mut force: impl FnMut(f64) -> f64,
+) -> (f64, f64) {
     events.sort_by(f64::total_cmp);
     let forces: Vec<f64> = places.iter().map(|h| force(*h)).collect();
     let mut best = (f64::NAN, f64::INFINITY);
@@ -65,7 +73,8 @@ fn deepest_between(low: f64, high: f64, space: f64, force: &mut impl FnMut(f64) 
     let values: Vec<f64> = shares.iter().map(|share| force(at(*share))).collect();
     let smallest = (0..values.len()).fold(0, |best, i| if values[i] < values[best] { i } else { best });
     let mut best = (at(shares[smallest]), values[smallest]);
-    let (mut from, mut to) = (shares[smallest.saturating_sub(1)], shares[(smallest + 1).min(values.len() - 1)]);
+    let (mut from, mut to) =
+        (shares[smallest.saturating_sub(1)], shares[(smallest + 1).min(values.len() - 1)]);
     let turns = parts > 2;
     while turns && to - from > 1e-5 {
         let third = (to - from) / 3.0;
@@ -80,8 +89,8 @@ fn deepest_between(low: f64, high: f64, space: f64, force: &mut impl FnMut(f64) 
     best
 }
 
-/// How deep a curve is at its deepest of even places and of even places around the deepest of these, again and again: at most how deep it is,
-/// and where it jumps, to within a jump's last asperity.
+/// How deep a curve is at its deepest of even places and of even places around the deepest of these, again
+/// and again: at most how deep it is, and where it jumps, to within a jump's last asperity.
 fn deepest_of_looks(low: f64, high: f64, mut force: impl FnMut(f64) -> f64) -> (f64, f64) {
     const PLACES: usize = 3000;
     const CLOSER: usize = 60;
@@ -107,9 +116,15 @@ fn deepest_of_looks(low: f64, high: f64, mut force: impl FnMut(f64) -> f64) -> (
     best
 }
 
-/// Requires that a curve has a pull-off where it is said to be, and that no look at it between two separations, m, finds anything deeper.
+/// Requires that a curve has a pull-off where it is said to be, and that no look at it between two
+/// separations, m, finds anything deeper.
 #[track_caller]
-pub fn require_deepest(what: &str, (place, pull_off): (f64, f64), (low, high): (f64, f64), force: impl Fn(f64) -> f64) {
+pub fn require_deepest(
+    what: &str,
+    (place, pull_off): (f64, f64),
+    (low, high): (f64, f64),
+    force: impl Fn(f64) -> f64,
+) {
     assert!(
         (force(place) / pull_off + 1.0).abs() < 1e-9,
         "{what}: {pull_off:e} N at {place:e} m is {:e}",

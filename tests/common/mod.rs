@@ -10,7 +10,7 @@ pub mod unlocked;
 use std::sync::Mutex;
 use stiction::asperity::models::model;
 use stiction::asperity::scale::Asperity;
-use stiction::asperity::{Law, Path, Regime, Responses, Scratch, Setting, Work, for_each_block};
+use stiction::asperity::{Law, LawParameters, Path, Regime, Responses, Scratch, SolverStats, for_each_block};
 use stiction::engine::{Job, Protocol};
 use stiction::math::instruction_set::InstructionSet;
 use stiction::surface::{Roughness, SamplingScheme, Surface};
@@ -62,22 +62,24 @@ pub fn job<'a>(law: &'a dyn Law, surface: &'a Surface, separations: &'a [f64], r
 
 /// A law of an asperity with starting tables for the interferences `reach`, m.
 pub fn law(name: &str, asperity: &Asperity, path: Path, reach: (f64, f64)) -> Box<dyn Law> {
-    let setting = Setting::new(asperity, path, reach).expect("a valid setting");
-    (model(name).expect("a known law").build)(&setting).expect("a law of the setting")
+    let parameters = LawParameters::new(asperity, path, reach).expect("a valid setting");
+    (model(name).expect("a known law").build)(&parameters).expect("a law of the setting")
 }
 
-/// What one asperity does at an interference: its regime and F_s, P (N), contact area (m²); `None` beyond the law's end.
+/// What one asperity does at an interference: its regime and F_s, P (N), contact area (m²); `None` beyond the
+/// law's end.
 pub fn respond(law: &dyn Law, interference: f64) -> Option<(Regime, [f64; 3])> {
     let mut found = None;
     let visit = |regime: usize, _: std::ops::Range<usize>, responses: &Responses| {
         let values = [responses.adhesion[0], responses.contact[0], responses.area[0]];
         found = Some((law.regimes()[regime], values));
     };
-    for_each_block(law, &[interference], 0.0, &mut Scratch::default(), &mut Work::default(), visit);
+    for_each_block(law, &[interference], 0.0, &mut Scratch::default(), &mut SolverStats::default(), visit);
     found
 }
 
-/// Does something with every instruction set of this processor in turn, the fastest last. Only one test of a program at a time.
+/// Does something with every instruction set of this processor in turn, the fastest last. Only one test of a
+/// program at a time.
 pub fn for_each_instruction_set(mut with: impl FnMut(InstructionSet)) {
     static ONE: Mutex<()> = Mutex::new(());
     let _one = ONE.lock().unwrap_or_else(std::sync::PoisonError::into_inner);

@@ -1,4 +1,5 @@
-//! Ensembles drawn with replacement from many groups of replicas, whose mean is then known exactly: what takes thousands of ensembles is cheap.
+//! Ensembles drawn with replacement from many groups of replicas, whose mean is then known exactly: what
+//! takes thousands of ensembles is cheap.
 
 use rayon::prelude::*;
 use stiction::asperity::Law;
@@ -25,21 +26,25 @@ impl Pool {
         let group = job.scheme.group() as usize;
         let of_batch = |workspace: &mut Workspace, index: u64| {
             let batch = Batch::compute(&job, workspace, index);
-            let replicas = batch.ensemble.replicas.iter().zip(batch.external_force.chunks_exact(job.states()));
+            let replicas =
+                batch.ensemble.replicas.iter().zip(batch.external_force.chunks_exact(job.states()));
             let values = replicas.map(|(replica, force)| {
                 let forces = controls.iter().map(|&place| force[place]);
                 forces.chain(SCALARS.iter().map(|scalar| (scalar.of)(replica))).collect()
             });
             let values: Vec<Vec<f64>> = values.collect();
             let mean = |group: &[Vec<f64>]| -> Vec<f64> {
-                (0..group[0].len()).map(|i| group.iter().map(|of| of[i]).sum::<f64>() / group.len() as f64).collect()
+                (0..group[0].len())
+                    .map(|i| group.iter().map(|of| of[i]).sum::<f64>() / group.len() as f64)
+                    .collect()
             };
             values.chunks_exact(group).map(mean).collect::<Vec<Vec<f64>>>()
         };
         let batches = (0..job.batches()).into_par_iter().map_init(|| Workspace::new(&job), of_batch);
         let groups: Vec<Vec<f64>> = batches.collect::<Vec<Vec<Vec<f64>>>>().concat();
         let length = groups[0].len();
-        let mean = (0..length).map(|i| groups.iter().map(|of| of[i]).sum::<f64>() / groups.len() as f64).collect();
+        let mean =
+            (0..length).map(|i| groups.iter().map(|of| of[i]).sum::<f64>() / groups.len() as f64).collect();
         Self { groups, controls: controls.len(), mean, per_batch: BATCH as usize / group }
     }
 
@@ -66,8 +71,14 @@ impl Pool {
         .take(groups)
     }
 
-    /// Adds groups to the parts of an ensemble that has so many, as the engine does: batch i to part i modulo 16.
-    pub fn push<'a>(&self, parts: &mut [CentralMoments; 16], from: usize, groups: impl Iterator<Item = &'a [f64]>) {
+    /// Adds groups to the parts of an ensemble that has so many, as the engine does: batch i to part i modulo
+    /// 16.
+    pub fn push<'a>(
+        &self,
+        parts: &mut [CentralMoments; 16],
+        from: usize,
+        groups: impl Iterator<Item = &'a [f64]>,
+    ) {
         groups.enumerate().for_each(|(i, group)| parts[(from + i) / self.per_batch % 16].push(group));
     }
 

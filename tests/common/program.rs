@@ -11,8 +11,8 @@ use tempfile::TempDir;
 /// The quick scene from deep in contact on, where asperities are in every regime.
 pub const QUICK: &str = include_str!("../data/quick.toml");
 
-/// Notes that a test leaves something out on this machine, and why: a line of $STICTION_SKIPPED, if that names a file. Where $STICTION_FORBID_SKIPS
-/// is set the test fails.
+/// Notes that a test leaves something out on this machine, and why: a line of $STICTION_SKIPPED, if that
+/// names a file. Where $STICTION_FORBID_SKIPS is set the test fails.
 pub fn skip(test: &str, reason: &str) {
     use std::io::Write;
     assert!(std::env::var_os("STICTION_FORBID_SKIPS").is_none(), "{test} would be left out here: {reason}");
@@ -66,7 +66,8 @@ pub fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
 }
 
-/// What a run says on standard error beside its progress, of which a line comes after 10 seconds, on a busy machine also of a quick run.
+/// What a run says on standard error beside its progress, of which a line comes after 10 seconds, on a busy
+/// machine also of a quick run.
 pub fn told(output: &Output) -> String {
     let is_progress = |line: &&str| line.ends_with(" so far") || line.ends_with(" left");
     text(&output.stderr).lines().filter(|line| !is_progress(line)).collect()
@@ -126,7 +127,8 @@ pub fn number(path: &Path, group: &str, name: &str) -> f64 {
     unlocked::open(path).group(group).unwrap().attr(name).unwrap().read_scalar().unwrap()
 }
 
-/// All numbers of all datasets outside /diagnostics, and the attributes of its groups that are no whole numbers, as bits.
+/// All numbers of all datasets outside /diagnostics, and the attributes of its groups that are no whole
+/// numbers, as bits.
 pub fn bits(path: &Path) -> Vec<(String, Vec<u64>)> {
     let file = unlocked::open(path);
     let mut all = Vec::new();
@@ -145,7 +147,8 @@ pub fn bits(path: &Path) -> Vec<(String, Vec<u64>)> {
         }
         for name in group.attr_names().unwrap() {
             let attribute = group.attr(&name).unwrap();
-            if let hdf5::types::TypeDescriptor::Float(_) = attribute.dtype().unwrap().to_descriptor().unwrap() {
+            if let hdf5::types::TypeDescriptor::Float(_) = attribute.dtype().unwrap().to_descriptor().unwrap()
+            {
                 let values = attribute.read_raw::<f64>().unwrap().into_iter().map(f64::to_bits).collect();
                 all.push((format!("{}: {name}", group.name()), values));
             }

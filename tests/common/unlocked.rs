@@ -1,5 +1,5 @@
-//! HDF5 files that a test opens itself, without the locks of libhdf5: programs that other tests of the process start at that moment would inherit
-//! them, and hold them as long as they run.
+//! HDF5 files that a test opens itself, without the locks of libhdf5: programs that other tests of the
+//! process start at that moment would inherit them, and hold them as long as they run.
 
 use hdf5::{File, OpenMode};
 use std::path::Path;

@@ -56,7 +56,8 @@ fn every_number_is_used_or_refused() {
                 usual[rng.random_range(0..usual.len())]
             }
         };
-        let (lambda, delta) = (number(&["0.001", "0.9", "3", "1000"]), number(&["-1", "0", "1", "1e3", "-1e9"]));
+        let (lambda, delta) =
+            (number(&["0.001", "0.9", "3", "1000"]), number(&["-1", "0", "1", "1e3", "-1e9"]));
         let (critical, poisson) = (number(&["1e-3", "1", "1e9"]), number(&["0.27", "0", "-0.9"]));
         let thickness = number(&["0", "0.5", "1e3"]);
         let law = MODELS[rng.random_range(0..MODELS.len())].name;
@@ -75,8 +76,11 @@ fn every_number_is_used_or_refused() {
             Some(0) => {
                 used += 1;
                 let row = out.lines().nth(1).unwrap_or_else(|| panic!("{arguments:?}: {out}"));
-                let numbers =
-                    row.split(',').enumerate().filter(|(i, _)| *i != 2).map(|(_, field)| field.parse::<f64>());
+                let numbers = row
+                    .split(',')
+                    .enumerate()
+                    .filter(|(i, _)| *i != 2)
+                    .map(|(_, field)| field.parse::<f64>());
                 for number in numbers {
                     assert!(number.as_ref().is_ok_and(|number| !number.is_nan()), "{arguments:?}: {row}");
                 }

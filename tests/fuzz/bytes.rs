@@ -4,8 +4,22 @@ use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 /// What sizes, counts, addresses and versions are overwritten with.
-const NUMBERS: [u64; 14] =
-    [0, 1, 2, 0x7f, 0x80, 0xff, 0x7fff, 0xffff, 0x7fff_ffff, 0xffff_ffff, 1 << 40, i64::MAX as u64, 1 << 63, u64::MAX];
+const NUMBERS: [u64; 14] = [
+    0,
+    1,
+    2,
+    0x7f,
+    0x80,
+    0xff,
+    0x7fff,
+    0xffff,
+    0x7fff_ffff,
+    0xffff_ffff,
+    1 << 40,
+    i64::MAX as u64,
+    1 << 63,
+    u64::MAX,
+];
 
 /// One of `seeds`, damaged in one to six places; the same for the same number.
 pub fn damaged(seeds: &[Vec<u8>], case: u64) -> Vec<u8> {

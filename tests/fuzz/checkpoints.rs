@@ -9,13 +9,14 @@ use stiction::validation::Basis;
 /// What a checkpoint of a run holds: functionals, controls, the ensemble.
 type State = (Basis, Vec<usize>, Vec<u64>);
 
-/// Bytes that a checkpoint may take while it is read: for itself, and for each of its own. A list of lists of one byte each, 24 bytes
-/// and an allocation for every byte, is the worst.
+/// Bytes that a checkpoint may take while it is read: for itself, and for each of its own. A list of lists of
+/// one byte each, 24 bytes and an allocation for every byte, is the worst.
 const MEMORY: (usize, usize) = (1 << 20, 200);
 /// Where the checksum is, and the bytes that it is of.
 const CHECKSUM: std::ops::Range<usize> = 32..36;
 
-/// Checkpoints of small runs, made by interrupting them at the first batch, with the names of their files in turn.
+/// Checkpoints of small runs, made by interrupting them at the first batch, with the names of their files in
+/// turn.
 #[cfg(unix)]
 fn seeds(folder: &Folder) -> Vec<Vec<u8>> {
     let scene = small().replace("count = 16", "count = 4").replace("replicas = 40", "replicas = 400000");
@@ -98,7 +99,11 @@ fn the_program_survives_forged_checkpoints() {
     let records = std::fs::read(folder.path("scene.h5.checkpoint.replicas")).unwrap();
     let (mut refused, mut resumed) = (0, 0);
     for case in 0..cases(60).min(2000) {
-        std::fs::write(folder.path("scene.h5.checkpoint"), forged([identity, &damaged(&rest, case)].concat())).unwrap();
+        std::fs::write(
+            folder.path("scene.h5.checkpoint"),
+            forged([identity, &damaged(&rest, case)].concat()),
+        )
+        .unwrap();
         std::fs::write(folder.path("scene.h5.checkpoint.replicas"), &records).unwrap();
         let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_stiction"));
         command.args(["run", "scene.toml", "--resume", "--quiet"]).current_dir(folder.path(""));

@@ -1,5 +1,6 @@
-//! Files that the program reads back, damaged, in processes of their own: libhdf5 may crash on a file whose structure is broken,
-//! which `stiction info` and `stiction validate` survive because they read in a process of their own too.
+//! Files that the program reads back, damaged, in processes of their own: libhdf5 may crash on a file whose
+//! structure is broken, which `stiction info` and `stiction validate` survive because they read in a process
+//! of their own too.
 
 use super::bytes::damaged;
 use super::cases;
@@ -43,8 +44,9 @@ const ADDRESS_SPACE: u64 = 1 << 30;
 fn results(folder: &Folder) -> Vec<&'static str> {
     let tiny = small().replace("count = 16", "count = 3").replace("replicas = 40", "replicas = 12");
     std::fs::write(folder.path("tiny.toml"), &tiny).unwrap();
-    let curves =
-        tiny.replace("curves = false", "curves = true").replace("seed = 1", "seed = 1\nsampling = \"antithetic\"");
+    let curves = tiny
+        .replace("curves = false", "curves = true")
+        .replace("seed = 1", "seed = 1\nsampling = \"antithetic\"");
     std::fs::write(folder.path("curves.toml"), curves).unwrap();
     for arguments in [
         ["run", "tiny.toml", "-o", "tiny.h5"].as_slice(),
@@ -84,9 +86,13 @@ fn maps(folder: &Folder) -> Vec<&'static str> {
     let heights = small_map();
     let row = |row: &[f64]| row.iter().map(|height| format!("{height}\t")).collect::<String>() + "\n";
     let header = "# Width: 2 \u{b5}m\n# Height: 2000 nm\n# Value units: nm\n";
-    std::fs::write(folder.path("map.txt"), header.to_owned() + &heights.chunks(20).map(row).collect::<String>())
-        .unwrap();
-    let header = "{'descr': '<f8', 'fortran_order': True, 'shape': (20, 20), }".to_owned() + &" ".repeat(57) + "\n";
+    std::fs::write(
+        folder.path("map.txt"),
+        header.to_owned() + &heights.chunks(20).map(row).collect::<String>(),
+    )
+    .unwrap();
+    let header =
+        "{'descr': '<f8', 'fortran_order': True, 'shape': (20, 20), }".to_owned() + &" ".repeat(57) + "\n";
     let mut npy = b"\x93NUMPY\x01\x00\x76\x00".to_vec();
     npy.extend(header.as_bytes());
     npy.extend(heights.iter().flat_map(|height| height.to_le_bytes()));
@@ -153,7 +159,7 @@ fn no_damaged_file_makes_a_reader_panic() {
         let mut tally = Tally::default();
         let mut first = 0;
         while first < end {
-            first = work(target, &folder, &names, first..end, &mut tally);
+            first = stats(target, &folder, &names, first..end, &mut tally);
         }
         println!(
             "{}: {end} cases, {} read, {} refused, {} processes died: {:?}",
@@ -164,14 +170,20 @@ fn no_damaged_file_makes_a_reader_panic() {
             tally.died
         );
         assert!(tally.read > 0 && tally.refused > 0, "the cases are too hard or too easy: {tally:?}");
-        // libhdf5 does not return from 0.5 % of damaged files: of n cases so many with a probability below 1e-5.
+        // libhdf5 does not return from 0.5 % of damaged files: of n cases so many with a probability below
+        // 1e-5.
         let most = 0.005 * end as f64 + 8.0 + 4.5 * (0.005 * end as f64).sqrt();
-        assert!((tally.died.len() as f64) <= most, "{} of {end} {} died: {tally:?}", tally.died.len(), target.name);
+        assert!(
+            (tally.died.len() as f64) <= most,
+            "{} of {end} {} died: {tally:?}",
+            tally.died.len(),
+            target.name
+        );
     }
 }
 
-/// What users see: whatever the file, the commands end with an exit code of theirs, with a line of their own where they refuse, and
-/// nothing that steers the terminal.
+/// What users see: whatever the file, the commands end with an exit code of theirs, with a line of their own
+/// where they refuse, and nothing that steers the terminal.
 #[test]
 fn the_commands_survive_every_damaged_file() {
     let _alone = super::alone();
@@ -185,7 +197,9 @@ fn the_commands_survive_every_damaged_file() {
             let (out, error) = (text(&output.stdout), text(&output.stderr));
             match output.status.code() {
                 Some(0) => assert!(error.is_empty() && !out.is_empty(), "case {case}: {error}"),
-                Some(3) => assert!(error.lines().count() == 1 && command == "validate", "case {case}: {error}"),
+                Some(3) => {
+                    assert!(error.lines().count() == 1 && command == "validate", "case {case}: {error}")
+                }
                 Some(2) => {
                     assert!(
                         error.starts_with("stiction: case.h5: ") && error.lines().count() == 1,
@@ -222,7 +236,10 @@ fn every_damaged_map_is_read_or_refused() {
                 read += 1;
             }
             Some(2) => {
-                assert!(error.starts_with("stiction: case: ") && error.lines().count() == 1, "case {case}: {error}");
+                assert!(
+                    error.starts_with("stiction: case: ") && error.lines().count() == 1,
+                    "case {case}: {error}"
+                );
                 assert!(out.is_empty() && !folder.path("case.h5").exists(), "case {case}: {out}");
             }
             code => panic!("case {case}: exit code {code:?}, {error}"),
@@ -233,8 +250,15 @@ fn every_damaged_map_is_read_or_refused() {
 }
 
 /// Runs cases in a process of their own until it ends; returns the case to go on with.
-fn work(target: &Target, folder: &Folder, names: &str, cases: std::ops::Range<u64>, tally: &mut Tally) -> u64 {
-    let job = format!("{}\n{}\n{}\n{}\n{names}", target.name, folder.path("").display(), cases.start, cases.end);
+fn stats(
+    target: &Target,
+    folder: &Folder,
+    names: &str,
+    cases: std::ops::Range<u64>,
+    tally: &mut Tally,
+) -> u64 {
+    let job =
+        format!("{}\n{}\n{}\n{}\n{names}", target.name, folder.path("").display(), cases.start, cases.end);
     let mut child = Command::new(std::env::current_exe().unwrap())
         .args(["--exact", "files::worker", "--ignored", "--nocapture"])
         .env(JOB, job)
@@ -266,14 +290,17 @@ fn work(target: &Target, folder: &Folder, names: &str, cases: std::ops::Range<u6
     let mut said = String::new();
     std::io::Read::read_to_string(&mut child.stderr.take().unwrap(), &mut said).unwrap();
     if let (Ok(kept), false) = (std::env::var(KEEP), status.is_some_and(|status| status.success())) {
-        std::fs::copy(folder.path("case.h5"), Path::new(&kept).join(format!("{}-{at}.h5", target.name))).unwrap();
+        std::fs::copy(folder.path("case.h5"), Path::new(&kept).join(format!("{}-{at}.h5", target.name)))
+            .unwrap();
     }
     match status {
         Some(status) if status.success() => return cases.end,
         Some(status) if status.code().is_some() => {
             panic!("{} case {at}: the reader panics\n{said}", target.name)
         }
-        Some(status) => tally.died.push((at, format!("{status}: {}", said.lines().next_back().unwrap_or_default()))),
+        Some(status) => {
+            tally.died.push((at, format!("{status}: {}", said.lines().next_back().unwrap_or_default())))
+        }
         None => tally.died.push((at, "took too long".to_owned())),
     }
     at + 1

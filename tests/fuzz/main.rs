@@ -1,7 +1,8 @@
 //! Readers under input that means harm: scenes, quantities, and the files that the program reads back.
 //!
-//! Every case follows from fixed seeds, so that a failure is repeated by running the test again. `STICTION_FUZZ_CASES` is the number of
-//! cases of each target; without it there are as many as take a few seconds:
+//! Every case follows from fixed seeds, so that a failure is repeated by running the test again.
+//! `STICTION_FUZZ_CASES` is the number of cases of each target; without it there are as many as take a few
+//! seconds:
 //!
 //! ```sh
 //! STICTION_FUZZ_CASES=10000000 cargo test --release --test fuzz scene -- --nocapture
@@ -43,7 +44,13 @@ fn cases(default: u64) -> u64 {
 
 /// Makes cases from a fixed seed and shrinks the one that fails.
 fn runner(cases: u64) -> TestRunner {
-    let config =
-        Config { cases: u32::try_from(cases).unwrap_or(u32::MAX), failure_persistence: None, ..Config::default() };
-    TestRunner::new_with_rng(config, TestRng::from_seed(RngAlgorithm::ChaCha, b"what comes from anywhere, 32 B.."))
+    let config = Config {
+        cases: u32::try_from(cases).unwrap_or(u32::MAX),
+        failure_persistence: None,
+        ..Config::default()
+    };
+    TestRunner::new_with_rng(
+        config,
+        TestRng::from_seed(RngAlgorithm::ChaCha, b"what comes from anywhere, 32 B.."),
+    )
 }

@@ -5,8 +5,13 @@ use proptest::prelude::*;
 use std::time::{Duration, Instant};
 use stiction::scene::units::{Dimension, parse};
 
-const DIMENSIONS: [Dimension; 5] =
-    [Dimension::Length, Dimension::Area, Dimension::ArealDensity, Dimension::Pressure, Dimension::SurfaceEnergy];
+const DIMENSIONS: [Dimension; 5] = [
+    Dimension::Length,
+    Dimension::Area,
+    Dimension::ArealDensity,
+    Dimension::Pressure,
+    Dimension::SurfaceEnergy,
+];
 const PIECES: [&str; 30] = [
     "1",
     "0",
@@ -52,7 +57,8 @@ fn every_text_is_a_quantity_or_none() {
     runner(cases(50_000)).run(&(texts, proptest::sample::select(&DIMENSIONS[..])), case).unwrap();
 }
 
-/// The shortest decimals of any double are read as that double in m, and a power of ten elsewhere moves the decimal point only.
+/// The shortest decimals of any double are read as that double in m, and a power of ten elsewhere moves the
+/// decimal point only.
 #[test]
 fn a_quantity_has_the_value_of_its_decimals() {
     let _alone = super::alone();

@@ -1,5 +1,5 @@
-//! Scenes that mean harm: [`Scene::parse`] neither panics nor takes more time and memory than the text is long, says what is wrong in a
-//! line for each problem, and accepts only what can be computed.
+//! Scenes that mean harm: [`Scene::parse`] neither panics nor takes more time and memory than the text is
+//! long, says what is wrong in a line for each problem, and accepts only what can be computed.
 
 use super::text::{Mutation, changed, changes};
 use super::{ALLOCATOR, cases, runner};
@@ -24,8 +24,10 @@ const PLANNED: (u32, u32) = (64, 2048);
 fn seeds() -> Vec<(bool, String)> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let folders = ["configs", "configs/paper", "tests/corpus/scenes"].map(|folder| root.join(folder));
-    let entries =
-        folders.iter().flat_map(|folder| std::fs::read_dir(folder).unwrap()).map(|entry| entry.unwrap().path());
+    let entries = folders
+        .iter()
+        .flat_map(|folder| std::fs::read_dir(folder).unwrap())
+        .map(|entry| entry.unwrap().path());
     let mut files: Vec<_> =
         entries.filter(|path| path.extension().is_some_and(|extension| extension == "toml")).collect();
     files.sort();
@@ -82,7 +84,8 @@ fn told(message: &str, text: &str) {
     assert!((1..=MESSAGE.1).contains(&message.lines().count()), "{message}");
     for line in message.lines() {
         assert!(line.len() <= MESSAGE.0 && !line.contains(char::is_control), "{line:?}");
-        let named = line.starts_with("line ") || line.contains(['`', '[']) || line.contains("check their units");
+        let named =
+            line.starts_with("line ") || line.contains(['`', '[']) || line.contains("check their units");
         assert!(named || line == "not TOML: recursion limit", "names neither line nor key: {line}");
         if let Some(number) = line.strip_prefix("line ").and_then(|rest| rest.split(':').next()) {
             assert!((1..=text.lines().count().max(1) + 1).contains(&number.parse().unwrap()), "{line}");
@@ -90,12 +93,13 @@ fn told(message: &str, text: &str) {
     }
 }
 
-/// Sweeps that mean harm: reading all points neither panics nor keeps more than the sweep takes, and the scenes of all points are
-/// such as can be computed.
+/// Sweeps that mean harm: reading all points neither panics nor keeps more than the sweep takes, and the
+/// scenes of all points are such as can be computed.
 #[test]
 fn every_sweep_is_read_or_refused_in_a_line() {
     let _alone = super::alone();
-    let seeds: Vec<String> = seeds().into_iter().map(|(_, seed)| seed).filter(|seed| seed.contains("sweep")).collect();
+    let seeds: Vec<String> =
+        seeds().into_iter().map(|(_, seed)| seed).filter(|seed| seed.contains("sweep")).collect();
     assert!(seeds.len() >= 9, "{}", seeds.len());
     let mutation = (proptest::sample::select(changes()), any::<u32>(), any::<u32>());
     let strategy = (0..seeds.len(), proptest::collection::vec(mutation, 0..4));
@@ -181,9 +185,20 @@ fn can_be_planned(scene: &Scene, model: &Model) {
             let sizes = Sizes::new(scene, law.as_ref(), 4);
             let seconds = plan.core_seconds.on_threads(&sizes);
             let numbers = [plan.beyond, plan.pairs, sizes.memory(), sizes.disk()].into_iter().chain(seconds);
-            assert!(numbers.into_iter().all(|number| number >= 0.0), "{}: {plan:?}\n{}", model.name, scene.text);
+            assert!(
+                numbers.into_iter().all(|number| number >= 0.0),
+                "{}: {plan:?}\n{}",
+                model.name,
+                scene.text
+            );
         }
         Err(error) => assert!(!error.to_string().is_empty()),
     }
-    assert!(begun.elapsed() < Duration::from_secs(20), "{}: {:?}\n{}", model.name, begun.elapsed(), scene.text);
+    assert!(
+        begun.elapsed() < Duration::from_secs(20),
+        "{}: {:?}\n{}",
+        model.name,
+        begun.elapsed(),
+        scene.text
+    );
 }

@@ -1,4 +1,5 @@
-//! Scenes and tables changed token by token, so that most of them get past the parser and into what checks the values.
+//! Scenes and tables changed token by token, so that most of them get past the parser and into what checks
+//! the values.
 
 use std::borrow::Cow;
 
@@ -232,7 +233,9 @@ fn suitable(tokens: &[Cow<'_, str>], change: Change, place: usize) -> usize {
         Change::Number | Change::Digit => token.contains(|c: char| c.is_ascii_digit()),
         Change::Unit => token.starts_with('"') && token.contains(|c: char| c.is_ascii_digit()),
         Change::Word => token.contains(|c: char| c.is_ascii_alphabetic()) && !token.starts_with('#'),
-        Change::Drop | Change::Swap | Change::Repeat | Change::Nest | Change::Array => !token.trim().is_empty(),
+        Change::Drop | Change::Swap | Change::Repeat | Change::Nest | Change::Array => {
+            !token.trim().is_empty()
+        }
         _ => true,
     };
     (place..tokens.len()).chain(0..place).find(|&i| fits(&tokens[i])).unwrap_or(place)
@@ -250,7 +253,8 @@ fn apply(tokens: &mut Vec<Cow<'_, str>>, change: Change, place: usize, choice: u
             tokens[place] = changed.into();
         }
         Change::Digit => {
-            let digits: Vec<usize> = token.match_indices(|c: char| c.is_ascii_digit()).map(|(i, _)| i).collect();
+            let digits: Vec<usize> =
+                token.match_indices(|c: char| c.is_ascii_digit()).map(|(i, _)| i).collect();
             if !digits.is_empty() {
                 let at = digits[choice % digits.len()];
                 tokens[place].to_mut().replace_range(at..=at, &(choice / 8 % 10).to_string());
@@ -276,7 +280,9 @@ fn apply(tokens: &mut Vec<Cow<'_, str>>, change: Change, place: usize, choice: u
             tokens[place] = format!("[{}]", numbers.join(",")).into();
         }
         Change::Insert => {
-            let at = (0..=token.len()).rev().find(|&i| i <= choice % (token.len() + 1) && token.is_char_boundary(i));
+            let at = (0..=token.len())
+                .rev()
+                .find(|&i| i <= choice % (token.len() + 1) && token.is_char_boundary(i));
             tokens[place].to_mut().insert_str(at.unwrap_or(0), INSERTIONS[choice / 7 % INSERTIONS.len()]);
         }
         Change::Drop => {
@@ -317,7 +323,8 @@ fn line(tokens: &[Cow<'_, str>], place: usize) -> std::ops::Range<usize> {
     start..end
 }
 
-/// Words and numbers, quoted texts, comments, blanks, and everything else by itself; together they are the text.
+/// Words and numbers, quoted texts, comments, blanks, and everything else by itself; together they are the
+/// text.
 fn tokens(text: &str) -> Vec<&str> {
     let mut tokens = Vec::new();
     let mut rest = text;

@@ -1,14 +1,15 @@
-//! What the table of keys says, against the reader: defaults, keys that have to be there, and those that exclude others.
+//! What the table of keys says, against the reader: defaults, keys that have to be there, and those that
+//! exclude others.
 
 use super::{VARIANTS, Variant, files, scene_of};
 use std::path::Path;
 use std::sync::Arc;
-use stiction::output::columns::Beside;
+use stiction::output::columns::SceneFiles;
 use stiction::scene::{Absent, Document, KEYS, Key, Scene};
 
 /// What a scene says, whatever its text.
 fn said(folder: &Path, text: &str) -> Result<String, String> {
-    let files = Arc::new(Beside::scene(&folder.join("scene.toml")));
+    let files = Arc::new(SceneFiles::scene(&folder.join("scene.toml")));
     let mut document = Document::parse(text, files).map_err(|error| error.to_string())?;
     document.scene.text.clear();
     let sweep = document.sweep.map(|sweep| (sweep.mode, sweep.common_random_numbers, sweep.axes));
@@ -43,7 +44,10 @@ fn defaults_are_what_holds_without_the_key() {
         let own = line(&text, key).unwrap();
         let given = text.replace(own, &format!("{} = {default}\n", own.split(" = ").next().unwrap()));
         let [absent, given] = [text.replace(own, ""), given].map(|text| said(folder.path(), &text));
-        assert_eq!(absent.as_ref().map_err(|error| format!("{}: {error}", key.name)), Ok(given.as_ref().unwrap()));
+        assert_eq!(
+            absent.as_ref().map_err(|error| format!("{}: {error}", key.name)),
+            Ok(given.as_ref().unwrap())
+        );
         seen += 1;
     }
     assert!(seen > 15);
@@ -60,19 +64,24 @@ fn what_has_to_be_there_is_missed() {
         };
         for text in with(key).filter(|text| !elsewhere(text)) {
             let absent = text.replace(line(&text, key).unwrap(), "");
-            let error = said(folder.path(), &absent).err().unwrap_or_else(|| panic!("{} is not missed", key.name));
+            let error =
+                said(folder.path(), &absent).err().unwrap_or_else(|| panic!("{} is not missed", key.name));
             let last = key.name.rsplit('.').next().unwrap();
             assert!(error.contains(last), "{}: {error}", key.name);
         }
     }
 }
 
-/// Worked by hand: 1/E_r = (1 - 0.22²)/169 + (1 - 0.33²)/70 = (0.9516·70 + 0.8911·169)/11830 per GPa, and 50 + 60 - 20 = 90 mJ/m².
-/// Two incompressible bodies of 100 GPa have 4/3 of half a modulus; a body beside one ten thousand times as stiff nearly its own.
+/// Worked by hand: 1/E_r = (1 - 0.22²)/169 + (1 - 0.33²)/70 = (0.9516·70 + 0.8911·169)/11830 per GPa, and 50
+/// + 60 - 20 = 90 mJ/m². Two incompressible bodies of 100 GPa have 4/3 of half a modulus; a body beside one
+///   ten thousand times as stiff nearly its own.
 #[test]
 fn bodies_have_the_reduced_modulus_and_the_work_of_adhesion_worked_by_hand() {
-    let plain =
-        scene_of(&(&["material.reduced_modulus", "material.work_of_adhesion", "material.poisson_ratio"], &[], &[]));
+    let plain = scene_of(&(
+        &["material.reduced_modulus", "material.work_of_adhesion", "material.poisson_ratio"],
+        &[],
+        &[],
+    ));
     for (bodies, expected) in [
         ("[\"169 GPa\", \"70 GPa\"]\nmaterial.poissons_ratio = [0.22, 0.33]", 11830.0 / 217.2079),
         ("[\"70 GPa\", \"169 GPa\"]\nmaterial.poissons_ratio = [0.33, 0.22]", 11830.0 / 217.2079),

@@ -1,7 +1,9 @@
-//! Chang, Etsion and Bogy: Hertz's contact up to the critical interference, a contact of constant volume above it, dry.
+//! Chang, Etsion and Bogy: Hertz's contact up to the critical interference, a contact of constant volume
+//! above it, dry.
 //!
 //! # Formula
-//! With x = ω/ω_c, ω_c = (πKH/2E_r)²R, K = 0.454 + 0.41ν, and P_c = (2/3)πKHRω_c, which is the Hertz load at ω_c:
+//! With x = ω/ω_c, ω_c = (πKH/2E_r)²R, K = 0.454 + 0.41ν, and P_c = (2/3)πKHRω_c, which is the Hertz load at
+//! ω_c:
 //!
 //! | x | P/P_c | contact area/πRω_c | F_s |
 //! |---|---|---|---|
@@ -9,39 +11,42 @@
 //! | 0..1 | x^1.5 | x | the Lennard-Jones stress over the Hertz gap around the contact |
 //! | above | 3x − 1.5 | 2x − 1 | 2πRΔγ |
 //!
-//! The volume of the asperity that flows is conserved, so the area is πRω(2 − ω_c/ω), under the mean pressure KH. The
-//! attraction around an elastic contact is that of [`super::sbl`]. Around a plastic contact of the radius a the gap is
-//! taken as that of the undeformed sphere, z = Z₀ + (r² − a²)/2R, over which the stress integrates to 2πRΔγ exactly.
+//! The volume of the asperity that flows is conserved, so the area is πRω(2 − ω_c/ω), under the mean pressure
+//! KH. The attraction around an elastic contact is that of [`super::sbl`]. Around a plastic contact of the
+//! radius a the gap is taken as that of the undeformed sphere, z = Z₀ + (r² − a²)/2R, over which the stress
+//! integrates to 2πRΔγ exactly.
 //!
 //! # Validity
-//! Low λ, dry. At ω_c the load jumps by half and F_s drops to 2πRΔγ, because neither form passes into the other.
-//! Sources: Chang, Etsion and Bogy, J. Tribol. 109 (1987) 257 (loads, areas); J. Tribol. 110 (1988) 50 (adhesion).
+//! Low λ, dry. At ω_c the load jumps by half and F_s drops to 2πRΔγ, because neither form passes into the
+//! other. Sources: Chang, Etsion and Bogy, J. Tribol. 109 (1987) 257 (loads, areas); J. Tribol. 110 (1988) 50
+//! (adhesion).
 
 use super::kogut_etsion::Critical;
 use super::{hertz, idmt, sbl};
 use crate::asperity::error::LawError;
 use crate::asperity::formula::ClosedForm;
 use crate::asperity::law::{Law, Regime};
-use crate::asperity::setting::Setting;
+use crate::asperity::parameters::LawParameters;
 use crate::asperity::table::{Row, Table};
 
 /// The law `ceb`.
 ///
 /// # Errors
 /// [`LawError::Elastic`] without a critical interference.
-pub fn ceb(setting: &Setting) -> Result<Box<dyn Law>, LawError> {
-    let critical = setting.plastic("ceb")?.critical_interference;
-    let Critical { load, disc, .. } = Critical::new(setting);
-    let pull = 2.0 * setting.scale.force;
+pub fn ceb(parameters: &LawParameters) -> Result<Box<dyn Law>, LawError> {
+    let critical = parameters.plastic("ceb")?.critical_interference;
+    let Critical { load, disc, .. } = Critical::new(parameters);
+    let pull = 2.0 * parameters.scale.force;
     let x = move |delta: f64| delta / critical;
-    let elastic = ClosedForm::new(sbl::ring_attraction(setting), hertz::load(setting), hertz::area(setting));
+    let elastic =
+        ClosedForm::new(sbl::ring_attraction(parameters), hertz::load(parameters), hertz::area(parameters));
     let plastic = ClosedForm::new(
         move |_: f64| pull,
         move |delta: f64| load * (3.0 * x(delta) - 1.5),
         move |delta: f64| disc * (2.0 * x(delta) - 1.0),
     );
     Ok(Box::new(Table::new([
-        Row::below(Regime::Noncontact, 0.0, idmt::attraction(setting, 0.0)),
+        Row::below(Regime::Noncontact, 0.0, idmt::attraction(parameters, 0.0)),
         Row::up_to(Regime::Elastic, critical, elastic.with_root(0.0, 2)),
         Row::last(Regime::Plastic, plastic),
     ])))

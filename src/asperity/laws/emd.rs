@@ -21,10 +21,10 @@ use crate::asperity::flattened::ExtendedMaugisDugdale;
 use crate::asperity::formula::Constant;
 use crate::asperity::history::Path;
 use crate::asperity::law::{BLOCK, End, Flattened, Law, Regime, Responses, Smoothness};
+use crate::asperity::parameters::LawParameters;
 use crate::asperity::scale::Scale;
-use crate::asperity::setting::Setting;
+use crate::asperity::stats::SolverStats;
 use crate::asperity::table::{Method, Part, Row, Table};
-use crate::asperity::work::Work;
 use crate::math::instruction_set::InstructionSet;
 use std::sync::Arc;
 
@@ -32,22 +32,22 @@ use std::sync::Arc;
 ///
 /// # Errors
 /// [`LawError`] for a λ that is not solved.
-pub fn emd(setting: &Setting) -> Result<Box<dyn Law>, LawError> {
-    Ok(Box::new(Table::new(rows(setting)?)))
+pub fn emd(parameters: &LawParameters) -> Result<Box<dyn Law>, LawError> {
+    Ok(Box::new(Table::new(rows(parameters)?)))
 }
 
 /// The three rows of the law.
 ///
 /// # Errors
 /// [`LawError`] for a λ that is not solved.
-pub fn rows(setting: &Setting) -> Result<[Row; 3], LawError> {
-    let attraction = Attraction::new(setting)?;
-    let contact = MaugisContact::of(Arc::clone(&attraction.emd), setting);
+pub fn rows(parameters: &LawParameters) -> Result<[Row; 3], LawError> {
+    let attraction = Attraction::new(parameters)?;
+    let contact = MaugisContact::of(Arc::clone(&attraction.emd), parameters);
     let touch = contact.begin();
     Ok([
-        Row::below(Regime::Noncontact, touch - setting.lubricant_thickness, attraction),
-        Row::below(Regime::Lubricant, touch, Constant::lubricant(setting)),
-        Row::up_to(Regime::Elastic, setting.critical_interference, contact),
+        Row::below(Regime::Noncontact, touch - parameters.lubricant_thickness, attraction),
+        Row::below(Regime::Lubricant, touch, Constant::lubricant(parameters)),
+        Row::up_to(Regime::Elastic, parameters.critical_interference, contact),
     ])
 }
 
@@ -65,10 +65,12 @@ impl Attraction {
     ///
     /// # Errors
     /// [`LawError`] for a λ that is not solved.
-    pub fn new(setting: &Setting) -> Result<Self, LawError> {
-        let Setting { scale, path, lubricant_thickness: thickness, .. } = *setting;
+    pub fn new(parameters: &LawParameters) -> Result<Self, LawError> {
+        let LawParameters { scale, path, lubricant_thickness: thickness, .. } = *parameters;
         let mut emd = Emd::new(scale.lambda, path)?;
-        if let (Some((lowest, _)), Some(deepest)) = (setting.reach, setting.deepest(setting.critical_interference)) {
+        if let (Some((lowest, _)), Some(deepest)) =
+            (parameters.reach, parameters.deepest(parameters.critical_interference))
+        {
             emd = emd.with_tables((lowest + thickness) / scale.length, deepest);
         }
         Ok(Self { emd: Arc::new(emd), scale, path, thickness })
@@ -98,7 +100,7 @@ impl Part for Attraction {
         Some(Box::new(ExtendedMaugisDugdale::new(self.scale, self.path, self.thickness)))
     }
 
-    fn evaluate(&self, interference: &[f64], out: &mut Responses, work: &mut Work) {
+    fn evaluate(&self, interference: &[f64], out: &mut Responses, stats: &mut SolverStats) {
         let inverse = 1.0 / self.scale.length;
         let count = interference.len();
         let mut approaches = [0.0; BLOCK];
@@ -108,7 +110,7 @@ impl Part for Attraction {
                 for (approach, &delta) in approaches.iter_mut().zip(interference) {
                     *approach = (delta + self.thickness) * inverse;
                 }
-                self.emd.noncontact_block(&mut approaches[..count], &mut out.adhesion, work);
+                self.emd.noncontact_block(&mut approaches[..count], &mut out.adhesion, stats);
                 out.adhesion[..count].iter_mut().for_each(|adhesion| *adhesion *= self.scale.force);
                 out.contact[..count].fill(0.0);
                 out.area[..count].fill(0.0);

@@ -4,13 +4,13 @@
 //! a² = Rω, P = K√R ω^(3/2) for ω ≥ 0; nothing before contact.
 //!
 //! # Validity
-//! Elastic spheres without adhesion. Sources: Hertz, J. reine angew. Math. 92 (1882) 156; for rough surfaces Greenwood and
-//! Williamson, Proc. R. Soc. Lond. A 295 (1966) 300.
+//! Elastic spheres without adhesion. Sources: Hertz, J. reine angew. Math. 92 (1882) 156; for rough surfaces
+//! Greenwood and Williamson, Proc. R. Soc. Lond. A 295 (1966) 300.
 
 use crate::asperity::error::LawError;
 use crate::asperity::formula::{ClosedForm, Constant, Formula};
 use crate::asperity::law::{Law, Regime};
-use crate::asperity::setting::Setting;
+use crate::asperity::parameters::LawParameters;
 use crate::asperity::table::{Part, Row, Table};
 use std::f64::consts::PI;
 
@@ -18,27 +18,28 @@ use std::f64::consts::PI;
 ///
 /// # Errors
 /// None for a checked setting.
-pub fn hertz(setting: &Setting) -> Result<Box<dyn Law>, LawError> {
+pub fn hertz(parameters: &LawParameters) -> Result<Box<dyn Law>, LawError> {
     Ok(Box::new(Table::new([
         Row::below(Regime::Noncontact, 0.0, Constant::NOTHING),
-        Row::last(Regime::Elastic, contact(setting, 0.0)),
+        Row::last(Regime::Elastic, contact(parameters, 0.0)),
     ])))
 }
 
 /// The contact of Hertz under a constant adhesion force of `pull` πΔγR.
-pub fn contact(setting: &Setting, pull: f64) -> impl Part + use<> {
-    let pull = pull * setting.scale.force;
-    ClosedForm::new(move |_: f64| pull, load(setting), area(setting)).with_root(0.0, 2)
+pub fn contact(parameters: &LawParameters, pull: f64) -> impl Part + use<> {
+    let pull = pull * parameters.scale.force;
+    ClosedForm::new(move |_: f64| pull, load(parameters), area(parameters)).with_root(0.0, 2)
 }
 
 /// P = K√R δ^(3/2).
-pub fn load(setting: &Setting) -> impl Formula + use<> {
-    let (unit, per_length) = (setting.scale.force, 1.0 / setting.scale.length);
+pub fn load(parameters: &LawParameters) -> impl Formula + use<> {
+    let (unit, per_length) = (parameters.scale.force, 1.0 / parameters.scale.length);
     move |delta: f64| unit * (delta * per_length) * (delta * per_length).sqrt()
 }
 
 /// πa² = πRδ.
-pub fn area(setting: &Setting) -> impl Formula + use<> {
-    let (unit, per_length) = (PI * setting.scale.radius * setting.scale.radius, 1.0 / setting.scale.length);
+pub fn area(parameters: &LawParameters) -> impl Formula + use<> {
+    let (unit, per_length) =
+        (PI * parameters.scale.radius * parameters.scale.radius, 1.0 / parameters.scale.length);
     move |delta: f64| unit * (delta * per_length)
 }

@@ -1,4 +1,5 @@
-//! The improved Derjaguin-Muller-Toporov law: the Lennard-Jones attraction of an undeformed sphere before contact, DMT in contact.
+//! The improved Derjaguin-Muller-Toporov law: the Lennard-Jones attraction of an undeformed sphere before
+//! contact, DMT in contact.
 //!
 //! # Formula
 //! At the gap g = Z₀ − δ ≥ Z₀: F_s = (8/3)πRΔγ[(Z₀/g)² − (1/4)(Z₀/g)⁸]; in contact as [`super::dmt`].
@@ -10,24 +11,24 @@ use super::hertz::contact;
 use crate::asperity::error::LawError;
 use crate::asperity::formula::ClosedForm;
 use crate::asperity::law::{Law, Regime};
-use crate::asperity::setting::Setting;
+use crate::asperity::parameters::LawParameters;
 use crate::asperity::table::{Part, Row, Table};
 
 /// The law `idmt`.
 ///
 /// # Errors
 /// None for a checked setting.
-pub fn idmt(setting: &Setting) -> Result<Box<dyn Law>, LawError> {
+pub fn idmt(parameters: &LawParameters) -> Result<Box<dyn Law>, LawError> {
     Ok(Box::new(Table::new([
-        Row::below(Regime::Noncontact, 0.0, attraction(setting, 0.0)),
-        Row::last(Regime::Elastic, contact(setting, 2.0)),
+        Row::below(Regime::Noncontact, 0.0, attraction(parameters, 0.0)),
+        Row::last(Regime::Elastic, contact(parameters, 2.0)),
     ])))
 }
 
 /// The attraction of an undeformed sphere across the gap, Z₀ − δ less the `thickness` of a lubricant, m.
-pub fn attraction(setting: &Setting, thickness: f64) -> impl Part + use<> {
-    let factor = 8.0 / 3.0 * setting.scale.force;
-    let per_spacing = 1.0 / setting.scale.equilibrium_spacing();
+pub fn attraction(parameters: &LawParameters, thickness: f64) -> impl Part + use<> {
+    let factor = 8.0 / 3.0 * parameters.scale.force;
+    let per_spacing = 1.0 / parameters.scale.equilibrium_spacing();
     let force = move |delta: f64| {
         let u = 1.0 / (1.0 - (delta + thickness) * per_spacing);
         let square = u * u;

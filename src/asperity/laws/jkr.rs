@@ -1,32 +1,34 @@
 //! Johnson-Kendall-Roberts: adhesion within the contact only.
 //!
 //! # Formula
-//! F̂ = A³ − A√(6A), Δ = A² − (2/3)√(6A), so P = A³ and F̂_s = A√(6A). The stable branch ends at A = 6^(−1/3), where dΔ/dA = 0,
-//! with F̂ = −5/6. Solved in x = A^(−1/2): Δ = x⁻⁴ − (2√6/3)x⁻¹.
+//! F̂ = A³ − A√(6A), Δ = A² − (2/3)√(6A), so P = A³ and F̂_s = A√(6A). The stable branch ends at A =
+//! 6^(−1/3), where dΔ/dA = 0, with F̂ = −5/6. Solved in x = A^(−1/2): Δ = x⁻⁴ − (2√6/3)x⁻¹.
 //!
-//! On approach nothing acts before Δ = 0; there contact begins with A³ = 8/3. On retraction it lasts to the end of the branch.
+//! On approach nothing acts before Δ = 0; there contact begins with A³ = 8/3. On retraction it lasts to the
+//! end of the branch.
 //!
 //! # Validity
-//! Elastic spheres of high λ; the limit of Maugis-Dugdale as λ → ∞. Sources: Johnson, Kendall and Roberts, Proc. R. Soc. Lond. A 324
-//! (1971) 301; for rough surfaces Fuller and Tabor, Proc. R. Soc. Lond. A 345 (1975) 327.
+//! Elastic spheres of high λ; the limit of Maugis-Dugdale as λ → ∞. Sources: Johnson, Kendall and Roberts,
+//! Proc. R. Soc. Lond. A 324 (1971) 301; for rough surfaces Fuller and Tabor, Proc. R. Soc. Lond. A 345
+//! (1975) 327.
 
 use crate::asperity::branch::{Anchor, Branch, Curve, State};
 use crate::asperity::error::LawError;
 use crate::asperity::formula::Constant;
 use crate::asperity::history::Path;
 use crate::asperity::law::{BLOCK, End, Law, Regime, Responses, Smoothness};
+use crate::asperity::parameters::LawParameters;
 use crate::asperity::scale::Scale;
-use crate::asperity::setting::Setting;
+use crate::asperity::stats::SolverStats;
 use crate::asperity::table::{Method, Part, Row, Table};
-use crate::asperity::work::Work;
 
 /// The law `jkr`.
 ///
 /// # Errors
 /// None for a checked setting.
-pub fn jkr(setting: &Setting) -> Result<Box<dyn Law>, LawError> {
-    let contact = JkrContact::new(setting);
-    let begin = match setting.path {
+pub fn jkr(parameters: &LawParameters) -> Result<Box<dyn Law>, LawError> {
+    let contact = JkrContact::new(parameters);
+    let begin = match parameters.path {
         Path::Approach => 0.0,
         Path::Retraction => contact.end(),
     };
@@ -88,14 +90,16 @@ pub struct JkrContact {
 }
 
 impl JkrContact {
-    fn new(setting: &Setting) -> Self {
+    fn new(parameters: &LawParameters) -> Self {
         let end = JkrCurve.end();
         let mut branch =
             Branch::new(JkrCurve, Anchor { approach: JkrCurve.at(end).approach, parameter: end, fold: true });
-        if let Some(deepest) = setting.deepest(f64::INFINITY).filter(|deepest| *deepest > branch.anchor().approach) {
+        if let Some(deepest) =
+            parameters.deepest(f64::INFINITY).filter(|deepest| *deepest > branch.anchor().approach)
+        {
             branch = branch.with_table(deepest);
         }
-        Self { branch, scale: setting.scale }
+        Self { branch, scale: parameters.scale }
     }
 
     /// Interference at the end of the stable branch, m.
@@ -113,14 +117,14 @@ impl Part for JkrContact {
         Method::Contact
     }
 
-    fn evaluate(&self, interference: &[f64], out: &mut Responses, work: &mut Work) {
+    fn evaluate(&self, interference: &[f64], out: &mut Responses, stats: &mut SolverStats) {
         let inverse = 1.0 / self.scale.length;
         let (lowest, count) = (self.branch.anchor().approach, interference.len());
         let (mut approaches, mut radius) = ([0.0; BLOCK], [0.0; BLOCK]);
         for (approach, &delta) in approaches.iter_mut().zip(interference) {
             *approach = (delta * inverse).max(lowest);
         }
-        self.branch.solve_block(&approaches[..count], &mut out.adhesion, &mut radius, work);
+        self.branch.solve_block(&approaches[..count], &mut out.adhesion, &mut radius, stats);
         out.scale_contacts(&self.scale, &radius[..count]);
     }
 }

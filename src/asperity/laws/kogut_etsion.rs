@@ -13,15 +13,16 @@
 //! Before contact the law `ke` takes the attraction of [`super::idmt`].
 //!
 //! # Validity
-//! Published fits for low λ; they jump at the joints (P by +3.0 % at x = 1 and +1.7 % at 6), begin without adhesion at x = 0 where
-//! the attraction ends with 2πRΔγ, and are reproduced with their jumps. Sources: Kogut and Etsion, J. Appl. Mech. 69 (2002) 657
-//! (loads, areas); J. Colloid Interface Sci. 261 (2003) 372 (adhesion).
+//! Published fits for low λ; they jump at the joints (P by +3.0 % at x = 1 and +1.7 % at 6), begin without
+//! adhesion at x = 0 where the attraction ends with 2πRΔγ, and are reproduced with their jumps. Sources:
+//! Kogut and Etsion, J. Appl. Mech. 69 (2002) 657 (loads, areas); J. Colloid Interface Sci. 261 (2003) 372
+//! (adhesion).
 
 use super::idmt;
 use crate::asperity::error::LawError;
 use crate::asperity::formula::{ClosedForm, Formula, Tabulated, Zero};
 use crate::asperity::law::{Law, Regime};
-use crate::asperity::setting::Setting;
+use crate::asperity::parameters::LawParameters;
 use crate::asperity::table::{Row, Table};
 use std::f64::consts::PI;
 
@@ -38,23 +39,23 @@ const TABLE_TOLERANCE: f64 = 2e-15;
 ///
 /// # Errors
 /// [`LawError::Elastic`] without a critical interference.
-pub fn ke(setting: &Setting) -> Result<Box<dyn Law>, LawError> {
-    setting.plastic("ke")?;
-    let before = Row::below(Regime::Noncontact, 0.0, idmt::attraction(setting, 0.0));
-    Ok(Box::new(Table::new([before].into_iter().chain(contact_rows(setting)))))
+pub fn ke(parameters: &LawParameters) -> Result<Box<dyn Law>, LawError> {
+    parameters.plastic("ke")?;
+    let before = Row::below(Regime::Noncontact, 0.0, idmt::attraction(parameters, 0.0));
+    Ok(Box::new(Table::new([before].into_iter().chain(contact_rows(parameters)))))
 }
 
 /// The four rows of contact.
-pub fn contact_rows(setting: &Setting) -> impl Iterator<Item = Row> + use<> {
-    let critical = Critical::new(setting);
+pub fn contact_rows(parameters: &LawParameters) -> impl Iterator<Item = Row> + use<> {
+    let critical = Critical::new(parameters);
     let pull = critical.power(critical.pull(-0.29) * 0.98, 0.298, (0.0, 1.0));
     let elastic = critical.elastic(pull, ELASTIC_ORDER);
-    [elastic].into_iter().chain(plastic_rows(setting))
+    [elastic].into_iter().chain(plastic_rows(parameters))
 }
 
 /// The three rows above ω_c.
-pub fn plastic_rows(setting: &Setting) -> [Row; 3] {
-    let critical = Critical::new(setting);
+pub fn plastic_rows(parameters: &LawParameters) -> [Row; 3] {
+    let critical = Critical::new(parameters);
     let first = critical.power(critical.pull(-0.321) * 0.79, 0.356, (1.0, FIRST_END));
     let second = critical.power(critical.pull(-0.332) * 1.19, 0.093, (FIRST_END, SECOND_END));
     critical.plastic(first, second, Zero)
@@ -62,7 +63,7 @@ pub fn plastic_rows(setting: &Setting) -> [Row; 3] {
 
 /// The contact of an asperity in units of that at ω_c.
 pub struct Critical<'a> {
-    setting: &'a Setting,
+    parameters: &'a LawParameters,
     /// 1/ω_c, 1/m.
     per_length: f64,
     /// P_c, N.
@@ -73,25 +74,25 @@ pub struct Critical<'a> {
 
 impl<'a> Critical<'a> {
     /// The units of a setting.
-    pub fn new(setting: &'a Setting) -> Self {
-        let scaled = setting.critical_interference / setting.scale.length;
+    pub fn new(parameters: &'a LawParameters) -> Self {
+        let scaled = parameters.critical_interference / parameters.scale.length;
         Self {
-            setting,
-            per_length: 1.0 / setting.critical_interference,
-            load: setting.scale.force * scaled * scaled.sqrt(),
-            disc: PI * setting.scale.radius * setting.scale.radius * scaled,
+            parameters,
+            per_length: 1.0 / parameters.critical_interference,
+            load: parameters.scale.force * scaled * scaled.sqrt(),
+            disc: PI * parameters.scale.radius * parameters.scale.radius * scaled,
         }
     }
 
     /// 2πRΔγ(ε/ω_c)^exponent, N.
     fn pull(&self, exponent: f64) -> f64 {
-        let ratio = self.setting.scale.equilibrium_spacing() / self.setting.critical_interference;
-        2.0 * self.setting.scale.force * libm::pow(ratio, exponent)
+        let ratio = self.parameters.scale.equilibrium_spacing() / self.parameters.critical_interference;
+        2.0 * self.parameters.scale.force * libm::pow(ratio, exponent)
     }
 
     /// factor · x^exponent in a regime of x.
     fn power(&self, factor: f64, exponent: f64, (begin, end): (f64, f64)) -> impl Formula + use<> {
-        let reach = self.setting.reach.map(|(_, deepest)| deepest / self.setting.critical_interference);
+        let reach = self.parameters.reach.map(|(_, deepest)| deepest / self.parameters.critical_interference);
         let end = reach.map_or(begin, |deepest| end.min(deepest));
         let power = move |x: f64| factor * libm::pow(x, exponent);
         Tabulated::new(1.0, self.per_length, power, TABLE_TOLERANCE, (begin, end))
@@ -107,19 +108,31 @@ impl<'a> Critical<'a> {
     pub fn elastic(&self, adhesion: impl Formula, order: i32) -> Row {
         let load = self.power(self.load, 1.5, (0.0, 1.0));
         let contact = ClosedForm::new(adhesion, load, self.multiple(self.disc)).with_root(0.0, order);
-        Row::up_to(Regime::Elastic, self.setting.critical_interference, contact)
+        Row::up_to(Regime::Elastic, self.parameters.critical_interference, contact)
     }
 
     /// The rows above ω_c, each with its adhesion.
     pub fn plastic(&self, first: impl Formula, second: impl Formula, last: impl Formula) -> [Row; 3] {
-        let (critical, x) = (self.setting.critical_interference, [(1.0, FIRST_END), (FIRST_END, SECOND_END)]);
+        let (critical, x) =
+            (self.parameters.critical_interference, [(1.0, FIRST_END), (FIRST_END, SECOND_END)]);
         let power = |factor, exponent, x| self.power(factor, exponent, x);
         let loads = (power(self.load * 1.03, 1.425, x[0]), power(self.load * 1.40, 1.263, x[1]));
         let areas = (power(self.disc * 0.93, 1.136, x[0]), power(self.disc * 0.94, 1.146, x[1]));
-        let plastic = (self.multiple(self.load * (3.0 / self.setting.pressure_factor)), self.multiple(self.disc * 2.0));
+        let plastic = (
+            self.multiple(self.load * (3.0 / self.parameters.pressure_factor)),
+            self.multiple(self.disc * 2.0),
+        );
         [
-            Row::up_to(Regime::Elastoplastic1, FIRST_END * critical, ClosedForm::new(first, loads.0, areas.0)),
-            Row::up_to(Regime::Elastoplastic2, SECOND_END * critical, ClosedForm::new(second, loads.1, areas.1)),
+            Row::up_to(
+                Regime::Elastoplastic1,
+                FIRST_END * critical,
+                ClosedForm::new(first, loads.0, areas.0),
+            ),
+            Row::up_to(
+                Regime::Elastoplastic2,
+                SECOND_END * critical,
+                ClosedForm::new(second, loads.1, areas.1),
+            ),
             Row::last(Regime::Plastic, ClosedForm::new(last, plastic.0, plastic.1)),
         ]
     }

@@ -4,17 +4,17 @@
 //! See [`crate::asperity::contact`]; P = K a³/R, so that F = P − F_s is the external load of Maugis.
 //!
 //! # Validity
-//! Elastic, dry spheres of every λ. Sources: Maugis, J. Colloid Interface Sci. 150 (1992) 243; for rough surfaces Adams, Müftü and
-//! Mohd Azhar, J. Tribol. 125 (2003) 700, who leave out what acts before contact.
+//! Elastic, dry spheres of every λ. Sources: Maugis, J. Colloid Interface Sci. 150 (1992) 243; for rough
+//! surfaces Adams, Müftü and Mohd Azhar, J. Tribol. 125 (2003) 700, who leave out what acts before contact.
 
 use crate::asperity::emd::Emd;
 use crate::asperity::error::LawError;
 use crate::asperity::formula::Constant;
 use crate::asperity::law::{BLOCK, End, Law, Regime, Responses, Smoothness};
+use crate::asperity::parameters::LawParameters;
 use crate::asperity::scale::Scale;
-use crate::asperity::setting::Setting;
+use crate::asperity::stats::SolverStats;
 use crate::asperity::table::{Method, Part, Row, Table};
-use crate::asperity::work::Work;
 use crate::math::instruction_set::InstructionSet;
 use std::sync::Arc;
 
@@ -22,8 +22,8 @@ use std::sync::Arc;
 ///
 /// # Errors
 /// [`LawError`] for a λ that is not solved.
-pub fn md(setting: &Setting) -> Result<Box<dyn Law>, LawError> {
-    let contact = MaugisContact::new(setting, f64::INFINITY)?;
+pub fn md(parameters: &LawParameters) -> Result<Box<dyn Law>, LawError> {
+    let contact = MaugisContact::new(parameters, f64::INFINITY)?;
     let touch = contact.begin();
     Ok(Box::new(Table::new([
         Row::below(Regime::Noncontact, touch, Constant::NOTHING),
@@ -43,17 +43,17 @@ impl MaugisContact {
     ///
     /// # Errors
     /// [`LawError`] for a λ that is not solved.
-    pub fn new(setting: &Setting, end: f64) -> Result<Self, LawError> {
-        let mut emd = Emd::new(setting.scale.lambda, setting.path)?;
-        if let Some(deepest) = setting.deepest(end) {
+    pub fn new(parameters: &LawParameters, end: f64) -> Result<Self, LawError> {
+        let mut emd = Emd::new(parameters.scale.lambda, parameters.path)?;
+        if let Some(deepest) = parameters.deepest(end) {
             emd = emd.with_contact_table(deepest);
         }
-        Ok(Self::of(Arc::new(emd), setting))
+        Ok(Self::of(Arc::new(emd), parameters))
     }
 
     /// The branch of a solver.
-    pub fn of(emd: Arc<Emd>, setting: &Setting) -> Self {
-        Self { emd, scale: setting.scale }
+    pub fn of(emd: Arc<Emd>, parameters: &LawParameters) -> Self {
+        Self { emd, scale: parameters.scale }
     }
 
     /// Interference at which contact begins on approach or ends on retraction, −δ_A, m.
@@ -66,7 +66,11 @@ impl Part for MaugisContact {
     fn smoothness(&self, _: f64, _: f64) -> (Vec<f64>, Vec<Smoothness>) {
         (
             Vec::new(),
-            vec![Smoothness::Root { end: End::Lower, place: self.emd.contact_fold() * self.scale.length, order: 2 }],
+            vec![Smoothness::Root {
+                end: End::Lower,
+                place: self.emd.contact_fold() * self.scale.length,
+                order: 2,
+            }],
         )
     }
 
@@ -74,7 +78,7 @@ impl Part for MaugisContact {
         Method::Contact
     }
 
-    fn evaluate(&self, interference: &[f64], out: &mut Responses, work: &mut Work) {
+    fn evaluate(&self, interference: &[f64], out: &mut Responses, stats: &mut SolverStats) {
         let inverse = 1.0 / self.scale.length;
         let count = interference.len();
         let (mut approaches, mut radius) = ([0.0; BLOCK], [0.0; BLOCK]);
@@ -84,7 +88,7 @@ impl Part for MaugisContact {
                 for (approach, &delta) in approaches.iter_mut().zip(interference) {
                     *approach = delta * inverse;
                 }
-                self.emd.contact_block(&mut approaches[..count], &mut out.adhesion, &mut radius, work);
+                self.emd.contact_block(&mut approaches[..count], &mut out.adhesion, &mut radius, stats);
                 out.scale_contacts(&self.scale, &radius[..count]);
             },
         );

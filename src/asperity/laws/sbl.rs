@@ -1,14 +1,16 @@
-//! The law of Stanley, Etsion and Bogy: lubricated, with the Lennard-Jones attraction around a contact that keeps its elastic profile.
+//! The law of Stanley, Etsion and Bogy: lubricated, with the Lennard-Jones attraction around a contact that
+//! keeps its elastic profile.
 //!
 //! # Formula
-//! Before the solids touch as [`super::isbl`]. In contact, with a² = Rδ, x = r/a and the Hertz gap outside the contact
-//! Z = Z₀ + (a²/πR)[√(x²−1) + (x²−2) arccos(1/x)],
+//! Before the solids touch as [`super::isbl`]. In contact, with a² = Rδ, x = r/a and the Hertz gap outside
+//! the contact Z = Z₀ + (a²/πR)[√(x²−1) + (x²−2) arccos(1/x)],
 //!
 //! F_s = ∫_a^∞ 2πr σ(Z) dr, σ(z) = (8/3)(Δγ/Z₀)[(Z₀/z)³ − (Z₀/z)⁹].
 //!
-//! With p = δ/(πZ₀), u² = x² − 1 and g(u) = u + (u²−1) arctan u this is
-//! F_s = 2πRΔγ (8/3)πp ∫₀^∞ u[(1 + pg)⁻³ − (1 + pg)⁻⁹]du: one function of p, which tends to 2πRΔγ as p → 0. It is tabulated to
-//! 1e-13 by direct quadrature, once per law. The elastic profile is kept throughout; P and the area are those of Kogut and Etsion.
+//! With p = δ/(πZ₀), u² = x² − 1 and g(u) = u + (u²−1) arctan u this is F_s = 2πRΔγ (8/3)πp ∫₀^∞ u[(1 + pg)⁻³
+//! − (1 + pg)⁻⁹]du: one function of p, which tends to 2πRΔγ as p → 0. It is tabulated to 1e-13 by direct
+//! quadrature, once per law. The elastic profile is kept throughout; P and the area are those of Kogut and
+//! Etsion.
 //!
 //! # Validity
 //! Low λ. Sources: Stanley, Etsion and Bogy, J. Tribol. 112 (1990) 98; Shi and Polycarpou (2005), eq. B.1.
@@ -18,7 +20,7 @@ use super::kogut_etsion::Critical;
 use crate::asperity::error::LawError;
 use crate::asperity::formula::{Formula, Tabulated};
 use crate::asperity::law::Law;
-use crate::asperity::setting::Setting;
+use crate::asperity::parameters::LawParameters;
 use crate::asperity::table::Table;
 use crate::math::polynomials::horner;
 use crate::math::quadrature::{NODES, Rule};
@@ -33,20 +35,23 @@ const QUADRATURE_TOLERANCE: f64 = 1e-15;
 ///
 /// # Errors
 /// [`LawError::Elastic`] without a critical interference.
-pub fn sbl(setting: &Setting) -> Result<Box<dyn Law>, LawError> {
-    setting.plastic("sbl")?;
-    let (critical, ring) = (Critical::new(setting), ring_attraction(setting));
-    let rows =
-        [critical.elastic(ring.clone(), 2)].into_iter().chain(critical.plastic(ring.clone(), ring.clone(), ring));
-    Ok(Box::new(Table::new(isbl::rows_before_contact(setting).into_iter().chain(rows))))
+pub fn sbl(parameters: &LawParameters) -> Result<Box<dyn Law>, LawError> {
+    parameters.plastic("sbl")?;
+    let (critical, ring) = (Critical::new(parameters), ring_attraction(parameters));
+    let rows = [critical.elastic(ring.clone(), 2)].into_iter().chain(critical.plastic(
+        ring.clone(),
+        ring.clone(),
+        ring,
+    ));
+    Ok(Box::new(Table::new(isbl::rows_before_contact(parameters).into_iter().chain(rows))))
 }
 
 /// F_s around a contact that keeps its elastic profile, at interferences δ ≥ 0.
-pub fn ring_attraction(setting: &Setting) -> impl Formula + use<> {
-    let per_length = 1.0 / (PI * setting.scale.equilibrium_spacing());
-    let deepest = setting.reach.map_or(0.0, |(_, deepest)| deepest.max(0.0) * per_length);
+pub fn ring_attraction(parameters: &LawParameters) -> impl Formula + use<> {
+    let per_length = 1.0 / (PI * parameters.scale.equilibrium_spacing());
+    let deepest = parameters.reach.map_or(0.0, |(_, deepest)| deepest.max(0.0) * per_length);
     let integral = |p: f64| ring_integral(p, Rule::shared());
-    Tabulated::over_root(2.0 * setting.scale.force, per_length, integral, TABLE_TOLERANCE, (0.0, deepest))
+    Tabulated::over_root(2.0 * parameters.scale.force, per_length, integral, TABLE_TOLERANCE, (0.0, deepest))
 }
 
 /// g(u) = u + (u² − 1) arctan u, which is (4/3)u³ − … for small u.

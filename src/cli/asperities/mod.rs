@@ -3,10 +3,10 @@
 mod record;
 mod summary;
 
-use super::apart::{apart_within, is_apart};
 use super::format::si;
+use super::sandbox::{is_sandboxed, sandboxed_within};
 use super::{AsperitiesArguments, Failure, print, print_of, resources};
-use crate::output::Claim;
+use crate::output::OutputLock;
 use crate::output::maps::{self, MOST_PIXELS, MapFormat, RawMap};
 use crate::output::schema::ASPERITIES;
 use crate::output::writer::Writer;
@@ -17,7 +17,8 @@ use std::path::Path;
 
 /// Bytes that a pixel takes at most while a map is read, levelled and searched.
 const PIXEL: f64 = 24.0;
-/// Longest that an HDF5 file may keep a processor busy until its map is read, s; the largest, deflated, takes some 8.
+/// Longest that an HDF5 file may keep a processor busy until its map is read, s; the largest, deflated, takes
+/// some 8.
 const PROCESSOR_SECONDS: u64 = 40;
 
 /// Root mean square slopes of surfaces, polished optics and torn ones included: others come of a wrong unit.
@@ -49,20 +50,20 @@ pub(super) fn asperities(arguments: &AsperitiesArguments) -> Result<(), Failure>
     let most = resources::fitting(PIXEL, MOST_PIXELS);
     if MapFormat::of(map)? == MapFormat::Hdf5 {
         let dataset = arguments.dataset.as_deref();
-        apart_within(map, PROCESSOR_SECONDS, |map| Ok(maps::try_dataset(map, dataset, most)?))?;
-        if is_apart() {
+        sandboxed_within(map, PROCESSOR_SECONDS, |map| Ok(maps::try_dataset(map, dataset, most)?))?;
+        if is_sandboxed() {
             return Ok(());
         }
     }
-    let claim = output.map(|output| Claim::new(output, std::slice::from_ref(map))).transpose()?;
-    claim.as_ref().map_or(Ok(()), |claim| claim.check(arguments.force))?;
+    let lock = output.map(|output| OutputLock::new(output, std::slice::from_ref(map))).transpose()?;
+    lock.as_ref().map_or(Ok(()), |lock| lock.check(arguments.force))?;
     let surface = surface(arguments, most)?;
-    if let Some(claim) = &claim {
-        let written = Writer::create(&ASPERITIES, claim, arguments.force).and_then(|mut writer| {
+    if let Some(lock) = &lock {
+        let written = Writer::create(&ASPERITIES, lock, arguments.force).and_then(|mut writer| {
             record::write(&mut writer, &surface)?;
             writer.finish()
         });
-        written.map_err(|error| Failure::not_written(error, claim.output()))?;
+        written.map_err(|error| Failure::not_written(error, lock.output()))?;
     }
     let text = summary::summary(&surface);
     match output {
@@ -78,7 +79,8 @@ fn surface(arguments: &AsperitiesArguments, most: u64) -> Result<Surface<'_>, Fa
     let (pixel, other_pixel) = pixel(path, arguments.pixel, &raw)?;
     let (unit, other_unit) = height_unit(path, arguments.height_unit, &raw)?;
     let format = MapFormat::of(path)?.name();
-    let source = raw.dataset.as_ref().map_or(format.to_owned(), |dataset| format!("{format}, dataset {dataset}"));
+    let source =
+        raw.dataset.as_ref().map_or(format.to_owned(), |dataset| format!("{format}, dataset {dataset}"));
     let refused = |error: MapError| Failure::Usage(format!("{}: {error}", path.display()));
     let shape = raw.shape;
     let heights = raw.heights.into_iter().map(|height| height * unit).collect();
@@ -92,18 +94,23 @@ fn surface(arguments: &AsperitiesArguments, most: u64) -> Result<Surface<'_>, Fa
     Ok(Surface { arguments, source, shape, pixel, missing, asperities, caveats })
 }
 
-/// Height and width of a pixel, m: as given, or by the extent that the file states; and that it states another one.
+/// Height and width of a pixel, m: as given, or by the extent that the file states; and that it states
+/// another one.
 fn pixel(path: &Path, given: Option<[f64; 2]>, raw: &RawMap) -> Result<([f64; 2], Option<String>), Failure> {
     let stated = match raw.extent {
         [Some(height), Some(width)] => Some([height / raw.shape[0] as f64, width / raw.shape[1] as f64]),
         _ => None,
     };
-    let alike = |one: [f64; 2], other: [f64; 2]| one.iter().zip(other).all(|(a, b)| (a / b - 1.0).abs() < ALIKE);
+    let alike =
+        |one: [f64; 2], other: [f64; 2]| one.iter().zip(other).all(|(a, b)| (a / b - 1.0).abs() < ALIKE);
     let shown = |[height, width]: [f64; 2]| format!("{} x {}", si(width, "m"), si(height, "m"));
     match (given, stated) {
         (Some(given), Some(stated)) if !alike(given, stated) => {
-            let problem =
-                format!("--pixel says {}, and the file {}: taken as --pixel says", shown(given), shown(stated));
+            let problem = format!(
+                "--pixel says {}, and the file {}: taken as --pixel says",
+                shown(given),
+                shown(stated)
+            );
             Ok((given, Some(problem)))
         }
         (Some(pixel), _) | (None, Some(pixel)) => Ok((pixel, None)),
@@ -127,7 +134,9 @@ fn height_unit(path: &Path, given: Option<f64>, raw: &RawMap) -> Result<(f64, Op
             let given_name = si(given, "m");
             Ok((
                 given,
-                Some(format!("--height-unit says {given_name}, and the file {name}: taken as --height-unit says")),
+                Some(format!(
+                    "--height-unit says {given_name}, and the file {name}: taken as --height-unit says"
+                )),
             ))
         }
         (Some(unit), _) | (None, Some((Ok(unit), _))) => Ok((unit, None)),
@@ -138,14 +147,16 @@ fn height_unit(path: &Path, given: Option<f64>, raw: &RawMap) -> Result<(f64, Op
     }
 }
 
-/// That slopes are such as no surface has, where heights or pixels are in a wrong unit, and which unit of heights would make them usual.
+/// That slopes are such as no surface has, where heights or pixels are in a wrong unit, and which unit of
+/// heights would make them usual.
 fn wrong_unit(asperities: &Asperities, unit: f64) -> Option<String> {
     let slope = asperities.moments.m2().sqrt();
     if SLOPES.contains(&slope) {
         return None;
     }
     let by = |name: &str| super::length_unit(name).map_or(f64::NAN, |other| slope * other / unit);
-    let usual = UNITS.into_iter().map(|name| (name, by(name))).find(|(_, slope)| USUAL_SLOPES.contains(slope));
+    let usual =
+        UNITS.into_iter().map(|name| (name, by(name))).find(|(_, slope)| USUAL_SLOPES.contains(slope));
     let advice = usual.map(|(name, slope)| format!("; with --height-unit {name} they would be {slope:.1e}"));
     let advice = advice.unwrap_or_default();
     Some(format!(

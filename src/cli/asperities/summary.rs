@@ -10,8 +10,10 @@ pub(super) fn summary(surface: &Surface<'_>) -> String {
     let mut text = format!("{}\n", one_line(&arguments.map.display().to_string()));
     let [rows, columns] = *shape;
     let [dy, dx] = *pixel;
-    text +=
-        &row("map", &format!("{columns} x {rows} pixels of {} x {} ({})", si(dx, "m"), si(dy, "m"), surface.source));
+    text += &row(
+        "map",
+        &format!("{columns} x {rows} pixels of {} x {} ({})", si(dx, "m"), si(dy, "m"), surface.source),
+    );
     let pixels = (rows * columns) as f64;
     if surface.missing > 0 {
         let share = percent(surface.missing as f64 / pixels);
@@ -31,7 +33,8 @@ pub(super) fn summary(surface: &Surface<'_>) -> String {
         "moments",
         &format!("m0 = {m0:.4e} m^2, m2 = {m2:.4e}, m4 = {m4:.4e} /m^2, alpha = {}", pure(moments.alpha())),
     );
-    text += &row("asperities", &format!("{} on {:.4e} m^2", asperities.summits.len(), asperities.nominal_area));
+    text +=
+        &row("asperities", &format!("{} on {:.4e} m^2", asperities.summits.len(), asperities.nominal_area));
     text += &surface.caveats.iter().map(|caveat| row("warning", caveat)).collect::<String>();
     text.push('\n');
     text += &parameters(surface);
@@ -56,7 +59,8 @@ fn parameters(surface: &Surface<'_>) -> String {
     text += &line("1/mean curvature", si(ours, "m"), si(theirs, "m"), ours / theirs);
     let summits = &surface.asperities.summits;
     let mean = summits.iter().map(Summit::radius).sum::<f64>() / summits.len() as f64;
-    text += &row("mean radius", &format!("{:>18}  the R that a run of these asperities tells", si(mean, "m")));
+    text +=
+        &row("mean radius", &format!("{:>18}  the R that a run of these asperities tells", si(mean, "m")));
     let (ours, theirs) = (measured.height_mean, equivalent.height_mean);
     text += &line("mean height", si(ours, "m"), si(theirs, "m"), ours / theirs);
     let (ours, theirs) = (measured.height_std, equivalent.height_std);

@@ -1,4 +1,5 @@
-//! `stiction compare`: several laws on the same asperities, by the integral and, if asked for, by the ensemble.
+//! `stiction compare`: several laws on the same asperities, by the integral and, if asked for, by the
+//! ensemble.
 
 mod record;
 mod table;
@@ -11,17 +12,17 @@ use super::{CompareArguments, Failure, files_of, law_of, print, print_of, read_s
 use crate::asperity::emd::Emd;
 use crate::asperity::laws::fit::FORCES;
 use crate::asperity::models::Model;
-use crate::asperity::{FitReport, Law, Quantity, Scratch, Work, for_each_block};
-use crate::engine::{Ensemble, Forest, Outcome, Summation};
+use crate::asperity::{FitReport, Law, Quantity, Scratch, SolverStats, for_each_block};
+use crate::engine::{Ensemble, Outcome, ReductionTree, Summation};
 use crate::experiment::Phases;
 use crate::experiment::integral::{Integral, Way};
 use crate::experiment::sampling::{Sampling, basis_of, cross_check};
+use crate::integral::Expectations;
 use crate::math::extrema::Features;
-use crate::output::Claim;
+use crate::output::OutputLock;
 use crate::output::schema::COMPARISON;
 use crate::output::writer::Writer;
 use crate::scene::{Instability, Scene, Sizes, Warning, beyond, warnings_of_scene};
-use crate::statistical::Statistical;
 use crate::validation::{Cumulants, JointTest};
 use std::sync::atomic::AtomicBool;
 
@@ -33,7 +34,8 @@ const FURTHEST: f64 = 10.0;
 const DEEPEST: f64 = 1.25;
 /// But after at least and at most so many units of approach.
 const DEPTHS: (f64, f64) = (5.0, 50.0);
-/// A curve fit is off where its residual is more than this share of its largest force: the publication says that it is less.
+/// A curve fit is off where its residual is more than this share of its largest force: the publication says
+/// that it is less.
 const LARGEST_RESIDUAL: f64 = 0.01;
 
 /// One law of a comparison.
@@ -42,7 +44,7 @@ struct Compared {
     /// Where it is not valid, a line each.
     limits: Vec<String>,
     regimes: Vec<&'static str>,
-    statistical: Statistical,
+    expectations: Expectations,
     features: Features,
     /// Quantities of one asperity, by their index, over the interferences.
     asperity: [Vec<f64>; 4],
@@ -95,8 +97,8 @@ pub(super) fn compare(arguments: &CompareArguments) -> Result<(), Failure> {
     let laws: Vec<Box<dyn Law>> =
         models.iter().map(|model| law_of(&scene, model, &arguments.scene)).collect::<Result<_, _>>()?;
     let inputs = files_of(&arguments.scene, &scene);
-    let claim = arguments.output.as_ref().map(|output| Claim::new(output, &inputs)).transpose()?;
-    claim.as_ref().map_or(Ok(()), |claim| claim.check(arguments.execution.force))?;
+    let lock = arguments.output.as_ref().map(|output| OutputLock::new(output, &inputs)).transpose()?;
+    lock.as_ref().map_or(Ok(()), |lock| lock.check(arguments.execution.force))?;
     let pool = thread_pool(arguments.execution.threads)?;
     if arguments.ensemble {
         let largest = laws.iter().max_by_key(|law| law.regimes().len()).expect("a law is required");
@@ -119,16 +121,16 @@ pub(super) fn compare(arguments: &CompareArguments) -> Result<(), Failure> {
         if let Some(expected) = expected {
             warnings = warnings_of_scene(&scene, &model, law, &expected);
         }
-        let Way { statistical, features, .. } = integral.there;
+        let Way { expectations, features, .. } = integral.there;
         let sampled = match arguments.ensemble {
-            true => Some(sample(&scene, law, model.name, &statistical, &pool, &stop, &mut phases)?),
+            true => Some(sample(&scene, law, model.name, &expectations, &pool, &stop, &mut phases)?),
             false => None,
         };
         compared.push(Compared {
             model,
             limits: limits(&scene, &model, law),
             regimes: law.regimes().iter().map(|regime| regime.name()).collect(),
-            statistical,
+            expectations,
             features,
             asperity: curves(law, &interferences),
             fit: law.fit().cloned(),
@@ -137,12 +139,12 @@ pub(super) fn compare(arguments: &CompareArguments) -> Result<(), Failure> {
     }
     phases.end();
     let comparison = Comparison { scene, interferences, laws: compared, warnings };
-    if let Some(claim) = &claim {
-        let written = Writer::create(&COMPARISON, claim, arguments.execution.force).and_then(|mut writer| {
+    if let Some(lock) = &lock {
+        let written = Writer::create(&COMPARISON, lock, arguments.execution.force).and_then(|mut writer| {
             record::write(&mut writer, &comparison)?;
             writer.finish()
         });
-        written.map_err(|error| Failure::not_written(error, claim.output()))?;
+        written.map_err(|error| Failure::not_written(error, lock.output()))?;
     }
     let table = table::table(&comparison, arguments.output.as_deref());
     match &arguments.output {
@@ -151,7 +153,8 @@ pub(super) fn compare(arguments: &CompareArguments) -> Result<(), Failure> {
     }
 }
 
-/// Where a law is not valid, a line each: its own limits, asperities beyond its end, and curve fits that are off.
+/// Where a law is not valid, a line each: its own limits, asperities beyond its end, and curve fits that are
+/// off.
 fn limits(scene: &Scene, model: &Model, law: &dyn Law) -> Vec<String> {
     let psi = scene.asperity.plasticity_index(scene.surface.surface_height_std);
     let mut limits = model.validity.limits(scene.scale().lambda, psi, scene.asperity.lubricant_thickness);
@@ -165,7 +168,9 @@ fn limits(scene: &Scene, model: &Model, law: &dyn Law) -> Vec<String> {
     if let Some(fit) = law.fit() {
         let off = |i: usize| fit.largest_residual[i] / fit.largest_force[i];
         let forces = FORCES.iter().enumerate().filter(|(i, _)| !(off(*i) <= LARGEST_RESIDUAL));
-        limits.extend(forces.map(|(i, force)| format!("{force} is off by up to {} of its largest", percent(off(i)))));
+        limits.extend(
+            forces.map(|(i, force)| format!("{force} is off by up to {} of its largest", percent(off(i)))),
+        );
     }
     limits
 }
@@ -175,7 +180,9 @@ fn models(names: &[String]) -> Result<Vec<Model>, Failure> {
     let mut models: Vec<Model> = Vec::new();
     for name in names {
         if name.trim().is_empty() {
-            return Err(Failure::Usage("--laws: a name is empty; names are separated by single commas".to_owned()));
+            return Err(Failure::Usage(
+                "--laws: a name is empty; names are separated by single commas".to_owned(),
+            ));
         }
         let model = find("--laws", name)?;
         if models.iter().any(|known| known.name == model.name) {
@@ -191,7 +198,7 @@ fn sample(
     scene: &Scene,
     law: &dyn Law,
     name: &'static str,
-    statistical: &Statistical,
+    expectations: &Expectations,
     pool: &rayon::ThreadPool,
     stop: &AtomicBool,
     phases: &mut Phases<'_>,
@@ -199,13 +206,13 @@ fn sample(
     let basis = basis_of(scene, law, None);
     let setup = Sampling { scene, law, cycle: None, controls: &[], rule: None, keep_curves: false };
     let job = setup.job();
-    let (outcome, summation) = setup.run(name, pool, stop, phases, Forest::of(&job), |_, _| Ok(()))?;
-    let Outcome::Complete(forest) = outcome else {
-        let done = outcome.forest().replicas.len() as u64;
+    let (outcome, summation) = setup.run(name, pool, stop, phases, ReductionTree::of(&job), |_, _| Ok(()))?;
+    let Outcome::Complete(reduction_tree) = outcome else {
+        let done = outcome.reduction_tree().replicas.len() as u64;
         return Err(Failure::Interrupted { done, of: scene.replicas, kept: false });
     };
-    let ensemble = Box::new(forest.into_ensemble(&job));
-    let (z, joint) = cross_check(&ensemble, &[statistical], &basis, scene);
+    let ensemble = Box::new(reduction_tree.into_ensemble(&job));
+    let (z, joint) = cross_check(&ensemble, &[expectations], &basis, scene);
     Ok(Sampled { ensemble, summation, z, joint, cumulants: basis.cumulants })
 }
 
@@ -223,10 +230,11 @@ fn interferences(scene: &Scene) -> Vec<f64> {
 /// The quantities of one asperity over rising interferences, m; 0 beyond the law's last regime.
 fn curves(law: &dyn Law, interferences: &[f64]) -> [Vec<f64>; 4] {
     let mut curves: [Vec<f64>; 4] = std::array::from_fn(|_| vec![0.0; interferences.len()]);
-    let (mut scratch, mut work) = (Scratch::default(), Work::default());
-    for_each_block(law, interferences, 0.0, &mut scratch, &mut work, |_, range, responses| {
+    let (mut scratch, mut stats) = (Scratch::default(), SolverStats::default());
+    for_each_block(law, interferences, 0.0, &mut scratch, &mut stats, |_, range, responses| {
         for (i, place) in range.enumerate() {
-            let values = Quantity::of_response(responses.adhesion[i], responses.contact[i], responses.area[i]);
+            let values =
+                Quantity::of_response(responses.adhesion[i], responses.contact[i], responses.area[i]);
             for (curve, value) in curves.iter_mut().zip(values) {
                 curve[place] = value;
             }

@@ -61,9 +61,9 @@ fn less_first(rows: &[f64], length: usize) -> Vec<f64> {
 fn write_statistical(writer: &Writer<'_>, laws: &[Compared]) -> Result<(), OutputError> {
     for quantity in Quantity::ALL {
         let (q, name) = (quantity.index(), quantity.name());
-        let values = rows(laws, |law| &law.statistical.expected[q]);
+        let values = rows(laws, |law| &law.expectations.expected[q]);
         writer.dataset(&format!("/statistical/{name}"), &values)?;
-        writer.dataset(&format!("/statistical/{name}_std"), &rows(laws, |law| &law.statistical.std[q]))?;
+        writer.dataset(&format!("/statistical/{name}_std"), &rows(laws, |law| &law.expectations.std[q]))?;
         if matches!(quantity, Quantity::AdhesionForce | Quantity::ExternalForce) {
             let differences = less_first(&values, values.len() / laws.len());
             writer.dataset(&format!("/statistical/{name}_difference"), &differences)?;
@@ -72,13 +72,13 @@ fn write_statistical(writer: &Writer<'_>, laws: &[Compared]) -> Result<(), Outpu
     // Every law's regimes at their place among all.
     type Table = fn(&Compared) -> &Vec<Vec<f64>>;
     let tables: [(&str, Table); 3] = [
-        ("regime_count", |law| &law.statistical.regime_count),
-        ("regime_adhesion_force", |law| &law.statistical.regime_adhesion_force),
-        ("regime_external_force", |law| &law.statistical.regime_external_force),
+        ("regime_count", |law| &law.expectations.regime_count),
+        ("regime_adhesion_force", |law| &law.expectations.regime_adhesion_force),
+        ("regime_external_force", |law| &law.expectations.regime_external_force),
     ];
     for (name, table) in tables {
         let of_regime = |law: &Compared, regime: Regime| -> Vec<f64> {
-            let none = vec![0.0; law.statistical.expected[0].len()];
+            let none = vec![0.0; law.expectations.expected[0].len()];
             let place = law.regimes.iter().position(|known| *known == regime.name());
             place.map_or(none, |place| table(law)[place].clone())
         };
@@ -88,15 +88,22 @@ fn write_statistical(writer: &Writer<'_>, laws: &[Compared]) -> Result<(), Outpu
     }
     let (pull_off, stiffness) =
         (per_law(laws, |law| -law.features.minimum.value), per_law(laws, |law| law.features.steepest.value));
-    let deviations = |values: &[f64]| values.iter().map(|value| deviation(*value, values[0])).collect::<Vec<f64>>();
+    let deviations =
+        |values: &[f64]| values.iter().map(|value| deviation(*value, values[0])).collect::<Vec<f64>>();
     writer.dataset("/statistical/pull_off_force", &pull_off)?;
     writer.dataset("/statistical/pull_off_separation", &per_law(laws, |law| law.features.minimum.place))?;
     writer.dataset("/statistical/pull_off_deviation", &deviations(&pull_off))?;
-    writer.dataset("/statistical/pull_off_at_edge", &per_law(laws, |law| u8::from(law.features.minimum.at_edge)))?;
+    writer.dataset(
+        "/statistical/pull_off_at_edge",
+        &per_law(laws, |law| u8::from(law.features.minimum.at_edge)),
+    )?;
     writer.dataset("/statistical/peak_stiffness", &stiffness)?;
-    writer.dataset("/statistical/peak_stiffness_separation", &per_law(laws, |law| law.features.steepest.place))?;
+    writer.dataset(
+        "/statistical/peak_stiffness_separation",
+        &per_law(laws, |law| law.features.steepest.place),
+    )?;
     writer.dataset("/statistical/peak_stiffness_deviation", &deviations(&stiffness))?;
-    writer.dataset("/statistical/quadrature_error", &per_law(laws, |law| law.statistical.quadrature_error))
+    writer.dataset("/statistical/quadrature_error", &per_law(laws, |law| law.expectations.quadrature_error))
 }
 
 fn write_asperity(writer: &Writer<'_>, laws: &[Compared]) -> Result<(), OutputError> {
@@ -120,8 +127,10 @@ fn write_fits(writer: &mut Writer<'_>, laws: &[Compared]) -> Result<(), OutputEr
     let of_forces = |value: fn(&crate::asperity::FitReport) -> [f64; 3]| -> Vec<f64> {
         fits().flat_map(|fit| fit.map_or([f64::NAN; 3], value)).collect()
     };
-    let coefficients: Vec<f64> = fits().flat_map(|fit| fit.map_or([f64::NAN; 13], |fit| fit.coefficients)).collect();
-    let ranges: Vec<f64> = fits().flat_map(|fit| fit.map_or([[f64::NAN; 2]; 3], |fit| fit.range)).flatten().collect();
+    let coefficients: Vec<f64> =
+        fits().flat_map(|fit| fit.map_or([f64::NAN; 13], |fit| fit.coefficients)).collect();
+    let ranges: Vec<f64> =
+        fits().flat_map(|fit| fit.map_or([[f64::NAN; 2]; 3], |fit| fit.range)).flatten().collect();
     writer.dataset("/fit/coefficients", &coefficients)?;
     writer.dataset("/fit/range", &ranges)?;
     writer.dataset("/fit/largest_force", &of_forces(|fit| fit.largest_force))?;
@@ -129,7 +138,11 @@ fn write_fits(writer: &mut Writer<'_>, laws: &[Compared]) -> Result<(), OutputEr
     writer.dataset("/fit/rms_residual", &of_forces(|fit| fit.rms_residual))
 }
 
-fn write_ensemble(writer: &Writer<'_>, comparison: &Comparison, sampled: &[&Sampled]) -> Result<(), OutputError> {
+fn write_ensemble(
+    writer: &Writer<'_>,
+    comparison: &Comparison,
+    sampled: &[&Sampled],
+) -> Result<(), OutputError> {
     for quantity in Quantity::ALL {
         let (q, name) = (quantity.index(), quantity.name());
         let moments = || sampled.iter().map(|sampled| &sampled.ensemble.curves[q]);
@@ -156,7 +169,8 @@ fn write_ensemble(writer: &Writer<'_>, comparison: &Comparison, sampled: &[&Samp
         let z: Vec<f64> = sampled.iter().flat_map(|sampled| sampled.z[i].clone()).collect();
         writer.dataset(&format!("/validation/z_{name}"), &z)?;
     }
-    let joint = |value: fn(&Sampled) -> f64| sampled.iter().map(|sampled| value(sampled)).collect::<Vec<f64>>();
+    let joint =
+        |value: fn(&Sampled) -> f64| sampled.iter().map(|sampled| value(sampled)).collect::<Vec<f64>>();
     writer.dataset("/validation/statistic", &joint(|sampled| sampled.joint.statistic))?;
     let freedom: Vec<u64> = sampled.iter().map(|sampled| sampled.joint.degrees_of_freedom).collect();
     writer.dataset("/validation/degrees_of_freedom", &freedom)?;

@@ -50,8 +50,9 @@ fn integral(comparison: &Comparison) -> String {
             let place = extremum.place / comparison.scene.surface.surface_height_std;
             format!("{place:.3}{}", if extremum.at_edge { "*" } else { " " })
         };
-        let deviation =
-            |value: f64, first: f64| if i == 0 { "first".to_owned() } else { signed_percent(deviation(value, first)) };
+        let deviation = |value: f64, first: f64| {
+            if i == 0 { "first".to_owned() } else { signed_percent(deviation(value, first)) }
+        };
         let none = || ("none".to_owned(), String::new(), String::new());
         let (force, at, off) = if pull_off > 0.0 {
             (si(pull_off, "N"), place(&features.minimum), deviation(pull_off, -first.minimum.value))
@@ -65,7 +66,9 @@ fn integral(comparison: &Comparison) -> String {
             none()
         };
         let name = law.model.name;
-        text += &format!("  {name:<12}{force:>12} {at:>9}{off:>11}   {stiffness:>14} {stiffest:>9}{stiffer:>11}\n");
+        text += &format!(
+            "  {name:<12}{force:>12} {at:>9}{off:>11}   {stiffness:>14} {stiffest:>9}{stiffer:>11}\n"
+        );
     }
     if edges {
         text += "  * at the edge of the separations: it may lie beyond\n";
@@ -80,7 +83,9 @@ fn ensemble(comparison: &Comparison) -> String {
         "ensemble", "pull-off", "± std. error", "scatter", "deviation", "± std. error"
     );
     for (i, law) in comparison.laws.iter().enumerate() {
-        let (Some(sampled), Some((difference, error))) = (&law.sampled, difference(comparison, law)) else { continue };
+        let (Some(sampled), Some((difference, error))) = (&law.sampled, difference(comparison, law)) else {
+            continue;
+        };
         let (mean, std) = moments(&sampled.ensemble.replicas, |replica| replica.pull_off_force);
         let error_of_mean = error_of_mean(comparison, pull_off_forces(sampled));
         let (first, _) = match &comparison.laws[0].sampled {
@@ -89,7 +94,8 @@ fn ensemble(comparison: &Comparison) -> String {
         };
         let name = law.model.name;
         let values = if mean > 0.0 {
-            let error_of_mean = if error_of_mean.is_finite() { si(error_of_mean, "N") } else { "-".to_owned() };
+            let error_of_mean =
+                if error_of_mean.is_finite() { si(error_of_mean, "N") } else { "-".to_owned() };
             let own = format!("{:>12}{error_of_mean:>15}{:>10}", si(mean, "N"), share(std / mean));
             let paired = match i {
                 0 => format!("{:>12}{:>15}", "first", ""),
@@ -147,7 +153,11 @@ fn verdict(sampled: &Sampled) -> String {
         Verdict::NotTested => "not tested".to_owned(),
         Verdict::Agree | Verdict::Disagree => {
             let level = 100.0 * SIGNIFICANCE;
-            format!("{} at the {level} % level, p = {:.3}", sampled.joint.verdict.name(), sampled.joint.p_value)
+            format!(
+                "{} at the {level} % level, p = {:.3}",
+                sampled.joint.verdict.name(),
+                sampled.joint.p_value
+            )
         }
     }
 }
@@ -160,14 +170,21 @@ fn fits(comparison: &Comparison) -> String {
         if text.is_empty() {
             text = format!(
                 "\n  {:<12}{:>7}{:>24}{:>14}{:>18}{:>14}\n",
-                "curve fits", "force", "range of interference", "largest error", "of largest force", "rms error"
+                "curve fits",
+                "force",
+                "range of interference",
+                "largest error",
+                "of largest force",
+                "rms error"
             );
         }
         for (i, force) in FORCES.into_iter().enumerate() {
             let name = if i == 0 { law.model.name } else { "" };
-            let [low, high] = report.range[i].map(|end| format!("{:.3}", end * 1e9).replace("-0.000", "0.000"));
+            let [low, high] =
+                report.range[i].map(|end| format!("{:.3}", end * 1e9).replace("-0.000", "0.000"));
             let share = percent(report.largest_residual[i] / report.largest_force[i]);
-            let [largest, rms] = [report.largest_residual[i], report.rms_residual[i]].map(|error| si(error, "N"));
+            let [largest, rms] =
+                [report.largest_residual[i], report.rms_residual[i]].map(|error| si(error, "N"));
             text += &format!(
                 "  {name:<12}{force:>7}{:>24}{largest:>14}{share:>18}{rms:>14}\n",
                 format!("{low} .. {high} nm")

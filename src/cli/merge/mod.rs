@@ -9,15 +9,15 @@ use super::run::laws_of;
 use super::session::{Session, override_ensemble};
 use super::summary::summary;
 use super::{Failure, MergeArguments, files_of, print_of, sweep};
-use crate::engine::Forest;
+use crate::engine::ReductionTree;
 use crate::experiment::Phases;
-use crate::experiment::checkpoint::{Manner, Run, State, beginning, is_of, record_of};
+use crate::experiment::checkpoint::{OverwritePolicy, Run, State, beginning, is_of, record_of};
 use crate::experiment::prepared::{PreparedRun, Task, write};
-use crate::experiment::results::{Partial, Results, Told};
+use crate::experiment::results::{Partial, Results, RunMetadata};
 use crate::output::checkpoint::{Checkpoint, Records, Visit};
 use crate::output::schema::SWEEP;
 use crate::output::shard::ShardFile;
-use crate::output::{Claim, OutputError};
+use crate::output::{OutputError, OutputLock};
 use crate::scene::{Document, Scene};
 use std::sync::atomic::Ordering;
 use std::time::Duration;
@@ -27,23 +27,23 @@ pub(super) fn merge(arguments: &MergeArguments) -> Result<(), Failure> {
     let MergeArguments { shards, output, partial, scene, .. } = arguments;
     let session = Session::new(&arguments.execution, Duration::MAX)?;
     let run = WholeRun::new(shards, *partial, scene.as_deref())?;
-    let claim = Claim::new(output, &[&shards[..], &files_of(&run.source, &run.document.scene)].concat())?;
-    let manner = Manner { resume: false, force: arguments.execution.force };
-    claim.check(manner.force)?;
+    let lock = OutputLock::new(output, &[&shards[..], &files_of(&run.source, &run.document.scene)].concat())?;
+    let policy = OverwritePolicy { resume: false, force: arguments.execution.force };
+    lock.check(policy.force)?;
     let merge = Merge { run: &run, session: &session };
     let text = match &run.document {
         Document { scene, sweep: None } => {
-            let task = Task { output, claim: &claim, manner, shard: None, is_read_back: false };
+            let task = Task { output, lock: &lock, policy, shard: None, is_read_back: false };
             let mut scene = scene.clone();
             override_ensemble(&mut scene, Some(run.identity.replicas), Some(run.identity.seed))?;
-            beginning(&claim, Run { scene: &scene, shard: None }, manner)?;
+            beginning(&lock, Run { scene: &scene, shard: None }, policy)?;
             summary(merge.point(scene, &run.places[0], &task, Progress::new(session.quiet))?.as_ref(), output)
         }
         Document { sweep: Some(sweep), .. } => merge.several(&Points {
             sweep,
             source: &run.source,
-            claim: &claim,
-            manner,
+            lock: &lock,
+            policy,
             replicas: Some(run.identity.replicas),
             seed: Some(run.identity.seed),
             shard: None,
@@ -70,7 +70,9 @@ impl Merge<'_> {
         points.begin(&SWEEP, &self.run.identity)?;
         let merged = self
             .each_point(points)
-            .and_then(|()| sweep::assemble(points, &self.run.identity, self.session, !self.run.missing.is_empty()))
+            .and_then(|()| {
+                sweep::assemble(points, &self.run.identity, self.session, !self.run.missing.is_empty())
+            })
             .map_err(Failure::not_kept);
         // What has been merged can be merged again.
         let cleared = points.clear();
@@ -81,9 +83,9 @@ impl Merge<'_> {
     fn each_point(&self, points: &Points<'_>) -> Result<(), Failure> {
         for (point, places) in self.run.places.iter().enumerate().filter(|(_, places)| !places.is_empty()) {
             let output = points.file(point);
-            let claim = Claim::within(output.clone())?;
-            let manner = Manner { resume: false, force: false };
-            let task = Task { output: &output, claim: &claim, manner, shard: None, is_read_back: true };
+            let lock = OutputLock::within(output.clone())?;
+            let policy = OverwritePolicy { resume: false, force: false };
+            let task = Task { output: &output, lock: &lock, policy, shard: None, is_read_back: true };
             let name = format!("point {} of {}", point + 1, points.sweep.count());
             let progress = Progress::of_run(self.session.quiet, name);
             let merged = self.point(points.scene(point)?, places, &task, progress);
@@ -113,15 +115,17 @@ impl Merge<'_> {
         let setup = ground.sampling();
         let (job, record) = (setup.job(), record_of(&ground.scene));
         phases.replicas("ensemble", 0, of);
-        let mut merged = Forest::of(&job);
-        let mut told = Told::default();
+        let mut merged = ReductionTree::of(&job);
+        let mut told = RunMetadata::default();
         for place in places {
             self.goes_on(merged.replicas.len() as u64, of)?;
             let piece = piece(place);
             let file = piece.open()?;
             let checkpoint = piece.checkpoint(&file, &ground.scene)?;
             if !checkpoint.state.is_alike(&state) {
-                return Err(piece.refused("has other functionals of the joint test than the shards before it"));
+                return Err(
+                    piece.refused("has other functionals of the joint test than the shards before it")
+                );
             }
             let (mut replicas, mut snaps) = (Vec::new(), Vec::new());
             let checksum = file.records(place.1, record.length(), &mut |words: &[u64]| {
@@ -133,12 +137,13 @@ impl Merge<'_> {
             if checksum != Some(checkpoint.records_checksum) {
                 return Err(piece.refused("is damaged: the checksum of its records is wrong"));
             }
-            let forest = Forest::restored(&job, &checkpoint.state.forest(), replicas, snaps);
-            let Some(forest) = forest.filter(Forest::is_complete) else {
+            let reduction_tree =
+                ReductionTree::restored(&job, &checkpoint.state.reduction_tree(), replicas, snaps);
+            let Some(reduction_tree) = reduction_tree.filter(ReductionTree::is_complete) else {
                 return Err(piece.refused("is not of this scene"));
             };
-            phases.advance(forest.replicas.len() as u64);
-            merged.append(forest);
+            phases.advance(reduction_tree.replicas.len() as u64);
+            merged.append(reduction_tree);
             told.seconds_before += checkpoint.seconds;
             told.resumptions += checkpoint.resumptions;
         }
@@ -179,7 +184,8 @@ impl Piece<'_> {
         &self.shard().pieces[self.place.1]
     }
 
-    /// Its shard. To open one takes longer than to read a batch from it: what is read at a time is read from one opening.
+    /// Its shard. To open one takes longer than to read a batch from it: what is read at a time is read from
+    /// one opening.
     fn open(&self) -> Result<ShardFile, OutputError> {
         ShardFile::open(&self.shard().path)
     }
@@ -218,7 +224,9 @@ impl Records for Pieces<'_> {
             match file.records(place.1, self.length, visit)? {
                 None => break,
                 Some(checksum) if checksum == checkpoint.records_checksum => {}
-                Some(_) => return Err(file.broken("is damaged: the checksum of its records is wrong".to_owned())),
+                Some(_) => {
+                    return Err(file.broken("is damaged: the checksum of its records is wrong".to_owned()));
+                }
             }
         }
         Ok(())

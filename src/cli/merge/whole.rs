@@ -7,7 +7,7 @@ use crate::experiment::checkpoint::State;
 use crate::experiment::scene_file::LONGEST_SCENE;
 use crate::output::beside;
 use crate::output::checkpoint::{Checkpoint, Identity, is_checkpoint};
-use crate::output::columns::Beside;
+use crate::output::columns::SceneFiles;
 use crate::output::shard::{Piece, ShardFile};
 use crate::scene::{Document, Sweep, with_inputs};
 use std::collections::BTreeSet;
@@ -49,10 +49,12 @@ enum Not {
 }
 
 impl WholeRun {
-    /// The run that the shards of some paths are of; its scene is in the file `scene`, or in the one that they say.
+    /// The run that the shards of some paths are of; its scene is in the file `scene`, or in the one that
+    /// they say.
     ///
     /// # Errors
-    /// [`Failure::Listed`] with what does not fit together, and, unless the run may be `partial`, what is missing.
+    /// [`Failure::Listed`] with what does not fit together, and, unless the run may be `partial`, what is
+    /// missing.
     pub fn new(paths: &[PathBuf], partial: bool, scene: Option<&Path>) -> Result<Self, Failure> {
         let (mut shards, mut problems, mut missing) = (Vec::new(), Vec::new(), Vec::new());
         for path in paths {
@@ -67,7 +69,9 @@ impl WholeRun {
             let list = [problems, missing].concat();
             Failure::Listed { message: "these are not the shards of one run".to_owned(), list }
         };
-        let Some(first) = shards.first().filter(|_| problems.is_empty()) else { return Err(fit(problems, missing)) };
+        let Some(first) = shards.first().filter(|_| problems.is_empty()) else {
+            return Err(fit(problems, missing));
+        };
         let identity = Identity { shard: None, ..first.identity.clone() };
         let source = scene.unwrap_or(&first.scene_file).to_owned();
         let document = document(&identity, &source)?;
@@ -90,7 +94,10 @@ fn found(path: &Path) -> Result<Found, Not> {
     let unfinished = |of: &Path| match Checkpoint::<State>::read(of) {
         Ok(Checkpoint { done, identity, .. }) => {
             let shard = identity.shard.map(|shard| format!(", shard {shard}")).unwrap_or_default();
-            Not::Unfinished(format!("{}{shard}: not finished, {done} of its replicas are done", path.display()))
+            Not::Unfinished(format!(
+                "{}{shard}: not finished, {done} of its replicas are done",
+                path.display()
+            ))
         }
         Err(error) => Not::Shard(error.to_string()),
     };
@@ -100,7 +107,9 @@ fn found(path: &Path) -> Result<Found, Not> {
     if !path.exists() {
         return Err(match is_checkpoint(&checkpoint) {
             true => unfinished(&checkpoint),
-            false if beside(path, ".points").is_dir() => Not::Unfinished(format!("{}: not finished", path.display())),
+            false if beside(path, ".points").is_dir() => {
+                Not::Unfinished(format!("{}: not finished", path.display()))
+            }
             false => Not::Shard(format!("{}: is not there", path.display())),
         });
     }
@@ -133,14 +142,17 @@ fn document(identity: &Identity, source: &Path) -> Result<Document, Failure> {
     if identity.scene.len() as u64 > LONGEST_SCENE {
         return Err(failed("is too long for a scene".to_owned()));
     }
-    let document = Document::parse(&identity.scene, Arc::new(Beside::scene(source)));
+    let document = Document::parse(&identity.scene, Arc::new(SceneFiles::scene(source)));
     let document = document.map_err(|error| failed(error.to_string()))?;
     let text = document.sweep.as_ref().map_or(&document.scene.text[..], Sweep::source);
     if with_inputs(text, &document.scene.inputs) == identity.scene {
         return Ok(document);
     }
     let paths: Vec<&str> = document.scene.inputs.iter().map(|input| input.path.as_str()).collect();
-    Err(failed(format!("its files {} do not hold what they held when the shards were computed", paths.join(", "))))
+    Err(failed(format!(
+        "its files {} do not hold what they held when the shards were computed",
+        paths.join(", ")
+    )))
 }
 
 /// Which replicas are there.
@@ -176,7 +188,10 @@ fn coverage(shards: &[Found], points: usize, replicas: u64) -> Coverage {
             }
             if let Some(other) = reached.1.filter(|_| range.start < reached.0) {
                 let [one, two] = [other, place].map(|(s, _)| shards[s].path.display().to_string());
-                doubled.push(format!("{one} and {two} both have {}", named(range.start, range.end.min(reached.0))));
+                doubled.push(format!(
+                    "{one} and {two} both have {}",
+                    named(range.start, range.end.min(reached.0))
+                ));
             }
             if range.end > reached.0 {
                 reached = (range.end, Some(place));
@@ -208,7 +223,9 @@ fn absent(shards: &[Found], gaps: Vec<String>) -> Vec<String> {
     }
     let range = |(first, last): &(u64, u64)| match first == last {
         true => format!("missing: shard {}", Shard { index: *first, count }),
-        false => format!("missing: shards {} to {}", Shard { index: *first, count }, Shard { index: *last, count }),
+        false => {
+            format!("missing: shards {} to {}", Shard { index: *first, count }, Shard { index: *last, count })
+        }
     };
     let named: Vec<String> = ranges.iter().map(range).collect();
     if named.is_empty() { gaps.into_iter().map(|gap| format!("missing: {gap}")).collect() } else { named }
@@ -264,7 +281,8 @@ mod tests {
     #[test]
     fn what_is_there_twice_is_named() {
         let doubled = |shards: &[Found]| coverage(shards, 1, 40).doubled;
-        let twice = doubled(&[shard(1, 2, &[(0, 0, 24)]), shard(1, 2, &[(0, 0, 24)]), shard(2, 2, &[(0, 24, 40)])]);
+        let twice =
+            doubled(&[shard(1, 2, &[(0, 0, 24)]), shard(1, 2, &[(0, 0, 24)]), shard(2, 2, &[(0, 24, 40)])]);
         assert_eq!(twice, ["1of2.h5 and 1of2.h5 both have replicas 0 to 23 of 0 to 39"]);
         let overlap = doubled(&[shard(1, 2, &[(0, 0, 24)]), shard(3, 5, &[(0, 16, 40)])]);
         assert_eq!(overlap, ["1of2.h5 and 3of5.h5 both have replicas 16 to 23 of 0 to 39"]);
@@ -278,6 +296,9 @@ mod tests {
         let mut other = shard(2, 2, &[]);
         assert!(differences(&[first.clone(), other.clone()]).is_empty());
         other.identity.seed = 7;
-        assert_eq!(differences(&[first, other]), ["2of2.h5: is of another run: the seed of 1of2.h5 is 1, and here 7"]);
+        assert_eq!(
+            differences(&[first, other]),
+            ["2of2.h5: is of another run: the seed of 1of2.h5 is 1, and here 7"]
+        );
     }
 }

@@ -1,4 +1,5 @@
-//! The asperities of a measured surface: what is said of all of them together, and the grid of the map that they lie on.
+//! The asperities of a measured surface: what is said of all of them together, and the grid of the map that
+//! they lie on.
 
 use super::super::Failure;
 use super::checked::{Checked, ROUNDING};
@@ -35,7 +36,9 @@ impl Checked<'_> {
         let (mean, std) = (sample.mean(), sample.std());
         let radius = [1.0 / mean[1]];
         self.follows("/measured/asperity_radius", &radius, ROUNDING, "/asperities/curvature_*")?;
-        for (name, values, i) in [("height_mean", mean, 0), ("height_std", &std, 0), ("curvature_std", &std, 1)] {
+        for (name, values, i) in
+            [("height_mean", mean, 0), ("height_std", &std, 0), ("curvature_std", &std, 1)]
+        {
             let path = format!("/measured/asperity_{name}");
             let size = mean[i].abs() + if std[i].is_nan() { 0.0 } else { std[i] };
             let found = self.values(&path)?;
@@ -85,7 +88,9 @@ impl Checked<'_> {
         };
         let (x, y) = (self.values("/asperities/x")?, self.values("/asperities/y")?);
         let mut places = Vec::new();
-        for (path, values, pixel, count) in [("/asperities/y", &y, dy, rows), ("/asperities/x", &x, dx, columns)] {
+        for (path, values, pixel, count) in
+            [("/asperities/y", &y, dy, rows), ("/asperities/x", &x, dx, columns)]
+        {
             let indices: Vec<f64> = values.iter().map(|place| (place / pixel - 0.5).round()).collect();
             let is_off = |i: usize| {
                 let middle = (indices[i] + 0.5) * pixel;

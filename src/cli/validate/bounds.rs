@@ -56,7 +56,8 @@ pub(super) enum Nan {
 /// What datasets have to be.
 #[derive(Debug, PartialEq)]
 pub(super) struct Bound {
-    /// Their path, in which `*` stands for any characters. Of the way back of a loop they are what they are of the way there.
+    /// Their path, in which `*` stands for any characters. Of the way back of a loop they are what they are
+    /// of the way there.
     path: &'static str,
     pub kind: Kind,
     pub nan: Nan,
@@ -258,7 +259,8 @@ mod tests {
     /// A new dataset is bounded, by what somebody thought of: a row that nothing needs is none.
     #[test]
     fn every_dataset_of_every_file_has_its_bound() {
-        let known: Vec<&str> = Layout::ALL.iter().flat_map(|layout| layout.known()).map(|known| known.path).collect();
+        let known: Vec<&str> =
+            Layout::ALL.iter().flat_map(|layout| layout.known()).map(|known| known.path).collect();
         for path in &known {
             assert!(bound_of(path).is_some(), "{path} is not checked by `validate`");
         }
@@ -269,11 +271,13 @@ mod tests {
 
     #[test]
     fn stars_stand_for_anything() {
-        for (pattern, path) in [("/a", "/a"), ("/a/*_b", "/a/c_b"), ("*/b", "/a/b"), ("/*a*_c", "/xa_yz_c"), ("*", "")]
+        for (pattern, path) in
+            [("/a", "/a"), ("/a/*_b", "/a/c_b"), ("*/b", "/a/b"), ("/*a*_c", "/xa_yz_c"), ("*", "")]
         {
             assert!(stands_for(pattern, path), "{pattern} {path}");
         }
-        for (pattern, path) in [("/a", "/ab"), ("/a/*_b", "/a/c_bd"), ("*/b", "/a/c"), ("/*a*_c", "/xb_yz_c")] {
+        for (pattern, path) in [("/a", "/ab"), ("/a/*_b", "/a/c_bd"), ("*/b", "/a/c"), ("/*a*_c", "/xb_yz_c")]
+        {
             assert!(!stands_for(pattern, path), "{pattern} {path}");
         }
     }

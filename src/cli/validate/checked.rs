@@ -45,7 +45,9 @@ impl<'a> Checked<'a> {
     pub fn values(&self, path: &str) -> Result<Vec<f64>, Failure> {
         Ok(match self.place {
             Place::File => self.reader.numbers(path, None)?,
-            Place::Point(_) if is_shared(self.reader.layout().variable(path)) => self.reader.numbers(path, None)?,
+            Place::Point(_) if is_shared(self.reader.layout().variable(path)) => {
+                self.reader.numbers(path, None)?
+            }
             Place::Point(place) => {
                 let mut values = self.reader.numbers(path, Some(place))?;
                 values.truncate(self.there(path, values.len())?);
@@ -158,11 +160,16 @@ impl<'a> Checked<'a> {
         from: &str,
     ) {
         if found.len() != expected.len() {
-            return self.say(path, &format!("has {} values, and {} follow from {from}", found.len(), expected.len()));
+            return self.say(
+                path,
+                &format!("has {} values, and {} follow from {from}", found.len(), expected.len()),
+            );
         }
         let agree = |i: usize| {
             let (found, expected) = (found[i], expected[i]);
-            found == expected || found.is_nan() && expected.is_nan() || (found - expected).abs() <= tolerance(i)
+            found == expected
+                || found.is_nan() && expected.is_nan()
+                || (found - expected).abs() <= tolerance(i)
         };
         if let Some(i) = (0..found.len()).find(|&i| !agree(i)) {
             self.say_at(path, i, found[i], &format!("{:e} follows from {from}", expected[i]));
@@ -179,11 +186,14 @@ impl<'a> Checked<'a> {
     /// Each dataset by itself.
     pub fn bounds(&mut self) -> Result<(), Failure> {
         let of_all_points = self.place == Place::File && self.reader.layout().of_points.is_some();
-        let ends = if self.has("/separation") && !of_all_points { self.values("/separation")? } else { Vec::new() };
+        let ends =
+            if self.has("/separation") && !of_all_points { self.values("/separation")? } else { Vec::new() };
         let ends = (ends.first().copied().unwrap_or(f64::NAN), ends.last().copied().unwrap_or(f64::NAN));
         for variable in self.reader.layout().known() {
             let bound = bound_of(variable.path).filter(|bound| bound.is_of_numbers());
-            let Some(bound) = bound.filter(|_| self.has(variable.path) && self.is_here(variable)) else { continue };
+            let Some(bound) = bound.filter(|_| self.has(variable.path) && self.is_here(variable)) else {
+                continue;
+            };
             let values = self.values(variable.path)?;
             if let Some((i, expected)) = self.broken(bound, &values, ends) {
                 self.say_at(variable.path, i, values[i], &expected);
@@ -195,7 +205,8 @@ impl<'a> Checked<'a> {
         Ok(())
     }
 
-    /// Whether the place has a dataset: curves are looked at row by row, and what all points share with the file of all.
+    /// Whether the place has a dataset: curves are looked at row by row, and what all points share with the
+    /// file of all.
     fn is_here(&self, variable: &Variable) -> bool {
         let is_scale = is_shared(variable);
         match self.place {

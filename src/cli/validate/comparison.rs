@@ -1,4 +1,5 @@
-//! A comparison: each law by the integral and by its ensemble, one asperity of it, and what it is beside the first.
+//! A comparison: each law by the integral and by its ensemble, one asperity of it, and what it is beside the
+//! first.
 
 use super::super::Failure;
 use super::super::compare::deviation;
@@ -117,7 +118,10 @@ impl Checked<'_> {
         if let Some((k, sum)) =
             summed(&counts, s, |_| true).into_iter().enumerate().find(|(_, sum)| *sum > there * (1.0 + 1e-6))
         {
-            self.say(PATH, &format!("comes to {sum:e} at separation {k}, and there are {there:e} asperities"));
+            self.say(
+                PATH,
+                &format!("comes to {sum:e} at separation {k}, and there are {there:e} asperities"),
+            );
         }
         Ok(())
     }
@@ -130,15 +134,18 @@ impl Checked<'_> {
         self.follows("/statistical/pull_off_at_edge", &expected, 0.0, "/statistical/pull_off_separation")
     }
 
-    /// One asperity: F = P − F_s, what bears a load touches, and deep in contact its area is that of Hertz to that of flow.
+    /// One asperity: F = P − F_s, what bears a load touches, and deep in contact its area is that of Hertz to
+    /// that of flow.
     fn asperity(&mut self) -> Result<(), Failure> {
         self.sums("asperity", "", "")?;
-        let (contact, area) = (self.values("/asperity/contact_force")?, self.values("/asperity/contact_area")?);
+        let (contact, area) =
+            (self.values("/asperity/contact_force")?, self.values("/asperity/contact_area")?);
         if let Some(i) = (0..area.len().min(contact.len())).find(|&i| area[i] == 0.0 && contact[i] > 0.0) {
             self.say_at("/asperity/contact_force", i, contact[i], "0 is expected without contact");
         }
         let approach = self.values("/interference")?;
-        let [approach_unit, radius_unit] = ["approach_unit", "radius_unit"].map(|name| self.number("/", name));
+        let [approach_unit, radius_unit] =
+            ["approach_unit", "radius_unit"].map(|name| self.number("/", name));
         let (approach_unit, radius_unit) = (approach_unit?, radius_unit?);
         let deepest = (0..area.len()).rev().find(|&i| area[i] > 0.0);
         let Some(i) = deepest.filter(|&i| approach[i] > DEEP * approach_unit) else { return Ok(()) };
@@ -162,7 +169,12 @@ impl Checked<'_> {
         }
         let range = self.values("/fit/range")?;
         if let Some(i) = range.chunks_exact(2).position(|ends| ends[0] >= ends[1]) {
-            self.say_at("/fit/range", 2 * i, range[2 * i], &format!("less than {:e} is expected", range[2 * i + 1]));
+            self.say_at(
+                "/fit/range",
+                2 * i,
+                range[2 * i],
+                &format!("less than {:e} is expected", range[2 * i + 1]),
+            );
         }
         let (largest, rms) = (self.values("/fit/largest_residual")?, self.values("/fit/rms_residual")?);
         if let Some(i) = (0..rms.len().min(largest.len())).find(|&i| rms[i] > largest[i] * (1.0 + ROUNDING)) {
@@ -182,7 +194,8 @@ impl Checked<'_> {
             .chunks_exact(self.group as usize)
             .for_each(|group| moments.push(&[group.iter().sum::<f64>() / group.len() as f64]));
         let size = largest(&own) + largest(&first);
-        for (name, expected) in [("mean", moments.mean()[0]), ("standard_error", moments.standard_error()[0])] {
+        for (name, expected) in [("mean", moments.mean()[0]), ("standard_error", moments.standard_error()[0])]
+        {
             let path = format!("/ensemble/pull_off_force_difference_{name}");
             let found = self.values(&path)?;
             self.compare(&path, &found, &[expected], |_| ROUNDING * size, PATH);
@@ -190,7 +203,8 @@ impl Checked<'_> {
         self.secants()?;
         // The mean of minima is below the minimum of the mean.
         let curve = self.values("/ensemble/external_force_mean")?;
-        let (mean, deepest) = (own.iter().sum::<f64>() / n as f64, curve.iter().copied().fold(f64::INFINITY, f64::min));
+        let (mean, deepest) =
+            (own.iter().sum::<f64>() / n as f64, curve.iter().copied().fold(f64::INFINITY, f64::min));
         if mean < -deepest - ROUNDING * size {
             self.say(PATH, &format!("has the mean {mean:e}, and the mean curve has {:e}", -deepest));
         }
@@ -204,13 +218,19 @@ impl Checked<'_> {
         let is_known = own.iter().any(|value| !value.is_nan());
         for (path, values) in [(PATH.to_owned(), &own), (format!("{PATH}_separation"), &place)] {
             if let Some(i) = values.iter().position(|value| value.is_nan() == is_known) {
-                self.say_at(&path, i, values[i], "all replicas have a span within the separations, or none has");
+                self.say_at(
+                    &path,
+                    i,
+                    values[i],
+                    "all replicas have a span within the separations, or none has",
+                );
             }
         }
         let (h, span) = (self.values("/separation")?, self.number("/", "stiffness_span")?);
         let curve = self.values("/ensemble/external_force_mean")?;
         if h.len() > 1 && span <= h[h.len() - 1] - h[0] {
-            let (mean, of_mean) = (own.iter().sum::<f64>() / own.len() as f64, largest_secant(&h, &curve, span).value);
+            let (mean, of_mean) =
+                (own.iter().sum::<f64>() / own.len() as f64, largest_secant(&h, &curve, span).value);
             if mean < of_mean - LINES * of_mean.abs() - ROUNDING * (largest(&own) + largest(&curve) / span) {
                 self.say(PATH, &format!("has the mean {mean:e}, and the mean curve has {of_mean:e}"));
             }

@@ -27,12 +27,17 @@ impl Checked<'_> {
             let sum = summed(&counts, s, |_| true);
             // The law `emd` may end before the first asperity: what is beyond its last regime is in none.
             let scatter = 1e-6 + 12.0 / (mean * own.len() as f64).sqrt();
-            let ends = all < mean * (1.0 - scatter) && self.reader.optional_text("/", "law")?.as_deref() == Some("emd");
-            let complete = |i: &usize| !ends && self.replicas as f64 * (all - expected[*i]) < 1e-6 * all.max(1.0);
-            let wrong =
-                (0..s).find(|i| sum[*i] > mean * (1.0 + ROUNDING) || complete(i) && sum[*i] < mean * (1.0 - 1e-6));
+            let ends = all < mean * (1.0 - scatter)
+                && self.reader.optional_text("/", "law")?.as_deref() == Some("emd");
+            let complete =
+                |i: &usize| !ends && self.replicas as f64 * (all - expected[*i]) < 1e-6 * all.max(1.0);
+            let wrong = (0..s)
+                .find(|i| sum[*i] > mean * (1.0 + ROUNDING) || complete(i) && sum[*i] < mean * (1.0 - 1e-6));
             if let Some(i) = wrong {
-                self.say(&path, &format!("has {:e} asperities at {i}, and the replicas have {mean:e}", sum[i]));
+                self.say(
+                    &path,
+                    &format!("has {:e} asperities at {i}, and the replicas have {mean:e}", sum[i]),
+                );
             }
             if !ends && (all - mean).abs() > scatter * mean {
                 self.say(
@@ -76,9 +81,13 @@ impl Checked<'_> {
         for (k, d) in self.values("/asperity_separation")?.into_iter().enumerate() {
             let above = highest.iter().filter(|highest| **highest > d).count() as f64;
             // A law may end before.
-            if all[k] >= mean * (1.0 - ROUNDING) && above > self.replicas as f64 * touching[k] * (1.0 + ROUNDING) + 0.5
+            if all[k] >= mean * (1.0 - ROUNDING)
+                && above > self.replicas as f64 * touching[k] * (1.0 + ROUNDING) + 0.5
             {
-                self.say(PATH, &format!("is above the other surface in {above} replicas at {k}, more than touch"));
+                self.say(
+                    PATH,
+                    &format!("is above the other surface in {above} replicas at {k}, more than touch"),
+                );
                 break;
             }
         }

@@ -74,7 +74,13 @@ impl Checked<'_> {
                 ("degrees_of_freedom", Place::File) => self.reader.number::<u64>("/validation", name)? as f64,
                 _ => self.number("/validation", name)?,
             };
-            self.compare(&format!("/validation/{name}"), &[found], &[own], |_| tolerance, "means and integral");
+            self.compare(
+                &format!("/validation/{name}"),
+                &[found],
+                &[own],
+                |_| tolerance,
+                "means and integral",
+            );
         }
         Ok(())
     }
@@ -87,13 +93,17 @@ pub(super) fn scheme(checked: &Checked<'_>) -> Result<SamplingScheme, Failure> {
     let name = name.ok_or_else(|| refused(path, "lacks the text `sampling` of /"))?;
     let known = SamplingScheme::ALL.iter().find(|(known, _)| *known == name);
     known.map(|(_, scheme)| *scheme).ok_or_else(|| {
-        Failure::Usage(format!("{} has sampling = \"{name}\", which this program does not know", path.display()))
+        Failure::Usage(format!(
+            "{} has sampling = \"{name}\", which this program does not know",
+            path.display()
+        ))
     })
 }
 
 /// The values of a dataset of each way, one behind the other.
 fn joined(checked: &Checked<'_>, name: &dyn Fn(&str) -> String) -> Result<Vec<f64>, Failure> {
-    let values: Result<Vec<_>, _> = checked.ways()?.iter().map(|way| finite(checked, &name(way), usize::MAX)).collect();
+    let values: Result<Vec<_>, _> =
+        checked.ways()?.iter().map(|way| finite(checked, &name(way), usize::MAX)).collect();
     Ok(values?.concat())
 }
 
@@ -111,7 +121,8 @@ fn probes(checked: &Checked<'_>) -> Result<Vec<Probe>, Failure> {
     let weights = |name: &str| -> Result<Vec<Vec<f64>>, Failure> {
         let mut weights = vec![Vec::new(); components];
         for way in checked.ways()? {
-            let values = finite(checked, &format!("/validation/{way}probe_{name}"), components * separations)?;
+            let values =
+                finite(checked, &format!("/validation/{way}probe_{name}"), components * separations)?;
             let rows = weights.iter_mut().zip(values.chunks_exact(separations.max(1)));
             rows.for_each(|(weights, row)| weights.extend_from_slice(row));
         }

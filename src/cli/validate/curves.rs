@@ -7,7 +7,8 @@ use crate::math::control_variates::controlled_means;
 use crate::math::extrema::largest_secant;
 use crate::math::moments::{CentralMoments, Moments};
 
-/// A secant of straight lines between the separations is above the largest of the curve by this share at most.
+/// A secant of straight lines between the separations is above the largest of the curve by this share at
+/// most.
 pub(super) const LINES: f64 = 0.1;
 /// Rows of curves that are read at a time.
 const ROWS: usize = 256;
@@ -32,14 +33,18 @@ impl Checked<'_> {
             .iter()
             .flat_map(|way| ["external_force", "adhesion_force"].map(|name| format!("/replicas/{way}{name}")))
             .collect();
-        let mut moments: Vec<[Moments; 2]> = paths.iter().map(|_| [Moments::new(s), Moments::new(s)]).collect();
+        let mut moments: Vec<[Moments; 2]> =
+            paths.iter().map(|_| [Moments::new(s), Moments::new(s)]).collect();
         let group = self.group as usize;
-        let controls: Vec<f64> = self.values("/control")?.into_iter().filter(|control| !control.is_nan()).collect();
+        let controls: Vec<f64> =
+            self.values("/control")?.into_iter().filter(|control| !control.is_nan()).collect();
         let controls: Vec<usize> =
             controls.iter().filter_map(|control| separations.iter().position(|h| h == control)).collect();
         let names = names(cycle);
-        let columns =
-            names.iter().map(|name| self.values(&format!("/replicas/{name}"))).collect::<Result<Vec<_>, _>>()?;
+        let columns = names
+            .iter()
+            .map(|name| self.values(&format!("/replicas/{name}")))
+            .collect::<Result<Vec<_>, _>>()?;
         let mut parts: Vec<CentralMoments> =
             (0..PARTS).map(|_| CentralMoments::new(controls.len() + names.len())).collect();
         let span = self.number("/", "stiffness_span").ok();
@@ -87,7 +92,8 @@ impl Checked<'_> {
             }
             let pulled = if cycle { &chunk[2] } else { &chunk[0] };
             for replica in first..end {
-                let row = |values: &Vec<f64>| values[(replica - first) * s..(replica - first + 1) * s].to_vec();
+                let row =
+                    |values: &Vec<f64>| values[(replica - first) * s..(replica - first + 1) * s].to_vec();
                 let of = |name: &str| {
                     names.iter().position(|known| *known == name).map_or(f64::NAN, |i| columns[i][replica])
                 };
@@ -100,9 +106,11 @@ impl Checked<'_> {
                     }
                 };
                 check("pull_off_force", of("pull_off_force") >= -lowest(&curve) - ROUNDING * size);
-                if let Some(span) = span.filter(|span| s > 1 && *span <= separations[s - 1] - separations[0]) {
+                if let Some(span) = span.filter(|span| s > 1 && *span <= separations[s - 1] - separations[0])
+                {
                     let secant = largest_secant(&separations, &curve, span).value;
-                    let does = of("peak_secant_stiffness") >= secant - LINES * secant.abs() - ROUNDING * size / span;
+                    let does =
+                        of("peak_secant_stiffness") >= secant - LINES * secant.abs() - ROUNDING * size / span;
                     check("peak_secant_stiffness", does);
                 }
                 if cycle {
@@ -111,8 +119,9 @@ impl Checked<'_> {
                         of("approach_pull_off_force") >= -lowest(&there) - ROUNDING * size,
                     );
                     let difference = |k: usize| there[k] - curve[k];
-                    let strip =
-                        |k: usize| 0.5 * (separations[k + 1] - separations[k]) * (difference(k) + difference(k + 1));
+                    let strip = |k: usize| {
+                        0.5 * (separations[k + 1] - separations[k]) * (difference(k) + difference(k + 1))
+                    };
                     // By the trapezoidal rule.
                     let area: f64 = (0..s - 1).map(strip).sum();
                     let tolerance = 1e-7 * size * (separations[s - 1] - separations[0]);
@@ -120,11 +129,13 @@ impl Checked<'_> {
                 }
             }
             for group_first in (first..end).step_by(group) {
-                let mean =
-                    |of: &dyn Fn(usize) -> f64| (group_first..group_first + group).map(of).sum::<f64>() / group as f64;
+                let mean = |of: &dyn Fn(usize) -> f64| {
+                    (group_first..group_first + group).map(of).sum::<f64>() / group as f64
+                };
                 let control = |&place: &usize| mean(&|replica| pulled[(replica - first) * s + place]);
                 let scalar = |column: &Vec<f64>| mean(&|replica| column[replica]);
-                let values: Vec<f64> = controls.iter().map(control).chain(columns.iter().map(scalar)).collect();
+                let values: Vec<f64> =
+                    controls.iter().map(control).chain(columns.iter().map(scalar)).collect();
                 parts[group_first / BATCH as usize % PARTS].push(&values);
             }
         }
@@ -139,9 +150,11 @@ impl Checked<'_> {
                 .zip(all.std())
                 .map(|(mean, std)| mean.abs() + if std.is_nan() { 0.0 } else { std })
                 .collect();
-            for (of, expected) in
-                [("mean", all.mean().to_vec()), ("std", all.std()), ("standard_error", of_groups.standard_error())]
-            {
+            for (of, expected) in [
+                ("mean", all.mean().to_vec()),
+                ("std", all.std()),
+                ("standard_error", of_groups.standard_error()),
+            ] {
                 let path = format!("{name}_{of}");
                 let found = self.values(&path)?;
                 self.compare(&path, &found, &expected, |i| ROUNDING * size[i], "the curves of the replicas");
@@ -156,7 +169,10 @@ impl Checked<'_> {
             let plain: Vec<f64> = means.iter().map(|mean| mean.standard_error).collect();
             for (name, expected) in [
                 ("controlled_mean", means.iter().map(|mean| mean.controlled_mean).collect::<Vec<f64>>()),
-                ("controlled_standard_error", means.iter().map(|mean| mean.controlled_standard_error).collect()),
+                (
+                    "controlled_standard_error",
+                    means.iter().map(|mean| mean.controlled_standard_error).collect(),
+                ),
             ] {
                 let path = format!("/ensemble/scalar_{name}");
                 let found = self.values(&path)?;

@@ -38,7 +38,8 @@ impl Checked<'_> {
         Ok(takes_heights(&self.reader.optional_text("/", "scene")?.unwrap_or_default()))
     }
 
-    /// Whether the separations are those at which extrema are looked for: others were added between wider ones.
+    /// Whether the separations are those at which extrema are looked for: others were added between wider
+    /// ones.
     fn is_resolved(&self, h: &[f64]) -> Result<bool, Failure> {
         let std = self.number("/", "surface_height_std")?;
         let widest = (RESOLVING * std).max((h[h.len() - 1] - h[0]) / MOST_ADDED) * (1.0 + ROUNDING);
@@ -47,7 +48,8 @@ impl Checked<'_> {
 
     /// The pull-off is as deep as the deepest sample of the curve, or a little deeper beside it.
     fn deepest(&mut self, group: &str, h: &[f64], curve: &[f64]) -> Result<(), Failure> {
-        let (force, place) = (self.number(group, "pull_off_force")?, self.number(group, "pull_off_separation")?);
+        let (force, place) =
+            (self.number(group, "pull_off_force")?, self.number(group, "pull_off_separation")?);
         let (last, size) = (h.len() - 1, largest(curve));
         let at = (1..=last).fold(0, |best, k| if curve[k] < curve[best] { k } else { best });
         let near = &curve[at.saturating_sub(2)..(at + 3).min(h.len())];
@@ -61,16 +63,23 @@ impl Checked<'_> {
             false => (h[0], h[last]),
         };
         if !(first <= place && place <= last) {
-            self.say_at(&path("separation"), 0, place, &format!("the curve is deepest from {first:e} to {last:e}"));
+            self.say_at(
+                &path("separation"),
+                0,
+                place,
+                &format!("the curve is deepest from {first:e} to {last:e}"),
+            );
         }
         Ok(())
     }
 
     /// The largest slope is that of the steepest step, or one beside it.
     fn stiffest(&mut self, group: &str, h: &[f64], curve: &[f64]) -> Result<(), Failure> {
-        let (value, place) = (self.number(group, "peak_stiffness")?, self.number(group, "peak_stiffness_separation")?);
+        let (value, place) =
+            (self.number(group, "peak_stiffness")?, self.number(group, "peak_stiffness_separation")?);
         let path = |name: &str| format!("{group}/peak_stiffness{name}");
-        let slopes: Vec<f64> = h.windows(2).zip(curve.windows(2)).map(|(h, f)| (f[1] - f[0]) / (h[1] - h[0])).collect();
+        let slopes: Vec<f64> =
+            h.windows(2).zip(curve.windows(2)).map(|(h, f)| (f[1] - f[0]) / (h[1] - h[0])).collect();
         let at = (1..slopes.len()).fold(0, |best, k| if slopes[k] > slopes[best] { k } else { best });
         let narrowest = h.windows(2).fold(f64::INFINITY, |least: f64, pair| least.min(pair[1] - pair[0]));
         let rounding = SLOPE_ROUNDING * largest(curve) / narrowest;
@@ -90,7 +99,10 @@ impl Checked<'_> {
             (false, true) => (SLOPES.0 * slope, SLOPES.1 * slope),
             (false, false) => (2.0 * slope, -slope),
         };
-        if resolved && (is_edge || self.jumps()? == Some(false)) && !(low - slack <= value && value <= high + slack) {
+        if resolved
+            && (is_edge || self.jumps()? == Some(false))
+            && !(low - slack <= value && value <= high + slack)
+        {
             self.say_at(&path(""), 0, value, &format!("the steepest step of the curve has {slope:e}"));
         }
         let (first, last) = match resolved {
@@ -98,13 +110,18 @@ impl Checked<'_> {
             false => (h[0], h[h.len() - 1]),
         };
         if !(first <= place && place <= last) {
-            self.say_at(&path("_separation"), 0, place, &format!("the curve is steepest from {first:e} to {last:e}"));
+            self.say_at(
+                &path("_separation"),
+                0,
+                place,
+                &format!("the curve is steepest from {first:e} to {last:e}"),
+            );
         }
         Ok(())
     }
 
-    /// What is told at the pull-off of the integral is near what is told at the separations beside it; where nothing pulls, it is told at the
-    /// smallest separation.
+    /// What is told at the pull-off of the integral is near what is told at the separations beside it; where
+    /// nothing pulls, it is told at the smallest separation.
     fn at_pull_off(&mut self, way: &str, h: &[f64]) -> Result<(), Failure> {
         if !self.has("/statistical/pull_off_contact_area") {
             return Ok(());
@@ -132,8 +149,8 @@ impl Checked<'_> {
     /// The adhesion of an asperity at pull-off is no more than it is at some separation, regime by regime.
     fn adhesion_at_pull_off(&mut self, way: &str, s: usize) -> Result<(), Failure> {
         const PATH: &str = "/statistical/pull_off_regime_adhesion_force";
-        let [counts, forces] =
-            ["count", "adhesion_force"].map(|name| self.values(&format!("/statistical/pull_off_regime_{name}")));
+        let [counts, forces] = ["count", "adhesion_force"]
+            .map(|name| self.values(&format!("/statistical/pull_off_regime_{name}")));
         let [all_counts, all_forces] =
             ["count", "adhesion_force"].map(|name| self.values(&format!("/statistical/{way}regime_{name}")));
         let (counts, forces, all_counts, all_forces) = (counts?, forces?, all_counts?, all_forces?);

@@ -1,4 +1,5 @@
-//! Patches of several sizes: what is said of each size follows from its replicas, and what is said of all of them from each.
+//! Patches of several sizes: what is said of each size follows from its replicas, and what is said of all of
+//! them from each.
 
 use super::super::Failure;
 use super::super::sweep::together;
@@ -26,7 +27,13 @@ pub(super) fn validate(reader: &Reader) -> Result<Answer, Failure> {
     let counts = checked.values("/asperity_count")?;
     let areas = checked.values("/nominal_area")?;
     let expected: Vec<f64> = counts.iter().map(|count| count / counts[0] * areas[0]).collect();
-    checked.compare("/nominal_area", &areas, &expected, |i| ROUNDING * expected[i], "the numbers of asperities");
+    checked.compare(
+        "/nominal_area",
+        &areas,
+        &expected,
+        |i| ROUNDING * expected[i],
+        "the numbers of asperities",
+    );
     checked.means()?;
     checked.scatter()?;
     checked.approach(&counts)?;
@@ -54,11 +61,18 @@ impl Checked<'_> {
         self.compare(&of("mean"), &found, &means, |i| ROUNDING * size[i], FORCE);
         let found = self.values(&of("standard_error"))?;
         self.compare(&of("standard_error"), &found, &errors, |i| ROUNDING * size[i], FORCE);
-        let [controlled, error] = ["controlled_mean", "controlled_standard_error"].map(|name| self.values(&of(name)));
+        let [controlled, error] =
+            ["controlled_mean", "controlled_standard_error"].map(|name| self.values(&of(name)));
         let (controlled, error) = (controlled?, error?);
-        let is_far = |i: &usize| (controlled[*i] - means[*i]).abs() > FARTHEST * errors[*i] + ROUNDING * size[*i];
+        let is_far =
+            |i: &usize| (controlled[*i] - means[*i]).abs() > FARTHEST * errors[*i] + ROUNDING * size[*i];
         if let Some(i) = (0..controlled.len().min(means.len())).find(is_far) {
-            self.say_at(&of("controlled_mean"), i, controlled[i], &format!("the plain mean is {:e}", means[i]));
+            self.say_at(
+                &of("controlled_mean"),
+                i,
+                controlled[i],
+                &format!("the plain mean is {:e}", means[i]),
+            );
         }
         let is_worse = |i: &usize| error[*i] > FARTHEST * errors[*i] + ROUNDING * size[*i];
         if let Some(i) = (0..error.len().min(errors.len())).find(is_worse) {
@@ -77,7 +91,8 @@ impl Checked<'_> {
     /// How replicas scatter.
     fn scatter(&mut self) -> Result<(), Failure> {
         let (forces, integral) = (self.values(FORCE)?, self.values("/integral_pull_off_per_asperity")?[0]);
-        let of_size = |own: &[f64]| Scatter::new(&own.iter().map(|force| force / integral).collect::<Vec<f64>>());
+        let of_size =
+            |own: &[f64]| Scatter::new(&own.iter().map(|force| force / integral).collect::<Vec<f64>>());
         let all: Vec<Scatter> = forces.chunks_exact(self.replicas.max(1) as usize).map(of_size).collect();
         let of = |value: fn(&Scatter) -> f64| all.iter().map(value).collect::<Vec<f64>>();
         self.follows("/relative_std", &of(|scatter| scatter.relative_std), ROUNDING, FORCE)?;
@@ -111,7 +126,8 @@ impl Checked<'_> {
                     let name = format!("fit_{name}");
                     let there = self.reader.has_attribute("/", &name)?;
                     let found = if there { self.reader.number("/", &name)? } else { f64::NAN };
-                    let tolerance = |_| 1e-6 * (expected.abs() + if name == "fit_chi_squared" { 1.0 } else { 0.0 });
+                    let tolerance =
+                        |_| 1e-6 * (expected.abs() + if name == "fit_chi_squared" { 1.0 } else { 0.0 });
                     self.compare(&format!("/{name}"), &[found], &[expected], tolerance, FROM);
                 }
             }
@@ -130,7 +146,10 @@ impl Checked<'_> {
         let told = self.reader.texts("/count_at_accuracy_source")?;
         if let Some(i) = (0..told.len().min(reached.len())).find(|&i| told[i] != reached[i].name()) {
             let (told, own) = (one_line(&told[i]), reached[i].name());
-            self.say("/count_at_accuracy_source", &format!("has \"{told}\" at {i}, and \"{own}\" follows from {FROM}"));
+            self.say(
+                "/count_at_accuracy_source",
+                &format!("has \"{told}\" at {i}, and \"{own}\" follows from {FROM}"),
+            );
         }
         Ok(())
     }

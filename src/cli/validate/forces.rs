@@ -18,12 +18,19 @@ impl Checked<'_> {
         let found = self.values("/h_star")?;
         self.compare("/h_star", &found, &of(&|h| h / std), |_| ROUNDING * largest / std, "/separation");
         let found = self.values("/asperity_separation")?;
-        self.compare("/asperity_separation", &found, &of(&|h| h - offset), |_| ROUNDING * largest, "/separation");
+        self.compare(
+            "/asperity_separation",
+            &found,
+            &of(&|h| h - offset),
+            |_| ROUNDING * largest,
+            "/separation",
+        );
         if self.has("/step") {
             let middles: Vec<f64> = h.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])).collect();
             let found = self.values("/step")?;
             // Of a sweep whose points have separations of their own they are indices.
-            let are_indices = self.place != Place::File && found.iter().enumerate().all(|(i, step)| *step == i as f64);
+            let are_indices =
+                self.place != Place::File && found.iter().enumerate().all(|(i, step)| *step == i as f64);
             let middles = if are_indices { found.clone() } else { middles };
             self.compare("/step", &found, &middles, |_| ROUNDING * largest, "/separation");
         }
@@ -50,7 +57,13 @@ impl Checked<'_> {
         let tolerance = |i: usize| ROUNDING * (adhesion[i].abs() + contact[i].abs());
         let difference: Vec<f64> =
             contact.iter().zip(&adhesion).map(|(contact, adhesion)| contact - adhesion).collect();
-        self.compare(&path("external_force"), &external, &difference, tolerance, "contact less adhesion force");
+        self.compare(
+            &path("external_force"),
+            &external,
+            &difference,
+            tolerance,
+            "contact less adhesion force",
+        );
         let s = adhesion.len().max(1);
         if !self.has(&path("regime_count")) {
             return Ok(());
@@ -63,7 +76,13 @@ impl Checked<'_> {
         {
             let sum = summed(parts, s, |_| true);
             let size = summed(&parts.iter().map(|part| part.abs()).collect::<Vec<f64>>(), s, |_| true);
-            self.compare(&path(&format!("regime_{name}")), &sum, total, |i| ROUNDING * size[i], "all regimes together");
+            self.compare(
+                &path(&format!("regime_{name}")),
+                &sum,
+                total,
+                |i| ROUNDING * size[i],
+                "all regimes together",
+            );
         }
         // Before contact the external force is adhesion alone.
         let expected: Vec<f64> = (by_external.iter().zip(&by_adhesion).enumerate())
@@ -74,10 +93,19 @@ impl Checked<'_> {
             )
             .collect();
         let of_regimes = path("regime_external_force");
-        self.compare(&of_regimes, &by_external, &expected, |i| ROUNDING * expected[i].abs(), "adhesion before contact");
+        self.compare(
+            &of_regimes,
+            &by_external,
+            &expected,
+            |i| ROUNDING * expected[i].abs(),
+            "adhesion before contact",
+        );
         let counts = self.values(&path("regime_count"))?;
-        for (name, forces) in [("regime_adhesion_force", by_adhesion), ("regime_external_force", by_external)] {
-            if let Some(i) = (0..counts.len().min(forces.len())).find(|&i| counts[i] == 0.0 && forces[i] != 0.0) {
+        for (name, forces) in [("regime_adhesion_force", by_adhesion), ("regime_external_force", by_external)]
+        {
+            if let Some(i) =
+                (0..counts.len().min(forces.len())).find(|&i| counts[i] == 0.0 && forces[i] != 0.0)
+            {
                 self.say_at(&path(name), i, forces[i], "0 is expected where no asperities are");
             }
         }
@@ -91,12 +119,18 @@ impl Checked<'_> {
         for quantity in Quantity::ALL {
             let name = format!("/ensemble/{way}{}", quantity.name());
             let path = format!("{name}_standard_error");
-            let [mean, std, error] =
-                [self.values(&format!("{name}_mean"))?, self.values(&format!("{name}_std"))?, self.values(&path)?];
-            // Of independent replicas the error follows; of groups it is bounded, as their scatter is part of that of all.
-            let largest = if self.group == 1 { n.sqrt().recip() } else { ((n - 1.0) / (n * (groups - 1.0))).sqrt() };
+            let [mean, std, error] = [
+                self.values(&format!("{name}_mean"))?,
+                self.values(&format!("{name}_std"))?,
+                self.values(&path)?,
+            ];
+            // Of independent replicas the error follows; of groups it is bounded, as their scatter is part of
+            // that of all.
+            let largest =
+                if self.group == 1 { n.sqrt().recip() } else { ((n - 1.0) / (n * (groups - 1.0))).sqrt() };
             let expected: Vec<f64> = std.iter().map(|std| largest * std).collect();
-            let tolerance = |i: usize| ROUNDING * (expected[i] + mean[i].abs() * largest) + 1e-12 * mean[i].abs();
+            let tolerance =
+                |i: usize| ROUNDING * (expected[i] + mean[i].abs() * largest) + 1e-12 * mean[i].abs();
             if self.group == 1 {
                 self.compare(&path, &error, &expected, tolerance, "the standard deviation");
             } else if let Some(i) = (0..error.len()).find(|&i| error[i] > expected[i] + tolerance(i)) {
@@ -123,7 +157,8 @@ impl Checked<'_> {
         let std = |name: &str| self.values(&format!("/statistical/{way}{name}_force_std"));
         let all = [std("adhesion")?, std("contact")?, std("external")?];
         let mean = |name: &str| self.values(&format!("/statistical/{way}{name}_force"));
-        let size: Vec<f64> = mean("adhesion")?.iter().zip(&mean("contact")?).map(|(a, b)| a.abs() + b.abs()).collect();
+        let size: Vec<f64> =
+            mean("adhesion")?.iter().zip(&mean("contact")?).map(|(a, b)| a.abs() + b.abs()).collect();
         self.triangle(&format!("/statistical/{way}*_force_std"), &all, &size);
         Ok(())
     }
@@ -131,8 +166,12 @@ impl Checked<'_> {
     /// The deviation of a difference is between the difference and the sum of the deviations.
     fn triangle(&mut self, path: &str, [adhesion, contact, external]: &[Vec<f64>; 3], size: &[f64]) {
         let fails = |i: &usize| {
-            let (a, p, f, slack) =
-                (adhesion[*i], contact[*i], external[*i], 1e-6 * (adhesion[*i] + contact[*i]) + 1e-10 * size[*i]);
+            let (a, p, f, slack) = (
+                adhesion[*i],
+                contact[*i],
+                external[*i],
+                1e-6 * (adhesion[*i] + contact[*i]) + 1e-10 * size[*i],
+            );
             !(f.is_nan() || f <= a + p + slack && f >= (a - p).abs() - slack)
         };
         let length = adhesion.len().min(contact.len()).min(external.len());
@@ -158,7 +197,13 @@ impl Checked<'_> {
             let scores = z_scores(&mean, &expected, &std, self.groups());
             let path = format!("/validation/{way}z_{name}");
             let found = self.values(&path)?;
-            self.compare(&path, &found, &scores, |i| ROUNDING * (1.0 + scores[i].abs()), "means and integral");
+            self.compare(
+                &path,
+                &found,
+                &scores,
+                |i| ROUNDING * (1.0 + scores[i].abs()),
+                "means and integral",
+            );
         }
         Ok(())
     }
@@ -173,7 +218,8 @@ impl Checked<'_> {
         for quantity in [Quantity::ContactForce, Quantity::ContactArea] {
             let name = quantity.name();
             let [mean, std] = ["mean", "std"].map(|of| self.values(&format!("/ensemble/{way}{name}_{of}")));
-            let [expected, by_integral] = ["", "_std"].map(|of| self.values(&format!("/statistical/{way}{name}{of}")));
+            let [expected, by_integral] =
+                ["", "_std"].map(|of| self.values(&format!("/statistical/{way}{name}{of}")));
             let (mean, std, expected, by_integral) = (mean?, std?, expected?, by_integral?);
             let is_far = |i: &usize| {
                 let error = by_integral[*i] / n.sqrt() + ROUNDING * expected[*i];
@@ -181,7 +227,10 @@ impl Checked<'_> {
             };
             let scatters_otherwise = |i: &usize| {
                 let ratio = std[*i] / by_integral[*i];
-                n >= 40.0 && n * touching[*i] > POPULATED && by_integral[*i] > 0.0 && !(0.4..=2.5).contains(&ratio)
+                n >= 40.0
+                    && n * touching[*i] > POPULATED
+                    && by_integral[*i] > 0.0
+                    && !(0.4..=2.5).contains(&ratio)
             };
             // The scheme of sampling changes the scatter within a group, not that of one replica.
             if let Some(i) = (0..s).find(is_far) {

@@ -1,4 +1,5 @@
-//! `stiction validate`: the cross-check of a result, computed anew from its datasets, and whether these fit together.
+//! `stiction validate`: the cross-check of a result, computed anew from its datasets, and whether these fit
+//! together.
 
 mod asperities;
 mod bounds;
@@ -54,7 +55,8 @@ pub(super) fn validate(path: &Path) -> Result<(), Failure> {
 fn concluded(Answer { text, findings, verdict }: Answer) -> Result<(), Failure> {
     let more = findings.len().saturating_sub(TOLD);
     let told = findings.iter().take(TOLD).enumerate();
-    let mut rows: String = told.map(|(i, finding)| row(if i == 0 { "contradictions" } else { "" }, finding)).collect();
+    let mut rows: String =
+        told.map(|(i, finding)| row(if i == 0 { "contradictions" } else { "" }, finding)).collect();
     if more > 0 {
         rows += &row("", &format!("and {more} more"));
     }

@@ -17,7 +17,8 @@ pub(super) fn validate(reader: &Reader) -> Result<Answer, Failure> {
     checked.group = scheme(&checked)?.group();
     let (replicas, group) = (checked.replicas, checked.group);
     if replicas == 0 || !replicas.is_multiple_of(group) {
-        let problem = format!("has replicas = {replicas}, which is no number of {} ones", scheme(&checked)?.name());
+        let problem =
+            format!("has replicas = {replicas}, which is no number of {} ones", scheme(&checked)?.name());
         return Err(refused(reader.path(), &problem));
     }
     let cross_check = CrossCheck::new(&checked)?;
@@ -68,8 +69,8 @@ fn table(cross_check: &CrossCheck, ways: usize) -> String {
         "        h*   mean F_s (N)   integral (N)       z     mean F (N)   integral (N)       z\n".to_owned();
     let step = h_star.len().div_ceil(ROWS);
     for k in (0..h_star.len()).step_by(step.max(1)) {
-        let cells =
-            [0, 1].map(|i| format!("{:>14.6e} {:>14.6e} {:>7}", forces[i][0][k], forces[i][1][k], score(z[i][k])));
+        let cells = [0, 1]
+            .map(|i| format!("{:>14.6e} {:>14.6e} {:>7}", forces[i][0][k], forces[i][1][k], score(z[i][k])));
         let back = if k < h_star.len() / ways { "" } else { "  on the way back" };
         text += &format!("{:>10.3} {}{back}\n", h_star[k], cells.join(" "));
     }

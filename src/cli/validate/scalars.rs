@@ -29,7 +29,9 @@ impl Checked<'_> {
         let group = self.group as usize;
         for first in (0..self.replicas as usize).step_by(group) {
             let mean = |column: &Vec<f64>| {
-                column.get(first..first + group).map_or(f64::NAN, |own| own.iter().sum::<f64>() / group as f64)
+                column
+                    .get(first..first + group)
+                    .map_or(f64::NAN, |own| own.iter().sum::<f64>() / group as f64)
             };
             moments.push(&columns.iter().map(mean).collect::<Vec<f64>>());
         }
@@ -56,21 +58,32 @@ impl Checked<'_> {
                 is_known && !(is_near && width >= -slack && (few || width <= FARTHEST * error[i] + slack))
             };
             if let Some(i) = ends.chunks_exact(2).enumerate().position(is_off) {
-                let expected = format!("the mean {:e} with the error {:e} is expected within", mean[i], error[i]);
+                let expected =
+                    format!("the mean {:e} with the error {:e} is expected within", mean[i], error[i]);
                 self.say_at(&of(name), 2 * i, ends[2 * i], &expected);
             }
         }
-        let ratios: Vec<f64> = error.iter().zip(&controlled_error).map(|(all, own)| (all / own).powi(2)).collect();
+        let ratios: Vec<f64> =
+            error.iter().zip(&controlled_error).map(|(all, own)| (all / own).powi(2)).collect();
         // Of what does not vary beside its controls there is no number.
-        let found: Vec<f64> =
-            reduction.iter().zip(&ratios).map(|(own, all)| if all.is_finite() { *own } else { *all }).collect();
+        let found: Vec<f64> = reduction
+            .iter()
+            .zip(&ratios)
+            .map(|(own, all)| if all.is_finite() { *own } else { *all })
+            .collect();
         self.compare(&of("variance_reduction"), &found, &ratios, |i| ROUNDING * ratios[i], "standard errors");
         let is_far = |i: &usize| {
             let (plain, own) = (mean[*i], controlled[*i]);
-            plain.is_nan() != own.is_nan() || (own - plain).abs() > FARTHEST * error[*i] + ROUNDING * largest[*i]
+            plain.is_nan() != own.is_nan()
+                || (own - plain).abs() > FARTHEST * error[*i] + ROUNDING * largest[*i]
         };
         if let Some(i) = (0..mean.len().min(controlled.len()).min(error.len())).find(is_far) {
-            self.say_at(&of("controlled_mean"), i, controlled[i], &format!("the plain mean is {:e}", mean[i]));
+            self.say_at(
+                &of("controlled_mean"),
+                i,
+                controlled[i],
+                &format!("the plain mean is {:e}", mean[i]),
+            );
         }
         let is_worse = |i: &usize| controlled_error[*i] > FARTHEST * error[*i] + ROUNDING * largest[*i];
         if let Some(i) = (0..error.len().min(controlled_error.len())).find(is_worse) {
@@ -82,8 +95,9 @@ impl Checked<'_> {
             let highest = self.values("/replicas/highest_asperity")?;
             let differences: Vec<f64> =
                 touchdown.iter().zip(&highest).map(|(h, u)| h - u).filter(|d| !d.is_nan()).collect();
-            let (low, high) =
-                differences.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), d| (d.min(low), d.max(high)));
+            let (low, high) = differences
+                .iter()
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), d| (d.min(low), d.max(high)));
             if high - low > ROUNDING * largest.last().copied().unwrap_or_default().max(1e-9) {
                 self.say(
                     "/replicas/touchdown_separation",
@@ -100,7 +114,8 @@ impl Checked<'_> {
             return Ok(());
         }
         let names = names(false);
-        let (targets, estimates) = (self.reader.texts("/target")?, self.reader.texts("/ensemble/target_estimate")?);
+        let (targets, estimates) =
+            (self.reader.texts("/target")?, self.reader.texts("/ensemble/target_estimate")?);
         let of = |name: &str| self.values(&format!("/ensemble/{name}"));
         let (mean, error) = (of("target_mean")?, of("target_standard_error")?);
         let (largest, met) = (of("target_largest_standard_error")?, of("target_met")?);
@@ -114,10 +129,25 @@ impl Checked<'_> {
         };
         let of_means = column("scalar_mean", "scalar_controlled_mean")?;
         let of_errors = column("scalar_standard_error", "scalar_controlled_standard_error")?;
-        self.compare("/ensemble/target_mean", &mean, &of_means, |i| ROUNDING * of_means[i].abs(), "its scalar");
-        self.compare("/ensemble/target_standard_error", &error, &of_errors, |i| ROUNDING * of_errors[i], "its scalar");
-        let is_met: Vec<f64> =
-            error.iter().zip(&largest).map(|(error, largest)| f64::from(u8::from(error <= largest))).collect();
+        self.compare(
+            "/ensemble/target_mean",
+            &mean,
+            &of_means,
+            |i| ROUNDING * of_means[i].abs(),
+            "its scalar",
+        );
+        self.compare(
+            "/ensemble/target_standard_error",
+            &error,
+            &of_errors,
+            |i| ROUNDING * of_errors[i],
+            "its scalar",
+        );
+        let is_met: Vec<f64> = error
+            .iter()
+            .zip(&largest)
+            .map(|(error, largest)| f64::from(u8::from(error <= largest)))
+            .collect();
         self.compare("/ensemble/target_met", &met, &is_met, |_| 0.0, "the standard errors");
         Ok(())
     }

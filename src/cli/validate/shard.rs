@@ -14,7 +14,8 @@ pub(super) fn validate(reader: &Reader) -> Result<Answer, Failure> {
     let shard = ShardFile::open(reader.path())?;
     let mut checked = Checked::new(reader, 0);
     checked.bounds()?;
-    let indices: Vec<f64> = shard.pieces.iter().flat_map(|piece| piece.replicas.clone()).map(|i| i as f64).collect();
+    let indices: Vec<f64> =
+        shard.pieces.iter().flat_map(|piece| piece.replicas.clone()).map(|i| i as f64).collect();
     checked.follows("/record", &indices, 0.0, "/pieces")?;
     for piece in 0..shard.pieces.len() {
         checked.piece(&shard, piece)?;

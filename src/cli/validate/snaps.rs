@@ -20,7 +20,9 @@ impl Checked<'_> {
             let column = |place: usize| snap.iter().zip(&distance).skip(place).step_by(places.max(1));
             let count = |does: &dyn Fn(f64, f64) -> bool| -> Vec<f64> {
                 (0..places)
-                    .map(|place| column(place).filter(|(snap, distance)| does(**snap, **distance)).count() as f64)
+                    .map(|place| {
+                        column(place).filter(|(snap, distance)| does(**snap, **distance)).count() as f64
+                    })
                     .collect()
             };
             let (taken, snaps) = (count(&|snap, _| !snap.is_nan()), count(&|snap, _| snap == 1.0));
@@ -33,7 +35,10 @@ impl Checked<'_> {
                 (format!("snap_{name}_probability_high"), of(&|i| interval(i).1)),
             ];
             if name == "off" {
-                expected.push(("fly_off_count".to_owned(), count(&|snap, distance| snap == 1.0 && distance.is_nan())));
+                expected.push((
+                    "fly_off_count".to_owned(),
+                    count(&|snap, distance| snap == 1.0 && distance.is_nan()),
+                ));
             }
             for (path, expected) in expected {
                 let path = format!("/instability/{path}");
@@ -51,7 +56,8 @@ impl Checked<'_> {
         let (snap, separation, distance, h) = (snap?, separation?, distance?, self.values("/separation")?);
         let ends = (h.first().copied().unwrap_or(f64::NAN), h.last().copied().unwrap_or(f64::NAN));
         let slack = ROUNDING * ends.0.abs().max(ends.1.abs());
-        let landing = |i: usize| if name == "in" { separation[i] - distance[i] } else { separation[i] + distance[i] };
+        let landing =
+            |i: usize| if name == "in" { separation[i] - distance[i] } else { separation[i] + distance[i] };
         for i in 0..snap.len().min(separation.len()).min(distance.len()) {
             if separation[i].is_nan() == (snap[i] == 1.0) {
                 self.say_at(&path("_separation"), i, separation[i], &format!("{} has {}", path(""), snap[i]));
@@ -73,7 +79,8 @@ impl Checked<'_> {
         let (snap, stiffness) = (self.values(&path)?, self.values("/stiffness")?);
         let n = stiffness.len().max(1);
         for (row, own) in snap.chunks_exact(n).enumerate() {
-            let is_softer = |i: &usize| own[*i] == 0.0 && (0..n).any(|j| stiffness[j] > stiffness[*i] && own[j] == 1.0);
+            let is_softer =
+                |i: &usize| own[*i] == 0.0 && (0..n).any(|j| stiffness[j] > stiffness[*i] && own[j] == 1.0);
             if let Some(i) = (0..n).find(is_softer) {
                 let expected = format!("held by more than {:e} N/m the surface snaps", stiffness[i]);
                 self.say_at(&path, row * n + i, own[i], &expected);
@@ -83,7 +90,8 @@ impl Checked<'_> {
         Ok(())
     }
 
-    /// A surface reaches a smaller preload before a larger one, and without any it turns at the smallest separation.
+    /// A surface reaches a smaller preload before a larger one, and without any it turns at the smallest
+    /// separation.
     fn preloads(&mut self, turn: &[f64], h: &[f64]) -> Result<(), Failure> {
         const PATH: &str = "/replicas/turn_separation";
         let preload = self.values("/preload")?;
@@ -94,7 +102,8 @@ impl Checked<'_> {
         for (row, own) in turn.chunks_exact(n).enumerate() {
             let is_late = |i: &usize| {
                 let is_before = |j: usize| {
-                    preload[j] > preload[*i] && (own[j] > own[*i] || own[i.to_owned()].is_nan() && !own[j].is_nan())
+                    preload[j] > preload[*i]
+                        && (own[j] > own[*i] || own[i.to_owned()].is_nan() && !own[j].is_nan())
                 };
                 (0..n).any(is_before) || preload[*i].is_nan() && h.first() != Some(&own[*i])
             };
@@ -109,8 +118,8 @@ impl Checked<'_> {
     /// Where surfaces turn back, and what pulls them off behind.
     fn turns(&mut self) -> Result<(), Failure> {
         let path = |name: &str| format!("/replicas/turn{name}");
-        let [turn, force, place] =
-            ["_separation", "ed_pull_off_force", "ed_pull_off_separation"].map(|name| self.values(&path(name)));
+        let [turn, force, place] = ["_separation", "ed_pull_off_force", "ed_pull_off_separation"]
+            .map(|name| self.values(&path(name)));
         let (turn, forces, place) = (turn?, force?, place?);
         let h = self.values("/separation")?;
         self.preloads(&turn, &h)?;
@@ -118,7 +127,12 @@ impl Checked<'_> {
         for i in 0..turn.len().min(forces.len()).min(place.len()) {
             let is_known = !turn[i].is_nan();
             if forces[i].is_nan() == is_known {
-                self.say_at(&path("ed_pull_off_force"), i, forces[i], &format!("the turn is at {:e}", turn[i]));
+                self.say_at(
+                    &path("ed_pull_off_force"),
+                    i,
+                    forces[i],
+                    &format!("the turn is at {:e}", turn[i]),
+                );
                 break;
             }
             if place[i].is_nan() == is_known || place[i] < turn[i] - slack {
@@ -137,7 +151,8 @@ impl Checked<'_> {
             let values = [moments.count() as f64, mean, moments.std()[0]];
             expected.iter_mut().zip(values).for_each(|(expected, value)| expected.push(value));
         }
-        let size: Vec<f64> = expected[1].iter().map(|mean| if mean.is_nan() { 0.0 } else { mean.abs() }).collect();
+        let size: Vec<f64> =
+            expected[1].iter().map(|mean| if mean.is_nan() { 0.0 } else { mean.abs() }).collect();
         for (name, expected) in
             ["turned_count", "turned_pull_off_force_mean", "turned_pull_off_force_std"].iter().zip(&expected)
         {

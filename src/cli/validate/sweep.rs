@@ -55,15 +55,19 @@ pub(super) fn validate(reader: &Reader) -> Result<Answer, Failure> {
         let joint = cross_check.joint;
         let (components, p, verdict) = (joint.degrees_of_freedom, joint.p_value, joint.verdict.name());
         let [statistic, p] = [format!("{:.1}", joint.statistic), format!("{p:.4}")];
-        text +=
-            &format!("{:>6}  {:<28}{statistic:>10}{components:>8}{p:>10}  {verdict}\n", point + 1, indices.join(", "));
+        text += &format!(
+            "{:>6}  {:<28}{statistic:>10}{components:>8}{p:>10}  {verdict}\n",
+            point + 1,
+            indices.join(", ")
+        );
         p_values.push(joint.p_value);
         findings.extend(own.into_iter().map(|finding| format!("point {}: {finding}", point + 1)));
     }
     let told = reader.optional_text("/validation", "overall_verdict")?.unwrap_or_default();
     if told != overall(&p_values).name() {
         let own = overall(&p_values).name();
-        findings.push(format!("/validation/overall_verdict is \"{}\", and \"{own}\" follows", one_line(&told)));
+        findings
+            .push(format!("/validation/overall_verdict is \"{}\", and \"{own}\" follows", one_line(&told)));
     }
     let keys = reader.optional_text("/", "sweep_keys")?.unwrap_or_default();
     text += &format!("indices along {}\n", one_line(&keys));
@@ -80,8 +84,8 @@ fn place(point: usize, shape: &[usize]) -> Vec<usize> {
 }
 
 impl Points<'_> {
-    /// The cross-check of a point and what does not fit together there; none where a sweep is not complete and the point has no replicas.
-    /// What is compared of the first point is kept.
+    /// The cross-check of a point and what does not fit together there; none where a sweep is not complete
+    /// and the point has no replicas. What is compared of the first point is kept.
     fn point(
         &self,
         place: &[usize],
@@ -95,14 +99,21 @@ impl Points<'_> {
             first.get_or_insert(None);
             return Ok(None);
         }
-        if replicas == 0 || !replicas.is_multiple_of(group) || replicas > reader.length(Dimension::Replica)? as u64 {
-            let problem = format!("has {replicas} replicas at a point, no number of {} ones", self.scheme.name());
+        if replicas == 0
+            || !replicas.is_multiple_of(group)
+            || replicas > reader.length(Dimension::Replica)? as u64
+        {
+            let problem =
+                format!("has {replicas} replicas at a point, no number of {} ones", self.scheme.name());
             return Err(refused(reader.path(), &problem));
         }
         let cross_check = CrossCheck::new(&checked)?;
         checked.run(&cross_check.joint)?;
-        let compared =
-            Compared::new(&|path| checked.values(path), checked.number("/", "stiffness_span")?, checked.is_loop()?)?;
+        let compared = Compared::new(
+            &|path| checked.values(path),
+            checked.number("/", "stiffness_span")?,
+            checked.is_loop()?,
+        )?;
         let compared = Some(compared).filter(|compared| compared.replicas() == self.replicas);
         let differences = match (first.as_ref(), &compared) {
             (None, Some(own)) => own.differences(own, group as usize, self.common),
@@ -122,7 +133,10 @@ impl Checked<'_> {
             let is_wrong = |i: usize| !values[i].is_finite() || values[..i].contains(&values[i]);
             if let Some(i) = (0..values.len()).find(|&i| is_wrong(i)) {
                 let name = one_line(&name);
-                self.say(&format!("/{name}"), &format!("has {:e} at {i}, and another number is expected", values[i]));
+                self.say(
+                    &format!("/{name}"),
+                    &format!("has {:e} at {i}, and another number is expected", values[i]),
+                );
             }
         }
         Ok(())

@@ -31,7 +31,8 @@ pub(super) struct Geometry {
 impl Geometry {
     /// For separations from `first` (m) by `step` (m), and heights within ±`reach` (m).
     pub fn new(pieces: &[Piece], first: f64, step: f64, separations: usize, reach: f64) -> Self {
-        let kinks: Vec<f64> = pieces.iter().flat_map(|p| [p.lower, p.upper]).filter(|kink| kink.is_finite()).collect();
+        let kinks: Vec<f64> =
+            pieces.iter().flat_map(|p| [p.lower, p.upper]).filter(|kink| kink.is_finite()).collect();
         let interference_origin = kinks.first().copied().unwrap_or(0.0);
         let origin = first + interference_origin;
         let last = first + step * (separations - 1) as f64;
@@ -46,14 +47,17 @@ impl Geometry {
             let Smoothness::Root { end, .. } = piece.smoothness else { continue };
             let (end, sign) = piece.inwards(end);
             let graded = GRADED.iter().map(|share| end + sign * share * step);
-            graded.filter(|delta| piece.lower < *delta && *delta < piece.upper && reached(*delta)).for_each(&mut add);
+            graded
+                .filter(|delta| piece.lower < *delta && *delta < piece.upper && reached(*delta))
+                .for_each(&mut add);
         }
         edges.sort_by(f64::total_cmp);
         edges.dedup_by(|b, a| *b - *a < SAME);
         edges.retain(|edge| *edge < 1.0 - SAME);
         let period = |u: f64| ((u - origin) / step).floor() as i64;
         let periods = period(-reach)..period(reach) + 1;
-        let mut geometry = Self { origin, interference_origin, step, edges, periods, separations, merging: Vec::new() };
+        let mut geometry =
+            Self { origin, interference_origin, step, edges, periods, separations, merging: Vec::new() };
         geometry.merging = (0..geometry.segments()).map(|segment| geometry.merging(segment)).collect();
         geometry
     }
@@ -68,7 +72,8 @@ impl Geometry {
         (self.periods.end - self.periods.start) as usize
     }
 
-    /// The bins of heights, m: segment after segment, period after period; beyond them all for a height that has none.
+    /// The bins of heights, m: segment after segment, period after period; beyond them all for a height that
+    /// has none.
     #[inline(always)]
     pub fn bins(&self, heights: &[f64], bins: &mut [u32]) {
         const CHUNK: usize = 128;
@@ -146,7 +151,8 @@ impl Geometry {
         (offset, segment)
     }
 
-    /// Coefficients, row m and column n, of binomials of v = centre + half·v_s: vⁿ = Σ_m (n over m) centre^(n−m) halfᵐ v_sᵐ.
+    /// Coefficients, row m and column n, of binomials of v = centre + half·v_s: vⁿ = Σ_m (n over m)
+    /// centre^(n−m) halfᵐ v_sᵐ.
     fn merging(&self, segment: usize) -> [[f64; TERMS]; TERMS] {
         let [low, high] = self.shares(segment);
         let (centre, half) = (low + high - 1.0, high - low);

@@ -1,20 +1,21 @@
 //! Compressed sums: a whole surface from moments of its heights, for separations with one step.
 //!
 //! # Formula
-//! The law f is fixed for a scene, so the sum over asperities at d_k = d_0 + kH, Σ_i f(u_i − d_k), is a convolution. Heights fall into
-//! periods of one step H; in period p an asperity has the interference of offset j = p − k, whichever k is asked for. On an
-//! offset on which f is smooth it is a polynomial Σ_n T_jn vⁿ of the place v in −1..1 in the period, found by solving at Chebyshev nodes, and
+//! The law f is fixed for a scene, so the sum over asperities at d_k = d_0 + kH, Σ_i f(u_i − d_k), is a
+//! convolution. Heights fall into periods of one step H; in period p an asperity has the interference of
+//! offset j = p − k, whichever k is asked for. On an offset on which f is smooth it is a polynomial Σ_n T_jn
+//! vⁿ of the place v in −1..1 in the period, found by solving at Chebyshev nodes, and
 //!
 //! Σ_i f(u_i − d_k) = Σ_p Σ_n T_(p−k)n M_pn, M_pn = Σ_(i in p) v_iⁿ:
 //!
-//! a product of a Toeplitz matrix with moments, for the replicas of a batch at once. Periods are divided into segments whose edges sit on
-//! the kinks of f, so that no segment ever has a kink inside, and which become narrower towards a root; an offset with a kink is summed by
-//! segments, each with a polynomial of its own. What no polynomial of degree ≤ [`DEGREE`] meets to the tolerance is solved asperity by
-//! asperity.
+//! a product of a Toeplitz matrix with moments, for the replicas of a batch at once. Periods are divided into
+//! segments whose edges sit on the kinks of f, so that no segment ever has a kink inside, and which become
+//! narrower towards a root; an offset with a kink is summed by segments, each with a polynomial of its own.
+//! What no polynomial of degree ≤ [`DEGREE`] meets to the tolerance is solved asperity by asperity.
 //!
 //! # Validity
-//! The error of every polynomial, by the tail of its Chebyshev coefficients, is at most the tolerance times the largest |f| on its
-//! interval. Asperities are counted exactly.
+//! The error of every polynomial, by the tail of its Chebyshev coefficients, is at most the tolerance times
+//! the largest |f| on its interval. Asperities are counted exactly.
 
 mod between;
 mod geometry;
@@ -47,11 +48,11 @@ type Lanes = [f64; LANES];
 pub(super) const SMALL: f64 = 1e-3;
 /// Separations have one step when they are off it by at most this share.
 const UNEVEN: f64 = 1e-9;
-/// Heights are binned up to this many σ_s, of laws with heavier tails than the normal one up to the second; a surface with a higher asperity
-/// is summed directly.
+/// Heights are binned up to this many σ_s, of laws with heavier tails than the normal one up to the second; a
+/// surface with a higher asperity is summed directly.
 const HEIGHT_REACH: [f64; 2] = [10.0, 16.0];
-/// Most periods and separations: with more there are few asperities in each, and their moments take more memory than direct sums and
-/// no less time.
+/// Most periods and separations: with more there are few asperities in each, and their moments take more
+/// memory than direct sums and no less time.
 const MOST_PERIODS: f64 = 4e3;
 
 /// Why sums are not compressed.
@@ -134,8 +135,16 @@ impl Compression {
             }
         }
         let boundaries = law.boundaries().iter().map(|b| geometry.boundary(b.interference)).collect();
-        let compression =
-            Self { terms, nodes: Nodes::new(terms), geometry, offsets, solved, boundaries, separations, tolerance };
+        let compression = Self {
+            terms,
+            nodes: Nodes::new(terms),
+            geometry,
+            offsets,
+            solved,
+            boundaries,
+            separations,
+            tolerance,
+        };
         let asperities = compression.solved_per_separation(surface);
         if asperities > 0.5 * surface.asperity_count as f64 {
             return Err(Unfit::NotWorthIt { asperities, all: surface.asperity_count });
@@ -156,10 +165,12 @@ impl Compression {
     }
 }
 
-/// The largest error of compressed against direct curves of one surface: of forces relative to F_s + P of the whole surface, of the
-/// area relative to itself, each the largest at this separation and its neighbours; infinite where counts differ.
+/// The largest error of compressed against direct curves of one surface: of forces relative to F_s + P of the
+/// whole surface, of the area relative to itself, each the largest at this separation and its neighbours;
+/// infinite where counts differ.
 pub fn largest_error(compressed: &Curves, direct: &Curves) -> f64 {
-    let [adhesion, contact] = [Quantity::AdhesionForce, Quantity::ContactForce].map(|q| &direct.total[q.index()]);
+    let [adhesion, contact] =
+        [Quantity::AdhesionForce, Quantity::ContactForce].map(|q| &direct.total[q.index()]);
     let area = &direct.total[Quantity::ContactArea.index()];
     let separations = area.len();
     let near = |k: usize| k.saturating_sub(1)..(k + 2).min(separations);

@@ -4,12 +4,13 @@ use super::between::Weighted;
 use super::geometry::Geometry;
 use super::offsets::{Cell, Offset, Polynomials};
 use super::{Compression, LANES, Lanes, TERMS};
-use crate::asperity::{BLOCK, Law, Quantity, Responses, Work};
+use crate::asperity::{BLOCK, Law, Quantity, Responses, SolverStats};
 use crate::engine::curves::Curves;
 use crate::math::instruction_set::InstructionSet;
 use std::ops::Range;
 
-/// Separations whose sums are made together, so that they, the moments and the polynomials stay in the nearest cache.
+/// Separations whose sums are made together, so that they, the moments and the polynomials stay in the
+/// nearest cache.
 const TILE: usize = 16;
 /// Heights per bin from which on bins are sorted.
 const CROWDED: usize = 32;
@@ -49,7 +50,8 @@ pub struct Binned {
     pub(super) is_binned: bool,
 }
 
-/// Asperities of one regime that wait to be solved together, in the order of their interference as far as speed needs it.
+/// Asperities of one regime that wait to be solved together, in the order of their interference as far as
+/// speed needs it.
 #[derive(Debug, Default)]
 pub(super) struct Queue {
     interference: Vec<f64>,
@@ -85,8 +87,8 @@ impl Sums {
             && self.sums.len() == compression.separations.len() * regimes
     }
 
-    /// Takes the heights (m) of a batch, at most [`LANES`] surfaces: bins them and forms their moments. A surface with a height beyond the
-    /// bins is left out.
+    /// Takes the heights (m) of a batch, at most [`LANES`] surfaces: bins them and forms their moments. A
+    /// surface with a height beyond the bins is left out.
     pub fn take(&mut self, compression: &Compression, surfaces: &[Vec<f64>]) {
         let geometry = &compression.geometry;
         for (binned, heights) in self.surfaces.iter_mut().zip(surfaces) {
@@ -138,12 +140,18 @@ impl Sums {
     }
 
     /// Sums the surfaces at all separations into their curves.
-    pub fn fill(&mut self, compression: &Compression, law: &dyn Law, curves: &mut [Curves], work: &mut Work) {
+    pub fn fill(
+        &mut self,
+        compression: &Compression,
+        law: &dyn Law,
+        curves: &mut [Curves],
+        stats: &mut SolverStats,
+    ) {
         let regimes = law.regimes().len();
         self.multiply(compression, regimes);
         for (l, curves) in curves.iter_mut().enumerate().filter(|(l, _)| self.surfaces[*l].is_binned) {
             let (surface, sums) = (&self.surfaces[l], &mut self.sums);
-            self.queue.sum(compression, law, (surface, &self.occupied), work, |place, values| {
+            self.queue.sum(compression, law, (surface, &self.occupied), stats, |place, values| {
                 for (sum, value) in sums[place].iter_mut().zip(values) {
                     sum[l] += value;
                 }
@@ -154,7 +162,7 @@ impl Sums {
             }
         }
         let binned = self.surfaces[..curves.len()].iter().filter(|binned| binned.is_binned).count();
-        work.compressed += compression.separations.len() as u64 * binned as u64;
+        stats.compressed += compression.separations.len() as u64 * binned as u64;
     }
 
     /// Sums of what polynomials make of the moments of the surfaces.
@@ -226,8 +234,8 @@ impl Binned {
         }
     }
 
-    /// Puts the heights of crowded bins in order. Steps are then so wide that most of the surface is solved for each pull-off, again and
-    /// again: once in order is enough.
+    /// Puts the heights of crowded bins in order. Steps are then so wide that most of the surface is solved
+    /// for each pull-off, again and again: once in order is enough.
     fn order(&mut self) {
         let filled = self.filled();
         if self.heights.len() <= CROWDED * filled.len() {
@@ -376,25 +384,31 @@ fn multiply(polynomials: &Polynomials, moments: &[Lanes; TERMS], sums: &mut [[La
 }
 
 impl Queue {
-    /// Sums the asperities of a surface that no polynomial meets; `add` gets the three components of each with the place of its separation
-    /// and regime.
+    /// Sums the asperities of a surface that no polynomial meets; `add` gets the three components of each
+    /// with the place of its separation and regime.
     pub(super) fn sum(
         &mut self,
         compression: &Compression,
         law: &dyn Law,
         (surface, occupied): (&Binned, &Range<usize>),
-        work: &mut Work,
+        stats: &mut SolverStats,
         mut add: impl FnMut(usize, [f64; 3]),
     ) {
         let regimes = law.regimes().len();
         for regime in (0..regimes).filter(|regime| !compression.solved[*regime].is_empty()) {
             self.collect(compression, surface, occupied, regime);
-            self.solve(law, regime, work, |k, values| add(k * regimes + regime, values));
+            self.solve(law, regime, stats, |k, values| add(k * regimes + regime, values));
         }
     }
 
     /// The asperities of a surface in the segments of a regime that no polynomial meets, at all separations.
-    fn collect(&mut self, compression: &Compression, surface: &Binned, occupied: &Range<usize>, regime: usize) {
+    fn collect(
+        &mut self,
+        compression: &Compression,
+        surface: &Binned,
+        occupied: &Range<usize>,
+        regime: usize,
+    ) {
         self.interference.clear();
         self.separations.clear();
         let geometry = &compression.geometry;
@@ -403,7 +417,8 @@ impl Queue {
             let mut counts = [0; BUCKETS];
             self.buckets.clear();
             for (k, d) in compression.separations.iter().enumerate() {
-                let Some(period) = compression.period(offset, k).filter(|period| occupied.contains(period)) else {
+                let Some(period) = compression.period(offset, k).filter(|period| occupied.contains(period))
+                else {
                     continue;
                 };
                 let bin = period * geometry.segments() + segment;
@@ -431,9 +446,15 @@ impl Queue {
     }
 
     /// Solves them in blocks; `add` gets the three components of each with its separation.
-    fn solve(&mut self, law: &dyn Law, regime: usize, work: &mut Work, mut add: impl FnMut(usize, [f64; 3])) {
+    fn solve(
+        &mut self,
+        law: &dyn Law,
+        regime: usize,
+        stats: &mut SolverStats,
+        mut add: impl FnMut(usize, [f64; 3]),
+    ) {
         for (block, separations) in self.interference.chunks(BLOCK).zip(self.separations.chunks(BLOCK)) {
-            law.evaluate(regime, block, &mut self.responses, work);
+            law.evaluate(regime, block, &mut self.responses, stats);
             let Responses { adhesion, contact, area } = &*self.responses;
             for (i, k) in separations.iter().enumerate() {
                 add(*k as usize, [adhesion[i], contact[i], area[i]]);
@@ -476,7 +497,8 @@ impl Compression {
         (offset + k + 1).checked_sub(self.separations.len())
     }
 
-    /// Takes over sums by regime of one lane, and the exact counts by where each bin begins among the heights, as point `k` of the curves.
+    /// Takes over sums by regime of one lane, and the exact counts by where each bin begins among the
+    /// heights, as point `k` of the curves.
     pub(super) fn record(
         &self,
         k: usize,
@@ -509,7 +531,8 @@ impl Compression {
                 *total += sum;
             }
         }
-        for (curve, value) in curves.total.iter_mut().zip(Quantity::of_response(total[0], total[1], total[2])) {
+        for (curve, value) in curves.total.iter_mut().zip(Quantity::of_response(total[0], total[1], total[2]))
+        {
             curve[k] = value;
         }
     }

@@ -2,7 +2,7 @@
 
 use super::geometry::Geometry;
 use super::{DEGREE, TERMS};
-use crate::asperity::{BLOCK, Law, Piece, Responses, Work};
+use crate::asperity::{BLOCK, Law, Piece, Responses, SolverStats};
 use crate::math::chebyshev;
 
 /// Nodes of an interpolant: more than terms, so that its tail shows how fast it converges.
@@ -76,7 +76,8 @@ impl Offset {
         if let Cell::Smooth(polynomials) = cell(law, pieces, whole, geometry.step, tolerance) {
             return Self::Whole(polynomials);
         }
-        let segment = |segment| cell(law, pieces, geometry.interference(offset, segment), geometry.step, tolerance);
+        let segment =
+            |segment| cell(law, pieces, geometry.interference(offset, segment), geometry.step, tolerance);
         Self::Split((0..segments).map(segment).collect())
     }
 }
@@ -105,8 +106,8 @@ fn polynomials(law: &dyn Law, piece: &Piece, [low, high]: [f64; 2], tolerance: f
     for (i, node) in nodes[..NODES].iter_mut().enumerate() {
         *node = (middle - half * libm::cos(chebyshev::angle(i, NODES))).clamp(low, high);
     }
-    let (mut responses, mut work) = (Responses::default(), Work::default());
-    law.evaluate(piece.regime, &nodes[..NODES], &mut responses, &mut work);
+    let (mut responses, mut stats) = (Responses::default(), SolverStats::default());
+    law.evaluate(piece.regime, &nodes[..NODES], &mut responses, &mut stats);
     let samples = [&responses.adhesion, &responses.contact, &responses.area].map(|values| &values[..NODES]);
     let largest = samples.map(|values| values.iter().fold(0.0, |most: f64, value| most.max(value.abs())));
     // Forces are judged by the larger of both: their difference is what counts.

@@ -1,13 +1,14 @@
 //! Compressed sums of a surface that is taken tract by tract: moments are added up, and no heights are kept.
 //!
-//! What no polynomial meets is solved while the heights of its tract are at hand; a height beyond all bins is handed back, to be summed
-//! directly. At separations between those of the scene, moments give what they can, and a further pass over the tracts the rest.
+//! What no polynomial meets is solved while the heights of its tract are at hand; a height beyond all bins is
+//! handed back, to be summed directly. At separations between those of the scene, moments give what they can,
+//! and a further pass over the tracts the rest.
 
 use super::between::Weighted;
 use super::geometry::Geometry;
 use super::moments::Sums;
 use super::{Compression, LANES, TERMS};
-use crate::asperity::{Law, Work};
+use crate::asperity::{Law, SolverStats};
 use crate::engine::curves::Curves;
 use crate::math::sums::lane_sum;
 use std::ops::Range;
@@ -24,15 +25,23 @@ pub struct Part {
     moments: Vec<[f64; TERMS]>,
     /// Asperities in each.
     counts: Vec<u32>,
-    /// Adhesion force, contact force and area, SI, of what was solved asperity by asperity: [separation, regime].
+    /// Adhesion force, contact force and area, SI, of what was solved asperity by asperity: [separation,
+    /// regime].
     solved: Vec<[f64; 3]>,
     /// Heights, m, that are in no bin.
     pub beyond: Vec<f64>,
 }
 
 impl Part {
-    /// Of a tract with these heights, m, in memory of the compression. The lanes of that are so many pieces of the tract.
-    pub fn new(sums: &mut Sums, compression: &Compression, law: &dyn Law, heights: &[f64], work: &mut Work) -> Self {
+    /// Of a tract with these heights, m, in memory of the compression. The lanes of that are so many pieces
+    /// of the tract.
+    pub fn new(
+        sums: &mut Sums,
+        compression: &Compression,
+        law: &dyn Law,
+        heights: &[f64],
+        stats: &mut SolverStats,
+    ) -> Self {
         let geometry = &compression.geometry;
         let mut beyond = Vec::new();
         let mut pieces = heights.chunks(heights.len().div_ceil(LANES).max(1));
@@ -42,7 +51,7 @@ impl Part {
         sums.form(geometry);
         let mut solved = vec![[0.0; 3]; sums.sums.len()];
         for surface in &sums.surfaces {
-            sums.queue.sum(compression, law, (surface, &sums.occupied), work, |place, values| {
+            sums.queue.sum(compression, law, (surface, &sums.occupied), stats, |place, values| {
                 for (sum, value) in solved[place].iter_mut().zip(values) {
                     *sum += value;
                 }
@@ -50,8 +59,9 @@ impl Part {
         }
         let segments = geometry.segments();
         let bins = sums.occupied.start * segments..sums.occupied.end * segments;
-        let count =
-            |bin: usize| sums.surfaces.iter().map(|surface| surface.starts[bin + 1] - surface.starts[bin]).sum();
+        let count = |bin: usize| {
+            sums.surfaces.iter().map(|surface| surface.starts[bin + 1] - surface.starts[bin]).sum()
+        };
         Self {
             moments: sums.bins[bins.clone()]
                 .iter()
@@ -99,15 +109,15 @@ impl Totals {
         }
     }
 
-    /// Sums all asperities in bins at all separations into curves, in memory of the compression, of which the first lane is then this
-    /// surface.
+    /// Sums all asperities in bins at all separations into curves, in memory of the compression, of which the
+    /// first lane is then this surface.
     pub fn fill(
         &self,
         sums: &mut Sums,
         compression: &Compression,
         law: &dyn Law,
         curves: &mut Curves,
-        work: &mut Work,
+        stats: &mut SolverStats,
     ) {
         let (regimes, segments) = (law.regimes().len(), compression.geometry.segments());
         let filled = |count: &u64| *count > 0;
@@ -134,7 +144,7 @@ impl Totals {
         for k in 0..compression.separations.len() {
             compression.record(k, |bin| starts[bin], 0, &sums.sums[k * regimes..(k + 1) * regimes], curves);
         }
-        work.compressed += compression.separations.len() as u64;
+        stats.compressed += compression.separations.len() as u64;
     }
 }
 
@@ -164,7 +174,7 @@ impl Between {
         compression: &Compression,
         law: &dyn Law,
         separations: Vec<f64>,
-        work: &mut Work,
+        stats: &mut SolverStats,
     ) -> Self {
         let segments = compression.geometry.segments();
         let mut any = vec![false; totals.counts.len() + 1];
@@ -174,7 +184,8 @@ impl Between {
         let mut smooth = Vec::with_capacity(separations.len());
         let mut solved = Vec::with_capacity(separations.len());
         for &d in &separations {
-            let (force, periods) = weighted.smooth(compression, law, (weights, 0), (occupied.clone(), count), d, work);
+            let (force, periods) =
+                weighted.smooth(compression, law, (weights, 0), (occupied.clone(), count), d, stats);
             let mut bins = vec![false; any.len()];
             bins[any.len() - 1] = true;
             for period in periods {
@@ -194,7 +205,7 @@ impl Between {
         compression: &Compression,
         law: &dyn Law,
         heights: &[f64],
-        work: &mut Work,
+        stats: &mut SolverStats,
     ) -> Vec<f64> {
         let mut found: Vec<(f64, u32)> = Vec::new();
         let mut bins = [0; CHUNK];
@@ -208,7 +219,7 @@ impl Between {
             weighted.heights.clear();
             let these = found.iter().filter(|(_, bin)| solved[*bin as usize]);
             weighted.heights.extend(these.map(|(u, _)| *u));
-            weighted.solve_heights(law, *d, work)
+            weighted.solve_heights(law, *d, stats)
         };
         self.separations.iter().zip(&self.solved).map(force).collect()
     }

@@ -12,8 +12,8 @@ const DIVISION: usize = 4;
 const MOST_DIVISIONS: u32 = 20;
 /// Spaces between samples beyond these by which a kink has to be away for a term to be interpolated.
 const MARGIN: f64 = 1.0;
-/// What lies between two kinks is halved, at most so often, while samples between samples are off the polynomial through these by more
-/// than this share of their spread.
+/// What lies between two kinks is halved, at most so often, while samples between samples are off the
+/// polynomial through these by more than this share of their spread.
 const UNRESOLVED: f64 = 1e-3;
 const MOST_HALVINGS: u32 = 12;
 /// How often a minimum between kinks is sought again in a third of the angle.
@@ -43,7 +43,8 @@ impl<C: Curve> Search<'_, C> {
     pub(super) fn interval(&mut self, low: f64, high: f64) {
         let around = self.around(low, high);
         let samples = self.separations[around.clone()].to_vec();
-        let margin = if samples.len() < 2 * SAMPLES { f64::INFINITY } else { MARGIN * widest_space(&samples) };
+        let margin =
+            if samples.len() < 2 * SAMPLES { f64::INFINITY } else { MARGIN * widest_space(&samples) };
         let asperities = self.curve.kinked(samples[0] - margin, samples[samples.len() - 1] + margin);
         let passings = self.passings(&asperities, low - (high - low), high + (high - low));
         let passings = self.shifted(&passings, low - (high - low), high + (high - low));
@@ -61,7 +62,13 @@ impl<C: Curve> Search<'_, C> {
     }
 
     /// Searches an interval, of which the terms of these asperities are not in the smooth part yet.
-    fn divide(&mut self, mut interval: Interval, asperities: &Near<C::Asperity>, passings: &[Passing], divisions: u32) {
+    fn divide(
+        &mut self,
+        mut interval: Interval,
+        asperities: &Near<C::Asperity>,
+        passings: &[Passing],
+        divisions: u32,
+    ) {
         let (low, high) = (interval.points[0], interval.points[POINTS - 1]);
         let width = high - low;
         let passings = within(passings, low - width, high + width);
@@ -145,13 +152,19 @@ impl<C: Curve> Search<'_, C> {
     }
 
     /// Searches an interval with few kinks; `outer` are the nearest below and above it, or its ends.
-    fn search_few(&mut self, interval: &Interval, near: &Near<C::Asperity>, kinks: &[(f64, f64)], outer: (f64, f64)) {
+    fn search_few(
+        &mut self,
+        interval: &Interval,
+        near: &Near<C::Asperity>,
+        kinks: &[(f64, f64)],
+        outer: (f64, f64),
+    ) {
         let (low, high) = (interval.points[0], interval.points[POINTS - 1]);
         let begins = [outer.0].into_iter().chain(kinks.iter().map(|kink| kink.1));
         let ends = kinks.iter().map(|kink| kink.0).chain([outer.1]);
         for gap in begins.zip(ends).filter_map(|ends| Gap::new(ends, (low, high))) {
-            let [begin, middle, end] =
-                [gap.part.0, gap.at(0.5 * (gap.from + gap.to)), gap.part.1].map(|h| self.value(interval, near, h));
+            let [begin, middle, end] = [gap.part.0, gap.at(0.5 * (gap.from + gap.to)), gap.part.1]
+                .map(|h| self.value(interval, near, h));
             let bend = (begin - 2.0 * middle + end).abs();
             if begin.min(middle).min(end) - bend < self.deepest - self.tolerance {
                 let values: Vec<f64> = gap.places().iter().map(|h| self.value(interval, near, *h)).collect();
@@ -161,13 +174,22 @@ impl<C: Curve> Search<'_, C> {
     }
 
     /// Searches a gap between two kinks from values at even angles in it.
-    fn refine(&mut self, interval: &Interval, near: &Near<C::Asperity>, gap: Gap, values: &[f64], halvings: u32) {
+    fn refine(
+        &mut self,
+        interval: &Interval,
+        near: &Near<C::Asperity>,
+        gap: Gap,
+        values: &[f64],
+        halvings: u32,
+    ) {
         let step = (gap.to - gap.from) / PARTS as f64;
         let even: Vec<f64> = (0..SAMPLED).map(|i| gap.from + step * i as f64).collect();
         let odd: Vec<f64> = (0..PARTS).map(|i| gap.from + step * (i as f64 + 0.5)).collect();
         let between: Vec<f64> = odd.iter().map(|angle| self.value(interval, near, gap.at(*angle))).collect();
-        let error =
-            odd.iter().zip(&between).map(|(angle, value)| (lagrange::<SAMPLED>(&even, values, *angle) - value).abs());
+        let error = odd
+            .iter()
+            .zip(&between)
+            .map(|(angle, value)| (lagrange::<SAMPLED>(&even, values, *angle) - value).abs());
         let error = error.fold(0.0, f64::max);
         let mut all = Vec::with_capacity(2 * PARTS + 1);
         for i in 0..PARTS {
@@ -175,7 +197,8 @@ impl<C: Curve> Search<'_, C> {
         }
         all.push(values[PARTS]);
         let spread = |values: &[f64]| {
-            let ends = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(*v), b.max(*v)));
+            let ends =
+                values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(*v), b.max(*v)));
             (ends.0, ends.1 - ends.0)
         };
         if error > (UNRESOLVED * spread(&all).1).max(self.tolerance) && halvings > 0 {

@@ -29,7 +29,8 @@ impl Gap {
         let (sine, cosine) = (libm::sin(half), libm::cos(half));
         // From the nearer end, so that it keeps its digits.
         let near = sine < cosine;
-        let place = if near { begin + (end - begin) * sine * sine } else { end - (end - begin) * cosine * cosine };
+        let place =
+            if near { begin + (end - begin) * sine * sine } else { end - (end - begin) * cosine * cosine };
         place.clamp(self.part.0, self.part.1)
     }
 
@@ -44,12 +45,14 @@ impl Gap {
     }
 }
 
-/// Where the parabola through the lowest of even samples and its neighbours is lowest, in steps, and its value there.
+/// Where the parabola through the lowest of even samples and its neighbours is lowest, in steps, and its
+/// value there.
 pub(super) fn vertex(values: &[f64]) -> Option<(f64, f64)> {
     let lowest = (1..values.len()).fold(0, |best, i| if values[i] < values[best] { i } else { best });
     let middle = lowest.clamp(1, values.len() - 2);
     let [a, b, c] = [values[middle - 1], values[middle], values[middle + 1]];
     let curvature = a - 2.0 * b + c;
     let step = 0.5 * (a - c) / curvature;
-    (curvature > 0.0 && step.abs() < 1.0).then(|| (middle as f64 + step, b - 0.125 * (a - c) * (a - c) / curvature))
+    (curvature > 0.0 && step.abs() < 1.0)
+        .then(|| (middle as f64 + step, b - 0.125 * (a - c) * (a - c) / curvature))
 }

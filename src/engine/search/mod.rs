@@ -1,20 +1,24 @@
-//! The deepest point of a curve over the separation that is a sum over asperities, and its largest secant stiffness.
+//! The deepest point of a curve over the separation that is a sum over asperities, and its largest secant
+//! stiffness.
 //!
 //! # Formula
-//! The secant stiffness (F(h + s) − F(h))/s is largest where F(h) − F(h + s) is deepest, which is a curve of the same asperities, each with
-//! its kinks and with these less s.
+//! The secant stiffness (F(h + s) − F(h))/s is largest where F(h) − F(h + s) is deepest, which is a curve of
+//! the same asperities, each with its kinks and with these less s.
 //!
-//! The term of an asperity is smooth but at its kinks, the separations at which it passes an end of a piece of its law: there it may jump
-//! by a known step, or begin like a root. So the curve is a staircase, which is counted, and a continuous part. Between samples of
-//! the curve the continuous part is interpolated, which tells how deep each space is to within what the roots of the asperities
-//! nearby leave out. Spaces that may be the deepest are searched where they may be, the one that is expected to be deepest first.
+//! The term of an asperity is smooth but at its kinks, the separations at which it passes an end of a piece
+//! of its law: there it may jump by a known step, or begin like a root. So the curve is a staircase, which is
+//! counted, and a continuous part. Between samples of the curve the continuous part is interpolated, which
+//! tells how deep each space is to within what the roots of the asperities nearby leave out. Spaces that may
+//! be the deepest are searched where they may be, the one that is expected to be deepest first.
 //!
-//! To search there, all terms with a kink nearby are taken out of the samples: what is left is smooth, and interpolated. An interval
-//! is divided in quarters; in each, the terms whose kinks are further away than its width join what is interpolated, now by a polynomial
-//! through 7 Chebyshev points, which for a root at that distance is off by less than 1e-6 of its term. The narrower the interval,
-//! the less roots leave out: √(width). An interval that cannot be the deepest is left. Where at most 6 kinks are left, both sides of
-//! each are looked at, and between them the curve is searched in the angle θ, h = middle − half·cos θ, in which roots at either end are
-//! smooth too. At the deepest places the whole curve is evaluated, so what is found is a point of it.
+//! To search there, all terms with a kink nearby are taken out of the samples: what is left is smooth, and
+//! interpolated. An interval is divided in quarters; in each, the terms whose kinks are further away than its
+//! width join what is interpolated, now by a polynomial through 7 Chebyshev points, which for a root at that
+//! distance is off by less than 1e-6 of its term. The narrower the interval, the less roots leave out:
+//! √(width). An interval that cannot be the deepest is left. Where at most 6 kinks are left, both sides of
+//! each are looked at, and between them the curve is searched in the angle θ, h = middle − half·cos θ, in
+//! which roots at either end are smooth too. At the deepest places the whole curve is evaluated, so what is
+//! found is a point of it.
 
 mod division;
 mod gap;
@@ -36,7 +40,8 @@ pub(super) trait Curve {
     /// The whole curve at separations h, m, rising.
     fn exact(&mut self, separations: &[f64]) -> Vec<f64>;
 
-    /// The asperities with a kink in `low..high`, h in m, in the order in which they are summed; there may be others among them.
+    /// The asperities with a kink in `low..high`, h in m, in the order in which they are summed; there may be
+    /// others among them.
     fn kinked(&mut self, low: f64, high: f64) -> Vec<Self::Asperity>;
 
     /// Adds the passings of asperities in `low..=high`, h in m: best kink by kink, so that places rise.
@@ -51,15 +56,15 @@ pub(super) trait Curve {
     /// Adds the terms of asperities at rising separations h, m, to the sums there.
     fn add(&mut self, asperities: &[Self::Asperity], separations: &[f64], sums: &mut [f64]);
 
-    /// Adds to `sums` what terms of asperities are off what is interpolated through 6 even samples, from the third on, h in m, which are as far
-    /// apart as the largest space between samples where the curve is searched: at even places from the third to the fourth. Whether
-    /// that is known.
+    /// Adds to `sums` what terms of asperities are off what is interpolated through 6 even samples, from the
+    /// third on, h in m, which are as far apart as the largest space between samples where the curve is
+    /// searched: at even places from the third to the fourth. Whether that is known.
     fn strays(&self, _asperities: &[Self::Asperity], _third: f64, _sums: &mut [f64; NODES]) -> bool {
         false
     }
 
-    /// For each kink that asperities pass in `low..high`, h in m: how far a term falls below the line between its ends there, about, and
-    /// of how many.
+    /// For each kink that asperities pass in `low..high`, h in m: how far a term falls below the line between
+    /// its ends there, about, and of how many.
     fn falls(&mut self, low: f64, high: f64, visit: impl FnMut(f64, usize));
 }
 
@@ -79,16 +84,19 @@ pub(super) struct Passing {
 /// How far a term with a kink, without its jumps, is off what is interpolated.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Stray {
-    /// Between samples: at most, and the root of the mean square where the kink is, summed over the spaces that it may be in.
+    /// Between samples: at most, and the root of the mean square where the kink is, summed over the spaces
+    /// that it may be in.
     pub samples: (f64, f64),
-    /// Through the points of an interval that is as wide as the space between samples: at most, and the root of the mean square over
-    /// places of the kink in the interval.
+    /// Through the points of an interval that is as wide as the space between samples: at most, and the root
+    /// of the mean square over places of the kink in the interval.
     pub points: (f64, f64),
-    /// Between samples beside what [`Curve::strays`] knows of it: where the term is below what is interpolated, and where it is above.
+    /// Between samples beside what [`Curve::strays`] knows of it: where the term is below what is
+    /// interpolated, and where it is above.
     pub table: [(f64, f64); 2],
 }
 
-/// Even places between two samples at which it is known how far terms are off, from the first sample on, without the second.
+/// Even places between two samples at which it is known how far terms are off, from the first sample on,
+/// without the second.
 pub(super) const NODES: usize = 16;
 
 impl Stray {
@@ -99,17 +107,18 @@ impl Stray {
     }
 }
 
-/// What kinks leave out of what is interpolated has either sign: their sum stays within so many times the root of the sum of squares, and
-/// the largest of them.
+/// What kinks leave out of what is interpolated has either sign: their sum stays within so many times the
+/// root of the sum of squares, and the largest of them.
 const DEVIATIONS: f64 = 3.5;
 /// Samples on either side of an interval that it is interpolated from, its ends included.
 const SAMPLES: usize = 3;
-/// A place that is less deep than the deepest by this share is not looked for, nor what is lost in the rounding of the largest sample.
+/// A place that is less deep than the deepest by this share is not looked for, nor what is lost in the
+/// rounding of the largest sample.
 const SHARE: (f64, f64) = (1e-8, 1e-14);
 /// Places are remembered that are less deep by no more than so many times this.
 const DOUBT: f64 = 1e2;
-/// The whole curve is evaluated at the deepest places, until the next would have to be deeper than it was found by so many times the
-/// largest surprise so far to be the deepest of all, and at most at so many.
+/// The whole curve is evaluated at the deepest places, until the next would have to be deeper than it was
+/// found by so many times the largest surprise so far to be the deepest of all, and at most at so many.
 const SURPRISES: f64 = 6.0;
 const MOST_SOLVED: usize = 8;
 /// Places are next to each other that are no further apart than this share of the space between samples.
@@ -125,8 +134,9 @@ pub(super) enum Sought {
 }
 
 impl Sought {
-    /// Finds it from samples of the curve, at least 2: separations h, m, rising, and forces, N. Where it may be, they are made no further
-    /// apart than `spacing`, m. A secant stiffness is told in the middle of its span.
+    /// Finds it from samples of the curve, at least 2: separations h, m, rising, and forces, N. Where it may
+    /// be, they are made no further apart than `spacing`, m. A secant stiffness is told in the middle of its
+    /// span.
     pub fn find<C: Curve>(self, curve: &mut C, samples: &[(f64, f64)], spacing: f64) -> Extremum {
         match self {
             Self::PullOff => Search::deepest(curve, &[(0.0, 1.0)], samples, spacing),
@@ -143,7 +153,8 @@ fn widest_space(separations: &[f64]) -> f64 {
     separations.windows(2).fold(0.0, |most: f64, pair| most.max(pair[1] - pair[0]))
 }
 
-/// How far apart samples at rising separations are at most where spaces wider than `spacing` are divided evenly, m.
+/// How far apart samples at rising separations are at most where spaces wider than `spacing` are divided
+/// evenly, m.
 pub(super) fn resolved(separations: &[f64], spacing: f64) -> f64 {
     let widest = widest_space(separations);
     widest / ranking::parts(widest, spacing)
@@ -156,7 +167,8 @@ fn within(passings: &[Passing], low: f64, high: f64) -> &[Passing] {
     &passings[first..end.max(first)]
 }
 
-/// How far what is interpolated may be off by strays nearby, at most and the root of the mean square, of which a `share` counts.
+/// How far what is interpolated may be off by strays nearby, at most and the root of the mean square, of
+/// which a `share` counts.
 fn margin(nearby: impl Iterator<Item = (f64, f64)>, share: f64) -> f64 {
     let (mut most, mut square) = (0.0, 0.0);
     for (largest, rms) in nearby {
@@ -172,7 +184,8 @@ fn sort(passings: &mut [Passing]) {
 
 struct Search<'a, C: Curve> {
     curve: &'a mut C,
-    /// What is sought is the deepest point of the sum of the curve at h and further on, h in m, each with its sign.
+    /// What is sought is the deepest point of the sum of the curve at h and further on, h in m, each with its
+    /// sign.
     shifts: &'a [(f64, f64)],
     /// Separations h, m, rising, and the curve there.
     separations: Vec<f64>,
@@ -289,10 +302,13 @@ impl<'a, C: Curve> Search<'a, C> {
         sums
     }
 
-    /// What is sought by a polynomial through values at the samples from the `first` on, at a separation h, m.
+    /// What is sought by a polynomial through values at the samples from the `first` on, at a separation h,
+    /// m.
     fn interpolated(&self, first: usize, values: &[f64], separation: f64) -> f64 {
         let places = &self.separations[first..first + values.len()];
-        let value = |(shift, sign): &(f64, f64)| sign * lagrange::<{ 2 * SAMPLES }>(places, values, separation + shift);
+        let value = |(shift, sign): &(f64, f64)| {
+            sign * lagrange::<{ 2 * SAMPLES }>(places, values, separation + shift)
+        };
         self.shifts.iter().map(value).sum()
     }
 
@@ -304,7 +320,8 @@ impl<'a, C: Curve> Search<'a, C> {
         first.min(end.saturating_sub(2 * SAMPLES))..end.max((first + 2 * SAMPLES).min(self.separations.len()))
     }
 
-    /// The passings of asperities in `low..=high`, h in m, and further on where the shifted curve is looked at.
+    /// The passings of asperities in `low..=high`, h in m, and further on where the shifted curve is looked
+    /// at.
     fn passings(&mut self, asperities: &[C::Asperity], low: f64, high: f64) -> Vec<Passing> {
         let mut passings = Vec::new();
         self.curve.passings(asperities, low, high + self.largest_shift(), &mut passings);

@@ -31,8 +31,14 @@ pub fn interpolated(of: &dyn Fn(&[f64]) -> Vec<f64>, low: f64, width: f64, place
 }
 
 /// The same from samples, of which `low` is one, as far apart as the interval is wide.
-pub fn interpolated_from_samples(of: &dyn Fn(&[f64]) -> Vec<f64>, low: f64, width: f64, places: &[f64]) -> Vec<f64> {
-    let samples: Vec<f64> = (0..2 * SAMPLES).map(|i| low + width * (i as f64 + 1.0 - SAMPLES as f64)).collect();
+pub fn interpolated_from_samples(
+    of: &dyn Fn(&[f64]) -> Vec<f64>,
+    low: f64,
+    width: f64,
+    places: &[f64],
+) -> Vec<f64> {
+    let samples: Vec<f64> =
+        (0..2 * SAMPLES).map(|i| low + width * (i as f64 + 1.0 - SAMPLES as f64)).collect();
     let values = of(&samples);
     places.iter().map(|place| lagrange::<{ 2 * SAMPLES }>(&samples, &values, *place)).collect()
 }

@@ -5,8 +5,9 @@ use crate::math::interpolation::{lagrange, linear};
 use crate::math::polynomials::horner;
 use std::ops::Range;
 
-/// Steps of independent asperities in an interval do not all come at its beginning: their sum stays within so many times the root of the sum
-/// of their squares of a straight line, by Kolmogorov's distribution but for 6 of 10⁵ intervals.
+/// Steps of independent asperities in an interval do not all come at its beginning: their sum stays within so
+/// many times the root of the sum of their squares of a straight line, by Kolmogorov's distribution but for 6
+/// of 10⁵ intervals.
 const DEVIATION: f64 = 2.2;
 /// Spaces around one between samples in which kinks are counted for how many there are in a space.
 const AROUND: f64 = 1.0;
@@ -69,7 +70,8 @@ impl Guess {
 }
 
 impl<C: Curve> Search<'_, C> {
-    /// Which spaces may have the deepest point: a line between samples, bent as these are, less what kinks leave out.
+    /// Which spaces may have the deepest point: a line between samples, bent as these are, less what kinks
+    /// leave out.
     pub(super) fn candidates(&mut self) -> Vec<bool> {
         let edges = self.edges();
         let (places, values) = (&self.separations, &self.values);
@@ -130,9 +132,11 @@ impl<C: Curve> Search<'_, C> {
         (0..spaces).map(|k| least(k, k + 1) - slacks[k] <= attained).collect()
     }
 
-    /// Adds samples where the spaces between them are wider than `spacing`, m, and may have the deepest point; whether there were any.
+    /// Adds samples where the spaces between them are wider than `spacing`, m, and may have the deepest
+    /// point; whether there were any.
     pub(super) fn sample(&mut self, may_be: &[bool], spacing: f64) -> bool {
-        let (Some(first), Some(last)) = (may_be.iter().position(|is| *is), may_be.iter().rposition(|is| *is)) else {
+        let (Some(first), Some(last)) = (may_be.iter().position(|is| *is), may_be.iter().rposition(|is| *is))
+        else {
             return false;
         };
         let (low, high) = (self.separations[first], self.separations[last + 1] + self.largest_shift());
@@ -144,13 +148,15 @@ impl<C: Curve> Search<'_, C> {
             return false;
         }
         let known = separations.iter().copied().zip(values.iter().copied());
-        let mut all: Vec<(f64, f64)> = known.chain(places.iter().copied().zip(curve.exact(&places))).collect();
+        let mut all: Vec<(f64, f64)> =
+            known.chain(places.iter().copied().zip(curve.exact(&places))).collect();
         all.sort_by(|a, b| a.0.total_cmp(&b.0));
         (*separations, *values) = all.into_iter().unzip();
         true
     }
 
-    /// How deep spaces behind samples are, by the staircase and what is interpolated between the samples without it.
+    /// How deep spaces behind samples are, by the staircase and what is interpolated between the samples
+    /// without it.
     pub(super) fn guess(&mut self, spaces: Range<usize>, guesses: &mut Vec<Guess>) {
         let edges = self.edges();
         let around = self.around(edges[spaces.start], edges[spaces.end]);
@@ -162,16 +168,19 @@ impl<C: Curve> Search<'_, C> {
         let (levels, is_known) = levels(&passings, &self.separations[around.clone()], self.rounding);
         let continuous: Vec<f64> =
             self.values[around.clone()].iter().zip(&levels).map(|(v, level)| v - level).collect();
-        let curve = self.continuous(around.clone(), &continuous, &asperities, edges[spaces.start], edges[spaces.end]);
+        let curve =
+            self.continuous(around.clone(), &continuous, &asperities, edges[spaces.start], edges[spaces.end]);
         let shifted = self.shifted(&passings, edges[spaces.start], edges[spaces.end]);
-        // What is sought is the continuous part and the level, which begins with the levels of the samples before.
+        // What is sought is the continuous part and the level, which begins with the levels of the samples
+        // before.
         let mut level: f64 = 0.0;
         for (shift, sign) in self.shifts {
             let from = edges[spaces.start] + shift;
             let before = passings.iter().take_while(|passing| passing.place <= from);
             level += sign * before.map(|passing| passing.step).sum::<f64>();
         }
-        let value = |h: f64| -> f64 { self.shifts.iter().map(|(shift, sign)| sign * curve.value(h + shift)).sum() };
+        let value =
+            |h: f64| -> f64 { self.shifts.iter().map(|(shift, sign)| sign * curve.value(h + shift)).sum() };
         for space in spaces {
             let (from, to) = (edges[space], edges[space + 1]);
             let looks = |low: f64, high: f64| {
@@ -214,8 +223,8 @@ impl<C: Curve> Search<'_, C> {
         }
     }
 
-    /// The continuous part of the curve, interpolated between samples, whose values are `continuous`, where it is sought between two edges,
-    /// h in m; with what terms of asperities are off where that is known.
+    /// The continuous part of the curve, interpolated between samples, whose values are `continuous`, where
+    /// it is sought between two edges, h in m; with what terms of asperities are off where that is known.
     fn continuous(
         &self,
         samples: Range<usize>,
@@ -232,11 +241,15 @@ impl<C: Curve> Search<'_, C> {
         for (k, ends) in places.windows(2).enumerate().filter(|(_, ends)| is_sought(ends[0], ends[1])) {
             let (from, to) = (ends[0], ends[1]);
             let quarters = [0.0, 0.25, 0.5, 0.75, 1.0].map(|share| from + (to - from) * share);
-            let curve = Quartic::new(from, to, quarters.map(|h| lagrange::<{ 2 * SAMPLES }>(places, continuous, h)));
+            let curve =
+                Quartic::new(from, to, quarters.map(|h| lagrange::<{ 2 * SAMPLES }>(places, continuous, h)));
             let mut strays = [0.0; NODES];
-            let stencil = (k + 1).checked_sub(SAMPLES).and_then(|first| places.get(first..first + 2 * SAMPLES));
+            let stencil =
+                (k + 1).checked_sub(SAMPLES).and_then(|first| places.get(first..first + 2 * SAMPLES));
             let is_even = |stencil: &[f64]| {
-                stencil.windows(2).all(|pair| (pair[1] - pair[0] - self.spacing).abs() < UNEVEN * self.spacing)
+                stencil
+                    .windows(2)
+                    .all(|pair| (pair[1] - pair[0] - self.spacing).abs() < UNEVEN * self.spacing)
             };
             let has_strays = stencil.is_some_and(is_even) && self.curve.strays(asperities, from, &mut strays);
             begins.push(from);
@@ -279,7 +292,9 @@ impl Interpolated {
 
     /// Whether it is known everywhere between two separations h, m, how far what is interpolated is off.
     fn has_strays(&self, low: f64, high: f64) -> bool {
-        self.spaces[self.space(low)..=self.space(high - UNEVEN * (high - low))].iter().all(|space| space.has_strays)
+        self.spaces[self.space(low)..=self.space(high - UNEVEN * (high - low))]
+            .iter()
+            .all(|space| space.has_strays)
     }
 }
 

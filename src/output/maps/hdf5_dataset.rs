@@ -33,21 +33,28 @@ pub(super) fn read(path: &Path, length: u64, name: Option<&str>, most: u64) -> R
 
 fn holds_numbers(dataset: &Dataset) -> bool {
     let descriptor = dataset.dtype().and_then(|dtype| dtype.to_descriptor());
-    matches!(descriptor, Ok(TypeDescriptor::Integer(_) | TypeDescriptor::Unsigned(_) | TypeDescriptor::Float(_)))
+    matches!(
+        descriptor,
+        Ok(TypeDescriptor::Integer(_) | TypeDescriptor::Unsigned(_) | TypeDescriptor::Float(_))
+    )
 }
 
 /// The datasets of the root that may be maps.
 fn maps(file: &File) -> Vec<String> {
     let names = file.member_names().unwrap_or_default().into_iter();
-    let two_dimensional =
-        |name: &String| guard::dataset(file, name).is_ok_and(|dataset| dataset.ndim() == 2 && holds_numbers(&dataset));
+    let two_dimensional = |name: &String| {
+        guard::dataset(file, name).is_ok_and(|dataset| dataset.ndim() == 2 && holds_numbers(&dataset))
+    };
     names.filter(two_dimensional).collect()
 }
 
 fn only_map(file: &File) -> Result<String, String> {
     match maps(file).as_slice() {
         [only] => Ok(only.clone()),
-        [] => Err("has no dataset of two dimensions in its root; give --dataset with the path of one".to_owned()),
+        [] => {
+            Err("has no dataset of two dimensions in its root; give --dataset with the path of one"
+                .to_owned())
+        }
         several => Err(format!("has several datasets; give --dataset with one of {}", listed(several))),
     }
 }
@@ -60,7 +67,8 @@ fn with_names(problem: String, file: &File) -> String {
 }
 
 fn listed(names: &[String]) -> String {
-    let shown: Vec<String> = names.iter().take(MOST_NAMES).map(|name| shortened(&lossy(name.as_bytes()))).collect();
+    let shown: Vec<String> =
+        names.iter().take(MOST_NAMES).map(|name| shortened(&lossy(name.as_bytes()))).collect();
     let more = if names.len() > MOST_NAMES { ", ..." } else { "" };
     shown.join(", ") + more
 }

@@ -1,4 +1,5 @@
-//! Reading height maps as instruments and their programs leave them: NPY, a dataset of an HDF5 file, or a grid of numbers in a text.
+//! Reading height maps as instruments and their programs leave them: NPY, a dataset of an HDF5 file, or a
+//! grid of numbers in a text.
 //!
 //! A map may come from anywhere, as a result may: what it claims is checked before it is read.
 
@@ -69,9 +70,11 @@ pub struct RawMap {
     pub dataset: Option<String>,
 }
 
-/// Reads a map of at most `most` pixels. Of an HDF5 file the dataset is named, unless it has a single one of two dimensions in its root.
+/// Reads a map of at most `most` pixels. Of an HDF5 file the dataset is named, unless it has a single one of
+/// two dimensions in its root.
 ///
-/// libhdf5 is not proof against a file whose structure is broken, so [`try_dataset`] reads it first in a process that can be ended.
+/// libhdf5 is not proof against a file whose structure is broken, so [`try_dataset`] reads it first in a
+/// process that can be ended.
 ///
 /// # Errors
 /// [`OutputError::NotAMap`] with the reason.
@@ -79,10 +82,14 @@ pub fn read(path: &Path, dataset: Option<&str>, most: u64) -> Result<RawMap, Out
     let refused = |problem| OutputError::NotAMap { path: path.to_owned(), problem };
     let format = MapFormat::of(path)?;
     if dataset.is_some() && format != MapFormat::Hdf5 {
-        return Err(refused(format!("is no HDF5 file, and has no dataset to choose: it is read as {}", format.name())));
+        return Err(refused(format!(
+            "is no HDF5 file, and has no dataset to choose: it is read as {}",
+            format.name()
+        )));
     }
     let length = guard::length(path).map_err(refused)?;
-    let open = || File::open(path).map(BufReader::new).map_err(|error| refused(format!("cannot be read: {error}")));
+    let open =
+        || File::open(path).map(BufReader::new).map_err(|error| refused(format!("cannot be read: {error}")));
     match format {
         MapFormat::Npy => npy::read(open()?, length, most),
         MapFormat::Hdf5 => hdf5_dataset::read(path, length, dataset, most),
@@ -113,6 +120,8 @@ fn not_two(shape: &[u64]) -> String {
     let lengths: Vec<String> = shape.iter().take(8).map(u64::to_string).collect();
     match lengths.as_slice() {
         [] => "holds a single number; a map has two dimensions, rows and columns".to_owned(),
-        lengths => format!("has the shape {}; a map has two dimensions, rows and columns", lengths.join(" x ")),
+        lengths => {
+            format!("has the shape {}; a map has two dimensions, rows and columns", lengths.join(" x "))
+        }
     }
 }

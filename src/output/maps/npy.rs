@@ -33,13 +33,16 @@ pub(super) fn read(file: impl Read, length: u64, most: u64) -> Result<RawMap, St
 /// Refuses a header that claims to be longer than there is need for, before it is read.
 fn bounded<R: Read>(mut file: R) -> Result<Source<R>, String> {
     let mut beginning = vec![0; 12];
-    file.read_exact(&mut beginning).map_err(|_| "is an NPY file that is damaged: it ends in its header".to_owned())?;
+    file.read_exact(&mut beginning)
+        .map_err(|_| "is an NPY file that is damaged: it ends in its header".to_owned())?;
     let length = match beginning[6] {
         1 => u32::from(u16::from_le_bytes([beginning[8], beginning[9]])),
         _ => u32::from_le_bytes([beginning[8], beginning[9], beginning[10], beginning[11]]),
     };
     if length > LONGEST_HEADER {
-        return Err(format!("is an NPY file with a header of {length} bytes, which no plain array of numbers has"));
+        return Err(format!(
+            "is an NPY file with a header of {length} bytes, which no plain array of numbers has"
+        ));
     }
     Ok(Cursor::new(beginning).chain(file))
 }
@@ -54,7 +57,8 @@ fn numbers<R: Read>(array: NpyFile<R>) -> Result<Vec<f64>, String> {
         Ok(values) => return values,
         Err(array) => array,
     };
-    // Whole numbers, as analogue-digital converters give them, of 8, 16, 32 and 64 bits with and without sign.
+    // Whole numbers, as analogue-digital converters give them, of 8, 16, 32 and 64 bits with and without
+    // sign.
     macro_rules! whole {
         ($array:expr, $($kind:ty),*) => {{
             let array = $array;
@@ -107,10 +111,13 @@ mod tests {
     fn kinds_and_orders_give_the_same_map() {
         let whole = [1_i16, 2, 3, 4, 5, 6];
         let little: Vec<u8> = whole.iter().flat_map(|value| value.to_le_bytes()).collect();
-        let map = read_file(&file("{'descr': '<i2', 'fortran_order': False, 'shape': (2, 3), }", &little)).unwrap();
+        let map =
+            read_file(&file("{'descr': '<i2', 'fortran_order': False, 'shape': (2, 3), }", &little)).unwrap();
         assert_eq!((map.heights.as_slice(), map.shape), (&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0][..], [2, 3]));
-        let big: Vec<u8> = [1_f64, 4.0, 2.0, 5.0, 3.0, 6.0].iter().flat_map(|value| value.to_be_bytes()).collect();
-        let columns = read_file(&file("{'descr': '>f8', 'fortran_order': True, 'shape': (2, 3), }", &big)).unwrap();
+        let big: Vec<u8> =
+            [1_f64, 4.0, 2.0, 5.0, 3.0, 6.0].iter().flat_map(|value| value.to_be_bytes()).collect();
+        let columns =
+            read_file(&file("{'descr': '>f8', 'fortran_order': True, 'shape': (2, 3), }", &big)).unwrap();
         assert_eq!(columns, map);
     }
 
@@ -120,9 +127,18 @@ mod tests {
             let error = read_file(&file(dictionary, &[0; 64])).unwrap_err();
             assert!(error.contains(part), "{dictionary}: {error}");
         };
-        refused("{'descr': '<f8', 'fortran_order': False, 'shape': (8, 9), }", "more values than the file holds");
-        refused("{'descr': '<f8', 'fortran_order': False, 'shape': (9000000000, 9000000000), }", "can be read here");
-        refused("{'descr': '<f8', 'fortran_order': False, 'shape': (8,), }", "shape 8; a map has two dimensions");
+        refused(
+            "{'descr': '<f8', 'fortran_order': False, 'shape': (8, 9), }",
+            "more values than the file holds",
+        );
+        refused(
+            "{'descr': '<f8', 'fortran_order': False, 'shape': (9000000000, 9000000000), }",
+            "can be read here",
+        );
+        refused(
+            "{'descr': '<f8', 'fortran_order': False, 'shape': (8,), }",
+            "shape 8; a map has two dimensions",
+        );
         refused("{'descr': '<f8', 'fortran_order': False, 'shape': (), }", "single number");
         refused("{'descr': '<c16', 'fortran_order': False, 'shape': (2, 2), }", "real numbers");
         refused("{'descr': '|O', 'fortran_order': False, 'shape': (2, 2), }", "real numbers");

@@ -1,5 +1,6 @@
-//! Grids of numbers in a text, as the programs of instruments export them: a row of the map on each line, its numbers separated by tabs,
-//! semicolons, commas or blanks, behind a header. Of the header `Width`, `Height` and `Value units` count, as Gwyddion writes them.
+//! Grids of numbers in a text, as the programs of instruments export them: a row of the map on each line, its
+//! numbers separated by tabs, semicolons, commas or blanks, behind a header. Of the header `Width`, `Height`
+//! and `Value units` count, as Gwyddion writes them.
 
 use super::{RawMap, within};
 use crate::scene::echo::shortened;
@@ -64,7 +65,8 @@ impl Grid {
             return Ok(());
         }
         let mut fields = fields(line);
-        // Before the first row every line that does not begin with a number, be it with a decimal comma, belongs to the header.
+        // Before the first row every line that does not begin with a number, be it with a decimal comma,
+        // belongs to the header.
         let is_row = self.rows > 0 || fields[0].replace(',', ".").parse::<f64>().is_ok();
         if let Some(header) = comment.or_else(|| (!is_row).then_some(line)) {
             self.header(header);
@@ -79,7 +81,11 @@ impl Grid {
             self.heights.push(height);
         }
         if self.rows > 0 && fields.len() != self.columns {
-            return Err(format!("has {} numbers, and the rows before it have {}", fields.len(), self.columns));
+            return Err(format!(
+                "has {} numbers, and the rows before it have {}",
+                fields.len(),
+                self.columns
+            ));
         }
         (self.rows, self.columns) = (self.rows + 1, fields.len());
         Ok(())
@@ -88,7 +94,8 @@ impl Grid {
     /// Takes what counts from a line of the header.
     fn header(&mut self, line: &str) {
         let Some((key, value)) = line.split_once(':') else { return };
-        let length = || parse(value, Dimension::Length).ok().filter(|length| *length > 0.0 && length.is_finite());
+        let length =
+            || parse(value, Dimension::Length).ok().filter(|length| *length > 0.0 && length.is_finite());
         match key.trim().to_ascii_lowercase().as_str() {
             "height" => self.extent[0] = length().or(self.extent[0]),
             "width" => self.extent[1] = length().or(self.extent[1]),
@@ -100,20 +107,21 @@ impl Grid {
     fn map(self) -> Result<RawMap, String> {
         let Self { heights, rows, columns, extent, unit, .. } = self;
         match (rows, columns) {
-            (0, _) => {
-                Err("holds no row of numbers; NPY, HDF5, or a text with a row of the map on each line is needed"
-                    .to_owned())
-            }
-            (_, 3) => {
-                Err("has 3 numbers on each line, as lists of points x, y, z have; a grid of heights is needed"
-                    .to_owned())
-            }
+            (0, _) => Err(
+                "holds no row of numbers; NPY, HDF5, or a text with a row of the map on each line is needed"
+                    .to_owned(),
+            ),
+            (_, 3) => Err(
+                "has 3 numbers on each line, as lists of points x, y, z have; a grid of heights is needed"
+                    .to_owned(),
+            ),
             _ => Ok(RawMap { heights, shape: [rows, columns], extent, unit, dataset: None }),
         }
     }
 }
 
-/// The numbers of a line, as texts: at least one. The first of tab, semicolon and comma that is there separates them, else blanks.
+/// The numbers of a line, as texts: at least one. The first of tab, semicolon and comma that is there
+/// separates them, else blanks.
 fn fields(line: &str) -> Vec<&str> {
     match ['\t', ';', ','].into_iter().find(|separator| line.contains(*separator)) {
         Some(separator) => line.split(separator).map(str::trim).collect(),
@@ -143,8 +151,13 @@ mod tests {
 
     #[test]
     fn separators_and_headers_give_the_same_map() {
-        let expected =
-            RawMap { heights: vec![1.0, 2.5, -3e-9, 4.0], shape: [2, 2], extent: [None; 2], unit: None, dataset: None };
+        let expected = RawMap {
+            heights: vec![1.0, 2.5, -3e-9, 4.0],
+            shape: [2, 2],
+            extent: [None; 2],
+            unit: None,
+            dataset: None,
+        };
         for text in [
             "1 2.5\n-3e-9 4\n",
             "1\t2.5\r\n-3e-9\t4\r\n",
@@ -158,8 +171,7 @@ mod tests {
 
     #[test]
     fn a_header_gives_extent_and_unit() {
-        let text =
-            "# Channel: Topography\n# Width: 2.0 \u{b5}m\n# Height: 500 nm\n# Value units: m\n1e-9\tnan\n2e-9\t3e-9\n";
+        let text = "# Channel: Topography\n# Width: 2.0 \u{b5}m\n# Height: 500 nm\n# Value units: m\n1e-9\tnan\n2e-9\t3e-9\n";
         let latin: Vec<u8> = text.chars().map(|c| c as u8).collect();
         for bytes in [text.as_bytes(), &latin] {
             let map = read_text(bytes).unwrap();

@@ -39,7 +39,12 @@ const VARIABLES: &[Variable] = &[
         "m",
         "mean height of the asperities above the mean plane of the surface",
     ),
-    variable("/measured/asperity_height_std", NONE, "m", "standard deviation of the heights of the asperities"),
+    variable(
+        "/measured/asperity_height_std",
+        NONE,
+        "m",
+        "standard deviation of the heights of the asperities",
+    ),
     variable(
         "/measured/asperity_curvature_std",
         NONE,

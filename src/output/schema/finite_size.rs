@@ -27,7 +27,12 @@ const VARIABLES: &[Variable] = &[
     variable("/nominal_area", C, "m2", "nominal area of a patch"),
     variable("/integral_pull_off_per_asperity", NONE, "N", "pull-off force of the integral, over N"),
     variable("/pull_off_per_asperity_mean", C, "N", "pull-off force over N, mean over replicas"),
-    variable("/pull_off_per_asperity_standard_error", C, "N", "pull-off force over N, standard error of the mean"),
+    variable(
+        "/pull_off_per_asperity_standard_error",
+        C,
+        "N",
+        "pull-off force over N, standard error of the mean",
+    ),
     variable(
         "/pull_off_per_asperity_controlled_mean",
         C,
@@ -44,7 +49,12 @@ const VARIABLES: &[Variable] = &[
     variable("/bias_standard_error", C, "1", "standard error of the bias"),
     variable("/bias_fitted", C, "1", "bias by the fitted power law; NaN where none fits"),
     variable("/is_fitted", C, "1", "whether the power law is fitted to this size (1) or not (0)"),
-    variable("/relative_std", C, "1", "standard deviation of the pull-off force of one replica over the mean"),
+    variable(
+        "/relative_std",
+        C,
+        "1",
+        "standard deviation of the pull-off force of one replica over the mean",
+    ),
     variable("/skewness", C, "1", "skewness of the pull-off force of one replica"),
     variable(
         "/pull_off_quantiles",

@@ -1,6 +1,8 @@
-//! The layouts of result files: every dataset's name, dimensions, units and meaning, and the version of the whole.
+//! The layouts of result files: every dataset's name, dimensions, units and meaning, and the version of the
+//! whole.
 //!
-//! Others script against these names. They may be added to (a minor version step); changing one is a major version step.
+//! Others script against these names. They may be added to (a minor version step); changing one is a major
+//! version step.
 
 mod asperities;
 mod comparison;
@@ -23,7 +25,8 @@ pub struct Layout {
     pub format: &'static str,
     /// The command that makes it.
     pub command: &'static str,
-    /// Value of the root attribute `format_version`: major, minor. A file of another major version is not read.
+    /// Value of the root attribute `format_version`: major, minor. A file of another major version is not
+    /// read.
     pub version: [u32; 2],
     /// Its groups.
     pub groups: &'static [&'static str],
@@ -31,8 +34,8 @@ pub struct Layout {
     pub optional_groups: &'static [&'static str],
     /// All datasets that a file may hold, but for those of points.
     pub variables: &'static [Variable],
-    /// The layout of a file of each point, for a file of points: it may hold the datasets of that too, led by the dimensions of the
-    /// points ([`Dimension::of_points`]).
+    /// The layout of a file of each point, for a file of points: it may hold the datasets of that too, led by
+    /// the dimensions of the points ([`Dimension::of_points`]).
     pub of_points: Option<&'static Layout>,
 }
 
@@ -154,7 +157,8 @@ impl Dimension {
         }
     }
 
-    /// What the dimension of one run is in a file of points: an index, if its values may differ from point to point.
+    /// What the dimension of one run is in a file of points: an index, if its values may differ from point to
+    /// point.
     pub fn of_points(self) -> Self {
         match self {
             Self::Separation => Self::SeparationIndex,
@@ -246,9 +250,9 @@ mod tests {
             assert!(page.contains(&format!("version {}.{}", layout.version[0], layout.version[1])));
             for variable in layout.variables {
                 let (group, name) = variable.path.rsplit_once('/').expect("paths begin with a slash");
-                let row = page
-                    .lines()
-                    .find(|line| line.starts_with(&format!("| `{name}` |")) && line.contains(variable.long_name));
+                let row = page.lines().find(|line| {
+                    line.starts_with(&format!("| `{name}` |")) && line.contains(variable.long_name)
+                });
                 assert!(row.is_some(), "the page lacks {group}/{name}: {}", variable.long_name);
             }
         }

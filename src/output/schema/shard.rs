@@ -30,7 +30,12 @@ const VARIABLES: &[Variable] = &[
         "1",
         "what is kept of each replica, 64-bit words",
     ),
-    variable("/state_row", &[Dimension::StateRow], "1", "row of the states of all pieces, one after the other"),
+    variable(
+        "/state_row",
+        &[Dimension::StateRow],
+        "1",
+        "row of the states of all pieces, one after the other",
+    ),
     variable("/state_byte", &[Dimension::StateByte], "1", "byte of a row"),
     variable(
         "/state",

@@ -1,4 +1,5 @@
-//! The layout of a result of `stiction run` for a sweep: what a run of every point has, over the points, and what only a sweep has.
+//! The layout of a result of `stiction run` for a sweep: what a run of every point has, over the points, and
+//! what only a sweep has.
 
 use super::{Dimension, Layout, NONE, RUN, Variable, variable};
 
@@ -13,7 +14,8 @@ pub static SWEEP: Layout = Layout {
     of_points: Some(&RUN),
 };
 
-/// What a file holds beside the datasets of a run: scales, and over the points alone what a run has as attributes, and differences.
+/// What a file holds beside the datasets of a run: scales, and over the points alone what a run has as
+/// attributes, and differences.
 const VARIABLES: &[Variable] = &[
     variable("/point", &[Dimension::Point], "1", "index of the point"),
     variable("/separation_index", &[Dimension::SeparationIndex], "1", "index of the separation"),
@@ -32,21 +34,56 @@ const VARIABLES: &[Variable] = &[
     variable("/nominal_area", NONE, "m2", "nominal area"),
     variable("/ensemble/pull_off_force", NONE, "N", "pull-off force of the mean curve"),
     variable("/ensemble/pull_off_separation", NONE, "m", "separation h at pull-off of the mean curve"),
-    variable("/ensemble/peak_stiffness", NONE, "N m-1", "largest derivative of the mean curve by the separation"),
-    variable("/ensemble/peak_stiffness_separation", NONE, "m", "separation h of the peak stiffness of the mean curve"),
+    variable(
+        "/ensemble/peak_stiffness",
+        NONE,
+        "N m-1",
+        "largest derivative of the mean curve by the separation",
+    ),
+    variable(
+        "/ensemble/peak_stiffness_separation",
+        NONE,
+        "m",
+        "separation h of the peak stiffness of the mean curve",
+    ),
     variable("/ensemble/sum", NONE, "1", "how asperities were summed"),
     variable("/ensemble/sum_tolerance", NONE, "1", "tolerance of compressed sums, where they were asked for"),
     variable("/ensemble/sum_error", NONE, "1", "largest error of compressed sums on a few replicas"),
-    variable("/ensemble/sum_refusal", NONE, "1", "why sums are direct although compressed ones were asked for"),
+    variable(
+        "/ensemble/sum_refusal",
+        NONE,
+        "1",
+        "why sums are direct although compressed ones were asked for",
+    ),
     variable("/statistical/pull_off_force", NONE, "N", "pull-off force of the integral"),
     variable("/statistical/pull_off_separation", NONE, "m", "separation h at pull-off of the integral"),
-    variable("/statistical/peak_stiffness", NONE, "N m-1", "largest derivative of the integral by the separation"),
-    variable("/statistical/peak_stiffness_separation", NONE, "m", "separation h of the peak stiffness of the integral"),
-    variable("/statistical/quadrature_error", NONE, "1", "largest bound of the relative error of the integral"),
+    variable(
+        "/statistical/peak_stiffness",
+        NONE,
+        "N m-1",
+        "largest derivative of the integral by the separation",
+    ),
+    variable(
+        "/statistical/peak_stiffness_separation",
+        NONE,
+        "m",
+        "separation h of the peak stiffness of the integral",
+    ),
+    variable(
+        "/statistical/quadrature_error",
+        NONE,
+        "1",
+        "largest bound of the relative error of the integral",
+    ),
     variable("/validation/statistic", NONE, "1", "sum of squared scores of ensemble against integral"),
     variable("/validation/degrees_of_freedom", NONE, "1", "degrees of freedom of the joint test"),
     variable("/validation/kurtosis", NONE, "1", "fourth cumulants of the scores of a replica, contracted"),
-    variable("/validation/skewness", NONE, "1", "third cumulants of the scores of a replica, squared and contracted"),
+    variable(
+        "/validation/skewness",
+        NONE,
+        "1",
+        "third cumulants of the scores of a replica, squared and contracted",
+    ),
     variable(
         "/validation/p_value",
         NONE,

@@ -18,8 +18,9 @@ const ANISOTROPIC: f64 = 1.5;
 /// Least α of a random isotropic surface.
 const LEAST_ALPHA: f64 = 1.5;
 
-/// What the asperities of a Greenwood-Williamson surface that is equivalent to a measured one are, from spectral moments alone
-/// (McCool 1987, J. Tribol. 109, 264; mean height by Bush, Gibson and Thomas 1975, Wear 35, 87).
+/// What the asperities of a Greenwood-Williamson surface that is equivalent to a measured one are, from
+/// spectral moments alone (McCool 1987, J. Tribol. 109, 264; mean height by Bush, Gibson and Thomas 1975,
+/// Wear 35, 87).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Equivalent {
     /// Density η = m₄/(6π√3 m₂), 1/m².
@@ -98,17 +99,25 @@ impl Asperities {
             height_std: std[0],
             curvature_std: std[1],
         };
-        Ok(Self { summits: found.summits, nominal_area, moments, equivalent: Equivalent::new(&moments), measured })
+        Ok(Self {
+            summits: found.summits,
+            nominal_area,
+            moments,
+            equivalent: Equivalent::new(&moments),
+            measured,
+        })
     }
 
-    /// Where a surface measured with such pixels, m, is not what the parameters take for granted, a line each: number and consequence.
+    /// Where a surface measured with such pixels, m, is not what the parameters take for granted, a line
+    /// each: number and consequence.
     pub fn caveats(&self, pixel: [f64; 2]) -> Vec<String> {
         let moments = &self.moments;
         let mut caveats = self.resolution(pixel);
         let count = self.summits.len();
         if count < FEWEST_SUMMITS {
             let error = 100.0 / (count as f64).sqrt();
-            caveats.push(format!("{count} summits are few: their density is uncertain by about {error:.0} %"));
+            caveats
+                .push(format!("{count} summits are few: their density is uncertain by about {error:.0} %"));
         }
         if moments.skewness.abs() > NOT_GAUSSIAN.0 || moments.excess_kurtosis.abs() > NOT_GAUSSIAN.1 {
             let (skewness, kurtosis) = (moments.skewness, moments.excess_kurtosis);
@@ -150,18 +159,20 @@ impl Asperities {
 mod tests {
     use super::*;
 
-    /// Table 2 of the hybrid model's paper lists σ, R and η of three surfaces; the relations give them back from moments that follow
-    /// from R and η: m₄ = (3√π/(8R))², m₂ = m₄/(6π√3 η).
+    /// Table 2 of the hybrid model's paper lists σ, R and η of three surfaces; the relations give them back
+    /// from moments that follow from R and η: m₄ = (3√π/(8R))², m₂ = m₄/(6π√3 η).
     #[test]
     fn the_relations_agree_with_each_other() {
         let (radius, density, sigma): (f64, f64, f64) = (3.33e-6, 7.39e12, 1.619e-9);
         let m4 = (3.0 * PI.sqrt() / (8.0 * radius)).powi(2);
         let m2 = m4 / (6.0 * PI * 3.0_f64.sqrt() * density);
         let m0 = sigma * sigma;
-        let moments = SpectralMoments { m0, slope: [m2; 2], curvature: [m4; 2], skewness: 0.0, excess_kurtosis: 0.0 };
+        let moments =
+            SpectralMoments { m0, slope: [m2; 2], curvature: [m4; 2], skewness: 0.0, excess_kurtosis: 0.0 };
         let surface = Equivalent::new(&moments);
-        let close =
-            |value: f64, expected: f64, within: f64| assert!((value / expected - 1.0).abs() < within, "{value:e}");
+        let close = |value: f64, expected: f64, within: f64| {
+            assert!((value / expected - 1.0).abs() < within, "{value:e}")
+        };
         close(surface.density, density, 1e-14);
         close(surface.radius, radius, 1e-14);
         // σ_s² = σ² − 3.717·10⁻⁴/(ηR)² and y_s = 0.045944/(ηR) have four digits.

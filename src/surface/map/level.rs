@@ -1,11 +1,13 @@
-//! Levelling: a smooth surface, fitted by least squares, is subtracted, and with it tilt, bow and offset of the measurement.
+//! Levelling: a smooth surface, fitted by least squares, is subtracted, and with it tilt, bow and offset of
+//! the measurement.
 
 use super::{HeightMap, MapError};
 use crate::math::linalg::symmetric_eigen;
 
 /// Most terms of a surface that is subtracted.
 const TERMS: usize = 6;
-/// Smallest eigenvalue of the normal equations over the largest at which the heights still determine the surface.
+/// Smallest eigenvalue of the normal equations over the largest at which the heights still determine the
+/// surface.
 const DETERMINED: f64 = 1e-9;
 
 /// What is subtracted from a map.
@@ -53,13 +55,16 @@ impl Levelling {
 }
 
 impl HeightMap {
-    /// The map less the surface of least squares through its known heights, all of equal weight: heights above the mean plane.
+    /// The map less the surface of least squares through its known heights, all of equal weight: heights
+    /// above the mean plane.
     ///
     /// # Errors
-    /// [`MapError::Undetermined`] when the known heights do not determine the surface, [`MapError::Flat`] when nothing is left.
+    /// [`MapError::Undetermined`] when the known heights do not determine the surface, [`MapError::Flat`]
+    /// when nothing is left.
     pub fn levelled(mut self, levelling: Levelling) -> Result<Self, MapError> {
         let (pixels, missing) = (self.heights.len(), self.missing());
-        let undetermined = || MapError::Undetermined { known: pixels - missing, pixels, surface: levelling.surface() };
+        let undetermined =
+            || MapError::Undetermined { known: pixels - missing, pixels, surface: levelling.surface() };
         // Twice: the second fit, of what the first has left, takes its rounding away.
         for _ in 0..2 {
             let coefficients = self.fitted(levelling.terms()).ok_or_else(undetermined)?;
@@ -122,11 +127,14 @@ impl HeightMap {
 mod tests {
     use super::*;
 
-    /// A wave with as many periods as the map has columns and rows to spare, on an offset that is a million times larger, a tilt and a bow.
+    /// A wave with as many periods as the map has columns and rows to spare, on an offset that is a million
+    /// times larger, a tilt and a bow.
     fn map(bow: f64) -> HeightMap {
         let heights = (0..40 * 50).map(|i| {
             let (y, x) = (f64::from(i / 50), f64::from(i % 50));
-            1e-3 + 2e-9 * x - 3e-9 * y + bow * (x - 7.0) * (y + 3.0) + 1e-9 * (2.1 * x).sin() * (1.7 * y).cos()
+            1e-3 + 2e-9 * x - 3e-9 * y
+                + bow * (x - 7.0) * (y + 3.0)
+                + 1e-9 * (2.1 * x).sin() * (1.7 * y).cos()
         });
         HeightMap::new(heights.collect(), [40, 50], [2e-9, 1e-9]).unwrap()
     }
@@ -164,7 +172,10 @@ mod tests {
         let mut line = map(0.0);
         line.heights.iter_mut().enumerate().filter(|(i, _)| i % 50 != 4).for_each(|(_, z)| *z = f64::NAN);
         let error = line.levelled(Levelling::Plane).unwrap_err();
-        assert_eq!(error, MapError::Undetermined { known: 40, pixels: 2000, surface: "plane of least squares" });
+        assert_eq!(
+            error,
+            MapError::Undetermined { known: 40, pixels: 2000, surface: "plane of least squares" }
+        );
         let none = HeightMap::new(vec![f64::NAN; 64], [8, 8], [1e-9; 2]).unwrap();
         assert!(matches!(none.levelled(Levelling::None), Err(MapError::Undetermined { known: 0, .. })));
         let tilted = (0..100).map(|i| 1e-3 + 1e-7 * f64::from(i % 10) - 3e-8 * f64::from(i / 10)).collect();

@@ -1,4 +1,5 @@
-//! Measured surfaces: from a map of heights to asperities, and to the Greenwood-Williamson surface that is equivalent to it.
+//! Measured surfaces: from a map of heights to asperities, and to the Greenwood-Williamson surface that is
+//! equivalent to it.
 
 mod asperities;
 mod level;
@@ -19,7 +20,8 @@ pub const SMALLEST: usize = 8;
 pub const PIXELS: RangeInclusive<f64> = 1e-13..=1e3;
 /// Largest height of either sign, m.
 pub const HIGHEST: f64 = 1e6;
-/// Heights that differ by less than so many roundings of the largest are equally high: levelling does not keep them apart.
+/// Heights that differ by less than so many roundings of the largest are equally high: levelling does not
+/// keep them apart.
 const ROUNDINGS: f64 = 64.0;
 /// Largest share of pixels that are missing, or as high as the next one, before it is said.
 const NOTED_SHARE: f64 = 0.01;
@@ -51,7 +53,9 @@ pub enum MapError {
         height: f64,
     },
     /// The heights that are there do not determine the surface that is to be subtracted.
-    #[error("{known} of {pixels} heights are known, and they do not determine the {surface}; try --level none")]
+    #[error(
+        "{known} of {pixels} heights are known, and they do not determine the {surface}; try --level none"
+    )]
     Undetermined {
         /// Pixels with a height.
         known: usize,
@@ -85,10 +89,12 @@ pub struct HeightMap {
 }
 
 impl HeightMap {
-    /// A map of `shape` rows × columns, row-major, m, NaN where a height is missing, with pixels dy high and dx wide, m.
+    /// A map of `shape` rows × columns, row-major, m, NaN where a height is missing, with pixels dy high and
+    /// dx wide, m.
     ///
     /// # Errors
-    /// [`MapError`] when there are too few pixels, when a height is infinite or beyond [`HIGHEST`], or a pixel beyond [`PIXELS`].
+    /// [`MapError`] when there are too few pixels, when a height is infinite or beyond [`HIGHEST`], or a
+    /// pixel beyond [`PIXELS`].
     ///
     /// # Panics
     /// When there are not rows × columns heights.
@@ -129,8 +135,8 @@ impl HeightMap {
         self.heights.iter().filter(|height| height.is_nan()).count()
     }
 
-    /// Share of the pairs of pixels side by side that are equally high: plateaus, or heights in coarse steps. Of the map as measured;
-    /// levelling tilts plateaus.
+    /// Share of the pairs of pixels side by side that are equally high: plateaus, or heights in coarse steps.
+    /// Of the map as measured; levelling tilts plateaus.
     pub fn equal_neighbours(&self) -> f64 {
         let pairs = self.heights.chunks_exact(self.columns).flat_map(|row| row.windows(2));
         let (mut equal, mut all) = (0_u64, 0_u64);
@@ -141,7 +147,8 @@ impl HeightMap {
         equal as f64 / all.max(1) as f64
     }
 
-    /// What the measurement has left out or not resolved, a line each. Of the map as measured, before levelling.
+    /// What the measurement has left out or not resolved, a line each. Of the map as measured, before
+    /// levelling.
     pub fn flaws(&self) -> Vec<String> {
         let mut flaws = Vec::new();
         let missing = self.missing() as f64 / self.heights.len() as f64;
@@ -169,7 +176,8 @@ mod tests {
 
     #[test]
     fn what_is_no_map_is_refused() {
-        let map = |heights: Vec<f64>, shape, pixel| HeightMap::new(heights, shape, pixel).map(|map| map.shape());
+        let map =
+            |heights: Vec<f64>, shape, pixel| HeightMap::new(heights, shape, pixel).map(|map| map.shape());
         assert_eq!(map(vec![0.0; 56], [7, 8], [1e-9; 2]), Err(MapError::TooSmall { rows: 7, columns: 8 }));
         assert_eq!(map(vec![0.0; 64], [8, 8], [1e-9, -1e-9]), Err(MapError::Pixel(-1e-9)));
         assert!(matches!(map(vec![0.0; 64], [8, 8], [f64::NAN, 1e-9]), Err(MapError::Pixel(_))));

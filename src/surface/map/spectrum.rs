@@ -2,13 +2,14 @@
 
 use super::{HeightMap, MapError};
 
-/// Spectral moments of profiles along both directions (Nayak 1971, J. Lubr. Technol. 93, 398), and the shape of the height distribution.
+/// Spectral moments of profiles along both directions (Nayak 1971, J. Lubr. Technol. 93, 398), and the shape
+/// of the height distribution.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpectralMoments {
     /// Mean square height m₀ over all known pixels, m².
     pub m0: f64,
-    /// Mean square slope along y and along x, in the middle between neighbouring pixels, (z₊ − z)/pixel. Over two pixels its
-    /// discretisation error would be four times as large.
+    /// Mean square slope along y and along x, in the middle between neighbouring pixels, (z₊ − z)/pixel. Over
+    /// two pixels its discretisation error would be four times as large.
     pub slope: [f64; 2],
     /// Mean square second derivative along y and along x, (z₊ − 2z + z₋)/pixel², 1/m².
     pub curvature: [f64; 2],
@@ -68,7 +69,10 @@ fn powers(map: &HeightMap) -> [f64; 3] {
         let mut of_row = [0.0; 3];
         for height in row.iter().filter(|height| !height.is_nan()) {
             let square = height * height;
-            [square, square * height, square * square].iter().zip(&mut of_row).for_each(|(power, sum)| *sum += power);
+            [square, square * height, square * square]
+                .iter()
+                .zip(&mut of_row)
+                .for_each(|(power, sum)| *sum += power);
             known += 1;
         }
         sums.iter_mut().zip(of_row).for_each(|(sum, of_row)| *sum += of_row);
@@ -76,8 +80,9 @@ fn powers(map: &HeightMap) -> [f64; 3] {
     sums.map(|sum| sum / known as f64)
 }
 
-/// Sums of (z₊ − z)² and of (z₊ − 2z + z₋)², m², each with its number of terms: all pixels of which the heights are known. The neighbours
-/// are `step` places before and behind, 1 along the rows, or the columns of the map along them.
+/// Sums of (z₊ − z)² and of (z₊ − 2z + z₋)², m², each with its number of terms: all pixels of which the
+/// heights are known. The neighbours are `step` places before and behind, 1 along the rows, or the columns of
+/// the map along them.
 fn differences(map: &HeightMap, step: usize) -> [(f64, u64); 2] {
     let mut sums = [(0.0, 0); 2];
     for row in 0..if step == 1 { map.rows } else { map.rows - 1 } {
@@ -107,8 +112,9 @@ fn differences(map: &HeightMap, step: usize) -> [(f64, u64); 2] {
 mod tests {
     use super::*;
 
-    /// z = a cos(kx) cos(qy) over whole periods: the differences are exact multiples of the derivatives, 2 sin(k dx/2)/dx for k and
-    /// its square for k², and the mean squares of cosines over rows and columns are 1/2.
+    /// z = a cos(kx) cos(qy) over whole periods: the differences are exact multiples of the derivatives, 2
+    /// sin(k dx/2)/dx for k and its square for k², and the mean squares of cosines over rows and columns are
+    /// 1/2.
     #[test]
     fn differences_of_a_wave_are_those_of_its_frequency() {
         let (dy, dx, a) = (2e-9, 1e-9, 3e-9);
@@ -118,7 +124,8 @@ mod tests {
         let map = HeightMap::new((0..402 * 502).map(wave).collect(), [502, 402], [dy, dx]).unwrap();
         let moments = SpectralMoments::new(&map).unwrap();
         // Along the other direction, 2 of 402 and 502 lines are more than whole periods.
-        let close = |value: f64, exact: f64| assert!((value / exact - 1.0).abs() < 0.011, "{value:e} {exact:e}");
+        let close =
+            |value: f64, exact: f64| assert!((value / exact - 1.0).abs() < 0.011, "{value:e} {exact:e}");
         close(moments.m0, a * a / 4.0);
         let of_frequency = |k: f64, dx: f64| 2.0 * (0.5 * k * dx).sin() / dx;
         close(moments.slope[1], a * a / 4.0 * of_frequency(k, dx).powi(2));
@@ -140,7 +147,12 @@ mod tests {
         assert_eq!((counts(&map, 1), counts(&map, 10)), ([90, 80], [90, 80]));
         assert_eq!((counts(&holed, 1), counts(&holed, 10)), ([88, 77], [88, 77]));
         let every_other = HeightMap {
-            heights: map.heights.iter().enumerate().map(|(i, z)| if i % 2 == 0 { *z } else { f64::NAN }).collect(),
+            heights: map
+                .heights
+                .iter()
+                .enumerate()
+                .map(|(i, z)| if i % 2 == 0 { *z } else { f64::NAN })
+                .collect(),
             ..map
         };
         assert_eq!(SpectralMoments::new(&every_other), Err(MapError::NoNeighbours));

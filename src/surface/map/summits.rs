@@ -32,13 +32,15 @@ impl Summit {
 pub struct Summits {
     /// Row by row.
     pub summits: Vec<Summit>,
-    /// Pixels that were compared: those whose own height and whose 8 neighbours' are known, the border left out.
+    /// Pixels that were compared: those whose own height and whose 8 neighbours' are known, the border left
+    /// out.
     pub compared: usize,
 }
 
 impl HeightMap {
-    /// The pixels that are higher than each of their 8 neighbours by more than rounding. Pixels of the border, and those next to a
-    /// missing height, are not compared, and their area does not count; plateaus of equally high pixels are no summits.
+    /// The pixels that are higher than each of their 8 neighbours by more than rounding. Pixels of the
+    /// border, and those next to a missing height, are not compared, and their area does not count; plateaus
+    /// of equally high pixels are no summits.
     pub fn summits(&self) -> Summits {
         let (mut summits, mut compared) = (Vec::new(), 0);
         for row in 1..self.rows - 1 {
@@ -63,7 +65,8 @@ impl HeightMap {
                 if around.iter().all(|neighbour| height - neighbour > self.resolution) {
                     let [dy, dx] = self.pixel;
                     let bend = |before: f64, after: f64| (height - before) + (height - after);
-                    let curvature = [bend(above[column], below[column]) / (dy * dy), bend(left, right) / (dx * dx)];
+                    let curvature =
+                        [bend(above[column], below[column]) / (dy * dy), bend(left, right) / (dx * dx)];
                     summits.push(Summit { row, column, height, curvature });
                 }
             }
@@ -87,10 +90,14 @@ mod tests {
     fn a_summit_is_higher_than_all_eight() {
         let found = map(&[(3, 4, 1e-9), (6, 7, 2e-9)]).summits();
         assert_eq!(found.compared, 7 * 8);
-        let places: Vec<(usize, usize)> = found.summits.iter().map(|summit| (summit.row, summit.column)).collect();
+        let places: Vec<(usize, usize)> =
+            found.summits.iter().map(|summit| (summit.row, summit.column)).collect();
         assert_eq!(places, [(3, 4), (6, 7)]);
         let summit = found.summits[0];
-        assert!((summit.curvature[0] / 5e8 - 1.0).abs() < 1e-15 && (summit.curvature[1] / 2e9 - 1.0).abs() < 1e-15);
+        assert!(
+            (summit.curvature[0] / 5e8 - 1.0).abs() < 1e-15
+                && (summit.curvature[1] / 2e9 - 1.0).abs() < 1e-15
+        );
         assert!((summit.radius() * 1.25e9 - 1.0).abs() < 1e-15);
         // Each of the neighbours can take it away, by being as high.
         for (i, j) in (2..5).flat_map(|i| (3..6).map(move |j| (i, j))).filter(|place| *place != (3, 4)) {

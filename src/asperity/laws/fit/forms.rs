@@ -3,7 +3,8 @@
 //! # Formula
 //! Shi and Polycarpou (2005), eqs. A.1a to A.1c:
 //!
-//! f_snc = f_sonc + (2A_nc/π) B_nc/(4(δ − δ_onc)² + B_nc²), f_sel = f_soc + (A_c δ + B_c)^P_c, f_f = f_f0 + A_f δ^m_f + B_f δ^n_f.
+//! f_snc = f_sonc + (2A_nc/π) B_nc/(4(δ − δ_onc)² + B_nc²), f_sel = f_soc + (A_c δ + B_c)^P_c, f_f = f_f0 +
+//! A_f δ^m_f + B_f δ^n_f.
 
 use std::f64::consts::PI;
 
@@ -53,7 +54,13 @@ impl Coefficients {
         Self {
             noncontact: [base / force, a / (force * length), b / length, place / length],
             adhesion: [constant / force, slope * length * root, offset * root, power],
-            external: [f0 / force, af * libm::pow(length, m) / force, bf * libm::pow(length, n) / force, m, n],
+            external: [
+                f0 / force,
+                af * libm::pow(length, m) / force,
+                bf * libm::pow(length, n) / force,
+                m,
+                n,
+            ],
         }
     }
 
@@ -91,8 +98,8 @@ pub fn lorentzian(p: &[f64; 4], delta: f64) -> (f64, [f64; 4]) {
     (value, [1.0, factor * b * inverse, by_b, factor * a * b * 8.0 * x * inverse * inverse])
 }
 
-/// f_sel over the distance x ≥ 0 from the lower end of the fit, and its derivatives by f_soc, ln A_c, ln(base at x = 0), P_c: so the
-/// base stays positive on the whole range.
+/// f_sel over the distance x ≥ 0 from the lower end of the fit, and its derivatives by f_soc, ln A_c, ln(base
+/// at x = 0), P_c: so the base stays positive on the whole range.
 pub fn power(p: &[f64; 4], x: f64) -> (f64, [f64; 4]) {
     let [slope, offset] = [libm::exp(p[1]), libm::exp(p[2])];
     let base = slope * x + offset;

@@ -9,12 +9,14 @@
 //! | elastic, δ < 0 | f_sel(δ) | 0 |
 //! | elastic, δ ≥ 0 | f_sel(δ) | f_sel(δ) + f_f(δ) |
 //!
-//! `fit:paper` takes the coefficients of its Table 3, for its three cases, and δ_A as it is given, if it is; `fit:refit` fits the same forms to the direct law of any
-//! asperity. The contact area, which has no fit, is that of Hertz.
+//! `fit:paper` takes the coefficients of its Table 3, for its three cases, and δ_A as it is given, if it is;
+//! `fit:refit` fits the same forms to the direct law of any asperity. The contact area, which has no fit, is
+//! that of Hertz.
 //!
 //! # Validity
-//! On the range of the fits. Far away f_snc tends to the constant f_sonc instead of 0; below δ = 0 eq. 20 has no contact force; where
-//! the base of the power in f_sel is negative it is taken as 0. A refit far from 0.05 < λ < 5 can give negative forces; its residuals tell.
+//! On the range of the fits. Far away f_snc tends to the constant f_sonc instead of 0; below δ = 0 eq. 20 has
+//! no contact force; where the base of the power in f_sel is negative it is taken as 0. A refit far from 0.05
+//! < λ < 5 can give negative forces; its residuals tell.
 
 mod forms;
 mod refit;
@@ -25,16 +27,17 @@ use super::kogut_etsion::plastic_rows;
 use crate::asperity::error::LawError;
 use crate::asperity::formula::{ClosedForm, Constant};
 use crate::asperity::law::{End, Law, Regime, Responses, Smoothness};
+use crate::asperity::parameters::LawParameters;
 use crate::asperity::scale::{Asperity, Scale};
-use crate::asperity::setting::Setting;
+use crate::asperity::stats::SolverStats;
 use crate::asperity::table::{Method, Part, Row, Table};
-use crate::asperity::work::Work;
 use refit::{Direct, FITTED, JUDGED};
 use std::f64::consts::PI;
 
 /// Table 3.
 const TABLE: &str = include_str!("table_3.csv");
-/// The fractional powers of δ are no power series in any root of δ; in the tenth what is left is too smooth to matter.
+/// The fractional powers of δ are no power series in any root of δ; in the tenth what is left is too smooth
+/// to matter.
 const ORDER: i32 = 10;
 /// How closely an asperity has to be one of Table 3, relative.
 const SAME: f64 = 1e-6;
@@ -43,41 +46,42 @@ const SAME: f64 = 1e-6;
 ///
 /// # Errors
 /// [`LawError::NotInTable3`] for another asperity than its three.
-pub fn paper(setting: &Setting) -> Result<Box<dyn Law>, LawError> {
-    let published = published(&setting.scale).ok_or(LawError::NotInTable3)?;
-    law(setting, &published.in_units(setting.scale.length / 1e-9, setting.scale.force / 1e-6))
+pub fn paper(parameters: &LawParameters) -> Result<Box<dyn Law>, LawError> {
+    let published = published(&parameters.scale).ok_or(LawError::NotInTable3)?;
+    law(parameters, &published.in_units(parameters.scale.length / 1e-9, parameters.scale.force / 1e-6))
 }
 
 /// The law `fit:refit`.
 ///
 /// # Errors
 /// [`LawError`] without a critical interference, which ends the fit, or when the forms cannot be fitted.
-pub fn refit(setting: &Setting) -> Result<Box<dyn Law>, LawError> {
-    setting.plastic("fit:refit")?;
+pub fn refit(parameters: &LawParameters) -> Result<Box<dyn Law>, LawError> {
+    parameters.plastic("fit:refit")?;
     // A fit is for the range that the direct law has, which ends at its own δ_A.
-    let setting = &Setting { critical_approach: None, ..*setting };
-    law(setting, &Direct::new(setting, FITTED)?.fit()?)
+    let parameters = &LawParameters { critical_approach: None, ..*parameters };
+    law(parameters, &Direct::new(parameters, FITTED)?.fit()?)
 }
 
 /// The law of scaled coefficients.
-fn law(setting: &Setting, coefficients: &Coefficients) -> Result<Box<dyn Law>, LawError> {
-    setting.plastic("fit:paper")?;
-    let direct = Direct::new(setting, JUDGED)?;
-    let report = direct.report(coefficients, setting);
+fn law(parameters: &LawParameters, coefficients: &Coefficients) -> Result<Box<dyn Law>, LawError> {
+    parameters.plastic("fit:paper")?;
+    let direct = Direct::new(parameters, JUDGED)?;
+    let report = direct.report(coefficients, parameters);
     // Powers with coefficients that no number holds, of a range that the forms were not made for.
     if !report.coefficients.iter().chain(&report.largest_residual).all(|value| value.is_finite()) {
         return Err(LawError::NoFit);
     }
-    let critical_approach = setting.critical_approach.unwrap_or(-direct.end * setting.scale.length);
-    let thickness = setting.lubricant_thickness;
-    let (scale, coefficients) = (setting.scale, *coefficients);
-    let attraction = move |delta: f64| scale.force * coefficients.noncontact((delta + thickness) / scale.length);
+    let critical_approach = parameters.critical_approach.unwrap_or(-direct.end * parameters.scale.length);
+    let thickness = parameters.lubricant_thickness;
+    let (scale, coefficients) = (parameters.scale, *coefficients);
+    let attraction =
+        move |delta: f64| scale.force * coefficients.noncontact((delta + thickness) / scale.length);
     let rows = [
         Row::below(Regime::Noncontact, -critical_approach - thickness, ClosedForm::attraction(attraction)),
-        Row::below(Regime::Lubricant, -critical_approach, Constant::lubricant(setting)),
-        Row::up_to(Regime::Elastic, setting.critical_interference, FittedContact { coefficients, scale }),
+        Row::below(Regime::Lubricant, -critical_approach, Constant::lubricant(parameters)),
+        Row::up_to(Regime::Elastic, parameters.critical_interference, FittedContact { coefficients, scale }),
     ];
-    Ok(Box::new(Table::new(rows.into_iter().chain(plastic_rows(setting))).with_fit(report)))
+    Ok(Box::new(Table::new(rows.into_iter().chain(plastic_rows(parameters))).with_fit(report)))
 }
 
 /// The coefficients of Table 3 for an asperity, in nm and µN.
@@ -90,7 +94,9 @@ fn published(scale: &Scale) -> Option<Coefficients> {
         .collect();
     (0..3).find_map(|case| {
         let numbers: Vec<f64> = rows.iter().filter_map(|row| row[case].parse().ok()).collect();
-        let [radius, work_of_adhesion, modulus, spacing, coefficients @ ..] = numbers.as_slice() else { return None };
+        let [radius, work_of_adhesion, modulus, spacing, coefficients @ ..] = numbers.as_slice() else {
+            return None;
+        };
         let asperity = Asperity {
             radius: radius * 1e-6,
             reduced_modulus: modulus * 1e9,
@@ -139,7 +145,7 @@ impl Part for FittedContact {
         Method::Powers
     }
 
-    fn evaluate(&self, interference: &[f64], out: &mut Responses, _: &mut Work) {
+    fn evaluate(&self, interference: &[f64], out: &mut Responses, _: &mut SolverStats) {
         let area_unit = PI * self.scale.radius * self.scale.radius;
         for (i, &delta) in interference.iter().enumerate() {
             let scaled = delta / self.scale.length;

@@ -1,14 +1,15 @@
 //! The published forms fitted anew to the direct law of any asperity.
 //!
-//! Plain least squares of each force on evenly spaced approaches, in scaled variables: f_snc from [`FURTHEST`] equilibrium spacings
-//! before the end of contact to that end, f_sel from there to ω_c, f_f from 0 to ω_c.
+//! Plain least squares of each force on evenly spaced approaches, in scaled variables: f_snc from
+//! [`FURTHEST`] equilibrium spacings before the end of contact to that end, f_sel from there to ω_c, f_f from
+//! 0 to ω_c.
 
 use super::forms::{Coefficients, lorentzian, power, two_powers};
 use crate::asperity::emd::Emd;
 use crate::asperity::error::LawError;
 use crate::asperity::law::FitReport;
-use crate::asperity::setting::Setting;
-use crate::asperity::work::Work;
+use crate::asperity::parameters::LawParameters;
+use crate::asperity::stats::SolverStats;
 use crate::math::least_squares::least_squares;
 
 /// Approaches that each force is fitted on.
@@ -33,22 +34,22 @@ impl Direct {
     ///
     /// # Errors
     /// [`LawError`] for a λ that is not solved.
-    pub fn new(setting: &Setting, points: usize) -> Result<Self, LawError> {
-        let scale = setting.scale;
-        let emd = Emd::new(scale.lambda, setting.path)?;
+    pub fn new(parameters: &LawParameters, points: usize) -> Result<Self, LawError> {
+        let scale = parameters.scale;
+        let emd = Emd::new(scale.lambda, parameters.path)?;
         let end = emd.end();
-        let [spacing, critical] =
-            [scale.equilibrium_spacing(), setting.critical_interference].map(|length| length / scale.length);
+        let [spacing, critical] = [scale.equilibrium_spacing(), parameters.critical_interference]
+            .map(|length| length / scale.length);
         let ranges = [(end - FURTHEST * spacing, end), (end, critical), (0.0, critical)];
         let approaches = ranges.map(|(low, high)| {
             (0..points).map(|i| low + (high - low) * i as f64 / (points - 1) as f64).collect::<Vec<f64>>()
         });
-        let mut work = Work::default();
-        let mut contact = |delta: &f64| emd.contact(*delta, &mut work);
+        let mut stats = SolverStats::default();
+        let mut contact = |delta: &f64| emd.contact(*delta, &mut stats);
         let adhesion = approaches[1].iter().map(|delta| contact(delta).adhesion).collect();
         let external = approaches[2].iter().map(contact).map(|s| s.radius.powi(3) - s.adhesion).collect();
         // The last point is the end from outside: contact has not begun there.
-        let before = |delta: &f64| emd.noncontact(delta.min(end.next_down()), &mut work).adhesion;
+        let before = |delta: &f64| emd.noncontact(delta.min(end.next_down()), &mut stats).adhesion;
         let noncontact = approaches[0].iter().map(before).collect();
         Ok(Self { end, approaches, forces: [noncontact, adhesion, external] })
     }
@@ -68,10 +69,11 @@ impl Direct {
         let (end, highest) = (*places.last()?, *values.last()?);
         let range = end - places[0];
         // A peak at or beyond the end of the range, as wide as a part of it.
-        let starts = [(0.02, 0.02), (0.05, 0.1), (0.0, 0.1), (0.2, 0.2), (-0.02, 0.05)].map(|(beyond, width)| {
-            let (x, b) = (beyond * range, width * range);
-            [0.0, highest * std::f64::consts::FRAC_PI_2 * (4.0 * x * x + b * b) / b, b, end + x]
-        });
+        let starts =
+            [(0.02, 0.02), (0.05, 0.1), (0.0, 0.1), (0.2, 0.2), (-0.02, 0.05)].map(|(beyond, width)| {
+                let (x, b) = (beyond * range, width * range);
+                [0.0, highest * std::f64::consts::FRAC_PI_2 * (4.0 * x * x + b * b) / b, b, end + x]
+            });
         Some(least_squares(lorentzian, places, values, &starts)?.parameters)
     }
 
@@ -91,14 +93,15 @@ impl Direct {
 
     fn fit_external(&self) -> Option<[f64; 5]> {
         let (places, values) = (&self.approaches[2], &self.forces[2]);
-        let starts = [0.5, 1.0, 1.4, 2.0].map(|other: f64| [values[0], 1.0, 0.1, libm::log(1.5), libm::log(other)]);
+        let starts =
+            [0.5, 1.0, 1.4, 2.0].map(|other: f64| [values[0], 1.0, 0.1, libm::log(1.5), libm::log(other)]);
         let [constant, a, b, m, n] = least_squares(two_powers, places, values, &starts)?.parameters;
         Some([constant, a, b, libm::exp(m), libm::exp(n)])
     }
 
-    /// Ranges and residuals of scaled coefficients; in SI by the units of `setting`.
-    pub fn report(&self, coefficients: &Coefficients, setting: &Setting) -> FitReport {
-        let (length, force) = (setting.scale.length, setting.scale.force);
+    /// Ranges and residuals of scaled coefficients; in SI by the units of `parameters`.
+    pub fn report(&self, coefficients: &Coefficients, parameters: &LawParameters) -> FitReport {
+        let (length, force) = (parameters.scale.length, parameters.scale.force);
         let fitted = |i: usize, delta: f64| match i {
             0 => coefficients.noncontact(delta),
             1 => coefficients.adhesion(delta),
@@ -113,12 +116,15 @@ impl Direct {
         let published = coefficients.in_units(1e-9 / length, 1e-6 / force);
         FitReport {
             coefficients: published.list(),
-            range: std::array::from_fn(|i| [0, self.approaches[i].len() - 1].map(|k| length * self.approaches[i][k])),
+            range: std::array::from_fn(|i| {
+                [0, self.approaches[i].len() - 1].map(|k| length * self.approaches[i][k])
+            }),
             largest_force: std::array::from_fn(|i| force * largest(&self.forces[i])),
             largest_residual: std::array::from_fn(|i| largest(&residuals(i))),
             rms_residual: std::array::from_fn(|i| {
                 let residuals = residuals(i);
-                (residuals.iter().map(|residual| residual * residual).sum::<f64>() / residuals.len() as f64).sqrt()
+                (residuals.iter().map(|residual| residual * residual).sum::<f64>() / residuals.len() as f64)
+                    .sqrt()
             }),
         }
     }

@@ -1,6 +1,8 @@
 //! Expectations of asperities that have one law, at one separation.
 
-use crate::asperity::{Law, Piece, Quantity, Responses, Scratch, Smoothness, Work, for_each_block, regime_ranges};
+use crate::asperity::{
+    Law, Piece, Quantity, Responses, Scratch, Smoothness, SolverStats, for_each_block, regime_ranges,
+};
 use crate::math::extrema::maximum;
 use crate::math::quadrature::{Integral, NODES, Rule};
 use crate::surface::Heights;
@@ -11,21 +13,24 @@ const LARGEST_HEIGHT: f64 = 38.0;
 /// Roundings by which a probability may be off.
 const ROUNDINGS: f64 = 16.0;
 
-/// Components of an integrand: adhesion, contact, area, squares of the four quantities, and the density itself.
+/// Components of an integrand: adhesion, contact, area, squares of the four quantities, and the density
+/// itself.
 const COMPONENTS: usize = 8;
 
 /// Expectations at one separation, per asperity.
 #[derive(Clone, Debug)]
 pub(super) struct AtSeparation {
     pub regimes: Vec<RegimeMoments>,
-    /// The four quantities that deviations are from, and the probability of none of the regimes, where the quantities are 0.
+    /// The four quantities that deviations are from, and the probability of none of the regimes, where the
+    /// quantities are 0.
     typical: [f64; 4],
     beyond: f64,
-    /// The integral of the density over the regimes: 1 less what is beyond, with the error of the quadrature, which the means share.
+    /// The integral of the density over the regimes: 1 less what is beyond, with the error of the quadrature,
+    /// which the means share.
     density: f64,
     /// Bound of the relative error of adhesion, contact force and area of any regime.
     pub error: f64,
-    pub work: Work,
+    pub stats: SolverStats,
 }
 
 /// One regime's share, per asperity of the surface.
@@ -43,7 +48,7 @@ impl AtSeparation {
     /// None yet, with deviations from `typical` quantities.
     pub fn new(regimes: usize, typical: [f64; 4]) -> Self {
         let regimes = vec![RegimeMoments::default(); regimes];
-        Self { regimes, typical, beyond: 0.0, density: 0.0, error: 0.0, work: Work::default() }
+        Self { regimes, typical, beyond: 0.0, density: 0.0, error: 0.0, stats: SolverStats::default() }
     }
 
     /// Those of a law over heights at the separation d, m.
@@ -86,7 +91,7 @@ impl AtSeparation {
             heights,
             separation,
             &mut Scratch::default(),
-            &mut self.work,
+            &mut self.stats,
             |regime, range, responses| {
                 let touches = law.regimes()[regime].is_contact();
                 let sum = &mut regimes[regime];
@@ -117,7 +122,8 @@ impl AtSeparation {
             let integral = self.integrate(law, heights, separation, &piece, tolerance);
             self.density += integral.value[7];
             covered[piece.regime] += integral.value[7];
-            self.error = maximum(self.error, loss(integral.value[7], heights, separation, [piece.lower, piece.upper]));
+            self.error =
+                maximum(self.error, loss(integral.value[7], heights, separation, [piece.lower, piece.upper]));
             let regime = &mut self.regimes[piece.regime];
             regime.adhesion += integral.value[0];
             regime.contact += integral.value[1];
@@ -136,7 +142,8 @@ impl AtSeparation {
         let mut lower = f64::NEG_INFINITY;
         for (regime, covered) in covered.into_iter().enumerate() {
             let ends = [lower, end_of(regime)];
-            self.regimes[regime].probability = heights.probability(ends[0] + separation, ends[1] + separation);
+            self.regimes[regime].probability =
+                heights.probability(ends[0] + separation, ends[1] + separation);
             self.error = maximum(self.error, loss(covered, heights, separation, ends));
             lower = ends[1];
         }
@@ -163,10 +170,11 @@ impl AtSeparation {
             for (delta, &place) in interference.iter_mut().zip(places) {
                 *delta = variable.interference(place).clamp(piece.lower, piece.upper);
             }
-            law.evaluate(piece.regime, &interference, &mut responses, &mut self.work);
+            law.evaluate(piece.regime, &interference, &mut responses, &mut self.stats);
             for (i, value) in values.iter_mut().enumerate() {
                 let weight = heights.density(variable.height(places[i])) * variable.stretch(places[i]);
-                let quantities = Quantity::of_response(responses.adhesion[i], responses.contact[i], responses.area[i]);
+                let quantities =
+                    Quantity::of_response(responses.adhesion[i], responses.contact[i], responses.area[i]);
                 let [adhesion, contact, _, area] = quantities.map(|q| weight * q);
                 let [a, p, f, s] = std::array::from_fn(|q| weight * (quantities[q] - typical[q]).powi(2));
                 *value = [adhesion, contact, area, a, p, f, s, weight];
@@ -185,7 +193,8 @@ impl AtSeparation {
         let means = self.means();
         std::array::from_fn(|q| {
             let typical = self.typical[q];
-            let square: f64 = self.regimes.iter().map(|r| r.squares[q]).sum::<f64>() + self.beyond * typical * typical;
+            let square: f64 =
+                self.regimes.iter().map(|r| r.squares[q]).sum::<f64>() + self.beyond * typical * typical;
             let mean = means[q] - self.density * typical - self.beyond * typical;
             maximum(square - mean * mean, 0.0)
         })
@@ -193,18 +202,19 @@ impl AtSeparation {
 }
 
 /// The four quantities at an interference, m; 0 beyond the law's end.
-pub(super) fn typical(law: &dyn Law, interference: f64, work: &mut Work) -> [f64; 4] {
+pub(super) fn typical(law: &dyn Law, interference: f64, stats: &mut SolverStats) -> [f64; 4] {
     let pieces = law.pieces();
     let inside = |piece: &&Piece| piece.lower <= interference && interference <= piece.upper;
     let Some(piece) = pieces.iter().find(inside) else { return [0.0; 4] };
     let mut responses = Responses::default();
-    law.evaluate(piece.regime, &[interference], &mut responses, work);
+    law.evaluate(piece.regime, &[interference], &mut responses, stats);
     Quantity::of_response(responses.adhesion[0], responses.contact[0], responses.area[0])
 }
 
-/// The share by which the integral of the density between two interferences, m, misses the probability, which is known without
-/// quadrature: what is left out of it, or counted twice, has no force either, whatever the error that the quadrature sees. 0 where
-/// rounding of the ends, or of the differences that probabilities are, explains it.
+/// The share by which the integral of the density between two interferences, m, misses the probability, which
+/// is known without quadrature: what is left out of it, or counted twice, has no force either, whatever the
+/// error that the quadrature sees. 0 where rounding of the ends, or of the differences that probabilities
+/// are, explains it.
 fn loss(integral: f64, heights: &Heights, separation: f64, ends: [f64; 2]) -> f64 {
     let [low, high] = ends.map(|end| end + separation);
     let probability = heights.probability(low, high);
@@ -222,8 +232,8 @@ fn loss(integral: f64, heights: &Heights, separation: f64, ends: [f64; 2]) -> f6
     if some && missing > 0.0 { missing / maximum(probability, integral) } else { 0.0 }
 }
 
-/// The variable x in which a piece is integrated: δ = interference + sign·x^order, and likewise for the height u = δ + d, which has an
-/// origin of its own so that no digit of either is lost to the other.
+/// The variable x in which a piece is integrated: δ = interference + sign·x^order, and likewise for the
+/// height u = δ + d, which has an origin of its own so that no digit of either is lost to the other.
 #[derive(Clone, Copy)]
 struct Variable {
     /// δ at x = 0, m.
@@ -234,12 +244,13 @@ struct Variable {
     order: i32,
 }
 
-/// Origins further away than this many σ_s from the mean plane are no use: x would vary by less than its rounding allows. From so far the
-/// law looks smooth.
+/// Origins further away than this many σ_s from the mean plane are no use: x would vary by less than its
+/// rounding allows. From so far the law looks smooth.
 const FURTHEST_ORIGIN: f64 = 1e4;
 
 impl Variable {
-    /// From the root next to which a piece is not smooth, or from δ = 0; from the mean plane where those are far away.
+    /// From the root next to which a piece is not smooth, or from δ = 0; from the mean plane where those are
+    /// far away.
     fn of(piece: &Piece, separation: f64, std: f64) -> Self {
         let (interference, sign, order) = match piece.smoothness {
             Smoothness::Smooth => (0.0, 1.0, 1),

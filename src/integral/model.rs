@@ -1,8 +1,8 @@
 //! The model of a surface, whose asperities are alike but for their radii and heights.
 
 use super::alike::{AtSeparation, typical};
-use super::{Statistical, TOLERANCE};
-use crate::asperity::{Law, Quantity, Work};
+use super::{Expectations, TOLERANCE};
+use crate::asperity::{Law, Quantity, SolverStats};
 use crate::math::extrema::maximum;
 use crate::surface::{CountLaw, Part, Surface};
 use rayon::prelude::*;
@@ -10,7 +10,8 @@ use rayon::prelude::*;
 /// Heights further than this many σ_s from their mean plane are integrated without starting tables.
 const HEIGHT_REACH: f64 = 11.0;
 
-/// The integral model of a surface under a law: with one radius a mean over heights, with several one over radii too.
+/// The integral model of a surface under a law: with one radius a mean over heights, with several one over
+/// radii too.
 pub struct Model<'a> {
     law: &'a dyn Law,
     surface: &'a Surface,
@@ -33,13 +34,14 @@ impl<'a> Model<'a> {
             // A few heights are solved faster than a table is made.
             Some(family.law(part.radius, part.heights.values().is_none().then_some(reach)))
         };
-        let parts = surface.parts().into_par_iter().map(|part| (law_of(&part), part)).map(|(law, part)| (part, law));
+        let parts =
+            surface.parts().into_par_iter().map(|part| (law_of(&part), part)).map(|(law, part)| (part, law));
         Self { law, surface, parts: parts.collect() }
     }
 
-    /// The answer at separations h, m, to a relative accuracy of every piece of the law; not to more than the rounding of heights
-    /// allows.
-    pub fn answer(&self, separations: &[f64], tolerance: f64) -> Statistical {
+    /// The answer at separations h, m, to a relative accuracy of every piece of the law; not to more than the
+    /// rounding of heights allows.
+    pub fn answer(&self, separations: &[f64], tolerance: f64) -> Expectations {
         let at = self.at(separations, tolerance);
         let surface = self.surface;
         let count = surface.asperity_count as f64;
@@ -57,18 +59,20 @@ impl<'a> Model<'a> {
             }
         };
         let regime = |f: &dyn Fn(&AtSeparation, usize) -> f64| -> Vec<Vec<f64>> {
-            (0..self.law.regimes().len()).map(|r| at.iter().map(|at| count * f(&at.fine, r)).collect()).collect()
+            (0..self.law.regimes().len())
+                .map(|r| at.iter().map(|at| count * f(&at.fine, r)).collect())
+                .collect()
         };
-        let mut work = Work::default();
-        at.iter().for_each(|at| work.merge(&at.fine.work));
-        Statistical {
+        let mut stats = SolverStats::default();
+        at.iter().for_each(|at| stats.merge(&at.fine.stats));
+        Expectations {
             expected: quantity(&|at| at.means().map(|mean| count * mean)),
             std: quantity(&|at| variances(at).map(|variance| (count * variance).sqrt())),
             regime_count: regime(&|at, r| at.regimes[r].probability),
             regime_adhesion_force: regime(&|at, r| at.regimes[r].adhesion),
             regime_external_force: regime(&|at, r| at.regimes[r].contact - at.regimes[r].adhesion),
             quadrature_error: at.iter().fold(0.0, |worst, at| maximum(at.error(), worst)),
-            work,
+            stats,
         }
     }
 
@@ -83,15 +87,15 @@ impl<'a> Model<'a> {
         let regimes = self.law.regimes().len();
         let at = |&h: &f64| {
             let d = self.surface.asperity_separation(h);
-            let mut work = Work::default();
-            let typical = typical(self.law, self.surface.heights.mean - d, &mut work);
+            let mut stats = SolverStats::default();
+            let typical = typical(self.law, self.surface.heights.mean - d, &mut stats);
             let [mut fine, mut coarse] = [0, 1].map(|_| AtSeparation::new(regimes, typical));
             let alike = self.parts.par_iter().map(|(part, law)| {
                 let law = law.as_deref().unwrap_or(self.law);
                 AtSeparation::of(law, &part.heights, d, typical, tolerance)
             });
             let alike: Vec<AtSeparation> = alike.collect();
-            alike.iter().for_each(|at| work.merge(&at.work));
+            alike.iter().for_each(|at| stats.merge(&at.stats));
             match &alike[..] {
                 [all] => (fine, coarse) = (all.clone(), all.clone()),
                 parts => parts.iter().zip(&self.parts).for_each(|(at, (part, _))| {
@@ -99,7 +103,7 @@ impl<'a> Model<'a> {
                     coarse.add(part.coarse, at);
                 }),
             }
-            fine.work = work;
+            fine.stats = stats;
             Mixture { fine, coarse }
         };
         separations.par_iter().map(at).collect()
@@ -107,7 +111,8 @@ impl<'a> Model<'a> {
 }
 
 impl Mixture {
-    /// The larger of the bounds of the relative error of the integrals over heights, and over radii: there of the forces against F_s + P.
+    /// The larger of the bounds of the relative error of the integrals over heights, and over radii: there of
+    /// the forces against F_s + P.
     fn error(&self) -> f64 {
         let [fine, coarse] = [self.fine.means(), self.coarse.means()];
         let forces = fine[0] + fine[1];
@@ -119,7 +124,8 @@ impl Mixture {
 /// Interferences, m, of some asperities at separations h, m.
 fn reach(part: &Part, surface: &Surface, separations: &[f64]) -> (f64, f64) {
     let d = separations.iter().map(|&h| surface.asperity_separation(h));
-    let (nearest, furthest) = d.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), d| (low.min(d), high.max(d)));
+    let (nearest, furthest) =
+        d.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), d| (low.min(d), high.max(d)));
     let (lowest, highest) = part.heights.reach(HEIGHT_REACH);
     (lowest - furthest, highest - nearest)
 }

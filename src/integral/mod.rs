@@ -1,12 +1,14 @@
-//! The statistical integral model: the expectation of a surface's forces over all its ensembles, without sampling.
+//! The statistical integral model: the expectation of a surface's forces over all its ensembles, without
+//! sampling.
 //!
 //! E\[Q\](d) = N ∫ q(u − d) φ(u) du for every additive quantity q of the asperity law, and for one replica
-//! Var Q = N (E\[(q − c)²\] − (E\[q\] − c)²) for any constant c; with that of an asperity of mean height, a quantity that hardly varies keeps
-//! its digits. The law is the same direct solution that the ensemble sums. Each smooth piece of the law is integrated
-//! by itself, in the variable in which it is smooth (|δ − place|^(1/order) next to a fold or first touch), so no panel straddles a
-//! kink or jump. Where asperities differ in their radii, each radius has its own law and heights, and Clenshaw-Curtis quadrature over the
-//! law of the radii is the outer of two integrals; given heights, or heights and radii, are summed up. With a Poisson-distributed number of
-//! asperities Var Q = N E\[q²\].
+//! Var Q = N (E\[(q − c)²\] − (E\[q\] − c)²) for any constant c; with that of an asperity of mean height, a
+//! quantity that hardly varies keeps its digits. The law is the same direct solution that the ensemble sums.
+//! Each smooth piece of the law is integrated by itself, in the variable in which it is smooth (|δ −
+//! place|^(1/order) next to a fold or first touch), so no panel straddles a kink or jump. Where asperities
+//! differ in their radii, each radius has its own law and heights, and Clenshaw-Curtis quadrature over the
+//! law of the radii is the outer of two integrals; given heights, or heights and radii, are summed up. With a
+//! Poisson-distributed number of asperities Var Q = N E\[q²\].
 
 mod alike;
 mod controls;
@@ -16,7 +18,7 @@ mod way_back;
 pub use controls::controls;
 pub use model::Model;
 
-use crate::asperity::{Law, Work};
+use crate::asperity::{Law, SolverStats};
 use crate::surface::Surface;
 
 /// Relative accuracy asked of every piece of the law, unless another is given.
@@ -24,7 +26,7 @@ pub const TOLERANCE: f64 = 1e-13;
 
 /// The model's answer over S separations and R regimes.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Statistical {
+pub struct Expectations {
     /// Expectations, by [`crate::asperity::Quantity::index`], each over S; N or m².
     pub expected: [Vec<f64>; 4],
     /// Standard deviations of one replica, likewise.
@@ -35,20 +37,21 @@ pub struct Statistical {
     pub regime_adhesion_force: Vec<Vec<f64>>,
     /// Expected external force of each regime, N: R × S.
     pub regime_external_force: Vec<Vec<f64>>,
-    /// Largest bound of the relative error over separations of adhesion force, contact force and area of any regime; NaN where one of
-    /// them is not a number.
+    /// Largest bound of the relative error over separations of adhesion force, contact force and area of any
+    /// regime; NaN where one of them is not a number.
     pub quadrature_error: f64,
     /// What solving cost.
-    pub work: Work,
+    pub stats: SolverStats,
 }
 
-impl Statistical {
+impl Expectations {
     /// Integrates `law` over the asperities of `surface` at separations h, m.
     pub fn new(law: &dyn Law, surface: &Surface, separations: &[f64]) -> Self {
         Self::with_tolerance(law, surface, separations, TOLERANCE)
     }
 
-    /// The same to a relative accuracy of every piece of the law; not to more than the rounding of heights allows.
+    /// The same to a relative accuracy of every piece of the law; not to more than the rounding of heights
+    /// allows.
     pub fn with_tolerance(law: &dyn Law, surface: &Surface, separations: &[f64], tolerance: f64) -> Self {
         Model::new(law, surface, separations).answer(separations, tolerance)
     }
@@ -59,7 +62,8 @@ mod tests {
     use super::*;
     use crate::asperity::{Boundary, Piece, Regime, Responses, Smoothness};
 
-    /// A force of 1 that is not a number above some interference, m, in pieces, m, that should reach without end.
+    /// A force of 1 that is not a number above some interference, m, in pieces, m, that should reach without
+    /// end.
     struct Broken {
         above: f64,
         pieces: Vec<[f64; 2]>,
@@ -90,7 +94,7 @@ mod tests {
             1.0
         }
 
-        fn evaluate(&self, _: usize, interference: &[f64], out: &mut Responses, _: &mut Work) {
+        fn evaluate(&self, _: usize, interference: &[f64], out: &mut Responses, _: &mut SolverStats) {
             for (i, delta) in interference.iter().enumerate() {
                 out.adhesion[i] = if *delta > self.above { f64::NAN } else { 1.0 };
                 (out.contact[i], out.area[i]) = (0.0, 0.0);
@@ -105,9 +109,10 @@ mod tests {
         let [begin, end] = [f64::NEG_INFINITY, f64::INFINITY];
         let answer = |pieces: &[[f64; 2]]| {
             let law = Broken { above: f64::INFINITY, pieces: pieces.to_vec() };
-            Statistical::new(&law, &surface, &[0.0])
+            Expectations::new(&law, &surface, &[0.0])
         };
-        // Shares of a normal law: Φ(0.5) − Φ(0) = 0.19146246127401, Φ(−5) = 2.866515718791946e-7, Φ(−4.5) = 3.397673124730053e-6.
+        // Shares of a normal law: Φ(0.5) − Φ(0) = 0.19146246127401, Φ(−5) = 2.866515718791946e-7, Φ(−4.5) =
+        // 3.397673124730053e-6.
         for (pieces, lost) in [
             (vec![[begin, 0.0], [0.5, end]], 0.191_462_461_274_01),
             (vec![[begin, 0.5], [0.0, end]], 0.191_462_461_274_01 / 1.191_462_461_274_01),
@@ -121,14 +126,18 @@ mod tests {
         assert!(answer(&[[begin, 0.3], [0.3, 0.3 + 1e-15], [0.3 + 1e-15, end]]).quadrature_error < 1e-13);
     }
 
-    /// What is not a number at one separation of several is not passed over in the error, nor does it become a spread of 0.
+    /// What is not a number at one separation of several is not passed over in the error, nor does it become
+    /// a spread of 0.
     #[test]
     fn what_is_not_a_number_stays_so() {
         let surface = Surface::uniform(1.0, 1.0, 10, 1.0);
         let separations = [-40.0, 0.0, 1.0, 40.0];
-        let sound = Statistical::new(&Broken::above(f64::INFINITY), &surface, &separations);
-        assert!(sound.quadrature_error < 1e-13 && sound.expected[0].iter().all(|force| (force - 10.0).abs() < 1e-12));
-        let broken = Statistical::new(&Broken::above(5.0), &surface, &separations);
+        let sound = Expectations::new(&Broken::above(f64::INFINITY), &surface, &separations);
+        assert!(
+            sound.quadrature_error < 1e-13
+                && sound.expected[0].iter().all(|force| (force - 10.0).abs() < 1e-12)
+        );
+        let broken = Expectations::new(&Broken::above(5.0), &surface, &separations);
         assert!(broken.quadrature_error.is_nan(), "{}", broken.quadrature_error);
         for k in [1, 2] {
             assert!(broken.expected[0][k].is_nan() && broken.std[0][k].is_nan());

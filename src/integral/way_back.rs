@@ -1,21 +1,24 @@
-//! The integral of the way back of a loop: at every distance from the closest approach the asperities obey one law in their interference
-//! there.
+//! The integral of the way back of a loop: at every distance from the closest approach the asperities obey
+//! one law in their interference there.
 
-use super::Statistical;
-use crate::asperity::{Loop, Work};
+use super::Expectations;
+use crate::asperity::{Loop, SolverStats};
 use crate::math::extrema::maximum;
 use crate::surface::Surface;
 use rayon::prelude::*;
 
-impl Statistical {
-    /// Integrates the way back of a loop from the smallest of the separations h, m, rising; regimes are those of the law on approach.
+impl Expectations {
+    /// Integrates the way back of a loop from the smallest of the separations h, m, rising; regimes are those
+    /// of the law on approach.
     pub fn way_back(cycle: &Loop, surface: &Surface, separations: &[f64]) -> Self {
-        let at: Vec<Self> = separations.par_iter().map(|&h| Self::back_at(cycle, surface, separations[0], h)).collect();
+        let at: Vec<Self> =
+            separations.par_iter().map(|&h| Self::back_at(cycle, surface, separations[0], h)).collect();
         let joined = |of: &dyn Fn(&Self) -> f64| at.iter().map(of).collect::<Vec<f64>>();
         let regimes = cycle.approach().regimes().len();
-        let table = |of: fn(&Self) -> &Vec<Vec<f64>>| (0..regimes).map(|r| joined(&|a| of(a)[r][0])).collect();
-        let mut work = Work::default();
-        at.iter().for_each(|a| work.merge(&a.work));
+        let table =
+            |of: fn(&Self) -> &Vec<Vec<f64>>| (0..regimes).map(|r| joined(&|a| of(a)[r][0])).collect();
+        let mut stats = SolverStats::default();
+        at.iter().for_each(|a| stats.merge(&a.stats));
         Self {
             expected: std::array::from_fn(|q| joined(&|a| a.expected[q][0])),
             std: std::array::from_fn(|q| joined(&|a| a.std[q][0])),
@@ -23,7 +26,7 @@ impl Statistical {
             regime_adhesion_force: table(|a| &a.regime_adhesion_force),
             regime_external_force: table(|a| &a.regime_external_force),
             quadrature_error: at.iter().fold(0.0, |worst, a| maximum(a.quadrature_error, worst)),
-            work,
+            stats,
         }
     }
 

@@ -1,23 +1,31 @@
 //! Where the external force of a replica is a control variate for what has no closed form.
 
-use super::Statistical;
+use super::Expectations;
 use crate::asperity::Quantity;
 
-/// Fewest groups of replicas per control: estimating their coefficients then costs about a tenth of the variance.
+/// Fewest groups of replicas per control: estimating their coefficients then costs about a tenth of the
+/// variance.
 const GROUPS_PER_CONTROL: u64 = 10;
 /// The peak of the stiffness ends where the slope is this share of the largest.
 const FLANK: f64 = 0.5;
 
-/// Rising indices of at most 8 of the separations, m, at which the integral was taken, for an ensemble of so many `groups`; none for
-/// fewer than 10. Only those that are `eligible` are taken: where a few rare asperities decide a mean, no covariance describes it.
+/// Rising indices of at most 8 of the separations, m, at which the integral was taken, for an ensemble of so
+/// many `groups`; none for fewer than 10. Only those that are `eligible` are taken: where a few rare
+/// asperities decide a mean, no covariance describes it.
 ///
-/// They come from the integral, not from the sample, and are those that explain pull-off and stiffest point of a replica: the deepest
-/// point of the integral's curve; the ends and middles of the separations around it where one standard deviation of a replica reaches as
-/// deep, because there a replica has its own deepest point; the stiffest point, and the ends of its peak; each of
-/// them, or the nearest that is eligible. With fewer groups they are the first of these.
-pub fn controls(separations: &[f64], statistical: &Statistical, eligible: &[bool], groups: u64) -> Vec<usize> {
+/// They come from the integral, not from the sample, and are those that explain pull-off and stiffest point
+/// of a replica: the deepest point of the integral's curve; the ends and middles of the separations around it
+/// where one standard deviation of a replica reaches as deep, because there a replica has its own deepest
+/// point; the stiffest point, and the ends of its peak; each of them, or the nearest that is eligible. With
+/// fewer groups they are the first of these.
+pub fn controls(
+    separations: &[f64],
+    expectations: &Expectations,
+    eligible: &[bool],
+    groups: u64,
+) -> Vec<usize> {
     let q = Quantity::ExternalForce.index();
-    let (force, std) = (&statistical.expected[q], &statistical.std[q]);
+    let (force, std) = (&expectations.expected[q], &expectations.std[q]);
     let last = force.len() - 1;
     let lowest = |curve: &dyn Fn(usize) -> f64, count: usize| {
         (1..count).fold(0, |best, k| if curve(k) < curve(best) { k } else { best })

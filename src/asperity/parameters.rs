@@ -1,4 +1,5 @@
-//! What a law is made for: one asperity in its units, the history, and where starting tables are worth their making.
+//! What a law is made for: one asperity in its units, the history, and where starting tables are worth their
+//! making.
 
 use super::error::LawError;
 use super::history::Path;
@@ -6,7 +7,7 @@ use super::scale::{Asperity, Scale, UNIT_RANGE};
 
 /// Everything that the laws of one asperity depend on.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Setting {
+pub struct LawParameters {
     /// λ and the units of the scaled variables.
     pub scale: Scale,
     /// Critical interference ω_c, m; infinite where there is no plastic flow.
@@ -19,17 +20,18 @@ pub struct Setting {
     pub critical_approach: Option<f64>,
     /// The history.
     pub path: Path,
-    /// Range of interferences, m, that starting tables are made for; other interferences are solved too, slower.
+    /// Range of interferences, m, that starting tables are made for; other interferences are solved too,
+    /// slower.
     pub reach: Option<(f64, f64)>,
 }
 
-impl Setting {
+impl LawParameters {
     /// The setting of an asperity.
     ///
     /// # Errors
     /// [`LawError`] for a λ that is not solved, or quantities that are not positive and finite.
     pub fn new(asperity: &Asperity, path: Path, reach: (f64, f64)) -> Result<Self, LawError> {
-        let setting = Self {
+        let parameters = Self {
             scale: Scale::new(asperity)?,
             critical_interference: asperity.critical_interference(),
             pressure_factor: asperity.pressure_factor(),
@@ -38,11 +40,13 @@ impl Setting {
             path,
             reach: Some(reach),
         };
-        let positive = [("hardness", asperity.hardness), ("critical_interference", setting.critical_interference)];
-        if let Some(&(name, value)) = positive.iter().find(|(_, value)| !(*value > 0.0 && value.is_finite())) {
+        let positive =
+            [("hardness", asperity.hardness), ("critical_interference", parameters.critical_interference)];
+        if let Some(&(name, value)) = positive.iter().find(|(_, value)| !(*value > 0.0 && value.is_finite()))
+        {
             return Err(LawError::NotPositive { name, value });
         }
-        setting.checked()
+        parameters.checked()
     }
 
     /// A dry, elastic asperity in scaled variables: all units are 1.
@@ -50,7 +54,7 @@ impl Setting {
     /// # Errors
     /// [`LawError::Lambda`] for a λ that is not solved.
     pub fn scaled(lambda: f64, path: Path) -> Result<Self, LawError> {
-        let setting = Self {
+        let parameters = Self {
             scale: Scale::unit(lambda)?,
             critical_interference: f64::INFINITY,
             pressure_factor: 1.0,
@@ -59,13 +63,14 @@ impl Setting {
             path,
             reach: None,
         };
-        setting.checked()
+        parameters.checked()
     }
 
     /// The setting itself, if its quantities are possible.
     ///
     /// # Errors
-    /// [`LawError::NotPositive`] when they are not, [`LawError::Length`] when their powers would under- or overflow.
+    /// [`LawError::NotPositive`] when they are not, [`LawError::Length`] when their powers would under- or
+    /// overflow.
     pub fn checked(self) -> Result<Self, LawError> {
         let (critical, t) = (self.critical_interference, self.lubricant_thickness);
         if !(critical > 0.0) {

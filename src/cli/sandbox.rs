@@ -1,7 +1,8 @@
 //! Reading files of unknown origin in a process of its own.
 //!
-//! libhdf5 can be made to loop for ever, to crash or to ask for any amount of memory by a file whose structure is broken. So the program
-//! runs itself once more, with limits on time and memory, and says in a line what became of that.
+//! libhdf5 can be made to loop for ever, to crash or to ask for any amount of memory by a file whose
+//! structure is broken. So the program runs itself once more, with limits on time and memory, and says in a
+//! line what became of that.
 
 use super::format::bytes;
 use super::memory::SHORT;
@@ -31,21 +32,21 @@ const MOST_SAID: u64 = 1 << 28;
 ///
 /// # Errors
 /// Those of `read`, and [`Failure::Usage`] when the file makes the process die or take too long.
-pub(super) fn apart(path: &Path, read: impl FnOnce(&Path) -> Result<(), Failure>) -> Result<(), Failure> {
-    apart_within(path, PROCESSOR_SECONDS, read)
+pub(super) fn sandboxed(path: &Path, read: impl FnOnce(&Path) -> Result<(), Failure>) -> Result<(), Failure> {
+    sandboxed_within(path, PROCESSOR_SECONDS, read)
 }
 
 /// The same with a file that may keep a processor busy for so long, and longer the larger it is.
 ///
 /// # Errors
-/// As [`apart`].
-pub(super) fn apart_within(
+/// As [`sandboxed`].
+pub(super) fn sandboxed_within(
     path: &Path,
     processor_seconds: u64,
     read: impl FnOnce(&Path) -> Result<(), Failure>,
 ) -> Result<(), Failure> {
     let more = path.metadata().map_or(0, |metadata| metadata.len() / BYTES_PER_SECOND);
-    if is_apart() {
+    if is_sandboxed() {
         limit(processor_seconds + more);
         return read(path);
     }
@@ -62,7 +63,8 @@ pub(super) fn apart_within(
     let (text, status) = await_end(&mut child, &out, PATIENCE + Duration::from_secs(more))?;
     let message = err.recv_timeout(Duration::from_secs(1)).unwrap_or_default();
     // The last line, without what libhdf5 may have said before it.
-    let message = message.lines().next_back().and_then(|line| line.strip_prefix("stiction: ")).map(str::to_owned);
+    let message =
+        message.lines().next_back().and_then(|line| line.strip_prefix("stiction: ")).map(str::to_owned);
     let damaged = |what: String| Failure::Usage(format!("{}: is damaged: {what}", path.display()));
     let Some(status) = status else {
         return Err(damaged("reading it takes too long".to_owned()));
@@ -72,7 +74,9 @@ pub(super) fn apart_within(
         (Some(3), message) => {
             print(&text)?;
             let disagree = Failure::Disagree.to_string();
-            Err(message.filter(|message| *message != disagree).map_or(Failure::Disagree, Failure::Contradicts))
+            Err(message
+                .filter(|message| *message != disagree)
+                .map_or(Failure::Disagree, Failure::Contradicts))
         }
         (Some(2), Some(message)) => Err(Failure::Usage(message)),
         (Some(1), Some(message)) if message.starts_with(SHORT) && !is_limited() => {
@@ -85,7 +89,7 @@ pub(super) fn apart_within(
 }
 
 /// Whether this process is one that only reads.
-pub(super) fn is_apart() -> bool {
+pub(super) fn is_sandboxed() -> bool {
     std::env::var_os(READER).is_some()
 }
 
@@ -102,7 +106,8 @@ fn is_limited() -> bool {
 /// Whether a process was ended because it kept the processor busy.
 fn is_too_long(status: ExitStatus) -> bool {
     #[cfg(unix)]
-    return std::os::unix::process::ExitStatusExt::signal(&status) == Some(rustix::process::Signal::XCPU.as_raw());
+    return std::os::unix::process::ExitStatusExt::signal(&status)
+        == Some(rustix::process::Signal::XCPU.as_raw());
     #[cfg(not(unix))]
     return false;
 }

@@ -2,7 +2,7 @@
 
 /// What solving cost.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Work {
+pub struct SolverStats {
     /// Solves of the contact equations.
     pub contact_solves: u64,
     /// Solves of the noncontact equations.
@@ -25,7 +25,7 @@ pub struct Work {
     pub largest_residual: f64,
 }
 
-impl Work {
+impl SolverStats {
     /// Adds the work of another part.
     pub fn merge(&mut self, other: &Self) {
         self.contact_solves += other.contact_solves;

@@ -1,9 +1,11 @@
 //! Ensembles of batches on their way into one.
 //!
-//! The batches of a run are the leaves of a binary tree: a node of level k covers the 2ᵏ batches from a multiple of 2ᵏ on, and its ensemble is
-//! that of its first half merged with that of its second one. So the ensemble of a run depends on nothing but its batches, and any
-//! range of them can be merged by itself, elsewhere and at another time, into a few nodes that go into the same tree: those of the tree that
-//! the range covers as a whole. Rounding errors grow with the depth of the tree, the logarithm of the number of batches.
+//! The batches of a run are the leaves of a binary tree: a node of level k covers the 2ᵏ batches from a
+//! multiple of 2ᵏ on, and its ensemble is that of its first half merged with that of its second one. So the
+//! ensemble of a run depends on nothing but its batches, and any range of them can be merged by itself,
+//! elsewhere and at another time, into a few nodes that go into the same tree: those of the tree that the
+//! range covers as a whole. Rounding errors grow with the depth of the tree, the logarithm of the number of
+//! batches.
 
 use super::Job;
 use super::batch::{Ensemble, replicas_of};
@@ -22,7 +24,7 @@ struct Node {
 
 /// The ensembles of consecutive batches, as far as these are there.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Forest {
+pub struct ReductionTree {
     /// The batches that are to come in.
     batches: Range<u64>,
     /// The first that is not there yet.
@@ -30,11 +32,11 @@ pub struct Forest {
     nodes: Vec<Node>,
     /// What is kept of every replica, in order.
     pub replicas: Vec<Replica>,
-    /// The snaps of every replica, in order: replicas × [`Holding::length`](super::Holding::length).
+    /// The snaps of every replica, in order: replicas × [`Loading::length`](super::Loading::length).
     pub snaps: Vec<f64>,
 }
 
-impl Forest {
+impl ReductionTree {
     /// Nothing yet of a range of the batches of a job.
     pub fn new(batches: Range<u64>) -> Self {
         Self { next: batches.start, batches, nodes: Vec::new(), replicas: Vec::new(), snaps: Vec::new() }
@@ -68,7 +70,10 @@ impl Forest {
         self.next = own.end;
         match self.nodes.last_mut() {
             // Its sibling waits for it: nothing need be copied.
-            Some(last) if last.batches.end == own.start && common(&last.batches, &own) == (own.start - 1..own.end) => {
+            Some(last)
+                if last.batches.end == own.start
+                    && common(&last.batches, &own) == (own.start - 1..own.end) =>
+            {
                 last.sums.merge_sums(batch);
                 last.batches.end = own.end;
             }
@@ -124,7 +129,7 @@ impl Forest {
         Ensemble { replicas: self.replicas, snaps: self.snaps, ..sums }
     }
 
-    /// Everything but what is kept of every replica, as words that [`Forest::restored`] takes back.
+    /// Everything but what is kept of every replica, as words that [`ReductionTree::restored`] takes back.
     pub fn state(&self) -> Vec<u64> {
         let mut words = vec![self.batches.start, self.batches.end, self.next, self.nodes.len() as u64];
         for node in &self.nodes {
@@ -135,32 +140,34 @@ impl Forest {
         words
     }
 
-    /// The forest of a state and of what was kept of its replicas and their snaps; none when they are not of this job.
+    /// The forest of a state and of what was kept of its replicas and their snaps; none when they are not of
+    /// this job.
     pub fn restored(job: &Job<'_>, state: &[u64], replicas: Vec<Replica>, snaps: Vec<f64>) -> Option<Self> {
         let (&[start, end, next, count], mut rest) = state.split_first_chunk()?;
         let is_range = start <= next && next <= end && end <= job.batches();
         let replicas_there = replicas_of(start..next, job.replicas).count() as u64;
         let fits = is_range
             && replicas.len() as u64 == replicas_there
-            && snaps.len() == replicas.len() * job.protocol.holding.length();
+            && snaps.len() == replicas.len() * job.protocol.loading.length();
         if !fits {
             return None;
         }
-        let mut forest = Self { next, replicas, snaps, ..Self::new(start..end) };
+        let mut reduction_tree = Self { next, replicas, snaps, ..Self::new(start..end) };
         let (mut empty, mut covered) = (Ensemble::new(job), 0);
         let length = empty.words().len();
         for _ in 0..count {
             let (&[from, to], words) = rest.split_first_chunk()?;
             let (words, behind) = words.split_at_checked(length)?;
-            let ordered = forest.nodes.last().map_or(start, |node| node.batches.end) <= from && from < to;
+            let ordered =
+                reduction_tree.nodes.last().map_or(start, |node| node.batches.end) <= from && from < to;
             if !ordered || !empty.restore(words) {
                 return None;
             }
             covered += empty.regime_count.count();
-            forest.nodes.push(Node { batches: from..to, sums: empty.clone() });
+            reduction_tree.nodes.push(Node { batches: from..to, sums: empty.clone() });
             rest = behind;
         }
-        (rest.is_empty() && covered == replicas_there).then_some(forest)
+        (rest.is_empty() && covered == replicas_there).then_some(reduction_tree)
     }
 }
 

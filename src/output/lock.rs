@@ -1,4 +1,5 @@
-//! The claim on an output: where it goes, what stands beside it while it is made, and that nobody else makes it at the same time.
+//! The claim on an output: where it goes, what stands beside it while it is made, and that nobody else makes
+//! it at the same time.
 
 use super::OutputError;
 use super::register::{Name, Registered};
@@ -16,10 +17,10 @@ const HIDDEN: [&str; 3] = [".lock", ".partial", ".checkpoint.partial"];
 /// The longest path within the folder of the points.
 const DEEPEST: &str = ".points/.0000.h5.checkpoint.partial";
 
-/// An output that this program may make, and no other at the same time: it holds the lock on a hidden file beside it. Dropped, it leaves
-/// neither lock nor file.
+/// An output that this program may make, and no other at the same time: it holds the lock on a hidden file
+/// beside it. Dropped, it leaves neither lock nor file.
 #[derive(Debug)]
-pub struct Claim {
+pub struct OutputLock {
     output: PathBuf,
     folder: PathBuf,
     lock: PathBuf,
@@ -27,12 +28,13 @@ pub struct Claim {
     _registered: Registered,
 }
 
-impl Claim {
-    /// Claims an output of what is computed from `inputs`. A symbolic link stands for the file that it leads to.
+impl OutputLock {
+    /// Claims an output of what is computed from `inputs`. A symbolic link stands for the file that it leads
+    /// to.
     ///
     /// # Errors
-    /// [`OutputError`] when it or a file beside it is one of the inputs, when its name cannot be written, its folder is missing or not
-    /// writable, when it names what is no file, or when another run has claimed it.
+    /// [`OutputError`] when it or a file beside it is one of the inputs, when its name cannot be written, its
+    /// folder is missing or not writable, when it names what is no file, or when another run has claimed it.
     pub fn new(output: &Path, inputs: &[PathBuf]) -> Result<Self, OutputError> {
         let output = followed(output);
         refuse_name(&output)?;
@@ -43,7 +45,7 @@ impl Claim {
     /// Claims an output in a folder of this program's own, where no name is a symbolic link.
     ///
     /// # Errors
-    /// As [`Claim::new`].
+    /// As [`OutputLock::new`].
     pub fn within(output: PathBuf) -> Result<Self, OutputError> {
         refuse_link(&output)?;
         Self::of_file(output)
@@ -57,7 +59,10 @@ impl Claim {
         if !folder.is_dir() {
             return Err(OutputError::NoFolder(folder.to_owned()));
         }
-        if output.is_dir() || output.file_name().is_none() || output.as_os_str().to_string_lossy().ends_with('/') {
+        if output.is_dir()
+            || output.file_name().is_none()
+            || output.as_os_str().to_string_lossy().ends_with('/')
+        {
             return Err(OutputError::IsFolder(output));
         }
         if output.exists() && !output.is_file() {
@@ -71,9 +76,12 @@ impl Claim {
         let lock = named(&output, ".", ".lock");
         // Before there is a file, as there may be no memory for it.
         let name = Name::of(&lock);
-        let (made, registered) = Registered::once_made(name, || locked(&lock), |made| matches!(made, Ok(Ok(_))));
+        let (made, registered) =
+            Registered::once_made(name, || locked(&lock), |made| matches!(made, Ok(Ok(_))));
         match made.map_err(not_writable)? {
-            Ok(file) => Ok(Self { folder: folder.to_owned(), output, lock, _locked: file, _registered: registered }),
+            Ok(file) => {
+                Ok(Self { folder: folder.to_owned(), output, lock, _locked: file, _registered: registered })
+            }
             Err(process) => Err(OutputError::Claimed { output, process }),
         }
     }
@@ -108,7 +116,7 @@ impl Claim {
     }
 }
 
-impl Drop for Claim {
+impl Drop for OutputLock {
     fn drop(&mut self) {
         // While it is still locked: whoever opens it now finds that it has no name any more.
         let _ = std::fs::remove_file(&self.lock);
@@ -138,14 +146,16 @@ fn kept(output: &Path) -> impl Iterator<Item = PathBuf> {
     beside.chain(HIDDEN.into_iter().map(|suffix| named(output, ".", suffix)))
 }
 
-/// Refuses an output whose name HDF5 does not take, or which the file system does not with all that is kept beside it.
+/// Refuses an output whose name HDF5 does not take, or which the file system does not with all that is kept
+/// beside it.
 fn refuse_name(output: &Path) -> Result<(), OutputError> {
     let refused = |problem| Err(OutputError::NoName { path: output.to_owned(), problem });
     if output.to_str().is_none() {
         return refused("is not UTF-8, which HDF5 needs");
     }
-    let is_too_long =
-        |path: PathBuf| path.symlink_metadata().is_err_and(|error| error.kind() == ErrorKind::InvalidFilename);
+    let is_too_long = |path: PathBuf| {
+        path.symlink_metadata().is_err_and(|error| error.kind() == ErrorKind::InvalidFilename)
+    };
     if kept(output).chain([named(output, "", DEEPEST)]).any(is_too_long) {
         return refused("is too long with the endings of the files that are kept beside it");
     }
@@ -234,7 +244,8 @@ fn can_be_renamed_to(output: &Path, folder: &Path) -> std::io::Result<bool> {
     Ok(true)
 }
 
-/// The locked file of a name, with the number of this process in it; or, if another process holds it, that one's, as far as it can be read.
+/// The locked file of a name, with the number of this process in it; or, if another process holds it, that
+/// one's, as far as it can be read.
 fn locked(name: &Path) -> std::io::Result<Result<File, String>> {
     loop {
         let mut file = unlinked().create(true).open(name)?;
@@ -250,7 +261,8 @@ fn locked(name: &Path) -> std::io::Result<Result<File, String>> {
         }
         // The one that held it may have removed the name since it was opened.
         if still_named(&file, name) {
-            // For the message to others only, so a full disk is no reason to stop here; nor is it worth a file with another name.
+            // For the message to others only, so a full disk is no reason to stop here; nor is it worth a
+            // file with another name.
             if has_one_name(&file) {
                 let _ = file.set_len(0).and_then(|()| write!(file, "{}", std::process::id()));
             }
@@ -302,12 +314,14 @@ mod tests {
     fn one_at_a_time_and_nothing_is_left() {
         let folder = tempfile::tempdir().unwrap();
         let output = folder.path().join("out.h5");
-        let first = Claim::new(&output, &[]).unwrap();
-        let Err(OutputError::Claimed { process, .. }) = Claim::new(&output, &[]) else { panic!("claimed twice") };
+        let first = OutputLock::new(&output, &[]).unwrap();
+        let Err(OutputError::Claimed { process, .. }) = OutputLock::new(&output, &[]) else {
+            panic!("claimed twice")
+        };
         assert_eq!(process, std::process::id().to_string());
-        let _other = Claim::new(&folder.path().join("other.h5"), &[]).unwrap();
+        let _other = OutputLock::new(&folder.path().join("other.h5"), &[]).unwrap();
         drop(first);
-        let _again = Claim::new(&output, &[]).unwrap();
+        let _again = OutputLock::new(&output, &[]).unwrap();
         drop((_other, _again));
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
     }
@@ -319,12 +333,12 @@ mod tests {
         let path = |name: &str| folder.path().join(name);
         std::fs::create_dir(path("far")).unwrap();
         std::os::unix::fs::symlink("far/out.h5", path("link.h5")).unwrap();
-        let claim = Claim::new(&path("link.h5"), &[]).unwrap();
-        assert_eq!(claim.output(), path("far/out.h5"));
-        assert_eq!(claim.hidden(".partial"), path("far/.out.h5.partial"));
-        assert_eq!(claim.folder(), path("far"));
-        assert!(matches!(Claim::new(Path::new("/dev/null"), &[]), Err(OutputError::NotAFile(_))));
-        assert!(matches!(Claim::new(&path("far"), &[]), Err(OutputError::IsFolder(_))));
-        assert!(matches!(Claim::new(&path("none/out.h5"), &[]), Err(OutputError::NoFolder(_))));
+        let lock = OutputLock::new(&path("link.h5"), &[]).unwrap();
+        assert_eq!(lock.output(), path("far/out.h5"));
+        assert_eq!(lock.hidden(".partial"), path("far/.out.h5.partial"));
+        assert_eq!(lock.folder(), path("far"));
+        assert!(matches!(OutputLock::new(Path::new("/dev/null"), &[]), Err(OutputError::NotAFile(_))));
+        assert!(matches!(OutputLock::new(&path("far"), &[]), Err(OutputError::IsFolder(_))));
+        assert!(matches!(OutputLock::new(&path("none/out.h5"), &[]), Err(OutputError::NoFolder(_))));
     }
 }

@@ -25,6 +25,7 @@
 pub mod asperity;
 pub mod cli;
 pub mod engine;
+pub mod estimate;
 pub mod experiment;
 pub mod integral;
 pub mod math;

@@ -8,8 +8,9 @@ use std::collections::BTreeSet;
 use std::path::Path;
 use std::process::Command;
 use std::sync::Arc;
+use stiction::estimate::Plan;
 use stiction::output::columns::SceneFiles;
-use stiction::scene::{Document, KEYS, Plan};
+use stiction::scene::{Document, KEYS};
 
 const QUICK: &str = include_str!("data/quick.toml");
 

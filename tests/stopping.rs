@@ -10,8 +10,9 @@ use rayon::prelude::*;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use stiction::asperity::{Law, Path as History};
-use stiction::engine::{Ensemble, Job, Outcome, ReductionTree, Rule, run, run_from};
-use stiction::scene::{Estimate, Limit, Stopping, Target};
+use stiction::engine::{
+    Ensemble, Estimator, Job, Limit, Outcome, ReductionTree, Rule, Stopping, Target, run, run_from,
+};
 use stiction::surface::{HeightLaw, LogNormal, Surface};
 
 /// The quick scene with a target in place of its number of replicas.
@@ -255,7 +256,7 @@ fn tiny() -> (Box<dyn Law>, Surface, Vec<f64>) {
 }
 
 fn stopping(limit: Limit, min_replicas: u64) -> Stopping {
-    let target = Target { quantity: 0, estimate: Estimate::Plain, limit };
+    let target = Target { quantity: 0, estimate: Estimator::Plain, limit };
     Stopping { targets: vec![target], min_replicas, max_replicas: 10_000 }
 }
 
@@ -364,7 +365,7 @@ impl Study {
 
     /// Targets that take about the same replicas for each scalar: a share of its mean in units of what its
     /// scatter takes.
-    fn target(&self, quantity: usize, estimate: Estimate, replicas: f64, relative: bool) -> Target {
+    fn target(&self, quantity: usize, estimate: Estimator, replicas: f64, relative: bool) -> Target {
         let truth = self.pool.truth()[quantity];
         let values: Vec<f64> =
             self.pool.draw(u64::MAX, 4000).map(|group| group[self.pool.controls + quantity]).collect();
@@ -386,7 +387,7 @@ fn intervals_hold_what_they_say() {
         Study::new("20, Gaussian", "isbl", HeightLaw::Gaussian, 20, 4000),
         Study::new("100, exponential", "hybrid", HeightLaw::Exponential, 100, 4000),
     ] {
-        for estimate in [Estimate::Plain, Estimate::Controlled] {
+        for estimate in [Estimator::Plain, Estimator::Controlled] {
             for relative in [true, false] {
                 let (found, replicas) = study.ends(study.target(0, estimate, 150.0, relative), 64, RUNS);
                 assert!((70.0..250.0).contains(&replicas), "{replicas}");
@@ -412,10 +413,10 @@ fn intervals_hold_what_they_say_for_any_target() {
     ] {
         for (min_replicas, most) in [(8, 40.0), (16, 40.0), (32, 60.0), (64, 90.0), (64, 200.0)] {
             for (quantity, estimate, relative) in [
-                (0, Estimate::Plain, true),
-                (0, Estimate::Plain, false),
-                (0, Estimate::Controlled, true),
-                (1, Estimate::Plain, true),
+                (0, Estimator::Plain, true),
+                (0, Estimator::Plain, false),
+                (0, Estimator::Controlled, true),
+                (1, Estimator::Plain, true),
             ] {
                 let (found, _) =
                     study.ends(study.target(quantity, estimate, most, relative), min_replicas, RUNS);
@@ -471,7 +472,7 @@ fn a_share_of_a_negative_mean_is_positive() {
     let ensemble = complete(&job, run::<()>(&job, &pool, &AtomicBool::new(false), |_, _| Ok(())));
     let scalar =
         stiction::engine::SCALARS.iter().position(|scalar| scalar.name == "pull_off_separation").unwrap();
-    let target = Target { quantity: scalar, estimate: Estimate::Plain, limit: Limit::Relative(0.1) };
+    let target = Target { quantity: scalar, estimate: Estimator::Plain, limit: Limit::Relative(0.1) };
     let stopping = Stopping { targets: vec![target], min_replicas: 64, max_replicas: 64 };
     let [attained] = Rule { stopping: &stopping, expected: &[] }.attained(&ensemble)[..] else {
         panic!("one target")

@@ -7,9 +7,12 @@ use super::sweep::described;
 use super::{Failure, law_of, loop_of, print, read_document, resources};
 use crate::asperity::scale::Scale;
 use crate::asperity::{Law, Loop};
+use crate::engine::{Limit, SCALARS, Stopping, Target};
+use crate::estimate::{Estimate, Plan};
 use crate::experiment::integral::Integral;
 use crate::scene::echo::one_line;
-use crate::scene::{Document, Limit, Plan, Scene, Sizes, Stopping, Sweep, Warning, warnings};
+use crate::scene::units::Dimension;
+use crate::scene::{Document, Scene, Sweep, Warning, warnings};
 use crate::surface::{CountLaw, HeightLaw, Radii, SamplingScheme, Surface};
 use std::path::Path;
 
@@ -37,9 +40,9 @@ fn checked(path: &Path) -> Result<String, Failure> {
     }
     let most = if scene.stopping.is_some() { "at most " } else { "" };
     text += &row("work", &format!("{most}{:.3e} asperity-separations", plan.pairs));
-    let sizes = Sizes::new(&scene, law.as_ref(), threads());
-    text += &cost(&plan, &sizes, most);
-    for shortage in resources::shortages(&sizes, Some(Path::new("out.h5"))) {
+    let estimate = Estimate::new(&scene, law.as_ref(), threads());
+    text += &cost(&estimate, most);
+    for shortage in resources::shortages(&estimate, Some(Path::new("out.h5"))) {
         text += &row("too large", &format!("here `stiction run` would refuse: {shortage}"));
     }
     Ok(text)
@@ -53,18 +56,18 @@ fn check_sweep(sweep: &Sweep, first: &Scene, path: &Path) -> Result<String, Fail
     text += &(skipped(&plan) + &beyond(&plan) + &regimes(&plan, first.surface.asperity_count as f64));
     text += &row("work", &format!("{:.3e} asperity-separations", plan.pairs));
     text += "all points\n";
-    let (mut seconds, mut largest) = ([0.0; 2], Sizes::new(first, law.as_ref(), threads()));
+    let (mut seconds, mut largest) = ([0.0; 2], Estimate::new(first, law.as_ref(), threads()));
     let mut warned: Vec<(Warning, Vec<usize>)> = Vec::new();
     for point in 0..sweep.count() {
         let named = |problem: String| Failure::Usage(format!("{}: {problem}", path.display()));
         let scene = sweep.scene(point).map_err(|error| named(error.to_string()))?;
         let at = |failure| Failure::AtPoint { point: sweep.name(point), failure: Box::new(failure) };
         let law = law_of(&scene, &scene.model, path).map_err(at)?;
-        let (plan, sizes) = (Plan::new(&scene, law.as_ref()), Sizes::new(&scene, law.as_ref(), threads()));
-        for (i, threads) in [sizes.threads, 1.0].into_iter().enumerate() {
-            seconds[i] += plan.core_seconds.on_threads(&Sizes { threads, ..sizes }).iter().sum::<f64>();
+        let estimate = Estimate::new(&scene, law.as_ref(), threads());
+        for (sum, threads) in seconds.iter_mut().zip([estimate.threads, 1.0]) {
+            *sum += Estimate { threads, ..estimate }.seconds().iter().sum::<f64>();
         }
-        largest = if largest.memory() < sizes.memory() { sizes } else { largest };
+        largest = if largest.memory() < estimate.memory() { estimate } else { largest };
         let cycle = loop_of(&scene, path).map_err(at)?;
         for warning in warnings_of(&scene, law.as_ref(), cycle.as_ref()) {
             // Findings say the numbers of their point; what is the matter is the same.
@@ -79,12 +82,12 @@ fn check_sweep(sweep: &Sweep, first: &Scene, path: &Path) -> Result<String, Fail
             format!("at {} of {} points, first at {}", points.len(), sweep.count(), sweep.name(points[0]));
         text += &(row("warning", &warning.finding) + &row("", &at) + &paragraph(&warning.explanation()));
     }
-    let sizes = Sizes { files: 2.0 * sweep.count() as f64, ..largest };
+    let estimate = Estimate { files: 2.0 * sweep.count() as f64, ..largest };
     let [all, on_one] = seconds.map(duration);
-    text += &row("time", &format!("about {all} on {} threads ({on_one} on one)", sizes.threads));
-    text += &row("memory", &format!("about {} on {} threads", bytes(sizes.memory()), sizes.threads));
-    text += &row("disk", &format!("at most about {}", bytes(sizes.disk())));
-    for shortage in resources::shortages(&sizes, Some(Path::new("out.h5"))) {
+    text += &row("time", &format!("about {all} on {} threads ({on_one} on one)", estimate.threads));
+    text += &row("memory", &format!("about {} on {} threads", bytes(estimate.memory()), estimate.threads));
+    text += &row("disk", &format!("at most about {}", bytes(estimate.disk())));
+    for shortage in resources::shortages(&estimate, Some(Path::new("out.h5"))) {
         text += &row("too large", &format!("here `stiction run` would refuse: {shortage}"));
     }
     Ok(text)
@@ -106,23 +109,26 @@ pub(super) fn warned(warnings: &[Warning]) -> String {
 }
 
 /// Time, memory and disk.
-fn cost(plan: &Plan, sizes: &Sizes, most: &str) -> String {
-    let phases = plan.core_seconds.on_threads(sizes);
-    let alone = plan.core_seconds.on_threads(&Sizes { threads: 1.0, ..*sizes });
+fn cost(estimate: &Estimate, most: &str) -> String {
+    let phases = estimate.seconds();
+    let alone = Estimate { threads: 1.0, ..*estimate }.seconds();
     let [all, on_one] = [phases, alone].map(|phases| duration(phases.iter().sum()));
     let [integral, functionals, ensemble] = phases.map(duration);
-    let threads = match sizes.threads {
+    let threads = match estimate.threads {
         1.0 => "1 thread".to_owned(),
         threads => format!("{threads} threads"),
     };
     let mut text = row("time", &format!("{most}about {all} on {threads} ({on_one} on one)"));
     let parts = format!("integral {integral}, test functionals {functionals}, ensemble {ensemble}");
-    let busy = sizes.workers();
-    let idle =
-        if busy < sizes.threads { format!("; only {busy} have a batch of replicas") } else { String::new() };
+    let busy = estimate.workers();
+    let idle = if busy < estimate.threads {
+        format!("; only {busy} have a batch of replicas")
+    } else {
+        String::new()
+    };
     text += &row("", &format!("{parts}{idle}"));
-    text += &row("memory", &format!("about {} on {threads}", bytes(sizes.memory())));
-    text + &row("disk", &format!("at most about {}", bytes(sizes.disk())))
+    text += &row("memory", &format!("about {} on {threads}", bytes(estimate.memory())));
+    text + &row("disk", &format!("at most about {}", bytes(estimate.disk())))
 }
 
 /// The title, the model, and what characterises the scene.
@@ -143,12 +149,17 @@ fn facts(scene: &Scene) -> String {
     text + &row("sampling", &sampling(scene.sampling))
 }
 
+/// The unit of what a target is for.
+pub(super) fn unit(target: &Target) -> &'static str {
+    Dimension::of_units(SCALARS[target.quantity].units).si()
+}
+
 /// What ends the run before all replicas are in.
 fn targets(stopping: &Stopping) -> String {
     let lines = stopping.targets.iter().enumerate().map(|(i, target)| {
         let limit = match target.limit {
             Limit::Relative(share) => format!("{} of it", percent(share)),
-            Limit::Absolute(largest) => si(largest, target.unit()),
+            Limit::Absolute(largest) => si(largest, unit(target)),
         };
         let mean = format!("{} mean of {}", target.estimate.name(), target.name());
         row(

@@ -10,6 +10,7 @@ use super::run::laws_of;
 use super::session::{Session, override_ensemble};
 use super::{Failure, RunOptions, kept, law_of, refused_scene, resources};
 use crate::engine::Shard;
+use crate::estimate::Estimate;
 use crate::experiment::checkpoint::{OverwritePolicy, Run, State, identity, is_result_of};
 use crate::experiment::prepared::{Task, run_scene};
 use crate::output::checkpoint::{Checkpoint, Identity, forget, is_checkpoint};
@@ -17,7 +18,7 @@ use crate::output::checksum::{self, Finding};
 use crate::output::schema::{Layout, RUN};
 use crate::output::{OutputError, OutputLock, beside, note_kept};
 use crate::scene::echo::shortened;
-use crate::scene::{Scene, Sizes, Sweep, with_inputs};
+use crate::scene::{Scene, Sweep, with_inputs};
 use std::ffi::OsString;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -93,20 +94,20 @@ impl<'a> Points<'a> {
 
     /// Refuses points that cannot be computed: for each the law, and of all together memory and disk.
     pub fn require(&self, threads: usize) -> Result<(), Failure> {
-        let sizes = self.sizes(threads)?;
-        let sizes = Sizes { files: COPIES * self.sweep.count() as f64, ..sizes };
-        resources::require(self.source, &sizes, (!self.folder().exists()).then_some(self.lock.output()))
+        let estimate = self.estimate(threads)?;
+        let estimate = Estimate { files: COPIES * self.sweep.count() as f64, ..estimate };
+        resources::require(self.source, &estimate, (!self.folder().exists()).then_some(self.lock.output()))
     }
 
     /// What the point that takes most memory takes.
-    fn sizes(&self, threads: usize) -> Result<Sizes, Failure> {
-        let mut largest: Option<Sizes> = None;
+    fn estimate(&self, threads: usize) -> Result<Estimate, Failure> {
+        let mut largest: Option<Estimate> = None;
         for point in 0..self.sweep.count() {
             let scene = self.scene(point)?;
             let law = law_of(&scene, &scene.model, self.source).map_err(|failure| self.at(point, failure))?;
-            let sizes = Sizes::new(&scene, law.as_ref(), threads);
-            if largest.is_none_or(|known| known.memory() < sizes.memory()) {
-                largest = Some(sizes);
+            let estimate = Estimate::new(&scene, law.as_ref(), threads);
+            if largest.is_none_or(|known| known.memory() < estimate.memory()) {
+                largest = Some(estimate);
             }
         }
         Ok(largest.expect("a sweep has points"))

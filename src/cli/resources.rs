@@ -2,7 +2,7 @@
 
 use super::Failure;
 use super::format::bytes;
-use crate::scene::{Choice, Sizes};
+use crate::estimate::{Choice, Estimate};
 use std::path::Path;
 use sysinfo::{MemoryRefreshKind, RefreshKind, System};
 
@@ -20,8 +20,8 @@ const RESERVE: (f64, f64, f64) = (3e8, 67_108_864.0, 4.0);
 ///
 /// # Errors
 /// [`Failure::Usage`] with the estimate, what there is, and what would fit.
-pub(super) fn require(scene: &Path, sizes: &Sizes, output: Option<&Path>) -> Result<(), Failure> {
-    match shortages(sizes, output).first() {
+pub(super) fn require(scene: &Path, estimate: &Estimate, output: Option<&Path>) -> Result<(), Failure> {
+    match shortages(estimate, output).first() {
         Some(shortage) => Err(Failure::Usage(format!("{}: {shortage}", scene.display()))),
         None => Ok(()),
     }
@@ -32,25 +32,40 @@ pub(super) fn fitting(bytes: f64, most: u64) -> u64 {
     memory(1.0).map_or(most, |memory| most.min((memory / bytes) as u64))
 }
 
-/// Of what a run would take more than can be had, a line each; disk for a file if it writes one.
-pub(super) fn shortages(sizes: &Sizes, output: Option<&Path>) -> Vec<String> {
-    let memory = shortage("memory", sizes, memory(sizes.threads), Sizes::memory);
-    let disk = output.and_then(|output| shortage("disk", sizes, disk(output), Sizes::disk));
+/// What a run would take more of than can be had, a line each; disk for a file if it writes one.
+pub(super) fn shortages(estimate: &Estimate, output: Option<&Path>) -> Vec<String> {
+    let memory = shortage("memory", estimate, memory(estimate.threads), Estimate::memory);
+    let disk = output.and_then(|output| shortage("disk", estimate, disk(output), Estimate::disk));
     memory.into_iter().chain(disk).collect()
 }
 
 /// What is short, if more is needed than can be had; where that is not known nothing is.
-fn shortage(what: &str, sizes: &Sizes, had: Option<f64>, needed: fn(&Sizes) -> f64) -> Option<String> {
-    let limit = had.filter(|had| needed(sizes) > *had)?;
-    let fit = |choice: Choice| Some(choice.chosen(choice.most(sizes, limit, needed)?));
+fn shortage(
+    what: &str,
+    estimate: &Estimate,
+    had: Option<f64>,
+    needed: fn(&Estimate) -> f64,
+) -> Option<String> {
+    let limit = had.filter(|had| needed(estimate) > *had)?;
+    let fit = |choice: Choice| Some(chosen(choice, choice.most(estimate, limit, needed)?));
     let fitting: Vec<String> = Choice::ALL.into_iter().filter_map(fit).collect();
     let fitting = match fitting.as_slice() {
         [] => "not even the fewest asperities, separations, replicas or threads by themselves would fit"
             .to_owned(),
         fitting => format!("all else the same, {} would fit", fitting.join(", or ")),
     };
-    let [needed, limit] = [needed(sizes), limit].map(bytes);
+    let [needed, limit] = [needed(estimate), limit].map(bytes);
     Some(format!("the run would take about {needed} of {what}, and {limit} can be had; {fitting}"))
+}
+
+/// How so many of a size are chosen.
+fn chosen(choice: Choice, number: u64) -> String {
+    match choice {
+        Choice::Asperities => format!("a nominal_area of {number:e} asperities"),
+        Choice::Separations => format!("{number} separations"),
+        Choice::Replicas => format!("--replicas {number}"),
+        Choice::Threads => format!("--threads {number}"),
+    }
 }
 
 /// Bytes of memory that can be had by so many threads: what is available, and what limits of this process and

@@ -4,9 +4,10 @@ use super::progress::Progress;
 use super::session::{Session, override_ensemble};
 use super::summary::summary;
 use super::{Failure, RunArguments, files_of, print_of, read_document, resources, shard, sweep};
+use crate::estimate::Estimate;
 use crate::experiment::prepared::{Laws, Task, run_scene};
 use crate::output::OutputLock;
-use crate::scene::{Document, Scene, Sizes};
+use crate::scene::{Document, Scene};
 use std::path::{Path, PathBuf};
 
 pub(super) fn run(arguments: &RunArguments) -> Result<(), Failure> {
@@ -56,9 +57,9 @@ pub(super) fn laws_of(
 ) -> Result<Laws, Failure> {
     let refused = |error| Failure::Usage(format!("{}: {error}", source.display()));
     let laws = Laws::new(scene).map_err(refused)?;
-    let sizes = Sizes { replicas: replicas as f64, ..Sizes::new(scene, laws.law.as_ref(), threads) };
+    let estimate = Estimate { replicas: replicas as f64, ..Estimate::new(scene, laws.law.as_ref(), threads) };
     // What an interrupted run has kept is on the disk already.
     let begins = !task.lock.beside(".checkpoint").exists();
-    resources::require(source, &sizes, begins.then_some(task.output))?;
+    resources::require(source, &estimate, begins.then_some(task.output))?;
     Ok(laws)
 }

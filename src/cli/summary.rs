@@ -1,17 +1,16 @@
 //! The summary of a run on the terminal.
 
-use super::check::{beyond, heading, skipped, warned};
+use super::check::{beyond, heading, skipped, unit, warned};
 use super::format::{bound, duration, factor, percent, row, si};
 use super::instability::instability;
 use crate::asperity::Quantity;
-use crate::engine::{LOOP_SCALARS, Replica, Summation, dissipated};
+use crate::engine::{LOOP_SCALARS, Limit, Replica, Summation, dissipated};
 use crate::experiment::results::{Results, Stopped};
 use crate::math::control_variates::ControlledMean;
 use crate::math::extrema::{Extremum, Features, maximum};
 use crate::math::interval::{FEWEST, LEVEL};
 use crate::math::moments::Moments;
 use crate::math::sums::SUM_ROUNDING;
-use crate::scene::Limit;
 use crate::validation::{JointTest, SIGNIFICANCE, Verdict};
 use std::path::Path;
 
@@ -46,7 +45,7 @@ fn ended(stopped: &Stopped, replicas: u64) -> String {
         let target = &attained.target;
         let error = |error: f64| match target.limit {
             Limit::Relative(_) => percent(error / attained.mean.abs()),
-            Limit::Absolute(_) => si(error, target.unit()),
+            Limit::Absolute(_) => si(error, unit(target)),
         };
         let missed = if attained.is_met() { "" } else { ": missed" };
         let [reached, largest] = [attained.standard_error, attained.largest].map(error);
@@ -58,7 +57,7 @@ fn ended(stopped: &Stopped, replicas: u64) -> String {
                 target.estimate.name()
             ),
         );
-        text += &interval(attained.interval, attained.samples, target.unit());
+        text += &interval(attained.interval, attained.samples, unit(target));
     }
     text
 }

@@ -11,11 +11,73 @@
 use super::Job;
 use super::batch::{BATCH, Ensemble};
 use super::reduction_tree::ReductionTree;
+use super::scalars::SCALARS;
 use crate::math::control_variates::controlled_means;
-use crate::scene::{Estimate, Limit, Stopping, Target};
 
 /// From one look to the next the replicas grow by one part in so many, and to whole batches.
 const GROWTH: u64 = 10;
+
+/// Which mean a target is for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Estimator {
+    /// The plain mean.
+    #[default]
+    Plain,
+    /// The mean with control variates.
+    Controlled,
+}
+
+impl Estimator {
+    /// All of them, by name.
+    pub const ALL: [(&'static str, Self); 2] = [("plain", Self::Plain), ("controlled", Self::Controlled)];
+
+    /// Its name in scenes and files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Plain => "plain",
+            Self::Controlled => "controlled",
+        }
+    }
+}
+
+/// How large a standard error may be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Limit {
+    /// So much of the absolute value of the mean.
+    Relative(f64),
+    /// So much, SI.
+    Absolute(f64),
+}
+
+/// A mean over replicas that is to be known.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Target {
+    /// Index of its quantity in [`SCALARS`].
+    pub quantity: usize,
+    /// Which mean.
+    pub estimate: Estimator,
+    /// How well.
+    pub limit: Limit,
+}
+
+impl Target {
+    /// The name of its quantity.
+    pub fn name(&self) -> &'static str {
+        SCALARS[self.quantity].name
+    }
+}
+
+/// What an ensemble is to reach, and its size at least and at most.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Stopping {
+    /// At least one; all are to be met.
+    pub targets: Vec<Target>,
+    /// Replicas before the targets are looked at for the first time, in whole groups of any sampling scheme
+    /// unless it is all there may be.
+    pub min_replicas: u64,
+    /// Replicas at most, at least as many, in whole groups of the sampling scheme.
+    pub max_replicas: u64,
+}
 
 /// How well the mean of a target is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -71,8 +133,8 @@ impl Rule<'_> {
         let samples = means.first().map_or(0, |mean| mean.samples);
         let attained = |target: &Target| {
             let (mean, standard_error, interval) = match (means.get(target.quantity), target.estimate) {
-                (Some(of), Estimate::Plain) => (of.mean, of.standard_error, of.interval),
-                (Some(of), Estimate::Controlled) => {
+                (Some(of), Estimator::Plain) => (of.mean, of.standard_error, of.interval),
+                (Some(of), Estimator::Controlled) => {
                     (of.controlled_mean, of.controlled_standard_error, of.controlled_interval)
                 }
                 (None, _) => (f64::NAN, f64::NAN, [f64::NAN; 2]),
@@ -95,9 +157,7 @@ impl Rule<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::scalars::SCALARS;
     use super::*;
-    use crate::scene::QUANTITIES;
 
     fn looks(min_replicas: u64, max_replicas: u64) -> Vec<u64> {
         let stopping = Stopping { targets: Vec::new(), min_replicas, max_replicas };
@@ -117,17 +177,5 @@ mod tests {
         let many = looks(64, 1_000_000_000_000);
         assert!(many.len() < 300 && many.windows(2).all(|pair| pair[0] < pair[1]));
         assert!(many.iter().all(|look| look.is_multiple_of(BATCH)));
-    }
-
-    #[test]
-    fn quantities_of_scenes_are_the_scalars() {
-        assert!(SCALARS.iter().map(|scalar| scalar.name).eq(QUANTITIES.iter().map(|(name, _)| *name)));
-        // The units of a dimension begin with that of SI.
-        let units = SCALARS.iter().map(|scalar| scalar.units.replace(" m-1", "/m"));
-        assert!(
-            units
-                .zip(QUANTITIES)
-                .all(|(units, (_, dimension))| dimension.units().split(", ").next() == Some(&units))
-        );
     }
 }

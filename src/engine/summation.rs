@@ -10,7 +10,7 @@ use crate::surface::{Surface, TRACT};
 use rayon::prelude::*;
 
 /// Replicas that are summed both ways before the run, spread over it.
-const PILOTS: u64 = 4;
+pub const PILOTS: u64 = 4;
 
 /// How the surfaces of a job are summed.
 #[derive(Debug, Default)]

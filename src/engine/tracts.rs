@@ -25,9 +25,9 @@ use rayon::prelude::*;
 use std::cell::Cell;
 
 /// A surface of at most so many tracts is held for the search of its pull-off: 32 MB.
-const HELD: usize = 4;
+pub const HELD: usize = 4;
 /// Tracts for each thread whose sums may wait to be added.
-const AHEAD: usize = 8;
+pub const AHEAD: usize = 8;
 
 /// Whether what is under way has to end.
 pub(super) type Ends<'a> = &'a (dyn Fn() -> bool + Sync);

@@ -2,12 +2,13 @@
 
 use super::integral::{Way, resolving};
 use crate::asperity::{Law, Loop, Quantity, UnloadedRadius};
-use crate::engine::{Attained, Ensemble, Rule, Summation};
+use crate::engine::{Attained, Ensemble, Rule, Stopping, Summation};
+use crate::estimate::Plan;
 use crate::integral::{Expectations, Model};
 use crate::math::control_variates::ControlledMean;
 use crate::math::extrema::Features;
 use crate::math::interpolation::linear;
-use crate::scene::{Plan, Scene, Stopping, Warning};
+use crate::scene::{Scene, Warning};
 use crate::validation::{Basis, JointTest};
 use std::ops::Range;
 use std::time::Duration;

@@ -16,7 +16,7 @@ mod model;
 mod way_back;
 
 pub use controls::controls;
-pub use model::Model;
+pub use model::{Model, reach};
 
 use crate::asperity::{Law, SolverStats};
 use crate::surface::Surface;

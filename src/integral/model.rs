@@ -4,7 +4,7 @@ use super::alike::{AtSeparation, typical};
 use super::{Expectations, TOLERANCE};
 use crate::asperity::{Law, Quantity, SolverStats};
 use crate::math::extrema::maximum;
-use crate::surface::{CountLaw, Part, Surface};
+use crate::surface::{CountLaw, Heights, Part, Surface};
 use rayon::prelude::*;
 
 /// Heights further than this many σ_s from their mean plane are integrated without starting tables.
@@ -30,7 +30,7 @@ impl<'a> Model<'a> {
     pub fn new(law: &'a dyn Law, surface: &'a Surface, separations: &[f64]) -> Self {
         let law_of = |part: &Part| {
             let family = law.family()?;
-            let reach = reach(part, surface, separations);
+            let reach = reach(&part.heights, surface, separations);
             // A few heights are solved faster than a table is made.
             Some(family.law(part.radius, part.heights.values().is_none().then_some(reach)))
         };
@@ -121,11 +121,11 @@ impl Mixture {
     }
 }
 
-/// Interferences, m, of some asperities at separations h, m.
-fn reach(part: &Part, surface: &Surface, separations: &[f64]) -> (f64, f64) {
+/// Interferences, m, that heights about the mean plane of a surface have at separations h, m.
+pub fn reach(heights: &Heights, surface: &Surface, separations: &[f64]) -> (f64, f64) {
     let d = separations.iter().map(|&h| surface.asperity_separation(h));
     let (nearest, furthest) =
         d.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), d| (low.min(d), high.max(d)));
-    let (lowest, highest) = part.heights.reach(HEIGHT_REACH);
+    let (lowest, highest) = heights.reach(HEIGHT_REACH);
     (lowest - furthest, highest - nearest)
 }

@@ -6,11 +6,9 @@ pub mod files;
 mod instability;
 mod keys;
 mod material;
-mod plan;
 mod population;
 mod reader;
 mod separation;
-mod sizes;
 mod stopping;
 pub mod sweep;
 mod table;
@@ -20,16 +18,15 @@ mod validity;
 pub use canonical::difference;
 pub use instability::Instability;
 pub use keys::{Absent, KEYS, Key, Sign, Value};
-pub use plan::{CoreSeconds, Plan, RegimePlan, beyond};
 pub use reader::{Problem, SceneError, nearest, takes_heights};
-pub use sizes::{Choice, Sizes};
-pub use stopping::{Estimate, Limit, QUANTITIES, Stopping, Target};
 pub use sweep::Sweep;
 pub use validity::{Expected, Reading, Warning, WhatIsRead, warnings, warnings_of_scene};
 
 use crate::asperity::models::{MODELS, Model, PUBLISHED_FITS};
 use crate::asperity::scale::{Asperity, Scale, UNIT_RANGE};
 use crate::asperity::{Family, Law, LawError, LawParameters, Loop, Path, Typical, UnloadedRadius};
+use crate::engine::Stopping;
+use crate::integral::reach;
 use crate::surface::{RADIUS_RANGE, SamplingScheme, Surface};
 use files::{Files, Input, NoFiles};
 use material::Material;
@@ -39,9 +36,6 @@ use std::sync::Arc;
 
 /// The scene format that is read.
 pub const FORMAT: u64 = 1;
-
-/// Heights further than this many σ_s from their mean plane are solved without starting tables.
-const HEIGHT_REACH: f64 = 11.0;
 
 /// Tolerances of compressed sums that make sense: below, the rounding of a solve is larger; above, nothing
 /// gets faster.
@@ -231,9 +225,7 @@ impl Scene {
 
     /// The range of interferences, m, that the heights of any replica reach.
     pub fn reach(&self) -> (f64, f64) {
-        let (lowest, highest) = self.surface.heights.reach(HEIGHT_REACH);
-        let d = |h: f64| self.surface.asperity_separation(h);
-        (lowest - d(self.separations[self.separations.len() - 1]), highest - d(self.separations[0]))
+        reach(&self.surface.heights, &self.surface, &self.separations)
     }
 
     /// The adhesion parameter and the units of the scaled variables.

@@ -2,6 +2,7 @@
 
 use super::reader::{Entry, SceneError, Section, Together, all};
 use super::units::Dimension;
+use crate::engine::{Estimator, Limit, SCALARS, Stopping, Target};
 use crate::surface::{STRATA, SamplingScheme};
 use std::ops::RangeInclusive;
 use toml::de::DeValue;
@@ -15,86 +16,6 @@ pub(super) const REPLICAS: RangeInclusive<u64> = 1..=1_000_000_000_000;
 pub(super) const RELATIVE: RangeInclusive<f64> = 1e-9..=0.5;
 /// Most targets of a scene.
 const MOST_TARGETS: usize = 16;
-
-/// The numbers of a replica whose means can be targets, and what they measure; the engine's scalars, in their
-/// order.
-pub const QUANTITIES: [(&str, Dimension); 4] = [
-    ("pull_off_force", Dimension::Force),
-    ("pull_off_separation", Dimension::Length),
-    ("peak_secant_stiffness", Dimension::Stiffness),
-    ("peak_secant_stiffness_separation", Dimension::Length),
-];
-
-/// Which mean a target is for.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Estimate {
-    /// The plain mean.
-    #[default]
-    Plain,
-    /// The mean with control variates.
-    Controlled,
-}
-
-impl Estimate {
-    /// All of them, by name.
-    pub const ALL: [(&'static str, Self); 2] = [("plain", Self::Plain), ("controlled", Self::Controlled)];
-
-    /// Its name in scenes and files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Plain => "plain",
-            Self::Controlled => "controlled",
-        }
-    }
-}
-
-/// How large a standard error may be.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Limit {
-    /// So much of the absolute value of the mean.
-    Relative(f64),
-    /// So much, SI.
-    Absolute(f64),
-}
-
-/// A mean over replicas that is to be known.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Target {
-    /// Index of its quantity in [`QUANTITIES`].
-    pub quantity: usize,
-    /// Which mean.
-    pub estimate: Estimate,
-    /// How well.
-    pub limit: Limit,
-}
-
-impl Target {
-    /// The name of its quantity.
-    pub fn name(&self) -> &'static str {
-        QUANTITIES[self.quantity].0
-    }
-
-    /// The SI unit of its quantity.
-    pub fn unit(&self) -> &'static str {
-        match QUANTITIES[self.quantity].1 {
-            Dimension::Force => "N",
-            Dimension::Stiffness => "N/m",
-            _ => "m",
-        }
-    }
-}
-
-/// What an ensemble is to reach, and its size at least and at most.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Stopping {
-    /// At least one; all are to be met.
-    pub targets: Vec<Target>,
-    /// Replicas before the targets are looked at for the first time, in whole groups of any sampling scheme
-    /// unless it is all there may be.
-    pub min_replicas: u64,
-    /// Replicas at most, at least as many, in whole groups of the sampling scheme.
-    pub max_replicas: u64,
-}
 
 /// The number of replicas of a scene, or the most there may be of them and what ends the run before.
 pub(super) fn replicas(
@@ -148,13 +69,15 @@ fn targets(entry: &Entry<'_>) -> Result<Vec<Target>, SceneError> {
 
 fn target(entry: &Entry<'_>) -> Result<Target, SceneError> {
     let table = entry.table()?;
-    let places: Vec<(&str, usize)> = QUANTITIES.iter().enumerate().map(|(i, (name, _))| (*name, i)).collect();
+    let places: Vec<(&str, usize)> = SCALARS.iter().enumerate().map(|(i, scalar)| (scalar.name, i)).collect();
     let quantity = table.require("quantity").and_then(|entry| entry.choice("quantity", &places));
-    let estimate = table.optional("estimate", |entry| entry.choice("estimate", &Estimate::ALL));
+    let estimate = table.optional("estimate", |entry| entry.choice("estimate", &Estimator::ALL));
     let (quantity, estimate) = (quantity, estimate).together()?;
     let limit = match (table.get("relative_standard_error"), table.get("standard_error")) {
         (Some(relative), None) => Limit::Relative(share(&relative)?),
-        (None, Some(absolute)) => Limit::Absolute(absolute.positive(QUANTITIES[quantity].1)?),
+        (None, Some(absolute)) => {
+            Limit::Absolute(absolute.positive(Dimension::of_units(SCALARS[quantity].units))?)
+        }
         (Some(_), Some(absolute)) => {
             return Err(absolute
                 .wrong("give either relative_standard_error or standard_error; for both, two targets"));

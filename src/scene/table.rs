@@ -7,6 +7,7 @@ use super::units::Dimension as Of;
 use super::{FORMAT, HISTORIES, SUM_TOLERANCES, SUMS, population, separation, stopping, sweep};
 use crate::asperity::UnloadedRadius;
 use crate::asperity::models::MODELS;
+use crate::engine::{Estimator, SCALARS};
 use crate::surface::{CountLaw, SamplingScheme};
 use Absent::{Follows, Is, Required};
 use Sign::{Any, NotNegative, Positive};
@@ -521,7 +522,7 @@ pub static KEYS: &[Key] = &[
     key(
         "ensemble.target.quantity",
         "\"pull_off_force\"",
-        Choice(|| names(&stopping::QUANTITIES)),
+        Choice(|| SCALARS.iter().map(|scalar| scalar.name).collect()),
         Required,
         "the quantity whose mean it is",
         "",
@@ -546,7 +547,7 @@ pub static KEYS: &[Key] = &[
     key(
         "ensemble.target.estimate",
         "\"controlled\"",
-        Choice(|| names(&stopping::Estimate::ALL)),
+        Choice(|| names(&Estimator::ALL)),
         Is("\"plain\""),
         "which mean",
         "`controlled` has the integral as control variate and needs fewer replicas.",

@@ -114,6 +114,15 @@ impl Dimension {
         }
     }
 
+    /// The dimension of an SI unit as files write it.
+    ///
+    /// # Panics
+    /// When no dimension has it, which is an error in this program.
+    pub fn of_units(units: &str) -> Self {
+        let found = UNITS.iter().find(|(dimension, _)| dimension.file_units() == units);
+        found.unwrap_or_else(|| panic!("no dimension has the units {units}")).0
+    }
+
     /// Its units in messages; the spellings with a Greek mu are left out.
     pub fn units(self) -> String {
         let spellings = units(self).iter().map(|(spelling, _)| *spelling).filter(|unit| unit.is_ascii());

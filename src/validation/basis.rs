@@ -1,31 +1,19 @@
 //! Functionals of the force curves for the joint test.
 
+use super::grid::{State, at, grid};
 use super::joint::{Probe, SIGNIFICANCE};
 use super::null::{Cumulants, GrowingCumulants};
 use crate::asperity::{Law, Loop, Scratch, SolverStats, for_each_block};
 use crate::math::linalg::{LARGEST, gram, whitening};
-use crate::surface::{CountLaw, Heights, Part, STRATA, SamplingScheme, Surface};
+use crate::surface::{CountLaw, STRATA, SamplingScheme, Surface};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
-/// Cells, about, of the grid on which the covariance of the law over separations is formed, beside those that
-/// end where a law is not smooth.
-const CELLS: usize = 1000;
-/// Places of the two nodes in a cell, of Gauss's rule.
-const NODES: [f64; 2] = [0.211_324_865_405_187_1, 0.788_675_134_594_812_9];
-/// Heights of each radius in the grid, and most radii.
-const OF_RADIUS: (usize, usize) = (101, 100);
-/// Most given asperities in the grid: of more, every n-th.
-const MOST_GIVEN: usize = 10_000;
-/// The golden ratio less 1: its multiples are spread evenly between whole numbers.
-const GOLDEN: f64 = 0.618_033_988_749_894_9;
-/// The grid covers ± this many σ_s, or all that there is.
-const GRID_REACH: f64 = 8.5;
 /// Most separations that the functionals look at: of more, every n-th, because the eigenvectors cost the cube
 /// of their number.
 const MAX_SEPARATIONS: usize = LARGEST / 2;
 /// Most functionals.
-const MAX_COMPONENTS: usize = 32;
+pub const MAX_COMPONENTS: usize = 32;
 /// Smallest eigenvalue that is kept, relative to the largest.
 const SMALLEST_EIGENVALUE: f64 = 1e-9;
 /// Largest squared skewness of a mean over all replicas that is still treated as Gaussian; for a rare event,
@@ -76,13 +64,6 @@ pub fn basis(
     basis_to(law, surface, separations, scheme, replicas, ACCURACY)
 }
 
-/// A law, and the separation d, m, at which it acts on the heights.
-#[derive(Clone, Copy)]
-struct State<'a> {
-    law: &'a dyn Law,
-    separation: f64,
-}
-
 /// The same for sums that are accurate to the share `accuracy` of F_s + P: left out are also eigenvectors
 /// that vary so little that this would count.
 pub fn basis_to(
@@ -114,9 +95,9 @@ pub fn basis_of_loop(
     basis_of(&states, surface, scheme, replicas, ACCURACY)
 }
 
-/// A law at the separation h, m.
-fn at<'a>(law: &'a dyn Law, surface: &Surface, separation: f64) -> State<'a> {
-    State { law, separation: surface.asperity_separation(separation) }
+/// The number of separations that the functionals look at, of so many.
+pub fn tested_separations(separations: usize) -> usize {
+    separations.div_ceil(separations.div_ceil(MAX_SEPARATIONS).max(1))
 }
 
 fn basis_of(
@@ -182,90 +163,6 @@ struct Contributions {
     /// Ranges of the grid over each of which the mean is not left to chance; none where the number of
     /// asperities is left to it.
     strata: Vec<Range<usize>>,
-}
-
-/// Asperities of the grid that have one law.
-struct Alike {
-    /// Their law, where it is not that of all.
-    law: Option<Box<dyn Law>>,
-    /// Heights, m, rising.
-    heights: Vec<f64>,
-    /// Weight of each.
-    weights: Vec<f64>,
-}
-
-/// The grid: of each radius its heights.
-fn grid(states: &[State<'_>], surface: &Surface, scheme: SamplingScheme) -> Vec<Alike> {
-    let family = states[0].law.family();
-    let mut parts = surface.parts();
-    let given = |part: &Part| part.heights.values().map(|values| values[0]);
-    let each_given = parts.len() > 1 && given(&parts[0]).is_some();
-    let place = |part: &Part| given(part).unwrap_or(part.radius);
-    parts.sort_by(|a, b| place(a).total_cmp(&place(b)));
-    let stride = parts.len().div_ceil(if each_given { MOST_GIVEN } else { OF_RADIUS.1 });
-    let alike = |(index, alike): (usize, &[Part])| {
-        // The middle one stands for its neighbours.
-        let Part { radius, heights, .. } = &alike[alike.len() / 2];
-        let weight: f64 = alike.iter().map(|part| part.weight).sum();
-        let law = family.map(|family| family.law(*radius, None));
-        let (heights, weights) = match (heights.values(), &law) {
-            (Some(values), _) => {
-                let heights: Vec<f64> =
-                    values.iter().step_by(values.len().div_ceil(MOST_GIVEN)).copied().collect();
-                let weights = vec![1.0; heights.len()];
-                (heights, weights)
-            }
-            (None, None) => cells(states, heights, scheme),
-            (None, Some(_)) => shifted(heights, libm::fmod(index as f64 * GOLDEN, 1.0)),
-        };
-        let total: f64 = weights.iter().sum();
-        Alike { law, heights, weights: weights.into_iter().map(|share| weight * share / total).collect() }
-    };
-    parts.chunks(stride).enumerate().map(alike).collect()
-}
-
-/// Heights, m, rising, and their weights: nodes in cells on each of which all that is integrated is smooth.
-fn cells(states: &[State<'_>], heights: &Heights, scheme: SamplingScheme) -> (Vec<f64>, Vec<f64>) {
-    let mut ends = divided(heights, CELLS);
-    let (low, high) = (ends[0], ends[ends.len() - 1]);
-    for state in states {
-        ends.extend(state.law.pieces().iter().map(|piece| piece.upper + state.separation));
-    }
-    match scheme {
-        SamplingScheme::Independent => {}
-        // Opposite heights are a pair.
-        SamplingScheme::Antithetic => ends.extend(ends.clone().iter().map(|end| -end)),
-        SamplingScheme::Stratified => {
-            ends.extend((1..STRATA).map(|i| heights.gaussian_quantile(i as f64 / STRATA as f64)));
-        }
-    }
-    ends.retain(|end| (low..=high).contains(end));
-    ends.sort_by(f64::total_cmp);
-    ends.dedup();
-    let nodes = ends
-        .windows(2)
-        .flat_map(|ends| NODES.map(|place| (ends[0] + place * (ends[1] - ends[0]), ends[1] - ends[0])));
-    nodes.map(|(u, width)| (u, heights.density(u) * width)).unzip()
-}
-
-/// Heights, m, rising, and their weights: one in each of even cells at the same share of it, so that over
-/// many radii they lie densely.
-fn shifted(heights: &Heights, share: f64) -> (Vec<f64>, Vec<f64>) {
-    let ends = divided(heights, OF_RADIUS.0);
-    let nodes = ends.windows(2).map(|ends| (ends[0] + share * (ends[1] - ends[0]), ends[1] - ends[0]));
-    nodes.map(|(u, width)| (u, heights.density(u) * width)).unzip()
-}
-
-/// Ends of about so many cells of a law of heights, m, rising.
-fn divided(heights: &Heights, cells: usize) -> Vec<f64> {
-    let (low, high) = heights.reach(GRID_REACH);
-    let panels = heights.panels(low, high);
-    let each = cells.div_ceil(panels.len() - 1);
-    let within = |ends: &[f64]| {
-        let (low, width) = (ends[0], ends[1] - ends[0]);
-        (0..each).map(move |i| low + width * i as f64 / each as f64)
-    };
-    panels.windows(2).flat_map(within).chain(panels.last().copied()).collect()
 }
 
 fn contributions(states: &[State<'_>], surface: &Surface, scheme: SamplingScheme) -> Contributions {

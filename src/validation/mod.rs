@@ -9,11 +9,13 @@
 
 mod basis;
 pub mod finite_size;
+mod grid;
 mod joint;
 mod null;
 mod several;
 
-pub use basis::{Basis, basis, basis_of_loop, basis_to};
+pub use basis::{Basis, MAX_COMPONENTS, basis, basis_of_loop, basis_to, tested_separations};
+pub use grid::GridSize;
 pub use joint::{JointTest, Probe, SIGNIFICANCE, Verdict};
 pub use null::Cumulants;
 pub use several::{Difference, disagreeing, overall};

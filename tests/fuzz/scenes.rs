@@ -8,8 +8,9 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use stiction::asperity::models::{MODELS, Model};
+use stiction::estimate::{Estimate, Plan};
 use stiction::scene::files::NoFiles;
-use stiction::scene::{Document, Plan, Scene, Sizes};
+use stiction::scene::{Document, Scene};
 
 /// Time that reading takes at most: for any text, and for each byte of it; a hundred times what it does take.
 const TIME: (Duration, Duration) = (Duration::from_millis(20), Duration::from_micros(5));
@@ -182,9 +183,10 @@ fn can_be_planned(scene: &Scene, model: &Model) {
     match scene.law_of(model) {
         Ok(law) => {
             let plan = Plan::new(scene, law.as_ref());
-            let sizes = Sizes::new(scene, law.as_ref(), 4);
-            let seconds = plan.core_seconds.on_threads(&sizes);
-            let numbers = [plan.beyond, plan.pairs, sizes.memory(), sizes.disk()].into_iter().chain(seconds);
+            let estimate = Estimate::new(scene, law.as_ref(), 4);
+            let seconds = estimate.seconds();
+            let numbers =
+                [plan.beyond, plan.pairs, estimate.memory(), estimate.disk()].into_iter().chain(seconds);
             assert!(
                 numbers.into_iter().all(|number| number >= 0.0),
                 "{}: {plan:?}\n{}",

@@ -14,6 +14,7 @@ use crate::asperity::laws::fit::FORCES;
 use crate::asperity::models::Model;
 use crate::asperity::{FitReport, Law, Quantity, Scratch, SolverStats, for_each_block};
 use crate::engine::{Ensemble, Outcome, ReductionTree, Summation};
+use crate::estimate::{Estimate, beyond};
 use crate::experiment::Phases;
 use crate::experiment::integral::{Integral, Way};
 use crate::experiment::sampling::{Sampling, basis_of, cross_check};
@@ -22,7 +23,7 @@ use crate::math::extrema::Features;
 use crate::output::OutputLock;
 use crate::output::schema::COMPARISON;
 use crate::output::writer::Writer;
-use crate::scene::{Instability, Scene, Sizes, Warning, beyond, warnings_of_scene};
+use crate::scene::{Instability, Scene, Warning, warnings_of_scene};
 use crate::validation::{Cumulants, JointTest};
 use std::sync::atomic::AtomicBool;
 
@@ -102,9 +103,9 @@ pub(super) fn compare(arguments: &CompareArguments) -> Result<(), Failure> {
     let pool = thread_pool(arguments.execution.threads)?;
     if arguments.ensemble {
         let largest = laws.iter().max_by_key(|law| law.regimes().len()).expect("a law is required");
-        let sizes = Sizes::new(&scene, largest.as_ref(), pool.current_num_threads());
-        let sizes = Sizes { ensembles: laws.len() as f64, curves: false, ..sizes };
-        resources::require(&arguments.scene, &sizes, arguments.output.as_deref())?;
+        let estimate = Estimate::new(&scene, largest.as_ref(), pool.current_num_threads());
+        let estimate = Estimate { ensembles: laws.len() as f64, curves: false, ..estimate };
+        resources::require(&arguments.scene, &estimate, arguments.output.as_deref())?;
     }
     let mut progress = Progress::new(arguments.execution.quiet);
     let mut phases = Phases::new(&mut progress);

@@ -53,7 +53,7 @@ const UNEVEN: f64 = 1e-9;
 const HEIGHT_REACH: [f64; 2] = [10.0, 16.0];
 /// Most periods and separations: with more there are few asperities in each, and their moments take more
 /// memory than direct sums and no less time.
-const MOST_PERIODS: f64 = 4e3;
+pub const MOST_PERIODS: f64 = 4e3;
 
 /// Why sums are not compressed.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
@@ -118,13 +118,11 @@ impl Compression {
         if !separations.iter().enumerate().all(even) {
             return Err(Unfit::Uneven);
         }
-        let heavy = !matches!(surface.heights.law, HeightLaw::Gaussian | HeightLaw::Truncated(_));
-        let reach = HEIGHT_REACH[usize::from(heavy)] * surface.heights.std;
-        if 2.0 * reach / step + separations.len() as f64 > MOST_PERIODS {
+        if periods(surface, step) + separations.len() as f64 > MOST_PERIODS {
             return Err(Unfit::TooFine(step / surface.heights.std));
         }
         let pieces = law.pieces();
-        let geometry = Geometry::new(&pieces, separations[0], step, separations.len(), reach);
+        let geometry = Geometry::new(&pieces, separations[0], step, separations.len(), reach(surface));
         let offsets: Vec<Offset> =
             geometry.offsets().map(|j| Offset::new(law, &pieces, &geometry, j, tolerance)).collect();
         let terms = offsets.iter().filter_map(Offset::terms).max().unwrap_or(1);
@@ -163,6 +161,17 @@ impl Compression {
         }
         surface.asperity_count as f64 * probability / self.separations.len() as f64
     }
+}
+
+/// The farthest that heights are binned from their mean plane, m.
+fn reach(surface: &Surface) -> f64 {
+    let heavy = !matches!(surface.heights.law, HeightLaw::Gaussian | HeightLaw::Truncated(_));
+    HEIGHT_REACH[usize::from(heavy)] * surface.heights.std
+}
+
+/// The number of periods of a step, m.
+pub fn periods(surface: &Surface, step: f64) -> f64 {
+    2.0 * reach(surface) / step
 }
 
 /// The largest error of compressed against direct curves of one surface: of forces relative to F_s + P of the

@@ -23,7 +23,7 @@ const TOGETHER: usize = 8;
 const LOOKS: f64 = 8.0;
 
 /// Parts of a space between samples, m, none of which is wider than `spacing`, m.
-pub(super) fn parts(width: f64, spacing: f64) -> f64 {
+pub fn parts(width: f64, spacing: f64) -> f64 {
     (width / spacing).ceil().clamp(1.0, MOST_BETWEEN)
 }
 

@@ -1,0 +1,128 @@
+//! What a run of a scene computes, and what it skips and why.
+
+use crate::asperity::{Law, Regime};
+use crate::scene::Scene;
+
+/// A regime that is expected less often than this in the whole run, at the separation that reaches it most, is called skipped.
+const NEVER: f64 = 1e-6;
+
+/// A regime of a scene.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RegimePlan {
+    /// The regime.
+    pub regime: Regime,
+    /// Interferences from, m; −∞ for the first.
+    pub lower: f64,
+    /// Interferences to, m; may be +∞.
+    pub upper: f64,
+    /// Expected asperities per replica, averaged over the separations.
+    pub asperities: f64,
+    /// Expected asperities in the whole run at the separation that reaches the regime most.
+    most: f64,
+}
+
+impl RegimePlan {
+    /// Whether no asperity is expected in the whole run.
+    fn is_skipped(&self) -> bool {
+        self.most < NEVER
+    }
+}
+
+/// The plan of a run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plan {
+    /// The regimes.
+    pub regimes: Vec<RegimePlan>,
+    /// What is skipped, and why, a line each.
+    pub skips: Vec<String>,
+    /// Expected asperities per replica beyond the law's last regime, where it has no force, at the separation with most of
+    /// them.
+    pub beyond: f64,
+    /// Asperity-separations of the run.
+    pub pairs: f64,
+}
+
+impl Plan {
+    /// The plan of a scene under its law.
+    pub fn new(scene: &Scene, law: &dyn Law) -> Self {
+        let regimes = regimes(scene, law);
+        let pairs = scene.surface.asperity_count as f64 * scene.states() as f64 * scene.replicas as f64;
+        Self { skips: skips(scene, law, &regimes), beyond: beyond(scene, law), pairs, regimes }
+    }
+}
+
+/// The regimes of a scene under its law.
+pub(super) fn regimes(scene: &Scene, law: &dyn Law) -> Vec<RegimePlan> {
+    let (n, replicas) = (scene.surface.asperity_count as f64, scene.replicas as f64);
+    let mut lower = f64::NEG_INFINITY;
+    let mut plans = Vec::new();
+    for (i, &regime) in law.regimes().iter().enumerate() {
+        let upper = law.boundaries().get(i).map_or(f64::INFINITY, |boundary| boundary.interference);
+        let expected = scene.separations.iter().map(|&h| {
+            let d = scene.surface.asperity_separation(h);
+            n * scene.surface.heights.probability(lower + d, upper + d)
+        });
+        let (sum, most) = expected.fold((0.0, 0.0_f64), |(sum, most), e| (sum + e, most.max(e)));
+        let asperities = sum / scene.separations.len() as f64;
+        plans.push(RegimePlan { regime, lower, upper, asperities, most: most * replicas });
+        lower = upper;
+    }
+    plans
+}
+
+/// Expected asperities per replica beyond the law's last regime, where it has no force, at the separation with most of them.
+pub fn beyond(scene: &Scene, law: &dyn Law) -> f64 {
+    let Some(end) = law.boundaries().get(law.regimes().len() - 1) else { return 0.0 };
+    let smallest = scene.surface.asperity_separation(scene.separations[0]);
+    let share = scene.surface.heights.probability(end.interference + smallest, f64::INFINITY);
+    scene.surface.asperity_count as f64 * share
+}
+
+fn skips(scene: &Scene, law: &dyn Law, regimes: &[RegimePlan]) -> Vec<String> {
+    let mut skips = Vec::new();
+    let dry = scene.asperity.lubricant_thickness == 0.0;
+    if dry {
+        skips.push("lubricant regime: the scene is dry".to_owned());
+    } else if scene.model.validity.dry {
+        skips.push("lubricant: this law knows none, the asperities are dry".to_owned());
+    } else {
+        skips.push("solves in the lubricant regime: its force is constant".to_owned());
+    }
+    let never: Vec<&str> = regimes
+        .iter()
+        .filter(|plan| plan.is_skipped() && !(dry && plan.regime == Regime::Lubricant))
+        .map(|plan| plan.regime.name())
+        .collect();
+    if !never.is_empty() {
+        skips.push(format!("{}: no asperity expected there in the whole run", never.join(", ")));
+    }
+    if let Some(far) = law.far().filter(|_| !scene.surface.is_scattered()) {
+        let share = |h: &f64| {
+            let d = scene.surface.asperity_separation(*h);
+            scene.surface.heights.probability(f64::NEG_INFINITY, far + d)
+        };
+        let share = scene.separations.iter().map(share).sum::<f64>() / scene.separations.len() as f64;
+        skips.push(format!(
+            "solves more than {:.3} nm before contact: a series, for {:.3} % of asperities and separations",
+            -1e9 * far,
+            100.0 * share
+        ));
+    }
+    let loads =
+        regimes.iter().filter(|plan| !plan.regime.is_contact()).map(|plan| plan.asperities).sum::<f64>();
+    let all = scene.surface.asperity_count as f64;
+    skips.push(format!(
+        "load and area where nothing touches: {:.3} % of asperities and separations",
+        100.0 * loads / all
+    ));
+    if let Some(tolerance) = scene.sum_tolerance {
+        skips.push(format!("asperities one by one: sums by moments to {tolerance:e}, if a trial meets it"));
+    }
+    if !scene.surface.is_scattered() {
+        skips.push("one lambda for all asperities: what depends on it is made once".to_owned());
+    }
+    if !scene.curves {
+        skips.push("curves of single replicas: not asked for".to_owned());
+    }
+    skips
+}

@@ -1,0 +1,318 @@
+//! The size of a run, and the memory, disk and time that follow from it.
+//!
+//! They follow from what the parts of the program hold at once; `tests/sizes.rs` has memory within a factor of 2 of what a
+//! run takes.
+
+use super::time::{Cost, step};
+use crate::asperity::Law;
+use crate::engine::compressed::{LANES, MOST_PERIODS, periods};
+use crate::engine::{AHEAD, BATCH, HELD, PILOTS, batches_of};
+use crate::output::writer::CURVE_CHUNK;
+use crate::scene::Scene;
+use crate::surface::TRACT;
+use crate::validation::{GridSize, MAX_COMPONENTS, tested_separations};
+
+/// Bytes of a number.
+const NUMBER: f64 = 8.0;
+/// Bytes that the program takes for nothing.
+const PROGRAM: f64 = 11e6;
+/// Bytes that are kept of every replica, and those of what is written of it at once.
+const REPLICA: f64 = 64.0 + 24.0;
+/// Bytes of an asperity that is binned for its moments: its height as drawn and in its bin, and the number of the bin.
+const BINNED: f64 = 20.0;
+/// Asperities that wait at a separation to be solved although sums are by moments: bytes of each, and about their share for
+/// a step of the separations of 1 σ_s; the finer the steps, the fewer.
+const QUEUED: (f64, f64) = (42.0, 0.045);
+/// Bytes of the moments of a period, of a dozen segments.
+const PERIOD: f64 = 16e3;
+/// Bytes of an asperity in the search for the pull-off, on approach and on the retraction of a loop.
+const SEARCHED: (f64, f64) = (14.0, 80.0);
+/// Bytes of the sums of a chunk that wait to be added: for a regime, and for a period.
+const WAITING: (f64, f64) = (56.0, 1.5e3);
+/// Bytes that the search for the pull-off of a large surface counts in.
+const COUNTED: f64 = 1e7;
+
+/// The size of a run, from which follows what it takes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Estimate {
+    /// Asperities of a replica.
+    pub asperities: f64,
+    /// States that a surface is summed in: separations, of a loop twice.
+    pub separations: f64,
+    /// Whether surfaces are pulled back.
+    pub is_loop: bool,
+    /// Regimes of the law.
+    pub regimes: f64,
+    /// Replicas.
+    pub replicas: f64,
+    /// Replicas of a group of the sampling scheme.
+    pub group: f64,
+    /// Threads.
+    pub threads: f64,
+    /// Ensembles that are kept: one for each law.
+    pub ensembles: f64,
+    /// Periods of moments; none where sums are direct.
+    pub periods: Option<f64>,
+    /// Step of the separations, in σ_s.
+    pub step: f64,
+    /// Grid of the joint test.
+    pub grid: GridSize,
+    /// Whether the curves of every replica are kept.
+    pub curves: bool,
+    /// Files of such a run that are on the disk at once.
+    pub files: f64,
+    /// Numbers that are kept of the snaps of a replica.
+    pub snaps: f64,
+    /// Core time of its parts.
+    pub cost: Cost,
+}
+
+impl Estimate {
+    /// The estimate of a scene under its law, on so many threads.
+    pub fn new(scene: &Scene, law: &dyn Law, threads: usize) -> Self {
+        let separations = scene.separations.len();
+        let snaps = 3 * scene.instability.stiffness.len() * (1 + scene.instability.preload.len());
+        let step = step(scene);
+        let periods = scene.sum_tolerance.map(|_| periods(&scene.surface, step * scene.surface.heights.std));
+        Self {
+            asperities: scene.surface.asperity_count as f64,
+            separations: scene.states() as f64,
+            is_loop: scene.cycle,
+            regimes: law.regimes().len() as f64,
+            replicas: scene.replicas as f64,
+            group: scene.sampling.group() as f64,
+            threads: threads as f64,
+            ensembles: 1.0,
+            periods: periods.filter(|periods| periods + separations as f64 <= MOST_PERIODS),
+            step,
+            grid: GridSize::new(law, &scene.surface),
+            curves: scene.curves,
+            files: 1.0,
+            snaps: snaps as f64,
+            cost: Cost::new(scene, law),
+        }
+    }
+
+    /// Batches of the run.
+    fn batches(&self) -> f64 {
+        batches_of(self.replicas as u64) as f64
+    }
+
+    /// Whether surfaces are drawn and summed in chunks, which threads share.
+    fn is_divided(&self) -> bool {
+        self.asperities > TRACT as f64
+    }
+
+    /// Threads that have something to compute: a batch, or a chunk of one.
+    pub fn workers(&self) -> f64 {
+        let chunks = if self.is_divided() { (self.asperities / TRACT as f64).ceil() } else { 1.0 };
+        self.threads.min(self.batches() * chunks)
+    }
+
+    /// Pilot replicas that are summed both ways at the same time.
+    fn pilots(&self) -> f64 {
+        self.threads.min(PILOTS as f64).min(self.replicas)
+    }
+
+    /// Memory at its largest, bytes.
+    pub fn memory(&self) -> f64 {
+        let (s, r) = (self.separations, self.regimes);
+        let moments = NUMBER * s * (20.0 + 6.0 * r);
+        let kept = if self.curves { 2.0 * NUMBER * BATCH as f64 * s } else { 0.0 };
+        // A batch that is computed, and for each as many that wait to be merged.
+        let batches = 3.0 * self.threads.min(self.batches()) * (moments + kept);
+        // Sums of batches wait in a tree of so many levels, half of which have any, and once more as what a checkpoint holds.
+        let waiting = (1.0 + self.batches().log2().max(0.0)) * moments;
+        let of_replicas = (REPLICA + 2.0 * NUMBER * self.snaps) * self.replicas;
+        let functionals = 2.0 * NUMBER * MAX_COMPONENTS as f64 * s;
+        let ensembles = self.ensembles * (moments + waiting + of_replicas + functionals);
+        let integral = s * (100.0 * r + 24.0 * NUMBER);
+        let file = if self.curves { 4.0 * NUMBER * CURVE_CHUNK as f64 * s } else { 0.0 };
+        // What is needed one after the other: the grid of the joint test, then the surfaces.
+        PROGRAM + ensembles + integral + file + self.functionals().max(batches + self.surfaces())
+    }
+
+    /// Bytes of the grid of the joint test, its copy, and the matrix of its products.
+    fn functionals(&self) -> f64 {
+        let tested = tested_separations(self.separations as usize);
+        let columns = 2.0 * tested as f64;
+        NUMBER * (2.0 * self.grid.asperities(tested) * columns + 2.0 * columns * columns)
+    }
+
+    /// Bytes of the surfaces, or chunks of them, that are summed at the same time.
+    fn surfaces(&self) -> f64 {
+        let n = self.asperities.min(TRACT as f64);
+        let of_search = if self.is_loop { SEARCHED.1 } else { SEARCHED.0 };
+        let searched = n * of_search;
+        let direct = NUMBER * n + searched;
+        let held = match self.asperities <= (HELD * TRACT) as f64 {
+            true => self.asperities * (NUMBER + of_search),
+            false => 0.0,
+        };
+        let Some(periods) = self.periods else {
+            let waiting = AHEAD as f64 * WAITING.0 * self.separations * self.regimes;
+            return match self.is_divided() {
+                false => self.workers() * direct,
+                true => COUNTED + self.workers() * (NUMBER * n + waiting) + held,
+            };
+        };
+        let queued = QUEUED.0 * (QUEUED.1 * self.step).min(0.5) * n * self.separations;
+        let moments = PERIOD * periods;
+        let pilots = self.pilots() * (BINNED * n + queued + direct + moments);
+        let lanes = self.replicas.min(LANES as f64);
+        let run = match self.is_divided() {
+            false => self.workers() * (lanes * BINNED * n + queued + searched + moments),
+            true => {
+                // Each chunk is queued in as many pieces as there are lanes.
+                let waiting = AHEAD as f64 * WAITING.1 * periods;
+                let chunk = BINNED * n + queued / LANES as f64 + moments + waiting;
+                COUNTED + moments + self.workers() * chunk + held
+            }
+        };
+        run.max(pilots)
+    }
+
+    /// Disk, bytes: what is kept of the replicas, and for curves the file beside the result that they are collected in and
+    /// as much in the result, as they may not become smaller there.
+    pub fn disk(&self) -> f64 {
+        let curves = if self.curves { 2.0 * 2.0 * NUMBER * self.separations * self.replicas } else { 0.0 };
+        let means = NUMBER * self.separations * (60.0 + 6.0 * self.regimes + 2.0 * MAX_COMPONENTS as f64);
+        let replicas = (128.0 + 2.0 * NUMBER * self.snaps) * self.replicas;
+        self.files * (2e5 + means + replicas + curves)
+    }
+
+    /// Seconds that the phases take one after the other: integral, functionals, ensemble.
+    pub fn seconds(&self) -> [f64; 3] {
+        let Cost { integral, functionals, pilot, replica } = self.cost;
+        let rounds = (self.batches() / self.threads).ceil();
+        let share = if self.is_divided() { 1.0 / self.workers() } else { rounds / self.batches() };
+        let pilots = pilot * (PILOTS as f64).min(self.replicas) / self.pilots();
+        [integral / self.threads, functionals, pilots + replica * self.replicas * share]
+    }
+}
+
+/// One of the sizes that a user may choose smaller.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Choice {
+    /// Asperities, by the nominal area.
+    Asperities,
+    /// Separations.
+    Separations,
+    /// Replicas.
+    Replicas,
+    /// Threads.
+    Threads,
+}
+
+impl Choice {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::Asperities, Self::Separations, Self::Replicas, Self::Threads];
+
+    /// The fewest that make a run; any multiple of replicas does too.
+    fn least(self, estimate: &Estimate) -> f64 {
+        match self {
+            Self::Separations => 2.0,
+            Self::Replicas => estimate.group,
+            Self::Asperities | Self::Threads => 1.0,
+        }
+    }
+
+    fn of(self, estimate: &mut Estimate) -> &mut f64 {
+        match self {
+            Self::Asperities => &mut estimate.asperities,
+            Self::Separations => &mut estimate.separations,
+            Self::Replicas => &mut estimate.replicas,
+            Self::Threads => &mut estimate.threads,
+        }
+    }
+
+    /// About the most of these, all else being as it is, for which `needed` bytes are at most `limit`, to two digits; `None`
+    /// when not even the fewest do.
+    pub fn most(self, estimate: &Estimate, limit: f64, needed: impl Fn(&Estimate) -> f64) -> Option<u64> {
+        let fits = |value: f64| {
+            let mut smaller = *estimate;
+            *self.of(&mut smaller) = value;
+            needed(&smaller) <= limit
+        };
+        let (mut low, mut high) = (self.least(estimate), *self.of(&mut { *estimate }));
+        if !fits(low) {
+            return None;
+        }
+        while high - low > 1.0 {
+            let middle = (0.5 * (low + high)).floor();
+            if fits(middle) { low = middle } else { high = middle }
+        }
+        let step = if self == Self::Replicas { estimate.group } else { 1.0 };
+        let two_digits = libm::pow(10.0, libm::log10(low).floor() - 1.0).max(1.0);
+        let rounded = (low / two_digits).floor() * two_digits;
+        Some(((rounded / step).floor() * step).max(self.least(estimate)) as u64)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const RUN: Estimate = Estimate {
+        is_loop: false,
+        asperities: 1e6,
+        separations: 100.0,
+        regimes: 6.0,
+        replicas: 1e9,
+        group: 1.0,
+        threads: 64.0,
+        ensembles: 1.0,
+        periods: None,
+        step: 0.05,
+        grid: GridSize { fixed: 2000, per_separation: 10 },
+        curves: false,
+        files: 1.0,
+        snaps: 0.0,
+        cost: Cost { integral: 1.0, functionals: 1.0, pilot: 0.0, replica: 1.0 },
+    };
+
+    #[test]
+    fn what_fits_is_the_most_that_does() {
+        for choice in [Choice::Asperities, Choice::Replicas, Choice::Threads] {
+            let with = |value: u64| {
+                let mut run = RUN;
+                *choice.of(&mut run) = value as f64;
+                run.memory()
+            };
+            let limit = 0.5 * (with(1) + RUN.memory());
+            let most = choice.most(&RUN, limit, Estimate::memory).unwrap();
+            assert!(
+                most > 1 && with(most) <= limit && with(most + most / 10 + 1) > limit,
+                "{choice:?}: {most}"
+            );
+        }
+        let most = Choice::Replicas.most(&Estimate { group: 8.0, ..RUN }, 50e9, Estimate::memory);
+        assert!(most.is_some_and(|most| most.is_multiple_of(8)), "{most:?}");
+        // Two digits of what fits, and whole groups of it, are what fits to a tenth.
+        let with = |replicas: u64| Estimate { replicas: replicas as f64, ..RUN }.memory();
+        assert!(most.is_some_and(|most| with(most) <= 50e9 && with(most + most / 10 + 8) > 50e9), "{most:?}");
+        // A billion replicas do not fit, however few the asperities.
+        assert_eq!(Choice::Asperities.most(&RUN, 50e9, Estimate::memory), None);
+    }
+
+    /// A surface that is divided takes no more memory with more asperities, and all threads.
+    #[test]
+    fn chunks_take_as_much_memory_however_many() {
+        for periods in [None, Some(400.0)] {
+            let one = Estimate { asperities: 1e9, replicas: 1.0, periods, ..RUN };
+            assert_eq!(one.memory(), Estimate { asperities: 1e12, ..one }.memory());
+            assert_eq!((one.is_divided(), one.workers()), (true, 64.0));
+            assert_eq!(Estimate { asperities: 3e6, ..one }.workers(), 3.0);
+            let held = Estimate { asperities: TRACT as f64, ..one };
+            assert_eq!((held.is_divided(), held.workers()), (false, 1.0));
+        }
+    }
+
+    #[test]
+    fn curves_take_disk() {
+        let curves = Estimate { curves: true, ..RUN };
+        assert_eq!(curves.disk() - RUN.disk(), 32.0 * 1e9 * 100.0);
+        let most = Choice::Replicas.most(&curves, 1e9, Estimate::disk).unwrap() as f64;
+        assert!((most * 3304.0 / 1e9 - 1.0).abs() < 0.05, "{most}");
+    }
+}

@@ -1,0 +1,84 @@
+//! The core time of a run.
+
+use super::plan::regimes;
+use crate::asperity::Law;
+use crate::engine::parts_of;
+use crate::scene::Scene;
+use crate::surface::TRACT;
+use crate::validation::{GridSize, tested_separations};
+
+/// Nanoseconds of a replica by moments, about: for each asperity, and for each separation.
+const MOMENTS: (f64, f64) = (30.0, 700.0);
+/// Nanoseconds of an asperity of a surface in chunks that is drawn again, twice, and looked at.
+const AGAIN: f64 = 30.0;
+/// Nanoseconds of making the law of an asperity, where each has its own, and of a solve of that law.
+const SCATTERED: (f64, f64) = (30e3, 400.0);
+/// Nanoseconds of an asperity that is drawn and sorted, about, and of a surface at a separation, however few its asperities.
+const DIRECT: (f64, f64) = (40.0, 700.0);
+/// Spaces between separations in which the search for the pull-off solves a surface, and how many times more it does.
+const SEARCH: (f64, f64) = (3.0, 5.0);
+/// Of the integral: evaluations on a panel, panels of all heights, nanoseconds of the density of one of them, and how many
+/// times the cost in full blocks one takes.
+const INTEGRAL: (f64, f64, f64, f64) = (60.0, 17.0, 30.0, 3.0);
+/// Nanoseconds of the joint test: for each height of its grid and separation, for each height and pair of separations, for
+/// each triple.
+const FUNCTIONALS: (f64, f64, f64) = (40.0, 0.12, 0.8);
+
+/// Core seconds of the parts of a run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cost {
+    /// The integral, which threads share.
+    pub integral: f64,
+    /// The functionals of the joint test, which one thread finds.
+    pub functionals: f64,
+    /// A replica that is summed both ways before a run by moments.
+    pub pilot: f64,
+    /// A replica; threads share them batch by batch, or chunk by chunk of each surface.
+    pub replica: f64,
+}
+
+/// The step of the separations of a scene, in σ_s.
+pub(super) fn step(scene: &Scene) -> f64 {
+    let last = scene.separations.len() - 1;
+    (scene.separations[last] - scene.separations[0]) / last as f64 / scene.surface.heights.std
+}
+
+impl Cost {
+    /// The cost of a scene under its law.
+    pub(super) fn new(scene: &Scene, law: &dyn Law) -> Self {
+        let (n, separations) = (scene.surface.asperity_count as f64, &scene.separations);
+        let s = scene.states() as f64;
+        let regimes = regimes(scene, law);
+        let is_scattered = scene.surface.is_scattered();
+        let of_asperity = |i: usize| match law.constant(i) {
+            None if is_scattered => SCATTERED.1,
+            _ => law.cost(i),
+        };
+        let solving: f64 = regimes.iter().enumerate().map(|(i, plan)| plan.asperities * of_asperity(i)).sum();
+        let between = parts_of(step(scene)) - 1.0;
+        // After each preload a surface is pulled back by itself.
+        let turns = separations.len() * scene.instability.preload.len();
+        let searched = SEARCH.0.min(s - 1.0) * between + SEARCH.1 + turns as f64;
+        let making = if is_scattered { SCATTERED.0 } else { 0.0 };
+        let direct = (DIRECT.0 + making) * n + (s + searched) * (DIRECT.1 + solving);
+        let again = if scene.surface.asperity_count > TRACT { AGAIN * n } else { 0.0 };
+        let moments = MOMENTS.0 * n + MOMENTS.1 * s + again;
+        let (replica, pilot) = match scene.sum_tolerance {
+            Some(_) => (moments, (TRACT as f64 / n).min(1.0) * (direct + moments)),
+            None => (direct, 0.0),
+        };
+        let parts = scene.surface.parts().len() as f64;
+        let dearest = (0..regimes.len()).map(|regime| law.cost(regime)).fold(0.0, f64::max);
+        let panels = INTEGRAL.1 + 2.0 * law.pieces().len() as f64;
+        let tested = tested_separations(scene.states());
+        let columns = tested as f64;
+        let grid = GridSize::new(law, &scene.surface).asperities(tested);
+        let functionals = grid * (FUNCTIONALS.0 * columns + FUNCTIONALS.1 * columns * columns);
+        Self {
+            integral: 1e-9 * parts * s * INTEGRAL.0 * panels * (INTEGRAL.2 + INTEGRAL.3 * dearest),
+            functionals: 1e-9 * (functionals + FUNCTIONALS.2 * columns.powi(3)),
+            pilot: 1e-9 * pilot,
+            replica: 1e-9 * replica,
+        }
+    }
+}

@@ -1,0 +1,142 @@
+//! The grid of asperities on which the functionals of the joint test are found.
+
+use crate::asperity::Law;
+use crate::surface::{Heights, Part, STRATA, SamplingScheme, Surface};
+
+/// Cells, about, of the grid on which the covariance of the law over separations is formed, beside those that
+/// end where a law is not smooth.
+const CELLS: usize = 1000;
+/// Places of the two nodes in a cell, of Gauss's rule.
+const NODES: [f64; 2] = [0.211_324_865_405_187_1, 0.788_675_134_594_812_9];
+/// Heights of each radius in the grid, and most radii.
+const OF_RADIUS: (usize, usize) = (101, 100);
+/// Most given asperities in the grid: of more, every n-th.
+const MOST_GIVEN: usize = 10_000;
+/// The golden ratio less 1: its multiples are spread evenly between whole numbers.
+const GOLDEN: f64 = 0.618_033_988_749_894_9;
+/// The grid covers ± this many σ_s, or all that there is.
+const GRID_REACH: f64 = 8.5;
+
+/// The size of the grid of a law and a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GridSize {
+    /// Asperities whatever the separations, about.
+    pub fixed: usize,
+    /// Asperities for each separation.
+    pub per_separation: usize,
+}
+
+impl GridSize {
+    /// The size for a law and a surface.
+    pub fn new(law: &dyn Law, surface: &Surface) -> Self {
+        let fixed = match (surface.heights.values(), law.family()) {
+            (Some(given), _) => given.len().min(MOST_GIVEN),
+            (None, Some(_)) => OF_RADIUS.0 * OF_RADIUS.1,
+            (None, None) => {
+                return Self { fixed: NODES.len() * CELLS, per_separation: NODES.len() * law.pieces().len() };
+            }
+        };
+        Self { fixed, per_separation: 0 }
+    }
+
+    /// Asperities for so many separations, about.
+    pub fn asperities(&self, separations: usize) -> f64 {
+        (self.fixed + self.per_separation * separations) as f64
+    }
+}
+
+/// A law, and the separation d, m, at which it acts on the heights.
+#[derive(Clone, Copy)]
+pub(super) struct State<'a> {
+    pub law: &'a dyn Law,
+    pub separation: f64,
+}
+
+/// A law at the separation h, m.
+pub(super) fn at<'a>(law: &'a dyn Law, surface: &Surface, separation: f64) -> State<'a> {
+    State { law, separation: surface.asperity_separation(separation) }
+}
+
+/// Asperities of the grid that have one law.
+pub(super) struct Alike {
+    /// Their law, where it is not that of all.
+    pub law: Option<Box<dyn Law>>,
+    /// Heights, m, rising.
+    pub heights: Vec<f64>,
+    /// Weight of each.
+    pub weights: Vec<f64>,
+}
+
+/// The grid: of each radius its heights.
+pub(super) fn grid(states: &[State<'_>], surface: &Surface, scheme: SamplingScheme) -> Vec<Alike> {
+    let family = states[0].law.family();
+    let mut parts = surface.parts();
+    let given = |part: &Part| part.heights.values().map(|values| values[0]);
+    let each_given = parts.len() > 1 && given(&parts[0]).is_some();
+    let place = |part: &Part| given(part).unwrap_or(part.radius);
+    parts.sort_by(|a, b| place(a).total_cmp(&place(b)));
+    let stride = parts.len().div_ceil(if each_given { MOST_GIVEN } else { OF_RADIUS.1 });
+    let alike = |(index, alike): (usize, &[Part])| {
+        // The middle one stands for its neighbours.
+        let Part { radius, heights, .. } = &alike[alike.len() / 2];
+        let weight: f64 = alike.iter().map(|part| part.weight).sum();
+        let law = family.map(|family| family.law(*radius, None));
+        let (heights, weights) = match (heights.values(), &law) {
+            (Some(values), _) => {
+                let heights: Vec<f64> =
+                    values.iter().step_by(values.len().div_ceil(MOST_GIVEN)).copied().collect();
+                let weights = vec![1.0; heights.len()];
+                (heights, weights)
+            }
+            (None, None) => cells(states, heights, scheme),
+            (None, Some(_)) => shifted(heights, libm::fmod(index as f64 * GOLDEN, 1.0)),
+        };
+        let total: f64 = weights.iter().sum();
+        Alike { law, heights, weights: weights.into_iter().map(|share| weight * share / total).collect() }
+    };
+    parts.chunks(stride).enumerate().map(alike).collect()
+}
+
+/// Heights, m, rising, and their weights: nodes in cells on each of which all that is integrated is smooth.
+fn cells(states: &[State<'_>], heights: &Heights, scheme: SamplingScheme) -> (Vec<f64>, Vec<f64>) {
+    let mut ends = divided(heights, CELLS);
+    let (low, high) = (ends[0], ends[ends.len() - 1]);
+    for state in states {
+        ends.extend(state.law.pieces().iter().map(|piece| piece.upper + state.separation));
+    }
+    match scheme {
+        SamplingScheme::Independent => {}
+        // Opposite heights are a pair.
+        SamplingScheme::Antithetic => ends.extend(ends.clone().iter().map(|end| -end)),
+        SamplingScheme::Stratified => {
+            ends.extend((1..STRATA).map(|i| heights.gaussian_quantile(i as f64 / STRATA as f64)));
+        }
+    }
+    ends.retain(|end| (low..=high).contains(end));
+    ends.sort_by(f64::total_cmp);
+    ends.dedup();
+    let nodes = ends
+        .windows(2)
+        .flat_map(|ends| NODES.map(|place| (ends[0] + place * (ends[1] - ends[0]), ends[1] - ends[0])));
+    nodes.map(|(u, width)| (u, heights.density(u) * width)).unzip()
+}
+
+/// Heights, m, rising, and their weights: one in each of even cells at the same share of it, so that over
+/// many radii they lie densely.
+fn shifted(heights: &Heights, share: f64) -> (Vec<f64>, Vec<f64>) {
+    let ends = divided(heights, OF_RADIUS.0);
+    let nodes = ends.windows(2).map(|ends| (ends[0] + share * (ends[1] - ends[0]), ends[1] - ends[0]));
+    nodes.map(|(u, width)| (u, heights.density(u) * width)).unzip()
+}
+
+/// Ends of about so many cells of a law of heights, m, rising.
+fn divided(heights: &Heights, cells: usize) -> Vec<f64> {
+    let (low, high) = heights.reach(GRID_REACH);
+    let panels = heights.panels(low, high);
+    let each = cells.div_ceil(panels.len() - 1);
+    let within = |ends: &[f64]| {
+        let (low, width) = (ends[0], ends[1] - ends[0]);
+        (0..each).map(move |i| low + width * i as f64 / each as f64)
+    };
+    panels.windows(2).flat_map(within).chain(panels.last().copied()).collect()
+}

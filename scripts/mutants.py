@@ -25,8 +25,8 @@ from switches import ROOT, TARGET, Build, Unfit, side_by_side
 PLACE = TARGET / "mutants"
 # The terminal's rooms.
 LEFT_OUT = ("src/cli/", "src/main.rs")
-# Test programs that take long, need an emulator or another processor, or only repeat with random input what others check.
-UNUSED = {"fuzz", "processors", "terminal", "instruction_sets", "interruption", "large_surfaces"}
+# Files of the suite that take long, need an emulator or another processor, or only repeat what others check.
+UNUSED = {"processors", "terminal", "instruction_sets", "interruption", "large_surfaces"}
 # A test that takes more seconds of a processor by itself is not used.
 SLOWEST = 8
 # For one mutant, tests of so many seconds of a processor in all.
@@ -145,10 +145,10 @@ def main():
     sample = random.Random(arguments.seed).sample(everything, min(arguments.count, len(everything)))
     build = Build(PLACE, sample, edit)
     print(f"{len(everything)} mutants are listed, {len(sample)} drawn, {sum('left out' in m for m in sample)} left out", flush=True)
-    build.build_tests(path.stem for path in (ROOT / "tests").glob("*.rs") if path.stem not in UNUSED)
+    build.build_tests()
     kept = Kept(arguments, build)
     if kept.values["tests"] is None:
-        kept.values["tests"] = build.trace(SLOWEST)
+        kept.values["tests"] = build.trace(SLOWEST, UNUSED)
         kept.save()
     tests, results = kept.values["tests"], kept.values["results"]
     print(f"{len(tests)} tests, {sum(test['seconds'] for test in tests):.0f} s", flush=True)

@@ -38,7 +38,7 @@ def wrong(mutation):
     if count != 1 or mutation["find"] == mutation["replace"]:
         return f"{mutation['file']}: occurs {count} times, once is needed: {mutation['find']!r}"
     program, _, test = mutation["test"].partition("::")
-    files = (ROOT / "src").rglob("*.rs") if program == "lib" else [ROOT / "tests" / f"{program}.rs"]
+    files = (ROOT / "src").rglob("*.rs") if program == "lib" else [ROOT / "tests" / "suite" / f"{program}.rs"]
     if not any(f"fn {test.split('::')[-1]}(" in path.read_text() for path in files):
         return f"{mutation['mistake']}: there is no test {mutation['test']}"
     return None
@@ -74,7 +74,7 @@ def judged(build, mutations, numbers):
     """For each of some mistakes of a build what becomes of it: its test has to pass without it, and to fail with it."""
     tests = sorted({mutations[number]["test"] for number in numbers})
     begun = time.monotonic()
-    build.build_tests({test.split("::")[0] for test in tests})
+    build.build_tests()
     print(f"the build of tests: {time.monotonic() - begun:.0f} s", flush=True)
     without = dict(zip(tests, side_by_side(lambda test: build.run(test, ENDLESS), tests), strict=True))
 
@@ -115,7 +115,7 @@ def main():
     together = [number for number, mutation in enumerate(mutations) if "left out" not in mutation]
     alone = [number for number, mutation in enumerate(mutations) if "left out" in mutation]
     if arguments.find:
-        build.build_tests(path.stem for path in (ROOT / "tests").glob("*.rs"))
+        build.build_tests()
         tests = build.trace(SLOWEST)
         for number in together:
             print(f"{mutations[number]['mistake']}\n  {' by '.join(build.judge(number, tests))}", flush=True)

@@ -19,8 +19,8 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 TARGET = ROOT / os.environ.get("CARGO_TARGET_DIR", "target")
-# The program that all of tests/ is a module of.
-TOGETHER = "together"
+# The test program that all files of tests/suite are modules of.
+SUITE = "suite"
 # A test is ended after so many times the seconds of a processor that it takes, and some more.
 PATIENCE = (3.0, 2.0)
 # And after so many seconds, if it takes no processor.
@@ -202,32 +202,31 @@ class Build:
                 self.changes[number]["left out"] = "does not compile"
             self.write()
 
-    def build_tests(self, names):
-        """Builds test programs, `lib` for the unit tests: all of tests/ as modules of one, which takes a third of the time."""
-        modules = "".join(f'#[path = "{name}.rs"]\nmod {name};\n' for name in sorted(names) if name != "lib")
-        self.put(f"tests/{TOGETHER}.rs", modules.encode())
-        code, messages, errors = self.cargo("test", "--no-run", "--lib", "--test", TOGETHER)
+    def build_tests(self):
+        """Builds the unit tests, `lib`, and the suite."""
+        code, messages, errors = self.cargo("test", "--no-run", "--lib", "--test", SUITE)
         if code:
             sys.exit(errors[-3000:])
         built = [m for m in messages if m.get("reason") == "compiler-artifact" and m.get("executable") and m["profile"]["test"]]
-        self.programs = {("lib" if "lib" in m["target"]["kind"] else TOGETHER): m["executable"] for m in built}
+        self.programs = {("lib" if "lib" in m["target"]["kind"] else SUITE): m["executable"] for m in built}
 
     def command(self, test):
-        """Runs one test, named program::test."""
+        """Runs one test, named as in the suite, or lib:: and as in the unit tests."""
         is_unit = test.startswith("lib::")
         name = test.removeprefix("lib::")
-        return [self.programs["lib" if is_unit else TOGETHER], "--exact", name, "--test-threads", "1"]
+        return [self.programs["lib" if is_unit else SUITE], "--exact", name, "--test-threads", "1"]
 
-    def tests(self):
-        """Names of all tests that are not ignored."""
+    def tests(self, unused=()):
+        """Names of all tests that are not ignored, but for those of files of the suite that are `unused`."""
 
         def listed(program, *more):
             listing = subprocess.run([self.programs[program], "--list", *more], cwd=self.tree, capture_output=True, text=True).stdout
             return {line.removesuffix(": test") for line in listing.splitlines() if line.endswith(": test")}
 
-        return sorted(
+        names = sorted(
             ("lib::" if program == "lib" else "") + test for program in self.programs for test in listed(program) - listed(program, "--ignored")
         )
+        return [name for name in names if name.split("::")[0] not in unused]
 
     def run(self, test, limit, **switch):
         """Runs one test by itself, with a limit of seconds of a processor for each of its processes: whether it passes, or None when it
@@ -250,7 +249,7 @@ class Build:
         child.returncode = code = os.waitstatus_to_exitcode(status)
         return (None if -code in (signal.SIGXCPU, signal.SIGKILL) else code == 0), usage.ru_utime + usage.ru_stime
 
-    def trace(self, slowest):
+    def trace(self, slowest, unused=()):
         """Every test that takes at most so many seconds of a processor: its name, its seconds, and the changes that it reaches; the quickest
         first."""
 
@@ -264,7 +263,7 @@ class Build:
                 print(f"not used: {test} ({'slow' if passed is None else 'fails by itself'})", flush=True)
             return {"test": test, "seconds": seconds, "reaches": numbers, "is used": bool(passed)}
 
-        return sorted((test for test in side_by_side(traced, self.tests()) if test["is used"]), key=lambda test: test["seconds"])
+        return sorted((test for test in side_by_side(traced, self.tests(unused)) if test["is used"]), key=lambda test: test["seconds"])
 
     def judge(self, number, tests, budget=math.inf):
         """What becomes of a change by the tests that reach it, of so many seconds in all, and by which test."""

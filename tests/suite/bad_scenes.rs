@@ -1,0 +1,692 @@
+//! Scenes that are wrong: a line for each problem names the key, its line, what was given and what would do;
+//! the exit code is 2 and nothing is written.
+
+mod keys;
+
+use std::collections::BTreeSet;
+use std::path::Path;
+use std::process::Command;
+use std::sync::Arc;
+use stiction::estimate::Plan;
+use stiction::output::columns::SceneFiles;
+use stiction::scene::{Document, KEYS};
+
+const QUICK: &str = include_str!("../data/quick.toml");
+
+/// What is replaced in the quick scene, by what, and what the message has to say.
+const CASES: &[(&str, &str, &[&str])] = &[
+    ("[material]", "[material", &["line 5", "not TOML"]),
+    ("seed = 1", "seed = 1\nseed = 2", &["not TOML", "duplicate key"]),
+    ("format = 1", "", &["`format` is missing"]),
+    ("format = 1", "format = 7", &["line 2", "`format = 7`", "format 1"]),
+    ("hardness =", "hardnes =", &["line 7", "unknown key `material.hardnes`", "did you mean `hardness`?"]),
+    ("[ensemble]", "[ensembel]", &["unknown key `ensembel`", "did you mean `ensemble`?"]),
+    (
+        "[material]",
+        "[material]\ncolour = 3",
+        &["line 6", "unknown key `material.colour`", "known here: reduced_modulus"],
+    ),
+    ("hardness = \"2.5 GPa\"", "", &["`material.hardness` is missing; for example hardness = \"2.5 GPa\""]),
+    (
+        "equilibrium_spacing = \"0.2 nm\"",
+        "",
+        &["`material.equilibrium_spacing` is missing; for example equilibrium_spacing = \"0.2 nm\""],
+    ),
+    (
+        "equilibrium_spacing = \"0.2 nm\"",
+        "equilibrium_spacing = 0.2",
+        &["a length is needed, such as \"0.2 nm\" (m, mm, um, nm, angstrom, pm)"],
+    ),
+    (
+        "reduced_modulus =",
+        "youngs_modulus =",
+        &[
+            "a list of two is needed",
+            "is reduced_modulus, 1/E_r = (1 - nu1^2)/E1 + (1 - nu2^2)/E2",
+            "`material.poissons_ratio` is missing",
+        ],
+    ),
+    (
+        "reduced_modulus =",
+        "e_star =",
+        &["did you mean `reduced_modulus`, 1/E_r = (1 - nu1^2)/E1 + (1 - nu2^2)/E2 of the two bodies?"],
+    ),
+    (
+        "[material]",
+        "[material]\nyoungs_modulus = [\"169 GPa\", \"70 GPa\"]\npoissons_ratio = [0.22, 0.27]",
+        &[
+            "line 6: `material.youngs_modulus",
+            "line 7: `material.poissons_ratio",
+            "same as reduced_modulus; give either",
+        ],
+    ),
+    (
+        "reduced_modulus = \"85.29 GPa\"",
+        "youngs_modulus = [\"169 GPa\", \"70 GPa\"]",
+        &["`material.poissons_ratio` is missing; for example poissons_ratio = [0.22, 0.27]"],
+    ),
+    (
+        "reduced_modulus = \"85.29 GPa\"",
+        "youngs_modulus = [\"169 GPa\", 70]\npoissons_ratio = [0.22, 0.6]",
+        &[
+            "line 6: `material.youngs_modulus[1] = 70`: the unit is missing",
+            "line 7: `material.poissons_ratio[1] = 0.6`: a Poisson ratio",
+        ],
+    ),
+    (
+        "reduced_modulus = \"85.29 GPa\"",
+        "youngs_modulus = [\"169 GPa\", \"70 GPa\"]\npoissons_ratio = [0.22, 0.33]",
+        &["`material.poisson_ratio = 0.27`: is that of the softer body, one of the two of poissons_ratio"],
+    ),
+    (
+        "[material]",
+        "[material]\nsurface_energy = [\"50 mJ/m^2\", \"60 mJ/m^2\"]",
+        &["line 6: `material.surface_energy", "same as work_of_adhesion; give either"],
+    ),
+    (
+        "work_of_adhesion = \"0.09 J/m^2\"",
+        "surface_energy = [\"50 mJ/m^2\", \"60 mJ/m^2\"]\ninterface_energy = \"110 mJ/m^2\"",
+        &["`material.interface_energy = \"110 mJ/m^2\"`: is not less than the sum of surface_energy"],
+    ),
+    (
+        "work_of_adhesion = \"0.09 J/m^2\"",
+        "surface_energy = \"50 mJ/m^2\"\ninterface_energy = 0",
+        &["`material.surface_energy = \"50 mJ/m^2\"`: a list of two is needed", "is work_of_adhesion"],
+    ),
+    ("work_of_adhesion =", "gamma =", &["unknown key `material.gamma`; did you mean `work_of_adhesion`"]),
+    ("surface_height_std =", "sigma =", &["unknown key `surface.sigma`; did you mean `surface_height_std`?"]),
+    ("asperity_density =", "density =", &["unknown key `surface.density`; did you mean `asperity_density`?"]),
+    ("[surface]", "[surface]\nseed = 2", &["unknown key `surface.seed`; did you mean `ensemble.seed`?"]),
+    ("law = \"hybrid\"", "law = \"JKR\"", &["unknown law (did you mean \"jkr\"?)"]),
+    (
+        "asperity_radius = \"3.33 um\"",
+        "asperity_radius = \"3,33 um\"",
+        &["has a decimal comma; a point is needed", "such as \"3.33 um\""],
+    ),
+    (
+        "asperity_radius = \"3.33 um\"",
+        "asperity_radius = \"3 GPa\"",
+        &["line 13", "`surface.asperity_radius = \"3 GPa\"`", "that of a pressure", "a length is needed"],
+    ),
+    ("asperity_radius = \"3.33 um\"", "asperity_radius = \"3.33 parsec\"", &["unknown unit `parsec`", "nm"]),
+    ("asperity_radius = \"3.33 um\"", "asperity_radius = 3.33", &["the unit is missing", "\"3.33 um\""]),
+    ("asperity_radius = \"3.33 um\"", "asperity_radius = \"3.33\"", &["the unit is missing"]),
+    ("asperity_radius = \"3.33 um\"", "asperity_radius = true", &["is a boolean", "a length is needed"]),
+    ("asperity_radius = \"3.33 um\"", "asperity_radius = \"nan um\"", &["is not finite"]),
+    ("asperity_radius = \"3.33 um\"", "asperity_radius = \"inf um\"", &["is not finite"]),
+    ("asperity_radius = \"3.33 um\"", "asperity_radius = \"-1 um\"", &["has to be greater than 0"]),
+    ("asperity_radius = \"3.33 um\"", "asperity_radius = \"0 um\"", &["has to be greater than 0"]),
+    ("asperity_radius = \"3.33 um\"", "asperity_radius = \"large um\"", &["does not begin with a number"]),
+    ("poisson_ratio = 0.27", "poisson_ratio = nan", &["`material.poisson_ratio = nan`", "finite"]),
+    ("poisson_ratio = 0.27", "poisson_ratio = 0.7", &["at most 0.5"]),
+    ("lubricant_thickness = \"0.5 nm\"", "lubricant_thickness = \"-0.5 nm\"", &["must not be negative"]),
+    (
+        "surface_height_std = \"1.619 nm\"",
+        "surface_height_std = \"0.1 pm\"",
+        &["sigma_s^2", "negative", "surface_height_std"],
+    ),
+    ("surface_height_std = \"1.619 nm\"", "", &["neither surface_height_std nor asperity_height_std"]),
+    ("nominal_area = \"100 um^2\"", "nominal_area = \"0.01 um^2\"", &["surface.nominal_area", "asperities"]),
+    ("count = 91", "count = 1", &["separation.h_star.count", "from 2 to"]),
+    ("{ from = -1.0, to = 8.0, count = 91 }", "[1.0]", &["has 1 separations", "2 to"]),
+    ("{ from = -1.0, to = 8.0, count = 91 }", "[1.0, 3.0, 2.0]", &["separation.h_star[2] = 2.0", "rise"]),
+    ("{ from = -1.0, to = 8.0, count = 91 }", "[1.0, 2.0, 2.0]", &["separation.h_star[2]", "rise"]),
+    ("{ from = -1.0, to = 8.0, count = 91 }", "[1.0, nan]", &["separation.h_star[1]", "finite"]),
+    ("to = 8.0", "to = -2.0", &["greater than `from`"]),
+    ("h_star = {", "h = [\"1 nm\", \"2 nm\"]\nh_star = {", &["either h or h_star"]),
+    (
+        "h_star = { from = -1.0, to = 8.0, count = 91 }",
+        "h = { from = 1, to = 8, count = 91 }",
+        &["separation.h.from", "the unit is missing"],
+    ),
+    ("law = \"hybrid\"", "law = \"md_kin\"", &["unknown law", "did you mean \"md_kim\"?", "fit:paper"]),
+    (
+        "path = \"approach\"",
+        "critical_approach = \"0.3 nm\"",
+        &["line 21", "model.critical_approach", "the law hybrid finds its own", "only fit:paper takes it"],
+    ),
+    (
+        "path = \"approach\"",
+        "path = \"approach\"\nunloaded_radius = \"elastic\"",
+        &["line 22", "model.unloaded_radius", "pulled back after they were pressed", "path = \"loop\""],
+    ),
+    (
+        "path = \"approach\"",
+        "path = \"loop\"\nunloaded_radius = \"flat\"",
+        &["unknown unloaded_radius", "known: kept, elastic"],
+    ),
+    ("replicas = 200", "replicas = 0", &["`ensemble.replicas = 0`", "from 1 to"]),
+    ("replicas = 200", "replicas = 2.5", &["`ensemble.replicas = 2.5`", "whole number"]),
+    (
+        "replicas = 200",
+        "replicas = 201\nsampling = \"antithetic\"",
+        &["line 27", "`ensemble.replicas = 201`", "needs a multiple of 2 replicas, such as 200 or 202"],
+    ),
+    (
+        "seed = 1",
+        "seed = 1\nsampling = \"stratifed\"",
+        &["unknown sampling", "did you mean \"stratified\"?", "known: independent, antithetic, stratified"],
+    ),
+    ("seed = 1", "seed = -1", &["`ensemble.seed = -1`", "whole number"]),
+    (
+        "law = \"hybrid\"",
+        "law = \"hybird\"",
+        &["line 20", "unknown law", "did you mean \"hybrid\"?", "known: hybrid, emd"],
+    ),
+    ("path = \"approach\"", "path = \"sideways\"", &["unknown path", "approach, retraction"]),
+    ("equilibrium_spacing = \"0.2 nm\"", "equilibrium_spacing = \"0.2 m\"", &["lambda", "outside 1e-6..1e6"]),
+    (
+        "equilibrium_spacing = \"0.2 nm\"",
+        "equilibrium_spacing = \"1e-9 pm\"",
+        &["lambda", "outside 1e-6..1e6"],
+    ),
+    ("curves = false", "curves = \"no\"", &["output.curves", "true or false"]),
+    (
+        "[output]",
+        "[solver]\nsums = \"compressed\"\n[output]",
+        &["line 31", "unknown key `solver.sums`", "did you mean `sum`?"],
+    ),
+    (
+        "[output]",
+        "[solver]\nthreads = 3\n[output]",
+        &["line 31", "unknown key `solver.threads`", "known here: sum, tolerance"],
+    ),
+    (
+        "[output]",
+        "[solver]\nsum = \"fast\"\n[output]",
+        &["line 31", "`solver.sum = \"fast\"`", "unknown sum", "known: direct, compressed"],
+    ),
+    ("[output]", "[solver]\nsum = true\n[output]", &["line 31", "`solver.sum = true`", "text"]),
+    (
+        "[output]",
+        "[solver]\ntolerance = 1e-9\n[output]",
+        &[
+            "line 31",
+            "`solver.tolerance = 1e-9`",
+            "direct sums have no tolerance",
+            "sum = \"compressed\" has one",
+        ],
+    ),
+    (
+        "[output]",
+        "[solver]\nsum = \"direct\"\ntolerance = 1e-9\n[output]",
+        &["line 32", "`solver.tolerance = 1e-9`", "direct sums have no tolerance"],
+    ),
+    (
+        "[output]",
+        "[solver]\nsum = \"compressed\"\ntolerance = 0\n[output]",
+        &["line 32", "`solver.tolerance = 0`", "between 1e-13 and 1e-3"],
+    ),
+    (
+        "[output]",
+        "[solver]\nsum = \"compressed\"\ntolerance = 1e-20\n[output]",
+        &["line 32", "`solver.tolerance = 1e-20`", "between 1e-13 and 1e-3"],
+    ),
+    (
+        "[output]",
+        "[solver]\nsum = \"compressed\"\ntolerance = 1\n[output]",
+        &["line 32", "`solver.tolerance = 1`", "between 1e-13 and 1e-3"],
+    ),
+    (
+        "[output]",
+        "[solver]\nsum = \"compressed\"\ntolerance = nan\n[output]",
+        &["line 32", "`solver.tolerance = nan`", "finite"],
+    ),
+    (
+        "[output]",
+        "[solver]\nsum = \"compressed\"\ntolerance = \"1e-9\"\n[output]",
+        &["line 32", "`solver.tolerance = \"1e-9\"`", "number"],
+    ),
+    ("[output]", "solver = 3\n[output]", &["`ensemble.solver`"]),
+    (
+        "path = \"approach\"",
+        "path = \"lop\"",
+        &["line 21", "unknown path", "did you mean \"loop\"?", "known: approach, retraction, loop"],
+    ),
+    (
+        "h_star = {",
+        "stiffness_span = 0.2\nh_star = {",
+        &["line 24", "`separation.stiffness_span = 0.2`", "the unit is missing"],
+    ),
+    (
+        "h_star = {",
+        "stiffness_span = \"15 nm\"\nh_star = {",
+        &["line 24", "`separation.stiffness_span = \"15 nm\"`", "reach over 1.4571", "within them"],
+    ),
+    (
+        "h_star = {",
+        "stiffness_span = \"1e-9 nm\"\nh_star = {",
+        &["line 24", "`separation.stiffness_span", "lost in rounding"],
+    ),
+    (
+        "[output]",
+        "[instability]\n[output]",
+        &["`instability.stiffness` is missing", "stiffness = \"100 kN/m\""],
+    ),
+    (
+        "[output]",
+        "[instability]\nstiffness = 5\n[output]",
+        &["line 31", "`instability.stiffness = 5`", "the unit is missing", "a stiffness is needed"],
+    ),
+    (
+        "[output]",
+        "[instability]\nstiffness = [\"5 N/m\", \"5 nm\"]\n[output]",
+        &["line 31", "`instability.stiffness[1] = \"5 nm\"`", "that of a length"],
+    ),
+    (
+        "[output]",
+        "[instability]\nstiffness = \"-5 N/m\"\n[output]",
+        &["`instability.stiffness", "must not be negative"],
+    ),
+    (
+        "[output]",
+        "[instability]\nstiffness = []\n[output]",
+        &["`instability.stiffness = []`", "has 0 values"],
+    ),
+    (
+        "[output]",
+        "[instability]\nstiffness = 0\npreload = \"1 mN\"\n[output]",
+        &["line 32", "`instability.preload = \"1 mN\"`", "path = \"loop\""],
+    ),
+    (
+        "path = \"approach\"",
+        "path = \"loop\"\n[instability]\nstiffness = 0\npreload = [\"0 N\"]",
+        &["line 24", "`instability.preload[0] = \"0 N\"`", "greater than 0"],
+    ),
+    (
+        "[output]",
+        "[instability]\nstiffness = 0\nsmallest_snap = \"1 N\"\n[output]",
+        &["line 32", "`instability.smallest_snap = \"1 N\"`", "that of a force", "a length is needed"],
+    ),
+    (
+        "[output]",
+        "[instability]\nstifness = 0\n[output]",
+        &["line 31", "`instability.stifness`", "did you mean `stiffness`?"],
+    ),
+    ("format = 1", "format = 1\nsolver = 3", &["line 3", "`solver = 3`", "a table [solver] is needed"]),
+];
+
+#[test]
+fn every_mistake_is_named_and_nothing_is_written() {
+    for (from, to, messages) in CASES {
+        assert_eq!(QUICK.matches(from).count(), 1, "{from} is not unique in the quick scene");
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("scene.toml"), QUICK.replace(from, to)).unwrap();
+        for command in ["run", "check"] {
+            let output = Command::new(env!("CARGO_BIN_EXE_stiction"))
+                .args([command, "scene.toml"])
+                .current_dir(folder.path())
+                .output()
+                .unwrap();
+            let error = String::from_utf8_lossy(&output.stderr).into_owned();
+            assert_eq!(output.status.code(), Some(2), "{from} -> {to}: {error}");
+            for message in *messages {
+                assert!(error.contains(message), "{from} -> {to}: no \"{message}\" in\n{error}");
+            }
+            assert!(error.starts_with("stiction: scene.toml: "), "{error}");
+            assert_eq!(
+                std::fs::read_dir(folder.path()).unwrap().count(),
+                1,
+                "{from} -> {to}: something was written"
+            );
+        }
+    }
+}
+
+/// All problems are told at once, a line each, in the order of the lines; a misspelt key is not missing too,
+/// and nothing follows from what could not be read.
+#[test]
+fn all_problems_are_told_at_once() {
+    let changes = [
+        ("hardness = \"2.5 GPa\"", "hardnes = \"2.5 GPa\""),
+        ("poisson_ratio = 0.27", "poisson_ratio = 0.7"),
+        ("equilibrium_spacing = \"0.2 nm\"\n", ""),
+        ("asperity_radius = \"3.33 um\"", "asperity_radius = \"3,33 um\""),
+        ("asperity_density = \"7.39 /um^2\"", "asperity_density = \"7.39 um\""),
+        ("\"hybrid\"", "\"Hybrid\""),
+        ("count = 91", "count = 1"),
+        ("seed = 1", "seed = 1.5"),
+        ("curves = false", "curves = 0\ncurve = true"),
+    ];
+    let scene = changes.iter().fold(QUICK.to_owned(), |scene, (from, to)| {
+        assert!(scene.contains(from), "{from}");
+        scene.replace(from, to)
+    });
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("scene.toml"), scene).unwrap();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_stiction"));
+    let output = command.args(["run", "scene.toml"]).current_dir(folder.path()).output().unwrap();
+    let message = String::from_utf8(output.stderr).unwrap();
+    let lines: Vec<&str> = message.lines().collect();
+    let expected = [
+        "stiction: scene.toml: 10 problems",
+        "  line 7: unknown key `material.hardnes`; did you mean `hardness`?",
+        "  line 8: `material.poisson_ratio = 0.7`: a Poisson ratio",
+        "  line 12: `surface.asperity_radius = \"3,33 um\"`: has a decimal comma",
+        "  line 13: `surface.asperity_density = \"7.39 um\"`: the unit is that of a length",
+        "  line 19: `model.law = \"Hybrid\"`: unknown law (did you mean \"hybrid\"?)",
+        "  line 23: `separation.h_star.count = 1`: a whole number from 2",
+        "  line 27: `ensemble.seed = 1.5`: a whole number",
+        "  line 30: `output.curves = 0`: true or false",
+        "  line 31: unknown key `output.curve`; did you mean `curves`?",
+        "  `material.equilibrium_spacing` is missing; for example equilibrium_spacing = \"0.2 nm\"",
+    ];
+    assert_eq!(lines.len(), expected.len(), "{message}");
+    lines
+        .iter()
+        .zip(expected)
+        .for_each(|(line, expected)| assert!(line.starts_with(expected), "{line}\n{expected}"));
+}
+
+/// Many problems are told up to a number.
+#[test]
+fn endless_problems_end() {
+    let folder = tempfile::tempdir().unwrap();
+    let many: String = (0..1000).map(|i| format!("colour{i} = 1\n")).collect();
+    std::fs::write(folder.path().join("scene.toml"), QUICK.replace("[output]", &format!("[output]\n{many}")))
+        .unwrap();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_stiction"));
+    let output = command.args(["check", "scene.toml"]).current_dir(folder.path()).output().unwrap();
+    let message = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(message.lines().count(), 22, "{message}");
+    assert!(message.ends_with("  [...] there are more problems\n"), "{message}");
+}
+
+/// The keys of a scene that the others of [`variants`] change.
+const PLAIN: [&str; 19] = [
+    "format",
+    "title",
+    "material.reduced_modulus",
+    "material.hardness",
+    "material.poisson_ratio",
+    "material.work_of_adhesion",
+    "material.equilibrium_spacing",
+    "surface.asperity_radius",
+    "surface.asperity_density",
+    "surface.surface_height_std",
+    "surface.nominal_area",
+    "surface.lubricant_thickness",
+    "model.law",
+    "model.path",
+    "separation.h_star",
+    "separation.stiffness_span",
+    "ensemble.replicas",
+    "ensemble.seed",
+    "output.curves",
+];
+
+/// What is taken away from the plain scene, added to it with the key's own example, and added with a value
+/// that the others need.
+type Variant = (&'static [&'static str], &'static [&'static str], &'static [(&'static str, &'static str)]);
+
+const OF_SPECTRUM: &[&str] =
+    &["surface.asperity_radius", "surface.asperity_density", "surface.surface_height_std"];
+
+const VARIANTS: &[Variant] = &[
+    (&[], &["solver.sum", "solver.tolerance", "ensemble.sampling"], &[]),
+    (
+        &["surface.surface_height_std", "separation.h_star", "ensemble.replicas"],
+        &[
+            "surface.asperity_height_std",
+            "surface.mean_plane_offset",
+            "separation.h",
+            "ensemble.target",
+            "ensemble.min_replicas",
+            "ensemble.max_replicas",
+        ],
+        &[("surface.surface_height_std", "\"1.7 nm\"")],
+    ),
+    (
+        &["material.reduced_modulus", "material.work_of_adhesion"],
+        &[
+            "material.youngs_modulus",
+            "material.poissons_ratio",
+            "material.surface_energy",
+            "material.interface_energy",
+        ],
+        &[],
+    ),
+    (&[], &["surface.heights", "surface.radii", "surface.count"], &[]),
+    (
+        &[],
+        &[
+            "surface.heights.law",
+            "surface.heights.shape",
+            "surface.radii.law",
+            "surface.radii.coefficient_of_variation",
+        ],
+        &[],
+    ),
+    (&[], &["surface.heights.lower", "surface.heights.upper"], &[("surface.heights.law", "\"truncated\"")]),
+    (
+        &["surface.asperity_radius"],
+        &[
+            "surface.heights.path",
+            "surface.heights.column",
+            "surface.heights.unit",
+            "surface.radii.path",
+            "surface.radii.column",
+            "surface.radii.unit",
+        ],
+        &[("surface.heights.law", "\"file\""), ("surface.radii.law", "\"file\"")],
+    ),
+    (
+        &["surface.asperity_radius"],
+        &["surface.heights.dataset", "surface.radii.dataset"],
+        &[
+            ("surface.heights.law", "\"file\""),
+            ("surface.heights.path", "\"asperities.h5\""),
+            ("surface.heights.unit", "\"m\""),
+            ("surface.radii.law", "\"file\""),
+            ("surface.radii.path", "\"asperities.h5\""),
+            ("surface.radii.unit", "\"m\""),
+        ],
+    ),
+    (&[], &["surface.summits"], &[]),
+    (OF_SPECTRUM, &["surface.spectrum"], &[]),
+    (OF_SPECTRUM, &["surface.spectrum.m0", "surface.spectrum.m2", "surface.spectrum.m4"], &[]),
+    (OF_SPECTRUM, &["surface.asperities"], &[]),
+    (OF_SPECTRUM, &["surface.asperities.path", "surface.asperities.sample"], &[]),
+    (&["model.law"], &["model.critical_approach"], &[("model.law", "\"fit:paper\"")]),
+    (&["separation.h_star"], &["separation.h.from", "separation.h.to", "separation.h.count"], &[]),
+    (
+        &["separation.h_star"],
+        &["separation.h_star.from", "separation.h_star.to", "separation.h_star.count"],
+        &[],
+    ),
+    (
+        &["ensemble.replicas"],
+        &["ensemble.target.quantity", "ensemble.target.relative_standard_error", "ensemble.target.estimate"],
+        &[],
+    ),
+    (&["ensemble.replicas"], &["ensemble.target.quantity", "ensemble.target.standard_error"], &[]),
+    (
+        &["model.path"],
+        &[
+            "model.unloaded_radius",
+            "instability.stiffness",
+            "instability.preload",
+            "instability.smallest_snap",
+        ],
+        &[("model.path", "\"loop\"")],
+    ),
+    (&[], &["sweep"], &[]),
+    (
+        &[],
+        &["sweep.mode", "sweep.common_random_numbers", "sweep.*.count", "sweep.*.spacing"],
+        &[("sweep.*.from", "\"0.1 GPa\""), ("sweep.*.to", "\"10 GPa\"")],
+    ),
+];
+
+fn example(key: &str) -> &'static str {
+    KEYS.iter().find(|known| known.name == key).unwrap_or_else(|| panic!("no key {key}")).example
+}
+
+/// The scene of a variant.
+fn scene_of((without, with, given): &Variant) -> String {
+    let plain =
+        PLAIN.iter().filter(|key| !without.contains(key) && !given.iter().any(|(name, _)| name == *key));
+    let examples = plain.chain(with.iter()).map(|key| (*key, example(key)));
+    let values: Vec<(String, &str)> = examples
+        .chain(given.iter().copied())
+        .map(|(key, value)| (key.replace("sweep.*", "sweep.material.hardness"), value))
+        .collect();
+    values.iter().map(|(key, value)| format!("{key} = {value}\n")).collect()
+}
+
+fn stiction(folder: &Path, arguments: &[&str]) -> String {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_stiction"));
+    let output = command.args(arguments).current_dir(folder).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).unwrap()
+}
+
+/// A folder with the files that examples name.
+fn files() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let map = Path::new(env!("CARGO_MANIFEST_DIR")).join("configs/maps/polished.txt");
+    stiction(folder.path(), &["asperities", map.to_str().unwrap(), "-o", "asperities.h5"]);
+    std::fs::write(folder.path().join("heights.csv"), "height\n1.5\n-0.5\n0.2\n-1.2\n").unwrap();
+    std::fs::write(folder.path().join("radii.csv"), "radius\n3.1\n2.9\n3.4\n3.0\n").unwrap();
+    folder
+}
+
+/// Every key has an example that does in a scene; where it says "is missing" or "such as", that is the
+/// example. Those of the keys that every scene has are a scene of sensible size.
+#[test]
+fn examples_of_all_keys_are_scenes() {
+    let folder = files();
+    let path = folder.path().join("scene.toml");
+    let read = |text: &str| {
+        Document::parse(text, Arc::new(SceneFiles::scene(&path))).unwrap_or_else(|e| panic!("{e}\n{text}"))
+    };
+    let mut used: BTreeSet<&str> = PLAIN.into_iter().collect();
+    for variant in VARIANTS {
+        used.extend(variant.1);
+        let scene = read(&scene_of(variant)).scene;
+        if scene.critical_approach.is_none() {
+            let plan = Plan::new(&scene, scene.law().unwrap().as_ref());
+            assert!(plan.pairs > 0.0, "{}", scene.text);
+        }
+    }
+    for (key, list, more) in
+        [("separation.h", "separation.h[]", "\"9 nm\""), ("separation.h_star", "separation.h_star[]", "8.0")]
+    {
+        let plain: String = PLAIN
+            .iter()
+            .filter(|key| !key.starts_with("separation"))
+            .map(|key| format!("{key} = {}\n", example(key)))
+            .collect();
+        read(&format!("{plain}{key} = [{}, {more}]\n", example(list)));
+        used.insert(list);
+    }
+    // Tables, and the ends of a sweep, which are examples of the key that is swept.
+    let tables =
+        ["material", "surface", "model", "separation", "ensemble", "instability", "solver", "output"];
+    let unused: Vec<&str> = KEYS.iter().map(|key| key.name).filter(|name| !used.contains(name)).collect();
+    let unused: Vec<&str> = unused.into_iter().filter(|name| !tables.contains(name)).collect();
+    let elements = ["material.youngs_modulus[]", "material.poissons_ratio[]", "material.surface_energy[]"];
+    assert_eq!(unused, [&elements[..], &["sweep.*.from", "sweep.*.to"]].concat());
+    std::fs::write(&path, scene_of(&(&[], &[], &[]))).unwrap();
+    let summary = stiction(folder.path(), &["run", "scene.toml", "--quiet"]);
+    assert!(summary.contains("verdict") || summary.contains("agree"), "{summary}");
+}
+
+#[test]
+fn a_missing_scene_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = Command::new(env!("CARGO_BIN_EXE_stiction"))
+        .args(["run", "absent.toml"])
+        .current_dir(folder.path())
+        .output()
+        .unwrap();
+    assert_eq!(output.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("absent.toml: cannot be read"));
+}
+
+/// Whether the quick scene with something replaced is a scene.
+fn is_scene(from: &str, to: &str) -> bool {
+    assert!(QUICK.contains(from), "{from}");
+    Document::parse(&QUICK.replace(from, to), Arc::new(SceneFiles::scene(Path::new("scene.toml")))).is_ok()
+}
+
+/// Limits belong to what is allowed; the next number beyond does not.
+#[test]
+fn limits_are_within() {
+    let separations = "h_star = { from = -1.0, to = 8.0, count = 91 }";
+    let list =
+        |count: u32| (0..count).map(|i| format!("{}.0", f64::from(i) / 1e3)).collect::<Vec<_>>().join(", ");
+    let list = |count: u32| format!("h_star = [{}]", list(count).replace(".0,", ",").trim_end_matches(".0"));
+    assert!(is_scene(separations, &list(10_000)) && !is_scene(separations, &list(10_001)));
+    let even = |count: u32| format!("h_star = {{ from = -1.0, to = 8.0, count = {count} }}");
+    assert!([2, 10_000].into_iter().all(|count| is_scene(separations, &even(count))));
+    assert!([1, 10_001].into_iter().all(|count| !is_scene(separations, &even(count))));
+    let span = |span: f64| {
+        is_scene(separations, &format!("h = [\"0 m\", \"8e-9 m\"]\nstiffness_span = \"{span:e} m\""))
+    };
+    assert!(span(8e-9) && !span(8e-9_f64.next_up()));
+    let far = |h: &str| is_scene(separations, &format!("h = [\"0 m\", \"{h} m\"]"));
+    assert!(!far("1e155") && !far("1e200"));
+    // A million roundings of the largest separation: 8e-9 · 1e6 · 2⁻⁵².
+    let least = 8e-9 * 1e6 / 2.0_f64.powi(52);
+    assert!(span(least * (1.0 + 1e-15)) && !span(least * (1.0 - 1e-15)));
+    let ratio = |ratio: f64| is_scene("poisson_ratio = 0.27", &format!("poisson_ratio = {ratio:?}"));
+    assert!(ratio(0.5) && !ratio(0.5_f64.next_up()));
+    let slope = |m2: &str| {
+        let others = [
+            "asperity_radius = \"3.33 um\"\n",
+            "asperity_density = \"7.39 /um^2\"\n",
+            "surface_height_std = \"1.619 nm\"\n",
+        ];
+        let text = others.iter().fold(QUICK.to_owned(), |text, other| text.replace(other, ""));
+        let spectrum =
+            format!("[surface]\nspectrum = {{ m0 = \"2.373e-18 m^2\", m2 = {m2}, m4 = \"1.4584e10 /m^2\" }}");
+        Document::parse(
+            &text.replace("[surface]", &spectrum),
+            Arc::new(SceneFiles::scene(Path::new("scene.toml"))),
+        )
+        .map_err(|error| error.to_string())
+    };
+    assert!(slope("6.2595e-5").is_ok());
+    assert!(
+        ["0.0", "-6.2595e-5"].into_iter().all(|m2| slope(m2).is_err_and(|e| e.contains("greater than 0")))
+    );
+    let law = |key: &str, law: &str, parameter: &str, value: f64| {
+        let entry = format!("[surface]\n{key} = {{ law = \"{law}\", {parameter} = {value:?} }}");
+        is_scene("[surface]", &entry)
+    };
+    for (key, name, parameter, [low, high]) in [
+        ("heights", "weibull", "shape", [1.0, 20.0]),
+        ("heights", "lognormal", "shape", [0.01, 1.5]),
+        ("radii", "lognormal", "coefficient_of_variation", [0.001, 1.0]),
+        ("radii", "gamma", "coefficient_of_variation", [0.001, 1.0]),
+    ] {
+        assert!(law(key, name, parameter, low) && law(key, name, parameter, high), "{name}");
+        assert!(!law(key, name, parameter, f64::next_down(low)), "{name}");
+        assert!(!law(key, name, parameter, f64::next_up(high)), "{name}");
+    }
+}
+
+/// Replicas that depend on each other are for surfaces of one radius with Gaussian heights and a fixed number
+/// of asperities; all others are refused them, and nothing else.
+#[test]
+fn schemes_are_for_plain_surfaces() {
+    for (surface, is_plain) in [
+        ("", true),
+        ("heights = \"gaussian\"\nradii = \"common\"\ncount = \"fixed\"", true),
+        ("heights = \"exponential\"", false),
+        ("heights = { law = \"truncated\", upper = 2.0 }", false),
+        ("radii = { law = \"gamma\", coefficient_of_variation = 0.2 }", false),
+        ("count = \"poisson\"", false),
+        ("summits = \"nayak\"", false),
+    ] {
+        for (sampling, is_for_all) in [("independent", true), ("antithetic", false), ("stratified", false)] {
+            let text = QUICK.replace("[surface]", &format!("[surface]\n{surface}"));
+            let text = text.replace("seed = 1", &format!("seed = 1\nsampling = \"{sampling}\""));
+            let read = Document::parse(&text, Arc::new(SceneFiles::scene(Path::new("scene.toml"))));
+            assert_eq!(read.is_ok(), is_plain || is_for_all, "{surface} {sampling}");
+            let problem = read.err().map(|error| error.to_string()).unwrap_or_default();
+            assert!(problem.is_empty() || problem.contains("is for surfaces of one radius"), "{problem}");
+        }
+    }
+}

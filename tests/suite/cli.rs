@@ -1,0 +1,597 @@
+//! The program as a user drives it: files, messages, exit codes.
+
+mod pages;
+
+use crate::common::program::{Folder, QUICK, assert_exit, bits, small, text, told};
+use crate::common::unlocked;
+use std::path::Path;
+
+#[test]
+fn a_run_leaves_one_file_and_a_summary() {
+    let folder = Folder::new(&small());
+    let run = folder.stiction(&["run", "scene.toml"]);
+    assert_exit(&run, 0);
+    assert_eq!(folder.files(), ["scene.h5", "scene.toml"]);
+    assert_eq!(told(&run), "", "no progress where standard error is no terminal");
+    let summary = text(&run.stdout);
+    for part in
+        ["lambda", "psi", "skipped", "pull-off", "standard error", "patch to patch", "of the mean curve"]
+    {
+        assert!(summary.contains(part), "{part}: {summary}");
+    }
+    for part in
+        ["of the integral", "stiffest point", "at pull-off", "cross-check", "nominal area", "scene.h5"]
+    {
+        assert!(summary.contains(part), "{part}: {summary}");
+    }
+    let info = folder.stiction(&["info", "scene.h5"]);
+    assert_exit(&info, 0);
+    assert!(
+        text(&info.stdout).contains("format_version")
+            && text(&info.stdout).contains("/ensemble/external_force_mean")
+    );
+    let validate = folder.stiction(&["validate", "scene.h5"]);
+    assert_exit(&validate, 0);
+    assert!(text(&validate.stdout).contains("agree"));
+}
+
+/// Five separations say of the integral's pull-off and stiffest point what ninety-one do, and tell the shares
+/// at pull-off, not those at the separation next to it: the same as a polynomial through what the fine ones
+/// have around it.
+#[test]
+fn coarse_separations_tell_the_same_of_the_integral() {
+    let results = [5, 91].map(|count| {
+        let folder = Folder::new(&QUICK.replace("count = 91", &format!("count = {count}")));
+        let run = folder.stiction(&["run", "scene.toml", "--replicas", "20"]);
+        assert_exit(&run, 0);
+        let summary = text(&run.stdout);
+        assert_eq!(
+            summary.contains("the curves miss 54 % of the pull-off at h* = 2.815"),
+            count == 5,
+            "{summary}"
+        );
+        let told =
+            summary.split("\n  at pull-off").nth(1).and_then(|rest| rest.split("\n  cross-check").next());
+        let file = unlocked::open(folder.path("scene.h5"));
+        let model = file.group("statistical").unwrap();
+        let names = ["pull_off_force", "pull_off_separation", "peak_stiffness", "peak_stiffness_separation"];
+        let read: Vec<f64> =
+            names.iter().map(|name| model.attr(name).unwrap().read_scalar().unwrap()).collect();
+        let values = |name: &str| file.dataset(name).unwrap().read_raw::<f64>().unwrap();
+        let shares = ["pull_off_regime_count", "pull_off_regime_adhesion_force", "pull_off_contact_area"];
+        let shares: Vec<f64> =
+            shares.iter().flat_map(|name| values(&format!("/statistical/{name}"))).collect();
+        let curves = ["regime_count", "regime_adhesion_force", "contact_area"];
+        let curves: Vec<f64> =
+            curves.iter().flat_map(|name| values(&format!("/statistical/{name}"))).collect();
+        (told.unwrap().to_owned(), read, shares, values("/separation"), curves)
+    });
+    let [(told, read, shares, ..), (of_fine, read_of_fine, shares_of_fine, separations, curves)] = results;
+    assert_eq!(told, of_fine);
+    for (coarse, fine) in read.iter().zip(&read_of_fine) {
+        assert!((coarse / fine - 1.0).abs() < 1e-4, "{coarse:e} {fine:e}");
+    }
+    for ((coarse, fine), curve) in shares.iter().zip(&shares_of_fine).zip(curves.chunks_exact(91)) {
+        let around = stiction::math::interpolation::lagrange::<6>(&separations, curve, read[1]);
+        // Where a regime is in its tail the polynomial is not what the curve is.
+        let tail = 1e-9 * curve.iter().copied().fold(0.0, f64::max);
+        assert!((coarse - around).abs() <= 1e-3 * around + tail, "{coarse:e} {around:e}");
+        assert!((coarse - fine).abs() <= 1e-3 * fine, "{coarse:e} {fine:e}");
+    }
+    assert_eq!(shares.len(), 13);
+}
+
+/// Every shipped scene is valid, and `check` says what it would do.
+#[test]
+fn check_computes_nothing_and_says_what_would_be() {
+    let folder = Folder::new("");
+    let configs = Path::new(env!("CARGO_MANIFEST_DIR")).join("configs");
+    let folders = [configs.clone(), configs.join("paper")];
+    let files =
+        folders.iter().flat_map(|folder| std::fs::read_dir(folder).unwrap()).map(|file| file.unwrap().path());
+    for path in files.filter(|path| path.is_file()) {
+        let check = folder.stiction(&["check", path.to_str().unwrap()]);
+        assert_exit(&check, 0);
+        for part in ["lambda", "skipped", "regimes", "time", "memory"] {
+            assert!(text(&check.stdout).contains(part), "{part} of {}", path.display());
+        }
+    }
+    assert_eq!(folder.files(), ["scene.toml"]);
+}
+
+#[test]
+fn bits_do_not_depend_on_threads() {
+    let folder = Folder::new(&small().replace("curves = false", "curves = true"));
+    let reference = folder.path("1.h5");
+    for threads in ["1", "2", "3", "8"] {
+        let output = format!("{threads}.h5");
+        assert_exit(&folder.stiction(&["run", "scene.toml", "--threads", threads, "-o", &output]), 0);
+        let (expected, found) = (bits(&reference), bits(&folder.path(&output)));
+        assert!(expected.len() > 40, "{}", expected.len());
+        for (a, b) in expected.iter().zip(&found) {
+            assert_eq!(a, b, "{threads} threads");
+        }
+    }
+    // The seed does change them.
+    assert_exit(&folder.stiction(&["run", "scene.toml", "--seed", "2", "-o", "seed.h5"]), 0);
+    assert_ne!(bits(&reference), bits(&folder.path("seed.h5")));
+}
+
+#[test]
+fn fewer_replicas_are_the_first_ones() {
+    let folder = Folder::new(&small());
+    assert_exit(&folder.stiction(&["run", "scene.toml", "-o", "all.h5"]), 0);
+    assert_exit(&folder.stiction(&["run", "scene.toml", "--replicas", "11", "-o", "few.h5"]), 0);
+    let pull_off = |name: &str| {
+        let file = unlocked::open(folder.path(name));
+        file.dataset("/replicas/pull_off_force").unwrap().read_raw::<f64>().unwrap()
+    };
+    assert_eq!(pull_off("few.h5"), pull_off("all.h5")[..11]);
+}
+
+#[test]
+fn an_existing_output_is_kept_unless_forced() {
+    let folder = Folder::new(&small());
+    std::fs::write(folder.path("scene.h5"), "precious").unwrap();
+    let refused = folder.stiction(&["run", "scene.toml"]);
+    assert_exit(&refused, 2);
+    assert!(text(&refused.stderr).contains("scene.h5 exists; give --force"), "{}", text(&refused.stderr));
+    assert_eq!(std::fs::read(folder.path("scene.h5")).unwrap(), b"precious");
+    assert_exit(&folder.stiction(&["run", "scene.toml", "--force"]), 0);
+    assert_exit(&folder.stiction(&["info", "scene.h5"]), 0);
+    assert_eq!(folder.files(), ["scene.h5", "scene.toml"]);
+}
+
+#[test]
+fn an_output_that_cannot_be_is_refused_before_computing() {
+    let folder = Folder::new(&small());
+    let missing = folder.stiction(&["run", "scene.toml", "-o", "nowhere/out.h5"]);
+    assert_exit(&missing, 2);
+    assert!(text(&missing.stderr).contains("the folder nowhere of the output does not exist"));
+    // /proc takes no files from anybody, root included.
+    let unwritable = folder.stiction(&["run", "scene.toml", "-o", "/proc/out.h5"]);
+    assert_exit(&unwritable, 2);
+    assert!(text(&unwritable.stderr).contains("cannot write in /proc"), "{}", text(&unwritable.stderr));
+    assert_eq!(folder.files(), ["scene.toml"]);
+}
+
+/// A planted disagreement: the integral of the file is changed by 5 %.
+#[test]
+fn validate_sees_a_disagreement() {
+    let folder = Folder::new(&small());
+    assert_exit(&folder.stiction(&["run", "scene.toml"]), 0);
+    {
+        let file = unlocked::open_rw(folder.path("scene.h5"));
+        let dataset = file.dataset("/statistical/adhesion_force").unwrap();
+        let changed: Vec<f64> = dataset.read_raw::<f64>().unwrap().iter().map(|force| 1.05 * force).collect();
+        dataset.write_raw(&changed).unwrap();
+    }
+    let validate = folder.stiction(&["validate", "scene.h5"]);
+    assert_exit(&validate, 3);
+    assert!(text(&validate.stdout).contains("disagree"));
+}
+
+#[test]
+fn files_of_others_are_refused_in_a_line() {
+    let folder = Folder::new(&small());
+    std::fs::write(folder.path("text.h5"), "no HDF5").unwrap();
+    drop(unlocked::create(folder.path("other.h5")));
+    assert_exit(&folder.stiction(&["run", "scene.toml", "-o", "newer.h5"]), 0);
+    {
+        let file = unlocked::open_rw(folder.path("newer.h5"));
+        file.attr("format_version").unwrap().write_raw(&[3_u32, 0]).unwrap();
+    }
+    for command in ["info", "validate"] {
+        for (file, message) in [
+            ("text.h5", "is not an HDF5 file"),
+            ("other.h5", "has no attribute `format`"),
+            ("newer.h5", "has format version 3.0; this program reads 2.x"),
+            ("absent.h5", "cannot be read"),
+        ] {
+            let refused = folder.stiction(&[command, file]);
+            assert_exit(&refused, 2);
+            let error = text(&refused.stderr);
+            assert!(error.contains(message) && error.contains(file) && error.lines().count() == 1, "{error}");
+        }
+    }
+}
+
+#[test]
+fn one_asperity_is_printed_as_csv() {
+    let folder = Folder::new("");
+    let solved = folder.stiction(&["asperity", "--law", "emd", "--lambda", "1", "--delta", "-3", "0"]);
+    assert_exit(&solved, 0);
+    let rows: Vec<String> = text(&solved.stdout).lines().map(str::to_owned).collect();
+    assert_eq!(rows[0], "lambda,delta,branch,adhesion_force,external_force,contact_radius");
+    assert_eq!(rows.len(), 3);
+    let fields: Vec<&str> = rows[2].split(',').collect();
+    assert_eq!(fields[2], "contact");
+    // 50-digit value.
+    assert!((fields[3].parse::<f64>().unwrap() / 3.0650413658748398 - 1.0).abs() < 1e-14);
+    assert!(
+        fields[3].starts_with("3.065041365874839") || fields[3].starts_with("3.065041365874840"),
+        "{}",
+        fields[3]
+    );
+
+    // A table among other columns, both histories.
+    let table = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/single_asperity.csv");
+    for path in ["approach", "retraction"] {
+        let solved = folder.stiction(&["asperity", "--law", "emd", "--table", table, "--path", path]);
+        assert_exit(&solved, 0);
+        assert_eq!(text(&solved.stdout).lines().count(), 323);
+    }
+}
+
+/// What a solve took beside what it found, which stays as it is: with starting tables one evaluation, without
+/// them a bracketed search.
+#[test]
+fn what_a_solve_took_is_printed_when_asked_for() {
+    let folder = Folder::new("");
+    let deltas = ["asperity", "--law", "emd", "--lambda", "1", "--delta", "-3", "0", "-5e5"];
+    let plain = text(&folder.stiction(&deltas).stdout);
+    for (tables, safeguarded) in [(None, ["1", "1", "1"]), (Some("--tables=20"), ["0", "0", "1"])] {
+        let asked = [&deltas[..], &["--diagnostics"], tables.as_slice()].concat();
+        let solved = folder.stiction(&asked);
+        assert_exit(&solved, 0);
+        let solved = text(&solved.stdout);
+        for ((i, plain), line) in plain.lines().enumerate().zip(solved.lines()) {
+            let (values, took) = line.match_indices(',').nth(5).map(|(end, _)| line.split_at(end)).unwrap();
+            if i == 0 {
+                assert_eq!((values, took), (plain, ",iterations,safeguarded"));
+                continue;
+            }
+            let number =
+                |text: &str, column: usize| text.split(',').nth(column).unwrap().parse::<f64>().unwrap();
+            assert!((number(values, 3) / number(plain, 3) - 1.0).abs() < 1e-14, "{values} {plain}");
+            let [iterations, bracketed] = [1, 2].map(|column| took.split(',').nth(column).unwrap());
+            assert_eq!(bracketed, safeguarded[i - 1], "{line}");
+            let iterations: u32 = iterations.parse().unwrap();
+            // Three units before contact a series may take the place of the solve.
+            assert!(
+                if bracketed == "1" { (3..=70).contains(&iterations) } else { iterations <= 1 },
+                "{line}"
+            );
+        }
+        assert_eq!(solved.lines().count(), 4);
+    }
+    let refused = folder.stiction(&[&deltas[..], &["--tables", "20"]].concat());
+    assert_exit(&refused, 2);
+    assert!(text(&refused.stderr).contains("--diagnostics"), "{}", text(&refused.stderr));
+}
+
+#[test]
+fn bad_arguments_of_asperity_are_named() {
+    let folder = Folder::new("");
+    std::fs::write(folder.path("table.csv"), "lambda,approach\n1,2\n").unwrap();
+    std::fs::write(folder.path("words.csv"), "lambda,delta\n1,two\n").unwrap();
+    let cases: [(&[&str], &str); 11] = [
+        (&["--law", "edm", "--lambda", "1", "--delta", "0"], "--law edm: unknown law; known: hybrid, emd"),
+        (&["--law", "md_kin", "--lambda", "1", "--delta", "0"], "did you mean md_kim?"),
+        (&["--law", "ke", "--lambda", "1", "--delta", "0"], "give --critical-interference"),
+        (
+            &["--law", "ke", "--lambda", "1", "--delta", "0", "--critical-interference", "0"],
+            "a positive number is needed",
+        ),
+        (
+            &["--law", "ke", "--lambda", "1", "--delta", "200", "--critical-interference", "1"],
+            "give --poisson-ratio",
+        ),
+        (
+            &["--law", "emd", "--lambda", "1", "--delta", "0", "--lubricant-thickness=-1"],
+            "0 or a positive number is needed",
+        ),
+        (&["--law", "emd", "--lambda", "1e9", "--delta", "0"], "outside 1e-6..1e6"),
+        (&["--law", "emd", "--lambda", "1", "--delta", "nan"], "a finite number is needed"),
+        (&["--law", "emd", "--table", "table.csv"], "no column `delta`"),
+        (&["--law", "emd", "--table", "words.csv"], "line 2: delta = `two` is not a number"),
+        (&["--law", "emd", "--lambda", "1", "--delta", "0", "--path", "both"], "known: approach, retraction"),
+    ];
+    for (arguments, message) in cases {
+        let refused = folder.stiction(&[&["asperity"], arguments].concat());
+        assert_exit(&refused, 2);
+        assert!(text(&refused.stderr).contains(message), "{arguments:?}: {}", text(&refused.stderr));
+    }
+}
+
+fn sampled(scheme: &str) -> String {
+    small().replace("[ensemble]", &format!("[ensemble]\nsampling = \"{scheme}\""))
+}
+
+/// Every scheme through the whole program: the file says it, its cross-check is computed anew from the file,
+/// and bits do not depend on threads.
+#[test]
+fn sampling_schemes_are_honoured() {
+    for scheme in ["independent", "antithetic", "stratified"] {
+        let folder = Folder::new(&sampled(scheme));
+        assert!(text(&folder.stiction(&["check", "scene.toml"]).stdout).contains(&format!("  {scheme}: ")));
+        let run =
+            folder.stiction(&["run", "scene.toml", "--replicas", "160", "--threads", "1", "-o", "1.h5"]);
+        assert_exit(&run, 0);
+        let summary = text(&run.stdout);
+        assert!(summary.contains("with the integral as control variate, variance reduced"), "{summary}");
+        let p =
+            |text: &str| text.split("p = ").nth(1).map(|rest| rest.split('\n').next().unwrap().to_owned());
+        assert!(p(&summary).is_some(), "{summary}");
+        let largest = |text: &str| {
+            text.split("largest |z|").nth(1).map(|rest| rest.split(';').next().unwrap().to_owned())
+        };
+        assert_exit(
+            &folder.stiction(&["run", "scene.toml", "--replicas", "160", "--threads", "3", "-o", "3.h5"]),
+            0,
+        );
+        assert_eq!(bits(&folder.path("1.h5")), bits(&folder.path("3.h5")));
+        let validate = folder.stiction(&["validate", "1.h5"]);
+        assert_exit(&validate, 0);
+        let validated = text(&validate.stdout);
+        assert_eq!((p(&validated), largest(&validated)), (p(&summary), largest(&summary)), "{scheme}");
+        let info = text(&folder.stiction(&["info", "1.h5"]).stdout);
+        let line = info.lines().find(|line| line.trim_start().starts_with("sampling ")).unwrap_or_default();
+        assert!(line.ends_with(scheme), "{info}");
+    }
+}
+
+/// One group has a mean and a scatter, but no standard error; the joint test takes its scatter from the law
+/// and is told all the same.
+#[test]
+fn one_group_has_no_standard_error() {
+    let folder = Folder::new(&sampled("stratified"));
+    let run = folder.stiction(&["run", "scene.toml", "--replicas", "8"]);
+    assert_exit(&run, 0);
+    let summary = text(&run.stdout);
+    assert!(
+        summary.contains("one group of replicas: no standard error")
+            && summary.contains("ensemble and integral agree"),
+        "{summary}"
+    );
+    assert!(!summary.contains("NaN") && !summary.contains("control variate"), "{summary}");
+    assert!(text(&folder.stiction(&["validate", "scene.h5"]).stdout).contains("ensemble and integral agree"));
+}
+
+/// The quantities of an older major version are others.
+#[test]
+fn an_older_result_is_refused() {
+    let folder = Folder::new(&small());
+    assert_exit(&folder.stiction(&["run", "scene.toml"]), 0);
+    {
+        let file = unlocked::open_rw(folder.path("scene.h5"));
+        file.attr("format_version").unwrap().write_raw(&[1_u32, 4]).unwrap();
+    }
+    for command in ["info", "validate"] {
+        let refused = folder.stiction(&[command, "scene.h5"]);
+        assert_exit(&refused, 2);
+        let error = text(&refused.stderr);
+        let message =
+            "has format version 1.4; this program reads 2.x: compute it again, with the scene that it holds";
+        assert!(error.contains(message), "{error}");
+    }
+}
+
+#[test]
+fn replicas_that_are_no_whole_groups_are_refused() {
+    let folder = Folder::new(&sampled("stratified"));
+    std::fs::write(folder.path("scene.h5"), "precious").unwrap();
+    for command in
+        [&["run", "scene.toml", "--force"][..], &["compare", "scene.toml", "--laws", "emd", "--ensemble"]]
+    {
+        let refused = folder.stiction(&[command, &["--replicas", "20"]].concat());
+        assert_exit(&refused, 2);
+        let error = text(&refused.stderr);
+        assert!(
+            error.contains(
+                "--replicas 20: sampling = \"stratified\" needs a multiple of 8 replicas, such as 16 or 24"
+            ),
+            "{error}"
+        );
+    }
+    assert_eq!(std::fs::read(folder.path("scene.h5")).unwrap(), b"precious");
+    assert_eq!(folder.files(), ["scene.h5", "scene.toml"]);
+}
+
+/// A map whose unit is not that of the command or of its header is warned of, with the unit that would do;
+/// the size and unit of the header are not overridden in silence; and R is told by both its meanings, that of
+/// the run that follows too.
+#[test]
+fn maps_in_a_wrong_unit_are_warned_of() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let folder = Folder::new(&std::fs::read_to_string(root.join("configs/surfaces/measured.toml")).unwrap());
+    let map = std::fs::read_to_string(root.join("configs/maps/polished.txt")).unwrap();
+    let in_metres: String = map
+        .lines()
+        .map(|line| match line.strip_prefix('#') {
+            Some(_) => format!("{line}\n"),
+            None => {
+                line.split('\t').map(|height| format!("{height}e-9")).collect::<Vec<String>>().join("\t")
+                    + "\n"
+            }
+        })
+        .collect();
+    std::fs::write(folder.path("map.txt"), &map).unwrap();
+    std::fs::write(folder.path("metres.txt"), in_metres).unwrap();
+    let said = |arguments: &[&str]| {
+        let output = folder.stiction(&[&["asperities"], arguments].concat());
+        assert_exit(&output, 0);
+        text(&output.stdout)
+    };
+    let plain = said(&["map.txt", "-o", "polished.h5"]);
+    assert!(!plain.contains("warning"), "{plain}");
+    assert_eq!(
+        said(&["map.txt", "--pixel", "30 nm", "--height-unit", "nm"]),
+        plain.split("\n  written").next().unwrap()
+    );
+    for (arguments, parts) in [
+        (
+            &["metres.txt"][..],
+            &["slopes are 7.9e-12 on average, as on no surface", "with --height-unit m they would be 7.9e-3"]
+                [..],
+        ),
+        (
+            &["map.txt", "--height-unit", "m"],
+            &[
+                "--height-unit says 1.000 m, and the file nm",
+                "slopes are 7.9e6",
+                "with --height-unit nm they would be 7.9e-3",
+            ],
+        ),
+        (
+            &["map.txt", "--pixel", "30 nm,31 nm"],
+            &["--pixel says 30.00 nm x 31.00 nm, and the file 30.00 nm x 30.00 nm"],
+        ),
+    ] {
+        let said = said(arguments);
+        for part in parts {
+            let warning =
+                said.lines().find(|line| line.contains(part)).unwrap_or_else(|| panic!("{part}\n{said}"));
+            assert!(warning.starts_with("  warning "), "{warning}");
+        }
+    }
+    // Of the curvatures in the file: 1/<kappa> and <1/kappa>.
+    let file = unlocked::open(folder.path("polished.h5"));
+    let radii = file.dataset("/asperities/radius").unwrap().read_raw::<f64>().unwrap();
+    let count = radii.len() as f64;
+    let harmonic = count / radii.iter().map(|radius| 1.0 / radius).sum::<f64>();
+    let mean = radii.iter().sum::<f64>() / count;
+    let shown = |radius: f64| format!("{:.3} µm", 1e6 * radius);
+    let row = |label: &str| plain.lines().find(|line| line.contains(label)).unwrap().to_owned();
+    assert!(row("1/mean curvature").contains(&shown(harmonic)), "{plain}");
+    assert!(row("mean radius").contains(&shown(mean)), "{plain}");
+    let check = text(&folder.stiction(&["check", "scene.toml"]).stdout);
+    assert!(check.contains(&format!("mean radius {}", shown(mean))), "{check}");
+}
+
+/// What is no scene is refused in words that say what it is; a pipe that nobody writes to is not waited for.
+#[test]
+fn what_is_no_text_is_said() {
+    let folder = Folder::new(&small());
+    assert_exit(&folder.stiction(&["run", "scene.toml", "--quiet"]), 0);
+    std::fs::write(folder.path("latin.toml"), b"title = \"\xb5m\"\n").unwrap();
+    for (name, part) in [
+        ("scene.h5", "scene.h5: is an HDF5 file, not a text; `stiction info` shows what is in a result"),
+        ("latin.toml", "latin.toml: is not a text in UTF-8: byte 10 belongs to no character"),
+    ] {
+        for command in ["run", "check"] {
+            let output = folder.stiction(&[command, name, "--quiet"][..if command == "run" { 3 } else { 2 }]);
+            assert_exit(&output, 2);
+            assert!(text(&output.stderr).contains(part), "{}", text(&output.stderr));
+        }
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_pipe_is_read_if_somebody_writes_to_it() {
+    let folder = Folder::new(&small());
+    let made = std::process::Command::new("mkfifo").arg(folder.path("pipe.toml")).status().unwrap();
+    assert!(made.success());
+    for arguments in [
+        &["check", "pipe.toml"][..],
+        &["run", "pipe.toml", "--quiet"],
+        &["asperity", "--law", "md", "--table", "pipe.toml"],
+    ] {
+        let refused = folder.stiction(arguments);
+        assert_exit(&refused, 2);
+        assert!(
+            text(&refused.stderr).contains("is a pipe that nobody writes to; name a file"),
+            "{}",
+            text(&refused.stderr)
+        );
+    }
+    let (pipe, scene) = (folder.path("pipe.toml"), small());
+    let writer = std::thread::spawn(move || std::fs::write(pipe, scene));
+    let output =
+        (0..100).map(|_| folder.stiction(&["check", "pipe.toml"])).find(|output| output.status.success());
+    assert!(text(&output.unwrap().stdout).contains("case II"));
+    writer.join().unwrap().unwrap();
+}
+
+/// A scene may come from anybody and name any file of the user: what is in it is not in the messages.
+#[test]
+fn files_that_scenes_name_are_not_shown() {
+    let folder = Folder::new("");
+    std::fs::write(folder.path("private"), "root:x:0:0:secret\nhidden:1\n").unwrap();
+    for column in ["\"height\"", "1", "3"] {
+        let heights =
+            format!("heights = {{ law = \"file\", path = \"private\", column = {column}, unit = \"nm\" }}");
+        let scene = small().replace("[surface]", &format!("[surface]\n{heights}"));
+        std::fs::write(folder.path("scene.toml"), scene).unwrap();
+        let output = folder.stiction(&["check", "scene.toml"]);
+        assert_exit(&output, 2);
+        let message = text(&output.stderr);
+        assert!(message.contains("private"), "{message}");
+        assert!(!["root", "secret", "hidden"].iter().any(|word| message.contains(word)), "{message}");
+    }
+}
+
+/// What is told of a result stands in two columns, however long its names are.
+#[test]
+fn columns_of_info_do_not_touch() {
+    let folder = Folder::new(&small().replace("path = \"approach\"", "path = \"loop\""));
+    assert_exit(&folder.stiction(&["run", "scene.toml", "--quiet"]), 0);
+    let info = text(&folder.stiction(&["info", "scene.h5"]).stdout);
+    let (head, _) = info.split_once("\nscene\n").unwrap();
+    let rows: Vec<&str> = head.lines().filter(|line| line.starts_with("  ")).collect();
+    let names: Vec<&str> = rows.iter().map(|row| row.split_whitespace().next().unwrap()).collect();
+    assert!(names.iter().map(|name| name.len()).max() > Some(46), "{info}");
+    let column = |row: &&str| row.len() - row[2..].split_once("  ").unwrap().1.trim_start().len();
+    assert!(rows.iter().all(|row| column(row) == column(&rows[0])), "{info}");
+}
+
+/// A log gets a line after ten seconds, and none with --quiet.
+#[test]
+#[ignore = "slow: twelve seconds"]
+fn there_is_a_sign_of_life_without_a_terminal() {
+    use std::io::{BufRead, BufReader, Read};
+    use std::process::{Command, Stdio};
+    let folder = Folder::new(&small().replace("replicas = 40", "replicas = 100000000"));
+    let begin = |arguments: &[&str]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_stiction"));
+        command.args(["run", "scene.toml", "--threads", "1"]).args(arguments).current_dir(folder.path(""));
+        command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap()
+    };
+    let (mut told, mut quiet) = (begin(&["-o", "told.h5"]), begin(&["-o", "quiet.h5", "--quiet"]));
+    let mut line = String::new();
+    BufReader::new(told.stderr.take().unwrap()).read_line(&mut line).unwrap();
+    assert!(
+        line.starts_with("stiction: ensemble: ") && line.contains(" of 100000000 replicas, 10 s so far"),
+        "{line}"
+    );
+    for child in [&mut told, &mut quiet] {
+        child.kill().unwrap();
+        child.wait().unwrap();
+    }
+    let mut said = String::new();
+    quiet.stderr.take().unwrap().read_to_string(&mut said).unwrap();
+    assert_eq!(said, "");
+}
+
+/// A run by the library has the bits of the command's, with the curves of its replicas; it overwrites
+/// nothing, and ends when it is told to.
+#[test]
+fn a_run_from_rust_is_that_of_the_command() {
+    let folder = Folder::new(&small().replace("curves = false", "curves = true"));
+    assert_exit(&folder.stiction(&["run", "scene.toml"]), 0);
+    let scene = stiction::Scene::from_toml_file(folder.path("scene.toml")).unwrap();
+    let result = stiction::builder(&scene).threads(2).run().unwrap();
+    result.write(folder.path("library.h5")).unwrap();
+    assert_eq!(bits(&folder.path("library.h5")), bits(&folder.path("scene.h5")));
+    let means = unlocked::open(folder.path("scene.h5")).dataset("/ensemble/scalar_mean").unwrap();
+    assert_eq!(means.read_raw::<f64>().unwrap()[0].to_bits(), result.pull_off().mean.to_bits());
+    let error = result.write(folder.path("library.h5")).unwrap_err();
+    assert!(matches!(error, stiction::Error::Output(stiction::output::OutputError::Exists(_))), "{error}");
+    assert_exit(&folder.stiction(&["validate", "library.h5"]), 0);
+    let stop = std::sync::Arc::new(std::sync::atomic::AtomicBool::new(true));
+    let stopped = stiction::builder(&scene).stop(stop).run();
+    assert!(matches!(stopped, Err(stiction::Error::Interrupted { kept: false, .. })));
+}
+
+#[test]
+fn a_sweep_is_no_scene() {
+    let folder = Folder::new(&format!(
+        "{}\n[sweep]\nsurface.surface_height_std = [\"1.4 nm\", \"1.8 nm\"]\n",
+        small()
+    ));
+    let error = stiction::Scene::from_toml_file(folder.path("scene.toml")).unwrap_err().to_string();
+    assert!(error.contains("scene.toml: has a table [sweep]"), "{error}");
+    let error = stiction::Scene::from_toml_file(folder.path("none.toml")).unwrap_err().to_string();
+    assert!(error.contains("none.toml: cannot be read"), "{error}");
+}

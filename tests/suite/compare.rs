@@ -1,0 +1,243 @@
+//! `stiction compare` and every law of the registry as a user drives them.
+
+use crate::common::program::{Folder, QUICK, assert_exit, bits, small, text, told};
+use crate::common::unlocked;
+use stiction::asperity::models::MODELS;
+
+/// One law of a dataset of a comparison.
+fn row(folder: &Folder, file: &str, dataset: &str, law: usize, laws: usize) -> Vec<f64> {
+    let values: Vec<f64> = unlocked::open(folder.path(file)).dataset(dataset).unwrap().read_raw().unwrap();
+    values.chunks_exact(values.len() / laws).nth(law).unwrap().to_vec()
+}
+
+#[test]
+fn a_comparison_without_output_is_a_table() {
+    let folder = Folder::new(&small());
+    let compare = folder.stiction(&["compare", "scene.toml", "--laws", "hybrid,isbl,gw,fit:paper"]);
+    assert_exit(&compare, 0);
+    assert_eq!(folder.files(), ["scene.toml"]);
+    assert_eq!(told(&compare), "");
+    let table = text(&compare.stdout);
+    for part in [
+        "pull-off",
+        "at h*",
+        "deviation",
+        "peak stiffness",
+        "first",
+        "gw                  none",
+        "f_snc",
+        "f_sel",
+    ] {
+        assert!(table.contains(part), "{part}: {table}");
+    }
+    for part in [
+        "isbl        lambda = 0.899 is above 0.1",
+        "Johnson and Greenwood 1997",
+        "knows no lubricant",
+        "psi = 0.848",
+    ] {
+        assert!(table.contains(part), "{part}: {table}");
+    }
+    assert!(!table.contains("ensemble"), "{table}");
+}
+
+/// A loop is no law's own: which way is compared has to be said.
+#[test]
+fn loops_are_not_compared() {
+    let folder = Folder::new(&small().replace("path = \"approach\"", "path = \"loop\""));
+    let compare = folder.stiction(&["compare", "scene.toml", "--laws", "hybrid,isbl", "-o", "out.h5"]);
+    assert_exit(&compare, 2);
+    let error = text(&compare.stderr);
+    assert!(error.contains("scene.toml: path = \"loop\"") && error.contains("\"retraction\""), "{error}");
+    assert_eq!(folder.files(), ["scene.toml"]);
+}
+
+/// Each law of a comparison is what a run with that law gives, bit by bit: the same integral, and the same
+/// asperities.
+#[test]
+fn a_law_of_a_comparison_is_its_run() {
+    let folder = Folder::new(&small());
+    let laws = ["hybrid", "isbl", "fit:paper"];
+    let compare =
+        folder.stiction(&["compare", "scene.toml", "--laws", &laws.join(","), "--ensemble", "-o", "all.h5"]);
+    assert_exit(&compare, 0);
+    let table = text(&compare.stdout);
+    assert!(
+        table.contains("the same asperities for every law")
+            && table.contains("agree at the 0.1 % level, p ="),
+        "{table}"
+    );
+    for (i, law) in laws.into_iter().enumerate() {
+        std::fs::write(folder.path("one.toml"), small().replace("\"hybrid\"", &format!("\"{law}\"")))
+            .unwrap();
+        assert_exit(&folder.stiction(&["run", "one.toml", "--force"]), 0);
+        for dataset in [
+            "statistical/external_force",
+            "statistical/adhesion_force_std",
+            "ensemble/external_force_mean",
+            "ensemble/contact_area_std",
+            "replicas/pull_off_force",
+            "replicas/peak_secant_stiffness",
+            "validation/z_external_force",
+        ] {
+            let bits = |values: Vec<f64>| values.into_iter().map(f64::to_bits).collect::<Vec<u64>>();
+            let (own, run) =
+                (row(&folder, "all.h5", dataset, i, laws.len()), row(&folder, "one.h5", dataset, 0, 1));
+            assert_eq!(bits(own), bits(run), "{dataset} of {law}");
+        }
+    }
+    let info = folder.stiction(&["info", "all.h5"]);
+    assert_exit(&info, 0);
+    assert!(
+        text(&info.stdout).contains("stiction-comparison")
+            && text(&info.stdout).contains("/fit/coefficients")
+    );
+    let validate = folder.stiction(&["validate", "all.h5"]);
+    assert_exit(&validate, 0);
+    assert!(text(&validate.stdout).contains("fit together"), "{}", text(&validate.stdout));
+}
+
+/// A comparison honours the sampling scheme: its stratified surfaces are those of a run, and its errors those
+/// of the run's groups.
+#[test]
+fn a_stratified_comparison_is_its_run() {
+    let folder = Folder::new(&small().replace("[ensemble]", "[ensemble]\nsampling = \"stratified\""));
+    let compare =
+        folder.stiction(&["compare", "scene.toml", "--laws", "hybrid,isbl", "--ensemble", "-o", "all.h5"]);
+    assert_exit(&compare, 0);
+    assert!(text(&compare.stdout).contains("40 replicas with seed 1, stratified, the same asperities"));
+    assert_exit(&folder.stiction(&["run", "scene.toml"]), 0);
+    for dataset in
+        ["replicas/pull_off_force", "ensemble/external_force_standard_error", "validation/z_external_force"]
+    {
+        let bits = |values: Vec<f64>| values.into_iter().map(f64::to_bits).collect::<Vec<u64>>();
+        let (own, run) = (row(&folder, "all.h5", dataset, 0, 2), row(&folder, "scene.h5", dataset, 0, 1));
+        assert_eq!(bits(own), bits(run), "{dataset}");
+    }
+}
+
+#[test]
+fn bits_of_a_comparison_do_not_depend_on_threads() {
+    let folder = Folder::new(&small());
+    for threads in ["1", "3"] {
+        let arguments =
+            ["compare", "scene.toml", "--laws", "hybrid,sbl,fit:refit", "--ensemble", "--replicas", "20"];
+        let file = format!("{threads}.h5");
+        assert_exit(&folder.stiction(&[&arguments[..], &["--threads", threads, "-o", &file]].concat()), 0);
+    }
+    let [one, three] = ["1.h5", "3.h5"].map(|file| bits(&folder.path(file)));
+    assert!(one.len() > 50);
+    assert_eq!(one, three);
+}
+
+#[test]
+fn bad_comparisons_are_refused_and_leave_nothing() {
+    let folder = Folder::new(&small());
+    std::fs::write(folder.path("other.toml"), small().replace("3.33 um", "3.34 um")).unwrap();
+    std::fs::write(folder.path("there.h5"), "precious").unwrap();
+    let cases: [(&[&str], &str); 9] = [
+        (
+            &["scene.toml", "--laws", "hybrid,emdd"],
+            "--laws emdd: unknown law (did you mean emd?); known: hybrid",
+        ),
+        (&["scene.toml", "--laws", "emd,emd"], "emd is given twice"),
+        (&["scene.toml", "--laws", "emd,"], "a name is empty"),
+        (
+            &["scene.toml", "--laws", "emd", "-o", "scene.toml", "--force"],
+            "scene.toml is scene.toml, which this command reads",
+        ),
+        (&["other.toml", "--laws", "fit:paper"], "other.toml: the law fit:paper cannot be used"),
+        (&["scene.toml"], "--laws"),
+        (&["scene.toml", "--laws", "emd", "--replicas", "3"], "--ensemble"),
+        (&["other.toml", "--laws", "emd,fit:paper", "-o", "x.h5"], "fit:refit fits any"),
+        (&["scene.toml", "--laws", "emd", "-o", "there.h5"], "exists; give --force"),
+    ];
+    for (arguments, message) in cases {
+        let refused = folder.stiction(&[&["compare"], arguments].concat());
+        assert_exit(&refused, 2);
+        assert!(text(&refused.stderr).contains(message), "{arguments:?}: {}", text(&refused.stderr));
+    }
+    assert_eq!(folder.files(), ["other.toml", "scene.toml", "there.h5"]);
+    assert_eq!(std::fs::read_to_string(folder.path("there.h5")).unwrap(), "precious");
+}
+
+/// Where the first law has no pull-off, or one replica no scatter, there is nothing to compare with: a dash,
+/// NaN in the file.
+#[test]
+fn what_is_not_known_is_a_dash() {
+    let folder = Folder::new(&small());
+    let arguments =
+        ["compare", "scene.toml", "--laws", "gw,hybrid", "--ensemble", "--replicas", "1", "-o", "all.h5"];
+    let compare = folder.stiction(&arguments);
+    assert_exit(&compare, 0);
+    let table = text(&compare.stdout);
+    assert!(
+        !table.contains("NaN") && !table.contains("inf") && table.contains("1 replica with seed 1"),
+        "{table}"
+    );
+    let hybrid: Vec<&str> = table.lines().filter(|line| line.starts_with("  hybrid ")).collect();
+    assert_eq!(hybrid.len(), 2, "{table}");
+    assert!(hybrid.iter().all(|line| line.contains(" - ")), "{table}");
+    assert!(row(&folder, "all.h5", "statistical/pull_off_deviation", 1, 2)[0].is_nan());
+}
+
+/// The summary of a run without adhesion has no pull-off, no stiffest point and no shares of nothing.
+#[test]
+fn a_run_without_adhesion_says_so() {
+    let folder = Folder::new(&small().replace("\"hybrid\"", "\"gw\""));
+    let run = folder.stiction(&["run", "scene.toml"]);
+    assert_exit(&run, 0);
+    let summary = text(&run.stdout);
+    for part in ["pull-off          none", "stiffest point    none", "at h* = -1.000", "elastic"] {
+        assert!(summary.contains(part), "{part}: {summary}");
+    }
+    assert!(!summary.contains("NaN") && !summary.contains("of adhesion\n"), "{summary}");
+}
+
+/// A law that ends somewhere, and fits that are off, are said not to be valid.
+#[test]
+fn what_is_left_out_is_said() {
+    let folder = Folder::new(&small());
+    let compare = folder.stiction(&["compare", "scene.toml", "--laws", "hybrid,emd,fit:paper"]);
+    let table = text(&compare.stdout);
+    for part in
+        ["asperities per replica are beyond its last regime", "f_snc is off by up to 33.74 % of its largest"]
+    {
+        assert!(table.contains(part), "{part}: {table}");
+    }
+}
+
+/// Ensemble and integral of every law agree: one test of significance 1e-3 per law on the same asperities,
+/// with a fixed seed, so with 14 laws a correct program would fail for up to 1.4 % of the seeds (the scene's
+/// own, 1, is such a one: `md` has p = 0.0009 there).
+#[test]
+fn every_law_runs_and_agrees_with_its_integral() {
+    for model in MODELS {
+        let scene =
+            QUICK.replace("count = 91", "count = 31").replace("\"hybrid\"", &format!("\"{}\"", model.name));
+        let folder = Folder::new(&scene);
+        assert_exit(&folder.stiction(&["check", "scene.toml"]), 0);
+        let run = folder.stiction(&["run", "scene.toml", "--seed", "2"]);
+        assert_exit(&run, 0);
+        assert_exit(&folder.stiction(&["validate", "scene.h5"]), 0);
+        let summary = text(&run.stdout);
+        assert!(summary.contains("ensemble and integral agree"), "{}: {summary}", model.name);
+    }
+}
+
+/// The published fits take δ_A as it is given: without it, it follows from the history, 0.2732 nm here. It
+/// shifts where contact begins.
+#[test]
+fn the_critical_approach_of_the_fits_can_be_set() {
+    let counts =
+        ["", "critical_approach = \"0.2732 nm\"\n", "critical_approach = \"0.1 nm\"\n"].map(|line| {
+            let folder =
+                Folder::new(&small().replace("law = \"hybrid\"\n", &format!("law = \"fit:paper\"\n{line}")));
+            assert_exit(&folder.stiction(&["run", "scene.toml"]), 0);
+            row(&folder, "scene.h5", "statistical/regime_count", 2, 6)[8]
+        });
+    assert!(
+        (counts[1] / counts[0] - 1.0).abs() < 1e-3 && (counts[2] / counts[0] - 1.0).abs() > 1e-2,
+        "{counts:?}"
+    );
+}

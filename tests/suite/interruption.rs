@@ -1,0 +1,680 @@
+//! Runs that stop, and go on: signals, kills, full disks, damaged and foreign checkpoints, two runs at once.
+#![cfg(unix)]
+
+use crate::common::program::{Folder, QUICK, assert_exit, attribute, bits, skip, small, text, told};
+use crate::common::unlocked;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::process::{Child, Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+/// A run with curves of half a second or more.
+fn scene() -> String {
+    small().replace("replicas = 40", "replicas = 1600").replace("curves = false", "curves = true")
+}
+
+const CHECKPOINT: &str = "scene.h5.checkpoint";
+const RECORDS: &str = "scene.h5.checkpoint.replicas";
+
+fn begin(folder: &Folder, arguments: &[&str]) -> Child {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_stiction"));
+    command.args(["run", "scene.toml"]).args(arguments).current_dir(folder.path(""));
+    command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
+}
+
+fn signal(child: &Child, signal: &str) {
+    // It may have ended before.
+    let _ =
+        Command::new("kill").args([signal, &child.id().to_string()]).stderr(Stdio::null()).status().unwrap();
+}
+
+/// Waits until something is so, while a process runs.
+fn wait_while_running(child: &mut Child, mut until: impl FnMut() -> bool) {
+    while !until() && child.try_wait().unwrap().is_none() {
+        std::thread::sleep(Duration::from_micros(50));
+    }
+}
+
+/// The uninterrupted result of the scene.
+fn reference(folder: &Folder) -> Vec<(String, Vec<u64>)> {
+    assert_exit(&folder.stiction(&["run", "scene.toml", "-o", "reference.h5"]), 0);
+    bits(&folder.path("reference.h5"))
+}
+
+#[track_caller]
+fn assert_same_as(folder: &Folder, reference: &[(String, Vec<u64>)]) {
+    let found = bits(&folder.path("scene.h5"));
+    assert_eq!(reference.len(), found.len());
+    for (a, b) in reference.iter().zip(&found) {
+        assert!(a == b, "{} differs", a.0);
+    }
+}
+
+/// Interrupts a run when it has a checkpoint.
+fn interrupt(folder: &Folder, name: &str, arguments: &[&str]) -> Output {
+    let mut child = begin(folder, arguments);
+    wait_while_running(&mut child, || folder.path(CHECKPOINT).exists());
+    signal(&child, name);
+    child.wait_with_output().unwrap()
+}
+
+/// A folder with an interrupted run in it.
+fn interrupted() -> Folder {
+    let folder = Folder::new(&scene());
+    assert_exit(&interrupt(&folder, "-TERM", &["--checkpoint", "0"]), 130);
+    assert_eq!(folder.files(), ["scene.h5.checkpoint", "scene.h5.checkpoint.replicas", "scene.toml"]);
+    folder
+}
+
+fn diagnostic(folder: &Folder, name: &str) -> f64 {
+    let file = unlocked::open(folder.path("scene.h5"));
+    file.dataset(&format!("/diagnostics/{name}")).unwrap().read_scalar().unwrap()
+}
+
+/// What the message says is what to do; done twice, whatever the threads and the way of summing and sampling.
+#[test]
+fn a_signal_saves_and_the_message_says_how_to_go_on() {
+    let compressed = scene().replace("[output]", "[solver]\nsum = \"compressed\"\n\n[output]");
+    let stratified =
+        compressed.replace("seed = 1", "seed = 1\nsampling = \"stratified\"").replace("true", "false");
+    for (scene, name) in [(scene(), "-INT"), (compressed, "-TERM"), (stratified, "-INT")] {
+        let folder = Folder::new(&scene);
+        let reference = reference(&folder);
+        let first = interrupt(&folder, name, &["--checkpoint", "0", "--threads", "1"]);
+        assert_exit(&first, 130);
+        let message = text(&first.stderr);
+        assert!(message.contains("of 1600 replicas; ") && message.contains(CHECKPOINT), "{message}");
+        let command = message.lines().last().unwrap().trim();
+        assert!(command.ends_with("run scene.toml --checkpoint 0 --threads 1 --resume"), "{command}");
+        let again = Command::new("sh").args(["-c", command]).current_dir(folder.path("")).output().unwrap();
+        assert_exit(&again, 0);
+        assert_same_as(&folder, &reference);
+        assert_eq!(diagnostic(&folder, "resumptions"), 1.0);
+        assert!(diagnostic(&folder, "checkpoints") > 1.0);
+        assert_eq!(folder.files(), ["reference.h5", "scene.h5", "scene.toml"]);
+    }
+}
+
+/// Two signals at the same time, as `timeout` sends them, are one interruption: what was done is kept, and
+/// how to go on is said.
+#[test]
+fn signals_that_come_together_are_one() {
+    let folder = Folder::new(&small().replace("replicas = 40", "replicas = 100000"));
+    let mut child = begin(&folder, &["--checkpoint", "30", "--threads", "1"]);
+    wait_while_running(&mut child, || folder.path("scene.h5.checkpoint.replicas").exists());
+    std::thread::sleep(Duration::from_millis(300));
+    signal(&child, "-INT");
+    signal(&child, "-INT");
+    let output = child.wait_with_output().unwrap();
+    assert_exit(&output, 130);
+    assert!(told(&output).contains("--resume"), "{}", told(&output));
+    assert!(folder.path(CHECKPOINT).exists());
+}
+
+/// A batch of seconds: a second signal does not wait for its end.
+#[test]
+fn a_second_signal_ends_at_once_and_leaves_the_last_checkpoint() {
+    let folder = Folder::new(
+        &small()
+            .replace("\"100 um^2\"", "\"0.13 mm^2\"")
+            .replace("replicas = 40", "replicas = 16")
+            .replace("count = 16", "count = 48"),
+    );
+    let reference = reference(&folder);
+    let mut child = begin(&folder, &["--checkpoint", "0", "--threads", "1"]);
+    wait_while_running(&mut child, || folder.path(CHECKPOINT).exists());
+    let kept = std::fs::read(folder.path(CHECKPOINT)).unwrap();
+    signal(&child, "-INT");
+    std::thread::sleep(Duration::from_millis(400));
+    signal(&child, "-TERM");
+    let output = child.wait_with_output().unwrap();
+    assert_exit(&output, 130);
+    // The first signal alone would have it say how to go on, after the batch.
+    assert_eq!(told(&output), "");
+    assert_eq!(std::fs::read(folder.path(CHECKPOINT)).unwrap(), kept);
+    assert_exit(&folder.stiction(&["run", "scene.toml", "--resume"]), 0);
+    assert_same_as(&folder, &reference);
+    assert_eq!(folder.files(), ["reference.h5", "scene.h5", "scene.toml"]);
+}
+
+/// Without --resume nothing that was kept is lost, unless it is forced.
+#[test]
+fn a_checkpoint_is_neither_dropped_nor_taken_up_unasked() {
+    let folder = interrupted();
+    let info = folder.stiction(&["info", CHECKPOINT]);
+    assert_exit(&info, 0);
+    for part in ["of 1600 are done", "seed", "program_version", "  replicas = 1600"] {
+        assert!(text(&info.stdout).contains(part), "{part}: {}", text(&info.stdout));
+    }
+    let refused = folder.stiction(&["run", "scene.toml"]);
+    assert_exit(&refused, 2);
+    let message = text(&refused.stderr);
+    for part in [CHECKPOINT, "of 1600 replicas of an interrupted run", "--resume", "--force"] {
+        assert!(message.contains(part), "{part}: {message}");
+    }
+    assert_eq!(folder.files(), ["scene.h5.checkpoint", "scene.h5.checkpoint.replicas", "scene.toml"]);
+    assert_exit(&folder.stiction(&["run", "scene.toml", "--force", "--replicas", "80"]), 0);
+    assert_eq!(folder.files(), ["scene.h5", "scene.toml"]);
+}
+
+#[test]
+fn to_resume_is_to_complete_whatever_is_there() {
+    let folder = Folder::new(&small());
+    assert_exit(&folder.stiction(&["run", "scene.toml", "--resume"]), 0);
+    let result = std::fs::read(folder.path("scene.h5")).unwrap();
+    let again = folder.stiction(&["run", "scene.toml", "--resume"]);
+    assert_exit(&again, 0);
+    assert_eq!(text(&again.stderr), "scene.h5 is complete: nothing to resume\n");
+    let other = folder.stiction(&["run", "scene.toml", "--resume", "--seed", "2"]);
+    assert_exit(&other, 2);
+    assert!(text(&other.stderr).contains("scene.h5 exists; give --force"), "{}", text(&other.stderr));
+    assert_eq!(std::fs::read(folder.path("scene.h5")).unwrap(), result);
+    assert_exit(&folder.stiction(&["run", "scene.toml", "--resume", "--seed", "2", "--force"]), 0);
+    assert_ne!(std::fs::read(folder.path("scene.h5")).unwrap(), result);
+}
+
+/// A run that is killed after its result has its name, and before what it kept is removed.
+#[test]
+fn what_is_left_beside_a_complete_result_is_cleared_away() {
+    let folder = interrupted();
+    let kept = [CHECKPOINT, RECORDS].map(|name| (name, std::fs::read(folder.path(name)).unwrap()));
+    assert_exit(&folder.stiction(&["run", "scene.toml", "--resume"]), 0);
+    let result = std::fs::read(folder.path("scene.h5")).unwrap();
+    for (name, bytes) in kept {
+        std::fs::write(folder.path(name), bytes).unwrap();
+    }
+    assert_exit(&folder.stiction(&["run", "scene.toml"]), 2);
+    assert_exit(&folder.stiction(&["run", "scene.toml", "--resume"]), 0);
+    assert_eq!(folder.files(), ["scene.h5", "scene.toml"]);
+    assert_eq!(std::fs::read(folder.path("scene.h5")).unwrap(), result);
+}
+
+/// A refusal is one line, exit code 2, and changes no file.
+#[track_caller]
+fn assert_refused(folder: &Folder, arguments: &[&str], because: &str) {
+    let kept = [CHECKPOINT, RECORDS].map(|name| std::fs::read(folder.path(name)).ok());
+    let files = folder.files();
+    let refused = folder.stiction(&[&["run", "scene.toml", "--resume"], arguments].concat());
+    assert_exit(&refused, 2);
+    let message = text(&refused.stderr);
+    assert!(message.contains(because) && message.lines().count() == 1, "{because}: {message}");
+    assert!(message.contains("scene.h5.checkpoint"), "{message}");
+    assert_eq!([CHECKPOINT, RECORDS].map(|name| std::fs::read(folder.path(name)).ok()), kept);
+    assert_eq!(folder.files(), files);
+}
+
+#[test]
+fn a_checkpoint_of_another_run_is_refused() {
+    let folder = interrupted();
+    assert_refused(&folder, &["--seed", "7"], "the seed of the interrupted run was 1, and is now 7");
+    assert_refused(&folder, &["--replicas", "800"], "the number of replicas of the interrupted run was 1600");
+    let scene = std::fs::read_to_string(folder.path("scene.toml")).unwrap();
+    std::fs::write(folder.path("scene.toml"), scene.replace("0.09 J/m^2", "0.08 J/m^2")).unwrap();
+    assert_refused(
+        &folder,
+        &[],
+        "`material.work_of_adhesion` of the interrupted run was \"0.09 J/m^2\", and is now \"0.08 J/m^2\"",
+    );
+    std::fs::write(folder.path("scene.toml"), &scene).unwrap();
+    // Another version of the program, with the checksum that it would have.
+    let checkpoint = std::fs::read(folder.path(CHECKPOINT)).unwrap();
+    let version = env!("CARGO_PKG_VERSION").as_bytes();
+    let place = checkpoint.windows(version.len()).position(|part| part == version).unwrap();
+    let (line, other) = (b"stiction checkpoint\n".len(), [b"9".as_slice(), &version[1..]].concat());
+    let mut changed = checkpoint.clone();
+    changed[place..place + version.len()].copy_from_slice(&other);
+    let checksum = crc32fast::hash(&changed[line + 16..]);
+    changed[line + 12..line + 16].copy_from_slice(&checksum.to_le_bytes());
+    std::fs::write(folder.path(CHECKPOINT), &changed).unwrap();
+    assert_refused(&folder, &[], "the version of stiction of the interrupted run was 9");
+    // Another layout.
+    let mut changed = checkpoint.clone();
+    changed[line] = 99;
+    std::fs::write(folder.path(CHECKPOINT), &changed).unwrap();
+    assert_refused(&folder, &[], "has the checkpoint layout 99; this program reads");
+    // Something else.
+    std::fs::write(folder.path(CHECKPOINT), "my notes").unwrap();
+    assert_refused(&folder, &[], "is not a checkpoint of stiction");
+    assert_refused(&folder, &["--force"], "is not a checkpoint of stiction");
+    std::fs::write(folder.path(CHECKPOINT), checkpoint).unwrap();
+    // The same run under another title, with a comment more.
+    let renamed = format!("# Renamed\n{}", scene.replace("title = \"", "title = \"Another: "));
+    std::fs::write(folder.path("scene.toml"), &renamed).unwrap();
+    assert_exit(&folder.stiction(&["run", "scene.toml", "--resume"]), 0);
+    assert_eq!(attribute(&folder.path("scene.h5"), "/", "scene"), renamed);
+    std::fs::write(folder.path("scene.toml"), &scene).unwrap();
+    let again = folder.stiction(&["run", "scene.toml", "--resume"]);
+    assert_eq!(text(&again.stderr), "scene.h5 is complete: nothing to resume\n");
+}
+
+/// Flips and truncations of each of the two files: 30 in their first 60 bytes, 30 anywhere.
+#[test]
+fn a_damaged_checkpoint_is_refused() {
+    let folder = interrupted();
+    let mut random = ChaCha8Rng::seed_from_u64(1);
+    for name in [CHECKPOINT, RECORDS] {
+        let path = folder.path(name);
+        let whole = std::fs::read(&path).unwrap();
+        for case in 0..60 {
+            let place = if case < 30 { 2 * case } else { random.random_range(0..whole.len()) };
+            let mut flipped = whole.clone();
+            flipped[place] ^= 1 << random.random_range(0..8);
+            std::fs::write(&path, &flipped).unwrap();
+            // The records beyond those that count may be anything.
+            if name == CHECKPOINT || place < 34 + 100 {
+                assert_refused(&folder, &[], "");
+            }
+            std::fs::write(&path, &whole[..place.min(whole.len() / 2)]).unwrap();
+            assert_refused(&folder, &[], "");
+        }
+        std::fs::remove_file(&path).unwrap();
+        if name == RECORDS {
+            assert_refused(&folder, &[], "cannot be read");
+        }
+        std::fs::create_dir(&path).unwrap();
+        assert_refused(&folder, &[], "is not a file");
+        std::fs::remove_dir(&path).unwrap();
+        std::fs::write(&path, whole).unwrap();
+    }
+    assert_exit(&folder.stiction(&["run", "scene.toml", "--resume"]), 0);
+}
+
+/// A file of another program where a run keeps its records.
+#[test]
+fn a_foreign_file_is_not_overwritten() {
+    let folder = Folder::new(&small());
+    std::fs::write(folder.path(RECORDS), "precious").unwrap();
+    let refused = folder.stiction(&["run", "scene.toml"]);
+    assert_exit(&refused, 2);
+    assert!(text(&refused.stderr).contains("is not of stiction"), "{}", text(&refused.stderr));
+    assert_eq!(std::fs::read(folder.path(RECORDS)).unwrap(), b"precious");
+    assert_eq!(folder.files(), [RECORDS, "scene.toml"]);
+}
+
+/// The beginning of records, as a run leaves it that is killed when it begins, is in no one's way.
+#[test]
+fn records_that_were_only_begun_are_overwritten() {
+    const BEGINNING: &str = "stiction replicas of a checkpoint\n";
+    let folder = Folder::new(&small().replace("replicas = 40", "replicas = 2"));
+    for begun in [0, 8, BEGINNING.len()] {
+        std::fs::write(folder.path(RECORDS), &BEGINNING[..begun]).unwrap();
+        assert_exit(&folder.stiction(&["run", "scene.toml", "--force"]), 0);
+        assert_eq!(folder.files(), ["scene.h5", "scene.toml"], "{begun}");
+    }
+}
+
+#[test]
+fn two_runs_of_one_output_are_not_made_at_once() {
+    let folder = Folder::new(&scene().replace("replicas = 1600", "replicas = 100000"));
+    let mut first = begin(&folder, &["--checkpoint", "0"]);
+    wait_while_running(&mut first, || folder.path(CHECKPOINT).exists());
+    for arguments in
+        [&["run", "scene.toml"][..], &["run", "scene.toml", "--resume"], &["run", "scene.toml", "--force"]]
+    {
+        let second = folder.stiction(arguments);
+        assert_exit(&second, 2);
+        let message = text(&second.stderr);
+        assert!(
+            message.contains(&format!("another run makes scene.h5 (process {})", first.id())),
+            "{message}"
+        );
+    }
+    let comparison = folder.stiction(&["compare", "scene.toml", "--laws", "gw,md", "-o", "scene.h5"]);
+    assert_exit(&comparison, 2);
+    let link = folder.path("link.h5");
+    std::os::unix::fs::symlink("scene.h5", &link).unwrap();
+    assert_exit(&folder.stiction(&["run", "scene.toml", "-o", "link.h5"]), 2);
+    // Another output of the same folder is another matter.
+    assert_exit(&folder.stiction(&["run", "scene.toml", "--replicas", "8", "-o", "other.h5"]), 0);
+    signal(&first, "-INT");
+    assert_exit(&first.wait_with_output().unwrap(), 130);
+    assert!(!folder.path(".scene.h5.lock").exists());
+}
+
+/// What is on the disk after a kill.
+fn left(folder: &Folder) -> &'static str {
+    let is = |name: &str| folder.path(name).exists();
+    match () {
+        () if is("scene.h5") && is(CHECKPOINT) => "result named, checkpoint left",
+        () if is("scene.h5") => "result complete",
+        () if is(".scene.h5.partial") => "result unfinished",
+        () if is(".scene.h5.checkpoint.partial") => "checkpoint unfinished",
+        () if is(CHECKPOINT) => "checkpoint",
+        () if is(RECORDS) => "records without checkpoint",
+        () => "nothing",
+    }
+}
+
+/// Kills runs at moments that are random over the whole run, over the writing of a checkpoint, and over the
+/// writing of the result; goes on with each, and with some after another kill. Kills that come after the end
+/// do not count. Returns how often what was left.
+fn kill_and_resume(kills: u32, seed: u64) -> BTreeMap<&'static str, u32> {
+    let folder = Folder::new(&scene());
+    let reference = reference(&folder);
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let begun = Instant::now();
+    assert_exit(&folder.stiction(&["run", "scene.toml", "--checkpoint", "0"]), 0);
+    let (lasts, mut found) = (begun.elapsed(), BTreeMap::new());
+    std::fs::remove_file(folder.path("scene.h5")).unwrap();
+    let mut killed = 0;
+    while killed < kills {
+        let resumes = if killed % 4 == 0 { 2 } else { 1 };
+        for _ in 0..resumes {
+            let mut child = begin(&folder, &["--checkpoint", "0", "--resume"]);
+            let place = random.random_range(0.0..1.0);
+            match killed % 3 {
+                0 => std::thread::sleep(lasts.mul_f64(1.1 * place)),
+                1 => {
+                    std::thread::sleep(lasts.mul_f64(0.9 * place));
+                    wait_while_running(&mut child, || folder.path(".scene.h5.checkpoint.partial").exists());
+                }
+                _ => {
+                    wait_while_running(&mut child, || folder.path(".scene.h5.partial").exists());
+                    std::thread::sleep(Duration::from_secs_f64(0.01 * place));
+                }
+            }
+            let _ = child.kill();
+            child.wait().unwrap();
+            let left = left(&folder);
+            *found.entry(left).or_default() += 1;
+            killed += u32::from(left != "result complete");
+        }
+        let resumed = folder.stiction(&["run", "scene.toml", "--resume"]);
+        assert_exit(&resumed, 0);
+        assert_same_as(&folder, &reference);
+        assert_eq!(folder.files(), ["reference.h5", "scene.h5", "scene.toml"], "after {killed} kills");
+        std::fs::remove_file(folder.path("scene.h5")).unwrap();
+    }
+    found
+}
+
+/// A run that is killed between removing its checkpoint and its records leaves the records; to resume it
+/// tidies up.
+#[test]
+fn records_that_nothing_counts_on_are_removed_from_a_complete_run() {
+    let folder = Folder::new(&scene());
+    assert_exit(&folder.stiction(&["run", "scene.toml"]), 0);
+    let records = folder.path("scene.h5.checkpoint.replicas");
+    std::fs::write(&records, b"stiction replicas of a checkpoint\n12345678").unwrap();
+    assert_exit(&folder.stiction(&["run", "scene.toml", "--resume"]), 0);
+    assert_eq!(folder.files(), ["scene.h5", "scene.toml"]);
+    std::fs::write(&records, b"of another program").unwrap();
+    assert_exit(&folder.stiction(&["run", "scene.toml", "--resume"]), 0);
+    assert_eq!(folder.files(), ["scene.h5", "scene.h5.checkpoint.replicas", "scene.toml"]);
+}
+
+#[test]
+fn killed_runs_go_on_to_the_same_bits() {
+    println!("{:?}", kill_and_resume(6, 1));
+}
+
+/// A loop with curves, stiffnesses and preloads too.
+#[test]
+fn a_loop_goes_on_to_the_same_bits() {
+    let held = "[instability]\nstiffness = [0, \"1 kN/m\"]\npreload = [\"1 uN\", \"1 kN\"]\n[output]";
+    let scene = scene().replace("path = \"approach\"", "path = \"loop\"").replace("[output]", held);
+    let folder = Folder::new(&scene.replace("replicas = 1600", "replicas = 400"));
+    let reference = reference(&folder);
+    assert!(
+        reference.iter().any(|(name, values)| name == "/replicas/snap_off" && values.len() == 400 * 2 * 2)
+    );
+    assert!(
+        reference
+            .iter()
+            .any(|(name, values)| name == "/replicas/retraction_external_force" && values.len() == 6400)
+    );
+    let stopped = interrupt(&folder, "-INT", &["--checkpoint", "0"]);
+    assert_exit(&stopped, 130);
+    assert_exit(&folder.stiction(&["run", "scene.toml", "--resume", "--threads", "1"]), 0);
+    assert_same_as(&folder, &reference);
+    assert_exit(&folder.stiction(&["validate", "scene.h5"]), 0);
+}
+
+/// None lost, none different.
+#[test]
+#[ignore = "slow: minutes"]
+fn a_hundred_killed_runs_go_on_to_the_same_bits() {
+    let found = kill_and_resume(100, 2);
+    println!("{found:?}");
+    for left in ["checkpoint", "checkpoint unfinished", "result unfinished"] {
+        assert!(found.contains_key(left), "no kill left: {left}; {found:?}");
+    }
+}
+
+/// Runs the program where no file may be longer than so many KiB: writing beyond fails as on a full disk.
+fn limited(folder: &Folder, kibibytes: u64, arguments: &str) -> Output {
+    let program = env!("CARGO_BIN_EXE_stiction");
+    let command = format!("ulimit -f {kibibytes}; exec '{program}' run scene.toml {arguments}");
+    Command::new("bash").args(["-c", &command]).current_dir(folder.path("")).output().unwrap()
+}
+
+/// What a run says that had no space, and that it has left nothing unfinished.
+#[track_caller]
+fn said(output: &Output, files: &[String]) -> String {
+    let message = text(&output.stderr);
+    assert!(matches!(output.status.code(), Some(1)), "{:?} {message}", output.status);
+    assert!(message.starts_with("stiction: cannot ") && message.lines().count() <= 3, "{message}");
+    assert!(files.iter().all(|name| !name.starts_with('.') && name != "scene.h5"), "{files:?}");
+    message.lines().next().unwrap().to_owned()
+}
+
+/// The limit meets every write: of the records, the checkpoint, the result; with curves, whose records are
+/// the longest file, and without.
+#[test]
+fn a_full_disk_is_an_error_and_the_run_goes_on_after_space_is_made() {
+    let mut messages = BTreeMap::<String, u32>::new();
+    let scene = scene().replace("replicas = 1600", "replicas = 400");
+    for scene in [scene.clone(), scene.replace("curves = true", "curves = false")] {
+        let folder = Folder::new(&scene);
+        let reference = reference(&folder);
+        let largest = std::fs::metadata(folder.path("reference.h5")).unwrap().len() / 1024 + 1;
+        let mut failures = 0;
+        for step in 0..=12 {
+            let arguments = if step % 3 == 2 { "" } else { "--checkpoint 0" };
+            let output = limited(&folder, step * (largest + 16) / 12, arguments);
+            if output.status.code() != Some(0) {
+                failures += 1;
+                *messages.entry(said(&output, &folder.files())).or_default() += 1;
+            }
+            assert_exit(&folder.stiction(&["run", "scene.toml", "--resume"]), 0);
+            assert_same_as(&folder, &reference);
+            std::fs::remove_file(folder.path("scene.h5")).unwrap();
+        }
+        assert!((6..13).contains(&failures), "{failures}");
+    }
+    println!("{messages:#?}");
+    for what in
+        ["scene.h5.checkpoint:", "scene.h5.checkpoint.replicas:", "cannot write scene.h5: File too large"]
+    {
+        assert!(messages.keys().any(|message| message.contains(what)), "{what} {messages:?}");
+    }
+}
+
+/// The same on a small file system of its own, where this system lets us mount one.
+#[test]
+fn a_full_file_system_is_an_error_and_the_run_goes_on_after_space_is_made() {
+    let folder = Folder::new(&scene().replace("replicas = 1600", "replicas = 400"));
+    let reference = reference(&folder);
+    std::fs::create_dir(folder.path("disk")).unwrap();
+    let program = env!("CARGO_BIN_EXE_stiction");
+    let mut messages = BTreeMap::<String, u32>::new();
+    for kibibytes in [16, 64, 128, 192, 256, 320, 384, 448, 512, 576] {
+        let script = format!(
+            "mount -t tmpfs -o size={kibibytes}k none disk || exit 99; \
+             '{program}' run scene.toml -o disk/scene.h5 --checkpoint 0; code=$?; ls -A disk >files; \
+             mount -o remount,size=10m disk; '{program}' run scene.toml -o disk/scene.h5 --resume >&2 || exit 98; \
+             cp disk/scene.h5 .; exit $code"
+        );
+        let output =
+            Command::new("unshare").args(["-rm", "sh", "-c", &script]).current_dir(folder.path("")).output();
+        let Some(output) = output.ok().filter(|output| matches!(output.status.code(), Some(0 | 1 | 98)))
+        else {
+            return skip("interruption, full file systems", "this system lets us mount nothing");
+        };
+        assert_ne!(output.status.code(), Some(98), "{}", text(&output.stderr));
+        if output.status.code() == Some(1) {
+            let message = text(&output.stderr);
+            let files = std::fs::read_to_string(folder.path("files")).unwrap();
+            assert!(files.lines().all(|name| !name.starts_with('.') && name != "scene.h5"), "{files}");
+            assert!(message.contains("No space left on device"), "{message}");
+            *messages.entry(message.lines().next().unwrap().to_owned()).or_default() += 1;
+        }
+        assert_same_as(&folder, &reference);
+        std::fs::remove_file(folder.path("scene.h5")).unwrap();
+    }
+    println!("{messages:#?}");
+    assert!(messages.len() > 1 && messages.values().sum::<u32>() > 4, "{messages:?}");
+}
+
+#[test]
+fn a_folder_that_goes_away_is_an_error() {
+    let folder = Folder::new(&scene().replace("replicas = 1600", "replicas = 100000"));
+    std::fs::create_dir(folder.path("results")).unwrap();
+    let mut child = begin(&folder, &["--checkpoint", "0", "-o", "results/scene.h5"]);
+    wait_while_running(&mut child, || folder.path("results").join(CHECKPOINT).exists());
+    std::fs::rename(folder.path("results"), folder.path("gone")).unwrap();
+    let output = child.wait_with_output().unwrap();
+    assert_exit(&output, 1);
+    let message = text(&output.stderr);
+    assert!(message.contains("cannot write results/scene.h5.checkpoint"), "{message}");
+    // What was kept before is whole.
+    std::fs::rename(folder.path("gone"), folder.path("results")).unwrap();
+    let mut child = begin(&folder, &["--resume", "-o", "results/scene.h5"]);
+    std::thread::sleep(Duration::from_millis(300));
+    assert!(child.try_wait().unwrap().is_none(), "it goes on");
+    signal(&child, "-INT");
+    assert_exit(&child.wait_with_output().unwrap(), 130);
+}
+
+/// A folder that is made read-only while the run goes. Root may write there nevertheless, so root becomes
+/// nobody for this test.
+#[test]
+fn a_folder_that_is_made_read_only_is_an_error() {
+    use std::os::unix::fs::{MetadataExt, PermissionsExt};
+    let folder = Folder::new(&scene().replace("replicas = 1600", "replicas = 100000"));
+    let permit = |mode| std::fs::set_permissions(folder.path(""), PermissionsExt::from_mode(mode)).unwrap();
+    permit(0o777);
+    let is_root = folder.path("").metadata().unwrap().uid() == 0;
+    let nobody: &[&str] =
+        if is_root { &["setpriv", "--reuid=65534", "--regid=65534", "--clear-groups"] } else { &["env"] };
+    let mut command = Command::new(nobody[0]);
+    command.args(&nobody[1..]).arg(env!("CARGO_BIN_EXE_stiction")).args([
+        "run",
+        "scene.toml",
+        "--checkpoint",
+        "0",
+    ]);
+    command.current_dir(folder.path("")).stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut child = command.spawn().unwrap();
+    wait_while_running(&mut child, || folder.path(CHECKPOINT).exists());
+    if !folder.path(CHECKPOINT).exists() {
+        return skip(
+            "interruption, read-only folders",
+            text(&child.wait_with_output().unwrap().stderr).trim(),
+        );
+    }
+    permit(0o555);
+    let output = child.wait_with_output().unwrap();
+    permit(0o777);
+    assert_exit(&output, 1);
+    let message = text(&output.stderr);
+    assert!(message.contains("cannot write scene.h5.checkpoint: Permission denied"), "{message}");
+    // What was kept before is whole.
+    let child = begin(&folder, &["--resume"]);
+    std::thread::sleep(Duration::from_millis(300));
+    signal(&child, "-INT");
+    assert_exit(&child.wait_with_output().unwrap(), 130);
+}
+
+/// A symbolic link to another file system: what is unfinished stands beside the file, not beside the link.
+#[test]
+fn an_output_may_be_a_link_to_another_file_system() {
+    use std::os::unix::fs::MetadataExt;
+    let folder = Folder::new(&small());
+    let Ok(other) = tempfile::tempdir_in("/dev/shm") else {
+        return skip("interruption, links to another file system", "there is no /dev/shm");
+    };
+    let device = |path: &Path| path.metadata().unwrap().dev();
+    if device(other.path()) == device(&folder.path("")) {
+        return skip("interruption, links to another file system", "/dev/shm is none");
+    }
+    let target = other.path().join("out.h5");
+    std::os::unix::fs::symlink(&target, folder.path("scene.h5")).unwrap();
+    assert_exit(&folder.stiction(&["run", "scene.toml"]), 0);
+    assert!(folder.path("scene.h5").is_symlink() && !target.is_symlink());
+    assert_exit(&folder.stiction(&["info", "scene.h5"]), 0);
+    assert_exit(&folder.stiction(&["run", "scene.toml"]), 2);
+    assert_exit(&folder.stiction(&["run", "scene.toml", "--force"]), 0);
+    assert!(folder.path("scene.h5").is_symlink());
+}
+
+/// In a mount namespace of its own, where this system lets us have one: a read-only folder, and a file that
+/// something is mounted on.
+#[test]
+fn mounts_that_forbid_the_output_are_refused() {
+    let folder = Folder::new(&small());
+    let program = env!("CARGO_BIN_EXE_stiction");
+    std::fs::create_dir(folder.path("read_only")).unwrap();
+    std::fs::write(folder.path("mounted.h5"), "").unwrap();
+    let script = format!(
+        "mount -t tmpfs -o ro none read_only && touch /dev/shm/stiction.$$ && mount --bind /dev/shm/stiction.$$ mounted.h5 \
+         || exit 99; rm /dev/shm/stiction.$$; '{program}' run scene.toml -o read_only/out.h5; echo $?; \
+         '{program}' run scene.toml --force -o mounted.h5; echo $?"
+    );
+    let output =
+        Command::new("unshare").args(["-rm", "sh", "-c", &script]).current_dir(folder.path("")).output();
+    let Some(output) = output.ok().filter(|output| output.status.code() == Some(0)) else {
+        return skip("interruption, mounts", "this system lets us mount nothing");
+    };
+    let message = text(&output.stderr);
+    assert_eq!(text(&output.stdout), "2\n2\n", "{message}");
+    assert!(message.contains("cannot write in read_only"), "{message}");
+    assert!(message.contains("mounted.h5 is on another file system than its folder"), "{message}");
+}
+
+/// Without a checkpoint there is nothing to keep.
+#[test]
+fn a_run_that_is_interrupted_before_its_first_batch_leaves_nothing() {
+    let folder = Folder::new(&QUICK.replace("\"100 um^2\"", "\"1 mm^2\""));
+    let child = begin(&folder, &[]);
+    std::thread::sleep(Duration::from_millis(600));
+    signal(&child, "-INT");
+    std::thread::sleep(Duration::from_millis(100));
+    signal(&child, "-INT");
+    assert_exit(&child.wait_with_output().unwrap(), 130);
+    let files = folder.files();
+    assert!(!files.contains(&"scene.h5".to_owned()) && !files.contains(&CHECKPOINT.to_owned()), "{files:?}");
+}
+
+/// Who finds a file under the name of the output when everything is computed has done nothing wrong: the code
+/// is that of a failure, the file stays, and what was computed is kept.
+#[test]
+fn a_result_that_cannot_be_named_is_a_failure_while_running() {
+    let folder = Folder::new(&scene());
+    let mut child = begin(&folder, &["--checkpoint", "0", "--quiet"]);
+    wait_while_running(&mut child, || folder.path(CHECKPOINT).exists());
+    std::fs::write(folder.path("scene.h5"), "mine").unwrap();
+    let output = child.wait_with_output().unwrap();
+    assert_exit(&output, 1);
+    let message = text(&output.stderr);
+    assert!(message.contains("scene.h5 exists") && message.contains("--resume"), "{message}");
+    assert_eq!(std::fs::read(folder.path("scene.h5")).unwrap(), b"mine");
+    std::fs::remove_file(folder.path("scene.h5")).unwrap();
+    assert_exit(&folder.stiction(&["run", "scene.toml", "--resume"]), 0);
+}
+
+/// A checkpoint costs at most a hundredth of the 30 s between two, as the program itself counts them: here
+/// after every batch of a run with curves, whose checkpoints are larger than most.
+#[test]
+fn checkpoints_cost_at_most_a_hundredth_of_their_interval() {
+    let folder = Folder::new(&scene());
+    assert_exit(&folder.stiction(&["run", "scene.toml", "--checkpoint", "0"]), 0);
+    let file = unlocked::open(folder.path("scene.h5"));
+    let number = |name: &str| file.dataset(name).unwrap().read_raw::<f64>().unwrap()[0];
+    let (checkpoints, seconds) =
+        (number("diagnostics/checkpoints"), number("diagnostics/checkpoint_seconds"));
+    assert!(checkpoints >= 10.0 && seconds > 0.0, "{checkpoints} {seconds}");
+    assert!(seconds / checkpoints < 0.01 * 30.0, "{seconds} s for {checkpoints} checkpoints");
+}

@@ -1,0 +1,129 @@
+//! Replicas of more asperities than are held at once, as a user runs them: what memory they take, that they
+//! have the same bits on any number of threads, and that a patch that is nearly as large as its integral has
+//! its mean forces.
+#![cfg(target_os = "linux")]
+
+use crate::common::program::{Folder, assert_exit, bits, peak_memory, text};
+use crate::common::unlocked;
+
+const CASE_II: &str = include_str!("../../configs/case_ii.toml");
+/// Bytes that a run may take on two threads, however many its asperities.
+const MEMORY: f64 = 500e6;
+/// Largest z-score of a test that looks at 362 of them: false alarms below 362 · 2Φ(−5.2) = 7e-5; the seed is
+/// fixed.
+const Z: f64 = 5.2;
+
+/// One replica of case II with so many asperities at so many separations, summed as `sum` says.
+fn scene(asperities: f64, separations: u32, sum: &str) -> String {
+    CASE_II
+        .replace("\"1000 um^2\"", &format!("\"{} um^2\"", asperities / 7.39))
+        .replace(
+            "from = 0.7, to = 8.0, count = 147",
+            &format!("from = -1.0, to = 8.0, count = {separations}"),
+        )
+        .replace("replicas = 1000", "replicas = 1")
+        .replace("[output]", &format!("[solver]\nsum = \"{sum}\"\n[output]"))
+}
+
+fn values(folder: &Folder, name: &str) -> Vec<f64> {
+    unlocked::open(folder.path("scene.h5")).dataset(name).unwrap().read_raw().unwrap()
+}
+
+/// Runs one replica of so many asperities, within the memory that it may take and that `check` names within a
+/// factor of 2, and judges all its forces by the scatter of single replicas about the integral; also that
+/// this is as small as it has to be.
+fn is_as_its_integral(asperities: f64, separations: u32) {
+    let folder = Folder::new(&scene(asperities, separations, "compressed"));
+    let check = text(&folder.stiction(&["check", "scene.toml"]).stdout);
+    assert!(!check.contains("would refuse"), "{check}");
+    let peak = peak_memory(&folder, &["--threads", "2"]);
+    println!("{asperities:e} asperities: {:.1} MB", peak / 1e6);
+    assert!(peak <= MEMORY, "{peak:e} bytes");
+    let counted: Vec<u64> = unlocked::open(folder.path("scene.h5"))
+        .dataset("replicas/asperity_count")
+        .unwrap()
+        .read_raw()
+        .unwrap();
+    assert!((counted[0] as f64 / asperities - 1.0).abs() < 1e-6, "{counted:?}");
+    for force in ["adhesion_force", "external_force"] {
+        let z = values(&folder, &format!("validation/z_{force}"));
+        assert_eq!(z.len(), separations as usize);
+        let largest = z.iter().fold(0.0, |most: f64, z| most.max(z.abs()));
+        println!("{force}: largest |z| {largest:.2}");
+        assert!(largest < Z, "{force}: {z:?}");
+        assert!(largest > 0.1, "{force}: nothing varies");
+    }
+    // At h* = 2.8 the adhesion of an asperity varies by 3.14 times its mean.
+    let [mean, std] =
+        ["statistical/adhesion_force", "statistical/adhesion_force_std"].map(|name| values(&folder, name));
+    let place = (3.8 / 9.0 * f64::from(separations - 1)).round() as usize;
+    let scatter = std[place] / mean[place];
+    assert!(scatter < 3.2 / asperities.sqrt(), "{scatter:e}");
+}
+
+#[test]
+fn a_patch_of_twenty_million_asperities_is_as_its_integral() {
+    is_as_its_integral(2e7, 91);
+}
+
+/// A minute of a core.
+#[test]
+#[ignore = "slow"]
+fn a_patch_of_a_billion_asperities_is_as_its_integral() {
+    is_as_its_integral(1e9, 181);
+}
+
+/// The same bits on one thread and on three, directly and compressed, of two replicas that are shared in
+/// turn.
+#[test]
+fn bits_do_not_depend_on_threads() {
+    for (sum, separations) in [("direct", 7), ("compressed", 46)] {
+        let folder = Folder::new(&scene(2.5e6, separations, sum));
+        let run = |threads: &str, output: &str| {
+            assert_exit(
+                &folder.stiction(&[
+                    "run",
+                    "scene.toml",
+                    "--threads",
+                    threads,
+                    "-o",
+                    output,
+                    "--replicas",
+                    "2",
+                ]),
+                0,
+            );
+            bits(&folder.path(output))
+        };
+        assert_eq!(run("1", "one.h5"), run("3", "three.h5"), "{sum}");
+    }
+}
+
+/// A replica that would take minutes is given up; nothing is kept of it.
+#[test]
+fn a_signal_ends_a_large_replica() {
+    let folder = Folder::new(&scene(2e10, 46, "compressed"));
+    let mut child = std::process::Command::new(env!("CARGO_BIN_EXE_stiction"))
+        .args(["run", "scene.toml", "--threads", "2"])
+        .current_dir(folder.path(""))
+        .stdout(std::process::Stdio::null())
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    // Its records are begun with the ensemble.
+    while !folder.path("scene.h5.checkpoint.replicas").exists() && child.try_wait().unwrap().is_none() {
+        std::thread::sleep(std::time::Duration::from_millis(10));
+    }
+    std::thread::sleep(std::time::Duration::from_secs(2));
+    std::process::Command::new("kill").args(["-TERM", &child.id().to_string()]).status().unwrap();
+    let signalled = std::time::Instant::now();
+    let output = child.wait_with_output().unwrap();
+    assert_exit(&output, 130);
+    assert!(signalled.elapsed().as_secs() < 30, "{:?}", signalled.elapsed());
+    assert!(
+        text(&output.stderr).contains("interrupted after 0 of 1 replicas; nothing was kept"),
+        "{}",
+        text(&output.stderr)
+    );
+    assert_eq!(folder.files(), ["scene.toml"]);
+}

@@ -1,0 +1,43 @@
+//! All tests of the library and the program that share a process: one program to build and to link, `cargo test
+//! --release --test suite loops::` for the tests of one file. The others are those of `fuzz`, which counts allocations.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod bad_scenes;
+mod cli;
+mod compare;
+mod compressed;
+mod ensemble;
+mod extremes;
+mod finite_size;
+mod forest;
+mod hostile_files;
+mod hybrid;
+mod instruction_sets;
+mod interruption;
+mod large_surfaces;
+mod laws;
+mod loops;
+mod measured_surfaces;
+mod outputs;
+mod populations;
+mod processors;
+mod rough_surface;
+mod sampling;
+mod secant;
+mod shards;
+mod single_asperity;
+mod sizes;
+mod skips;
+mod solver;
+mod stability;
+mod stopping;
+mod sums;
+mod sweep;
+mod sweeps;
+mod terminal;
+mod unloading;
+mod validate;
+mod validation;
+mod validity;

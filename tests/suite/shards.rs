@@ -1,0 +1,473 @@
+//! Runs that are computed in shards and merged, as a user drives them: the same bits as one run, what is
+//! refused, what is told.
+#![cfg(unix)]
+
+#[cfg(target_os = "linux")]
+use crate::common::program::peak_memory_of;
+use crate::common::program::{Folder, assert_exit, attribute, bits, number, small, text};
+use crate::common::unlocked;
+use std::process::{Child, Command, Output, Stdio};
+use std::time::Duration;
+
+/// 11 batches, the last one not whole.
+fn scene() -> String {
+    small().replace("replicas = 40", "replicas = 83")
+}
+
+fn swept() -> String {
+    scene() + "\n[sweep]\n\"material.work_of_adhesion\" = [\"0.01 J/m^2\", \"0.02 J/m^2\", \"0.04 J/m^2\"]\n"
+}
+
+fn name(index: u64, count: u64) -> String {
+    format!("scene.shard-{index}-of-{count}.h5")
+}
+
+/// Computes a shard.
+#[track_caller]
+fn shard(folder: &Folder, index: u64, count: u64, more: &[&str]) -> Output {
+    let shard = format!("{index}/{count}");
+    let output = folder.stiction(&[&["run", "scene.toml", "--shard", &shard], more].concat());
+    assert_exit(&output, 0);
+    output
+}
+
+fn merge(folder: &Folder, shards: &[String], more: &[&str]) -> Output {
+    let shards: Vec<&str> = shards.iter().map(String::as_str).collect();
+    folder.stiction(&[&["merge", "-o", "merged.h5"], &shards[..], more].concat())
+}
+
+/// Refused with exit code 2, all of these in the message, and nothing written.
+#[track_caller]
+fn assert_refused(folder: &Folder, shards: &[String], because: &[&str]) {
+    let before = folder.files();
+    let output = merge(folder, shards, &[]);
+    assert_exit(&output, 2);
+    let message = text(&output.stderr);
+    assert!(because.iter().all(|because| message.contains(because)), "{message}");
+    assert_eq!(folder.files(), before);
+}
+
+#[track_caller]
+fn assert_merged_is(folder: &Folder, reference: &str) {
+    let (merged, reference) = (bits(&folder.path("merged.h5")), bits(&folder.path(reference)));
+    assert_eq!(merged.len(), reference.len());
+    for (a, b) in merged.iter().zip(&reference) {
+        assert!(a == b, "{} differs", a.0);
+    }
+}
+
+/// Whatever the number of shards, of threads and the way of summing and sampling; more shards than batches
+/// too.
+#[test]
+fn merged_shards_have_the_bits_of_one_run() {
+    let curves = scene().replace("curves = false", "curves = true");
+    let compressed = scene().replace("[output]", "[solver]\nsum = \"compressed\"\n\n[output]");
+    let stratified = scene().replace("replicas = 83", "replicas = 80\nsampling = \"stratified\"");
+    let cycle = scene().replace("path = \"approach\"", "path = \"loop\"");
+    for (scene, counts) in [(curves, &[1, 3, 16][..]), (compressed, &[4]), (stratified, &[5]), (cycle, &[2])]
+    {
+        let folder = Folder::new(&scene);
+        assert_exit(&folder.stiction(&["run", "scene.toml", "-o", "whole.h5"]), 0);
+        for &count in counts {
+            let width = count.to_string().len();
+            let names: Vec<String> =
+                (1..=count).rev().map(|index| format!("scene.shard-{index:0width$}-of-{count}.h5")).collect();
+            for index in 1..=count {
+                let threads = if index % 2 == 0 { "1" } else { "2" };
+                shard(&folder, index, count, &["--threads", threads]);
+            }
+            let output = merge(&folder, &names, &["--force"]);
+            assert_exit(&output, 0);
+            let said = text(&output.stdout);
+            assert!(
+                said.contains("cross-check") && said.contains("merged.h5") && !said.contains("incomplete"),
+                "{said}"
+            );
+            assert_merged_is(&folder, "whole.h5");
+            names.iter().for_each(|name| std::fs::remove_file(folder.path(name)).unwrap());
+        }
+        assert_eq!(folder.files(), ["merged.h5", "scene.toml", "whole.h5"]);
+    }
+}
+
+/// A shard of a sweep may begin and end within points, or have several.
+#[test]
+fn sweeps_have_shards_too() {
+    for seed in [&[][..], &["--seed", "7", "--replicas", "24"]] {
+        let folder = Folder::new(&swept());
+        assert_exit(&folder.stiction(&[&["run", "scene.toml", "-o", "whole.h5"], seed].concat()), 0);
+        for count in [2, 5] {
+            let names: Vec<String> = (1..=count).map(|index| name(index, count)).collect();
+            for index in 1..=count {
+                shard(&folder, index, count, seed);
+            }
+            assert_exit(&merge(&folder, &names, &["--force"]), 0);
+            assert_merged_is(&folder, "whole.h5");
+        }
+        assert_eq!(folder.files().len(), 3 + 2 + 5);
+    }
+}
+
+/// Shards of different numbers are one run where they have every replica once.
+#[test]
+fn shards_of_different_numbers_fit_together() {
+    let folder = Folder::new(&scene().replace("replicas = 83", "replicas = 96"));
+    assert_exit(&folder.stiction(&["run", "scene.toml", "-o", "whole.h5"]), 0);
+    for (index, count) in [(1, 2), (3, 4), (4, 4)] {
+        shard(&folder, index, count, &[]);
+    }
+    assert_exit(&merge(&folder, &[name(3, 4), name(4, 4), name(1, 2)], &[]), 0);
+    assert_merged_is(&folder, "whole.h5");
+}
+
+#[test]
+fn what_does_not_fit_together_is_refused_with_a_list() {
+    let folder = Folder::new(&scene());
+    for index in 1..=4 {
+        shard(&folder, index, 4, &[]);
+    }
+    shard(&folder, 1, 3, &[]);
+    shard(&folder, 2, 4, &["--seed", "9", "-o", "seed.h5"]);
+    shard(&folder, 2, 4, &["--replicas", "80", "-o", "replicas.h5"]);
+    std::fs::copy(folder.path(&name(2, 4)), folder.path("copy.h5")).unwrap();
+    assert_exit(&folder.stiction(&["run", "scene.toml", "-o", "whole.h5"]), 0);
+    std::fs::write(folder.path("scene.toml"), scene().replace("0.27", "0.28")).unwrap();
+    shard(&folder, 2, 4, &["-o", "scene.h5"]);
+    let [one, two, three, four] = [1, 2, 3, 4].map(|index| name(index, 4));
+    let list = |names: &[&str]| -> Vec<String> { names.iter().map(|name| (*name).to_owned()).collect() };
+    assert_refused(&folder, &list(&[&one, &four]), &["not complete", "--partial", "shards 2/4 to 3/4"]);
+    assert_refused(&folder, &list(&[&one, "none.h5", &four]), &["none.h5: is not there"]);
+    let twice = ["copy.h5 and ", "both have replicas 16 to 39 of 0 to 82"];
+    assert_refused(&folder, &list(&["copy.h5", &one, &two, &three, &four]), &twice);
+    assert_refused(
+        &folder,
+        &list(&[&name(1, 3), &two, &three, &four]),
+        &["both have replicas 16 to 23 of 0 to 82"],
+    );
+    for (other, difference) in [
+        ("seed.h5", "is 1, and here 9"),
+        ("replicas.h5", "is 83, and here 80"),
+        ("scene.h5", "`material.poisson_ratio` of scene.shard-1-of-4.h5 is 0.27, and here 0.28"),
+    ] {
+        let shards = list(&[&one, other, &three, &four]);
+        assert_refused(&folder, &shards, &[&format!("{other}: is of another run"), difference]);
+    }
+    assert_refused(&folder, &list(&["whole.h5"]), &["has the format \"stiction-run\""]);
+    assert_refused(&folder, &list(&["scene.toml"]), &["is not an HDF5 file"]);
+    // An output that is there, or a shard itself, is not overwritten.
+    assert_exit(&merge(&folder, &[one.clone(), two.clone(), three.clone(), four.clone()], &[]), 0);
+    assert_exit(&merge(&folder, &[one.clone(), two.clone(), three.clone(), four.clone()], &[]), 2);
+    let own = folder.stiction(&["merge", "--force", "-o", &one, &one, &two, &three, &four]);
+    assert_exit(&own, 2);
+    assert!(text(&own.stderr).contains("which this command reads"), "{}", text(&own.stderr));
+}
+
+/// A byte of its sums, a byte of its records, another version of the program or of the format.
+#[test]
+fn a_shard_that_is_changed_is_refused() {
+    let folder = Folder::new(&scene());
+    let names = [name(1, 2), name(2, 2)];
+    for index in 1..=2 {
+        shard(&folder, index, 2, &[]);
+    }
+    let path = folder.path(&names[1]);
+    let whole = std::fs::read(&path).unwrap();
+    let changed = |change: &dyn Fn(&hdf5::File)| {
+        // A copy, because programs that other tests start meanwhile keep the lock of a file that is open for
+        // writing.
+        let other = tempfile::NamedTempFile::new().unwrap();
+        std::fs::write(other.path(), &whole).unwrap();
+        let file = unlocked::open_rw(other.path());
+        change(&file);
+        file.close().unwrap();
+        std::fs::copy(other.path(), &path).unwrap();
+    };
+    changed(&|file| {
+        let mut state = file.dataset("state").unwrap().read_2d::<u8>().unwrap();
+        state[[3, 100]] ^= 4;
+        file.dataset("state").unwrap().write(&state).unwrap();
+    });
+    assert_refused(&folder, &names, &["is damaged: its checksum is wrong"]);
+    changed(&|file| {
+        let mut records = file.dataset("records").unwrap().read_2d::<u64>().unwrap();
+        records[[7, 2]] ^= 1;
+        file.dataset("records").unwrap().write(&records).unwrap();
+    });
+    assert_refused(&folder, &names, &["is damaged: the checksum of its records is wrong"]);
+    changed(&|file| file.attr("format_version").unwrap().write(&[1_u32, 0]).unwrap());
+    assert_refused(&folder, &names, &["has format version 1.0; this program reads 2.x"]);
+    let version = |value: &str, attribute: &str| {
+        let value: hdf5::types::VarLenUnicode = value.parse().unwrap();
+        changed(&|file| file.attr(attribute).unwrap().write_scalar(&value).unwrap());
+    };
+    version("9.9.9", "program_version");
+    assert_refused(&folder, &names, &["the version of stiction", "9.9.9"]);
+    version("ffff", "source_hash");
+    assert_refused(&folder, &names, &["the source of stiction", "ffff"]);
+    std::fs::write(&path, &whole[..whole.len() / 2]).unwrap();
+    assert_refused(&folder, &names, &[&names[1]]);
+}
+
+#[test]
+fn what_is_there_can_be_merged_and_is_marked() {
+    let folder = Folder::new(&scene());
+    for index in [1, 2, 4] {
+        shard(&folder, index, 4, &[]);
+    }
+    let output = merge(&folder, &[name(1, 4), name(2, 4), name(4, 4)], &["--partial"]);
+    assert_exit(&output, 0);
+    assert!(text(&output.stdout).contains("missing: shard 3/4"), "{}", text(&output.stdout));
+    let merged = folder.path("merged.h5");
+    assert_eq!(
+        ["replicas", "replicas_of_whole_run", "partial"].map(|name| number(&merged, "/", name)),
+        [59.0, 83.0, 1.0]
+    );
+    let there: Vec<u64> = (0..40).chain(64..83).collect();
+    let file = unlocked::open(&merged);
+    assert_eq!(file.dataset("replica").unwrap().read_raw::<u64>().unwrap(), there);
+    let forces: Vec<f64> = file.dataset("replicas/pull_off_force").unwrap().read_raw().unwrap();
+    let mean: Vec<f64> = file.dataset("ensemble/scalar_mean").unwrap().read_raw().unwrap();
+    assert!((forces.iter().sum::<f64>() / 59.0 / mean[0] - 1.0).abs() < 1e-13);
+    // They are the replicas that they are in the whole run.
+    assert_exit(&folder.stiction(&["run", "scene.toml", "-o", "whole.h5"]), 0);
+    let whole: Vec<f64> = unlocked::open(folder.path("whole.h5"))
+        .dataset("replicas/pull_off_force")
+        .unwrap()
+        .read_raw()
+        .unwrap();
+    assert!(there.iter().zip(&forces).all(|(index, force)| whole[*index as usize] == *force));
+    assert_exit(&folder.stiction(&["validate", "merged.h5"]), 0);
+    let info = text(&folder.stiction(&["info", "merged.h5"]).stdout);
+    assert!(info.contains("replicas 0 to 39, 64 to 82 of 0 to 82"), "{info}");
+}
+
+/// What a point says stays that point's where the point before it is not there at all.
+#[test]
+fn a_point_behind_one_that_is_missing_keeps_its_place() {
+    let folder = Folder::new(&swept());
+    assert_exit(&folder.stiction(&["run", "scene.toml", "-o", "whole.h5"]), 0);
+    for index in [1, 3] {
+        shard(&folder, index, 3, &[]);
+    }
+    assert_exit(&merge(&folder, &[name(1, 3), name(3, 3)], &["--partial"]), 0);
+    let read = |name: &str, path: &str| unlocked::open(folder.path(name)).dataset(path).unwrap();
+    let counts: Vec<u64> = read("merged.h5", "replica_count").read_raw().unwrap();
+    assert_eq!(counts, [83, 0, 83]);
+    for path in ["statistical/pull_off_force", "statistical/quadrature_error", "validation/p_value"] {
+        let [merged, whole] =
+            ["merged.h5", "whole.h5"].map(|name| read(name, path).read_raw::<f64>().unwrap());
+        assert!(merged[1].is_nan() && whole.iter().all(|value| value.is_finite()), "{path}: {merged:?}");
+        assert_eq!([merged[0], merged[2]], [whole[0], whole[2]], "{path}");
+    }
+}
+
+/// Of three points the last has not all of its replicas, then none.
+#[test]
+fn what_is_there_of_a_sweep_can_be_merged() {
+    let folder = Folder::new(&swept());
+    assert_exit(&folder.stiction(&["run", "scene.toml", "-o", "whole.h5"]), 0);
+    for index in 1..=6 {
+        shard(&folder, index, 6, &[]);
+    }
+    let read = |name: &str, path: &str| unlocked::open(folder.path(name)).dataset(path).unwrap();
+    for (there, counts) in [(5, [83_u64, 83, 40]), (4, [83, 83, 0])] {
+        let names: Vec<String> = (1..=there).map(|index| name(index, 6)).collect();
+        let output = merge(&folder, &names, &["--partial", "--force"]);
+        assert_exit(&output, 0);
+        assert_eq!(read("merged.h5", "replica_count").read_raw::<u64>().unwrap(), counts);
+        for path in ["ensemble/external_force_mean", "statistical/external_force"] {
+            let [merged, whole] =
+                ["merged.h5", "whole.h5"].map(|name| read(name, path).read_2d::<f64>().unwrap());
+            assert!(merged.row(0) == whole.row(0) && merged.row(1) == whole.row(1));
+            assert!(counts[2] > 0 || merged.row(2).iter().all(|force| force.is_nan()), "{path}");
+        }
+        let differences: Vec<f64> = read("merged.h5", "differences/pull_off_force_mean").read_raw().unwrap();
+        assert!(differences[0] == 0.0 && differences[1].is_finite() && differences[2].is_nan());
+        assert_eq!(number(&folder.path("merged.h5"), "/", "partial"), 1.0);
+        assert_exit(&folder.stiction(&["validate", "merged.h5"]), 0);
+        assert_exit(&folder.stiction(&["info", "merged.h5"]), 0);
+    }
+}
+
+fn begin(folder: &Folder, arguments: &[&str]) -> Child {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_stiction"));
+    command.args(["run", "scene.toml", "--checkpoint", "0", "--threads", "1"]).args(arguments);
+    command.current_dir(folder.path("")).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap()
+}
+
+/// Ends it with a signal when it has a checkpoint.
+fn interrupt(folder: &Folder, signal: &str, checkpoint: &str, arguments: &[&str]) -> Output {
+    let mut child = begin(folder, arguments);
+    while !folder.path(checkpoint).exists() && child.try_wait().unwrap().is_none() {
+        std::thread::sleep(Duration::from_micros(50));
+    }
+    let _ =
+        Command::new("kill").args([signal, &child.id().to_string()]).stderr(Stdio::null()).status().unwrap();
+    child.wait_with_output().unwrap()
+}
+
+#[test]
+fn an_interrupted_shard_goes_on_to_the_same_bits() {
+    let long = scene().replace("replicas = 83", "replicas = 3200");
+    let folder = Folder::new(&long);
+    assert_exit(&folder.stiction(&["run", "scene.toml", "-o", "whole.h5"]), 0);
+    shard(&folder, 1, 2, &["-o", "1.h5"]);
+    let arguments = ["--shard", "2/2", "-o", "2.h5"];
+    let output = interrupt(&folder, "-TERM", "2.h5.checkpoint", &arguments);
+    assert_exit(&output, 130);
+    assert!(text(&output.stderr).contains("of 1600 replicas"), "{}", text(&output.stderr));
+    let names = ["1.h5".to_owned(), "2.h5".to_owned()];
+    assert_refused(&folder, &names, &["2.h5, shard 2/2: not finished"]);
+    for path in ["2.h5", "2.h5.checkpoint"] {
+        let info = folder.stiction(&["info", path]);
+        assert_exit(&info, 0);
+        assert!(
+            text(&info.stdout).contains("shard 2/2 has 1600 to 3199 of 0 to 3199"),
+            "{}",
+            text(&info.stdout)
+        );
+    }
+    // Neither the whole run nor another shard goes on with it.
+    for other in [&["-o", "2.h5"][..], &["--shard", "1/2", "-o", "2.h5"]] {
+        let output = folder.stiction(&[&["run", "scene.toml", "--resume"], other].concat());
+        assert_exit(&output, 2);
+        assert!(
+            text(&output.stderr).contains("the shard of the interrupted run was 2/2"),
+            "{}",
+            text(&output.stderr)
+        );
+    }
+    assert_exit(&folder.stiction(&[&["run", "scene.toml"], &arguments[..]].concat()), 2);
+    let killed = interrupt(&folder, "-KILL", "2.h5.checkpoint", &[&arguments[..], &["--resume"]].concat());
+    assert_eq!(killed.status.code(), None);
+    assert_exit(&folder.stiction(&[&["run", "scene.toml", "--resume"], &arguments[..]].concat()), 0);
+    let again = folder.stiction(&[&["run", "scene.toml", "--resume"], &arguments[..]].concat());
+    assert!(text(&again.stderr).contains("nothing to resume"));
+    assert_exit(&merge(&folder, &names, &[]), 0);
+    assert_merged_is(&folder, "whole.h5");
+    let resumptions: u64 = {
+        let file = unlocked::open(folder.path("merged.h5"));
+        file.dataset("diagnostics/resumptions").unwrap().read_scalar().unwrap()
+    };
+    assert!(resumptions >= 1);
+    assert_eq!(folder.files(), ["1.h5", "2.h5", "merged.h5", "scene.toml", "whole.h5"]);
+}
+
+#[test]
+fn an_interrupted_shard_of_a_sweep_goes_on_to_the_same_bits() {
+    let folder = Folder::new(&swept().replace("replicas = 83", "replicas = 1600"));
+    assert_exit(&folder.stiction(&["run", "scene.toml", "-o", "whole.h5"]), 0);
+    shard(&folder, 1, 2, &["-o", "1.h5"]);
+    let arguments = ["--shard", "2/2", "-o", "2.h5"];
+    // In the second of its two points.
+    let output = interrupt(&folder, "-TERM", "2.h5.points/0003.h5.checkpoint", &arguments);
+    assert_exit(&output, 130);
+    let info = folder.stiction(&["info", "2.h5"]);
+    assert!(
+        text(&info.stdout).contains("800 of 800 are done; shard 2/2 has 800 to 1599"),
+        "{}",
+        text(&info.stdout)
+    );
+    assert_refused(&folder, &["1.h5".to_owned(), "2.h5".to_owned()], &["2.h5: not finished"]);
+    // Of three shards the first has no point of those that are kept.
+    let kept = std::fs::read_dir(folder.path("2.h5.points")).unwrap().count();
+    for other in ["1/2", "1/3"] {
+        let output = folder.stiction(&["run", "scene.toml", "--shard", other, "-o", "2.h5", "--resume"]);
+        assert_exit(&output, 2);
+        assert!(
+            text(&output.stderr).contains("the shard of the interrupted run was 2/2"),
+            "{}",
+            text(&output.stderr)
+        );
+    }
+    assert_eq!(std::fs::read_dir(folder.path("2.h5.points")).unwrap().count(), kept);
+    assert_exit(&folder.stiction(&[&["run", "scene.toml", "--resume"], &arguments[..]].concat()), 0);
+    assert_exit(&merge(&folder, &["1.h5".to_owned(), "2.h5".to_owned()], &[]), 0);
+    assert_merged_is(&folder, "whole.h5");
+    assert_eq!(folder.files(), ["1.h5", "2.h5", "merged.h5", "scene.toml", "whole.h5"]);
+}
+
+/// One node of the tree takes 0.8 MB here, and each shard has at least one.
+#[cfg(target_os = "linux")]
+#[test]
+fn memory_does_not_grow_with_the_number_of_shards() {
+    let folder = Folder::new(&scene().replace("count = 16", "count = 1600").replace("100 um^2", "5 um^2"));
+    let mut peaks = Vec::new();
+    for count in [1, 11] {
+        let names: Vec<String> = (1..=count).map(|index| format!("{index}.h5")).collect();
+        for (index, name) in (1..=count).zip(&names) {
+            shard(&folder, index, count, &["-o", name, "--force"]);
+        }
+        let names: Vec<&str> = names.iter().map(String::as_str).collect();
+        // What two threads hold at once is chance: the least of three.
+        let merge = [&["merge", "--force", "-o", "merged.h5"], &names[..]].concat();
+        peaks.push((0..3).map(|_| peak_memory_of(&folder, &merge)).fold(f64::INFINITY, f64::min));
+    }
+    println!("{peaks:?} bytes for 1 shard and for 11");
+    assert!(peaks[1] - peaks[0] < 4e6, "{peaks:?}");
+}
+
+#[test]
+fn what_a_shard_is_of_is_told() {
+    let folder = Folder::new(&scene());
+    let said = text(&shard(&folder, 2, 4, &[]).stdout);
+    assert!(said.contains("2 of 4") && said.contains("16 to 39 of 0 to 82"), "{said}");
+    let path = folder.path(&name(2, 4));
+    assert_eq!([number(&path, "/", "shard"), number(&path, "/", "shards")], [2.0, 4.0]);
+    assert_eq!(attribute(&path, "/", "format"), "stiction-shard");
+    let info = text(&folder.stiction(&["info", &name(2, 4)]).stdout);
+    assert!(info.contains("2/4, complete") && info.contains("16 to 39 of 0 to 82"), "{info}");
+    let said = text(&shard(&folder, 1, 20, &["-o", "empty.h5"]).stdout);
+    assert!(said.contains("none: there are more shards than batches"), "{said}");
+    assert!(text(&folder.stiction(&["info", "empty.h5"]).stdout).contains("none: there are more shards"));
+    for wrong in ["0/4", "5/4", "3", "a/b", "1/0"] {
+        let output = folder.stiction(&["run", "scene.toml", "--shard", wrong]);
+        assert_exit(&output, 2);
+        assert!(text(&output.stderr).contains("such as 3/16"), "{}", text(&output.stderr));
+    }
+}
+
+#[test]
+fn a_run_that_ends_at_a_target_has_no_shards_unless_its_replicas_are_given() {
+    let target =
+        "target = { quantity = \"pull_off_force\", relative_standard_error = 0.05 }\nmax_replicas = 400";
+    let folder = Folder::new(&scene().replace("replicas = 83", target));
+    let output = folder.stiction(&["run", "scene.toml", "--shard", "1/2"]);
+    assert_exit(&output, 2);
+    assert!(text(&output.stderr).contains("give --replicas"), "{}", text(&output.stderr));
+    assert_eq!(folder.files(), ["scene.toml"]);
+    assert_exit(&folder.stiction(&["run", "scene.toml", "--replicas", "24", "-o", "whole.h5"]), 0);
+    for index in 1..=2 {
+        shard(&folder, index, 2, &["--replicas", "24"]);
+    }
+    assert_exit(&merge(&folder, &[name(1, 2), name(2, 2)], &[]), 0);
+    assert_merged_is(&folder, "whole.h5");
+}
+
+/// The scene names a file beside it: found where it was, or where --scene says, and refused when it has
+/// changed.
+#[test]
+fn what_a_scene_takes_from_files_is_found_again() {
+    let scene = include_str!("../../configs/surfaces/file.toml")
+        .replace("count = 54", "count = 12")
+        .replace("400", "40");
+    let folder = Folder::new(&scene);
+    let heights = include_str!("../../configs/surfaces/heights.csv");
+    std::fs::write(folder.path("heights.csv"), heights).unwrap();
+    assert_exit(&folder.stiction(&["run", "scene.toml", "-o", "whole.h5"]), 0);
+    let names = [name(1, 2), name(2, 2)];
+    for index in 1..=2 {
+        shard(&folder, index, 2, &[]);
+    }
+    assert_exit(&merge(&folder, &names, &[]), 0);
+    assert_merged_is(&folder, "whole.h5");
+    std::fs::remove_file(folder.path("merged.h5")).unwrap();
+    std::fs::write(folder.path("heights.csv"), heights.replacen("1.", "2.", 1)).unwrap();
+    assert_refused(&folder, &names, &["heights.csv do not hold what they held", "--scene"]);
+    std::fs::remove_file(folder.path("heights.csv")).unwrap();
+    assert_refused(&folder, &names, &["heights.csv", "--scene"]);
+    std::fs::create_dir(folder.path("elsewhere")).unwrap();
+    std::fs::write(folder.path("elsewhere/heights.csv"), heights).unwrap();
+    assert_exit(&merge(&folder, &names, &["--scene", "elsewhere/scene.toml"]), 0);
+    assert_merged_is(&folder, "whole.h5");
+}

@@ -1,0 +1,335 @@
+//! Memory and time that runs take beside what is estimated before, and runs that are refused because they
+//! would take more than can be had.
+#![cfg(target_os = "linux")]
+
+use crate::common::program::{Folder, QUICK, assert_exit, bits, peak_memory, small, text};
+use std::path::PathBuf;
+use std::process::{Command, Output, Stdio};
+use std::time::Duration;
+
+/// The quick scene with other sizes: asperities, separations, replicas.
+fn sized(asperities: f64, separations: u32, replicas: u32) -> String {
+    QUICK
+        .replace("\"100 um^2\"", &format!("\"{} um^2\"", asperities / 7.39))
+        .replace("count = 91", &format!("count = {separations}"))
+        .replace("replicas = 200", &format!("replicas = {replicas}"))
+}
+
+fn compressed(scene: &str) -> String {
+    scene.replace("[output]", "[solver]\nsum = \"compressed\"\n[output]")
+}
+
+/// What `check` says of the scene in a folder on the line that begins so, bytes.
+fn estimated(folder: &Folder, what: &str) -> f64 {
+    let check = folder.stiction(&["check", "scene.toml"]);
+    assert_exit(&check, 0);
+    let check = text(&check.stdout);
+    let line = check.lines().find(|line| line.trim_start().starts_with(what)).unwrap();
+    let mut words = line.split_whitespace().skip_while(|word| word.parse::<f64>().is_err());
+    let value: f64 = words.next().unwrap().parse().unwrap();
+    let units = [("kB", 1e3), ("MB", 1e6), ("GB", 1e9)];
+    value * units.iter().find(|(unit, _)| Some(*unit) == words.clone().next()).unwrap().1
+}
+
+/// The scene pulled back after 8 preloads, on springs of 50 stiffnesses.
+fn snapping(scene: &str) -> String {
+    let list = |count: u32, unit: &str| {
+        (1..=count).map(|i| format!("\"{i} {unit}\"")).collect::<Vec<_>>().join(", ")
+    };
+    let held = format!("[instability]\nstiffness = [{}]\npreload = [{}]\n", list(50, "N/m"), list(8, "uN"));
+    scene.replace("path = \"approach\"", "path = \"loop\"").replace("[output]", &format!("{held}[output]"))
+}
+
+/// Memory is estimated within a factor of 2, whatever it is that takes it: nothing, asperities (few, many;
+/// direct, compressed), separations, curves, replicas, snaps.
+#[test]
+fn memory_is_estimated_within_a_factor_of_2() {
+    let deep = |scene: &str| scene.replace("from = -1.0, to = 8.0", "from = 4.0, to = 4.5");
+    let scenes = [
+        ("little", sized(739.0, 91, 200)),
+        ("asperities", sized(1e6, 21, 24)),
+        ("compressed", compressed(&sized(5e5, 91, 16))),
+        ("fine steps", compressed(&sized(7390.0, 800, 64))),
+        ("separations", sized(50.0, 10_000, 64)),
+        ("all of the joint test", sized(739.0, 256, 16)),
+        ("curves", sized(50.0, 10_000, 64).replace("curves = false", "curves = true")),
+        ("replicas", deep(&sized(8.0, 2, 300_000))),
+        ("snaps", snapping(&deep(&sized(8.0, 2, 8_000)))),
+    ];
+    for (name, scene) in scenes {
+        let folder = Folder::new(&scene);
+        let (estimate, peak) = (estimated(&folder, "memory"), peak_memory(&folder, &[]));
+        println!("{name}: {:.1} MB estimated, {:.1} MB taken", estimate / 1e6, peak / 1e6);
+        assert!((0.5..2.0).contains(&(estimate / peak)), "{name}: {estimate:e} estimated, {peak:e} taken");
+        let (estimate, size) =
+            (estimated(&folder, "disk"), folder.path("scene.h5").metadata().unwrap().len() as f64);
+        assert!(size < estimate, "{name}: {estimate:e} of disk estimated, {size:e} taken");
+    }
+}
+
+/// The same for as many asperities as are held at once, and for more: a minute.
+#[test]
+#[ignore = "slow"]
+fn memory_of_many_asperities_is_estimated_within_a_factor_of_2() {
+    let scenes = [
+        ("direct, held", sized(1e6, 11, 8)),
+        ("loop, held", sized(1e6, 91, 2).replace("path = \"approach\"", "path = \"loop\"")),
+        ("direct, held for the search", sized(3e6, 91, 1)),
+        ("compressed, held", compressed(&sized(1e6, 46, 8))),
+        ("direct", sized(1e7, 11, 2)),
+        ("compressed", compressed(&sized(1e7, 46, 2))),
+        ("fine steps", compressed(&sized(3e6, 1000, 2))),
+        ("loop", sized(3e6, 11, 1).replace("path = \"approach\"", "path = \"loop\"")),
+        ("many separations", sized(1.2e6, 400, 1)),
+    ];
+    for (name, scene) in scenes {
+        let folder = Folder::new(&scene);
+        let check = text(&folder.stiction(&["check", "scene.toml"]).stdout);
+        if check.contains("would refuse") {
+            println!("{name}: not run, this machine is too small:\n{check}");
+            continue;
+        }
+        let (estimate, peak) = (estimated(&folder, "memory"), peak_memory(&folder, &[]));
+        println!("{name}: {:.1} MB estimated, {:.1} MB taken", estimate / 1e6, peak / 1e6);
+        assert!((0.5..2.0).contains(&(estimate / peak)), "{name}: {estimate:e} estimated, {peak:e} taken");
+    }
+}
+
+/// What no machine holds is refused before anything is written, with what it would take and what would fit.
+#[test]
+fn what_does_not_fit_is_refused() {
+    let cases = [
+        (
+            "replicas",
+            sized(739.0, 91, 1_000_000_000).replace("replicas = 1", "replicas = 100"),
+            &["TB of memory", "can be had", "--replicas"][..],
+        ),
+        (
+            "curves",
+            sized(739.0, 10_000, 10_000_000).replace("curves = false", "curves = true"),
+            &["of disk", "--replicas", "can be had"],
+        ),
+    ];
+    for (name, scene, said) in cases {
+        let folder = Folder::new(&scene);
+        let run = folder.stiction(&["run", "scene.toml"]);
+        assert_exit(&run, 2);
+        let error = text(&run.stderr);
+        let check = folder.stiction(&["check", "scene.toml"]);
+        assert_exit(&check, 0);
+        for part in said {
+            assert!(error.contains(part) && text(&check.stdout).contains(part), "{name}: {error}");
+        }
+        assert!(error.starts_with("stiction: scene.toml: the run would take about "), "{error}");
+        assert!(text(&check.stdout).contains("too large"), "{}", text(&check.stdout));
+        // Curves are kept by runs alone.
+        if name != "curves" {
+            let compare =
+                folder.stiction(&["compare", "scene.toml", "--laws", "gw,md", "--ensemble", "-o", "out.h5"]);
+            assert_exit(&compare, 2);
+            assert!(text(&compare.stderr).contains("of memory"), "{}", text(&compare.stderr));
+        }
+        assert_eq!(folder.files(), ["scene.toml"]);
+    }
+}
+
+/// A limit of address space is a limit: a run that would not fit is refused, and what is said to fit does.
+#[test]
+fn what_is_said_to_fit_does() {
+    let deep = |replicas| sized(8.0, 2, replicas).replace("from = -1.0, to = 8.0", "from = 4.0, to = 4.5");
+    let folder = Folder::new(&deep(1_000_000_000));
+    let limited = |more: &str| {
+        let command = format!(
+            "ulimit -v 740000; exec {} run scene.toml --threads 2 {more}",
+            env!("CARGO_BIN_EXE_stiction")
+        );
+        Command::new("sh").args(["-c", &command]).current_dir(folder.path("")).output().unwrap()
+    };
+    let refused = limited("");
+    assert_exit(&refused, 2);
+    let error = text(&refused.stderr);
+    let (_, rest) = error.split_once("--replicas ").expect("replicas that fit");
+    let replicas: u32 = rest.split(|end: char| !end.is_ascii_digit()).next().unwrap().parse().unwrap();
+    assert!(replicas > 10_000, "{error}");
+    assert_exit(&limited(&format!("--replicas {replicas}")), 0);
+}
+
+/// However many its asperities, a replica is not held at once: all that there may be would fit, if not in a
+/// life.
+#[test]
+fn any_number_of_asperities_fits() {
+    for scene in [sized(9.9e11, 91, 16), compressed(&sized(9.9e11, 91, 16))] {
+        let folder = Folder::new(&scene);
+        assert!(estimated(&folder, "memory") < 500e6);
+        let check = text(&folder.stiction(&["check", "scene.toml"]).stdout);
+        assert!(
+            check.contains("990000000000 asperities per replica") && !check.contains("too large"),
+            "{check}"
+        );
+    }
+}
+
+/// The time of check names all phases, and only as many threads as have work.
+#[test]
+fn time_is_that_of_all_phases() {
+    let folder = Folder::new(&small().replace("replicas = 40", "replicas = 1"));
+    let check = text(&folder.stiction(&["check", "scene.toml"]).stdout);
+    for part in ["integral ", "test functionals ", "ensemble "] {
+        assert!(check.contains(part), "{check}");
+    }
+    if std::thread::available_parallelism().is_ok_and(|threads| threads.get() > 1) {
+        assert!(check.contains("; only 1 have a batch of replicas"), "{check}");
+    }
+}
+
+/// Bytes of address space that a run on two threads is given beside its memory: the program's own, and what
+/// the C library reserves for threads.
+const RESERVE: f64 = 3e8 + 6.0 * 67_108_864.0;
+
+/// Runs a command of the program in a folder, with so many bytes of address space.
+fn within(folder: &Folder, bytes: f64, arguments: &str) -> Output {
+    let limit = (bytes / 1024.0).ceil();
+    let command = format!("ulimit -v {limit}; exec {} {arguments}", env!("CARGO_BIN_EXE_stiction"));
+    Command::new("sh").args(["-c", &command]).current_dir(folder.path("")).output().unwrap()
+}
+
+/// Runs a command of the program in a folder, whose address space is bounded by a share of what it has as
+/// soon as a file exists.
+fn bounded_when(folder: &Folder, file: &str, share: f64, arguments: &str) -> Output {
+    use rustix::process::{Pid, Resource, Rlimit, prlimit};
+    let mut command = Command::new(env!("CARGO_BIN_EXE_stiction"));
+    command
+        .args(arguments.split(' '))
+        .current_dir(folder.path(""))
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped());
+    let mut child = command.spawn().unwrap();
+    while !folder.path(file).exists() && child.try_wait().unwrap().is_none() {
+        std::thread::sleep(Duration::from_micros(100));
+    }
+    let status = std::fs::read_to_string(format!("/proc/{}/status", child.id())).unwrap_or_default();
+    let line = status.lines().find_map(|line| line.strip_prefix("VmSize:")?.trim().strip_suffix(" kB"));
+    if let Some(has) = line.and_then(|has| has.parse::<f64>().ok()) {
+        let limit = Some((1024.0 * share * has) as u64);
+        let _ =
+            prlimit(Pid::from_child(&child).into(), Resource::As, Rlimit { current: limit, maximum: limit });
+    }
+    child.wait_with_output().unwrap()
+}
+
+/// That a command has ended as it may where memory is short: done, or refused, or failed with a message, and
+/// nothing left but what `--resume` goes on with. Whether it failed.
+fn has_failed_well(folder: &Folder, output: &Output, at: &str) -> bool {
+    let message = text(&output.stderr);
+    let told = match output.status.code() {
+        Some(0) => true,
+        Some(1) => {
+            message.contains("not enough memory") || message.contains("stiction: cannot start threads")
+        }
+        Some(2) => message.contains(" of memory, and ") && message.contains(" can be had"),
+        _ => false,
+    };
+    assert!(
+        told && !message.contains("panicked") && !message.contains("backtrace"),
+        "{at}: {}: {message}",
+        output.status
+    );
+    let left = |path: PathBuf| {
+        let mut files = std::fs::read_dir(path).into_iter().flatten().map(|entry| entry.unwrap().file_name());
+        files.find(|name| [".lock", ".partial"].iter().any(|end| name.to_str().unwrap().ends_with(end)))
+    };
+    assert_eq!(
+        [left(folder.path("")), left(folder.path("scene.h5.points"))],
+        [None, None],
+        "{at}: {message}"
+    );
+    output.status.code() == Some(1)
+}
+
+/// A run gets by with what is said of it, and with less either does or says that it does not; never dies of
+/// it.
+#[test]
+fn a_run_gets_by_with_its_estimate_or_says_what_it_lacks() {
+    let folder = Folder::new(&sized(50.0, 800, 32).replace("curves = false", "curves = true"));
+    let needed = RESERVE + 2.0 * estimated(&folder, "memory");
+    assert_exit(&within(&folder, needed, "run scene.toml --threads 2"), 0);
+    let undisturbed = bits(&folder.path("scene.h5"));
+    std::fs::rename(folder.path("scene.h5"), folder.path("whole.h5")).unwrap();
+    for step in 1..=8 {
+        let bytes = 3e7 + (needed - 3e7) * f64::from(step) / 9.0;
+        let run = within(&folder, bytes, "run scene.toml --threads 2 --force");
+        has_failed_well(&folder, &run, &format!("{bytes} bytes"));
+    }
+    let files = [".scene.h5.lock", "scene.h5.checkpoint", ".scene.h5.partial"];
+    let mut failed = 0;
+    for (file, share) in files.into_iter().flat_map(|file| [(file, 0.5), (file, 1.0)]) {
+        let _ = std::fs::remove_file(folder.path("scene.h5"));
+        let run = bounded_when(&folder, file, share, "run scene.toml --threads 2 --checkpoint 0");
+        let at = format!("{share} of what it has with {file}");
+        failed += u32::from(has_failed_well(&folder, &run, &at));
+        let message = text(&run.stderr);
+        assert!(
+            !message.contains("with --resume") || folder.path("scene.h5.checkpoint").exists(),
+            "{at}: {message}"
+        );
+        assert_exit(&folder.stiction(&["run", "scene.toml", "--resume"]), 0);
+        assert!(bits(&folder.path("scene.h5")) == undisturbed, "{at}");
+        assert_eq!(folder.files(), ["scene.h5", "scene.toml", "whole.h5"]);
+    }
+    // On a busy machine some are done before they are bounded.
+    assert!(failed > 0);
+}
+
+/// The same for what is made of several runs, or reads a result.
+#[test]
+fn other_commands_say_what_they_lack() {
+    let sweep =
+        format!("{}\n[sweep]\n\"material.hardness\" = [\"2 GPa\", \"3 GPa\"]\n", sized(50.0, 300, 32));
+    let folder = Folder::new(&sweep);
+    assert_exit(&folder.stiction(&["run", "scene.toml", "-o", "whole.h5"]), 0);
+    let undisturbed = bits(&folder.path("whole.h5"));
+    for file in [
+        ".scene.h5.lock",
+        "scene.h5.points/0001.h5.checkpoint",
+        "scene.h5.points/0002.h5.checkpoint",
+        ".scene.h5.partial",
+    ] {
+        let _ = std::fs::remove_file(folder.path("scene.h5"));
+        let run = bounded_when(&folder, file, 1.0, "run scene.toml --threads 2 --checkpoint 0");
+        has_failed_well(&folder, &run, file);
+        assert_exit(&folder.stiction(&["run", "scene.toml", "--resume"]), 0);
+        assert!(bits(&folder.path("scene.h5")) == undisturbed, "{file}");
+        assert_eq!(folder.files(), ["scene.h5", "scene.toml", "whole.h5"]);
+    }
+    std::fs::write(folder.path("scene.toml"), sized(50.0, 500, 32)).unwrap();
+    let shard = |index: u32| {
+        folder.stiction(&[
+            "run",
+            "scene.toml",
+            "--shard",
+            &format!("{index}/2"),
+            "-o",
+            &format!("{index}.h5"),
+        ])
+    };
+    (1..=2).for_each(|index| assert_exit(&shard(index), 0));
+    for (file, arguments) in [
+        (".scene.h5.lock", "merge 1.h5 2.h5 -o scene.h5 --threads 2 --force"),
+        (".scene.h5.partial", "merge 1.h5 2.h5 -o scene.h5 --threads 2 --force"),
+        (".scene.h5.lock", "compare scene.toml --laws gw,md --ensemble -o scene.h5 --threads 2 --force"),
+    ] {
+        has_failed_well(&folder, &bounded_when(&folder, file, 1.0, arguments), arguments);
+    }
+    for (command, bytes) in ["validate whole.h5", "info whole.h5", "check scene.toml"]
+        .into_iter()
+        .flat_map(|c| [2e7, 4e7, 6e7, 2e8].map(|b| (c, b)))
+    {
+        let run = within(&folder, bytes, command);
+        let failed = has_failed_well(&folder, &run, &format!("{command}: {bytes} bytes"));
+        assert!(
+            failed == (bytes < 5e7) || command == "check scene.toml",
+            "{command}: {bytes} bytes: {}",
+            text(&run.stderr)
+        );
+    }
+}

@@ -1,0 +1,297 @@
+//! What `check`, `run` and `compare` warn of: one change of the quick scene each, most of them the slip of a
+//! unit.
+
+use crate::common::program::{Folder, QUICK, assert_exit, small, text};
+use std::path::Path;
+use stiction::asperity::models::model;
+
+/// The lines of warnings, each with the one behind it.
+fn warnings(check: &str) -> Vec<String> {
+    let mut warnings: Vec<String> = Vec::new();
+    let mut inside = false;
+    for line in check.lines().map(str::trim_end) {
+        let label = line.get(..20).unwrap_or(line).trim();
+        inside = label == "warning" || inside && label.is_empty();
+        match warnings.last_mut() {
+            _ if label == "warning" => warnings.push(line.trim().to_owned()),
+            Some(warning) if inside => *warning += &format!(" {}", line.trim()),
+            _ => {}
+        }
+    }
+    warnings
+}
+
+/// What is replaced in the quick scene, by what, and what its warnings have to say, each in turn.
+const CASES: &[(&str, &str, &[&[&str]])] = &[
+    // Deep in contact, where nothing is read off, unless nothing pulls or surfaces turn there.
+    ("from = -1.0", "from = -1.0", &[]),
+    (
+        "law = \"hybrid\"",
+        "law = \"gw\"",
+        &[
+            &["psi = 0.848 is above 0.6"],
+            &[
+                "27 % of the nominal area is in contact at the smallest separation, h* = -1.000: more than 10 %",
+            ],
+        ],
+    ),
+    (
+        "path = \"approach\"",
+        "path = \"loop\"",
+        &[&[
+            "28 % of the nominal area is in contact where the surfaces turn back, h* = -1.000",
+            "independent (Greenwood and Williamson 1966)",
+        ]],
+    ),
+    (
+        "count = 91",
+        "count = 5",
+        &[&[
+            "too coarse: the curves miss 54 % of the pull-off at h* = 2.815 and 80 % of the peak stiffness at h* = 3.222",
+            "steps of 0.2 in h*",
+        ]],
+    ),
+    ("count = 91", "count = 37", &[&["the curves miss 6 % of the peak stiffness at h* = 3.222"]]),
+    ("count = 91", "count = 46", &[]),
+    (
+        "\"85.29 GPa\"",
+        "\"85.29 MPa\"",
+        &[
+            &[
+                "hardness over reduced_modulus = 29.3 is above 0.3",
+                "Tabor 1951",
+                "Ashby 2011",
+                "check the units of hardness, reduced_modulus",
+            ],
+            &["psi = 8.48e-4 is below 0.01", "Greenwood and Williamson 1966"],
+            &[
+                "407 % of the nominal area is in contact at pull-off, h* = 0.020",
+                "at the stiffest point, h* = 1.936",
+            ],
+        ],
+    ),
+    (
+        "\"85.29 GPa\"",
+        "\"85.29 kPa\"",
+        &[
+            &["hardness over reduced_modulus"],
+            &["psi"],
+            &["adhesion makes contacts 0.91 of their radius wide, more than 0.3", "Maugis 1995"],
+            &["nominal area"],
+        ],
+    ),
+    (
+        "\"2.5 GPa\"",
+        "\"2.5 MPa\"",
+        &[&["hardness over reduced_modulus = 2.93e-5 is below 3.00e-4"], &["psi = 848 is above 300"]],
+    ),
+    (
+        "\"0.09 J/m^2\"",
+        "\"90 J/m^2\"",
+        &[
+            &[
+                "work_of_adhesion = 90 J/m^2 is above 12 J/m^2",
+                "Israelachvili 2011",
+                "units of work_of_adhesion",
+            ],
+            &["nominal area"],
+        ],
+    ),
+    (
+        "\"0.2 nm\"",
+        "\"2 nm\"",
+        &[
+            &["equilibrium_spacing = 2 nm is above 1 nm"],
+            &["sigma = 1.619 nm is below the equilibrium spacing of 2.000 nm", "Luan and Robbins 2005"],
+        ],
+    ),
+    (
+        "\"3.33 um\"",
+        "\"3.33 mm\"",
+        &[
+            &[
+                "eta R sigma = 39.8 is above 0.204",
+                "McCool 1986",
+                "Johnson 1985",
+                "asperity_density, asperity_radius",
+            ],
+            &["nominal area"],
+        ],
+    ),
+    (
+        "\"7.39 /um^2\"",
+        "\"7.39e-3 /um^2\"\nmean_plane_offset = \"0 nm\"\nasperity_height_std = \"1.4 nm\"",
+        &[&["N = 1 is fewer than 30 asperities per replica"]],
+    ),
+    (
+        "\"1.619 nm\"",
+        "\"1.619 um\"",
+        &[
+            &["eta R sigma = 39.8 is above 0.204"],
+            &[
+                "contacts of the highest asperities are 1.39 of their radius wide",
+                "Johnson 1985, section 4.2",
+            ],
+        ],
+    ),
+    (
+        "lubricant_thickness = \"0.5 nm\"",
+        "lubricant_thickness = \"5 nm\"",
+        &[&["the lubricant of 5.000 nm is thicker than sigma = 1.619 nm", "Stanley, Etsion and Bogy 1990"]],
+    ),
+    (
+        "from = -1.0",
+        "from = 7.0",
+        &[&[
+            "contacts are expected in the whole run at the closest separation, h* = 7.000",
+            "nothing touches",
+        ]],
+    ),
+    (
+        "from = -1.0",
+        "from = 5.0",
+        &[&["contacts are expected", "fewer than 100", "relative error of", "(Poisson)"]],
+    ),
+    (
+        "law = \"hybrid\"",
+        "law = \"dmt\"",
+        &[
+            &["lambda = 0.899 is above 0.1", "the limit of DMT-like laws (Johnson and Greenwood 1997)"],
+            &["psi = 0.848 is above 0.6", "the limit of elastic contact (Greenwood and Williamson 1966)"],
+        ],
+    ),
+    (
+        "law = \"hybrid\"",
+        "law = \"jkr\"",
+        &[&["lambda = 0.899 is below 5", "limit of JKR"], &["psi = 0.848"]],
+    ),
+];
+
+#[test]
+fn each_slip_has_its_warning_and_no_other() {
+    for (from, to, expected) in CASES {
+        assert_eq!(QUICK.matches(from).count(), 1, "{from} is not unique in the quick scene");
+        let folder = Folder::new(&QUICK.replace(from, to));
+        let check = folder.stiction(&["check", "scene.toml"]);
+        assert_exit(&check, 0);
+        let found = warnings(&text(&check.stdout));
+        assert_eq!(found.len(), expected.len(), "{from} -> {to}: {found:#?}");
+        for (warning, parts) in found.iter().zip(*expected) {
+            for part in *parts {
+                assert!(warning.contains(part), "{from} -> {to}: no \"{part}\" in {warning}");
+            }
+        }
+    }
+}
+
+/// Contacts beyond 110 ω_c when the surfaces turn back, of loops only.
+#[test]
+fn unloading_beyond_its_range_is_told() {
+    let soft = small().replace("\"2.5 GPa\"", "\"0.2 GPa\"");
+    let found = |scene: &str| {
+        let folder = Folder::new(scene);
+        let check = folder.stiction(&["check", "scene.toml"]);
+        assert_exit(&check, 0);
+        warnings(&text(&check.stdout))
+            .iter()
+            .any(|warning| warning.contains("fully plastic when the surfaces turn back"))
+    };
+    assert!(found(&soft.replace("path = \"approach\"", "path = \"loop\"")));
+    assert!(!found(&soft));
+    assert!(!found(&small().replace("path = \"approach\"", "path = \"loop\"")));
+}
+
+/// What the shipped scenes are warned of is true and matters: case III sticks so well that a seventh of the
+/// area is in contact at pull-off, loops that are pressed deep turn where asperities are not far apart, and
+/// two sweeps go to the end of what a lubricant and a Gaussian surface can be. All others have nothing to be
+/// warned of.
+#[test]
+fn shipped_scenes_are_warned_of_what_matters_only() {
+    const AT_PULL_OFF: &str = "15 % of the nominal area is in contact at pull-off, h* = 1.746: more";
+    const EXPECTED: &[(&str, &str)] = &[
+        ("configs/case_iii.toml", AT_PULL_OFF),
+        ("paper/case_iii.toml", AT_PULL_OFF),
+        ("paper/case_iii_retraction.toml", "of the nominal area is in contact at pull-off"),
+        ("instability.toml", "13 % of the nominal area is in contact at pull-off, h* = 1.915 and 53 %"),
+        (
+            "loop.toml",
+            "11 % of the nominal area is in contact where the surfaces turn back, h* = 0.500: more",
+        ),
+        (
+            "preload.toml",
+            "17 % of the nominal area is in contact where the surfaces turn back, h* = 0.000: more",
+        ),
+        ("sweep_surface_energy.toml", AT_PULL_OFF),
+        ("sweep_lubricant.toml", "is thicker than sigma"),
+        ("sweep_roughness.toml", "eta R sigma = 0.0221 is below"),
+    ];
+    let folder = Folder::new("");
+    let configs = Path::new(env!("CARGO_MANIFEST_DIR")).join("configs");
+    let mut scenes = 0;
+    for path in [configs.clone(), configs.join("paper"), configs.join("surfaces")]
+        .iter()
+        .flat_map(|folder| std::fs::read_dir(folder).unwrap())
+    {
+        let path = path.unwrap().path();
+        let ready = path.extension().is_some_and(|extension| extension == "toml") && !needs_a_map(&path);
+        if ready {
+            let check = folder.stiction(&["check", path.to_str().unwrap()]);
+            let found = warnings(&text(&check.stdout));
+            let expected: Vec<_> = EXPECTED.iter().filter(|(name, _)| path.ends_with(name)).collect();
+            let said = |what: &str| found.iter().any(|warning| warning.contains(what));
+            let all = expected.len() == found.len() && expected.iter().all(|(_, what)| said(what));
+            assert!(all, "{}: {found:?}", path.display());
+            scenes += 1;
+        }
+    }
+    assert!(scenes >= 30, "{scenes}");
+}
+
+/// Whether a scene takes the asperities of the shipped map, which are found first.
+fn needs_a_map(path: &Path) -> bool {
+    std::fs::read_to_string(path).is_ok_and(|scene| scene.contains("asperities = {"))
+}
+
+/// A run and a comparison repeat what was found, without the reasons, and go on.
+#[test]
+fn runs_and_comparisons_repeat_warnings() {
+    let folder =
+        Folder::new(&small().replace("lubricant_thickness = \"0.5 nm\"", "lubricant_thickness = \"5 nm\""));
+    for command in [&["run", "scene.toml"][..], &["compare", "scene.toml", "--laws", "hybrid,isbl"]] {
+        let output = folder.stiction(command);
+        assert_exit(&output, 0);
+        let said = text(&output.stdout);
+        let lines: Vec<&str> =
+            said.lines().filter(|line| line.trim_start().starts_with("warning ")).collect();
+        assert_eq!(lines.len(), 2, "{said}");
+        assert!(lines[0].contains("the lubricant of 5.000 nm is thicker than sigma = 1.619 nm"), "{said}");
+        assert!(lines[1].contains("the separations are too coarse") && !said.contains("Bogy 1990"), "{said}");
+    }
+}
+
+/// A law that takes the asperities as dry has no film that could be too thick.
+#[test]
+fn dry_laws_are_not_warned_of_a_thick_film() {
+    let thick = QUICK.replace("lubricant_thickness = \"0.5 nm\"", "lubricant_thickness = \"5 nm\"");
+    for (law, is_told) in [("hybrid", true), ("isbl", true), ("jkr", false), ("md", false), ("ke", false)] {
+        let folder = Folder::new(&thick.replace("law = \"hybrid\"", &format!("law = \"{law}\"")));
+        let check = folder.stiction(&["check", "scene.toml"]);
+        assert_exit(&check, 0);
+        let found = warnings(&text(&check.stdout));
+        assert_eq!(
+            found.iter().any(|warning| warning.contains("is thicker than sigma")),
+            is_told,
+            "{law}: {found:?}"
+        );
+    }
+}
+
+/// The limit of a law belongs to it; the next number beyond does not.
+#[test]
+fn limits_of_laws_are_within() {
+    let exceeded =
+        |law: &str, lambda: f64, psi: f64| model(law).unwrap().validity.exceeded(lambda, psi).len();
+    assert_eq!(exceeded("dmt", 0.1, 0.6), 0);
+    assert_eq!([exceeded("dmt", 0.1_f64.next_up(), 0.6), exceeded("dmt", 0.1, 0.6_f64.next_up())], [1, 1]);
+    assert_eq!([exceeded("jkr", 5.0, 0.6), exceeded("jkr", 5.0_f64.next_down(), 0.6)], [0, 1]);
+}

@@ -1,6 +1,6 @@
 //! The size of a run, and the memory, disk and time that follow from it.
 //!
-//! They follow from what the parts of the program hold at once; `tests/sizes.rs` has memory within a factor of 2 of what a
+//! They follow from what the parts of the program hold at once; `tests/suite/sizes.rs` has memory within a factor of 2 of what a
 //! run takes.
 
 use super::time::{Cost, step};

@@ -6,7 +6,7 @@ mod common;
 use common::{job, scene};
 use divan::{Bencher, counter::ItemsCount};
 use stiction::asperity::models::{MODELS, model};
-use stiction::engine::compressed::{Compression, LANES};
+use stiction::engine::moments::{LANES, MomentMatrix};
 use stiction::engine::{Job, Workspace};
 use stiction::integral::Expectations;
 
@@ -35,10 +35,10 @@ fn replica(bencher: Bencher, name: &str) {
 fn eight_replicas_compressed(bencher: Bencher, name: &str) {
     let scene = scene(name);
     let law = scene.law().expect("a law of the scene");
-    let compression =
-        Compression::new(law.as_ref(), &scene.surface, &scene.separations, 1e-9).expect("even separations");
+    let matrix =
+        MomentMatrix::new(law.as_ref(), &scene.surface, &scene.separations, 1e-9).expect("even separations");
     let at_once = LANES as u64;
-    let job = Job { compression: Some(&compression), ..job(&scene, law.as_ref(), at_once) };
+    let job = Job { moments: Some(&matrix), ..job(&scene, law.as_ref(), at_once) };
     let mut workspace = Workspace::new(&job);
     let pairs = LANES * scene.surface.asperity_count * scene.separations.len();
     let mut index = 0;

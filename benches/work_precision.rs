@@ -12,7 +12,7 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use stiction::asperity::emd::Emd;
 use stiction::asperity::{self, BLOCK, LawParameters, Quantity, Responses, SolverStats, regime_ranges};
-use stiction::engine::compressed::{Compression, LANES};
+use stiction::engine::moments::{LANES, MomentMatrix};
 use stiction::engine::{BATCH, Batch, Curves, Job, Outcome, ReductionTree, Summation, Workspace, draw};
 use stiction::integral::{Expectations, controls};
 use stiction::math::control_variates::controlled_means;
@@ -82,16 +82,16 @@ fn sums(table: &mut Table) {
         scene.separations.len(),
         2 * RUNS
     );
-    let compressions: Vec<Compression> = SUM_TOLERANCES
+    let matrices: Vec<MomentMatrix> = SUM_TOLERANCES
         .iter()
         .filter_map(|&tolerance| {
-            Compression::new(law.as_ref(), &scene.surface, &scene.separations, tolerance)
+            MomentMatrix::new(law.as_ref(), &scene.surface, &scene.separations, tolerance)
                 .inspect_err(|refusal| eprintln!("sums: compressed to {tolerance:e} is left out: {refusal}"))
                 .ok()
         })
         .collect();
     let jobs: Vec<Job<'_>> = std::iter::once(job)
-        .chain(compressions.iter().map(|compression| Job { compression: Some(compression), ..job }))
+        .chain(matrices.iter().map(|matrix| Job { moments: Some(matrix), ..job }))
         .collect();
     let mut tasks: Vec<Box<dyn FnMut() + '_>> = Vec::new();
     for job in &jobs {
@@ -109,12 +109,12 @@ fn sums(table: &mut Table) {
                 .zip(truth)
                 .fold(worst, |worst, (f, [truth, size])| worst.max((f - truth).abs() / size))
         });
-        let (method, parameters, refusal) = match of.compression {
+        let (method, parameters, refusal) = match of.moments {
             None => ("direct", String::new(), None),
-            Some(Compression { tolerance, .. }) => (
+            Some(MomentMatrix { tolerance, .. }) => (
                 "compressed",
                 format!("{tolerance:e} tolerance"),
-                Summation::compressed(&job, *tolerance).refusal,
+                Summation::by_moments(&job, *tolerance).refusal,
             ),
         };
         let remark = refusal.map_or(String::new(), |why| format!("; a run sums directly: {why}"));
@@ -159,7 +159,7 @@ fn monte_carlo(table: &mut Table) {
     let model = || one.install(|| Expectations::new(law.as_ref(), &scene.surface, &scene.separations));
     let expectations = model();
     let of_scheme = |scheme| Job { scheme, ..job(&scene, law.as_ref(), BATCH) };
-    let try_out = |scheme| one.install(|| Summation::compressed(&of_scheme(scheme), COMPRESSED));
+    let try_out = |scheme| one.install(|| Summation::by_moments(&of_scheme(scheme), COMPRESSED));
     let basis_of =
         |scheme, replicas| basis(law.as_ref(), &scene.surface, &scene.separations, scheme, replicas);
     let places_of = |scheme: SamplingScheme, replicas| {
@@ -174,9 +174,10 @@ fn monte_carlo(table: &mut Table) {
         Box::new(|| drop(black_box(basis_of(SamplingScheme::Independent, 1024)))),
     ];
     for (scheme, summation, places) in &schemes {
-        let compression = Some(summation.compression.as_ref().expect("case II compresses"));
-        for (compression, batches) in [(None, DIRECT_BATCHES), (compression, COMPRESSED_BATCHES)] {
-            let job = Job { compression, controls: places, replicas: batches * BATCH, ..of_scheme(*scheme) };
+        let matrix = Some(summation.matrix.as_ref().expect("case II compresses"));
+        for (matrix, batches) in [(None, DIRECT_BATCHES), (matrix, COMPRESSED_BATCHES)] {
+            let job =
+                Job { moments: matrix, controls: places, replicas: batches * BATCH, ..of_scheme(*scheme) };
             let mut workspace = Workspace::new(&job);
             tasks.push(Box::new(move || {
                 let mut merged = ReductionTree::of(&job);
@@ -193,7 +194,7 @@ fn monte_carlo(table: &mut Table) {
         let (scheme, summation, _) = &schemes[i];
         let direct_seconds = least[4 + 2 * i] / (DIRECT_BATCHES * BATCH) as f64;
         let compressed_seconds = least[5 + 2 * i] / (COMPRESSED_BATCHES * BATCH) as f64;
-        let compressed = Job { compression: summation.compression.as_ref(), ..of_scheme(*scheme) };
+        let compressed = Job { moments: summation.matrix.as_ref(), ..of_scheme(*scheme) };
         for (replicas, seeds) in ENSEMBLES {
             let places = places_of(*scheme, replicas);
             let means =

@@ -46,7 +46,7 @@ COLUMNS = (2, 0.8, 5.35, 4.1)  # of the page, inches
 BLUE, ORANGE = STYLES["direct"][0], STYLES["compressed"][0]
 BATCH = 8  # replicas
 ROW = 4096  # bytes of a row of states, which has an index of 8 more
-TRACT = 2**20  # asperities, more of which are shared by threads
+CHUNK = 2**20  # asperities, more of which are shared by threads
 DENSITY = 7.39  # asperities per um^2 of case II
 # What larger experiments are divided into, at most.
 NODE_CORES, SHARDS = 64, 1000
@@ -336,7 +336,7 @@ def extrapolation(results: Results) -> str:
         for replicas in (1, 1000):
             name = f"{number(replicas)} × {number(asperities)} asperities"
             lines.append(experiment(results, rates, name, replicas, seconds, replica.before, source))
-        if asperities > TRACT:
+        if asperities > CHUNK:
             longest.append(f"{duration(BATCH * seconds / NODE_CORES)} of {number(asperities)} asperities")
     for name, replica in results.case_ii.items():
         lines.append(experiment(results, rates, f"{number(1e8)} × case II, {name}", 10**8, replica.seconds, replica.before, "a"))

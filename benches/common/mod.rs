@@ -29,7 +29,7 @@ pub fn job<'a>(scene: &'a Scene, law: &'a dyn Law, replicas: u64) -> Job<'a> {
         replicas,
         controls: &[],
         keep_curves: false,
-        compression: None,
+        moments: None,
         protocol: Protocol { stiffness_span: Some(scene.stiffness_span), ..Protocol::default() },
     }
 }

@@ -1,4 +1,4 @@
-//! Inverting a monotone branch: from the approach Δ to the state of the asperity.
+//! Inverting a monotone branch: from the displacement Δ to the state of the asperity.
 //!
 //! A branch is given by a parameter x (θ in contact, ε before it) as Δ(x) and the outputs. Per-λ tables of x
 //! over the distance D = |Δ − Δ_ref|, next to a fold over √D, are a *starting point only*: every solve
@@ -17,9 +17,9 @@ use std::ops::Range;
 /// Everything known at one parameter value, scaled as in Maugis (1992); slopes are derivatives by the
 /// parameter.
 #[derive(Clone, Copy, Debug)]
-pub struct State {
-    /// Approach Δ.
-    pub approach: f64,
+pub struct CurvePoint {
+    /// Displacement Δ.
+    pub displacement: f64,
     /// dΔ/dx.
     pub slope: f64,
     /// Sum of the magnitudes of the terms of Δ: its rounding error is a few ε of this.
@@ -42,14 +42,14 @@ pub trait Curve: Copy {
     fn terms(&self, x: f64) -> [f64; 4];
 
     /// The state at the parameter `x` from its terms.
-    fn state(&self, x: f64, terms: [f64; 4]) -> State;
+    fn state(&self, x: f64, terms: [f64; 4]) -> CurvePoint;
 
-    /// Parameters `low` < `high` with Δ(low) ≥ `approach` ≥ Δ(high).
-    fn bracket(&self, approach: f64) -> (f64, f64);
+    /// Parameters `low` < `high` with Δ(low) ≥ `displacement` ≥ Δ(high).
+    fn bracket(&self, displacement: f64) -> (f64, f64);
 
     /// The state at the parameter `x`.
     #[inline(always)]
-    fn at(&self, x: f64) -> State {
+    fn at(&self, x: f64) -> CurvePoint {
         self.state(x, self.terms(x))
     }
 }
@@ -67,7 +67,7 @@ pub struct Solution {
 #[derive(Clone, Copy, Debug)]
 pub struct Anchor {
     /// Δ_ref.
-    pub approach: f64,
+    pub displacement: f64,
     /// x_ref.
     pub parameter: f64,
     /// Whether dΔ/dx = 0 there, so that x is smooth in √|Δ − Δ_ref| but not in Δ.
@@ -83,8 +83,8 @@ const ROOM: usize = BLOCK + VECTOR;
 /// Lanes of a block, each quantity on cache lines of its own.
 #[repr(align(64))]
 struct Lanes {
-    /// Approaches wanted.
-    approaches: [f64; ROOM],
+    /// Displacements wanted.
+    displacements: [f64; ROOM],
     /// Where they are in a table.
     places: [f64; ROOM],
     /// Parameters to start from; NaN where there is none.
@@ -109,7 +109,7 @@ thread_local! {
 impl Lanes {
     fn new() -> Self {
         Self {
-            approaches: [0.0; ROOM],
+            displacements: [0.0; ROOM],
             places: [0.0; ROOM],
             parameters: [f64::NAN; ROOM],
             inverse_slopes: [0.0; ROOM],
@@ -166,18 +166,18 @@ fn start_lanes<const NEAR: bool>(
 #[inline(always)]
 fn step_lanes<C: Curve>(curve: &C, anchor: &Anchor, lanes: &mut Lanes, count: usize) {
     let count = whole_vectors(0..count.min(BLOCK)).end / VECTOR * VECTOR;
-    let Lanes { approaches, parameters, inverse_slopes, terms, adhesion, radius, residual, .. } = lanes;
+    let Lanes { displacements, parameters, inverse_slopes, terms, adhesion, radius, residual, .. } = lanes;
     let [first, second, third, fourth] = terms;
     for i in 0..count {
         [first[i], second[i], third[i], fourth[i]] = curve.terms(parameters[i]);
     }
     for i in 0..count {
-        let (x, approach) = (parameters[i], approaches[i]);
+        let (x, displacement) = (parameters[i], displacements[i]);
         let state = curve.state(x, [first[i], second[i], third[i], fourth[i]]);
-        let (step, good) = last_step(anchor, x, &state, approach, inverse_slopes[i]);
+        let (step, good) = last_step(anchor, x, &state, displacement, inverse_slopes[i]);
         let solution = corrected(&state, step);
         (adhesion[i], radius[i]) = (solution.adhesion, solution.radius);
-        let off = (approach - state.approach).abs() as f32 / state.magnitude as f32;
+        let off = (displacement - state.displacement).abs() as f32 / state.magnitude as f32;
         residual[i] = if good { off } else { f32::NAN };
     }
 }
@@ -185,18 +185,24 @@ fn step_lanes<C: Curve>(curve: &C, anchor: &Anchor, lanes: &mut Lanes, count: us
 /// The Newton step that completes a solve, 0 where it is not small, and whether x was good enough for that:
 /// the step is small, or the residual is rounding noise.
 #[inline(always)]
-fn last_step(anchor: &Anchor, x: f64, state: &State, approach: f64, inverse_slope: f64) -> (f64, bool) {
-    let residual = approach - state.approach;
+fn last_step(
+    anchor: &Anchor,
+    x: f64,
+    state: &CurvePoint,
+    displacement: f64,
+    inverse_slope: f64,
+) -> (f64, bool) {
+    let residual = displacement - state.displacement;
     let step = residual * inverse_slope;
     let small = step.abs() <= STEP_TOLERANCE * room(anchor, x);
     let noise = residual.abs() <= NOISE * state.magnitude;
     (if small { step } else { 0.0 }, small | noise)
 }
 
-/// The Newton step from an x that was searched for to its last bit. Close to a fold that bit is more of the
-/// way there than a step is else allowed to be, and no other x is closer.
-fn closing_step(anchor: &Anchor, x: f64, state: &State, approach: f64) -> f64 {
-    let step = (approach - state.approach) / state.slope;
+/// The Newton step from an x that was searched for to its last bit. Close to a fold that bit is more of
+/// the distance than a step is else allowed to be, and no other x is closer.
+fn closing_step(anchor: &Anchor, x: f64, state: &CurvePoint, displacement: f64) -> f64 {
+    let step = (displacement - state.displacement) / state.slope;
     let room = room(anchor, x);
     let largest = (STEP_TOLERANCE * room).max((2.0 * f64::EPSILON * x).min(LAST_BIT * room));
     if step.abs() <= largest { step } else { 0.0 }
@@ -204,7 +210,7 @@ fn closing_step(anchor: &Anchor, x: f64, state: &State, approach: f64) -> f64 {
 
 /// The outputs a step away.
 #[inline(always)]
-fn corrected(state: &State, step: f64) -> Solution {
+fn corrected(state: &CurvePoint, step: f64) -> Solution {
     Solution {
         adhesion: state.adhesion + state.adhesion_slope * step,
         radius: state.radius + state.radius_slope * step,
@@ -251,12 +257,12 @@ impl<C: Curve> Branch<C> {
         Self { curve, anchor, sign: 1.0, near: Piecewise::default(), far: Piecewise::default() }
     }
 
-    /// The same branch with starting tables from the anchor to the approach `furthest`.
+    /// The same branch with starting tables from the anchor to the displacement `furthest`.
     pub fn with_table(mut self, furthest: f64) -> Self {
-        let Anchor { approach, parameter, fold } = self.anchor;
-        self.sign = if furthest > approach { 1.0 } else { -1.0 };
-        let end = (furthest - approach).abs();
-        let at = |distance: f64| self.locate(approach + self.sign * distance).0;
+        let Anchor { displacement, parameter, fold } = self.anchor;
+        self.sign = if furthest > displacement { 1.0 } else { -1.0 };
+        let end = (furthest - displacement).abs();
+        let at = |distance: f64| self.locate(displacement + self.sign * distance).0;
         let split = if fold { NEAR.min(end) } else { 0.0 };
         let noise = 10.0 * f64::EPSILON * self.curve.at(parameter).magnitude;
         let root = |s: f64| (at(s * s) - parameter) / s;
@@ -272,34 +278,34 @@ impl<C: Curve> Branch<C> {
         self.anchor
     }
 
-    /// The state at the approach Δ.
-    pub fn solve(&self, approach: f64, stats: &mut SolverStats) -> Solution {
+    /// The state at the displacement Δ.
+    pub fn solve(&self, displacement: f64, stats: &mut SolverStats) -> Solution {
         let (mut adhesion, mut radius) = ([0.0], [0.0]);
-        self.solve_block(&[approach], &mut adhesion, &mut radius, stats);
+        self.solve_block(&[displacement], &mut adhesion, &mut radius, stats);
         Solution { adhesion: adhesion[0], radius: radius[0] }
     }
 
-    /// The states at the approaches Δ, at most [`BLOCK`] of them, in any order; neighbours that rise share
+    /// The states at the displacements Δ, at most [`BLOCK`] of them, in any order; neighbours that rise share
     /// table cells, which is fast. The bits do not depend on the instruction set, nor on which lanes stand
     /// beside each other.
     pub fn solve_block(
         &self,
-        approaches: &[f64],
+        displacements: &[f64],
         adhesion: &mut [f64],
         radius: &mut [f64],
         stats: &mut SolverStats,
     ) {
-        let count = approaches.len();
+        let count = displacements.len();
         LANES.with_borrow_mut(|lanes| {
             InstructionSet::current().run(
                 #[inline(always)]
                 || {
-                    lanes.approaches[..count].copy_from_slice(approaches);
+                    lanes.displacements[..count].copy_from_slice(displacements);
                     stats.evaluations += self.start(lanes, count);
                     step_lanes(&self.curve, &self.anchor, lanes, count);
                     adhesion[..count].copy_from_slice(&lanes.adhesion[..count]);
                     radius[..count].copy_from_slice(&lanes.radius[..count]);
-                    self.finish(approaches, adhesion, radius, &lanes.residual[..count], stats);
+                    self.finish(displacements, adhesion, radius, &lanes.residual[..count], stats);
                 },
             )
         });
@@ -310,8 +316,8 @@ impl<C: Curve> Branch<C> {
     fn start(&self, lanes: &mut Lanes, count: usize) -> u64 {
         let (anchor, sign) = (&self.anchor, self.sign);
         let nearest = if anchor.fold { NEAR } else { f64::NEG_INFINITY };
-        for (place, approach) in lanes.places[..count].iter_mut().zip(&lanes.approaches[..count]) {
-            *place = (approach - anchor.approach).abs();
+        for (place, displacement) in lanes.places[..count].iter_mut().zip(&lanes.displacements[..count]) {
+            *place = (displacement - anchor.displacement).abs();
         }
         let (mut begin, mut started) = (0, 0);
         while begin < count {
@@ -347,7 +353,7 @@ impl<C: Curve> Branch<C> {
     #[inline(always)]
     fn finish(
         &self,
-        approaches: &[f64],
+        displacements: &[f64],
         adhesion: &mut [f64],
         radius: &mut [f64],
         residual: &[f32],
@@ -361,7 +367,7 @@ impl<C: Curve> Branch<C> {
         }
         for (i, off) in residual.iter().enumerate() {
             if off.is_nan() {
-                let solution = self.solve_safely(approaches[i], stats);
+                let solution = self.solve_safely(displacements[i], stats);
                 (adhesion[i], radius[i]) = (solution.adhesion, solution.radius);
             } else {
                 stats.largest_residual = stats.largest_residual.max(f64::from(*off));
@@ -371,29 +377,29 @@ impl<C: Curve> Branch<C> {
 
     #[cold]
     #[inline(never)]
-    fn solve_safely(&self, approach: f64, stats: &mut SolverStats) -> Solution {
-        let (x, evaluations) = self.locate(approach);
+    fn solve_safely(&self, displacement: f64, stats: &mut SolverStats) -> Solution {
+        let (x, evaluations) = self.locate(displacement);
         stats.evaluations += u64::from(evaluations);
         stats.safeguarded += 1;
         let state = self.curve.at(x);
         stats.largest_residual =
-            stats.largest_residual.max((approach - state.approach).abs() / state.magnitude);
-        corrected(&state, closing_step(&self.anchor, x, &state, approach))
+            stats.largest_residual.max((displacement - state.displacement).abs() / state.magnitude);
+        corrected(&state, closing_step(&self.anchor, x, &state, displacement))
     }
 
-    /// The parameter at an approach, to the last bits, and the evaluations it took.
-    pub(super) fn locate(&self, approach: f64) -> (f64, u32) {
-        let (low, high) = self.curve.bracket(approach);
+    /// The parameter at a displacement, to the last bits, and the evaluations it took.
+    pub(super) fn locate(&self, displacement: f64) -> (f64, u32) {
+        let (low, high) = self.curve.bracket(displacement);
         let sample = |x: f64| {
             let state = self.curve.at(x);
-            Sample { value: state.approach - approach, slope: state.slope }
+            Sample { value: state.displacement - displacement, slope: state.slope }
         };
         let done = |x: f64, sample: Sample| {
             (sample.value / sample.slope).abs() <= 1e-3 * STEP_TOLERANCE * room(&self.anchor, x)
         };
         let root = safe_newton(sample, low, high, f64::NAN, done);
         let state = self.curve.at(root.x);
-        (root.x + closing_step(&self.anchor, root.x, &state, approach), root.evaluations + 1)
+        (root.x + closing_step(&self.anchor, root.x, &state, displacement), root.evaluations + 1)
     }
 }
 
@@ -403,13 +409,13 @@ mod tests {
     use super::super::noncontact::{Branches, Noncontact};
     use super::*;
 
-    /// Adhesion and radius at approaches, as bits, with one instruction set after the other.
-    fn solved<C: Curve>(branch: &Branch<C>, approaches: &[f64]) -> Vec<Vec<u64>> {
+    /// Adhesion and radius at displacements, as bits, with one instruction set after the other.
+    fn solved<C: Curve>(branch: &Branch<C>, displacements: &[f64]) -> Vec<Vec<u64>> {
         let sets = InstructionSet::available().into_iter().map(|set| {
             set.select();
-            let mut out = vec![vec![0.0; approaches.len()]; 2];
+            let mut out = vec![vec![0.0; displacements.len()]; 2];
             let [adhesion, radius] = &mut out[..] else { panic!("two outputs") };
-            branch.solve_block(approaches, adhesion, radius, &mut SolverStats::default());
+            branch.solve_block(displacements, adhesion, radius, &mut SolverStats::default());
             out.concat().into_iter().map(f64::to_bits).collect()
         });
         sets.collect()
@@ -419,19 +425,22 @@ mod tests {
     fn bits_do_not_depend_on_the_instruction_set() {
         for lambda in [1e-3, 0.1, 0.9, 0.95, 2.5, 100.0] {
             let curve = Contact::new(lambda);
-            let end = curve.at(curve.end()).approach;
-            let contact = Branch::new(curve, Anchor { approach: end, parameter: curve.end(), fold: true });
+            let end = curve.at(curve.end()).displacement;
+            let contact =
+                Branch::new(curve, Anchor { displacement: end, parameter: curve.end(), fold: true });
             let (Branches::Single(far) | Branches::Folded { outer: far, .. }) = Noncontact::branches(lambda);
             let begin = far.at(0.5);
-            let before = Branch::new(far, Anchor { approach: begin.approach, parameter: 0.5, fold: false });
+            let before =
+                Branch::new(far, Anchor { displacement: begin.displacement, parameter: 0.5, fold: false });
             let (contact, before) =
-                (contact.with_table(end + 30.0), before.with_table(begin.approach - 30.0));
+                (contact.with_table(end + 30.0), before.with_table(begin.displacement - 30.0));
             for count in [256, 100, 7, 1] {
                 let shares = (0..count).map(|i| (0.37 + 0.618_033_988 * f64::from(i)).fract());
                 // Some lanes are beyond the tables.
                 let distances: Vec<f64> = shares.map(|share| 32.0 * share * share).collect();
                 let above: Vec<f64> = distances.iter().map(|distance| end + distance).collect();
-                let below: Vec<f64> = distances.iter().map(|distance| begin.approach - distance).collect();
+                let below: Vec<f64> =
+                    distances.iter().map(|distance| begin.displacement - distance).collect();
                 for bits in [solved(&contact, &above), solved(&before, &below)] {
                     assert!(bits.iter().all(|other| *other == bits[0]), "λ {lambda}, {count} lanes");
                 }
@@ -448,9 +457,9 @@ mod tests {
             [0.0; 4]
         }
 
-        fn state(&self, x: f64, _: [f64; 4]) -> State {
-            State {
-                approach: -x.powi(9),
+        fn state(&self, x: f64, _: [f64; 4]) -> CurvePoint {
+            CurvePoint {
+                displacement: -x.powi(9),
                 slope: -9.0 * x.powi(8),
                 magnitude: 1.0,
                 adhesion: 1.0 + x,
@@ -467,7 +476,7 @@ mod tests {
 
     #[test]
     fn a_solve_that_does_not_converge_ends_at_its_bound() {
-        let branch = Branch::new(Flat, Anchor { approach: 0.0, parameter: 1.0, fold: false });
+        let branch = Branch::new(Flat, Anchor { displacement: 0.0, parameter: 1.0, fold: false });
         let mut stats = SolverStats::default();
         let solution = branch.solve(0.0, &mut stats);
         // No table here, so one less than the most.
@@ -485,16 +494,18 @@ mod tests {
     #[test]
     fn bits_do_not_depend_on_the_lanes_beside() {
         let curve = Contact::new(0.9);
-        let anchor = Anchor { approach: curve.at(curve.end()).approach, parameter: curve.end(), fold: true };
+        let anchor =
+            Anchor { displacement: curve.at(curve.end()).displacement, parameter: curve.end(), fold: true };
         let branch = Branch::new(curve, anchor).with_table(20.0);
         // Rising, falling, beyond the table and at its beginning.
-        let mut approaches: Vec<f64> = (0..256).map(|i| anchor.approach + 0.09 * f64::from(i)).collect();
-        approaches[100..].reverse();
+        let mut displacements: Vec<f64> =
+            (0..256).map(|i| anchor.displacement + 0.09 * f64::from(i)).collect();
+        displacements[100..].reverse();
         let (mut adhesion, mut radius, mut stats) = (vec![0.0; 256], vec![0.0; 256], SolverStats::default());
-        branch.solve_block(&approaches, &mut adhesion, &mut radius, &mut stats);
+        branch.solve_block(&displacements, &mut adhesion, &mut radius, &mut stats);
         assert!(stats.safeguarded > 0 && stats.safeguarded < 60, "{}", stats.safeguarded);
-        for (i, &approach) in approaches.iter().enumerate() {
-            let alone = branch.solve(approach, &mut SolverStats::default());
+        for (i, &displacement) in displacements.iter().enumerate() {
+            let alone = branch.solve(displacement, &mut SolverStats::default());
             assert_eq!(
                 [alone.adhesion, alone.radius].map(f64::to_bits),
                 [adhesion[i], radius[i]].map(f64::to_bits)

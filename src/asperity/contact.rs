@@ -15,7 +15,7 @@
 //! before first touch; the stable branch is 0 < θ ≤ θ_fold.
 
 use super::angle::{AngleTerms, angle_terms};
-use super::branch::{Curve, State};
+use super::branch::{Curve, CurvePoint};
 use crate::math::roots::{Sample, safe_newton};
 
 const FIRST_TOUCH: f64 = std::f64::consts::FRAC_PI_2;
@@ -38,7 +38,7 @@ impl Contact {
 
     /// Δ at first touch, θ = π/2.
     pub fn first_touch(&self) -> f64 {
-        self.at(FIRST_TOUCH).approach
+        self.at(FIRST_TOUCH).displacement
     }
 
     /// θ at the end of the stable branch: π/2, or the fold above λ_f.
@@ -81,8 +81,8 @@ impl Contact {
         let reduced_slope = 2.0 * outer * radius_slope + k * (shrink * terms.sin - outer);
         Evaluated {
             reduced_slope,
-            state: State {
-                approach: radius * radius - pull,
+            state: CurvePoint {
+                displacement: radius * radius - pull,
                 slope: terms.cos * reduced_slope,
                 magnitude: radius * radius + pull,
                 adhesion: lambda * outer * outer * zone,
@@ -96,7 +96,7 @@ impl Contact {
 
 struct Evaluated {
     reduced_slope: f64,
-    state: State,
+    state: CurvePoint,
 }
 
 impl Curve for Contact {
@@ -107,13 +107,13 @@ impl Curve for Contact {
     }
 
     #[inline(always)]
-    fn state(&self, angle: f64, [sin, cos, quadratic, linear]: [f64; 4]) -> State {
+    fn state(&self, angle: f64, [sin, cos, quadratic, linear]: [f64; 4]) -> CurvePoint {
         self.evaluate(angle, AngleTerms { sin, cos, quadratic, linear }).state
     }
 
-    fn bracket(&self, approach: f64) -> (f64, f64) {
+    fn bracket(&self, displacement: f64) -> (f64, f64) {
         let mut low = self.end;
-        while self.at(low).approach < approach && low > f64::MIN_POSITIVE {
+        while self.at(low).displacement < displacement && low > f64::MIN_POSITIVE {
             low *= 0.25;
         }
         (low, self.end)
@@ -152,7 +152,7 @@ mod tests {
         ];
         for (lambda, expected) in rows {
             let contact = Contact::new(lambda);
-            let end = contact.at(contact.end()).approach;
+            let end = contact.at(contact.end()).displacement;
             assert!((end - expected).abs() < 1e-10, "λ = {lambda}: {end}");
         }
     }
@@ -173,7 +173,7 @@ mod tests {
                         "{name} at λ {lambda}, θ {angle}: {slope} {difference}"
                     );
                 };
-                check("approach", here.slope, below.approach, above.approach, here.magnitude);
+                check("displacement", here.slope, below.displacement, above.displacement, here.magnitude);
                 check("adhesion", here.adhesion_slope, below.adhesion, above.adhesion, here.adhesion);
                 check("radius", here.radius_slope, below.radius, above.radius, here.radius);
             }

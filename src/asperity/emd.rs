@@ -16,7 +16,7 @@ use crate::math::piecewise::{Piecewise, leading};
 
 /// On which branch an asperity is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum State {
+pub enum ContactState {
     /// Before contact.
     Noncontact,
     /// In contact.
@@ -48,43 +48,44 @@ impl Emd {
     pub fn new(lambda: f64, path: Path) -> Result<Self, LawError> {
         let Scale { lambda, .. } = Scale::unit(lambda)?;
         let curve = Contact::new(lambda);
-        let fold = Anchor { approach: curve.at(curve.end()).approach, parameter: curve.end(), fold: true };
+        let fold =
+            Anchor { displacement: curve.at(curve.end()).displacement, parameter: curve.end(), fold: true };
         let end = match path {
             Path::Approach => curve.first_touch(),
-            Path::Retraction => fold.approach,
+            Path::Retraction => fold.displacement,
         };
         let (outer, inner) = noncontact_branches(lambda, end);
         Ok(Self { contact: Branch::new(curve, fold), outer, inner, far: Piecewise::default(), end })
     }
 
-    /// The same law with starting tables for approaches in `lowest..=highest`, which make solves in that
+    /// The same law with starting tables for displacements in `lowest..=highest`, which make solves in that
     /// range fast.
     pub fn with_tables(self, lowest: f64, highest: f64) -> Self {
         self.with_contact_table(highest).with_noncontact_tables(lowest).with_far_series(lowest)
     }
 
-    /// The same law with a starting table for the contact branch up to the approach `highest`.
+    /// The same law with a starting table for the contact branch up to the displacement `highest`.
     pub fn with_contact_table(mut self, highest: f64) -> Self {
-        if highest > self.contact.anchor().approach {
+        if highest > self.contact.anchor().displacement {
             self.contact = self.contact.with_table(highest);
         }
         self
     }
 
-    /// The same law with starting tables for the noncontact branches down to the approach `lowest`.
+    /// The same law with starting tables for the noncontact branches down to the displacement `lowest`.
     pub fn with_noncontact_tables(mut self, lowest: f64) -> Self {
-        if lowest < self.outer.anchor().approach {
+        if lowest < self.outer.anchor().displacement {
             self.outer = self.outer.with_table(lowest);
         }
-        let innermost = self.outer.anchor().approach;
+        let innermost = self.outer.anchor().displacement;
         self.inner = self.inner.map(|inner| inner.with_table(innermost));
         self
     }
 
-    /// The same law with a series in the place of solves far from contact, down to the approach `lowest`. It
+    /// The same law with a series in the place of solves far from contact, down to the displacement `lowest`. It
     /// is made by solves, which are fast with tables.
     pub fn with_far_series(mut self, lowest: f64) -> Self {
-        let innermost = self.outer.anchor().approach;
+        let innermost = self.outer.anchor().displacement;
         let force =
             |distance: f64| self.outer.solve(innermost - distance, &mut SolverStats::default()).adhesion;
         self.far = Piecewise::new(force, |_, force| FAR_TOLERANCE * force, FAR, innermost - lowest);
@@ -99,109 +100,115 @@ impl Emd {
     /// Δ of the fold of the noncontact branch, where it is followed up to the fold and then left for its
     /// inner part.
     pub fn noncontact_fold(&self) -> Option<f64> {
-        self.outer.anchor().fold.then(|| self.outer.anchor().approach)
+        self.outer.anchor().fold.then(|| self.outer.anchor().displacement)
     }
 
     /// Δ below which a series takes the place of solves, where there is one.
     pub fn far(&self) -> Option<f64> {
-        (!self.far.is_empty()).then(|| self.outer.anchor().approach - FAR)
+        (!self.far.is_empty()).then(|| self.outer.anchor().displacement - FAR)
     }
 
     /// The end of the stable contact branch, where A and F̂_s vary like a square root; at or below
     /// [`Emd::end`] but for rounding.
     pub fn contact_fold(&self) -> f64 {
-        self.contact.anchor().approach
+        self.contact.anchor().displacement
     }
 
-    /// The state at any approach: the branch that the history selects.
-    pub fn respond(&self, approach: f64, stats: &mut SolverStats) -> (State, Solution) {
-        if approach >= self.end {
-            (State::Contact, self.contact(approach, stats))
+    /// The state at any displacement: the branch that the history selects.
+    pub fn respond(&self, displacement: f64, stats: &mut SolverStats) -> (ContactState, Solution) {
+        if displacement >= self.end {
+            (ContactState::Contact, self.contact(displacement, stats))
         } else {
-            (State::Noncontact, self.noncontact(approach, stats))
+            (ContactState::Noncontact, self.noncontact(displacement, stats))
         }
     }
 
-    /// The contact branch; approaches below its end are taken as the end.
-    pub fn contact(&self, approach: f64, stats: &mut SolverStats) -> Solution {
-        self.contact.solve(approach.max(self.contact.anchor().approach), stats)
+    /// The contact branch; displacements below its end are taken as the end.
+    pub fn contact(&self, displacement: f64, stats: &mut SolverStats) -> Solution {
+        self.contact.solve(displacement.max(self.contact.anchor().displacement), stats)
     }
 
-    /// The contact branch at up to [`super::BLOCK`] approaches; those below its end are taken as the end.
+    /// The contact branch at up to [`super::BLOCK`] displacements; those below its end are taken as the end.
     pub fn contact_block(
         &self,
-        approaches: &mut [f64],
+        displacements: &mut [f64],
         adhesion: &mut [f64],
         radius: &mut [f64],
         stats: &mut SolverStats,
     ) {
-        for approach in approaches.iter_mut() {
-            *approach = approach.max(self.contact.anchor().approach);
+        for displacement in displacements.iter_mut() {
+            *displacement = displacement.max(self.contact.anchor().displacement);
         }
-        self.contact.solve_block(approaches, adhesion, radius, stats);
+        self.contact.solve_block(displacements, adhesion, radius, stats);
     }
 
-    /// The noncontact branch at up to [`super::BLOCK`] approaches below [`Emd::end`]: the outermost roots.
+    /// The noncontact branch at up to [`super::BLOCK`] displacements below [`Emd::end`]: the outermost roots.
     #[inline(always)]
-    pub fn noncontact_block(&self, approaches: &mut [f64], adhesion: &mut [f64], stats: &mut SolverStats) {
-        let anchor = self.outer.anchor().approach;
+    pub fn noncontact_block(&self, displacements: &mut [f64], adhesion: &mut [f64], stats: &mut SolverStats) {
+        let anchor = self.outer.anchor().displacement;
         // The anchor itself is the first of the inner part, if there is one.
         let outer_end = if self.inner.is_some() { anchor.next_down() } else { anchor };
         let begin_of_far = if self.far.is_empty() { f64::NEG_INFINITY } else { anchor - FAR };
-        let part = |approach: f64| match approach {
-            far if far < begin_of_far => (Part::Far, f64::NEG_INFINITY, begin_of_far.next_down()),
+        let part = |displacement: f64| match displacement {
+            far if far < begin_of_far => (Segment::Far, f64::NEG_INFINITY, begin_of_far.next_down()),
             outer if outer < anchor || self.inner.is_none() => {
-                (Part::Outer, begin_of_far.next_down(), outer_end)
+                (Segment::Outer, begin_of_far.next_down(), outer_end)
             }
-            _ => (Part::Inner, anchor.next_down(), f64::INFINITY),
+            _ => (Segment::Inner, anchor.next_down(), f64::INFINITY),
         };
         let mut begin = 0;
-        while begin < approaches.len() {
-            let (part, low, high) = part(approaches[begin]);
-            let run = begin..begin + leading(&approaches[begin..], low, high).max(1);
+        while begin < displacements.len() {
+            let (part, low, high) = part(displacements[begin]);
+            let run = begin..begin + leading(&displacements[begin..], low, high).max(1);
             begin = run.end;
-            let (approaches, adhesion) = (&mut approaches[run.clone()], &mut adhesion[run]);
+            let (displacements, adhesion) = (&mut displacements[run.clone()], &mut adhesion[run]);
             match (part, &self.inner) {
-                (Part::Far, _) => self.far_block(approaches, adhesion, stats),
-                (Part::Inner, Some(inner)) => {
-                    inner.solve_block(approaches, adhesion, &mut [0.0; super::BLOCK], stats)
+                (Segment::Far, _) => self.far_block(displacements, adhesion, stats),
+                (Segment::Inner, Some(inner)) => {
+                    inner.solve_block(displacements, adhesion, &mut [0.0; super::BLOCK], stats)
                 }
                 _ => {
-                    approaches.iter_mut().for_each(|approach| *approach = approach.min(anchor));
-                    self.outer.solve_block(approaches, adhesion, &mut [0.0; super::BLOCK], stats);
+                    displacements
+                        .iter_mut()
+                        .for_each(|displacement| *displacement = displacement.min(anchor));
+                    self.outer.solve_block(displacements, adhesion, &mut [0.0; super::BLOCK], stats);
                 }
             }
         }
     }
 
-    /// Approaches far from contact: the series, and solves where it does not reach.
+    /// Displacements far from contact: the series, and solves where it does not reach.
     #[inline(always)]
-    fn far_block(&self, approaches: &[f64], adhesion: &mut [f64], stats: &mut SolverStats) {
-        let anchor = self.outer.anchor().approach;
+    fn far_block(&self, displacements: &[f64], adhesion: &mut [f64], stats: &mut SolverStats) {
+        let anchor = self.outer.anchor().displacement;
         let mut distances = [0.0; super::BLOCK];
-        let distances = &mut distances[..approaches.len()];
-        distances.iter_mut().zip(approaches).for_each(|(distance, approach)| *distance = anchor - approach);
+        let distances = &mut distances[..displacements.len()];
+        distances
+            .iter_mut()
+            .zip(displacements)
+            .for_each(|(distance, displacement)| *distance = anchor - displacement);
         self.far.values(distances, adhesion);
         let missing = adhesion.iter().fold(0, |missing, force| missing + u64::from(force.is_nan()));
-        stats.far += approaches.len() as u64 - missing;
+        stats.far += displacements.len() as u64 - missing;
         if missing > 0 {
-            for (force, &approach) in adhesion.iter_mut().zip(approaches).filter(|(force, _)| force.is_nan())
+            for (force, &displacement) in
+                adhesion.iter_mut().zip(displacements).filter(|(force, _)| force.is_nan())
             {
-                *force = self.outer.solve(approach, stats).adhesion;
+                *force = self.outer.solve(displacement, stats).adhesion;
             }
         }
     }
 
-    /// The noncontact branch at an approach below [`Emd::end`]: the outermost root.
-    pub fn noncontact(&self, approach: f64, stats: &mut SolverStats) -> Solution {
+    /// The noncontact branch at a displacement below [`Emd::end`]: the outermost root.
+    pub fn noncontact(&self, displacement: f64, stats: &mut SolverStats) -> Solution {
         let mut adhesion = [0.0];
-        self.noncontact_block(&mut [approach], &mut adhesion, stats);
+        self.noncontact_block(&mut [displacement], &mut adhesion, stats);
         Solution { adhesion: adhesion[0], radius: 0.0 }
     }
 }
 
 /// Parts of what is before contact.
-enum Part {
+enum Segment {
     Far,
     Outer,
     Inner,
@@ -211,16 +218,19 @@ enum Part {
 /// at `end`.
 fn noncontact_branches(lambda: f64, end: f64) -> (Branch<Noncontact>, Option<Branch<Noncontact>>) {
     let regular = |curve: Noncontact| {
-        let anywhere = Anchor { approach: end, parameter: f64::NAN, fold: false };
+        let anywhere = Anchor { displacement: end, parameter: f64::NAN, fold: false };
         let (parameter, _) = Branch::new(curve, anywhere).locate(end);
         Branch::new(curve, Anchor { parameter, ..anywhere })
     };
     match Noncontact::branches(lambda) {
         Branches::Single(curve) => (regular(curve), None),
         Branches::Folded { outer, inner, fold } => {
-            let approach = outer.at(fold).approach;
-            if approach < end {
-                (Branch::new(outer, Anchor { approach, parameter: fold, fold: true }), Some(regular(inner)))
+            let displacement = outer.at(fold).displacement;
+            if displacement < end {
+                (
+                    Branch::new(outer, Anchor { displacement, parameter: fold, fold: true }),
+                    Some(regular(inner)),
+                )
             } else {
                 (regular(outer), None)
             }

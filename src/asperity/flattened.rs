@@ -34,7 +34,7 @@ impl ExtendedMaugisDugdale {
         Self { scale, path, thickness }
     }
 
-    /// λ′, and the unit of the approach, m.
+    /// λ′, and the unit of the displacement, m.
     fn scaled(&self, ratio: f64) -> (f64, f64) {
         let root = libm::cbrt(ratio);
         (self.scale.lambda * root, self.scale.length * root)
@@ -45,7 +45,7 @@ impl ExtendedMaugisDugdale {
         let contact = Contact::new(lambda);
         match self.path {
             Path::Approach => contact.first_touch(),
-            Path::Retraction => contact.at(contact.end()).approach,
+            Path::Retraction => contact.at(contact.end()).displacement,
         }
     }
 }
@@ -60,8 +60,8 @@ impl Flattened for ExtendedMaugisDugdale {
         let (lambda, length) = self.scaled(ratio);
         match Noncontact::branches_at(lambda, outer_fold(lambda)) {
             Branches::Folded { outer, fold, .. } => {
-                let approach = outer.at(fold).approach;
-                (approach < self.end(lambda)).then_some(approach * length - self.thickness)
+                let displacement = outer.at(fold).displacement;
+                (displacement < self.end(lambda)).then_some(displacement * length - self.thickness)
             }
             Branches::Single(_) => None,
         }
@@ -70,8 +70,8 @@ impl Flattened for ExtendedMaugisDugdale {
     fn attraction(&self, ratios: &[f64], interference: &[f64], out: &mut Responses, stats: &mut SolverStats) {
         for (i, (&ratio, delta)) in ratios.iter().zip(interference).enumerate() {
             let (lambda, length) = self.scaled(ratio);
-            let approach = (delta + self.thickness) / length;
-            out.adhesion[i] = self.scale.force * ratio * outermost(lambda, approach, stats);
+            let displacement = (delta + self.thickness) / length;
+            out.adhesion[i] = self.scale.force * ratio * outermost(lambda, displacement, stats);
         }
         out.contact[..interference.len()].fill(0.0);
         out.area[..interference.len()].fill(0.0);
@@ -88,13 +88,13 @@ const NEWTON_STEPS: (usize, f64) = (12, 2e-9);
 /// Outside the outer fold −Δ is a convex function of ε, so Newton's method from outside of all roots falls
 /// monotonically to the outermost. Where that is inside of a fold, or close to one, the branches are told
 /// apart.
-fn outermost(lambda: f64, approach: f64, stats: &mut SolverStats) -> f64 {
+fn outermost(lambda: f64, displacement: f64, stats: &mut SolverStats) -> f64 {
     let (Branches::Single(whole) | Branches::Folded { outer: whole, .. }) =
         Noncontact::branches_at(lambda, None);
-    let mut gap = whole.bracket(approach).1;
+    let mut gap = whole.bracket(displacement).1;
     for _ in 0..NEWTON_STEPS.0 {
         let state = whole.at(gap);
-        let step = (approach - state.approach) / state.slope;
+        let step = (displacement - state.displacement) / state.slope;
         stats.evaluations += 1;
         if !(state.slope < 0.0 && step <= NEWTON_STEPS.1 * gap && -step < gap) {
             break;
@@ -104,18 +104,18 @@ fn outermost(lambda: f64, approach: f64, stats: &mut SolverStats) -> f64 {
         }
         gap += step;
     }
-    branch_of(lambda, approach).solve(approach, stats).adhesion
+    branch_of(lambda, displacement).solve(displacement, stats).adhesion
 }
 
 /// The branch on which the outermost root is.
-fn branch_of(lambda: f64, approach: f64) -> Branch<Noncontact> {
-    let regular = Anchor { approach, parameter: f64::NAN, fold: false };
+fn branch_of(lambda: f64, displacement: f64) -> Branch<Noncontact> {
+    let regular = Anchor { displacement, parameter: f64::NAN, fold: false };
     match Noncontact::branches_at(lambda, outer_fold(lambda)) {
         Branches::Single(curve) => Branch::new(curve, regular),
         Branches::Folded { outer, inner, fold } => {
-            let end = outer.at(fold).approach;
-            if approach < end {
-                Branch::new(outer, Anchor { approach: end, parameter: fold, fold: true })
+            let end = outer.at(fold).displacement;
+            if displacement < end {
+                Branch::new(outer, Anchor { displacement: end, parameter: fold, fold: true })
             } else {
                 Branch::new(inner, regular)
             }

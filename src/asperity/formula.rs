@@ -26,7 +26,7 @@
 use super::law::{BLOCK, End, Flattened, Responses, Smoothness};
 use super::parameters::LawParameters;
 use super::stats::SolverStats;
-use super::table::{Method, Part};
+use super::table::{Interaction, Method};
 use crate::math::instruction_set::InstructionSet;
 use crate::math::piecewise::Piecewise;
 
@@ -171,7 +171,7 @@ impl<F: Formula, P: Formula, A: Formula> ClosedForm<F, P, A> {
     }
 }
 
-impl<F: Formula, P: Formula, A: Formula> Part for ClosedForm<F, P, A> {
+impl<F: Formula, P: Formula, A: Formula> Interaction for ClosedForm<F, P, A> {
     fn smoothness(&self, lower: f64, upper: f64) -> (Vec<f64>, Vec<Smoothness>) {
         let mut ends: Vec<f64> = self.roots.iter().map(|root| root.from).collect();
         ends.retain(|end| lower < *end && *end < upper);
@@ -251,7 +251,7 @@ impl Constant {
     }
 }
 
-impl Part for Constant {
+impl Interaction for Constant {
     fn method(&self) -> Method {
         Method::Constant(self.adhesion)
     }

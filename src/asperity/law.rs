@@ -177,7 +177,7 @@ pub trait Flattened: Send + Sync {
     /// of the law.
     fn release(&self, ratio: f64) -> f64;
 
-    /// Interference, m, at which its attraction jumps and is a root of what is left of the way there, if
+    /// Interference, m, at which its attraction jumps and is a root of what is left of the approach, if
     /// there is one.
     fn kink(&self, ratio: f64) -> Option<f64>;
 

@@ -14,7 +14,7 @@
 //! # Validity
 //! All λ > 0, ε > 0. Δ(ε) folds for λ > 0.88832; the outermost branch is the one that approach follows.
 
-use super::branch::{Curve, State};
+use super::branch::{Curve, CurvePoint};
 use super::scale::STRESS_RATIO;
 use crate::math::roots::{Sample, golden_maximum, safe_newton};
 use std::f64::consts::PI;
@@ -110,7 +110,7 @@ impl Curve for Noncontact {
     }
 
     #[inline(always)]
-    fn state(&self, gap: f64, [stress, stress_slope, stats, work_slope]: [f64; 4]) -> State {
+    fn state(&self, gap: f64, [stress, stress_slope, stats, work_slope]: [f64; 4]) -> CurvePoint {
         const B: f64 = 4.0 * (PI - 2.0) / (3.0 * PI);
         let root_stress = stress.sqrt();
         let g = B * stress * root_stress;
@@ -123,8 +123,8 @@ impl Curve for Noncontact {
         let y_slope = 0.5 * (work_slope - 2.0 * g_slope * y) * (inverse * whole);
         let pull = 4.0 / 3.0 * root_stress * y;
         let pull_slope = 4.0 / 3.0 * (root_stress * y_slope + stress_slope * y / (2.0 * root_stress));
-        State {
-            approach: -(self.spacing * gap + pull),
+        CurvePoint {
+            displacement: -(self.spacing * gap + pull),
             slope: -(self.spacing + pull_slope),
             magnitude: self.spacing * gap + pull,
             adhesion: 0.5 * PI * y * y,
@@ -134,9 +134,9 @@ impl Curve for Noncontact {
         }
     }
 
-    fn bracket(&self, approach: f64) -> (f64, f64) {
+    fn bracket(&self, displacement: f64) -> (f64, f64) {
         // Both terms of Δ are negative: ζε ≤ −Δ.
-        (self.low, self.high.min(-approach / self.spacing * (1.0 + 4.0 * f64::EPSILON)))
+        (self.low, self.high.min(-displacement / self.spacing * (1.0 + 4.0 * f64::EPSILON)))
     }
 }
 
@@ -159,7 +159,7 @@ mod tests {
     fn case_ii_folds_where_it_is_known_to() {
         // Published for λ = 0.90 (case II, λ = 0.8999 from its material data): outer fold at Δ = −1.0378.
         let Branches::Folded { outer, fold, .. } = Noncontact::branches(0.9) else { panic!("no fold") };
-        assert!((outer.at(fold).approach + 1.0378).abs() < 5e-4, "{}", outer.at(fold).approach);
+        assert!((outer.at(fold).displacement + 1.0378).abs() < 5e-4, "{}", outer.at(fold).displacement);
         assert!((outer.at(fold).adhesion - 0.766).abs() < 2e-2, "{}", outer.at(fold).adhesion);
     }
 
@@ -192,7 +192,7 @@ mod tests {
                         "{name} at λ {lambda}, ε {gap}: {slope} {difference}"
                     );
                 };
-                check("approach", here.slope, below.approach, above.approach, here.magnitude);
+                check("displacement", here.slope, below.displacement, above.displacement, here.magnitude);
                 check("adhesion", here.adhesion_slope, below.adhesion, above.adhesion, here.adhesion);
             }
         }

@@ -16,7 +16,7 @@ pub struct SolverStats {
     /// Asperities whose load and area were not summed, because nothing touches.
     pub unloaded: u64,
     /// Separations of surfaces that were summed by moments.
-    pub compressed: u64,
+    pub by_moments: u64,
     /// Evaluations of the equations.
     pub evaluations: u64,
     /// Solves that took the safeguarded path.
@@ -34,7 +34,7 @@ impl SolverStats {
         self.closed_form += other.closed_form;
         self.far += other.far;
         self.unloaded += other.unloaded;
-        self.compressed += other.compressed;
+        self.by_moments += other.by_moments;
         self.evaluations += other.evaluations;
         self.safeguarded += other.safeguarded;
         self.largest_residual = self.largest_residual.max(other.largest_residual);

@@ -45,7 +45,7 @@ impl Method {
 }
 
 /// What acts in a regime.
-pub trait Part: Send + Sync {
+pub trait Interaction: Send + Sync {
     /// Ends, m, inside `lower..upper` where the part is not smooth, rising, and how it varies on each of the
     /// intervals that they leave: one more than ends.
     fn smoothness(&self, _lower: f64, _upper: f64) -> (Vec<f64>, Vec<Smoothness>) {
@@ -79,22 +79,22 @@ pub trait Part: Send + Sync {
 pub struct Row {
     regime: Regime,
     end: Option<Boundary>,
-    part: Box<dyn Part>,
+    part: Box<dyn Interaction>,
 }
 
 impl Row {
     /// A regime for interferences below `end`, m.
-    pub fn below(regime: Regime, end: f64, part: impl Part + 'static) -> Self {
+    pub fn below(regime: Regime, end: f64, part: impl Interaction + 'static) -> Self {
         Self { regime, end: Some(Boundary { interference: end, belongs_below: false }), part: Box::new(part) }
     }
 
     /// A regime for interferences up to `end`, m, itself.
-    pub fn up_to(regime: Regime, end: f64, part: impl Part + 'static) -> Self {
+    pub fn up_to(regime: Regime, end: f64, part: impl Interaction + 'static) -> Self {
         Self { regime, end: Some(Boundary { interference: end, belongs_below: true }), part: Box::new(part) }
     }
 
     /// A regime without end.
-    pub fn last(regime: Regime, part: impl Part + 'static) -> Self {
+    pub fn last(regime: Regime, part: impl Interaction + 'static) -> Self {
         Self { regime, end: None, part: Box::new(part) }
     }
 }
@@ -103,7 +103,7 @@ impl Row {
 pub struct Table {
     regimes: Vec<Regime>,
     boundaries: Vec<Boundary>,
-    parts: Vec<Box<dyn Part>>,
+    parts: Vec<Box<dyn Interaction>>,
     fit: Option<FitReport>,
 }
 

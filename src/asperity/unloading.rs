@@ -7,7 +7,7 @@
 //!
 //! | ω_max | what acts |
 //! |---|---|
-//! | below first touch | the law on approach at δ: nothing has been touched, so the way back is the way there |
+//! | below first touch | the law on approach at δ: nothing has been touched, so retraction retraces the approach |
 //! | up to ω_c, or any of a law that knows no flow | the law on retraction at δ: contact lasts to the end of its stable branch |
 //! | above ω_c | the unloading of an elastic-plastic contact, below |
 //!
@@ -97,13 +97,13 @@ impl UnloadedRadius {
     }
 }
 
-/// The laws of one asperity on the way there and on the way back.
+/// The laws of one asperity on approach and on retraction.
 pub struct Loop {
     approach: Box<dyn Law>,
     retraction: Box<dyn Law>,
     /// ω_c, m.
     critical: f64,
-    /// Interference, m, from which the way back is another than the way there.
+    /// Interference, m, from which retraction does not retrace the approach.
     capture: f64,
     /// Index of the first regime of contact, and of the first above ω_c.
     first_contact: usize,
@@ -160,7 +160,7 @@ impl Loop {
         })
     }
 
-    /// The law on the way there.
+    /// The law on approach.
     pub fn approach(&self) -> &dyn Law {
         self.approach.as_ref()
     }
@@ -170,7 +170,7 @@ impl Loop {
         self.first_plastic < self.approach.regimes().len()
     }
 
-    /// The law on the way back, of an asperity that has not flowed.
+    /// The law on retraction, of an asperity that has not flowed.
     pub fn retraction(&self) -> &dyn Law {
         self.retraction.as_ref()
     }
@@ -187,7 +187,7 @@ impl Loop {
         }
     }
 
-    /// Interferences, m, rising, at which the force on the way back is not smooth, by [`Loop::fate`]: counted
+    /// Interferences, m, rising, at which the force on retraction is not smooth, by [`Loop::fate`]: counted
     /// from the top that the asperity has then, so they are passed at the distance [`Loop::recovery`] less
     /// them.
     pub fn kinks(&self) -> [Vec<f64>; 3] {
@@ -214,12 +214,12 @@ impl Loop {
         Some([flattened.kink(ratio).unwrap_or(f64::NAN), flattened.release(ratio), 0.0])
     }
 
-    /// Interference of first touch on the way there, m.
+    /// Interference of first touch on approach, m.
     pub fn touch(&self) -> f64 {
         begin_of(self.approach.as_ref(), self.first_contact)
     }
 
-    /// Interference at which an elastic contact ends on the way back, m.
+    /// Interference at which an elastic contact ends on retraction, m.
     pub fn release(&self) -> f64 {
         begin_of(self.retraction.as_ref(), self.first_contact)
     }
@@ -233,7 +233,7 @@ impl Loop {
         self.critical * scaled_recovery(largest / self.critical)
     }
 
-    /// The distance, m, at which an asperity of the interference ω_max, m, loses contact on the way back;
+    /// The distance, m, at which an asperity of the interference ω_max, m, loses contact on retraction;
     /// none if it has none.
     pub fn takeoff(&self, largest: f64) -> Option<f64> {
         let release = || match &self.flattened {
@@ -398,7 +398,7 @@ fn is_plastic(regime: Regime) -> bool {
 
 /// What has become of an asperity, and the regime of the law that it is in.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum State {
+enum Condition {
     /// It has never touched.
     Untouched(usize),
     /// It is elastic and has touched.
@@ -409,7 +409,7 @@ enum State {
     Unloading(usize),
 }
 
-impl State {
+impl Condition {
     fn regime(self) -> usize {
         let (Self::Untouched(regime)
         | Self::Elastic(regime)
@@ -424,7 +424,7 @@ impl State {
 pub struct Retraction<'a> {
     cycle: &'a Loop,
     distance: f64,
-    states: Vec<State>,
+    states: Vec<Condition>,
     regimes: Vec<Regime>,
     base: Vec<usize>,
     boundaries: Vec<Boundary>,
@@ -451,10 +451,13 @@ impl<'a> Retraction<'a> {
             |boundary: Boundary| Boundary { interference: boundary.interference + distance, ..boundary };
         let captured = Boundary { interference: *capture, belongs_below: false };
         for regime in 0..*first_contact {
-            law.push(State::Untouched(regime), Some(lower(shifted(approach.boundaries()[regime]), captured)));
+            law.push(
+                Condition::Untouched(regime),
+                Some(lower(shifted(approach.boundaries()[regime]), captured)),
+            );
         }
         let flows = cycle.flows();
-        // Where a law without plastic flow ends, it is not known; on the way back it is known again.
+        // Where a law without plastic flow ends, it is not known; on retraction it is known again.
         let top =
             approach.boundaries().get(first_plastic - 1).map(|end| if flows { *end } else { shifted(*end) });
         for regime in 0..*first_plastic {
@@ -464,7 +467,7 @@ impl<'a> Retraction<'a> {
                 (Some(end), Some(top)) => Some(lower(end, top)),
                 (end, top) => end.or(top),
             };
-            law.push(State::Elastic(regime), end);
+            law.push(Condition::Elastic(regime), end);
         }
         let Some(top) = top.filter(|_| flows) else { return law };
         let mut end = top;
@@ -478,18 +481,18 @@ impl<'a> Retraction<'a> {
                 }
             };
             end = higher(Boundary { interference, belongs_below }, top);
-            law.push(State::Lowered(regime), Some(end));
+            law.push(Condition::Lowered(regime), Some(end));
         }
         for regime in *first_plastic..approach.regimes().len() {
             law.push(
-                State::Unloading(regime),
+                Condition::Unloading(regime),
                 approach.boundaries().get(regime).map(|upper| higher(*upper, end)),
             );
         }
         law
     }
 
-    fn push(&mut self, state: State, end: Option<Boundary>) {
+    fn push(&mut self, state: Condition, end: Option<Boundary>) {
         self.states.push(state);
         self.base.push(state.regime());
         self.regimes.push(self.cycle.approach.regimes()[state.regime()]);
@@ -502,10 +505,10 @@ impl<'a> Retraction<'a> {
     }
 
     /// The law that acts in a state.
-    fn law(&self, state: State) -> &dyn Law {
+    fn law(&self, state: Condition) -> &dyn Law {
         match state {
-            State::Untouched(_) | State::Unloading(_) => self.cycle.approach.as_ref(),
-            State::Elastic(_) | State::Lowered(_) => self.cycle.retraction.as_ref(),
+            Condition::Untouched(_) | Condition::Unloading(_) => self.cycle.approach.as_ref(),
+            Condition::Elastic(_) | Condition::Lowered(_) => self.cycle.retraction.as_ref(),
         }
     }
 
@@ -632,18 +635,18 @@ impl Law for Retraction<'_> {
             let upper = self.boundaries.get(index).map_or(f64::INFINITY, |end| end.interference);
             let limits = (lower, upper);
             match state {
-                State::Untouched(_) | State::Elastic(_) => {
+                Condition::Untouched(_) | Condition::Elastic(_) => {
                     pieces.extend(self.moved(index, limits, |place| place + self.distance));
                 }
-                State::Lowered(_) if let Some(flattened) = &self.cycle.flattened => {
+                Condition::Lowered(_) if let Some(flattened) = &self.cycle.flattened => {
                     pieces.extend(self.flattened(index, flattened.as_ref(), limits));
                 }
-                State::Lowered(_) => {
+                Condition::Lowered(_) => {
                     pieces.extend(
                         self.moved(index, limits, |place| self.cycle.recovered_from(place + self.distance)),
                     );
                 }
-                State::Unloading(_) => pieces.extend(self.unloading(index, limits)),
+                Condition::Unloading(_) => pieces.extend(self.unloading(index, limits)),
             }
             lower = upper;
         }
@@ -653,10 +656,10 @@ impl Law for Retraction<'_> {
     fn cost(&self, regime: usize) -> f64 {
         let state = self.states[regime];
         let own = match state {
-            State::Unloading(_) => COSTS.0,
-            State::Lowered(0) if self.cycle.flattened.is_some() => COSTS.2,
-            State::Lowered(_) => COSTS.1,
-            State::Untouched(_) | State::Elastic(_) => 0.0,
+            Condition::Unloading(_) => COSTS.0,
+            Condition::Lowered(0) if self.cycle.flattened.is_some() => COSTS.2,
+            Condition::Lowered(_) => COSTS.1,
+            Condition::Untouched(_) | Condition::Elastic(_) => 0.0,
         };
         own + self.law(state).cost(state.regime())
     }
@@ -664,9 +667,9 @@ impl Law for Retraction<'_> {
     fn constant(&self, regime: usize) -> Option<f64> {
         let state = self.states[regime];
         let varies = match state {
-            State::Unloading(_) => true,
-            State::Lowered(_) => self.cycle.flattened.is_some(),
-            State::Untouched(_) | State::Elastic(_) => false,
+            Condition::Unloading(_) => true,
+            Condition::Lowered(_) => self.cycle.flattened.is_some(),
+            Condition::Untouched(_) | Condition::Elastic(_) => false,
         };
         self.law(state).constant(state.regime()).filter(|_| !varies)
     }
@@ -674,7 +677,7 @@ impl Law for Retraction<'_> {
     fn evaluate(&self, regime: usize, interference: &[f64], out: &mut Responses, stats: &mut SolverStats) {
         let state = self.states[regime];
         let (law, base) = (self.law(state), state.regime());
-        if let State::Unloading(_) = state {
+        if let Condition::Unloading(_) = state {
             law.evaluate(base, interference, out, stats);
             self.unload(interference, out);
             return;
@@ -684,7 +687,7 @@ impl Law for Retraction<'_> {
         let lower = begin_of(law, base).min(upper);
         let mut own = [0.0; BLOCK];
         let own = &mut own[..interference.len()];
-        if let State::Lowered(_) = state {
+        if let Condition::Lowered(_) = state {
             let mut places = [0.0; BLOCK];
             self.cycle.depths(interference, &mut places[..interference.len()]);
             self.cycle.recovery.values(&places[..interference.len()], own);
@@ -692,7 +695,7 @@ impl Law for Retraction<'_> {
         } else {
             own.copy_from_slice(interference);
         }
-        if let (State::Lowered(_), Some(flattened)) = (state, &self.cycle.flattened) {
+        if let (Condition::Lowered(_), Some(flattened)) = (state, &self.cycle.flattened) {
             let mut ratios = [0.0; BLOCK];
             let ratios = &mut ratios[..interference.len()];
             self.cycle.radius_ratios(interference, ratios, out, stats);

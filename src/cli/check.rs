@@ -254,7 +254,7 @@ fn laws(surface: &Surface, mean_height: f64) -> String {
         };
         text += &row("heights", &format!("{about}{mean}"));
     }
-    if surface.is_scattered() {
+    if surface.is_polydisperse() {
         let radius = si(surface.asperity_radius, "m");
         let what = if matches!(surface.radii, Radii::Nayak(_)) { "1/mean curvature" } else { "mean radius" };
         text += &row(

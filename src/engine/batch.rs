@@ -117,12 +117,12 @@ impl Words for Ensemble {
             closed_form,
             far,
             unloaded,
-            compressed,
+            by_moments,
             evaluations,
             safeguarded,
             largest_residual,
         } = &mut self.stats;
-        let counts = [constant, closed_form, far, unloaded, compressed, evaluations, safeguarded];
+        let counts = [constant, closed_form, far, unloaded, by_moments, evaluations, safeguarded];
         [contact_solves, noncontact_solves].into_iter().chain(counts).for_each(&mut *visit);
         largest_residual.each_word(visit);
     }
@@ -145,7 +145,7 @@ impl Batch {
         Self::compute_until(job, workspace, index, &|| false).expect("nothing ends it")
     }
 
-    /// The same, until `ends` is true, which surfaces that are summed tract by tract look at before each:
+    /// The same, until `ends` is true, which surfaces that are summed chunk by chunk look at before each:
     /// then there is none.
     pub fn compute_until(
         job: &Job<'_>,

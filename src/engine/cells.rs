@@ -300,7 +300,7 @@ mod tests {
             replicas: 1,
             controls: &[],
             keep_curves: false,
-            compression: None,
+            moments: None,
             protocol: Protocol::default(),
         };
         let kinks = Kink::of(law.as_ref(), widest_spacing(&job));

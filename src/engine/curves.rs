@@ -1,5 +1,4 @@
-//! Sums over the asperities of a surface, by state: the separations, and of a loop the separations of the way
-//! back behind these.
+//! Sums over the asperities of a surface, by state: the separations, and of a loop the separations of the retraction behind these.
 
 /// Curves of one surface over S states and R regimes.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,8 +1,8 @@
-//! The way back of one surface, and what is kept of a surface that is brought close and pulled back.
+//! The retraction of one surface, and what is kept of a surface that is brought close and pulled back.
 
 use super::curves::Curves;
 use super::instability::{Loading, Snap, Turn, largest_snap, largest_snap_of_all, reached};
-use super::replica::Summed;
+use super::summed::Summed;
 use super::{Job, Protocol};
 use crate::asperity::{Loop, Quantity};
 use crate::math::extrema::Extremum;
@@ -12,23 +12,23 @@ use crate::math::words::Words;
 /// What is kept of a replica whose way back is another than its way there.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Cycle {
-    /// −min F on the way there, between the separations too, N.
+    /// −min F on approach, between the separations too, N.
     pub approach_pull_off_force: f64,
     /// Separation h there, m.
     pub approach_pull_off_separation: f64,
-    /// ∫F dh of the way there less that of the way back, J, with F in straight lines between the separations;
+    /// ∫F dh of the approach less that of the retraction, J, with F in straight lines between the separations;
     /// 0 where it is below its rounding.
     pub dissipated_energy: f64,
-    /// Separation h at which the highest asperity touches on the way there, m, wherever the separations are;
+    /// Separation h at which the highest asperity touches on approach, m, wherever the separations are;
     /// NaN of no asperities.
     pub touchdown_separation: f64,
-    /// Separation h at which the last contact is lost on the way back, m; NaN if there was none.
+    /// Separation h at which the last contact is lost on retraction, m; NaN if there was none.
     pub takeoff_separation: f64,
 }
 
 impl Cycle {
     /// Of a surface: its highest asperity, m, NaN of none, its curves over the states of the job, and the
-    /// pull-off on the way there.
+    /// pull-off on approach.
     pub(super) fn new(
         job: &Job<'_>,
         cycle: &Loop,
@@ -39,14 +39,14 @@ impl Cycle {
         let (surface, closest) = (job.surface, job.separations[0]);
         let ways = [Quantity::AdhesionForce, Quantity::ContactForce]
             .map(|quantity| curves.total[quantity.index()].split_at(job.separations.len()));
-        let [there, back] = [ways.map(|way| way.0), ways.map(|way| way.1)];
+        let [approach, retraction] = [ways.map(|way| way.0), ways.map(|way| way.1)];
         let d = surface.asperity_separation(closest);
         // The higher an asperity, the longer it keeps contact.
         let takeoff = cycle.takeoff(highest - d);
         Self {
             approach_pull_off_force: -pull_off.value,
             approach_pull_off_separation: pull_off.place,
-            dissipated_energy: dissipated(job.separations, [there, back], SUM_ROUNDING, highest),
+            dissipated_energy: dissipated(job.separations, [approach, retraction], SUM_ROUNDING, highest),
             touchdown_separation: highest - cycle.touch() + surface.mean_plane_offset,
             takeoff_separation: takeoff.map_or(f64::NAN, |distance| closest + distance),
         }
@@ -70,9 +70,9 @@ impl Words for Cycle {
 /// The interference of an asperity takes at most 8 roundings of lengths within |h| + |u| on either way, and
 /// moves the forces along their curves by as much.
 pub fn dissipated(separations: &[f64], ways: [[&[f64]; 2]; 2], error: f64, highest: f64) -> f64 {
-    let [there, back] = ways;
-    let difference = |k: usize| (there[1][k] - there[0][k]) - (back[1][k] - back[0][k]);
-    let magnitude = |k: usize| there[0][k] + there[1][k] + back[0][k] + back[1][k];
+    let [approach, retraction] = ways;
+    let difference = |k: usize| (approach[1][k] - approach[0][k]) - (retraction[1][k] - retraction[0][k]);
+    let magnitude = |k: usize| approach[0][k] + approach[1][k] + retraction[0][k] + retraction[1][k];
     let (first, last) = (separations[0], separations[separations.len() - 1]);
     let offset = 4.0 * f64::EPSILON * (first.abs().max(last.abs()) + highest.abs());
     let (mut energy, mut rounding) = (0.0, 0.0);
@@ -87,22 +87,22 @@ pub fn dissipated(separations: &[f64], ways: [[&[f64]; 2]; 2], error: f64, highe
 }
 
 /// The snaps of a surface, in the order of [`Loading::length`], from its curve over the separations of the
-/// job on the way there, N, and the one on which it is pulled off, with its pull-off.
+/// job on approach, N, and the one on which it is pulled off, with its pull-off.
 pub(super) fn snaps(
     job: &Job<'_>,
     surface: &mut dyn Summed,
-    there: &[f64],
+    approach: &[f64],
     (last, pull_off): (&[f64], Extremum),
 ) -> Vec<f64> {
     let Protocol { cycle, loading, .. } = job.protocol;
     let mut numbers = Vec::with_capacity(loading.length());
     if loading.ways.0 {
-        let inward: Vec<(f64, f64)> = job.samples(there).into_iter().rev().collect();
+        let inward: Vec<(f64, f64)> = job.samples(approach).into_iter().rev().collect();
         numbers.extend(of_stiffnesses(&loading, &inward, largest_snap_of_all));
     }
     if cycle.is_some() && !loading.preload.is_empty() {
         for &preload in loading.preload {
-            numbers.extend(after_preload(job, surface, there, preload));
+            numbers.extend(after_preload(job, surface, approach, preload));
         }
     } else if loading.ways.1 {
         numbers.extend(turn(job.separations[0], &pull_off).numbers());
@@ -126,18 +126,18 @@ fn turn(separation: f64, pull_off: &Extremum) -> Turn {
     Turn { separation, pull_off_force: -pull_off.value, pull_off_separation: pull_off.place }
 }
 
-/// The turn of a surface at a preload, N, and its snaps on the way back from there.
-fn after_preload(job: &Job<'_>, surface: &mut dyn Summed, there: &[f64], preload: f64) -> Vec<f64> {
+/// The turn of a surface at a preload, N, and its snaps on retraction from there.
+fn after_preload(job: &Job<'_>, surface: &mut dyn Summed, approach: &[f64], preload: f64) -> Vec<f64> {
     let loading = &job.protocol.loading;
-    let Some((nearer, from)) = reached(job.separations, there, preload) else {
+    let Some((nearer, from)) = reached(job.separations, approach, preload) else {
         let snaps = loading.stiffness.iter().flat_map(|_| Snap::UNKNOWN.numbers());
         return Turn::UNKNOWN.numbers().into_iter().chain(snaps).collect();
     };
     let further = job.separations[nearer + 1..].iter().copied().filter(|h| *h > from);
     let places: Vec<f64> = [from].into_iter().chain(further).collect();
-    let forces = surface.back(from, &places);
+    let forces = surface.retraction(from, &places);
     let outward: Vec<(f64, f64)> = places.into_iter().zip(forces).collect();
-    let turn = turn(from, &surface.pull_off_back(from, &outward));
+    let turn = turn(from, &surface.retraction_pull_off(from, &outward));
     turn.numbers().into_iter().chain(of_stiffnesses(loading, &outward, largest_snap)).collect()
 }
 

@@ -1,12 +1,15 @@
 //! The external force of one asperity in a table, for many sums over a few asperities.
 
-use super::kinks::{Kink, solver};
+use super::Job;
+use super::kinks::{Kink, Kinks, solver, spacing};
 use super::sums::{RegimeSums, Sums};
 use crate::asperity::{Law, Piece, Smoothness};
 use crate::math::instruction_set::InstructionSet;
 use crate::math::piecewise::Piecewise;
 use crate::math::sums::lane_sum;
 
+/// Spaces between samples that an asperity with a kink in the search may be away from it.
+const REACH: f64 = 12.0;
 /// Accuracy relative to the force and the largest attraction at a kink.
 const TOLERANCE: f64 = 1e-8;
 
@@ -38,8 +41,15 @@ struct Tabulated {
 }
 
 impl ForceTable {
+    /// The table of a job's law at all interferences that asperities have where a search takes their terms out
+    /// of samples; empty where radii differ, because their asperities have no force in common.
+    pub fn of(job: &Job<'_>, kinks: &Kinks) -> Self {
+        let kinks = if job.law.family().is_some() { &[][..] } else { &kinks.approach };
+        Self::new(job.law, kinks, REACH * spacing(job) + job.protocol.stiffness_span.unwrap_or(0.0))
+    }
+
     /// Of a law, to `reach` beyond its first and its last kink, m.
-    pub fn new(law: &dyn Law, kinks: &[Kink], reach: f64) -> Self {
+    fn new(law: &dyn Law, kinks: &[Kink], reach: f64) -> Self {
         let forces = solver(law);
         let (Some(first), Some(last)) = (kinks.first(), kinks.last()) else {
             return Self {

@@ -53,7 +53,7 @@ impl Loading<'_> {
 pub struct Snap {
     /// Whether there is one, 1 or 0; NaN where the surface never came to begin its way, or is unstable where
     /// the separations begin.
-    pub is: f64,
+    pub occurred: f64,
     /// Separation h where it begins, m; NaN without one.
     pub separation: f64,
     /// How far it goes, m; NaN without one, and where nothing within the separations stops the surface.
@@ -65,7 +65,7 @@ pub struct Snap {
 pub struct Turn {
     /// Separation h, m; NaN where the preload is not reached.
     pub separation: f64,
-    /// −min F on the way back, N.
+    /// −min F on retraction, N.
     pub pull_off_force: f64,
     /// Separation h there, m.
     pub pull_off_separation: f64,
@@ -75,13 +75,13 @@ impl Snap {
     /// Its numbers.
     pub const LENGTH: usize = 3;
     /// No snap.
-    pub const NONE: Self = Self { is: 0.0, separation: f64::NAN, distance: f64::NAN };
+    pub const NONE: Self = Self { occurred: 0.0, separation: f64::NAN, distance: f64::NAN };
     /// Of a way that was not taken, or begins beyond the separations.
-    pub const UNKNOWN: Self = Self { is: f64::NAN, ..Self::NONE };
+    pub const UNKNOWN: Self = Self { occurred: f64::NAN, ..Self::NONE };
 
     /// Its numbers as they are kept.
     pub fn numbers(self) -> [f64; Self::LENGTH] {
-        [self.is, self.separation, self.distance]
+        [self.occurred, self.separation, self.distance]
     }
 }
 
@@ -115,13 +115,13 @@ pub fn largest_snap(samples: &[(f64, f64)], stiffness: f64, smallest: f64) -> Sn
         }
         let separation = samples[i].0;
         let Some(beyond) = (next..samples.len()).find(|&j| level(j) > level(i)) else {
-            return Snap { is: 1.0, separation, distance: f64::NAN };
+            return Snap { occurred: 1.0, separation, distance: f64::NAN };
         };
         let levels = [level(beyond - 1), level(beyond)];
         let stop = linear(&levels, &[samples[beyond - 1].0, samples[beyond].0], level(i));
         let distance = (stop - separation).abs();
         if distance >= smallest && !(distance <= largest.distance) {
-            largest = Snap { is: 1.0, separation, distance };
+            largest = Snap { occurred: 1.0, separation, distance };
         }
         i = beyond;
     }
@@ -162,13 +162,13 @@ mod tests {
     #[test]
     fn snaps_are_where_the_slope_exceeds_the_stiffness() {
         let soft = largest_snap(&inward(), 0.5, 0.0);
-        assert_eq!((soft.is, soft.separation), (1.0, 4.0));
+        assert_eq!((soft.occurred, soft.separation), (1.0, 4.0));
         assert!((soft.distance - (4.0 - 1.6)).abs() < 1e-14, "{soft:?}");
         let off = largest_snap(&WELL, 0.5, 0.0);
-        assert!(off.is == 1.0 && off.separation == 2.0 && off.distance.is_nan(), "{off:?}");
+        assert!(off.occurred == 1.0 && off.separation == 2.0 && off.distance.is_nan(), "{off:?}");
         for stiff in [1.0, 1.5, 100.0] {
-            assert_eq!(largest_snap(&inward(), stiff, 0.0).is, 0.0);
-            assert_eq!(largest_snap(&WELL, stiff, 0.0).is, 0.0);
+            assert_eq!(largest_snap(&inward(), stiff, 0.0).occurred, 0.0);
+            assert_eq!(largest_snap(&WELL, stiff, 0.0).occurred, 0.0);
         }
     }
 
@@ -178,10 +178,10 @@ mod tests {
     fn what_is_unstable_where_the_samples_begin_has_begun_before() {
         for soft in [0.0, 0.5] {
             let snap = largest_snap_of_all(&inward(), soft, 0.0);
-            assert!(snap.is.is_nan() && snap.separation.is_nan() && snap.distance.is_nan(), "{snap:?}");
+            assert!(snap.occurred.is_nan() && snap.separation.is_nan() && snap.distance.is_nan(), "{snap:?}");
             assert_eq!(largest_snap_of_all(&WELL, soft, 0.0).separation, 2.0);
         }
-        assert_eq!(largest_snap_of_all(&inward(), 1.0, 0.0).is, 0.0);
+        assert_eq!(largest_snap_of_all(&inward(), 1.0, 0.0).occurred, 0.0);
         // A flat beginning is stable, and what lies behind it is known.
         let flat = [&[(5.0, 0.0)][..], &inward()].concat();
         assert_eq!(largest_snap_of_all(&flat, 0.0, 0.0).separation, 4.0);
@@ -207,7 +207,7 @@ mod tests {
         let snap = largest_snap(&stairs, 0.0, 0.0);
         assert_eq!((snap.separation, snap.distance), (1.0, 2.5));
         assert_eq!(largest_snap(&stairs, 0.0, 2.5), snap);
-        assert_eq!(largest_snap(&stairs, 0.0, 2.6).is, 0.0);
+        assert_eq!(largest_snap(&stairs, 0.0, 2.6).occurred, 0.0);
     }
 
     #[test]
@@ -224,6 +224,6 @@ mod tests {
 
     #[test]
     fn nothing_snaps_where_no_force_acts() {
-        assert_eq!(largest_snap(&[(0.0, 0.0), (1.0, 0.0), (2.0, 0.0)], 0.0, 0.0).is, 0.0);
+        assert_eq!(largest_snap(&[(0.0, 0.0), (1.0, 0.0), (2.0, 0.0)], 0.0, 0.0).occurred, 0.0);
     }
 }

@@ -1,7 +1,6 @@
 //! The kinks of a law: the interferences at which the force of one asperity is not smooth.
 
 use super::Job;
-use super::force_table::ForceTable;
 use super::search::{Interpolation, Stray, interpolated, interpolated_from_samples, parts, resolved};
 use super::stray_table::StrayTable;
 use crate::asperity::{Law, Scratch, SolverStats, for_each_block};
@@ -22,8 +21,6 @@ const CLOSE: f64 = 0.25;
 const ROUNDINGS: f64 = 16.0;
 /// How far beside a kink its sides are, as a share of its place.
 const BESIDE: f64 = 1e-13;
-/// Spaces between samples that an asperity with a kink in the search may be away from it.
-const REACH: f64 = 12.0;
 /// Separations that curves are interpolated between are at most so many asperity height deviations apart.
 const SPACING: f64 = 0.06;
 /// A jump of at most this share of the largest is rounding.
@@ -99,28 +96,30 @@ pub(super) fn rounding(job: &Job<'_>, highest: f64) -> f64 {
 /// The kinks of the laws of a job.
 #[derive(Debug)]
 pub(super) struct Kinks {
-    /// On the way of its law.
-    pub there: Vec<Kink>,
+    /// Of the law of the job.
+    pub approach: Vec<Kink>,
     /// What asperities are off there.
     pub strays: StrayTable,
-    /// On the way back of its loop, by what has become of an asperity.
-    pub back: [Vec<Kink>; 3],
+    /// On retraction of its loop, by what has become of an asperity.
+    pub retraction: [Vec<Kink>; 3],
 }
 
 impl Kinks {
     /// Of a job.
     pub fn new(job: &Job<'_>) -> Self {
         let width = spacing(job);
-        let mut there = Kink::of(job.law, width);
+        let mut approach = Kink::of(job.law, width);
         let strays = if job.law.family().is_some() {
             StrayTable::default()
         } else {
-            tabulated(job.law, &mut there, width)
+            tabulated(job.law, &mut approach, width)
         };
-        let Some(cycle) = job.protocol.cycle else { return Self { there, strays, back: Default::default() } };
-        let known: Vec<Kink> = there.iter().copied().chain(Kink::of(cycle.retraction(), width)).collect();
-        let back = cycle.kinks().map(|kinks| {
-            // What begins or ends on the way back alone does so with about as much as what does so before
+        let Some(cycle) = job.protocol.cycle else {
+            return Self { approach, strays, retraction: Default::default() };
+        };
+        let known: Vec<Kink> = approach.iter().copied().chain(Kink::of(cycle.retraction(), width)).collect();
+        let retraction = cycle.kinks().map(|kinks| {
+            // What begins or ends on retraction alone does so with about as much as what does so before
             // contact.
             let largest = |of: &dyn Fn(&Kink) -> f64| {
                 known.iter().filter(|kink| kink.interference <= 0.0).map(of).fold(0.0, f64::max)
@@ -141,15 +140,7 @@ impl Kinks {
             };
             kinks.into_iter().map(of).collect()
         });
-        Self { there, strays, back }
-    }
-
-    /// The force of the law of a job at all interferences that asperities have where a search takes their
-    /// terms out of samples.
-    pub fn table(&self, job: &Job<'_>) -> ForceTable {
-        // Asperities of several radii have no force in common.
-        let kinks = if job.law.family().is_some() { &[][..] } else { &self.there };
-        ForceTable::new(job.law, kinks, REACH * spacing(job) + job.protocol.stiffness_span.unwrap_or(0.0))
+        Self { approach, strays, retraction }
     }
 }
 
@@ -176,7 +167,7 @@ pub fn parts_of(step: f64) -> f64 {
 }
 
 /// How far apart the samples of the curves of a job are at most where they are searched, m.
-fn spacing(job: &Job<'_>) -> f64 {
+pub(super) fn spacing(job: &Job<'_>) -> f64 {
     resolved(job.separations, widest_spacing(job))
 }
 

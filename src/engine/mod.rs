@@ -4,22 +4,25 @@
 //! its group. Replicas are grouped into batches of a fixed size; batches are computed in any order by any
 //! number of threads and merged in the order of their index in a fixed tree, so every result depends on the
 //! scene and the seed alone. What is kept per replica is a handful of numbers; heights and curves are dropped
-//! with their batch. A surface of more than [`TRACT`](crate::surface::TRACT) asperities is not held at all:
-//! its tracts have streams of their own, and are drawn and summed in parallel, and drawn again for what is
+//! with their batch. A surface of more than [`CHUNK_ASPERITIES`](crate::surface::CHUNK_ASPERITIES) asperities is not held at all:
+//! its chunks have streams of their own, and are drawn and summed in parallel, and drawn again for what is
 //! asked later.
 
 mod batch;
 #[cfg(test)]
 mod case_ii;
 mod cells;
-pub mod compressed;
+mod chunks;
 mod curves;
 mod cycle;
 mod force_table;
 mod groups;
+mod held;
 pub mod instability;
 mod kinks;
+pub mod moments;
 mod parts;
+mod polydisperse;
 mod radii;
 mod record;
 mod reduce;
@@ -28,18 +31,17 @@ mod replica;
 mod retraction;
 mod sampling;
 mod scalars;
-mod scattered;
 mod search;
 mod shard;
 mod stopping;
 mod stray_table;
 pub mod stream;
 mod summation;
+mod summed;
 mod sums;
-mod tracts;
-mod whole;
 
 pub use batch::{BATCH, Batch, Ensemble, batches_of, replicas_of};
+pub use chunks::{AHEAD, HELD};
 pub use curves::Curves;
 pub use cycle::{Cycle, dissipated};
 pub use groups::Groups;
@@ -54,11 +56,10 @@ pub use scalars::{LOOP_SCALARS, SCALARS, Scalar, scalars};
 pub use shard::Shard;
 pub use stopping::{Attained, Estimator, Limit, Rule, Stopping, Target};
 pub use summation::{PILOTS, Summation};
-pub use tracts::{AHEAD, HELD};
 
 use crate::asperity::{Law, Loop};
 use crate::surface::{SamplingScheme, Surface};
-use compressed::Compression;
+use moments::MomentMatrix;
 
 /// What is to be computed.
 #[derive(Clone, Copy)]
@@ -80,7 +81,7 @@ pub struct Job<'a> {
     /// Whether batches carry the force curves of their replicas.
     pub keep_curves: bool,
     /// How surfaces are summed by moments; directly without it.
-    pub compression: Option<&'a Compression>,
+    pub moments: Option<&'a MomentMatrix>,
     /// What is done with a surface beside one way.
     pub protocol: Protocol<'a>,
 }
@@ -110,7 +111,7 @@ impl Job<'_> {
     }
 
     /// States that a surface is summed in: the separations, and of a loop behind these the separations again,
-    /// on the way back.
+    /// on retraction.
     pub fn states(&self) -> usize {
         self.separations.len() * if self.protocol.cycle.is_some() { 2 } else { 1 }
     }

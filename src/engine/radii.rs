@@ -3,7 +3,7 @@
 
 use super::Job;
 use super::kinks::{Kink, beside, forces, rounding};
-use super::scattered;
+use super::polydisperse;
 use super::search::{Curve, Passing, Stray};
 use crate::asperity::{Family, Law, Scratch, SolverStats};
 use std::collections::BTreeMap;
@@ -40,7 +40,7 @@ impl Places {
 }
 
 /// A surface of which all asperities are held.
-pub(super) struct Scattered<'a> {
+pub(super) struct PolydisperseCurve<'a> {
     job: &'a Job<'a>,
     family: &'a Family,
     /// Of the typical asperity.
@@ -55,7 +55,7 @@ pub(super) struct Scattered<'a> {
     stats: &'a mut SolverStats,
 }
 
-impl<'a> Scattered<'a> {
+impl<'a> PolydisperseCurve<'a> {
     /// A surface of a job whose laws are a family: `heights` and `radii`, m, of its asperities, with their
     /// kinks and these of the typical one.
     pub fn new(
@@ -95,12 +95,19 @@ impl<'a> Scattered<'a> {
     }
 }
 
-impl Curve for Scattered<'_> {
+impl Curve for PolydisperseCurve<'_> {
     type Asperity = u32;
 
     fn exact(&mut self, separations: &[f64]) -> Vec<f64> {
         let asperities = (self.heights, self.radii);
-        scattered::external_forces(self.job, self.family, asperities, self.scratch, self.stats, separations)
+        polydisperse::external_forces(
+            self.job,
+            self.family,
+            asperities,
+            self.scratch,
+            self.stats,
+            separations,
+        )
     }
 
     fn kinked(&mut self, low: f64, high: f64) -> Vec<u32> {

@@ -1,20 +1,21 @@
 //! One replica: one surface, its curves and what is kept of them.
 
 use super::Job;
-use super::compressed::{self, LANES};
+use super::chunks::Chunks;
 use super::curves::Curves;
 use super::cycle::{Cycle, snaps};
 use super::force_table::ForceTable;
+use super::held::HeldSurface;
 use super::kinks::Kinks;
+use super::moments::{LANES, MomentSums};
+use super::polydisperse::PlaneSums;
 use super::sampling::{Draws, is_divided};
-use super::scattered::Scattered;
+use super::summed::Summed;
 use super::sums::{RegimeSums, State, Sums};
-use super::tracts::Tracts;
-use super::whole::Whole;
 use crate::asperity::{Quantity, SolverStats};
 use crate::math::extrema::Extremum;
 use crate::math::words::Words;
-use crate::surface::TRACT;
+use crate::surface::CHUNK_ASPERITIES;
 use std::ops::Range;
 
 /// What is kept of every replica.
@@ -35,7 +36,7 @@ pub struct Replica {
     /// Whether the smallest force is at the first or last separation, so that the curve may fall further
     /// beyond.
     pub pull_off_at_edge: bool,
-    /// What is kept of it as a loop, if it is one; all above is then of the way back.
+    /// What is kept of it as a loop, if it is one; all above is then of the retraction.
     pub cycle: Option<Box<Cycle>>,
 }
 
@@ -65,39 +66,19 @@ impl Words for Replica {
     }
 }
 
-/// A surface of which more is asked when its curves are known.
-pub(super) trait Summed {
-    /// The highest asperity, m; NaN of none.
-    fn highest(&self) -> f64;
-
-    /// The pull-off on its way over the separations of the job, from its external force there, N.
-    fn pull_off(&mut self, external_force: &[f64]) -> Extremum;
-
-    /// External forces, N, at separations h, m, rising, on the way back from the separation `from`, m.
-    fn back(&mut self, from: f64, separations: &[f64]) -> Vec<f64>;
-
-    /// The pull-off on the way back from the separation `from`, m, from samples of it: separations h, m,
-    /// rising, and external forces, N.
-    fn pull_off_back(&mut self, from: f64, samples: &[(f64, f64)]) -> Extremum;
-
-    /// The largest secant stiffness over a span, m, from samples of its way: on the way back from the
-    /// separation `from`, m, if there is one.
-    fn stiffest(&mut self, from: Option<f64>, samples: &[(f64, f64)], span: f64) -> Extremum;
-}
-
 /// Memory that batches reuse one after the other.
 pub struct Workspace {
-    /// Asperities of a tract, and whether surfaces are summed tract by tract.
-    tract: usize,
+    /// Asperities of a chunk, and whether surfaces are summed chunk by chunk.
+    chunk: usize,
     is_divided: bool,
     heights: Vec<Vec<f64>>,
     /// Of the surface that is summed, where asperities differ in their radii.
     radii: Vec<f64>,
-    scattered: Option<Scattered>,
+    plane_sums: Option<PlaneSums>,
     kinks: Kinks,
     table: ForceTable,
     sums: Sums,
-    compressed: Option<compressed::Sums>,
+    moments: Option<MomentSums>,
     /// The curves of the surfaces that were summed last.
     pub curves: Vec<Curves>,
 }
@@ -105,27 +86,27 @@ pub struct Workspace {
 impl Workspace {
     /// Memory for replicas of a job.
     pub fn new(job: &Job<'_>) -> Self {
-        Self::with_tracts(job, TRACT)
+        Self::with_chunks(job, CHUNK_ASPERITIES)
     }
 
-    /// Memory for replicas of a job whose surfaces are drawn, and summed, in tracts of `tract` asperities
+    /// Memory for replicas of a job whose surfaces are drawn, and summed, in chunks of `chunk` asperities
     /// where they have more.
-    pub fn with_tracts(job: &Job<'_>, tract: usize) -> Self {
+    pub fn with_chunks(job: &Job<'_>, chunk: usize) -> Self {
         let r = job.law.regimes().len();
-        let is_divided = is_divided(job.surface, tract);
-        let compression = job.compression.filter(|_| !is_divided);
-        let at_once = if compression.is_some() { LANES } else { 1 };
+        let is_divided = is_divided(job.surface, chunk);
+        let matrix = job.moments.filter(|_| !is_divided);
+        let at_once = if matrix.is_some() { LANES } else { 1 };
         let kinks = Kinks::new(job);
         Self {
-            tract,
+            chunk,
             is_divided,
             heights: vec![Vec::new(); at_once],
             radii: Vec::new(),
-            scattered: job.law.family().filter(|_| !is_divided).map(|_| Scattered::new(job)),
-            table: kinks.table(job),
+            plane_sums: job.law.family().filter(|_| !is_divided).map(|_| PlaneSums::new(job)),
+            table: ForceTable::of(job, &kinks),
             kinks,
             sums: Sums::new(r),
-            compressed: compression.map(|compression| compressed::Sums::new(compression, r)),
+            moments: matrix.map(|matrix| MomentSums::new(matrix, r)),
             curves: vec![Curves::new(job.states(), r); at_once],
         }
     }
@@ -141,7 +122,7 @@ impl Workspace {
         self.replicas_until(job, replicas, &|| false, visit);
     }
 
-    /// The same, until `ends` is true, which surfaces that are summed tract by tract look at before each:
+    /// The same, until `ends` is true, which surfaces that are summed chunk by chunk look at before each:
     /// then the replica at hand is not visited, nor any further one. Whether all were visited.
     pub fn replicas_until(
         &mut self,
@@ -160,7 +141,7 @@ impl Workspace {
         while first < replicas.end {
             let at_once = (replicas.end - first).min(self.heights.len() as u64);
             for (heights, index) in self.heights.iter_mut().zip(first..first + at_once) {
-                Draws::of(job, index, self.tract).all(heights, &mut self.radii);
+                Draws::of(job, index, self.chunk).all(heights, &mut self.radii);
             }
             self.sum(job, at_once as usize);
             for lane in 0..at_once as usize {
@@ -171,10 +152,10 @@ impl Workspace {
         true
     }
 
-    /// What is kept of a surface that is summed tract by tract; nothing when that was ended.
+    /// What is kept of a surface that is summed chunk by chunk; nothing when that was ended.
     fn divided(&mut self, job: &Job<'_>, index: u64, ends: &(dyn Fn() -> bool + Sync)) -> Option<Replica> {
-        let draws = Draws::of(job, index, self.tract);
-        let mut surface = Tracts::new(job, draws, (&self.kinks, &mut self.table), ends);
+        let draws = Draws::of(job, index, self.chunk);
+        let mut surface = Chunks::new(job, draws, (&self.kinks, &mut self.table), ends);
         surface.sum(&mut self.curves[0]);
         let kept = keep(job, &mut surface, draws.count, &mut self.curves[0]);
         self.sums.stats.merge(&surface.stats);
@@ -184,18 +165,18 @@ impl Workspace {
     /// Sums the first `count` surfaces, whose heights it sorts: rising heights make the regimes contiguous,
     /// and neighbours in a slice neighbours in the law.
     fn sum(&mut self, job: &Job<'_>, count: usize) {
-        if let (Some(compression), Some(compressed)) = (job.compression, &mut self.compressed) {
-            compressed.take(compression, &self.heights[..count]);
-            compressed.fill(compression, job.law, &mut self.curves[..count], &mut self.sums.stats);
+        if let (Some(matrix), Some(moments)) = (job.moments, &mut self.moments) {
+            moments.take(matrix, &self.heights[..count]);
+            moments.fill(matrix, job.law, &mut self.curves[..count], &mut self.sums.stats);
         }
-        if let (Some(family), Some(scattered)) = (job.law.family(), &mut self.scattered) {
+        if let (Some(family), Some(plane_sums)) = (job.law.family(), &mut self.plane_sums) {
             let Sums { scratch, stats, .. } = &mut self.sums;
-            scattered.surface(family, (&self.heights[0], &self.radii), scratch, stats, &mut self.curves[0]);
+            plane_sums.surface(family, (&self.heights[0], &self.radii), scratch, stats, &mut self.curves[0]);
             return;
         }
         let states = State::all(job);
         for (lane, heights) in self.heights[..count].iter_mut().enumerate() {
-            if self.compressed.as_ref().is_some_and(|compressed| compressed.surface(lane).is_some()) {
+            if self.moments.as_ref().is_some_and(|moments| moments.surface(lane).is_some()) {
                 continue;
             }
             heights.sort_unstable_by(f64::total_cmp);
@@ -209,8 +190,8 @@ impl Workspace {
     /// What is kept of a surface that has been summed.
     fn keep(&mut self, job: &Job<'_>, lane: usize) -> Replica {
         let heights = self.heights[lane].as_slice();
-        let compressed = job.compression.zip(self.compressed.as_mut());
-        let mut surface = Whole {
+        let moments = job.moments.zip(self.moments.as_mut());
+        let mut surface = HeldSurface {
             job,
             heights,
             radii: &self.radii,
@@ -220,9 +201,9 @@ impl Workspace {
             flattened: None,
             highest: heights.iter().copied().reduce(f64::max).unwrap_or(f64::NAN),
             sums: &mut self.sums,
-            compressed: compressed
+            moments: moments
                 .filter(|(_, sums)| sums.surface(lane).is_some())
-                .map(|(compression, sums)| (compression, sums, lane)),
+                .map(|(matrix, sums)| (matrix, sums, lane)),
         };
         keep(job, &mut surface, heights.len(), &mut self.curves[lane])
     }
@@ -231,14 +212,14 @@ impl Workspace {
 /// What is kept of a surface of `count` asperities whose curves are known; its snaps are left in these.
 fn keep(job: &Job<'_>, surface: &mut dyn Summed, count: usize, curves: &mut Curves) -> Replica {
     let external = &curves.total[Quantity::ExternalForce.index()];
-    let (external, back) = external.split_at(job.separations.len());
+    let (external, retraction) = external.split_at(job.separations.len());
     let pull_off = surface.pull_off(external);
     let highest_asperity = surface.highest();
     let mut kept = Replica { asperity_count: count as u64, highest_asperity, ..Replica::default() };
     let mut last = (external, pull_off);
     if let Some(cycle) = job.protocol.cycle {
         kept.cycle = Some(Box::new(Cycle::new(job, cycle, highest_asperity, curves, &pull_off)));
-        last = (back, surface.pull_off_back(job.separations[0], &job.samples(back)));
+        last = (retraction, surface.retraction_pull_off(job.separations[0], &job.samples(retraction)));
     }
     kept.pull_off(&last.1);
     let from = job.protocol.cycle.map(|_| job.separations[0]);
@@ -254,8 +235,8 @@ fn keep(job: &Job<'_>, surface: &mut dyn Summed, count: usize, curves: &mut Curv
 #[cfg(test)]
 mod tests {
     use super::super::case_ii::CASE_II;
-    use super::super::compressed::{Compression, largest_error};
     use super::super::kinks::Kink;
+    use super::super::moments::{MomentMatrix, largest_error};
     use super::super::{Loading, Protocol};
     use super::*;
     use crate::asperity::models::model;
@@ -265,7 +246,7 @@ mod tests {
     };
     use std::sync::atomic::{AtomicUsize, Ordering};
 
-    /// Asperities of a tract, no power of 2, and of a surface of several, the last of which is not full.
+    /// Asperities of a chunk, no power of 2, and of a surface of several, the last of which is not full.
     const SMALL: usize = 6000;
     const COUNT: usize = 20_000;
 
@@ -303,14 +284,14 @@ mod tests {
             replicas: 8,
             controls: &[],
             keep_curves: false,
-            compression: None,
+            moments: None,
             protocol: Protocol { stiffness_span: Some(CASE_II.equilibrium_spacing), ..Protocol::default() },
         }
     }
 
-    /// The replica `index` tract by tract.
+    /// The replica `index` chunk by chunk.
     fn divided(job: &Job<'_>, index: u64) -> (Replica, Curves) {
-        let mut workspace = Workspace::with_tracts(job, SMALL);
+        let mut workspace = Workspace::with_chunks(job, SMALL);
         assert!(workspace.is_divided);
         let kept = workspace.divided(job, index, &|| false).unwrap();
         (kept, workspace.curves.remove(0))
@@ -318,7 +299,7 @@ mod tests {
 
     /// The same asperities, all held at once.
     fn held(job: &Job<'_>, index: u64) -> (Replica, Curves) {
-        let mut workspace = Workspace::with_tracts(job, usize::MAX);
+        let mut workspace = Workspace::with_chunks(job, usize::MAX);
         assert!(!workspace.is_divided);
         Draws::of(job, index, SMALL).all(&mut workspace.heights[0], &mut workspace.radii);
         workspace.sum(job, 1);
@@ -330,7 +311,7 @@ mod tests {
     /// between the ends of cells, or deeper; the place of that is one of the curve.
     #[track_caller]
     fn agree(job: &Job<'_>, index: u64, (mine, curves): &(Replica, Curves), tolerance: f64) {
-        let (truth, direct) = held(&Job { compression: None, ..*job }, index);
+        let (truth, direct) = held(&Job { moments: None, ..*job }, index);
         let error = largest_error(curves, &direct);
         assert!(error <= tolerance, "{error:e}");
         let exact = |replica: &Replica| {
@@ -349,11 +330,11 @@ mod tests {
         let approach = |replica: &Replica| {
             replica.cycle.as_ref().map_or(f64::NAN, |cycle| cycle.approach_pull_off_force)
         };
-        let is_scattered = job.law.family().is_some();
+        let is_polydisperse = job.law.family().is_some();
         for force in [|replica: &Replica| replica.pull_off_force, approach] {
             let missed = force(&truth) - force(mine);
-            // Of several radii in tracts no kinks are known, so that even places are looked at.
-            assert!(is_scattered || !(missed > 2.0 * cell * steepest + rounding), "{mine:?}, {truth:?}");
+            // Of several radii in chunks no kinks are known, so that even places are looked at.
+            assert!(is_polydisperse || !(missed > 2.0 * cell * steepest + rounding), "{mine:?}, {truth:?}");
             assert!(!(missed < -rounding - 2.0 * cell * steepest), "{mine:?}, {truth:?}");
         }
         assert_eq!(mine.cycle.is_some(), truth.cycle.is_some());
@@ -364,7 +345,7 @@ mod tests {
                 "{mine:e} {truth:e}"
             );
         };
-        if is_scattered {
+        if is_polydisperse {
             assert!(
                 mine.peak_secant_stiffness <= truth.peak_secant_stiffness * (1.0 + 1e-9),
                 "{mine:?}, {truth:?}"
@@ -381,7 +362,7 @@ mod tests {
             let mut heights = Vec::new();
             Draws::of(job, index, SMALL).all(&mut heights, &mut Vec::new());
             heights.sort_unstable_by(f64::total_cmp);
-            let state = State::There(mine.pull_off_separation);
+            let state = State::Approach(mine.pull_off_separation);
             let force = Sums::new(job.law.regimes().len()).external_force(job, &heights, state);
             assert!((force + mine.pull_off_force).abs() <= rounding, "{force:e} {mine:?}");
         }
@@ -391,7 +372,7 @@ mod tests {
     const ROUNDING: f64 = 1e-13;
 
     #[test]
-    fn a_surface_in_tracts_is_the_one_held_at_once() {
+    fn a_surface_in_chunks_is_the_one_held_at_once() {
         let surface = surface();
         for (name, step, count) in
             [("hybrid", 0.05, 181), ("emd", 0.1, 91), ("jkr", 0.3, 31), ("gw", 0.1, 91), ("hybrid", 1.0, 10)]
@@ -402,13 +383,13 @@ mod tests {
             for index in [0, 5] {
                 agree(&direct, index, &divided(&direct, index), ROUNDING);
                 for tolerance in [1e-6, 1e-9, 1e-12] {
-                    let Ok(compression) = Compression::new(law.as_ref(), &surface, &separations, tolerance)
+                    let Ok(matrix) = MomentMatrix::new(law.as_ref(), &surface, &separations, tolerance)
                     else {
                         assert_eq!(step, 1.0);
                         continue;
                     };
-                    let compressed = Job { compression: Some(&compression), ..direct };
-                    agree(&compressed, index, &divided(&compressed, index), tolerance);
+                    let moments = Job { moments: Some(&matrix), ..direct };
+                    agree(&moments, index, &divided(&moments, index), tolerance);
                 }
             }
         }
@@ -417,7 +398,7 @@ mod tests {
     /// Other laws of heights, with asperities beyond all bins, a Poisson number, given heights, and every
     /// scheme.
     #[test]
-    fn every_kind_of_surface_comes_in_tracts() {
+    fn every_kind_of_surface_comes_in_chunks() {
         let plain = surface();
         let law = law("hybrid");
         let separations = separations(&plain, 0.1, 91);
@@ -436,11 +417,11 @@ mod tests {
         let schemes = [SamplingScheme::Antithetic, SamplingScheme::Stratified].map(|scheme| (&plain, scheme));
         for (surface, scheme) in independent.into_iter().chain(schemes) {
             let direct = Job { scheme, ..job(law.as_ref(), surface, &separations) };
-            let compression = Compression::new(law.as_ref(), surface, &separations, 1e-9).unwrap();
-            let compressed = Job { compression: Some(&compression), ..direct };
+            let matrix = MomentMatrix::new(law.as_ref(), surface, &separations, 1e-9).unwrap();
+            let moments = Job { moments: Some(&matrix), ..direct };
             for index in [0, 1] {
                 agree(&direct, index, &divided(&direct, index), ROUNDING);
-                agree(&compressed, index, &divided(&compressed, index), 1e-9);
+                agree(&moments, index, &divided(&moments, index), 1e-9);
             }
         }
         let beyond = |u: &&f64| **u > 16.0 * tail.heights.std;
@@ -449,12 +430,12 @@ mod tests {
         assert!(heights.iter().filter(beyond).count() > 2, "no asperity is beyond the bins");
     }
 
-    /// A surface of so many tracts that it is not held has a pull-off that is less deep by what roots leave
+    /// A surface of so many chunks that it is not held has a pull-off that is less deep by what roots leave
     /// out of what is interpolated between samples, and by the jumps of the asperities of a cell: 3.5 √(Σ n
     /// r²) + Σ n |J| / cells, n asperities that pass a kink in a space between samples, at most, with jump J
     /// and r for its roots.
     #[test]
-    fn the_pull_off_of_many_tracts_is_within_its_bound() {
+    fn the_pull_off_of_many_chunks_is_within_its_bound() {
         let surface = surface();
         let law = law("hybrid");
         let separations = separations(&surface, 0.05, 181);
@@ -472,9 +453,9 @@ mod tests {
         let bound = 3.5 * f64::sqrt(square) + jumps / f64::from(1 << 10);
         let mut largest: f64 = 0.0;
         for index in 0..6 {
-            let mut workspace = Workspace::with_tracts(&job, 200);
+            let mut workspace = Workspace::with_chunks(&job, 200);
             let mine = workspace.divided(&job, index, &|| false).unwrap();
-            let mut workspace = Workspace::with_tracts(&job, usize::MAX);
+            let mut workspace = Workspace::with_chunks(&job, usize::MAX);
             Draws::of(&job, index, 200).all(&mut workspace.heights[0], &mut workspace.radii);
             workspace.sum(&job, 1);
             let missed = workspace.keep(&job, 0).pull_off_force - mine.pull_off_force;
@@ -485,7 +466,7 @@ mod tests {
     }
 
     #[test]
-    fn scattered_radii_come_in_tracts() {
+    fn scattered_radii_come_in_chunks() {
         let surface = Surface { radii: Radii::LogNormal(0.3), ..surface() };
         let family = Family::new(model("hybrid").unwrap(), CASE_II, Path::Approach, RADIUS_RANGE).unwrap();
         let law = Typical::new(law("hybrid"), family);
@@ -496,7 +477,7 @@ mod tests {
 
     /// Loops, their snaps, and turns at preloads of which one is never reached.
     #[test]
-    fn loops_come_in_tracts() {
+    fn loops_come_in_chunks() {
         let surface = surface();
         let cycle = Loop::new(&model("hybrid").unwrap(), &parameters(), UnloadedRadius::Kept).unwrap();
         let separations = separations(&surface, 0.1, 81);
@@ -522,12 +503,12 @@ mod tests {
         let law = law("hybrid");
         let separations = separations(&surface, 0.1, 91);
         let direct = job(law.as_ref(), &surface, &separations);
-        let compression = Compression::new(law.as_ref(), &surface, &separations, 1e-9).unwrap();
-        for job in [direct, Job { compression: Some(&compression), ..direct }] {
+        let matrix = MomentMatrix::new(law.as_ref(), &surface, &separations, 1e-9).unwrap();
+        for job in [direct, Job { moments: Some(&matrix), ..direct }] {
             let on = |threads: usize| {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
                 pool.install(|| {
-                    let mut workspace = Workspace::with_tracts(&job, SMALL);
+                    let mut workspace = Workspace::with_chunks(&job, SMALL);
                     let kept = workspace.divided(&job, 3, &|| false).unwrap();
                     (kept.clone().words(), workspace.curves.remove(0), workspace.sums.stats)
                 })
@@ -539,10 +520,10 @@ mod tests {
         }
     }
 
-    /// Whenever it is ended, nothing of the replica at hand is visited, those before it are, and no tract is
+    /// Whenever it is ended, nothing of the replica at hand is visited, those before it are, and no chunk is
     /// begun any more.
     #[test]
-    fn a_surface_in_tracts_can_be_ended() {
+    fn a_surface_in_chunks_can_be_ended() {
         let surface = surface();
         let law = law("hybrid");
         let separations = separations(&surface, 0.5, 19);
@@ -551,7 +532,7 @@ mod tests {
             let (looked, mut visited) = (AtomicUsize::new(0), 0);
             let ends = || looked.fetch_add(1, Ordering::Relaxed) >= most;
             let all =
-                Workspace::with_tracts(&job, SMALL).replicas_until(&job, 0..2, &ends, |_, _| visited += 1);
+                Workspace::with_chunks(&job, SMALL).replicas_until(&job, 0..2, &ends, |_, _| visited += 1);
             (all, visited, looked.into_inner())
         };
         let (all, visited, needed) = looks(usize::MAX);

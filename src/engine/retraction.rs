@@ -1,4 +1,4 @@
-//! The curve of a surface on the way back of a loop.
+//! The curve of a surface on retraction of a loop.
 
 use super::Job;
 use super::kinks::{Kink, rounding};
@@ -156,7 +156,7 @@ impl Curve for Retracted<'_> {
     type Asperity = Released;
 
     fn exact(&mut self, separations: &[f64]) -> Vec<f64> {
-        let state = |&to: &f64| State::Back { from: self.from, to };
+        let state = |&to: &f64| State::Retraction { from: self.from, to };
         separations.iter().map(|to| self.sums.external_force(self.job, self.heights, state(to))).collect()
     }
 

@@ -1,8 +1,8 @@
 //! The asperities of a replica under a sampling scheme.
 
 use super::Job;
-use super::stream::{Purpose, stream, tract_stream};
-use crate::surface::{CountLaw, Radii, STRATA, SamplingScheme, Surface, TRACT};
+use super::stream::{Purpose, chunk_stream, stream};
+use crate::surface::{CHUNK_ASPERITIES, CountLaw, Radii, STRATA, SamplingScheme, Surface};
 use rand::RngExt;
 use rand::distr::Open01;
 use rand::seq::SliceRandom;
@@ -22,7 +22,7 @@ pub fn draw(
     heights: &mut Vec<f64>,
     radii: &mut Vec<f64>,
 ) {
-    Draws::new(surface, (seed, scheme), index, TRACT).all(heights, radii);
+    Draws::new(surface, (seed, scheme), index, CHUNK_ASPERITIES).all(heights, radii);
 }
 
 /// The asperities of one replica, as they are drawn.
@@ -34,72 +34,72 @@ pub(super) struct Draws<'a> {
     index: u64,
     /// Their number.
     pub count: usize,
-    /// Asperities of a tract; all of a surface that is not divided.
-    tract: usize,
+    /// Asperities of a chunk; all of a surface that is not divided.
+    chunk: usize,
 }
 
 impl<'a> Draws<'a> {
-    /// Of the replica `index`, in tracts of `tract` asperities.
+    /// Of the replica `index`, in chunks of `chunk` asperities.
     pub fn new(
         surface: &'a Surface,
         (seed, scheme): (u64, SamplingScheme),
         index: u64,
-        tract: usize,
+        chunk: usize,
     ) -> Self {
-        let tract = if is_divided(surface, tract) { tract } else { usize::MAX };
-        Self { surface, seed, scheme, index, count: count(surface, seed, index), tract }
+        let chunk = if is_divided(surface, chunk) { chunk } else { usize::MAX };
+        Self { surface, seed, scheme, index, count: count(surface, seed, index), chunk }
     }
 
     /// Of the replica `index` of a job.
-    pub fn of(job: &Job<'a>, index: u64, tract: usize) -> Self {
-        Self::new(job.surface, (job.seed, job.scheme), index, tract)
+    pub fn of(job: &Job<'a>, index: u64, chunk: usize) -> Self {
+        Self::new(job.surface, (job.seed, job.scheme), index, chunk)
     }
 
-    /// The number of tracts.
-    pub fn tracts(&self) -> usize {
-        self.count.div_ceil(self.tract)
+    /// The number of chunks.
+    pub fn chunks(&self) -> usize {
+        self.count.div_ceil(self.chunk)
     }
 
-    /// Draws the asperities of one tract.
-    pub fn tract(&self, tract: usize, heights: &mut Vec<f64>, radii: &mut Vec<f64>) {
-        let range = self.range(tract);
+    /// Draws the asperities of one chunk.
+    pub fn chunk(&self, chunk: usize, heights: &mut Vec<f64>, radii: &mut Vec<f64>) {
+        let range = self.range(chunk);
         heights.resize(range.len(), 0.0);
-        radii.resize(if self.surface.is_scattered() { range.len() } else { 0 }, 0.0);
-        self.fill(tract, heights, radii);
+        radii.resize(if self.surface.is_polydisperse() { range.len() } else { 0 }, 0.0);
+        self.fill(chunk, heights, radii);
     }
 
     /// Draws all asperities.
     pub fn all(&self, heights: &mut Vec<f64>, radii: &mut Vec<f64>) {
         heights.resize(self.count, 0.0);
-        radii.resize(if self.surface.is_scattered() { self.count } else { 0 }, 0.0);
-        for tract in 0..self.tracts() {
-            let range = self.range(tract);
+        radii.resize(if self.surface.is_polydisperse() { self.count } else { 0 }, 0.0);
+        for chunk in 0..self.chunks() {
+            let range = self.range(chunk);
             let radii = if radii.is_empty() { &mut [] } else { &mut radii[range.clone()] };
-            self.fill(tract, &mut heights[range], radii);
+            self.fill(chunk, &mut heights[range], radii);
         }
     }
 
-    fn range(&self, tract: usize) -> Range<usize> {
-        let first = tract * self.tract;
-        first..first.saturating_add(self.tract).min(self.count)
+    fn range(&self, chunk: usize) -> Range<usize> {
+        let first = chunk * self.chunk;
+        first..first.saturating_add(self.chunk).min(self.count)
     }
 
-    /// Draws the asperities of a tract into their places.
-    fn fill(&self, tract: usize, heights: &mut [f64], radii: &mut [f64]) {
+    /// Draws the asperities of a chunk into their places.
+    fn fill(&self, chunk: usize, heights: &mut [f64], radii: &mut [f64]) {
         let surface = self.surface;
         match (&surface.radii, surface.heights.values()) {
             (Radii::Measured(asperities), _) if surface.whole => {
                 for ((height, radius), asperity) in
-                    heights.iter_mut().zip(radii).zip(&asperities[self.range(tract)])
+                    heights.iter_mut().zip(radii).zip(&asperities[self.range(chunk)])
                 {
                     [*height, *radius] = *asperity;
                 }
             }
-            (_, Some(values)) if surface.whole => heights.copy_from_slice(&values[self.range(tract)]),
-            (Radii::Common, _) => self.fill_heights(tract, heights),
+            (_, Some(values)) if surface.whole => heights.copy_from_slice(&values[self.range(chunk)]),
+            (Radii::Common, _) => self.fill_heights(chunk, heights),
             (law, _) => {
                 let [mut of_heights, mut of_radii] = [Purpose::Heights, Purpose::Radii]
-                    .map(|purpose| tract_stream(self.seed, purpose, self.index, tract as u64));
+                    .map(|purpose| chunk_stream(self.seed, purpose, self.index, chunk as u64));
                 law.draw(
                     surface.asperity_radius,
                     &surface.heights,
@@ -111,7 +111,7 @@ impl<'a> Draws<'a> {
         }
     }
 
-    /// Draws the heights of a tract, m, unsorted; `heights` has one place for each of its asperities.
+    /// Draws the heights of a chunk, m, unsorted; `heights` has one place for each of its asperities.
     ///
     /// Under every scheme they are independent and of the law of the surface; those of one group of replicas
     /// of a surface that is [plain](Surface::is_plain) depend on each other asperity by asperity:
@@ -120,9 +120,9 @@ impl<'a> Draws<'a> {
     /// * stratified: the height of an asperity is the normal quantile of (π + U)/8, where π over the replicas
     ///   of the group is a random permutation of 0..8, another for each asperity, and U is uniform (McKay,
     ///   Beckman and Conover 1979).
-    fn fill_heights(&self, tract: usize, heights: &mut [f64]) {
+    fn fill_heights(&self, chunk: usize, heights: &mut [f64]) {
         let Self { surface, index, .. } = *self;
-        let stream = |purpose, index| tract_stream(self.seed, purpose, index, tract as u64);
+        let stream = |purpose, index| chunk_stream(self.seed, purpose, index, chunk as u64);
         match self.scheme {
             SamplingScheme::Independent => {
                 surface.heights.draw(&mut stream(Purpose::Heights, index), heights);
@@ -150,9 +150,9 @@ impl<'a> Draws<'a> {
     }
 }
 
-/// Whether a surface is drawn in tracts of `tract` asperities.
-pub(super) fn is_divided(surface: &Surface, tract: usize) -> bool {
-    surface.asperity_count > tract
+/// Whether a surface is drawn in chunks of `chunk` asperities.
+pub(super) fn is_divided(surface: &Surface, chunk: usize) -> bool {
+    surface.asperity_count > chunk
 }
 
 /// The number of asperities of the replica `index`.

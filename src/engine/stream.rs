@@ -1,4 +1,4 @@
-//! Random streams: one per seed, purpose, replica or group, and tract.
+//! Random streams: one per seed, purpose, replica or group, and chunk.
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -17,18 +17,18 @@ pub enum Purpose {
     Count = 3,
 }
 
-/// The stream of a replica, or of a group: that of its first tract.
+/// The stream of a replica, or of a group: that of its first chunk.
 pub fn stream(seed: u64, purpose: Purpose, replica: u64) -> ChaCha8Rng {
-    tract_stream(seed, purpose, replica, 0)
+    chunk_stream(seed, purpose, replica, 0)
 }
 
-/// The stream of a tract of a replica, or of a group: ChaCha8 with the key (seed, purpose, tract) and the
+/// The stream of a chunk of a replica, or of a group: ChaCha8 with the key (seed, purpose, chunk) and the
 /// stream number `replica`, from its beginning.
-pub fn tract_stream(seed: u64, purpose: Purpose, replica: u64, tract: u64) -> ChaCha8Rng {
+pub fn chunk_stream(seed: u64, purpose: Purpose, replica: u64, chunk: u64) -> ChaCha8Rng {
     let mut key = [0; 32];
     key[..8].copy_from_slice(&seed.to_le_bytes());
     key[8..16].copy_from_slice(&(purpose as u64).to_le_bytes());
-    key[16..24].copy_from_slice(&tract.to_le_bytes());
+    key[16..24].copy_from_slice(&chunk.to_le_bytes());
     let mut random = ChaCha8Rng::from_seed(key);
     random.set_stream(replica);
     random.set_word_pos(0);
@@ -42,14 +42,14 @@ mod tests {
 
     #[test]
     fn streams_differ_by_seed_and_replica_and_repeat() {
-        let first = |seed, replica, tract| tract_stream(seed, Purpose::Heights, replica, tract).next_u64();
+        let first = |seed, replica, chunk| chunk_stream(seed, Purpose::Heights, replica, chunk).next_u64();
         assert_eq!(first(1, 2, 3), first(1, 2, 3));
         assert_eq!(first(1, 2, 0), stream(1, Purpose::Heights, 2).next_u64());
         let all = (0..10).flat_map(|seed| {
-            (0..10).flat_map(move |replica| (0..10).map(move |tract| [seed, replica, tract]))
+            (0..10).flat_map(move |replica| (0..10).map(move |chunk| [seed, replica, chunk]))
         });
         let distinct: std::collections::BTreeSet<u64> =
-            all.map(|[seed, replica, tract]| first(seed, replica, tract)).collect();
+            all.map(|[seed, replica, chunk]| first(seed, replica, chunk)).collect();
         assert_eq!(distinct.len(), 1000);
     }
 

@@ -1,12 +1,12 @@
 //! The choice between direct and compressed sums, and the error that the latter turn out to have.
 
-use super::compressed::{Compression, Unfit, largest_error};
+use super::Job;
 use super::curves::Curves;
+use super::moments::{MomentMatrix, SMALL, Unfit, largest_error};
 use super::replica::{Replica, Workspace};
-use super::{Job, compressed};
 use crate::asperity::Quantity;
 use crate::math::extrema::maximum;
-use crate::surface::{Surface, TRACT};
+use crate::surface::{CHUNK_ASPERITIES, Surface};
 use rayon::prelude::*;
 
 /// Replicas that are summed both ways before the run, spread over it.
@@ -16,7 +16,7 @@ pub const PILOTS: u64 = 4;
 #[derive(Debug, Default)]
 pub struct Summation {
     /// By moments, unless directly.
-    pub compression: Option<Compression>,
+    pub matrix: Option<MomentMatrix>,
     /// The tolerance that compressed sums were asked for with.
     pub tolerance: Option<f64>,
     /// The largest error of compressed sums on the pilot replicas; NaN when none were made.
@@ -33,29 +33,31 @@ impl Summation {
 
     /// By moments to `tolerance` if that can be done, which is tried on a few replicas of the job, in
     /// parallel; else directly. The error is that of [`largest_error`] and of the pull-off force. Of surfaces
-    /// that are drawn in tracts the first one of each is tried: errors are relative to the sum of what all
+    /// that are drawn in chunks the first one of each is tried: errors are relative to the sum of what all
     /// asperities do, so those of more are no larger.
-    pub fn compressed(job: &Job<'_>, tolerance: f64) -> Self {
+    pub fn by_moments(job: &Job<'_>, tolerance: f64) -> Self {
         let direct = Self { tolerance: Some(tolerance), ..Self::direct() };
         if job.protocol.cycle.is_some() {
             return Self { refusal: Some(Unfit::Loop), ..direct };
         }
-        let compression = match Compression::new(job.law, job.surface, job.separations, tolerance) {
-            Ok(compression) => compression,
+        let matrix = match MomentMatrix::new(job.law, job.surface, job.separations, tolerance) {
+            Ok(matrix) => matrix,
             Err(refusal) => return Self { refusal: Some(refusal), ..direct },
         };
         let pilots = PILOTS.min(job.replicas);
-        let surface =
-            Surface { asperity_count: job.surface.asperity_count.min(TRACT), ..job.surface.clone() };
+        let surface = Surface {
+            asperity_count: job.surface.asperity_count.min(CHUNK_ASPERITIES),
+            ..job.surface.clone()
+        };
         let tried = Job { surface: &surface, ..*job };
-        let ways = [Job { compression: Some(&compression), ..tried }, Job { compression: None, ..tried }];
+        let ways = [Job { moments: Some(&matrix), ..tried }, Job { moments: None, ..tried }];
         let error =
             |workspaces: &mut [Workspace; 2], i| pilot_error(&ways, workspaces, i * (job.replicas / pilots));
         let errors: Vec<f64> =
             (0..pilots).into_par_iter().map_init(|| ways.each_ref().map(Workspace::new), error).collect();
         let achieved_error = errors.into_iter().fold(0.0, f64::max);
         if achieved_error <= tolerance {
-            Self { compression: Some(compression), achieved_error, ..direct }
+            Self { matrix: Some(matrix), achieved_error, ..direct }
         } else {
             Self { refusal: Some(Unfit::NotMet(achieved_error)), achieved_error, ..direct }
         }
@@ -63,12 +65,12 @@ impl Summation {
 
     /// The error of the sums of the job by moments; NaN for direct ones.
     pub fn sum_error(&self) -> f64 {
-        if self.compression.is_some() { self.achieved_error } else { f64::NAN }
+        if self.matrix.is_some() { self.achieved_error } else { f64::NAN }
     }
 
     /// Its name in files.
     pub fn name(&self) -> &'static str {
-        if self.compression.is_some() { "compressed" } else { "direct" }
+        if self.matrix.is_some() { "compressed" } else { "direct" }
     }
 }
 
@@ -84,7 +86,7 @@ fn pilot_error(ways: &[Job<'_>; 2], workspaces: &mut [Workspace; 2], index: u64)
     let ((replica, curves), (truth, direct)) = (next(), next());
     let largest =
         direct.total[Quantity::AdhesionForce.index()].iter().copied().fold(f64::MIN_POSITIVE, f64::max);
-    let scale = truth.pull_off_force.abs().max(compressed::SMALL * largest);
+    let scale = truth.pull_off_force.abs().max(SMALL * largest);
     let pull_off_error = (replica.pull_off_force - truth.pull_off_force).abs() / scale;
     let error = maximum(largest_error(&curves, &direct), pull_off_error);
     if error.is_nan() { f64::INFINITY } else { error }

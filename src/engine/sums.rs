@@ -10,10 +10,10 @@ use crate::math::sums::{Compensated, lane_sum};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum State {
     /// At a separation h, m, on the way of the job's law.
-    There(f64),
-    /// At the separation `to` on the way back from the separation `from`, m; where there is no other way, on
+    Approach(f64),
+    /// At the separation `to` on retraction from the separation `from`, m; where there is no other way, on
     /// the one there is.
-    Back {
+    Retraction {
         /// h, m.
         from: f64,
         /// h, m.
@@ -24,9 +24,9 @@ pub(super) enum State {
 impl State {
     /// Those that the surfaces of a job are summed in, in the order of its curves.
     pub fn all(job: &Job<'_>) -> Vec<Self> {
-        let there = job.separations.iter().map(|&h| Self::There(h));
-        let back = job.separations.iter().map(|&to| Self::Back { from: job.separations[0], to });
-        there.chain(back.filter(|_| job.protocol.cycle.is_some())).collect()
+        let approach = job.separations.iter().map(|&h| Self::Approach(h));
+        let retraction = job.separations.iter().map(|&to| Self::Retraction { from: job.separations[0], to });
+        approach.chain(retraction.filter(|_| job.protocol.cycle.is_some())).collect()
     }
 }
 
@@ -112,11 +112,13 @@ impl Sums {
     pub fn surface(&mut self, job: &Job<'_>, heights: &[f64], state: State) {
         let d = |h: f64| job.surface.asperity_separation(h);
         match (state, job.protocol.cycle) {
-            (State::Back { from, to }, Some(cycle)) => {
+            (State::Retraction { from, to }, Some(cycle)) => {
                 let law = cycle.at(d(to) - d(from));
                 self.over(&law, Some(law.base()), heights, d(from));
             }
-            (State::There(h) | State::Back { to: h, .. }, _) => self.over(job.law, None, heights, d(h)),
+            (State::Approach(h) | State::Retraction { to: h, .. }, _) => {
+                self.over(job.law, None, heights, d(h))
+            }
         }
     }
 

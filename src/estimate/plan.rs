@@ -96,7 +96,7 @@ fn skips(scene: &Scene, law: &dyn Law, regimes: &[RegimePlan]) -> Vec<String> {
     if !never.is_empty() {
         skips.push(format!("{}: no asperity expected there in the whole run", never.join(", ")));
     }
-    if let Some(far) = law.far().filter(|_| !scene.surface.is_scattered()) {
+    if let Some(far) = law.far().filter(|_| !scene.surface.is_polydisperse()) {
         let share = |h: &f64| {
             let d = scene.surface.asperity_separation(*h);
             scene.surface.heights.probability(f64::NEG_INFINITY, far + d)
@@ -118,7 +118,7 @@ fn skips(scene: &Scene, law: &dyn Law, regimes: &[RegimePlan]) -> Vec<String> {
     if let Some(tolerance) = scene.sum_tolerance {
         skips.push(format!("asperities one by one: sums by moments to {tolerance:e}, if a trial meets it"));
     }
-    if !scene.surface.is_scattered() {
+    if !scene.surface.is_polydisperse() {
         skips.push("one lambda for all asperities: what depends on it is made once".to_owned());
     }
     if !scene.curves {

@@ -5,11 +5,11 @@
 
 use super::time::{Cost, step};
 use crate::asperity::Law;
-use crate::engine::compressed::{LANES, MOST_PERIODS, periods};
+use crate::engine::moments::{LANES, MOST_PERIODS, periods};
 use crate::engine::{AHEAD, BATCH, HELD, PILOTS, batches_of};
 use crate::output::writer::CURVE_CHUNK;
 use crate::scene::Scene;
-use crate::surface::TRACT;
+use crate::surface::CHUNK_ASPERITIES;
 use crate::validation::{GridSize, MAX_COMPONENTS, tested_separations};
 
 /// Bytes of a number.
@@ -100,12 +100,12 @@ impl Estimate {
 
     /// Whether surfaces are drawn and summed in chunks, which threads share.
     fn is_divided(&self) -> bool {
-        self.asperities > TRACT as f64
+        self.asperities > CHUNK_ASPERITIES as f64
     }
 
     /// Threads that have something to compute: a batch, or a chunk of one.
     pub fn workers(&self) -> f64 {
-        let chunks = if self.is_divided() { (self.asperities / TRACT as f64).ceil() } else { 1.0 };
+        let chunks = if self.is_divided() { (self.asperities / CHUNK_ASPERITIES as f64).ceil() } else { 1.0 };
         self.threads.min(self.batches() * chunks)
     }
 
@@ -141,11 +141,11 @@ impl Estimate {
 
     /// Bytes of the surfaces, or chunks of them, that are summed at the same time.
     fn surfaces(&self) -> f64 {
-        let n = self.asperities.min(TRACT as f64);
+        let n = self.asperities.min(CHUNK_ASPERITIES as f64);
         let of_search = if self.is_loop { SEARCHED.1 } else { SEARCHED.0 };
         let searched = n * of_search;
         let direct = NUMBER * n + searched;
-        let held = match self.asperities <= (HELD * TRACT) as f64 {
+        let held = match self.asperities <= (HELD * CHUNK_ASPERITIES) as f64 {
             true => self.asperities * (NUMBER + of_search),
             false => 0.0,
         };
@@ -303,7 +303,7 @@ mod tests {
             assert_eq!(one.memory(), Estimate { asperities: 1e12, ..one }.memory());
             assert_eq!((one.is_divided(), one.workers()), (true, 64.0));
             assert_eq!(Estimate { asperities: 3e6, ..one }.workers(), 3.0);
-            let held = Estimate { asperities: TRACT as f64, ..one };
+            let held = Estimate { asperities: CHUNK_ASPERITIES as f64, ..one };
             assert_eq!((held.is_divided(), held.workers()), (false, 1.0));
         }
     }

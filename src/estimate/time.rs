@@ -4,7 +4,7 @@ use super::plan::regimes;
 use crate::asperity::Law;
 use crate::engine::parts_of;
 use crate::scene::Scene;
-use crate::surface::TRACT;
+use crate::surface::CHUNK_ASPERITIES;
 use crate::validation::{GridSize, tested_separations};
 
 /// Nanoseconds of a replica by moments, about: for each asperity, and for each separation.
@@ -12,7 +12,7 @@ const MOMENTS: (f64, f64) = (30.0, 700.0);
 /// Nanoseconds of an asperity of a surface in chunks that is drawn again, twice, and looked at.
 const AGAIN: f64 = 30.0;
 /// Nanoseconds of making the law of an asperity, where each has its own, and of a solve of that law.
-const SCATTERED: (f64, f64) = (30e3, 400.0);
+const POLYDISPERSE: (f64, f64) = (30e3, 400.0);
 /// Nanoseconds of an asperity that is drawn and sorted, about, and of a surface at a separation, however few its asperities.
 const DIRECT: (f64, f64) = (40.0, 700.0);
 /// Spaces between separations in which the search for the pull-off solves a surface, and how many times more it does.
@@ -49,9 +49,9 @@ impl Cost {
         let (n, separations) = (scene.surface.asperity_count as f64, &scene.separations);
         let s = scene.states() as f64;
         let regimes = regimes(scene, law);
-        let is_scattered = scene.surface.is_scattered();
+        let is_polydisperse = scene.surface.is_polydisperse();
         let of_asperity = |i: usize| match law.constant(i) {
-            None if is_scattered => SCATTERED.1,
+            None if is_polydisperse => POLYDISPERSE.1,
             _ => law.cost(i),
         };
         let solving: f64 = regimes.iter().enumerate().map(|(i, plan)| plan.asperities * of_asperity(i)).sum();
@@ -59,12 +59,12 @@ impl Cost {
         // After each preload a surface is pulled back by itself.
         let turns = separations.len() * scene.instability.preload.len();
         let searched = SEARCH.0.min(s - 1.0) * between + SEARCH.1 + turns as f64;
-        let making = if is_scattered { SCATTERED.0 } else { 0.0 };
+        let making = if is_polydisperse { POLYDISPERSE.0 } else { 0.0 };
         let direct = (DIRECT.0 + making) * n + (s + searched) * (DIRECT.1 + solving);
-        let again = if scene.surface.asperity_count > TRACT { AGAIN * n } else { 0.0 };
+        let again = if scene.surface.asperity_count > CHUNK_ASPERITIES { AGAIN * n } else { 0.0 };
         let moments = MOMENTS.0 * n + MOMENTS.1 * s + again;
         let (replica, pilot) = match scene.sum_tolerance {
-            Some(_) => (moments, (TRACT as f64 / n).min(1.0) * (direct + moments)),
+            Some(_) => (moments, (CHUNK_ASPERITIES as f64 / n).min(1.0) * (direct + moments)),
             None => (direct, 0.0),
         };
         let parts = scene.surface.parts().len() as f64;

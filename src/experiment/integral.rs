@@ -61,8 +61,8 @@ impl Way {
     /// Of a loop, that of the way back.
     pub fn back(scene: &Scene, cycle: &Loop) -> Self {
         let (surface, separations) = (&scene.surface, &scene.separations);
-        let expectations = Expectations::way_back(cycle, surface, separations);
-        Self::new(scene, expectations, |h| Expectations::back_at(cycle, surface, separations[0], h))
+        let expectations = Expectations::retraction(cycle, surface, separations);
+        Self::new(scene, expectations, |h| Expectations::retraction_at(cycle, surface, separations[0], h))
     }
 
     /// Pull-off and stiffest point, or the smallest separation where nothing pulls.

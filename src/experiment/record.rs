@@ -346,7 +346,7 @@ fn write_diagnostics(writer: &mut Writer<'_>, results: &Results) -> Result<(), O
     count("safeguarded_solves", stats.safeguarded)?;
     count("iterations", stats.evaluations)?;
     count("skipped_loads", stats.unloaded)?;
-    count("compressed_sums", stats.compressed)?;
+    count("compressed_sums", stats.by_moments)?;
     count("threads", results.threads as u64)?;
     let (checkpoints, time) = results.told.checkpoints;
     count("resumptions", results.told.resumptions)?;

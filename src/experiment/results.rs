@@ -82,7 +82,8 @@ impl WayBack {
         let q = Quantity::ExternalForce.index();
         let separations = &scene.separations;
         let Way { expectations, features: of_integral, .. } = integral;
-        let force = |h: f64| Expectations::back_at(cycle, &scene.surface, separations[0], h).expected[q][0];
+        let force =
+            |h: f64| Expectations::retraction_at(cycle, &scene.surface, separations[0], h).expected[q][0];
         let mean = &ensemble.curves[q].mean()[separations.len()..];
         let of_mean = near_features(force, scene, mean, &expectations.expected[q]);
         let by_radius = by_radius(scene, cycle, &of_integral);

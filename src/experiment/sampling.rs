@@ -37,7 +37,7 @@ impl Sampling<'_> {
             replicas: self.scene.replicas,
             controls: self.controls,
             keep_curves: self.keep_curves,
-            compression: None,
+            moments: None,
             protocol: Protocol {
                 cycle: self.cycle,
                 loading: loading(self.scene),
@@ -52,7 +52,7 @@ impl Sampling<'_> {
             // On replicas that are in the result wherever it ends.
             Some(tolerance) => {
                 let job = Job { replicas: self.scene.fewest_replicas(), ..self.job() };
-                pool.install(|| Summation::compressed(&job, tolerance))
+                pool.install(|| Summation::by_moments(&job, tolerance))
             }
             None => Summation::direct(),
         }
@@ -71,7 +71,7 @@ impl Sampling<'_> {
     ) -> Result<(Outcome, Summation), OutputError> {
         let job = self.job();
         let summation = self.summation(pool);
-        let job = Job { compression: summation.compression.as_ref(), ..job };
+        let job = Job { moments: summation.matrix.as_ref(), ..job };
         let replicas = replicas_of(start.batches(), job.replicas);
         phases.replicas(name, start.replicas.len() as u64, replicas.end - replicas.start);
         let outcome = run_from(&job, pool, stop, start, self.rule, |batch, merged| {

@@ -1,6 +1,6 @@
 //! Where the external force of a replica is a control variate for what has no closed form.
 
-use super::Expectations;
+use super::expectations::Expectations;
 use crate::asperity::Quantity;
 
 /// Fewest groups of replicas per control: estimating their coefficients then costs about a tenth of the

@@ -10,57 +10,21 @@
 //! law of the radii is the outer of two integrals; given heights, or heights and radii, are summed up. With a
 //! Poisson-distributed number of asperities Var Q = N E\[q²\].
 
-mod alike;
 mod controls;
+mod expectations;
+mod height_integral;
 mod model;
-mod way_back;
+mod retraction;
 
 pub use controls::controls;
-pub use model::{Model, reach};
-
-use crate::asperity::{Law, SolverStats};
-use crate::surface::Surface;
-
-/// Relative accuracy asked of every piece of the law, unless another is given.
-pub const TOLERANCE: f64 = 1e-13;
-
-/// The model's answer over S separations and R regimes.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Expectations {
-    /// Expectations, by [`crate::asperity::Quantity::index`], each over S; N or m².
-    pub expected: [Vec<f64>; 4],
-    /// Standard deviations of one replica, likewise.
-    pub std: [Vec<f64>; 4],
-    /// Expected number of asperities in each regime: R × S.
-    pub regime_count: Vec<Vec<f64>>,
-    /// Expected adhesion force of each regime, N: R × S.
-    pub regime_adhesion_force: Vec<Vec<f64>>,
-    /// Expected external force of each regime, N: R × S.
-    pub regime_external_force: Vec<Vec<f64>>,
-    /// Largest bound of the relative error over separations of adhesion force, contact force and area of any
-    /// regime; NaN where one of them is not a number.
-    pub quadrature_error: f64,
-    /// What solving cost.
-    pub stats: SolverStats,
-}
-
-impl Expectations {
-    /// Integrates `law` over the asperities of `surface` at separations h, m.
-    pub fn new(law: &dyn Law, surface: &Surface, separations: &[f64]) -> Self {
-        Self::with_tolerance(law, surface, separations, TOLERANCE)
-    }
-
-    /// The same to a relative accuracy of every piece of the law; not to more than the rounding of heights
-    /// allows.
-    pub fn with_tolerance(law: &dyn Law, surface: &Surface, separations: &[f64], tolerance: f64) -> Self {
-        Model::new(law, surface, separations).answer(separations, tolerance)
-    }
-}
+pub use expectations::Expectations;
+pub use model::{Model, TOLERANCE, reach};
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::asperity::{Boundary, Piece, Regime, Responses, Smoothness};
+    use crate::asperity::{Boundary, Law, Piece, Regime, Responses, Smoothness, SolverStats};
+    use crate::surface::Surface;
 
     /// A force of 1 that is not a number above some interference, m, in pieces, m, that should reach without
     /// end.

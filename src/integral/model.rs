@@ -1,11 +1,14 @@
 //! The model of a surface, whose asperities are alike but for their radii and heights.
 
-use super::alike::{AtSeparation, typical};
-use super::{Expectations, TOLERANCE};
+use super::expectations::Expectations;
+use super::height_integral::{AtSeparation, typical};
 use crate::asperity::{Law, Quantity, SolverStats};
 use crate::math::extrema::maximum;
-use crate::surface::{CountLaw, Heights, Part, Surface};
+use crate::surface::{CountLaw, Heights, RadiusClass, Surface};
 use rayon::prelude::*;
+
+/// Relative accuracy asked of every piece of the law, unless another is given.
+pub const TOLERANCE: f64 = 1e-13;
 
 /// Heights further than this many σ_s from their mean plane are integrated without starting tables.
 const HEIGHT_REACH: f64 = 11.0;
@@ -16,7 +19,7 @@ pub struct Model<'a> {
     law: &'a dyn Law,
     surface: &'a Surface,
     /// Asperities of each radius, and their law where it is not that of all.
-    parts: Vec<(Part, Option<Box<dyn Law>>)>,
+    parts: Vec<(RadiusClass, Option<Box<dyn Law>>)>,
 }
 
 /// Expectations at one separation, and those of a coarser division of the radii.
@@ -28,7 +31,7 @@ struct Mixture {
 impl<'a> Model<'a> {
     /// The model of a surface, with laws that are fast at `separations` h, m.
     pub fn new(law: &'a dyn Law, surface: &'a Surface, separations: &[f64]) -> Self {
-        let law_of = |part: &Part| {
+        let law_of = |part: &RadiusClass| {
             let family = law.family()?;
             let reach = reach(&part.heights, surface, separations);
             // A few heights are solved faster than a table is made.
@@ -118,6 +121,19 @@ impl Mixture {
         let forces = fine[0] + fine[1];
         let largest = (0..3).fold(0.0, |worst, q| maximum((fine[q] - coarse[q]).abs(), worst));
         maximum(self.fine.error, if largest > 0.0 { largest / forces } else { 0.0 })
+    }
+}
+
+impl Expectations {
+    /// Integrates `law` over the asperities of `surface` at separations h, m.
+    pub fn new(law: &dyn Law, surface: &Surface, separations: &[f64]) -> Self {
+        Self::with_tolerance(law, surface, separations, TOLERANCE)
+    }
+
+    /// The same to a relative accuracy of every piece of the law; not to more than the rounding of heights
+    /// allows.
+    pub fn with_tolerance(law: &dyn Law, surface: &Surface, separations: &[f64], tolerance: f64) -> Self {
+        Model::new(law, surface, separations).answer(separations, tolerance)
     }
 }
 

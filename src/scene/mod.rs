@@ -148,7 +148,8 @@ impl Scene {
         let Population { surface, inputs } = population;
         let asperity = material.asperity(surface.asperity_radius, lubricant.unwrap_or(0.0))?;
         let Way { law, path, cycle, unloaded_radius, critical_approach } = model;
-        if let Some(entry) = required(root, "model")?.get("path").filter(|_| cycle && surface.is_scattered())
+        if let Some(entry) =
+            required(root, "model")?.get("path").filter(|_| cycle && surface.is_polydisperse())
         {
             return Err(entry.wrong(
                 "a loop is for asperities of one radius; those of several are computed on \"approach\" or \"retraction\"",
@@ -273,7 +274,7 @@ impl Scene {
     /// [`LawError`] when the law cannot be made for them.
     pub fn law_of(&self, model: &Model) -> Result<Box<dyn Law>, LawError> {
         let law = (model.build)(&self.parameters()?)?;
-        if !self.surface.is_scattered() {
+        if !self.surface.is_polydisperse() {
             return Ok(law);
         }
         let family = Family::new(*model, self.asperity, self.path, RADIUS_RANGE)?;

@@ -7,8 +7,8 @@ mod radii;
 mod scheme;
 
 pub use heights::{HeightLaw, Heights, LogNormal, Truncated, Weibull};
-pub use radii::{Part, RADIUS_RANGE, Radii};
-pub use scheme::{STRATA, SamplingScheme, TRACT};
+pub use radii::{RADIUS_RANGE, Radii, RadiusClass};
+pub use scheme::{CHUNK_ASPERITIES, STRATA, SamplingScheme};
 
 use thiserror::Error;
 
@@ -186,18 +186,20 @@ impl Surface {
     }
 
     /// Whether asperities differ in their radii.
-    pub fn is_scattered(&self) -> bool {
+    pub fn is_polydisperse(&self) -> bool {
         self.radii != Radii::Common
     }
 
     /// Whether asperities are drawn as the schemes that stratify need it: a fixed number of Gaussian heights,
     /// one radius.
     pub fn is_plain(&self) -> bool {
-        !self.is_scattered() && self.heights.law == HeightLaw::Gaussian && self.count_law == CountLaw::Fixed
+        !self.is_polydisperse()
+            && self.heights.law == HeightLaw::Gaussian
+            && self.count_law == CountLaw::Fixed
     }
 
     /// The asperities of each radius, for integrals.
-    pub fn parts(&self) -> Vec<Part> {
+    pub fn parts(&self) -> Vec<RadiusClass> {
         self.radii.parts(self.asperity_radius, &self.heights)
     }
 

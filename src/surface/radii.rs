@@ -46,7 +46,7 @@ pub enum Radii {
 
 /// Asperities of one radius among those of a surface.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Part {
+pub struct RadiusClass {
     /// Probability of an asperity to be of them.
     pub weight: f64,
     /// The same in a coarser division, whose answer differs from the finer one's by more than its error.
@@ -78,9 +78,13 @@ impl Radii {
     }
 
     /// The asperities of each radius, for an integral over radii about the mean radius, m.
-    pub fn parts(&self, mean: f64, heights: &Heights) -> Vec<Part> {
-        let each =
-            |weight: f64, radius: f64, heights: Heights| Part { weight, coarse: weight, radius, heights };
+    pub fn parts(&self, mean: f64, heights: &Heights) -> Vec<RadiusClass> {
+        let each = |weight: f64, radius: f64, heights: Heights| RadiusClass {
+            weight,
+            coarse: weight,
+            radius,
+            heights,
+        };
         match self {
             Self::Common => vec![each(1.0, mean, heights.clone())],
             Self::Sample(radii) => {
@@ -183,14 +187,18 @@ fn even(low: f64, high: f64, width: f64) -> Vec<f64> {
 
 /// Parts at the nodes of panels of a variable of some density. Their weights add up to 1, as those of the
 /// coarser division do.
-fn parts(breaks: &[f64], density: impl Fn(f64) -> f64, of: impl Fn(f64) -> (f64, Heights)) -> Vec<Part> {
+fn parts(
+    breaks: &[f64],
+    density: impl Fn(f64) -> f64,
+    of: impl Fn(f64) -> (f64, Heights),
+) -> Vec<RadiusClass> {
     let nodes: Vec<Node> = breaks.windows(2).flat_map(|ends| nodes(ends[0], ends[1], DEGREE)).collect();
     let part = |node: &Node| {
         let (radius, heights) = of(node.place);
         let density = density(node.place);
-        Part { weight: node.weight * density, coarse: node.coarse * density, radius, heights }
+        RadiusClass { weight: node.weight * density, coarse: node.coarse * density, radius, heights }
     };
-    let mut parts: Vec<Part> = nodes.iter().map(part).collect();
+    let mut parts: Vec<RadiusClass> = nodes.iter().map(part).collect();
     // Panels share their ends.
     parts.dedup_by(|next, last| {
         let same = next.radius == last.radius;
@@ -200,7 +208,7 @@ fn parts(breaks: &[f64], density: impl Fn(f64) -> f64, of: impl Fn(f64) -> (f64,
         }
         same
     });
-    let sum = |of: fn(&Part) -> f64| parts.iter().map(of).sum::<f64>();
+    let sum = |of: fn(&RadiusClass) -> f64| parts.iter().map(of).sum::<f64>();
     let (weight, coarse) = (sum(|part| part.weight), sum(|part| part.coarse));
     for part in &mut parts {
         part.weight /= weight;
@@ -232,8 +240,9 @@ mod tests {
     fn parts_have_the_moments_of_the_law() {
         for law in laws() {
             let parts = law.parts(MEAN, &Heights::gaussian(1e-9));
-            let mean =
-                |of: &dyn Fn(&Part) -> f64| parts.iter().map(|part| part.weight * of(part)).sum::<f64>();
+            let mean = |of: &dyn Fn(&RadiusClass) -> f64| {
+                parts.iter().map(|part| part.weight * of(part)).sum::<f64>()
+            };
             match &law {
                 Radii::LogNormal(c) | Radii::Gamma(c) => {
                     let [first, second] = [1, 2].map(|n| mean(&|part| (part.radius / MEAN).powi(n)));

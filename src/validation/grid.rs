@@ -1,7 +1,7 @@
 //! The grid of asperities on which the functionals of the joint test are found.
 
 use crate::asperity::Law;
-use crate::surface::{Heights, Part, STRATA, SamplingScheme, Surface};
+use crate::surface::{Heights, RadiusClass, STRATA, SamplingScheme, Surface};
 
 /// Cells, about, of the grid on which the covariance of the law over separations is formed, beside those that
 /// end where a law is not smooth.
@@ -71,14 +71,14 @@ pub(super) struct Alike {
 pub(super) fn grid(states: &[State<'_>], surface: &Surface, scheme: SamplingScheme) -> Vec<Alike> {
     let family = states[0].law.family();
     let mut parts = surface.parts();
-    let given = |part: &Part| part.heights.values().map(|values| values[0]);
+    let given = |part: &RadiusClass| part.heights.values().map(|values| values[0]);
     let each_given = parts.len() > 1 && given(&parts[0]).is_some();
-    let place = |part: &Part| given(part).unwrap_or(part.radius);
+    let place = |part: &RadiusClass| given(part).unwrap_or(part.radius);
     parts.sort_by(|a, b| place(a).total_cmp(&place(b)));
     let stride = parts.len().div_ceil(if each_given { MOST_GIVEN } else { OF_RADIUS.1 });
-    let alike = |(index, alike): (usize, &[Part])| {
+    let alike = |(index, alike): (usize, &[RadiusClass])| {
         // The middle one stands for its neighbours.
-        let Part { radius, heights, .. } = &alike[alike.len() / 2];
+        let RadiusClass { radius, heights, .. } = &alike[alike.len() / 2];
         let weight: f64 = alike.iter().map(|part| part.weight).sum();
         let law = family.map(|family| family.law(*radius, None));
         let (heights, weights) = match (heights.values(), &law) {

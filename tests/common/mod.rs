@@ -55,7 +55,7 @@ pub fn job<'a>(law: &'a dyn Law, surface: &'a Surface, separations: &'a [f64], r
         replicas,
         controls: &[],
         keep_curves: false,
-        compression: None,
+        moments: None,
         protocol: Protocol { stiffness_span: Some(0.2e-9), ..Protocol::default() },
     }
 }

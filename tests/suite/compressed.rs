@@ -4,10 +4,10 @@ use crate::common::{case, law, respond};
 use std::sync::atomic::AtomicBool;
 use stiction::asperity::models::MODELS;
 use stiction::asperity::{Boundary, Law, Path, Piece, Quantity, Regime, Responses, SolverStats};
-use stiction::engine::compressed::{Compression, Unfit, largest_error};
+use stiction::engine::moments::{MomentMatrix, Unfit, largest_error};
 use stiction::engine::stream::{Purpose, stream};
 use stiction::engine::{Curves, Ensemble, Job, Outcome, Protocol, Replica, Summation, Workspace, run};
-use stiction::surface::{Heights, SamplingScheme, Surface, TRACT};
+use stiction::surface::{CHUNK_ASPERITIES, Heights, SamplingScheme, Surface};
 
 /// A law on a surface.
 struct Patch {
@@ -40,11 +40,11 @@ impl Patch {
         self
     }
 
-    fn compression(&self, tolerance: f64) -> Result<Compression, Unfit> {
-        Compression::new(self.law.as_ref(), &self.surface, &self.separations, tolerance)
+    fn matrix(&self, tolerance: f64) -> Result<MomentMatrix, Unfit> {
+        MomentMatrix::new(self.law.as_ref(), &self.surface, &self.separations, tolerance)
     }
 
-    fn job<'a>(&'a self, compression: Option<&'a Compression>) -> Job<'a> {
+    fn job<'a>(&'a self, matrix: Option<&'a MomentMatrix>) -> Job<'a> {
         Job {
             law: self.law.as_ref(),
             surface: &self.surface,
@@ -54,14 +54,14 @@ impl Patch {
             replicas: 11,
             controls: &[],
             keep_curves: true,
-            compression,
+            moments: matrix,
             protocol: Protocol { stiffness_span: Some(0.2e-9), ..Protocol::default() },
         }
     }
 
     /// Replicas from `first` on.
-    fn summed(&self, compression: Option<&Compression>, first: u64, count: u64) -> Vec<(Replica, Curves)> {
-        let job = self.job(compression);
+    fn summed(&self, matrix: Option<&MomentMatrix>, first: u64, count: u64) -> Vec<(Replica, Curves)> {
+        let job = self.job(matrix);
         let mut all = Vec::new();
         let visit = |replica, curves: &Curves| all.push((replica, curves.clone()));
         Workspace::new(&job).replicas(&job, first..first + count, visit);
@@ -76,13 +76,13 @@ impl Patch {
 
     /// Errors of the curves and of the pull-off of the first replicas, over the tolerance; infinite where
     /// counts differ.
-    fn errors(&self, compression: &Compression, direct: &[(Replica, Curves)]) -> [f64; 2] {
+    fn errors(&self, matrix: &MomentMatrix, direct: &[(Replica, Curves)]) -> [f64; 2] {
         let mut errors = [0.0_f64; 2];
-        let compressed = self.summed(Some(compression), 0, direct.len() as u64);
+        let compressed = self.summed(Some(matrix), 0, direct.len() as u64);
         for ((mine, compressed), (truth, direct)) in compressed.iter().zip(direct) {
             assert_eq!(compressed.regime_count, direct.regime_count);
             let error = [largest_error(compressed, direct), self.pull_off_error(mine, truth, direct)];
-            errors = [0, 1].map(|i| errors[i].max(error[i] / compression.tolerance));
+            errors = [0, 1].map(|i| errors[i].max(error[i] / matrix.tolerance));
         }
         errors
     }
@@ -92,8 +92,8 @@ impl Patch {
         let mut worst = [0.0_f64; 2];
         for tolerance in TOLERANCES {
             let place = format!("{place}, to {tolerance:e}");
-            let compression = self.compression(tolerance).unwrap_or_else(|unfit| panic!("{place}: {unfit}"));
-            let errors = self.errors(&compression, direct);
+            let matrix = self.matrix(tolerance).unwrap_or_else(|unfit| panic!("{place}: {unfit}"));
+            let errors = self.errors(&matrix, direct);
             assert!(errors[0] <= 1.0 && errors[1] <= PULL_OFF, "{place}: {errors:?} tolerances");
             worst = [0, 1].map(|i| worst[i].max(errors[i]));
         }
@@ -165,13 +165,13 @@ fn every_step_is_met_to_the_tolerance() {
 
 /// A surface of more asperities than are held at once, too, in its curves and in its pull-off between them.
 #[test]
-fn tracts_are_met_to_the_tolerance() {
-    let mut patch = Patch::case("II", "hybrid").with_asperities(TRACT + 70_000);
+fn chunks_are_met_to_the_tolerance() {
+    let mut patch = Patch::case("II", "hybrid").with_asperities(CHUNK_ASPERITIES + 70_000);
     patch.separations = grid(&patch.surface, 2.05, 0.25, 8);
     let direct = patch.summed(None, 0, 1);
     assert!(!direct[0].0.pull_off_at_edge);
-    let compression = patch.compression(1e-9).unwrap();
-    let errors = patch.errors(&compression, &direct);
+    let matrix = patch.matrix(1e-9).unwrap();
+    let errors = patch.errors(&matrix, &direct);
     assert!(errors[0] <= 1.0 && errors[1] <= PULL_OFF, "{errors:?}");
     // Between the separations it is deeper than at any.
     let deepest =
@@ -189,14 +189,14 @@ fn any_number_of_asperities_will_do() {
         let replicas = if count > 10_000 { 2 } else { 11 };
         let direct = patch.summed(None, 0, replicas);
         for tolerance in TOLERANCES {
-            let compression = patch.compression(tolerance).unwrap();
-            let errors = patch.errors(&compression, &direct);
+            let matrix = patch.matrix(tolerance).unwrap();
+            let errors = patch.errors(&matrix, &direct);
             assert!(
                 errors[0] <= 1.0 && errors[1] <= PULL_OFF,
                 "{count} asperities to {tolerance:e}: {errors:?}"
             );
             worst = [0, 1].map(|i| worst[i].max(errors[i]));
-            for ((mine, _), (truth, _)) in patch.summed(Some(&compression), 0, replicas).iter().zip(&direct) {
+            for ((mine, _), (truth, _)) in patch.summed(Some(&matrix), 0, replicas).iter().zip(&direct) {
                 let off = (mine.pull_off_separation - truth.pull_off_separation).abs();
                 assert!(
                     count <= 2 || off <= 1e-6 * patch.surface.surface_height_std,
@@ -220,8 +220,8 @@ fn every_regime_is_met_asperity_by_asperity() {
         let step = patch.separations[1] - patch.separations[0];
         let heights = patch.heights(0);
         for tolerance in TOLERANCES {
-            let compression = patch.compression(tolerance).unwrap();
-            let curves = &patch.summed(Some(&compression), 0, 1)[0].1;
+            let matrix = patch.matrix(tolerance).unwrap();
+            let curves = &patch.summed(Some(&matrix), 0, 1)[0].1;
             for (k, &h) in patch.separations.iter().enumerate() {
                 let d = patch.surface.asperity_separation(h);
                 let regimes = patch.law.regimes();
@@ -271,13 +271,13 @@ fn every_regime_is_met_asperity_by_asperity() {
 #[test]
 fn bits_do_not_depend_on_the_surfaces_beside() {
     let patch = Patch::case("II", "hybrid").with_asperities(700);
-    let compression = patch.compression(1e-9).unwrap();
-    let together = patch.summed(Some(&compression), 0, 11);
+    let matrix = patch.matrix(1e-9).unwrap();
+    let together = patch.summed(Some(&matrix), 0, 11);
     assert_eq!(together.len(), 11);
     for (index, together) in (0..).zip(&together) {
-        assert_eq!(patch.summed(Some(&compression), index, 1)[0], *together, "{index}");
+        assert_eq!(patch.summed(Some(&matrix), index, 1)[0], *together, "{index}");
     }
-    assert_eq!(patch.summed(Some(&compression), 3, 8), together[3..]);
+    assert_eq!(patch.summed(Some(&matrix), 3, 8), together[3..]);
 }
 
 fn ensemble(job: &Job<'_>, threads: usize) -> (Ensemble, Vec<u64>) {
@@ -298,17 +298,17 @@ fn ensemble(job: &Job<'_>, threads: usize) -> (Ensemble, Vec<u64>) {
 #[test]
 fn bits_do_not_depend_on_threads() {
     let patch = Patch::case("II", "hybrid").with_asperities(700);
-    let compression = patch.compression(1e-9).unwrap();
-    let job = |compression| Job { replicas: 21, ..patch.job(compression) };
-    let expected = ensemble(&job(Some(&compression)), 1);
+    let matrix = patch.matrix(1e-9).unwrap();
+    let job = |matrix| Job { replicas: 21, ..patch.job(matrix) };
+    let expected = ensemble(&job(Some(&matrix)), 1);
     assert_eq!(expected.0.replicas.len(), 21);
     assert_eq!(expected.1.len(), 2 * 21 * patch.separations.len());
     for threads in [2, 3] {
-        assert!(ensemble(&job(Some(&compression)), threads) == expected, "{threads} threads");
+        assert!(ensemble(&job(Some(&matrix)), threads) == expected, "{threads} threads");
     }
-    assert_eq!(expected.0.stats.compressed, 21 * patch.separations.len() as u64);
+    assert_eq!(expected.0.stats.by_moments, 21 * patch.separations.len() as u64);
     let (direct, _) = ensemble(&job(None), 2);
-    assert_eq!(direct.stats.compressed, 0);
+    assert_eq!(direct.stats.by_moments, 0);
     assert_eq!(direct.regime_count, expected.0.regime_count);
     let scale = |k: usize| {
         let force = |quantity: Quantity| direct.curves[quantity.index()].mean()[k];
@@ -328,7 +328,7 @@ fn a_surface_beyond_the_bins_is_summed_directly() {
     /// The first of a batch in which no height is close to the reach.
     const FIRST: u64 = 0;
     let mut patch = Patch::case("II", "hybrid").with_asperities(700);
-    let compression = patch.compression(1e-9).unwrap();
+    let matrix = patch.matrix(1e-9).unwrap();
     let reach = 10.0 * patch.surface.heights.std;
     patch.surface.heights = Heights::gaussian(3.0 * patch.surface.heights.std);
     // The outermost period is not all within reach.
@@ -341,7 +341,7 @@ fn a_surface_beyond_the_bins_is_summed_directly() {
             && batch.clone().any(within)
             && batch.clone().all(|i| beyond(i) || within(i))
     );
-    let compressed = patch.summed(Some(&compression), FIRST, 8);
+    let compressed = patch.summed(Some(&matrix), FIRST, 8);
     let direct = patch.summed(None, FIRST, 8);
     for (index, (mine, truth)) in batch.clone().zip(compressed.iter().zip(&direct)) {
         if beyond(index) {
@@ -351,11 +351,11 @@ fn a_surface_beyond_the_bins_is_summed_directly() {
             assert!(largest_error(&mine.1, &truth.1) <= 1e-9);
         }
     }
-    let job = patch.job(Some(&compression));
+    let job = patch.job(Some(&matrix));
     let mut workspace = Workspace::new(&job);
     workspace.replicas(&job, batch.clone(), |_, _| ());
     let binned = batch.filter(|index| within(*index)).count();
-    assert_eq!(workspace.take_stats().compressed, (binned * patch.separations.len()) as u64);
+    assert_eq!(workspace.take_stats().by_moments, (binned * patch.separations.len()) as u64);
 }
 
 /// What is refused, and why; nothing else is.
@@ -365,25 +365,25 @@ fn what_does_not_fit_is_refused() {
     let even = patch.separations.clone();
     // One place off by a millionth of the step.
     patch.separations[40] += 1e-6 * (even[1] - even[0]);
-    assert_eq!(patch.compression(1e-9).unwrap_err(), Unfit::Uneven);
+    assert_eq!(patch.matrix(1e-9).unwrap_err(), Unfit::Uneven);
     // Off by rounding.
     patch.separations = even.iter().map(|h| h * (1.0 + f64::EPSILON)).collect();
-    assert!(patch.compression(1e-9).is_ok());
+    assert!(patch.matrix(1e-9).is_ok());
     // 2e-4 σ_s apart there are 1e5 periods.
     let step = 1.9e-4 * patch.surface.heights.std;
     patch.separations = (0..3).map(|i| 1e-9 + step * f64::from(i)).collect();
-    let Err(Unfit::TooFine(share)) = patch.compression(1e-9) else { panic!("not refused") };
+    let Err(Unfit::TooFine(share)) = patch.matrix(1e-9) else { panic!("not refused") };
     assert!((share / 1.9e-4 - 1.0).abs() < 1e-9, "{share}");
     // Two separations so far apart that no polynomial meets a regime of all asperities: one in deep contact,
     // the other before any.
     let mut patch = Patch::case("II", "ke");
     let sigma = patch.surface.heights.std;
     patch.separations = vec![-5.0 * sigma, 5.0 * sigma];
-    match patch.compression(1e-12) {
+    match patch.matrix(1e-12) {
         Err(Unfit::NotWorthIt { asperities, all }) => {
             assert!(all == 7390 && asperities > 0.9 * 7390.0 && asperities <= 7390.0, "{asperities}");
         }
-        other => panic!("{:?}", other.map(|compression| compression.solved_per_separation(&patch.surface))),
+        other => panic!("{:?}", other.map(|matrix| matrix.solved_per_separation(&patch.surface))),
     }
 }
 
@@ -398,7 +398,7 @@ fn a_trial_tells_the_error_and_refuses() {
     cut.separations.truncate(34);
     for (patch, of_pull_off) in [(&patch, false), (&cut, true)] {
         for tolerance in TOLERANCES {
-            let tried = Summation::compressed(&patch.job(None), tolerance);
+            let tried = Summation::by_moments(&patch.job(None), tolerance);
             if !of_pull_off {
                 assert_eq!(
                     (tried.name(), tried.tolerance, tried.refusal),
@@ -412,10 +412,9 @@ fn a_trial_tells_the_error_and_refuses() {
                 assert_eq!(tried.sum_error(), tried.achieved_error);
             }
             // It is the largest of replicas 0, 2, 4 and 6 of 11, of their curves and of their pull-offs.
-            let compression = patch.compression(tolerance).unwrap();
+            let matrix = patch.matrix(tolerance).unwrap();
             let errors = [0, 2, 4, 6].map(|index| {
-                let [mine, truth] =
-                    [Some(&compression), None].map(|sums| patch.summed(sums, index, 1).remove(0));
+                let [mine, truth] = [Some(&matrix), None].map(|sums| patch.summed(sums, index, 1).remove(0));
                 let largest =
                     truth.1.total[Quantity::AdhesionForce.index()].iter().copied().fold(0.0, f64::max);
                 let [force, of_truth] = [&mine, &truth].map(|(replica, _)| replica.pull_off_force);
@@ -432,12 +431,12 @@ fn a_trial_tells_the_error_and_refuses() {
         }
     }
     let direct = Summation::direct();
-    assert!(direct.name() == "direct" && direct.sum_error().is_nan() && direct.compression.is_none());
+    assert!(direct.name() == "direct" && direct.sum_error().is_nan() && direct.matrix.is_none());
     let noisy = Patch { law: Box::new(Noisy(patch.law)), ..patch };
-    let tried = Summation::compressed(&noisy.job(None), 1e-9);
+    let tried = Summation::by_moments(&noisy.job(None), 1e-9);
     let Some(Unfit::NotMet(error)) = tried.refusal else { panic!("{:?}", tried.refusal) };
     assert!(error > 1e-9 && error < 1e-3 && error == tried.achieved_error, "{error}");
-    assert!(tried.name() == "direct" && tried.compression.is_none() && tried.sum_error().is_nan());
+    assert!(tried.name() == "direct" && tried.matrix.is_none() && tried.sum_error().is_nan());
 }
 
 /// A law that is stronger by 1e-5 in large blocks, of which polynomials are not made.

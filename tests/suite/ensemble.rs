@@ -3,11 +3,11 @@
 
 use crate::common::{brute_force, case, law};
 use std::sync::atomic::AtomicBool;
-use stiction::asperity::emd::{Emd, State};
+use stiction::asperity::emd::{ContactState, Emd};
 use stiction::asperity::models::model;
 use stiction::asperity::scale::{Asperity, Scale};
 use stiction::asperity::{Family, Law, Path, Quantity, SolverStats, Typical};
-use stiction::engine::compressed::Compression;
+use stiction::engine::moments::MomentMatrix;
 use stiction::engine::stream::{Purpose, stream};
 use stiction::engine::{Ensemble, Job, Outcome, Workspace, draw, run};
 use stiction::integral::Expectations;
@@ -49,7 +49,7 @@ fn plain_forces(asperity: &Asperity, scale: &Scale, emd: &Emd, interference: f64
         return (2.0 * scale.force, 0.0);
     }
     let (state, solution) = emd.respond(wetted / scale.length, &mut stats);
-    assert_eq!(state, State::Noncontact);
+    assert_eq!(state, ContactState::Noncontact);
     (scale.force * solution.adhesion, 0.0)
 }
 
@@ -165,9 +165,9 @@ fn the_pull_off_is_the_deepest_point_of_the_curve() {
         {
             let surface = Surface { asperity_count: count, ..surface.clone() };
             let direct = job(law.as_ref(), &surface, &separations, replicas);
-            let compression = Compression::new(law.as_ref(), &surface, &separations, 1e-9).unwrap();
-            for job in [direct, Job { compression: Some(&compression), ..direct }] {
-                let accuracy = if job.compression.is_some() { 1e-9 } else { 1e-13 };
+            let matrix = MomentMatrix::new(law.as_ref(), &surface, &separations, 1e-9).unwrap();
+            for job in [direct, Job { moments: Some(&matrix), ..direct }] {
+                let accuracy = if job.moments.is_some() { 1e-9 } else { 1e-13 };
                 let misses = misses(&job, far, accuracy);
                 assert!(misses.iter().all(|miss| *miss < 1e-6), "{name} {path:?} {count}: {misses:?}");
             }

@@ -128,7 +128,7 @@ fn numbers(scene: &Scene, model: &Model, name: &str, least: i32) -> Option<[Vec<
         replicas: 2,
         controls: &[],
         keep_curves: false,
-        compression: None,
+        moments: None,
         protocol: Protocol { stiffness_span: Some(scene.stiffness_span), ..Protocol::default() },
     };
     let mut ensemble = Vec::new();

@@ -3,7 +3,7 @@
 
 use crate::common::{case, law, respond};
 use std::f64::consts::PI;
-use stiction::asperity::emd::{Emd, State};
+use stiction::asperity::emd::{ContactState, Emd};
 use stiction::asperity::models::model;
 use stiction::asperity::scale::{Asperity, Scale};
 use stiction::asperity::{Law, LawParameters, Path, Regime, SolverStats};
@@ -147,7 +147,10 @@ fn ends_of_branches_are_solved() {
                         solution.adhesion > 0.0 && solution.adhesion.is_finite(),
                         "λ {lambda}, Δ {approach}"
                     );
-                    assert!(state == State::Contact || solution.radius == 0.0, "λ {lambda}, Δ {approach}");
+                    assert!(
+                        state == ContactState::Contact || solution.radius == 0.0,
+                        "λ {lambda}, Δ {approach}"
+                    );
                 }
                 // First touch is a = 0 (Maugis 1992): where contact begins there, the radius vanishes like a
                 // square root.

@@ -391,7 +391,7 @@ fn documented(name: &str, lambda: f64, path: Path) -> Vec<Jump> {
         let solution = emd.contact(delta, &mut SolverStats::default());
         [solution.adhesion, solution.radius.powi(3)]
     };
-    let begin = if path == Path::Approach { touch.approach } else { end.approach };
+    let begin = if path == Path::Approach { touch.displacement } else { end.displacement };
     let extended = |t: f64| {
         let mut jumps = Vec::new();
         if let (Branches::Folded { outer, inner, fold }, Some(_)) =
@@ -402,9 +402,13 @@ fn documented(name: &str, lambda: f64, path: Path) -> Vec<Jump> {
             let (mut low, mut high) = (1e-12, 0.9 * fold);
             for _ in 0..200 {
                 let middle = 0.5 * (low + high);
-                if inner.at(middle).approach > at_fold.approach { low = middle } else { high = middle }
+                if inner.at(middle).displacement > at_fold.displacement {
+                    low = middle
+                } else {
+                    high = middle
+                }
             }
-            jumps.push((at_fold.approach - t, [inner.at(low).adhesion - at_fold.adhesion, 0.0]));
+            jumps.push((at_fold.displacement - t, [inner.at(low).adhesion - at_fold.adhesion, 0.0]));
         }
         let before = emd.noncontact(begin.next_down(), &mut SolverStats::default()).adhesion;
         let [adhesion, load] = contact_at(begin);
@@ -594,27 +598,27 @@ fn slopes_along_the_curves_agree_with_finite_differences() {
     for lambda in [0.05, 0.5, 0.9, 2.5, 20.0] {
         let (contact, law) = (Contact::new(lambda), elastic("emd", lambda, Path::Retraction));
         let (Branches::Single(outer) | Branches::Folded { outer, .. }) = Noncontact::branches(lambda);
-        let end = contact.at(contact.end()).approach;
+        let end = contact.at(contact.end()).displacement;
         let states = (1..20).map(|i| contact.at(contact.end() * 0.05 * f64::from(i)));
         let states = states.chain(
             (1..20)
                 .map(|i| outer.at((0.5 + 0.3 * f64::from(i)) * (1.0 + 3.0 * lambda)))
-                .filter(|state| state.approach < end),
+                .filter(|state| state.displacement < end),
         );
         let mut compared = 0;
         for state in states {
-            let step = 1e-5 * (state.approach - end).abs();
-            let [below, above] = [-step, step].map(|step| at(law.as_ref(), state.approach + step));
+            let step = 1e-5 * (state.displacement - end).abs();
+            let [below, above] = [-step, step].map(|step| at(law.as_ref(), state.displacement + step));
             let load_slope = 3.0 * state.radius * state.radius * state.radius_slope;
             for (i, slope) in
                 [state.adhesion_slope / state.slope, load_slope / state.slope].into_iter().enumerate()
             {
                 let difference = (above[i] - below[i]) / (2.0 * step);
-                let size = (above[0] + above[1]) / (state.approach - end).abs();
+                let size = (above[0] + above[1]) / (state.displacement - end).abs();
                 assert!(
                     (difference - slope).abs() < 1e-6 * size,
                     "λ {lambda}, Δ {}: {difference} {slope}",
-                    state.approach
+                    state.displacement
                 );
             }
             compared += 1;

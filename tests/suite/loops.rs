@@ -175,7 +175,7 @@ fn both_ways_agree_with_their_integral() {
         let job = job(&cycle, &surface, &separations, replicas);
         let sampled = ensemble(&job, 2);
         let there = Expectations::new(cycle.approach(), &surface, &separations);
-        let back = Expectations::way_back(&cycle, &surface, &separations);
+        let back = Expectations::retraction(&cycle, &surface, &separations);
         assert!(back.quadrature_error < 1e-10, "{name} {law}: {}", back.quadrature_error);
         let forces = [Quantity::AdhesionForce, Quantity::ExternalForce].map(Quantity::index);
         let mean = forces.map(|q| sampled.curves[q].mean());

@@ -9,8 +9,8 @@ use stiction::engine::{Curves, Ensemble, Workspace, draw, run};
 use stiction::integral::Expectations;
 use stiction::surface::nayak::Spectrum;
 use stiction::surface::{
-    CountLaw, HeightLaw, Heights, LogNormal, RADIUS_RANGE, Radii, SamplingScheme, Surface, TRACT, Truncated,
-    Weibull,
+    CHUNK_ASPERITIES, CountLaw, HeightLaw, Heights, LogNormal, RADIUS_RANGE, Radii, SamplingScheme, Surface,
+    Truncated, Weibull,
 };
 use stiction::validation::{Verdict, basis};
 
@@ -42,7 +42,7 @@ fn law_for(name: &str, surface: &Surface, separations: &[f64]) -> Box<dyn Law> {
     let (lowest, highest) = surface.heights.reach(11.0);
     let reach = (lowest - separations[separations.len() - 1], highest - separations[0]);
     let law = law(name, &asperity, Path::Approach, reach);
-    if !surface.is_scattered() {
+    if !surface.is_polydisperse() {
         return law;
     }
     let family = Family::new(model(name).unwrap(), asperity, Path::Approach, RADIUS_RANGE).unwrap();
@@ -549,9 +549,9 @@ fn the_error_over_heights_is_told() {
 /// A surface of more asperities than are held at once, of radii of their own: at each separation what the
 /// textbook's Hertzian asperities that were drawn add up to, and as many of them in contact as are higher.
 #[test]
-fn tracts_of_several_radii_add_up() {
+fn chunks_of_several_radii_add_up() {
     let (asperity, case_ii) = case("II");
-    let count = TRACT + 70_000;
+    let count = CHUNK_ASPERITIES + 70_000;
     let surface = Surface { radii: Radii::LogNormal(0.3), asperity_count: count, ..case_ii };
     let separations: Vec<f64> = (0..3).map(|k| 1.5 * f64::from(k) * surface.heights.std).collect();
     let law = law_for("gw", &surface, &separations);

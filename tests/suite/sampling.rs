@@ -50,7 +50,7 @@ impl Patch {
             replicas,
             controls: &controls,
             keep_curves: false,
-            compression: None,
+            moments: None,
             protocol: Protocol { stiffness_span: Some(0.2e-9), ..Protocol::default() },
         };
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();

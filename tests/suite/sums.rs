@@ -7,7 +7,7 @@ use crate::common::unlocked;
 use crate::common::{case, job, law, respond};
 use std::sync::atomic::AtomicBool;
 use stiction::asperity::{Path, Quantity, Scratch, SolverStats, for_each_block};
-use stiction::engine::compressed::Compression;
+use stiction::engine::moments::MomentMatrix;
 use stiction::engine::stream::{Purpose, stream};
 use stiction::engine::{Curves, Job, Workspace, draw};
 use stiction::integral::Expectations;
@@ -124,8 +124,8 @@ fn cancelling_forces_keep_the_digits_of_their_parts() {
             let near =
                 (19..22).map(|k| forces[0][k] + forces[1][k]).fold(0.0, f64::max) / (sums[0] + sums[1]);
             for tolerance in [1e-6, 1e-9, 1e-12] {
-                let compression = Compression::new(law.as_ref(), &surface, &separations, tolerance).unwrap();
-                let compressed = Job { compression: Some(&compression), ..direct };
+                let matrix = MomentMatrix::new(law.as_ref(), &surface, &separations, tolerance).unwrap();
+                let compressed = Job { moments: Some(&matrix), ..direct };
                 // Relative to the largest F_s + P at this separation and its neighbours, as the tolerance is
                 // meant.
                 assert_close(&curves(&compressed, replica), 20, sums, tolerance * near, &place);
@@ -174,9 +174,9 @@ fn many(asperities: usize, model: &str, tolerance: Option<f64>, bytes: f64) {
     let sigma = surface.surface_height_std;
     let step = if tolerance.is_some() { 0.1 } else { 1.8 };
     let separations = [1.0, 1.0 + step].map(|h| h * sigma);
-    let compression =
-        tolerance.map(|tolerance| Compression::new(law.as_ref(), &surface, &separations, tolerance).unwrap());
-    let job = Job { compression: compression.as_ref(), ..job(law.as_ref(), &surface, &separations, 8) };
+    let matrix = tolerance
+        .map(|tolerance| MomentMatrix::new(law.as_ref(), &surface, &separations, tolerance).unwrap());
+    let job = Job { moments: matrix.as_ref(), ..job(law.as_ref(), &surface, &separations, 8) };
     let curves = curves(&job, 0);
     for (k, &h) in separations.iter().enumerate() {
         let counted: f64 = (0..law.regimes().len()).map(|r| curves.regime_count[r * 2 + k]).sum();
@@ -540,7 +540,7 @@ fn work_adds_up() {
         closed_form: 4 * k,
         far: 5 * k,
         unloaded: 6 * k,
-        compressed: 7 * k,
+        by_moments: 7 * k,
         evaluations: 8 * k,
         safeguarded: 9 * k,
         largest_residual,

@@ -77,7 +77,7 @@ fn joint_test(
         replicas: scene.replicas,
         controls: &[],
         keep_curves: false,
-        compression: None,
+        moments: None,
         protocol: Protocol::default(),
     };
     // Threads of their own for each ensemble would take longer than the small ones.
@@ -437,7 +437,7 @@ fn functionals_are_those_of_the_law() {
         let surface = Surface { count_law, radii, ..surface.clone() };
         let fixed = count_law == CountLaw::Fixed;
         let one = [[asperity.radius, 1.0]];
-        let (law, radii, accuracy): (&dyn Law, _, f64) = if surface.is_scattered() {
+        let (law, radii, accuracy): (&dyn Law, _, f64) = if surface.is_polydisperse() {
             (&typical, lognormal.as_slice(), 0.05)
         } else {
             (plain.as_ref(), one.as_slice(), 1e-3)
@@ -486,7 +486,7 @@ fn functionals_are_those_of_the_law() {
             }
         }
         assert!(scores.len() > 8);
-        if surface.is_scattered() {
+        if surface.is_polydisperse() {
             // Triples of functionals over radii and heights take too long.
             continue;
         }

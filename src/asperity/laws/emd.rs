@@ -24,7 +24,7 @@ use crate::asperity::law::{BLOCK, End, Flattened, Law, Regime, Responses, Smooth
 use crate::asperity::parameters::LawParameters;
 use crate::asperity::scale::Scale;
 use crate::asperity::stats::SolverStats;
-use crate::asperity::table::{Method, Part, Row, Table};
+use crate::asperity::table::{Interaction, Method, Row, Table};
 use crate::math::instruction_set::InstructionSet;
 use std::sync::Arc;
 
@@ -77,7 +77,7 @@ impl Attraction {
     }
 }
 
-impl Part for Attraction {
+impl Interaction for Attraction {
     fn smoothness(&self, lower: f64, upper: f64) -> (Vec<f64>, Vec<Smoothness>) {
         let fold = self.emd.noncontact_fold().map(|fold| fold * self.scale.length - self.thickness);
         match fold.filter(|place| lower < *place && *place < upper) {
@@ -103,14 +103,14 @@ impl Part for Attraction {
     fn evaluate(&self, interference: &[f64], out: &mut Responses, stats: &mut SolverStats) {
         let inverse = 1.0 / self.scale.length;
         let count = interference.len();
-        let mut approaches = [0.0; BLOCK];
+        let mut displacements = [0.0; BLOCK];
         InstructionSet::current().run(
             #[inline(always)]
             || {
-                for (approach, &delta) in approaches.iter_mut().zip(interference) {
-                    *approach = (delta + self.thickness) * inverse;
+                for (displacement, &delta) in displacements.iter_mut().zip(interference) {
+                    *displacement = (delta + self.thickness) * inverse;
                 }
-                self.emd.noncontact_block(&mut approaches[..count], &mut out.adhesion, stats);
+                self.emd.noncontact_block(&mut displacements[..count], &mut out.adhesion, stats);
                 out.adhesion[..count].iter_mut().for_each(|adhesion| *adhesion *= self.scale.force);
                 out.contact[..count].fill(0.0);
                 out.area[..count].fill(0.0);

@@ -11,7 +11,7 @@ use crate::asperity::error::LawError;
 use crate::asperity::formula::{ClosedForm, Constant, Formula};
 use crate::asperity::law::{Law, Regime};
 use crate::asperity::parameters::LawParameters;
-use crate::asperity::table::{Part, Row, Table};
+use crate::asperity::table::{Interaction, Row, Table};
 use std::f64::consts::PI;
 
 /// The law `hertz`, which is that of the rough surface `gw`.
@@ -26,7 +26,7 @@ pub fn hertz(parameters: &LawParameters) -> Result<Box<dyn Law>, LawError> {
 }
 
 /// The contact of Hertz under a constant adhesion force of `pull` πΔγR.
-pub fn contact(parameters: &LawParameters, pull: f64) -> impl Part + use<> {
+pub fn contact(parameters: &LawParameters, pull: f64) -> impl Interaction + use<> {
     let pull = pull * parameters.scale.force;
     ClosedForm::new(move |_: f64| pull, load(parameters), area(parameters)).with_root(0.0, 2)
 }

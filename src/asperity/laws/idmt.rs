@@ -12,7 +12,7 @@ use crate::asperity::error::LawError;
 use crate::asperity::formula::ClosedForm;
 use crate::asperity::law::{Law, Regime};
 use crate::asperity::parameters::LawParameters;
-use crate::asperity::table::{Part, Row, Table};
+use crate::asperity::table::{Interaction, Row, Table};
 
 /// The law `idmt`.
 ///
@@ -26,7 +26,7 @@ pub fn idmt(parameters: &LawParameters) -> Result<Box<dyn Law>, LawError> {
 }
 
 /// The attraction of an undeformed sphere across the gap, Z₀ − δ less the `thickness` of a lubricant, m.
-pub fn attraction(parameters: &LawParameters, thickness: f64) -> impl Part + use<> {
+pub fn attraction(parameters: &LawParameters, thickness: f64) -> impl Interaction + use<> {
     let factor = 8.0 / 3.0 * parameters.scale.force;
     let per_spacing = 1.0 / parameters.scale.equilibrium_spacing();
     let force = move |delta: f64| {

@@ -12,7 +12,7 @@
 //! Proc. R. Soc. Lond. A 324 (1971) 301; for rough surfaces Fuller and Tabor, Proc. R. Soc. Lond. A 345
 //! (1975) 327.
 
-use crate::asperity::branch::{Anchor, Branch, Curve, State};
+use crate::asperity::branch::{Anchor, Branch, Curve, CurvePoint};
 use crate::asperity::error::LawError;
 use crate::asperity::formula::Constant;
 use crate::asperity::history::Path;
@@ -20,7 +20,7 @@ use crate::asperity::law::{BLOCK, End, Law, Regime, Responses, Smoothness};
 use crate::asperity::parameters::LawParameters;
 use crate::asperity::scale::Scale;
 use crate::asperity::stats::SolverStats;
-use crate::asperity::table::{Method, Part, Row, Table};
+use crate::asperity::table::{Interaction, Method, Row, Table};
 
 /// The law `jkr`.
 ///
@@ -59,11 +59,11 @@ impl Curve for JkrCurve {
     }
 
     #[inline(always)]
-    fn state(&self, _: f64, [y, ..]: [f64; 4]) -> State {
+    fn state(&self, _: f64, [y, ..]: [f64; 4]) -> CurvePoint {
         let square = y * y;
         let pull = 2.0 / 3.0 * ROOT_6 * y;
-        State {
-            approach: square * square - pull,
+        CurvePoint {
+            displacement: square * square - pull,
             slope: square * (2.0 / 3.0 * ROOT_6 - 4.0 * square * y),
             magnitude: square * square + pull,
             adhesion: ROOT_6 * square * y,
@@ -73,9 +73,9 @@ impl Curve for JkrCurve {
         }
     }
 
-    fn bracket(&self, approach: f64) -> (f64, f64) {
+    fn bracket(&self, displacement: f64) -> (f64, f64) {
         let mut low = self.end();
-        while self.at(low).approach < approach && low > f64::MIN_POSITIVE {
+        while self.at(low).displacement < displacement && low > f64::MIN_POSITIVE {
             low *= 0.5;
         }
         (low, self.end())
@@ -92,10 +92,12 @@ pub struct JkrContact {
 impl JkrContact {
     fn new(parameters: &LawParameters) -> Self {
         let end = JkrCurve.end();
-        let mut branch =
-            Branch::new(JkrCurve, Anchor { approach: JkrCurve.at(end).approach, parameter: end, fold: true });
+        let mut branch = Branch::new(
+            JkrCurve,
+            Anchor { displacement: JkrCurve.at(end).displacement, parameter: end, fold: true },
+        );
         if let Some(deepest) =
-            parameters.deepest(f64::INFINITY).filter(|deepest| *deepest > branch.anchor().approach)
+            parameters.deepest(f64::INFINITY).filter(|deepest| *deepest > branch.anchor().displacement)
         {
             branch = branch.with_table(deepest);
         }
@@ -104,11 +106,11 @@ impl JkrContact {
 
     /// Interference at the end of the stable branch, m.
     fn end(&self) -> f64 {
-        self.branch.anchor().approach * self.scale.length
+        self.branch.anchor().displacement * self.scale.length
     }
 }
 
-impl Part for JkrContact {
+impl Interaction for JkrContact {
     fn smoothness(&self, _: f64, _: f64) -> (Vec<f64>, Vec<Smoothness>) {
         (Vec::new(), vec![Smoothness::Root { end: End::Lower, place: self.end(), order: 2 }])
     }
@@ -119,12 +121,12 @@ impl Part for JkrContact {
 
     fn evaluate(&self, interference: &[f64], out: &mut Responses, stats: &mut SolverStats) {
         let inverse = 1.0 / self.scale.length;
-        let (lowest, count) = (self.branch.anchor().approach, interference.len());
-        let (mut approaches, mut radius) = ([0.0; BLOCK], [0.0; BLOCK]);
-        for (approach, &delta) in approaches.iter_mut().zip(interference) {
-            *approach = (delta * inverse).max(lowest);
+        let (lowest, count) = (self.branch.anchor().displacement, interference.len());
+        let (mut displacements, mut radius) = ([0.0; BLOCK], [0.0; BLOCK]);
+        for (displacement, &delta) in displacements.iter_mut().zip(interference) {
+            *displacement = (delta * inverse).max(lowest);
         }
-        self.branch.solve_block(&approaches[..count], &mut out.adhesion, &mut radius, stats);
+        self.branch.solve_block(&displacements[..count], &mut out.adhesion, &mut radius, stats);
         out.scale_contacts(&self.scale, &radius[..count]);
     }
 }

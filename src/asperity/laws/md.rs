@@ -14,7 +14,7 @@ use crate::asperity::law::{BLOCK, End, Law, Regime, Responses, Smoothness};
 use crate::asperity::parameters::LawParameters;
 use crate::asperity::scale::Scale;
 use crate::asperity::stats::SolverStats;
-use crate::asperity::table::{Method, Part, Row, Table};
+use crate::asperity::table::{Interaction, Method, Row, Table};
 use crate::math::instruction_set::InstructionSet;
 use std::sync::Arc;
 
@@ -62,7 +62,7 @@ impl MaugisContact {
     }
 }
 
-impl Part for MaugisContact {
+impl Interaction for MaugisContact {
     fn smoothness(&self, _: f64, _: f64) -> (Vec<f64>, Vec<Smoothness>) {
         (
             Vec::new(),
@@ -81,14 +81,14 @@ impl Part for MaugisContact {
     fn evaluate(&self, interference: &[f64], out: &mut Responses, stats: &mut SolverStats) {
         let inverse = 1.0 / self.scale.length;
         let count = interference.len();
-        let (mut approaches, mut radius) = ([0.0; BLOCK], [0.0; BLOCK]);
+        let (mut displacements, mut radius) = ([0.0; BLOCK], [0.0; BLOCK]);
         InstructionSet::current().run(
             #[inline(always)]
             || {
-                for (approach, &delta) in approaches.iter_mut().zip(interference) {
-                    *approach = delta * inverse;
+                for (displacement, &delta) in displacements.iter_mut().zip(interference) {
+                    *displacement = delta * inverse;
                 }
-                self.emd.contact_block(&mut approaches[..count], &mut out.adhesion, &mut radius, stats);
+                self.emd.contact_block(&mut displacements[..count], &mut out.adhesion, &mut radius, stats);
                 out.scale_contacts(&self.scale, &radius[..count]);
             },
         );

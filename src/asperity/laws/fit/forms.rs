@@ -64,24 +64,24 @@ impl Coefficients {
         }
     }
 
-    /// f_snc at an approach.
+    /// f_snc at a displacement.
     pub fn noncontact(&self, delta: f64) -> f64 {
         lorentzian(&self.noncontact, delta).0
     }
 
-    /// f_sel at an approach; the power is 0 where its base is negative, which Table 3 leaves open.
+    /// f_sel at a displacement; the power is 0 where its base is negative, which Table 3 leaves open.
     pub fn adhesion(&self, delta: f64) -> f64 {
         let [constant, slope, offset, power] = self.adhesion;
         constant + libm::pow((slope * delta + offset).max(0.0), power)
     }
 
-    /// f_f at an approach δ ≥ 0.
+    /// f_f at a displacement δ ≥ 0.
     pub fn external(&self, delta: f64) -> f64 {
         let [f0, a, b, m, n] = self.external;
         f0 + a * libm::pow(delta, m) + b * libm::pow(delta, n)
     }
 
-    /// Approach at which the base of f_sel is 0.
+    /// Displacement at which the base of f_sel is 0.
     pub fn base_zero(&self) -> f64 {
         -self.adhesion[2] / self.adhesion[1]
     }

@@ -30,7 +30,7 @@ use crate::asperity::law::{End, Law, Regime, Responses, Smoothness};
 use crate::asperity::parameters::LawParameters;
 use crate::asperity::scale::{Asperity, Scale};
 use crate::asperity::stats::SolverStats;
-use crate::asperity::table::{Method, Part, Row, Table};
+use crate::asperity::table::{Interaction, Method, Row, Table};
 use refit::{Direct, FITTED, JUDGED};
 use std::f64::consts::PI;
 
@@ -123,7 +123,7 @@ struct FittedContact {
     scale: Scale,
 }
 
-impl Part for FittedContact {
+impl Interaction for FittedContact {
     fn smoothness(&self, lower: f64, upper: f64) -> (Vec<f64>, Vec<Smoothness>) {
         // f_sel is a power from where its base is 0, f_f one from 0.
         let zero = self.coefficients.base_zero() * self.scale.length;

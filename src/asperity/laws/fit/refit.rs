@@ -1,6 +1,6 @@
 //! The published forms fitted anew to the direct law of any asperity.
 //!
-//! Plain least squares of each force on evenly spaced approaches, in scaled variables: f_snc from
+//! Plain least squares of each force on evenly spaced displacements, in scaled variables: f_snc from
 //! [`FURTHEST`] equilibrium spacings before the end of contact to that end, f_sel from there to ω_c, f_f from
 //! 0 to ω_c.
 
@@ -12,9 +12,9 @@ use crate::asperity::parameters::LawParameters;
 use crate::asperity::stats::SolverStats;
 use crate::math::least_squares::least_squares;
 
-/// Approaches that each force is fitted on.
+/// Displacements that each force is fitted on.
 pub const FITTED: usize = 401;
-/// Approaches that the residuals are taken at: they vary fastest at first touch.
+/// Displacements that the residuals are taken at: they vary fastest at first touch.
 pub const JUDGED: usize = 2001;
 /// How far before contact f_snc is fitted, in equilibrium spacings.
 const FURTHEST: f64 = 10.0;
@@ -23,8 +23,8 @@ const FURTHEST: f64 = 10.0;
 pub struct Direct {
     /// Where contact begins or ends by the history.
     pub end: f64,
-    /// Approaches of f_snc, f_sel and f_f.
-    approaches: [Vec<f64>; 3],
+    /// Displacements of f_snc, f_sel and f_f.
+    displacements: [Vec<f64>; 3],
     /// The forces there.
     forces: [Vec<f64>; 3],
 }
@@ -41,17 +41,17 @@ impl Direct {
         let [spacing, critical] = [scale.equilibrium_spacing(), parameters.critical_interference]
             .map(|length| length / scale.length);
         let ranges = [(end - FURTHEST * spacing, end), (end, critical), (0.0, critical)];
-        let approaches = ranges.map(|(low, high)| {
+        let displacements = ranges.map(|(low, high)| {
             (0..points).map(|i| low + (high - low) * i as f64 / (points - 1) as f64).collect::<Vec<f64>>()
         });
         let mut stats = SolverStats::default();
         let mut contact = |delta: &f64| emd.contact(*delta, &mut stats);
-        let adhesion = approaches[1].iter().map(|delta| contact(delta).adhesion).collect();
-        let external = approaches[2].iter().map(contact).map(|s| s.radius.powi(3) - s.adhesion).collect();
+        let adhesion = displacements[1].iter().map(|delta| contact(delta).adhesion).collect();
+        let external = displacements[2].iter().map(contact).map(|s| s.radius.powi(3) - s.adhesion).collect();
         // The last point is the end from outside: contact has not begun there.
         let before = |delta: &f64| emd.noncontact(delta.min(end.next_down()), &mut stats).adhesion;
-        let noncontact = approaches[0].iter().map(before).collect();
-        Ok(Self { end, approaches, forces: [noncontact, adhesion, external] })
+        let noncontact = displacements[0].iter().map(before).collect();
+        Ok(Self { end, displacements, forces: [noncontact, adhesion, external] })
     }
 
     /// The best coefficients, scaled.
@@ -65,7 +65,7 @@ impl Direct {
     }
 
     fn fit_noncontact(&self) -> Option<[f64; 4]> {
-        let (places, values) = (&self.approaches[0], &self.forces[0]);
+        let (places, values) = (&self.displacements[0], &self.forces[0]);
         let (end, highest) = (*places.last()?, *values.last()?);
         let range = end - places[0];
         // A peak at or beyond the end of the range, as wide as a part of it.
@@ -78,8 +78,8 @@ impl Direct {
     }
 
     fn fit_adhesion(&self) -> Option<[f64; 4]> {
-        let begin = self.approaches[1][0];
-        let places: Vec<f64> = self.approaches[1].iter().map(|delta| delta - begin).collect();
+        let begin = self.displacements[1][0];
+        let places: Vec<f64> = self.displacements[1].iter().map(|delta| delta - begin).collect();
         let (values, range) = (&self.forces[1], *places.last()?);
         let rise = (values.last()? - values[0]).max(f64::MIN_POSITIVE);
         let starts = [0.5, 0.65, 0.8, 1.0].map(|exponent| {
@@ -92,7 +92,7 @@ impl Direct {
     }
 
     fn fit_external(&self) -> Option<[f64; 5]> {
-        let (places, values) = (&self.approaches[2], &self.forces[2]);
+        let (places, values) = (&self.displacements[2], &self.forces[2]);
         let starts =
             [0.5, 1.0, 1.4, 2.0].map(|other: f64| [values[0], 1.0, 0.1, libm::log(1.5), libm::log(other)]);
         let [constant, a, b, m, n] = least_squares(two_powers, places, values, &starts)?.parameters;
@@ -108,7 +108,7 @@ impl Direct {
             _ => coefficients.external(delta),
         };
         let residuals = |i: usize| -> Vec<f64> {
-            let pairs = self.approaches[i].iter().zip(&self.forces[i]);
+            let pairs = self.displacements[i].iter().zip(&self.forces[i]);
             pairs.map(|(delta, exact)| force * (fitted(i, *delta) - exact)).collect()
         };
         let largest = |values: &[f64]| values.iter().fold(0.0, |worst: f64, value| worst.max(value.abs()));
@@ -117,7 +117,7 @@ impl Direct {
         FitReport {
             coefficients: published.list(),
             range: std::array::from_fn(|i| {
-                [0, self.approaches[i].len() - 1].map(|k| length * self.approaches[i][k])
+                [0, self.displacements[i].len() - 1].map(|k| length * self.displacements[i][k])
             }),
             largest_force: std::array::from_fn(|i| force * largest(&self.forces[i])),
             largest_residual: std::array::from_fn(|i| largest(&residuals(i))),

@@ -1,18 +1,18 @@
-//! The integral of the way back of a loop: at every distance from the closest approach the asperities obey
+//! The integral of the retraction of a loop: at every distance from the closest approach the asperities obey
 //! one law in their interference there.
 
-use super::Expectations;
+use super::expectations::Expectations;
 use crate::asperity::{Loop, SolverStats};
 use crate::math::extrema::maximum;
 use crate::surface::Surface;
 use rayon::prelude::*;
 
 impl Expectations {
-    /// Integrates the way back of a loop from the smallest of the separations h, m, rising; regimes are those
+    /// Integrates the retraction of a loop from the smallest of the separations h, m, rising; regimes are those
     /// of the law on approach.
-    pub fn way_back(cycle: &Loop, surface: &Surface, separations: &[f64]) -> Self {
+    pub fn retraction(cycle: &Loop, surface: &Surface, separations: &[f64]) -> Self {
         let at: Vec<Self> =
-            separations.par_iter().map(|&h| Self::back_at(cycle, surface, separations[0], h)).collect();
+            separations.par_iter().map(|&h| Self::retraction_at(cycle, surface, separations[0], h)).collect();
         let joined = |of: &dyn Fn(&Self) -> f64| at.iter().map(of).collect::<Vec<f64>>();
         let regimes = cycle.approach().regimes().len();
         let table =
@@ -30,8 +30,8 @@ impl Expectations {
         }
     }
 
-    /// The way back from the separation h `closest`, m, at another.
-    pub fn back_at(cycle: &Loop, surface: &Surface, closest: f64, separation: f64) -> Self {
+    /// The retraction from the separation h `closest`, m, at another.
+    pub fn retraction_at(cycle: &Loop, surface: &Surface, closest: f64, separation: f64) -> Self {
         let law = cycle.at(surface.asperity_separation(separation) - surface.asperity_separation(closest));
         let model = Self::new(&law, surface, &[closest]);
         let regimes = cycle.approach().regimes().len();

@@ -1,21 +1,21 @@
 //! Surfaces whose heights are all held at once.
 
 use super::Job;
-use super::compressed::{self, Compression};
 use super::force_table::ForceTable;
 use super::kinks::{Kink, Kinks, rounding, widest_spacing};
-use super::radii::{Places, Scattered};
-use super::replica::Summed;
+use super::moments::{MomentMatrix, MomentSums};
+use super::radii::{Places, PolydisperseCurve};
 use super::retraction::{Retracted, flattened};
 use super::search::{Curve, NODES, Passing, Sought, Stray};
 use super::stray_table::StrayTable;
+use super::summed::Summed;
 use super::sums::{State, Sums};
 use crate::math::extrema::Extremum;
 
 /// A surface that has been summed.
-pub(super) struct Whole<'a> {
+pub(super) struct HeldSurface<'a> {
     pub job: &'a Job<'a>,
-    /// Heights, m, rising unless sums are compressed or radii differ.
+    /// Heights, m, rising unless they are summed by moments or radii differ.
     pub heights: &'a [f64],
     /// m, where they differ.
     pub radii: &'a [f64],
@@ -31,10 +31,10 @@ pub(super) struct Whole<'a> {
     /// separation h, m.
     pub flattened: Option<(f64, Vec<[f64; 3]>)>,
     /// The lane of the surface, if it was summed by moments.
-    pub compressed: Option<(&'a Compression, &'a mut compressed::Sums, usize)>,
+    pub moments: Option<(&'a MomentMatrix, &'a mut MomentSums, usize)>,
 }
 
-impl Summed for Whole<'_> {
+impl Summed for HeldSurface<'_> {
     fn highest(&self) -> f64 {
         self.highest
     }
@@ -43,39 +43,41 @@ impl Summed for Whole<'_> {
         self.find(Sought::PullOff, &self.job.samples(external))
     }
 
-    fn back(&mut self, from: f64, separations: &[f64]) -> Vec<f64> {
-        let force = |&to: &f64| self.sums.external_force(self.job, self.heights, State::Back { from, to });
+    fn retraction(&mut self, from: f64, separations: &[f64]) -> Vec<f64> {
+        let force =
+            |&to: &f64| self.sums.external_force(self.job, self.heights, State::Retraction { from, to });
         separations.iter().map(force).collect()
     }
 
-    fn pull_off_back(&mut self, from: f64, samples: &[(f64, f64)]) -> Extremum {
-        self.find_back(Sought::PullOff, from, samples)
+    fn retraction_pull_off(&mut self, from: f64, samples: &[(f64, f64)]) -> Extremum {
+        self.find_on_retraction(Sought::PullOff, from, samples)
     }
 
     fn stiffest(&mut self, from: Option<f64>, samples: &[(f64, f64)], span: f64) -> Extremum {
         match from {
-            Some(from) => self.find_back(Sought::Stiffness(span), from, samples),
+            Some(from) => self.find_on_retraction(Sought::Stiffness(span), from, samples),
             None => self.find(Sought::Stiffness(span), samples),
         }
     }
 }
 
-impl Whole<'_> {
+impl HeldSurface<'_> {
     /// Finds what is sought on the way of the job from samples of it: separations h, m, rising, and external
     /// forces, N.
     fn find(&mut self, sought: Sought, samples: &[(f64, f64)]) -> Extremum {
         let Self { job, heights, highest, .. } = *self;
-        let (kinks, spacing) = (self.kinks.there.as_slice(), widest_spacing(job));
+        let (kinks, spacing) = (self.kinks.approach.as_slice(), widest_spacing(job));
         if let Some(family) = job.law.family() {
             let asperities = (heights, self.radii);
             let places = self.places.get_or_insert_with(|| Places::new(job, family, asperities));
             let Sums { scratch, stats, .. } = &mut *self.sums;
-            let mut surface = Scattered::new(job, family, (kinks, places), asperities, scratch, stats);
+            let mut surface =
+                PolydisperseCurve::new(job, family, (kinks, places), asperities, scratch, stats);
             return sought.find(&mut surface, samples, spacing);
         }
-        match &mut self.compressed {
-            Some((compression, moments, lane)) => {
-                let heights = Compressed { job, compression, moments, lane: *lane, sums: self.sums };
+        match &mut self.moments {
+            Some((matrix, moments, lane)) => {
+                let heights = ByMoments { job, matrix, moments, lane: *lane, sums: self.sums };
                 sought.find(
                     &mut OfHeights {
                         job,
@@ -93,15 +95,16 @@ impl Whole<'_> {
         }
     }
 
-    /// The same on the way back from the separation `from`, m.
-    fn find_back(&mut self, sought: Sought, from: f64, samples: &[(f64, f64)]) -> Extremum {
+    /// The same on retraction from the separation `from`, m.
+    fn find_on_retraction(&mut self, sought: Sought, from: f64, samples: &[(f64, f64)]) -> Extremum {
         let Self { job, heights, .. } = *self;
         let Some(cycle) = job.protocol.cycle else { return self.find_sorted(sought, samples) };
         if self.flattened.as_ref().is_none_or(|(of, _)| *of != from) {
             self.flattened = Some((from, flattened(job, cycle, heights, from)));
         }
         let flattened = self.flattened.as_ref().map_or(&[][..], |(_, flattened)| flattened);
-        let mut surface = Retracted::new(job, cycle, (&self.kinks.back, flattened), heights, from, self.sums);
+        let mut surface =
+            Retracted::new(job, cycle, (&self.kinks.retraction, flattened), heights, from, self.sums);
         sought.find(&mut surface, samples, widest_spacing(job))
     }
 
@@ -109,8 +112,8 @@ impl Whole<'_> {
     fn find_sorted(&mut self, sought: Sought, samples: &[(f64, f64)]) -> Extremum {
         let Self { job, heights, highest, .. } = *self;
         let heights = Sorted { job, heights, sums: self.sums };
-        let Kinks { there, strays, .. } = self.kinks;
-        let mut surface = OfHeights { job, kinks: there, strays, highest, table: self.table, heights };
+        let Kinks { approach, strays, .. } = self.kinks;
+        let mut surface = OfHeights { job, kinks: approach, strays, highest, table: self.table, heights };
         sought.find(&mut surface, samples, widest_spacing(job))
     }
 }
@@ -227,7 +230,7 @@ impl Heights for Sorted<'_> {
     }
 
     fn external_force(&mut self, separation: f64) -> f64 {
-        self.sums.external_force(self.job, self.heights, State::There(separation))
+        self.sums.external_force(self.job, self.heights, State::Approach(separation))
     }
 
     fn sums(&mut self) -> &mut Sums {
@@ -236,27 +239,27 @@ impl Heights for Sorted<'_> {
 }
 
 /// A surface that is summed by moments.
-struct Compressed<'a> {
+struct ByMoments<'a> {
     job: &'a Job<'a>,
-    compression: &'a Compression,
-    moments: &'a mut compressed::Sums,
+    matrix: &'a MomentMatrix,
+    moments: &'a mut MomentSums,
     lane: usize,
     sums: &'a mut Sums,
 }
 
-impl Heights for Compressed<'_> {
+impl Heights for ByMoments<'_> {
     fn between(&self, low: f64, high: f64) -> Vec<f64> {
         let binned = self.moments.surface(self.lane);
-        binned.map(|binned| binned.between(self.compression, low, high)).unwrap_or_default()
+        binned.map(|binned| binned.between(self.matrix, low, high)).unwrap_or_default()
     }
 
     fn count(&self, low: f64, high: f64) -> usize {
-        self.moments.surface(self.lane).map_or(0, |binned| binned.count(self.compression, low, high))
+        self.moments.surface(self.lane).map_or(0, |binned| binned.count(self.matrix, low, high))
     }
 
     fn external_force(&mut self, separation: f64) -> f64 {
         let d = self.job.surface.asperity_separation(separation);
-        self.moments.external_force(self.compression, self.job.law, self.lane, d, &mut self.sums.stats)
+        self.moments.external_force(self.matrix, self.job.law, self.lane, d, &mut self.sums.stats)
     }
 
     fn sums(&mut self) -> &mut Sums {

@@ -1,7 +1,7 @@
 //! Polynomials of a law on one offset or segment.
 
 use super::geometry::Geometry;
-use super::{DEGREE, TERMS};
+use super::lanes::{DEGREE, TERMS};
 use crate::asperity::{BLOCK, Law, Piece, Responses, SolverStats};
 use crate::math::chebyshev;
 

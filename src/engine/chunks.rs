@@ -1,22 +1,22 @@
-//! Surfaces of more asperities than are held at once: drawn and summed tract by tract, in parallel, and drawn
+//! Surfaces of more asperities than are held at once: drawn and summed chunk by chunk, in parallel, and drawn
 //! again for what is asked later.
 //!
-//! Every tract has random streams of its own, so each is the same in whatever order they are drawn; what they
+//! Every chunk has random streams of its own, so each is the same in whatever order they are drawn; what they
 //! give is added up in their order. So memory does not grow with the number of asperities, and results do not
 //! depend on the number of threads.
 
 use super::Job;
 use super::cells::{Cells, Redrawn, pull_off};
-use super::compressed::{self, Between, Compression, Part, Totals};
 use super::curves::Curves;
 use super::force_table::ForceTable;
+use super::held::HeldSurface;
 use super::kinks::Kinks;
+use super::moments::{Between, ChunkMoments, MomentMatrix, MomentSums, Totals};
 use super::parts::{deepest_of_parts, stiffest_of_parts};
-use super::replica::Summed;
+use super::polydisperse::{self, add, planes};
 use super::sampling::Draws;
-use super::scattered::{self, add, planes};
+use super::summed::Summed;
 use super::sums::{RegimeSums, State, Sums};
-use super::whole::Whole;
 use crate::asperity::{Family, SolverStats};
 use crate::math::extrema::{Extremum, maximum};
 use crate::math::instruction_set::InstructionSet;
@@ -24,16 +24,16 @@ use crate::math::sums::Compensated;
 use rayon::prelude::*;
 use std::cell::Cell;
 
-/// A surface of at most so many tracts is held for the search of its pull-off: 32 MB.
+/// A surface of at most so many chunks is held for the search of its pull-off: 32 MB.
 pub const HELD: usize = 4;
-/// Tracts for each thread whose sums may wait to be added.
+/// Chunks for each thread whose sums may wait to be added.
 pub const AHEAD: usize = 8;
 
 /// Whether what is under way has to end.
 pub(super) type Ends<'a> = &'a (dyn Fn() -> bool + Sync);
 
-/// A surface that is summed tract by tract.
-pub(super) struct Tracts<'a> {
+/// A surface that is summed chunk by chunk.
+pub(super) struct Chunks<'a> {
     job: &'a Job<'a>,
     draws: Draws<'a>,
     /// Of the law.
@@ -42,7 +42,7 @@ pub(super) struct Tracts<'a> {
     ends: Ends<'a>,
     /// All heights, m, rising, once they have been asked for, if they are few enough.
     heights: Vec<f64>,
-    /// The highest asperity of the tracts that have been summed, m; NaN of none.
+    /// The highest asperity of the chunks that have been summed, m; NaN of none.
     highest: f64,
     /// What it has cost.
     pub stats: SolverStats,
@@ -51,17 +51,17 @@ pub(super) struct Tracts<'a> {
 }
 
 struct Moments<'a> {
-    compression: &'a Compression,
+    matrix: &'a MomentMatrix,
     totals: Totals,
-    sums: compressed::Sums,
+    sums: MomentSums,
 }
 
-/// Memory of a thread for one tract after the other.
+/// Memory of a thread for one chunk after the other.
 struct Memory {
     heights: Vec<f64>,
     radii: Vec<f64>,
     sums: Sums,
-    compressed: Option<compressed::Sums>,
+    moments: Option<MomentSums>,
 }
 
 thread_local! {
@@ -73,24 +73,23 @@ impl Memory {
     fn of(job: &Job<'_>) -> Self {
         let regimes = job.law.regimes().len();
         let fits = |memory: &Self| {
-            let compressed = job.compression.zip(memory.compressed.as_ref());
-            let fits = compressed.is_none_or(|(compression, sums)| sums.fits(compression, regimes));
-            fits && memory.sums.regimes.len() == regimes
-                && job.compression.is_some() == memory.compressed.is_some()
+            let moments = job.moments.zip(memory.moments.as_ref());
+            let fits = moments.is_none_or(|(matrix, sums)| sums.fits(matrix, regimes));
+            fits && memory.sums.regimes.len() == regimes && job.moments.is_some() == memory.moments.is_some()
         };
         MEMORY.take().filter(fits).unwrap_or_else(|| Self {
             heights: Vec::new(),
             radii: Vec::new(),
             sums: Sums::new(regimes),
-            compressed: job.compression.map(|compression| compressed::Sums::new(compression, regimes)),
+            moments: job.moments.map(|matrix| MomentSums::new(matrix, regimes)),
         })
     }
 
-    /// Sums of the tract that was drawn, by state and regime; at separations that rise where radii differ.
+    /// Sums of the chunk that was drawn, by state and regime; at separations that rise where radii differ.
     fn sum(&mut self, job: &Job<'_>, states: &[State]) -> Vec<RegimeSums> {
         let Self { heights, radii, sums, .. } = self;
         match job.law.family() {
-            Some(family) => sum_scattered(job, family, (heights, radii), sums, states),
+            Some(family) => sum_polydisperse(job, family, (heights, radii), sums, states),
             None => {
                 heights.sort_unstable_by(f64::total_cmp);
                 sum_heights(job, heights, sums, states)
@@ -98,12 +97,12 @@ impl Memory {
         }
     }
 
-    /// The tract that was drawn in moments, and sums of those of its asperities that are in no bin, by state
+    /// The chunk that was drawn in moments, and sums of those of its asperities that are in no bin, by state
     /// and regime; nothing when all are.
-    fn part(&mut self, job: &Job<'_>, compression: &Compression) -> (Part, Vec<RegimeSums>) {
-        let Self { heights, sums, compressed, .. } = self;
-        let compressed = compressed.as_mut().expect("memory of a compression has its sums");
-        let mut part = Part::new(compressed, compression, job.law, heights, &mut sums.stats);
+    fn part(&mut self, job: &Job<'_>, matrix: &MomentMatrix) -> (ChunkMoments, Vec<RegimeSums>) {
+        let Self { heights, sums, moments, .. } = self;
+        let moments = moments.as_mut().expect("memory of a matrix has its sums");
+        let mut part = ChunkMoments::new(moments, matrix, job.law, heights, &mut sums.stats);
         if part.beyond.is_empty() {
             return (part, Vec::new());
         }
@@ -112,12 +111,12 @@ impl Memory {
         (part, beyond)
     }
 
-    /// What asperities of the tract that was drawn add to the external force between separations beside their
+    /// What asperities of the chunk that was drawn add to the external force between separations beside their
     /// moments, N.
-    fn rest(&mut self, job: &Job<'_>, compression: &Compression, between: &Between) -> Vec<f64> {
-        let Self { heights, sums, compressed, .. } = self;
-        let compressed = compressed.as_mut().expect("memory of a compression has its sums");
-        between.rest(compressed, compression, job.law, heights, &mut sums.stats)
+    fn rest(&mut self, job: &Job<'_>, matrix: &MomentMatrix, between: &Between) -> Vec<f64> {
+        let Self { heights, sums, moments, .. } = self;
+        let moments = moments.as_mut().expect("memory of a matrix has its sums");
+        between.rest(moments, matrix, job.law, heights, &mut sums.stats)
     }
 }
 
@@ -147,7 +146,7 @@ fn sum_heights(job: &Job<'_>, heights: &[f64], sums: &mut Sums, states: &[State]
 }
 
 /// Sums of asperities that differ in their radii, by state and regime, at separations that rise.
-fn sum_scattered(
+fn sum_polydisperse(
     job: &Job<'_>,
     family: &Family,
     asperities: (&[f64], &[f64]),
@@ -155,7 +154,7 @@ fn sum_scattered(
     states: &[State],
 ) -> Vec<RegimeSums> {
     let separation = |state: &State| match *state {
-        State::There(h) | State::Back { to: h, .. } => h,
+        State::Approach(h) | State::Retraction { to: h, .. } => h,
     };
     let separations: Vec<f64> = states.iter().map(separation).collect();
     let Sums { scratch, stats, regimes, .. } = sums;
@@ -164,9 +163,9 @@ fn sum_scattered(
     by_plane.chunks_exact(regimes.len()).rev().flatten().copied().collect()
 }
 
-impl<'a> Tracts<'a> {
+impl<'a> Chunks<'a> {
     /// The surface of the replica `draws` of a job, of which nothing is known yet. When `ends` is true what
-    /// is under way stops at the next tract, and whatever comes of it is to be thrown away.
+    /// is under way stops at the next chunk, and whatever comes of it is to be thrown away.
     pub fn new(
         job: &'a Job<'a>,
         draws: Draws<'a>,
@@ -189,8 +188,8 @@ impl<'a> Tracts<'a> {
 
     /// Sums the surface at all separations into its curves.
     pub fn sum(&mut self, curves: &mut Curves) {
-        match self.job.compression {
-            Some(compression) => self.sum_moments(compression, curves),
+        match self.job.moments {
+            Some(matrix) => self.sum_moments(matrix, curves),
             None => {
                 let sums = self.states(&State::all(self.job));
                 for (k, sums) in sums.chunks_exact(self.job.law.regimes().len()).enumerate() {
@@ -200,25 +199,25 @@ impl<'a> Tracts<'a> {
         }
     }
 
-    /// Draws all tracts, in parallel, has something made of each, and hands that over in their order.
+    /// Draws all chunks, in parallel, has something made of each, and hands that over in their order.
     fn each<T: Send>(&mut self, of: impl Fn(&mut Memory) -> T + Sync, mut take: impl FnMut(T)) {
         let Self { job, ref draws, ends, .. } = *self;
         let is_first = self.highest.is_nan();
-        let one = |tract: usize| {
+        let one = |chunk: usize| {
             if ends() {
                 return None;
             }
             let mut memory = Memory::of(job);
-            draws.tract(tract, &mut memory.heights, &mut memory.radii);
+            draws.chunk(chunk, &mut memory.heights, &mut memory.radii);
             let highest = if is_first { largest(&memory.heights) } else { f64::NAN };
             let made = (of(&mut memory), highest, std::mem::take(&mut memory.sums.stats));
             MEMORY.set(Some(memory));
             Some(made)
         };
         let ahead = AHEAD * rayon::current_num_threads();
-        for first in (0..draws.tracts()).step_by(ahead) {
-            let tracts = first..draws.tracts().min(first + ahead);
-            let made: Vec<_> = tracts.into_par_iter().map(one).collect();
+        for first in (0..draws.chunks()).step_by(ahead) {
+            let chunks = first..draws.chunks().min(first + ahead);
+            let made: Vec<_> = chunks.into_par_iter().map(one).collect();
             for (made, highest, stats) in made.into_iter().flatten() {
                 self.highest = self.highest.max(highest);
                 self.stats.merge(&stats);
@@ -228,17 +227,17 @@ impl<'a> Tracts<'a> {
     }
 
     /// What the surface with all its heights held answers, if it is small enough.
-    fn held(&mut self, answer: impl FnOnce(&mut Whole<'_>) -> Extremum) -> Option<Extremum> {
-        if self.draws.tracts() > HELD || self.job.law.family().is_some() || (self.ends)() {
+    fn held(&mut self, answer: impl FnOnce(&mut HeldSurface<'_>) -> Extremum) -> Option<Extremum> {
+        if self.draws.chunks() > HELD || self.job.law.family().is_some() || (self.ends)() {
             return None;
         }
         if self.heights.is_empty() {
             self.draws.all(&mut self.heights, &mut Vec::new());
             self.heights.sort_unstable_by(f64::total_cmp);
         }
-        let job = Job { compression: None, ..*self.job };
+        let job = Job { moments: None, ..*self.job };
         let mut sums = Sums::new(job.law.regimes().len());
-        let mut whole = Whole {
+        let mut whole = HeldSurface {
             job: &job,
             heights: &self.heights,
             radii: &[],
@@ -248,7 +247,7 @@ impl<'a> Tracts<'a> {
             flattened: None,
             highest: self.highest,
             sums: &mut sums,
-            compressed: None,
+            moments: None,
         };
         let found = answer(&mut whole);
         self.stats.merge(&sums.stats);
@@ -270,34 +269,34 @@ impl<'a> Tracts<'a> {
     }
 
     /// Sums the surface by moments.
-    fn sum_moments(&mut self, compression: &'a Compression, curves: &mut Curves) {
+    fn sum_moments(&mut self, matrix: &'a MomentMatrix, curves: &mut Curves) {
         let (job, regimes) = (self.job, self.job.law.regimes().len());
-        let mut totals = Totals::new(compression, regimes);
+        let mut totals = Totals::new(matrix, regimes);
         let mut beyond = vec![RegimeSums::default(); job.states() * regimes];
         self.each(
-            |memory| memory.part(job, compression),
+            |memory| memory.part(job, matrix),
             |(part, others)| {
                 totals.add(&part);
                 merge(&mut beyond, &others);
             },
         );
-        let mut sums = compressed::Sums::new(compression, regimes);
-        totals.fill(&mut sums, compression, job.law, curves, &mut self.stats);
+        let mut sums = MomentSums::new(matrix, regimes);
+        totals.fill(&mut sums, matrix, job.law, curves, &mut self.stats);
         for (k, beyond) in beyond.chunks_exact(regimes).enumerate() {
             RegimeSums::add(beyond, k, curves);
         }
-        self.moments = Some(Moments { compression, totals, sums });
+        self.moments = Some(Moments { matrix, totals, sums });
     }
 
     /// External forces, N, at separations h, m, from moments and from what has to be solved all the same.
     fn external_forces_by(&mut self, mut moments: Moments<'a>, separations: &[f64]) -> Vec<f64> {
         let job = self.job;
-        let Moments { compression, totals, sums } = &mut moments;
+        let Moments { matrix, totals, sums } = &mut moments;
         let d = separations.iter().map(|&h| job.surface.asperity_separation(h)).collect();
-        let between = Between::new(totals, sums, compression, job.law, d, &mut self.stats);
+        let between = Between::new(totals, sums, matrix, job.law, d, &mut self.stats);
         let mut forces = vec![Compensated::default(); separations.len()];
         self.each(
-            |memory| memory.rest(job, compression, &between),
+            |memory| memory.rest(job, matrix, &between),
             |part| forces.iter_mut().zip(part).for_each(|(force, part)| force.add(part)),
         );
         let forces = forces.iter().zip(&between.smooth).map(|(rest, smooth)| smooth + rest.value()).collect();
@@ -311,7 +310,7 @@ fn merge(sums: &mut [RegimeSums], others: &[RegimeSums]) {
     sums.iter_mut().zip(others).for_each(|(sum, other)| sum.merge(other));
 }
 
-impl Redrawn for Tracts<'_> {
+impl Redrawn for Chunks<'_> {
     fn count(&self, low: f64, high: f64) -> f64 {
         self.draws.count as f64 * self.job.surface.heights.probability(low, high)
     }
@@ -327,7 +326,7 @@ impl Redrawn for Tracts<'_> {
         match self.moments.take() {
             Some(moments) => self.external_forces_by(moments, separations),
             None => {
-                let states: Vec<State> = separations.iter().map(|&h| State::There(h)).collect();
+                let states: Vec<State> = separations.iter().map(|&h| State::Approach(h)).collect();
                 self.external_forces_of(&states)
             }
         }
@@ -338,7 +337,7 @@ impl Redrawn for Tracts<'_> {
     }
 }
 
-impl Summed for Tracts<'_> {
+impl Summed for Chunks<'_> {
     fn highest(&self) -> f64 {
         self.highest
     }
@@ -349,18 +348,18 @@ impl Summed for Tracts<'_> {
             return found;
         }
         if job.law.family().is_none() {
-            return pull_off(job, &self.kinks.there, self, external_force);
+            return pull_off(job, &self.kinks.approach, self, external_force);
         }
-        scattered::pull_off(job, external_force, |places| self.external_forces(places))
+        polydisperse::pull_off(job, external_force, |places| self.external_forces(places))
     }
 
-    fn back(&mut self, from: f64, separations: &[f64]) -> Vec<f64> {
-        let states: Vec<State> = separations.iter().map(|&to| State::Back { from, to }).collect();
+    fn retraction(&mut self, from: f64, separations: &[f64]) -> Vec<f64> {
+        let states: Vec<State> = separations.iter().map(|&to| State::Retraction { from, to }).collect();
         self.external_forces_of(&states)
     }
 
     fn stiffest(&mut self, from: Option<f64>, samples: &[(f64, f64)], span: f64) -> Extremum {
-        let state = |&to: &f64| from.map_or(State::There(to), |from| State::Back { from, to });
+        let state = |&to: &f64| from.map_or(State::Approach(to), |from| State::Retraction { from, to });
         let found = self.held(|whole| whole.stiffest(from, samples, span));
         found.unwrap_or_else(|| {
             stiffest_of_parts(samples, span, |places| {
@@ -369,8 +368,8 @@ impl Summed for Tracts<'_> {
         })
     }
 
-    fn pull_off_back(&mut self, from: f64, samples: &[(f64, f64)]) -> Extremum {
-        let found = self.held(|whole| whole.pull_off_back(from, samples));
-        found.unwrap_or_else(|| deepest_of_parts(samples, |places| self.back(from, places)))
+    fn retraction_pull_off(&mut self, from: f64, samples: &[(f64, f64)]) -> Extremum {
+        let found = self.held(|whole| whole.retraction_pull_off(from, samples));
+        found.unwrap_or_else(|| deepest_of_parts(samples, |places| self.retraction(from, places)))
     }
 }

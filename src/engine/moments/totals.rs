@@ -1,13 +1,14 @@
-//! Compressed sums of a surface that is taken tract by tract: moments are added up, and no heights are kept.
+//! Compressed sums of a surface that is taken chunk by chunk: moments are added up, and no heights are kept.
 //!
-//! What no polynomial meets is solved while the heights of its tract are at hand; a height beyond all bins is
+//! What no polynomial meets is solved while the heights of its chunk are at hand; a height beyond all bins is
 //! handed back, to be summed directly. At separations between those of the scene, moments give what they can,
-//! and a further pass over the tracts the rest.
+//! and a further pass over the chunks the rest.
 
-use super::between::Weighted;
 use super::geometry::Geometry;
-use super::moments::Sums;
-use super::{Compression, LANES, TERMS};
+use super::lanes::{LANES, TERMS};
+use super::matrix::MomentMatrix;
+use super::sums::MomentSums;
+use super::weighted::Weighted;
 use crate::asperity::{Law, SolverStats};
 use crate::engine::curves::Curves;
 use crate::math::sums::lane_sum;
@@ -16,9 +17,9 @@ use std::ops::Range;
 /// Heights that are binned at once.
 const CHUNK: usize = 1024;
 
-/// What one tract gives.
+/// What one chunk gives.
 #[derive(Debug)]
-pub struct Part {
+pub struct ChunkMoments {
     /// The bins that it has asperities in, up to whole periods.
     bins: Range<usize>,
     /// Their moments.
@@ -32,17 +33,17 @@ pub struct Part {
     pub beyond: Vec<f64>,
 }
 
-impl Part {
-    /// Of a tract with these heights, m, in memory of the compression. The lanes of that are so many pieces
-    /// of the tract.
+impl ChunkMoments {
+    /// Of a chunk with these heights, m, in memory of the matrix. The lanes of that are so many pieces
+    /// of the chunk.
     pub fn new(
-        sums: &mut Sums,
-        compression: &Compression,
+        sums: &mut MomentSums,
+        matrix: &MomentMatrix,
         law: &dyn Law,
         heights: &[f64],
         stats: &mut SolverStats,
     ) -> Self {
-        let geometry = &compression.geometry;
+        let geometry = &matrix.geometry;
         let mut beyond = Vec::new();
         let mut pieces = heights.chunks(heights.len().div_ceil(LANES).max(1));
         for binned in &mut sums.surfaces {
@@ -51,7 +52,7 @@ impl Part {
         sums.form(geometry);
         let mut solved = vec![[0.0; 3]; sums.sums.len()];
         for surface in &sums.surfaces {
-            sums.queue.sum(compression, law, (surface, &sums.occupied), stats, |place, values| {
+            sums.queue.sum(matrix, law, (surface, &sums.occupied), stats, |place, values| {
                 for (sum, value) in solved[place].iter_mut().zip(values) {
                     *sum += value;
                 }
@@ -87,17 +88,17 @@ pub struct Totals {
 
 impl Totals {
     /// Nothing yet, for a law of so many regimes.
-    pub fn new(compression: &Compression, regimes: usize) -> Self {
-        let bins = bins(&compression.geometry);
+    pub fn new(matrix: &MomentMatrix, regimes: usize) -> Self {
+        let bins = bins(&matrix.geometry);
         Self {
             moments: vec![[0.0; TERMS]; bins],
             counts: vec![0; bins],
-            solved: vec![[0.0; 3]; compression.separations.len() * regimes],
+            solved: vec![[0.0; 3]; matrix.separations.len() * regimes],
         }
     }
 
-    /// Adds the next tract.
-    pub fn add(&mut self, part: &Part) {
+    /// Adds the next chunk.
+    pub fn add(&mut self, part: &ChunkMoments) {
         for (mine, theirs) in self.moments[part.bins.clone()].iter_mut().zip(&part.moments) {
             mine.iter_mut().zip(theirs).for_each(|(mine, theirs)| *mine += theirs);
         }
@@ -109,17 +110,17 @@ impl Totals {
         }
     }
 
-    /// Sums all asperities in bins at all separations into curves, in memory of the compression, of which the
+    /// MomentSums all asperities in bins at all separations into curves, in memory of the matrix, of which the
     /// first lane is then this surface.
     pub fn fill(
         &self,
-        sums: &mut Sums,
-        compression: &Compression,
+        sums: &mut MomentSums,
+        matrix: &MomentMatrix,
         law: &dyn Law,
         curves: &mut Curves,
         stats: &mut SolverStats,
     ) {
-        let (regimes, segments) = (law.regimes().len(), compression.geometry.segments());
+        let (regimes, segments) = (law.regimes().len(), matrix.geometry.segments());
         let filled = |count: &u64| *count > 0;
         let first = self.counts.iter().position(filled).unwrap_or(0) / segments;
         let end = self.counts.iter().rposition(filled).map_or(0, |last| last / segments + 1);
@@ -130,8 +131,8 @@ impl Totals {
                 lanes[0] = *moment;
             }
         }
-        sums.merge(compression);
-        sums.multiply(compression, regimes);
+        sums.merge(matrix);
+        sums.multiply(matrix, regimes);
         for (sums, solved) in sums.sums.iter_mut().zip(&self.solved) {
             sums.iter_mut().zip(solved).for_each(|(sum, solved)| sum[0] += solved);
         }
@@ -141,10 +142,10 @@ impl Totals {
             below += count;
             below as f64
         }));
-        for k in 0..compression.separations.len() {
-            compression.record(k, |bin| starts[bin], 0, &sums.sums[k * regimes..(k + 1) * regimes], curves);
+        for k in 0..matrix.separations.len() {
+            matrix.record(k, |bin| starts[bin], 0, &sums.sums[k * regimes..(k + 1) * regimes], curves);
         }
-        stats.compressed += compression.separations.len() as u64;
+        stats.by_moments += matrix.separations.len() as u64;
     }
 }
 
@@ -170,22 +171,22 @@ impl Between {
     /// At separations d, m, of a surface that [`Totals::fill`] has left in `sums`.
     pub fn new(
         totals: &Totals,
-        sums: &mut Sums,
-        compression: &Compression,
+        sums: &mut MomentSums,
+        matrix: &MomentMatrix,
         law: &dyn Law,
         separations: Vec<f64>,
         stats: &mut SolverStats,
     ) -> Self {
-        let segments = compression.geometry.segments();
+        let segments = matrix.geometry.segments();
         let mut any = vec![false; totals.counts.len() + 1];
         any[totals.counts.len()] = true;
         let count = |period: usize| totals.counts[period * segments..(period + 1) * segments].iter().sum();
-        let Sums { weights, occupied, weighted, .. } = sums;
+        let MomentSums { weights, occupied, weighted, .. } = sums;
         let mut smooth = Vec::with_capacity(separations.len());
         let mut solved = Vec::with_capacity(separations.len());
         for &d in &separations {
             let (force, periods) =
-                weighted.smooth(compression, law, (weights, 0), (occupied.clone(), count), d, stats);
+                weighted.smooth(matrix, law, (weights, 0), (occupied.clone(), count), d, stats);
             let mut bins = vec![false; any.len()];
             bins[any.len() - 1] = true;
             for period in periods {
@@ -198,11 +199,11 @@ impl Between {
         Self { separations, smooth, solved, any }
     }
 
-    /// What the asperities of a tract add at each, N, that are solved one by one, from its heights, m.
+    /// What the asperities of a chunk add at each, N, that are solved one by one, from its heights, m.
     pub fn rest(
         &self,
-        sums: &mut Sums,
-        compression: &Compression,
+        sums: &mut MomentSums,
+        matrix: &MomentMatrix,
         law: &dyn Law,
         heights: &[f64],
         stats: &mut SolverStats,
@@ -210,7 +211,7 @@ impl Between {
         let mut found: Vec<(f64, u32)> = Vec::new();
         let mut bins = [0; CHUNK];
         for heights in heights.chunks(CHUNK) {
-            compression.geometry.bins(heights, &mut bins);
+            matrix.geometry.bins(heights, &mut bins);
             found.extend(heights.iter().copied().zip(bins).filter(|(_, bin)| self.any[*bin as usize]));
         }
         found.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));

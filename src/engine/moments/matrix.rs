@@ -1,51 +1,14 @@
-//! Compressed sums: a whole surface from moments of its heights, for separations with one step.
-//!
-//! # Formula
-//! The law f is fixed for a scene, so the sum over asperities at d_k = d_0 + kH, Σ_i f(u_i − d_k), is a
-//! convolution. Heights fall into periods of one step H; in period p an asperity has the interference of
-//! offset j = p − k, whichever k is asked for. On an offset on which f is smooth it is a polynomial Σ_n T_jn
-//! vⁿ of the place v in −1..1 in the period, found by solving at Chebyshev nodes, and
-//!
-//! Σ_i f(u_i − d_k) = Σ_p Σ_n T_(p−k)n M_pn, M_pn = Σ_(i in p) v_iⁿ:
-//!
-//! a product of a Toeplitz matrix with moments, for the replicas of a batch at once. Periods are divided into
-//! segments whose edges sit on the kinks of f, so that no segment ever has a kink inside, and which become
-//! narrower towards a root; an offset with a kink is summed by segments, each with a polynomial of its own.
-//! What no polynomial of degree ≤ [`DEGREE`] meets to the tolerance is solved asperity by asperity.
-//!
-//! # Validity
-//! The error of every polynomial, by the tail of its Chebyshev coefficients, is at most the tolerance times
-//! the largest |f| on its interval. Asperities are counted exactly.
+//! The matrix that moments of heights are multiplied with: polynomials of a law by offset.
 
-mod between;
-mod geometry;
-mod moments;
-mod offsets;
-mod totals;
-
-pub use moments::{Binned, Sums};
-pub(super) use totals::{Between, Part, Totals};
-
-use super::curves::Curves;
+use super::geometry::Geometry;
+use super::lanes::{LANES, Lanes, TERMS};
+use super::nodes::Nodes;
+use super::offsets::{Cell, Offset, Polynomials};
 use crate::asperity::{Law, Quantity};
+use crate::engine::curves::Curves;
 use crate::surface::{HeightLaw, Surface};
-use between::Nodes;
-use geometry::Geometry;
-use offsets::Offset;
 use thiserror::Error;
 
-/// Largest degree of a polynomial.
-pub const DEGREE: usize = 15;
-/// Terms of the largest polynomial.
-const TERMS: usize = DEGREE + 1;
-/// Replicas that are multiplied at once.
-pub const LANES: usize = 8;
-
-/// A number of each surface of a batch.
-type Lanes = [f64; LANES];
-
-/// A pull-off below this share of the largest adhesion force is judged against that share.
-pub(super) const SMALL: f64 = 1e-3;
 /// Separations have one step when they are off it by at most this share.
 const UNEVEN: f64 = 1e-9;
 /// Heights are binned up to this many σ_s, of laws with heavier tails than the normal one up to the second; a
@@ -74,7 +37,7 @@ pub enum Unfit {
     TooFine(f64),
     /// Asperities of several radii have no law in common.
     #[error("asperities differ in their radii, so no law is that of all")]
-    Scattered,
+    Polydisperse,
     /// Surfaces are pulled back.
     #[error("on the way back of a loop the law is another at every separation")]
     Loop,
@@ -85,32 +48,32 @@ pub enum Unfit {
 
 /// The Toeplitz matrix of a law for the separations of a scene, and how heights are binned for it.
 #[derive(Debug)]
-pub struct Compression {
-    geometry: Geometry,
+pub struct MomentMatrix {
+    pub(super) geometry: Geometry,
     /// By offset, from the first of the geometry's.
-    offsets: Vec<Offset>,
+    pub(super) offsets: Vec<Offset>,
     /// By regime, the offsets and segments that are solved asperity by asperity.
-    solved: Vec<Vec<(usize, usize)>>,
+    pub(super) solved: Vec<Vec<(usize, usize)>>,
     /// Terms of the largest polynomial of a whole offset.
-    terms: usize,
+    pub(super) terms: usize,
     /// Nodes of periods for what lies between separations.
-    nodes: Nodes,
+    pub(super) nodes: Nodes,
     /// Regime boundaries as offset and segment at which the next regime begins.
     boundaries: Vec<(i64, usize)>,
     /// Separations d_k, m.
-    separations: Vec<f64>,
+    pub(super) separations: Vec<f64>,
     /// What was asked for.
     pub tolerance: f64,
 }
 
-impl Compression {
+impl MomentMatrix {
     /// The matrix for separations h (m, rising, evenly spaced), accurate to `tolerance`.
     ///
     /// # Errors
     /// [`Unfit`] where direct sums are the better or the only way.
     pub fn new(law: &dyn Law, surface: &Surface, separations: &[f64], tolerance: f64) -> Result<Self, Unfit> {
-        if surface.is_scattered() {
-            return Err(Unfit::Scattered);
+        if surface.is_polydisperse() {
+            return Err(Unfit::Polydisperse);
         }
         let separations: Vec<f64> = separations.iter().map(|&h| surface.asperity_separation(h)).collect();
         let step = (separations[separations.len() - 1] - separations[0]) / (separations.len() - 1) as f64;
@@ -133,7 +96,7 @@ impl Compression {
             }
         }
         let boundaries = law.boundaries().iter().map(|b| geometry.boundary(b.interference)).collect();
-        let compression = Self {
+        let matrix = Self {
             terms,
             nodes: Nodes::new(terms),
             geometry,
@@ -143,11 +106,11 @@ impl Compression {
             separations,
             tolerance,
         };
-        let asperities = compression.solved_per_separation(surface);
+        let asperities = matrix.solved_per_separation(surface);
         if asperities > 0.5 * surface.asperity_count as f64 {
             return Err(Unfit::NotWorthIt { asperities, all: surface.asperity_count });
         }
-        Ok(compression)
+        Ok(matrix)
     }
 
     /// Expected asperities per separation that are solved one by one.
@@ -160,6 +123,79 @@ impl Compression {
             probability += shares.sum::<f64>();
         }
         surface.asperity_count as f64 * probability / self.separations.len() as f64
+    }
+
+    /// Adds what the moments of a period give at the separation `k`.
+    #[inline(always)]
+    pub(super) fn add(
+        &self,
+        period: usize,
+        k: usize,
+        bins: &[[Lanes; TERMS]],
+        periods: &[[Lanes; TERMS]],
+        sums: &mut [[Lanes; 3]],
+    ) {
+        match &self.offsets[self.offset(period, k)] {
+            Offset::Whole(polynomials) => multiply(polynomials, &periods[period], sums),
+            Offset::Split(cells) => {
+                for (cell, moments) in cells.iter().zip(&bins[period * cells.len()..]) {
+                    if let Cell::Smooth(polynomials) = cell {
+                        multiply(polynomials, moments, sums);
+                    }
+                }
+            }
+        }
+    }
+
+    /// The offset of a period at the separation `k`.
+    #[inline(always)]
+    fn offset(&self, period: usize, k: usize) -> usize {
+        period + self.separations.len() - 1 - k
+    }
+
+    /// The period that has an offset at the separation `k`.
+    pub(super) fn period(&self, offset: usize, k: usize) -> Option<usize> {
+        (offset + k + 1).checked_sub(self.separations.len())
+    }
+
+    /// Takes over sums by regime of one lane, and the exact counts by where each bin begins among the
+    /// heights, as point `k` of the curves.
+    pub(super) fn record(
+        &self,
+        k: usize,
+        starts: impl Fn(usize) -> f64,
+        l: usize,
+        sums: &[[Lanes; 3]],
+        curves: &mut Curves,
+    ) {
+        let separations = self.separations.len();
+        let segments = self.geometry.segments() as i64;
+        let bins = self.geometry.period_count() * self.geometry.segments();
+        let mut begin = 0.0;
+        let mut total = [0.0; 3];
+        for (regime, [adhesion, contact, area]) in sums.iter().enumerate() {
+            let [adhesion, contact, area] = [adhesion[l], contact[l], area[l]];
+            let end = match self.boundaries.get(regime) {
+                Some(&(offset, segment)) => {
+                    let period = offset + k as i64 - self.geometry.periods.start;
+                    let bin = (period * segments + segment as i64).clamp(0, bins as i64);
+                    starts(bin as usize)
+                }
+                None => starts(bins),
+            };
+            let place = regime * separations + k;
+            curves.regime_count[place] = end - begin;
+            curves.regime_adhesion_force[place] = adhesion;
+            curves.regime_external_force[place] = contact - adhesion;
+            begin = end;
+            for (total, sum) in total.iter_mut().zip([adhesion, contact, area]) {
+                *total += sum;
+            }
+        }
+        for (curve, value) in curves.total.iter_mut().zip(Quantity::of_response(total[0], total[1], total[2]))
+        {
+            curve[k] = value;
+        }
     }
 }
 
@@ -174,29 +210,21 @@ pub fn periods(surface: &Surface, step: f64) -> f64 {
     2.0 * reach(surface) / step
 }
 
-/// The largest error of compressed against direct curves of one surface: of forces relative to F_s + P of the
-/// whole surface, of the area relative to itself, each the largest at this separation and its neighbours;
-/// infinite where counts differ.
-pub fn largest_error(compressed: &Curves, direct: &Curves) -> f64 {
-    let [adhesion, contact] =
-        [Quantity::AdhesionForce, Quantity::ContactForce].map(|q| &direct.total[q.index()]);
-    let area = &direct.total[Quantity::ContactArea.index()];
-    let separations = area.len();
-    let near = |k: usize| k.saturating_sub(1)..(k + 2).min(separations);
-    let largest = |of: &dyn Fn(usize) -> f64, k: usize| near(k).map(of).fold(f64::MIN_POSITIVE, f64::max);
-    let mut error: f64 = 0.0;
-    let mut compare = |mine: &[f64], truth: &[f64], scale: &dyn Fn(usize) -> f64| {
-        for (i, (mine, truth)) in mine.iter().zip(truth).enumerate() {
-            let difference = (mine - truth).abs() / largest(scale, i % separations);
-            error = if difference.is_nan() { f64::INFINITY } else { error.max(difference) };
+/// Adds what polynomials make of moments to the sums of their regime.
+#[inline(always)]
+fn multiply(polynomials: &Polynomials, moments: &[Lanes; TERMS], sums: &mut [[Lanes; 3]]) {
+    let sums = &mut sums[polynomials.regime];
+    let components = if polynomials.touches { 3 } else { 1 };
+    for (sum, coefficients) in sums.iter_mut().zip(&polynomials.coefficients).take(components) {
+        // A sum of its own, so that one product need not wait for the one before.
+        let mut product = [0.0; LANES];
+        for (coefficient, moment) in coefficients.iter().zip(moments).take(polynomials.terms) {
+            for l in 0..LANES {
+                product[l] += coefficient * moment[l];
+            }
         }
-    };
-    let force = |k: usize| adhesion[k] + contact[k];
-    for quantity in [Quantity::AdhesionForce, Quantity::ContactForce, Quantity::ExternalForce] {
-        compare(&compressed.total[quantity.index()], &direct.total[quantity.index()], &force);
+        for l in 0..LANES {
+            sum[l] += product[l];
+        }
     }
-    compare(&compressed.regime_adhesion_force, &direct.regime_adhesion_force, &force);
-    compare(&compressed.regime_external_force, &direct.regime_external_force, &force);
-    compare(&compressed.total[Quantity::ContactArea.index()], area, &|k| area[k]);
-    if compressed.regime_count == direct.regime_count { error } else { f64::INFINITY }
 }

@@ -9,14 +9,14 @@ use crate::asperity::{Family, Scratch, SolverStats, for_each_block, regime_range
 use crate::math::extrema::{Extremum, minimum};
 
 /// Memory for the sums of one surface after the other.
-pub(super) struct Scattered {
+pub(super) struct PlaneSums {
     /// −d, m, rising: in the frame of an asperity the plane moves, and its interference rises with −d.
     planes: Vec<f64>,
     /// By plane, then regime.
     sums: Vec<RegimeSums>,
 }
 
-impl Scattered {
+impl PlaneSums {
     /// For surfaces of a job.
     pub fn new(job: &Job<'_>) -> Self {
         let planes = planes(job, job.separations);

@@ -1,6 +1,6 @@
 //! Periods, segments and offsets.
 
-use super::TERMS;
+use super::lanes::TERMS;
 use crate::asperity::{Piece, Smoothness};
 use std::ops::Range;
 

@@ -1,0 +1,11 @@
+//! How many terms polynomials have, and how many surfaces are multiplied at once.
+
+/// Largest degree of a polynomial.
+pub const DEGREE: usize = 15;
+/// Terms of the largest polynomial.
+pub(super) const TERMS: usize = DEGREE + 1;
+/// Replicas that are multiplied at once.
+pub const LANES: usize = 8;
+
+/// A number of each surface of a batch.
+pub(super) type Lanes = [f64; LANES];

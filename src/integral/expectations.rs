@@ -1,0 +1,23 @@
+//! What the integral model answers.
+
+use crate::asperity::SolverStats;
+
+/// The model's answer over S separations and R regimes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Expectations {
+    /// Expectations, by [`crate::asperity::Quantity::index`], each over S; N or m².
+    pub expected: [Vec<f64>; 4],
+    /// Standard deviations of one replica, likewise.
+    pub std: [Vec<f64>; 4],
+    /// Expected number of asperities in each regime: R × S.
+    pub regime_count: Vec<Vec<f64>>,
+    /// Expected adhesion force of each regime, N: R × S.
+    pub regime_adhesion_force: Vec<Vec<f64>>,
+    /// Expected external force of each regime, N: R × S.
+    pub regime_external_force: Vec<Vec<f64>>,
+    /// Largest bound of the relative error over separations of adhesion force, contact force and area of any
+    /// regime; NaN where one of them is not a number.
+    pub quadrature_error: f64,
+    /// What solving cost.
+    pub stats: SolverStats,
+}

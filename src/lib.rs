@@ -27,6 +27,7 @@ pub mod cli;
 pub mod engine;
 pub mod estimate;
 pub mod experiment;
+mod format;
 pub mod integral;
 pub mod math;
 pub mod output;

@@ -1,7 +1,7 @@
 //! `stiction check`: what a scene would compute.
 
-use super::format::{bytes, duration, paragraph, percent, pure, row, si};
 use super::instability::held;
+use super::rows::{paragraph, row};
 use super::session::thread_pool;
 use super::sweep::described;
 use super::{Failure, law_of, loop_of, print, read_document, resources};
@@ -10,6 +10,7 @@ use crate::asperity::{Law, Loop};
 use crate::engine::{Limit, SCALARS, Stopping, Target};
 use crate::estimate::{Estimate, Plan};
 use crate::experiment::integral::Integral;
+use crate::format::{bytes, duration, percent, pure, si};
 use crate::scene::echo::one_line;
 use crate::scene::units::Dimension;
 use crate::scene::{Document, Scene, Sweep, Warning, warnings};

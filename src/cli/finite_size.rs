@@ -1,11 +1,12 @@
 //! `stiction finite-size`: how big is big enough for the integral.
 
-use super::format::{bound, percent, row, si, signed_percent};
 use super::points::Points;
+use super::rows::row;
 use super::session::Session;
 use super::{Failure, FiniteSizeArguments, files_of, law_of, print_of, read_scene};
 use crate::experiment::integral::Way;
 use crate::experiment::record::{write_about, write_model};
+use crate::format::{bound, percent, si, signed_percent};
 use crate::output::checkpoint::Identity;
 use crate::output::columns::SceneFiles;
 use crate::output::reader::Reader;

@@ -1,9 +1,10 @@
 //! `stiction info`: what is in a result, or in the checkpoint of a run that was interrupted.
 
-use super::format::{duration, row};
+use super::rows::row;
 use super::shard::shown;
 use super::{Failure, print};
 use crate::experiment::checkpoint::State;
+use crate::format::duration;
 use crate::output::checkpoint::{Checkpoint, is_checkpoint};
 use crate::output::reader::Reader;
 use crate::output::schema::{Layout, SHARD, SWEEP};

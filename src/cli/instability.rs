@@ -1,9 +1,10 @@
 //! Snaps of the replicas of a run, for the summary.
 
-use super::format::{percent, row, si};
+use super::rows::row;
 use crate::experiment::results::Results;
 use crate::experiment::sampling::loading;
 use crate::experiment::snaps::{Counts, Snaps};
+use crate::format::{percent, si};
 use crate::scene::Scene;
 
 /// Most stiffnesses of which the summary tells.

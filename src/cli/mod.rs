@@ -5,7 +5,6 @@ mod asperity;
 mod check;
 mod compare;
 mod finite_size;
-mod format;
 mod info;
 mod instability;
 mod memory;
@@ -13,6 +12,7 @@ mod merge;
 mod points;
 mod progress;
 mod resources;
+mod rows;
 mod run;
 mod sandbox;
 mod session;
@@ -410,9 +410,11 @@ impl From<experiment::Error> for Failure {
         match error {
             Error::Output(error) => error.into(),
             Error::NotWritten(_) | Error::Threads(_) => Self::Running(error.into()),
-            Error::Scene { .. } | Error::Unreadable { .. } | Error::IsSweep(_) | Error::Law { .. } => {
-                Self::Usage(error.to_string())
-            }
+            Error::Scene { .. }
+            | Error::Unreadable { .. }
+            | Error::IsSweep(_)
+            | Error::Law { .. }
+            | Error::NotFor(_) => Self::Usage(error.to_string()),
             Error::Unfinished { .. } => {
                 Self::Usage(format!("{error}; --resume goes on with it, --force begins anew"))
             }
@@ -545,6 +547,16 @@ fn print_of(output: &Path, text: &str) -> Result<(), Failure> {
     print(text).map_err(|failure| {
         Failure::Running(anyhow!("{failure}; the result {} is complete", output.display()))
     })
+}
+
+/// An error of an experiment on the scene of a file, which it names.
+fn refused(path: &Path) -> impl Fn(experiment::Error) -> Failure {
+    move |error| match error {
+        experiment::Error::Law { .. } | experiment::Error::NotFor(_) => {
+            Failure::Usage(format!("{}: {error}", path.display()))
+        }
+        other => other.into(),
+    }
 }
 
 /// A law for the asperities of a scene, with the scene's file named in every error.

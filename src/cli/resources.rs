@@ -1,8 +1,8 @@
 //! Memory and disk: what a run takes beside what can be had.
 
 use super::Failure;
-use super::format::bytes;
 use crate::estimate::{Choice, Estimate};
+use crate::format::bytes;
 use std::path::Path;
 use sysinfo::{MemoryRefreshKind, RefreshKind, System};
 

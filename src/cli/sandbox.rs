@@ -4,9 +4,9 @@
 //! structure is broken. So the program runs itself once more, with limits on time and memory, and says in a
 //! line what became of that.
 
-use super::format::bytes;
 use super::memory::SHORT;
 use super::{Failure, print};
+use crate::format::bytes;
 use anyhow::{Context, anyhow};
 use std::io::Read;
 use std::path::Path;

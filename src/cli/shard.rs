@@ -1,9 +1,9 @@
 //! `stiction run --shard`: a fixed range of the batches of a run, of a sweep of all points one after the
 //! other, kept for `stiction merge`.
 
-use super::format::{duration, row};
 use super::points::Points;
 use super::progress::Progress;
+use super::rows::row;
 use super::run::laws_of;
 use super::session::{Session, override_ensemble};
 use super::{Failure, RunArguments, files_of, kept, print_of};
@@ -12,6 +12,7 @@ use crate::experiment::Phases;
 use crate::experiment::checkpoint::{Beginning, OverwritePolicy, Run, State, beginning, record_of};
 use crate::experiment::prepared::{PreparedRun, Sampled, Task};
 use crate::experiment::record::{write_about, write_model};
+use crate::format::duration;
 use crate::output::checkpoint::{Checkpoint, Journal, Visit, forget};
 use crate::output::schema::SHARD;
 use crate::output::shard::{Piece, Source, write};

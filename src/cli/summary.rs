@@ -1,11 +1,12 @@
 //! The summary of a run on the terminal.
 
 use super::check::{beyond, heading, skipped, unit, warned};
-use super::format::{bound, duration, factor, percent, row, si};
 use super::instability::instability;
+use super::rows::row;
 use crate::asperity::Quantity;
 use crate::engine::{LOOP_SCALARS, Limit, Replica, Summation, dissipated};
 use crate::experiment::results::{Results, Stopped};
+use crate::format::{bound, duration, factor, percent, si};
 use crate::math::control_variates::ControlledMean;
 use crate::math::extrema::{Extremum, Features, maximum};
 use crate::math::interval::{FEWEST, LEVEL};

@@ -1,12 +1,13 @@
 //! `stiction run` of a sweep: its points, one file of them all, and a table.
 
-use super::format::{row, si};
 use super::points::Points;
+use super::rows::row;
 use super::run::output_of;
 use super::session::Session;
 use super::{Failure, RunArguments, files_of, print_of};
 use crate::engine::SCALARS;
 use crate::experiment::record::{write_about, write_model};
+use crate::format::si;
 use crate::math::interval::LEVEL;
 use crate::math::sums::SUM_ROUNDING;
 use crate::output::checkpoint::Identity;

@@ -36,6 +36,9 @@ pub enum Error {
         /// Why.
         error: LawError,
     },
+    /// The scene is not for what was asked.
+    #[error("{0}")]
+    NotFor(String),
     /// Threads cannot be started.
     #[error("cannot start threads: {0}")]
     Threads(#[from] rayon::ThreadPoolBuildError),

@@ -2,6 +2,7 @@
 //! written.
 
 pub(crate) mod checkpoint;
+pub(crate) mod compare;
 mod error;
 pub(crate) mod integral;
 mod observer;

@@ -5,7 +5,7 @@ use super::checkpoint::{OverwritePolicy, record_of};
 use super::observer::{Observer, Phases};
 use super::prepared::{Laws, PreparedRun, Session, Task, write};
 use super::results::{Results, RunMetadata};
-use crate::engine::{Batch, Ensemble, Outcome, ReductionTree, scalars};
+use crate::engine::{Batch, Ensemble, scalars};
 use crate::math::control_variates::ControlledMean;
 use crate::output::checkpoint::{Records, Visit};
 use crate::output::{OutputError, OutputLock};
@@ -83,24 +83,13 @@ impl<'a> Builder<'a> {
         let setup = run.sampling();
         let job = setup.job();
         let mut records = Vec::new();
-        let observe = |batch: &Batch, _: &ReductionTree| {
+        let observe = |batch: &Batch| {
             if scene.curves {
                 records.extend(batch.records(&job));
             }
-            Ok(())
         };
-        let (outcome, summation) = setup.run(
-            "ensemble",
-            &session.pool,
-            &session.stop,
-            &mut phases,
-            ReductionTree::of(&job),
-            observe,
-        )?;
-        let Outcome::Complete(reduction_tree) = outcome else {
-            let done = outcome.reduction_tree().replicas.len() as u64;
-            return Err(Error::Interrupted { done, of: scene.replicas, kept: false });
-        };
+        let (reduction_tree, summation) =
+            setup.run_whole("ensemble", &session.pool, &session.stop, &mut phases, observe)?;
         let results =
             Box::new(run.results(*reduction_tree, summation, RunMetadata::default(), &session, &mut phases));
         Ok(RunResult { results, records })

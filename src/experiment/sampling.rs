@@ -1,5 +1,6 @@
 //! The ensemble of a scene under a law, and its cross-check.
 
+use super::Error;
 use super::observer::Phases;
 use crate::asperity::{Law, Loop, Path, Quantity};
 use crate::engine::{
@@ -81,6 +82,32 @@ impl Sampling<'_> {
         })?;
         phases.end();
         Ok((outcome, summation))
+    }
+
+    /// Sums all replicas, of which nothing is kept on the way; `observe` gets every batch in order.
+    ///
+    /// # Errors
+    /// [`Error::Interrupted`].
+    pub fn run_whole(
+        &self,
+        name: &'static str,
+        pool: &rayon::ThreadPool,
+        stop: &AtomicBool,
+        phases: &mut Phases<'_>,
+        mut observe: impl FnMut(&Batch),
+    ) -> Result<(Box<ReductionTree>, Summation), Error> {
+        let start = ReductionTree::of(&self.job());
+        let observe = |batch: &Batch, _: &ReductionTree| {
+            observe(batch);
+            Ok(())
+        };
+        match self.run(name, pool, stop, phases, start, observe)? {
+            (Outcome::Complete(reduction_tree), summation) => Ok((reduction_tree, summation)),
+            (Outcome::Interrupted(reduction_tree), _) => {
+                let done = reduction_tree.replicas.len() as u64;
+                Err(Error::Interrupted { done, of: self.scene.replicas, kept: false })
+            }
+        }
     }
 }
 

@@ -3,9 +3,9 @@
 mod record;
 mod summary;
 
-use super::format::si;
 use super::sandbox::{is_sandboxed, sandboxed_within};
 use super::{AsperitiesArguments, Failure, print, print_of, resources};
+use crate::format::si;
 use crate::output::OutputLock;
 use crate::output::maps::{self, MOST_PIXELS, MapFormat, RawMap};
 use crate::output::schema::ASPERITIES;

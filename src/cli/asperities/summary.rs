@@ -1,7 +1,8 @@
 //! A measured surface as the terminal shows it.
 
 use super::Surface;
-use crate::cli::format::{percent, pure, row, si};
+use crate::cli::rows::row;
+use crate::format::{percent, pure, si};
 use crate::scene::echo::one_line;
 use crate::surface::map::Summit;
 

@@ -1,12 +1,11 @@
 //! A comparison as the terminal shows it.
 
-use super::{Compared, Comparison, Sampled, deviation};
 use crate::asperity::laws::fit::FORCES;
 use crate::cli::check::{numbers, title, warned};
-use crate::cli::format::{percent, row, si, signed_percent};
-use crate::cli::summary::moments;
+use crate::cli::rows::row;
+use crate::experiment::compare::{ComparedLaw, Comparison, Mean, SampledLaw, deviation};
+use crate::format::{percent, si, signed_percent};
 use crate::math::extrema::Extremum;
-use crate::math::moments::Moments;
 use crate::surface::SamplingScheme;
 use crate::validation::{SIGNIFICANCE, Verdict};
 use std::path::Path;
@@ -43,7 +42,7 @@ fn integral(comparison: &Comparison) -> String {
     let first = &comparison.laws[0].features;
     let mut edges = false;
     for (i, law) in comparison.laws.iter().enumerate() {
-        let Compared { features, .. } = law;
+        let ComparedLaw { features, .. } = law;
         let pull_off = -features.minimum.value;
         let mut place = |extremum: &Extremum| {
             edges |= extremum.at_edge;
@@ -83,25 +82,23 @@ fn ensemble(comparison: &Comparison) -> String {
         "ensemble", "pull-off", "± std. error", "scatter", "deviation", "± std. error"
     );
     for (i, law) in comparison.laws.iter().enumerate() {
-        let (Some(sampled), Some((difference, error))) = (&law.sampled, difference(comparison, law)) else {
+        let of = |law| comparison.pull_off(law);
+        let (Some(sampled), Some(own), Some(first), Some(difference)) =
+            (&law.sampled, of(law), of(&comparison.laws[0]), comparison.paired_difference(law))
+        else {
             continue;
         };
-        let (mean, std) = moments(&sampled.ensemble.replicas, |replica| replica.pull_off_force);
-        let error_of_mean = error_of_mean(comparison, pull_off_forces(sampled));
-        let (first, _) = match &comparison.laws[0].sampled {
-            Some(first) => moments(&first.ensemble.replicas, |replica| replica.pull_off_force),
-            None => continue,
-        };
         let name = law.model.name;
-        let values = if mean > 0.0 {
-            let error_of_mean =
-                if error_of_mean.is_finite() { si(error_of_mean, "N") } else { "-".to_owned() };
-            let own = format!("{:>12}{error_of_mean:>15}{:>10}", si(mean, "N"), share(std / mean));
+        let values = if own.mean > 0.0 {
+            let Mean { mean, standard_error, std } = own;
+            let error = if standard_error.is_finite() { si(standard_error, "N") } else { "-".to_owned() };
+            let own = format!("{:>12}{error:>15}{:>10}", si(mean, "N"), share(std / mean));
             let paired = match i {
                 0 => format!("{:>12}{:>15}", "first", ""),
                 _ => {
-                    let deviation = deviation(first + difference, first);
-                    let error = if deviation.is_nan() { f64::NAN } else { error / first };
+                    let deviation = deviation(first.mean + difference.mean, first.mean);
+                    let error =
+                        if deviation.is_nan() { f64::NAN } else { difference.standard_error / first.mean };
                     format!("{:>12}{:>15}", signed_percent(deviation), share(error))
                 }
             };
@@ -120,35 +117,12 @@ fn ensemble(comparison: &Comparison) -> String {
     text + &format!("  {replicas} with seed {seed}{sampling}, the same asperities for every law\n")
 }
 
-fn pull_off_forces(sampled: &Sampled) -> impl Iterator<Item = f64> {
-    sampled.ensemble.replicas.iter().map(|replica| replica.pull_off_force)
-}
-
-/// The standard error of a mean over the replicas: from the means of groups, which are independent.
-fn error_of_mean(comparison: &Comparison, values: impl Iterator<Item = f64>) -> f64 {
-    let (values, group): (Vec<f64>, _) = (values.collect(), comparison.scene.sampling.group());
-    let mut groups = Moments::new(1);
-    values
-        .chunks_exact(group as usize)
-        .for_each(|group| groups.push(&[group.iter().sum::<f64>() / group.len() as f64]));
-    groups.standard_error()[0]
-}
-
 /// A share in per cent, a dash where it is not known.
 fn share(share: f64) -> String {
     if share.is_finite() { percent(share) } else { "-".to_owned() }
 }
 
-/// Mean and standard error of the pull-off of a law less that of the first on the same asperities, N.
-pub(super) fn difference(comparison: &Comparison, law: &Compared) -> Option<(f64, f64)> {
-    let (own, first) = (law.sampled.as_ref()?, comparison.laws[0].sampled.as_ref()?);
-    let differences = || pull_off_forces(own).zip(pull_off_forces(first)).map(|(own, first)| own - first);
-    let mut moments = Moments::new(1);
-    differences().for_each(|difference| moments.push(&[difference]));
-    Some((moments.mean()[0], error_of_mean(comparison, differences())))
-}
-
-fn verdict(sampled: &Sampled) -> String {
+fn verdict(sampled: &SampledLaw) -> String {
     match sampled.joint.verdict {
         Verdict::NotTested => "not tested".to_owned(),
         Verdict::Agree | Verdict::Disagree => {

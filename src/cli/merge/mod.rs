@@ -2,9 +2,9 @@
 
 mod whole;
 
-use super::format::row;
 use super::points::Points;
 use super::progress::Progress;
+use super::rows::row;
 use super::run::laws_of;
 use super::session::{Session, override_ensemble};
 use super::summary::summary;

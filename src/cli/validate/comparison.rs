@@ -2,12 +2,12 @@
 //! first.
 
 use super::super::Failure;
-use super::super::compare::deviation;
 use super::super::sweep::together;
 use super::checked::{Checked, Place, ROUNDING, largest, summed};
 use super::cross_check::scheme;
 use super::curves::LINES;
 use super::{Answer, heading, refused};
+use crate::experiment::compare::deviation;
 use crate::math::extrema::largest_secant;
 use crate::math::moments::Moments;
 use crate::output::reader::Reader;

@@ -17,7 +17,7 @@ mod shard;
 mod snaps;
 mod sweep;
 
-use super::format::row;
+use super::rows::row;
 use super::{Failure, print};
 use crate::output::reader::Reader;
 use crate::output::schema::{ASPERITIES, COMPARISON, FINITE_SIZE, Layout, SHARD, SWEEP};

@@ -1,7 +1,6 @@
 //! A comparison under the names of its file layout.
 
-use super::table::difference;
-use super::{Compared, Comparison, Sampled, deviation};
+use super::{ComparedLaw, Comparison, SampledLaw, deviation};
 use crate::asperity::Quantity;
 use crate::asperity::law::Regime;
 use crate::asperity::laws::fit::{FORCES, NAMES};
@@ -32,7 +31,7 @@ pub(super) fn write(writer: &mut Writer<'_>, comparison: &Comparison) -> Result<
     if laws.iter().any(|law| law.fit.is_some()) {
         write_fits(writer, laws)?;
     }
-    let sampled: Vec<&Sampled> = laws.iter().filter_map(|law| law.sampled.as_ref()).collect();
+    let sampled: Vec<&SampledLaw> = laws.iter().filter_map(|law| law.sampled.as_ref()).collect();
     if sampled.len() == laws.len() {
         writer.number("/", "seed", scene.seed)?;
         writer.number("/", "replicas", scene.replicas)?;
@@ -44,7 +43,7 @@ pub(super) fn write(writer: &mut Writer<'_>, comparison: &Comparison) -> Result<
 }
 
 /// A number of each law.
-fn per_law<T>(laws: &[Compared], value: impl Fn(&Compared) -> T) -> Vec<T> {
+fn per_law<T>(laws: &[ComparedLaw], value: impl Fn(&ComparedLaw) -> T) -> Vec<T> {
     laws.iter().map(value).collect()
 }
 
@@ -58,7 +57,7 @@ fn less_first(rows: &[f64], length: usize) -> Vec<f64> {
     rows.iter().enumerate().map(|(i, value)| value - rows[i % length]).collect()
 }
 
-fn write_statistical(writer: &Writer<'_>, laws: &[Compared]) -> Result<(), OutputError> {
+fn write_statistical(writer: &Writer<'_>, laws: &[ComparedLaw]) -> Result<(), OutputError> {
     for quantity in Quantity::ALL {
         let (q, name) = (quantity.index(), quantity.name());
         let values = rows(laws, |law| &law.expectations.expected[q]);
@@ -70,14 +69,14 @@ fn write_statistical(writer: &Writer<'_>, laws: &[Compared]) -> Result<(), Outpu
         }
     }
     // Every law's regimes at their place among all.
-    type Table = fn(&Compared) -> &Vec<Vec<f64>>;
+    type Table = fn(&ComparedLaw) -> &Vec<Vec<f64>>;
     let tables: [(&str, Table); 3] = [
         ("regime_count", |law| &law.expectations.regime_count),
         ("regime_adhesion_force", |law| &law.expectations.regime_adhesion_force),
         ("regime_external_force", |law| &law.expectations.regime_external_force),
     ];
     for (name, table) in tables {
-        let of_regime = |law: &Compared, regime: Regime| -> Vec<f64> {
+        let of_regime = |law: &ComparedLaw, regime: Regime| -> Vec<f64> {
             let none = vec![0.0; law.expectations.expected[0].len()];
             let place = law.regimes.iter().position(|known| *known == regime.name());
             place.map_or(none, |place| table(law)[place].clone())
@@ -106,7 +105,7 @@ fn write_statistical(writer: &Writer<'_>, laws: &[Compared]) -> Result<(), Outpu
     writer.dataset("/statistical/quadrature_error", &per_law(laws, |law| law.expectations.quadrature_error))
 }
 
-fn write_asperity(writer: &Writer<'_>, laws: &[Compared]) -> Result<(), OutputError> {
+fn write_asperity(writer: &Writer<'_>, laws: &[ComparedLaw]) -> Result<(), OutputError> {
     for quantity in Quantity::ALL {
         let name = quantity.name();
         let values = rows(laws, |law| &law.asperity[quantity.index()]);
@@ -119,7 +118,7 @@ fn write_asperity(writer: &Writer<'_>, laws: &[Compared]) -> Result<(), OutputEr
     Ok(())
 }
 
-fn write_fits(writer: &mut Writer<'_>, laws: &[Compared]) -> Result<(), OutputError> {
+fn write_fits(writer: &mut Writer<'_>, laws: &[ComparedLaw]) -> Result<(), OutputError> {
     writer.named_scale(Dimension::FittedForce, &FORCES)?;
     writer.named_scale(Dimension::Coefficient, &NAMES)?;
     writer.named_scale(Dimension::RangeEnd, &RANGE_ENDS)?;
@@ -141,7 +140,7 @@ fn write_fits(writer: &mut Writer<'_>, laws: &[Compared]) -> Result<(), OutputEr
 fn write_ensemble(
     writer: &Writer<'_>,
     comparison: &Comparison,
-    sampled: &[&Sampled],
+    sampled: &[&SampledLaw],
 ) -> Result<(), OutputError> {
     for quantity in Quantity::ALL {
         let (q, name) = (quantity.index(), quantity.name());
@@ -156,8 +155,9 @@ fn write_ensemble(
     }
     let sum_errors: Vec<f64> = sampled.iter().map(|sampled| sampled.summation.sum_error()).collect();
     writer.dataset("/ensemble/sum_error", &sum_errors)?;
+    let differences = comparison.laws.iter().filter_map(|law| comparison.paired_difference(law));
     let (mean, error): (Vec<f64>, Vec<f64>) =
-        comparison.laws.iter().filter_map(|law| difference(comparison, law)).unzip();
+        differences.map(|difference| (difference.mean, difference.standard_error)).unzip();
     writer.dataset("/ensemble/pull_off_force_difference_mean", &mean)?;
     writer.dataset("/ensemble/pull_off_force_difference_standard_error", &error)?;
     for scalar in SCALARS {
@@ -170,7 +170,7 @@ fn write_ensemble(
         writer.dataset(&format!("/validation/z_{name}"), &z)?;
     }
     let joint =
-        |value: fn(&Sampled) -> f64| sampled.iter().map(|sampled| value(sampled)).collect::<Vec<f64>>();
+        |value: fn(&SampledLaw) -> f64| sampled.iter().map(|sampled| value(sampled)).collect::<Vec<f64>>();
     writer.dataset("/validation/statistic", &joint(|sampled| sampled.joint.statistic))?;
     let freedom: Vec<u64> = sampled.iter().map(|sampled| sampled.joint.degrees_of_freedom).collect();
     writer.dataset("/validation/degrees_of_freedom", &freedom)?;

@@ -1,0 +1,328 @@
+//! Several laws on the same asperities, by the integral and, if asked for, by the ensemble.
+
+mod record;
+
+use super::integral::{Integral, Way};
+use super::sampling::{Sampling, basis_of, cross_check};
+use super::{Error, Phases};
+use crate::asperity::emd::Emd;
+use crate::asperity::laws::fit::FORCES;
+use crate::asperity::models::Model;
+use crate::asperity::{FitReport, Law, Quantity, Scratch, SolverStats, for_each_block};
+use crate::engine::{Ensemble, Summation};
+use crate::estimate::beyond;
+use crate::format::percent;
+use crate::integral::Expectations;
+use crate::math::extrema::Features;
+use crate::math::moments::Moments;
+use crate::output::schema::COMPARISON;
+use crate::output::writer::Writer;
+use crate::output::{OutputError, OutputLock};
+use crate::scene::{Instability, Scene, Warning, warnings_of_scene};
+use crate::validation::{Cumulants, JointTest};
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+
+/// Interferences of the curves of one asperity.
+const INTERFERENCES: usize = 801;
+/// Equilibrium spacings before contact where these curves begin.
+const FURTHEST: f64 = 10.0;
+/// Critical interferences after contact where they end.
+const DEEPEST: f64 = 1.25;
+/// Units of approach after which they end at least and at most.
+const DEPTHS: (f64, f64) = (5.0, 50.0);
+/// A curve fit is off where its residual is more than this share of its largest force: the publication says
+/// that it is less.
+const LARGEST_RESIDUAL: f64 = 0.01;
+
+/// One law of a comparison.
+pub struct ComparedLaw {
+    pub(crate) model: Model,
+    pub(crate) limits: Vec<String>,
+    pub(crate) regimes: Vec<&'static str>,
+    pub(crate) expectations: Expectations,
+    pub(crate) features: Features,
+    /// Quantities of one asperity, by their index, over the interferences.
+    pub(crate) asperity: [Vec<f64>; 4],
+    pub(crate) fit: Option<FitReport>,
+    pub(crate) sampled: Option<SampledLaw>,
+}
+
+impl ComparedLaw {
+    /// The name of the law.
+    pub fn name(&self) -> &'static str {
+        self.model.name
+    }
+
+    /// The integral over the separations.
+    pub fn expectations(&self) -> &Expectations {
+        &self.expectations
+    }
+
+    /// The pull-off force of the integral, N; 0 or negative where nothing pulls.
+    pub fn pull_off_of_integral(&self) -> f64 {
+        -self.features.minimum.value
+    }
+
+    /// The ensemble, if one was asked for.
+    pub fn ensemble(&self) -> Option<&Ensemble> {
+        self.sampled.as_ref().map(|sampled| sampled.ensemble.as_ref())
+    }
+
+    /// Reasons why the law is not valid for the scene, a line each.
+    pub fn limits(&self) -> &[String] {
+        &self.limits
+    }
+}
+
+/// The ensemble of one law of a comparison.
+pub(crate) struct SampledLaw {
+    pub ensemble: Box<Ensemble>,
+    pub summation: Summation,
+    /// z-scores of adhesion force and external force.
+    pub z: [Vec<f64>; 2],
+    pub joint: JointTest,
+    pub cumulants: Cumulants,
+}
+
+impl SampledLaw {
+    /// Pull-off forces of the replicas, N.
+    fn pull_off_forces(&self) -> impl Iterator<Item = f64> {
+        self.ensemble.replicas.iter().map(|replica| replica.pull_off_force)
+    }
+}
+
+/// The mean of a number over replicas.
+#[derive(Clone, Copy, Debug)]
+pub struct Mean {
+    /// The mean.
+    pub mean: f64,
+    /// Its standard error.
+    pub standard_error: f64,
+    /// The standard deviation over the replicas.
+    pub std: f64,
+}
+
+/// Several laws on the same asperities.
+pub struct Comparison {
+    pub(crate) scene: Scene,
+    /// Interferences of one asperity, m.
+    pub(crate) interferences: Vec<f64>,
+    pub(crate) laws: Vec<ComparedLaw>,
+    /// Warnings about the scene under the first law.
+    pub(crate) warnings: Vec<Warning>,
+}
+
+impl Comparison {
+    /// The laws, in the order in which they were given.
+    pub fn laws(&self) -> &[ComparedLaw] {
+        &self.laws
+    }
+
+    /// The pull-off force of the replicas of a law, N; none without ensembles.
+    pub fn pull_off(&self, law: &ComparedLaw) -> Option<Mean> {
+        law.sampled.as_ref().map(|sampled| self.mean(sampled.pull_off_forces()))
+    }
+
+    /// The pull-off force of the replicas of a law less that of the first law on the same asperities, N; none
+    /// without ensembles.
+    pub fn paired_difference(&self, law: &ComparedLaw) -> Option<Mean> {
+        let (own, first) = (law.sampled.as_ref()?, self.laws[0].sampled.as_ref()?);
+        let pairs = own.pull_off_forces().zip(first.pull_off_forces());
+        Some(self.mean(pairs.map(|(own, first)| own - first)))
+    }
+
+    /// The mean over replicas, of which only groups are independent.
+    fn mean(&self, values: impl Iterator<Item = f64>) -> Mean {
+        let (values, group): (Vec<f64>, _) = (values.collect(), self.scene.sampling.group());
+        let (mut all, mut groups) = (Moments::new(1), Moments::new(1));
+        values.iter().for_each(|value| all.push(&[*value]));
+        values
+            .chunks_exact(group as usize)
+            .for_each(|group| groups.push(&[group.iter().sum::<f64>() / group.len() as f64]));
+        Mean { mean: all.mean()[0], standard_error: groups.standard_error()[0], std: all.std()[0] }
+    }
+
+    /// Writes it into a new HDF5 file, which appears when it is complete.
+    ///
+    /// # Errors
+    /// [`Error::Output`] when the file exists, [`Error::NotWritten`] when it cannot be written.
+    pub fn write(&self, path: impl AsRef<Path>) -> Result<(), Error> {
+        let lock = OutputLock::new(path.as_ref(), &[])?;
+        lock.check(false)?;
+        self.write_locked(&lock, false).map_err(|error| Error::NotWritten(error.writing(path.as_ref())))
+    }
+
+    /// Writes it where a lock is held; overwrites what is there if it may.
+    pub(crate) fn write_locked(&self, lock: &OutputLock, overwrite: bool) -> Result<(), OutputError> {
+        let mut writer = Writer::create(&COMPARISON, lock, overwrite)?;
+        record::write(&mut writer, self)?;
+        writer.finish()
+    }
+}
+
+/// A value over that of the first law, less 1; NaN where one of them has none, which is 0 or negative.
+pub(crate) fn deviation(value: f64, first: f64) -> f64 {
+    if value > 0.0 && first > 0.0 { value / first - 1.0 } else { f64::NAN }
+}
+
+/// Laws that are about to be compared.
+pub(crate) struct PreparedComparison {
+    scene: Scene,
+    laws: Vec<(Model, Box<dyn Law>)>,
+    with_ensembles: bool,
+}
+
+impl PreparedComparison {
+    /// Makes the laws for a scene.
+    ///
+    /// # Errors
+    /// [`Error::NotFor`] for a loop, for targets where there are ensembles, and for no law or one that is
+    /// given twice; [`Error::Law`].
+    pub fn new(mut scene: Scene, models: Vec<Model>, with_ensembles: bool) -> Result<Self, Error> {
+        let refused = |problem: &str| Err(Error::NotFor(problem.to_owned()));
+        if with_ensembles && scene.stopping.is_some() {
+            return refused(
+                "ends its ensemble at a target, which differs from law to law; give a number of replicas \
+                 for all of them",
+            );
+        }
+        if scene.cycle {
+            return refused(
+                "path = \"loop\": laws are compared on one way; give \"approach\" or \"retraction\"",
+            );
+        }
+        let is_given_before = |i: usize| models[..i].iter().any(|model| model.name == models[i].name);
+        if let Some(i) = (0..models.len()).find(|i| is_given_before(*i)) {
+            return Err(Error::NotFor(format!("the law {} is given twice; give it once", models[i].name)));
+        }
+        if models.is_empty() {
+            return refused("no law is given; give one or more");
+        }
+        // Snaps are a question of a run.
+        scene.instability = Instability::default();
+        let made = |model: Model| match scene.law_of(&model) {
+            Ok(law) => Ok((model, law)),
+            Err(error) => Err(Error::Law { law: model.name, error }),
+        };
+        let laws = models.into_iter().map(made).collect::<Result<_, _>>()?;
+        Ok(Self { scene, laws, with_ensembles })
+    }
+
+    /// The scene and the law with the most regimes, for an estimate of what is needed.
+    pub fn largest(&self) -> (&Scene, &dyn Law) {
+        let laws = self.laws.iter().map(|(_, law)| law.as_ref());
+        (&self.scene, laws.max_by_key(|law| law.regimes().len()).expect("there is a law"))
+    }
+
+    /// Computes it.
+    ///
+    /// # Errors
+    /// [`Error::Interrupted`].
+    pub fn run(
+        self,
+        pool: &rayon::ThreadPool,
+        stop: &AtomicBool,
+        phases: &mut Phases<'_>,
+    ) -> Result<Comparison, Error> {
+        let Self { scene, laws, with_ensembles } = self;
+        let interferences = interferences(&scene);
+        let (mut compared, mut warnings) = (Vec::new(), Vec::new());
+        for (model, law) in laws {
+            phases.phase(model.name);
+            let law = law.as_ref();
+            let (integral, expected) = pool.install(|| {
+                let integral = Integral::new(&scene, law, None);
+                let expected = compared.is_empty().then(|| integral.expected(&scene, law));
+                (integral, expected)
+            });
+            if let Some(expected) = expected {
+                warnings = warnings_of_scene(&scene, &model, law, &expected);
+            }
+            let Way { expectations, features, .. } = integral.there;
+            let sampled = match with_ensembles {
+                true => Some(sample(&scene, law, model.name, &expectations, pool, stop, phases)?),
+                false => None,
+            };
+            compared.push(ComparedLaw {
+                limits: limits(&scene, &model, law),
+                model,
+                regimes: law.regimes().iter().map(|regime| regime.name()).collect(),
+                expectations,
+                features,
+                asperity: curves(law, &interferences),
+                fit: law.fit().cloned(),
+                sampled,
+            });
+        }
+        phases.end();
+        Ok(Comparison { scene, interferences, laws: compared, warnings })
+    }
+}
+
+/// Where a law is not valid, a line each: its own limits, asperities beyond its end, and curve fits that are
+/// off.
+fn limits(scene: &Scene, model: &Model, law: &dyn Law) -> Vec<String> {
+    let psi = scene.asperity.plasticity_index(scene.surface.surface_height_std);
+    let mut limits = model.validity.limits(scene.scale().lambda, psi, scene.asperity.lubricant_thickness);
+    let beyond = beyond(scene, law);
+    if beyond >= 1e-3 {
+        let digits = if beyond < 10.0 { 3 } else { 0 };
+        limits.push(format!(
+            "up to {beyond:.digits$} asperities per replica are beyond its last regime and bear no force"
+        ));
+    }
+    if let Some(fit) = law.fit() {
+        let off = |i: usize| fit.largest_residual[i] / fit.largest_force[i];
+        let forces = FORCES.iter().enumerate().filter(|(i, _)| !(off(*i) <= LARGEST_RESIDUAL));
+        limits.extend(
+            forces.map(|(i, force)| format!("{force} is off by up to {} of its largest", percent(off(i)))),
+        );
+    }
+    limits
+}
+
+/// The ensemble of one law; every law draws the same asperities.
+fn sample(
+    scene: &Scene,
+    law: &dyn Law,
+    name: &'static str,
+    expectations: &Expectations,
+    pool: &rayon::ThreadPool,
+    stop: &AtomicBool,
+    phases: &mut Phases<'_>,
+) -> Result<SampledLaw, Error> {
+    let basis = basis_of(scene, law, None);
+    let setup = Sampling { scene, law, cycle: None, controls: &[], rule: None, keep_curves: false };
+    let (reduction_tree, summation) = setup.run_whole(name, pool, stop, phases, |_| {})?;
+    let ensemble = Box::new(reduction_tree.into_ensemble(&setup.job()));
+    let (z, joint) = cross_check(&ensemble, &[expectations], &basis, scene);
+    Ok(SampledLaw { ensemble, summation, z, joint, cumulants: basis.cumulants })
+}
+
+/// Interferences, m, from far before contact to beyond ω_c.
+fn interferences(scene: &Scene) -> Vec<f64> {
+    let scale = scene.scale();
+    let emd = Emd::new(scale.lambda, scene.path).expect("a scene is validated when it is read");
+    let before = scene.asperity.lubricant_thickness + FURTHEST * scene.asperity.equilibrium_spacing;
+    let low = emd.end() * scale.length - before;
+    let deepest = DEEPEST * scene.asperity.critical_interference();
+    let high = deepest.clamp(DEPTHS.0 * scale.length, DEPTHS.1 * scale.length);
+    (0..INTERFERENCES).map(|i| low + (high - low) * i as f64 / (INTERFERENCES - 1) as f64).collect()
+}
+
+/// The quantities of one asperity over rising interferences, m; 0 beyond the law's last regime.
+fn curves(law: &dyn Law, interferences: &[f64]) -> [Vec<f64>; 4] {
+    let mut curves: [Vec<f64>; 4] = std::array::from_fn(|_| vec![0.0; interferences.len()]);
+    let (mut scratch, mut stats) = (Scratch::default(), SolverStats::default());
+    for_each_block(law, interferences, 0.0, &mut scratch, &mut stats, |_, range, responses| {
+        for (i, place) in range.enumerate() {
+            let values =
+                Quantity::of_response(responses.adhesion[i], responses.contact[i], responses.area[i]);
+            for (curve, value) in curves.iter_mut().zip(values) {
+                curve[place] = value;
+            }
+        }
+    });
+    curves
+}

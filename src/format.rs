@@ -1,0 +1,158 @@
+//! Numbers as text.
+
+/// A quantity with an SI prefix and four significant digits.
+pub(crate) fn si(value: f64, unit: &str) -> String {
+    const PREFIXES: [(&str, i32); 10] = [
+        ("f", -15),
+        ("p", -12),
+        ("n", -9),
+        ("µ", -6),
+        ("m", -3),
+        ("", 0),
+        ("k", 3),
+        ("M", 6),
+        ("G", 9),
+        ("T", 12),
+    ];
+    if value == 0.0 || !value.is_finite() {
+        return format!("{value} {unit}");
+    }
+    let exponent = (value.abs().log10() / 3.0).floor() as i32 * 3;
+    match PREFIXES.iter().find(|(_, power)| *power == exponent) {
+        Some((prefix, power)) => {
+            format!("{} {prefix}{unit}", significant(value / 10f64.powi(*power)))
+        }
+        None => format!("{value:.3e} {unit}"),
+    }
+}
+
+/// Four significant digits for values from 1 to 1000.
+fn significant(value: f64) -> String {
+    let digits = if value.abs() < 10.0 {
+        3
+    } else if value.abs() < 100.0 {
+        2
+    } else {
+        1
+    };
+    format!("{value:.digits$}")
+}
+
+/// A share in per cent.
+pub(crate) fn percent(share: f64) -> String {
+    if share != 0.0 && share.abs() < 1e-4 {
+        format!("{:.1e} %", 100.0 * share)
+    } else {
+        format!("{:.2} %", 100.0 * share)
+    }
+}
+
+/// A positive bound with one significant digit, rounded up.
+pub(crate) fn bound(value: f64) -> String {
+    let nearest = format!("{value:.0e}");
+    match nearest.split_once('e') {
+        Some((digit, exponent)) if nearest.parse::<f64>().is_ok_and(|nearest| nearest < value) => {
+            match digit.parse() {
+                Ok(9) => format!("1e{}", exponent.parse::<i32>().unwrap_or_default() + 1),
+                Ok(digit) => format!("{}e{exponent}", digit + 1),
+                Err(_) => nearest,
+            }
+        }
+        _ => nearest,
+    }
+}
+
+/// A pure number with four decimals, or in powers of ten where they would hide it.
+pub(crate) fn pure(value: f64) -> String {
+    if (1e-2..1e5).contains(&value.abs()) { format!("{value:.4}") } else { format!("{value:.3e}") }
+}
+
+/// A deviation in per cent; a factor where it doubles or more; a dash where there is none.
+pub(crate) fn signed_percent(deviation: f64) -> String {
+    match deviation {
+        d if d.is_nan() => "-".to_owned(),
+        d if d < 1.0 => format!("{:+.2} %", 100.0 * d),
+        d if d < 999.0 => format!("x {:.3}", 1.0 + d),
+        d => format!("x {:.1e}", 1.0 + d),
+    }
+}
+
+/// A factor with two significant digits: of a ratio of variances no more are known.
+pub(crate) fn factor(value: f64) -> String {
+    let rounded: f64 = format!("{value:.1e}").parse().unwrap_or(value);
+    if (0.01..10.0).contains(&rounded) { format!("{rounded:.1}") } else { format!("{rounded:.0}") }
+}
+
+/// Bytes with a prefix and three significant digits, or whole below a kilobyte.
+pub(crate) fn bytes(count: f64) -> String {
+    const UNITS: [(&str, f64); 5] = [("PB", 1e15), ("TB", 1e12), ("GB", 1e9), ("MB", 1e6), ("kB", 1e3)];
+    let Some((unit, size)) = UNITS.iter().find(|(_, size)| count >= 0.9995 * size) else {
+        return format!("{count:.0} bytes");
+    };
+    let value = count / size;
+    let digits = if value < 9.995 { 2 } else { usize::from(value < 99.95) };
+    format!("{value:.digits$} {unit}")
+}
+
+/// Seconds, minutes or hours.
+pub(crate) fn duration(seconds: f64) -> String {
+    if seconds < 120.0 {
+        format!("{seconds:.1} s")
+    } else if seconds < 7200.0 {
+        format!("{:.1} min", seconds / 60.0)
+    } else {
+        format!("{:.1} h", seconds / 3600.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn paragraphs_are_broken_between_words() {
+        let text = "word ".repeat(40);
+        let lines: Vec<String> = paragraph(&text).lines().map(|line| line.trim().to_owned()).collect();
+        assert_eq!(lines.iter().map(String::len).collect::<Vec<_>>(), [84, 84, 29]);
+        assert_eq!(lines.join(" "), text.trim());
+    }
+
+    #[test]
+    fn quantities_have_prefixes() {
+        assert_eq!(si(6.4e-4, "N"), "640.0 µN");
+        assert_eq!(si(-7.56e-2, "N"), "-75.60 mN");
+        assert_eq!(si(2.5e9, "Pa"), "2.500 GPa");
+        assert_eq!(si(0.0, "N"), "0 N");
+        assert_eq!(si(1e-20, "N"), "1.000e-20 N");
+    }
+
+    #[test]
+    fn bounds_are_rounded_up() {
+        for (value, text) in
+            [(1.2e-13, "2e-13"), (2e-13, "2e-13"), (9.3e-14, "1e-13"), (9.7e-14, "1e-13"), (3.01, "4e0")]
+        {
+            assert_eq!(bound(value), text);
+        }
+    }
+
+    #[test]
+    fn times_and_shares_are_readable() {
+        assert_eq!(duration(3.25), "3.2 s");
+        assert_eq!(bytes(12.0), "12 bytes");
+        assert_eq!(bytes(43.9e6), "43.9 MB");
+        assert_eq!(bytes(999.96e6), "1.00 GB");
+        assert_eq!(bytes(8.4321e12), "8.43 TB");
+        assert_eq!(bytes(12345e15), "12345 PB");
+        assert_eq!(duration(600.0), "10.0 min");
+        assert_eq!(duration(36000.0), "10.0 h");
+        assert_eq!(percent(0.1234), "12.34 %");
+        assert_eq!(percent(1e-6), "1.0e-4 %");
+        assert_eq!(signed_percent(-0.0123), "-1.23 %");
+        assert_eq!(signed_percent(7.638), "x 8.638");
+        assert_eq!(signed_percent(1e12), "x 1.0e12");
+        assert_eq!(signed_percent(f64::NAN), "-");
+        assert_eq!(pure(0.8985), "0.8985");
+        assert_eq!([45.942, 1.04, 9.96, 1234.0].map(factor), ["46", "1.0", "10", "1200"]);
+        assert_eq!(pure(1.5e-7), "1.500e-7");
+    }
+}

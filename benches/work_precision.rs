@@ -127,7 +127,7 @@ fn sums(table: &mut Table) {
 fn summed_one_by_one(scene: &Scene, index: u64) -> Vec<[f64; 2]> {
     let parameters =
         LawParameters::new(&scene.asperity, scene.path, scene.reach()).expect("a validated scene");
-    let law = (scene.model.build)(&LawParameters { reach: None, ..parameters }).expect("a law of the scene");
+    let law = scene.model.law(&LawParameters { reach: None, ..parameters }).expect("a law of the scene");
     let mut heights = Vec::new();
     draw(&scene.surface, scene.seed, scene.sampling, index, &mut heights, &mut Vec::new());
     heights.sort_unstable_by(f64::total_cmp);

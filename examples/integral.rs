@@ -19,7 +19,7 @@ fn main() -> Result<(), LawError> {
     };
     // Heights of 1.6 nm standard deviation, 7390 asperities on 1000 µm².
     let surface = Surface::uniform(1.6e-9, asperity.radius, 7390, 1e-9);
-    let law = (model("hybrid").expect("it is a law").build)(&LawParameters::new(
+    let law = model("hybrid").expect("it is a law").law(&LawParameters::new(
         &asperity,
         Path::Approach,
         (-50e-9, 50e-9),

@@ -110,14 +110,6 @@ mod tests {
     use super::*;
 
     #[test]
-    fn paragraphs_are_broken_between_words() {
-        let text = "word ".repeat(40);
-        let lines: Vec<String> = paragraph(&text).lines().map(|line| line.trim().to_owned()).collect();
-        assert_eq!(lines.iter().map(String::len).collect::<Vec<_>>(), [84, 84, 29]);
-        assert_eq!(lines.join(" "), text.trim());
-    }
-
-    #[test]
     fn quantities_have_prefixes() {
         assert_eq!(si(6.4e-4, "N"), "640.0 µN");
         assert_eq!(si(-7.56e-2, "N"), "-75.60 mN");

@@ -37,5 +37,5 @@ mod source;
 pub mod surface;
 pub mod validation;
 
-pub use experiment::{Error, Observer, RunResult, builder, run};
+pub use experiment::{Error, Observer, RunResult, builder, compare, integrate, run};
 pub use scene::Scene;

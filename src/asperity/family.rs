@@ -25,7 +25,7 @@ impl Family {
         }
         let of_radius = move |radius: f64, reach: Option<(f64, f64)>| {
             let parameters = LawParameters::new(&Asperity { radius, ..asperity }, path, (0.0, 0.0))?;
-            (model.build)(&LawParameters { reach, ..parameters })
+            model.law(&LawParameters { reach, ..parameters })
         };
         for factor in [least, most] {
             of_radius(factor * asperity.radius, None)?;

@@ -7,10 +7,10 @@
 //! ```
 //! use stiction::asperity::formula::{ClosedForm, Constant};
 //! use stiction::asperity::table::{Row, Table};
-//! use stiction::asperity::{Law, LawError, Regime, Setting};
+//! use stiction::asperity::{Law, LawError, Regime, LawParameters};
 //! use std::f64::consts::PI;
 //!
-//! fn dmt(setting: &Setting) -> Result<Box<dyn Law>, LawError> {
+//! fn dmt(setting: &LawParameters) -> Result<Box<dyn Law>, LawError> {
 //!     // s_δ, s_a and s_F: F_s = 2πRΔγ = 2 s_F, P = s_F (δ/s_δ)^(3/2), area = π s_a² δ/s_δ.
 //!     let scale = setting.scale;
 //!     let adhesion = move |_: f64| 2.0 * scale.force;

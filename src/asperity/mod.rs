@@ -21,6 +21,7 @@ pub mod noncontact;
 mod parameters;
 pub mod quantity;
 pub mod scale;
+mod solved;
 mod stats;
 pub mod table;
 pub mod unloading;
@@ -34,5 +35,6 @@ pub use law::{
 };
 pub use parameters::LawParameters;
 pub use quantity::Quantity;
+pub use solved::SolvedAsperity;
 pub use stats::SolverStats;
 pub use unloading::{Loop, UnloadedRadius};

@@ -18,14 +18,21 @@ pub struct Model {
     pub about: &'static str,
     /// Where it is valid.
     pub validity: Validity,
-    /// Makes it.
-    pub build: Build,
+    build: Build,
 }
 
 /// The law with the published fits, which alone takes a δ_A from the scene: all others find their own.
 pub const PUBLISHED_FITS: &str = "fit:paper";
 
 impl Model {
+    /// Makes the law for one asperity.
+    ///
+    /// # Errors
+    /// [`LawError`] where the law is not for these parameters.
+    pub fn law(&self, parameters: &LawParameters) -> Result<Box<dyn Law>, LawError> {
+        (self.build)(parameters)
+    }
+
     /// Whether its forces are curve fits to those of one asperity.
     pub fn is_fit(&self) -> bool {
         self.name.starts_with("fit:")

@@ -128,8 +128,8 @@ impl Loop {
         if !unloads(model) {
             return Err(LawError::NoUnloading { law: model.name, others: &UNLOADING });
         }
-        let [approach, retraction] = [Path::Approach, Path::Retraction]
-            .map(|path| (model.build)(&LawParameters { path, ..*parameters }));
+        let [approach, retraction] =
+            [Path::Approach, Path::Retraction].map(|path| model.law(&LawParameters { path, ..*parameters }));
         let (approach, retraction) = (approach?, retraction?);
         let regimes = approach.regimes();
         let first = |is: fn(&Regime) -> bool| regimes.iter().position(is).unwrap_or(regimes.len());

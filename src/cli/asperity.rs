@@ -1,22 +1,19 @@
 //! `stiction asperity`: one asperity in scaled variables, as CSV.
 
 use super::{AsperityArguments, Failure, print};
-use crate::asperity::models::{MODELS, Model, model};
+use crate::asperity::models::Model;
 use crate::asperity::scale::pressure_factor;
-use crate::asperity::{
-    Law, LawError, LawParameters, Regime, Responses, Scratch, SolverStats, for_each_block,
-};
+use crate::asperity::{Law, LawError, LawParameters, Regime, SolvedAsperity, SolverStats};
+use crate::experiment::run::law_named;
 use crate::experiment::scene_file::read_text;
 use crate::scene::echo::shortened;
-use crate::scene::nearest;
-use std::f64::consts::PI;
 use std::path::Path;
 
 /// Longest table that is read, bytes: some million rows.
 const LONGEST_TABLE: u64 = 256 << 20;
 
 pub(super) fn asperity(arguments: &AsperityArguments) -> Result<(), Failure> {
-    let model = find("--law", &arguments.law)?;
+    let model = find("--law", arguments.law.trim())?;
     let points = match (&arguments.table, arguments.lambda) {
         (Some(table), _) => read_table(table)?,
         (None, Some(lambda)) => arguments.delta.iter().map(|&delta| (lambda, delta)).collect(),
@@ -35,7 +32,7 @@ pub(super) fn asperity(arguments: &AsperityArguments) -> Result<(), Failure> {
         }
         let known = match law.take() {
             Some((known, law)) if known == lambda => law,
-            _ => (model.build)(&parameters(lambda, arguments)?).map_err(usage)?,
+            _ => model.law(&parameters(lambda, arguments)?).map_err(usage)?,
         };
         text += &line(known.as_ref(), lambda, delta, arguments)?;
         law = Some((lambda, known));
@@ -45,13 +42,7 @@ pub(super) fn asperity(arguments: &AsperityArguments) -> Result<(), Failure> {
 
 /// The law of a name that was given for `argument`.
 pub(super) fn find(argument: &str, name: &str) -> Result<Model, Failure> {
-    model(name.trim()).ok_or_else(|| {
-        let names: Vec<&str> = MODELS.iter().map(|model| model.name).collect();
-        let hint = nearest(name, names.iter().copied())
-            .map(|near| format!(" (did you mean {near}?)"))
-            .unwrap_or_default();
-        Failure::Usage(format!("{argument} {name}: unknown law{hint}; known: {}", names.join(", ")))
-    })
+    law_named(name).map_err(|error| Failure::Usage(format!("{argument} {error}")))
 }
 
 /// The scaled asperity that the arguments ask for.
@@ -79,27 +70,19 @@ fn usage(error: LawError) -> Failure {
 
 /// One asperity as a row. Fully plastic loads depend on the Poisson ratio, which has to be given for them.
 fn line(law: &dyn Law, lambda: f64, delta: f64, arguments: &AsperityArguments) -> Result<String, Failure> {
-    // Beyond the last regime of a law nothing acts, though the asperity is in contact.
-    let (mut branch, mut response, mut plastic) = ("contact", [0.0; 3], false);
-    let visit = |regime: usize, _: std::ops::Range<usize>, responses: &Responses| {
-        branch = if law.regimes()[regime].is_contact() { "contact" } else { "noncontact" };
-        plastic = law.regimes()[regime] == Regime::Plastic;
-        response = [responses.adhesion[0], responses.contact[0], responses.area[0]];
-    };
-    let mut stats = SolverStats::default();
-    for_each_block(law, &[delta], 0.0, &mut Scratch::default(), &mut stats, visit);
-    if plastic && arguments.poisson_ratio.is_none() {
+    let solved = SolvedAsperity::new(law, delta);
+    if solved.regime == Some(Regime::Plastic) && arguments.poisson_ratio.is_none() {
         return Err(Failure::Usage(format!(
             "delta = {delta} is fully plastic: give --poisson-ratio, which its load needs"
         )));
     }
-    let [adhesion, contact, area] = response;
-    let numbers = [adhesion, contact - adhesion, (area / PI).sqrt()].map(|value| format!("{value:.16e}"));
-    let cost = if arguments.diagnostics {
-        format!(",{},{}", stats.evaluations, stats.safeguarded)
-    } else {
-        String::new()
-    };
+    // Beyond the last regime of a law nothing acts, though the asperity is in contact.
+    let is_contact = solved.regime.is_none_or(Regime::is_contact);
+    let branch = if is_contact { "contact" } else { "noncontact" };
+    let numbers = [solved.adhesion_force, solved.external_force(), solved.contact_radius()]
+        .map(|value| format!("{value:.16e}"));
+    let SolverStats { evaluations, safeguarded, .. } = solved.stats;
+    let cost = if arguments.diagnostics { format!(",{evaluations},{safeguarded}") } else { String::new() };
     Ok(format!("{lambda:.16e},{delta:.16e},{branch},{}{cost}\n", numbers.join(",")))
 }
 

@@ -4,7 +4,7 @@ use super::points::Points;
 use super::rows::row;
 use super::session::Session;
 use super::{Failure, FiniteSizeArguments, files_of, law_of, print_of, read_scene};
-use crate::experiment::integral::Way;
+use crate::experiment::integral::PathIntegral;
 use crate::experiment::record::{write_about, write_model};
 use crate::format::{bound, percent, si, signed_percent};
 use crate::output::checkpoint::Identity;
@@ -138,7 +138,7 @@ fn sizes(scene: &Scene, counts: &[u64], files: &Arc<dyn Files>) -> Result<Sweep,
 /// The pull-off force of the integral for one asperity, N.
 fn integral(points: &Points<'_>, scene: &Scene) -> Result<f64, Failure> {
     let law = law_of(scene, &scene.model, points.source)?;
-    let force = -Way::of(scene, law.as_ref()).features.minimum.value;
+    let force = -PathIntegral::of(scene, law.as_ref()).features.minimum.value;
     if force > 0.0 {
         return Ok(force / scene.surface.asperity_count as f64);
     }

@@ -414,6 +414,7 @@ impl From<experiment::Error> for Failure {
             | Error::Unreadable { .. }
             | Error::IsSweep(_)
             | Error::Law { .. }
+            | Error::UnknownLaw(_)
             | Error::NotFor(_) => Self::Usage(error.to_string()),
             Error::Unfinished { .. } => {
                 Self::Usage(format!("{error}; --resume goes on with it, --force begins anew"))

@@ -22,3 +22,16 @@ pub(super) fn paragraph(text: &str) -> String {
     }
     lines.iter().map(|line| row("", line)).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn paragraphs_are_broken_between_words() {
+        let text = "word ".repeat(40);
+        let lines: Vec<String> = paragraph(&text).lines().map(|line| line.trim().to_owned()).collect();
+        assert_eq!(lines.iter().map(String::len).collect::<Vec<_>>(), [84, 84, 29]);
+        assert_eq!(lines.join(" "), text.trim());
+    }
+}

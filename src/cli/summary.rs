@@ -29,8 +29,9 @@ pub(super) fn summary(results: &Results, output: &Path) -> String {
     text += &instability(results);
     text += &at_pull_off(results);
     text += &verdict(&results.joint, &results.z, "all of them are in /validation");
-    let back = results.back.as_ref().map_or(0.0, |back| back.expectations.quadrature_error);
-    text += &row("integral", &error_bound(maximum(results.expectations.quadrature_error, back)));
+    let retraction =
+        results.retraction.as_ref().map_or(0.0, |retraction| retraction.expectations.quadrature_error);
+    text += &row("integral", &error_bound(maximum(results.expectations.quadrature_error, retraction)));
     text += &times(results);
     text += &row("written", &output.display().to_string());
     text
@@ -201,7 +202,7 @@ fn stiffness(results: &Results) -> String {
 
 /// What a loop costs, and where contact begins and ends.
 fn cycle(results: &Results) -> String {
-    let Some(back) = &results.back else { return String::new() };
+    let Some(retraction) = &results.retraction else { return String::new() };
     let replicas = &results.ensemble.replicas;
     let [energy, touchdown, takeoff] = [6, 7, 8].map(|scalar| &results.scalars[scalar]);
     let (_, std) = moments(replicas, LOOP_SCALARS[2].of);
@@ -213,7 +214,7 @@ fn cycle(results: &Results) -> String {
     };
     let mut text = row("dissipated", &of_replicas);
     if let Some([(radius, force), (other, other_force)]) =
-        back.by_radius.filter(|[(_, force), _]| *force > 0.0)
+        retraction.by_radius.filter(|[(_, force), _]| *force > 0.0)
     {
         let change = 100.0 * (other_force / force - 1.0);
         text = row(
@@ -228,7 +229,7 @@ fn cycle(results: &Results) -> String {
             ),
         ) + &text;
     }
-    let integrals = [&results.expectations, &back.expectations];
+    let integrals = [&results.expectations, &retraction.expectations];
     let forces = integrals
         .map(|way| [Quantity::AdhesionForce, Quantity::ContactForce].map(|q| &*way.expected[q.index()]));
     let error = integrals.iter().fold(SUM_ROUNDING, |error, way| maximum(error, way.quadrature_error));

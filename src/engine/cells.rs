@@ -285,7 +285,7 @@ mod tests {
     #[test]
     fn cells_are_the_staircase() {
         let parameters = LawParameters::new(&CASE_II, Path::Approach, (-20e-9, 20e-9)).unwrap();
-        let law = (model("emd").unwrap().build)(&parameters).unwrap();
+        let law = model("emd").unwrap().law(&parameters).unwrap();
         let surface = Surface { mean_plane_offset: 0.1e-9, ..Surface::uniform(1.4e-9, 3.33e-6, 5000, 1e-9) };
         let mut heights = vec![0.0; 5000];
         surface.heights.draw(&mut stream(1, Purpose::Heights, 0), &mut heights);

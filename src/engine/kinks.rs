@@ -274,7 +274,7 @@ mod tests {
     #[test]
     fn jumps_are_where_and_as_large_as_the_law_has_them() {
         let parameters = LawParameters::new(&CASE_II, Path::Approach, (-20e-9, 20e-9)).unwrap();
-        let law = (model("emd").unwrap().build)(&parameters).unwrap();
+        let law = model("emd").unwrap().law(&parameters).unwrap();
         let unit = Scale::new(&CASE_II).unwrap().force;
         let kinks = Kink::of(law.as_ref(), 0.07e-9);
         let expected = [-(0.909 - 0.766), -(2.0 - 1.268), 2.0 - 0.977];

@@ -271,7 +271,7 @@ mod tests {
     }
 
     fn law(name: &str) -> Box<dyn Law> {
-        (model(name).unwrap().build)(&parameters()).unwrap()
+        model(name).unwrap().law(&parameters()).unwrap()
     }
 
     fn job<'a>(law: &'a dyn Law, surface: &'a Surface, separations: &'a [f64]) -> Job<'a> {

@@ -1,10 +1,22 @@
 //! Why an experiment ends without its result.
 
 use crate::asperity::LawError;
+use crate::asperity::models::MODELS;
 use crate::output::OutputError;
-use crate::scene::SceneError;
+use crate::scene::{SceneError, nearest};
 use std::path::PathBuf;
 use thiserror::Error;
+
+/// The names of all laws.
+fn known_laws() -> Vec<&'static str> {
+    MODELS.iter().map(|model| model.name).collect()
+}
+
+/// The name that was meant, if one is near.
+fn hint(name: &str) -> String {
+    let near = nearest(name, known_laws().into_iter());
+    near.map(|near| format!(" (did you mean {near}?)")).unwrap_or_default()
+}
 
 /// Why an experiment ends without its result.
 #[derive(Debug, Error)]
@@ -36,7 +48,10 @@ pub enum Error {
         /// Why.
         error: LawError,
     },
-    /// The scene is not for what was asked.
+    /// There is no law of this name.
+    #[error("{0}: unknown law{hint}; known: {known}", hint = hint(.0), known = known_laws().join(", "))]
+    UnknownLaw(String),
+    /// The scene, or another argument, is not for what was asked.
     #[error("{0}")]
     NotFor(String),
     /// Threads cannot be started.

@@ -8,26 +8,30 @@ use crate::scene::{Expected, Reading, Scene, WhatIsRead};
 /// Steps of h* that resolve the integral, which is an average over heights that scatter by about σ.
 pub(crate) const RESOLVING: f64 = 0.125;
 
-/// The integral on one way.
-pub(crate) struct Way {
+/// The integral over the heights along one path, and what is read off it.
+#[derive(Clone)]
+pub struct PathIntegral {
+    /// Expectations and standard deviations over the separations.
     pub expectations: Expectations,
     /// Pull-off and stiffest point, wherever they are between the separations.
     pub features: Features,
-    /// The integral at pull-off, or at the smallest separation where nothing pulls.
-    pub at_pull_off: Expectations,
+    /// The integral at the pull-off, or at the smallest separation where nothing pulls.
+    pub(crate) at_pull_off: Expectations,
     /// The integral at the stiffest point.
     at_stiffest: Expectations,
 }
 
-/// The integral of a scene.
-pub(crate) struct Integral {
-    pub there: Way,
-    /// Of a loop, the way back.
-    pub back: Option<Way>,
+/// The integral of a scene, without any ensemble.
+#[derive(Clone)]
+pub struct Integral {
+    /// The integral on approach, or on the one path of the scene.
+    pub main: PathIntegral,
+    /// The integral on the retraction of a loop.
+    pub retraction: Option<PathIntegral>,
 }
 
-/// Steps, m, that resolve what is read off the integral of a scene; over given heights it jumps, and no steps
-/// do.
+/// Steps, m, that resolve what is read off the integral of a scene. Over given heights it jumps, and no steps
+/// resolve it.
 pub(crate) fn resolving(scene: &Scene) -> f64 {
     if is_smooth(scene) { RESOLVING * scene.surface.surface_height_std } else { f64::INFINITY }
 }
@@ -37,8 +41,8 @@ fn is_smooth(scene: &Scene) -> bool {
     scene.surface.heights.values().is_none()
 }
 
-impl Way {
-    /// From the integral over the separations of a scene, and at any one, h, m.
+impl PathIntegral {
+    /// Reads off the integral over the separations of a scene, and at any one separation h, m.
     fn new(scene: &Scene, expectations: Expectations, at: impl Fn(f64) -> Expectations) -> Self {
         let q = Quantity::ExternalForce.index();
         let features = Features::new(
@@ -52,14 +56,19 @@ impl Way {
         Self { at_pull_off, at_stiffest: at(features.steepest.place), features, expectations }
     }
 
-    /// The integral of a law on one way.
-    pub fn of(scene: &Scene, law: &dyn Law) -> Self {
+    /// The integral of a law along one path.
+    pub(crate) fn of(scene: &Scene, law: &dyn Law) -> Self {
         let model = Model::new(law, &scene.surface, &scene.separations);
         Self::new(scene, model.answer(&scene.separations, TOLERANCE), |h| model.answer(&[h], TOLERANCE))
     }
 
-    /// Of a loop, that of the way back.
-    pub fn back(scene: &Scene, cycle: &Loop) -> Self {
+    /// The pull-off force, N; 0 or negative where nothing pulls.
+    pub fn pull_off(&self) -> f64 {
+        -self.features.minimum.value
+    }
+
+    /// The integral of a loop on retraction.
+    pub(crate) fn retraction(scene: &Scene, cycle: &Loop) -> Self {
         let (surface, separations) = (&scene.surface, &scene.separations);
         let expectations = Expectations::retraction(cycle, surface, separations);
         Self::new(scene, expectations, |h| Expectations::retraction_at(cycle, surface, separations[0], h))
@@ -108,30 +117,33 @@ fn reading(scene: &Scene, what: WhatIsRead, separation: f64, at: &Expectations) 
 }
 
 impl Integral {
-    /// That of a scene under a law, and its loop if surfaces are pulled back.
-    pub fn new(scene: &Scene, law: &dyn Law, cycle: Option<&Loop>) -> Self {
-        Self { there: Way::of(scene, law), back: cycle.map(|cycle| Way::back(scene, cycle)) }
+    /// The integral of a scene under a law, and along its loop if surfaces are pulled back.
+    pub(crate) fn new(scene: &Scene, law: &dyn Law, cycle: Option<&Loop>) -> Self {
+        Self {
+            main: PathIntegral::of(scene, law),
+            retraction: cycle.map(|cycle| PathIntegral::retraction(scene, cycle)),
+        }
     }
 
-    /// The way there, and of a loop the way back.
-    pub fn ways(&self) -> impl Iterator<Item = &Way> {
-        [&self.there].into_iter().chain(&self.back)
+    /// The main path, and the retraction of a loop.
+    pub(crate) fn paths(&self) -> impl Iterator<Item = &PathIntegral> {
+        [&self.main].into_iter().chain(&self.retraction)
     }
 
-    /// The way on which the surfaces are pulled off.
-    pub fn pulled(&self) -> &Way {
-        self.back.as_ref().unwrap_or(&self.there)
+    /// The path on which the surfaces are pulled off: of a loop the retraction.
+    pub fn pulled(&self) -> &PathIntegral {
+        self.retraction.as_ref().unwrap_or(&self.main)
     }
 
     /// What is read off it where, and how good it is.
-    pub fn expected(&self, scene: &Scene, law: &dyn Law) -> Expected {
+    pub(crate) fn expected(&self, scene: &Scene, law: &dyn Law) -> Expected {
         let mut readings = self.pulled().readings(scene);
-        if self.back.is_some() {
-            let place = self.there.turn(scene);
+        if self.retraction.is_some() {
+            let place = self.main.turn(scene);
             let at = Model::new(law, &scene.surface, &[place]).answer(&[place], TOLERANCE);
             readings.push(reading(scene, WhatIsRead::Turn, place, &at));
         }
-        let error = |way: &Way| way.expectations.quadrature_error;
-        Expected { readings, error: maximum(error(&self.there), error(self.pulled())) }
+        let error = |way: &PathIntegral| way.expectations.quadrature_error;
+        Expected { readings, error: maximum(error(&self.main), error(self.pulled())) }
     }
 }

@@ -9,12 +9,14 @@ mod observer;
 pub(crate) mod prepared;
 pub(crate) mod record;
 pub(crate) mod results;
-mod run;
+pub(crate) mod run;
 pub(crate) mod sampling;
 pub(crate) mod scene_file;
 pub(crate) mod snaps;
 
+pub use compare::{ComparedLaw, Comparison, Mean};
 pub use error::Error;
+pub use integral::{Integral, PathIntegral};
 pub use observer::Observer;
 pub(crate) use observer::Phases;
-pub use run::{Builder, RunResult, builder, run};
+pub use run::{Builder, RunResult, builder, compare, integrate, run};

@@ -1,9 +1,9 @@
 //! One scene, from its laws to a checked file.
 
 use super::checkpoint::{Beginning, Checkpointer, Interrupted, OverwritePolicy, Run, State, beginning};
-use super::integral::{Integral, Way};
+use super::integral::{Integral, PathIntegral};
 use super::record::{write_curves, write_head, write_results};
-use super::results::{Results, RunMetadata, Stopped, WayBack, mean_features};
+use super::results::{Results, RetractionResults, RunMetadata, Stopped, mean_features};
 use super::sampling::{Sampling, basis_of, cross_check};
 use super::{Error, Observer, Phases};
 use crate::asperity::{Law, Loop, Quantity};
@@ -70,13 +70,13 @@ pub(crate) fn run_scene(
     let Sampled { reduction_tree, summation, mut checkpointer } =
         ground.sample(batches, interrupted, task, session, &mut phases)?;
     let most = ground.scene.replicas;
-    let told = RunMetadata {
+    let metadata = RunMetadata {
         seconds_before: checkpointer.seconds_before,
         resumptions: checkpointer.resumptions,
         checkpoints: checkpointer.journal.cost(),
         ..RunMetadata::default()
     };
-    let results = ground.results(*reduction_tree, summation, told, session, &mut phases);
+    let results = ground.results(*reduction_tree, summation, metadata, session, &mut phases);
     phases.phase("writing");
     let written = write(task, &results, &mut checkpointer.journal, &session.stop);
     phases.end();
@@ -138,8 +138,8 @@ impl PreparedRun {
         });
         phases.phase("test functionals");
         let state = kept.unwrap_or_else(|| prepared(&scene, (law, cycle), &integral));
-        let force = |way: &Way| way.expectations.expected[Quantity::ExternalForce.index()].clone();
-        let expected: Vec<f64> = integral.ways().flat_map(force).collect();
+        let force = |way: &PathIntegral| way.expectations.expected[Quantity::ExternalForce.index()].clone();
+        let expected: Vec<f64> = integral.paths().flat_map(force).collect();
         let expected = state.controls.iter().map(|&place| expected[place]).collect();
         Self { scene, laws, plan, warnings, integral, state, expected }
     }
@@ -202,7 +202,7 @@ impl PreparedRun {
         mut self,
         reduction_tree: ReductionTree,
         summation: Summation,
-        told: RunMetadata,
+        metadata: RunMetadata,
         session: &Session,
         phases: &mut Phases<'_>,
     ) -> Results {
@@ -214,28 +214,34 @@ impl PreparedRun {
         let Self { scene, laws: Laws { law, cycle }, plan, warnings, integral, state, expected } = self;
         let State { basis, controls, .. } = state;
         phases.phase("cross-check");
-        let ways: Vec<&Expectations> = integral.ways().map(|way| &way.expectations).collect();
-        let (z, joint) = cross_check(&ensemble, &ways, &basis, &scene);
+        let paths: Vec<&Expectations> = integral.paths().map(|way| &way.expectations).collect();
+        let (z, joint) = cross_check(&ensemble, &paths, &basis, &scene);
         let scalars = controlled_means(&ensemble.groups.scalars, &expected);
         let at_pull_off = integral.pulled().at_pull_off.clone();
-        let Integral { there: Way { expectations, features: of_integral, .. }, back } = integral;
-        let (of_mean, back) = session.pool.install(|| {
+        let Integral { main: PathIntegral { expectations, features: of_integral, .. }, retraction } =
+            integral;
+        let (of_mean, retraction) = session.pool.install(|| {
             let of_mean = mean_features(&scene, law.as_ref(), &ensemble, &expectations);
-            (of_mean, cycle.zip(back).map(|(cycle, way)| WayBack::new(&scene, &cycle, &ensemble, way)))
+            (
+                of_mean,
+                cycle
+                    .zip(retraction)
+                    .map(|(cycle, way)| RetractionResults::new(&scene, &cycle, &ensemble, way)),
+            )
         });
         phases.end();
         let mut seconds = phases.seconds();
         seconds
             .iter_mut()
             .filter(|(name, _)| *name == "ensemble")
-            .for_each(|(_, time)| *time += told.seconds_before);
+            .for_each(|(_, time)| *time += metadata.seconds_before);
         Results {
             regimes: law.regimes().iter().map(|regime| regime.name()).collect(),
             scene,
             plan,
             warnings,
             expectations,
-            back,
+            retraction,
             ensemble,
             stopped,
             summation,
@@ -249,7 +255,7 @@ impl PreparedRun {
             joint,
             seconds,
             threads: session.pool.current_num_threads(),
-            told,
+            metadata,
         }
     }
 }

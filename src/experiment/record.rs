@@ -26,7 +26,7 @@ pub(crate) fn write_head(writer: &mut Writer<'_>, results: &Results) -> Result<(
     writer.number("/", "replicas", scene.replicas)?;
     writer.text("/", "sampling", scene.sampling.name())?;
     writer.named_scale(Dimension::Regime, regimes)?;
-    match &results.told.partial {
+    match &results.metadata.partial {
         None => writer.scale(Dimension::Replica, &(0..scene.replicas).collect::<Vec<u64>>())?,
         Some(partial) => {
             writer.number("/", "partial", 1_u8)?;
@@ -57,7 +57,7 @@ pub(crate) fn write_curves(
     stop: &AtomicBool,
 ) -> Result<(), OutputError> {
     let of_ways = |force: &'static str| {
-        results.ways().into_iter().map(move |(way, _)| format!("/replicas/{way}{force}"))
+        results.paths().into_iter().map(move |(way, _)| format!("/replicas/{way}{force}"))
     };
     let paths: Vec<String> = ["external_force", "adhesion_force"].into_iter().flat_map(of_ways).collect();
     paths.iter().try_for_each(|path| writer.curve_dataset(path))?;
@@ -158,7 +158,7 @@ fn write_features(writer: &Writer<'_>, group: &str, features: &Features) -> Resu
 
 fn write_ensemble(writer: &Writer<'_>, results: &Results) -> Result<(), OutputError> {
     let ensemble = &results.ensemble;
-    for (way, states) in results.ways() {
+    for (way, states) in results.paths() {
         for quantity in Quantity::ALL {
             let moments = &ensemble.curves[quantity.index()];
             let error = ensemble.groups.curves[quantity.index()].standard_error();
@@ -225,14 +225,14 @@ fn write_stopped(writer: &Writer<'_>, stopped: &Stopped) -> Result<(), OutputErr
 
 /// Of a loop, how many asperities come into contact and lose it between neighbouring separations.
 fn write_jumps(writer: &mut Writer<'_>, results: &Results) -> Result<(), OutputError> {
-    let Some(back) = &results.back else { return Ok(()) };
+    let Some(retraction) = &results.retraction else { return Ok(()) };
     let middles: Vec<f64> =
         results.scene.separations.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])).collect();
     writer.scale(Dimension::Step, &middles)?;
     let counts = results.ensemble.regime_count.mean().chunks_exact(results.scene.states());
     let names = ["jump_in_count", "jump_off_count"];
     for ((name, (_, states)), model) in
-        names.into_iter().zip(results.ways()).zip([&results.expectations, &back.expectations])
+        names.into_iter().zip(results.paths()).zip([&results.expectations, &retraction.expectations])
     {
         let rows: Vec<&[f64]> = counts.clone().map(|row| &row[states.clone()]).collect();
         writer.dataset(&format!("/ensemble/{name}_mean"), &changes(results, &rows))?;
@@ -277,10 +277,10 @@ fn write_scalars(writer: &Writer<'_>, results: &Results) -> Result<(), OutputErr
 }
 
 fn write_statistical(writer: &Writer<'_>, results: &Results) -> Result<(), OutputError> {
-    let back = results.back.as_ref().map(|back| ("retraction_", &back.expectations));
-    let ways = [("", &results.expectations)].into_iter().chain(back);
+    let retraction = results.retraction.as_ref().map(|retraction| ("retraction_", &retraction.expectations));
+    let paths = [("", &results.expectations)].into_iter().chain(retraction);
     let mut error = 0.0;
-    for (way, model) in ways {
+    for (way, model) in paths {
         for quantity in Quantity::ALL {
             let name = quantity.name();
             writer.dataset(&format!("/statistical/{way}{name}"), &model.expected[quantity.index()])?;
@@ -298,7 +298,7 @@ fn write_statistical(writer: &Writer<'_>, results: &Results) -> Result<(), Outpu
         error = maximum(model.quadrature_error, error);
     }
     writer.number("/statistical", "quadrature_error", error)?;
-    for (radius, force) in results.back.iter().filter_map(|back| back.by_radius).flatten() {
+    for (radius, force) in results.retraction.iter().filter_map(|retraction| retraction.by_radius).flatten() {
         writer.number("/statistical", &format!("pull_off_force_{}_radius", radius.name()), force)?;
     }
     let at = &results.at_pull_off;
@@ -310,7 +310,7 @@ fn write_statistical(writer: &Writer<'_>, results: &Results) -> Result<(), Outpu
 
 fn write_validation(writer: &Writer<'_>, results: &Results) -> Result<(), OutputError> {
     let joint = &results.joint;
-    for (way, states) in results.ways() {
+    for (way, states) in results.paths() {
         for (i, name) in ["adhesion_force", "external_force"].into_iter().enumerate() {
             writer.dataset(&format!("/validation/{way}z_{name}"), &results.z[i][states.clone()])?;
             let tested = &results.basis.tested[i][states.clone()];
@@ -348,8 +348,8 @@ fn write_diagnostics(writer: &mut Writer<'_>, results: &Results) -> Result<(), O
     count("skipped_loads", stats.unloaded)?;
     count("compressed_sums", stats.by_moments)?;
     count("threads", results.threads as u64)?;
-    let (checkpoints, time) = results.told.checkpoints;
-    count("resumptions", results.told.resumptions)?;
+    let (checkpoints, time) = results.metadata.checkpoints;
+    count("resumptions", results.metadata.resumptions)?;
     count("checkpoints", checkpoints)?;
     writer.dataset("/diagnostics/checkpoint_seconds", &[time.as_secs_f64()])?;
     writer.dataset("/diagnostics/largest_residual", &[stats.largest_residual])?;

@@ -1,6 +1,6 @@
 //! What a run has found out, for the file and for the summary.
 
-use super::integral::{Way, resolving};
+use super::integral::{PathIntegral, resolving};
 use crate::asperity::{Law, Loop, Quantity, UnloadedRadius};
 use crate::engine::{Attained, Ensemble, Rule, Stopping, Summation};
 use crate::estimate::Plan;
@@ -20,8 +20,8 @@ pub(crate) struct Results {
     pub warnings: Vec<Warning>,
     pub regimes: Vec<&'static str>,
     pub expectations: Expectations,
-    /// Of a loop, the way back; all else that is told of one way is of the way there.
-    pub back: Option<WayBack>,
+    /// The retraction of a loop; everything else that belongs to one path is of the approach.
+    pub retraction: Option<RetractionResults>,
     pub ensemble: Box<Ensemble>,
     /// Why there are so many replicas, if targets decided.
     pub stopped: Option<Stopped>,
@@ -41,10 +41,10 @@ pub(crate) struct Results {
     pub joint: JointTest,
     pub seconds: Vec<(&'static str, f64)>,
     pub threads: usize,
-    pub told: RunMetadata,
+    pub metadata: RunMetadata,
 }
 
-/// What is told of a run beside its results.
+/// How a run went, beside its results.
 #[derive(Default)]
 pub(crate) struct RunMetadata {
     /// Seconds that the ensemble took before this sitting.
@@ -53,11 +53,11 @@ pub(crate) struct RunMetadata {
     pub resumptions: u64,
     /// Checkpoints that were saved since it was, and the time that took.
     pub checkpoints: (u64, Duration),
-    /// Of a run of which not all replicas are there, which are.
+    /// The replicas that are there, of a run that is not whole.
     pub partial: Option<Partial>,
 }
 
-/// What is there of a run.
+/// The part of a run that is there.
 pub(crate) struct Partial {
     /// Indices of the replicas that are there.
     pub replicas: Vec<u64>,
@@ -65,8 +65,8 @@ pub(crate) struct Partial {
     pub of: u64,
 }
 
-/// The way back of a loop.
-pub(crate) struct WayBack {
+/// What a loop has found out on retraction.
+pub(crate) struct RetractionResults {
     pub expectations: Expectations,
     /// What is read off the mean curve of the external force, and off the integral's.
     pub of_mean: Features,
@@ -76,12 +76,12 @@ pub(crate) struct WayBack {
     pub by_radius: Option<[(UnloadedRadius, f64); 2]>,
 }
 
-impl WayBack {
-    /// Of an ensemble and its integral.
-    pub fn new(scene: &Scene, cycle: &Loop, ensemble: &Ensemble, integral: Way) -> Self {
+impl RetractionResults {
+    /// Compares the mean curve of an ensemble with its integral.
+    pub fn new(scene: &Scene, cycle: &Loop, ensemble: &Ensemble, integral: PathIntegral) -> Self {
         let q = Quantity::ExternalForce.index();
         let separations = &scene.separations;
-        let Way { expectations, features: of_integral, .. } = integral;
+        let PathIntegral { expectations, features: of_integral, .. } = integral;
         let force =
             |h: f64| Expectations::retraction_at(cycle, &scene.surface, separations[0], h).expected[q][0];
         let mean = &ensemble.curves[q].mean()[separations.len()..];
@@ -96,24 +96,24 @@ impl WayBack {
 fn by_radius(scene: &Scene, cycle: &Loop, features: &Features) -> Option<[(UnloadedRadius, f64); 2]> {
     let radius = scene.unloaded_radius;
     let other = scene.loop_law_of(radius.other()).ok().filter(|_| cycle.flows())?;
-    let pulled = Way::back(scene, &other).features.minimum;
+    let pulled = PathIntegral::retraction(scene, &other).features.minimum;
     Some([(radius, -features.minimum.value), (radius.other(), -pulled.value)])
 }
 
 impl Results {
-    /// The names that datasets of each way begin with, and the states of it.
-    pub fn ways(&self) -> Vec<(&'static str, Range<usize>)> {
+    /// The names that datasets of each path begin with, and its states.
+    pub fn paths(&self) -> Vec<(&'static str, Range<usize>)> {
         let s = self.scene.separations.len();
-        let back = self.back.as_ref().map(|_| ("retraction_", s..2 * s));
-        [("", 0..s)].into_iter().chain(back).collect()
+        let retraction = self.retraction.as_ref().map(|_| ("retraction_", s..2 * s));
+        [("", 0..s)].into_iter().chain(retraction).collect()
     }
 
-    /// What is read off the mean curve and off the integral where the surfaces are pulled off: of a loop on
-    /// the way back.
+    /// What is read off the mean curve and off the integral on the path on which the surfaces are pulled off:
+    /// of a loop on retraction.
     pub fn pulled(&self) -> (&Features, &Features) {
-        self.back
-            .as_ref()
-            .map_or((&self.of_mean, &self.of_integral), |back| (&back.of_mean, &back.of_integral))
+        self.retraction.as_ref().map_or((&self.of_mean, &self.of_integral), |retraction| {
+            (&retraction.of_mean, &retraction.of_integral)
+        })
     }
 }
 
@@ -128,7 +128,7 @@ pub(crate) struct Stopped {
 }
 
 impl Stopped {
-    /// Of a finished ensemble.
+    /// Looks at a finished ensemble.
     pub fn new(rule: &Rule<'_>, ensemble: &Ensemble) -> Self {
         let Stopping { min_replicas, max_replicas, .. } = *rule.stopping;
         Self { targets: rule.attained(ensemble), min_replicas, max_replicas }

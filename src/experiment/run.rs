@@ -1,10 +1,13 @@
-//! Runs of scenes from Rust: with nothing but the scene, or set up.
+//! Experiments on scenes from Rust: with nothing but the scene, or set up.
 
 use super::Error;
 use super::checkpoint::{OverwritePolicy, record_of};
+use super::compare::{Comparison, PreparedComparison};
+use super::integral::Integral;
 use super::observer::{Observer, Phases};
 use super::prepared::{Laws, PreparedRun, Session, Task, write};
 use super::results::{Results, RunMetadata};
+use crate::asperity::models::{Model, model};
 use crate::engine::{Batch, Ensemble, scalars};
 use crate::math::control_variates::ControlledMean;
 use crate::output::checkpoint::{Records, Visit};
@@ -37,12 +40,55 @@ pub fn run(scene: &Scene) -> Result<RunResult, Error> {
     builder(scene).run()
 }
 
-/// A run of a scene that is to be set up.
+/// Compares laws, by their names, on the asperities of a scene: by the integral.
+///
+/// # Errors
+/// [`Error::UnknownLaw`], [`Error::Law`], [`Error::Threads`]; [`Error::NotFor`] for a loop, and for a law
+/// that is given twice.
+///
+/// # Examples
+/// ```
+/// let scene = stiction::Scene::from_toml_file("configs/quick.toml")?;
+/// let comparison = stiction::compare(&scene, &["hybrid", "dmt"])?;
+/// for law in comparison.laws() {
+///     println!("{:8} {:.3e} N", law.name(), law.integral().pull_off());
+/// }
+/// # Ok::<(), stiction::Error>(())
+/// ```
+pub fn compare(scene: &Scene, laws: &[&str]) -> Result<Comparison, Error> {
+    builder(scene).compare(laws)
+}
+
+/// Computes the integral of a scene, and no ensemble.
+///
+/// # Errors
+/// [`Error::Law`] when its law cannot be made for its asperities; [`Error::Threads`].
+///
+/// # Examples
+/// ```
+/// let scene = stiction::Scene::from_toml_file("configs/quick.toml")?;
+/// let integral = stiction::integrate(&scene)?;
+/// println!("{:.3e} N", integral.main.pull_off());
+/// # Ok::<(), stiction::Error>(())
+/// ```
+pub fn integrate(scene: &Scene) -> Result<Integral, Error> {
+    builder(scene).integrate()
+}
+
+/// An experiment on a scene that is to be set up.
 pub fn builder(scene: &Scene) -> Builder<'_> {
     Builder { scene, threads: 0, observer: None, stop: Arc::default() }
 }
 
-/// A run of a scene that is set up.
+/// An experiment on a scene that is set up.
+///
+/// # Examples
+/// ```
+/// let scene = stiction::Scene::from_toml_file("configs/quick.toml")?;
+/// let result = stiction::builder(&scene).threads(2).run()?;
+/// assert_eq!(result.pull_off().mean, stiction::run(&scene)?.pull_off().mean);
+/// # Ok::<(), stiction::Error>(())
+/// ```
 pub struct Builder<'a> {
     scene: &'a Scene,
     threads: usize,
@@ -69,31 +115,88 @@ impl<'a> Builder<'a> {
         Self { stop, ..self }
     }
 
-    /// Runs it.
+    /// Runs the scene.
     ///
     /// # Errors
     /// As [`run`], and [`Error::Interrupted`].
     pub fn run(self) -> Result<RunResult, Error> {
-        let Self { scene, threads, observer, stop } = self;
+        let scene = self.scene;
+        self.with_session(|session, phases| {
+            let run = PreparedRun::new(scene.clone(), Laws::new(scene)?, None, session, phases);
+            let setup = run.sampling();
+            let job = setup.job();
+            let mut records = Vec::new();
+            let observe = |batch: &Batch| {
+                if scene.curves {
+                    records.extend(batch.records(&job));
+                }
+            };
+            let (reduction_tree, summation) =
+                setup.run_whole("ensemble", &session.pool, &session.stop, phases, observe)?;
+            let results =
+                Box::new(run.results(*reduction_tree, summation, RunMetadata::default(), session, phases));
+            Ok(RunResult { results, records })
+        })
+    }
+
+    /// Compares laws, by their names, by the integral.
+    ///
+    /// # Errors
+    /// As [`compare`], and [`Error::Interrupted`].
+    pub fn compare(self, laws: &[&str]) -> Result<Comparison, Error> {
+        self.comparison(laws, false)
+    }
+
+    /// Compares laws, by their names, by the integral and by ensembles of the same asperities for every law.
+    ///
+    /// # Errors
+    /// As [`compare`]; [`Error::NotFor`] too for a scene whose ensemble ends at a target, and
+    /// [`Error::Interrupted`].
+    pub fn compare_ensembles(self, laws: &[&str]) -> Result<Comparison, Error> {
+        self.comparison(laws, true)
+    }
+
+    fn comparison(self, laws: &[&str], with_ensembles: bool) -> Result<Comparison, Error> {
+        let models = laws.iter().map(|name| law_named(name)).collect::<Result<Vec<Model>, Error>>()?;
+        let prepared = PreparedComparison::new(self.scene.clone(), models, with_ensembles)?;
+        self.with_session(|session, phases| prepared.run(&session.pool, &session.stop, phases))
+    }
+
+    /// Computes the integral alone.
+    ///
+    /// # Errors
+    /// As [`integrate`].
+    pub fn integrate(self) -> Result<Integral, Error> {
+        let scene = self.scene;
+        let laws = Laws::new(scene)?;
+        self.with_session(|session, phases| {
+            phases.phase("integral");
+            let integral = || Integral::new(scene, laws.law.as_ref(), laws.cycle.as_ref());
+            Ok(session.pool.install(integral))
+        })
+    }
+
+    /// Does something with threads, and tells the observer of it.
+    fn with_session<T>(
+        self,
+        experiment: impl FnOnce(&Session, &mut Phases<'_>) -> Result<T, Error>,
+    ) -> Result<T, Error> {
+        let Self { threads, observer, stop, .. } = self;
         let mut nobody = ();
         let mut phases = Phases::new(observer.unwrap_or(&mut nobody));
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
-        let session = Session { stop, pool, interval: Duration::MAX };
-        let run = PreparedRun::new(scene.clone(), Laws::new(scene)?, None, &session, &mut phases);
-        let setup = run.sampling();
-        let job = setup.job();
-        let mut records = Vec::new();
-        let observe = |batch: &Batch| {
-            if scene.curves {
-                records.extend(batch.records(&job));
-            }
-        };
-        let (reduction_tree, summation) =
-            setup.run_whole("ensemble", &session.pool, &session.stop, &mut phases, observe)?;
-        let results =
-            Box::new(run.results(*reduction_tree, summation, RunMetadata::default(), &session, &mut phases));
-        Ok(RunResult { results, records })
+        let result = experiment(&Session { stop, pool, interval: Duration::MAX }, &mut phases);
+        phases.end();
+        result
     }
+}
+
+/// The law of a name.
+///
+/// # Errors
+/// [`Error::UnknownLaw`].
+pub(crate) fn law_named(name: &str) -> Result<Model, Error> {
+    model(name).ok_or_else(|| Error::UnknownLaw(name.to_owned()))
 }
 
 /// What a run has found out.

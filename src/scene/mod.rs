@@ -273,7 +273,7 @@ impl Scene {
     /// # Errors
     /// [`LawError`] when the law cannot be made for them.
     pub fn law_of(&self, model: &Model) -> Result<Box<dyn Law>, LawError> {
-        let law = (model.build)(&self.parameters()?)?;
+        let law = model.law(&self.parameters()?)?;
         if !self.surface.is_polydisperse() {
             return Ok(law);
         }

@@ -63,7 +63,7 @@ pub fn job<'a>(law: &'a dyn Law, surface: &'a Surface, separations: &'a [f64], r
 /// A law of an asperity with starting tables for the interferences `reach`, m.
 pub fn law(name: &str, asperity: &Asperity, path: Path, reach: (f64, f64)) -> Box<dyn Law> {
     let parameters = LawParameters::new(asperity, path, reach).expect("a valid setting");
-    (model(name).expect("a known law").build)(&parameters).expect("a law of the setting")
+    model(name).expect("a known law").law(&parameters).expect("a law of the setting")
 }
 
 /// What one asperity does at an interference: its regime and F_s, P (N), contact area (m²); `None` beyond the

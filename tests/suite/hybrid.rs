@@ -203,7 +203,7 @@ fn published_fits_are_of_their_asperities() {
     let (asperity, _) = case("II");
     let made = |asperity: &Asperity| {
         let parameters = LawParameters::new(asperity, Path::Approach, (-20e-9, 20e-9)).unwrap();
-        (model("fit:paper").unwrap().build)(&parameters).is_ok()
+        model("fit:paper").unwrap().law(&parameters).is_ok()
     };
     let larger = Asperity {
         radius: 4.0 * asperity.radius,

@@ -4,7 +4,7 @@
 use crate::common::program::{Folder, assert_exit, attribute, bits, small, text};
 use crate::common::{case, for_each_instruction_set, law};
 use std::process::{Command, Output};
-use stiction::asperity::models::{MODELS, Model};
+use stiction::asperity::models::MODELS;
 use stiction::asperity::{BLOCK, Law, LawParameters, Path, Responses, SolverStats};
 use stiction::math::instruction_set::{InstructionSet, VARIABLE};
 
@@ -72,11 +72,10 @@ fn every_law_has_the_same_bits() {
                     reach,
                     ..LawParameters::scaled(lambda, path).unwrap()
                 };
-                for Model { name, build, .. } in MODELS.iter().filter(|model| !model.name.starts_with("fit"))
-                {
+                for model in MODELS.iter().filter(|model| !model.is_fit()) {
                     assert_same_bits(
-                        &format!("{name} at λ = {lambda}"),
-                        build(&parameters).unwrap().as_ref(),
+                        &format!("{} at λ = {lambda}", model.name),
+                        model.law(&parameters).unwrap().as_ref(),
                         400.0,
                     );
                 }

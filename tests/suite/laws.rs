@@ -35,7 +35,7 @@ fn elastic(name: &str, lambda: f64, path: Path) -> Box<dyn Law> {
 }
 
 fn build(name: &str, parameters: &LawParameters) -> Box<dyn Law> {
-    (model(name).unwrap().build)(parameters).unwrap_or_else(|error| panic!("{name}: {error}"))
+    model(name).unwrap().law(parameters).unwrap_or_else(|error| panic!("{name}: {error}"))
 }
 
 /// All laws at a λ: the published fits are of λ = 0.1647, 0.8985 and 2.490 only, so they come by their
@@ -731,7 +731,7 @@ fn laws_scale_away_from_one() {
                 ..LawParameters::scaled(scale.lambda, path).unwrap()
             };
             for model in MODELS.iter().filter(|model| model.name != "fit:paper") {
-                let [si, unit] = [own, scaled].map(|parameters| (model.build)(&parameters).unwrap());
+                let [si, unit] = [own, scaled].map(|parameters| model.law(&parameters).unwrap());
                 for delta in [-7.3, -3.0, -1.1, -0.72, -0.21, 0.01, 0.53, 3.0, 11.0, 60.0] {
                     let [adhesion, contact, area] = at(si.as_ref(), delta * length);
                     let found = [adhesion / pull, contact / pull, area / (width * width)];
@@ -781,6 +781,6 @@ fn the_published_fits_are_those_of_the_table() {
     }
     let other = Asperity { radius: 3.34e-6, ..asperity };
     let parameters = LawParameters::new(&other, Path::Approach, (-20e-9, 20e-9)).unwrap();
-    let refused = (model("fit:paper").unwrap().build)(&parameters).err().unwrap();
+    let refused = model("fit:paper").unwrap().law(&parameters).err().unwrap();
     assert!(refused.to_string().contains("fit:refit fits any"), "{refused}");
 }

@@ -231,7 +231,7 @@ fn assert_nothing_is_lost_near(
         for (path, way) in [(Path::Approach, "approach"), (Path::Retraction, "retraction")] {
             let parameters = LawParameters::new(&asperity, path, reach).unwrap();
             // The published fits are of other asperities.
-            let Ok(law) = (model.build)(&parameters) else { return assert_eq!(name, "fit:paper") };
+            let Ok(law) = model.law(&parameters) else { return assert_eq!(name, "fit:paper") };
             assert_nothing_is_lost(law.as_ref(), &surface, 1.5 * sigma, &what(way));
         }
         let parameters = LawParameters::new(&asperity, Path::Approach, reach).unwrap();

@@ -83,8 +83,7 @@ const REACHES: [Option<(f64, f64)>; 3] = [None, Some((-30.0, 30.0)), Some((-1e6,
 fn laws(row: &Row) -> [Box<dyn Law>; 3] {
     REACHES.map(|reach| {
         // Beyond ω_c the law emd would bear nothing: it stays infinite in a scaled setting.
-        (model(row.law).expect("a known law").build)(&LawParameters { reach, ..row.parameters })
-            .expect("a law")
+        model(row.law).expect("a known law").law(&LawParameters { reach, ..row.parameters }).expect("a law")
     })
 }
 
@@ -242,7 +241,7 @@ fn evaluate(law: &dyn Law, regime: usize, deltas: &[f64]) -> (Vec<[f64; 3]>, Sol
 /// was asked for.
 fn sweep(name: &str, parameters: &LawParameters, count: usize) -> usize {
     let build = |reach| {
-        (model(name).expect("a known law").build)(&LawParameters { reach, ..*parameters }).expect("a law")
+        model(name).expect("a known law").law(&LawParameters { reach, ..*parameters }).expect("a law")
     };
     let (direct, tables) = (build(None), build(Some((-1e6, 1e6))));
     let context =
@@ -334,10 +333,10 @@ fn approaches_beyond_all_measure_end_within_the_bound() {
     for lambda in [1e-6, 1e-3, 0.9, 1.0, 10.0, 1e6] {
         for (_, path) in Path::ALL {
             for name in ["hybrid", "emd", "md", "md_kim", "jkr", "hertz", "dmt", "idmt", "gw"] {
-                let law = (model(name).expect("a known law").build)(
-                    &LawParameters::scaled(lambda, path).expect("a λ in range"),
-                )
-                .expect("a law");
+                let law = model(name)
+                    .expect("a known law")
+                    .law(&LawParameters::scaled(lambda, path).expect("a λ in range"))
+                    .expect("a law");
                 for delta in [1e12, 1e50, 1e100, -1e12, -1e50, -1e100, 5e-324, -5e-324] {
                     let (_, values, stats) = solve(law.as_ref(), delta);
                     assert!(

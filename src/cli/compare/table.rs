@@ -3,7 +3,7 @@
 use crate::asperity::laws::fit::FORCES;
 use crate::cli::check::{numbers, title, warned};
 use crate::cli::rows::row;
-use crate::experiment::compare::{ComparedLaw, Comparison, Mean, SampledLaw, deviation};
+use crate::experiment::compare::{Comparison, Mean, SampledLaw, deviation};
 use crate::format::{percent, si, signed_percent};
 use crate::math::extrema::Extremum;
 use crate::surface::SamplingScheme;
@@ -39,10 +39,10 @@ fn integral(comparison: &Comparison) -> String {
         "  {:<12}{:>12} {:>9}{:>11}   {:>14} {:>9}{:>11}\n",
         "integral", "pull-off", "at h*", "deviation", "peak stiffness", "at h*", "deviation"
     );
-    let first = &comparison.laws[0].features;
+    let first = &comparison.laws[0].integral.features;
     let mut edges = false;
     for (i, law) in comparison.laws.iter().enumerate() {
-        let ComparedLaw { features, .. } = law;
+        let features = &law.integral.features;
         let pull_off = -features.minimum.value;
         let mut place = |extremum: &Extremum| {
             edges |= extremum.at_edge;

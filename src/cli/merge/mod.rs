@@ -116,7 +116,7 @@ impl Merge<'_> {
         let (job, record) = (setup.job(), record_of(&ground.scene));
         phases.replicas("ensemble", 0, of);
         let mut merged = ReductionTree::of(&job);
-        let mut told = RunMetadata::default();
+        let mut metadata = RunMetadata::default();
         for place in places {
             self.goes_on(merged.replicas.len() as u64, of)?;
             let piece = piece(place);
@@ -144,13 +144,13 @@ impl Merge<'_> {
             };
             phases.advance(reduction_tree.replicas.len() as u64);
             merged.append(reduction_tree);
-            told.seconds_before += checkpoint.seconds;
-            told.resumptions += checkpoint.resumptions;
+            metadata.seconds_before += checkpoint.seconds;
+            metadata.resumptions += checkpoint.resumptions;
         }
         let there: Vec<u64> = places.iter().flat_map(|place| piece(place).found().replicas.clone()).collect();
-        told.partial = (there.len() as u64 != of).then_some(Partial { replicas: there, of });
+        metadata.partial = (there.len() as u64 != of).then_some(Partial { replicas: there, of });
         let summation = setup.summation(&self.session.pool);
-        let results = ground.results(merged, summation, told, self.session, &mut phases);
+        let results = ground.results(merged, summation, metadata, self.session, &mut phases);
         phases.phase("writing");
         let mut records = Pieces { run: self.run, places, length: record.length() };
         let written = write(task, &results, &mut records, &self.session.stop);

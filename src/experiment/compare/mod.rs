@@ -2,7 +2,7 @@
 
 mod record;
 
-use super::integral::{Integral, Way};
+use super::integral::{Integral, PathIntegral};
 use super::sampling::{Sampling, basis_of, cross_check};
 use super::{Error, Phases};
 use crate::asperity::emd::Emd;
@@ -13,7 +13,6 @@ use crate::engine::{Ensemble, Summation};
 use crate::estimate::beyond;
 use crate::format::percent;
 use crate::integral::Expectations;
-use crate::math::extrema::Features;
 use crate::math::moments::Moments;
 use crate::output::schema::COMPARISON;
 use crate::output::writer::Writer;
@@ -40,8 +39,7 @@ pub struct ComparedLaw {
     pub(crate) model: Model,
     pub(crate) limits: Vec<String>,
     pub(crate) regimes: Vec<&'static str>,
-    pub(crate) expectations: Expectations,
-    pub(crate) features: Features,
+    pub(crate) integral: PathIntegral,
     /// Quantities of one asperity, by their index, over the interferences.
     pub(crate) asperity: [Vec<f64>; 4],
     pub(crate) fit: Option<FitReport>,
@@ -55,13 +53,8 @@ impl ComparedLaw {
     }
 
     /// The integral over the separations.
-    pub fn expectations(&self) -> &Expectations {
-        &self.expectations
-    }
-
-    /// The pull-off force of the integral, N; 0 or negative where nothing pulls.
-    pub fn pull_off_of_integral(&self) -> f64 {
-        -self.features.minimum.value
+    pub fn integral(&self) -> &PathIntegral {
+        &self.integral
     }
 
     /// The ensemble, if one was asked for.
@@ -239,17 +232,16 @@ impl PreparedComparison {
             if let Some(expected) = expected {
                 warnings = warnings_of_scene(&scene, &model, law, &expected);
             }
-            let Way { expectations, features, .. } = integral.there;
+            let integral = integral.main;
             let sampled = match with_ensembles {
-                true => Some(sample(&scene, law, model.name, &expectations, pool, stop, phases)?),
+                true => Some(sample(&scene, law, model.name, &integral.expectations, pool, stop, phases)?),
                 false => None,
             };
             compared.push(ComparedLaw {
                 limits: limits(&scene, &model, law),
                 model,
                 regimes: law.regimes().iter().map(|regime| regime.name()).collect(),
-                expectations,
-                features,
+                integral,
                 asperity: curves(law, &interferences),
                 fit: law.fit().cloned(),
                 sampled,

@@ -60,9 +60,12 @@ fn less_first(rows: &[f64], length: usize) -> Vec<f64> {
 fn write_statistical(writer: &Writer<'_>, laws: &[ComparedLaw]) -> Result<(), OutputError> {
     for quantity in Quantity::ALL {
         let (q, name) = (quantity.index(), quantity.name());
-        let values = rows(laws, |law| &law.expectations.expected[q]);
+        let values = rows(laws, |law| &law.integral.expectations.expected[q]);
         writer.dataset(&format!("/statistical/{name}"), &values)?;
-        writer.dataset(&format!("/statistical/{name}_std"), &rows(laws, |law| &law.expectations.std[q]))?;
+        writer.dataset(
+            &format!("/statistical/{name}_std"),
+            &rows(laws, |law| &law.integral.expectations.std[q]),
+        )?;
         if matches!(quantity, Quantity::AdhesionForce | Quantity::ExternalForce) {
             let differences = less_first(&values, values.len() / laws.len());
             writer.dataset(&format!("/statistical/{name}_difference"), &differences)?;
@@ -71,13 +74,13 @@ fn write_statistical(writer: &Writer<'_>, laws: &[ComparedLaw]) -> Result<(), Ou
     // Every law's regimes at their place among all.
     type Table = fn(&ComparedLaw) -> &Vec<Vec<f64>>;
     let tables: [(&str, Table); 3] = [
-        ("regime_count", |law| &law.expectations.regime_count),
-        ("regime_adhesion_force", |law| &law.expectations.regime_adhesion_force),
-        ("regime_external_force", |law| &law.expectations.regime_external_force),
+        ("regime_count", |law| &law.integral.expectations.regime_count),
+        ("regime_adhesion_force", |law| &law.integral.expectations.regime_adhesion_force),
+        ("regime_external_force", |law| &law.integral.expectations.regime_external_force),
     ];
     for (name, table) in tables {
         let of_regime = |law: &ComparedLaw, regime: Regime| -> Vec<f64> {
-            let none = vec![0.0; law.expectations.expected[0].len()];
+            let none = vec![0.0; law.integral.expectations.expected[0].len()];
             let place = law.regimes.iter().position(|known| *known == regime.name());
             place.map_or(none, |place| table(law)[place].clone())
         };
@@ -85,24 +88,32 @@ fn write_statistical(writer: &Writer<'_>, laws: &[ComparedLaw]) -> Result<(), Ou
             laws.iter().flat_map(|law| Regime::ALL.map(|regime| of_regime(law, regime)).concat()).collect();
         writer.dataset(&format!("/statistical/{name}"), &values)?;
     }
-    let (pull_off, stiffness) =
-        (per_law(laws, |law| -law.features.minimum.value), per_law(laws, |law| law.features.steepest.value));
+    let (pull_off, stiffness) = (
+        per_law(laws, |law| -law.integral.features.minimum.value),
+        per_law(laws, |law| law.integral.features.steepest.value),
+    );
     let deviations =
         |values: &[f64]| values.iter().map(|value| deviation(*value, values[0])).collect::<Vec<f64>>();
     writer.dataset("/statistical/pull_off_force", &pull_off)?;
-    writer.dataset("/statistical/pull_off_separation", &per_law(laws, |law| law.features.minimum.place))?;
+    writer.dataset(
+        "/statistical/pull_off_separation",
+        &per_law(laws, |law| law.integral.features.minimum.place),
+    )?;
     writer.dataset("/statistical/pull_off_deviation", &deviations(&pull_off))?;
     writer.dataset(
         "/statistical/pull_off_at_edge",
-        &per_law(laws, |law| u8::from(law.features.minimum.at_edge)),
+        &per_law(laws, |law| u8::from(law.integral.features.minimum.at_edge)),
     )?;
     writer.dataset("/statistical/peak_stiffness", &stiffness)?;
     writer.dataset(
         "/statistical/peak_stiffness_separation",
-        &per_law(laws, |law| law.features.steepest.place),
+        &per_law(laws, |law| law.integral.features.steepest.place),
     )?;
     writer.dataset("/statistical/peak_stiffness_deviation", &deviations(&stiffness))?;
-    writer.dataset("/statistical/quadrature_error", &per_law(laws, |law| law.expectations.quadrature_error))
+    writer.dataset(
+        "/statistical/quadrature_error",
+        &per_law(laws, |law| law.integral.expectations.quadrature_error),
+    )
 }
 
 fn write_asperity(writer: &Writer<'_>, laws: &[ComparedLaw]) -> Result<(), OutputError> {

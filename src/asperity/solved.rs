@@ -1,0 +1,60 @@
+//! One asperity at one interference.
+
+use super::law::{Law, Regime, Responses, Scratch, for_each_block};
+use super::stats::SolverStats;
+
+/// One asperity at one interference, in the units of its law: SI, or scaled ones.
+#[derive(Clone, Copy, Debug)]
+pub struct SolvedAsperity {
+    /// The regime; none beyond the last regime of the law, where nothing acts.
+    pub regime: Option<Regime>,
+    /// Adhesion force F_s, attractive forces positive.
+    pub adhesion_force: f64,
+    /// Contact force P, compressive forces positive.
+    pub contact_force: f64,
+    /// Contact area.
+    pub contact_area: f64,
+    /// Cost of the solve.
+    pub stats: SolverStats,
+}
+
+impl SolvedAsperity {
+    /// Solves a law at an interference δ.
+    ///
+    /// # Examples
+    /// ```
+    /// use stiction::asperity::{LawParameters, Path, SolvedAsperity, models::model};
+    ///
+    /// let law = model("jkr").unwrap().law(&LawParameters::scaled(10.0, Path::Approach)?)?;
+    /// let asperity = SolvedAsperity::new(law.as_ref(), 4.0);
+    /// assert!(asperity.contact_force > asperity.adhesion_force);
+    /// # Ok::<(), stiction::asperity::LawError>(())
+    /// ```
+    pub fn new(law: &dyn Law, interference: f64) -> Self {
+        let mut solved = Self {
+            regime: None,
+            adhesion_force: 0.0,
+            contact_force: 0.0,
+            contact_area: 0.0,
+            stats: SolverStats::default(),
+        };
+        let mut stats = SolverStats::default();
+        let visit = |regime: usize, _: std::ops::Range<usize>, responses: &Responses| {
+            solved.regime = Some(law.regimes()[regime]);
+            (solved.adhesion_force, solved.contact_force) = (responses.adhesion[0], responses.contact[0]);
+            solved.contact_area = responses.area[0];
+        };
+        for_each_block(law, &[interference], 0.0, &mut Scratch::default(), &mut stats, visit);
+        Self { stats, ..solved }
+    }
+
+    /// The external force P − F_s, compressive forces positive.
+    pub fn external_force(&self) -> f64 {
+        self.contact_force - self.adhesion_force
+    }
+
+    /// The radius of the contact area.
+    pub fn contact_radius(&self) -> f64 {
+        (self.contact_area / std::f64::consts::PI).sqrt()
+    }
+}

@@ -42,7 +42,7 @@ impl<'a> Hidden<'a> {
         let (scale, (lowest, highest)) = (scene.scale(), scene.reach());
         let thickness = scene.asperity.lubricant_thickness;
         let lowest = (lowest + thickness) / scale.length;
-        let emd = Emd::new(scale.lambda, scene.path).expect("a valid lambda");
+        let emd = Emd::new(scale.lambda, scene.history).expect("a valid lambda");
         let emd = emd.with_contact_table(highest / scale.length).with_noncontact_tables(lowest);
         Self { solved: Some((emd, scale.length, thickness, scale.force)), ..Self::nothing(law) }
     }

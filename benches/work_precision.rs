@@ -112,7 +112,7 @@ fn sums(table: &mut Table) {
         let (method, parameters, refusal) = match of.moments {
             None => ("direct", String::new(), None),
             Some(MomentMatrix { tolerance, .. }) => (
-                "compressed",
+                "moments",
                 format!("{tolerance:e} tolerance"),
                 Summation::by_moments(&job, *tolerance).refusal,
             ),
@@ -126,7 +126,7 @@ fn sums(table: &mut Table) {
 /// asperity by itself.
 fn summed_one_by_one(scene: &Scene, index: u64) -> Vec<[f64; 2]> {
     let parameters =
-        LawParameters::new(&scene.asperity, scene.path, scene.reach()).expect("a validated scene");
+        LawParameters::new(&scene.asperity, scene.history, scene.reach()).expect("a validated scene");
     let law = scene.model.law(&LawParameters { reach: None, ..parameters }).expect("a law of the scene");
     let mut heights = Vec::new();
     draw(&scene.surface, scene.seed, scene.sampling, index, &mut heights, &mut Vec::new());
@@ -218,7 +218,7 @@ fn monte_carlo(table: &mut Table) {
                     if of == 1 { places.len() } else { 0 }
                 );
                 for (sum, each, set_up) in [
-                    ("compressed", compressed_seconds, law_seconds + try_seconds + share),
+                    ("moments", compressed_seconds, law_seconds + try_seconds + share),
                     ("direct", direct_seconds, law_seconds + share),
                 ] {
                     let method = format!("{name}{controlled}, {sum}");

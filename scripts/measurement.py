@@ -23,9 +23,9 @@ except ImportError as error:
 CONFIGS = Path(__file__).resolve().parents[1] / "configs"
 PAGE = (11.0, 7.9)  # inches
 HEADER = ["quantity", "setting", "value", "unit", "what"]
-COMPRESSED = '\n[solver]\nsum = "compressed"\ntolerance = 1e-9\n'
-DIRECT = '\n[solver]\nsum = "direct"\n'
-STYLES = {"direct": ("#0072B2", "o", "-"), "compressed": ("#D55E00", "s", (0, (5, 1.5)))}
+MOMENTS = '\n[solver]\nsummation = "moments"\ntolerance = 1e-9\n'
+DIRECT = '\n[solver]\nsummation = "direct"\n'
+STYLES = {"direct": ("#0072B2", "o", "-"), "moments": ("#D55E00", "s", (0, (5, 1.5)))}
 STYLE = {
     "font.size": 9, "axes.titlesize": 9.5, "axes.titlelocation": "left", "axes.labelsize": 9,
     "legend.fontsize": 8, "xtick.labelsize": 8, "ytick.labelsize": 8, "axes.linewidth": 0.7,

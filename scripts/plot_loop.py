@@ -1,4 +1,4 @@
-"""One page of pictures of a loop: a result of `stiction run` of a scene with path = "loop".
+"""One page of pictures of a loop: a result of `stiction run` of a scene with history = "loop".
 
 (a) external force F over the separation h*, on the way there and on the way back: mean over replicas, standard
     deviation of one replica, statistical integral;
@@ -185,8 +185,8 @@ def draw_texts(figure: Figure, run: Run) -> None:
 
 
 def draw(run: Run) -> Figure:
-    if run.attribute("/", "path") != "loop":
-        raise FileError('not a loop: its scene has no path = "loop"; scripts/plot_run.py draws it')
+    if run.attribute("/", "history") != "loop":
+        raise FileError('not a loop: its scene has no history = "loop"; scripts/plot_run.py draws it')
     figure = Figure(figsize=PAGE)
 
     forces = panel(figure, 0.85, 3.35, 4.5, 3.2)

@@ -242,7 +242,7 @@ def draw_texts(figure: Figure, run: Run) -> None:
 
 
 def draw(run: Run) -> Figure:
-    if run.attribute("/", "path") == "loop":
+    if run.attribute("/", "history") == "loop":
         raise FileError("a loop: scripts/plot_loop.py draws it")
     figure = Figure(figsize=PAGE)
 

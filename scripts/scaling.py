@@ -31,7 +31,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 # First, because it says which package is missing.
-from measurement import COMPRESSED, CONFIGS, DIRECT, LONGEST_RUN, PAGE, STYLES, Program, RunError, Table, main, panel
+from measurement import CONFIGS, DIRECT, LONGEST_RUN, MOMENTS, PAGE, STYLES, Program, RunError, Table, main, panel
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -65,7 +65,7 @@ class Plan:
     repetitions: int  # of a point, as long as it is short
     threads: tuple[int, int, int]  # nominal area, separations, replicas
     thread_repetitions: int
-    faster: int  # times as many replicas where sums are compressed
+    faster: int  # times as many replicas where sums are by moments
     memory: tuple[int, ...]  # replicas
     start_ups: int
 
@@ -131,13 +131,13 @@ class Scaling(Program):
 
     def solvers(self) -> dict[str, str]:
         """The ways to sum that the program knows, with what a scene says to get them."""
-        command = self.command(self.write_scene(10, 3, COMPRESSED), 1, 2)
+        command = self.command(self.write_scene(10, 3, MOMENTS), 1, 2)
         done = subprocess.run(command, capture_output=True, text=True, encoding="utf-8", timeout=LONGEST_RUN)
         if done.returncode == 0:
-            return {"direct": DIRECT, "compressed": COMPRESSED}
+            return {"direct": DIRECT, "moments": MOMENTS}
         if done.returncode != 2:
             raise RunError(f"exit code {done.returncode}: {done.stderr.strip()}")
-        print(f"scaling: compressed sums are left out, the program does not know them ({' '.join(done.stderr.split())})", file=sys.stderr)
+        print(f"scaling: sums by moments are left out, the program does not know them ({' '.join(done.stderr.split())})", file=sys.stderr)
         return {"direct": ""}
 
 
@@ -194,7 +194,7 @@ def measure_threads(program: Scaling, plan: Plan, results: Results, solvers: dic
     numbers = sorted({min(2**i, cores) for i in range(cores.bit_length() + 1)})
     for name, solver in solvers.items():
         # Of the faster sums more, so that both take long enough to be timed.
-        scene = {"area": area, "count": count, "replicas": replicas * (plan.faster if name == "compressed" else 1)}
+        scene = {"area": area, "count": count, "replicas": replicas * (plan.faster if name == "moments" else 1)}
         seconds, core_seconds, beside = ({threads: math.inf for threads in numbers} for _ in range(3))
         for _ in range(repetitions):
             for threads in numbers:

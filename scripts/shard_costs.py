@@ -2,9 +2,9 @@
 
 All is measured on this machine with case II (configs/case_ii.toml), one thread a process:
 
-    throughput   ensemble phase of case II, summed directly and compressed, and compressed of surfaces of a million and of ten million
+    throughput   ensemble phase of case II, summed directly and by moments, and by moments of surfaces of a million and of ten million
                  asperities: the difference of runs of few and of many replicas, each the least of several; and the phase before it, of
-                 the functionals of the joint test and the trial of compressed sums
+                 the functionals of the joint test and the trial of sums by moments
     sizes        every shard of the series below against what docs/shards.md says that it holds: a node of the tree takes 8 bytes for
                  each word of its moments, a replica 8 for each word of its record and for its index
     merging      core seconds, wall time and peak resident memory of `stiction merge` over 1 to 1000 shards of the same 8000 replicas,
@@ -35,7 +35,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 # First, because it says which package is missing.
-from measurement import COMPRESSED, DIRECT, PAGE, STYLES, Cost, Program, Table, main, panel
+from measurement import DIRECT, MOMENTS, PAGE, STYLES, Cost, Program, Table, main, panel
 import h5py
 import numpy as np
 from matplotlib.axes import Axes
@@ -43,7 +43,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
 
 COLUMNS = (2, 0.8, 5.35, 4.1)  # of the page, inches
-BLUE, ORANGE = STYLES["direct"][0], STYLES["compressed"][0]
+BLUE, ORANGE = STYLES["direct"][0], STYLES["moments"][0]
 BATCH = 8  # replicas
 ROW = 4096  # bytes of a row of states, which has an index of 8 more
 CHUNK = 2**20  # asperities, more of which are shared by threads
@@ -75,11 +75,11 @@ class Plan:
     merges: int
 
 
-FULL = Plan(case_ii={"direct": (4, 68), "compressed": (40, 1000)}, surfaces={1e6: (4, 36), 1e7: (4, 8)}, repetitions=(9, 3),
-            shards=(1, 3, 10, 32, 100, 316, 1000), sharded=(Patches(10, 181, COMPRESSED), 8000), replica_counts=(1000, 10_000, 100_000, 1_000_000),
+FULL = Plan(case_ii={"direct": (4, 68), "moments": (40, 1000)}, surfaces={1e6: (4, 36), 1e7: (4, 8)}, repetitions=(9, 3),
+            shards=(1, 3, 10, 32, 100, 316, 1000), sharded=(Patches(10, 181, MOMENTS), 8000), replica_counts=(1000, 10_000, 100_000, 1_000_000),
             counted=(Patches(1, 2, DIRECT), 4), merges=5)
-QUICK = Plan(case_ii={"direct": (4, 12), "compressed": (4, 36)}, surfaces={1e4: (4, 36), 1e5: (4, 8)}, repetitions=(1, 1),
-             shards=(1, 3, 10, 20), sharded=(Patches(10, 31, COMPRESSED), 160), replica_counts=(1000, 4000, 16_000), counted=(Patches(1, 2, DIRECT), 4), merges=1)
+QUICK = Plan(case_ii={"direct": (4, 12), "moments": (4, 36)}, surfaces={1e4: (4, 36), 1e5: (4, 8)}, repetitions=(1, 1),
+             shards=(1, 3, 10, 20), sharded=(Patches(10, 31, MOMENTS), 160), replica_counts=(1000, 4000, 16_000), counted=(Patches(1, 2, DIRECT), 4), merges=1)
 
 
 def batches_of(shard: int, shards: int, batches: int) -> tuple[int, int]:
@@ -207,18 +207,18 @@ def measure(path: Path, folder: Path, plan: Plan) -> Results:
 
 def measure_throughput(program: Shards, plan: Plan, results: Results) -> None:
     of_case, of_surfaces = plan.repetitions
-    for name, solver in {"direct": DIRECT, "compressed": COMPRESSED}.items():
+    for name, solver in {"direct": DIRECT, "moments": MOMENTS}.items():
         replica = results.case_ii[name] = measure_replica(program, 1000, solver, plan.case_ii[name], of_case)
         what = f"case II, ensemble phase of {plan.case_ii[name][1]} replicas less that of {plan.case_ii[name][0]}, 1 thread, least of {of_case}"
         results.add("seconds per replica", f"sum = {name}", replica.seconds, "s", what)
         results.add("replicas per second and core", f"sum = {name}", 1.0 / replica.seconds, "1/s", what)
     for asperities, replicas in plan.surfaces.items():
-        replica = measure_replica(program, asperities / DENSITY, COMPRESSED, replicas, of_surfaces)
+        replica = measure_replica(program, asperities / DENSITY, MOMENTS, replicas, of_surfaces)
         results.surfaces.append(replica)
         what = f"case II of another area, {replica.sum} sums, {replicas[1]} replicas and {replicas[0]}, 1 thread, least of {of_surfaces}"
         setting = f"asperities = {replica.asperities:g}"
         results.add("seconds per asperity", setting, replica.per_asperity(), "s", f"ensemble phase, {what}")
-        results.add("seconds before the replicas", setting, replica.before, "s", f"functionals of the joint test and trial of compressed sums, {what}")
+        results.add("seconds before the replicas", setting, replica.before, "s", f"functionals of the joint test and trial of sums by moments, {what}")
         results.add("peak resident memory of a surface", setting, replica.memory, "B", what)
 
 
@@ -236,7 +236,7 @@ def measure_replica(program: Shards, area: float, solver: str, replicas: tuple[i
     if seconds <= 0.0:
         # A busy machine.
         seconds = least[1] / replicas[1]
-    return Replica("direct" if refusal or solver == DIRECT else "compressed", asperities, seconds, before, cost.memory)
+    return Replica("direct" if refusal or solver == DIRECT else "moments", asperities, seconds, before, cost.memory)
 
 
 def measure_shards(program: Shards, plan: Plan, results: Results) -> None:
@@ -344,7 +344,7 @@ def extrapolation(results: Results) -> str:
         f"a: {' and '.join(f'{1e3 * replica.seconds:.3g} ms {name}' for name, replica in results.case_ii.items())} for each replica, "
         f"and for each shard d and {' and '.join(f'{replica.before:.2g} s' for replica in results.case_ii.values())}.",
         *(f"{letter}: {1e9 * replica.per_asperity():.3g} ns for each asperity of a replica of {number(replica.asperities)}, {replica.sum} at 181 "
-          f"separations, and for each shard d and {replica.before:.2g} s, which is mostly the trial of compressed sums."
+          f"separations, and for each shard d and {replica.before:.2g} s, which is mostly the trial of sums by moments."
           for letter, replica in zip("bc", results.surfaces)),
         f"d: {results.start:.2g} core seconds of a shard of one batch of hardly any asperities.",
         f"e: derived: {bytes_of(sizes.node)} for each node of the tree, at most two of a level, {sizes.replica:.0f} B for each replica, and "
@@ -442,8 +442,8 @@ def draw_merge(axes: Axes, merged: dict[int, Merged], label: str, title: str) ->
     seconds, memory = ([value(merged[n].cost) for n in x] for value in (lambda cost: cost.core_seconds, lambda cost: cost.memory / 1e6))
     axes.plot(x, seconds, color=BLUE, marker="o", linewidth=1.4, markersize=4.5, label=f"time: {seconds[-1]:.2g} s at {number(x[-1])}")
     beside = axes.twinx()
-    beside.plot(x, memory, color=ORANGE, marker="s", linestyle=STYLES["compressed"][2], linewidth=1.4, markersize=4.5)
-    axes.plot([], [], color=ORANGE, marker="s", linestyle=STYLES["compressed"][2], linewidth=1.4, markersize=4.5,
+    beside.plot(x, memory, color=ORANGE, marker="s", linestyle=STYLES["moments"][2], linewidth=1.4, markersize=4.5)
+    axes.plot([], [], color=ORANGE, marker="s", linestyle=STYLES["moments"][2], linewidth=1.4, markersize=4.5,
               label=f"memory: {memory[-1]:.3g} MB at {number(x[-1])}")
     axes.set(xscale="log", yscale="log", xlabel=label, title=title)
     axes.set_ylabel("core seconds of the merge", color=BLUE)

@@ -50,8 +50,8 @@ COLORS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "0.4
 MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 # Branches of one method share its colour and marker.
 DASHES = (0, (4, 1.5))
-BRANCHES = {", contact": "-", ", before contact": DASHES, ", compressed": "-", ", direct": DASHES}
-OWN = ("stiction", "compressed")  # stars and lines in greys, the last black: what the program does; names begin so
+BRANCHES = {", contact": "-", ", before contact": DASHES, ", moments": "-", ", direct": DASHES}
+OWN = ("stiction", "moments")  # stars and lines in greys, the last black: what the program does; names begin so
 MOST_LABELS = {"monte_carlo": 2, "peers": 3}  # settings written at one line, elsewhere 4
 STYLE = {
     "font.size": 9, "axes.titlesize": 9.5, "axes.titlelocation": "left", "axes.labelsize": 9,

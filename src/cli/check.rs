@@ -140,7 +140,7 @@ pub(super) fn heading(scene: &Scene) -> String {
 /// The model, and what characterises the scene.
 fn facts(scene: &Scene) -> String {
     let mut text = String::new();
-    text += &row("model", &format!("{} on {}", scene.model.name, scene.path_name()));
+    text += &row("model", &format!("{} on {}", scene.model.name, scene.history_name()));
     text += &row("", scene.model.about);
     text += &numbers(scene);
     text += &held(scene);

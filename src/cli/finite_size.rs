@@ -69,7 +69,9 @@ fn refuse(scene: &Scene) -> Result<(), &'static str> {
         );
     }
     if scene.cycle {
-        return Err("path = \"loop\": patches are compared on one way; give \"approach\" or \"retraction\"");
+        return Err(
+            "history = \"loop\": patches are compared on one way; give \"approach\" or \"retraction\"",
+        );
     }
     if scene.surface.whole {
         return Err("sample = \"whole\" is one surface of one size; give \"bootstrap\"");
@@ -125,7 +127,7 @@ fn counts(text: &str) -> Result<Vec<u64>, String> {
 fn sizes(scene: &Scene, counts: &[u64], files: &Arc<dyn Files>) -> Result<Sweep, String> {
     const KEY: &str = "surface.nominal_area";
     let texts: &[(&str, &str)] =
-        if scene.sum_tolerance.is_some() { &[] } else { &[("solver.sum", "compressed")] };
+        if scene.sum_tolerance.is_some() { &[] } else { &[("solver.summation", "moments")] };
     let along = |areas| {
         Sweep::along(&scene.text, KEY, areas, texts, Arc::clone(files)).map_err(|error| error.to_string())
     };
@@ -209,7 +211,7 @@ fn size(file: &Path, count: u64, integral: f64) -> Result<Size, OutputError> {
         bias: [means[1][0] / integral - 1.0, means[1][1] / integral],
         scatter: Scatter::new(&relative),
         p_value: reader.number("/validation", "p_value")?,
-        sum: reader.optional_text("/ensemble", "sum")?.unwrap_or_default(),
+        sum: reader.optional_text("/ensemble", "summation")?.unwrap_or_default(),
     })
 }
 

@@ -343,7 +343,7 @@ fn sums(summation: &Summation) -> String {
         Some(refusal) => format!("direct, although compressed to {tolerance:e} was asked for: {refusal}"),
         None => {
             format!(
-                "compressed to {tolerance:e}; off by {error:.1e} where a few replicas were also summed directly"
+                "by moments to {tolerance:e}; off by {error:.1e} where a few replicas were also summed directly"
             )
         }
     };

@@ -17,8 +17,7 @@ use crate::output::stack::{self, stack};
 use crate::output::writer::Writer;
 use crate::output::{OutputError, OutputLock};
 use crate::scene::echo::one_line;
-use crate::scene::sweep::Mode;
-use crate::scene::{Scene, Sweep};
+use crate::scene::{Mode, Scene, Sweep};
 use crate::validation::{Difference, SIGNIFICANCE, Verdict, disagreeing, overall};
 use std::path::Path;
 use std::sync::atomic::Ordering;
@@ -157,7 +156,7 @@ pub(super) struct Compared {
 impl Compared {
     fn read(file: &Path) -> Result<Self, OutputError> {
         let reader = Reader::open(file, &[&RUN])?;
-        let is_loop = reader.optional_text("/", "path")?.as_deref() == Some("loop");
+        let is_loop = reader.optional_text("/", "history")?.as_deref() == Some("loop");
         Self::new(&|path| reader.values::<f64>(path), reader.number("/", "stiffness_span")?, is_loop)
     }
 

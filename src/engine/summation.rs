@@ -70,7 +70,7 @@ impl Summation {
 
     /// Its name in files.
     pub fn name(&self) -> &'static str {
-        if self.matrix.is_some() { "compressed" } else { "direct" }
+        if self.matrix.is_some() { "moments" } else { "direct" }
     }
 }
 

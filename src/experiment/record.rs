@@ -101,7 +101,7 @@ pub(crate) fn write_about(writer: &Writer<'_>, title: &str, text: &str) -> Resul
 /// Writes the law and how replicas are drawn.
 pub(crate) fn write_model(writer: &Writer<'_>, scene: &Scene, seed: u64) -> Result<(), OutputError> {
     writer.text("/", "law", scene.model.name)?;
-    writer.text("/", "path", scene.path_name())?;
+    writer.text("/", "history", scene.history_name())?;
     writer.number("/", "seed", seed)?;
     writer.number("/", "replicas", scene.replicas)?;
     writer.text("/", "sampling", scene.sampling.name())
@@ -110,7 +110,7 @@ pub(crate) fn write_model(writer: &Writer<'_>, scene: &Scene, seed: u64) -> Resu
 /// Writes what made the file, the scene, its numbers and its separations.
 pub(crate) fn write_scene(writer: &mut Writer<'_>, scene: &Scene) -> Result<(), OutputError> {
     write_about(writer, &scene.title, &scene.text)?;
-    writer.text("/", "path", scene.path_name())?;
+    writer.text("/", "history", scene.history_name())?;
     if scene.cycle {
         writer.text("/", "unloaded_radius", scene.unloaded_radius.name())?;
     }
@@ -182,7 +182,7 @@ fn write_ensemble(writer: &Writer<'_>, results: &Results) -> Result<(), OutputEr
     results.stopped.as_ref().map_or(Ok(()), |stopped| write_stopped(writer, stopped))?;
     write_features(writer, "/ensemble", results.pulled().0)?;
     let summation = &results.summation;
-    writer.text("/ensemble", "sum", summation.name())?;
+    writer.text("/ensemble", "summation", summation.name())?;
     if let Some(tolerance) = summation.tolerance {
         writer.number("/ensemble", "sum_tolerance", tolerance)?;
         writer.number("/ensemble", "sum_error", summation.achieved_error)?;
@@ -346,7 +346,7 @@ fn write_diagnostics(writer: &mut Writer<'_>, results: &Results) -> Result<(), O
     count("safeguarded_solves", stats.safeguarded)?;
     count("iterations", stats.evaluations)?;
     count("skipped_loads", stats.unloaded)?;
-    count("compressed_sums", stats.by_moments)?;
+    count("moment_sums", stats.by_moments)?;
     count("threads", results.threads as u64)?;
     let (checkpoints, time) = results.metadata.checkpoints;
     count("resumptions", results.metadata.resumptions)?;

@@ -113,7 +113,7 @@ impl Sampling<'_> {
 
 /// What holds the surfaces of a scene.
 pub(crate) fn loading(scene: &Scene) -> Loading<'_> {
-    let ways = (scene.path == Path::Approach, scene.cycle || scene.path == Path::Retraction);
+    let ways = (scene.history == Path::Approach, scene.cycle || scene.history == Path::Retraction);
     let Instability { stiffness, preload, smallest_snap } = &scene.instability;
     Loading { stiffness, preload, smallest_snap: *smallest_snap, ways }
 }

@@ -117,7 +117,7 @@ mod tests {
         let (one, other) = ("material.hardness = [1]\n", "surface.asperity_radius = [2]\n");
         assert!(difference(&sweep(&format!("{one}{other}")), &sweep(&format!("{other}{one}"))).is_some());
         let input = |checksum| Input { path: "a.csv".to_owned(), values: 3, checksum };
-        let with = |checksum| super::super::with_inputs(SCENE, &[input(checksum)]);
+        let with = |checksum| crate::scene::with_inputs(SCENE, &[input(checksum)]);
         assert_eq!(difference(&with(7), &with(7).replace("title = \"a\"\n", "")), None);
         assert_eq!(difference(&with(7), &with(8)).unwrap().0, "a.csv");
         assert!(difference(&with(7), SCENE).is_some());

@@ -1,5 +1,6 @@
 //! What a scene takes out of other files.
 
+use super::echo::one_line;
 use serde::{Deserialize, Serialize};
 
 /// Most values of a file that a scene takes.
@@ -93,4 +94,17 @@ impl Input {
         let is_one = count.parse::<u64>().is_ok() && u32::from_str_radix(checksum, 16).is_ok();
         is_one.then(|| (path.to_owned(), rest.to_owned()))
     }
+}
+
+/// A scene's text, and behind it what each of its files gave: the same text is then the same scene.
+pub fn with_inputs(text: &str, inputs: &[Input]) -> String {
+    let mut text = text.to_owned();
+    for input in inputs {
+        let line = format!("# {}\n", one_line(&input.line()));
+        if !text.contains(&line) {
+            let end = if text.is_empty() || text.ends_with('\n') { "" } else { "\n" };
+            text += &format!("{end}{line}");
+        }
+    }
+    text
 }

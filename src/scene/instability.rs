@@ -1,6 +1,7 @@
 //! What holds the surfaces of a scene.
 
-use super::reader::{Entry, SceneError, Section, Together};
+use super::error::{SceneError, Together};
+use super::reader::{Entry, Section};
 use toml::de::DeValue;
 
 /// Most stiffnesses, and most preloads, of a scene.
@@ -28,7 +29,7 @@ pub(super) fn instability(root: &Section<'_>, cycle: bool) -> Result<Instability
     let preload = section.optional("preload", |preload| {
         if !cycle {
             return Err(
-                preload.wrong("a preload is where a loop turns back; it needs path = \"loop\" in [model]")
+                preload.wrong("a preload is where a loop turns back; it needs history = \"loop\" in [model]")
             );
         }
         one_or_more(preload)

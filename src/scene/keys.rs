@@ -1,7 +1,5 @@
-//! Keys of scenes: what a row of their [table](super::table::KEYS) says, and what people write in their
-//! place.
+//! Keys of scenes: what a row of their table says.
 
-pub use super::table::KEYS;
 use super::units::Dimension;
 use std::ops::Bound;
 
@@ -22,6 +20,8 @@ pub struct Key {
     pub about: &'static str,
     /// Whether `[sweep]` takes it.
     pub is_swept: bool,
+    /// The name that it had in earlier versions, in its table; empty for most.
+    pub formerly: &'static str,
     /// Keys that must not stand beside it.
     pub excluded: &'static [&'static str],
 }
@@ -71,19 +71,38 @@ pub enum Absent {
     Follows(&'static str),
 }
 
-/// A row of the table.
-pub(super) const fn key(
-    name: &'static str,
-    example: &'static str,
-    value: Value,
-    absent: Absent,
-    what: &'static str,
-    about: &'static str,
-) -> Key {
-    Key { name, example, value, absent, what, about, is_swept: false, excluded: &[] }
+/// A row of the table: a key that has to be there.
+pub(super) const fn key(name: &'static str, example: &'static str, value: Value) -> Key {
+    let (absent, what, about) = (Absent::Required, "", "");
+    Key { name, example, value, absent, what, about, is_swept: false, excluded: &[], formerly: "" }
 }
 
 impl Key {
+    /// The same, with a few words on what it is.
+    pub(super) const fn what(self, what: &'static str) -> Self {
+        Self { what, ..self }
+    }
+
+    /// The same, with sentences on what to know of it.
+    pub(super) const fn about(self, about: &'static str) -> Self {
+        Self { about, ..self }
+    }
+
+    /// The same, with the value that holds where it is absent.
+    pub(super) const fn defaults_to(self, value: &'static str) -> Self {
+        Self { absent: Absent::Is(value), ..self }
+    }
+
+    /// The same, with words on what holds where it is absent.
+    pub(super) const fn follows(self, words: &'static str) -> Self {
+        Self { absent: Absent::Follows(words), ..self }
+    }
+
+    /// The same, with the name that it had in scenes of earlier versions.
+    pub(super) const fn formerly(self, formerly: &'static str) -> Self {
+        Self { formerly, ..self }
+    }
+
     /// The same, for a key that can be swept.
     pub(super) const fn swept(self) -> Self {
         Self { is_swept: true, ..self }
@@ -92,141 +111,5 @@ impl Key {
     /// The same, with keys that must not stand beside it.
     pub(super) const fn excludes(self, excluded: &'static [&'static str]) -> Self {
         Self { excluded, ..self }
-    }
-}
-
-/// What is written in the place of a key, in lower case, the key, and what to know of it.
-const MEANT: &[(&[&str], &str, &str)] = &[
-    (
-        &["young_modulus", "young", "elastic_modulus", "modulus", "e", "e1", "e_r", "e_star"],
-        "material.reduced_modulus",
-        ", 1/E_r = (1 - nu1^2)/E1 + (1 - nu2^2)/E2 of the two bodies",
-    ),
-    (&["nu", "poisson"], "material.poisson_ratio", ""),
-    (
-        &["gamma", "delta_gamma", "dgamma", "adhesion_energy", "adhesion", "w"],
-        "material.work_of_adhesion",
-        ", the energy of both surfaces less that of their interface",
-    ),
-    (&["z0", "z_0", "epsilon"], "material.equilibrium_spacing", ""),
-    (&["h"], "material.hardness", ""),
-    (&["sigma", "rms", "rq", "sq", "roughness", "height_std"], "surface.surface_height_std", ""),
-    (&["sigma_s"], "surface.asperity_height_std", ""),
-    (&["r", "radius"], "surface.asperity_radius", ""),
-    (&["eta", "density"], "surface.asperity_density", ""),
-    (&["area", "a", "a_n"], "surface.nominal_area", ""),
-    (&["t", "thickness", "lubricant"], "surface.lubricant_thickness", ""),
-    (&["y_s"], "surface.mean_plane_offset", ""),
-    (&["n", "samples", "runs"], "ensemble.replicas", ""),
-];
-
-/// A dotted name as the table has it: without the index of an element, and without the sweep that a key is
-/// in.
-fn tabled(name: &str) -> String {
-    let name = match name.split_once('[') {
-        Some((list, rest)) => {
-            let rest = rest.split_once(']').map_or("", |(_, rest)| rest);
-            if rest.is_empty() { format!("{list}[]") } else { format!("{list}{rest}") }
-        }
-        None => name.to_owned(),
-    };
-    let swept = name.strip_prefix("sweep.").filter(|name| name.contains('.'));
-    match swept.map(|name| (name, name.rsplit_once('.'))) {
-        Some((_, Some((_, last @ ("count" | "spacing"))))) => format!("sweep.*.{last}"),
-        Some((_, Some((key, "from" | "to")))) => key.to_owned(),
-        Some((name, _)) => name.trim_end_matches("[]").to_owned(),
-        None => name,
-    }
-}
-
-/// The key of a dotted name, or the list of which it is an element.
-pub fn find(name: &str) -> Option<&'static Key> {
-    let name = tabled(name);
-    let find = |name: &str| KEYS.iter().find(|key| key.name == name);
-    find(&name).or_else(|| find(name.trim_end_matches("[]")))
-}
-
-/// An example for the key of a dotted name; none for what is no key.
-pub fn example(name: &str) -> Option<&'static str> {
-    find(name).map(|key| key.example)
-}
-
-/// The keys of a table by its dotted name, "" for the root.
-pub fn keys_of(table: &str) -> impl Iterator<Item = &'static str> + Clone + use<> {
-    let prefix = if table.is_empty() { String::new() } else { format!("{}.", tabled_table(table)) };
-    KEYS.iter()
-        .filter_map(move |key| key.name.strip_prefix(&prefix))
-        .filter(|rest| !rest.contains(['.', '[']))
-}
-
-/// The name of a table as the keys in it have it.
-fn tabled_table(name: &str) -> String {
-    match name.strip_prefix("sweep.") {
-        Some(_) => "sweep.*".to_owned(),
-        None => tabled(name).trim_end_matches("[]").to_owned(),
-    }
-}
-
-/// The dotted name of the key that was most likely meant by an unknown one, and what to know of it.
-pub fn meant(given: &str) -> Option<(&'static str, &'static str)> {
-    let given = given.to_lowercase().replace(['-', ' '], "_").replace(['\'', '’'], "");
-    let alias = MEANT.iter().find(|(words, ..)| words.contains(&given.as_str()));
-    let elsewhere = || {
-        let is_meant = |name: &str| name.split_once('.').is_some_and(|(_, key)| key == given);
-        KEYS.iter().find(|key| is_meant(key.name)).map(|key| (key.name, ""))
-    };
-    alias.map(|(_, key, note)| (*key, *note)).or_else(elsewhere)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn examples_are_found_by_what_messages_name() {
-        for (name, expected) in [
-            ("material.hardness", "\"2.5 GPa\""),
-            ("separation.h[3]", "\"3 nm\""),
-            ("separation.h.from", "\"-2 nm\""),
-            ("instability.stiffness[2]", "\"100 kN/m\""),
-            ("ensemble.target[1].standard_error", "\"0.5 uN\""),
-            ("sweep.material.hardness[4]", "\"2.5 GPa\""),
-            ("sweep.material.hardness.from", "\"2.5 GPa\""),
-            ("sweep.material.hardness.count", "7"),
-            ("sweep.mode", "\"grid\""),
-        ] {
-            assert_eq!(example(name), Some(expected), "{name}");
-        }
-        assert_eq!(example("material.colour"), None);
-    }
-
-    #[test]
-    fn tables_have_their_keys() {
-        let of = |name: &str| keys_of(name).collect::<Vec<&str>>();
-        assert_eq!(of("solver"), ["sum", "tolerance"]);
-        assert_eq!(
-            of("ensemble.target[3]"),
-            ["quantity", "relative_standard_error", "standard_error", "estimate"]
-        );
-        assert_eq!(of("sweep.material.hardness"), ["from", "to", "count", "spacing"]);
-        assert!(of("").contains(&"sweep") && !of("").contains(&"hardness"));
-        assert!(of("title").is_empty());
-    }
-
-    #[test]
-    fn what_people_write_is_known_and_names_keys() {
-        for (given, key) in [
-            ("e", "material.reduced_modulus"),
-            ("Young's modulus", "material.youngs_modulus"),
-            ("sigma", "surface.surface_height_std"),
-            ("gamma", "material.work_of_adhesion"),
-            ("density", "surface.asperity_density"),
-            ("hardness", "material.hardness"),
-            ("Hardness", "material.hardness"),
-        ] {
-            assert_eq!(meant(given).unwrap().0, key, "{given}");
-        }
-        assert!(MEANT.iter().all(|(_, meant, _)| KEYS.iter().any(|key| key.name == *meant)));
-        assert_eq!(meant("colour"), None);
     }
 }

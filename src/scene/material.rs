@@ -1,13 +1,12 @@
 //! What the bodies of a scene are made of.
 
-use super::reader::{Entry, SceneError, Section, Together};
+use super::choices::POISSON_RATIOS;
+use super::error::{SceneError, Together};
+use super::reader::{Entry, Section};
 use crate::asperity::scale::Asperity;
 use crate::asperity::{LawError, LawParameters, Path};
-use std::ops::{Bound, RangeBounds};
+use std::ops::RangeBounds;
 use toml::de::DeValue;
-
-/// Poisson ratios of stable solids.
-pub(super) const POISSON_RATIOS: (Bound<f64>, Bound<f64>) = (Bound::Excluded(-1.0), Bound::Included(0.5));
 
 /// Which keys have one number in the place of two.
 const BOTH: &str = "one modulus of both is reduced_modulus, 1/E_r = (1 - nu1^2)/E1 + (1 - nu2^2)/E2";

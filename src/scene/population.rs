@@ -1,32 +1,16 @@
 //! The asperities of a scene's surface: laws of heights, radii and number.
 
+use super::choices::{HEIGHT_LAWS, RADIUS_LAWS, SAMPLES, SUMMIT_LAWS, VARIATIONS};
+use super::error::{SceneError, Together, all};
 use super::files::{Column, Files, Input, MOST_VALUES, Measured};
-use super::keys::example;
-use super::reader::{Entry, SceneError, Section, Together, all};
+use super::lookup::example;
+use super::reader::{Entry, Section};
 use super::units::{Dimension, parse};
 use crate::surface::nayak::{LEAST_ALPHA, Spectrum};
 use crate::surface::{
     CountLaw, HeightLaw, Heights, LogNormal, Radii, Roughness, Surface, SurfaceError, Truncated, Weibull,
 };
 use toml::de::DeValue;
-
-/// Laws of heights, for messages.
-pub(super) const HEIGHT_LAWS: [(&str, &str); 6] = [
-    ("gaussian", "gaussian"),
-    ("exponential", "exponential"),
-    ("weibull", "weibull"),
-    ("lognormal", "lognormal"),
-    ("truncated", "truncated"),
-    ("file", "file"),
-];
-pub(super) const RADIUS_LAWS: [(&str, &str); 4] =
-    [("common", "common"), ("lognormal", "lognormal"), ("gamma", "gamma"), ("file", "file")];
-/// Laws of summits.
-pub(super) const SUMMIT_LAWS: [(&str, ()); 1] = [("nayak", ())];
-/// How replicas are made of measured asperities; whether of all of them.
-pub(super) const SAMPLES: [(&str, bool); 2] = [("bootstrap", false), ("whole", true)];
-/// Coefficients of variation that laws of radii have.
-pub(super) const VARIATIONS: std::ops::RangeInclusive<f64> = 0.001..=1.0;
 
 /// Fewest values of a file, so that they have a scatter.
 const FEWEST: usize = 2;

@@ -1,134 +1,15 @@
 //! Reading TOML with errors that name the key, its line, what was given and what would do.
 
 use super::echo::{one_line, shortened};
-use super::keys::{Sign, Value, example, find, keys_of, meant};
+use super::error::{SceneError, all};
+use super::keys::{Sign, Value};
+use super::lookup::{example, find, keys_of, meant, nearest, renamed, renamed_value};
 use super::units::{Dimension, QuantityError, parse};
-use thiserror::Error;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 /// Most words of a value that an error repeats.
 const SHOWN_WORDS: usize = 60;
-/// Longest name, in bytes, that is compared with the known ones.
-const LONGEST_NAME: usize = 100;
-
-/// Most problems of a scene that are told.
-const MOST_PROBLEMS: usize = 20;
-
-/// One thing that is wrong with a scene.
-#[derive(Clone, Debug, Error, PartialEq, Eq)]
-#[error("{}{text}", line.map(|line| format!("line {line}: ")).unwrap_or_default())]
-pub struct Problem {
-    /// Line of the scene, from 1; `None` for what no line shows.
-    pub line: Option<usize>,
-    /// The problem: key, what was given, what would do.
-    pub text: String,
-    /// The dotted name of a key that is missing, or was most likely meant by an unknown one.
-    key: Option<String>,
-}
-
-/// What is wrong with a scene: at least one problem, a line each, in the order of the lines; what no line
-/// shows comes last.
-#[derive(Clone, Debug, Error, PartialEq, Eq)]
-#[error("{}", problems.iter().map(ToString::to_string).collect::<Vec<String>>().join("\n"))]
-pub struct SceneError {
-    /// The problems.
-    pub problems: Vec<Problem>,
-}
-
-impl SceneError {
-    /// A problem that no single line shows.
-    pub fn general(problem: impl Into<String>) -> Self {
-        Self { problems: vec![Problem { line: None, text: problem.into(), key: None }] }
-    }
-
-    /// A problem of a line.
-    fn at(line: Option<usize>, text: String) -> Self {
-        Self { problems: vec![Problem { line, text, key: None }] }
-    }
-
-    /// A problem that another key than the one that is there would mend.
-    fn for_want_of(line: Option<usize>, text: String, key: String) -> Self {
-        Self { problems: vec![Problem { line, text, key: Some(key) }] }
-    }
-
-    /// Several problems, each told once.
-    fn several(mut problems: Vec<Problem>) -> Self {
-        problems.sort_by_key(|problem| problem.line.unwrap_or(usize::MAX));
-        let mut told = std::collections::BTreeSet::new();
-        problems.retain(|problem| told.insert(problem.to_string()));
-        Self { problems }
-    }
-
-    /// As many problems as are told; a key that is missing where a misspelt one stands is no problem of its
-    /// own.
-    pub(super) fn shortened(mut self) -> Self {
-        let is_misspelt = |key: &Option<String>| {
-            key.is_some() && self.problems.iter().any(|problem| problem.line.is_some() && problem.key == *key)
-        };
-        let told = |problem: &&Problem| problem.line.is_some() || !is_misspelt(&problem.key);
-        let mut problems: Vec<Problem> = self.problems.iter().filter(told).cloned().collect();
-        if problems.len() > MOST_PROBLEMS {
-            problems.truncate(MOST_PROBLEMS);
-            problems.extend(Self::general("[...] there are more problems").problems);
-        }
-        self.problems = problems;
-        self
-    }
-}
-
-/// Readings that do not depend on each other: what all have given, or the problems of all.
-pub(super) trait Together {
-    /// What they give.
-    type All;
-
-    /// All of them.
-    fn together(self) -> Result<Self::All, SceneError>;
-}
-
-macro_rules! together {
-    ($($kind:ident $value:ident),+) => {
-        impl<$($kind),+> Together for ($(Result<$kind, SceneError>,)+) {
-            type All = ($($kind,)+);
-
-            fn together(self) -> Result<Self::All, SceneError> {
-                let ($($value,)+) = self;
-                let mut problems = Vec::new();
-                $(let $value = $value.map_err(|error: SceneError| problems.extend(error.problems)).ok();)+
-                match ($($value,)+) {
-                    ($(Some($value),)+) => Ok(($($value,)+)),
-                    _ => Err(SceneError::several(problems)),
-                }
-            }
-        }
-    };
-}
-
-together!(A a, B b);
-together!(A a, B b, C c);
-together!(A a, B b, C c, D d);
-together!(A a, B b, C c, D d, E e);
-together!(A a, B b, C c, D d, E e, F f);
-together!(A a, B b, C c, D d, E e, F f, G g);
-together!(A a, B b, C c, D d, E e, F f, G g, H h);
-together!(A a, B b, C c, D d, E e, F f, G g, H h, I i);
-together!(A a, B b, C c, D d, E e, F f, G g, H h, I i, J j);
-
-/// Any number of readings, as [`Together`].
-pub(super) fn all<T>(readings: impl Iterator<Item = Result<T, SceneError>>) -> Result<Vec<T>, SceneError> {
-    let (mut values, mut problems) = (Vec::new(), Vec::new());
-    for reading in readings {
-        match reading {
-            Ok(value) => values.push(value),
-            Err(error) => problems.extend(error.problems),
-        }
-        // To look up the line of each takes time.
-        if problems.len() > MOST_PROBLEMS {
-            break;
-        }
-    }
-    if problems.is_empty() { Ok(values) } else { Err(SceneError::several(problems)) }
-}
 
 /// Parses the document.
 pub(super) fn document(text: &str) -> Result<Spanned<DeTable<'_>>, SceneError> {
@@ -223,6 +104,12 @@ impl<'a> Section<'a> {
         known: impl Iterator<Item = &'static str> + Clone,
     ) -> SceneError {
         let given = key.get_ref();
+        let line = Some(line_of(self.text, key.span().start));
+        if let Some(new) = renamed(self.name, given) {
+            let (old, key) = (self.dotted(given), new.name.rsplit('.').next().unwrap_or(new.name));
+            let problem = format!("`{old}` is now `{}`; for example {key} = {}", new.name, new.example);
+            return SceneError::for_want_of(line, problem, new.name.to_owned());
+        }
         let own = |name: &str| {
             name.strip_prefix(self.name).and_then(|key| key.strip_prefix('.')).map(str::to_owned)
         };
@@ -233,7 +120,6 @@ impl<'a> Section<'a> {
         });
         let (name, known) = (self.dotted(&shortened(given)), known.collect::<Vec<&str>>().join(", "));
         let problem = format!("unknown key `{name}`; {}known here: {known}", hint.unwrap_or_default());
-        let line = Some(line_of(self.text, key.span().start));
         match meant {
             Some((meant, _)) => SceneError::for_want_of(line, problem, meant),
             None => SceneError::at(line, problem),
@@ -372,8 +258,12 @@ impl<'a> Entry<'a> {
         let given = self.string()?;
         choices.iter().find(|(name, _)| *name == given).map(|(_, choice)| *choice).ok_or_else(|| {
             let names: Vec<&str> = choices.iter().map(|(name, _)| *name).collect();
-            let hint =
-                nearest(given, names.iter().copied()).map(|name| format!(" (did you mean \"{name}\"?)"));
+            let hint = match renamed_value(given) {
+                Some(new) => Some(format!(", which is now \"{new}\"")),
+                None => {
+                    nearest(given, names.iter().copied()).map(|name| format!(" (did you mean \"{name}\"?)"))
+                }
+            };
             self.wrong(&format!("unknown {what}{}; known: {}", hint.unwrap_or_default(), names.join(", ")))
         })
     }
@@ -456,17 +346,4 @@ fn kind(value: &DeValue<'_>) -> String {
         "array" => "an array".to_owned(),
         other => format!("a {other}"),
     }
-}
-
-/// The known name that a misspelt one most likely means; none where it is too long to mean any.
-pub fn nearest<'n>(given: &str, known: impl Iterator<Item = &'n str>) -> Option<&'n str> {
-    if given.len() > LONGEST_NAME {
-        return None;
-    }
-    let given = given.to_lowercase();
-    known
-        .map(|name| (strsim::jaro_winkler(&given, name), name))
-        .filter(|(similarity, _)| *similarity > 0.75)
-        .max_by(|a, b| a.0.total_cmp(&b.0))
-        .map(|(_, name)| name)
 }

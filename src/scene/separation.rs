@@ -1,12 +1,11 @@
 //! The separations of a scene: h, or h_star as multiples of the standard deviation of the surface heights.
 
-use super::keys::example;
-use super::reader::{Entry, SceneError, Section, Together};
+use super::choices::MOST_SEPARATIONS;
+use super::error::{SceneError, Together};
+use super::lookup::example;
+use super::reader::{Entry, Section};
 use crate::surface::LENGTHS;
 use toml::de::DeValue;
-
-/// Most separations of a scene; far more than a curve needs.
-pub(super) const MOST: u64 = 10_000;
 
 /// Least span of a secant, as a share of the largest separation: a million of its roundings.
 const LEAST_SPAN: f64 = 1e6 * f64::EPSILON;
@@ -58,8 +57,9 @@ fn rising(
 ) -> Result<Vec<f64>, SceneError> {
     let values = match entry.value.get_ref() {
         DeValue::Array(array) => {
-            if !(2..=MOST as usize).contains(&array.len()) {
-                return Err(entry.wrong(&format!("has {} separations; 2 to {MOST} are needed", array.len())));
+            if !(2..=MOST_SEPARATIONS as usize).contains(&array.len()) {
+                return Err(entry
+                    .wrong(&format!("has {} separations; 2 to {MOST_SEPARATIONS} are needed", array.len())));
             }
             let elements = array.iter().enumerate().map(|(i, element)| entry.element(i, element));
             let mut values: Vec<f64> = Vec::with_capacity(array.len());

@@ -1,19 +1,16 @@
 //! How many replicas a scene asks for: a number, or targets that the ensemble is to reach.
 
-use super::reader::{Entry, SceneError, Section, Together, all};
+use super::choices::RELATIVE;
+use super::error::{SceneError, Together, all};
+use super::reader::{Entry, Section};
 use super::units::Dimension;
 use crate::engine::{Estimator, Limit, SCALARS, Stopping, Target};
 use crate::surface::{STRATA, SamplingScheme};
-use std::ops::RangeInclusive;
 use toml::de::DeValue;
 
 /// Groups of replicas before the targets are looked at for the first time, and replicas at most, unless a
 /// scene says otherwise.
 const DEFAULTS: (u64, u64) = (64, 100_000);
-/// Numbers of replicas that can be asked for.
-pub(super) const REPLICAS: RangeInclusive<u64> = 1..=1_000_000_000_000;
-/// Relative standard errors that make sense: below, rounding is larger; above, nothing is known.
-pub(super) const RELATIVE: RangeInclusive<f64> = 1e-9..=0.5;
 /// Most targets of a scene.
 const MOST_TARGETS: usize = 16;
 

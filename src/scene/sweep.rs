@@ -8,23 +8,23 @@
 //! "surface.lubricant_thickness" = ["0 nm", "0.5 nm", "1 nm"]
 //! ```
 
-use super::Scene;
+use super::choices::{MOST_POINTS, Mode, SPACINGS};
+use super::definition::Scene;
 use super::echo::shortened;
+use super::error::{SceneError, Together, all};
 use super::files::Files;
-use super::keys::{KEYS, Key, Value};
-use super::reader::{Entry, SceneError, Section, Together, all, document, nearest};
-use super::units::Dimension;
+use super::keys::{Key, Value};
+use super::lookup::nearest;
+use super::parse::read;
+use super::reader::{Entry, Section, document};
+use super::table::KEYS;
+use super::units::{Dimension, rounded};
 use std::sync::{Arc, LazyLock};
 use toml::de::DeValue;
 use toml_edit::{DocumentMut, Item, TableLike, value};
 
-/// Most points of a sweep.
-pub const MOST_POINTS: usize = 10_000;
 /// Most keys of a sweep.
 pub const MOST_KEYS: usize = 6;
-/// How the values between two ends lie; whether by their logarithm.
-pub(super) const SPACINGS: [(&str, bool); 2] = [("linear", false), ("log", true)];
-
 /// A key of a scene that can be swept.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Sweepable {
@@ -63,8 +63,8 @@ const REFUSED: &[(&str, &str)] = &[
     ),
     ("output", "all points are kept alike: give it in [output]"),
     ("model.law", "a law is no number; `stiction compare` compares laws"),
-    ("model.path", "a history is no number: give it in [model]"),
-    ("solver.sum", "is no number: give it in [solver]"),
+    ("model.history", "a history is no number: give it in [model]"),
+    ("solver.summation", "is no number: give it in [solver]"),
     ("format", "is that of the whole file"),
     ("title", "is that of the whole file"),
 ];
@@ -83,22 +83,9 @@ impl Sweepable {
         }
     }
 
-    /// A value, SI, in messages and tables: six digits, in the unit that is next below it.
+    /// A value, SI, in messages and tables.
     pub fn shown(&self, number: f64) -> String {
-        let (value, unit) = match self.dimension {
-            Some(dimension) => {
-                let (unit, size) = dimension.unit_below(number.abs());
-                (number / size, format!(" {unit}"))
-            }
-            None => (number, String::new()),
-        };
-        let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value);
-        let plain = if (1e-3..1e6).contains(&rounded.abs()) || rounded == 0.0 {
-            format!("{rounded}")
-        } else {
-            format!("{rounded:e}")
-        };
-        plain + &unit
+        self.dimension.map_or_else(|| rounded(number), |dimension| dimension.shown(number))
     }
 
     /// Reads a value, SI.
@@ -107,28 +94,6 @@ impl Sweepable {
             None => entry.number(),
             Some(_) if entry.number() == Ok(0.0) => Ok(0.0),
             Some(dimension) => entry.quantity(dimension),
-        }
-    }
-}
-
-/// How several keys are combined.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Mode {
-    /// Every value of each key with every value of the others.
-    Grid,
-    /// The first value of each key with the first of the others, the second with the second, and so on.
-    Zip,
-}
-
-impl Mode {
-    /// All of them, by name.
-    pub const ALL: [(&'static str, Self); 2] = [("grid", Self::Grid), ("zip", Self::Zip)];
-
-    /// Its name in scenes and files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Grid => "grid",
-            Self::Zip => "zip",
         }
     }
 }
@@ -306,9 +271,8 @@ impl Sweep {
     /// As [`Sweep::scene`].
     pub fn alone(&self, point: usize) -> Result<Scene, SceneError> {
         let text = self.text(point)?;
-        let document = document(&text).and_then(|document| {
-            Scene::read(&text, &Section::root(&text, document.get_ref()), self.files.as_ref())
-        });
+        let document = document(&text)
+            .and_then(|document| read(&text, &Section::root(&text, document.get_ref()), self.files.as_ref()));
         document.map_err(|mut error| {
             let point = self.name(point).replace(" (", " (`").replace(')', "`)");
             for problem in &mut error.problems {
@@ -516,7 +480,7 @@ mod tests {
     #[test]
     fn every_key_that_can_be_swept_is_one_of_scenes() {
         let scene = include_str!("../../configs/paper/case_iii_delta_a.toml");
-        let scene = scene.replace("[ensemble]", "[solver]\nsum = \"compressed\"\n\n[ensemble]");
+        let scene = scene.replace("[ensemble]", "[solver]\nsummation = \"moments\"\n\n[ensemble]");
         for key in SWEEPABLE.iter() {
             let of_law = match key.name {
                 "surface.heights.shape" => "heights = { law = \"weibull\", shape = 2.0 }\n",

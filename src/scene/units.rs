@@ -90,7 +90,7 @@ impl Dimension {
 
     /// The largest of its units that is not larger than a value, and its size, SI; the SI unit for a value
     /// below all of them.
-    pub fn unit_below(self, value: f64) -> (&'static str, f64) {
+    fn unit_below(self, value: f64) -> (&'static str, f64) {
         let thousands = units(self).iter().filter(|(unit, power)| unit.is_ascii() && power % 3 == 0);
         let sizes = thousands.map(|(unit, power)| (*unit, 10_f64.powi(*power)));
         let below = sizes.filter(|(_, size)| *size <= value * (1.0 + 1e-9));
@@ -123,11 +123,24 @@ impl Dimension {
         found.unwrap_or_else(|| panic!("no dimension has the units {units}")).0
     }
 
+    /// A value, SI, in messages and tables: six digits at most, in the unit that is next below it.
+    pub fn shown(self, value: f64) -> String {
+        let (unit, size) = self.unit_below(value.abs());
+        format!("{} {unit}", rounded(value / size))
+    }
+
     /// Its units in messages; the spellings with a Greek mu are left out.
     pub fn units(self) -> String {
         let spellings = units(self).iter().map(|(spelling, _)| *spelling).filter(|unit| unit.is_ascii());
         spellings.collect::<Vec<_>>().join(", ")
     }
+}
+
+/// A number to six digits at most.
+pub fn rounded(value: f64) -> String {
+    let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value);
+    let is_plain = (1e-3..1e6).contains(&rounded.abs()) || rounded == 0.0;
+    if is_plain { format!("{rounded}") } else { format!("{rounded:e}") }
 }
 
 fn units(dimension: Dimension) -> &'static [(&'static str, i32)] {

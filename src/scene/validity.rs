@@ -4,7 +4,7 @@
 //! Asperities are independent: no elastic coupling through the substrate, no coalescence of contacts. Their
 //! contacts are small against their radius, their number is large, and the surface is a continuum.
 
-use super::Scene;
+use super::definition::Scene;
 use crate::asperity::models::Model;
 use crate::asperity::{Law, Regime};
 

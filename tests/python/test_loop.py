@@ -40,7 +40,7 @@ lubricant_thickness = "0.5 nm"
 
 [model]
 law = "hybrid"
-path = "loop"
+history = "loop"
 
 [separation]
 h_star = {{ from = 0.0, to = 6.0, count = {SEPARATIONS} }}
@@ -116,7 +116,7 @@ def test_both_ways_have_the_same_datasets(file):
         for name in there:
             assert file[group][name].shape == file[group][f"retraction_{name}"].shape
             assert file[group][name].attrs["units"] == file[group][f"retraction_{name}"].attrs["units"]
-    assert file.attrs["path"] == "loop"
+    assert file.attrs["history"] == "loop"
     assert "retraction_external_force_mean" in file["ensemble"] and "retraction_regime_count" in file["statistical"]
 
 
@@ -330,7 +330,7 @@ def unloaded(h: float, closest: float, surface: dict, heights: np.ndarray, flatt
 @pytest.mark.parametrize("radius", ["kept", "elastic"])
 def test_the_integral_of_the_way_back_is_that_of_the_published_formulas(tmp_path, radius):
     text = (ROOT / "configs" / "case_i.toml").read_text()
-    for old, new in [('law = "hybrid"', 'law = "isbl"'), ('path = "approach"', f'path = "loop"\nunloaded_radius = "{radius}"'), ("replicas = 1000", "replicas = 8"),
+    for old, new in [('law = "hybrid"', 'law = "isbl"'), ('history = "approach"', f'history = "loop"\nunloaded_radius = "{radius}"'), ("replicas = 1000", "replicas = 8"),
                      ("{ from = 0.7, to = 8.0, count = 147 }", "[-0.5, 0.0, 0.7, 1.5, 2.5, 4.0]")]:
         assert old in text
         text = text.replace(old, new)

@@ -46,7 +46,7 @@ lubricant_thickness = "0.5 nm"
 
 [model]
 law = "hybrid"
-path = "approach"
+history = "approach"
 
 [separation]
 h_star = {{ from = 1.0, to = 4.5, count = {SEPARATIONS} }}
@@ -394,42 +394,42 @@ def test_sampling_schemes(tmp_path, sampling, group, replicas, controls):
         assert abs(np.trace(covariance) * group / k - 1.0) < 5.0 * np.sqrt(2.0 / groups)
 
 
-def test_compressed_sums(file, tmp_path):
+def test_sums_by_moments(file, tmp_path):
     """Sums say how they were made and how far off they are; replicas are those of direct sums to the tolerance."""
-    assert file["ensemble"].attrs["sum"] == "direct" and "sum_error" not in file["ensemble"].attrs
-    text = SCENE.replace("[output]", '[solver]\nsum = "compressed"\ntolerance = 1e-8\n\n[output]')
+    assert file["ensemble"].attrs["summation"] == "direct" and "sum_error" not in file["ensemble"].attrs
+    text = SCENE.replace("[output]", '[solver]\nsummation = "moments"\ntolerance = 1e-8\n\n[output]')
     path = run_program(tmp_path, text)
-    with h5py.File(path, "r") as compressed:
-        attributes = compressed["ensemble"].attrs
-        assert attributes["sum"] == "compressed" and "sum_refusal" not in attributes
+    with h5py.File(path, "r") as by_moments:
+        attributes = by_moments["ensemble"].attrs
+        assert attributes["summation"] == "moments" and "sum_refusal" not in attributes
         for name in ["sum_tolerance", "sum_error"]:
             assert isinstance(attributes[name], np.float64), name
         assert attributes["sum_tolerance"] == 1e-8 and 0.0 < attributes["sum_error"] <= 1e-8
-        assert compressed["diagnostics/compressed_sums"][()] == REPLICAS * SEPARATIONS
-        assert file["diagnostics/compressed_sums"][()] == 0
+        assert by_moments["diagnostics/moment_sums"][()] == REPLICAS * SEPARATIONS
+        assert file["diagnostics/moment_sums"][()] == 0
         sets = ["baseline", "avx2", "avx512"]
-        assert all(run["diagnostics"].attrs["instruction_set"] in sets for run in [file, compressed])
+        assert all(run["diagnostics"].attrs["instruction_set"] in sets for run in [file, by_moments])
         adhesion = file["replicas/adhesion_force"][()]
         scale = 2 * adhesion + file["replicas/external_force"][()]
         # The scale may also be that of the separations beside.
         scale = np.max([scale, np.roll(scale, 1, axis=1), np.roll(scale, -1, axis=1)], axis=0)
-        assert close(compressed["replicas/adhesion_force"][()], adhesion, scale, 1e-8)
-        assert close(compressed["replicas/external_force"][()], file["replicas/external_force"][()], scale, 1e-8)
-        assert np.any(compressed["replicas/adhesion_force"][()] != adhesion)
+        assert close(by_moments["replicas/adhesion_force"][()], adhesion, scale, 1e-8)
+        assert close(by_moments["replicas/external_force"][()], file["replicas/external_force"][()], scale, 1e-8)
+        assert np.any(by_moments["replicas/adhesion_force"][()] != adhesion)
         for name in ["ensemble/regime_count_mean", "replicas/highest_asperity"]:
-            assert np.array_equal(compressed[name][()], file[name][()]), name
+            assert np.array_equal(by_moments[name][()], file[name][()]), name
     with xarray.open_dataset(path, group="ensemble", engine="h5netcdf") as ensemble:
-        assert ensemble.attrs["sum"] == "compressed" and ensemble.attrs["sum_tolerance"] == 1e-8
+        assert ensemble.attrs["summation"] == "moments" and ensemble.attrs["sum_tolerance"] == 1e-8
 
 
 def test_sums_that_were_refused(tmp_path):
     """Separations without a common step are summed directly, and the file says why."""
     places = ", ".join(str(1.0 + 0.25 * k + 0.01 * k * k) for k in range(SEPARATIONS))
     text = SCENE.replace(f"{{ from = 1.0, to = 4.5, count = {SEPARATIONS} }}", f"[{places}]")
-    text = text.replace("[output]", '[solver]\nsum = "compressed"\n\n[output]')
+    text = text.replace("[output]", '[solver]\nsummation = "moments"\n\n[output]')
     with h5py.File(run_program(tmp_path, text), "r") as file:
         attributes = file["ensemble"].attrs
-        assert attributes["sum"] == "direct" and attributes["sum_tolerance"] == 1e-9
+        assert attributes["summation"] == "direct" and attributes["sum_tolerance"] == 1e-9
         assert np.isnan(attributes["sum_error"]) and "not evenly spaced" in attributes["sum_refusal"]
 
 
@@ -575,7 +575,7 @@ def test_plot_refuses_what_is_no_result(tmp_path, content):
     assert not (tmp_path / "out.png").exists()
 
 
-@pytest.mark.parametrize("sums", ["direct", "compressed"])
+@pytest.mark.parametrize("sums", ["direct", "moments"])
 @pytest.mark.parametrize("low, high", [(1.5, 2.5), (0.4, 0.65), (-2, 0.1), (-12, -3), (-200, -20), (-400, -260)], ids=REGIMES)
 def test_one_regime_alone_can_be_plotted(tmp_path, low, high, sums):
     """Heights within some picometres: every asperity is in one regime at all separations, and in the lubricant nothing varies."""

@@ -269,7 +269,7 @@ def test_a_pull_off_after_a_preload_is_that_of_a_loop_that_turns_there(tmp_path)
         text = (ROOT / "configs" / "quick.toml").read_text(encoding="utf-8")
         start = text.index("h_star")
         for old, new in [(text[start : text.index("\n", start)], h), ("replicas = 200", "replicas = 1"),
-                         ('path = "approach"', 'path = "loop"')]:
+                         ('history = "approach"', 'history = "loop"')]:
             assert old in text
             text = text.replace(old, new)
         (tmp_path / "scene.toml").write_text(text + more, encoding="utf-8")

@@ -62,8 +62,8 @@ def test_a_range_of_batches_has_the_largest_nodes_that_it_covers():
 def made_up() -> Results:
     """Round figures: 1 ms a replica of case II, 36 ns and 18 ns an asperity, merges of 1 s and 10 ms a shard, 1 µs a replica."""
     results = Results(sizes=Sizes(fixed=1000.0, state=0.0, node=40_960.0, replica=64.0), batches=1000, start=0.0)
-    results.case_ii = {name: Replica(name, 7390.0, seconds, 0.0, 1e7) for name, seconds in (("direct", 3.6e-3), ("compressed", 3.6e-4))}
-    results.surfaces = [Replica("compressed", 1e6, 0.036, 0.0, 1e7), Replica("compressed", 1e7, 0.18, 0.0, 1e7)]
+    results.case_ii = {name: Replica(name, 7390.0, seconds, 0.0, 1e7) for name, seconds in (("direct", 3.6e-3), ("moments", 3.6e-4))}
+    results.surfaces = [Replica("moments", 1e6, 0.036, 0.0, 1e7), Replica("moments", 1e7, 0.18, 0.0, 1e7)]
     results.over_shards = {n: Merged(Cost(2e7 + 1e4 * n, 9.0, 1.0 + 0.01 * n), 1, 200_000 + 8000 * 56) for n in (1, 10, 100, 1000)}
     results.over_replicas = {n: Merged(Cost(1e7 + 100.0 * n, 9.0, 1.0 + 1e-6 * n), 1, 100_000 + 56 * n) for n in (1000, 10**6)}
     return results
@@ -80,5 +80,5 @@ def test_an_extrapolation_is_what_its_rates_give():
     assert found["1 × 10⁶ asperities"][:2] == ["1.0e-05 (b)", "1.6e-07 (b)"]
     # 10^8 replicas of 3.6 ms; 1000 shards, 1 s + 10 s + 100 s, 100 B of memory and 56 B of the result for each replica.
     assert found["10⁸ × case II, direct"][:2] == ["100 (a)", "1.6 (a)"]
-    assert found["10⁸ × case II, compressed"][0] == "10 (a)"
+    assert found["10⁸ × case II, moments"][0] == "10 (a)"
     assert found["10⁸ × case II, direct"][3:] == ["5.6 GB (f)", "110 s (g)", "10 GB (h)"]

@@ -141,18 +141,18 @@ const CASES: &[(&str, &str, &[&str])] = &[
     ),
     ("law = \"hybrid\"", "law = \"md_kin\"", &["unknown law", "did you mean \"md_kim\"?", "fit:paper"]),
     (
-        "path = \"approach\"",
+        "history = \"approach\"",
         "critical_approach = \"0.3 nm\"",
         &["line 21", "model.critical_approach", "the law hybrid finds its own", "only fit:paper takes it"],
     ),
     (
-        "path = \"approach\"",
-        "path = \"approach\"\nunloaded_radius = \"elastic\"",
-        &["line 22", "model.unloaded_radius", "pulled back after they were pressed", "path = \"loop\""],
+        "history = \"approach\"",
+        "history = \"approach\"\nunloaded_radius = \"elastic\"",
+        &["line 22", "model.unloaded_radius", "pulled back after they were pressed", "history = \"loop\""],
     ),
     (
-        "path = \"approach\"",
-        "path = \"loop\"\nunloaded_radius = \"flat\"",
+        "history = \"approach\"",
+        "history = \"loop\"\nunloaded_radius = \"flat\"",
         &["unknown unloaded_radius", "known: kept, elastic"],
     ),
     ("replicas = 200", "replicas = 0", &["`ensemble.replicas = 0`", "from 1 to"]),
@@ -173,7 +173,7 @@ const CASES: &[(&str, &str, &[&str])] = &[
         "law = \"hybird\"",
         &["line 20", "unknown law", "did you mean \"hybrid\"?", "known: hybrid, emd"],
     ),
-    ("path = \"approach\"", "path = \"sideways\"", &["unknown path", "approach, retraction"]),
+    ("history = \"approach\"", "history = \"sideways\"", &["unknown history", "approach, retraction"]),
     ("equilibrium_spacing = \"0.2 nm\"", "equilibrium_spacing = \"0.2 m\"", &["lambda", "outside 1e-6..1e6"]),
     (
         "equilibrium_spacing = \"0.2 nm\"",
@@ -183,9 +183,20 @@ const CASES: &[(&str, &str, &[&str])] = &[
     ("curves = false", "curves = \"no\"", &["output.curves", "true or false"]),
     (
         "[output]",
-        "[solver]\nsums = \"compressed\"\n[output]",
-        &["line 31", "unknown key `solver.sums`", "did you mean `sum`?"],
+        "[solver]\nsummations = \"moments\"\n[output]",
+        &["line 31", "unknown key `solver.summations`", "did you mean `summation`?"],
     ),
+    (
+        "[output]",
+        "[solver]\nsum = \"compressed\"\n[output]",
+        &["line 31", "`solver.sum` is now `solver.summation`; for example summation = \"moments\""],
+    ),
+    (
+        "[output]",
+        "[solver]\nsummation = \"compressed\"\n[output]",
+        &["line 31", "unknown summation, which is now \"moments\""],
+    ),
+    ("history = \"approach\"", "path = \"approach\"", &["line 21", "`model.path` is now `model.history`"]),
     (
         "[output]",
         "[solver]\nthreads = 3\n[output]",
@@ -204,44 +215,44 @@ const CASES: &[(&str, &str, &[&str])] = &[
             "line 31",
             "`solver.tolerance = 1e-9`",
             "direct sums have no tolerance",
-            "sum = \"compressed\" has one",
+            "summation = \"moments\" has one",
         ],
     ),
     (
         "[output]",
-        "[solver]\nsum = \"direct\"\ntolerance = 1e-9\n[output]",
+        "[solver]\nsummation = \"direct\"\ntolerance = 1e-9\n[output]",
         &["line 32", "`solver.tolerance = 1e-9`", "direct sums have no tolerance"],
     ),
     (
         "[output]",
-        "[solver]\nsum = \"compressed\"\ntolerance = 0\n[output]",
+        "[solver]\nsummation = \"moments\"\ntolerance = 0\n[output]",
         &["line 32", "`solver.tolerance = 0`", "between 1e-13 and 1e-3"],
     ),
     (
         "[output]",
-        "[solver]\nsum = \"compressed\"\ntolerance = 1e-20\n[output]",
+        "[solver]\nsummation = \"moments\"\ntolerance = 1e-20\n[output]",
         &["line 32", "`solver.tolerance = 1e-20`", "between 1e-13 and 1e-3"],
     ),
     (
         "[output]",
-        "[solver]\nsum = \"compressed\"\ntolerance = 1\n[output]",
+        "[solver]\nsummation = \"moments\"\ntolerance = 1\n[output]",
         &["line 32", "`solver.tolerance = 1`", "between 1e-13 and 1e-3"],
     ),
     (
         "[output]",
-        "[solver]\nsum = \"compressed\"\ntolerance = nan\n[output]",
+        "[solver]\nsummation = \"moments\"\ntolerance = nan\n[output]",
         &["line 32", "`solver.tolerance = nan`", "finite"],
     ),
     (
         "[output]",
-        "[solver]\nsum = \"compressed\"\ntolerance = \"1e-9\"\n[output]",
+        "[solver]\nsummation = \"moments\"\ntolerance = \"1e-9\"\n[output]",
         &["line 32", "`solver.tolerance = \"1e-9\"`", "number"],
     ),
     ("[output]", "solver = 3\n[output]", &["`ensemble.solver`"]),
     (
-        "path = \"approach\"",
+        "history = \"approach\"",
         "path = \"lop\"",
-        &["line 21", "unknown path", "did you mean \"loop\"?", "known: approach, retraction, loop"],
+        &["line 21", "unknown history", "did you mean \"loop\"?", "known: approach, retraction, loop"],
     ),
     (
         "h_star = {",
@@ -286,11 +297,11 @@ const CASES: &[(&str, &str, &[&str])] = &[
     (
         "[output]",
         "[instability]\nstiffness = 0\npreload = \"1 mN\"\n[output]",
-        &["line 32", "`instability.preload = \"1 mN\"`", "path = \"loop\""],
+        &["line 32", "`instability.preload = \"1 mN\"`", "history = \"loop\""],
     ),
     (
-        "path = \"approach\"",
-        "path = \"loop\"\n[instability]\nstiffness = 0\npreload = [\"0 N\"]",
+        "history = \"approach\"",
+        "history = \"loop\"\n[instability]\nstiffness = 0\npreload = [\"0 N\"]",
         &["line 24", "`instability.preload[0] = \"0 N\"`", "greater than 0"],
     ),
     (
@@ -407,7 +418,7 @@ const PLAIN: [&str; 19] = [
     "surface.nominal_area",
     "surface.lubricant_thickness",
     "model.law",
-    "model.path",
+    "model.history",
     "separation.h_star",
     "separation.stiffness_span",
     "ensemble.replicas",
@@ -423,7 +434,7 @@ const OF_SPECTRUM: &[&str] =
     &["surface.asperity_radius", "surface.asperity_density", "surface.surface_height_std"];
 
 const VARIANTS: &[Variant] = &[
-    (&[], &["solver.sum", "solver.tolerance", "ensemble.sampling"], &[]),
+    (&[], &["solver.summation", "solver.tolerance", "ensemble.sampling"], &[]),
     (
         &["surface.surface_height_std", "separation.h_star", "ensemble.replicas"],
         &[
@@ -501,14 +512,14 @@ const VARIANTS: &[Variant] = &[
     ),
     (&["ensemble.replicas"], &["ensemble.target.quantity", "ensemble.target.standard_error"], &[]),
     (
-        &["model.path"],
+        &["model.history"],
         &[
             "model.unloaded_radius",
             "instability.stiffness",
             "instability.preload",
             "instability.smallest_snap",
         ],
-        &[("model.path", "\"loop\"")],
+        &[("model.history", "\"loop\"")],
     ),
     (&[], &["sweep"], &[]),
     (

@@ -525,7 +525,7 @@ fn files_that_scenes_name_are_not_shown() {
 /// What is told of a result stands in two columns, however long its names are.
 #[test]
 fn columns_of_info_do_not_touch() {
-    let folder = Folder::new(&small().replace("path = \"approach\"", "path = \"loop\""));
+    let folder = Folder::new(&small().replace("history = \"approach\"", "history = \"loop\""));
     assert_exit(&folder.stiction(&["run", "scene.toml", "--quiet"]), 0);
     let info = text(&folder.stiction(&["info", "scene.h5"]).stdout);
     let (head, _) = info.split_once("\nscene\n").unwrap();

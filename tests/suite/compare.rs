@@ -44,11 +44,11 @@ fn a_comparison_without_output_is_a_table() {
 /// A loop is no law's own: which way is compared has to be said.
 #[test]
 fn loops_are_not_compared() {
-    let folder = Folder::new(&small().replace("path = \"approach\"", "path = \"loop\""));
+    let folder = Folder::new(&small().replace("history = \"approach\"", "history = \"loop\""));
     let compare = folder.stiction(&["compare", "scene.toml", "--laws", "hybrid,isbl", "-o", "out.h5"]);
     assert_exit(&compare, 2);
     let error = text(&compare.stderr);
-    assert!(error.contains("scene.toml: path = \"loop\"") && error.contains("\"retraction\""), "{error}");
+    assert!(error.contains("scene.toml: history = \"loop\"") && error.contains("\"retraction\""), "{error}");
     assert_eq!(folder.files(), ["scene.toml"]);
 }
 

@@ -96,8 +96,8 @@ fn stiction(folder: &Folder, set: &str, arguments: &[&str]) -> Output {
 /// A run's numbers, datasets and attributes, outside /diagnostics, and which instructions it says it took.
 #[test]
 fn a_run_has_the_same_bits() {
-    let compressed = small().replace("[output]", "[solver]\nsum = \"compressed\"\n\n[output]");
-    for (sum, scene) in [("direct", small()), ("compressed", compressed)] {
+    let by_moments = small().replace("[output]", "[solver]\nsummation = \"moments\"\n\n[output]");
+    for (sum, scene) in [("direct", small()), ("moments", by_moments)] {
         let folder = Folder::new(&scene.replace("curves = false", "curves = true"));
         let mut expected = None;
         for set in InstructionSet::available() {
@@ -106,7 +106,7 @@ fn a_run_has_the_same_bits() {
             assert_exit(&run, 0);
             let path = folder.path(&file);
             assert_eq!(attribute(&path, "/diagnostics", "instruction_set"), set.name());
-            assert_eq!(attribute(&path, "/ensemble", "sum"), sum);
+            assert_eq!(attribute(&path, "/ensemble", "summation"), sum);
             let found = bits(&path);
             assert!(found.len() > 50, "{}", found.len());
             assert!(*expected.get_or_insert_with(|| found.clone()) == found, "{sum} on {set}");

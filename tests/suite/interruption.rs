@@ -76,7 +76,7 @@ fn diagnostic(folder: &Folder, name: &str) -> f64 {
 /// What the message says is what to do; done twice, whatever the threads and the way of summing and sampling.
 #[test]
 fn a_signal_saves_and_the_message_says_how_to_go_on() {
-    let compressed = scene().replace("[output]", "[solver]\nsum = \"compressed\"\n\n[output]");
+    let compressed = scene().replace("[output]", "[solver]\nsummation = \"moments\"\n\n[output]");
     let stratified =
         compressed.replace("seed = 1", "seed = 1\nsampling = \"stratified\"").replace("true", "false");
     for (scene, name) in [(scene(), "-INT"), (compressed, "-TERM"), (stratified, "-INT")] {
@@ -414,7 +414,7 @@ fn killed_runs_go_on_to_the_same_bits() {
 #[test]
 fn a_loop_goes_on_to_the_same_bits() {
     let held = "[instability]\nstiffness = [0, \"1 kN/m\"]\npreload = [\"1 uN\", \"1 kN\"]\n[output]";
-    let scene = scene().replace("path = \"approach\"", "path = \"loop\"").replace("[output]", held);
+    let scene = scene().replace("history = \"approach\"", "history = \"loop\"").replace("[output]", held);
     let folder = Folder::new(&scene.replace("replicas = 1600", "replicas = 400"));
     let reference = reference(&folder);
     assert!(

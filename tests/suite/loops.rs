@@ -572,7 +572,7 @@ fn an_asperity_is_captured_where_its_attraction_begins() {
 #[test]
 fn what_the_file_says_of_a_loop_follows_from_the_file() {
     let scene = small()
-        .replace("path = \"approach\"", "path = \"loop\"")
+        .replace("history = \"approach\"", "history = \"loop\"")
         .replace("from = -1.0, to = 8.0, count = 16", "from = 1.0, to = 8.0, count = 281")
         .replace("\"100 um^2\"", "\"10 um^2\"");
     let folder = Folder::new(&format!(

@@ -16,7 +16,7 @@ fn scenes() -> Vec<(&'static str, String)> {
     let radius = "asperity_radius = \"3.33 um\"";
     vec![
         ("direct", with("curves = false", "curves = true")),
-        ("compressed", with("[output]", "[solver]\nsum = \"compressed\"\n\n[output]")),
+        ("compressed", with("[output]", "[solver]\nsummation = \"moments\"\n\n[output]")),
         ("loop", with("\"approach\"", "\"loop\"")),
         ("stratified", with("seed = 1", "seed = 1\nsampling = \"stratified\"")),
         ("refitted", with("\"hybrid\"", "\"fit:refit\"")),

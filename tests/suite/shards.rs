@@ -61,9 +61,9 @@ fn assert_merged_is(folder: &Folder, reference: &str) {
 #[test]
 fn merged_shards_have_the_bits_of_one_run() {
     let curves = scene().replace("curves = false", "curves = true");
-    let compressed = scene().replace("[output]", "[solver]\nsum = \"compressed\"\n\n[output]");
+    let compressed = scene().replace("[output]", "[solver]\nsummation = \"moments\"\n\n[output]");
     let stratified = scene().replace("replicas = 83", "replicas = 80\nsampling = \"stratified\"");
-    let cycle = scene().replace("path = \"approach\"", "path = \"loop\"");
+    let cycle = scene().replace("history = \"approach\"", "history = \"loop\"");
     for (scene, counts) in [(curves, &[1, 3, 16][..]), (compressed, &[4]), (stratified, &[5]), (cycle, &[2])]
     {
         let folder = Folder::new(&scene);

@@ -16,7 +16,7 @@ fn sized(asperities: f64, separations: u32, replicas: u32) -> String {
 }
 
 fn compressed(scene: &str) -> String {
-    scene.replace("[output]", "[solver]\nsum = \"compressed\"\n[output]")
+    scene.replace("[output]", "[solver]\nsummation = \"moments\"\n[output]")
 }
 
 /// What `check` says of the scene in a folder on the line that begins so, bytes.
@@ -37,7 +37,9 @@ fn snapping(scene: &str) -> String {
         (1..=count).map(|i| format!("\"{i} {unit}\"")).collect::<Vec<_>>().join(", ")
     };
     let held = format!("[instability]\nstiffness = [{}]\npreload = [{}]\n", list(50, "N/m"), list(8, "uN"));
-    scene.replace("path = \"approach\"", "path = \"loop\"").replace("[output]", &format!("{held}[output]"))
+    scene
+        .replace("history = \"approach\"", "history = \"loop\"")
+        .replace("[output]", &format!("{held}[output]"))
 }
 
 /// Memory is estimated within a factor of 2, whatever it is that takes it: nothing, asperities (few, many;
@@ -73,13 +75,13 @@ fn memory_is_estimated_within_a_factor_of_2() {
 fn memory_of_many_asperities_is_estimated_within_a_factor_of_2() {
     let scenes = [
         ("direct, held", sized(1e6, 11, 8)),
-        ("loop, held", sized(1e6, 91, 2).replace("path = \"approach\"", "path = \"loop\"")),
+        ("loop, held", sized(1e6, 91, 2).replace("history = \"approach\"", "history = \"loop\"")),
         ("direct, held for the search", sized(3e6, 91, 1)),
         ("compressed, held", compressed(&sized(1e6, 46, 8))),
         ("direct", sized(1e7, 11, 2)),
         ("compressed", compressed(&sized(1e7, 46, 2))),
         ("fine steps", compressed(&sized(3e6, 1000, 2))),
-        ("loop", sized(3e6, 11, 1).replace("path = \"approach\"", "path = \"loop\"")),
+        ("loop", sized(3e6, 11, 1).replace("history = \"approach\"", "history = \"loop\"")),
         ("many separations", sized(1.2e6, 400, 1)),
     ];
     for (name, scene) in scenes {

@@ -10,7 +10,7 @@ fn scene(solver: &str) -> String {
     small().replace("[output]", &format!("[solver]\n{solver}\n\n[output]"))
 }
 
-const COMPRESSED: &str = "sum = \"compressed\"";
+const COMPRESSED: &str = "summation = \"moments\"";
 /// Separations of which two are closer.
 const UNEVEN: (&str, &str) =
     ("{ from = -1.0, to = 8.0, count = 16 }", "[-1.0, 0.0, 1.0, 2.0, 2.5, 3.0, 4.0, 5.0]");
@@ -24,7 +24,7 @@ fn names(bits: &[(String, Vec<u64>)]) -> Vec<&str> {
 }
 
 fn compressed_sums(path: &Path) -> u64 {
-    unlocked::open(path).dataset("/diagnostics/compressed_sums").unwrap().read_raw::<u64>().unwrap()[0]
+    unlocked::open(path).dataset("/diagnostics/moment_sums").unwrap().read_raw::<u64>().unwrap()[0]
 }
 
 fn attributes(path: &Path, group: &str) -> Vec<String> {
@@ -35,14 +35,14 @@ fn attributes(path: &Path, group: &str) -> Vec<String> {
 #[test]
 fn sums_are_direct_by_default() {
     let folder = Folder::new(&small());
-    std::fs::write(folder.path("direct.toml"), scene("sum = \"direct\"")).unwrap();
+    std::fs::write(folder.path("direct.toml"), scene("summation = \"direct\"")).unwrap();
     std::fs::write(folder.path("empty.toml"), scene("")).unwrap();
     for name in ["scene", "direct", "empty"] {
         let run = folder.stiction(&["run", &format!("{name}.toml")]);
         assert_exit(&run, 0);
         assert!(!text(&run.stdout).contains("compressed"), "{}", text(&run.stdout));
         let path = folder.path(&format!("{name}.h5"));
-        assert_eq!(attribute(&path, "/ensemble", "sum"), "direct");
+        assert_eq!(attribute(&path, "/ensemble", "summation"), "direct");
         assert!(!attributes(&path, "/ensemble").iter().any(|name| name.starts_with("sum_")));
         assert_eq!(compressed_sums(&path), 0);
         assert!(bits(&path) == bits(&folder.path("scene.h5")), "{name}");
@@ -78,7 +78,7 @@ fn a_compressed_run_is_the_direct_one_to_the_tolerance() {
         }
         assert_exit(&folder.stiction(&["validate", "scene.h5"]), 0);
         let path = folder.path("scene.h5");
-        assert_eq!(attribute(&path, "/ensemble", "sum"), "compressed");
+        assert_eq!(attribute(&path, "/ensemble", "summation"), "moments");
         assert_eq!(number(&path, "/ensemble", "sum_tolerance"), tolerance);
         let error = number(&path, "/ensemble", "sum_error");
         assert!(error > 0.0 && error <= tolerance, "{error}");
@@ -152,7 +152,7 @@ fn a_refusal_is_said_and_sums_are_direct() {
     let said = "direct, although compressed to 1e-9 was asked for: the separations are not evenly spaced";
     assert!(text(&run.stdout).contains(said), "{}", text(&run.stdout));
     let path = folder.path("asked.h5");
-    assert_eq!(attribute(&path, "/ensemble", "sum"), "direct");
+    assert_eq!(attribute(&path, "/ensemble", "summation"), "direct");
     assert_eq!(attribute(&path, "/ensemble", "sum_refusal"), "the separations are not evenly spaced");
     assert_eq!(number(&path, "/ensemble", "sum_tolerance"), 1e-9);
     assert!(number(&path, "/ensemble", "sum_error").is_nan());

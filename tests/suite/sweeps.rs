@@ -12,8 +12,7 @@ use std::time::Duration;
 use stiction::output::reader::Reader;
 use stiction::output::schema::{Dimension, RUN, SWEEP};
 use stiction::scene::files::NoFiles;
-use stiction::scene::sweep::{MOST_POINTS, Mode};
-use stiction::scene::{Document, Sweep};
+use stiction::scene::{Document, MOST_POINTS, Mode, Sweep};
 
 /// A quick scene with a sweep.
 fn swept(sweep: &str) -> String {
@@ -187,7 +186,7 @@ fn differences_are_those_of_two_runs() {
 fn differences_below_their_rounding_are_none() {
     let scene = swept("material.hardness = [\"9 GPa\", \"7 GPa\", \"5 GPa\"]")
         .replace("replicas = 40", "replicas = 16");
-    let folder = Folder::new(&(scene + "\n[solver]\nsum = \"compressed\"\n"));
+    let folder = Folder::new(&(scene + "\n[solver]\nsummation = \"moments\"\n"));
     let run = folder.stiction(&["run", "scene.toml"]);
     assert_exit(&run, 0);
     assert!(text(&run.stdout).contains("no more than the rounding of the sums"), "{}", text(&run.stdout));

@@ -36,8 +36,8 @@ const CASES: &[(&str, &str, &[&[&str]])] = &[
         ],
     ),
     (
-        "path = \"approach\"",
-        "path = \"loop\"",
+        "history = \"approach\"",
+        "history = \"loop\"",
         &[&[
             "28 % of the nominal area is in contact where the surfaces turn back, h* = -1.000",
             "independent (Greenwood and Williamson 1966)",
@@ -196,9 +196,9 @@ fn unloading_beyond_its_range_is_told() {
             .iter()
             .any(|warning| warning.contains("fully plastic when the surfaces turn back"))
     };
-    assert!(found(&soft.replace("path = \"approach\"", "path = \"loop\"")));
+    assert!(found(&soft.replace("history = \"approach\"", "history = \"loop\"")));
     assert!(!found(&soft));
-    assert!(!found(&small().replace("path = \"approach\"", "path = \"loop\"")));
+    assert!(!found(&small().replace("history = \"approach\"", "history = \"loop\"")));
 }
 
 /// What the shipped scenes are warned of is true and matters: case III sticks so well that a seventh of the

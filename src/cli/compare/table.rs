@@ -12,7 +12,7 @@ use std::path::Path;
 
 pub(super) fn table(comparison: &Comparison, output: Option<&Path>) -> String {
     let mut text = title(&comparison.scene);
-    text += &row("path", comparison.scene.path.name());
+    text += &row("history", comparison.scene.history.name());
     text += &numbers(&comparison.scene);
     text += "\n";
     text += &integral(comparison);

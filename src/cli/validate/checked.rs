@@ -107,7 +107,7 @@ impl<'a> Checked<'a> {
     }
 
     pub fn is_loop(&self) -> Result<bool, Failure> {
-        Ok(self.reader.optional_text("/", "path")?.is_some_and(|path| path == "loop"))
+        Ok(self.reader.optional_text("/", "history")?.is_some_and(|path| path == "loop"))
     }
 
     /// What the names of the datasets of each way begin with.

@@ -8,8 +8,8 @@ use super::{Answer, heading, refused};
 use crate::engine::SCALARS;
 use crate::output::reader::Reader;
 use crate::output::schema::Dimension;
+use crate::scene::MOST_POINTS;
 use crate::scene::echo::one_line;
-use crate::scene::sweep::MOST_POINTS;
 use crate::surface::SamplingScheme;
 use crate::validation::{Difference, overall};
 

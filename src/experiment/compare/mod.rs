@@ -182,7 +182,7 @@ impl PreparedComparison {
         }
         if scene.cycle {
             return refused(
-                "path = \"loop\": laws are compared on one way; give \"approach\" or \"retraction\"",
+                "history = \"loop\": laws are compared on one way; give \"approach\" or \"retraction\"",
             );
         }
         let is_given_before = |i: usize| models[..i].iter().any(|model| model.name == models[i].name);
@@ -295,7 +295,7 @@ fn sample(
 /// Interferences, m, from far before contact to beyond ω_c.
 fn interferences(scene: &Scene) -> Vec<f64> {
     let scale = scene.scale();
-    let emd = Emd::new(scale.lambda, scene.path).expect("a scene is validated when it is read");
+    let emd = Emd::new(scale.lambda, scene.history).expect("a scene is validated when it is read");
     let before = scene.asperity.lubricant_thickness + FURTHEST * scene.asperity.equilibrium_spacing;
     let low = emd.end() * scale.length - before;
     let deepest = DEEPEST * scene.asperity.critical_interference();

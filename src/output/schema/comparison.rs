@@ -178,7 +178,7 @@ const VARIABLES: &[Variable] = &[
         "/ensemble/sum_error",
         L,
         "1",
-        "largest error of compressed sums on a few replicas, NaN where sums are direct",
+        "largest error of sums by moments on a few replicas, NaN where sums are direct",
     ),
     variable(
         "/ensemble/pull_off_force_difference_mean",

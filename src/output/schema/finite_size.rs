@@ -64,7 +64,7 @@ const VARIABLES: &[Variable] = &[
     ),
     variable("/pull_off_per_asperity", CN, "N", "pull-off force over N"),
     variable("/p_value", C, "1", "p-value of the cross-check of ensemble and integral; NaN when not tested"),
-    variable("/sum", C, "1", "how asperities were summed"),
+    variable("/summation", C, "1", "how asperities were summed"),
     variable(
         "/count_at_accuracy",
         A,

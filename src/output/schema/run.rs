@@ -614,7 +614,7 @@ const VARIABLES: &[Variable] = &[
         "asperities whose load and area were not summed, because nothing touches",
     ),
     variable(
-        "/diagnostics/compressed_sums",
+        "/diagnostics/moment_sums",
         NONE,
         "1",
         "sums of a surface at one separation that were made of moments",

@@ -38,7 +38,7 @@ fn defaults_are_what_holds_without_the_key() {
         let text = with(key).next().unwrap_or_else(|| panic!("no scene has {}", key.name));
         // What needs the key is left out with it.
         let text = match key.name {
-            "solver.sum" => text.replace("solver.tolerance = 1e-9\n", ""),
+            "solver.summation" => text.replace("solver.tolerance = 1e-9\n", ""),
             _ => text,
         };
         let own = line(&text, key).unwrap();

@@ -1,0 +1,82 @@
+//! Closed lists and ranges of the values that keys of scenes take.
+
+use crate::asperity::Path;
+use std::ops::{Bound, RangeInclusive};
+
+/// The scene format that is read.
+pub(super) const FORMAT: u64 = 1;
+
+/// Tolerances of sums by moments that make sense: below, the rounding of a solve is larger; above, nothing
+/// gets faster.
+pub(super) const SUM_TOLERANCES: RangeInclusive<f64> = 1e-13..=1e-3;
+/// The tolerance of sums by moments unless a scene gives one.
+pub(super) const SUM_TOLERANCE: f64 = 1e-9;
+
+/// Ways of summing; whether compressed.
+pub(super) const SUMS: [(&str, bool); 2] = [("direct", false), ("moments", true)];
+
+/// Histories: their paths, of a loop that of its first way, and whether the surfaces are pulled back.
+pub(super) const HISTORIES: [(&str, (Path, bool)); 3] = [
+    (Path::ALL[0].0, (Path::ALL[0].1, false)),
+    (Path::ALL[1].0, (Path::ALL[1].1, false)),
+    (LOOP, (Path::Approach, true)),
+];
+/// Name of the path that leads there and back.
+pub(super) const LOOP: &str = "loop";
+
+/// Poisson ratios of stable solids.
+pub(super) const POISSON_RATIOS: (Bound<f64>, Bound<f64>) = (Bound::Excluded(-1.0), Bound::Included(0.5));
+
+/// Laws of heights, for messages.
+pub(super) const HEIGHT_LAWS: [(&str, &str); 6] = [
+    ("gaussian", "gaussian"),
+    ("exponential", "exponential"),
+    ("weibull", "weibull"),
+    ("lognormal", "lognormal"),
+    ("truncated", "truncated"),
+    ("file", "file"),
+];
+pub(super) const RADIUS_LAWS: [(&str, &str); 4] =
+    [("common", "common"), ("lognormal", "lognormal"), ("gamma", "gamma"), ("file", "file")];
+/// Laws of summits.
+pub(super) const SUMMIT_LAWS: [(&str, ()); 1] = [("nayak", ())];
+/// How replicas are made of measured asperities; whether of all of them.
+pub(super) const SAMPLES: [(&str, bool); 2] = [("bootstrap", false), ("whole", true)];
+/// Coefficients of variation that laws of radii have.
+pub(super) const VARIATIONS: RangeInclusive<f64> = 0.001..=1.0;
+
+/// Most separations of a scene; far more than a curve needs.
+pub(super) const MOST_SEPARATIONS: u64 = 10_000;
+
+/// Numbers of replicas that can be asked for.
+pub(super) const REPLICAS: RangeInclusive<u64> = 1..=1_000_000_000_000;
+/// Relative standard errors that make sense: below, rounding is larger; above, nothing is known.
+pub(super) const RELATIVE: RangeInclusive<f64> = 1e-9..=0.5;
+
+/// Most points of a sweep.
+pub const MOST_POINTS: usize = 10_000;
+
+/// How the values between two ends lie; whether by their logarithm.
+pub(super) const SPACINGS: [(&str, bool); 2] = [("linear", false), ("log", true)];
+
+/// How several keys are combined.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mode {
+    /// Every value of each key with every value of the others.
+    Grid,
+    /// The first value of each key with the first of the others, the second with the second, and so on.
+    Zip,
+}
+
+impl Mode {
+    /// All of them, by name.
+    pub const ALL: [(&'static str, Self); 2] = [("grid", Self::Grid), ("zip", Self::Zip)];
+
+    /// Its name in scenes and files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Grid => "grid",
+            Self::Zip => "zip",
+        }
+    }
+}

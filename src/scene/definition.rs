@@ -1,0 +1,123 @@
+//! A validated scene, and what follows from it.
+
+use super::choices::LOOP;
+use super::files::Input;
+use super::instability::Instability;
+use crate::asperity::models::Model;
+use crate::asperity::scale::{Asperity, Scale};
+use crate::asperity::{Family, Law, LawError, LawParameters, Loop, Path, Typical, UnloadedRadius};
+use crate::engine::Stopping;
+use crate::integral::reach;
+use crate::surface::{RADIUS_RANGE, SamplingScheme, Surface};
+
+/// A validated scene, SI.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// The TOML text, with a comment for each file that it has taken values from.
+    pub text: String,
+    /// Its title, may be empty.
+    pub title: String,
+    /// One asperity.
+    pub asperity: Asperity,
+    /// The rough surface.
+    pub surface: Surface,
+    /// The model.
+    pub model: Model,
+    /// The history; of a loop the way there.
+    pub history: Path,
+    /// Whether the surfaces are pulled back, each asperity by its own history.
+    pub cycle: bool,
+    /// The radius of tops that have flowed on the way back.
+    pub unloaded_radius: UnloadedRadius,
+    /// What holds the surfaces.
+    pub instability: Instability,
+    /// δ_A, m, that is set instead of following from the history; of the published fits only.
+    pub critical_approach: Option<f64>,
+    /// Separations h, m, rising.
+    pub separations: Vec<f64>,
+    /// Span of separation, m, of the peak secant stiffness of replicas.
+    pub stiffness_span: f64,
+    /// The files that it has taken values from.
+    pub inputs: Vec<Input>,
+    /// Number of replicas, whole groups of the sampling scheme; with targets the most there may be.
+    pub replicas: u64,
+    /// What ends the run before.
+    pub stopping: Option<Stopping>,
+    /// How they are drawn relative to each other.
+    pub sampling: SamplingScheme,
+    /// Seed of the random streams.
+    pub seed: u64,
+    /// Tolerance of compressed sums; asperities are summed directly without one.
+    pub sum_tolerance: Option<f64>,
+    /// Whether every replica's curves are kept.
+    pub curves: bool,
+}
+
+impl Scene {
+    /// The fewest replicas that a run of it ends with.
+    pub fn fewest_replicas(&self) -> u64 {
+        self.stopping.as_ref().map_or(self.replicas, |stopping| stopping.min_replicas)
+    }
+
+    /// The range of interferences, m, that the heights of any replica reach.
+    pub fn reach(&self) -> (f64, f64) {
+        reach(&self.surface.heights, &self.surface, &self.separations)
+    }
+
+    /// The adhesion parameter and the units of the scaled variables.
+    pub fn scale(&self) -> Scale {
+        Scale::new(&self.asperity).expect("a scene is validated when it is read")
+    }
+
+    /// The name of its path.
+    pub fn history_name(&self) -> &'static str {
+        if self.cycle { LOOP } else { self.history.name() }
+    }
+
+    /// States that a surface is summed in: the separations, of a loop twice.
+    pub fn states(&self) -> usize {
+        self.separations.len() * if self.cycle { 2 } else { 1 }
+    }
+
+    /// The loop of an asperity of the scene, if the surfaces are pulled back.
+    ///
+    /// # Errors
+    /// As [`Scene::law_of`].
+    pub fn loop_law(&self) -> Result<Option<Loop>, LawError> {
+        self.cycle.then(|| self.loop_law_of(self.unloaded_radius)).transpose()
+    }
+
+    /// The loop of an asperity of the scene whose top has one or the other radius once it has flowed.
+    ///
+    /// # Errors
+    /// As [`Loop::new`].
+    pub fn loop_law_of(&self, radius: UnloadedRadius) -> Result<Loop, LawError> {
+        Loop::new(&self.model, &self.parameters()?, radius)
+    }
+
+    /// The asperity law of the scene.
+    ///
+    /// # Errors
+    /// As [`Scene::law_of`].
+    pub fn law(&self) -> Result<Box<dyn Law>, LawError> {
+        self.law_of(&self.model)
+    }
+
+    /// Another law for the asperities of the scene.
+    ///
+    /// # Errors
+    /// [`LawError`] when the law cannot be made for them.
+    pub fn law_of(&self, model: &Model) -> Result<Box<dyn Law>, LawError> {
+        let law = model.law(&self.parameters()?)?;
+        if !self.surface.is_polydisperse() {
+            return Ok(law);
+        }
+        let family = Family::new(*model, self.asperity, self.history, RADIUS_RANGE)?;
+        Ok(Box::new(Typical::new(law, family)))
+    }
+
+    fn parameters(&self) -> Result<LawParameters, LawError> {
+        let parameters = LawParameters::new(&self.asperity, self.history, self.reach())?;
+        Ok(LawParameters { critical_approach: self.critical_approach, ..parameters })
+    }
+}

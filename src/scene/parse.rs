@@ -1,0 +1,221 @@
+//! One scene from its document.
+
+use super::choices::{FORMAT, HISTORIES, SUM_TOLERANCE, SUM_TOLERANCES, SUMS};
+use super::definition::Scene;
+use super::error::{SceneError, Together};
+use super::files::{Files, with_inputs};
+use super::instability::{Instability, instability};
+use super::material::Material;
+use super::population::{Population, population};
+use super::reader::Section;
+use super::units::Dimension;
+use super::{separation, stopping};
+use crate::asperity::models::{MODELS, Model, PUBLISHED_FITS};
+use crate::asperity::scale::{Scale, UNIT_RANGE};
+use crate::asperity::{Path, UnloadedRadius};
+use crate::engine::Stopping;
+use crate::surface::SamplingScheme;
+
+/// Reads a scene that is no sweep, and what it takes out of files.
+pub(super) fn read(text: &str, root: &Section<'_>, files: &dyn Files) -> Result<Scene, SceneError> {
+    let section = |name: &'static str| required(root, name);
+    let material = section("material").and_then(|material| Material::read(&material));
+    let population = section("surface").and_then(|surface| {
+        let lubricant = surface.optional("lubricant_thickness", |entry| entry.measured());
+        // A radius that is given is judged before the surface that follows from it.
+        if let (Ok(material), Some(Ok(radius))) =
+            (&material, surface.get("asperity_radius").map(|entry| entry.measured()))
+        {
+            material.asperity(radius, 0.0)?;
+        }
+        (population(&surface, files), lubricant).together()
+    });
+    let model = section("model").and_then(|model| ModelTable::read(&model));
+    // What a separation is depends on the surface, whether it is one does not.
+    let separation = section("separation").and_then(|h| {
+        let span = h.optional("stiffness_span", |span| span.measured());
+        (separation::separations(&h, 1.0), span).together().map(|_| h)
+    });
+    let cycle = model.as_ref().is_ok_and(|model| model.cycle);
+    let instability = match &model {
+        Ok(_) => instability(root, cycle),
+        Err(_) => Ok(Instability::default()),
+    };
+    let ensemble = section("ensemble")
+        .and_then(|ensemble| EnsembleTable::read(&ensemble).map(|draws| (ensemble, draws)));
+    let readings =
+        (root.known(), heading(root), material, population, model, separation, instability, ensemble);
+    let (solver, output) = (sum_tolerance(root), curves(root));
+    let (readings, sum_tolerance, curves) = (readings.together(), solver, output).together()?;
+    let ((), title, material, (population, lubricant), model, separation, instability, (ensemble, draws)) =
+        readings;
+    let Population { surface, inputs } = population;
+    let asperity = material.asperity(surface.asperity_radius, lubricant.unwrap_or(0.0))?;
+    let ModelTable { law, history, cycle, unloaded_radius, critical_approach } = model;
+    if let Some(entry) = required(root, "model")?.get("history").filter(|_| cycle && surface.is_polydisperse()) {
+        return Err(entry.wrong(
+            "a loop is for asperities of one radius; those of several are computed on \"approach\" or \"retraction\"",
+        ));
+    }
+    let separations = separation::separations(&separation, surface.surface_height_std)?;
+    let stiffness_span = separation::stiffness_span(&separation, &separations, asperity.equilibrium_spacing)?;
+    let most =
+        UNIT_RANGE.1 * Scale::new(&asperity).map_err(|error| SceneError::general(error.to_string()))?.length;
+    let d =
+        [separations[0], separations[separations.len() - 1]].map(|h| surface.asperity_separation(h).abs());
+    let furthest = d[0].max(d[1]).max(surface.heights.std);
+    if !(furthest <= most) {
+        let [furthest, most] = [furthest, most].map(|length| Dimension::Length.shown(length));
+        return Err(SceneError::general(format!(
+            "[separation] and [surface] reach {furthest}, but laws are computed to {most}; check the units of h, \
+             mean_plane_offset, surface_height_std, asperity_height_std and asperity_density"
+        )));
+    }
+    let EnsembleTable { replicas, stopping, sampling, seed } = draws;
+    if let Some(entry) = ensemble.get("sampling").filter(|_| sampling.group() > 1 && !surface.is_plain()) {
+        return Err(entry.wrong(
+            "is for surfaces of one radius with Gaussian heights and a fixed number of asperities; others need \"independent\"",
+        ));
+    }
+    let scene = Scene {
+        text: with_inputs(text, &inputs),
+        title,
+        asperity,
+        surface,
+        model: law,
+        history,
+        cycle,
+        unloaded_radius,
+        instability,
+        critical_approach,
+        separations,
+        stiffness_span,
+        inputs,
+        replicas,
+        stopping,
+        sampling,
+        seed,
+        sum_tolerance,
+        curves,
+    };
+    resolved(&scene).map_err(|problem| match separation.get("h").or_else(|| separation.get("h_star")) {
+        Some(entry) => entry.wrong(&problem),
+        None => SceneError::general(problem),
+    })?;
+    Ok(scene)
+}
+
+/// Refuses separations that cannot be told apart where the asperities are.
+fn resolved(scene: &Scene) -> Result<(), String> {
+    let surface = &scene.surface;
+    let d = |h: f64| surface.asperity_separation(h);
+    if scene.separations.windows(2).all(|pair| d(pair[0]) < d(pair[1])) {
+        return Ok(());
+    }
+    Err(format!(
+        "beside a mean_plane_offset of {} these separations are lost in rounding: check their units",
+        Dimension::Length.shown(surface.mean_plane_offset)
+    ))
+}
+
+fn required<'a>(root: &Section<'a>, name: &'a str) -> Result<Section<'a>, SceneError> {
+    Ok(root.section(name, true)?.expect("a required section is there or an error"))
+}
+
+/// Refuses another format; the title, empty without one.
+fn heading(root: &Section<'_>) -> Result<String, SceneError> {
+    let format = root.require("format").and_then(|format| match format.integer(0..=u64::MAX)? {
+        FORMAT => Ok(()),
+        _ => Err(format.wrong(&format!("this program reads scenes of format {FORMAT}"))),
+    });
+    let title = root.optional("title", |title| title.string().map(str::to_owned));
+    (format, title).together().map(|((), title)| title.unwrap_or_default())
+}
+
+fn curves(root: &Section<'_>) -> Result<bool, SceneError> {
+    let output = root.section("output", false)?;
+    output.and_then(|output| output.get("curves")).map_or(Ok(false), |entry| entry.boolean())
+}
+
+fn sum_tolerance(root: &Section<'_>) -> Result<Option<f64>, SceneError> {
+    let Some(solver) = root.section("solver", false)? else { return Ok(None) };
+    let by_moments = solver.get("summation").map_or(Ok(false), |entry| entry.choice("summation", &SUMS))?;
+    let Some(entry) = solver.get("tolerance") else { return Ok(by_moments.then_some(SUM_TOLERANCE)) };
+    if !by_moments {
+        return Err(entry.wrong("direct sums have no tolerance; summation = \"moments\" has one"));
+    }
+    let tolerance = entry.number()?;
+    if !SUM_TOLERANCES.contains(&tolerance) {
+        let (low, high) = (SUM_TOLERANCES.start(), SUM_TOLERANCES.end());
+        return Err(entry.wrong(&format!("a tolerance of sums is between {low:e} and {high:e}")));
+    }
+    Ok(Some(tolerance))
+}
+
+fn critical_approach(section: &Section<'_>, law: &Model) -> Result<Option<f64>, SceneError> {
+    let Some(entry) = section.get("critical_approach") else { return Ok(None) };
+    if law.name != PUBLISHED_FITS {
+        return Err(
+            entry.wrong(&format!("the law {} finds its own; only {PUBLISHED_FITS} takes it", law.name))
+        );
+    }
+    entry.measured().map(Some)
+}
+
+/// The radius of tops that have flowed; only a loop asks for it.
+fn unloaded_radius(section: &Section<'_>, cycle: bool) -> Result<UnloadedRadius, SceneError> {
+    let Some(entry) = section.get("unloaded_radius") else { return Ok(UnloadedRadius::default()) };
+    if !cycle {
+        return Err(entry
+            .wrong("it is for surfaces that are pulled back after they were pressed: history = \"loop\""));
+    }
+    entry.choice("unloaded_radius", &UnloadedRadius::ALL)
+}
+
+/// The table `[model]`: law and history.
+struct ModelTable {
+    law: Model,
+    history: Path,
+    cycle: bool,
+    unloaded_radius: UnloadedRadius,
+    critical_approach: Option<f64>,
+}
+
+impl ModelTable {
+    fn read(section: &Section<'_>) -> Result<Self, SceneError> {
+        let models: Vec<(&str, Model)> = MODELS.iter().map(|model| (model.name, *model)).collect();
+        let law = section.require("law").and_then(|law| law.choice("law", &models));
+        let history = section.optional("history", |entry| entry.choice("history", &HISTORIES));
+        let critical_approach = match &law {
+            Ok(law) => critical_approach(section, law),
+            Err(_) => Ok(None),
+        };
+        let unloaded_radius = match &history {
+            Ok(history) => unloaded_radius(section, history.is_some_and(|(_, cycle)| cycle)),
+            Err(_) => Ok(UnloadedRadius::default()),
+        };
+        let readings = (law, history, unloaded_radius, critical_approach);
+        let (law, history, unloaded_radius, critical_approach) = readings.together()?;
+        let (history, cycle) = history.unwrap_or((Path::Approach, false));
+        Ok(Self { law, history, cycle, unloaded_radius, critical_approach })
+    }
+}
+
+/// The table `[ensemble]`: how many replicas there are, and how they are drawn.
+struct EnsembleTable {
+    replicas: u64,
+    stopping: Option<Stopping>,
+    sampling: SamplingScheme,
+    seed: u64,
+}
+
+impl EnsembleTable {
+    fn read(section: &Section<'_>) -> Result<Self, SceneError> {
+        let sampling = section.optional("sampling", |entry| entry.choice("sampling", &SamplingScheme::ALL));
+        let sampling = sampling.map(Option::unwrap_or_default);
+        let replicas = stopping::replicas(section, *sampling.as_ref().unwrap_or(&SamplingScheme::default()));
+        let seed = section.optional("seed", |entry| entry.whole());
+        let ((replicas, stopping), sampling, seed) = (replicas, sampling, seed).together()?;
+        Ok(Self { replicas, stopping, sampling, seed: seed.unwrap_or(1) })
+    }
+}

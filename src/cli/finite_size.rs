@@ -252,7 +252,7 @@ fn write(points: &Points<'_>, identity: &Identity, study: &Study) -> Result<(), 
     writer.dataset("/pull_off_quantiles", &of_sizes(sizes, |size| size.scatter.quantiles).concat())?;
     writer.dataset("/pull_off_per_asperity", &of_sizes(sizes, |size| size.pull_off.clone()).concat())?;
     writer.dataset("/p_value", &of_sizes(sizes, |size| size.p_value))?;
-    writer.texts("/sum", &sizes.iter().map(|size| size.sum.as_str()).collect::<Vec<&str>>())?;
+    writer.texts("/summation", &sizes.iter().map(|size| size.sum.as_str()).collect::<Vec<&str>>())?;
     writer.dataset("/count_at_accuracy", &reached.map(Reached::count))?;
     writer.texts("/count_at_accuracy_source", &reached.map(Reached::name))?;
     match approach {

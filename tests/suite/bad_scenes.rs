@@ -200,7 +200,7 @@ const CASES: &[(&str, &str, &[&str])] = &[
     (
         "[output]",
         "[solver]\nthreads = 3\n[output]",
-        &["line 31", "unknown key `solver.threads`", "known here: sum, tolerance"],
+        &["line 31", "unknown key `solver.threads`", "known here: summation, tolerance"],
     ),
     (
         "[output]",

@@ -40,7 +40,7 @@ fn sums_are_direct_by_default() {
     for name in ["scene", "direct", "empty"] {
         let run = folder.stiction(&["run", &format!("{name}.toml")]);
         assert_exit(&run, 0);
-        assert!(!text(&run.stdout).contains("compressed"), "{}", text(&run.stdout));
+        assert!(!text(&run.stdout).contains("by moments"), "{}", text(&run.stdout));
         let path = folder.path(&format!("{name}.h5"));
         assert_eq!(attribute(&path, "/ensemble", "summation"), "direct");
         assert!(!attributes(&path, "/ensemble").iter().any(|name| name.starts_with("sum_")));
@@ -71,7 +71,7 @@ fn a_compressed_run_is_the_direct_one_to_the_tolerance() {
             let run = folder.stiction(&arguments);
             assert_exit(&run, 0);
             let summary = text(&run.stdout);
-            let line = format!("compressed to {said}; off by ");
+            let line = format!("by moments to {said}; off by ");
             assert!(summary.contains(&line) && summary.contains("ensemble and integral agree"), "{summary}");
             let found = bits(&folder.path("scene.h5"));
             assert!(*expected.get_or_insert_with(|| found.clone()) == found, "{threads} threads");
@@ -149,7 +149,7 @@ fn a_refusal_is_said_and_sums_are_direct() {
     assert_exit(&folder.stiction(&["run", "scene.toml"]), 0);
     let run = folder.stiction(&["run", "asked.toml"]);
     assert_exit(&run, 0);
-    let said = "direct, although compressed to 1e-9 was asked for: the separations are not evenly spaced";
+    let said = "direct, although moments to 1e-9 were asked for: the separations are not evenly spaced";
     assert!(text(&run.stdout).contains(said), "{}", text(&run.stdout));
     let path = folder.path("asked.h5");
     assert_eq!(attribute(&path, "/ensemble", "summation"), "direct");
@@ -174,7 +174,7 @@ fn sampling_schemes_are_compressed_too() {
         std::fs::write(folder.path("direct.toml"), sampled.replace(COMPRESSED, "")).unwrap();
         let run = folder.stiction(&["run", "scene.toml"]);
         assert_exit(&run, 0);
-        assert!(text(&run.stdout).contains("compressed to 1e-9"), "{}", text(&run.stdout));
+        assert!(text(&run.stdout).contains("by moments to 1e-9"), "{}", text(&run.stdout));
         assert_exit(&folder.stiction(&["run", "direct.toml"]), 0);
         let [mine, truth] =
             ["scene.h5", "direct.h5"].map(|file| dataset(&folder.path(file), "/replicas/pull_off_force"));

@@ -111,7 +111,7 @@ const BOUNDS: &[Bound] = &[
     bound("/law", Other, Never),
     bound("/fitted_force", Other, Never),
     bound("/coefficient", Other, Never),
-    bound("*/sum", Other, Never),
+    bound("*/summation", Other, Never),
     bound("/ensemble/sum_refusal", Other, Never),
     bound("/ensemble/*_units", Other, Never),
     bound("/ensemble/target_estimate", Other, Never),

@@ -335,12 +335,12 @@ fn times(results: &Results) -> String {
     text + &sums(&results.summation)
 }
 
-/// How surfaces were summed, if compressed sums were asked for.
+/// How surfaces were summed, if sums by moments were asked for.
 fn sums(summation: &Summation) -> String {
     let Some(tolerance) = summation.tolerance else { return String::new() };
     let error = summation.achieved_error;
     let said = match summation.refusal {
-        Some(refusal) => format!("direct, although compressed to {tolerance:e} was asked for: {refusal}"),
+        Some(refusal) => format!("direct, although moments to {tolerance:e} were asked for: {refusal}"),
         None => {
             format!(
                 "by moments to {tolerance:e}; off by {error:.1e} where a few replicas were also summed directly"

@@ -12,7 +12,7 @@ pub(super) const SUM_TOLERANCES: RangeInclusive<f64> = 1e-13..=1e-3;
 /// The tolerance of sums by moments unless a scene gives one.
 pub(super) const SUM_TOLERANCE: f64 = 1e-9;
 
-/// Ways of summing; whether compressed.
+/// Ways of summing; whether by moments.
 pub(super) const SUMS: [(&str, bool); 2] = [("direct", false), ("moments", true)];
 
 /// Histories: their paths, of a loop that of its first way, and whether the surfaces are pulled back.

@@ -47,7 +47,7 @@ pub struct Scene {
     pub sampling: SamplingScheme,
     /// Seed of the random streams.
     pub seed: u64,
-    /// Tolerance of compressed sums; asperities are summed directly without one.
+    /// Tolerance of sums by moments; asperities are summed directly without one.
     pub sum_tolerance: Option<f64>,
     /// Whether every replica's curves are kept.
     pub curves: bool,

@@ -52,7 +52,9 @@ pub(super) fn read(text: &str, root: &Section<'_>, files: &dyn Files) -> Result<
     let Population { surface, inputs } = population;
     let asperity = material.asperity(surface.asperity_radius, lubricant.unwrap_or(0.0))?;
     let ModelTable { law, history, cycle, unloaded_radius, critical_approach } = model;
-    if let Some(entry) = required(root, "model")?.get("history").filter(|_| cycle && surface.is_polydisperse()) {
+    if let Some(entry) =
+        required(root, "model")?.get("history").filter(|_| cycle && surface.is_polydisperse())
+    {
         return Err(entry.wrong(
             "a loop is for asperities of one radius; those of several are computed on \"approach\" or \"retraction\"",
         ));

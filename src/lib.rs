@@ -23,19 +23,27 @@
 //! The folder `examples` has programs that begin there. All of it may change before version 1.0.
 
 pub mod asperity;
+#[cfg(feature = "cli")]
 pub mod cli;
 pub mod engine;
+#[cfg(feature = "hdf5")]
 pub mod estimate;
+#[cfg(feature = "hdf5")]
 pub mod experiment;
+#[cfg(feature = "hdf5")]
 mod format;
 pub mod integral;
 pub mod math;
+#[cfg(feature = "hdf5")]
 pub mod output;
+#[cfg(feature = "hdf5")]
 pub mod scene;
 #[cfg(test)]
 mod source;
 pub mod surface;
 pub mod validation;
 
+#[cfg(feature = "hdf5")]
 pub use experiment::{Error, Observer, RunResult, builder, compare, integrate, run};
+#[cfg(feature = "hdf5")]
 pub use scene::Scene;

@@ -60,6 +60,8 @@ pub use summation::{PILOTS, Summation};
 use crate::asperity::{Law, Loop};
 use crate::surface::{SamplingScheme, Surface};
 use moments::MomentMatrix;
+use std::convert::Infallible;
+use std::sync::atomic::AtomicBool;
 
 /// What is to be computed.
 #[derive(Clone, Copy)]
@@ -98,7 +100,59 @@ pub struct Protocol<'a> {
     pub stiffness_span: Option<f64>,
 }
 
-impl Job<'_> {
+impl<'a> Job<'a> {
+    /// Independent replicas of a surface, summed directly along the path of a law.
+    ///
+    /// # Examples
+    /// ```
+    /// use stiction::asperity::{LawParameters, Path, Quantity, models::model};
+    /// use stiction::engine::Job;
+    /// use stiction::surface::Surface;
+    ///
+    /// let parameters = LawParameters::scaled(0.5, Path::Approach)?;
+    /// let law = model("md").unwrap().law(&parameters)?;
+    /// let surface = Surface::uniform(1.0, 1.0, 100, 1.0);
+    /// let separations: Vec<f64> = (0..40).map(|k| 0.1 * f64::from(k)).collect();
+    /// let ensemble = Job::new(law.as_ref(), &surface, &separations, 16, 1).ensemble();
+    /// assert_eq!(ensemble.replicas.len(), 16);
+    /// assert!(ensemble.curves[Quantity::AdhesionForce.index()].mean()[0] > 0.0);
+    /// # Ok::<(), stiction::asperity::LawError>(())
+    /// ```
+    pub fn new(
+        law: &'a dyn Law,
+        surface: &'a Surface,
+        separations: &'a [f64],
+        replicas: u64,
+        seed: u64,
+    ) -> Self {
+        Self {
+            law,
+            surface,
+            separations,
+            seed,
+            scheme: SamplingScheme::Independent,
+            replicas,
+            controls: &[],
+            keep_curves: false,
+            moments: None,
+            protocol: Protocol::default(),
+        }
+    }
+
+    /// Computes all replicas, on all cores.
+    ///
+    /// # Panics
+    /// When no threads can be started, or the replicas do not come in whole groups of the scheme.
+    pub fn ensemble(&self) -> Ensemble {
+        let pool = rayon::ThreadPoolBuilder::new().build().expect("threads can be started");
+        let outcome = run::<Infallible>(self, &pool, &AtomicBool::new(false), |_, _| Ok(()));
+        match outcome {
+            Ok(Outcome::Complete(tree)) => tree.into_ensemble(self),
+            Ok(Outcome::Interrupted(_)) => unreachable!("nothing interrupts it"),
+            Err(never) => match never {},
+        }
+    }
+
     /// Has the replicas come in whole groups: the last replicas would otherwise be in the means, but in no
     /// standard error and no test.
     ///

@@ -435,8 +435,12 @@ impl From<OutputError> for Failure {
     fn from(error: OutputError) -> Self {
         match error {
             OutputError::Hdf5(_) | OutputError::Io { .. } => Self::Running(error.into()),
-            OutputError::Exists(_)
-            | OutputError::IsFolder(_)
+            OutputError::Exists(path) => Self::Usage(format!(
+                "{} exists; give --force to overwrite it, or another name with -o",
+                path.display()
+            )),
+            // Their messages end with the advice to give another name.
+            OutputError::IsFolder(_)
             | OutputError::NotAFile(_)
             | OutputError::OtherFileSystem(_)
             | OutputError::Claimed { .. }
@@ -444,9 +448,9 @@ impl From<OutputError> for Failure {
             | OutputError::IsInput { .. }
             | OutputError::KeepsInput { .. }
             | OutputError::Link(_)
-            | OutputError::NotACheckpoint { .. }
             | OutputError::NoFolder(_)
-            | OutputError::NotWritable { .. }
+            | OutputError::NotWritable { .. } => Self::Usage(format!("{error} with -o")),
+            OutputError::NotACheckpoint { .. }
             | OutputError::NotAMap { .. }
             | OutputError::NotAResult { .. } => Self::Usage(error.to_string()),
         }

@@ -27,22 +27,22 @@ use thiserror::Error;
 #[derive(Debug, Error)]
 pub enum OutputError {
     /// The output exists and must not be overwritten.
-    #[error("{} exists; give --force to overwrite it, or another name with -o", .0.display())]
+    #[error("{} exists; remove it, or give another name", .0.display())]
     Exists(PathBuf),
     /// The folder of the output does not exist.
-    #[error("the folder {} of the output does not exist; make it, or give another name with -o", .0.display())]
+    #[error("the folder {} of the output does not exist; make it, or give another name", .0.display())]
     NoFolder(PathBuf),
     /// The output names a folder.
-    #[error("{} names a folder; name a file with -o", .0.display())]
+    #[error("{} names a folder; name a file", .0.display())]
     IsFolder(PathBuf),
     /// The output names what is neither file nor folder.
-    #[error("{} is not a file; name a file with -o", .0.display())]
+    #[error("{} is not a file; name a file", .0.display())]
     NotAFile(PathBuf),
     /// Something is mounted on the output, so no file of its folder can take its name.
-    #[error("{} is on another file system than its folder; name a file beside it with -o", .0.display())]
+    #[error("{} is on another file system than its folder; name a file beside it", .0.display())]
     OtherFileSystem(PathBuf),
     /// The name of the output cannot be written.
-    #[error("the name {} {problem}; give another name with -o", path.display())]
+    #[error("the name {} {problem}; give another name", path.display())]
     NoName {
         /// The output.
         path: PathBuf,
@@ -50,7 +50,7 @@ pub enum OutputError {
         problem: &'static str,
     },
     /// The output is what it is made from.
-    #[error("{} is {}, which this command reads; give another name with -o", output.display(), input.display())]
+    #[error("{} is {}, which this command reads; give another name", output.display(), input.display())]
     IsInput {
         /// The output.
         output: PathBuf,
@@ -59,7 +59,7 @@ pub enum OutputError {
     },
     /// What is kept beside the output is what it is made from.
     #[error(
-        "{} has the name of what is kept beside {}, and this command reads it; give another name with -o",
+        "{} has the name of what is kept beside {}, and this command reads it; give another name",
         input.display(), output.display()
     )]
     KeepsInput {
@@ -69,10 +69,10 @@ pub enum OutputError {
         input: PathBuf,
     },
     /// A name of this program's own files is a symbolic link.
-    #[error("{} is a symbolic link where this program keeps files of its own; remove it, or give another name with -o", .0.display())]
+    #[error("{} is a symbolic link where this program keeps files of its own; remove it, or give another name", .0.display())]
     Link(PathBuf),
     /// Another run makes the output.
-    #[error("another run makes {} (process {process}); wait for it, or give another name with -o", output.display())]
+    #[error("another run makes {} (process {process}); wait for it, or give another name", output.display())]
     Claimed {
         /// The output.
         output: PathBuf,
@@ -88,7 +88,7 @@ pub enum OutputError {
         problem: String,
     },
     /// The output cannot be made where it is asked for.
-    #[error("cannot write in {}: {error}; give another name with -o", folder.display())]
+    #[error("cannot write in {}: {error}; give another name", folder.display())]
     NotWritable {
         /// The folder.
         folder: PathBuf,

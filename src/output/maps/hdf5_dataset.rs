@@ -51,11 +51,8 @@ fn maps(file: &File) -> Vec<String> {
 fn only_map(file: &File) -> Result<String, String> {
     match maps(file).as_slice() {
         [only] => Ok(only.clone()),
-        [] => {
-            Err("has no dataset of two dimensions in its root; give --dataset with the path of one"
-                .to_owned())
-        }
-        several => Err(format!("has several datasets; give --dataset with one of {}", listed(several))),
+        [] => Err("has no dataset of two dimensions in its root; name the path of one".to_owned()),
+        several => Err(format!("has several datasets; name one of {}", listed(several))),
     }
 }
 

@@ -15,7 +15,7 @@ use tempfile::TempPath;
 
 /// Replicas of a chunk of curves.
 pub const CURVE_CHUNK: usize = 64;
-/// MomentMatrix level of curves.
+/// Deflate level of curves.
 const DEFLATE: u8 = 4;
 
 /// A result that is being written.

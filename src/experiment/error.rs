@@ -19,6 +19,14 @@ fn hint(name: &str) -> String {
 }
 
 /// Why an experiment ends without its result.
+///
+/// # Examples
+/// ```
+/// use stiction::Error;
+///
+/// let refused = stiction::Scene::from_toml_file("configs/sweep_roughness.toml").unwrap_err();
+/// assert!(matches!(refused, Error::IsSweep(_)));
+/// ```
 #[derive(Debug, Error)]
 pub enum Error {
     /// A scene is wrong.

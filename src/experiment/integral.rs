@@ -9,6 +9,15 @@ use crate::scene::{Expected, Reading, Scene, WhatIsRead};
 pub(crate) const RESOLVING: f64 = 0.125;
 
 /// The integral over the heights along one path, and what is read off it.
+///
+/// # Examples
+/// ```
+/// let scene = stiction::Scene::from_toml_file("configs/quick.toml")?;
+/// let integral = stiction::integrate(&scene)?.main;
+/// assert!(integral.pull_off() > 0.0);
+/// assert_eq!(integral.expectations.expected[0].len(), scene.separations.len());
+/// # Ok::<(), stiction::Error>(())
+/// ```
 #[derive(Clone)]
 pub struct PathIntegral {
     /// Expectations and standard deviations over the separations.
@@ -22,6 +31,14 @@ pub struct PathIntegral {
 }
 
 /// The integral of a scene, without any ensemble.
+///
+/// # Examples
+/// ```
+/// let scene = stiction::Scene::from_toml_file("configs/quick.toml")?;
+/// let integral = stiction::integrate(&scene)?;
+/// assert!(integral.retraction.is_none(), "it is no loop");
+/// # Ok::<(), stiction::Error>(())
+/// ```
 #[derive(Clone)]
 pub struct Integral {
     /// The integral on approach, or on the one path of the scene.

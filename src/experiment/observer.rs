@@ -3,8 +3,25 @@
 use std::time::Instant;
 
 /// Somebody who watches an experiment. All methods do nothing by default.
+///
+/// # Examples
+/// ```
+/// struct Count(u64);
+///
+/// impl stiction::Observer for Count {
+///     fn advance(&mut self, replicas: u64) {
+///         self.0 += replicas;
+///     }
+/// }
+///
+/// let scene = stiction::Scene::from_toml_file("configs/quick.toml")?;
+/// let mut count = Count(0);
+/// stiction::builder(&scene).progress(&mut count).run()?;
+/// assert_eq!(count.0, scene.replicas);
+/// # Ok::<(), stiction::Error>(())
+/// ```
 pub trait Observer {
-    /// A phase without a count begins; another may go on until then.
+    /// A phase without a count begins.
     fn phase(&mut self, _name: &'static str) {}
 
     /// A phase begins that counts replicas, of which `done` are done already.

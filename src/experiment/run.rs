@@ -200,6 +200,17 @@ pub(crate) fn law_named(name: &str) -> Result<Model, Error> {
 }
 
 /// What a run has found out.
+///
+/// # Examples
+/// ```
+/// let scene = stiction::Scene::from_toml_file("configs/quick.toml")?;
+/// let result = stiction::run(&scene)?;
+/// let pull_off = result.pull_off();
+/// println!("{:.3e} N ± {:.0e} N", pull_off.controlled_mean, pull_off.controlled_standard_error);
+/// assert_eq!(result.ensemble().replicas.len() as u64, scene.replicas);
+/// assert_eq!(result.joint_test().verdict.name(), "agree");
+/// # Ok::<(), stiction::Error>(())
+/// ```
 pub struct RunResult {
     results: Box<Results>,
     /// Records of the replicas, where their curves are kept.

@@ -3,6 +3,20 @@
 use crate::asperity::SolverStats;
 
 /// The model's answer over S separations and R regimes.
+///
+/// # Examples
+/// ```
+/// use stiction::asperity::{LawParameters, Path, Quantity, models::model};
+/// use stiction::integral::Expectations;
+/// use stiction::surface::Surface;
+///
+/// let law = model("md").unwrap().law(&LawParameters::scaled(0.5, Path::Approach)?)?;
+/// let surface = Surface::uniform(1.0, 1.0, 100, 1.0);
+/// let integral = Expectations::new(law.as_ref(), &surface, &[0.0, 1.0, 2.0]);
+/// assert!(integral.expected[Quantity::AdhesionForce.index()][0] > 0.0);
+/// assert!(integral.quadrature_error < 1e-9);
+/// # Ok::<(), stiction::asperity::LawError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Expectations {
     /// Expectations, by [`crate::asperity::Quantity::index`], each over S; N or m².

@@ -31,6 +31,16 @@ const NEGLIGIBLE: f64 = 70.0;
 const NEVER: f64 = 60.0;
 
 /// Asperity heights about a plane.
+///
+/// # Examples
+/// ```
+/// use stiction::surface::{HeightLaw, Heights, LogNormal};
+///
+/// let gaussian = Heights::gaussian(1e-9);
+/// assert!((gaussian.probability(-1e-9, 1e-9) - 0.6827).abs() < 1e-4);
+/// let skewed = Heights { law: HeightLaw::LogNormal(LogNormal::new(0.5)), ..gaussian };
+/// assert!(skewed.density(3e-9) > skewed.density(-3e-9));
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Heights {
     /// Height where the standard form is 0, m.

@@ -21,6 +21,23 @@ pub const OFFSET_FACTOR: f64 = 0.045944;
 pub const LENGTHS: std::ops::RangeInclusive<f64> = 1e-100..=1e100;
 
 /// What is known of a surface, SI.
+///
+/// # Examples
+/// ```
+/// use stiction::surface::{Roughness, Surface};
+///
+/// let roughness = Roughness {
+///     asperity_radius: 3.33e-6,
+///     asperity_density: 7.39e12,
+///     nominal_area: 1e-9,
+///     surface_height_std: Some(1.62e-9),
+///     asperity_height_std: None,
+///     mean_plane_offset: None,
+/// };
+/// let surface = Surface::new(&roughness)?;
+/// assert_eq!(surface.asperity_count, 7390);
+/// # Ok::<(), stiction::surface::SurfaceError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Roughness {
     /// Asperity radius R, m.
@@ -38,6 +55,15 @@ pub struct Roughness {
 }
 
 /// How many asperities a replica has.
+///
+/// # Examples
+/// ```
+/// use stiction::surface::{CountLaw, Surface};
+///
+/// let mut surface = Surface::uniform(1e-9, 1e-6, 100, 1e-10);
+/// surface.count_law = CountLaw::Poisson;
+/// assert_eq!(surface.count_law.name(), "poisson");
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum CountLaw {
     /// Always as many.
@@ -62,6 +88,16 @@ impl CountLaw {
 }
 
 /// The surface that the model takes.
+///
+/// # Examples
+/// ```
+/// use stiction::surface::{HeightLaw, Heights, Surface, Weibull};
+///
+/// let mut surface = Surface::uniform(1e-9, 1e-6, 100, 1e-10);
+/// surface.heights = Heights { law: HeightLaw::Weibull(Weibull::new(2.0)), ..Heights::gaussian(1e-9) };
+/// let (mean, std) = surface.heights.moments();
+/// assert!(mean.abs() < 1e-15 && (std - 1e-9).abs() < 1e-15);
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Surface {
     /// Standard deviation σ of the surface heights, m.

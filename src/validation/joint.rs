@@ -25,6 +25,17 @@ impl Probe {
 }
 
 /// What the joint test says.
+///
+/// # Examples
+/// ```
+/// use stiction::validation::{Cumulants, JointTest, Probe, Verdict};
+///
+/// // One functional of one separation, half a unit off after 16 replicas: a two-sided test with z = 2.
+/// let probe = Probe { adhesion_force: vec![0.0], external_force: vec![1.0] };
+/// let test = JointTest::new(&[probe], [&[0.0], &[1.5]], [&[0.0], &[1.0]], Cumulants::default(), 16);
+/// assert_eq!(test.verdict, Verdict::Agree);
+/// assert!((test.p_value - 0.0455).abs() < 1e-4);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
     /// p ≥ [`SIGNIFICANCE`].

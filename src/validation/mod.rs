@@ -30,6 +30,12 @@ const ROUNDING: f64 = 1e-10;
 ///
 /// Where replicas hardly differ, or no force acts at all, what is left is rounding: a standard error counts
 /// as at least 1e-10 of the expectation, and nothing where nothing is expected is a z-score of 0.
+///
+/// # Examples
+/// ```
+/// let z = stiction::validation::z_scores(&[1.1], &[1.0], &[0.5], 25);
+/// assert!((z[0] - 1.0).abs() < 1e-12);
+/// ```
 pub fn z_scores(mean: &[f64], expected: &[f64], std: &[f64], count: u64) -> Vec<f64> {
     let root = (count as f64).sqrt();
     let score = |mean: f64, expected: f64, std: f64| {

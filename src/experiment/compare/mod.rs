@@ -35,6 +35,16 @@ const DEPTHS: (f64, f64) = (5.0, 50.0);
 const LARGEST_RESIDUAL: f64 = 0.01;
 
 /// One law of a comparison.
+///
+/// # Examples
+/// ```
+/// let scene = stiction::Scene::from_toml_file("configs/quick.toml")?;
+/// let comparison = stiction::compare(&scene, &["hybrid", "dmt"])?;
+/// let dmt = &comparison.laws()[1];
+/// assert_eq!(dmt.name(), "dmt");
+/// assert!(!dmt.limits().is_empty(), "DMT is for small adhesion parameters");
+/// # Ok::<(), stiction::Error>(())
+/// ```
 pub struct ComparedLaw {
     pub(crate) model: Model,
     pub(crate) limits: Vec<String>,
@@ -86,6 +96,17 @@ impl SampledLaw {
 }
 
 /// The mean of a number over replicas.
+///
+/// # Examples
+/// ```
+/// use stiction::experiment::Mean;
+///
+/// let scene = stiction::Scene::from_toml_file("configs/quick.toml")?;
+/// let comparison = stiction::builder(&scene).compare_ensembles(&["hybrid", "isbl"])?;
+/// let Mean { mean, standard_error, .. } = comparison.paired_difference(&comparison.laws()[1]).unwrap();
+/// assert!(mean > 5.0 * standard_error, "the fits of ISBL pull more");
+/// # Ok::<(), stiction::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Mean {
     /// The mean.
@@ -97,6 +118,15 @@ pub struct Mean {
 }
 
 /// Several laws on the same asperities.
+///
+/// # Examples
+/// ```
+/// # let folder = tempfile::tempdir().unwrap();
+/// # let path = folder.path().join("laws.h5");
+/// let scene = stiction::Scene::from_toml_file("configs/quick.toml")?;
+/// stiction::compare(&scene, &["hybrid", "emd", "md"])?.write(&path)?;
+/// # Ok::<(), stiction::Error>(())
+/// ```
 pub struct Comparison {
     pub(crate) scene: Scene,
     /// Interferences of one asperity, m.

@@ -88,7 +88,7 @@ fn stiffness_text(stiffness: f64) -> String {
     if stiffness == 0.0 { "a constant load".to_owned() } else { si(stiffness, "N/m") }
 }
 
-/// What holds the surfaces of a scene, for `check` and the heading of a summary.
+/// Springs and preloads of a scene, for `check` and the heading of a summary.
 pub(super) fn held(scene: &Scene) -> String {
     let loading = loading(scene);
     if loading.length() == 0 {

@@ -57,7 +57,7 @@ unsafe impl GlobalAlloc for Allocator {
     }
 }
 
-/// What the system has given of so many bytes, if it has.
+/// Memory of so many bytes, if the system has given it.
 #[inline]
 fn given(pointer: *mut u8, bytes: usize) -> *mut u8 {
     if pointer.is_null() {

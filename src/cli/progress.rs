@@ -19,7 +19,7 @@ static SCHEDULE: Mutex<Option<Schedule>> = Mutex::new(None);
 /// Shows the phases of a run, one after the other, on standard error; nothing when quiet.
 pub(super) struct Progress {
     quiet: bool,
-    /// Of which run of several the phases are.
+    /// The run that the phases belong to, of several.
     run: String,
     bar: ProgressBar,
     /// In the place of the bar where nobody would see it.
@@ -93,7 +93,7 @@ impl Observer for Progress {
     }
 }
 
-/// What a log says of a phase.
+/// The line of a log for a phase.
 struct Phase {
     name: String,
     begun: Instant,

@@ -31,7 +31,7 @@ const MOST_SAID: u64 = 1 << 28;
 /// Does `read` with a file, which prints, in a process of its own.
 ///
 /// # Errors
-/// Those of `read`, and [`Failure::Usage`] when the file makes the process die or take too long.
+/// As `read`, and [`Failure::Usage`] when the file makes the process die or take too long.
 pub(super) fn sandboxed(path: &Path, read: impl FnOnce(&Path) -> Result<(), Failure>) -> Result<(), Failure> {
     sandboxed_within(path, PROCESSOR_SECONDS, read)
 }
@@ -112,7 +112,7 @@ fn is_too_long(status: ExitStatus) -> bool {
     return false;
 }
 
-/// What comes out of a pipe, once it is closed.
+/// The text that comes out of a pipe, once it is closed.
 fn said(pipe: Option<impl Read + Send + 'static>) -> Result<Receiver<String>, Failure> {
     let (sender, receiver) = channel();
     let read = move || {
@@ -126,7 +126,7 @@ fn said(pipe: Option<impl Read + Send + 'static>) -> Result<Receiver<String>, Fa
     Ok(receiver)
 }
 
-/// What a process prints and how it ends; the latter is missing if it had to be killed.
+/// The output of a process and how it ended; the latter is missing if it had to be killed.
 fn await_end(
     child: &mut Child,
     out: &Receiver<String>,

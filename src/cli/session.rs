@@ -1,4 +1,4 @@
-//! What commands that compute have in common: threads, interruptions, and what the command line says of the
+//! Common parts of commands that compute: threads, interruptions, and what the command line says of the
 //! ensemble.
 
 use super::{Execution, Failure};
@@ -16,7 +16,7 @@ use std::time::Duration;
 /// Exit code of a run that was interrupted.
 pub(super) const INTERRUPTED: i32 = 130;
 
-/// What the runs of a command have in common.
+/// The common state of the runs of a command.
 pub(super) struct Session {
     shared: prepared::Session,
     /// Whether there is no progress.
@@ -24,7 +24,7 @@ pub(super) struct Session {
 }
 
 impl Session {
-    /// Of the arguments of a command.
+    /// Begins a session from the arguments of a command.
     pub fn new(execution: &Execution, interval: Duration) -> Result<Self, Failure> {
         let stop = interruption()?;
         let shared = prepared::Session { stop, pool: thread_pool(execution.threads)?, interval };

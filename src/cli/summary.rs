@@ -200,7 +200,7 @@ fn stiffness(results: &Results) -> String {
     )
 }
 
-/// What a loop costs, and where contact begins and ends.
+/// The energy of a loop, and the separations where contact begins and ends.
 fn cycle(results: &Results) -> String {
     let Some(retraction) = &results.retraction else { return String::new() };
     let replicas = &results.ensemble.replicas;

@@ -51,7 +51,7 @@ pub enum Error {
     /// The law of a scene cannot be made for its asperities.
     #[error("the law {law} cannot be used: {error}")]
     Law {
-        /// Its name.
+        /// The name of the law.
         law: &'static str,
         /// Why.
         error: LawError,
@@ -81,12 +81,12 @@ pub enum Error {
         /// Replicas of the run.
         of: u64,
     },
-    /// What is kept is of another run than the one that is to go on.
+    /// The checkpoint is of another run than the one that is to go on.
     #[error("{} {problem}", checkpoint.display())]
     OtherRun {
         /// Where it is kept.
         checkpoint: PathBuf,
-        /// What differs.
+        /// The difference.
         problem: String,
     },
     /// It was stopped from outside.
@@ -102,7 +102,7 @@ pub enum Error {
     /// It failed, and what was done is kept.
     #[error("{error}")]
     Kept {
-        /// What went wrong.
+        /// The failure.
         error: Box<Error>,
         /// Replicas that are kept.
         replicas: u64,

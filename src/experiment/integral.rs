@@ -152,7 +152,7 @@ impl Integral {
         self.retraction.as_ref().unwrap_or(&self.main)
     }
 
-    /// What is read off it where, and how good it is.
+    /// The readings off the integral with their places, and how good it is.
     pub(crate) fn expected(&self, scene: &Scene, law: &dyn Law) -> Expected {
         let mut readings = self.pulled().readings(scene);
         if self.retraction.is_some() {

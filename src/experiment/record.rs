@@ -223,7 +223,7 @@ fn write_stopped(writer: &Writer<'_>, stopped: &Stopped) -> Result<(), OutputErr
     writer.dataset("/ensemble/target_met", &met)
 }
 
-/// Of a loop, how many asperities come into contact and lose it between neighbouring separations.
+/// Counts of the asperities of a loop that come into contact and lose it between neighbouring separations.
 fn write_jumps(writer: &mut Writer<'_>, results: &Results) -> Result<(), OutputError> {
     let Some(retraction) = &results.retraction else { return Ok(()) };
     let middles: Vec<f64> =

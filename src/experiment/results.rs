@@ -1,4 +1,4 @@
-//! What a run has found out, for the file and for the summary.
+//! Results of a run, for the file and for the summary.
 
 use super::integral::{PathIntegral, resolving};
 use crate::asperity::{Law, Loop, Quantity, UnloadedRadius};
@@ -31,7 +31,7 @@ pub(crate) struct Results {
     pub controls: Vec<usize>,
     /// Means of the scalars of the replicas, in the order of [`crate::engine::scalars`].
     pub scalars: Vec<ControlledMean>,
-    /// What is read off the mean curve of the external force, and off the integral's.
+    /// Pull-off and stiffest point of the mean curve of the external force, and of the integral's.
     pub of_mean: Features,
     pub of_integral: Features,
     /// The integral where the surfaces are pulled off, or at the smallest separation where nothing pulls.
@@ -65,10 +65,10 @@ pub(crate) struct Partial {
     pub of: u64,
 }
 
-/// What a loop has found out on retraction.
+/// Results of a loop on retraction.
 pub(crate) struct RetractionResults {
     pub expectations: Expectations,
-    /// What is read off the mean curve of the external force, and off the integral's.
+    /// Pull-off and stiffest point of the mean curve of the external force, and of the integral's.
     pub of_mean: Features,
     pub of_integral: Features,
     /// Pull-off of the integral, N, with each radius of tops that have flowed, if any have and the law can be
@@ -119,7 +119,7 @@ impl Results {
 
 /// Why an ensemble has as many replicas as it has.
 pub(crate) struct Stopped {
-    /// What became of each target.
+    /// The outcome of each target.
     pub targets: Vec<Attained>,
     /// Replicas at the first look.
     pub min_replicas: u64,

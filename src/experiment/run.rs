@@ -199,7 +199,7 @@ pub(crate) fn law_named(name: &str) -> Result<Model, Error> {
     model(name).ok_or_else(|| Error::UnknownLaw(name.to_owned()))
 }
 
-/// What a run has found out.
+/// The result of a run.
 ///
 /// # Examples
 /// ```

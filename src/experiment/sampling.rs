@@ -21,7 +21,7 @@ pub(crate) struct Sampling<'a> {
     pub cycle: Option<&'a Loop>,
     /// Indices of the states of the control variates.
     pub controls: &'a [usize],
-    /// What ends it before all replicas of the scene are in.
+    /// The rule that ends it before all replicas of the scene are in.
     pub rule: Option<Rule<'a>>,
     pub keep_curves: bool,
 }
@@ -111,7 +111,7 @@ impl Sampling<'_> {
     }
 }
 
-/// What holds the surfaces of a scene.
+/// The springs and preloads of a scene.
 pub(crate) fn loading(scene: &Scene) -> Loading<'_> {
     let ways = (scene.history == Path::Approach, scene.cycle || scene.history == Path::Retraction);
     let Instability { stiffness, preload, smallest_snap } = &scene.instability;

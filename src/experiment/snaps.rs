@@ -18,7 +18,7 @@ struct Column<'a> {
 }
 
 impl Column<'_> {
-    /// Its values, replica by replica.
+    /// The values, replica by replica.
     fn values(&self) -> impl Iterator<Item = f64> {
         self.snaps.chunks_exact(self.length).map(|numbers| numbers[self.place])
     }

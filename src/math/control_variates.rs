@@ -1,7 +1,7 @@
 //! Means with control variates: what is known of the expectation of one part of a sample makes the mean of
 //! another part more precise.
 //!
-//! Of n independent samples (x, y) with E\[x\] = μ known, ȳ − βᵀ(x̄ − μ) is an estimate of E\[y\] for every
+//! For n independent samples (x, y) with E\[x\] = μ known, ȳ − βᵀ(x̄ − μ) is an estimate of E\[y\] for every
 //! β, and best for the coefficients of the regression of y on x (Lavenberg and Welch 1981, Management Science
 //! 27, 322). Coefficients of the same sample would bias it where x and y are not jointly Gaussian. So the
 //! sample is split, and each part is corrected with the coefficients of all the others, of which it is
@@ -29,15 +29,15 @@ pub struct ControlledMean {
     pub samples: u64,
     /// The plain mean.
     pub mean: f64,
-    /// Its standard error; NaN for fewer than two samples, likewise below.
+    /// The standard error; NaN for fewer than two samples, likewise below.
     pub standard_error: f64,
-    /// Its 95 % [`interval`], from and to.
+    /// The 95 % [`interval`], from and to.
     pub interval: [f64; 2],
     /// The mean with control variates.
     pub controlled_mean: f64,
-    /// Its standard error, with what the estimated coefficients cost.
+    /// The standard error, with what the estimated coefficients cost.
     pub controlled_standard_error: f64,
-    /// Its 95 % [`interval`], from and to.
+    /// The 95 % [`interval`], from and to.
     pub controlled_interval: [f64; 2],
 }
 

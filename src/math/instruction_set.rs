@@ -52,7 +52,7 @@ impl Kind {
 }
 
 impl InstructionSet {
-    /// Those of this processor, the fastest last.
+    /// The sets of this processor, the fastest last.
     pub fn available() -> Vec<Self> {
         KINDS.into_iter().filter(|kind| kind.is_there()).map(Self).collect()
     }
@@ -106,7 +106,7 @@ impl InstructionSet {
         CURRENT.store(self.0 as u8, Ordering::Relaxed);
     }
 
-    /// Its name.
+    /// The name.
     pub fn name(self) -> &'static str {
         self.0.name()
     }

@@ -36,7 +36,7 @@ pub fn interval(mean: f64, standard_error: f64, skewness: f64, samples: u64, fre
 /// The quantile of Student's distribution that belongs to [`LEVEL`], for positive degrees of freedom:
 /// relative error below 1e-8.
 fn quantile(freedom: f64) -> f64 {
-    /// That of the normal distribution.
+    /// The interval of the normal distribution.
     const NORMAL: f64 = 1.959_963_984_540_054;
     if freedom < 100.0
         && let Ok(student) = StudentsT::new(0.0, 1.0, freedom)

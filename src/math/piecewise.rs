@@ -34,7 +34,7 @@ pub struct Cell {
     middle: f64,
     inverse_half_width: f64,
     coefficients: [f64; NODES],
-    /// Of the derivative.
+    /// The coefficients of the derivative.
     slopes: [f64; NODES],
 }
 

@@ -1,6 +1,6 @@
 //! Sums whose order, and so whose bits, never depends on the machine.
 
-/// What rounding may take of a sum of asperities' forces of one sign, relative: in a block of 256 a lane adds
+/// Relative rounding of a sum of asperities' forces of one sign: in a block of 256 a lane adds
 /// 32 numbers, 31 roundings, and 3 combine the lanes; blocks and regimes are added with compensation, 2
 /// roundings each, whatever their number (Neumaier 1974). A rounding is half of epsilon.
 pub const SUM_ROUNDING: f64 = 19.0 * f64::EPSILON;

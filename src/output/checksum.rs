@@ -14,7 +14,7 @@ use std::path::Path;
 /// Bytes that are read at once.
 const AT_ONCE: usize = 1 << 16;
 
-/// What a checksum says of a file.
+/// The finding of a checksum.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Finding {
     /// The file is what it was.

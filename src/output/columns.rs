@@ -16,7 +16,7 @@ pub struct SceneFiles {
 }
 
 impl SceneFiles {
-    /// Those beside the scene of a path.
+    /// The files beside the scene of a path.
     pub fn scene(path: &Path) -> Self {
         Self { folder: path.parent().unwrap_or(Path::new("")).to_owned() }
     }

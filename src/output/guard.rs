@@ -26,7 +26,7 @@ pub(super) fn require_headroom() {
 /// no end.
 ///
 /// # Errors
-/// What the path is instead, or why it cannot be read.
+/// The message says what the path is instead, or why it cannot be read.
 pub(super) fn length(path: &Path) -> Result<u64, String> {
     let metadata = std::fs::metadata(path).map_err(|error| format!("cannot be read: {error}"))?;
     if metadata.is_dir() {
@@ -84,7 +84,7 @@ fn not_opened(path: &Path) -> String {
 /// The group of that name, or the root for `/`, if it is in the file itself.
 ///
 /// # Errors
-/// What is there instead.
+/// The message says what is there instead.
 pub(super) fn group(file: &File, path: &str) -> Result<Group, String> {
     require_headroom();
     let missing = || format!("lacks the group /{}", path.trim_start_matches('/'));
@@ -100,7 +100,7 @@ pub(super) fn group(file: &File, path: &str) -> Result<Group, String> {
 /// The dataset of that path, if it and its values are in the file itself.
 ///
 /// # Errors
-/// What is there instead.
+/// The message says what is there instead.
 pub(super) fn dataset(file: &File, path: &str) -> Result<Dataset, String> {
     let missing = || format!("lacks the dataset {path}");
     let (parent, name) =
@@ -139,7 +139,7 @@ fn held(group: &Group, name: &str) -> Result<bool, String> {
 /// Refuses a dataset or attribute with more values than a file of `bytes` bytes can hold.
 ///
 /// # Errors
-/// What it claims.
+/// The message says what it claims.
 pub(super) fn fits(container: &Container, bytes: u64) -> Result<(), String> {
     let element = container.dtype().map_or(u64::MAX, |dtype| dtype.size() as u64);
     let claimed =
@@ -155,7 +155,7 @@ pub(super) fn fits(container: &Container, bytes: u64) -> Result<(), String> {
 /// numbers, fractions in place of whole numbers.
 ///
 /// # Errors
-/// What it holds.
+/// The message says what it holds.
 pub(super) fn is_kind_of<T: H5Type>(container: &Container) -> Result<(), String> {
     let whole = |descriptor: &TypeDescriptor| match descriptor {
         TypeDescriptor::Integer(_) | TypeDescriptor::Unsigned(_) => Some(true),

@@ -23,7 +23,7 @@ pub use register::{is_kept, note_kept, remove_registered};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
-/// What can go wrong with a file.
+/// Reasons why a file cannot be read or written.
 #[derive(Debug, Error)]
 pub enum OutputError {
     /// The output exists and must not be overwritten.
@@ -54,10 +54,10 @@ pub enum OutputError {
     IsInput {
         /// The output.
         output: PathBuf,
-        /// What it is.
+        /// The input that it is.
         input: PathBuf,
     },
-    /// What is kept beside the output is what it is made from.
+    /// A file that is kept beside the output is one that it is made from.
     #[error(
         "{} has the name of what is kept beside {}, and this command reads it; give another name",
         input.display(), output.display()
@@ -65,7 +65,7 @@ pub enum OutputError {
     KeepsInput {
         /// The output.
         output: PathBuf,
-        /// What would be in the way.
+        /// The input that would be in the way.
         input: PathBuf,
     },
     /// A name of this program's own files is a symbolic link.
@@ -79,7 +79,7 @@ pub enum OutputError {
         /// The number of the other process.
         process: String,
     },
-    /// What stands beside the output is not a checkpoint that can be counted on.
+    /// The file beside the output is not a checkpoint that can be counted on.
     #[error("{}: {problem}", path.display())]
     NotACheckpoint {
         /// The file.
@@ -117,7 +117,7 @@ pub enum OutputError {
     /// The operating system failed.
     #[error("{action} {}: {error}", path.display())]
     Io {
-        /// What was tried.
+        /// The action that was tried.
         action: &'static str,
         /// On which file.
         path: PathBuf,
@@ -146,8 +146,8 @@ impl From<hdf5::Error> for OutputError {
     }
 }
 
-/// Of what HDF5 says, what the operating system said, or else the first reason: the rest repeats it, with
-/// addresses.
+/// The part of HDF5's message that the operating system said, or else the first reason: the rest repeats it,
+/// with addresses.
 fn brief(error: &str) -> &str {
     let system = error.split_once("error message = '").and_then(|(_, rest)| rest.split_once('\''));
     system.map_or_else(|| error.split(": ").take(2).last().unwrap_or(error), |(message, _)| message)

@@ -79,7 +79,7 @@ impl Drop for Registered {
 pub(super) struct Name(Option<Text>);
 
 impl Name {
-    /// That of a path.
+    /// The name of a path.
     pub fn of(path: &Path) -> Self {
         let path = std::path::absolute(path).ok();
         #[cfg(unix)]

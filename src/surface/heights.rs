@@ -71,7 +71,7 @@ pub enum HeightLaw {
 /// The Weibull law, standardised.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Weibull {
-    /// Its shape k ≥ 1.
+    /// The shape k ≥ 1.
     pub shape: f64,
     mean: f64,
     std: f64,
@@ -98,7 +98,7 @@ pub struct Truncated {
 }
 
 impl HeightLaw {
-    /// What it is, for people.
+    /// A description for people.
     pub fn about(&self) -> String {
         match self {
             Self::Gaussian => "gaussian".to_owned(),

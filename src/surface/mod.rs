@@ -20,7 +20,7 @@ pub const OFFSET_FACTOR: f64 = 0.045944;
 /// Lengths of a surface, m, whose squares and quotients are numbers that a computer has.
 pub const LENGTHS: std::ops::RangeInclusive<f64> = 1e-100..=1e100;
 
-/// What is known of a surface, SI.
+/// The known properties of a surface, SI.
 ///
 /// # Examples
 /// ```
@@ -78,7 +78,7 @@ impl CountLaw {
     /// All of them, by name.
     pub const ALL: [(&'static str, Self); 2] = [("fixed", Self::Fixed), ("poisson", Self::Poisson)];
 
-    /// Its name in scenes and files.
+    /// The name in scenes and files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Fixed => "fixed",

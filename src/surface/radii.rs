@@ -38,9 +38,9 @@ pub enum Radii {
     Gamma(f64),
     /// One of given radii, m, each as likely, whatever the height.
     Sample(Arc<[f64]>),
-    /// Of the summits of a Gaussian surface, jointly with their heights.
+    /// Radii of the summits of a Gaussian surface, jointly with their heights.
     Nayak(Spectrum),
-    /// Those of measured asperities, with their heights: height and radius, m.
+    /// Measured asperities: height and radius of each, m.
     Measured(Arc<[[f64; 2]]>),
 }
 
@@ -58,7 +58,7 @@ pub struct RadiusClass {
 }
 
 impl Radii {
-    /// What it is, for people.
+    /// A description for people.
     pub fn about(&self) -> String {
         match self {
             Self::Common => "common".to_owned(),

@@ -29,7 +29,7 @@ impl SamplingScheme {
         ("stratified", Self::Stratified),
     ];
 
-    /// Its name in scenes and files.
+    /// The name in scenes and files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Independent => "independent",
@@ -50,7 +50,7 @@ impl SamplingScheme {
     /// Whether so many replicas are whole groups.
     ///
     /// # Errors
-    /// What would do, as text.
+    /// A text that says what would do.
     pub fn check(self, replicas: u64) -> Result<(), String> {
         let group = self.group();
         if replicas.is_multiple_of(group) {

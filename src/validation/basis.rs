@@ -150,7 +150,7 @@ fn basis_of(
     Basis { probes, cumulants: cumulants.of(1.0 / (pairs * surface.asperity_count as f64)), tested }
 }
 
-/// What one asperity contributes, less its mean where the number of asperities is fixed.
+/// The contribution of one asperity, less its mean where the number of asperities is fixed.
 struct Contributions {
     /// Probability of each asperity of the grid.
     weights: Vec<f64>,

@@ -33,7 +33,7 @@ pub struct Scatter {
 }
 
 impl Scatter {
-    /// Of the values of at least one replica.
+    /// Describes the values of at least one replica.
     pub fn new(values: &[f64]) -> Self {
         let n = values.len() as f64;
         let mean = values.iter().sum::<f64>() / n;
@@ -73,7 +73,7 @@ pub struct Approach {
     pub covariance: f64,
     /// χ² of the fit.
     pub chi_squared: f64,
-    /// Its degrees of freedom, at least 1.
+    /// Degrees of freedom, at least 1.
     pub degrees_of_freedom: usize,
     /// Which of the sizes it is fitted to.
     pub fitted: Vec<bool>,
@@ -215,7 +215,7 @@ pub enum Reached {
 }
 
 impl Reached {
-    /// Of the biases of sizes in rising order, with their standard errors.
+    /// Looks at the biases of sizes in rising order, with their standard errors.
     pub fn new(
         accuracy: f64,
         counts: &[f64],

@@ -24,7 +24,7 @@ impl Probe {
     }
 }
 
-/// What the joint test says.
+/// The verdict of the joint test.
 ///
 /// # Examples
 /// ```
@@ -47,7 +47,7 @@ pub enum Verdict {
 }
 
 impl Verdict {
-    /// Its name in files.
+    /// The name in files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Agree => "agree",
@@ -62,7 +62,7 @@ impl Verdict {
 pub struct JointTest {
     /// Sum of squares of the mean scores over their standard errors, χ²; NaN when not tested.
     pub statistic: f64,
-    /// Its degrees of freedom: the number of scores.
+    /// Degrees of freedom: the number of scores.
     pub degrees_of_freedom: u64,
     /// Probability of a larger sum when ensemble and integral agree; NaN when not tested.
     pub p_value: f64,

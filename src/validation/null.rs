@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 use std::ops::Range;
 
-/// What the distribution depends on beside the number of scores.
+/// The cumulants that the distribution depends on beside the number of scores.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Cumulants {
     /// κ.
@@ -25,7 +25,7 @@ pub struct Cumulants {
 }
 
 impl Cumulants {
-    /// Of the mean of as many as one is of `share`.
+    /// The cumulants of a mean of 1/`share` replicas.
     pub fn of(self, share: f64) -> Self {
         Self { kurtosis: share * self.kurtosis, skewness: share * self.skewness }
     }
@@ -70,7 +70,7 @@ pub(super) struct GrowingCumulants<'a> {
     odd: Vec<f64>,
     /// Σ κ_ijl² over all scores.
     squares: f64,
-    /// Those of the scores so far.
+    /// The cumulants of the scores so far.
     pub cumulants: Cumulants,
 }
 

@@ -1,4 +1,4 @@
-//! What is said of several points of a sweep at once: their cross-checks together, and differences between
+//! Several points of a sweep at once: their cross-checks together, and differences between
 //! them.
 
 use super::joint::{SIGNIFICANCE, Verdict};
@@ -21,7 +21,7 @@ pub fn disagreeing(p_values: &[f64]) -> Vec<bool> {
     disagree
 }
 
-/// What several tests say together.
+/// The verdict of several tests together.
 pub fn overall(p_values: &[f64]) -> Verdict {
     if p_values.iter().all(|p| p.is_nan()) {
         Verdict::NotTested
@@ -37,7 +37,7 @@ pub fn overall(p_values: &[f64]) -> Verdict {
 pub struct Difference {
     /// The difference of the means.
     pub mean: f64,
-    /// Its standard error; NaN for fewer than two groups of replicas.
+    /// The standard error; NaN for fewer than two groups of replicas.
     pub standard_error: f64,
     /// The variance that it would have if the points had independent replicas, over the one that it has; NaN
     /// where the difference does not vary.
@@ -45,10 +45,10 @@ pub struct Difference {
 }
 
 impl Difference {
-    /// That of values that are not known.
+    /// The difference of values that are not known.
     pub const UNKNOWN: Self = Self { mean: f64::NAN, standard_error: f64::NAN, variance_ratio: f64::NAN };
 
-    /// Of the values of all replicas at the first point and at another, in groups of `group` that are
+    /// Compares the values of all replicas at the first point and at another, in groups of `group` that are
     /// independent of each other. With `common` random numbers replica i of both is the same surface but for
     /// what differs between the points, and its difference is one sample; where that is at most `rounding`,
     /// it is 0.

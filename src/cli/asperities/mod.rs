@@ -23,7 +23,7 @@ const PROCESSOR_SECONDS: u64 = 40;
 
 /// Root mean square slopes of surfaces, polished optics and torn ones included: others come of a wrong unit.
 const SLOPES: RangeInclusive<f64> = 1e-7..=10.0;
-/// Those of most surfaces.
+/// The range of most surfaces.
 const USUAL_SLOPES: RangeInclusive<f64> = 1e-4..=1.0;
 /// Units that heights may be in.
 const UNITS: [&str; 5] = ["m", "mm", "um", "nm", "pm"];

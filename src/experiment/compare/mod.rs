@@ -111,7 +111,7 @@ impl SampledLaw {
 pub struct Mean {
     /// The mean.
     pub mean: f64,
-    /// Its standard error.
+    /// The standard error of the mean.
     pub standard_error: f64,
     /// The standard deviation over the replicas.
     pub std: f64,

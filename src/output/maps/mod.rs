@@ -30,7 +30,7 @@ pub enum MapFormat {
 }
 
 impl MapFormat {
-    /// That of a file.
+    /// Finds out the format of a file.
     ///
     /// # Errors
     /// [`OutputError::NotAMap`] when it cannot be read, or is no file.
@@ -45,7 +45,7 @@ impl MapFormat {
         Ok(known.map_or(Self::Text, |(_, format)| format))
     }
 
-    /// Its name.
+    /// The name.
     pub fn name(self) -> &'static str {
         match self {
             Self::Npy => "NPY",
@@ -115,7 +115,7 @@ fn within(shape: [u64; 2], most: u64) -> Result<[usize; 2], String> {
     }
 }
 
-/// What to say of an array that has no two dimensions.
+/// The message about an array that has no two dimensions.
 fn not_two(shape: &[u64]) -> String {
     let lengths: Vec<String> = shape.iter().take(8).map(u64::to_string).collect();
     match lengths.as_slice() {

@@ -46,7 +46,7 @@ fn decoded(bytes: &[u8]) -> String {
     }
 }
 
-/// What the lines so far hold.
+/// The contents of the lines so far.
 #[derive(Default)]
 struct Grid {
     heights: Vec<f64>,

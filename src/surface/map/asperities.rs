@@ -18,7 +18,7 @@ const ANISOTROPIC: f64 = 1.5;
 /// Least α of a random isotropic surface.
 const LEAST_ALPHA: f64 = 1.5;
 
-/// What the asperities of a Greenwood-Williamson surface that is equivalent to a measured one are, from
+/// Asperities of the Greenwood-Williamson surface that is equivalent to a measured one, from
 /// spectral moments alone (McCool 1987, J. Tribol. 109, 264; mean height by Bush, Gibson and Thomas 1975,
 /// Wear 35, 87).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,7 +34,7 @@ pub struct Equivalent {
 }
 
 impl Equivalent {
-    /// Of spectral moments.
+    /// Computes them from spectral moments.
     pub fn new(moments: &SpectralMoments) -> Self {
         let (alpha, m4) = (moments.alpha(), moments.m4());
         Self {
@@ -61,7 +61,7 @@ pub struct Measured {
     pub curvature_std: f64,
 }
 
-/// What is known of the asperities of a measured surface.
+/// The asperities of a measured surface.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Asperities {
     /// Every asperity, row by row.
@@ -70,14 +70,14 @@ pub struct Asperities {
     pub nominal_area: f64,
     /// Spectral moments of the surface.
     pub moments: SpectralMoments,
-    /// What follows from these.
+    /// The equivalent asperities that follow from these.
     pub equivalent: Equivalent,
-    /// What the summits themselves are.
+    /// The summits themselves.
     pub measured: Measured,
 }
 
 impl Asperities {
-    /// Of a levelled map.
+    /// Finds the asperities of a levelled map.
     ///
     /// # Errors
     /// [`MapError`] when the map has no summit, or no slopes.

@@ -10,7 +10,7 @@ const TERMS: usize = 6;
 /// surface.
 const DETERMINED: f64 = 1e-9;
 
-/// What is subtracted from a map.
+/// The surface that is subtracted from a map.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Levelling {
     /// The mean.
@@ -27,7 +27,7 @@ impl Levelling {
     pub const ALL: [(&'static str, Self); 3] =
         [("none", Self::None), ("plane", Self::Plane), ("quadratic", Self::Quadratic)];
 
-    /// Its name on the command line and in files.
+    /// The name on the command line and in files.
     pub fn name(self) -> &'static str {
         match self {
             Self::None => "none",
@@ -36,7 +36,7 @@ impl Levelling {
         }
     }
 
-    /// What is subtracted, in words.
+    /// The subtracted surface in words.
     pub fn surface(self) -> &'static str {
         match self {
             Self::None => "mean",
@@ -139,7 +139,7 @@ mod tests {
         HeightMap::new(heights.collect(), [40, 50], [2e-9, 1e-9]).unwrap()
     }
 
-    /// What is left is orthogonal to what was subtracted, and levelling it once more changes nothing.
+    /// The rest is orthogonal to what was subtracted, and levelling it once more changes nothing.
     #[test]
     fn what_is_left_is_orthogonal_to_what_was_subtracted() {
         for (levelling, bow) in [(Levelling::Plane, 0.0), (Levelling::Quadratic, 1e-10)] {

@@ -61,7 +61,7 @@ pub enum MapError {
         known: usize,
         /// All pixels.
         pixels: usize,
-        /// What is to be subtracted.
+        /// The surface that is to be subtracted.
         surface: &'static str,
     },
     /// No roughness.
@@ -136,7 +136,7 @@ impl HeightMap {
     }
 
     /// Share of the pairs of pixels side by side that are equally high: plateaus, or heights in coarse steps.
-    /// Of the map as measured; levelling tilts plateaus.
+    /// The map is the one as measured: levelling tilts plateaus.
     pub fn equal_neighbours(&self) -> f64 {
         let pairs = self.heights.chunks_exact(self.columns).flat_map(|row| row.windows(2));
         let (mut equal, mut all) = (0_u64, 0_u64);
@@ -147,8 +147,8 @@ impl HeightMap {
         equal as f64 / all.max(1) as f64
     }
 
-    /// What the measurement has left out or not resolved, a line each. Of the map as measured, before
-    /// levelling.
+    /// A line for each thing that the measurement has left out or not resolved. The map is as measured,
+    /// before levelling.
     pub fn flaws(&self) -> Vec<String> {
         let mut flaws = Vec::new();
         let missing = self.missing() as f64 / self.heights.len() as f64;

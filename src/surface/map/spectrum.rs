@@ -20,7 +20,7 @@ pub struct SpectralMoments {
 }
 
 impl SpectralMoments {
-    /// Of a levelled map.
+    /// Computes the moments of a levelled map.
     ///
     /// # Errors
     /// [`MapError::NoNeighbours`] when missing heights leave no slope or curvature.

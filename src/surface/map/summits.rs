@@ -5,9 +5,9 @@ use super::HeightMap;
 /// A summit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Summit {
-    /// Its row.
+    /// The row.
     pub row: usize,
-    /// Its column.
+    /// The column.
     pub column: usize,
     /// Height of its pixel above the mean plane of the surface, m.
     pub height: f64,

@@ -143,7 +143,7 @@ def main():
     arguments = parser.parse_args()
     everything = listed(arguments.only, arguments.without)
     sample = random.Random(arguments.seed).sample(everything, min(arguments.count, len(everything)))
-    build = Build(PLACE, sample, edit)
+    build = Build(PLACE, sample, lambda *place: [edit(*place)])
     print(f"{len(everything)} mutants are listed, {len(sample)} drawn, {sum('left out' in m for m in sample)} left out", flush=True)
     build.build_tests()
     kept = Kept(arguments, build)

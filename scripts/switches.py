@@ -168,7 +168,7 @@ class Build:
             if "left out" in change:
                 continue
             try:
-                edits[change["file"]].append(self.edit(files[change["file"]], change, number))
+                edits[change["file"]] += self.edit(files[change["file"]], change, number)
             except Unfit as reason:
                 change["left out"] = str(reason)
         for name, of_file in edits.items():

@@ -94,7 +94,7 @@ fn too_few_sizes_tell_no_power_law() {
 
 #[test]
 fn an_interrupted_study_goes_on_to_the_same_bits() {
-    let folder = Folder::new(&small().replace("= 40", "= 400"));
+    let folder = Folder::new(&small().replace("= 40", "= 96"));
     let command = ["finite-size", "scene.toml", "--counts", "100,1000,8000"];
     assert_exit(&folder.stiction(&[&command[..], &["-o", "reference.h5", "--threads", "2"]].concat()), 0);
     let mut child = Command::new(env!("CARGO_BIN_EXE_stiction"));

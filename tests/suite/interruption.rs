@@ -10,9 +10,14 @@ use std::path::Path;
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
-/// A run with curves of half a second or more.
+/// A run with curves of a second and more on one thread: 80 batches.
 fn scene() -> String {
-    small().replace("replicas = 40", "replicas = 1600").replace("curves = false", "curves = true")
+    small().replace("replicas = 40", "replicas = 640").replace("curves = false", "curves = true")
+}
+
+/// The same of other replicas.
+fn scene_of(replicas: u32) -> String {
+    scene().replace("replicas = 640", &format!("replicas = {replicas}"))
 }
 
 const CHECKPOINT: &str = "scene.h5.checkpoint";
@@ -63,7 +68,7 @@ fn interrupt(folder: &Folder, name: &str, arguments: &[&str]) -> Output {
 /// A folder with an interrupted run in it.
 fn interrupted() -> Folder {
     let folder = Folder::new(&scene());
-    assert_exit(&interrupt(&folder, "-TERM", &["--checkpoint", "0"]), 130);
+    assert_exit(&interrupt(&folder, "-TERM", &["--checkpoint", "0", "--threads", "1"]), 130);
     assert_eq!(folder.files(), ["scene.h5.checkpoint", "scene.h5.checkpoint.replicas", "scene.toml"]);
     folder
 }
@@ -85,7 +90,7 @@ fn a_signal_saves_and_the_message_says_how_to_go_on() {
         let first = interrupt(&folder, name, &["--checkpoint", "0", "--threads", "1"]);
         assert_exit(&first, 130);
         let message = text(&first.stderr);
-        assert!(message.contains("of 1600 replicas; ") && message.contains(CHECKPOINT), "{message}");
+        assert!(message.contains("of 640 replicas; ") && message.contains(CHECKPOINT), "{message}");
         let command = message.lines().last().unwrap().trim();
         assert!(command.ends_with("run scene.toml --checkpoint 0 --threads 1 --resume"), "{command}");
         let again = Command::new("sh").args(["-c", command]).current_dir(folder.path("")).output().unwrap();
@@ -145,13 +150,13 @@ fn a_checkpoint_is_neither_dropped_nor_taken_up_unasked() {
     let folder = interrupted();
     let info = folder.stiction(&["info", CHECKPOINT]);
     assert_exit(&info, 0);
-    for part in ["of 1600 are done", "seed", "program_version", "  replicas = 1600"] {
+    for part in ["of 640 are done", "seed", "program_version", "  replicas = 640"] {
         assert!(text(&info.stdout).contains(part), "{part}: {}", text(&info.stdout));
     }
     let refused = folder.stiction(&["run", "scene.toml"]);
     assert_exit(&refused, 2);
     let message = text(&refused.stderr);
-    for part in [CHECKPOINT, "of 1600 replicas of an interrupted run", "--resume", "--force"] {
+    for part in [CHECKPOINT, "of 640 replicas of an interrupted run", "--resume", "--force"] {
         assert!(message.contains(part), "{part}: {message}");
     }
     assert_eq!(folder.files(), ["scene.h5.checkpoint", "scene.h5.checkpoint.replicas", "scene.toml"]);
@@ -209,7 +214,7 @@ fn assert_refused(folder: &Folder, arguments: &[&str], because: &str) {
 fn a_checkpoint_of_another_run_is_refused() {
     let folder = interrupted();
     assert_refused(&folder, &["--seed", "7"], "the seed of the interrupted run was 1, and is now 7");
-    assert_refused(&folder, &["--replicas", "800"], "the number of replicas of the interrupted run was 1600");
+    assert_refused(&folder, &["--replicas", "320"], "the number of replicas of the interrupted run was 640");
     let scene = std::fs::read_to_string(folder.path("scene.toml")).unwrap();
     std::fs::write(folder.path("scene.toml"), scene.replace("0.09 J/m^2", "0.08 J/m^2")).unwrap();
     assert_refused(
@@ -307,7 +312,7 @@ fn records_that_were_only_begun_are_overwritten() {
 
 #[test]
 fn two_runs_of_one_output_are_not_made_at_once() {
-    let folder = Folder::new(&scene().replace("replicas = 1600", "replicas = 100000"));
+    let folder = Folder::new(&scene_of(100_000));
     let mut first = begin(&folder, &["--checkpoint", "0"]);
     wait_while_running(&mut first, || folder.path(CHECKPOINT).exists());
     for arguments in
@@ -414,18 +419,19 @@ fn killed_runs_go_on_to_the_same_bits() {
 #[test]
 fn a_loop_goes_on_to_the_same_bits() {
     let held = "[instability]\nstiffness = [0, \"1 kN/m\"]\npreload = [\"1 uN\", \"1 kN\"]\n[output]";
-    let scene = scene().replace("history = \"approach\"", "history = \"loop\"").replace("[output]", held);
-    let folder = Folder::new(&scene.replace("replicas = 1600", "replicas = 400"));
+    let scene =
+        scene_of(128).replace("history = \"approach\"", "history = \"loop\"").replace("[output]", held);
+    let folder = Folder::new(&scene);
     let reference = reference(&folder);
     assert!(
-        reference.iter().any(|(name, values)| name == "/replicas/snap_off" && values.len() == 400 * 2 * 2)
+        reference.iter().any(|(name, values)| name == "/replicas/snap_off" && values.len() == 128 * 2 * 2)
     );
     assert!(
         reference
             .iter()
-            .any(|(name, values)| name == "/replicas/retraction_external_force" && values.len() == 6400)
+            .any(|(name, values)| name == "/replicas/retraction_external_force" && values.len() == 128 * 16)
     );
-    let stopped = interrupt(&folder, "-INT", &["--checkpoint", "0"]);
+    let stopped = interrupt(&folder, "-INT", &["--checkpoint", "0", "--threads", "1"]);
     assert_exit(&stopped, 130);
     assert_exit(&folder.stiction(&["run", "scene.toml", "--resume", "--threads", "1"]), 0);
     assert_same_as(&folder, &reference);
@@ -465,7 +471,7 @@ fn said(output: &Output, files: &[String]) -> String {
 #[test]
 fn a_full_disk_is_an_error_and_the_run_goes_on_after_space_is_made() {
     let mut messages = BTreeMap::<String, u32>::new();
-    let scene = scene().replace("replicas = 1600", "replicas = 400");
+    let scene = scene_of(160);
     for scene in [scene.clone(), scene.replace("curves = true", "curves = false")] {
         let folder = Folder::new(&scene);
         let reference = reference(&folder);
@@ -495,7 +501,7 @@ fn a_full_disk_is_an_error_and_the_run_goes_on_after_space_is_made() {
 /// The same on a small file system of its own, where this system lets us mount one.
 #[test]
 fn a_full_file_system_is_an_error_and_the_run_goes_on_after_space_is_made() {
-    let folder = Folder::new(&scene().replace("replicas = 1600", "replicas = 400"));
+    let folder = Folder::new(&scene_of(160));
     let reference = reference(&folder);
     std::fs::create_dir(folder.path("disk")).unwrap();
     let program = env!("CARGO_BIN_EXE_stiction");
@@ -530,7 +536,7 @@ fn a_full_file_system_is_an_error_and_the_run_goes_on_after_space_is_made() {
 
 #[test]
 fn a_folder_that_goes_away_is_an_error() {
-    let folder = Folder::new(&scene().replace("replicas = 1600", "replicas = 100000"));
+    let folder = Folder::new(&scene_of(100_000));
     std::fs::create_dir(folder.path("results")).unwrap();
     let mut child = begin(&folder, &["--checkpoint", "0", "-o", "results/scene.h5"]);
     wait_while_running(&mut child, || folder.path("results").join(CHECKPOINT).exists());
@@ -553,7 +559,7 @@ fn a_folder_that_goes_away_is_an_error() {
 #[test]
 fn a_folder_that_is_made_read_only_is_an_error() {
     use std::os::unix::fs::{MetadataExt, PermissionsExt};
-    let folder = Folder::new(&scene().replace("replicas = 1600", "replicas = 100000"));
+    let folder = Folder::new(&scene_of(100_000));
     let permit = |mode| std::fs::set_permissions(folder.path(""), PermissionsExt::from_mode(mode)).unwrap();
     permit(0o777);
     let is_root = folder.path("").metadata().unwrap().uid() == 0;

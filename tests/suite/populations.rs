@@ -177,7 +177,7 @@ fn the_integral_follows_heights_and_radii() {
 fn ensembles_agree_with_the_integral() {
     let separations: Vec<f64> = (0..13).map(|k| 0.5e-9 * f64::from(k)).collect();
     let pool = rayon::ThreadPoolBuilder::new().build().unwrap();
-    for (name, surface) in surfaces(120) {
+    for (name, surface) in surfaces(60) {
         let hybrid = law_for("hybrid", &surface, &separations);
         let replicas = if surface.whole { 2 } else { 160 };
         let basis = basis(hybrid.as_ref(), &surface, &separations, SamplingScheme::Independent, replicas);

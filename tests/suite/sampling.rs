@@ -178,7 +178,7 @@ fn means_with_controls_are_unbiased_and_the_naive_ones_are_not() {
 /// these ranges; the seeds are fixed). Student's intervals miss it: they lie below the truth too often.
 #[test]
 fn intervals_hold_what_they_say_for_skewed_outcomes() {
-    const ENSEMBLES: usize = 4000;
+    const ENSEMBLES: usize = 2000;
     for (heights, scheme) in [
         (HeightLaw::Exponential, SamplingScheme::Independent),
         (HeightLaw::Gaussian, SamplingScheme::Antithetic),
@@ -308,7 +308,7 @@ fn controls_bring_what_the_docs_say() {
 fn controls_reduce_the_variance_by_what_is_told() {
     const ENSEMBLES: u64 = 4000;
     for (name, scheme) in SamplingScheme::ALL {
-        let patch = Skewed::new("isbl", HeightLaw::Gaussian, 1000, scheme, 4000, Controls::Chosen(80));
+        let patch = Skewed::new("isbl", HeightLaw::Gaussian, 1000, scheme, 1000, Controls::Chosen(80));
         let found = patch.ensembles(ENSEMBLES, 80, |_, means| means[0]);
         let variance = |of: fn(&ControlledMean) -> f64| {
             let mean = found.iter().map(of).sum::<f64>() / ENSEMBLES as f64;

@@ -173,7 +173,7 @@ fn populations() -> Vec<(String, &'static str, Surface, SamplingScheme)> {
     populations
 }
 
-/// 100 asperities and the fewest replicas that are tested, 600 ensembles each.
+/// 100 asperities and the fewest replicas that are tested, 200 ensembles each; 4000 in the next.
 #[test]
 fn false_alarms_are_as_rare_as_they_should_be() {
     let (asperity, _) = case("II");
@@ -184,7 +184,7 @@ fn false_alarms_are_as_rare_as_they_should_be() {
         let separations = separations(&surface, -1.0, 5.0, 8);
         let replicas = fewest(law.as_ref(), &surface, &separations, scheme);
         let scene = Scene { surface: &surface, separations: &separations, scheme, replicas };
-        add_alarms(&name, &scene, law.as_ref(), 600, &mut sum);
+        add_alarms(&name, &scene, law.as_ref(), 200, &mut sum);
     }
     assert_alarms(sum);
 }
@@ -227,10 +227,21 @@ fn small_patches_raise_no_false_alarms() {
     assert_alarms(sum);
 }
 
-/// 120 replicas of case II, at the separations where each regime acts: it takes a surface pressed flat to
-/// have asperities beyond 110 ω_c. The verdict's own false-alarm rate is 1e-3; the seeds are fixed.
+/// One seed of those of the next.
 #[test]
 fn an_error_of_one_per_cent_in_any_regime_is_caught() {
+    errors_are_caught(&[7]);
+}
+
+#[test]
+#[ignore = "slow: half a minute"]
+fn an_error_of_one_per_cent_in_any_regime_is_caught_by_other_ensembles() {
+    errors_are_caught(&[8, 9]);
+}
+
+/// 120 replicas of case II, at the separations where each regime acts: it takes a surface pressed flat to
+/// have asperities beyond 110 ω_c. The verdict's own false-alarm rate is 1e-3; the seeds are fixed.
+fn errors_are_caught(seeds: &[u64]) {
     let (asperity, surface) = case("II");
     let law = law("hybrid", &asperity, Path::Approach, (-60e-9, 40e-9));
     let names = ["noncontact", "lubricant", "elastic", "elastoplastic1", "elastoplastic2", "plastic"];
@@ -242,7 +253,7 @@ fn an_error_of_one_per_cent_in_any_regime_is_caught() {
         let basis = basis(law.as_ref(), &surface, &separations, INDEPENDENT, 120);
         let scene =
             Scene { surface: &surface, separations: &separations, scheme: INDEPENDENT, replicas: 120 };
-        for seed in [7, 8, 9] {
+        for &seed in seeds {
             let agrees = joint_test(&scene, law.as_ref(), &basis, &expected, seed);
             assert_eq!(agrees.verdict, Verdict::Agree, "{agrees:?}");
             for regime in regimes.clone() {

@@ -22,7 +22,7 @@ fn scene(asperities: f64, separations: u32, sum: &str) -> String {
             &format!("from = -1.0, to = 8.0, count = {separations}"),
         )
         .replace("replicas = 1000", "replicas = 1")
-        .replace("[output]", &format!("[solver]\nsum = \"{sum}\"\n[output]"))
+        .replace("[output]", &format!("[solver]\nsummation = \"{sum}\"\n[output]"))
 }
 
 fn values(folder: &Folder, name: &str) -> Vec<f64> {
@@ -33,7 +33,7 @@ fn values(folder: &Folder, name: &str) -> Vec<f64> {
 /// factor of 2, and judges all its forces by the scatter of single replicas about the integral; also that
 /// this is as small as it has to be.
 fn is_as_its_integral(asperities: f64, separations: u32) {
-    let folder = Folder::new(&scene(asperities, separations, "compressed"));
+    let folder = Folder::new(&scene(asperities, separations, "moments"));
     let check = text(&folder.stiction(&["check", "scene.toml"]).stdout);
     assert!(!check.contains("would refuse"), "{check}");
     let peak = peak_memory(&folder, &["--threads", "2"]);
@@ -77,7 +77,7 @@ fn a_patch_of_a_billion_asperities_is_as_its_integral() {
 /// turn.
 #[test]
 fn bits_do_not_depend_on_threads() {
-    for (sum, separations) in [("direct", 3), ("compressed", 23)] {
+    for (sum, separations) in [("direct", 3), ("moments", 23)] {
         let folder = Folder::new(&scene(2.5e6, separations, sum));
         let run = |threads: &str, output: &str| {
             assert_exit(
@@ -102,7 +102,7 @@ fn bits_do_not_depend_on_threads() {
 /// A replica that would take minutes is given up; nothing is kept of it.
 #[test]
 fn a_signal_ends_a_large_replica() {
-    let folder = Folder::new(&scene(2e10, 46, "compressed"));
+    let folder = Folder::new(&scene(2e10, 46, "moments"));
     let mut child = std::process::Command::new(env!("CARGO_BIN_EXE_stiction"))
         .args(["run", "scene.toml", "--threads", "2"])
         .current_dir(folder.path(""))

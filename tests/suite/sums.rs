@@ -299,13 +299,13 @@ fn flat(low: f64, high: f64, height_std: &str) -> String {
 #[test]
 fn one_regime_alone_runs() {
     one_regime_alone("direct", |_| true);
-    one_regime_alone("compressed", |name| name == "elastic");
+    one_regime_alone("moments", |name| name == "elastic");
 }
 
 #[test]
 #[ignore = "slow: ten seconds"]
 fn every_regime_alone_runs_by_moments() {
-    one_regime_alone("compressed", |name| name != "elastic");
+    one_regime_alone("moments", |name| name != "elastic");
 }
 
 /// Every asperity in one regime: the ensemble's mean is the integral's, and what does not vary is not tested
@@ -315,7 +315,7 @@ fn one_regime_alone(sum: &str, of: fn(&str) -> bool) {
         // A tolerance is one of F_s + P; deep in contact F_s is a thousandth of P, and hardly varies here:
         // 1e-9 would be the larger.
         let tolerance = if sum == "direct" { "" } else { "tolerance = 1e-12\n" };
-        let solver = format!("[solver]\nsum = \"{sum}\"\n{tolerance}[output]");
+        let solver = format!("[solver]\nsummation = \"{sum}\"\n{tolerance}[output]");
         let folder = Folder::new(&flat(low, high, "5 pm").replace("[output]", &solver));
         let run = folder.stiction(&["run", "scene.toml"]);
         assert_exit(&run, 0);
@@ -328,7 +328,7 @@ fn one_regime_alone(sum: &str, of: fn(&str) -> bool) {
             // Compressed sums may be too coarse for a test of what varies as little, but must not fail
             // it.
             let tested = said.contains("ensemble and integral agree at the 0.1 % level: p = ");
-            let allowed = said.contains("not tested") && (name == "lubricant" || sum == "compressed");
+            let allowed = said.contains("not tested") && (name == "lubricant" || sum == "moments");
             assert!(tested || allowed, "{name}, {sum}: {said}");
             assert!(!(tested && name == "lubricant"), "{name}, {sum}: {said}");
         }

@@ -308,21 +308,21 @@ fn interrupt(folder: &Folder, signal: &str, checkpoint: &str, arguments: &[&str]
 
 #[test]
 fn an_interrupted_shard_goes_on_to_the_same_bits() {
-    let long = scene().replace("replicas = 83", "replicas = 3200");
+    let long = scene().replace("replicas = 83", "replicas = 1280");
     let folder = Folder::new(&long);
     assert_exit(&folder.stiction(&["run", "scene.toml", "-o", "whole.h5"]), 0);
     shard(&folder, 1, 2, &["-o", "1.h5"]);
     let arguments = ["--shard", "2/2", "-o", "2.h5"];
     let output = interrupt(&folder, "-TERM", "2.h5.checkpoint", &arguments);
     assert_exit(&output, 130);
-    assert!(text(&output.stderr).contains("of 1600 replicas"), "{}", text(&output.stderr));
+    assert!(text(&output.stderr).contains("of 640 replicas"), "{}", text(&output.stderr));
     let names = ["1.h5".to_owned(), "2.h5".to_owned()];
     assert_refused(&folder, &names, &["2.h5, shard 2/2: not finished"]);
     for path in ["2.h5", "2.h5.checkpoint"] {
         let info = folder.stiction(&["info", path]);
         assert_exit(&info, 0);
         assert!(
-            text(&info.stdout).contains("shard 2/2 has 1600 to 3199 of 0 to 3199"),
+            text(&info.stdout).contains("shard 2/2 has 640 to 1279 of 0 to 1279"),
             "{}",
             text(&info.stdout)
         );
@@ -355,7 +355,7 @@ fn an_interrupted_shard_goes_on_to_the_same_bits() {
 
 #[test]
 fn an_interrupted_shard_of_a_sweep_goes_on_to_the_same_bits() {
-    let folder = Folder::new(&swept().replace("replicas = 83", "replicas = 1600"));
+    let folder = Folder::new(&swept().replace("replicas = 83", "replicas = 640"));
     assert_exit(&folder.stiction(&["run", "scene.toml", "-o", "whole.h5"]), 0);
     shard(&folder, 1, 2, &["-o", "1.h5"]);
     let arguments = ["--shard", "2/2", "-o", "2.h5"];
@@ -364,7 +364,7 @@ fn an_interrupted_shard_of_a_sweep_goes_on_to_the_same_bits() {
     assert_exit(&output, 130);
     let info = folder.stiction(&["info", "2.h5"]);
     assert!(
-        text(&info.stdout).contains("800 of 800 are done; shard 2/2 has 800 to 1599"),
+        text(&info.stdout).contains("320 of 320 are done; shard 2/2 has 320 to 639"),
         "{}",
         text(&info.stdout)
     );

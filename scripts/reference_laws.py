@@ -41,8 +41,11 @@ from decimal import Decimal
 from pathlib import Path
 from typing import NamedTuple
 
-import mpmath
 from mpmath import mp, mpf
+from reference_values import (
+    CONDITION_DIGITS, FOLD_LAMBDA, SMALLEST_ANGLE, STRESS_FACTOR, VALUE_DIGITS, VALUES, bisect, contact_end, contact_state, largest,
+    write, zone_radius,
+)
 
 mp.dps = 80
 
@@ -62,15 +65,9 @@ PLASTIC_DELTAS = "-1000.0 -3.0 -0.5 -0.01 0.0 1e-09 1e-05".split()
 MULTIPLES = "0.001 0.03 0.3 0.99 1.01 2 4 5.99 6.01 12 50 109 111 300".split()
 
 KEYS = ["law", "path", "lambda", "delta", "critical_interference", "poisson_ratio", "branch"]
-VALUES = ["adhesion_force", "external_force", "contact_radius"]
 CONDITIONS = ["adhesion_condition", "external_condition", "radius_condition"]
-VALUE_DIGITS = 25
-CONDITION_DIGITS = 12
 
-STRESS_FACTOR = mpf("1.03")  # sigma_0 Z_0 / (work of adhesion)
-SMALLEST_ANGLE = mpf("1e-10")  # far below every angle of the grid: heaviest load, largest lambda
 LARGEST_RADIUS = mpf(10000)
-FOLD_LAMBDA = mp.cbrt(9 * mp.pi / (16 * (mp.pi - 1)))  # above it the contact branch of Maugis-Dugdale folds
 SNAP_LAMBDA = mp.cbrt(mpf(9) / 32)  # above it md_kim snaps from nothing straight into contact
 NEAR = mpf("1e-4")  # relative distance of the end points from the ends
 QUADRATURE_STEP = mpf(1) / 24
@@ -109,19 +106,6 @@ def constant(value):
 
 def noncontact(adhesion=ZERO):
     return State("noncontact", ZERO, adhesion, ZERO)
-
-
-def bisect(is_above, below, above):
-    """Where is_above turns from false (at below) to true (at above)."""
-    if is_above(below) or not is_above(above):
-        raise ValueError("no change between the ends")
-    for _ in range(mp.prec + 16):
-        middle = (below + above) / 2
-        if is_above(middle):
-            above = middle
-        else:
-            below = middle
-    return (below + above) / 2
 
 
 # Hertz, DMT, JKR
@@ -179,20 +163,9 @@ def idmt(path, lam, delta):
 # Maugis-Dugdale
 
 
-def zone_radius(lam, theta):
-    """Outer radius c of the adhesive zone at the angle theta = arccos(a / c)."""
-    sin, cos = mp.sin(theta), mp.cos(theta)
-    quadratic = lam / 2 * (sin * cos - theta * mp.cos(2 * theta))
-    linear = 4 * lam**2 / 3 * (theta * sin + cos - 1)
-    return 2 / (linear + mp.sqrt(linear**2 + 4 * quadratic))
-
-
-def contact_state(lam, theta):
-    """Approach, adhesion force and contact radius in contact."""
-    sin, cos = mp.sin(theta), mp.cos(theta)
-    zone = zone_radius(lam, theta)
-    delta = (zone * cos) ** 2 - 4 * lam / 3 * zone * sin
-    return delta, lam * zone**2 * (sin * cos + theta), zone * cos
+def letting_go(lam):
+    """Approach at which the stable contact branch ends: first touch or, above FOLD_LAMBDA, the fold."""
+    return contact_state(lam, contact_end(lam))[0]
 
 
 def first_touch(lam):
@@ -200,23 +173,9 @@ def first_touch(lam):
 
 
 @functools.lru_cache(maxsize=None)
-def contact_end(lam):
-    """Angle and approach at which the stable contact branch ends: first touch or, above FOLD_LAMBDA, the fold."""
-    angle = mp.pi / 2
-    if lam > FOLD_LAMBDA:
-
-        def is_unstable(theta):
-            return mp.diff(lambda t: contact_state(lam, t)[0], theta) > 0
-
-        # d(delta)/d(theta) vanishes at first touch for every lambda, hence the small distance from it.
-        angle = bisect(is_unstable, SMALLEST_ANGLE, angle - mpf("1e-6"))
-    return angle, contact_state(lam, angle)[0]
-
-
-@functools.lru_cache(maxsize=None)
 def md_contact(lam, delta):
     """The stable contact branch, along which delta falls from infinity as the angle grows."""
-    theta = bisect(lambda t: contact_state(lam, t)[0] <= delta, SMALLEST_ANGLE, contact_end(lam)[0])
+    theta = bisect(lambda t: contact_state(lam, t)[0] <= delta, SMALLEST_ANGLE, contact_end(lam))
     values = contact_state(lam, theta)
     by_theta = [mp.diff(lambda t, i=i: contact_state(lam, t)[i], theta) for i in range(3)]
     by_lam = [mp.diff(lambda s, i=i: contact_state(s, theta)[i], lam) for i in range(3)]
@@ -229,7 +188,7 @@ def md_contact(lam, delta):
 
 
 def md(path, lam, delta):
-    end = first_touch(lam) if path == "approach" else contact_end(lam)[1]
+    end = first_touch(lam) if path == "approach" else letting_go(lam)
     return md_contact(lam, delta) if delta >= end else noncontact()
 
 
@@ -262,7 +221,7 @@ def kim_gap(lam, delta):
 def kim_ends(path, lam):
     """Approaches at which contact and the zone before contact end."""
     if path == "retraction":
-        contact = contact_end(lam)[1]
+        contact = letting_go(lam)
         return contact, kim_fold(lam) if lam <= FOLD_LAMBDA else contact
     reach = kim_reach(lam)
     return (first_touch(lam) if lam <= SNAP_LAMBDA else reach), reach
@@ -278,7 +237,7 @@ def md_kim(path, lam, delta):
 def end_points(lam_text):
     """Decimals close to the ends of the branches of md and md_kim, on both sides and between them."""
     lam = mpf(float(lam_text))
-    ends = [first_touch(lam), kim_reach(lam), kim_fold(lam) if lam <= FOLD_LAMBDA else contact_end(lam)[1]]
+    ends = [first_touch(lam), kim_reach(lam), kim_fold(lam) if lam <= FOLD_LAMBDA else letting_go(lam)]
     points = [f"{float(end * (1 + shift)):.10g}" for end in ends for shift in (-NEAR, NEAR)]
     between = [(a + b) / 2 for a, b in [(ends[0], ends[2]), (ends[1], ends[2])]]
     return points + [repr(float(middle)) for middle in between]
@@ -454,10 +413,6 @@ def describe(row):
     return ", ".join(f"{name} {row[name]}" for name in KEYS if row[name])
 
 
-def largest(rows, column):
-    return max(rows, key=lambda row: mpf(row[column]))
-
-
 def check(rows, path):
     """Print how far another table departs from rows, law by law; true if it has the same rows."""
     with open(path, newline="", encoding="utf-8") as file:
@@ -504,12 +459,7 @@ def main():
     rows = table()
     if arguments.check:
         sys.exit(0 if check(rows, arguments.check) else 1)
-    arguments.output.parent.mkdir(parents=True, exist_ok=True)
-    with open(arguments.output, "w", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, KEYS + VALUES + CONDITIONS, lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(rows)
-    print(f"{len(rows)} rows written to {arguments.output} (mpmath {mpmath.__version__})")
+    write(rows, KEYS + VALUES + CONDITIONS, arguments.output)
     for column in CONDITIONS:
         row = largest(rows, column)
         print(f"{column}: largest {row[column]} ({describe(row)})")

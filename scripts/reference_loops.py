@@ -17,30 +17,14 @@ Usage: python scripts/reference_loops.py > tests/data/loops.csv
 # ///
 
 import mpmath as mp
+from reference_values import contact_state, noncontact_state
 
 mp.mp.dps = 40
 
 
-def contact(lam: mp.mpf, theta: mp.mpf) -> tuple:
-    """Δ, F̂_s and A of Maugis-Dugdale in contact."""
-    sin, cos = mp.sin(theta), mp.cos(theta)
-    alpha = lam / 2 * (sin * cos - theta * mp.cos(2 * theta))
-    beta = 4 * lam**2 / 3 * (theta * sin + cos - 1)
-    c = 2 / (beta + mp.sqrt(beta**2 + 4 * alpha))
-    radius = c * cos
-    return radius**2 - 4 * lam / 3 * c * sin, lam * c**2 * (sin * cos + theta), radius
-
-
 def before(lam: mp.mpf, z: mp.mpf) -> tuple:
     """Δ and F̂_s of the extension before contact."""
-    stress = mp.mpf(8) / 3 * (z**-3 - z**-9) / mp.mpf("1.03")
-    work = mp.mpf(4) / 3 * z**-2 - z**-8 / 3
-    b = 4 * (mp.pi - 2) / (3 * mp.pi) * lam * stress
-    # C²/2 + bC = 2w/(πλŝ), without cancellation.
-    right = 2 * work / (mp.pi * lam * stress)
-    c = 2 * right / (b + mp.sqrt(b**2 + 2 * right))
-    spacing = 2 * mp.mpf("1.03") / (mp.pi * lam)
-    return -((z - 1) * spacing + 4 * lam / 3 * stress * c), mp.pi / 2 * lam * stress * c**2
+    return noncontact_state(lam, mp.log(z - 1))[:2]
 
 
 def derivative(f, x: mp.mpf) -> mp.mpf:
@@ -68,7 +52,7 @@ def integral(f, level, low: mp.mpf, high: mp.mpf, parts: int) -> mp.mpf:
 
 
 def loop_area(lam: mp.mpf) -> tuple:
-    approach, attraction = (lambda theta: contact(lam, theta)[0]), (lambda z: before(lam, z)[0])
+    approach, attraction = (lambda theta: contact_state(lam, theta)[0]), (lambda z: before(lam, z)[0])
     touch = approach(mp.pi / 2)
     # The fold: Δ falls with θ up to there, and rises again to first touch.
     grid = mp.linspace(mp.mpf("0.01"), mp.pi / 2, 400)
@@ -76,7 +60,7 @@ def loop_area(lam: mp.mpf) -> tuple:
     fold = turning_point(approach, grid[lowest - 1], grid[min(lowest + 1, len(grid) - 1)])
     release = approach(fold)
     stable = crossing(lambda theta: approach(theta) - touch, grid[0], fold)
-    force = lambda theta: contact(lam, theta)[2] ** 3 - contact(lam, theta)[1]
+    force = lambda theta: contact_state(lam, theta)[2] ** 3 - contact_state(lam, theta)[1]
     back = integral(force, approach, fold, stable, 8)
     # The outermost root before contact: z falls from far away until Δ is reached.
     def outermost(level: mp.mpf) -> mp.mpf:

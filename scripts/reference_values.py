@@ -51,16 +51,22 @@ CONDITION_DIGITS = 12
 
 STRESS_FACTOR = mpf("1.03")  # sigma_0 Z_0 / (work of adhesion)
 SMALLEST_ANGLE = mpf("1e-10")  # far below every angle of the grid: heaviest load, largest lambda
+FOLD_LAMBDA = mp.cbrt(9 * mp.pi / (16 * (mp.pi - 1)))  # above it the contact branch of Maugis-Dugdale folds
 SCAN_STEP = mpf(1) / 64  # in log(z - 1)
 SCAN_END = mpf(-60)
 
 
-def contact_state(lam, theta):
-    """Approach, adhesion force and contact radius in contact, at the angle theta = arccos(a / c)."""
+def zone_radius(lam, theta):
+    """Outer radius c of the adhesive zone at the angle theta = arccos(a / c)."""
     sin, cos = mp.sin(theta), mp.cos(theta)
     quadratic = lam / 2 * (sin * cos - theta * mp.cos(2 * theta))
     linear = 4 * lam**2 / 3 * (theta * sin + cos - 1)
-    zone = 2 / (linear + mp.sqrt(linear**2 + 4 * quadratic))  # outer radius c of the adhesive zone
+    return 2 / (linear + mp.sqrt(linear**2 + 4 * quadratic))
+
+
+def contact_state(lam, theta):
+    """Approach, adhesion force and contact radius in contact, at the angle theta = arccos(a / c)."""
+    sin, cos, zone = mp.sin(theta), mp.cos(theta), zone_radius(lam, theta)
     radius = zone * cos
     delta = radius**2 - 4 * lam / 3 * zone * sin
     adhesion = lam * zone**2 * (sin * cos + theta)
@@ -102,7 +108,7 @@ def bisect(is_above, below, above):
 def contact_end(lam):
     """Angle at which the stable contact branch ends: first touch or, for large lambda, the fold before it."""
     first_touch = mp.pi / 2
-    if lam <= mp.cbrt(9 * mp.pi / (16 * (mp.pi - 1))):
+    if lam <= FOLD_LAMBDA:
         return first_touch
 
     def is_unstable(theta):
@@ -200,6 +206,15 @@ def largest(rows, column):
     return max(rows, key=lambda row: mpf(row[column]))
 
 
+def write(rows, columns, path):
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with open(path, "w", newline="", encoding="utf-8") as file:
+        writer = csv.DictWriter(file, columns, lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)
+    print(f"{len(rows)} rows written to {path} (mpmath {mpmath.__version__})")
+
+
 def check(rows, path):
     """Print how far another table departs from rows; true if it has the same rows."""
     with open(path, newline="", encoding="utf-8") as file:
@@ -231,12 +246,7 @@ def main():
     rows = table(lambda text: mpf(text) if arguments.decimals else mpf(float(text)))
     if arguments.check:
         sys.exit(0 if check(rows, arguments.check) else 1)
-    arguments.output.parent.mkdir(parents=True, exist_ok=True)
-    with open(arguments.output, "w", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, KEYS + VALUES + CONDITIONS, lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(rows)
-    print(f"{len(rows)} rows written to {arguments.output} (mpmath {mpmath.__version__})")
+    write(rows, KEYS + VALUES + CONDITIONS, arguments.output)
     for column in CONDITIONS:
         row = largest(rows, column)
         print(f"{column}: largest {row[column]} ({describe(row)})")

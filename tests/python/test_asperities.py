@@ -3,7 +3,6 @@
 Needs the packages of scripts/requirements.txt. The program is $STICTION, by default target/release/stiction.
 """
 
-import os
 import subprocess
 import sys
 from pathlib import Path
@@ -14,9 +13,8 @@ import pytest
 import scipy.integrate
 import scipy.ndimage
 import xarray
+from program import PROGRAM, ROOT
 
-ROOT = Path(__file__).resolve().parents[2]
-PROGRAM = Path(os.environ.get("STICTION", ROOT / "target" / "release" / "stiction"))
 MAP, PIXEL = ROOT / "configs" / "maps" / "polished.txt", 3e-8
 PLOT = ROOT / "scripts" / "plot_asperities.py"
 

@@ -3,7 +3,6 @@
 Needs the packages of scripts/requirements.txt. The program is $STICTION, by default target/release/stiction.
 """
 
-import os
 import subprocess
 from pathlib import Path
 
@@ -12,9 +11,8 @@ import numpy as np
 import pytest
 import scipy.integrate
 import xarray
+from program import PROGRAM, ROOT
 
-ROOT = Path(__file__).resolve().parents[2]
-PROGRAM = Path(os.environ.get("STICTION", ROOT / "target" / "release" / "stiction"))
 LAWS = ["hybrid", "isbl", "gw", "fit:paper", "fit:refit"]
 REPLICAS = 24
 RADIUS, MODULUS, PULL = 3.33e-6, 85.29e9, np.pi * 0.09 * 3.33e-6  # of the quick scene; PULL is pi R w

@@ -10,8 +10,8 @@ import tomllib
 from pathlib import Path
 
 import pytest
+from program import ROOT
 
-ROOT = Path(__file__).resolve().parents[2]
 DENY = tomllib.loads((ROOT / "deny.toml").read_text())
 CRATES_IO = "registry+https://github.com/rust-lang/crates.io-index"
 

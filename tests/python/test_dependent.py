@@ -3,11 +3,10 @@
 import re
 import shutil
 import subprocess
-from pathlib import Path
 
 import pytest
+from program import ROOT
 
-ROOT = Path(__file__).resolve().parents[2]
 
 # In the place of libhdf5's, which takes minutes: a build script runs what CMAKE names in a folder of its own, as that one does.
 BUILD = """

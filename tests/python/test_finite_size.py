@@ -3,7 +3,6 @@
 Needs the packages of scripts/requirements.txt. The program is $STICTION, by default target/release/stiction.
 """
 
-import os
 import struct
 import subprocess
 import sys
@@ -15,9 +14,8 @@ import pytest
 import scipy.optimize
 import scipy.stats
 import xarray
+from program import PROGRAM, ROOT
 
-ROOT = Path(__file__).resolve().parents[2]
-PROGRAM = Path(os.environ.get("STICTION", ROOT / "target" / "release" / "stiction"))
 PLOT = ROOT / "scripts" / "plot_finite_size.py"
 REPLICAS, COUNTS = 48, [100, 316, 1000, 3162, 10000]
 

@@ -10,9 +10,8 @@ from pathlib import Path
 import h5py
 import numpy
 import pytest
+from program import PROGRAM, ROOT
 
-ROOT = Path(__file__).parents[2]
-STICTION = os.environ.get("STICTION", str(ROOT / "target/release/stiction"))
 NOT_OURS = "is not a result of stiction: it has no attribute `format`"
 
 
@@ -22,7 +21,7 @@ def result(tmp_path_factory):
     folder = tmp_path_factory.mktemp("result")
     scene = (ROOT / "tests/data/quick.toml").read_text().replace("count = 91", "count = 16").replace("replicas = 200", "replicas = 40")
     (folder / "scene.toml").write_text(scene)
-    subprocess.run([STICTION, "run", "scene.toml"], cwd=folder, check=True, capture_output=True)
+    subprocess.run([PROGRAM, "run", "scene.toml"], cwd=folder, check=True, capture_output=True)
     return folder / "scene.h5"
 
 
@@ -34,7 +33,7 @@ def forged(result, folder):
 
 
 def ask(command, file):
-    return subprocess.run([STICTION, command, str(file)], capture_output=True, timeout=30)
+    return subprocess.run([PROGRAM, command, str(file)], capture_output=True, timeout=30)
 
 
 def assert_refused(file, message, commands=("info", "validate")):
@@ -254,7 +253,7 @@ def test_an_unreadable_file(result):
         Path(folder).chmod(0o755)
         file, program = Path(folder, "mine.h5"), Path(folder, "stiction")
         file.write_bytes(result.read_bytes())
-        shutil.copy(STICTION, program)
+        shutil.copy(PROGRAM, program)
         file.chmod(0)
         for command in ("info", "validate"):
             answer = subprocess.run([*nobody, program, command, file], capture_output=True, text=True)
@@ -266,7 +265,7 @@ def test_the_reader_has_little_memory(result):
     """Within a limit that is tighter than its own it works, or says so in a line."""
     for limit in (2**26, 2**27, 2**28, 2**29):
         answer = subprocess.run(
-            [STICTION, "validate", str(result)],
+            [PROGRAM, "validate", str(result)],
             capture_output=True,
             preexec_fn=lambda limit=limit: resource.setrlimit(resource.RLIMIT_AS, (limit, limit)),
         )

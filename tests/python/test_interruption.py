@@ -11,10 +11,9 @@ from pathlib import Path
 
 import pytest
 import xarray
+from program import PROGRAM, ROOT
 from same_bits import contents
 
-ROOT = Path(__file__).resolve().parents[2]
-PROGRAM = Path(os.environ.get("STICTION", ROOT / "target" / "release" / "stiction"))
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
 

@@ -4,7 +4,6 @@ published formulas.
 Needs the packages of scripts/requirements.txt. The program is $STICTION, by default target/release/stiction.
 """
 
-import os
 import subprocess
 import sys
 from pathlib import Path
@@ -14,9 +13,8 @@ import numpy as np
 import pytest
 import scipy.stats
 import xarray
+from program import PATCH, PROGRAM, ROOT
 
-ROOT = Path(__file__).resolve().parents[2]
-PROGRAM = Path(os.environ.get("STICTION", ROOT / "target" / "release" / "stiction"))
 PLOT = ROOT / "scripts" / "plot_loop.py"
 
 REPLICAS, SEPARATIONS = 48, 41
@@ -24,20 +22,7 @@ STIFFNESS, PRELOAD = [0.0, 1e5, 8e5, 1.2e6, 1e8], [1e-4, 1e-2, 1e3]
 SCENE = f"""format = 1
 title = "Test loop"
 
-[material]
-reduced_modulus = "85.29 GPa"
-hardness = "2.5 GPa"
-poisson_ratio = 0.27
-work_of_adhesion = "0.09 J/m^2"
-equilibrium_spacing = "0.2 nm"
-
-[surface]
-asperity_radius = "3.33 um"
-asperity_density = "7.39 /um^2"
-surface_height_std = "1.619 nm"
-nominal_area = "300 um^2"
-lubricant_thickness = "0.5 nm"
-
+{PATCH}
 [model]
 law = "hybrid"
 history = "loop"

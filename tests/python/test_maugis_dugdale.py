@@ -9,17 +9,15 @@ modules is needed, which imports numpy and scipy alone:
 
 import csv
 import importlib.metadata
-import os
 import runpy
 import subprocess
 from pathlib import Path
 
 import numpy as np
 import pytest
+from program import PROGRAM
 from scipy.optimize import minimize_scalar
 
-ROOT = Path(__file__).resolve().parents[2]
-PROGRAM = Path(os.environ.get("STICTION", ROOT / "target" / "release" / "stiction"))
 # Run as a file: importing it as part of the package would import the package, and that all its dependencies.
 MODULE = importlib.metadata.distribution("Adhesion").locate_file("Adhesion/ReferenceSolutions/MaugisDugdale.py")
 load_and_displacement = runpy.run_path(str(MODULE))["load_and_displacement"]

@@ -7,7 +7,6 @@ Needs the packages of scripts/requirements.txt. The program is $STICTION, by def
 """
 
 import datetime
-import os
 import re
 import struct
 import subprocess
@@ -19,9 +18,8 @@ import numpy as np
 import pytest
 import scipy.stats
 import xarray
+from program import PATCH, PROGRAM, ROOT
 
-ROOT = Path(__file__).resolve().parents[2]
-PROGRAM = Path(os.environ.get("STICTION", ROOT / "target" / "release" / "stiction"))
 PLOT = ROOT / "scripts" / "plot_run.py"
 
 REPLICAS, SEPARATIONS, ASPERITIES, SEED = 20, 15, 2217, 7
@@ -30,20 +28,7 @@ SCENE = f"""# A small patch of 300 \u00b5m\u00b2
 format = 1
 title = "Test patch"
 
-[material]
-reduced_modulus = "85.29 GPa"
-hardness = "2.5 GPa"
-poisson_ratio = 0.27
-work_of_adhesion = "0.09 J/m^2"
-equilibrium_spacing = "0.2 nm"
-
-[surface]
-asperity_radius = "3.33 um"
-asperity_density = "7.39 /um^2"
-surface_height_std = "1.619 nm"
-nominal_area = "300 um^2"
-lubricant_thickness = "0.5 nm"
-
+{PATCH}
 [model]
 law = "hybrid"
 history = "approach"

@@ -2,12 +2,11 @@
 
 import subprocess
 import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
+from program import ROOT
 
-ROOT = Path(__file__).resolve().parents[2]
 PEERS = ROOT / "benches" / "peers"
 sys.path.insert(0, str(PEERS))
 peers = pytest.importorskip("peers")

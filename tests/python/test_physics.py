@@ -4,18 +4,16 @@ numpy: in the angle and the gap, where nothing has to be inverted. Nothing of it
 The program is $STICTION, by default target/release/stiction.
 """
 
-import os
 import subprocess
 from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
+from program import PROGRAM, ROOT
 from scipy.optimize import brentq, minimize_scalar
 from scipy.stats import norm
 
-ROOT = Path(__file__).resolve().parents[2]
-PROGRAM = Path(os.environ.get("STICTION", ROOT / "target" / "release" / "stiction"))
 
 E_R, HARDNESS, POISSON, Z0, AREA = 85.29e9, 2.5e9, 0.27, 0.2e-9, 1000e-12
 K_FACTOR = 0.454 + 0.41 * POISSON

@@ -12,10 +12,9 @@ from pathlib import Path
 
 import matplotlib.image
 import pytest
+from program import PROGRAM, ROOT
 
-ROOT = Path(__file__).resolve().parents[2]
 MEASURING = ["scaling", "shard_costs"]
-PROGRAM = Path(os.environ.get("STICTION", ROOT / "target" / "release" / "stiction"))
 
 
 def run(script: str, *arguments: object) -> subprocess.CompletedProcess:

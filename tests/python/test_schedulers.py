@@ -11,10 +11,9 @@ import subprocess
 from pathlib import Path
 
 import pytest
+from program import PROGRAM, ROOT
 from same_bits import contents
 
-ROOT = Path(__file__).resolve().parents[2]
-PROGRAM = Path(os.environ.get("STICTION", ROOT / "target" / "release" / "stiction")).resolve()
 SHARDS = 16
 
 

@@ -13,11 +13,10 @@ import time
 from pathlib import Path
 
 import pytest
+from program import PROGRAM, ROOT
 from same_bits import contents
 
-ROOT = Path(__file__).resolve().parents[2]
 SCRIPTS = ROOT / "scripts" / "slurm"
-PROGRAM = Path(os.environ.get("STICTION", ROOT / "target" / "release" / "stiction"))
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="scripts for bash")
 

@@ -8,14 +8,12 @@ import os
 import stat
 import subprocess
 import sys
-from pathlib import Path
 
 import matplotlib.image
 import pytest
+from program import PROGRAM, ROOT
 
-ROOT = Path(__file__).resolve().parents[2]
 SCRIPT = ROOT / "scripts" / "stability.py"
-PROGRAM = Path(os.environ.get("STICTION", ROOT / "target" / "release" / "stiction"))
 GRID = ("--lambdas", 4, "--distances", 5)
 
 

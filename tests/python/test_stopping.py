@@ -4,7 +4,6 @@ Needs the packages of scripts/requirements.txt. The program is $STICTION, by def
 """
 
 import math
-import os
 import subprocess
 import sys
 from pathlib import Path
@@ -13,9 +12,8 @@ import h5py
 import numpy as np
 import pytest
 import xarray
+from program import PROGRAM, ROOT
 
-ROOT = Path(__file__).resolve().parents[2]
-PROGRAM = Path(os.environ.get("STICTION", ROOT / "target" / "release" / "stiction"))
 PLOT = ROOT / "scripts" / "plot_stopping.py"
 TARGETS = """target = [
     { quantity = "pull_off_force", relative_standard_error = 0.03 },

@@ -4,7 +4,6 @@ The program is $STICTION, by default target/release/stiction.
 """
 
 import math
-import os
 import shutil
 import subprocess
 import sys
@@ -14,9 +13,8 @@ import h5py
 import numpy as np
 import pytest
 import xarray
+from program import PROGRAM, ROOT
 
-ROOT = Path(__file__).resolve().parents[2]
-PROGRAM = Path(os.environ.get("STICTION", ROOT / "target" / "release" / "stiction"))
 SURFACES = ROOT / "configs" / "surfaces"
 MAP = ROOT / "configs" / "maps" / "polished.txt"
 NAMES = sorted(path.stem for path in SURFACES.glob("*.toml"))

@@ -3,7 +3,6 @@
 Needs the packages of scripts/requirements.txt. The program is $STICTION, by default target/release/stiction.
 """
 
-import os
 import struct
 import subprocess
 import sys
@@ -13,9 +12,8 @@ import h5py
 import numpy as np
 import pytest
 import xarray
+from program import PROGRAM, ROOT
 
-ROOT = Path(__file__).resolve().parents[2]
-PROGRAM = Path(os.environ.get("STICTION", ROOT / "target" / "release" / "stiction"))
 PLOT = ROOT / "scripts" / "plot_sweep.py"
 REPLICAS = 24
 ENERGY, LUBRICANT = "material.work_of_adhesion", "surface.lubricant_thickness"

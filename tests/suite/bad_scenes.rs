@@ -204,10 +204,10 @@ const CASES: &[(&str, &str, &[&str])] = &[
     ),
     (
         "[output]",
-        "[solver]\nsum = \"fast\"\n[output]",
-        &["line 31", "`solver.sum = \"fast\"`", "unknown sum", "known: direct, compressed"],
+        "[solver]\nsummation = \"fast\"\n[output]",
+        &["line 31", "`solver.summation = \"fast\"`", "unknown summation", "known: direct, moments"],
     ),
-    ("[output]", "[solver]\nsum = true\n[output]", &["line 31", "`solver.sum = true`", "text"]),
+    ("[output]", "[solver]\nsummation = true\n[output]", &["line 31", "`solver.summation = true`", "text"]),
     (
         "[output]",
         "[solver]\ntolerance = 1e-9\n[output]",
@@ -251,7 +251,7 @@ const CASES: &[(&str, &str, &[&str])] = &[
     ("[output]", "solver = 3\n[output]", &["`ensemble.solver`"]),
     (
         "history = \"approach\"",
-        "path = \"lop\"",
+        "history = \"lop\"",
         &["line 21", "unknown history", "did you mean \"loop\"?", "known: approach, retraction, loop"],
     ),
     (

@@ -412,7 +412,7 @@ fn a_trial_tells_the_error_and_refuses() {
             if !of_pull_off {
                 assert_eq!(
                     (tried.name(), tried.tolerance, tried.refusal),
-                    ("compressed", Some(tolerance), None)
+                    ("moments", Some(tolerance), None)
                 );
                 assert!(
                     tried.achieved_error > 0.0 && tried.achieved_error <= tolerance,

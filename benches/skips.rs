@@ -15,7 +15,7 @@ mod common;
 
 use common::{job, scene, seconds, text};
 use stiction::asperity::emd::Emd;
-use stiction::asperity::{BLOCK, Boundary, Law, Piece, Regime, Responses, SolverStats};
+use stiction::asperity::{BLOCK, Boundary, Law, Method, Piece, Regime, Responses, SolverStats};
 use stiction::engine::Workspace;
 use stiction::math::instruction_set::InstructionSet;
 use stiction::scene::Scene;
@@ -87,12 +87,11 @@ impl Law for Hidden<'_> {
         self.law.pieces().into_iter().filter(|piece| piece.regime < self.regimes.len()).collect()
     }
 
-    fn cost(&self, regime: usize) -> f64 {
-        self.law.cost(regime)
-    }
-
-    fn constant(&self, regime: usize) -> Option<f64> {
-        self.law.constant(regime).filter(|_| !self.hides_constant)
+    fn method(&self, regime: usize) -> Method {
+        match self.law.method(regime) {
+            Method::Constant(_) if self.hides_constant => Method::ClosedForm,
+            method => method,
+        }
     }
 
     fn evaluate(&self, regime: usize, interference: &[f64], out: &mut Responses, stats: &mut SolverStats) {

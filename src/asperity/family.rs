@@ -2,7 +2,7 @@
 
 use super::error::LawError;
 use super::history::Path;
-use super::law::{Boundary, Family, FitReport, Law, Piece, Regime, Responses};
+use super::law::{Boundary, Family, FitReport, Law, Method, Piece, Regime, Responses};
 use super::models::Model;
 use super::parameters::LawParameters;
 use super::scale::Asperity;
@@ -63,16 +63,8 @@ impl Law for Typical {
         self.law.pieces()
     }
 
-    fn cost(&self, regime: usize) -> f64 {
-        self.law.cost(regime)
-    }
-
-    fn constant(&self, regime: usize) -> Option<f64> {
-        self.law.constant(regime)
-    }
-
-    fn far(&self) -> Option<f64> {
-        self.law.far()
+    fn method(&self, regime: usize) -> Method {
+        self.law.method(regime)
     }
 
     fn capture(&self) -> Option<f64> {

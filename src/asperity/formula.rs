@@ -23,10 +23,11 @@
 //! }
 //! ```
 
+use super::law::Method;
 use super::law::{BLOCK, End, Flattened, Responses, Smoothness};
 use super::parameters::LawParameters;
 use super::stats::SolverStats;
-use super::table::{Interaction, Method};
+use super::table::Interaction;
 use crate::math::instruction_set::InstructionSet;
 use crate::math::piecewise::Piecewise;
 

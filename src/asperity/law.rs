@@ -171,6 +171,36 @@ impl Responses {
     }
 }
 
+/// How the forces of a regime follow from the interference.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Method {
+    /// A constant adhesion force, N, is all that acts: nothing is evaluated.
+    Constant(f64),
+    /// By formulas.
+    ClosedForm,
+    /// By formulas with powers that are not tabulated.
+    Powers,
+    /// By solving the equations of a contact.
+    Contact,
+    /// By solving the equations before contact.
+    Noncontact {
+        /// Interference, m, below which a series takes the place of solves, if there is one.
+        far: Option<f64>,
+    },
+}
+
+impl Method {
+    /// Counts evaluations, of which some were not solved because they are far from contact.
+    pub(super) fn count(self, evaluations: u64, far: u64, stats: &mut SolverStats) {
+        match self {
+            Self::Constant(_) => stats.constant += evaluations,
+            Self::ClosedForm | Self::Powers => stats.closed_form += evaluations,
+            Self::Contact => stats.contact_solves += evaluations,
+            Self::Noncontact { .. } => stats.noncontact_solves += evaluations - far,
+        }
+    }
+}
+
 /// Attraction before contact of asperities of any radius.
 pub trait Flattened: Send + Sync {
     /// Interference, m, at which the contact of an asperity of `ratio` times the radius ends, by the history
@@ -227,18 +257,9 @@ pub trait Law: Send + Sync {
     /// The smooth pieces, rising, that cover the regimes: split at every kink and jump.
     fn pieces(&self) -> Vec<Piece>;
 
-    /// Nanoseconds of one evaluation in a regime, about, on one core of a 2020s server.
-    fn cost(&self, regime: usize) -> f64;
-
-    /// The adhesion force, N, of every asperity in a regime where that is constant and all that there is;
-    /// nothing is evaluated there.
-    fn constant(&self, _regime: usize) -> Option<f64> {
-        None
-    }
-
-    /// Interference, m, below which a series takes the place of solves.
-    fn far(&self) -> Option<f64> {
-        None
+    /// How the forces of a regime are evaluated.
+    fn method(&self, _regime: usize) -> Method {
+        Method::ClosedForm
     }
 
     /// Interference, m, from which an asperity that turns back takes another way, if that is before contact

@@ -19,7 +19,9 @@ pub mod laws;
 pub mod models;
 pub mod noncontact;
 mod parameters;
+mod plastic_unloading;
 pub mod quantity;
+mod retraction;
 pub mod scale;
 mod solved;
 mod stats;
@@ -30,11 +32,12 @@ pub use error::LawError;
 pub use family::Typical;
 pub use history::Path;
 pub use law::{
-    BLOCK, Boundary, End, Family, FitReport, Flattened, Law, Piece, Regime, Responses, Scratch, Smoothness,
-    for_each_block, for_each_block_of, regime_ranges,
+    BLOCK, Boundary, End, Family, FitReport, Flattened, Law, Method, Piece, Regime, Responses, Scratch,
+    Smoothness, for_each_block, for_each_block_of, regime_ranges,
 };
 pub use parameters::LawParameters;
 pub use quantity::Quantity;
+pub use retraction::Retraction;
 pub use solved::SolvedAsperity;
 pub use stats::SolverStats;
 pub use unloading::{Loop, UnloadedRadius};

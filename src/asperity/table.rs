@@ -3,46 +3,8 @@
 //! The laws in [`super::laws`] are such tables. Their rows share parts: the same contact solution serves
 //! several laws, the same lubricant all that know one.
 
-use super::law::{Boundary, FitReport, Flattened, Law, Piece, Regime, Responses, Smoothness};
+use super::law::{Boundary, FitReport, Flattened, Law, Method, Piece, Regime, Responses, Smoothness};
 use super::stats::SolverStats;
-
-/// How what acts in a regime is evaluated.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Method {
-    /// Not at all: a constant adhesion force, N, is all that acts.
-    Constant(f64),
-    /// By formulas.
-    ClosedForm,
-    /// By formulas with powers that are not tabulated.
-    Powers,
-    /// By solving the equations of a contact.
-    Contact,
-    /// By solving the equations before contact.
-    Noncontact,
-}
-
-impl Method {
-    /// Nanoseconds of one evaluation, about, on one core of a 2020s server.
-    fn cost(self) -> f64 {
-        match self {
-            Self::Constant(_) => 0.0,
-            Self::ClosedForm => 4.0,
-            Self::Powers => 120.0,
-            Self::Contact => 8.0,
-            Self::Noncontact => 7.0,
-        }
-    }
-
-    /// Counts evaluations, of which some were not solved because they are far from contact.
-    fn count(self, evaluations: u64, far: u64, stats: &mut SolverStats) {
-        match self {
-            Self::Constant(_) => stats.constant += evaluations,
-            Self::ClosedForm | Self::Powers => stats.closed_form += evaluations,
-            Self::Contact => stats.contact_solves += evaluations,
-            Self::Noncontact => stats.noncontact_solves += evaluations - far,
-        }
-    }
-}
 
 /// What acts in a regime.
 pub trait Interaction: Send + Sync {
@@ -54,11 +16,6 @@ pub trait Interaction: Send + Sync {
 
     /// How it is evaluated.
     fn method(&self) -> Method;
-
-    /// Interference, m, below which a series takes the place of solves.
-    fn far(&self) -> Option<f64> {
-        None
-    }
 
     /// Interference, m, from which an asperity that turns back takes another way, if there is one within the
     /// part.
@@ -152,19 +109,8 @@ impl Law for Table {
         pieces
     }
 
-    fn cost(&self, regime: usize) -> f64 {
-        self.parts[regime].method().cost()
-    }
-
-    fn constant(&self, regime: usize) -> Option<f64> {
-        match self.parts[regime].method() {
-            Method::Constant(adhesion) => Some(adhesion),
-            _ => None,
-        }
-    }
-
-    fn far(&self) -> Option<f64> {
-        self.parts.iter().find_map(|part| part.far())
+    fn method(&self, regime: usize) -> Method {
+        self.parts[regime].method()
     }
 
     fn capture(&self) -> Option<f64> {

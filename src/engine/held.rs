@@ -5,7 +5,7 @@ use super::force_table::ForceTable;
 use super::kinks::{Kink, Kinks, rounding, widest_spacing};
 use super::moments::{MomentMatrix, MomentSums};
 use super::radii::{Places, PolydisperseCurve};
-use super::retraction::{Retracted, flattened};
+use super::retraction::{FlattenedTop, Retracted};
 use super::search::{Curve, NODES, Passing, Sought, Stray};
 use super::stray_table::StrayTable;
 use super::summed::Summed;
@@ -29,7 +29,7 @@ pub(super) struct HeldSurface<'a> {
     pub places: Option<Places>,
     /// The same of tops that have flowed and have radii of their own, when they are pulled back from a
     /// separation h, m.
-    pub flattened: Option<(f64, Vec<[f64; 3]>)>,
+    pub flattened: Option<(f64, Vec<FlattenedTop>)>,
     /// The lane of the surface, if it was summed by moments.
     pub moments: Option<(&'a MomentMatrix, &'a mut MomentSums, usize)>,
 }
@@ -100,7 +100,7 @@ impl HeldSurface<'_> {
         let Self { job, heights, .. } = *self;
         let Some(cycle) = job.protocol.cycle else { return self.find_sorted(sought, samples) };
         if self.flattened.as_ref().is_none_or(|(of, _)| *of != from) {
-            self.flattened = Some((from, flattened(job, cycle, heights, from)));
+            self.flattened = Some((from, FlattenedTop::of(job, cycle, heights, from)));
         }
         let flattened = self.flattened.as_ref().map_or(&[][..], |(_, flattened)| flattened);
         let mut surface =

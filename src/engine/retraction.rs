@@ -5,7 +5,6 @@ use super::kinks::{Kink, rounding};
 use super::search::{Curve, Passing, Stray};
 use super::sums::{RegimeSums, State, Sums};
 use crate::asperity::Loop;
-use crate::asperity::unloading::Retraction;
 use std::ops::Range;
 
 /// What has become of an asperity that has flowed, by [`Loop::fate`].
@@ -25,7 +24,7 @@ pub(super) struct Retracted<'a> {
     kinks: [Vec<Kink>; 3],
     /// Separations h, m, of the kinks of asperities that have flowed, where their tops have radii of their
     /// own.
-    flattened: &'a [[f64; 3]],
+    flattened: &'a [FlattenedTop],
     /// m, rising.
     heights: &'a [f64],
     /// By what has become of them, which rises with the height, where their heights end.
@@ -51,15 +50,31 @@ pub(super) struct Released {
     fate: usize,
 }
 
-/// Separations h, m, of the kinks of those of `heights`, m, rising, that have flowed when they are pulled
-/// back from a separation h, m; nothing where tops keep their radius.
-pub(super) fn flattened(job: &Job<'_>, cycle: &Loop, heights: &[f64], from: f64) -> Vec<[f64; 3]> {
-    let closest = job.surface.asperity_separation(from);
-    let first = heights.partition_point(|u| cycle.fate(u - closest) < FLOWED);
-    let places = |largest: f64| {
-        Some(cycle.flattened_kinks(largest)?.map(|kink| from + cycle.recovery(largest) - kink))
-    };
-    heights[first..].iter().map_while(|u| places(u - closest)).collect()
+/// A top that has flowed and has a radius of its own.
+pub(super) struct FlattenedTop {
+    /// Separations h of its kinks, m.
+    places: [f64; 3],
+    /// Distance from the closest approach at which it loses contact, m.
+    takeoff: f64,
+}
+
+impl FlattenedTop {
+    /// The tops of those of `heights`, m, rising, that have flowed when they are pulled back from a separation
+    /// h, m; none where tops keep their radius.
+    pub fn of(job: &Job<'_>, cycle: &Loop, heights: &[f64], from: f64) -> Vec<Self> {
+        let closest = job.surface.asperity_separation(from);
+        let first = heights.partition_point(|u| cycle.fate(u - closest) < FLOWED);
+        let top = |largest: f64| {
+            let (kinks, recovery) = (cycle.flattened_kinks(largest)?, cycle.recovery(largest));
+            Some(Self { places: kinks.map(|kink| from + recovery - kink), takeoff: recovery - kinks[1] })
+        };
+        heights[first..].iter().map_while(|u| top(u - closest)).collect()
+    }
+
+    /// Whether it passes a kink in `low..=high`, h in m.
+    fn passes(&self, number: usize, low: f64, high: f64) -> bool {
+        self.places[number] >= low && self.places[number] <= high
+    }
 }
 
 impl<'a> Retracted<'a> {
@@ -67,7 +82,7 @@ impl<'a> Retracted<'a> {
     pub fn new(
         job: &'a Job<'a>,
         cycle: &'a Loop,
-        (kinks, flattened): (&[Vec<Kink>; 3], &'a [[f64; 3]]),
+        (kinks, flattened): (&[Vec<Kink>; 3], &'a [FlattenedTop]),
         heights: &'a [f64],
         from: f64,
         sums: &'a mut Sums,
@@ -101,7 +116,7 @@ impl<'a> Retracted<'a> {
     /// The separation h, m, of a kink of an asperity, by the number of the kink, if it has that.
     fn place(&self, asperity: &Released, number: usize) -> f64 {
         if self.is_flattened(asperity.fate) {
-            return self.flattened[asperity.number - self.ends[FLOWED - 1]][number];
+            return self.top(asperity).places[number];
         }
         self.from + asperity.recovery - self.kinks[asperity.fate][number].interference
     }
@@ -126,30 +141,32 @@ impl<'a> Retracted<'a> {
         first + low..first + high
     }
 
-    /// External force, N, of one asperity at a separation h, m.
-    fn force(&mut self, asperity: &Released, separation: f64) -> f64 {
-        let law = self.cycle.at_for(self.distance(separation), asperity.height - self.closest);
-        external_force(self.sums, &law, &[asperity.height], self.closest)
+    /// The top of an asperity that has flowed and has a radius of its own.
+    fn top(&self, asperity: &Released) -> &'a FlattenedTop {
+        &self.flattened[asperity.number - self.ends[FLOWED - 1]]
     }
 
-    /// External force, N, of a few asperities at a separation h, m.
+    /// External force, N, of a few asperities, rising, at a separation h, m.
     fn sum(&mut self, asperities: &[Released], separation: f64) -> f64 {
-        let law = self.cycle.at(self.distance(separation));
+        let distance = self.distance(separation);
+        let law = if self.flattened.is_empty() {
+            self.cycle.at(distance)
+        } else {
+            // Where each loses contact is known: to solve for it at every distance takes most of a search.
+            let flowed = asperities.iter().filter(|asperity| asperity.fate == FLOWED);
+            let flowed = flowed.map(|asperity| (asperity.height - self.closest, self.top(asperity).takeoff));
+            self.cycle.at_for(distance, &flowed.collect::<Vec<_>>())
+        };
         self.few.clear();
         self.few.extend(asperities.iter().map(|asperity| asperity.height));
-        external_force(self.sums, &law, &self.few, self.closest)
+        self.sums.over(&law, Some(law.base()), &self.few, self.closest);
+        RegimeSums::external_force(&self.sums.regimes)
     }
 
     /// The distance, m, of a separation h, m, from the closest.
     fn distance(&self, separation: f64) -> f64 {
         self.job.surface.asperity_separation(separation) - self.closest
     }
-}
-
-/// External force, N, of heights, m, that were as close as `closest`, m, by the law of their way back.
-fn external_force(sums: &mut Sums, law: &Retraction<'_>, heights: &[f64], closest: f64) -> f64 {
-    sums.over(law, Some(law.base()), heights, closest);
-    RegimeSums::external_force(&sums.regimes)
 }
 
 impl Curve for Retracted<'_> {
@@ -164,8 +181,8 @@ impl Curve for Retracted<'_> {
         let mut found = Vec::new();
         for (fate, kinks) in self.kinks.iter().enumerate() {
             if self.is_flattened(fate) {
-                let is_near = |places: &[f64; 3]| places.iter().any(|place| *place >= low && *place <= high);
-                let near = self.flattened.iter().enumerate().filter(|(_, places)| is_near(places));
+                let is_near = |top: &FlattenedTop| (0..3).any(|number| top.passes(number, low, high));
+                let near = self.flattened.iter().enumerate().filter(|(_, top)| is_near(top));
                 found.extend(near.map(|(i, _)| self.released(self.ends[FLOWED - 1] + i, fate)));
                 continue;
             }
@@ -196,8 +213,8 @@ impl Curve for Retracted<'_> {
                     let mut step = -self.kinks[fate][like].jump;
                     if fate == FLOWED {
                         let beside = self.rounding();
-                        let [below, above] =
-                            [place - beside, place + beside].map(|h| self.force(asperity, h));
+                        let [below, above] = [place - beside, place + beside]
+                            .map(|h| self.sum(std::slice::from_ref(asperity), h));
                         step = above - below;
                     }
                     passings.push(Passing { place, step, kink, asperity: (first + i) as u32 });
@@ -225,7 +242,7 @@ impl Curve for Retracted<'_> {
         for (fate, kinks) in self.kinks.iter().enumerate() {
             if self.is_flattened(fate) {
                 for number in 0..3 {
-                    let passing = |places: &&[f64; 3]| places[number] >= low && places[number] <= high;
+                    let passing = |top: &&FlattenedTop| top.passes(number, low, high);
                     visit(kinks[self.alike(number)].fall, self.flattened.iter().filter(passing).count());
                 }
                 continue;

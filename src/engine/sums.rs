@@ -2,7 +2,7 @@
 
 use super::Job;
 use super::curves::Curves;
-use crate::asperity::{Law, Quantity, Scratch, SolverStats, for_each_block_of, regime_ranges};
+use crate::asperity::{Law, Method, Quantity, Scratch, SolverStats, for_each_block_of, regime_ranges};
 use crate::math::instruction_set::InstructionSet;
 use crate::math::sums::{Compensated, lane_sum};
 
@@ -137,7 +137,7 @@ impl Sums {
             let sum = &mut regimes[base.map_or(regime, |base| base[regime])];
             let count = range.len() as f64;
             sum.count += count;
-            if let Some(force) = law.constant(regime) {
+            if let Method::Constant(force) = law.method(regime) {
                 sum.adhesion.add(count * force);
                 stats.constant += range.len() as u64;
                 continue;

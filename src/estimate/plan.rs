@@ -1,6 +1,6 @@
 //! What a run of a scene computes, and what it skips and why.
 
-use crate::asperity::{Law, Regime};
+use crate::asperity::{Law, Method, Regime};
 use crate::scene::Scene;
 
 /// A regime that is expected less often than this in the whole run, at the separation that reaches it most, is called skipped.
@@ -96,7 +96,12 @@ fn skips(scene: &Scene, law: &dyn Law, regimes: &[RegimePlan]) -> Vec<String> {
     if !never.is_empty() {
         skips.push(format!("{}: no asperity expected there in the whole run", never.join(", ")));
     }
-    if let Some(far) = law.far().filter(|_| !scene.surface.is_polydisperse()) {
+    let series = |regime| match law.method(regime) {
+        Method::Noncontact { far } => far,
+        _ => None,
+    };
+    let far = (0..regimes.len()).find_map(series);
+    if let Some(far) = far.filter(|_| !scene.surface.is_polydisperse()) {
         let share = |h: &f64| {
             let d = scene.surface.asperity_separation(*h);
             scene.surface.heights.probability(f64::NEG_INFINITY, far + d)

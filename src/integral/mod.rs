@@ -54,10 +54,6 @@ mod tests {
             ends.map(|&[lower, upper]| Piece { regime: 0, lower, upper, smoothness }).collect()
         }
 
-        fn cost(&self, _: usize) -> f64 {
-            1.0
-        }
-
         fn evaluate(&self, _: usize, interference: &[f64], out: &mut Responses, _: &mut SolverStats) {
             for (i, delta) in interference.iter().enumerate() {
                 out.adhesion[i] = if *delta > self.above { f64::NAN } else { 1.0 };

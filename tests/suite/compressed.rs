@@ -465,10 +465,6 @@ impl Law for Noisy {
         self.0.pieces()
     }
 
-    fn cost(&self, regime: usize) -> f64 {
-        self.0.cost(regime)
-    }
-
     fn evaluate(&self, regime: usize, interference: &[f64], out: &mut Responses, stats: &mut SolverStats) {
         self.0.evaluate(regime, interference, out, stats);
         if interference.len() > 64 {

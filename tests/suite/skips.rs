@@ -5,7 +5,7 @@ use crate::common::{case, job, law, respond};
 use std::sync::atomic::AtomicBool;
 use stiction::asperity::emd::Emd;
 use stiction::asperity::models::MODELS;
-use stiction::asperity::{BLOCK, Path, Quantity, SolverStats};
+use stiction::asperity::{BLOCK, Method, Path, Quantity, SolverStats};
 use stiction::engine::stream::{Purpose, stream};
 use stiction::engine::{Ensemble, Job, Outcome, Workspace, run};
 
@@ -240,14 +240,17 @@ fn every_asperity_is_counted_once() {
                 assert!((0.0..0.9 * of_curves).contains(&more), "{place}");
                 assert!(!at_edge || of_curves == most as f64 && counted.is_multiple_of(900), "{place}");
                 // What the reasons are for.
-                assert_eq!(far > 0, law.far().is_some(), "{place}");
-                let is_constant = (0..law.regimes().len()).any(|regime| law.constant(regime).is_some());
+                let methods = || (0..law.regimes().len()).map(|regime| law.method(regime));
+                let has_series =
+                    methods().any(|method| matches!(method, Method::Noncontact { far: Some(_) }));
+                assert_eq!(far > 0, has_series, "{place}");
+                let is_constant = methods().any(|method| matches!(method, Method::Constant(_)));
                 assert!(constant == 0 || is_constant, "{place}");
-                if law.far().is_some() {
+                if has_series {
                     // Before contact all are, but for those in the lubricant, which are not even evaluated.
                     assert_eq!(unloaded, far + noncontact_solves, "{place}");
                 }
-                if at_edge && law.far().is_some() {
+                if at_edge && has_series {
                     // Distances beyond 5 σ are far but for the highest asperities.
                     assert!(far > 9 * noncontact_solves, "{place}");
                 }

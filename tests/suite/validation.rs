@@ -36,10 +36,6 @@ impl Law for Planted<'_> {
         self.law.pieces()
     }
 
-    fn cost(&self, regime: usize) -> f64 {
-        self.law.cost(regime)
-    }
-
     fn evaluate(&self, regime: usize, interference: &[f64], out: &mut Responses, stats: &mut SolverStats) {
         self.law.evaluate(regime, interference, out, stats);
         if regime == self.regime {

@@ -20,11 +20,12 @@ use crate::asperity::error::LawError;
 use crate::asperity::flattened::ExtendedMaugisDugdale;
 use crate::asperity::formula::Constant;
 use crate::asperity::history::Path;
+use crate::asperity::law::Method;
 use crate::asperity::law::{BLOCK, End, Flattened, Law, Regime, Responses, Smoothness};
 use crate::asperity::parameters::LawParameters;
 use crate::asperity::scale::Scale;
 use crate::asperity::stats::SolverStats;
-use crate::asperity::table::{Interaction, Method, Row, Table};
+use crate::asperity::table::{Interaction, Row, Table};
 use crate::math::instruction_set::InstructionSet;
 use std::sync::Arc;
 
@@ -89,11 +90,7 @@ impl Interaction for Attraction {
     }
 
     fn method(&self) -> Method {
-        Method::Noncontact
-    }
-
-    fn far(&self) -> Option<f64> {
-        self.emd.far().map(|far| far * self.scale.length - self.thickness)
+        Method::Noncontact { far: self.emd.far().map(|far| far * self.scale.length - self.thickness) }
     }
 
     fn flattened(&self) -> Option<Box<dyn Flattened>> {

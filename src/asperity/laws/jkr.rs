@@ -16,11 +16,12 @@ use crate::asperity::branch::{Anchor, Branch, Curve, CurvePoint};
 use crate::asperity::error::LawError;
 use crate::asperity::formula::Constant;
 use crate::asperity::history::Path;
+use crate::asperity::law::Method;
 use crate::asperity::law::{BLOCK, End, Law, Regime, Responses, Smoothness};
 use crate::asperity::parameters::LawParameters;
 use crate::asperity::scale::Scale;
 use crate::asperity::stats::SolverStats;
-use crate::asperity::table::{Interaction, Method, Row, Table};
+use crate::asperity::table::{Interaction, Row, Table};
 
 /// The law `jkr`.
 ///

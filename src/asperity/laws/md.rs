@@ -10,11 +10,12 @@
 use crate::asperity::emd::Emd;
 use crate::asperity::error::LawError;
 use crate::asperity::formula::Constant;
+use crate::asperity::law::Method;
 use crate::asperity::law::{BLOCK, End, Law, Regime, Responses, Smoothness};
 use crate::asperity::parameters::LawParameters;
 use crate::asperity::scale::Scale;
 use crate::asperity::stats::SolverStats;
-use crate::asperity::table::{Interaction, Method, Row, Table};
+use crate::asperity::table::{Interaction, Row, Table};
 use crate::math::instruction_set::InstructionSet;
 use std::sync::Arc;
 

@@ -26,11 +26,12 @@ pub use forms::{Coefficients, FORCES, NAMES};
 use super::kogut_etsion::plastic_rows;
 use crate::asperity::error::LawError;
 use crate::asperity::formula::{ClosedForm, Constant};
+use crate::asperity::law::Method;
 use crate::asperity::law::{End, Law, Regime, Responses, Smoothness};
 use crate::asperity::parameters::LawParameters;
 use crate::asperity::scale::{Asperity, Scale};
 use crate::asperity::stats::SolverStats;
-use crate::asperity::table::{Interaction, Method, Row, Table};
+use crate::asperity::table::{Interaction, Row, Table};
 use refit::{Direct, FITTED, JUDGED};
 use std::f64::consts::PI;
 

@@ -6,239 +6,27 @@
 //! if it is not so small that its square is below rounding, the point is solved again by safeguarded Newton
 //! from the bracket.
 
-use super::law::BLOCK;
+use super::curve::{Anchor, Curve, STEP_TOLERANCE, Solution, closing_step, corrected, room};
+use super::lanes::{Lanes, start_lanes, step_lanes};
 use super::stats::SolverStats;
 use crate::math::instruction_set::InstructionSet;
-use crate::math::piecewise::{Cell, Piecewise, leading};
+use crate::math::piecewise::{Piecewise, leading};
 use crate::math::roots::{MAX_EVALUATIONS, Sample, safe_newton};
 use std::cell::RefCell;
-use std::ops::Range;
 
-/// Everything known at one parameter value, scaled as in Maugis (1992); slopes are derivatives by the
-/// parameter.
-#[derive(Clone, Copy, Debug)]
-pub struct CurvePoint {
-    /// Displacement Δ.
-    pub displacement: f64,
-    /// dΔ/dx.
-    pub slope: f64,
-    /// Sum of the magnitudes of the terms of Δ: its rounding error is a few ε of this.
-    pub magnitude: f64,
-    /// Adhesion force F̂_s.
-    pub adhesion: f64,
-    /// dF̂_s/dx.
-    pub adhesion_slope: f64,
-    /// Contact radius A.
-    pub radius: f64,
-    /// dA/dx.
-    pub radius_slope: f64,
-}
-
-/// A curve on which Δ falls with the parameter.
-pub trait Curve: Copy {
-    /// What the state is made of that depends on the parameter alone or nearly so. Lanes compute the terms of
-    /// all before the states of any, because a vector processor is faster on two short chains of operations
-    /// than on a long one.
-    fn terms(&self, x: f64) -> [f64; 4];
-
-    /// The state at the parameter `x` from its terms.
-    fn state(&self, x: f64, terms: [f64; 4]) -> CurvePoint;
-
-    /// Parameters `low` < `high` with Δ(low) ≥ `displacement` ≥ Δ(high).
-    fn bracket(&self, displacement: f64) -> (f64, f64);
-
-    /// The state at the parameter `x`.
-    #[inline(always)]
-    fn at(&self, x: f64) -> CurvePoint {
-        self.state(x, self.terms(x))
-    }
-}
-
-/// The scaled outputs of a solve.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Solution {
-    /// Adhesion force F̂_s.
-    pub adhesion: f64,
-    /// Contact radius A, 0 before contact.
-    pub radius: f64,
-}
-
-/// Where a branch begins: its tables are over the distance from there.
-#[derive(Clone, Copy, Debug)]
-pub struct Anchor {
-    /// Δ_ref.
-    pub displacement: f64,
-    /// x_ref.
-    pub parameter: f64,
-    /// Whether dΔ/dx = 0 there, so that x is smooth in √|Δ − Δ_ref| but not in Δ.
-    pub fold: bool,
-}
-
-/// Lanes that are computed together. A vector that reaches beyond its table cell, or beyond the last lane, is
-/// computed whole; what comes after overwrites what it left there.
-const VECTOR: usize = 8;
-/// A block, and room for the last vector.
-const ROOM: usize = BLOCK + VECTOR;
-
-/// Lanes of a block, each quantity on cache lines of its own.
-#[repr(align(64))]
-struct Lanes {
-    /// Displacements wanted.
-    displacements: [f64; ROOM],
-    /// Where they are in a table.
-    places: [f64; ROOM],
-    /// Parameters to start from; NaN where there is none.
-    parameters: [f64; ROOM],
-    /// dx/dΔ there.
-    inverse_slopes: [f64; ROOM],
-    /// Terms of the curve there.
-    terms: [[f64; ROOM]; 4],
-    /// Adhesion force.
-    adhesion: [f64; ROOM],
-    /// Contact radius.
-    radius: [f64; ROOM],
-    /// |Δ(x) − Δ| over the terms of Δ; NaN where the step was not good enough, so that the lane is to be solved again.
-    residual: [f32; ROOM],
-}
-
-thread_local! {
-    /// Kept from block to block: to clear them would take as long as every tenth solve.
-    static LANES: RefCell<Lanes> = RefCell::new(Lanes::new());
-}
-
-impl Lanes {
-    fn new() -> Self {
-        Self {
-            displacements: [0.0; ROOM],
-            places: [0.0; ROOM],
-            parameters: [f64::NAN; ROOM],
-            inverse_slopes: [0.0; ROOM],
-            terms: [[0.0; ROOM]; 4],
-            adhesion: [0.0; ROOM],
-            radius: [0.0; ROOM],
-            residual: [0.0; ROOM],
-        }
-    }
-}
-
-/// Which table lanes start from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Side {
-    /// Next to a fold: (x − x_ref)/√D over √D.
-    Near,
-    /// Elsewhere: x over D.
-    Far,
-}
-
-/// A run of lanes made whole vectors, so that none is left over for the compiler to do one by one.
-#[inline(always)]
-fn whole_vectors(run: Range<usize>) -> Range<usize> {
-    run.start..run.start + run.len().div_ceil(VECTOR) * VECTOR
-}
-
-/// Starting points and slopes of a run of lanes that share a table cell.
-#[inline(always)]
-fn start_lanes<const NEAR: bool>(
-    anchor: &Anchor,
-    sign: f64,
-    cell: &Cell,
-    lanes: &mut Lanes,
-    run: Range<usize>,
-) {
-    let run = whole_vectors(run);
-    let places = &lanes.places[run.clone()];
-    let (parameters, inverse_slopes) = (&mut lanes.parameters[run.clone()], &mut lanes.inverse_slopes[run]);
-    for i in 0..places.len() / VECTOR * VECTOR {
-        let (value, slope) = (cell.value(places[i]), cell.slope(places[i]));
-        if NEAR {
-            parameters[i] = anchor.parameter + places[i] * value;
-            inverse_slopes[i] = sign * (value + places[i] * slope) / (2.0 * places[i]);
-        } else {
-            parameters[i] = value;
-            inverse_slopes[i] = sign * slope;
-        }
-    }
-}
-
-/// One evaluation and one Newton step for every lane, without a branch and without fused multiply-add, so
-/// that it vectorises and has the same bits on every instruction set. The slope is the table's: it is off by
-/// the table's error over the width of a cell, and is multiplied by a step that is as small.
-#[inline(always)]
-fn step_lanes<C: Curve>(curve: &C, anchor: &Anchor, lanes: &mut Lanes, count: usize) {
-    let count = whole_vectors(0..count.min(BLOCK)).end / VECTOR * VECTOR;
-    let Lanes { displacements, parameters, inverse_slopes, terms, adhesion, radius, residual, .. } = lanes;
-    let [first, second, third, fourth] = terms;
-    for i in 0..count {
-        [first[i], second[i], third[i], fourth[i]] = curve.terms(parameters[i]);
-    }
-    for i in 0..count {
-        let (x, displacement) = (parameters[i], displacements[i]);
-        let state = curve.state(x, [first[i], second[i], third[i], fourth[i]]);
-        let (step, good) = last_step(anchor, x, &state, displacement, inverse_slopes[i]);
-        let solution = corrected(&state, step);
-        (adhesion[i], radius[i]) = (solution.adhesion, solution.radius);
-        let off = (displacement - state.displacement).abs() as f32 / state.magnitude as f32;
-        residual[i] = if good { off } else { f32::NAN };
-    }
-}
-
-/// The Newton step that completes a solve, 0 where it is not small, and whether x was good enough for that:
-/// the step is small, or the residual is rounding noise.
-#[inline(always)]
-fn last_step(
-    anchor: &Anchor,
-    x: f64,
-    state: &CurvePoint,
-    displacement: f64,
-    inverse_slope: f64,
-) -> (f64, bool) {
-    let residual = displacement - state.displacement;
-    let step = residual * inverse_slope;
-    let small = step.abs() <= STEP_TOLERANCE * room(anchor, x);
-    let noise = residual.abs() <= NOISE * state.magnitude;
-    (if small { step } else { 0.0 }, small | noise)
-}
-
-/// The Newton step from an x that was searched for to its last bit. Close to a fold that bit is more of
-/// the distance than a step is else allowed to be, and no other x is closer.
-fn closing_step(anchor: &Anchor, x: f64, state: &CurvePoint, displacement: f64) -> f64 {
-    let step = (displacement - state.displacement) / state.slope;
-    let room = room(anchor, x);
-    let largest = (STEP_TOLERANCE * room).max((2.0 * f64::EPSILON * x).min(LAST_BIT * room));
-    if step.abs() <= largest { step } else { 0.0 }
-}
-
-/// The outputs a step away.
-#[inline(always)]
-fn corrected(state: &CurvePoint, step: f64) -> Solution {
-    Solution {
-        adhesion: state.adhesion + state.adhesion_slope * step,
-        radius: state.radius + state.radius_slope * step,
-    }
-}
-
-/// The length over which Δ(x) bends: the distance to zero, and to the fold where there is one.
-#[inline(always)]
-fn room(anchor: &Anchor, x: f64) -> f64 {
-    let distance = if anchor.fold { (x - anchor.parameter).abs() } else { x };
-    if distance < x { distance } else { x }
-}
-
-/// Largest last step, relative to the distance to the fold and to zero. The error it leaves is of the order
-/// of its square: 4·10⁻¹⁸.
-const STEP_TOLERANCE: f64 = 2e-9;
-/// Relative accuracy asked of the tables.
-const TABLE_TOLERANCE: f64 = 3e-10;
-/// Residuals below this many `magnitude`s are rounding noise.
-const NOISE: f64 = 4.0 * f64::EPSILON;
-/// Largest share of the distance to the fold and to zero over which one Newton step from the last bit of x is
-/// better than none.
-const LAST_BIT: f64 = 0.25;
 /// Evaluations that a solve takes at most: one from a table, then the bracketed search, and one where that
 /// ended.
 pub const MOST_EVALUATIONS: u64 = MAX_EVALUATIONS as u64 + 2;
 /// Distance from a fold up to which tables are over its root.
 const NEAR: f64 = 0.5;
+
+/// Relative accuracy asked of the tables.
+const TABLE_TOLERANCE: f64 = 3e-10;
+
+thread_local! {
+    /// Kept from block to block: to clear them would take as long as every tenth solve.
+    static LANES: RefCell<Lanes> = RefCell::new(Lanes::new());
+}
 
 /// A monotone branch with its starting tables.
 #[derive(Clone, Debug)]
@@ -321,14 +109,11 @@ impl<C: Curve> Branch<C> {
         }
         let (mut begin, mut started) = (0, 0);
         while begin < count {
-            let (side, low, high) = if lanes.places[begin] <= nearest {
-                (Side::Near, f64::NEG_INFINITY, nearest)
-            } else {
-                (Side::Far, nearest, f64::INFINITY)
-            };
+            let is_near = lanes.places[begin] <= nearest;
+            let (low, high) = if is_near { (f64::NEG_INFINITY, nearest) } else { (nearest, f64::INFINITY) };
             let end = begin + leading(&lanes.places[begin..count], low, high).max(1);
-            let table = if side == Side::Near { &self.near } else { &self.far };
-            if side == Side::Near {
+            let table = if is_near { &self.near } else { &self.far };
+            if is_near {
                 lanes.places[begin..end].iter_mut().for_each(|place| *place = place.sqrt());
             }
             while begin < end {
@@ -340,9 +125,10 @@ impl<C: Curve> Branch<C> {
                     continue;
                 };
                 started += length as u64;
-                match side {
-                    Side::Near => start_lanes::<true>(anchor, sign, cell, lanes, run),
-                    Side::Far => start_lanes::<false>(anchor, sign, cell, lanes, run),
+                if is_near {
+                    start_lanes::<true>(anchor, sign, cell, lanes, run);
+                } else {
+                    start_lanes::<false>(anchor, sign, cell, lanes, run);
                 }
             }
         }
@@ -406,6 +192,7 @@ impl<C: Curve> Branch<C> {
 #[cfg(test)]
 mod tests {
     use super::super::contact::Contact;
+    use super::super::curve::CurvePoint;
     use super::super::noncontact::{Branches, Noncontact};
     use super::*;
 

@@ -15,7 +15,7 @@
 //! before first touch; the stable branch is 0 < θ ≤ θ_fold.
 
 use super::angle::{AngleTerms, angle_terms};
-use super::branch::{Curve, CurvePoint};
+use super::curve::{Curve, CurvePoint};
 use crate::math::roots::{Sample, safe_newton};
 
 const FIRST_TOUCH: f64 = std::f64::consts::FRAC_PI_2;

@@ -5,8 +5,9 @@
 //! Elastic spheres, every adhesion parameter λ in [`super::scale::LAMBDA_RANGE`]. Source: Maugis (1992) in
 //! contact, Shi and Polycarpou (2005) before it; the branch rules are those of displacement control.
 
-use super::branch::{Anchor, Branch, Curve, Solution};
+use super::branch::Branch;
 use super::contact::Contact;
+use super::curve::{Anchor, Curve, Solution};
 use super::error::LawError;
 use super::history::Path;
 use super::noncontact::{Branches, Noncontact};

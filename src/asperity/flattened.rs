@@ -10,8 +10,9 @@
 //! That of the laws. Hertz's relation between a, P and R is Johnson's (Contact Mechanics, 1985, section 6.4)
 //! for the unloading of a plastic indentation.
 
-use super::branch::{Anchor, Branch, Curve};
+use super::branch::Branch;
 use super::contact::Contact;
+use super::curve::{Anchor, Curve};
 use super::history::Path;
 use super::law::{Flattened, Responses};
 use super::noncontact::{Branches, Noncontact};

@@ -8,12 +8,14 @@
 mod angle;
 pub mod branch;
 pub mod contact;
+pub mod curve;
 pub mod emd;
 mod error;
 pub mod family;
 pub mod flattened;
 pub mod formula;
 mod history;
+mod lanes;
 pub mod law;
 pub mod laws;
 pub mod models;

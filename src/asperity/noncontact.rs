@@ -14,7 +14,7 @@
 //! # Validity
 //! All λ > 0, ε > 0. Δ(ε) folds for λ > 0.88832; the outermost branch is the one that approach follows.
 
-use super::branch::{Curve, CurvePoint};
+use super::curve::{Curve, CurvePoint};
 use super::scale::STRESS_RATIO;
 use crate::math::roots::{Sample, golden_maximum, safe_newton};
 use std::f64::consts::PI;

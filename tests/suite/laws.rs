@@ -5,8 +5,8 @@
 
 use crate::common::{case, law, respond};
 use std::f64::consts::PI;
-use stiction::asperity::branch::Curve;
 use stiction::asperity::contact::Contact;
+use stiction::asperity::curve::Curve;
 use stiction::asperity::emd::Emd;
 use stiction::asperity::models::{MODELS, model};
 use stiction::asperity::noncontact::{Branches, Noncontact};

@@ -2,7 +2,7 @@
 //! `scripts/reference_values.py`.
 
 use crate::common::for_each_instruction_set;
-use stiction::asperity::branch::Solution;
+use stiction::asperity::curve::Solution;
 use stiction::asperity::emd::Emd;
 use stiction::asperity::{Path, SolverStats};
 

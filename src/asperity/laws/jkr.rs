@@ -12,7 +12,8 @@
 //! Proc. R. Soc. Lond. A 324 (1971) 301; for rough surfaces Fuller and Tabor, Proc. R. Soc. Lond. A 345
 //! (1975) 327.
 
-use crate::asperity::branch::{Anchor, Branch, Curve, CurvePoint};
+use crate::asperity::branch::Branch;
+use crate::asperity::curve::{Anchor, Curve, CurvePoint};
 use crate::asperity::error::LawError;
 use crate::asperity::formula::Constant;
 use crate::asperity::history::Path;

@@ -164,7 +164,7 @@ fn main() {
     for skip in ["nothing", "series", "constant", "touches", "unreached"] {
         for (name, scene) in &scenes {
             let law = scene.law().expect("a law of the scene");
-            let law = law.as_ref();
+            let law = law.typical.as_ref();
             let whole = Hidden::nothing(law);
             let hidden = match skip {
                 "nothing" => Hidden::nothing(law),

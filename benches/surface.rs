@@ -20,7 +20,7 @@ fn main() {
 fn replica(bencher: Bencher, name: &str) {
     let scene = scene(name);
     let law = scene.law().expect("a law of the scene");
-    let job = job(&scene, law.as_ref(), 1);
+    let job = job(&scene, law.view(), 1);
     let mut workspace = Workspace::new(&job);
     let pairs = scene.surface.asperity_count * scene.separations.len();
     let mut index = 0;
@@ -35,10 +35,10 @@ fn replica(bencher: Bencher, name: &str) {
 fn eight_replicas_compressed(bencher: Bencher, name: &str) {
     let scene = scene(name);
     let law = scene.law().expect("a law of the scene");
-    let matrix =
-        MomentMatrix::new(law.as_ref(), &scene.surface, &scene.separations, 1e-9).expect("even separations");
+    let matrix = MomentMatrix::new(law.typical.as_ref(), &scene.surface, &scene.separations, 1e-9)
+        .expect("even separations");
     let at_once = LANES as u64;
-    let job = Job { moments: Some(&matrix), ..job(&scene, law.as_ref(), at_once) };
+    let job = Job { moments: Some(&matrix), ..job(&scene, law.view(), at_once) };
     let mut workspace = Workspace::new(&job);
     let pairs = LANES * scene.surface.asperity_count * scene.separations.len();
     let mut index = 0;
@@ -53,7 +53,7 @@ fn eight_replicas_compressed(bencher: Bencher, name: &str) {
 fn replica_by_law(bencher: Bencher, name: &str) {
     let scene = scene("case_ii");
     let law = scene.law_of(&model(name).expect("a law")).expect("a law of the scene");
-    let job = job(&scene, law.as_ref(), 1);
+    let job = job(&scene, law.view(), 1);
     let mut workspace = Workspace::new(&job);
     let pairs = scene.surface.asperity_count * scene.separations.len();
     bencher.counter(ItemsCount::new(pairs)).bench_local(|| workspace.replicas(&job, 0..1, |_, _| ()));
@@ -63,5 +63,5 @@ fn replica_by_law(bencher: Bencher, name: &str) {
 fn integral(bencher: Bencher, name: &str) {
     let scene = scene(name);
     let law = scene.law().expect("a law of the scene");
-    bencher.bench_local(|| Expectations::new(law.as_ref(), &scene.surface, &scene.separations));
+    bencher.bench_local(|| Expectations::new(law.view(), &scene.surface, &scene.separations));
 }

@@ -72,7 +72,7 @@ fn main() {
 fn sums(table: &mut Table) {
     let scene = scene("case_ii");
     let law = scene.law().expect("a law of the scene");
-    let job = job(&scene, law.as_ref(), LANES as u64);
+    let job = job(&scene, law.view(), LANES as u64);
     let truth: Vec<Vec<[f64; 2]>> = (0..LANES as u64).map(|index| summed_one_by_one(&scene, index)).collect();
     let what = format!(
         "case II, {} asperities, {} separations: drawing, summing and pull-off of {LANES} replicas, per replica, least of {} runs, \
@@ -85,7 +85,7 @@ fn sums(table: &mut Table) {
     let matrices: Vec<MomentMatrix> = SUM_TOLERANCES
         .iter()
         .filter_map(|&tolerance| {
-            MomentMatrix::new(law.as_ref(), &scene.surface, &scene.separations, tolerance)
+            MomentMatrix::new(law.typical.as_ref(), &scene.surface, &scene.separations, tolerance)
                 .inspect_err(|refusal| eprintln!("sums: compressed to {tolerance:e} is left out: {refusal}"))
                 .ok()
         })
@@ -156,12 +156,11 @@ fn monte_carlo(table: &mut Table) {
     let all = rayon::ThreadPoolBuilder::new().build().expect("threads");
     let scene = scene("case_ii");
     let law = scene.law().expect("a law of the scene");
-    let model = || one.install(|| Expectations::new(law.as_ref(), &scene.surface, &scene.separations));
+    let model = || one.install(|| Expectations::new(law.view(), &scene.surface, &scene.separations));
     let expectations = model();
-    let of_scheme = |scheme| Job { scheme, ..job(&scene, law.as_ref(), BATCH) };
+    let of_scheme = |scheme| Job { scheme, ..job(&scene, law.view(), BATCH) };
     let try_out = |scheme| one.install(|| Summation::by_moments(&of_scheme(scheme), COMPRESSED));
-    let basis_of =
-        |scheme, replicas| basis(law.as_ref(), &scene.surface, &scene.separations, scheme, replicas);
+    let basis_of = |scheme, replicas| basis(law.view(), &scene.surface, &scene.separations, scheme, replicas);
     let places_of = |scheme: SamplingScheme, replicas| {
         let eligible = &basis_of(scheme, replicas).tested[1];
         controls(&scene.separations, &expectations, eligible, replicas / scheme.group())
@@ -267,7 +266,7 @@ fn integral(table: &mut Table) {
         let scene = scene(name);
         let law = scene.law().expect("a law of the scene");
         let taken = |separations: &[f64], tolerance: f64| {
-            Expectations::with_tolerance(law.as_ref(), &scene.surface, separations, tolerance)
+            Expectations::with_tolerance(law.view(), &scene.surface, separations, tolerance)
         };
         let known = known_integral(case);
         let places: Vec<f64> =

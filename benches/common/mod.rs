@@ -3,7 +3,7 @@
 
 use std::path::Path;
 use std::time::Instant;
-use stiction::asperity::Law;
+use stiction::asperity::Laws;
 use stiction::engine::{Job, Protocol};
 use stiction::scene::Scene;
 
@@ -19,9 +19,9 @@ pub fn scene(name: &str) -> Scene {
 }
 
 /// A job of a scene that sums directly and keeps nothing but the replicas.
-pub fn job<'a>(scene: &'a Scene, law: &'a dyn Law, replicas: u64) -> Job<'a> {
+pub fn job<'a>(scene: &'a Scene, laws: impl Into<Laws<'a>>, replicas: u64) -> Job<'a> {
     Job {
-        law,
+        laws: laws.into(),
         surface: &scene.surface,
         separations: &scene.separations,
         seed: scene.seed,

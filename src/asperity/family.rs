@@ -1,14 +1,41 @@
-//! Laws of asperities that differ in their radius alone.
+//! Laws of the asperities of a surface: one law of all, or a law for each radius.
 
 use super::error::LawError;
 use super::history::Path;
-use super::law::{Boundary, Family, FitReport, Law, Method, Piece, Regime, Responses};
+use super::law::Law;
 use super::models::Model;
 use super::parameters::LawParameters;
 use super::scale::Asperity;
-use super::stats::SolverStats;
+use std::ops::Deref;
+use std::sync::Arc;
+
+/// Makes the law of an asperity of a radius, m, with starting tables for interferences in a range, m, where
+/// there is one.
+type OfRadius = dyn Fn(f64, Option<(f64, f64)>) -> Box<dyn Law> + Send + Sync;
+
+/// The laws of asperities that differ in their radius alone.
+#[derive(Clone)]
+pub struct Family {
+    of_radius: Arc<OfRadius>,
+}
 
 impl Family {
+    /// The laws that a function makes.
+    pub fn from_fn(
+        of_radius: impl Fn(f64, Option<(f64, f64)>) -> Box<dyn Law> + Send + Sync + 'static,
+    ) -> Self {
+        Self { of_radius: Arc::new(of_radius) }
+    }
+
+    /// The law of an asperity of a radius, m, with starting tables for interferences in `reach`, m; without,
+    /// it takes less to make, and each solve more.
+    ///
+    /// # Panics
+    /// When the radius is not between those that the family was made for.
+    pub fn law(&self, radius: f64, reach: Option<(f64, f64)>) -> Box<dyn Law> {
+        (self.of_radius)(radius, reach)
+    }
+
     /// The laws of a model for asperities like one, whose radii differ from its radius by factors between
     /// `least` and `most`.
     ///
@@ -37,49 +64,54 @@ impl Family {
     }
 }
 
-/// The law of the typical asperity of a family, which knows the others.
-pub struct Typical {
-    law: Box<dyn Law>,
-    family: Family,
+/// The laws of the asperities of a surface, which behave as the law of the typical one.
+#[derive(Clone, Copy)]
+pub struct Laws<'a> {
+    /// The law of the typical asperity; of every asperity where there is no family.
+    pub typical: &'a dyn Law,
+    /// The laws by radius, where asperities differ in it.
+    pub family: Option<&'a Family>,
 }
 
-impl Typical {
-    /// A law and the family that it belongs to.
-    pub fn new(law: Box<dyn Law>, family: Family) -> Self {
-        Self { law, family }
+impl<'a> Deref for Laws<'a> {
+    type Target = dyn Law + 'a;
+
+    fn deref(&self) -> &Self::Target {
+        self.typical
     }
 }
 
-impl Law for Typical {
-    fn regimes(&self) -> &[Regime] {
-        self.law.regimes()
+impl<'a> From<&'a (dyn Law + 'a)> for Laws<'a> {
+    fn from(typical: &'a (dyn Law + 'a)) -> Self {
+        Self { typical, family: None }
     }
+}
 
-    fn boundaries(&self) -> &[Boundary] {
-        self.law.boundaries()
+impl<'a, L: Law + 'a> From<&'a L> for Laws<'a> {
+    fn from(law: &'a L) -> Self {
+        Self { typical: law, family: None }
     }
+}
 
-    fn pieces(&self) -> Vec<Piece> {
-        self.law.pieces()
+/// The laws of a surface as they are made.
+pub struct SurfaceLaws {
+    /// The law of the typical asperity.
+    pub typical: Box<dyn Law>,
+    /// The laws by radius, where asperities differ in it.
+    pub family: Option<Family>,
+}
+
+impl SurfaceLaws {
+    /// What sums take.
+    pub fn view(&self) -> Laws<'_> {
+        Laws { typical: self.typical.as_ref(), family: self.family.as_ref() }
     }
+}
 
-    fn method(&self, regime: usize) -> Method {
-        self.law.method(regime)
-    }
+impl Deref for SurfaceLaws {
+    type Target = dyn Law;
 
-    fn capture(&self) -> Option<f64> {
-        self.law.capture()
-    }
-
-    fn fit(&self) -> Option<&FitReport> {
-        self.law.fit()
-    }
-
-    fn family(&self) -> Option<&Family> {
-        Some(&self.family)
-    }
-
-    fn evaluate(&self, regime: usize, interference: &[f64], out: &mut Responses, stats: &mut SolverStats) {
-        self.law.evaluate(regime, interference, out, stats);
+    fn deref(&self) -> &Self::Target {
+        self.typical.as_ref()
     }
 }

@@ -4,7 +4,6 @@ use super::scale::Scale;
 use super::stats::SolverStats;
 use crate::math::instruction_set::InstructionSet;
 use std::f64::consts::PI;
-use std::sync::Arc;
 
 /// Asperities that are evaluated at once.
 pub const BLOCK: usize = 256;
@@ -216,34 +215,6 @@ pub trait Flattened: Send + Sync {
     fn attraction(&self, ratios: &[f64], interference: &[f64], out: &mut Responses, stats: &mut SolverStats);
 }
 
-/// Makes the law of an asperity of a radius, m, with starting tables for interferences in a range, m, where
-/// there is one.
-type OfRadius = dyn Fn(f64, Option<(f64, f64)>) -> Box<dyn Law> + Send + Sync;
-
-/// The laws of asperities that differ in their radius alone.
-#[derive(Clone)]
-pub struct Family {
-    of_radius: Arc<OfRadius>,
-}
-
-impl Family {
-    /// The laws that a function makes.
-    pub fn from_fn(
-        of_radius: impl Fn(f64, Option<(f64, f64)>) -> Box<dyn Law> + Send + Sync + 'static,
-    ) -> Self {
-        Self { of_radius: Arc::new(of_radius) }
-    }
-
-    /// The law of an asperity of a radius, m, with starting tables for interferences in `reach`, m; without,
-    /// it takes less to make, and each solve more.
-    ///
-    /// # Panics
-    /// When the radius is not between those that the family was made for.
-    pub fn law(&self, radius: f64, reach: Option<(f64, f64)>) -> Box<dyn Law> {
-        (self.of_radius)(radius, reach)
-    }
-}
-
 /// A law of one asperity as the sums see it: contiguous regimes of interference, and forces evaluated block
 /// by block, so that choosing the law costs one call per block and nothing in the inner loop.
 pub trait Law: Send + Sync {
@@ -270,12 +241,6 @@ pub trait Law: Send + Sync {
 
     /// How well its curve fits are, when it has any.
     fn fit(&self) -> Option<&FitReport> {
-        None
-    }
-
-    /// The laws of asperities of other radii, where a surface has such: then this is the law of the typical
-    /// one.
-    fn family(&self) -> Option<&Family> {
         None
     }
 

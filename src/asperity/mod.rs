@@ -31,11 +31,11 @@ pub mod table;
 pub mod unloading;
 
 pub use error::LawError;
-pub use family::Typical;
+pub use family::{Family, Laws, SurfaceLaws};
 pub use history::Path;
 pub use law::{
-    BLOCK, Boundary, End, Family, FitReport, Flattened, Law, Method, Piece, Regime, Responses, Scratch,
-    Smoothness, for_each_block, for_each_block_of, regime_ranges,
+    BLOCK, Boundary, End, FitReport, Flattened, Law, Method, Piece, Regime, Responses, Scratch, Smoothness,
+    for_each_block, for_each_block_of, regime_ranges,
 };
 pub use parameters::LawParameters;
 pub use quantity::Quantity;

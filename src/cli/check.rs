@@ -6,7 +6,7 @@ use super::session::thread_pool;
 use super::sweep::described;
 use super::{Failure, law_of, loop_of, print, read_document, resources};
 use crate::asperity::scale::Scale;
-use crate::asperity::{Law, Loop};
+use crate::asperity::{Laws, Loop};
 use crate::engine::{Limit, SCALARS, Stopping, Target};
 use crate::estimate::{Estimate, Plan};
 use crate::experiment::integral::Integral;
@@ -30,18 +30,18 @@ fn checked(path: &Path) -> Result<String, Failure> {
     }
     let law = law_of(&scene, &scene.model, path)?;
     let cycle = loop_of(&scene, path)?;
-    let plan = Plan::new(&scene, law.as_ref());
+    let plan = Plan::new(&scene, law.view());
     let mut text = heading(&scene);
     text += &skipped(&plan);
     text += &beyond(&plan);
     text += &regimes(&plan, scene.surface.asperity_count as f64);
-    for warning in warnings_of(&scene, law.as_ref(), cycle.as_ref()) {
+    for warning in warnings_of(&scene, law.view(), cycle.as_ref()) {
         text += &row("warning", &warning.finding);
         text += &paragraph(&warning.explanation());
     }
     let most = if scene.stopping.is_some() { "at most " } else { "" };
     text += &row("work", &format!("{most}{:.3e} asperity-separations", plan.pairs));
-    let estimate = Estimate::new(&scene, law.as_ref(), threads());
+    let estimate = Estimate::new(&scene, law.view(), threads());
     text += &cost(&estimate, most);
     for shortage in resources::shortages(&estimate, Some(Path::new("out.h5"))) {
         text += &row("too large", &format!("here `stiction run` would refuse: {shortage}"));
@@ -52,25 +52,25 @@ fn checked(path: &Path) -> Result<String, Failure> {
 /// What a sweep would compute: its first point, and what all of them take.
 fn check_sweep(sweep: &Sweep, first: &Scene, path: &Path) -> Result<String, Failure> {
     let law = law_of(first, &first.model, path)?;
-    let plan = Plan::new(first, law.as_ref());
+    let plan = Plan::new(first, law.view());
     let mut text = title(first) + &described(sweep) + "first point\n" + &facts(first);
     text += &(skipped(&plan) + &beyond(&plan) + &regimes(&plan, first.surface.asperity_count as f64));
     text += &row("work", &format!("{:.3e} asperity-separations", plan.pairs));
     text += "all points\n";
-    let (mut seconds, mut largest) = ([0.0; 2], Estimate::new(first, law.as_ref(), threads()));
+    let (mut seconds, mut largest) = ([0.0; 2], Estimate::new(first, law.view(), threads()));
     let mut warned: Vec<(Warning, Vec<usize>)> = Vec::new();
     for point in 0..sweep.count() {
         let named = |problem: String| Failure::Usage(format!("{}: {problem}", path.display()));
         let scene = sweep.scene(point).map_err(|error| named(error.to_string()))?;
         let at = |failure| Failure::AtPoint { point: sweep.name(point), failure: Box::new(failure) };
         let law = law_of(&scene, &scene.model, path).map_err(at)?;
-        let estimate = Estimate::new(&scene, law.as_ref(), threads());
+        let estimate = Estimate::new(&scene, law.view(), threads());
         for (sum, threads) in seconds.iter_mut().zip([estimate.threads, 1.0]) {
             *sum += Estimate { threads, ..estimate }.seconds().iter().sum::<f64>();
         }
         largest = if largest.memory() < estimate.memory() { estimate } else { largest };
         let cycle = loop_of(&scene, path).map_err(at)?;
-        for warning in warnings_of(&scene, law.as_ref(), cycle.as_ref()) {
+        for warning in warnings_of(&scene, law.view(), cycle.as_ref()) {
             // Findings say the numbers of their point; what is the matter is the same.
             match warned.iter_mut().find(|(known, _)| known.explanation() == warning.explanation()) {
                 Some((_, points)) => points.push(point),
@@ -95,9 +95,9 @@ fn check_sweep(sweep: &Sweep, first: &Scene, path: &Path) -> Result<String, Fail
 }
 
 /// What of a scene is outside of what the models are valid for, or likely a wrong unit.
-fn warnings_of(scene: &Scene, law: &dyn Law, cycle: Option<&Loop>) -> Vec<Warning> {
+fn warnings_of(scene: &Scene, law: Laws<'_>, cycle: Option<&Loop>) -> Vec<Warning> {
     let expected = Integral::new(scene, law, cycle).expected(scene, law);
-    warnings(scene, &scene.model, law, &expected)
+    warnings(scene, &scene.model, law.typical, &expected)
 }
 
 fn threads() -> usize {

@@ -140,7 +140,7 @@ fn sizes(scene: &Scene, counts: &[u64], files: &Arc<dyn Files>) -> Result<Sweep,
 /// The pull-off force of the integral for one asperity, N.
 fn integral(points: &Points<'_>, scene: &Scene) -> Result<f64, Failure> {
     let law = law_of(scene, &scene.model, points.source)?;
-    let force = -PathIntegral::of(scene, law.as_ref()).features.minimum.value;
+    let force = -PathIntegral::of(scene, law.view()).features.minimum.value;
     if force > 0.0 {
         return Ok(force / scene.surface.asperity_count as f64);
     }

@@ -24,7 +24,7 @@ mod validate;
 pub use memory::Allocator;
 
 use crate::asperity::models::Model;
-use crate::asperity::{Law, Loop, Path as History};
+use crate::asperity::{Loop, Path as History, SurfaceLaws};
 use crate::engine::Shard;
 use crate::experiment;
 use crate::experiment::checkpoint::OverwritePolicy;
@@ -565,7 +565,7 @@ fn refused(path: &Path) -> impl Fn(experiment::Error) -> Failure {
 }
 
 /// A law for the asperities of a scene, with the scene's file named in every error.
-fn law_of(scene: &Scene, model: &Model, path: &Path) -> Result<Box<dyn Law>, Failure> {
+fn law_of(scene: &Scene, model: &Model, path: &Path) -> Result<SurfaceLaws, Failure> {
     let refused = |error| format!("{}: the law {} cannot be used: {error}", path.display(), model.name);
     scene.law_of(model).map_err(|error| Failure::Usage(refused(error)))
 }

@@ -105,7 +105,7 @@ impl<'a> Points<'a> {
         for point in 0..self.sweep.count() {
             let scene = self.scene(point)?;
             let law = law_of(&scene, &scene.model, self.source).map_err(|failure| self.at(point, failure))?;
-            let estimate = Estimate::new(&scene, law.as_ref(), threads);
+            let estimate = Estimate::new(&scene, law.view(), threads);
             if largest.is_none_or(|known| known.memory() < estimate.memory()) {
                 largest = Some(estimate);
             }

@@ -5,7 +5,7 @@ use super::session::{Session, override_ensemble};
 use super::summary::summary;
 use super::{Failure, RunArguments, files_of, print_of, read_document, resources, shard, sweep};
 use crate::estimate::Estimate;
-use crate::experiment::prepared::{Laws, Task, run_scene};
+use crate::experiment::prepared::{SceneLaws, Task, run_scene};
 use crate::output::OutputLock;
 use crate::scene::{Document, Scene};
 use std::path::{Path, PathBuf};
@@ -54,10 +54,10 @@ pub(super) fn laws_of(
     replicas: u64,
     (source, task): (&Path, &Task<'_>),
     threads: usize,
-) -> Result<Laws, Failure> {
+) -> Result<SceneLaws, Failure> {
     let refused = |error| Failure::Usage(format!("{}: {error}", source.display()));
-    let laws = Laws::new(scene).map_err(refused)?;
-    let estimate = Estimate { replicas: replicas as f64, ..Estimate::new(scene, laws.law.as_ref(), threads) };
+    let laws = SceneLaws::new(scene).map_err(refused)?;
+    let estimate = Estimate { replicas: replicas as f64, ..Estimate::new(scene, laws.law.view(), threads) };
     // What an interrupted run has kept is on the disk already.
     let begins = !task.lock.beside(".checkpoint").exists();
     resources::require(source, &estimate, begins.then_some(task.output))?;

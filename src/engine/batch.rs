@@ -51,7 +51,7 @@ pub struct Ensemble {
 impl Ensemble {
     /// No replicas yet.
     pub fn new(job: &Job<'_>) -> Self {
-        let (s, r) = (job.states(), job.law.regimes().len());
+        let (s, r) = (job.states(), job.laws.regimes().len());
         Self {
             curves: std::array::from_fn(|_| Moments::new(s)),
             regime_count: Moments::new(r * s),

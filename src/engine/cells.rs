@@ -292,7 +292,7 @@ mod tests {
         let separations = [3.0e-9, 3.1e-9, 3.25e-9, 3.3e-9, 3.5e-9, 3.6e-9, 3.65e-9];
         let samples = separations.map(|h: f64| (h, 1e-4 * (1e9 * h - 3.3).powi(2) - 5e-4));
         let job = Job {
-            law: law.as_ref(),
+            laws: law.as_ref().into(),
             surface: &surface,
             separations: &separations,
             seed: 1,

@@ -71,7 +71,7 @@ thread_local! {
 impl Memory {
     /// That of this thread, for a job.
     fn of(job: &Job<'_>) -> Self {
-        let regimes = job.law.regimes().len();
+        let regimes = job.laws.regimes().len();
         let fits = |memory: &Self| {
             let moments = job.moments.zip(memory.moments.as_ref());
             let fits = moments.is_none_or(|(matrix, sums)| sums.fits(matrix, regimes));
@@ -88,7 +88,7 @@ impl Memory {
     /// Sums of the chunk that was drawn, by state and regime; at separations that rise where radii differ.
     fn sum(&mut self, job: &Job<'_>, states: &[State]) -> Vec<RegimeSums> {
         let Self { heights, radii, sums, .. } = self;
-        match job.law.family() {
+        match job.laws.family {
             Some(family) => sum_polydisperse(job, family, (heights, radii), sums, states),
             None => {
                 heights.sort_unstable_by(f64::total_cmp);
@@ -102,7 +102,7 @@ impl Memory {
     fn part(&mut self, job: &Job<'_>, matrix: &MomentMatrix) -> (ChunkMoments, Vec<RegimeSums>) {
         let Self { heights, sums, moments, .. } = self;
         let moments = moments.as_mut().expect("memory of a matrix has its sums");
-        let mut part = ChunkMoments::new(moments, matrix, job.law, heights, &mut sums.stats);
+        let mut part = ChunkMoments::new(moments, matrix, job.laws.typical, heights, &mut sums.stats);
         if part.beyond.is_empty() {
             return (part, Vec::new());
         }
@@ -116,7 +116,7 @@ impl Memory {
     fn rest(&mut self, job: &Job<'_>, matrix: &MomentMatrix, between: &Between) -> Vec<f64> {
         let Self { heights, sums, moments, .. } = self;
         let moments = moments.as_mut().expect("memory of a matrix has its sums");
-        between.rest(moments, matrix, job.law, heights, &mut sums.stats)
+        between.rest(moments, matrix, job.laws.typical, heights, &mut sums.stats)
     }
 }
 
@@ -192,7 +192,7 @@ impl<'a> Chunks<'a> {
             Some(matrix) => self.sum_moments(matrix, curves),
             None => {
                 let sums = self.states(&State::all(self.job));
-                for (k, sums) in sums.chunks_exact(self.job.law.regimes().len()).enumerate() {
+                for (k, sums) in sums.chunks_exact(self.job.laws.regimes().len()).enumerate() {
                     RegimeSums::record(sums, k, curves);
                 }
             }
@@ -228,7 +228,7 @@ impl<'a> Chunks<'a> {
 
     /// What the surface with all its heights held answers, if it is small enough.
     fn held(&mut self, answer: impl FnOnce(&mut HeldSurface<'_>) -> Extremum) -> Option<Extremum> {
-        if self.draws.chunks() > HELD || self.job.law.family().is_some() || (self.ends)() {
+        if self.draws.chunks() > HELD || self.job.laws.family.is_some() || (self.ends)() {
             return None;
         }
         if self.heights.is_empty() {
@@ -236,7 +236,7 @@ impl<'a> Chunks<'a> {
             self.heights.sort_unstable_by(f64::total_cmp);
         }
         let job = Job { moments: None, ..*self.job };
-        let mut sums = Sums::new(job.law.regimes().len());
+        let mut sums = Sums::new(job.laws.regimes().len());
         let mut whole = HeldSurface {
             job: &job,
             heights: &self.heights,
@@ -257,20 +257,20 @@ impl<'a> Chunks<'a> {
     /// Sums by state and regime.
     fn states(&mut self, states: &[State]) -> Vec<RegimeSums> {
         let job = self.job;
-        let mut sums = vec![RegimeSums::default(); states.len() * job.law.regimes().len()];
+        let mut sums = vec![RegimeSums::default(); states.len() * job.laws.regimes().len()];
         self.each(|memory| memory.sum(job, states), |part| merge(&mut sums, &part));
         sums
     }
 
     /// External forces, N, by state.
     fn external_forces_of(&mut self, states: &[State]) -> Vec<f64> {
-        let regimes = self.job.law.regimes().len();
+        let regimes = self.job.laws.regimes().len();
         self.states(states).chunks_exact(regimes).map(RegimeSums::external_force).collect()
     }
 
     /// Sums the surface by moments.
     fn sum_moments(&mut self, matrix: &'a MomentMatrix, curves: &mut Curves) {
-        let (job, regimes) = (self.job, self.job.law.regimes().len());
+        let (job, regimes) = (self.job, self.job.laws.regimes().len());
         let mut totals = Totals::new(matrix, regimes);
         let mut beyond = vec![RegimeSums::default(); job.states() * regimes];
         self.each(
@@ -281,7 +281,7 @@ impl<'a> Chunks<'a> {
             },
         );
         let mut sums = MomentSums::new(matrix, regimes);
-        totals.fill(&mut sums, matrix, job.law, curves, &mut self.stats);
+        totals.fill(&mut sums, matrix, job.laws.typical, curves, &mut self.stats);
         for (k, beyond) in beyond.chunks_exact(regimes).enumerate() {
             RegimeSums::add(beyond, k, curves);
         }
@@ -293,7 +293,7 @@ impl<'a> Chunks<'a> {
         let job = self.job;
         let Moments { matrix, totals, sums } = &mut moments;
         let d = separations.iter().map(|&h| job.surface.asperity_separation(h)).collect();
-        let between = Between::new(totals, sums, matrix, job.law, d, &mut self.stats);
+        let between = Between::new(totals, sums, matrix, job.laws.typical, d, &mut self.stats);
         let mut forces = vec![Compensated::default(); separations.len()];
         self.each(
             |memory| memory.rest(job, matrix, &between),
@@ -347,7 +347,7 @@ impl Summed for Chunks<'_> {
         if let Some(found) = self.held(|whole| whole.pull_off(external_force)) {
             return found;
         }
-        if job.law.family().is_none() {
+        if job.laws.family.is_none() {
             return pull_off(job, &self.kinks.approach, self, external_force);
         }
         polydisperse::pull_off(job, external_force, |places| self.external_forces(places))

@@ -44,8 +44,8 @@ impl ForceTable {
     /// The table of a job's law at all interferences that asperities have where a search takes their terms out
     /// of samples; empty where radii differ, because their asperities have no force in common.
     pub fn of(job: &Job<'_>, kinks: &Kinks) -> Self {
-        let kinks = if job.law.family().is_some() { &[][..] } else { &kinks.approach };
-        Self::new(job.law, kinks, REACH * spacing(job) + job.protocol.stiffness_span.unwrap_or(0.0))
+        let kinks = if job.laws.family.is_some() { &[][..] } else { &kinks.approach };
+        Self::new(job.laws.typical, kinks, REACH * spacing(job) + job.protocol.stiffness_span.unwrap_or(0.0))
     }
 
     /// Of a law, to `reach` beyond its first and its last kink, m.

@@ -67,7 +67,7 @@ impl HeldSurface<'_> {
     fn find(&mut self, sought: Sought, samples: &[(f64, f64)]) -> Extremum {
         let Self { job, heights, highest, .. } = *self;
         let (kinks, spacing) = (self.kinks.approach.as_slice(), widest_spacing(job));
-        if let Some(family) = job.law.family() {
+        if let Some(family) = job.laws.family {
             let asperities = (heights, self.radii);
             let places = self.places.get_or_insert_with(|| Places::new(job, family, asperities));
             let Sums { scratch, stats, .. } = &mut *self.sums;
@@ -193,7 +193,7 @@ impl<T: Heights> Curve for OfHeights<'_, T> {
     fn add(&mut self, heights: &[f64], separations: &[f64], sums: &mut [f64]) {
         for (separation, sum) in separations.iter().zip(sums) {
             let d = self.job.surface.asperity_separation(*separation);
-            *sum += self.table.sum(self.job.law, heights, d, self.heights.sums());
+            *sum += self.table.sum(self.job.laws.typical, heights, d, self.heights.sums());
         }
     }
 
@@ -259,7 +259,7 @@ impl Heights for ByMoments<'_> {
 
     fn external_force(&mut self, separation: f64) -> f64 {
         let d = self.job.surface.asperity_separation(separation);
-        self.moments.external_force(self.matrix, self.job.law, self.lane, d, &mut self.sums.stats)
+        self.moments.external_force(self.matrix, self.job.laws.typical, self.lane, d, &mut self.sums.stats)
     }
 
     fn sums(&mut self) -> &mut Sums {

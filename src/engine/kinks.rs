@@ -108,11 +108,11 @@ impl Kinks {
     /// Of a job.
     pub fn new(job: &Job<'_>) -> Self {
         let width = spacing(job);
-        let mut approach = Kink::of(job.law, width);
-        let strays = if job.law.family().is_some() {
+        let mut approach = Kink::of(job.laws.typical, width);
+        let strays = if job.laws.family.is_some() {
             StrayTable::default()
         } else {
-            tabulated(job.law, &mut approach, width)
+            tabulated(job.laws.typical, &mut approach, width)
         };
         let Some(cycle) = job.protocol.cycle else {
             return Self { approach, strays, retraction: Default::default() };

@@ -57,7 +57,7 @@ pub use shard::Shard;
 pub use stopping::{Attained, Estimator, Limit, Rule, Stopping, Target};
 pub use summation::{PILOTS, Summation};
 
-use crate::asperity::{Law, Loop};
+use crate::asperity::{Laws, Loop};
 use crate::surface::{SamplingScheme, Surface};
 use moments::MomentMatrix;
 use std::convert::Infallible;
@@ -66,8 +66,8 @@ use std::sync::atomic::AtomicBool;
 /// What is to be computed.
 #[derive(Clone, Copy)]
 pub struct Job<'a> {
-    /// The law of one asperity.
-    pub law: &'a dyn Law,
+    /// The laws of the asperities.
+    pub laws: Laws<'a>,
     /// The surface.
     pub surface: &'a Surface,
     /// Separations h of the mean planes of the surfaces, m, rising; at least 2.

@@ -20,7 +20,7 @@ impl PlaneSums {
     /// For surfaces of a job.
     pub fn new(job: &Job<'_>) -> Self {
         let planes = planes(job, job.separations);
-        Self { sums: vec![RegimeSums::default(); job.law.regimes().len() * planes.len()], planes }
+        Self { sums: vec![RegimeSums::default(); job.laws.regimes().len() * planes.len()], planes }
     }
 
     /// Sums a surface at all separations into its curves: `heights` and `radii`, m, of its asperities, whose

@@ -92,7 +92,7 @@ impl Workspace {
     /// Memory for replicas of a job whose surfaces are drawn, and summed, in chunks of `chunk` asperities
     /// where they have more.
     pub fn with_chunks(job: &Job<'_>, chunk: usize) -> Self {
-        let r = job.law.regimes().len();
+        let r = job.laws.regimes().len();
         let is_divided = is_divided(job.surface, chunk);
         let matrix = job.moments.filter(|_| !is_divided);
         let at_once = if matrix.is_some() { LANES } else { 1 };
@@ -102,7 +102,7 @@ impl Workspace {
             is_divided,
             heights: vec![Vec::new(); at_once],
             radii: Vec::new(),
-            plane_sums: job.law.family().filter(|_| !is_divided).map(|_| PlaneSums::new(job)),
+            plane_sums: job.laws.family.filter(|_| !is_divided).map(|_| PlaneSums::new(job)),
             table: ForceTable::of(job, &kinks),
             kinks,
             sums: Sums::new(r),
@@ -167,9 +167,9 @@ impl Workspace {
     fn sum(&mut self, job: &Job<'_>, count: usize) {
         if let (Some(matrix), Some(moments)) = (job.moments, &mut self.moments) {
             moments.take(matrix, &self.heights[..count]);
-            moments.fill(matrix, job.law, &mut self.curves[..count], &mut self.sums.stats);
+            moments.fill(matrix, job.laws.typical, &mut self.curves[..count], &mut self.sums.stats);
         }
-        if let (Some(family), Some(plane_sums)) = (job.law.family(), &mut self.plane_sums) {
+        if let (Some(family), Some(plane_sums)) = (job.laws.family, &mut self.plane_sums) {
             let Sums { scratch, stats, .. } = &mut self.sums;
             plane_sums.surface(family, (&self.heights[0], &self.radii), scratch, stats, &mut self.curves[0]);
             return;
@@ -240,7 +240,7 @@ mod tests {
     use super::super::{Loading, Protocol};
     use super::*;
     use crate::asperity::models::model;
-    use crate::asperity::{Family, Law, LawParameters, Loop, Path, Typical, UnloadedRadius};
+    use crate::asperity::{Family, Law, LawParameters, Laws, Loop, Path, SurfaceLaws, UnloadedRadius};
     use crate::surface::{
         CountLaw, HeightLaw, Heights, LogNormal, RADIUS_RANGE, Radii, Roughness, SamplingScheme, Surface,
     };
@@ -274,9 +274,9 @@ mod tests {
         model(name).unwrap().law(&parameters()).unwrap()
     }
 
-    fn job<'a>(law: &'a dyn Law, surface: &'a Surface, separations: &'a [f64]) -> Job<'a> {
+    fn job<'a>(laws: impl Into<Laws<'a>>, surface: &'a Surface, separations: &'a [f64]) -> Job<'a> {
         Job {
-            law,
+            laws: laws.into(),
             surface,
             separations,
             seed: 7,
@@ -330,7 +330,7 @@ mod tests {
         let approach = |replica: &Replica| {
             replica.cycle.as_ref().map_or(f64::NAN, |cycle| cycle.approach_pull_off_force)
         };
-        let is_polydisperse = job.law.family().is_some();
+        let is_polydisperse = job.laws.family.is_some();
         for force in [|replica: &Replica| replica.pull_off_force, approach] {
             let missed = force(&truth) - force(mine);
             // Of several radii in chunks no kinks are known, so that even places are looked at.
@@ -358,12 +358,12 @@ mod tests {
             assert_eq!(mine.touchdown_separation.to_bits(), truth.touchdown_separation.to_bits());
             assert_eq!(mine.takeoff_separation.to_bits(), truth.takeoff_separation.to_bits());
         }
-        if job.law.family().is_none() && mine.cycle.is_none() {
+        if job.laws.family.is_none() && mine.cycle.is_none() {
             let mut heights = Vec::new();
             Draws::of(job, index, SMALL).all(&mut heights, &mut Vec::new());
             heights.sort_unstable_by(f64::total_cmp);
             let state = State::Approach(mine.pull_off_separation);
-            let force = Sums::new(job.law.regimes().len()).external_force(job, &heights, state);
+            let force = Sums::new(job.laws.regimes().len()).external_force(job, &heights, state);
             assert!((force + mine.pull_off_force).abs() <= rounding, "{force:e} {mine:?}");
         }
     }
@@ -469,9 +469,9 @@ mod tests {
     fn scattered_radii_come_in_chunks() {
         let surface = Surface { radii: Radii::LogNormal(0.3), ..surface() };
         let family = Family::new(model("hybrid").unwrap(), CASE_II, Path::Approach, RADIUS_RANGE).unwrap();
-        let law = Typical::new(law("hybrid"), family);
+        let law = SurfaceLaws { typical: law("hybrid"), family: Some(family) };
         let separations = separations(&surface, 0.5, 15);
-        let job = job(&law, &surface, &separations);
+        let job = job(law.view(), &surface, &separations);
         agree(&job, 1, &divided(&job, 1), ROUNDING);
     }
 

@@ -40,7 +40,7 @@ impl Summation {
         if job.protocol.cycle.is_some() {
             return Self { refusal: Some(Unfit::Loop), ..direct };
         }
-        let matrix = match MomentMatrix::new(job.law, job.surface, job.separations, tolerance) {
+        let matrix = match MomentMatrix::new(job.laws.typical, job.surface, job.separations, tolerance) {
             Ok(matrix) => matrix,
             Err(refusal) => return Self { refusal: Some(refusal), ..direct },
         };

@@ -117,7 +117,7 @@ impl Sums {
                 self.over(&law, Some(law.base()), heights, d(from));
             }
             (State::Approach(h) | State::Retraction { to: h, .. }, _) => {
-                self.over(job.law, None, heights, d(h))
+                self.over(job.laws.typical, None, heights, d(h))
             }
         }
     }

@@ -1,6 +1,6 @@
 //! What a run of a scene computes, and what it skips and why.
 
-use crate::asperity::{Law, Method, Regime};
+use crate::asperity::{Laws, Method, Regime};
 use crate::scene::Scene;
 
 /// A regime that is expected less often than this in the whole run, at the separation that reaches it most, is called skipped.
@@ -44,7 +44,7 @@ pub struct Plan {
 
 impl Plan {
     /// The plan of a scene under its law.
-    pub fn new(scene: &Scene, law: &dyn Law) -> Self {
+    pub fn new(scene: &Scene, law: Laws<'_>) -> Self {
         let regimes = regimes(scene, law);
         let pairs = scene.surface.asperity_count as f64 * scene.states() as f64 * scene.replicas as f64;
         Self { skips: skips(scene, law, &regimes), beyond: beyond(scene, law), pairs, regimes }
@@ -52,7 +52,7 @@ impl Plan {
 }
 
 /// The regimes of a scene under its law.
-pub(super) fn regimes(scene: &Scene, law: &dyn Law) -> Vec<RegimePlan> {
+pub(super) fn regimes(scene: &Scene, law: Laws<'_>) -> Vec<RegimePlan> {
     let (n, replicas) = (scene.surface.asperity_count as f64, scene.replicas as f64);
     let mut lower = f64::NEG_INFINITY;
     let mut plans = Vec::new();
@@ -71,14 +71,14 @@ pub(super) fn regimes(scene: &Scene, law: &dyn Law) -> Vec<RegimePlan> {
 }
 
 /// Expected asperities per replica beyond the law's last regime, where it has no force, at the separation with most of them.
-pub fn beyond(scene: &Scene, law: &dyn Law) -> f64 {
+pub fn beyond(scene: &Scene, law: Laws<'_>) -> f64 {
     let Some(end) = law.boundaries().get(law.regimes().len() - 1) else { return 0.0 };
     let smallest = scene.surface.asperity_separation(scene.separations[0]);
     let share = scene.surface.heights.probability(end.interference + smallest, f64::INFINITY);
     scene.surface.asperity_count as f64 * share
 }
 
-fn skips(scene: &Scene, law: &dyn Law, regimes: &[RegimePlan]) -> Vec<String> {
+fn skips(scene: &Scene, law: Laws<'_>, regimes: &[RegimePlan]) -> Vec<String> {
     let mut skips = Vec::new();
     let dry = scene.asperity.lubricant_thickness == 0.0;
     if dry {

@@ -4,7 +4,7 @@
 //! run takes.
 
 use super::time::{Cost, step};
-use crate::asperity::Law;
+use crate::asperity::Laws;
 use crate::engine::moments::{LANES, MOST_PERIODS, periods};
 use crate::engine::{AHEAD, BATCH, HELD, PILOTS, batches_of};
 use crate::output::writer::CURVE_CHUNK;
@@ -69,7 +69,7 @@ pub struct Estimate {
 
 impl Estimate {
     /// The estimate of a scene under its law, on so many threads.
-    pub fn new(scene: &Scene, law: &dyn Law, threads: usize) -> Self {
+    pub fn new(scene: &Scene, law: Laws<'_>, threads: usize) -> Self {
         let separations = scene.separations.len();
         let snaps = 3 * scene.instability.stiffness.len() * (1 + scene.instability.preload.len());
         let step = step(scene);

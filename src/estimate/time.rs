@@ -1,7 +1,7 @@
 //! The core time of a run.
 
 use super::plan::regimes;
-use crate::asperity::{Law, Method};
+use crate::asperity::{Laws, Method};
 use crate::engine::parts_of;
 use crate::scene::Scene;
 use crate::surface::CHUNK_ASPERITIES;
@@ -56,7 +56,7 @@ fn evaluation(method: Method) -> f64 {
 
 impl Cost {
     /// The cost of a scene under its law.
-    pub(super) fn new(scene: &Scene, law: &dyn Law) -> Self {
+    pub(super) fn new(scene: &Scene, law: Laws<'_>) -> Self {
         let (n, separations) = (scene.surface.asperity_count as f64, &scene.separations);
         let s = scene.states() as f64;
         let regimes = regimes(scene, law);

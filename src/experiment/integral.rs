@@ -1,6 +1,6 @@
 //! The integral of a scene, and what is read off it.
 
-use crate::asperity::{Law, Loop, Quantity};
+use crate::asperity::{Laws, Loop, Quantity};
 use crate::integral::{Expectations, Model, TOLERANCE};
 use crate::math::extrema::{Extremum, Features, maximum};
 use crate::scene::{Expected, Reading, Scene, WhatIsRead};
@@ -74,7 +74,7 @@ impl PathIntegral {
     }
 
     /// The integral of a law along one path.
-    pub(crate) fn of(scene: &Scene, law: &dyn Law) -> Self {
+    pub(crate) fn of(scene: &Scene, law: Laws<'_>) -> Self {
         let model = Model::new(law, &scene.surface, &scene.separations);
         Self::new(scene, model.answer(&scene.separations, TOLERANCE), |h| model.answer(&[h], TOLERANCE))
     }
@@ -135,7 +135,7 @@ fn reading(scene: &Scene, what: WhatIsRead, separation: f64, at: &Expectations) 
 
 impl Integral {
     /// The integral of a scene under a law, and along its loop if surfaces are pulled back.
-    pub(crate) fn new(scene: &Scene, law: &dyn Law, cycle: Option<&Loop>) -> Self {
+    pub(crate) fn new(scene: &Scene, law: Laws<'_>, cycle: Option<&Loop>) -> Self {
         Self {
             main: PathIntegral::of(scene, law),
             retraction: cycle.map(|cycle| PathIntegral::retraction(scene, cycle)),
@@ -153,7 +153,7 @@ impl Integral {
     }
 
     /// The readings off the integral with their places, and how good it is.
-    pub(crate) fn expected(&self, scene: &Scene, law: &dyn Law) -> Expected {
+    pub(crate) fn expected(&self, scene: &Scene, law: Laws<'_>) -> Expected {
         let mut readings = self.pulled().readings(scene);
         if self.retraction.is_some() {
             let place = self.main.turn(scene);

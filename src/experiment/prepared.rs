@@ -6,7 +6,7 @@ use super::record::{write_curves, write_head, write_results};
 use super::results::{Results, RetractionResults, RunMetadata, Stopped, mean_features};
 use super::sampling::{Sampling, basis_of, cross_check};
 use super::{Error, Observer, Phases};
-use crate::asperity::{Law, Loop, Quantity};
+use crate::asperity::{Laws, Loop, Quantity, SurfaceLaws};
 use crate::engine::{Batch, Outcome, ReductionTree, Rule, Shard, Summation, batches_of, replicas_of};
 use crate::estimate::Plan;
 use crate::integral::{Expectations, controls};
@@ -53,7 +53,7 @@ pub(crate) struct Task<'a> {
 /// [`Error`]; what has been done is kept beside the output, for a run that resumes it.
 pub(crate) fn run_scene(
     scene: Scene,
-    laws: Laws,
+    laws: SceneLaws,
     task: &Task<'_>,
     session: &Session,
     observer: &mut dyn Observer,
@@ -85,13 +85,13 @@ pub(crate) fn run_scene(
 }
 
 /// The laws of a scene.
-pub(crate) struct Laws {
-    pub law: Box<dyn Law>,
+pub(crate) struct SceneLaws {
+    pub law: SurfaceLaws,
     /// The loop of which the law is the approach, if surfaces are pulled back.
     pub cycle: Option<Loop>,
 }
 
-impl Laws {
+impl SceneLaws {
     /// Those of a scene.
     pub fn new(scene: &Scene) -> Result<Self, Error> {
         let refused = |error| Error::Law { law: scene.model.name, error };
@@ -102,7 +102,7 @@ impl Laws {
 /// What the ensemble of a scene is computed with and checked against.
 pub(crate) struct PreparedRun {
     pub scene: Scene,
-    laws: Laws,
+    laws: SceneLaws,
     plan: Plan,
     warnings: Vec<Warning>,
     integral: Integral,
@@ -123,17 +123,17 @@ impl PreparedRun {
     /// That of a scene; with what has been kept of it.
     pub fn new(
         scene: Scene,
-        laws: Laws,
+        laws: SceneLaws,
         kept: Option<State>,
         session: &Session,
         phases: &mut Phases<'_>,
     ) -> Self {
-        let (law, cycle, pool) = (laws.law.as_ref(), laws.cycle.as_ref(), &session.pool);
+        let (law, cycle, pool) = (laws.law.view(), laws.cycle.as_ref(), &session.pool);
         phases.phase("integral");
         let plan = Plan::new(&scene, law);
         let (integral, warnings) = pool.install(|| {
             let integral = Integral::new(&scene, law, cycle);
-            let warnings = warnings(&scene, &scene.model, law, &integral.expected(&scene, law));
+            let warnings = warnings(&scene, &scene.model, law.typical, &integral.expected(&scene, law));
             (integral, warnings)
         });
         phases.phase("test functionals");
@@ -148,7 +148,7 @@ impl PreparedRun {
     pub fn sampling(&self) -> Sampling<'_> {
         Sampling {
             scene: &self.scene,
-            law: self.laws.law.as_ref(),
+            law: self.laws.law.view(),
             cycle: self.laws.cycle.as_ref(),
             controls: &self.state.controls,
             rule: self.rule(),
@@ -211,7 +211,7 @@ impl PreparedRun {
         // From here on the scene is that of the replicas that there are.
         self.scene.stopping = None;
         self.scene.replicas = ensemble.replicas.len() as u64;
-        let Self { scene, laws: Laws { law, cycle }, plan, warnings, integral, state, expected } = self;
+        let Self { scene, laws: SceneLaws { law, cycle }, plan, warnings, integral, state, expected } = self;
         let State { basis, controls, .. } = state;
         phases.phase("cross-check");
         let paths: Vec<&Expectations> = integral.paths().map(|way| &way.expectations).collect();
@@ -221,7 +221,7 @@ impl PreparedRun {
         let Integral { main: PathIntegral { expectations, features: of_integral, .. }, retraction } =
             integral;
         let (of_mean, retraction) = session.pool.install(|| {
-            let of_mean = mean_features(&scene, law.as_ref(), &ensemble, &expectations);
+            let of_mean = mean_features(&scene, law.view(), &ensemble, &expectations);
             (
                 of_mean,
                 cycle
@@ -261,7 +261,7 @@ impl PreparedRun {
 }
 
 /// The functionals of the joint test, and the control variates.
-fn prepared(scene: &Scene, (law, cycle): (&dyn Law, Option<&Loop>), integral: &Integral) -> State {
+fn prepared(scene: &Scene, (law, cycle): (Laws<'_>, Option<&Loop>), integral: &Integral) -> State {
     let basis = basis_of(scene, law, cycle);
     let groups = scene.fewest_replicas() / scene.sampling.group();
     // Of a loop the way on which the surfaces are pulled off.

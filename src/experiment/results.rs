@@ -1,7 +1,7 @@
 //! Results of a run, for the file and for the summary.
 
 use super::integral::{PathIntegral, resolving};
-use crate::asperity::{Law, Loop, Quantity, UnloadedRadius};
+use crate::asperity::{Laws, Loop, Quantity, UnloadedRadius};
 use crate::engine::{Attained, Ensemble, Rule, Stopping, Summation};
 use crate::estimate::Plan;
 use crate::integral::{Expectations, Model};
@@ -149,7 +149,7 @@ impl Stopped {
 /// deviation from the integral, which is small, is interpolated.
 pub(crate) fn mean_features(
     scene: &Scene,
-    law: &dyn Law,
+    law: Laws<'_>,
     ensemble: &Ensemble,
     expectations: &Expectations,
 ) -> Features {

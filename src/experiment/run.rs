@@ -5,7 +5,7 @@ use super::checkpoint::{OverwritePolicy, record_of};
 use super::compare::{Comparison, PreparedComparison};
 use super::integral::Integral;
 use super::observer::{Observer, Phases};
-use super::prepared::{Laws, PreparedRun, Session, Task, write};
+use super::prepared::{PreparedRun, SceneLaws, Session, Task, write};
 use super::results::{Results, RunMetadata};
 use crate::asperity::models::{Model, model};
 use crate::engine::{Batch, Ensemble, scalars};
@@ -122,7 +122,7 @@ impl<'a> Builder<'a> {
     pub fn run(self) -> Result<RunResult, Error> {
         let scene = self.scene;
         self.with_session(|session, phases| {
-            let run = PreparedRun::new(scene.clone(), Laws::new(scene)?, None, session, phases);
+            let run = PreparedRun::new(scene.clone(), SceneLaws::new(scene)?, None, session, phases);
             let setup = run.sampling();
             let job = setup.job();
             let mut records = Vec::new();
@@ -168,10 +168,10 @@ impl<'a> Builder<'a> {
     /// As [`integrate`].
     pub fn integrate(self) -> Result<Integral, Error> {
         let scene = self.scene;
-        let laws = Laws::new(scene)?;
+        let laws = SceneLaws::new(scene)?;
         self.with_session(|session, phases| {
             phases.phase("integral");
-            let integral = || Integral::new(scene, laws.law.as_ref(), laws.cycle.as_ref());
+            let integral = || Integral::new(scene, laws.law.view(), laws.cycle.as_ref());
             Ok(session.pool.install(integral))
         })
     }

@@ -2,7 +2,7 @@
 
 use super::Error;
 use super::observer::Phases;
-use crate::asperity::{Law, Loop, Path, Quantity};
+use crate::asperity::{Laws, Loop, Path, Quantity};
 use crate::engine::{
     Batch, Ensemble, Job, Loading, Outcome, Protocol, ReductionTree, Rule, Summation, replicas_of, run_from,
 };
@@ -16,7 +16,7 @@ use std::sync::atomic::AtomicBool;
 /// The ensemble of a scene under a law.
 pub(crate) struct Sampling<'a> {
     pub scene: &'a Scene,
-    pub law: &'a dyn Law,
+    pub law: Laws<'a>,
     /// The loop of which the law is the approach, if surfaces are pulled back.
     pub cycle: Option<&'a Loop>,
     /// Indices of the states of the control variates.
@@ -30,7 +30,7 @@ impl Sampling<'_> {
     /// The job, summed directly.
     pub fn job(&self) -> Job<'_> {
         Job {
-            law: self.law,
+            laws: self.law,
             surface: &self.scene.surface,
             separations: &self.scene.separations,
             seed: self.scene.seed,
@@ -120,7 +120,7 @@ pub(crate) fn loading(scene: &Scene) -> Loading<'_> {
 
 /// The functionals of the joint test of a scene under a law, for the sums that it asks for and the fewest
 /// replicas that it may have.
-pub(crate) fn basis_of(scene: &Scene, law: &dyn Law, cycle: Option<&Loop>) -> Basis {
+pub(crate) fn basis_of(scene: &Scene, law: Laws<'_>, cycle: Option<&Loop>) -> Basis {
     if let Some(cycle) = cycle {
         return basis_of_loop(
             cycle,

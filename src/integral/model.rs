@@ -2,7 +2,7 @@
 
 use super::expectations::Expectations;
 use super::height_integral::{AtSeparation, typical};
-use crate::asperity::{Law, Quantity, SolverStats};
+use crate::asperity::{Law, Laws, Quantity, SolverStats};
 use crate::math::extrema::maximum;
 use crate::surface::{CountLaw, Heights, RadiusClass, Surface};
 use rayon::prelude::*;
@@ -16,7 +16,7 @@ const HEIGHT_REACH: f64 = 11.0;
 /// The integral model of a surface under a law: with one radius a mean over heights, with several one over
 /// radii too.
 pub struct Model<'a> {
-    law: &'a dyn Law,
+    laws: Laws<'a>,
     surface: &'a Surface,
     /// Asperities of each radius, and their law where it is not that of all.
     parts: Vec<(RadiusClass, Option<Box<dyn Law>>)>,
@@ -30,16 +30,17 @@ struct Mixture {
 
 impl<'a> Model<'a> {
     /// The model of a surface, with laws that are fast at `separations` h, m.
-    pub fn new(law: &'a dyn Law, surface: &'a Surface, separations: &[f64]) -> Self {
+    pub fn new(laws: impl Into<Laws<'a>>, surface: &'a Surface, separations: &[f64]) -> Self {
+        let laws = laws.into();
         let law_of = |part: &RadiusClass| {
-            let family = law.family()?;
+            let family = laws.family?;
             let reach = reach(&part.heights, surface, separations);
             // A few heights are solved faster than a table is made.
             Some(family.law(part.radius, part.heights.values().is_none().then_some(reach)))
         };
         let parts =
             surface.parts().into_par_iter().map(|part| (law_of(&part), part)).map(|(law, part)| (part, law));
-        Self { law, surface, parts: parts.collect() }
+        Self { laws, surface, parts: parts.collect() }
     }
 
     /// The answer at separations h, m, to a relative accuracy of every piece of the law; not to more than the
@@ -62,7 +63,7 @@ impl<'a> Model<'a> {
             }
         };
         let regime = |f: &dyn Fn(&AtSeparation, usize) -> f64| -> Vec<Vec<f64>> {
-            (0..self.law.regimes().len())
+            (0..self.laws.regimes().len())
                 .map(|r| at.iter().map(|at| count * f(&at.fine, r)).collect())
                 .collect()
         };
@@ -87,14 +88,14 @@ impl<'a> Model<'a> {
 
     /// Expectations at separations h, m.
     fn at(&self, separations: &[f64], tolerance: f64) -> Vec<Mixture> {
-        let regimes = self.law.regimes().len();
+        let regimes = self.laws.regimes().len();
         let at = |&h: &f64| {
             let d = self.surface.asperity_separation(h);
             let mut stats = SolverStats::default();
-            let typical = typical(self.law, self.surface.heights.mean - d, &mut stats);
+            let typical = typical(self.laws.typical, self.surface.heights.mean - d, &mut stats);
             let [mut fine, mut coarse] = [0, 1].map(|_| AtSeparation::new(regimes, typical));
             let alike = self.parts.par_iter().map(|(part, law)| {
-                let law = law.as_deref().unwrap_or(self.law);
+                let law = law.as_deref().unwrap_or(self.laws.typical);
                 AtSeparation::of(law, &part.heights, d, typical, tolerance)
             });
             let alike: Vec<AtSeparation> = alike.collect();
@@ -125,15 +126,20 @@ impl Mixture {
 }
 
 impl Expectations {
-    /// Integrates `law` over the asperities of `surface` at separations h, m.
-    pub fn new(law: &dyn Law, surface: &Surface, separations: &[f64]) -> Self {
-        Self::with_tolerance(law, surface, separations, TOLERANCE)
+    /// Integrates laws over the asperities of `surface` at separations h, m.
+    pub fn new<'a>(laws: impl Into<Laws<'a>>, surface: &'a Surface, separations: &[f64]) -> Self {
+        Self::with_tolerance(laws, surface, separations, TOLERANCE)
     }
 
     /// The same to a relative accuracy of every piece of the law; not to more than the rounding of heights
     /// allows.
-    pub fn with_tolerance(law: &dyn Law, surface: &Surface, separations: &[f64], tolerance: f64) -> Self {
-        Model::new(law, surface, separations).answer(separations, tolerance)
+    pub fn with_tolerance<'a>(
+        laws: impl Into<Laws<'a>>,
+        surface: &'a Surface,
+        separations: &[f64],
+        tolerance: f64,
+    ) -> Self {
+        Model::new(laws, surface, separations).answer(separations, tolerance)
     }
 }
 

@@ -5,7 +5,7 @@ use super::files::Input;
 use super::instability::Instability;
 use crate::asperity::models::Model;
 use crate::asperity::scale::{Asperity, Scale};
-use crate::asperity::{Family, Law, LawError, LawParameters, Loop, Path, Typical, UnloadedRadius};
+use crate::asperity::{Family, LawError, LawParameters, Loop, Path, SurfaceLaws, UnloadedRadius};
 use crate::engine::Stopping;
 use crate::integral::reach;
 use crate::surface::{RADIUS_RANGE, SamplingScheme, Surface};
@@ -99,7 +99,7 @@ impl Scene {
     ///
     /// # Errors
     /// As [`Scene::law_of`].
-    pub fn law(&self) -> Result<Box<dyn Law>, LawError> {
+    pub fn law(&self) -> Result<SurfaceLaws, LawError> {
         self.law_of(&self.model)
     }
 
@@ -107,13 +107,10 @@ impl Scene {
     ///
     /// # Errors
     /// [`LawError`] when the law cannot be made for them.
-    pub fn law_of(&self, model: &Model) -> Result<Box<dyn Law>, LawError> {
-        let law = model.law(&self.parameters()?)?;
-        if !self.surface.is_polydisperse() {
-            return Ok(law);
-        }
-        let family = Family::new(*model, self.asperity, self.history, RADIUS_RANGE)?;
-        Ok(Box::new(Typical::new(law, family)))
+    pub fn law_of(&self, model: &Model) -> Result<SurfaceLaws, LawError> {
+        let typical = model.law(&self.parameters()?)?;
+        let family = || Family::new(*model, self.asperity, self.path, RADIUS_RANGE);
+        Ok(SurfaceLaws { typical, family: self.surface.is_polydisperse().then(family).transpose()? })
     }
 
     fn parameters(&self) -> Result<LawParameters, LawError> {

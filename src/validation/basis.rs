@@ -3,7 +3,7 @@
 use super::grid::{State, at, grid};
 use super::joint::{Probe, SIGNIFICANCE};
 use super::null::{Cumulants, GrowingCumulants};
-use crate::asperity::{Law, Loop, Scratch, SolverStats, for_each_block};
+use crate::asperity::{Laws, Loop, Scratch, SolverStats, for_each_block};
 use crate::math::linalg::{LARGEST, gram, whitening};
 use crate::surface::{CountLaw, STRATA, SamplingScheme, Surface};
 use serde::{Deserialize, Serialize};
@@ -54,27 +54,28 @@ struct Column {
 /// decided by a few rare asperities are left out, because no covariance describes them.
 ///
 /// Sums are direct; [`basis_to`] is for others.
-pub fn basis(
-    law: &dyn Law,
+pub fn basis<'a>(
+    laws: impl Into<Laws<'a>>,
     surface: &Surface,
     separations: &[f64],
     scheme: SamplingScheme,
     replicas: u64,
 ) -> Basis {
-    basis_to(law, surface, separations, scheme, replicas, ACCURACY)
+    basis_to(laws, surface, separations, scheme, replicas, ACCURACY)
 }
 
 /// The same for sums that are accurate to the share `accuracy` of F_s + P: left out are also eigenvectors
 /// that vary so little that this would count.
-pub fn basis_to(
-    law: &dyn Law,
+pub fn basis_to<'a>(
+    laws: impl Into<Laws<'a>>,
     surface: &Surface,
     separations: &[f64],
     scheme: SamplingScheme,
     replicas: u64,
     accuracy: f64,
 ) -> Basis {
-    let states: Vec<State<'_>> = separations.iter().map(|&h| at(law, surface, h)).collect();
+    let laws = laws.into();
+    let states: Vec<State<'_>> = separations.iter().map(|&h| at(laws, surface, h)).collect();
     basis_of(&states, surface, scheme, replicas, accuracy)
 }
 
@@ -89,9 +90,9 @@ pub fn basis_of_loop(
     let closest = surface.asperity_separation(separations[0]);
     let back: Vec<_> =
         separations.iter().map(|&h| cycle.at(surface.asperity_separation(h) - closest)).collect();
-    let states = separations.iter().map(|&h| at(cycle.approach(), surface, h));
+    let states = separations.iter().map(|&h| at(cycle.approach().into(), surface, h));
     let states: Vec<State<'_>> =
-        states.chain(back.iter().map(|law| at(law, surface, separations[0]))).collect();
+        states.chain(back.iter().map(|law| at(law.into(), surface, separations[0]))).collect();
     basis_of(&states, surface, scheme, replicas, ACCURACY)
 }
 
@@ -177,7 +178,7 @@ fn contributions(states: &[State<'_>], surface: &Surface, scheme: SamplingScheme
     let mut first = 0;
     for alike in &grid {
         for (k, state) in states.iter().enumerate() {
-            let law = alike.law.as_deref().unwrap_or(state.law);
+            let law = alike.law.as_deref().unwrap_or(state.laws.typical);
             for_each_block(
                 law,
                 &alike.heights,

@@ -1,6 +1,6 @@
 //! The grid of asperities on which the functionals of the joint test are found.
 
-use crate::asperity::Law;
+use crate::asperity::{Law, Laws};
 use crate::surface::{Heights, RadiusClass, STRATA, SamplingScheme, Surface};
 
 /// Cells, about, of the grid on which the covariance of the law over separations is formed, beside those that
@@ -28,12 +28,15 @@ pub struct GridSize {
 
 impl GridSize {
     /// The size for a law and a surface.
-    pub fn new(law: &dyn Law, surface: &Surface) -> Self {
-        let fixed = match (surface.heights.values(), law.family()) {
+    pub fn new(laws: Laws<'_>, surface: &Surface) -> Self {
+        let fixed = match (surface.heights.values(), laws.family) {
             (Some(given), _) => given.len().min(MOST_GIVEN),
             (None, Some(_)) => OF_RADIUS.0 * OF_RADIUS.1,
             (None, None) => {
-                return Self { fixed: NODES.len() * CELLS, per_separation: NODES.len() * law.pieces().len() };
+                return Self {
+                    fixed: NODES.len() * CELLS,
+                    per_separation: NODES.len() * laws.pieces().len(),
+                };
             }
         };
         Self { fixed, per_separation: 0 }
@@ -48,13 +51,13 @@ impl GridSize {
 /// A law, and the separation d, m, at which it acts on the heights.
 #[derive(Clone, Copy)]
 pub(super) struct State<'a> {
-    pub law: &'a dyn Law,
+    pub laws: Laws<'a>,
     pub separation: f64,
 }
 
 /// A law at the separation h, m.
-pub(super) fn at<'a>(law: &'a dyn Law, surface: &Surface, separation: f64) -> State<'a> {
-    State { law, separation: surface.asperity_separation(separation) }
+pub(super) fn at<'a>(laws: Laws<'a>, surface: &Surface, separation: f64) -> State<'a> {
+    State { laws, separation: surface.asperity_separation(separation) }
 }
 
 /// Asperities of the grid that have one law.
@@ -69,7 +72,7 @@ pub(super) struct Alike {
 
 /// The grid: of each radius its heights.
 pub(super) fn grid(states: &[State<'_>], surface: &Surface, scheme: SamplingScheme) -> Vec<Alike> {
-    let family = states[0].law.family();
+    let family = states[0].laws.family;
     let mut parts = surface.parts();
     let given = |part: &RadiusClass| part.heights.values().map(|values| values[0]);
     let each_given = parts.len() > 1 && given(&parts[0]).is_some();
@@ -102,7 +105,7 @@ fn cells(states: &[State<'_>], heights: &Heights, scheme: SamplingScheme) -> (Ve
     let mut ends = divided(heights, CELLS);
     let (low, high) = (ends[0], ends[ends.len() - 1]);
     for state in states {
-        ends.extend(state.law.pieces().iter().map(|piece| piece.upper + state.separation));
+        ends.extend(state.laws.pieces().iter().map(|piece| piece.upper + state.separation));
     }
     match scheme {
         SamplingScheme::Independent => {}

@@ -10,7 +10,9 @@ pub mod unlocked;
 use std::sync::Mutex;
 use stiction::asperity::models::model;
 use stiction::asperity::scale::Asperity;
-use stiction::asperity::{Law, LawParameters, Path, Regime, Responses, Scratch, SolverStats, for_each_block};
+use stiction::asperity::{
+    Law, LawParameters, Laws, Path, Regime, Responses, Scratch, SolverStats, for_each_block,
+};
 use stiction::engine::{Job, Protocol};
 use stiction::math::instruction_set::InstructionSet;
 use stiction::surface::{Roughness, SamplingScheme, Surface};
@@ -45,9 +47,14 @@ pub fn case(name: &str) -> (Asperity, Surface) {
 }
 
 /// Independent replicas that are summed directly, without functionals, controls and curves.
-pub fn job<'a>(law: &'a dyn Law, surface: &'a Surface, separations: &'a [f64], replicas: u64) -> Job<'a> {
+pub fn job<'a>(
+    laws: impl Into<Laws<'a>>,
+    surface: &'a Surface,
+    separations: &'a [f64],
+    replicas: u64,
+) -> Job<'a> {
     Job {
-        law,
+        laws: laws.into(),
         surface,
         separations,
         seed: 5,

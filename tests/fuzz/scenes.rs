@@ -182,8 +182,8 @@ fn can_be_planned(scene: &Scene, model: &Model) {
     let begun = Instant::now();
     match scene.law_of(model) {
         Ok(law) => {
-            let plan = Plan::new(scene, law.as_ref());
-            let estimate = Estimate::new(scene, law.as_ref(), 4);
+            let plan = Plan::new(scene, law.view());
+            let estimate = Estimate::new(scene, law.view(), 4);
             let seconds = estimate.seconds();
             let numbers =
                 [plan.beyond, plan.pairs, estimate.memory(), estimate.disk()].into_iter().chain(seconds);

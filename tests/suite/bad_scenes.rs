@@ -576,7 +576,7 @@ fn examples_of_all_keys_are_scenes() {
         used.extend(variant.1);
         let scene = read(&scene_of(variant)).scene;
         if scene.critical_approach.is_none() {
-            let plan = Plan::new(&scene, scene.law().unwrap().as_ref());
+            let plan = Plan::new(&scene, scene.law().unwrap().view());
             assert!(plan.pairs > 0.0, "{}", scene.text);
         }
     }

@@ -46,7 +46,7 @@ impl Patch {
 
     fn job<'a>(&'a self, matrix: Option<&'a MomentMatrix>) -> Job<'a> {
         Job {
-            law: self.law.as_ref(),
+            laws: self.law.as_ref().into(),
             surface: &self.surface,
             separations: &self.separations,
             seed: 11,

@@ -6,15 +6,20 @@ use std::sync::atomic::AtomicBool;
 use stiction::asperity::emd::{ContactState, Emd};
 use stiction::asperity::models::model;
 use stiction::asperity::scale::{Asperity, Scale};
-use stiction::asperity::{Family, Law, Path, Quantity, SolverStats, Typical};
+use stiction::asperity::{Family, Law, Laws, Path, Quantity, SolverStats, SurfaceLaws};
 use stiction::engine::moments::MomentMatrix;
 use stiction::engine::stream::{Purpose, stream};
 use stiction::engine::{Ensemble, Job, Outcome, Workspace, draw, run};
 use stiction::integral::Expectations;
 use stiction::surface::{RADIUS_RANGE, Radii, Surface};
 
-fn job<'a>(law: &'a dyn Law, surface: &'a Surface, separations: &'a [f64], replicas: u64) -> Job<'a> {
-    Job { seed: 3, ..crate::common::job(law, surface, separations, replicas) }
+fn job<'a>(
+    laws: impl Into<Laws<'a>>,
+    surface: &'a Surface,
+    separations: &'a [f64],
+    replicas: u64,
+) -> Job<'a> {
+    Job { seed: 3, ..crate::common::job(laws, surface, separations, replicas) }
 }
 
 fn ensemble(job: &Job<'_>) -> Ensemble {
@@ -118,14 +123,15 @@ fn scatter_agrees_with_the_integral() {
 /// the share `accuracy` of all forces.
 fn misses(job: &Job<'_>, far: f64, accuracy: f64) -> Vec<f64> {
     let surface = job.surface;
-    let events = brute_force::events(job.law);
+    let events = brute_force::events(job.laws.typical);
     let mut misses = Vec::new();
     let mut workspace = Workspace::new(job);
     workspace.replicas(job, 0..job.replicas, |replica, curves| {
         let (mut heights, mut radii) = (vec![0.0; surface.asperity_count], Vec::new());
         draw(surface, job.seed, job.scheme, misses.len() as u64, &mut heights, &mut radii);
         heights.sort_by(f64::total_cmp);
-        let force = |h: f64| brute_force::external_force(job.law, &heights, surface.asperity_separation(h));
+        let force =
+            |h: f64| brute_force::external_force(job.laws.typical, &heights, surface.asperity_separation(h));
         let of_all = heights
             .iter()
             .flat_map(|u| events.iter().map(move |event| u - event + surface.mean_plane_offset));
@@ -198,9 +204,12 @@ fn several_radii_are_deepest(cases: &[(usize, &str)]) {
     for &(count, law_name) in cases {
         let surface = Surface { asperity_count: count, radii: Radii::LogNormal(0.3), ..surface.clone() };
         let family = Family::new(model(law_name).unwrap(), asperity, Path::Approach, RADIUS_RANGE).unwrap();
-        let law = Typical::new(law(law_name, &asperity, Path::Approach, (-60e-9, 60e-9)), family.clone());
+        let law = SurfaceLaws {
+            typical: law(law_name, &asperity, Path::Approach, (-60e-9, 60e-9)),
+            family: Some(family.clone()),
+        };
         let separations = separations(&surface);
-        let job = job(&law, &surface, &separations, 2);
+        let job = job(law.view(), &surface, &separations, 2);
         let mut index = 0;
         Workspace::new(&job).replicas(&job, 0..2, |replica, _| {
             let (mut heights, mut radii) = (vec![0.0; count], Vec::new());

@@ -100,7 +100,7 @@ fn numbers(scene: &Scene, model: &Model, name: &str, least: i32) -> Option<[Vec<
             return None;
         }
     };
-    let law = law.as_ref();
+    let law = law.typical.as_ref();
     let mut single = Vec::new();
     for delta in interferences(law, scene.reach(), least) {
         let values = respond(law, delta).map_or([0.0; 3], |(_, values)| values);
@@ -120,7 +120,7 @@ fn numbers(scene: &Scene, model: &Model, name: &str, least: i32) -> Option<[Vec<
     finite(model_of.regime_count.concat(), "counts");
     finite(vec![model_of.quadrature_error], "quadrature error");
     let job = Job {
-        law,
+        laws: law.into(),
         surface: &scene.surface,
         separations: &scene.separations,
         seed: scene.seed,
@@ -262,10 +262,10 @@ fn a_surface_without_spread_is_one_asperity_many_times() {
             scene.separations = vec![h, h + 1e-9];
             for model in MODELS.iter().filter(|model| !model.name.starts_with("fit:")) {
                 let law = scene.law_of(model).unwrap();
-                let integral = Expectations::new(law.as_ref(), &scene.surface, &scene.separations);
+                let integral = Expectations::new(law.view(), &scene.surface, &scene.separations);
                 let d = scene.surface.asperity_separation(h);
                 let [adhesion, contact, area] =
-                    respond(law.as_ref(), -d).map_or([0.0; 3], |(_, values)| values);
+                    respond(law.typical.as_ref(), -d).map_or([0.0; 3], |(_, values)| values);
                 let n = scene.surface.asperity_count as f64;
                 for (quantity, value) in [
                     (Quantity::AdhesionForce, adhesion),

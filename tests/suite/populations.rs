@@ -4,7 +4,7 @@
 use crate::common::{case, job, law, respond};
 use std::sync::atomic::AtomicBool;
 use stiction::asperity::models::model;
-use stiction::asperity::{Family, Law, Path, Quantity, Typical};
+use stiction::asperity::{Family, Law, Path, Quantity, SurfaceLaws};
 use stiction::engine::{Curves, Ensemble, Workspace, draw, run};
 use stiction::integral::Expectations;
 use stiction::surface::nayak::Spectrum;
@@ -36,40 +36,14 @@ fn height_law(name: &str, shape: f64) -> HeightLaw {
     }
 }
 
-/// A law of a name for the asperities of case II, typical of those of a surface.
-fn law_for(name: &str, surface: &Surface, separations: &[f64]) -> Box<dyn Law> {
+/// The laws of a name for asperities of a surface that are typically those of case II.
+fn law_for(name: &str, surface: &Surface, separations: &[f64]) -> SurfaceLaws {
     let (asperity, _) = case("II");
     let (lowest, highest) = surface.heights.reach(11.0);
     let reach = (lowest - separations[separations.len() - 1], highest - separations[0]);
-    let law = law(name, &asperity, Path::Approach, reach);
-    if !surface.is_polydisperse() {
-        return law;
-    }
-    let family = Family::new(model(name).unwrap(), asperity, Path::Approach, RADIUS_RANGE).unwrap();
-    Box::new(Typical::new(law, family))
-}
-
-/// The law of the typical asperity of a surface is that of its radius in all that it says of itself; `md_kim`
-/// says the most, as there an asperity is captured before contact.
-#[test]
-fn the_typical_law_is_the_law() {
-    let (asperity, _) = case("II");
-    for name in ["md_kim", "hybrid"] {
-        let plain = law(name, &asperity, Path::Approach, (-9e-9, 9e-9));
-        let family = Family::new(model(name).unwrap(), asperity, Path::Approach, RADIUS_RANGE).unwrap();
-        let typical = Typical::new(law(name, &asperity, Path::Approach, (-9e-9, 9e-9)), family);
-        assert_eq!(plain.capture().is_some(), name == "md_kim");
-        assert_eq!(typical.capture(), plain.capture(), "{name}");
-        assert_eq!(
-            (typical.regimes(), typical.boundaries()),
-            (plain.regimes(), plain.boundaries()),
-            "{name}"
-        );
-        assert_eq!(typical.pieces(), plain.pieces(), "{name}");
-        for regime in 0..plain.regimes().len() {
-            assert_eq!(typical.method(regime), plain.method(regime), "{name}");
-        }
-    }
+    let family = || Family::new(model(name).unwrap(), asperity, Path::Approach, RADIUS_RANGE).unwrap();
+    let typical = law(name, &asperity, Path::Approach, reach);
+    SurfaceLaws { typical, family: surface.is_polydisperse().then(family) }
 }
 
 /// Surfaces of every kind, of asperities like those of case II, with `count` of them.
@@ -149,7 +123,7 @@ fn the_integral_follows_heights_and_radii() {
         let std = surface.heights.std;
         let separations = [number(row[4]) * std];
         let gw = law_for("gw", &surface, &separations);
-        let answer = Expectations::new(gw.as_ref(), &surface, &separations);
+        let answer = Expectations::new(gw.view(), &surface, &separations);
         let (radius, count) = (surface.asperity_radius, 100.0);
         let unit = 4.0 / 3.0 * asperity.reduced_modulus * (radius * std).sqrt() * std;
         let load = answer.expected[Quantity::ContactForce.index()][0] / (count * unit);
@@ -179,11 +153,11 @@ fn ensembles_agree_with_the_integral() {
     for (name, surface) in surfaces(60) {
         let hybrid = law_for("hybrid", &surface, &separations);
         let replicas = if surface.whole { 2 } else { 160 };
-        let basis = basis(hybrid.as_ref(), &surface, &separations, SamplingScheme::Independent, replicas);
-        let job = job(hybrid.as_ref(), &surface, &separations, replicas);
+        let basis = basis(hybrid.view(), &surface, &separations, SamplingScheme::Independent, replicas);
+        let job = job(hybrid.view(), &surface, &separations, replicas);
         let outcome = run(&job, &pool, &AtomicBool::new(false), |_, _| Ok::<(), ()>(())).unwrap();
         let ensemble: Ensemble = outcome.reduction_tree().ensemble(&job);
-        let expected = Expectations::new(hybrid.as_ref(), &surface, &separations);
+        let expected = Expectations::new(hybrid.view(), &surface, &separations);
         let forces = [Quantity::AdhesionForce, Quantity::ExternalForce].map(Quantity::index);
         let means = forces.map(|q| ensemble.curves[q].mean());
         if surface.whole {
@@ -230,11 +204,11 @@ fn radii_that_are_not_those_of_the_integral_are_caught() {
         [("mean radius", &scattered, &mean), ("uncorrelated", &measured, &uncorrelated)]
     {
         let [law, other] = [drawn, taken].map(|surface| law_for("hybrid", surface, &separations));
-        let basis = basis(other.as_ref(), taken, &separations, SamplingScheme::Independent, 160);
-        let job = job(law.as_ref(), drawn, &separations, 160);
+        let basis = basis(other.view(), taken, &separations, SamplingScheme::Independent, 160);
+        let job = job(law.view(), drawn, &separations, 160);
         let outcome = run(&job, &pool, &AtomicBool::new(false), |_, _| Ok::<(), ()>(())).unwrap();
         let ensemble: Ensemble = outcome.reduction_tree().ensemble(&job);
-        let expected = Expectations::new(other.as_ref(), taken, &separations);
+        let expected = Expectations::new(other.view(), taken, &separations);
         let forces = [Quantity::AdhesionForce, Quantity::ExternalForce].map(Quantity::index);
         let test = stiction::validation::JointTest::new(
             &basis.probes,
@@ -254,7 +228,7 @@ fn every_asperity_has_the_law_of_its_radius() {
     let (asperity, case_ii) = case("II");
     let surface = Surface { asperity_count: 30, radii: Radii::LogNormal(0.5), ..case_ii };
     let hybrid = law_for("hybrid", &surface, &separations);
-    let job = job(hybrid.as_ref(), &surface, &separations, 1);
+    let job = job(hybrid.view(), &surface, &separations, 1);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     let outcome = run(&job, &pool, &AtomicBool::new(false), |_, _| Ok::<(), ()>(())).unwrap();
     let (mut heights, mut radii) = (Vec::new(), Vec::new());
@@ -290,7 +264,7 @@ fn a_narrow_scatter_is_almost_one_radius() {
     let (_, plain) = case("II");
     let of = |surface: &Surface| {
         let hybrid = law_for("hybrid", surface, &separations);
-        Expectations::new(hybrid.as_ref(), surface, &separations).expected
+        Expectations::new(hybrid.view(), surface, &separations).expected
     };
     let common = of(&plain);
     for variation in [0.01, 0.02] {
@@ -388,7 +362,7 @@ fn the_scatter_of_a_surface_has_its_closed_form() {
             let separations = [h * std];
             let gw = law_for("gw", &surface, &separations);
             let found =
-                Expectations::new(gw.as_ref(), &surface, &separations).std[Quantity::ContactForce.index()][0];
+                Expectations::new(gw.view(), &surface, &separations).std[Quantity::ContactForce.index()][0];
             let exact = (100.0_f64 * variance).sqrt() * unit;
             assert!((found - exact).abs() <= 1e-9 * exact, "{h} {variance}: {found:e} {exact:e}");
         }
@@ -456,8 +430,7 @@ fn the_error_over_radii_is_told() {
     for (name, variation, h) in [("gw", 0.1, 1.0), ("gw", 0.3, 1.0), ("gw", 0.6, 1.0), ("hybrid", 0.5, 3.0)] {
         let separations = [h * plain.heights.std];
         let surface = Surface { asperity_count: 100, radii: Radii::LogNormal(variation), ..plain.clone() };
-        let answer =
-            Expectations::new(law_for(name, &surface, &separations).as_ref(), &surface, &separations);
+        let answer = Expectations::new(law_for(name, &surface, &separations).view(), &surface, &separations);
         let shape = f64::ln(1.0 + variation * variation).sqrt();
         let of_radius = |radius: f64| {
             let (lowest, highest) = plain.heights.reach(11.0);
@@ -531,8 +504,8 @@ fn the_error_over_heights_is_told() {
     let (_, plain) = case("II");
     let separations: Vec<f64> = (0..8).map(|k| 0.7 * f64::from(k) * plain.heights.std).collect();
     let hybrid = law_for("hybrid", &plain, &separations);
-    let exact = Expectations::new(hybrid.as_ref(), &plain, &separations);
-    let rough = Expectations::with_tolerance(hybrid.as_ref(), &plain, &separations, 1e-2);
+    let exact = Expectations::new(hybrid.view(), &plain, &separations);
+    let rough = Expectations::with_tolerance(hybrid.view(), &plain, &separations, 1e-2);
     let regimes = exact.regime_adhesion_force.iter().zip(&rough.regime_adhesion_force);
     let off = regimes.flat_map(|(exact, rough)| exact.iter().zip(rough));
     let off =
@@ -554,7 +527,7 @@ fn chunks_of_several_radii_add_up() {
     let surface = Surface { radii: Radii::LogNormal(0.3), asperity_count: count, ..case_ii };
     let separations: Vec<f64> = (0..3).map(|k| 1.5 * f64::from(k) * surface.heights.std).collect();
     let law = law_for("gw", &surface, &separations);
-    let job = job(law.as_ref(), &surface, &separations, 1);
+    let job = job(law.view(), &surface, &separations, 1);
     let mut curves = None;
     Workspace::new(&job).replicas(&job, 0..1, |_, found: &Curves| curves = Some(found.clone()));
     let curves = curves.unwrap();

@@ -42,7 +42,7 @@ impl Patch {
     ) -> (Ensemble, Vec<usize>) {
         let controls = self.controls(scheme, replicas);
         let job = Job {
-            law: self.law.as_ref(),
+            laws: self.law.as_ref().into(),
             surface: &self.surface,
             separations: &self.separations,
             seed,

@@ -2,7 +2,7 @@
 //! the separations.
 
 use crate::common::{brute_force, program::QUICK};
-use stiction::asperity::Law;
+use stiction::asperity::Laws;
 use stiction::engine::{Job, Protocol, Replica, Workspace, draw};
 use stiction::scene::Scene;
 
@@ -13,12 +13,12 @@ fn scene(count: usize, law: &str) -> Scene {
     Scene::parse(&text).unwrap()
 }
 
-fn job<'a>(scene: &'a Scene, law: &'a dyn Law, replicas: u64) -> Job<'a> {
+fn job<'a>(scene: &'a Scene, laws: impl Into<Laws<'a>>, replicas: u64) -> Job<'a> {
     let protocol = Protocol { stiffness_span: Some(scene.stiffness_span), ..Protocol::default() };
     Job {
         seed: scene.seed,
         protocol,
-        ..crate::common::job(law, &scene.surface, &scene.separations, replicas)
+        ..crate::common::job(laws, &scene.surface, &scene.separations, replicas)
     }
 }
 
@@ -33,11 +33,12 @@ fn curve<'a>(job: &'a Job<'a>, index: u64) -> (impl Fn(f64) -> f64 + 'a, Vec<f64
     let mut heights = Vec::new();
     draw(job.surface, job.seed, job.scheme, index, &mut heights, &mut Vec::new());
     heights.sort_by(f64::total_cmp);
-    let events = brute_force::events(job.law);
+    let events = brute_force::events(job.laws.typical);
     let offset = job.surface.mean_plane_offset;
     let of_all = heights.iter().flat_map(|u| events.iter().map(move |event| u - event + offset)).collect();
-    let force =
-        move |h: f64| brute_force::external_force(job.law, &heights, job.surface.asperity_separation(h));
+    let force = move |h: f64| {
+        brute_force::external_force(job.laws.typical, &heights, job.surface.asperity_separation(h))
+    };
     (force, of_all)
 }
 
@@ -47,7 +48,7 @@ fn the_largest_secant_does_not_depend_on_the_separations() {
     const REPLICAS: u64 = 4;
     let fine = scene(361, "hybrid");
     let law = fine.law().unwrap();
-    let job_of = job(&fine, law.as_ref(), REPLICAS);
+    let job_of = job(&fine, law.view(), REPLICAS);
     let span = fine.stiffness_span;
     assert_eq!(span, 0.2e-9);
     let begins: Vec<f64> =
@@ -62,7 +63,7 @@ fn the_largest_secant_does_not_depend_on_the_separations() {
     for count in [20, 46, 91, 361] {
         let scene = scene(count, "hybrid");
         let law = scene.law().unwrap();
-        let job = job(&scene, law.as_ref(), REPLICAS);
+        let job = job(&scene, law.view(), REPLICAS);
         for ((replica, expected), index) in replicas(&job).iter().zip(&expected).zip(0..) {
             let (stiffness, place) =
                 (replica.peak_secant_stiffness, replica.peak_secant_stiffness_separation);

@@ -40,7 +40,7 @@ fn exact(job: &Job<'_>, replica: u64, separation: f64) -> [f64; 3] {
     let (mut scratch, mut stats) = (Scratch::default(), SolverStats::default());
     for heights in heights.chunks_mut(1 << 14) {
         heights.sort_unstable_by(f64::total_cmp);
-        for_each_block(job.law, heights, d, &mut scratch, &mut stats, |_, range, responses| {
+        for_each_block(job.laws.typical, heights, d, &mut scratch, &mut stats, |_, range, responses| {
             for (adhesion, contact) in responses.adhesion.iter().zip(&responses.contact).take(range.len()) {
                 adhesion_sum.add(*adhesion);
                 contact_sum.add(*contact);

@@ -7,7 +7,7 @@ use std::sync::LazyLock;
 use std::sync::atomic::AtomicBool;
 use stiction::asperity::models::model;
 use stiction::asperity::{
-    Boundary, Family, Law, Path, Piece, Quantity, Regime, Responses, SolverStats, Typical,
+    Boundary, Family, Law, Laws, Path, Piece, Quantity, Regime, Responses, SolverStats, SurfaceLaws,
 };
 use stiction::engine::{Job, Outcome, Protocol, run};
 use stiction::integral::Expectations;
@@ -65,7 +65,7 @@ fn joint_test(
     seed: u64,
 ) -> JointTest {
     let job = Job {
-        law,
+        laws: law.into(),
         surface: scene.surface,
         separations: scene.separations,
         seed,
@@ -422,7 +422,8 @@ fn functionals_are_those_of_the_law() {
     let std = surface.heights.std;
     let plain = law("dmt", &asperity, Path::Approach, (-30e-9, 20e-9));
     let family = Family::new(model("dmt").unwrap(), asperity, Path::Approach, RADIUS_RANGE).unwrap();
-    let typical = Typical::new(law("dmt", &asperity, Path::Approach, (-30e-9, 20e-9)), family);
+    let typical =
+        SurfaceLaws { typical: law("dmt", &asperity, Path::Approach, (-30e-9, 20e-9)), family: Some(family) };
     let forces = |delta: f64, radius: f64| {
         let pull = std::f64::consts::TAU * radius * asperity.work_of_adhesion;
         let load = 4.0 / 3.0 * asperity.reduced_modulus * radius.sqrt() * delta.max(0.0).powf(1.5);
@@ -444,10 +445,10 @@ fn functionals_are_those_of_the_law() {
         let surface = Surface { count_law, radii, ..surface.clone() };
         let fixed = count_law == CountLaw::Fixed;
         let one = [[asperity.radius, 1.0]];
-        let (law, radii, accuracy): (&dyn Law, _, f64) = if surface.is_polydisperse() {
-            (&typical, lognormal.as_slice(), 0.05)
+        let (law, radii, accuracy): (Laws<'_>, _, f64) = if surface.is_polydisperse() {
+            (typical.view(), lognormal.as_slice(), 0.05)
         } else {
-            (plain.as_ref(), one.as_slice(), 1e-3)
+            (plain.as_ref().into(), one.as_slice(), 1e-3)
         };
         let replicas = 64;
         let basis = basis(law, &surface, &separations, scheme, replicas);

@@ -8,7 +8,7 @@ use super::{Error, Phases};
 use crate::asperity::emd::Emd;
 use crate::asperity::laws::fit::FORCES;
 use crate::asperity::models::Model;
-use crate::asperity::{FitReport, Law, Quantity, Scratch, SolverStats, for_each_block};
+use crate::asperity::{FitReport, Laws, Quantity, Scratch, SolverStats, SurfaceLaws, for_each_block};
 use crate::engine::{Ensemble, Summation};
 use crate::estimate::beyond;
 use crate::format::percent;
@@ -192,7 +192,7 @@ pub(crate) fn deviation(value: f64, first: f64) -> f64 {
 /// Laws that are about to be compared.
 pub(crate) struct PreparedComparison {
     scene: Scene,
-    laws: Vec<(Model, Box<dyn Law>)>,
+    laws: Vec<(Model, SurfaceLaws)>,
     with_ensembles: bool,
 }
 
@@ -233,8 +233,8 @@ impl PreparedComparison {
     }
 
     /// The scene and the law with the most regimes, for an estimate of what is needed.
-    pub fn largest(&self) -> (&Scene, &dyn Law) {
-        let laws = self.laws.iter().map(|(_, law)| law.as_ref());
+    pub fn largest(&self) -> (&Scene, Laws<'_>) {
+        let laws = self.laws.iter().map(|(_, law)| law.view());
         (&self.scene, laws.max_by_key(|law| law.regimes().len()).expect("there is a law"))
     }
 
@@ -253,14 +253,14 @@ impl PreparedComparison {
         let (mut compared, mut warnings) = (Vec::new(), Vec::new());
         for (model, law) in laws {
             phases.phase(model.name);
-            let law = law.as_ref();
+            let law = law.view();
             let (integral, expected) = pool.install(|| {
                 let integral = Integral::new(&scene, law, None);
                 let expected = compared.is_empty().then(|| integral.expected(&scene, law));
                 (integral, expected)
             });
             if let Some(expected) = expected {
-                warnings = warnings_of_scene(&scene, &model, law, &expected);
+                warnings = warnings_of_scene(&scene, &model, law.typical, &expected);
             }
             let integral = integral.main;
             let sampled = match with_ensembles {
@@ -284,7 +284,7 @@ impl PreparedComparison {
 
 /// Where a law is not valid, a line each: its own limits, asperities beyond its end, and curve fits that are
 /// off.
-fn limits(scene: &Scene, model: &Model, law: &dyn Law) -> Vec<String> {
+fn limits(scene: &Scene, model: &Model, law: Laws<'_>) -> Vec<String> {
     let psi = scene.asperity.plasticity_index(scene.surface.surface_height_std);
     let mut limits = model.validity.limits(scene.scale().lambda, psi, scene.asperity.lubricant_thickness);
     let beyond = beyond(scene, law);
@@ -307,7 +307,7 @@ fn limits(scene: &Scene, model: &Model, law: &dyn Law) -> Vec<String> {
 /// The ensemble of one law; every law draws the same asperities.
 fn sample(
     scene: &Scene,
-    law: &dyn Law,
+    law: Laws<'_>,
     name: &'static str,
     expectations: &Expectations,
     pool: &rayon::ThreadPool,
@@ -334,10 +334,10 @@ fn interferences(scene: &Scene) -> Vec<f64> {
 }
 
 /// The quantities of one asperity over rising interferences, m; 0 beyond the law's last regime.
-fn curves(law: &dyn Law, interferences: &[f64]) -> [Vec<f64>; 4] {
+fn curves(law: Laws<'_>, interferences: &[f64]) -> [Vec<f64>; 4] {
     let mut curves: [Vec<f64>; 4] = std::array::from_fn(|_| vec![0.0; interferences.len()]);
     let (mut scratch, mut stats) = (Scratch::default(), SolverStats::default());
-    for_each_block(law, interferences, 0.0, &mut scratch, &mut stats, |_, range, responses| {
+    for_each_block(law.typical, interferences, 0.0, &mut scratch, &mut stats, |_, range, responses| {
         for (i, place) in range.enumerate() {
             let values =
                 Quantity::of_response(responses.adhesion[i], responses.contact[i], responses.area[i]);

@@ -119,14 +119,14 @@ impl<'a> Job<'a> {
     /// # Ok::<(), stiction::asperity::LawError>(())
     /// ```
     pub fn new(
-        law: &'a dyn Law,
+        laws: impl Into<Laws<'a>>,
         surface: &'a Surface,
         separations: &'a [f64],
         replicas: u64,
         seed: u64,
     ) -> Self {
         Self {
-            law,
+            laws: laws.into(),
             surface,
             separations,
             seed,

@@ -109,7 +109,7 @@ impl Scene {
     /// [`LawError`] when the law cannot be made for them.
     pub fn law_of(&self, model: &Model) -> Result<SurfaceLaws, LawError> {
         let typical = model.law(&self.parameters()?)?;
-        let family = || Family::new(*model, self.asperity, self.path, RADIUS_RANGE);
+        let family = || Family::new(*model, self.asperity, self.history, RADIUS_RANGE);
         Ok(SurfaceLaws { typical, family: self.surface.is_polydisperse().then(family).transpose()? })
     }
 

@@ -4,7 +4,7 @@
 use crate::common::{case, job, law, respond};
 use std::sync::atomic::AtomicBool;
 use stiction::asperity::models::model;
-use stiction::asperity::{Family, Law, Path, Quantity, SurfaceLaws};
+use stiction::asperity::{Family, Path, Quantity, SurfaceLaws};
 use stiction::engine::{Curves, Ensemble, Workspace, draw, run};
 use stiction::integral::Expectations;
 use stiction::surface::nayak::Spectrum;

@@ -31,24 +31,24 @@ def read(path=ROOT / "tests" / "mutations.toml"):
     return tomllib.loads(path.read_text())["mutation"]
 
 
-def names_of_tests():
-    """Names of all tests of the library, and of the suite with their module."""
+def tests_of(folder, prefix):
+    """What the names of the tests in the files of a folder begin with, and end with."""
     tests = re.compile(r"#\[test\](?:\s*#\[[^\n]*)*\s*fn (\w+)\(")
-    in_library = {name for path in (ROOT / "src").rglob("*.rs") for name in tests.findall(path.read_text())}
-    suite = ROOT / "tests" / "suite"
-    return in_library, {f"{path.stem}::{name}" for path in suite.rglob("*.rs") for name in tests.findall(path.read_text())}
+    for path in sorted(folder.rglob("*.rs")):
+        room = [part for part in path.relative_to(folder).with_suffix("").parts if part not in ("mod", "lib", "main")]
+        yield from (("::".join([*prefix, *room, ""]), f"::{name}") for name in tests.findall(path.read_text()))
 
 
 def problems(source, mutations):
     """Why mistakes cannot be planted, or their tests not run."""
-    in_library, in_suite = names_of_tests()
+    tests = [*tests_of(ROOT / "src", ["lib"]), *tests_of(ROOT / "tests" / "suite", [])]
     for mutation in mutations:
         try:
             mutation["file"] = place(source, mutation)[0].name
         except Unfit as reason:
             yield f"{mutation['mistake']}\n  {reason}"
         test = mutation["test"]
-        if test.split("::")[-1] not in in_library if test.startswith("lib::") else "::".join(test.split("::")[-2:]) not in in_suite:
+        if not any(test.startswith(begin) and test.endswith(end) for begin, end in tests):
             yield f"{mutation['mistake']}\n  there is no test {test}"
 
 

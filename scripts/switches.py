@@ -24,7 +24,7 @@ SUITE = "suite"
 # A test is ended after so many times the seconds of a processor that it takes, and some more.
 PATIENCE = (3.0, 2.0)
 # And after so many seconds, if it takes no processor.
-WAIT = 120.0
+WAIT = 300.0
 
 SWITCH = """
 /// Whether a change is switched on; for scripts/switches.py.

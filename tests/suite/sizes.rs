@@ -42,31 +42,44 @@ fn snapping(scene: &str) -> String {
         .replace("[output]", &format!("{held}[output]"))
 }
 
-/// Memory is estimated within a factor of 2, whatever it is that takes it: nothing, asperities (few, many;
-/// direct, compressed), separations, curves, replicas, snaps.
+/// Where asperities are deep in no contact: what they cost is what is kept of their replicas.
+fn far(scene: &str) -> String {
+    scene.replace("from = -1.0, to = 8.0", "from = 4.0, to = 4.5")
+}
+
+/// Memory is estimated within a factor of 2 of what a run takes, and its disk is not underestimated.
+fn is_estimated(name: &str, scene: &str) {
+    let folder = Folder::new(scene);
+    let (estimate, peak) = (estimated(&folder, "memory"), peak_memory(&folder, &[]));
+    println!("{name}: {:.1} MB estimated, {:.1} MB taken", estimate / 1e6, peak / 1e6);
+    assert!((0.5..2.0).contains(&(estimate / peak)), "{name}: {estimate:e} estimated, {peak:e} taken");
+    let (estimate, size) =
+        (estimated(&folder, "disk"), folder.path("scene.h5").metadata().unwrap().len() as f64);
+    assert!(size < estimate, "{name}: {estimate:e} of disk estimated, {size:e} taken");
+}
+
+/// Whatever it is that takes the memory: nothing, separations, curves, functionals, replicas.
 #[test]
 fn memory_is_estimated_within_a_factor_of_2() {
-    let deep = |scene: &str| scene.replace("from = -1.0, to = 8.0", "from = 4.0, to = 4.5");
-    let scenes = [
-        ("little", sized(739.0, 91, 200)),
-        ("asperities", sized(1e6, 21, 24)),
-        ("compressed", compressed(&sized(5e5, 91, 16))),
-        ("fine steps", compressed(&sized(7390.0, 800, 64))),
-        ("separations", sized(50.0, 10_000, 64)),
-        ("all of the joint test", sized(739.0, 256, 16)),
-        ("curves", sized(50.0, 10_000, 64).replace("curves = false", "curves = true")),
-        ("replicas", deep(&sized(8.0, 2, 300_000))),
-        ("snaps", snapping(&deep(&sized(8.0, 2, 8_000)))),
-    ];
-    for (name, scene) in scenes {
-        let folder = Folder::new(&scene);
-        let (estimate, peak) = (estimated(&folder, "memory"), peak_memory(&folder, &[]));
-        println!("{name}: {:.1} MB estimated, {:.1} MB taken", estimate / 1e6, peak / 1e6);
-        assert!((0.5..2.0).contains(&(estimate / peak)), "{name}: {estimate:e} estimated, {peak:e} taken");
-        let (estimate, size) =
-            (estimated(&folder, "disk"), folder.path("scene.h5").metadata().unwrap().len() as f64);
-        assert!(size < estimate, "{name}: {estimate:e} of disk estimated, {size:e} taken");
-    }
+    is_estimated("little", &sized(739.0, 91, 200));
+    is_estimated("separations", &sized(50.0, 10_000, 64));
+    is_estimated("all of the joint test", &sized(739.0, 256, 16));
+    is_estimated("curves", &sized(50.0, 10_000, 64).replace("curves = false", "curves = true"));
+    is_estimated("replicas", &far(&sized(8.0, 2, 300_000)));
+}
+
+#[test]
+fn memory_of_snaps_is_estimated_within_a_factor_of_2() {
+    is_estimated("snaps", &snapping(&far(&sized(8.0, 2, 8_000))));
+}
+
+/// Asperities, few and many, direct and compressed.
+#[test]
+#[ignore = "slow: half a minute"]
+fn memory_of_asperities_is_estimated_within_a_factor_of_2() {
+    is_estimated("asperities", &sized(1e6, 21, 24));
+    is_estimated("compressed", &compressed(&sized(5e5, 91, 16)));
+    is_estimated("fine steps", &compressed(&sized(7390.0, 800, 64)));
 }
 
 /// The same for as many asperities as are held at once, and for more: a minute.
@@ -138,8 +151,7 @@ fn what_does_not_fit_is_refused() {
 /// A limit of address space is a limit: a run that would not fit is refused, and what is said to fit does.
 #[test]
 fn what_is_said_to_fit_does() {
-    let deep = |replicas| sized(8.0, 2, replicas).replace("from = -1.0, to = 8.0", "from = 4.0, to = 4.5");
-    let folder = Folder::new(&deep(1_000_000_000));
+    let folder = Folder::new(&far(&sized(8.0, 2, 1_000_000_000)));
     let limited = |more: &str| {
         let command = format!(
             "ulimit -v 740000; exec {} run scene.toml --threads 2 {more}",

@@ -115,7 +115,7 @@ fn bits_do_not_depend_on_threads() {
 #[test]
 fn an_interruption_changes_nothing() {
     let folder = Folder::new(
-        &scene(&pull_off(0.007), "max_replicas = 40000").replace("curves = false", "curves = true"),
+        &scene(&pull_off(0.012), "max_replicas = 40000").replace("curves = false", "curves = true"),
     );
     assert_exit(&folder.stiction(&["run", "scene.toml", "-o", "reference.h5"]), 0);
     let reference = bits(&folder.path("reference.h5"));
@@ -430,7 +430,7 @@ fn intervals_hold_what_they_say_for_any_target() {
 #[test]
 fn a_controlled_target_ends_by_the_controlled_error() {
     let target =
-        "{ quantity = \"pull_off_force\", relative_standard_error = 0.003, estimate = \"controlled\" }";
+        "{ quantity = \"pull_off_force\", relative_standard_error = 0.006, estimate = \"controlled\" }";
     let folder = Folder::new(&scene(target, "min_replicas = 96\nmax_replicas = 4000"));
     assert_exit(&folder.stiction(&["run", "scene.toml"]), 0);
     let path = folder.path("scene.h5");
@@ -449,8 +449,8 @@ fn a_controlled_target_ends_by_the_controlled_error() {
         (value("scalar_controlled_standard_error") / mean, value("scalar_standard_error") / mean)
     };
     let (controlled, plain) = errors(count);
-    assert!(controlled <= 0.003 && plain > 0.004, "{controlled} {plain}");
-    assert!(errors(looks[place - 1]).0 > 0.003);
+    assert!(controlled <= 0.006 && plain > 0.008, "{controlled} {plain}");
+    assert!(errors(looks[place - 1]).0 > 0.006);
     for name in ["mean", "standard_error"] {
         let [target, own] = [format!("target_{name}"), format!("scalar_controlled_{name}")];
         let [target, own] = [target, own].map(|name| values(&path, &format!("/ensemble/{name}"))[0]);

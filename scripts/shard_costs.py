@@ -45,7 +45,6 @@ from matplotlib.ticker import NullFormatter
 COLUMNS = (2, 0.8, 5.35, 4.1)  # of the page, inches
 BLUE, ORANGE = STYLES["direct"][0], STYLES["moments"][0]
 BATCH = 8  # replicas
-ROW = 4096  # bytes of a row of states, which has an index of 8 more
 CHUNK = 2**20  # asperities, more of which are shared by threads
 DENSITY = 7.39  # asperities per um^2 of case II
 # What larger experiments are divided into, at most.
@@ -97,35 +96,41 @@ def nodes(first: int, end: int) -> int:
     return count
 
 
+def written(length: int) -> int:
+    """Bytes of a whole number in the Postcard format."""
+    return max(1, -(-length.bit_length() // 7))
+
+
 @dataclass
 class Sizes:
     """Bytes of the parts of a shard's file."""
 
-    fixed: float  # attributes, indices and structure of the file
-    state: float  # that every piece has: what run it is of
+    fixed: float  # what run it is of
     node: float
     replica: float
 
     def of(self, nodes: int, replicas: int) -> float:
         """Bytes of a shard."""
-        return self.fixed + math.ceil((self.state + self.node * nodes) / ROW) * (ROW + 8) + self.replica * replicas
+        return self.fixed + self.node * nodes + self.replica * replicas
 
     @classmethod
     def derived(cls, shard: Path, result: Path) -> "Sizes":
         """Those of the scene of a shard of one batch, and of a result of it."""
         with h5py.File(result, "r") as file:
             separations, regimes = len(file["separation"]), len(file["regime"])
-            scalars = len(file["control"]) + len(file["scalar"])
-        moments, comoments = (lambda length: 1 + 2 * length), (lambda length: 1 + length + length**2)
+            scalars, asperities = len(file["control"]) + len(file["scalar"]), int(file["replicas/asperity_count"][0])
+
+        def numbers(*lengths: int) -> int:
+            """A count, and lists of so many numbers."""
+            return 1 + sum(written(length) + 8 * length for length in lengths)
+
         thirds = scalars * (scalars + 1) * (scalars + 2) // 6
         # Four curves over replicas and over groups, three of each regime, 16 parts of the scalars, counts of what was solved.
-        words = 8 * moments(separations) + 3 * moments(regimes * separations) + 16 * (comoments(scalars) + thirds) + 10
-        with h5py.File(shard, "r") as file:
-            state, replicas = float(file["pieces/state_bytes"][0]), len(file["record"])
-            replica = 8.0 + 8.0 * len(file["record_word"])
-        node = 8.0 * (words + 2)
-        sizes = cls(0.0, state - node, node, replica)
-        sizes.fixed = shard.stat().st_size - sizes.of(1, replicas)
+        node = 8 * numbers(separations, separations) + 3 * numbers(regimes * separations, regimes * separations)
+        node += 16 * numbers(scalars, scalars**2, thirds) + 40
+        # Its numbers; of each batch the header of a frame and the lengths of four lists.
+        sizes = cls(0.0, float(node), written(asperities) + 5 * 8 + 2 + 16 / BATCH)
+        sizes.fixed = shard.stat().st_size - sizes.of(1, BATCH)
         return sizes
 
 
@@ -176,7 +181,7 @@ class Shards(Program):
     def shards(self, patches: Patches, replicas: int, count: int) -> tuple[list[Path], list[float]]:
         """All shards of some replicas, made on all cores, and the core seconds of each."""
         scene = self.write_scene(patches.area, patches.separations, patches.solver)
-        files = [self.folder / f"{count}-{index}.h5" for index in range(1, count + 1)]
+        files = [self.folder / f"{count}-{index}.shard" for index in range(1, count + 1)]
 
         def make(index: int) -> float:
             command = self.command(scene, 1, replicas)
@@ -252,8 +257,8 @@ def measure_shards(program: Shards, plan: Plan, results: Results) -> None:
     results.sizes = sizes = Sizes.derived(files[0], program.result)
     results.start = statistics.median(seconds)
     results.add("core seconds of a shard", "batches = 1", results.start, "s", f"median of {len(seconds)}, {about(patches)}")
-    results.add("bytes of a node", f"separations = {patches.separations}", sizes.node, "B", "8 for each word of its moments: derived")
-    results.add("bytes of a replica", "in a shard", sizes.replica, "B", "8 for each word of its record and for its index: derived")
+    results.add("bytes of a node", f"separations = {patches.separations}", sizes.node, "B", "8 for each number of its moments: derived")
+    results.add("bytes of a replica", "in a shard", sizes.replica, "B", "8 for each number of its record: derived")
     errors = []
     for first, end, size in shards:
         derived = sizes.of(nodes(first, end), (end - first) * BATCH)
@@ -365,7 +370,7 @@ def experiment(results: Results, rates: Rates, name: str, replicas: int, seconds
     count = sum(nodes(*batches_of(index, shards, batches)) for index in range(1, shards + 1))
     core_hours = (replicas * seconds + shards * (before + results.start)) / 3600.0
     # Rows of states end within a row: half of one is left over on average.
-    of_shards = shards * sizes.of(0, 0) + count * sizes.node * (ROW + 8) / ROW + replicas * sizes.replica
+    of_shards = shards * sizes.of(0, 0) + count * sizes.node + replicas * sizes.replica
     merge = rates.seconds + shards * rates.seconds_per_shard + count * rates.seconds_per_node + replicas * rates.seconds_per_replica
     memory = rates.memory + shards * rates.memory_per_shard + replicas * rates.memory_per_replica
     cells = [f"{rounded(core_hours)} ({source})", f"{rounded(core_hours / NODE_CORES)} ({source})", f"{bytes_of(of_shards)} (e)",

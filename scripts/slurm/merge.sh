@@ -4,7 +4,7 @@ set -euo pipefail
 folder=$1 stiction=$2 result=$3 shards=$4
 files=()
 for ((index = 1; index <= shards; index++)); do
-    files+=("$folder/shards/$(printf 'shard-%0*d.h5' "${#shards}" "$index")")
+    files+=("$folder/shards/$(printf '%0*d.shard' "${#shards}" "$index")")
 done
 # Merged anew it has the same bits, so an earlier result is not worth a refusal.
 "$stiction" merge -o "$result" --force --quiet --threads "${SLURM_CPUS_PER_TASK:-1}" "${files[@]}"

@@ -7,7 +7,7 @@ folder=$1 stiction=$2 scene=$3 shards=$4 save_before=$5 copy_every=$6 scratch=$7
 shift 7
 task=$SLURM_ARRAY_TASK_ID
 job=${SLURM_ARRAY_JOB_ID}_$task
-shared=$folder/shards/$(printf 'shard-%0*d.h5' "${#shards}" "$task")
+shared=$folder/shards/$(printf '%0*d.shard' "${#shards}" "$task")
 output=$shared
 threads=${SLURM_CPUS_PER_TASK:-1}
 restarts=${SLURM_RESTART_COUNT:-0}

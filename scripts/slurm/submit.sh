@@ -242,7 +242,7 @@ look_for_the_rest() {
 }
 
 # The file of a shard. shard.sh and merge.sh name it likewise.
-shard() { printf '%s/shards/shard-%0*d.h5' "$output" "${#shards}" "$1"; }
+shard() { printf '%s/shards/%0*d.shard' "$output" "${#shards}" "$1"; }
 
 # Numbers in ascending order as Slurm writes them: 3,7-9,12.
 ranges() {

@@ -267,7 +267,7 @@ holds_two() {
     ((${#held[@]} == 2))
 }
 
-log_of() { printf '%s/logs/%s.log' "$1" "$(basename -- "$shard" .h5)"; }
+log_of() { printf '%s/logs/shard-%s.log' "$1" "$(basename -- "$shard" .shard)"; }
 
 # As many replicas as take a minute on one thread, on a machine of whatever speed.
 choose_replicas() {
@@ -346,7 +346,7 @@ test_time_limit_and_cancel() {
     sleep 10
     check "... and neither comes back" test "$(squeue --noheader | wc -l)" == 0
     check "... nor was requeued by itself" test "$(grep -c "  requeues" "$log")" == "$times"
-    check "a cancelled task has kept its checkpoint" test -s "$output/shards/shard-1.h5.checkpoint"
+    check "a cancelled task has kept its checkpoint" test -s "$output/shards/1.shard.checkpoint"
     check "... and left nothing in scratch" holds "$folder/scratch of a node" 0
     check "the same command with more time" submit "${arguments[@]}" --time=10
     check "... ends well" completes "$merge" 200

@@ -1,7 +1,9 @@
 //! Counts of what was evaluated and solved.
 
+use serde::{Deserialize, Serialize};
+
 /// What solving cost.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SolverStats {
     /// Solves of the contact equations.
     pub contact_solves: u64,

@@ -7,8 +7,8 @@ use super::{Failure, FiniteSizeArguments, files_of, law_of, print_of, read_scene
 use crate::experiment::integral::PathIntegral;
 use crate::experiment::record::{write_about, write_model};
 use crate::format::{bound, percent, si, signed_percent};
-use crate::output::checkpoint::Identity;
 use crate::output::columns::SceneFiles;
+use crate::output::identity::Identity;
 use crate::output::reader::Reader;
 use crate::output::schema::{Dimension, FINITE_SIZE, RUN};
 use crate::output::writer::Writer;

@@ -1,14 +1,13 @@
-//! `stiction info`: what is in a result, or in the checkpoint of a run that was interrupted.
+//! `stiction info`: what is in a result, in a shard, or in the checkpoint of a run that was interrupted.
 
 use super::rows::row;
 use super::shard::shown;
 use super::{Failure, print};
-use crate::experiment::checkpoint::State;
 use crate::format::duration;
-use crate::output::checkpoint::{Checkpoint, is_checkpoint};
+use crate::output::identity::Identity;
+use crate::output::partial::{Partial, ShardFile, is_checkpoint, is_shard};
 use crate::output::reader::Reader;
-use crate::output::schema::{Layout, SHARD, SWEEP};
-use crate::output::shard::ShardFile;
+use crate::output::schema::{Layout, SWEEP};
 use crate::output::{OutputError, beside};
 use crate::scene::echo::one_line;
 use std::path::{Path, PathBuf};
@@ -19,6 +18,9 @@ const MOST_PIECES: usize = 20;
 pub(super) fn info(path: &Path) -> Result<(), Failure> {
     if is_checkpoint(path) {
         return checkpoint(path);
+    }
+    if is_shard(path) {
+        return shard(path);
     }
     if !path.exists() {
         let [kept, folder] = [".checkpoint", ".points"].map(|suffix| beside(path, suffix));
@@ -31,7 +33,7 @@ pub(super) fn info(path: &Path) -> Result<(), Failure> {
     }
     let reader = Reader::open(path, &Layout::ALL)?;
     let mut text = format!("{}\n", one_line(&path.display().to_string()));
-    text += &completeness(&reader, path)?;
+    text += &completeness(&reader)?;
     let mut scene = String::new();
     for (name, value) in reader.attributes("/")? {
         if name == "scene" {
@@ -57,25 +59,8 @@ pub(super) fn info(path: &Path) -> Result<(), Failure> {
     print(&(text + &scene_text(&scene)))
 }
 
-/// What a shard has of its run, and what of a run is there that is not complete; nothing of others.
-fn completeness(reader: &Reader, path: &Path) -> Result<String, Failure> {
-    if reader.layout().format == SHARD.format {
-        let (file, all) = (ShardFile::open(path)?, reader.number::<u64>("/", "replicas")?);
-        let shard = file.identity()?.shard.map(|shard| shard.to_string()).unwrap_or_default();
-        let mut text = wide("shard", &format!("{shard}, complete"));
-        let points = file.pieces.iter().any(|piece| piece.point > 0);
-        for (i, piece) in file.pieces.iter().enumerate().take(MOST_PIECES) {
-            let point = if points { format!(", point {}", piece.point + 1) } else { String::new() };
-            text += &wide(if i == 0 { "replicas" } else { "" }, &(shown(&piece.replicas, all) + &point));
-        }
-        return Ok(match file.pieces.len() {
-            0 => text + &wide("replicas", "none: there are more shards than batches of replicas"),
-            count if count > MOST_PIECES => {
-                text + &wide("", &format!("and {} points more", count - MOST_PIECES))
-            }
-            _ => text,
-        });
-    }
+/// What of a run is there that is not complete; nothing of others.
+fn completeness(reader: &Reader) -> Result<String, Failure> {
     if !reader.has_attribute("/", "partial")? {
         return Ok(String::new());
     }
@@ -103,36 +88,60 @@ fn points(folder: &Path) -> Result<(), Failure> {
         if name.ends_with(".h5") {
             text += &wide(&name, "complete");
         } else if name.ends_with(".checkpoint") && !name.starts_with('.') {
-            let checkpoint = Checkpoint::<State>::read(&path)?;
-            text += &wide(name.trim_end_matches(".checkpoint"), &done(&checkpoint));
+            let partial = Partial::read(&path)?;
+            text += &wide(name.trim_end_matches(".checkpoint"), &done(&partial));
         }
     }
     print(&text)
 }
 
 /// How far a run, or a shard of one, has got.
-fn done(checkpoint: &Checkpoint<State>) -> String {
-    let Checkpoint { identity, done, state, .. } = checkpoint;
-    let Some(shard) = identity.shard else { return format!("{done} of {} are done", identity.replicas) };
-    let replicas = state.replicas(identity.replicas);
+fn done(partial: &Partial) -> String {
+    let ((replicas, done), all) = (partial.extent(), partial.identity.replicas);
+    let Some(shard) = partial.identity.shard else { return format!("{done} of {all} are done") };
     let count = replicas.end - replicas.start;
-    format!("{done} of {count} are done; shard {shard} has {}", shown(&replicas, identity.replicas))
+    format!("{done} of {count} are done; shard {shard} has {}", shown(&replicas, all))
 }
 
 /// What a run has done that was interrupted.
 fn checkpoint(path: &Path) -> Result<(), Failure> {
-    let checkpoint = Checkpoint::<State>::read(path)?;
-    let Checkpoint { identity, seconds, resumptions, .. } = &checkpoint;
-    let mut text = format!("{}\n", one_line(&path.display().to_string()));
-    text +=
-        &wide("format", "checkpoint of an interrupted run; the command that made it goes on with --resume");
-    text += &wide("program_version", &identity.program_version);
-    text += &wide("source_hash", &identity.source_hash);
-    text += &wide("seed", &identity.seed.to_string());
-    text += &wide("replicas", &done(&checkpoint));
-    text += &wide("time", &format!("{} so far", duration(*seconds)));
-    text += &wide("resumptions", &resumptions.to_string());
-    print(&(text + &scene_text(&identity.scene)))
+    let partial = Partial::read(path)?;
+    let format = "checkpoint of an interrupted run; the command that made it goes on with --resume";
+    let mut text = of_partial(path, format, &partial.identity) + &wide("replicas", &done(&partial));
+    text += &wide("time", &format!("{} so far", duration(partial.seconds)));
+    text += &wide("resumptions", &partial.resumptions.to_string());
+    print(&(text + &scene_text(&partial.identity.scene)))
+}
+
+/// What a shard has of its run.
+fn shard(path: &Path) -> Result<(), Failure> {
+    let ShardFile { head, pieces, .. } = ShardFile::open(path)?;
+    let mut text = of_partial(path, "shard of a run, for stiction merge", &head.identity);
+    let shard = head.identity.shard.map(|shard| shard.to_string()).unwrap_or_default();
+    text += &wide("shard", &format!("{shard}, complete"));
+    let are_points = pieces.iter().any(|piece| piece.point > 0);
+    for (i, piece) in pieces.iter().enumerate().take(MOST_PIECES) {
+        let point = if are_points { format!(", point {}", piece.point + 1) } else { String::new() };
+        let own = shown(&piece.replicas, head.identity.replicas) + &point;
+        text += &wide(if i == 0 { "replicas" } else { "" }, &own);
+    }
+    text += &match pieces.len() {
+        0 => wide("replicas", "none: there are more shards than batches of replicas"),
+        count if count > MOST_PIECES => wide("", &format!("and {} points more", count - MOST_PIECES)),
+        _ => String::new(),
+    };
+    text += &wide("time", &duration(pieces.iter().map(|piece| piece.seconds).sum()));
+    text += &wide("resumptions", &pieces.iter().map(|piece| piece.resumptions).sum::<u64>().to_string());
+    print(&(text + &wide("scene_file", &head.scene_file) + &scene_text(&head.identity.scene)))
+}
+
+/// What both say of their run.
+fn of_partial(path: &Path, format: &str, identity: &Identity) -> String {
+    format!("{}\n", one_line(&path.display().to_string()))
+        + &wide("format", format)
+        + &wide("program_version", &identity.program_version)
+        + &wide("source_hash", &identity.source_hash)
+        + &wide("seed", &identity.seed.to_string())
 }
 
 /// The scene, indented; nothing where there is none.

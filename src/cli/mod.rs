@@ -68,7 +68,7 @@ enum Command {
     Run(RunArguments),
     /// Put the shards of a run together: the same result as by one run of all
     #[command(
-        after_help = "Example:\n  stiction merge -o case_ii.h5 case_ii.shard-1-of-2.h5 case_ii.shard-2-of-2.h5"
+        after_help = "Example:\n  stiction merge -o case_ii.h5 case_ii.1-of-2.shard case_ii.2-of-2.shard"
     )]
     Merge(MergeArguments),
     /// Compare laws on the same asperities: a table, and one HDF5 file if asked for
@@ -154,7 +154,7 @@ struct RunArguments {
     #[arg(short, long, value_name = "FILE.h5")]
     output: Option<PathBuf>,
     /// Compute only the I-th of N shards, for `stiction merge`; the default output is then the scene's name
-    /// with .shard-I-of-N.h5
+    /// with .I-of-N.shard
     #[arg(long, value_name = "I/N")]
     shard: Option<Shard>,
     #[command(flatten)]
@@ -164,7 +164,7 @@ struct RunArguments {
 #[derive(Args)]
 struct MergeArguments {
     /// All shards of a run, in any order
-    #[arg(required = true, value_name = "SHARD.h5")]
+    #[arg(required = true, value_name = "SHARD")]
     shards: Vec<PathBuf>,
     /// Where the result goes
     #[arg(short, long, value_name = "FILE.h5")]
@@ -420,8 +420,7 @@ impl From<experiment::Error> for Failure {
                 Self::Usage(format!("{error}; --resume goes on with it, --force begins anew"))
             }
             Error::OtherRun { checkpoint: path, problem } => {
-                OutputError::NotACheckpoint { path, problem: format!("{problem}; --force begins anew") }
-                    .into()
+                OutputError::NotAPartial { path, problem: format!("{problem}; --force begins anew") }.into()
             }
             Error::Interrupted { done, of, kept } => Self::Interrupted { done, of, kept },
             Error::Kept { error, replicas, checkpoint } => {

@@ -11,10 +11,12 @@ use super::session::{Session, override_ensemble};
 use super::{Failure, RunOptions, kept, law_of, refused_scene, resources};
 use crate::engine::Shard;
 use crate::estimate::Estimate;
-use crate::experiment::checkpoint::{OverwritePolicy, Run, State, identity, is_result_of};
+use crate::experiment::checkpoint::{OverwritePolicy, Run, identity, is_result_of};
 use crate::experiment::prepared::{Task, run_scene};
-use crate::output::checkpoint::{Checkpoint, Identity, forget, is_checkpoint};
 use crate::output::checksum::{self, Finding};
+use crate::output::identity::Identity;
+use crate::output::journal::forget;
+use crate::output::partial::{Partial, is_checkpoint};
 use crate::output::schema::{Layout, RUN};
 use crate::output::{OutputError, OutputLock, beside, note_kept};
 use crate::scene::echo::shortened;
@@ -177,7 +179,7 @@ impl<'a> Points<'a> {
                 )));
             }
             if is_checkpoint(&checkpoint) {
-                let kept = Checkpoint::<State>::read(&checkpoint)?.identity;
+                let kept = Partial::read(&checkpoint)?.identity;
                 let own = identity(Run { scene: &scene, shard: self.shard });
                 if let Some(difference) = own.difference("the interrupted run", ("was", "is now"), &kept) {
                     let problem = format!("{}: {difference}; --force begins anew", checkpoint.display());

@@ -9,14 +9,13 @@ use super::session::{Session, override_ensemble};
 use super::{Failure, RunArguments, files_of, kept, print_of};
 use crate::engine::{Shard, batches_of, replicas_of};
 use crate::experiment::Phases;
-use crate::experiment::checkpoint::{Beginning, OverwritePolicy, Run, State, beginning, record_of};
+use crate::experiment::checkpoint::{Beginning, OverwritePolicy, Run, beginning, identity};
 use crate::experiment::prepared::{PreparedRun, Sampled, Task};
-use crate::experiment::record::{write_about, write_model};
 use crate::format::duration;
-use crate::output::checkpoint::{Checkpoint, Journal, Visit, forget};
-use crate::output::schema::SHARD;
-use crate::output::shard::{Piece, Source, write};
-use crate::output::writer::Writer;
+use crate::output::identity::Identity;
+use crate::output::journal::forget;
+use crate::output::partial::{Head, Kept, Piece, ShardFile};
+use crate::output::schema::SWEEP;
 use crate::output::{OutputError, OutputLock};
 use crate::scene::echo::one_line;
 use crate::scene::{Document, Scene, Sweep};
@@ -54,7 +53,7 @@ fn output_of(shard: Shard, arguments: &RunArguments) -> PathBuf {
         let Shard { index, count } = shard;
         let width = count.to_string().len();
         let mut name = arguments.scene.file_stem().unwrap_or_default().to_owned();
-        name.push(format!(".shard-{index:0width$}-of-{count}.h5"));
+        name.push(format!(".{index:0width$}-of-{count}.shard"));
         PathBuf::from(name)
     })
 }
@@ -105,7 +104,7 @@ impl Work<'_> {
             return Ok(None);
         }
         let parts: &[Part] = if parts[0].batches.is_empty() { &[] } else { &parts };
-        let about = About { scene: &scene, text: &scene.text, seed: scene.seed };
+        let identity = identity(Run { scene: &scene, shard: Some(self.shard) });
         let advised = |failure| match parts {
             [] => failure,
             _ => kept(
@@ -113,7 +112,7 @@ impl Work<'_> {
                 &format!("all replicas are kept in {}", self.lock.beside(".checkpoint").display()),
             ),
         };
-        let pieces = self.written(&about, parts).map_err(advised)?;
+        let pieces = self.written(identity, parts).map_err(advised)?;
         parts.iter().try_for_each(|_| forget(self.lock))?;
         Ok(Some(self.summary(&scene, &pieces, "")))
     }
@@ -124,7 +123,7 @@ impl Work<'_> {
             Points::new(sweep, &self.arguments.scene, self.lock, &self.arguments.options, Some(self.shard));
         points.require(self.session.pool.current_num_threads())?;
         let identity = points.identity(sweep.source())?;
-        if !points.begin(&SHARD, &identity)? {
+        if !points.begin(&SWEEP, &identity)? {
             return Ok(None);
         }
         let scenes =
@@ -144,8 +143,7 @@ impl Work<'_> {
             let computed = self.compute(part, OverwritePolicy { resume: true, force: false }, progress);
             computed.map_err(|failure| points.kept(points.at(part.point, failure)))?;
         }
-        let about = About { scene: &first, text: &identity.scene, seed: identity.seed };
-        let pieces = self.written(&about, &parts).map_err(|failure| points.kept(failure))?;
+        let pieces = self.written(identity, &parts).map_err(|failure| points.kept(failure))?;
         points.clear()?;
         Ok(Some(self.summary(&first, &pieces, &format!(" of {} points", sweep.count()))))
     }
@@ -184,9 +182,9 @@ impl Work<'_> {
             if self.session.stop.load(Ordering::Relaxed) {
                 return Err(Failure::Interrupted { done: 0, of: count, kept: false });
             }
-            let state = interrupted.as_ref().map(|run| run.state().clone());
+            let functionals = interrupted.as_ref().map(|run| run.functionals().clone());
             let mut phases = Phases::new(&mut progress);
-            let ground = PreparedRun::new(part.scene.clone(), laws, state, self.session, &mut phases);
+            let ground = PreparedRun::new(part.scene.clone(), laws, functionals, self.session, &mut phases);
             let sampled =
                 ground.sample(part.batches.clone(), interrupted, &task, self.session, &mut phases)?;
             let Sampled { mut checkpointer, .. } = sampled;
@@ -195,54 +193,24 @@ impl Work<'_> {
         })
     }
 
-    /// Writes the output out of the checkpoints of the parts.
-    fn written(&self, about: &About<'_>, parts: &[Part]) -> Result<Vec<Piece>, Failure> {
-        let pieces = parts.iter().map(|part| self.piece(part)).collect::<Result<Vec<Piece>, Failure>>()?;
+    /// Writes the output out of the checkpoints of the parts: what it has.
+    fn written(&self, identity: Identity, parts: &[Part]) -> Result<Vec<Piece>, Failure> {
+        let scene_file = self.arguments.scene.canonicalize().unwrap_or_else(|_| self.arguments.scene.clone());
+        let head = Head {
+            identity,
+            scene_file: scene_file.to_string_lossy().into_owned(),
+            points: parts.iter().map(|part| part.point as u64).collect(),
+        };
         let goes_on = || !self.session.stop.load(Ordering::Relaxed);
-        match self.write(about, parts, &pieces, &goes_on) {
-            Ok(true) => Ok(pieces),
+        let kept = parts.iter().map(|part| self.with_claim(part, Kept::read));
+        match ShardFile::write(self.lock, self.arguments.options.execution.force, &head, kept, &goes_on) {
+            Ok(true) => Ok(ShardFile::open(self.lock.output())?.pieces),
             Ok(false) => {
-                let of = pieces.iter().map(|piece| piece.replicas.end - piece.replicas.start).sum();
+                let of = parts.iter().map(|part| part.replicas()).map(|own| own.end - own.start).sum();
                 Err(Failure::Interrupted { done: of, of, kept: true })
             }
             Err(error) => Err(Failure::not_written(error, self.output)),
         }
-    }
-
-    fn piece(&self, part: &Part) -> Result<Piece, Failure> {
-        self.with_claim(part, |lock| {
-            let path = lock.beside(".checkpoint");
-            let Checkpoint { seconds, resumptions, .. } = Checkpoint::<State>::read(&path)?;
-            let state_bytes = path.metadata().map_or(0, |metadata| metadata.len());
-            Ok(Piece {
-                point: part.point as u64,
-                replicas: part.replicas(),
-                seconds,
-                resumptions,
-                state_bytes,
-            })
-        })
-    }
-
-    fn write(
-        &self,
-        about: &About<'_>,
-        parts: &[Part],
-        pieces: &[Piece],
-        goes_on: &dyn Fn() -> bool,
-    ) -> Result<bool, OutputError> {
-        let mut writer = Writer::create(&SHARD, self.lock, self.arguments.options.execution.force)?;
-        write_about(&writer, &about.scene.title, about.text)?;
-        write_model(&writer, about.scene, about.seed)?;
-        writer.number("/", "shard", self.shard.index)?;
-        writer.number("/", "shards", self.shard.count)?;
-        let scene_file = self.arguments.scene.canonicalize().unwrap_or_else(|_| self.arguments.scene.clone());
-        writer.text("/", "scene_file", &scene_file.to_string_lossy())?;
-        let length = record_of(about.scene).length();
-        if !write(&mut writer, pieces, length, &mut Kept { work: self, parts }, goes_on)? {
-            return Ok(false);
-        }
-        writer.finish().map(|()| true)
     }
 
     fn summary(&self, scene: &Scene, pieces: &[Piece], of_points: &str) -> String {
@@ -273,42 +241,6 @@ impl Work<'_> {
 /// A range of replicas, for people.
 pub(super) fn shown(replicas: &Range<u64>, of: u64) -> String {
     format!("{} to {} of 0 to {}", replicas.start, replicas.end.saturating_sub(1), of.saturating_sub(1))
-}
-
-/// What a shard says of its run.
-struct About<'a> {
-    /// Of the first point.
-    scene: &'a Scene,
-    text: &'a str,
-    seed: u64,
-}
-
-/// What is kept of the parts of a shard.
-struct Kept<'a> {
-    work: &'a Work<'a>,
-    parts: &'a [Part],
-}
-
-impl Source for Kept<'_> {
-    fn state(&mut self, piece: usize) -> Result<Vec<u8>, OutputError> {
-        self.work.with_claim(&self.parts[piece], |lock| {
-            let path = lock.beside(".checkpoint");
-            std::fs::read(&path).map_err(|error| OutputError::Io { action: "cannot read", path, error })
-        })
-    }
-
-    fn records(&mut self, piece: usize, visit: &mut Visit<'_>) -> Result<(), OutputError> {
-        self.work.with_claim(&self.parts[piece], |lock| {
-            let checkpoint = Checkpoint::<State>::read(&lock.beside(".checkpoint"))?;
-            let mut visited = Ok(true);
-            Journal::resume(lock, record_of(&self.parts[piece].scene).length(), &checkpoint, |words| {
-                if let Ok(true) = visited {
-                    visited = visit(words);
-                }
-            })?;
-            visited.map(drop)
-        })
-    }
 }
 
 #[cfg(test)]

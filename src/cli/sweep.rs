@@ -10,7 +10,7 @@ use crate::experiment::record::{write_about, write_model};
 use crate::format::si;
 use crate::math::interval::LEVEL;
 use crate::math::sums::SUM_ROUNDING;
-use crate::output::checkpoint::Identity;
+use crate::output::identity::Identity;
 use crate::output::reader::Reader;
 use crate::output::schema::{RUN, SWEEP};
 use crate::output::stack::{self, stack};

@@ -3,12 +3,13 @@
 use super::Job;
 use super::curves::Curves;
 use super::groups::Groups;
-use super::record::Record;
+use super::record::Records;
 use super::replica::{Replica, Workspace};
 use crate::asperity::{Quantity, SolverStats};
 use crate::math::moments::Moments;
-use crate::math::words::Words;
 use crate::surface::STRATA;
+use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 use std::ops::Range;
 
 /// Replicas of a batch. Part of what the bits of a result depend on, so it is fixed.
@@ -28,7 +29,7 @@ pub fn replicas_of(batches: Range<u64>, replicas: u64) -> Range<u64> {
 }
 
 /// The moments of an ensemble and what is kept of every replica.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Ensemble {
     /// Moments of the curves, by [`Quantity::index`], each over the S states of the job.
     pub curves: [Moments; 4],
@@ -41,8 +42,10 @@ pub struct Ensemble {
     /// Moments of the means of groups of replicas.
     pub groups: Groups,
     /// What is kept of every replica, in order.
+    #[serde(skip)]
     pub replicas: Vec<Replica>,
     /// The snaps of every replica, in order: replicas × [`Loading::length`](super::Loading::length).
+    #[serde(skip)]
     pub snaps: Vec<f64>,
     /// What solving cost.
     pub stats: SolverStats,
@@ -90,6 +93,15 @@ impl Ensemble {
         self.stats.merge(&other.stats);
     }
 
+    /// Whether the sums of both are of the same numbers of states, regimes and scalars.
+    pub(super) fn is_like(&self, other: &Self) -> bool {
+        self.curves.iter().zip(&other.curves).all(|(own, other)| own.is_like(other))
+            && self.regime_count.is_like(&other.regime_count)
+            && self.regime_adhesion_force.is_like(&other.regime_adhesion_force)
+            && self.regime_external_force.is_like(&other.regime_external_force)
+            && self.groups.is_like(&other.groups)
+    }
+
     fn push(&mut self, job: &Job<'_>, batch: u64, replica: Replica, curves: &Curves) {
         for (moments, curve) in self.curves.iter_mut().zip(&curves.total) {
             moments.push(curve);
@@ -100,31 +112,6 @@ impl Ensemble {
         self.groups.push(job, batch, &replica, curves);
         self.replicas.push(replica);
         self.snaps.extend_from_slice(&curves.snaps);
-    }
-}
-
-impl Words for Ensemble {
-    fn each_word(&mut self, visit: &mut dyn FnMut(&mut u64)) {
-        self.curves.each_word(visit);
-        self.regime_count.each_word(visit);
-        self.regime_adhesion_force.each_word(visit);
-        self.regime_external_force.each_word(visit);
-        self.groups.each_word(visit);
-        let SolverStats {
-            contact_solves,
-            noncontact_solves,
-            constant,
-            closed_form,
-            far,
-            unloaded,
-            by_moments,
-            evaluations,
-            safeguarded,
-            largest_residual,
-        } = &mut self.stats;
-        let counts = [constant, closed_form, far, unloaded, by_moments, evaluations, safeguarded];
-        [contact_solves, noncontact_solves].into_iter().chain(counts).for_each(&mut *visit);
-        largest_residual.each_word(visit);
     }
 }
 
@@ -167,16 +154,12 @@ impl Batch {
         is_whole.then_some(batch)
     }
 
-    /// The record of each of its replicas, one after the other.
-    pub fn records(&self, job: &Job<'_>) -> Vec<u64> {
-        let (record, replicas) = (Record::of(job), &self.ensemble.replicas);
-        let (snaps, states) = (record.snaps, record.states);
-        let mut records = Vec::with_capacity(replicas.len() * record.length());
-        for (i, replica) in replicas.iter().enumerate() {
-            let curves = [&self.external_force, &self.adhesion_force]
-                .map(|forces| &forces[i * states..(i + 1) * states]);
-            record.write(&mut records, replica, &self.ensemble.snaps[i * snaps..(i + 1) * snaps], curves);
+    /// All that is kept of its replicas beside their sums.
+    pub fn records(&self) -> Records<'_> {
+        Records {
+            replicas: Cow::from(&self.ensemble.replicas),
+            snaps: Cow::from(&self.ensemble.snaps),
+            forces: [&self.external_force, &self.adhesion_force].map(Cow::from),
         }
-        records
     }
 }

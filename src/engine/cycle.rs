@@ -7,10 +7,10 @@ use super::{Job, Protocol};
 use crate::asperity::{Loop, Quantity};
 use crate::math::extrema::Extremum;
 use crate::math::sums::SUM_ROUNDING;
-use crate::math::words::Words;
+use serde::{Deserialize, Serialize};
 
 /// What is kept of a replica whose way back is another than its way there.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Cycle {
     /// −min F on approach, between the separations too, N.
     pub approach_pull_off_force: f64,
@@ -50,16 +50,6 @@ impl Cycle {
             touchdown_separation: highest - cycle.touch() + surface.mean_plane_offset,
             takeoff_separation: takeoff.map_or(f64::NAN, |distance| closest + distance),
         }
-    }
-}
-
-impl Words for Cycle {
-    fn each_word(&mut self, visit: &mut dyn FnMut(&mut u64)) {
-        self.approach_pull_off_force.each_word(visit);
-        self.approach_pull_off_separation.each_word(visit);
-        self.dissipated_energy.each_word(visit);
-        self.touchdown_separation.each_word(visit);
-        self.takeoff_separation.each_word(visit);
     }
 }
 

@@ -7,22 +7,24 @@ use super::replica::Replica;
 use super::scalars::scalars;
 use crate::asperity::Quantity;
 use crate::math::moments::{CentralMoments, Moments};
-use crate::math::words::Words;
+use serde::{Deserialize, Serialize};
 
 /// Parts that the scalars of an ensemble are split into, by batches in turn: independent of each other, as
 /// control variates need them.
 const PARTS: usize = 16;
 
 /// Moments of the means of groups; of replicas, when each is a group by itself.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Groups {
     /// Moments of the curves, by [`Quantity::index`], each over the states.
     pub curves: [Moments; 4],
     /// Mean, covariance and third moments of the external force at the controls, N, and behind these of the
     /// [`scalars`]; the batch i of a job is in the part i modulo 16.
     pub scalars: [CentralMoments; PARTS],
-    /// Sums over the replicas of a group that is not complete: curves, controls, scalars.
+    /// Sums over the replicas of a group that is not complete: curves, controls, scalars; none between batches.
+    #[serde(skip)]
     sums: Vec<f64>,
+    #[serde(skip)]
     filled: u64,
 }
 
@@ -33,7 +35,7 @@ impl Groups {
         Self {
             curves: std::array::from_fn(|_| Moments::new(s)),
             scalars: std::array::from_fn(|_| CentralMoments::new(c)),
-            sums: vec![0.0; 4 * s + c],
+            sums: Vec::new(),
             filled: 0,
         }
     }
@@ -48,6 +50,7 @@ impl Groups {
             .copied()
             .chain(job.controls.iter().map(|&place| external[place]))
             .chain(scalars(job.protocol.cycle.is_some()).map(|scalar| (scalar.of)(replica)));
+        self.sums.resize(4 * job.states() + self.scalars[0].second().mean().len(), 0.0);
         self.sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += value);
         self.filled += 1;
         if self.filled == job.scheme.group() {
@@ -63,7 +66,7 @@ impl Groups {
             moments.push(curve);
         }
         self.scalars[part].push(scalars);
-        self.sums.fill(0.0);
+        self.sums.clear();
         self.filled = 0;
     }
 
@@ -76,12 +79,10 @@ impl Groups {
             mine.merge(theirs);
         }
     }
-}
 
-impl Words for Groups {
-    fn each_word(&mut self, visit: &mut dyn FnMut(&mut u64)) {
-        self.curves.each_word(visit);
-        // Nothing is left over between batches.
-        self.scalars.each_word(visit);
+    /// Whether both are of the same numbers of states and scalars.
+    pub(super) fn is_like(&self, other: &Self) -> bool {
+        self.curves.iter().zip(&other.curves).all(|(own, other)| own.is_like(other))
+            && self.scalars.iter().zip(&other.scalars).all(|(own, other)| own.is_like(other))
     }
 }

@@ -47,7 +47,7 @@ pub use cycle::{Cycle, dissipated};
 pub use groups::Groups;
 pub use instability::Loading;
 pub use kinks::parts_of;
-pub use record::Record;
+pub use record::{RecordShape, Records};
 pub use reduce::{Outcome, run, run_from};
 pub use reduction_tree::ReductionTree;
 pub use replica::{Replica, Workspace};

@@ -10,11 +10,11 @@
 use super::Job;
 use super::batch::{Ensemble, replicas_of};
 use super::replica::Replica;
-use crate::math::words::Words;
+use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
 /// The sums of the batches that a subtree covers.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct Node {
     /// Batches of its place in the tree: 2ᵏ from a multiple of 2ᵏ on, of which some may not be there.
     batches: Range<u64>,
@@ -23,7 +23,7 @@ struct Node {
 }
 
 /// The ensembles of consecutive batches, as far as these are there.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ReductionTree {
     /// The batches that are to come in.
     batches: Range<u64>,
@@ -31,8 +31,10 @@ pub struct ReductionTree {
     next: u64,
     nodes: Vec<Node>,
     /// What is kept of every replica, in order.
+    #[serde(skip)]
     pub replicas: Vec<Replica>,
     /// The snaps of every replica, in order: replicas × [`Loading::length`](super::Loading::length).
+    #[serde(skip)]
     pub snaps: Vec<f64>,
 }
 
@@ -129,45 +131,40 @@ impl ReductionTree {
         Ensemble { replicas: self.replicas, snaps: self.snaps, ..sums }
     }
 
-    /// Everything but what is kept of every replica, as words that [`ReductionTree::restored`] takes back.
-    pub fn state(&self) -> Vec<u64> {
-        let mut words = vec![self.batches.start, self.batches.end, self.next, self.nodes.len() as u64];
-        for node in &self.nodes {
-            words.extend([node.batches.start, node.batches.end]);
-            // Words are shown as what may be changed.
-            node.sums.clone().each_word(&mut |word| words.push(*word));
-        }
-        words
+    /// The tree without what is kept of every replica, which is how it is written.
+    pub fn sums(&self) -> Self {
+        Self { nodes: self.nodes.clone(), next: self.next, ..Self::new(self.batches()) }
     }
 
-    /// The forest of a state and of what was kept of its replicas and their snaps; none when they are not of
+    /// The replicas, of so many of a job, that are to come in, and how many of them are there.
+    pub fn extent(&self, replicas: u64) -> (Range<u64>, u64) {
+        // What is read from a file may be in any order.
+        let Range { start, end } = self.batches;
+        let all = replicas_of(start..end.max(start), replicas);
+        let there = replicas_of(start..self.next.clamp(start, end.max(start)), replicas);
+        (all, there.end - there.start)
+    }
+
+    /// The tree after it was read, with what was kept of its replicas and their snaps; none when it is not of
     /// this job.
-    pub fn restored(job: &Job<'_>, state: &[u64], replicas: Vec<Replica>, snaps: Vec<f64>) -> Option<Self> {
-        let (&[start, end, next, count], mut rest) = state.split_first_chunk()?;
-        let is_range = start <= next && next <= end && end <= job.batches();
-        let replicas_there = replicas_of(start..next, job.replicas).count() as u64;
-        let fits = is_range
-            && replicas.len() as u64 == replicas_there
-            && snaps.len() == replicas.len() * job.protocol.loading.length();
-        if !fits {
-            return None;
-        }
-        let mut reduction_tree = Self { next, replicas, snaps, ..Self::new(start..end) };
-        let (mut empty, mut covered) = (Ensemble::new(job), 0);
-        let length = empty.words().len();
-        for _ in 0..count {
-            let (&[from, to], words) = rest.split_first_chunk()?;
-            let (words, behind) = words.split_at_checked(length)?;
-            let ordered =
-                reduction_tree.nodes.last().map_or(start, |node| node.batches.end) <= from && from < to;
-            if !ordered || !empty.restore(words) {
+    pub fn restored(self, job: &Job<'_>) -> Option<Self> {
+        let Range { start, end } = self.batches;
+        let (empty, (_, there)) = (Ensemble::new(job), self.extent(job.replicas));
+        let (mut reached, mut covered) = (start, 0_u64);
+        for Node { batches, sums } in &self.nodes {
+            if batches.start < reached || batches.is_empty() || !sums.is_like(&empty) {
                 return None;
             }
-            covered += empty.regime_count.count();
-            reduction_tree.nodes.push(Node { batches: from..to, sums: empty.clone() });
-            rest = behind;
+            reached = batches.end;
+            covered = covered.checked_add(sums.regime_count.count())?;
         }
-        (rest.is_empty() && covered == replicas_there).then_some(reduction_tree)
+        let fits = start <= self.next
+            && self.next <= end
+            && end <= job.batches()
+            && self.replicas.len() as u64 == there
+            && covered == there
+            && self.snaps.len() == self.replicas.len() * job.protocol.loading.length();
+        fits.then_some(self)
     }
 }
 

@@ -14,12 +14,12 @@ use super::summed::Summed;
 use super::sums::{RegimeSums, State, Sums};
 use crate::asperity::{Quantity, SolverStats};
 use crate::math::extrema::Extremum;
-use crate::math::words::Words;
 use crate::surface::CHUNK_ASPERITIES;
+use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
 /// What is kept of every replica.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Replica {
     /// Number of asperities.
     pub asperity_count: u64,
@@ -48,21 +48,6 @@ impl Replica {
 
     fn stiffest(&mut self, secant: &Extremum) {
         (self.peak_secant_stiffness, self.peak_secant_stiffness_separation) = (secant.value, secant.place);
-    }
-}
-
-impl Words for Replica {
-    fn each_word(&mut self, visit: &mut dyn FnMut(&mut u64)) {
-        visit(&mut self.asperity_count);
-        self.highest_asperity.each_word(visit);
-        self.pull_off_force.each_word(visit);
-        self.pull_off_separation.each_word(visit);
-        self.peak_secant_stiffness.each_word(visit);
-        self.peak_secant_stiffness_separation.each_word(visit);
-        let mut at_edge = u64::from(self.pull_off_at_edge);
-        visit(&mut at_edge);
-        self.pull_off_at_edge = at_edge != 0;
-        self.cycle.iter_mut().for_each(|cycle| cycle.each_word(visit));
     }
 }
 

@@ -2,70 +2,22 @@
 
 use super::Error;
 use super::sampling::loading;
-use crate::engine::{Batch, Job, Record, ReductionTree, Replica, Shard, replicas_of};
-use crate::output::checkpoint::{Checkpoint, Identity, Journal, forget, forget_records};
+use crate::engine::{Batch, Job, RecordShape, ReductionTree, Shard};
+use crate::output::identity::Identity;
+use crate::output::journal::{Journal, forget, forget_records};
+use crate::output::partial::{Functionals, Kept, Partial, ShardFile};
 use crate::output::reader::Reader;
-use crate::output::schema::{Layout, RUN, SHARD};
+use crate::output::schema::{Layout, RUN};
 use crate::output::{OutputError, OutputLock, note_kept};
 use crate::scene::{Scene, difference};
-use crate::validation::Basis;
-use serde::{Deserialize, Serialize};
 use std::ops::Range;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-/// What a checkpoint holds of a run beside the records of its replicas.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct State {
-    /// The functionals of the joint test. They come from linear algebra whose last bits may differ between
-    /// processors, so they are kept.
-    pub basis: Basis,
-    /// Indices of the separations of the control variates.
-    pub controls: Vec<usize>,
-    /// The fewest replicas that the run may end with: of a scene with targets another number than of the same
-    /// scene with --replicas.
-    fewest_replicas: u64,
-    /// The forest without its replicas: bits of numbers, which take 8 bytes each here where whole numbers
-    /// take up to 10.
-    reduction_tree: Vec<f64>,
-}
-
-impl State {
-    /// That of a run that begins.
-    pub fn new(basis: Basis, controls: Vec<usize>, fewest_replicas: u64) -> Self {
-        Self { basis, controls, fewest_replicas, reduction_tree: Vec::new() }
-    }
-
-    /// The words of the forest.
-    pub fn reduction_tree(&self) -> Vec<u64> {
-        self.reduction_tree.iter().map(|number| number.to_bits()).collect()
-    }
-
-    /// The replicas, of `all`, that are computed where they are not all of them.
-    pub fn replicas(&self, all: u64) -> Range<u64> {
-        let batch = |word: usize| self.reduction_tree.get(word).map_or(0, |batch| batch.to_bits());
-        replicas_of(batch(0)..batch(1).max(batch(0)), all)
-    }
-
-    /// Whether its ensemble is computed for the same functionals and controls, to the bit, as another's.
-    pub fn is_alike(&self, other: &Self) -> bool {
-        self.basis == other.basis && self.controls == other.controls
-    }
-}
-
-/// A run that was interrupted.
-pub(crate) struct Interrupted {
-    journal: Journal,
-    checkpoint: Checkpoint<State>,
-    replicas: Vec<Replica>,
-    /// The snaps of all of them.
-    snaps: Vec<f64>,
-}
-
-/// What the records of a scene's replicas consist of.
-pub(crate) fn record_of(scene: &Scene) -> Record {
+/// How many numbers are kept of every replica of a scene.
+pub(crate) fn record_shape(scene: &Scene) -> RecordShape {
     let states = if scene.curves { scene.states() } else { 0 };
-    Record { cycle: scene.cycle, snaps: loading(scene).length(), states }
+    RecordShape { cycle: scene.cycle, snaps: loading(scene).length(), states }
 }
 
 /// What is computed into an output: a scene, or a shard of it.
@@ -117,11 +69,11 @@ pub(crate) fn beginning(
         return resumption(lock, run, force);
     }
     lock.check(force)?;
-    match Checkpoint::<State>::find(lock)? {
+    match Kept::find(lock)? {
         None => Ok(Beginning::Anew),
         Some(_) if force => Ok(forget(lock).map(|()| Beginning::Anew)?),
-        Some(checkpoint) => {
-            let (done, of) = (checkpoint.done, checkpoint.identity.replicas);
+        Some(Kept { partial, .. }) => {
+            let ((_, done), of) = (partial.extent(), partial.identity.replicas);
             Err(Error::Unfinished { checkpoint: lock.beside(".checkpoint"), done, of })
         }
     }
@@ -130,15 +82,14 @@ pub(crate) fn beginning(
 /// How to bring an output to completion, whatever is there of it.
 fn resumption(lock: &OutputLock, run: Run<'_>, overwrite: bool) -> Result<Beginning, Error> {
     let identity = identity(run);
-    let found = Checkpoint::<State>::find(lock)?;
+    let found = Kept::find(lock)?;
     if let Err(exists) = lock.check(overwrite) {
-        let layout = if run.shard.is_some() { &SHARD } else { &RUN };
-        if !is_result_of(lock.output(), layout, &identity, run.scene.stopping.is_some()) {
+        if !is_result_of(lock.output(), &RUN, &identity, run.scene.stopping.is_some()) {
             return Err(exists.into());
         }
         // The run ended between naming its result and removing what it had kept.
         match found {
-            Some(checkpoint) if checkpoint.identity.is_of(&identity) => forget(lock)?,
+            Some(kept) if kept.partial.identity.is_of(&identity) => forget(lock)?,
             Some(_) => {}
             None => forget_records(lock),
         }
@@ -146,17 +97,20 @@ fn resumption(lock: &OutputLock, run: Run<'_>, overwrite: bool) -> Result<Beginn
     }
     match found {
         None => Ok(Beginning::Anew),
-        Some(checkpoint) => Ok(Beginning::Resumed(Box::new(resumed(lock, run, checkpoint)?))),
+        Some(kept) => Ok(Beginning::Resumed(Box::new(Interrupted::new(lock, run, kept)?))),
     }
 }
 
-/// Whether a file is the complete result of a run, with targets or without.
+/// Whether a file is the complete result of a run, with targets or without; of a shard it is the shard.
 pub(crate) fn is_result_of(
     output: &Path,
     layout: &'static Layout,
     identity: &Identity,
     with_targets: bool,
 ) -> bool {
+    if identity.shard.is_some() {
+        return ShardFile::open(output).is_ok_and(|file| file.head.identity.is_of(identity));
+    }
     let Ok(reader) = Reader::open(output, &[layout]) else { return false };
     let is = |name: &str, text: &str| {
         reader.optional_text("/", name).is_ok_and(|kept| kept.as_deref() == Some(text))
@@ -169,21 +123,20 @@ pub(crate) fn is_result_of(
             .is_ok_and(|kept| difference(&kept.unwrap_or_default(), &identity.scene).is_none())
         && number("seed", identity.seed)
         && number(if with_targets { "max_replicas" } else { "replicas" }, identity.replicas)
-        && identity.shard.is_none_or(|shard| number("shard", shard.index) && number("shards", shard.count))
 }
 
-/// Whether a checkpoint is of a run.
+/// Whether a partial result is of a run.
 ///
 /// # Errors
 /// How it is not.
-pub(crate) fn is_of(run: Run<'_>, checkpoint: &Checkpoint<State>) -> Result<(), String> {
+pub(crate) fn is_of(run: Run<'_>, partial: &Partial) -> Result<(), String> {
     let scene = run.scene;
     if let Some(difference) =
-        identity(run).difference("the interrupted run", ("was", "is now"), &checkpoint.identity)
+        identity(run).difference("the interrupted run", ("was", "is now"), &partial.identity)
     {
         return Err(difference);
     }
-    let (s, State { basis, controls, fewest_replicas, .. }) = (scene.states(), &checkpoint.state);
+    let (s, Functionals { basis, controls, fewest_replicas }) = (scene.states(), &partial.functionals);
     if *fewest_replicas != scene.fewest_replicas() {
         let (kept, given) = (fewest_replicas, scene.fewest_replicas());
         return Err(format!("is of a run of at least {kept} replicas, and this one is of at least {given}"));
@@ -197,51 +150,69 @@ pub(crate) fn is_of(run: Run<'_>, checkpoint: &Checkpoint<State>) -> Result<(), 
     Ok(())
 }
 
-fn resumed(lock: &OutputLock, run: Run<'_>, checkpoint: Checkpoint<State>) -> Result<Interrupted, Error> {
-    let refused = |problem| Error::OtherRun { checkpoint: lock.beside(".checkpoint"), problem };
-    is_of(run, &checkpoint).map_err(refused)?;
-    let (mut replicas, mut snaps) = (Vec::new(), Vec::new());
-    let record = record_of(run.scene);
-    let journal = Journal::resume(lock, record.length(), &checkpoint, |words| {
-        let (replica, own) = record.read(words);
-        replicas.push(replica);
-        snaps.extend(own);
+/// Adds to the sums of a partial result of a scene what its records hold, all but curves.
+pub(crate) fn read_records(scene: &Scene, kept: &mut Kept) -> Result<(), OutputError> {
+    let (shape, tree) = (record_shape(scene), &mut kept.partial.tree);
+    kept.records.each(&mut |records| {
+        if !shape.fits(records) {
+            return Err(kept.records.refused("is not of this scene"));
+        }
+        tree.replicas.extend_from_slice(&records.replicas);
+        tree.snaps.extend_from_slice(&records.snaps);
+        Ok(true)
     })?;
-    Ok(Interrupted { journal, checkpoint, replicas, snaps })
+    Ok(())
+}
+
+/// A run that was interrupted.
+pub(crate) struct Interrupted {
+    journal: Journal,
+    partial: Partial,
 }
 
 impl Interrupted {
+    fn new(lock: &OutputLock, run: Run<'_>, mut kept: Kept) -> Result<Self, Error> {
+        let refused = |problem| Error::OtherRun { checkpoint: lock.beside(".checkpoint"), problem };
+        is_of(run, &kept.partial).map_err(refused)?;
+        read_records(run.scene, &mut kept)?;
+        Ok(Self { journal: Journal::resume(lock, &kept)?, partial: kept.partial })
+    }
+
     /// Replicas that are done.
     pub fn done(&self) -> u64 {
-        self.checkpoint.done
+        self.partial.extent().1
     }
 
     /// What was kept of what goes before the ensemble.
-    pub fn state(&self) -> &State {
-        &self.checkpoint.state
+    pub fn functionals(&self) -> &Functionals {
+        &self.partial.functionals
     }
 }
 
 /// Keeps what a run has done.
 pub(crate) struct Checkpointer {
-    identity: Identity,
+    partial: Partial,
     pub journal: Journal,
-    state: State,
     interval: Duration,
     begun: Instant,
     saved: Instant,
-    /// Replicas at the last checkpoint.
+    /// Replicas that are done, and those at the last checkpoint.
+    done: u64,
     saved_done: u64,
     /// Seconds of the sittings before this one.
     pub seconds_before: f64,
-    pub resumptions: u64,
 }
 
 impl Checkpointer {
     /// Keeps a run that begins, every `interval`.
-    pub fn begin(lock: &OutputLock, run: Run<'_>, state: State, interval: Duration) -> Result<Self, Error> {
-        let journal = Journal::begin(lock, record_of(run.scene).length())?;
-        Ok(Self::new(identity(run), journal, state, interval))
+    pub fn begin(
+        lock: &OutputLock,
+        run: Run<'_>,
+        functionals: Functionals,
+        interval: Duration,
+    ) -> Result<Self, Error> {
+        let journal = Journal::begin(lock)?;
+        Ok(Self::new(Partial::new(identity(run), functionals), journal, interval))
     }
 
     /// Keeps a run of a range of batches that goes on, and what it goes on from.
@@ -251,44 +222,37 @@ impl Checkpointer {
         batches: &Range<u64>,
         interval: Duration,
     ) -> Result<(Self, ReductionTree), Error> {
-        let Interrupted { journal, checkpoint, replicas, snaps } = run;
-        let reduction_tree =
-            ReductionTree::restored(job, &checkpoint.state.reduction_tree(), replicas, snaps)
-                .filter(|reduction_tree| reduction_tree.batches() == *batches);
-        let Some(reduction_tree) = reduction_tree else {
+        let Interrupted { journal, mut partial } = run;
+        let tree = std::mem::replace(&mut partial.tree, ReductionTree::new(0..0));
+        let Some(tree) = tree.restored(job).filter(|tree| tree.batches() == *batches) else {
             let path = journal.checkpoint().unwrap_or(Path::new("")).to_owned();
-            return Err(
-                OutputError::NotACheckpoint { path, problem: "is not of this scene".to_owned() }.into()
-            );
+            return Err(OutputError::NotAPartial { path, problem: "is not of this scene".to_owned() }.into());
         };
         note_kept();
-        let checkpointer = Self {
-            saved_done: checkpoint.done,
-            seconds_before: checkpoint.seconds,
-            resumptions: checkpoint.resumptions + 1,
-            ..Self::new(checkpoint.identity, journal, checkpoint.state, interval)
-        };
-        Ok((checkpointer, reduction_tree))
+        partial.resumptions += 1;
+        let (done, seconds_before) = (tree.replicas.len() as u64, partial.seconds);
+        let new = Self::new(partial, journal, interval);
+        Ok((Self { done, saved_done: done, seconds_before, ..new }, tree))
     }
 
-    fn new(identity: Identity, journal: Journal, state: State, interval: Duration) -> Self {
+    fn new(partial: Partial, journal: Journal, interval: Duration) -> Self {
         let now = Instant::now();
         Self {
-            identity,
+            partial,
             journal,
-            state,
             interval,
             begun: now,
             saved: now,
+            done: 0,
             saved_done: 0,
             seconds_before: 0.0,
-            resumptions: 0,
         }
     }
 
     /// Keeps the records of a batch, and saves a checkpoint if it is time.
-    pub fn keep(&mut self, job: &Job<'_>, batch: &Batch, merged: &ReductionTree) -> Result<(), OutputError> {
-        self.journal.append(&batch.records(job))?;
+    pub fn keep(&mut self, batch: &Batch, merged: &ReductionTree) -> Result<(), OutputError> {
+        self.journal.append(&batch.records())?;
+        self.done += batch.ensemble.replicas.len() as u64;
         if self.saved.elapsed() >= self.interval { self.save(merged) } else { Ok(()) }
     }
 
@@ -300,29 +264,30 @@ impl Checkpointer {
 
     /// Holds what has been merged until it is saved.
     pub fn hold(&mut self, merged: &ReductionTree) {
-        self.state.reduction_tree = merged.state().into_iter().map(f64::from_bits).collect();
+        self.partial.tree = merged.sums();
     }
 
     /// Saves a checkpoint of what is held, if anything has been done since the last one.
     pub fn save_held(&mut self) -> Result<(), OutputError> {
-        if self.journal.done() > self.saved_done {
-            self.journal.save(&self.identity, self.seconds(), self.resumptions, &self.state)?;
-            self.saved_done = self.journal.done();
+        if self.done > self.saved_done {
+            self.partial.seconds = self.seconds_before + self.begun.elapsed().as_secs_f64();
+            self.journal.save(&mut self.partial)?;
+            self.saved_done = self.done;
             note_kept();
         }
         self.saved = Instant::now();
         Ok(())
     }
 
-    /// Seconds since the run began, interruptions left out.
-    pub fn seconds(&self) -> f64 {
-        self.seconds_before + self.begun.elapsed().as_secs_f64()
+    /// How often the run has been resumed.
+    pub fn resumptions(&self) -> u64 {
+        self.partial.resumptions
     }
 
-    /// That the run was interrupted, and how to go on with it.
+    /// The error of a run that was interrupted, with how to go on.
     pub fn interrupted(&self, replicas: u64) -> Error {
         let kept = self.journal.checkpoint().is_some();
-        self.advised(Error::Interrupted { done: self.journal.done(), of: replicas, kept })
+        self.advised(Error::Interrupted { done: self.done, of: replicas, kept })
     }
 
     /// That the output is written, after which nothing is kept beside it; or that it is not, and what was

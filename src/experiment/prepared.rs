@@ -1,8 +1,8 @@
 //! One scene, from its laws to a checked file.
 
-use super::checkpoint::{Beginning, Checkpointer, Interrupted, OverwritePolicy, Run, State, beginning};
+use super::checkpoint::{Beginning, Checkpointer, Interrupted, OverwritePolicy, Run, beginning};
 use super::integral::{Integral, PathIntegral};
-use super::record::{write_curves, write_head, write_results};
+use super::record::{AllRecords, write_curves, write_head, write_results};
 use super::results::{Results, RetractionResults, RunMetadata, Stopped, mean_features};
 use super::sampling::{Sampling, basis_of, cross_check};
 use super::{Error, Observer, Phases};
@@ -11,7 +11,7 @@ use crate::engine::{Batch, Outcome, ReductionTree, Rule, Shard, Summation, batch
 use crate::estimate::Plan;
 use crate::integral::{Expectations, controls};
 use crate::math::control_variates::controlled_means;
-use crate::output::checkpoint::Records;
+use crate::output::partial::Functionals;
 use crate::output::schema::RUN;
 use crate::output::writer::Writer;
 use crate::output::{OutputError, OutputLock, checksum};
@@ -64,7 +64,7 @@ pub(crate) fn run_scene(
         Beginning::Anew => None,
         Beginning::Resumed(run) => Some(run),
     };
-    let kept = interrupted.as_ref().map(|run| run.state().clone());
+    let kept = interrupted.as_ref().map(|run| run.functionals().clone());
     let ground = PreparedRun::new(scene, laws, kept, session, &mut phases);
     let batches = 0..batches_of(ground.scene.replicas);
     let Sampled { reduction_tree, summation, mut checkpointer } =
@@ -72,13 +72,13 @@ pub(crate) fn run_scene(
     let most = ground.scene.replicas;
     let metadata = RunMetadata {
         seconds_before: checkpointer.seconds_before,
-        resumptions: checkpointer.resumptions,
+        resumptions: checkpointer.resumptions(),
         checkpoints: checkpointer.journal.cost(),
         ..RunMetadata::default()
     };
     let results = ground.results(*reduction_tree, summation, metadata, session, &mut phases);
     phases.phase("writing");
-    let written = write(task, &results, &mut checkpointer.journal, &session.stop);
+    let written = write(task, &results, &mut |visit| checkpointer.journal.each(visit), &session.stop);
     phases.end();
     checkpointer.ended(written, task.output, most)?;
     Ok(Some(Box::new(results)))
@@ -106,7 +106,7 @@ pub(crate) struct PreparedRun {
     plan: Plan,
     warnings: Vec<Warning>,
     integral: Integral,
-    state: State,
+    functionals: Functionals,
     /// Expectations of the external force at the control variates, N.
     expected: Vec<f64>,
 }
@@ -124,7 +124,7 @@ impl PreparedRun {
     pub fn new(
         scene: Scene,
         laws: SceneLaws,
-        kept: Option<State>,
+        kept: Option<Functionals>,
         session: &Session,
         phases: &mut Phases<'_>,
     ) -> Self {
@@ -137,11 +137,11 @@ impl PreparedRun {
             (integral, warnings)
         });
         phases.phase("test functionals");
-        let state = kept.unwrap_or_else(|| prepared(&scene, (law, cycle), &integral));
+        let functionals = kept.unwrap_or_else(|| prepared(&scene, (law, cycle), &integral));
         let force = |way: &PathIntegral| way.expectations.expected[Quantity::ExternalForce.index()].clone();
         let expected: Vec<f64> = integral.paths().flat_map(force).collect();
-        let expected = state.controls.iter().map(|&place| expected[place]).collect();
-        Self { scene, laws, plan, warnings, integral, state, expected }
+        let expected = functionals.controls.iter().map(|&place| expected[place]).collect();
+        Self { scene, laws, plan, warnings, integral, functionals, expected }
     }
 
     /// The ensemble.
@@ -150,7 +150,7 @@ impl PreparedRun {
             scene: &self.scene,
             law: self.laws.law.view(),
             cycle: self.laws.cycle.as_ref(),
-            controls: &self.state.controls,
+            controls: &self.functionals.controls,
             rule: self.rule(),
             keep_curves: self.scene.curves,
         }
@@ -177,12 +177,12 @@ impl PreparedRun {
             None => {
                 let run = Run { scene: &self.scene, shard: task.shard };
                 (
-                    Checkpointer::begin(task.lock, run, self.state.clone(), session.interval)?,
+                    Checkpointer::begin(task.lock, run, self.functionals.clone(), session.interval)?,
                     ReductionTree::new(batches),
                 )
             }
         };
-        let observe = |batch: &Batch, merged: &ReductionTree| checkpointer.keep(&job, batch, merged);
+        let observe = |batch: &Batch, merged: &ReductionTree| checkpointer.keep(batch, merged);
         let computed = setup.run("ensemble", &session.pool, &session.stop, phases, start, observe);
         let (outcome, summation) = computed.map_err(|error| checkpointer.advised(error.into()))?;
         match outcome {
@@ -211,8 +211,8 @@ impl PreparedRun {
         // From here on the scene is that of the replicas that there are.
         self.scene.stopping = None;
         self.scene.replicas = ensemble.replicas.len() as u64;
-        let Self { scene, laws: SceneLaws { law, cycle }, plan, warnings, integral, state, expected } = self;
-        let State { basis, controls, .. } = state;
+        let Self { scene, laws: SceneLaws { law, cycle }, plan, warnings, integral, functionals, expected } = self;
+        let Functionals { basis, controls, .. } = functionals;
         phases.phase("cross-check");
         let paths: Vec<&Expectations> = integral.paths().map(|way| &way.expectations).collect();
         let (z, joint) = cross_check(&ensemble, &paths, &basis, &scene);
@@ -261,14 +261,15 @@ impl PreparedRun {
 }
 
 /// The functionals of the joint test, and the control variates.
-fn prepared(scene: &Scene, (law, cycle): (Laws<'_>, Option<&Loop>), integral: &Integral) -> State {
+fn prepared(scene: &Scene, (law, cycle): (Laws<'_>, Option<&Loop>), integral: &Integral) -> Functionals {
     let basis = basis_of(scene, law, cycle);
     let groups = scene.fewest_replicas() / scene.sampling.group();
     // Of a loop the way on which the surfaces are pulled off.
     let first = cycle.map_or(0, |_| scene.separations.len());
     let pulled = &integral.pulled().expectations;
     let controls = controls(&scene.separations, pulled, &basis.tested[1][first..], groups);
-    State::new(basis, controls.into_iter().map(|place| first + place).collect(), scene.fewest_replicas())
+    let controls = controls.into_iter().map(|place| first + place).collect();
+    Functionals { basis, controls, fewest_replicas: scene.fewest_replicas() }
 }
 
 /// Writes the result, with curves out of the records of the replicas; `false` if it was interrupted before it
@@ -276,7 +277,7 @@ fn prepared(scene: &Scene, (law, cycle): (Laws<'_>, Option<&Loop>), integral: &I
 pub(crate) fn write(
     task: &Task<'_>,
     results: &Results,
-    records: &mut dyn Records,
+    records: &mut AllRecords<'_>,
     stop: &AtomicBool,
 ) -> Result<bool, OutputError> {
     let mut writer = Writer::create(&RUN, task.lock, task.policy.force)?;

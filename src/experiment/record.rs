@@ -1,6 +1,5 @@
 //! A run's results under the names of the file layout.
 
-use super::checkpoint::record_of;
 use super::results::{Results, Stopped};
 use super::snaps::write_instability;
 use crate::asperity::{Quantity, Regime};
@@ -10,7 +9,7 @@ use crate::math::extrema::{Features, maximum};
 use crate::math::instruction_set::InstructionSet;
 use crate::math::interval::LEVEL;
 use crate::output::OutputError;
-use crate::output::checkpoint::Records;
+use crate::output::partial::Visit;
 use crate::output::schema::{Dimension, RANGE_ENDS};
 use crate::output::writer::{CURVE_CHUNK, Writer};
 use crate::scene::Scene;
@@ -49,11 +48,14 @@ pub(crate) fn write_head(writer: &mut Writer<'_>, results: &Results) -> Result<(
     writer.scale(Dimension::Control, &controls.iter().map(separation).collect::<Vec<f64>>())
 }
 
+/// Shows the records of all replicas, as long as more are asked for.
+pub(crate) type AllRecords<'a> = dyn FnMut(&mut Visit<'_>) -> Result<bool, OutputError> + 'a;
+
 /// Writes the curves of all replicas out of their records, unless it is stopped.
 pub(crate) fn write_curves(
     writer: &Writer<'_>,
     results: &Results,
-    records: &mut dyn Records,
+    records: &mut AllRecords<'_>,
     stop: &AtomicBool,
 ) -> Result<(), OutputError> {
     let of_ways = |force: &'static str| {
@@ -62,11 +64,11 @@ pub(crate) fn write_curves(
     let paths: Vec<String> = ["external_force", "adhesion_force"].into_iter().flat_map(of_ways).collect();
     paths.iter().try_for_each(|path| writer.curve_dataset(path))?;
     let (s, total) = (results.scene.separations.len(), results.ensemble.replicas.len());
-    let record = record_of(&results.scene);
     let (mut curves, mut written) = (vec![Vec::new(); paths.len()], 0);
-    records.records(&mut |words| {
-        for (curves, forces) in curves.iter_mut().zip(record.curves(words)) {
-            curves.extend(forces);
+    let ways = paths.len() / 2;
+    records(&mut |records| {
+        for (curves, forces) in curves.chunks_exact_mut(ways).zip(&records.forces) {
+            forces.chunks_exact(s).enumerate().for_each(|(i, way)| curves[i % ways].extend_from_slice(way));
         }
         let rows = curves[0].len() / s;
         if rows < CURVE_CHUNK && written + rows < total {
@@ -78,7 +80,8 @@ pub(crate) fn write_curves(
         }
         written += rows;
         Ok(!stop.load(Ordering::Relaxed))
-    })
+    })?;
+    Ok(())
 }
 
 /// Writes what made the file, and when.

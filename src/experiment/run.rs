@@ -1,17 +1,17 @@
 //! Experiments on scenes from Rust: with nothing but the scene, or set up.
 
 use super::Error;
-use super::checkpoint::{OverwritePolicy, record_of};
+use super::checkpoint::OverwritePolicy;
 use super::compare::{Comparison, PreparedComparison};
 use super::integral::Integral;
 use super::observer::{Observer, Phases};
 use super::prepared::{PreparedRun, SceneLaws, Session, Task, write};
 use super::results::{Results, RunMetadata};
 use crate::asperity::models::{Model, model};
-use crate::engine::{Batch, Ensemble, scalars};
+use crate::engine::{Batch, Ensemble, Records, scalars};
 use crate::math::control_variates::ControlledMean;
-use crate::output::checkpoint::{Records, Visit};
-use crate::output::{OutputError, OutputLock};
+use crate::output::OutputLock;
+use crate::output::partial::Visit;
 use crate::scene::Scene;
 use crate::validation::JointTest;
 use std::path::Path;
@@ -124,11 +124,10 @@ impl<'a> Builder<'a> {
         self.with_session(|session, phases| {
             let run = PreparedRun::new(scene.clone(), SceneLaws::new(scene)?, None, session, phases);
             let setup = run.sampling();
-            let job = setup.job();
             let mut records = Vec::new();
             let observe = |batch: &Batch| {
                 if scene.curves {
-                    records.extend(batch.records(&job));
+                    records.push(batch.records().into_owned());
                 }
             };
             let (reduction_tree, summation) =
@@ -214,7 +213,7 @@ pub(crate) fn law_named(name: &str) -> Result<Model, Error> {
 pub struct RunResult {
     results: Box<Results>,
     /// Records of the replicas, where their curves are kept.
-    records: Vec<u64>,
+    records: Vec<Records<'static>>,
 }
 
 impl RunResult {
@@ -260,25 +259,15 @@ impl RunResult {
         lock.check(false)?;
         let policy = OverwritePolicy { resume: false, force: false };
         let task = Task { output, lock: &lock, policy, shard: None, is_read_back: false };
-        let mut records = Held { records: &self.records, length: record_of(&self.results.scene).length() };
+        let mut records = |visit: &mut Visit<'_>| {
+            for records in &self.records {
+                if !visit(records)? {
+                    return Ok(false);
+                }
+            }
+            Ok(true)
+        };
         let written = write(&task, &self.results, &mut records, &AtomicBool::new(false));
         written.map(drop).map_err(|error| Error::NotWritten(error.writing(output)))
-    }
-}
-
-/// Records that are held in memory.
-struct Held<'a> {
-    records: &'a [u64],
-    length: usize,
-}
-
-impl Records for Held<'_> {
-    fn records(&mut self, visit: &mut Visit<'_>) -> Result<(), OutputError> {
-        for record in self.records.chunks_exact(self.length) {
-            if !visit(record)? {
-                break;
-            }
-        }
-        Ok(())
     }
 }

@@ -16,4 +16,3 @@ pub mod proportion;
 pub mod quadrature;
 pub mod roots;
 pub mod sums;
-pub mod words;

@@ -1,9 +1,9 @@
 //! Mergeable moments of vectors (Chan, Golub and LeVeque 1979).
 
-use super::words::Words;
+use serde::{Deserialize, Serialize};
 
 /// Count, mean and sum of squared deviations of each component.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Moments {
     count: u64,
     mean: Vec<f64>,
@@ -66,18 +66,15 @@ impl Moments {
         let root = (self.count as f64).sqrt();
         self.std().iter().map(|std| std / root).collect()
     }
-}
 
-impl Words for Moments {
-    fn each_word(&mut self, visit: &mut dyn FnMut(&mut u64)) {
-        visit(&mut self.count);
-        self.mean.each_word(visit);
-        self.squares.each_word(visit);
+    /// Whether both are of vectors of the same length.
+    pub fn is_like(&self, other: &Self) -> bool {
+        [self.mean.len(), self.squares.len()] == [other.mean.len(), other.squares.len()]
     }
 }
 
 /// Mean and covariance of vectors.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Comoments {
     count: u64,
     mean: Vec<f64>,
@@ -141,18 +138,15 @@ impl Comoments {
         let freedom = if self.count < 2 { f64::NAN } else { (self.count - 1) as f64 };
         self.products.iter().map(|product| product / freedom).collect()
     }
-}
 
-impl Words for Comoments {
-    fn each_word(&mut self, visit: &mut dyn FnMut(&mut u64)) {
-        visit(&mut self.count);
-        self.mean.each_word(visit);
-        self.products.each_word(visit);
+    /// Whether both are of vectors of the same length.
+    pub fn is_like(&self, other: &Self) -> bool {
+        [self.mean.len(), self.products.len()] == [other.mean.len(), other.products.len()]
     }
 }
 
 /// Mean, covariance and third central moments of vectors.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CentralMoments {
     second: Comoments,
     /// Sums of products of three deviations, of components i ≤ j ≤ k in lexicographic order.
@@ -242,6 +236,11 @@ impl CentralMoments {
         }
         [sums[0], sums[1].max(0.0), sums[2]]
     }
+
+    /// Whether both are of vectors of the same length.
+    pub fn is_like(&self, other: &Self) -> bool {
+        self.second.is_like(&other.second) && self.third.len() == other.third.len()
+    }
 }
 
 /// The place of components i ≤ j ≤ k of n among the packed third moments.
@@ -249,13 +248,6 @@ fn place_of(n: usize, [i, j, k]: [usize; 3]) -> usize {
     let triangle = |m: usize| m * (m + 1) / 2;
     let tetrahedron = |m: usize| m * (m + 1) * (m + 2) / 6;
     tetrahedron(n) - tetrahedron(n - i) + triangle(n - i) - triangle(n - j) + (k - j)
-}
-
-impl Words for CentralMoments {
-    fn each_word(&mut self, visit: &mut dyn FnMut(&mut u64)) {
-        self.second.each_word(visit);
-        self.third.each_word(visit);
-    }
 }
 
 #[cfg(test)]

@@ -4,11 +4,10 @@
 //! Beside a file `0001.h5` stands `0001.h5.checksum`, a line with the length and the CRC-32 checksum of the
 //! file.
 
-use super::lock::{OutputLock, flush_names, made_anew};
-use super::register::Registered;
+use super::lock::{OutputLock, replace};
 use super::{OutputError, beside};
 use std::fs::File;
-use std::io::{ErrorKind, Read, Write};
+use std::io::{ErrorKind, Read};
 use std::path::Path;
 
 /// Bytes that are read at once.
@@ -30,16 +29,10 @@ pub enum Finding {
 /// # Errors
 /// When the output cannot be read, or the checksum not be written.
 pub fn keep(lock: &OutputLock) -> Result<(), OutputError> {
-    let (path, unfinished) = (lock.beside(".checksum"), lock.hidden(".checksum.partial"));
-    let write = || {
-        let _registered = Registered::new(&unfinished);
-        let mut file = made_anew(&unfinished)?;
-        file.write_all(line(lock.output())?.as_bytes())?;
-        file.sync_all()?;
-        std::fs::rename(&unfinished, &path)?;
-        flush_names(lock.folder())
-    };
-    write().map_err(|error| OutputError::Io { action: "cannot write", path: path.clone(), error })
+    let path = lock.beside(".checksum");
+    let kept = line(lock.output())
+        .and_then(|line| replace(&path, &lock.hidden(".checksum.partial"), line.as_bytes()));
+    kept.map_err(|error| OutputError::Io { action: "cannot write", path, error })
 }
 
 /// Whether a file is as it was when its checksum was kept.

@@ -7,6 +7,7 @@ use std::ffi::OsString;
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
+use tempfile::TempPath;
 
 /// Most symbolic links from one to the next.
 const MOST_LINKS: usize = 40;
@@ -22,7 +23,6 @@ const DEEPEST: &str = ".points/.0000.h5.checkpoint.partial";
 #[derive(Debug)]
 pub struct OutputLock {
     output: PathBuf,
-    folder: PathBuf,
     lock: PathBuf,
     _locked: File,
     _registered: Registered,
@@ -52,10 +52,7 @@ impl OutputLock {
     }
 
     fn of_file(output: PathBuf) -> Result<Self, OutputError> {
-        let folder = match output.parent() {
-            Some(folder) if folder != Path::new("") => folder,
-            _ => Path::new("."),
-        };
+        let folder = folder_of(&output);
         if !folder.is_dir() {
             return Err(OutputError::NoFolder(folder.to_owned()));
         }
@@ -79,9 +76,7 @@ impl OutputLock {
         let (made, registered) =
             Registered::once_made(name, || locked(&lock), |made| matches!(made, Ok(Ok(_))));
         match made.map_err(not_writable)? {
-            Ok(file) => {
-                Ok(Self { folder: folder.to_owned(), output, lock, _locked: file, _registered: registered })
-            }
+            Ok(file) => Ok(Self { output, lock, _locked: file, _registered: registered }),
             Err(process) => Err(OutputError::Claimed { output, process }),
         }
     }
@@ -95,14 +90,29 @@ impl OutputLock {
         if exists && !overwrite { Err(OutputError::Exists(self.output.clone())) } else { Ok(()) }
     }
 
+    /// Gives a complete file the name of the output, after it has reached the disk.
+    ///
+    /// # Errors
+    /// [`OutputError::Exists`] when the output exists and must not be overwritten, or when the disk fails.
+    pub(super) fn name(&self, file: TempPath, overwrite: bool) -> Result<(), OutputError> {
+        let io = |action, error| OutputError::Io { action, path: self.output.clone(), error };
+        let flushed = File::open(&file).and_then(|file| file.sync_all());
+        flushed.map_err(|error| io("cannot flush", error))?;
+        let persist = if overwrite { TempPath::persist } else { TempPath::persist_noclobber };
+        match persist(file, &self.output) {
+            Ok(()) => {
+                flush_names(folder_of(&self.output)).map_err(|error| io("cannot flush the name of", error))
+            }
+            Err(failed) if failed.error.kind() == ErrorKind::AlreadyExists => {
+                Err(OutputError::Exists(self.output.clone()))
+            }
+            Err(failed) => Err(io("cannot name", failed.error)),
+        }
+    }
+
     /// The output.
     pub fn output(&self) -> &Path {
         &self.output
-    }
-
-    /// Its folder.
-    pub fn folder(&self) -> &Path {
-        &self.folder
     }
 
     /// A file beside the output, whose name is that of the output with `suffix`.
@@ -123,8 +133,27 @@ impl Drop for OutputLock {
     }
 }
 
+/// Puts a file in the place of another one, or of none, as a whole or not at all: it is `unfinished` until it
+/// has reached the disk.
+pub(super) fn replace(name: &Path, unfinished: &Path, bytes: &[u8]) -> std::io::Result<()> {
+    let _registered = Registered::new(unfinished);
+    let write = || {
+        let mut file = made_anew(unfinished)?;
+        file.write_all(bytes)?;
+        file.sync_all()?;
+        std::fs::rename(unfinished, name)?;
+        flush_names(folder_of(name))
+    };
+    write().inspect_err(|_| drop(std::fs::remove_file(unfinished)))
+}
+
+/// The folder that a name is in.
+fn folder_of(name: &Path) -> &Path {
+    name.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."))
+}
+
 /// Makes the names in a folder last, where the operating system can.
-pub(super) fn flush_names(folder: &Path) -> std::io::Result<()> {
+fn flush_names(folder: &Path) -> std::io::Result<()> {
     if cfg!(unix) { File::open(folder)?.sync_all() } else { Ok(()) }
 }
 
@@ -186,10 +215,7 @@ fn is_same(one: &Path, other: &Path) -> bool {
 
 /// The path without links and detours of a file that need not exist, in a folder that does.
 fn resolved(path: &Path) -> Option<PathBuf> {
-    path.canonicalize().ok().or_else(|| {
-        let folder = path.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."));
-        Some(folder.canonicalize().ok()?.join(path.file_name()?))
-    })
+    path.canonicalize().ok().or_else(|| Some(folder_of(path).canonicalize().ok()?.join(path.file_name()?)))
 }
 
 /// Refuses a name that is a symbolic link, which could lead to any file.
@@ -336,7 +362,6 @@ mod tests {
         let lock = OutputLock::new(&path("link.h5"), &[]).unwrap();
         assert_eq!(lock.output(), path("far/out.h5"));
         assert_eq!(lock.hidden(".partial"), path("far/.out.h5.partial"));
-        assert_eq!(lock.folder(), path("far"));
         assert!(matches!(OutputLock::new(Path::new("/dev/null"), &[]), Err(OutputError::NotAFile(_))));
         assert!(matches!(OutputLock::new(&path("far"), &[]), Err(OutputError::IsFolder(_))));
         assert!(matches!(OutputLock::new(&path("none/out.h5"), &[]), Err(OutputError::NoFolder(_))));

@@ -3,17 +3,18 @@
 
 pub mod asperities;
 mod attributes;
-pub mod checkpoint;
 pub mod checksum;
 pub mod columns;
 mod guard;
+pub mod identity;
+pub mod journal;
 mod lock;
 pub mod maps;
+pub mod partial;
 pub mod reader;
 mod register;
 mod scales;
 pub mod schema;
-pub mod shard;
 pub mod stack;
 pub mod writer;
 
@@ -79,9 +80,9 @@ pub enum OutputError {
         /// The number of the other process.
         process: String,
     },
-    /// The file beside the output is not a checkpoint that can be counted on.
+    /// A file cannot be read as a partial result of this program.
     #[error("{}: {problem}", path.display())]
-    NotACheckpoint {
+    NotAPartial {
         /// The file.
         path: PathBuf,
         /// Why not.

@@ -3,7 +3,7 @@
 
 use super::attributes::{write_number, write_numbers, write_text};
 use super::guard::require_headroom;
-use super::lock::{flush_names, made_anew};
+use super::lock::made_anew;
 use super::register::Registered;
 use super::scales::{attach_scale, make_scale};
 use super::schema::{Dimension, Layout};
@@ -286,15 +286,6 @@ impl<'c> Writer<'c> {
             .try_for_each(|(i, scale)| Ok(attach_scale(dataset, scale, i)?))
     }
 
-    /// Makes a dataset of two dimensions, filled row by row with [`Writer::rows`].
-    ///
-    /// # Errors
-    /// When HDF5 fails.
-    pub fn rows_dataset<T: H5Type>(&self, path: &str) -> Result<(), OutputError> {
-        let dataset = self.file().new_dataset::<T>().shape(self.shape(path)).create(path)?;
-        self.describe(path, &dataset)
-    }
-
     /// Makes the dataset of a curve of every replica, filled batch by batch with [`Writer::rows`]; fast for
     /// whole chunks of [`CURVE_CHUNK`] replicas.
     ///
@@ -353,18 +344,7 @@ impl<'c> Writer<'c> {
         require_headroom();
         file.flush()?;
         file.close()?;
-        let io = |action, error| OutputError::Io { action, path: lock.output().to_owned(), error };
-        let flushed = std::fs::File::open(&temporary).and_then(|file| file.sync_all());
-        flushed.map_err(|error| io("cannot flush", error))?;
-        let output = lock.output();
-        let renamed = if force { temporary.persist(output) } else { temporary.persist_noclobber(output) };
-        match renamed {
-            Ok(()) => flush_names(lock.folder()).map_err(|error| io("cannot flush the name of", error)),
-            Err(failed) if failed.error.kind() == std::io::ErrorKind::AlreadyExists => {
-                Err(OutputError::Exists(output.to_owned()))
-            }
-            Err(failed) => Err(io("cannot name", failed.error)),
-        }
+        lock.name(temporary, force)
     }
 }
 

@@ -13,7 +13,7 @@ use stiction::asperity::scale::Asperity;
 use stiction::asperity::{
     Law, LawParameters, Laws, Path, Regime, Responses, Scratch, SolverStats, for_each_block,
 };
-use stiction::engine::{Job, Protocol};
+use stiction::engine::{Job, Protocol, ReductionTree};
 use stiction::math::instruction_set::InstructionSet;
 use stiction::surface::{Roughness, SamplingScheme, Surface};
 
@@ -71,6 +71,18 @@ pub fn job<'a>(
 pub fn law(name: &str, asperity: &Asperity, path: Path, reach: (f64, f64)) -> Box<dyn Law> {
     let parameters = LawParameters::new(asperity, path, reach).expect("a valid setting");
     model(name).expect("a known law").law(&parameters).expect("a law of the setting")
+}
+
+/// All that is written of something, to the bit.
+pub fn bytes(value: &impl serde::Serialize) -> Vec<u8> {
+    postcard::to_stdvec(value).unwrap()
+}
+
+/// A tree as it is read after it was written, with what was kept of its replicas.
+pub fn reread(tree: &ReductionTree) -> ReductionTree {
+    let mut read: ReductionTree = postcard::from_bytes(&bytes(tree)).unwrap();
+    (read.replicas, read.snaps) = (tree.replicas.clone(), tree.snaps.clone());
+    read
 }
 
 /// What one asperity does at an interference: its regime and F_s, P (N), contact area (m²); `None` beyond the

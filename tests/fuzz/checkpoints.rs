@@ -3,11 +3,7 @@
 use super::bytes::damaged;
 use super::common::program::{Folder, small, text};
 use super::{ALLOCATOR, cases};
-use stiction::output::checkpoint::Checkpoint;
-use stiction::validation::Basis;
-
-/// What a checkpoint of a run holds: functionals, controls, the ensemble.
-type State = (Basis, Vec<usize>, Vec<u64>);
+use stiction::output::partial::Partial;
 
 /// Bytes that a checkpoint may take while it is read: for itself, and for each of its own. A list of lists of
 /// one byte each, 24 bytes and an allocation for every byte, is the worst.
@@ -60,7 +56,7 @@ fn damaged_checkpoints_are_refused_and_forged_ones_do_no_harm() {
         let same = seeds.contains(&bytes);
         for (bytes, forgery) in [(bytes.clone(), false), (forged(bytes), true)] {
             let before = ALLOCATOR.total_allocated();
-            let read = Checkpoint::<State>::decode(&bytes);
+            let read = Partial::decode(&bytes);
             let allocated = ALLOCATOR.total_allocated() - before;
             assert!(
                 allocated <= MEMORY.0 + MEMORY.1 * bytes.len(),

@@ -66,7 +66,7 @@ def test_the_job_script_of_arrays(site, task, directory):
         variables = {task: str(index), **({directory: str(folder)} if directory else {})}
         subprocess.run([script], cwd=elsewhere if directory else folder, env={**environment, **variables}, check=True,
                        capture_output=True)
-    merged = ["sh", "-ec", "stiction merge -o case_ii.h5 case_ii.shard-*-of-16.h5"]
+    merged = ["sh", "-ec", "stiction merge -o case_ii.h5 case_ii.*-of-16.shard"]
     assert merged[2] in (ROOT / "docs" / "cluster.md").read_text(encoding="utf-8")
     subprocess.run(merged, cwd=folder, env=environment, check=True, capture_output=True)
     assert contents(folder / "case_ii.h5") == whole(folder, environment)

@@ -12,8 +12,8 @@ sys.path.insert(0, str(ROOT / "scripts"))
 from measurement import Cost  # noqa: E402
 from shard_costs import Merged, Replica, Results, Sizes, extrapolation, most_nodes, nodes  # noqa: E402
 
-# Largest error of the derived bytes of a shard: libhdf5 takes room in blocks of up to 2 kB. A node more or less would be 20 %, a
-# word of a record 1.2 % where there are most.
+# Largest error of the derived bytes of a shard: counts take from one byte to several. A node more or less would be 20 %, a number of a
+# record 1.2 % where there are most.
 SHARE = 0.01
 
 
@@ -61,7 +61,7 @@ def test_a_range_of_batches_has_the_largest_nodes_that_it_covers():
 
 def made_up() -> Results:
     """Round figures: 1 ms a replica of case II, 36 ns and 18 ns an asperity, merges of 1 s and 10 ms a shard, 1 µs a replica."""
-    results = Results(sizes=Sizes(fixed=1000.0, state=0.0, node=40_960.0, replica=64.0), batches=1000, start=0.0)
+    results = Results(sizes=Sizes(fixed=1000.0, node=40_960.0, replica=64.0), batches=1000, start=0.0)
     results.case_ii = {name: Replica(name, 7390.0, seconds, 0.0, 1e7) for name, seconds in (("direct", 3.6e-3), ("moments", 3.6e-4))}
     results.surfaces = [Replica("moments", 1e6, 0.036, 0.0, 1e7), Replica("moments", 1e7, 0.18, 0.0, 1e7)]
     results.over_shards = {n: Merged(Cost(2e7 + 1e4 * n, 9.0, 1.0 + 0.01 * n), 1, 200_000 + 8000 * 56) for n in (1, 10, 100, 1000)}

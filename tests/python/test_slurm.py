@@ -104,7 +104,7 @@ class Site:
 
     def complete(self, *shards: int) -> None:
         for shard in shards:
-            (self.folder / "case two" / "shards" / f"shard-{shard}.h5").write_text("")
+            (self.folder / "case two" / "shards" / f"{shard}.shard").write_text("")
 
     def queue(self, text: str) -> None:
         (self.folder / "fakes" / "queue").write_text(text)
@@ -330,7 +330,7 @@ class Task:
         self.site = site
         self.shards = site.folder / "case two" / "shards"
         self.shards.mkdir(parents=True, exist_ok=True)
-        self.shard = self.shards / "shard-03.h5"
+        self.shard = self.shards / "03.shard"
         slurm = {"SLURM_ARRAY_JOB_ID": "100", "SLURM_ARRAY_TASK_ID": "3", "SLURM_JOB_ID": "103", **environment}
         scene, output = site.folder / "case two.toml", site.folder / "case two"
         command = [SCRIPTS / "shard.sh", output, site.folder / "stiction", scene, str(shards), str(save_before), copy_every, scratch, *run]
@@ -349,7 +349,7 @@ class Task:
         return self.process.wait(timeout=40)
 
     def kept(self) -> int:
-        path = self.shards / "shard-03.h5.checkpoint.replicas"
+        path = self.shards / "03.shard.checkpoint.replicas"
         return path.stat().st_size if path.exists() else 0
 
     def program(self) -> int:
@@ -377,7 +377,7 @@ def test_a_task_computes_its_shard(site):
     (call,) = site.calls("stiction")
     scene = str(site.folder / "case two.toml")
     assert call == ["run", scene, "--shard", "3/12", "-o", str(task.shard), "--resume", "--threads", "4", "--quiet", "--seed", "7"]
-    assert [path.name for path in task.shards.iterdir()] == ["shard-03.h5"]
+    assert [path.name for path in task.shards.iterdir()] == ["03.shard"]
 
 
 def test_a_task_is_requeued_at_its_time_limit_and_resumes(site):
@@ -393,7 +393,7 @@ def test_a_task_is_requeued_at_its_time_limit_and_resumes(site):
     assert 5 < kept < 40 and not task.shard.exists()
     task = Task(site, SLURM_RESTART_COUNT="1")
     assert task.code() == 0
-    assert f"goes on: {kept} of 40 are done (shard-03.h5.checkpoint)" in task.log.read_text()
+    assert f"goes on: {kept} of 40 are done (03.shard.checkpoint)" in task.log.read_text()
     assert site.signals() == 1
     assert task.shard.exists() and task.kept() == 0
 
@@ -504,20 +504,20 @@ def test_a_task_in_scratch_leaves_everything_in_the_shared_folder(site):
     # On another node.
     task = Task(site, scratch=str(site.folder / "other"), SLURM_RESTART_COUNT="1")
     assert task.code() == 0, task.log.read_text()
-    assert f"goes on: {kept} of 40 are done (shard-03.h5.checkpoint)" in task.log.read_text()
-    assert [path.name for path in task.shards.iterdir()] == ["shard-03.h5"] and not list((site.folder / "other").iterdir())
+    assert f"goes on: {kept} of 40 are done (03.shard.checkpoint)" in task.log.read_text()
+    assert [path.name for path in task.shards.iterdir()] == ["03.shard"] and not list((site.folder / "other").iterdir())
 
 
 def test_what_is_in_scratch_is_copied_now_and_then(site):
     task = Task(site, scratch=str(site.folder / "other"), copy_every="0.2")
-    task.wait_until((task.shards / "shard-03.h5.checkpoint").exists)
+    task.wait_until((task.shards / "03.shard.checkpoint").exists)
     # The node is lost.
     task.end()
     kept = task.kept()
     assert 0 < kept < 40
     task = Task(site, scratch=str(site.folder / "another"), SLURM_RESTART_COUNT="1")
     assert task.code() == 0 and "goes on: " in task.log.read_text()
-    assert [path.name for path in task.shards.iterdir()] == ["shard-03.h5"]
+    assert [path.name for path in task.shards.iterdir()] == ["03.shard"]
 
 
 def test_no_scratch_is_said(site):
@@ -534,7 +534,7 @@ def test_the_merge_names_every_shard_and_validates(site):
     subprocess.run(command, env=site.environment, check=True)
     merge, validate = site.calls("stiction")
     assert merge[:4] == ["merge", "-o", str(result), "--force"]
-    assert merge[-10:] == [f"{site.folder}/case two/shards/shard-{shard:02}.h5" for shard in range(1, 11)]
+    assert merge[-10:] == [f"{site.folder}/case two/shards/{shard:02}.shard" for shard in range(1, 11)]
     assert validate == ["validate", str(result)]
 
 
@@ -555,8 +555,8 @@ def test_shards_of_a_sweep_stop_and_go_on_to_the_same_bits(site, of_a_node):
 
     scratch = str(site.folder / "scratch") if of_a_node else ""
     shards = site.folder / "case two" / "shards"
-    shard = shards / "shard-1.h5"
-    kept = site.folder / "scratch" / "stiction-100_1" / "shard-1.h5.points" if of_a_node else Path(f"{shard}.points")
+    shard = shards / "1.shard"
+    kept = site.folder / "scratch" / "stiction-100_1" / "1.shard.points" if of_a_node else Path(f"{shard}.points")
     slurm = {"SLURM_ARRAY_TASK_ID": "1"}
     first = Task(site, "--checkpoint", "0", shards=2, scratch=scratch, **slurm)
     # The second of the three points, of which the first shard has one and a half.
@@ -574,7 +574,7 @@ def test_shards_of_a_sweep_stop_and_go_on_to_the_same_bits(site, of_a_node):
     for task in ("1", "2"):
         assert Task(site, shards=2, scratch=scratch, SLURM_ARRAY_TASK_ID=task).code() == 0
     assert re.search(r"goes on: 1200 of 1200 are done.* \(0001\.h5\.checkpoint\)$", first.log.read_text(), re.MULTILINE)
-    assert sorted(path.name for path in shards.iterdir()) == ["shard-1.h5", "shard-2.h5"]
+    assert sorted(path.name for path in shards.iterdir()) == ["1.shard", "2.shard"]
 
     result = site.folder / "case two.h5"
     command = [SCRIPTS / "merge.sh", site.folder / "case two", site.folder / "stiction", result, "2"]

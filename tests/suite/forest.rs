@@ -1,11 +1,10 @@
 //! The tree in which batches are merged: the same bits however its leaves are divided, and moments that are
 //! those of all replicas.
 
-use crate::common::{case, job};
+use crate::common::{bytes, case, job, reread};
 use std::sync::atomic::AtomicBool;
 use stiction::asperity::{Path, Quantity};
 use stiction::engine::{Ensemble, Job, Outcome, ReductionTree, Replica, Shard, run_from};
-use stiction::math::words::Words;
 use stiction::surface::Surface;
 
 /// Batches of the run: no power of two, and the last one is not whole.
@@ -37,12 +36,11 @@ fn computed(job: &Job<'_>, start: ReductionTree) -> ReductionTree {
     }
 }
 
-fn bits(ensemble: &Ensemble) -> (Vec<u64>, Vec<u64>) {
-    let replicas = ensemble.replicas.iter().flat_map(|replica| replica.clone().words()).collect();
-    (ensemble.clone().words(), replicas)
+fn bits(ensemble: &Ensemble) -> (Vec<u8>, Vec<u8>) {
+    (bytes(ensemble), bytes(&ensemble.replicas))
 }
 
-/// Ranges of batches are merged by themselves, kept as words, restored and put together.
+/// Ranges of batches are merged by themselves, written, read and put together.
 #[test]
 fn bits_do_not_depend_on_how_batches_are_divided() {
     let scene = scene();
@@ -55,10 +53,9 @@ fn bits_do_not_depend_on_how_batches_are_divided() {
         for index in 1..=count {
             let own = computed(&job, ReductionTree::new(Shard { index, count }.range(BATCHES)));
             // A run of consecutive leaves needs no more nodes than the two flanks of a tree have levels.
-            let empty = Ensemble::new(&job).words().len();
-            assert!((own.state().len() - 4) / (empty + 2) <= 8, "{count}");
-            let restored =
-                ReductionTree::restored(&job, &own.state(), own.replicas.clone(), Vec::new()).unwrap();
+            let empty = bytes(&Ensemble::new(&job)).len();
+            assert!(bytes(&own).len() < 9 * empty, "{count}");
+            let restored = reread(&own).restored(&job).unwrap();
             assert!(restored == own);
             merged.append(restored);
         }
@@ -99,20 +96,23 @@ fn a_state_of_another_job_or_range_is_refused() {
     let scene = scene();
     let job = job(scene.law.as_ref(), &scene.surface, &scene.separations, REPLICAS);
     let own = computed(&job, ReductionTree::new(3..9));
-    let restored = |job: &Job<'_>, state: &[u64], replicas: &[Replica]| {
-        ReductionTree::restored(job, state, replicas.to_vec(), Vec::new())
+    let restored = |job: &Job<'_>, state: &[u8], replicas: &[Replica]| {
+        let mut tree: ReductionTree = postcard::from_bytes(state).ok()?;
+        tree.replicas = replicas.to_vec();
+        tree.restored(job)
     };
-    let state = own.state();
+    let state = bytes(&own);
     assert!(restored(&job, &state, &own.replicas).is_some());
     assert!(restored(&job, &state, &own.replicas[1..]).is_none());
     assert!(restored(&job, &state[..state.len() - 1], &own.replicas).is_none());
-    assert!(restored(&job, &[state.clone(), vec![0]].concat(), &own.replicas).is_none());
     assert!(restored(&Job { replicas: 64, ..job }, &state, &own.replicas).is_none());
     assert!(restored(&Job { separations: &scene.separations[1..], ..job }, &state, &own.replicas).is_none());
+    // Begin, end and next batch, number of nodes, begin and end of the first: a byte each.
+    assert_eq!(state[..6], [3, 9, 9, 3, 3, 4]);
     for place in 0..6 {
-        for change in [1, u64::MAX, 1 << 40] {
+        for change in [1, 40, 127] {
             let mut wrong = state.clone();
-            wrong[place] = wrong[place].wrapping_add(change);
+            wrong[place] = (wrong[place] + change) % 128;
             let found = restored(&job, &wrong, &own.replicas);
             // Its range may be longer than what is there.
             assert!(

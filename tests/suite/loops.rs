@@ -10,10 +10,9 @@ use stiction::asperity::scale::Asperity;
 use stiction::asperity::{LawParameters, Loop, Path, Quantity, UnloadedRadius};
 use stiction::engine::stream::{Purpose, stream};
 use stiction::engine::{
-    Curves, Ensemble, Job, Loading, Outcome, Protocol, ReductionTree, Replica, Workspace, run, run_from,
+    Curves, Ensemble, Job, Loading, Outcome, Protocol, Replica, Workspace, run, run_from,
 };
 use stiction::integral::Expectations;
-use stiction::math::words::Words;
 use stiction::surface::{CountLaw, SamplingScheme, Surface};
 use stiction::validation::{JointTest, Verdict, basis_of_loop, z_scores};
 
@@ -409,11 +408,8 @@ fn bits_do_not_depend_on_threads_and_interruptions() {
     let plain = job(&cycle, &surface, &separations, 124);
     let job = Job { protocol: Protocol { cycle: Some(&cycle), loading, ..Protocol::default() }, ..plain };
     let bits = |ensemble: &Ensemble| {
-        let mut replicas = ensemble.replicas.clone();
-        let replicas: Vec<u64> = replicas.iter_mut().flat_map(|replica| replica.words()).collect();
         let snaps: Vec<u64> = ensemble.snaps.iter().map(|number| number.to_bits()).collect();
-        let moments = ensemble.clone().words();
-        (replicas, snaps, moments)
+        (crate::common::bytes(&ensemble.replicas), snaps, crate::common::bytes(ensemble))
     };
     let whole = bits(&ensemble(&job, 1));
     assert_eq!(whole.1.len(), 124 * loading.length());
@@ -426,10 +422,10 @@ fn bits_do_not_depend_on_threads_and_interruptions() {
     });
     let kept = interrupted.unwrap().reduction_tree().clone();
     assert!(kept.replicas.len() < 124);
-    let restored = ReductionTree::restored(&job, &kept.state(), kept.replicas, kept.snaps.clone()).unwrap();
-    assert!(
-        ReductionTree::restored(&job, &restored.state(), restored.replicas.clone(), Vec::new()).is_none()
-    );
+    let restored = crate::common::reread(&kept).restored(&job).unwrap();
+    let mut without_snaps = restored.clone();
+    without_snaps.snaps.clear();
+    assert!(without_snaps.restored(&job).is_none());
     let outcome =
         run_from::<()>(&job, &pool, &AtomicBool::new(false), restored, None, |_, _| Ok(())).unwrap();
     assert_eq!(whole, bits(&outcome.reduction_tree().ensemble(&job)));

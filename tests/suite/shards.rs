@@ -4,7 +4,7 @@
 
 #[cfg(target_os = "linux")]
 use crate::common::program::peak_memory_of;
-use crate::common::program::{Folder, assert_exit, attribute, bits, number, small, text};
+use crate::common::program::{Folder, assert_exit, bits, number, small, text};
 use crate::common::unlocked;
 use std::process::{Child, Command, Output, Stdio};
 use std::time::Duration;
@@ -19,7 +19,7 @@ fn swept() -> String {
 }
 
 fn name(index: u64, count: u64) -> String {
-    format!("scene.shard-{index}-of-{count}.h5")
+    format!("scene.{index}-of-{count}.shard")
 }
 
 /// Computes a shard.
@@ -71,7 +71,7 @@ fn merged_shards_have_the_bits_of_one_run() {
         for &count in counts {
             let width = count.to_string().len();
             let names: Vec<String> =
-                (1..=count).rev().map(|index| format!("scene.shard-{index:0width$}-of-{count}.h5")).collect();
+                (1..=count).rev().map(|index| format!("scene.{index:0width$}-of-{count}.shard")).collect();
             for index in 1..=count {
                 let threads = if index % 2 == 0 { "1" } else { "2" };
                 shard(&folder, index, count, &["--threads", threads]);
@@ -147,13 +147,13 @@ fn what_does_not_fit_together_is_refused_with_a_list() {
     for (other, difference) in [
         ("seed.h5", "is 1, and here 9"),
         ("replicas.h5", "is 83, and here 80"),
-        ("scene.h5", "`material.poisson_ratio` of scene.shard-1-of-4.h5 is 0.27, and here 0.28"),
+        ("scene.h5", "`material.poisson_ratio` of scene.1-of-4.shard is 0.27, and here 0.28"),
     ] {
         let shards = list(&[&one, other, &three, &four]);
         assert_refused(&folder, &shards, &[&format!("{other}: is of another run"), difference]);
     }
-    assert_refused(&folder, &list(&["whole.h5"]), &["has the format \"stiction-run\""]);
-    assert_refused(&folder, &list(&["scene.toml"]), &["is not an HDF5 file"]);
+    assert_refused(&folder, &list(&["whole.h5"]), &["whole.h5: is not a shard of this version of stiction"]);
+    assert_refused(&folder, &list(&["scene.toml"]), &["is not a shard"]);
     // An output that is there, or a shard itself, is not overwritten.
     assert_exit(&merge(&folder, &[one.clone(), two.clone(), three.clone(), four.clone()], &[]), 0);
     assert_exit(&merge(&folder, &[one.clone(), two.clone(), three.clone(), four.clone()], &[]), 2);
@@ -162,7 +162,7 @@ fn what_does_not_fit_together_is_refused_with_a_list() {
     assert!(text(&own.stderr).contains("which this command reads"), "{}", text(&own.stderr));
 }
 
-/// A byte of its sums, a byte of its records, another version of the program or of the format.
+/// Any bit of it, its end, another version of the program or of the layout: merge and validate refuse it.
 #[test]
 fn a_shard_that_is_changed_is_refused() {
     let folder = Folder::new(&scene());
@@ -172,40 +172,46 @@ fn a_shard_that_is_changed_is_refused() {
     }
     let path = folder.path(&names[1]);
     let whole = std::fs::read(&path).unwrap();
-    let changed = |change: &dyn Fn(&hdf5::File)| {
-        // A copy, because programs that other tests start meanwhile keep the lock of a file that is open for
-        // writing.
-        let other = tempfile::NamedTempFile::new().unwrap();
-        std::fs::write(other.path(), &whole).unwrap();
-        let file = unlocked::open_rw(other.path());
-        change(&file);
-        file.close().unwrap();
-        std::fs::copy(other.path(), &path).unwrap();
-    };
-    changed(&|file| {
-        let mut state = file.dataset("state").unwrap().read_2d::<u8>().unwrap();
-        state[[3, 100]] ^= 4;
-        file.dataset("state").unwrap().write(&state).unwrap();
-    });
-    assert_refused(&folder, &names, &["is damaged: its checksum is wrong"]);
-    changed(&|file| {
-        let mut records = file.dataset("records").unwrap().read_2d::<u64>().unwrap();
-        records[[7, 2]] ^= 1;
-        file.dataset("records").unwrap().write(&records).unwrap();
-    });
-    assert_refused(&folder, &names, &["is damaged: the checksum of its records is wrong"]);
-    changed(&|file| file.attr("format_version").unwrap().write(&[1_u32, 0]).unwrap());
-    assert_refused(&folder, &names, &["has format version 1.0; this program reads 2.x"]);
-    let version = |value: &str, attribute: &str| {
-        let value: hdf5::types::VarLenUnicode = value.parse().unwrap();
-        changed(&|file| file.attr(attribute).unwrap().write_scalar(&value).unwrap());
-    };
-    version("9.9.9", "program_version");
-    assert_refused(&folder, &names, &["the version of stiction", "9.9.9"]);
-    version("ffff", "source_hash");
-    assert_refused(&folder, &names, &["the source of stiction", "ffff"]);
-    std::fs::write(&path, &whole[..whole.len() / 2]).unwrap();
-    assert_refused(&folder, &names, &[&names[1]]);
+    let mut said = std::collections::BTreeSet::new();
+    for case in 0..40 {
+        // Half of them in what is before the sums.
+        let place = if case % 2 == 0 { 8 * case } else { whole.len() * case / 40 };
+        let mut changed = whole.clone();
+        changed[place] ^= 1 << (case % 8);
+        std::fs::write(&path, changed).unwrap();
+        assert_refused(&folder, &names, &[&names[1]]);
+        let validate = folder.stiction(&["validate", &names[1]]);
+        assert_exit(&validate, 2);
+        said.insert(text(&validate.stderr).split(": ").skip(2).collect::<String>());
+    }
+    for problem in ["is damagedits checksum is wrong", "is not an HDF5 file", "has the checkpoint layout"] {
+        assert!(said.iter().any(|said| said.starts_with(problem)), "{problem}: {said:?}");
+    }
+    for length in [0, 10, 17, 25, whole.len() / 2, whole.len() - 1] {
+        std::fs::write(&path, &whole[..length]).unwrap();
+        assert_refused(&folder, &names, &[&names[1]]);
+    }
+    std::fs::write(&path, [&whole[..], b"0"].concat()).unwrap();
+    assert_refused(&folder, &names, &["it is too long"]);
+    // Another program, with the checksum that its head would have.
+    let (line, version) = ("stiction shard\n".len(), env!("CARGO_PKG_VERSION"));
+    let place = whole.windows(version.len()).position(|part| part == version.as_bytes()).unwrap();
+    for (place, message) in
+        [(place, "the version of stiction"), (place + version.len() + 1, "the source of stiction")]
+    {
+        let mut changed = whole.clone();
+        changed[place] = b'z';
+        let length = u64::from_le_bytes(changed[line + 4..line + 12].try_into().unwrap()) as usize;
+        let checksum = crc32fast::hash(&changed[line + 16..line + 16 + length]);
+        changed[line + 12..line + 16].copy_from_slice(&checksum.to_le_bytes());
+        std::fs::write(&path, changed).unwrap();
+        assert_refused(&folder, &names, &[message, "is of another run"]);
+        assert_exit(&folder.stiction(&["validate", &names[1]]), 3);
+    }
+    std::fs::write(&path, whole).unwrap();
+    let validate = folder.stiction(&["validate", &names[1]]);
+    assert_exit(&validate, 0);
+    assert!(text(&validate.stdout).contains("a shard of 43 replicas"), "{}", text(&validate.stdout));
 }
 
 #[test]
@@ -412,9 +418,6 @@ fn what_a_shard_is_of_is_told() {
     let folder = Folder::new(&scene());
     let said = text(&shard(&folder, 2, 4, &[]).stdout);
     assert!(said.contains("2 of 4") && said.contains("16 to 39 of 0 to 82"), "{said}");
-    let path = folder.path(&name(2, 4));
-    assert_eq!([number(&path, "/", "shard"), number(&path, "/", "shards")], [2.0, 4.0]);
-    assert_eq!(attribute(&path, "/", "format"), "stiction-shard");
     let info = text(&folder.stiction(&["info", &name(2, 4)]).stdout);
     assert!(info.contains("2/4, complete") && info.contains("16 to 39 of 0 to 82"), "{info}");
     let said = text(&shard(&folder, 1, 20, &["-o", "empty.h5"]).stdout);

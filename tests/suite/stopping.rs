@@ -277,15 +277,14 @@ fn a_run_ends_in_the_same_place_wherever_it_is_taken_up() {
     let never = AtomicBool::new(false);
     let mut states = Vec::new();
     let keep = |_: &_, merged: &ReductionTree| {
-        states.push((merged.state(), merged.replicas.clone()));
+        states.push(merged.clone());
         Ok(())
     };
     let whole = complete(&job, run_from(&job, &pool, &never, ReductionTree::of(&job), Some(rule), keep));
     assert!(states.len() > 5 && states.len() < 1000, "{}", states.len());
     let last = states.len() - 1;
     for place in [0, 1, last - 1, last] {
-        let (state, replicas) = states[place].clone();
-        let start = ReductionTree::restored(&job, &state, replicas, Vec::new()).unwrap();
+        let start = crate::common::reread(&states[place]).restored(&job).unwrap();
         let batches = AtomicUsize::new(0);
         let count = |_: &_, _: &_| {
             batches.fetch_add(1, Ordering::Relaxed);

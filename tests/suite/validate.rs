@@ -246,13 +246,12 @@ fn swept(scene: &str) -> Made {
 }
 
 /// A result of every other kind.
-fn others() -> [Made; 4] {
+fn others() -> [Made; 3] {
     let made = |kind, arguments| Made { kind, scene: resolved(), arguments };
     [
         made("compare", &["compare", "scene.toml", "--laws", "hybrid,isbl,emd", "--ensemble"]),
         made("finite-size", &["finite-size", "scene.toml", "--counts", "30,100,300,1000,3000,10000"]),
         made("asperities", &["asperities", "map.txt", "--pixel", "10 nm", "--height-unit", "nm"]),
-        made("shard", &["run", "scene.toml", "--shard", "1/2"]),
     ]
 }
 

@@ -11,17 +11,16 @@ use super::summary::summary;
 use super::{Failure, MergeArguments, files_of, print_of, sweep};
 use crate::engine::ReductionTree;
 use crate::experiment::Phases;
-use crate::experiment::checkpoint::{OverwritePolicy, Run, State, beginning, is_of, record_of};
+use crate::experiment::checkpoint::{OverwritePolicy, Run, beginning, read_records};
 use crate::experiment::prepared::{PreparedRun, Task, write};
 use crate::experiment::results::{Partial, Results, RunMetadata};
-use crate::output::checkpoint::{Checkpoint, Records, Visit};
+use crate::output::OutputLock;
+use crate::output::partial::{Kept, Visit};
 use crate::output::schema::SWEEP;
-use crate::output::shard::ShardFile;
-use crate::output::{OutputError, OutputLock};
 use crate::scene::{Document, Scene};
 use std::sync::atomic::Ordering;
 use std::time::Duration;
-use whole::{Found, Place, WholeRun};
+use whole::{Place, WholeRun};
 
 pub(super) fn merge(arguments: &MergeArguments) -> Result<(), Failure> {
     let MergeArguments { shards, output, partial, scene, .. } = arguments;
@@ -106,54 +105,47 @@ impl Merge<'_> {
         // No surfaces but a few on trial.
         let laws = laws_of(&scene, scene.replicas, (&self.run.source, task), 1)?;
         let of = scene.replicas;
-        let piece = |place: &Place| Piece { run: self.run, place: *place };
         let Some(first) = places.first() else {
             return Err(Failure::Usage(format!("{}: no replicas are there", self.run.source.display())));
         };
-        let state = piece(first).checkpoint(&piece(first).open()?, &scene)?.state;
-        let ground = PreparedRun::new(scene, laws, Some(state.clone()), self.session, &mut phases);
+        let functionals = self.run.kept(*first, &scene)?.partial.functionals;
+        let ground = PreparedRun::new(scene, laws, Some(functionals.clone()), self.session, &mut phases);
         let setup = ground.sampling();
-        let (job, record) = (setup.job(), record_of(&ground.scene));
+        let job = setup.job();
         phases.replicas("ensemble", 0, of);
         let mut merged = ReductionTree::of(&job);
-        let mut metadata = RunMetadata::default();
+        let (mut metadata, mut records, mut there) = (RunMetadata::default(), Vec::new(), Vec::new());
         for place in places {
             self.goes_on(merged.replicas.len() as u64, of)?;
-            let piece = piece(place);
-            let file = piece.open()?;
-            let checkpoint = piece.checkpoint(&file, &ground.scene)?;
-            if !checkpoint.state.is_alike(&state) {
-                return Err(
-                    piece.refused("has other functionals of the joint test than the shards before it")
-                );
+            let mut kept = self.run.kept(*place, &ground.scene)?;
+            if kept.partial.functionals != functionals {
+                let problem = "has other functionals of the joint test than the shards before it";
+                return Err(kept.records.refused(problem).into());
             }
-            let (mut replicas, mut snaps) = (Vec::new(), Vec::new());
-            let checksum = file.records(place.1, record.length(), &mut |words: &[u64]| {
-                let (replica, own) = record.read(words);
-                replicas.push(replica);
-                snaps.extend(own);
-                Ok(true)
-            })?;
-            if checksum != Some(checkpoint.records_checksum) {
-                return Err(piece.refused("is damaged: the checksum of its records is wrong"));
-            }
-            let reduction_tree =
-                ReductionTree::restored(&job, &checkpoint.state.reduction_tree(), replicas, snaps);
-            let Some(reduction_tree) = reduction_tree.filter(ReductionTree::is_complete) else {
-                return Err(piece.refused("is not of this scene"));
-            };
-            phases.advance(reduction_tree.replicas.len() as u64);
-            merged.append(reduction_tree);
-            metadata.seconds_before += checkpoint.seconds;
-            metadata.resumptions += checkpoint.resumptions;
+            read_records(&ground.scene, &mut kept)?;
+            let Kept { partial, records: own } = kept;
+            there.extend(partial.extent().0);
+            let tree = partial.tree.restored(&job).filter(ReductionTree::is_complete);
+            let tree = tree.ok_or_else(|| own.refused("is not of this scene"))?;
+            phases.advance(tree.replicas.len() as u64);
+            merged.append(tree);
+            records.push(own);
+            metadata.seconds_before += partial.seconds;
+            metadata.resumptions += partial.resumptions;
         }
-        let there: Vec<u64> = places.iter().flat_map(|place| piece(place).found().replicas.clone()).collect();
         metadata.partial = (there.len() as u64 != of).then_some(Partial { replicas: there, of });
         let summation = setup.summation(&self.session.pool);
         let results = ground.results(merged, summation, metadata, self.session, &mut phases);
         phases.phase("writing");
-        let mut records = Pieces { run: self.run, places, length: record.length() };
-        let written = write(task, &results, &mut records, &self.session.stop);
+        let mut all = |visit: &mut Visit<'_>| {
+            for records in &records {
+                if !records.each(visit)? {
+                    return Ok(false);
+                }
+            }
+            Ok(true)
+        };
+        let written = write(task, &results, &mut all, &self.session.stop);
         phases.end();
         match written {
             Ok(true) => Ok(Box::new(results)),
@@ -165,70 +157,5 @@ impl Merge<'_> {
     fn goes_on(&self, done: u64, of: u64) -> Result<(), Failure> {
         let stopped = self.session.stop.load(Ordering::Relaxed);
         if stopped { Err(Failure::Interrupted { done, of, kept: false }) } else { Ok(()) }
-    }
-}
-
-/// A piece of a shard of a run.
-#[derive(Clone, Copy)]
-struct Piece<'a> {
-    run: &'a WholeRun,
-    place: Place,
-}
-
-impl Piece<'_> {
-    fn shard(&self) -> &Found {
-        &self.run.shards[self.place.0]
-    }
-
-    fn found(&self) -> &crate::output::shard::Piece {
-        &self.shard().pieces[self.place.1]
-    }
-
-    /// Its shard. To open one takes longer than to read a batch from it: what is read at a time is read from
-    /// one opening.
-    fn open(&self) -> Result<ShardFile, OutputError> {
-        ShardFile::open(&self.shard().path)
-    }
-
-    /// The checkpoint of it in its shard, which has to be one of a scene.
-    fn checkpoint(&self, file: &ShardFile, scene: &Scene) -> Result<Checkpoint<State>, Failure> {
-        let bytes = file.state(self.place.1)?;
-        let checkpoint = Checkpoint::<State>::decode(&bytes).map_err(|problem| self.refused(&problem))?;
-        let run = Run { scene, shard: self.shard().identity.shard };
-        is_of(run, &checkpoint).map_err(|problem| self.refused(&problem))?;
-        if checkpoint.state.replicas(scene.replicas) != self.found().replicas {
-            return Err(self.refused("says that it has other replicas than it has"));
-        }
-        Ok(checkpoint)
-    }
-
-    fn refused(&self, problem: &str) -> Failure {
-        Failure::Usage(format!("{}: {problem}", self.shard().path.display()))
-    }
-}
-
-/// The records of pieces, one after the other.
-struct Pieces<'a> {
-    run: &'a WholeRun,
-    places: &'a [Place],
-    length: usize,
-}
-
-impl Records for Pieces<'_> {
-    fn records(&mut self, visit: &mut Visit<'_>) -> Result<(), OutputError> {
-        for &place in self.places {
-            let piece = Piece { run: self.run, place };
-            let file = piece.open()?;
-            let checkpoint =
-                Checkpoint::<State>::decode(&file.state(place.1)?).map_err(|problem| file.broken(problem))?;
-            match file.records(place.1, self.length, visit)? {
-                None => break,
-                Some(checksum) if checksum == checkpoint.records_checksum => {}
-                Some(_) => {
-                    return Err(file.broken("is damaged: the checksum of its records is wrong".to_owned()));
-                }
-            }
-        }
-        Ok(())
     }
 }

@@ -3,25 +3,16 @@
 use super::super::Failure;
 use super::super::shard::shown;
 use crate::engine::Shard;
-use crate::experiment::checkpoint::State;
+use crate::experiment::checkpoint::{Run, is_of};
 use crate::experiment::scene_file::LONGEST_SCENE;
 use crate::output::beside;
-use crate::output::checkpoint::{Checkpoint, Identity, is_checkpoint};
 use crate::output::columns::SceneFiles;
-use crate::output::shard::{Piece, ShardFile};
-use crate::scene::{Document, Sweep, with_inputs};
+use crate::output::identity::Identity;
+use crate::output::partial::{Kept, Partial, ShardFile, is_checkpoint};
+use crate::scene::{Document, Scene, Sweep, with_inputs};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-
-/// A shard by its file.
-#[derive(Clone)]
-pub(super) struct Found {
-    pub path: PathBuf,
-    pub identity: Identity,
-    pub pieces: Vec<Piece>,
-    scene_file: PathBuf,
-}
 
 /// A piece of a shard, by the indices of both.
 pub(super) type Place = (usize, usize);
@@ -33,7 +24,7 @@ pub(super) struct WholeRun {
     /// The file of the scene.
     pub source: PathBuf,
     pub document: Document,
-    pub shards: Vec<Found>,
+    pub shards: Vec<ShardFile>,
     /// Where the pieces of each point are, in the order of their replicas.
     pub places: Vec<Vec<Place>>,
     /// What is not there.
@@ -72,8 +63,8 @@ impl WholeRun {
         let Some(first) = shards.first().filter(|_| problems.is_empty()) else {
             return Err(fit(problems, missing));
         };
-        let identity = Identity { shard: None, ..first.identity.clone() };
-        let source = scene.unwrap_or(&first.scene_file).to_owned();
+        let identity = Identity { shard: None, ..first.head.identity.clone() };
+        let source = scene.unwrap_or(Path::new(&first.head.scene_file)).to_owned();
         let document = document(&identity, &source)?;
         let points = document.sweep.as_ref().map_or(1, Sweep::count);
         let Coverage { places, doubled, gaps } = coverage(&shards, points, identity.replicas);
@@ -87,13 +78,26 @@ impl WholeRun {
         }
         Ok(Self { identity, source, document, shards, places, missing })
     }
+
+    /// What a shard has of a point, which has to be the run of a scene.
+    pub fn kept(&self, (shard, piece): Place, scene: &Scene) -> Result<Kept, Failure> {
+        let shard = &self.shards[shard];
+        let (piece, run) = (&shard.pieces[piece], Run { scene, shard: shard.head.identity.shard });
+        let kept = shard.kept(piece)?;
+        is_of(run, &kept.partial).map_err(|problem| kept.records.refused(&problem))?;
+        if kept.partial.extent().0 != piece.replicas {
+            return Err(kept.records.refused("has been changed meanwhile").into());
+        }
+        Ok(kept)
+    }
 }
 
-fn found(path: &Path) -> Result<Found, Not> {
+fn found(path: &Path) -> Result<ShardFile, Not> {
     let checkpoint = beside(path, ".checkpoint");
-    let unfinished = |of: &Path| match Checkpoint::<State>::read(of) {
-        Ok(Checkpoint { done, identity, .. }) => {
-            let shard = identity.shard.map(|shard| format!(", shard {shard}")).unwrap_or_default();
+    let unfinished = |of: &Path| match Partial::read(of) {
+        Ok(partial) => {
+            let done = partial.extent().1;
+            let shard = partial.identity.shard.map(|shard| format!(", shard {shard}")).unwrap_or_default();
             Not::Unfinished(format!(
                 "{}{shard}: not finished, {done} of its replicas are done",
                 path.display()
@@ -113,21 +117,16 @@ fn found(path: &Path) -> Result<Found, Not> {
             false => Not::Shard(format!("{}: is not there", path.display())),
         });
     }
-    let read = || {
-        let file = ShardFile::open(path)?;
-        let scene_file = PathBuf::from(file.scene_file()?);
-        Ok(Found { path: path.to_owned(), identity: file.identity()?, pieces: file.pieces, scene_file })
-    };
-    read().map_err(|error: crate::output::OutputError| Not::Shard(error.to_string()))
+    ShardFile::open(path).map_err(|error| Not::Shard(error.to_string()))
 }
 
 /// How shards are of another run than the first.
-fn differences(shards: &[Found]) -> Vec<String> {
+fn differences(shards: &[ShardFile]) -> Vec<String> {
     let Some(first) = shards.first() else { return Vec::new() };
     let name = first.path.display().to_string();
-    let difference = |shard: &Found| {
-        let own = Identity { shard: first.identity.shard, ..shard.identity.clone() };
-        let difference = own.difference(&name, ("is", "here"), &first.identity)?;
+    let difference = |shard: &ShardFile| {
+        let own = Identity { shard: first.head.identity.shard, ..shard.head.identity.clone() };
+        let difference = own.difference(&name, ("is", "here"), &first.head.identity)?;
         Some(format!("{}: is of another run: {difference}", shard.path.display()))
     };
     shards[1..].iter().filter_map(difference).collect()
@@ -162,7 +161,7 @@ struct Coverage {
     gaps: Vec<String>,
 }
 
-fn coverage(shards: &[Found], points: usize, replicas: u64) -> Coverage {
+fn coverage(shards: &[ShardFile], points: usize, replicas: u64) -> Coverage {
     let mut places: Vec<Vec<Place>> = vec![Vec::new(); points];
     let (mut doubled, mut gaps) = (Vec::new(), Vec::new());
     for (s, shard) in shards.iter().enumerate() {
@@ -205,15 +204,17 @@ fn coverage(shards: &[Found], points: usize, replicas: u64) -> Coverage {
 }
 
 /// What is missing: shards by their numbers, where all are of the same number of shards, or else replicas.
-fn absent(shards: &[Found], gaps: Vec<String>) -> Vec<String> {
-    let counts: BTreeSet<u64> = shards.iter().filter_map(|found| Some(found.identity.shard?.count)).collect();
+fn absent(shards: &[ShardFile], gaps: Vec<String>) -> Vec<String> {
+    let counts: BTreeSet<u64> =
+        shards.iter().filter_map(|found| Some(found.head.identity.shard?.count)).collect();
     let (Some(&count), 1) = (counts.first(), counts.len()) else {
         return gaps.into_iter().map(|gap| format!("missing: {gap}")).collect();
     };
     if gaps.is_empty() {
         return Vec::new();
     }
-    let there: BTreeSet<u64> = shards.iter().filter_map(|found| Some(found.identity.shard?.index)).collect();
+    let there: BTreeSet<u64> =
+        shards.iter().filter_map(|found| Some(found.head.identity.shard?.index)).collect();
     let mut ranges: Vec<(u64, u64)> = Vec::new();
     for index in (1..=count).filter(|index| !there.contains(index)) {
         match ranges.last_mut() {
@@ -234,14 +235,15 @@ fn absent(shards: &[Found], gaps: Vec<String>) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::output::partial::{Head, Piece};
 
-    fn shard(index: u64, count: u64, pieces: &[(u64, u64, u64)]) -> Found {
+    fn shard(index: u64, count: u64, pieces: &[(u64, u64, u64)]) -> ShardFile {
         let piece = |&(point, start, end): &(u64, u64, u64)| Piece {
             point,
             replicas: start..end,
             seconds: 1.0,
             resumptions: 0,
-            state_bytes: 1,
+            begin: 0,
         };
         let identity = Identity {
             program_version: "1".to_owned(),
@@ -252,7 +254,9 @@ mod tests {
             shard: Some(Shard { index, count }),
         };
         let path = PathBuf::from(format!("{index}of{count}.h5"));
-        Found { path, identity, pieces: pieces.iter().map(piece).collect(), scene_file: PathBuf::new() }
+        let points = pieces.iter().map(|piece| piece.0).collect();
+        let head = Head { identity, scene_file: String::new(), points };
+        ShardFile { path, head, pieces: pieces.iter().map(piece).collect() }
     }
 
     #[test]
@@ -268,7 +272,7 @@ mod tests {
     #[test]
     fn what_is_missing_is_named_by_shards_or_replicas() {
         let own = |index: u64| shard(index, 5, &[(0, 8 * (index - 1), 8 * index)]);
-        let missing = |shards: &[Found]| absent(shards, coverage(shards, 1, 40).gaps);
+        let missing = |shards: &[ShardFile]| absent(shards, coverage(shards, 1, 40).gaps);
         assert_eq!(missing(&[own(1), own(3)]), ["missing: shard 2/5", "missing: shards 4/5 to 5/5"]);
         assert!(missing(&[own(1), own(2), own(3), own(4), own(5)]).is_empty());
         let mixed = [own(1), shard(2, 2, &[(0, 16, 40)])];
@@ -280,7 +284,7 @@ mod tests {
 
     #[test]
     fn what_is_there_twice_is_named() {
-        let doubled = |shards: &[Found]| coverage(shards, 1, 40).doubled;
+        let doubled = |shards: &[ShardFile]| coverage(shards, 1, 40).doubled;
         let twice =
             doubled(&[shard(1, 2, &[(0, 0, 24)]), shard(1, 2, &[(0, 0, 24)]), shard(2, 2, &[(0, 24, 40)])]);
         assert_eq!(twice, ["1of2.h5 and 1of2.h5 both have replicas 0 to 23 of 0 to 39"]);
@@ -295,7 +299,7 @@ mod tests {
         let first = shard(1, 2, &[]);
         let mut other = shard(2, 2, &[]);
         assert!(differences(&[first.clone(), other.clone()]).is_empty());
-        other.identity.seed = 7;
+        other.head.identity.seed = 7;
         assert_eq!(
             differences(&[first, other]),
             ["2of2.h5: is of another run: the seed of 1of2.h5 is 1, and here 7"]

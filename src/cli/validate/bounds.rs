@@ -93,11 +93,6 @@ const BOUNDS: &[Bound] = &[
     bound("/separation_index", Index, Never),
     bound("/control_index", Index, Never),
     bound("/asperity", Index, Never),
-    bound("/piece", Rising, Never),
-    bound("/record", NotNegative, Never),
-    bound("/record_word", Index, Never),
-    bound("/state_row", Index, Never),
-    bound("/state_byte", Index, Never),
     bound("/control", Within, Padded),
     bound("/stiffness", NotNegative, Never),
     bound("/preload", Finite, Absent),
@@ -234,8 +229,6 @@ const BOUNDS: &[Bound] = &[
     bound("/measured/*", Positive, Never),
     bound("/equivalent/asperity_height_std", NotNegative, Never),
     bound("/equivalent/*", Positive, Never),
-    // Shards.
-    bound("/pieces/*", NotNegative, Never),
 ];
 
 /// What a dataset has to be.

@@ -13,14 +13,16 @@ mod finite_size;
 mod forces;
 mod run;
 mod scalars;
-mod shard;
 mod snaps;
 mod sweep;
 
 use super::rows::row;
+use super::shard::shown;
 use super::{Failure, print};
+use crate::output::identity::Identity;
+use crate::output::partial::{Kept, Partial, ShardFile, is_shard};
 use crate::output::reader::Reader;
-use crate::output::schema::{ASPERITIES, COMPARISON, FINITE_SIZE, Layout, SHARD, SWEEP};
+use crate::output::schema::{ASPERITIES, COMPARISON, FINITE_SIZE, Layout, SWEEP};
 use crate::scene::echo::one_line;
 use crate::validation::Verdict;
 use std::path::Path;
@@ -38,6 +40,9 @@ struct Answer {
 }
 
 pub(super) fn validate(path: &Path) -> Result<(), Failure> {
+    if is_shard(path) {
+        return concluded(shard(path)?);
+    }
     let reader = Reader::open(path, &Layout::ALL)?;
     let is = |layout: &Layout| reader.layout().format == layout.format;
     let answer = match () {
@@ -45,10 +50,37 @@ pub(super) fn validate(path: &Path) -> Result<(), Failure> {
         () if is(&COMPARISON) => comparison::validate(&reader),
         () if is(&FINITE_SIZE) => finite_size::validate(&reader),
         () if is(&ASPERITIES) => asperities::validate(&reader),
-        () if is(&SHARD) => shard::validate(&reader),
         () => run::validate(&reader),
     };
     concluded(answer?)
+}
+
+/// Reads all of a shard, which has checksums of everything that is in it.
+fn shard(path: &Path) -> Result<Answer, Failure> {
+    let shard = ShardFile::open(path)?;
+    let (mut findings, mut replicas, own) = (Vec::new(), 0, &shard.head.identity);
+    for piece in &shard.pieces {
+        let Kept { partial: Partial { identity, .. }, records } = shard.kept(piece)?;
+        // Every point of a sweep has a scene and a seed of its own.
+        if (Identity { scene: own.scene.clone(), seed: own.seed, ..identity }) != *own {
+            findings.push(format!("point {} is of another run than the shard says", piece.point));
+        }
+        let mut there = 0;
+        records.each(&mut |records| {
+            there += records.replicas.len() as u64;
+            Ok(true)
+        })?;
+        if there != piece.replicas.end - piece.replicas.start {
+            findings.push(format!(
+                "point {} has {there} records of {}",
+                piece.point,
+                shown(&piece.replicas, own.replicas)
+            ));
+        }
+        replicas += there;
+    }
+    let text = format!("{}\na shard of {replicas} replicas\n", one_line(&path.display().to_string()));
+    Ok(Answer { text, findings, verdict: Verdict::NotTested })
 }
 
 /// Prints what was found, and what comes of it.

@@ -8,14 +8,12 @@ mod asperities;
 mod comparison;
 mod finite_size;
 mod run;
-mod shard;
 mod sweep;
 
 pub use asperities::ASPERITIES;
 pub use comparison::COMPARISON;
 pub use finite_size::FINITE_SIZE;
 pub use run::RUN;
-pub use shard::SHARD;
 pub use sweep::SWEEP;
 
 /// A kind of file.
@@ -41,7 +39,7 @@ pub struct Layout {
 
 impl Layout {
     /// All kinds of files.
-    pub const ALL: [&'static Self; 6] = [&RUN, &COMPARISON, &SWEEP, &ASPERITIES, &FINITE_SIZE, &SHARD];
+    pub const ALL: [&'static Self; 5] = [&RUN, &COMPARISON, &SWEEP, &ASPERITIES, &FINITE_SIZE];
 
     /// All datasets that a file may hold, those of points included.
     pub fn known(&self) -> impl Iterator<Item = &'static Variable> {
@@ -109,16 +107,6 @@ pub enum Dimension {
     Quantile,
     /// Relative accuracies.
     Accuracy,
-    /// Pieces of a shard: of each point of a sweep what the shard has of it.
-    Piece,
-    /// Replicas of a shard.
-    Record,
-    /// Words of what is kept of a replica.
-    RecordWord,
-    /// Rows of the states of the pieces.
-    StateRow,
-    /// Bytes of such a row.
-    StateByte,
 }
 
 impl Dimension {
@@ -149,11 +137,6 @@ impl Dimension {
             Self::AsperityCount => "asperity_count",
             Self::Quantile => "quantile",
             Self::Accuracy => "accuracy",
-            Self::Piece => "piece",
-            Self::Record => "record",
-            Self::RecordWord => "record_word",
-            Self::StateRow => "state_row",
-            Self::StateByte => "state_byte",
         }
     }
 
@@ -243,7 +226,6 @@ mod tests {
             include_str!("../../../docs/sweep-format.md"),
             include_str!("../../../docs/asperity-file.md"),
             include_str!("../../../docs/finite-size.md"),
-            include_str!("../../../docs/shards.md"),
         ];
         for (layout, page) in Layout::ALL.into_iter().zip(pages) {
             assert!(page.contains(&format!("`{}`", layout.format)));

@@ -1,5 +1,7 @@
 //! Numbers as text.
 
+use std::ops::Range;
+
 /// A quantity with an SI prefix and four significant digits.
 pub(crate) fn si(value: f64, unit: &str) -> String {
     const PREFIXES: [(&str, i32); 10] = [
@@ -103,6 +105,11 @@ pub(crate) fn duration(seconds: f64) -> String {
     } else {
         format!("{:.1} h", seconds / 3600.0)
     }
+}
+
+/// A range of replicas, for people.
+pub(crate) fn replicas(range: &Range<u64>, of: u64) -> String {
+    format!("{} to {} of 0 to {}", range.start, range.end.saturating_sub(1), of.saturating_sub(1))
 }
 
 #[cfg(test)]

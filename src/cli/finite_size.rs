@@ -1,10 +1,11 @@
 //! `stiction finite-size`: how big is big enough for the integral.
 
-use super::points::Points;
 use super::rows::row;
-use super::session::Session;
+use super::session::{Session, points};
 use super::{Failure, FiniteSizeArguments, files_of, law_of, print_of, read_scene};
+use crate::experiment;
 use crate::experiment::integral::PathIntegral;
+use crate::experiment::points::Points;
 use crate::experiment::record::{write_about, write_model};
 use crate::format::{bound, percent, si, signed_percent};
 use crate::output::columns::SceneFiles;
@@ -42,8 +43,8 @@ pub(super) fn finite_size(arguments: &FiniteSizeArguments) -> Result<(), Failure
     let files: Arc<dyn Files> = Arc::new(SceneFiles::scene(&arguments.scene));
     let sweep = sizes(&scene, &counts, &files).map_err(|problem| named(&arguments.scene, &problem))?;
     let lock = OutputLock::new(&output, &files_of(&arguments.scene, &scene))?;
-    let points = Points::new(&sweep, &arguments.scene, &lock, &arguments.options, None);
-    points.require(session.pool.current_num_threads())?;
+    let points = points(&sweep, &arguments.scene, &lock, &arguments.options, &session, None);
+    points.require()?;
     let integral = session.pool.install(|| integral(&points, &scene))?;
     let identity = points.identity(&scene.text)?;
     if !points.policy.force && output.exists() && !has_counts(&output, &counts) {
@@ -53,10 +54,10 @@ pub(super) fn finite_size(arguments: &FiniteSizeArguments) -> Result<(), Failure
         eprintln!("{} is complete: nothing to resume", output.display());
         return Ok(());
     }
-    points.compute(0..sweep.count(), &session)?;
+    points.compute(0..sweep.count())?;
     let found =
         found(&points, &counts, integral).and_then(|study| write(&points, &identity, &study).map(|()| study));
-    let study = found.map_err(|error| points.kept(Failure::not_written(error, &output)))?;
+    let study = found.map_err(|error| points.kept(experiment::Error::NotWritten(error.writing(&output))))?;
     points.clear()?;
     print_of(&output, &(summary(&scene, &study) + &row("written", &output.display().to_string())))
 }

@@ -1,13 +1,13 @@
 //! `stiction info`: what is in a result, in a shard, or in the checkpoint of a run that was interrupted.
 
 use super::rows::row;
-use super::shard::shown;
 use super::{Failure, print};
-use crate::format::duration;
+use crate::format::{duration, replicas as shown};
 use crate::output::identity::Identity;
-use crate::output::partial::{Partial, ShardFile, is_checkpoint, is_shard};
+use crate::output::partial::{Partial, is_checkpoint};
 use crate::output::reader::Reader;
 use crate::output::schema::{Layout, SWEEP};
+use crate::output::shard_file::{ShardFile, is_shard};
 use crate::output::{OutputError, beside};
 use crate::scene::echo::one_line;
 use std::path::{Path, PathBuf};
@@ -59,7 +59,7 @@ pub(super) fn info(path: &Path) -> Result<(), Failure> {
     print(&(text + &scene_text(&scene)))
 }
 
-/// What of a run is there that is not complete; nothing of others.
+/// Lists what is there of a run that is not complete; nothing of others.
 fn completeness(reader: &Reader) -> Result<String, Failure> {
     if !reader.has_attribute("/", "partial")? {
         return Ok(String::new());
@@ -75,7 +75,7 @@ fn completeness(reader: &Reader) -> Result<String, Failure> {
     Ok(wide("incomplete", &format!("replicas {} of 0 to {}", named.join(", "), all.saturating_sub(1))))
 }
 
-/// What is kept of the points of a sweep, or of a shard of one.
+/// Shows what is kept of the points of a sweep, or of a shard of one.
 fn points(folder: &Path) -> Result<(), Failure> {
     let failed = |error| OutputError::Io { action: "cannot read", path: folder.to_owned(), error };
     let entries = std::fs::read_dir(folder).map_err(failed)?;
@@ -103,7 +103,7 @@ fn done(partial: &Partial) -> String {
     format!("{done} of {count} are done; shard {shard} has {}", shown(&replicas, all))
 }
 
-/// What a run has done that was interrupted.
+/// Shows what a run has done that was interrupted.
 fn checkpoint(path: &Path) -> Result<(), Failure> {
     let partial = Partial::read(path)?;
     let format = "checkpoint of an interrupted run; the command that made it goes on with --resume";
@@ -113,7 +113,7 @@ fn checkpoint(path: &Path) -> Result<(), Failure> {
     print(&(text + &scene_text(&partial.identity.scene)))
 }
 
-/// What a shard has of its run.
+/// Shows what a shard has of its run.
 fn shard(path: &Path) -> Result<(), Failure> {
     let ShardFile { head, pieces, .. } = ShardFile::open(path)?;
     let mut text = of_partial(path, "shard of a run, for stiction merge", &head.identity);
@@ -135,7 +135,7 @@ fn shard(path: &Path) -> Result<(), Failure> {
     print(&(text + &wide("scene_file", &head.scene_file) + &scene_text(&head.identity.scene)))
 }
 
-/// What both say of their run.
+/// The rows of a run that shards and checkpoints share.
 fn of_partial(path: &Path, format: &str, identity: &Identity) -> String {
     format!("{}\n", one_line(&path.display().to_string()))
         + &wide("format", format)

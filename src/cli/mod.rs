@@ -9,7 +9,6 @@ mod info;
 mod instability;
 mod memory;
 mod merge;
-mod points;
 mod progress;
 mod resources;
 mod rows;
@@ -384,15 +383,6 @@ impl Failure {
         Self::Running(error.writing(output).into())
     }
 
-    /// The same, of what is not kept.
-    fn not_kept(self) -> Self {
-        match self {
-            Self::Interrupted { done, of, .. } => Self::Interrupted { done, of, kept: false },
-            Self::Kept { failure, .. } => failure.not_kept(),
-            other => other,
-        }
-    }
-
     fn exit_code(&self) -> u8 {
         match self {
             Self::Running(_) => 1,
@@ -410,21 +400,38 @@ impl From<experiment::Error> for Failure {
         match error {
             Error::Output(error) => error.into(),
             Error::NotWritten(_) | Error::Threads(_) => Self::Running(error.into()),
-            Error::Scene { .. }
-            | Error::Unreadable { .. }
+            Error::Scene { path, error } => refused_scene(&path, &error),
+            Error::Unreadable { .. }
             | Error::IsSweep(_)
             | Error::Law { .. }
             | Error::UnknownLaw(_)
-            | Error::NotFor(_) => Self::Usage(error.to_string()),
-            Error::Unfinished { .. } => {
+            | Error::NotFor(_)
+            | Error::TooLarge(_)
+            | Error::InScene { .. } => Self::Usage(error.to_string()),
+            Error::Unfinished { .. } | Error::UnfinishedPoints { .. } => {
                 Self::Usage(format!("{error}; --resume goes on with it, --force begins anew"))
             }
-            Error::OtherRun { checkpoint: path, problem } => {
-                OutputError::NotAPartial { path, problem: format!("{problem}; --force begins anew") }.into()
+            Error::OtherRun { .. } | Error::OtherPoint { .. } => {
+                Self::Usage(format!("{error}; --force begins anew"))
             }
+            Error::Replicas { replicas, problem } => Self::Usage(format!("--replicas {replicas}: {problem}")),
+            Error::SceneOfShards { .. } => {
+                Self::Usage(format!("{error}; if the scene is elsewhere now, name it with --scene"))
+            }
+            Error::NotOneRun(list) => {
+                Self::Listed { message: "these are not the shards of one run".to_owned(), list }
+            }
+            Error::Incomplete(list) => {
+                let message = "the run is not complete; --partial merges what is there".to_owned();
+                Self::Listed { message, list }
+            }
+            Error::AtPoint { point, error } => Self::AtPoint { point, failure: Box::new((*error).into()) },
             Error::Interrupted { done, of, kept } => Self::Interrupted { done, of, kept },
             Error::Kept { error, replicas, checkpoint } => {
                 kept((*error).into(), &format!("{replicas} replicas are kept in {}", checkpoint.display()))
+            }
+            Error::PointsKept { error, done, of, folder } => {
+                kept((*error).into(), &format!("{done} of {of} points are kept in {}", folder.display()))
             }
         }
     }
@@ -449,7 +456,7 @@ impl From<OutputError> for Failure {
             | OutputError::Link(_)
             | OutputError::NoFolder(_)
             | OutputError::NotWritable { .. } => Self::Usage(format!("{error} with -o")),
-            OutputError::NotACheckpoint { .. }
+            OutputError::NotAPartial { .. }
             | OutputError::NotAMap { .. }
             | OutputError::NotAResult { .. } => Self::Usage(error.to_string()),
         }
@@ -585,10 +592,7 @@ fn files_of(path: &Path, scene: &Scene) -> Vec<PathBuf> {
 
 /// Reads a scene or a sweep, with its file named in every error.
 fn read_document(path: &Path) -> Result<Document, Failure> {
-    Document::from_toml_file(path).map_err(|error| match error {
-        experiment::Error::Scene { path, error } => refused_scene(&path, &error),
-        other => other.into(),
-    })
+    Ok(Document::from_toml_file(path)?)
 }
 
 /// All that is wrong with a scene, with its file named.

@@ -1,6 +1,5 @@
 //! Memory and disk: what a run takes beside what can be had.
 
-use super::Failure;
 use crate::estimate::{Choice, Estimate};
 use crate::format::bytes;
 use std::path::Path;
@@ -19,12 +18,9 @@ const RESERVE: (f64, f64, f64) = (3e8, 67_108_864.0, 4.0);
 /// Refuses a run that would take more memory, or more disk where its output is to be, than can be had.
 ///
 /// # Errors
-/// [`Failure::Usage`] with the estimate, what there is, and what would fit.
-pub(super) fn require(scene: &Path, estimate: &Estimate, output: Option<&Path>) -> Result<(), Failure> {
-    match shortages(estimate, output).first() {
-        Some(shortage) => Err(Failure::Usage(format!("{}: {shortage}", scene.display()))),
-        None => Ok(()),
-    }
+/// The estimate, what there is, and what would fit.
+pub(super) fn require(estimate: &Estimate, output: Option<&Path>) -> Result<(), String> {
+    shortages(estimate, output).into_iter().next().map_or(Ok(()), Err)
 }
 
 /// How many elements of so many bytes fit in memory, at most `most`.

@@ -1,14 +1,19 @@
-//! Common parts of commands that compute: threads, interruptions, and what the command line says of the
-//! ensemble.
+//! Sessions of commands that compute: threads, interruptions, what experiments ask of the terminal.
 
-use super::{Execution, Failure};
-use crate::experiment::prepared;
-use crate::scene::Scene;
+use super::progress::Progress;
+use super::{Execution, Failure, RunOptions, resources};
+use crate::engine::Shard;
+use crate::estimate::Estimate;
+use crate::experiment::points::Points;
+use crate::experiment::{Host, Observer, prepared};
+use crate::output::OutputLock;
+use crate::scene::Sweep;
 use anyhow::Context;
 use signal_hook::consts::TERM_SIGNALS;
 use signal_hook::flag;
 use signal_hook::iterator::Signals;
 use std::ops::Deref;
+use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
@@ -16,7 +21,7 @@ use std::time::Duration;
 /// Exit code of a run that was interrupted.
 pub(super) const INTERRUPTED: i32 = 130;
 
-/// The common state of the runs of a command.
+/// A session: all that the runs of a command have in common.
 pub(super) struct Session {
     shared: prepared::Session,
     /// Whether there is no progress.
@@ -24,10 +29,11 @@ pub(super) struct Session {
 }
 
 impl Session {
-    /// Begins a session from the arguments of a command.
+    /// Begins the session of a command by its arguments.
     pub fn new(execution: &Execution, interval: Duration) -> Result<Self, Failure> {
         let stop = interruption()?;
-        let shared = prepared::Session { stop, pool: thread_pool(execution.threads)?, interval };
+        let (pool, host) = (thread_pool(execution.threads)?, Box::new(Terminal { quiet: execution.quiet }));
+        let shared = prepared::Session { stop, pool, interval, host };
         Ok(Self { shared, quiet: execution.quiet })
     }
 }
@@ -40,19 +46,36 @@ impl Deref for Session {
     }
 }
 
-/// Puts what the command line says of the ensemble in the place of what the scene says.
-pub(super) fn override_ensemble(
-    scene: &mut Scene,
-    replicas: Option<u64>,
-    seed: Option<u64>,
-) -> Result<(), Failure> {
-    if let Some(replicas) = replicas {
-        let refused = |problem| Failure::Usage(format!("--replicas {replicas}: {problem}"));
-        scene.sampling.check(replicas).map_err(refused)?;
-        (scene.replicas, scene.stopping) = (replicas, None);
+/// The terminal as the host of experiments.
+struct Terminal {
+    quiet: bool,
+}
+
+impl Host for Terminal {
+    fn observer(&self, run: String) -> Box<dyn Observer> {
+        Box::new(Progress::of_run(self.quiet, run))
     }
-    scene.seed = seed.unwrap_or(scene.seed);
-    Ok(())
+
+    fn notice(&self, text: &str) {
+        eprintln!("{text}");
+    }
+
+    fn require(&self, estimate: &Estimate, output: Option<&Path>) -> Result<(), String> {
+        resources::require(estimate, output)
+    }
+}
+
+/// The points of a sweep of a scene, as the command line asks for them.
+pub(super) fn points<'a>(
+    sweep: &'a Sweep,
+    source: &'a Path,
+    lock: &'a OutputLock,
+    options: &RunOptions,
+    session: &'a Session,
+    shard: Option<Shard>,
+) -> Points<'a> {
+    let (policy, replicas, seed) = (options.policy(), options.replicas, options.seed);
+    Points { sweep, source, session, lock, policy, replicas, seed, shard }
 }
 
 /// So many threads, or one per core.

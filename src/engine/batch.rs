@@ -41,13 +41,13 @@ pub struct Ensemble {
     pub regime_external_force: Moments,
     /// Moments of the means of groups of replicas.
     pub groups: Groups,
-    /// What is kept of every replica, in order.
+    /// Numbers that are kept of every replica, in order.
     #[serde(skip)]
     pub replicas: Vec<Replica>,
     /// The snaps of every replica, in order: replicas × [`Loading::length`](super::Loading::length).
     #[serde(skip)]
     pub snaps: Vec<f64>,
-    /// What solving cost.
+    /// Counts of what solving took.
     pub stats: SolverStats,
 }
 
@@ -118,7 +118,7 @@ impl Ensemble {
 /// A finished batch.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Batch {
-    /// Its replicas' moments and scalars.
+    /// Moments and scalars of its replicas.
     pub ensemble: Ensemble,
     /// External force of each replica, N, replicas × states; empty unless curves are kept.
     pub external_force: Vec<f64>,

@@ -1,4 +1,4 @@
-//! What is kept of every replica beside the sums of all.
+//! Records: all that is kept of every replica beside the sums.
 
 use super::replica::Replica;
 use serde::{Deserialize, Serialize};

@@ -20,7 +20,7 @@ pub enum Outcome {
 }
 
 impl Outcome {
-    /// What has been merged.
+    /// The batches that have been merged.
     pub fn reduction_tree(&self) -> &ReductionTree {
         match self {
             Self::Complete(reduction_tree) | Self::Interrupted(reduction_tree) => reduction_tree,

@@ -30,7 +30,7 @@ pub struct ReductionTree {
     /// The first that is not there yet.
     next: u64,
     nodes: Vec<Node>,
-    /// What is kept of every replica, in order.
+    /// Numbers that are kept of every replica, in order.
     #[serde(skip)]
     pub replicas: Vec<Replica>,
     /// The snaps of every replica, in order: replicas × [`Loading::length`](super::Loading::length).

@@ -495,7 +495,7 @@ mod tests {
                 pool.install(|| {
                     let mut workspace = Workspace::with_chunks(&job, SMALL);
                     let kept = workspace.divided(&job, 3, &|| false).unwrap();
-                    (kept.clone().words(), workspace.curves.remove(0), workspace.sums.stats)
+                    (format!("{kept:?}"), workspace.curves.remove(0), workspace.sums.stats)
                 })
             };
             let one = on(1);

@@ -9,12 +9,12 @@ use std::str::FromStr;
 pub struct Shard {
     /// Which, from 1.
     pub index: u64,
-    /// Of how many.
+    /// How many there are.
     pub count: u64,
 }
 
 impl Shard {
-    /// Its range of so many pieces of work, all shards of which have the same number, or one more.
+    /// The range that it has of so many pieces of work, all shards of which have the same number, or one more.
     pub fn range(self, all: u64) -> Range<u64> {
         // In 128 bits nothing overflows, and what comes out is at most `all`.
         let begin = |index: u64| (u128::from(all) * u128::from(index) / u128::from(self.count)) as u64;

@@ -1,13 +1,14 @@
-//! What `run` keeps while it goes, and how it goes on after an interruption.
+//! Checkpoints: how a run keeps what it has done, and how it goes on after an interruption.
 
 use super::Error;
 use super::sampling::loading;
 use crate::engine::{Batch, Job, RecordShape, ReductionTree, Shard};
 use crate::output::identity::Identity;
 use crate::output::journal::{Journal, forget, forget_records};
-use crate::output::partial::{Functionals, Kept, Partial, ShardFile};
+use crate::output::partial::{Functionals, Kept, Partial};
 use crate::output::reader::Reader;
 use crate::output::schema::{Layout, RUN};
+use crate::output::shard_file::ShardFile;
 use crate::output::{OutputError, OutputLock, note_kept};
 use crate::scene::{Scene, difference};
 use std::ops::Range;
@@ -20,7 +21,7 @@ pub(crate) fn record_shape(scene: &Scene) -> RecordShape {
     RecordShape { cycle: scene.cycle, snaps: loading(scene).length(), states }
 }
 
-/// What is computed into an output: a scene, or a shard of it.
+/// A run into an output: a scene, or a shard of it.
 #[derive(Clone, Copy)]
 pub(crate) struct Run<'a> {
     pub scene: &'a Scene,
@@ -39,7 +40,7 @@ pub(crate) fn identity(Run { scene, shard }: Run<'_>) -> Identity {
     }
 }
 
-/// What an output is begun with.
+/// The beginning of an output.
 pub(crate) enum Beginning {
     /// It is there already, of the same run.
     Complete,
@@ -49,7 +50,7 @@ pub(crate) enum Beginning {
     Resumed(Box<Interrupted>),
 }
 
-/// What may become of what is there of an output.
+/// A policy for what is there of an output already.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct OverwritePolicy {
     /// A run that was interrupted goes on.
@@ -183,7 +184,7 @@ impl Interrupted {
         self.partial.extent().1
     }
 
-    /// What was kept of what goes before the ensemble.
+    /// The functionals that it began with.
     pub fn functionals(&self) -> &Functionals {
         &self.partial.functionals
     }
@@ -290,7 +291,7 @@ impl Checkpointer {
         self.advised(Error::Interrupted { done: self.done, of: replicas, kept })
     }
 
-    /// That the output is written, after which nothing is kept beside it; or that it is not, and what was
+    /// Ends a run whose output is written, after which nothing is kept beside it; or is not, and what was
     /// computed, of `replicas`, is kept: it may fit where the output does not.
     pub fn ended(
         mut self,

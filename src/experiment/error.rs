@@ -4,7 +4,7 @@ use crate::asperity::LawError;
 use crate::asperity::models::MODELS;
 use crate::output::OutputError;
 use crate::scene::{SceneError, nearest};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 /// The names of all laws.
@@ -82,13 +82,84 @@ pub enum Error {
         of: u64,
     },
     /// The checkpoint is of another run than the one that is to go on.
-    #[error("{} {problem}", checkpoint.display())]
+    #[error("{}: {problem}", checkpoint.display())]
     OtherRun {
         /// Where it is kept.
         checkpoint: PathBuf,
         /// The difference.
         problem: String,
     },
+    /// There is not enough memory or disk.
+    #[error("{0}")]
+    TooLarge(String),
+    /// A scene cannot have so many replicas.
+    #[error("{replicas} replicas: {problem}")]
+    Replicas {
+        /// How many were asked for.
+        replicas: u64,
+        /// Why not.
+        problem: String,
+    },
+    /// Something is wrong with a scene of a file.
+    #[error("{}: {error}", path.display())]
+    InScene {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        error: Box<Error>,
+    },
+    /// Something happened at a point of a sweep.
+    #[error("{point}: {error}")]
+    AtPoint {
+        /// Which, with the values of its keys.
+        point: String,
+        /// What went wrong.
+        error: Box<Error>,
+    },
+    /// An interrupted sweep is kept, and this one is neither to go on with it nor to drop it.
+    #[error("{} holds {done} points of an interrupted sweep, of {of} now", folder.display())]
+    UnfinishedPoints {
+        /// Where it is kept.
+        folder: PathBuf,
+        /// Points that are done.
+        done: usize,
+        /// Points of this sweep.
+        of: usize,
+    },
+    /// A result that is kept is another point than that of this sweep.
+    #[error("{} is not {point} of this sweep as it would be computed now", file.display())]
+    OtherPoint {
+        /// Its result.
+        file: PathBuf,
+        /// Which it would be.
+        point: String,
+    },
+    /// A sweep failed, and what was done is kept.
+    #[error("{error}")]
+    PointsKept {
+        /// What went wrong.
+        error: Box<Error>,
+        /// Points that are kept.
+        done: usize,
+        /// Points of the sweep.
+        of: usize,
+        /// Where.
+        folder: PathBuf,
+    },
+    /// Shards do not make up one run.
+    #[error("these are not the shards of one run")]
+    NotOneRun(Vec<String>),
+    /// The scene of shards, which it was computed from, cannot be read again.
+    #[error("{}: {problem}", path.display())]
+    SceneOfShards {
+        /// Its file.
+        path: PathBuf,
+        /// Why not.
+        problem: String,
+    },
+    /// Shards are missing, or not finished.
+    #[error("the run is not complete")]
+    Incomplete(Vec<String>),
     /// It was stopped from outside.
     #[error("interrupted after {done} of {of} replicas; {} was kept", if *kept { "what was done" } else { "nothing" })]
     Interrupted {
@@ -109,4 +180,25 @@ pub enum Error {
         /// Where.
         checkpoint: PathBuf,
     },
+}
+
+impl Error {
+    /// The same of a scene of a file, which is named where only the scene may be wrong.
+    pub(crate) fn in_scene(self, path: &Path) -> Self {
+        match self {
+            Self::Law { .. } | Self::TooLarge(_) => {
+                Self::InScene { path: path.to_owned(), error: Box::new(self) }
+            }
+            other => other,
+        }
+    }
+
+    /// The same, of what is not kept.
+    pub(crate) fn not_kept(self) -> Self {
+        match self {
+            Self::Interrupted { done, of, .. } => Self::Interrupted { done, of, kept: false },
+            Self::Kept { error, .. } | Self::PointsKept { error, .. } => error.not_kept(),
+            other => other,
+        }
+    }
 }

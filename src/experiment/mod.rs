@@ -4,18 +4,25 @@
 pub(crate) mod checkpoint;
 pub(crate) mod compare;
 mod error;
+mod host;
 pub(crate) mod integral;
+pub(crate) mod merge;
 mod observer;
+pub(crate) mod points;
 pub(crate) mod prepared;
 pub(crate) mod record;
 pub(crate) mod results;
 pub(crate) mod run;
 pub(crate) mod sampling;
 pub(crate) mod scene_file;
+pub(crate) mod shard_run;
+pub(crate) mod shard_set;
 pub(crate) mod snaps;
+pub(crate) mod stacked;
 
 pub use compare::{ComparedLaw, Comparison, Mean};
 pub use error::Error;
+pub(crate) use host::Host;
 pub use integral::{Integral, PathIntegral};
 pub use observer::Observer;
 pub(crate) use observer::Phases;

@@ -1,6 +1,7 @@
 //! One scene, from its laws to a checked file.
 
 use super::checkpoint::{Beginning, Checkpointer, Interrupted, OverwritePolicy, Run, beginning};
+use super::host::Host;
 use super::integral::{Integral, PathIntegral};
 use super::record::{AllRecords, write_curves, write_head, write_results};
 use super::results::{Results, RetractionResults, RunMetadata, Stopped, mean_features};
@@ -8,7 +9,7 @@ use super::sampling::{Sampling, basis_of, cross_check};
 use super::{Error, Observer, Phases};
 use crate::asperity::{Laws, Loop, Quantity, SurfaceLaws};
 use crate::engine::{Batch, Outcome, ReductionTree, Rule, Shard, Summation, batches_of, replicas_of};
-use crate::estimate::Plan;
+use crate::estimate::{Estimate, Plan};
 use crate::integral::{Expectations, controls};
 use crate::math::control_variates::controlled_means;
 use crate::output::partial::Functionals;
@@ -23,7 +24,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-/// What experiments one after the other have in common.
+/// A session: all that experiments one after the other have in common.
 pub(crate) struct Session {
     /// Set by an interruption.
     pub stop: Arc<AtomicBool>,
@@ -31,15 +32,17 @@ pub(crate) struct Session {
     pub pool: ThreadPool,
     /// How often what has been done is kept.
     pub interval: Duration,
+    /// Who has them run.
+    pub host: Box<dyn Host>,
 }
 
 /// One scene and where its result goes.
 pub(crate) struct Task<'a> {
     /// The output, as the user names it.
     pub output: &'a Path,
-    /// The claim on it.
+    /// The lock on it.
     pub lock: &'a OutputLock,
-    /// What may become of what is there.
+    /// The policy for what is there already.
     pub policy: OverwritePolicy,
     /// The shard that it is of the run, if not all of it.
     pub shard: Option<Shard>,
@@ -97,9 +100,30 @@ impl SceneLaws {
         let refused = |error| Error::Law { law: scene.model.name, error };
         Ok(Self { law: scene.law().map_err(refused)?, cycle: scene.loop_law().map_err(refused)? })
     }
+
+    /// The laws of a scene of which so many replicas are computed for a task on so many threads, if there is
+    /// room for them.
+    ///
+    /// # Errors
+    /// [`Error::Law`], [`Error::TooLarge`].
+    pub fn fitting(
+        scene: &Scene,
+        replicas: u64,
+        task: &Task<'_>,
+        session: &Session,
+        threads: usize,
+    ) -> Result<Self, Error> {
+        let laws = Self::new(scene)?;
+        let estimate =
+            Estimate { replicas: replicas as f64, ..Estimate::new(scene, laws.law.view(), threads) };
+        // What an interrupted run has kept is on the disk already.
+        let begins = !task.lock.beside(".checkpoint").exists();
+        let required = session.host.require(&estimate, begins.then_some(task.output));
+        required.map_err(Error::TooLarge).map(|()| laws)
+    }
 }
 
-/// What the ensemble of a scene is computed with and checked against.
+/// A scene with all that its ensemble is computed with and checked against.
 pub(crate) struct PreparedRun {
     pub scene: Scene,
     laws: SceneLaws,
@@ -111,16 +135,16 @@ pub(crate) struct PreparedRun {
     expected: Vec<f64>,
 }
 
-/// What has been computed of an ensemble.
+/// An ensemble that has been computed.
 pub(crate) struct Sampled {
     pub reduction_tree: Box<ReductionTree>,
     pub summation: Summation,
-    /// What keeps it until it is written.
+    /// The checkpointer that keeps it until it is written.
     pub checkpointer: Checkpointer,
 }
 
 impl PreparedRun {
-    /// That of a scene; with what has been kept of it.
+    /// Prepares a scene, with the functionals that have been kept of it, if any.
     pub fn new(
         scene: Scene,
         laws: SceneLaws,
@@ -197,7 +221,7 @@ impl PreparedRun {
         }
     }
 
-    /// What is found out by the ensemble that has been merged.
+    /// Results of the ensemble that has been merged.
     pub fn results(
         mut self,
         reduction_tree: ReductionTree,
@@ -211,7 +235,8 @@ impl PreparedRun {
         // From here on the scene is that of the replicas that there are.
         self.scene.stopping = None;
         self.scene.replicas = ensemble.replicas.len() as u64;
-        let Self { scene, laws: SceneLaws { law, cycle }, plan, warnings, integral, functionals, expected } = self;
+        let Self { scene, laws: SceneLaws { law, cycle }, plan, warnings, integral, functionals, expected } =
+            self;
         let Functionals { basis, controls, .. } = functionals;
         phases.phase("cross-check");
         let paths: Vec<&Expectations> = integral.paths().map(|way| &way.expectations).collect();

@@ -226,7 +226,7 @@ fn write_stopped(writer: &Writer<'_>, stopped: &Stopped) -> Result<(), OutputErr
     writer.dataset("/ensemble/target_met", &met)
 }
 
-/// Counts of the asperities of a loop that come into contact and lose it between neighbouring separations.
+/// Writes how many asperities of a loop come into contact and lose it between neighbouring separations.
 fn write_jumps(writer: &mut Writer<'_>, results: &Results) -> Result<(), OutputError> {
     let Some(retraction) = &results.retraction else { return Ok(()) };
     let middles: Vec<f64> =

@@ -184,7 +184,8 @@ impl<'a> Builder<'a> {
         let mut nobody = ();
         let mut phases = Phases::new(observer.unwrap_or(&mut nobody));
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
-        let result = experiment(&Session { stop, pool, interval: Duration::MAX }, &mut phases);
+        let result =
+            experiment(&Session { stop, pool, interval: Duration::MAX, host: Box::new(()) }, &mut phases);
         phases.end();
         result
     }

@@ -111,6 +111,19 @@ impl Sampling<'_> {
     }
 }
 
+/// Puts another number of replicas and another seed, if given, in the place of those of a scene.
+///
+/// # Errors
+/// [`Error::Replicas`] when the scene cannot have so many.
+pub(crate) fn set_ensemble(scene: &mut Scene, replicas: Option<u64>, seed: Option<u64>) -> Result<(), Error> {
+    if let Some(replicas) = replicas {
+        scene.sampling.check(replicas).map_err(|problem| Error::Replicas { replicas, problem })?;
+        (scene.replicas, scene.stopping) = (replicas, None);
+    }
+    scene.seed = seed.unwrap_or(scene.seed);
+    Ok(())
+}
+
 /// The springs and preloads of a scene.
 pub(crate) fn loading(scene: &Scene) -> Loading<'_> {
     let ways = (scene.history == Path::Approach, scene.cycle || scene.history == Path::Retraction);

@@ -2,8 +2,8 @@
 //! interrupted.
 //!
 //! `out.h5.checkpoint.replicas` grows as the run goes. `out.h5.checkpoint` says how much of it counts, and is
-//! replaced as a whole, after the records that it counts have reached the disk. So what these two say is at any
-//! moment what the last complete checkpoint said: records beyond it do not count.
+//! replaced as a whole, after the records that it counts have reached the disk. So what these two say is at
+//! any moment what the last complete checkpoint said: records beyond it do not count.
 
 use super::OutputError;
 use super::lock::{OutputLock, made_anew, replace, unlinked};
@@ -137,8 +137,8 @@ impl Journal {
         (self.saved, self.spent)
     }
 
-    /// Removes records and checkpoint, of a run that is complete: the checkpoint first, so that none counts on
-    /// records that are gone.
+    /// Removes records and checkpoint, of a run that is complete: the checkpoint first, so that none counts
+    /// on records that are gone.
     pub fn discard(mut self) {
         let _ = std::fs::remove_file(&self.checkpoint);
         self.counted = false;

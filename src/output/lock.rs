@@ -1,4 +1,4 @@
-//! The claim on an output: where it goes, what stands beside it while it is made, and that nobody else makes
+//! The lock on an output: where it goes, what stands beside it while it is made, and that nobody else makes
 //! it at the same time.
 
 use super::OutputError;
@@ -11,7 +11,7 @@ use tempfile::TempPath;
 
 /// Most symbolic links from one to the next.
 const MOST_LINKS: usize = 40;
-/// What the names of the files end with that are kept beside an output while it is made.
+/// Endings of the names of the files that are kept beside an output while it is made.
 const BESIDE: [&str; 3] = [".checkpoint", ".checkpoint.replicas", ".points"];
 /// The same of hidden ones.
 const HIDDEN: [&str; 3] = [".lock", ".partial", ".checkpoint.partial"];
@@ -29,7 +29,7 @@ pub struct OutputLock {
 }
 
 impl OutputLock {
-    /// Claims an output of what is computed from `inputs`. A symbolic link stands for the file that it leads
+    /// Locks an output of what is computed from `inputs`. A symbolic link stands for the file that it leads
     /// to.
     ///
     /// # Errors
@@ -42,7 +42,7 @@ impl OutputLock {
         Self::of_file(output)
     }
 
-    /// Claims an output in a folder of this program's own, where no name is a symbolic link.
+    /// Locks an output in a folder of this program's own, where no name is a symbolic link.
     ///
     /// # Errors
     /// As [`OutputLock::new`].
@@ -169,7 +169,7 @@ fn named(output: &Path, prefix: &str, suffix: &str) -> PathBuf {
     output.with_file_name(name)
 }
 
-/// What is kept beside an output while it is made.
+/// Names of what is kept beside an output while it is made.
 fn kept(output: &Path) -> impl Iterator<Item = PathBuf> {
     let beside = BESIDE.into_iter().map(|suffix| named(output, "", suffix));
     beside.chain(HIDDEN.into_iter().map(|suffix| named(output, ".", suffix)))

@@ -15,6 +15,7 @@ pub mod reader;
 mod register;
 mod scales;
 pub mod schema;
+pub mod shard_file;
 pub mod stack;
 pub mod writer;
 

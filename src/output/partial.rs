@@ -1,37 +1,35 @@
-//! What has been computed of a run, and the files that keep it until the run is complete.
+//! Partial results: what has been computed of a run, and the files that keep it until the run is complete.
 //!
 //! A [`Partial`] says which run it is of and holds the state of its sums. What is kept of its replicas, their
-//! [`Records`], stands by itself, as it grows. While an output `out.h5` is made, `out.h5.checkpoint` holds the
-//! partial result and `out.h5.checkpoint.replicas` its records (see [`Journal`](super::journal::Journal)). A
-//! shard is one file: a [`Head`], and behind it each partial result of the shard with its records.
+//! [`Records`], stands by itself, as it grows. While an output `out.h5` is made, `out.h5.checkpoint` holds
+//! the partial result and `out.h5.checkpoint.replicas` its records (see
+//! [`Journal`](super::journal::Journal)). A shard is [one file](super::shard_file) of partial results with
+//! their records.
 //!
-//! A file begins with a line that names it, and but for records with the version of the layout. Frames follow:
-//! the length of a value and its CRC-32 checksum, little-endian, and the value in the Postcard format. The
-//! records of a batch are a frame. A partial result knows how many bytes of records count, and the checksum of
-//! the headers of their frames, so nothing of them can be changed, lost, added or exchanged unnoticed.
+//! A file begins with a line that names it, and but for records with the version of the layout. Frames
+//! follow: the length of a value and its CRC-32 checksum, little-endian, and the value in the Postcard
+//! format. The records of a batch are a frame. A partial result knows how many bytes of records count, and
+//! the checksum of the headers of their frames, so nothing of them can be changed, lost, added or exchanged
+//! unnoticed.
 
+use super::OutputError;
 use super::identity::Identity;
-use super::lock::{OutputLock, made_anew};
-use super::register::Registered;
-use super::{OutputError, guard};
+use super::lock::OutputLock;
 use crate::engine::{Records, ReductionTree};
 use crate::validation::Basis;
 use crc32fast::Hasher;
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use std::fs::File;
-use std::io::{BufReader, BufWriter, ErrorKind, Read, Seek, SeekFrom, Write};
+use std::io::{BufReader, ErrorKind, Read, Seek, SeekFrom};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
-use tempfile::TempPath;
 
 /// The line that a checkpoint begins with.
 const CHECKPOINT: &[u8] = b"stiction checkpoint\n";
 /// The line that the records beside a checkpoint begin with.
 pub(super) const RECORDS: &[u8] = b"stiction replicas of a checkpoint\n";
-/// The line that a shard begins with.
-const SHARD: &[u8] = b"stiction shard\n";
 /// Version of the layout of all.
-const VERSION: u32 = 4;
+pub(super) const VERSION: u32 = 4;
 /// Bytes before the value of a frame: its length and checksum.
 const HEADER: usize = 12;
 /// Most bytes of the value of a frame.
@@ -39,8 +37,8 @@ const MOST_BYTES: u64 = 1 << 30;
 /// Bytes that are read or written at once, about.
 pub(super) const AT_ONCE: usize = 1 << 18;
 
-/// What an ensemble is tested with. It comes from linear algebra whose last bits may differ between processors,
-/// so it is kept.
+/// The functionals that an ensemble is tested with. They come from linear algebra whose last bits may differ
+/// between processors, so they are kept.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Functionals {
     /// The functionals of the joint test.
@@ -52,12 +50,13 @@ pub struct Functionals {
     pub fewest_replicas: u64,
 }
 
-/// What has been computed of a run, or of a shard of it, but for what is kept of its replicas.
+/// A partial result: what has been computed of a run, or of a shard of it, but for the records of its
+/// replicas.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Partial {
     /// The run.
     pub identity: Identity,
-    /// What was prepared for its ensemble.
+    /// The functionals of its ensemble.
     pub functionals: Functionals,
     /// The sums.
     pub tree: ReductionTree,
@@ -101,7 +100,7 @@ impl Partial {
     /// Reads the bytes of a checkpoint.
     ///
     /// # Errors
-    /// What is wrong with them.
+    /// The reason why not.
     pub fn decode(bytes: &[u8]) -> Result<Self, String> {
         let rest = bytes.strip_prefix(CHECKPOINT).ok_or("is not a checkpoint of stiction")?;
         let mut frames = Frames { left: rest.len() as u64, from: rest, headers: 0 };
@@ -121,11 +120,6 @@ pub fn is_checkpoint(path: &Path) -> bool {
     begins_as(path, CHECKPOINT) == Some(CHECKPOINT.len())
 }
 
-/// Whether a file begins as a shard does.
-pub fn is_shard(path: &Path) -> bool {
-    begins_as(path, SHARD) == Some(SHARD.len())
-}
-
 /// How many bytes of a line a file begins with, if it goes no further or only after all of the line.
 pub(super) fn begins_as(path: &Path, line: &[u8]) -> Option<usize> {
     let mut found = Vec::new();
@@ -137,7 +131,7 @@ pub(super) fn begins_as(path: &Path, line: &[u8]) -> Option<usize> {
 /// The bytes of some frames, and what guards them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Extent {
-    bytes: u64,
+    pub(super) bytes: u64,
     /// CRC-32 of their headers.
     headers: u32,
 }
@@ -166,7 +160,7 @@ pub(super) fn frame<T: Serialize>(value: &T) -> std::io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-fn unreadable(error: &std::io::Error) -> String {
+pub(super) fn unreadable(error: &std::io::Error) -> String {
     match error.kind() {
         ErrorKind::UnexpectedEof => "is truncated".to_owned(),
         _ => format!("cannot be read: {error}"),
@@ -174,12 +168,12 @@ fn unreadable(error: &std::io::Error) -> String {
 }
 
 /// Frames that are read one after the other.
-struct Frames<R> {
-    from: R,
+pub(super) struct Frames<R> {
+    pub(super) from: R,
     /// Bytes that there are.
-    left: u64,
+    pub(super) left: u64,
     /// CRC-32 of the headers so far.
-    headers: u32,
+    pub(super) headers: u32,
 }
 
 impl<R: Read> Frames<R> {
@@ -189,7 +183,7 @@ impl<R: Read> Frames<R> {
     }
 
     /// Refuses another version of the layout than this program's.
-    fn version(&mut self) -> Result<(), String> {
+    pub(super) fn version(&mut self) -> Result<(), String> {
         let mut version = [0; 4];
         self.take(&mut version)?;
         match u32::from_le_bytes(version) {
@@ -201,7 +195,7 @@ impl<R: Read> Frames<R> {
         }
     }
 
-    fn next<T: DeserializeOwned>(&mut self) -> Result<T, String> {
+    pub(super) fn next<T: DeserializeOwned>(&mut self) -> Result<T, String> {
         let mut header = [0; HEADER];
         self.take(&mut header)?;
         self.headers = extended(self.headers, &header);
@@ -223,7 +217,7 @@ impl<R: Read> Frames<R> {
     }
 }
 
-/// What is done with records; whether more are asked for.
+/// A function of records, which says whether more are asked for.
 pub type Visit<'a> = dyn FnMut(&Records<'_>) -> Result<bool, OutputError> + 'a;
 
 /// The records of a partial result in their file.
@@ -231,9 +225,9 @@ pub type Visit<'a> = dyn FnMut(&Records<'_>) -> Result<bool, OutputError> + 'a;
 pub struct RecordFile {
     pub(super) path: PathBuf,
     /// The line that the file begins with.
-    line: &'static [u8],
+    pub(super) line: &'static [u8],
     /// Where the records begin.
-    begin: u64,
+    pub(super) begin: u64,
     pub(super) extent: Extent,
 }
 
@@ -244,7 +238,7 @@ impl RecordFile {
         Self { path, line: RECORDS, begin: RECORDS.len() as u64, extent }
     }
 
-    /// That the file is not what it should be.
+    /// The error of a file that is not what it should be.
     pub fn refused(&self, problem: &str) -> OutputError {
         OutputError::NotAPartial { path: self.path.clone(), problem: problem.to_owned() }
     }
@@ -293,12 +287,12 @@ impl RecordFile {
 pub struct Kept {
     /// The partial result.
     pub partial: Partial,
-    /// Its records.
+    /// The records.
     pub records: RecordFile,
 }
 
 impl Kept {
-    /// What is kept beside an output, if anything.
+    /// Finds what is kept beside an output, if anything.
     ///
     /// # Errors
     /// As [`Partial::read`].
@@ -310,146 +304,13 @@ impl Kept {
         }
     }
 
-    /// What is kept beside an output.
+    /// Reads what is kept beside an output.
     ///
     /// # Errors
     /// As [`Partial::read`].
     pub fn read(lock: &OutputLock) -> Result<Self, OutputError> {
         let partial = Partial::read(&lock.beside(".checkpoint"))?;
         Ok(Self { records: RecordFile::beside(lock, partial.records), partial })
-    }
-}
-
-/// What a shard is of.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Head {
-    /// The run; of a sweep that of all points.
-    pub identity: Identity,
-    /// The file of its scene, when it was computed.
-    pub scene_file: String,
-    /// The point that each of the partial results is of, by its index; 0 without a sweep.
-    pub points: Vec<u64>,
-}
-
-/// What a shard has of a point.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Piece {
-    /// The index of the point; 0 without a sweep.
-    pub point: u64,
-    /// Indices of its replicas within the point.
-    pub replicas: Range<u64>,
-    /// Seconds that they took.
-    pub seconds: f64,
-    /// How often it was resumed.
-    pub resumptions: u64,
-    /// Where it begins in the file.
-    pub begin: u64,
-}
-
-/// A shard that is complete.
-#[derive(Clone, Debug)]
-pub struct ShardFile {
-    /// The file.
-    pub path: PathBuf,
-    /// What it is of.
-    pub head: Head,
-    /// What it has.
-    pub pieces: Vec<Piece>,
-}
-
-impl ShardFile {
-    /// Reads what is in a shard, but not the records of its replicas.
-    ///
-    /// # Errors
-    /// [`OutputError::NotAPartial`] when it is something else, damaged or of another version.
-    pub fn open(path: &Path) -> Result<Self, OutputError> {
-        let refused = |problem: String| OutputError::NotAPartial { path: path.to_owned(), problem };
-        let (mut frames, length) = Self::frames(path, 0).map_err(refused)?;
-        frames.version().map_err(refused)?;
-        let head: Head = frames.next().map_err(refused)?;
-        let mut pieces = Vec::new();
-        for &point in &head.points {
-            let begin = length - frames.left;
-            let partial: Partial = frames.next().map_err(refused)?;
-            let ((replicas, done), records) = (partial.extent(), partial.records.bytes);
-            if replicas.is_empty() || done != replicas.end - replicas.start {
-                return Err(refused("has a part that is not complete".to_owned()));
-            }
-            frames.left =
-                frames.left.checked_sub(records).ok_or_else(|| refused("is truncated".to_owned()))?;
-            let skipped = frames.from.seek_relative(records.cast_signed());
-            skipped.map_err(|error| refused(unreadable(&error)))?;
-            let Partial { seconds, resumptions, .. } = partial;
-            pieces.push(Piece { point, replicas, seconds, resumptions, begin });
-        }
-        match frames.left {
-            0 => Ok(Self { path: path.to_owned(), head, pieces }),
-            _ => Err(refused("is damaged: it is too long".to_owned())),
-        }
-    }
-
-    /// The frames of a shard from a place on, and its length.
-    fn frames(path: &Path, begin: u64) -> Result<(Frames<BufReader<File>>, u64), String> {
-        let length = guard::length(path)?;
-        if !is_shard(path) {
-            return Err("is not a shard of this version of stiction; one of an earlier version, which was an HDF5 file, \
-                 is to be computed anew"
-                .to_owned());
-        }
-        let mut from = File::open(path).map_err(|error| unreadable(&error))?;
-        let begin = begin.max(SHARD.len() as u64);
-        from.seek(SeekFrom::Start(begin)).map_err(|error| unreadable(&error))?;
-        let left = length.checked_sub(begin).ok_or("is truncated")?;
-        Ok((Frames { from: BufReader::with_capacity(AT_ONCE, from), left, headers: 0 }, length))
-    }
-
-    /// A piece of it.
-    ///
-    /// # Errors
-    /// [`OutputError::NotAPartial`] when it is damaged.
-    pub fn kept(&self, piece: &Piece) -> Result<Kept, OutputError> {
-        let refused = |problem: String| OutputError::NotAPartial { path: self.path.clone(), problem };
-        let (mut frames, length) = Self::frames(&self.path, piece.begin).map_err(refused)?;
-        let partial: Partial = frames.next().map_err(refused)?;
-        let (begin, extent) = (length - frames.left, partial.records);
-        Ok(Kept { partial, records: RecordFile { path: self.path.clone(), line: SHARD, begin, extent } })
-    }
-
-    /// Writes the shard of an output, as long as it `goes_on`; whether it did. It appears when it is complete.
-    ///
-    /// # Errors
-    /// [`OutputError`] when the output is there and `force` is not set, or cannot be written, and when one of
-    /// its parts cannot be read.
-    pub fn write(
-        lock: &OutputLock,
-        force: bool,
-        head: &Head,
-        parts: impl Iterator<Item = Result<Kept, OutputError>>,
-        goes_on: &dyn Fn() -> bool,
-    ) -> Result<bool, OutputError> {
-        lock.check(force)?;
-        let temporary = lock.hidden(".partial");
-        let _registered = Registered::new(&temporary);
-        let failed =
-            |error| OutputError::Io { action: "cannot write", path: lock.output().to_owned(), error };
-        let mut file = BufWriter::with_capacity(AT_ONCE, made_anew(&temporary).map_err(failed)?);
-        let temporary = TempPath::try_from_path(temporary).map_err(failed)?;
-        let beginning = [SHARD, &VERSION.to_le_bytes(), &frame(head).map_err(failed)?].concat();
-        file.write_all(&beginning).map_err(failed)?;
-        for part in parts {
-            let Kept { partial, records } = part?;
-            file.write_all(&frame(&partial).map_err(failed)?).map_err(failed)?;
-            let are_all = records.each(&mut |records| {
-                file.write_all(&frame(records).map_err(failed)?).map_err(failed)?;
-                Ok(goes_on())
-            })?;
-            if !are_all {
-                return Ok(false);
-            }
-        }
-        file.flush().map_err(failed)?;
-        drop(file);
-        lock.name(temporary, force).map(|()| true)
     }
 }
 

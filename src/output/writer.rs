@@ -32,7 +32,7 @@ pub struct Writer<'c> {
 }
 
 impl<'c> Writer<'c> {
-    /// Begins a file of a layout that will be the output of a claim. Nothing appears under that name before
+    /// Begins a file of a layout that will be the output of a lock. Nothing appears under that name before
     /// [`Writer::finish`]; dropped before, it leaves nothing.
     ///
     /// # Errors

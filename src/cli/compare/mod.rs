@@ -5,12 +5,13 @@ mod table;
 
 use super::asperity::find;
 use super::progress::Progress;
-use super::session::{interruption, override_ensemble, thread_pool};
+use super::session::{interruption, thread_pool};
 use super::{CompareArguments, Failure, files_of, print, print_of, read_scene, refused, resources};
 use crate::asperity::models::Model;
 use crate::estimate::Estimate;
 use crate::experiment::Phases;
 use crate::experiment::compare::PreparedComparison;
+use crate::experiment::sampling::set_ensemble;
 use crate::output::OutputLock;
 
 pub(super) fn compare(arguments: &CompareArguments) -> Result<(), Failure> {
@@ -18,7 +19,7 @@ pub(super) fn compare(arguments: &CompareArguments) -> Result<(), Failure> {
     let models = models(&arguments.laws)?;
     let count = models.len();
     let mut scene = read_scene(&arguments.scene)?;
-    override_ensemble(&mut scene, arguments.replicas, arguments.seed)?;
+    set_ensemble(&mut scene, arguments.replicas, arguments.seed)?;
     let inputs = files_of(&arguments.scene, &scene);
     let prepared =
         PreparedComparison::new(scene, models, arguments.ensemble).map_err(refused(&arguments.scene))?;
@@ -29,7 +30,8 @@ pub(super) fn compare(arguments: &CompareArguments) -> Result<(), Failure> {
         let (scene, law) = prepared.largest();
         let estimate = Estimate::new(scene, law, pool.current_num_threads());
         let estimate = Estimate { ensembles: count as f64, curves: false, ..estimate };
-        resources::require(&arguments.scene, &estimate, arguments.output.as_deref())?;
+        resources::require(&estimate, arguments.output.as_deref())
+            .map_err(|problem| Failure::Usage(format!("{}: {problem}", arguments.scene.display())))?;
     }
     let mut progress = Progress::new(arguments.execution.quiet);
     let comparison = prepared.run(&pool, &stop, &mut Phases::new(&mut progress))?;

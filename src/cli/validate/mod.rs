@@ -17,12 +17,13 @@ mod snaps;
 mod sweep;
 
 use super::rows::row;
-use super::shard::shown;
 use super::{Failure, print};
+use crate::format::replicas as shown;
 use crate::output::identity::Identity;
-use crate::output::partial::{Kept, Partial, ShardFile, is_shard};
+use crate::output::partial::{Kept, Partial};
 use crate::output::reader::Reader;
 use crate::output::schema::{ASPERITIES, COMPARISON, FINITE_SIZE, Layout, SWEEP};
+use crate::output::shard_file::{ShardFile, is_shard};
 use crate::scene::echo::one_line;
 use crate::validation::Verdict;
 use std::path::Path;
@@ -30,12 +31,12 @@ use std::path::Path;
 /// Findings that are told; more are counted.
 const TOLD: usize = 20;
 
-/// What is to be said of a file.
+/// An answer about a file.
 struct Answer {
     text: String,
-    /// What does not fit together, a line each.
+    /// Findings of what does not fit together, a line each.
     findings: Vec<String>,
-    /// Of ensemble against integral.
+    /// The verdict of ensemble against integral.
     verdict: Verdict,
 }
 

@@ -1,25 +1,26 @@
 //! Whether shards make up a run: what is missing, doubled, unfinished or of another run.
 
-use super::super::Failure;
-use super::super::shard::shown;
+use super::Error;
+use super::checkpoint::{Run, is_of};
+use super::scene_file::LONGEST_SCENE;
 use crate::engine::Shard;
-use crate::experiment::checkpoint::{Run, is_of};
-use crate::experiment::scene_file::LONGEST_SCENE;
+use crate::format::replicas as shown;
 use crate::output::beside;
 use crate::output::columns::SceneFiles;
 use crate::output::identity::Identity;
-use crate::output::partial::{Kept, Partial, ShardFile, is_checkpoint};
+use crate::output::partial::{Kept, Partial, is_checkpoint};
+use crate::output::shard_file::ShardFile;
 use crate::scene::{Document, Scene, Sweep, with_inputs};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// A piece of a shard, by the indices of both.
-pub(super) type Place = (usize, usize);
+pub(crate) type Place = (usize, usize);
 
 /// A run whose shards fit together.
-pub(super) struct WholeRun {
-    /// That of the whole run.
+pub(crate) struct ShardSet {
+    /// The identity of the whole run.
     pub identity: Identity,
     /// The file of the scene.
     pub source: PathBuf,
@@ -27,11 +28,11 @@ pub(super) struct WholeRun {
     pub shards: Vec<ShardFile>,
     /// Where the pieces of each point are, in the order of their replicas.
     pub places: Vec<Vec<Place>>,
-    /// What is not there.
+    /// A line for each thing that is not there.
     pub missing: Vec<String>,
 }
 
-/// What a path is instead of a shard.
+/// Why a path is no shard.
 enum Not {
     /// The shard is not complete.
     Unfinished(String),
@@ -39,14 +40,14 @@ enum Not {
     Shard(String),
 }
 
-impl WholeRun {
+impl ShardSet {
     /// The run that the shards of some paths are of; its scene is in the file `scene`, or in the one that
     /// they say.
     ///
     /// # Errors
-    /// [`Failure::Listed`] with what does not fit together, and, unless the run may be `partial`, what is
-    /// missing.
-    pub fn new(paths: &[PathBuf], partial: bool, scene: Option<&Path>) -> Result<Self, Failure> {
+    /// [`Error::NotOneRun`] with what does not fit together, and, unless the run may be `partial`,
+    /// [`Error::Incomplete`] with what is missing.
+    pub fn new(paths: &[PathBuf], partial: bool, scene: Option<&Path>) -> Result<Self, Error> {
         let (mut shards, mut problems, mut missing) = (Vec::new(), Vec::new(), Vec::new());
         for path in paths {
             match found(path) {
@@ -56,10 +57,8 @@ impl WholeRun {
             }
         }
         problems.extend(differences(&shards));
-        let fit = |problems: Vec<String>, missing: Vec<String>| {
-            let list = [problems, missing].concat();
-            Failure::Listed { message: "these are not the shards of one run".to_owned(), list }
-        };
+        let fit =
+            |problems: Vec<String>, missing: Vec<String>| Error::NotOneRun([problems, missing].concat());
         let Some(first) = shards.first().filter(|_| problems.is_empty()) else {
             return Err(fit(problems, missing));
         };
@@ -73,14 +72,13 @@ impl WholeRun {
         }
         missing.extend(absent(&shards, gaps));
         if !missing.is_empty() && !partial {
-            let message = "the run is not complete; --partial merges what is there".to_owned();
-            return Err(Failure::Listed { message, list: missing });
+            return Err(Error::Incomplete(missing));
         }
         Ok(Self { identity, source, document, shards, places, missing })
     }
 
-    /// What a shard has of a point, which has to be the run of a scene.
-    pub fn kept(&self, (shard, piece): Place, scene: &Scene) -> Result<Kept, Failure> {
+    /// A piece of a shard, which has to be of the run of a scene.
+    pub fn kept(&self, (shard, piece): Place, scene: &Scene) -> Result<Kept, Error> {
         let shard = &self.shards[shard];
         let (piece, run) = (&shard.pieces[piece], Run { scene, shard: shard.head.identity.shard });
         let kept = shard.kept(piece)?;
@@ -133,11 +131,8 @@ fn differences(shards: &[ShardFile]) -> Vec<String> {
 }
 
 /// The scene of a run, which takes values from the files that it took them from before.
-fn document(identity: &Identity, source: &Path) -> Result<Document, Failure> {
-    let failed = |problem: String| {
-        let name = source.display();
-        Failure::Usage(format!("{name}: {problem}; if the scene is elsewhere now, name it with --scene"))
-    };
+fn document(identity: &Identity, source: &Path) -> Result<Document, Error> {
+    let failed = |problem: String| Error::SceneOfShards { path: source.to_owned(), problem };
     if identity.scene.len() as u64 > LONGEST_SCENE {
         return Err(failed("is too long for a scene".to_owned()));
     }
@@ -203,7 +198,8 @@ fn coverage(shards: &[ShardFile], points: usize, replicas: u64) -> Coverage {
     Coverage { places, doubled, gaps }
 }
 
-/// What is missing: shards by their numbers, where all are of the same number of shards, or else replicas.
+/// Names what is missing: shards by their numbers, where all are of the same number of shards, or else
+/// replicas.
 fn absent(shards: &[ShardFile], gaps: Vec<String>) -> Vec<String> {
     let counts: BTreeSet<u64> =
         shards.iter().filter_map(|found| Some(found.head.identity.shard?.count)).collect();
@@ -235,7 +231,7 @@ fn absent(shards: &[ShardFile], gaps: Vec<String>) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::output::partial::{Head, Piece};
+    use crate::output::shard_file::{Head, Piece};
 
     fn shard(index: u64, count: u64, pieces: &[(u64, u64, u64)]) -> ShardFile {
         let piece = |&(point, start, end): &(u64, u64, u64)| Piece {

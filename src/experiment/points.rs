@@ -5,14 +5,12 @@
 //! being computed its checkpoint. It stays when the sweep is interrupted, and goes when the output of all is
 //! complete. Points can be computed in any order, and a range of them by itself.
 
-use super::progress::Progress;
-use super::run::laws_of;
-use super::session::{Session, override_ensemble};
-use super::{Failure, RunOptions, kept, law_of, refused_scene, resources};
+use super::checkpoint::{OverwritePolicy, Run, identity, is_result_of};
+use super::prepared::{SceneLaws, Session, Task, run_scene};
+use super::sampling::set_ensemble;
+use super::{Error, Observer};
 use crate::engine::Shard;
 use crate::estimate::Estimate;
-use crate::experiment::checkpoint::{OverwritePolicy, Run, identity, is_result_of};
-use crate::experiment::prepared::{Task, run_scene};
 use crate::output::checksum::{self, Finding};
 use crate::output::identity::Identity;
 use crate::output::journal::forget;
@@ -20,7 +18,7 @@ use crate::output::partial::{Partial, is_checkpoint};
 use crate::output::schema::{Layout, RUN};
 use crate::output::{OutputError, OutputLock, beside, note_kept};
 use crate::scene::echo::shortened;
-use crate::scene::{Scene, Sweep, with_inputs};
+use crate::scene::{Scene, SceneError, Sweep, with_inputs};
 use std::ffi::OsString;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -32,33 +30,22 @@ const COPIES: f64 = 2.0;
 const NAMED: usize = 5;
 
 /// The points of a sweep on their way into one output.
-pub(super) struct Points<'a> {
+pub(crate) struct Points<'a> {
     pub sweep: &'a Sweep,
     /// The file of the scene, for messages.
     pub source: &'a Path,
-    /// The claim on the output of all.
+    pub session: &'a Session,
+    /// The lock on the output of all.
     pub lock: &'a OutputLock,
     pub policy: OverwritePolicy,
-    /// Of the command line, in the place of the scene's.
+    /// In the place of the scene's.
     pub replicas: Option<u64>,
     pub seed: Option<u64>,
     /// The shard that is computed, if not all points.
     pub shard: Option<Shard>,
 }
 
-impl<'a> Points<'a> {
-    /// Those of a sweep on their way into a claimed output, as the command line asks for them.
-    pub fn new(
-        sweep: &'a Sweep,
-        source: &'a Path,
-        lock: &'a OutputLock,
-        options: &RunOptions,
-        shard: Option<Shard>,
-    ) -> Self {
-        let RunOptions { replicas, seed, .. } = *options;
-        Self { sweep, source, lock, policy: options.policy(), replicas, seed, shard }
-    }
-
+impl Points<'_> {
     /// The folder of the points.
     pub fn folder(&self) -> PathBuf {
         self.lock.beside(".points")
@@ -70,15 +57,15 @@ impl<'a> Points<'a> {
     }
 
     /// The scene of a point, as it is run.
-    pub fn scene(&self, point: usize) -> Result<Scene, Failure> {
-        let mut scene = self.sweep.scene(point).map_err(|error| refused_scene(self.source, &error))?;
+    pub fn scene(&self, point: usize) -> Result<Scene, Error> {
+        let mut scene = self.sweep.scene(point).map_err(|error| self.refused(error))?;
         let seed = self.seed.map(|seed| self.sweep.seed(seed, point));
-        override_ensemble(&mut scene, self.replicas, seed)?;
+        set_ensemble(&mut scene, self.replicas, seed)?;
         Ok(scene)
     }
 
     /// Which sweep it is: `text` is what it was read from.
-    pub fn identity(&self, text: &str) -> Result<Identity, Failure> {
+    pub fn identity(&self, text: &str) -> Result<Identity, Error> {
         let first = self.scene(0)?;
         let seed =
             self.seed.unwrap_or(if self.sweep.common_random_numbers { first.seed } else { self.own_seed()? });
@@ -90,24 +77,30 @@ impl<'a> Points<'a> {
     }
 
     /// The seed of the scene that the seeds of the points are made of.
-    fn own_seed(&self) -> Result<u64, Failure> {
-        self.sweep.alone(0).map(|scene| scene.seed).map_err(|error| refused_scene(self.source, &error))
+    fn own_seed(&self) -> Result<u64, Error> {
+        self.sweep.alone(0).map(|scene| scene.seed).map_err(|error| self.refused(error))
+    }
+
+    fn refused(&self, error: SceneError) -> Error {
+        Error::Scene { path: self.source.to_owned(), error }
     }
 
     /// Refuses points that cannot be computed: for each the law, and of all together memory and disk.
-    pub fn require(&self, threads: usize) -> Result<(), Failure> {
-        let estimate = self.estimate(threads)?;
+    pub fn require(&self) -> Result<(), Error> {
+        let estimate = self.estimate(self.session.pool.current_num_threads())?;
         let estimate = Estimate { files: COPIES * self.sweep.count() as f64, ..estimate };
-        resources::require(self.source, &estimate, (!self.folder().exists()).then_some(self.lock.output()))
+        let output = (!self.folder().exists()).then_some(self.lock.output());
+        let required = self.session.host.require(&estimate, output).map_err(Error::TooLarge);
+        required.map_err(|error| error.in_scene(self.source))
     }
 
-    /// What the point that takes most memory takes.
-    fn estimate(&self, threads: usize) -> Result<Estimate, Failure> {
+    /// The estimate of the point that takes most memory.
+    fn estimate(&self, threads: usize) -> Result<Estimate, Error> {
         let mut largest: Option<Estimate> = None;
         for point in 0..self.sweep.count() {
             let scene = self.scene(point)?;
-            let law = law_of(&scene, &scene.model, self.source).map_err(|failure| self.at(point, failure))?;
-            let estimate = Estimate::new(&scene, law.view(), threads);
+            let laws = SceneLaws::new(&scene).map_err(|error| self.at(point, error.in_scene(self.source)))?;
+            let estimate = Estimate::new(&scene, laws.law.view(), threads);
             if largest.is_none_or(|known| known.memory() < estimate.memory()) {
                 largest = Some(estimate);
             }
@@ -117,7 +110,7 @@ impl<'a> Points<'a> {
 
     /// Whether anything is left to do for the output of all, which has this layout and identity. Refused if
     /// that would overwrite a result, or drop or mistake points that are there.
-    pub fn begin(&self, layout: &'static Layout, identity: &Identity) -> Result<bool, Failure> {
+    pub fn begin(&self, layout: &'static Layout, identity: &Identity) -> Result<bool, Error> {
         let OverwritePolicy { resume, force } = self.policy;
         let exists = self.lock.check(force);
         if resume {
@@ -142,20 +135,15 @@ impl<'a> Points<'a> {
     }
 
     /// Refuses what is kept of an earlier run, or drops it.
-    fn refuse_kept(&self, force: bool) -> Result<(), Failure> {
+    fn refuse_kept(&self, force: bool) -> Result<(), Error> {
         let checkpoint = self.lock.beside(".checkpoint");
-        let folder = self.folder();
-        let what = match (is_checkpoint(&checkpoint), !self.entries()?.own.is_empty()) {
-            (false, false) => return Ok(()),
-            (true, _) => format!("{} is of an interrupted run; --force drops it", checkpoint.display()),
-            (_, true) => {
-                let (done, all) = (self.done(), self.sweep.count());
-                let kept = format!("{} holds {done} points of an interrupted sweep", folder.display());
-                format!("{kept}, of {all} now; --resume goes on with it, --force begins anew")
-            }
-        };
-        if !force {
-            return Err(Failure::Usage(what));
+        let is_begun = !self.entries()?.own.is_empty();
+        if is_checkpoint(&checkpoint) && !force {
+            return Err(Error::OtherRun { checkpoint, problem: "is of an interrupted run".to_owned() });
+        }
+        if is_begun && !force {
+            let (done, of) = (self.done(), self.sweep.count());
+            return Err(Error::UnfinishedPoints { folder: self.folder(), done, of });
         }
         if is_checkpoint(&checkpoint) {
             forget(self.lock)?;
@@ -164,7 +152,7 @@ impl<'a> Points<'a> {
     }
 
     /// Refuses points that are kept and are not of this sweep, or of another shard of it.
-    fn check_kept(&self) -> Result<(), Failure> {
+    fn check_kept(&self) -> Result<(), Error> {
         for point in 0..self.sweep.count() {
             let (file, checkpoint) = (self.file(point), self.checkpoint(point));
             let scene = self.scene(point)?;
@@ -172,18 +160,13 @@ impl<'a> Points<'a> {
             if file.exists()
                 && !is_result_of(&file, &RUN, &identity(Run { scene: &scene, shard: None }), false)
             {
-                let point = self.sweep.name(point);
-                return Err(Failure::Usage(format!(
-                    "{} is not {point} of this sweep as it would be computed now; --force begins anew",
-                    file.display()
-                )));
+                return Err(Error::OtherPoint { file, point: self.sweep.name(point) });
             }
             if is_checkpoint(&checkpoint) {
                 let kept = Partial::read(&checkpoint)?.identity;
                 let own = identity(Run { scene: &scene, shard: self.shard });
                 if let Some(difference) = own.difference("the interrupted run", ("was", "is now"), &kept) {
-                    let problem = format!("{}: {difference}; --force begins anew", checkpoint.display());
-                    return Err(self.at(point, Failure::Usage(problem)));
+                    return Err(self.at(point, Error::OtherRun { checkpoint, problem: difference }));
                 }
             }
         }
@@ -192,7 +175,7 @@ impl<'a> Points<'a> {
 
     /// Drops the result of a point that is not what it was when it was finished, and says so: it is computed
     /// again.
-    fn drop_damaged(&self, point: usize) -> Result<(), Failure> {
+    fn drop_damaged(&self, point: usize) -> Result<(), Error> {
         let file = self.file(point);
         if file.symlink_metadata().is_err() {
             return Ok(());
@@ -204,7 +187,8 @@ impl<'a> Points<'a> {
             Finding::Damaged => "is damaged: it does not have its checksum",
             Finding::Unknown => "has no checksum",
         };
-        eprintln!("{}: {} {problem}; it is computed again", self.sweep.name(point), lock.output().display());
+        let (point, file) = (self.sweep.name(point), lock.output().display());
+        self.session.host.notice(&format!("{point}: {file} {problem}; it is computed again"));
         let removed = std::fs::remove_file(lock.output());
         let path = lock.output().to_owned();
         removed.map_err(|error| OutputError::Io { action: "cannot remove", path, error }.into())
@@ -220,7 +204,7 @@ impl<'a> Points<'a> {
             Finding::Intact => Ok(()),
             Finding::Damaged | Finding::Unknown => {
                 let error = std::io::Error::other(
-                    "it does not have its checksum any more; --resume computes it again",
+                    "it does not have its checksum any more; it is computed again by a run that goes on",
                 );
                 Err(OutputError::Io { action: "cannot read", path: file.clone(), error })
             }
@@ -245,19 +229,19 @@ impl<'a> Points<'a> {
     /// Computes a range of points; those that are complete stay as they are.
     ///
     /// # Errors
-    /// [`Failure`] with the point named; what has been done is kept.
-    pub fn compute(&self, range: Range<usize>, session: &Session) -> Result<(), Failure> {
+    /// [`Error`] with the point named; what has been done is kept.
+    pub fn compute(&self, range: Range<usize>) -> Result<(), Error> {
         for point in range {
-            self.compute_one(point, session).map_err(|failure| self.kept(self.at(point, failure)))?;
+            self.compute_one(point).map_err(|failure| self.kept(self.at(point, failure)))?;
         }
         Ok(())
     }
 
-    fn compute_one(&self, point: usize, session: &Session) -> Result<(), Failure> {
-        let output = self.file(point);
+    fn compute_one(&self, point: usize) -> Result<(), Error> {
+        let (output, session) = (self.file(point), self.session);
         let scene = self.scene(point)?;
         if session.stop.load(Ordering::Relaxed) {
-            return Err(Failure::Interrupted { done: 0, of: scene.replicas, kept: self.done() > 0 });
+            return Err(Error::Interrupted { done: 0, of: scene.replicas, kept: self.done() > 0 });
         }
         if self.done() > 0 {
             note_kept();
@@ -265,36 +249,39 @@ impl<'a> Points<'a> {
         let lock = OutputLock::within(output.clone())?;
         let policy = OverwritePolicy { resume: true, force: false };
         let task = Task { output: &output, lock: &lock, policy, shard: None, is_read_back: true };
-        let laws = laws_of(&scene, scene.replicas, (self.source, &task), session.pool.current_num_threads())?;
-        let name = format!("point {} of {}", point + 1, self.sweep.count());
-        Ok(run_scene(scene, laws, &task, session, &mut Progress::of_run(session.quiet, name)).map(drop)?)
+        let laws =
+            SceneLaws::fitting(&scene, scene.replicas, &task, session, session.pool.current_num_threads());
+        let laws = laws.map_err(|error| error.in_scene(self.source))?;
+        run_scene(scene, laws, &task, session, self.observer(point).as_mut()).map(drop)
     }
 
-    /// A failure at a point.
-    pub fn at(&self, point: usize, failure: Failure) -> Failure {
-        let failure = match failure {
-            Failure::Kept { failure, .. } => failure,
+    /// Somebody who watches the run of a point.
+    pub fn observer(&self, point: usize) -> Box<dyn Observer> {
+        self.session.host.observer(format!("point {} of {}", point + 1, self.sweep.count()))
+    }
+
+    /// An error at a point.
+    pub fn at(&self, point: usize, error: Error) -> Error {
+        let error = match error {
+            Error::Kept { error, .. } => error,
             other => Box::new(other),
         };
-        Failure::AtPoint { point: self.sweep.name(point), failure }
+        Error::AtPoint { point: self.sweep.name(point), error }
     }
 
-    /// A failure with how to go on with the sweep, if anything was kept of it.
-    pub fn kept(&self, failure: Failure) -> Failure {
+    /// An error with what is kept of the sweep, if anything.
+    pub fn kept(&self, error: Error) -> Error {
         let folder = self.folder();
         if self.entries().is_ok_and(|entries| entries.own.is_empty()) {
             // Fails when anything of others is in it.
             let _ = std::fs::remove_dir(&folder);
-            return failure;
+            return error;
         }
-        kept(
-            failure,
-            &format!("{} of {} points are kept in {}", self.done(), self.sweep.count(), folder.display()),
-        )
+        Error::PointsKept { error: Box::new(error), done: self.done(), of: self.sweep.count(), folder }
     }
 
-    /// What is in the folder of the points.
-    fn entries(&self) -> Result<Entries, Failure> {
+    /// Lists the folder of the points.
+    fn entries(&self) -> Result<Entries, Error> {
         let path = self.folder();
         let failed = |error| OutputError::Io { action: "cannot read", path: path.clone(), error };
         let mut found = Entries::default();
@@ -315,10 +302,10 @@ impl<'a> Points<'a> {
 
     /// Removes the folder of the points and what it holds of this program; what it holds of others stays
     /// there, which is said.
-    pub fn clear(&self) -> Result<(), Failure> {
+    pub fn clear(&self) -> Result<(), Error> {
         let folder = self.folder();
         let failed =
-            |error| Failure::from(OutputError::Io { action: "cannot remove", path: folder.clone(), error });
+            |error| Error::from(OutputError::Io { action: "cannot remove", path: folder.clone(), error });
         let Entries { own, mut foreign } = self.entries()?;
         own.iter().try_for_each(std::fs::remove_file).map_err(failed)?;
         if foreign.is_empty() {
@@ -331,12 +318,13 @@ impl<'a> Points<'a> {
         let names: Vec<String> =
             foreign.iter().take(NAMED).map(|name| shortened(&name.to_string_lossy())).collect();
         let count = if foreign.len() == 1 { "a file".to_owned() } else { format!("{} files", foreign.len()) };
-        eprintln!("{} stays, with {count} of others: {}", folder.display(), names.join(", "));
+        let (folder, names) = (folder.display(), names.join(", "));
+        self.session.host.notice(&format!("{folder} stays, with {count} of others: {names}"));
         Ok(())
     }
 }
 
-/// What is in the folder of the points.
+/// The contents of the folder of the points.
 #[derive(Default)]
 struct Entries {
     /// Paths of what this program keeps of points.

@@ -1,0 +1,44 @@
+//! `stiction merge`: the shards of a run put together into the result of one run of all.
+
+use super::progress::Progress;
+use super::rows::row;
+use super::session::Session;
+use super::summary::summary;
+use super::sweep::told;
+use super::{Failure, MergeArguments, files_of, print_of};
+use crate::experiment::checkpoint::OverwritePolicy;
+use crate::experiment::merge::Merge;
+use crate::experiment::points::Points;
+use crate::experiment::prepared::Task;
+use crate::experiment::shard_set::ShardSet;
+use crate::output::OutputLock;
+use std::time::Duration;
+
+pub(super) fn merge(arguments: &MergeArguments) -> Result<(), Failure> {
+    let MergeArguments { shards, output, partial, scene, .. } = arguments;
+    let session = Session::new(&arguments.execution, Duration::MAX)?;
+    let run = ShardSet::new(shards, *partial, scene.as_deref())?;
+    let lock = OutputLock::new(output, &[&shards[..], &files_of(&run.source, &run.document.scene)].concat())?;
+    let policy = OverwritePolicy { resume: false, force: arguments.execution.force };
+    lock.check(policy.force)?;
+    let merge = Merge { run: &run, session: &session };
+    let text = match &run.document.sweep {
+        None => {
+            let task = Task { output, lock: &lock, policy, shard: None, is_read_back: false };
+            summary(merge.scene(&task, &mut Progress::new(session.quiet))?.as_ref(), output)
+        }
+        Some(sweep) => {
+            let (source, session, lock) = (&run.source, &session, &lock);
+            let (replicas, seed) = (Some(run.identity.replicas), Some(run.identity.seed));
+            let points = Points { sweep, source, session, lock, policy, replicas, seed, shard: None };
+            told(&points, &merge.sweep(&points)?)?
+        }
+    };
+    print_of(output, &(text + &missing(&run.missing)))
+}
+
+/// Lists what is not there of a run.
+fn missing(missing: &[String]) -> String {
+    let label = |i: usize| if i == 0 { "incomplete" } else { "" };
+    missing.iter().enumerate().map(|(i, what)| row(label(i), what)).collect()
+}

@@ -1,0 +1,124 @@
+//! The shards of a run put together into the result of one run of all.
+
+use super::checkpoint::{OverwritePolicy, Run, beginning, read_records};
+use super::points::Points;
+use super::prepared::{PreparedRun, SceneLaws, Session, Task, write};
+use super::results::{Partial, Results, RunMetadata};
+use super::sampling::set_ensemble;
+use super::shard_set::{Place, ShardSet};
+use super::stacked::{Row, stacked};
+use super::{Error, Observer, Phases};
+use crate::engine::ReductionTree;
+use crate::output::OutputLock;
+use crate::output::partial::{Kept, Visit};
+use crate::output::schema::SWEEP;
+use crate::scene::Scene;
+use std::sync::atomic::Ordering;
+
+/// Shards on their way into one result.
+pub(crate) struct Merge<'a> {
+    pub run: &'a ShardSet,
+    pub session: &'a Session,
+}
+
+impl Merge<'_> {
+    /// Merges the shards of a scene.
+    pub fn scene(&self, task: &Task<'_>, observer: &mut dyn Observer) -> Result<Box<Results>, Error> {
+        let (mut scene, identity) = (self.run.document.scene.clone(), &self.run.identity);
+        set_ensemble(&mut scene, Some(identity.replicas), Some(identity.seed))?;
+        beginning(task.lock, Run { scene: &scene, shard: None }, task.policy)?;
+        self.point(scene, &self.run.places[0], task, observer)
+    }
+
+    /// Merges the points of a sweep, each by itself, and then all into one file: a row of the table for each.
+    pub fn sweep(&self, points: &Points<'_>) -> Result<Vec<Row>, Error> {
+        points.begin(&SWEEP, &self.run.identity)?;
+        let merged = self
+            .each_point(points)
+            .and_then(|()| stacked(points, &self.run.identity, !self.run.missing.is_empty()))
+            .map_err(Error::not_kept);
+        // What has been merged can be merged again.
+        let cleared = points.clear();
+        let rows = merged?;
+        cleared.map(|()| rows)
+    }
+
+    fn each_point(&self, points: &Points<'_>) -> Result<(), Error> {
+        for (point, places) in self.run.places.iter().enumerate().filter(|(_, places)| !places.is_empty()) {
+            let output = points.file(point);
+            let lock = OutputLock::within(output.clone())?;
+            let policy = OverwritePolicy { resume: false, force: false };
+            let task = Task { output: &output, lock: &lock, policy, shard: None, is_read_back: true };
+            let merged = self.point(points.scene(point)?, places, &task, points.observer(point).as_mut());
+            merged.map_err(|failure| points.at(point, failure))?;
+        }
+        Ok(())
+    }
+
+    /// Merges the pieces of one scene and writes its result.
+    fn point(
+        &self,
+        scene: Scene,
+        places: &[Place],
+        task: &Task<'_>,
+        observer: &mut dyn Observer,
+    ) -> Result<Box<Results>, Error> {
+        let mut phases = Phases::new(observer);
+        // No surfaces but a few on trial.
+        let laws = SceneLaws::fitting(&scene, scene.replicas, task, self.session, 1);
+        let laws = laws.map_err(|error| error.in_scene(&self.run.source))?;
+        let of = scene.replicas;
+        let Some(first) = places.first() else {
+            return Err(Error::NotFor(format!("{}: no replicas are there", self.run.source.display())));
+        };
+        let functionals = self.run.kept(*first, &scene)?.partial.functionals;
+        let ground = PreparedRun::new(scene, laws, Some(functionals.clone()), self.session, &mut phases);
+        let setup = ground.sampling();
+        let job = setup.job();
+        phases.replicas("ensemble", 0, of);
+        let mut merged = ReductionTree::of(&job);
+        let (mut metadata, mut records, mut there) = (RunMetadata::default(), Vec::new(), Vec::new());
+        for place in places {
+            self.goes_on(merged.replicas.len() as u64, of)?;
+            let mut kept = self.run.kept(*place, &ground.scene)?;
+            if kept.partial.functionals != functionals {
+                let problem = "has other functionals of the joint test than the shards before it";
+                return Err(kept.records.refused(problem).into());
+            }
+            read_records(&ground.scene, &mut kept)?;
+            let Kept { partial, records: own } = kept;
+            there.extend(partial.extent().0);
+            let tree = partial.tree.restored(&job).filter(ReductionTree::is_complete);
+            let tree = tree.ok_or_else(|| own.refused("is not of this scene"))?;
+            phases.advance(tree.replicas.len() as u64);
+            merged.append(tree);
+            records.push(own);
+            metadata.seconds_before += partial.seconds;
+            metadata.resumptions += partial.resumptions;
+        }
+        metadata.partial = (there.len() as u64 != of).then_some(Partial { replicas: there, of });
+        let summation = setup.summation(&self.session.pool);
+        let results = ground.results(merged, summation, metadata, self.session, &mut phases);
+        phases.phase("writing");
+        let mut all = |visit: &mut Visit<'_>| {
+            for records in &records {
+                if !records.each(visit)? {
+                    return Ok(false);
+                }
+            }
+            Ok(true)
+        };
+        let written = write(task, &results, &mut all, &self.session.stop);
+        phases.end();
+        match written {
+            Ok(true) => Ok(Box::new(results)),
+            Ok(false) => Err(Error::Interrupted { done: of, of, kept: false }),
+            Err(error) => Err(Error::NotWritten(error.writing(task.output))),
+        }
+    }
+
+    fn goes_on(&self, done: u64, of: u64) -> Result<(), Error> {
+        let stopped = self.session.stop.load(Ordering::Relaxed);
+        if stopped { Err(Error::Interrupted { done, of, kept: false }) } else { Ok(()) }
+    }
+}

@@ -1,0 +1,197 @@
+//! The points of a sweep put together into one result: the datasets of all, and their differences to the
+//! first.
+
+use super::Error;
+use super::points::Points;
+use super::record::{write_about, write_model};
+use crate::engine::SCALARS;
+use crate::math::interval::LEVEL;
+use crate::math::sums::SUM_ROUNDING;
+use crate::output::OutputError;
+use crate::output::identity::Identity;
+use crate::output::reader::Reader;
+use crate::output::schema::{RUN, SWEEP};
+use crate::output::stack::{self, stack};
+use crate::output::writer::Writer;
+use crate::scene::{Mode, Scene, Sweep};
+use crate::validation::{Difference, SIGNIFICANCE, overall};
+use std::path::Path;
+use std::sync::atomic::Ordering;
+
+/// Puts the points together into the output, all that there are of a `partial` sweep: what each has to say.
+pub(crate) fn stacked(points: &Points<'_>, identity: &Identity, partial: bool) -> Result<Vec<Row>, Error> {
+    let scene = points.scene(0)?;
+    match assembled(points, &scene, identity, partial) {
+        Ok(Some(rows)) => Ok(rows),
+        Ok(None) => Err(Error::Interrupted { done: scene.replicas, of: scene.replicas, kept: true }),
+        Err(error) => Err(Error::NotWritten(error.writing(points.lock.output()))),
+    }
+}
+
+/// The row of a point in the table.
+pub(crate) struct Row {
+    /// Mean pull-off force over replicas and its standard error, N.
+    pub pull_off: [f64; 2],
+    /// Pull-off force of the integral, N.
+    pub integral: f64,
+    /// Difference of each of the [`SCALARS`] to the first point.
+    pub differences: [Difference; 4],
+    /// The p-value of the joint test.
+    pub p_value: f64,
+}
+
+impl Row {
+    /// The row of a point that is not there.
+    const ABSENT: Self = Self {
+        pull_off: [f64::NAN; 2],
+        integral: f64::NAN,
+        differences: [Difference::UNKNOWN; 4],
+        p_value: f64::NAN,
+    };
+}
+
+/// Puts the points together into the output; none when it was interrupted.
+fn assembled(
+    points: &Points<'_>,
+    scene: &Scene,
+    identity: &Identity,
+    partial: bool,
+) -> Result<Option<Vec<Row>>, OutputError> {
+    let sweep = points.sweep;
+    let files = points.intact()?;
+    let places: Vec<_> = (0..sweep.count()).map(|point| sweep.place(point)).collect();
+    let mut writer = Writer::create(&SWEEP, points.lock, points.policy.force)?;
+    write_about(&writer, &scene.title, &identity.scene)?;
+    write_model(&writer, scene, identity.seed)?;
+    write_axes(&mut writer, sweep)?;
+    if partial {
+        writer.number("/", "partial", 1_u8)?;
+    }
+    let goes_on = || !points.session.stop.load(Ordering::Relaxed);
+    if !stack(&mut writer, &stack::Points { files: &files, places: &places, goes_on: &goes_on })? {
+        return Ok(None);
+    }
+    let first = files[0].as_deref().map(Compared::read).transpose()?;
+    let mut rows = Vec::with_capacity(files.len());
+    for file in &files {
+        if !goes_on() {
+            return Ok(None);
+        }
+        rows.push(match file {
+            Some(file) => compared(file, first.as_ref(), scene, sweep.common_random_numbers)?,
+            None => Row::ABSENT,
+        });
+    }
+    write_differences(&writer, &rows)?;
+    let p_values: Vec<f64> = rows.iter().map(|row| row.p_value).collect();
+    writer.number("/ensemble", "interval_level", LEVEL)?;
+    writer.number("/validation", "significance", SIGNIFICANCE)?;
+    writer.text("/validation", "correction", "Holm")?;
+    writer.text("/validation", "overall_verdict", overall(&p_values).name())?;
+    writer.finish()?;
+    Ok(Some(rows))
+}
+
+/// Writes the dimensions of the points: one for each key, or one for all.
+fn write_axes(writer: &mut Writer<'_>, sweep: &Sweep) -> Result<(), OutputError> {
+    let keys: Vec<&str> = sweep.axes.iter().map(|axis| axis.key.name).collect();
+    writer.text("/", "sweep_keys", &keys.join(", "))?;
+    writer.text("/", "sweep_mode", sweep.mode.name())?;
+    writer.number("/", "points", sweep.count() as u64)?;
+    writer.number("/", "common_random_numbers", u8::from(sweep.common_random_numbers))?;
+    if sweep.mode == Mode::Zip {
+        let points: Vec<u64> = (0..sweep.count() as u64).collect();
+        writer.point_scale("point", "1", SWEEP.variable("/point").long_name, &points)?;
+    }
+    sweep.axes.iter().try_for_each(|axis| {
+        let (key, values) = (axis.key, &axis.values);
+        let units = key.dimension.map_or("1", |dimension| dimension.file_units());
+        match sweep.mode {
+            Mode::Grid => writer.point_scale(key.name, units, key.long_name, values),
+            Mode::Zip => writer.point_coordinate(key.name, units, key.long_name, values),
+        }
+    })
+}
+
+/// The numbers of a point that are compared.
+pub(crate) struct Compared {
+    /// The values of each of the [`SCALARS`] for all replicas.
+    values: [Vec<f64>; 4],
+    /// The most that rounding may make of each: of a force its share of F_s + P, of a secant that of both
+    /// ends of the span, and of a separation a few units in its last place.
+    rounding: [f64; 4],
+}
+
+impl Compared {
+    fn read(file: &Path) -> Result<Self, OutputError> {
+        let reader = Reader::open(file, &[&RUN])?;
+        let is_loop = reader.optional_text("/", "history")?.as_deref() == Some("loop");
+        Self::new(&|path| reader.values::<f64>(path), reader.number("/", "stiffness_span")?, is_loop)
+    }
+
+    /// From the datasets of a run, its stiffness span, and whether it is of a loop.
+    pub fn new<E>(read: &dyn Fn(&str) -> Result<Vec<f64>, E>, span: f64, is_loop: bool) -> Result<Self, E> {
+        let mut values: [Vec<f64>; 4] = Default::default();
+        for (values, scalar) in values.iter_mut().zip(SCALARS) {
+            *values = read(&format!("/replicas/{}", scalar.name))?;
+        }
+        let way = if is_loop { "retraction_" } else { "" };
+        let curve = |name: &str| read(&format!("/ensemble/{way}{name}_mean"));
+        let (adhesion, contact) = (curve("adhesion_force")?, curve("contact_force")?);
+        let separations = read("/separation")?;
+        // That of the mean surface at or before the nearest place of any replica: it falls with the
+        // separation.
+        let load = |nearest: f64| {
+            let before = separations.partition_point(|h| *h <= nearest).saturating_sub(1);
+            adhesion[before] + contact[before]
+        };
+        let nearest = |places: &[f64]| places.iter().copied().fold(f64::INFINITY, f64::min);
+        let of_place = 4.0 * f64::EPSILON * separations.iter().fold(0.0, |most: f64, h| most.max(h.abs()));
+        let of_force = SUM_ROUNDING * load(nearest(&values[1]));
+        let of_secant = 2.0 * SUM_ROUNDING * load(nearest(&values[3]) - 0.5 * span) / span;
+        Ok(Self { values, rounding: [of_force, of_place, of_secant, of_place] })
+    }
+
+    /// How many replicas there are.
+    pub fn replicas(&self) -> u64 {
+        self.values[0].len() as u64
+    }
+
+    /// The difference of each scalar to that of the first point.
+    pub fn differences(&self, first: &Self, group: usize, common: bool) -> [Difference; 4] {
+        std::array::from_fn(|i| {
+            let rounding = first.rounding[i] + self.rounding[i];
+            Difference::new(&first.values[i], &self.values[i], group, common, rounding)
+        })
+    }
+}
+
+/// The row of a point, beside the replicas of the first. Only where all replicas of both are there they
+/// are compared.
+fn compared(file: &Path, first: Option<&Compared>, scene: &Scene, common: bool) -> Result<Row, OutputError> {
+    let reader = Reader::open(file, &[&RUN])?;
+    let own = Compared::read(file)?;
+    let group = scene.sampling.group() as usize;
+    let are_whole = |point: &Compared| point.replicas() == scene.replicas;
+    let first = first.filter(|first| are_whole(first) && are_whole(&own));
+    let of_pull_off = |name: &str| reader.values::<f64>(name).map(|values| values[0]);
+    Ok(Row {
+        pull_off: [of_pull_off("/ensemble/scalar_mean")?, of_pull_off("/ensemble/scalar_standard_error")?],
+        integral: reader.number("/statistical", "pull_off_force")?,
+        differences: first.map_or([Difference::UNKNOWN; 4], |first| own.differences(first, group, common)),
+        p_value: reader.number("/validation", "p_value")?,
+    })
+}
+
+fn write_differences(writer: &Writer<'_>, rows: &[Row]) -> Result<(), OutputError> {
+    for (i, scalar) in SCALARS.into_iter().enumerate() {
+        let write = |name: &str, of: fn(&Difference) -> f64| {
+            let values: Vec<f64> = rows.iter().map(|row| of(&row.differences[i])).collect();
+            writer.over_points(&format!("/differences/{}_{name}", scalar.name), &values)
+        };
+        write("mean", |difference| difference.mean)?;
+        write("standard_error", |difference| difference.standard_error)?;
+        write("variance_ratio", |difference| difference.variance_ratio)?;
+    }
+    Ok(())
+}

@@ -51,7 +51,7 @@ const COSINE_OVER_GAP: [f64; 8] = [
 const HALF_PI: f64 = std::f64::consts::FRAC_PI_2;
 const HALF_PI_LOW: f64 = 6.123233995736766e-17;
 
-/// What the Maugis-Dugdale equations need of an angle.
+/// The terms of an angle in the Maugis-Dugdale equations.
 #[derive(Clone, Copy, Debug)]
 pub struct AngleTerms {
     /// sin θ.

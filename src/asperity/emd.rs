@@ -83,8 +83,8 @@ impl Emd {
         self
     }
 
-    /// The same law with a series in the place of solves far from contact, down to the displacement `lowest`. It
-    /// is made by solves, which are fast with tables.
+    /// The same law with a series in the place of solves far from contact, down to the displacement `lowest`.
+    /// It is made by solves, which are fast with tables.
     pub fn with_far_series(mut self, lowest: f64) -> Self {
         let innermost = self.outer.anchor().displacement;
         let force =

@@ -14,9 +14,9 @@ pub enum LawError {
          1e-60..1e60"
     )]
     Unit {
-        /// What it is the unit of.
+        /// The quantity that it is the unit of.
         name: &'static str,
-        /// Its value, SI.
+        /// The value, SI.
         value: f64,
     },
     /// A length that is too small or too large beside the unit of the approach.
@@ -24,7 +24,7 @@ pub enum LawError {
     Length {
         /// Name of the quantity, as in scenes.
         name: &'static str,
-        /// What was given or follows, SI.
+        /// The value that was given or follows, SI.
         value: f64,
     },
     /// ω_c is infinite, but the law has an elastic-plastic scale even in its elastic regime.
@@ -61,7 +61,7 @@ pub enum LawError {
     NotPositive {
         /// Name of the quantity, as in scenes.
         name: &'static str,
-        /// What was given, SI.
+        /// The value that was given, SI.
         value: f64,
     },
 }

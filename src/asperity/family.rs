@@ -102,7 +102,7 @@ pub struct SurfaceLaws {
 }
 
 impl SurfaceLaws {
-    /// What sums take.
+    /// The view that sums take.
     pub fn view(&self) -> Laws<'_> {
         Laws { typical: self.typical.as_ref(), family: self.family.as_ref() }
     }

@@ -7,8 +7,8 @@
 //! law is solved anew for each λ′, the attraction of an undeformed sphere is proportional to ρ.
 //!
 //! # Validity
-//! That of the laws. Hertz's relation between a, P and R is Johnson's (Contact Mechanics, 1985, section 6.4)
-//! for the unloading of a plastic indentation.
+//! The validity of the laws. Hertz's relation between a, P and R is Johnson's (Contact Mechanics, 1985,
+//! section 6.4) for the unloading of a plastic indentation.
 
 use super::branch::Branch;
 use super::contact::Contact;
@@ -30,7 +30,7 @@ pub struct ExtendedMaugisDugdale {
 }
 
 impl ExtendedMaugisDugdale {
-    /// Of asperities of the units of a law, their history and lubricant thickness, m.
+    /// The law of asperities of the units of a law, their history and lubricant thickness, m.
     pub fn new(scale: Scale, path: Path, thickness: f64) -> Self {
         Self { scale, path, thickness }
     }

@@ -62,9 +62,9 @@ impl Formula for Zero {
 #[derive(Clone, Debug)]
 pub struct Tabulated<F> {
     formula: F,
-    /// What the formula is of, δ times this, 1/m.
+    /// The variable of the formula over δ, 1/m.
     per_length: f64,
-    /// What its values are multiplied by.
+    /// The factor of its values.
     unit: f64,
     /// Whether the table is over the root of the variable.
     over_root: bool,
@@ -124,7 +124,7 @@ struct Root {
     order: i32,
 }
 
-/// What acts in a regime, by a formula for the adhesion force F_s, N, the contact force P, N, and the contact
+/// An interaction by a formula for the adhesion force F_s, N, the contact force P, N, and the contact
 /// area, m².
 #[derive(Clone, Debug)]
 pub struct ClosedForm<F, P, A> {

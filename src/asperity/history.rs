@@ -14,7 +14,7 @@ impl Path {
     pub const ALL: [(&'static str, Self); 2] =
         [("approach", Self::Approach), ("retraction", Self::Retraction)];
 
-    /// Its name in scenes and files.
+    /// The name in scenes and files.
     pub fn name(self) -> &'static str {
         Self::ALL.iter().find(|(_, path)| *path == self).expect("every path is in ALL").0
     }

@@ -41,7 +41,7 @@ impl Regime {
         !matches!(self, Self::Noncontact | Self::Lubricant)
     }
 
-    /// Its name in files and tables.
+    /// The name in files and tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::Noncontact => "noncontact",

@@ -12,9 +12,9 @@ pub type Build = fn(&LawParameters) -> Result<Box<dyn Law>, LawError>;
 /// A law by name.
 #[derive(Clone, Copy, Debug)]
 pub struct Model {
-    /// Its name in scenes, on the command line and in files.
+    /// The name in scenes, on the command line and in files.
     pub name: &'static str,
-    /// What it is, in a line.
+    /// A line about it.
     pub about: &'static str,
     /// Where it is valid.
     pub validity: Validity,
@@ -39,12 +39,12 @@ impl Model {
     }
 }
 
-/// What a law leaves out, and so where it is valid.
+/// The limits of a law, which follow from what it leaves out.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Validity {
     /// Which adhesion parameters it is for.
     pub adhesion: Adhesion,
-    /// Its contact above the critical interference.
+    /// The contact above the critical interference.
     pub plasticity: Plasticity,
     /// Whether it knows no lubricant.
     pub dry: bool,
@@ -83,8 +83,8 @@ pub const SMALLEST_JKR_LAMBDA: f64 = 5.0;
 pub const LARGEST_ELASTIC_PSI: f64 = 0.6;
 
 impl Validity {
-    /// What a law is not valid for at an adhesion parameter λ, a plasticity index ψ and a lubricant thickness
-    /// t, m: a line each, with the limit and its source. Empty where it is valid.
+    /// The limits that a law is beyond at an adhesion parameter λ, a plasticity index ψ and a lubricant
+    /// thickness t, m: a line each, with the limit and its source. Empty where it is valid.
     pub fn limits(&self, lambda: f64, plasticity_index: f64, lubricant_thickness: f64) -> Vec<String> {
         let mut limits = Vec::new();
         if self.adhesion == Adhesion::Without {

@@ -1,4 +1,4 @@
-//! What a law is made for: one asperity in its units, the history, and where starting tables are worth their
+//! The parameters of a law: one asperity in its units, the history, and where starting tables are worth their
 //! making.
 
 use super::error::LawError;

@@ -6,8 +6,8 @@
 //! ω_res/ω_max = (1 − x^−0.28)(1 − x^−0.69), P/P_max = r^(1.5 x^−0.0331), A/A_max = r^(x^−0.12),
 //! r = (δ − ω_res)/(ω_max − ω_res),
 //!
-//! with P_max and A_max of the law on approach at ω_max. At x = 1 that is Hertz's contact. An asperity springs
-//! back by its recovery, ω_max − ω_res = ω_c (x^0.72 + x^0.31 − x^0.03).
+//! with P_max and A_max of the law on approach at ω_max. At x = 1 that is Hertz's contact. An asperity
+//! springs back by its recovery, ω_max − ω_res = ω_c (x^0.72 + x^0.31 − x^0.03).
 
 use super::law::{BLOCK, Responses};
 use crate::math::instruction_set::InstructionSet;
@@ -128,7 +128,7 @@ impl OfDepth {
         Self { exact, table: Piecewise::new(exact, |_, value| TABLE_TOLERANCE * value, 1.0, deepest) }
     }
 
-    /// Its values at places x.
+    /// The values at places x.
     fn values(&self, places: &[f64], out: &mut [f64]) {
         InstructionSet::current().run(
             #[inline(always)]

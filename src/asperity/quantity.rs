@@ -18,7 +18,7 @@ impl Quantity {
     pub const ALL: [Self; 4] =
         [Self::AdhesionForce, Self::ContactForce, Self::ExternalForce, Self::ContactArea];
 
-    /// Its name in files.
+    /// The name in files.
     pub fn name(self) -> &'static str {
         match self {
             Self::AdhesionForce => "adhesion_force",
@@ -28,7 +28,7 @@ impl Quantity {
         }
     }
 
-    /// Its place in [`Quantity::ALL`].
+    /// The place in [`Quantity::ALL`].
     pub fn index(self) -> usize {
         self as usize
     }

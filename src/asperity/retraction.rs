@@ -34,8 +34,8 @@ impl Loop {
         Retraction::with(self, distance, |flattened, further| self.let_go_from(flattened, distance, further))
     }
 
-    /// The law at a distance, m, for a few asperities alone: the interference ω_max and the takeoff, m, rising,
-    /// of those that have flowed say which of them are in contact.
+    /// The law at a distance, m, for a few asperities alone: the interference ω_max and the takeoff, m,
+    /// rising, of those that have flowed say which of them are in contact.
     pub fn at_for(&self, distance: f64, flowed: &[(f64, f64)]) -> Retraction<'_> {
         Retraction::with(self, distance, |_, further| {
             let lost = flowed.iter().take_while(|(_, takeoff)| distance - further >= *takeoff).count();
@@ -44,7 +44,7 @@ impl Loop {
     }
 }
 
-/// What has become of an asperity, and the regime of the law that it is in.
+/// The fate of an asperity, and the regime of the law that it is in.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Condition {
     /// It has never touched.

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// What solving cost.
+/// The cost of solving, in counts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SolverStats {
     /// Solves of the contact equations.

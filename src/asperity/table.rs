@@ -6,7 +6,7 @@
 use super::law::{Boundary, FitReport, Flattened, Law, Method, Piece, Regime, Responses, Smoothness};
 use super::stats::SolverStats;
 
-/// What acts in a regime.
+/// The interaction of an asperity in one regime.
 pub trait Interaction: Send + Sync {
     /// Ends, m, inside `lower..upper` where the part is not smooth, rising, and how it varies on each of the
     /// intervals that they leave: one more than ends.

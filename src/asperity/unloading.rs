@@ -23,10 +23,10 @@
 //! whose top is lower by ω_res: lubricant and attraction across the gap at δ − ω_res.
 //!
 //! # Radius
-//! What flowed is flatter. How much is not published with the unloading, and it decides what attracts from
-//! then on, so it is a choice, [`UnloadedRadius`]: the top keeps R, or it has the R′ = 4E_r a³/(3P) of the
-//! elastic contact whose radius and load are those at ω_max ([`super::flattened`]). With R′ the attraction
-//! before contact, the lubricant's force and δ_A are those of R′.
+//! A top that flowed is flatter. How much is not published with the unloading, and it decides what attracts
+//! from then on, so it is a choice, [`UnloadedRadius`]: the top keeps R, or it has the R′ = 4E_r a³/(3P) of
+//! the elastic contact whose radius and load are those at ω_max ([`super::flattened`]). With R′ the
+//! attraction before contact, the lubricant's force and δ_A are those of R′.
 //!
 //! # Validity
 //! One cycle from a fresh surface. The unloading was computed for loads up to the limits of the
@@ -60,7 +60,7 @@ impl UnloadedRadius {
     /// Both with their names.
     pub const ALL: [(&'static str, Self); 2] = [("kept", Self::Kept), ("elastic", Self::Elastic)];
 
-    /// Its name in scenes and files.
+    /// The name in scenes and files.
     pub fn name(self) -> &'static str {
         Self::ALL.iter().find(|(_, radius)| *radius == self).expect("every radius is in ALL").0
     }
@@ -144,7 +144,7 @@ impl Loop {
         self.retraction.as_ref()
     }
 
-    /// What has become of an asperity of the interference ω_max, m: 0 of one that has never touched, 1 of one
+    /// The fate of an asperity of the interference ω_max, m: 0 of one that has never touched, 1 of one
     /// that has, 2 of one that has flowed.
     pub fn fate(&self, largest: f64) -> usize {
         if largest < self.capture {

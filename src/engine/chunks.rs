@@ -36,7 +36,7 @@ pub(super) type Ends<'a> = &'a (dyn Fn() -> bool + Sync);
 pub(super) struct Chunks<'a> {
     job: &'a Job<'a>,
     draws: Draws<'a>,
-    /// Of the law.
+    /// The kinks of the law.
     kinks: &'a Kinks,
     table: &'a mut ForceTable,
     ends: Ends<'a>,
@@ -44,7 +44,7 @@ pub(super) struct Chunks<'a> {
     heights: Vec<f64>,
     /// The highest asperity of the chunks that have been summed, m; NaN of none.
     highest: f64,
-    /// What it has cost.
+    /// The cost so far.
     pub stats: SolverStats,
     /// Moments of the whole surface, where it is summed by them.
     moments: Option<Moments<'a>>,
@@ -69,7 +69,7 @@ thread_local! {
 }
 
 impl Memory {
-    /// That of this thread, for a job.
+    /// The memory of this thread, for a job.
     fn of(job: &Job<'_>) -> Self {
         let regimes = job.laws.regimes().len();
         let fits = |memory: &Self| {
@@ -111,8 +111,8 @@ impl Memory {
         (part, beyond)
     }
 
-    /// What asperities of the chunk that was drawn add to the external force between separations beside their
-    /// moments, N.
+    /// The forces that asperities of the chunk that was drawn add to the external force between separations
+    /// beside their moments, N.
     fn rest(&mut self, job: &Job<'_>, matrix: &MomentMatrix, between: &Between) -> Vec<f64> {
         let Self { heights, sums, moments, .. } = self;
         let moments = moments.as_mut().expect("memory of a matrix has its sums");
@@ -226,7 +226,7 @@ impl<'a> Chunks<'a> {
         }
     }
 
-    /// What the surface with all its heights held answers, if it is small enough.
+    /// The answer of the surface with all its heights held, if it is small enough.
     fn held(&mut self, answer: impl FnOnce(&mut HeldSurface<'_>) -> Extremum) -> Option<Extremum> {
         if self.draws.chunks() > HELD || self.job.laws.family.is_some() || (self.ends)() {
             return None;

@@ -1,4 +1,5 @@
-//! Sums over the asperities of a surface, by state: the separations, and of a loop the separations of the retraction behind these.
+//! Sums over the asperities of a surface, by state: the separations, and of a loop the separations of the
+//! retraction behind these.
 
 /// Curves of one surface over S states and R regimes.
 #[derive(Clone, Debug, PartialEq)]
@@ -11,7 +12,7 @@ pub struct Curves {
     pub regime_adhesion_force: Vec<f64>,
     /// External force of each regime, N, R × S.
     pub regime_external_force: Vec<f64>,
-    /// Its snaps, in the order of [`Loading::length`](super::Loading::length).
+    /// The snaps, in the order of [`Loading::length`](super::Loading::length).
     pub snaps: Vec<f64>,
 }
 

@@ -1,4 +1,4 @@
-//! The retraction of one surface, and what is kept of a surface that is brought close and pulled back.
+//! The retraction of one surface, and the record of a surface that is brought close and pulled back.
 
 use super::curves::Curves;
 use super::instability::{Loading, Snap, Turn, largest_snap, largest_snap_of_all, reached};
@@ -9,15 +9,15 @@ use crate::math::extrema::Extremum;
 use crate::math::sums::SUM_ROUNDING;
 use serde::{Deserialize, Serialize};
 
-/// What is kept of a replica whose way back is another than its way there.
+/// The record of a replica whose retraction is another than its approach.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Cycle {
     /// −min F on approach, between the separations too, N.
     pub approach_pull_off_force: f64,
     /// Separation h there, m.
     pub approach_pull_off_separation: f64,
-    /// ∫F dh of the approach less that of the retraction, J, with F in straight lines between the separations;
-    /// 0 where it is below its rounding.
+    /// ∫F dh of the approach less that of the retraction, J, with F in straight lines between the
+    /// separations; 0 where it is below its rounding.
     pub dissipated_energy: f64,
     /// Separation h at which the highest asperity touches on approach, m, wherever the separations are;
     /// NaN of no asperities.
@@ -27,8 +27,8 @@ pub struct Cycle {
 }
 
 impl Cycle {
-    /// Of a surface: its highest asperity, m, NaN of none, its curves over the states of the job, and the
-    /// pull-off on approach.
+    /// The record of a surface: its highest asperity, m, NaN of none, its curves over the states of the job,
+    /// and the pull-off on approach.
     pub(super) fn new(
         job: &Job<'_>,
         cycle: &Loop,

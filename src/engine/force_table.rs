@@ -41,14 +41,14 @@ struct Tabulated {
 }
 
 impl ForceTable {
-    /// The table of a job's law at all interferences that asperities have where a search takes their terms out
-    /// of samples; empty where radii differ, because their asperities have no force in common.
+    /// The table of a job's law at all interferences that asperities have where a search takes their terms
+    /// out of samples; empty where radii differ, because their asperities have no force in common.
     pub fn of(job: &Job<'_>, kinks: &Kinks) -> Self {
         let kinks = if job.laws.family.is_some() { &[][..] } else { &kinks.approach };
         Self::new(job.laws.typical, kinks, REACH * spacing(job) + job.protocol.stiffness_span.unwrap_or(0.0))
     }
 
-    /// Of a law, to `reach` beyond its first and its last kink, m.
+    /// The table of a law, to `reach` beyond its first and its last kink, m.
     fn new(law: &dyn Law, kinks: &[Kink], reach: f64) -> Self {
         let forces = solver(law);
         let (Some(first), Some(last)) = (kinks.first(), kinks.last()) else {

@@ -19,13 +19,13 @@ pub(super) struct HeldSurface<'a> {
     pub heights: &'a [f64],
     /// m, where they differ.
     pub radii: &'a [f64],
-    /// Of the law.
+    /// The kinks of the law.
     pub kinks: &'a Kinks,
     pub table: &'a mut ForceTable,
     /// The highest of the heights, m; NaN of none.
     pub highest: f64,
     pub sums: &'a mut Sums,
-    /// Of the kinks of its asperities where radii differ, when they have been asked for.
+    /// The kinks of its asperities where radii differ, when they have been asked for.
     pub places: Option<Places>,
     /// The same of tops that have flowed and have radii of their own, when they are pulled back from a
     /// separation h, m.
@@ -120,7 +120,7 @@ impl HeldSurface<'_> {
 
 /// Heights that are held.
 trait Heights {
-    /// Those in `low..high`, m, rising.
+    /// The heights in `low..high`, m, rising.
     fn between(&self, low: f64, high: f64) -> Vec<f64>;
 
     /// How many there are in `low..high`, m, at least.

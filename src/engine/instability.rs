@@ -15,7 +15,7 @@
 
 use crate::math::interpolation::linear;
 
-/// What holds the surfaces.
+/// The loading of the surfaces.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Loading<'a> {
     /// Stiffnesses k, N/m; 0 for load control.
@@ -72,27 +72,27 @@ pub struct Turn {
 }
 
 impl Snap {
-    /// Its numbers.
+    /// The count of its numbers.
     pub const LENGTH: usize = 3;
     /// No snap.
     pub const NONE: Self = Self { occurred: 0.0, separation: f64::NAN, distance: f64::NAN };
-    /// Of a way that was not taken, or begins beyond the separations.
+    /// A snap of a way that was not taken, or begins beyond the separations.
     pub const UNKNOWN: Self = Self { occurred: f64::NAN, ..Self::NONE };
 
-    /// Its numbers as they are kept.
+    /// The numbers as they are kept.
     pub fn numbers(self) -> [f64; Self::LENGTH] {
         [self.occurred, self.separation, self.distance]
     }
 }
 
 impl Turn {
-    /// Its numbers.
+    /// The count of its numbers.
     pub const LENGTH: usize = 3;
-    /// Of a way that was not taken.
+    /// The turn of a way that was not taken.
     pub const UNKNOWN: Self =
         Self { separation: f64::NAN, pull_off_force: f64::NAN, pull_off_separation: f64::NAN };
 
-    /// Its numbers as they are kept.
+    /// The numbers as they are kept.
     pub fn numbers(self) -> [f64; Self::LENGTH] {
         [self.separation, self.pull_off_force, self.pull_off_separation]
     }

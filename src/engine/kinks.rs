@@ -40,7 +40,7 @@ pub(super) struct Kink {
 }
 
 impl Kink {
-    /// Those of a law, rising, with falls and strays in intervals of the width `width`, m.
+    /// The kinks of a law, rising, with falls and strays in intervals of the width `width`, m.
     pub fn of(law: &dyn Law, width: f64) -> Vec<Self> {
         let solved = solver(law);
         let ends = Self::interferences(law);
@@ -96,16 +96,16 @@ pub(super) fn rounding(job: &Job<'_>, highest: f64) -> f64 {
 /// The kinks of the laws of a job.
 #[derive(Debug)]
 pub(super) struct Kinks {
-    /// Of the law of the job.
+    /// The kinks of the law of the job.
     pub approach: Vec<Kink>,
-    /// What asperities are off there.
+    /// The errors of asperities there.
     pub strays: StrayTable,
     /// On retraction of its loop, by what has become of an asperity.
     pub retraction: [Vec<Kink>; 3],
 }
 
 impl Kinks {
-    /// Of a job.
+    /// The kinks of the laws of a job.
     pub fn new(job: &Job<'_>) -> Self {
         let width = spacing(job);
         let mut approach = Kink::of(job.laws.typical, width);
@@ -144,8 +144,8 @@ impl Kinks {
     }
 }
 
-/// What asperities are off what is interpolated between samples `width`, m, apart, and at each kink of their
-/// law what that leaves out.
+/// The errors of asperities in what is interpolated between samples `width`, m, apart, and at each kink of
+/// their law what that leaves out.
 fn tabulated(law: &dyn Law, kinks: &mut [Kink], width: f64) -> StrayTable {
     let interferences: Vec<f64> = kinks.iter().map(|kink| kink.interference).collect();
     let force = continuous(law, kinks);

@@ -4,9 +4,9 @@
 //! its group. Replicas are grouped into batches of a fixed size; batches are computed in any order by any
 //! number of threads and merged in the order of their index in a fixed tree, so every result depends on the
 //! scene and the seed alone. What is kept per replica is a handful of numbers; heights and curves are dropped
-//! with their batch. A surface of more than [`CHUNK_ASPERITIES`](crate::surface::CHUNK_ASPERITIES) asperities is not held at all:
-//! its chunks have streams of their own, and are drawn and summed in parallel, and drawn again for what is
-//! asked later.
+//! with their batch. A surface of more than [`CHUNK_ASPERITIES`](crate::surface::CHUNK_ASPERITIES) asperities
+//! is not held at all: its chunks have streams of their own, and are drawn and summed in parallel, and drawn
+//! again for what is asked later.
 
 mod batch;
 #[cfg(test)]
@@ -63,7 +63,7 @@ use moments::MomentMatrix;
 use std::convert::Infallible;
 use std::sync::atomic::AtomicBool;
 
-/// What is to be computed.
+/// An ensemble that is to be computed.
 #[derive(Clone, Copy)]
 pub struct Job<'a> {
     /// The laws of the asperities.
@@ -84,17 +84,17 @@ pub struct Job<'a> {
     pub keep_curves: bool,
     /// How surfaces are summed by moments; directly without it.
     pub moments: Option<&'a MomentMatrix>,
-    /// What is done with a surface beside one way.
+    /// The protocol beside one way.
     pub protocol: Protocol<'a>,
 }
 
-/// What is done with a surface beside summing it on one way.
+/// The treatment of a surface beside summing it on one way.
 #[derive(Clone, Copy, Default)]
 pub struct Protocol<'a> {
     /// The loop of which the law of the job is the approach: surfaces are also pulled back, from the smallest
     /// separation.
     pub cycle: Option<&'a Loop>,
-    /// What holds the surfaces.
+    /// The loading of the surfaces.
     pub loading: Loading<'a>,
     /// Span of separation, m, of the peak secant stiffness; not computed without one.
     pub stiffness_span: Option<f64>,

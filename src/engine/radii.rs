@@ -20,7 +20,7 @@ pub(super) struct Places {
 }
 
 impl Places {
-    /// Of asperities of a job, `heights` and `radii`, m, whose laws are a family.
+    /// The places of asperities of a job, `heights` and `radii`, m, whose laws are a family.
     pub fn new(job: &Job<'_>, family: &Family, (heights, radii): (&[f64], &[f64])) -> Self {
         let (mut places, mut ends) = (Vec::new(), Vec::with_capacity(heights.len()));
         for (height, radius) in heights.iter().zip(radii) {
@@ -31,7 +31,7 @@ impl Places {
         Self { places, ends }
     }
 
-    /// Of an asperity, falling.
+    /// The places of an asperity, falling.
     fn of(&self, asperity: u32) -> &[f64] {
         let asperity = asperity as usize;
         let first = if asperity == 0 { 0 } else { self.ends[asperity - 1] as usize };
@@ -43,7 +43,7 @@ impl Places {
 pub(super) struct PolydisperseCurve<'a> {
     job: &'a Job<'a>,
     family: &'a Family,
-    /// Of the typical asperity.
+    /// The kinks of the typical asperity.
     typical: Vec<Kink>,
     /// m.
     heights: &'a [f64],

@@ -18,7 +18,7 @@ use crate::surface::CHUNK_ASPERITIES;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
-/// What is kept of every replica.
+/// The record of every replica.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Replica {
     /// Number of asperities.
@@ -36,7 +36,7 @@ pub struct Replica {
     /// Whether the smallest force is at the first or last separation, so that the curve may fall further
     /// beyond.
     pub pull_off_at_edge: bool,
-    /// What is kept of it as a loop, if it is one; all above is then of the retraction.
+    /// The record of it as a loop, if it is one; all above is then of the retraction.
     pub cycle: Option<Box<Cycle>>,
 }
 
@@ -57,7 +57,7 @@ pub struct Workspace {
     chunk: usize,
     is_divided: bool,
     heights: Vec<Vec<f64>>,
-    /// Of the surface that is summed, where asperities differ in their radii.
+    /// The radii of the surface that is summed, where asperities differ in their radii.
     radii: Vec<f64>,
     plane_sums: Option<PlaneSums>,
     kinks: Kinks,
@@ -96,7 +96,7 @@ impl Workspace {
         }
     }
 
-    /// What the surfaces since the last call have cost.
+    /// The cost of the surfaces since the last call.
     pub fn take_stats(&mut self) -> SolverStats {
         std::mem::take(&mut self.sums.stats)
     }
@@ -137,7 +137,7 @@ impl Workspace {
         true
     }
 
-    /// What is kept of a surface that is summed chunk by chunk; nothing when that was ended.
+    /// The record of a surface that is summed chunk by chunk; nothing when that was ended.
     fn divided(&mut self, job: &Job<'_>, index: u64, ends: &(dyn Fn() -> bool + Sync)) -> Option<Replica> {
         let draws = Draws::of(job, index, self.chunk);
         let mut surface = Chunks::new(job, draws, (&self.kinks, &mut self.table), ends);
@@ -172,7 +172,7 @@ impl Workspace {
         }
     }
 
-    /// What is kept of a surface that has been summed.
+    /// The record of a surface that has been summed.
     fn keep(&mut self, job: &Job<'_>, lane: usize) -> Replica {
         let heights = self.heights[lane].as_slice();
         let moments = job.moments.zip(self.moments.as_mut());
@@ -194,7 +194,7 @@ impl Workspace {
     }
 }
 
-/// What is kept of a surface of `count` asperities whose curves are known; its snaps are left in these.
+/// The record of a surface of `count` asperities whose curves are known; its snaps are left in these.
 fn keep(job: &Job<'_>, surface: &mut dyn Summed, count: usize, curves: &mut Curves) -> Replica {
     let external = &curves.total[Quantity::ExternalForce.index()];
     let (external, retraction) = external.split_at(job.separations.len());

@@ -7,7 +7,7 @@ use super::sums::{RegimeSums, State, Sums};
 use crate::asperity::Loop;
 use std::ops::Range;
 
-/// What has become of an asperity that has flowed, by [`Loop::fate`].
+/// The fate of an asperity that has flowed, by [`Loop::fate`].
 const FLOWED: usize = 2;
 /// Roundings of a recovery and of its inverse in those of a height.
 const ROUNDINGS: f64 = 32.0;
@@ -37,7 +37,7 @@ pub(super) struct Retracted<'a> {
     few: Vec<f64>,
 }
 
-/// What is to be known of an asperity.
+/// An asperity that is pulled back.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Released {
     /// Among the heights.
@@ -46,7 +46,7 @@ pub(super) struct Released {
     height: f64,
     /// By how much it springs back, m.
     recovery: f64,
-    /// What has become of it.
+    /// The fate of it.
     fate: usize,
 }
 
@@ -59,8 +59,8 @@ pub(super) struct FlattenedTop {
 }
 
 impl FlattenedTop {
-    /// The tops of those of `heights`, m, rising, that have flowed when they are pulled back from a separation
-    /// h, m; none where tops keep their radius.
+    /// The tops of those of `heights`, m, rising, that have flowed when they are pulled back from a
+    /// separation h, m; none where tops keep their radius.
     pub fn of(job: &Job<'_>, cycle: &Loop, heights: &[f64], from: f64) -> Vec<Self> {
         let closest = job.surface.asperity_separation(from);
         let first = heights.partition_point(|u| cycle.fate(u - closest) < FLOWED);

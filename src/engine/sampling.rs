@@ -39,7 +39,7 @@ pub(super) struct Draws<'a> {
 }
 
 impl<'a> Draws<'a> {
-    /// Of the replica `index`, in chunks of `chunk` asperities.
+    /// The draws of the replica `index`, in chunks of `chunk` asperities.
     pub fn new(
         surface: &'a Surface,
         (seed, scheme): (u64, SamplingScheme),
@@ -50,7 +50,7 @@ impl<'a> Draws<'a> {
         Self { surface, seed, scheme, index, count: count(surface, seed, index), chunk }
     }
 
-    /// Of the replica `index` of a job.
+    /// The draws of the replica `index` of a job.
     pub fn of(job: &Job<'a>, index: u64, chunk: usize) -> Self {
         Self::new(job.surface, (job.seed, job.scheme), index, chunk)
     }

@@ -6,15 +6,15 @@ use super::replica::Replica;
 /// A number that is read off a replica's own curve.
 #[derive(Clone, Copy, Debug)]
 pub struct Scalar {
-    /// Its name.
+    /// The name.
     pub name: &'static str,
-    /// Its units, SI.
+    /// The units, SI.
     pub units: &'static str,
-    /// Its value.
+    /// The value.
     pub of: fn(&Replica) -> f64,
 }
 
-/// Those of every replica.
+/// The scalars of every replica.
 pub const SCALARS: [Scalar; 4] = [
     Scalar { name: "pull_off_force", units: "N", of: |replica| replica.pull_off_force },
     Scalar { name: "pull_off_separation", units: "m", of: |replica| replica.pull_off_separation },
@@ -26,7 +26,7 @@ pub const SCALARS: [Scalar; 4] = [
     },
 ];
 
-/// Those of a replica that is brought close and pulled back.
+/// The scalars of a replica that is brought close and pulled back.
 pub const LOOP_SCALARS: [Scalar; 5] = [
     Scalar {
         name: "approach_pull_off_force",

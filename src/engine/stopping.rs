@@ -31,7 +31,7 @@ impl Estimator {
     /// All of them, by name.
     pub const ALL: [(&'static str, Self); 2] = [("plain", Self::Plain), ("controlled", Self::Controlled)];
 
-    /// Its name in scenes and files.
+    /// The name in scenes and files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Plain => "plain",
@@ -67,7 +67,7 @@ impl Target {
     }
 }
 
-/// What an ensemble is to reach, and its size at least and at most.
+/// The targets of an ensemble, and its size at least and at most.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stopping {
     /// At least one; all are to be met.
@@ -86,9 +86,9 @@ pub struct Attained {
     pub target: Target,
     /// The mean, in the units of the scalar, likewise below.
     pub mean: f64,
-    /// Its standard error; NaN for fewer than two groups of replicas.
+    /// The standard error; NaN for fewer than two groups of replicas.
     pub standard_error: f64,
-    /// Its 95 % interval, from and to.
+    /// The 95 % interval, from and to.
     pub interval: [f64; 2],
     /// Groups of replicas.
     pub samples: u64,
@@ -106,7 +106,7 @@ impl Attained {
 /// When a run ends before all its replicas are in.
 #[derive(Clone, Copy, Debug)]
 pub struct Rule<'a> {
-    /// What is to be reached.
+    /// The targets.
     pub stopping: &'a Stopping,
     /// Expectations of the external force at the job's controls, N.
     pub expected: &'a [f64],

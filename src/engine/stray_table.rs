@@ -19,7 +19,7 @@ const SAMPLES: usize = 2 * BEFORE + 2;
 const LOOKS: usize = 9;
 const BESIDE: f64 = 0.5;
 
-/// What the force of one asperity is off what is interpolated, N.
+/// The error of the force of one asperity where it is interpolated, N.
 #[derive(Debug, Default)]
 pub(super) struct StrayTable {
     /// How far apart samples are, m.
@@ -37,7 +37,8 @@ struct Window {
 }
 
 impl StrayTable {
-    /// Of a continuous force, N, at interferences δ, m, with its kinks, rising, for samples `width` apart, m.
+    /// The table of a continuous force, N, at interferences δ, m, with its kinks, rising, for samples `width`
+    /// apart, m.
     pub fn new(force: &dyn Fn(&[f64]) -> Vec<f64>, kinks: &[f64], width: f64) -> Self {
         let mut windows: Vec<(f64, f64)> = Vec::new();
         for kink in kinks {
@@ -66,9 +67,9 @@ impl StrayTable {
         }
     }
 
-    /// What the table leaves out next to each of the kinks that it was made of, where the force is less and
-    /// where it is more: at most, and the root of the mean square where that is largest, summed over the
-    /// spaces that the kink may be in.
+    /// The errors that the table leaves next to each of the kinks that it was made of, where the force is
+    /// less and where it is more: at most, and the root of the mean square where that is largest, summed over
+    /// the spaces that the kink may be in.
     pub fn strays(&self, force: &dyn Fn(&[f64]) -> Vec<f64>, kinks: &[f64]) -> Vec<[(f64, f64); 2]> {
         let middle = |a: f64, b: f64| 0.5 * (a + b);
         let stray = |k: usize| {
@@ -95,7 +96,8 @@ impl StrayTable {
         (0..kinks.len()).map(stray).collect()
     }
 
-    /// What the table leaves out in the middle between its places, at an interference at the first sample, m.
+    /// The errors that the table leaves in the middle between its places, at an interference at the first
+    /// sample, m.
     fn left_out(&self, force: &dyn Fn(&[f64]) -> Vec<f64>, interference: f64) -> [f64; NODES] {
         let mut known = [0.0; NODES];
         self.add(&[interference], 0.0, &mut known);

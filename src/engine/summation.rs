@@ -68,7 +68,7 @@ impl Summation {
         if self.matrix.is_some() { self.achieved_error } else { f64::NAN }
     }
 
-    /// Its name in files.
+    /// The name in files.
     pub fn name(&self) -> &'static str {
         if self.matrix.is_some() { "moments" } else { "direct" }
     }

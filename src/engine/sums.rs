@@ -22,7 +22,7 @@ pub(super) enum State {
 }
 
 impl State {
-    /// Those that the surfaces of a job are summed in, in the order of its curves.
+    /// The states that the surfaces of a job are summed in, in the order of its curves.
     pub fn all(job: &Job<'_>) -> Vec<Self> {
         let approach = job.separations.iter().map(|&h| Self::Approach(h));
         let retraction = job.separations.iter().map(|&to| Self::Retraction { from: job.separations[0], to });

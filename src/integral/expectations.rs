@@ -1,4 +1,4 @@
-//! What the integral model answers.
+//! The answer of the integral model.
 
 use crate::asperity::SolverStats;
 
@@ -32,6 +32,6 @@ pub struct Expectations {
     /// Largest bound of the relative error over separations of adhesion force, contact force and area of any
     /// regime; NaN where one of them is not a number.
     pub quadrature_error: f64,
-    /// What solving cost.
+    /// The cost of solving.
     pub stats: SolverStats,
 }

@@ -40,7 +40,7 @@ pub(super) struct RegimeMoments {
     pub adhesion: f64,
     pub contact: f64,
     area: f64,
-    /// Of the deviations from the typical quantities.
+    /// Squares of the deviations from the typical quantities.
     squares: [f64; 4],
 }
 
@@ -51,7 +51,7 @@ impl AtSeparation {
         Self { regimes, typical, beyond: 0.0, density: 0.0, error: 0.0, stats: SolverStats::default() }
     }
 
-    /// Those of a law over heights at the separation d, m.
+    /// The expectations of a law over heights at the separation d, m.
     pub fn of(law: &dyn Law, heights: &Heights, separation: f64, typical: [f64; 4], tolerance: f64) -> Self {
         let mut at = Self::new(law.regimes().len(), typical);
         match heights.values() {

@@ -8,8 +8,8 @@ use crate::surface::Surface;
 use rayon::prelude::*;
 
 impl Expectations {
-    /// Integrates the retraction of a loop from the smallest of the separations h, m, rising; regimes are those
-    /// of the law on approach.
+    /// Integrates the retraction of a loop from the smallest of the separations h, m, rising; regimes are
+    /// those of the law on approach.
     pub fn retraction(cycle: &Loop, surface: &Surface, separations: &[f64]) -> Self {
         let at: Vec<Self> =
             separations.par_iter().map(|&h| Self::retraction_at(cycle, surface, separations[0], h)).collect();

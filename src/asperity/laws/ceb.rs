@@ -14,12 +14,13 @@
 //! The volume of the asperity that flows is conserved, so the area is πRω(2 − ω_c/ω), under the mean pressure
 //! KH. The attraction around an elastic contact is that of [`super::sbl`]. Around a plastic contact of the
 //! radius a the gap is taken as that of the undeformed sphere, z = Z₀ + (r² − a²)/2R, over which the stress
-//! integrates to 2πRΔγ exactly.
+//! integrates to 2πRΔγ exactly, DMT's force. That gap is an assumption of this program, made without the print
+//! at hand: the form of 1988 above ω_c may be another.
 //!
 //! # Validity
 //! Low λ, dry. At ω_c the load jumps by half and F_s drops to 2πRΔγ, because neither form passes into the
 //! other. Sources: Chang, Etsion and Bogy, J. Tribol. 109 (1987) 257 (loads, areas); J. Tribol. 110 (1988) 50
-//! (adhesion).
+//! (adhesion around an elastic contact).
 
 use super::kogut_etsion::Critical;
 use super::{hertz, idmt, sbl};

@@ -62,7 +62,7 @@ pub struct MomentMatrix {
     boundaries: Vec<(i64, usize)>,
     /// Separations d_k, m.
     pub(super) separations: Vec<f64>,
-    /// What was asked for.
+    /// The tolerance that was asked for.
     pub tolerance: f64,
 }
 

@@ -11,7 +11,8 @@
 //! a product of a Toeplitz matrix with moments, for the replicas of a batch at once. Periods are divided into
 //! segments whose edges sit on the kinks of f, so that no segment ever has a kink inside, and which become
 //! narrower towards a root; an offset with a kink is summed by segments, each with a polynomial of its own.
-//! What no polynomial of degree ≤ [`DEGREE`] meets to the tolerance is solved asperity by asperity.
+//! An interval that no polynomial of degree ≤ [`DEGREE`] meets to the tolerance is solved asperity by
+//! asperity.
 //!
 //! # Validity
 //! The error of every polynomial, by the tail of its Chebyshev coefficients, is at most the tolerance times

@@ -7,7 +7,7 @@ use crate::math::chebyshev;
 
 /// Nodes of an interpolant: more than terms, so that its tail shows how fast it converges.
 const NODES: usize = 24;
-/// Of the tolerance, what the tail may take; the rest is for rounding.
+/// The share of the tolerance that the tail may take; the rest is for rounding.
 const TAIL: f64 = 0.5;
 
 /// Adhesion force, contact force and area as polynomials of v in −1..1.

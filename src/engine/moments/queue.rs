@@ -20,8 +20,8 @@ pub(super) struct Queue {
 }
 
 impl Queue {
-    /// MomentSums the asperities of a surface that no polynomial meets; `add` gets the three components of each
-    /// with the place of its separation and regime.
+    /// Sums the asperities of a surface that no polynomial meets; `add` gets the three components of
+    /// each with the place of its separation and regime.
     pub(super) fn sum(
         &mut self,
         matrix: &MomentMatrix,

@@ -111,7 +111,7 @@ impl MomentSums {
         Some(&self.surfaces[lane]).filter(|binned| binned.is_binned)
     }
 
-    /// MomentSums the surfaces at all separations into their curves.
+    /// Sums the surfaces at all separations into their curves.
     pub fn fill(
         &mut self,
         matrix: &MomentMatrix,
@@ -137,7 +137,7 @@ impl MomentSums {
         stats.by_moments += matrix.separations.len() as u64 * binned as u64;
     }
 
-    /// MomentSums of what polynomials make of the moments of the surfaces.
+    /// Sums of what polynomials make of the moments of the surfaces.
     pub(super) fn multiply(&mut self, matrix: &MomentMatrix, regimes: usize) {
         self.sums.fill([[0.0; LANES]; 3]);
         let (occupied, sums) = (self.occupied.clone(), &mut self.sums);

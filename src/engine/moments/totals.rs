@@ -1,8 +1,8 @@
 //! Compressed sums of a surface that is taken chunk by chunk: moments are added up, and no heights are kept.
 //!
-//! What no polynomial meets is solved while the heights of its chunk are at hand; a height beyond all bins is
-//! handed back, to be summed directly. At separations between those of the scene, moments give what they can,
-//! and a further pass over the chunks the rest.
+//! An asperity that no polynomial meets is solved while the heights of its chunk are at hand; a height beyond
+//! all bins is handed back, to be summed directly. At separations between those of the scene, moments give
+//! what they can, and a further pass over the chunks the rest.
 
 use super::geometry::Geometry;
 use super::lanes::{LANES, TERMS};
@@ -17,7 +17,7 @@ use std::ops::Range;
 /// Heights that are binned at once.
 const CHUNK: usize = 1024;
 
-/// What one chunk gives.
+/// The moments of one chunk.
 #[derive(Debug)]
 pub struct ChunkMoments {
     /// The bins that it has asperities in, up to whole periods.
@@ -34,8 +34,8 @@ pub struct ChunkMoments {
 }
 
 impl ChunkMoments {
-    /// Of a chunk with these heights, m, in memory of the matrix. The lanes of that are so many pieces
-    /// of the chunk.
+    /// The moments of a chunk with these heights, m, in memory of the matrix. The lanes of that are so many
+    /// pieces of the chunk.
     pub fn new(
         sums: &mut MomentSums,
         matrix: &MomentMatrix,
@@ -110,8 +110,8 @@ impl Totals {
         }
     }
 
-    /// MomentSums all asperities in bins at all separations into curves, in memory of the matrix, of which the
-    /// first lane is then this surface.
+    /// Sums all asperities in bins at all separations into curves, in memory of the matrix, of which
+    /// the first lane is then this surface.
     pub fn fill(
         &self,
         sums: &mut MomentSums,
@@ -159,7 +159,7 @@ fn bins(geometry: &Geometry) -> usize {
 pub struct Between {
     /// Separations d, m.
     separations: Vec<f64>,
-    /// What moments give at each, N.
+    /// The forces that moments give at each, N.
     pub smooth: Vec<f64>,
     /// For each, by bin whether its asperities have to be solved; behind all bins those that are in none.
     solved: Vec<Vec<bool>>,
@@ -199,7 +199,8 @@ impl Between {
         Self { separations, smooth, solved, any }
     }
 
-    /// What the asperities of a chunk add at each, N, that are solved one by one, from its heights, m.
+    /// The forces that the asperities of a chunk add at each, N, that are solved one by one, from its
+    /// heights, m.
     pub fn rest(
         &self,
         sums: &mut MomentSums,

@@ -17,7 +17,7 @@ use std::ops::Range;
 pub(super) struct Weighted {
     interference: Vec<f64>,
     weights: Vec<f64>,
-    /// Of one separation, m, rising.
+    /// Heights of one separation, m, rising.
     pub heights: Vec<f64>,
     responses: Box<Responses>,
     scratch: Box<Scratch>,

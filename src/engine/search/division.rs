@@ -12,7 +12,7 @@ const DIVISION: usize = 4;
 const MOST_DIVISIONS: u32 = 20;
 /// Spaces between samples beyond these by which a kink has to be away for a term to be interpolated.
 const MARGIN: f64 = 1.0;
-/// What lies between two kinks is halved, at most so often, while samples between samples are off the
+/// The gap between two kinks is halved, at most so often, while samples between samples are off the
 /// polynomial through these by more than this share of their spread.
 const UNRESOLVED: f64 = 1e-3;
 const MOST_HALVINGS: u32 = 12;
@@ -125,7 +125,7 @@ impl<C: Curve> Search<'_, C> {
         }
     }
 
-    /// Those of asperities that have one of these passings; the terms of the others join the smooth part.
+    /// The asperities that have one of these passings; the terms of the others join the smooth part.
     fn near(
         &mut self,
         interval: &mut Interval,

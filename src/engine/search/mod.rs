@@ -34,7 +34,7 @@ use std::ops::Range;
 
 /// A curve over the separation: a sum over asperities, each smooth but for its kinks.
 pub(super) trait Curve {
-    /// What is to be known of an asperity.
+    /// The knowledge of an asperity that a search needs.
     type Asperity: Copy;
 
     /// The whole curve at separations h, m, rising.
@@ -107,8 +107,8 @@ impl Stray {
     }
 }
 
-/// What kinks leave out of what is interpolated has either sign: their sum stays within so many times the
-/// root of the sum of squares, and the largest of them.
+/// The errors that kinks leave in what is interpolated have either sign: their sum stays within so many times
+/// the root of the sum of squares, and the largest of them.
 const DEVIATIONS: f64 = 3.5;
 /// Samples on either side of an interval that it is interpolated from, its ends included.
 const SAMPLES: usize = 3;
@@ -124,12 +124,12 @@ const MOST_SOLVED: usize = 8;
 /// Places are next to each other that are no further apart than this share of the space between samples.
 const APART: f64 = 1e-2;
 
-/// What is sought of a curve F over the separation.
+/// The feature that is sought of a curve F over the separation.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Sought {
-    /// Its deepest point.
+    /// The deepest point.
     PullOff,
-    /// Its largest secant stiffness over a span, m.
+    /// The largest secant stiffness over a span, m.
     Stiffness(f64),
 }
 
@@ -160,7 +160,7 @@ pub(super) fn resolved(separations: &[f64], spacing: f64) -> f64 {
     widest / ranking::parts(widest, spacing)
 }
 
-/// Those of rising passings that are in `low..=high`, h in m.
+/// The passings, of rising ones, that are in `low..=high`, h in m.
 fn within(passings: &[Passing], low: f64, high: f64) -> &[Passing] {
     let first = passings.partition_point(|passing| passing.place < low);
     let end = passings.partition_point(|passing| passing.place <= high);
@@ -184,20 +184,20 @@ fn sort(passings: &mut [Passing]) {
 
 struct Search<'a, C: Curve> {
     curve: &'a mut C,
-    /// What is sought is the deepest point of the sum of the curve at h and further on, h in m, each with its
+    /// The sought point is the deepest of the sum of the curve at h and further on, h in m, each with its
     /// sign.
     shifts: &'a [(f64, f64)],
     /// Separations h, m, rising, and the curve there.
     separations: Vec<f64>,
     values: Vec<f64>,
-    /// What need not be found.
+    /// The tolerance of what is found.
     tolerance: f64,
     /// The smallest value so far, and where others are that may be as small.
     deepest: f64,
     places: Vec<(f64, f64)>,
     /// How far apart places are that are looked at each, m.
     apart: f64,
-    /// What strays of passings are of, m.
+    /// The width that strays of passings belong to, m.
     spacing: f64,
     /// By asperity, the last division that it was near in.
     marks: Vec<u32>,
@@ -283,13 +283,13 @@ impl<'a, C: Curve> Search<'a, C> {
         self.separations.iter().copied().zip(self.values.iter().copied()).fold(nothing, deeper)
     }
 
-    /// What is sought at a separation h, m, evaluated.
+    /// The sought function at a separation h, m, evaluated.
     fn exact(&mut self, separation: f64) -> f64 {
         let places: Vec<f64> = self.shifts.iter().map(|(shift, _)| separation + shift).collect();
         self.shifts.iter().zip(self.curve.exact(&places)).map(|((_, sign), value)| sign * value).sum()
     }
 
-    /// What asperities add to what is sought at rising separations h, m.
+    /// The terms of asperities in what is sought at rising separations h, m.
     fn sums<const N: usize>(&mut self, asperities: &[C::Asperity], separations: [f64; N]) -> [f64; N] {
         let mut sums = [0.0; N];
         if !asperities.is_empty() {
@@ -302,8 +302,8 @@ impl<'a, C: Curve> Search<'a, C> {
         sums
     }
 
-    /// What is sought by a polynomial through values at the samples from the `first` on, at a separation h,
-    /// m.
+    /// The sought function by a polynomial through values at the samples from the `first` on, at a separation
+    /// h, m.
     fn interpolated(&self, first: usize, values: &[f64], separation: f64) -> f64 {
         let places = &self.separations[first..first + values.len()];
         let value = |(shift, sign): &(f64, f64)| {
@@ -329,7 +329,7 @@ impl<'a, C: Curve> Search<'a, C> {
         passings
     }
 
-    /// Those of passings of the curve that what is sought has in `low..=high`, h in m.
+    /// The passings, of those of the curve, that the sought function has in `low..=high`, h in m.
     fn shifted(&self, passings: &[Passing], low: f64, high: f64) -> Vec<Passing> {
         let mut all = Vec::new();
         for (shift, sign) in self.shifts {

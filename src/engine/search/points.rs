@@ -50,7 +50,7 @@ pub(super) struct Polynomial<'a> {
 }
 
 impl Polynomial<'_> {
-    /// Its value at a place of the interval.
+    /// The value at a place of the interval.
     pub fn value(&self, h: f64) -> f64 {
         let (mut sum, mut weights) = (0.0, 0.0);
         for (i, (point, value)) in self.points.iter().zip(&self.values).enumerate() {

@@ -36,7 +36,7 @@ pub fn between(separations: &[f64], spacing: f64) -> Vec<f64> {
     separations.windows(2).flat_map(places).collect()
 }
 
-/// What is expected of the space behind a sample.
+/// The expectation of the space behind a sample.
 pub(super) struct Guess {
     /// The smallest value.
     pub lowest: f64,
@@ -44,11 +44,11 @@ pub(super) struct Guess {
     margin: f64,
     /// Where the space begins and ends, h in m.
     ends: (f64, f64),
-    /// Those of its treads that may be the deepest.
+    /// The treads of it that may be the deepest.
     treads: Vec<Tread>,
 }
 
-/// What is between two passings.
+/// The tread between two passings.
 struct Tread {
     /// Where it begins and ends, h in m.
     from: f64,
@@ -269,7 +269,7 @@ struct Interpolated {
 /// The same between two samples.
 struct Between {
     curve: Quartic,
-    /// What is to be added at even places.
+    /// The terms to be added at even places.
     strays: [f64; NODES],
     has_strays: bool,
 }

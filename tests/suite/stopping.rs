@@ -239,7 +239,11 @@ fn what_is_no_target_is_refused() {
     let folder = Folder::new(&ensemble(&format!("target = {target}")));
     let compare = folder.stiction(&["compare", "scene.toml", "--laws", "hybrid,gw", "--ensemble"]);
     assert_exit(&compare, 2);
-    assert!(text(&compare.stderr).contains("give --replicas"), "{}", text(&compare.stderr));
+    assert!(
+        text(&compare.stderr).contains("give a number of replicas for all of them"),
+        "{}",
+        text(&compare.stderr)
+    );
     assert_exit(&folder.stiction(&["compare", "scene.toml", "--laws", "hybrid,gw"]), 0);
 }
 

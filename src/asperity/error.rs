@@ -6,11 +6,11 @@ use thiserror::Error;
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 pub enum LawError {
     /// λ outside the range that is solved.
-    #[error("the adhesion parameter lambda is {0:e}, outside 1e-6..1e6")]
+    #[error("the adhesion parameter lambda is {0:.4e}, outside 1e-6..1e6")]
     Lambda(f64),
     /// A unit of the scaled variables outside the range whose powers are numbers.
     #[error(
-        "the unit of {name} that follows from asperity_radius, work_of_adhesion and reduced_modulus is {value:e} in SI, outside \
+        "the unit of {name} that follows from asperity_radius, work_of_adhesion and reduced_modulus is {value:.4e} in SI, outside \
          1e-60..1e60"
     )]
     Unit {
@@ -20,7 +20,7 @@ pub enum LawError {
         value: f64,
     },
     /// A length that is too small or too large beside the unit of the approach.
-    #[error("{name} is {value:e}, outside 1e-60..1e60 times the unit of the approach")]
+    #[error("{name} is {value:.4e}, outside 1e-60..1e60 times the unit of the approach")]
     Length {
         /// Name of the quantity, as in scenes.
         name: &'static str,
@@ -57,7 +57,7 @@ pub enum LawError {
     #[error("the published forms cannot be fitted to the law of this asperity")]
     NoFit,
     /// A quantity that has to be positive and finite.
-    #[error("{name} is {value:e}, but has to be positive and finite")]
+    #[error("{name} is {value:.4e}, but has to be positive and finite")]
     NotPositive {
         /// Name of the quantity, as in scenes.
         name: &'static str,

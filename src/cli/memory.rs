@@ -6,7 +6,7 @@
 //! destructor, so files are removed by the register of them.
 #![allow(unsafe_code)]
 
-use super::sandbox::is_sandboxed;
+use super::sandbox::{SHORT, is_sandboxed};
 use crate::output::{is_kept, remove_registered};
 use signal_hook::consts::SIGABRT;
 use signal_hook::low_level;
@@ -14,8 +14,6 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::io::{Cursor, IsTerminal, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// How the message begins, behind the program's name.
-pub(super) const SHORT: &str = "not enough memory";
 /// Bytes of the longest message.
 const LONGEST: usize = 512;
 /// How the standard library begins to say that a thread finds no place for its signal stack, or cannot be

@@ -4,7 +4,6 @@
 //! structure is broken. So the program runs itself once more, with limits on time and memory, and says in a
 //! line what became of that.
 
-use super::memory::SHORT;
 use super::{Failure, print};
 use crate::format::bytes;
 use anyhow::{Context, anyhow};
@@ -14,6 +13,9 @@ use std::process::{Child, Command, ExitStatus, Stdio};
 use std::sync::mpsc::{Receiver, channel};
 use std::thread;
 use std::time::{Duration, Instant};
+
+/// How the message of a want of memory begins, behind the program's name.
+pub(super) const SHORT: &str = "not enough memory";
 
 /// In the environment of the process that reads.
 const READER: &str = "STICTION_READER";

@@ -115,7 +115,10 @@ fn quoted(results: &Results, mean: &ControlledMean, unit: &str) -> String {
     let first = |value: String| row("pull-off", &format!("{value} is to be quoted: the mean over replicas"));
     let (plain, reduction) = (told(mean.mean, mean.standard_error), mean.variance_reduction());
     if results.controls.is_empty() || !reduction.is_finite() {
-        return first(plain) + &interval(mean.interval, mean.samples, unit);
+        // One group of replicas is no mean to be quoted.
+        let mut text = if mean.standard_error.is_finite() { first(plain) } else { row("pull-off", &plain) };
+        text += &interval(mean.interval, mean.samples, unit);
+        return text;
     }
     let without =
         format!("with the integral as control variate, variance reduced {} times", factor(reduction));

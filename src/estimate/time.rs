@@ -1,14 +1,18 @@
 //! The core time of a run.
 
 use super::plan::regimes;
-use crate::asperity::{Laws, Method};
+use crate::asperity::{Laws, Method, UnloadedRadius};
 use crate::engine::parts_of;
 use crate::scene::Scene;
 use crate::surface::CHUNK_ASPERITIES;
 use crate::validation::{GridSize, tested_separations};
 
 /// Nanoseconds of a replica by moments, about: for each asperity, and for each separation.
-const MOMENTS: (f64, f64) = (30.0, 700.0);
+const MOMENTS: (f64, f64) = (30.0, 1500.0);
+/// Nanoseconds of a surface by moments that the search solves once more: at all, and for each asperity.
+const SEARCHED: (f64, f64) = (13e3, 4.3);
+/// Nanoseconds of a top that has flowed and has a radius of its own, which is looked for on every retraction.
+const FLATTENED: f64 = 1.5e6;
 /// Nanoseconds of an asperity of a surface in chunks that is drawn again, twice, and looked at.
 const AGAIN: f64 = 30.0;
 /// Nanoseconds of making the law of an asperity, where each has its own, and of a solve of that law.
@@ -54,6 +58,18 @@ fn evaluation(method: Method) -> f64 {
     }
 }
 
+/// Nanoseconds of the tops of a replica that have flowed, where each has a radius of its own.
+fn flattened(scene: &Scene) -> f64 {
+    if !scene.cycle || scene.unloaded_radius != UnloadedRadius::Elastic {
+        return 0.0;
+    }
+    let deepest =
+        scene.asperity.critical_interference() + scene.surface.asperity_separation(scene.separations[0]);
+    let share = scene.surface.heights.probability(deepest, f64::INFINITY);
+    let retractions = 1 + scene.instability.preload.len();
+    FLATTENED * share * (scene.surface.asperity_count * retractions) as f64
+}
+
 impl Cost {
     /// The cost of a scene under its law.
     pub(super) fn new(scene: &Scene, law: Laws<'_>) -> Self {
@@ -72,9 +88,9 @@ impl Cost {
         let turns = separations.len() * scene.instability.preload.len();
         let searched = SEARCH.0.min(s - 1.0) * between + SEARCH.1 + turns as f64;
         let making = if is_polydisperse { POLYDISPERSE.0 } else { 0.0 };
-        let direct = (DIRECT.0 + making) * n + (s + searched) * (DIRECT.1 + solving);
+        let direct = (DIRECT.0 + making) * n + (s + searched) * (DIRECT.1 + solving) + flattened(scene);
         let again = if scene.surface.asperity_count > CHUNK_ASPERITIES { AGAIN * n } else { 0.0 };
-        let moments = MOMENTS.0 * n + MOMENTS.1 * s + again;
+        let moments = MOMENTS.0 * n + MOMENTS.1 * s + searched * (SEARCHED.0 + SEARCHED.1 * n) + again;
         let (replica, pilot) = match scene.sum_tolerance {
             Some(_) => (moments, (CHUNK_ASPERITIES as f64 / n).min(1.0) * (direct + moments)),
             None => (direct, 0.0),

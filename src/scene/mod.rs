@@ -1,7 +1,9 @@
 //! Scenes: from TOML to what the program computes, or to an error that says what to change.
 
+mod axes;
 mod canonical;
 mod choices;
+mod column;
 mod definition;
 mod document;
 pub mod echo;
@@ -13,6 +15,7 @@ mod lookup;
 mod material;
 mod parse;
 mod population;
+mod ranges;
 mod reader;
 mod separation;
 mod stopping;
@@ -20,7 +23,9 @@ pub mod sweep;
 mod table;
 pub mod units;
 mod validity;
+mod warning;
 
+pub use axes::{Axis, MOST_KEYS, SWEEPABLE, Sweepable};
 pub use canonical::difference;
 pub use choices::{MOST_POINTS, Mode};
 pub use definition::Scene;
@@ -33,4 +38,5 @@ pub use lookup::nearest;
 pub use reader::takes_heights;
 pub use sweep::Sweep;
 pub use table::KEYS;
-pub use validity::{Expected, Reading, Warning, WhatIsRead, warnings, warnings_of_scene};
+pub use validity::{warnings, warnings_of_scene};
+pub use warning::{Expected, Reading, Warning, WhatIsRead};

@@ -1,19 +1,18 @@
 //! The asperities of a scene's surface: laws of heights, radii and number.
 
 use super::choices::{HEIGHT_LAWS, RADIUS_LAWS, SAMPLES, SUMMIT_LAWS, VARIATIONS};
+use super::column::{FEWEST, FILE_KEYS, of_file};
 use super::error::{SceneError, Together, all};
-use super::files::{Column, Files, Input, MOST_VALUES, Measured};
+use super::files::{Files, Input, MOST_VALUES, Measured};
 use super::lookup::example;
 use super::reader::{Entry, Section};
-use super::units::{Dimension, parse};
+use super::units::Dimension;
 use crate::surface::nayak::{LEAST_ALPHA, Spectrum};
 use crate::surface::{
     CountLaw, HeightLaw, Heights, LogNormal, Radii, Roughness, Surface, SurfaceError, Truncated, Weibull,
 };
 use toml::de::DeValue;
 
-/// Fewest values of a file, so that they have a scatter.
-const FEWEST: usize = 2;
 /// Least probability of what a truncated law leaves.
 const LEAST_LEFT: f64 = 1e-9;
 
@@ -93,7 +92,10 @@ fn rough_surface(
     let asperity_height_std = match (asperity_std, given_std) {
         (Some(_), Some(std)) => {
             let entry = section.get("asperity_height_std").expect("it was read");
-            return Err(entry.wrong(&format!("the heights of the file have their own: {std:e} m")));
+            return Err(entry.wrong(&format!(
+                "the heights of the file have their own: {}",
+                Dimension::Length.shown(std)
+            )));
         }
         (given, of_file) => given.or(of_file),
     };
@@ -192,8 +194,6 @@ fn only(table: Option<&Section<'_>>, keys: &[&str]) -> Result<(), SceneError> {
     .map(drop)
 }
 
-const FILE_KEYS: [&str; 4] = ["path", "column", "dataset", "unit"];
-
 /// `heights`: the law, and the standard deviation of given ones, m.
 fn heights(
     section: &Section<'_>,
@@ -276,57 +276,15 @@ fn radii(section: &Section<'_>, files: &dyn Files, inputs: &mut Vec<Input>) -> R
         "file" => {
             let values = of_file(&name, table, files, inputs)?;
             match values.iter().find(|value| !(**value > 0.0)) {
-                Some(value) => {
-                    Err(name.wrong(&format!("the file has a radius of {value:e} m; radii are positive")))
-                }
+                Some(value) => Err(name.wrong(&format!(
+                    "the file has a radius of {}; radii are positive",
+                    Dimension::Length.shown(*value)
+                ))),
                 None => Ok(Radii::Sample(values.into())),
             }
         }
         _ => Ok(Radii::Common),
     }
-}
-
-/// Values of a file, in SI.
-fn of_file(
-    name: &Entry<'_>,
-    table: Option<&Section<'_>>,
-    files: &dyn Files,
-    inputs: &mut Vec<Input>,
-) -> Result<Vec<f64>, SceneError> {
-    let example = "{ law = \"file\", path = \"heights.csv\", column = \"height\", unit = \"nm\" }";
-    let Some(table) = table else { return Err(name.wrong(&format!("needs a path and a unit: {example}"))) };
-    let factor = table.require("unit").and_then(|unit| {
-        parse(&format!("1 {}", unit.string()?), Dimension::Length)
-            .map_err(|_| unit.wrong("a unit of length is needed, such as nm, um, m"))
-    });
-    let path = table.require("path").and_then(|entry| entry.string().map(|path| (entry, path)));
-    let ((entry, path), factor, column) = (path, factor, column(name, table)).together()?;
-    let values = files.column(path, &column).map_err(|problem| entry.wrong(&problem))?;
-    if !(FEWEST..=MOST_VALUES).contains(&values.len()) {
-        let count = values.len();
-        return Err(entry.wrong(&format!("has {count} values; {FEWEST} to {MOST_VALUES} are needed")));
-    }
-    if let Some(place) = values.iter().position(|value| !value.is_finite()) {
-        return Err(entry.wrong(&format!("value {} is not finite: {}", place + 1, values[place])));
-    }
-    inputs.push(Input::new(path, &[&values]));
-    Ok(values.into_iter().map(|value| value * factor).collect())
-}
-
-/// Which values of a file.
-fn column(name: &Entry<'_>, table: &Section<'_>) -> Result<Column, SceneError> {
-    Ok(match (table.get("column"), table.get("dataset")) {
-        (Some(column), Some(_)) => return Err(column.wrong("give either column or dataset, not both")),
-        (Some(column), None) => match column.value.get_ref() {
-            DeValue::Integer(_) => Column::Numbered(column.integer(1..=10_000)?),
-            _ => Column::Named(column.string()?.to_owned()),
-        },
-        (None, Some(dataset)) => Column::Dataset(dataset.string()?.to_owned()),
-        (None, None) => {
-            return Err(name
-                .wrong("needs the column of a CSV file, by name or number, or the dataset of an HDF5 file"));
-        }
-    })
 }
 
 /// `spectrum`: spectral moments, which say all of a Gaussian surface.

@@ -15,6 +15,14 @@ const SHOWN_WORDS: usize = 60;
 pub(super) fn document(text: &str) -> Result<Spanned<DeTable<'_>>, SceneError> {
     DeTable::parse(text).map_err(|error| {
         let line = error.span().map(|span| line_of(text, span.start));
+        let given = line.and_then(|line| text.lines().nth(line - 1)).unwrap_or_default().trim();
+        if given.split_once('=').is_some_and(|(_, value)| has_decimal_comma(value)) {
+            let given = shortened(given);
+            return SceneError::at(
+                line,
+                format!("not TOML: `{given}` has a decimal comma; a point is needed"),
+            );
+        }
         SceneError::at(line, format!("not TOML: {}", one_line(error.message())))
     })
 }
@@ -28,6 +36,11 @@ pub fn takes_heights(text: &str) -> Option<bool> {
         _ => false,
     };
     Some(names_a_file("heights") || names_a_file("asperities"))
+}
+
+/// Whether a text begins with a number that has a decimal comma.
+fn has_decimal_comma(text: &str) -> bool {
+    parse(text, Dimension::Length) == Err(QuantityError::DecimalComma)
 }
 
 fn line_of(text: &str, offset: usize) -> usize {
@@ -225,6 +238,9 @@ impl<'a> Entry<'a> {
         match value {
             Some(value) if f64::is_finite(value) => Ok(value),
             Some(_) => Err(self.wrong("a finite number is needed")),
+            None if self.value.get_ref().as_str().is_some_and(has_decimal_comma) => {
+                Err(self.wrong("has a decimal comma; a point is needed, and no quotation marks"))
+            }
             None => Err(self.wrong(&format!("is {}, a number is needed", kind(self.value.get_ref())))),
         }
     }

@@ -4,6 +4,7 @@ use super::choices::MOST_SEPARATIONS;
 use super::error::{SceneError, Together};
 use super::lookup::example;
 use super::reader::{Entry, Section};
+use super::units::Dimension::Length;
 use crate::surface::LENGTHS;
 use toml::de::DeValue;
 
@@ -39,13 +40,16 @@ pub(super) fn stiffness_span(
     };
     let span = entry.measured()?;
     if span > most {
-        return Err(entry
-            .wrong(&format!("the separations reach over {most:e} m only: the span has to lie within them")));
+        return Err(entry.wrong(&format!(
+            "the separations reach over {} only: the span has to lie within them",
+            Length.shown(most)
+        )));
     }
     if span < least {
-        return Err(
-            entry.wrong(&format!("beside these separations less than {least:e} m is lost in rounding"))
-        );
+        return Err(entry.wrong(&format!(
+            "beside these separations less than {} is lost in rounding",
+            Length.shown(least)
+        )));
     }
     Ok(span)
 }
@@ -102,7 +106,7 @@ fn within_reach(entry: &Entry<'_>, separation: f64) -> Result<(), SceneError> {
         return Ok(());
     }
     Err(entry.wrong(&format!(
-        "is a separation of {separation:e} m; at most {:e} m can be computed",
+        "is a separation of {separation:.5e} m; at most {:e} m can be computed",
         LENGTHS.end()
     )))
 }

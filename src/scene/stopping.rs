@@ -26,22 +26,19 @@ pub(super) fn replicas(
     };
     let bounds = ["min_replicas", "max_replicas"].map(|key| ensemble.get(key));
     let Some(target) = ensemble.get("target") else {
-        if let Some(bound) = bounds.iter().flatten().next() {
-            return Err(bound.wrong(
-                "is for runs that end at a target, and there is none; `replicas` is their number without one",
-            ));
-        }
-        let replicas = whole(&ensemble.require("replicas")?)?;
-        return Ok((replicas, None));
+        let problem =
+            "is for runs that end at a target, and there is none; `replicas` is their number without one";
+        let bounds = all(bounds.iter().flatten().map(|bound| Err::<(), _>(bound.wrong(problem))));
+        let replicas = ensemble.require("replicas").and_then(|entry| whole(&entry));
+        return (bounds, replicas).together().map(|(_, replicas)| (replicas, None));
     };
-    if let Some(replicas) = ensemble.get("replicas") {
-        return Err(replicas
-            .wrong("with a target the number follows from it: give min_replicas and max_replicas instead"));
-    }
+    let problem = "with a target the number follows from it: give min_replicas and max_replicas instead";
+    let replicas = ensemble.get("replicas").map_or(Ok(()), |replicas| Err(replicas.wrong(problem)));
     let [least, most] = &bounds;
     let min_replicas = least.as_ref().map(|least| least.whole()).transpose();
     let max_replicas = most.as_ref().map_or(Ok(DEFAULTS.1), whole);
-    let (targets, min_replicas, max_replicas) = (targets(&target), min_replicas, max_replicas).together()?;
+    let readings = (replicas, targets(&target), min_replicas, max_replicas);
+    let ((), targets, min_replicas, max_replicas) = readings.together()?;
     let min_replicas = min_replicas.unwrap_or((DEFAULTS.0 * sampling.group()).min(max_replicas));
     let min_replicas = if min_replicas <= max_replicas {
         min_replicas.div_ceil(STRATA).saturating_mul(STRATA).min(max_replicas)
@@ -69,20 +66,22 @@ fn target(entry: &Entry<'_>) -> Result<Target, SceneError> {
     let places: Vec<(&str, usize)> = SCALARS.iter().enumerate().map(|(i, scalar)| (scalar.name, i)).collect();
     let quantity = table.require("quantity").and_then(|entry| entry.choice("quantity", &places));
     let estimate = table.optional("estimate", |entry| entry.choice("estimate", &Estimator::ALL));
-    let (quantity, estimate) = (quantity, estimate).together()?;
-    let limit = match (table.get("relative_standard_error"), table.get("standard_error")) {
-        (Some(relative), None) => Limit::Relative(share(&relative)?),
-        (None, Some(absolute)) => {
-            Limit::Absolute(absolute.positive(Dimension::of_units(SCALARS[quantity].units))?)
-        }
-        (Some(_), Some(absolute)) => {
-            return Err(absolute
-                .wrong("give either relative_standard_error or standard_error; for both, two targets"));
-        }
-        (None, None) => {
-            return Err(entry.wrong("lacks relative_standard_error, for example 1e-3, or standard_error"));
-        }
-    };
+    let limit =
+        match (table.get("relative_standard_error"), table.get("standard_error")) {
+            (Some(relative), None) => share(&relative).map(Limit::Relative),
+            (None, Some(absolute)) => match &quantity {
+                Ok(quantity) => {
+                    absolute.positive(Dimension::of_units(SCALARS[*quantity].units)).map(Limit::Absolute)
+                }
+                Err(_) => Ok(Limit::Absolute(0.0)),
+            },
+            (Some(_), Some(absolute)) => Err(absolute
+                .wrong("give either relative_standard_error or standard_error; for both, two targets")),
+            (None, None) => {
+                Err(entry.wrong("lacks relative_standard_error, for example 1e-3, or standard_error"))
+            }
+        };
+    let (quantity, estimate, limit) = (quantity, estimate, limit).together()?;
     Ok(Target { quantity, estimate: estimate.unwrap_or_default(), limit })
 }
 

@@ -8,104 +8,15 @@
 //! "surface.lubricant_thickness" = ["0 nm", "0.5 nm", "1 nm"]
 //! ```
 
-use super::choices::{MOST_POINTS, Mode, SPACINGS};
+use super::axes::{Axis, SweepTable, Sweepable};
+use super::choices::Mode;
 use super::definition::Scene;
-use super::echo::shortened;
-use super::error::{SceneError, Together, all};
+use super::error::SceneError;
 use super::files::Files;
-use super::keys::{Key, Value};
-use super::lookup::nearest;
 use super::parse::read;
 use super::reader::{Entry, Section, document};
-use super::table::KEYS;
-use super::units::{Dimension, rounded};
-use std::sync::{Arc, LazyLock};
-use toml::de::DeValue;
+use std::sync::Arc;
 use toml_edit::{DocumentMut, Item, TableLike, value};
-
-/// Most keys of a sweep.
-pub const MOST_KEYS: usize = 6;
-/// A key of a scene that can be swept.
-#[derive(Debug, PartialEq, Eq)]
-pub struct Sweepable {
-    /// Its dotted name.
-    pub name: &'static str,
-    /// What it measures; none for a number.
-    pub dimension: Option<Dimension>,
-    /// What it is, in words.
-    pub long_name: &'static str,
-}
-
-/// All keys that can be swept: the numbers of a scene, but for those that every point has to have alike.
-pub static SWEEPABLE: LazyLock<Vec<Sweepable>> = LazyLock::new(|| {
-    let swept = KEYS.iter().filter(|key| key.is_swept);
-    let sweepable = |key: &Key| {
-        let dimension = match key.value {
-            Value::Quantity(dimension, _) => Some(dimension),
-            _ => None,
-        };
-        Sweepable { name: key.name, dimension, long_name: key.what }
-    };
-    swept.map(sweepable).collect()
-});
-
-/// Keys that are not swept, by how their names begin, and what would do.
-const REFUSED: &[(&str, &str)] = &[
-    ("ensemble.replicas", "all points have the same replicas: give them in [ensemble], or with --replicas"),
-    (
-        "ensemble.seed",
-        "all points have the same seed; common_random_numbers = false gives each one of its own",
-    ),
-    ("ensemble.", "all points are sampled alike: give it in [ensemble]"),
-    (
-        "separation",
-        "all points have the same separations: give them in [separation]; h_star follows surface_height_std",
-    ),
-    ("output", "all points are kept alike: give it in [output]"),
-    ("model.law", "a law is no number; `stiction compare` compares laws"),
-    ("model.history", "a history is no number: give it in [model]"),
-    ("solver.summation", "is no number: give it in [solver]"),
-    ("format", "is that of the whole file"),
-    ("title", "is that of the whole file"),
-];
-
-impl Sweepable {
-    /// The key of a dotted name.
-    pub fn named(name: &str) -> Option<&'static Self> {
-        SWEEPABLE.iter().find(|key| key.name == name)
-    }
-
-    /// A value, SI, as it stands in the scene of a point; it reads back as the same double.
-    fn item(&self, number: f64) -> Item {
-        match self.dimension {
-            Some(dimension) => value(format!("{number:e} {}", dimension.si())),
-            None => value(number),
-        }
-    }
-
-    /// A value, SI, in messages and tables.
-    pub fn shown(&self, number: f64) -> String {
-        self.dimension.map_or_else(|| rounded(number), |dimension| dimension.shown(number))
-    }
-
-    /// Reads a value, SI.
-    fn read(&self, entry: &Entry<'_>) -> Result<f64, SceneError> {
-        match self.dimension {
-            None => entry.number(),
-            Some(_) if entry.number() == Ok(0.0) => Ok(0.0),
-            Some(dimension) => entry.quantity(dimension),
-        }
-    }
-}
-
-/// A key and its values.
-#[derive(Clone, Debug)]
-pub struct Axis {
-    /// The key.
-    pub key: &'static Sweepable,
-    /// Its values, SI.
-    pub values: Vec<f64>,
-}
 
 /// A sweep: points in the order of the keys, the last of which runs fastest.
 #[derive(Clone, Debug)]
@@ -127,28 +38,7 @@ pub struct Sweep {
 impl Sweep {
     /// Reads the table \[sweep\] of a scene.
     pub(super) fn read(text: &str, sweep: &Entry<'_>, files: Arc<dyn Files>) -> Result<Self, SceneError> {
-        let mut options = Options { mode: Mode::Grid, common_random_numbers: true, swept: Vec::new() };
-        options.collect(&sweep.any_table("its keys are dotted names of the scene")?, "")?;
-        let Options { mode, common_random_numbers, mut swept } = options;
-        // In the order of the text.
-        swept.sort_by_key(|(_, entry)| entry.value.span().start);
-        if swept.is_empty() {
-            let example = "\"material.work_of_adhesion\" = [\"0.04 J/m^2\", \"0.3 J/m^2\"]";
-            return Err(sweep.wrong(&format!("names no key; for example {example}")));
-        }
-        if swept.len() > MOST_KEYS {
-            return Err(sweep.wrong(&format!("names {} keys; at most {MOST_KEYS} can be swept", swept.len())));
-        }
-        let lengths = all(swept.iter().map(|(_, entry)| length(entry)))?;
-        check_lengths(mode, &swept, &lengths)?;
-        let axes = swept.iter().map(|(key, entry)| {
-            let values = values(key, entry)?;
-            if mode == Mode::Grid {
-                refuse_repeated(key, entry, &values)?;
-            }
-            Ok(Axis { key, values })
-        });
-        let axes = all(axes)?;
+        let SweepTable { mode, common_random_numbers, axes } = SweepTable::read(sweep)?;
         Ok(Self {
             mode,
             common_random_numbers,
@@ -302,134 +192,6 @@ fn split_mix(state: u64, index: u64) -> u64 {
     z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
     z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
     z ^ (z >> 31)
-}
-
-/// What the table \[sweep\] says.
-struct Options<'a> {
-    mode: Mode,
-    common_random_numbers: bool,
-    swept: Vec<(&'static Sweepable, Entry<'a>)>,
-}
-
-impl<'a> Options<'a> {
-    /// Takes the keys of a table, whose own dotted name within \[sweep\] is `prefix`.
-    fn collect(&mut self, table: &Section<'a>, prefix: &str) -> Result<(), SceneError> {
-        all(table.entries().map(|(key, mut entry)| {
-            let name = if prefix.is_empty() { key.to_owned() } else { format!("{prefix}.{key}") };
-            entry.name = format!("sweep.{}", shortened(&name));
-            match name.as_str() {
-                "mode" => self.mode = entry.choice("mode", &Mode::ALL)?,
-                "common_random_numbers" => self.common_random_numbers = entry.boolean()?,
-                _ => self.swept_key(&name, entry)?,
-            }
-            Ok(())
-        }))
-        .map(drop)
-    }
-
-    fn swept_key(&mut self, name: &str, entry: Entry<'a>) -> Result<(), SceneError> {
-        if let Some(key) = Sweepable::named(name) {
-            if self.swept.iter().any(|(known, _)| *known == key) {
-                return Err(entry.wrong("the key is swept twice: keep one of them"));
-            }
-            self.swept.push((key, entry));
-            return Ok(());
-        }
-        let begins = format!("{name}.");
-        let mut names = SWEEPABLE.iter().map(|key| key.name).chain(REFUSED.iter().map(|(name, _)| *name));
-        if names.any(|known| known.starts_with(&begins)) {
-            return self.collect(&entry.any_table("its keys are those of the scene's table")?, name);
-        }
-        if let Some((_, problem)) = REFUSED.iter().find(|(known, _)| name.starts_with(known)) {
-            return Err(entry.wrong(problem));
-        }
-        let meant = nearest(name, SWEEPABLE.iter().map(|key| key.name));
-        let meant = meant.map(|known| format!("did you mean `{known}`? ")).unwrap_or_default();
-        Err(entry.wrong(&format!("no key that can be swept; {meant}{}", known())))
-    }
-}
-
-/// The keys that can be swept, in messages.
-fn known() -> String {
-    let mut text = "known are the numbers of".to_owned();
-    let sections = ["material", "surface", "model", "solver"];
-    for (i, section) in sections.iter().enumerate() {
-        text += &format!("{} [{section}]", if i == 0 { "" } else { "," });
-    }
-    text
-}
-
-/// The number of values that an entry of \[sweep\] says.
-fn length(entry: &Entry<'_>) -> Result<usize, SceneError> {
-    match entry.value.get_ref() {
-        DeValue::Array(array) if (1..=MOST_POINTS).contains(&array.len()) => Ok(array.len()),
-        DeValue::Array(array) => {
-            Err(entry.wrong(&format!("has {} values; 1 to {MOST_POINTS} are needed", array.len())))
-        }
-        DeValue::Table(_) => {
-            let table = entry.table()?;
-            let count = table.require("count").and_then(|count| count.whole());
-            (table.known(), count).together().map(|((), count)| count as usize)
-        }
-        _ => Err(entry.wrong("a list, or a table { from, to, count, spacing }, is needed")),
-    }
-}
-
-fn check_lengths(mode: Mode, swept: &[(&Sweepable, Entry<'_>)], lengths: &[usize]) -> Result<(), SceneError> {
-    let (_, last) = &swept[swept.len() - 1];
-    if mode == Mode::Grid {
-        let points = lengths.iter().try_fold(1_usize, |product, length| product.checked_mul(*length));
-        return match points {
-            Some(points) if points <= MOST_POINTS => Ok(()),
-            _ => {
-                let lengths: Vec<String> = lengths.iter().map(usize::to_string).collect();
-                let grid = lengths.join(" x ");
-                Err(last.wrong(&format!("the grid has {grid} points; at most {MOST_POINTS} are computed")))
-            }
-        };
-    }
-    match lengths.iter().position(|length| *length != lengths[0]) {
-        None => Ok(()),
-        Some(other) => Err(swept[other].1.wrong(&format!(
-            "has {} values, but `{}` has {}; mode = \"zip\" needs as many of each",
-            lengths[other], swept[0].0.name, lengths[0]
-        ))),
-    }
-}
-
-/// The values of an entry, SI.
-fn values(key: &Sweepable, entry: &Entry<'_>) -> Result<Vec<f64>, SceneError> {
-    if let DeValue::Array(array) = entry.value.get_ref() {
-        return array.iter().enumerate().map(|(i, element)| key.read(&entry.element(i, element))).collect();
-    }
-    let table = entry.table()?;
-    let end = |name: &str| table.require(name).and_then(|end| key.read(&end));
-    let spacing = table.optional("spacing", |entry| entry.choice("spacing", &SPACINGS));
-    let (from, to, count, spacing) = (end("from"), end("to"), length(entry), spacing).together()?;
-    let logarithmic = spacing.unwrap_or(false);
-    if logarithmic && !(from > 0.0 && to > 0.0) {
-        return Err(entry.wrong("spacing = \"log\" needs ends that are greater than 0"));
-    }
-    let share = |i: usize| i as f64 / (count - 1) as f64;
-    let inner = |i: usize| match logarithmic {
-        true => from * libm::pow(to / from, share(i)),
-        false => from + (to - from) * share(i),
-    };
-    let values: Vec<f64> = (0..count).map(|i| if i + 1 == count { to } else { inner(i) }).collect();
-    if !values.iter().all(|value| value.is_finite()) {
-        return Err(entry.wrong("the values between its ends are no numbers: check its units"));
-    }
-    Ok(values)
-}
-
-/// Refuses values that are there twice: the dimension of a key is found by its values.
-fn refuse_repeated(key: &Sweepable, entry: &Entry<'_>, values: &[f64]) -> Result<(), SceneError> {
-    let mut sorted = values.to_vec();
-    sorted.sort_unstable_by(f64::total_cmp);
-    match sorted.windows(2).find(|pair| pair[0] == pair[1]) {
-        None => Ok(()),
-        Some(pair) => Err(entry.wrong(&format!("has the value {} twice", key.shown(pair[0])))),
-    }
 }
 
 /// A scene without its sweep.

@@ -19,10 +19,13 @@ pub enum Dimension {
     Stiffness,
 }
 
-/// Units by dimension: spelling, factor to SI as power of ten.
-const UNITS: &[(Dimension, &[(&str, i32)])] = &[
+/// A dimension: its name in messages, its SI unit in files, its units with their factors to SI as powers of ten.
+type Row = (Dimension, [&'static str; 2], &'static [(&'static str, i32)]);
+
+const UNITS: &[Row] = &[
     (
         Dimension::Length,
+        ["a length", "m"],
         &[
             ("m", 0),
             ("mm", -3),
@@ -37,23 +40,32 @@ const UNITS: &[(Dimension, &[(&str, i32)])] = &[
     ),
     (
         Dimension::Area,
+        ["an area", "m2"],
         &[("m^2", 0), ("mm^2", -6), ("um^2", -12), ("µm^2", -12), ("μm^2", -12), ("nm^2", -18)],
     ),
     (
         Dimension::ArealDensity,
+        ["a number per area", "m-2"],
         &[("/m^2", 0), ("/mm^2", 6), ("/um^2", 12), ("/µm^2", 12), ("/μm^2", 12), ("/nm^2", 18)],
     ),
-    (Dimension::Pressure, &[("Pa", 0), ("kPa", 3), ("MPa", 6), ("GPa", 9), ("TPa", 12)]),
+    (
+        Dimension::Pressure,
+        ["a pressure", "Pa"],
+        &[("Pa", 0), ("kPa", 3), ("MPa", 6), ("GPa", 9), ("TPa", 12)],
+    ),
     (
         Dimension::SurfaceEnergy,
+        ["an energy per area", "J m-2"],
         &[("J/m^2", 0), ("mJ/m^2", -3), ("uJ/m^2", -6), ("N/m", 0), ("mN/m", -3), ("uN/m", -6)],
     ),
     (
         Dimension::Force,
+        ["a force", "N"],
         &[("N", 0), ("mN", -3), ("uN", -6), ("µN", -6), ("μN", -6), ("nN", -9), ("pN", -12), ("kN", 3)],
     ),
     (
         Dimension::Stiffness,
+        ["a stiffness", "N m-1"],
         &[
             ("N/m", 0),
             ("mN/m", -3),
@@ -72,15 +84,7 @@ const UNITS: &[(Dimension, &[(&str, i32)])] = &[
 impl Dimension {
     /// Its name in messages, with an article.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Length => "a length",
-            Self::Area => "an area",
-            Self::ArealDensity => "a number per area",
-            Self::Pressure => "a pressure",
-            Self::SurfaceEnergy => "an energy per area",
-            Self::Force => "a force",
-            Self::Stiffness => "a stiffness",
-        }
+        row(self).1[0]
     }
 
     /// Its SI unit as scenes write it.
@@ -103,15 +107,7 @@ impl Dimension {
 
     /// Its SI unit as files write it.
     pub fn file_units(self) -> &'static str {
-        match self {
-            Self::Length => "m",
-            Self::Area => "m2",
-            Self::ArealDensity => "m-2",
-            Self::Pressure => "Pa",
-            Self::SurfaceEnergy => "J m-2",
-            Self::Force => "N",
-            Self::Stiffness => "N m-1",
-        }
+        row(self).1[1]
     }
 
     /// The dimension of an SI unit as files write it.
@@ -119,7 +115,7 @@ impl Dimension {
     /// # Panics
     /// When no dimension has it, which is an error in this program.
     pub fn of_units(units: &str) -> Self {
-        let found = UNITS.iter().find(|(dimension, _)| dimension.file_units() == units);
+        let found = UNITS.iter().find(|row| row.1[1] == units);
         found.unwrap_or_else(|| panic!("no dimension has the units {units}")).0
     }
 
@@ -144,7 +140,11 @@ pub fn rounded(value: f64) -> String {
 }
 
 fn units(dimension: Dimension) -> &'static [(&'static str, i32)] {
-    UNITS.iter().find(|(known, _)| *known == dimension).expect("every dimension has units").1
+    row(dimension).2
+}
+
+fn row(dimension: Dimension) -> &'static Row {
+    UNITS.iter().find(|row| row.0 == dimension).expect("every dimension has units")
 }
 
 /// Why a text is not a quantity of a dimension.
@@ -184,8 +184,8 @@ pub fn parse(text: &str, dimension: Dimension) -> Result<f64, QuantityError> {
         Some((_, power)) => Ok(scaled(number, plain, *power)),
         None => Err(UNITS
             .iter()
-            .find(|(other, _)| find(*other).is_some())
-            .map_or(QuantityError::UnknownUnit(unit.to_owned()), |(other, _)| {
+            .find(|(other, ..)| find(*other).is_some())
+            .map_or(QuantityError::UnknownUnit(unit.to_owned()), |(other, ..)| {
                 QuantityError::OtherDimension(*other)
             })),
     }
@@ -340,7 +340,7 @@ mod tests {
     #[test]
     fn every_unit_has_the_power_of_its_prefixes() {
         let mut units = 0;
-        for (dimension, spellings) in UNITS {
+        for (dimension, _, spellings) in UNITS {
             for (spelling, _) in *spellings {
                 let value: f64 = format!("2.5e{}", power(spelling)).parse().unwrap();
                 assert_eq!(parse(&format!("2.5 {spelling}"), *dimension), Ok(value), "{spelling}");
@@ -361,38 +361,7 @@ mod tests {
     /// What is taken for the number is the longest beginning that Rust's own parser takes for one.
     #[test]
     fn a_number_ends_where_the_longest_one_does() {
-        let texts = [
-            "",
-            "-",
-            "+.",
-            ".",
-            ".5m",
-            "5.m",
-            "-.5e3m",
-            "1e",
-            "1e+",
-            "1e+m",
-            "1e5",
-            "1e5e5",
-            "1.2.3",
-            "--1",
-            "+-1",
-            "inf",
-            "infm",
-            "-infinitym",
-            "INFINIT",
-            "nan",
-            "+NaNo",
-            "in",
-            "1inf",
-            "1_000",
-            "١ m",
-            "0x10 m",
-            "1e-5µm",
-            "e5",
-            ".e5",
-            "5.e-7nm",
-        ];
+        let texts = "|-|+.|.|.5m|5.m|-.5e3m|1e|1e+|1e+m|1e5|1e5e5|1.2.3|--1|+-1|inf|infm|-infinitym|INFINIT|nan|+NaNo|in|1inf|1_000|١ m|0x10 m|1e-5µm|e5|.e5|5.e-7nm".split('|');
         for text in texts {
             let ends = text.char_indices().map(|(i, _)| i).chain([text.len()]);
             let longest = ends.filter(|&i| text[..i].parse::<f64>().is_ok()).max().unwrap_or(0);
@@ -425,7 +394,7 @@ mod tests {
     /// twice.
     #[test]
     fn no_spelling_means_two_things() {
-        let of = |(dimension, units): &(Dimension, &'static [(&'static str, i32)])| {
+        let of = |(dimension, _, units): &Row| {
             units.iter().map(|unit| (*dimension, *unit)).collect::<Vec<_>>()
         };
         let all: Vec<(Dimension, (&str, i32))> = UNITS.iter().flat_map(of).collect();

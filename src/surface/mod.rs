@@ -125,7 +125,7 @@ pub struct Surface {
 pub enum SurfaceError {
     /// σ² is smaller than what the conversion subtracts.
     #[error(
-        "sigma_s^2 = sigma^2 - 3.717e-4/(eta R)^2 is negative: sigma = {given:e} m, but eta R needs more than {least:e} m"
+        "sigma_s^2 = sigma^2 - 3.717e-4/(eta R)^2 is negative: sigma = {given:.4e} m, but eta R needs more than {least:.4e} m"
     )]
     NegativeVariance {
         /// σ, m.
@@ -137,11 +137,11 @@ pub enum SurfaceError {
     #[error("neither surface_height_std nor asperity_height_std is given")]
     NoHeightStd,
     /// ηA_n rounds to no asperity, or to more than can be counted.
-    #[error("asperity_density x nominal_area = {0:e} asperities; 0.5 to 1e12 can be drawn")]
+    #[error("asperity_density x nominal_area = {0:.4e} asperities; 0.5 to 1e12 can be drawn")]
     Count(f64),
     /// A length of the surface is beyond [`LENGTHS`].
     #[error(
-        "{name} = {value:e} m, which follows from the quantities of the surface, is outside 1e-100..1e100 m: check their units"
+        "{name} = {value:.4e} m, which follows from the quantities of the surface, is outside 1e-100..1e100 m: check their units"
     )]
     Length {
         /// Which.

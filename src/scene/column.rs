@@ -1,0 +1,55 @@
+//! Values that a law takes out of a file.
+
+use super::error::{SceneError, Together};
+use super::files::{Column, Files, Input, MOST_VALUES};
+use super::reader::{Entry, Section};
+use super::units::{Dimension, parse};
+use toml::de::DeValue;
+
+/// Fewest values of a file, so that they have a scatter.
+pub(super) const FEWEST: usize = 2;
+/// Keys of such a law.
+pub(super) const FILE_KEYS: [&str; 4] = ["path", "column", "dataset", "unit"];
+
+/// Values of a file, in SI.
+pub(super) fn of_file(
+    name: &Entry<'_>,
+    table: Option<&Section<'_>>,
+    files: &dyn Files,
+    inputs: &mut Vec<Input>,
+) -> Result<Vec<f64>, SceneError> {
+    let example = "{ law = \"file\", path = \"heights.csv\", column = \"height\", unit = \"nm\" }";
+    let Some(table) = table else { return Err(name.wrong(&format!("needs a path and a unit: {example}"))) };
+    let factor = table.require("unit").and_then(|unit| {
+        parse(&format!("1 {}", unit.string()?), Dimension::Length)
+            .map_err(|_| unit.wrong("a unit of length is needed, such as nm, um, m"))
+    });
+    let path = table.require("path").and_then(|entry| entry.string().map(|path| (entry, path)));
+    let ((entry, path), factor, column) = (path, factor, column(name, table)).together()?;
+    let values = files.column(path, &column).map_err(|problem| entry.wrong(&problem))?;
+    if !(FEWEST..=MOST_VALUES).contains(&values.len()) {
+        let count = values.len();
+        return Err(entry.wrong(&format!("has {count} values; {FEWEST} to {MOST_VALUES} are needed")));
+    }
+    if let Some(place) = values.iter().position(|value| !value.is_finite()) {
+        return Err(entry.wrong(&format!("value {} is not finite: {}", place + 1, values[place])));
+    }
+    inputs.push(Input::new(path, &[&values]));
+    Ok(values.into_iter().map(|value| value * factor).collect())
+}
+
+/// Which values of a file.
+fn column(name: &Entry<'_>, table: &Section<'_>) -> Result<Column, SceneError> {
+    Ok(match (table.get("column"), table.get("dataset")) {
+        (Some(column), Some(_)) => return Err(column.wrong("give either column or dataset, not both")),
+        (Some(column), None) => match column.value.get_ref() {
+            DeValue::Integer(_) => Column::Numbered(column.integer(1..=10_000)?),
+            _ => Column::Named(column.string()?.to_owned()),
+        },
+        (None, Some(dataset)) => Column::Dataset(dataset.string()?.to_owned()),
+        (None, None) => {
+            return Err(name
+                .wrong("needs the column of a CSV file, by name or number, or the dataset of an HDF5 file"));
+        }
+    })
+}

@@ -1,0 +1,83 @@
+//! Warnings of a scene, and the places where its results are read off.
+
+/// What is outside of a limit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Warning {
+    /// The number and the limit.
+    pub finding: String,
+    /// Why that is the limit, and who says so.
+    pub reason: String,
+    /// Keys of the scene whose units may be wrong; empty where that is not likely.
+    pub keys: &'static [&'static str],
+}
+
+impl Warning {
+    pub(super) fn new(finding: String, reason: impl Into<String>, keys: &'static [&'static str]) -> Self {
+        Self { finding, reason: reason.into(), keys }
+    }
+
+    /// The reason, and the keys to look at.
+    pub fn explanation(&self) -> String {
+        let keys = match self.keys {
+            [] => String::new(),
+            keys => format!("; check the units of {}", keys.join(", ")),
+        };
+        format!("{}{keys}", self.reason)
+    }
+}
+
+/// What is read off a scene's curves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum WhatIsRead {
+    /// The pull-off.
+    PullOff,
+    /// The largest stiffness.
+    StiffestPoint,
+    /// Where surfaces turn that are pulled back: all that follows depends on it.
+    Turn,
+    /// The shares at the smallest separation, where nothing pulls.
+    Nearest,
+}
+
+/// A place where something is read off, by the integral.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reading {
+    /// What.
+    pub what: WhatIsRead,
+    /// Where: separation h, m.
+    pub separation: f64,
+    /// Expected share of the nominal area in contact there.
+    pub share_in_contact: f64,
+    /// The share of it that the curve does not have at any of the scene's separations.
+    pub missed: f64,
+}
+
+/// What the integral of a scene expects.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Expected {
+    /// Where results are read off.
+    pub readings: Vec<Reading>,
+    /// The bound of its relative error.
+    pub error: f64,
+}
+
+impl WhatIsRead {
+    /// Where it is.
+    pub(super) fn place(self) -> &'static str {
+        match self {
+            Self::PullOff => "at pull-off",
+            Self::StiffestPoint => "at the stiffest point",
+            Self::Turn => "where the surfaces turn back",
+            Self::Nearest => "at the smallest separation",
+        }
+    }
+
+    /// What it is called.
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::PullOff => "pull-off",
+            Self::StiffestPoint => "peak stiffness",
+            Self::Turn | Self::Nearest => "curve",
+        }
+    }
+}

@@ -4,6 +4,7 @@ mod asperities;
 mod asperity;
 mod check;
 mod compare;
+mod describe;
 mod finite_size;
 mod info;
 mod instability;

@@ -1,6 +1,6 @@
 //! The summary of a run on the terminal.
 
-use super::check::{beyond, heading, skipped, unit, warned};
+use super::describe::{beyond, heading, skipped, unit, warned};
 use super::instability::instability;
 use super::rows::row;
 use crate::asperity::Quantity;

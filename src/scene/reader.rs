@@ -15,7 +15,8 @@ const SHOWN_WORDS: usize = 60;
 pub(super) fn document(text: &str) -> Result<Spanned<DeTable<'_>>, SceneError> {
     DeTable::parse(text).map_err(|error| {
         let line = error.span().map(|span| line_of(text, span.start));
-        let given = line.and_then(|line| text.lines().nth(line - 1)).unwrap_or_default().trim();
+        let given =
+            line.and_then(|line| text.lines().nth(line - 1)?.split('#').next()).unwrap_or_default().trim();
         if given.split_once('=').is_some_and(|(_, value)| has_decimal_comma(value)) {
             let given = shortened(given);
             return SceneError::at(

@@ -394,9 +394,8 @@ mod tests {
     /// twice.
     #[test]
     fn no_spelling_means_two_things() {
-        let of = |(dimension, _, units): &Row| {
-            units.iter().map(|unit| (*dimension, *unit)).collect::<Vec<_>>()
-        };
+        let of =
+            |(dimension, _, units): &Row| units.iter().map(|unit| (*dimension, *unit)).collect::<Vec<_>>();
         let all: Vec<(Dimension, (&str, i32))> = UNITS.iter().flat_map(of).collect();
         let shared = [Dimension::SurfaceEnergy, Dimension::Stiffness];
         for (i, (dimension, unit)) in all.iter().enumerate() {

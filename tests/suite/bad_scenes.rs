@@ -196,6 +196,26 @@ const CASES: &[(&str, &str, &[&str])] = &[
         "[solver]\nsummation = \"compressed\"\n[output]",
         &["line 31", "unknown summation, which is now \"moments\""],
     ),
+    (
+        "poisson_ratio = 0.27",
+        "poisson_ratio = 0,27",
+        &["line 8", "`poisson_ratio = 0,27` has a decimal comma; a point is needed"],
+    ),
+    (
+        "poisson_ratio = 0.27",
+        "poisson_ratio = \"0,27\"",
+        &["line 8", "has a decimal comma", "no quotation marks"],
+    ),
+    (
+        "replicas = 200",
+        "replicas = 200\ntarget = { quantity = \"force\", relative_standard_error = 2 }\nsampling = \"layered\"",
+        &[
+            "line 27: `ensemble.replicas = 200`: with a target",
+            "line 28: `ensemble.target.quantity = \"force\"`: unknown quantity",
+            "line 28: `ensemble.target.relative_standard_error = 2`: a relative standard error",
+            "line 29: `ensemble.sampling = \"layered\"`: unknown sampling",
+        ],
+    ),
     ("history = \"approach\"", "path = \"approach\"", &["line 21", "`model.path` is now `model.history`"]),
     (
         "[output]",

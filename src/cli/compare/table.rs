@@ -1,7 +1,7 @@
 //! A comparison as the terminal shows it.
 
 use crate::asperity::laws::fit::FORCES;
-use crate::cli::check::{numbers, title, warned};
+use crate::cli::describe::{numbers, title, warned};
 use crate::cli::rows::row;
 use crate::experiment::compare::{Comparison, Mean, SampledLaw, deviation};
 use crate::format::{percent, si, signed_percent};

@@ -1,0 +1,201 @@
+//! Scenes and plans of runs on the terminal, for every command that shows them.
+
+use super::instability::held;
+use super::rows::row;
+use crate::asperity::scale::Scale;
+use crate::engine::{Limit, SCALARS, Stopping, Target};
+use crate::estimate::Plan;
+use crate::format::{percent, pure, si};
+use crate::scene::echo::one_line;
+use crate::scene::units::Dimension;
+use crate::scene::{Scene, Warning};
+use crate::surface::{CountLaw, HeightLaw, Radii, SamplingScheme, Surface};
+
+/// Warnings, a line each.
+pub(super) fn warned(warnings: &[Warning]) -> String {
+    warnings.iter().map(|warning| row("warning", &warning.finding)).collect()
+}
+
+/// The title, the model, and what characterises the scene.
+pub(super) fn heading(scene: &Scene) -> String {
+    title(scene) + &facts(scene)
+}
+
+/// The model, and what characterises the scene.
+pub(super) fn facts(scene: &Scene) -> String {
+    let mut text = String::new();
+    text += &row("model", &format!("{} on {}", scene.model.name, scene.history_name()));
+    text += &row("", scene.model.about);
+    text += &numbers(scene);
+    text += &held(scene);
+    let most = if scene.stopping.is_some() { "at most " } else { "" };
+    text += &row("replicas", &format!("{most}{} with seed {}", scene.replicas, scene.seed));
+    text += &scene.stopping.as_ref().map(targets).unwrap_or_default();
+    text + &row("sampling", &sampling(scene.sampling))
+}
+
+/// The unit of what a target is for.
+pub(super) fn unit(target: &Target) -> &'static str {
+    Dimension::of_units(SCALARS[target.quantity].units).si()
+}
+
+/// The targets that end the run before all replicas are in.
+fn targets(stopping: &Stopping) -> String {
+    let lines = stopping.targets.iter().enumerate().map(|(i, target)| {
+        let limit = match target.limit {
+            Limit::Relative(share) => format!("{} of it", percent(share)),
+            Limit::Absolute(largest) => si(largest, unit(target)),
+        };
+        let mean = format!("{} mean of {}", target.estimate.name(), target.name());
+        row(
+            if i == 0 { "until" } else { "and" },
+            &format!("the {mean} has a standard error of at most {limit}"),
+        )
+    });
+    let looks = format!(
+        "first looked at after {} replicas, then after a tenth more each time",
+        stopping.min_replicas
+    );
+    lines.collect::<String>() + &row("", &looks)
+}
+
+/// How the replicas are drawn relative to each other.
+fn sampling(scheme: SamplingScheme) -> String {
+    let about = match scheme {
+        SamplingScheme::Independent => "each replica by itself".to_owned(),
+        SamplingScheme::Antithetic => "pairs of replicas with heights of opposite sign".to_owned(),
+        SamplingScheme::Stratified => {
+            let group = scheme.group();
+            format!(
+                "groups of {group} replicas, each asperity once in each of {group} equally probable ranges of height"
+            )
+        }
+    };
+    format!("{}: {about}", scheme.name())
+}
+
+/// The title, or that there is none.
+pub(super) fn title(scene: &Scene) -> String {
+    format!("{}\n", if scene.title.is_empty() { "Untitled scene".to_owned() } else { one_line(&scene.title) })
+}
+
+/// The numbers that characterise the scene, whatever its law.
+pub(super) fn numbers(scene: &Scene) -> String {
+    let surface = &scene.surface;
+    let Scale { lambda, length, .. } = scene.scale();
+    let (first, last) = (scene.separations[0], scene.separations[scene.separations.len() - 1]);
+    let h_star = |h: f64| h / surface.surface_height_std;
+    let mut text = String::new();
+    text += &row(
+        "lambda",
+        &format!("{}  adhesion parameter (unit of approach {})", pure(lambda), si(length, "m")),
+    );
+    text += &row(
+        "psi",
+        &format!(
+            "{}  plasticity index (critical interference {})",
+            pure(scene.asperity.plasticity_index(surface.surface_height_std)),
+            si(scene.asperity.critical_interference(), "m")
+        ),
+    );
+    if let Some(critical_approach) = scene.critical_approach {
+        text += &row(
+            "delta_A",
+            &format!("{}  critical approach, as the scene sets it", si(critical_approach, "m")),
+        );
+    }
+    let (mean, std) = surface.heights.moments();
+    let varies = match surface.count_law {
+        CountLaw::Fixed => "",
+        CountLaw::Poisson => " on average (Poisson)",
+    };
+    let asperities = format!("{} asperities per replica{varies}", surface.asperity_count);
+    text += &row("N", &format!("{asperities}, heights with standard deviation {}", si(std, "m")));
+    text += &laws(surface, mean);
+    text += &row(
+        "separations",
+        &format!(
+            "{} from h* = {:.3} to {:.3} (h = {} to {})",
+            scene.separations.len(),
+            h_star(first),
+            h_star(last),
+            si(first, "m"),
+            si(last, "m")
+        ),
+    );
+    text
+}
+
+/// Laws of heights and radii, where they are not all Gaussian and the same.
+fn laws(surface: &Surface, mean_height: f64) -> String {
+    let mut text = String::new();
+    if surface.heights.law != HeightLaw::Gaussian {
+        let about = surface.heights.law.about();
+        // What is cut off an end moves the mean.
+        let mean = if mean_height.abs() > 1e-9 * surface.heights.std {
+            format!(", mean {}", si(mean_height, "m"))
+        } else {
+            String::new()
+        };
+        text += &row("heights", &format!("{about}{mean}"));
+    }
+    if surface.is_polydisperse() {
+        let radius = si(surface.asperity_radius, "m");
+        let what = if matches!(surface.radii, Radii::Nayak(_)) { "1/mean curvature" } else { "mean radius" };
+        text += &row(
+            "radii",
+            &format!("{}; {what} {radius}: each asperity has its own lambda", surface.radii.about()),
+        );
+    }
+    if surface.whole {
+        text += &row(
+            "",
+            "every replica is the measured surface itself: one says all, and nothing is left to chance",
+        );
+    }
+    text
+}
+
+/// What the law leaves out, if it ends at some interference.
+pub(super) fn beyond(plan: &Plan) -> String {
+    if plan.beyond < 1e-6 {
+        return String::new();
+    }
+    let text = format!(
+        "up to {:.3} asperities per replica are beyond this law's last regime and bear no force",
+        plan.beyond
+    );
+    row("left out", &text)
+}
+
+/// What the scene does not need.
+pub(super) fn skipped(plan: &Plan) -> String {
+    let label = |i: usize| if i == 0 { "skipped" } else { "" };
+    plan.skips.iter().enumerate().map(|(i, skip)| row(label(i), skip)).collect()
+}
+
+/// The regimes, and the share of all asperities in each.
+pub(super) fn regimes(plan: &Plan, all: f64) -> String {
+    let lines = plan.regimes.iter().enumerate().map(|(i, regime)| {
+        let end = |interference: f64| {
+            if interference.is_finite() {
+                si(interference, "m")
+            } else if interference < 0.0 {
+                "-inf".into()
+            } else {
+                "inf".into()
+            }
+        };
+        let interval = format!("{} .. {}", end(regime.lower), end(regime.upper));
+        let label = if i == 0 { "regimes" } else { "" };
+        row(
+            label,
+            &format!(
+                "{:<16}{interval:<28}{} of asperities and separations",
+                regime.regime.name(),
+                percent(regime.asperities / all)
+            ),
+        )
+    });
+    lines.collect()
+}

@@ -219,6 +219,8 @@ fn put(scene: &mut DocumentMut, name: &str, value: Item) -> Result<(), SceneErro
 
 #[cfg(test)]
 mod tests {
+    use super::super::axes::SWEEPABLE;
+    use super::super::units::Dimension;
     use super::*;
     use crate::scene::files::NoFiles;
 

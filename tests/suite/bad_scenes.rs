@@ -282,7 +282,7 @@ const CASES: &[(&str, &str, &[&str])] = &[
     (
         "h_star = {",
         "stiffness_span = \"15 nm\"\nh_star = {",
-        &["line 24", "`separation.stiffness_span = \"15 nm\"`", "reach over 1.4571", "within them"],
+        &["line 24", "`separation.stiffness_span = \"15 nm\"`", "reach over 14.571 nm", "within them"],
     ),
     (
         "h_star = {",

@@ -12,7 +12,7 @@ const MOMENTS: (f64, f64) = (30.0, 1500.0);
 /// Nanoseconds of a surface by moments that the search solves once more: at all, and for each asperity.
 const SEARCHED: (f64, f64) = (13e3, 4.3);
 /// Nanoseconds of a top that has flowed and has a radius of its own, which is looked for on every retraction.
-const FLATTENED: f64 = 1.5e6;
+const FLATTENED: f64 = 4.5e5;
 /// Nanoseconds of an asperity of a surface in chunks that is drawn again, twice, and looked at.
 const AGAIN: f64 = 30.0;
 /// Nanoseconds of making the law of an asperity, where each has its own, and of a solve of that law.

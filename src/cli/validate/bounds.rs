@@ -113,8 +113,6 @@ const BOUNDS: &[Bound] = &[
     bound("/validation/verdict", Other, Never),
     bound("/validity/note", Other, Never),
     bound("/count_at_accuracy_source", Other, Never),
-    bound("/records", Other, Never),
-    bound("/state", Other, Never),
     // Numbers of a run, which a sweep has over its points.
     bound("/replica_count", NotNegative, Never),
     bound("/seed", NotNegative, Never),

@@ -5,8 +5,9 @@ use super::rows::row;
 use super::session::Session;
 use super::summary::summary;
 use super::sweep::told;
-use super::{Failure, MergeArguments, files_of, print_of};
+use super::{Failure, MergeArguments, print_of};
 use crate::experiment::checkpoint::OverwritePolicy;
+use crate::experiment::files::inputs_of;
 use crate::experiment::merge::Merge;
 use crate::experiment::points::Points;
 use crate::experiment::prepared::Task;
@@ -18,7 +19,8 @@ pub(super) fn merge(arguments: &MergeArguments) -> Result<(), Failure> {
     let MergeArguments { shards, output, partial, scene, .. } = arguments;
     let session = Session::new(&arguments.execution, Duration::MAX)?;
     let run = ShardSet::new(shards, *partial, scene.as_deref())?;
-    let lock = OutputLock::new(output, &[&shards[..], &files_of(&run.source, &run.document.scene)].concat())?;
+    let lock =
+        OutputLock::new(output, &[&shards[..], &inputs_of(&run.source, &run.document.scene)].concat())?;
     let policy = OverwritePolicy { resume: false, force: arguments.execution.force };
     lock.check(policy.force)?;
     let merge = Merge { run: &run, session: &session };

@@ -30,7 +30,6 @@ use crate::experiment;
 use crate::experiment::checkpoint::OverwritePolicy;
 use crate::math::instruction_set::InstructionSet;
 use crate::output::OutputError;
-use crate::output::columns::SceneFiles;
 use crate::scene::echo::{one_line, printable};
 use crate::scene::units::{Dimension, parse};
 use crate::scene::{Document, Scene, SceneError};
@@ -561,16 +560,6 @@ fn print_of(output: &Path, text: &str) -> Result<(), Failure> {
     })
 }
 
-/// An error of an experiment on the scene of a file, which it names.
-fn refused(path: &Path) -> impl Fn(experiment::Error) -> Failure {
-    move |error| match error {
-        experiment::Error::Law { .. } | experiment::Error::NotFor(_) => {
-            Failure::Usage(format!("{}: {error}", path.display()))
-        }
-        other => other.into(),
-    }
-}
-
 /// A law for the asperities of a scene, with the scene's file named in every error.
 fn law_of(scene: &Scene, model: &Model, path: &Path) -> Result<SurfaceLaws, Failure> {
     let refused = |error| format!("{}: the law {} cannot be used: {error}", path.display(), model.name);
@@ -581,14 +570,6 @@ fn law_of(scene: &Scene, model: &Model, path: &Path) -> Result<SurfaceLaws, Fail
 fn loop_of(scene: &Scene, path: &Path) -> Result<Option<Loop>, Failure> {
     let refused = |error| format!("{}: the law {} cannot be used: {error}", path.display(), scene.model.name);
     scene.loop_law().map_err(|error| Failure::Usage(refused(error)))
-}
-
-/// The files that a scene is made of: its own, and those that it takes values from.
-fn files_of(path: &Path, scene: &Scene) -> Vec<PathBuf> {
-    let beside = SceneFiles::scene(path);
-    std::iter::once(path.to_owned())
-        .chain(scene.inputs.iter().map(|input| beside.path(&input.path)))
-        .collect()
 }
 
 /// Reads a scene or a sweep, with its file named in every error.

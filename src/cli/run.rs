@@ -3,7 +3,8 @@
 use super::progress::Progress;
 use super::session::Session;
 use super::summary::summary;
-use super::{Failure, RunArguments, files_of, print_of, read_document, shard, sweep};
+use super::{Failure, RunArguments, print_of, read_document, shard, sweep};
+use crate::experiment::files::inputs_of;
 use crate::experiment::prepared::{SceneLaws, Task, run_scene};
 use crate::experiment::sampling::set_ensemble;
 use crate::output::OutputLock;
@@ -22,7 +23,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<(), Failure> {
     set_ensemble(&mut scene, arguments.options.replicas, arguments.options.seed)?;
     let output = output_of(arguments);
     let session = Session::new(&arguments.options.execution, arguments.options.checkpoint)?;
-    let lock = OutputLock::new(&output, &files_of(&arguments.scene, &scene))?;
+    let lock = OutputLock::new(&output, &inputs_of(&arguments.scene, &scene))?;
     let policy = arguments.options.policy();
     let task = Task { output: &output, lock: &lock, policy, shard: None, is_read_back: false };
     let laws =

@@ -3,8 +3,9 @@
 use super::progress::Progress;
 use super::rows::row;
 use super::session::{Session, points};
-use super::{Failure, RunArguments, files_of, print_of};
+use super::{Failure, RunArguments, print_of};
 use crate::engine::Shard;
+use crate::experiment::files::inputs_of;
 use crate::experiment::sampling::set_ensemble;
 use crate::experiment::shard_run::ShardRun;
 use crate::format::{duration, replicas};
@@ -23,7 +24,7 @@ pub(super) fn run(shard: Shard, document: Document, arguments: &RunArguments) ->
         return Err(Failure::Usage(format!("{}: {problem}", arguments.scene.display())));
     }
     let session = Session::new(&arguments.options.execution, arguments.options.checkpoint)?;
-    let lock = OutputLock::new(&output, &files_of(&arguments.scene, &scene))?;
+    let lock = OutputLock::new(&output, &inputs_of(&arguments.scene, &scene))?;
     let (source, policy) = (&arguments.scene, arguments.options.policy());
     let run = ShardRun { shard, source, output: &output, lock: &lock, policy, session: &session };
     let pieces = match &sweep {

@@ -3,9 +3,10 @@
 use super::rows::row;
 use super::run::output_of;
 use super::session::{Session, points};
-use super::{Failure, RunArguments, files_of, print_of};
+use super::{Failure, RunArguments, print_of};
+use crate::experiment::files::inputs_of;
 use crate::experiment::points::Points;
-use crate::experiment::stacked::{Row, stacked};
+use crate::experiment::stacked::{SweepPoint, stacked};
 use crate::format::si;
 use crate::output::OutputLock;
 use crate::output::schema::SWEEP;
@@ -17,7 +18,7 @@ use std::path::Path;
 pub(super) fn run(sweep: &Sweep, first: &Scene, arguments: &RunArguments) -> Result<(), Failure> {
     let output = output_of(arguments);
     let session = Session::new(&arguments.options.execution, arguments.options.checkpoint)?;
-    let lock = OutputLock::new(&output, &files_of(&arguments.scene, first))?;
+    let lock = OutputLock::new(&output, &inputs_of(&arguments.scene, first))?;
     let points = points(sweep, &arguments.scene, &lock, &arguments.options, &session, None);
     points.require()?;
     let identity = points.identity(sweep.source())?;
@@ -32,7 +33,7 @@ pub(super) fn run(sweep: &Sweep, first: &Scene, arguments: &RunArguments) -> Res
 }
 
 /// The summary of a sweep that is complete.
-pub(super) fn told(points: &Points<'_>, rows: &[Row]) -> Result<String, Failure> {
+pub(super) fn told(points: &Points<'_>, rows: &[SweepPoint]) -> Result<String, Failure> {
     let (sweep, output) = (points.sweep, points.lock.output());
     Ok(title(&points.scene(0)?) + &described(sweep) + "\n" + &table(sweep, rows) + &written_to(output))
 }
@@ -63,7 +64,7 @@ pub(super) fn described(sweep: &Sweep) -> String {
 }
 
 /// The points, a line each, and the verdict on all of them.
-fn table(sweep: &Sweep, rows: &[Row]) -> String {
+fn table(sweep: &Sweep, rows: &[SweepPoint]) -> String {
     let disagree = disagreeing(&rows.iter().map(|row| row.p_value).collect::<Vec<f64>>());
     let mut lines: Vec<Vec<String>> = vec![sweep.axes.iter().map(|axis| axis.key.name.to_owned()).collect()];
     let heads = ["pull-off", "standard error", "integral", "to the first", "standard error", "variance", "p"];
@@ -98,7 +99,7 @@ fn table(sweep: &Sweep, rows: &[Row]) -> String {
             line.iter().zip(&widths).map(|(cell, width)| format!("{cell:>width$}")).collect();
         format!("  {}\n", cells.join("  "))
     };
-    let none = |row: &Row| row.differences[0].mean == 0.0 && row.differences[0].standard_error == 0.0;
+    let none = |row: &SweepPoint| row.differences[0].mean == 0.0 && row.differences[0].standard_error == 0.0;
     let rounding = match rows.iter().skip(1).any(none) {
         true => row("0 N", "to the first: no more than the rounding of the sums"),
         false => String::new(),

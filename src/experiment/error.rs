@@ -186,7 +186,7 @@ impl Error {
     /// The same of a scene of a file, which is named where only the scene may be wrong.
     pub(crate) fn in_scene(self, path: &Path) -> Self {
         match self {
-            Self::Law { .. } | Self::TooLarge(_) => {
+            Self::Law { .. } | Self::TooLarge(_) | Self::NotFor(_) => {
                 Self::InScene { path: path.to_owned(), error: Box::new(self) }
             }
             other => other,

@@ -6,7 +6,7 @@ use super::prepared::{PreparedRun, SceneLaws, Session, Task, write};
 use super::results::{Partial, Results, RunMetadata};
 use super::sampling::set_ensemble;
 use super::shard_set::{Place, ShardSet};
-use super::stacked::{Row, stacked};
+use super::stacked::{SweepPoint, stacked};
 use super::{Error, Observer, Phases};
 use crate::engine::ReductionTree;
 use crate::output::OutputLock;
@@ -31,7 +31,7 @@ impl Merge<'_> {
     }
 
     /// Merges the points of a sweep, each by itself, and then all into one file: a row of the table for each.
-    pub fn sweep(&self, points: &Points<'_>) -> Result<Vec<Row>, Error> {
+    pub fn sweep(&self, points: &Points<'_>) -> Result<Vec<SweepPoint>, Error> {
         points.begin(&SWEEP, &self.run.identity)?;
         let merged = self
             .each_point(points)

@@ -4,6 +4,8 @@
 pub(crate) mod checkpoint;
 pub(crate) mod compare;
 mod error;
+pub(crate) mod files;
+pub(crate) mod finite_size;
 mod host;
 pub(crate) mod integral;
 pub(crate) mod merge;
@@ -22,8 +24,11 @@ pub(crate) mod stacked;
 
 pub use compare::{ComparedLaw, Comparison, Mean};
 pub use error::Error;
+pub use files::{finite_size, sweep};
+pub use finite_size::{FiniteSize, PatchSize};
 pub(crate) use host::Host;
 pub use integral::{Integral, PathIntegral};
 pub use observer::Observer;
 pub(crate) use observer::Phases;
 pub use run::{Builder, RunResult, builder, compare, integrate, run};
+pub use stacked::SweepPoint;

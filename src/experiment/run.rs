@@ -3,9 +3,10 @@
 use super::Error;
 use super::checkpoint::OverwritePolicy;
 use super::compare::{Comparison, PreparedComparison};
+use super::files::session;
 use super::integral::Integral;
 use super::observer::{Observer, Phases};
-use super::prepared::{PreparedRun, SceneLaws, Session, Task, write};
+use super::prepared::{PreparedRun, SceneLaws, Session, Task, run_scene, write};
 use super::results::{Results, RunMetadata};
 use crate::asperity::models::{Model, model};
 use crate::engine::{Batch, Ensemble, Records, scalars};
@@ -17,7 +18,6 @@ use crate::validation::JointTest;
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
-use std::time::Duration;
 
 /// Runs a scene on all cores: its integral, its ensemble, and the check of one against the other.
 ///
@@ -138,6 +138,24 @@ impl<'a> Builder<'a> {
         })
     }
 
+    /// Runs the scene into a file. What is done is kept beside it, and what an interrupted run of the same
+    /// scene into it has kept is gone on with. A complete result of it is left as it is.
+    ///
+    /// # Errors
+    /// As [`run`]; [`Error::Output`] when the file is anything else than a result of this scene,
+    /// [`Error::Interrupted`] and [`Error::Kept`] where something is kept.
+    pub fn resume(self, output: impl AsRef<Path>) -> Result<(), Error> {
+        let (scene, output) = (self.scene, output.as_ref());
+        let laws = SceneLaws::new(scene)?;
+        let lock = OutputLock::new(output, &[])?;
+        let policy = OverwritePolicy { resume: true, force: false };
+        let task = Task { output, lock: &lock, policy, shard: None, is_read_back: false };
+        let Self { threads, observer, stop, .. } = self;
+        let session = Session { stop, ..session(threads)? };
+        let mut nobody = ();
+        run_scene(scene.clone(), laws, &task, &session, observer.unwrap_or(&mut nobody)).map(drop)
+    }
+
     /// Compares laws, by their names, by the integral.
     ///
     /// # Errors
@@ -183,9 +201,7 @@ impl<'a> Builder<'a> {
         let Self { threads, observer, stop, .. } = self;
         let mut nobody = ();
         let mut phases = Phases::new(observer.unwrap_or(&mut nobody));
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
-        let result =
-            experiment(&Session { stop, pool, interval: Duration::MAX, host: Box::new(()) }, &mut phases);
+        let result = experiment(&Session { stop, ..session(threads)? }, &mut phases);
         phases.end();
         result
     }

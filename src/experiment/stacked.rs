@@ -19,7 +19,11 @@ use std::path::Path;
 use std::sync::atomic::Ordering;
 
 /// Puts the points together into the output, all that there are of a `partial` sweep: what each has to say.
-pub(crate) fn stacked(points: &Points<'_>, identity: &Identity, partial: bool) -> Result<Vec<Row>, Error> {
+pub(crate) fn stacked(
+    points: &Points<'_>,
+    identity: &Identity,
+    partial: bool,
+) -> Result<Vec<SweepPoint>, Error> {
     let scene = points.scene(0)?;
     match assembled(points, &scene, identity, partial) {
         Ok(Some(rows)) => Ok(rows),
@@ -28,8 +32,9 @@ pub(crate) fn stacked(points: &Points<'_>, identity: &Identity, partial: bool) -
     }
 }
 
-/// The row of a point in the table.
-pub(crate) struct Row {
+/// One point of a sweep.
+#[derive(Clone, Debug)]
+pub struct SweepPoint {
     /// Mean pull-off force over replicas and its standard error, N.
     pub pull_off: [f64; 2],
     /// Pull-off force of the integral, N.
@@ -40,8 +45,8 @@ pub(crate) struct Row {
     pub p_value: f64,
 }
 
-impl Row {
-    /// The row of a point that is not there.
+impl SweepPoint {
+    /// A point that is not there.
     const ABSENT: Self = Self {
         pull_off: [f64::NAN; 2],
         integral: f64::NAN,
@@ -56,7 +61,7 @@ fn assembled(
     scene: &Scene,
     identity: &Identity,
     partial: bool,
-) -> Result<Option<Vec<Row>>, OutputError> {
+) -> Result<Option<Vec<SweepPoint>>, OutputError> {
     let sweep = points.sweep;
     let files = points.intact()?;
     let places: Vec<_> = (0..sweep.count()).map(|point| sweep.place(point)).collect();
@@ -79,7 +84,7 @@ fn assembled(
         }
         rows.push(match file {
             Some(file) => compared(file, first.as_ref(), scene, sweep.common_random_numbers)?,
-            None => Row::ABSENT,
+            None => SweepPoint::ABSENT,
         });
     }
     write_differences(&writer, &rows)?;
@@ -168,14 +173,19 @@ impl Compared {
 
 /// The row of a point, beside the replicas of the first. Only where all replicas of both are there they
 /// are compared.
-fn compared(file: &Path, first: Option<&Compared>, scene: &Scene, common: bool) -> Result<Row, OutputError> {
+fn compared(
+    file: &Path,
+    first: Option<&Compared>,
+    scene: &Scene,
+    common: bool,
+) -> Result<SweepPoint, OutputError> {
     let reader = Reader::open(file, &[&RUN])?;
     let own = Compared::read(file)?;
     let group = scene.sampling.group() as usize;
     let are_whole = |point: &Compared| point.replicas() == scene.replicas;
     let first = first.filter(|first| are_whole(first) && are_whole(&own));
     let of_pull_off = |name: &str| reader.values::<f64>(name).map(|values| values[0]);
-    Ok(Row {
+    Ok(SweepPoint {
         pull_off: [of_pull_off("/ensemble/scalar_mean")?, of_pull_off("/ensemble/scalar_standard_error")?],
         integral: reader.number("/statistical", "pull_off_force")?,
         differences: first.map_or([Difference::UNKNOWN; 4], |first| own.differences(first, group, common)),
@@ -183,7 +193,7 @@ fn compared(file: &Path, first: Option<&Compared>, scene: &Scene, common: bool) 
     })
 }
 
-fn write_differences(writer: &Writer<'_>, rows: &[Row]) -> Result<(), OutputError> {
+fn write_differences(writer: &Writer<'_>, rows: &[SweepPoint]) -> Result<(), OutputError> {
     for (i, scalar) in SCALARS.into_iter().enumerate() {
         let write = |name: &str, of: fn(&Difference) -> f64| {
             let values: Vec<f64> = rows.iter().map(|row| of(&row.differences[i])).collect();

@@ -6,11 +6,12 @@ mod table;
 use super::asperity::find;
 use super::progress::Progress;
 use super::session::{interruption, thread_pool};
-use super::{CompareArguments, Failure, files_of, print, print_of, read_scene, refused, resources};
+use super::{CompareArguments, Failure, print, print_of, read_scene, resources};
 use crate::asperity::models::Model;
 use crate::estimate::Estimate;
 use crate::experiment::Phases;
 use crate::experiment::compare::PreparedComparison;
+use crate::experiment::files::inputs_of;
 use crate::experiment::sampling::set_ensemble;
 use crate::output::OutputLock;
 
@@ -20,9 +21,9 @@ pub(super) fn compare(arguments: &CompareArguments) -> Result<(), Failure> {
     let count = models.len();
     let mut scene = read_scene(&arguments.scene)?;
     set_ensemble(&mut scene, arguments.replicas, arguments.seed)?;
-    let inputs = files_of(&arguments.scene, &scene);
-    let prepared =
-        PreparedComparison::new(scene, models, arguments.ensemble).map_err(refused(&arguments.scene))?;
+    let inputs = inputs_of(&arguments.scene, &scene);
+    let prepared = PreparedComparison::new(scene, models, arguments.ensemble)
+        .map_err(|error| error.in_scene(&arguments.scene))?;
     let lock = arguments.output.as_ref().map(|output| OutputLock::new(output, &inputs)).transpose()?;
     lock.as_ref().map_or(Ok(()), |lock| lock.check(arguments.execution.force))?;
     let pool = thread_pool(arguments.execution.threads)?;

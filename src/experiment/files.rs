@@ -1,0 +1,101 @@
+//! Experiments from a scene's file into a file of results, which go on after an interruption.
+
+use super::Error;
+use super::checkpoint::OverwritePolicy;
+use super::finite_size::{FiniteSize, compare_sizes, sweep_of_sizes};
+use super::points::Points;
+use super::prepared::Session;
+use super::stacked::{SweepPoint, stacked};
+use crate::output::columns::SceneFiles;
+use crate::output::schema::SWEEP;
+use crate::output::{OutputError, OutputLock};
+use crate::scene::files::Files;
+use crate::scene::{Document, Scene, Sweep};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::Duration;
+
+/// Seconds after which what has been done is kept.
+const INTERVAL: Duration = Duration::from_secs(30);
+
+/// Runs every point of a scene with a table `[sweep]` into one file, on all cores. What an interrupted sweep
+/// into the same file has kept is gone on with.
+///
+/// # Errors
+/// [`Error::NotFor`] for a scene without a sweep, [`Error::Output`] when the file exists; as
+/// [`run`](super::run).
+///
+/// # Examples
+/// ```no_run
+/// for point in stiction::sweep("configs/sweep_roughness.toml", "roughness.h5")? {
+///     println!("{:.3e} N ± {:.0e} N", point.pull_off[0], point.pull_off[1]);
+/// }
+/// # Ok::<(), stiction::Error>(())
+/// ```
+pub fn sweep(scene: impl AsRef<Path>, output: impl AsRef<Path>) -> Result<Vec<SweepPoint>, Error> {
+    let (source, output) = (scene.as_ref(), output.as_ref());
+    let Document { scene, sweep: Some(sweep) } = Document::from_toml_file(source)? else {
+        let problem = "has no table [sweep], and is one point; run it as a Scene".to_owned();
+        return Err(Error::NotFor(problem).in_scene(source));
+    };
+    let session = session(0)?;
+    let lock = OutputLock::new(output, &inputs_of(source, &scene))?;
+    let points = points(&sweep, source, &session, &lock);
+    points.require()?;
+    let identity = points.identity(sweep.source())?;
+    if !points.begin(&SWEEP, &identity)? {
+        return Err(OutputError::Exists(output.to_owned()).into());
+    }
+    points.compute(0..sweep.count())?;
+    let rows = stacked(&points, &identity, false).map_err(|error| points.kept(error))?;
+    points.clear()?;
+    Ok(rows)
+}
+
+/// Compares patches of several numbers of asperities, rising, with the integral, into one file, on all cores.
+/// What an interrupted comparison into the same file has kept is gone on with.
+///
+/// # Errors
+/// [`Error::NotFor`] for a loop, a scene whose ensemble ends at a target, and one surface of one size;
+/// [`Error::IsSweep`]; [`Error::Output`] when the file exists; as [`run`](super::run).
+///
+/// # Examples
+/// ```no_run
+/// let study = stiction::finite_size("configs/case_ii.toml", &[10, 100, 1000], "sizes.h5")?;
+/// for size in &study.sizes {
+///     println!("{:6} {:+.2} %", size.count, 100.0 * size.bias[0]);
+/// }
+/// # Ok::<(), stiction::Error>(())
+/// ```
+pub fn finite_size(
+    scene: impl AsRef<Path>,
+    counts: &[u64],
+    output: impl AsRef<Path>,
+) -> Result<FiniteSize, Error> {
+    let (source, output) = (scene.as_ref(), output.as_ref());
+    let scene = Scene::from_toml_file(source)?;
+    let files: Arc<dyn Files> = Arc::new(SceneFiles::scene(source));
+    let sweep = sweep_of_sizes(&scene, counts, &files).map_err(|error| error.in_scene(source))?;
+    let session = session(0)?;
+    let lock = OutputLock::new(output, &inputs_of(source, &scene))?;
+    let points = points(&sweep, source, &session, &lock);
+    let study = compare_sizes(&points, &scene, counts).map_err(|error| error.in_scene(source))?;
+    study.ok_or_else(|| OutputError::Exists(output.to_owned()).into())
+}
+
+/// A session on so many threads, or one for each core with 0, that nobody watches.
+pub(super) fn session(threads: usize) -> Result<Session, Error> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
+    Ok(Session { stop: Arc::default(), pool, interval: INTERVAL, host: Box::new(()) })
+}
+
+fn points<'a>(sweep: &'a Sweep, source: &'a Path, session: &'a Session, lock: &'a OutputLock) -> Points<'a> {
+    let policy = OverwritePolicy { resume: true, force: false };
+    Points { sweep, source, session, lock, policy, replicas: None, seed: None, shard: None }
+}
+
+/// The files that a scene is made of: its own, and those that it takes values from.
+pub(crate) fn inputs_of(path: &Path, scene: &Scene) -> Vec<PathBuf> {
+    let files = SceneFiles::scene(path);
+    std::iter::once(path.to_owned()).chain(scene.inputs.iter().map(|input| files.path(&input.path))).collect()
+}

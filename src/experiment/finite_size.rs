@@ -1,0 +1,234 @@
+//! Patches of several sizes: how many asperities are enough for the integral.
+
+use super::Error;
+use super::integral::PathIntegral;
+use super::points::Points;
+use super::prepared::SceneLaws;
+use super::record::{write_about, write_model};
+use crate::output::OutputError;
+use crate::output::identity::Identity;
+use crate::output::reader::Reader;
+use crate::output::schema::{Dimension, FINITE_SIZE, RUN};
+use crate::output::writer::Writer;
+use crate::scene::files::Files;
+use crate::scene::{Scene, Sweep};
+use crate::validation::finite_size::{ACCURACIES, Approach, QUANTILES, Reached, Refusal, Scatter};
+use std::path::Path;
+use std::sync::Arc;
+
+/// Asperities of a patch that tells the density to more digits than any other has.
+const PROBE: f64 = 1e11;
+
+/// Refuses scenes that have no patches of every size, or not as many replicas of each.
+fn refuse(scene: &Scene) -> Result<(), &'static str> {
+    if scene.stopping.is_some() {
+        return Err(
+            "ends its ensemble at a target, and every size has to have as many replicas; give replicas in its place",
+        );
+    }
+    if scene.cycle {
+        return Err(
+            "history = \"loop\": patches are compared on one way; give \"approach\" or \"retraction\"",
+        );
+    }
+    if scene.surface.whole {
+        return Err("sample = \"whole\" is one surface of one size; give \"bootstrap\"");
+    }
+    Ok(())
+}
+
+/// The sweep of the nominal area that gives each number of asperities, with sums by moments where these are
+/// as good.
+///
+/// # Errors
+/// [`Error::NotFor`] for a scene that has no patches of every size, or not as many replicas of each.
+pub(crate) fn sweep_of_sizes(scene: &Scene, counts: &[u64], files: &Arc<dyn Files>) -> Result<Sweep, Error> {
+    refuse(scene).map_err(str::to_owned).and_then(|()| sizes(scene, counts, files)).map_err(Error::NotFor)
+}
+
+fn sizes(scene: &Scene, counts: &[u64], files: &Arc<dyn Files>) -> Result<Sweep, String> {
+    const KEY: &str = "surface.nominal_area";
+    let texts: &[(&str, &str)] =
+        if scene.sum_tolerance.is_some() { &[] } else { &[("solver.summation", "moments")] };
+    let along = |areas| {
+        Sweep::along(&scene.text, KEY, areas, texts, Arc::clone(files)).map_err(|error| error.to_string())
+    };
+    let probe = PROBE / scene.surface.asperity_count as f64 * scene.surface.nominal_area;
+    let probe = along(vec![probe])?.scene(0).map_err(|error| error.to_string())?.surface;
+    let density = probe.asperity_count as f64 / probe.nominal_area;
+    along(counts.iter().map(|count| *count as f64 / density).collect())
+}
+
+/// Computes the patches, whose sweep is that of [`sweep_of_sizes`], and puts them into the output; none
+/// where that was complete.
+///
+/// # Errors
+/// [`Error`]; what has been done is kept beside the output.
+pub(crate) fn compare_sizes(
+    points: &Points<'_>,
+    scene: &Scene,
+    counts: &[u64],
+) -> Result<Option<FiniteSize>, Error> {
+    points.require()?;
+    let integral = points.session.pool.install(|| integral(scene))?;
+    let identity = points.identity(&scene.text)?;
+    let output = points.lock.output();
+    if !points.policy.force && output.exists() && !has_counts(output, counts) {
+        return Err(OutputError::Exists(output.to_owned()).into());
+    }
+    if !points.begin(&FINITE_SIZE, &identity)? {
+        return Ok(None);
+    }
+    points.compute(0..points.sweep.count())?;
+    let found =
+        found(points, counts, integral).and_then(|study| write(points, &identity, &study).map(|()| study));
+    let study = found.map_err(|error| points.kept(Error::NotWritten(error.writing(output))))?;
+    points.clear()?;
+    Ok(Some(study))
+}
+
+/// The pull-off force of the integral for one asperity, N.
+fn integral(scene: &Scene) -> Result<f64, Error> {
+    let laws = SceneLaws::new(scene)?;
+    let force = PathIntegral::of(scene, laws.law.view()).pull_off();
+    if force > 0.0 {
+        return Ok(force / scene.surface.asperity_count as f64);
+    }
+    let problem = "the integral has no pull-off, so patches have none to be compared with";
+    Err(Error::NotFor(problem.to_owned()))
+}
+
+fn has_counts(output: &Path, counts: &[u64]) -> bool {
+    let values =
+        Reader::open(output, &[&FINITE_SIZE]).and_then(|reader| reader.values::<u64>("/asperity_count"));
+    values.is_ok_and(|values| values == counts)
+}
+
+/// Patches of one size.
+pub struct PatchSize {
+    /// Asperities of a patch.
+    pub count: u64,
+    nominal_area: f64,
+    /// Pull-off forces of the replicas over N, N.
+    pull_off: Vec<f64>,
+    /// Mean over replicas and its standard error, over N; without and with control variates, N.
+    means: [[f64; 2]; 2],
+    /// Mean pull-off force over that of the integral, less 1, and its standard error.
+    pub bias: [f64; 2],
+    /// Scatter of the pull-off force from patch to patch.
+    pub scatter: Scatter,
+    /// The p-value of the cross-check.
+    pub p_value: f64,
+    pub(crate) sum: String,
+}
+
+/// Patches of several sizes against the integral.
+pub struct FiniteSize {
+    /// Pull-off force of the integral over N, N.
+    pub integral: f64,
+    /// The sizes, rising.
+    pub sizes: Vec<PatchSize>,
+    /// The power law by which the bias vanishes, or why there is none.
+    pub approach: Result<Approach, Refusal>,
+    /// Asperities from which on the bias is within each of [`ACCURACIES`].
+    pub reached: [Reached; 3],
+}
+
+fn found(points: &Points<'_>, counts: &[u64], integral: f64) -> Result<FiniteSize, OutputError> {
+    points.intact()?;
+    let sizes = counts.iter().enumerate().map(|(point, &count)| size(&points.file(point), count, integral));
+    let sizes = sizes.collect::<Result<Vec<PatchSize>, OutputError>>()?;
+    let counts: Vec<f64> = counts.iter().map(|count| *count as f64).collect();
+    let bias: Vec<f64> = sizes.iter().map(|size| size.bias[0]).collect();
+    let errors: Vec<f64> = sizes.iter().map(|size| size.bias[1]).collect();
+    let approach = Approach::new(&counts, &bias, &errors);
+    let reached =
+        ACCURACIES.map(|accuracy| Reached::new(accuracy, &counts, &bias, &errors, approach.as_ref().ok()));
+    Ok(FiniteSize { integral, sizes, approach, reached })
+}
+
+/// Reads the run of one size.
+fn size(file: &Path, count: u64, integral: f64) -> Result<PatchSize, OutputError> {
+    let reader = Reader::open(file, &[&RUN])?;
+    let per_asperity = |name: &str| -> Result<Vec<f64>, OutputError> {
+        Ok(reader.values::<f64>(name)?.iter().map(|force| force / count as f64).collect())
+    };
+    // Of the scalars, the pull-off force is the first.
+    let first = |name: &str| per_asperity(&format!("/ensemble/scalar_{name}")).map(|values| values[0]);
+    let means = [
+        [first("mean")?, first("standard_error")?],
+        [first("controlled_mean")?, first("controlled_standard_error")?],
+    ];
+    let pull_off = per_asperity("/replicas/pull_off_force")?;
+    let relative: Vec<f64> = pull_off.iter().map(|force| force / integral).collect();
+    Ok(PatchSize {
+        count,
+        nominal_area: reader.number("/", "nominal_area")?,
+        pull_off,
+        means,
+        bias: [means[1][0] / integral - 1.0, means[1][1] / integral],
+        scatter: Scatter::new(&relative),
+        p_value: reader.number("/validation", "p_value")?,
+        sum: reader.optional_text("/ensemble", "summation")?.unwrap_or_default(),
+    })
+}
+
+fn write(points: &Points<'_>, identity: &Identity, study: &FiniteSize) -> Result<(), OutputError> {
+    let Ok(first) = points.scene(0) else {
+        unreachable!("the scenes of all points were read before");
+    };
+    let mut writer = Writer::create(&FINITE_SIZE, points.lock, points.policy.force)?;
+    write_about(&writer, &first.title, &identity.scene)?;
+    write_model(&writer, &first, identity.seed)?;
+    writer.number("/", "adhesion_parameter", first.scale().lambda)?;
+    writer.number(
+        "/",
+        "plasticity_index",
+        first.asperity.plasticity_index(first.surface.surface_height_std),
+    )?;
+    let FiniteSize { integral, sizes, approach, reached } = study;
+    writer.scale(Dimension::AsperityCount, &of_sizes(sizes, |size| size.count))?;
+    writer.scale(Dimension::Replica, &(0..sizes[0].pull_off.len() as u64).collect::<Vec<u64>>())?;
+    writer.scale(Dimension::Quantile, &QUANTILES)?;
+    writer.scale(Dimension::Accuracy, &ACCURACIES)?;
+    writer.dataset("/integral_pull_off_per_asperity", &[*integral])?;
+    writer.dataset("/nominal_area", &of_sizes(sizes, |size| size.nominal_area))?;
+    for (i, name) in ["", "controlled_"].into_iter().enumerate() {
+        let path = |of: &str| format!("/pull_off_per_asperity_{name}{of}");
+        writer.dataset(&path("mean"), &of_sizes(sizes, |size| size.means[i][0]))?;
+        writer.dataset(&path("standard_error"), &of_sizes(sizes, |size| size.means[i][1]))?;
+    }
+    writer.dataset("/bias", &of_sizes(sizes, |size| size.bias[0]))?;
+    writer.dataset("/bias_standard_error", &of_sizes(sizes, |size| size.bias[1]))?;
+    let fitted =
+        |size: &PatchSize| approach.as_ref().map_or(f64::NAN, |fit: &Approach| fit.bias(size.count as f64));
+    writer.dataset("/bias_fitted", &of_sizes(sizes, fitted))?;
+    let is_fitted = approach.as_ref().map_or(vec![false; sizes.len()], |fit| fit.fitted.clone());
+    writer.dataset("/is_fitted", &is_fitted.into_iter().map(u8::from).collect::<Vec<u8>>())?;
+    writer.dataset("/relative_std", &of_sizes(sizes, |size| size.scatter.relative_std))?;
+    writer.dataset("/skewness", &of_sizes(sizes, |size| size.scatter.skewness))?;
+    writer.dataset("/pull_off_quantiles", &of_sizes(sizes, |size| size.scatter.quantiles).concat())?;
+    writer.dataset("/pull_off_per_asperity", &of_sizes(sizes, |size| size.pull_off.clone()).concat())?;
+    writer.dataset("/p_value", &of_sizes(sizes, |size| size.p_value))?;
+    writer.texts("/summation", &sizes.iter().map(|size| size.sum.as_str()).collect::<Vec<&str>>())?;
+    writer.dataset("/count_at_accuracy", &reached.map(Reached::count))?;
+    writer.texts("/count_at_accuracy_source", &reached.map(Reached::name))?;
+    match approach {
+        Err(refusal) => writer.text("/", "fit_refusal", &refusal.to_string())?,
+        Ok(fit) => write_fit(&writer, fit)?,
+    }
+    writer.finish()
+}
+
+fn write_fit(writer: &Writer<'_>, fit: &Approach) -> Result<(), OutputError> {
+    writer.number("/", "fit_coefficient", fit.coefficient)?;
+    writer.number("/", "fit_exponent", fit.exponent)?;
+    writer.number("/", "fit_log_coefficient_standard_error", fit.standard_errors[0])?;
+    writer.number("/", "fit_exponent_standard_error", fit.standard_errors[1])?;
+    writer.number("/", "fit_chi_squared", fit.chi_squared)?;
+    writer.number("/", "fit_degrees_of_freedom", fit.degrees_of_freedom as u64)
+}
+
+fn of_sizes<T>(sizes: &[PatchSize], of: impl Fn(&PatchSize) -> T) -> Vec<T> {
+    sizes.iter().map(of).collect()
+}

@@ -11,8 +11,8 @@
 //! # Ok::<(), stiction::Error>(())
 //! ```
 //!
-//! As short are [`sweep`] for a scene with a table `[sweep]`, [`finite_size`] for patches of several sizes,
-//! [`compare`] for laws on the same asperities and [`integrate`] for the integral alone; [`builder`] sets an experiment up: threads, progress, an end from outside. Below these, each by itself and
+//! As short are [`sweep`] for a scene with a table `[sweep]`, [`finite_size()`] for patches of several sizes,
+//! [`compare()`] for laws on the same asperities and [`integrate`] for the integral alone; [`builder`] sets an experiment up: threads, progress, an end from outside. Below these, each by itself and
 //! without any scene:
 //! - [`asperity`]: laws of one asperity, from interference to forces and area, and laws of one's own;
 //! - [`surface`]: heights, radii and numbers of asperities, and measured surfaces;

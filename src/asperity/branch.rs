@@ -73,7 +73,7 @@ impl<C: Curve> Branch<C> {
         Solution { adhesion: adhesion[0], radius: radius[0] }
     }
 
-    /// The states at the displacements Δ, at most [`BLOCK`] of them, in any order; neighbours that rise share
+    /// The states at the displacements Δ, at most [`BLOCK`](super::law::BLOCK) of them, in any order; neighbours that rise share
     /// table cells, which is fast. The bits do not depend on the instruction set, nor on which lanes stand
     /// beside each other.
     pub fn solve_block(

@@ -12,7 +12,7 @@
 //! | above ω_c | the unloading of an elastic-plastic contact, below |
 //!
 //! After plastic flow the asperity is lower by its residual interference ω_res, and springs back by its
-//! recovery ω_max − ω_res only ([`super::plastic_unloading`]).
+//! recovery ω_max − ω_res only (`plastic_unloading`).
 //!
 //! # Adhesion
 //! The unloading is published without adhesion. What attracts acts outside the contact, across the gap beside

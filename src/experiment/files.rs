@@ -23,7 +23,7 @@ const INTERVAL: Duration = Duration::from_secs(30);
 ///
 /// # Errors
 /// [`Error::NotFor`] for a scene without a sweep, [`Error::Output`] when the file exists; as
-/// [`run`](super::run).
+/// [`run`](fn@super::run).
 ///
 /// # Examples
 /// ```no_run
@@ -57,7 +57,7 @@ pub fn sweep(scene: impl AsRef<Path>, output: impl AsRef<Path>) -> Result<Vec<Sw
 ///
 /// # Errors
 /// [`Error::NotFor`] for a loop, a scene whose ensemble ends at a target, and one surface of one size;
-/// [`Error::IsSweep`]; [`Error::Output`] when the file exists; as [`run`](super::run).
+/// [`Error::IsSweep`]; [`Error::Output`] when the file exists; as [`run`](fn@super::run).
 ///
 /// # Examples
 /// ```no_run

@@ -12,8 +12,9 @@
 //! ```
 //!
 //! As short are [`sweep`] for a scene with a table `[sweep]`, [`finite_size()`] for patches of several sizes,
-//! [`compare()`] for laws on the same asperities and [`integrate`] for the integral alone; [`builder`] sets an experiment up: threads, progress, an end from outside. Below these, each by itself and
-//! without any scene:
+//! [`compare()`] for laws on the same asperities and [`integrate`] for the integral alone; [`builder`] sets
+//! an experiment up: threads, progress, an end from outside. Below these, each by itself and without any
+//! scene:
 //! - [`asperity`]: laws of one asperity, from interference to forces and area, and laws of one's own;
 //! - [`surface`]: heights, radii and numbers of asperities, and measured surfaces;
 //! - [`integral`]: the integral of a law over the heights of a surface;

@@ -456,6 +456,7 @@ impl From<OutputError> for Failure {
             | OutputError::Link(_)
             | OutputError::NoFolder(_)
             | OutputError::NotWritable { .. } => Self::Usage(format!("{error} with -o")),
+            OutputError::WhichDataset { .. } => Self::Usage(format!("{error}: give --dataset")),
             OutputError::NotAPartial { .. }
             | OutputError::NotAMap { .. }
             | OutputError::NotAResult { .. } => Self::Usage(error.to_string()),

@@ -113,6 +113,14 @@ pub enum OutputError {
         /// Why not.
         problem: String,
     },
+    /// A file has no single dataset that may be a height map.
+    #[error("{}: {problem}", path.display())]
+    WhichDataset {
+        /// The file.
+        path: PathBuf,
+        /// The datasets that it has.
+        problem: String,
+    },
     /// HDF5 failed.
     #[error("HDF5 failed: {}", brief(&.0.to_string()))]
     Hdf5(hdf5::Error),

@@ -11,13 +11,9 @@ use std::path::Path;
 /// Most names that a message lists.
 const MOST_NAMES: usize = 12;
 
-pub(super) fn read(path: &Path, length: u64, name: Option<&str>, most: u64) -> Result<RawMap, String> {
+pub(super) fn read(path: &Path, length: u64, name: &str, most: u64) -> Result<RawMap, String> {
     let file = guard::open(path)?;
-    let name = match name {
-        Some(name) => name.to_owned(),
-        None => only_map(&file)?,
-    };
-    let dataset = guard::dataset(&file, &name).map_err(|problem| with_names(problem, &file))?;
+    let dataset = guard::dataset(&file, name).map_err(|problem| with_names(problem, &file))?;
     let broken = |problem: &str| format!("has a dataset {name} that {problem}");
     let lengths: Vec<u64> = dataset.shape().iter().map(|length| *length as u64).collect();
     let &[rows, columns] = lengths.as_slice() else { return Err(broken(&not_two(&lengths))) };
@@ -28,7 +24,7 @@ pub(super) fn read(path: &Path, length: u64, name: Option<&str>, most: u64) -> R
     guard::fits(&dataset, length).map_err(|problem| broken(&problem))?;
     let heights = dataset.read_raw::<f64>().map_err(|_| broken("is damaged"))?;
     let unit = dataset.attr("units").is_ok().then(|| read_text(&dataset, "units").ok()).flatten();
-    Ok(RawMap { heights, shape, extent: [None; 2], unit, dataset: Some(name) })
+    Ok(RawMap { heights, shape, extent: [None; 2], unit, dataset: Some(name.to_owned()) })
 }
 
 fn holds_numbers(dataset: &Dataset) -> bool {
@@ -48,12 +44,13 @@ fn maps(file: &File) -> Vec<String> {
     names.filter(two_dimensional).collect()
 }
 
-fn only_map(file: &File) -> Result<String, String> {
-    match maps(file).as_slice() {
+/// The name of the only dataset that may be a map; otherwise what there is in its place.
+pub(super) fn only_map(path: &Path) -> Result<Result<String, String>, String> {
+    Ok(match maps(&guard::open(path)?).as_slice() {
         [only] => Ok(only.clone()),
         [] => Err("has no dataset of two dimensions in its root; name the path of one".to_owned()),
         several => Err(format!("has several datasets; name one of {}", listed(several))),
-    }
+    })
 }
 
 fn with_names(problem: String, file: &File) -> String {

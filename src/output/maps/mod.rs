@@ -77,7 +77,7 @@ pub struct RawMap {
 /// process that can be ended.
 ///
 /// # Errors
-/// [`OutputError::NotAMap`] with the reason.
+/// [`OutputError::NotAMap`] with the reason, [`OutputError::WhichDataset`] where a dataset has to be named.
 pub fn read(path: &Path, dataset: Option<&str>, most: u64) -> Result<RawMap, OutputError> {
     let refused = |problem| OutputError::NotAMap { path: path.to_owned(), problem };
     let format = MapFormat::of(path)?;
@@ -92,7 +92,13 @@ pub fn read(path: &Path, dataset: Option<&str>, most: u64) -> Result<RawMap, Out
         || File::open(path).map(BufReader::new).map_err(|error| refused(format!("cannot be read: {error}")));
     match format {
         MapFormat::Npy => npy::read(open()?, length, most),
-        MapFormat::Hdf5 => hdf5_dataset::read(path, length, dataset, most),
+        MapFormat::Hdf5 => {
+            match dataset.map_or_else(|| hdf5_dataset::only_map(path), |name| Ok(Ok(name.to_owned()))) {
+                Ok(Ok(name)) => hdf5_dataset::read(path, length, &name, most),
+                Ok(Err(problem)) => return Err(OutputError::WhichDataset { path: path.to_owned(), problem }),
+                Err(problem) => Err(problem),
+            }
+        }
         MapFormat::Text => text::read(open()?, length, most),
     }
     .map_err(refused)

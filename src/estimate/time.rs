@@ -11,8 +11,9 @@ use crate::validation::{GridSize, tested_separations};
 const MOMENTS: (f64, f64) = (30.0, 1500.0);
 /// Nanoseconds of a surface by moments that the search solves once more: at all, and for each asperity.
 const SEARCHED: (f64, f64) = (13e3, 4.3);
-/// Nanoseconds of a top that has flowed and has a radius of its own, which is looked for on every retraction.
-const FLATTENED: f64 = 4.5e5;
+/// Nanoseconds of a retraction of tops that have flowed and have radii of their own: of a surface that has
+/// such tops, and of each of them.
+const FLATTENED: (f64, f64) = (7e6, 14e3);
 /// Nanoseconds of an asperity of a surface in chunks that is drawn again, twice, and looked at.
 const AGAIN: f64 = 30.0;
 /// Nanoseconds of making the law of an asperity, where each has its own, and of a solve of that law.
@@ -67,7 +68,8 @@ fn flattened(scene: &Scene) -> f64 {
         scene.asperity.critical_interference() + scene.surface.asperity_separation(scene.separations[0]);
     let share = scene.surface.heights.probability(deepest, f64::INFINITY);
     let retractions = 1 + scene.instability.preload.len();
-    FLATTENED * share * (scene.surface.asperity_count * retractions) as f64
+    let flowed = share * scene.surface.asperity_count as f64;
+    retractions as f64 * (FLATTENED.0 * flowed.min(1.0) + FLATTENED.1 * flowed)
 }
 
 impl Cost {

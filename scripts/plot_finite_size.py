@@ -127,7 +127,7 @@ def draw(study: Study) -> Figure:
                 weight="bold", parse_math=False)
     per_asperity = float(study["integral_pull_off_per_asperity"])
     unit = next((unit for unit in [(1e-6, "µN"), (1e-9, "nN")] if per_asperity >= unit[0]), (1e-12, "pN"))
-    figure.text(0.5, 0.945, f"law {study.attribute('/', 'law')}, path {study.attribute('/', 'path')}, "
+    figure.text(0.5, 0.945, f"law {study.attribute('/', 'law')}, history {study.attribute('/', 'history')}, "
                 f"λ = {study.attribute('/', 'adhesion_parameter'):.4g}, ψ = {study.attribute('/', 'plasticity_index'):.4g}, "
                 f"{study.attribute('/', 'replicas')} replicas of each size, seed {study.attribute('/', 'seed')}; "
                 f"pull-off of the integral {per_asperity / unit[0]:.4g} {unit[1]} for each asperity", ha="center", va="top", fontsize=9.5)

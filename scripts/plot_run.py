@@ -230,7 +230,7 @@ def draw_texts(figure: Figure, run: Run) -> None:
     title = textwrap.wrap(title, 80 if len(title) <= 80 else min(len(title) // 2 + 12, 90), max_lines=2)
     figure.text(0.5, 0.985, "\n".join(title), ha="center", va="top", size=12, weight="bold", parse_math=False)
     replicas, count = run.attribute("/", "replicas"), round(float(run["replicas/asperity_count"].mean()))
-    numbers = (f"law {run.attribute('/', 'law')}, path {run.attribute('/', 'path')}, "
+    numbers = (f"law {run.attribute('/', 'law')}, history {run.attribute('/', 'history')}, "
                f"λ = {run.attribute('/', 'adhesion_parameter'):.4g}, "
                f"ψ = {run.attribute('/', 'plasticity_index'):.4g}, N = {count} asperities, "
                f"{replicas} replica{'s' if replicas > 1 else ''}, seed {run.attribute('/', 'seed')}")

@@ -199,7 +199,7 @@ def draw_texts(figure: Figure, sweep: Sweep, curves: list) -> None:
     figure.text(0.5, 0.985, "\n".join(textwrap.wrap(title, 90, max_lines=2)), ha="center", va="top", size=12,
                 weight="bold", parse_math=False)
     numbers = "the same random numbers" if sweep.attribute("/", "common_random_numbers") else "random numbers of its own"
-    figure.text(0.5, 0.95, f"law {sweep.attribute('/', 'law')}, path {sweep.attribute('/', 'path')}, {sweep.attribute('/', 'points')} "
+    figure.text(0.5, 0.95, f"law {sweep.attribute('/', 'law')}, history {sweep.attribute('/', 'history')}, {sweep.attribute('/', 'points')} "
                 f"points with {sweep.attribute('/', 'replicas')} replicas each, {numbers}, seed {sweep.attribute('/', 'seed')}",
                 ha="center", va="top", fontsize=9.5)
     if len(curves) > 1:

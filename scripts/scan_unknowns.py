@@ -107,7 +107,7 @@ def scene_text(published: Published, thickness: float, conversion: str, rule: st
     if conversion in ("spread only", "neither"):
         text = with_key(text, "surface", "mean_plane_offset", "0")
     text = with_key(text, "model", "law", f'"{published.law}"')
-    text = with_key(text, "model", "path", '"retraction"' if rule == "end of contact" else '"approach"')
+    text = with_key(text, "model", "history", '"retraction"' if rule == "end of contact" else '"approach"')
     if rule in ("0.30 nm", "0") and published.law == "fit:paper":  # a refit ends where its direct law does
         text = with_key(text, "model", "critical_approach", f'"{rule.removesuffix(" nm")} nm"')
     return with_key(text, "separation", "h_star", "{ from = 0.0, to = 8.0, count = 65 }")

@@ -159,7 +159,7 @@ def minimum(places, values) -> tuple[float, float]:
 
 def test_root_attributes(file):
     attributes = file.attrs
-    for name in ["format", "program_version", "source_revision", "source_hash", "created", "title", "scene", "law", "path"]:
+    for name in ["format", "program_version", "source_revision", "source_hash", "created", "title", "scene", "law", "history"]:
         assert isinstance(attributes[name], str), name
     assert attributes["format"] == "stiction-run"
     assert list(attributes["format_version"]) == [2, 0]
@@ -169,7 +169,7 @@ def test_root_attributes(file):
     assert re.fullmatch(r"[0-9a-f]{16}", attributes["source_hash"])
     assert attributes["title"] == "Test patch"
     assert attributes["scene"] == SCENE
-    assert (attributes["law"], attributes["path"]) == ("hybrid", "approach")
+    assert (attributes["law"], attributes["history"]) == ("hybrid", "approach")
     assert attributes["sampling"] == "independent"
     for name, value in [("seed", SEED), ("replicas", REPLICAS)]:
         assert isinstance(attributes[name], np.integer) and attributes[name] == value
@@ -567,5 +567,5 @@ def test_one_regime_alone_can_be_plotted(tmp_path, low, high, sums):
     heights = 'asperity_height_std = "5 pm"\nmean_plane_offset = "0 nm"\nnominal_area'
     scene = SCENE.replace("nominal_area", heights)
     scene = re.sub(r"(?m)^h_star = .*", f'h = {{ from = "{low} nm", to = "{high} nm", count = 21 }}', scene)
-    run = run_plot(run_program(tmp_path, scene + f'\n[solver]\nsum = "{sums}"\n'))
+    run = run_plot(run_program(tmp_path, scene + f'\n[solver]\nsummation = "{sums}"\n'))
     assert run.returncode == 0, run.stderr

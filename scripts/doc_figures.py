@@ -179,8 +179,8 @@ def strata(program: Program) -> list[str]:
 
     def ratio(case: str, scheme: str, h_star: float) -> float:
         plain, other = program.run(case), program.run(case, scheme)
-        place = int(np.argmin(np.abs(plain["h_star"][:] - h_star)))
-        assert abs(plain["h_star"][place] - h_star) < 1e-9, f"{case} has no separation h* = {h_star}"
+        place = int(np.argmin(np.abs(plain["ensemble/h_star"][:] - h_star)))
+        assert abs(plain["ensemble/h_star"][place] - h_star) < 1e-9, f"{case} has no separation h* = {h_star}"
         errors = [run["ensemble/external_force_standard_error"][place] for run in (plain, other)]
         return (errors[0] / errors[1]) ** 2
 
@@ -200,8 +200,8 @@ def fits(case: str, unit: float, decimals: tuple[int, int, int]) -> Callable[[Pr
 
     def values(program: Program) -> list[str]:
         file = program.file("compare", ROOT / f"configs/{case}.toml", "--laws", "hybrid,fit:paper,fit:refit")
-        force = file["statistical/pull_off_force"][:]
-        place = file["statistical/peak_stiffness_separation"][:] / file.attrs["surface_height_std"]
+        force = file["integral/pull_off_force"][:]
+        place = file["integral/peak_stiffness_separation"][:] / file.attrs["surface_height_std"]
         forces = [f"{value / unit:.{count}f}" for value, count in zip(force, decimals, strict=True)]
         ratio = force[1] / force[0]
         excess = f"{ratio:.1f}" if ratio > 2.0 else f"+{100 * (ratio - 1):.1f}"
@@ -214,8 +214,8 @@ def fits(case: str, unit: float, decimals: tuple[int, int, int]) -> Callable[[Pr
 def cycle(program: Program) -> list[str]:
     run = program.run("loop")
     energy = 1e12 * run["replicas/dissipated_energy"][:]
-    there, back = [run[f"statistical/{way}external_force"][:] for way in ("", "retraction_")]
-    integral = 1e12 * np.trapezoid(there - back, run["separation"][:])
+    there, back = [run[f"integral/{way}external_force"][:] for way in ("", "retraction_")]
+    integral = 1e12 * np.trapezoid(there - back, run["ensemble/separation"][:])
     error = energy.std(ddof=1) / len(energy) ** 0.5
     return [f"{energy.mean():.2f}", f"{error:.2f}", f"{float(integral):.2f}", f"{100 * energy.std(ddof=1) / energy.mean():.1f}"]
 
@@ -228,7 +228,7 @@ def pulled(program: Program) -> list[str]:
 def contact(program: Program) -> list[str]:
     run = program.run("loop")
     sigma = run.attrs["surface_height_std"]
-    return [f"{run[f'replicas/{name}_separation'][:].mean() / sigma:.2f}" for name in ("takeoff", "touchdown")]
+    return [f"{run[f'replicas/{name}_separation'][:].mean() / sigma:.2f}" for name in ("detachment", "touchdown")]
 
 
 def surface_energy(program: Program) -> list[str]:
@@ -236,9 +236,9 @@ def surface_energy(program: Program) -> list[str]:
     values = []
     for point in (0, 2, 3):
         mean, error = [1e3 * float(run[f"ensemble/scalar_{name}"][point, 0]) for name in ("mean", "standard_error")]
-        integral = 1e3 * float(run["statistical/pull_off_force"][point])
+        integral = 1e3 * float(run["integral/pull_off_force"][point])
         decimals = 3 if mean < 10 else 2
-        place = float(run["statistical/peak_stiffness_separation"][point] / run["surface_height_std"][point])
+        place = float(run["integral/peak_stiffness_separation"][point] / run["surface_height_std"][point])
         values += [f"{mean:.{decimals}f}", f"{error:.{decimals}f}", f"{integral:.{decimals}f}", f"{place:.2f}"]
     return values
 

@@ -127,7 +127,7 @@ class Program:
     def phases(self, result: Path | None = None) -> dict[str, float]:
         """Seconds of the phases of a run, by default the last, in their order."""
         with h5py.File(result or self.result, "r") as file:
-            return dict(zip((name.decode() for name in file["phase"][()]), file["diagnostics/seconds"][()].tolist()))
+            return dict(zip((name.decode() for name in file["diagnostics/phase"][()]), file["diagnostics/seconds"][()].tolist()))
 
     def seconds(self, scene: dict[str, int], solver: str, threads: int = 1) -> float:
         self.start(self.command(self.write_scene(scene["area"], scene["count"], solver), threads, scene["replicas"]))

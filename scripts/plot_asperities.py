@@ -36,7 +36,7 @@ BAR = "0.86"
 class Asperities(Result):
     """A result of `stiction asperities`."""
 
-    format, made_by = "stiction-asperities", "a result of `stiction asperities`"
+    format, major_version, made_by = "stiction-asperities", 2, "a result of `stiction asperities`"
 
 
 def nayak(s: np.ndarray, alpha: float) -> np.ndarray:
@@ -60,14 +60,14 @@ def draw_map(figure: Figure, axes: Axes, file: Asperities) -> None:
     height, width = np.asarray(file.attribute("/", "map_shape")) * np.asarray(file.attribute("/", "pixel_size"))
     unit, sign = si(max(height, width))
     z_unit, z_sign = si(float(np.abs(file["asperities/height"]).max()))
-    size = min(max(3000.0 / file["asperity"].size, 1.0), 30.0)
+    size = min(max(3000.0 / file["asperities/asperity"].size, 1.0), 30.0)
     dots = axes.scatter(file["asperities/x"] / unit, file["asperities/y"] / unit, size, file["asperities/height"] / z_unit,
                         cmap="cividis")
     axes.set(xlim=(0.0, width / unit), ylim=(height / unit, 0.0), aspect="equal", xlabel=f"x ({sign}m)",
              ylabel=f"y ({sign}m), as the rows of the map")
     for side in ("top", "right"):
         axes.spines[side].set_visible(True)
-    axes.set_title(f"(a) {file['asperity'].size} summits", pad=8.0)
+    axes.set_title(f"(a) {file['asperities/asperity'].size} summits", pad=8.0)
     figure.colorbar(dots, ax=axes, label=f"height above the mean plane ({z_sign}m)", shrink=0.85, pad=0.02)
 
 

@@ -36,7 +36,7 @@ COUNT = "asperities of a patch, $N$"
 class Study(Result):
     """A result of `stiction finite-size`."""
 
-    format, made_by = "stiction-finite-size", "a result of `stiction finite-size`"
+    format, major_version, made_by = "stiction-finite-size", 2, "a result of `stiction finite-size`"
 
 
 def draw_ranges(axes: Axes, study: Study) -> None:

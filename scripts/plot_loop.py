@@ -41,10 +41,10 @@ MARGIN = (0.12, 0.55)
 
 
 def draw_forces(axes: Axes, run: Run) -> None:
-    x, lowest, handles, curves = run["h_star"], 0.0, [], []
+    x, lowest, handles, curves = run["ensemble/h_star"], 0.0, [], []
     for way, prefix, color, band, line in WAYS:
         mean, std = run[f"ensemble/{prefix}external_force_mean"], run[f"ensemble/{prefix}external_force_std"]
-        integral = run[f"statistical/{prefix}external_force"]
+        integral = run[f"integral/{prefix}external_force"]
         curves.append((way, color, band, line, mean, np.nan_to_num(std), integral))
         lowest = min(lowest, float((mean - np.nan_to_num(std)).min()))
     depth = -lowest if lowest < 0.0 else float(curves[0][4].max())
@@ -64,10 +64,10 @@ def draw_forces(axes: Axes, run: Run) -> None:
 
 
 def draw_jumps(axes: Axes, run: Run) -> None:
-    x = run["step"] / run.attribute("/", "surface_height_std")
+    x = run["ensemble/step"] / run.attribute("/", "surface_height_std")
     handles, top = [], 0.0
     for (_, _, color, _, line), name, label in zip(WAYS, ["jump_in", "jump_off"], ["come into contact", "lose contact"]):
-        mean, integral = run[f"ensemble/{name}_count_mean"], run[f"statistical/{name}_count"]
+        mean, integral = run[f"ensemble/{name}_count_mean"], run[f"integral/{name}_count"]
         handles += axes.plot(x, mean, color=color, linestyle=line, linewidth=1.6, label=label)
         dots = axes.plot(x, integral, color="black", linestyle=INTEGRAL, linewidth=0.8, label="integral")
         top = max(top, float(mean.max()))
@@ -89,8 +89,8 @@ def draw_energy(axes: Axes, run: Run) -> None:
         unit, sign = 1e-15, "f"
     n, mean = energy.size, float(energy.mean())
     handles = [histogram(axes, energy, unit, "0.86", f"{n} replica{'s' if n > 1 else ''}")]
-    difference = run["statistical/external_force"] - run["statistical/retraction_external_force"]
-    area = float(np.sum(0.5 * (difference[1:] + difference[:-1]) * np.diff(run["separation"])))
+    difference = run["integral/external_force"] - run["integral/retraction_external_force"]
+    area = float(np.sum(0.5 * (difference[1:] + difference[:-1]) * np.diff(run["ensemble/separation"])))
     error = f" ± {energy.std(ddof=1) / math.sqrt(n) / unit:.2g}" if n > 1 else ""
     for value, label, color, line in [(mean, f"their mean: {mean / unit:.4g}{error} {sign}J", "black", "-"),
                                       (area, f"of the integral: {area / unit:.4g} {sign}J", VERMILION, DASHED)]:
@@ -101,7 +101,7 @@ def draw_energy(axes: Axes, run: Run) -> None:
 
 def draw_probability(axes: Axes, run: Run) -> None:
     """Probabilities over the stiffness; a constant load, of stiffness 0, at the left edge."""
-    stiffness, handles = run["stiffness"], []
+    stiffness, handles = run["replicas/stiffness"], []
     unit, sign = si(float(stiffness.max()))
     order = np.argsort(stiffness)
 
@@ -115,19 +115,19 @@ def draw_probability(axes: Axes, run: Run) -> None:
                                  label=label))
 
     curve("snap_in", (slice(None),), "snap-in", BLUE, "-")
-    for i, preload in enumerate(run["preload"]):
+    for i, preload in enumerate(run["replicas/preload"]):
         after = "the closest separation" if math.isnan(preload) else newton(preload)
         curve("snap_off", (i,), f"snap-off after {after}", [VERMILION, *GREENS][i % 5], DASH_DOT)
-    axes.axvline(run.attribute("statistical", "peak_stiffness") / unit, color="black", linestyle=INTEGRAL, linewidth=0.9)
+    axes.axvline(run.attribute("integral", "peak_stiffness") / unit, color="black", linestyle=INTEGRAL, linewidth=0.9)
     axes.set(xlabel=f"stiffness of what holds the surface ({sign}N/m)", ylabel="probability", ylim=(-0.04, 1.08))
-    axes.annotate("stiffest point\nof the integral", (run.attribute("statistical", "peak_stiffness") / unit, 0.35),
+    axes.annotate("stiffest point\nof the integral", (run.attribute("integral", "peak_stiffness") / unit, 0.35),
                   xytext=(-6, 0), textcoords="offset points", ha="right", va="center", fontsize=8)
     head(axes, "(d) Probability to snap, with 95 % intervals", handles, 2, 1 + len(handles) // 3)
 
 
 def draw_preloads(axes: Axes, run: Run) -> None:
-    preload, reached = run["preload"], run["instability/turned_count"] > 0
-    mean, std = (run[f"instability/turned_pull_off_force_{of}"][reached] for of in ("mean", "std"))
+    preload, reached = run["replicas/preload"], run["instability/preload_reached_count"] > 0
+    mean, std = (run[f"instability/pull_off_after_preload_{of}"][reached] for of in ("mean", "std"))
     unit, sign = si(float(mean.max()))
     load, load_sign = si(float(preload[reached].max()))
     handles = [axes.errorbar(preload[reached] / load, mean / unit, np.nan_to_num(std) / unit, color=VERMILION, fmt="o-",
@@ -147,8 +147,8 @@ def draw_pull_off(axes: Axes, run: Run) -> None:
                histogram(axes, back, unit, PINK, f"way back: {newton(float(back.mean()))}")]
     for radius, line in (("kept", DASHED), ("elastic", DASH_DOT)):
         name = f"pull_off_force_{radius}_radius"
-        if name in run.file["statistical"].attrs:
-            force = float(run.attribute("statistical", name))
+        if name in run.file["integral"].attrs:
+            force = float(run.attribute("integral", name))
             handles.append(axes.axvline(force / unit, color="black", linestyle=line, linewidth=1.1,
                                         label=f"integral, {radius} radius: {newton(force)}"))
     axes.set(xlabel=f"pull-off force, minus the smallest $F$ ({sign}N)", ylabel="replicas", xmargin=0.04)
@@ -158,7 +158,7 @@ def draw_pull_off(axes: Axes, run: Run) -> None:
 def draw_last(axes: Axes, run: Run) -> None:
     if "instability" not in run.file:
         draw_pull_off(axes, run)
-    elif run["preload"].size >= 3:
+    elif run["replicas/preload"].size >= 3:
         draw_preloads(axes, run)
     else:
         draw_probability(axes, run)
@@ -178,7 +178,7 @@ def draw_texts(figure: Figure, run: Run) -> None:
                f"{replicas} replica{'s' if replicas > 1 else ''}, both ways and their integral: {verdict}")
     figure.text(0.5, 0.981 - 0.027 * len(title), numbers, ha="center", va="top", fontsize=9.5)
     std = run.attribute("/", "surface_height_std")
-    touch, off = (float(run[f"replicas/{name}_separation"].mean()) / std for name in ("touchdown", "takeoff"))
+    touch, off = (float(run[f"replicas/{name}_separation"].mean()) / std for name in ("touchdown", "detachment"))
     places = f"first contact at $h$* = {touch:.2f} on average, last at {off:.2f}; " if math.isfinite(off) else ""
     figure.text(0.5, 0.015, places + "independent asperities: no coupling through the substrate, no coalescence",
                 ha="center", fontsize=8.5)

@@ -31,7 +31,7 @@ class FileError(Exception):
 class Result:
     """A result that is open for reading, of a format in one major version."""
 
-    format, major_version, made_by = "", 1, ""
+    format, major_version, made_by = "", 0, ""
     # What looks different from STYLE.
     style: dict[str, object] = {}
 

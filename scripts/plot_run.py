@@ -49,7 +49,7 @@ CURVES = {
 class Run(Result):
     """A result of `stiction run`."""
 
-    format, major_version, made_by = "stiction-run", 2, "a result of `stiction run`"
+    format, major_version, made_by = "stiction-run", 3, "a result of `stiction run`"
     style = {"axes.xmargin": 0.01}
 
     def pull_off_place(self) -> float:
@@ -88,12 +88,12 @@ def force_range(mean: np.ndarray, std: np.ndarray, pull_off: float) -> tuple[flo
 
 
 def draw_forces(axes: Axes, run: Run) -> None:
-    x, mean, std = run["h_star"], run["ensemble/external_force_mean"], run["ensemble/external_force_std"]
+    x, mean, std = run["ensemble/h_star"], run["ensemble/external_force_mean"], run["ensemble/external_force_std"]
     pull_off = run.attribute("ensemble", "pull_off_force")
     low, high = force_range(mean, std, pull_off)
     unit, sign = si(max(-low, high))
     handles = axes.plot(x, mean / unit, color=BLUE, linewidth=2.2, label="$F$, mean over replicas")
-    handles += axes.plot(x, run["statistical/external_force"] / unit, color="black", linestyle=(0, (4, 2)),
+    handles += axes.plot(x, run["integral/external_force"] / unit, color="black", linestyle=(0, (4, 2)),
                          linewidth=0.9, label="$F$, integral")
     if np.isfinite(std).any():
         edges = (mean - std) / unit, (mean + std) / unit
@@ -113,7 +113,7 @@ def draw_forces(axes: Axes, run: Run) -> None:
 
 
 def draw_z(axes: Axes, run: Run) -> None:
-    x, handles, left_out, limit = run["h_star"], [], 0, 3.0
+    x, handles, left_out, limit = run["ensemble/h_star"], [], 0, 3.0
     for name, label, color, line in [("external_force", "$F$", BLUE, "-"),
                                      ("adhesion_force", "$F_s$", VERMILION, DASH_DOT)]:
         z, tested = run[f"validation/z_{name}"], run[f"validation/tested_{name}"] != 0
@@ -142,7 +142,7 @@ def draw_z(axes: Axes, run: Run) -> None:
 def by_regime(run: Run, table: str, total: str) -> dict[str, np.ndarray]:
     """Total adhesion force, and that of each regime that has any, the elastoplastic ones together."""
     curves = {"total": run[total]}
-    for name, curve in zip(run["regime"], run[table]):
+    for name, curve in zip(run["ensemble/regime"], run[table]):
         name = "elastoplastic 1+2" if name.startswith(b"elastoplastic") else name.decode()
         curves[name] = curves.get(name, 0.0) + curve
     return {name: curve for name, curve in curves.items() if name == "total" or np.any(curve != 0.0)}
@@ -161,9 +161,9 @@ def draw_curves(axes: Axes, x: np.ndarray, means: dict, integrals: dict, unit: f
 
 
 def draw_regimes(axes: Axes, run: Run) -> None:
-    x = run["h_star"]
+    x = run["ensemble/h_star"]
     means = by_regime(run, "ensemble/regime_adhesion_force_mean", "ensemble/adhesion_force_mean")
-    integrals = by_regime(run, "statistical/regime_adhesion_force", "statistical/adhesion_force")
+    integrals = by_regime(run, "integral/regime_adhesion_force", "integral/adhesion_force")
     top = float(means["total"].max())
     if not top > 0.0:
         empty(axes, "(c) Adhesion force $F_s$ of each regime", "the law has no adhesion")
@@ -212,7 +212,7 @@ def draw_pull_off(axes: Axes, run: Run) -> None:
     counts, _, bars = axes.hist(values / unit, count, color="0.86", edgecolor="0.5", linewidth=0.6)
     bars[0].set_label(f"{n} replica{'s' if n > 1 else ''}")
     handles = [bars[0]]
-    of_mean, of_integral = (run.attribute(of, "pull_off_force") for of in ("ensemble", "statistical"))
+    of_mean, of_integral = (run.attribute(of, "pull_off_force") for of in ("ensemble", "integral"))
     lines = [(mean, f"their mean: {newton(mean, error)}", "black", "-"),
              (of_mean, f"of the mean curve: {newton(of_mean)}", BLUE, DASHED),
              (of_integral, f"of the integral: {newton(of_integral)}", VERMILION, DASH_DOT)]
@@ -235,8 +235,8 @@ def draw_texts(figure: Figure, run: Run) -> None:
                f"ψ = {run.attribute('/', 'plasticity_index'):.4g}, N = {count} asperities, "
                f"{replicas} replica{'s' if replicas > 1 else ''}, seed {run.attribute('/', 'seed')}")
     figure.text(0.5, 0.981 - 0.027 * len(title), numbers, ha="center", va="top", fontsize=9.5)
-    share = 100.0 * float(run["statistical/pull_off_contact_area"]) / run.attribute("/", "nominal_area")
-    place = "pull-off" if run.attribute("statistical", "pull_off_force") > 0.0 else "the smallest separation"
+    share = 100.0 * float(run["integral/pull_off_contact_area"]) / run.attribute("/", "nominal_area")
+    place = "pull-off" if run.attribute("integral", "pull_off_force") > 0.0 else "the smallest separation"
     figure.text(0.5, 0.015, "independent asperities: no coupling through the substrate, no coalescence; "
                 f"contact area at {place} {share:.2g} % of the nominal area", ha="center", fontsize=8.5)
 

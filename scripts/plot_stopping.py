@@ -85,7 +85,7 @@ def looks(replicas: int, first: int) -> list[int]:
 
 
 def draw_target(left: Axes, right: Axes, run: Targets, place: int) -> None:
-    name, units = run.texts("target")[place], run.texts("ensemble/target_units")[place].replace(" m-1", "/m")
+    name, units = run.texts("ensemble/target")[place], run.texts("ensemble/target_units")[place].replace(" m-1", "/m")
     group = GROUPS[str(run.attribute("/", "sampling"))]
     replicas, mean, error = running(run[f"replicas/{name}"], group)
     unit, prefix = si(abs(float(mean[-1])))
@@ -116,7 +116,7 @@ def draw(run: Targets) -> Figure:
     plain = [i for i, estimate in enumerate(run.texts("ensemble/target_estimate")) if estimate == "plain"]
     if not plain:
         raise FileError("all its targets are for means with control variates, whose course the file does not hold")
-    if run["replica"].size < 3 * GROUPS[str(run.attribute("/", "sampling"))]:
+    if run["replicas/replica"].size < 3 * GROUPS[str(run.attribute("/", "sampling"))]:
         raise FileError("it has too few replicas for a course")
     plain = plain[:8]
     figure = Figure(figsize=(11.0, 0.9 + 2.9 * len(plain)))

@@ -46,12 +46,12 @@ class Surface:
             run = Run(file)
             area = float(run.attribute("/", "nominal_area"))
             self.name = str(run.attribute("/", "title")) or path.stem
-            self.h_star = run["h_star"]
+            self.h_star = run["ensemble/h_star"]
             self.mean = run["ensemble/external_force_mean"] / area
             self.error = np.nan_to_num(run["ensemble/external_force_standard_error"]) / area
-            self.integral = run["statistical/external_force"] / area
+            self.integral = run["integral/external_force"] / area
             self.pull_off = run["replicas/pull_off_force"] / area
-            self.integral_pull_off = float(run.attribute("statistical", "pull_off_force")) / area
+            self.integral_pull_off = float(run.attribute("integral", "pull_off_force")) / area
             self.verdict = str(run.attribute("validation", "verdict"))
 
 

@@ -39,7 +39,7 @@ from plot_page import DASHED, PAGE, FileError, Result, main, si
 
 COLORS = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "black"]
 MARKERS = "osD^vP*"
-X_OPTION = {"metavar": "DATASET", "help": "dataset over the points for the axis; default: the first key"}
+X_OPTION = {"metavar": "DATASET", "help": "key, or dataset over the points, for the axis; default: the first key"}
 # Units that may have a prefix.
 SIMPLE = {"m", "Pa", "N"}
 
@@ -47,11 +47,11 @@ SIMPLE = {"m", "Pa", "N"}
 class Sweep(Result):
     """A sweep of `stiction run`."""
 
-    format, major_version, made_by = "stiction-sweep", 2, "a sweep of `stiction run`"
+    format, major_version, made_by = "stiction-sweep", 3, "a sweep of `stiction run`"
 
     def __init__(self, file: h5py.File) -> None:
         super().__init__(file)
-        self.keys = str(self.attribute("/", "sweep_keys")).split(", ")
+        self.keys = [key.replace(".", "_") for key in str(self.attribute("/", "sweep_keys")).split(", ")]
         self.shape = self["nominal_area"].shape
 
     def over_points(self, name: str) -> np.ndarray:
@@ -89,7 +89,7 @@ class Sweep(Result):
 
     def scalar(self, name: str, of: str) -> np.ndarray:
         """A mean over replicas, or its standard error, of a number of single replicas."""
-        scalars = [scalar.decode() for scalar in self["scalar"]]
+        scalars = [scalar.decode() for scalar in self["ensemble/scalar"]]
         return self[f"ensemble/scalar_{of}"][..., scalars.index(name)].ravel()
 
 
@@ -105,7 +105,7 @@ def is_logarithmic(x: np.ndarray) -> bool:
 def draw_force(axes: Axes, sweep: Sweep, x: np.ndarray, curves: list) -> None:
     mean, error = (sweep.scalar("pull_off_force", of) for of in ("mean", "standard_error"))
     std = np.nanstd(sweep["replicas/pull_off_force"], axis=-1, ddof=1).ravel()
-    integral = sweep["statistical/pull_off_force"].ravel()
+    integral = sweep["integral/pull_off_force"].ravel()
     unit, sign = si(float(np.abs(mean).max()))
     for (_, points), color, marker in zip(curves, COLORS, MARKERS):
         order = points[np.argsort(x[points])]
@@ -130,7 +130,7 @@ def draw_force(axes: Axes, sweep: Sweep, x: np.ndarray, curves: list) -> None:
 
 def draw_excess(axes: Axes, sweep: Sweep, x: np.ndarray, curves: list) -> None:
     means = [sweep.scalar("pull_off_force", of) for of in ("controlled_mean", "controlled_standard_error")]
-    integral = sweep["statistical/pull_off_force"].ravel()
+    integral = sweep["integral/pull_off_force"].ravel()
     with np.errstate(all="ignore"):
         excess, error = 100.0 * (means[0] / integral - 1.0), 100.0 * means[1] / integral
     for (_, points), color, marker in zip(curves, COLORS, MARKERS):
@@ -149,7 +149,7 @@ def draw_excess(axes: Axes, sweep: Sweep, x: np.ndarray, curves: list) -> None:
 
 
 def draw_stiffness(axes: Axes, sweep: Sweep, x: np.ndarray, curves: list) -> None:
-    mean, integral = (sweep[f"{of}/peak_stiffness"].ravel() for of in ("ensemble", "statistical"))
+    mean, integral = (sweep[f"{of}/peak_stiffness"].ravel() for of in ("ensemble", "integral"))
     single, error = (sweep.scalar("peak_secant_stiffness", of) for of in ("mean", "standard_error"))
     unit, sign = si(float(np.abs(integral).max()))
     for (_, points), color, marker in zip(curves, COLORS, MARKERS):
@@ -175,7 +175,7 @@ def draw_stiffness(axes: Axes, sweep: Sweep, x: np.ndarray, curves: list) -> Non
 def draw_places(axes: Axes, sweep: Sweep, x: np.ndarray, curves: list) -> None:
     sigma = sweep["surface_height_std"].ravel()
     pull_off, error = (sweep.scalar("pull_off_separation", of) / sigma for of in ("mean", "standard_error"))
-    of_integral = [sweep[f"statistical/{name}_separation"].ravel() / sigma for name in ("pull_off", "peak_stiffness")]
+    of_integral = [sweep[f"integral/{name}_separation"].ravel() / sigma for name in ("pull_off", "peak_stiffness")]
     stiffest = sweep["ensemble/peak_stiffness_separation"].ravel() / sigma
     for (_, points), color, marker in zip(curves, COLORS, MARKERS):
         order = points[np.argsort(x[points])]

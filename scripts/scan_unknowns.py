@@ -123,8 +123,8 @@ def solve(program: Path, folder: Path, published: Published, combination: tuple)
     if run.returncode != 0:
         raise ScanError(f"{' '.join(map(str, command))}: {run.stderr.strip()}")
     with h5py.File(result, "r") as file:
-        force = float(file["statistical/pull_off_force"][0])
-        place = float(file["statistical/peak_stiffness_separation"][0]) / file.attrs["surface_height_std"]
+        force = float(file["integral/pull_off_force"][0])
+        place = float(file["integral/peak_stiffness_separation"][0]) / file.attrs["surface_height_std"]
     result.unlink()
     return force, place
 

@@ -117,8 +117,8 @@ class Sizes:
     def derived(cls, shard: Path, result: Path) -> "Sizes":
         """Those of the scene of a shard of one batch, and of a result of it."""
         with h5py.File(result, "r") as file:
-            separations, regimes = len(file["separation"]), len(file["regime"])
-            scalars, asperities = len(file["control"]) + len(file["scalar"]), int(file["replicas/asperity_count"][0])
+            separations, regimes = len(file["ensemble/separation"]), len(file["ensemble/regime"])
+            scalars, asperities = len(file["ensemble/control"]) + len(file["ensemble/scalar"]), int(file["replicas/asperity_count"][0])
 
         def numbers(*lengths: int) -> int:
             """A count, and lists of so many numbers."""

@@ -26,9 +26,9 @@ class Comparison:
         with h5py.File(path) as file:
             self.attrs = dict(file.attrs)
             file.visititems(lambda name, item: self.data.update({name: item[()]} if hasattr(item, "shape") else {}))
-        self.laws = [name.decode() for name in self.data["law"]]
-        self.regimes = [name.decode() for name in self.data["regime"]]
-        self.x, self.h = self.data["h_star"], self.data["separation"]
+        self.laws = [name.decode() for name in self.data["integral/law"]]
+        self.regimes = [name.decode() for name in self.data["integral/regime"]]
+        self.x, self.h = self.data["integral/h_star"], self.data["integral/separation"]
         self.lam, self.psi = float(self.attrs["adhesion_parameter"]), float(self.attrs["plasticity_index"])
         self.sigma, self.count = float(self.attrs["surface_height_std"]), int(self.attrs["asperity_count"])
         self.length, self.force = float(self.attrs["approach_unit"]), float(self.attrs["force_unit"])
@@ -40,14 +40,14 @@ class Comparison:
         return self.data[name][self.laws.index(law)]
 
     def number(self, law: str, name: str) -> float:
-        return float(self.by_law(law, f"statistical/{name}"))
+        return float(self.by_law(law, f"integral/{name}"))
 
     def place(self, law: str, name: str) -> float:
         """h* of the pull-off or of the peak stiffness of the integral."""
         return self.number(law, f"{name}_separation") / self.sigma
 
     def regime(self, law: str, *names: str) -> np.ndarray:
-        table = self.by_law(law, "statistical/regime_adhesion_force")
+        table = self.by_law(law, "integral/regime_adhesion_force")
         return sum(table[self.regimes.index(name)] for name in names)
 
 
@@ -156,7 +156,7 @@ def fit_points(program: Program, case: Comparison, law: str, force: str, count: 
 
 def gaussian_sum(case: Comparison, delta: np.ndarray, force: np.ndarray) -> np.ndarray:
     """Sum over all asperities of a force that is 0 outside the approaches given, at every separation, N."""
-    std, d = float(case.attrs["asperity_height_std"]), case.data["asperity_separation"]
+    std, d = float(case.attrs["asperity_height_std"]), case.data["integral/asperity_separation"]
     density = np.exp(-0.5 * ((delta + d[:, None]) / std) ** 2) / (std * np.sqrt(2.0 * np.pi))
     values = force * density
     return case.count * 0.5 * ((values[:, 1:] + values[:, :-1]) * np.diff(delta)).sum(axis=1)
@@ -167,7 +167,7 @@ def without_contact_below_zero(program: Program, case: Comparison) -> np.ndarray
     delta = np.linspace(-case.delta_a * (1.0 - 1e-12), 0.0, 2001)
     sphere = program.sphere(case, "emd", delta)
     contact = sphere["external_force"] + sphere["adhesion_force"]
-    return case.by_law("hybrid", "statistical/external_force") - gaussian_sum(case, delta, contact)
+    return case.by_law("hybrid", "integral/external_force") - gaussian_sum(case, delta, contact)
 
 
 def paths_differ_from(program: Program) -> float:

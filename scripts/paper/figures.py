@@ -38,7 +38,7 @@ def curve(axes: Axes, case: Comparison, law: str, unit: float, name: str = "adhe
           style: tuple | None = None) -> None:
     """The integral over h*, and the ensemble's scatter around it, where there is an ensemble."""
     label, color, line, width = style or LAWS[law]
-    force = case.by_law(law, f"statistical/{name}") / unit
+    force = case.by_law(law, f"integral/{name}") / unit
     axes.plot(case.x, force, color=color, linestyle=line, linewidth=width, label=label)
     if "fit" not in law:
         std = case.by_law(law, f"ensemble/{name}_std") / unit
@@ -151,7 +151,7 @@ def figure_5(_: Program, runs: dict) -> Figure:
         for law in ("hybrid", "emd", "isbl", "fit:paper"):
             curve(axes, case, law, MN)
         axes.set(xlabel=SEPARATION, ylabel="adhesion force (mN)", xlim=(0, 7))
-        axes.set_ylim(0, 1.05 * case.by_law("hybrid", "statistical/adhesion_force")[case.x >= 0].max() / MN)
+        axes.set_ylim(0, 1.05 * case.by_law("hybrid", "integral/adhesion_force")[case.x >= 0].max() / MN)
         axes.set_title(f"({letter}) {named(case, name)}")
         onset_inset(axes, case, 5.0 if name == "III" else 3.0)
     legend_below(figure, row[0], 4, BAND)
@@ -163,10 +163,10 @@ def onset_inset(axes: Axes, case: Comparison, start: float) -> None:
     inset = axes.inset_axes((0.45, 0.42, 0.54, 0.53))
     for law in ("hybrid", "emd", "isbl", "fit:paper"):
         _, color, line, width = LAWS[law]
-        inset.plot(case.x, case.by_law(law, "statistical/adhesion_force") / UN, color=color, linestyle=line,
+        inset.plot(case.x, case.by_law(law, "integral/adhesion_force") / UN, color=color, linestyle=line,
                    linewidth=0.8 * width)
     shown = (case.x >= start - 1) & (case.x <= 8)
-    forces = case.by_law("hybrid", "statistical/adhesion_force")[shown] / UN
+    forces = case.by_law("hybrid", "integral/adhesion_force")[shown] / UN
     inset.set(yscale="log", xlim=(start - 1, 8), ylim=(0.6 * forces.min(), 2 * forces.max()))
     inset.axvline(start, color="0.6", linewidth=0.7, zorder=0)
     inset.set_title(f"onset, line at $h$* = {start:g} (µN)", fontsize=8, loc="right", pad=3)
@@ -177,7 +177,7 @@ def figure_6(_: Program, runs: dict) -> Figure:
     figure, ((axes,),) = panels(7, 4.8)
     inset = axes.inset_axes((0.47, 0.38, 0.52, 0.52))
     for where, unit, width in ((axes, MN, 1.0), (inset, UN, 0.8)):
-        total = case.by_law("hybrid", "statistical/adhesion_force") / unit
+        total = case.by_law("hybrid", "integral/adhesion_force") / unit
         where.plot(case.x, total, color="black", linewidth=1.9 * width, label="all")
         std = case.by_law("hybrid", "ensemble/adhesion_force_std") / unit
         where.fill_between(case.x, total - std, total + std, facecolor="0.5", alpha=0.25, linewidth=0, zorder=1)
@@ -203,12 +203,12 @@ def external(axes: Axes, case: Comparison, name: str, unit: float, law: str = "h
 
 def fit_curve(axes: Axes, case: Comparison, law: str, unit: float, label: str = "",
               name: str = "external_force") -> None:
-    axes.plot(case.x, case.by_law(law, f"statistical/{name}") / unit, color="black", linestyle=DOTTED, linewidth=1.3,
+    axes.plot(case.x, case.by_law(law, f"integral/{name}") / unit, color="black", linestyle=DOTTED, linewidth=1.3,
               label=label)
 
 
 def stiffness(case: Comparison, law: str) -> np.ndarray:
-    return np.gradient(case.by_law(law, "statistical/external_force"), case.h, edge_order=2)
+    return np.gradient(case.by_law(law, "integral/external_force"), case.h, edge_order=2)
 
 
 def figure_7(_: Program, runs: dict) -> Figure:

@@ -56,7 +56,7 @@ def statement(item: str, case: str, paper: str, here: float, holds: bool | None,
 
 
 def adhesion(case: Comparison, law: str) -> np.ndarray:
-    return case.by_law(law, "statistical/adhesion_force")
+    return case.by_law(law, "integral/adhesion_force")
 
 
 def parameters(runs: dict) -> Iterable[Row]:
@@ -281,7 +281,7 @@ def models(runs: dict) -> Iterable[Row]:
 
 def before_yield(case: Comparison) -> float:
     """Adhesion of an asperity by ISBL over that by hybrid, at the largest tabulated interference below omega_c."""
-    last = np.flatnonzero(case.data["interference"] < case.omega_c)[-1]
+    last = np.flatnonzero(case.data["asperity/interference"] < case.omega_c)[-1]
     isbl, hybrid = (case.by_law(law, "asperity/adhesion_force")[last] for law in ("isbl", "hybrid"))
     return float(isbl / hybrid)
 

@@ -67,8 +67,10 @@ fn completeness(reader: &Reader) -> Result<String, Failure> {
     if reader.layout().format == SWEEP.format {
         return Ok(wide("incomplete", "replica_count says how many replicas of each point are there"));
     }
-    let (there, all) =
-        (reader.values::<u64>("/replica")?, reader.number::<u64>("/", "replicas_of_whole_run")?);
+    let (there, all) = (
+        reader.values::<u64>(reader.coordinate("replica"))?,
+        reader.number::<u64>("/", "replicas_of_whole_run")?,
+    );
     let ranges = there.chunk_by(|one, next| one.checked_add(1) == Some(*next));
     let named = ranges.map(|range| format!("{} to {}", range[0], range[range.len() - 1])).take(MOST_PIECES);
     let named: Vec<String> = named.collect();
@@ -155,7 +157,8 @@ fn scene_text(scene: &str) -> String {
 
 /// A row with room for the longest name of all layouts.
 fn wide(name: &str, value: &str) -> String {
-    let known = Layout::ALL.iter().flat_map(|layout| layout.variables).map(|variable| variable.path.len());
+    let known =
+        Layout::ALL.iter().flat_map(|layout| layout.variables.iter()).map(|variable| variable.path.len());
     let width = known.max().unwrap_or_default() + 2;
     row(&format!("{:<width$}", one_line(name)), &one_line(value))
 }

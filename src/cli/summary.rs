@@ -247,7 +247,7 @@ fn cycle(results: &Results) -> String {
     let open = replicas
         .iter()
         .filter_map(|replica| replica.cycle.as_ref())
-        .filter(|kept| kept.takeoff_separation > last)
+        .filter(|kept| kept.detachment_separation > last)
         .count();
     if open > 0 {
         text += &row(

@@ -23,7 +23,7 @@ pub struct Cycle {
     /// NaN of no asperities.
     pub touchdown_separation: f64,
     /// Separation h at which the last contact is lost on retraction, m; NaN if there was none.
-    pub takeoff_separation: f64,
+    pub detachment_separation: f64,
 }
 
 impl Cycle {
@@ -48,7 +48,7 @@ impl Cycle {
             approach_pull_off_separation: pull_off.place,
             dissipated_energy: dissipated(job.separations, [approach, retraction], SUM_ROUNDING, highest),
             touchdown_separation: highest - cycle.touch() + surface.mean_plane_offset,
-            takeoff_separation: takeoff.map_or(f64::NAN, |distance| closest + distance),
+            detachment_separation: takeoff.map_or(f64::NAN, |distance| closest + distance),
         }
     }
 }

@@ -341,7 +341,7 @@ mod tests {
         if let (Some(mine), Some(truth)) = (&mine.cycle, &truth.cycle) {
             close(mine.dissipated_energy, truth.dissipated_energy);
             assert_eq!(mine.touchdown_separation.to_bits(), truth.touchdown_separation.to_bits());
-            assert_eq!(mine.takeoff_separation.to_bits(), truth.takeoff_separation.to_bits());
+            assert_eq!(mine.detachment_separation.to_bits(), truth.detachment_separation.to_bits());
         }
         if job.laws.family.is_none() && mine.cycle.is_none() {
             let mut heights = Vec::new();

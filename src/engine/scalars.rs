@@ -10,18 +10,36 @@ pub struct Scalar {
     pub name: &'static str,
     /// The units, SI.
     pub units: &'static str,
+    /// The meaning, in files.
+    pub meaning: &'static str,
     /// The value.
     pub of: fn(&Replica) -> f64,
 }
 
 /// The scalars of every replica.
 pub const SCALARS: [Scalar; 4] = [
-    Scalar { name: "pull_off_force", units: "N", of: |replica| replica.pull_off_force },
-    Scalar { name: "pull_off_separation", units: "m", of: |replica| replica.pull_off_separation },
-    Scalar { name: "peak_secant_stiffness", units: "N m-1", of: |replica| replica.peak_secant_stiffness },
+    Scalar {
+        name: "pull_off_force",
+        units: "N",
+        meaning: "pull-off force, minus the minimum of the replica's external force",
+        of: |replica| replica.pull_off_force,
+    },
+    Scalar {
+        name: "pull_off_separation",
+        units: "m",
+        meaning: "separation h at pull-off",
+        of: |replica| replica.pull_off_separation,
+    },
+    Scalar {
+        name: "peak_secant_stiffness",
+        units: "N m-1",
+        meaning: "largest secant stiffness of the external force over the stiffness span",
+        of: |replica| replica.peak_secant_stiffness,
+    },
     Scalar {
         name: "peak_secant_stiffness_separation",
         units: "m",
+        meaning: "separation h in the middle of the span of the peak secant stiffness",
         of: |replica| replica.peak_secant_stiffness_separation,
     },
 ];
@@ -31,27 +49,32 @@ pub const LOOP_SCALARS: [Scalar; 5] = [
     Scalar {
         name: "approach_pull_off_force",
         units: "N",
+        meaning: "minus the minimum of the external force on approach",
         of: |replica| of_cycle(replica, |cycle| cycle.approach_pull_off_force),
     },
     Scalar {
         name: "approach_pull_off_separation",
         units: "m",
+        meaning: "separation h of that minimum",
         of: |replica| of_cycle(replica, |cycle| cycle.approach_pull_off_separation),
     },
     Scalar {
         name: "dissipated_energy",
         units: "J",
+        meaning: "integral of the external force over the separation, on approach less on retraction; 0 where it is below its rounding",
         of: |replica| of_cycle(replica, |cycle| cycle.dissipated_energy),
     },
     Scalar {
         name: "touchdown_separation",
         units: "m",
+        meaning: "separation h at which the highest asperity touches on approach, NaN without asperities",
         of: |replica| of_cycle(replica, |cycle| cycle.touchdown_separation),
     },
     Scalar {
-        name: "takeoff_separation",
+        name: "detachment_separation",
         units: "m",
-        of: |replica| of_cycle(replica, |cycle| cycle.takeoff_separation),
+        meaning: "separation h at which the last contact is lost on retraction, NaN without contact",
+        of: |replica| of_cycle(replica, |cycle| cycle.detachment_separation),
     },
 ];
 

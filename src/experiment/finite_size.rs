@@ -187,10 +187,10 @@ fn write(points: &Points<'_>, identity: &Identity, study: &FiniteSize) -> Result
         first.asperity.plasticity_index(first.surface.surface_height_std),
     )?;
     let FiniteSize { integral, sizes, approach, reached } = study;
-    writer.scale(Dimension::AsperityCount, &of_sizes(sizes, |size| size.count))?;
-    writer.scale(Dimension::Replica, &(0..sizes[0].pull_off.len() as u64).collect::<Vec<u64>>())?;
-    writer.scale(Dimension::Quantile, &QUANTILES)?;
-    writer.scale(Dimension::Accuracy, &ACCURACIES)?;
+    writer.scale(Dimension::AsperityCount, &of_sizes(sizes, |size| size.count));
+    writer.scale(Dimension::Replica, &(0..sizes[0].pull_off.len() as u64).collect::<Vec<u64>>());
+    writer.scale(Dimension::Quantile, &QUANTILES);
+    writer.scale(Dimension::Accuracy, &ACCURACIES);
     writer.dataset("/integral_pull_off_per_asperity", &[*integral])?;
     writer.dataset("/nominal_area", &of_sizes(sizes, |size| size.nominal_area))?;
     for (i, name) in ["", "controlled_"].into_iter().enumerate() {

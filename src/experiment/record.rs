@@ -24,28 +24,29 @@ pub(crate) fn write_head(writer: &mut Writer<'_>, results: &Results) -> Result<(
     writer.number("/", "seed", scene.seed)?;
     writer.number("/", "replicas", scene.replicas)?;
     writer.text("/", "sampling", scene.sampling.name())?;
-    writer.named_scale(Dimension::Regime, regimes)?;
+    writer.named_scale(Dimension::Regime, regimes);
     match &results.metadata.partial {
-        None => writer.scale(Dimension::Replica, &(0..scene.replicas).collect::<Vec<u64>>())?,
+        None => writer.scale(Dimension::Replica, &(0..scene.replicas).collect::<Vec<u64>>()),
         Some(partial) => {
             writer.number("/", "partial", 1_u8)?;
             writer.number("/", "replicas_of_whole_run", partial.of)?;
-            writer.scale(Dimension::Replica, &partial.replicas)?;
+            writer.scale(Dimension::Replica, &partial.replicas);
         }
     }
     let components: Vec<u64> = (0..basis.probes.len() as u64).collect();
-    writer.scale(Dimension::Component, &components)?;
+    writer.scale(Dimension::Component, &components);
     let names: Vec<&str> = scalars(scene.cycle).map(|scalar| scalar.name).collect();
-    writer.named_scale(Dimension::Scalar, &names)?;
-    writer.named_scale(Dimension::RangeEnd, &RANGE_ENDS)?;
+    writer.named_scale(Dimension::Scalar, &names);
+    writer.named_scale(Dimension::RangeEnd, &RANGE_ENDS);
     if let Some(stopped) = &results.stopped {
         let names: Vec<&str> = stopped.targets.iter().map(|attained| attained.target.name()).collect();
         writer.number("/", "min_replicas", stopped.min_replicas)?;
         writer.number("/", "max_replicas", stopped.max_replicas)?;
-        writer.named_scale(Dimension::Target, &names)?;
+        writer.named_scale(Dimension::Target, &names);
     }
     let separation = |&place: &usize| scene.separations[place % scene.separations.len()];
-    writer.scale(Dimension::Control, &controls.iter().map(separation).collect::<Vec<f64>>())
+    writer.scale(Dimension::Control, &controls.iter().map(separation).collect::<Vec<f64>>());
+    writer.scale_in("/ensemble", Dimension::Control)
 }
 
 /// Shows the records of all replicas, as long as more are asked for.
@@ -136,18 +137,21 @@ pub(crate) fn write_scene(writer: &mut Writer<'_>, scene: &Scene) -> Result<(), 
     writer.text("/", "radii", &scene.surface.radii.about())?;
     writer.text("/", "count", scene.surface.count_law.name())?;
     writer.number("/", "nominal_area", scene.surface.nominal_area)?;
-    writer.scale(Dimension::Separation, &scene.separations)?;
+    writer.scale(Dimension::Separation, &scene.separations);
     let of_separation =
         |f: &dyn Fn(f64) -> f64| scene.separations.iter().map(|&h| f(h)).collect::<Vec<f64>>();
-    writer.dataset("/h_star", &of_separation(&|h| h / scene.surface.surface_height_std))?;
-    writer.dataset("/asperity_separation", &of_separation(&|h| scene.surface.asperity_separation(h)))
+    let h_star = of_separation(&|h| h / scene.surface.surface_height_std);
+    writer.coordinate("h_star", Dimension::Separation, &h_star);
+    let asperity_separation = of_separation(&|h| scene.surface.asperity_separation(h));
+    writer.coordinate("asperity_separation", Dimension::Separation, &asperity_separation);
+    Ok(())
 }
 
 pub(crate) fn write_results(writer: &mut Writer<'_>, results: &Results) -> Result<(), OutputError> {
     write_ensemble(writer, results)?;
     write_jumps(writer, results)?;
     write_instability(writer, results)?;
-    write_statistical(writer, results)?;
+    write_integral(writer, results)?;
     write_validation(writer, results)?;
     write_diagnostics(writer, results)
 }
@@ -231,7 +235,7 @@ fn write_jumps(writer: &mut Writer<'_>, results: &Results) -> Result<(), OutputE
     let Some(retraction) = &results.retraction else { return Ok(()) };
     let middles: Vec<f64> =
         results.scene.separations.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])).collect();
-    writer.scale(Dimension::Step, &middles)?;
+    writer.scale(Dimension::Step, &middles);
     let counts = results.ensemble.regime_count.mean().chunks_exact(results.scene.states());
     let names = ["jump_in_count", "jump_off_count"];
     for ((name, (_, states)), model) in
@@ -240,7 +244,7 @@ fn write_jumps(writer: &mut Writer<'_>, results: &Results) -> Result<(), OutputE
         let rows: Vec<&[f64]> = counts.clone().map(|row| &row[states.clone()]).collect();
         writer.dataset(&format!("/ensemble/{name}_mean"), &changes(results, &rows))?;
         let rows: Vec<&[f64]> = model.regime_count.iter().map(Vec::as_slice).collect();
-        writer.dataset(&format!("/statistical/{name}"), &changes(results, &rows))?;
+        writer.dataset(&format!("/integral/{name}"), &changes(results, &rows))?;
     }
     Ok(())
 }
@@ -279,36 +283,36 @@ fn write_scalars(writer: &Writer<'_>, results: &Results) -> Result<(), OutputErr
     write("variance_reduction", ControlledMean::variance_reduction)
 }
 
-fn write_statistical(writer: &Writer<'_>, results: &Results) -> Result<(), OutputError> {
+fn write_integral(writer: &Writer<'_>, results: &Results) -> Result<(), OutputError> {
     let retraction = results.retraction.as_ref().map(|retraction| ("retraction_", &retraction.expectations));
     let paths = [("", &results.expectations)].into_iter().chain(retraction);
     let mut error = 0.0;
     for (way, model) in paths {
         for quantity in Quantity::ALL {
             let name = quantity.name();
-            writer.dataset(&format!("/statistical/{way}{name}"), &model.expected[quantity.index()])?;
-            writer.dataset(&format!("/statistical/{way}{name}_std"), &model.std[quantity.index()])?;
+            writer.dataset(&format!("/integral/{way}{name}"), &model.expected[quantity.index()])?;
+            writer.dataset(&format!("/integral/{way}{name}_std"), &model.std[quantity.index()])?;
         }
-        writer.dataset(&format!("/statistical/{way}regime_count"), &model.regime_count.concat())?;
+        writer.dataset(&format!("/integral/{way}regime_count"), &model.regime_count.concat())?;
         writer.dataset(
-            &format!("/statistical/{way}regime_adhesion_force"),
+            &format!("/integral/{way}regime_adhesion_force"),
             &model.regime_adhesion_force.concat(),
         )?;
         writer.dataset(
-            &format!("/statistical/{way}regime_external_force"),
+            &format!("/integral/{way}regime_external_force"),
             &model.regime_external_force.concat(),
         )?;
         error = maximum(model.quadrature_error, error);
     }
-    writer.number("/statistical", "quadrature_error", error)?;
+    writer.number("/integral", "quadrature_error", error)?;
     for (radius, force) in results.retraction.iter().filter_map(|retraction| retraction.by_radius).flatten() {
-        writer.number("/statistical", &format!("pull_off_force_{}_radius", radius.name()), force)?;
+        writer.number("/integral", &format!("pull_off_force_{}_radius", radius.name()), force)?;
     }
     let at = &results.at_pull_off;
-    writer.dataset("/statistical/pull_off_regime_count", &at.regime_count.concat())?;
-    writer.dataset("/statistical/pull_off_regime_adhesion_force", &at.regime_adhesion_force.concat())?;
-    writer.dataset("/statistical/pull_off_contact_area", &at.expected[Quantity::ContactArea.index()])?;
-    write_features(writer, "/statistical", results.pulled().1)
+    writer.dataset("/integral/pull_off_regime_count", &at.regime_count.concat())?;
+    writer.dataset("/integral/pull_off_regime_adhesion_force", &at.regime_adhesion_force.concat())?;
+    writer.dataset("/integral/pull_off_contact_area", &at.expected[Quantity::ContactArea.index()])?;
+    write_features(writer, "/integral", results.pulled().1)
 }
 
 fn write_validation(writer: &Writer<'_>, results: &Results) -> Result<(), OutputError> {
@@ -341,8 +345,8 @@ fn write_validation(writer: &Writer<'_>, results: &Results) -> Result<(), Output
 fn write_diagnostics(writer: &mut Writer<'_>, results: &Results) -> Result<(), OutputError> {
     let stats = &results.ensemble.stats;
     let (phases, seconds): (Vec<&str>, Vec<f64>) = results.seconds.iter().copied().unzip();
-    writer.named_scale(Dimension::Phase, &phases)?;
-    writer.named_scale(Dimension::SkipReason, &["constant force", "closed form", "far from contact"])?;
+    writer.named_scale(Dimension::Phase, &phases);
+    writer.named_scale(Dimension::SkipReason, &["constant force", "closed form", "far from contact"]);
     let count = |name: &str, value: u64| writer.dataset(&format!("/diagnostics/{name}"), &[value]);
     count("contact_solves", stats.contact_solves)?;
     count("noncontact_solves", stats.noncontact_solves)?;

@@ -127,13 +127,13 @@ pub(crate) fn write_instability(writer: &mut Writer<'_>, results: &Results) -> R
     }
     writer.group("instability")?;
     writer.number("/instability", "smallest_snap", loading.smallest_snap)?;
-    writer.scale(Dimension::Stiffness, loading.stiffness)?;
+    writer.scale(Dimension::Stiffness, loading.stiffness);
     if loading.ways.0 {
         write_snaps(writer, "in", &snaps, &snaps.places_in())?;
     }
     if loading.retractions() > 0 {
         let preload = if loading.preload.is_empty() { &[f64::NAN] } else { loading.preload };
-        writer.scale(Dimension::Preload, preload)?;
+        writer.scale(Dimension::Preload, preload);
         write_turns(writer, &snaps)?;
         let places = snaps.places_off();
         write_snaps(writer, "off", &snaps, &places)?;
@@ -164,17 +164,17 @@ fn write_snaps(
 
 fn write_turns(writer: &Writer<'_>, snaps: &Snaps<'_>) -> Result<(), OutputError> {
     let turns = snaps.places_of_turns();
-    let names = ["turn_separation", "turned_pull_off_force", "turned_pull_off_separation"];
+    let names = ["preload_separation", "pull_off_after_preload", "pull_off_after_preload_separation"];
     for (offset, name) in names.into_iter().enumerate() {
         writer.dataset(&format!("/replicas/{name}"), &snaps.table(&turns, offset))?;
     }
     let pull_off: Vec<(f64, f64, u64)> = turns.iter().map(|turn| snaps.pull_off(*turn)).collect();
     writer.dataset(
-        "/instability/turned_count",
+        "/instability/preload_reached_count",
         &pull_off.iter().map(|(.., count)| *count).collect::<Vec<u64>>(),
     )?;
     let mean: Vec<f64> = pull_off.iter().map(|(mean, ..)| *mean).collect();
-    writer.dataset("/instability/turned_pull_off_force_mean", &mean)?;
+    writer.dataset("/instability/pull_off_after_preload_mean", &mean)?;
     let std: Vec<f64> = pull_off.iter().map(|(_, std, _)| *std).collect();
-    writer.dataset("/instability/turned_pull_off_force_std", &std)
+    writer.dataset("/instability/pull_off_after_preload_std", &std)
 }

@@ -106,16 +106,17 @@ fn write_axes(writer: &mut Writer<'_>, sweep: &Sweep) -> Result<(), OutputError>
     writer.number("/", "common_random_numbers", u8::from(sweep.common_random_numbers))?;
     if sweep.mode == Mode::Zip {
         let points: Vec<u64> = (0..sweep.count() as u64).collect();
-        writer.point_scale("point", "1", SWEEP.variable("/point").long_name, &points)?;
+        writer.point_scale("point", "1", &SWEEP.variable("/point").long_name, &points);
     }
-    sweep.axes.iter().try_for_each(|axis| {
+    for axis in &sweep.axes {
         let (key, values) = (axis.key, &axis.values);
         let units = key.dimension.map_or("1", |dimension| dimension.file_units());
         match sweep.mode {
             Mode::Grid => writer.point_scale(key.name, units, key.long_name, values),
             Mode::Zip => writer.point_coordinate(key.name, units, key.long_name, values),
         }
-    })
+    }
+    Ok(())
 }
 
 /// The numbers of a point that are compared.
@@ -143,7 +144,7 @@ impl Compared {
         let way = if is_loop { "retraction_" } else { "" };
         let curve = |name: &str| read(&format!("/ensemble/{way}{name}_mean"));
         let (adhesion, contact) = (curve("adhesion_force")?, curve("contact_force")?);
-        let separations = read("/separation")?;
+        let separations = read(RUN.coordinate("separation"))?;
         // That of the mean surface at or before the nearest place of any replica: it falls with the
         // separation.
         let load = |nearest: f64| {
@@ -187,7 +188,7 @@ fn compared(
     let of_pull_off = |name: &str| reader.values::<f64>(name).map(|values| values[0]);
     Ok(SweepPoint {
         pull_off: [of_pull_off("/ensemble/scalar_mean")?, of_pull_off("/ensemble/scalar_standard_error")?],
-        integral: reader.number("/statistical", "pull_off_force")?,
+        integral: reader.number("/integral", "pull_off_force")?,
         differences: first.map_or([Difference::UNKNOWN; 4], |first| own.differences(first, group, common)),
         p_value: reader.number("/validation", "p_value")?,
     })

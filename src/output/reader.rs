@@ -8,7 +8,7 @@
 use super::OutputError;
 use super::attributes::{lossy, read_text};
 use super::guard::{self, fits, is_kind_of};
-use super::schema::{Dimension, Layout};
+use super::schema::{Dimension, Layout, name_of_key};
 use hdf5::types::{TypeDescriptor, VarLenUnicode};
 use hdf5::{Attribute, Dataset, File, Group, H5Type, Hyperslab, SliceOrIndex};
 use std::ops::Range;
@@ -50,13 +50,16 @@ impl Reader {
     /// # Errors
     /// When the file has no such scale.
     pub fn length(&self, dimension: Dimension) -> Result<usize, OutputError> {
-        let scale = guard::dataset(&self.file, &format!("/{}", dimension.name()));
+        let scale = guard::dataset(&self.file, self.layout.coordinate(dimension.name()));
         match scale.map(|scale| scale.shape()).as_deref() {
             Ok([length]) => Ok(*length),
             Ok(shape) => {
                 Err(self.broken(format!("has a dimension `{}` of the shape {shape:?}", dimension.name())))
             }
-            Err(_) => Err(self.broken(format!("lacks the dimension `{}`", dimension.name()))),
+            Err(problem) if problem.starts_with("lacks the dataset") => {
+                Err(self.broken(format!("lacks the dimension `{}`", dimension.name())))
+            }
+            Err(problem) => Err(self.broken(problem)),
         }
     }
 
@@ -141,6 +144,11 @@ impl Reader {
         }
     }
 
+    /// Where a coordinate of the layout is read, which every group has that needs it.
+    pub fn coordinate(&self, name: &str) -> &'static str {
+        self.layout.coordinate(name)
+    }
+
     /// Where the file is.
     pub fn path(&self) -> &Path {
         &self.path
@@ -161,35 +169,41 @@ impl Reader {
             text.ok_or_else(|| self.broken(format!("lacks the text `{name}` of /")))
         };
         let (keys, mode) = (text("sweep_keys")?, text("sweep_mode")?);
-        let names: Vec<&str> = if mode == "zip" { vec!["point"] } else { keys.split(", ").collect() };
-        let length =
-            |name: &&str| match guard::dataset(&self.file, &format!("/{name}")).map(|scale| scale.shape()) {
-                Ok(shape) if shape.len() == 1 => Ok(shape[0]),
-                _ => Err(self.broken(format!("lacks the dimension `{}`", lossy(name.as_bytes())))),
-            };
+        let names: Vec<String> = if mode == "zip" {
+            vec![Dimension::Point.name().to_owned()]
+        } else {
+            keys.split(", ").map(name_of_key).collect()
+        };
+        let length = |name: &String| match guard::dataset(&self.file, &format!("/{name}"))
+            .map(|scale| scale.shape())
+        {
+            Ok(shape) if shape.len() == 1 => Ok(shape[0]),
+            _ => Err(self.broken(format!("lacks the dimension `{}`", lossy(name.as_bytes())))),
+        };
         if names.len() > MOST_KEYS {
             return Err(self.broken(format!("has {} dimensions of points", names.len())));
         }
         names.iter().map(length).collect()
     }
 
-    /// The names of what differs from point to point, and its values along its dimension or over the points.
+    /// The names of what differs from point to point, and its values along its dimension or over the points, as
+    /// a group has them; the path of the root is empty.
     ///
     /// # Errors
     /// As [`Reader::point_shape`].
-    pub fn axes(&self) -> Result<Vec<(String, Vec<f64>)>, OutputError> {
+    pub fn axes(&self, group: &str) -> Result<Vec<(String, Vec<f64>)>, OutputError> {
         let keys = self.optional_text("/", "sweep_keys")?;
         let keys = keys.ok_or_else(|| self.broken("lacks the text `sweep_keys` of /".to_owned()))?;
         let values = |name: &str| -> Result<(String, Vec<f64>), OutputError> {
-            let shown = lossy(name.as_bytes());
+            let path = format!("{group}/{name}");
+            let shown = lossy(path.as_bytes());
             let refused = |problem: String| self.broken(format!("has a dataset `{shown}` that {problem}"));
-            let dataset =
-                guard::dataset(&self.file, &format!("/{name}")).map_err(|problem| self.broken(problem))?;
+            let dataset = guard::dataset(&self.file, &path).map_err(|problem| self.broken(problem))?;
             is_kind_of::<f64>(&dataset).and_then(|()| fits(&dataset, self.length)).map_err(refused)?;
             let values = dataset.read_raw().map_err(|_| refused("is damaged".to_owned()))?;
             Ok((name.to_owned(), values))
         };
-        keys.split(", ").take(MOST_KEYS).map(values).collect()
+        keys.split(", ").take(MOST_KEYS).map(|key| values(&name_of_key(key))).collect()
     }
 
     /// The values of a dataset of the layout at a point, row-major; `place` is its index along each dimension
@@ -301,7 +315,7 @@ impl Reader {
         let known = self.layout.known();
         known
             .filter_map(|variable| {
-                Some((variable.path, guard::dataset(&self.file, variable.path).ok()?.shape()))
+                Some((variable.path.as_str(), guard::dataset(&self.file, &variable.path).ok()?.shape()))
             })
             .collect()
     }

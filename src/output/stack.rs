@@ -64,14 +64,14 @@ pub fn stack(writer: &mut Writer<'_>, points: &Points<'_>) -> Result<bool, Outpu
         match scale {
             Scale::Names(names) => {
                 let names: Vec<&str> = names.iter().map(String::as_str).collect();
-                writer.named_scale(dimension.of_points(), &names)?;
+                writer.named_scale(dimension.of_points(), &names);
             }
             Scale::Numbers(numbers) if dimension.of_points() == *dimension => {
-                writer.scale(*dimension, numbers)?
+                writer.scale(*dimension, numbers);
             }
             Scale::Numbers(_) | Scale::Indices(_) => {
                 let length = &scale.length();
-                writer.scale(dimension.of_points(), &(0..*length as u64).collect::<Vec<u64>>())?;
+                writer.scale(dimension.of_points(), &(0..*length as u64).collect::<Vec<u64>>());
             }
         }
     }
@@ -109,9 +109,8 @@ fn opened(path: &Path) -> Result<File, OutputError> {
 }
 
 fn found(file: &File, variable: &Variable) -> Option<Dataset> {
-    let (group, name) = variable.path.rsplit_once('/')?;
-    let group = file.group(if group.is_empty() { "/" } else { group }).ok()?;
-    if group.link_exists(name) { group.dataset(name).ok() } else { None }
+    let group = file.group(if variable.group().is_empty() { "/" } else { variable.group() }).ok()?;
+    if group.link_exists(variable.name()) { group.dataset(variable.name()).ok() } else { None }
 }
 
 /// What the points have in common along each dimension, in the order of the layout; none when told not to go
@@ -123,10 +122,10 @@ fn scales(points: &Points<'_>) -> Result<Option<Vec<(Dimension, Scale)>>, Output
             return Ok(None);
         }
         let file = opened(path)?;
-        for variable in RUN.variables {
-            let (Some(dimension), Some(dataset)) = (variable.scales(), found(&file, variable)) else {
-                continue;
-            };
+        for variable in RUN.variables.iter() {
+            let Some(dimension) = variable.scales() else { continue };
+            let is_read = RUN.coordinate(dimension.name()) == variable.path;
+            let Some(dataset) = found(&file, variable).filter(|_| is_read) else { continue };
             let own = match dataset.dtype()?.to_descriptor()? {
                 TypeDescriptor::VarLenUnicode => Scale::Names(names(&dataset)?),
                 TypeDescriptor::Float(_) => Scale::Numbers(dataset.read_raw()?),
@@ -165,7 +164,7 @@ fn copy(
     place: &[usize],
     made: &mut Vec<Made>,
 ) -> Result<(), OutputError> {
-    let path = variable.path;
+    let path = variable.path.as_str();
     let first = !made.iter().any(|(known, ..)| *known == path);
     let descriptor = dataset.dtype()?.to_descriptor()?;
     if first {
@@ -201,7 +200,7 @@ fn indices(
     file: &File,
     dimension: Dimension,
 ) -> Result<Vec<usize>, OutputError> {
-    let own = file.dataset(dimension.name())?;
+    let own = file.dataset(RUN.coordinate(dimension.name()))?;
     match scales.iter().find(|(known, _)| *known == dimension) {
         Some((_, Scale::Names(all))) => {
             let place = |name: &String| all.iter().position(|known| known == name).unwrap_or_default();
@@ -299,7 +298,7 @@ impl Attributes {
 
     fn read(&mut self, file: &File) -> Result<(), OutputError> {
         for variable in &self.variables {
-            let (group, name) = variable.path.rsplit_once('/').unwrap_or_default();
+            let (group, name) = (variable.group(), variable.name());
             // A group has this name.
             let name = if name == "replica_count" { "replicas" } else { name };
             let group = file.group(if group.is_empty() { "/" } else { group })?;
@@ -309,12 +308,12 @@ impl Attributes {
             let attribute = group.attr(name)?;
             match attribute.dtype()?.to_descriptor()? {
                 TypeDescriptor::VarLenUnicode => {
-                    put(&mut self.texts, variable.path, self.read, text(&attribute)?)
+                    put(&mut self.texts, &variable.path, self.read, text(&attribute)?)
                 }
                 TypeDescriptor::Float(_) => {
-                    put(&mut self.numbers, variable.path, self.read, attribute.read_raw()?)
+                    put(&mut self.numbers, &variable.path, self.read, attribute.read_raw()?)
                 }
-                _ => put(&mut self.whole, variable.path, self.read, attribute.read_raw()?),
+                _ => put(&mut self.whole, &variable.path, self.read, attribute.read_raw()?),
             }
         }
         self.read += 1;

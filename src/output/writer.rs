@@ -6,7 +6,7 @@ use super::guard::require_headroom;
 use super::lock::made_anew;
 use super::register::Registered;
 use super::scales::{attach_scale, make_scale};
-use super::schema::{Dimension, Layout};
+use super::schema::{Dimension, Layout, name_of_key};
 use super::{OutputError, OutputLock};
 use hdf5::types::VarLenUnicode;
 use hdf5::{Dataset, File, H5Type, Hyperslab, SliceOrIndex};
@@ -26,9 +26,36 @@ pub struct Writer<'c> {
     temporary: TempPath,
     _registered: Registered,
     force: bool,
-    scales: Vec<(Dimension, Dataset)>,
-    /// Scales of the dimensions of points, slowest first.
-    points: Vec<Dataset>,
+    /// Scales before what stands beside them; those of points slowest first.
+    coordinates: Vec<Coordinate>,
+}
+
+/// What a coordinate belongs to.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Along {
+    Dimension(Dimension),
+    Points,
+}
+
+/// Values that every group gets a copy of whose datasets have their dimension.
+struct Coordinate {
+    name: String,
+    along: Along,
+    is_scale: bool,
+    length: usize,
+    attributes: Vec<(&'static str, String)>,
+    /// Makes a dataset of the values.
+    make: Box<dyn Fn(&File, &str) -> hdf5::Result<Dataset>>,
+}
+
+/// A dataset of numbers or of texts.
+fn made_of<T: H5Type + Clone>(values: &[T]) -> Box<dyn Fn(&File, &str) -> hdf5::Result<Dataset>> {
+    let values = values.to_vec();
+    Box::new(move |file, path| {
+        let dataset = file.new_dataset::<T>().shape(values.len()).create(path)?;
+        dataset.write_raw(&values)?;
+        Ok(dataset)
+    })
 }
 
 impl<'c> Writer<'c> {
@@ -52,16 +79,7 @@ impl<'c> Writer<'c> {
         for group in layout.groups {
             file.create_group(group)?;
         }
-        Ok(Self {
-            layout,
-            lock,
-            file,
-            temporary,
-            _registered: registered,
-            force,
-            scales: Vec::new(),
-            points: Vec::new(),
-        })
+        Ok(Self { layout, lock, file, temporary, _registered: registered, force, coordinates: Vec::new() })
     }
 
     /// The file, with all that libhdf5 needs to do something in it.
@@ -110,14 +128,28 @@ impl<'c> Writer<'c> {
         Ok(write_numbers(&group, name, values)?)
     }
 
-    /// Writes the scale of a dimension, which has to come before the datasets that have it.
-    ///
-    /// # Errors
-    /// When HDF5 fails.
-    pub fn scale<T: H5Type>(&mut self, dimension: Dimension, values: &[T]) -> Result<(), OutputError> {
-        let dataset = self.file().new_dataset::<T>().shape(values.len()).create(dimension.name())?;
-        dataset.write_raw(values)?;
-        self.describe_scale(dimension, dataset)
+    /// Gives the scale of a dimension, before the datasets that have it: every group of such gets a copy.
+    pub fn scale<T: H5Type + Clone>(&mut self, dimension: Dimension, values: &[T]) {
+        self.coordinate(dimension.name(), dimension, values);
+    }
+
+    /// Gives the scale of a dimension that has names.
+    pub fn named_scale(&mut self, dimension: Dimension, names: &[&str]) {
+        self.scale(dimension, &unicode(names));
+    }
+
+    /// Gives a coordinate of the layout along a dimension, behind the scale of that.
+    pub fn coordinate<T: H5Type + Clone>(&mut self, name: &str, along: Dimension, values: &[T]) {
+        let variable = self.layout.variable(self.layout.coordinate(name));
+        let attributes = about(variable.units, &variable.long_name);
+        self.coordinates.push(Coordinate {
+            name: name.to_owned(),
+            along: Along::Dimension(along),
+            is_scale: name == along.name(),
+            length: values.len(),
+            attributes,
+            make: made_of(values),
+        });
     }
 
     /// Writes a dataset of texts of the layout.
@@ -127,26 +159,7 @@ impl<'c> Writer<'c> {
     pub fn texts(&self, path: &str, texts: &[&str]) -> Result<(), OutputError> {
         let dataset = self.file().new_dataset::<VarLenUnicode>().shape(self.shape(path)).create(path)?;
         dataset.write_raw(&unicode(texts))?;
-        self.describe(path, &dataset)
-    }
-
-    /// Writes the scale of a dimension that has names.
-    ///
-    /// # Errors
-    /// When HDF5 fails.
-    pub fn named_scale(&mut self, dimension: Dimension, names: &[&str]) -> Result<(), OutputError> {
-        let dataset =
-            self.file().new_dataset::<VarLenUnicode>().shape(names.len()).create(dimension.name())?;
-        dataset.write_raw(&unicode(names))?;
-        self.describe_scale(dimension, dataset)
-    }
-
-    fn describe_scale(&mut self, dimension: Dimension, dataset: Dataset) -> Result<(), OutputError> {
-        let variable = self.layout.variable(&format!("/{}", dimension.name()));
-        make_scale(&dataset, dimension.name())?;
-        describe(&dataset, variable.units, variable.long_name)?;
-        self.scales.push((dimension, dataset));
-        Ok(())
+        self.describe(path, &dataset, false)
     }
 
     /// Writes a dataset of the layout, its values row-major.
@@ -157,55 +170,52 @@ impl<'c> Writer<'c> {
         let shape = self.shape(path);
         let dataset = self.file().new_dataset::<T>().shape(shape).create(path)?;
         dataset.write_raw(values)?;
-        self.describe(path, &dataset)
+        self.describe(path, &dataset, false)
     }
 
-    /// Writes the scale of the next dimension of the points, by which every dataset of points is led; before
-    /// all of these.
-    ///
-    /// # Errors
-    /// When HDF5 fails.
-    pub fn point_scale<T: H5Type>(
+    /// Gives the scale of the next dimension of the points, by which every dataset of points is led; before
+    /// all of these. The key of a sweep is the name with `_` for every dot.
+    pub fn point_scale<T: H5Type + Clone>(&mut self, key: &str, units: &str, long_name: &str, values: &[T]) {
+        self.of_points(key, true, units, long_name, values);
+    }
+
+    /// Gives what has a value at each point and is not of the layout, in the order of the points, behind the
+    /// scale of these.
+    pub fn point_coordinate(&mut self, key: &str, units: &str, long_name: &str, values: &[f64]) {
+        self.of_points(key, false, units, long_name, values);
+    }
+
+    fn of_points<T: H5Type + Clone>(
         &mut self,
-        name: &str,
+        key: &str,
+        is_scale: bool,
         units: &str,
         long_name: &str,
         values: &[T],
-    ) -> Result<(), OutputError> {
-        let dataset = self.file().new_dataset::<T>().shape(values.len()).create(name)?;
-        dataset.write_raw(values)?;
-        make_scale(&dataset, name)?;
-        describe(&dataset, units, long_name)?;
-        self.points.push(dataset);
-        Ok(())
-    }
-
-    /// Writes what has a value at each point and is not of the layout, in the order of the points.
-    ///
-    /// # Errors
-    /// When HDF5 fails.
-    pub fn point_coordinate(
-        &self,
-        name: &str,
-        units: &str,
-        long_name: &str,
-        values: &[f64],
-    ) -> Result<(), OutputError> {
-        let dataset = self.file().new_dataset::<f64>().shape(self.point_shape()).create(name)?;
-        dataset.write_raw(values)?;
-        describe(&dataset, units, long_name)?;
-        self.points.iter().enumerate().try_for_each(|(i, scale)| Ok(attach_scale(&dataset, scale, i)?))
+    ) {
+        let mut attributes = vec![("units", units.to_owned()), ("long_name", long_name.to_owned())];
+        if key != Dimension::Point.name() {
+            attributes.push(("key", key.to_owned()));
+        }
+        self.coordinates.push(Coordinate {
+            name: name_of_key(key),
+            along: Along::Points,
+            is_scale,
+            length: values.len(),
+            attributes,
+            make: made_of(values),
+        });
     }
 
     /// The lengths of the dimensions of the points.
     pub fn point_shape(&self) -> Vec<usize> {
-        self.points.iter().map(|scale| scale.size()).collect()
+        self.along(Along::Points).filter(|own| own.is_scale).map(|own| own.length).collect()
     }
 
     /// The lengths that the dimensions of one run have in a file of points.
     pub fn shape_of_point(&self, path: &str) -> Vec<usize> {
-        let length = |dimension: &Dimension| self.find_scale(dimension.of_points()).size();
-        self.layout.variable(path).dimensions.iter().map(length).collect()
+        let dimensions = &self.layout.variable(path).dimensions;
+        dimensions.iter().map(|dimension| self.length(dimension.of_points())).collect()
     }
 
     /// Makes a dataset of points, filled point by point with [`Writer::at_point`]; in chunks of
@@ -223,7 +233,7 @@ impl<'c> Writer<'c> {
         } else {
             builder.create(path)?
         };
-        self.describe_points(path, &dataset)
+        self.describe(path, &dataset, true)
     }
 
     /// Fills the rows from `first` of a dataset at the place of a point, row-major, with as many as there are
@@ -272,18 +282,7 @@ impl<'c> Writer<'c> {
         let texts: Vec<&str> = texts.iter().map(String::as_str).collect();
         let dataset = self.file().new_dataset::<VarLenUnicode>().shape(self.point_shape()).create(path)?;
         dataset.write_raw(&unicode(&texts))?;
-        self.describe_points(path, &dataset)
-    }
-
-    fn describe_points(&self, path: &str, dataset: &Dataset) -> Result<(), OutputError> {
-        let variable = self.layout.variable(path);
-        describe(dataset, variable.units, variable.long_name)?;
-        let own = variable.dimensions.iter().map(|dimension| self.find_scale(dimension.of_points()));
-        self.points
-            .iter()
-            .chain(own)
-            .enumerate()
-            .try_for_each(|(i, scale)| Ok(attach_scale(dataset, scale, i)?))
+        self.describe(path, &dataset, true)
     }
 
     /// Makes the dataset of a curve of every replica, filled batch by batch with [`Writer::rows`]; fast for
@@ -296,7 +295,7 @@ impl<'c> Writer<'c> {
         let chunk = vec![shape[0].min(CURVE_CHUNK), shape[1]];
         let dataset =
             self.file().new_dataset::<f64>().shape(shape).chunk(chunk).deflate(DEFLATE).create(path)?;
-        self.describe(path, &dataset)
+        self.describe(path, &dataset, false)
     }
 
     /// Fills rows of a dataset of two dimensions from the row `first` on, row-major.
@@ -316,22 +315,74 @@ impl<'c> Writer<'c> {
     }
 
     fn shape(&self, path: &str) -> Vec<usize> {
-        let length = |dimension: &Dimension| self.find_scale(*dimension).size();
-        self.layout.variable(path).dimensions.iter().map(length).collect()
+        let dimensions = &self.layout.variable(path).dimensions;
+        dimensions.iter().map(|dimension| self.length(*dimension)).collect()
     }
 
-    fn find_scale(&self, dimension: Dimension) -> &Dataset {
-        let scale = self.scales.iter().find(|(known, _)| *known == dimension);
-        &scale.expect("scales are written before the datasets that have them").1
+    fn length(&self, dimension: Dimension) -> usize {
+        let scale = self.along(Along::Dimension(dimension)).next();
+        scale.expect("scales are given before the datasets that have them").length
     }
 
-    fn describe(&self, path: &str, dataset: &Dataset) -> Result<(), OutputError> {
-        let variable = self.layout.variable(path);
-        describe(dataset, variable.units, variable.long_name)?;
-        for (i, dimension) in variable.dimensions.iter().enumerate() {
-            attach_scale(dataset, self.find_scale(*dimension), i)?;
+    /// What has been given along a dimension, or over the points.
+    fn along(&self, along: Along) -> impl Iterator<Item = &Coordinate> {
+        self.coordinates.iter().filter(move |own| own.along == along)
+    }
+
+    /// The scales of a dimension in a group, several of the points; made with what stands beside them where the
+    /// group has none yet.
+    fn scales_in(&self, group: &str, along: Along) -> Result<Vec<Dataset>, OutputError> {
+        let mut scales: Vec<Dataset> = Vec::new();
+        for own in self.along(along) {
+            let path = format!("{group}/{}", own.name);
+            if self.file().link_exists(&path) {
+                scales.extend(own.is_scale.then(|| self.file.dataset(&path)).transpose()?);
+                continue;
+            }
+            let dataset = (own.make)(&self.file, &path)?;
+            own.attributes.iter().try_for_each(|(name, text)| write_text(&dataset, name, text))?;
+            if own.is_scale {
+                make_scale(&dataset, &own.name)?;
+                scales.push(dataset);
+            } else {
+                scales.iter().enumerate().try_for_each(|(i, scale)| attach_scale(&dataset, scale, i))?;
+            }
         }
-        Ok(())
+        Ok(scales)
+    }
+
+    /// Makes the scale of a dimension in a group that has no dataset along it.
+    ///
+    /// # Errors
+    /// When HDF5 fails.
+    pub fn scale_in(&self, group: &str, dimension: Dimension) -> Result<(), OutputError> {
+        self.scales_in(group, Along::Dimension(dimension)).map(|_| ())
+    }
+
+    /// Gives a dataset its attributes and its scales, behind those of the points where it is led by them.
+    fn describe(&self, path: &str, dataset: &Dataset, of_points: bool) -> Result<(), OutputError> {
+        let variable = self.layout.variable(path);
+        let mut coordinates = variable.coordinates.clone();
+        let mut scales = Vec::new();
+        if of_points {
+            scales = self.scales_in(variable.group(), Along::Points)?;
+            if variable.coordinates.contains(&"h_star") {
+                coordinates.insert(0, Dimension::Separation.name());
+            }
+            coordinates
+                .extend(self.along(Along::Points).filter(|own| !own.is_scale).map(|own| own.name.as_str()));
+        }
+        for dimension in &variable.dimensions {
+            let dimension = if of_points { dimension.of_points() } else { *dimension };
+            scales.extend(self.scales_in(variable.group(), Along::Dimension(dimension))?);
+        }
+        for (name, text) in about(variable.units, &variable.long_name) {
+            write_text(dataset, name, &text)?;
+        }
+        if !coordinates.is_empty() {
+            write_text(dataset, "coordinates", &coordinates.join(" "))?;
+        }
+        Ok(scales.iter().enumerate().try_for_each(|(i, scale)| attach_scale(dataset, scale, i))?)
     }
 
     /// Completes the file: flushed to disk, then given its name in one step.
@@ -339,8 +390,7 @@ impl<'c> Writer<'c> {
     /// # Errors
     /// When the disk fails, or the output has come into being meanwhile and must not be overwritten.
     pub fn finish(self) -> Result<(), OutputError> {
-        let Self { file, lock, temporary, force, scales, points, .. } = self;
-        drop((scales, points));
+        let Self { file, lock, temporary, force, .. } = self;
         require_headroom();
         file.flush()?;
         file.close()?;
@@ -348,9 +398,10 @@ impl<'c> Writer<'c> {
     }
 }
 
-fn describe(dataset: &Dataset, units: &str, long_name: &str) -> hdf5::Result<()> {
-    write_text(dataset, "units", units)?;
-    write_text(dataset, "long_name", long_name)
+/// The attributes of every dataset; none has `units` whose rows have units of their own.
+fn about(units: Option<&str>, long_name: &str) -> Vec<(&'static str, String)> {
+    let units = units.map(|units| ("units", units.to_owned()));
+    units.into_iter().chain([("long_name", long_name.to_owned())]).collect()
 }
 
 /// Names and notes of this program, which hold no NUL byte.

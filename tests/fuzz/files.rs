@@ -69,8 +69,8 @@ fn read_result(path: &Path) -> bool {
     reader.datasets();
     if let Ok(run) = Reader::open(path, &[&RUN]) {
         whole &= run.number::<u64>("/", "replicas").is_ok() && run.optional_text("/", "sampling").is_ok();
-        for variable in RUN.variables {
-            let _ = run.values::<f64>(variable.path);
+        for variable in RUN.variables.iter() {
+            let _ = run.values::<f64>(&variable.path);
         }
     }
     whole

@@ -6,7 +6,7 @@ import h5py
 import numpy as np
 
 # How long it took, on what, when, in how many sittings.
-OF_THE_RUN = ("diagnostics", "phase")
+OF_THE_RUN = "diagnostics"
 OF_THE_ROOT = {"created"}
 
 

@@ -136,7 +136,7 @@ def test_datasets_of_hdf5(tmp_path, options):
     assert run.returncode == 0, run.stderr
     with h5py.File(tmp_path / "out.h5") as file:
         assert file.attrs["map_source"] == "HDF5, dataset height"
-        assert file["asperity"].size == summits(z)[0].size
+        assert file["asperities/asperity"].size == summits(z)[0].size
         assert file["surface/m0"][()] == pytest.approx(1e-18 * np.var(z.astype(float)), rel=1e-9)
 
 

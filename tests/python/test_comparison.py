@@ -17,7 +17,7 @@ LAWS = ["hybrid", "isbl", "gw", "fit:paper", "fit:refit"]
 REPLICAS = 24
 RADIUS, MODULUS, PULL = 3.33e-6, 85.29e9, np.pi * 0.09 * 3.33e-6  # of the quick scene; PULL is pi R w
 DIMENSIONS = {
-    "statistical": ("law", "separation"),
+    "integral": ("law", "separation"),
     "asperity": ("law", "interference"),
     "replicas": ("law", "replica"),
 }
@@ -44,19 +44,19 @@ def file(path):
 @pytest.mark.parametrize("engine", ["h5netcdf", "netcdf4"])
 def test_xarray_sees_laws_by_name(path, engine):
     with xarray.open_datatree(path, engine=engine) as tree:
-        assert list(tree.law.values) == LAWS
+        assert list(tree["integral"].law.values) == LAWS
         for group, dimensions in DIMENSIONS.items():
             for name, variable in tree[group].data_vars.items():
                 assert variable.attrs["units"] and variable.attrs["long_name"], name
                 assert variable.dims[0] == "law", name
             assert any(variable.dims == dimensions for variable in tree[group].data_vars.values())
-        force = tree["statistical"].external_force
+        force = tree["integral"].external_force
         assert float(force.sel(law="hybrid").min()) < 0.0 < float(force.sel(law="gw").min())
-        assert tree["statistical"].regime_count.dims == ("law", "regime", "separation")
+        assert tree["integral"].regime_count.dims == ("law", "regime", "separation")
 
 
 def test_root_attributes(file):
-    assert file.attrs["format"] == "stiction-comparison" and list(file.attrs["format_version"]) == [2, 0]
+    assert file.attrs["format"] == "stiction-comparison" and list(file.attrs["format_version"]) == [3, 0]
     assert file.attrs["force_unit"] == pytest.approx(PULL, rel=1e-14)
     k = 4 / 3 * MODULUS
     assert file.attrs["approach_unit"] == pytest.approx((PULL**2 / (RADIUS * k**2)) ** (1 / 3), rel=1e-14)
@@ -65,15 +65,15 @@ def test_root_attributes(file):
 
 
 def test_differences_are_from_the_first_law(file):
-    for group in ["statistical", "asperity"]:
+    for group in ["integral", "asperity"]:
         for name in ["adhesion_force", "external_force"]:
             values = file[group][name][()]
             assert np.array_equal(file[group][f"{name}_difference"], values - values[0])
     for name in ["pull_off", "peak_stiffness"]:
-        values = file["statistical"]["pull_off_force" if name == "pull_off" else name][()]
+        values = file["integral"]["pull_off_force" if name == "pull_off" else name][()]
         expected = np.where(values > 0.0, values / values[0] - 1.0, np.nan)
         assert np.isnan(expected[LAWS.index("gw")])
-        found = file[f"statistical/{name}_deviation"]
+        found = file[f"integral/{name}_deviation"]
         assert np.allclose(found, expected, rtol=0, atol=1e-15, equal_nan=True)
     pull_off = file["replicas/pull_off_force"][()]
     difference = pull_off - pull_off[0]
@@ -86,16 +86,16 @@ def test_differences_are_from_the_first_law(file):
 
 
 def test_regimes_add_up(file):
-    counts = file["statistical/regime_count"][()].sum(axis=1)
+    counts = file["integral/regime_count"][()].sum(axis=1)
     assert np.allclose(counts, 739, rtol=1e-12)
-    adhesion = file["statistical/regime_adhesion_force"][()].sum(axis=1)
-    assert np.allclose(adhesion, file["statistical/adhesion_force"], rtol=1e-12, atol=0)
+    adhesion = file["integral/regime_adhesion_force"][()].sum(axis=1)
+    assert np.allclose(adhesion, file["integral/adhesion_force"], rtol=1e-12, atol=0)
 
 
 def test_gw_is_the_integral_of_hertz_contacts(file):
-    std, d = file.attrs["asperity_height_std"], file["asperity_separation"][()]
+    std, d = file.attrs["asperity_height_std"], file["integral/asperity_separation"][()]
     unit = 4 / 3 * MODULUS * np.sqrt(RADIUS) * std**1.5
-    found = file["statistical/contact_force"][LAWS.index("gw")]
+    found = file["integral/contact_force"][LAWS.index("gw")]
     for k in range(0, d.size, 15):
         h = d[k] / std
         density = lambda s: (s - h) ** 1.5 * np.exp(-0.5 * s * s) / np.sqrt(2 * np.pi)
@@ -121,8 +121,8 @@ def test_isbl_is_its_published_integral(file):
     std, critical = file.attrs["asperity_height_std"], file.attrs["critical_interference"]
     ends = [-60e-9, -0.5e-9, 0.0, critical, 6 * critical, 110 * critical]
     nodes, weights = np.polynomial.legendre.leggauss(200)
-    for k in range(0, file["separation"].size, 15):
-        d, sums = file["asperity_separation"][k], np.zeros(2)
+    for k in range(0, file["integral/separation"].size, 15):
+        d, sums = file["integral/asperity_separation"][k], np.zeros(2)
         for low, high in zip(ends, ends[1:]):
             low, high = (np.clip(end, -12 * std - d, 12 * std - d) for end in (low, high))
             order = 10 if low == 0.0 else 1
@@ -131,7 +131,7 @@ def test_isbl_is_its_published_integral(file):
             inside = np.clip(t, np.nextafter(low, high), np.nextafter(high, low))
             density = np.exp(-0.5 * ((t + d) / std) ** 2) / (np.sqrt(2 * np.pi) * std)
             sums += [(weights * jacobian * density * force).sum() for force in isbl(inside, 0.5e-9, critical, 0.454 + 0.41 * 0.27)]
-        found = [file[f"statistical/{name}"][LAWS.index("isbl"), k] for name in ["adhesion_force", "contact_force"]]
+        found = [file[f"integral/{name}"][LAWS.index("isbl"), k] for name in ["adhesion_force", "contact_force"]]
         assert found[0] == pytest.approx(739 * sums[0], rel=1e-10)
         assert found[1] == pytest.approx(739 * sums[1], rel=1e-10, abs=1e-300)
 
@@ -148,7 +148,7 @@ def fitted(p, delta):
 @pytest.mark.parametrize("law", ["fit:paper", "fit:refit"])
 def test_fits_are_their_coefficients(file, law):
     index, thickness = LAWS.index(law), 0.5
-    delta = file["interference"][()] * 1e9
+    delta = file["asperity/interference"][()] * 1e9
     coefficients = file["fit/coefficients"][index]
     ranges = file["fit/range"][index] * 1e9
     adhesion, external = (file[f"asperity/{name}"][()] * 1e6 for name in ["adhesion_force", "external_force"])

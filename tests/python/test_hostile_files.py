@@ -63,7 +63,7 @@ def test_files_of_others(tmp_path, libver, userblock):
         rows = numpy.zeros(5, dtype=[("index", "<i8"), ("values", "<f8", (2,)), ("name", "S10")])
         other.create_dataset("table", data=rows)
         other["ensemble"] = numpy.arange(3)
-        other.create_group("statistical/external_force")
+        other.create_group("integral/external_force")
     assert_refused(file, NOT_OURS)
 
 
@@ -99,7 +99,7 @@ def test_formats_that_are_none(tmp_path, value, message):
 @pytest.mark.parametrize(
     "version, message",
     [
-        ([3, 0], "has format version 3.0; this program reads 2.x"),
+        ([4, 0], "has format version 4.0; this program reads 3.x"),
         ([0, 9], "has format version 0.9"),
         ([1], "no attribute `format_version` of two numbers"),
         ([1, 0, 0], "no attribute `format_version` of two numbers"),
@@ -117,9 +117,9 @@ def test_versions_that_are_not_read(result, tmp_path, version, message):
 
 def test_newer_minor_versions_are_read(result, tmp_path):
     with forged(result, tmp_path) as file:
-        file.attrs["format_version"] = numpy.array([2, 9], dtype="u8")
+        file.attrs["format_version"] = numpy.array([3, 9], dtype="u8")
         file.attrs["novelty"] = numpy.zeros(2, dtype=[("a", "f8"), ("b", "S3")])
-    assert_read(tmp_path / "forged.h5", "2, 9", "novelty")
+    assert_read(tmp_path / "forged.h5", "3, 9", "novelty")
     assert ask("validate", tmp_path / "forged.h5").returncode == 0
 
 
@@ -152,19 +152,19 @@ def test_attributes_of_any_kind_and_size_are_shown(result, tmp_path):
 def test_links_and_other_objects_in_place_of_datasets(result, tmp_path, how):
     (tmp_path / "target.h5").write_bytes(result.read_bytes())
     with forged(result, tmp_path) as file:
-        del file["h_star"]
+        del file["ensemble/h_star"]
         match how:
             case "soft loop":
-                file["h_star"] = h5py.SoftLink("/h_star")
+                file["ensemble/h_star"] = h5py.SoftLink("/ensemble/h_star")
             case "external":
-                file["h_star"] = h5py.ExternalLink("target.h5", "/h_star")
+                file["ensemble/h_star"] = h5py.ExternalLink("target.h5", "/ensemble/h_star")
             case "dangling":
-                file["h_star"] = h5py.SoftLink("/nowhere")
+                file["ensemble/h_star"] = h5py.SoftLink("/nowhere")
             case "group":
-                file.create_group("h_star")
+                file.create_group("ensemble/h_star")
             case "named type":
-                file["h_star"] = numpy.dtype("f8")
-    message = "has a link `h_star` to elsewhere" if how in ("soft loop", "external", "dangling") else "lacks the dataset /h_star"
+                file["ensemble/h_star"] = numpy.dtype("f8")
+    message = "has a link `h_star` to elsewhere" if how in ("soft loop", "external", "dangling") else "lacks the dataset /ensemble/h_star"
     assert_refused(tmp_path / "forged.h5", message, ["validate"])
     assert_read(tmp_path / "forged.h5")
 
@@ -172,22 +172,22 @@ def test_links_and_other_objects_in_place_of_datasets(result, tmp_path, how):
 def test_a_pipe_behind_an_external_link_is_not_opened(result, tmp_path):
     os.mkfifo(tmp_path / "pipe.h5")
     with forged(result, tmp_path) as file:
-        del file["statistical"]
-        file["statistical"] = h5py.ExternalLink("pipe.h5", "/")
-    assert_refused(tmp_path / "forged.h5", "has a link `statistical` to elsewhere")
+        del file["integral"]
+        file["integral"] = h5py.ExternalLink("pipe.h5", "/")
+    assert_refused(tmp_path / "forged.h5", "has a link `integral` to elsewhere")
 
 
 @pytest.mark.parametrize("how", ["external", "virtual"])
 def test_values_in_other_files_are_not_read(result, tmp_path, how):
     (tmp_path / "secret").write_bytes(bytes(16 * 8))
     with forged(result, tmp_path) as file:
-        del file["h_star"]
+        del file["ensemble/h_star"]
         if how == "external":
-            file.create_dataset("h_star", (16,), "f8", external=[(str(tmp_path / "secret"), 0, 16 * 8)])
+            file.create_dataset("ensemble/h_star", (16,), "f8", external=[(str(tmp_path / "secret"), 0, 16 * 8)])
         else:
             layout = h5py.VirtualLayout((16,), "f8")
-            layout[:] = h5py.VirtualSource(str(result), "h_star", (16,))
-            file.create_virtual_dataset("h_star", layout)
+            layout[:] = h5py.VirtualSource(str(result), "ensemble/h_star", (16,))
+            file.create_virtual_dataset("ensemble/h_star", layout)
     assert_refused(tmp_path / "forged.h5", "whose values are in other files, which are not read", ["validate"])
 
 
@@ -220,7 +220,7 @@ def test_datasets_of_other_kinds(result, tmp_path, shape, dtype, options):
 def test_a_sea_of_zeros_is_not_believed(result, tmp_path):
     """All dimensions agree, and the file has not one of the values."""
     with forged(result, tmp_path) as file:
-        for name in ("separation", "h_star"):
+        for name in ("ensemble/separation", "ensemble/h_star"):
             del file[name]
             file.create_dataset(name, (2**45,), "f8", chunks=(2**16,), compression="gzip")
     assert_refused(tmp_path / "forged.h5", "/h_star that has more values than the file holds", ["validate"])
@@ -229,7 +229,7 @@ def test_a_sea_of_zeros_is_not_believed(result, tmp_path):
 def test_repacked_results_are_read(result, tmp_path):
     """Chunked and compressed, as other tools rewrite files."""
     with forged(result, tmp_path) as file:
-        for name in ("ensemble/external_force_mean", "statistical/external_force", "validation/probe_external_force"):
+        for name in ("ensemble/external_force_mean", "integral/external_force", "validation/probe_external_force"):
             values = file[name][()]
             del file[name]
             file.create_dataset(name, data=values, chunks=True, compression="gzip", shuffle=True, fletcher32=True)

@@ -94,7 +94,7 @@ def snap(places: np.ndarray, forces: np.ndarray, stiffness: float) -> tuple[floa
 
 
 def test_both_ways_have_the_same_datasets(file):
-    for group in ["ensemble", "statistical", "validation", "replicas"]:
+    for group in ["ensemble", "integral", "validation", "replicas"]:
         there = {name for name in file[group] if f"retraction_{name}" in file[group]}
         back = {name.removeprefix("retraction_") for name in file[group] if name.startswith("retraction_")}
         assert there == back
@@ -102,7 +102,7 @@ def test_both_ways_have_the_same_datasets(file):
             assert file[group][name].shape == file[group][f"retraction_{name}"].shape
             assert file[group][name].attrs["units"] == file[group][f"retraction_{name}"].attrs["units"]
     assert file.attrs["history"] == "loop"
-    assert "retraction_external_force_mean" in file["ensemble"] and "retraction_regime_count" in file["statistical"]
+    assert "retraction_external_force_mean" in file["ensemble"] and "retraction_regime_count" in file["integral"]
 
 
 @pytest.mark.parametrize("engine", ["h5netcdf", "netcdf4"])
@@ -132,22 +132,22 @@ def test_the_ways_begin_together_and_end_together(file):
     assert close(there[:, 0], back[:, 0], np.abs(there[:, 0]) + scale)
     # Six standard deviations away only the lowered tops tell the two apart.
     assert close(there[:, -1], back[:, -1], np.abs(there[:, -1]).max(), 0.5)
-    assert np.all(file["replicas/takeoff_separation"][()] < file["separation"][-1])
-    assert np.all(file["replicas/touchdown_separation"][()] > file["separation"][0])
+    assert np.all(file["replicas/detachment_separation"][()] < file["ensemble/separation"][-1])
+    assert np.all(file["replicas/touchdown_separation"][()] > file["ensemble/separation"][0])
 
 
 def test_energies_are_the_areas_of_the_loops(file):
-    h, (there, back) = file["separation"][()], (file[f"replicas/{way}external_force"][()] for way in WAYS)
+    h, (there, back) = file["ensemble/separation"][()], (file[f"replicas/{way}external_force"][()] for way in WAYS)
     difference = there - back
     area = np.sum(0.5 * (difference[:, 1:] + difference[:, :-1]) * np.diff(h), axis=1)
     energy = file["replicas/dissipated_energy"][()]
     assert np.all(energy > 0.0) and close(energy, area, area)
-    names = list(file["scalar"].asstr()[()])
+    names = list(file["ensemble/scalar"].asstr()[()])
     assert close(file["ensemble/scalar_mean"][names.index("dissipated_energy")], energy.mean(), energy.mean())
 
 
 def test_pull_off_is_that_of_the_way_back(file):
-    h = file["separation"][()]
+    h = file["ensemble/separation"][()]
     for way, name in [("retraction_", "pull_off"), ("", "approach_pull_off")]:
         curves = file[f"replicas/{way}external_force"][()]
         force, place = file[f"replicas/{name}_force"][()], file[f"replicas/{name}_separation"][()]
@@ -159,17 +159,17 @@ def test_pull_off_is_that_of_the_way_back(file):
 
 
 def test_jumps_are_the_changes_of_the_contacts(file):
-    regimes = list(file["regime"].asstr()[()])
+    regimes = list(file["ensemble/regime"].asstr()[()])
     contact = [i for i, name in enumerate(regimes) if name not in ("noncontact", "lubricant")]
     for way, name in [("", "jump_in"), ("retraction_", "jump_off")]:
-        for group, suffix in [("ensemble", "_mean"), ("statistical", "")]:
+        for group, suffix in [("ensemble", "_mean"), ("integral", "")]:
             count = file[f"{group}/{way}regime_count{suffix}"][()][contact].sum(axis=0)
             jumps = file[f"{group}/{name}_count{suffix}"][()]
             assert close(jumps, -np.diff(count), count[0]) and np.all(jumps >= -1e-9)
 
 
 def test_snaps_follow_the_curves(file):
-    h, there = file["separation"][()], file["replicas/external_force"][()]
+    h, there = file["ensemble/separation"][()], file["replicas/external_force"][()]
     for r in range(REPLICAS):
         for i, stiffness in enumerate(STIFFNESS):
             expected = snap(h[::-1], there[r, ::-1], stiffness)
@@ -178,8 +178,8 @@ def test_snaps_follow_the_curves(file):
 
 
 def test_turns_are_where_the_preload_is_borne(file):
-    h, there = file["separation"][()], file["replicas/external_force"][()]
-    turn = file["replicas/turn_separation"][()]
+    h, there = file["ensemble/separation"][()], file["replicas/external_force"][()]
+    turn = file["replicas/preload_separation"][()]
     for p, preload in enumerate(PRELOAD):
         for r in range(REPLICAS):
             reached = np.flatnonzero(there[r] >= preload)
@@ -189,13 +189,13 @@ def test_turns_are_where_the_preload_is_borne(file):
             k = reached[-1]
             share = (preload - there[r, k + 1]) / (there[r, k] - there[r, k + 1])
             assert turn[r, p] == pytest.approx(h[k + 1] + share * (h[k] - h[k + 1]), rel=1e-12)
-    assert list(file["instability/turned_count"][()]) == [REPLICAS, REPLICAS, 0]
+    assert list(file["instability/preload_reached_count"][()]) == [REPLICAS, REPLICAS, 0]
     assert np.all(turn[:, 1] < turn[:, 0])
-    force = file["replicas/turned_pull_off_force"][()]
+    force = file["replicas/pull_off_after_preload"][()]
     # Pressed harder more flows, and what has flowed holds on to more.
     assert np.all(force[:, 1] > force[:, 0]) and np.isnan(force[:, 2]).all()
-    assert close(file["instability/turned_pull_off_force_mean"][:2], force[:, :2].mean(axis=0), force[:, :2].max())
-    assert close(file["instability/turned_pull_off_force_std"][:2], force[:, :2].std(axis=0, ddof=1), force[:, :2].max())
+    assert close(file["instability/pull_off_after_preload_mean"][:2], force[:, :2].mean(axis=0), force[:, :2].max())
+    assert close(file["instability/pull_off_after_preload_std"][:2], force[:, :2].std(axis=0, ddof=1), force[:, :2].max())
 
 
 def test_probabilities_are_shares_with_their_intervals(file):
@@ -216,9 +216,9 @@ def test_probabilities_are_shares_with_their_intervals(file):
     assert np.all(file["replicas/snap_off"][:, 1, 0] == 1.0) and np.all(file["replicas/snap_off"][:, 1, -1] == 0.0)
     assert np.all(np.isnan(file["replicas/snap_off_distance"][:, 1, 0])), "nothing stops a constant load"
     assert np.array_equal(file["instability/fly_off_count"][:, 0], [REPLICAS, REPLICAS, 0])
-    pulled = file["replicas/turned_pull_off_separation"][:, 1]
+    pulled = file["replicas/pull_off_after_preload_separation"][:, 1]
     off = file["replicas/snap_off_separation"][:, 1, 0]
-    assert np.all(np.abs(pulled - off) <= 1.01 * (file["separation"][1] - file["separation"][0]))
+    assert np.all(np.abs(pulled - off) <= 1.01 * (file["ensemble/separation"][1] - file["ensemble/separation"][0]))
 
 
 def test_the_joint_test_looks_at_both_ways(file):
@@ -226,10 +226,10 @@ def test_the_joint_test_looks_at_both_ways(file):
     score = 0.0
     for way in WAYS:
         for name in forces:
-            difference = file[f"ensemble/{way}{name}_mean"][()] - file[f"statistical/{way}{name}"][()]
+            difference = file[f"ensemble/{way}{name}_mean"][()] - file[f"integral/{way}{name}"][()]
             score = score + file[f"validation/{way}probe_{name}"][()] @ difference
             z = file[f"validation/{way}z_{name}"][()]
-            error = file[f"statistical/{way}{name}_std"][()] / np.sqrt(REPLICAS)
+            error = file[f"integral/{way}{name}_std"][()] / np.sqrt(REPLICAS)
             assert close(z, difference / error, 1.0, 1e-6)
     assert np.any(file["validation/retraction_probe_external_force"][()] != 0.0)
     statistic = REPLICAS * score @ score
@@ -240,7 +240,7 @@ def test_the_joint_test_looks_at_both_ways(file):
 def test_validate_and_summary_speak_of_both_ways(result):
     path, summary = result
     validate = subprocess.run([PROGRAM, "validate", path], capture_output=True, text=True)
-    assert validate.returncode == 0 and "on the way back" in validate.stdout
+    assert validate.returncode == 0 and "on retraction" in validate.stdout
     for part in ["hybrid on loop", "dissipated", "snap-in", "snap-off", "held by a constant load", "fly off",
                  "not known held by a constant load: all are unstable at the last separation", "turn",
                  "which 0 of 48 replicas reach", "preload", "per cycle"]:
@@ -257,14 +257,14 @@ def test_one_way_snaps_one_way(tmp_path, path_name, has, lacks):
     path, _ = run_program(tmp_path, text)
     with h5py.File(path, "r") as file:
         assert f"snap_{has}" in file["replicas"] and f"snap_{lacks}" not in file["replicas"]
-        h, force = file["separation"][()], file["replicas/external_force"][()]
+        h, force = file["ensemble/separation"][()], file["replicas/external_force"][()]
         order = slice(None, None, -1) if has == "in" else slice(None)
         for i, stiffness in enumerate(STIFFNESS):
             place = (0, i) if has == "in" else (0, 0, i)
             found = [file[f"replicas/snap_{has}{part}"][place] for part in ("", "_separation", "_distance")]
             assert np.allclose(found, snap(h[order], force[0, order], stiffness), rtol=1e-9, equal_nan=True)
         if has == "off":
-            assert np.isnan(file["preload"][()]).all()
+            assert np.isnan(file["replicas/preload"][()]).all()
 
 
 def test_short_snaps_need_not_count(tmp_path, file):
@@ -326,14 +326,14 @@ def test_the_integral_of_the_way_back_is_that_of_the_published_formulas(tmp_path
         # Kinks and jumps fall between the points: the error of the sum is a jump times the density times a step.
         heights = np.linspace(-8.0, 8.0, 4_000_001) * std
         weights = scipy.stats.norm.pdf(heights, scale=std) * (heights[1] - heights[0])
-        h = file["separation"][()]
+        h = file["ensemble/separation"][()]
         assert file.attrs["unloaded_radius"] == radius
-        pulled = {name: file["statistical"].attrs[f"pull_off_force_{name}_radius"] for name in ("kept", "elastic")}
-        assert pulled[radius] == file["statistical"].attrs["pull_off_force"] and pulled["elastic"] > 1.1 * pulled["kept"]
+        pulled = {name: file["integral"].attrs[f"pull_off_force_{name}_radius"] for name in ("kept", "elastic")}
+        assert pulled[radius] == file["integral"].attrs["pull_off_force"] and pulled["elastic"] > 1.1 * pulled["kept"]
         for k, separation in enumerate(h):
             force = count * np.sum(weights * unloaded(separation, h[0], surface, heights, radius == "elastic"))
-            scale = file["statistical/retraction_adhesion_force"][k] + file["statistical/retraction_contact_force"][k]
-            assert abs(file["statistical/retraction_external_force"][k] - force) < 2e-6 * scale, k
+            scale = file["integral/retraction_adhesion_force"][k] + file["integral/retraction_contact_force"][k]
+            assert abs(file["integral/retraction_external_force"][k] - force) < 2e-6 * scale, k
 
 
 def test_the_picture_of_a_loop(result, tmp_path):

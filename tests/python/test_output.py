@@ -46,19 +46,27 @@ curves = true
 
 S, RS, N, NS = ("separation",), ("regime", "separation"), ("replica",), ("replica", "separation")
 KS = ("component", "separation")
-# Every dataset outside /diagnostics, with its dimensions and units.
+# Every dataset outside /diagnostics, with its dimensions and units; none where rows have units of their own.
 DATASETS = {
-    "separation": (S, "m"),
-    "h_star": (S, "1"),
-    "asperity_separation": (S, "m"),
-    "regime": (("regime",), "1"),
-    "replica": (N, "1"),
-    "component": (("component",), "1"),
-    "scalar": (("scalar",), "1"),
-    "range_end": (("range_end",), "1"),
-    "control": (("control",), "m"),
-    "phase": (("phase",), "1"),
-    "skip_reason": (("skip_reason",), "1"),
+    "ensemble/separation": (S, "m"),
+    "ensemble/h_star": (S, "1"),
+    "ensemble/asperity_separation": (S, "m"),
+    "replicas/separation": (S, "m"),
+    "replicas/h_star": (S, "1"),
+    "replicas/asperity_separation": (S, "m"),
+    "integral/separation": (S, "m"),
+    "integral/h_star": (S, "1"),
+    "integral/asperity_separation": (S, "m"),
+    "validation/separation": (S, "m"),
+    "validation/h_star": (S, "1"),
+    "validation/asperity_separation": (S, "m"),
+    "ensemble/regime": (("regime",), "1"),
+    "integral/regime": (("regime",), "1"),
+    "replicas/replica": (N, "1"),
+    "validation/component": (("component",), "1"),
+    "ensemble/scalar": (("scalar",), "1"),
+    "ensemble/range_end": (("range_end",), "1"),
+    "ensemble/control": (("control",), "m"),
     "ensemble/adhesion_force_mean": (S, "N"),
     "ensemble/adhesion_force_standard_error": (S, "N"),
     "ensemble/adhesion_force_std": (S, "N"),
@@ -72,12 +80,12 @@ DATASETS = {
     "ensemble/contact_area_standard_error": (S, "m2"),
     "ensemble/contact_area_std": (S, "m2"),
     "ensemble/scalar_units": (("scalar",), "1"),
-    "ensemble/scalar_mean": (("scalar",), "scalar_units"),
-    "ensemble/scalar_standard_error": (("scalar",), "scalar_units"),
-    "ensemble/scalar_interval": (("scalar", "range_end"), "scalar_units"),
-    "ensemble/scalar_controlled_mean": (("scalar",), "scalar_units"),
-    "ensemble/scalar_controlled_interval": (("scalar", "range_end"), "scalar_units"),
-    "ensemble/scalar_controlled_standard_error": (("scalar",), "scalar_units"),
+    "ensemble/scalar_mean": (("scalar",), None),
+    "ensemble/scalar_standard_error": (("scalar",), None),
+    "ensemble/scalar_interval": (("scalar", "range_end"), None),
+    "ensemble/scalar_controlled_mean": (("scalar",), None),
+    "ensemble/scalar_controlled_interval": (("scalar", "range_end"), None),
+    "ensemble/scalar_controlled_standard_error": (("scalar",), None),
     "ensemble/scalar_variance_reduction": (("scalar",), "1"),
     "ensemble/regime_count_mean": (RS, "1"),
     "ensemble/regime_adhesion_force_mean": (RS, "N"),
@@ -90,20 +98,20 @@ DATASETS = {
     "replicas/peak_secant_stiffness_separation": (N, "m"),
     "replicas/external_force": (NS, "N"),
     "replicas/adhesion_force": (NS, "N"),
-    "statistical/pull_off_regime_count": (("regime",), "1"),
-    "statistical/pull_off_regime_adhesion_force": (("regime",), "N"),
-    "statistical/pull_off_contact_area": ((), "m2"),
-    "statistical/adhesion_force": (S, "N"),
-    "statistical/contact_force": (S, "N"),
-    "statistical/external_force": (S, "N"),
-    "statistical/contact_area": (S, "m2"),
-    "statistical/adhesion_force_std": (S, "N"),
-    "statistical/contact_force_std": (S, "N"),
-    "statistical/external_force_std": (S, "N"),
-    "statistical/contact_area_std": (S, "m2"),
-    "statistical/regime_count": (RS, "1"),
-    "statistical/regime_adhesion_force": (RS, "N"),
-    "statistical/regime_external_force": (RS, "N"),
+    "integral/pull_off_regime_count": (("regime",), "1"),
+    "integral/pull_off_regime_adhesion_force": (("regime",), "N"),
+    "integral/pull_off_contact_area": ((), "m2"),
+    "integral/adhesion_force": (S, "N"),
+    "integral/contact_force": (S, "N"),
+    "integral/external_force": (S, "N"),
+    "integral/contact_area": (S, "m2"),
+    "integral/adhesion_force_std": (S, "N"),
+    "integral/contact_force_std": (S, "N"),
+    "integral/external_force_std": (S, "N"),
+    "integral/contact_area_std": (S, "m2"),
+    "integral/regime_count": (RS, "1"),
+    "integral/regime_adhesion_force": (RS, "N"),
+    "integral/regime_external_force": (RS, "N"),
     "validation/z_adhesion_force": (S, "1"),
     "validation/z_external_force": (S, "1"),
     "validation/tested_adhesion_force": (S, "1"),
@@ -111,7 +119,7 @@ DATASETS = {
     "validation/probe_adhesion_force": (KS, "N-1"),
     "validation/probe_external_force": (KS, "N-1"),
 }
-GROUPS = ["ensemble", "replicas", "statistical", "validation"]
+GROUPS = ["ensemble", "replicas", "integral", "validation"]
 QUANTITIES = ["adhesion_force", "contact_force", "external_force", "contact_area"]
 
 
@@ -162,7 +170,7 @@ def test_root_attributes(file):
     for name in ["format", "program_version", "source_revision", "source_hash", "created", "title", "scene", "law", "history"]:
         assert isinstance(attributes[name], str), name
     assert attributes["format"] == "stiction-run"
-    assert list(attributes["format_version"]) == [2, 0]
+    assert list(attributes["format_version"]) == [3, 0]
     assert np.issubdtype(attributes["format_version"].dtype, np.integer)
     assert re.fullmatch(r"\d+\.\d+\.\d+.*", attributes["program_version"])
     assert re.fullmatch(r"[0-9a-f]{7,}(-modified)?|unknown", attributes["source_revision"])
@@ -196,11 +204,14 @@ def test_datasets_are_those_of_the_layout(file):
 def test_every_dataset_says_its_units_and_meaning(file):
     def check(name, item):
         if isinstance(item, h5py.Dataset):
-            for attribute in ["units", "long_name"]:
+            listed = name in DATASETS and DATASETS[name][1] is None
+            for attribute in ["coordinates" if listed else "units", "long_name"]:
                 text = item.attrs[attribute]
                 assert isinstance(text, str) and text.strip(), (name, attribute)
             if name in DATASETS:
-                assert item.attrs["units"] == DATASETS[name][1], name
+                assert item.attrs.get("units") == DATASETS[name][1], name
+            if listed:
+                assert item.attrs["coordinates"] == "scalar_units", name
 
     file.visititems(check)
 
@@ -212,21 +223,22 @@ def test_every_dimension_has_its_scale(file):
         assert dataset.ndim == len(dimensions), name
         for size, scales, dimension in zip(dataset.shape, dataset.dims, dimensions):
             assert size == sizes.get(dimension, size), name
-            if name == dimension:
+            group, _, last = name.rpartition("/")
+            if last == dimension:
                 assert dataset.is_scale
             else:
                 assert list(scales.keys()) == [dimension], name
-                assert scales[0].name == f"/{dimension}"
+                assert scales[0].name == f"/{group}/{dimension}"
                 assert size == scales[0].shape[0]
 
 
 def test_scales_hold_what_they_name(file):
-    assert list(file["regime"].asstr()[()]) == REGIMES
-    assert list(file["replica"][()]) == list(range(REPLICAS))
-    h_star, sigma = file["h_star"][()], file.attrs["surface_height_std"]
+    assert list(file["ensemble/regime"].asstr()[()]) == REGIMES
+    assert list(file["replicas/replica"][()]) == list(range(REPLICAS))
+    h_star, sigma = file["ensemble/h_star"][()], file.attrs["surface_height_std"]
     assert close(h_star, np.linspace(1.0, 4.5, SEPARATIONS), 4.5)
-    assert close(file["separation"][()], h_star * sigma, sigma * 4.5)
-    offset = file["separation"][()] - file["asperity_separation"][()]
+    assert close(file["ensemble/separation"][()], h_star * sigma, sigma * 4.5)
+    offset = file["ensemble/separation"][()] - file["ensemble/asperity_separation"][()]
     assert close(offset, file.attrs["mean_plane_offset"], sigma)
 
 
@@ -249,20 +261,27 @@ def test_xarray_opens_every_group(path, engine, group):
         if group != "diagnostics":
             assert {prefix + str(name) for name in run.variables} == expected
         for name, variable in run.variables.items():
-            assert variable.attrs["units"] and variable.attrs["long_name"], name
+            listed = name in run.data_vars and "scalar_units" in run[name].coords
+            assert variable.attrs["long_name"] and (listed or variable.attrs["units"]), name
             if group != "diagnostics":
                 assert variable.dims == DATASETS[prefix + name][0], name
-        if group is None:
+        if group == "ensemble":
             names = list(run.regime.values)
             assert names == REGIMES and all(isinstance(name, str) for name in names)
-            assert run.attrs["title"] == "Test patch"
+            assert {"h_star", "asperity_separation", "scalar_units"} <= set(run.coords)
+            assert {"separation", "h_star"} <= set(run.external_force_mean.coords)
+        if group is None:
+            assert not run.variables and run.attrs["title"] == "Test patch"
 
 
 @pytest.mark.parametrize("engine", ["h5netcdf", "netcdf4"])
-def test_xarray_gives_groups_the_coordinates_of_the_root(path, file, engine):
+def test_groups_have_the_coordinates_of_their_datasets_and_no_others(path, file, engine):
     with xarray.open_datatree(path, engine=engine) as run:
         mean = run["ensemble"].external_force_mean
-        assert np.array_equal(mean.separation, file["separation"][()])
+        assert np.array_equal(mean.separation, file["ensemble/separation"][()])
+        assert np.array_equal(run["replicas"].external_force.h_star, file["ensemble/h_star"][()])
+        assert set(run["replicas"].dims) == {"replica", "separation"}
+        assert all(len(run[group].to_dataset().to_dataframe()) < 20000 for group in run.groups[1:])
         elastic = run["ensemble"].regime_count_mean.sel(regime="elastic")
         assert np.array_equal(elastic, file["ensemble/regime_count_mean"][2])
 
@@ -271,14 +290,14 @@ def test_xarray_gives_groups_the_coordinates_of_the_root(path, file, engine):
 
 
 def test_external_force_is_contact_less_adhesion(file):
-    for group, suffix in [("ensemble", "_mean"), ("statistical", "")]:
+    for group, suffix in [("ensemble", "_mean"), ("integral", "")]:
         adhesion, contact, external = (file[f"{group}/{name}{suffix}"][()] for name in QUANTITIES[:3])
         assert np.all(adhesion > 0.0) and np.all(contact > 0.0)
         assert close(external, contact - adhesion, contact + adhesion)
 
 
 def test_regimes_sum_to_totals(file):
-    for group, suffix in [("ensemble", "_mean"), ("statistical", "")]:
+    for group, suffix in [("ensemble", "_mean"), ("integral", "")]:
         scale = file[f"{group}/adhesion_force{suffix}"][()] + file[f"{group}/contact_force{suffix}"][()]
         for name in ["adhesion_force", "external_force"]:
             regimes = file[f"{group}/regime_{name}{suffix}"][()]
@@ -316,12 +335,12 @@ def check_controlled_means(file, group: int, controls: int):
     """The means of the scalars with control variates: each part of the sample at the integral's forces by the regression of the others."""
     units = {"pull_off_force": "N", "pull_off_separation": "m", "peak_secant_stiffness": "N m-1",
              "peak_secant_stiffness_separation": "m"}
-    names = list(file["scalar"].asstr()[()])
+    names = list(file["ensemble/scalar"].asstr()[()])
     assert names == list(units) and list(file["ensemble/scalar_units"].asstr()[()]) == list(units.values())
-    places = np.searchsorted(file["separation"][()], file["control"][()])
-    assert np.array_equal(file["separation"][()][places], file["control"][()])
+    places = np.searchsorted(file["ensemble/separation"][()], file["ensemble/control"][()])
+    assert np.array_equal(file["ensemble/separation"][()][places], file["ensemble/control"][()])
     means = lambda values: values.reshape(-1, group, *values.shape[1:]).mean(axis=1)
-    forces, expected = means(file["replicas/external_force"][:, places]), file["statistical/external_force"][()][places]
+    forces, expected = means(file["replicas/external_force"][:, places]), file["integral/external_force"][()][places]
     n, k = forces.shape
     assert k == controls
     scale = forces.std(axis=0)
@@ -366,7 +385,7 @@ def test_sampling_schemes(tmp_path, sampling, group, replicas, controls):
         error = means.std(axis=0, ddof=1) / np.sqrt(groups)
         assert close(file["ensemble/external_force_standard_error"][()], error, error, 1e-9)
         assert close(file["ensemble/external_force_std"][()], curves.std(axis=0, ddof=1), curves.std(axis=0), 1e-9)
-        z = (curves.mean(axis=0) - file["statistical/external_force"][()]) / error
+        z = (curves.mean(axis=0) - file["integral/external_force"][()]) / error
         assert close(file["validation/z_external_force"][()], z, 1.0, 1e-6)
         probes = {name: file[f"validation/probe_{name}"][()] for name in ["external_force", "adhesion_force"]}
         scores = sum(file[f"replicas/{name}"][()] @ probe.T for name, probe in probes.items())
@@ -423,11 +442,11 @@ def test_features_of_the_mean_curve_and_the_integral(file, tmp_path):
     coarse = f"from = 1.0, to = 4.5, count = {SEPARATIONS}"
     fine = run_program(tmp_path, SCENE.replace(coarse, "from = 1.0, to = 4.5, count = 351"))
     with h5py.File(fine, "r") as fine:
-        h, sigma = fine["separation"][()], fine.attrs["surface_height_std"]
+        h, sigma = fine["ensemble/separation"][()], fine.attrs["surface_height_std"]
         # The mean curve is jagged, and between coarse separations known through its deviation from the integral only.
         for group, name, tolerance in [
             ("ensemble", "external_force_mean", 0.03),
-            ("statistical", "external_force", 1e-5),
+            ("integral", "external_force", 1e-5),
         ]:
             curve, features = fine[f"{group}/{name}"][()], file[group].attrs
             place, value = minimum(h, curve)
@@ -439,7 +458,7 @@ def test_features_of_the_mean_curve_and_the_integral(file, tmp_path):
 
 
 def test_features_of_each_replica(file):
-    h, replicas = file["separation"][()], file["replicas"]
+    h, replicas = file["ensemble/separation"][()], file["replicas"]
     for i, curve in enumerate(replicas["external_force"][()]):
         pull_off, place = replicas["pull_off_force"][i], replicas["pull_off_separation"][i]
         assert -curve.min() * (1 - 1e-12) <= pull_off <= -1.25 * curve.min()
@@ -462,7 +481,7 @@ def test_the_stiffness_of_a_replica_is_that_of_its_finely_sampled_curve(file, tm
         stiffness = coarse["replicas/peak_secant_stiffness"][()]
         assert coarse.attrs["stiffness_span"] == pytest.approx(0.1 * file.attrs["surface_height_std"])
         assert fine["replicas/peak_secant_stiffness"][()] == pytest.approx(stiffness, rel=1e-6)
-        force, h = fine["replicas/external_force"][()], fine["separation"][()]
+        force, h = fine["replicas/external_force"][()], fine["ensemble/separation"][()]
     sampled = ((force[:, 10:] - force[:, :-10]) / (h[10:] - h[:-10])).max(axis=1)
     assert np.all((sampled <= stiffness * (1 + 1e-9)) & (sampled > 0.9 * stiffness)), sampled / stiffness
 
@@ -488,8 +507,8 @@ def test_highest_asperities_are_extremes_of_a_gaussian(file):
 
 def test_z_scores(file):
     for name in ["external_force", "adhesion_force"]:
-        mean, integral = file[f"ensemble/{name}_mean"][()], file[f"statistical/{name}"][()]
-        z = np.sqrt(REPLICAS) * (mean - integral) / file[f"statistical/{name}_std"][()]
+        mean, integral = file[f"ensemble/{name}_mean"][()], file[f"integral/{name}"][()]
+        z = np.sqrt(REPLICAS) * (mean - integral) / file[f"integral/{name}_std"][()]
         assert close(file[f"validation/z_{name}"][()], z, 1.0)
         assert np.all(np.abs(z) < 6.0)
 
@@ -498,7 +517,7 @@ def test_joint_test(file):
     group = file["validation"]
     probes = {name: group[f"probe_{name}"][()] for name in ["external_force", "adhesion_force"]}
     scores = sum(file[f"replicas/{name}"][()] @ probe.T for name, probe in probes.items())
-    expected = sum(probe @ file[f"statistical/{name}"][()] for name, probe in probes.items())
+    expected = sum(probe @ file[f"integral/{name}"][()] for name, probe in probes.items())
     n, k = scores.shape
     assert k >= 1 and group.attrs["degrees_of_freedom"] == k
     difference = scores.mean(axis=0) - expected
@@ -538,7 +557,7 @@ def test_one_dry_elastic_replica_can_be_tested_and_plotted(tmp_path):
     text = SCENE.replace('lubricant_thickness = "0.5 nm"', "").replace('law = "hybrid"', 'law = "emd"')
     path = run_program(tmp_path, text.replace(f"replicas = {REPLICAS}", "replicas = 1"))
     with h5py.File(path, "r") as file:
-        assert list(file["regime"].asstr()[()]) == REGIMES[:3]
+        assert list(file["ensemble/regime"].asstr()[()]) == REGIMES[:3]
         assert np.all(file["ensemble/regime_adhesion_force_mean"][1] == 0.0)
         assert np.all(np.isnan(file["ensemble/external_force_std"][()]))
         assert np.all(np.isfinite(file["validation/z_external_force"][()]))

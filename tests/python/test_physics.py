@@ -170,9 +170,9 @@ def test_the_integral_of_other_laws_and_films(tmp_path, case, law, film, gamma):
     surface = Rough(case, gamma)
     parts = Tip(surface.radius, surface.gamma, film * 1e-9).law(law, 9 * surface.sigma)
     with run(tmp_path, case, changes) as file:
-        for k, h in enumerate(file["separation"][()]):
+        for k, h in enumerate(file["ensemble/separation"][()]):
             adhesion, load = surface.expected(parts, h)
-            found = [file[f"statistical/{name}_force"][k] for name in ("adhesion", "contact")]
+            found = [file[f"integral/{name}_force"][k] for name in ("adhesion", "contact")]
             assert found == pytest.approx([adhesion, load], abs=1e-10 * (adhesion + load)), (k, found)
 
 
@@ -189,9 +189,9 @@ def test_every_radius_has_its_own_adhesion_parameter(tmp_path):
     with run(tmp_path, "III", changes) as file:
         tips = [Tip(radius, gamma, 0.0).law("md", 9 * surface.sigma) for radius in radii]
         one = Tip(surface.radius, gamma, 0.0).law("md", 9 * surface.sigma)
-        for k, h in enumerate(file["separation"][()]):
+        for k, h in enumerate(file["ensemble/separation"][()]):
             adhesion, load = (float(np.sum(weight * row)) for row in np.transpose([surface.expected(tip, h) for tip in tips]))
-            found = [file[f"statistical/{name}_force"][k] for name in ("adhesion", "contact")]
+            found = [file[f"integral/{name}_force"][k] for name in ("adhesion", "contact")]
             assert found == pytest.approx([adhesion, load], abs=1e-8 * (adhesion + load)), (k, found)
             # The law of the mean radius alone is off by far more.
             assert abs(surface.expected(one, h)[0] / adhesion - 1) > 1e-4
@@ -277,8 +277,8 @@ def test_a_pull_off_after_a_preload_is_that_of_a_loop_that_turns_there(tmp_path)
 
     more = '\n[instability]\nstiffness = "1 MN/m"\npreload = ["30 uN", "1 mN"]\n'
     with loop("h_star = { from = 0.0, to = 7.0, count = 141 }", more) as file:
-        h, turns = file["separation"][()], file["replicas/turn_separation"][0]
-        pulled = [file[f"replicas/turned_pull_off_{of}"][0] for of in ("force", "separation")]
+        h, turns = file["ensemble/separation"][()], file["replicas/preload_separation"][0]
+        pulled = [file[f"replicas/pull_off_after_preload{of}"][0] for of in ("", "_separation")]
     assert np.isfinite(turns).all() and turns[0] > turns[1]
     for turn, force, place in zip(turns, *pulled):
         places = ", ".join(f'"{place:.17e} m"' for place in [turn, *h[h > turn]])

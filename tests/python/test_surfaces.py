@@ -50,7 +50,7 @@ def test_every_shipped_surface_agrees_with_its_integral(results):
             if name == "whole":
                 assert np.abs(file["validation/z_adhesion_force"][()]).max() < 1.0
                 np.testing.assert_allclose(
-                    file["ensemble/external_force_mean"][()], file["statistical/external_force"][()], rtol=1e-9, atol=1e-12
+                    file["ensemble/external_force_mean"][()], file["integral/external_force"][()], rtol=1e-9, atol=1e-12
                 )
 
 
@@ -77,11 +77,11 @@ def test_exponential_heights_have_the_closed_form_of_greenwood_and_williamson(re
     (tmp_path / "gw.toml").write_text(scene, encoding="utf-8")
     stiction(tmp_path, "run", "gw.toml", "--replicas", "16", "--quiet")
     with h5py.File(tmp_path / "gw.h5") as file:
-        std, d = file.attrs["asperity_height_std"], file["asperity_separation"][()]
+        std, d = file.attrs["asperity_height_std"], file["ensemble/asperity_separation"][()]
         load = 739 * (4 / 3) * 85.29e9 * math.sqrt(3.33e-6) * std**1.5 * math.gamma(2.5) * np.exp(-(d / std + 1))
         inside = d > -std
         assert inside.sum() > 80
-        np.testing.assert_allclose(file["statistical/contact_force"][inside], load[inside], rtol=1e-10)
+        np.testing.assert_allclose(file["integral/contact_force"][inside], load[inside], rtol=1e-10)
 
 
 def test_a_picture_compares_them(results, tmp_path):

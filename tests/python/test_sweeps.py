@@ -16,11 +16,12 @@ from program import PROGRAM, ROOT
 
 PLOT = ROOT / "scripts" / "plot_sweep.py"
 REPLICAS = 24
-ENERGY, LUBRICANT = "material.work_of_adhesion", "surface.lubricant_thickness"
+KEYS = ["material.work_of_adhesion", "surface.lubricant_thickness"]
+ENERGY, LUBRICANT = (key.replace(".", "_") for key in KEYS)
 GRID = f"""
 [sweep]
-"{ENERGY}" = {{ from = "0.06 J/m^2", to = "0.24 J/m^2", count = 3, spacing = "log" }}
-"{LUBRICANT}" = ["0 nm", "0.5 nm"]
+"{KEYS[0]}" = {{ from = "0.06 J/m^2", to = "0.24 J/m^2", count = 3, spacing = "log" }}
+"{KEYS[1]}" = ["0 nm", "0.5 nm"]
 """
 ZIP = """
 [sweep]
@@ -57,11 +58,16 @@ def test_xarray_sees_keys_by_name(grid, engine):
         assert tree[ENERGY].attrs["units"] == "J m-2" and tree[LUBRICANT].attrs["units"] == "m"
         for group in tree.groups[1:]:
             for name, variable in tree[group].data_vars.items():
-                assert variable.attrs["units"] and variable.attrs["long_name"], name
-                assert variable.dims[:2] == (ENERGY, LUBRICANT) or name == "scalar_units", name
+                assert "units" in variable.attrs or "scalar_units" in variable.coords, name
+                assert variable.attrs["long_name"] and variable.dims[:2] == (ENERGY, LUBRICANT), name
         force = tree["ensemble"].external_force_mean
         assert force.dims == (ENERGY, LUBRICANT, "separation_index")
-        pull_off = tree["statistical"].pull_off_force
+        assert force.separation.dims == force.h_star.dims == force.dims
+        assert [tree[key].attrs["key"] for key in (ENERGY, LUBRICANT)] == KEYS
+        # A node is a table: no dimension of another group comes with it.
+        assert all(len(tree[group].to_dataset().to_dataframe()) < 20000 for group in tree.groups)
+        assert set(tree["replicas"].dims) == {ENERGY, LUBRICANT, "replica"}
+        pull_off = tree["integral"].pull_off_force
         assert float(pull_off.sel({ENERGY: 0.24, LUBRICANT: 0.0})) > float(pull_off.sel({ENERGY: 0.06, LUBRICANT: 0.0}))
 
 
@@ -84,13 +90,13 @@ def test_differences_are_paired(grid):
 def test_numbers_of_a_point_follow_from_its_keys(grid):
     """lambda goes with the 2/3 power of the work of adhesion; the rest of the scene stays."""
     with h5py.File(grid) as file:
-        assert file.attrs["format"] == "stiction-sweep" and list(file.attrs["format_version"]) == [2, 0]
-        assert file.attrs["points"] == 6 and file.attrs["sweep_keys"] == f"{ENERGY}, {LUBRICANT}"
+        assert file.attrs["format"] == "stiction-sweep" and list(file.attrs["format_version"]) == [3, 0]
+        assert file.attrs["points"] == 6 and file.attrs["sweep_keys"] == ", ".join(KEYS)
         parameter = file["adhesion_parameter"][()]
         assert np.allclose(parameter / parameter[0], np.array([[1.0], [2.0], [4.0]]) ** (2 / 3), rtol=1e-14)
         assert np.ptp(file["nominal_area"][()]) == 0.0 and np.all(file["seed"][()] == 1)
         # A regime that a point does not have is empty there.
-        lubricant = [name.decode() for name in file["regime"]].index("lubricant")
+        lubricant = [name.decode() for name in file["ensemble/regime"]].index("lubricant")
         count = file["ensemble/regime_count_mean"][()]
         assert np.all(count[:, 0, lubricant] == 0.0) and np.all(count[:, 1, lubricant].max(axis=-1) > 0.0)
         assert np.allclose(count.sum(axis=2), file["replicas/asperity_count"][()].mean(axis=-1)[..., None], rtol=1e-12)
@@ -99,12 +105,13 @@ def test_numbers_of_a_point_follow_from_its_keys(grid):
 def test_keys_that_go_together_are_coordinates_of_points(zipped):
     with xarray.open_datatree(zipped, engine="h5netcdf") as tree:
         assert tree["ensemble"].external_force_mean.dims == ("point", "separation_index")
-        assert tree["material.hardness"].dims == ("point",)
-        sigma = tree["surface.surface_height_std"].values
+        assert tree["material_hardness"].dims == ("point",)
+        assert "material_hardness" in tree["integral"].pull_off_force.coords
+        sigma = tree["surface_surface_height_std"].values
         assert list(sigma) == [1.5e-9, 2e-9, 2.5e-9] and list(tree["surface_height_std"].values) == list(sigma)
         # The same h*, so other separations.
-        assert np.allclose(tree["h_star"].values, tree["h_star"].values[0])
-        assert np.allclose(tree["separation"].values, sigma[:, None] * tree["h_star"].values, rtol=1e-14)
+        assert np.allclose(tree["ensemble/h_star"].values, tree["ensemble/h_star"].values[0])
+        assert np.allclose(tree["ensemble/separation"].values, sigma[:, None] * tree["ensemble/h_star"].values, rtol=1e-14)
 
 
 def size(picture: Path) -> tuple[int, int]:
@@ -132,7 +139,7 @@ def test_what_cannot_be_drawn_is_said_in_a_line(grid, tmp_path):
         (tmp_path / "text.h5", [], "not an HDF5 file"),
         (tmp_path / "other.h5", [], "not a sweep"),
         (grid, ["--x", "no_such"], "the dataset /no_such is missing"),
-        (grid, ["--x", "h_star"], "has no value at each point"),
+        (grid, ["--x", "ensemble/h_star"], "has no value at each point"),
     ]:
         command = [sys.executable, PLOT, file, "-o", tmp_path / "out.png", *arguments]
         drawn = subprocess.run(command, capture_output=True, text=True, encoding="utf-8")

@@ -53,18 +53,16 @@ fn coarse_separations_tell_the_same_of_the_integral() {
         let told =
             summary.split("\n  at pull-off").nth(1).and_then(|rest| rest.split("\n  cross-check").next());
         let file = unlocked::open(folder.path("scene.h5"));
-        let model = file.group("statistical").unwrap();
+        let model = file.group("integral").unwrap();
         let names = ["pull_off_force", "pull_off_separation", "peak_stiffness", "peak_stiffness_separation"];
         let read: Vec<f64> =
             names.iter().map(|name| model.attr(name).unwrap().read_scalar().unwrap()).collect();
         let values = |name: &str| file.dataset(name).unwrap().read_raw::<f64>().unwrap();
         let shares = ["pull_off_regime_count", "pull_off_regime_adhesion_force", "pull_off_contact_area"];
-        let shares: Vec<f64> =
-            shares.iter().flat_map(|name| values(&format!("/statistical/{name}"))).collect();
+        let shares: Vec<f64> = shares.iter().flat_map(|name| values(&format!("/integral/{name}"))).collect();
         let curves = ["regime_count", "regime_adhesion_force", "contact_area"];
-        let curves: Vec<f64> =
-            curves.iter().flat_map(|name| values(&format!("/statistical/{name}"))).collect();
-        (told.unwrap().to_owned(), read, shares, values("/separation"), curves)
+        let curves: Vec<f64> = curves.iter().flat_map(|name| values(&format!("/integral/{name}"))).collect();
+        (told.unwrap().to_owned(), read, shares, values("/ensemble/separation"), curves)
     });
     let [(told, read, shares, ..), (of_fine, read_of_fine, shares_of_fine, separations, curves)] = results;
     assert_eq!(told, of_fine);
@@ -162,7 +160,7 @@ fn validate_sees_a_disagreement() {
     assert_exit(&folder.stiction(&["run", "scene.toml"]), 0);
     {
         let file = unlocked::open_rw(folder.path("scene.h5"));
-        let dataset = file.dataset("/statistical/adhesion_force").unwrap();
+        let dataset = file.dataset("/integral/adhesion_force").unwrap();
         let changed: Vec<f64> = dataset.read_raw::<f64>().unwrap().iter().map(|force| 1.05 * force).collect();
         dataset.write_raw(&changed).unwrap();
     }
@@ -179,13 +177,13 @@ fn files_of_others_are_refused_in_a_line() {
     assert_exit(&folder.stiction(&["run", "scene.toml", "-o", "newer.h5"]), 0);
     {
         let file = unlocked::open_rw(folder.path("newer.h5"));
-        file.attr("format_version").unwrap().write_raw(&[3_u32, 0]).unwrap();
+        file.attr("format_version").unwrap().write_raw(&[4_u32, 0]).unwrap();
     }
     for command in ["info", "validate"] {
         for (file, message) in [
             ("text.h5", "is not an HDF5 file"),
             ("other.h5", "has no attribute `format`"),
-            ("newer.h5", "has format version 3.0; this program reads 2.x"),
+            ("newer.h5", "has format version 4.0; this program reads 3.x"),
             ("absent.h5", "cannot be read"),
         ] {
             let refused = folder.stiction(&[command, file]);
@@ -362,7 +360,7 @@ fn an_older_result_is_refused() {
         assert_exit(&refused, 2);
         let error = text(&refused.stderr);
         let message =
-            "has format version 1.4; this program reads 2.x: compute it again, with the scene that it holds";
+            "has format version 1.4; this program reads 3.x: compute it again, with the scene that it holds";
         assert!(error.contains(message), "{error}");
     }
 }

@@ -72,8 +72,8 @@ fn a_law_of_a_comparison_is_its_run() {
             .unwrap();
         assert_exit(&folder.stiction(&["run", "one.toml", "--force"]), 0);
         for dataset in [
-            "statistical/external_force",
-            "statistical/adhesion_force_std",
+            "integral/external_force",
+            "integral/adhesion_force_std",
             "ensemble/external_force_mean",
             "ensemble/contact_area_std",
             "replicas/pull_off_force",
@@ -178,7 +178,7 @@ fn what_is_not_known_is_a_dash() {
     let hybrid: Vec<&str> = table.lines().filter(|line| line.starts_with("  hybrid ")).collect();
     assert_eq!(hybrid.len(), 2, "{table}");
     assert!(hybrid.iter().all(|line| line.contains(" - ")), "{table}");
-    assert!(row(&folder, "all.h5", "statistical/pull_off_deviation", 1, 2)[0].is_nan());
+    assert!(row(&folder, "all.h5", "integral/pull_off_deviation", 1, 2)[0].is_nan());
 }
 
 /// The summary of a run without adhesion has no pull-off, no stiffest point and no shares of nothing.
@@ -234,7 +234,7 @@ fn the_critical_approach_of_the_fits_can_be_set() {
             let folder =
                 Folder::new(&small().replace("law = \"hybrid\"\n", &format!("law = \"fit:paper\"\n{line}")));
             assert_exit(&folder.stiction(&["run", "scene.toml"]), 0);
-            row(&folder, "scene.h5", "statistical/regime_count", 2, 6)[8]
+            row(&folder, "scene.h5", "integral/regime_count", 2, 6)[8]
         });
     assert!(
         (counts[1] / counts[0] - 1.0).abs() < 1e-3 && (counts[2] / counts[0] - 1.0).abs() > 1e-2,

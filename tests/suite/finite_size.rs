@@ -21,7 +21,7 @@ fn a_size_is_the_run_of_a_patch() {
     let single = unlocked::open(folder.path("scene.h5"));
     // 100 um^2 hold 739 asperities.
     let pull_off = single.dataset("/replicas/pull_off_force").unwrap().read_raw::<f64>().unwrap();
-    let integral = number(&folder.path("scene.h5"), "/statistical", "pull_off_force");
+    let integral = number(&folder.path("scene.h5"), "/integral", "pull_off_force");
     let own = values(&folder, "pull_off_per_asperity");
     for (own, pull_off) in own[40..80].iter().zip(&pull_off) {
         assert!((739.0 * own / pull_off - 1.0).abs() < 1e-8, "{own} {pull_off}");

@@ -163,15 +163,15 @@ fn forged_attributes_are_refused() {
     type Change = fn(&hdf5::File);
     let both: [(Change, &str); 8] = [
         (
-            |file| replace_attribute(file, "format_version", &[0_u32, 9]),
-            "has format version 0.9; this program reads",
+            |file| replace_attribute(file, "format_version", &[2_u32, 0]),
+            "has format version 2.0; this program reads 3.x: compute it again, with the scene that it holds",
         ),
         (|file| file.delete_attr("format").unwrap(), "has no attribute `format`"),
         (|file| replace_number(file, "format", 3.0), "its attribute `format` is no text"),
         (|file| replace_text(file, "format", "\u{1b}[31mother"), "has the format \"\\u{1b}[31mother\", not "),
         (
-            |file| replace_attribute(file, "format_version", &[3_u32, 0]),
-            "has format version 3.0; this program reads 2.x",
+            |file| replace_attribute(file, "format_version", &[4_u32, 0]),
+            "has format version 4.0; this program reads 3.x",
         ),
         (
             |file| replace_attribute(file, "format_version", &[1_u32]),
@@ -229,44 +229,53 @@ fn forged_datasets_are_refused() {
         let file = unlocked::open(folder.path("scene.h5"));
         file.dataset(name).unwrap().size()
     };
-    let (s, k) = (count("/separation"), count("/component"));
+    let (s, k) = (count("/ensemble/separation"), count("/validation/component"));
     assert!(s == 16 && k == 11, "{s} {k}");
     type Change = fn(&hdf5::File);
     let cases: [(Change, &str); 18] = [
-        (|file| file.unlink("/h_star").unwrap(), "lacks the dataset /h_star"),
-        (|file| file.unlink("/separation").unwrap(), "lacks the dimension `separation`"),
-        (|file| file.unlink("/statistical").unwrap(), "lacks the group /statistical"),
+        (|file| file.unlink("/ensemble/h_star").unwrap(), "lacks the dataset /ensemble/h_star"),
+        (|file| file.unlink("/ensemble/separation").unwrap(), "lacks the dimension `separation`"),
+        (|file| file.unlink("/integral").unwrap(), "lacks the group /integral"),
         (|file| file.unlink("/validation").unwrap(), "lacks the group /validation"),
-        (|file| replace_dataset(file, "/h_star", &[15], &[0.0; 15]), "/h_star of the shape [15], not [16]"),
         (
-            |file| replace_dataset(file, "/h_star", &[4, 4], &[0.0; 16]),
-            "/h_star of the shape [4, 4], not [16]",
+            |file| replace_dataset(file, "/ensemble/h_star", &[15], &[0.0; 15]),
+            "/ensemble/h_star of the shape [15], not [16]",
         ),
         (
-            |file| replace_dataset(file, "/separation", &[4, 4], &[0.0; 16]),
+            |file| replace_dataset(file, "/ensemble/h_star", &[4, 4], &[0.0; 16]),
+            "/ensemble/h_star of the shape [4, 4], not [16]",
+        ),
+        (
+            |file| replace_dataset(file, "/ensemble/separation", &[4, 4], &[0.0; 16]),
             "a dimension `separation` of the shape [4, 4]",
         ),
-        (|file| replace_dataset(file, "/replica", &[39], &[0_u64; 39]), "but the dimension `replica` has 39"),
         (
-            |file| replace_dataset(file, "/component", &[1], &[0_u64]),
+            |file| replace_dataset(file, "/replicas/replica", &[39], &[0_u64; 39]),
+            "but the dimension `replica` has 39",
+        ),
+        (
+            |file| replace_dataset(file, "/validation/component", &[1], &[0_u64]),
             "probe_adhesion_force of the shape [11, 16], not [1, 16]",
         ),
-        (|file| replace_dataset(file, "/h_star", &[16], &[0_i32; 16]), "/h_star that does not hold numbers"),
+        (
+            |file| replace_dataset(file, "/ensemble/h_star", &[16], &[0_i32; 16]),
+            "/ensemble/h_star that does not hold numbers",
+        ),
         (
             |file| {
                 let texts = vec![VarLenUnicode::from_str("1.0").unwrap(); 16];
-                replace_dataset(file, "/h_star", &[16], &texts);
+                replace_dataset(file, "/ensemble/h_star", &[16], &texts);
             },
-            "/h_star that does not hold numbers",
+            "/ensemble/h_star that does not hold numbers",
         ),
-        (|file| plant(file, "/h_star", f64::NAN), "has the value NaN at 1 of /h_star"),
+        (|file| plant(file, "/ensemble/h_star", f64::NAN), "has the value NaN at 1 of /ensemble/h_star"),
         (
             |file| plant(file, "/ensemble/external_force_mean", f64::INFINITY),
             "value inf at 1 of /ensemble/external_force_mean",
         ),
         (
-            |file| plant(file, "/statistical/adhesion_force_std", f64::NAN),
-            "NaN at 1 of /statistical/adhesion_force_std",
+            |file| plant(file, "/integral/adhesion_force_std", f64::NAN),
+            "NaN at 1 of /integral/adhesion_force_std",
         ),
         (
             |file| plant(file, "/validation/probe_adhesion_force", f64::NAN),
@@ -280,17 +289,17 @@ fn forged_datasets_are_refused() {
         ),
         (
             |file| {
-                file.unlink("/h_star").unwrap();
-                file.link_soft("/separation", "/h_star").unwrap();
+                file.unlink("/ensemble/h_star").unwrap();
+                file.link_soft("/ensemble/separation", "/ensemble/h_star").unwrap();
             },
             "has a link `h_star` to elsewhere in place of what is asked for",
         ),
         (
             |file| {
-                file.unlink("/statistical").unwrap();
-                file.link_external("other.h5", "/", "/statistical").unwrap();
+                file.unlink("/integral").unwrap();
+                file.link_external("other.h5", "/", "/integral").unwrap();
             },
-            "has a link `statistical` to elsewhere in place of what is asked for",
+            "has a link `integral` to elsewhere in place of what is asked for",
         ),
     ];
     for (change, message) in cases {
@@ -319,7 +328,7 @@ fn claimed_sizes_are_not_believed() {
     let folder = with_result();
     const CLAIMED: usize = 1_000_000_000_000_000;
     forged(&folder, |file| {
-        for path in ["/separation", "/h_star"] {
+        for path in ["/ensemble/separation", "/ensemble/h_star"] {
             file.unlink(path).unwrap();
             file.new_dataset::<f64>().shape(CLAIMED).chunk(1 << 16).create(path).unwrap();
         }
@@ -327,7 +336,7 @@ fn claimed_sizes_are_not_believed() {
     let begun = Instant::now();
     assert_refused(
         &folder.stiction(&["validate", "forged.h5"]),
-        "/h_star that has more values than the file holds",
+        "/ensemble/h_star that has more values than the file holds",
     );
     let info = folder.stiction(&["info", "forged.h5"]);
     assert_exit(&info, 0);
@@ -340,7 +349,7 @@ fn claimed_sizes_are_not_believed() {
 fn newer_minor_versions_are_read() {
     let folder = with_result();
     forged(&folder, |file| {
-        replace_attribute(file, "format_version", &[2_u32, 9]);
+        replace_attribute(file, "format_version", &[3_u32, 9]);
         file.create_group("/novelty").unwrap();
         file.new_attr::<f64>().shape(1000).create("more").unwrap().write_raw(&vec![0.5; 1000]).unwrap();
     });

@@ -55,7 +55,7 @@ fn is_as_its_integral(asperities: f64, separations: u32) {
     }
     // At h* = 2.8 the adhesion of an asperity varies by 3.14 times its mean.
     let [mean, std] =
-        ["statistical/adhesion_force", "statistical/adhesion_force_std"].map(|name| values(&folder, name));
+        ["integral/adhesion_force", "integral/adhesion_force_std"].map(|name| values(&folder, name));
     let place = (3.8 / 9.0 * f64::from(separations - 1)).round() as usize;
     let scatter = std[place] / mean[place];
     assert!(scatter < 3.2 / asperities.sqrt(), "{scatter:e}");

@@ -104,7 +104,7 @@ fn an_elastic_loop_without_a_fold_closes() {
             }
             let kept = replica.cycle.unwrap();
             assert_eq!(kept.dissipated_energy, 0.0, "{name}, {work_of_adhesion} J/m^2 from {from}");
-            assert!((kept.touchdown_separation / kept.takeoff_separation - 1.0).abs() < 1e-14);
+            assert!((kept.touchdown_separation / kept.detachment_separation - 1.0).abs() < 1e-14);
         }
     }
 }
@@ -125,7 +125,7 @@ fn a_loop_of_a_law_that_ends_closes() {
         assert!((0..61).all(|k| (there[k] - back[k]).abs() < 1e-12 * scale(k)));
     }
     let kept = replica.cycle.unwrap();
-    assert!((kept.touchdown_separation / kept.takeoff_separation - 1.0).abs() < 1e-14);
+    assert!((kept.touchdown_separation / kept.detachment_separation - 1.0).abs() < 1e-14);
 }
 
 /// What touches on the way back and not on the way there pulls, where nothing acts before contact: F is never
@@ -219,7 +219,7 @@ fn a_loop_without_asperities_has_no_contact() {
         counts[usize::from(is_empty)] += 1;
         let kept = replica.cycle.unwrap();
         assert_eq!([replica.highest_asperity.is_nan(), kept.touchdown_separation.is_nan()], [is_empty; 2]);
-        assert!(kept.takeoff_separation.is_nan() || !is_empty);
+        assert!(kept.detachment_separation.is_nan() || !is_empty);
         assert!(!is_empty || (kept.dissipated_energy == 0.0 && replica.pull_off_force == 0.0));
     });
     assert!(counts[0] > 5 && counts[1] > 5, "{counts:?}");
@@ -236,7 +236,7 @@ fn touchdown_and_takeoff_are_where_contact_begins_and_ends() {
         let closest = h_star * surface.surface_height_std;
         let (replica, _) = one(&job(&cycle, &surface, &[closest, 20.0 * surface.surface_height_std], 1));
         let kept = replica.cycle.unwrap();
-        let [touchdown, takeoff] = [kept.touchdown_separation, kept.takeoff_separation];
+        let [touchdown, takeoff] = [kept.touchdown_separation, kept.detachment_separation];
         let beside = 1e-9 * surface.surface_height_std;
         let contacts = |place: f64, way: usize| -> f64 {
             let separations = [closest, place, 20.0 * surface.surface_height_std];
@@ -577,12 +577,11 @@ fn what_the_file_says_of_a_loop_follows_from_the_file() {
     assert_exit(&folder.stiction(&["run", "scene.toml"]), 0);
     let file = unlocked::open(folder.path("scene.h5"));
     let read = |name: &str| file.dataset(name).unwrap().read_raw::<f64>().unwrap();
-    let curve = read("/statistical/retraction_external_force");
+    let curve = read("/integral/retraction_external_force");
     let deepest = curve.iter().copied().fold(f64::INFINITY, f64::min);
-    let told: f64 =
-        file.group("/statistical").unwrap().attr("pull_off_force").unwrap().read_scalar().unwrap();
+    let told: f64 = file.group("/integral").unwrap().attr("pull_off_force").unwrap().read_scalar().unwrap();
     assert!(told >= -deepest * (1.0 - 1e-12) && told < -deepest * 1.02, "{told:e} {deepest:e}");
-    let turned = read("/replicas/turn_separation");
+    let turned = read("/replicas/preload_separation");
     let count = |p: usize| turned.iter().skip(p).step_by(2).filter(|h| !h.is_nan()).count();
     assert!(count(0) > count(1) && count(1) > 2 && count(1) < 38, "{} {}", count(0), count(1));
     let off = read("/replicas/snap_off");
@@ -594,8 +593,8 @@ fn what_the_file_says_of_a_loop_follows_from_the_file() {
             assert!((probability[2 * p + k] - exact).abs() < 1e-15, "{p} {k}: {probability:?} {exact}");
         }
     }
-    let forces = read("/replicas/turned_pull_off_force");
-    let means = read("/instability/turned_pull_off_force_mean");
+    let forces = read("/replicas/pull_off_after_preload");
+    let means = read("/instability/pull_off_after_preload_mean");
     for (p, mean) in means.iter().enumerate() {
         let sum: f64 = forces.iter().skip(p).step_by(2).filter(|force| !force.is_nan()).sum();
         assert!((mean / (sum / count(p) as f64) - 1.0).abs() < 1e-12);

@@ -230,7 +230,7 @@ fn what_is_there_can_be_merged_and_is_marked() {
     );
     let there: Vec<u64> = (0..40).chain(64..83).collect();
     let file = unlocked::open(&merged);
-    assert_eq!(file.dataset("replica").unwrap().read_raw::<u64>().unwrap(), there);
+    assert_eq!(file.dataset("replicas/replica").unwrap().read_raw::<u64>().unwrap(), there);
     let forces: Vec<f64> = file.dataset("replicas/pull_off_force").unwrap().read_raw().unwrap();
     let mean: Vec<f64> = file.dataset("ensemble/scalar_mean").unwrap().read_raw().unwrap();
     assert!((forces.iter().sum::<f64>() / 59.0 / mean[0] - 1.0).abs() < 1e-13);
@@ -259,7 +259,7 @@ fn a_point_behind_one_that_is_missing_keeps_its_place() {
     let read = |name: &str, path: &str| unlocked::open(folder.path(name)).dataset(path).unwrap();
     let counts: Vec<u64> = read("merged.h5", "replica_count").read_raw().unwrap();
     assert_eq!(counts, [83, 0, 83]);
-    for path in ["statistical/pull_off_force", "statistical/quadrature_error", "validation/p_value"] {
+    for path in ["integral/pull_off_force", "integral/quadrature_error", "validation/p_value"] {
         let [merged, whole] =
             ["merged.h5", "whole.h5"].map(|name| read(name, path).read_raw::<f64>().unwrap());
         assert!(merged[1].is_nan() && whole.iter().all(|value| value.is_finite()), "{path}: {merged:?}");
@@ -281,7 +281,7 @@ fn what_is_there_of_a_sweep_can_be_merged() {
         let output = merge(&folder, &names, &["--partial", "--force"]);
         assert_exit(&output, 0);
         assert_eq!(read("merged.h5", "replica_count").read_raw::<u64>().unwrap(), counts);
-        for path in ["ensemble/external_force_mean", "statistical/external_force"] {
+        for path in ["ensemble/external_force_mean", "integral/external_force"] {
             let [merged, whole] =
                 ["merged.h5", "whole.h5"].map(|name| read(name, path).read_2d::<f64>().unwrap());
             assert!(merged.row(0) == whole.row(0) && merged.row(1) == whole.row(1));

@@ -99,8 +99,7 @@ fn a_compressed_run_is_the_direct_one_to_the_tolerance() {
             }
             assert_ne!(mine, truth);
         }
-        for name in
-            ["/ensemble/regime_count_mean", "/replicas/highest_asperity", "/statistical/external_force"]
+        for name in ["/ensemble/regime_count_mean", "/replicas/highest_asperity", "/integral/external_force"]
         {
             assert_eq!(dataset(&path, name), dataset(&direct, name), "{name}");
         }

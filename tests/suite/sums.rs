@@ -339,12 +339,12 @@ fn one_regime_alone(sum: &str, of: fn(&str) -> bool) {
             assert!(counts.iter().all(|count| *count == expected), "{name}, {sum}: {counts:?}");
         }
         for quantity in Quantity::ALL.map(Quantity::name) {
-            let [mean, expected] = ["ensemble", "statistical"].map(|group| {
+            let [mean, expected] = ["ensemble", "integral"].map(|group| {
                 values(&format!("/{group}/{quantity}{}", if group == "ensemble" { "_mean" } else { "" }))
             });
             let [std, error] =
                 ["std", "standard_error"].map(|what| values(&format!("/ensemble/{quantity}_{what}")));
-            let exact_std = values(&format!("/statistical/{quantity}_std"));
+            let exact_std = values(&format!("/integral/{quantity}_std"));
             for k in 0..21 {
                 let place = format!("{name}, {sum}, {quantity} at {k}: {:e} {:e}", mean[k], expected[k]);
                 if expected[k].abs() < 1e-30 {

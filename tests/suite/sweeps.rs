@@ -10,9 +10,9 @@ use std::process::{Child, Command, Stdio};
 use std::sync::Arc;
 use std::time::Duration;
 use stiction::output::reader::Reader;
-use stiction::output::schema::{Dimension, RUN, SWEEP};
+use stiction::output::schema::{Dimension, RUN, SWEEP, name_of_key};
 use stiction::scene::files::NoFiles;
-use stiction::scene::{Document, MOST_POINTS, Mode, Sweep};
+use stiction::scene::{Document, KEYS, MOST_POINTS, Mode, Sweep};
 
 /// A quick scene with a sweep.
 fn swept(sweep: &str) -> String {
@@ -81,16 +81,16 @@ fn a_point_has_the_bits_of_the_run_of_its_scene() {
 fn same(single: &hdf5::File, all: &hdf5::File, place: &[usize]) {
     let mut compared = 0;
     for variable in RUN.variables.iter().filter(|variable| !variable.path.starts_with("/diagnostics")) {
-        let Ok(own) = single.dataset(variable.path) else { continue };
+        let Ok(own) = single.dataset(&variable.path) else { continue };
         let shared = variable.scales().is_some_and(|dimension| dimension.of_points() == dimension);
         let (Some((own_shape, own)), false) = (words(&own), shared) else { continue };
-        let (shape, values) = words(&all.dataset(variable.path).unwrap()).unwrap();
+        let (shape, values) = words(&all.dataset(&variable.path).unwrap()).unwrap();
         assert_eq!(part(&shape, &values, place, &own_shape), own, "{}", variable.path);
         compared += 1;
     }
     assert!(compared > 45, "{compared}");
     // What is an attribute there is a dataset here, or the same for all.
-    for group in ["/", "/ensemble", "/statistical", "/validation"] {
+    for group in ["/", "/ensemble", "/integral", "/validation"] {
         let (own, group_of_all) = (single.group(group).unwrap(), all.group(group).unwrap());
         for name in own.attr_names().unwrap() {
             let attribute = own.attr(&name).unwrap();
@@ -303,7 +303,7 @@ fn validate_sees_a_point_that_disagrees() {
     assert_eq!(text(&agrees.stdout).matches("agree\n").count(), 4, "{}", text(&agrees.stdout));
     {
         let file = unlocked::open_rw(folder.path("scene.h5"));
-        let dataset = file.dataset("/statistical/adhesion_force").unwrap();
+        let dataset = file.dataset("/integral/adhesion_force").unwrap();
         let mut forces = dataset.read_raw::<f64>().unwrap();
         let separations = forces.len() / 4;
         forces[2 * separations..3 * separations].iter_mut().for_each(|force| *force *= 1.1);
@@ -348,9 +348,9 @@ fn sweeps_that_are_not_what_they_say_are_refused() {
             .variables
             .iter()
             .filter(over)
-            .map(|variable| variable.path)
-            .filter(|path| *path != "/separation");
-        for path in ["/separation_index"].into_iter().chain(paths) {
+            .map(|variable| variable.path.as_str())
+            .filter(|path| !path.ends_with("/separation"));
+        for path in ["/ensemble/separation_index"].into_iter().chain(paths) {
             let Ok(dataset) = file.dataset(path) else { continue };
             let mut shape = dataset.shape();
             *shape.last_mut().unwrap() = 1_000_000_000_000_000;
@@ -540,16 +540,19 @@ fn nothing_is_written_of_a_sweep_that_is_refused() {
     assert_eq!(folder.files(), ["scene.toml"]);
 }
 
-/// All dimensions of a run have a counterpart in a sweep, and the layout of sweeps knows the scales of these.
+/// All dimensions of a run have a counterpart in a sweep, and the layout of sweeps knows the scales of these in
+/// every group. No key of a sweep has the name of a dataset.
 #[test]
 fn every_dimension_of_a_run_is_one_of_sweeps() {
-    for variable in RUN.variables.iter().chain(SWEEP.variables) {
-        for dimension in variable.dimensions {
-            assert_eq!(
-                SWEEP.variable(&format!("/{}", dimension.of_points().name())).scales(),
-                Some(dimension.of_points())
-            );
+    for variable in SWEEP.known() {
+        for dimension in &variable.dimensions {
+            let path = format!("{}/{}", variable.group(), dimension.of_points().name());
+            assert_eq!(SWEEP.variable(&path).scales(), Some(dimension.of_points()));
         }
+    }
+    for key in KEYS.iter().filter(|key| key.is_swept) {
+        let name = name_of_key(key.name);
+        assert!(!name.contains('.') && SWEEP.known().all(|variable| variable.name() != name), "{name}");
     }
     assert_eq!(Dimension::Separation.of_points(), Dimension::SeparationIndex);
     assert!(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/sweep-format.md").exists());

@@ -2,14 +2,14 @@
 
 use crate::common::program::{Folder, assert_exit, small, text};
 use crate::common::unlocked;
-use hdf5::types::TypeDescriptor;
+use hdf5::types::{TypeDescriptor, VarLenUnicode};
 
 /// What may happen to a dataset.
 const DAMAGES: [&str; 4] = ["scale", "NaN", "negate", "reverse"];
 
 /// What cannot be found in the file of a command, and why.
 const NOT_FOUND: &[(&str, &str, &str, &str)] = &[
-    ("run sweep", "/statistical/pull_off_contact_area", "scale", "bounded by the separations beside it only"),
+    ("run sweep", "/integral/pull_off_contact_area", "scale", "bounded by the separations beside it only"),
     ("run sweep", "/replicas/highest_asperity", "reverse", "replicas may stand in any order"),
     ("run", "/replicas/pull_off_force", "reverse", "replicas may stand in any order"),
     ("run", "/replicas/pull_off_separation", "reverse", "replicas may stand in any order"),
@@ -18,7 +18,7 @@ const NOT_FOUND: &[(&str, &str, &str, &str)] = &[
     ("run", "/replicas/approach_pull_off_force", "reverse", "replicas may stand in any order"),
     ("run", "/replicas/approach_pull_off_separation", "reverse", "replicas may stand in any order"),
     ("run", "/replicas/dissipated_energy", "reverse", "replicas may stand in any order"),
-    ("run", "/replicas/takeoff_separation", "reverse", "replicas may stand in any order"),
+    ("run", "/replicas/detachment_separation", "reverse", "replicas may stand in any order"),
     ("run", "/replicas/snap_off_separation", "reverse", "replicas may stand in any order"),
     ("run sweep", "/validation/tested_adhesion_force", "reverse", "of the law, which is not computed anew"),
     ("run sweep", "/validation/tested_external_force", "reverse", "of the law, which is not computed anew"),
@@ -34,19 +34,16 @@ const NOT_FOUND: &[(&str, &str, &str, &str)] = &[
         "reverse",
         "of the law, which is not computed anew",
     ),
-    ("run sweep", "/control", "reverse", "controls may stand in any order"),
-    ("sweep", "/control", "NaN", "a point may have fewer controls"),
-    ("run", "/stiffness", "scale reverse", "given by the scene"),
-    ("run", "/preload", "scale", "given by the scene"),
+    ("run sweep", "/ensemble/control", "reverse", "controls may stand in any order"),
+    ("sweep", "/ensemble/control", "NaN", "a point may have fewer controls"),
     ("sweep", "/adhesion_parameter", "scale", "given by the scene"),
     ("sweep", "/asperity_height_std", "scale", "given by the scene"),
     ("sweep", "/asperity_radius", "scale", "given by the scene"),
     ("sweep", "/nominal_area", "scale", "given by the scene"),
     ("sweep", "/stiffness_span", "scale", "given by the scene"),
     ("sweep", "/seed", "scale", "given by the scene"),
-    ("sweep", "/surface.lubricant_thickness", "scale negate reverse", "given by the scene"),
-    ("sweep", "/statistical/quadrature_error", "scale reverse", "of the law, which is not computed anew"),
-    ("compare", "/statistical/quadrature_error", "scale", "of the law, which is not computed anew"),
+    ("sweep", "/integral/quadrature_error", "scale reverse", "of the law, which is not computed anew"),
+    ("compare", "/integral/quadrature_error", "scale", "of the law, which is not computed anew"),
     (
         "compare",
         "/replicas/peak_secant_stiffness",
@@ -78,7 +75,7 @@ const NOT_FOUND: &[(&str, &str, &str, &str)] = &[
     ("asperities", "/surface/excess_kurtosis", "scale negate", "of the map, which is not there"),
     (
         "compare sweep",
-        "/statistical/pull_off_separation",
+        "/integral/pull_off_separation",
         "reverse",
         "what is beside it is alike to less than the separations tell",
     ),
@@ -96,19 +93,19 @@ const NOT_FOUND: &[(&str, &str, &str, &str)] = &[
     ),
     (
         "sweep",
-        "/statistical/peak_stiffness",
+        "/integral/peak_stiffness",
         "reverse",
         "what is beside it is alike to less than the separations tell",
     ),
     (
         "sweep",
-        "/statistical/peak_stiffness_separation",
+        "/integral/peak_stiffness_separation",
         "reverse",
         "what is beside it is alike to less than the separations tell",
     ),
     (
         "sweep",
-        "/statistical/pull_off_contact_area",
+        "/integral/pull_off_contact_area",
         "reverse",
         "what is beside it is alike to less than the separations tell",
     ),
@@ -120,7 +117,7 @@ const NOT_FOUND: &[(&str, &str, &str, &str)] = &[
     ),
     (
         "compare",
-        "/statistical/peak_stiffness_separation",
+        "/integral/peak_stiffness_separation",
         "reverse",
         "what is beside it is alike to less than the separations tell",
     ),
@@ -331,6 +328,42 @@ fn sweeps_and_loops_fit_together_too() {
     }
 }
 
+/// Every group has its own copy of a coordinate, and all are the same, names too.
+#[test]
+fn copies_of_coordinates_are_the_same_in_every_group() {
+    for (made, paths) in [
+        (run(small()), ["/integral/regime", "/integral/separation", "/validation/asperity_separation"]),
+        (
+            swept(&small()),
+            ["/integral/regime", "/validation/h_star", "/differences/surface_lubricant_thickness"],
+        ),
+    ] {
+        let folder = Folder::new(&made.scene);
+        assert_exit(&folder.stiction(&["run", "scene.toml"]), 0);
+        for path in paths {
+            std::fs::copy(folder.path("scene.h5"), folder.path("damaged.h5")).unwrap();
+            let file = unlocked::open_rw(folder.path("damaged.h5"));
+            let dataset = file.dataset(path).unwrap();
+            match dataset.read_raw::<VarLenUnicode>() {
+                Ok(mut names) => {
+                    names.reverse();
+                    dataset.write_raw(&names).unwrap();
+                }
+                Err(_) => {
+                    let mut values = dataset.read_raw::<f64>().unwrap();
+                    *values.last_mut().unwrap() *= 1.0 + 1e-15;
+                    dataset.write_raw(&values).unwrap();
+                }
+            }
+            drop(dataset);
+            file.close().unwrap();
+            let validate = folder.stiction(&["validate", "damaged.h5"]);
+            assert_exit(&validate, 3);
+            assert!(text(&validate.stdout).contains(path), "{path}: {}", text(&validate.stdout));
+        }
+    }
+}
+
 /// Springs and preloads of a sweep are those of its scene, not indices, and are looked at with what they are
 /// of.
 #[test]
@@ -341,12 +374,12 @@ fn sweeps_of_held_surfaces_have_their_springs() {
     let folder = Folder::new(&made.scene);
     assert_exit(&folder.stiction(&["run", "scene.toml"]), 0);
     let file = unlocked::open(folder.path("scene.h5"));
-    assert_eq!(file.dataset("/stiffness").unwrap().read_raw::<f64>().unwrap(), [300.0, 0.0]);
-    assert_eq!(file.dataset("/preload").unwrap().read_raw::<f64>().unwrap(), [50e-6, 5e-6]);
+    assert_eq!(file.dataset("/instability/stiffness").unwrap().read_raw::<f64>().unwrap(), [300.0, 0.0]);
+    assert_eq!(file.dataset("/instability/preload").unwrap().read_raw::<f64>().unwrap(), [50e-6, 5e-6]);
     drop(file);
     assert_exit(&folder.stiction(&["validate", "scene.h5"]), 0);
     let file = unlocked::open_rw(folder.path("scene.h5"));
-    file.dataset("/preload").unwrap().write_raw(&[5e-6, 50e-6]).unwrap();
+    file.dataset("/instability/preload").unwrap().write_raw(&[5e-6, 50e-6]).unwrap();
     file.close().unwrap();
     assert_exit(&folder.stiction(&["validate", "scene.h5"]), 3);
 }

@@ -21,7 +21,7 @@ pub(super) fn write(writer: &mut Writer<'_>, surface: &Surface<'_>) -> Result<()
     writer.number("/", "mean_plane_offset", asperities.measured.height_mean)?;
     writer.text("/", "warnings", &surface.caveats.join("\n"))?;
     let count = asperities.summits.len() as u64;
-    writer.scale(Dimension::Asperity, &(0..count).collect::<Vec<u64>>())?;
+    writer.scale(Dimension::Asperity, &(0..count).collect::<Vec<u64>>());
     write_asperities(writer, surface)?;
     write_surface(writer, surface)
 }

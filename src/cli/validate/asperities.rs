@@ -15,7 +15,7 @@ pub(super) fn validate(reader: &Reader) -> Result<Answer, Failure> {
     checked.measured()?;
     checked.spectrum()?;
     checked.grid()?;
-    let count = checked.values("/asperity")?.len();
+    let count = checked.coordinate("asperity")?.len();
     let text = heading(reader) + &format!("{count} asperities of a measured surface\n");
     Ok(Answer { text, findings: checked.findings, verdict: Verdict::NotTested })
 }

@@ -1,5 +1,7 @@
 //! What every dataset has to be by itself.
 
+use crate::output::schema::Variable;
+
 /// What the values of a dataset are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
@@ -56,8 +58,8 @@ pub(super) enum Nan {
 /// What datasets have to be.
 #[derive(Debug, PartialEq)]
 pub(super) struct Bound {
-    /// Their path, in which `*` stands for any characters. Of the way back of a loop they are what they are
-    /// of the way there.
+    /// Their path, in which `*` stands for any characters; of a coordinate its name. On retraction they are what
+    /// they are on approach.
     path: &'static str,
     pub kind: Kind,
     pub nan: Nan,
@@ -150,13 +152,13 @@ const BOUNDS: &[Bound] = &[
     bound("/replicas/asperity_count", NotNegative, Never),
     bound("/replicas/highest_asperity", Finite, Absent),
     bound("/replicas/touchdown_separation", Finite, Absent),
-    bound("/replicas/takeoff_separation", Finite, Absent),
+    bound("/replicas/detachment_separation", Finite, Absent),
     bound("/replicas/snap_*_separation", Within, Absent),
     bound("/replicas/snap_*_distance", NotNegative, Absent),
     bound("/replicas/snap_*", Flag, Absent),
-    bound("/replicas/turn_separation", Within, Absent),
-    bound("/replicas/turned_pull_off_separation", Within, Absent),
-    bound("/replicas/turned_pull_off_force", Finite, Absent),
+    bound("/replicas/preload_separation", Within, Absent),
+    bound("/replicas/pull_off_after_preload_separation", Within, Absent),
+    bound("/replicas/pull_off_after_preload", Finite, Absent),
     bound("/replicas/*pull_off_separation", Within, Never),
     bound("/replicas/peak_secant_stiffness", Finite, Absent),
     bound("/replicas/peak_secant_stiffness_separation", Within, Absent),
@@ -167,15 +169,15 @@ const BOUNDS: &[Bound] = &[
     bound("/instability/*_std", NotNegative, Absent),
     bound("/instability/*_count", NotNegative, Never),
     // The integral.
-    bound("/statistical/*_separation", Within, Never),
-    bound("/statistical/*_at_edge", Flag, Never),
-    bound("/statistical/*_deviation", Finite, Absent),
-    bound("/statistical/*_difference", Finite, Never),
-    bound("/statistical/*external_force", Finite, Never),
-    bound("/statistical/jump_*", Finite, Never),
-    bound("/statistical/pull_off_force", Finite, Never),
-    bound("/statistical/peak_stiffness", Finite, Never),
-    bound("/statistical/*", NotNegative, Never),
+    bound("/integral/*_separation", Within, Never),
+    bound("/integral/*_at_edge", Flag, Never),
+    bound("/integral/*_deviation", Finite, Absent),
+    bound("/integral/*_difference", Finite, Never),
+    bound("/integral/*external_force", Finite, Never),
+    bound("/integral/jump_*", Finite, Never),
+    bound("/integral/pull_off_force", Finite, Never),
+    bound("/integral/peak_stiffness", Finite, Never),
+    bound("/integral/*", NotNegative, Never),
     bound("/asperity/*_difference", Finite, Never),
     bound("/asperity/external_force", Finite, Never),
     bound("/asperity/*", NotNegative, Never),
@@ -229,8 +231,10 @@ const BOUNDS: &[Bound] = &[
     bound("/equivalent/*", Positive, Never),
 ];
 
-/// What a dataset has to be.
-pub(super) fn bound_of(path: &str) -> Option<&'static Bound> {
+/// What a dataset has to be. A coordinate is the same in every group.
+pub(super) fn bound_of(variable: &Variable) -> Option<&'static Bound> {
+    let path =
+        if variable.is_coordinate() { &variable.path[variable.group().len()..] } else { &variable.path };
     let of_way = path.replacen("/retraction_", "/", 1);
     BOUNDS.iter().find(|bound| stands_for(bound.path, &of_way))
 }
@@ -250,13 +254,16 @@ mod tests {
     /// A new dataset is bounded, by what somebody thought of: a row that nothing needs is none.
     #[test]
     fn every_dataset_of_every_file_has_its_bound() {
-        let known: Vec<&str> =
-            Layout::ALL.iter().flat_map(|layout| layout.known()).map(|known| known.path).collect();
-        for path in &known {
-            assert!(bound_of(path).is_some(), "{path} is not checked by `validate`");
+        let known: Vec<&Variable> = Layout::ALL.iter().flat_map(|layout| layout.known()).collect();
+        for variable in &known {
+            assert!(bound_of(variable).is_some(), "{} is not checked by `validate`", variable.path);
         }
         for bound in BOUNDS {
-            assert!(known.iter().any(|path| bound_of(path) == Some(bound)), "{} is of no layout", bound.path);
+            assert!(
+                known.iter().any(|variable| bound_of(variable) == Some(bound)),
+                "{} is of no layout",
+                bound.path
+            );
         }
     }
 

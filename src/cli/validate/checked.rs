@@ -55,7 +55,7 @@ impl<'a> Checked<'a> {
             }
             Place::Law(law) => {
                 let values = self.reader.numbers(path, None)?;
-                match self.reader.layout().variable(path).dimensions {
+                match self.reader.layout().variable(path).dimensions[..] {
                     [Dimension::Law, ..] => {
                         let length = values.len() / self.reader.length(Dimension::Law)?.max(1);
                         values[law * length..(law + 1) * length].to_vec()
@@ -66,9 +66,52 @@ impl<'a> Checked<'a> {
         })
     }
 
+    /// The values of a coordinate at the place, in the first group that has it.
+    pub fn coordinate(&self, name: &str) -> Result<Vec<f64>, Failure> {
+        self.values(self.reader.coordinate(name))
+    }
+
+    /// Whether the file has a coordinate, which not every layout knows.
+    pub fn has_coordinate(&self, name: &str) -> bool {
+        let mut known = self.reader.layout().known();
+        known.any(|known| known.is_coordinate() && known.name() == name && self.has(&known.path))
+    }
+
+    /// Compares a coordinate with what follows from others.
+    pub fn repeats(
+        &mut self,
+        name: &str,
+        expected: &[f64],
+        tolerance: f64,
+        from: &str,
+    ) -> Result<(), Failure> {
+        let found = self.coordinate(name)?;
+        self.compare(self.reader.coordinate(name), &found, expected, |_| tolerance, from);
+        Ok(())
+    }
+
+    /// A coordinate is the same in every group.
+    fn copy(&mut self, variable: &Variable) -> Result<(), Failure> {
+        if !variable.is_coordinate() {
+            return Ok(());
+        }
+        let first = self.reader.coordinate(variable.name());
+        if first == variable.path {
+            return Ok(());
+        }
+        if let Ok(names) = self.reader.texts(first) {
+            if self.reader.texts(&variable.path)? != names {
+                self.say(&variable.path, &format!("has other names than {first}"));
+            }
+            return Ok(());
+        }
+        let expected = self.values(first)?;
+        self.follows(&variable.path, &expected, 0.0, first)
+    }
+
     /// How many of so many values at a point of a sweep are of its replicas: others may have more.
     fn there(&self, path: &str, count: usize) -> Result<usize, Failure> {
-        if !path.starts_with("/replicas/") {
+        if self.reader.layout().variable(path).dimensions.first() != Some(&Dimension::Replica) {
             return Ok(count);
         }
         Ok(count / self.reader.length(Dimension::Replica)?.max(1) * self.replicas as usize)
@@ -122,7 +165,7 @@ impl<'a> Checked<'a> {
     /// Where the value of an index stands in a dataset.
     fn index(&self, path: &str, index: usize) -> String {
         let variable = self.reader.layout().known().find(|variable| variable.path == path);
-        let dimensions = match (variable.map_or(&[][..], |variable| variable.dimensions), self.place) {
+        let dimensions = match (variable.map_or(&[][..], |variable| &variable.dimensions), self.place) {
             ([Dimension::Law, rest @ ..], Place::Law(_)) => rest,
             (dimensions, _) => dimensions,
         };
@@ -186,17 +229,19 @@ impl<'a> Checked<'a> {
     /// Each dataset by itself.
     pub fn bounds(&mut self) -> Result<(), Failure> {
         let of_all_points = self.place == Place::File && self.reader.layout().of_points.is_some();
-        let ends =
-            if self.has("/separation") && !of_all_points { self.values("/separation")? } else { Vec::new() };
+        let has_ends =
+            self.reader.layout().known().any(|known| known.dimensions.contains(&Dimension::Separation));
+        let ends = if has_ends && !of_all_points { self.coordinate("separation")? } else { Vec::new() };
         let ends = (ends.first().copied().unwrap_or(f64::NAN), ends.last().copied().unwrap_or(f64::NAN));
         for variable in self.reader.layout().known() {
-            let bound = bound_of(variable.path).filter(|bound| bound.is_of_numbers());
-            let Some(bound) = bound.filter(|_| self.has(variable.path) && self.is_here(variable)) else {
+            if !self.has(&variable.path) || !self.is_here(variable) {
                 continue;
-            };
-            let values = self.values(variable.path)?;
+            }
+            self.copy(variable)?;
+            let Some(bound) = bound_of(variable).filter(|bound| bound.is_of_numbers()) else { continue };
+            let values = self.values(&variable.path)?;
             if let Some((i, expected)) = self.broken(bound, &values, ends) {
-                self.say_at(variable.path, i, values[i], &expected);
+                self.say_at(&variable.path, i, values[i], &expected);
             }
             if matches!(self.place, Place::Point(_)) {
                 self.padding(variable)?;
@@ -219,11 +264,11 @@ impl<'a> Checked<'a> {
     /// What a point of a sweep does not have is NaN, or 0.
     fn padding(&mut self, variable: &Variable) -> Result<(), Failure> {
         let Place::Point(place) = self.place else { return Ok(()) };
-        if variable.path.starts_with("/replicas/") {
-            let all = self.reader.numbers(variable.path, Some(place))?;
-            let there = self.there(variable.path, all.len())?;
+        if variable.dimensions.first() == Some(&Dimension::Replica) {
+            let all = self.reader.numbers(&variable.path, Some(place))?;
+            let there = self.there(&variable.path, all.len())?;
             if let Some(i) = (there..all.len()).find(|&i| !(all[i].is_nan() || all[i] == 0.0)) {
-                self.say_at(variable.path, i, all[i], &format!("the point has {} replicas", self.replicas));
+                self.say_at(&variable.path, i, all[i], &format!("the point has {} replicas", self.replicas));
             }
         }
         Ok(())

@@ -22,11 +22,11 @@ const AREAS: (f64, f64) = (0.8, 2.35);
 const DEEP: f64 = 3.0;
 
 pub(super) fn validate(reader: &Reader) -> Result<Answer, Failure> {
-    let laws = reader.texts("/law")?;
+    let laws = reader.texts(reader.coordinate("law"))?;
     if laws.is_empty() {
         return Err(refused(reader.path(), "has no laws"));
     }
-    let is_sampled = reader.has("/replica");
+    let is_sampled = reader.has(reader.coordinate("replica"));
     let replicas = if is_sampled { reader.number("/", "replicas")? } else { 0 };
     let mut file = Checked::new(reader, replicas);
     if is_sampled {
@@ -58,7 +58,7 @@ pub(super) fn validate(reader: &Reader) -> Result<Answer, Failure> {
 impl Checked<'_> {
     /// One law.
     fn law(&mut self, is_sampled: bool) -> Result<(), Failure> {
-        self.sums("statistical", "", "")?;
+        self.sums("integral", "", "")?;
         self.deviations("")?;
         self.all_asperities()?;
         self.features()?;
@@ -81,7 +81,7 @@ impl Checked<'_> {
     /// Forces less those of the first law, and shares of what is read off them.
     fn differences(&mut self) -> Result<(), Failure> {
         let laws = self.reader.length(Dimension::Law)?;
-        for group in ["statistical", "asperity"] {
+        for group in ["integral", "asperity"] {
             for name in ["adhesion_force", "external_force"] {
                 let values = self.values(&format!("/{group}/{name}"))?;
                 let length = (values.len() / laws).max(1);
@@ -94,9 +94,9 @@ impl Checked<'_> {
             }
         }
         for (name, of) in [("pull_off", "pull_off_force"), ("peak_stiffness", "peak_stiffness")] {
-            let values = self.values(&format!("/statistical/{of}"))?;
+            let values = self.values(&format!("/integral/{of}"))?;
             let expected: Vec<f64> = values.iter().map(|value| deviation(*value, values[0])).collect();
-            let path = format!("/statistical/{name}_deviation");
+            let path = format!("/integral/{name}_deviation");
             let found = self.values(&path)?;
             self.compare(&path, &found, &expected, |i| ROUNDING * (1.0 + expected[i].abs()), "the first law");
         }
@@ -112,8 +112,8 @@ impl Checked<'_> {
 
     /// No more asperities are in all regimes than there are.
     fn all_asperities(&mut self) -> Result<(), Failure> {
-        const PATH: &str = "/statistical/regime_count";
-        let (counts, s) = (self.values(PATH)?, self.values("/separation")?.len().max(1));
+        const PATH: &str = "/integral/regime_count";
+        let (counts, s) = (self.values(PATH)?, self.coordinate("separation")?.len().max(1));
         let there = self.reader.number::<u64>("/", "asperity_count")? as f64;
         if let Some((k, sum)) =
             summed(&counts, s, |_| true).into_iter().enumerate().find(|(_, sum)| *sum > there * (1.0 + 1e-6))
@@ -128,10 +128,10 @@ impl Checked<'_> {
 
     /// Whether the pull-off is at one of the ends of the separations.
     fn edge(&mut self) -> Result<(), Failure> {
-        let (h, place) = (self.values("/separation")?, self.number("/statistical", "pull_off_separation")?);
+        let (h, place) = (self.coordinate("separation")?, self.number("/integral", "pull_off_separation")?);
         let is_end = h.first() == Some(&place) || h.last() == Some(&place);
         let expected = [f64::from(u8::from(is_end))];
-        self.follows("/statistical/pull_off_at_edge", &expected, 0.0, "/statistical/pull_off_separation")
+        self.follows("/integral/pull_off_at_edge", &expected, 0.0, "/integral/pull_off_separation")
     }
 
     /// One asperity: F = P − F_s, what bears a load touches, and deep in contact its area is that of Hertz to
@@ -143,7 +143,7 @@ impl Checked<'_> {
         if let Some(i) = (0..area.len().min(contact.len())).find(|&i| area[i] == 0.0 && contact[i] > 0.0) {
             self.say_at("/asperity/contact_force", i, contact[i], "0 is expected without contact");
         }
-        let approach = self.values("/interference")?;
+        let approach = self.coordinate("interference")?;
         let [approach_unit, radius_unit] =
             ["approach_unit", "radius_unit"].map(|name| self.number("/", name));
         let (approach_unit, radius_unit) = (approach_unit?, radius_unit?);
@@ -226,7 +226,7 @@ impl Checked<'_> {
                 );
             }
         }
-        let (h, span) = (self.values("/separation")?, self.number("/", "stiffness_span")?);
+        let (h, span) = (self.coordinate("separation")?, self.number("/", "stiffness_span")?);
         let curve = self.values("/ensemble/external_force_mean")?;
         if h.len() > 1 && span <= h[h.len() - 1] - h[0] {
             let (mean, of_mean) =

@@ -9,7 +9,7 @@ const MANY: f64 = 100.0;
 impl Checked<'_> {
     /// Asperities: of all regimes together, and those that come into contact and lose it.
     pub fn counts(&mut self, cycle: bool) -> Result<(), Failure> {
-        let s = self.values("/separation")?.len().max(1);
+        let s = self.coordinate("separation")?.len().max(1);
         let own = self.values("/replicas/asperity_count")?;
         let mean = own.iter().sum::<f64>() / own.len().max(1) as f64;
         if self.reader.optional_text("/", "count")?.is_some_and(|count| count == "fixed")
@@ -17,9 +17,9 @@ impl Checked<'_> {
         {
             self.say("/replicas/asperity_count", "differs, and the number is fixed");
         }
-        let regimes = self.reader.texts("/regime")?;
+        let regimes = self.reader.texts(self.reader.coordinate("regime"))?;
         for way in self.ways()? {
-            let expected = self.values(&format!("/statistical/{way}regime_count"))?;
+            let expected = self.values(&format!("/integral/{way}regime_count"))?;
             let expected = summed(&expected, s, |_| true);
             let all = expected.iter().copied().fold(0.0, f64::max);
             let path = format!("/ensemble/{way}regime_count_mean");
@@ -41,7 +41,7 @@ impl Checked<'_> {
             }
             if !ends && (all - mean).abs() > scatter * mean {
                 self.say(
-                    &format!("/statistical/{way}regime_count"),
+                    &format!("/integral/{way}regime_count"),
                     &format!("has {all:e} asperities, and the replicas {mean:e}"),
                 );
             }
@@ -51,7 +51,7 @@ impl Checked<'_> {
             return Ok(());
         }
         for (name, way) in [("jump_in_count", ""), ("jump_off_count", "retraction_")] {
-            for (group, of) in [("ensemble", "_mean"), ("statistical", "")] {
+            for (group, of) in [("ensemble", "_mean"), ("integral", "")] {
                 let counts = self.values(&format!("/{group}/{way}regime_count{of}"))?;
                 let apart = summed(&counts, s, |row| regimes.get(row).is_some_and(|name| !is_contact(name)));
                 let changes: Vec<f64> = apart.windows(2).map(|pair| pair[1] - pair[0]).collect();
@@ -78,7 +78,7 @@ impl Checked<'_> {
         let touching = summed(&counts, s, |row| regimes.get(row).is_some_and(|name| is_contact(name)));
         let all = summed(&counts, s, |_| true);
         let mean = asperities.iter().sum::<f64>() / asperities.len().max(1) as f64;
-        for (k, d) in self.values("/asperity_separation")?.into_iter().enumerate() {
+        for (k, d) in self.coordinate("asperity_separation")?.into_iter().enumerate() {
             let above = highest.iter().filter(|highest| **highest > d).count() as f64;
             // A law may end before.
             if all[k] >= mean * (1.0 - ROUNDING)

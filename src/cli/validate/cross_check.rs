@@ -26,9 +26,9 @@ impl CrossCheck {
         let groups = checked.groups();
         let curves = |name: &str| -> Result<[Vec<f64>; 3], Failure> {
             let mean = joined(checked, &|way| format!("/ensemble/{way}{name}_mean"))?;
-            let expected = joined(checked, &|way| format!("/statistical/{way}{name}"))?;
+            let expected = joined(checked, &|way| format!("/integral/{way}{name}"))?;
             let std = if checked.group == 1 {
-                joined(checked, &|way| format!("/statistical/{way}{name}_std"))?
+                joined(checked, &|way| format!("/integral/{way}{name}_std"))?
             } else {
                 let mut errors: Vec<f64> = Vec::new();
                 for way in ways {
@@ -38,7 +38,7 @@ impl CrossCheck {
             };
             Ok([mean, expected, std])
         };
-        let h_star = finite(checked, "/h_star", usize::MAX)?.repeat(ways.len());
+        let h_star = finite(checked, checked.reader.coordinate("h_star"), usize::MAX)?.repeat(ways.len());
         let forces = [curves("adhesion_force")?, curves("external_force")?];
         let z = [0, 1].map(|i| {
             let [mean, expected, std] = &forces[i];

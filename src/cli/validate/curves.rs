@@ -23,7 +23,7 @@ impl Checked<'_> {
         if !self.has("/replicas/external_force") {
             return Ok(());
         }
-        let separations = self.values("/separation")?;
+        let separations = self.coordinate("separation")?;
         let s = separations.len().max(1);
         if self.place != Place::File && self.replicas as usize * s > MOST_AT_POINT {
             return Ok(());
@@ -37,7 +37,7 @@ impl Checked<'_> {
             paths.iter().map(|_| [Moments::new(s), Moments::new(s)]).collect();
         let group = self.group as usize;
         let controls: Vec<f64> =
-            self.values("/control")?.into_iter().filter(|control| !control.is_nan()).collect();
+            self.coordinate("control")?.into_iter().filter(|control| !control.is_nan()).collect();
         let controls: Vec<usize> =
             controls.iter().filter_map(|control| separations.iter().position(|h| h == control)).collect();
         let names = names(cycle);
@@ -163,7 +163,7 @@ impl Checked<'_> {
         // Of a part of a run the batches are not those of the parts.
         if !self.is_partial()? {
             let way = if cycle { "retraction_" } else { "" };
-            let expected = self.values(&format!("/statistical/{way}external_force"))?;
+            let expected = self.values(&format!("/integral/{way}external_force"))?;
             let expected: Vec<f64> = controls.iter().map(|&place| expected[place]).collect();
             let means = controlled_means(&parts, &expected);
             let plain: Vec<f64> = means.iter().map(|mean| mean.standard_error).collect();

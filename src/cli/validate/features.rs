@@ -15,12 +15,12 @@ impl Checked<'_> {
     /// Pull-off and stiffest point of the mean curve and of the integral.
     pub fn features(&mut self) -> Result<(), Failure> {
         let way = if self.is_loop()? { "retraction_" } else { "" };
-        let h = self.values("/separation")?;
+        let h = self.coordinate("separation")?;
         if h.len() < 2 {
             return Ok(());
         }
         let of_mean = ("/ensemble", format!("/ensemble/{way}external_force_mean"));
-        let of_integral = ("/statistical", format!("/statistical/{way}external_force"));
+        let of_integral = ("/integral", format!("/integral/{way}external_force"));
         for (group, path) in [of_mean, of_integral] {
             // A comparison tells of the integral alone.
             if group == "/ensemble" && matches!(self.place, Place::Law(_)) {
@@ -30,7 +30,7 @@ impl Checked<'_> {
             self.deepest(group, &h, &curve)?;
             self.stiffest(group, &h, &curve)?;
         }
-        if self.has("/statistical/pull_off_contact_area") { self.at_pull_off(way, &h) } else { Ok(()) }
+        if self.has("/integral/pull_off_contact_area") { self.at_pull_off(way, &h) } else { Ok(()) }
     }
 
     /// Whether heights are given ones, over which the integral jumps; none where the file does not say.
@@ -123,11 +123,11 @@ impl Checked<'_> {
     /// What is told at the pull-off of the integral is near what is told at the separations beside it; where
     /// nothing pulls, it is told at the smallest separation.
     fn at_pull_off(&mut self, way: &str, h: &[f64]) -> Result<(), Failure> {
-        if !self.has("/statistical/pull_off_contact_area") {
+        if !self.has("/integral/pull_off_contact_area") {
             return Ok(());
         }
-        let pulls = self.number("/statistical", "pull_off_force")? > 0.0;
-        let place = if pulls { self.number("/statistical", "pull_off_separation")? } else { h[0] };
+        let pulls = self.number("/integral", "pull_off_force")? > 0.0;
+        let place = if pulls { self.number("/integral", "pull_off_separation")? } else { h[0] };
         let next = h.iter().position(|h| *h >= place).unwrap_or(h.len());
         let near = next.saturating_sub(1)..(next + 1).min(h.len());
         for (name, of) in [
@@ -135,9 +135,9 @@ impl Checked<'_> {
             ("regime_adhesion_force", "adhesion_force"),
             ("contact_area", "contact_area"),
         ] {
-            let path = format!("/statistical/pull_off_{name}");
+            let path = format!("/integral/pull_off_{name}");
             let sum = self.values(&path)?.iter().sum::<f64>();
-            let curve = summed(&self.values(&format!("/statistical/{way}{of}"))?, h.len().max(1), |_| true);
+            let curve = summed(&self.values(&format!("/integral/{way}{of}"))?, h.len().max(1), |_| true);
             let largest = curve[near.clone()].iter().copied().fold(0.0, f64::max);
             if !(sum <= 2.0 * largest) {
                 self.say(&path, &format!("comes to {sum:e}, and beside the pull-off there is {largest:e}"));
@@ -148,11 +148,11 @@ impl Checked<'_> {
 
     /// The adhesion of an asperity at pull-off is no more than it is at some separation, regime by regime.
     fn adhesion_at_pull_off(&mut self, way: &str, s: usize) -> Result<(), Failure> {
-        const PATH: &str = "/statistical/pull_off_regime_adhesion_force";
-        let [counts, forces] = ["count", "adhesion_force"]
-            .map(|name| self.values(&format!("/statistical/pull_off_regime_{name}")));
+        const PATH: &str = "/integral/pull_off_regime_adhesion_force";
+        let [counts, forces] =
+            ["count", "adhesion_force"].map(|name| self.values(&format!("/integral/pull_off_regime_{name}")));
         let [all_counts, all_forces] =
-            ["count", "adhesion_force"].map(|name| self.values(&format!("/statistical/{way}regime_{name}")));
+            ["count", "adhesion_force"].map(|name| self.values(&format!("/integral/{way}regime_{name}")));
         let (counts, forces, all_counts, all_forces) = (counts?, forces?, all_counts?, all_forces?);
         let of_one = |force: f64, count: f64| if count > 0.0 { force / count } else { 0.0 };
         let is_more = |regime: &usize| {

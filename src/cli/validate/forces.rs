@@ -11,37 +11,33 @@ const POPULATED: f64 = 2000.0;
 impl Checked<'_> {
     /// Other ways to write the separations.
     pub fn separations(&mut self) -> Result<(), Failure> {
-        let h = self.values("/separation")?;
+        let h = self.coordinate("separation")?;
         let (std, offset) = (self.number("/", "surface_height_std")?, self.number("/", "mean_plane_offset")?);
         let largest = h.iter().fold(offset.abs(), |largest: f64, h| largest.max(h.abs()));
         let of = |f: &dyn Fn(f64) -> f64| h.iter().map(|&h| f(h)).collect::<Vec<f64>>();
-        let found = self.values("/h_star")?;
-        self.compare("/h_star", &found, &of(&|h| h / std), |_| ROUNDING * largest / std, "/separation");
-        let found = self.values("/asperity_separation")?;
-        self.compare(
-            "/asperity_separation",
-            &found,
-            &of(&|h| h - offset),
-            |_| ROUNDING * largest,
-            "/separation",
-        );
-        if self.has("/step") {
+        self.repeats("h_star", &of(&|h| h / std), ROUNDING * largest / std, "separation")?;
+        self.repeats("asperity_separation", &of(&|h| h - offset), ROUNDING * largest, "separation")?;
+        if self.has_coordinate("step") {
             let middles: Vec<f64> = h.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])).collect();
-            let found = self.values("/step")?;
+            let found = self.coordinate("step")?;
             // Of a sweep whose points have separations of their own they are indices.
             let are_indices =
                 self.place != Place::File && found.iter().enumerate().all(|(i, step)| *step == i as f64);
             let middles = if are_indices { found.clone() } else { middles };
-            self.compare("/step", &found, &middles, |_| ROUNDING * largest, "/separation");
+            self.repeats("step", &middles, ROUNDING * largest, "separation")?;
         }
-        if self.place == Place::File && self.has("/replica") && !self.is_partial()? {
+        if self.place == Place::File && self.has_coordinate("replica") && !self.is_partial()? {
             let indices: Vec<f64> = (0..self.replicas).map(|index| index as f64).collect();
-            let found = self.values("/replica")?;
-            self.compare("/replica", &found, &indices, |_| 0.0, "the number of replicas");
+            self.repeats("replica", &indices, 0.0, "the number of replicas")?;
         }
-        let controls = if self.has("/control") { self.values("/control")? } else { Vec::new() };
+        let controls = if self.has_coordinate("control") { self.coordinate("control")? } else { Vec::new() };
         if let Some(i) = controls.iter().position(|control| !control.is_nan() && !h.contains(control)) {
-            self.say_at("/control", i, controls[i], "one of the separations is expected");
+            self.say_at(
+                self.reader.coordinate("control"),
+                i,
+                controls[i],
+                "one of the separations is expected",
+            );
         }
         Ok(())
     }
@@ -68,7 +64,7 @@ impl Checked<'_> {
         if !self.has(&path("regime_count")) {
             return Ok(());
         }
-        let regimes = self.reader.texts("/regime")?;
+        let regimes = self.reader.texts(self.reader.coordinate("regime"))?;
         let [by_adhesion, by_external] =
             [self.values(&path("regime_adhesion_force"))?, self.values(&path("regime_external_force"))?];
         for (name, total, parts) in
@@ -154,12 +150,12 @@ impl Checked<'_> {
 
     /// Deviations by the integral.
     pub fn deviations(&mut self, way: &str) -> Result<(), Failure> {
-        let std = |name: &str| self.values(&format!("/statistical/{way}{name}_force_std"));
+        let std = |name: &str| self.values(&format!("/integral/{way}{name}_force_std"));
         let all = [std("adhesion")?, std("contact")?, std("external")?];
-        let mean = |name: &str| self.values(&format!("/statistical/{way}{name}_force"));
+        let mean = |name: &str| self.values(&format!("/integral/{way}{name}_force"));
         let size: Vec<f64> =
             mean("adhesion")?.iter().zip(&mean("contact")?).map(|(a, b)| a.abs() + b.abs()).collect();
-        self.triangle(&format!("/statistical/{way}*_force_std"), &all, &size);
+        self.triangle(&format!("/integral/{way}*_force_std"), &all, &size);
         Ok(())
     }
 
@@ -186,9 +182,9 @@ impl Checked<'_> {
     pub fn scores(&mut self, way: &str) -> Result<(), Failure> {
         for name in ["adhesion_force", "external_force"] {
             let mean = self.values(&format!("/ensemble/{way}{name}_mean"))?;
-            let expected = self.values(&format!("/statistical/{way}{name}"))?;
+            let expected = self.values(&format!("/integral/{way}{name}"))?;
             let std = if self.group == 1 {
-                self.values(&format!("/statistical/{way}{name}_std"))?
+                self.values(&format!("/integral/{way}{name}_std"))?
             } else {
                 let root = (self.groups() as f64).sqrt();
                 let errors = self.values(&format!("/ensemble/{way}{name}_standard_error"))?;
@@ -210,16 +206,16 @@ impl Checked<'_> {
 
     /// What follows from nothing else cannot be far from the integral where many asperities touch.
     pub fn plausible(&mut self, way: &str) -> Result<(), Failure> {
-        let s = self.values("/separation")?.len().max(1);
-        let regimes = self.reader.texts("/regime")?;
-        let counts = self.values(&format!("/statistical/{way}regime_count"))?;
+        let s = self.coordinate("separation")?.len().max(1);
+        let regimes = self.reader.texts(self.reader.coordinate("regime"))?;
+        let counts = self.values(&format!("/integral/{way}regime_count"))?;
         let touching = summed(&counts, s, |row| regimes.get(row).is_some_and(|name| is_contact(name)));
         let n = self.replicas as f64;
         for quantity in [Quantity::ContactForce, Quantity::ContactArea] {
             let name = quantity.name();
             let [mean, std] = ["mean", "std"].map(|of| self.values(&format!("/ensemble/{way}{name}_{of}")));
             let [expected, by_integral] =
-                ["", "_std"].map(|of| self.values(&format!("/statistical/{way}{name}{of}")));
+                ["", "_std"].map(|of| self.values(&format!("/integral/{way}{name}{of}")));
             let (mean, std, expected, by_integral) = (mean?, std?, expected?, by_integral?);
             let is_far = |i: &usize| {
                 let error = by_integral[*i] / n.sqrt() + ROUNDING * expected[*i];
@@ -234,11 +230,11 @@ impl Checked<'_> {
             };
             // The scheme of sampling changes the scatter within a group, not that of one replica.
             if let Some(i) = (0..s).find(is_far) {
-                let integral = format!("/statistical/{way}{name} has {:e}", expected[i]);
+                let integral = format!("/integral/{way}{name} has {:e}", expected[i]);
                 self.say_at(&format!("/ensemble/{way}{name}_mean"), i, mean[i], &integral);
             }
             if let Some(i) = (0..s).find(scatters_otherwise) {
-                let integral = format!("/statistical/{way}{name}_std has {:e}", by_integral[i]);
+                let integral = format!("/integral/{way}{name}_std has {:e}", by_integral[i]);
                 self.say_at(&format!("/ensemble/{way}{name}_std"), i, std[i], &integral);
             }
         }

@@ -46,7 +46,7 @@ impl Checked<'_> {
         self.separations()?;
         for way in self.ways()? {
             self.sums("ensemble", way, "_mean")?;
-            self.sums("statistical", way, "")?;
+            self.sums("integral", way, "")?;
             self.errors(way)?;
             self.deviations(way)?;
             self.scores(way)?;
@@ -71,7 +71,7 @@ fn table(cross_check: &CrossCheck, ways: usize) -> String {
     for k in (0..h_star.len()).step_by(step.max(1)) {
         let cells = [0, 1]
             .map(|i| format!("{:>14.6e} {:>14.6e} {:>7}", forces[i][0][k], forces[i][1][k], score(z[i][k])));
-        let back = if k < h_star.len() / ways { "" } else { "  on the way back" };
+        let back = if k < h_star.len() / ways { "" } else { "  on retraction" };
         text += &format!("{:>10.3} {}{back}\n", h_star[k], cells.join(" "));
     }
     let shown = if step > 1 {

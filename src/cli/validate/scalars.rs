@@ -110,12 +110,14 @@ impl Checked<'_> {
 
     /// Targets repeat scalars.
     pub fn targets(&mut self) -> Result<(), Failure> {
-        if !self.has("/target") {
+        if !self.has_coordinate("target") {
             return Ok(());
         }
         let names = names(false);
-        let (targets, estimates) =
-            (self.reader.texts("/target")?, self.reader.texts("/ensemble/target_estimate")?);
+        let (targets, estimates) = (
+            self.reader.texts(self.reader.coordinate("target"))?,
+            self.reader.texts("/ensemble/target_estimate")?,
+        );
         let of = |name: &str| self.values(&format!("/ensemble/{name}"));
         let (mean, error) = (of("target_mean")?, of("target_standard_error")?);
         let (largest, met) = (of("target_largest_standard_error")?, of("target_met")?);

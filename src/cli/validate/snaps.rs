@@ -46,14 +46,14 @@ impl Checked<'_> {
                 self.compare(&path, &found, &expected, |_| 1e-12, "/replicas");
             }
         }
-        if self.has("/replicas/turned_pull_off_force") { self.turns() } else { Ok(()) }
+        if self.has("/replicas/pull_off_after_preload") { self.turns() } else { Ok(()) }
     }
 
     /// A snap begins somewhere, and ends within the separations or beyond them; without one there is nothing.
     fn each_snap(&mut self, name: &str) -> Result<(), Failure> {
         let path = |of: &str| format!("/replicas/snap_{name}{of}");
         let [snap, separation, distance] = ["", "_separation", "_distance"].map(|of| self.values(&path(of)));
-        let (snap, separation, distance, h) = (snap?, separation?, distance?, self.values("/separation")?);
+        let (snap, separation, distance, h) = (snap?, separation?, distance?, self.coordinate("separation")?);
         let ends = (h.first().copied().unwrap_or(f64::NAN), h.last().copied().unwrap_or(f64::NAN));
         let slack = ROUNDING * ends.0.abs().max(ends.1.abs());
         let landing =
@@ -76,7 +76,7 @@ impl Checked<'_> {
     /// What snaps held by a spring snaps held by a softer one too.
     fn softer(&mut self, name: &str) -> Result<(), Failure> {
         let path = format!("/replicas/snap_{name}");
-        let (snap, stiffness) = (self.values(&path)?, self.values("/stiffness")?);
+        let (snap, stiffness) = (self.values(&path)?, self.coordinate("stiffness")?);
         let n = stiffness.len().max(1);
         for (row, own) in snap.chunks_exact(n).enumerate() {
             let is_softer =
@@ -93,11 +93,16 @@ impl Checked<'_> {
     /// A surface reaches a smaller preload before a larger one, and without any it turns at the smallest
     /// separation.
     fn preloads(&mut self, turn: &[f64], h: &[f64]) -> Result<(), Failure> {
-        const PATH: &str = "/replicas/turn_separation";
-        let preload = self.values("/preload")?;
+        const PATH: &str = "/replicas/preload_separation";
+        let preload = self.coordinate("preload")?;
         let n = preload.len().max(1);
         if let Some(i) = preload.iter().position(|preload| preload.is_nan() && n > 1) {
-            self.say_at("/preload", i, f64::NAN, "a force is expected as for the others");
+            self.say_at(
+                self.reader.coordinate("preload"),
+                i,
+                f64::NAN,
+                "a force is expected as for the others",
+            );
         }
         for (row, own) in turn.chunks_exact(n).enumerate() {
             let is_late = |i: &usize| {
@@ -117,27 +122,23 @@ impl Checked<'_> {
 
     /// Where surfaces turn back, and what pulls them off behind.
     fn turns(&mut self) -> Result<(), Failure> {
-        let path = |name: &str| format!("/replicas/turn{name}");
-        let [turn, force, place] = ["_separation", "ed_pull_off_force", "ed_pull_off_separation"]
-            .map(|name| self.values(&path(name)));
+        const FORCE: &str = "/replicas/pull_off_after_preload";
+        const PLACE: &str = "/replicas/pull_off_after_preload_separation";
+        let [turn, force, place] =
+            ["/replicas/preload_separation", FORCE, PLACE].map(|path| self.values(path));
         let (turn, forces, place) = (turn?, force?, place?);
-        let h = self.values("/separation")?;
+        let h = self.coordinate("separation")?;
         self.preloads(&turn, &h)?;
         let slack = ROUNDING * largest(&h);
         for i in 0..turn.len().min(forces.len()).min(place.len()) {
             let is_known = !turn[i].is_nan();
             if forces[i].is_nan() == is_known {
-                self.say_at(
-                    &path("ed_pull_off_force"),
-                    i,
-                    forces[i],
-                    &format!("the turn is at {:e}", turn[i]),
-                );
+                self.say_at(FORCE, i, forces[i], &format!("the turn is at {:e}", turn[i]));
                 break;
             }
             if place[i].is_nan() == is_known || place[i] < turn[i] - slack {
                 let expected = format!("a separation behind the turn at {:e} is expected", turn[i]);
-                self.say_at(&path("ed_pull_off_separation"), i, place[i], &expected);
+                self.say_at(PLACE, i, place[i], &expected);
                 break;
             }
         }
@@ -154,7 +155,9 @@ impl Checked<'_> {
         let size: Vec<f64> =
             expected[1].iter().map(|mean| if mean.is_nan() { 0.0 } else { mean.abs() }).collect();
         for (name, expected) in
-            ["turned_count", "turned_pull_off_force_mean", "turned_pull_off_force_std"].iter().zip(&expected)
+            ["preload_reached_count", "pull_off_after_preload_mean", "pull_off_after_preload_std"]
+                .iter()
+                .zip(&expected)
         {
             let path = format!("/instability/{name}");
             let found = self.values(&path)?;

@@ -39,7 +39,7 @@ pub(super) fn validate(reader: &Reader) -> Result<Answer, Failure> {
     };
     file.bounds()?;
     let replicas: Vec<f64> = (0..reader.length(Dimension::Replica)?).map(|index| index as f64).collect();
-    file.follows("/replica", &replicas, 0.0, "their number")?;
+    file.repeats("replica", &replicas, 0.0, "their number")?;
     file.axes()?;
     let mut findings = std::mem::take(&mut file.findings);
     let mut text = heading(reader);
@@ -128,9 +128,16 @@ impl Points<'_> {
 }
 
 impl Checked<'_> {
-    /// The values of what is swept.
+    /// The values of what is swept, in the root and in every other group.
     fn axes(&mut self) -> Result<(), Failure> {
-        for (name, values) in self.reader.axes()? {
+        let axes = self.reader.axes("")?;
+        for group in self.reader.groups() {
+            for ((name, values), (_, copy)) in axes.iter().zip(self.reader.axes(&format!("/{group}"))?) {
+                let path = format!("/{group}/{}", one_line(name));
+                self.compare(&path, &copy, values, |_| 0.0, &format!("/{}", one_line(name)));
+            }
+        }
+        for (name, values) in axes {
             let is_wrong = |i: usize| !values[i].is_finite() || values[..i].contains(&values[i]);
             if let Some(i) = (0..values.len()).find(|&i| is_wrong(i)) {
                 let name = one_line(&name);

@@ -20,10 +20,10 @@ pub(super) fn write(writer: &mut Writer<'_>, comparison: &Comparison) -> Result<
     writer.number("/", "radius_unit", scale.radius)?;
     writer.number("/", "force_unit", scale.force)?;
     writer.number("/", "asperity_count", scene.surface.asperity_count as u64)?;
-    writer.named_scale(Dimension::Law, &laws.iter().map(|law| law.model.name).collect::<Vec<&str>>())?;
-    writer.named_scale(Dimension::Regime, &Regime::ALL.map(Regime::name))?;
-    writer.scale(Dimension::Interference, interferences)?;
-    write_statistical(writer, laws)?;
+    writer.named_scale(Dimension::Law, &laws.iter().map(|law| law.model.name).collect::<Vec<&str>>());
+    writer.named_scale(Dimension::Regime, &Regime::ALL.map(Regime::name));
+    writer.scale(Dimension::Interference, interferences);
+    write_integral(writer, laws)?;
     write_asperity(writer, laws)?;
     writer.dataset("/validity/valid", &per_law(laws, |law| u8::from(law.limits.is_empty())))?;
     let notes: Vec<String> = laws.iter().map(|law| law.limits.join("; ")).collect();
@@ -36,7 +36,7 @@ pub(super) fn write(writer: &mut Writer<'_>, comparison: &Comparison) -> Result<
         writer.number("/", "seed", scene.seed)?;
         writer.number("/", "replicas", scene.replicas)?;
         writer.text("/", "sampling", scene.sampling.name())?;
-        writer.scale(Dimension::Replica, &(0..scene.replicas).collect::<Vec<u64>>())?;
+        writer.scale(Dimension::Replica, &(0..scene.replicas).collect::<Vec<u64>>());
         write_ensemble(writer, comparison, &sampled)?;
     }
     Ok(())
@@ -57,18 +57,18 @@ fn less_first(rows: &[f64], length: usize) -> Vec<f64> {
     rows.iter().enumerate().map(|(i, value)| value - rows[i % length]).collect()
 }
 
-fn write_statistical(writer: &Writer<'_>, laws: &[ComparedLaw]) -> Result<(), OutputError> {
+fn write_integral(writer: &Writer<'_>, laws: &[ComparedLaw]) -> Result<(), OutputError> {
     for quantity in Quantity::ALL {
         let (q, name) = (quantity.index(), quantity.name());
         let values = rows(laws, |law| &law.integral.expectations.expected[q]);
-        writer.dataset(&format!("/statistical/{name}"), &values)?;
+        writer.dataset(&format!("/integral/{name}"), &values)?;
         writer.dataset(
-            &format!("/statistical/{name}_std"),
+            &format!("/integral/{name}_std"),
             &rows(laws, |law| &law.integral.expectations.std[q]),
         )?;
         if matches!(quantity, Quantity::AdhesionForce | Quantity::ExternalForce) {
             let differences = less_first(&values, values.len() / laws.len());
-            writer.dataset(&format!("/statistical/{name}_difference"), &differences)?;
+            writer.dataset(&format!("/integral/{name}_difference"), &differences)?;
         }
     }
     // Every law's regimes at their place among all.
@@ -86,7 +86,7 @@ fn write_statistical(writer: &Writer<'_>, laws: &[ComparedLaw]) -> Result<(), Ou
         };
         let values: Vec<f64> =
             laws.iter().flat_map(|law| Regime::ALL.map(|regime| of_regime(law, regime)).concat()).collect();
-        writer.dataset(&format!("/statistical/{name}"), &values)?;
+        writer.dataset(&format!("/integral/{name}"), &values)?;
     }
     let (pull_off, stiffness) = (
         per_law(laws, |law| -law.integral.features.minimum.value),
@@ -94,24 +94,24 @@ fn write_statistical(writer: &Writer<'_>, laws: &[ComparedLaw]) -> Result<(), Ou
     );
     let deviations =
         |values: &[f64]| values.iter().map(|value| deviation(*value, values[0])).collect::<Vec<f64>>();
-    writer.dataset("/statistical/pull_off_force", &pull_off)?;
+    writer.dataset("/integral/pull_off_force", &pull_off)?;
     writer.dataset(
-        "/statistical/pull_off_separation",
+        "/integral/pull_off_separation",
         &per_law(laws, |law| law.integral.features.minimum.place),
     )?;
-    writer.dataset("/statistical/pull_off_deviation", &deviations(&pull_off))?;
+    writer.dataset("/integral/pull_off_deviation", &deviations(&pull_off))?;
     writer.dataset(
-        "/statistical/pull_off_at_edge",
+        "/integral/pull_off_at_edge",
         &per_law(laws, |law| u8::from(law.integral.features.minimum.at_edge)),
     )?;
-    writer.dataset("/statistical/peak_stiffness", &stiffness)?;
+    writer.dataset("/integral/peak_stiffness", &stiffness)?;
     writer.dataset(
-        "/statistical/peak_stiffness_separation",
+        "/integral/peak_stiffness_separation",
         &per_law(laws, |law| law.integral.features.steepest.place),
     )?;
-    writer.dataset("/statistical/peak_stiffness_deviation", &deviations(&stiffness))?;
+    writer.dataset("/integral/peak_stiffness_deviation", &deviations(&stiffness))?;
     writer.dataset(
-        "/statistical/quadrature_error",
+        "/integral/quadrature_error",
         &per_law(laws, |law| law.integral.expectations.quadrature_error),
     )
 }
@@ -130,9 +130,9 @@ fn write_asperity(writer: &Writer<'_>, laws: &[ComparedLaw]) -> Result<(), Outpu
 }
 
 fn write_fits(writer: &mut Writer<'_>, laws: &[ComparedLaw]) -> Result<(), OutputError> {
-    writer.named_scale(Dimension::FittedForce, &FORCES)?;
-    writer.named_scale(Dimension::Coefficient, &NAMES)?;
-    writer.named_scale(Dimension::RangeEnd, &RANGE_ENDS)?;
+    writer.named_scale(Dimension::FittedForce, &FORCES);
+    writer.named_scale(Dimension::Coefficient, &NAMES);
+    writer.named_scale(Dimension::RangeEnd, &RANGE_ENDS);
     let fits = || laws.iter().map(|law| law.fit.as_ref());
     let of_forces = |value: fn(&crate::asperity::FitReport) -> [f64; 3]| -> Vec<f64> {
         fits().flat_map(|fit| fit.map_or([f64::NAN; 3], value)).collect()

@@ -1,11 +1,15 @@
 //! The layouts of result files: every dataset's name, dimensions, units and meaning, and the version of the
 //! whole.
 //!
+//! Every group has its own copy of the scales of the dimensions that its datasets have: netCDF-4 readers
+//! hand the dimensions of the root down to all groups.
+//!
 //! Others script against these names. They may be added to (a minor version step); changing one is a major
 //! version step.
 
 mod asperities;
 mod comparison;
+mod curves;
 mod finite_size;
 mod run;
 mod sweep;
@@ -15,6 +19,8 @@ pub use comparison::COMPARISON;
 pub use finite_size::FINITE_SIZE;
 pub use run::RUN;
 pub use sweep::SWEEP;
+
+use std::sync::LazyLock;
 
 /// A kind of file.
 #[derive(Debug)]
@@ -30,8 +36,8 @@ pub struct Layout {
     pub groups: &'static [&'static str],
     /// Groups that some of its files have.
     pub optional_groups: &'static [&'static str],
-    /// All datasets that a file may hold, but for those of points.
-    pub variables: &'static [Variable],
+    /// All datasets that a file may hold, group by group, but for those of points.
+    pub variables: LazyLock<Vec<Variable>>,
     /// The layout of a file of each point, for a file of points: it may hold the datasets of that too, led by
     /// the dimensions of the points ([`Dimension::of_points`]).
     pub of_points: Option<&'static Layout>,
@@ -42,21 +48,31 @@ impl Layout {
     pub const ALL: [&'static Self; 5] = [&RUN, &COMPARISON, &SWEEP, &ASPERITIES, &FINITE_SIZE];
 
     /// All datasets that a file may hold, those of points included.
-    pub fn known(&self) -> impl Iterator<Item = &'static Variable> {
-        self.variables.iter().chain(self.of_points.map_or(&[][..], |layout| layout.variables))
+    pub fn known(&'static self) -> impl Iterator<Item = &'static Variable> {
+        let of_points: &[Variable] = self.of_points.map_or(&[], |layout| &layout.variables);
+        self.variables.iter().chain(of_points)
     }
 
     /// The entry of a path.
     ///
     /// # Panics
     /// When the layout has no such dataset, which is an error in this program.
-    pub fn variable(&self, path: &str) -> &'static Variable {
+    pub fn variable(&'static self, path: &str) -> &'static Variable {
         let found = self.known().find(|variable| variable.path == path);
         found.unwrap_or_else(|| panic!("no dataset {path} in the layout"))
     }
+
+    /// Where a coordinate is read, a scale or what stands beside one: its copy in the first group that has it.
+    ///
+    /// # Panics
+    /// When the layout has no such coordinate, which is an error in this program.
+    pub fn coordinate(&'static self, name: &str) -> &'static str {
+        let found = self.known().find(|variable| variable.is_coordinate() && variable.name() == name);
+        &found.unwrap_or_else(|| panic!("no coordinate {name} in the layout")).path
+    }
 }
 
-/// A dimension, which is also the dataset that scales it.
+/// A dimension, which is also the name of the datasets that scale it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Dimension {
     /// Separations h of the mean planes of the surfaces, m.
@@ -110,33 +126,46 @@ pub enum Dimension {
 }
 
 impl Dimension {
-    /// Its name, and that of its scale.
+    /// The name of the dimension and of its scale.
     pub fn name(self) -> &'static str {
+        self.scale().0
+    }
+
+    /// Name, units and meaning of the scale.
+    fn scale(self) -> (&'static str, &'static str, &'static str) {
         match self {
-            Self::Separation => "separation",
-            Self::Regime => "regime",
-            Self::Replica => "replica",
-            Self::Component => "component",
-            Self::Scalar => "scalar",
-            Self::Control => "control",
-            Self::Phase => "phase",
-            Self::SkipReason => "skip_reason",
-            Self::Law => "law",
-            Self::Interference => "interference",
-            Self::FittedForce => "fitted_force",
-            Self::Coefficient => "coefficient",
-            Self::RangeEnd => "range_end",
-            Self::Point => "point",
-            Self::SeparationIndex => "separation_index",
-            Self::ControlIndex => "control_index",
-            Self::Target => "target",
-            Self::Asperity => "asperity",
-            Self::Step => "step",
-            Self::Stiffness => "stiffness",
-            Self::Preload => "preload",
-            Self::AsperityCount => "asperity_count",
-            Self::Quantile => "quantile",
-            Self::Accuracy => "accuracy",
+            Self::Separation => ("separation", "m", "separation h of the mean planes of the surfaces"),
+            Self::Regime => ("regime", "1", "regime of an asperity"),
+            Self::Replica => ("replica", "1", "index of the replica"),
+            Self::Component => ("component", "1", "functional of the joint test"),
+            Self::Scalar => ("scalar", "1", "number that is read off a replica's own curve"),
+            Self::Control => {
+                ("control", "m", "separation h at which the external force is a control variate")
+            }
+            Self::Phase => ("phase", "1", "phase of the run"),
+            Self::SkipReason => ("skip_reason", "1", "why an asperity needed no solve"),
+            Self::Law => ("law", "1", "law of one asperity"),
+            Self::Interference => ("interference", "m", "interference of one asperity"),
+            Self::FittedForce => ("fitted_force", "1", "force that has a curve fit"),
+            Self::Coefficient => ("coefficient", "1", "coefficient of the curve fits"),
+            Self::RangeEnd => ("range_end", "1", "end of a range"),
+            Self::Point => ("point", "1", "index of the point"),
+            Self::SeparationIndex => ("separation_index", "1", "index of the separation"),
+            Self::ControlIndex => ("control_index", "1", "index of the control variate"),
+            Self::Target => ("target", "1", "quantity whose mean is to be known before the run ends"),
+            Self::Asperity => ("asperity", "1", "index of the asperity, row by row of the map"),
+            Self::Step => ("step", "m", "middle between neighbouring separations h"),
+            Self::Stiffness => {
+                ("stiffness", "N m-1", "stiffness of what holds the surface, 0 for load control")
+            }
+            Self::Preload => (
+                "preload",
+                "N",
+                "external force at which the surface turns back, NaN for the smallest separation",
+            ),
+            Self::AsperityCount => ("asperity_count", "1", "number N of asperities of a patch"),
+            Self::Quantile => ("quantile", "1", "probability of a quantile"),
+            Self::Accuracy => ("accuracy", "1", "relative accuracy"),
         }
     }
 
@@ -152,42 +181,123 @@ impl Dimension {
 }
 
 /// A dataset.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Variable {
     /// Its path.
-    pub path: &'static str,
+    pub path: String,
     /// Its dimensions, slowest first; none for a scalar.
-    pub dimensions: &'static [Dimension],
-    /// Its unit, `1` for a pure number; SI.
-    pub units: &'static str,
+    pub dimensions: Vec<Dimension>,
+    /// Its unit, `1` for a pure number; SI. None where rows have units of their own.
+    pub units: Option<&'static str>,
     /// What it is.
-    pub long_name: &'static str,
+    pub long_name: String,
+    /// Datasets of its group that belong to its dimensions beside the scales.
+    pub coordinates: Vec<&'static str>,
 }
 
 impl Variable {
+    /// The path of its group; empty for the root.
+    pub fn group(&self) -> &str {
+        self.path.rsplit_once('/').map_or("", |(group, _)| group)
+    }
+
+    /// Its name in its group.
+    pub fn name(&self) -> &str {
+        self.path.rsplit_once('/').map_or(&self.path, |(_, name)| name)
+    }
+
     /// The dimension that it is the scale of, if it is one.
     pub fn scales(&self) -> Option<Dimension> {
-        match self.dimensions {
-            [dimension] if self.path.strip_prefix('/') == Some(dimension.name()) => Some(*dimension),
+        match self.dimensions[..] {
+            [dimension] if self.name() == dimension.name() => Some(dimension),
             _ => None,
         }
     }
+
+    /// Whether it is a scale or stands beside one.
+    pub fn is_coordinate(&self) -> bool {
+        self.scales().is_some()
+            || self.dimensions == S && BESIDE_SEPARATION.iter().any(|(name, ..)| self.name() == *name)
+    }
+}
+
+/// The name of the dimension of a sweep's key, which programs can take as a name: it has no dot.
+pub fn name_of_key(key: &str) -> String {
+    key.replace('.', "_")
 }
 
 /// The ends of a range, the names of [`Dimension::RangeEnd`].
 pub const RANGE_ENDS: [&str; 2] = ["from", "to"];
 
+/// Name, units and meaning of what every group has beside the scale of the separations.
+const BESIDE_SEPARATION: [(&str, &str, &str); 2] = [
+    ("h_star", "1", "separation h over the standard deviation of the surface heights"),
+    ("asperity_separation", "m", "separation d = h - y_s of flat and asperity mean plane"),
+];
+
 const NONE: &[Dimension] = &[];
 const S: &[Dimension] = &[Dimension::Separation];
 const N: &[Dimension] = &[Dimension::Replica];
 
-const fn variable(
-    path: &'static str,
-    dimensions: &'static [Dimension],
+/// Name, dimensions, units and meaning of a dataset of a group. Units that end with `_units` name the dataset
+/// that lists those of each row.
+type Row = (&'static str, &'static [Dimension], &'static str, &'static str);
+
+/// The datasets of a group, their dimensions led by others.
+fn group(group: &str, lead: &[Dimension], rows: &[Row]) -> Vec<Variable> {
+    let own = |(name, dimensions, units, long_name): &Row| {
+        variable(format!("{group}/{name}"), &[lead, dimensions].concat(), units, *long_name)
+    };
+    rows.iter().map(own).collect()
+}
+
+fn variable(
+    path: String,
+    dimensions: &[Dimension],
     units: &'static str,
-    long_name: &'static str,
+    long_name: impl Into<String>,
 ) -> Variable {
-    Variable { path, dimensions, units, long_name }
+    let are_listed = units.ends_with("_units");
+    let mut variable = Variable {
+        path,
+        dimensions: dimensions.to_vec(),
+        units: Some(units).filter(|_| !are_listed),
+        long_name: long_name.into(),
+        coordinates: are_listed.then_some(units).into_iter().collect(),
+    };
+    if dimensions.contains(&Dimension::Separation) && !variable.is_coordinate() {
+        variable.coordinates.extend(BESIDE_SEPARATION.map(|(name, ..)| name));
+    }
+    variable
+}
+
+/// The scale of a dimension in a group.
+fn scale(group: &str, dimension: Dimension) -> Variable {
+    let (name, units, long_name) = dimension.scale();
+    variable(format!("{group}/{name}"), &[dimension], units, long_name)
+}
+
+/// The datasets, each group of them behind the coordinates of its dimensions.
+fn with_coordinates(variables: Vec<Variable>) -> Vec<Variable> {
+    let mut all: Vec<Variable> = Vec::new();
+    for own in variables.chunk_by(|one, next| one.group() == next.group()) {
+        let group = own[0].group();
+        for dimension in own.iter().flat_map(|variable| variable.dimensions.iter().copied()) {
+            let scale = scale(group, dimension);
+            if own.iter().chain(&all).any(|variable| variable.path == scale.path) {
+                continue;
+            }
+            all.push(scale);
+            if dimension == Dimension::Separation {
+                let beside = BESIDE_SEPARATION.iter();
+                all.extend(beside.map(|(name, units, long_name)| {
+                    variable(format!("{group}/{name}"), S, units, *long_name)
+                }));
+            }
+        }
+        all.extend_from_slice(own);
+    }
+    all
 }
 
 #[cfg(test)]
@@ -195,47 +305,21 @@ mod tests {
     use super::*;
 
     #[test]
-    fn paths_are_unique_and_every_dimension_has_its_scale() {
+    fn paths_are_unique_and_every_group_has_the_scales_of_its_dimensions() {
         for layout in Layout::ALL {
-            for variable in layout.variables {
+            for variable in layout.variables.iter() {
                 let same = layout.known().filter(|other| other.path == variable.path);
                 assert_eq!(same.count(), 1, "{}", variable.path);
-                for dimension in variable.dimensions {
-                    let scale = layout.variable(&format!("/{}", dimension.name()));
-                    assert_eq!(scale.dimensions, [*dimension]);
+                for dimension in &variable.dimensions {
+                    let scale = layout.variable(&format!("{}/{}", variable.group(), dimension.name()));
+                    assert_eq!(scale.scales(), Some(*dimension));
                 }
-                let group = variable.path[1..].split_once('/').map(|(group, _)| group);
-                assert!(
-                    group.is_none_or(|group| layout
-                        .groups
-                        .iter()
-                        .chain(layout.optional_groups)
-                        .any(|known| *known == group)),
-                    "{}",
-                    variable.path
-                );
-            }
-        }
-    }
-
-    #[test]
-    fn the_format_pages_describe_every_dataset() {
-        let pages = [
-            include_str!("../../../docs/format.md"),
-            include_str!("../../../docs/comparison.md"),
-            include_str!("../../../docs/sweep-format.md"),
-            include_str!("../../../docs/asperity-file.md"),
-            include_str!("../../../docs/finite-size.md"),
-        ];
-        for (layout, page) in Layout::ALL.into_iter().zip(pages) {
-            assert!(page.contains(&format!("`{}`", layout.format)));
-            assert!(page.contains(&format!("version {}.{}", layout.version[0], layout.version[1])));
-            for variable in layout.variables {
-                let (group, name) = variable.path.rsplit_once('/').expect("paths begin with a slash");
-                let row = page.lines().find(|line| {
-                    line.starts_with(&format!("| `{name}` |")) && line.contains(variable.long_name)
-                });
-                assert!(row.is_some(), "the page lacks {group}/{name}: {}", variable.long_name);
+                for name in &variable.coordinates {
+                    layout.variable(&format!("{}/{name}", variable.group()));
+                }
+                let group = variable.group().trim_start_matches('/');
+                let mut groups = layout.groups.iter().chain(layout.optional_groups);
+                assert!(group.is_empty() || groups.any(|known| *known == group), "{}", variable.path);
             }
         }
     }

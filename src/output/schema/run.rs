@@ -1,9 +1,11 @@
 //! The layout of a result of `stiction run`.
 
-use super::{Dimension, Layout, N, NONE, S, Variable, variable};
+use super::curves::{DIRECTIONS, OF_ENSEMBLE, OF_INTEGRAL, forces, quantities, regimes, scalars, scores};
+use super::{Dimension, Layout, N, NONE, Row, S, Variable, group, scale, variable, with_coordinates};
+use crate::engine;
+use std::sync::LazyLock;
 
 const R: &[Dimension] = &[Dimension::Regime];
-const RS: &[Dimension] = &[Dimension::Regime, Dimension::Separation];
 const NS: &[Dimension] = &[Dimension::Replica, Dimension::Separation];
 const KS: &[Dimension] = &[Dimension::Component, Dimension::Separation];
 const A: &[Dimension] = &[Dimension::Scalar];
@@ -22,618 +24,214 @@ const NPD: &[Dimension] = &[Dimension::Replica, Dimension::Preload, Dimension::S
 pub static RUN: Layout = Layout {
     format: "stiction-run",
     command: "stiction run",
-    version: [2, 0],
-    groups: &["ensemble", "replicas", "statistical", "validation", "diagnostics"],
+    version: [3, 0],
+    groups: &["ensemble", "replicas", "integral", "validation", "diagnostics"],
     optional_groups: &["instability"],
-    variables: VARIABLES,
+    variables: LazyLock::new(variables),
     of_points: None,
 };
 
 /// All datasets that a file may hold.
-const VARIABLES: &[Variable] = &[
-    variable("/separation", S, "m", "separation h of the mean planes of the surfaces"),
-    variable("/h_star", S, "1", "separation h over the standard deviation of the surface heights"),
-    variable("/asperity_separation", S, "m", "separation d = h - y_s of flat and asperity mean plane"),
-    variable("/regime", &[Dimension::Regime], "1", "regime of an asperity"),
-    variable("/replica", N, "1", "index of the replica"),
-    variable("/component", &[Dimension::Component], "1", "functional of the joint test"),
-    variable("/scalar", A, "1", "number that is read off a replica's own curve"),
-    variable("/range_end", &[Dimension::RangeEnd], "1", "end of a range"),
-    variable(
-        "/control",
-        &[Dimension::Control],
-        "m",
-        "separation h at which the external force is a control variate",
-    ),
-    variable("/target", T, "1", "quantity whose mean is to be known before the run ends"),
-    variable("/phase", &[Dimension::Phase], "1", "phase of the run"),
-    variable("/skip_reason", &[Dimension::SkipReason], "1", "why an asperity needed no solve"),
-    variable("/ensemble/adhesion_force_mean", S, "N", "adhesion force, mean over replicas"),
-    variable("/ensemble/adhesion_force_standard_error", S, "N", "adhesion force, standard error of the mean"),
-    variable("/ensemble/adhesion_force_std", S, "N", "adhesion force, standard deviation of one replica"),
-    variable("/ensemble/contact_force_mean", S, "N", "contact force, mean over replicas"),
-    variable("/ensemble/contact_force_standard_error", S, "N", "contact force, standard error of the mean"),
-    variable("/ensemble/contact_force_std", S, "N", "contact force, standard deviation of one replica"),
-    variable(
-        "/ensemble/external_force_mean",
-        S,
-        "N",
-        "external force, mean over replicas, compressive positive",
-    ),
-    variable("/ensemble/external_force_standard_error", S, "N", "external force, standard error of the mean"),
-    variable("/ensemble/external_force_std", S, "N", "external force, standard deviation of one replica"),
-    variable("/ensemble/contact_area_mean", S, "m2", "contact area, mean over replicas"),
-    variable("/ensemble/contact_area_standard_error", S, "m2", "contact area, standard error of the mean"),
-    variable("/ensemble/contact_area_std", S, "m2", "contact area, standard deviation of one replica"),
-    variable("/ensemble/scalar_units", A, "1", "units of each scalar"),
-    variable("/ensemble/scalar_mean", A, "scalar_units", "scalar, mean over replicas"),
-    variable("/ensemble/scalar_standard_error", A, "scalar_units", "scalar, standard error of the mean"),
-    variable("/ensemble/scalar_interval", AE, "scalar_units", "scalar, confidence interval of the mean"),
-    variable("/ensemble/scalar_controlled_mean", A, "scalar_units", "scalar, mean with control variates"),
-    variable(
-        "/ensemble/scalar_controlled_standard_error",
+fn variables() -> Vec<Variable> {
+    let groups = [ensemble(), replicas(), instability(), integral(), validation()];
+    with_coordinates([groups.concat(), group("/diagnostics", NONE, DIAGNOSTICS)].concat())
+}
+
+fn ensemble() -> Vec<Variable> {
+    const GROUP: &str = "/ensemble";
+    let mut all = vec![scale(GROUP, Dimension::Control)];
+    for direction in DIRECTIONS {
+        all.extend(quantities(GROUP, S, direction, &OF_ENSEMBLE));
+        all.extend(regimes(GROUP, NONE, direction, OF_ENSEMBLE[0]));
+    }
+    all.extend(group(GROUP, NONE, OF_SCALARS));
+    all.extend(jumps(GROUP, OF_ENSEMBLE[0]));
+    all
+}
+
+fn replicas() -> Vec<Variable> {
+    const GROUP: &str = "/replicas";
+    let mut all = group(
+        GROUP,
+        NONE,
+        &[
+            ("asperity_count", N, "1", "number of asperities"),
+            ("highest_asperity", N, "m", "highest asperity above the asperity mean plane"),
+        ],
+    );
+    all.extend(scalars(NONE, engine::scalars(true)));
+    for (prefix, on) in DIRECTIONS {
+        for (force, sign) in [("external_force", ", compressive positive"), ("adhesion_force", "")] {
+            let meaning = format!("{} of each replica{on}{sign}", force.replace('_', " "));
+            all.push(variable(format!("{GROUP}/{prefix}{force}"), NS, "N", meaning));
+        }
+    }
+    all.extend(group(GROUP, NONE, SNAPS));
+    all
+}
+
+fn instability() -> Vec<Variable> {
+    const GROUP: &str = "/instability";
+    let mut all = Vec::new();
+    let stable = "share of replicas that snap in, of those that are stable at the last separation";
+    let retracted = "share of replicas that snap off, of those that were retracted and are stable at the first separation";
+    for (name, dimensions, share) in [("in", D, stable), ("off", PD, retracted)] {
+        let end =
+            |end: &str| format!("{end} end of the 95 % Wilson interval of the probability to snap {name}");
+        for (of, meaning) in [
+            ("count", format!("replicas that snap {name}")),
+            ("probability", share.to_owned()),
+            ("probability_low", end("lower")),
+            ("probability_high", end("upper")),
+        ] {
+            all.push(variable(format!("{GROUP}/snap_{name}_{of}"), dimensions, "1", meaning));
+        }
+    }
+    all.extend(group(GROUP, NONE, PRELOADS));
+    all
+}
+
+fn integral() -> Vec<Variable> {
+    const GROUP: &str = "/integral";
+    let mut all = Vec::new();
+    for direction in DIRECTIONS {
+        all.extend(quantities(GROUP, S, direction, &OF_INTEGRAL));
+        all.extend(regimes(GROUP, NONE, direction, OF_INTEGRAL[0]));
+    }
+    let at = "at pull-off of the integral, or at the smallest separation where nothing pulls";
+    for (name, dimensions, units, words) in [
+        ("regime_count", R, "1", "asperities in each regime"),
+        ("regime_adhesion_force", R, "N", "adhesion force of each regime"),
+        ("contact_area", NONE, "m2", "contact area"),
+    ] {
+        all.push(variable(format!("{GROUP}/pull_off_{name}"), dimensions, units, format!("{words} {at}")));
+    }
+    all.extend(jumps(GROUP, OF_INTEGRAL[0]));
+    all
+}
+
+fn validation() -> Vec<Variable> {
+    let mut all = Vec::new();
+    for direction in DIRECTIONS {
+        let (prefix, on) = direction;
+        let path = |name: &str| format!("/validation/{prefix}{name}_");
+        let tested = format!("whether the joint test looks at the {{}}{on} here (1) or not (0)");
+        let weights = format!("weights of the {{}}{on} in each functional of the joint test");
+        all.extend(scores(NONE, direction));
+        all.extend(forces(&path("tested"), "", S, "1", &tested));
+        all.extend(forces(&path("probe"), "", KS, "N-1", &weights));
+    }
+    all
+}
+
+/// Contacts made and lost between neighbouring separations of a loop.
+fn jumps(group: &str, (suffix, meaning): (&str, &str)) -> Vec<Variable> {
+    let one = |(name, words): (&str, &str)| {
+        variable(format!("{group}/{name}_count{suffix}"), J, "1", meaning.replace("{}", words))
+    };
+    let on_approach = "asperities that come into contact on approach";
+    [("jump_in", on_approach), ("jump_off", "asperities that lose contact on retraction")].map(one).to_vec()
+}
+
+const OF_SCALARS: &[Row] = &[
+    ("scalar_units", A, "1", "units of each scalar"),
+    ("scalar_mean", A, "scalar_units", "scalar, mean over replicas"),
+    ("scalar_standard_error", A, "scalar_units", "scalar, standard error of the mean"),
+    ("scalar_interval", AE, "scalar_units", "scalar, confidence interval of the mean"),
+    ("scalar_controlled_mean", A, "scalar_units", "scalar, mean with control variates"),
+    (
+        "scalar_controlled_standard_error",
         A,
         "scalar_units",
         "scalar, standard error of the mean with control variates",
     ),
-    variable(
-        "/ensemble/scalar_controlled_interval",
+    (
+        "scalar_controlled_interval",
         AE,
         "scalar_units",
         "scalar, confidence interval of the mean with control variates",
     ),
-    variable(
-        "/ensemble/scalar_variance_reduction",
+    (
+        "scalar_variance_reduction",
         A,
         "1",
         "variance of the mean of a scalar over that of the mean with control variates",
     ),
-    variable("/ensemble/target_estimate", T, "1", "which mean the target is for, plain or controlled"),
-    variable("/ensemble/target_units", T, "1", "units of each target"),
-    variable("/ensemble/target_mean", T, "target_units", "mean of the target's quantity over replicas"),
-    variable("/ensemble/target_standard_error", T, "target_units", "standard error of the target's mean"),
-    variable("/ensemble/target_interval", TE, "target_units", "confidence interval of the target's mean"),
-    variable(
-        "/ensemble/target_largest_standard_error",
-        T,
-        "target_units",
-        "largest standard error that the target allows",
-    ),
-    variable("/ensemble/target_met", T, "1", "whether the target is met (1) or not (0)"),
-    variable("/ensemble/regime_count_mean", RS, "1", "asperities in each regime, mean over replicas"),
-    variable(
-        "/ensemble/regime_adhesion_force_mean",
-        RS,
-        "N",
-        "adhesion force of each regime, mean over replicas",
-    ),
-    variable(
-        "/ensemble/regime_external_force_mean",
-        RS,
-        "N",
-        "external force of each regime, mean over replicas",
-    ),
-    variable("/replicas/asperity_count", N, "1", "number of asperities"),
-    variable("/replicas/highest_asperity", N, "m", "highest asperity above the asperity mean plane"),
-    variable(
-        "/replicas/pull_off_force",
-        N,
-        "N",
-        "pull-off force, minus the minimum of the replica's external force",
-    ),
-    variable("/replicas/pull_off_separation", N, "m", "separation h at pull-off"),
-    variable(
-        "/replicas/peak_secant_stiffness",
-        N,
-        "N m-1",
-        "largest secant stiffness of the external force over the stiffness span",
-    ),
-    variable(
-        "/replicas/peak_secant_stiffness_separation",
-        N,
-        "m",
-        "separation h in the middle of the span of the peak secant stiffness",
-    ),
-    variable("/replicas/external_force", NS, "N", "external force of each replica, compressive positive"),
-    variable("/replicas/adhesion_force", NS, "N", "adhesion force of each replica"),
-    variable(
-        "/statistical/pull_off_regime_count",
-        R,
-        "1",
-        "asperities in each regime at pull-off of the integral, or at the smallest separation where nothing pulls",
-    ),
-    variable(
-        "/statistical/pull_off_regime_adhesion_force",
-        R,
-        "N",
-        "adhesion force of each regime at pull-off of the integral, or at the smallest separation where nothing pulls",
-    ),
-    variable(
-        "/statistical/pull_off_contact_area",
-        NONE,
-        "m2",
-        "contact area at pull-off of the integral, or at the smallest separation where nothing pulls",
-    ),
-    variable("/statistical/adhesion_force", S, "N", "adhesion force, expectation by the integral"),
-    variable("/statistical/contact_force", S, "N", "contact force, expectation by the integral"),
-    variable(
-        "/statistical/external_force",
-        S,
-        "N",
-        "external force, expectation by the integral, compressive positive",
-    ),
-    variable("/statistical/contact_area", S, "m2", "contact area, expectation by the integral"),
-    variable(
-        "/statistical/adhesion_force_std",
-        S,
-        "N",
-        "adhesion force, standard deviation of one replica by the integral",
-    ),
-    variable(
-        "/statistical/contact_force_std",
-        S,
-        "N",
-        "contact force, standard deviation of one replica by the integral",
-    ),
-    variable(
-        "/statistical/external_force_std",
-        S,
-        "N",
-        "external force, standard deviation of one replica by the integral",
-    ),
-    variable(
-        "/statistical/contact_area_std",
-        S,
-        "m2",
-        "contact area, standard deviation of one replica by the integral",
-    ),
-    variable("/statistical/regime_count", RS, "1", "asperities in each regime, expectation by the integral"),
-    variable(
-        "/statistical/regime_adhesion_force",
-        RS,
-        "N",
-        "adhesion force of each regime, expectation by the integral",
-    ),
-    variable(
-        "/statistical/regime_external_force",
-        RS,
-        "N",
-        "external force of each regime, expectation by the integral",
-    ),
-    variable(
-        "/validation/z_adhesion_force",
-        S,
-        "1",
-        "deviation of the mean adhesion force from the integral, in standard errors",
-    ),
-    variable(
-        "/validation/z_external_force",
-        S,
-        "1",
-        "deviation of the mean external force from the integral, in standard errors",
-    ),
-    variable(
-        "/validation/tested_adhesion_force",
-        S,
-        "1",
-        "whether the joint test looks at the adhesion force here (1) or not (0)",
-    ),
-    variable(
-        "/validation/tested_external_force",
-        S,
-        "1",
-        "whether the joint test looks at the external force here (1) or not (0)",
-    ),
-    variable(
-        "/validation/probe_adhesion_force",
-        KS,
-        "N-1",
-        "weights of the adhesion force in each functional of the joint test",
-    ),
-    variable(
-        "/validation/probe_external_force",
-        KS,
-        "N-1",
-        "weights of the external force in each functional of the joint test",
-    ),
-    variable("/step", J, "m", "middle between neighbouring separations h"),
-    variable("/stiffness", D, "N m-1", "stiffness of what holds the surface, 0 for load control"),
-    variable(
-        "/preload",
-        P,
-        "N",
-        "external force at which the surface turns back, NaN for the smallest separation",
-    ),
-    variable(
-        "/ensemble/retraction_adhesion_force_mean",
-        S,
-        "N",
-        "adhesion force on the way back, mean over replicas",
-    ),
-    variable(
-        "/ensemble/retraction_adhesion_force_standard_error",
-        S,
-        "N",
-        "adhesion force on the way back, standard error of the mean",
-    ),
-    variable(
-        "/ensemble/retraction_adhesion_force_std",
-        S,
-        "N",
-        "adhesion force on the way back, standard deviation of one replica",
-    ),
-    variable(
-        "/ensemble/retraction_contact_force_mean",
-        S,
-        "N",
-        "contact force on the way back, mean over replicas",
-    ),
-    variable(
-        "/ensemble/retraction_contact_force_standard_error",
-        S,
-        "N",
-        "contact force on the way back, standard error of the mean",
-    ),
-    variable(
-        "/ensemble/retraction_contact_force_std",
-        S,
-        "N",
-        "contact force on the way back, standard deviation of one replica",
-    ),
-    variable(
-        "/ensemble/retraction_external_force_mean",
-        S,
-        "N",
-        "external force on the way back, mean over replicas, compressive positive",
-    ),
-    variable(
-        "/ensemble/retraction_external_force_standard_error",
-        S,
-        "N",
-        "external force on the way back, standard error of the mean",
-    ),
-    variable(
-        "/ensemble/retraction_external_force_std",
-        S,
-        "N",
-        "external force on the way back, standard deviation of one replica",
-    ),
-    variable(
-        "/ensemble/retraction_contact_area_mean",
-        S,
-        "m2",
-        "contact area on the way back, mean over replicas",
-    ),
-    variable(
-        "/ensemble/retraction_contact_area_standard_error",
-        S,
-        "m2",
-        "contact area on the way back, standard error of the mean",
-    ),
-    variable(
-        "/ensemble/retraction_contact_area_std",
-        S,
-        "m2",
-        "contact area on the way back, standard deviation of one replica",
-    ),
-    variable(
-        "/ensemble/retraction_regime_count_mean",
-        RS,
-        "1",
-        "asperities in each regime on the way back, mean over replicas",
-    ),
-    variable(
-        "/ensemble/retraction_regime_adhesion_force_mean",
-        RS,
-        "N",
-        "adhesion force of each regime on the way back, mean over replicas",
-    ),
-    variable(
-        "/ensemble/retraction_regime_external_force_mean",
-        RS,
-        "N",
-        "external force of each regime on the way back, mean over replicas",
-    ),
-    variable(
-        "/ensemble/jump_in_count_mean",
-        J,
-        "1",
-        "asperities that come into contact on the way there, mean over replicas",
-    ),
-    variable(
-        "/ensemble/jump_off_count_mean",
-        J,
-        "1",
-        "asperities that lose contact on the way back, mean over replicas",
-    ),
-    variable(
-        "/replicas/approach_pull_off_force",
-        N,
-        "N",
-        "minus the minimum of the external force on the way there",
-    ),
-    variable("/replicas/approach_pull_off_separation", N, "m", "separation h of that minimum"),
-    variable(
-        "/replicas/dissipated_energy",
-        N,
-        "J",
-        "integral of the external force over the separation, on the way there less on the way back; 0 where it is below its rounding",
-    ),
-    variable(
-        "/replicas/touchdown_separation",
-        N,
-        "m",
-        "separation h at which the highest asperity touches on the way there, NaN without asperities",
-    ),
-    variable(
-        "/replicas/takeoff_separation",
-        N,
-        "m",
-        "separation h at which the last contact is lost on the way back, NaN without contact",
-    ),
-    variable(
-        "/replicas/retraction_external_force",
-        NS,
-        "N",
-        "external force of each replica on the way back, compressive positive",
-    ),
-    variable(
-        "/replicas/retraction_adhesion_force",
-        NS,
-        "N",
-        "adhesion force of each replica on the way back",
-    ),
-    variable(
-        "/replicas/snap_in",
+    ("target_estimate", T, "1", "which mean the target is for, plain or controlled"),
+    ("target_units", T, "1", "units of each target"),
+    ("target_mean", T, "target_units", "mean of the target's quantity over replicas"),
+    ("target_standard_error", T, "target_units", "standard error of the target's mean"),
+    ("target_interval", TE, "target_units", "confidence interval of the target's mean"),
+    ("target_largest_standard_error", T, "target_units", "largest standard error that the target allows"),
+    ("target_met", T, "1", "whether the target is met (1) or not (0)"),
+];
+
+const SNAPS: &[Row] = &[
+    (
+        "snap_in",
         ND,
         "1",
         "whether the surface snaps in (1) or not (0), NaN where it is unstable at the last separation",
     ),
-    variable(
-        "/replicas/snap_in_separation",
-        ND,
-        "m",
-        "separation h where the largest snap-in begins, NaN without one",
-    ),
-    variable(
-        "/replicas/snap_in_distance",
+    ("snap_in_separation", ND, "m", "separation h where the largest snap-in begins, NaN without one"),
+    (
+        "snap_in_distance",
         ND,
         "m",
         "how far the surface snaps in, NaN where nothing within the separations stops it",
     ),
-    variable(
-        "/replicas/snap_off",
+    (
+        "snap_off",
         NPD,
         "1",
-        "whether the surface snaps off (1) or not (0), NaN where it was never turned back or is unstable at the first separation",
+        "whether the surface snaps off (1) or not (0), NaN where it was never retracted or is unstable at the first separation",
     ),
-    variable(
-        "/replicas/snap_off_separation",
-        NPD,
-        "m",
-        "separation h where the largest snap-off begins, NaN without one",
-    ),
-    variable(
-        "/replicas/snap_off_distance",
+    ("snap_off_separation", NPD, "m", "separation h where the largest snap-off begins, NaN without one"),
+    (
+        "snap_off_distance",
         NPD,
         "m",
         "how far the surface snaps off, NaN where nothing within the separations stops it",
     ),
-    variable(
-        "/replicas/turn_separation",
+    (
+        "preload_separation",
         NP,
         "m",
-        "separation h where the surface turns back, NaN where the preload is not reached",
+        "separation h where the preload is reached and the surface retracts, NaN where it is not reached",
     ),
-    variable("/replicas/turned_pull_off_force", NP, "N", "pull-off force after that turn"),
-    variable("/replicas/turned_pull_off_separation", NP, "m", "separation h at that pull-off"),
-    variable("/instability/snap_in_count", D, "1", "replicas that snap in"),
-    variable(
-        "/instability/snap_in_probability",
-        D,
-        "1",
-        "share of replicas that snap in, of those that are stable at the last separation",
-    ),
-    variable(
-        "/instability/snap_in_probability_low",
-        D,
-        "1",
-        "lower end of the 95 % Wilson interval of the probability to snap in",
-    ),
-    variable(
-        "/instability/snap_in_probability_high",
-        D,
-        "1",
-        "upper end of the 95 % Wilson interval of the probability to snap in",
-    ),
-    variable("/instability/turned_count", P, "1", "replicas that reach the preload"),
-    variable(
-        "/instability/turned_pull_off_force_mean",
+    ("pull_off_after_preload", NP, "N", "pull-off force after that preload"),
+    ("pull_off_after_preload_separation", NP, "m", "separation h at that pull-off"),
+];
+
+const PRELOADS: &[Row] = &[
+    ("fly_off_count", PD, "1", "replicas that snap off and that nothing within the separations stops"),
+    ("preload_reached_count", P, "1", "replicas that reach the preload"),
+    (
+        "pull_off_after_preload_mean",
         P,
         "N",
-        "pull-off force after the turn, mean over the replicas that reach the preload",
+        "pull-off force after the preload, mean over the replicas that reach it",
     ),
-    variable(
-        "/instability/turned_pull_off_force_std",
+    (
+        "pull_off_after_preload_std",
         P,
         "N",
-        "pull-off force after the turn, standard deviation of one replica",
+        "pull-off force after the preload, standard deviation of one replica",
     ),
-    variable("/instability/snap_off_count", PD, "1", "replicas that snap off"),
-    variable(
-        "/instability/fly_off_count",
-        PD,
-        "1",
-        "replicas that snap off and that nothing within the separations stops",
-    ),
-    variable(
-        "/instability/snap_off_probability",
-        PD,
-        "1",
-        "share of replicas that snap off, of those that were turned back and are stable at the first separation",
-    ),
-    variable(
-        "/instability/snap_off_probability_low",
-        PD,
-        "1",
-        "lower end of the 95 % Wilson interval of the probability to snap off",
-    ),
-    variable(
-        "/instability/snap_off_probability_high",
-        PD,
-        "1",
-        "upper end of the 95 % Wilson interval of the probability to snap off",
-    ),
-    variable(
-        "/statistical/retraction_adhesion_force",
-        S,
-        "N",
-        "adhesion force on the way back, expectation by the integral",
-    ),
-    variable(
-        "/statistical/retraction_adhesion_force_std",
-        S,
-        "N",
-        "adhesion force on the way back, standard deviation of one replica by the integral",
-    ),
-    variable(
-        "/statistical/retraction_contact_force",
-        S,
-        "N",
-        "contact force on the way back, expectation by the integral",
-    ),
-    variable(
-        "/statistical/retraction_contact_force_std",
-        S,
-        "N",
-        "contact force on the way back, standard deviation of one replica by the integral",
-    ),
-    variable(
-        "/statistical/retraction_external_force",
-        S,
-        "N",
-        "external force on the way back, expectation by the integral, compressive positive",
-    ),
-    variable(
-        "/statistical/retraction_external_force_std",
-        S,
-        "N",
-        "external force on the way back, standard deviation of one replica by the integral",
-    ),
-    variable(
-        "/statistical/retraction_contact_area",
-        S,
-        "m2",
-        "contact area on the way back, expectation by the integral",
-    ),
-    variable(
-        "/statistical/retraction_contact_area_std",
-        S,
-        "m2",
-        "contact area on the way back, standard deviation of one replica by the integral",
-    ),
-    variable(
-        "/statistical/retraction_regime_count",
-        RS,
-        "1",
-        "asperities in each regime on the way back, expectation by the integral",
-    ),
-    variable(
-        "/statistical/retraction_regime_adhesion_force",
-        RS,
-        "N",
-        "adhesion force of each regime on the way back, expectation by the integral",
-    ),
-    variable(
-        "/statistical/retraction_regime_external_force",
-        RS,
-        "N",
-        "external force of each regime on the way back, expectation by the integral",
-    ),
-    variable(
-        "/statistical/jump_in_count",
-        J,
-        "1",
-        "asperities that come into contact on the way there, expectation by the integral",
-    ),
-    variable(
-        "/statistical/jump_off_count",
-        J,
-        "1",
-        "asperities that lose contact on the way back, expectation by the integral",
-    ),
-    variable(
-        "/validation/retraction_z_adhesion_force",
-        S,
-        "1",
-        "deviation of the mean adhesion force on the way back from the integral, in standard errors",
-    ),
-    variable(
-        "/validation/retraction_z_external_force",
-        S,
-        "1",
-        "deviation of the mean external force on the way back from the integral, in standard errors",
-    ),
-    variable(
-        "/validation/retraction_tested_adhesion_force",
-        S,
-        "1",
-        "whether the joint test looks at the adhesion force on the way back here (1) or not (0)",
-    ),
-    variable(
-        "/validation/retraction_tested_external_force",
-        S,
-        "1",
-        "whether the joint test looks at the external force on the way back here (1) or not (0)",
-    ),
-    variable(
-        "/validation/retraction_probe_adhesion_force",
-        KS,
-        "N-1",
-        "weights of the adhesion force on the way back in each functional of the joint test",
-    ),
-    variable(
-        "/validation/retraction_probe_external_force",
-        KS,
-        "N-1",
-        "weights of the external force on the way back in each functional of the joint test",
-    ),
-    variable("/diagnostics/contact_solves", NONE, "1", "solves of the contact equations"),
-    variable("/diagnostics/noncontact_solves", NONE, "1", "solves of the noncontact equations"),
-    variable(
-        "/diagnostics/safeguarded_solves",
-        NONE,
-        "1",
-        "solves for which the starting table was not good enough",
-    ),
-    variable("/diagnostics/skipped_solves", &[Dimension::SkipReason], "1", "asperities that needed no solve"),
-    variable(
-        "/diagnostics/skipped_loads",
-        NONE,
-        "1",
-        "asperities whose load and area were not summed, because nothing touches",
-    ),
-    variable(
-        "/diagnostics/moment_sums",
-        NONE,
-        "1",
-        "sums of a surface at one separation that were made of moments",
-    ),
-    variable("/diagnostics/iterations", NONE, "1", "evaluations of the equations by all solves"),
-    variable(
-        "/diagnostics/largest_residual",
-        NONE,
-        "1",
-        "largest relative residual before the last Newton step",
-    ),
-    variable("/diagnostics/seconds", &[Dimension::Phase], "s", "wall time of each phase"),
-    variable("/diagnostics/threads", NONE, "1", "threads that computed the ensemble"),
-    variable("/diagnostics/resumptions", NONE, "1", "how often the run was resumed after an interruption"),
-    variable(
-        "/diagnostics/checkpoints",
-        NONE,
-        "1",
-        "checkpoints that were saved since the run was last resumed",
-    ),
-    variable("/diagnostics/checkpoint_seconds", NONE, "s", "wall time that saving these checkpoints took"),
+];
+
+const DIAGNOSTICS: &[Row] = &[
+    ("contact_solves", NONE, "1", "solves of the contact equations"),
+    ("noncontact_solves", NONE, "1", "solves of the noncontact equations"),
+    ("safeguarded_solves", NONE, "1", "solves for which the starting table was not good enough"),
+    ("skipped_solves", &[Dimension::SkipReason], "1", "asperities that needed no solve"),
+    ("skipped_loads", NONE, "1", "asperities whose load and area were not summed, because nothing touches"),
+    ("moment_sums", NONE, "1", "sums of a surface at one separation that were made of moments"),
+    ("iterations", NONE, "1", "evaluations of the equations by all solves"),
+    ("largest_residual", NONE, "1", "largest relative residual before the last Newton step"),
+    ("seconds", &[Dimension::Phase], "s", "wall time of each phase"),
+    ("threads", NONE, "1", "threads that computed the ensemble"),
+    ("resumptions", NONE, "1", "how often the run was resumed after an interruption"),
+    ("checkpoints", NONE, "1", "checkpoints that were saved since the run was last resumed"),
+    ("checkpoint_seconds", NONE, "s", "wall time that saving these checkpoints took"),
 ];

@@ -1,9 +1,10 @@
-//! Pages that are made from the program: the blocks between `<!-- keys: TABLE -->` or `<!-- help: COMMAND
-//! -->` and `<!-- end -->`. `STICTION_WRITE_PAGES=1 cargo test --release --test suite cli::pages` writes them anew.
+//! Pages that are made from the program: the blocks between `<!-- keys: TABLE -->`, `<!-- help: COMMAND -->` or
+//! `<!-- schema: LAYOUT GROUP -->` and `<!-- end -->`. `STICTION_WRITE_PAGES=1 cargo test --release --test suite cli::pages` writes them anew.
 
 use std::ops::Bound;
 use std::path::Path;
 use std::process::Command;
+use stiction::output::schema::{ASPERITIES, COMPARISON, FINITE_SIZE, Layout, RUN, SWEEP, Variable};
 use stiction::scene::{Absent, KEYS, Key, Scene, Sign, Value};
 
 /// The page with its blocks as `block` has them, each by what its comment says.
@@ -184,4 +185,44 @@ fn the_page_of_commands_is_what_help_says() {
         let text: Vec<String> = help(name).lines().map(|line| line.trim_end().to_owned()).collect();
         format!("```text\n{}\n```\n", text.join("\n").trim_end())
     });
+}
+
+/// What the page of a layout says of a dataset.
+fn dataset(layout: &Layout, variable: &Variable) -> String {
+    let own = variable.dimensions.iter().map(|dimension| format!("`{}`", dimension.name()));
+    let points = (layout.of_points.is_some() && !variable.is_coordinate()).then(|| "the points".to_owned());
+    let dimensions: Vec<String> = points.into_iter().chain(own).collect();
+    let dimensions = if dimensions.is_empty() { "none".to_owned() } else { dimensions.join(", ") };
+    let listed = || format!("`{}`", variable.coordinates[0]);
+    let units = variable.units.map_or_else(listed, str::to_owned);
+    format!("| `{}` | {dimensions} | {units} | {} |\n", variable.name(), variable.long_name)
+}
+
+#[test]
+fn the_pages_of_files_are_what_the_layouts_say() {
+    let pages: [(&str, &'static Layout); 5] = [
+        ("format.md", &RUN),
+        ("comparison.md", &COMPARISON),
+        ("sweep-format.md", &SWEEP),
+        ("asperity-file.md", &ASPERITIES),
+        ("finite-size.md", &FINITE_SIZE),
+    ];
+    for (page, layout) in pages {
+        let kind = layout.format.trim_start_matches("stiction-");
+        let name = |variable: &Variable| match variable.group() {
+            "" => format!("{kind} /"),
+            group => format!("{kind} {}", &group[1..]),
+        };
+        let mut groups: Vec<String> = layout.variables.iter().map(name).collect();
+        groups.dedup();
+        held(page, "schema", &groups, &|group| {
+            let own = layout.variables.iter().filter(|variable| name(variable) == group);
+            let rows: String = own.map(|variable| dataset(layout, variable)).collect();
+            format!("| dataset | dimensions | units | meaning |\n|---|---|---|---|\n{rows}")
+        });
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs").join(page);
+        let text = std::fs::read_to_string(path).unwrap();
+        assert!(text.contains(&format!("`{}`", layout.format)), "{page}");
+        assert!(text.contains(&format!("version {}.{}", layout.version[0], layout.version[1])), "{page}");
+    }
 }

@@ -1,0 +1,133 @@
+//! Datasets that are there for each quantity, statistic and direction, of runs, points and laws alike.
+
+use super::{Dimension, N, Row, S, Variable, group, variable};
+use crate::asperity::Quantity;
+use crate::engine::Scalar;
+
+/// What the names of datasets begin with, and what their meaning has behind the quantity: on approach, and on
+/// the retraction of loops.
+pub(super) const DIRECTIONS: [(&str, &str); 2] = [("", ""), ("retraction_", " on retraction")];
+
+/// What the names of datasets end with, and the meaning of a quantity `{}`.
+pub(super) type Statistic = (&'static str, &'static str);
+
+/// Statistics of an ensemble.
+pub(super) const OF_ENSEMBLE: [Statistic; 3] = [
+    ("_mean", "{}, mean over replicas"),
+    ("_standard_error", "{}, standard error of the mean"),
+    ("_std", "{}, standard deviation of one replica"),
+];
+/// Statistics by the integral.
+pub(super) const OF_INTEGRAL: [Statistic; 2] = [
+    ("", "{}, expectation by the integral"),
+    ("_std", "{}, standard deviation of one replica by the integral"),
+];
+/// The forces that ensemble and integral are compared by.
+pub(super) const FORCES: [&str; 2] = ["adhesion_force", "external_force"];
+
+/// Every quantity of a group along its last dimension, in every statistic.
+pub(super) fn quantities(
+    group: &str,
+    dimensions: &[Dimension],
+    (prefix, on): (&str, &str),
+    statistics: &[Statistic],
+) -> Vec<Variable> {
+    let one = |quantity: Quantity, (suffix, meaning): &Statistic| {
+        let is_signed = quantity == Quantity::ExternalForce && !meaning.contains("standard");
+        let sign = if is_signed { ", compressive positive" } else { "" };
+        let name = quantity.name();
+        let units = if quantity == Quantity::ContactArea { "m2" } else { "N" };
+        let words = name.replace('_', " ") + on;
+        variable(
+            format!("{group}/{prefix}{name}{suffix}"),
+            dimensions,
+            units,
+            meaning.replace("{}", &words) + sign,
+        )
+    };
+    Quantity::ALL
+        .into_iter()
+        .flat_map(|quantity| statistics.iter().map(move |of| one(quantity, of)))
+        .collect()
+}
+
+/// The share of each regime in a group.
+pub(super) fn regimes(
+    group: &str,
+    lead: &[Dimension],
+    (prefix, on): (&str, &str),
+    (suffix, meaning): Statistic,
+) -> Vec<Variable> {
+    let tables = [
+        ("count", "1", "asperities in each regime"),
+        ("adhesion_force", "N", "adhesion force of each regime"),
+        ("external_force", "N", "external force of each regime"),
+    ];
+    let dimensions = [lead, &[Dimension::Regime], S].concat();
+    let one = |(name, units, words): (&str, &'static str, &str)| {
+        let meaning = meaning.replace("{}", &format!("{words}{on}"));
+        variable(format!("{group}/{prefix}regime_{name}{suffix}"), &dimensions, units, meaning)
+    };
+    tables.map(one).to_vec()
+}
+
+/// A dataset of each of the forces that ensemble and integral are compared by.
+pub(super) fn forces(
+    prefix: &str,
+    suffix: &str,
+    dimensions: &[Dimension],
+    units: &'static str,
+    meaning: &str,
+) -> Vec<Variable> {
+    let one = |force: &str| {
+        let meaning = meaning.replace("{}", &force.replace('_', " "));
+        variable(format!("{prefix}{force}{suffix}"), dimensions, units, meaning)
+    };
+    FORCES.map(one).to_vec()
+}
+
+/// The deviation of the ensemble from the integral.
+pub(super) fn scores(lead: &[Dimension], (prefix, on): (&str, &str)) -> Vec<Variable> {
+    let meaning = format!("deviation of the mean {{}}{on} from the integral, in standard errors");
+    forces(&format!("/validation/{prefix}z_"), "", &[lead, S].concat(), "1", &meaning)
+}
+
+/// What is read off the curve of each replica.
+pub(super) fn scalars(lead: &[Dimension], scalars: impl Iterator<Item = Scalar>) -> Vec<Variable> {
+    let dimensions = [lead, N].concat();
+    let one = |scalar: Scalar| {
+        variable(format!("/replicas/{}", scalar.name), &dimensions, scalar.units, scalar.meaning)
+    };
+    scalars.map(one).collect()
+}
+
+/// Pull-off and stiffest point of a curve of a group.
+pub(super) fn features(group: &str, lead: &[Dimension], curve: &str) -> Vec<Variable> {
+    let rows = [
+        ("pull_off_force", "N", "pull-off force, minus the minimum of {}"),
+        ("pull_off_separation", "m", "separation h at pull-off of {}"),
+        ("peak_stiffness", "N m-1", "largest derivative of {} by the separation"),
+        ("peak_stiffness_separation", "m", "separation h of the peak stiffness of {}"),
+    ];
+    let one = |(name, units, meaning): (&str, &'static str, &str)| {
+        variable(format!("{group}/{name}"), lead, units, meaning.replace("{}", curve))
+    };
+    rows.map(one).to_vec()
+}
+
+/// The joint test.
+pub(super) fn joint_test(lead: &[Dimension]) -> Vec<Variable> {
+    const ROWS: [Row; 5] = [
+        ("statistic", &[], "1", "sum of squared scores of ensemble against integral"),
+        ("degrees_of_freedom", &[], "1", "degrees of freedom of the joint test"),
+        ("kurtosis", &[], "1", "fourth cumulants of the scores of a replica, contracted"),
+        ("skewness", &[], "1", "third cumulants of the scores of a replica, squared and contracted"),
+        (
+            "p_value",
+            &[],
+            "1",
+            "probability of a larger statistic when ensemble and integral agree; NaN when not tested",
+        ),
+    ];
+    group("/validation", lead, &ROWS)
+}

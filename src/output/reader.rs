@@ -59,7 +59,7 @@ impl Reader {
             Err(problem) if problem.starts_with("lacks the dataset") => {
                 Err(self.broken(format!("lacks the dimension `{}`", dimension.name())))
             }
-            Err(problem) => Err(self.broken(problem)),
+            Err(problem) => Err(self.broken(problem.clone())),
         }
     }
 

@@ -39,7 +39,7 @@ class Targets(Run):
 
     def __init__(self, file: h5py.File) -> None:
         super().__init__(file)
-        if "target" not in file:
+        if "ensemble/target" not in file:
             raise FileError("it has no targets: its number of replicas was given")
 
     def texts(self, path: str) -> list[str]:

@@ -37,6 +37,9 @@ enum Along {
     Points,
 }
 
+/// Makes a dataset at a path of a file.
+type MakeDataset = Box<dyn Fn(&File, &str) -> hdf5::Result<Dataset>>;
+
 /// Values that every group gets a copy of whose datasets have their dimension.
 struct Coordinate {
     name: String,
@@ -45,11 +48,11 @@ struct Coordinate {
     length: usize,
     attributes: Vec<(&'static str, String)>,
     /// Makes a dataset of the values.
-    make: Box<dyn Fn(&File, &str) -> hdf5::Result<Dataset>>,
+    make: MakeDataset,
 }
 
 /// A dataset of numbers or of texts.
-fn made_of<T: H5Type + Clone>(values: &[T]) -> Box<dyn Fn(&File, &str) -> hdf5::Result<Dataset>> {
+fn made_of<T: H5Type + Clone>(values: &[T]) -> MakeDataset {
     let values = values.to_vec();
     Box::new(move |file, path| {
         let dataset = file.new_dataset::<T>().shape(values.len()).create(path)?;

@@ -94,7 +94,7 @@ fn the_program_survives_forged_checkpoints() {
     let rest = [rest.to_vec()];
     let records = std::fs::read(folder.path("scene.h5.checkpoint.replicas")).unwrap();
     let (mut refused, mut resumed) = (0, 0);
-    for case in 0..cases(24).min(2000) {
+    for case in 0..cases(16).min(2000) {
         std::fs::write(
             folder.path("scene.h5.checkpoint"),
             forged([identity, &damaged(&rest, case)].concat()),

@@ -25,9 +25,9 @@ struct Target {
 }
 
 const TARGETS: [Target; 3] = [
-    Target { name: "result", seeds: results, read: read_result, cases: 200 },
-    Target { name: "asperities", seeds: asperities, read: read_asperities, cases: 100 },
-    Target { name: "map", seeds: maps, read: read_map, cases: 200 },
+    Target { name: "result", seeds: results, read: read_result, cases: 100 },
+    Target { name: "asperities", seeds: asperities, read: read_asperities, cases: 60 },
+    Target { name: "map", seeds: maps, read: read_map, cases: 120 },
 ];
 
 /// Tells a process of this test what to read: target, folder, first case, end.

@@ -76,14 +76,13 @@ fn a_patch_of_a_billion_asperities_is_as_its_integral() {
 /// One replica that threads share.
 #[test]
 fn bits_do_not_depend_on_threads() {
-    bits_are_the_same("direct", "1");
     bits_are_the_same("moments", "1");
 }
 
-/// Two replicas that are shared in turn.
+/// Direct sums, and two replicas that are shared in turn.
 #[test]
 #[ignore = "slow: half a minute"]
-fn bits_of_two_replicas_do_not_depend_on_threads() {
+fn bits_of_direct_sums_and_of_two_replicas_do_not_depend_on_threads() {
     bits_are_the_same("direct", "2");
     bits_are_the_same("moments", "2");
 }

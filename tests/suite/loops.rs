@@ -154,16 +154,28 @@ fn contact_that_lasts_longer_pulls() {
 #[test]
 fn both_ways_agree_with_their_integral() {
     use UnloadedRadius::{Elastic, Kept};
-    for (name, law, thickness, radius) in [
-        ("I", "hybrid", 0.5e-9, Kept),
+    both_ways_agree([
         ("II", "hybrid", 0.5e-9, Kept),
-        ("III", "hybrid", 0.5e-9, Kept),
         ("III", "hybrid", 0.0, Kept),
+        ("I", "hybrid", 0.5e-9, Elastic),
+    ]);
+}
+
+#[test]
+#[ignore = "slow: five seconds"]
+fn both_ways_agree_with_their_integral_in_other_cases() {
+    use UnloadedRadius::{Elastic, Kept};
+    both_ways_agree([
+        ("I", "hybrid", 0.5e-9, Kept),
+        ("III", "hybrid", 0.5e-9, Kept),
         ("I", "isbl", 0.5e-9, Kept),
         ("III", "jkr", 0.0, Kept),
-        ("I", "hybrid", 0.5e-9, Elastic),
         ("II", "hybrid", 0.0, Elastic),
-    ] {
+    ]);
+}
+
+fn both_ways_agree<const N: usize>(cases: [(&str, &str, f64, UnloadedRadius); N]) {
+    for (name, law, thickness, radius) in cases {
         let (mut asperity, mut surface) = case(name);
         asperity.lubricant_thickness = thickness;
         surface.asperity_count = 1500;

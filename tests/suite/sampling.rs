@@ -144,10 +144,20 @@ fn naive(parts: &[CentralMoments; 16], expected: &[f64], y: usize) -> f64 {
 /// force by more than twice as many.
 #[test]
 fn means_with_controls_are_unbiased_and_the_naive_ones_are_not() {
+    means_with_controls_are_unbiased(|scheme| scheme == SamplingScheme::Independent);
+}
+
+#[test]
+#[ignore = "slow: five seconds"]
+fn means_with_controls_are_unbiased_by_other_schemes() {
+    means_with_controls_are_unbiased(|scheme| scheme != SamplingScheme::Independent);
+}
+
+fn means_with_controls_are_unbiased(of: fn(SamplingScheme) -> bool) {
     /// Of the scalars, with controls and by the naive estimate.
     type Means = (Vec<f64>, Vec<f64>);
     const ENSEMBLES: u64 = 10_000;
-    for (name, scheme) in SamplingScheme::ALL {
+    for (name, scheme) in SamplingScheme::ALL.into_iter().filter(|(_, scheme)| of(*scheme)) {
         let heights =
             if scheme == SamplingScheme::Independent { HeightLaw::Exponential } else { HeightLaw::Gaussian };
         let patch = Skewed::new("isbl", heights, 50, scheme, 4000, Controls::At(&[1, 3]));
@@ -306,8 +316,18 @@ fn controls_bring_what_the_docs_say() {
 /// all three; the seeds are fixed).
 #[test]
 fn controls_reduce_the_variance_by_what_is_told() {
+    controls_reduce_the_variance(|scheme| scheme != SamplingScheme::Stratified);
+}
+
+#[test]
+#[ignore = "slow: five seconds"]
+fn controls_reduce_the_variance_of_stratified_replicas() {
+    controls_reduce_the_variance(|scheme| scheme == SamplingScheme::Stratified);
+}
+
+fn controls_reduce_the_variance(of: fn(SamplingScheme) -> bool) {
     const ENSEMBLES: u64 = 4000;
-    for (name, scheme) in SamplingScheme::ALL {
+    for (name, scheme) in SamplingScheme::ALL.into_iter().filter(|(_, scheme)| of(*scheme)) {
         let patch = Skewed::new("isbl", HeightLaw::Gaussian, 1000, scheme, 1000, Controls::Chosen(80));
         let found = patch.ensembles(ENSEMBLES, 80, |_, means| means[0]);
         let variance = |of: fn(&ControlledMean) -> f64| {

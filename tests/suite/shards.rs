@@ -361,7 +361,7 @@ fn an_interrupted_shard_goes_on_to_the_same_bits() {
 
 #[test]
 fn an_interrupted_shard_of_a_sweep_goes_on_to_the_same_bits() {
-    let folder = Folder::new(&swept().replace("replicas = 83", "replicas = 640"));
+    let folder = Folder::new(&swept().replace("replicas = 83", "replicas = 320"));
     assert_exit(&folder.stiction(&["run", "scene.toml", "-o", "whole.h5"]), 0);
     shard(&folder, 1, 2, &["-o", "1.h5"]);
     let arguments = ["--shard", "2/2", "-o", "2.h5"];
@@ -370,7 +370,7 @@ fn an_interrupted_shard_of_a_sweep_goes_on_to_the_same_bits() {
     assert_exit(&output, 130);
     let info = folder.stiction(&["info", "2.h5"]);
     assert!(
-        text(&info.stdout).contains("320 of 320 are done; shard 2/2 has 320 to 639"),
+        text(&info.stdout).contains("160 of 160 are done; shard 2/2 has 160 to 319"),
         "{}",
         text(&info.stdout)
     );

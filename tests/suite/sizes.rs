@@ -58,11 +58,10 @@ fn is_estimated(name: &str, scene: &str) {
     assert!(size < estimate, "{name}: {estimate:e} of disk estimated, {size:e} taken");
 }
 
-/// Whatever it is that takes the memory: nothing, separations, curves, functionals, replicas.
+/// Whatever it is that takes the memory: nothing, separations with their curves, functionals, replicas.
 #[test]
 fn memory_is_estimated_within_a_factor_of_2() {
     is_estimated("little", &sized(739.0, 91, 200));
-    is_estimated("separations", &sized(50.0, 10_000, 64));
     is_estimated("all of the joint test", &sized(739.0, 256, 16));
     is_estimated("curves", &sized(50.0, 10_000, 64).replace("curves = false", "curves = true"));
     is_estimated("replicas", &far(&sized(8.0, 2, 300_000)));
@@ -73,10 +72,11 @@ fn memory_of_snaps_is_estimated_within_a_factor_of_2() {
     is_estimated("snaps", &snapping(&far(&sized(8.0, 2, 8_000))));
 }
 
-/// Asperities, few and many, direct and compressed.
+/// Asperities, few and many, direct and compressed; separations without curves.
 #[test]
 #[ignore = "slow: half a minute"]
 fn memory_of_asperities_is_estimated_within_a_factor_of_2() {
+    is_estimated("separations", &sized(50.0, 10_000, 64));
     is_estimated("asperities", &sized(1e6, 21, 24));
     is_estimated("compressed", &compressed(&sized(5e5, 91, 16)));
     is_estimated("fine steps", &compressed(&sized(7390.0, 800, 64)));

@@ -383,7 +383,7 @@ impl Study {
 /// all eight, where the shares are at the end of the range; the seeds are fixed).
 #[test]
 fn intervals_hold_what_they_say() {
-    const RUNS: u64 = 1500;
+    const RUNS: u64 = 750;
     for study in [
         Study::new("20, Gaussian", "isbl", HeightLaw::Gaussian, 20, 4000),
         Study::new("100, exponential", "hybrid", HeightLaw::Exponential, 100, 4000),

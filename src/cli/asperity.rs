@@ -1,13 +1,66 @@
 //! `stiction asperity`: one asperity in scaled variables, as CSV.
 
-use super::{AsperityArguments, Failure, print};
+use super::arguments::{not_negative, number};
+use super::failure::Failure;
+use super::terminal::print;
+use crate::asperity::Path as History;
 use crate::asperity::models::Model;
 use crate::asperity::scale::pressure_factor;
 use crate::asperity::{Law, LawError, LawParameters, Regime, SolvedAsperity, SolverStats};
 use crate::experiment::run::law_named;
 use crate::experiment::scene_file::read_text;
 use crate::scene::echo::shortened;
+use clap::Args;
 use std::path::Path;
+use std::path::PathBuf;
+
+#[derive(Args)]
+pub(super) struct AsperityArguments {
+    /// The law: hertz, jkr, dmt, idmt, md, md_kim, emd, ke, or any other that scenes know but fit:paper
+    #[arg(long)]
+    pub law: String,
+    /// Adhesion parameter
+    #[arg(long, required_unless_present = "table", conflicts_with = "table", allow_negative_numbers = true)]
+    pub lambda: Option<f64>,
+    /// Scaled approaches, negative before contact
+    #[arg(long, num_args = 1.., required_unless_present = "table", conflicts_with = "table", allow_negative_numbers = true)]
+    pub delta: Vec<f64>,
+    /// CSV with the columns lambda,delta
+    #[arg(long, value_name = "IN.csv")]
+    pub table: Option<PathBuf>,
+    /// History: approach or retraction
+    #[arg(long, default_value = "approach", value_parser = history)]
+    pub path: History,
+    /// Scaled critical interference; without it the asperity stays elastic
+    #[arg(long, value_name = "OMEGA_C", value_parser = positive, allow_negative_numbers = true)]
+    pub critical_interference: Option<f64>,
+    /// Poisson ratio of the softer body, which the fully plastic load needs
+    #[arg(long, value_name = "NU", value_parser = poisson_ratio, allow_negative_numbers = true)]
+    pub poisson_ratio: Option<f64>,
+    /// Scaled thickness of the lubricant
+    #[arg(long, value_name = "T", value_parser = not_negative, default_value = "0", allow_negative_numbers = true)]
+    pub lubricant_thickness: f64,
+    /// Adds the columns iterations (evaluations of the equations) and safeguarded (1 where the search took a
+    /// bracket)
+    #[arg(long)]
+    pub diagnostics: bool,
+    /// Largest |delta| that starting tables are made for; without it every solve is safeguarded
+    #[arg(long, value_name = "DELTA", value_parser = positive, requires = "diagnostics", allow_negative_numbers = true)]
+    pub tables: Option<f64>,
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    number(text, |value| value > 0.0, "a positive number is needed")
+}
+
+fn poisson_ratio(text: &str) -> Result<f64, String> {
+    number(text, |value| value > -1.0 && value <= 0.5, "a number greater than -1 and at most 0.5 is needed")
+}
+
+fn history(name: &str) -> Result<History, String> {
+    let known = History::ALL.iter().find(|(known, _)| *known == name);
+    known.map(|(_, path)| *path).ok_or_else(|| "known: approach, retraction".to_owned())
+}
 
 /// Longest table that is read, bytes: some million rows.
 const LONGEST_TABLE: u64 = 256 << 20;

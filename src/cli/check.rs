@@ -1,30 +1,32 @@
 //! `stiction check`: what a scene would compute.
 
 use super::describe::{beyond, facts, heading, regimes, skipped, title};
+use super::failure::Failure;
+use super::resources;
 use super::rows::{paragraph, row};
-use super::session::thread_pool;
 use super::sweep::described;
-use super::{Failure, law_of, loop_of, print, read_document, resources};
+use super::terminal::print;
 use crate::asperity::{Laws, Loop};
 use crate::estimate::{Estimate, Plan};
+use crate::experiment::Error;
 use crate::experiment::integral::Integral;
+use crate::experiment::prepared::{SceneLaws, thread_pool};
 use crate::format::{bytes, duration};
 use crate::scene::{Document, Scene, Sweep, Warning, warnings};
 use std::path::Path;
 
 pub(super) fn check(path: &Path) -> Result<(), Failure> {
-    let threads = thread_pool(None)?;
+    let threads = thread_pool(0)?;
     print(&threads.install(|| checked(path))?)
 }
 
 /// What a scene or a sweep would compute.
 fn checked(path: &Path) -> Result<String, Failure> {
-    let Document { scene, sweep } = read_document(path)?;
+    let Document { scene, sweep } = Document::from_toml_file(path)?;
     if let Some(sweep) = sweep {
         return check_sweep(&sweep, &scene, path);
     }
-    let law = law_of(&scene, &scene.model, path)?;
-    let cycle = loop_of(&scene, path)?;
+    let SceneLaws { law, cycle } = SceneLaws::new(&scene).map_err(|error| error.in_scene(path))?;
     let plan = Plan::new(&scene, law.view());
     let mut text = heading(&scene);
     text += &skipped(&plan);
@@ -46,7 +48,7 @@ fn checked(path: &Path) -> Result<String, Failure> {
 
 /// What a sweep would compute: its first point, and what all of them take.
 fn check_sweep(sweep: &Sweep, first: &Scene, path: &Path) -> Result<String, Failure> {
-    let law = law_of(first, &first.model, path)?;
+    let law = SceneLaws::new(first).map_err(|error| error.in_scene(path))?.law;
     let plan = Plan::new(first, law.view());
     let mut text = title(first) + &described(sweep) + "first point\n" + &facts(first);
     text += &(skipped(&plan) + &beyond(&plan) + &regimes(&plan, first.surface.asperity_count as f64));
@@ -57,14 +59,15 @@ fn check_sweep(sweep: &Sweep, first: &Scene, path: &Path) -> Result<String, Fail
     for point in 0..sweep.count() {
         let named = |problem: String| Failure::Usage(format!("{}: {problem}", path.display()));
         let scene = sweep.scene(point).map_err(|error| named(error.to_string()))?;
-        let at = |failure| Failure::AtPoint { point: sweep.name(point), failure: Box::new(failure) };
-        let law = law_of(&scene, &scene.model, path).map_err(at)?;
+        let SceneLaws { law, cycle } = SceneLaws::new(&scene).map_err(|error| Error::AtPoint {
+            point: sweep.name(point),
+            error: Box::new(error.in_scene(path)),
+        })?;
         let estimate = Estimate::new(&scene, law.view(), threads());
         for (sum, threads) in seconds.iter_mut().zip([estimate.threads, 1.0]) {
             *sum += Estimate { threads, ..estimate }.seconds().iter().sum::<f64>();
         }
         largest = if largest.memory() < estimate.memory() { estimate } else { largest };
-        let cycle = loop_of(&scene, path).map_err(at)?;
         for warning in warnings_of(&scene, law.view(), cycle.as_ref()) {
             // Findings say the numbers of their point; what is the matter is the same.
             match warned.iter_mut().find(|(known, _)| known.explanation() == warning.explanation()) {

@@ -1,11 +1,15 @@
 //! `stiction finite-size`: how big is big enough for the integral.
 
+use super::arguments::{RunOptions, named};
+use super::failure::Failure;
 use super::rows::row;
 use super::session::{Session, points};
-use super::{Failure, FiniteSizeArguments, print_of, read_scene};
-use crate::experiment;
+use super::terminal::print_of;
+use crate::experiment::Error;
 use crate::experiment::files::inputs_of;
-use crate::experiment::finite_size::{FiniteSize, PatchSize, compare_sizes, sweep_of_sizes};
+use crate::experiment::finite_size::{
+    FiniteSize, LARGEST, MOST_SIZES, PatchSize, check_counts, compare_sizes, sweep_of_sizes,
+};
 use crate::format::{bound, percent, si, signed_percent};
 use crate::output::OutputLock;
 use crate::output::columns::SceneFiles;
@@ -14,13 +18,23 @@ use crate::scene::echo::one_line;
 use crate::scene::files::Files;
 use crate::validation::finite_size::{ACCURACIES, Reached};
 use crate::validation::{SIGNIFICANCE, overall};
+use clap::Args;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// Most numbers of asperities of one command.
-const MOST: usize = 100;
-/// Asperities of a patch at most.
-const LARGEST: f64 = 1e10;
+#[derive(Args)]
+pub(super) struct FiniteSizeArguments {
+    /// The scene, TOML; its nominal_area does not count
+    pub scene: PathBuf,
+    /// Numbers of asperities, separated by commas; FROM:TO:COUNT stands for so many, spaced by equal factors
+    #[arg(long, value_name = "N,N...", default_value = "10:1e6:11")]
+    pub counts: String,
+    /// Where the result goes; by default the scene's name with _finite_size.h5, in the current folder
+    #[arg(short, long, value_name = "FILE.h5")]
+    pub output: Option<PathBuf>,
+    #[command(flatten)]
+    pub options: RunOptions,
+}
 
 pub(super) fn finite_size(arguments: &FiniteSizeArguments) -> Result<(), Failure> {
     let counts = counts(&arguments.counts).map_err(|problem| {
@@ -29,11 +43,11 @@ pub(super) fn finite_size(arguments: &FiniteSizeArguments) -> Result<(), Failure
             one_line(&arguments.counts)
         ))
     })?;
-    let scene = read_scene(&arguments.scene)?;
-    let output = output_of(arguments);
+    let scene = Scene::from_toml_file(&arguments.scene)?;
+    let output = arguments.output.clone().unwrap_or_else(|| named(&arguments.scene, "_finite_size.h5"));
     let session = Session::new(&arguments.options.execution, arguments.options.checkpoint)?;
     let files: Arc<dyn Files> = Arc::new(SceneFiles::scene(&arguments.scene));
-    let refused = |error: experiment::Error| error.in_scene(&arguments.scene);
+    let refused = |error: Error| error.in_scene(&arguments.scene);
     let sweep = sweep_of_sizes(&scene, &counts, &files).map_err(refused)?;
     let lock = OutputLock::new(&output, &inputs_of(&arguments.scene, &scene))?;
     let points = points(&sweep, &arguments.scene, &lock, &arguments.options, &session, None);
@@ -48,20 +62,12 @@ pub(super) fn finite_size(arguments: &FiniteSizeArguments) -> Result<(), Failure
     }
 }
 
-fn output_of(arguments: &FiniteSizeArguments) -> PathBuf {
-    arguments.output.clone().unwrap_or_else(|| {
-        let mut name = arguments.scene.file_stem().unwrap_or_default().to_owned();
-        name.push("_finite_size.h5");
-        PathBuf::from(name)
-    })
-}
-
 /// Numbers of asperities, rising, from a list of numbers and of ranges `from:to:count`.
 fn counts(text: &str) -> Result<Vec<u64>, String> {
     let number = |text: &str| {
         let count: Option<f64> = text.trim().parse().ok();
-        let whole = count.filter(|count| (1.0..=LARGEST).contains(count) && count.fract() == 0.0);
-        whole.ok_or_else(|| format!("`{}` is no whole number from 1 to {LARGEST:e}", one_line(text)))
+        let whole = count.filter(|count| (1.0..=LARGEST as f64).contains(count) && count.fract() == 0.0);
+        whole.ok_or_else(|| format!("`{}` is no whole number from 1 to {:e}", one_line(text), LARGEST as f64))
     };
     let mut counts = Vec::new();
     for item in text.split(',') {
@@ -69,8 +75,8 @@ fn counts(text: &str) -> Result<Vec<u64>, String> {
             [one] => counts.push(number(one)? as u64),
             [from, to, count] => {
                 let (from, to, count) = (number(from)?, number(to)?, number(count)? as usize);
-                if !(to > from && (2..=MOST).contains(&count)) {
-                    return Err(format!("a range rises, and has 2 to {MOST} numbers"));
+                if !(to > from && (2..=MOST_SIZES).contains(&count)) {
+                    return Err(format!("a range rises, and has 2 to {MOST_SIZES} numbers"));
                 }
                 let spaced =
                     |i: usize| (from * libm::pow(to / from, i as f64 / (count - 1) as f64)).round() as u64;
@@ -81,10 +87,7 @@ fn counts(text: &str) -> Result<Vec<u64>, String> {
     }
     counts.sort_unstable();
     counts.dedup();
-    match counts.len() {
-        2..=MOST => Ok(counts),
-        other => Err(format!("{other} different numbers; 2 to {MOST} are needed")),
-    }
+    check_counts(&counts).map(|()| counts)
 }
 
 fn summary(scene: &Scene, study: &FiniteSize) -> String {

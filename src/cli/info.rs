@@ -1,7 +1,8 @@
 //! `stiction info`: what is in a result, in a shard, or in the checkpoint of a run that was interrupted.
 
+use super::failure::Failure;
 use super::rows::row;
-use super::{Failure, print};
+use super::terminal::print;
 use crate::format::{duration, replicas as shown};
 use crate::output::identity::Identity;
 use crate::output::partial::{Partial, is_checkpoint};

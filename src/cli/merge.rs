@@ -1,11 +1,13 @@
 //! `stiction merge`: the shards of a run put together into the result of one run of all.
 
+use super::arguments::Execution;
+use super::failure::Failure;
 use super::progress::Progress;
 use super::rows::row;
 use super::session::Session;
 use super::summary::summary;
 use super::sweep::told;
-use super::{Failure, MergeArguments, print_of};
+use super::terminal::print_of;
 use crate::experiment::checkpoint::OverwritePolicy;
 use crate::experiment::files::inputs_of;
 use crate::experiment::merge::Merge;
@@ -13,7 +15,27 @@ use crate::experiment::points::Points;
 use crate::experiment::prepared::Task;
 use crate::experiment::shard_set::ShardSet;
 use crate::output::OutputLock;
+use clap::Args;
+use std::path::PathBuf;
 use std::time::Duration;
+
+#[derive(Args)]
+pub(super) struct MergeArguments {
+    /// All shards of a run, in any order
+    #[arg(required = true, value_name = "SHARD")]
+    pub shards: Vec<PathBuf>,
+    /// Where the result goes
+    #[arg(short, long, value_name = "FILE.h5")]
+    pub output: PathBuf,
+    /// Merge the shards that are there, although some are missing or not finished
+    #[arg(long)]
+    pub partial: bool,
+    /// The scene, if it takes values from other files and is no more where the shards were computed
+    #[arg(long, value_name = "SCENE.toml")]
+    pub scene: Option<PathBuf>,
+    #[command(flatten)]
+    pub execution: Execution,
+}
 
 pub(super) fn merge(arguments: &MergeArguments) -> Result<(), Failure> {
     let MergeArguments { shards, output, partial, scene, .. } = arguments;

@@ -1,18 +1,20 @@
 //! `stiction run` of one scene: from there to a checked file and a summary.
 
+use super::arguments::RunArguments;
+use super::failure::Failure;
 use super::progress::Progress;
 use super::session::Session;
 use super::summary::summary;
-use super::{Failure, RunArguments, print_of, read_document, shard, sweep};
+use super::terminal::print_of;
+use super::{shard, sweep};
 use crate::experiment::files::inputs_of;
 use crate::experiment::prepared::{SceneLaws, Task, run_scene};
 use crate::experiment::sampling::set_ensemble;
 use crate::output::OutputLock;
 use crate::scene::Document;
-use std::path::PathBuf;
 
 pub(super) fn run(arguments: &RunArguments) -> Result<(), Failure> {
-    let document = read_document(&arguments.scene)?;
+    let document = Document::from_toml_file(&arguments.scene)?;
     if let Some(shard) = arguments.shard {
         return shard::run(shard, document, arguments);
     }
@@ -21,7 +23,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<(), Failure> {
         return sweep::run(&sweep, &scene, arguments);
     }
     set_ensemble(&mut scene, arguments.options.replicas, arguments.options.seed)?;
-    let output = output_of(arguments);
+    let output = arguments.output(".h5");
     let session = Session::new(&arguments.options.execution, arguments.options.checkpoint)?;
     let lock = OutputLock::new(&output, &inputs_of(&arguments.scene, &scene))?;
     let policy = arguments.options.policy();
@@ -35,13 +37,5 @@ pub(super) fn run(arguments: &RunArguments) -> Result<(), Failure> {
             eprintln!("{} is complete: nothing to resume", output.display());
             Ok(())
         }
-    }
-}
-
-/// The output that the arguments name, or that of the scene's name.
-pub(super) fn output_of(arguments: &RunArguments) -> PathBuf {
-    match &arguments.output {
-        Some(output) => output.clone(),
-        None => PathBuf::from(arguments.scene.file_stem().unwrap_or_default()).with_extension("h5"),
     }
 }

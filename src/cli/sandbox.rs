@@ -4,7 +4,8 @@
 //! structure is broken. So the program runs itself once more, with limits on time and memory, and says in a
 //! line what became of that.
 
-use super::{Failure, print};
+use super::failure::Failure;
+use super::terminal::print;
 use crate::format::bytes;
 use anyhow::{Context, anyhow};
 use std::io::Read;

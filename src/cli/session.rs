@@ -1,11 +1,14 @@
 //! Sessions of commands that compute: threads, interruptions, what experiments ask of the terminal.
 
+use super::arguments::{Execution, RunOptions};
+use super::failure::Failure;
 use super::progress::Progress;
-use super::{Execution, Failure, RunOptions, resources};
+use super::resources;
 use crate::engine::Shard;
 use crate::estimate::Estimate;
 use crate::experiment::points::Points;
-use crate::experiment::{Host, Observer, prepared};
+use crate::experiment::prepared::{self, thread_pool};
+use crate::experiment::{Host, Observer};
 use crate::output::OutputLock;
 use crate::scene::Sweep;
 use anyhow::Context;
@@ -32,7 +35,7 @@ impl Session {
     /// Begins the session of a command by its arguments.
     pub fn new(execution: &Execution, interval: Duration) -> Result<Self, Failure> {
         let stop = interruption()?;
-        let (pool, host) = (thread_pool(execution.threads)?, Box::new(Terminal { quiet: execution.quiet }));
+        let (pool, host) = (thread_pool(execution.threads())?, Box::new(Terminal { quiet: execution.quiet }));
         let shared = prepared::Session { stop, pool, interval, host };
         Ok(Self { shared, quiet: execution.quiet })
     }
@@ -76,15 +79,6 @@ pub(super) fn points<'a>(
 ) -> Points<'a> {
     let (policy, replicas, seed) = (options.policy(), options.replicas, options.seed);
     Points { sweep, source, session, lock, policy, replicas, seed, shard }
-}
-
-/// So many threads, or one per core.
-pub(super) fn thread_pool(count: Option<u16>) -> Result<rayon::ThreadPool, Failure> {
-    let mut threads = rayon::ThreadPoolBuilder::new();
-    if let Some(count) = count {
-        threads = threads.num_threads(usize::from(count));
-    }
-    Ok(threads.build().context("cannot start threads")?)
 }
 
 /// Signals that come so soon after the first are one with it: `timeout`, for one, sends its signal to the

@@ -1,9 +1,11 @@
 //! `stiction run --shard`: a shard of a run, for `stiction merge`.
 
+use super::arguments::RunArguments;
+use super::failure::Failure;
 use super::progress::Progress;
 use super::rows::row;
 use super::session::{Session, points};
-use super::{Failure, RunArguments, print_of};
+use super::terminal::print_of;
 use crate::engine::Shard;
 use crate::experiment::files::inputs_of;
 use crate::experiment::sampling::set_ensemble;
@@ -13,10 +15,11 @@ use crate::output::OutputLock;
 use crate::output::shard_file::Piece;
 use crate::scene::echo::one_line;
 use crate::scene::{Document, Scene, Sweep};
-use std::path::PathBuf;
 
 pub(super) fn run(shard: Shard, document: Document, arguments: &RunArguments) -> Result<(), Failure> {
-    let output = output_of(shard, arguments);
+    let Shard { index, count } = shard;
+    let width = count.to_string().len();
+    let output = arguments.output(&format!(".{index:0width$}-of-{count}.shard"));
     let Document { mut scene, sweep } = document;
     set_ensemble(&mut scene, arguments.options.replicas, arguments.options.seed)?;
     if scene.stopping.is_some() {
@@ -42,17 +45,6 @@ pub(super) fn run(shard: Shard, document: Document, arguments: &RunArguments) ->
             Ok(())
         }
     }
-}
-
-/// The output that the arguments name, or that of the scene's name.
-fn output_of(shard: Shard, arguments: &RunArguments) -> PathBuf {
-    arguments.output.clone().unwrap_or_else(|| {
-        let Shard { index, count } = shard;
-        let width = count.to_string().len();
-        let mut name = arguments.scene.file_stem().unwrap_or_default().to_owned();
-        name.push(format!(".{index:0width$}-of-{count}.shard"));
-        PathBuf::from(name)
-    })
 }
 
 /// The summary of a shard of a scene, or of so many points.

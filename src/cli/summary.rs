@@ -75,8 +75,7 @@ fn place(results: &Results, extremum: &Extremum) -> String {
 
 /// Mean and standard deviation of a scalar of the replicas.
 pub(super) fn moments(replicas: &[Replica], scalar: fn(&Replica) -> f64) -> (f64, f64) {
-    let mut moments = Moments::new(1);
-    replicas.iter().for_each(|replica| moments.push(&[scalar(replica)]));
+    let moments = Moments::of(replicas.iter().map(scalar));
     (moments.mean()[0], moments.std()[0])
 }
 

@@ -1,35 +1,32 @@
 //! `stiction run` of a sweep: its points, one file of them all, and a table.
 
+use super::arguments::RunArguments;
+use super::failure::Failure;
 use super::rows::row;
-use super::run::output_of;
 use super::session::{Session, points};
-use super::{Failure, RunArguments, print_of};
+use super::terminal::print_of;
 use crate::experiment::files::inputs_of;
 use crate::experiment::points::Points;
-use crate::experiment::stacked::{SweepPoint, stacked};
+use crate::experiment::stacked::{SweepPoint, run_sweep};
 use crate::format::si;
 use crate::output::OutputLock;
-use crate::output::schema::SWEEP;
 use crate::scene::echo::one_line;
 use crate::scene::{Scene, Sweep};
 use crate::validation::{SIGNIFICANCE, Verdict, disagreeing, overall};
 use std::path::Path;
 
 pub(super) fn run(sweep: &Sweep, first: &Scene, arguments: &RunArguments) -> Result<(), Failure> {
-    let output = output_of(arguments);
+    let output = arguments.output(".h5");
     let session = Session::new(&arguments.options.execution, arguments.options.checkpoint)?;
     let lock = OutputLock::new(&output, &inputs_of(&arguments.scene, first))?;
     let points = points(sweep, &arguments.scene, &lock, &arguments.options, &session, None);
-    points.require()?;
-    let identity = points.identity(sweep.source())?;
-    if !points.begin(&SWEEP, &identity)? {
-        eprintln!("{} is complete: nothing to resume", output.display());
-        return Ok(());
+    match run_sweep(&points)? {
+        Some(rows) => print_of(&output, &told(&points, &rows)?),
+        None => {
+            eprintln!("{} is complete: nothing to resume", output.display());
+            Ok(())
+        }
     }
-    points.compute(0..sweep.count())?;
-    let rows = stacked(&points, &identity, false).map_err(|error| points.kept(error))?;
-    points.clear()?;
-    print_of(&output, &told(&points, &rows)?)
 }
 
 /// The summary of a sweep that is complete.

@@ -4,10 +4,9 @@ use super::Error;
 use super::checkpoint::OverwritePolicy;
 use super::finite_size::{FiniteSize, compare_sizes, sweep_of_sizes};
 use super::points::Points;
-use super::prepared::Session;
-use super::stacked::{SweepPoint, stacked};
+use super::prepared::{Session, thread_pool};
+use super::stacked::{SweepPoint, run_sweep};
 use crate::output::columns::SceneFiles;
-use crate::output::schema::SWEEP;
 use crate::output::{OutputError, OutputLock};
 use crate::scene::files::Files;
 use crate::scene::{Document, Scene, Sweep};
@@ -41,15 +40,7 @@ pub fn sweep(scene: impl AsRef<Path>, output: impl AsRef<Path>) -> Result<Vec<Sw
     let session = session(0)?;
     let lock = OutputLock::new(output, &inputs_of(source, &scene))?;
     let points = points(&sweep, source, &session, &lock);
-    points.require()?;
-    let identity = points.identity(sweep.source())?;
-    if !points.begin(&SWEEP, &identity)? {
-        return Err(OutputError::Exists(output.to_owned()).into());
-    }
-    points.compute(0..sweep.count())?;
-    let rows = stacked(&points, &identity, false).map_err(|error| points.kept(error))?;
-    points.clear()?;
-    Ok(rows)
+    run_sweep(&points)?.ok_or_else(|| OutputError::Exists(output.to_owned()).into())
 }
 
 /// Compares patches of several numbers of asperities, rising, with the integral, into one file, on all cores.
@@ -85,8 +76,7 @@ pub fn finite_size(
 
 /// A session on so many threads, or one for each core with 0, that nobody watches.
 pub(super) fn session(threads: usize) -> Result<Session, Error> {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
-    Ok(Session { stop: Arc::default(), pool, interval: INTERVAL, host: Box::new(()) })
+    Ok(Session { stop: Arc::default(), pool: thread_pool(threads)?, interval: INTERVAL, host: Box::new(()) })
 }
 
 fn points<'a>(sweep: &'a Sweep, source: &'a Path, session: &'a Session, lock: &'a OutputLock) -> Points<'a> {

@@ -4,7 +4,7 @@ use super::Error;
 use super::integral::PathIntegral;
 use super::points::Points;
 use super::prepared::SceneLaws;
-use super::record::{write_about, write_model};
+use super::record::{write_about, write_model, write_parameters};
 use crate::output::OutputError;
 use crate::output::identity::Identity;
 use crate::output::reader::Reader;
@@ -15,6 +15,11 @@ use crate::scene::{Scene, Sweep};
 use crate::validation::finite_size::{ACCURACIES, Approach, QUANTILES, Reached, Refusal, Scatter};
 use std::path::Path;
 use std::sync::Arc;
+
+/// Numbers of asperities that are compared at most.
+pub(crate) const MOST_SIZES: usize = 100;
+/// Asperities of a patch at most.
+pub(crate) const LARGEST: u64 = 10_000_000_000;
 
 /// Asperities of a patch that tells the density to more digits than any other has.
 const PROBE: f64 = 1e11;
@@ -41,9 +46,26 @@ fn refuse(scene: &Scene) -> Result<(), &'static str> {
 /// as good.
 ///
 /// # Errors
-/// [`Error::NotFor`] for a scene that has no patches of every size, or not as many replicas of each.
+/// [`Error::NotFor`] for a scene that has no patches of every size, or not as many replicas of each, and for
+/// numbers of asperities that [`check_counts`] refuses.
 pub(crate) fn sweep_of_sizes(scene: &Scene, counts: &[u64], files: &Arc<dyn Files>) -> Result<Sweep, Error> {
-    refuse(scene).map_err(str::to_owned).and_then(|()| sizes(scene, counts, files)).map_err(Error::NotFor)
+    let refused = refuse(scene).map_err(str::to_owned).and_then(|()| check_counts(counts));
+    refused.and_then(|()| sizes(scene, counts, files)).map_err(Error::NotFor)
+}
+
+/// Refuses numbers of asperities that do not rise, are too few or too many, or are out of range.
+pub(crate) fn check_counts(counts: &[u64]) -> Result<(), String> {
+    if !(2..=MOST_SIZES).contains(&counts.len()) {
+        return Err(format!(
+            "{} different numbers of asperities; 2 to {MOST_SIZES} are needed",
+            counts.len()
+        ));
+    }
+    match counts.iter().find(|count| !(1..=LARGEST).contains(count)) {
+        Some(count) => Err(format!("{count} asperities; a patch has 1 to {:e}", LARGEST as f64)),
+        None if counts.is_sorted_by(|a, b| a < b) => Ok(()),
+        None => Err("the numbers of asperities do not rise".to_owned()),
+    }
 }
 
 fn sizes(scene: &Scene, counts: &[u64], files: &Arc<dyn Files>) -> Result<Sweep, String> {
@@ -180,12 +202,7 @@ fn write(points: &Points<'_>, identity: &Identity, study: &FiniteSize) -> Result
     let mut writer = Writer::create(&FINITE_SIZE, points.lock, points.policy.force)?;
     write_about(&writer, &first.title, &identity.scene)?;
     write_model(&writer, &first, identity.seed)?;
-    writer.number("/", "adhesion_parameter", first.scale().lambda)?;
-    writer.number(
-        "/",
-        "plasticity_index",
-        first.asperity.plasticity_index(first.surface.surface_height_std),
-    )?;
+    write_parameters(&writer, &first)?;
     let FiniteSize { integral, sizes, approach, reached } = study;
     writer.scale(Dimension::AsperityCount, &of_sizes(sizes, |size| size.count));
     writer.scale(Dimension::Replica, &(0..sizes[0].pull_off.len() as u64).collect::<Vec<u64>>());

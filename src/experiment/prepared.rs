@@ -36,6 +36,14 @@ pub(crate) struct Session {
     pub host: Box<dyn Host>,
 }
 
+/// So many threads, or one per core with 0.
+///
+/// # Errors
+/// [`Error::Threads`].
+pub(crate) fn thread_pool(threads: usize) -> Result<ThreadPool, Error> {
+    Ok(rayon::ThreadPoolBuilder::new().num_threads(threads).build()?)
+}
+
 /// One scene and where its result goes.
 pub(crate) struct Task<'a> {
     /// The output, as the user names it.

@@ -111,6 +111,13 @@ pub(crate) fn write_model(writer: &Writer<'_>, scene: &Scene, seed: u64) -> Resu
     writer.text("/", "sampling", scene.sampling.name())
 }
 
+/// Writes the parameters that say by which models the asperities can be described.
+pub(crate) fn write_parameters(writer: &Writer<'_>, scene: &Scene) -> Result<(), OutputError> {
+    writer.number("/", "adhesion_parameter", scene.scale().lambda)?;
+    let index = scene.asperity.plasticity_index(scene.surface.surface_height_std);
+    writer.number("/", "plasticity_index", index)
+}
+
 /// Writes what made the file, the scene, its numbers and its separations.
 pub(crate) fn write_scene(writer: &mut Writer<'_>, scene: &Scene) -> Result<(), OutputError> {
     write_about(writer, &scene.title, &scene.text)?;
@@ -118,12 +125,7 @@ pub(crate) fn write_scene(writer: &mut Writer<'_>, scene: &Scene) -> Result<(), 
     if scene.cycle {
         writer.text("/", "unloaded_radius", scene.unloaded_radius.name())?;
     }
-    writer.number("/", "adhesion_parameter", scene.scale().lambda)?;
-    writer.number(
-        "/",
-        "plasticity_index",
-        scene.asperity.plasticity_index(scene.surface.surface_height_std),
-    )?;
+    write_parameters(writer, scene)?;
     writer.number("/", "critical_interference", scene.asperity.critical_interference())?;
     if let Some(critical_approach) = scene.critical_approach {
         writer.number("/", "critical_approach", critical_approach)?;

@@ -110,9 +110,7 @@ impl<'a> Snaps<'a> {
     /// Mean and standard deviation of the pull-off after a turn, over the replicas that turn, and how many
     /// these are.
     pub fn pull_off(&self, turn: usize) -> (f64, f64, u64) {
-        let mut moments = Moments::new(1);
-        let forces = self.column(turn + 1);
-        forces.values().filter(|force| !force.is_nan()).for_each(|force| moments.push(&[force]));
+        let moments = Moments::of(self.column(turn + 1).values().filter(|force| !force.is_nan()));
         let mean = if moments.count() == 0 { f64::NAN } else { moments.mean()[0] };
         (mean, moments.std()[0], moments.count())
     }

@@ -18,6 +18,23 @@ use crate::validation::{Difference, SIGNIFICANCE, overall};
 use std::path::Path;
 use std::sync::atomic::Ordering;
 
+/// Computes the points and puts them together into the output: what each has to say, or none where the output
+/// was complete.
+///
+/// # Errors
+/// [`Error`]; points that are done are kept beside the output.
+pub(crate) fn run_sweep(points: &Points<'_>) -> Result<Option<Vec<SweepPoint>>, Error> {
+    points.require()?;
+    let identity = points.identity(points.sweep.source())?;
+    if !points.begin(&SWEEP, &identity)? {
+        return Ok(None);
+    }
+    points.compute(0..points.sweep.count())?;
+    let rows = stacked(points, &identity, false).map_err(|error| points.kept(error))?;
+    points.clear()?;
+    Ok(Some(rows))
+}
+
 /// Puts the points together into the output, all that there are of a `partial` sweep: what each has to say.
 pub(crate) fn stacked(
     points: &Points<'_>,

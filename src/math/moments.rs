@@ -16,6 +16,18 @@ impl Moments {
         Self { count: 0, mean: vec![0.0; length], squares: vec![0.0; length] }
     }
 
+    /// The moments of numbers.
+    pub fn of(numbers: impl Iterator<Item = f64>) -> Self {
+        let mut moments = Self::new(1);
+        numbers.for_each(|number| moments.push(&[number]));
+        moments
+    }
+
+    /// The moments of the means of groups of so many neighbours; an incomplete group does not count.
+    pub fn of_groups(numbers: &[f64], group: usize) -> Self {
+        Self::of(numbers.chunks_exact(group).map(|group| group.iter().sum::<f64>() / group.len() as f64))
+    }
+
     /// Adds one sample of the same length.
     pub fn push(&mut self, sample: &[f64]) {
         self.count += 1;

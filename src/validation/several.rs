@@ -54,9 +54,7 @@ impl Difference {
     /// it is 0.
     pub fn new(first: &[f64], other: &[f64], group: usize, common: bool, rounding: f64) -> Self {
         let squared_error = |values: &[f64]| {
-            let mut moments = Moments::new(1);
-            let groups = values.chunks_exact(group);
-            groups.for_each(|group| moments.push(&[group.iter().sum::<f64>() / group.len() as f64]));
+            let moments = Moments::of_groups(values, group);
             (moments.mean()[0], moments.standard_error()[0].powi(2))
         };
         let [(mean_of_first, first_squared), (mean_of_other, other_squared)] =

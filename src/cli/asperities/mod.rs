@@ -1,49 +1,28 @@
 //! `stiction asperities`: from a measured height map to its asperities.
 
+mod arguments;
 mod record;
 mod summary;
+mod surface;
 
+pub(super) use arguments::AsperitiesArguments;
+
+use self::surface::surface;
+use super::failure::Failure;
+use super::resources;
 use super::sandbox::{is_sandboxed, sandboxed_within};
-use super::{AsperitiesArguments, Failure, print, print_of, resources};
-use crate::format::si;
+use super::terminal::{print, print_of};
+use crate::experiment::Error;
 use crate::output::OutputLock;
-use crate::output::maps::{self, MOST_PIXELS, MapFormat, RawMap};
+use crate::output::maps::{self, MOST_PIXELS, MapFormat};
 use crate::output::schema::ASPERITIES;
 use crate::output::writer::Writer;
-use crate::scene::echo::shortened;
-use crate::surface::map::{Asperities, HeightMap, MapError};
-use std::ops::RangeInclusive;
-use std::path::Path;
 
 /// Bytes that a pixel takes at most while a map is read, levelled and searched.
 const PIXEL: f64 = 24.0;
 /// Longest that an HDF5 file may keep a processor busy until its map is read, s; the largest, deflated, takes
 /// some 8.
 const PROCESSOR_SECONDS: u64 = 40;
-
-/// Root mean square slopes of surfaces, polished optics and torn ones included: others come of a wrong unit.
-const SLOPES: RangeInclusive<f64> = 1e-7..=10.0;
-/// The range of most surfaces.
-const USUAL_SLOPES: RangeInclusive<f64> = 1e-4..=1.0;
-/// Units that heights may be in.
-const UNITS: [&str; 5] = ["m", "mm", "um", "nm", "pm"];
-
-/// Sizes that differ by less, relatively, are the same.
-const ALIKE: f64 = 1e-6;
-
-/// A measured surface and what was found on it.
-struct Surface<'a> {
-    arguments: &'a AsperitiesArguments,
-    /// The kind of file, the dataset that was read included.
-    source: String,
-    /// Rows and columns.
-    shape: [usize; 2],
-    /// Height and width of a pixel, m.
-    pixel: [f64; 2],
-    missing: usize,
-    asperities: Asperities,
-    caveats: Vec<String>,
-}
 
 pub(super) fn asperities(arguments: &AsperitiesArguments) -> Result<(), Failure> {
     let (map, output) = (&arguments.map, arguments.output.as_ref());
@@ -63,103 +42,11 @@ pub(super) fn asperities(arguments: &AsperitiesArguments) -> Result<(), Failure>
             record::write(&mut writer, &surface)?;
             writer.finish()
         });
-        written.map_err(|error| Failure::not_written(error, lock.output()))?;
+        written.map_err(|error| Error::NotWritten(error.writing(lock.output())))?;
     }
     let text = summary::summary(&surface);
     match output {
         Some(output) => print_of(output, &text),
         None => print(&text),
     }
-}
-
-/// Reads and levels the map, and finds its asperities.
-fn surface(arguments: &AsperitiesArguments, most: u64) -> Result<Surface<'_>, Failure> {
-    let path = &arguments.map;
-    let raw = maps::read(path, arguments.dataset.as_deref(), most)?;
-    let (pixel, other_pixel) = pixel(path, arguments.pixel, &raw)?;
-    let (unit, other_unit) = height_unit(path, arguments.height_unit, &raw)?;
-    let format = MapFormat::of(path)?.name();
-    let source =
-        raw.dataset.as_ref().map_or(format.to_owned(), |dataset| format!("{format}, dataset {dataset}"));
-    let refused = |error: MapError| Failure::Usage(format!("{}: {error}", path.display()));
-    let shape = raw.shape;
-    let heights = raw.heights.into_iter().map(|height| height * unit).collect();
-    let measured = HeightMap::new(heights, shape, pixel).map_err(refused)?;
-    let flaws = measured.flaws();
-    let levelled = measured.levelled(arguments.level).map_err(refused)?;
-    let asperities = Asperities::new(&levelled).map_err(refused)?;
-    let missing = levelled.missing();
-    let first = other_pixel.into_iter().chain(other_unit).chain(wrong_unit(&asperities, unit));
-    let caveats = first.chain(asperities.caveats(pixel)).chain(flaws).collect();
-    Ok(Surface { arguments, source, shape, pixel, missing, asperities, caveats })
-}
-
-/// Height and width of a pixel, m: as given, or by the extent that the file states; and that it states
-/// another one.
-fn pixel(path: &Path, given: Option<[f64; 2]>, raw: &RawMap) -> Result<([f64; 2], Option<String>), Failure> {
-    let stated = match raw.extent {
-        [Some(height), Some(width)] => Some([height / raw.shape[0] as f64, width / raw.shape[1] as f64]),
-        _ => None,
-    };
-    let alike =
-        |one: [f64; 2], other: [f64; 2]| one.iter().zip(other).all(|(a, b)| (a / b - 1.0).abs() < ALIKE);
-    let shown = |[height, width]: [f64; 2]| format!("{} x {}", si(width, "m"), si(height, "m"));
-    match (given, stated) {
-        (Some(given), Some(stated)) if !alike(given, stated) => {
-            let problem = format!(
-                "--pixel says {}, and the file {}: taken as --pixel says",
-                shown(given),
-                shown(stated)
-            );
-            Ok((given, Some(problem)))
-        }
-        (Some(pixel), _) | (None, Some(pixel)) => Ok((pixel, None)),
-        (None, None) => Err(Failure::Usage(format!(
-            "{}: does not say how large it is; give --pixel with the size of a pixel, such as --pixel \"9.8 nm\"",
-            path.display()
-        ))),
-    }
-}
-
-/// The unit of the heights in m: as given, or as the file states it; and that it states another one.
-fn height_unit(path: &Path, given: Option<f64>, raw: &RawMap) -> Result<(f64, Option<String>), Failure> {
-    let stated = raw.unit.as_ref().map(|unit| (super::length_unit(unit), shortened(unit)));
-    let refused = |problem: String| {
-        Failure::Usage(format!("{}: {problem}; give --height-unit, such as --height-unit nm", path.display()))
-    };
-    match (given, stated) {
-        (Some(given), Some((stated, name)))
-            if !stated.as_ref().is_ok_and(|stated| (given / stated - 1.0).abs() < ALIKE) =>
-        {
-            let given_name = si(given, "m");
-            Ok((
-                given,
-                Some(format!(
-                    "--height-unit says {given_name}, and the file {name}: taken as --height-unit says"
-                )),
-            ))
-        }
-        (Some(unit), _) | (None, Some((Ok(unit), _))) => Ok((unit, None)),
-        (None, Some((Err(known), name))) => {
-            Err(refused(format!("has heights in `{name}`, which is no unit of length ({known})")))
-        }
-        (None, None) => Err(refused("does not say in which unit its heights are".to_owned())),
-    }
-}
-
-/// That slopes are such as no surface has, where heights or pixels are in a wrong unit, and which unit of
-/// heights would make them usual.
-fn wrong_unit(asperities: &Asperities, unit: f64) -> Option<String> {
-    let slope = asperities.moments.m2().sqrt();
-    if SLOPES.contains(&slope) {
-        return None;
-    }
-    let by = |name: &str| super::length_unit(name).map_or(f64::NAN, |other| slope * other / unit);
-    let usual =
-        UNITS.into_iter().map(|name| (name, by(name))).find(|(_, slope)| USUAL_SLOPES.contains(slope));
-    let advice = usual.map(|(name, slope)| format!("; with --height-unit {name} they would be {slope:.1e}"));
-    let advice = advice.unwrap_or_default();
-    Some(format!(
-        "slopes are {slope:.1e} on average, as on no surface: the unit of the heights or of the pixels is wrong{advice}"
-    ))
 }

@@ -1,6 +1,6 @@
 //! The asperities of a measured surface under the names of their file layout.
 
-use super::Surface;
+use super::surface::Surface;
 use crate::experiment::record::write_program;
 use crate::output::OutputError;
 use crate::output::schema::Dimension;

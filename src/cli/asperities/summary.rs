@@ -1,6 +1,6 @@
 //! A measured surface as the terminal shows it.
 
-use super::Surface;
+use super::surface::Surface;
 use crate::cli::rows::row;
 use crate::format::{percent, pure, si};
 use crate::scene::echo::one_line;

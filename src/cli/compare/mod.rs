@@ -3,30 +3,60 @@
 
 mod table;
 
+use super::arguments::Execution;
 use super::asperity::find;
+use super::failure::Failure;
 use super::progress::Progress;
-use super::session::{interruption, thread_pool};
-use super::{CompareArguments, Failure, print, print_of, read_scene, resources};
+use super::resources;
+use super::session::interruption;
+use super::terminal::{print, print_of};
 use crate::asperity::models::Model;
 use crate::estimate::Estimate;
 use crate::experiment::Phases;
 use crate::experiment::compare::PreparedComparison;
 use crate::experiment::files::inputs_of;
+use crate::experiment::prepared::thread_pool;
 use crate::experiment::sampling::set_ensemble;
 use crate::output::OutputLock;
+use crate::scene::Scene;
+use clap::Args;
+use std::path::PathBuf;
+
+#[derive(Args)]
+pub(super) struct CompareArguments {
+    /// The scene, TOML; of its model the path counts, and critical_approach for fit:paper, but not the law
+    pub scene: PathBuf,
+    /// The laws, separated by commas; deviations are from the first
+    #[arg(long, required = true, value_delimiter = ',', value_name = "LAW,LAW...")]
+    pub laws: Vec<String>,
+    /// Also sum explicit ensembles, of the same asperities for every law
+    #[arg(long)]
+    pub ensemble: bool,
+    /// Where the result goes; by default there is only the table
+    #[arg(short, long, value_name = "FILE.h5")]
+    pub output: Option<PathBuf>,
+    /// Number of replicas, instead of the scene's
+    #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1_000_000_000_000), requires = "ensemble")]
+    pub replicas: Option<u64>,
+    /// Seed, instead of the scene's
+    #[arg(long, value_parser = clap::value_parser!(u64).range(0..=i64::MAX as u64), requires = "ensemble")]
+    pub seed: Option<u64>,
+    #[command(flatten)]
+    pub execution: Execution,
+}
 
 pub(super) fn compare(arguments: &CompareArguments) -> Result<(), Failure> {
     let stop = interruption()?;
     let models = models(&arguments.laws)?;
     let count = models.len();
-    let mut scene = read_scene(&arguments.scene)?;
+    let mut scene = Scene::from_toml_file(&arguments.scene)?;
     set_ensemble(&mut scene, arguments.replicas, arguments.seed)?;
     let inputs = inputs_of(&arguments.scene, &scene);
     let prepared = PreparedComparison::new(scene, models, arguments.ensemble)
         .map_err(|error| error.in_scene(&arguments.scene))?;
     let lock = arguments.output.as_ref().map(|output| OutputLock::new(output, &inputs)).transpose()?;
     lock.as_ref().map_or(Ok(()), |lock| lock.check(arguments.execution.force))?;
-    let pool = thread_pool(arguments.execution.threads)?;
+    let pool = thread_pool(arguments.execution.threads())?;
     if arguments.ensemble {
         let (scene, law) = prepared.largest();
         let estimate = Estimate::new(scene, law, pool.current_num_threads());
@@ -37,8 +67,7 @@ pub(super) fn compare(arguments: &CompareArguments) -> Result<(), Failure> {
     let mut progress = Progress::new(arguments.execution.quiet);
     let comparison = prepared.run(&pool, &stop, &mut Phases::new(&mut progress))?;
     if let Some(lock) = &lock {
-        let written = comparison.write_locked(lock, arguments.execution.force);
-        written.map_err(|error| Failure::not_written(error, lock.output()))?;
+        comparison.write_locked(lock, arguments.execution.force)?;
     }
     let table = table::table(&comparison, arguments.output.as_deref());
     match &arguments.output {

@@ -1,8 +1,8 @@
 //! Datasets of a file that are looked at together, and what is found wrong with them.
 
-use super::super::Failure;
 use super::bounds::{Bound, Kind, Nan, bound_of};
 use crate::asperity::Regime;
+use crate::cli::failure::Failure;
 use crate::engine::scalars;
 use crate::output::reader::Reader;
 use crate::output::schema::{Dimension, Variable};

@@ -1,12 +1,12 @@
 //! A comparison: each law by the integral and by its ensemble, one asperity of it, and what it is beside the
 //! first.
 
-use super::super::Failure;
 use super::super::sweep::together;
 use super::checked::{Checked, Place, ROUNDING, largest, summed};
 use super::cross_check::scheme;
 use super::curves::LINES;
 use super::{Answer, heading, refused};
+use crate::cli::failure::Failure;
 use crate::experiment::compare::deviation;
 use crate::math::extrema::largest_secant;
 use crate::math::moments::Moments;
@@ -188,11 +188,8 @@ impl Checked<'_> {
         const PATH: &str = "/replicas/pull_off_force";
         let (own, n) = (self.values(PATH)?, self.replicas as usize);
         let first: Vec<f64> = self.reader.numbers(PATH, None)?[..n].to_vec();
-        let mut moments = Moments::new(1);
         let differences: Vec<f64> = own.iter().zip(&first).map(|(own, first)| own - first).collect();
-        differences
-            .chunks_exact(self.group as usize)
-            .for_each(|group| moments.push(&[group.iter().sum::<f64>() / group.len() as f64]));
+        let moments = Moments::of_groups(&differences, self.group as usize);
         let size = largest(&own) + largest(&first);
         for (name, expected) in [("mean", moments.mean()[0]), ("standard_error", moments.standard_error()[0])]
         {

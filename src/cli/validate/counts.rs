@@ -1,7 +1,7 @@
 //! Numbers of asperities: of all regimes together, and those that come into contact and lose it.
 
-use super::super::Failure;
 use super::checked::{Checked, ROUNDING, is_contact, summed};
+use crate::cli::failure::Failure;
 
 /// Asperities from which on the highest of a replica is above their mean plane.
 const MANY: f64 = 100.0;

@@ -1,8 +1,8 @@
 //! The cross-check of a run, or of a point of a sweep, computed anew from its datasets.
 
-use super::super::Failure;
 use super::checked::{Checked, Place};
 use super::refused;
+use crate::cli::failure::Failure;
 use crate::output::schema::Dimension;
 use crate::surface::SamplingScheme;
 use crate::validation::{Cumulants, JointTest, Probe, z_scores};

@@ -1,7 +1,7 @@
 //! What follows from the curves of the replicas.
 
-use super::super::Failure;
 use super::checked::{Checked, Place, ROUNDING, names};
+use crate::cli::failure::Failure;
 use crate::engine::BATCH;
 use crate::math::control_variates::controlled_means;
 use crate::math::extrema::largest_secant;

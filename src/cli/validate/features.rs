@@ -1,7 +1,7 @@
 //! Pull-off and stiffest point of curves, and what is told at pull-off.
 
-use super::super::Failure;
 use super::checked::{Checked, Place, ROUNDING, largest, summed};
+use crate::cli::failure::Failure;
 use crate::experiment::integral::RESOLVING;
 use crate::math::extrema::MOST_ADDED;
 use crate::scene::takes_heights;

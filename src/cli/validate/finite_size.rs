@@ -1,12 +1,12 @@
 //! Patches of several sizes: what is said of each size follows from its replicas, and what is said of all of
 //! them from each.
 
-use super::super::Failure;
 use super::super::sweep::together;
 use super::checked::{Checked, ROUNDING, largest};
 use super::cross_check::scheme;
 use super::scalars::FARTHEST;
 use super::{Answer, heading};
+use crate::cli::failure::Failure;
 use crate::math::moments::Moments;
 use crate::output::reader::Reader;
 use crate::output::schema::Dimension;
@@ -49,9 +49,7 @@ impl Checked<'_> {
         let n = self.replicas.max(1) as usize;
         let (mut means, mut errors) = (Vec::new(), Vec::new());
         for own in forces.chunks_exact(n) {
-            let mut moments = Moments::new(1);
-            own.chunks_exact(self.group as usize)
-                .for_each(|group| moments.push(&[group.iter().sum::<f64>() / group.len() as f64]));
+            let moments = Moments::of_groups(own, self.group as usize);
             means.push(moments.mean()[0]);
             errors.push(moments.standard_error()[0]);
         }

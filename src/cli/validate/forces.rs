@@ -1,8 +1,8 @@
 //! Curves of forces and areas: F = P − F_s, sums of regimes, deviations, z-scores and pull-off.
 
-use super::super::Failure;
 use super::checked::{Checked, Place, ROUNDING, is_contact, summed};
 use crate::asperity::Quantity;
+use crate::cli::failure::Failure;
 use crate::validation::z_scores;
 
 /// Contacts of all replicas from which on means and deviations are near those of the integral.

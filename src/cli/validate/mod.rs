@@ -16,8 +16,9 @@ mod scalars;
 mod snaps;
 mod sweep;
 
+use super::failure::Failure;
 use super::rows::row;
-use super::{Failure, print};
+use super::terminal::print;
 use crate::format::replicas as shown;
 use crate::output::identity::Identity;
 use crate::output::partial::{Kept, Partial};

@@ -1,7 +1,7 @@
 //! Means of what is read off the curve of a replica, and targets.
 
-use super::super::Failure;
 use super::checked::{Checked, ROUNDING, names};
+use crate::cli::failure::Failure;
 use crate::math::moments::Moments;
 
 /// A mean with control variates is no more standard errors of the plain one away from this.

@@ -1,7 +1,7 @@
 //! How often surfaces snap.
 
-use super::super::Failure;
 use super::checked::{Checked, ROUNDING, largest};
+use crate::cli::failure::Failure;
 use crate::math::moments::Moments;
 use crate::math::proportion::wilson_interval;
 
@@ -145,9 +145,8 @@ impl Checked<'_> {
         let turns = (forces.len() / (self.replicas as usize).max(1)).max(1);
         let mut expected: [Vec<f64>; 3] = Default::default();
         for turn in 0..turns {
-            let mut moments = Moments::new(1);
             let own = forces.iter().skip(turn).step_by(turns).filter(|force| !force.is_nan());
-            own.for_each(|force| moments.push(&[*force]));
+            let moments = Moments::of(own.copied());
             let mean = if moments.count() == 0 { f64::NAN } else { moments.mean()[0] };
             let values = [moments.count() as f64, mean, moments.std()[0]];
             expected.iter_mut().zip(values).for_each(|(expected, value)| expected.push(value));

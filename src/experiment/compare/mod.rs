@@ -14,9 +14,9 @@ use crate::estimate::beyond;
 use crate::format::percent;
 use crate::integral::Expectations;
 use crate::math::moments::Moments;
+use crate::output::OutputLock;
 use crate::output::schema::COMPARISON;
 use crate::output::writer::Writer;
-use crate::output::{OutputError, OutputLock};
 use crate::scene::{Instability, Scene, Warning, warnings_of_scene};
 use crate::validation::{Cumulants, JointTest};
 use std::path::Path;
@@ -158,11 +158,8 @@ impl Comparison {
     /// The mean over replicas, of which only groups are independent.
     fn mean(&self, values: impl Iterator<Item = f64>) -> Mean {
         let (values, group): (Vec<f64>, _) = (values.collect(), self.scene.sampling.group());
-        let (mut all, mut groups) = (Moments::new(1), Moments::new(1));
-        values.iter().for_each(|value| all.push(&[*value]));
-        values
-            .chunks_exact(group as usize)
-            .for_each(|group| groups.push(&[group.iter().sum::<f64>() / group.len() as f64]));
+        let all = Moments::of(values.iter().copied());
+        let groups = Moments::of_groups(&values, group as usize);
         Mean { mean: all.mean()[0], standard_error: groups.standard_error()[0], std: all.std()[0] }
     }
 
@@ -173,14 +170,19 @@ impl Comparison {
     pub fn write(&self, path: impl AsRef<Path>) -> Result<(), Error> {
         let lock = OutputLock::new(path.as_ref(), &[])?;
         lock.check(false)?;
-        self.write_locked(&lock, false).map_err(|error| Error::NotWritten(error.writing(path.as_ref())))
+        self.write_locked(&lock, false)
     }
 
     /// Writes it where a lock is held; overwrites what is there if it may.
-    pub(crate) fn write_locked(&self, lock: &OutputLock, overwrite: bool) -> Result<(), OutputError> {
-        let mut writer = Writer::create(&COMPARISON, lock, overwrite)?;
-        record::write(&mut writer, self)?;
-        writer.finish()
+    ///
+    /// # Errors
+    /// [`Error::NotWritten`].
+    pub(crate) fn write_locked(&self, lock: &OutputLock, overwrite: bool) -> Result<(), Error> {
+        let written = Writer::create(&COMPARISON, lock, overwrite).and_then(|mut writer| {
+            record::write(&mut writer, self)?;
+            writer.finish()
+        });
+        written.map_err(|error| Error::NotWritten(error.writing(lock.output())))
     }
 }
 

@@ -1,0 +1,96 @@
+//! Arguments that several commands have.
+
+use crate::engine::Shard;
+use crate::experiment::checkpoint::OverwritePolicy;
+use clap::Args;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+/// How a command runs, whatever it computes.
+#[derive(Args)]
+pub(super) struct Execution {
+    /// Threads; by default one per core. They do not change the result
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=4096))]
+    pub threads: Option<u16>,
+    /// Overwrite an existing result, and drop what an interrupted run of it has kept
+    #[arg(long)]
+    pub force: bool,
+    /// No progress
+    #[arg(long)]
+    pub quiet: bool,
+}
+
+impl Execution {
+    /// How many threads, or 0 for one per core.
+    pub fn threads(&self) -> usize {
+        self.threads.unwrap_or_default().into()
+    }
+}
+
+/// How ensembles are computed that may be interrupted.
+#[derive(Args)]
+pub(super) struct RunOptions {
+    /// Number of replicas, of each point where there are several, instead of the scene's
+    #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1_000_000_000_000))]
+    pub replicas: Option<u64>,
+    /// Seed, instead of the scene's
+    #[arg(long, value_parser = clap::value_parser!(u64).range(0..=i64::MAX as u64))]
+    pub seed: Option<u64>,
+    /// Go on with an interrupted run of this output; begins it if nothing was kept
+    #[arg(long)]
+    pub resume: bool,
+    /// Keep what has been done so often, beside the output; 0 after every batch of replicas
+    #[arg(long, value_name = "SECONDS", default_value = "30", value_parser = seconds, allow_negative_numbers = true)]
+    pub checkpoint: Duration,
+    #[command(flatten)]
+    pub execution: Execution,
+}
+
+impl RunOptions {
+    pub fn policy(&self) -> OverwritePolicy {
+        OverwritePolicy { resume: self.resume, force: self.execution.force }
+    }
+}
+
+#[derive(Args)]
+pub(super) struct RunArguments {
+    /// The scene, TOML
+    pub scene: PathBuf,
+    /// Where the result goes; by default the scene's name with .h5, in the current folder
+    #[arg(short, long, value_name = "FILE.h5")]
+    pub output: Option<PathBuf>,
+    /// Compute only the I-th of N shards, for `stiction merge`; the default output is then the scene's name
+    /// with .I-of-N.shard
+    #[arg(long, value_name = "I/N")]
+    pub shard: Option<Shard>,
+    #[command(flatten)]
+    pub options: RunOptions,
+}
+
+impl RunArguments {
+    /// The output that is named, or the scene's name with another extension.
+    pub fn output(&self, extension: &str) -> PathBuf {
+        self.output.clone().unwrap_or_else(|| named(&self.scene, extension))
+    }
+}
+
+/// The output of a scene that has none named: its name with this ending, in the current folder.
+pub(super) fn named(scene: &Path, ending: &str) -> PathBuf {
+    let mut name = scene.file_stem().unwrap_or_default().to_owned();
+    name.push(ending);
+    name.into()
+}
+
+/// A finite number that does what is needed.
+pub(super) fn number(text: &str, does: fn(f64) -> bool, needed: &str) -> Result<f64, String> {
+    text.parse().ok().filter(|value: &f64| value.is_finite() && does(*value)).ok_or_else(|| needed.to_owned())
+}
+
+pub(super) fn not_negative(text: &str) -> Result<f64, String> {
+    number(text, |value| value >= 0.0, "0 or a positive number is needed")
+}
+
+fn seconds(text: &str) -> Result<Duration, String> {
+    let seconds = not_negative(text)?;
+    Duration::try_from_secs_f64(seconds).map_err(|error| error.to_string())
+}

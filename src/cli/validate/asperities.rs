@@ -1,8 +1,8 @@
 //! The asperities of a measured surface: what is said of all of them together, and the grid of the map that
 //! they lie on.
 
+use super::answer::{Answer, heading};
 use super::checked::{Checked, ROUNDING};
-use super::{Answer, heading};
 use crate::cli::failure::Failure;
 use crate::math::moments::Moments;
 use crate::output::reader::Reader;

@@ -2,10 +2,10 @@
 //! first.
 
 use super::super::sweep::together;
+use super::answer::{Answer, heading, refused};
 use super::checked::{Checked, Place, ROUNDING, largest, summed};
 use super::cross_check::scheme;
 use super::curves::LINES;
-use super::{Answer, heading, refused};
 use crate::cli::failure::Failure;
 use crate::experiment::compare::deviation;
 use crate::math::extrema::largest_secant;

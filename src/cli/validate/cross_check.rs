@@ -1,7 +1,7 @@
 //! The cross-check of a run, or of a point of a sweep, computed anew from its datasets.
 
+use super::answer::refused;
 use super::checked::{Checked, Place};
-use super::refused;
 use crate::cli::failure::Failure;
 use crate::output::schema::Dimension;
 use crate::surface::SamplingScheme;

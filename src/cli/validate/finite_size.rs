@@ -2,10 +2,10 @@
 //! them from each.
 
 use super::super::sweep::together;
+use super::answer::{Answer, heading};
 use super::checked::{Checked, ROUNDING, largest};
 use super::cross_check::scheme;
 use super::scalars::FARTHEST;
-use super::{Answer, heading};
 use crate::cli::failure::Failure;
 use crate::math::moments::Moments;
 use crate::output::reader::Reader;

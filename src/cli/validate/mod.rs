@@ -1,6 +1,7 @@
 //! `stiction validate`: the cross-check of a result, computed anew from its datasets, and whether these fit
 //! together.
 
+mod answer;
 mod asperities;
 mod bounds;
 mod checked;
@@ -16,6 +17,7 @@ mod scalars;
 mod snaps;
 mod sweep;
 
+use self::answer::Answer;
 use super::failure::Failure;
 use super::rows::row;
 use super::terminal::print;
@@ -31,15 +33,6 @@ use std::path::Path;
 
 /// Findings that are told; more are counted.
 const TOLD: usize = 20;
-
-/// An answer about a file.
-struct Answer {
-    text: String,
-    /// Findings of what does not fit together, a line each.
-    findings: Vec<String>,
-    /// The verdict of ensemble against integral.
-    verdict: Verdict,
-}
 
 pub(super) fn validate(path: &Path) -> Result<(), Failure> {
     if is_shard(path) {
@@ -104,13 +97,4 @@ fn concluded(Answer { text, findings, verdict }: Answer) -> Result<(), Failure> 
         (1, _) => Err(Failure::Contradicts("a dataset contradicts others or cannot be".to_owned())),
         (count, _) => Err(Failure::Contradicts(format!("{count} datasets contradict others or cannot be"))),
     }
-}
-
-/// The line that an answer begins with.
-fn heading(reader: &Reader) -> String {
-    format!("{}\n", one_line(&reader.path().display().to_string()))
-}
-
-fn refused(path: &Path, problem: &str) -> Failure {
-    Failure::Usage(format!("{}: {problem}", path.display()))
 }

@@ -1,9 +1,9 @@
 //! The result of `stiction run`: its table and verdict, and whether its datasets fit together.
 
 use super::super::summary::verdict;
+use super::answer::{Answer, heading, refused};
 use super::checked::Checked;
 use super::cross_check::{CrossCheck, scheme};
-use super::{Answer, heading, refused};
 use crate::cli::failure::Failure;
 use crate::output::reader::Reader;
 use crate::output::schema::Dimension;

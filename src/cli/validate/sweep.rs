@@ -1,9 +1,9 @@
 //! A sweep: each of its points as a run, a line each, what all points share, and their differences.
 
 use super::super::sweep::together;
+use super::answer::{Answer, heading, refused};
 use super::checked::{Checked, Place, ROUNDING};
 use super::cross_check::{CrossCheck, scheme};
-use super::{Answer, heading, refused};
 use crate::cli::failure::Failure;
 use crate::engine::SCALARS;
 use crate::experiment::stacked::Compared;

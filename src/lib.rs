@@ -32,7 +32,13 @@
 //!   ensembles and their checks are there, and no C compiler is needed;
 //! - `static`: libhdf5 and zlib are built from source; without it those of the system are used.
 
+// The command line alone uses some of what experiments have.
+#![cfg_attr(not(feature = "cli"), allow(dead_code, unused_imports))]
+
 pub mod asperity;
+#[cfg(feature = "hdf5")]
+#[doc(hidden)]
+pub mod audit;
 #[cfg(feature = "cli")]
 #[doc(hidden)]
 pub mod cli;

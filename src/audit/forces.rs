@@ -2,7 +2,7 @@
 
 use super::checked::{Checked, Place, ROUNDING, is_contact, summed};
 use crate::asperity::Quantity;
-use crate::cli::failure::Failure;
+use crate::output::OutputError;
 use crate::validation::z_scores;
 
 /// Contacts of all replicas from which on means and deviations are near those of the integral.
@@ -10,7 +10,7 @@ const POPULATED: f64 = 2000.0;
 
 impl Checked<'_> {
     /// Other ways to write the separations.
-    pub fn separations(&mut self) -> Result<(), Failure> {
+    pub fn separations(&mut self) -> Result<(), OutputError> {
         let h = self.coordinate("separation")?;
         let (std, offset) = (self.number("/", "surface_height_std")?, self.number("/", "mean_plane_offset")?);
         let largest = h.iter().fold(offset.abs(), |largest: f64, h| largest.max(h.abs()));
@@ -43,7 +43,7 @@ impl Checked<'_> {
     }
 
     /// F = P − F_s, and regimes add up to what they are of.
-    pub fn sums(&mut self, group: &str, way: &str, of: &str) -> Result<(), Failure> {
+    pub fn sums(&mut self, group: &str, way: &str, of: &str) -> Result<(), OutputError> {
         let path = |name: &str| format!("/{group}/{way}{name}{of}");
         let [adhesion, contact, external] = [
             self.values(&path("adhesion_force"))?,
@@ -109,7 +109,7 @@ impl Checked<'_> {
     }
 
     /// Standard errors and deviations.
-    pub fn errors(&mut self, way: &str) -> Result<(), Failure> {
+    pub fn errors(&mut self, way: &str) -> Result<(), OutputError> {
         let (n, groups) = (self.replicas as f64, self.groups() as f64);
         let mut of_forces = Vec::new();
         for quantity in Quantity::ALL {
@@ -149,7 +149,7 @@ impl Checked<'_> {
     }
 
     /// Deviations by the integral.
-    pub fn deviations(&mut self, way: &str) -> Result<(), Failure> {
+    pub fn deviations(&mut self, way: &str) -> Result<(), OutputError> {
         let std = |name: &str| self.values(&format!("/integral/{way}{name}_force_std"));
         let all = [std("adhesion")?, std("contact")?, std("external")?];
         let mean = |name: &str| self.values(&format!("/integral/{way}{name}_force"));
@@ -179,7 +179,7 @@ impl Checked<'_> {
     }
 
     /// z-scores.
-    pub fn scores(&mut self, way: &str) -> Result<(), Failure> {
+    pub fn scores(&mut self, way: &str) -> Result<(), OutputError> {
         for name in ["adhesion_force", "external_force"] {
             let mean = self.values(&format!("/ensemble/{way}{name}_mean"))?;
             let expected = self.values(&format!("/integral/{way}{name}"))?;
@@ -205,7 +205,7 @@ impl Checked<'_> {
     }
 
     /// What follows from nothing else cannot be far from the integral where many asperities touch.
-    pub fn plausible(&mut self, way: &str) -> Result<(), Failure> {
+    pub fn plausible(&mut self, way: &str) -> Result<(), OutputError> {
         let s = self.coordinate("separation")?.len().max(1);
         let regimes = self.reader.texts(self.reader.coordinate("regime"))?;
         let counts = self.values(&format!("/integral/{way}regime_count"))?;

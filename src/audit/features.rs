@@ -1,9 +1,9 @@
 //! Pull-off and stiffest point of curves, and what is told at pull-off.
 
 use super::checked::{Checked, Place, ROUNDING, largest, summed};
-use crate::cli::failure::Failure;
 use crate::experiment::integral::RESOLVING;
 use crate::math::extrema::MOST_ADDED;
+use crate::output::OutputError;
 use crate::scene::takes_heights;
 
 /// Rounding of a slope over a hundredth of the space between separations, in forces over such a space.
@@ -13,7 +13,7 @@ const SLOPES: (f64, f64) = (0.5, 2.9);
 
 impl Checked<'_> {
     /// Pull-off and stiffest point of the mean curve and of the integral.
-    pub fn features(&mut self) -> Result<(), Failure> {
+    pub fn features(&mut self) -> Result<(), OutputError> {
         let way = if self.is_loop()? { "retraction_" } else { "" };
         let h = self.coordinate("separation")?;
         if h.len() < 2 {
@@ -34,20 +34,20 @@ impl Checked<'_> {
     }
 
     /// Whether heights are given ones, over which the integral jumps; none where the file does not say.
-    fn jumps(&self) -> Result<Option<bool>, Failure> {
+    fn jumps(&self) -> Result<Option<bool>, OutputError> {
         Ok(takes_heights(&self.reader.optional_text("/", "scene")?.unwrap_or_default()))
     }
 
     /// Whether the separations are those at which extrema are looked for: others were added between wider
     /// ones.
-    fn is_resolved(&self, h: &[f64]) -> Result<bool, Failure> {
+    fn is_resolved(&self, h: &[f64]) -> Result<bool, OutputError> {
         let std = self.number("/", "surface_height_std")?;
         let widest = (RESOLVING * std).max((h[h.len() - 1] - h[0]) / MOST_ADDED) * (1.0 + ROUNDING);
         Ok(self.jumps()? == Some(true) || h.windows(2).all(|pair| pair[1] - pair[0] <= widest))
     }
 
     /// The pull-off is as deep as the deepest sample of the curve, or a little deeper beside it.
-    fn deepest(&mut self, group: &str, h: &[f64], curve: &[f64]) -> Result<(), Failure> {
+    fn deepest(&mut self, group: &str, h: &[f64], curve: &[f64]) -> Result<(), OutputError> {
         let (force, place) =
             (self.number(group, "pull_off_force")?, self.number(group, "pull_off_separation")?);
         let (last, size) = (h.len() - 1, largest(curve));
@@ -74,7 +74,7 @@ impl Checked<'_> {
     }
 
     /// The largest slope is that of the steepest step, or one beside it.
-    fn stiffest(&mut self, group: &str, h: &[f64], curve: &[f64]) -> Result<(), Failure> {
+    fn stiffest(&mut self, group: &str, h: &[f64], curve: &[f64]) -> Result<(), OutputError> {
         let (value, place) =
             (self.number(group, "peak_stiffness")?, self.number(group, "peak_stiffness_separation")?);
         let path = |name: &str| format!("{group}/peak_stiffness{name}");
@@ -122,7 +122,7 @@ impl Checked<'_> {
 
     /// What is told at the pull-off of the integral is near what is told at the separations beside it; where
     /// nothing pulls, it is told at the smallest separation.
-    fn at_pull_off(&mut self, way: &str, h: &[f64]) -> Result<(), Failure> {
+    fn at_pull_off(&mut self, way: &str, h: &[f64]) -> Result<(), OutputError> {
         if !self.has("/integral/pull_off_contact_area") {
             return Ok(());
         }
@@ -147,7 +147,7 @@ impl Checked<'_> {
     }
 
     /// The adhesion of an asperity at pull-off is no more than it is at some separation, regime by regime.
-    fn adhesion_at_pull_off(&mut self, way: &str, s: usize) -> Result<(), Failure> {
+    fn adhesion_at_pull_off(&mut self, way: &str, s: usize) -> Result<(), OutputError> {
         const PATH: &str = "/integral/pull_off_regime_adhesion_force";
         let [counts, forces] =
             ["count", "adhesion_force"].map(|name| self.values(&format!("/integral/pull_off_regime_{name}")));

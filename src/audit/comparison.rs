@@ -1,15 +1,14 @@
 //! A comparison: each law by the integral and by its ensemble, one asperity of it, and what it is beside the
 //! first.
 
-use super::super::sweep::together;
-use super::answer::{Answer, heading, refused};
+use super::answer::{Audit, Content, refused};
 use super::checked::{Checked, Place, ROUNDING, largest, summed};
 use super::cross_check::scheme;
 use super::curves::LINES;
-use crate::cli::failure::Failure;
 use crate::experiment::compare::deviation;
 use crate::math::extrema::largest_secant;
 use crate::math::moments::Moments;
+use crate::output::OutputError;
 use crate::output::reader::Reader;
 use crate::output::schema::Dimension;
 use crate::scene::echo::one_line;
@@ -21,7 +20,7 @@ const AREAS: (f64, f64) = (0.8, 2.35);
 /// Interferences are deep from so many units of approach on.
 const DEEP: f64 = 3.0;
 
-pub(super) fn validate(reader: &Reader) -> Result<Answer, Failure> {
+pub(super) fn audit(reader: &Reader) -> Result<Audit, OutputError> {
     let laws = reader.texts(reader.coordinate("law"))?;
     if laws.is_empty() {
         return Err(refused(reader.path(), "has no laws"));
@@ -50,14 +49,13 @@ pub(super) fn validate(reader: &Reader) -> Result<Answer, Failure> {
         true => reader.values("/validation/p_value")?,
         false => vec![f64::NAN; laws.len()],
     };
-    let names: Vec<String> = laws.iter().map(|name| one_line(name)).collect();
-    let text = heading(reader) + &format!("laws {}\n", names.join(", ")) + &together(&p_values);
-    Ok(Answer { text, findings, verdict: overall(&p_values) })
+    let verdict = overall(&p_values);
+    Ok(Audit { content: Content::Comparison { laws, p_values }, findings, verdict })
 }
 
 impl Checked<'_> {
     /// One law.
-    fn law(&mut self, is_sampled: bool) -> Result<(), Failure> {
+    fn law(&mut self, is_sampled: bool) -> Result<(), OutputError> {
         self.sums("integral", "", "")?;
         self.deviations("")?;
         self.all_asperities()?;
@@ -79,7 +77,7 @@ impl Checked<'_> {
     }
 
     /// Forces less those of the first law, and shares of what is read off them.
-    fn differences(&mut self) -> Result<(), Failure> {
+    fn differences(&mut self) -> Result<(), OutputError> {
         let laws = self.reader.length(Dimension::Law)?;
         for group in ["integral", "asperity"] {
             for name in ["adhesion_force", "external_force"] {
@@ -104,14 +102,14 @@ impl Checked<'_> {
     }
 
     /// A law is valid where nothing is noted.
-    fn notes(&mut self) -> Result<(), Failure> {
+    fn notes(&mut self) -> Result<(), OutputError> {
         let notes = self.reader.texts("/validity/note")?;
         let expected: Vec<f64> = notes.iter().map(|note| f64::from(u8::from(note.is_empty()))).collect();
         self.follows("/validity/valid", &expected, 0.0, "/validity/note")
     }
 
     /// No more asperities are in all regimes than there are.
-    fn all_asperities(&mut self) -> Result<(), Failure> {
+    fn all_asperities(&mut self) -> Result<(), OutputError> {
         const PATH: &str = "/integral/regime_count";
         let (counts, s) = (self.values(PATH)?, self.coordinate("separation")?.len().max(1));
         let there = self.reader.number::<u64>("/", "asperity_count")? as f64;
@@ -127,7 +125,7 @@ impl Checked<'_> {
     }
 
     /// Whether the pull-off is at one of the ends of the separations.
-    fn edge(&mut self) -> Result<(), Failure> {
+    fn edge(&mut self) -> Result<(), OutputError> {
         let (h, place) = (self.coordinate("separation")?, self.number("/integral", "pull_off_separation")?);
         let is_end = h.first() == Some(&place) || h.last() == Some(&place);
         let expected = [f64::from(u8::from(is_end))];
@@ -136,7 +134,7 @@ impl Checked<'_> {
 
     /// One asperity: F = P − F_s, what bears a load touches, and deep in contact its area is that of Hertz to
     /// that of flow.
-    fn asperity(&mut self) -> Result<(), Failure> {
+    fn asperity(&mut self) -> Result<(), OutputError> {
         self.sums("asperity", "", "")?;
         let (contact, area) =
             (self.values("/asperity/contact_force")?, self.values("/asperity/contact_area")?);
@@ -158,7 +156,7 @@ impl Checked<'_> {
     }
 
     /// A fit has a range, and no root mean square above the largest residual.
-    fn fit(&mut self) -> Result<(), Failure> {
+    fn fit(&mut self) -> Result<(), OutputError> {
         let is_fit = self.values("/fit/coefficients")?.iter().all(|value| value.is_finite());
         for name in ["coefficients", "range", "largest_force", "largest_residual", "rms_residual"] {
             let (path, expected) = (format!("/fit/{name}"), if is_fit { "a number" } else { "NaN" });
@@ -184,7 +182,7 @@ impl Checked<'_> {
     }
 
     /// Pull-offs less those of the first law on the same asperities, and beside the mean curve.
-    fn pull_offs(&mut self) -> Result<(), Failure> {
+    fn pull_offs(&mut self) -> Result<(), OutputError> {
         const PATH: &str = "/replicas/pull_off_force";
         let (own, n) = (self.values(PATH)?, self.replicas as usize);
         let first: Vec<f64> = self.reader.numbers(PATH, None)?[..n].to_vec();
@@ -209,7 +207,7 @@ impl Checked<'_> {
     }
 
     /// The mean of the largest secants is above the largest of the mean.
-    fn secants(&mut self) -> Result<(), Failure> {
+    fn secants(&mut self) -> Result<(), OutputError> {
         const PATH: &str = "/replicas/peak_secant_stiffness";
         let (own, place) = (self.values(PATH)?, self.values(&format!("{PATH}_separation"))?);
         let is_known = own.iter().any(|value| !value.is_nan());
@@ -236,7 +234,7 @@ impl Checked<'_> {
     }
 
     /// The p-value of the statistic.
-    fn significance(&mut self) -> Result<(), Failure> {
+    fn significance(&mut self) -> Result<(), OutputError> {
         let one = |name: &str| self.number("/validation", name);
         let (statistic, freedom) = (one("statistic")?, one("degrees_of_freedom")?);
         let cumulants = Cumulants { kurtosis: one("kurtosis")?, skewness: one("skewness")? };

@@ -1,18 +1,14 @@
 //! The result of `stiction run`: its table and verdict, and whether its datasets fit together.
 
-use super::super::summary::verdict;
-use super::answer::{Answer, heading, refused};
+use super::answer::{Audit, Content, refused};
 use super::checked::Checked;
 use super::cross_check::{CrossCheck, scheme};
-use crate::cli::failure::Failure;
+use crate::output::OutputError;
 use crate::output::reader::Reader;
 use crate::output::schema::Dimension;
 use crate::validation::JointTest;
 
-/// Rows of the table; more separations are thinned out.
-const ROWS: usize = 25;
-
-pub(super) fn validate(reader: &Reader) -> Result<Answer, Failure> {
+pub(super) fn audit(reader: &Reader) -> Result<Audit, OutputError> {
     let mut checked = Checked::new(reader, replicas(reader)?);
     checked.group = scheme(&checked)?.group();
     let (replicas, group) = (checked.replicas, checked.group);
@@ -23,12 +19,17 @@ pub(super) fn validate(reader: &Reader) -> Result<Answer, Failure> {
     }
     let cross_check = CrossCheck::new(&checked)?;
     checked.run(&cross_check.joint)?;
-    let text = heading(reader) + &table(&cross_check, checked.ways()?.len());
-    Ok(Answer { text, findings: checked.findings, verdict: cross_check.joint.verdict })
+    let ways = checked.ways()?.len();
+    let verdict = cross_check.joint.verdict;
+    Ok(Audit {
+        content: Content::Run { cross_check: Box::new(cross_check), ways },
+        findings: checked.findings,
+        verdict,
+    })
 }
 
 /// How many replicas there are.
-fn replicas(reader: &Reader) -> Result<u64, Failure> {
+fn replicas(reader: &Reader) -> Result<u64, OutputError> {
     let replicas: u64 = reader.number("/", "replicas")?;
     let there = reader.length(Dimension::Replica)? as u64;
     if replicas == there {
@@ -40,7 +41,7 @@ fn replicas(reader: &Reader) -> Result<u64, Failure> {
 
 impl Checked<'_> {
     /// All datasets of a run, or of a point of a sweep, with the joint test computed anew.
-    pub fn run(&mut self, joint: &JointTest) -> Result<(), Failure> {
+    pub fn run(&mut self, joint: &JointTest) -> Result<(), OutputError> {
         self.bounds()?;
         let cycle = self.is_loop()?;
         self.separations()?;
@@ -60,29 +61,4 @@ impl Checked<'_> {
         self.features()?;
         self.joint_test(joint)
     }
-}
-
-/// Separation by separation, and the verdict.
-fn table(cross_check: &CrossCheck, ways: usize) -> String {
-    let CrossCheck { h_star, forces, z, joint } = cross_check;
-    let mut text =
-        "        h*   mean F_s (N)   integral (N)       z     mean F (N)   integral (N)       z\n".to_owned();
-    let step = h_star.len().div_ceil(ROWS);
-    for k in (0..h_star.len()).step_by(step.max(1)) {
-        let cells = [0, 1]
-            .map(|i| format!("{:>14.6e} {:>14.6e} {:>7}", forces[i][0][k], forces[i][1][k], score(z[i][k])));
-        let back = if k < h_star.len() / ways { "" } else { "  on retraction" };
-        text += &format!("{:>10.3} {}{back}\n", h_star[k], cells.join(" "));
-    }
-    let shown = if step > 1 {
-        format!("every {step}th of {} separations is shown", h_star.len())
-    } else {
-        "all separations are shown".to_owned()
-    };
-    text + &verdict(joint, z, &shown)
-}
-
-/// A z-score; a dash where nothing varies.
-fn score(z: f64) -> String {
-    if z.is_finite() { format!("{z:.2}") } else { "-".to_owned() }
 }

@@ -1,13 +1,12 @@
 //! Patches of several sizes: what is said of each size follows from its replicas, and what is said of all of
 //! them from each.
 
-use super::super::sweep::together;
-use super::answer::{Answer, heading};
+use super::answer::{Audit, Content};
 use super::checked::{Checked, ROUNDING, largest};
 use super::cross_check::scheme;
 use super::scalars::FARTHEST;
-use crate::cli::failure::Failure;
 use crate::math::moments::Moments;
+use crate::output::OutputError;
 use crate::output::reader::Reader;
 use crate::output::schema::Dimension;
 use crate::scene::echo::one_line;
@@ -17,7 +16,7 @@ use crate::validation::overall;
 /// What the dataset of a pull-off force over the number of asperities begins with.
 const FORCE: &str = "/pull_off_per_asperity";
 
-pub(super) fn validate(reader: &Reader) -> Result<Answer, Failure> {
+pub(super) fn audit(reader: &Reader) -> Result<Audit, OutputError> {
     let mut checked = Checked::new(reader, reader.length(Dimension::Replica)? as u64);
     checked.group = scheme(&checked)?.group();
     checked.bounds()?;
@@ -38,13 +37,13 @@ pub(super) fn validate(reader: &Reader) -> Result<Answer, Failure> {
     checked.scatter()?;
     checked.approach(&counts)?;
     let p_values = checked.values("/p_value")?;
-    let text = heading(reader) + &format!("{} sizes\n", counts.len()) + &together(&p_values);
-    Ok(Answer { text, findings: checked.findings, verdict: overall(&p_values) })
+    let verdict = overall(&p_values);
+    Ok(Audit { content: Content::FiniteSize { p_values }, findings: checked.findings, verdict })
 }
 
 impl Checked<'_> {
     /// Means over replicas, and their bias to the integral.
-    fn means(&mut self) -> Result<(), Failure> {
+    fn means(&mut self) -> Result<(), OutputError> {
         let forces = self.values(FORCE)?;
         let n = self.replicas.max(1) as usize;
         let (mut means, mut errors) = (Vec::new(), Vec::new());
@@ -87,7 +86,7 @@ impl Checked<'_> {
     }
 
     /// How replicas scatter.
-    fn scatter(&mut self) -> Result<(), Failure> {
+    fn scatter(&mut self) -> Result<(), OutputError> {
         let (forces, integral) = (self.values(FORCE)?, self.values("/integral_pull_off_per_asperity")?[0]);
         let of_size =
             |own: &[f64]| Scatter::new(&own.iter().map(|force| force / integral).collect::<Vec<f64>>());
@@ -103,7 +102,7 @@ impl Checked<'_> {
     }
 
     /// The power law of the biases, and the number of asperities from which on each accuracy is had.
-    fn approach(&mut self, counts: &[f64]) -> Result<(), Failure> {
+    fn approach(&mut self, counts: &[f64]) -> Result<(), OutputError> {
         const FROM: &str = "the biases";
         let (bias, errors) = (self.values("/bias")?, self.values("/bias_standard_error")?);
         let approach = Approach::new(counts, &bias, &errors);

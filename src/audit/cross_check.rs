@@ -2,13 +2,13 @@
 
 use super::answer::refused;
 use super::checked::{Checked, Place};
-use crate::cli::failure::Failure;
+use crate::output::OutputError;
 use crate::output::schema::Dimension;
 use crate::surface::SamplingScheme;
 use crate::validation::{Cumulants, JointTest, Probe, z_scores};
 
 /// Mean curves beside the integral, of a loop both ways one behind the other.
-pub(super) struct CrossCheck {
+pub struct CrossCheck {
     pub h_star: Vec<f64>,
     /// Mean, expectation and standard deviation of one group of adhesion force and external force.
     pub forces: [[Vec<f64>; 3]; 2],
@@ -21,10 +21,10 @@ impl CrossCheck {
     ///
     /// # Errors
     /// When a dataset is missing or has no numbers where it should.
-    pub fn new(checked: &Checked<'_>) -> Result<Self, Failure> {
+    pub(super) fn new(checked: &Checked<'_>) -> Result<Self, OutputError> {
         let ways = checked.ways()?;
         let groups = checked.groups();
-        let curves = |name: &str| -> Result<[Vec<f64>; 3], Failure> {
+        let curves = |name: &str| -> Result<[Vec<f64>; 3], OutputError> {
             let mean = joined(checked, &|way| format!("/ensemble/{way}{name}_mean"))?;
             let expected = joined(checked, &|way| format!("/integral/{way}{name}"))?;
             let std = if checked.group == 1 {
@@ -44,7 +44,7 @@ impl CrossCheck {
             let [mean, expected, std] = &forces[i];
             z_scores(mean, expected, std, groups)
         });
-        let cumulant = |name: &str| -> Result<f64, Failure> {
+        let cumulant = |name: &str| -> Result<f64, OutputError> {
             let value = checked.number("/validation", name)?;
             let problem = || refused(checked.reader.path(), &format!("has {name} = {value} in /validation"));
             if value.is_finite() { Ok(value) } else { Err(problem()) }
@@ -63,7 +63,7 @@ impl CrossCheck {
 
 impl Checked<'_> {
     /// What the file says of the joint test.
-    pub fn joint_test(&mut self, joint: &JointTest) -> Result<(), Failure> {
+    pub fn joint_test(&mut self, joint: &JointTest) -> Result<(), OutputError> {
         let JointTest { statistic: own, degrees_of_freedom, p_value, .. } = *joint;
         for (name, own, tolerance) in [
             ("statistic", own, 1e-6 * own.abs()),
@@ -87,28 +87,25 @@ impl Checked<'_> {
 }
 
 /// How the replicas of a file were drawn.
-pub(super) fn scheme(checked: &Checked<'_>) -> Result<SamplingScheme, Failure> {
+pub(super) fn scheme(checked: &Checked<'_>) -> Result<SamplingScheme, OutputError> {
     let path = checked.reader.path();
     let name = checked.reader.optional_text("/", "sampling")?;
     let name = name.ok_or_else(|| refused(path, "lacks the text `sampling` of /"))?;
     let known = SamplingScheme::ALL.iter().find(|(known, _)| *known == name);
-    known.map(|(_, scheme)| *scheme).ok_or_else(|| {
-        Failure::Usage(format!(
-            "{} has sampling = \"{name}\", which this program does not know",
-            path.display()
-        ))
-    })
+    known
+        .map(|(_, scheme)| *scheme)
+        .ok_or_else(|| refused(path, &format!("has sampling = \"{name}\", which this program does not know")))
 }
 
 /// The values of a dataset of each way, one behind the other.
-fn joined(checked: &Checked<'_>, name: &dyn Fn(&str) -> String) -> Result<Vec<f64>, Failure> {
+fn joined(checked: &Checked<'_>, name: &dyn Fn(&str) -> String) -> Result<Vec<f64>, OutputError> {
     let values: Result<Vec<_>, _> =
         checked.ways()?.iter().map(|way| finite(checked, &name(way), usize::MAX)).collect();
     Ok(values?.concat())
 }
 
 /// The weights of the functionals.
-fn probes(checked: &Checked<'_>) -> Result<Vec<Probe>, Failure> {
+fn probes(checked: &Checked<'_>) -> Result<Vec<Probe>, OutputError> {
     let (reader, most) = (checked.reader, checked.reader.length(Dimension::Component)?);
     let (components, separations) = match checked.place {
         Place::File => (most, reader.length(Dimension::Separation)?),
@@ -118,7 +115,7 @@ fn probes(checked: &Checked<'_>) -> Result<Vec<Probe>, Failure> {
             ((freedom as usize).min(most), reader.length(Dimension::SeparationIndex)?)
         }
     };
-    let weights = |name: &str| -> Result<Vec<Vec<f64>>, Failure> {
+    let weights = |name: &str| -> Result<Vec<Vec<f64>>, OutputError> {
         let mut weights = vec![Vec::new(); components];
         for way in checked.ways()? {
             let values =
@@ -135,7 +132,7 @@ fn probes(checked: &Checked<'_>) -> Result<Vec<Probe>, Failure> {
 }
 
 /// At most so many of the values of a dataset, all of which have to be finite.
-fn finite(checked: &Checked<'_>, name: &str, count: usize) -> Result<Vec<f64>, Failure> {
+fn finite(checked: &Checked<'_>, name: &str, count: usize) -> Result<Vec<f64>, OutputError> {
     let mut values: Vec<f64> = match checked.place {
         Place::Point(place) => checked.reader.at_point(name, place)?,
         _ => checked.reader.values(name)?,

@@ -1,11 +1,11 @@
 //! What follows from the curves of the replicas.
 
 use super::checked::{Checked, Place, ROUNDING, names};
-use crate::cli::failure::Failure;
 use crate::engine::BATCH;
 use crate::math::control_variates::controlled_means;
 use crate::math::extrema::largest_secant;
 use crate::math::moments::{CentralMoments, Moments};
+use crate::output::OutputError;
 
 /// A secant of straight lines between the separations is above the largest of the curve by this share at
 /// most.
@@ -19,7 +19,7 @@ const PARTS: usize = 16;
 
 impl Checked<'_> {
     /// What follows from the curves of the replicas, where the file has them.
-    pub fn curves(&mut self, cycle: bool) -> Result<(), Failure> {
+    pub fn curves(&mut self, cycle: bool) -> Result<(), OutputError> {
         if !self.has("/replicas/external_force") {
             return Ok(());
         }

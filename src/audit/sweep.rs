@@ -1,12 +1,11 @@
 //! A sweep: each of its points as a run, a line each, what all points share, and their differences.
 
-use super::super::sweep::together;
-use super::answer::{Answer, heading, refused};
+use super::answer::{Audit, Content, refused};
 use super::checked::{Checked, Place, ROUNDING};
 use super::cross_check::{CrossCheck, scheme};
-use crate::cli::failure::Failure;
 use crate::engine::SCALARS;
 use crate::experiment::stacked::Compared;
+use crate::output::OutputError;
 use crate::output::reader::Reader;
 use crate::output::schema::Dimension;
 use crate::scene::MOST_POINTS;
@@ -23,7 +22,7 @@ struct Points<'a> {
     common: bool,
 }
 
-pub(super) fn validate(reader: &Reader) -> Result<Answer, Failure> {
+pub(super) fn audit(reader: &Reader) -> Result<Audit, OutputError> {
     let shape = reader.point_shape()?;
     let count = shape.iter().try_fold(1_usize, |count, length| count.checked_mul(*length));
     let Some(count) = count.filter(|count| (1..=MOST_POINTS).contains(count)) else {
@@ -42,28 +41,17 @@ pub(super) fn validate(reader: &Reader) -> Result<Answer, Failure> {
     file.repeats("replica", &replicas, 0.0, "their number")?;
     file.axes()?;
     let mut findings = std::mem::take(&mut file.findings);
-    let mut text = heading(reader);
-    text += &format!("{:>6}  {:<28}{:>10}{:>8}{:>10}  {}\n", "point", "indices", "chi2", "k", "p", "verdict");
-    let (mut p_values, mut first) = (Vec::with_capacity(count), None);
+    let (mut audited, mut first) = (Vec::with_capacity(count), None);
     for point in 0..count {
         let place = place(point, &shape);
-        let Some((cross_check, own)) = points.point(&place, &mut first)? else {
-            text += &format!("{:>6}  of which no replicas are there\n", point + 1);
-            p_values.push(f64::NAN);
-            continue;
-        };
-        let indices: Vec<String> = place.iter().map(usize::to_string).collect();
-        let joint = cross_check.joint;
-        let (components, p, verdict) = (joint.degrees_of_freedom, joint.p_value, joint.verdict.name());
-        let [statistic, p] = [format!("{:.1}", joint.statistic), format!("{p:.4}")];
-        text += &format!(
-            "{:>6}  {:<28}{statistic:>10}{components:>8}{p:>10}  {verdict}\n",
-            point + 1,
-            indices.join(", ")
-        );
-        p_values.push(joint.p_value);
-        findings.extend(own.into_iter().map(|finding| format!("point {}: {finding}", point + 1)));
+        let joint = points.point(&place, &mut first)?.map(|(cross_check, own)| {
+            findings.extend(own.into_iter().map(|finding| format!("point {}: {finding}", point + 1)));
+            cross_check.joint
+        });
+        audited.push((place, joint));
     }
+    let p_values: Vec<f64> =
+        audited.iter().map(|(_, joint)| joint.as_ref().map_or(f64::NAN, |joint| joint.p_value)).collect();
     let told = reader.optional_text("/validation", "overall_verdict")?.unwrap_or_default();
     if told != overall(&p_values).name() {
         let own = overall(&p_values).name();
@@ -71,9 +59,7 @@ pub(super) fn validate(reader: &Reader) -> Result<Answer, Failure> {
             .push(format!("/validation/overall_verdict is \"{}\", and \"{own}\" follows", one_line(&told)));
     }
     let keys = reader.optional_text("/", "sweep_keys")?.unwrap_or_default();
-    text += &format!("indices along {}\n", one_line(&keys));
-    text += &together(&p_values);
-    Ok(Answer { text, findings, verdict: overall(&p_values) })
+    Ok(Audit { content: Content::Sweep { keys, points: audited }, findings, verdict: overall(&p_values) })
 }
 
 /// The index of a point along each dimension of a shape.
@@ -91,7 +77,7 @@ impl Points<'_> {
         &self,
         place: &[usize],
         first: &mut Option<Option<Compared>>,
-    ) -> Result<Option<(CrossCheck, Vec<String>)>, Failure> {
+    ) -> Result<Option<(CrossCheck, Vec<String>)>, OutputError> {
         let reader = self.reader;
         let replicas: u64 = reader.at_point("/replica_count", place)?[0];
         let group = self.scheme.group();
@@ -129,7 +115,7 @@ impl Points<'_> {
 
 impl Checked<'_> {
     /// The values of what is swept, in the root and in every other group.
-    fn axes(&mut self) -> Result<(), Failure> {
+    fn axes(&mut self) -> Result<(), OutputError> {
         let axes = self.reader.axes("")?;
         for group in self.reader.groups() {
             for ((name, values), (_, copy)) in axes.iter().zip(self.reader.axes(&format!("/{group}"))?) {
@@ -151,7 +137,11 @@ impl Checked<'_> {
     }
 
     /// What only a point of a sweep has as datasets.
-    fn of_sweep(&mut self, differences: &[Difference; 4], cross_check: &CrossCheck) -> Result<(), Failure> {
+    fn of_sweep(
+        &mut self,
+        differences: &[Difference; 4],
+        cross_check: &CrossCheck,
+    ) -> Result<(), OutputError> {
         // ω_c = σ/ψ².
         let (std, psi) = (self.number("/", "surface_height_std")?, self.number("/", "plasticity_index")?);
         self.follows("/critical_interference", &[std / (psi * psi)], ROUNDING, "/surface_height_std and ψ")?;

@@ -2,8 +2,8 @@
 
 use super::bounds::{Bound, Kind, Nan, bound_of};
 use crate::asperity::Regime;
-use crate::cli::failure::Failure;
 use crate::engine::scalars;
+use crate::output::OutputError;
 use crate::output::reader::Reader;
 use crate::output::schema::{Dimension, Variable};
 
@@ -42,7 +42,7 @@ impl<'a> Checked<'a> {
     }
 
     /// The values of a dataset at the place.
-    pub fn values(&self, path: &str) -> Result<Vec<f64>, Failure> {
+    pub fn values(&self, path: &str) -> Result<Vec<f64>, OutputError> {
         Ok(match self.place {
             Place::File => self.reader.numbers(path, None)?,
             Place::Point(_) if is_shared(self.reader.layout().variable(path)) => {
@@ -67,7 +67,7 @@ impl<'a> Checked<'a> {
     }
 
     /// The values of a coordinate at the place, in the first group that has it.
-    pub fn coordinate(&self, name: &str) -> Result<Vec<f64>, Failure> {
+    pub fn coordinate(&self, name: &str) -> Result<Vec<f64>, OutputError> {
         self.values(self.reader.coordinate(name))
     }
 
@@ -84,14 +84,14 @@ impl<'a> Checked<'a> {
         expected: &[f64],
         tolerance: f64,
         from: &str,
-    ) -> Result<(), Failure> {
+    ) -> Result<(), OutputError> {
         let found = self.coordinate(name)?;
         self.compare(self.reader.coordinate(name), &found, expected, |_| tolerance, from);
         Ok(())
     }
 
     /// A coordinate is the same in every group.
-    fn copy(&mut self, variable: &Variable) -> Result<(), Failure> {
+    fn copy(&mut self, variable: &Variable) -> Result<(), OutputError> {
         if !variable.is_coordinate() {
             return Ok(());
         }
@@ -110,7 +110,7 @@ impl<'a> Checked<'a> {
     }
 
     /// How many of so many values at a point of a sweep are of its replicas: others may have more.
-    fn there(&self, path: &str, count: usize) -> Result<usize, Failure> {
+    fn there(&self, path: &str, count: usize) -> Result<usize, OutputError> {
         if self.reader.layout().variable(path).dimensions.first() != Some(&Dimension::Replica) {
             return Ok(count);
         }
@@ -118,7 +118,7 @@ impl<'a> Checked<'a> {
     }
 
     /// An attribute of a run, which files of several have as a dataset.
-    pub fn number(&self, group: &str, name: &str) -> Result<f64, Failure> {
+    pub fn number(&self, group: &str, name: &str) -> Result<f64, OutputError> {
         let path = format!("{}/{name}", group.trim_end_matches('/'));
         match self.place {
             Place::Point(_) => Ok(self.values(&path)?[0]),
@@ -128,7 +128,7 @@ impl<'a> Checked<'a> {
     }
 
     /// A text at the place; of all points there is one dataset.
-    pub fn text(&self, path: &str) -> Result<String, Failure> {
+    pub fn text(&self, path: &str) -> Result<String, OutputError> {
         let texts = self.reader.texts(path)?;
         let index = match self.place {
             Place::Point(place) => {
@@ -145,16 +145,16 @@ impl<'a> Checked<'a> {
     }
 
     /// Whether only some of the replicas of a run are there.
-    pub fn is_partial(&self) -> Result<bool, Failure> {
-        Ok(self.reader.has_attribute("/", "partial")?)
+    pub fn is_partial(&self) -> Result<bool, OutputError> {
+        self.reader.has_attribute("/", "partial")
     }
 
-    pub fn is_loop(&self) -> Result<bool, Failure> {
+    pub fn is_loop(&self) -> Result<bool, OutputError> {
         Ok(self.reader.optional_text("/", "history")?.is_some_and(|path| path == "loop"))
     }
 
     /// What the names of the datasets of each way begin with.
-    pub fn ways(&self) -> Result<&'static [&'static str], Failure> {
+    pub fn ways(&self) -> Result<&'static [&'static str], OutputError> {
         Ok(if self.is_loop()? { &["", "retraction_"] } else { &[""] })
     }
 
@@ -220,14 +220,20 @@ impl<'a> Checked<'a> {
     }
 
     /// Compares a dataset as a whole with what follows from others, to a share of each value.
-    pub fn follows(&mut self, path: &str, expected: &[f64], share: f64, from: &str) -> Result<(), Failure> {
+    pub fn follows(
+        &mut self,
+        path: &str,
+        expected: &[f64],
+        share: f64,
+        from: &str,
+    ) -> Result<(), OutputError> {
         let found = self.values(path)?;
         self.compare(path, &found, expected, |i| share * expected[i].abs(), from);
         Ok(())
     }
 
     /// Each dataset by itself.
-    pub fn bounds(&mut self) -> Result<(), Failure> {
+    pub fn bounds(&mut self) -> Result<(), OutputError> {
         let of_all_points = self.place == Place::File && self.reader.layout().of_points.is_some();
         let has_ends =
             self.reader.layout().known().any(|known| known.dimensions.contains(&Dimension::Separation));
@@ -262,7 +268,7 @@ impl<'a> Checked<'a> {
     }
 
     /// What a point of a sweep does not have is NaN, or 0.
-    fn padding(&mut self, variable: &Variable) -> Result<(), Failure> {
+    fn padding(&mut self, variable: &Variable) -> Result<(), OutputError> {
         let Place::Point(place) = self.place else { return Ok(()) };
         if variable.dimensions.first() == Some(&Dimension::Replica) {
             let all = self.reader.numbers(&variable.path, Some(place))?;

@@ -1,13 +1,13 @@
 //! How often surfaces snap.
 
 use super::checked::{Checked, ROUNDING, largest};
-use crate::cli::failure::Failure;
 use crate::math::moments::Moments;
 use crate::math::proportion::wilson_interval;
+use crate::output::OutputError;
 
 impl Checked<'_> {
     /// How often surfaces snap.
-    pub fn snaps(&mut self) -> Result<(), Failure> {
+    pub fn snaps(&mut self) -> Result<(), OutputError> {
         for name in ["in", "off"] {
             if !self.has(&format!("/replicas/snap_{name}")) {
                 continue;
@@ -50,7 +50,7 @@ impl Checked<'_> {
     }
 
     /// A snap begins somewhere, and ends within the separations or beyond them; without one there is nothing.
-    fn each_snap(&mut self, name: &str) -> Result<(), Failure> {
+    fn each_snap(&mut self, name: &str) -> Result<(), OutputError> {
         let path = |of: &str| format!("/replicas/snap_{name}{of}");
         let [snap, separation, distance] = ["", "_separation", "_distance"].map(|of| self.values(&path(of)));
         let (snap, separation, distance, h) = (snap?, separation?, distance?, self.coordinate("separation")?);
@@ -74,7 +74,7 @@ impl Checked<'_> {
     }
 
     /// What snaps held by a spring snaps held by a softer one too.
-    fn softer(&mut self, name: &str) -> Result<(), Failure> {
+    fn softer(&mut self, name: &str) -> Result<(), OutputError> {
         let path = format!("/replicas/snap_{name}");
         let (snap, stiffness) = (self.values(&path)?, self.coordinate("stiffness")?);
         let n = stiffness.len().max(1);
@@ -92,7 +92,7 @@ impl Checked<'_> {
 
     /// A surface reaches a smaller preload before a larger one, and without any it turns at the smallest
     /// separation.
-    fn preloads(&mut self, turn: &[f64], h: &[f64]) -> Result<(), Failure> {
+    fn preloads(&mut self, turn: &[f64], h: &[f64]) -> Result<(), OutputError> {
         const PATH: &str = "/replicas/preload_separation";
         let preload = self.coordinate("preload")?;
         let n = preload.len().max(1);
@@ -121,7 +121,7 @@ impl Checked<'_> {
     }
 
     /// Where surfaces turn back, and what pulls them off behind.
-    fn turns(&mut self) -> Result<(), Failure> {
+    fn turns(&mut self) -> Result<(), OutputError> {
         const FORCE: &str = "/replicas/pull_off_after_preload";
         const PLACE: &str = "/replicas/pull_off_after_preload_separation";
         let [turn, force, place] =

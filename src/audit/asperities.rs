@@ -1,28 +1,28 @@
 //! The asperities of a measured surface: what is said of all of them together, and the grid of the map that
 //! they lie on.
 
-use super::answer::{Answer, heading};
+use super::answer::{Audit, Content};
 use super::checked::{Checked, ROUNDING};
-use crate::cli::failure::Failure;
 use crate::math::moments::Moments;
+use crate::output::OutputError;
 use crate::output::reader::Reader;
 use crate::surface::map::{Equivalent, SpectralMoments};
 use crate::validation::Verdict;
 
-pub(super) fn validate(reader: &Reader) -> Result<Answer, Failure> {
+pub(super) fn audit(reader: &Reader) -> Result<Audit, OutputError> {
     let mut checked = Checked::new(reader, 0);
     checked.bounds()?;
     checked.measured()?;
     checked.spectrum()?;
     checked.grid()?;
     let count = checked.coordinate("asperity")?.len();
-    let text = heading(reader) + &format!("{count} asperities of a measured surface\n");
-    Ok(Answer { text, findings: checked.findings, verdict: Verdict::NotTested })
+    let content = Content::Asperities(count);
+    Ok(Audit { content, findings: checked.findings, verdict: Verdict::NotTested })
 }
 
 impl Checked<'_> {
     /// Radii are those of the curvatures, and what is measured is that of all asperities.
-    fn measured(&mut self) -> Result<(), Failure> {
+    fn measured(&mut self) -> Result<(), OutputError> {
         let along = |name: &str| self.values(&format!("/asperities/{name}"));
         let (heights, x, y) = (along("height")?, along("curvature_x")?, along("curvature_y")?);
         let curvatures: Vec<f64> = x.iter().zip(&y).map(|(x, y)| 0.5 * (x + y)).collect();
@@ -48,7 +48,7 @@ impl Checked<'_> {
     }
 
     /// What follows from the mean squares of heights, slopes and second derivatives.
-    fn spectrum(&mut self) -> Result<(), Failure> {
+    fn spectrum(&mut self) -> Result<(), OutputError> {
         let one = |name: &str| self.values(&format!("/surface/{name}")).map(|values| values[0]);
         let m4 = one("m4")?;
         let moments = SpectralMoments {
@@ -79,7 +79,7 @@ impl Checked<'_> {
     }
 
     /// Asperities are in the middle of pixels of the map, row by row.
-    fn grid(&mut self) -> Result<(), Failure> {
+    fn grid(&mut self) -> Result<(), OutputError> {
         let shape: Vec<u64> = self.reader.attribute("/", "map_shape")?;
         let pixel: Vec<f64> = self.reader.attribute("/", "pixel_size")?;
         let (&[rows, columns], &[dy, dx]) = (&shape[..], &pixel[..]) else {

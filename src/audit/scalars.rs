@@ -1,15 +1,15 @@
 //! Means of what is read off the curve of a replica, and targets.
 
 use super::checked::{Checked, ROUNDING, names};
-use crate::cli::failure::Failure;
 use crate::math::moments::Moments;
+use crate::output::OutputError;
 
 /// A mean with control variates is no more standard errors of the plain one away from this.
 pub(super) const FARTHEST: f64 = 50.0;
 
 impl Checked<'_> {
     /// Means over replicas.
-    pub fn scalars(&mut self, cycle: bool) -> Result<(), Failure> {
+    pub fn scalars(&mut self, cycle: bool) -> Result<(), OutputError> {
         let names = names(cycle);
         let of = |name: &str| format!("/ensemble/scalar_{name}");
         let [mean, error, controlled, controlled_error, reduction] =
@@ -109,7 +109,7 @@ impl Checked<'_> {
     }
 
     /// Targets repeat scalars.
-    pub fn targets(&mut self) -> Result<(), Failure> {
+    pub fn targets(&mut self) -> Result<(), OutputError> {
         if !self.has_coordinate("target") {
             return Ok(());
         }
@@ -121,7 +121,7 @@ impl Checked<'_> {
         let of = |name: &str| self.values(&format!("/ensemble/{name}"));
         let (mean, error) = (of("target_mean")?, of("target_standard_error")?);
         let (largest, met) = (of("target_largest_standard_error")?, of("target_met")?);
-        let column = |of_plain: &str, of_controlled: &str| -> Result<Vec<f64>, Failure> {
+        let column = |of_plain: &str, of_controlled: &str| -> Result<Vec<f64>, OutputError> {
             let (plain, controlled) = (of(of_plain)?, of(of_controlled)?);
             let value = |(target, estimate): (&String, &String)| {
                 let scalar = names.iter().position(|name| name == target)?;

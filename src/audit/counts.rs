@@ -1,14 +1,14 @@
 //! Numbers of asperities: of all regimes together, and those that come into contact and lose it.
 
 use super::checked::{Checked, ROUNDING, is_contact, summed};
-use crate::cli::failure::Failure;
+use crate::output::OutputError;
 
 /// Asperities from which on the highest of a replica is above their mean plane.
 const MANY: f64 = 100.0;
 
 impl Checked<'_> {
     /// Asperities: of all regimes together, and those that come into contact and lose it.
-    pub fn counts(&mut self, cycle: bool) -> Result<(), Failure> {
+    pub fn counts(&mut self, cycle: bool) -> Result<(), OutputError> {
         let s = self.coordinate("separation")?.len().max(1);
         let own = self.values("/replicas/asperity_count")?;
         let mean = own.iter().sum::<f64>() / own.len().max(1) as f64;
@@ -64,7 +64,7 @@ impl Checked<'_> {
     }
 
     /// The highest asperities: one that is above the other surface touches it.
-    fn highest(&mut self, asperities: &[f64], regimes: &[String], s: usize) -> Result<(), Failure> {
+    fn highest(&mut self, asperities: &[f64], regimes: &[String], s: usize) -> Result<(), OutputError> {
         const PATH: &str = "/replicas/highest_asperity";
         let highest = self.values(PATH)?;
         let is_wrong = |i: &usize| {

@@ -1,0 +1,36 @@
+//! What an audit finds.
+
+use super::cross_check::CrossCheck;
+use crate::output::OutputError;
+use crate::validation::{JointTest, Verdict};
+use std::path::Path;
+
+/// An audit of a file.
+pub struct Audit {
+    pub content: Content,
+    /// Findings of what does not fit together, a line each.
+    pub findings: Vec<String>,
+    /// The verdict of ensemble against integral.
+    pub verdict: Verdict,
+}
+
+/// What a file holds, with the cross-checks that were computed anew.
+pub enum Content {
+    /// One scene, which has curves of so many ways.
+    Run { cross_check: Box<CrossCheck>, ways: usize },
+    /// Points along keys: their places, and the tests of those that are there.
+    Sweep { keys: String, points: Vec<(Vec<usize>, Option<JointTest>)> },
+    /// Laws on the same asperities, with the p-value of each.
+    Comparison { laws: Vec<String>, p_values: Vec<f64> },
+    /// Patches of several sizes, with the p-value of each.
+    FiniteSize { p_values: Vec<f64> },
+    /// So many asperities of a measured surface.
+    Asperities(usize),
+    /// So many replicas of a run.
+    Shard(u64),
+}
+
+/// A file that cannot be audited.
+pub(super) fn refused(path: &Path, problem: &str) -> OutputError {
+    OutputError::NotAResult { path: path.to_owned(), problem: problem.to_owned() }
+}

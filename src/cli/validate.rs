@@ -1,0 +1,100 @@
+//! `stiction validate`: the cross-check of a result, computed anew from its datasets, and whether these fit
+//! together.
+
+use super::failure::Failure;
+use super::rows::row;
+use super::summary::verdict;
+use super::sweep::together;
+use super::terminal::print;
+use crate::audit::{Audit, Content, CrossCheck, audit};
+use crate::scene::echo::one_line;
+use crate::validation::{JointTest, Verdict};
+use std::path::Path;
+
+/// Findings that are told; more are counted.
+const TOLD: usize = 20;
+/// Rows of the table; more separations are thinned out.
+const ROWS: usize = 25;
+
+pub(super) fn validate(path: &Path) -> Result<(), Failure> {
+    let audit = audit(path)?;
+    let content = match &audit.content {
+        Content::Run { cross_check, ways } => table(cross_check, *ways),
+        Content::Sweep { keys, points } => swept(keys, points),
+        Content::Comparison { laws, p_values } => {
+            let names: Vec<String> = laws.iter().map(|name| one_line(name)).collect();
+            format!("laws {}\n", names.join(", ")) + &together(p_values)
+        }
+        Content::FiniteSize { p_values } => format!("{} sizes\n", p_values.len()) + &together(p_values),
+        Content::Asperities(count) => format!("{count} asperities of a measured surface\n"),
+        Content::Shard(replicas) => format!("a shard of {replicas} replicas\n"),
+    };
+    concluded(format!("{}\n{content}", one_line(&path.display().to_string())), &audit)
+}
+
+/// The points of a sweep, a line each, and the verdict on all of them.
+fn swept(keys: &str, points: &[(Vec<usize>, Option<JointTest>)]) -> String {
+    let mut text =
+        format!("{:>6}  {:<28}{:>10}{:>8}{:>10}  {}\n", "point", "indices", "chi2", "k", "p", "verdict");
+    let mut p_values = Vec::with_capacity(points.len());
+    for (point, (place, joint)) in points.iter().enumerate() {
+        text += &format!("{:>6}  ", point + 1);
+        text += &match joint {
+            None => "of which no replicas are there\n".to_owned(),
+            Some(joint) => {
+                let indices: Vec<String> = place.iter().map(usize::to_string).collect();
+                let (components, verdict) = (joint.degrees_of_freedom, joint.verdict.name());
+                let [statistic, p] = [format!("{:.1}", joint.statistic), format!("{:.4}", joint.p_value)];
+                format!("{:<28}{statistic:>10}{components:>8}{p:>10}  {verdict}\n", indices.join(", "))
+            }
+        };
+        p_values.push(joint.as_ref().map_or(f64::NAN, |joint| joint.p_value));
+    }
+    text + &format!("indices along {}\n", one_line(keys)) + &together(&p_values)
+}
+
+/// Separation by separation, and the verdict.
+fn table(cross_check: &CrossCheck, ways: usize) -> String {
+    let CrossCheck { h_star, forces, z, joint } = cross_check;
+    let mut text =
+        "        h*   mean F_s (N)   integral (N)       z     mean F (N)   integral (N)       z\n".to_owned();
+    let step = h_star.len().div_ceil(ROWS);
+    for k in (0..h_star.len()).step_by(step.max(1)) {
+        let cells = [0, 1]
+            .map(|i| format!("{:>14.6e} {:>14.6e} {:>7}", forces[i][0][k], forces[i][1][k], score(z[i][k])));
+        let back = if k < h_star.len() / ways { "" } else { "  on retraction" };
+        text += &format!("{:>10.3} {}{back}\n", h_star[k], cells.join(" "));
+    }
+    let shown = if step > 1 {
+        format!("every {step}th of {} separations is shown", h_star.len())
+    } else {
+        "all separations are shown".to_owned()
+    };
+    text + &verdict(joint, z, &shown)
+}
+
+/// A z-score; a dash where nothing varies.
+fn score(z: f64) -> String {
+    if z.is_finite() { format!("{z:.2}") } else { "-".to_owned() }
+}
+
+/// Prints what was found, and what comes of it.
+fn concluded(text: String, Audit { findings, verdict, .. }: &Audit) -> Result<(), Failure> {
+    let more = findings.len().saturating_sub(TOLD);
+    let told = findings.iter().take(TOLD).enumerate();
+    let mut rows: String =
+        told.map(|(i, finding)| row(if i == 0 { "contradictions" } else { "" }, finding)).collect();
+    if more > 0 {
+        rows += &row("", &format!("and {more} more"));
+    }
+    if findings.is_empty() {
+        rows = row("datasets", "fit together");
+    }
+    print(&(text + &rows))?;
+    match (findings.len(), verdict) {
+        (0, Verdict::Disagree) => Err(Failure::Disagree),
+        (0, _) => Ok(()),
+        (1, _) => Err(Failure::Contradicts("a dataset contradicts others or cannot be".to_owned())),
+        (count, _) => Err(Failure::Contradicts(format!("{count} datasets contradict others or cannot be"))),
+    }
+}

@@ -53,8 +53,8 @@ impl Cycle {
     }
 }
 
-/// ∫F dh of one way less that of the other, J, by the trapezoidal rule, from F_s and P of both, N, over
-/// rising separations, m; 0 where it is below its rounding. `error` is that of F_s and P, relative;
+/// ∫F dh of the approach less that of the retraction, J, by the trapezoidal rule, from F_s and P of both, N,
+/// over rising separations, m; 0 where it is below its rounding. `error` is that of F_s and P, relative;
 /// `highest`, m, is the highest asperity.
 ///
 /// The interference of an asperity takes at most 8 roundings of lengths within |h| + |u| on either way, and

@@ -16,7 +16,7 @@ const UNLIKE: f64 = 1.5;
 /// More kinks than there are of one fate.
 const KINKS: usize = 64;
 
-/// A surface on its way back from one separation, all heights held.
+/// A surface on retraction from one separation, all heights held.
 pub(super) struct Retracted<'a> {
     job: &'a Job<'a>,
     cycle: &'a Loop,

@@ -4,7 +4,7 @@ use super::Error;
 use super::integral::PathIntegral;
 use super::points::Points;
 use super::prepared::SceneLaws;
-use super::record::{write_about, write_model, write_parameters};
+use super::result_file::{write_about, write_model, write_parameters};
 use crate::output::OutputError;
 use crate::output::identity::Identity;
 use crate::output::reader::Reader;

@@ -12,7 +12,7 @@ pub(crate) mod merge;
 mod observer;
 pub(crate) mod points;
 pub(crate) mod prepared;
-pub(crate) mod record;
+pub(crate) mod result_file;
 pub(crate) mod results;
 pub(crate) mod run;
 pub(crate) mod sampling;

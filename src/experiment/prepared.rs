@@ -3,7 +3,7 @@
 use super::checkpoint::{Beginning, Checkpointer, Interrupted, OverwritePolicy, Run, beginning};
 use super::host::Host;
 use super::integral::{Integral, PathIntegral};
-use super::record::{AllRecords, write_curves, write_head, write_results};
+use super::result_file::{AllRecords, write_curves, write_head, write_results};
 use super::results::{Results, RetractionResults, RunMetadata, Stopped, mean_features};
 use super::sampling::{Sampling, basis_of, cross_check};
 use super::{Error, Observer, Phases};

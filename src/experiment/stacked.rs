@@ -3,7 +3,7 @@
 
 use super::Error;
 use super::points::Points;
-use super::record::{write_about, write_model};
+use super::result_file::{write_about, write_model};
 use crate::engine::SCALARS;
 use crate::math::interval::LEVEL;
 use crate::math::sums::SUM_ROUNDING;

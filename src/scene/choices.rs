@@ -21,7 +21,7 @@ pub(super) const HISTORIES: [(&str, (Path, bool)); 3] = [
     (Path::ALL[1].0, (Path::ALL[1].1, false)),
     (LOOP, (Path::Approach, true)),
 ];
-/// Name of the path that leads there and back.
+/// Name of the history of approach and retraction.
 pub(super) const LOOP: &str = "loop";
 
 /// Poisson ratios of stable solids.

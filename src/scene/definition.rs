@@ -23,11 +23,11 @@ pub struct Scene {
     pub surface: Surface,
     /// The model.
     pub model: Model,
-    /// The history; of a loop the way there.
+    /// The history; of a loop its approach.
     pub history: Path,
     /// Whether the surfaces are pulled back, each asperity by its own history.
     pub cycle: bool,
-    /// The radius of tops that have flowed on the way back.
+    /// The radius of tops that have flowed on retraction.
     pub unloaded_radius: UnloadedRadius,
     /// What holds the surfaces.
     pub instability: Instability,

@@ -296,11 +296,11 @@ pub static KEYS: &[Key] = &[
         .what("history")
         .about(
             "`approach`: contact begins at first touch. `retraction`: contact lasts to the end of its \
-             stable branch. `loop`: there and back, each asperity by its own history; for one radius.",
+             stable branch. `loop`: approach, then retraction, each asperity by its own history; for one radius.",
         )
         .defaults_to("\"approach\""),
     key("model.unloaded_radius", "\"elastic\"", Choice(|| names(&UnloadedRadius::ALL)))
-        .what("radius of flattened tops on the way back")
+        .what("radius of flattened tops on retraction")
         .about(
             "Needs `history = \"loop\"`. `kept`: R. `elastic`: that of the elastic contact which has the \
              largest load and its area.",

@@ -146,7 +146,7 @@ def test_energies_are_the_areas_of_the_loops(file):
     assert close(file["ensemble/scalar_mean"][names.index("dissipated_energy")], energy.mean(), energy.mean())
 
 
-def test_pull_off_is_that_of_the_way_back(file):
+def test_pull_off_is_that_of_the_retraction(file):
     h = file["ensemble/separation"][()]
     for way, name in [("retraction_", "pull_off"), ("", "approach_pull_off")]:
         curves = file[f"replicas/{way}external_force"][()]
@@ -313,7 +313,7 @@ def unloaded(h: float, closest: float, surface: dict, heights: np.ndarray, flatt
 
 
 @pytest.mark.parametrize("radius", ["kept", "elastic"])
-def test_the_integral_of_the_way_back_is_that_of_the_published_formulas(tmp_path, radius):
+def test_the_integral_of_the_retraction_is_that_of_the_published_formulas(tmp_path, radius):
     text = (ROOT / "configs" / "case_i.toml").read_text()
     for old, new in [('law = "hybrid"', 'law = "isbl"'), ('history = "approach"', f'history = "loop"\nunloaded_radius = "{radius}"'), ("replicas = 1000", "replicas = 8"),
                      ("{ from = 0.7, to = 8.0, count = 147 }", "[-0.5, 0.0, 0.7, 1.5, 2.5, 4.0]")]:

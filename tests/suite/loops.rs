@@ -51,7 +51,7 @@ fn separations(surface: &Surface, from: f64, to: f64, count: usize) -> Vec<f64> 
 
 /// The regimes of the way back added up without sorting, blocks or sums of regimes.
 #[test]
-fn the_way_back_is_the_sum_over_its_asperities() {
+fn the_retraction_is_the_sum_over_its_asperities() {
     for name in ["I", "II", "III"] {
         let (asperity, mut surface) = case(name);
         surface.asperity_count = 400;
@@ -489,7 +489,7 @@ fn what_pulls_off_after_a_preload_has_that_history() {
 /// The pull-off on the way back, from the closest separation and after a preload, tops flattened or not: no
 /// look at the curve finds anything deeper, and at its place the curve has that force.
 #[test]
-fn the_pull_off_on_the_way_back_is_the_deepest_point() {
+fn the_pull_off_on_the_retraction_is_the_deepest_point() {
     for (name, radius, count) in [
         ("I", UnloadedRadius::Kept, 60),
         ("II", UnloadedRadius::Kept, 3),
@@ -562,14 +562,14 @@ fn an_asperity_is_captured_where_its_attraction_begins() {
             };
             let on_approach = if *delta >= onset { branch() } else { 0.0 };
             let captured = turn >= onset && *delta >= fold;
-            let on_the_way_back = if captured { branch() } else { 0.0 };
+            let on_the_retraction = if captured { branch() } else { 0.0 };
             held += usize::from(captured && *delta < onset);
             assert!(
                 (there[i] - on_approach).abs() < 1e-6 * scale.force,
                 "{turn} {delta}: {} {on_approach}",
                 there[i]
             );
-            assert!((back[i] - on_the_way_back).abs() < 1e-5 * scale.force, "{turn} {delta}: {}", back[i]);
+            assert!((back[i] - on_the_retraction).abs() < 1e-5 * scale.force, "{turn} {delta}: {}", back[i]);
         }
         assert_eq!(held > 20, turn >= onset, "{held}");
     }

@@ -280,7 +280,7 @@ fn the_loop_of_a_jkr_asperity_has_its_closed_area() {
 /// regimes, and the force is continuous inside them. A step of 1e-7 of a piece that changes it by more than
 /// 1e-3 would be a jump.
 #[test]
-fn pieces_are_where_the_way_back_is_smooth() {
+fn pieces_are_where_the_retraction_is_smooth() {
     for name in ["I", "II", "III"] {
         let (asperity, _) = case(name);
         let scale = Scale::new(&asperity).unwrap().force;

@@ -1,7 +1,7 @@
 //! `stiction asperities`: from a measured height map to its asperities.
 
 mod arguments;
-mod record;
+mod file;
 mod summary;
 mod surface;
 
@@ -39,7 +39,7 @@ pub(super) fn asperities(arguments: &AsperitiesArguments) -> Result<(), Failure>
     let surface = surface(arguments, most)?;
     if let Some(lock) = &lock {
         let written = Writer::create(&ASPERITIES, lock, arguments.force).and_then(|mut writer| {
-            record::write(&mut writer, &surface)?;
+            file::write(&mut writer, &surface)?;
             writer.finish()
         });
         written.map_err(|error| Error::NotWritten(error.writing(lock.output())))?;

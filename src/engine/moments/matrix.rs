@@ -39,7 +39,7 @@ pub enum Unfit {
     #[error("asperities differ in their radii, so no law is that of all")]
     Polydisperse,
     /// Surfaces are pulled back.
-    #[error("on the way back of a loop the law is another at every separation")]
+    #[error("on the retraction of a loop the law is another at every separation")]
     Loop,
     /// Measured against direct sums.
     #[error("the tolerance is not met, the achieved error is {0:.1e}")]

@@ -1,6 +1,6 @@
 //! Several laws on the same asperities, by the integral and, if asked for, by the ensemble.
 
-mod record;
+mod file;
 
 use super::integral::{Integral, PathIntegral};
 use super::sampling::{Sampling, basis_of, cross_check};
@@ -179,7 +179,7 @@ impl Comparison {
     /// [`Error::NotWritten`].
     pub(crate) fn write_locked(&self, lock: &OutputLock, overwrite: bool) -> Result<(), Error> {
         let written = Writer::create(&COMPARISON, lock, overwrite).and_then(|mut writer| {
-            record::write(&mut writer, self)?;
+            file::write(&mut writer, self)?;
             writer.finish()
         });
         written.map_err(|error| Error::NotWritten(error.writing(lock.output())))

@@ -5,7 +5,7 @@ use crate::asperity::Quantity;
 use crate::asperity::law::Regime;
 use crate::asperity::laws::fit::{FORCES, NAMES};
 use crate::engine::SCALARS;
-use crate::experiment::record::write_scene;
+use crate::experiment::result_file::write_scene;
 use crate::math::moments::Moments;
 use crate::output::OutputError;
 use crate::output::schema::{Dimension, RANGE_ENDS};

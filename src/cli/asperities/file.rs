@@ -1,7 +1,7 @@
 //! The asperities of a measured surface under the names of their file layout.
 
 use super::surface::Surface;
-use crate::experiment::record::write_program;
+use crate::experiment::result_file::write_program;
 use crate::output::OutputError;
 use crate::output::schema::Dimension;
 use crate::output::writer::Writer;

@@ -1,6 +1,6 @@
 """One page of pictures of a loop: a result of `stiction run` of a scene with history = "loop".
 
-(a) external force F over the separation h*, on the way there and on the way back: mean over replicas, standard
+(a) external force F over the separation h*, on approach and on retraction: mean over replicas, standard
     deviation of one replica, statistical integral;
 (b) asperities that come into contact and lose it, per step of the separations, with the integral;
 (c) energy that a cycle of a replica dissipates;
@@ -34,7 +34,7 @@ from plot_run import BAND, SEPARATION, Run, head, newton
 INTEGRAL = (0, (4, 2))
 PINK = "#F6D5C3"
 # Way, what its datasets begin with, colour, band and line.
-WAYS = [("there", "", BLUE, BAND, "-"), ("back", "retraction_", VERMILION, PINK, DASH_DOT)]
+WAYS = [("approach", "", BLUE, BAND, "-"), ("retraction", "retraction_", VERMILION, PINK, DASH_DOT)]
 GREENS = ["#009E73", "#CC79A7", "#E69F00", "#56B4E9"]
 # Beyond the deepest force, as shares of it.
 MARGIN = (0.12, 0.55)
@@ -50,7 +50,7 @@ def draw_forces(axes: Axes, run: Run) -> None:
     depth = -lowest if lowest < 0.0 else float(curves[0][4].max())
     unit, sign = si(depth)
     for way, color, band, line, mean, std, integral in curves:
-        handles += axes.plot(x, mean / unit, color=color, linestyle=line, linewidth=1.8, label=f"way {way}, mean")
+        handles += axes.plot(x, mean / unit, color=color, linestyle=line, linewidth=1.8, label=f"{way}, mean")
         handles.append(axes.fill_between(x, (mean - std) / unit, (mean + std) / unit, facecolor=band, alpha=0.6,
                                          linewidth=0.0, zorder=1, label="± one replica"))
         dots = axes.plot(x, integral / unit, color="black", linestyle=INTEGRAL, linewidth=0.8, label="integral")
@@ -60,7 +60,7 @@ def draw_forces(axes: Axes, run: Run) -> None:
         axes.set_ylim(-(1.0 + MARGIN[0]) * depth / unit, MARGIN[1] * depth / unit)
     axes.set(ylabel=f"external force, compressive positive ({sign}N)")
     axes.tick_params(labelbottom=False)
-    head(axes, "(a) External force $F$ on both ways", handles, 3, 2)
+    head(axes, "(a) External force $F$", handles, 3, 2)
 
 
 def draw_jumps(axes: Axes, run: Run) -> None:
@@ -134,7 +134,7 @@ def draw_preloads(axes: Axes, run: Run) -> None:
                              markersize=4, linewidth=1.4, capsize=2.5, label="mean over replicas ± one replica")]
     there = float(run["replicas/approach_pull_off_force"].mean())
     handles.append(axes.axhline(there / unit, color=BLUE, linestyle=DASHED, linewidth=1.4,
-                                label=f"on the way there: {newton(there)}"))
+                                label=f"on approach: {newton(there)}"))
     axes.set(xscale="log", xlabel=f"preload ({load_sign}N)", ylabel=f"pull-off force ({sign}N)")
     axes.set_ylim(0.0, 1.1 * float((mean + np.nan_to_num(std)).max()) / unit)
     head(axes, "(d) Pull-off after a preload", handles, 2, 1)
@@ -143,8 +143,8 @@ def draw_preloads(axes: Axes, run: Run) -> None:
 def draw_pull_off(axes: Axes, run: Run) -> None:
     there, back = run["replicas/approach_pull_off_force"], run["replicas/pull_off_force"]
     unit, sign = si(float(max(np.abs(there).max(), np.abs(back).max())))
-    handles = [histogram(axes, there, unit, BAND, f"way there: {newton(float(there.mean()))}"),
-               histogram(axes, back, unit, PINK, f"way back: {newton(float(back.mean()))}")]
+    handles = [histogram(axes, there, unit, BAND, f"approach: {newton(float(there.mean()))}"),
+               histogram(axes, back, unit, PINK, f"retraction: {newton(float(back.mean()))}")]
     for radius, line in (("kept", DASHED), ("elastic", DASH_DOT)):
         name = f"pull_off_force_{radius}_radius"
         if name in run.file["integral"].attrs:
@@ -175,7 +175,7 @@ def draw_texts(figure: Figure, run: Run) -> None:
     verdict += f" at the {level:g} % level (p = {p_value:#.2g})" if math.isfinite(p_value) else ""
     numbers = (f"law {run.attribute('/', 'law')}, λ = {run.attribute('/', 'adhesion_parameter'):.4g}, "
                f"ψ = {run.attribute('/', 'plasticity_index'):.4g}, N = {count} asperities, "
-               f"{replicas} replica{'s' if replicas > 1 else ''}, both ways and their integral: {verdict}")
+               f"{replicas} replica{'s' if replicas > 1 else ''}, approach, retraction and their integral: {verdict}")
     figure.text(0.5, 0.981 - 0.027 * len(title), numbers, ha="center", va="top", fontsize=9.5)
     std = run.attribute("/", "surface_height_std")
     touch, off = (float(run[f"replicas/{name}_separation"].mean()) / std for name in ("touchdown", "detachment"))

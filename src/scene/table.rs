@@ -296,7 +296,9 @@ pub static KEYS: &[Key] = &[
         .what("history")
         .about(
             "`approach`: contact begins at first touch. `retraction`: contact lasts to the end of its \
-             stable branch. `loop`: approach, then retraction, each asperity by its own history; for one radius.",
+             stable branch. `loop`: approach, then retraction, each asperity by its own history; for one \
+             radius. Surfaces that have touched are pulled off on `retraction`, or on `loop` where \
+             asperities have flowed.",
         )
         .defaults_to("\"approach\""),
     key("model.unloaded_radius", "\"elastic\"", Choice(|| names(&UnloadedRadius::ALL)))

@@ -1,8 +1,7 @@
 //! One asperity on approach and on retraction: the interferences at which it snaps in and off, and its
 //! forces between them.
 
-use stiction::asperity::models::model;
-use stiction::asperity::{LawError, LawParameters, Path, SolvedAsperity};
+use stiction::asperity::{LawError, LawParameters, Path, SolvedAsperity, model};
 
 fn main() -> Result<(), LawError> {
     // Scaled variables: forces are over πRΔγ, and the adhesion parameter λ is all that there is.

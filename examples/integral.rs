@@ -1,9 +1,7 @@
 //! The statistical integral of a law over a surface, without any scene: the external force over the
 //! separation.
 
-use stiction::asperity::models::model;
-use stiction::asperity::scale::Asperity;
-use stiction::asperity::{LawError, LawParameters, Path, Quantity};
+use stiction::asperity::{Asperity, LawError, LawParameters, Path, Quantity, model};
 use stiction::integral::Expectations;
 use stiction::surface::Surface;
 

@@ -1,9 +1,7 @@
 //! A law and an ensemble of one's own, without any scene: DMT's contact written down in three formulas, on
 //! patches of 1000 asperities, against its integral.
 
-use stiction::asperity::formula::{ClosedForm, Constant};
-use stiction::asperity::table::{Row, Table};
-use stiction::asperity::{Quantity, Regime};
+use stiction::asperity::{ClosedForm, Constant, Quantity, Regime, Row, Table};
 use stiction::engine::Job;
 use stiction::integral::Expectations;
 use stiction::surface::Surface;

@@ -3,27 +3,38 @@
 //! A scene says what surfaces there are, by which law their asperities attract each other, and how many
 //! patches of them are drawn:
 //!
-//! ```no_run
-//! let scene = stiction::Scene::from_toml_file("configs/case_ii.toml")?;
+//! ```
+//! # let folder = tempfile::tempdir().unwrap();
+//! # let output = folder.path().join("quick.h5");
+//! let scene = stiction::Scene::from_toml_file("configs/quick.toml")?;
 //! let result = stiction::run(&scene)?;
 //! println!("{:.3e} N", result.pull_off().mean);
-//! result.write("case_ii.h5")?;
+//! result.write(&output)?;
 //! # Ok::<(), stiction::Error>(())
 //! ```
 //!
-//! As short are [`sweep`] for a scene with a table `[sweep]`, [`finite_size()`] for patches of several sizes,
-//! [`compare()`] for laws on the same asperities and [`integrate`] for the integral alone; [`builder`] sets
-//! an experiment up: threads, progress, an end from outside. Below these, each by itself and without any
-//! scene:
+//! # What there is
+//! Functions on this page compute a scene: [`run`] as above, [`sweep`] one with a table `[sweep]`,
+//! [`finite_size()`] patches of several sizes, [`compare()`] laws on the same asperities, and [`integrate`] the
+//! integral alone. [`builder`] sets an experiment up: threads, progress, an end from outside. [`scene`] reads
+//! scenes, and [`output`] reads files of results back.
+//!
+//! Parts that know no scene are there by themselves:
 //! - [`asperity`]: laws of one asperity, from interference to forces and area, and laws of one's own;
 //! - [`surface`]: heights, radii and numbers of asperities, and measured surfaces;
 //! - [`integral`]: the integral of a law over the heights of a surface;
 //! - [`engine`]: ensembles of replicas, summed asperity by asperity or by moments;
-//! - [`validation`]: tests of an ensemble against the integral;
-//! - [`output`]: files of results, and how they are read back.
+//! - [`validation`]: tests of an ensemble against the integral.
 //!
-//! The folder `examples` has a program for each. All of it may change before version 1.0. Items that are not
-//! on these pages are for the program's own tests and change at any time.
+//! Every type has an example on its page or on that of its module's first type, and the folder `examples` has
+//! whole programs.
+//!
+//! # What may change
+//! Before version 1.0 anything may, and the changelog says what. What is least likely to are the functions of
+//! this page, [`Scene`] and the types that they return, [`surface`], and of [`asperity`] what makes a law. What
+//! follows the needs of the program, and may change with any version, is [`engine`] and [`validation`], and how
+//! a law shows itself to the sums. Files of results have versions of their own ([`output::Layout`]). Items
+//! that are not on these pages are for the program and its tests, and change at any time.
 //!
 //! # Features
 //! All are on by default.
@@ -47,6 +58,7 @@ pub mod engine;
 #[doc(hidden)]
 pub mod estimate;
 #[cfg(feature = "hdf5")]
+#[doc(hidden)]
 pub mod experiment;
 #[cfg(feature = "hdf5")]
 mod format;
@@ -63,6 +75,17 @@ pub mod surface;
 pub mod validation;
 
 #[cfg(feature = "hdf5")]
-pub use experiment::{Error, Observer, RunResult, builder, compare, finite_size, integrate, run, sweep};
+#[doc(inline)]
+pub use experiment::{
+    Builder, ComparedLaw, Comparison, Error, FiniteSize, Integral, Mean, Observer, PatchSize, PathIntegral,
+    RunResult, SweepPoint, builder, compare, finite_size, integrate, run, sweep,
+};
 #[cfg(feature = "hdf5")]
+#[doc(inline)]
+pub use math::{
+    control_variates::ControlledMean,
+    extrema::{Extremum, Features},
+};
+#[cfg(feature = "hdf5")]
+#[doc(inline)]
 pub use scene::Scene;

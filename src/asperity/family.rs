@@ -14,6 +14,25 @@ use std::sync::Arc;
 type OfRadius = dyn Fn(f64, Option<(f64, f64)>) -> Box<dyn Law> + Send + Sync;
 
 /// The laws of asperities that differ in their radius alone.
+///
+/// # Examples
+/// ```
+/// use stiction::asperity::{Asperity, Family, Path, SolvedAsperity, model};
+///
+/// # let asperity = Asperity {
+/// #     radius: 1e-6,
+/// #     reduced_modulus: 100e9,
+/// #     work_of_adhesion: 0.05,
+/// #     equilibrium_spacing: 0.2e-9,
+/// #     hardness: 5e9,
+/// #     poisson_ratio: 0.3,
+/// #     lubricant_thickness: 0.0,
+/// # };
+/// let family = Family::new(model("dmt").unwrap(), asperity, Path::Approach, (0.1, 10.0))?;
+/// let [one, two] = [1e-6, 2e-6].map(|radius| SolvedAsperity::new(&*family.law(radius, None), 0.0));
+/// assert!((two.adhesion_force / one.adhesion_force - 2.0).abs() < 1e-14);
+/// # Ok::<(), stiction::asperity::LawError>(())
+/// ```
 #[derive(Clone)]
 pub struct Family {
     of_radius: Arc<OfRadius>,
@@ -65,6 +84,16 @@ impl Family {
 }
 
 /// The laws of the asperities of a surface, which behave as the law of the typical one.
+///
+/// # Examples
+/// ```
+/// use stiction::asperity::{ClosedForm, Law, Laws, Regime, Row, Table};
+///
+/// let law = Table::new([Row::last(Regime::Noncontact, ClosedForm::attraction(|delta: f64| delta.exp()))]);
+/// let laws = Laws::from(&law);
+/// assert!(laws.family.is_none(), "one law for all");
+/// assert_eq!(laws.regimes(), [Regime::Noncontact]);
+/// ```
 #[derive(Clone, Copy)]
 pub struct Laws<'a> {
     /// The law of the typical asperity; of every asperity where there is no family.
@@ -94,6 +123,33 @@ impl<'a, L: Law + 'a> From<&'a L> for Laws<'a> {
 }
 
 /// The laws of a surface as they are made.
+///
+/// # Examples
+/// ```
+/// use stiction::asperity::{Asperity, Family, LawParameters, Path, SurfaceLaws, model};
+/// use stiction::integral::Expectations;
+/// use stiction::surface::{Radii, Surface};
+///
+/// # let asperity = Asperity {
+/// #     radius: 1e-6,
+/// #     reduced_modulus: 100e9,
+/// #     work_of_adhesion: 0.05,
+/// #     equilibrium_spacing: 0.2e-9,
+/// #     hardness: 5e9,
+/// #     poisson_ratio: 0.3,
+/// #     lubricant_thickness: 0.0,
+/// # };
+/// let dmt = model("dmt").unwrap();
+/// let typical = dmt.law(&LawParameters::new(&asperity, Path::Approach, (-1e-8, 1e-7))?)?;
+/// let family = Some(Family::new(dmt, asperity, Path::Approach, (1e-6, 1e6))?);
+/// let laws = SurfaceLaws { typical, family };
+/// let surface = Surface { radii: Radii::LogNormal(0.3), ..Surface::uniform(1e-9, 1e-6, 100, 1e-10) };
+/// // So close that all touch: the attraction is that of 100 asperities of the mean radius.
+/// let integral = Expectations::new(laws.view(), &surface, &[-2e-8]);
+/// let expected = 100.0 * 2.0 * std::f64::consts::PI * 1e-6 * 0.05;
+/// assert!((integral.expected[0][0] / expected - 1.0).abs() < 1e-9);
+/// # Ok::<(), stiction::asperity::LawError>(())
+/// ```
 pub struct SurfaceLaws {
     /// The law of the typical asperity.
     pub typical: Box<dyn Law>,

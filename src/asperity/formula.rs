@@ -5,9 +5,7 @@
 //! Hertz's contact under a constant pull, DMT's law:
 //!
 //! ```
-//! use stiction::asperity::formula::{ClosedForm, Constant};
-//! use stiction::asperity::table::{Row, Table};
-//! use stiction::asperity::{Law, LawError, Regime, LawParameters};
+//! use stiction::asperity::{ClosedForm, Constant, Law, LawError, LawParameters, Regime, Row, Table};
 //! use std::f64::consts::PI;
 //!
 //! fn dmt(setting: &LawParameters) -> Result<Box<dyn Law>, LawError> {
@@ -32,6 +30,24 @@ use crate::math::instruction_set::InstructionSet;
 use crate::math::piecewise::Piecewise;
 
 /// One quantity of an asperity by its interference δ, m: any `Fn(f64) -> f64` is one.
+///
+/// # Examples
+/// ```
+/// use stiction::asperity::{ClosedForm, Constant, Formula, Regime, Row, SolvedAsperity, Table, Zero};
+///
+/// /// Nothing before contact, and a load without attraction in it.
+/// fn contact(load: impl Formula) -> Table {
+///     let rows = [
+///         Row::below(Regime::Noncontact, 0.0, Constant::NOTHING),
+///         Row::last(Regime::Elastic, ClosedForm::new(Zero, load, Zero)),
+///     ];
+///     Table::new(rows)
+/// }
+///
+/// let spring = contact(|delta: f64| 3.0 * delta);
+/// assert_eq!(SolvedAsperity::new(&spring, 2.0).contact_force, 6.0);
+/// assert_eq!(SolvedAsperity::new(&spring, -2.0).contact_force, 0.0);
+/// ```
 pub trait Formula: Clone + Send + Sync + 'static {
     /// Fills `out` with the values at interferences δ, m.
     fn fill(&self, interference: &[f64], out: &mut [f64]);
@@ -59,6 +75,16 @@ impl Formula for Zero {
 
 /// A formula that takes longer than a few products, such as a power or an integral, and is read from a table
 /// where it has one.
+///
+/// # Examples
+/// ```
+/// use stiction::asperity::{ClosedForm, Regime, Row, SolvedAsperity, Table, Tabulated, Zero};
+///
+/// let power = Tabulated::new(1.0, 1.0, |x: f64| x.powf(1.425), 1e-12, (1.0, 110.0));
+/// let law = Table::new([Row::last(Regime::Plastic, ClosedForm::new(Zero, power, Zero))]);
+/// let force = SolvedAsperity::new(&law, 8.0).contact_force;
+/// assert!((force / 8_f64.powf(1.425) - 1.0).abs() < 1e-11);
+/// ```
 #[derive(Clone, Debug)]
 pub struct Tabulated<F> {
     formula: F,

@@ -217,41 +217,51 @@ pub trait Flattened: Send + Sync {
 
 /// A law of one asperity as the sums see it: contiguous regimes of interference, and forces evaluated block
 /// by block, so that choosing the law costs one call per block and nothing in the inner loop.
+///
+/// A law of one's own is a [`Table`](super::Table). What else a law tells the sums is not on this page, and
+/// may change.
 pub trait Law: Send + Sync {
     /// The regimes from far to deep.
     fn regimes(&self) -> &[Regime];
 
     /// The boundaries between the regimes, rising; one more than between them when the law ends above the
     /// last regime. Asperities beyond the end bear no force and are counted nowhere.
+    #[doc(hidden)]
     fn boundaries(&self) -> &[Boundary];
 
     /// The smooth pieces, rising, that cover the regimes: split at every kink and jump.
+    #[doc(hidden)]
     fn pieces(&self) -> Vec<Piece>;
 
     /// How the forces of a regime are evaluated.
+    #[doc(hidden)]
     fn method(&self, _regime: usize) -> Method {
         Method::ClosedForm
     }
 
     /// Interference, m, from which an asperity that turns back takes another way, if that is before contact
     /// begins.
+    #[doc(hidden)]
     fn capture(&self) -> Option<f64> {
         None
     }
 
     /// How well its curve fits are, when it has any.
+    #[doc(hidden)]
     fn fit(&self) -> Option<&FitReport> {
         None
     }
 
     /// The attraction before contact of asperities of other radii, where the law has it in a form that serves
     /// any of them.
+    #[doc(hidden)]
     fn flattened(&self) -> Option<Box<dyn Flattened>> {
         None
     }
 
     /// Fills the first `interference.len()` ≤ [`BLOCK`] responses for interferences δ, m, that all lie in one
     /// regime.
+    #[doc(hidden)]
     fn evaluate(&self, regime: usize, interference: &[f64], out: &mut Responses, stats: &mut SolverStats);
 }
 

@@ -6,40 +6,62 @@
 //! and shows itself to the sums through [`Law`].
 
 mod angle;
+#[doc(hidden)]
 pub mod branch;
+#[doc(hidden)]
 pub mod contact;
+#[doc(hidden)]
 pub mod curve;
+#[doc(hidden)]
 pub mod emd;
 mod error;
+#[doc(hidden)]
 pub mod family;
+#[doc(hidden)]
 pub mod flattened;
+#[doc(hidden)]
 pub mod formula;
 mod history;
 mod lanes;
+#[doc(hidden)]
 pub mod law;
+#[doc(hidden)]
 pub mod laws;
+#[doc(hidden)]
 pub mod models;
+#[doc(hidden)]
 pub mod noncontact;
 mod parameters;
 mod plastic_unloading;
+#[doc(hidden)]
 pub mod quantity;
 mod retraction;
+#[doc(hidden)]
 pub mod scale;
 mod solved;
 mod stats;
+#[doc(hidden)]
 pub mod table;
+#[doc(hidden)]
 pub mod unloading;
 
 pub use error::LawError;
 pub use family::{Family, Laws, SurfaceLaws};
+pub use formula::{ClosedForm, Constant, Formula, Tabulated, Zero};
 pub use history::Path;
+#[doc(hidden)]
 pub use law::{
-    BLOCK, Boundary, End, FitReport, Flattened, Law, Method, Piece, Regime, Responses, Scratch, Smoothness,
+    BLOCK, Boundary, End, FitReport, Flattened, Method, Piece, Responses, Scratch, Smoothness,
     for_each_block, for_each_block_of, regime_ranges,
 };
+pub use law::{Law, Regime};
+pub use models::{MODELS, Model, Validity, model};
 pub use parameters::LawParameters;
 pub use quantity::Quantity;
+#[doc(hidden)]
 pub use retraction::Retraction;
+pub use scale::{Asperity, Scale};
 pub use solved::SolvedAsperity;
 pub use stats::SolverStats;
+pub use table::{Interaction, Row, Table};
 pub use unloading::{Loop, UnloadedRadius};

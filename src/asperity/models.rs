@@ -10,6 +10,18 @@ use super::parameters::LawParameters;
 pub type Build = fn(&LawParameters) -> Result<Box<dyn Law>, LawError>;
 
 /// A law by name.
+///
+/// # Examples
+/// ```
+/// use stiction::asperity::{LawParameters, MODELS, Model, Path, model};
+///
+/// let jkr: Model = model("jkr").unwrap();
+/// assert_eq!(jkr.about, "Johnson-Kendall-Roberts, elastic and dry");
+/// let law = jkr.law(&LawParameters::scaled(10.0, Path::Approach)?)?;
+/// assert_eq!(law.regimes().len(), 2);
+/// assert!(MODELS.iter().any(|model| model.name == "hybrid"));
+/// # Ok::<(), stiction::asperity::LawError>(())
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Model {
     /// The name in scenes, on the command line and in files.
@@ -40,11 +52,22 @@ impl Model {
 }
 
 /// The limits of a law, which follow from what it leaves out.
+///
+/// # Examples
+/// ```
+/// use stiction::asperity::{Validity, model};
+///
+/// let validity: Validity = model("dmt").unwrap().validity;
+/// assert!(validity.limits(0.05, 0.1, 0.0).is_empty());
+/// assert_eq!(validity.limits(2.0, 0.1, 0.0).len(), 1, "DMT is for small adhesion parameters");
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Validity {
     /// Which adhesion parameters it is for.
+    #[doc(hidden)]
     pub adhesion: Adhesion,
     /// The contact above the critical interference.
+    #[doc(hidden)]
     pub plasticity: Plasticity,
     /// Whether it knows no lubricant.
     pub dry: bool,
@@ -100,6 +123,7 @@ impl Validity {
 
     /// The limits of a law that an adhesion parameter λ and a plasticity index ψ exceed: the number and the
     /// limit, and what it is and whose.
+    #[doc(hidden)]
     pub fn exceeded(&self, lambda: f64, plasticity_index: f64) -> Vec<(String, String)> {
         let mut exceeded = Vec::new();
         match self.adhesion {

@@ -7,6 +7,28 @@ use std::f64::consts::PI;
 pub const STRESS_RATIO: f64 = 1.03;
 
 /// One asperity against a flat: geometry and material, SI.
+///
+/// # Examples
+/// ```
+/// use stiction::asperity::{Asperity, LawParameters, Path, SolvedAsperity, model};
+/// use std::f64::consts::PI;
+///
+/// let asperity = Asperity {
+///     radius: 1e-6,
+///     reduced_modulus: 100e9,
+///     work_of_adhesion: 0.05,
+///     equilibrium_spacing: 0.2e-9,
+///     hardness: 5e9,
+///     poisson_ratio: 0.3,
+///     lubricant_thickness: 0.0,
+/// };
+/// let parameters = LawParameters::new(&asperity, Path::Approach, (-1e-9, 1e-9))?;
+/// let law = model("dmt").unwrap().law(&parameters)?;
+/// // Derjaguin, Muller and Toporov's pull-off, where contact begins.
+/// let force = SolvedAsperity::new(law.as_ref(), 0.0).external_force();
+/// assert!((force / (-2.0 * PI * 1e-6 * 0.05) - 1.0).abs() < 1e-14);
+/// # Ok::<(), stiction::asperity::LawError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Asperity {
     /// Radius of curvature R, m.
@@ -62,6 +84,25 @@ fn has_room(unit: f64) -> bool {
 }
 
 /// The units of the scaled variables (Maugis 1992).
+///
+/// # Examples
+/// ```
+/// use stiction::asperity::{Asperity, Scale};
+///
+/// # let asperity = Asperity {
+/// #     radius: 1e-6,
+/// #     reduced_modulus: 100e9,
+/// #     work_of_adhesion: 0.05,
+/// #     equilibrium_spacing: 0.2e-9,
+/// #     hardness: 5e9,
+/// #     poisson_ratio: 0.3,
+/// #     lubricant_thickness: 0.0,
+/// # };
+/// let scale: Scale = Scale::new(&asperity)?;
+/// assert_eq!(scale.force, std::f64::consts::PI * asperity.work_of_adhesion * asperity.radius);
+/// assert!((scale.equilibrium_spacing() / 0.2e-9 - 1.0).abs() < 1e-14);
+/// # Ok::<(), stiction::asperity::LawError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scale {
     /// Adhesion parameter λ = 2σ₀(R/(πΔγK²))^(1/3), σ₀ = 1.03Δγ/Z₀, K = 4E_r/3.

@@ -4,6 +4,19 @@ use super::law::{Law, Regime, Responses, Scratch, for_each_block};
 use super::stats::SolverStats;
 
 /// One asperity at one interference, in the units of its law: SI, or scaled ones.
+///
+/// # Examples
+/// ```
+/// use stiction::asperity::{LawParameters, Path, Regime, SolvedAsperity, model};
+///
+/// // Johnson, Kendall and Roberts's pull-off is 3/2 πRΔγ; πRΔγ is the unit of force.
+/// let law = model("jkr").unwrap().law(&LawParameters::scaled(10.0, Path::Retraction)?)?;
+/// let solved = (-900..900).map(|k| SolvedAsperity::new(law.as_ref(), 1e-3 * f64::from(k)));
+/// let deepest = solved.min_by(|a, b| a.external_force().total_cmp(&b.external_force())).unwrap();
+/// assert!((deepest.external_force() + 1.5).abs() < 1e-5);
+/// assert_eq!(deepest.regime, Some(Regime::Elastic));
+/// # Ok::<(), stiction::asperity::LawError>(())
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct SolvedAsperity {
     /// The regime; none beyond the last regime of the law, where nothing acts.
@@ -23,7 +36,7 @@ impl SolvedAsperity {
     ///
     /// # Examples
     /// ```
-    /// use stiction::asperity::{LawParameters, Path, SolvedAsperity, models::model};
+    /// use stiction::asperity::{LawParameters, Path, SolvedAsperity, model};
     ///
     /// let law = model("jkr").unwrap().law(&LawParameters::scaled(10.0, Path::Approach)?)?;
     /// let asperity = SolvedAsperity::new(law.as_ref(), 4.0);

@@ -3,6 +3,16 @@
 use serde::{Deserialize, Serialize};
 
 /// The cost of solving, in counts.
+///
+/// # Examples
+/// ```
+/// use stiction::asperity::{LawParameters, Path, SolvedAsperity, SolverStats, model};
+///
+/// let law = model("md").unwrap().law(&LawParameters::scaled(1.0, Path::Approach)?)?;
+/// let SolverStats { contact_solves, noncontact_solves, .. } = SolvedAsperity::new(law.as_ref(), 2.0).stats;
+/// assert_eq!((contact_solves, noncontact_solves), (1, 0));
+/// # Ok::<(), stiction::asperity::LawError>(())
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SolverStats {
     /// Solves of the contact equations.

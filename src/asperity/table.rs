@@ -6,29 +6,49 @@
 use super::law::{Boundary, FitReport, Flattened, Law, Method, Piece, Regime, Responses, Smoothness};
 use super::stats::SolverStats;
 
-/// The interaction of an asperity in one regime.
+/// The interaction of an asperity in one regime: a [`ClosedForm`](super::ClosedForm), or a
+/// [`Constant`](super::Constant) force.
+///
+/// What an interaction tells a law is not on this page, and may change.
+///
+/// # Examples
+/// ```
+/// use stiction::asperity::{ClosedForm, Constant, Interaction, Law, Regime, Row, Table};
+///
+/// fn beyond(end: f64, part: impl Interaction + 'static) -> Table {
+///     Table::new([Row::below(Regime::Noncontact, end, Constant::NOTHING), Row::last(Regime::Lubricant, part)])
+/// }
+///
+/// let law = beyond(-1.0, ClosedForm::attraction(|delta: f64| delta.exp()));
+/// assert_eq!(law.regimes(), [Regime::Noncontact, Regime::Lubricant]);
+/// ```
 pub trait Interaction: Send + Sync {
     /// Ends, m, inside `lower..upper` where the part is not smooth, rising, and how it varies on each of the
     /// intervals that they leave: one more than ends.
+    #[doc(hidden)]
     fn smoothness(&self, _lower: f64, _upper: f64) -> (Vec<f64>, Vec<Smoothness>) {
         (Vec::new(), vec![Smoothness::Smooth])
     }
 
     /// How it is evaluated.
+    #[doc(hidden)]
     fn method(&self) -> Method;
 
     /// Interference, m, from which an asperity that turns back takes another way, if there is one within the
     /// part.
+    #[doc(hidden)]
     fn capture(&self) -> Option<f64> {
         None
     }
 
     /// The same attraction for asperities of other radii, if the part is one before contact that has it.
+    #[doc(hidden)]
     fn flattened(&self) -> Option<Box<dyn Flattened>> {
         None
     }
 
     /// Fills the first `interference.len()` responses for interferences δ, m.
+    #[doc(hidden)]
     fn evaluate(&self, interference: &[f64], out: &mut Responses, stats: &mut SolverStats);
 }
 
@@ -77,6 +97,7 @@ impl Table {
     }
 
     /// The same law with a report of its curve fits.
+    #[doc(hidden)]
     pub fn with_fit(mut self, report: FitReport) -> Self {
         self.fit = Some(report);
         self

@@ -47,6 +47,14 @@ use std::f64::consts::PI;
 use std::sync::LazyLock;
 
 /// The radius of a top that has flowed, once its contact has ended.
+///
+/// # Examples
+/// ```
+/// use stiction::asperity::UnloadedRadius;
+///
+/// assert_eq!(UnloadedRadius::default(), UnloadedRadius::Kept);
+/// assert_eq!(UnloadedRadius::Kept.other().name(), "elastic");
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum UnloadedRadius {
     /// As it was.
@@ -75,6 +83,19 @@ impl UnloadedRadius {
 }
 
 /// The laws of one asperity on approach and on retraction.
+///
+/// # Examples
+/// ```
+/// use stiction::asperity::{LawParameters, Loop, Path, SolvedAsperity, UnloadedRadius, model};
+///
+/// let parameters = LawParameters::scaled(10.0, Path::Approach)?;
+/// let cycle = Loop::new(&model("jkr").unwrap(), &parameters, UnloadedRadius::Kept)?;
+/// assert!(cycle.release() < cycle.touch(), "contact lasts longer than it took to begin");
+/// let between = 0.5 * (cycle.release() + cycle.touch());
+/// assert_eq!(SolvedAsperity::new(cycle.approach(), between).contact_area, 0.0);
+/// assert!(SolvedAsperity::new(cycle.retraction(), between).contact_area > 0.0);
+/// # Ok::<(), stiction::asperity::LawError>(())
+/// ```
 pub struct Loop {
     pub(super) approach: Box<dyn Law>,
     pub(super) retraction: Box<dyn Law>,

@@ -29,6 +29,22 @@ pub fn replicas_of(batches: Range<u64>, replicas: u64) -> Range<u64> {
 }
 
 /// The moments of an ensemble and what is kept of every replica.
+///
+/// # Examples
+/// ```
+/// use stiction::asperity::{LawParameters, Path, Quantity, model};
+/// use stiction::engine::{Ensemble, Job};
+/// use stiction::surface::Surface;
+///
+/// let law = model("md").unwrap().law(&LawParameters::scaled(0.5, Path::Approach)?)?;
+/// let surface = Surface::uniform(1.0, 1.0, 100, 1.0);
+/// let separations: Vec<f64> = (0..40).map(|k| 0.1 * f64::from(k)).collect();
+/// let ensemble: Ensemble = Job::new(law.as_ref(), &surface, &separations, 64, 1).ensemble();
+/// let area = &ensemble.curves[Quantity::ContactArea.index()];
+/// assert_eq!(area.count(), 64);
+/// assert!(area.mean().is_sorted_by(|near, far| near >= far));
+/// # Ok::<(), stiction::asperity::LawError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Ensemble {
     /// Moments of the curves, by [`Quantity::index`], each over the S states of the job.
@@ -40,6 +56,7 @@ pub struct Ensemble {
     /// Moments of the external force of each regime, N, R × S.
     pub regime_external_force: Moments,
     /// Moments of the means of groups of replicas.
+    #[doc(hidden)]
     pub groups: Groups,
     /// Numbers that are kept of every replica, in order.
     #[serde(skip)]
@@ -53,6 +70,7 @@ pub struct Ensemble {
 
 impl Ensemble {
     /// No replicas yet.
+    #[doc(hidden)]
     pub fn new(job: &Job<'_>) -> Self {
         let (s, r) = (job.states(), job.laws.regimes().len());
         Self {

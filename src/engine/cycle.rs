@@ -10,6 +10,23 @@ use crate::math::sums::SUM_ROUNDING;
 use serde::{Deserialize, Serialize};
 
 /// The record of a replica whose retraction is another than its approach.
+///
+/// # Examples
+/// ```
+/// use stiction::asperity::{LawParameters, Loop, Path, UnloadedRadius, model};
+/// use stiction::engine::{Cycle, Job, Protocol};
+/// use stiction::surface::Surface;
+///
+/// // Hertz's contact has no hysteresis, so nothing is lost.
+/// let parameters = LawParameters::scaled(1.0, Path::Approach)?;
+/// let cycle = Loop::new(&model("hertz").unwrap(), &parameters, UnloadedRadius::Kept)?;
+/// let surface = Surface::uniform(1.0, 1.0, 100, 1.0);
+/// let protocol = Protocol { cycle: Some(&cycle), ..Protocol::default() };
+/// let job = Job { protocol, ..Job::new(cycle.approach(), &surface, &[0.0, 1.0, 2.0], 8, 1) };
+/// let lost = |cycle: &Cycle| cycle.dissipated_energy;
+/// assert!(job.ensemble().replicas.iter().all(|replica| lost(replica.cycle.as_ref().unwrap()) == 0.0));
+/// # Ok::<(), stiction::asperity::LawError>(())
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Cycle {
     /// −min F on approach, between the separations too, N.

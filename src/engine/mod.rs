@@ -18,8 +18,10 @@ mod cycle;
 mod force_table;
 mod groups;
 mod held;
+#[doc(hidden)]
 pub mod instability;
 mod kinks;
+#[doc(hidden)]
 pub mod moments;
 mod parts;
 mod polydisperse;
@@ -35,31 +37,52 @@ mod search;
 mod shard;
 mod stopping;
 mod stray_table;
+#[doc(hidden)]
 pub mod stream;
 mod summation;
 mod summed;
 mod sums;
 
-pub use batch::{BATCH, Batch, Ensemble, batches_of, replicas_of};
+pub use crate::math::moments::Moments;
+pub use batch::Ensemble;
+#[doc(hidden)]
+pub use batch::{BATCH, Batch, batches_of, replicas_of};
+#[doc(hidden)]
 pub use chunks::{AHEAD, HELD};
+#[doc(hidden)]
 pub use curves::Curves;
-pub use cycle::{Cycle, dissipated};
+pub use cycle::Cycle;
+#[doc(hidden)]
+pub use cycle::dissipated;
+#[doc(hidden)]
 pub use groups::Groups;
+#[doc(hidden)]
 pub use instability::Loading;
+#[doc(hidden)]
 pub use kinks::parts_of;
+pub use moments::{MomentMatrix, Unfit};
+#[doc(hidden)]
 pub use record::{RecordShape, Records};
+#[doc(hidden)]
 pub use reduce::{Outcome, run, run_from};
+#[doc(hidden)]
 pub use reduction_tree::ReductionTree;
-pub use replica::{Replica, Workspace};
+pub use replica::Replica;
+#[doc(hidden)]
+pub use replica::Workspace;
+#[doc(hidden)]
 pub use sampling::draw;
-pub use scalars::{LOOP_SCALARS, SCALARS, Scalar, scalars};
+#[doc(hidden)]
+pub use scalars::scalars;
+pub use scalars::{LOOP_SCALARS, SCALARS, Scalar};
+#[doc(hidden)]
 pub use shard::Shard;
 pub use stopping::{Attained, Estimator, Limit, Rule, Stopping, Target};
+#[doc(hidden)]
 pub use summation::{PILOTS, Summation};
 
 use crate::asperity::{Laws, Loop};
 use crate::surface::{SamplingScheme, Surface};
-use moments::MomentMatrix;
 use std::convert::Infallible;
 use std::sync::atomic::AtomicBool;
 
@@ -89,12 +112,32 @@ pub struct Job<'a> {
 }
 
 /// The treatment of a surface beside summing it on one way.
+///
+/// # Examples
+/// ```
+/// use stiction::asperity::{LawParameters, Loop, Path, UnloadedRadius, model};
+/// use stiction::engine::{Cycle, Job, Protocol};
+/// use stiction::surface::Surface;
+///
+/// let parameters = LawParameters::scaled(10.0, Path::Approach)?;
+/// let cycle = Loop::new(&model("md").unwrap(), &parameters, UnloadedRadius::Kept)?;
+/// let surface = Surface::uniform(1.0, 1.0, 100, 1.0);
+/// let separations: Vec<f64> = (0..60).map(|k| 0.1 * f64::from(k)).collect();
+/// let protocol = Protocol { cycle: Some(&cycle), ..Protocol::default() };
+/// let ensemble =
+///     Job { protocol, ..Job::new(cycle.approach(), &surface, &separations, 8, 1) }.ensemble();
+/// let replica = &ensemble.replicas[0];
+/// let Cycle { dissipated_energy, approach_pull_off_force, .. } = **replica.cycle.as_ref().unwrap();
+/// assert!(dissipated_energy > 0.0 && replica.pull_off_force > approach_pull_off_force);
+/// # Ok::<(), stiction::asperity::LawError>(())
+/// ```
 #[derive(Clone, Copy, Default)]
 pub struct Protocol<'a> {
     /// The loop of which the law of the job is the approach: surfaces are also pulled back, from the smallest
     /// separation.
     pub cycle: Option<&'a Loop>,
     /// The loading of the surfaces.
+    #[doc(hidden)]
     pub loading: Loading<'a>,
     /// Span of separation, m, of the peak secant stiffness; not computed without one.
     pub stiffness_span: Option<f64>,
@@ -105,7 +148,7 @@ impl<'a> Job<'a> {
     ///
     /// # Examples
     /// ```
-    /// use stiction::asperity::{LawParameters, Path, Quantity, models::model};
+    /// use stiction::asperity::{LawParameters, Path, Quantity, model};
     /// use stiction::engine::Job;
     /// use stiction::surface::Surface;
     ///
@@ -176,6 +219,7 @@ impl<'a> Job<'a> {
     }
 
     /// Number of batches.
+    #[doc(hidden)]
     pub fn batches(&self) -> u64 {
         batches_of(self.replicas)
     }

@@ -19,6 +19,22 @@ use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
 /// The record of every replica.
+///
+/// # Examples
+/// ```
+/// use stiction::asperity::{LawParameters, Path, model};
+/// use stiction::engine::{Job, Replica};
+/// use stiction::surface::Surface;
+///
+/// # let law = model("md").unwrap().law(&LawParameters::scaled(0.5, Path::Approach)?)?;
+/// # let surface = Surface::uniform(1.0, 1.0, 100, 1.0);
+/// # let separations: Vec<f64> = (0..40).map(|k| 0.1 * f64::from(k)).collect();
+/// let ensemble = Job::new(law.as_ref(), &surface, &separations, 64, 1).ensemble();
+/// let Replica { asperity_count, pull_off_force, pull_off_at_edge, .. } = ensemble.replicas[0];
+/// assert_eq!(asperity_count, 100);
+/// assert!(pull_off_force > 0.0 && !pull_off_at_edge);
+/// # Ok::<(), stiction::asperity::LawError>(())
+/// ```
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Replica {
     /// Number of asperities.

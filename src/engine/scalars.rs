@@ -4,6 +4,22 @@ use super::cycle::Cycle;
 use super::replica::Replica;
 
 /// A number that is read off a replica's own curve.
+///
+/// # Examples
+/// ```
+/// use stiction::asperity::{LawParameters, Path, model};
+/// use stiction::engine::{Job, SCALARS, Scalar};
+/// use stiction::surface::Surface;
+///
+/// # let law = model("md").unwrap().law(&LawParameters::scaled(0.5, Path::Approach)?)?;
+/// # let surface = Surface::uniform(1.0, 1.0, 100, 1.0);
+/// # let separations: Vec<f64> = (0..40).map(|k| 0.1 * f64::from(k)).collect();
+/// let ensemble = Job::new(law.as_ref(), &surface, &separations, 8, 1).ensemble();
+/// let Scalar { name, units, of, .. } = SCALARS[0];
+/// assert_eq!((name, units), ("pull_off_force", "N"));
+/// assert_eq!(of(&ensemble.replicas[0]), ensemble.replicas[0].pull_off_force);
+/// # Ok::<(), stiction::asperity::LawError>(())
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Scalar {
     /// The name.

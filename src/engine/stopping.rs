@@ -68,6 +68,29 @@ impl Target {
 }
 
 /// The targets of an ensemble, and its size at least and at most.
+///
+/// # Examples
+/// ```
+/// use stiction::asperity::{LawParameters, Path, model};
+/// use stiction::engine::{Attained, Estimator, Job, Limit, Rule, Stopping, Target};
+/// use stiction::surface::Surface;
+///
+/// let law = model("md").unwrap().law(&LawParameters::scaled(0.5, Path::Approach)?)?;
+/// let surface = Surface::uniform(1.0, 1.0, 100, 1.0);
+/// let separations: Vec<f64> = (0..40).map(|k| 0.1 * f64::from(k)).collect();
+/// // The first of the scalars, the pull-off force, to 1 % of its mean.
+/// let limit = Limit::Relative(0.01);
+/// let targets = vec![Target { quantity: 0, estimate: Estimator::Plain, limit }];
+/// let stopping = Stopping { targets, min_replicas: 64, max_replicas: 10_000 };
+/// let rule = Rule { stopping: &stopping, expected: &[] };
+/// let attained = rule.looks().map(|replicas| {
+///     let ensemble = Job::new(law.as_ref(), &surface, &separations, replicas, 1).ensemble();
+///     rule.attained(&ensemble)[0]
+/// });
+/// let met: Attained = attained.into_iter().find(Attained::is_met).expect("before 10000 replicas");
+/// assert!(met.standard_error <= 0.01 * met.mean && met.samples < 10_000);
+/// # Ok::<(), stiction::asperity::LawError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stopping {
     /// At least one; all are to be met.
@@ -123,6 +146,7 @@ impl Rule<'_> {
     }
 
     /// Whether the targets are looked at after so many replicas.
+    #[doc(hidden)]
     pub fn is_look(&self, replicas: u64) -> bool {
         self.looks().find(|look| *look >= replicas) == Some(replicas)
     }
@@ -149,6 +173,7 @@ impl Rule<'_> {
     }
 
     /// Whether what has been merged of a job is looked at now, and all targets are met.
+    #[doc(hidden)]
     pub fn is_met(&self, job: &Job<'_>, merged: &ReductionTree) -> bool {
         self.is_look(merged.replicas.len() as u64)
             && self.attained(&merged.ensemble(job)).iter().all(Attained::is_met)

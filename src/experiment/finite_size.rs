@@ -127,6 +127,18 @@ fn has_counts(output: &Path, counts: &[u64]) -> bool {
 }
 
 /// Patches of one size.
+///
+/// # Examples
+/// ```
+/// # let folder = tempfile::tempdir().unwrap();
+/// # let path = folder.path().join("sizes.h5");
+/// use stiction::PatchSize;
+///
+/// let study = stiction::finite_size("configs/quick.toml", &[10, 100], &path)?;
+/// let shares = study.sizes.iter().map(|PatchSize { bias: [bias, _], .. }| *bias);
+/// assert!(shares.is_sorted_by(|small, large| small > large), "small patches pull harder for their size");
+/// # Ok::<(), stiction::Error>(())
+/// ```
 pub struct PatchSize {
     /// Asperities of a patch.
     pub count: u64,
@@ -145,6 +157,18 @@ pub struct PatchSize {
 }
 
 /// Patches of several sizes against the integral.
+///
+/// # Examples
+/// ```
+/// # let folder = tempfile::tempdir().unwrap();
+/// # let path = folder.path().join("sizes.h5");
+/// use stiction::FiniteSize;
+///
+/// let FiniteSize { sizes, approach, .. } = stiction::finite_size("configs/quick.toml", &[10, 100], &path)?;
+/// assert_eq!(sizes.len(), 2);
+/// assert!(approach.is_err(), "two sizes make no power law");
+/// # Ok::<(), stiction::Error>(())
+/// ```
 pub struct FiniteSize {
     /// Pull-off force of the integral over N, N.
     pub integral: f64,

@@ -12,8 +12,10 @@ pub(crate) const RESOLVING: f64 = 0.125;
 ///
 /// # Examples
 /// ```
+/// use stiction::PathIntegral;
+///
 /// let scene = stiction::Scene::from_toml_file("configs/quick.toml")?;
-/// let integral = stiction::integrate(&scene)?.main;
+/// let integral: PathIntegral = stiction::integrate(&scene)?.main;
 /// assert!(integral.pull_off() > 0.0);
 /// assert_eq!(integral.expectations.expected[0].len(), scene.separations.len());
 /// # Ok::<(), stiction::Error>(())
@@ -34,9 +36,12 @@ pub struct PathIntegral {
 ///
 /// # Examples
 /// ```
-/// let scene = stiction::Scene::from_toml_file("configs/quick.toml")?;
-/// let integral = stiction::integrate(&scene)?;
-/// assert!(integral.retraction.is_none(), "it is no loop");
+/// use stiction::Integral;
+///
+/// let scene = stiction::Scene::from_toml_file("configs/loop.toml")?;
+/// let Integral { main, retraction } = stiction::integrate(&scene)?;
+/// let retraction = retraction.expect("a loop has one");
+/// assert!(retraction.pull_off() > main.pull_off(), "contacts hold on");
 /// # Ok::<(), stiction::Error>(())
 /// ```
 #[derive(Clone)]

@@ -84,9 +84,11 @@ pub fn builder(scene: &Scene) -> Builder<'_> {
 ///
 /// # Examples
 /// ```
+/// use stiction::Builder;
+///
 /// let scene = stiction::Scene::from_toml_file("configs/quick.toml")?;
-/// let result = stiction::builder(&scene).threads(2).run()?;
-/// assert_eq!(result.pull_off().mean, stiction::run(&scene)?.pull_off().mean);
+/// let experiment: Builder<'_> = stiction::builder(&scene).threads(2);
+/// assert_eq!(experiment.run()?.pull_off().mean, stiction::run(&scene)?.pull_off().mean);
 /// # Ok::<(), stiction::Error>(())
 /// ```
 pub struct Builder<'a> {
@@ -219,8 +221,10 @@ pub(crate) fn law_named(name: &str) -> Result<Model, Error> {
 ///
 /// # Examples
 /// ```
+/// use stiction::RunResult;
+///
 /// let scene = stiction::Scene::from_toml_file("configs/quick.toml")?;
-/// let result = stiction::run(&scene)?;
+/// let result: RunResult = stiction::run(&scene)?;
 /// let pull_off = result.pull_off();
 /// println!("{:.3e} N ± {:.0e} N", pull_off.controlled_mean, pull_off.controlled_standard_error);
 /// assert_eq!(result.ensemble().replicas.len() as u64, scene.replicas);

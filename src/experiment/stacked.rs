@@ -50,6 +50,23 @@ pub(crate) fn stacked(
 }
 
 /// One point of a sweep.
+///
+/// # Examples
+/// ```
+/// # let folder = tempfile::tempdir().unwrap();
+/// # let (source, output) = (folder.path().join("sweep.toml"), folder.path().join("sweep.h5"));
+/// use stiction::SweepPoint;
+///
+/// let sweep = r#"[sweep]
+/// "material.work_of_adhesion" = ["0.05 J/m^2", "0.09 J/m^2"]
+/// "#;
+/// let scene = std::fs::read_to_string("configs/quick.toml").unwrap();
+/// std::fs::write(&source, scene + sweep).unwrap();
+/// let points: Vec<SweepPoint> = stiction::sweep(&source, &output)?;
+/// let difference = points[1].differences[0];
+/// assert!(difference.mean > 10.0 * difference.standard_error, "more adhesion pulls harder");
+/// # Ok::<(), stiction::Error>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct SweepPoint {
     /// Mean pull-off force over replicas and its standard error, N.

@@ -6,7 +6,7 @@ use crate::asperity::SolverStats;
 ///
 /// # Examples
 /// ```
-/// use stiction::asperity::{LawParameters, Path, Quantity, models::model};
+/// use stiction::asperity::{LawParameters, Path, Quantity, model};
 /// use stiction::integral::Expectations;
 /// use stiction::surface::Surface;
 ///

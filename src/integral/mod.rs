@@ -18,7 +18,9 @@ mod retraction;
 
 pub use controls::controls;
 pub use expectations::Expectations;
-pub use model::{Model, TOLERANCE, reach};
+#[doc(hidden)]
+pub use model::reach;
+pub use model::{Model, TOLERANCE};
 
 #[cfg(test)]
 mod tests {

@@ -15,6 +15,20 @@ const HEIGHT_REACH: f64 = 11.0;
 
 /// The integral model of a surface under a law: with one radius a mean over heights, with several one over
 /// radii too.
+///
+/// # Examples
+/// ```
+/// use stiction::asperity::{LawParameters, Path, Quantity, model};
+/// use stiction::integral::{Expectations, Model};
+/// use stiction::surface::Surface;
+///
+/// let law = model("md").unwrap().law(&LawParameters::scaled(0.5, Path::Approach)?)?;
+/// let surface = Surface::uniform(1.0, 1.0, 100, 1.0);
+/// let integral = Model::new(law.as_ref(), &surface, &[0.0, 3.0]);
+/// let force = Expectations::new(law.as_ref(), &surface, &[1.5]).expected[Quantity::ExternalForce.index()][0];
+/// assert_eq!(integral.external_force(1.5), force);
+/// # Ok::<(), stiction::asperity::LawError>(())
+/// ```
 pub struct Model<'a> {
     laws: Laws<'a>,
     surface: &'a Surface,

@@ -23,6 +23,18 @@ use super::moments::{CentralMoments, Comoments};
 const COLLINEAR: f64 = 1e-8;
 
 /// A mean without and with control variates.
+///
+/// # Examples
+/// ```
+/// use stiction::ControlledMean;
+///
+/// let scene = stiction::Scene::from_toml_file("configs/quick.toml")?;
+/// let result = stiction::run(&scene)?;
+/// let ControlledMean { mean, standard_error, controlled_standard_error, .. } = *result.pull_off();
+/// assert!(mean > 10.0 * standard_error);
+/// assert!(controlled_standard_error < standard_error);
+/// # Ok::<(), stiction::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ControlledMean {
     /// Independent samples.

@@ -4,6 +4,17 @@ use super::interpolation::linear;
 use super::roots::golden_maximum;
 
 /// A place and the value there.
+///
+/// # Examples
+/// ```
+/// use stiction::Extremum;
+///
+/// let scene = stiction::Scene::from_toml_file("configs/quick.toml")?;
+/// let Extremum { place, value, at_edge } = stiction::integrate(&scene)?.main.features.minimum;
+/// assert!(value < 0.0 && !at_edge, "pulled off within the separations");
+/// assert!(scene.separations[0] < place);
+/// # Ok::<(), stiction::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Extremum {
     /// Where.
@@ -72,6 +83,18 @@ pub fn largest_secant(places: &[f64], values: &[f64], span: f64) -> Extremum {
 }
 
 /// Minimum and largest slope of a smooth curve that can be asked for anywhere.
+///
+/// # Examples
+/// ```
+/// use stiction::Features;
+///
+/// let scene = stiction::Scene::from_toml_file("configs/quick.toml")?;
+/// let integral = stiction::integrate(&scene)?.main;
+/// let Features { minimum, steepest } = integral.features;
+/// assert_eq!(integral.pull_off(), -minimum.value);
+/// assert!(steepest.place > minimum.place, "the surfaces snap before they are pulled hardest");
+/// # Ok::<(), stiction::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Features {
     /// The minimum.

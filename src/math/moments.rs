@@ -3,6 +3,18 @@
 use serde::{Deserialize, Serialize};
 
 /// Count, mean and sum of squared deviations of each component.
+///
+/// # Examples
+/// ```
+/// use stiction::engine::Moments;
+///
+/// let mut moments = Moments::new(1);
+/// for sample in [1.0, 2.0, 6.0] {
+///     moments.push(&[sample]);
+/// }
+/// assert_eq!((moments.count(), moments.mean()[0]), (3, 3.0));
+/// assert!((moments.std()[0] - 7_f64.sqrt()).abs() < 1e-15);
+/// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Moments {
     count: u64,

@@ -6,6 +6,16 @@ use super::schema::ASPERITIES;
 use std::path::Path;
 
 /// The asperities of a measured surface.
+///
+/// # Examples
+/// ```no_run
+/// use stiction::output::asperities::{AsperityFile, read};
+///
+/// // What `stiction asperities map.npy -o asperities.h5` has written.
+/// let AsperityFile { heights, radii, .. } = read("asperities.h5".as_ref())?;
+/// assert_eq!(heights.len(), radii.len());
+/// # Ok::<(), stiction::output::OutputError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct AsperityFile {
     /// Height of each above the mean plane of the surface, m.

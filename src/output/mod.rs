@@ -3,29 +3,52 @@
 
 pub mod asperities;
 mod attributes;
+#[doc(hidden)]
 pub mod checksum;
+#[doc(hidden)]
 pub mod columns;
 mod guard;
+#[doc(hidden)]
 pub mod identity;
+#[doc(hidden)]
 pub mod journal;
 mod lock;
+#[doc(hidden)]
 pub mod maps;
+#[doc(hidden)]
 pub mod partial;
+#[doc(hidden)]
 pub mod reader;
 mod register;
 mod scales;
+#[doc(hidden)]
 pub mod schema;
+#[doc(hidden)]
 pub mod shard_file;
+#[doc(hidden)]
 pub mod stack;
+#[doc(hidden)]
 pub mod writer;
 
+#[doc(hidden)]
 pub use lock::{OutputLock, beside};
+pub use reader::Reader;
+#[doc(hidden)]
 pub use register::{is_kept, note_kept, remove_registered};
+pub use schema::{ASPERITIES, COMPARISON, FINITE_SIZE, Layout, RUN, SWEEP};
 
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 /// Reasons why a file cannot be read or written.
+///
+/// # Examples
+/// ```
+/// use stiction::output::{OutputError, RUN, Reader};
+///
+/// let refused = Reader::open("Cargo.toml".as_ref(), &[&RUN]).err().unwrap();
+/// assert!(matches!(refused, OutputError::NotAResult { .. }));
+/// ```
 #[derive(Debug, Error)]
 pub enum OutputError {
     /// The output exists and must not be overwritten.

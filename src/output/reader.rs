@@ -20,6 +20,21 @@ const MOST_KEYS: usize = 16;
 const SHOWN_NUMBERS: usize = 16;
 
 /// A result of this program.
+///
+/// # Examples
+/// ```
+/// # let folder = tempfile::tempdir().unwrap();
+/// # let path = folder.path().join("result.h5");
+/// use stiction::output::{RUN, Reader};
+///
+/// let scene = stiction::Scene::from_toml_file("configs/quick.toml")?;
+/// let result = stiction::run(&scene)?;
+/// result.write(&path)?;
+/// let reader = Reader::open(&path, &[&RUN])?;
+/// assert_eq!(reader.number::<f64>("/validation", "p_value")?, result.joint_test().p_value);
+/// assert_eq!(reader.values::<f64>("/ensemble/scalar_mean")?[0], result.pull_off().mean);
+/// # Ok::<(), stiction::Error>(())
+/// ```
 pub struct Reader {
     layout: &'static Layout,
     file: File,

@@ -89,6 +89,17 @@ impl Sweepable {
 }
 
 /// A key and its values.
+///
+/// # Examples
+/// ```
+/// use stiction::scene::{Axis, Document, Mode};
+///
+/// let sweep = Document::from_toml_file("configs/sweep_lubricant.toml")?.sweep.unwrap();
+/// let axis: &Axis = &sweep.axes[0];
+/// assert_eq!(axis.key.name, "surface.lubricant_thickness");
+/// assert!(sweep.mode == Mode::Zip || sweep.count() >= axis.values.len());
+/// # Ok::<(), stiction::Error>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Axis {
     /// The key.

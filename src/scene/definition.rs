@@ -11,6 +11,18 @@ use crate::integral::reach;
 use crate::surface::{RADIUS_RANGE, SamplingScheme, Surface};
 
 /// A validated scene, SI.
+///
+/// # Examples
+/// ```
+/// use stiction::Scene;
+///
+/// let scene: Scene = Scene::from_toml_file("configs/quick.toml")?;
+/// assert_eq!(scene.model.name, "hybrid");
+/// assert_eq!(scene.surface.asperity_count, 739);
+/// let many = Scene { replicas: 400, ..scene };
+/// assert_eq!(stiction::run(&many)?.ensemble().replicas.len(), 400);
+/// # Ok::<(), stiction::Error>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Scene {
     /// The TOML text, with a comment for each file that it has taken values from.

@@ -25,6 +25,17 @@ impl Scene {
 }
 
 /// What a file of a scene says: one scene, or a sweep of them.
+///
+/// # Examples
+/// ```
+/// use stiction::scene::{Document, Sweep};
+///
+/// let Document { scene, sweep } = Document::from_toml_file("configs/sweep_roughness.toml")?;
+/// let sweep: Sweep = sweep.expect("it has a table [sweep]");
+/// let first = sweep.scene(0).expect("all points have been read");
+/// assert_eq!(first.asperity, scene.asperity);
+/// # Ok::<(), stiction::Error>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Document {
     /// The scene; of a sweep that of its first point.

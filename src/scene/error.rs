@@ -19,6 +19,18 @@ pub struct Problem {
 
 /// What is wrong with a scene: at least one problem, a line each, in the order of the lines; what no line
 /// shows comes last.
+///
+/// # Examples
+/// ```
+/// use stiction::Scene;
+/// use stiction::scene::{Problem, SceneError};
+///
+/// let text = std::fs::read_to_string("configs/quick.toml").unwrap();
+/// let refused: SceneError = Scene::parse(&text.replace("hardness", "hardnes")).unwrap_err();
+/// let Problem { line, text, .. } = &refused.problems[0];
+/// assert_eq!(*line, Some(7));
+/// assert!(text.contains("hardness"), "{text}");
+/// ```
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 #[error("{}", problems.iter().map(ToString::to_string).collect::<Vec<String>>().join("\n"))]
 pub struct SceneError {

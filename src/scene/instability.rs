@@ -8,6 +8,16 @@ use toml::de::DeValue;
 const MOST: usize = 200;
 
 /// What holds the surfaces; empty when that is not asked for.
+///
+/// # Examples
+/// ```
+/// use stiction::scene::Instability;
+///
+/// let scene = stiction::Scene::from_toml_file("configs/instability.toml")?;
+/// let Instability { stiffness, .. } = &scene.instability;
+/// assert!(!stiffness.is_empty());
+/// # Ok::<(), stiction::Error>(())
+/// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Instability {
     /// Stiffnesses, N/m; 0 for load control.

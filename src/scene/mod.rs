@@ -1,4 +1,6 @@
 //! Scenes: from TOML to what the program computes, or to an error that says what to change.
+//!
+//! A file is read by [`Scene::from_toml_file`], or where it may be a sweep by [`Document::from_toml_file`].
 
 mod axes;
 mod canonical;
@@ -6,8 +8,10 @@ mod choices;
 mod column;
 mod definition;
 mod document;
+#[doc(hidden)]
 pub mod echo;
 mod error;
+#[doc(hidden)]
 pub mod files;
 mod instability;
 mod keys;
@@ -19,24 +23,39 @@ mod ranges;
 mod reader;
 mod separation;
 mod stopping;
+#[doc(hidden)]
 pub mod sweep;
 mod table;
+#[doc(hidden)]
 pub mod units;
 mod validity;
 mod warning;
 
-pub use axes::{Axis, MOST_KEYS, SWEEPABLE, Sweepable};
+pub use axes::Axis;
+#[doc(hidden)]
+pub use axes::{MOST_KEYS, SWEEPABLE, Sweepable};
+#[doc(hidden)]
 pub use canonical::difference;
-pub use choices::{MOST_POINTS, Mode};
+#[doc(hidden)]
+pub use choices::MOST_POINTS;
+pub use choices::Mode;
+#[doc(hidden)]
 pub use definition::Scene;
 pub use document::Document;
 pub use error::{Problem, SceneError};
-pub use files::with_inputs;
+#[doc(hidden)]
+pub use files::{NoFiles, with_inputs};
 pub use instability::Instability;
+#[doc(hidden)]
 pub use keys::{Absent, Key, Sign, Value};
+#[doc(hidden)]
 pub use lookup::nearest;
+#[doc(hidden)]
 pub use reader::takes_heights;
 pub use sweep::Sweep;
+#[doc(hidden)]
 pub use table::KEYS;
+#[doc(hidden)]
 pub use validity::{warnings, warnings_of_scene};
+#[doc(hidden)]
 pub use warning::{Expected, Reading, Warning, WhatIsRead};

@@ -56,6 +56,7 @@ impl Sweep {
     ///
     /// # Panics
     /// When the key cannot be swept, or has no values.
+    #[doc(hidden)]
     pub fn along(
         text: &str,
         name: &str,

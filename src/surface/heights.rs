@@ -87,6 +87,16 @@ pub struct LogNormal {
 }
 
 /// The normal law between limits.
+///
+/// # Examples
+/// ```
+/// use stiction::surface::{HeightLaw, Heights, Truncated};
+///
+/// // What is left of a normal law whose upper half is worn off has the mean -√(2/π).
+/// let law = HeightLaw::Truncated(Truncated::new(f64::NEG_INFINITY, 0.0));
+/// let (mean, _) = Heights { law, ..Heights::gaussian(1.0) }.moments();
+/// assert!((mean + (2.0 / std::f64::consts::PI).sqrt()).abs() < 1e-14);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Truncated {
     /// Least deviate, may be −∞.

@@ -2,13 +2,19 @@
 
 mod heights;
 pub mod map;
+#[doc(hidden)]
 pub mod nayak;
 mod radii;
 mod scheme;
 
 pub use heights::{HeightLaw, Heights, LogNormal, Truncated, Weibull};
-pub use radii::{RADIUS_RANGE, Radii, RadiusClass};
-pub use scheme::{CHUNK_ASPERITIES, STRATA, SamplingScheme};
+pub use nayak::Spectrum;
+pub use radii::Radii;
+#[doc(hidden)]
+pub use radii::{RADIUS_RANGE, RadiusClass};
+pub use scheme::SamplingScheme;
+#[doc(hidden)]
+pub use scheme::{CHUNK_ASPERITIES, STRATA};
 
 use thiserror::Error;
 
@@ -121,6 +127,21 @@ pub struct Surface {
 }
 
 /// Why no surface follows from a roughness.
+///
+/// # Examples
+/// ```
+/// use stiction::surface::{Roughness, Surface, SurfaceError};
+///
+/// let small = Roughness {
+///     asperity_radius: 1e-6,
+///     asperity_density: 1e13,
+///     nominal_area: 1e-14,
+///     surface_height_std: None,
+///     asperity_height_std: Some(1e-9),
+///     mean_plane_offset: None,
+/// };
+/// assert_eq!(Surface::new(&small), Err(SurfaceError::Count(0.1)), "a tenth of an asperity");
+/// ```
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 pub enum SurfaceError {
     /// σ² is smaller than what the conversion subtracts.
@@ -235,6 +256,7 @@ impl Surface {
     }
 
     /// The asperities of each radius, for integrals.
+    #[doc(hidden)]
     pub fn parts(&self) -> Vec<RadiusClass> {
         self.radii.parts(self.asperity_radius, &self.heights)
     }

@@ -33,6 +33,15 @@ pub const FLATTEST: f64 = 0.003;
 pub const SHARPEST: f64 = 11.0;
 
 /// Spectral moments of a surface.
+///
+/// # Examples
+/// ```
+/// use stiction::surface::Spectrum;
+///
+/// let spectrum = Spectrum::of_asperities(1e-9, 2e-6, 1e13);
+/// assert!((spectrum.radius() / 2e-6 - 1.0).abs() < 1e-14);
+/// assert!((spectrum.density() / 1e13 - 1.0).abs() < 1e-14);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spectrum {
     /// Variance of the heights, m².

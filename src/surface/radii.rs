@@ -28,6 +28,15 @@ const CURVATURES: [f64; 13] =
 pub const RADIUS_RANGE: (f64, f64) = (1e-6, 1e6);
 
 /// Radii of the asperities of a surface.
+///
+/// # Examples
+/// ```
+/// use stiction::surface::{Radii, Surface};
+///
+/// let surface = Surface { radii: Radii::Gamma(0.3), ..Surface::uniform(1e-9, 1e-6, 100, 1e-10) };
+/// assert!(surface.is_polydisperse());
+/// assert_eq!(surface.radii.about(), "gamma, coefficient of variation 0.3");
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub enum Radii {
     /// All have the same.
@@ -78,6 +87,7 @@ impl Radii {
     }
 
     /// The asperities of each radius, for an integral over radii about the mean radius, m.
+    #[doc(hidden)]
     pub fn parts(&self, mean: f64, heights: &Heights) -> Vec<RadiusClass> {
         let each = |weight: f64, radius: f64, heights: Heights| RadiusClass {
             weight,
@@ -123,6 +133,7 @@ impl Radii {
     }
 
     /// Draws asperities: their radii from the stream `of_radii`, their heights, m, from `of_heights`.
+    #[doc(hidden)]
     pub fn draw(
         &self,
         mean: f64,

@@ -9,6 +9,15 @@ pub const STRATA: u64 = 8;
 
 /// How the replicas of an ensemble are drawn relative to each other. Whatever the scheme, one replica by
 /// itself is N independent Gaussian heights, and groups of replicas are independent of each other.
+///
+/// # Examples
+/// ```
+/// use stiction::surface::SamplingScheme;
+///
+/// let antithetic = SamplingScheme::Antithetic;
+/// assert_eq!(antithetic.group(), 2);
+/// assert!(antithetic.check(64).is_ok() && antithetic.check(65).is_err());
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SamplingScheme {
     /// Each replica by itself.

@@ -30,6 +30,28 @@ const ACCURACY: f64 = 2e-12;
 const LARGEST_ERROR: f64 = 0.1;
 
 /// The functionals and the separations that they look at.
+///
+/// # Examples
+/// ```
+/// use stiction::asperity::{LawParameters, Path, Quantity, model};
+/// use stiction::engine::Job;
+/// use stiction::integral::Expectations;
+/// use stiction::surface::Surface;
+/// use stiction::validation::{Basis, JointTest, Verdict, basis};
+///
+/// let law = model("md").unwrap().law(&LawParameters::scaled(0.5, Path::Approach)?)?;
+/// let surface = Surface::uniform(1.0, 1.0, 100, 1.0);
+/// let separations: Vec<f64> = (0..40).map(|k| 0.1 * f64::from(k)).collect();
+/// let job = Job::new(law.as_ref(), &surface, &separations, 256, 1);
+/// let (ensemble, integral) = (job.ensemble(), Expectations::new(job.laws, &surface, &separations));
+/// let quantities = [Quantity::AdhesionForce.index(), Quantity::ExternalForce.index()];
+/// let mean = quantities.map(|q| ensemble.curves[q].mean());
+/// let expected = quantities.map(|q| &integral.expected[q][..]);
+/// let Basis { probes, cumulants, .. } = basis(job.laws, &surface, &separations, job.scheme, job.replicas);
+/// let test = JointTest::new(&probes, mean, expected, cumulants, job.replicas);
+/// assert_eq!(test.verdict, Verdict::Agree);
+/// # Ok::<(), stiction::asperity::LawError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Basis {
     /// Each scaled to a score of unit variance per replica, or per replica's worth of what the sampling

@@ -21,6 +21,14 @@ const REJECTED: f64 = 0.01;
 const KNOWN: f64 = 0.5;
 
 /// The pull-off forces of patches of one size, over that of the integral.
+///
+/// # Examples
+/// ```
+/// use stiction::validation::finite_size::Scatter;
+///
+/// let Scatter { relative_std, skewness, quantiles } = Scatter::new(&[1.0, 2.0, 3.0]);
+/// assert_eq!((relative_std, skewness, quantiles[3]), (0.5, 0.0, 2.0));
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scatter {
     /// Standard deviation over mean; NaN for fewer than two replicas.
@@ -61,6 +69,20 @@ fn quantile(sorted: &[f64], probability: f64) -> f64 {
 }
 
 /// The bias of the mean pull-off relative to the integral's, b = c N^−a, as N grows.
+///
+/// # Examples
+/// ```
+/// use stiction::validation::finite_size::{Approach, Reached, Refusal};
+///
+/// let (counts, bias, errors) = ([100.0, 400.0, 1600.0], [0.2, 0.1, 0.05], [1e-3; 3]);
+/// let law = Approach::new(&counts, &bias, &errors).expect("it falls as 1/√N");
+/// assert!((law.exponent - 0.5).abs() < 1e-12);
+/// let Reached::Extrapolated(count) = Reached::new(0.025, &counts, &bias, &errors, Some(&law)) else {
+///     panic!("beyond the largest")
+/// };
+/// assert!((count / 6400.0 - 1.0).abs() < 1e-9);
+/// assert_eq!(Approach::new(&counts[1..], &bias[1..], &errors[1..]), Err(Refusal::TooFew));
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Approach {
     /// c.

@@ -14,7 +14,10 @@ mod joint;
 mod null;
 mod several;
 
-pub use basis::{Basis, MAX_COMPONENTS, basis, basis_of_loop, basis_to, tested_separations};
+pub use basis::{Basis, basis, basis_of_loop};
+#[doc(hidden)]
+pub use basis::{MAX_COMPONENTS, basis_to, tested_separations};
+#[doc(hidden)]
 pub use grid::GridSize;
 pub use joint::{JointTest, Probe, SIGNIFICANCE, Verdict};
 pub use null::Cumulants;

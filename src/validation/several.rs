@@ -33,6 +33,17 @@ pub fn overall(p_values: &[f64]) -> Verdict {
 }
 
 /// The mean of a number over replicas less that of the first point.
+///
+/// # Examples
+/// ```
+/// use stiction::validation::Difference;
+///
+/// // The same surfaces at two points: what they have in common cancels.
+/// let (first, other) = ([1.0, 5.0, 9.0, 2.0], [2.0, 6.0, 10.5, 3.5]);
+/// let paired = Difference::new(&first, &other, 1, true, 0.0);
+/// assert_eq!(paired.mean, 1.25);
+/// assert!(paired.standard_error < 0.1 * Difference::new(&first, &other, 1, false, 0.0).standard_error);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Difference {
     /// The difference of the means.

@@ -47,6 +47,25 @@ pub enum Unfit {
 }
 
 /// The Toeplitz matrix of a law for the separations of a scene, and how heights are binned for it.
+///
+/// # Examples
+/// ```
+/// use stiction::asperity::{LawParameters, Path, model};
+/// use stiction::engine::{Job, MomentMatrix, Unfit};
+/// use stiction::surface::Surface;
+///
+/// let law = model("md").unwrap().law(&LawParameters::scaled(0.5, Path::Approach)?)?;
+/// let surface = Surface::uniform(1.0, 1.0, 10_000, 1.0);
+/// let separations: Vec<f64> = (0..40).map(|k| 0.1 * f64::from(k)).collect();
+/// let direct = Job::new(law.as_ref(), &surface, &separations, 8, 1);
+/// let matrix = MomentMatrix::new(law.as_ref(), &surface, &separations, 1e-9).expect("it is worth it");
+/// let compressed = Job { moments: Some(&matrix), ..direct };
+/// let [truth, sum] = [direct, compressed].map(|job| job.ensemble().curves[0].mean()[0]);
+/// assert!((sum / truth - 1.0).abs() < 1e-9);
+/// let uneven = MomentMatrix::new(law.as_ref(), &surface, &[0.0, 1.0, 3.0], 1e-9);
+/// assert!(matches!(uneven, Err(Unfit::Uneven)));
+/// # Ok::<(), stiction::asperity::LawError>(())
+/// ```
 #[derive(Debug)]
 pub struct MomentMatrix {
     pub(super) geometry: Geometry,

@@ -38,9 +38,11 @@ const LARGEST_RESIDUAL: f64 = 0.01;
 ///
 /// # Examples
 /// ```
+/// use stiction::ComparedLaw;
+///
 /// let scene = stiction::Scene::from_toml_file("configs/quick.toml")?;
 /// let comparison = stiction::compare(&scene, &["hybrid", "dmt"])?;
-/// let dmt = &comparison.laws()[1];
+/// let dmt: &ComparedLaw = &comparison.laws()[1];
 /// assert_eq!(dmt.name(), "dmt");
 /// assert!(!dmt.limits().is_empty(), "DMT is for small adhesion parameters");
 /// # Ok::<(), stiction::Error>(())
@@ -99,7 +101,7 @@ impl SampledLaw {
 ///
 /// # Examples
 /// ```
-/// use stiction::experiment::Mean;
+/// use stiction::Mean;
 ///
 /// let scene = stiction::Scene::from_toml_file("configs/quick.toml")?;
 /// let comparison = stiction::builder(&scene).compare_ensembles(&["hybrid", "isbl"])?;
@@ -123,8 +125,12 @@ pub struct Mean {
 /// ```
 /// # let folder = tempfile::tempdir().unwrap();
 /// # let path = folder.path().join("laws.h5");
+/// use stiction::Comparison;
+///
 /// let scene = stiction::Scene::from_toml_file("configs/quick.toml")?;
-/// stiction::compare(&scene, &["hybrid", "emd", "md"])?.write(&path)?;
+/// let comparison: Comparison = stiction::compare(&scene, &["hybrid", "emd", "md"])?;
+/// assert_eq!(comparison.laws().len(), 3);
+/// comparison.write(&path)?;
 /// # Ok::<(), stiction::Error>(())
 /// ```
 pub struct Comparison {

@@ -23,6 +23,16 @@ pub use sweep::SWEEP;
 use std::sync::LazyLock;
 
 /// A kind of file.
+///
+/// # Examples
+/// ```
+/// use stiction::output::{Layout, RUN};
+///
+/// let run: &Layout = &RUN;
+/// assert_eq!(run.command, "stiction run");
+/// assert!(run.variables.iter().any(|variable| variable.path == "/ensemble/adhesion_force_mean"));
+/// assert_eq!(Layout::ALL.len(), 5);
+/// ```
 #[derive(Debug)]
 pub struct Layout {
     /// Value of the root attribute `format`.

@@ -62,6 +62,25 @@ pub struct Measured {
 }
 
 /// The asperities of a measured surface.
+///
+/// # Examples
+/// ```
+/// use stiction::surface::map::{Asperities, Equivalent, HeightMap, Measured, SpectralMoments};
+///
+/// # let wave = std::f64::consts::PI / 8.0;
+/// # let height = |k: i32| 1e-9 * (wave * f64::from(k / 64)).cos() * (wave * f64::from(k % 64)).cos();
+/// # let map = HeightMap::new((0..64 * 64).map(height).collect(), [64, 64], [1e-8, 1e-8])?;
+/// // An egg box of 1 nm: the mean square of cos x cos y is 1/4, and all its summits are alike.
+/// let Asperities { moments, equivalent, measured, .. } = Asperities::new(&map)?;
+/// let SpectralMoments { m0, .. } = moments;
+/// assert!((m0 / 0.25e-18 - 1.0).abs() < 1e-12);
+/// let Measured { height_mean, height_std, .. } = measured;
+/// assert!((height_mean / 1e-9 - 1.0).abs() < 1e-9 && height_std < 1e-15);
+/// // McCool's summits have the mean height 4√(m₀/(πα)), and of an egg box α = 1.
+/// let Equivalent { height_mean, .. } = equivalent;
+/// assert!((height_mean / 2e-9 * std::f64::consts::PI.sqrt() - 1.0).abs() < 0.02);
+/// # Ok::<(), stiction::surface::map::MapError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Asperities {
     /// Every asperity, row by row.

@@ -76,6 +76,20 @@ pub enum MapError {
 }
 
 /// Heights of a surface over a grid.
+///
+/// # Examples
+/// ```
+/// use stiction::surface::map::{HeightMap, Levelling, MapError};
+///
+/// // An egg box of 64 x 64 pixels of 10 nm, 1 nm high.
+/// let wave = std::f64::consts::PI / 8.0;
+/// let height = |k: i32| 1e-9 * (wave * f64::from(k / 64)).cos() * (wave * f64::from(k % 64)).cos();
+/// let map = HeightMap::new((0..64 * 64).map(height).collect(), [64, 64], [1e-8, 1e-8])?;
+/// let map = map.levelled(Levelling::None)?;
+/// assert_eq!((map.shape(), map.missing()), ([64, 64], 0));
+/// assert!(matches!(HeightMap::new(vec![0.0; 9], [3, 3], [1e-8, 1e-8]), Err(MapError::TooSmall { .. })));
+/// # Ok::<(), stiction::surface::map::MapError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct HeightMap {
     /// Row-major, rows × columns, m; NaN where a height is missing.

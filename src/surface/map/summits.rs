@@ -28,6 +28,21 @@ impl Summit {
 }
 
 /// The summits of a map.
+///
+/// # Examples
+/// ```
+/// use stiction::surface::map::{HeightMap, Summit, Summits};
+///
+/// # let wave = std::f64::consts::PI / 8.0;
+/// # let height = |k: i32| 1e-9 * (wave * f64::from(k / 64)).cos() * (wave * f64::from(k % 64)).cos();
+/// # let map = HeightMap::new((0..64 * 64).map(height).collect(), [64, 64], [1e-8, 1e-8])?;
+/// // An egg box: every summit is 1 nm high.
+/// let Summits { summits, compared } = map.summits();
+/// assert_eq!((summits.len(), compared), (25, 62 * 62));
+/// let is_high = |summit: &Summit| (summit.height / 1e-9 - 1.0).abs() < 1e-9;
+/// assert!(summits.iter().all(is_high));
+/// # Ok::<(), stiction::surface::map::MapError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Summits {
     /// Row by row.

@@ -26,8 +26,8 @@
 //! - [`engine`]: ensembles of replicas, summed asperity by asperity or by moments;
 //! - [`validation`]: tests of an ensemble against the integral.
 //!
-//! Every type has an example on its page or on that of its module's first type, and the folder `examples` has
-//! whole programs.
+//! Every type is in an example, on its own page or on that of a type that it belongs to. The folder `examples`
+//! has whole programs.
 //!
 //! # What may change
 //! Before version 1.0 anything may, and the changelog says what. What is least likely to are the functions of

@@ -1,25 +1,5 @@
 //! Closed forms as they are printed: a formula for each force at one interference, from which [`ClosedForm`]
 //! makes the loop over blocks.
-//!
-//! # Examples
-//! Hertz's contact under a constant pull, DMT's law:
-//!
-//! ```
-//! use stiction::asperity::{ClosedForm, Constant, Law, LawError, LawParameters, Regime, Row, Table};
-//! use std::f64::consts::PI;
-//!
-//! fn dmt(setting: &LawParameters) -> Result<Box<dyn Law>, LawError> {
-//!     // s_δ, s_a and s_F: F_s = 2πRΔγ = 2 s_F, P = s_F (δ/s_δ)^(3/2), area = π s_a² δ/s_δ.
-//!     let scale = setting.scale;
-//!     let adhesion = move |_: f64| 2.0 * scale.force;
-//!     let contact = move |delta: f64| scale.force * (delta / scale.length).powi(3).sqrt();
-//!     let area = move |delta: f64| PI * scale.radius * scale.radius * delta / scale.length;
-//!     Ok(Box::new(Table::new([
-//!         Row::below(Regime::Noncontact, 0.0, Constant::NOTHING),
-//!         Row::last(Regime::Elastic, ClosedForm::new(adhesion, contact, area).with_root(0.0, 2)),
-//!     ])))
-//! }
-//! ```
 
 use super::law::Method;
 use super::law::{BLOCK, End, Flattened, Responses, Smoothness};
@@ -152,6 +132,31 @@ struct Root {
 
 /// An interaction by a formula for the adhesion force F_s, N, the contact force P, N, and the contact
 /// area, m².
+///
+/// # Examples
+/// Hertz's contact under a constant pull, DMT's law:
+///
+/// ```
+/// # use stiction::asperity::{LawError, LawParameters, Path};
+/// use stiction::asperity::{ClosedForm, Constant, Law, Regime, Row, SolvedAsperity, Table};
+/// use std::f64::consts::PI;
+///
+/// fn dmt(setting: &LawParameters) -> Result<Box<dyn Law>, LawError> {
+///     // s_δ, s_a and s_F: F_s = 2πRΔγ = 2 s_F, P = s_F (δ/s_δ)^(3/2), area = π s_a² δ/s_δ.
+///     let scale = setting.scale;
+///     let adhesion = move |_: f64| 2.0 * scale.force;
+///     let contact = move |delta: f64| scale.force * (delta / scale.length).powi(3).sqrt();
+///     let area = move |delta: f64| PI * scale.radius * scale.radius * delta / scale.length;
+///     Ok(Box::new(Table::new([
+///         Row::below(Regime::Noncontact, 0.0, Constant::NOTHING),
+///         Row::last(Regime::Elastic, ClosedForm::new(adhesion, contact, area).with_root(0.0, 2)),
+///     ])))
+/// }
+///
+/// let law = dmt(&LawParameters::scaled(0.05, Path::Approach)?)?;
+/// assert_eq!(SolvedAsperity::new(law.as_ref(), 0.0).external_force(), -2.0);
+/// # Ok::<(), LawError>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct ClosedForm<F, P, A> {
     adhesion: F,

@@ -1,9 +1,9 @@
 //! Laws of one asperity: from its interference to its forces and contact area.
 //!
-//! The elastic laws are solved in scaled form, where the adhesion parameter λ and the scaled approach Δ are
-//! all there is ([`emd`] and below); [`scale`] is the one place that knows R, E_r and Δγ. A law of a rough
-//! surface's asperity ([`laws`]) is a [`table`] of regimes, intervals of interference, and what acts in each,
-//! and shows itself to the sums through [`Law`].
+//! A law has a name ([`model`]), or is one's own: a [`Table`] of regimes, intervals of interference, and what
+//! acts in each, by formulas ([`ClosedForm`], [`Tabulated`]). [`SolvedAsperity`] is its answer for one
+//! asperity. The elastic laws are solved in scaled form, where the adhesion parameter λ and the scaled approach
+//! Δ are all there is; [`Scale`] is the one place that knows R, E_r and Δγ.
 
 mod angle;
 #[doc(hidden)]

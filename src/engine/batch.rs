@@ -63,6 +63,7 @@ pub struct Ensemble {
     pub replicas: Vec<Replica>,
     /// The snaps of every replica, in order: replicas × [`Loading::length`](super::Loading::length).
     #[serde(skip)]
+    #[doc(hidden)]
     pub snaps: Vec<f64>,
     /// Counts of what solving took.
     pub stats: SolverStats,

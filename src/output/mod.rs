@@ -1,5 +1,7 @@
-//! Files and progress: the HDF5 layouts, writing them whole or not at all, reading them back, reading height
-//! maps, what an interrupted run keeps, and the bars on the terminal.
+//! Files of results: their layouts, which are in HDF5, and how they are read back.
+//!
+//! They are written by [`RunResult::write`](crate::RunResult::write), [`sweep`](crate::sweep) and their kin,
+//! whole or not at all. What an interrupted run keeps and how height maps are read is here too, for the program.
 
 pub mod asperities;
 mod attributes;

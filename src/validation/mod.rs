@@ -6,6 +6,8 @@
 //! squares of a few linear functionals of the curves ([`basis()`]), uncorrelated and of unit variance by the
 //! law. Functionals, covariance and the cumulants that make the p-value right for small surfaces come from
 //! the law alone, not from the sample.
+//!
+//! All of it may change with any version.
 
 mod basis;
 pub mod finite_size;

@@ -3,10 +3,10 @@
 
     cargo doc --release --no-deps --lib && scripts/doc_types.py [target/doc/stiction]
 
-The public ones are those that the list of all items has, `all.html` of `cargo doc`; items behind `#[doc(hidden)]` are
-not among them. A type is used where its name stands in a doctest, that is in Rust code of a doc comment under src,
-on a line that readers see and outside of comments and `use`. Where two types have one name the doctest has to name the
-module as well. Prints the types that no doctest uses, and fails if there are any.
+The public ones are those that the list of all items has, `all.html` of `cargo doc`; items behind
+`#[doc(hidden)]` are not among them. A type is used where its name stands in a doctest, that is in Rust code of a
+doc comment under src, on a line that readers see and outside of comments and `use`. Where two types have one name
+the doctest has to name the module as well. Prints the types that no doctest uses, and fails if there are any.
 """
 
 import collections
@@ -51,7 +51,8 @@ def main(pages):
              for module, _, name in ITEM.findall((pages / "all.html").read_text())]
     if not types:
         sys.exit(f"{pages / 'all.html'} lists no types")
-    tests = [(test, used(test)) for path in sorted(ROOT.glob("src/**/*.rs")) for test in doctests(path.read_text())]
+    sources = [path.read_text() for path in sorted(ROOT.glob("src/**/*.rs"))]
+    tests = [(test, used(test)) for source in sources for test in doctests(source)]
     count = collections.Counter(name for _, name in types)
 
     def is_shown(module, name):

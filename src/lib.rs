@@ -15,9 +15,9 @@
 //!
 //! # What there is
 //! Functions on this page compute a scene: [`run`] as above, [`sweep`] one with a table `[sweep]`,
-//! [`finite_size()`] patches of several sizes, [`compare()`] laws on the same asperities, and [`integrate`] the
-//! integral alone. [`builder`] sets an experiment up: threads, progress, an end from outside. [`scene`] reads
-//! scenes, and [`output`] reads files of results back.
+//! [`finite_size()`] patches of several sizes, [`compare()`] laws on the same asperities, and [`integrate`]
+//! the integral alone. [`builder`] sets an experiment up: threads, progress, an end from outside. [`scene`]
+//! reads scenes, and [`output`] reads files of results back.
 //!
 //! Parts that know no scene are there by themselves:
 //! - [`asperity`]: laws of one asperity, from interference to forces and area, and laws of one's own;
@@ -26,15 +26,15 @@
 //! - [`engine`]: ensembles of replicas, summed asperity by asperity or by moments;
 //! - [`validation`]: tests of an ensemble against the integral.
 //!
-//! Every type is in an example, on its own page or on that of a type that it belongs to. The folder `examples`
-//! has whole programs.
+//! Every type is in an example, on its own page or on that of a type that it belongs to. The folder
+//! `examples` has whole programs.
 //!
 //! # What may change
 //! Before version 1.0 anything may, and the changelog says what. What is least likely to are the functions of
-//! this page, [`Scene`] and the types that they return, [`surface`], and of [`asperity`] what makes a law. What
-//! follows the needs of the program, and may change with any version, is [`engine`] and [`validation`], and how
-//! a law shows itself to the sums. Files of results have versions of their own ([`output::Layout`]). Items
-//! that are not on these pages are for the program and its tests, and change at any time.
+//! this page, [`Scene`] and the types that they return, [`surface`], and of [`asperity`] what makes a law.
+//! What follows the needs of the program, and may change with any version, is [`engine`] and [`validation`],
+//! and how a law shows itself to the sums. Files of results have versions of their own ([`output::Layout`]).
+//! Items that are not on these pages are for the program and its tests, and change at any time.
 //!
 //! # Features
 //! All are on by default.

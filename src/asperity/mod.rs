@@ -2,8 +2,8 @@
 //!
 //! A law has a name ([`model`]), or is one's own: a [`Table`] of regimes, intervals of interference, and what
 //! acts in each, by formulas ([`ClosedForm`], [`Tabulated`]). [`SolvedAsperity`] is its answer for one
-//! asperity. The elastic laws are solved in scaled form, where the adhesion parameter λ and the scaled approach
-//! Δ are all there is; [`Scale`] is the one place that knows R, E_r and Δγ.
+//! asperity. The elastic laws are solved in scaled form, where the adhesion parameter λ and the scaled
+//! approach Δ are all there is; [`Scale`] is the one place that knows R, E_r and Δγ.
 
 mod angle;
 #[doc(hidden)]

@@ -16,7 +16,8 @@ use super::stats::SolverStats;
 /// use stiction::asperity::{ClosedForm, Constant, Interaction, Law, Regime, Row, Table};
 ///
 /// fn beyond(end: f64, part: impl Interaction + 'static) -> Table {
-///     Table::new([Row::below(Regime::Noncontact, end, Constant::NOTHING), Row::last(Regime::Lubricant, part)])
+///     let nothing = Row::below(Regime::Noncontact, end, Constant::NOTHING);
+///     Table::new([nothing, Row::last(Regime::Lubricant, part)])
 /// }
 ///
 /// let law = beyond(-1.0, ClosedForm::attraction(|delta: f64| delta.exp()));

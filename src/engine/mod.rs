@@ -4,8 +4,8 @@
 //! its group. Replicas are grouped into batches of a fixed size; batches are computed in any order by any
 //! number of threads and merged in the order of their index in a fixed tree, so every result depends on the
 //! scene and the seed alone. What is kept per replica is a handful of numbers; heights and curves are dropped
-//! with their batch. A surface of more asperities than a chunk has is not held at all: its chunks have streams
-//! of their own, and are drawn and summed in parallel, and drawn again for what is asked later.
+//! with their batch. A surface of more asperities than a chunk has is not held at all: its chunks have
+//! streams of their own, and are drawn and summed in parallel, and drawn again for what is asked later.
 //!
 //! A [`Job`] says what is computed, an [`Ensemble`] is the result, and a [`Rule`] tells whether that is large
 //! enough. All of it may change with any version.

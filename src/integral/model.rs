@@ -25,8 +25,8 @@ const HEIGHT_REACH: f64 = 11.0;
 /// let law = model("md").unwrap().law(&LawParameters::scaled(0.5, Path::Approach)?)?;
 /// let surface = Surface::uniform(1.0, 1.0, 100, 1.0);
 /// let integral = Model::new(law.as_ref(), &surface, &[0.0, 3.0]);
-/// let force = Expectations::new(law.as_ref(), &surface, &[1.5]).expected[Quantity::ExternalForce.index()][0];
-/// assert_eq!(integral.external_force(1.5), force);
+/// let expected = Expectations::new(law.as_ref(), &surface, &[1.5]).expected;
+/// assert_eq!(integral.external_force(1.5), expected[Quantity::ExternalForce.index()][0]);
 /// # Ok::<(), stiction::asperity::LawError>(())
 /// ```
 pub struct Model<'a> {

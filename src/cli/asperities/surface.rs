@@ -42,7 +42,10 @@ pub(super) fn surface(arguments: &AsperitiesArguments, most: u64) -> Result<Surf
     let format = MapFormat::of(path)?.name();
     let source =
         raw.dataset.as_ref().map_or(format.to_owned(), |dataset| format!("{format}, dataset {dataset}"));
-    let refused = |error: MapError| Failure::Usage(format!("{}: {error}", path.display()));
+    let refused = |error: MapError| {
+        let advice = if matches!(error, MapError::Undetermined { .. }) { "; try --level none" } else { "" };
+        Failure::Usage(format!("{}: {error}{advice}", path.display()))
+    };
     let shape = raw.shape;
     let heights = raw.heights.into_iter().map(|height| height * unit).collect();
     let measured = HeightMap::new(heights, shape, pixel).map_err(refused)?;

@@ -53,9 +53,7 @@ pub enum MapError {
         height: f64,
     },
     /// The heights that are there do not determine the surface that is to be subtracted.
-    #[error(
-        "{known} of {pixels} heights are known, and they do not determine the {surface}; try --level none"
-    )]
+    #[error("{known} of {pixels} heights are known, and they do not determine the {surface}")]
     Undetermined {
         /// Pixels with a height.
         known: usize,

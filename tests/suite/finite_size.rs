@@ -134,3 +134,24 @@ fn what_cannot_be_studied_is_refused_with_what_would_do() {
         .unwrap();
     refused(&["--counts", "10,100"], "has a table [sweep]");
 }
+
+/// From Rust as from the command line, and nothing is written.
+#[test]
+fn numbers_of_asperities_that_make_no_study_are_refused() {
+    let folder = Folder::new(&small());
+    let (scene, output) = (folder.path("scene.toml"), folder.path("sizes.h5"));
+    let many: Vec<u64> = (10..111).collect();
+    for (counts, problem) in [
+        (&[][..], "0 different numbers"),
+        (&[10], "1 different numbers"),
+        (&many, "101 different numbers"),
+        (&[10, 10], "do not rise"),
+        (&[100, 10], "do not rise"),
+        (&[0, 10], "0 asperities"),
+        (&[10, 20_000_000_000], "20000000000 asperities"),
+    ] {
+        let refused = stiction::finite_size(&scene, counts, &output).err().expect(problem).to_string();
+        assert!(refused.contains("scene.toml: ") && refused.contains(problem), "{refused}");
+        assert!(!output.exists());
+    }
+}

@@ -39,7 +39,7 @@ impl<'a> Hidden<'a> {
     }
 
     fn series(law: &'a dyn Law, scene: &Scene) -> Self {
-        let (scale, (lowest, highest)) = (scene.scale(), scene.reach());
+        let (scale, (lowest, highest)) = (scene.scale(), scene.interference_range());
         let thickness = scene.asperity.lubricant_thickness;
         let lowest = (lowest + thickness) / scale.length;
         let emd = Emd::new(scale.lambda, scene.history).expect("a valid lambda");
@@ -64,7 +64,7 @@ impl<'a> Hidden<'a> {
 
     /// Without the regimes that no height within 11 standard deviations reaches.
     fn unreached(law: &'a dyn Law, scene: &Scene) -> Self {
-        let (_, highest) = scene.reach();
+        let (_, highest) = scene.interference_range();
         let mut hidden = Self::nothing(law);
         let reached =
             law.boundaries().iter().take_while(|boundary| boundary.interference < highest).count() + 1;

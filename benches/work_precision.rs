@@ -125,9 +125,10 @@ fn sums(table: &mut Table) {
 /// External force of a replica and the sum of the magnitudes of its parts, N, at every separation: each
 /// asperity by itself.
 fn summed_one_by_one(scene: &Scene, index: u64) -> Vec<[f64; 2]> {
-    let parameters =
-        LawParameters::new(&scene.asperity, scene.history, scene.reach()).expect("a validated scene");
-    let law = scene.model.law(&LawParameters { reach: None, ..parameters }).expect("a law of the scene");
+    let parameters = LawParameters::new(&scene.asperity, scene.history, scene.interference_range())
+        .expect("a validated scene");
+    let law =
+        scene.model.law(&LawParameters { table_range: None, ..parameters }).expect("a law of the scene");
     let mut heights = Vec::new();
     draw(&scene.surface, scene.seed, scene.sampling, index, &mut heights, &mut Vec::new());
     heights.sort_unstable_by(f64::total_cmp);

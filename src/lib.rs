@@ -62,6 +62,9 @@ pub mod estimate;
 pub mod experiment;
 #[cfg(feature = "hdf5")]
 mod format;
+#[cfg(feature = "hdf5")]
+#[doc(hidden)]
+pub mod input;
 pub mod integral;
 #[doc(hidden)]
 pub mod math;

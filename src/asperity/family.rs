@@ -46,13 +46,13 @@ impl Family {
         Self { of_radius: Arc::new(of_radius) }
     }
 
-    /// The law of an asperity of a radius, m, with starting tables for interferences in `reach`, m; without,
+    /// The law of an asperity of a radius, m, with starting tables for interferences in `table_range`, m; without,
     /// it takes less to make, and each solve more.
     ///
     /// # Panics
     /// When the radius is not between those that the family was made for.
-    pub fn law(&self, radius: f64, reach: Option<(f64, f64)>) -> Box<dyn Law> {
-        (self.of_radius)(radius, reach)
+    pub fn law(&self, radius: f64, table_range: Option<(f64, f64)>) -> Box<dyn Law> {
+        (self.of_radius)(radius, table_range)
     }
 
     /// The laws of a model for asperities like one, whose radii differ from its radius by factors between
@@ -69,15 +69,15 @@ impl Family {
         if model.is_fit() {
             return Err(LawError::OneRadius);
         }
-        let of_radius = move |radius: f64, reach: Option<(f64, f64)>| {
+        let of_radius = move |radius: f64, table_range: Option<(f64, f64)>| {
             let parameters = LawParameters::new(&Asperity { radius, ..asperity }, path, (0.0, 0.0))?;
-            model.law(&LawParameters { reach, ..parameters })
+            model.law(&LawParameters { table_range, ..parameters })
         };
         for factor in [least, most] {
             of_radius(factor * asperity.radius, None)?;
         }
-        let law = move |radius, reach| {
-            of_radius(radius, reach).expect("laws between two radii that have one have one")
+        let law = move |radius, table_range| {
+            of_radius(radius, table_range).expect("laws between two radii that have one have one")
         };
         Ok(Self::from_fn(law))
     }

@@ -22,7 +22,7 @@ pub struct LawParameters {
     pub path: Path,
     /// Range of interferences, m, that starting tables are made for; other interferences are solved too,
     /// slower.
-    pub reach: Option<(f64, f64)>,
+    pub table_range: Option<(f64, f64)>,
 }
 
 impl LawParameters {
@@ -30,7 +30,7 @@ impl LawParameters {
     ///
     /// # Errors
     /// [`LawError`] for a λ that is not solved, or quantities that are not positive and finite.
-    pub fn new(asperity: &Asperity, path: Path, reach: (f64, f64)) -> Result<Self, LawError> {
+    pub fn new(asperity: &Asperity, path: Path, table_range: (f64, f64)) -> Result<Self, LawError> {
         let parameters = Self {
             scale: Scale::new(asperity)?,
             critical_interference: asperity.critical_interference(),
@@ -38,7 +38,7 @@ impl LawParameters {
             lubricant_thickness: asperity.lubricant_thickness,
             critical_approach: None,
             path,
-            reach: Some(reach),
+            table_range: Some(table_range),
         };
         let positive =
             [("hardness", asperity.hardness), ("critical_interference", parameters.critical_interference)];
@@ -61,7 +61,7 @@ impl LawParameters {
             lubricant_thickness: 0.0,
             critical_approach: None,
             path,
-            reach: None,
+            table_range: None,
         };
         parameters.checked()
     }
@@ -102,6 +102,6 @@ impl LawParameters {
 
     /// Largest scaled interference that starting tables are needed for, up to `end`, m.
     pub fn deepest(&self, end: f64) -> Option<f64> {
-        self.reach.map(|(_, deepest)| deepest.min(end) / self.scale.length)
+        self.table_range.map(|(_, deepest)| deepest.min(end) / self.scale.length)
     }
 }

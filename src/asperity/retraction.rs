@@ -35,12 +35,12 @@ impl Loop {
         Retraction::with(self, distance, |flattened, further| self.let_go_from(flattened, distance, further))
     }
 
-    /// The law at a distance, m, for a few asperities alone: the interference ω_max and the takeoff, m,
+    /// The law at a distance, m, for a few asperities alone: the interference ω_max and the detachment, m,
     /// rising, of those that have flowed say which of them are in contact.
     #[doc(hidden)]
     pub fn at_for(&self, distance: f64, flowed: &[(f64, f64)]) -> Retraction<'_> {
         Retraction::with(self, distance, |_, further| {
-            let lost = flowed.iter().take_while(|(_, takeoff)| distance - further >= *takeoff).count();
+            let lost = flowed.iter().take_while(|(_, detachment)| distance - further >= *detachment).count();
             flowed.get(lost).map_or(f64::INFINITY, |(largest, _)| *largest)
         })
     }

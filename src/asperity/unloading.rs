@@ -137,7 +137,7 @@ impl Loop {
             }
             _ => None,
         };
-        let deepest = parameters.reach.map(|(_, deepest)| deepest);
+        let deepest = parameters.table_range.map(|(_, deepest)| deepest);
         Ok(Self {
             approach,
             retraction,
@@ -222,7 +222,7 @@ impl Loop {
 
     /// The distance, m, at which an asperity of the interference ω_max, m, loses contact on retraction;
     /// none if it has none.
-    pub fn takeoff(&self, largest: f64) -> Option<f64> {
+    pub fn detachment(&self, largest: f64) -> Option<f64> {
         let release = || match &self.flattened {
             Some(flattened) if largest > self.top() => flattened.release(self.radius_ratio(largest)),
             _ => self.release(),

@@ -1,9 +1,7 @@
 //! What an audit finds.
 
 use super::cross_check::CrossCheck;
-use crate::output::OutputError;
 use crate::validation::{JointTest, Verdict};
-use std::path::Path;
 
 /// An audit of a file.
 pub struct Audit {
@@ -28,9 +26,4 @@ pub enum Content {
     Asperities(usize),
     /// So many replicas of a run.
     Shard(u64),
-}
-
-/// A file that cannot be audited.
-pub(super) fn refused(path: &Path, problem: &str) -> OutputError {
-    OutputError::NotAResult { path: path.to_owned(), problem: problem.to_owned() }
 }

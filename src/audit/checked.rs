@@ -6,9 +6,15 @@ use crate::engine::scalars;
 use crate::output::OutputError;
 use crate::output::reader::Reader;
 use crate::output::schema::{Dimension, Variable};
+use std::path::Path;
 
 /// What rounding may be off by, relative to what was summed.
 pub(super) const ROUNDING: f64 = 1e-9;
+
+/// A file that cannot be audited.
+pub(super) fn refused(path: &Path, problem: &str) -> OutputError {
+    OutputError::NotAResult { path: path.to_owned(), problem: problem.to_owned() }
+}
 
 /// Which part of the datasets of a file is looked at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,8 +1,8 @@
 //! A comparison: each law by the integral and by its ensemble, one asperity of it, and what it is beside the
 //! first.
 
-use super::answer::{Audit, Content, refused};
-use super::checked::{Checked, Place, ROUNDING, largest, summed};
+use super::answer::{Audit, Content};
+use super::checked::{Checked, Place, ROUNDING, largest, refused, summed};
 use super::cross_check::scheme;
 use super::curves::LINES;
 use crate::experiment::compare::deviation;

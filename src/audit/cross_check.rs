@@ -1,7 +1,6 @@
 //! The cross-check of a run, or of a point of a sweep, computed anew from its datasets.
 
-use super::answer::refused;
-use super::checked::{Checked, Place};
+use super::checked::{Checked, Place, refused};
 use crate::output::OutputError;
 use crate::output::schema::Dimension;
 use crate::surface::SamplingScheme;

@@ -1,7 +1,7 @@
 //! The result of `stiction run`: its table and verdict, and whether its datasets fit together.
 
-use super::answer::{Audit, Content, refused};
-use super::checked::Checked;
+use super::answer::{Audit, Content};
+use super::checked::{Checked, refused};
 use super::cross_check::{CrossCheck, scheme};
 use crate::output::OutputError;
 use crate::output::reader::Reader;

@@ -1,7 +1,7 @@
 //! A sweep: each of its points as a run, a line each, what all points share, and their differences.
 
-use super::answer::{Audit, Content, refused};
-use super::checked::{Checked, Place, ROUNDING};
+use super::answer::{Audit, Content};
+use super::checked::{Checked, Place, ROUNDING, refused};
 use super::cross_check::{CrossCheck, scheme};
 use crate::engine::SCALARS;
 use crate::experiment::stacked::Compared;
@@ -14,7 +14,7 @@ use crate::surface::SamplingScheme;
 use crate::validation::{Difference, overall};
 
 /// What is looked at of a sweep.
-struct Points<'a> {
+struct SweptFile<'a> {
     reader: &'a Reader,
     scheme: SamplingScheme,
     /// Replicas of a point that is whole, where they do not depend on a target.
@@ -30,7 +30,7 @@ pub(super) fn audit(reader: &Reader) -> Result<Audit, OutputError> {
         return Err(refused(reader.path(), &problem));
     };
     let mut file = Checked::new(reader, 0);
-    let points = Points {
+    let points = SweptFile {
         reader,
         scheme: scheme(&file)?,
         replicas: reader.number("/", "replicas")?,
@@ -70,7 +70,7 @@ fn place(point: usize, shape: &[usize]) -> Vec<usize> {
     place
 }
 
-impl Points<'_> {
+impl SweptFile<'_> {
     /// The cross-check of a point and what does not fit together there; none where a sweep is not complete
     /// and the point has no replicas. What is compared of the first point is kept.
     fn point(

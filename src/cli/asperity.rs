@@ -105,7 +105,7 @@ fn parameters(lambda: f64, arguments: &AsperityArguments) -> Result<LawParameter
         critical_interference: arguments.critical_interference.unwrap_or(f64::INFINITY),
         pressure_factor: arguments.poisson_ratio.map_or(parameters.pressure_factor, pressure_factor),
         lubricant_thickness: arguments.lubricant_thickness,
-        reach: arguments.tables.map(|furthest| (-furthest, furthest)),
+        table_range: arguments.tables.map(|furthest| (-furthest, furthest)),
         ..parameters
     };
     parameters.checked().map_err(usage)

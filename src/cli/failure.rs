@@ -1,6 +1,7 @@
 //! Why a command ends without its result: messages with the options that help, and exit codes.
 
 use crate::experiment::Error;
+use crate::input::maps::MapFileError;
 use crate::output::OutputError;
 use crate::scene::SceneError;
 use anyhow::anyhow;
@@ -134,11 +135,19 @@ impl From<OutputError> for Failure {
             | OutputError::Link(_)
             | OutputError::NoFolder(_)
             | OutputError::NotWritable { .. } => Self::Usage(format!("{error} with -o")),
-            OutputError::WhichDataset { .. } => Self::Usage(format!("{error}: give --dataset")),
-            OutputError::NotAPartial { .. }
-            | OutputError::NotAMap { .. }
-            | OutputError::NotAResult { .. } => Self::Usage(error.to_string()),
+            OutputError::NotAPartial { .. } | OutputError::NotAResult { .. } => {
+                Self::Usage(error.to_string())
+            }
         }
+    }
+}
+
+impl From<MapFileError> for Failure {
+    fn from(error: MapFileError) -> Self {
+        Self::Usage(match error {
+            MapFileError::NotAMap { .. } => error.to_string(),
+            MapFileError::WhichDataset { .. } => format!("{error}: give --dataset"),
+        })
     }
 }
 

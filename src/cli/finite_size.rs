@@ -11,8 +11,8 @@ use crate::experiment::finite_size::{
     FiniteSize, LARGEST, MOST_SIZES, PatchSize, check_counts, compare_sizes, sweep_of_sizes,
 };
 use crate::format::{bound, percent, si, signed_percent};
+use crate::input::columns::SceneFiles;
 use crate::output::OutputLock;
-use crate::output::columns::SceneFiles;
 use crate::scene::Scene;
 use crate::scene::echo::one_line;
 use crate::scene::files::Files;

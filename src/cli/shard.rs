@@ -12,7 +12,7 @@ use crate::experiment::sampling::set_ensemble;
 use crate::experiment::shard_run::ShardRun;
 use crate::format::{duration, replicas};
 use crate::output::OutputLock;
-use crate::output::shard_file::Piece;
+use crate::output::shard_file::ShardPiece;
 use crate::scene::echo::one_line;
 use crate::scene::{Document, Scene, Sweep};
 
@@ -48,7 +48,13 @@ pub(super) fn run(shard: Shard, document: Document, arguments: &RunArguments) ->
 }
 
 /// The summary of a shard of a scene, or of so many points.
-fn summary(shard: Shard, scene: &Scene, pieces: &[Piece], points: Option<usize>, threads: usize) -> String {
+fn summary(
+    shard: Shard,
+    scene: &Scene,
+    pieces: &[ShardPiece],
+    points: Option<usize>,
+    threads: usize,
+) -> String {
     let title = if scene.title.is_empty() { "Untitled scene".to_owned() } else { one_line(&scene.title) };
     let mut text = format!("{title}\n") + &row("shard", &format!("{} of {}", shard.index, shard.count));
     for (i, piece) in pieces.iter().enumerate() {

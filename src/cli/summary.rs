@@ -206,7 +206,7 @@ fn stiffness(results: &Results) -> String {
 fn cycle(results: &Results) -> String {
     let Some(retraction) = &results.retraction else { return String::new() };
     let replicas = &results.ensemble.replicas;
-    let [energy, touchdown, takeoff] = [6, 7, 8].map(|scalar| &results.scalars[scalar]);
+    let [energy, touchdown, detachment] = [6, 7, 8].map(|scalar| &results.scalars[scalar]);
     let (_, std) = moments(replicas, LOOP_SCALARS[2].of);
     let nothing = energy.mean == 0.0 && !(std > 0.0);
     let of_replicas = if nothing {
@@ -235,13 +235,14 @@ fn cycle(results: &Results) -> String {
     let forces = integrals
         .map(|way| [Quantity::AdhesionForce, Quantity::ContactForce].map(|q| &*way.expected[q.index()]));
     let error = integrals.iter().fold(SUM_ROUNDING, |error, way| maximum(error, way.quadrature_error));
-    let of_integral = dissipated(&results.scene.separations, forces, error, results.scene.reach().1);
+    let of_integral =
+        dissipated(&results.scene.separations, forces, error, results.scene.interference_range().1);
     text += &row("", &format!("{} of the integral, per cycle", si(of_integral, "J")));
     let place = |mean: &ControlledMean| match mean.mean.is_nan() {
         true => "not by all replicas".to_owned(),
         false => format!("at h* = {:.3} on average", h_star(results, mean.mean)),
     };
-    text += &row("contact", &format!("first {}, last {}", place(touchdown), place(takeoff)));
+    text += &row("contact", &format!("first {}, last {}", place(touchdown), place(detachment)));
     let last = results.scene.separations[results.scene.separations.len() - 1];
     let open = replicas
         .iter()

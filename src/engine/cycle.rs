@@ -59,13 +59,13 @@ impl Cycle {
         let [approach, retraction] = [ways.map(|way| way.0), ways.map(|way| way.1)];
         let d = surface.asperity_separation(closest);
         // The higher an asperity, the longer it keeps contact.
-        let takeoff = cycle.takeoff(highest - d);
+        let detachment = cycle.detachment(highest - d);
         Self {
             approach_pull_off_force: -pull_off.value,
             approach_pull_off_separation: pull_off.place,
             dissipated_energy: dissipated(job.separations, [approach, retraction], SUM_ROUNDING, highest),
             touchdown_separation: highest - cycle.touch() + surface.mean_plane_offset,
-            detachment_separation: takeoff.map_or(f64::NAN, |distance| closest + distance),
+            detachment_separation: detachment.map_or(f64::NAN, |distance| closest + distance),
         }
     }
 }

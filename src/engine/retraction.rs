@@ -55,7 +55,7 @@ pub(super) struct FlattenedTop {
     /// Separations h of its kinks, m.
     places: [f64; 3],
     /// Distance from the closest approach at which it loses contact, m.
-    takeoff: f64,
+    detachment: f64,
 }
 
 impl FlattenedTop {
@@ -66,7 +66,7 @@ impl FlattenedTop {
         let first = heights.partition_point(|u| cycle.fate(u - closest) < FLOWED);
         let top = |largest: f64| {
             let (kinks, recovery) = (cycle.flattened_kinks(largest)?, cycle.recovery(largest));
-            Some(Self { places: kinks.map(|kink| from + recovery - kink), takeoff: recovery - kinks[1] })
+            Some(Self { places: kinks.map(|kink| from + recovery - kink), detachment: recovery - kinks[1] })
         };
         heights[first..].iter().map_while(|u| top(u - closest)).collect()
     }
@@ -154,7 +154,8 @@ impl<'a> Retracted<'a> {
         } else {
             // Where each loses contact is known: to solve for it at every distance takes most of a search.
             let flowed = asperities.iter().filter(|asperity| asperity.fate == FLOWED);
-            let flowed = flowed.map(|asperity| (asperity.height - self.closest, self.top(asperity).takeoff));
+            let flowed =
+                flowed.map(|asperity| (asperity.height - self.closest, self.top(asperity).detachment));
             self.cycle.at_for(distance, &flowed.collect::<Vec<_>>())
         };
         self.few.clear();

@@ -6,7 +6,7 @@ use super::finite_size::{FiniteSize, compare_sizes, sweep_of_sizes};
 use super::points::Points;
 use super::prepared::{Session, thread_pool};
 use super::stacked::{SweepPoint, run_sweep};
-use crate::output::columns::SceneFiles;
+use crate::input::columns::SceneFiles;
 use crate::output::{OutputError, OutputLock};
 use crate::scene::files::Files;
 use crate::scene::{Document, Scene, Sweep};

@@ -1,7 +1,7 @@
 //! Scenes and sweeps from files.
 
 use super::Error;
-use crate::output::columns::SceneFiles;
+use crate::input::columns::SceneFiles;
 use crate::scene::{Document, Scene};
 use std::io::ErrorKind;
 use std::path::Path;

@@ -10,7 +10,7 @@ use crate::output::identity::Identity;
 use crate::output::journal::forget;
 use crate::output::partial::Kept;
 use crate::output::schema::SWEEP;
-use crate::output::shard_file::{Head, Piece, ShardFile};
+use crate::output::shard_file::{Head, ShardFile, ShardPiece};
 use crate::output::{OutputError, OutputLock};
 use crate::scene::Scene;
 use std::ops::Range;
@@ -60,7 +60,11 @@ pub(crate) struct ShardRun<'a> {
 
 impl ShardRun<'_> {
     /// Computes the shard of a scene: what it has, or none where it was complete before.
-    pub fn of_scene(&self, scene: &Scene, observer: &mut dyn Observer) -> Result<Option<Vec<Piece>>, Error> {
+    pub fn of_scene(
+        &self,
+        scene: &Scene,
+        observer: &mut dyn Observer,
+    ) -> Result<Option<Vec<ShardPiece>>, Error> {
         let batches = self.shard.range(batches_of(scene.replicas));
         let part = Part { point: 0, scene: scene.clone(), batches, name: None };
         if !self.compute(&part, self.policy, observer)? {
@@ -80,7 +84,7 @@ impl ShardRun<'_> {
     }
 
     /// Computes the shard of a sweep.
-    pub fn of_sweep(&self, points: &Points<'_>) -> Result<Option<Vec<Piece>>, Error> {
+    pub fn of_sweep(&self, points: &Points<'_>) -> Result<Option<Vec<ShardPiece>>, Error> {
         points.require()?;
         let identity = points.identity(points.sweep.source())?;
         if !points.begin(&SWEEP, &identity)? {
@@ -156,7 +160,7 @@ impl ShardRun<'_> {
     }
 
     /// Writes the output out of the checkpoints of the parts: what it has.
-    fn written(&self, identity: Identity, parts: &[Part]) -> Result<Vec<Piece>, Error> {
+    fn written(&self, identity: Identity, parts: &[Part]) -> Result<Vec<ShardPiece>, Error> {
         let scene_file = self.source.canonicalize().unwrap_or_else(|_| self.source.to_owned());
         let head = Head {
             identity,

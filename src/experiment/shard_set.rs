@@ -5,8 +5,8 @@ use super::checkpoint::{Run, is_of};
 use super::scene_file::LONGEST_SCENE;
 use crate::engine::Shard;
 use crate::format::replicas as shown;
+use crate::input::columns::SceneFiles;
 use crate::output::beside;
-use crate::output::columns::SceneFiles;
 use crate::output::identity::Identity;
 use crate::output::partial::{Kept, Partial, is_checkpoint};
 use crate::output::shard_file::ShardFile;
@@ -231,10 +231,10 @@ fn absent(shards: &[ShardFile], gaps: Vec<String>) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::output::shard_file::{Head, Piece};
+    use crate::output::shard_file::{Head, ShardPiece};
 
     fn shard(index: u64, count: u64, pieces: &[(u64, u64, u64)]) -> ShardFile {
-        let piece = |&(point, start, end): &(u64, u64, u64)| Piece {
+        let piece = |&(point, start, end): &(u64, u64, u64)| ShardPiece {
             point,
             replicas: start..end,
             seconds: 1.0,

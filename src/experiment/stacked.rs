@@ -107,7 +107,7 @@ fn assembled(
         writer.number("/", "partial", 1_u8)?;
     }
     let goes_on = || !points.session.stop.load(Ordering::Relaxed);
-    if !stack(&mut writer, &stack::Points { files: &files, places: &places, goes_on: &goes_on })? {
+    if !stack(&mut writer, &stack::PointFiles { files: &files, places: &places, goes_on: &goes_on })? {
         return Ok(None);
     }
     let first = files[0].as_deref().map(Compared::read).transpose()?;

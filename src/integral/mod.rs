@@ -19,7 +19,7 @@ mod retraction;
 pub use controls::controls;
 pub use expectations::Expectations;
 #[doc(hidden)]
-pub use model::reach;
+pub use model::interference_range;
 pub use model::{Model, TOLERANCE};
 
 #[cfg(test)]

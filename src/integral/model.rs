@@ -48,9 +48,9 @@ impl<'a> Model<'a> {
         let laws = laws.into();
         let law_of = |part: &RadiusClass| {
             let family = laws.family?;
-            let reach = reach(&part.heights, surface, separations);
+            let range = interference_range(&part.heights, surface, separations);
             // A few heights are solved faster than a table is made.
-            Some(family.law(part.radius, part.heights.values().is_none().then_some(reach)))
+            Some(family.law(part.radius, part.heights.values().is_none().then_some(range)))
         };
         let parts =
             surface.parts().into_par_iter().map(|part| (law_of(&part), part)).map(|(law, part)| (part, law));
@@ -158,7 +158,7 @@ impl Expectations {
 }
 
 /// Interferences, m, that heights about the mean plane of a surface have at separations h, m.
-pub fn reach(heights: &Heights, surface: &Surface, separations: &[f64]) -> (f64, f64) {
+pub fn interference_range(heights: &Heights, surface: &Surface, separations: &[f64]) -> (f64, f64) {
     let d = separations.iter().map(|&h| surface.asperity_separation(h));
     let (nearest, furthest) =
         d.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), d| (low.min(d), high.max(d)));

@@ -18,7 +18,7 @@ const SIGNATURE: [u8; 8] = *b"\x89HDF\r\n\x1a\n";
 const HEADROOM: usize = 40 << 20;
 
 /// Ends the program, as every allocation does that is refused, where libhdf5 might not get what it needs.
-pub(super) fn require_headroom() {
+pub(crate) fn require_headroom() {
     drop(std::hint::black_box(Vec::<u8>::with_capacity(HEADROOM)));
 }
 
@@ -27,7 +27,7 @@ pub(super) fn require_headroom() {
 ///
 /// # Errors
 /// The message says what the path is instead, or why it cannot be read.
-pub(super) fn length(path: &Path) -> Result<u64, String> {
+pub(crate) fn length(path: &Path) -> Result<u64, String> {
     let metadata = std::fs::metadata(path).map_err(|error| format!("cannot be read: {error}"))?;
     if metadata.is_dir() {
         return Err("is a folder; name a file in it".to_owned());
@@ -44,7 +44,7 @@ pub(super) fn length(path: &Path) -> Result<u64, String> {
 ///
 /// # Errors
 /// Why libhdf5 does not open it, or that another program has it open for writing.
-pub(super) fn open(path: &Path) -> Result<File, String> {
+pub(crate) fn open(path: &Path) -> Result<File, String> {
     require_headroom();
     if path.to_str().is_none() {
         return Err("cannot be read: its name is not UTF-8, which HDF5 needs; rename it".to_owned());
@@ -85,7 +85,7 @@ fn not_opened(path: &Path) -> String {
 ///
 /// # Errors
 /// The message says what is there instead.
-pub(super) fn group(file: &File, path: &str) -> Result<Group, String> {
+pub(crate) fn group(file: &File, path: &str) -> Result<Group, String> {
     require_headroom();
     let missing = || format!("lacks the group /{}", path.trim_start_matches('/'));
     let root = file.as_group().map_err(|_| missing())?;
@@ -101,7 +101,7 @@ pub(super) fn group(file: &File, path: &str) -> Result<Group, String> {
 ///
 /// # Errors
 /// The message says what is there instead.
-pub(super) fn dataset(file: &File, path: &str) -> Result<Dataset, String> {
+pub(crate) fn dataset(file: &File, path: &str) -> Result<Dataset, String> {
     let missing = || format!("lacks the dataset {path}");
     let (parent, name) =
         path.trim_start_matches('/').rsplit_once('/').unwrap_or(("", path.trim_start_matches('/')));
@@ -140,7 +140,7 @@ fn held(group: &Group, name: &str) -> Result<bool, String> {
 ///
 /// # Errors
 /// The message says what it claims.
-pub(super) fn fits(container: &Container, bytes: u64) -> Result<(), String> {
+pub(crate) fn fits(container: &Container, bytes: u64) -> Result<(), String> {
     let element = container.dtype().map_or(u64::MAX, |dtype| dtype.size() as u64);
     let claimed =
         container.shape().iter().try_fold(element, |product, &length| product.checked_mul(length as u64));
@@ -156,7 +156,7 @@ pub(super) fn fits(container: &Container, bytes: u64) -> Result<(), String> {
 ///
 /// # Errors
 /// The message says what it holds.
-pub(super) fn is_kind_of<T: H5Type>(container: &Container) -> Result<(), String> {
+pub(crate) fn is_kind_of<T: H5Type>(container: &Container) -> Result<(), String> {
     let whole = |descriptor: &TypeDescriptor| match descriptor {
         TypeDescriptor::Integer(_) | TypeDescriptor::Unsigned(_) => Some(true),
         TypeDescriptor::Float(_) => Some(false),

@@ -5,19 +5,15 @@
 //! program.
 
 pub mod asperities;
-mod attributes;
+pub(crate) mod attributes;
 #[doc(hidden)]
 pub mod checksum;
-#[doc(hidden)]
-pub mod columns;
-mod guard;
+pub(crate) mod guard;
 #[doc(hidden)]
 pub mod identity;
 #[doc(hidden)]
 pub mod journal;
 mod lock;
-#[doc(hidden)]
-pub mod maps;
 #[doc(hidden)]
 pub mod partial;
 #[doc(hidden)]
@@ -129,22 +125,6 @@ pub enum OutputError {
         /// The file.
         path: PathBuf,
         /// Why not.
-        problem: String,
-    },
-    /// A file cannot be read as a height map.
-    #[error("{}: {problem}", path.display())]
-    NotAMap {
-        /// The file.
-        path: PathBuf,
-        /// Why not.
-        problem: String,
-    },
-    /// A file has no single dataset that may be a height map.
-    #[error("{}: {problem}", path.display())]
-    WhichDataset {
-        /// The file.
-        path: PathBuf,
-        /// The datasets that it has.
         problem: String,
     },
     /// HDF5 failed.

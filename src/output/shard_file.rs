@@ -34,7 +34,7 @@ pub struct Head {
 
 /// A piece of a shard: the replicas of one point.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Piece {
+pub struct ShardPiece {
     /// The index of the point; 0 without a sweep.
     pub point: u64,
     /// Indices of its replicas within the point.
@@ -55,7 +55,7 @@ pub struct ShardFile {
     /// The run that it is of.
     pub head: Head,
     /// The pieces that it has.
-    pub pieces: Vec<Piece>,
+    pub pieces: Vec<ShardPiece>,
 }
 
 impl ShardFile {
@@ -81,7 +81,7 @@ impl ShardFile {
             let skipped = frames.from.seek_relative(records.cast_signed());
             skipped.map_err(|error| refused(unreadable(&error)))?;
             let Partial { seconds, resumptions, .. } = partial;
-            pieces.push(Piece { point, replicas, seconds, resumptions, begin });
+            pieces.push(ShardPiece { point, replicas, seconds, resumptions, begin });
         }
         match frames.left {
             0 => Ok(Self { path: path.to_owned(), head, pieces }),
@@ -110,7 +110,7 @@ impl ShardFile {
     ///
     /// # Errors
     /// [`OutputError::NotAPartial`] when it is damaged.
-    pub fn kept(&self, piece: &Piece) -> Result<Kept, OutputError> {
+    pub fn kept(&self, piece: &ShardPiece) -> Result<Kept, OutputError> {
         let refused = |problem: String| OutputError::NotAPartial { path: self.path.clone(), problem };
         let (mut frames, length) = Self::frames(&self.path, piece.begin).map_err(refused)?;
         let partial: Partial = frames.next().map_err(refused)?;

@@ -2,7 +2,7 @@
 //!
 //! What the points have in different lengths (regimes, functionals of the joint test, control variates,
 //! replicas) has the largest. A regime that a point does not have is empty there, with 0 asperities and 0
-//! force; all else that a point does not have is NaN, or 0 for whole numbers. Points are read one after the
+//! force; all else that a point does not have is NaN, or 0 for whole numbers. PointFiles are read one after the
 //! other.
 
 use super::attributes::text;
@@ -15,7 +15,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// Results of `stiction run` that belong together, in the order of the points.
-pub struct Points<'a> {
+pub struct PointFiles<'a> {
     /// Their files, where they are there.
     pub files: &'a [Option<PathBuf>],
     /// The index of each along each dimension of the points.
@@ -58,7 +58,7 @@ impl Scale {
 ///
 /// # Errors
 /// When a point cannot be read, or the file not be written.
-pub fn stack(writer: &mut Writer<'_>, points: &Points<'_>) -> Result<bool, OutputError> {
+pub fn stack(writer: &mut Writer<'_>, points: &PointFiles<'_>) -> Result<bool, OutputError> {
     let Some(scales) = scales(points)? else { return Ok(false) };
     for (dimension, scale) in &scales {
         match scale {
@@ -115,7 +115,7 @@ fn found(file: &File, variable: &Variable) -> Option<Dataset> {
 
 /// What the points have in common along each dimension, in the order of the layout; none when told not to go
 /// on.
-fn scales(points: &Points<'_>) -> Result<Option<Vec<(Dimension, Scale)>>, OutputError> {
+fn scales(points: &PointFiles<'_>) -> Result<Option<Vec<(Dimension, Scale)>>, OutputError> {
     let mut scales: Vec<(Dimension, Scale)> = Vec::new();
     for path in points.files.iter().flatten() {
         if !(points.goes_on)() {
@@ -268,7 +268,7 @@ fn moved(index: usize, maps: &[Vec<usize>], shape: &[usize]) -> usize {
 }
 
 /// Says so where only some points have a dataset.
-fn fill_absent(writer: &Writer<'_>, points: &Points<'_>, made: &[Made]) -> Result<(), OutputError> {
+fn fill_absent(writer: &Writer<'_>, points: &PointFiles<'_>, made: &[Made]) -> Result<(), OutputError> {
     let some = |filled: &[Vec<usize>]| !filled.is_empty() && filled.len() < points.places.len();
     for (path, filled, _) in made.iter().filter(|(_, filled, is_float)| *is_float && some(filled)) {
         let absent = vec![f64::NAN; writer.shape_of_point(path).iter().product()];
@@ -325,7 +325,7 @@ impl Attributes {
         self.read += 1;
     }
 
-    fn write(self, writer: &Writer<'_>, points: &Points<'_>) -> Result<(), OutputError> {
+    fn write(self, writer: &Writer<'_>, points: &PointFiles<'_>) -> Result<(), OutputError> {
         for (path, values) in self.numbers {
             write(writer, points, path, values, f64::NAN)?;
         }
@@ -357,7 +357,7 @@ fn put<T: Clone>(
 /// Writes what each point has as an attribute, `absent` where it has none.
 fn write<T: H5Type + Copy>(
     writer: &Writer<'_>,
-    points: &Points<'_>,
+    points: &PointFiles<'_>,
     path: &'static str,
     mut values: Vec<Option<Vec<T>>>,
     absent: T,

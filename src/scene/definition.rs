@@ -7,7 +7,7 @@ use crate::asperity::models::Model;
 use crate::asperity::scale::{Asperity, Scale};
 use crate::asperity::{Family, LawError, LawParameters, Loop, Path, SurfaceLaws, UnloadedRadius};
 use crate::engine::Stopping;
-use crate::integral::reach;
+use crate::integral::interference_range;
 use crate::surface::{RADIUS_RANGE, SamplingScheme, Surface};
 
 /// A validated scene, SI.
@@ -72,8 +72,8 @@ impl Scene {
     }
 
     /// The range of interferences, m, that the heights of any replica reach.
-    pub fn reach(&self) -> (f64, f64) {
-        reach(&self.surface.heights, &self.surface, &self.separations)
+    pub fn interference_range(&self) -> (f64, f64) {
+        interference_range(&self.surface.heights, &self.surface, &self.separations)
     }
 
     /// The adhesion parameter and the units of the scaled variables.
@@ -126,7 +126,7 @@ impl Scene {
     }
 
     fn parameters(&self) -> Result<LawParameters, LawError> {
-        let parameters = LawParameters::new(&self.asperity, self.history, self.reach())?;
+        let parameters = LawParameters::new(&self.asperity, self.history, self.interference_range())?;
         Ok(LawParameters { critical_approach: self.critical_approach, ..parameters })
     }
 }

@@ -1,6 +1,6 @@
 //! Functionals of the force curves for the joint test.
 
-use super::grid::{State, at, grid};
+use super::grid::{StateAt, at, grid};
 use super::joint::{Probe, SIGNIFICANCE};
 use super::null::{Cumulants, GrowingCumulants};
 use crate::asperity::{Laws, Loop, Scratch, SolverStats, for_each_block};
@@ -97,7 +97,7 @@ pub fn basis_to<'a>(
     accuracy: f64,
 ) -> Basis {
     let laws = laws.into();
-    let states: Vec<State<'_>> = separations.iter().map(|&h| at(laws, surface, h)).collect();
+    let states: Vec<StateAt<'_>> = separations.iter().map(|&h| at(laws, surface, h)).collect();
     basis_of(&states, surface, scheme, replicas, accuracy)
 }
 
@@ -113,7 +113,7 @@ pub fn basis_of_loop(
     let back: Vec<_> =
         separations.iter().map(|&h| cycle.at(surface.asperity_separation(h) - closest)).collect();
     let states = separations.iter().map(|&h| at(cycle.approach().into(), surface, h));
-    let states: Vec<State<'_>> =
+    let states: Vec<StateAt<'_>> =
         states.chain(back.iter().map(|law| at(law.into(), surface, separations[0]))).collect();
     basis_of(&states, surface, scheme, replicas, ACCURACY)
 }
@@ -124,7 +124,7 @@ pub fn tested_separations(separations: usize) -> usize {
 }
 
 fn basis_of(
-    states: &[State<'_>],
+    states: &[StateAt<'_>],
     surface: &Surface,
     scheme: SamplingScheme,
     replicas: u64,
@@ -141,7 +141,7 @@ fn basis_of(
             tested: [vec![false; all], vec![false; all]],
         };
     }
-    let states: Vec<State<'_>> = states.iter().copied().step_by(stride).collect();
+    let states: Vec<StateAt<'_>> = states.iter().copied().step_by(stride).collect();
     let s = states.len();
     // Independent contributions in the ensemble: a pair of opposite heights is one.
     let pairs = if scheme == SamplingScheme::Antithetic { 0.5 } else { 1.0 };
@@ -188,7 +188,7 @@ struct Contributions {
     strata: Vec<Range<usize>>,
 }
 
-fn contributions(states: &[State<'_>], surface: &Surface, scheme: SamplingScheme) -> Contributions {
+fn contributions(states: &[StateAt<'_>], surface: &Surface, scheme: SamplingScheme) -> Contributions {
     let grid = grid(states, surface, scheme);
     let mut weights: Vec<f64> = grid.iter().flat_map(|alike| alike.weights.iter().copied()).collect();
     let total: f64 = weights.iter().sum();

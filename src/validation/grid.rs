@@ -50,14 +50,14 @@ impl GridSize {
 
 /// A law, and the separation d, m, at which it acts on the heights.
 #[derive(Clone, Copy)]
-pub(super) struct State<'a> {
+pub(super) struct StateAt<'a> {
     pub laws: Laws<'a>,
     pub separation: f64,
 }
 
 /// A law at the separation h, m.
-pub(super) fn at<'a>(laws: Laws<'a>, surface: &Surface, separation: f64) -> State<'a> {
-    State { laws, separation: surface.asperity_separation(separation) }
+pub(super) fn at<'a>(laws: Laws<'a>, surface: &Surface, separation: f64) -> StateAt<'a> {
+    StateAt { laws, separation: surface.asperity_separation(separation) }
 }
 
 /// Asperities of the grid that have one law.
@@ -71,7 +71,7 @@ pub(super) struct Alike {
 }
 
 /// The grid: of each radius its heights.
-pub(super) fn grid(states: &[State<'_>], surface: &Surface, scheme: SamplingScheme) -> Vec<Alike> {
+pub(super) fn grid(states: &[StateAt<'_>], surface: &Surface, scheme: SamplingScheme) -> Vec<Alike> {
     let family = states[0].laws.family;
     let mut parts = surface.parts();
     let given = |part: &RadiusClass| part.heights.values().map(|values| values[0]);
@@ -101,7 +101,7 @@ pub(super) fn grid(states: &[State<'_>], surface: &Surface, scheme: SamplingSche
 }
 
 /// Heights, m, rising, and their weights: nodes in cells on each of which all that is integrated is smooth.
-fn cells(states: &[State<'_>], heights: &Heights, scheme: SamplingScheme) -> (Vec<f64>, Vec<f64>) {
+fn cells(states: &[StateAt<'_>], heights: &Heights, scheme: SamplingScheme) -> (Vec<f64>, Vec<f64>) {
     let mut ends = divided(heights, CELLS);
     let (low, high) = (ends[0], ends[ends.len() - 1]);
     for state in states {

@@ -121,7 +121,7 @@ fn read_asperities(path: &Path) -> bool {
 
 /// A map that is read is searched too: whatever is in it, that ends without a panic.
 fn read_map(path: &Path) -> bool {
-    let Ok(raw) = stiction::output::maps::read(path, None, 1 << 20) else { return false };
+    let Ok(raw) = stiction::input::maps::read(path, None, 1 << 20) else { return false };
     for levelling in [Levelling::None, Levelling::Plane, Levelling::Quadratic] {
         let map = HeightMap::new(raw.heights.clone(), raw.shape, [1e-9; 2]);
         let found = map.and_then(|map| map.levelled(levelling)).and_then(|map| Asperities::new(&map));

@@ -173,7 +173,7 @@ fn can_be_computed(scene: &Scene) {
     assert!((2..=10_000).contains(&separations.len()), "{}", separations.len());
     assert!(separations.iter().all(|h| h.is_finite() && surface.asperity_separation(*h).is_finite()));
     assert!(separations.windows(2).all(|pair| pair[0] < pair[1]));
-    let (low, high) = scene.reach();
+    let (low, high) = scene.interference_range();
     assert!(low < high && low.is_finite() && high.is_finite(), "{low} {high}");
 }
 

@@ -8,7 +8,7 @@ use std::path::Path;
 use std::process::Command;
 use std::sync::Arc;
 use stiction::estimate::Plan;
-use stiction::output::columns::SceneFiles;
+use stiction::input::columns::SceneFiles;
 use stiction::scene::{Document, KEYS};
 
 const QUICK: &str = include_str!("../data/quick.toml");

@@ -102,7 +102,7 @@ fn numbers(scene: &Scene, model: &Model, name: &str, least: i32) -> Option<[Vec<
     };
     let law = law.typical.as_ref();
     let mut single = Vec::new();
-    for delta in interferences(law, scene.reach(), least) {
+    for delta in interferences(law, scene.interference_range(), least) {
         let values = respond(law, delta).map_or([0.0; 3], |(_, values)| values);
         // Curve fits are of no use where they are continued, and may be negative there.
         let possible = |value: &f64| value.is_finite() && (*value >= 0.0 || model.name.starts_with("fit:"));

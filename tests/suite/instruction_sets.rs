@@ -69,7 +69,7 @@ fn every_law_has_the_same_bits() {
                 let parameters = LawParameters {
                     critical_interference: 3.0,
                     lubricant_thickness: 0.4,
-                    reach,
+                    table_range: reach,
                     ..LawParameters::scaled(lambda, path).unwrap()
                 };
                 for model in MODELS.iter().filter(|model| !model.is_fit()) {

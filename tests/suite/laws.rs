@@ -24,7 +24,7 @@ fn parameters(lambda: f64, path: Path) -> LawParameters {
         critical_interference: CRITICAL,
         pressure_factor: pressure_factor(0.27),
         lubricant_thickness: THICKNESS,
-        reach: Some((-1e3, 1e3)),
+        table_range: Some((-1e3, 1e3)),
         ..LawParameters::scaled(lambda, path).unwrap()
     }
 }
@@ -94,11 +94,12 @@ fn every_row_of_the_reference_is_met() {
         } else {
             0.0
         };
-        let settings = [None, Some((-1e3, 1e3))].map(|reach| LawParameters { reach, ..parameters });
+        let settings =
+            [None, Some((-1e3, 1e3))].map(|reach| LawParameters { table_range: reach, ..parameters });
         if !known.as_ref().is_some_and(|(own, _)| *own == (name, parameters)) {
             known = Some(((name, parameters), settings.map(|parameters| build(name, &parameters))));
         }
-        for (law, LawParameters { reach, .. }) in known.iter().flat_map(|(_, laws)| laws).zip(settings) {
+        for (law, LawParameters { table_range: reach, .. }) in known.iter().flat_map(|(_, laws)| laws).zip(settings) {
             let (regime, [adhesion, contact, area]) = respond(law.as_ref(), delta).unwrap();
             assert_eq!(
                 if regime.is_contact() { "contact" } else { "noncontact" },
@@ -295,7 +296,7 @@ fn chang_etsion_and_bogy_have_their_limits() {
         let own =
             LawParameters { critical_interference: 1e6 * spacing, ..parameters(lambda, Path::Approach) };
         for reach in [None, Some((-1e3, 1e4 * spacing))] {
-            let ceb = build("ceb", &LawParameters { reach, ..own });
+            let ceb = build("ceb", &LawParameters { table_range: reach, ..own });
             for (depth, force) in [(1.0, 1.180224534), (10.0, 1.831128124), (100.0, 3.560264914)] {
                 // Nine decimals of half the force.
                 let found = at(ceb.as_ref(), depth * spacing)[0];
@@ -340,7 +341,7 @@ fn laws_that_contain_each_other_agree_where_they_do() {
             same(build("sbl", &thin).as_ref(), build("sbl", &dry).as_ref(), &deltas);
             same(build("hybrid", &thin).as_ref(), build("hybrid", &dry).as_ref(), &deltas);
             // Contact of the extended laws is Maugis-Dugdale's.
-            let plain = LawParameters { reach: None, ..dry };
+            let plain = LawParameters { table_range: None, ..dry };
             let [md, kim, dry_emd] = ["md", "md_kim", "emd"].map(|name| build(name, &plain));
             let contact: Vec<f64> =
                 below.iter().copied().filter(|d| *d >= kim.boundaries()[0].interference).collect();
@@ -727,7 +728,7 @@ fn laws_scale_away_from_one() {
                 critical_interference: asperity.critical_interference() / length,
                 pressure_factor: own.pressure_factor,
                 lubricant_thickness: asperity.lubricant_thickness / length,
-                reach: own.reach.map(|(low, high)| (low / length, high / length)),
+                table_range: own.table_range.map(|(low, high)| (low / length, high / length)),
                 ..LawParameters::scaled(scale.lambda, path).unwrap()
             };
             for model in MODELS.iter().filter(|model| model.name != "fit:paper") {

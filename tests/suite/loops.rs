@@ -237,7 +237,7 @@ fn a_loop_without_asperities_has_no_contact() {
     assert!(counts[0] > 5 && counts[1] > 5, "{counts:?}");
 }
 
-/// Contacts are lost where it is said: none at the takeoff, at least one just before; likewise on the way
+/// Contacts are lost where it is said: none at the detachment, at least one just before; likewise on the way
 /// there.
 #[test]
 fn touchdown_and_takeoff_are_where_contact_begins_and_ends() {
@@ -248,7 +248,7 @@ fn touchdown_and_takeoff_are_where_contact_begins_and_ends() {
         let closest = h_star * surface.surface_height_std;
         let (replica, _) = one(&job(&cycle, &surface, &[closest, 20.0 * surface.surface_height_std], 1));
         let kept = replica.cycle.unwrap();
-        let [touchdown, takeoff] = [kept.touchdown_separation, kept.detachment_separation];
+        let [touchdown, detachment] = [kept.touchdown_separation, kept.detachment_separation];
         let beside = 1e-9 * surface.surface_height_std;
         let contacts = |place: f64, way: usize| -> f64 {
             let separations = [closest, place, 20.0 * surface.surface_height_std];
@@ -257,9 +257,13 @@ fn touchdown_and_takeoff_are_where_contact_begins_and_ends() {
             rows.filter(|(_, regime)| regime.is_contact()).map(|(row, _)| row[3 * way + 1]).sum()
         };
         assert_eq!([contacts(touchdown + beside, 0), contacts(touchdown - beside, 0)], [0.0, 1.0], "{name}");
-        assert_eq!([contacts(takeoff + beside, 1), contacts(takeoff - beside, 1)], [0.0, 1.0], "{name}");
+        assert_eq!(
+            [contacts(detachment + beside, 1), contacts(detachment - beside, 1)],
+            [0.0, 1.0],
+            "{name}"
+        );
         // Plastic flow lowers the highest asperity; a fold holds it.
-        assert_eq!(takeoff > touchdown, name == "III", "{name}: {touchdown} {takeoff}");
+        assert_eq!(detachment > touchdown, name == "III", "{name}: {touchdown} {detachment}");
     }
 }
 

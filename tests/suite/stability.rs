@@ -83,7 +83,10 @@ const REACHES: [Option<(f64, f64)>; 3] = [None, Some((-30.0, 30.0)), Some((-1e6,
 fn laws(row: &Row) -> [Box<dyn Law>; 3] {
     REACHES.map(|reach| {
         // Beyond ω_c the law emd would bear nothing: it stays infinite in a scaled setting.
-        model(row.law).expect("a known law").law(&LawParameters { reach, ..row.parameters }).expect("a law")
+        model(row.law)
+            .expect("a known law")
+            .law(&LawParameters { table_range: reach, ..row.parameters })
+            .expect("a law")
     })
 }
 
@@ -241,7 +244,10 @@ fn evaluate(law: &dyn Law, regime: usize, deltas: &[f64]) -> (Vec<[f64; 3]>, Sol
 /// was asked for.
 fn sweep(name: &str, parameters: &LawParameters, count: usize) -> usize {
     let build = |reach| {
-        model(name).expect("a known law").law(&LawParameters { reach, ..*parameters }).expect("a law")
+        model(name)
+            .expect("a known law")
+            .law(&LawParameters { table_range: reach, ..*parameters })
+            .expect("a law")
     };
     let (direct, tables) = (build(None), build(Some((-1e6, 1e6))));
     let context =

@@ -79,8 +79,10 @@ fn the_energy_of_an_unloading_is_its_closed_form() {
     for x in [1.5_f64, 8.0, 90.0] {
         let largest = x * critical;
         let [adhesion, load, _] = respond(cycle.approach(), largest).unwrap().1;
-        let (recovery, takeoff) = (largest * (1.0 - residual(x)), cycle.takeoff(largest).unwrap());
-        assert!((takeoff - recovery + cycle.release()).abs() < 1e-13 * takeoff && cycle.release() < 0.0);
+        let (recovery, detachment) = (largest * (1.0 - residual(x)), cycle.detachment(largest).unwrap());
+        assert!(
+            (detachment - recovery + cycle.release()).abs() < 1e-13 * detachment && cycle.release() < 0.0
+        );
         let of_force = |from: f64, to: f64| {
             // In the square root of what is left of the way, where P is nearly a cube.
             let end = (to - from).sqrt();
@@ -96,11 +98,11 @@ fn the_energy_of_an_unloading_is_its_closed_form() {
         let expected = load * recovery / (1.5 * x.powf(-0.0331) + 1.0) - adhesion * recovery;
         let integral = of_force(0.0, recovery);
         assert!((integral - expected).abs() < 1e-10 * load * recovery, "x = {x}: {integral} {expected}");
-        let bare = (takeoff - recovery) * (1.0 - 1e-6);
+        let bare = (detachment - recovery) * (1.0 - 1e-6);
         let integral = of_force(recovery, recovery + bare);
         assert!((integral / (-adhesion * bare) - 1.0).abs() < 1e-9, "x = {x}: {integral}");
         // Beyond there is no contact any more.
-        let (state, _) = respond(&cycle.at(takeoff * (1.0 + 1e-12)), largest).unwrap();
+        let (state, _) = respond(&cycle.at(detachment * (1.0 + 1e-12)), largest).unwrap();
         assert_eq!(state, Regime::Lubricant);
     }
 }
@@ -172,11 +174,11 @@ fn what_has_flowed_and_let_go_is_lower() {
         let retraction = crate::common::law("hybrid", &asperity, Path::Retraction, (-60e-9, 60e-9));
         for x in [1.2, 4.0, 10.0, 140.0] {
             let (largest, mut lubricated) = (x * critical, false);
-            let takeoff = cycle.takeoff(largest).unwrap();
+            let detachment = cycle.detachment(largest).unwrap();
             for further in [1e-12, 0.1e-9, 0.4e-9, 0.6e-9, 2e-9, 10e-9] {
-                let lowered = largest * (1.0 - residual(x)) - takeoff - further;
+                let lowered = largest * (1.0 - residual(x)) - detachment - further;
                 let (regime, expected) = respond(retraction.as_ref(), lowered).unwrap();
-                let (state, forces) = respond(&cycle.at(takeoff + further), largest).unwrap();
+                let (state, forces) = respond(&cycle.at(detachment + further), largest).unwrap();
                 assert_eq!(state, regime, "{name} {x} {further}");
                 assert!((forces[0] / expected[0] - 1.0).abs() < 1e-9, "{name} {x} {further}");
                 assert_eq!(forces[1..], [0.0, 0.0]);
@@ -223,16 +225,17 @@ fn what_has_flowed_may_have_the_radius_of_its_unloading() {
             let retraction = crate::common::law(law, &own, Path::Retraction, (-60e-9, 60e-9));
             let release = cycle_of(law, &own, UnloadedRadius::Kept).unwrap().release();
             let recovery = largest * (1.0 - residual(x));
-            let takeoff = elastic.takeoff(largest).unwrap();
-            assert!((takeoff / (recovery - release) - 1.0).abs() < 1e-13, "{name} {x}");
+            let detachment = elastic.detachment(largest).unwrap();
+            assert!((detachment / (recovery - release) - 1.0).abs() < 1e-13, "{name} {x}");
             let last = recovery - kept.release().max(release);
             for distance in [0.0, 0.4 * recovery, 0.999 * recovery, 0.999 * last] {
                 let contacts = [&kept, &elastic].map(|cycle| respond(&cycle.at(distance), largest));
                 assert_eq!(contacts[0], contacts[1], "{name} {x} {distance}");
             }
             for further in [1e-12, 0.1e-9, 0.4e-9, 0.6e-9, 2e-9, 10e-9] {
-                let (regime, expected) = respond(retraction.as_ref(), recovery - takeoff - further).unwrap();
-                let (state, forces) = respond(&elastic.at(takeoff + further), largest).unwrap();
+                let (regime, expected) =
+                    respond(retraction.as_ref(), recovery - detachment - further).unwrap();
+                let (state, forces) = respond(&elastic.at(detachment + further), largest).unwrap();
                 assert_eq!(state, regime, "{name} {x} {further}");
                 assert!(
                     (forces[0] / expected[0] - 1.0).abs() < 1e-9,

@@ -70,7 +70,7 @@ impl Attraction {
         let LawParameters { scale, path, lubricant_thickness: thickness, .. } = *parameters;
         let mut emd = Emd::new(scale.lambda, path)?;
         if let (Some((lowest, _)), Some(deepest)) =
-            (parameters.reach, parameters.deepest(parameters.critical_interference))
+            (parameters.table_range, parameters.deepest(parameters.critical_interference))
         {
             emd = emd.with_tables((lowest + thickness) / scale.length, deepest);
         }

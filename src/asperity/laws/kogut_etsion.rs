@@ -92,8 +92,9 @@ impl<'a> Critical<'a> {
 
     /// factor · x^exponent in a regime of x.
     fn power(&self, factor: f64, exponent: f64, (begin, end): (f64, f64)) -> impl Formula + use<> {
-        let reach = self.parameters.reach.map(|(_, deepest)| deepest / self.parameters.critical_interference);
-        let end = reach.map_or(begin, |deepest| end.min(deepest));
+        let deepest =
+            self.parameters.table_range.map(|(_, deepest)| deepest / self.parameters.critical_interference);
+        let end = deepest.map_or(begin, |deepest| end.min(deepest));
         let power = move |x: f64| factor * libm::pow(x, exponent);
         Tabulated::new(1.0, self.per_length, power, TABLE_TOLERANCE, (begin, end))
     }

@@ -49,7 +49,7 @@ pub fn sbl(parameters: &LawParameters) -> Result<Box<dyn Law>, LawError> {
 /// F_s around a contact that keeps its elastic profile, at interferences δ ≥ 0.
 pub fn ring_attraction(parameters: &LawParameters) -> impl Formula + use<> {
     let per_length = 1.0 / (PI * parameters.scale.equilibrium_spacing());
-    let deepest = parameters.reach.map_or(0.0, |(_, deepest)| deepest.max(0.0) * per_length);
+    let deepest = parameters.table_range.map_or(0.0, |(_, deepest)| deepest.max(0.0) * per_length);
     let integral = |p: f64| ring_integral(p, Rule::shared());
     Tabulated::over_root(2.0 * parameters.scale.force, per_length, integral, TABLE_TOLERANCE, (0.0, deepest))
 }

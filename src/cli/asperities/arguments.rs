@@ -6,7 +6,7 @@ use clap::Args;
 use std::path::PathBuf;
 
 #[derive(Args)]
-pub(in crate::cli) struct AsperitiesArguments {
+pub(crate) struct AsperitiesArguments {
     /// The height map: NPY, HDF5, or a text with a row of the map on each line
     pub map: PathBuf,
     /// Where the result goes; by default there is only the summary

@@ -13,8 +13,8 @@ use super::resources;
 use super::sandbox::{is_sandboxed, sandboxed_within};
 use super::terminal::{print, print_of};
 use crate::experiment::Error;
+use crate::input::maps::{self, MOST_PIXELS, MapFormat};
 use crate::output::OutputLock;
-use crate::output::maps::{self, MOST_PIXELS, MapFormat};
 use crate::output::schema::ASPERITIES;
 use crate::output::writer::Writer;
 

@@ -3,7 +3,7 @@
 use super::arguments::{AsperitiesArguments, length_unit};
 use crate::cli::failure::Failure;
 use crate::format::si;
-use crate::output::maps::{self, MapFormat, RawMap};
+use crate::input::maps::{self, MapFormat, RawMap};
 use crate::scene::echo::shortened;
 use crate::surface::map::{Asperities, HeightMap, MapError};
 use std::ops::RangeInclusive;

@@ -4,7 +4,7 @@
 use super::{VARIANTS, Variant, files, scene_of};
 use std::path::Path;
 use std::sync::Arc;
-use stiction::output::columns::SceneFiles;
+use stiction::input::columns::SceneFiles;
 use stiction::scene::{Absent, Document, KEYS, Key, Scene};
 
 /// What a scene says, whatever its text.

@@ -1,8 +1,8 @@
 //! The values that scenes take out of files: columns of CSV files, datasets of HDF5 files, measured
 //! asperities.
 
-use super::asperities;
-use super::guard::{self, fits, is_kind_of};
+use crate::output::asperities;
+use crate::output::guard::{self, fits, is_kind_of};
 use crate::scene::files::{Column, Files, MOST_VALUES, Measured};
 use std::path::{Path, PathBuf};
 

@@ -7,16 +7,38 @@ mod hdf5_dataset;
 mod npy;
 mod text;
 
-use super::{OutputError, guard};
+use crate::output::guard;
 use std::fs::File;
 use std::io::{BufReader, Read};
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use thiserror::Error;
 
 /// Most pixels of a map that is read.
 pub const MOST_PIXELS: u64 = 1 << 26;
 /// How files begin.
 const NPY: &[u8] = b"\x93NUMPY";
 const HDF5: &[u8] = b"\x89HDF\r\n\x1a\n";
+
+/// Why a file is not read as a height map.
+#[derive(Debug, Error)]
+pub enum MapFileError {
+    /// It cannot be read as one.
+    #[error("{}: {problem}", path.display())]
+    NotAMap {
+        /// The file.
+        path: PathBuf,
+        /// Why not.
+        problem: String,
+    },
+    /// It has no single dataset that may be one.
+    #[error("{}: {problem}", path.display())]
+    WhichDataset {
+        /// The file.
+        path: PathBuf,
+        /// Which datasets there are.
+        problem: String,
+    },
+}
 
 /// The kind of a file, by how it begins.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,9 +55,9 @@ impl MapFormat {
     /// Finds out the format of a file.
     ///
     /// # Errors
-    /// [`OutputError::NotAMap`] when it cannot be read, or is no file.
-    pub fn of(path: &Path) -> Result<Self, OutputError> {
-        let refused = |problem| OutputError::NotAMap { path: path.to_owned(), problem };
+    /// [`MapFileError::NotAMap`] when it cannot be read, or is no file.
+    pub fn of(path: &Path) -> Result<Self, MapFileError> {
+        let refused = |problem| MapFileError::NotAMap { path: path.to_owned(), problem };
         guard::length(path).map_err(refused)?;
         let mut beginning = Vec::new();
         let read = File::open(path).and_then(|file| file.take(8).read_to_end(&mut beginning));
@@ -77,9 +99,9 @@ pub struct RawMap {
 /// process that can be ended.
 ///
 /// # Errors
-/// [`OutputError::NotAMap`] with the reason, [`OutputError::WhichDataset`] where a dataset has to be named.
-pub fn read(path: &Path, dataset: Option<&str>, most: u64) -> Result<RawMap, OutputError> {
-    let refused = |problem| OutputError::NotAMap { path: path.to_owned(), problem };
+/// [`MapFileError::NotAMap`] with the reason, [`MapFileError::WhichDataset`] where a dataset has to be named.
+pub fn read(path: &Path, dataset: Option<&str>, most: u64) -> Result<RawMap, MapFileError> {
+    let refused = |problem| MapFileError::NotAMap { path: path.to_owned(), problem };
     let format = MapFormat::of(path)?;
     if dataset.is_some() && format != MapFormat::Hdf5 {
         return Err(refused(format!(
@@ -95,7 +117,9 @@ pub fn read(path: &Path, dataset: Option<&str>, most: u64) -> Result<RawMap, Out
         MapFormat::Hdf5 => {
             match dataset.map_or_else(|| hdf5_dataset::only_map(path), |name| Ok(Ok(name.to_owned()))) {
                 Ok(Ok(name)) => hdf5_dataset::read(path, length, &name, most),
-                Ok(Err(problem)) => return Err(OutputError::WhichDataset { path: path.to_owned(), problem }),
+                Ok(Err(problem)) => {
+                    return Err(MapFileError::WhichDataset { path: path.to_owned(), problem });
+                }
                 Err(problem) => Err(problem),
             }
         }
@@ -108,7 +132,7 @@ pub fn read(path: &Path, dataset: Option<&str>, most: u64) -> Result<RawMap, Out
 ///
 /// # Errors
 /// As [`read`].
-pub fn try_dataset(path: &Path, dataset: Option<&str>, most: u64) -> Result<(), OutputError> {
+pub fn try_dataset(path: &Path, dataset: Option<&str>, most: u64) -> Result<(), MapFileError> {
     read(path, dataset, most).map(drop)
 }
 

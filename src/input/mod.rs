@@ -1,0 +1,4 @@
+//! Files that others have made: columns of numbers that scenes take values from, and height maps.
+
+pub mod columns;
+pub mod maps;

@@ -99,7 +99,9 @@ fn every_row_of_the_reference_is_met() {
         if !known.as_ref().is_some_and(|(own, _)| *own == (name, parameters)) {
             known = Some(((name, parameters), settings.map(|parameters| build(name, &parameters))));
         }
-        for (law, LawParameters { table_range: reach, .. }) in known.iter().flat_map(|(_, laws)| laws).zip(settings) {
+        for (law, LawParameters { table_range: reach, .. }) in
+            known.iter().flat_map(|(_, laws)| laws).zip(settings)
+        {
             let (regime, [adhesion, contact, area]) = respond(law.as_ref(), delta).unwrap();
             assert_eq!(
                 if regime.is_contact() { "contact" } else { "noncontact" },

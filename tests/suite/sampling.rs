@@ -184,7 +184,7 @@ fn means_with_controls_are_unbiased(of: fn(SamplingScheme) -> bool) {
 
 /// 95 % intervals of 64 groups of skewed scalars hold the truth with 95 ± 1 %, and each side misses it with
 /// 2.5 ± 1 %, plain and with the controls that the program chooses; over that, 4 standard deviations of a
-/// share of 4000 ensembles (false alarm below 1e-3 for all 48 checks, where the shares are at the ends of
+/// share of 2000 ensembles (false alarm below 1e-3 for all 48 checks, where the shares are at the ends of
 /// these ranges; the seeds are fixed). Student's intervals miss it: they lie below the truth too often.
 #[test]
 fn intervals_hold_what_they_say_for_skewed_outcomes() {

@@ -154,7 +154,7 @@ fn what_is_said_to_fit_does() {
     let folder = Folder::new(&far(&sized(8.0, 2, 1_000_000_000)));
     let limited = |more: &str| {
         let command = format!(
-            "ulimit -v 740000; exec {} run scene.toml --threads 2 {more}",
+            "ulimit -v 710000; exec {} run scene.toml --threads 2 {more}",
             env!("CARGO_BIN_EXE_stiction")
         );
         Command::new("sh").args(["-c", &command]).current_dir(folder.path("")).output().unwrap()
@@ -334,9 +334,10 @@ fn other_commands_say_what_they_lack() {
     ] {
         has_failed_well(&folder, &bounded_when(&folder, file, 1.0, arguments), arguments);
     }
+    // libhdf5 is asked for nothing where less than 40 MiB are free, and the program itself takes some 18 MB.
     for (command, bytes) in ["validate whole.h5", "info whole.h5", "check scene.toml"]
         .into_iter()
-        .flat_map(|c| [2e7, 4e7, 6e7, 2e8].map(|b| (c, b)))
+        .flat_map(|c| [2e7, 4e7, 7e7, 2e8].map(|b| (c, b)))
     {
         let run = within(&folder, bytes, command);
         let failed = has_failed_well(&folder, &run, &format!("{command}: {bytes} bytes"));

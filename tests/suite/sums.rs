@@ -294,6 +294,7 @@ fn flat(low: f64, high: f64, height_std: &str) -> String {
             "h_star = { from = -1.0, to = 8.0, count = 91 }",
             &format!("h = {{ from = \"{low} nm\", to = \"{high} nm\", count = 21 }}"),
         )
+        .replace("replicas = 200", "replicas = 80")
 }
 
 #[test]

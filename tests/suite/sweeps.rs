@@ -244,7 +244,7 @@ fn stopped(folder: &Folder, signal: &str, file: &str) -> std::process::Output {
 
 fn long() -> String {
     swept("material.work_of_adhesion = [\"0.05 J/m^2\", \"0.09 J/m^2\", \"0.2 J/m^2\"]")
-        .replace("= 40", "= 800")
+        .replace("= 40", "= 320")
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! Which source the program is built from; `build.rs` includes this file, which knows nothing of the rest.
+//! The source that the program is built from; `build.rs` includes this file, which knows nothing of the rest.
 
 use std::io;
 use std::path::{Path, PathBuf};

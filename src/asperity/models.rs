@@ -63,7 +63,7 @@ impl Model {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Validity {
-    /// Which adhesion parameters it is for.
+    /// Range of adhesion parameters that it is for.
     #[doc(hidden)]
     pub adhesion: Adhesion,
     /// The contact above the critical interference.
@@ -84,7 +84,7 @@ pub enum Plasticity {
     ChangEtsionBogy,
 }
 
-/// Which adhesion parameters λ a law is for.
+/// Range of adhesion parameters λ that a law is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Adhesion {
     /// It has no adhesion.

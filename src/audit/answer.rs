@@ -1,4 +1,4 @@
-//! What an audit finds.
+//! Findings of an audit.
 
 use super::cross_check::CrossCheck;
 use crate::validation::{JointTest, Verdict};
@@ -12,7 +12,7 @@ pub struct Audit {
     pub verdict: Verdict,
 }
 
-/// What a file holds, with the cross-checks that were computed anew.
+/// The content of a file, with the cross-checks that were computed anew.
 pub enum Content {
     /// One scene, which has curves of so many ways.
     Run { cross_check: Box<CrossCheck>, ways: usize },

@@ -47,7 +47,7 @@ impl Checked<'_> {
         Ok(())
     }
 
-    /// What follows from the mean squares of heights, slopes and second derivatives.
+    /// Checks what follows from the mean squares of heights, slopes and second derivatives.
     fn spectrum(&mut self) -> Result<(), OutputError> {
         let one = |name: &str| self.values(&format!("/surface/{name}")).map(|values| values[0]);
         let m4 = one("m4")?;

@@ -1,8 +1,8 @@
-//! What every dataset has to be by itself.
+//! Bounds of every dataset by itself.
 
 use crate::output::schema::Variable;
 
-/// What the values of a dataset are.
+/// The kind of values of a dataset.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
     /// Names, or bytes.
@@ -28,7 +28,7 @@ pub(super) enum Kind {
 }
 
 impl Kind {
-    /// What is expected of a value.
+    /// Describes the values that are expected.
     pub fn expected(self, (first, last): (f64, f64)) -> String {
         match self {
             Self::Index => "an index is expected: 0, 1, 2 and so on".to_owned(),
@@ -55,11 +55,11 @@ pub(super) enum Nan {
     Padded,
 }
 
-/// What datasets have to be.
+/// A bound of datasets.
 #[derive(Debug, PartialEq)]
 pub(super) struct Bound {
-    /// Their path, in which `*` stands for any characters; of a coordinate its name. On retraction they are what
-    /// they are on approach.
+    /// Their path, in which `*` stands for any characters; of a coordinate its name. On retraction they are
+    /// what they are on approach.
     path: &'static str,
     pub kind: Kind,
     pub nan: Nan,
@@ -78,7 +78,7 @@ const fn bound(path: &'static str, kind: Kind, nan: Nan) -> Bound {
     Bound { path, kind, nan }
 }
 
-/// What the datasets of all kinds of files have to be; of several that stand for a path the first.
+/// Bounds of the datasets of all kinds of files; of several for a path the first counts.
 const BOUNDS: &[Bound] = &[
     // Scales.
     bound("/separation", Rising, Never),
@@ -231,7 +231,7 @@ const BOUNDS: &[Bound] = &[
     bound("/equivalent/*", Positive, Never),
 ];
 
-/// What a dataset has to be. A coordinate is the same in every group.
+/// The bound of a dataset. A coordinate has the same in every group.
 pub(super) fn bound_of(variable: &Variable) -> Option<&'static Bound> {
     let path =
         if variable.is_coordinate() { &variable.path[variable.group().len()..] } else { &variable.path };

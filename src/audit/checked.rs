@@ -8,7 +8,7 @@ use crate::output::reader::Reader;
 use crate::output::schema::{Dimension, Variable};
 use std::path::Path;
 
-/// What rounding may be off by, relative to what was summed.
+/// Error by rounding at most, relative to what was summed.
 pub(super) const ROUNDING: f64 = 1e-9;
 
 /// A file that cannot be audited.
@@ -16,7 +16,7 @@ pub(super) fn refused(path: &Path, problem: &str) -> OutputError {
     OutputError::NotAResult { path: path.to_owned(), problem: problem.to_owned() }
 }
 
-/// Which part of the datasets of a file is looked at.
+/// The part of the datasets of a file that is looked at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Place<'a> {
     /// All of them.
@@ -159,7 +159,7 @@ impl<'a> Checked<'a> {
         Ok(self.reader.optional_text("/", "history")?.is_some_and(|path| path == "loop"))
     }
 
-    /// What the names of the datasets of each way begin with.
+    /// The beginnings of the names of datasets, on approach and retraction.
     pub fn ways(&self) -> Result<&'static [&'static str], OutputError> {
         Ok(if self.is_loop()? { &["", "retraction_"] } else { &[""] })
     }
@@ -273,7 +273,7 @@ impl<'a> Checked<'a> {
         }
     }
 
-    /// What a point of a sweep does not have is NaN, or 0.
+    /// Checks that all a point of a sweep does not have is NaN, or 0.
     fn padding(&mut self, variable: &Variable) -> Result<(), OutputError> {
         let Place::Point(place) = self.place else { return Ok(()) };
         if variable.dimensions.first() == Some(&Dimension::Replica) {

@@ -16,7 +16,7 @@ pub struct CrossCheck {
 }
 
 impl CrossCheck {
-    /// That of what is checked.
+    /// Computes it from the datasets.
     ///
     /// # Errors
     /// When a dataset is missing or has no numbers where it should.
@@ -61,7 +61,7 @@ impl CrossCheck {
 }
 
 impl Checked<'_> {
-    /// What the file says of the joint test.
+    /// Compares the joint test of the file with its own.
     pub fn joint_test(&mut self, joint: &JointTest) -> Result<(), OutputError> {
         let JointTest { statistic: own, degrees_of_freedom, p_value, .. } = *joint;
         for (name, own, tolerance) in [

@@ -1,4 +1,4 @@
-//! What follows from the curves of the replicas.
+//! Checks of what follows from the curves of the replicas.
 
 use super::checked::{Checked, Place, ROUNDING, names};
 use crate::engine::BATCH;
@@ -18,7 +18,7 @@ const MOST_AT_POINT: usize = 1 << 23;
 const PARTS: usize = 16;
 
 impl Checked<'_> {
-    /// What follows from the curves of the replicas, where the file has them.
+    /// Checks what follows from the curves of the replicas, where the file has them.
     pub fn curves(&mut self, cycle: bool) -> Result<(), OutputError> {
         if !self.has("/replicas/external_force") {
             return Ok(());

@@ -120,7 +120,7 @@ impl Checked<'_> {
         Ok(())
     }
 
-    /// What is told at the pull-off of the integral is near what is told at the separations beside it; where
+    /// Values at the pull-off of the integral are near those at the separations beside it; where
     /// nothing pulls, it is told at the smallest separation.
     fn at_pull_off(&mut self, way: &str, h: &[f64]) -> Result<(), OutputError> {
         if !self.has("/integral/pull_off_contact_area") {

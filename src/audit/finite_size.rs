@@ -13,7 +13,7 @@ use crate::scene::echo::one_line;
 use crate::validation::finite_size::{Approach, QUANTILES, Reached, Scatter};
 use crate::validation::overall;
 
-/// What the dataset of a pull-off force over the number of asperities begins with.
+/// Beginning of the datasets of the pull-off force over the number of asperities.
 const FORCE: &str = "/pull_off_per_asperity";
 
 pub(super) fn audit(reader: &Reader) -> Result<Audit, OutputError> {

@@ -204,7 +204,7 @@ impl Checked<'_> {
         Ok(())
     }
 
-    /// What follows from nothing else cannot be far from the integral where many asperities touch.
+    /// Values that follow from nothing else cannot be far from the integral where many asperities touch.
     pub fn plausible(&mut self, way: &str) -> Result<(), OutputError> {
         let s = self.coordinate("separation")?.len().max(1);
         let regimes = self.reader.texts(self.reader.coordinate("regime"))?;

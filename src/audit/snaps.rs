@@ -73,7 +73,7 @@ impl Checked<'_> {
         Ok(())
     }
 
-    /// What snaps held by a spring snaps held by a softer one too.
+    /// A replica that snaps held by a spring snaps held by a softer one too.
     fn softer(&mut self, name: &str) -> Result<(), OutputError> {
         let path = format!("/replicas/snap_{name}");
         let (snap, stiffness) = (self.values(&path)?, self.coordinate("stiffness")?);

@@ -13,7 +13,7 @@ use crate::scene::echo::one_line;
 use crate::surface::SamplingScheme;
 use crate::validation::{Difference, overall};
 
-/// What is looked at of a sweep.
+/// The file of a sweep.
 struct SweptFile<'a> {
     reader: &'a Reader,
     scheme: SamplingScheme,
@@ -136,7 +136,7 @@ impl Checked<'_> {
         Ok(())
     }
 
-    /// What only a point of a sweep has as datasets.
+    /// Checks the datasets that only a point of a sweep has.
     fn of_sweep(
         &mut self,
         differences: &[Difference; 4],

@@ -20,7 +20,7 @@ pub(super) fn check(path: &Path) -> Result<(), Failure> {
     print(&threads.install(|| checked(path))?)
 }
 
-/// What a scene or a sweep would compute.
+/// Says what a scene or a sweep would compute.
 fn checked(path: &Path) -> Result<String, Failure> {
     let Document { scene, sweep } = Document::from_toml_file(path)?;
     if let Some(sweep) = sweep {
@@ -46,7 +46,7 @@ fn checked(path: &Path) -> Result<String, Failure> {
     Ok(text)
 }
 
-/// What a sweep would compute: its first point, and what all of them take.
+/// Says what a sweep would compute: its first point, and what all of them take.
 fn check_sweep(sweep: &Sweep, first: &Scene, path: &Path) -> Result<String, Failure> {
     let law = SceneLaws::new(first).map_err(|error| error.in_scene(path))?.law;
     let plan = Plan::new(first, law.view());
@@ -92,7 +92,7 @@ fn check_sweep(sweep: &Sweep, first: &Scene, path: &Path) -> Result<String, Fail
     Ok(text)
 }
 
-/// What of a scene is outside of what the models are valid for, or likely a wrong unit.
+/// Warnings of a scene: outside of what the models are valid for, or likely a wrong unit.
 fn warnings_of(scene: &Scene, law: Laws<'_>, cycle: Option<&Loop>) -> Vec<Warning> {
     let expected = Integral::new(scene, law, cycle).expected(scene, law);
     warnings(scene, &scene.model, law.typical, &expected)

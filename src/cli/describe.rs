@@ -156,7 +156,7 @@ fn laws(surface: &Surface, mean_height: f64) -> String {
     text
 }
 
-/// What the law leaves out, if it ends at some interference.
+/// Says what the law leaves out, if it ends at some interference.
 pub(super) fn beyond(plan: &Plan) -> String {
     if plan.beyond < 1e-6 {
         return String::new();
@@ -168,7 +168,7 @@ pub(super) fn beyond(plan: &Plan) -> String {
     row("left out", &text)
 }
 
-/// What the scene does not need.
+/// Lists what the scene does not need.
 pub(super) fn skipped(plan: &Plan) -> String {
     let label = |i: usize| if i == 0 { "skipped" } else { "" };
     plan.skips.iter().enumerate().map(|(i, skip)| row(label(i), skip)).collect()

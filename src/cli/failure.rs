@@ -37,21 +37,21 @@ pub(super) enum Failure {
     AtPoint {
         /// Which, with the values of its keys.
         point: String,
-        /// What went wrong.
+        /// The failure.
         failure: Box<Failure>,
     },
     /// Several things are wrong, or missing.
     #[error("{message}")]
     Listed {
-        /// What they come to.
+        /// The sum of them.
         message: String,
-        /// What each is.
+        /// One line for each.
         list: Vec<String>,
     },
     /// Something of which what was done is kept.
     #[error("{failure}")]
     Kept {
-        /// What went wrong.
+        /// The failure.
         failure: Box<Failure>,
         /// How to go on.
         advice: String,

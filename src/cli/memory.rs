@@ -1,4 +1,4 @@
-//! What becomes of the program when there is no more memory: a message, no file that it would have removed,
+//! The end of the program when there is no more memory: a message, no file that it would have removed,
 //! and its exit code; not an abort.
 //!
 //! Rust ends a process that an allocation is refused to. So do the C library, where it has to note down a

@@ -28,14 +28,15 @@ pub(super) fn fitting(bytes: f64, most: u64) -> u64 {
     memory(1.0).map_or(most, |memory| most.min((memory / bytes) as u64))
 }
 
-/// What a run would take more of than can be had, a line each; disk for a file if it writes one.
+/// Shortages of a run: memory and disk that it would take more of than can be had, a line each; disk for a
+/// file if it writes one.
 pub(super) fn shortages(estimate: &Estimate, output: Option<&Path>) -> Vec<String> {
     let memory = shortage("memory", estimate, memory(estimate.threads), Estimate::memory);
     let disk = output.and_then(|output| shortage("disk", estimate, disk(output), Estimate::disk));
     memory.into_iter().chain(disk).collect()
 }
 
-/// What is short, if more is needed than can be had; where that is not known nothing is.
+/// A shortage, if more is needed than can be had; none where that is not known.
 fn shortage(
     what: &str,
     estimate: &Estimate,

@@ -1,4 +1,4 @@
-//! What a command prints.
+//! Printing on the terminal.
 
 use super::failure::Failure;
 use crate::scene::echo::printable;
@@ -15,7 +15,7 @@ pub(super) fn print(text: &str) -> Result<(), Failure> {
     printed(out.write_all(printable(text).as_bytes()).and_then(|()| out.flush()))
 }
 
-/// What became of something printed.
+/// The result of printing.
 pub(super) fn printed(written: std::io::Result<()>) -> Result<(), Failure> {
     match written {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {

@@ -108,7 +108,7 @@ impl<'a> Retracted<'a> {
         fate == FLOWED && !self.flattened.is_empty()
     }
 
-    /// Which of the kinks of a flattened top is like which of one that is not: the last are alike.
+    /// The kink of a top that is not flattened which each of a flattened one is like: the last are alike.
     fn alike(&self, kink: usize) -> usize {
         (kink + self.kinks[FLOWED].len()).saturating_sub(3)
     }

@@ -17,7 +17,7 @@ use crate::math::control_variates::controlled_means;
 /// From one look to the next the replicas grow by one part in so many, and to whole batches.
 const GROWTH: u64 = 10;
 
-/// Which mean a target is for.
+/// The mean that a target is for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Estimator {
     /// The plain mean.
@@ -54,7 +54,7 @@ pub enum Limit {
 pub struct Target {
     /// Index of its quantity in [`SCALARS`].
     pub quantity: usize,
-    /// Which mean.
+    /// The mean.
     pub estimate: Estimator,
     /// How well.
     pub limit: Limit,

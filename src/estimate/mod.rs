@@ -1,4 +1,4 @@
-//! What a run of a scene computes and what it takes, told before it begins: regimes, memory, disk and time.
+//! Estimate of a run before it begins: what it computes, memory, disk and time.
 
 mod plan;
 mod size;

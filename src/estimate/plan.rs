@@ -1,9 +1,10 @@
-//! What a run of a scene computes, and what it skips and why.
+//! Plan of a run of a scene: what it computes, and what it skips and why.
 
 use crate::asperity::{Laws, Method, Regime};
 use crate::scene::Scene;
 
-/// A regime that is expected less often than this in the whole run, at the separation that reaches it most, is called skipped.
+/// A regime that is expected less often than this in the whole run, at the separation that reaches it most,
+/// is called skipped.
 const NEVER: f64 = 1e-6;
 
 /// A regime of a scene.
@@ -33,10 +34,10 @@ impl RegimePlan {
 pub struct Plan {
     /// The regimes.
     pub regimes: Vec<RegimePlan>,
-    /// What is skipped, and why, a line each.
+    /// Things that are skipped, and why, a line each.
     pub skips: Vec<String>,
-    /// Expected asperities per replica beyond the law's last regime, where it has no force, at the separation with most of
-    /// them.
+    /// Expected asperities per replica beyond the law's last regime, where it has no force, at the separation
+    /// with most of them.
     pub beyond: f64,
     /// Asperity-separations of the run.
     pub pairs: f64,
@@ -70,7 +71,8 @@ pub(super) fn regimes(scene: &Scene, law: Laws<'_>) -> Vec<RegimePlan> {
     plans
 }
 
-/// Expected asperities per replica beyond the law's last regime, where it has no force, at the separation with most of them.
+/// Expected asperities per replica beyond the law's last regime, where it has no force, at the separation
+/// with most of them.
 pub fn beyond(scene: &Scene, law: Laws<'_>) -> f64 {
     let Some(end) = law.boundaries().get(law.regimes().len() - 1) else { return 0.0 };
     let smallest = scene.surface.asperity_separation(scene.separations[0]);

@@ -18,15 +18,17 @@ const FLATTENED: (f64, f64) = (7e6, 14e3);
 const AGAIN: f64 = 30.0;
 /// Nanoseconds of making the law of an asperity, where each has its own, and of a solve of that law.
 const POLYDISPERSE: (f64, f64) = (30e3, 400.0);
-/// Nanoseconds of an asperity that is drawn and sorted, about, and of a surface at a separation, however few its asperities.
+/// Nanoseconds of an asperity that is drawn and sorted, about, and of a surface at a separation, however few
+/// its asperities.
 const DIRECT: (f64, f64) = (40.0, 700.0);
-/// Spaces between separations in which the search for the pull-off solves a surface, and how many times more it does.
+/// Spaces between separations in which the search for the pull-off solves a surface, and how many times more
+/// it does.
 const SEARCH: (f64, f64) = (3.0, 5.0);
-/// Of the integral: evaluations on a panel, panels of all heights, nanoseconds of the density of one of them, and how many
-/// times the cost in full blocks one takes.
+/// The integral: evaluations on a panel, panels of all heights, nanoseconds of the density of one of them,
+/// and how many times the cost in full blocks one takes.
 const INTEGRAL: (f64, f64, f64, f64) = (60.0, 17.0, 30.0, 3.0);
-/// Nanoseconds of the joint test: for each height of its grid and separation, for each height and pair of separations, for
-/// each triple.
+/// Nanoseconds of the joint test: for each height of its grid and separation, for each height and pair of
+/// separations, for each triple.
 const FUNCTIONALS: (f64, f64, f64) = (40.0, 0.12, 0.8);
 
 /// Core seconds of the parts of a run.

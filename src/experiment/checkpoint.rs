@@ -28,7 +28,7 @@ pub(crate) struct Run<'a> {
     pub shard: Option<Shard>,
 }
 
-/// Which run it is.
+/// The identity of the run.
 pub(crate) fn identity(Run { scene, shard }: Run<'_>) -> Identity {
     Identity {
         shard,

@@ -105,7 +105,7 @@ pub enum Error {
     InScene {
         /// The file.
         path: PathBuf,
-        /// What is wrong.
+        /// The problem.
         error: Box<Error>,
     },
     /// Something happened at a point of a sweep.
@@ -113,7 +113,7 @@ pub enum Error {
     AtPoint {
         /// Which, with the values of its keys.
         point: String,
-        /// What went wrong.
+        /// The failure.
         error: Box<Error>,
     },
     /// An interrupted sweep is kept, and this one is neither to go on with it nor to drop it.
@@ -129,15 +129,15 @@ pub enum Error {
     /// A result that is kept is another point than that of this sweep.
     #[error("{} is not {point} of this sweep as it would be computed now", file.display())]
     OtherPoint {
-        /// Its result.
+        /// The file of the result.
         file: PathBuf,
-        /// Which it would be.
+        /// The point that it would be.
         point: String,
     },
     /// A sweep failed, and what was done is kept.
     #[error("{error}")]
     PointsKept {
-        /// What went wrong.
+        /// The failure.
         error: Box<Error>,
         /// Points that are kept.
         done: usize,
@@ -152,7 +152,7 @@ pub enum Error {
     /// The scene of shards, which it was computed from, cannot be read again.
     #[error("{}: {problem}", path.display())]
     SceneOfShards {
-        /// Its file.
+        /// The file of the scene.
         path: PathBuf,
         /// Why not.
         problem: String,

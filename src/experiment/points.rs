@@ -64,7 +64,7 @@ impl Points<'_> {
         Ok(scene)
     }
 
-    /// Which sweep it is: `text` is what it was read from.
+    /// The identity of the sweep: `text` is what it was read from.
     pub fn identity(&self, text: &str) -> Result<Identity, Error> {
         let first = self.scene(0)?;
         let seed =

@@ -103,7 +103,7 @@ pub(crate) struct SceneLaws {
 }
 
 impl SceneLaws {
-    /// Those of a scene.
+    /// Makes the laws of a scene.
     pub fn new(scene: &Scene) -> Result<Self, Error> {
         let refused = |error| Error::Law { law: scene.model.name, error };
         Ok(Self { law: scene.law().map_err(refused)?, cycle: scene.loop_law().map_err(refused)? })

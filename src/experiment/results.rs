@@ -108,7 +108,7 @@ impl Results {
         [("", 0..s)].into_iter().chain(retraction).collect()
     }
 
-    /// What is read off the mean curve and off the integral on the path on which the surfaces are pulled off:
+    /// Features of the mean curve and of the integral on the path on which the surfaces are pulled off:
     /// of a loop on retraction.
     pub fn pulled(&self) -> (&Features, &Features) {
         self.retraction.as_ref().map_or((&self.of_mean, &self.of_integral), |retraction| {

@@ -149,7 +149,7 @@ fn document(identity: &Identity, source: &Path) -> Result<Document, Error> {
     )))
 }
 
-/// Which replicas are there.
+/// Replicas that are there.
 struct Coverage {
     places: Vec<Vec<Place>>,
     doubled: Vec<String>,

@@ -64,7 +64,7 @@ mod tests {
         }
     }
 
-    /// What pieces leave out, or have twice, is seen: the density between their ends is known.
+    /// Pieces that leave something out, or have it twice, are seen: the density between their ends is known.
     #[test]
     fn a_loss_is_in_the_error() {
         let surface = Surface::uniform(1.0, 1.0, 10, 1.0);
@@ -88,8 +88,8 @@ mod tests {
         assert!(answer(&[[begin, 0.3], [0.3, 0.3 + 1e-15], [0.3 + 1e-15, end]]).quadrature_error < 1e-13);
     }
 
-    /// What is not a number at one separation of several is not passed over in the error, nor does it become
-    /// a spread of 0.
+    /// A value that is not a number at one separation of several is not passed over in the error, nor does it
+    /// become a spread of 0.
     #[test]
     fn what_is_not_a_number_stays_so() {
         let surface = Surface::uniform(1.0, 1.0, 10, 1.0);

@@ -1,4 +1,4 @@
-//! Which vector instructions the hot loops are compiled for, chosen when the program runs.
+//! Vector instructions that the hot loops are compiled for, chosen when the program runs.
 //!
 //! A hot loop is a branch-free function that is inlined into [`InstructionSet::run`], which compiles it once
 //! for each set. There is no fused multiply-add in any of them and no sum is reordered, so all of them give

@@ -1,4 +1,4 @@
-//! What a file of unknown origin has to show before its parts are read: libhdf5 follows links into other
+//! Checks of a file of unknown origin before its parts are read: libhdf5 follows links into other
 //! files, and what a file claims to hold is not bounded by its size.
 
 use hdf5::plist::dataset_create::Layout;

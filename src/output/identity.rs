@@ -1,11 +1,11 @@
-//! Which run a file is of, and how two runs differ.
+//! Identity of the run that a file is of, and how two runs differ.
 
 use crate::engine::Shard;
 use crate::scene;
 use crate::scene::echo::shortened;
 use serde::{Deserialize, Serialize};
 
-/// Which run a checkpoint belongs to: all that the bits of its result depend on.
+/// The identity of a run: all that the bits of its result depend on.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Identity {
     /// Version of the program.

@@ -2,8 +2,8 @@
 //!
 //! What the points have in different lengths (regimes, functionals of the joint test, control variates,
 //! replicas) has the largest. A regime that a point does not have is empty there, with 0 asperities and 0
-//! force; all else that a point does not have is NaN, or 0 for whole numbers. PointFiles are read one after the
-//! other.
+//! force; all else that a point does not have is NaN, or 0 for whole numbers. PointFiles are read one after
+//! the other.
 
 use super::attributes::text;
 use super::schema::{Dimension, RUN, Variable};
@@ -27,7 +27,7 @@ pub struct PointFiles<'a> {
 /// A dataset of the stack, the places of the points that have it, and whether it holds fractions.
 type Made = (&'static str, Vec<Vec<usize>>, bool);
 
-/// What the points have in common along a dimension.
+/// Values that the points have in common along a dimension.
 enum Scale {
     /// Names, in the order in which they first come.
     Names(Vec<String>),
@@ -113,8 +113,8 @@ fn found(file: &File, variable: &Variable) -> Option<Dataset> {
     if group.link_exists(variable.name()) { group.dataset(variable.name()).ok() } else { None }
 }
 
-/// What the points have in common along each dimension, in the order of the layout; none when told not to go
-/// on.
+/// Values that the points have in common along each dimension, in the order of the layout; none when told not
+/// to go on.
 fn scales(points: &PointFiles<'_>) -> Result<Option<Vec<(Dimension, Scale)>>, OutputError> {
     let mut scales: Vec<(Dimension, Scale)> = Vec::new();
     for path in points.files.iter().flatten() {
@@ -279,7 +279,7 @@ fn fill_absent(writer: &Writer<'_>, points: &PointFiles<'_>, made: &[Made]) -> R
     Ok(())
 }
 
-/// What a run has as attributes, at the points that have been read.
+/// Attributes of a run, at the points that have been read.
 struct Attributes {
     numbers: BTreeMap<&'static str, Vec<Option<Vec<f64>>>>,
     whole: BTreeMap<&'static str, Vec<Option<Vec<u64>>>>,

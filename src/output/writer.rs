@@ -30,7 +30,7 @@ pub struct Writer<'c> {
     coordinates: Vec<Coordinate>,
 }
 
-/// What a coordinate belongs to.
+/// The dimension that a coordinate belongs to.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Along {
     Dimension(Dimension),
@@ -327,13 +327,13 @@ impl<'c> Writer<'c> {
         scale.expect("scales are given before the datasets that have them").length
     }
 
-    /// What has been given along a dimension, or over the points.
+    /// Coordinates along a dimension, or over the points.
     fn along(&self, along: Along) -> impl Iterator<Item = &Coordinate> {
         self.coordinates.iter().filter(move |own| own.along == along)
     }
 
-    /// The scales of a dimension in a group, several of the points; made with what stands beside them where the
-    /// group has none yet.
+    /// The scales of a dimension in a group, several of the points; made with what stands beside them where
+    /// the group has none yet.
     fn scales_in(&self, group: &str, along: Along) -> Result<Vec<Dataset>, OutputError> {
         let mut scales: Vec<Dataset> = Vec::new();
         for own in self.along(along) {

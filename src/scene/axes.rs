@@ -18,11 +18,11 @@ pub const MOST_KEYS: usize = 6;
 /// A key of a scene that can be swept.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Sweepable {
-    /// Its dotted name.
+    /// The dotted name.
     pub name: &'static str,
-    /// What it measures; none for a number.
+    /// The dimension; none for a number.
     pub dimension: Option<Dimension>,
-    /// What it is, in words.
+    /// The meaning, in words.
     pub long_name: &'static str,
 }
 
@@ -104,11 +104,11 @@ impl Sweepable {
 pub struct Axis {
     /// The key.
     pub key: &'static Sweepable,
-    /// Its values, SI.
+    /// The values, SI.
     pub values: Vec<f64>,
 }
 
-/// What the table \[sweep\] says.
+/// The table \[sweep\].
 pub(super) struct SweepTable {
     pub mode: Mode,
     pub common_random_numbers: bool,

@@ -1,4 +1,4 @@
-//! What a scene says, whatever its title, comments and spelling as TOML: which run it is.
+//! Content of a scene, whatever its title, comments and spelling as TOML: it says which run it is.
 
 use super::files::Input;
 use toml::Spanned;

@@ -72,7 +72,7 @@ impl Mode {
     /// All of them, by name.
     pub const ALL: [(&'static str, Self); 2] = [("grid", Self::Grid), ("zip", Self::Zip)];
 
-    /// Its name in scenes and files.
+    /// The name in scenes and files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Grid => "grid",

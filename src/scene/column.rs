@@ -38,7 +38,7 @@ pub(super) fn of_file(
     Ok(values.into_iter().map(|value| value * factor).collect())
 }
 
-/// Which values of a file.
+/// Reads which values of a file are meant.
 fn column(name: &Entry<'_>, table: &Section<'_>) -> Result<Column, SceneError> {
     Ok(match (table.get("column"), table.get("dataset")) {
         (Some(column), Some(_)) => return Err(column.wrong("give either column or dataset, not both")),

@@ -27,7 +27,7 @@ use crate::surface::{RADIUS_RANGE, SamplingScheme, Surface};
 pub struct Scene {
     /// The TOML text, with a comment for each file that it has taken values from.
     pub text: String,
-    /// Its title, may be empty.
+    /// The title, may be empty.
     pub title: String,
     /// One asperity.
     pub asperity: Asperity,
@@ -41,7 +41,7 @@ pub struct Scene {
     pub cycle: bool,
     /// The radius of tops that have flowed on retraction.
     pub unloaded_radius: UnloadedRadius,
-    /// What holds the surfaces.
+    /// Springs and preloads that hold the surfaces.
     pub instability: Instability,
     /// δ_A, m, that is set instead of following from the history; of the published fits only.
     pub critical_approach: Option<f64>,
@@ -53,7 +53,7 @@ pub struct Scene {
     pub inputs: Vec<Input>,
     /// Number of replicas, whole groups of the sampling scheme; with targets the most there may be.
     pub replicas: u64,
-    /// What ends the run before.
+    /// The targets that end the run before.
     pub stopping: Option<Stopping>,
     /// How they are drawn relative to each other.
     pub sampling: SamplingScheme,

@@ -1,4 +1,4 @@
-//! What a file of a scene says: one scene, or a sweep of them.
+//! A file of a scene: one scene, or a sweep of them.
 
 use super::definition::Scene;
 use super::error::SceneError;
@@ -24,7 +24,7 @@ impl Scene {
     }
 }
 
-/// What a file of a scene says: one scene, or a sweep of them.
+/// A file of a scene: one scene, or a sweep of them.
 ///
 /// # Examples
 /// ```

@@ -1,4 +1,4 @@
-//! What is wrong with a scene, and how what is wrong in several places is told together.
+//! Errors of a scene, those in several places told together.
 
 use thiserror::Error;
 
@@ -17,7 +17,7 @@ pub struct Problem {
     key: Option<String>,
 }
 
-/// What is wrong with a scene: at least one problem, a line each, in the order of the lines; what no line
+/// Errors of a scene: at least one problem, a line each, in the order of the lines; what no line
 /// shows comes last.
 ///
 /// # Examples
@@ -81,7 +81,7 @@ impl SceneError {
 
 /// Readings that do not depend on each other: what all have given, or the problems of all.
 pub(super) trait Together {
-    /// What they give.
+    /// The values together.
     type All;
 
     /// All of them.

@@ -1,4 +1,4 @@
-//! What a scene takes out of other files.
+//! Values that a scene takes out of other files.
 
 use super::echo::one_line;
 use serde::{Deserialize, Serialize};
@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 /// Most values of a file that a scene takes.
 pub const MOST_VALUES: usize = 10_000_000;
 
-/// Which values of a file.
+/// The values of a file that are meant.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Column {
     /// Column of a CSV file, by the name in its first line.
@@ -62,7 +62,7 @@ impl Files for NoFiles {
 /// A file that a scene has taken values from.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Input {
-    /// Its path, as the scene names it.
+    /// The path, as the scene names it.
     pub path: String,
     /// How many numbers it gave.
     pub values: u64,
@@ -71,7 +71,7 @@ pub struct Input {
 }
 
 impl Input {
-    /// What a file gave.
+    /// Notes the values that a file gave.
     pub fn new(path: &str, values: &[&[f64]]) -> Self {
         let mut checksum = crc32fast::Hasher::new();
         values

@@ -1,4 +1,4 @@
-//! What holds the surfaces of a scene.
+//! Springs and preloads that hold the surfaces of a scene.
 
 use super::error::{SceneError, Together};
 use super::reader::{Entry, Section};
@@ -7,7 +7,7 @@ use toml::de::DeValue;
 /// Most stiffnesses, and most preloads, of a scene.
 const MOST: usize = 200;
 
-/// What holds the surfaces; empty when that is not asked for.
+/// Springs and preloads that hold the surfaces; empty when that is not asked for.
 ///
 /// # Examples
 /// ```

@@ -6,13 +6,13 @@ use std::ops::Bound;
 /// A key of scenes.
 #[derive(Debug)]
 pub struct Key {
-    /// Its dotted name.
+    /// The dotted name.
     pub name: &'static str,
     /// An example as it stands behind the `=`.
     pub example: &'static str,
     /// The values that it takes.
     pub value: Value,
-    /// What holds where it is absent.
+    /// The meaning of its absence.
     pub absent: Absent,
     /// A few words on what it is; empty for elements of lists.
     pub what: &'static str,
@@ -49,7 +49,7 @@ pub enum Value {
     Various(&'static str),
 }
 
-/// Which quantities do.
+/// The sign that a quantity may have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sign {
     /// All.
@@ -60,14 +60,14 @@ pub enum Sign {
     Positive,
 }
 
-/// What holds where a key is absent.
+/// The meaning of the absence of a key.
 #[derive(Debug)]
 pub enum Absent {
     /// The key has to be there, unless another that excludes it is.
     Required,
     /// A value as it stands behind the `=`.
     Is(&'static str),
-    /// What follows from other keys, in words.
+    /// A value that follows from other keys, in words.
     Follows(&'static str),
 }
 

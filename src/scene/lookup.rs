@@ -6,7 +6,7 @@ use super::table::KEYS;
 /// Longest name, in bytes, that is compared with the known ones.
 const LONGEST_NAME: usize = 100;
 
-/// What is written in the place of a key, in lower case, the key, and what to know of it.
+/// Words written in the place of a key, in lower case, the key, and what to know of it.
 const MEANT: &[(&[&str], &str, &str)] = &[
     (
         &["young_modulus", "young", "elastic_modulus", "modulus", "e", "e1", "e_r", "e_star"],

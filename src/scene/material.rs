@@ -1,4 +1,4 @@
-//! What the bodies of a scene are made of.
+//! Materials of the bodies of a scene.
 
 use super::choices::POISSON_RATIOS;
 use super::error::{SceneError, Together};
@@ -8,12 +8,12 @@ use crate::asperity::{LawError, LawParameters, Path};
 use std::ops::RangeBounds;
 use toml::de::DeValue;
 
-/// Which keys have one number in the place of two.
+/// Advice on keys that have one number in the place of two.
 const BOTH: &str = "one modulus of both is reduced_modulus, 1/E_r = (1 - nu1^2)/E1 + (1 - nu2^2)/E2";
 const SOFTER: &str = "that of the softer body alone is poisson_ratio";
 const ADHESION: &str = "the energy of both less that of their interface is work_of_adhesion";
 
-/// What an asperity is made of, SI.
+/// The material of an asperity, SI.
 pub(super) struct Material {
     reduced_modulus: f64,
     work_of_adhesion: f64,

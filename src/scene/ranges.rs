@@ -28,7 +28,7 @@ pub(super) struct Range {
     name: &'static str,
     value: f64,
     range: [f64; 2],
-    /// What the range is given in, and its unit in SI.
+    /// The unit of the range, and its value in SI.
     unit: (&'static str, f64),
     reason: &'static str,
     keys: &'static [&'static str],

@@ -182,7 +182,7 @@ impl<'a> Section<'a> {
         all(others.map(|other| Err::<(), _>(other.wrong(problem)))).map(drop)
     }
 
-    /// What `read` makes of a key, if it is there.
+    /// Reads a key by `read`, if it is there.
     pub fn optional<T>(
         &self,
         key: &str,
@@ -356,7 +356,7 @@ impl<'a> Entry<'a> {
     }
 }
 
-/// What a value is, in messages.
+/// The kind of a value, in messages.
 fn kind(value: &DeValue<'_>) -> String {
     match value.type_str() {
         "integer" => "an integer".to_owned(),

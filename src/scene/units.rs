@@ -1,6 +1,6 @@
 //! Quantities as scenes write them: a number and a unit.
 
-/// What a quantity measures.
+/// The dimension of a quantity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Dimension {
     /// m.
@@ -19,7 +19,8 @@ pub enum Dimension {
     Stiffness,
 }
 
-/// A dimension: its name in messages, its SI unit in files, its units with their factors to SI as powers of ten.
+/// A dimension: its name in messages, its SI unit in files, its units with their factors to SI as powers of
+/// ten.
 type Row = (Dimension, [&'static str; 2], &'static [(&'static str, i32)]);
 
 const UNITS: &[Row] = &[
@@ -82,12 +83,12 @@ const UNITS: &[Row] = &[
 ];
 
 impl Dimension {
-    /// Its name in messages, with an article.
+    /// The name in messages, with an article.
     pub fn name(self) -> &'static str {
         row(self).1[0]
     }
 
-    /// Its SI unit as scenes write it.
+    /// The SI unit as scenes write it.
     pub fn si(self) -> &'static str {
         units(self).iter().find(|(_, power)| *power == 0).expect("every dimension has its SI unit").0
     }
@@ -105,7 +106,7 @@ impl Dimension {
         largest.unwrap_or((self.si(), 1.0))
     }
 
-    /// Its SI unit as files write it.
+    /// The SI unit as files write it.
     pub fn file_units(self) -> &'static str {
         row(self).1[1]
     }
@@ -125,7 +126,7 @@ impl Dimension {
         format!("{} {unit}", rounded(value / size))
     }
 
-    /// Its units in messages; the spellings with a Greek mu are left out.
+    /// The units in messages; the spellings with a Greek mu are left out.
     pub fn units(self) -> String {
         let spellings = units(self).iter().map(|(spelling, _)| *spelling).filter(|unit| unit.is_ascii());
         spellings.collect::<Vec<_>>().join(", ")
@@ -358,7 +359,7 @@ mod tests {
         assert_eq!(parse("1e9223372036854775807 m", Dimension::Length), Ok(f64::INFINITY));
     }
 
-    /// What is taken for the number is the longest beginning that Rust's own parser takes for one.
+    /// The number is the longest beginning that Rust's own parser takes for one.
     #[test]
     fn a_number_ends_where_the_longest_one_does() {
         let texts = "|-|+.|.|.5m|5.m|-.5e3m|1e|1e+|1e+m|1e5|1e5e5|1.2.3|--1|+-1|inf|infm|-infinitym|INFINIT|nan|+NaNo|in|1inf|1_000|١ m|0x10 m|1e-5µm|e5|.e5|5.e-7nm".split('|');

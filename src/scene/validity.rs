@@ -1,4 +1,4 @@
-//! What of a scene is outside of what the models are valid for, or of what is known of materials and
+//! Warnings of a scene that is outside of what the models are valid for, or of what is known of materials and
 //! surfaces, so that a unit may be wrong.
 //!
 //! Asperities are independent: no elastic coupling through the substrate, no coalescence of contacts. Their

@@ -1,6 +1,6 @@
 //! Warnings of a scene, and the places where its results are read off.
 
-/// What is outside of a limit.
+/// A limit that is exceeded.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Warning {
     /// The number and the limit.
@@ -26,7 +26,7 @@ impl Warning {
     }
 }
 
-/// What is read off a scene's curves.
+/// Features of a scene's curves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WhatIsRead {
     /// The pull-off.
@@ -52,7 +52,7 @@ pub struct Reading {
     pub missed: f64,
 }
 
-/// What the integral of a scene expects.
+/// Expectations by the integral of a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Expected {
     /// Where results are read off.
@@ -72,7 +72,7 @@ impl WhatIsRead {
         }
     }
 
-    /// What it is called.
+    /// The name of it.
     pub(super) fn name(self) -> &'static str {
         match self {
             Self::PullOff => "pull-off",

@@ -97,7 +97,7 @@ pub struct Approach {
     pub chi_squared: f64,
     /// Degrees of freedom, at least 1.
     pub degrees_of_freedom: usize,
-    /// Which of the sizes it is fitted to.
+    /// Whether each of the sizes is fitted.
     pub fitted: Vec<bool>,
 }
 

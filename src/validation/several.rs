@@ -4,10 +4,10 @@
 use super::joint::{SIGNIFICANCE, Verdict};
 use crate::math::moments::Moments;
 
-/// Which of several tests say that ensemble and integral disagree, by Holm's method (1979, Scand. J. Statist.
-/// 6, 65): the k-th smallest of m p-values is compared with [`SIGNIFICANCE`]/(m − k + 1), as long as all
-/// smaller ones were below. The probability that any of those that agree is called different is at most the
-/// significance, however the tests depend on each other. A p-value that is NaN was not tested.
+/// Whether each of several tests says that ensemble and integral disagree, by Holm's method (1979, Scand. J.
+/// Statist. 6, 65): the k-th smallest of m p-values is compared with [`SIGNIFICANCE`]/(m − k + 1), as long as
+/// all smaller ones were below. The probability that any of those that agree is called different is at most
+/// the significance, however the tests depend on each other. A p-value that is NaN was not tested.
 pub fn disagreeing(p_values: &[f64]) -> Vec<bool> {
     let mut tested: Vec<usize> = (0..p_values.len()).filter(|&i| !p_values[i].is_nan()).collect();
     tested.sort_by(|&a, &b| p_values[a].total_cmp(&p_values[b]));

@@ -111,7 +111,7 @@ fn height_unit(path: &Path, given: Option<f64>, raw: &RawMap) -> Result<(f64, Op
     }
 }
 
-/// That slopes are such as no surface has, where heights or pixels are in a wrong unit, and which unit of
+/// Warns of slopes that no surface has, where heights or pixels are in a wrong unit, and says which unit of
 /// heights would make them usual.
 fn wrong_unit(asperities: &Asperities, unit: f64) -> Option<String> {
     let slope = asperities.moments.m2().sqrt();

@@ -136,7 +136,7 @@ fn verdict(sampled: &SampledLaw) -> String {
     }
 }
 
-/// What the curve fits leave, per force.
+/// Residuals of the curve fits, per force.
 fn fits(comparison: &Comparison) -> String {
     let mut text = String::new();
     for law in &comparison.laws {

@@ -75,9 +75,9 @@ pub(super) struct Passing {
     pub place: f64,
     /// By how much the curve jumps as the separation grows past it.
     pub step: f64,
-    /// Which kink.
+    /// The index of the kink.
     pub kink: u32,
-    /// Which of the asperities.
+    /// The index of the asperity.
     pub asperity: u32,
 }
 

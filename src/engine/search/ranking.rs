@@ -1,4 +1,5 @@
-//! Which spaces between samples may have the deepest point, and how deep they are expected to be.
+//! Ranking of the spaces between samples that may have the deepest point, by how deep they are expected to
+//! be.
 
 use super::{Curve, NODES, Passing, SAMPLES, Search, Stray, levels, margin, sort, within};
 use crate::math::interpolation::{lagrange, linear};
@@ -70,7 +71,7 @@ impl Guess {
 }
 
 impl<C: Curve> Search<'_, C> {
-    /// Which spaces may have the deepest point: a line between samples, bent as these are, less what kinks
+    /// Spaces that may have the deepest point: a line between samples, bent as these are, less what kinks
     /// leave out.
     pub(super) fn candidates(&mut self) -> Vec<bool> {
         let edges = self.edges();

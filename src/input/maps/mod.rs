@@ -35,7 +35,7 @@ pub enum MapFileError {
     WhichDataset {
         /// The file.
         path: PathBuf,
-        /// Which datasets there are.
+        /// The datasets that there are.
         problem: String,
     },
 }

@@ -4,11 +4,11 @@ use super::{Dimension, N, Row, S, Variable, group, variable};
 use crate::asperity::Quantity;
 use crate::engine::Scalar;
 
-/// What the names of datasets begin with, and what their meaning has behind the quantity: on approach, and on
+/// Beginnings of the names of datasets, and what their meaning has behind the quantity: on approach, and on
 /// the retraction of loops.
 pub(super) const DIRECTIONS: [(&str, &str); 2] = [("", ""), ("retraction_", " on retraction")];
 
-/// What the names of datasets end with, and the meaning of a quantity `{}`.
+/// Ends of the names of datasets, and the meaning of a quantity `{}`.
 pub(super) type Statistic = (&'static str, &'static str);
 
 /// Statistics of an ensemble.
@@ -92,7 +92,7 @@ pub(super) fn scores(lead: &[Dimension], (prefix, on): (&str, &str)) -> Vec<Vari
     forces(&format!("/validation/{prefix}z_"), "", &[lead, S].concat(), "1", &meaning)
 }
 
-/// What is read off the curve of each replica.
+/// Features of the curve of each replica.
 pub(super) fn scalars(lead: &[Dimension], scalars: impl Iterator<Item = Scalar>) -> Vec<Variable> {
     let dimensions = [lead, N].concat();
     let one = |scalar: Scalar| {

@@ -42,7 +42,7 @@ pub struct Layout {
     /// Value of the root attribute `format_version`: major, minor. A file of another major version is not
     /// read.
     pub version: [u32; 2],
-    /// Its groups.
+    /// The groups.
     pub groups: &'static [&'static str],
     /// Groups that some of its files have.
     pub optional_groups: &'static [&'static str],
@@ -72,7 +72,8 @@ impl Layout {
         found.unwrap_or_else(|| panic!("no dataset {path} in the layout"))
     }
 
-    /// Where a coordinate is read, a scale or what stands beside one: its copy in the first group that has it.
+    /// Where a coordinate is read, a scale or what stands beside one: its copy in the first group that has
+    /// it.
     ///
     /// # Panics
     /// When the layout has no such coordinate, which is an error in this program.
@@ -179,7 +180,7 @@ impl Dimension {
         }
     }
 
-    /// What the dimension of one run is in a file of points: an index, if its values may differ from point to
+    /// The dimension of a file of points for one of a run: an index, if its values may differ from point to
     /// point.
     pub fn of_points(self) -> Self {
         match self {
@@ -193,13 +194,13 @@ impl Dimension {
 /// A dataset.
 #[derive(Clone, Debug)]
 pub struct Variable {
-    /// Its path.
+    /// The path.
     pub path: String,
-    /// Its dimensions, slowest first; none for a scalar.
+    /// The dimensions, slowest first; none for a scalar.
     pub dimensions: Vec<Dimension>,
-    /// Its unit, `1` for a pure number; SI. None where rows have units of their own.
+    /// The unit, `1` for a pure number; SI. None where rows have units of their own.
     pub units: Option<&'static str>,
-    /// What it is.
+    /// The meaning, in words.
     pub long_name: String,
     /// Datasets of its group that belong to its dimensions beside the scales.
     pub coordinates: Vec<&'static str>,
@@ -211,7 +212,7 @@ impl Variable {
         self.path.rsplit_once('/').map_or("", |(group, _)| group)
     }
 
-    /// Its name in its group.
+    /// The name in the group.
     pub fn name(&self) -> &str {
         self.path.rsplit_once('/').map_or(&self.path, |(_, name)| name)
     }

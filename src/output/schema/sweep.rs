@@ -17,7 +17,7 @@ pub static SWEEP: Layout = Layout {
     of_points: Some(&RUN),
 };
 
-/// What a file holds beside the datasets of a run: indices as scales, and over the points alone what a run has
+/// Datasets of a sweep beside those of a run: indices as scales, and over the points alone what a run has
 /// as attributes, and differences.
 fn variables() -> Vec<Variable> {
     let groups = ["", "/ensemble", "/replicas", "/integral", "/validation", "/diagnostics", "/instability"];

@@ -1,4 +1,4 @@
-//! Compressed sums of a surface that is taken chunk by chunk: moments are added up, and no heights are kept.
+//! Sums by moments of a surface that is taken chunk by chunk: moments are added up, and no heights are kept.
 //!
 //! An asperity that no polynomial meets is solved while the heights of its chunk are at hand; a height beyond
 //! all bins is handed back, to be summed directly. At separations between those of the scene, moments give

@@ -279,7 +279,7 @@ FIGURES = [
         strata,
     ),
     Figure("docs/hysteresis.md", "{} ± {} pJ per cycle (integral: {} pJ), with a scatter of {} % from patch to patch", cycle),
-    Figure("docs/hysteresis.md", "Pulled off at {} µN after the cycle, where the way there has its minimum at {} µN", pulled),
+    Figure("docs/hysteresis.md", "Pulled off at {} µN after the cycle, where the approach has its minimum at {} µN", pulled),
     Figure("docs/hysteresis.md", "contact ends at h* = {} on average, where it had begun at {}.", contact),
     Figure(
         "docs/sweeps.md",

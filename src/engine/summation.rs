@@ -1,4 +1,4 @@
-//! The choice between direct and compressed sums, and the error that the latter turn out to have.
+//! The choice between direct sums and sums by moments, and the error that the latter turn out to have.
 
 use super::Job;
 use super::curves::Curves;

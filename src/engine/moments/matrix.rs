@@ -18,7 +18,7 @@ const HEIGHT_REACH: [f64; 2] = [10.0, 16.0];
 /// memory than direct sums and no less time.
 pub const MOST_PERIODS: f64 = 4e3;
 
-/// Why sums are not compressed.
+/// Why sums are not taken by moments.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 pub enum Unfit {
     /// The separations have no common step.

@@ -41,7 +41,7 @@ use crate::asperity::Quantity;
 /// A pull-off below this share of the largest adhesion force is judged against that share.
 pub(super) const SMALL: f64 = 1e-3;
 
-/// The largest error of compressed against direct curves of one surface: of forces relative to F_s + P of the
+/// The largest error of curves by moments against direct ones of one surface: of forces relative to F_s + P of the
 /// whole surface, of the area relative to itself, each the largest at this separation and its neighbours;
 /// infinite where counts differ.
 pub fn largest_error(compressed: &Curves, direct: &Curves) -> f64 {

@@ -1,10 +1,11 @@
 //! `stiction finite-size`: how big is big enough for the integral.
 
 use super::arguments::{RunOptions, named};
+use super::describe::title;
 use super::failure::Failure;
 use super::rows::row;
 use super::session::{Session, points};
-use super::terminal::print_of;
+use super::terminal::{complete_before, print_of};
 use crate::experiment::Error;
 use crate::experiment::files::inputs_of;
 use crate::experiment::finite_size::{
@@ -55,10 +56,7 @@ pub(super) fn finite_size(arguments: &FiniteSizeArguments) -> Result<(), Failure
         Some(study) => {
             print_of(&output, &(summary(&scene, &study) + &row("written", &output.display().to_string())))
         }
-        None => {
-            eprintln!("{} is complete: nothing to resume", output.display());
-            Ok(())
-        }
+        None => complete_before(&output),
     }
 }
 
@@ -91,10 +89,7 @@ fn counts(text: &str) -> Result<Vec<u64>, String> {
 }
 
 fn summary(scene: &Scene, study: &FiniteSize) -> String {
-    let mut text = format!(
-        "{}\n",
-        if scene.title.is_empty() { "Untitled scene".to_owned() } else { one_line(&scene.title) }
-    );
+    let mut text = title(scene);
     text += &row("integral", &format!("pull-off {} for each asperity", si(study.integral, "N")));
     text += "\n           N   mean pull-off against the integral    scatter  skewness   5 % to 95 % of patches   sums\n";
     for PatchSize { count, bias: [bias, error], scatter, sum, .. } in &study.sizes {

@@ -5,7 +5,7 @@ use super::failure::Failure;
 use super::progress::Progress;
 use super::session::Session;
 use super::summary::summary;
-use super::terminal::print_of;
+use super::terminal::{complete_before, print_of};
 use super::{shard, sweep};
 use crate::experiment::files::inputs_of;
 use crate::experiment::prepared::{SceneLaws, Task, run_scene};
@@ -33,9 +33,6 @@ pub(super) fn run(arguments: &RunArguments) -> Result<(), Failure> {
     let laws = laws.map_err(|error| error.in_scene(&arguments.scene))?;
     match run_scene(scene, laws, &task, &session, &mut Progress::new(session.quiet))? {
         Some(results) => print_of(&output, &summary(&results, &output)),
-        None => {
-            eprintln!("{} is complete: nothing to resume", output.display());
-            Ok(())
-        }
+        None => complete_before(&output),
     }
 }

@@ -1,11 +1,12 @@
 //! `stiction run --shard`: a shard of a run, for `stiction merge`.
 
 use super::arguments::RunArguments;
+use super::describe::title;
 use super::failure::Failure;
 use super::progress::Progress;
 use super::rows::row;
 use super::session::{Session, points};
-use super::terminal::print_of;
+use super::terminal::{complete_before, print_of};
 use crate::engine::Shard;
 use crate::experiment::files::inputs_of;
 use crate::experiment::sampling::set_ensemble;
@@ -13,7 +14,6 @@ use crate::experiment::shard_run::ShardRun;
 use crate::format::{duration, replicas};
 use crate::output::OutputLock;
 use crate::output::shard_file::ShardPiece;
-use crate::scene::echo::one_line;
 use crate::scene::{Document, Scene, Sweep};
 
 pub(super) fn run(shard: Shard, document: Document, arguments: &RunArguments) -> Result<(), Failure> {
@@ -40,10 +40,7 @@ pub(super) fn run(shard: Shard, document: Document, arguments: &RunArguments) ->
             let text = summary(shard, &scene, &pieces, sweep.as_ref().map(Sweep::count), threads);
             print_of(&output, &(text + &row("written", &output.display().to_string())))
         }
-        None => {
-            eprintln!("{} is complete: nothing to resume", output.display());
-            Ok(())
-        }
+        None => complete_before(&output),
     }
 }
 
@@ -55,8 +52,7 @@ fn summary(
     points: Option<usize>,
     threads: usize,
 ) -> String {
-    let title = if scene.title.is_empty() { "Untitled scene".to_owned() } else { one_line(&scene.title) };
-    let mut text = format!("{title}\n") + &row("shard", &format!("{} of {}", shard.index, shard.count));
+    let mut text = title(scene) + &row("shard", &format!("{} of {}", shard.index, shard.count));
     for (i, piece) in pieces.iter().enumerate() {
         let point = points.map(|points| format!(", point {} of {points} points", piece.point + 1));
         let own = replicas(&piece.replicas, scene.replicas) + &point.unwrap_or_default();

@@ -4,7 +4,7 @@ use super::arguments::RunArguments;
 use super::failure::Failure;
 use super::rows::row;
 use super::session::{Session, points};
-use super::terminal::print_of;
+use super::terminal::{complete_before, print_of};
 use crate::experiment::files::inputs_of;
 use crate::experiment::points::Points;
 use crate::experiment::stacked::{SweepPoint, run_sweep};
@@ -22,10 +22,7 @@ pub(super) fn run(sweep: &Sweep, first: &Scene, arguments: &RunArguments) -> Res
     let points = points(sweep, &arguments.scene, &lock, &arguments.options, &session, None);
     match run_sweep(&points)? {
         Some(rows) => print_of(&output, &told(&points, &rows)?),
-        None => {
-            eprintln!("{} is complete: nothing to resume", output.display());
-            Ok(())
-        }
+        None => complete_before(&output),
     }
 }
 

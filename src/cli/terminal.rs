@@ -25,6 +25,12 @@ pub(super) fn printed(written: std::io::Result<()>) -> Result<(), Failure> {
     }
 }
 
+/// Says that an output was complete before, so that there is nothing to do.
+pub(super) fn complete_before(output: &Path) -> Result<(), Failure> {
+    eprintln!("{} is complete: nothing to resume", output.display());
+    Ok(())
+}
+
 /// Prints what is said of a result that is complete, and says that it is where this fails.
 pub(super) fn print_of(output: &Path, text: &str) -> Result<(), Failure> {
     print(text).map_err(|failure| {

@@ -5,7 +5,7 @@ use hdf5::{Attribute, Location};
 use std::str::FromStr;
 
 /// Writes a text.
-pub(crate) fn write_text(at: &Location, name: &str, text: &str) -> hdf5::Result<()> {
+pub(super) fn write_text(at: &Location, name: &str, text: &str) -> hdf5::Result<()> {
     // HDF5 text ends at a NUL byte, so one within a text cannot be kept.
     let text = VarLenUnicode::from_str(&text.replace('\0', "\u{fffd}"))
         .map_err(|error| hdf5::Error::from(format!("attribute {name}: {error}")))?;
@@ -13,12 +13,12 @@ pub(crate) fn write_text(at: &Location, name: &str, text: &str) -> hdf5::Result<
 }
 
 /// Writes a number.
-pub(crate) fn write_number<T: hdf5::H5Type>(at: &Location, name: &str, value: T) -> hdf5::Result<()> {
+pub(super) fn write_number<T: hdf5::H5Type>(at: &Location, name: &str, value: T) -> hdf5::Result<()> {
     at.new_attr::<T>().create(name)?.write_scalar(&value)
 }
 
 /// Writes a list of numbers.
-pub(crate) fn write_numbers<T: hdf5::H5Type>(at: &Location, name: &str, values: &[T]) -> hdf5::Result<()> {
+pub(super) fn write_numbers<T: hdf5::H5Type>(at: &Location, name: &str, values: &[T]) -> hdf5::Result<()> {
     at.new_attr::<T>().shape(values.len()).create(name)?.write_raw(values)
 }
 
@@ -28,7 +28,7 @@ pub(crate) fn read_text(at: &Location, name: &str) -> hdf5::Result<String> {
 }
 
 /// The text of an attribute that is one.
-pub(crate) fn text(attribute: &Attribute) -> hdf5::Result<String> {
+pub(super) fn text(attribute: &Attribute) -> hdf5::Result<String> {
     Ok(lossy(attribute.read_scalar::<VarLenUnicode>()?.as_bytes()))
 }
 

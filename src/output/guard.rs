@@ -18,7 +18,7 @@ const SIGNATURE: [u8; 8] = *b"\x89HDF\r\n\x1a\n";
 const HEADROOM: usize = 40 << 20;
 
 /// Ends the program, as every allocation does that is refused, where libhdf5 might not get what it needs.
-pub(crate) fn require_headroom() {
+pub(super) fn require_headroom() {
     drop(std::hint::black_box(Vec::<u8>::with_capacity(HEADROOM)));
 }
 
@@ -85,7 +85,7 @@ fn not_opened(path: &Path) -> String {
 ///
 /// # Errors
 /// The message says what is there instead.
-pub(crate) fn group(file: &File, path: &str) -> Result<Group, String> {
+pub(super) fn group(file: &File, path: &str) -> Result<Group, String> {
     require_headroom();
     let missing = || format!("lacks the group /{}", path.trim_start_matches('/'));
     let root = file.as_group().map_err(|_| missing())?;

@@ -66,15 +66,14 @@ impl Reader {
     /// When the file has no such scale.
     pub fn length(&self, dimension: Dimension) -> Result<usize, OutputError> {
         let scale = guard::dataset(&self.file, self.layout.coordinate(dimension.name()));
-        match scale.map(|scale| scale.shape()).as_deref() {
-            Ok([length]) => Ok(*length),
-            Ok(shape) => {
-                Err(self.broken(format!("has a dimension `{}` of the shape {shape:?}", dimension.name())))
-            }
-            Err(problem) if problem.starts_with("lacks the dataset") => {
-                Err(self.broken(format!("lacks the dimension `{}`", dimension.name())))
-            }
-            Err(problem) => Err(self.broken(problem.clone())),
+        let name = dimension.name();
+        let scale = scale.map_err(|problem| match problem.starts_with("lacks the dataset") {
+            true => self.broken(format!("lacks the dimension `{name}`")),
+            false => self.broken(problem),
+        })?;
+        match scale.shape()[..] {
+            [length] => Ok(length),
+            ref shape => Err(self.broken(format!("has a dimension `{name}` of the shape {shape:?}"))),
         }
     }
 

@@ -1,0 +1,220 @@
+"""A dense solver of elastically coupled asperities, for reference_coupling.py and referee.py; it shares nothing with the program.
+
+Asperity i at x_i with the height z_i, at the separation d, has the approach
+
+    delta_i = z_i - d - u_i,    u_i = sum_j G_ij f_j,    f_j = f(delta_j)
+
+where f is the external force of its law (compression positive) and G the displacement of an elastic half-space under a
+unit force at another place: 1/(pi E* r) on a half-space (`patch`, G_ii = 0), and in a square cell that repeats (`periodic`)
+the same without its mean, by the sum of Ewald, with the images of asperity i itself in G_ii.
+
+The sum of Ewald is that of mpmath. The equations are solved by Newton's method with dense matrices of doubles, but residuals
+are computed with the 64 bits of np.longdouble (x86), so that the solution has some 17 digits: iterative refinement.
+"""
+
+import functools
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import mpmath as mp
+import numpy as np
+
+Long = np.longdouble
+PI = Long("3.14159265358979323846264338327950288")
+ROUNDS = 200
+
+
+# --- The substrate -----------------------------------------------------------------------------------------------------
+
+
+def lattice(x, y, splitting=None):
+    """pi E* L G of the unit cell at (x, y), without the mean, by the sum of Ewald in the working precision of mpmath.
+
+    At (0, 0) the source itself is left out: that is the self term, 4 zeta(1/2) beta(1/2) = -3.90026492...
+    """
+    x, y = (mp.mpf(value) - mp.nint(value) for value in (x, y))
+    a = mp.sqrt(mp.pi) if splitting is None else mp.mpf(splitting)
+    reach = mp.sqrt((mp.mp.dps + 3) * mp.log(10))  # exp(-reach^2) is below the last digit
+    total = -2 * mp.sqrt(mp.pi) / a
+    near, far = int(reach / a) + 2, int(reach * a / mp.pi) + 2
+    for i in range(-near, near + 1):
+        for j in range(-near, near + 1):
+            r = mp.hypot(x - i, y - j)
+            if r == 0:
+                total -= 2 * a / mp.sqrt(mp.pi)
+            elif a * r < reach:
+                total += mp.erfc(a * r) / r
+    along, across = ([mp.cos(2 * mp.pi * m * value) for m in range(far + 1)] for value in (x, y))
+    for m in range(far + 1):
+        for n in range(far + 1):
+            s = mp.sqrt(m * m + n * n)
+            if 0 < mp.pi * s / a < reach:
+                terms = (2 if m else 1) * (2 if n else 1)
+                total += terms * mp.erfc(mp.pi * s / a) / s * along[m] * across[n]
+    return total
+
+
+@functools.cache
+def smooth_part():
+    """Chebyshev coefficients, in x and in y over 0 ... 1/2, of `lattice` less the terms 1/r of the nine nearest sources.
+
+    The nearest source left is two cells away, so that 20 terms each way leave 1e-20.
+    """
+    count = 20
+    with mp.workdps(28):
+        angles = [mp.pi * (2 * i + 1) / (2 * count) for i in range(count)]
+        places = [(1 + mp.cos(angle)) / 4 for angle in angles]
+        values = [[lattice(x, y) - nearest(x, y, mp.hypot) for y in places] for x in places]
+        basis = mp.matrix([[mp.cos(k * angle) * (1 if k == 0 else 2) / count for angle in angles] for k in range(count)])
+        coefficients = basis * mp.matrix(values) * basis.T
+        return np.array([[long(coefficients[i, j]) for j in range(count)] for i in range(count)])
+
+
+def nearest(x, y, hypot):
+    """The sum of 1/r over the nine nearest sources, without the one at distance 0."""
+    total = 0
+    for i in (-1, 0, 1):
+        for j in (-1, 0, 1):
+            r = hypot(x - i, y - j)
+            total = total + (1 / np.where(r == 0, np.inf, r) if isinstance(r, np.ndarray) else 1 / r if r else 0)
+    return total
+
+
+def lattice_of(x, y):
+    """`lattice` of arrays of long doubles, to 1e-18."""
+    x, y = (np.abs(value - np.rint(value)) for value in (x, y))
+    return nearest(x, y, np.hypot) + np.polynomial.chebyshev.chebval2d(4 * x - 1, 4 * y - 1, smooth_part())
+
+
+def green_matrix(places, modulus: float, cell: float | None):
+    """G_ij in m/N as long doubles; `cell` is the side of the periodic cell in m, None on a half-space."""
+    x, y = np.asarray(places, Long).T
+    x, y = x[:, None] - x[None, :], y[:, None] - y[None, :]
+    scale = PI * Long(modulus)
+    if cell is not None:
+        return lattice_of(x / Long(cell), y / Long(cell)) / (scale * Long(cell))
+    return 1 / (scale * np.where(np.eye(len(x), dtype=bool), np.inf, np.hypot(x, y)))
+
+
+def long(value) -> Long:
+    """The long double nearest to a number of mpmath."""
+    return Long(mp.nstr(mp.mpf(value), 24))
+
+
+# --- Laws of one asperity ----------------------------------------------------------------------------------------------
+
+
+@dataclass
+class Asperities:
+    """What the laws need: radii in m (one of each asperity or one of all), E* in Pa, work of adhesion in J/m^2, Z_0 in m."""
+
+    radius: np.ndarray
+    modulus: float
+    work: float = 0.0
+    spacing: float = 0.0
+
+    @property
+    def stiffness(self):
+        return 4 * Long(self.modulus) / 3
+
+    @property
+    def length(self):
+        """Unit of the approach of the scaled laws, (pi^2 work^2 R / K^2)^(1/3)."""
+        return np.cbrt((PI * Long(self.work) / self.stiffness) ** 2 * Long(1) * self.radius)
+
+
+def hertz(asperity: Asperities, delta):
+    inside = np.maximum(delta, 0)
+    factor = asperity.stiffness * np.sqrt(Long(1) * asperity.radius)
+    return factor * inside * np.sqrt(inside), Long(3) / 2 * factor * np.sqrt(inside)
+
+
+def dmt(asperity: Asperities, delta):
+    force, slope = hertz(asperity, delta)
+    return np.where(delta >= 0, force - 2 * PI * asperity.radius * Long(asperity.work), 0), slope
+
+
+def idmt(asperity: Asperities, delta):
+    """The undeformed sphere under the Lennard-Jones stress before contact, dmt in contact."""
+    unit = PI * asperity.radius * Long(asperity.work)
+    s = Long(asperity.spacing) / (Long(asperity.spacing) - np.minimum(delta, 0))
+    before = -Long(8) / 3 * unit * (s**2 - s**8 / 4)
+    slope = -Long(8) / 3 * unit * 2 * (s**3 - s**9) / Long(asperity.spacing)
+    force, contact_slope = dmt(asperity, delta)
+    touched = delta >= 0
+    return np.where(touched, force, before), np.where(touched, contact_slope, slope)
+
+
+def jkr_radius(scaled):
+    """A of JKR on the stable branch under given displacement, Delta = A^2 - (2/3) sqrt(6 A), A > 6^(-1/3)."""
+    scaled = np.asarray(scaled, Long)
+    if np.any(scaled <= JKR_END):
+        raise ValueError("beyond the end of the branch of JKR")
+    radius = 1 + np.sqrt(np.maximum(scaled, 0))
+    for _ in range(100):
+        root = np.sqrt(6 * radius)
+        step = (radius**2 - 2 * root / 3 - scaled) / (2 * radius - 2 / root)
+        radius = radius - step
+        if np.max(np.abs(step) / radius) < 1e-19:
+            break
+    return radius
+
+
+JKR_END = -3 * Long(6) ** (-Long(2) / 3)  # the least Delta
+
+
+def jkr(asperity: Asperities, delta):
+    length, unit = asperity.length, PI * Long(asperity.work) * asperity.radius
+    radius = jkr_radius(delta / length)
+    root = np.sqrt(6 * radius)
+    slope = (3 * radius**2 - Long(3) / 2 * root) / (2 * radius - 2 / root)
+    return unit * (radius**3 - radius * root), unit / length * slope
+
+
+LAWS = {"hertz": hertz, "dmt": dmt, "idmt": idmt, "jkr": jkr}
+
+
+# --- The equations -----------------------------------------------------------------------------------------------------
+
+
+class State(NamedTuple):
+    """One solution: separation and approaches in m, external forces in N."""
+
+    separation: float
+    approach: np.ndarray
+    force: np.ndarray
+
+
+def stability(law: Callable, asperity: Asperities, green, state: State) -> float:
+    """The least real part of an eigenvalue of I + G K, K being the slopes of the law: above 0 in a stable state."""
+    slope = law(asperity, state.approach)[1].astype(float)
+    return float(np.linalg.eigvals(np.eye(len(slope)) + green.astype(float) * slope).real.min())
+
+
+def solve(law: Callable, asperity: Asperities, heights, green, separation: float, start) -> State:
+    """The state at a separation from approaches that are near it; ValueError where Newton's method does not settle."""
+    heights, delta = np.asarray(heights, Long), np.array(start, Long)
+    target, identity, coarse = heights - Long(separation), np.eye(len(heights)), green.astype(float)
+    best, factor = np.inf, 1.0
+    for _ in range(ROUNDS):
+        force, slope = law(asperity, delta)
+        residual = delta - target + green @ force
+        size = float(np.max(np.abs(residual)))
+        step = np.linalg.solve(identity + coarse * slope.astype(float), residual.astype(float))
+        factor = 1.0 if size < best else max(factor / 2, 0.02)
+        best = min(best, size)
+        delta = delta - Long(factor) * step
+        if np.max(np.abs(step)) <= 2e-18 * np.max(np.abs(target) + np.abs(delta)):
+            return State(separation, delta, law(asperity, delta)[0])
+    raise ValueError(f"no state at the separation {separation}: residual {size} m")
+
+
+def follow(law: Callable, asperity: Asperities, heights, green, separations, start=None) -> list[State]:
+    """States at separations one after the other, each from the one before, the first from asperities without coupling."""
+    delta = np.asarray(heights, Long) - Long(separations[0]) if start is None else start
+    states = []
+    for separation in separations:
+        states.append(solve(law, asperity, heights, green, separation, delta))
+        delta = states[-1].approach
+    return states

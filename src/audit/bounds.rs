@@ -185,6 +185,14 @@ const BOUNDS: &[Bound] = &[
     bound("/fit/range", Finite, Absent),
     bound("/fit/*", NotNegative, Absent),
     bound("/validity/valid", Flag, Never),
+    // Independence of asperities.
+    bound("/independence/patch_side", Positive, Never),
+    bound("/independence/substrate_stiffness", Positive, Never),
+    bound("/independence/*shift", Finite, Never),
+    bound("/independence/longest_stable_wavelength", Ratio, Never),
+    bound("/independence/independent_from", Finite, Absent),
+    bound("/independence/verdict", Other, Never),
+    bound("/independence/*", NotNegative, Never),
     // Ensemble against integral.
     bound("/validation/z_*", Finite, OneGroup),
     bound("/validation/tested_*", Flag, Never),

@@ -60,6 +60,7 @@ impl Checked<'_> {
         self.deviations("")?;
         self.all_asperities()?;
         self.features()?;
+        self.independence()?;
         self.edge()?;
         self.asperity()?;
         if self.has("/fit/range") {

@@ -34,7 +34,7 @@ impl Checked<'_> {
     }
 
     /// Whether heights are given ones, over which the integral jumps; none where the file does not say.
-    fn jumps(&self) -> Result<Option<bool>, OutputError> {
+    pub fn jumps(&self) -> Result<Option<bool>, OutputError> {
         Ok(takes_heights(&self.reader.optional_text("/", "scene")?.unwrap_or_default()))
     }
 

@@ -35,6 +35,7 @@ pub(super) fn audit(reader: &Reader) -> Result<Audit, OutputError> {
     );
     checked.means()?;
     checked.scatter()?;
+    checked.independence_of_sizes(&areas)?;
     checked.approach(&counts)?;
     let p_values = checked.values("/p_value")?;
     let verdict = overall(&p_values);

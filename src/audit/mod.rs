@@ -12,6 +12,7 @@ mod curves;
 mod features;
 mod finite_size;
 mod forces;
+mod independence;
 mod run;
 mod scalars;
 mod snaps;

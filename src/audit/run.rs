@@ -59,6 +59,7 @@ impl Checked<'_> {
         self.curves(cycle)?;
         self.snaps()?;
         self.features()?;
+        self.independence()?;
         self.joint_test(joint)
     }
 }

@@ -2,6 +2,7 @@
 
 use super::describe::{beyond, facts, heading, regimes, skipped, title};
 use super::failure::Failure;
+use super::independence::independence;
 use super::resources;
 use super::rows::{paragraph, row};
 use super::sweep::described;
@@ -12,6 +13,7 @@ use crate::experiment::Error;
 use crate::experiment::integral::Integral;
 use crate::experiment::prepared::{SceneLaws, thread_pool};
 use crate::format::{bytes, duration};
+use crate::integral::{Independence, IndependenceVerdict};
 use crate::scene::{Document, Scene, Sweep, Warning, warnings};
 use std::path::Path;
 
@@ -32,7 +34,9 @@ fn checked(path: &Path) -> Result<String, Failure> {
     text += &skipped(&plan);
     text += &beyond(&plan);
     text += &regimes(&plan, scene.surface.asperity_count as f64);
-    for warning in warnings_of(&scene, law.view(), cycle.as_ref()) {
+    let (verdict, warnings) = expected(&scene, law.view(), cycle.as_ref());
+    text += &independence(&verdict);
+    for warning in warnings {
         text += &row("warning", &warning.finding);
         text += &paragraph(&warning.explanation());
     }
@@ -56,6 +60,7 @@ fn check_sweep(sweep: &Sweep, first: &Scene, path: &Path) -> Result<String, Fail
     text += "all points\n";
     let (mut seconds, mut largest) = ([0.0; 2], Estimate::new(first, law.view(), threads()));
     let mut warned: Vec<(Warning, Vec<usize>)> = Vec::new();
+    let mut judged = Vec::new();
     for point in 0..sweep.count() {
         let named = |problem: String| Failure::Usage(format!("{}: {problem}", path.display()));
         let scene = sweep.scene(point).map_err(|error| named(error.to_string()))?;
@@ -68,7 +73,9 @@ fn check_sweep(sweep: &Sweep, first: &Scene, path: &Path) -> Result<String, Fail
             *sum += Estimate { threads, ..estimate }.seconds().iter().sum::<f64>();
         }
         largest = if largest.memory() < estimate.memory() { estimate } else { largest };
-        for warning in warnings_of(&scene, law.view(), cycle.as_ref()) {
+        let (independence, warnings) = expected(&scene, law.view(), cycle.as_ref());
+        judged.push(independence.verdict());
+        for warning in warnings {
             // Findings say the numbers of their point; what is the matter is the same.
             match warned.iter_mut().find(|(known, _)| known.explanation() == warning.explanation()) {
                 Some((_, points)) => points.push(point),
@@ -76,6 +83,7 @@ fn check_sweep(sweep: &Sweep, first: &Scene, path: &Path) -> Result<String, Fail
             }
         }
     }
+    text += &verdicts(&judged);
     for (warning, points) in warned {
         let at =
             format!("at {} of {} points, first at {}", points.len(), sweep.count(), sweep.name(points[0]));
@@ -92,10 +100,25 @@ fn check_sweep(sweep: &Sweep, first: &Scene, path: &Path) -> Result<String, Fail
     Ok(text)
 }
 
-/// Warnings of a scene: outside of what the models are valid for, or likely a wrong unit.
-fn warnings_of(scene: &Scene, law: Laws<'_>, cycle: Option<&Loop>) -> Vec<Warning> {
-    let expected = Integral::new(scene, law, cycle).expected(scene, law);
-    warnings(scene, &scene.model, law.typical, &expected)
+/// Whether asperities may be taken as independent, and warnings of a scene: outside of what the models are
+/// valid for, or likely a wrong unit.
+fn expected(scene: &Scene, law: Laws<'_>, cycle: Option<&Loop>) -> (Independence, Vec<Warning>) {
+    let integral = Integral::new(scene, law, cycle);
+    let expected = integral.expected(scene, &scene.model, law);
+    let warnings = warnings(scene, &scene.model, law.typical, &expected);
+    (integral.pulled().independence, warnings)
+}
+
+/// At how many points asperities may be taken as independent.
+fn verdicts(all: &[IndependenceVerdict]) -> String {
+    let counted = IndependenceVerdict::ALL
+        .map(|verdict| (verdict.name(), all.iter().filter(|own| **own == verdict).count()));
+    let told: Vec<String> = counted
+        .iter()
+        .filter(|(_, count)| *count > 0)
+        .map(|(name, count)| format!("{name} at {count}"))
+        .collect();
+    row("independence", &format!("{} of {} points", told.join(", "), all.len()))
 }
 
 fn threads() -> usize {

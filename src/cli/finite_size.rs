@@ -91,17 +91,19 @@ fn counts(text: &str) -> Result<Vec<u64>, String> {
 fn summary(scene: &Scene, study: &FiniteSize) -> String {
     let mut text = title(scene);
     text += &row("integral", &format!("pull-off {} for each asperity", si(study.integral, "N")));
-    text += "\n           N   mean pull-off against the integral    scatter  skewness   5 % to 95 % of patches   sums\n";
-    for PatchSize { count, bias: [bias, error], scatter, sum, .. } in &study.sizes {
+    text += "\n           N   mean pull-off against the integral    scatter  skewness   5 % to 95 % of patches   independence   sums\n";
+    for PatchSize { count, bias: [bias, error], scatter, independence, sum, .. } in &study.sizes {
         let [_, low, .., high, _] = scatter.quantiles;
         let bias = match *bias {
             bias if bias < 1.0 => format!("{} ± {}", signed_percent(bias), percent(*error)),
             bias => format!("x {:.4} ± {error:.4}", 1.0 + bias),
         };
         let range = format!("{low:.3} to {high:.3}");
+        let verdict = independence.verdict().name();
         let (relative_std, skewness) = (percent(scatter.relative_std), scatter.skewness);
-        text +=
-            &format!("{count:>12}   {bias:>34} {relative_std:>10} {skewness:>9.2}   {range:>22}   {sum}\n");
+        text += &format!(
+            "{count:>12}   {bias:>34} {relative_std:>10} {skewness:>9.2}   {range:>22}   {verdict:>12}   {sum}\n"
+        );
     }
     text.push('\n');
     text += &match &study.approach {

@@ -8,6 +8,7 @@ mod compare;
 mod describe;
 mod failure;
 mod finite_size;
+mod independence;
 mod info;
 mod instability;
 mod memory;

@@ -1,6 +1,7 @@
 //! The summary of a run on the terminal.
 
 use super::describe::{beyond, heading, skipped, unit, warned};
+use super::independence::independence;
 use super::instability::instability;
 use super::rows::row;
 use crate::asperity::Quantity;
@@ -282,14 +283,8 @@ fn at_pull_off(results: &Results) -> String {
         text += &row("", &shares);
     }
     let area = integral.expected[Quantity::ContactArea.index()][0] / results.scene.surface.nominal_area;
-    text += &row(
-        "",
-        &format!(
-            "in contact: {} of the nominal area (asperities are independent: no coupling",
-            percent(area)
-        ),
-    );
-    text + &row("", "through the substrate, no coalescence; trust this less the larger the share)")
+    text += &row("", &format!("in contact: {} of the nominal area", percent(area)));
+    text + &independence(&results.independence)
 }
 
 /// The verdict of the cross-check.

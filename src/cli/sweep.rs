@@ -61,7 +61,16 @@ pub(super) fn described(sweep: &Sweep) -> String {
 fn table(sweep: &Sweep, rows: &[SweepPoint]) -> String {
     let disagree = disagreeing(&rows.iter().map(|row| row.p_value).collect::<Vec<f64>>());
     let mut lines: Vec<Vec<String>> = vec![sweep.axes.iter().map(|axis| axis.key.name.to_owned()).collect()];
-    let heads = ["pull-off", "standard error", "integral", "to the first", "standard error", "variance", "p"];
+    let heads = [
+        "pull-off",
+        "standard error",
+        "integral",
+        "to the first",
+        "standard error",
+        "variance",
+        "p",
+        "independence",
+    ];
     lines[0].extend(heads.map(str::to_owned));
     for (point, row) in rows.iter().enumerate() {
         let values = sweep.values(point);
@@ -83,6 +92,7 @@ fn table(sweep: &Sweep, rows: &[SweepPoint]) -> String {
         });
         let mark = if disagree[point] { " *" } else { "" };
         line.push(if row.p_value.is_nan() { "-".to_owned() } else { format!("{:.3}{mark}", row.p_value) });
+        line.push(row.independence.map_or("-", |own| own.verdict().name()).to_owned());
         lines.push(line);
     }
     let width =

@@ -1,10 +1,12 @@
 //! Patches of several sizes: how many asperities are enough for the integral.
 
 use super::Error;
+use super::independence::{read_independence, write_independences};
 use super::integral::PathIntegral;
 use super::points::Points;
 use super::prepared::SceneLaws;
 use super::result_file::{write_about, write_model, write_parameters};
+use crate::integral::Independence;
 use crate::output::OutputError;
 use crate::output::identity::Identity;
 use crate::output::reader::Reader;
@@ -151,6 +153,8 @@ pub struct PatchSize {
     pub bias: [f64; 2],
     /// Scatter of the pull-off force from patch to patch.
     pub scatter: Scatter,
+    /// Whether its asperities may be taken as independent.
+    pub independence: Independence,
     /// The p-value of the cross-check.
     pub p_value: f64,
     pub(crate) sum: String,
@@ -214,6 +218,7 @@ fn size(file: &Path, count: u64, integral: f64) -> Result<PatchSize, OutputError
         means,
         bias: [means[1][0] / integral - 1.0, means[1][1] / integral],
         scatter: Scatter::new(&relative),
+        independence: read_independence(&reader)?,
         p_value: reader.number("/validation", "p_value")?,
         sum: reader.optional_text("/ensemble", "summation")?.unwrap_or_default(),
     })
@@ -254,6 +259,7 @@ fn write(points: &Points<'_>, identity: &Identity, study: &FiniteSize) -> Result
     writer.texts("/summation", &sizes.iter().map(|size| size.sum.as_str()).collect::<Vec<&str>>())?;
     writer.dataset("/count_at_accuracy", &reached.map(Reached::count))?;
     writer.texts("/count_at_accuracy_source", &reached.map(Reached::name))?;
+    write_independences(&writer, &of_sizes(sizes, |size| size.independence))?;
     match approach {
         Err(refusal) => writer.text("/", "fit_refusal", &refusal.to_string())?,
         Ok(fit) => write_fit(&writer, fit)?,

@@ -1,12 +1,15 @@
 //! The integral of a scene, and what is read off it.
 
-use crate::asperity::{Laws, Loop, Quantity};
-use crate::integral::{Expectations, Model, TOLERANCE};
-use crate::math::extrema::{Extremum, Features, maximum};
+use crate::asperity::{self, Laws, Loop, Path, Quantity};
+use crate::integral::{Expectations, Independence, IntegralCurve, Model, TOLERANCE};
+use crate::math::extrema::{Extremum, Features, largest_secant, maximum};
 use crate::scene::{Expected, Reading, Scene, WhatIsRead};
 
 /// Steps of h* that resolve the integral, which is an average over heights that scatter by about σ.
 pub(crate) const RESOLVING: f64 = 0.125;
+
+/// Step of h* over which a slope is taken at an end of the separations.
+const END_STEP: f64 = 1e-4;
 
 /// The integral over the heights along one path, and what is read off it.
 ///
@@ -26,6 +29,8 @@ pub struct PathIntegral {
     pub expectations: Expectations,
     /// Pull-off and stiffest point, wherever they are between the separations.
     pub features: Features,
+    /// Whether the asperities may be taken as independent.
+    pub independence: Independence,
     /// The integral at the pull-off, or at the smallest separation where nothing pulls.
     pub(crate) at_pull_off: Expectations,
     /// The integral at the stiffest point.
@@ -67,15 +72,14 @@ impl PathIntegral {
     /// Reads off the integral over the separations of a scene, and at any one separation h, m.
     fn new(scene: &Scene, expectations: Expectations, at: impl Fn(f64) -> Expectations) -> Self {
         let q = Quantity::ExternalForce.index();
-        let features = Features::new(
-            |h| at(h).expected[q][0],
-            &scene.separations,
-            &expectations.expected[q],
-            resolving(scene),
-        );
+        let (separations, force) = (&scene.separations, &expectations.expected[q]);
+        let features = Features::new(|h| at(h).expected[q][0], separations, force, resolving(scene));
         let pulls = features.minimum.value < 0.0;
-        let at_pull_off = at(if pulls { features.minimum.place } else { scene.separations[0] });
-        Self { at_pull_off, at_stiffest: at(features.steepest.place), features, expectations }
+        let at_pull_off = at(if pulls { features.minimum.place } else { separations[0] });
+        let largest_slope = largest_slope(scene, &features, force, |h| at(h).expected[q][0]);
+        let curve = IntegralCurve { separations, force, at_pull_off: &at_pull_off, largest_slope };
+        let independence = Independence::new(&scene.surface, scene.asperity.reduced_modulus, &curve);
+        Self { at_stiffest: at(features.steepest.place), at_pull_off, independence, features, expectations }
     }
 
     /// The integral of a law along one path.
@@ -132,6 +136,26 @@ impl PathIntegral {
     }
 }
 
+/// The largest slope, N/m, of the external force that is expected, whose features are known, and that at the
+/// separations too.
+fn largest_slope(scene: &Scene, features: &Features, force: &[f64], at: impl Fn(f64) -> f64) -> f64 {
+    let (separations, steepest) = (&scene.separations, &features.steepest);
+    if !is_smooth(scene) {
+        // What jumps has no largest slope: the secant that replicas have.
+        return largest_secant(separations, force, scene.stiffness_span).value;
+    }
+    let last = separations.len() - 1;
+    let step = END_STEP * scene.surface.surface_height_std;
+    match steepest.at_edge {
+        false => steepest.value,
+        // It is that of a step beside the edge, which may be less.
+        true if steepest.place < 0.5 * (separations[0] + separations[last]) => {
+            steepest.value.max((at(separations[0] + step) - force[0]) / step)
+        }
+        true => steepest.value.max((force[last] - at(separations[last] - step)) / step),
+    }
+}
+
 /// A reading at a separation h, m, at which the integral is given.
 fn reading(scene: &Scene, what: WhatIsRead, separation: f64, at: &Expectations) -> Reading {
     let share_in_contact = at.expected[Quantity::ContactArea.index()][0] / scene.surface.nominal_area;
@@ -158,7 +182,7 @@ impl Integral {
     }
 
     /// The readings off the integral with their places, and how good it is.
-    pub(crate) fn expected(&self, scene: &Scene, law: Laws<'_>) -> Expected {
+    pub(crate) fn expected(&self, scene: &Scene, model: &asperity::models::Model, law: Laws<'_>) -> Expected {
         let mut readings = self.pulled().readings(scene);
         if self.retraction.is_some() {
             let place = self.main.turn(scene);
@@ -166,6 +190,18 @@ impl Integral {
             readings.push(reading(scene, WhatIsRead::Turn, place, &at));
         }
         let error = |way: &PathIntegral| way.expectations.quadrature_error;
-        Expected { readings, error: maximum(error(&self.main), error(self.pulled())) }
+        let held = self.held(scene, model, law);
+        Expected { readings, error: maximum(error(&self.main), error(self.pulled())), held }
+    }
+
+    /// The pull-off on approach and that of surfaces that have touched, N, where these have another law.
+    fn held(&self, scene: &Scene, model: &asperity::models::Model, law: Laws<'_>) -> Option<[f64; 2]> {
+        let pull_off = self.main.pull_off();
+        if scene.cycle || scene.history != Path::Approach || !(pull_off > 0.0) {
+            return None;
+        }
+        let touched = Scene { history: Path::Retraction, ..scene.clone() };
+        let other = touched.law_of(model).ok().filter(|other| other.boundaries() != law.boundaries())?;
+        Some([pull_off, PathIntegral::of(&touched, other.view()).pull_off()])
     }
 }

@@ -7,6 +7,7 @@ mod error;
 pub(crate) mod files;
 pub(crate) mod finite_size;
 mod host;
+pub(crate) mod independence;
 pub(crate) mod integral;
 pub(crate) mod merge;
 mod observer;

@@ -165,7 +165,8 @@ impl PreparedRun {
         let plan = Plan::new(&scene, law);
         let (integral, warnings) = pool.install(|| {
             let integral = Integral::new(&scene, law, cycle);
-            let warnings = warnings(&scene, &scene.model, law.typical, &integral.expected(&scene, law));
+            let expected = integral.expected(&scene, &scene.model, law);
+            let warnings = warnings(&scene, &scene.model, law.typical, &expected);
             (integral, warnings)
         });
         phases.phase("test functionals");
@@ -250,7 +251,7 @@ impl PreparedRun {
         let paths: Vec<&Expectations> = integral.paths().map(|way| &way.expectations).collect();
         let (z, joint) = cross_check(&ensemble, &paths, &basis, &scene);
         let scalars = controlled_means(&ensemble.groups.scalars, &expected);
-        let at_pull_off = integral.pulled().at_pull_off.clone();
+        let PathIntegral { at_pull_off, independence, .. } = integral.pulled().clone();
         let Integral { main: PathIntegral { expectations, features: of_integral, .. }, retraction } =
             integral;
         let (of_mean, retraction) = session.pool.install(|| {
@@ -284,6 +285,7 @@ impl PreparedRun {
             of_mean,
             of_integral,
             at_pull_off,
+            independence,
             z,
             joint,
             seconds,

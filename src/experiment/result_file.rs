@@ -1,5 +1,6 @@
 //! A run's results under the names of the file layout.
 
+use super::independence::write_independence;
 use super::results::{Results, Stopped};
 use super::snaps::write_instability;
 use crate::asperity::{Quantity, Regime};
@@ -154,6 +155,7 @@ pub(crate) fn write_results(writer: &mut Writer<'_>, results: &Results) -> Resul
     write_jumps(writer, results)?;
     write_instability(writer, results)?;
     write_integral(writer, results)?;
+    write_independence(writer, &results.independence)?;
     write_validation(writer, results)?;
     write_diagnostics(writer, results)
 }

@@ -4,7 +4,7 @@ use super::integral::{PathIntegral, resolving};
 use crate::asperity::{Laws, Loop, Quantity, UnloadedRadius};
 use crate::engine::{Attained, Ensemble, Rule, Stopping, Summation};
 use crate::estimate::Plan;
-use crate::integral::{Expectations, Model};
+use crate::integral::{Expectations, Independence, Model};
 use crate::math::control_variates::ControlledMean;
 use crate::math::extrema::Features;
 use crate::math::interpolation::linear;
@@ -36,6 +36,8 @@ pub(crate) struct Results {
     pub of_integral: Features,
     /// The integral where the surfaces are pulled off, or at the smallest separation where nothing pulls.
     pub at_pull_off: Expectations,
+    /// Whether the asperities may be taken as independent there.
+    pub independence: Independence,
     /// z-scores of adhesion force and external force, over the states.
     pub z: [Vec<f64>; 2],
     pub joint: JointTest,

@@ -10,6 +10,7 @@ use super::prepared::{PreparedRun, SceneLaws, Session, Task, run_scene, write};
 use super::results::{Results, RunMetadata};
 use crate::asperity::models::{Model, model};
 use crate::engine::{Batch, Ensemble, Records, scalars};
+use crate::integral::Independence;
 use crate::math::control_variates::ControlledMean;
 use crate::output::OutputLock;
 use crate::output::partial::Visit;
@@ -258,6 +259,11 @@ impl RunResult {
     /// The pull-off force of the integral, N.
     pub fn pull_off_of_integral(&self) -> f64 {
         -self.results.pulled().1.minimum.value
+    }
+
+    /// Whether the asperities may be taken as independent of each other.
+    pub fn independence(&self) -> &Independence {
+        &self.results.independence
     }
 
     /// The ensemble: mean curves over the separations, their scatter, and what is kept of every replica.

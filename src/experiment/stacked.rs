@@ -2,9 +2,11 @@
 //! first.
 
 use super::Error;
+use super::independence::{read_independence, write_limits};
 use super::points::Points;
 use super::result_file::{write_about, write_model};
 use crate::engine::SCALARS;
+use crate::integral::Independence;
 use crate::math::interval::LEVEL;
 use crate::math::sums::SUM_ROUNDING;
 use crate::output::OutputError;
@@ -77,6 +79,8 @@ pub struct SweepPoint {
     pub differences: [Difference; 4],
     /// The p-value of the joint test.
     pub p_value: f64,
+    /// Whether its asperities may be taken as independent; none where the point is not there.
+    pub independence: Option<Independence>,
 }
 
 impl SweepPoint {
@@ -86,6 +90,7 @@ impl SweepPoint {
         integral: f64::NAN,
         differences: [Difference::UNKNOWN; 4],
         p_value: f64::NAN,
+        independence: None,
     };
 }
 
@@ -106,6 +111,7 @@ fn assembled(
     if partial {
         writer.number("/", "partial", 1_u8)?;
     }
+    write_limits(&writer)?;
     let goes_on = || !points.session.stop.load(Ordering::Relaxed);
     if !stack(&mut writer, &stack::PointFiles { files: &files, places: &places, goes_on: &goes_on })? {
         return Ok(None);
@@ -225,6 +231,7 @@ fn compared(
         integral: reader.number("/integral", "pull_off_force")?,
         differences: first.map_or([Difference::UNKNOWN; 4], |first| own.differences(first, group, common)),
         p_value: reader.number("/validation", "p_value")?,
+        independence: Some(read_independence(&reader)?),
     })
 }
 

@@ -23,6 +23,8 @@ pub struct Expectations {
     pub expected: [Vec<f64>; 4],
     /// Standard deviations of one replica, likewise.
     pub std: [Vec<f64>; 4],
+    /// Mean square of the external force of one asperity over S, N².
+    pub mean_square_force: Vec<f64>,
     /// Expected number of asperities in each regime: R × S.
     pub regime_count: Vec<Vec<f64>>,
     /// Expected adhesion force of each regime, N: R × S.

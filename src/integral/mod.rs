@@ -13,11 +13,15 @@
 mod controls;
 mod expectations;
 mod height_integral;
+mod independence;
 mod model;
 mod retraction;
 
 pub use controls::controls;
 pub use expectations::Expectations;
+#[doc(hidden)]
+pub use independence::IntegralCurve;
+pub use independence::{Independence, IndependenceVerdict, Limit, substrate_stiffness};
 #[doc(hidden)]
 pub use model::interference_range;
 pub use model::{Model, TOLERANCE};

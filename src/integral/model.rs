@@ -76,6 +76,8 @@ impl<'a> Model<'a> {
                 std::array::from_fn(|q| variances[q] + means[q] * means[q])
             }
         };
+        let q = Quantity::ExternalForce.index();
+        let mean_square = |at: &AtSeparation| at.variances()[q] + at.means()[q] * at.means()[q];
         let regime = |f: &dyn Fn(&AtSeparation, usize) -> f64| -> Vec<Vec<f64>> {
             (0..self.laws.regimes().len())
                 .map(|r| at.iter().map(|at| count * f(&at.fine, r)).collect())
@@ -86,6 +88,7 @@ impl<'a> Model<'a> {
         Expectations {
             expected: quantity(&|at| at.means().map(|mean| count * mean)),
             std: quantity(&|at| variances(at).map(|variance| (count * variance).sqrt())),
+            mean_square_force: at.iter().map(|at| mean_square(&at.fine)).collect(),
             regime_count: regime(&|at, r| at.regimes[r].probability),
             regime_adhesion_force: regime(&|at, r| at.regimes[r].adhesion),
             regime_external_force: regime(&|at, r| at.regimes[r].contact - at.regimes[r].adhesion),

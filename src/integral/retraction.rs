@@ -22,6 +22,7 @@ impl Expectations {
         Self {
             expected: std::array::from_fn(|q| joined(&|a| a.expected[q][0])),
             std: std::array::from_fn(|q| joined(&|a| a.std[q][0])),
+            mean_square_force: joined(&|a| a.mean_square_force[0]),
             regime_count: table(|a| &a.regime_count),
             regime_adhesion_force: table(|a| &a.regime_adhesion_force),
             regime_external_force: table(|a| &a.regime_external_force),

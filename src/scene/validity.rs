@@ -9,6 +9,7 @@ use super::ranges::{FEWEST_ASPERITIES, Range, ranges};
 use super::warning::{Expected, Reading, Warning, WhatIsRead};
 use crate::asperity::models::Model;
 use crate::asperity::{Law, Regime};
+use crate::format::{si, signed_percent};
 
 /// Largest radius of a contact over that of its asperity.
 const LARGEST_CONTACT: f64 = 0.3;
@@ -18,6 +19,8 @@ const HIGHEST: f64 = 3.0;
 const LARGEST_SHARE: f64 = 0.1;
 /// Largest share of what is read off that the separations may miss.
 const LARGEST_MISSED: f64 = 0.05;
+/// Largest share by which surfaces that have touched may be pulled off harder.
+const LARGEST_HELD: f64 = 0.01;
 /// Largest relative error of an integral that is one.
 const LARGEST_ERROR: f64 = 1e-6;
 /// Fewest contacts in the whole run at the closest separation.
@@ -39,6 +42,7 @@ pub fn warnings_of_scene(scene: &Scene, model: &Model, law: &dyn Law, expected: 
     warnings.extend(contacts(scene, law));
     warnings.extend(unloading(scene, law));
     warnings.extend(contact_share(scene, &expected.readings));
+    warnings.extend(expected.held.and_then(held));
     warnings.extend(unresolved(scene, &expected.readings));
     warnings.extend(inaccurate(expected.error));
     warnings
@@ -175,6 +179,21 @@ fn contact_share(scene: &Scene, readings: &[Reading]) -> Option<Warning> {
                  random one in three overlaps",
         &[],
     ))
+}
+
+/// Whether surfaces that have touched hold harder than the approach tells, N.
+fn held([on_approach, touched]: [f64; 2]) -> Option<Warning> {
+    let more = touched / on_approach - 1.0;
+    (more > LARGEST_HELD).then(|| {
+        let [on_approach, touched] = [on_approach, touched].map(|force| si(force, "N"));
+        let more = signed_percent(more);
+        Warning::new(
+            format!("surfaces that have touched are pulled off with {touched}, not {on_approach} ({more})"),
+            "contact lasts beyond first touch (Maugis 1992): history = \"approach\" is of surfaces that never \
+                     touched, \"loop\" or \"retraction\" of those that did",
+            &[],
+        )
+    })
 }
 
 /// Whether the curves have what is read off them.

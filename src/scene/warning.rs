@@ -59,6 +59,8 @@ pub struct Expected {
     pub readings: Vec<Reading>,
     /// The bound of its relative error.
     pub error: f64,
+    /// Pull-off on approach, and that of surfaces that have touched, N, where the law has another one for them.
+    pub held: Option<[f64; 2]>,
 }
 
 impl WhatIsRead {

@@ -420,6 +420,7 @@ fn controls_are_where_they_are_said_to_be() {
     let expectations = Expectations {
         expected: of(&force),
         std: of(&std),
+        mean_square_force: Vec::new(),
         regime_count: Vec::new(),
         regime_adhesion_force: Vec::new(),
         regime_external_force: Vec::new(),

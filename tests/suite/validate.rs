@@ -69,6 +69,13 @@ const NOT_FOUND: &[(&str, &str, &str, &str)] = &[
         "of the curves of the replicas, which are not there",
     ),
     ("finite-size", "/nominal_area", "scale", "given by the scene"),
+    ("finite-size", "/independence/contact_share", "scale", "of the runs of the sizes, which are not there"),
+    (
+        "finite-size",
+        "/independence/independent_from",
+        "scale",
+        "of the runs of the sizes, which are not there",
+    ),
     ("finite-size", "/p_value", "NaN reverse", "of the runs of the sizes, which are not there"),
     ("asperities", "/asperities/height", "reverse", "asperities may have any heights"),
     ("asperities", "/surface/skewness", "scale negate", "of the map, which is not there"),

@@ -2,6 +2,7 @@
 
 use crate::asperity::laws::fit::FORCES;
 use crate::cli::describe::{numbers, title, warned};
+use crate::cli::independence::ratio;
 use crate::cli::rows::row;
 use crate::experiment::compare::{Comparison, Mean, SampledLaw, deviation};
 use crate::format::{percent, si, signed_percent};
@@ -16,6 +17,8 @@ pub(super) fn table(comparison: &Comparison, output: Option<&Path>) -> String {
     text += &numbers(&comparison.scene);
     text += "\n";
     text += &integral(comparison);
+    text += "\n";
+    text += &independence(comparison);
     if comparison.laws.iter().any(|law| law.sampled.is_some()) {
         text += "\n";
         text += &ensemble(comparison);
@@ -71,6 +74,28 @@ fn integral(comparison: &Comparison) -> String {
     }
     if edges {
         text += "  * at the edge of the separations: it may lie beyond\n";
+    }
+    text
+}
+
+/// Whether asperities may be taken as independent under each law.
+fn independence(comparison: &Comparison) -> String {
+    let mut text = format!(
+        "  {:<13}{:>10} {:>13} {:>17} {:>15} {:>11} {:>13}\n",
+        "independence", "verdict", "shift", "attraction", "fluctuation", "in contact", "when closest"
+    );
+    for law in &comparison.laws {
+        let own = &law.integral.independence;
+        let [shift, fluctuation, closest] =
+            [own.relative_shift(), own.relative_fluctuation(), own.relative_closest_shift()]
+                .map(|value| format!("{} σ", ratio(value)));
+        let attraction = format!("{} k_s", ratio(own.relative_attractive_stiffness()));
+        text += &format!(
+            "  {:<13}{:>10} {shift:>13} {attraction:>17} {fluctuation:>15} {:>11} {closest:>13}\n",
+            law.model.name,
+            own.verdict().name(),
+            percent(own.contact_share)
+        );
     }
     text
 }

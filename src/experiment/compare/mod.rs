@@ -264,7 +264,7 @@ impl PreparedComparison {
             let law = law.view();
             let (integral, expected) = pool.install(|| {
                 let integral = Integral::new(&scene, law, None);
-                let expected = compared.is_empty().then(|| integral.expected(&scene, law));
+                let expected = compared.is_empty().then(|| integral.expected(&scene, &model, law));
                 (integral, expected)
             });
             if let Some(expected) = expected {

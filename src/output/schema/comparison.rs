@@ -3,6 +3,7 @@
 use super::curves::{
     DIRECTIONS, OF_ENSEMBLE, OF_INTEGRAL, features, forces, joint_test, quantities, regimes, scalars, scores,
 };
+use super::independence::{independence, verdict};
 use super::{Dimension, Layout, NONE, Row, Variable, group, with_coordinates};
 use crate::engine::SCALARS;
 use std::sync::LazyLock;
@@ -16,9 +17,9 @@ const F: &[Dimension] = &[Dimension::FittedForce];
 pub static COMPARISON: Layout = Layout {
     format: "stiction-comparison",
     command: "stiction compare",
-    version: [3, 0],
+    version: [3, 1],
     groups: &["integral", "asperity", "validity", "fit", "ensemble", "replicas", "validation"],
-    optional_groups: &[],
+    optional_groups: &["independence"],
     variables: LazyLock::new(variables),
     of_points: None,
 };
@@ -34,6 +35,8 @@ fn variables() -> Vec<Variable> {
         regimes("/integral", L, approach, OF_INTEGRAL[0]),
         features("/integral", L, "the integral"),
         group("/integral", L, OF_INTEGRALS),
+        independence(L),
+        verdict(L),
         quantities("/asperity", LI, approach, &[("", "{} of one asperity")]),
         forces("/asperity/", "_difference", LI, "N", of_one),
         group("/validity", L, VALIDITY),

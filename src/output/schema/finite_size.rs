@@ -1,5 +1,6 @@
 //! The layout of a result of `stiction finite-size`.
 
+use super::independence::{independence, verdict};
 use super::{Dimension, Layout, NONE, Row, group, with_coordinates};
 use std::sync::LazyLock;
 
@@ -12,10 +13,12 @@ const A: &[Dimension] = &[Dimension::Accuracy];
 pub static FINITE_SIZE: Layout = Layout {
     format: "stiction-finite-size",
     command: "stiction finite-size",
-    version: [2, 0],
+    version: [2, 1],
     groups: &[],
-    optional_groups: &[],
-    variables: LazyLock::new(|| with_coordinates(group("", NONE, ROWS))),
+    optional_groups: &["independence"],
+    variables: LazyLock::new(|| {
+        with_coordinates([group("", NONE, ROWS), independence(C), verdict(C)].concat())
+    }),
     of_points: None,
 };
 

@@ -11,12 +11,14 @@ mod asperities;
 mod comparison;
 mod curves;
 mod finite_size;
+mod independence;
 mod run;
 mod sweep;
 
 pub use asperities::ASPERITIES;
 pub use comparison::COMPARISON;
 pub use finite_size::FINITE_SIZE;
+pub use independence::VERDICT;
 pub use run::RUN;
 pub use sweep::SWEEP;
 

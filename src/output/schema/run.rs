@@ -1,6 +1,7 @@
 //! The layout of a result of `stiction run`.
 
 use super::curves::{DIRECTIONS, OF_ENSEMBLE, OF_INTEGRAL, forces, quantities, regimes, scalars, scores};
+use super::independence::independence;
 use super::{Dimension, Layout, N, NONE, Row, S, Variable, group, scale, variable, with_coordinates};
 use crate::engine;
 use std::sync::LazyLock;
@@ -24,16 +25,16 @@ const NPD: &[Dimension] = &[Dimension::Replica, Dimension::Preload, Dimension::S
 pub static RUN: Layout = Layout {
     format: "stiction-run",
     command: "stiction run",
-    version: [3, 0],
+    version: [3, 1],
     groups: &["ensemble", "replicas", "integral", "validation", "diagnostics"],
-    optional_groups: &["instability"],
+    optional_groups: &["independence", "instability"],
     variables: LazyLock::new(variables),
     of_points: None,
 };
 
 /// All datasets that a file may hold.
 fn variables() -> Vec<Variable> {
-    let groups = [ensemble(), replicas(), instability(), integral(), validation()];
+    let groups = [ensemble(), replicas(), instability(), integral(), independence(NONE), validation()];
     with_coordinates([groups.concat(), group("/diagnostics", NONE, DIAGNOSTICS)].concat())
 }
 

@@ -2,6 +2,7 @@
 //! what only a sweep has.
 
 use super::curves::{features, joint_test};
+use super::independence::verdict;
 use super::{Dimension, Layout, NONE, RUN, Row, Variable, group, scale, variable};
 use crate::engine::SCALARS;
 use std::sync::LazyLock;
@@ -10,9 +11,9 @@ use std::sync::LazyLock;
 pub static SWEEP: Layout = Layout {
     format: "stiction-sweep",
     command: "stiction run",
-    version: [3, 0],
+    version: [3, 1],
     groups: &["ensemble", "replicas", "integral", "validation", "diagnostics", "differences"],
-    optional_groups: &["instability"],
+    optional_groups: &["independence", "instability"],
     variables: LazyLock::new(variables),
     of_points: Some(&RUN),
 };
@@ -20,7 +21,16 @@ pub static SWEEP: Layout = Layout {
 /// Datasets of a sweep beside those of a run: indices as scales, and over the points alone what a run has
 /// as attributes, and differences.
 fn variables() -> Vec<Variable> {
-    let groups = ["", "/ensemble", "/replicas", "/integral", "/validation", "/diagnostics", "/instability"];
+    let groups = [
+        "",
+        "/ensemble",
+        "/replicas",
+        "/integral",
+        "/independence",
+        "/validation",
+        "/diagnostics",
+        "/instability",
+    ];
     groups.into_iter().flat_map(of_group).chain(differences()).collect()
 }
 
@@ -42,6 +52,7 @@ fn of_group(name: &str) -> Vec<Variable> {
             ]
             .concat()
         }
+        "/independence" => verdict(NONE),
         "/validation" => {
             let verdict = "verdict of the joint test at the point by itself";
             [joint_test(NONE), group(name, NONE, &[("verdict", NONE, "1", verdict)])].concat()

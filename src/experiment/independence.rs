@@ -1,0 +1,77 @@
+//! Verdicts on independence in files.
+
+use crate::integral::Independence;
+use crate::output::OutputError;
+use crate::output::reader::Reader;
+use crate::output::schema::VERDICT;
+use crate::output::writer::Writer;
+
+const GROUP: &str = "/independence";
+
+/// A figure of a file.
+type Figure = (&'static str, fn(&Independence) -> f64);
+
+/// The figures, by the names of their datasets.
+pub(crate) const FIGURES: [Figure; 13] = [
+    ("patch_side", |own| own.patch_side),
+    ("substrate_stiffness", |own| own.substrate_stiffness),
+    ("shift", |own| own.shift),
+    ("relative_shift", Independence::relative_shift),
+    ("attractive_stiffness", |own| own.attractive_stiffness),
+    ("relative_attractive_stiffness", Independence::relative_attractive_stiffness),
+    ("fluctuation", |own| own.fluctuation),
+    ("relative_fluctuation", Independence::relative_fluctuation),
+    ("longest_stable_wavelength", Independence::longest_stable_wavelength),
+    ("contact_share", |own| own.contact_share),
+    ("closest_shift", |own| own.closest_shift),
+    ("relative_closest_shift", Independence::relative_closest_shift),
+    ("independent_from", |own| own.independent_from),
+];
+
+/// Writes the verdict of a run.
+pub(crate) fn write_independence(writer: &Writer<'_>, own: &Independence) -> Result<(), OutputError> {
+    write_figures(writer, &[*own])?;
+    writer.text(GROUP, "verdict", own.verdict().name())
+}
+
+/// Writes those of several laws or sizes.
+pub(crate) fn write_independences(writer: &Writer<'_>, all: &[Independence]) -> Result<(), OutputError> {
+    write_figures(writer, all)?;
+    writer.texts(VERDICT, &all.iter().map(|own| own.verdict().name()).collect::<Vec<&str>>())
+}
+
+fn write_figures(writer: &Writer<'_>, all: &[Independence]) -> Result<(), OutputError> {
+    write_limits(writer)?;
+    for (name, of) in FIGURES {
+        writer.dataset(&format!("{GROUP}/{name}"), &all.iter().map(of).collect::<Vec<f64>>())?;
+    }
+    Ok(())
+}
+
+/// Makes the group, and writes the limits of the figures.
+pub(crate) fn write_limits(writer: &Writer<'_>) -> Result<(), OutputError> {
+    writer.group("independence")?;
+    for limit in Independence::LIMITS {
+        writer.number(GROUP, &format!("good_{}", limit.name), limit.good)?;
+        if limit.invalid.is_finite() {
+            writer.number(GROUP, &format!("invalid_{}", limit.name), limit.invalid)?;
+        }
+    }
+    Ok(())
+}
+
+/// Reads the figures of a run back.
+pub(crate) fn read_independence(reader: &Reader) -> Result<Independence, OutputError> {
+    let figure = |name: &str| reader.values::<f64>(&format!("{GROUP}/{name}")).map(|values| values[0]);
+    Ok(Independence {
+        surface_height_std: reader.number("/", "surface_height_std")?,
+        patch_side: figure("patch_side")?,
+        substrate_stiffness: figure("substrate_stiffness")?,
+        shift: figure("shift")?,
+        attractive_stiffness: figure("attractive_stiffness")?,
+        fluctuation: figure("fluctuation")?,
+        contact_share: figure("contact_share")?,
+        closest_shift: figure("closest_shift")?,
+        independent_from: figure("independent_from")?,
+    })
+}

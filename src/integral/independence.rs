@@ -1,0 +1,236 @@
+//! Whether the asperities of a patch may be taken as independent of each other, judged from its integral.
+//!
+//! A patch of side L stands on its own half-space. A uniform pressure p̄ on it makes the mean displacement
+//! c p̄ L/E*, so it stands on a spring k_s = E* L/c, and by mean field its force is F(d) = F_GW(d + F/k_s): a
+//! shift of the separation, as long as no attraction is as stiff as the spring. What the mean leaves out, for
+//! asperities at places that are uniformly random, scatters their displacements by
+//! σ_u² = 2π η ⟨f²⟩ ln(L/b)/(πE*)², with b half of 1/√η. A modulation of wavelength Λ is held by πE*/Λ per
+//! area: an attraction of the stiffness s per area is stable against those below Λ_c = πE*/s.
+//!
+//! Sources: Johnson, Contact Mechanics (1985), section 3.3 (c); Ciavarella, Greenwood and Paggi, Wear 265
+//! (2008) 729 (mean field).
+
+use super::expectations::Expectations;
+use crate::asperity::Quantity;
+use crate::surface::Surface;
+use std::f64::consts::PI;
+
+/// c of a square, (4/π)(ln(1 + √2) + (1 − √2)/3).
+const SQUARE: f64 = 0.946_402_008_818_677_1;
+
+/// Stiffness k_s, N/m, of a half-space of the modulus E*, Pa, under a uniform pressure on a square of an area,
+/// m².
+///
+/// # Examples
+/// ```
+/// use stiction::integral::substrate_stiffness;
+///
+/// let stiffness = substrate_stiffness(85.29e9, 1000e-12);
+/// assert!((stiffness / 2.85e6 - 1.0).abs() < 1e-3);
+/// ```
+pub fn substrate_stiffness(reduced_modulus: f64, area: f64) -> f64 {
+    reduced_modulus * area.sqrt() / SQUARE
+}
+
+/// The limits of a figure by which independence is judged.
+///
+/// # Examples
+/// ```
+/// use stiction::integral::{Independence, Limit};
+///
+/// let [_, Limit { name, good, invalid }, ..] = Independence::LIMITS;
+/// assert_eq!((name, good, invalid), ("relative_attractive_stiffness", 0.05, 1.0));
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limit {
+    /// The figure, by its name in files.
+    pub name: &'static str,
+    /// Independence is good up to here.
+    pub good: f64,
+    /// Independence is invalid from here on; infinite where the figure makes a shift only.
+    pub invalid: f64,
+}
+
+/// What independence of the asperities is worth.
+///
+/// # Examples
+/// ```
+/// use stiction::integral::IndependenceVerdict;
+///
+/// let scene = stiction::Scene::from_toml_file("configs/quick.toml")?;
+/// let verdict: IndependenceVerdict = stiction::integrate(&scene)?.main.independence.verdict();
+/// assert_eq!(verdict.name(), "a shift");
+/// # Ok::<(), stiction::Error>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum IndependenceVerdict {
+    /// Coupling through the substrate changes little where the surfaces are pulled off.
+    Good,
+    /// Every force of the curve is at another separation, by mean field.
+    Shift,
+    /// The patch has another curve.
+    Invalid,
+}
+
+impl IndependenceVerdict {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Good, Self::Shift, Self::Invalid];
+
+    /// The word, in files and on the terminal.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Good => "good",
+            Self::Shift => "a shift",
+            Self::Invalid => "invalid",
+        }
+    }
+}
+
+/// The integral along the path on which surfaces are pulled off, as it is judged.
+pub struct IntegralCurve<'a> {
+    /// The separations h, m, rising.
+    pub separations: &'a [f64],
+    /// The external force at them, N.
+    pub force: &'a [f64],
+    /// The integral at pull-off, or at the smallest separation where nothing pulls.
+    pub at_pull_off: &'a Expectations,
+    /// The largest slope of the external force, N/m.
+    pub largest_slope: f64,
+}
+
+/// Figures by which the independence of the asperities of a patch is judged: those of the pull-off of its
+/// integral, or of the smallest separation where nothing pulls.
+///
+/// # Examples
+/// ```
+/// use stiction::integral::Independence;
+///
+/// let scene = stiction::Scene::from_toml_file("configs/case_iii.toml")?;
+/// let independence: Independence = stiction::integrate(&scene)?.main.independence;
+/// assert_eq!(independence.verdict().name(), "invalid");
+/// let ratio = independence.relative_attractive_stiffness();
+/// assert!((21.5..22.5).contains(&ratio), "attraction is 22 times as stiff as what the patch stands on");
+/// # Ok::<(), stiction::Error>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Independence {
+    /// Standard deviation σ of the surface heights, m.
+    pub surface_height_std: f64,
+    /// Side L of the patch, √A_n, m.
+    pub patch_side: f64,
+    /// Stiffness k_s of the half-space under the patch, N/m.
+    pub substrate_stiffness: f64,
+    /// Shift F/k_s, m, by which the asperities are further from the other surface; negative at a pull-off.
+    pub shift: f64,
+    /// Largest dF/dh of the external force along the path, N/m; 0 where it nowhere rises.
+    pub attractive_stiffness: f64,
+    /// Standard deviation σ_u of the displacements of asperities at uniformly random places, m.
+    pub fluctuation: f64,
+    /// Share of the nominal area in contact.
+    pub contact_share: f64,
+    /// Shift at the smallest separation, m.
+    pub closest_shift: f64,
+    /// Separation h, m, from which on no shift is beyond its limit; NaN where it still is at the largest one.
+    pub independent_from: f64,
+}
+
+impl Independence {
+    /// Limits of the figures in the order of [`Independence::figures`]. Up to 0.05 a length in σ, or a stiffness
+    /// in k_s, changes forces at a separation by some per cent; up to 0.01 in contact 4 % of contacts at random
+    /// overlap another. From k_s on the force at a separation is no longer one; from 0.3 σ on the heights seem
+    /// wider by 4 %; from 0.1 in contact one contact in three overlaps another.
+    pub const LIMITS: [Limit; 4] = [
+        Limit { name: "relative_shift", good: 0.05, invalid: f64::INFINITY },
+        Limit { name: "relative_attractive_stiffness", good: 0.05, invalid: 1.0 },
+        Limit { name: "relative_fluctuation", good: 0.05, invalid: 0.3 },
+        Limit { name: "contact_share", good: 0.01, invalid: 0.1 },
+    ];
+
+    /// Judges a surface on bodies of the modulus E*, Pa, by the curve of its integral.
+    #[doc(hidden)]
+    pub fn new(surface: &Surface, reduced_modulus: f64, curve: &IntegralCurve<'_>) -> Self {
+        let IntegralCurve { separations, force, at_pull_off, largest_slope } = *curve;
+        let area = surface.nominal_area;
+        let stiffness = substrate_stiffness(reduced_modulus, area);
+        let expected = |quantity: Quantity| at_pull_off.expected[quantity.index()][0];
+        let count = surface.asperity_count as f64;
+        // L/b = 2 √N.
+        let variance =
+            2.0 * PI * count / area * at_pull_off.mean_square_force[0] * libm::log(2.0 * count.sqrt())
+                / (PI * reduced_modulus).powi(2);
+        let largest_force = Self::LIMITS[0].good * surface.surface_height_std * stiffness;
+        Self {
+            surface_height_std: surface.surface_height_std,
+            patch_side: area.sqrt(),
+            substrate_stiffness: stiffness,
+            shift: expected(Quantity::ExternalForce) / stiffness,
+            attractive_stiffness: if largest_slope < 0.0 { 0.0 } else { largest_slope },
+            fluctuation: variance.sqrt(),
+            contact_share: expected(Quantity::ContactArea) / area,
+            closest_shift: force[0] / stiffness,
+            independent_from: from_where(separations, force, largest_force),
+        }
+    }
+
+    /// The shift over σ.
+    pub fn relative_shift(&self) -> f64 {
+        self.shift / self.surface_height_std
+    }
+
+    /// The shift at the smallest separation over σ.
+    pub fn relative_closest_shift(&self) -> f64 {
+        self.closest_shift / self.surface_height_std
+    }
+
+    /// The attractive stiffness over that of the half-space.
+    pub fn relative_attractive_stiffness(&self) -> f64 {
+        self.attractive_stiffness / self.substrate_stiffness
+    }
+
+    /// The fluctuation over σ.
+    pub fn relative_fluctuation(&self) -> f64 {
+        self.fluctuation / self.surface_height_std
+    }
+
+    /// The longest wavelength Λ_c, m, at which the surfaces are stable where they attract most stiffly;
+    /// infinite without attraction.
+    pub fn longest_stable_wavelength(&self) -> f64 {
+        // E* = c k_s/L, and the stiffness is that of the area L².
+        PI * SQUARE * self.patch_side / self.relative_attractive_stiffness()
+    }
+
+    /// The figures that [`Independence::LIMITS`] are of.
+    pub fn figures(&self) -> [f64; 4] {
+        [
+            self.relative_shift().abs(),
+            self.relative_attractive_stiffness(),
+            self.relative_fluctuation(),
+            self.contact_share,
+        ]
+    }
+
+    /// What independence is worth; of figures that are not numbers nothing.
+    pub fn verdict(&self) -> IndependenceVerdict {
+        let all = |is_within: fn(f64, &Limit) -> bool| {
+            self.figures().into_iter().zip(&Self::LIMITS).all(|(figure, limit)| is_within(figure, limit))
+        };
+        match () {
+            () if all(|figure, limit| figure <= limit.good) => IndependenceVerdict::Good,
+            () if all(|figure, limit| figure < limit.invalid) => IndependenceVerdict::Shift,
+            () => IndependenceVerdict::Invalid,
+        }
+    }
+}
+
+/// The separation from which on no force is larger than a limit, N, in straight lines between the separations;
+/// NaN where that at the largest one is.
+fn from_where(separations: &[f64], force: &[f64], limit: f64) -> f64 {
+    let beyond = |force: &f64| !(force.abs() <= limit);
+    let Some(last) = force.iter().rposition(beyond) else { return separations[0] };
+    if last + 1 == force.len() {
+        return f64::NAN;
+    }
+    let [near, far] = [last, last + 1].map(|k| (separations[k], force[k]));
+    let share = (near.1 - limit.copysign(near.1)) / (near.1 - far.1);
+    near.0 + (far.0 - near.0) * share
+}

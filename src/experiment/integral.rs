@@ -73,12 +73,14 @@ impl PathIntegral {
     fn new(scene: &Scene, expectations: Expectations, at: impl Fn(f64) -> Expectations) -> Self {
         let q = Quantity::ExternalForce.index();
         let (separations, force) = (&scene.separations, &expectations.expected[q]);
-        let features = Features::new(|h| at(h).expected[q][0], separations, force, resolving(scene));
+        let force_at = |h: f64| at(h).expected[q][0];
+        let features = Features::new(force_at, separations, force, resolving(scene));
         let pulls = features.minimum.value < 0.0;
         let at_pull_off = at(if pulls { features.minimum.place } else { separations[0] });
-        let largest_slope = largest_slope(scene, &features, force, |h| at(h).expected[q][0]);
+        let largest_slope = largest_slope(scene, &features, force, force_at);
         let curve = IntegralCurve { separations, force, at_pull_off: &at_pull_off, largest_slope };
-        let independence = Independence::new(&scene.surface, scene.asperity.reduced_modulus, &curve);
+        let modulus = scene.asperity.reduced_modulus;
+        let independence = Independence::new(&scene.surface, modulus, &curve, force_at);
         Self { at_stiffest: at(features.steepest.place), at_pull_off, independence, features, expectations }
     }
 

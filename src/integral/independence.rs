@@ -18,6 +18,9 @@ use std::f64::consts::PI;
 /// c of a square, (4/π)(ln(1 + √2) + (1 − √2)/3).
 const SQUARE: f64 = 0.946_402_008_818_677_1;
 
+/// Accuracy of the separation from which on asperities may be taken as independent, in σ.
+const ACCURACY: f64 = 1e-5;
+
 /// Stiffness k_s, N/m, of a half-space of the modulus E*, Pa, under a uniform pressure on a square of an area,
 /// m².
 ///
@@ -146,10 +149,16 @@ impl Independence {
         Limit { name: "contact_share", good: 0.01, invalid: 0.1 },
     ];
 
-    /// Judges a surface on bodies of the modulus E*, Pa, by the curve of its integral.
+    /// Judges a surface on bodies of the modulus E*, Pa, by the curve of its integral, which is `force_at`, N,
+    /// at any separation h, m.
     #[doc(hidden)]
-    pub fn new(surface: &Surface, reduced_modulus: f64, curve: &IntegralCurve<'_>) -> Self {
-        let IntegralCurve { separations, force, at_pull_off, largest_slope } = *curve;
+    pub fn new(
+        surface: &Surface,
+        reduced_modulus: f64,
+        curve: &IntegralCurve<'_>,
+        force_at: impl Fn(f64) -> f64,
+    ) -> Self {
+        let IntegralCurve { force, at_pull_off, largest_slope, .. } = *curve;
         let area = surface.nominal_area;
         let stiffness = substrate_stiffness(reduced_modulus, area);
         let expected = |quantity: Quantity| at_pull_off.expected[quantity.index()][0];
@@ -158,6 +167,7 @@ impl Independence {
         let variance =
             2.0 * PI * count / area * at_pull_off.mean_square_force[0] * libm::log(2.0 * count.sqrt())
                 / (PI * reduced_modulus).powi(2);
+        let accuracy = ACCURACY * surface.surface_height_std;
         let largest_force = Self::LIMITS[0].good * surface.surface_height_std * stiffness;
         Self {
             surface_height_std: surface.surface_height_std,
@@ -168,7 +178,7 @@ impl Independence {
             fluctuation: variance.sqrt(),
             contact_share: expected(Quantity::ContactArea) / area,
             closest_shift: force[0] / stiffness,
-            independent_from: from_where(separations, force, largest_force),
+            independent_from: from_where(curve, largest_force, accuracy, force_at),
         }
     }
 
@@ -222,15 +232,24 @@ impl Independence {
     }
 }
 
-/// The separation from which on no force is larger than a limit, N, in straight lines between the separations;
-/// NaN where that at the largest one is.
-fn from_where(separations: &[f64], force: &[f64], limit: f64) -> f64 {
-    let beyond = |force: &f64| !(force.abs() <= limit);
-    let Some(last) = force.iter().rposition(beyond) else { return separations[0] };
-    if last + 1 == force.len() {
-        return f64::NAN;
+/// The separation from which on no force is larger than a limit, N, to an accuracy, m; NaN where that at the
+/// largest one is.
+fn from_where(
+    IntegralCurve { separations, force, .. }: &IntegralCurve<'_>,
+    limit: f64,
+    accuracy: f64,
+    force_at: impl Fn(f64) -> f64,
+) -> f64 {
+    let is_within = |force: f64| force.abs() <= limit;
+    let Some(last) = force.iter().rposition(|&force| !is_within(force)) else { return separations[0] };
+    let Some(&next) = separations.get(last + 1) else { return f64::NAN };
+    let (mut beyond, mut within) = (separations[last], next);
+    while within - beyond > accuracy {
+        let middle = 0.5 * (beyond + within);
+        if middle <= beyond || middle >= within {
+            break;
+        }
+        *(if is_within(force_at(middle)) { &mut within } else { &mut beyond }) = middle;
     }
-    let [near, far] = [last, last + 1].map(|k| (separations[k], force[k]));
-    let share = (near.1 - limit.copysign(near.1)) / (near.1 - far.1);
-    near.0 + (far.0 - near.0) * share
+    within
 }

@@ -77,7 +77,7 @@ impl<'a> Model<'a> {
             }
         };
         let q = Quantity::ExternalForce.index();
-        let mean_square = |at: &AtSeparation| at.variances()[q] + at.means()[q] * at.means()[q];
+        let mean_square = |at: &AtSeparation| at.variances()[q] + at.means()[q].powi(2);
         let regime = |f: &dyn Fn(&AtSeparation, usize) -> f64| -> Vec<Vec<f64>> {
             (0..self.laws.regimes().len())
                 .map(|r| at.iter().map(|at| count * f(&at.fine, r)).collect())

@@ -14,6 +14,7 @@ mod finite_size;
 mod forest;
 mod hostile_files;
 mod hybrid;
+mod independence;
 mod instruction_sets;
 mod interruption;
 mod large_surfaces;

@@ -47,7 +47,16 @@ impl Checked<'_> {
         self.figure("shift", &shifts.collect::<Vec<f64>>(), force)?;
         self.figure("contact_share", &grown(0, first.contact_share), "the first size")?;
         self.figure("closest_shift", &grown(1, first.closest_shift), "the first size")?;
-        self.figure("attractive_stiffness", &grown(2, first.attractive_stiffness), "the first size")
+        self.figure("attractive_stiffness", &grown(2, first.attractive_stiffness), "the first size")?;
+        let from = |own: &Independence| match own.independent_from {
+            from if from.is_nan() => f64::INFINITY,
+            from => from,
+        };
+        if let Some(i) = (1..all.len()).find(|&i| from(&all[i]) < from(&all[i - 1])) {
+            let path = format!("{GROUP}/independent_from");
+            self.say_at(&path, i, from(&all[i]), "no less than for the smaller patch before is expected");
+        }
+        Ok(())
     }
 
     /// What is judged, whose figures follow from each other and the verdicts from them; nothing in files

@@ -69,7 +69,30 @@ const NOT_FOUND: &[(&str, &str, &str, &str)] = &[
         "of the curves of the replicas, which are not there",
     ),
     ("finite-size", "/nominal_area", "scale", "given by the scene"),
-    ("finite-size", "/independence/contact_share", "scale", "of the runs of the sizes, which are not there"),
+    (
+        "finite-size",
+        "/independence/contact_share",
+        "scale reverse",
+        "of the runs of the sizes, which are not there",
+    ),
+    (
+        "finite-size",
+        "/independence/longest_stable_wavelength",
+        "reverse",
+        "the same for all sizes but for rounding",
+    ),
+    (
+        "compare",
+        "/independence/contact_share",
+        "reverse",
+        "what is beside it is alike to less than the separations tell",
+    ),
+    (
+        "compare",
+        "/independence/independent_from",
+        "reverse",
+        "what is beside it is alike to less than the separations tell",
+    ),
     (
         "finite-size",
         "/independence/independent_from",

@@ -13,8 +13,9 @@ are computed with the 64 bits of np.longdouble (x86), so that the solution has s
 """
 
 import functools
+import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import mpmath as mp
@@ -218,3 +219,95 @@ def follow(law: Callable, asperity: Asperities, heights, green, separations, sta
         states.append(solve(law, asperity, heights, green, separation, delta))
         delta = states[-1].approach
     return states
+
+
+def steps(start: float, end: float, step: float) -> list:
+    """Separations from one to another, no step longer than given."""
+    return np.linspace(start, end, max(2, math.ceil(abs(end - start) / step)) + 1).tolist()
+
+
+# --- Contacts that are not small -----------------------------------------------------------------------------------------
+
+# u pi E* r / f outside the contact circle of the radius s r: the load of Hertz, and the attraction of JKR, that of a flat punch.
+SERIES = {  # in s^2
+    "load": [Long(v) for v in (1, Long(1) / 10, Long(9) / 280, Long(5) / 336, Long(35) / 4224)],
+    "punch": [Long(v) for v in (1, Long(1) / 6, Long(3) / 40, Long(5) / 112, Long(35) / 1152)],
+}
+
+
+def beyond_point(s, kind: str):
+    """u pi E* r / f - 1 at s = a/r: by its series where the closed form cancels."""
+    s = np.minimum(np.asarray(s, Long), 1)
+    series = sum(c * s ** (2 * k) for k, c in enumerate(SERIES[kind]) if k)
+    wide = np.where(s > 0.03, s, 1)
+    if kind == "load":
+        closed = Long(3) / 4 * ((2 / wide - 1 / wide**3) * np.arcsin(wide) + np.sqrt(1 - wide**2) / wide**2) - 1
+    else:
+        closed = np.arcsin(wide) / wide - 1
+    return np.where(s > 0.03, closed, series)
+
+
+def laplacian(coefficients):
+    """Of a series in Chebyshev polynomials of 4 x - 1 and 4 y - 1."""
+    twice = np.polynomial.chebyshev.chebder
+    return np.pad(twice(coefficients, 2, 4, 0), ((0, 2), (0, 0))) + np.pad(twice(coefficients, 2, 4, 1), ((0, 0), (0, 2)))
+
+
+class Distances:
+    """Distances of asperities from each other; in a cell that repeats from the nine nearest images, and what all others sum to."""
+
+    def __init__(self, places, cell: float | None):
+        x, y = np.asarray(places, Long).T
+        x, y, self.rest = x[:, None] - x[None, :], y[:, None] - y[None, :], {}
+        near = np.hypot(x, y)[None]
+        if cell is not None:
+            side = Long(cell)
+            x, y = np.abs(x / side - np.rint(x / side)), np.abs(y / side - np.rint(y / side))
+            near = side * np.array([np.hypot(x - i, y - j) for i in (-1, 0, 1) for j in (-1, 0, 1)])
+            # The Laplacian of 1/r is 1/r^3, that of 1/r^3 is 9/r^5, and so on.
+            coefficients = smooth_part()
+            for power in (3, 5, 7):
+                coefficients = laplacian(coefficients) / (power - 2) ** 2
+                values = np.polynomial.chebyshev.chebval2d(4 * x - 1, 4 * y - 1, coefficients)
+                self.rest[power] = values / side**power
+        self.near = np.where(near == 0, np.inf, near)
+
+    def cubes(self):
+        """The sum of 1/r^3 over all images."""
+        return np.sum(1 / self.near**3, axis=0) + self.rest.get(3, 0)
+
+    def beyond(self, radius, kind: str):
+        """The sum over all images of u pi E* / f less that of point forces; `radius` is that of the contact of each column."""
+        total = np.sum(beyond_point(radius / self.near, kind) / self.near, axis=0)
+        for power, values in self.rest.items():
+            total = total + SERIES[kind][(power - 1) // 2] * radius ** (power - 1) * values
+        return total
+
+
+def contact_radius(law: Callable, asperity: Asperities, delta):
+    """Radius of the contact in m of `hertz` or `jkr`."""
+    if law is jkr:
+        return np.cbrt(PI * Long(asperity.work) * asperity.radius**2 / asperity.stiffness) * jkr_radius(delta / asperity.length)
+    return np.sqrt(asperity.radius * np.maximum(delta, 0))
+
+
+def solve_contact(law: Callable, asperity: Asperities, heights, places, cell, separation: float, start) -> tuple[State, np.ndarray]:
+    """As `solve`, with the next orders: contacts of finite size and the curvature of the substrate under each.
+
+    The load of a contact acts as that of Hertz, its attraction as that of a flat punch, and the others' forces bend the
+    substrate: 1/R_eff = 1/R + sum_j f_j / (2 pi E* r_ij^3). Also returns the radii of the contacts in m.
+    """
+    green, distances = green_matrix(places, asperity.modulus, cell), Distances(places, cell)
+    scale, cubes = PI * Long(asperity.modulus), distances.cubes()
+    heights, bent, sunk, delta = np.asarray(heights, Long), asperity, Long(0), np.array(start, Long)
+    for _ in range(ROUNDS):
+        state = solve(law, bent, heights - sunk, green, separation, delta)
+        radius = contact_radius(law, bent, state.approach)
+        load = bent.stiffness * radius**3 / bent.radius
+        before, delta = sunk, state.approach
+        sunk = (distances.beyond(radius, "load") @ load + distances.beyond(radius, "punch") @ (state.force - load)) / scale
+        curvature = 1 / (Long(1) * asperity.radius) + cubes @ state.force / (2 * scale)
+        bent = replace(asperity, radius=1 / curvature)
+        if np.max(np.abs(sunk - before)) <= 1e-16 * np.max(np.abs(sunk) + np.abs(delta)):
+            return state, radius
+    raise ValueError(f"the next orders do not settle at the separation {separation}")

@@ -27,7 +27,7 @@ from pathlib import Path
 
 import mpmath as mp
 import numpy as np
-from coupled_asperities import JKR_END, LAWS, Asperities, State, follow, green_matrix, hertz, lattice, solve, stability
+from coupled_asperities import JKR_END, LAWS, Asperities, State, follow, green_matrix, hertz, lattice, solve, stability, steps
 
 mp.mp.dps = 30
 FILE = Path(__file__).resolve().parents[1] / "tests" / "data" / "coupling.json"
@@ -157,10 +157,6 @@ def dmt_path(asperity, heights, green, separations) -> list[State | None]:
         else:
             states.append(None)
     return states
-
-
-def steps(start: float, end: float, step: float) -> list:
-    return np.linspace(start, end, max(2, math.ceil(abs(end - start) / step)) + 1).tolist()
 
 
 def dense(law: str, surface: dict, periodic: bool, separations: list) -> list[State]:
@@ -311,9 +307,10 @@ def content() -> dict:
     }
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(description="Reference values of coupled asperities.")
-    parser.add_argument("-o", "--output", type=Path, default=FILE, metavar="OUT.json")
+def command(content, file: Path, description: str) -> None:
+    """The command line of a script that writes what a function makes."""
+    parser = argparse.ArgumentParser(description=description)
+    parser.add_argument("-o", "--output", type=Path, default=file, metavar="OUT.json")
     parser.add_argument("--check", type=Path, metavar="OTHER.json")
     arguments = parser.parse_args()
     written = text(content()) + "\n"
@@ -326,4 +323,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    command(content, FILE, "Reference values of coupled asperities.")

@@ -173,6 +173,34 @@ def jkr(asperity: Asperities, delta):
     return unit * (radius**3 - radius * root), unit / length * slope
 
 
+def dugdale_state(theta, lam):
+    """Delta, F and A of Maugis and Dugdale at the angle theta = arccos(a/c)."""
+    sine, cosine = np.sin(theta), np.cos(theta)
+    alpha = lam / 2 * (sine * cosine - theta * np.cos(2 * theta))
+    beta = 4 * lam**2 / 3 * (theta * sine + cosine - 1)
+    outer = 2 / (beta + np.sqrt(beta**2 + 4 * alpha))
+    radius = outer * cosine
+    return radius**2 - 4 * lam / 3 * outer * sine, radius**3 - lam * outer**2 * (sine * cosine + theta), radius
+
+
+def dugdale(stress: float) -> Callable:
+    """The law of Maugis and Dugdale in contact, to 1e-9, for lambda below 0.9379, where Delta falls with theta all the way."""
+
+    def law(asperity, delta):
+        modulus, length = asperity.stiffness, asperity.length
+        lam = 2 * stress * np.cbrt(asperity.radius / (PI * asperity.work * modulus**2))
+        low, high = np.full(delta.shape, Long(1e-3)), np.full(delta.shape, PI / 2)
+        for _ in range(60):
+            middle = (low + high) / 2
+            deeper = dugdale_state(middle, lam)[0] > delta / length
+            low, high = np.where(deeper, middle, low), np.where(deeper, high, middle)
+        step, unit = Long(1e-5), PI * asperity.work * asperity.radius
+        near, far = dugdale_state(low - step, lam), dugdale_state(np.minimum(low + step, PI / 2), lam)
+        return unit * dugdale_state(low, lam)[1], unit / length * (far[1] - near[1]) / (far[0] - near[0])
+
+    return law
+
+
 LAWS = {"hertz": hertz, "dmt": dmt, "idmt": idmt, "jkr": jkr}
 
 

@@ -231,7 +231,8 @@ def ensembles(surfaces: dict) -> list:
         surface, periodic = surfaces[name], coupling == "periodic"
         if len(surface["places"]) > 2:
             states = dense(law, surface, periodic, separations)
-            rows = [{"separation": s.separation, "approaches": s.approach, "forces": s.force, "margin": margin(law, surface, s)} for s in states]
+            rows = [{"separation": state.separation, "approaches": state.approach, "forces": state.force,
+                     "margin": margin(law, surface, state)} for state in states]
         else:
             rows = [few(law, surface, periodic, separation) for separation in separations]
         found.append({"surface": name, "law": law, "coupling": coupling, "states": rows})

@@ -1,0 +1,115 @@
+"""Boundary-element solutions of surfaces on a plane that repeats, by the package tamaas, for referee.py.
+
+tamaas (L. Frérot and others, J. Open Source Softw. 5 (2020) 2121; PyPI, AGPL) solves the contact of a rough surface with a flat
+elastic half-space by conjugate gradients on a regular grid, with the response of the substrate in Fourier space. Lengths
+are in nm and stresses in GPa here, so that forces are in nN; what goes in and comes out is in SI units.
+
+Grids end in errors of the pixels at the edges of contacts. Each result is the mean over two positions of the surface on the grid, half a
+pixel apart both ways, on three grids, each twice as fine as the one before; from the last two it is extrapolated.
+"""
+
+import time
+import warnings
+from typing import NamedTuple
+
+import numpy as np
+import tamaas
+
+tamaas.set_log_level(tamaas.LogLevel.error)
+warnings.filterwarnings("ignore", category=DeprecationWarning)
+NM, GPA = 1e-9, 1e9
+SHIFTS = (0.0, 0.5)
+
+
+class Solution(NamedTuple):
+    """Separation of the mean planes in m, load by owner in N, contact area in m^2, time in s."""
+
+    separation: float
+    loads: np.ndarray
+    area: float
+    seconds: float
+
+
+def paraboloids(surface: dict, points: int, shift: float) -> tuple[np.ndarray, np.ndarray]:
+    """Heights in nm on the grid, and which paraboloid is the highest at each point. `shift` is in pixels."""
+    cell = surface["cell"] / NM
+    axis = (np.arange(points) - shift) * cell / points
+    heights, owner = np.full((points, points), -np.inf), np.zeros((points, points), np.int32)
+    for index, ((x, y), z, radius) in enumerate(zip(surface["places"], surface["heights"], surface["radii"])):
+        along, across = (gap - cell * np.rint(gap / cell) for gap in (axis - x / NM, axis - y / NM))
+        height = z / NM - (along[:, None] ** 2 + across[None, :] ** 2) / (2 * radius / NM)
+        higher = height > heights
+        heights[higher], owner[higher] = height[higher], index
+    return heights, owner
+
+
+def refined(heights: np.ndarray, times: int) -> np.ndarray:
+    """A periodic map on a grid that is finer by a whole number, by its Fourier series."""
+    count = len(heights)
+    transformed, half = np.fft.fft2(heights), count // 2
+    finer = np.zeros((count * times, count * times), complex)
+    low, high = slice(0, half), slice(-half, None)
+    for rows in (low, high):
+        for columns in (low, high):
+            finer[rows, columns] = transformed[rows, columns]
+    return np.fft.ifft2(finer).real * times**2
+
+
+def contact_area(pressed: np.ndarray, pixel: float) -> float:
+    """Area of the points under pressure, less that of their edges: V. A. Yastrebov and others, Tribol. Int. 114 (2017) 161."""
+    edge = sum(int(np.sum(pressed != np.roll(pressed, 1, axis))) for axis in (0, 1))
+    return (float(pressed.sum()) - (np.pi - 1 + np.log(2)) / 24 * edge) * pixel**2
+
+
+def model_of(points: int, cell: float, modulus: float):
+    model = tamaas.Model(tamaas.model_type.basic_2d, [cell / NM] * 2, [points] * 2)
+    model.E, model.nu = modulus / GPA, 0.0
+    return model
+
+
+def press(heights: np.ndarray, owner: np.ndarray, cell: float, modulus: float, pressure: float, tolerance: float = 1e-10) -> Solution:
+    """Without adhesion under a mean pressure in Pa."""
+    model, pixel = model_of(len(heights), cell, modulus), cell / len(heights)
+    begin = time.perf_counter()
+    solver = tamaas.PolonskyKeerRey(model, heights, tolerance)
+    solver.max_iter = 10000
+    if not solver.solve(pressure / GPA) <= tolerance:
+        raise ValueError(f"tamaas does not settle at {pressure} Pa")
+    seconds = time.perf_counter() - begin
+    traction = np.array(model.traction) * GPA
+    loads = np.bincount(owner.ravel(), traction.ravel()) * pixel**2
+    separation = float(np.mean(np.array(model.displacement))) * NM
+    return Solution(separation, loads, contact_area(traction > 0, pixel), seconds)
+
+
+def hold(heights: np.ndarray, owner: np.ndarray, cell: float, modulus: float, work: float, stress: float, separation: float) -> Solution:
+    """With the adhesion of Maugis, the theoretical stress up to the gap work/stress, at a separation in m."""
+    model, pixel, tolerance = model_of(len(heights), cell, modulus), cell / len(heights), 1e-7
+    gaps = tamaas.PolonskyKeerRey.gap
+    solver = tamaas.PolonskyKeerRey(model, heights, tolerance, gaps, gaps)
+    solver.max_iter = 10000
+    adhesion = tamaas.MaugisAdhesionFunctional(heights)
+    adhesion.parameters = {"rho": work / stress / NM, "surface_energy": work / (GPA * NM)}
+    solver.addFunctionalTerm(adhesion)
+    begin = time.perf_counter()
+    if not solver.solve(separation / NM - float(heights.mean())) <= tolerance:
+        raise ValueError(f"tamaas does not settle at the separation {separation}")
+    seconds = time.perf_counter() - begin
+    traction = np.array(model.traction) * GPA
+    loads = np.bincount(owner.ravel(), traction.ravel()) * pixel**2
+    return Solution(separation, loads, contact_area(np.array(model["gap"]) <= 0.0, pixel), seconds)
+
+
+def over_shifts(solve, surface_at) -> Solution:
+    """The mean of the solutions of a surface over its positions on the grid; `surface_at(shift)` gives heights and owners."""
+    found = [solve(*surface_at(shift)) for shift in SHIFTS]
+    return Solution(*(np.mean([getattr(one, name) for one in found], axis=0) for name in Solution._fields))
+
+
+def extrapolated(coarse, middle, fine, order: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The limit of fine grids by an order, how far it is from the finest, and the order that the three grids show."""
+    coarse, middle, fine = (np.asarray(value, float) for value in (coarse, middle, fine))
+    limit = fine + (fine - middle) / (2.0**order - 1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        seen = np.log2(np.abs((coarse - middle) / (middle - fine)))
+    return limit, np.abs(limit - fine), seen

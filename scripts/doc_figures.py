@@ -250,6 +250,33 @@ def sizes(program: Program) -> list[str]:
     return [power(float(run["count_at_accuracy"][accuracies.index(accuracy)])) for accuracy in (0.1, 0.05)]
 
 
+def scientific(value: float) -> str:
+    """Two significant digits; below 0.01 with a power of ten."""
+    if value >= 0.01:
+        return digits(value, 2)
+    mantissa, exponent = f"{value:.1e}".split("e-")
+    return f"{mantissa}·10⁻{str(int(exponent)).translate(str.maketrans('0123456789', '⁰¹²³⁴⁵⁶⁷⁸⁹'))}"
+
+
+def independence(case: str, metres: float) -> Callable[[Program], list[str]]:
+    """The row of a case: shift in nm and in sigma, attraction, fluctuation, longest stable wavelength in a unit, per cent in contact."""
+
+    def values(program: Program) -> list[str]:
+        own = program.file("compare", ROOT / "configs" / f"{case}.toml", "--laws", "hybrid")["independence"]
+        of = {name: abs(float(own[name][0])) for name in own if name not in ("law", "verdict")}
+        shift = 1e9 * of["shift"]
+        return [
+            scientific(shift) if shift < 0.01 else digits(shift),
+            scientific(of["relative_shift"]),
+            scientific(of["relative_attractive_stiffness"]),
+            scientific(of["relative_fluctuation"]),
+            digits(of["longest_stable_wavelength"] / metres, 3 if metres == 1e-6 and case == "case_ii" else 2),
+            scientific(100.0 * of["contact_share"]),
+        ]
+
+    return values
+
+
 ROW = "| {} | {} / {} | {} / {} |"
 TABLE = "\n".join(
     f"| {name if case == 'I' else ''} | {case} ".replace("|  |", "| |")
@@ -287,6 +314,10 @@ FIGURES = [
         "| 0.14 | 35.8 mN | {} ± {} mN | {} mN | 2.80 | {} |",
         surface_energy,
     ),
+    Block("docs/independence.md", "  independence ", ("check", str(ROOT / "configs/case_ii.toml"))),
+    Figure("docs/independence.md", "| case I | {} nm = {} σ | {} | {} σ | {} m | {} % | good |", independence("case_i", 1.0)),
+    Figure("docs/independence.md", "| case II | {} nm = {} σ | {} | {} σ | {} µm | {} % | a shift |", independence("case_ii", 1e-6)),
+    Figure("docs/independence.md", "| case III | {} nm = {} σ | {} | {} σ | {} µm | {} % | invalid |", independence("case_iii", 1e-6)),
     Figure("docs/finite-size.md", "| case II | {} | {} |", sizes),
 ]
 

@@ -62,7 +62,7 @@ pub struct Limit {
 ///
 /// let scene = stiction::Scene::from_toml_file("configs/quick.toml")?;
 /// let verdict: IndependenceVerdict = stiction::integrate(&scene)?.main.independence.verdict();
-/// assert_eq!(verdict.name(), "a shift");
+/// assert_eq!(verdict.name(), "good");
 /// # Ok::<(), stiction::Error>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -42,18 +42,21 @@ pub(super) fn independence(own: &Independence) -> String {
     row("independence", &format!("{}: {meaning}", verdict.name())) + &row("", &figures)
 }
 
-/// Where the shift is within its limit, and the largest of it when the surfaces are pressed together.
+/// Where the shift comes to its limit, and the largest of it when the surfaces are pressed together.
 fn range(own: &Independence) -> String {
     let [limit, ..] = Independence::LIMITS;
     let (from, closest) = (own.independent_from / own.surface_height_std, own.relative_closest_shift());
     if from.is_nan() {
-        return format!(", and above {} σ at every separation", limit.good);
+        return format!(", above {} σ at every separation", limit.good);
+    }
+    if closest.abs() <= limit.good && own.verdict() == IndependenceVerdict::Good {
+        return format!(", nowhere by more than {} σ", limit.good);
     }
     let pressed = match own.shift < 0.0 && closest.abs() > limit.good {
         true => format!(", {} σ where closest", ratio(closest)),
         false => String::new(),
     };
-    format!(", below {} σ from h* = {from:.3}{pressed}", limit.good)
+    format!(", {} σ at h* = {from:.3}{pressed}", limit.good)
 }
 
 /// The figure that is beyond its limit.

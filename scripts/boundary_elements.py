@@ -30,17 +30,23 @@ class Solution(NamedTuple):
     seconds: float
 
 
-def paraboloids(surface: dict, points: int, shift: float) -> tuple[np.ndarray, np.ndarray]:
-    """Heights in nm on the grid, and which paraboloid is the highest at each point. `shift` is in pixels."""
+def paraboloids(surface: dict, points: int, shift: float, reach: float = np.inf) -> tuple[np.ndarray, np.ndarray]:
+    """Heights in nm on the grid, and which paraboloid is the highest at each point. `shift` is in pixels.
+
+    Of many paraboloids each is drawn as far as `reach` in m; what none reaches is as low as the lowest point that one does.
+    """
     cell = surface["cell"] / NM
-    axis = (np.arange(points) - shift) * cell / points
+    axis, pixel = (np.arange(points) - shift) * cell / points, cell / points
     heights, owner = np.full((points, points), -np.inf), np.zeros((points, points), np.int32)
+    half = min(points // 2, int(min(reach / NM / pixel, points)))
     for index, ((x, y), z, radius) in enumerate(zip(surface["places"], surface["heights"], surface["radii"])):
-        along, across = (gap - cell * np.rint(gap / cell) for gap in (axis - x / NM, axis - y / NM))
+        near = [np.arange(half * 2 if half * 2 < points else points) + int(p / NM / pixel + shift) - half for p in (x, y)]
+        window = np.ix_(*(values % points for values in near))
+        along, across = (gap - cell * np.rint(gap / cell) for gap in (axis[near[0] % points] - x / NM, axis[near[1] % points] - y / NM))
         height = z / NM - (along[:, None] ** 2 + across[None, :] ** 2) / (2 * radius / NM)
-        higher = height > heights
-        heights[higher], owner[higher] = height[higher], index
-    return heights, owner
+        higher = height > heights[window]
+        heights[window], owner[window] = np.where(higher, height, heights[window]), np.where(higher, index, owner[window])
+    return np.maximum(heights, heights[np.isfinite(heights)].min()), owner
 
 
 def refined(heights: np.ndarray, times: int) -> np.ndarray:

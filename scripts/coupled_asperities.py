@@ -234,7 +234,7 @@ def solve(law: Callable, asperity: Asperities, heights, green, separation: float
         factor = 1.0 if size < best else max(factor / 2, 0.02)
         best = min(best, size)
         delta = delta - Long(factor) * step
-        if np.max(np.abs(step)) <= 2e-18 * np.max(np.abs(target) + np.abs(delta)):
+        if max(np.max(np.abs(step)) / 2, size / 5) <= 1e-18 * np.max(np.abs(target) + np.abs(delta)):
             return State(separation, delta, law(asperity, delta)[0])
     raise ValueError(f"no state at the separation {separation}: residual {size} m")
 

@@ -29,7 +29,7 @@ from pathlib import Path
 
 import numpy as np
 from coupled_asperities import Asperities, Long, dugdale, follow, green_matrix, hertz, solve, solve_contact, steps
-from reference_coupling import text
+from reference_coupling import hard_core, text
 from synthesise_map import MAP, PIXEL, TILT
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -151,20 +151,30 @@ def whole_map() -> dict:
     return {"reduced_modulus": MODULUS, **tops, "states": states}
 
 
+def case_ii() -> dict:
+    """As many asperities as case II has, 7390 on 1000 um^2."""
+    rng, side = np.random.Generator(np.random.PCG64(21)), 3.1622777e-5
+    places = hard_core(rng, 7390, side, 0.184e-6)
+    heights = 1.6e-9 * rng.standard_normal(len(places))
+    return {"cell": side, "places": places, "heights": heights, "radii": [3.33e-6] * len(places)}
+
+
 def times() -> list:
-    """One state of 200 asperities by grid: seconds of one solution, and its error of the total force at equal separation."""
+    """One state by grid: seconds of one solution, and its error of the total force at equal separation against the finest grids."""
     import boundary_elements as be
 
-    surface, pressure = surfaces()["two hundred"], 1e7
-    found = []
-    for points in (128, 256, 512, 1024, 2048):
-        print("times", points, file=sys.stderr, flush=True)
-        found.append((points, be.press(*be.paraboloids(surface, points, 0.0), surface["cell"], MODULUS, pressure, 1e-8)))
-    true = float(be.extrapolated(*(one.separation for _, one in found[-3:]), ORDER)[0])
-    near = [state.force.sum() for state in states_of(surface, [true + 1e-12, true - 1e-12], "point")]
-    slope = float(near[0] - near[1]) / 2e-12 / (pressure * surface["cell"] ** 2)  # of the logarithm of the force
-    rows = [{"points": n, "seconds": one.seconds, "force_error": abs((one.separation - true) * slope)} for n, one in found]
-    return {"surface": "two hundred", "pressure": pressure, "grids": rows}
+    rows, pressure = [], 1e7
+    for name, surface, grids in [("two hundred", surfaces()["two hundred"], (128, 256, 512, 1024, 2048)), ("case II", case_ii(), (512, 1024, 2048))]:
+        drawn, found = {points: be.paraboloids(surface, points, 0.0, 1e-6) for points in grids}, []
+        for points in grids:
+            print("times", name, points, file=sys.stderr, flush=True)
+            found.append(be.press(*drawn[points], surface["cell"], MODULUS, pressure, 1e-8))
+        true = float(be.extrapolated(*(one.separation for one in found[-3:]), ORDER)[0])
+        near = be.press(*drawn[grids[1]], surface["cell"], MODULUS, 1.01 * pressure, 1e-8).separation
+        slope = np.log(1.01) / (near - found[1].separation)  # of the logarithm of the force
+        grids = [{"points": n, "seconds": one.seconds, "force_error": abs((one.separation - true) * slope)} for n, one in zip(grids, found)]
+        rows.append({"surface": name, "asperities": len(surface["heights"]), "pressure": pressure, "grids": grids})
+    return rows
 
 
 # --- Asperities ----------------------------------------------------------------------------------------------------------

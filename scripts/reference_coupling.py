@@ -42,13 +42,14 @@ PLACES = [(0, 0), (0.5, 0.5), (0.5, 0), (0, 0.5), (0.25, 0.25), (0.001, 0), (0.0
 
 def hard_core(rng, count: int, side: float, distance: float) -> list:
     """Places in a square that repeats, each at least `distance` from those before, in whole picometres."""
-    places = []
-    while len(places) < count:
+    places, found = np.empty((count, 2)), 0
+    while found < count:
         place = np.round(rng.random(2) * side, 12)
-        apart = [place - np.array(other) for other in places]
-        if all(np.hypot(*(gap - side * np.rint(gap / side))) >= distance for gap in apart):
-            places.append(place.tolist())
-    return places
+        gaps = place - places[:found]
+        if np.all(np.hypot(*(gaps - side * np.rint(gaps / side)).T) >= distance):
+            places[found] = place
+            found += 1
+    return places.tolist()
 
 
 def surfaces() -> dict:
@@ -127,13 +128,17 @@ def few(law: str, surface: dict, periodic: bool, separation: float) -> dict:
 # --- Ensembles -----------------------------------------------------------------------------------------------------------
 
 
-def touching(touched: np.ndarray):
-    """The law of DMT where it is given which asperities have touched."""
+RAMP = np.longdouble("1e-27")  # m, over which the law of an asperity that rests at its touch jumps
+
+
+def with_sets(touched: np.ndarray, resting: np.ndarray):
+    """The law of DMT where it is given which asperities have touched, and which rest at the touch with a force in between."""
 
     def law(asperity, delta):
         force, slope = hertz(asperity, delta)
         pull = LAWS["dmt"](asperity, np.zeros_like(delta))[0]
-        return np.where(touched, force + pull, 0), np.where(touched, slope, 0)
+        force, slope = np.where(touched, force + pull, 0), np.where(touched, slope, 0)
+        return np.where(resting, pull * (delta / RAMP + 0.5), force), np.where(resting, pull / RAMP, slope)
 
     return law
 
@@ -141,21 +146,28 @@ def touching(touched: np.ndarray):
 def dmt_path(asperity, heights, green, separations) -> list[State | None]:
     """States of DMT along separations: the asperity that is furthest on the wrong side of its touch flips, one at a time.
 
-    None where no set of touching asperities agrees with itself: an asperity then rests at its touch.
+    One that flips a third time at a separation rests at its touch. None where no sets agree with themselves.
     """
-    delta = np.array(heights, np.longdouble) - np.longdouble(separations[0])
+    heights = np.array(heights, np.longdouble)
+    delta = heights - np.longdouble(separations[0])
     touched, states = delta >= 0, []
     for separation in separations:
-        for _ in range(2 * len(heights) + 10):
-            state = solve(touching(touched), asperity, heights, green, separation, delta)
-            delta = state.approach
-            wrong = np.where(touched, -delta, delta)
+        flips, resting = np.zeros(len(delta), int), np.zeros(len(delta), bool)
+        for _ in range(6 * len(delta) + 10):
+            state = solve(with_sets(touched, resting), asperity, heights, green, separation, delta)
+            delta = np.where(resting, 0, state.approach)
+            wrong = np.where(touched, -state.approach, state.approach)
+            wrong = np.where(resting, np.abs(state.approach) - RAMP / 2, wrong)
             if np.max(wrong) <= 0:
-                states.append(state)
+                states.append(state._replace(approach=delta))
                 break
-            touched[np.argmax(wrong)] ^= True
+            worst = np.argmax(wrong)
+            touched[worst] = touched[worst] ^ (not resting[worst])
+            flips[worst] += 1
+            resting[worst] = flips[worst] > 2 and not resting[worst]
         else:
             states.append(None)
+        touched = touched & ~resting
     return states
 
 
@@ -169,8 +181,8 @@ def dense(law: str, surface: dict, periodic: bool, separations: list) -> list[St
         for separation in separations:
             down = dmt_path(asperity, heights, green, steps(high + 1e-9, separation, 2e-10))[-1]
             back = dmt_path(asperity, heights, green, steps(separation - 1e-9, separation, 2e-10))[-1]
-            if None in (down, back) or np.any((down.approach >= 0) != (back.approach >= 0)):
-                raise ValueError(f"dmt at {separation}: the history counts, or an asperity rests")
+            if None in (down, back) or np.max(np.abs(down.approach - back.approach)) > 1e-20:
+                raise ValueError(f"dmt at {separation}: the history counts, or no state was found")
             found.append(down)
         return found
     places = [low - 1e-9 if law == "jkr" else high + 1e-9, *separations]
@@ -184,7 +196,7 @@ def dense(law: str, surface: dict, periodic: bool, separations: list) -> list[St
 def margin(law: str, surface: dict, state: State):
     """The least distance, in m, of an approach from where its law jumps or ends; None for laws that do neither."""
     if law == "dmt":
-        return float(np.min(np.abs(state.approach)))
+        return float(np.min(np.abs(state.approach[state.approach != 0])))
     if law == "jkr":
         asperity = Asperities(np.array(surface["radii"], np.longdouble), MODULUS, WORK)
         return float(np.min(state.approach - JKR_END * asperity.length))
@@ -221,6 +233,9 @@ MANY = [
     ("two hundred", "hertz", "patch", [2.5e-9, 0.0, -2.5e-9]),
     ("two hundred", "dmt", "periodic", [2.8e-9, 1.6e-9, 2e-10]),
     ("two hundred", "dmt", "patch", [2.8e-9, 1.6e-9, 1e-9]),
+    ("thirty", "dmt", "periodic", [0.0]),  # in these states one or two asperities rest at their touch
+    ("two hundred", "dmt", "periodic", [1.8e-9, 8e-10]),
+    ("two hundred", "dmt", "patch", [0.0]),
 ]
 
 

@@ -80,7 +80,8 @@ def loads(axes: Axes, surface: dict, row: dict) -> None:
              title=f"(c) loads of 200 asperities at {row['pressure'] * 1e-6:g} MPa")
     axes.set_yscale("symlog", linthresh=1e-4)
     axes.axhline(0, color="grey", linewidth=0.6)
-    axes.legend(loc="center right", bbox_to_anchor=(1.0, 0.75), frameon=True)
+    axes.set_xlim(right=1.5e6 * true.max())
+    axes.legend(loc="center right")
 
 
 def areas(axes: Axes, surface: dict, program: list | None) -> None:

@@ -164,7 +164,8 @@ def times() -> list:
     import boundary_elements as be
 
     rows, pressure = [], 1e7
-    for name, surface, grids in [("two hundred", surfaces()["two hundred"], (128, 256, 512, 1024, 2048)), ("case II", case_ii(), (512, 1024, 2048))]:
+    hundreds = surfaces()["two hundred"]
+    for name, surface, grids in [("two hundred", hundreds, (128, 256, 512, 1024, 2048)), ("case II", case_ii(), (512, 1024, 2048))]:
         drawn, found = {points: be.paraboloids(surface, points, 0.0, 1e-6) for points in grids}, []
         for points in grids:
             print("times", name, points, file=sys.stderr, flush=True)

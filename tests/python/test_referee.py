@@ -11,7 +11,7 @@ import pytest
 from program import PROGRAM, ROOT
 
 sys.path.insert(0, str(ROOT / "scripts"))
-from coupled_asperities import LAWS, Asperities, Long, green_matrix  # noqa: E402
+from coupled_asperities import LAWS, Asperities, Long, State, green_matrix, solve, solve_contact, stability  # noqa: E402
 from referee import MODULUS, ORDER, adhesive_state, program_states, states_of, three_grids  # noqa: E402
 
 DATA = ROOT / "tests" / "data"
@@ -42,6 +42,49 @@ def test_states_meet_their_equations(ensemble):
         bound = 1e-14 * np.max(np.abs(force)) + 1e-15 * np.abs(slope) * np.max(np.abs(approach))
         rests = (approach == 0.0) & (ensemble["law"] == "dmt")
         assert np.all(np.where(rests, (found < force) & (force < 0), np.abs(found - force) < bound))
+
+
+@pytest.mark.parametrize("pair", LIMITS["jkr_pairs"], ids=lambda pair: f"{pair['distance']:g} m")
+def test_pairs_pull_off_where_the_closed_form_says(pair):
+    """By the dense solution at the separation of pull-off, where the force is least: of point forces, and with the next orders."""
+    places, heights = [[0.0, 0.0], [pair["distance"], 0.0]], np.zeros(2)
+    asperity = Asperities(np.full(2, LIMITS["asperity_radius"], Long), MODULUS, LIMITS["work_of_adhesion"])
+    start, jkr = np.full(2, -pair["single_separation"], Long), LAWS["jkr"]
+    for step, exact in ((0.0, True), (1e-13, False), (-1e-13, False)):
+        separation = pair["point_separation"] + step
+        point = float(solve(jkr, asperity, heights, green_matrix(places, MODULUS, None), separation, start).force[0])
+        separation = pair["contact_separation"] + step
+        contact = float(solve_contact(jkr, asperity, heights, places, None, separation, start)[0].force[0])
+        for force, pull_off in ((point, pair["point_pull_off"]), (contact, pair["contact_pull_off"])):
+            assert -force == pytest.approx(pull_off, rel=1e-12) if exact else -pull_off < force < -pull_off * (1 - 1e-5)
+    share = (pair["single_radius"] / pair["distance"]) ** 3
+    assert pair["contact_pull_off"] / pair["point_pull_off"] - 1 == pytest.approx(2 / (3 * np.pi) * share, rel=0.5 * share + 1e-9)
+
+
+@pytest.mark.parametrize("row", LIMITS["lattice"]["states"][:-2], ids=lambda row: f"{row['radius']:g} m")
+def test_the_lattice_is_solved_densely_too(row):
+    cell, asperity = LIMITS["lattice"]["cell"], Asperities(np.full(1, LIMITS["asperity_radius"], Long), MODULUS)
+    start, place, hertz = np.full(1, row["radius"] ** 2 / LIMITS["asperity_radius"], Long), [[0.0, 0.0]], LAWS["hertz"]
+    point = solve(hertz, asperity, np.zeros(1), green_matrix(place, MODULUS, cell), row["point_separation"], start).force[0]
+    contact, radius = solve_contact(hertz, asperity, np.zeros(1), place, cell, row["contact_separation"], start)
+    assert float(point) == pytest.approx(row["point_force"], rel=1e-12)
+    assert float(contact.force[0]) == pytest.approx(row["contact_force"], rel=1e-12)
+    assert float(radius[0]) == pytest.approx(row["radius"], rel=1e-12)
+
+
+@pytest.mark.parametrize("pair", LIMITS["folds"], ids=lambda pair: f"{pair['distance']:g} m")
+def test_pairs_jump_where_stability_ends(pair):
+    asperity = Asperities(np.full(2, pair["radius"], Long), MODULUS, pair["work_of_adhesion"], LIMITS["equilibrium_spacing"])
+    green, law = green_matrix([[0.0, 0.0], [pair["distance"], 0.0]], MODULUS, None), LAWS["idmt"]
+    for jump in (pair["jump_in"], pair["jump_off"]):
+        for side in ("before", "after"):
+            approach = np.full(2, jump[f"approach_{side}"], Long)
+            state = State(jump["separation"], approach, law(asperity, approach)[0])
+            assert np.max(np.abs(approach + jump["separation"] + green @ state.force)) < 1e-15 * LIMITS["equilibrium_spacing"]
+            assert float(state.force[0]) == pytest.approx(jump[f"force_{side}"], rel=1e-13)
+            left = stability(law, asperity, green, state)
+            assert abs(left) < 1e-12 if side == "before" else left > 0.1
+        assert jump["energy_lost"] > 0
 
 
 def test_two_origins_say_the_same():

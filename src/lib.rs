@@ -53,6 +53,8 @@ pub mod audit;
 #[cfg(feature = "cli")]
 #[doc(hidden)]
 pub mod cli;
+#[doc(hidden)]
+pub mod coupled;
 pub mod engine;
 #[cfg(feature = "hdf5")]
 #[doc(hidden)]
@@ -74,6 +76,7 @@ pub mod output;
 pub mod scene;
 #[cfg(test)]
 mod source;
+pub mod substrate;
 pub mod surface;
 pub mod validation;
 

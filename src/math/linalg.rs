@@ -50,6 +50,19 @@ pub fn symmetric_eigen(matrix: &[f64], n: usize) -> Option<Eigen> {
     })
 }
 
+/// The smallest real part of the eigenvalues of a matrix, given by its columns, of which only the first n numbers
+/// count; NaN where they cannot be had.
+pub fn smallest_real_part(columns: &[Vec<f64>]) -> f64 {
+    sequential();
+    let n = columns.len();
+    let at = |i: usize, j: usize| columns[j].get(i).copied().unwrap_or(0.0);
+    if n == 0 || n > LARGEST || columns.iter().flatten().any(|x| !x.is_finite()) {
+        return f64::NAN;
+    }
+    let eigenvalues = Mat::from_fn(n, n, at).eigenvalues();
+    eigenvalues.map_or(f64::NAN, |all| all.iter().map(|value| value.re).fold(f64::INFINITY, f64::min))
+}
+
 /// Functionals that are uncorrelated and of unit variance when `covariance`, row-major, n × n, is that of
 /// what they act on: its eigenvectors over the roots of the eigenvalues, largest first, of all eigenvalues
 /// that are at least `smallest` of the largest. There are fewer than n of them where components are

@@ -4,6 +4,8 @@ pub mod chebyshev;
 pub mod clenshaw_curtis;
 pub mod control_variates;
 pub mod extrema;
+pub mod fft;
+pub mod gmres;
 pub mod instruction_set;
 pub mod interpolation;
 pub mod interval;

@@ -1,0 +1,382 @@
+//! Convolution on a grid by Fourier transforms whose bits do not depend on the processor.
+//!
+//! # Formula
+//! Stockham's self-sorting transform of mixed radix (Van Loan 1992, section 1.7), over many columns at once:
+//! the innermost loop is over columns, so that vectors of any width give the same bits. Factors come from
+//! `libm`. A library that takes them from the sine of the C library has other bits on processors with fused
+//! multiplication, because that sine has.
+
+use super::instruction_set::InstructionSet;
+use std::f64::consts::PI;
+
+/// cos 72°, cos 144°, sin 72° and sin 144°.
+const PENTAGON: [f64; 4] =
+    [0.309_016_994_374_947_4, -0.809_016_994_374_947_4, 0.951_056_516_295_153_6, 0.587_785_252_292_473_1];
+/// sin 60°.
+const TRIANGLE: f64 = 0.866_025_403_784_438_6;
+
+/// Complex numbers, real and imaginary parts apart.
+#[derive(Clone, Debug, Default)]
+pub struct Complex {
+    /// Real parts.
+    pub re: Vec<f64>,
+    /// Imaginary parts.
+    pub im: Vec<f64>,
+}
+
+impl Complex {
+    /// So many zeros.
+    pub fn zeros(count: usize) -> Self {
+        Self { re: vec![0.0; count], im: vec![0.0; count] }
+    }
+
+    fn swap(&mut self, other: &mut Self) {
+        std::mem::swap(&mut self.re, &mut other.re);
+        std::mem::swap(&mut self.im, &mut other.im);
+    }
+}
+
+/// The least length from `least` on that has no other factors than 2, 3 and 5, and is even.
+pub fn good_length(least: usize) -> usize {
+    let smooth = |mut n: usize| {
+        for factor in [2, 3, 5] {
+            while n.is_multiple_of(factor) {
+                n /= factor;
+            }
+        }
+        n == 1
+    };
+    (least.max(2)..).find(|n| n.is_multiple_of(2) && smooth(*n)).expect("powers of 2 are without end")
+}
+
+/// A stage of a transform: its radix, and cos and sin of the factors of each of its groups, radix − 1 of them.
+#[derive(Clone, Debug)]
+struct Stage {
+    radix: usize,
+    factors: Vec<(f64, f64)>,
+}
+
+/// Transforms of one length.
+#[derive(Clone, Debug)]
+pub struct Transform {
+    length: usize,
+    stages: Vec<Stage>,
+}
+
+impl Transform {
+    /// Transforms of a [good](good_length) length.
+    pub fn new(length: usize) -> Self {
+        let (mut left, mut stages) = (length, Vec::new());
+        for radix in [4, 2, 3, 5] {
+            while left.is_multiple_of(radix) && left > 1 {
+                let groups = left / radix;
+                let angle = |p: usize, u: usize| -2.0 * PI * ((p * u) % left) as f64 / left as f64;
+                let factor = |angle: f64| (libm::cos(angle), libm::sin(angle));
+                let factors = (0..groups)
+                    .flat_map(|p| (1..radix).map(move |u| (p, u)))
+                    .map(|(p, u)| factor(angle(p, u)));
+                stages.push(Stage { radix, factors: factors.collect() });
+                left = groups;
+            }
+        }
+        assert_eq!(left, 1, "{length} has another factor than 2, 3 and 5");
+        Self { length, stages }
+    }
+
+    /// Transforms `columns` columns of `data`, row by row of it, forward: Σ x e^(−2πi jk/n). `scratch` has as
+    /// many numbers.
+    pub fn forward(&self, columns: usize, data: &mut Complex, scratch: &mut Complex) {
+        let (mut left, mut stride) = (self.length, columns);
+        for stage in &self.stages {
+            InstructionSet::current().run(
+                #[inline(always)]
+                || pass(stage, left / stage.radix, stride, data, scratch),
+            );
+            data.swap(scratch);
+            left /= stage.radix;
+            stride *= stage.radix;
+        }
+    }
+
+    /// The same with the opposite sign in the exponent, not divided by the length.
+    pub fn backward(&self, columns: usize, data: &mut Complex, scratch: &mut Complex) {
+        std::mem::swap(&mut data.re, &mut data.im);
+        self.forward(columns, data, scratch);
+        std::mem::swap(&mut data.re, &mut data.im);
+    }
+}
+
+/// One stage: groups p of `radix` slices each a stride wide.
+#[inline(always)]
+fn pass(stage: &Stage, groups: usize, stride: usize, from: &Complex, to: &mut Complex) {
+    let radix = stage.radix;
+    for p in 0..groups {
+        let source = |t: usize| {
+            let begin = stride * (p + groups * t);
+            (&from.re[begin..begin + stride], &from.im[begin..begin + stride])
+        };
+        let out = radix * stride * p..radix * stride * (p + 1);
+        let out = (&mut to.re[out.clone()], &mut to.im[out]);
+        let factors = &stage.factors[(radix - 1) * p..(radix - 1) * (p + 1)];
+        match radix {
+            2 => butterfly::<2>([source(0), source(1)], factors, out, |x| {
+                let [a, b] = x;
+                [(a.0 + b.0, a.1 + b.1), (a.0 - b.0, a.1 - b.1)]
+            }),
+            3 => butterfly::<3>([source(0), source(1), source(2)], factors, out, three),
+            4 => butterfly::<4>([source(0), source(1), source(2), source(3)], factors, out, four),
+            _ => butterfly::<5>([source(0), source(1), source(2), source(3), source(4)], factors, out, five),
+        }
+    }
+}
+
+type Number = (f64, f64);
+
+#[inline(always)]
+fn butterfly<const R: usize>(
+    from: [(&[f64], &[f64]); R],
+    factors: &[Number],
+    (re, im): (&mut [f64], &mut [f64]),
+    of: impl Fn([Number; R]) -> [Number; R],
+) {
+    let stride = from[0].0.len();
+    let res: [&mut [f64]; R] = split(re, stride);
+    let ims: [&mut [f64]; R] = split(im, stride);
+    let from = from.map(|(re, im)| (&re[..stride], &im[..stride]));
+    for q in 0..stride {
+        let out = of(from.map(|(re, im)| (re[q], im[q])));
+        res[0][q] = out[0].0;
+        ims[0][q] = out[0].1;
+        for u in 1..R {
+            let (cos, sin) = factors[u - 1];
+            res[u][q] = out[u].0 * cos - out[u].1 * sin;
+            ims[u][q] = out[u].0 * sin + out[u].1 * cos;
+        }
+    }
+}
+
+#[inline(always)]
+fn split<const R: usize>(mut all: &mut [f64], stride: usize) -> [&mut [f64]; R] {
+    std::array::from_fn(|_| {
+        let (first, rest) = std::mem::take(&mut all).split_at_mut(stride);
+        all = rest;
+        first
+    })
+}
+
+#[inline(always)]
+fn three([a, b, c]: [Number; 3]) -> [Number; 3] {
+    let (sum, less) = ((b.0 + c.0, b.1 + c.1), (b.0 - c.0, b.1 - c.1));
+    let middle = (a.0 - 0.5 * sum.0, a.1 - 0.5 * sum.1);
+    let turned = (TRIANGLE * less.1, -TRIANGLE * less.0);
+    [
+        (a.0 + sum.0, a.1 + sum.1),
+        (middle.0 + turned.0, middle.1 + turned.1),
+        (middle.0 - turned.0, middle.1 - turned.1),
+    ]
+}
+
+#[inline(always)]
+fn four([a, b, c, d]: [Number; 4]) -> [Number; 4] {
+    let (even, odd) = ((a.0 + c.0, a.1 + c.1), (b.0 + d.0, b.1 + d.1));
+    let (less, turned) = ((a.0 - c.0, a.1 - c.1), (b.1 - d.1, d.0 - b.0));
+    [
+        (even.0 + odd.0, even.1 + odd.1),
+        (less.0 + turned.0, less.1 + turned.1),
+        (even.0 - odd.0, even.1 - odd.1),
+        (less.0 - turned.0, less.1 - turned.1),
+    ]
+}
+
+#[inline(always)]
+fn five([a, b, c, d, e]: [Number; 5]) -> [Number; 5] {
+    let [c1, c2, s1, s2] = PENTAGON;
+    let (outer, inner) = ((b.0 + e.0, b.1 + e.1), (c.0 + d.0, c.1 + d.1));
+    let (less, lesser) = ((b.0 - e.0, b.1 - e.1), (c.0 - d.0, c.1 - d.1));
+    let one = (a.0 + c1 * outer.0 + c2 * inner.0, a.1 + c1 * outer.1 + c2 * inner.1);
+    let two = (a.0 + c2 * outer.0 + c1 * inner.0, a.1 + c2 * outer.1 + c1 * inner.1);
+    let first = (s1 * less.1 + s2 * lesser.1, -(s1 * less.0 + s2 * lesser.0));
+    let second = (s2 * less.1 - s1 * lesser.1, -(s2 * less.0 - s1 * lesser.0));
+    [
+        (a.0 + outer.0 + inner.0, a.1 + outer.1 + inner.1),
+        (one.0 + first.0, one.1 + first.1),
+        (two.0 + second.0, two.1 + second.1),
+        (two.0 - second.0, two.1 - second.1),
+        (one.0 - first.0, one.1 - first.1),
+    ]
+}
+
+/// Circular convolutions of square real grids with one even kernel; what is convolved fills the first `inner`
+/// rows and columns of a grid of side `side`, and no more is read of the result.
+#[derive(Clone, Debug)]
+pub struct Convolution {
+    inner: usize,
+    side: usize,
+    transform: Transform,
+    /// Transform of the kernel over side², by wave numbers along the columns 0..=side/2, then along the rows.
+    spectrum: Vec<f64>,
+}
+
+/// Memory of convolutions.
+#[derive(Clone, Debug, Default)]
+pub struct ConvolutionScratch {
+    pairs: Complex,
+    rows: Complex,
+    scratch: Complex,
+}
+
+impl Convolution {
+    /// Convolutions with the kernel whose transform at the wave numbers (along the rows, along the columns),
+    /// both of 0..side, is given.
+    pub fn new(inner: usize, side: usize, spectrum: impl Fn(usize, usize) -> f64) -> Self {
+        let half = side / 2 + 1;
+        let norm = 1.0 / (side as f64 * side as f64);
+        let spectrum =
+            (0..side).flat_map(|x| (0..half).map(move |y| (x, y))).map(|(x, y)| norm * spectrum(x, y));
+        Self { inner, side, transform: Transform::new(side), spectrum: spectrum.collect() }
+    }
+
+    /// Convolves a grid of `inner` rows and columns, `inner` even, in its place.
+    pub fn apply(&self, grid: &mut [f64], memory: &mut ConvolutionScratch) {
+        let Self { inner, side, .. } = *self;
+        let (half, pairs) = (side / 2 + 1, inner / 2);
+        let ConvolutionScratch { pairs: z, rows, scratch } = memory;
+        for part in [&mut z.re, &mut z.im, &mut rows.re, &mut rows.im, &mut scratch.re, &mut scratch.im] {
+            part.clear();
+        }
+        for part in [&mut z.re, &mut z.im] {
+            part.resize(side * pairs, 0.0);
+        }
+        for part in [&mut rows.re, &mut rows.im] {
+            part.resize(side * half, 0.0);
+        }
+        for part in [&mut scratch.re, &mut scratch.im] {
+            part.resize(side * half.max(pairs), 0.0);
+        }
+        for y in 0..inner {
+            let (left, right) = grid[y * inner..(y + 1) * inner].split_at(pairs);
+            z.re[y * pairs..(y + 1) * pairs].copy_from_slice(left);
+            z.im[y * pairs..(y + 1) * pairs].copy_from_slice(right);
+        }
+        self.transform_within(side * pairs, pairs, z, scratch, false);
+        // The transforms of two real columns that came as one complex one.
+        for y in 0..half {
+            let mirrored = (side - y) % side;
+            for c in 0..pairs {
+                let (a, b) = (y * pairs + c, mirrored * pairs + c);
+                let (left, right) = (c * half + y, (c + pairs) * half + y);
+                rows.re[left] = 0.5 * (z.re[a] + z.re[b]);
+                rows.im[left] = 0.5 * (z.im[a] - z.im[b]);
+                rows.re[right] = 0.5 * (z.im[a] + z.im[b]);
+                rows.im[right] = 0.5 * (z.re[b] - z.re[a]);
+            }
+        }
+        self.transform_within(side * half, half, rows, scratch, false);
+        for part in [&mut rows.re, &mut rows.im] {
+            part.iter_mut().zip(&self.spectrum).for_each(|(value, factor)| *value *= factor);
+        }
+        self.transform_within(side * half, half, rows, scratch, true);
+        for y in 0..side {
+            let (from, sign) = if y < half { (y, 1.0) } else { (side - y, -1.0) };
+            for c in 0..pairs {
+                let (left, right) = (c * half + from, (c + pairs) * half + from);
+                z.re[y * pairs + c] = rows.re[left] - sign * rows.im[right];
+                z.im[y * pairs + c] = sign * rows.im[left] + rows.re[right];
+            }
+        }
+        self.transform_within(side * pairs, pairs, z, scratch, true);
+        for y in 0..inner {
+            let (left, right) = grid[y * inner..(y + 1) * inner].split_at_mut(pairs);
+            left.copy_from_slice(&z.re[y * pairs..(y + 1) * pairs]);
+            right.copy_from_slice(&z.im[y * pairs..(y + 1) * pairs]);
+        }
+    }
+
+    /// Transforms `count` numbers in columns, with scratch that may be longer.
+    fn transform_within(
+        &self,
+        count: usize,
+        columns: usize,
+        data: &mut Complex,
+        scratch: &mut Complex,
+        is_backward: bool,
+    ) {
+        scratch.re.resize(count, 0.0);
+        scratch.im.resize(count, 0.0);
+        if is_backward {
+            self.transform.backward(columns, data, scratch);
+        } else {
+            self.transform.forward(columns, data, scratch);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn number(i: usize) -> f64 {
+        ((i * 7919 + 13) % 1009) as f64 / 1009.0 - 0.5
+    }
+
+    /// The sum that defines the transform, for every radix and mixtures of them, over several columns.
+    #[test]
+    fn transforms_are_their_sums() {
+        for length in [2, 3, 4, 5, 6, 8, 10, 16, 30, 36, 60] {
+            let (columns, transform) = (3, Transform::new(length));
+            let count = columns * length;
+            let mut data = Complex {
+                re: (0..count).map(number).collect(),
+                im: (0..count).map(|i| number(i + count)).collect(),
+            };
+            let (given, mut scratch) = (data.clone(), Complex::zeros(count));
+            transform.forward(columns, &mut data, &mut scratch);
+            for k in 0..length {
+                for c in 0..columns {
+                    let (mut re, mut im) = (0.0, 0.0);
+                    for j in 0..length {
+                        let angle = -2.0 * PI * ((j * k) % length) as f64 / length as f64;
+                        let (cos, sin, i) = (angle.cos(), angle.sin(), j * columns + c);
+                        re += given.re[i] * cos - given.im[i] * sin;
+                        im += given.re[i] * sin + given.im[i] * cos;
+                    }
+                    let i = k * columns + c;
+                    assert!((data.re[i] - re).abs() + (data.im[i] - im).abs() < 1e-13, "{length}");
+                }
+            }
+            transform.backward(columns, &mut data, &mut scratch);
+            let n = length as f64;
+            assert!((0..count).all(|i| (data.re[i] / n - given.re[i]).abs() < 1e-14));
+        }
+    }
+
+    /// A kernel that shifts both ways at once, by the sum that defines a convolution.
+    #[test]
+    fn convolutions_are_their_sums() {
+        for (inner, side) in [(8, 8), (6, 12), (10, 20), (12, 30)] {
+            // k(x, y) = (δ₀ + 0.5 δ₁ + 0.5 δ₋₁)(x) (δ₀ + 0.25 δ₂ + 0.25 δ₋₂)(y).
+            let cosine = |k: usize, by: usize| (2.0 * PI * (k * by) as f64 / side as f64).cos();
+            let spectrum = |x, y| (1.0 + cosine(x, 1)) * (1.0 + 0.5 * cosine(y, 2));
+            let convolution = Convolution::new(inner, side, spectrum);
+            let given: Vec<f64> = (0..inner * inner).map(number).collect();
+            let mut grid = given.clone();
+            convolution.apply(&mut grid, &mut ConvolutionScratch::default());
+            let at = |x: isize, y: isize| {
+                let wrap = |i: isize| i.rem_euclid(side as isize) as usize;
+                let (x, y) = (wrap(x), wrap(y));
+                if x < inner && y < inner { given[y * inner + x] } else { 0.0 }
+            };
+            for y in 0..inner {
+                for x in 0..inner {
+                    let mut sum = 0.0;
+                    for (dx, wx) in [(0, 1.0), (1, 0.5), (-1, 0.5)] {
+                        for (dy, wy) in [(0, 1.0), (2, 0.25), (-2, 0.25)] {
+                            sum += wx * wy * at(x as isize - dx, y as isize - dy);
+                        }
+                    }
+                    assert!((grid[y * inner + x] - sum).abs() < 1e-14);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,155 @@
+//! Linear systems by their products alone: GMRES (Saad and Schultz 1986), without restart, in a fixed order
+//! of operations.
+
+use super::instruction_set::InstructionSet;
+use super::sums::lane_sum;
+
+/// A solution and how it was found.
+#[derive(Clone, Debug, Default)]
+pub struct Solved {
+    /// Products that were taken.
+    pub products: usize,
+    /// Norm of the residual over that of the right-hand side.
+    pub residual: f64,
+    /// The upper Hessenberg matrix of the products in their basis, column by column, each with one row more than
+    /// its number: its eigenvalues are close to the outermost of the system.
+    pub hessenberg: Vec<Vec<f64>>,
+}
+
+/// Memory of solutions.
+#[derive(Clone, Debug, Default)]
+pub struct Memory {
+    basis: Vec<Vec<f64>>,
+    terms: Vec<f64>,
+}
+
+impl Memory {
+    /// Solves A x = b from nothing to a residual of `tolerance` times the right-hand side, with `most` products
+    /// at most; `product` fills A v for v.
+    pub fn solve(
+        &mut self,
+        right: &[f64],
+        x: &mut [f64],
+        (tolerance, most): (f64, usize),
+        mut product: impl FnMut(&[f64], &mut [f64]),
+    ) -> Solved {
+        let n = right.len();
+        x.fill(0.0);
+        let norm = self.dot(right, right).sqrt();
+        let mut solved = Solved::default();
+        if !(norm > 0.0 && norm.is_finite()) {
+            return solved;
+        }
+        self.vector(0, n).iter_mut().zip(right).for_each(|(v, b)| *v = b / norm);
+        let (mut rotations, mut triangle): (Vec<[f64; 2]>, Vec<Vec<f64>>) = (Vec::new(), Vec::new());
+        let mut rest = vec![norm];
+        for k in 0..most {
+            let mut next = std::mem::take(self.vector(k + 1, n));
+            product(&self.basis[k], &mut next);
+            let mut column = Vec::with_capacity(k + 2);
+            for i in 0..=k {
+                let basis = std::mem::take(&mut self.basis[i]);
+                let along = self.dot(&basis, &next);
+                add(&mut next, -along, &basis);
+                self.basis[i] = basis;
+                column.push(along);
+            }
+            let length = self.dot(&next, &next).sqrt();
+            column.push(length);
+            if length > 0.0 {
+                next.iter_mut().for_each(|v| *v /= length);
+            }
+            self.basis[k + 1] = next;
+            solved.hessenberg.push(column.clone());
+            for (i, [cos, sin]) in rotations.iter().enumerate() {
+                let (a, b) = (column[i], column[i + 1]);
+                (column[i], column[i + 1]) = (cos * a + sin * b, cos * b - sin * a);
+            }
+            let hypot = (column[k] * column[k] + length * length).sqrt();
+            let [cos, sin] = if hypot > 0.0 { [column[k] / hypot, length / hypot] } else { [1.0, 0.0] };
+            rotations.push([cos, sin]);
+            column[k] = hypot;
+            column.truncate(k + 1);
+            triangle.push(column);
+            let last = rest[k];
+            rest[k] = cos * last;
+            rest.push(-sin * last);
+            solved.products = k + 1;
+            solved.residual = rest[k + 1].abs() / norm;
+            if solved.residual <= tolerance || !(length > 0.0) {
+                break;
+            }
+        }
+        let count = solved.products;
+        let mut weights = vec![0.0; count];
+        for k in (0..count).rev() {
+            let known: f64 = (k + 1..count).map(|j| triangle[j][k] * weights[j]).sum();
+            weights[k] = if triangle[k][k] > 0.0 { (rest[k] - known) / triangle[k][k] } else { 0.0 };
+        }
+        for (weight, basis) in weights.iter().zip(&self.basis) {
+            add(x, *weight, basis);
+        }
+        solved
+    }
+
+    fn vector(&mut self, k: usize, n: usize) -> &mut Vec<f64> {
+        if self.basis.len() <= k {
+            self.basis.push(Vec::new());
+        }
+        self.basis[k].resize(n, 0.0);
+        &mut self.basis[k]
+    }
+
+    fn dot(&mut self, a: &[f64], b: &[f64]) -> f64 {
+        let terms = &mut self.terms;
+        terms.resize(a.len(), 0.0);
+        InstructionSet::current().run(
+            #[inline(always)]
+            || {
+                for ((term, a), b) in terms.iter_mut().zip(a).zip(b) {
+                    *term = a * b;
+                }
+                lane_sum(terms)
+            },
+        )
+    }
+}
+
+/// x + factor · y in the place of x.
+fn add(x: &mut [f64], factor: f64, y: &[f64]) {
+    InstructionSet::current().run(
+        #[inline(always)]
+        || x.iter_mut().zip(y).for_each(|(x, y)| *x += factor * y),
+    );
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A system of 40 unknowns with the solution 1, 2, 3 ...
+    #[test]
+    fn solutions_solve() {
+        let n = 40;
+        let a =
+            |i: usize, j: usize| f64::from(u8::from(i == j)) * 3.0 + ((i * 7 + j * 13) % 11) as f64 / 11.0;
+        let product = |v: &[f64], out: &mut [f64]| {
+            for (i, out) in out.iter_mut().enumerate() {
+                *out = v.iter().enumerate().map(|(j, v)| a(i, j) * v).sum();
+            }
+        };
+        let truth: Vec<f64> = (0..n).map(|i| i as f64 + 1.0).collect();
+        let (mut right, mut x) = (vec![0.0; n], vec![0.0; n]);
+        product(&truth, &mut right);
+        let solved = Memory::default().solve(&right, &mut x, (1e-13, n), product);
+        assert!(solved.residual <= 1e-13 && solved.products <= n);
+        assert!(x.iter().zip(&truth).all(|(x, truth)| (x - truth).abs() < 1e-10), "{x:?}");
+    }
+
+    #[test]
+    fn nothing_solves_nothing() {
+        let mut x = [1.0; 3];
+        let solved = Memory::default().solve(&[0.0; 3], &mut x, (1e-9, 9), |_, _| unreachable!());
+        assert_eq!((solved.products, x), (0, [0.0; 3]));
+    }
+}

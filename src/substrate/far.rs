@@ -1,0 +1,296 @@
+//! The smooth part of the sums, on a grid.
+//!
+//! # Formula
+//! Loads are spread to a grid by the window φ(t) = exp(β(√(1 − t²) − 1)) (Barnett, Magland and af Klinteberg,
+//! SIAM J. Sci. Comput. 41 (2019) C479), convolved with erf(αr)/r, and read off by the same window; the
+//! transform of the kernel is divided by the square of that of the window. Of a repeated square it is
+//! (2π/k) erfc(k/2α), without k = 0. Of a square alone it is that of the kernel where it is needed, continued
+//! smoothly to nothing in a larger square: the kernel has no waves shorter than the grid, so that this
+//! transform is one on a grid.
+
+use super::Coupling;
+use crate::math::fft::{Complex, Convolution, ConvolutionScratch, Transform, good_length};
+use crate::math::instruction_set::InstructionSet;
+use gauss_quad::GaussLegendre;
+use std::f64::consts::PI;
+use std::num::NonZeroUsize;
+
+/// Grid points over those that the shortest wave needs.
+const OVERSAMPLING: f64 = 1.5;
+/// Nodes of the integral that transforms a window.
+const NODES: usize = 64;
+/// Grid points over which the kernel of a square alone keeps its values beyond where it is needed, and fewest
+/// over which it goes to nothing.
+const MARGIN: (usize, usize) = (16, 64);
+
+/// The window.
+#[derive(Clone, Copy, Debug)]
+struct Window {
+    /// Grid points that it covers along a side.
+    width: usize,
+    /// β.
+    shape: f64,
+}
+
+impl Window {
+    /// The window of an error of about `tolerance`.
+    fn new(tolerance: f64) -> Self {
+        let share = PI * (1.0 - 1.0 / OVERSAMPLING).sqrt();
+        let width = (libm::log(1.0 / tolerance) / share).ceil() as usize + 2;
+        Self { width, shape: 0.98 * PI * width as f64 * (1.0 - 0.5 / OVERSAMPLING) }
+    }
+
+    /// φ at a place between −1 and 1.
+    fn value(self, t: f64) -> f64 {
+        libm::exp(self.shape * ((1.0 - t * t).max(0.0).sqrt() - 1.0))
+    }
+
+    /// Its transforms in grid points, by the wave number of `0..=most` of a grid of `side`.
+    fn transforms(self, most: usize, side: usize) -> Vec<f64> {
+        let half = 0.5 * self.width as f64;
+        let rule = GaussLegendre::new(NonZeroUsize::new(NODES).expect("a rule has nodes"));
+        let pairs = rule.as_node_weight_pairs().iter();
+        let nodes: Vec<(f64, f64)> =
+            pairs.map(|&(t, weight)| (half * t, half * weight * self.value(t))).collect();
+        let at = |m: usize| {
+            let k = 2.0 * PI * m as f64 / side as f64;
+            nodes.iter().map(|(t, weight)| weight * libm::cos(k * t)).sum()
+        };
+        (0..=most).map(at).collect()
+    }
+}
+
+/// The sums over the smooth part.
+#[derive(Clone, Debug)]
+pub struct Far {
+    window: Window,
+    /// Rows and columns of the grid that loads are spread to.
+    side: usize,
+    /// Of these those that are repeated.
+    halo: usize,
+    /// First row and column of the window of each point, and its weights, columns and then rows.
+    places: Vec<[u32; 2]>,
+    weights: Vec<f64>,
+    convolution: Convolution,
+    scratch: ConvolutionScratch,
+    grid: Vec<f64>,
+    inner: Vec<f64>,
+}
+
+impl Far {
+    /// The sums over erf(αr)/r of points of the unit square, to about a relative `tolerance`; waves shorter
+    /// than `shortest`, a wave number, are below that.
+    pub fn new(coupling: Coupling, points: &[[f64; 2]], alpha: f64, shortest: f64, tolerance: f64) -> Self {
+        let window = Window::new(tolerance);
+        let per_side = good_length(((OVERSAMPLING * shortest / PI).ceil() as usize).max(2 * window.width));
+        let (inner, halo) = match coupling {
+            Coupling::Periodic => (per_side, window.width),
+            Coupling::Patch => (per_side + window.width + window.width % 2, 0),
+        };
+        let convolution = match coupling {
+            Coupling::Periodic => periodic(window, per_side, alpha, shortest),
+            Coupling::Patch => alone(window, (per_side, inner), alpha, shortest),
+        };
+        let (mut places, mut weights) = (Vec::with_capacity(points.len()), Vec::new());
+        weights.reserve(2 * window.width * points.len());
+        let half = 0.5 * window.width as f64;
+        for point in points {
+            let mut place = [0; 2];
+            for (k, &x) in point.iter().enumerate() {
+                // From the first row of the grid, which lies half a window before the square.
+                let x = x * per_side as f64;
+                let first = x.ceil();
+                place[k] = first as u32;
+                let along = |j: usize| window.value((first - x + j as f64 - half) / half);
+                weights.extend((0..window.width).map(along));
+            }
+            places.push(place);
+        }
+        let side = inner + halo;
+        Self {
+            window,
+            side,
+            halo,
+            places,
+            weights,
+            convolution,
+            scratch: ConvolutionScratch::default(),
+            grid: vec![0.0; side * side],
+            inner: vec![0.0; inner * inner],
+        }
+    }
+
+    /// Adds to the displacements what the smooth part contributes.
+    pub fn add(&mut self, loads: &[f64], displacements: &mut [f64]) {
+        self.grid.fill(0.0);
+        InstructionSet::current().run(
+            #[inline(always)]
+            || self.spread(loads),
+        );
+        self.fold();
+        self.convolution.apply(&mut self.inner, &mut self.scratch);
+        self.unfold();
+        InstructionSet::current().run(
+            #[inline(always)]
+            || self.read(displacements),
+        );
+    }
+
+    #[inline(always)]
+    fn spread(&mut self, loads: &[f64]) {
+        let (width, side) = (self.window.width, self.side);
+        for ((place, weights), load) in
+            self.places.iter().zip(self.weights.chunks_exact(2 * width)).zip(loads)
+        {
+            let (columns, rows) = weights.split_at(width);
+            for (j, row) in rows.iter().enumerate() {
+                let begin = (place[1] as usize + j) * side + place[0] as usize;
+                let strength = load * row;
+                for (value, column) in self.grid[begin..begin + width].iter_mut().zip(columns) {
+                    *value += strength * column;
+                }
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn read(&self, displacements: &mut [f64]) {
+        let (width, side) = (self.window.width, self.side);
+        for ((place, weights), displacement) in
+            self.places.iter().zip(self.weights.chunks_exact(2 * width)).zip(displacements)
+        {
+            let (columns, rows) = weights.split_at(width);
+            // Columns are summed over the rows first, which every vector does alike.
+            let mut sums = [0.0; 32];
+            let sums = &mut sums[..width];
+            for (j, row) in rows.iter().enumerate() {
+                let begin = (place[1] as usize + j) * side + place[0] as usize;
+                for (sum, value) in sums.iter_mut().zip(&self.grid[begin..begin + width]) {
+                    *sum += row * value;
+                }
+            }
+            *displacement += sums.iter().zip(columns).map(|(sum, column)| sum * column).sum::<f64>();
+        }
+    }
+
+    /// Rows and columns without those that are repeated.
+    fn count(&self) -> usize {
+        self.side - self.halo
+    }
+
+    /// Takes the grid without what is repeated.
+    fn fold(&mut self) {
+        let (count, side) = (self.count(), self.side);
+        if self.halo == 0 {
+            for y in 0..count {
+                self.inner[y * count..(y + 1) * count]
+                    .copy_from_slice(&self.grid[y * side..y * side + count]);
+            }
+            return;
+        }
+        self.inner.fill(0.0);
+        for y in 0..side {
+            let row = &self.grid[y * side..(y + 1) * side];
+            let (begin, repeated) = row.split_at(count);
+            let inner = &mut self.inner[(y % count) * count..][..count];
+            inner.iter_mut().zip(begin).for_each(|(inner, value)| *inner += value);
+            for (x, value) in repeated.iter().enumerate() {
+                inner[x % count] += value;
+            }
+        }
+    }
+
+    fn unfold(&mut self) {
+        let (count, side) = (self.count(), self.side);
+        let rows = if self.halo == 0 { count } else { side };
+        for y in 0..rows {
+            let inner = &self.inner[(y % count) * count..][..count];
+            let (begin, repeated) = self.grid[y * side..(y + 1) * side].split_at_mut(count);
+            begin.copy_from_slice(inner);
+            if self.halo > 0 {
+                repeated.iter_mut().enumerate().for_each(|(x, value)| *value = inner[x % count]);
+            }
+        }
+    }
+}
+
+/// The convolution of a repeated square.
+fn periodic(window: Window, side: usize, alpha: f64, shortest: f64) -> Convolution {
+    let transforms = window.transforms(side / 2, side);
+    let signed = |m: usize| m.min(side - m);
+    Convolution::new(side, side, |x, y| {
+        let (x, y) = (signed(x), signed(y));
+        let k = 2.0 * PI * ((x * x + y * y) as f64).sqrt();
+        if k > shortest {
+            return 0.0;
+        }
+        let kernel =
+            if k == 0.0 { -2.0 * PI.sqrt() / alpha } else { 2.0 * PI / k * libm::erfc(0.5 * k / alpha) };
+        kernel / (transforms[x] * transforms[y]).powi(2) * (side as f64).powi(2)
+    })
+}
+
+/// The convolution of a square alone, of `per_side` grid points and in all `inner`.
+fn alone(window: Window, (per_side, inner): (usize, usize), alpha: f64, shortest: f64) -> Convolution {
+    let kept = inner + MARGIN.0;
+    let large = good_length(2 * kept + (inner / 2).max(2 * MARGIN.1));
+    let spacing = 1.0 / per_side as f64;
+    let fade = |g: usize| {
+        let share = (g.max(kept) - kept) as f64 / (large / 2 - kept) as f64;
+        0.5 * libm::erfc(5.8 * (2.0 * share - 1.0))
+    };
+    let fades: Vec<f64> = (0..=large / 2).map(fade).collect();
+    let distance = |i: usize| i.min(large - i);
+    let mut kernel = Complex::zeros(large * large);
+    for y in 0..large {
+        for x in 0..large {
+            let (x_of, y_of) = (distance(x), distance(y));
+            let r = spacing * ((x_of * x_of + y_of * y_of) as f64).sqrt();
+            let value = if r == 0.0 { 2.0 * alpha / PI.sqrt() } else { libm::erf(alpha * r) / r };
+            kernel.re[y * large + x] = value * fades[x_of] * fades[y_of];
+        }
+    }
+    let transforms = window.transforms(large / 2, large);
+    let last = (shortest * large as f64 * spacing / (2.0 * PI)) as usize;
+    in_both_ways(large, &mut kernel, Transform::forward);
+    for y in 0..large {
+        for x in 0..large {
+            let (m, n) = (distance(x), distance(y));
+            let within = m * m + n * n <= last * last;
+            let factor = (transforms[m] * transforms[n]).powi(2) * (large as f64).powi(2);
+            kernel.re[y * large + x] = if within { kernel.re[y * large + x] / factor } else { 0.0 };
+        }
+    }
+    kernel.im.fill(0.0);
+    in_both_ways(large, &mut kernel, Transform::backward);
+    let side = good_length(2 * inner);
+    let mut own = Complex::zeros(side * side);
+    for y in 0..side {
+        for x in 0..side {
+            let distance = |i: usize| i.min(side - i);
+            own.re[y * side + x] = kernel.re[distance(y) * large + distance(x)];
+        }
+    }
+    drop(kernel);
+    in_both_ways(side, &mut own, Transform::forward);
+    Convolution::new(inner, side, |x, y| own.re[y * side + x])
+}
+
+/// Transforms a square along both its sides.
+fn in_both_ways(
+    side: usize,
+    data: &mut Complex,
+    transform: fn(&Transform, usize, &mut Complex, &mut Complex),
+) {
+    let (own, mut scratch) = (Transform::new(side), Complex::zeros(side * side));
+    for _ in 0..2 {
+        transform(&own, side, data, &mut scratch);
+        for part in [&mut data.re, &mut data.im] {
+            for y in 0..side {
+                for x in 0..y {
+                    part.swap(y * side + x, x * side + y);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,150 @@
+//! The part of the sums that near neighbours contribute, from a table of all their pairs.
+
+use super::Coupling;
+use crate::math::instruction_set::InstructionSet;
+use std::ops::Range;
+
+/// Rings of cells around that of a point in which its neighbours are.
+pub const RINGS: usize = 2;
+/// Fewest cells along a side: no cell is met twice.
+pub const FEWEST_CELLS: usize = 2 * RINGS + 1;
+
+/// Points of the unit square in the order of their cells, row by row.
+#[derive(Clone, Debug)]
+pub struct Cells {
+    /// Along a side.
+    pub count: usize,
+    /// The points in their order.
+    pub order: Vec<u32>,
+    /// Where the points of each cell begin, and at last their number.
+    starts: Vec<u32>,
+}
+
+impl Cells {
+    /// Sorts points into `count` × `count` cells.
+    pub fn new(count: usize, points: &[[f64; 2]]) -> Self {
+        let along = |x: f64| ((x * count as f64) as usize).min(count - 1);
+        let cell = |point: &[f64; 2]| along(point[1]) * count + along(point[0]);
+        let mut starts = vec![0; count * count + 1];
+        points.iter().for_each(|point| starts[cell(point) + 1] += 1);
+        (1..starts.len()).for_each(|i| starts[i] += starts[i - 1]);
+        let (mut next, mut order) = (starts.clone(), vec![0; points.len()]);
+        for (i, point) in points.iter().enumerate() {
+            let place = &mut next[cell(point)];
+            order[*place as usize] = i as u32;
+            *place += 1;
+        }
+        Self { count, order, starts }
+    }
+
+    fn points(&self, row: usize, columns: Range<usize>) -> Range<usize> {
+        let at = |column: usize| self.starts[row * self.count + column] as usize;
+        at(columns.start)..at(columns.end)
+    }
+
+    /// Ranges of points in the cells after a cell among its neighbours: each pair of cells is met once.
+    fn after(&self, coupling: Coupling, (column, row): (usize, usize)) -> Vec<Range<usize>> {
+        let (count, rings) = (self.count as isize, RINGS as isize);
+        let mut ranges = Vec::with_capacity(2 * FEWEST_CELLS);
+        for dy in 0..=rings {
+            let y = row as isize + dy;
+            if y >= count && coupling == Coupling::Patch {
+                break;
+            }
+            let y = y.rem_euclid(count) as usize;
+            let (first, last) = (column as isize + if dy == 0 { 1 } else { -rings }, column as isize + rings);
+            let mut add = |first: isize, last: isize| {
+                if first <= last {
+                    ranges.push(self.points(y, first as usize..last as usize + 1));
+                }
+            };
+            add(first.max(0), last.min(count - 1));
+            if coupling == Coupling::Periodic {
+                add((first + count).max(0).min(count), count - 1);
+                add(first.max(count) - count, last - count);
+            }
+        }
+        ranges.retain(|range| !range.is_empty());
+        ranges
+    }
+}
+
+/// The influence of near neighbours.
+#[derive(Clone, Debug)]
+pub struct Near {
+    /// For each point in the order of the cells: points behind it in its own cell, then those of the cells
+    /// after.
+    ranges: Vec<Range<u32>>,
+    /// Where the ranges of each point begin, and at last their number.
+    starts: Vec<u32>,
+    /// The influence of each pair.
+    values: Vec<f64>,
+}
+
+impl Near {
+    /// The influence, by `kernel` of the square of the distance, of points of the unit square in the order of
+    /// their cells.
+    pub fn new(coupling: Coupling, cells: &Cells, points: &[[f64; 2]], kernel: impl Fn(f64) -> f64) -> Self {
+        let (mut ranges, mut starts, mut values) = (Vec::new(), vec![0], Vec::new());
+        let apart = |a: f64, b: f64| {
+            let apart = a - b;
+            if coupling == Coupling::Periodic { apart - apart.round() } else { apart }
+        };
+        for row in 0..cells.count {
+            for column in 0..cells.count {
+                let after = cells.after(coupling, (column, row));
+                let own = cells.points(row, column..column + 1);
+                for i in own.clone() {
+                    for range in std::iter::once(i + 1..own.end).chain(after.iter().cloned()) {
+                        if range.is_empty() {
+                            continue;
+                        }
+                        let influence = |point: &[f64; 2]| {
+                            let [x, y] = std::array::from_fn(|k| apart(points[i][k], point[k]));
+                            kernel(x * x + y * y)
+                        };
+                        values.extend(points[range.clone()].iter().map(influence));
+                        ranges.push(range.start as u32..range.end as u32);
+                    }
+                    starts.push(ranges.len() as u32);
+                }
+            }
+        }
+        Self { ranges, starts, values }
+    }
+
+    /// Adds to the displacements what near neighbours contribute.
+    pub fn add(&self, loads: &[f64], displacements: &mut [f64]) {
+        InstructionSet::current().run(
+            #[inline(always)]
+            || self.add_in_lanes(loads, displacements),
+        );
+    }
+
+    #[inline(always)]
+    fn add_in_lanes(&self, loads: &[f64], displacements: &mut [f64]) {
+        let mut values = self.values.as_slice();
+        for (i, limits) in self.starts.windows(2).enumerate() {
+            let (load, mut lanes, mut rest) = (loads[i], [0.0; 8], 0.0);
+            for range in &self.ranges[limits[0] as usize..limits[1] as usize] {
+                let range = range.start as usize..range.end as usize;
+                let (own, further) = values.split_at(range.len());
+                values = further;
+                let (loads, displacements) = (&loads[range.clone()], &mut displacements[range]);
+                let ends = (own.chunks_exact(8), loads.chunks_exact(8), displacements.chunks_exact_mut(8));
+                for ((value, load_of), displacement) in ends.0.zip(ends.1).zip(ends.2) {
+                    for k in 0..8 {
+                        lanes[k] += value[k] * load_of[k];
+                        displacement[k] += value[k] * load;
+                    }
+                }
+                for k in own.len() / 8 * 8..own.len() {
+                    rest += own[k] * loads[k];
+                    displacements[k] += own[k] * load;
+                }
+            }
+            let pairs = [lanes[0] + lanes[4], lanes[1] + lanes[5], lanes[2] + lanes[6], lanes[3] + lanes[7]];
+            displacements[i] += ((pairs[0] + pairs[2]) + (pairs[1] + pairs[3])) + rest;
+        }
+    }
+}

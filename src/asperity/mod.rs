@@ -27,6 +27,7 @@ mod lanes;
 pub mod law;
 #[doc(hidden)]
 pub mod laws;
+pub(crate) mod memory;
 #[doc(hidden)]
 pub mod models;
 #[doc(hidden)]

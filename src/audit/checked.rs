@@ -43,6 +43,13 @@ impl<'a> Checked<'a> {
         Self { reader, place: Place::File, group: 1, replicas, findings: Vec::new() }
     }
 
+    /// Where the datasets of a quantity are that the integral is about, which knows of no coupling: the path that
+    /// their names begin with.
+    pub fn independent(&self, way: &str, name: &str) -> String {
+        let coupled = format!("/coupling/{way}independent_{name}");
+        if self.has(&format!("{coupled}_mean")) { coupled } else { format!("/ensemble/{way}{name}") }
+    }
+
     pub fn has(&self, path: &str) -> bool {
         self.reader.has(path)
     }

@@ -24,14 +24,16 @@ impl CrossCheck {
         let ways = checked.ways()?;
         let groups = checked.groups();
         let curves = |name: &str| -> Result<[Vec<f64>; 3], OutputError> {
-            let mean = joined(checked, &|way| format!("/ensemble/{way}{name}_mean"))?;
+            let mean = joined(checked, &|way| format!("{}_mean", checked.independent(way, name)))?;
             let expected = joined(checked, &|way| format!("/integral/{way}{name}"))?;
             let std = if checked.group == 1 {
                 joined(checked, &|way| format!("/integral/{way}{name}_std"))?
             } else {
                 let mut errors: Vec<f64> = Vec::new();
                 for way in ways {
-                    errors.extend(checked.values(&format!("/ensemble/{way}{name}_standard_error"))?);
+                    errors.extend(
+                        checked.values(&format!("{}_standard_error", checked.independent(way, name)))?,
+                    );
                 }
                 errors.iter().map(|error| (groups as f64).sqrt() * error).collect()
             };

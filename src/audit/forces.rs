@@ -181,13 +181,13 @@ impl Checked<'_> {
     /// z-scores.
     pub fn scores(&mut self, way: &str) -> Result<(), OutputError> {
         for name in ["adhesion_force", "external_force"] {
-            let mean = self.values(&format!("/ensemble/{way}{name}_mean"))?;
+            let mean = self.values(&format!("{}_mean", self.independent(way, name)))?;
             let expected = self.values(&format!("/integral/{way}{name}"))?;
             let std = if self.group == 1 {
                 self.values(&format!("/integral/{way}{name}_std"))?
             } else {
                 let root = (self.groups() as f64).sqrt();
-                let errors = self.values(&format!("/ensemble/{way}{name}_standard_error"))?;
+                let errors = self.values(&format!("{}_standard_error", self.independent(way, name)))?;
                 errors.iter().map(|error| root * error).collect()
             };
             let scores = z_scores(&mean, &expected, &std, self.groups());
@@ -213,7 +213,8 @@ impl Checked<'_> {
         let n = self.replicas as f64;
         for quantity in [Quantity::ContactForce, Quantity::ContactArea] {
             let name = quantity.name();
-            let [mean, std] = ["mean", "std"].map(|of| self.values(&format!("/ensemble/{way}{name}_{of}")));
+            let path = self.independent(way, name);
+            let [mean, std] = ["mean", "std"].map(|of| self.values(&format!("{path}_{of}")));
             let [expected, by_integral] =
                 ["", "_std"].map(|of| self.values(&format!("/integral/{way}{name}{of}")));
             let (mean, std, expected, by_integral) = (mean?, std?, expected?, by_integral?);
@@ -231,11 +232,11 @@ impl Checked<'_> {
             // The scheme of sampling changes the scatter within a group, not that of one replica.
             if let Some(i) = (0..s).find(is_far) {
                 let integral = format!("/integral/{way}{name} has {:e}", expected[i]);
-                self.say_at(&format!("/ensemble/{way}{name}_mean"), i, mean[i], &integral);
+                self.say_at(&format!("{path}_mean"), i, mean[i], &integral);
             }
             if let Some(i) = (0..s).find(scatters_otherwise) {
                 let integral = format!("/integral/{way}{name}_std has {:e}", by_integral[i]);
-                self.say_at(&format!("/ensemble/{way}{name}_std"), i, std[i], &integral);
+                self.say_at(&format!("{path}_std"), i, std[i], &integral);
             }
         }
         Ok(())

@@ -90,7 +90,12 @@ impl Checked<'_> {
             let plain = format!("the plain one is {:e}", error[i]);
             self.say_at(&of("controlled_standard_error"), i, controlled_error[i], &plain);
         }
-        if cycle && self.reader.optional_text("/", "radii")?.is_some_and(|radii| radii.contains("common")) {
+        // Coupled asperities of one height touch at different separations.
+        let is_coupled = self.has("/coupling/scalar_units");
+        if cycle
+            && !is_coupled
+            && self.reader.optional_text("/", "radii")?.is_some_and(|radii| radii.contains("common"))
+        {
             let touchdown = self.values("/replicas/touchdown_separation")?;
             let highest = self.values("/replicas/highest_asperity")?;
             let differences: Vec<f64> =

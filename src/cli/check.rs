@@ -28,7 +28,7 @@ fn checked(path: &Path) -> Result<String, Failure> {
     if let Some(sweep) = sweep {
         return check_sweep(&sweep, &scene, path);
     }
-    let SceneLaws { law, cycle } = SceneLaws::new(&scene).map_err(|error| error.in_scene(path))?;
+    let SceneLaws { law, cycle, .. } = SceneLaws::new(&scene).map_err(|error| error.in_scene(path))?;
     let plan = Plan::new(&scene, law.view());
     let mut text = heading(&scene);
     text += &skipped(&plan);
@@ -64,7 +64,7 @@ fn check_sweep(sweep: &Sweep, first: &Scene, path: &Path) -> Result<String, Fail
     for point in 0..sweep.count() {
         let named = |problem: String| Failure::Usage(format!("{}: {problem}", path.display()));
         let scene = sweep.scene(point).map_err(|error| named(error.to_string()))?;
-        let SceneLaws { law, cycle } = SceneLaws::new(&scene).map_err(|error| Error::AtPoint {
+        let SceneLaws { law, cycle, .. } = SceneLaws::new(&scene).map_err(|error| Error::AtPoint {
             point: sweep.name(point),
             error: Box::new(error.in_scene(path)),
         })?;

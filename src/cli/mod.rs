@@ -5,6 +5,7 @@ mod asperities;
 mod asperity;
 mod check;
 mod compare;
+mod coupling;
 mod describe;
 mod failure;
 mod finite_size;

@@ -1,5 +1,6 @@
 //! The summary of a run on the terminal.
 
+use super::coupling::coupling;
 use super::describe::{beyond, heading, skipped, unit, warned};
 use super::independence::independence;
 use super::instability::instability;
@@ -26,6 +27,7 @@ pub(super) fn summary(results: &Results, output: &Path) -> String {
         &results.stopped.as_ref().map(|stopped| ended(stopped, results.scene.replicas)).unwrap_or_default();
     text += &pull_off(results);
     text += &stiffness(results);
+    text += &coupling(results);
     text += &cycle(results);
     text += &instability(results);
     text += &at_pull_off(results);

@@ -1,6 +1,7 @@
 //! Batches of replicas and the moments that they merge into.
 
 use super::Job;
+use super::coupled_moments::CoupledMoments;
 use super::curves::Curves;
 use super::groups::Groups;
 use super::record::Records;
@@ -65,6 +66,9 @@ pub struct Ensemble {
     #[serde(skip)]
     #[doc(hidden)]
     pub snaps: Vec<f64>,
+    /// Moments of what there is of coupled asperities beside.
+    #[doc(hidden)]
+    pub coupled: Option<Box<CoupledMoments>>,
     /// Counts of what solving took.
     pub stats: SolverStats,
 }
@@ -82,6 +86,7 @@ impl Ensemble {
             groups: Groups::new(job),
             replicas: Vec::new(),
             snaps: Vec::new(),
+            coupled: job.protocol.substrate.map(|_| Box::new(CoupledMoments::new(job))),
             stats: SolverStats::default(),
         }
     }
@@ -96,6 +101,7 @@ impl Ensemble {
             groups: self.groups.clone(),
             replicas: Vec::new(),
             snaps: Vec::new(),
+            coupled: self.coupled.clone(),
             stats: self.stats,
         }
     }
@@ -109,6 +115,9 @@ impl Ensemble {
         self.regime_adhesion_force.merge(&other.regime_adhesion_force);
         self.regime_external_force.merge(&other.regime_external_force);
         self.groups.merge(&other.groups);
+        if let (Some(mine), Some(theirs)) = (&mut self.coupled, &other.coupled) {
+            mine.merge(theirs);
+        }
         self.stats.merge(&other.stats);
     }
 
@@ -119,6 +128,24 @@ impl Ensemble {
             && self.regime_adhesion_force.is_like(&other.regime_adhesion_force)
             && self.regime_external_force.is_like(&other.regime_external_force)
             && self.groups.is_like(&other.groups)
+            && match (&self.coupled, &other.coupled) {
+                (None, None) => true,
+                (Some(own), Some(other)) => own.is_like(other),
+                _ => false,
+            }
+    }
+
+    /// Moments of the curves of independent asperities, by [`Quantity::index`], each over the states: what the
+    /// integral is about.
+    #[doc(hidden)]
+    pub fn independent(&self) -> &[Moments; 4] {
+        self.coupled.as_ref().map_or(&self.curves, |coupled| &coupled.independent)
+    }
+
+    /// The same of the means of groups.
+    #[doc(hidden)]
+    pub fn independent_groups(&self) -> &[Moments; 4] {
+        self.coupled.as_ref().map_or(&self.groups.curves, |coupled| &coupled.groups.independent)
     }
 
     fn push(&mut self, job: &Job<'_>, batch: u64, replica: Replica, curves: &Curves) {
@@ -129,6 +156,9 @@ impl Ensemble {
         self.regime_adhesion_force.push(&curves.regime_adhesion_force);
         self.regime_external_force.push(&curves.regime_external_force);
         self.groups.push(job, batch, &replica, curves);
+        if let (Some(moments), Some(coupled)) = (&mut self.coupled, &curves.coupled) {
+            moments.push(job, &replica, curves, coupled);
+        }
         self.replicas.push(replica);
         self.snaps.extend_from_slice(&curves.snaps);
     }

@@ -14,6 +14,31 @@ pub struct Curves {
     pub regime_external_force: Vec<f64>,
     /// The snaps, in the order of [`Loading::length`](super::Loading::length).
     pub snaps: Vec<f64>,
+    /// What there is of coupled asperities beside.
+    pub coupled: Option<Box<CoupledCurves>>,
+}
+
+/// Curves of a surface with coupled asperities, over S states, beside its sums.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CoupledCurves {
+    /// Sums over the same asperities without coupling, by [`Quantity::index`](crate::asperity::Quantity::index),
+    /// each over S.
+    pub independent: [Vec<f64>; 4],
+    /// Avalanches on the step to each state.
+    pub avalanche_count: Vec<f64>,
+    /// Asperities in the largest of them.
+    pub largest_avalanche: Vec<f64>,
+    /// 1 where no stable state was found, else 0.
+    pub unsettled: Vec<f64>,
+}
+
+impl CoupledCurves {
+    /// Nothing yet beside the curves of the same asperities without coupling.
+    pub(super) fn new(independent: &Curves) -> Self {
+        let states = independent.total[0].len();
+        let [avalanche_count, largest_avalanche, unsettled] = std::array::from_fn(|_| vec![0.0; states]);
+        Self { independent: independent.total.clone(), avalanche_count, largest_avalanche, unsettled }
+    }
 }
 
 impl Curves {
@@ -25,6 +50,7 @@ impl Curves {
             regime_adhesion_force: vec![0.0; r * s],
             regime_external_force: vec![0.0; r * s],
             snaps: Vec::new(),
+            coupled: None,
         }
     }
 }

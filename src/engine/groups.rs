@@ -42,7 +42,9 @@ impl Groups {
 
     /// Adds the next replica of the batch of an index.
     pub fn push(&mut self, job: &Job<'_>, batch: u64, replica: &Replica, curves: &Curves) {
-        let external = &curves.total[Quantity::ExternalForce.index()];
+        // Control variates are the forces that the integral expects: those without coupling.
+        let summed = curves.coupled.as_ref().map_or(&curves.total, |coupled| &coupled.independent);
+        let external = &summed[Quantity::ExternalForce.index()];
         let values = curves
             .total
             .iter()

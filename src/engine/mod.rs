@@ -15,6 +15,8 @@ mod batch;
 mod case_ii;
 mod cells;
 mod chunks;
+mod coupled;
+mod coupled_moments;
 mod curves;
 mod cycle;
 mod force_table;
@@ -52,6 +54,10 @@ pub use batch::{BATCH, Batch, batches_of, replicas_of};
 #[doc(hidden)]
 pub use chunks::{AHEAD, HELD};
 #[doc(hidden)]
+pub use coupled::Substrate;
+#[doc(hidden)]
+pub use coupled_moments::CoupledMoments;
+#[doc(hidden)]
 pub use curves::Curves;
 pub use cycle::Cycle;
 #[doc(hidden)]
@@ -69,6 +75,8 @@ pub use record::{RecordShape, Records};
 pub use reduce::{Outcome, run, run_from};
 #[doc(hidden)]
 pub use reduction_tree::ReductionTree;
+#[doc(hidden)]
+pub use replica::CoupledReplica;
 pub use replica::Replica;
 #[doc(hidden)]
 pub use replica::Workspace;
@@ -141,6 +149,9 @@ pub struct Protocol<'a> {
     /// The loading of the surfaces.
     #[doc(hidden)]
     pub loading: Loading<'a>,
+    /// The half-space that couples the asperities; they are independent without one.
+    #[doc(hidden)]
+    pub substrate: Option<Substrate<'a>>,
     /// Span of separation, m, of the peak secant stiffness; not computed without one.
     pub stiffness_span: Option<f64>,
 }

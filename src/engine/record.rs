@@ -32,6 +32,8 @@ impl Records<'_> {
 pub struct RecordShape {
     /// Whether a replica is a loop.
     pub cycle: bool,
+    /// Whether its asperities are coupled.
+    pub coupled: bool,
     /// Numbers of its snaps.
     pub snaps: usize,
     /// States over which its forces are kept; 0 where they are not.
@@ -44,6 +46,8 @@ impl RecordShape {
         let count = records.replicas.len();
         records.snaps.len() == count * self.snaps
             && records.forces.iter().all(|forces| forces.len() == count * self.states)
-            && records.replicas.iter().all(|replica| replica.cycle.is_some() == self.cycle)
+            && records.replicas.iter().all(|replica| {
+                replica.cycle.is_some() == self.cycle && replica.coupled.is_some() == self.coupled
+            })
     }
 }

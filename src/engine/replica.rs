@@ -2,6 +2,7 @@
 
 use super::Job;
 use super::chunks::Chunks;
+use super::coupled::{Substrate, couple};
 use super::curves::Curves;
 use super::cycle::{Cycle, snaps};
 use super::force_table::ForceTable;
@@ -54,6 +55,19 @@ pub struct Replica {
     pub pull_off_at_edge: bool,
     /// The record of it as a loop, if it is one; all above is then of the retraction.
     pub cycle: Option<Box<Cycle>>,
+    /// What there is of coupled asperities beside.
+    pub coupled: Option<Box<CoupledReplica>>,
+}
+
+/// The record of a replica with coupled asperities, beside what every replica has.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct CoupledReplica {
+    /// The record of the same asperities without coupling.
+    pub independent: Replica,
+    /// States in which no stable one was found.
+    pub unsettled: u64,
+    /// Asperities in the largest avalanche.
+    pub largest_avalanche: u64,
 }
 
 impl Replica {
@@ -146,11 +160,33 @@ impl Workspace {
             }
             self.sum(job, at_once as usize);
             for lane in 0..at_once as usize {
-                visit(self.keep(job, lane), &self.curves[lane]);
+                let kept = self.keep(job, lane);
+                match &job.protocol.substrate {
+                    None => visit(kept, &self.curves[lane]),
+                    Some(substrate) => {
+                        let (kept, curves) = self.couple((job, substrate), first + lane as u64, (kept, lane));
+                        visit(kept, &curves);
+                    }
+                }
             }
             first += at_once;
         }
         true
+    }
+
+    /// The record and the curves of a replica with coupled asperities, of which the one without is known, in
+    /// a lane.
+    fn couple(
+        &mut self,
+        of: (&Job<'_>, &Substrate<'_>),
+        index: u64,
+        (kept, lane): (Replica, usize),
+    ) -> (Replica, Curves) {
+        let (job, mut heights) = (of.0, Vec::new());
+        Draws::of(job, index, self.chunk).all(&mut heights, &mut self.radii);
+        let count = heights.len();
+        let keep = |surface: &mut dyn Summed, curves: &mut Curves| keep(job, surface, count, curves);
+        couple(of, index, &heights, (kept, &self.curves[lane]), &mut self.sums.stats, keep)
     }
 
     /// The record of a surface that is summed chunk by chunk; nothing when that was ended.

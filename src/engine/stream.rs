@@ -15,6 +15,8 @@ pub enum Purpose {
     Radii = 2,
     /// The number of asperities.
     Count = 3,
+    /// Places of asperities.
+    Places = 4,
 }
 
 /// The stream of a replica, or of a group: that of its first chunk.

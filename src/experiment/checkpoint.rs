@@ -18,7 +18,12 @@ use std::time::{Duration, Instant};
 /// How many numbers are kept of every replica of a scene.
 pub(crate) fn record_shape(scene: &Scene) -> RecordShape {
     let states = if scene.curves { scene.states() } else { 0 };
-    RecordShape { cycle: scene.cycle, snaps: loading(scene).length(), states }
+    RecordShape {
+        cycle: scene.cycle,
+        coupled: scene.substrate.is_some(),
+        snaps: loading(scene).length(),
+        states,
+    }
 }
 
 /// A run into an output: a scene, or a shard of it.

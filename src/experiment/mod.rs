@@ -3,6 +3,7 @@
 
 pub(crate) mod checkpoint;
 pub(crate) mod compare;
+mod coupling;
 mod error;
 pub(crate) mod files;
 pub(crate) mod finite_size;

@@ -100,13 +100,19 @@ pub(crate) struct SceneLaws {
     pub law: SurfaceLaws,
     /// The loop of which the law is the approach, if surfaces are pulled back.
     pub cycle: Option<Loop>,
+    /// The loop that coupled asperities remember their histories by.
+    pub memory: Option<Loop>,
 }
 
 impl SceneLaws {
     /// Makes the laws of a scene.
     pub fn new(scene: &Scene) -> Result<Self, Error> {
         let refused = |error| Error::Law { law: scene.model.name, error };
-        Ok(Self { law: scene.law().map_err(refused)?, cycle: scene.loop_law().map_err(refused)? })
+        Ok(Self {
+            law: scene.law().map_err(refused)?,
+            cycle: scene.loop_law().map_err(refused)?,
+            memory: scene.memory().map_err(refused)?,
+        })
     }
 
     /// The laws of a scene of which so many replicas are computed for a task on so many threads, if there is
@@ -183,6 +189,7 @@ impl PreparedRun {
             scene: &self.scene,
             law: self.laws.law.view(),
             cycle: self.laws.cycle.as_ref(),
+            memory: self.laws.memory.as_ref(),
             controls: &self.functionals.controls,
             rule: self.rule(),
             keep_curves: self.scene.curves,
@@ -244,8 +251,15 @@ impl PreparedRun {
         // From here on the scene is that of the replicas that there are.
         self.scene.stopping = None;
         self.scene.replicas = ensemble.replicas.len() as u64;
-        let Self { scene, laws: SceneLaws { law, cycle }, plan, warnings, integral, functionals, expected } =
-            self;
+        let Self {
+            scene,
+            laws: SceneLaws { law, cycle, .. },
+            plan,
+            warnings,
+            integral,
+            functionals,
+            expected,
+        } = self;
         let Functionals { basis, controls, .. } = functionals;
         phases.phase("cross-check");
         let paths: Vec<&Expectations> = integral.paths().map(|way| &way.expectations).collect();

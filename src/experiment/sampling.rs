@@ -4,11 +4,12 @@ use super::Error;
 use super::observer::Phases;
 use crate::asperity::{Laws, Loop, Path, Quantity};
 use crate::engine::{
-    Batch, Ensemble, Job, Loading, Outcome, Protocol, ReductionTree, Rule, Summation, replicas_of, run_from,
+    Batch, Ensemble, Job, Loading, Outcome, Protocol, ReductionTree, Rule, Substrate, Summation, replicas_of,
+    run_from,
 };
 use crate::integral::Expectations;
 use crate::output::OutputError;
-use crate::scene::{Instability, Scene};
+use crate::scene::{self, Instability, Scene};
 use crate::surface::SamplingScheme;
 use crate::validation::{Basis, JointTest, basis_of_loop, basis_to, z_scores};
 use std::sync::atomic::AtomicBool;
@@ -19,6 +20,8 @@ pub(crate) struct Sampling<'a> {
     pub law: Laws<'a>,
     /// The loop of which the law is the approach, if surfaces are pulled back.
     pub cycle: Option<&'a Loop>,
+    /// The loop that coupled asperities remember their histories by.
+    pub memory: Option<&'a Loop>,
     /// Indices of the states of the control variates.
     pub controls: &'a [usize],
     /// The rule that ends it before all replicas of the scene are in.
@@ -42,8 +45,22 @@ impl Sampling<'_> {
             protocol: Protocol {
                 cycle: self.cycle,
                 loading: loading(self.scene),
+                substrate: self.scene.substrate.map(|substrate| self.substrate(substrate)),
                 stiffness_span: Some(self.scene.stiffness_span),
             },
+        }
+    }
+
+    fn substrate(&self, substrate: scene::Substrate) -> Substrate<'_> {
+        let scene::Substrate { coupling, places, tolerance } = substrate;
+        Substrate {
+            coupling,
+            places,
+            tolerance,
+            reduced_modulus: self.scene.asperity.reduced_modulus,
+            history: self.scene.history,
+            memory: self.memory,
+            length: self.scene.scale().length,
         }
     }
 
@@ -156,7 +173,7 @@ pub(crate) fn cross_check(
     scene: &Scene,
 ) -> ([Vec<f64>; 2], JointTest) {
     let forces = [Quantity::AdhesionForce, Quantity::ExternalForce].map(Quantity::index);
-    let mean = forces.map(|q| ensemble.curves[q].mean());
+    let mean = forces.map(|q| ensemble.independent()[q].mean());
     let joined = |of: fn(&Expectations, usize) -> &Vec<f64>| {
         forces.map(|q| ways.iter().flat_map(|way| of(way, q).iter().copied()).collect::<Vec<f64>>())
     };
@@ -165,7 +182,7 @@ pub(crate) fn cross_check(
     let groups = scene.replicas / scene.sampling.group();
     let z = [0, 1].map(|i| match scene.sampling {
         SamplingScheme::Independent => z_scores(mean[i], expected[i], &std[i], groups),
-        _ => z_scores(mean[i], expected[i], &ensemble.groups.curves[forces[i]].std(), groups),
+        _ => z_scores(mean[i], expected[i], &ensemble.independent_groups()[forces[i]].std(), groups),
     });
     let joint = JointTest::new(&basis.probes, mean, expected, basis.cumulants, scene.replicas);
     (z, joint)

@@ -1,6 +1,7 @@
 //! Closed lists and ranges of the values that keys of scenes take.
 
 use crate::asperity::Path;
+use crate::surface::Places;
 use std::ops::{Bound, RangeInclusive};
 
 /// The scene format that is read.
@@ -42,6 +43,15 @@ pub(super) const RADIUS_LAWS: [(&str, &str); 4] =
 pub(super) const SUMMIT_LAWS: [(&str, ()); 1] = [("nayak", ())];
 /// How replicas are made of measured asperities; whether of all of them.
 pub(super) const SAMPLES: [(&str, bool); 2] = [("bootstrap", false), ("whole", true)];
+/// Positions of coupled asperities; the least distance of those at random follows from the surface.
+pub(super) const POSITIONS: [(&str, Places); 4] = [
+    ("hard_core", Places::HardCore(f64::NAN)),
+    ("uniform", Places::Uniform),
+    ("square", Places::Square),
+    ("hexagonal", Places::Hexagonal),
+];
+/// Tolerances of the loads of coupled asperities: below, rounding is larger; above, jumps are mistaken.
+pub(super) const TOLERANCES_OF_LOADS: RangeInclusive<f64> = 1e-12..=1e-4;
 /// Coefficients of variation that laws of radii have.
 pub(super) const VARIATIONS: RangeInclusive<f64> = 0.001..=1.0;
 

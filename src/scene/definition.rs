@@ -3,6 +3,7 @@
 use super::choices::LOOP;
 use super::files::Input;
 use super::instability::Instability;
+use super::substrate::Substrate;
 use crate::asperity::models::Model;
 use crate::asperity::scale::{Asperity, Scale};
 use crate::asperity::{Family, LawError, LawParameters, Loop, Path, SurfaceLaws, UnloadedRadius};
@@ -43,6 +44,8 @@ pub struct Scene {
     pub unloaded_radius: UnloadedRadius,
     /// Springs and preloads that hold the surfaces.
     pub instability: Instability,
+    /// The half-space that couples the asperities; they are independent without one.
+    pub substrate: Option<Substrate>,
     /// δ_A, m, that is set instead of following from the history; of the published fits only.
     pub critical_approach: Option<f64>,
     /// Separations h, m, rising.
@@ -105,6 +108,21 @@ impl Scene {
     /// As [`Loop::new`].
     pub fn loop_law_of(&self, radius: UnloadedRadius) -> Result<Loop, LawError> {
         Loop::new(&self.model, &self.parameters()?, radius)
+    }
+
+    /// The loop that coupled asperities remember their histories by, if they are coupled and the unloading of
+    /// their law is known.
+    ///
+    /// # Errors
+    /// As [`Scene::law_of`].
+    pub fn memory(&self) -> Result<Option<Loop>, LawError> {
+        if self.substrate.is_none() {
+            return Ok(None);
+        }
+        match self.loop_law_of(self.unloaded_radius) {
+            Err(LawError::NoUnloading { .. }) => Ok(None),
+            other => other.map(Some),
+        }
     }
 
     /// The asperity law of the scene.

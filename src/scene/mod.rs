@@ -23,6 +23,7 @@ mod ranges;
 mod reader;
 mod separation;
 mod stopping;
+mod substrate;
 #[doc(hidden)]
 pub mod sweep;
 mod table;
@@ -52,6 +53,7 @@ pub use keys::{Absent, Key, Sign, Value};
 pub use lookup::nearest;
 #[doc(hidden)]
 pub use reader::takes_heights;
+pub use substrate::Substrate;
 pub use sweep::Sweep;
 #[doc(hidden)]
 pub use table::KEYS;

@@ -8,6 +8,7 @@ use super::instability::{Instability, instability};
 use super::material::Material;
 use super::population::{Population, population};
 use super::reader::Section;
+use super::substrate::SubstrateTable;
 use super::units::Dimension;
 use super::{separation, stopping};
 use crate::asperity::models::{MODELS, Model, PUBLISHED_FITS};
@@ -45,8 +46,9 @@ pub(super) fn read(text: &str, root: &Section<'_>, files: &dyn Files) -> Result<
         .and_then(|ensemble| EnsembleTable::read(&ensemble).map(|draws| (ensemble, draws)));
     let readings =
         (root.known(), heading(root), material, population, model, separation, instability, ensemble);
-    let (solver, output) = (sum_tolerance(root), curves(root));
-    let (readings, sum_tolerance, curves) = (readings.together(), solver, output).together()?;
+    let (solver, output, substrate) = (sum_tolerance(root), curves(root), SubstrateTable::read(root));
+    let (readings, sum_tolerance, curves, substrate) =
+        (readings.together(), solver, output, substrate).together()?;
     let ((), title, material, (population, lubricant), model, separation, instability, (ensemble, draws)) =
         readings;
     let Population { surface, inputs } = population;
@@ -59,6 +61,7 @@ pub(super) fn read(text: &str, root: &Section<'_>, files: &dyn Files) -> Result<
             "a loop is for asperities of one radius; those of several are computed on \"approach\" or \"retraction\"",
         ));
     }
+    let substrate = substrate.map(|table| table.under(&surface)).transpose()?;
     let separations = separation::separations(&separation, surface.surface_height_std)?;
     let stiffness_span = separation::stiffness_span(&separation, &separations, asperity.equilibrium_spacing)?;
     let most =
@@ -89,6 +92,7 @@ pub(super) fn read(text: &str, root: &Section<'_>, files: &dyn Files) -> Result<
         cycle,
         unloaded_radius,
         instability,
+        substrate,
         critical_approach,
         separations,
         stiffness_span,

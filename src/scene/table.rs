@@ -2,14 +2,16 @@
 //! `docs/scene.md` all of it. It is longer than files should be, since it is one table.
 
 use super::choices::{
-    FORMAT, HEIGHT_LAWS, HISTORIES, MOST_POINTS, MOST_SEPARATIONS, Mode, POISSON_RATIOS, RADIUS_LAWS,
-    RELATIVE, REPLICAS, SAMPLES, SPACINGS, SUM_TOLERANCES, SUMMIT_LAWS, SUMS, VARIATIONS,
+    FORMAT, HEIGHT_LAWS, HISTORIES, MOST_POINTS, MOST_SEPARATIONS, Mode, POISSON_RATIOS, POSITIONS,
+    RADIUS_LAWS, RELATIVE, REPLICAS, SAMPLES, SPACINGS, SUM_TOLERANCES, SUMMIT_LAWS, SUMS,
+    TOLERANCES_OF_LOADS, VARIATIONS,
 };
 use super::keys::{Key, Sign, Value, key};
 use super::units::Dimension as Of;
 use crate::asperity::UnloadedRadius;
 use crate::asperity::models::MODELS;
 use crate::engine::{Estimator, SCALARS};
+use crate::substrate::Coupling;
 use crate::surface::{CountLaw, SamplingScheme};
 use Sign::{Any, NotNegative, Positive};
 use Value::{Choice, Number, OneOrMore, Quantity, Switch, Table, Text, Various, Whole};
@@ -404,6 +406,35 @@ pub static KEYS: &[Key] = &[
         .what("seed of the random numbers")
         .about("The same seed gives the same bits.")
         .defaults_to("1"),
+    key("substrate", "{ coupling = \"periodic\" }", Table)
+        .what("the elastic half-space that couples the asperities")
+        .about("With it each run has the curves of the same asperities without coupling too, and the differences.")
+        .follows("none; asperities are independent"),
+    key("substrate.coupling", "\"periodic\"", Choice(|| names(&Coupling::ALL)))
+        .what("what surrounds the surface")
+        .about(
+            "`periodic`: the surface, a square, is repeated without end, and h is the distance from the mean plane of \
+             the deformed surface. `patch`: the square is alone on a half-space, and h is the distance far away.",
+        ),
+    key("substrate.positions", "\"uniform\"", Choice(|| names(&POSITIONS)))
+        .what("places of the asperities")
+        .about(
+            "`hard_core`: at random, one after the other, no two closer than `minimum_distance`. `uniform`: at random. \
+             `square`, `hexagonal`: on a lattice, which needs a number of asperities that fits.",
+        )
+        .defaults_to("\"hard_core\""),
+    key("substrate.minimum_distance", "\"0.18 um\"", Quantity(Of::Length, Positive))
+        .what("least distance of asperities")
+        .about("Of `hard_core` positions only.")
+        .follows("half of 1/√η")
+        .swept(),
+    key(
+        "substrate.tolerance",
+        "1e-9",
+        Number(Included(*TOLERANCES_OF_LOADS.start()), Included(*TOLERANCES_OF_LOADS.end())),
+    )
+    .what("largest error of a load, relative to the largest load")
+    .defaults_to("1e-9"),
     key("instability", "{ stiffness = \"100 kN/m\" }", Table)
         .what("a spring that holds the surfaces, and where they snap")
         .follows("none; the separation is held"),

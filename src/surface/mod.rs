@@ -4,11 +4,13 @@ mod heights;
 pub mod map;
 #[doc(hidden)]
 pub mod nayak;
+mod places;
 mod radii;
 mod scheme;
 
 pub use heights::{HeightLaw, Heights, LogNormal, Truncated, Weibull};
 pub use nayak::Spectrum;
+pub use places::{Places, PlacesError};
 pub use radii::Radii;
 #[doc(hidden)]
 pub use radii::{RADIUS_RANGE, RadiusClass};

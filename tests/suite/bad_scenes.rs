@@ -455,6 +455,8 @@ const OF_SPECTRUM: &[&str] =
 
 const VARIANTS: &[Variant] = &[
     (&[], &["solver.summation", "solver.tolerance", "ensemble.sampling"], &[]),
+    (&[], &["substrate.coupling", "substrate.positions", "substrate.tolerance"], &[]),
+    (&[], &["substrate.coupling", "substrate.minimum_distance"], &[]),
     (
         &["surface.surface_height_std", "separation.h_star", "ensemble.replicas"],
         &[
@@ -612,8 +614,17 @@ fn examples_of_all_keys_are_scenes() {
         used.insert(list);
     }
     // Tables, and the ends of a sweep, which are examples of the key that is swept.
-    let tables =
-        ["material", "surface", "model", "separation", "ensemble", "instability", "solver", "output"];
+    let tables = [
+        "material",
+        "surface",
+        "model",
+        "separation",
+        "ensemble",
+        "substrate",
+        "instability",
+        "solver",
+        "output",
+    ];
     let unused: Vec<&str> = KEYS.iter().map(|key| key.name).filter(|name| !used.contains(name)).collect();
     let unused: Vec<&str> = unused.into_iter().filter(|name| !tables.contains(name)).collect();
     let elements = ["material.youngs_modulus[]", "material.poissons_ratio[]", "material.surface_energy[]"];

@@ -8,6 +8,7 @@ mod bad_scenes;
 mod cli;
 mod compare;
 mod compressed;
+mod coupled;
 mod ensemble;
 mod extremes;
 mod finite_size;

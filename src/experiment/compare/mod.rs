@@ -223,6 +223,9 @@ impl PreparedComparison {
                 "history = \"loop\": laws are compared on one way; give \"approach\" or \"retraction\"",
             );
         }
+        if scene.substrate.is_some() {
+            return refused("[substrate]: laws are compared for independent asperities; leave the table out");
+        }
         let is_given_before = |i: usize| models[..i].iter().any(|model| model.name == models[i].name);
         if let Some(i) = (0..models.len()).find(|i| is_given_before(*i)) {
             return Err(Error::NotFor(format!("the law {} is given twice; give it once", models[i].name)));
@@ -323,7 +326,8 @@ fn sample(
     phases: &mut Phases<'_>,
 ) -> Result<SampledLaw, Error> {
     let basis = basis_of(scene, law, None);
-    let setup = Sampling { scene, law, cycle: None, controls: &[], rule: None, keep_curves: false };
+    let setup =
+        Sampling { scene, law, cycle: None, memory: None, controls: &[], rule: None, keep_curves: false };
     let (reduction_tree, summation) = setup.run_whole(name, pool, stop, phases, |_| {})?;
     let ensemble = Box::new(reduction_tree.into_ensemble(&setup.job()));
     let (z, joint) = cross_check(&ensemble, &[expectations], &basis, scene);

@@ -9,16 +9,16 @@ use crate::engine::Scalar;
 pub(super) const DIRECTIONS: [(&str, &str); 2] = [("", ""), ("retraction_", " on retraction")];
 
 /// Ends of the names of datasets, and the meaning of a quantity `{}`.
-pub(super) type Statistic = (&'static str, &'static str);
+pub(super) type Statistic<'a> = (&'a str, &'a str);
 
 /// Statistics of an ensemble.
-pub(super) const OF_ENSEMBLE: [Statistic; 3] = [
+pub(super) const OF_ENSEMBLE: [Statistic<'static>; 3] = [
     ("_mean", "{}, mean over replicas"),
     ("_standard_error", "{}, standard error of the mean"),
     ("_std", "{}, standard deviation of one replica"),
 ];
 /// Statistics by the integral.
-pub(super) const OF_INTEGRAL: [Statistic; 2] = [
+pub(super) const OF_INTEGRAL: [Statistic<'static>; 2] = [
     ("", "{}, expectation by the integral"),
     ("_std", "{}, standard deviation of one replica by the integral"),
 ];
@@ -30,9 +30,9 @@ pub(super) fn quantities(
     group: &str,
     dimensions: &[Dimension],
     (prefix, on): (&str, &str),
-    statistics: &[Statistic],
+    statistics: &[Statistic<'_>],
 ) -> Vec<Variable> {
-    let one = |quantity: Quantity, (suffix, meaning): &Statistic| {
+    let one = |quantity: Quantity, (suffix, meaning): &Statistic<'_>| {
         let is_signed = quantity == Quantity::ExternalForce && !meaning.contains("standard");
         let sign = if is_signed { ", compressive positive" } else { "" };
         let name = quantity.name();
@@ -56,7 +56,7 @@ pub(super) fn regimes(
     group: &str,
     lead: &[Dimension],
     (prefix, on): (&str, &str),
-    (suffix, meaning): Statistic,
+    (suffix, meaning): Statistic<'_>,
 ) -> Vec<Variable> {
     let tables = [
         ("count", "1", "asperities in each regime"),

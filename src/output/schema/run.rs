@@ -1,6 +1,8 @@
 //! The layout of a result of `stiction run`.
 
-use super::curves::{DIRECTIONS, OF_ENSEMBLE, OF_INTEGRAL, forces, quantities, regimes, scalars, scores};
+use super::curves::{
+    DIRECTIONS, OF_ENSEMBLE, OF_INTEGRAL, Statistic, forces, quantities, regimes, scalars, scores,
+};
 use super::independence::independence;
 use super::{Dimension, Layout, N, NONE, Row, S, Variable, group, scale, variable, with_coordinates};
 use crate::engine;
@@ -27,14 +29,15 @@ pub static RUN: Layout = Layout {
     command: "stiction run",
     version: [3, 1],
     groups: &["ensemble", "replicas", "integral", "validation", "diagnostics"],
-    optional_groups: &["independence", "instability"],
+    optional_groups: &["coupling", "independence", "instability"],
     variables: LazyLock::new(variables),
     of_points: None,
 };
 
 /// All datasets that a file may hold.
 fn variables() -> Vec<Variable> {
-    let groups = [ensemble(), replicas(), instability(), integral(), independence(NONE), validation()];
+    let groups =
+        [ensemble(), replicas(), coupling(), instability(), integral(), independence(NONE), validation()];
     with_coordinates([groups.concat(), group("/diagnostics", NONE, DIAGNOSTICS)].concat())
 }
 
@@ -67,7 +70,54 @@ fn replicas() -> Vec<Variable> {
             all.push(variable(format!("{GROUP}/{prefix}{force}"), NS, "N", meaning));
         }
     }
+    for scalar in engine::scalars(true) {
+        let meaning = format!("{}, without coupling", scalar.meaning);
+        all.push(variable(format!("{GROUP}/independent_{}", scalar.name), N, scalar.units, meaning));
+    }
+    all.extend(group(GROUP, NONE, COUPLED));
     all.extend(group(GROUP, NONE, SNAPS));
+    all
+}
+
+/// What coupling makes of an ensemble.
+fn coupling() -> Vec<Variable> {
+    const GROUP: &str = "/coupling";
+    let mut all = Vec::new();
+    for (prefix, on) in DIRECTIONS {
+        for (kind, what) in
+            [("independent", "without coupling"), ("difference", "with coupling less without")]
+        {
+            let statistics = OF_ENSEMBLE.map(|(suffix, meaning)| (suffix, format!("{meaning}, {what}")));
+            let statistics: Vec<Statistic> = statistics
+                .iter()
+                .map(|(suffix, meaning)| (*suffix, &**meaning))
+                .take(if kind == "independent" { 3 } else { 2 })
+                .collect();
+            all.extend(quantities(GROUP, S, (&format!("{prefix}{kind}_"), on), &statistics));
+        }
+        for (name, words) in [
+            ("avalanche_count_mean", "avalanches on the step to each separation{}, mean over replicas"),
+            (
+                "largest_avalanche_mean",
+                "asperities in the largest avalanche of the step{}, mean over replicas",
+            ),
+            ("unsettled_count", "replicas without a stable state{}"),
+        ] {
+            all.push(variable(format!("{GROUP}/{prefix}{name}"), S, "1", words.replace("{}", on)));
+        }
+    }
+    for (name, words) in [
+        ("independent_mean", "scalar without coupling, mean over replicas"),
+        ("independent_standard_error", "scalar without coupling, standard error of the mean"),
+        (
+            "difference_mean",
+            "scalar with coupling less that of the same asperities without, mean over replicas",
+        ),
+        ("difference_standard_error", "standard error of that mean difference"),
+    ] {
+        all.push(variable(format!("{GROUP}/scalar_{name}"), A, "scalar_units", words));
+    }
+    all.extend(group(GROUP, NONE, &[("scalar_units", A, "1", "units of each scalar")]));
     all
 }
 
@@ -165,6 +215,11 @@ const OF_SCALARS: &[Row] = &[
     ("target_interval", TE, "target_units", "confidence interval of the target's mean"),
     ("target_largest_standard_error", T, "target_units", "largest standard error that the target allows"),
     ("target_met", T, "1", "whether the target is met (1) or not (0)"),
+];
+
+const COUPLED: &[Row] = &[
+    ("unsettled_count", N, "1", "separations at which a coupled replica has no stable state"),
+    ("largest_avalanche", N, "1", "asperities in the largest avalanche of a coupled replica"),
 ];
 
 const SNAPS: &[Row] = &[

@@ -1,0 +1,261 @@
+//! One asperity that remembers: the paths its force can follow when its interference need not be monotone.
+//!
+//! # Formula
+//! What acts is a chain of segments in the interference δ, each one smooth function, with the segment that
+//! follows beyond either end:
+//!
+//! | state | segments | left upwards | left downwards |
+//! |---|---|---|---|
+//! | has not touched | pieces of the law on approach | at the capture, into contact | |
+//! | has touched | pieces of the law on retraction, and above ω_c those on approach | | at the end of what retraction does not share with approach, to "has not touched" |
+//! | has flowed to ω_max | its top lowered by ω_res: pieces before contact; contact without load; unloading; above ω_max the law on approach | at the capture, counted from the lowered top | at the end of contact, likewise |
+//!
+//! Laws of which the unloading is not known retrace their approach in every state.
+//!
+//! Source of the unloading: [`super::unloading`].
+
+use super::history::Path;
+use super::law::{Law, Responses};
+use super::stats::SolverStats;
+use super::unloading::Loop;
+
+/// The function of a segment.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Source {
+    /// A regime of the law along a path, at δ.
+    Law(Path, usize),
+    /// A regime of the law along a path before contact, of the lowered top.
+    Lowered(Path, usize),
+    /// A contact that has flowed, without load.
+    Bare,
+    /// The same under load, below ω_max.
+    Unloading,
+    /// Beyond the end of the law nothing acts.
+    Nothing,
+}
+
+/// A segment.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Segment {
+    /// What acts.
+    pub source: Source,
+    /// δ, m, from which.
+    pub lower: f64,
+    /// δ, m, up to which.
+    pub upper: f64,
+    /// The segment that follows below, and above.
+    pub next: [Option<u8>; 2],
+}
+
+/// The laws of an asperity of one radius.
+pub(crate) enum Memory<'a> {
+    /// It retraces its approach.
+    None(&'a dyn Law),
+    /// A loop.
+    Loop(&'a Loop),
+}
+
+/// An asperity that has flowed.
+#[derive(Clone, Debug)]
+pub(crate) struct Flowed {
+    /// ω_max, m.
+    pub largest: f64,
+    /// ω_res, m.
+    residual: f64,
+    /// R′/R of its top out of contact.
+    ratio: f64,
+    /// F_s, N, P, N, and the area, m², at ω_max.
+    at_largest: [f64; 3],
+    /// The regime of the law on approach at ω_max.
+    pub regime: usize,
+    /// Its segments.
+    pub segments: Vec<Segment>,
+}
+
+impl Memory<'_> {
+    /// The law along a path.
+    pub fn law(&self, path: Path) -> &dyn Law {
+        match (self, path) {
+            (Self::None(law), _) => *law,
+            (Self::Loop(cycle), Path::Approach) => cycle.approach(),
+            (Self::Loop(cycle), Path::Retraction) => cycle.retraction(),
+        }
+    }
+
+    /// The segments of an asperity that has not flowed, with the number of those of one that has not touched,
+    /// which come first.
+    pub fn segments(&self) -> (Vec<Segment>, usize) {
+        let approach = pieces(self.law(Path::Approach), Path::Approach, 0..usize::MAX);
+        let Self::Loop(cycle) = self else {
+            let count = approach.len();
+            return (chain(approach), count);
+        };
+        let mut untouched = approach.clone();
+        untouched.retain(|segment| segment.lower < cycle.capture);
+        if let Some(last) = untouched.last_mut() {
+            last.upper = last.upper.min(cycle.capture);
+        }
+        let top = cycle.top();
+        let elastic = if cycle.flows() { cycle.first_plastic } else { usize::MAX };
+        let mut touched = pieces(cycle.retraction(), Path::Retraction, 0..elastic);
+        let lost = cycle.lost();
+        touched.retain(|segment| segment.upper > lost && segment.lower < top);
+        if let Some(first) = touched.first_mut() {
+            first.lower = first.lower.max(lost);
+        }
+        if cycle.flows() {
+            touched.extend(approach.into_iter().filter(|segment| segment.lower >= top));
+        }
+        let count = untouched.len();
+        (joined(untouched, touched), count)
+    }
+
+    /// The state of an asperity that has flowed to ω_max, m; none where that is not known, or below ω_c.
+    pub fn flowed(&self, largest: f64, stats: &mut SolverStats) -> Option<Flowed> {
+        let Self::Loop(cycle) = self else { return None };
+        if cycle.fate(largest) < 2 {
+            return None;
+        }
+        let residual = largest - cycle.recovery(largest);
+        let ratio = cycle.radius_ratio(largest);
+        let flattened = cycle.flattened.as_deref();
+        let [release, capture, lost] = match flattened {
+            Some(flattened) => [flattened.release(ratio); 3],
+            None => [cycle.release(), cycle.capture, cycle.lost()],
+        };
+        let lowered = |law: &dyn Law, path, (from, to): (f64, f64)| {
+            let mut segments = pieces(law, path, 0..cycle.first_contact);
+            segments.retain(|segment| segment.lower < to && segment.upper > from);
+            for segment in &mut segments {
+                if let Source::Law(path, regime) = segment.source {
+                    segment.source = Source::Lowered(path, regime);
+                }
+                segment.lower = segment.lower.max(from) + residual;
+                segment.upper = segment.upper.min(to) + residual;
+            }
+            if let Some(last) = segments.last_mut() {
+                last.upper = to + residual;
+            }
+            segments
+        };
+        let lost_contact = lowered(cycle.approach(), Path::Approach, (f64::NEG_INFINITY, capture));
+        let mut contact = lowered(cycle.retraction(), Path::Retraction, (lost, release));
+        let plain = |source, lower, upper| Segment { source, lower, upper, next: [None; 2] };
+        contact.push(plain(Source::Bare, release + residual, residual));
+        contact.push(plain(Source::Unloading, residual, largest));
+        let virgin = pieces(cycle.approach(), Path::Approach, cycle.first_plastic..usize::MAX);
+        contact.extend(
+            virgin
+                .into_iter()
+                .filter(|segment| segment.upper > largest)
+                .map(|segment| Segment { lower: segment.lower.max(largest), ..segment }),
+        );
+        let mut out = Responses::default();
+        let regime = cycle.approach().boundaries().partition_point(|end| !end.is_above(largest));
+        cycle.approach().evaluate(regime, &[largest], &mut out, stats);
+        Some(Flowed {
+            largest,
+            residual,
+            ratio,
+            at_largest: [out.adhesion[0], out.contact[0], out.area[0]],
+            regime,
+            segments: joined(lost_contact, contact),
+        })
+    }
+
+    /// F_s, N, P, N, and the area, m², of an asperity that has flowed, in one of its segments at δ, m, which
+    /// is within it.
+    pub fn respond(
+        &self,
+        flowed: &Flowed,
+        segment: &Segment,
+        interference: f64,
+        out: &mut Responses,
+        stats: &mut SolverStats,
+    ) -> [f64; 3] {
+        let Self::Loop(cycle) = self else { return [0.0; 3] };
+        match segment.source {
+            Source::Nothing => return [0.0; 3],
+            Source::Bare => return [flowed.at_largest[0], 0.0, 0.0],
+            Source::Unloading => {
+                [out.contact[0], out.area[0]] = [flowed.at_largest[1], flowed.at_largest[2]];
+                let distance = flowed.largest - interference;
+                cycle.plastic.unload(&[flowed.largest], distance, out);
+                return [flowed.at_largest[0], out.contact[0], out.area[0]];
+            }
+            Source::Law(path, regime) => self.law(path).evaluate(regime, &[interference], out, stats),
+            Source::Lowered(path, regime) => {
+                let (law, own) = (self.law(path), [interference - flowed.residual]);
+                law.evaluate(regime, &own, out, stats);
+                match (&cycle.flattened, law.method(regime)) {
+                    (Some(_), super::law::Method::Constant(_)) => out.adhesion[0] *= flowed.ratio,
+                    (Some(flattened), _) => flattened.attraction(&[flowed.ratio], &own, out, stats),
+                    (None, _) => (),
+                }
+            }
+        }
+        [out.adhesion[0], out.contact[0], out.area[0]]
+    }
+}
+
+impl Loop {
+    /// Interference, m, below which retraction is what approach is.
+    fn lost(&self) -> f64 {
+        match (self.approach.capture(), self.retraction.pieces().first()) {
+            (Some(_), Some(first)) => first.upper.min(self.release()),
+            _ => self.release(),
+        }
+    }
+}
+
+/// The pieces of a law in a range of its regimes, rising, not yet chained, and what is beyond its end.
+fn pieces(law: &dyn Law, path: Path, regimes: std::ops::Range<usize>) -> Vec<Segment> {
+    let all = law.pieces();
+    let end = all.last().map_or(f64::INFINITY, |piece| piece.upper);
+    let is_last = regimes.end >= law.regimes().len();
+    let own = all.into_iter().filter(|piece| regimes.contains(&piece.regime)).map(|piece| Segment {
+        source: Source::Law(path, piece.regime),
+        lower: piece.lower,
+        upper: piece.upper,
+        next: [None; 2],
+    });
+    let mut own: Vec<Segment> = own.collect();
+    if end.is_finite() && is_last {
+        own.push(Segment { source: Source::Nothing, lower: end, upper: f64::INFINITY, next: [None; 2] });
+    }
+    own
+}
+
+/// Has each of rising segments followed by its neighbours.
+fn chain(mut segments: Vec<Segment>) -> Vec<Segment> {
+    let count = segments.len();
+    for (i, segment) in segments.iter_mut().enumerate() {
+        let neighbour = |i: Option<usize>| i.filter(|i| *i < count).map(|i| i as u8);
+        segment.next = [neighbour(i.checked_sub(1)), neighbour(Some(i + 1))];
+    }
+    segments
+}
+
+/// Segments before contact and of what has touched in one list: the last of those before leads into the
+/// others, and the first of these back.
+fn joined(before: Vec<Segment>, touched: Vec<Segment>) -> Vec<Segment> {
+    let count = before.len();
+    let (mut before, mut touched) = (chain(before), chain(touched));
+    for segment in &mut touched {
+        segment.next = segment.next.map(|next| next.map(|i| i + count as u8));
+    }
+    let holding = |segments: &[Segment], place: f64, is_above: bool| {
+        let of = |segment: &Segment| {
+            if is_above { place < segment.upper } else { place <= segment.upper }
+        };
+        segments.iter().position(of)
+    };
+    if let (Some(last), true) = (before.last().copied(), !touched.is_empty()) {
+        let captured = holding(&touched, last.upper, true).unwrap_or(touched.len() - 1);
+        let lost = holding(&before, touched[0].lower, false).unwrap_or(count - 1);
+        before[count - 1].next[1] = Some((count + captured) as u8);
+        touched[0].next[0] = Some(lost as u8);
+    }
+    before.append(&mut touched);
+    before
+}

@@ -1,0 +1,66 @@
+//! Avalanches: which passage over a jump set off which.
+//!
+//! An asperity that passes because the surfaces were moved sets off an avalanche. One that passes only because
+//! others have is part of that of the nearest of these: the displacement by a force falls with the distance.
+
+use std::collections::BTreeMap;
+
+/// A passage over a jump from which there is no way back, or that pulls others along.
+#[derive(Clone, Copy, Debug)]
+pub struct Event {
+    /// The asperity.
+    pub asperity: u32,
+    /// Whether the motion of the surfaces was enough for it.
+    pub is_trigger: bool,
+}
+
+/// The number of avalanches of events in their order, and asperities in the largest. `is_lasting` tells whether
+/// an asperity has not gone back; `distance` is that of two asperities, in any unit.
+pub fn avalanches(
+    events: &[Event],
+    is_lasting: impl Fn(u32) -> bool,
+    distance: impl Fn(u32, u32) -> f64,
+) -> (usize, usize) {
+    let mut roots: BTreeMap<u32, u32> = BTreeMap::new();
+    let mut earlier: Vec<u32> = Vec::new();
+    for event in events.iter().filter(|event| is_lasting(event.asperity)) {
+        if roots.contains_key(&event.asperity) {
+            continue;
+        }
+        let nearest = || {
+            let by_distance =
+                |a: &&u32, b: &&u32| distance(event.asperity, **a).total_cmp(&distance(event.asperity, **b));
+            earlier.iter().min_by(by_distance).map(|other| roots[other])
+        };
+        let root = if event.is_trigger { None } else { nearest() };
+        roots.insert(event.asperity, root.unwrap_or(event.asperity));
+        earlier.push(event.asperity);
+    }
+    let mut sizes: BTreeMap<u32, usize> = BTreeMap::new();
+    roots.values().for_each(|root| *sizes.entry(*root).or_default() += 1);
+    (sizes.len(), sizes.values().copied().max().unwrap_or(0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn passages_belong_to_what_set_them_off() {
+        let event = |asperity, is_trigger| Event { asperity, is_trigger };
+        let distance = |a: u32, b: u32| f64::from(a.abs_diff(b));
+        // 10 and 20 are triggers; 11, 12 and 13 follow 10, 19 follows 20, 30 went back.
+        let events = [
+            event(10, true),
+            event(20, true),
+            event(11, false),
+            event(30, true),
+            event(12, false),
+            event(19, false),
+            event(13, false),
+            event(12, false),
+        ];
+        assert_eq!(avalanches(&events, |i| i != 30, distance), (2, 4));
+        assert_eq!(avalanches(&[], |_| true, distance), (0, 0));
+    }
+}

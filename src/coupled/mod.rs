@@ -1,0 +1,10 @@
+//! Surfaces whose asperities are coupled through the elastic half-space under them.
+
+mod asperities;
+mod avalanches;
+mod solver;
+#[cfg(test)]
+mod tests;
+
+pub use asperities::{Asperities, Forces, RadiusLaws, States};
+pub use solver::{Settled, Snapshot, Solver, Substrate};

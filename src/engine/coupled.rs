@@ -1,0 +1,311 @@
+//! Replicas whose asperities are coupled through the half-space under them.
+
+use super::Job;
+use super::curves::{CoupledCurves, Curves};
+use super::replica::{CoupledReplica, Replica};
+use super::stream::{Purpose, stream};
+use super::summed::Summed;
+use super::sums::RegimeSums;
+use crate::asperity::memory::Memory;
+use crate::asperity::{Loop, Path, SolverStats};
+use crate::coupled::{Asperities, RadiusLaws, Settled, Snapshot, Solver};
+use crate::math::extrema::Extremum;
+use crate::math::interpolation::linear;
+use crate::substrate::Coupling;
+use crate::surface::Places;
+use std::f64::consts::PI;
+
+/// Steps between the neighbours of the smallest sample of a curve, in which it is looked for again, and how
+/// often.
+const ZOOM: (usize, usize) = (16, 2);
+
+/// The half-space under the asperities of the surfaces of a job.
+#[derive(Clone, Copy)]
+pub struct Substrate<'a> {
+    /// What surrounds a surface.
+    pub coupling: Coupling,
+    /// The places of asperities.
+    pub places: Places,
+    /// Largest error of a load, relative to the largest.
+    pub tolerance: f64,
+    /// E*, Pa.
+    pub reduced_modulus: f64,
+    /// The history of the surfaces.
+    pub history: Path,
+    /// What asperities remember; nothing where the unloading of their law is not known.
+    pub memory: Option<&'a Loop>,
+    /// The length over which the law varies, m.
+    pub length: f64,
+}
+
+/// A surface that is moved from separation to separation.
+struct CoupledSurface<'a> {
+    job: &'a Job<'a>,
+    solver: Solver<'a>,
+    /// The interferences before the last step, m, and d, m, there and now.
+    last: Option<(Vec<f64>, [f64; 2])>,
+    /// How the last separation was reached.
+    settled: Settled,
+    regimes: Vec<RegimeSums>,
+    highest: f64,
+    /// The states before the smallest sample on approach and on retraction, and, if surfaces turn back at
+    /// preloads, at each separation of the approach.
+    before: [Option<Snapshot>; 2],
+    approach: Vec<Snapshot>,
+    /// Where the last retraction from a preload began.
+    turn: Option<Snapshot>,
+}
+
+/// The record of the replica of an index with its curves, whose asperities have `heights`, m, and are coupled;
+/// `independent` is the record of them without that. `keep` makes a record of a surface that has been summed.
+pub(super) fn couple(
+    (job, substrate): (&Job<'_>, &Substrate<'_>),
+    index: u64,
+    heights: &[f64],
+    independent: (Replica, &Curves),
+    stats: &mut SolverStats,
+    keep: impl FnOnce(&mut dyn Summed, &mut Curves) -> Replica,
+) -> (Replica, Curves) {
+    let (mut heights, places) = placed((job, substrate), index, heights);
+    // Sorted heights have their neighbours in the law as neighbours in memory.
+    let highest = heights.last().copied().unwrap_or(f64::NAN);
+    heights.shrink_to_fit();
+    let side = job.surface.nominal_area.sqrt();
+    let compliance = 1.0 / (PI * substrate.reduced_modulus * side);
+    let memory = substrate.memory.map_or(Memory::None(job.laws.typical), Memory::Loop);
+    let laws = vec![RadiusLaws::new(memory, substrate.length)];
+    let solver = Solver::new(
+        Asperities::new(laws, heights.len()),
+        crate::coupled::Substrate::new(substrate.coupling, places, compliance, substrate.tolerance),
+        &heights,
+        substrate.tolerance,
+    );
+    let r = job.laws.regimes().len();
+    let mut surface = CoupledSurface {
+        job,
+        solver,
+        last: None,
+        settled: Settled::default(),
+        regimes: vec![RegimeSums::default(); r],
+        highest,
+        before: [None, None],
+        approach: Vec::new(),
+        turn: None,
+    };
+    let (replica, of_independent) = independent;
+    let mut curves = Curves::new(job.states(), r);
+    let mut coupled = CoupledCurves::new(of_independent);
+    surface.travel(substrate.history, &mut curves, &mut coupled);
+    let mut kept = keep(&mut surface, &mut curves);
+    stats.merge(&surface.solver.take_stats());
+    let total = |values: &[f64]| values.iter().sum::<f64>() as u64;
+    kept.coupled = Some(Box::new(CoupledReplica {
+        independent: replica,
+        unsettled: total(&coupled.unsettled),
+        largest_avalanche: coupled.largest_avalanche.iter().fold(0.0, |most: f64, size| most.max(*size))
+            as u64,
+    }));
+    if let Some(cycle) = &mut kept.cycle {
+        (cycle.touchdown_separation, cycle.detachment_separation) = contacts(job, &curves);
+    }
+    curves.coupled = Some(Box::new(coupled));
+    (kept, curves)
+}
+
+/// The heights, m, rising, of a replica, and the places of the asperities in sides of the surface.
+fn placed(
+    (job, substrate): (&Job<'_>, &Substrate<'_>),
+    index: u64,
+    heights: &[f64],
+) -> (Vec<f64>, Vec<[f64; 2]>) {
+    let is_periodic = substrate.coupling == Coupling::Periodic;
+    let random = &mut stream(job.seed, Purpose::Places, index);
+    let places = substrate.places.draw(random, (heights.len(), job.surface.nominal_area.sqrt()), is_periodic);
+    let mut order: Vec<u32> = (0..heights.len() as u32).collect();
+    order.sort_by(|a, b| heights[*a as usize].total_cmp(&heights[*b as usize]));
+    order.into_iter().map(|i| (heights[i as usize], places[i as usize])).unzip()
+}
+
+/// The separations h, m, of the samples of a loop at which the first contact is there on approach, and the last
+/// one on retraction; NaN without one.
+fn contacts(job: &Job<'_>, curves: &Curves) -> (f64, f64) {
+    let (s, states) = (job.separations.len(), job.states());
+    let touches = |state: usize| {
+        let regimes = job.laws.regimes().iter().enumerate();
+        regimes
+            .filter(|(_, regime)| regime.is_contact())
+            .any(|(r, _)| curves.regime_count[r * states + state] > 0.0)
+    };
+    let furthest = |first: usize| {
+        let found = (0..s).rev().find(|k| touches(first + k));
+        found.map_or(f64::NAN, |k| job.separations[k])
+    };
+    (furthest(0), furthest(s))
+}
+
+impl CoupledSurface<'_> {
+    /// Takes the surface through all states of the job.
+    fn travel(&mut self, history: Path, curves: &mut Curves, coupled: &mut CoupledCurves) {
+        let s = self.job.separations.len();
+        let is_loop = self.job.protocol.cycle.is_some();
+        let begins_far = is_loop || history == Path::Approach;
+        let first = if begins_far { s - 1 } else { 0 };
+        let d = self.job.surface.asperity_separation(self.job.separations[first]);
+        self.solver.begin(d, !begins_far);
+        let inward: Vec<usize> = if begins_far { (0..s).rev().collect() } else { Vec::new() };
+        let outward = if is_loop || !begins_far { 0..s } else { 0..0 };
+        self.pass(inward, 0, curves, coupled);
+        self.pass(outward.collect(), if is_loop { s } else { 0 }, curves, coupled);
+    }
+
+    /// Takes the surface through separations, by their numbers, as states from `first` on.
+    fn pass(
+        &mut self,
+        separations: Vec<usize>,
+        first: usize,
+        curves: &mut Curves,
+        coupled: &mut CoupledCurves,
+    ) {
+        let keeps_all = first == 0 && !self.job.protocol.loading.preload.is_empty();
+        let mut smallest = f64::INFINITY;
+        for k in separations {
+            let before = self.solver.snapshot();
+            let force = self.go(self.job.separations[k]);
+            self.record(first + k, curves, coupled);
+            if force < smallest {
+                smallest = force;
+                self.before[usize::from(first > 0)] = Some(before);
+            }
+            if keeps_all {
+                self.approach.push(self.solver.snapshot());
+            }
+        }
+    }
+
+    /// Goes to a separation h, m; the external force there, N.
+    fn go(&mut self, h: f64) -> f64 {
+        let d = self.job.surface.asperity_separation(h);
+        let now = self.solver.interference.clone();
+        let from = self.solver.separation();
+        let guess: Vec<f64> = match &self.last {
+            Some((before, at)) if at[1] == from && at[0] != from => {
+                let share = (d - from) / (from - at[0]);
+                now.iter().zip(before).map(|(now, before)| now + share * (now - before)).collect()
+            }
+            _ => now.iter().map(|delta| delta - (d - from)).collect(),
+        };
+        self.settled = self.solver.settle(d, &guess);
+        self.last = (!self.settled.has_fallen).then_some((now, [from, d]));
+        self.solver.external_force()
+    }
+
+    /// Goes back to a state.
+    fn restore(&mut self, snapshot: &Snapshot) {
+        self.solver.restore(snapshot);
+        self.last = None;
+    }
+
+    /// Hands the present state over as one of the curves.
+    fn record(&mut self, state: usize, curves: &mut Curves, coupled: &mut CoupledCurves) {
+        self.regimes.fill(RegimeSums::default());
+        let Solver { states, forces, .. } = &self.solver;
+        for i in 0..forces.adhesion.len() {
+            let Some(regime) = self.solver.asperities().regime(states, i) else { continue };
+            let sum = &mut self.regimes[regime];
+            sum.count += 1.0;
+            sum.adhesion.add(forces.adhesion[i]);
+            sum.contact.add(forces.contact[i]);
+            sum.area.add(forces.area[i]);
+        }
+        RegimeSums::record(&self.regimes, state, curves);
+        coupled.avalanche_count[state] = self.settled.avalanches as f64;
+        coupled.largest_avalanche[state] = self.settled.largest_avalanche as f64;
+        coupled.unsettled[state] = f64::from(u8::from(!self.settled.is_converged));
+    }
+
+    /// The smallest force between the neighbours of the smallest of samples, in the order of the way, from the
+    /// state at the sample before it.
+    fn zoom(&mut self, samples: &[(f64, f64)], before: &Snapshot) -> Extremum {
+        let smallest = |best: usize, i: usize| if samples[i].1 < samples[best].1 { i } else { best };
+        let at = (0..samples.len()).fold(0, smallest);
+        let mut best = samples[at];
+        let is_edge = at == 0 || at + 1 == samples.len();
+        if !is_edge {
+            let mut ends = (samples[at - 1].0, samples[at + 1].0);
+            let mut from = before.clone();
+            for _ in 0..ZOOM.1 {
+                self.restore(&from);
+                let place = |j: usize| ends.0 + (ends.1 - ends.0) * j as f64 / ZOOM.0 as f64;
+                let mut found = None;
+                for j in 1..ZOOM.0 {
+                    let before = self.solver.snapshot();
+                    let force = self.go(place(j));
+                    if force <= best.1 {
+                        best = (place(j), force);
+                        found = Some((before, (place(j - 1), place(j + 1))));
+                    }
+                }
+                let Some((closer, within)) = found else { break };
+                (from, ends) = (closer, within);
+            }
+        }
+        Extremum { place: best.0, value: best.1, at_edge: is_edge }
+    }
+}
+
+impl Summed for CoupledSurface<'_> {
+    fn highest(&self) -> f64 {
+        self.highest
+    }
+
+    fn pull_off(&mut self, external_force: &[f64]) -> Extremum {
+        let samples = self.job.samples(external_force);
+        let is_inward = self.job.protocol.loading.ways.0;
+        let samples = if is_inward { samples.into_iter().rev().collect() } else { samples };
+        let before = self.before[0].clone().expect("it has been through all separations");
+        self.zoom(&samples, &before)
+    }
+
+    fn retraction(&mut self, from: f64, separations: &[f64]) -> Vec<f64> {
+        // The approach was taken from far away.
+        let passed = self.job.separations.iter().filter(|h| **h >= from).count();
+        let state = self.approach[passed.max(1) - 1].clone();
+        self.restore(&state);
+        self.go(from);
+        self.turn = Some(self.solver.snapshot());
+        separations.iter().map(|h| self.go(*h)).collect()
+    }
+
+    fn retraction_pull_off(&mut self, from: f64, samples: &[(f64, f64)]) -> Extremum {
+        if from == self.job.separations[0] && self.turn.is_none() {
+            let before = self.before[1].clone().expect("it has been through all separations");
+            return self.zoom(samples, &before);
+        }
+        let turn = self.turn.clone().expect("the surface has been pulled back from there");
+        self.restore(&turn);
+        let smallest = samples.iter().fold(f64::INFINITY, |least: f64, sample| least.min(sample.1));
+        let mut before = turn;
+        for (h, force) in samples {
+            if *force == smallest {
+                break;
+            }
+            self.go(*h);
+            before = self.solver.snapshot();
+        }
+        self.zoom(samples, &before)
+    }
+
+    fn stiffest(&mut self, _from: Option<f64>, samples: &[(f64, f64)], span: f64) -> Extremum {
+        let (places, forces): (Vec<f64>, Vec<f64>) = samples.iter().copied().unzip();
+        let [first, last] = [places[0], places[places.len() - 1]];
+        // Of lines between samples the steepest secant has an end at a sample.
+        let begins = places.iter().flat_map(|place| [*place, place - span]);
+        let secant =
+            |begin: f64| (linear(&places, &forces, begin + span) - linear(&places, &forces, begin)) / span;
+        let within = begins.filter(|begin| *begin >= first && begin + span <= last);
+        let steepest =
+            within.map(|begin| (begin, secant(begin))).reduce(|a, b| if b.1 > a.1 { b } else { a });
+        let (begin, value) = steepest.unwrap_or((f64::NAN, f64::NAN));
+        Extremum { place: begin + 0.5 * span, value, at_edge: false }
+    }
+}

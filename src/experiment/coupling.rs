@@ -1,0 +1,86 @@
+//! What coupling makes of an ensemble, under the names of the file layout.
+
+use super::results::Results;
+use crate::asperity::Quantity;
+use crate::engine::{CoupledMoments, CoupledReplica, Replica, scalars};
+use crate::output::OutputError;
+use crate::output::writer::Writer;
+
+/// Writes the curves without coupling, the differences that it makes, and avalanches; nothing where asperities are
+/// independent.
+pub(crate) fn write_coupling(writer: &Writer<'_>, results: &Results) -> Result<(), OutputError> {
+    let (Some(substrate), Some(coupled)) = (&results.scene.substrate, &results.ensemble.coupled) else {
+        return Ok(());
+    };
+    writer.group("coupling")?;
+    writer.text("/coupling", "coupling", substrate.coupling.name())?;
+    writer.text("/coupling", "positions", substrate.places.name())?;
+    if let Some(distance) = substrate.places.minimum_distance() {
+        writer.number("/coupling", "minimum_distance", distance)?;
+    }
+    writer.number("/coupling", "tolerance", substrate.tolerance)?;
+    write_curves(writer, results, coupled)?;
+    write_scalars(writer, results, coupled)?;
+    let replicas = &results.ensemble.replicas;
+    let of = |replica: &Replica, of: fn(&CoupledReplica) -> u64| replica.coupled.as_deref().map_or(0, of);
+    let counts =
+        |count: fn(&CoupledReplica) -> u64| replicas.iter().map(|own| of(own, count)).collect::<Vec<u64>>();
+    writer.dataset("/replicas/unsettled_count", &counts(|replica| replica.unsettled))?;
+    writer.dataset("/replicas/largest_avalanche", &counts(|replica| replica.largest_avalanche))
+}
+
+fn write_curves(writer: &Writer<'_>, results: &Results, coupled: &CoupledMoments) -> Result<(), OutputError> {
+    let replicas = results.ensemble.replicas.len() as f64;
+    for (way, states) in results.paths() {
+        for quantity in Quantity::ALL {
+            let q = quantity.index();
+            let independent = (coupled.independent[q].mean(), coupled.groups.independent[q].standard_error());
+            let difference = &coupled.groups.difference[q];
+            let all = [
+                ("independent", independent.0, independent.1),
+                ("difference", difference.mean(), difference.standard_error()),
+            ];
+            for (kind, mean, error) in all {
+                let name = format!("/coupling/{way}{kind}_{}", quantity.name());
+                writer.dataset(&format!("{name}_mean"), &mean[states.clone()])?;
+                writer.dataset(&format!("{name}_standard_error"), &error[states.clone()])?;
+            }
+        }
+        for quantity in Quantity::ALL {
+            let std = coupled.independent[quantity.index()].std();
+            let name = format!("/coupling/{way}independent_{}_std", quantity.name());
+            writer.dataset(&name, &std[states.clone()])?;
+        }
+        let of = |mean: &[f64]| mean[states.clone()].to_vec();
+        let count = of(coupled.avalanche_count.mean());
+        writer.dataset(&format!("/coupling/{way}avalanche_count_mean"), &count)?;
+        let largest = of(coupled.largest_avalanche.mean());
+        writer.dataset(&format!("/coupling/{way}largest_avalanche_mean"), &largest)?;
+        let unsettled =
+            of(coupled.unsettled.mean()).into_iter().map(|share| (share * replicas).round() as u64);
+        writer.dataset(&format!("/coupling/{way}unsettled_count"), &unsettled.collect::<Vec<u64>>())?;
+    }
+    Ok(())
+}
+
+fn write_scalars(
+    writer: &Writer<'_>,
+    results: &Results,
+    coupled: &CoupledMoments,
+) -> Result<(), OutputError> {
+    let is_loop = results.scene.cycle;
+    let units: Vec<&str> = scalars(is_loop).map(|scalar| scalar.units).collect();
+    writer.texts("/coupling/scalar_units", &units)?;
+    for (kind, moments) in ["independent", "difference"].into_iter().zip(&coupled.groups.scalars) {
+        writer.dataset(&format!("/coupling/scalar_{kind}_mean"), moments.mean())?;
+        writer.dataset(&format!("/coupling/scalar_{kind}_standard_error"), &moments.standard_error())?;
+    }
+    for scalar in scalars(is_loop) {
+        let of = |replica: &Replica| {
+            replica.coupled.as_ref().map_or(f64::NAN, |own| (scalar.of)(&own.independent))
+        };
+        let values: Vec<f64> = results.ensemble.replicas.iter().map(of).collect();
+        writer.dataset(&format!("/replicas/independent_{}", scalar.name), &values)?;
+    }
+    Ok(())
+}

@@ -9,6 +9,7 @@ use crate::engine::moments::{LANES, MOST_PERIODS, periods};
 use crate::engine::{AHEAD, BATCH, HELD, PILOTS, batches_of};
 use crate::output::writer::CURVE_CHUNK;
 use crate::scene::Scene;
+use crate::substrate::Coupling;
 use crate::surface::CHUNK_ASPERITIES;
 use crate::validation::{GridSize, MAX_COMPONENTS, tested_separations};
 
@@ -27,6 +28,9 @@ const QUEUED: (f64, f64) = (42.0, 0.045);
 const PERIOD: f64 = 16e3;
 /// Bytes of an asperity in the search for the pull-off, on approach and on the retraction of a loop.
 const SEARCHED: (f64, f64) = (14.0, 80.0);
+/// Bytes of a coupled asperity, of a repeated square and of one alone: its near neighbours, its share of the grids, what
+/// is solved for.
+const COUPLED: (f64, f64) = (4e3, 9e3);
 /// Bytes of the sums of a chunk that wait to be added: for a regime, and for a period.
 const WAITING: (f64, f64) = (56.0, 1.5e3);
 /// Bytes that the search for the pull-off of a large surface counts in.
@@ -41,6 +45,8 @@ pub struct Estimate {
     pub separations: f64,
     /// Whether surfaces are pulled back.
     pub is_loop: bool,
+    /// What surrounds the surfaces, if their asperities are coupled.
+    pub coupling: Option<Coupling>,
     /// Regimes of the law.
     pub regimes: f64,
     /// Replicas.
@@ -78,6 +84,7 @@ impl Estimate {
             asperities: scene.surface.asperity_count as f64,
             separations: scene.states() as f64,
             is_loop: scene.cycle,
+            coupling: scene.substrate.map(|substrate| substrate.coupling),
             regimes: law.regimes().len() as f64,
             replicas: scene.replicas as f64,
             group: scene.sampling.group() as f64,
@@ -129,7 +136,11 @@ impl Estimate {
         let integral = s * (100.0 * r + 24.0 * NUMBER);
         let file = if self.curves { 4.0 * NUMBER * CURVE_CHUNK as f64 * s } else { 0.0 };
         // What is needed one after the other: the grid of the joint test, then the surfaces.
-        PROGRAM + ensembles + integral + file + self.functionals().max(batches + self.surfaces())
+        PROGRAM
+            + ensembles
+            + integral
+            + file
+            + self.functionals().max(batches + self.surfaces() + self.coupled())
     }
 
     /// Bytes of the grid of the joint test, its copy, and the matrix of its products.
@@ -170,6 +181,16 @@ impl Estimate {
             }
         };
         run.max(pilots)
+    }
+
+    /// Bytes of coupling the surfaces that are computed at the same time.
+    fn coupled(&self) -> f64 {
+        let of_asperity = match self.coupling {
+            None => return 0.0,
+            Some(Coupling::Periodic) => COUPLED.0,
+            Some(Coupling::Patch) => COUPLED.1,
+        };
+        self.workers() * self.asperities * of_asperity
     }
 
     /// Disk, bytes: what is kept of the replicas, and for curves the file beside the result that they are collected in and
@@ -255,6 +276,7 @@ mod tests {
 
     const RUN: Estimate = Estimate {
         is_loop: false,
+        coupling: None,
         asperities: 1e6,
         separations: 100.0,
         regimes: 6.0,

@@ -4,6 +4,7 @@ use super::plan::regimes;
 use crate::asperity::{Laws, Method, UnloadedRadius};
 use crate::engine::parts_of;
 use crate::scene::Scene;
+use crate::substrate::Coupling;
 use crate::surface::CHUNK_ASPERITIES;
 use crate::validation::{GridSize, tested_separations};
 
@@ -14,6 +15,9 @@ const SEARCHED: (f64, f64) = (13e3, 4.3);
 /// Nanoseconds of a retraction of tops that have flowed and have radii of their own: of a surface that has
 /// such tops, and of each of them.
 const FLATTENED: (f64, f64) = (7e6, 14e3);
+/// Nanoseconds of a coupled asperity in a state, of a repeated square and of one alone, and states that the search
+/// for a pull-off adds on each way.
+const COUPLED: (f64, f64, f64) = (8e3, 12e3, 30.0);
 /// Nanoseconds of an asperity of a surface in chunks that is drawn again, twice, and looked at.
 const AGAIN: f64 = 30.0;
 /// Nanoseconds of making the law of an asperity, where each has its own, and of a solve of that law.
@@ -74,6 +78,18 @@ fn flattened(scene: &Scene) -> f64 {
     retractions as f64 * (FLATTENED.0 * flowed.min(1.0) + FLATTENED.1 * flowed)
 }
 
+/// Nanoseconds of coupling the asperities of a replica.
+fn coupled(scene: &Scene) -> f64 {
+    let Some(substrate) = scene.substrate else { return 0.0 };
+    let in_a_state = match substrate.coupling {
+        Coupling::Periodic => COUPLED.0,
+        Coupling::Patch => COUPLED.1,
+    };
+    let s = scene.separations.len() as f64;
+    let ways = if scene.cycle { 2.0 } else { 1.0 } + scene.instability.preload.len() as f64;
+    scene.surface.asperity_count as f64 * ways * (s + COUPLED.2) * in_a_state
+}
+
 impl Cost {
     /// The cost of a scene under its law.
     pub(super) fn new(scene: &Scene, law: Laws<'_>) -> Self {
@@ -99,6 +115,7 @@ impl Cost {
             Some(_) => (moments, (CHUNK_ASPERITIES as f64 / n).min(1.0) * (direct + moments)),
             None => (direct, 0.0),
         };
+        let replica = replica + coupled(scene);
         let parts = scene.surface.parts().len() as f64;
         let dearest = (0..regimes.len()).map(|regime| evaluation(law.method(regime))).fold(0.0, f64::max);
         let panels = INTEGRAL.1 + 2.0 * law.pieces().len() as f64;

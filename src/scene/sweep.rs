@@ -258,6 +258,11 @@ mod tests {
                 _ => "",
             };
             let scene = scene.replace("[surface]\n", &format!("[surface]\n{of_law}"));
+            let substrate = match key.name.starts_with("substrate.") {
+                true => "[substrate]\ncoupling = \"patch\"\n",
+                false => "",
+            };
+            let scene = format!("{scene}\n{substrate}");
             let base = Scene::parse(&scene).unwrap();
             // Such as would do for most of them.
             let number = match key.dimension {
@@ -278,8 +283,12 @@ mod tests {
                 .unwrap();
             let numbers = |scene: &Scene| {
                 format!(
-                    "{:?} {:?} {:?} {:?}",
-                    scene.asperity, scene.surface, scene.critical_approach, scene.sum_tolerance
+                    "{:?} {:?} {:?} {:?} {:?}",
+                    scene.asperity,
+                    scene.surface,
+                    scene.critical_approach,
+                    scene.sum_tolerance,
+                    scene.substrate
                 )
             };
             assert_ne!(numbers(&swept), numbers(&base), "{}", key.name);

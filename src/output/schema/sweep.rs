@@ -13,7 +13,7 @@ pub static SWEEP: Layout = Layout {
     command: "stiction run",
     version: [3, 1],
     groups: &["ensemble", "replicas", "integral", "validation", "diagnostics", "differences"],
-    optional_groups: &["independence", "instability"],
+    optional_groups: &["coupling", "independence", "instability"],
     variables: LazyLock::new(variables),
     of_points: Some(&RUN),
 };
@@ -25,6 +25,7 @@ fn variables() -> Vec<Variable> {
         "",
         "/ensemble",
         "/replicas",
+        "/coupling",
         "/integral",
         "/independence",
         "/validation",
@@ -52,6 +53,7 @@ fn of_group(name: &str) -> Vec<Variable> {
             ]
             .concat()
         }
+        "/coupling" => group(name, NONE, COUPLING),
         "/independence" => verdict(NONE),
         "/validation" => {
             let verdict = "verdict of the joint test at the point by itself";
@@ -81,6 +83,11 @@ fn differences() -> Vec<Variable> {
     }
     all
 }
+
+const COUPLING: &[Row] = &[
+    ("minimum_distance", NONE, "m", "least distance of hard-core places"),
+    ("tolerance", NONE, "1", "largest error of a load, relative to the largest"),
+];
 
 const NUMBERS: &[Row] = &[
     ("replica_count", NONE, "1", "replicas of the point"),

@@ -173,8 +173,6 @@ const BOUNDS: &[Bound] = &[
     bound("/coupling/*_std", NotNegative, OneGroup),
     bound("/coupling/*difference_*", Finite, Never),
     bound("/coupling/*external_force_mean", Finite, Never),
-    bound("/coupling/minimum_distance", Positive, Absent),
-    bound("/coupling/tolerance", Positive, Never),
     bound("/coupling/*", NotNegative, Never),
     bound("/instability/*_probability*", Share, Absent),
     bound("/instability/*_mean", Finite, Absent),

@@ -53,7 +53,6 @@ fn of_group(name: &str) -> Vec<Variable> {
             ]
             .concat()
         }
-        "/coupling" => group(name, NONE, COUPLING),
         "/independence" => verdict(NONE),
         "/validation" => {
             let verdict = "verdict of the joint test at the point by itself";
@@ -83,11 +82,6 @@ fn differences() -> Vec<Variable> {
     }
     all
 }
-
-const COUPLING: &[Row] = &[
-    ("minimum_distance", NONE, "m", "least distance of hard-core places"),
-    ("tolerance", NONE, "1", "largest error of a load, relative to the largest"),
-];
 
 const NUMBERS: &[Row] = &[
     ("replica_count", NONE, "1", "replicas of the point"),

@@ -58,8 +58,9 @@ class Program:
             path.write_text(text)
         return self.file("run", path)
 
+    @functools.cache
     def file(self, command: str, scene: Path, *arguments: str) -> h5py.File:
-        output = f"{scene.stem}-{command}.h5"
+        output = f"{len(list(self.folder.glob('*.h5')))}.h5"
         self.said(command, str(scene), *arguments, "-o", output)
         return h5py.File(self.folder / output)
 

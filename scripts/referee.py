@@ -234,7 +234,8 @@ def write_asperities(path: Path, surface: dict) -> None:
                        "asperity_height_std": spread},
     }
     with h5py.File(path, "w") as file:
-        file.attrs.update(format="stiction-asperities", format_version=np.array([2, 0], np.int32), nominal_area=area, mean_plane_offset=mean)
+        file.attrs.update(format="stiction-asperities", format_version=np.array([2, 0], np.int32), nominal_area=area, mean_plane_offset=mean,
+                          map_shape=np.array([1, 1], np.uint64), pixel_size=np.full(2, surface["cell"]))
         for group, datasets in groups.items():
             for name, values in datasets.items():
                 file[f"{group}/{name}"] = values

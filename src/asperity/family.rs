@@ -6,6 +6,7 @@ use super::law::Law;
 use super::models::Model;
 use super::parameters::LawParameters;
 use super::scale::Asperity;
+use super::unloading::{Loop, UnloadedRadius};
 use std::ops::Deref;
 use std::sync::Arc;
 
@@ -80,6 +81,46 @@ impl Family {
             of_radius(radius, table_range).expect("laws between two radii that have one have one")
         };
         Ok(Self::from_fn(law))
+    }
+}
+
+/// Makes the loop of an asperity of a radius, m.
+type LoopOfRadius = dyn Fn(f64) -> Loop + Send + Sync;
+
+/// The loops that coupled asperities remember their histories by: one of all, or one of each radius.
+///
+/// # Examples
+/// ```
+/// use stiction::asperity::SurfaceLoops;
+///
+/// let memory = stiction::Scene::from_toml_file("configs/coupled.toml")?.memory().unwrap();
+/// assert!(matches!(memory, Some(SurfaceLoops::All(cycle)) if cycle.flows()));
+/// # Ok::<(), stiction::Error>(())
+/// ```
+pub enum SurfaceLoops {
+    /// All asperities have one radius.
+    All(Box<Loop>),
+    /// The loop of an asperity by its radius, m.
+    OfRadius(Box<LoopOfRadius>),
+}
+
+impl SurfaceLoops {
+    /// The loops of a model for asperities like one, whose radii differ from its radius by factors between
+    /// `least` and `most`; tops that have flowed keep theirs.
+    ///
+    /// # Errors
+    /// As [`Loop::new`] for one of these two.
+    pub fn of_radii(model: Model, asperity: Asperity, (least, most): (f64, f64)) -> Result<Self, LawError> {
+        let of_radius = move |radius: f64| {
+            let parameters =
+                LawParameters::new(&Asperity { radius, ..asperity }, Path::Approach, (0.0, 0.0))?;
+            Loop::new(&model, &LawParameters { table_range: None, ..parameters }, UnloadedRadius::Kept)
+        };
+        for factor in [least, most] {
+            of_radius(factor * asperity.radius)?;
+        }
+        let loop_of = move |radius| of_radius(radius).expect("loops between two radii that have one have one");
+        Ok(Self::OfRadius(Box::new(loop_of)))
     }
 }
 

@@ -18,6 +18,7 @@ use super::history::Path;
 use super::law::{Law, Responses};
 use super::stats::SolverStats;
 use super::unloading::Loop;
+use std::ops::Deref;
 
 /// The function of a segment.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,12 +48,31 @@ pub(crate) struct Segment {
     pub next: [Option<u8>; 2],
 }
 
+/// Something that is another's, or one's own.
+pub(crate) enum Held<'a, T: ?Sized> {
+    /// Another's.
+    Shared(&'a T),
+    /// One's own.
+    Own(Box<T>),
+}
+
+impl<T: ?Sized> Deref for Held<'_, T> {
+    type Target = T;
+
+    fn deref(&self) -> &T {
+        match self {
+            Self::Shared(shared) => shared,
+            Self::Own(own) => own,
+        }
+    }
+}
+
 /// The laws of an asperity of one radius.
 pub(crate) enum Memory<'a> {
     /// It retraces its approach.
-    None(&'a dyn Law),
+    None(Held<'a, dyn Law + 'a>),
     /// A loop.
-    Loop(&'a Loop),
+    Loop(Held<'a, Loop>),
 }
 
 /// An asperity that has flowed.
@@ -76,7 +96,7 @@ impl Memory<'_> {
     /// The law along a path.
     pub fn law(&self, path: Path) -> &dyn Law {
         match (self, path) {
-            (Self::None(law), _) => *law,
+            (Self::None(law), _) => &**law,
             (Self::Loop(cycle), Path::Approach) => cycle.approach(),
             (Self::Loop(cycle), Path::Retraction) => cycle.retraction(),
         }

@@ -47,7 +47,7 @@ pub mod table;
 pub mod unloading;
 
 pub use error::LawError;
-pub use family::{Family, Laws, SurfaceLaws};
+pub use family::{Family, Laws, SurfaceLaws, SurfaceLoops};
 pub use formula::{ClosedForm, Constant, Formula, Tabulated, Zero};
 pub use history::Path;
 #[doc(hidden)]

@@ -60,10 +60,13 @@ pub struct Forces {
     pub area: Vec<f64>,
 }
 
-/// The laws of all asperities of a surface: one of all, or one of each.
+/// The asperities of a surface, each with the laws of its radius.
 pub struct Asperities<'a> {
     laws: Vec<RadiusLaws<'a>>,
-    count: usize,
+    /// The number of the laws of each.
+    of_each: Vec<u32>,
+    /// Asperities by their laws, and where those of each begin, and at last their number.
+    by_laws: (Vec<u32>, Vec<usize>),
     order: Vec<u32>,
     out: Responses,
     places: [f64; BLOCK],
@@ -72,25 +75,28 @@ pub struct Asperities<'a> {
 }
 
 impl<'a> Asperities<'a> {
-    /// So many asperities of given laws: one of all, or one of each.
-    pub fn new(laws: Vec<RadiusLaws<'a>>, count: usize) -> Self {
+    /// Asperities of which each has the laws of a number.
+    pub fn new(laws: Vec<RadiusLaws<'a>>, of_each: Vec<u32>) -> Self {
+        let mut order = Vec::new();
+        let starts = sorted(of_each.iter().map(|&number| number as usize), laws.len(), &mut order);
         let (out, places) = (Responses::default(), [0.0; BLOCK]);
-        Self { laws, count, order: Vec::new(), out, places, stats: SolverStats::default() }
+        let (by_laws, stats) = ((order, starts), SolverStats::default());
+        Self { laws, of_each, by_laws, order: Vec::new(), out, places, stats }
     }
 
     /// The number of asperities.
     pub fn count(&self) -> usize {
-        self.count
+        self.of_each.len()
     }
 
     /// The laws of an asperity.
     pub fn laws(&self, i: usize) -> &RadiusLaws<'a> {
-        if self.laws.len() == 1 { &self.laws[0] } else { &self.laws[i] }
+        &self.laws[self.of_each[i] as usize]
     }
 
     /// The states of asperities that have not touched.
     pub fn untouched(&self) -> States {
-        States { segments: vec![0; self.count], ..States::default() }
+        States { segments: vec![0; self.count()], ..States::default() }
     }
 
     /// The states of asperities at interferences, m, each of which has touched where that can be.
@@ -153,7 +159,7 @@ impl<'a> Asperities<'a> {
             if delta <= known || states.resting.contains_key(&(i as u32)) {
                 continue;
             }
-            let laws = if self.laws.len() == 1 { &self.laws[0] } else { &self.laws[i] };
+            let laws = &self.laws[self.of_each[i] as usize];
             if let Some(flowed) = laws.memory.flowed(delta, &mut self.stats) {
                 // The segment that begins there.
                 let number = flowed.segments.iter().position(|segment| segment.lower == delta);
@@ -167,19 +173,11 @@ impl<'a> Asperities<'a> {
     /// The forces of all asperities at interferences, m; beyond the ends of its segment each has those at the
     /// end.
     pub fn respond(&mut self, states: &States, interference: &[f64], forces: &mut Forces) {
-        let count = self.count;
+        let count = self.count();
         for part in [&mut forces.adhesion, &mut forces.contact, &mut forces.area] {
             part.resize(count, 0.0);
         }
-        if self.laws.len() == 1 {
-            self.respond_in_blocks(states, interference, forces);
-        } else {
-            for (i, delta) in interference.iter().enumerate() {
-                if !states.flowed.contains_key(&(i as u32)) {
-                    put(forces, i, self.one(states, i, states.segments[i], *delta));
-                }
-            }
-        }
+        (0..self.laws.len()).for_each(|number| self.respond_in_blocks(number, states, interference, forces));
         for &i in states.flowed.keys() {
             let i = i as usize;
             put(forces, i, self.one(states, i, states.segments[i], interference[i]));
@@ -194,7 +192,7 @@ impl<'a> Asperities<'a> {
 
     /// F_s, N, P, N, and the area, m², of one asperity in a segment of its at an interference, m.
     pub fn one(&mut self, states: &States, i: usize, segment: u8, interference: f64) -> [f64; 3] {
-        let laws = if self.laws.len() == 1 { &self.laws[0] } else { &self.laws[i] };
+        let laws = &self.laws[self.of_each[i] as usize];
         let flowed = states.flowed.get(&(i as u32));
         let segment = flowed.map_or(&laws.segments, |flowed| &flowed.segments)[segment as usize];
         let delta = within(&segment, interference);
@@ -206,10 +204,25 @@ impl<'a> Asperities<'a> {
         [self.out.adhesion[0], self.out.contact[0], self.out.area[0]]
     }
 
-    fn respond_in_blocks(&mut self, states: &States, interference: &[f64], forces: &mut Forces) {
-        let Self { laws, order, out, places, stats, .. } = self;
-        let (memory, segments) = (&laws[0].memory, &laws[0].segments);
-        let starts = sorted_by_segment(&states.segments, segments.len(), order);
+    /// The forces of the asperities of the laws of a number.
+    fn respond_in_blocks(
+        &mut self,
+        laws: usize,
+        states: &States,
+        interference: &[f64],
+        forces: &mut Forces,
+    ) {
+        let Self { by_laws: (all, starts), order, out, places, stats, .. } = self;
+        let all = &all[starts[laws]..starts[laws + 1]];
+        if let &[i] = all {
+            let i = i as usize;
+            return put(forces, i, self.one(states, i, states.segments[i], interference[i]));
+        }
+        let RadiusLaws { memory, segments, .. } = &self.laws[laws];
+        let last = segments.len() - 1;
+        let own_segments = all.iter().map(|&i| (states.segments[i as usize] as usize).min(last));
+        let starts = sorted(own_segments, segments.len(), order);
+        order.iter_mut().for_each(|k| *k = all[*k as usize]);
         for (number, segment) in segments.iter().enumerate() {
             let own = &order[starts[number]..starts[number + 1]];
             if own.is_empty() {
@@ -254,8 +267,8 @@ impl<'a> Asperities<'a> {
             places.push(delta + step);
         }
         self.respond(states, places, shifted);
-        slopes.resize(self.count, 0.0);
-        for i in 0..self.count {
+        slopes.resize(self.count(), 0.0);
+        for i in 0..self.count() {
             let segment = self.segment(states, i);
             let is_within = interference[i] >= segment.lower && interference[i] <= segment.upper;
             let change =
@@ -263,6 +276,16 @@ impl<'a> Asperities<'a> {
             slopes[i] = if is_within { change / (places[i] - interference[i]) } else { 0.0 };
         }
     }
+}
+
+/// The distinct ones of radii, rising, and the number of each among them.
+pub fn distinct(radii: &[f64]) -> (Vec<f64>, Vec<u32>) {
+    let mut different = radii.to_vec();
+    different.sort_unstable_by(f64::total_cmp);
+    different.dedup();
+    let number = |radius: &f64| different.partition_point(|other| other < radius) as u32;
+    let numbers = radii.iter().map(number).collect();
+    (different, numbers)
 }
 
 fn put(forces: &mut Forces, i: usize, [adhesion, contact, area]: [f64; 3]) {
@@ -275,17 +298,17 @@ fn within(segment: &Segment, interference: f64) -> f64 {
     interference.max(segment.lower.next_up()).min(segment.upper.next_down())
 }
 
-/// Sorts asperities by their segments, and says where those of each begin, and at last their number.
-fn sorted_by_segment(numbers: &[u8], segments: usize, order: &mut Vec<u32>) -> Vec<usize> {
-    let mut starts = vec![0; segments + 1];
-    numbers.iter().for_each(|&number| starts[(number as usize).min(segments - 1) + 1] += 1);
-    (0..segments).for_each(|k| starts[k + 1] += starts[k]);
+/// Sorts things by their numbers, which are below `most`, and says where those of each begin, and at last how
+/// many there are.
+fn sorted(numbers: impl ExactSizeIterator<Item = usize> + Clone, most: usize, order: &mut Vec<u32>) -> Vec<usize> {
+    let mut starts = vec![0; most + 1];
+    numbers.clone().for_each(|number| starts[number + 1] += 1);
+    (0..most).for_each(|k| starts[k + 1] += starts[k]);
     order.resize(numbers.len(), 0);
     let mut next = starts.clone();
-    for (i, &number) in numbers.iter().enumerate() {
-        let place = &mut next[(number as usize).min(segments - 1)];
-        order[*place] = i as u32;
-        *place += 1;
+    for (i, number) in numbers.enumerate() {
+        order[next[number]] = i as u32;
+        next[number] += 1;
     }
     starts
 }

@@ -6,5 +6,5 @@ mod solver;
 #[cfg(test)]
 mod tests;
 
-pub use asperities::{Asperities, Forces, RadiusLaws, States};
+pub use asperities::{Asperities, Forces, RadiusLaws, States, distinct};
 pub use solver::{Settled, Snapshot, Solver, Substrate};

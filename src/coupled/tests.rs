@@ -1,5 +1,5 @@
 use super::*;
-use crate::asperity::memory::Memory;
+use crate::asperity::memory::{Held, Memory};
 use crate::asperity::models::model;
 use crate::asperity::{Asperity, Law, LawParameters, Loop, Path, UnloadedRadius};
 use crate::engine::stream::{Purpose, stream};
@@ -64,17 +64,19 @@ impl Given {
             let cycle = Loop::new(&model, &parameters, UnloadedRadius::Kept).unwrap();
             (model.law(&parameters).unwrap(), cycle, parameters.scale.length)
         };
-        let mut radii = self.radii.clone();
-        radii.dedup();
-        let radii = if radii.len() == 1 { radii } else { self.radii.clone() };
+        let (radii, of_each) = distinct(&self.radii);
         let made: Vec<(Box<dyn Law>, Loop, f64)> = radii.iter().map(each).collect();
         let laws = made.iter().map(|(law, cycle, length)| {
-            let memory = if is_loop { Memory::Loop(cycle) } else { Memory::None(law.as_ref()) };
+            let memory = if is_loop {
+                Memory::Loop(Held::Shared(cycle))
+            } else {
+                Memory::None(Held::Shared(law.as_ref()))
+            };
             RadiusLaws::new(memory, *length)
         });
         let compliance = 1.0 / (PI * of.reduced_modulus * self.side);
         let substrate = Substrate::new(coupling, self.places.clone(), compliance, 1e-12);
-        let asperities = Asperities::new(laws.collect(), self.heights.len());
+        let asperities = Asperities::new(laws.collect(), of_each);
         let mut solver = Solver::new(asperities, substrate, &self.heights, 1e-12);
         let far = self.heights.iter().copied().fold(d, f64::max) + 10e-9;
         // All touch so deep without coupling; states of few in a small square end before.
@@ -179,8 +181,8 @@ impl Case {
     fn solver(&self, coupling: Coupling, tolerance: f64) -> Solver<'_> {
         let compliance = 1.0 / (PI * self.asperity.reduced_modulus * self.side);
         let substrate = Substrate::new(coupling, self.places.clone(), compliance, tolerance);
-        let laws = vec![RadiusLaws::new(Memory::Loop(&self.cycle), self.length)];
-        Solver::new(Asperities::new(laws, self.heights.len()), substrate, &self.heights, tolerance)
+        let laws = vec![RadiusLaws::new(Memory::Loop(Held::Shared(&self.cycle)), self.length)];
+        Solver::new(Asperities::new(laws, vec![0; self.heights.len()]), substrate, &self.heights, tolerance)
     }
 
     /// Forces, N, at separations h* one after the other, and how each was reached.

@@ -6,9 +6,9 @@ use super::replica::{CoupledReplica, Replica};
 use super::stream::{Purpose, stream};
 use super::summed::Summed;
 use super::sums::RegimeSums;
-use crate::asperity::memory::Memory;
-use crate::asperity::{Loop, Path, SolverStats};
-use crate::coupled::{Asperities, RadiusLaws, Settled, Snapshot, Solver};
+use crate::asperity::memory::{Held, Memory};
+use crate::asperity::{Path, SolverStats, SurfaceLoops};
+use crate::coupled::{Asperities, RadiusLaws, Settled, Snapshot, Solver, distinct};
 use crate::math::extrema::Extremum;
 use crate::math::interpolation::linear;
 use crate::substrate::Coupling;
@@ -25,7 +25,7 @@ pub struct Substrate<'a> {
     /// What surrounds a surface.
     pub coupling: Coupling,
     /// The places of asperities.
-    pub places: Places,
+    pub places: &'a Places,
     /// Largest error of a load, relative to the largest.
     pub tolerance: f64,
     /// E*, Pa.
@@ -33,8 +33,8 @@ pub struct Substrate<'a> {
     /// The history of the surfaces.
     pub history: Path,
     /// What asperities remember; nothing where the unloading of their law is not known.
-    pub memory: Option<&'a Loop>,
-    /// The length over which the law varies, m.
+    pub memory: Option<&'a SurfaceLoops>,
+    /// The length over which the law of the typical asperity varies, m.
     pub length: f64,
 }
 
@@ -56,26 +56,24 @@ struct CoupledSurface<'a> {
     turn: Option<Snapshot>,
 }
 
-/// The record of the replica of an index with its curves, whose asperities have `heights`, m, and are coupled;
-/// `independent` is the record of them without that. `keep` makes a record of a surface that has been summed.
+/// The record of the replica of an index with its curves, whose asperities have heights and, where they differ in
+/// them, radii, m, and are coupled; `independent` is the record of them without that. `keep` makes a record of a
+/// surface that has been summed.
 pub(super) fn couple(
     (job, substrate): (&Job<'_>, &Substrate<'_>),
     index: u64,
-    heights: &[f64],
+    asperities: (&[f64], &[f64]),
     independent: (Replica, &Curves),
     stats: &mut SolverStats,
     keep: impl FnOnce(&mut dyn Summed, &mut Curves) -> Replica,
 ) -> (Replica, Curves) {
-    let (mut heights, places) = placed((job, substrate), index, heights);
-    // Sorted heights have their neighbours in the law as neighbours in memory.
+    let Placed { heights, radii, places } = Placed::new((job, substrate), index, asperities);
     let highest = heights.last().copied().unwrap_or(f64::NAN);
-    heights.shrink_to_fit();
-    let side = job.surface.nominal_area.sqrt();
-    let compliance = 1.0 / (PI * substrate.reduced_modulus * side);
-    let memory = substrate.memory.map_or(Memory::None(job.laws.typical), Memory::Loop);
-    let laws = vec![RadiusLaws::new(memory, substrate.length)];
+    let compliance = 1.0 / (PI * substrate.reduced_modulus * substrate.places.side(job.surface.nominal_area));
+    let (different, numbers) = distinct(&radii);
+    let laws = different.iter().map(|radius| laws_of((job, substrate), *radius)).collect();
     let solver = Solver::new(
-        Asperities::new(laws, heights.len()),
+        Asperities::new(laws, numbers),
         crate::coupled::Substrate::new(substrate.coupling, places, compliance, substrate.tolerance),
         &heights,
         substrate.tolerance,
@@ -112,18 +110,48 @@ pub(super) fn couple(
     (kept, curves)
 }
 
-/// The heights, m, rising, of a replica, and the places of the asperities in sides of the surface.
-fn placed(
-    (job, substrate): (&Job<'_>, &Substrate<'_>),
-    index: u64,
-    heights: &[f64],
-) -> (Vec<f64>, Vec<[f64; 2]>) {
-    let is_periodic = substrate.coupling == Coupling::Periodic;
-    let random = &mut stream(job.seed, Purpose::Places, index);
-    let places = substrate.places.draw(random, (heights.len(), job.surface.nominal_area.sqrt()), is_periodic);
-    let mut order: Vec<u32> = (0..heights.len() as u32).collect();
-    order.sort_by(|a, b| heights[*a as usize].total_cmp(&heights[*b as usize]));
-    order.into_iter().map(|i| (heights[i as usize], places[i as usize])).unzip()
+/// The asperities of a replica with their places, rising in height: sorted heights have their neighbours in the
+/// law as neighbours in memory.
+struct Placed {
+    heights: Vec<f64>,
+    radii: Vec<f64>,
+    /// In sides of the surface.
+    places: Vec<[f64; 2]>,
+}
+
+impl Placed {
+    /// Gives the asperities of the replica of an index, `heights` and `radii`, m, their places.
+    fn new(
+        (job, substrate): (&Job<'_>, &Substrate<'_>),
+        index: u64,
+        (heights, radii): (&[f64], &[f64]),
+    ) -> Self {
+        let is_periodic = substrate.coupling == Coupling::Periodic;
+        let random = &mut stream(job.seed, Purpose::Places, index);
+        let side = substrate.places.side(job.surface.nominal_area);
+        let places = substrate.places.draw(random, (heights.len(), side), is_periodic);
+        let mut order: Vec<u32> = (0..heights.len() as u32).collect();
+        order.sort_by(|a, b| heights[*a as usize].total_cmp(&heights[*b as usize]));
+        let radius = |i: usize| radii.get(i).copied().unwrap_or(job.surface.asperity_radius);
+        let order = || order.iter().map(|i| *i as usize);
+        Self {
+            heights: order().map(|i| heights[i]).collect(),
+            radii: order().map(radius).collect(),
+            places: order().map(|i| places[i]).collect(),
+        }
+    }
+}
+
+/// The laws of the asperities of a radius, m.
+fn laws_of<'a>((job, substrate): (&Job<'a>, &Substrate<'a>), radius: f64) -> RadiusLaws<'a> {
+    let memory = match (substrate.memory, job.laws.family) {
+        (Some(SurfaceLoops::All(cycle)), _) => Memory::Loop(Held::Shared(cycle)),
+        (Some(SurfaceLoops::OfRadius(loop_of)), _) => Memory::Loop(Held::Own(Box::new(loop_of(radius)))),
+        (None, Some(family)) => Memory::None(Held::Own(family.law(radius, None))),
+        (None, None) => Memory::None(Held::Shared(job.laws.typical)),
+    };
+    // Of elastic laws, s_δ ~ R^(1/3).
+    RadiusLaws::new(memory, substrate.length * libm::cbrt(radius / job.surface.asperity_radius))
 }
 
 /// The separations h, m, of the samples of a loop at which the first contact is there on approach, and the last

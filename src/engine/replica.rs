@@ -186,7 +186,8 @@ impl Workspace {
         Draws::of(job, index, self.chunk).all(&mut heights, &mut self.radii);
         let count = heights.len();
         let keep = |surface: &mut dyn Summed, curves: &mut Curves| keep(job, surface, count, curves);
-        couple(of, index, &heights, (kept, &self.curves[lane]), &mut self.sums.stats, keep)
+        let asperities = (heights.as_slice(), self.radii.as_slice());
+        couple(of, index, asperities, (kept, &self.curves[lane]), &mut self.sums.stats, keep)
     }
 
     /// The record of a surface that is summed chunk by chunk; nothing when that was ended.

@@ -84,7 +84,7 @@ impl Estimate {
             asperities: scene.surface.asperity_count as f64,
             separations: scene.states() as f64,
             is_loop: scene.cycle,
-            coupling: scene.substrate.map(|substrate| substrate.coupling),
+            coupling: scene.substrate.as_ref().map(|substrate| substrate.coupling),
             regimes: law.regimes().len() as f64,
             replicas: scene.replicas as f64,
             group: scene.sampling.group() as f64,

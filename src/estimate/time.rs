@@ -80,7 +80,7 @@ fn flattened(scene: &Scene) -> f64 {
 
 /// Nanoseconds of coupling the asperities of a replica.
 fn coupled(scene: &Scene) -> f64 {
-    let Some(substrate) = scene.substrate else { return 0.0 };
+    let Some(substrate) = &scene.substrate else { return 0.0 };
     let in_a_state = match substrate.coupling {
         Coupling::Periodic => COUPLED.0,
         Coupling::Patch => COUPLED.1,

@@ -7,7 +7,7 @@ use super::result_file::{AllRecords, write_curves, write_head, write_results};
 use super::results::{Results, RetractionResults, RunMetadata, Stopped, mean_features};
 use super::sampling::{Sampling, basis_of, cross_check};
 use super::{Error, Observer, Phases};
-use crate::asperity::{Laws, Loop, Quantity, SurfaceLaws};
+use crate::asperity::{Laws, Loop, Quantity, SurfaceLaws, SurfaceLoops};
 use crate::engine::{Batch, Outcome, ReductionTree, Rule, Shard, Summation, batches_of, replicas_of};
 use crate::estimate::{Estimate, Plan};
 use crate::integral::{Expectations, controls};
@@ -100,8 +100,8 @@ pub(crate) struct SceneLaws {
     pub law: SurfaceLaws,
     /// The loop of which the law is the approach, if surfaces are pulled back.
     pub cycle: Option<Loop>,
-    /// The loop that coupled asperities remember their histories by.
-    pub memory: Option<Loop>,
+    /// The loops that coupled asperities remember their histories by.
+    pub memory: Option<SurfaceLoops>,
 }
 
 impl SceneLaws {

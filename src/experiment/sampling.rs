@@ -2,7 +2,7 @@
 
 use super::Error;
 use super::observer::Phases;
-use crate::asperity::{Laws, Loop, Path, Quantity};
+use crate::asperity::{Laws, Loop, Path, Quantity, SurfaceLoops};
 use crate::engine::{
     Batch, Ensemble, Job, Loading, Outcome, Protocol, ReductionTree, Rule, Substrate, Summation, replicas_of,
     run_from,
@@ -20,8 +20,8 @@ pub(crate) struct Sampling<'a> {
     pub law: Laws<'a>,
     /// The loop of which the law is the approach, if surfaces are pulled back.
     pub cycle: Option<&'a Loop>,
-    /// The loop that coupled asperities remember their histories by.
-    pub memory: Option<&'a Loop>,
+    /// The loops that coupled asperities remember their histories by.
+    pub memory: Option<&'a SurfaceLoops>,
     /// Indices of the states of the control variates.
     pub controls: &'a [usize],
     /// The rule that ends it before all replicas of the scene are in.
@@ -45,18 +45,18 @@ impl Sampling<'_> {
             protocol: Protocol {
                 cycle: self.cycle,
                 loading: loading(self.scene),
-                substrate: self.scene.substrate.map(|substrate| self.substrate(substrate)),
+                substrate: self.scene.substrate.as_ref().map(|substrate| self.substrate(substrate)),
                 stiffness_span: Some(self.scene.stiffness_span),
             },
         }
     }
 
-    fn substrate(&self, substrate: scene::Substrate) -> Substrate<'_> {
+    fn substrate<'a>(&'a self, substrate: &'a scene::Substrate) -> Substrate<'a> {
         let scene::Substrate { coupling, places, tolerance } = substrate;
         Substrate {
-            coupling,
+            coupling: *coupling,
             places,
-            tolerance,
+            tolerance: *tolerance,
             reduced_modulus: self.scene.asperity.reduced_modulus,
             history: self.scene.history,
             memory: self.memory,

@@ -44,6 +44,8 @@ impl Files for SceneFiles {
         Ok(Measured {
             heights: file.heights,
             radii: file.radii,
+            positions: file.positions,
+            extent: file.extent,
             nominal_area: file.nominal_area,
             surface_height_std: file.m0.sqrt(),
         })

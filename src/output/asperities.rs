@@ -24,6 +24,8 @@ pub struct AsperityFile {
     pub radii: Vec<f64>,
     /// Place of each on the map, x and y, m.
     pub positions: Vec<[f64; 2]>,
+    /// Lengths of the map along x and y, m, if the file says.
+    pub extent: Option<[f64; 2]>,
     /// Area that was searched for them, m²; positive.
     pub nominal_area: f64,
     /// Asperities over that area, 1/m².
@@ -69,9 +71,11 @@ pub fn read(path: &Path) -> Result<AsperityFile, OutputError> {
     if !(nominal_area > 0.0 && nominal_area.is_finite()) {
         return Err(refused(format!("has nominal_area = {nominal_area:e}, and a positive area is needed")));
     }
+    let extent = extent(&reader)?;
     let mean_plane_offset = finite("/measured/asperity_height_mean", any)?[0];
     Ok(AsperityFile {
         positions: positions.map(|(x, y)| [x, y]).collect(),
+        extent,
         heights,
         radii,
         nominal_area,
@@ -81,4 +85,16 @@ pub fn read(path: &Path) -> Result<AsperityFile, OutputError> {
         m2: number("/surface/m2")?,
         m4: number("/surface/m4")?,
     })
+}
+
+/// The lengths of the map along x and y, m, if the file says how many pixels it has, and how large they are.
+fn extent(reader: &Reader) -> Result<Option<[f64; 2]>, OutputError> {
+    if !(reader.has_attribute("/", "map_shape")? && reader.has_attribute("/", "pixel_size")?) {
+        return Ok(None);
+    }
+    let shape: Vec<u64> = reader.attribute("/", "map_shape")?;
+    let pixel: Vec<f64> = reader.attribute("/", "pixel_size")?;
+    let ([rows, columns], [height, width]) = (&shape[..], &pixel[..]) else { return Ok(None) };
+    let extent = [*columns as f64 * width, *rows as f64 * height];
+    Ok(extent.iter().all(|length| *length > 0.0 && length.is_finite()).then_some(extent))
 }

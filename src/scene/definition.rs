@@ -6,7 +6,9 @@ use super::instability::Instability;
 use super::substrate::Substrate;
 use crate::asperity::models::Model;
 use crate::asperity::scale::{Asperity, Scale};
-use crate::asperity::{Family, LawError, LawParameters, Loop, Path, SurfaceLaws, UnloadedRadius};
+use crate::asperity::{
+    Family, LawError, LawParameters, Loop, Path, SurfaceLaws, SurfaceLoops, UnloadedRadius,
+};
 use crate::engine::Stopping;
 use crate::integral::interference_range;
 use crate::surface::{RADIUS_RANGE, SamplingScheme, Surface};
@@ -110,16 +112,21 @@ impl Scene {
         Loop::new(&self.model, &self.parameters()?, radius)
     }
 
-    /// The loop that coupled asperities remember their histories by, if they are coupled and the unloading of
+    /// The loops that coupled asperities remember their histories by, if they are coupled and the unloading of
     /// their law is known.
     ///
     /// # Errors
     /// As [`Scene::law_of`].
-    pub fn memory(&self) -> Result<Option<Loop>, LawError> {
+    pub fn memory(&self) -> Result<Option<SurfaceLoops>, LawError> {
         if self.substrate.is_none() {
             return Ok(None);
         }
-        match self.loop_law_of(self.unloaded_radius) {
+        let loops = if self.surface.is_polydisperse() {
+            SurfaceLoops::of_radii(self.model, self.asperity, RADIUS_RANGE)
+        } else {
+            self.loop_law_of(self.unloaded_radius).map(|cycle| SurfaceLoops::All(Box::new(cycle)))
+        };
+        match loops {
             Err(LawError::NoUnloading { .. }) => Ok(None),
             other => other.map(Some),
         }

@@ -29,7 +29,7 @@ pub(super) fn read(text: &str, root: &Section<'_>, files: &dyn Files) -> Result<
         {
             material.asperity(radius, 0.0)?;
         }
-        (population(&surface, files), lubricant).together()
+        (population(&surface, files, root.get("substrate").is_some()), lubricant).together()
     });
     let model = section("model").and_then(|model| ModelTable::read(&model));
     // What a separation is depends on the surface, whether it is one does not.
@@ -51,7 +51,7 @@ pub(super) fn read(text: &str, root: &Section<'_>, files: &dyn Files) -> Result<
         (readings.together(), solver, output, substrate).together()?;
     let ((), title, material, (population, lubricant), model, separation, instability, (ensemble, draws)) =
         readings;
-    let Population { surface, inputs } = population;
+    let Population { surface, places, inputs } = population;
     let asperity = material.asperity(surface.asperity_radius, lubricant.unwrap_or(0.0))?;
     let ModelTable { law, history, cycle, unloaded_radius, critical_approach } = model;
     if let Some(entry) =
@@ -61,7 +61,7 @@ pub(super) fn read(text: &str, root: &Section<'_>, files: &dyn Files) -> Result<
             "a loop is for asperities of one radius; those of several are computed on \"approach\" or \"retraction\"",
         ));
     }
-    let substrate = substrate.map(|table| table.under(&surface)).transpose()?;
+    let substrate = substrate.map(|table| table.under(&surface, places)).transpose()?;
     let separations = separation::separations(&separation, surface.surface_height_std)?;
     let stiffness_span = separation::stiffness_span(&separation, &separations, asperity.equilibrium_spacing)?;
     let most =

@@ -9,7 +9,7 @@ use super::reader::{Entry, Section};
 use super::units::Dimension;
 use crate::surface::nayak::{LEAST_ALPHA, Spectrum};
 use crate::surface::{
-    CountLaw, HeightLaw, Heights, LogNormal, Radii, Roughness, Surface, SurfaceError, Truncated, Weibull,
+    CountLaw, HeightLaw, Heights, LogNormal, MeasuredPlaces, Radii, Roughness, Surface, SurfaceError, Truncated, Weibull,
 };
 use toml::de::DeValue;
 
@@ -19,13 +19,19 @@ const LEAST_LEFT: f64 = 1e-9;
 /// A surface, and the files that it was made of.
 pub(super) struct Population {
     pub surface: Surface,
+    /// The places of the asperities, if they are coupled where they were measured.
+    pub places: Option<MeasuredPlaces>,
     pub inputs: Vec<Input>,
 }
 
-/// The surface of `[surface]`.
-pub(super) fn population(section: &Section<'_>, files: &dyn Files) -> Result<Population, SceneError> {
+/// The surface of `[surface]`, whose asperities are coupled or not.
+pub(super) fn population(
+    section: &Section<'_>,
+    files: &dyn Files,
+    is_coupled: bool,
+) -> Result<Population, SceneError> {
     if let Some(entry) = section.get("asperities") {
-        return measured(section, &entry, files);
+        return measured(section, &entry, files, is_coupled);
     }
     let mut inputs = Vec::new();
     let heights = heights(section, files, &mut inputs);
@@ -45,7 +51,7 @@ pub(super) fn population(section: &Section<'_>, files: &dyn Files) -> Result<Pop
         law => Heights { law, ..surface.heights },
     };
     summits(section, spectrum, &mut surface)?;
-    Ok(Population { surface, inputs })
+    Ok(Population { surface, places: None, inputs })
 }
 
 /// `count`: whether every replica has as many asperities.
@@ -341,7 +347,12 @@ fn gaussian(spectrum: &Spectrum) -> Result<(), String> {
 }
 
 /// `asperities`: those of a file of measured ones.
-fn measured(section: &Section<'_>, entry: &Entry<'_>, files: &dyn Files) -> Result<Population, SceneError> {
+fn measured(
+    section: &Section<'_>,
+    entry: &Entry<'_>,
+    files: &dyn Files,
+    is_coupled: bool,
+) -> Result<Population, SceneError> {
     let others = section.excluded("asperities", "follows from the measured asperities; give either");
     let table = entry.table()?;
     let path = table.require("path").and_then(|path| path.string().map(|name| (path, name)));
@@ -351,14 +362,19 @@ fn measured(section: &Section<'_>, entry: &Entry<'_>, files: &dyn Files) -> Resu
     let readings = (others, path, whole, area, offset, self::count(section));
     let (_, (path, name), whole, given_area, offset, count_law) = readings.together()?;
     let whole = whole.unwrap_or(false);
-    let Measured { heights, radii, nominal_area, surface_height_std } =
+    let Measured { heights, radii, positions, extent, nominal_area, surface_height_std } =
         files.asperities(name).map_err(|problem| path.wrong(&problem))?;
     if !(FEWEST..=MOST_VALUES).contains(&heights.len()) {
         return Err(
             path.wrong(&format!("has {} asperities; {FEWEST} to {MOST_VALUES} are needed", heights.len()))
         );
     }
-    let inputs = vec![Input::new(name, &[&heights, &radii, &[nominal_area, surface_height_std]])];
+    let places = (is_coupled && whole).then(|| places(positions, extent)).transpose();
+    let places = places.map_err(|problem| path.wrong(&problem))?;
+    let of_places = places.iter().flat_map(|own| own.positions.iter().chain([&own.extent])).flatten();
+    let of_places: Vec<f64> = of_places.copied().collect();
+    let of_surface = [nominal_area, surface_height_std];
+    let inputs = vec![Input::new(name, &[&heights, &radii, &of_surface, &of_places])];
     let count = heights.len() as f64;
     let mean = heights.iter().sum::<f64>() / count;
     if let (Some(area), true) = (section.get("nominal_area"), whole) {
@@ -380,5 +396,26 @@ fn measured(section: &Section<'_>, entry: &Entry<'_>, files: &dyn Files) -> Resu
         return Err(entry.wrong("sample = \"whole\" takes every measured asperity once"));
     }
     let surface = Surface { heights, radii: Radii::Measured(pairs.into()), whole, count_law, ..surface };
-    Ok(Population { surface, inputs })
+    Ok(Population { surface, places, inputs })
+}
+
+/// The places of measured asperities on their map.
+fn places(positions: Vec<[f64; 2]>, extent: Option<[f64; 2]>) -> Result<MeasuredPlaces, String> {
+    let extent = extent.ok_or(
+        "does not say how large its map is, in which coupled asperities have their places: attributes map_shape \
+         and pixel_size of its root",
+    )?;
+    let is_outside = |place: &[f64; 2]| (0..2).any(|k| !(place[k] >= 0.0 && place[k] <= extent[k]));
+    if let Some(i) = positions.iter().position(is_outside) {
+        let [x, y] = positions[i].map(|length| Dimension::Length.shown(length));
+        let [width, height] = extent.map(|length| Dimension::Length.shown(length));
+        return Err(format!("has asperity {i} at {x}, {y}, outside of its map of {width} x {height}"));
+    }
+    let mut sorted: Vec<(usize, &[f64; 2])> = positions.iter().enumerate().collect();
+    sorted.sort_by(|(_, a), (_, b)| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
+    if let Some(pair) = sorted.windows(2).find(|pair| pair[0].1 == pair[1].1) {
+        let (a, b) = (pair[0].0.min(pair[1].0), pair[0].0.max(pair[1].0));
+        return Err(format!("has asperities {a} and {b} at the same place; coupled ones are apart"));
+    }
+    Ok(MeasuredPlaces { positions: positions.into(), extent })
 }

@@ -271,9 +271,9 @@ impl<'a> Entry<'a> {
     }
 
     /// A name out of a closed list.
-    pub fn choice<T: Copy>(&self, what: &str, choices: &[(&str, T)]) -> Result<T, SceneError> {
+    pub fn choice<T: Clone>(&self, what: &str, choices: &[(&str, T)]) -> Result<T, SceneError> {
         let given = self.string()?;
-        choices.iter().find(|(name, _)| *name == given).map(|(_, choice)| *choice).ok_or_else(|| {
+        choices.iter().find(|(name, _)| *name == given).map(|(_, choice)| choice.clone()).ok_or_else(|| {
             let names: Vec<&str> = choices.iter().map(|(name, _)| *name).collect();
             let hint = match renamed_value(given) {
                 Some(new) => Some(format!(", which is now \"{new}\"")),

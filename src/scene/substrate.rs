@@ -4,12 +4,15 @@ use super::choices::{POSITIONS, TOLERANCES_OF_LOADS};
 use super::error::{SceneError, Together};
 use super::reader::{Entry, Section};
 use crate::substrate::Coupling;
-use crate::surface::{CHUNK_ASPERITIES, CountLaw, Places, Surface};
+use super::units::Dimension;
+use crate::surface::{CHUNK_ASPERITIES, CountLaw, MeasuredPlaces, Places, Surface};
 
 /// Least distance of asperities at random, in 1/√η, unless a scene gives one.
 const LEAST_DISTANCE: f64 = 0.5;
 /// Largest error of a load unless a scene gives one.
 const TOLERANCE: f64 = 1e-9;
+/// Share by which the sides of a map that is repeated as a square may differ.
+const SQUARE: f64 = 1e-6;
 
 /// The half-space under the asperities.
 ///
@@ -22,7 +25,7 @@ const TOLERANCE: f64 = 1e-9;
 /// assert_eq!((places.name(), tolerance), ("hard_core", 1e-9));
 /// # Ok::<(), stiction::Error>(())
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Substrate {
     /// What surrounds the surface.
     pub coupling: Coupling,
@@ -36,7 +39,7 @@ pub struct Substrate {
 pub(super) struct SubstrateTable<'a> {
     section: Section<'a>,
     coupling: Coupling,
-    places: Places,
+    places: Option<Places>,
     minimum_distance: Option<f64>,
     tolerance: f64,
 }
@@ -48,34 +51,39 @@ impl<'a> SubstrateTable<'a> {
         let coupling = section.require("coupling").and_then(|entry| entry.choice("coupling", &Coupling::ALL));
         let places = section.optional("positions", |entry| entry.choice("positions", &POSITIONS));
         let minimum_distance = section.optional("minimum_distance", |entry| {
-            let is_random = places.as_ref().is_ok_and(|places| places.is_none_or(is_hard_core));
+            let is_random = places.as_ref().is_ok_and(|places| places.as_ref().is_none_or(is_hard_core));
             if is_random { entry.measured() } else { Err(entry.wrong("is for positions = \"hard_core\"")) }
         });
         let tolerance = section.optional("tolerance", tolerance);
         let readings = (coupling, places.clone(), minimum_distance, tolerance).together()?;
         let (coupling, places, minimum_distance, tolerance) = readings;
-        let places = places.unwrap_or(POSITIONS[0].1);
         let tolerance = tolerance.unwrap_or(TOLERANCE);
         Ok(Some(Self { section, coupling, places, minimum_distance, tolerance }))
     }
 
-    /// The half-space under a surface.
-    pub fn under(self, surface: &Surface) -> Result<Substrate, SceneError> {
+    /// The half-space under a surface, whose asperities may have measured places.
+    pub fn under(
+        self,
+        surface: &Surface,
+        measured: Option<MeasuredPlaces>,
+    ) -> Result<Substrate, SceneError> {
         let Self { section, coupling, places, minimum_distance, tolerance } = self;
         let entry = || {
             let named =
                 ["minimum_distance", "positions", "coupling"].into_iter().find_map(|key| section.get(key));
             named.expect("coupling has to be there")
         };
-        if surface.is_polydisperse() {
-            return Err(entry().wrong("coupled asperities are of one radius; radii = \"common\" would do"));
-        }
         if surface.asperity_count > CHUNK_ASPERITIES {
             return Err(entry().wrong(&format!(
                 "a surface has {} asperities; at most {CHUNK_ASPERITIES} are coupled",
                 surface.asperity_count
             )));
         }
+        if let Some(measured) = measured {
+            let places = Places::Measured(on_map(&section, coupling, measured)?);
+            return Ok(Substrate { coupling, places, tolerance });
+        }
+        let places = places.unwrap_or(POSITIONS[0].1.clone());
         if places.is_lattice() && surface.count_law == CountLaw::Poisson {
             return Err(entry().wrong("a lattice has a fixed number of places; count = \"fixed\" would do"));
         }
@@ -90,7 +98,30 @@ impl<'a> SubstrateTable<'a> {
     }
 }
 
-fn is_hard_core(places: Places) -> bool {
+/// The places of measured asperities, if they can be had so.
+fn on_map(
+    section: &Section<'_>,
+    coupling: Coupling,
+    measured: MeasuredPlaces,
+) -> Result<MeasuredPlaces, SceneError> {
+    if let Some(entry) = ["positions", "minimum_distance"].into_iter().find_map(|key| section.get(key)) {
+        return Err(entry.wrong(
+            "a measured surface that is taken whole has its asperities where they were measured; leave it out, or \
+             have them drawn: sample = \"bootstrap\"",
+        ));
+    }
+    let [width, height] = measured.extent;
+    if coupling == Coupling::Periodic && (width - height).abs() > SQUARE * width {
+        let [width, height] = measured.extent.map(|length| Dimension::Length.shown(length));
+        let entry = section.get("coupling").expect("it was read");
+        return Err(entry.wrong(&format!(
+            "a square is repeated, and the map is {width} x {height}; coupling = \"patch\" would do, or a square map"
+        )));
+    }
+    Ok(measured)
+}
+
+fn is_hard_core(places: &Places) -> bool {
     matches!(places, Places::HardCore(_))
 }
 

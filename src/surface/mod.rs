@@ -10,7 +10,7 @@ mod scheme;
 
 pub use heights::{HeightLaw, Heights, LogNormal, Truncated, Weibull};
 pub use nayak::Spectrum;
-pub use places::{Places, PlacesError};
+pub use places::{MeasuredPlaces, Places, PlacesError};
 pub use radii::Radii;
 #[doc(hidden)]
 pub use radii::{RADIUS_RANGE, RadiusClass};

@@ -2,6 +2,7 @@
 
 use rand::{Rng, RngExt};
 use std::f64::consts::PI;
+use std::sync::Arc;
 use thiserror::Error;
 
 /// Largest share of the square that circles of half the least distance may cover: beyond it random places
@@ -23,7 +24,7 @@ const LARGEST_STRETCH: f64 = 0.03;
 /// let distance = |a: [f64; 2], b: [f64; 2]| apart(a[0], b[0]).hypot(apart(a[1], b[1]));
 /// assert!((1..100).all(|i| (0..i).all(|j| distance(places[i], places[j]) >= 0.05)));
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Places {
     /// At random, but at least so far apart, m; one after the other, each in what the others left free.
     HardCore(f64),
@@ -33,6 +34,33 @@ pub enum Places {
     Square,
     /// On a hexagonal lattice, stretched a little to fit the square.
     Hexagonal,
+    /// Where they were measured.
+    Measured(MeasuredPlaces),
+}
+
+/// Places of measured asperities, in their order, on a map.
+///
+/// # Examples
+/// ```
+/// use stiction::surface::MeasuredPlaces;
+///
+/// let positions = [[1e-6, 3e-6], [2e-6, 0.5e-6]];
+/// let places = MeasuredPlaces { positions: positions.into(), extent: [4e-6, 3.5e-6] };
+/// assert_eq!(places.side(), 4e-6);
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeasuredPlaces {
+    /// x and y of each, m.
+    pub positions: Arc<[[f64; 2]]>,
+    /// Lengths of the map along x and y, m.
+    pub extent: [f64; 2],
+}
+
+impl MeasuredPlaces {
+    /// The side, m, of the square around the map.
+    pub fn side(&self) -> f64 {
+        self.extent[0].max(self.extent[1])
+    }
 }
 
 /// Why asperities do not have places.
@@ -70,25 +98,34 @@ pub enum PlacesError {
 
 impl Places {
     /// The name in scenes and files.
-    pub fn name(self) -> &'static str {
+    pub fn name(&self) -> &'static str {
         match self {
             Self::HardCore(_) => "hard_core",
             Self::Uniform => "uniform",
             Self::Square => "square",
             Self::Hexagonal => "hexagonal",
+            Self::Measured(_) => "measured",
+        }
+    }
+
+    /// The side, m, of the square that they are in on a surface of a nominal area, m².
+    pub fn side(&self, nominal_area: f64) -> f64 {
+        match self {
+            Self::Measured(places) => places.side(),
+            _ => nominal_area.sqrt(),
         }
     }
 
     /// The least distance, m, if they keep one.
-    pub fn minimum_distance(self) -> Option<f64> {
+    pub fn minimum_distance(&self) -> Option<f64> {
         match self {
-            Self::HardCore(distance) => Some(distance),
+            Self::HardCore(distance) => Some(*distance),
             _ => None,
         }
     }
 
     /// Whether they form a lattice, so that nothing is left to chance.
-    pub fn is_lattice(self) -> bool {
+    pub fn is_lattice(&self) -> bool {
         matches!(self, Self::Square | Self::Hexagonal)
     }
 
@@ -96,9 +133,9 @@ impl Places {
     ///
     /// # Errors
     /// [`PlacesError`].
-    pub fn check(self, count: usize, side: f64) -> Result<(), PlacesError> {
+    pub fn check(&self, count: usize, side: f64) -> Result<(), PlacesError> {
         match self {
-            Self::Uniform => Ok(()),
+            Self::Uniform | Self::Measured(_) => Ok(()),
             Self::HardCore(distance) => {
                 let cover = 0.25 * PI * (distance / side).powi(2) * count as f64;
                 if cover <= LARGEST_COVER {
@@ -120,8 +157,8 @@ impl Places {
     }
 
     /// Columns and rows of a lattice of so many in a square.
-    fn lattice(self, count: usize) -> Option<[usize; 2]> {
-        if self == Self::Square {
+    fn lattice(&self, count: usize) -> Option<[usize; 2]> {
+        if *self == Self::Square {
             let side = count.isqrt();
             return (side * side == count && count > 0).then_some([side, side]);
         }
@@ -140,7 +177,7 @@ impl Places {
     /// # Panics
     /// When so many asperities cannot have them ([`Places::check`]).
     pub fn draw(
-        self,
+        &self,
         random: &mut impl Rng,
         (count, side): (usize, f64),
         is_periodic: bool,
@@ -148,9 +185,10 @@ impl Places {
         match self {
             Self::Uniform => (0..count).map(|_| point(random)).collect(),
             Self::HardCore(distance) => hard_core(random, count, distance / side, is_periodic),
+            Self::Measured(places) => places.positions.iter().map(|[x, y]| [x / side, y / side]).collect(),
             Self::Square | Self::Hexagonal => {
                 let [columns, rows] = self.lattice(count).expect("the number is checked");
-                let shift = |row: usize| if self == Self::Hexagonal && row % 2 == 1 { 0.75 } else { 0.25 };
+                let shift = |row: usize| if *self == Self::Hexagonal && row % 2 == 1 { 0.75 } else { 0.25 };
                 let at = |i: usize| {
                     let (row, column) = (i / columns, i % columns);
                     let x = (column as f64 + shift(row)) / columns as f64;

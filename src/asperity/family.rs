@@ -119,7 +119,8 @@ impl SurfaceLoops {
         for factor in [least, most] {
             of_radius(factor * asperity.radius)?;
         }
-        let loop_of = move |radius| of_radius(radius).expect("loops between two radii that have one have one");
+        let loop_of =
+            move |radius| of_radius(radius).expect("loops between two radii that have one have one");
         Ok(Self::OfRadius(Box::new(loop_of)))
     }
 }

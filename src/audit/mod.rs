@@ -16,6 +16,7 @@ mod independence;
 mod run;
 mod scalars;
 mod snaps;
+mod states;
 mod sweep;
 
 pub use self::answer::{Audit, Content};

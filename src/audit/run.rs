@@ -58,6 +58,7 @@ impl Checked<'_> {
         self.targets()?;
         self.curves(cycle)?;
         self.snaps()?;
+        self.asperity_states()?;
         self.features()?;
         self.independence()?;
         self.joint_test(joint)

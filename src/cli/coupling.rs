@@ -51,6 +51,13 @@ pub(super) fn coupling(results: &Results) -> String {
     let replicas = results.ensemble.replicas.iter().filter_map(|replica| replica.coupled.as_ref());
     let largest = replicas.clone().map(|replica| replica.largest_avalanche).max().unwrap_or(0);
     text += &row("", &format!("largest avalanche: {largest} asperities of one surface at one separation"));
+    let first = results.ensemble.replicas.first().and_then(|replica| replica.coupled.as_ref());
+    if let Some(told) = first.and_then(|coupled| coupled.asperities.as_ref()) {
+        let states = told.states.len();
+        let plural = if states == 1 { "" } else { "s" };
+        let about = format!("the loads of its {} asperities in {states} state{plural}", told.heights.len());
+        text += &row("", &format!("of the first replica the file has {about}: /asperities"));
+    }
     let (unsettled, states) =
         (replicas.map(|replica| replica.unsettled).sum::<u64>(), results.scene.states());
     if unsettled > 0 {

@@ -205,13 +205,7 @@ impl<'a> Asperities<'a> {
     }
 
     /// The forces of the asperities of the laws of a number.
-    fn respond_in_blocks(
-        &mut self,
-        laws: usize,
-        states: &States,
-        interference: &[f64],
-        forces: &mut Forces,
-    ) {
+    fn respond_in_blocks(&mut self, laws: usize, states: &States, interference: &[f64], forces: &mut Forces) {
         let Self { by_laws: (all, starts), order, out, places, stats, .. } = self;
         let all = &all[starts[laws]..starts[laws + 1]];
         if let &[i] = all {
@@ -300,7 +294,11 @@ fn within(segment: &Segment, interference: f64) -> f64 {
 
 /// Sorts things by their numbers, which are below `most`, and says where those of each begin, and at last how
 /// many there are.
-fn sorted(numbers: impl ExactSizeIterator<Item = usize> + Clone, most: usize, order: &mut Vec<u32>) -> Vec<usize> {
+fn sorted(
+    numbers: impl ExactSizeIterator<Item = usize> + Clone,
+    most: usize,
+    order: &mut Vec<u32>,
+) -> Vec<usize> {
     let mut starts = vec![0; most + 1];
     numbers.clone().for_each(|number| starts[number + 1] += 1);
     (0..most).for_each(|k| starts[k + 1] += starts[k]);

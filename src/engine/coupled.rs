@@ -1,6 +1,7 @@
 //! Replicas whose asperities are coupled through the half-space under them.
 
 use super::Job;
+use super::asperity_states::{AsperityState, AsperityStates, drawn};
 use super::curves::{CoupledCurves, Curves};
 use super::replica::{CoupledReplica, Replica};
 use super::stream::{Purpose, stream};
@@ -28,6 +29,8 @@ pub struct Substrate<'a> {
     pub places: &'a Places,
     /// Largest error of a load, relative to the largest.
     pub tolerance: f64,
+    /// Indices of the separations at which the asperities of the first replica are told one by one.
+    pub loads_at: &'a [usize],
     /// E*, Pa.
     pub reduced_modulus: f64,
     /// The history of the surfaces.
@@ -54,6 +57,16 @@ struct CoupledSurface<'a> {
     approach: Vec<Snapshot>,
     /// Where the last retraction from a preload began.
     turn: Option<Snapshot>,
+    told: Option<Told<'a>>,
+}
+
+/// The asperities of a surface that are told one by one.
+struct Told<'a> {
+    /// Indices of the separations.
+    at: &'a [usize],
+    /// The number of each among those that were drawn.
+    order: Vec<u32>,
+    states: Box<AsperityStates>,
 }
 
 /// The record of the replica of an index with its curves, whose asperities have heights and, where they differ in
@@ -67,9 +80,19 @@ pub(super) fn couple(
     stats: &mut SolverStats,
     keep: impl FnOnce(&mut dyn Summed, &mut Curves) -> Replica,
 ) -> (Replica, Curves) {
-    let Placed { heights, radii, places } = Placed::new((job, substrate), index, asperities);
+    let Placed { heights, radii, places, order } = Placed::new((job, substrate), index, asperities);
     let highest = heights.last().copied().unwrap_or(f64::NAN);
-    let compliance = 1.0 / (PI * substrate.reduced_modulus * substrate.places.side(job.surface.nominal_area));
+    let side = substrate.places.side(job.surface.nominal_area);
+    let compliance = 1.0 / (PI * substrate.reduced_modulus * side);
+    let told = (index == 0 && !substrate.loads_at.is_empty()).then(|| {
+        let states = AsperityStates {
+            places: drawn(&places, &order).into_iter().map(|place| place.map(|x| x * side)).collect(),
+            heights: drawn(&heights, &order),
+            radii: drawn(&radii, &order),
+            states: Vec::new(),
+        };
+        Told { at: substrate.loads_at, order, states: Box::new(states) }
+    });
     let (different, numbers) = distinct(&radii);
     let laws = different.iter().map(|radius| laws_of((job, substrate), *radius)).collect();
     let solver = Solver::new(
@@ -89,6 +112,7 @@ pub(super) fn couple(
         before: [None, None],
         approach: Vec::new(),
         turn: None,
+        told,
     };
     let (replica, of_independent) = independent;
     let mut curves = Curves::new(job.states(), r);
@@ -102,6 +126,7 @@ pub(super) fn couple(
         unsettled: total(&coupled.unsettled),
         largest_avalanche: coupled.largest_avalanche.iter().fold(0.0, |most: f64, size| most.max(*size))
             as u64,
+        asperities: surface.told.map(|told| told.states),
     }));
     if let Some(cycle) = &mut kept.cycle {
         (cycle.touchdown_separation, cycle.detachment_separation) = contacts(job, &curves);
@@ -117,6 +142,8 @@ struct Placed {
     radii: Vec<f64>,
     /// In sides of the surface.
     places: Vec<[f64; 2]>,
+    /// The number of each among those that were drawn.
+    order: Vec<u32>,
 }
 
 impl Placed {
@@ -133,11 +160,12 @@ impl Placed {
         let mut order: Vec<u32> = (0..heights.len() as u32).collect();
         order.sort_by(|a, b| heights[*a as usize].total_cmp(&heights[*b as usize]));
         let radius = |i: usize| radii.get(i).copied().unwrap_or(job.surface.asperity_radius);
-        let order = || order.iter().map(|i| *i as usize);
+        let numbers = || order.iter().map(|i| *i as usize);
         Self {
-            heights: order().map(|i| heights[i]).collect(),
-            radii: order().map(radius).collect(),
-            places: order().map(|i| places[i]).collect(),
+            heights: numbers().map(|i| heights[i]).collect(),
+            radii: numbers().map(radius).collect(),
+            places: numbers().map(|i| places[i]).collect(),
+            order,
         }
     }
 }
@@ -246,6 +274,12 @@ impl CoupledSurface<'_> {
             sum.area.add(forces.area[i]);
         }
         RegimeSums::record(&self.regimes, state, curves);
+        if let Some(Told { at, order, states }) = &mut self.told
+            && at.contains(&(state % self.job.separations.len()))
+        {
+            let is_contact = |regime: usize| self.job.laws.regimes()[regime].is_contact();
+            states.states.push(AsperityState::of(&self.solver, state, is_contact, order));
+        }
         coupled.avalanche_count[state] = self.settled.avalanches as f64;
         coupled.largest_avalanche[state] = self.settled.largest_avalanche as f64;
         coupled.unsettled[state] = f64::from(u8::from(!self.settled.is_converged));

@@ -10,6 +10,7 @@
 //! A [`Job`] says what is computed, an [`Ensemble`] is the result, and a [`Rule`] tells whether that is large
 //! enough. All of it may change with any version.
 
+mod asperity_states;
 mod batch;
 #[cfg(test)]
 mod case_ii;
@@ -48,6 +49,8 @@ mod summed;
 mod sums;
 
 pub use crate::math::moments::Moments;
+#[doc(hidden)]
+pub use asperity_states::{AsperityState, AsperityStates};
 pub use batch::Ensemble;
 #[doc(hidden)]
 pub use batch::{BATCH, Batch, batches_of, replicas_of};

@@ -1,6 +1,7 @@
 //! One replica: one surface, its curves and what is kept of them.
 
 use super::Job;
+use super::asperity_states::AsperityStates;
 use super::chunks::Chunks;
 use super::coupled::{Substrate, couple};
 use super::curves::Curves;
@@ -68,6 +69,8 @@ pub struct CoupledReplica {
     pub unsettled: u64,
     /// Asperities in the largest avalanche.
     pub largest_avalanche: u64,
+    /// The asperities one by one, of the first replica where that is asked for.
+    pub asperities: Option<Box<AsperityStates>>,
 }
 
 impl Replica {

@@ -18,6 +18,8 @@ const FLATTENED: (f64, f64) = (7e6, 14e3);
 /// Nanoseconds of a coupled asperity in a state, of a repeated square and of one alone, and states that the search
 /// for a pull-off adds on each way.
 const COUPLED: (f64, f64, f64) = (8e3, 12e3, 30.0);
+/// Nanoseconds of such an asperity beside, where each has its own law.
+const COUPLED_RADII: f64 = 25e3;
 /// Nanoseconds of an asperity of a surface in chunks that is drawn again, twice, and looked at.
 const AGAIN: f64 = 30.0;
 /// Nanoseconds of making the law of an asperity, where each has its own, and of a solve of that law.
@@ -85,6 +87,7 @@ fn coupled(scene: &Scene) -> f64 {
         Coupling::Periodic => COUPLED.0,
         Coupling::Patch => COUPLED.1,
     };
+    let in_a_state = if scene.surface.is_polydisperse() { in_a_state + COUPLED_RADII } else { in_a_state };
     let s = scene.separations.len() as f64;
     let ways = if scene.cycle { 2.0 } else { 1.0 } + scene.instability.preload.len() as f64;
     scene.surface.asperity_count as f64 * ways * (s + COUPLED.2) * in_a_state

@@ -1,6 +1,7 @@
 //! Experiments on scenes: the integral, the ensemble, its cross-check, and what is found out, kept and
 //! written.
 
+mod asperities;
 pub(crate) mod checkpoint;
 pub(crate) mod compare;
 mod coupling;

@@ -1,5 +1,6 @@
 //! A run's results under the names of the file layout.
 
+use super::asperities::write_asperities;
 use super::coupling::write_coupling;
 use super::independence::write_independence;
 use super::results::{Results, Stopped};
@@ -154,6 +155,7 @@ pub(crate) fn write_scene(writer: &mut Writer<'_>, scene: &Scene) -> Result<(), 
 pub(crate) fn write_results(writer: &mut Writer<'_>, results: &Results) -> Result<(), OutputError> {
     write_ensemble(writer, results)?;
     write_coupling(writer, results)?;
+    write_asperities(writer, results)?;
     write_jumps(writer, results)?;
     write_instability(writer, results)?;
     write_integral(writer, results)?;

@@ -52,11 +52,12 @@ impl Sampling<'_> {
     }
 
     fn substrate<'a>(&'a self, substrate: &'a scene::Substrate) -> Substrate<'a> {
-        let scene::Substrate { coupling, places, tolerance } = substrate;
+        let scene::Substrate { coupling, places, tolerance, loads_at } = substrate;
         Substrate {
             coupling: *coupling,
             places,
             tolerance: *tolerance,
+            loads_at,
             reduced_modulus: self.scene.asperity.reduced_modulus,
             history: self.scene.history,
             memory: self.memory,

@@ -24,8 +24,9 @@ pub struct Measured {
     pub heights: Vec<f64>,
     /// Radius of each, m.
     pub radii: Vec<f64>,
-    /// x and y of each on the map, m, and the lengths of the map along x and y, m, if the file says.
+    /// x and y of each on the map, m.
     pub positions: Vec<[f64; 2]>,
+    /// Lengths of the map along x and y, m, if the file says.
     pub extent: Option<[f64; 2]>,
     /// The area that they were found on, m².
     pub nominal_area: f64,

@@ -61,8 +61,8 @@ pub(super) fn read(text: &str, root: &Section<'_>, files: &dyn Files) -> Result<
             "a loop is for asperities of one radius; those of several are computed on \"approach\" or \"retraction\"",
         ));
     }
-    let substrate = substrate.map(|table| table.under(&surface, places)).transpose()?;
     let separations = separation::separations(&separation, surface.surface_height_std)?;
+    let substrate = substrate.map(|table| table.under(&surface, places, &separations)).transpose()?;
     let stiffness_span = separation::stiffness_span(&separation, &separations, asperity.equilibrium_spacing)?;
     let most =
         UNIT_RANGE.1 * Scale::new(&asperity).map_err(|error| SceneError::general(error.to_string()))?.length;

@@ -9,7 +9,8 @@ use super::reader::{Entry, Section};
 use super::units::Dimension;
 use crate::surface::nayak::{LEAST_ALPHA, Spectrum};
 use crate::surface::{
-    CountLaw, HeightLaw, Heights, LogNormal, MeasuredPlaces, Radii, Roughness, Surface, SurfaceError, Truncated, Weibull,
+    CountLaw, HeightLaw, Heights, LogNormal, MeasuredPlaces, Radii, Roughness, Surface, SurfaceError,
+    Truncated, Weibull,
 };
 use toml::de::DeValue;
 

@@ -3,14 +3,17 @@
 use super::choices::{POSITIONS, TOLERANCES_OF_LOADS};
 use super::error::{SceneError, Together};
 use super::reader::{Entry, Section};
-use crate::substrate::Coupling;
 use super::units::Dimension;
+use crate::substrate::Coupling;
 use crate::surface::{CHUNK_ASPERITIES, CountLaw, MeasuredPlaces, Places, Surface};
+use toml::de::DeValue;
 
 /// Least distance of asperities at random, in 1/√η, unless a scene gives one.
 const LEAST_DISTANCE: f64 = 0.5;
 /// Largest error of a load unless a scene gives one.
 const TOLERANCE: f64 = 1e-9;
+/// Most states whose asperities are told one by one.
+const MOST_STATES: usize = 1000;
 /// Share by which the sides of a map that is repeated as a square may differ.
 const SQUARE: f64 = 1e-6;
 
@@ -33,6 +36,8 @@ pub struct Substrate {
     pub places: Places,
     /// Largest error of a load, relative to the largest.
     pub tolerance: f64,
+    /// Indices of the separations, rising, at which the asperities of the first replica are told one by one.
+    pub loads_at: Vec<usize>,
 }
 
 /// The table `[substrate]` as it stands.
@@ -61,13 +66,15 @@ impl<'a> SubstrateTable<'a> {
         Ok(Some(Self { section, coupling, places, minimum_distance, tolerance }))
     }
 
-    /// The half-space under a surface, whose asperities may have measured places.
+    /// The half-space under a surface, whose asperities may have measured places, at separations, m.
     pub fn under(
         self,
         surface: &Surface,
         measured: Option<MeasuredPlaces>,
+        separations: &[f64],
     ) -> Result<Substrate, SceneError> {
         let Self { section, coupling, places, minimum_distance, tolerance } = self;
+        let loads_at = loads_at(&section, separations, surface.surface_height_std)?;
         let entry = || {
             let named =
                 ["minimum_distance", "positions", "coupling"].into_iter().find_map(|key| section.get(key));
@@ -81,7 +88,7 @@ impl<'a> SubstrateTable<'a> {
         }
         if let Some(measured) = measured {
             let places = Places::Measured(on_map(&section, coupling, measured)?);
-            return Ok(Substrate { coupling, places, tolerance });
+            return Ok(Substrate { coupling, places, tolerance, loads_at });
         }
         let places = places.unwrap_or(POSITIONS[0].1.clone());
         if places.is_lattice() && surface.count_law == CountLaw::Poisson {
@@ -94,8 +101,45 @@ impl<'a> SubstrateTable<'a> {
         };
         let checked = places.check(surface.asperity_count, surface.nominal_area.sqrt());
         checked.map_err(|problem| entry().wrong(&problem.to_string()))?;
-        Ok(Substrate { coupling, places, tolerance })
+        Ok(Substrate { coupling, places, tolerance, loads_at })
     }
+}
+
+/// `loads_at`: the separations nearest to those that are named, by index.
+fn loads_at(section: &Section<'_>, separations: &[f64], height_std: f64) -> Result<Vec<usize>, SceneError> {
+    let Some(entry) = section.get("loads_at") else { return Ok(Vec::new()) };
+    let DeValue::Array(array) = entry.value.get_ref() else {
+        return Err(entry.wrong("a list is needed, of separations h* or lengths h"));
+    };
+    if array.is_empty() || array.len() > MOST_STATES {
+        return Err(entry.wrong(&format!("has {} separations; 1 to {MOST_STATES} are needed", array.len())));
+    }
+    let (first, last) = (separations[0], separations[separations.len() - 1]);
+    let nearest = |element: &Entry<'_>| {
+        let h = match element.value.get_ref() {
+            DeValue::String(_) => element.quantity(Dimension::Length)?,
+            _ => element.number()? * height_std,
+        };
+        // Half a step further is nearest to the ends, too.
+        let reach = 0.5 * (last - first) / (separations.len() - 1) as f64;
+        if !(h >= first - reach && h <= last + reach) {
+            let ends = [first, last].map(|h| format!("{:.4}", h / height_std));
+            return Err(element.wrong(&format!(
+                "is h* = {:.4}; the separations of the scene are h* = {} to {}",
+                h / height_std,
+                ends[0],
+                ends[1]
+            )));
+        }
+        let off = |k: &usize| (separations[*k] - h).abs();
+        let all = 0..separations.len();
+        Ok(all.min_by(|a, b| off(a).total_cmp(&off(b))).expect("there are separations"))
+    };
+    let elements = array.iter().enumerate().map(|(i, element)| entry.element(i, element));
+    let mut found: Vec<usize> = elements.map(|element| nearest(&element)).collect::<Result<_, _>>()?;
+    found.sort_unstable();
+    found.dedup();
+    Ok(found)
 }
 
 /// The places of measured asperities, if they can be had so.

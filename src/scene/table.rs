@@ -435,6 +435,13 @@ pub static KEYS: &[Key] = &[
     )
     .what("largest error of a load, relative to the largest load")
     .defaults_to("1e-9"),
+    key("substrate.loads_at", "[2.0, \"3 nm\"]", Various("a list of numbers and lengths"))
+        .what("separations at which the asperities are told one by one")
+        .about(
+            "h* as numbers, or h as lengths; each stands for the nearest separation. There the file has place, height, \
+             interference, forces and state of every asperity of the first replica.",
+        )
+        .follows("nowhere"),
     key("instability", "{ stiffness = \"100 kN/m\" }", Table)
         .what("a spring that holds the surfaces, and where they snap")
         .follows("none; the separation is held"),

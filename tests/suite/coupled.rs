@@ -1,6 +1,10 @@
 //! Ensembles of coupled asperities, by the program.
 
 use crate::common::program::{Folder, QUICK, assert_exit, bits, text};
+use crate::common::unlocked;
+use hdf5::types::VarLenUnicode;
+use serde_json::Value;
+use std::path::Path;
 use std::process::Command;
 
 /// A square of 100 asperities of case II, 8 separations, 16 replicas.
@@ -100,4 +104,171 @@ fn what_cannot_be_coupled_is_refused() {
     let folder = Folder::new(&scene(PERIODIC));
     let compared = folder.stiction(&["compare", "scene.toml", "--laws", "hybrid,emd"]);
     assert!(text(&compared.stderr).contains("[substrate]"), "{}", text(&compared.stderr));
+}
+
+/// A file of asperities at places, m, on a map of `extent`, m, as `stiction asperities` leaves it.
+fn write_asperities(path: &Path, [x, y, heights, radii]: [&[f64]; 4], extent: [f64; 2]) {
+    let file = unlocked::create(path);
+    let attribute = |name: &str, value: f64| {
+        file.new_attr::<f64>().create(name).unwrap().write_scalar(&value).unwrap();
+    };
+    let format: VarLenUnicode = "stiction-asperities".parse().unwrap();
+    file.new_attr::<VarLenUnicode>().create("format").unwrap().write_scalar(&format).unwrap();
+    file.new_attr::<i32>().shape(2).create("format_version").unwrap().write(&[2, 0]).unwrap();
+    file.new_attr::<u64>().shape(2).create("map_shape").unwrap().write(&[1_u64, 1]).unwrap();
+    file.new_attr::<f64>().shape(2).create("pixel_size").unwrap().write(&[extent[1], extent[0]]).unwrap();
+    attribute("nominal_area", extent[0] * extent[1]);
+    let mean = heights.iter().sum::<f64>() / heights.len() as f64;
+    attribute("mean_plane_offset", mean);
+    let numbers: Vec<f64> = (0..x.len()).map(|i| i as f64).collect();
+    let datasets = [("asperity", &numbers[..]), ("height", heights), ("radius", radii), ("x", x), ("y", y)];
+    for (name, values) in datasets {
+        file.new_dataset_builder().with_data(values).create(&*format!("asperities/{name}")).unwrap();
+    }
+    let density = heights.len() as f64 / (extent[0] * extent[1]);
+    let numbers = [
+        ("measured/asperity_density", density),
+        ("measured/asperity_height_mean", mean),
+        ("surface/m0", 1e-18),
+        ("surface/m2", 1e-4),
+        ("surface/m4", 1e10),
+    ];
+    for (name, value) in numbers {
+        file.new_dataset::<f64>().create(name).unwrap().write_scalar(&value).unwrap();
+    }
+}
+
+fn numbers(value: &Value) -> Vec<f64> {
+    value.as_array().unwrap().iter().map(|number| number.as_f64().unwrap()).collect()
+}
+
+/// A scene of the asperities beside it at separations h, m, without adhesion in contact.
+fn measured(separations: &[f64], more: &str) -> String {
+    let h: Vec<String> = separations.iter().map(|h| format!("\"{h:e} m\"")).collect();
+    format!(
+        "format = 1\n[material]\nreduced_modulus = \"85.29 GPa\"\nhardness = \"250 GPa\"\npoisson_ratio = 0.27\n\
+         work_of_adhesion = \"0.09 J/m^2\"\nequilibrium_spacing = \"0.2 nm\"\n[surface]\n\
+         asperities = {{ path = \"asperities.h5\", sample = \"whole\" }}\n[model]\nlaw = \"gw\"\n[separation]\n\
+         h = [{}]\n[ensemble]\nreplicas = 1\n{more}",
+        h.join(", ")
+    )
+}
+
+/// 30 asperities of radii of their own where they are, alone and repeated: each load is that of a dense solution
+/// by another program (`scripts/reference_coupling.py`) to 1e-9 of the largest; the file tells them one by one.
+#[test]
+fn measured_asperities_are_coupled_where_they_are() {
+    let all: Value = serde_json::from_str(include_str!("../data/coupling.json")).unwrap();
+    let surface = &all["surfaces"]["thirty radii"];
+    let side = surface["cell"].as_f64().unwrap();
+    let places: Vec<Vec<f64>> = surface["places"].as_array().unwrap().iter().map(numbers).collect();
+    let [x, y] = [0, 1].map(|k| places.iter().map(|place| place[k]).collect::<Vec<f64>>());
+    // Asperities are on average above the mean plane of a measured surface.
+    let lift = 3e-9;
+    let heights: Vec<f64> = numbers(&surface["heights"]).iter().map(|z| z + lift).collect();
+    let radii = numbers(&surface["radii"]);
+    let ensembles = all["ensembles"].as_array().unwrap().iter();
+    let mut seen = 0;
+    for ensemble in ensembles.filter(|own| own["surface"] == "thirty radii") {
+        let coupling = ensemble["coupling"].as_str().unwrap();
+        let states: Vec<&Value> = ensemble["states"].as_array().unwrap().iter().rev().collect();
+        let at = |state: &&Value| state["separation"].as_f64().unwrap() + lift;
+        let mut separations: Vec<f64> = states.iter().map(at).collect();
+        let told: Vec<String> = separations.iter().map(|h| format!("\"{h:e} m\"")).collect();
+        separations.push(12e-9);
+        let more = format!(
+            "[substrate]\ncoupling = \"{coupling}\"\ntolerance = 1e-11\nloads_at = [{}]\n",
+            told.join(", ")
+        );
+        let folder = Folder::new(&measured(&separations, &more));
+        write_asperities(&folder.path("asperities.h5"), [&x, &y, &heights, &radii], [side, side]);
+        assert_exit(&folder.stiction(&["run", "scene.toml", "-o", "run.h5"]), 0);
+        assert_exit(&folder.stiction(&["validate", "run.h5"]), 0);
+        let file = unlocked::open(folder.path("run.h5"));
+        let read =
+            |name: &str| file.dataset(&format!("/asperities/{name}")).unwrap().read_raw::<f64>().unwrap();
+        for (name, expected) in [("x", &x), ("y", &y), ("height", &heights), ("radius", &radii)] {
+            for (found, expected) in read(name).iter().zip(expected) {
+                assert!(
+                    (found - expected).abs() <= 1e-14 * expected.abs() + 1e-22,
+                    "{name} {found} {expected}"
+                );
+            }
+        }
+        let forces = read("external_force");
+        for (state, forces) in states.iter().zip(forces.chunks_exact(30)) {
+            let expected = numbers(&state["forces"]);
+            let largest = expected.iter().copied().fold(0.0, f64::max);
+            for (found, expected) in forces.iter().zip(&expected) {
+                assert!((found - expected).abs() <= 1e-9 * largest, "{coupling} {found:e} {expected:e}");
+            }
+            seen += 1;
+        }
+    }
+    assert_eq!(seen, 6);
+}
+
+/// Of surfaces of several radii the part without coupling has the bits of the scene without the table, and the file
+/// fits together, with the loads of the first replica of a resampled measured surface.
+#[test]
+fn surfaces_of_several_radii_are_coupled() {
+    let map = concat!(env!("CARGO_MANIFEST_DIR"), "/configs/maps/polished.txt");
+    let radii = scene("").replace(
+        "surface_height_std",
+        "radii = { law = \"lognormal\", coefficient_of_variation = 0.3 }\nsurface_height_std",
+    );
+    let (head, rest) = radii.split_once("[surface]").unwrap();
+    let surface = "asperities = { path = \"polished.h5\" }\nnominal_area = \"5 um^2\"\n";
+    let resampled = format!("{head}[surface]\n{surface}\n[model]{}", rest.split_once("[model]").unwrap().1);
+    for (plain, more) in [
+        (radii.replace("replicas = 16", "replicas = 2"), "positions = \"uniform\"\n"),
+        (resampled.replace("replicas = 16", "replicas = 2"), "loads_at = [1, 2.0]\n"),
+    ] {
+        let folder = Folder::new(&plain);
+        assert_exit(&folder.stiction(&["asperities", map, "-o", "polished.h5"]), 0);
+        assert_exit(&folder.stiction(&["run", "scene.toml", "-o", "plain.h5"]), 0);
+        let coupled = format!("{plain}\n[substrate]\ncoupling = \"periodic\"\n{more}");
+        std::fs::write(folder.path("scene.toml"), coupled).unwrap();
+        assert_exit(&folder.stiction(&["run", "scene.toml", "-o", "coupled.h5"]), 0);
+        assert_exit(&folder.stiction(&["validate", "coupled.h5"]), 0);
+        let [plain, coupled] = ["plain.h5", "coupled.h5"].map(|name| bits(&folder.path(name)));
+        let of = |all: &[(String, Vec<u64>)], name: &str| {
+            all.iter().find(|(path, _)| path == name).map(|(_, bits)| bits.clone())
+        };
+        for name in ["external_force_mean", "contact_area_std"] {
+            let own = of(&coupled, &format!("/coupling/independent_{name}"));
+            assert_eq!(own, of(&plain, &format!("/ensemble/{name}")), "{name}");
+            assert_ne!(own, of(&coupled, &format!("/ensemble/{name}")), "{name}");
+        }
+        let told = of(&coupled, "/asperities/external_force");
+        assert_eq!(told.is_some(), more.starts_with("loads_at"));
+    }
+}
+
+/// What measured places do not allow is refused by the key.
+#[test]
+fn measured_places_say_what_they_allow() {
+    let (places, heights, radii) = ([1e-7, 3e-7, 8e-7], [1e-9, 2e-9, 4e-9], [1e-6, 2e-6, 3e-6]);
+    let twice = [1e-7, 1e-7, 8e-7];
+    let cases = [
+        (places, 1e-6, "coupling = \"patch\"\npositions = \"uniform\"", "where they were measured"),
+        (places, 1e-6, "coupling = \"patch\"\nminimum_distance = \"1 nm\"", "sample = \"bootstrap\""),
+        (places, 2e-6, "coupling = \"periodic\"", "the map is"),
+        (places, 5e-7, "coupling = \"patch\"", "outside of its map"),
+        (twice, 1e-6, "coupling = \"patch\"", "asperities 0 and 1 at the same place"),
+        (places, 1e-6, "coupling = \"patch\"\nloads_at = [1000.0]", "the separations of the scene"),
+        (places, 1e-6, "coupling = \"patch\"\nloads_at = 1.0", "a list is needed"),
+        (places, 1e-6, "coupling = \"patch\"\nloads_at = []", "has 0 separations"),
+    ];
+    for (x, width, table, expected) in cases {
+        let folder = Folder::new(&measured(&[1e-9, 2e-9, 3e-9], &format!("[substrate]\n{table}\n")));
+        write_asperities(&folder.path("asperities.h5"), [&x, &x, &heights, &radii], [width, 1e-6]);
+        let run = folder.stiction(&["run", "scene.toml"]);
+        assert_exit(&run, 2);
+        assert!(text(&run.stderr).contains(expected), "{table}: {}", text(&run.stderr));
+    }
+    // A map that is longer than wide is a patch.
+    let folder = Folder::new(&measured(&[1e-9, 2e-9, 3e-9], "[substrate]\ncoupling = \"patch\"\n"));
+    write_asperities(&folder.path("asperities.h5"), [&places, &places, &heights, &radii], [2e-6, 1e-6]);
+    assert_exit(&folder.stiction(&["run", "scene.toml"]), 0);
 }

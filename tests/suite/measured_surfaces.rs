@@ -553,7 +553,9 @@ impl Files for Few {
     fn asperities(&self, path: &str) -> Result<Measured, String> {
         assert_eq!(path, "few.h5");
         let (heights, radii) = (vec![1e-9, 4e-9, 2.5e-9, 0.5e-9], vec![2e-6, 1e-6, 4e-6, 5e-6]);
-        Ok(Measured { heights, radii, nominal_area: 2e-12, surface_height_std: 2e-9 })
+        let positions = vec![[0.1e-6, 0.2e-6], [1.9e-6, 0.1e-6], [0.5e-6, 0.9e-6], [1.2e-6, 0.6e-6]];
+        let extent = Some([2e-6, 1e-6]);
+        Ok(Measured { heights, radii, positions, extent, nominal_area: 2e-12, surface_height_std: 2e-9 })
     }
 }
 

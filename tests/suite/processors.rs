@@ -22,6 +22,21 @@ fn scenes() -> Vec<(&'static str, String)> {
         ("refitted", with("\"hybrid\"", "\"fit:refit\"")),
         ("truncated", with(radius, &format!("{radius}\nheights = {{ law = \"truncated\", upper = 1.5 }}"))),
         (
+            "coupled",
+            with("[output]", "[substrate]\ncoupling = \"periodic\"\n\n[output]")
+                .replace("\"100 um^2", "\"5 um^2"),
+        ),
+        (
+            "coupled patch of radii",
+            with(
+                radius,
+                &format!("{radius}\nradii = {{ law = \"lognormal\", coefficient_of_variation = 0.3 }}"),
+            )
+            .replace("\"100 um^2", "\"5 um^2")
+            .replace("\"approach\"", "\"retraction\"")
+            .replace("[output]", "[substrate]\ncoupling = \"patch\"\n\n[output]"),
+        ),
+        (
             "sweep",
             with("[material]", "[sweep]\nsurface.nominal_area = [\"60 um^2\", \"90 um^2\"]\n\n[material]"),
         ),

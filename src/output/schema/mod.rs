@@ -122,8 +122,10 @@ pub enum Dimension {
     ControlIndex,
     /// Targets at which a run ends.
     Target,
-    /// Asperities of a measured surface.
+    /// Asperities of a surface.
     Asperity,
+    /// States in which the asperities are told one by one.
+    State,
     /// Steps between neighbouring separations, m.
     Step,
     /// Stiffnesses of what holds the surfaces, N/m.
@@ -166,7 +168,8 @@ impl Dimension {
             Self::SeparationIndex => ("separation_index", "1", "index of the separation"),
             Self::ControlIndex => ("control_index", "1", "index of the control variate"),
             Self::Target => ("target", "1", "quantity whose mean is to be known before the run ends"),
-            Self::Asperity => ("asperity", "1", "index of the asperity, row by row of the map"),
+            Self::Asperity => ("asperity", "1", "index of the asperity; of a map row by row"),
+            Self::State => ("state", "1", "index of a state whose asperities are told one by one"),
             Self::Step => ("step", "m", "middle between neighbouring separations h"),
             Self::Stiffness => {
                 ("stiffness", "N m-1", "stiffness of what holds the surface, 0 for load control")

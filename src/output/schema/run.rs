@@ -15,6 +15,9 @@ const A: &[Dimension] = &[Dimension::Scalar];
 const T: &[Dimension] = &[Dimension::Target];
 const AE: &[Dimension] = &[Dimension::Scalar, Dimension::RangeEnd];
 const TE: &[Dimension] = &[Dimension::Target, Dimension::RangeEnd];
+const Q: &[Dimension] = &[Dimension::State];
+const PLACES: &[Dimension] = &[Dimension::Asperity];
+const QA: &[Dimension] = &[Dimension::State, Dimension::Asperity];
 const J: &[Dimension] = &[Dimension::Step];
 const D: &[Dimension] = &[Dimension::Stiffness];
 const P: &[Dimension] = &[Dimension::Preload];
@@ -29,15 +32,23 @@ pub static RUN: Layout = Layout {
     command: "stiction run",
     version: [3, 1],
     groups: &["ensemble", "replicas", "integral", "validation", "diagnostics"],
-    optional_groups: &["coupling", "independence", "instability"],
+    optional_groups: &["asperities", "coupling", "independence", "instability"],
     variables: LazyLock::new(variables),
     of_points: None,
 };
 
 /// All datasets that a file may hold.
 fn variables() -> Vec<Variable> {
-    let groups =
-        [ensemble(), replicas(), coupling(), instability(), integral(), independence(NONE), validation()];
+    let groups = [
+        ensemble(),
+        replicas(),
+        coupling(),
+        asperities(),
+        instability(),
+        integral(),
+        independence(NONE),
+        validation(),
+    ];
     with_coordinates([groups.concat(), group("/diagnostics", NONE, DIAGNOSTICS)].concat())
 }
 
@@ -118,6 +129,18 @@ fn coupling() -> Vec<Variable> {
         all.push(variable(format!("{GROUP}/scalar_{name}"), A, "scalar_units", words));
     }
     all.extend(group(GROUP, NONE, &[("scalar_units", A, "1", "units of each scalar")]));
+    all
+}
+
+/// Asperities of the first replica one by one.
+fn asperities() -> Vec<Variable> {
+    const GROUP: &str = "/asperities";
+    let mut all = group(GROUP, NONE, ASPERITIES);
+    for (prefix, on) in DIRECTIONS {
+        for (name, units, words) in OF_ASPERITIES {
+            all.push(variable(format!("{GROUP}/{prefix}{name}"), QA, units, words.replace("{}", on)));
+        }
+    }
     all
 }
 
@@ -220,6 +243,30 @@ const OF_SCALARS: &[Row] = &[
 const COUPLED: &[Row] = &[
     ("unsettled_count", N, "1", "separations at which a coupled replica has no stable state"),
     ("largest_avalanche", N, "1", "asperities in the largest avalanche of a coupled replica"),
+];
+
+const ASPERITIES: &[Row] = &[
+    ("state_separation", Q, "m", "separation h of each state"),
+    ("x", PLACES, "m", "place of each asperity of the first replica along the first side of the surface"),
+    ("y", PLACES, "m", "place of each asperity of the first replica along the other side of the surface"),
+    (
+        "height",
+        PLACES,
+        "m",
+        "height of each asperity of the first replica above the mean plane of the surface",
+    ),
+    ("radius", PLACES, "m", "radius of each asperity of the first replica"),
+];
+
+/// Name, units and meaning.
+const OF_ASPERITIES: [(&str, &str, &str); 7] = [
+    ("interference", "m", "interference of each asperity{}"),
+    ("external_force", "N", "external force of each asperity{}, compressive positive"),
+    ("contact_force", "N", "contact force of each asperity{}"),
+    ("contact_area", "m2", "contact area of each asperity{}"),
+    ("in_contact", "1", "whether each asperity is in contact{} (1) or not (0)"),
+    ("has_touched", "1", "whether each asperity has touched{} and remembers it (1) or not (0)"),
+    ("at_rest", "1", "whether each asperity is at rest at a jump of its law{} (1) or not (0)"),
 ];
 
 const SNAPS: &[Row] = &[

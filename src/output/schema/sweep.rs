@@ -13,7 +13,7 @@ pub static SWEEP: Layout = Layout {
     command: "stiction run",
     version: [3, 1],
     groups: &["ensemble", "replicas", "integral", "validation", "diagnostics", "differences"],
-    optional_groups: &["coupling", "independence", "instability"],
+    optional_groups: &["asperities", "coupling", "independence", "instability"],
     variables: LazyLock::new(variables),
     of_points: Some(&RUN),
 };
@@ -26,6 +26,7 @@ fn variables() -> Vec<Variable> {
         "/ensemble",
         "/replicas",
         "/coupling",
+        "/asperities",
         "/integral",
         "/independence",
         "/validation",

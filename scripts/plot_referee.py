@@ -69,13 +69,16 @@ def errors(axes: Axes, parts: dict, programs: dict) -> None:
     axes.legend(title="asperities")
 
 
-def loads(axes: Axes, surface: dict, row: dict) -> None:
+def loads(axes: Axes, surface: dict, row: dict, program: dict | None) -> None:
     """Load of each asperity against that of the referee."""
     true = np.array(row["loads"])
     for kind, states in curves(surface, [row["separation"]]).items():
         found = states[0].force.astype(float)
         touched = found > 0
         axes.plot(true[touched] * 1e6, (found - true)[touched] / true.max(), "o", color=KINDS[kind][1], markersize=3, label=KINDS[kind][0])
+    if program is not None:
+        touched = program["loads"] > 0
+        axes.plot(true[touched] * 1e6, (program["loads"] - true)[touched] / true.max(), label="program", **{**PROGRAM, "markersize": 4})
     axes.set(xlabel="load of an asperity (µN)", ylabel="difference over the largest load",
              title=f"(c) loads of 200 asperities at {row['pressure'] * 1e-6:g} MPa")
     axes.set_yscale("symlog", linthresh=1e-4)
@@ -84,18 +87,19 @@ def loads(axes: Axes, surface: dict, row: dict) -> None:
     axes.legend(loc="center right")
 
 
-def areas(axes: Axes, surface: dict, program: list | None) -> None:
-    """Share in contact over the mean pressure."""
-    rows = surface["states"]
-    cell = surface["cell"] ** 2
-    axes.plot(column(rows, "pressure") * 1e-6, column(rows, "area") / cell, label="boundary elements", **BEM)
-    for kind, states in curves(surface, column(rows, "separation")).items():
-        pressure = [float(state.force.sum()) / cell * 1e-6 for state in states]
-        share = [float(np.sum(np.pi * np.array(surface["radii"]) * np.maximum(state.approach, 0))) / cell for state in states]
-        axes.plot(pressure, share, KINDS[kind][2], color=KINDS[kind][1], label=KINDS[kind][0])
-    if program is not None:
-        axes.plot(column(program, "external_force") / cell * 1e-6, column(program, "contact_area") / cell, label="program", **PROGRAM)
-    axes.set(xscale="log", yscale="log", xlabel="mean pressure (MPa)", ylabel="share in contact", title="(d) contact area, 30 asperities")
+def areas(axes: Axes, surfaces: dict) -> None:
+    """Share in contact over the mean pressure of surfaces by name: asperities, states of the referee, states of the program."""
+    for (name, (surface, rows, program)), marker in zip(surfaces.items(), "os"):
+        cell = surface["cell"] ** 2
+        axes.plot(column(rows, "pressure") * 1e-6, column(rows, "area") / cell, label=f"boundary elements, {name}", **{**BEM, "marker": marker})
+        for kind, states in curves(surface, column(rows, "separation")).items():
+            pressure = [float(state.force.sum()) / cell * 1e-6 for state in states]
+            share = [float(np.sum(np.pi * np.array(surface["radii"]) * np.maximum(state.approach, 0))) / cell for state in states]
+            axes.plot(pressure, share, KINDS[kind][2], color=KINDS[kind][1], label=KINDS[kind][0] if marker == "o" else None)
+        if program is not None:
+            axes.plot(column(program, "external_force") / cell * 1e-6, column(program, "contact_area") / cell,
+                      label="program" if marker == "o" else None, **PROGRAM)
+    axes.set(xscale="log", yscale="log", xlabel="mean pressure (MPa)", ylabel="share in contact", title="(d) contact area over load")
     axes.legend()
 
 
@@ -130,9 +134,11 @@ def draw(fixture: dict, program: Path | None, substrate: str, output: Path) -> N
         force_over_separation(axes[0, 0], thirty, thirty["states"], programs["thirty"], np.linspace(high, low, 12).tolist(),
                               "(a) 30 asperities")
         errors(axes[0, 1], parts, programs)
-        loads(axes[0, 2], hundreds, hundreds["states"][1])
-        areas(axes[1, 0], thirty, programs["thirty"])
+        told = programs["two hundred"]
+        loads(axes[0, 2], hundreds, hundreds["states"][1], told and told[1])
         rows = whole["states"][:3]
+        areas(axes[1, 0], {"30 asperities": (thirty, thirty["states"], programs["thirty"]),
+                           "the shipped map": (whole["summits"], rows, summits and summits[:3])})
         force_over_separation(axes[1, 1], whole["summits"], rows, summits and summits[:3], column(rows, "separation").tolist(),
                               "(e) the shipped map, and its summits")
         spheres(axes[1, 2], adhesive, sticking)

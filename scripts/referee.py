@@ -12,7 +12,7 @@ program where its result is given.
 
 Usage:
     python scripts/referee.py solve [paraboloids adhesive map times] [-o OUT.json]    (20 minutes in all)
-    python scripts/referee.py draw [--run NAME=RUN.h5 ...] [-o OUT.png]
+    python scripts/referee.py draw [--program STICTION] [-o OUT.png]
 """
 
 # /// script
@@ -259,11 +259,14 @@ h = {{ from = "{low!r} m", to = "{high!r} m", count = 40 }}
 replicas = 1
 seed = 1
 """
-SUBSTRATE = '[substrate]\ncoupling = "periodic"\n{more}'
+SUBSTRATE = '[substrate]\ncoupling = "periodic"\nloads_at = ["{low!r} m"]\n{more}\n'
 
 
 def program_states(program: Path, surface: dict, separations: list, law: str = "gw", substrate: str | None = "") -> list[dict]:
-    """What the program says of a surface at separations, one run each down to it; `substrate` is more of the table, None is without."""
+    """What the program says of a surface at separations, one run each down to it: force, area, and if coupled the load of each asperity.
+
+    `substrate` is more of the table, None is without.
+    """
     import h5py
 
     states, lift = [], max(0.0, 1e-9 - float(np.mean(surface["heights"])))  # the program wants summits above the mean plane
@@ -274,13 +277,15 @@ def program_states(program: Path, surface: dict, separations: list, law: str = "
         for separation in separations:
             high = max(surface["heights"]) + 1e-9
             text_of = SCENE.format(law=law, low=separation + lift, high=high)
-            scene.write_text(text_of + ("" if substrate is None else SUBSTRATE.format(more=substrate)))
+            scene.write_text(text_of + ("" if substrate is None else SUBSTRATE.format(low=separation + lift, more=substrate)))
             result.unlink(missing_ok=True)
             run = subprocess.run([program, "run", scene, "-o", result], capture_output=True, text=True)
             if run.returncode != 0:
                 raise ValueError(run.stderr.strip())
             with h5py.File(result) as file:
                 states.append({name: float(file["ensemble"][f"{name}_mean"][0]) for name in ("external_force", "contact_area")})
+                if substrate is not None:
+                    states[-1]["loads"] = file["asperities/external_force"][0]
     return states
 
 

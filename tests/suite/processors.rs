@@ -13,6 +13,12 @@ fn scenes() -> Vec<(&'static str, String)> {
         assert_ne!(scene, small(), "{from}");
         scene
     };
+    // A few asperities of a few surfaces.
+    let coupled = |coupling: &str| {
+        let table = format!("[substrate]\ncoupling = \"{coupling}\"\n\n[output]");
+        let scene = with("[output]", &table).replace("replicas = 40", "replicas = 8");
+        scene.replace("\"100 um^2", "\"5 um^2")
+    };
     let radius = "asperity_radius = \"3.33 um\"";
     vec![
         ("direct", with("curves = false", "curves = true")),
@@ -21,21 +27,8 @@ fn scenes() -> Vec<(&'static str, String)> {
         ("stratified", with("seed = 1", "seed = 1\nsampling = \"stratified\"")),
         ("refitted", with("\"hybrid\"", "\"fit:refit\"")),
         ("truncated", with(radius, &format!("{radius}\nheights = {{ law = \"truncated\", upper = 1.5 }}"))),
-        (
-            "coupled",
-            with("[output]", "[substrate]\ncoupling = \"periodic\"\n\n[output]")
-                .replace("\"100 um^2", "\"5 um^2"),
-        ),
-        (
-            "coupled patch of radii",
-            with(
-                radius,
-                &format!("{radius}\nradii = {{ law = \"lognormal\", coefficient_of_variation = 0.3 }}"),
-            )
-            .replace("\"100 um^2", "\"5 um^2")
-            .replace("\"approach\"", "\"retraction\"")
-            .replace("[output]", "[substrate]\ncoupling = \"patch\"\n\n[output]"),
-        ),
+        ("coupled", coupled("periodic")),
+        ("coupled patch", coupled("patch").replace("\"approach\"", "\"loop\"")),
         (
             "sweep",
             with("[material]", "[sweep]\nsurface.nominal_area = [\"60 um^2\", \"90 um^2\"]\n\n[material]"),

@@ -95,6 +95,7 @@ const BOUNDS: &[Bound] = &[
     bound("/separation_index", Index, Never),
     bound("/control_index", Index, Never),
     bound("/asperity", Index, Never),
+    bound("/state", Index, Never),
     bound("/control", Within, Padded),
     bound("/stiffness", NotNegative, Never),
     bound("/preload", Finite, Absent),

@@ -94,6 +94,7 @@ const BOUNDS: &[Bound] = &[
     bound("/point", Index, Never),
     bound("/separation_index", Index, Never),
     bound("/control_index", Index, Never),
+    bound("/stiffness_index", Index, Never),
     bound("/asperity", Index, Never),
     bound("/state", Index, Never),
     bound("/control", Within, Padded),
@@ -206,6 +207,9 @@ const BOUNDS: &[Bound] = &[
     bound("/independence/*", NotNegative, Never),
     // Ensemble against integral.
     bound("/validation/z_*", Finite, OneGroup),
+    bound("/validation/mean_field_standard_error", NotNegative, OneGroup),
+    bound("/validation/mean_field_z", Finite, OneGroup),
+    bound("/validation/mean_field_*", Finite, Never),
     bound("/validation/tested_*", Flag, Never),
     bound("/validation/probe_*", Finite, Padded),
     bound("/validation/statistic", NotNegative, Absent),

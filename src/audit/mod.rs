@@ -7,6 +7,7 @@ mod bounds;
 mod checked;
 mod comparison;
 mod counts;
+mod coupling;
 mod cross_check;
 mod curves;
 mod features;

@@ -51,6 +51,7 @@ impl Checked<'_> {
             self.errors(way)?;
             self.deviations(way)?;
             self.scores(way)?;
+            self.coupling(way)?;
             self.plausible(way)?;
         }
         self.counts(cycle)?;

@@ -2,81 +2,152 @@
 
 use super::rows::row;
 use crate::asperity::Quantity;
+use crate::engine::CoupledMoments;
+use crate::experiment::coupling::deviations;
 use crate::experiment::results::Results;
 use crate::format::{percent, si};
+use crate::substrate::Coupling;
 
-/// The pull-off without coupling and the difference; avalanches; separations without a stable state. Nothing where
-/// asperities are independent.
+const EXTERNAL: usize = Quantity::ExternalForce as usize;
+/// Scalars of which the summary tells.
+const TOLD: [(&str, usize); 2] = [("pull-off", 0), ("stiffest secant", 2)];
+/// Most separations of which the summary tells.
+const SHOWN: usize = 5;
+
+/// What coupling changes, what of that the mean field explains, avalanches, and states that are not stable. Nothing
+/// where asperities are independent.
 pub(super) fn coupling(results: &Results) -> String {
     let (Some(substrate), Some(coupled)) = (&results.scene.substrate, &results.ensemble.coupled) else {
         return String::new();
     };
-    let [independent, difference] = &coupled.groups.scalars;
-    let (without, change, error) =
-        (independent.mean()[0], difference.mean()[0], difference.standard_error()[0]);
     let about = format!(
         "{}, asperities at {} places; the same asperities without:",
         substrate.coupling.name(),
         substrate.places.name().replace('_', "-")
     );
-    let mut text = row("coupling", &about);
-    let error = if error.is_finite() { format!(" ± {}", si(error, "N")) } else { String::new() };
-    let share = percent((change / without).abs());
-    let direction = if change < 0.0 { "less" } else { "more" };
-    text += &row(
-        "",
-        &format!(
-            "pull-off {}; coupling makes it {share} {direction} ({}{error})",
-            si(without, "N"),
-            si(change, "N")
-        ),
-    );
-    let external = Quantity::ExternalForce.index();
-    let with = results.ensemble.curves[external].mean();
-    let curves = coupled.independent[external].mean().iter().zip(with).enumerate();
-    let furthest = curves.max_by(|a, b| (a.1.1 - a.1.0).abs().total_cmp(&(b.1.1 - b.1.0).abs()));
-    if let Some((state, (without, with))) = furthest {
-        let s = results.scene.separations.len();
-        let h_star = results.scene.separations[state % s] / results.scene.surface.surface_height_std;
-        let way = if state >= s { " on retraction" } else { "" };
-        text += &row(
-            "",
-            &format!(
-                "largest change of the curve{way} at h* = {h_star:.3}: {} to {}",
-                si(*without, "N"),
-                si(*with, "N")
-            ),
-        );
+    let mut lines = vec![about];
+    lines.extend(TOLD.iter().filter_map(|told| of_scalar(results, coupled, *told)));
+    lines.extend(of_curve(results, coupled, substrate.coupling));
+    lines.extend(of_mean_field(results));
+    lines.extend(of_states(results, coupled));
+    let label = |line: usize| if line == 0 { "coupling" } else { "" };
+    lines.iter().enumerate().map(|(line, text)| row(label(line), text)).collect()
+}
+
+/// A standard error behind a value; nothing where it is not known.
+fn within(error: f64, unit: &str) -> String {
+    if error.is_finite() { format!(" ± {}", si(error, unit)) } else { String::new() }
+}
+
+/// A scalar without coupling and the paired difference; none where no replica has one.
+fn of_scalar(results: &Results, coupled: &CoupledMoments, (name, index): (&str, usize)) -> Option<String> {
+    let unit = if index == 0 { "N" } else { "N/m" };
+    let [independent, difference] = &coupled.groups.scalars;
+    let (without, change) = (independent.mean()[index], difference.mean()[index]);
+    let error = within(difference.standard_error()[index], unit);
+    if !(without > 0.0) || results.scene.replicas == 0 {
+        return None;
     }
+    let direction = if change < 0.0 { "less" } else { "more" };
+    let share = percent((change / without).abs());
+    Some(format!(
+        "{name} {}; coupling makes it {share} {direction} ({}{error})",
+        si(without, unit),
+        si(change, unit)
+    ))
+}
+
+/// h* of a state, and on which way it is.
+fn place(results: &Results, state: usize) -> (String, &'static str) {
+    let s = results.scene.separations.len();
+    let h_star = results.scene.separations[state % s] / results.scene.surface.surface_height_std;
+    (format!("{h_star:.3}"), if state >= s { " on retraction" } else { "" })
+}
+
+/// Where coupling changes the curve most, and how much of that is not by mean field.
+fn of_curve(results: &Results, coupled: &CoupledMoments, coupling: Coupling) -> Vec<String> {
+    let change = coupled.groups.difference[EXTERNAL].mean();
+    let furthest = (0..change.len()).max_by(|a, b| change[*a].abs().total_cmp(&change[*b].abs()));
+    let Some(state) = furthest.filter(|state| change[*state] != 0.0) else { return Vec::new() };
+    let (h_star, way) = place(results, state);
+    let error = within(coupled.groups.difference[EXTERNAL].standard_error()[state], "N");
+    let without = coupled.independent[EXTERNAL].mean()[state];
+    let mut lines = vec![format!(
+        "the curve{way} changes most at h* = {h_star}: {} to {}",
+        si(without, "N"),
+        si(without + change[state], "N")
+    )];
+    let s = results.scene.separations.len();
+    let field = &results.mean_fields[state / s];
+    let integral = match &results.retraction {
+        Some(retraction) if state >= s => &retraction.expectations,
+        _ => &results.expectations,
+    };
+    let by_field = field.force[state % s] - integral.expected[EXTERNAL][state % s];
+    lines.push(match coupling {
+        Coupling::Patch => format!(
+            "a patch gives way by F/k_s: by mean field that is {} there; what is left, {}{error}, is fluctuation",
+            si(by_field, "N"),
+            si(change[state] - by_field, "N")
+        ),
+        Coupling::Periodic => format!(
+            "a repeated square keeps its mean plane: what changes, {}{error}, is fluctuation",
+            si(change[state], "N")
+        ),
+    });
+    lines
+}
+
+/// Where the mean field jumps, and where the curve with coupling is furthest from it in standard errors.
+fn of_mean_field(results: &Results) -> Vec<String> {
+    let s = results.scene.separations.len();
+    let mut lines = Vec::new();
+    let (mut furthest, mut largest) = (0, 0.0);
+    for (number, ((_, states), field)) in results.paths().into_iter().zip(&results.mean_fields).enumerate() {
+        let [.., z] = deviations(results, field, states);
+        for (k, z) in z.into_iter().enumerate().filter(|(_, z)| z.is_finite()) {
+            if z.abs() > f64::abs(largest) {
+                (furthest, largest) = (number * s + k, z);
+            }
+        }
+        let jumps: Vec<(String, &str)> =
+            field.jumps.iter().take(SHOWN).map(|k| place(results, number * s + k)).collect();
+        if let Some((_, way)) = jumps.first() {
+            let all: Vec<&str> = jumps.iter().map(|(h_star, _)| h_star.as_str()).collect();
+            lines.push(format!("by mean field it jumps{way}, to h* = {}", all.join(", ")));
+        }
+    }
+    if largest != 0.0 {
+        let (h_star, way) = place(results, furthest);
+        lines.push(format!("furthest from the mean field{way} at h* = {h_star}, by {largest:.1} standard errors"));
+    }
+    lines
+}
+
+/// Avalanches, and separations without a stable state.
+fn of_states(results: &Results, coupled: &CoupledMoments) -> Vec<String> {
     let replicas = results.ensemble.replicas.iter().filter_map(|replica| replica.coupled.as_ref());
     let largest = replicas.clone().map(|replica| replica.largest_avalanche).max().unwrap_or(0);
-    text += &row("", &format!("largest avalanche: {largest} asperities of one surface at one separation"));
+    let mut lines = vec![format!("largest avalanche: {largest} asperities of one surface at one separation")];
     let first = results.ensemble.replicas.first().and_then(|replica| replica.coupled.as_ref());
     if let Some(told) = first.and_then(|coupled| coupled.asperities.as_ref()) {
         let states = told.states.len();
         let plural = if states == 1 { "" } else { "s" };
         let about = format!("the loads of its {} asperities in {states} state{plural}", told.heights.len());
-        text += &row("", &format!("of the first replica the file has {about}: /asperities"));
+        lines.push(format!("of the first replica the file has {about}: /asperities"));
     }
-    let (unsettled, states) =
-        (replicas.map(|replica| replica.unsettled).sum::<u64>(), results.scene.states());
+    let unsettled: u64 = replicas.map(|replica| replica.unsettled).sum();
     if unsettled > 0 {
-        let of = states * results.ensemble.replicas.len();
+        let states = results.scene.states();
         let share = coupled.unsettled.mean();
         let places: Vec<usize> = (0..states).filter(|k| share[*k] > 0.0).collect();
-        let h_star = |k: usize| {
-            results.scene.separations[k % results.scene.separations.len()]
-                / results.scene.surface.surface_height_std
-        };
-        let list: Vec<String> = places.iter().take(5).map(|k| format!("{:.3}", h_star(*k))).collect();
-        let more = if places.len() > 5 { " …" } else { "" };
-        text += &row(
-            "",
-            &format!(
-                "{unsettled} of {of} states were not found to be stable, at h* = {}{more}",
-                list.join(", ")
-            ),
-        );
+        let list: Vec<String> = places.iter().take(SHOWN).map(|k| place(results, *k).0).collect();
+        let more = if places.len() > SHOWN { " …" } else { "" };
+        lines.push(format!(
+            "{unsettled} of {} states were not found to be stable, at h* = {}{more}",
+            states * results.ensemble.replicas.len(),
+            list.join(", ")
+        ));
     }
-    text
+    lines
 }

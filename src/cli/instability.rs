@@ -5,6 +5,7 @@ use crate::experiment::results::Results;
 use crate::experiment::sampling::loading;
 use crate::experiment::snaps::{Counts, Snaps};
 use crate::format::{percent, si};
+use crate::integral::substrate_stiffness;
 use crate::scene::Scene;
 
 /// Most stiffnesses of which the summary tells.
@@ -22,7 +23,7 @@ pub(super) fn instability(results: &Results) -> String {
     let mut text = String::new();
     let shown = shown(loading.stiffness.len());
     for (line, &i) in shown.iter().enumerate().filter(|_| loading.ways.0) {
-        let (counts, stiffness) = (snaps.counts(snaps.place_in(i)), stiffness_text(loading.stiffness[i]));
+        let (counts, stiffness) = (snaps.counts(snaps.place_in(i)), spring(&results.scene, loading.stiffness[i]));
         let replicas = results.scene.replicas;
         text += &row(&label(line, "snap-in"), &held_by(counts, &stiffness, replicas, "last"));
     }
@@ -31,7 +32,7 @@ pub(super) fn instability(results: &Results) -> String {
         let taken = snaps.pull_off(turn).2;
         for (line, &i) in shown.iter().enumerate().filter(|_| taken > 0) {
             let counts = snaps.counts(snaps.place_off(p, i));
-            let stiffness = stiffness_text(loading.stiffness[i]);
+            let stiffness = spring(&results.scene, loading.stiffness[i]);
             text += &row(&label(line, "snap-off"), &held_by(counts, &stiffness, taken, "first"));
         }
     }
@@ -84,8 +85,13 @@ fn held_by(counts: Counts, stiffness: &str, taken: u64, begin: &str) -> String {
 }
 
 /// A stiffness, or load control.
-fn stiffness_text(stiffness: f64) -> String {
-    if stiffness == 0.0 { "a constant load".to_owned() } else { si(stiffness, "N/m") }
+fn spring(scene: &Scene, stiffness: f64) -> String {
+    let of_patch = substrate_stiffness(scene.asperity.reduced_modulus, scene.surface.nominal_area);
+    match si(stiffness, "N/m") {
+        _ if stiffness == 0.0 => "a constant load".to_owned(),
+        text if stiffness == of_patch => format!("{text} (what a patch stands on)"),
+        text => text,
+    }
 }
 
 /// Springs and preloads of a scene, for `check` and the heading of a summary.
@@ -99,7 +105,7 @@ pub(super) fn held(scene: &Scene) -> String {
         [only] => text(*only),
         [first, .., last] => format!("{} values from {} to {}", values.len(), text(*first), text(*last)),
     };
-    let mut text = row("held by", &list(loading.stiffness, &stiffness_text));
+    let mut text = row("held by", &list(loading.stiffness, &|stiffness| spring(scene, stiffness)));
     if !loading.preload.is_empty() {
         text += &row("preload", &list(loading.preload, &|preload| si(preload, "N")));
     }

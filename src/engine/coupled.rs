@@ -8,10 +8,9 @@ use super::stream::{Purpose, stream};
 use super::summed::Summed;
 use super::sums::RegimeSums;
 use crate::asperity::memory::{Held, Memory};
-use crate::asperity::{Path, SolverStats, SurfaceLoops};
+use crate::asperity::{Path, Quantity, SolverStats, SurfaceLoops};
 use crate::coupled::{Asperities, RadiusLaws, Settled, Snapshot, Solver, distinct};
-use crate::math::extrema::Extremum;
-use crate::math::interpolation::linear;
+use crate::math::extrema::{Extremum, largest_secant};
 use crate::substrate::Coupling;
 use crate::surface::Places;
 use std::f64::consts::PI;
@@ -114,7 +113,13 @@ pub(super) fn couple(
         turn: None,
         told,
     };
-    let (replica, of_independent) = independent;
+    let (mut replica, of_independent) = independent;
+    if let Some(span) = job.protocol.stiffness_span {
+        // Of lines between the separations like that with coupling: else they could not be compared.
+        let external = &of_independent.total[Quantity::ExternalForce.index()];
+        let pulled = &external[external.len() - job.separations.len()..];
+        replica.stiffest(&largest_secant(job.separations, pulled, span));
+    }
     let mut curves = Curves::new(job.states(), r);
     let mut coupled = CoupledCurves::new(of_independent);
     surface.travel(substrate.history, &mut curves, &mut coupled);
@@ -359,15 +364,6 @@ impl Summed for CoupledSurface<'_> {
 
     fn stiffest(&mut self, _from: Option<f64>, samples: &[(f64, f64)], span: f64) -> Extremum {
         let (places, forces): (Vec<f64>, Vec<f64>) = samples.iter().copied().unzip();
-        let [first, last] = [places[0], places[places.len() - 1]];
-        // Of lines between samples the steepest secant has an end at a sample.
-        let begins = places.iter().flat_map(|place| [*place, place - span]);
-        let secant =
-            |begin: f64| (linear(&places, &forces, begin + span) - linear(&places, &forces, begin)) / span;
-        let within = begins.filter(|begin| *begin >= first && begin + span <= last);
-        let steepest =
-            within.map(|begin| (begin, secant(begin))).reduce(|a, b| if b.1 > a.1 { b } else { a });
-        let (begin, value) = steepest.unwrap_or((f64::NAN, f64::NAN));
-        Extremum { place: begin + 0.5 * span, value, at_edge: false }
+        largest_secant(&places, &forces, span)
     }
 }

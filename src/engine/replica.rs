@@ -79,7 +79,7 @@ impl Replica {
         self.pull_off_at_edge = smallest.at_edge;
     }
 
-    fn stiffest(&mut self, secant: &Extremum) {
+    pub(super) fn stiffest(&mut self, secant: &Extremum) {
         (self.peak_secant_stiffness, self.peak_secant_stiffness_separation) = (secant.value, secant.place);
     }
 }

@@ -1,10 +1,82 @@
 //! What coupling makes of an ensemble, under the names of the file layout.
 
+use super::integral::{Integral, RESOLVING};
 use super::results::Results;
-use crate::asperity::Quantity;
+use crate::asperity::{Laws, Loop, Path, Quantity};
 use crate::engine::{CoupledMoments, CoupledReplica, Replica, scalars};
+use crate::integral::{Expectations, MeanField, Model, substrate_stiffness};
 use crate::output::OutputError;
 use crate::output::writer::Writer;
+use crate::scene::Scene;
+use crate::substrate::Coupling;
+use crate::validation::z_scores;
+use std::ops::Range;
+
+const EXTERNAL: usize = Quantity::ExternalForce as usize;
+
+/// The mean field of a scene with coupled asperities, on each path: of a repeated square it is the integral.
+pub(crate) fn mean_fields(
+    scene: &Scene,
+    law: Laws<'_>,
+    cycle: Option<&Loop>,
+    integral: &Integral,
+) -> Vec<MeanField> {
+    let (surface, separations) = (&scene.surface, &scene.separations);
+    match &scene.substrate {
+        None => return Vec::new(),
+        Some(substrate) if substrate.coupling == Coupling::Periodic => {
+            let own = |force: &Vec<f64>| MeanField {
+                separations: separations.clone(),
+                force: force.clone(),
+                jumps: Vec::new(),
+            };
+            return integral.paths().map(|way| own(&way.expectations.expected[EXTERNAL])).collect();
+        }
+        Some(_) => {}
+    }
+    let stiffness = substrate_stiffness(scene.asperity.reduced_modulus, surface.nominal_area);
+    let step = RESOLVING * surface.surface_height_std;
+    let model = Model::new(law, surface, separations);
+    let force_at = |x: f64| model.external_force(x);
+    if scene.history == Path::Retraction {
+        return vec![MeanField::new(separations, stiffness, step, None, force_at)];
+    }
+    let inward: Vec<f64> = separations.iter().rev().copied().collect();
+    let approach = MeanField::new(&inward, stiffness, step, None, force_at).reversed();
+    let retraction = cycle.map(|cycle| {
+        let turn = approach.separations[0];
+        let force_at =
+            |x: f64| Expectations::retraction_at(cycle, surface, turn, x).expected[EXTERNAL][0];
+        MeanField::new(separations, stiffness, step, Some(turn), force_at)
+    });
+    [approach].into_iter().chain(retraction).collect()
+}
+
+/// The mean external force with coupling less a mean field at some states, N, its standard error, N, and z.
+pub(crate) fn deviations(results: &Results, field: &MeanField, states: Range<usize>) -> [Vec<f64>; 3] {
+    let mean = &results.ensemble.curves[EXTERNAL].mean()[states.clone()];
+    let error = &results.ensemble.groups.curves[EXTERNAL].standard_error()[states];
+    let difference = mean.iter().zip(&field.force).map(|(mean, force)| mean - force).collect();
+    [difference, error.to_vec(), z_scores(mean, &field.force, error, 1)]
+}
+
+/// Writes the curves with coupling against their mean field.
+pub(crate) fn write_mean_fields(writer: &Writer<'_>, results: &Results) -> Result<(), OutputError> {
+    for ((way, states), field) in results.paths().into_iter().zip(&results.mean_fields) {
+        let [difference, error, z] = deviations(results, field, states);
+        let all = [
+            ("separation", &field.separations),
+            ("external_force", &field.force),
+            ("difference", &difference),
+            ("standard_error", &error),
+            ("z", &z),
+        ];
+        for (name, values) in all {
+            writer.dataset(&format!("/validation/{way}mean_field_{name}"), values)?;
+        }
+    }
+    Ok(())
+}
 
 /// Writes the curves without coupling, the differences that it makes, and avalanches; nothing where asperities are
 /// independent.

@@ -4,7 +4,7 @@
 mod asperities;
 pub(crate) mod checkpoint;
 pub(crate) mod compare;
-mod coupling;
+pub(crate) mod coupling;
 mod error;
 pub(crate) mod files;
 pub(crate) mod finite_size;

@@ -1,6 +1,7 @@
 //! One scene, from its laws to a checked file.
 
 use super::checkpoint::{Beginning, Checkpointer, Interrupted, OverwritePolicy, Run, beginning};
+use super::coupling::mean_fields;
 use super::host::Host;
 use super::integral::{Integral, PathIntegral};
 use super::result_file::{AllRecords, write_curves, write_head, write_results};
@@ -265,6 +266,8 @@ impl PreparedRun {
         let paths: Vec<&Expectations> = integral.paths().map(|way| &way.expectations).collect();
         let (z, joint) = cross_check(&ensemble, &paths, &basis, &scene);
         let scalars = controlled_means(&ensemble.groups.scalars, &expected);
+        let mean_fields =
+            session.pool.install(|| mean_fields(&scene, law.view(), cycle.as_ref(), &integral));
         let PathIntegral { at_pull_off, independence, .. } = integral.pulled().clone();
         let Integral { main: PathIntegral { expectations, features: of_integral, .. }, retraction } =
             integral;
@@ -302,6 +305,7 @@ impl PreparedRun {
             independence,
             z,
             joint,
+            mean_fields,
             seconds,
             threads: session.pool.current_num_threads(),
             metadata,

@@ -1,7 +1,7 @@
 //! A run's results under the names of the file layout.
 
 use super::asperities::write_asperities;
-use super::coupling::write_coupling;
+use super::coupling::{write_coupling, write_mean_fields};
 use super::independence::write_independence;
 use super::results::{Results, Stopped};
 use super::snaps::write_instability;
@@ -161,6 +161,7 @@ pub(crate) fn write_results(writer: &mut Writer<'_>, results: &Results) -> Resul
     write_integral(writer, results)?;
     write_independence(writer, &results.independence)?;
     write_validation(writer, results)?;
+    write_mean_fields(writer, results)?;
     write_diagnostics(writer, results)
 }
 

@@ -4,7 +4,7 @@ use super::integral::{PathIntegral, resolving};
 use crate::asperity::{Laws, Loop, Quantity, UnloadedRadius};
 use crate::engine::{Attained, Ensemble, Rule, Stopping, Summation};
 use crate::estimate::Plan;
-use crate::integral::{Expectations, Independence, Model};
+use crate::integral::{Expectations, Independence, MeanField, Model};
 use crate::math::control_variates::ControlledMean;
 use crate::math::extrema::Features;
 use crate::math::interpolation::linear;
@@ -41,6 +41,8 @@ pub(crate) struct Results {
     /// z-scores of adhesion force and external force, over the states.
     pub z: [Vec<f64>; 2],
     pub joint: JointTest,
+    /// What coupled asperities come to by mean field, on each path; none of independent ones.
+    pub mean_fields: Vec<MeanField>,
     pub seconds: Vec<(&'static str, f64)>,
     pub threads: usize,
     pub metadata: RunMetadata,

@@ -14,6 +14,7 @@ mod controls;
 mod expectations;
 mod height_integral;
 mod independence;
+mod mean_field;
 mod model;
 mod retraction;
 
@@ -22,6 +23,8 @@ pub use expectations::Expectations;
 #[doc(hidden)]
 pub use independence::IntegralCurve;
 pub use independence::{Independence, IndependenceVerdict, Limit, substrate_stiffness};
+#[doc(hidden)]
+pub use mean_field::MeanField;
 #[doc(hidden)]
 pub use model::interference_range;
 pub use model::{Model, TOLERANCE};

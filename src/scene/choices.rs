@@ -43,6 +43,8 @@ pub(super) const RADIUS_LAWS: [(&str, &str); 4] =
 pub(super) const SUMMIT_LAWS: [(&str, ()); 1] = [("nayak", ())];
 /// How replicas are made of measured asperities; whether of all of them.
 pub(super) const SAMPLES: [(&str, bool); 2] = [("bootstrap", false), ("whole", true)];
+/// Name of the stiffness of the half-space under a patch.
+pub(super) const PATCH: &str = "patch";
 /// Positions of coupled asperities; the least distance of those at random follows from the surface.
 pub(super) const POSITIONS: [(&str, Places); 4] = [
     ("hard_core", Places::HardCore(f64::NAN)),

@@ -1,7 +1,9 @@
 //! Springs and preloads that hold the surfaces of a scene.
 
+use super::choices::PATCH;
 use super::error::{SceneError, Together};
 use super::reader::{Entry, Section};
+use crate::integral::substrate_stiffness;
 use toml::de::DeValue;
 
 /// Most stiffnesses, and most preloads, of a scene.
@@ -28,13 +30,32 @@ pub struct Instability {
     pub smallest_snap: f64,
 }
 
+/// The table `[instability]` as it stands.
+#[derive(Default)]
+pub(super) struct InstabilityTable {
+    /// Stiffnesses, N/m; none for that of the half-space under a patch.
+    stiffness: Vec<Option<f64>>,
+    preload: Vec<f64>,
+    smallest_snap: f64,
+}
+
+impl InstabilityTable {
+    /// The springs and preloads of a surface of a nominal area, m², on bodies of the modulus E*, Pa.
+    pub fn of(self, reduced_modulus: f64, area: f64) -> Instability {
+        let Self { stiffness, preload, smallest_snap } = self;
+        let of_patch = substrate_stiffness(reduced_modulus, area);
+        let stiffness = stiffness.into_iter().map(|given| given.unwrap_or(of_patch)).collect();
+        Instability { stiffness, preload, smallest_snap }
+    }
+}
+
 /// Reads the table `[instability]`, if it is there. A preload is for surfaces that are pulled back after they
 /// have been brought close.
-pub(super) fn instability(root: &Section<'_>, cycle: bool) -> Result<Instability, SceneError> {
+pub(super) fn instability(root: &Section<'_>, cycle: bool) -> Result<InstabilityTable, SceneError> {
     let Some(section) = root.section("instability", false)? else {
-        return Ok(Instability::default());
+        return Ok(InstabilityTable::default());
     };
-    let stiffness = section.require("stiffness").and_then(|stiffness| one_or_more(&stiffness));
+    let stiffness = section.require("stiffness").and_then(|stiffness| one_or_more(&stiffness, spring));
     let smallest_snap = section.optional("smallest_snap", |entry| entry.measured());
     let preload = section.optional("preload", |preload| {
         if !cycle {
@@ -42,21 +63,29 @@ pub(super) fn instability(root: &Section<'_>, cycle: bool) -> Result<Instability
                 preload.wrong("a preload is where a loop turns back; it needs history = \"loop\" in [model]")
             );
         }
-        one_or_more(preload)
+        one_or_more(preload, |entry| entry.measured())
     });
     let (stiffness, smallest_snap, preload) = (stiffness, smallest_snap, preload).together()?;
-    Ok(Instability {
+    Ok(InstabilityTable {
         stiffness,
         preload: preload.unwrap_or_default(),
         smallest_snap: smallest_snap.unwrap_or_default(),
     })
 }
 
+/// A stiffness, N/m; none for that of the half-space under a patch.
+fn spring(entry: &Entry<'_>) -> Result<Option<f64>, SceneError> {
+    if entry.value.get_ref().as_str() == Some(PATCH) { Ok(None) } else { entry.measured().map(Some) }
+}
+
 /// A value, or a list of them.
-fn one_or_more(entry: &Entry<'_>) -> Result<Vec<f64>, SceneError> {
-    let DeValue::Array(array) = entry.value.get_ref() else { return Ok(vec![entry.measured()?]) };
+fn one_or_more<T>(
+    entry: &Entry<'_>,
+    read: impl Fn(&Entry<'_>) -> Result<T, SceneError>,
+) -> Result<Vec<T>, SceneError> {
+    let DeValue::Array(array) = entry.value.get_ref() else { return Ok(vec![read(entry)?]) };
     if !(1..=MOST).contains(&array.len()) {
         return Err(entry.wrong(&format!("has {} values; 1 to {MOST} are needed", array.len())));
     }
-    array.iter().enumerate().map(|(i, element)| entry.element(i, element).measured()).collect()
+    array.iter().enumerate().map(|(i, element)| read(&entry.element(i, element))).collect()
 }

@@ -41,8 +41,8 @@ pub enum Value {
     Number(Bound<f64>, Bound<f64>),
     /// A number with a unit.
     Quantity(Dimension, Sign),
-    /// One or a list of them.
-    OneOrMore(Dimension, Sign),
+    /// One or a list of them, or of names for what follows from other keys.
+    OneOrMore(Dimension, Sign, &'static [&'static str]),
     /// One of some names.
     Choice(fn() -> Vec<&'static str>),
     /// Anything else, in words.

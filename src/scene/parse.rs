@@ -4,7 +4,7 @@ use super::choices::{FORMAT, HISTORIES, SUM_TOLERANCE, SUM_TOLERANCES, SUMS};
 use super::definition::Scene;
 use super::error::{SceneError, Together};
 use super::files::{Files, with_inputs};
-use super::instability::{Instability, instability};
+use super::instability::{InstabilityTable, instability};
 use super::material::Material;
 use super::population::{Population, population};
 use super::reader::Section;
@@ -40,7 +40,7 @@ pub(super) fn read(text: &str, root: &Section<'_>, files: &dyn Files) -> Result<
     let cycle = model.as_ref().is_ok_and(|model| model.cycle);
     let instability = match &model {
         Ok(_) => instability(root, cycle),
-        Err(_) => Ok(Instability::default()),
+        Err(_) => Ok(InstabilityTable::default()),
     };
     let ensemble = section("ensemble")
         .and_then(|ensemble| EnsembleTable::read(&ensemble).map(|draws| (ensemble, draws)));
@@ -85,13 +85,13 @@ pub(super) fn read(text: &str, root: &Section<'_>, files: &dyn Files) -> Result<
     let scene = Scene {
         text: with_inputs(text, &inputs),
         title,
+        instability: instability.of(asperity.reduced_modulus, surface.nominal_area),
         asperity,
         surface,
         model: law,
         history,
         cycle,
         unloaded_radius,
-        instability,
         substrate,
         critical_approach,
         separations,

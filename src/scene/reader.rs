@@ -288,6 +288,12 @@ impl<'a> Entry<'a> {
     /// A finite quantity; SI.
     pub fn quantity(&self, dimension: Dimension) -> Result<f64, SceneError> {
         let such = example(&self.name).map(|example| format!(", such as {example}")).unwrap_or_default();
+        let such = match find(&self.name).map(|key| &key.value) {
+            Some(Value::OneOrMore(_, _, names)) => {
+                names.iter().fold(such, |such, name| format!("{such} or \"{name}\""))
+            }
+            _ => such,
+        };
         let needed = format!("{} is needed{such} ({})", dimension.name(), dimension.units());
         let text = match self.value.get_ref() {
             DeValue::String(text) => text,
@@ -318,7 +324,7 @@ impl<'a> Entry<'a> {
     /// The quantity that the table of keys has for this one; SI.
     pub fn measured(&self) -> Result<f64, SceneError> {
         let value = find(&self.name).map(|key| &key.value);
-        let Some(&(Value::Quantity(dimension, sign) | Value::OneOrMore(dimension, sign))) = value else {
+        let Some(&(Value::Quantity(dimension, sign) | Value::OneOrMore(dimension, sign, _))) = value else {
             unreachable!("`{}` is read as a quantity", self.name)
         };
         match sign {

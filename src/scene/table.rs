@@ -2,7 +2,7 @@
 //! `docs/scene.md` all of it. It is longer than files should be, since it is one table.
 
 use super::choices::{
-    FORMAT, HEIGHT_LAWS, HISTORIES, MOST_POINTS, MOST_SEPARATIONS, Mode, POISSON_RATIOS, POSITIONS,
+    FORMAT, HEIGHT_LAWS, HISTORIES, MOST_POINTS, MOST_SEPARATIONS, Mode, PATCH, POISSON_RATIOS, POSITIONS,
     RADIUS_LAWS, RELATIVE, REPLICAS, SAMPLES, SPACINGS, SUM_TOLERANCES, SUMMIT_LAWS, SUMS,
     TOLERANCES_OF_LOADS, VARIATIONS,
 };
@@ -445,10 +445,13 @@ pub static KEYS: &[Key] = &[
     key("instability", "{ stiffness = \"100 kN/m\" }", Table)
         .what("a spring that holds the surfaces, and where they snap")
         .follows("none; the separation is held"),
-    key("instability.stiffness", "\"100 kN/m\"", OneOrMore(Of::Stiffness, NotNegative))
+    key("instability.stiffness", "\"100 kN/m\"", OneOrMore(Of::Stiffness, NotNegative, &[PATCH]))
         .what("stiffness of the spring")
-        .about("0: load control."),
-    key("instability.preload", "\"10 mN\"", OneOrMore(Of::Force, Positive))
+        .about(
+            "0: load control. `patch`: E*L/0.946402, what a square of side L alone on its half-space stands \
+             on, with L² the nominal area.",
+        ),
+    key("instability.preload", "\"10 mN\"", OneOrMore(Of::Force, Positive, &[]))
         .what("external force at which the approach ends")
         .about("Needs `history = \"loop\"` in `[model]`.")
         .follows("none; the smallest separation ends the approach"),

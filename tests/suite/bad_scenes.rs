@@ -311,6 +311,11 @@ const CASES: &[(&str, &str, &[&str])] = &[
     ),
     (
         "[output]",
+        "[instability]\nstiffness = [0, \"path\"]\n[output]",
+        &["`instability.stiffness[1] = \"path\"`", "such as \"100 kN/m\" or \"patch\" (N/m"],
+    ),
+    (
+        "[output]",
         "[instability]\nstiffness = []\n[output]",
         &["`instability.stiffness = []`", "has 0 values"],
     ),

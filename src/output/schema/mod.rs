@@ -120,6 +120,8 @@ pub enum Dimension {
     SeparationIndex,
     /// Control variates, by index: every point may have its own.
     ControlIndex,
+    /// Stiffnesses, by index: that of the half-space under a patch is one of every point.
+    StiffnessIndex,
     /// Targets at which a run ends.
     Target,
     /// Asperities of a surface.
@@ -167,6 +169,7 @@ impl Dimension {
             Self::Point => ("point", "1", "index of the point"),
             Self::SeparationIndex => ("separation_index", "1", "index of the separation"),
             Self::ControlIndex => ("control_index", "1", "index of the control variate"),
+            Self::StiffnessIndex => ("stiffness_index", "1", "index of the stiffness"),
             Self::Target => ("target", "1", "quantity whose mean is to be known before the run ends"),
             Self::Asperity => ("asperity", "1", "index of the asperity; of a map row by row"),
             Self::State => ("state", "1", "index of a state whose asperities are told one by one"),
@@ -191,6 +194,7 @@ impl Dimension {
         match self {
             Self::Separation => Self::SeparationIndex,
             Self::Control => Self::ControlIndex,
+            Self::Stiffness => Self::StiffnessIndex,
             other => other,
         }
     }

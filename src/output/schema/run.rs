@@ -194,6 +194,10 @@ fn validation() -> Vec<Variable> {
         all.extend(scores(NONE, direction));
         all.extend(forces(&path("tested"), "", S, "1", &tested));
         all.extend(forces(&path("probe"), "", KS, "N-1", &weights));
+        for (name, units, words) in MEAN_FIELD {
+            let words = words.replace("{}", on);
+            all.push(variable(format!("/validation/{prefix}mean_field_{name}"), S, units, words));
+        }
     }
     all
 }
@@ -238,6 +242,24 @@ const OF_SCALARS: &[Row] = &[
     ("target_interval", TE, "target_units", "confidence interval of the target's mean"),
     ("target_largest_standard_error", T, "target_units", "largest standard error that the target allows"),
     ("target_met", T, "1", "whether the target is met (1) or not (0)"),
+];
+
+/// The curve with coupling against its mean field.
+const MEAN_FIELD: [(&str, &str, &str); 5] = [
+    (
+        "separation",
+        "m",
+        "separation x that coupled asperities have by mean field{}: h + F/k_s of a patch, h of a repeated square",
+    ),
+    (
+        "external_force",
+        "N",
+        "external force by mean field{}, which is that of the integral at the separation x; where there are several, \
+         it is that of surfaces which have come from the other end of the path",
+    ),
+    ("difference", "N", "mean external force with coupling{} less that by mean field"),
+    ("standard_error", "N", "standard error of that difference{}"),
+    ("z", "1", "that difference{} in standard errors"),
 ];
 
 const COUPLED: &[Row] = &[

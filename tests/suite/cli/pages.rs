@@ -83,8 +83,9 @@ fn value(key: &Key) -> String {
         Value::Quantity(dimension, of) => {
             format!("{}{}, in {}", dimension.name(), sign(*of), dimension.units())
         }
-        Value::OneOrMore(dimension, of) => {
-            format!("{}{}, in {}; or a list of them", dimension.name(), sign(*of), dimension.units())
+        Value::OneOrMore(dimension, of, names) => {
+            let names: String = names.iter().map(|name| format!("; `\"{name}\"`")).collect();
+            format!("{}{}, in {}{names}; or a list of them", dimension.name(), sign(*of), dimension.units())
         }
         Value::Choice(names) => {
             names().iter().map(|name| format!("`\"{name}\"`")).collect::<Vec<_>>().join(", ")

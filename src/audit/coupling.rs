@@ -1,0 +1,69 @@
+//! What coupling makes of an ensemble: differences, and the curves against their mean field.
+
+use super::checked::{Checked, ROUNDING, largest};
+use crate::asperity::Quantity;
+use crate::output::OutputError;
+use crate::validation::z_scores;
+
+impl Checked<'_> {
+    /// Differences that coupling makes, and the curve with coupling against its mean field.
+    pub fn coupling(&mut self, way: &str) -> Result<(), OutputError> {
+        for quantity in Quantity::ALL {
+            let name = quantity.name();
+            let path = format!("/coupling/{way}difference_{name}_mean");
+            if !self.has(&path) {
+                return Ok(());
+            }
+            let with = self.values(&format!("/ensemble/{way}{name}_mean"))?;
+            let without = self.values(&format!("/coupling/{way}independent_{name}_mean"))?;
+            let expected = minus(&with, &without);
+            let (found, size) = (self.values(&path)?, largest(&with).max(largest(&without)));
+            self.compare(&path, &found, &expected, |_| ROUNDING * size, "means with coupling and without");
+        }
+        self.mean_field(way)
+    }
+
+    fn mean_field(&mut self, way: &str) -> Result<(), OutputError> {
+        let path = |name: &str| format!("/validation/{way}mean_field_{name}");
+        if !self.has(&path("z")) {
+            return Ok(());
+        }
+        let force = self.values(&path("external_force"))?;
+        let mean = self.values(&format!("/ensemble/{way}external_force_mean"))?;
+        let error = self.values(&format!("/ensemble/{way}external_force_standard_error"))?;
+        let size = ROUNDING * largest(&mean).max(largest(&force));
+        let expected = minus(&mean, &force);
+        let found = self.values(&path("difference"))?;
+        self.compare(&path("difference"), &found, &expected, |_| size, "the mean and its mean field");
+        let found = self.values(&path("standard_error"))?;
+        self.compare(&path("standard_error"), &found, &error, |i| ROUNDING * error[i], "the ensemble");
+        let scores = z_scores(&mean, &force, &error, 1);
+        let found = self.values(&path("z"))?;
+        self.compare(&path("z"), &found, &scores, |i| ROUNDING * (1.0 + scores[i].abs()), "the differences");
+        self.field_itself(way, &force)
+    }
+
+    /// The mean field of a repeated square is the integral; a patch gives way by F/k_s.
+    fn field_itself(&mut self, way: &str, force: &[f64]) -> Result<(), OutputError> {
+        let path = format!("/validation/{way}mean_field_separation");
+        let (found, h) = (self.values(&path)?, self.coordinate("separation")?);
+        if self.reader.optional_text("/coupling", "coupling")?.is_some_and(|coupling| coupling == "patch") {
+            let stiffness = self.values("/independence/substrate_stiffness")?[0];
+            let expected: Vec<f64> = h.iter().zip(force).map(|(h, force)| h + force / stiffness).collect();
+            self.compare(&path, &found, &expected, |_| ROUNDING * largest(&h), "the force over k_s");
+            if let Some(i) = (1..found.len()).find(|&i| found[i] < found[i - 1]) {
+                self.say_at(&path, i, found[i], "no less than the one before is expected");
+            }
+            return Ok(());
+        }
+        self.compare(&path, &found, &h, |_| 0.0, "the separation");
+        let integral = self.values(&format!("/integral/{way}external_force"))?;
+        let path = format!("/validation/{way}mean_field_external_force");
+        self.compare(&path, force, &integral, |_| 0.0, "the integral");
+        Ok(())
+    }
+}
+
+fn minus(a: &[f64], b: &[f64]) -> Vec<f64> {
+    a.iter().zip(b).map(|(a, b)| a - b).collect()
+}

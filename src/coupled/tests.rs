@@ -8,6 +8,8 @@ use crate::surface::{Heights, Places};
 use serde_json::Value;
 use std::f64::consts::PI;
 
+mod limits;
+
 /// Solutions by a dense Newton method in Python, and roots with 30 digits (`scripts/reference_coupling.py`).
 const REFERENCES: &str = include_str!("../../tests/data/coupling.json");
 /// A boundary-element solution of 12 paraboloids, and dense sums with the point kernel, by other people's programs.

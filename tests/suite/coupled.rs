@@ -81,6 +81,41 @@ fn independent_curves_are_those_of_the_scene_without_coupling() {
     }
 }
 
+/// A run of coupled surfaces that ends at a target has as many replicas on any number of threads, which
+/// are those of a run of so many.
+#[test]
+fn targets_end_coupled_runs_where_they_are_met() {
+    let target = "target = { quantity = \"pull_off_force\", relative_standard_error = 0.08 }\nmin_replicas = 8\nmax_replicas = 400";
+    let text_of = scene(PERIODIC).replace("from = -1.0", "from = 2.0");
+    let folder = Folder::new(&text_of.replace("replicas = 16", target));
+    assert_exit(&folder.stiction(&["run", "scene.toml", "--threads", "1", "-o", "1.h5"]), 0);
+    assert_exit(&folder.stiction(&["run", "scene.toml", "--threads", "3", "-o", "3.h5"]), 0);
+    let [one, three] = ["1.h5", "3.h5"].map(|name| bits(&folder.path(name)));
+    assert_eq!(one, three);
+    let of = |all: &[(String, Vec<u64>)], name: &str| -> Vec<u64> {
+        all.iter().find(|(path, _)| path == name).unwrap_or_else(|| panic!("{name}")).1.clone()
+    };
+    let forces: Vec<f64> =
+        of(&one, "/replicas/pull_off_force").into_iter().map(f64::from_bits).collect();
+    let error = |count: usize| {
+        let mean = forces[..count].iter().sum::<f64>() / count as f64;
+        let squares: f64 = forces[..count].iter().map(|force| (force - mean).powi(2)).sum();
+        (squares / ((count - 1) * count) as f64).sqrt() / mean
+    };
+    let count = forces.len();
+    assert!(count > 8 && count < 400 && error(count) <= 0.08 && error(count - 8) > 0.08, "{count}");
+    let fixed = text_of.replace("replicas = 16", &format!("replicas = {count}"));
+    std::fs::write(folder.path("scene.toml"), fixed).unwrap();
+    assert_exit(&folder.stiction(&["run", "scene.toml", "-o", "fixed.h5"]), 0);
+    let fixed = bits(&folder.path("fixed.h5"));
+    for group in ["/ensemble/external_force_", "/coupling/", "/replicas/"] {
+        let own = fixed.iter().filter(|(name, _)| name.starts_with(group) && !name.contains(':'));
+        for (name, values) in own {
+            assert_eq!(values, &of(&one, name), "{name}");
+        }
+    }
+}
+
 /// What cannot be coupled is refused before anything is written, by the key.
 #[test]
 fn what_cannot_be_coupled_is_refused() {
@@ -348,7 +383,7 @@ fn curves_with_coupling_are_those_of_their_mean_field() {
             let dataset = file.dataset(path).unwrap();
             let told = dataset.read_raw::<f64>().unwrap();
             let mut changed = told.clone();
-            changed[3] *= 1.001;
+            changed[0] *= 1.001;
             dataset.write_raw(&changed).unwrap();
             file.flush().unwrap();
             let found = folder.stiction(&["validate", name]);

@@ -450,6 +450,35 @@ fn a_loop_goes_on_to_the_same_bits() {
     assert_exit(&folder.stiction(&["validate", "scene.h5"]), 0);
 }
 
+/// Coupled surfaces, pulled back and held by springs, killed at their first checkpoint and again at a later one.
+#[test]
+fn killed_runs_of_coupled_surfaces_go_on_to_the_same_bits() {
+    let held = "[substrate]\ncoupling = \"patch\"\n\n[instability]\nstiffness = [0, \"patch\"]\npreload = \"50 uN\"\n[output]";
+    let scene = scene_of(40)
+        .replace("nominal_area = \"100 um^2\"", "nominal_area = \"6.77 um^2\"")
+        .replace("count = 16", "count = 8")
+        .replace("history = \"approach\"", "history = \"loop\"")
+        .replace("[output]", held);
+    let folder = Folder::new(&scene);
+    let reference = reference(&folder);
+    let curve = reference.iter().find(|(name, _)| name == "/replicas/retraction_external_force").unwrap();
+    assert_eq!(curve.1.len(), 40 * 8);
+    for threads in ["1", "2"] {
+        let arguments = ["--checkpoint", "0", "--resume", "--threads", threads];
+        let mut child = begin(&folder, &arguments);
+        let (checkpoint, before) = (folder.path(CHECKPOINT), std::fs::metadata(folder.path(CHECKPOINT)));
+        let written = before.and_then(|data| data.modified()).ok();
+        let is_new = || std::fs::metadata(&checkpoint).and_then(|data| data.modified()).ok() > written;
+        wait_while_running(&mut child, is_new);
+        let _ = child.kill();
+        child.wait().unwrap();
+        assert_eq!(left(&folder).split(' ').next(), Some("checkpoint"), "after {threads}");
+    }
+    assert_exit(&folder.stiction(&["run", "scene.toml", "--resume", "--threads", "3"]), 0);
+    assert!(diagnostic(&folder, "resumptions") == 2.0);
+    assert_same_as(&folder, &reference);
+}
+
 /// None lost, none different.
 #[test]
 #[ignore = "slow: minutes"]

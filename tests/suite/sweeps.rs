@@ -76,6 +76,25 @@ fn a_point_has_the_bits_of_the_run_of_its_scene() {
     }
 }
 
+/// Points whose asperities are coupled have a larger patch each, with places of its own, and springs as stiff as its
+/// half-space.
+#[test]
+fn points_of_coupled_surfaces_have_the_bits_of_their_runs() {
+    let of = "surface.nominal_area = [\"4 um^2\", \"9 um^2\"]\nsubstrate.minimum_distance = [\"0.1 um\", \"0.2 um\"]\n";
+    let tables = "[substrate]\ncoupling = \"patch\"\n\n[instability]\nstiffness = [0, \"patch\"]\n[output]";
+    let text = swept(of).replace("[output]", tables).replace("replicas = 40", "replicas = 16");
+    let text = text.replace("count = 16", "count = 6").replace("history = \"approach\"", "history = \"loop\"");
+    let folder = Folder::new(&text);
+    assert_exit(&folder.stiction(&["run", "scene.toml", "--threads", "2"]), 0);
+    assert_exit(&folder.stiction(&["validate", "scene.h5"]), 0);
+    let (sweep, all) = (sweep(&text), unlocked::open(folder.path("scene.h5")));
+    for point in 0..sweep.count() {
+        std::fs::write(folder.path("point.toml"), sweep.text(point).unwrap()).unwrap();
+        assert_exit(&folder.stiction(&["run", "point.toml", "--force", "--threads", "1"]), 0);
+        same(&unlocked::open(folder.path("point.h5")), &all, &sweep.place(point));
+    }
+}
+
 /// Every number of a single run stands in the sweep.
 #[track_caller]
 fn same(single: &hdf5::File, all: &hdf5::File, place: &[usize]) {

@@ -119,7 +119,9 @@ fn of_mean_field(results: &Results) -> Vec<String> {
     }
     if largest != 0.0 {
         let (h_star, way) = place(results, furthest);
-        lines.push(format!("furthest from the mean field{way} at h* = {h_star}, by {largest:.1} standard errors"));
+        lines.push(format!(
+            "furthest from the mean field{way} at h* = {h_star}, by {largest:.1} standard errors"
+        ));
     }
     lines
 }

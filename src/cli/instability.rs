@@ -23,7 +23,8 @@ pub(super) fn instability(results: &Results) -> String {
     let mut text = String::new();
     let shown = shown(loading.stiffness.len());
     for (line, &i) in shown.iter().enumerate().filter(|_| loading.ways.0) {
-        let (counts, stiffness) = (snaps.counts(snaps.place_in(i)), spring(&results.scene, loading.stiffness[i]));
+        let (counts, stiffness) =
+            (snaps.counts(snaps.place_in(i)), spring(&results.scene, loading.stiffness[i]));
         let replicas = results.scene.replicas;
         text += &row(&label(line, "snap-in"), &held_by(counts, &stiffness, replicas, "last"));
     }

@@ -45,8 +45,7 @@ pub(crate) fn mean_fields(
     let approach = MeanField::new(&inward, stiffness, step, None, force_at).reversed();
     let retraction = cycle.map(|cycle| {
         let turn = approach.separations[0];
-        let force_at =
-            |x: f64| Expectations::retraction_at(cycle, surface, turn, x).expected[EXTERNAL][0];
+        let force_at = |x: f64| Expectations::retraction_at(cycle, surface, turn, x).expected[EXTERNAL][0];
         MeanField::new(separations, stiffness, step, Some(turn), force_at)
     });
     [approach].into_iter().chain(retraction).collect()

@@ -266,8 +266,7 @@ impl PreparedRun {
         let paths: Vec<&Expectations> = integral.paths().map(|way| &way.expectations).collect();
         let (z, joint) = cross_check(&ensemble, &paths, &basis, &scene);
         let scalars = controlled_means(&ensemble.groups.scalars, &expected);
-        let mean_fields =
-            session.pool.install(|| mean_fields(&scene, law.view(), cycle.as_ref(), &integral));
+        let mean_fields = session.pool.install(|| mean_fields(&scene, law.view(), cycle.as_ref(), &integral));
         let PathIntegral { at_pull_off, independence, .. } = integral.pulled().clone();
         let Integral { main: PathIntegral { expectations, features: of_integral, .. }, retraction } =
             integral;

@@ -92,12 +92,7 @@ impl MeanField {
 }
 
 /// Where a function reaches a level between two of its points, by false position (Illinois), and its value.
-fn crossing(
-    f: &impl Fn(f64) -> f64,
-    [below, above]: [(f64, f64); 2],
-    level: f64,
-    step: f64,
-) -> (f64, f64) {
+fn crossing(f: &impl Fn(f64) -> f64, [below, above]: [(f64, f64); 2], level: f64, step: f64) -> (f64, f64) {
     let mut ends = [(below.0, below.1 - level), (above.0, above.1 - level)];
     let mut found = above;
     let mut last = None;

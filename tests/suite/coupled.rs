@@ -95,8 +95,7 @@ fn targets_end_coupled_runs_where_they_are_met() {
     let of = |all: &[(String, Vec<u64>)], name: &str| -> Vec<u64> {
         all.iter().find(|(path, _)| path == name).unwrap_or_else(|| panic!("{name}")).1.clone()
     };
-    let forces: Vec<f64> =
-        of(&one, "/replicas/pull_off_force").into_iter().map(f64::from_bits).collect();
+    let forces: Vec<f64> = of(&one, "/replicas/pull_off_force").into_iter().map(f64::from_bits).collect();
     let error = |count: usize| {
         let mean = forces[..count].iter().sum::<f64>() / count as f64;
         let squares: f64 = forces[..count].iter().map(|force| (force - mean).powi(2)).sum();

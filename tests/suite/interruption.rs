@@ -454,15 +454,16 @@ fn a_loop_goes_on_to_the_same_bits() {
 #[test]
 fn killed_runs_of_coupled_surfaces_go_on_to_the_same_bits() {
     let held = "[substrate]\ncoupling = \"patch\"\n\n[instability]\nstiffness = [0, \"patch\"]\npreload = \"50 uN\"\n[output]";
-    let scene = scene_of(40)
-        .replace("nominal_area = \"100 um^2\"", "nominal_area = \"6.77 um^2\"")
+    let scene = scene_of(24)
+        .replace("nominal_area = \"100 um^2\"", "nominal_area = \"3.4 um^2\"")
+        .replace("from = -1.0", "from = 1.0")
         .replace("count = 16", "count = 8")
         .replace("history = \"approach\"", "history = \"loop\"")
         .replace("[output]", held);
     let folder = Folder::new(&scene);
     let reference = reference(&folder);
     let curve = reference.iter().find(|(name, _)| name == "/replicas/retraction_external_force").unwrap();
-    assert_eq!(curve.1.len(), 40 * 8);
+    assert_eq!(curve.1.len(), 24 * 8);
     for threads in ["1", "2"] {
         let arguments = ["--checkpoint", "0", "--resume", "--threads", threads];
         let mut child = begin(&folder, &arguments);

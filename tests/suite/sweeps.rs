@@ -80,10 +80,10 @@ fn a_point_has_the_bits_of_the_run_of_its_scene() {
 /// half-space.
 #[test]
 fn points_of_coupled_surfaces_have_the_bits_of_their_runs() {
-    let of = "surface.nominal_area = [\"4 um^2\", \"9 um^2\"]\nsubstrate.minimum_distance = [\"0.1 um\", \"0.2 um\"]\n";
+    let of = "surface.nominal_area = [\"2 um^2\", \"4 um^2\"]\nsubstrate.minimum_distance = [\"0.1 um\", \"0.2 um\"]\n";
     let tables = "[substrate]\ncoupling = \"patch\"\n\n[instability]\nstiffness = [0, \"patch\"]\n[output]";
     let text = swept(of).replace("[output]", tables).replace("replicas = 40", "replicas = 16");
-    let text = text.replace("count = 16", "count = 6").replace("history = \"approach\"", "history = \"loop\"");
+    let text = text.replace("count = 16", "count = 6").replace("from = -1.0", "from = 1.0");
     let folder = Folder::new(&text);
     assert_exit(&folder.stiction(&["run", "scene.toml", "--threads", "2"]), 0);
     assert_exit(&folder.stiction(&["validate", "scene.h5"]), 0);

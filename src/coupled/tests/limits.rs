@@ -146,8 +146,7 @@ fn pairs_jump_at_their_folds() {
     for fold in all["folds"].as_array().unwrap() {
         let [distance, radius, work] = named(fold, ["distance", "radius", "work_of_adhesion"]);
         let of = Asperity { radius, work_of_adhesion: work, ..reference(&all) };
-        for (name, far, has_touched, sign) in
-            [("jump_in", 3e-9, false, 1.0), ("jump_off", -3e-9, true, -1.0)]
+        for (name, far, has_touched, sign) in [("jump_in", 3e-9, false, 1.0), ("jump_off", -3e-9, true, -1.0)]
         {
             let jump = &fold[name];
             let [place, before, after] = named(jump, ["separation", "approach_before", "approach_after"]);
@@ -255,7 +254,8 @@ fn hard_core_places_have_the_first_order_of_their_closed_form() {
 fn cells_of_one_sphere_are_one_cell() {
     let all = json(LIMITS);
     let of = reference(&all);
-    let [cell, end] = [all["lattice"]["cell"].as_f64().unwrap(), all["lattice"]["end_radius"].as_f64().unwrap()];
+    let [cell, end] =
+        [all["lattice"]["cell"].as_f64().unwrap(), all["lattice"]["end_radius"].as_f64().unwrap()];
     for n in [1, 2, 3] {
         let place = |i: usize| [(0.3 + (i % n) as f64) / n as f64, (0.6 + (i / n) as f64) / n as f64];
         let places: Vec<[f64; 2]> = (0..n * n).map(place).collect();

@@ -306,6 +306,8 @@ fn measured_places_say_what_they_allow() {
     let folder = Folder::new(&measured(&[1e-9, 2e-9, 3e-9], "[substrate]\ncoupling = \"patch\"\n"));
     write_asperities(&folder.path("asperities.h5"), [&places, &places, &heights, &radii], [2e-6, 1e-6]);
     assert_exit(&folder.stiction(&["run", "scene.toml"]), 0);
+}
+
 /// Springs named `patch` have E*L/c with c = (4/π)(ln(1 + √2) + (1 − √2)/3), each point of a sweep its own.
 #[test]
 fn springs_may_be_as_stiff_as_what_a_patch_stands_on() {

@@ -55,11 +55,14 @@ impl Surface<'_> {
         let parameters = parameters(of, Path::Approach);
         let cycle = Loop::new(&model, &parameters, UnloadedRadius::Kept).unwrap();
         let law = model.law(&parameters).unwrap();
-        let memory = if self.law == "jkr" { Memory::Loop(&cycle) } else { Memory::None(law.as_ref()) };
+        let memory = match self.law {
+            "jkr" => Memory::Loop(Held::Shared(&cycle)),
+            _ => Memory::None(Held::Shared(law.as_ref())),
+        };
         let compliance = self.softness / (PI * of.reduced_modulus * self.side);
         let substrate = Substrate::new(self.coupling, self.places.clone(), compliance, 1e-13);
         let laws = vec![RadiusLaws::new(memory, parameters.scale.length)];
-        let asperities = Asperities::new(laws, self.heights.len());
+        let asperities = Asperities::new(laws, vec![0; self.heights.len()]);
         let mut solver = Solver::new(asperities, substrate, &self.heights, 1e-13);
         solver.begin(path[0], has_touched);
         let go = |&d: &f64| {

@@ -326,7 +326,7 @@ fn springs_may_be_as_stiff_as_what_a_patch_stands_on() {
         [("one.h5", [1e3, small].as_slice()), ("two.h5", [1e3, small, 1e3, large].as_slice())]
     {
         for group in ["instability", "replicas"] {
-            let file = unlocked::open(&folder.path(name));
+            let file = unlocked::open(folder.path(name));
             let found = file.dataset(&format!("/{group}/stiffness")).unwrap().read_raw::<f64>().unwrap();
             assert_eq!(found.len(), expected.len());
             for (found, expected) in found.iter().zip(expected) {

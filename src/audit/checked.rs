@@ -11,6 +11,9 @@ use std::path::Path;
 /// Error by rounding at most, relative to what was summed.
 pub(super) const ROUNDING: f64 = 1e-9;
 
+/// A curve that files of coupled asperities have.
+const COUPLED: &str = "/coupling/independent_external_force_mean";
+
 /// A file that cannot be audited.
 pub(super) fn refused(path: &Path, problem: &str) -> OutputError {
     OutputError::NotAResult { path: path.to_owned(), problem: problem.to_owned() }
@@ -47,7 +50,13 @@ impl<'a> Checked<'a> {
     /// their names begin with.
     pub fn independent(&self, way: &str, name: &str) -> String {
         let coupled = format!("/coupling/{way}independent_{name}");
-        if self.has(&format!("{coupled}_mean")) { coupled } else { format!("/ensemble/{way}{name}") }
+        if self.is_coupled() { coupled } else { format!("/ensemble/{way}{name}") }
+    }
+
+    /// Whether asperities are coupled: of a sweep, at the place.
+    pub fn is_coupled(&self) -> bool {
+        let all_absent = |values: Vec<f64>| values.iter().all(|value| value.is_nan());
+        self.has(COUPLED) && (self.place == Place::File || !self.values(COUPLED).is_ok_and(all_absent))
     }
 
     pub fn has(&self, path: &str) -> bool {
@@ -252,8 +261,13 @@ impl<'a> Checked<'a> {
             self.reader.layout().known().any(|known| known.dimensions.contains(&Dimension::Separation));
         let ends = if has_ends && !of_all_points { self.coordinate("separation")? } else { Vec::new() };
         let ends = (ends.first().copied().unwrap_or(f64::NAN), ends.last().copied().unwrap_or(f64::NAN));
+        // Of a sweep some points may not be coupled.
+        let lacks_coupling = self.has(COUPLED) && !self.is_coupled();
         for variable in self.reader.layout().known() {
-            if !self.has(&variable.path) || !self.is_here(variable) {
+            if !self.has(&variable.path)
+                || !self.is_here(variable)
+                || (lacks_coupling && is_of_coupled(variable))
+            {
                 continue;
             }
             self.copy(variable)?;
@@ -330,6 +344,18 @@ impl<'a> Checked<'a> {
 /// Whether a dataset is a scale that all points of a sweep share.
 fn is_shared(variable: &Variable) -> bool {
     variable.scales().is_some_and(|dimension| dimension.of_points() == dimension)
+}
+
+/// Whether a dataset is of coupled asperities alone.
+fn is_of_coupled(variable: &Variable) -> bool {
+    let of_coupled = [
+        "/coupling/",
+        "/asperities/",
+        "/replicas/independent_",
+        "/replicas/unsettled_count",
+        "/replicas/largest_avalanche",
+    ];
+    of_coupled.iter().any(|begin| variable.path.starts_with(begin))
 }
 
 /// Whether a dataset has a curve of every replica.

@@ -162,7 +162,7 @@ impl Checked<'_> {
         }
         // Of a part of a run the batches are not those of the parts. Controls of coupled surfaces are forces without
         // coupling, which are not kept.
-        if !self.is_partial()? && !self.has("/coupling/scalar_units") {
+        if !self.is_partial()? && !self.is_coupled() {
             let way = if cycle { "retraction_" } else { "" };
             let expected = self.values(&format!("/integral/{way}external_force"))?;
             let expected: Vec<f64> = controls.iter().map(|&place| expected[place]).collect();

@@ -91,7 +91,7 @@ impl Checked<'_> {
             self.say_at(&of("controlled_standard_error"), i, controlled_error[i], &plain);
         }
         // Coupled asperities of one height touch at different separations.
-        let is_coupled = self.has("/coupling/scalar_units");
+        let is_coupled = self.is_coupled();
         if cycle
             && !is_coupled
             && self.reader.optional_text("/", "radii")?.is_some_and(|radii| radii.contains("common"))

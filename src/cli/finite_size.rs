@@ -91,6 +91,9 @@ fn counts(text: &str) -> Result<Vec<u64>, String> {
 fn summary(scene: &Scene, study: &FiniteSize) -> String {
     let mut text = title(scene);
     text += &row("integral", &format!("pull-off {} for each asperity", si(study.integral, "N")));
+    if let Some(substrate) = &scene.substrate {
+        text += &row("coupling", &format!("{}, which the integral leaves out", substrate.coupling.name()));
+    }
     text += "\n           N   mean pull-off against the integral    scatter  skewness   5 % to 95 % of patches   independence   sums\n";
     for PatchSize { count, bias: [bias, error], scatter, independence, sum, .. } in &study.sizes {
         let [_, low, .., high, _] = scatter.quantiles;

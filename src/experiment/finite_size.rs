@@ -13,6 +13,7 @@ use crate::output::reader::Reader;
 use crate::output::schema::{Dimension, FINITE_SIZE, RUN};
 use crate::output::writer::Writer;
 use crate::scene::files::Files;
+use crate::scene::sweep::without;
 use crate::scene::{Scene, Sweep};
 use crate::validation::finite_size::{ACCURACIES, Approach, QUANTILES, Reached, Refusal, Scatter};
 use std::path::Path;
@@ -74,13 +75,15 @@ fn sizes(scene: &Scene, counts: &[u64], files: &Arc<dyn Files>) -> Result<Sweep,
     const KEY: &str = "surface.nominal_area";
     let texts: &[(&str, &str)] =
         if scene.sum_tolerance.is_some() { &[] } else { &[("solver.summation", "moments")] };
-    let along = |areas| {
-        Sweep::along(&scene.text, KEY, areas, texts, Arc::clone(files)).map_err(|error| error.to_string())
+    let along = |text: &str, areas| {
+        Sweep::along(text, KEY, areas, texts, Arc::clone(files)).map_err(|error| error.to_string())
     };
     let probe = PROBE / scene.surface.asperity_count as f64 * scene.surface.nominal_area;
-    let probe = along(vec![probe])?.scene(0).map_err(|error| error.to_string())?.surface;
+    // So many asperities are not coupled.
+    let independent = without(&scene.text, "substrate").map_err(|error| error.to_string())?;
+    let probe = along(&independent, vec![probe])?.scene(0).map_err(|error| error.to_string())?.surface;
     let density = probe.asperity_count as f64 / probe.nominal_area;
-    along(counts.iter().map(|count| *count as f64 / density).collect())
+    along(&scene.text, counts.iter().map(|count| *count as f64 / density).collect())
 }
 
 /// Computes the patches, whose sweep is that of [`sweep_of_sizes`], and puts them into the output; none

@@ -152,8 +152,8 @@ fn write_axes(writer: &mut Writer<'_>, sweep: &Sweep) -> Result<(), OutputError>
         let (key, values) = (axis.key, &axis.values);
         let units = key.dimension.map_or("1", |dimension| dimension.file_units());
         match sweep.mode {
-            Mode::Grid => writer.point_scale(key.name, units, key.long_name, values),
-            Mode::Zip => writer.point_coordinate(key.name, units, key.long_name, values),
+            Mode::Grid => writer.point_scale(key.name, units, &key.meaning(), values),
+            Mode::Zip => writer.point_coordinate(key.name, units, &key.meaning(), values),
         }
     }
     Ok(())

@@ -22,6 +22,8 @@ pub struct Sweepable {
     pub name: &'static str,
     /// The dimension; none for a number.
     pub dimension: Option<Dimension>,
+    /// The names that its numbers stand for, from 0; empty for most.
+    pub names: Vec<&'static str>,
     /// The meaning, in words.
     pub long_name: &'static str,
 }
@@ -34,7 +36,11 @@ pub static SWEEPABLE: LazyLock<Vec<Sweepable>> = LazyLock::new(|| {
             Value::Quantity(dimension, _) => Some(dimension),
             _ => None,
         };
-        Sweepable { name: key.name, dimension, long_name: key.what }
+        let names = match key.value {
+            Value::Choice(names) => names(),
+            _ => Vec::new(),
+        };
+        Sweepable { name: key.name, dimension, names, long_name: key.what }
     };
     swept.map(sweepable).collect()
 });
@@ -68,6 +74,7 @@ impl Sweepable {
     /// A value, SI, as it stands in the scene of a point; it reads back as the same double.
     pub(super) fn item(&self, number: f64) -> Item {
         match self.dimension {
+            _ if !self.names.is_empty() => value(self.names[number as usize]),
             Some(dimension) => value(format!("{number:e} {}", dimension.si())),
             None => value(number),
         }
@@ -75,11 +82,25 @@ impl Sweepable {
 
     /// A value, SI, in messages and tables.
     pub fn shown(&self, number: f64) -> String {
+        if let Some(name) = self.names.get(number as usize) {
+            return (*name).to_owned();
+        }
         self.dimension.map_or_else(|| rounded(number), |dimension| dimension.shown(number))
+    }
+
+    /// The meaning of its numbers, in words.
+    pub fn meaning(&self) -> String {
+        let names = self.names.iter().enumerate().map(|(i, name)| format!("{i} {name}"));
+        let names = names.collect::<Vec<String>>().join(", ");
+        if names.is_empty() { self.long_name.to_owned() } else { format!("{}: {names}", self.long_name) }
     }
 
     /// Reads a value, SI.
     fn read(&self, entry: &Entry<'_>) -> Result<f64, SceneError> {
+        if !self.names.is_empty() {
+            let numbers: Vec<(&str, usize)> = self.names.iter().copied().zip(0..).collect();
+            return entry.choice(self.name, &numbers).map(|number| number as f64);
+        }
         match self.dimension {
             None => entry.number(),
             Some(_) if entry.number() == Ok(0.0) => Ok(0.0),
@@ -192,7 +213,7 @@ impl<'a> Options<'a> {
 /// The keys that can be swept, in messages.
 fn known() -> String {
     let mut text = "known are the numbers of".to_owned();
-    let sections = ["material", "surface", "model", "solver"];
+    let sections = ["material", "surface", "substrate", "model", "solver"];
     for (i, section) in sections.iter().enumerate() {
         text += &format!("{} [{section}]", if i == 0 { "" } else { "," });
     }
@@ -241,6 +262,9 @@ fn check_lengths(mode: Mode, swept: &[(&Sweepable, Entry<'_>)], lengths: &[usize
 fn values(key: &Sweepable, entry: &Entry<'_>) -> Result<Vec<f64>, SceneError> {
     if let DeValue::Array(array) = entry.value.get_ref() {
         return array.iter().enumerate().map(|(i, element)| key.read(&entry.element(i, element))).collect();
+    }
+    if !key.names.is_empty() {
+        return Err(entry.wrong(&format!("a list is needed, of {}", key.names.join(", "))));
     }
     let table = entry.table()?;
     let end = |name: &str| table.require(name).and_then(|end| key.read(&end));

@@ -1,6 +1,7 @@
 //! Closed lists and ranges of the values that keys of scenes take.
 
 use crate::asperity::Path;
+use crate::substrate::Coupling;
 use crate::surface::Places;
 use std::ops::{Bound, RangeInclusive};
 
@@ -45,6 +46,9 @@ pub(super) const SUMMIT_LAWS: [(&str, ()); 1] = [("nayak", ())];
 pub(super) const SAMPLES: [(&str, bool); 2] = [("bootstrap", false), ("whole", true)];
 /// Name of the stiffness of the half-space under a patch.
 pub(super) const PATCH: &str = "patch";
+/// What surrounds a surface of coupled asperities; none where they are independent.
+pub(super) const COUPLINGS: [(&str, Option<Coupling>); 3] =
+    [("none", None), ("periodic", Some(Coupling::Periodic)), ("patch", Some(Coupling::Patch))];
 /// Positions of coupled asperities; the least distance of those at random follows from the surface.
 pub(super) const POSITIONS: [(&str, Places); 4] = [
     ("hard_core", Places::HardCore(f64::NAN)),

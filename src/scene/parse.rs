@@ -20,6 +20,8 @@ use crate::surface::SamplingScheme;
 /// Reads a scene that is no sweep, and what it takes out of files.
 pub(super) fn read(text: &str, root: &Section<'_>, files: &dyn Files) -> Result<Scene, SceneError> {
     let section = |name: &'static str| required(root, name);
+    let substrate = SubstrateTable::read(root);
+    let is_coupled = substrate.as_ref().is_ok_and(Option::is_some);
     let material = section("material").and_then(|material| Material::read(&material));
     let population = section("surface").and_then(|surface| {
         let lubricant = surface.optional("lubricant_thickness", |entry| entry.measured());
@@ -29,7 +31,7 @@ pub(super) fn read(text: &str, root: &Section<'_>, files: &dyn Files) -> Result<
         {
             material.asperity(radius, 0.0)?;
         }
-        (population(&surface, files, root.get("substrate").is_some()), lubricant).together()
+        (population(&surface, files, is_coupled), lubricant).together()
     });
     let model = section("model").and_then(|model| ModelTable::read(&model));
     // What a separation is depends on the surface, whether it is one does not.
@@ -46,7 +48,7 @@ pub(super) fn read(text: &str, root: &Section<'_>, files: &dyn Files) -> Result<
         .and_then(|ensemble| EnsembleTable::read(&ensemble).map(|draws| (ensemble, draws)));
     let readings =
         (root.known(), heading(root), material, population, model, separation, instability, ensemble);
-    let (solver, output, substrate) = (sum_tolerance(root), curves(root), SubstrateTable::read(root));
+    let (solver, output) = (sum_tolerance(root), curves(root));
     let (readings, sum_tolerance, curves, substrate) =
         (readings.together(), solver, output, substrate).together()?;
     let ((), title, material, (population, lubricant), model, separation, instability, (ensemble, draws)) =

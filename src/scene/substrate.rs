@@ -1,6 +1,6 @@
 //! The elastic half-space that couples the asperities of a scene.
 
-use super::choices::{POSITIONS, TOLERANCES_OF_LOADS};
+use super::choices::{COUPLINGS, POSITIONS, TOLERANCES_OF_LOADS};
 use super::error::{SceneError, Together};
 use super::reader::{Entry, Section};
 use super::units::Dimension;
@@ -50,10 +50,10 @@ pub(super) struct SubstrateTable<'a> {
 }
 
 impl<'a> SubstrateTable<'a> {
-    /// Reads the table, if it is there.
+    /// Reads the table, if it is there and couples the asperities.
     pub fn read(root: &Section<'a>) -> Result<Option<Self>, SceneError> {
         let Some(section) = root.section("substrate", false)? else { return Ok(None) };
-        let coupling = section.require("coupling").and_then(|entry| entry.choice("coupling", &Coupling::ALL));
+        let coupling = section.require("coupling").and_then(|entry| entry.choice("coupling", &COUPLINGS));
         let places = section.optional("positions", |entry| entry.choice("positions", &POSITIONS));
         let minimum_distance = section.optional("minimum_distance", |entry| {
             let is_random = places.as_ref().is_ok_and(|places| places.as_ref().is_none_or(is_hard_core));
@@ -63,7 +63,7 @@ impl<'a> SubstrateTable<'a> {
         let readings = (coupling, places.clone(), minimum_distance, tolerance).together()?;
         let (coupling, places, minimum_distance, tolerance) = readings;
         let tolerance = tolerance.unwrap_or(TOLERANCE);
-        Ok(Some(Self { section, coupling, places, minimum_distance, tolerance }))
+        Ok(coupling.map(|coupling| Self { section, coupling, places, minimum_distance, tolerance }))
     }
 
     /// The half-space under a surface, whose asperities may have measured places, at separations, m.

@@ -195,6 +195,16 @@ fn split_mix(state: u64, index: u64) -> u64 {
     z ^ (z >> 31)
 }
 
+/// The text of a scene without its sweep and a table.
+///
+/// # Errors
+/// [`SceneError`] when it cannot be taken apart.
+pub fn without(text: &str, table: &str) -> Result<String, SceneError> {
+    let mut scene = template(text)?;
+    scene.remove(table);
+    Ok(scene.to_string())
+}
+
 /// A scene without its sweep.
 fn template(text: &str) -> Result<DocumentMut, SceneError> {
     let mut template: DocumentMut =
@@ -266,6 +276,7 @@ mod tests {
             let base = Scene::parse(&scene).unwrap();
             // Such as would do for most of them.
             let number = match key.dimension {
+                None if !key.names.is_empty() => 1.0,
                 None if key.name == "surface.heights.shape" => 1.5,
                 None if !of_law.is_empty() => 0.25,
                 None => 1e-5,

@@ -2,8 +2,8 @@
 //! `docs/scene.md` all of it. It is longer than files should be, since it is one table.
 
 use super::choices::{
-    FORMAT, HEIGHT_LAWS, HISTORIES, MOST_POINTS, MOST_SEPARATIONS, Mode, PATCH, POISSON_RATIOS, POSITIONS,
-    RADIUS_LAWS, RELATIVE, REPLICAS, SAMPLES, SPACINGS, SUM_TOLERANCES, SUMMIT_LAWS, SUMS,
+    COUPLINGS, FORMAT, HEIGHT_LAWS, HISTORIES, MOST_POINTS, MOST_SEPARATIONS, Mode, PATCH, POISSON_RATIOS,
+    POSITIONS, RADIUS_LAWS, RELATIVE, REPLICAS, SAMPLES, SPACINGS, SUM_TOLERANCES, SUMMIT_LAWS, SUMS,
     TOLERANCES_OF_LOADS, VARIATIONS,
 };
 use super::keys::{Key, Sign, Value, key};
@@ -11,7 +11,6 @@ use super::units::Dimension as Of;
 use crate::asperity::UnloadedRadius;
 use crate::asperity::models::MODELS;
 use crate::engine::{Estimator, SCALARS};
-use crate::substrate::Coupling;
 use crate::surface::{CountLaw, SamplingScheme};
 use Sign::{Any, NotNegative, Positive};
 use Value::{Choice, Number, OneOrMore, Quantity, Switch, Table, Text, Various, Whole};
@@ -410,12 +409,13 @@ pub static KEYS: &[Key] = &[
         .what("the elastic half-space that couples the asperities")
         .about("With it each run has the curves of the same asperities without coupling too, and the differences.")
         .follows("none; asperities are independent"),
-    key("substrate.coupling", "\"periodic\"", Choice(|| names(&Coupling::ALL)))
+    key("substrate.coupling", "\"periodic\"", Choice(|| names(&COUPLINGS)))
         .what("what surrounds the surface")
         .about(
-            "`periodic`: the surface, a square, is repeated without end, and h is the distance from the mean plane of \
+            "`none`: asperities are independent, as without the table. `periodic`: the surface, a square, is repeated without end, and h is the distance from the mean plane of \
              the deformed surface. `patch`: the square is alone on a half-space, and h is the distance far away.",
-        ),
+        )
+        .swept(),
     key("substrate.positions", "\"uniform\"", Choice(|| names(&POSITIONS)))
         .what("places of the asperities")
         .about(

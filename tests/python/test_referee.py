@@ -120,6 +120,44 @@ def test_the_program_has_the_independent_force_and_area(part, law):
         assert areas is None or row["contact_area"] == pytest.approx(areas[index], rel=1e-11)
 
 
+@pytest.mark.parametrize("name", ["twelve", "thirty", "two hundred"])
+def test_the_program_has_the_loads_of_the_referee(name):
+    """Where less than 2 % of the area are in contact: each load to 1e-3 of the largest, and that of point forces to 1e-9."""
+    surface = REFEREE["paraboloids"][name]
+    rows = [row for row in surface["states"] if row["area"] < 0.02 * surface["cell"] ** 2]
+    assert rows
+    separations = [row["separation"] for row in rows]
+    point = states_of(surface, separations, "point")
+    for row, dense, found in zip(rows, point, program_states(PROGRAM, surface, separations, "gw", "tolerance = 1e-10")):
+        largest = max(row["loads"])
+        assert np.max(np.abs(found["loads"] - row["loads"])) < 1e-3 * largest
+        assert np.max(np.abs(found["loads"] - dense.force.astype(float))) < 1e-9 * largest
+
+
+@pytest.mark.parametrize("name", ["two", "four"])
+def test_the_program_has_the_adhesive_spheres_of_the_referee(name):
+    """Point forces with the adhesion of Maugis, to what separations a nanometre higher round off; the referee to its own error and theirs."""
+    surface = REFEREE["adhesive"][name]
+    separations = [row["separation"] for row in surface["states"]]
+    largest = max(abs(row["force"]) for row in surface["states"])
+    for row, found in zip(surface["states"], program_states(PROGRAM, surface, separations, "md_kim", "tolerance = 1e-10")):
+        dense = float(adhesive_state(surface, row["separation"]).force.sum())
+        assert found["external_force"] == pytest.approx(dense, abs=1e-9 * largest)
+        assert found["external_force"] == pytest.approx(row["force"], abs=row["force_error"] + 0.01 * largest)
+
+
+@pytest.mark.parametrize("tops", ["summits", "map_summits"])
+def test_the_program_has_the_summits_of_the_map(tops):
+    """Each load of coupled summits of radii of their own as the dense solution has it."""
+    surface, rows = REFEREE["map"][tops], REFEREE["map"]["states"][:2]
+    surface = {**surface, "reduced_modulus": MODULUS}
+    separations = [row["separation"] for row in rows]
+    point = states_of(surface, separations, "point")
+    for dense, found in zip(point, program_states(PROGRAM, surface, separations, "gw", "tolerance = 1e-10")):
+        force = dense.force.astype(float)
+        assert np.max(np.abs(found["loads"] - force)) < 1e-9 * np.max(force)
+
+
 def test_the_referee_says_it_again(elements):
     """One small surface on three grids, and the twelve paraboloids on one."""
     one = REFEREE["paraboloids"]["one"]

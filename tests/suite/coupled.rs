@@ -393,3 +393,58 @@ fn curves_with_coupling_are_those_of_their_mean_field() {
         }
     }
 }
+
+/// A sweep with and without coupling over two sizes has the bits of each by itself, fits together, and its names are
+/// told; patches of several sizes are coupled too, on a lattice where their numbers fit one.
+#[test]
+fn sweeps_switch_coupling_on_and_off() {
+    let sweep = "\n[sweep]\nsubstrate.coupling = [\"none\", \"patch\"]\n\
+                 surface.nominal_area = [\"4 um^2\", \"8 um^2\"]\n";
+    let table = "\n[substrate]\ncoupling = \"patch\"\nloads_at = [2.0]\n";
+    let folder = Folder::new(&scene(&format!("{table}{sweep}")));
+    let run = folder.stiction(&["run", "scene.toml", "-o", "sweep.h5"]);
+    assert_exit(&run, 0);
+    assert!(
+        text(&run.stdout).contains("substrate.coupling: 2 values, none to patch"),
+        "{}",
+        text(&run.stdout)
+    );
+    assert_exit(&folder.stiction(&["validate", "sweep.h5"]), 0);
+    let of = |all: &[(String, Vec<u64>)], name: &str| {
+        all.iter().find(|(path, _)| path == name).unwrap_or_else(|| panic!("{name}")).1.clone()
+    };
+    let swept = bits(&folder.path("sweep.h5"));
+    assert_eq!(of(&swept, "/substrate_coupling"), [0.0, 1.0].map(|name: f64| (2.0 * name).to_bits()));
+    for (i, (coupling, area)) in
+        [("none", 4), ("none", 8), ("patch", 4), ("patch", 8)].into_iter().enumerate()
+    {
+        let own = scene(&table.replace("patch", coupling));
+        let own = own.replace("13.54 um^2", &format!("{area} um^2"));
+        std::fs::write(folder.path("scene.toml"), own).unwrap();
+        assert_exit(&folder.stiction(&["run", "scene.toml", "-o", "own.h5", "--force"]), 0);
+        let own = bits(&folder.path("own.h5"));
+        for name in ["/ensemble/external_force_mean", "/replicas/pull_off_force"] {
+            let (all, own) = (of(&swept, name), of(&own, name));
+            assert_eq!(all[i * own.len()..(i + 1) * own.len()], own, "{coupling} {area} {name}");
+        }
+        assert_eq!(own.iter().any(|(name, _)| name.starts_with("/asperities/")), coupling == "patch");
+    }
+    let sizes =
+        |folder: &Folder, counts: &str| folder.stiction(&["finite-size", "scene.toml", "--counts", counts]);
+    std::fs::write(
+        folder.path("scene.toml"),
+        scene("\n[substrate]\ncoupling = \"patch\"\npositions = \"square\"\n"),
+    )
+    .unwrap();
+    let refused = sizes(&folder, "9,20");
+    assert_exit(&refused, 2);
+    assert!(
+        text(&refused.stderr).contains("20 asperities form no such lattice"),
+        "{}",
+        text(&refused.stderr)
+    );
+    let run = sizes(&folder, "9,25");
+    assert_exit(&run, 0);
+    assert!(text(&run.stdout).contains("patch, which the integral leaves out"), "{}", text(&run.stdout));
+    assert_exit(&folder.stiction(&["validate", "scene_finite_size.h5"]), 0);
+}

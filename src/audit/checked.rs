@@ -350,6 +350,8 @@ fn is_shared(variable: &Variable) -> bool {
 fn is_of_coupled(variable: &Variable) -> bool {
     let of_coupled = [
         "/coupling/",
+        "/validation/mean_field_",
+        "/validation/retraction_mean_field_",
         "/asperities/",
         "/replicas/independent_",
         "/replicas/unsettled_count",

@@ -8,6 +8,9 @@ use crate::validation::z_scores;
 impl Checked<'_> {
     /// Differences that coupling makes, and the curve with coupling against its mean field.
     pub fn coupling(&mut self, way: &str) -> Result<(), OutputError> {
+        if !self.is_coupled() {
+            return Ok(());
+        }
         for quantity in Quantity::ALL {
             let name = quantity.name();
             let path = format!("/coupling/{way}difference_{name}_mean");

@@ -119,7 +119,8 @@ impl Memory<'_> {
         let elastic = if cycle.flows() { cycle.first_plastic } else { usize::MAX };
         let mut touched = pieces(cycle.retraction(), Path::Retraction, 0..elastic);
         let lost = cycle.lost();
-        touched.retain(|segment| segment.upper > lost && segment.lower < top);
+        let is_end = |segment: &Segment| segment.source == Source::Nothing;
+        touched.retain(|segment| segment.upper > lost && (segment.lower < top || is_end(segment)));
         if let Some(first) = touched.first_mut() {
             first.lower = first.lower.max(lost);
         }

@@ -225,22 +225,28 @@ fn case_iii_comes_down_in_an_avalanche() {
     assert!(largest.0 > 400 && largest.1 > 3.0, "{largest:?}");
 }
 
-/// With steps half as long the curve between avalanches is the same.
+/// With steps half as long the curve between avalanches is the same, to the tolerance of the loads; where it is not, an
+/// asperity has passed on the way there, with one of the two.
 #[test]
 fn steps_do_not_matter() {
     let case = Case::new(2, 200, "hybrid");
     for coupling in [Coupling::Periodic, Coupling::Patch] {
-        let on = |step: f64, every: usize| {
+        let on = |step: f64| {
             let mut solver = case.solver(coupling, 1e-11);
             let count = (2.5 / step).round() as usize;
-            let curve = case.curve(&mut solver, (0..=count).map(|k| 4.5 - step * k as f64));
-            curve.into_iter().step_by(every).map(|(force, _)| force).collect::<Vec<f64>>()
+            case.curve(&mut solver, (0..=count).map(|k| 4.5 - step * k as f64))
         };
-        let (coarse, fine) = (on(0.1, 1), on(0.05, 2));
-        let largest = coarse.iter().fold(0.0, |most: f64, force| most.max(force.abs()));
-        let off = coarse.iter().zip(&fine).filter(|(a, b)| (*a - *b).abs() > 1e-8 * largest).count();
-        println!("{coupling:?} {off} of {} differ", coarse.len());
-        assert!(off <= coarse.len() / 10, "{coupling:?} {off} {coarse:?} {fine:?}");
+        let (coarse, fine) = (on(0.1), on(0.05));
+        let largest = coarse.iter().fold(0.0, |most: f64, (force, _)| most.max(force.abs()));
+        let mut passed = 0;
+        for (k, (force, settled)) in coarse.iter().enumerate().skip(1) {
+            let [before, here] = [2 * k - 1, 2 * k].map(|k| fine[k]);
+            let avalanches = settled.avalanches + before.1.avalanches + here.1.avalanches;
+            passed += usize::from(avalanches > 0);
+            let off = (force - here.0).abs() / largest;
+            assert!(off <= 1e-9 || avalanches > 0, "{coupling:?} {k} {off:e} {settled:?}");
+        }
+        assert!(passed > 2 && passed < coarse.len() - 5, "{coupling:?} {passed}: nothing would be tested");
     }
 }
 

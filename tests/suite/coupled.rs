@@ -4,12 +4,11 @@ use crate::common::program::{Folder, QUICK, assert_exit, bits, text};
 use crate::common::unlocked;
 use hdf5::types::VarLenUnicode;
 use serde_json::Value;
-use std::f64::consts::PI;
 use std::path::Path;
 use std::process::Command;
 
 /// A square of 100 asperities of case II, 8 separations, 16 replicas.
-fn scene(more: &str) -> String {
+pub fn scene(more: &str) -> String {
     QUICK
         .replace("nominal_area = \"100 um^2\"", "nominal_area = \"13.54 um^2\"")
         .replace("count = 91", "count = 8")
@@ -308,92 +307,6 @@ fn measured_places_say_what_they_allow() {
     let folder = Folder::new(&measured(&[1e-9, 2e-9, 3e-9], "[substrate]\ncoupling = \"patch\"\n"));
     write_asperities(&folder.path("asperities.h5"), [&places, &places, &heights, &radii], [2e-6, 1e-6]);
     assert_exit(&folder.stiction(&["run", "scene.toml"]), 0);
-}
-
-/// Springs named `patch` have E*L/c with c = (4/π)(ln(1 + √2) + (1 − √2)/3), each point of a sweep its own.
-#[test]
-fn springs_may_be_as_stiff_as_what_a_patch_stands_on() {
-    let more = "\n[instability]\nstiffness = [\"1 kN/m\", \"patch\"]\n";
-    let folder = Folder::new(&scene(more));
-    let sweep = "\n[sweep]\nsurface.nominal_area = [\"13.54 um^2\", \"54.16 um^2\"]\n";
-    std::fs::write(folder.path("sweep.toml"), scene(more) + sweep).unwrap();
-    let run = folder.stiction(&["run", "scene.toml", "-o", "one.h5"]);
-    assert_exit(&run, 0);
-    assert!(text(&run.stdout).contains("(what a patch stands on)"), "{}", text(&run.stdout));
-    assert_exit(&folder.stiction(&["run", "sweep.toml", "-o", "two.h5"]), 0);
-    let c = 4.0 / PI * ((1.0 + 2_f64.sqrt()).ln() + (1.0 - 2_f64.sqrt()) / 3.0);
-    let of_patch = |area: f64| 85.29e9 * area.sqrt() / c;
-    let [small, large] = [13.54e-12, 54.16e-12].map(of_patch);
-    for (name, expected) in
-        [("one.h5", [1e3, small].as_slice()), ("two.h5", [1e3, small, 1e3, large].as_slice())]
-    {
-        for group in ["instability", "replicas"] {
-            let file = unlocked::open(folder.path(name));
-            let found = file.dataset(&format!("/{group}/stiffness")).unwrap().read_raw::<f64>().unwrap();
-            assert_eq!(found.len(), expected.len());
-            for (found, expected) in found.iter().zip(expected) {
-                assert!((found / expected - 1.0).abs() < 1e-14, "{name}: {found:e} {expected:e}");
-            }
-        }
-        assert_exit(&folder.stiction(&["validate", name]), 0);
-    }
-}
-
-/// By mean field a patch has the force F_GW(h + F/k_s), which the mean of its replicas meets within 4 standard errors
-/// (of 16 values, by chance in 1 of 1000) where the integral does not, and a repeated square that of the integral. What the file says of it is consistent, and what is not is found.
-#[test]
-fn curves_with_coupling_are_those_of_their_mean_field() {
-    let dense = |coupling: &str, history: &str| {
-        scene(&format!("\n[substrate]\ncoupling = \"{coupling}\"\n"))
-            .replace("history = \"approach\"", &format!("history = \"{history}\""))
-            .replace("from = -1.0", "from = 1.5")
-    };
-    let folder = Folder::new(&dense("patch", "loop"));
-    assert_exit(&folder.stiction(&["run", "scene.toml", "-o", "patch.h5"]), 0);
-    std::fs::write(folder.path("scene.toml"), dense("periodic", "approach")).unwrap();
-    let run = folder.stiction(&["run", "scene.toml", "-o", "periodic.h5"]);
-    assert_exit(&run, 0);
-    assert!(text(&run.stdout).contains("a repeated square keeps its mean plane"), "{}", text(&run.stdout));
-    let values = |name: &str, path: &str| {
-        unlocked::open(folder.path(name)).dataset(path).unwrap().read_raw::<f64>().unwrap()
-    };
-    let field = values("periodic.h5", "/validation/mean_field_external_force");
-    assert_eq!(field, values("periodic.h5", "/integral/external_force"));
-    for way in ["", "retraction_"] {
-        let of = |name: &str| values("patch.h5", &format!("/validation/{way}mean_field_{name}"));
-        let (x, force) = (of("separation"), of("external_force"));
-        let h = values("patch.h5", "/validation/separation");
-        let c = 4.0 / PI * ((1.0 + 2_f64.sqrt()).ln() + (1.0 - 2_f64.sqrt()) / 3.0);
-        let stiffness = 85.29e9 * 13.54e-12_f64.sqrt() / c;
-        for k in 0..h.len() {
-            assert!((x[k] - h[k] - force[k] / stiffness).abs() < 1e-9 * h[h.len() - 1]);
-        }
-        let integral = values("patch.h5", &format!("/integral/{way}external_force"));
-        assert!(x[0] > h[0] && force[0] < integral[0], "pressed together a patch gives way");
-        assert!(of("z").iter().all(|z| z.abs() < 4.0), "{way} {:?}", of("z"));
-        // Else nothing would be tested.
-        let error = of("standard_error")[0];
-        assert!((force[0] - integral[0]).abs() > 4.0 * error, "{way} {} {} {error}", force[0], integral[0]);
-    }
-    for name in ["patch.h5", "periodic.h5"] {
-        assert_exit(&folder.stiction(&["validate", name]), 0);
-        let file = unlocked::open_rw(folder.path(name));
-        for (path, said) in [
-            ("/validation/mean_field_separation", "mean_field_separation"),
-            ("/validation/mean_field_z", "mean_field_z"),
-            ("/coupling/difference_contact_area_mean", "difference_contact_area_mean"),
-        ] {
-            let dataset = file.dataset(path).unwrap();
-            let told = dataset.read_raw::<f64>().unwrap();
-            let mut changed = told.clone();
-            changed[0] *= 1.001;
-            dataset.write_raw(&changed).unwrap();
-            file.flush().unwrap();
-            let found = folder.stiction(&["validate", name]);
-            assert!(text(&found.stdout).contains(said), "{path}: {}", text(&found.stdout));
-            dataset.write_raw(&told).unwrap();
-        }
-    }
 }
 
 /// A sweep with and without coupling over two sizes has the bits of each by itself, fits together, and its names are

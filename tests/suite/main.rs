@@ -9,6 +9,7 @@ mod cli;
 mod compare;
 mod compressed;
 mod coupled;
+mod coupled_limits;
 mod ensemble;
 mod extremes;
 mod finite_size;

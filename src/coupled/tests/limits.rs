@@ -154,15 +154,15 @@ fn pairs_jump_at_their_folds() {
             let jump = &fold[name];
             let [place, before, after] = named(jump, ["separation", "approach_before", "approach_after"]);
             let force = jump["force_after"].as_f64().unwrap();
-            let mut path = steps(place + far, place + sign * BESIDE, 12);
+            let mut path = steps(place + far, place + sign * BESIDE, 60);
             path.push(place - sign * BESIDE);
             let way = Surface::pair("idmt", distance).travel(&of, has_touched, &path);
             for k in 0..2 {
                 // A root: δ goes like the root of the distance from the fold.
                 let root = (BESIDE * of.equilibrium_spacing).sqrt();
-                assert_close(way[12].interference[k], before, 3.0 * root, name);
-                assert_close(way[13].interference[k], after, 20.0 * BESIDE, name);
-                assert_close(way[13].forces[k], force, 1e-3 * force.abs(), name);
+                assert_close(way[60].interference[k], before, 3.0 * root, name);
+                assert_close(way[61].interference[k], after, 20.0 * BESIDE, name);
+                assert_close(way[61].forces[k], force, 1e-3 * force.abs(), name);
             }
         }
         // Further apart there is none.
@@ -200,7 +200,7 @@ fn the_first_order_in_the_compliance_is_its_closed_form() {
 }
 
 /// G over hard-core places has its closed form on average, and so has the first order of the total force over these and
-/// Gaussian heights, −(⟨f⟩⟨f′⟩ Σ G_ij + ⟨f f′⟩ Σ G_ii): within 4 standard errors (of 7 means, by chance in 1 of 2000).
+/// Gaussian heights, −(⟨f⟩⟨f′⟩ Σ G_ij + ⟨f f′⟩ Σ G_ii): within 4 standard errors (of 6 means, by chance in 1 of 2000).
 #[test]
 fn hard_core_places_have_the_first_order_of_their_closed_form() {
     let all = json(LIMITS);
@@ -226,7 +226,8 @@ fn hard_core_places_have_the_first_order_of_their_closed_form() {
     let (side, count, softness) = (1e-6, 30, 1e-4);
     let means = &all["hertz_means"];
     let [std] = named(means, ["std"]);
-    for row in means["separations"].as_array().unwrap() {
+    // Further apart too few touch.
+    for row in &means["separations"].as_array().unwrap()[..2] {
         let [d, force, slope, both] = named(row, ["separation", "force", "slope", "force_times_slope"]);
         let pairs = (count * (count - 1)) as f64 * force * slope * mean_of_thirty;
         let expected = -(pairs + count as f64 * both * OWN) / (PI * of.reduced_modulus * side);
@@ -244,7 +245,7 @@ fn hard_core_places_have_the_first_order_of_their_closed_form() {
             };
             (own(softness) - own(1e-9 * softness)) / softness
         };
-        let moments = Moments::of((0..80).map(draw));
+        let moments = Moments::of((0..120).map(draw));
         let error = moments.standard_error()[0];
         assert!(error < 0.3 * expected.abs(), "{error:e} {expected:e}: nothing would be tested");
         assert_close(moments.mean()[0], expected, 4.0 * error, "first order");

@@ -404,7 +404,10 @@ fn sweeps_of_held_surfaces_have_their_springs() {
     let folder = Folder::new(&made.scene);
     assert_exit(&folder.stiction(&["run", "scene.toml"]), 0);
     let file = unlocked::open(folder.path("scene.h5"));
-    assert_eq!(file.dataset("/instability/stiffness").unwrap().read_raw::<f64>().unwrap(), [300.0, 0.0]);
+    assert_eq!(
+        file.dataset("/instability/stiffness").unwrap().read_raw::<f64>().unwrap(),
+        [300.0, 0.0, 300.0, 0.0]
+    );
     assert_eq!(file.dataset("/instability/preload").unwrap().read_raw::<f64>().unwrap(), [50e-6, 5e-6]);
     drop(file);
     assert_exit(&folder.stiction(&["validate", "scene.h5"]), 0);

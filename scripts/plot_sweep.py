@@ -47,7 +47,7 @@ SIMPLE = {"m", "Pa", "N"}
 class Sweep(Result):
     """A sweep of `stiction run`."""
 
-    format, major_version, made_by = "stiction-sweep", 3, "a sweep of `stiction run`"
+    format, major_version, made_by = "stiction-sweep", 4, "a sweep of `stiction run`"
 
     def __init__(self, file: h5py.File) -> None:
         super().__init__(file)

@@ -11,6 +11,8 @@ use crate::substrate::Coupling;
 const EXTERNAL: usize = Quantity::ExternalForce as usize;
 /// Scalars of which the summary tells.
 const TOLD: [(&str, usize); 2] = [("pull-off", 0), ("stiffest secant", 2)];
+/// Relative change that is rounding.
+const UNCHANGED: f64 = 1e-9;
 /// Most separations of which the summary tells.
 const SHOWN: usize = 5;
 
@@ -26,7 +28,7 @@ pub(super) fn coupling(results: &Results) -> String {
         substrate.places.name().replace('_', "-")
     );
     let mut lines = vec![about];
-    lines.extend(TOLD.iter().filter_map(|told| of_scalar(results, coupled, *told)));
+    lines.extend(TOLD.iter().filter_map(|told| of_scalar(coupled, *told)));
     lines.extend(of_curve(results, coupled, substrate.coupling));
     lines.extend(of_mean_field(results));
     lines.extend(of_states(results, coupled));
@@ -40,21 +42,25 @@ fn within(error: f64, unit: &str) -> String {
 }
 
 /// A scalar without coupling and the paired difference; none where no replica has one.
-fn of_scalar(results: &Results, coupled: &CoupledMoments, (name, index): (&str, usize)) -> Option<String> {
+fn of_scalar(coupled: &CoupledMoments, (name, index): (&str, usize)) -> Option<String> {
     let unit = if index == 0 { "N" } else { "N/m" };
     let [independent, difference] = &coupled.groups.scalars;
     let (without, change) = (independent.mean()[index], difference.mean()[index]);
     let error = within(difference.standard_error()[index], unit);
-    if !(without > 0.0) || results.scene.replicas == 0 {
+    if !(without > 0.0) {
         return None;
     }
-    let direction = if change < 0.0 { "less" } else { "more" };
-    let share = percent((change / without).abs());
-    Some(format!(
-        "{name} {}; coupling makes it {share} {direction} ({}{error})",
-        si(without, unit),
-        si(change, unit)
-    ))
+    let share = (change / without).abs();
+    let less = if change < 0.0 { "less" } else { "more" };
+    let share = match share {
+        share if share < UNCHANGED => {
+            return Some(format!("{name} {}, unchanged by coupling", si(without, unit)));
+        }
+        share if share < 1.0 => format!("{} {less}, ", percent(share)),
+        _ => String::new(),
+    };
+    let (with, change) = (si(without + change, unit), si(change, unit));
+    Some(format!("{name} {}, with coupling {with} ({share}{change}{error})", si(without, unit)))
 }
 
 /// h* of a state, and on which way it is.
@@ -114,13 +120,17 @@ fn of_mean_field(results: &Results) -> Vec<String> {
             field.jumps.iter().take(SHOWN).map(|k| place(results, number * s + k)).collect();
         if let Some((_, way)) = jumps.first() {
             let all: Vec<&str> = jumps.iter().map(|(h_star, _)| h_star.as_str()).collect();
-            lines.push(format!("by mean field it jumps{way}, to h* = {}", all.join(", ")));
+            lines.push(format!(
+                "by mean field the surfaces jump{way}, to what they are at h* = {}",
+                all.join(", ")
+            ));
         }
     }
     if largest != 0.0 {
         let (h_star, way) = place(results, furthest);
         lines.push(format!(
-            "furthest from the mean field{way} at h* = {h_star}, by {largest:.1} standard errors"
+            "furthest from the mean field{way} at h* = {h_star}: {:.1} standard errors",
+            largest.abs()
         ));
     }
     lines

@@ -19,7 +19,7 @@ const FLATTENED: (f64, f64) = (7e6, 14e3);
 /// for a pull-off adds on each way.
 const COUPLED: (f64, f64, f64) = (8e3, 12e3, 30.0);
 /// Nanoseconds of such an asperity beside, where each has its own law.
-const COUPLED_RADII: f64 = 25e3;
+const COUPLED_RADII: f64 = 18e3;
 /// Nanoseconds of an asperity of a surface in chunks that is drawn again, twice, and looked at.
 const AGAIN: f64 = 30.0;
 /// Nanoseconds of making the law of an asperity, where each has its own, and of a solve of that law.

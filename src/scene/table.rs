@@ -420,7 +420,8 @@ pub static KEYS: &[Key] = &[
         .what("places of the asperities")
         .about(
             "`hard_core`: at random, one after the other, no two closer than `minimum_distance`. `uniform`: at random. \
-             `square`, `hexagonal`: on a lattice, which needs a number of asperities that fits.",
+             `square`, `hexagonal`: on a lattice, which needs a number of asperities that fits. Measured asperities that \
+             are taken whole have their own places, and the key is refused.",
         )
         .defaults_to("\"hard_core\""),
     key("substrate.minimum_distance", "\"0.18 um\"", Quantity(Of::Length, Positive))

@@ -102,6 +102,14 @@ impl Memory<'_> {
         }
     }
 
+    /// The interference from which the asperity flows, m; ∞ where it does not, or where what follows is not known.
+    pub fn onset(&self) -> f64 {
+        match self {
+            Self::Loop(cycle) if cycle.flows() => cycle.top(),
+            _ => f64::INFINITY,
+        }
+    }
+
     /// The segments of an asperity that has not flowed, with the number of those of one that has not touched,
     /// which come first.
     pub fn segments(&self) -> (Vec<Segment>, usize) {

@@ -1,8 +1,9 @@
 //! The asperities of a surface with the state of each, and their forces.
 
 use crate::asperity::memory::{Flowed, Memory, Segment, Source};
-use crate::asperity::{BLOCK, Method, Responses, SolverStats};
+use crate::asperity::{BLOCK, Method, Path, Responses, SolverStats};
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 /// Share of the length over which a law varies, over which its slope is taken.
 const SLOPE_STEP: f64 = 1e-6;
@@ -36,6 +37,8 @@ pub struct Rest {
     pub share: f64,
     /// P − F_s at the two ends, N.
     pub ends: [f64; 2],
+    /// The stiffness that it has in systems, N/m: the others yield to it.
+    pub stiffness: f64,
 }
 
 /// What has become of all asperities: it is all that a surface remembers.
@@ -43,8 +46,10 @@ pub struct Rest {
 pub struct States {
     /// The segment of each.
     pub segments: Vec<u8>,
-    /// Those that have flowed.
-    pub(crate) flowed: BTreeMap<u32, Flowed>,
+    /// ω_max of each, m; −∞ where it has not flowed.
+    largest: Vec<f64>,
+    /// Those that have flowed and come back from ω_max.
+    unloaded: Vec<Option<Arc<Flowed>>>,
     /// Those at rest at a jump.
     pub resting: BTreeMap<u32, Rest>,
 }
@@ -63,10 +68,10 @@ pub struct Forces {
 /// The asperities of a surface, each with the laws of its radius.
 pub struct Asperities<'a> {
     laws: Vec<RadiusLaws<'a>>,
+    /// Where the segments of each of the laws begin among all, and at last their number.
+    first: Vec<usize>,
     /// The number of the laws of each.
     of_each: Vec<u32>,
-    /// Asperities by their laws, and where those of each begin, and at last their number.
-    by_laws: (Vec<u32>, Vec<usize>),
     order: Vec<u32>,
     out: Responses,
     places: [f64; BLOCK],
@@ -77,52 +82,72 @@ pub struct Asperities<'a> {
 impl<'a> Asperities<'a> {
     /// Asperities of which each has the laws of a number.
     pub fn new(laws: Vec<RadiusLaws<'a>>, of_each: Vec<u32>) -> Self {
-        let mut order = Vec::new();
-        let starts = sorted(of_each.iter().map(|&number| number as usize), laws.len(), &mut order);
+        let mut first = vec![0];
+        laws.iter().for_each(|laws| first.push(first[first.len() - 1] + laws.segments.len()));
         let (out, places) = (Responses::default(), [0.0; BLOCK]);
-        let (by_laws, stats) = ((order, starts), SolverStats::default());
-        Self { laws, of_each, by_laws, order: Vec::new(), out, places, stats }
+        Self { laws, first, of_each, order: Vec::new(), out, places, stats: SolverStats::default() }
     }
 
-    /// The number of asperities.
-    pub fn count(&self) -> usize {
-        self.of_each.len()
+    /// The number of the laws of an asperity.
+    fn number(&self, i: usize) -> usize {
+        self.of_each[i] as usize
     }
 
-    /// The laws of an asperity.
-    pub fn laws(&self, i: usize) -> &RadiusLaws<'a> {
-        &self.laws[self.of_each[i] as usize]
+    /// The length over which the law of an asperity varies, m.
+    pub fn length(&self, i: usize) -> f64 {
+        self.laws[self.number(i)].length
     }
 
     /// The states of asperities that have not touched.
     pub fn untouched(&self) -> States {
-        States { segments: vec![0; self.count()], ..States::default() }
+        let count = self.of_each.len();
+        let (largest, unloaded) = (vec![f64::NEG_INFINITY; count], vec![None; count]);
+        States { segments: vec![0; count], largest, unloaded, resting: BTreeMap::new() }
     }
 
     /// The states of asperities at interferences, m, each of which has touched where that can be.
-    pub fn touched(&mut self, interference: &[f64]) -> States {
+    pub fn touched(&self, interference: &[f64]) -> States {
         let mut states = self.untouched();
         for (i, &delta) in interference.iter().enumerate() {
-            let laws = self.laws(i);
             let holds = |segment: &Segment| delta >= segment.lower && delta < segment.upper;
-            let all = laws.segments.iter().enumerate();
-            let last = all.filter(|(_, segment)| holds(segment)).map(|(number, _)| number).next_back();
+            let last = self.laws[self.number(i)].segments.iter().rposition(holds);
             states.segments[i] = last.unwrap_or(0) as u8;
         }
         states
     }
 
     /// All segments of an asperity.
-    pub(crate) fn segments<'b>(&'b self, states: &'b States, i: usize) -> &'b [Segment] {
-        match states.flowed.get(&(i as u32)) {
+    fn segments<'b>(&'b self, states: &'b States, i: usize) -> &'b [Segment] {
+        match &states.unloaded[i] {
             Some(flowed) => &flowed.segments,
-            None => &self.laws(i).segments,
+            None => &self.laws[self.number(i)].segments,
         }
     }
 
-    /// The segment that an asperity is in.
+    /// The segment that an asperity is in; one that has flowed leaves the law on approach at ω_max.
     pub(crate) fn segment(&self, states: &States, i: usize) -> Segment {
-        self.segments(states, i)[states.segments[i] as usize]
+        let segment = self.segments(states, i)[states.segments[i] as usize];
+        match states.unloaded[i] {
+            Some(_) => segment,
+            None => Segment { lower: segment.lower.max(states.largest[i]), ..segment },
+        }
+    }
+
+    /// The segment that follows where an asperity leaves its own, upwards or not; of one that comes back from
+    /// ω_max it is the first of its own.
+    pub(crate) fn next(&mut self, states: &mut States, i: usize, upwards: bool) -> Option<u8> {
+        let (own, largest) = (self.segment(states, i), states.largest[i]);
+        if upwards || states.unloaded[i].is_some() || own.lower > largest {
+            return own.next[usize::from(upwards)];
+        }
+        let number = self.number(i);
+        let Some(flowed) = self.laws[number].memory.flowed(largest, &mut self.stats) else {
+            return own.next[0];
+        };
+        let above = flowed.segments.iter().position(|segment| segment.source == own.source);
+        states.segments[i] = above.unwrap_or(flowed.segments.len() - 1) as u8;
+        states.unloaded[i] = Some(Arc::new(flowed));
+        self.segment(states, i).next[0]
     }
 
     /// Whether a step from one segment to another is one from which there is no way back at the same place.
@@ -137,51 +162,66 @@ impl<'a> Asperities<'a> {
     pub fn regime(&self, states: &States, i: usize) -> Option<usize> {
         let rest = states.resting.get(&(i as u32));
         let number = rest.map_or(states.segments[i], |rest| rest.segments[usize::from(rest.share >= 0.5)]);
-        let flowed = states.flowed.get(&(i as u32));
         match self.segments(states, i)[number as usize].source {
             Source::Law(_, regime) | Source::Lowered(_, regime) => Some(regime),
-            Source::Bare | Source::Unloading => flowed.map(|flowed| flowed.regime),
+            Source::Bare | Source::Unloading => states.unloaded[i].as_ref().map(|flowed| flowed.regime),
             Source::Nothing => None,
         }
     }
 
     /// Whether an asperity is one that has touched.
     pub fn has_touched(&self, states: &States, i: usize) -> bool {
-        states.flowed.contains_key(&(i as u32)) || states.segments[i] as usize >= self.laws(i).untouched
+        let untouched = self.laws[self.number(i)].untouched;
+        states.unloaded[i].is_some() || states.segments[i] as usize >= untouched
     }
 
-    /// Has asperities at interferences, m, remember how deep they were, if they have flowed.
-    pub fn remember(&mut self, states: &mut States, interference: &[f64]) {
+    /// Has asperities at interferences, m, remember how deep they were, if they flow.
+    pub fn remember(&self, states: &mut States, interference: &[f64]) {
         for (i, &delta) in interference.iter().enumerate() {
-            let segment = self.segment(states, i);
-            let Source::Law(_, _) = segment.source else { continue };
-            let known = states.flowed.get(&(i as u32)).map_or(f64::NEG_INFINITY, |flowed| flowed.largest);
-            if delta <= known || states.resting.contains_key(&(i as u32)) {
+            let laws = &self.laws[self.number(i)];
+            if !(delta > states.largest[i].max(laws.memory.onset())) {
                 continue;
             }
-            let laws = &self.laws[self.of_each[i] as usize];
-            if let Some(flowed) = laws.memory.flowed(delta, &mut self.stats) {
-                // The segment that begins there.
-                let number = flowed.segments.iter().position(|segment| segment.lower == delta);
-                let number = number.unwrap_or(flowed.segments.len() - 1);
-                states.segments[i] = number as u8;
-                states.flowed.insert(i as u32, flowed);
+            let segment = self.segment(states, i);
+            let is_virgin = matches!(segment.source, Source::Law(Path::Approach, _)) && delta < segment.upper;
+            if !is_virgin || states.resting.contains_key(&(i as u32)) {
+                continue;
+            }
+            states.largest[i] = delta;
+            if states.unloaded[i].take().is_some() {
+                let virgin = laws.segments.iter().rposition(|own| own.source == segment.source);
+                states.segments[i] = virgin.expect("it is one of the law on approach") as u8;
             }
         }
     }
 
-    /// The forces of all asperities at interferences, m; beyond the ends of its segment each has those at the
-    /// end.
-    pub fn respond(&mut self, states: &States, interference: &[f64], forces: &mut Forces) {
-        let count = self.count();
+    /// The forces at interferences, m, of the asperities `which`; beyond the ends of its segment each has those
+    /// at the end.
+    pub fn respond(&mut self, states: &States, which: &[u32], interference: &[f64], forces: &mut Forces) {
         for part in [&mut forces.adhesion, &mut forces.contact, &mut forces.area] {
-            part.resize(count, 0.0);
+            part.resize(self.of_each.len(), 0.0);
         }
-        (0..self.laws.len()).for_each(|number| self.respond_in_blocks(number, states, interference, forces));
-        for &i in states.flowed.keys() {
+        let mut order = std::mem::take(&mut self.order);
+        let alone = self.first[self.laws.len()];
+        let group = |i: u32| match states.unloaded[i as usize] {
+            Some(_) => alone,
+            None => self.first[self.of_each[i as usize] as usize] + states.segments[i as usize] as usize,
+        };
+        let starts = sorted_by(which, alone + 1, group, &mut order);
+        for laws in 0..self.laws.len() {
+            for number in 0..self.laws[laws].segments.len() {
+                let group = self.first[laws] + number;
+                let own = &order[starts[group]..starts[group + 1]];
+                if !own.is_empty() {
+                    self.respond_in_blocks((laws, number), own, interference, forces);
+                }
+            }
+        }
+        for &i in &order[starts[alone]..] {
             let i = i as usize;
             put(forces, i, self.one(states, i, states.segments[i], interference[i]));
         }
+        self.order = order;
         for (&i, rest) in &states.resting {
             let i = i as usize;
             let [low, high] = rest.segments.map(|segment| self.one(states, i, segment, rest.place));
@@ -192,8 +232,8 @@ impl<'a> Asperities<'a> {
 
     /// F_s, N, P, N, and the area, m², of one asperity in a segment of its at an interference, m.
     pub fn one(&mut self, states: &States, i: usize, segment: u8, interference: f64) -> [f64; 3] {
-        let laws = &self.laws[self.of_each[i] as usize];
-        let flowed = states.flowed.get(&(i as u32));
+        let laws = &self.laws[self.number(i)];
+        let flowed = states.unloaded[i].as_ref();
         let segment = flowed.map_or(&laws.segments, |flowed| &flowed.segments)[segment as usize];
         let delta = within(&segment, interference);
         if let Some(flowed) = flowed {
@@ -204,71 +244,41 @@ impl<'a> Asperities<'a> {
         [self.out.adhesion[0], self.out.contact[0], self.out.area[0]]
     }
 
-    /// The forces of the asperities of the laws of a number.
-    fn respond_in_blocks(&mut self, laws: usize, states: &States, interference: &[f64], forces: &mut Forces) {
-        let Self { by_laws: (all, starts), order, out, places, stats, .. } = self;
-        let all = &all[starts[laws]..starts[laws + 1]];
-        if let &[i] = all {
-            let i = i as usize;
-            return put(forces, i, self.one(states, i, states.segments[i], interference[i]));
+    /// The forces of asperities that are all in the same segment of the same laws.
+    fn respond_in_blocks(
+        &mut self,
+        (number, segment): (usize, usize),
+        which: &[u32],
+        interference: &[f64],
+        forces: &mut Forces,
+    ) {
+        let Self { laws, out, places, stats, .. } = self;
+        let RadiusLaws { memory, segments, .. } = &laws[number];
+        let segment = &segments[segment];
+        let Source::Law(path, regime) = segment.source else {
+            which.iter().for_each(|&i| put(forces, i as usize, [0.0; 3]));
+            return;
+        };
+        let law = memory.law(path);
+        if let Method::Constant(adhesion) = law.method(regime) {
+            which.iter().for_each(|&i| put(forces, i as usize, [adhesion, 0.0, 0.0]));
+            return;
         }
-        let RadiusLaws { memory, segments, .. } = &self.laws[laws];
-        let last = segments.len() - 1;
-        let own_segments = all.iter().map(|&i| (states.segments[i as usize] as usize).min(last));
-        let starts = sorted(own_segments, segments.len(), order);
-        order.iter_mut().for_each(|k| *k = all[*k as usize]);
-        for (number, segment) in segments.iter().enumerate() {
-            let own = &order[starts[number]..starts[number + 1]];
-            if own.is_empty() {
-                continue;
+        for block in which.chunks(BLOCK) {
+            for (place, &i) in places.iter_mut().zip(block) {
+                *place = within(segment, interference[i as usize]);
             }
-            let Source::Law(path, regime) = segment.source else {
-                own.iter().for_each(|&i| put(forces, i as usize, [0.0; 3]));
-                continue;
-            };
-            let law = memory.law(path);
-            if let Method::Constant(adhesion) = law.method(regime) {
-                own.iter().for_each(|&i| put(forces, i as usize, [adhesion, 0.0, 0.0]));
-                continue;
-            }
-            for block in own.chunks(BLOCK) {
-                for (place, &i) in places.iter_mut().zip(block) {
-                    *place = within(segment, interference[i as usize]);
-                }
-                law.evaluate(regime, &places[..block.len()], out, stats);
-                for (k, &i) in block.iter().enumerate() {
-                    put(forces, i as usize, [out.adhesion[k], out.contact[k], out.area[k]]);
-                }
+            law.evaluate(regime, &places[..block.len()], out, stats);
+            for (k, &i) in block.iter().enumerate() {
+                put(forces, i as usize, [out.adhesion[k], out.contact[k], out.area[k]]);
             }
         }
     }
 
-    /// Slopes of P − F_s of all asperities over their interference, N/m; 0 of those beyond the ends of their
-    /// segment. `forces` are those at the interferences, m, and `shifted` is memory.
-    pub fn slopes(
-        &mut self,
-        states: &States,
-        interference: &[f64],
-        forces: &Forces,
-        (places, shifted): (&mut Vec<f64>, &mut Forces),
-        slopes: &mut Vec<f64>,
-    ) {
-        places.clear();
-        for (i, &delta) in interference.iter().enumerate() {
-            let segment = self.segment(states, i);
-            let step = SLOPE_STEP * self.laws(i).length;
-            let step = if delta + step < segment.upper { step } else { -step };
-            places.push(delta + step);
-        }
-        self.respond(states, places, shifted);
-        slopes.resize(self.count(), 0.0);
-        for i in 0..self.count() {
-            let segment = self.segment(states, i);
-            let is_within = interference[i] >= segment.lower && interference[i] <= segment.upper;
-            let change =
-                (shifted.contact[i] - forces.contact[i]) - (shifted.adhesion[i] - forces.adhesion[i]);
-            slopes[i] = if is_within { change / (places[i] - interference[i]) } else { 0.0 };
-        }
+    /// A place next to the interference, m, of an asperity in its segment, between which a slope is taken.
+    pub fn beside(&self, states: &States, i: usize, interference: f64) -> f64 {
+        let step = SLOPE_STEP * self.length(i);
+        interference + if interference + step < self.segment(states, i).upper { step } else { -step }
     }
 }
 
@@ -292,21 +302,17 @@ fn within(segment: &Segment, interference: f64) -> f64 {
     interference.max(segment.lower.next_up()).min(segment.upper.next_down())
 }
 
-/// Sorts things by their numbers, which are below `most`, and says where those of each begin, and at last how
-/// many there are.
-fn sorted(
-    numbers: impl ExactSizeIterator<Item = usize> + Clone,
-    most: usize,
-    order: &mut Vec<u32>,
-) -> Vec<usize> {
-    let mut starts = vec![0; most + 1];
-    numbers.clone().for_each(|number| starts[number + 1] += 1);
-    (0..most).for_each(|k| starts[k + 1] += starts[k]);
-    order.resize(numbers.len(), 0);
+/// Sorts asperities by their group, and says where those of each begin, and at last their number.
+fn sorted_by(which: &[u32], groups: usize, group: impl Fn(u32) -> usize, order: &mut Vec<u32>) -> Vec<usize> {
+    let mut starts = vec![0; groups + 1];
+    which.iter().for_each(|&i| starts[group(i) + 1] += 1);
+    (0..groups).for_each(|k| starts[k + 1] += starts[k]);
+    order.resize(which.len(), 0);
     let mut next = starts.clone();
-    for (i, number) in numbers.enumerate() {
-        order[next[number]] = i as u32;
-        next[number] += 1;
+    for &i in which {
+        let place = &mut next[group(i)];
+        order[*place] = i;
+        *place += 1;
     }
     starts
 }

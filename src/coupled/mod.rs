@@ -2,9 +2,12 @@
 
 mod asperities;
 mod avalanches;
+mod half_space;
+mod passages;
 mod solver;
 #[cfg(test)]
 mod tests;
 
 pub use asperities::{Asperities, Forces, RadiusLaws, States, distinct};
-pub use solver::{Settled, Snapshot, Solver, Substrate};
+pub use half_space::HalfSpace;
+pub use solver::{Settled, Snapshot, Solver};

@@ -77,18 +77,16 @@ impl Given {
             RadiusLaws::new(memory, *length)
         });
         let compliance = 1.0 / (PI * of.reduced_modulus * self.side);
-        let substrate = Substrate::new(coupling, self.places.clone(), compliance, 1e-12);
+        let half_space = HalfSpace::new(coupling, self.places.clone(), compliance, 1e-12);
         let asperities = Asperities::new(laws.collect(), of_each);
-        let mut solver = Solver::new(asperities, substrate, &self.heights, 1e-12);
+        let mut solver = Solver::new(asperities, half_space, &self.heights, 1e-12);
         let far = self.heights.iter().copied().fold(d, f64::max) + 10e-9;
         // All touch so deep without coupling; states of few in a small square end before.
         let pulled = |k: u32| d - 0.05e-9 * f64::from(10 - k);
         let path: Vec<f64> = if is_loop { (0..=10).map(pulled).collect() } else { vec![far, d] };
         solver.begin(if is_loop { d - 20e-9 } else { far }, is_loop);
         for d in path {
-            let further = d - solver.separation();
-            let guess: Vec<f64> = solver.interference.iter().map(|delta| delta - further).collect();
-            let settled = solver.settle(d, &guess);
+            let settled = solver.settle(d);
             assert!(settled.is_converged, "{name} {coupling:?} {d:e}: {settled:?}");
         }
         let forces = &solver.forces;
@@ -182,9 +180,9 @@ impl Case {
 
     fn solver(&self, coupling: Coupling, tolerance: f64) -> Solver<'_> {
         let compliance = 1.0 / (PI * self.asperity.reduced_modulus * self.side);
-        let substrate = Substrate::new(coupling, self.places.clone(), compliance, tolerance);
+        let half_space = HalfSpace::new(coupling, self.places.clone(), compliance, tolerance);
         let laws = vec![RadiusLaws::new(Memory::Loop(Held::Shared(&self.cycle)), self.length)];
-        Solver::new(Asperities::new(laws, vec![0; self.heights.len()]), substrate, &self.heights, tolerance)
+        Solver::new(Asperities::new(laws, vec![0; self.heights.len()]), half_space, &self.heights, tolerance)
     }
 
     /// Forces, N, at separations h* one after the other, and how each was reached.
@@ -194,9 +192,7 @@ impl Case {
             if solver.separation().is_infinite() {
                 solver.begin(d, false);
             }
-            let further = d - solver.separation();
-            let guess: Vec<f64> = solver.interference.iter().map(|delta| delta - further).collect();
-            let settled = solver.settle(d, &guess);
+            let settled = solver.settle(d);
             (solver.external_force(), settled)
         };
         h_star.map(go).collect()
@@ -264,27 +260,5 @@ fn a_repeated_square_may_be_moved_and_mirrored() {
     let mirrored = case.places.iter().map(|[x, y]| [1.0 - x - f64::EPSILON, *y]);
     for places in [moved.collect(), mirrored.collect()] {
         assert!((force(places) / first - 1.0).abs() < 1e-9);
-    }
-}
-
-/// Speed and steps of the three cases at their full size: run by hand with --nocapture.
-#[test]
-#[ignore = "slow: full cases, to look at"]
-fn full_cases() {
-    for (number, count) in [(1, 8510), (2, 7390), (3, 9870)] {
-        for coupling in [Coupling::Periodic, Coupling::Patch] {
-            let case = Case::new(number, count, "hybrid");
-            let mut solver = case.solver(coupling, 1e-9);
-            let time = std::time::Instant::now();
-            let curve = case.curve(&mut solver, (0..147).map(|k| 8.0 - 0.05 * f64::from(k)));
-            let unsettled = curve.iter().filter(|(_, settled)| !settled.is_converged).count();
-            let steps: usize = curve.iter().map(|(_, settled)| settled.steps).sum();
-            let sums = [0, 1].map(|k| curve.iter().map(|(_, settled)| settled.sums[k]).sum::<usize>());
-            let least = curve.iter().map(|(force, _)| *force).fold(f64::INFINITY, f64::min);
-            println!(
-                "case {number} {coupling:?}: {:.2} s, {steps} steps, sums {sums:?}, {unsettled} unsettled, pull-off {least:e}",
-                time.elapsed().as_secs_f64()
-            );
-        }
     }
 }

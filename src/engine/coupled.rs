@@ -9,7 +9,7 @@ use super::summed::Summed;
 use super::sums::RegimeSums;
 use crate::asperity::memory::{Held, Memory};
 use crate::asperity::{Path, Quantity, SolverStats, SurfaceLoops};
-use crate::coupled::{Asperities, RadiusLaws, Settled, Snapshot, Solver, distinct};
+use crate::coupled::{Asperities, HalfSpace, RadiusLaws, Settled, Snapshot, Solver, distinct};
 use crate::math::extrema::{Extremum, largest_secant};
 use crate::substrate::Coupling;
 use crate::surface::Places;
@@ -44,8 +44,6 @@ pub struct Substrate<'a> {
 struct CoupledSurface<'a> {
     job: &'a Job<'a>,
     solver: Solver<'a>,
-    /// The interferences before the last step, m, and d, m, there and now.
-    last: Option<(Vec<f64>, [f64; 2])>,
     /// How the last separation was reached.
     settled: Settled,
     regimes: Vec<RegimeSums>,
@@ -96,7 +94,7 @@ pub(super) fn couple(
     let laws = different.iter().map(|radius| laws_of((job, substrate), *radius)).collect();
     let solver = Solver::new(
         Asperities::new(laws, numbers),
-        crate::coupled::Substrate::new(substrate.coupling, places, compliance, substrate.tolerance),
+        HalfSpace::new(substrate.coupling, places, compliance, substrate.tolerance),
         &heights,
         substrate.tolerance,
     );
@@ -104,7 +102,6 @@ pub(super) fn couple(
     let mut surface = CoupledSurface {
         job,
         solver,
-        last: None,
         settled: Settled::default(),
         regimes: vec![RegimeSums::default(); r],
         highest,
@@ -246,24 +243,8 @@ impl CoupledSurface<'_> {
     /// Goes to a separation h, m; the external force there, N.
     fn go(&mut self, h: f64) -> f64 {
         let d = self.job.surface.asperity_separation(h);
-        let now = self.solver.interference.clone();
-        let from = self.solver.separation();
-        let guess: Vec<f64> = match &self.last {
-            Some((before, at)) if at[1] == from && at[0] != from => {
-                let share = (d - from) / (from - at[0]);
-                now.iter().zip(before).map(|(now, before)| now + share * (now - before)).collect()
-            }
-            _ => now.iter().map(|delta| delta - (d - from)).collect(),
-        };
-        self.settled = self.solver.settle(d, &guess);
-        self.last = (!self.settled.has_fallen).then_some((now, [from, d]));
+        self.settled = self.solver.settle(d);
         self.solver.external_force()
-    }
-
-    /// Goes back to a state.
-    fn restore(&mut self, snapshot: &Snapshot) {
-        self.solver.restore(snapshot);
-        self.last = None;
     }
 
     /// Hands the present state over as one of the curves.
@@ -301,7 +282,7 @@ impl CoupledSurface<'_> {
             let mut ends = (samples[at - 1].0, samples[at + 1].0);
             let mut from = before.clone();
             for _ in 0..ZOOM.1 {
-                self.restore(&from);
+                self.solver.restore(&from);
                 let place = |j: usize| ends.0 + (ends.1 - ends.0) * j as f64 / ZOOM.0 as f64;
                 let mut found = None;
                 for j in 1..ZOOM.0 {
@@ -337,7 +318,7 @@ impl Summed for CoupledSurface<'_> {
         // The approach was taken from far away.
         let passed = self.job.separations.iter().filter(|h| **h >= from).count();
         let state = self.approach[passed.max(1) - 1].clone();
-        self.restore(&state);
+        self.solver.restore(&state);
         self.go(from);
         self.turn = Some(self.solver.snapshot());
         separations.iter().map(|h| self.go(*h)).collect()
@@ -349,7 +330,7 @@ impl Summed for CoupledSurface<'_> {
             return self.zoom(samples, &before);
         }
         let turn = self.turn.clone().expect("the surface has been pulled back from there");
-        self.restore(&turn);
+        self.solver.restore(&turn);
         let smallest = samples.iter().fold(f64::INFINITY, |least: f64, sample| least.min(sample.1));
         let mut before = turn;
         for (h, force) in samples {

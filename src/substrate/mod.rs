@@ -35,6 +35,16 @@ impl Coupling {
     /// Both with their names.
     pub const ALL: [(&'static str, Self); 2] = [("periodic", Self::Periodic), ("patch", Self::Patch)];
 
+    /// The square of the distance of two points, in sides; of a repeated square that of their nearest copies.
+    pub fn square(self, a: [f64; 2], b: [f64; 2]) -> f64 {
+        let apart = |k: usize| {
+            let apart: f64 = a[k] - b[k];
+            if self == Self::Periodic { apart - apart.round() } else { apart }
+        };
+        let [x, y] = std::array::from_fn(apart);
+        x * x + y * y
+    }
+
     /// The name in scenes and files.
     pub fn name(self) -> &'static str {
         Self::ALL.iter().find(|(_, coupling)| *coupling == self).expect("every coupling is in ALL").0

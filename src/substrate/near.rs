@@ -42,6 +42,24 @@ impl Cells {
         at(columns.start)..at(columns.end)
     }
 
+    /// All points, in their order, of the cell of a place and the rings around it; of few cells some come twice.
+    pub fn around(&self, coupling: Coupling, place: [f64; 2]) -> impl Iterator<Item = u32> {
+        let (count, rings) = (self.count as isize, RINGS as isize);
+        let [column, row] = place.map(|x| (x * self.count as f64) as isize);
+        let of = move |row: isize, column: isize| {
+            let is_there = |i: isize| coupling == Coupling::Periodic || (0..count).contains(&i);
+            let wrap = |i: isize| i.rem_euclid(count) as usize;
+            if is_there(row) && is_there(column) {
+                self.points(wrap(row), wrap(column)..wrap(column) + 1)
+            } else {
+                0..0
+            }
+        };
+        let rows = row - rings..=row + rings;
+        rows.flat_map(move |row| (column - rings..=column + rings).flat_map(move |column| of(row, column)))
+            .map(|place| self.order[place])
+    }
+
     /// Ranges of points in the cells after a cell among its neighbours: each pair of cells is met once.
     fn after(&self, coupling: Coupling, (column, row): (usize, usize)) -> Vec<Range<usize>> {
         let (count, rings) = (self.count as isize, RINGS as isize);
@@ -86,10 +104,6 @@ impl Near {
     /// their cells.
     pub fn new(coupling: Coupling, cells: &Cells, points: &[[f64; 2]], kernel: impl Fn(f64) -> f64) -> Self {
         let (mut ranges, mut starts, mut values) = (Vec::new(), vec![0], Vec::new());
-        let apart = |a: f64, b: f64| {
-            let apart = a - b;
-            if coupling == Coupling::Periodic { apart - apart.round() } else { apart }
-        };
         for row in 0..cells.count {
             for column in 0..cells.count {
                 let after = cells.after(coupling, (column, row));
@@ -99,10 +113,7 @@ impl Near {
                         if range.is_empty() {
                             continue;
                         }
-                        let influence = |point: &[f64; 2]| {
-                            let [x, y] = std::array::from_fn(|k| apart(points[i][k], point[k]));
-                            kernel(x * x + y * y)
-                        };
+                        let influence = |point: &[f64; 2]| kernel(coupling.square(points[i], *point));
                         values.extend(points[range.clone()].iter().map(influence));
                         ranges.push(range.start as u32..range.end as u32);
                     }

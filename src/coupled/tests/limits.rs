@@ -60,15 +60,13 @@ impl Surface<'_> {
             _ => Memory::None(Held::Shared(law.as_ref())),
         };
         let compliance = self.softness / (PI * of.reduced_modulus * self.side);
-        let substrate = Substrate::new(self.coupling, self.places.clone(), compliance, 1e-13);
+        let half_space = HalfSpace::new(self.coupling, self.places.clone(), compliance, 1e-13);
         let laws = vec![RadiusLaws::new(memory, parameters.scale.length)];
         let asperities = Asperities::new(laws, vec![0; self.heights.len()]);
-        let mut solver = Solver::new(asperities, substrate, &self.heights, 1e-13);
+        let mut solver = Solver::new(asperities, half_space, &self.heights, 1e-13);
         solver.begin(path[0], has_touched);
         let go = |&d: &f64| {
-            let further = d - solver.separation();
-            let guess: Vec<f64> = solver.interference.iter().map(|delta| delta - further).collect();
-            let settled = solver.settle(d, &guess);
+            let settled = solver.settle(d);
             assert!(settled.is_converged, "{} {:?} {d:e}: {settled:?}", self.law, self.coupling);
             let forces = solver.forces.contact.iter().zip(&solver.forces.adhesion);
             State {

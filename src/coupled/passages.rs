@@ -1,0 +1,176 @@
+//! Asperities that pass from one segment of their law into the next.
+//!
+//! A passage without way back is kept only if the asperity is beyond the end in the state that it led to; else
+//! another passage has relieved it. An asperity that its own change of force would drive back over a jump of its
+//! law comes to rest there, at a force between the two: at a jump to more attraction where the others are stiff
+//! and give way to its force, at one to less where they are attracted.
+
+use super::asperities::Rest;
+use super::avalanches::Event;
+use super::solver::Solver;
+use std::collections::BTreeMap;
+
+/// Most passages of one asperity at one separation: several at jumps of opposite kinds can drive each other back
+/// and forth, and one of them then keeps its force at the end of its segment.
+const PASSAGES: u8 = 10;
+/// Passages after which all asperities that went to and fro come to rest together.
+const RETURNS: u8 = 3;
+/// Share of the length of the law by which an asperity that has passed may lie short of the end.
+const SHORT: f64 = 1e-9;
+
+/// A passage of an asperity from a segment without way back, at δ, m, upwards or not.
+#[derive(Clone, Copy, Debug)]
+struct Passage {
+    asperity: usize,
+    from: u8,
+    end: f64,
+    upwards: bool,
+}
+
+/// The passages at a separation.
+#[derive(Debug, Default)]
+pub struct Passages {
+    /// How many each asperity made.
+    counts: Vec<u8>,
+    /// How many may pass no more.
+    pub frozen: usize,
+    /// The jumps that asperities passed last.
+    jumps: BTreeMap<u32, Rest>,
+    /// Whether one has gone to and fro too often.
+    is_knot: bool,
+    /// Those without way back.
+    made: Vec<Passage>,
+    /// Those that are part of avalanches.
+    pub events: Vec<Event>,
+    /// Whether the surfaces have just been moved.
+    pub is_moved: bool,
+    /// Whether a state has been close to a stable one.
+    pub is_close: bool,
+}
+
+impl Passages {
+    /// Counts anew the passages of so many asperities.
+    pub fn begin(&mut self, count: usize, is_close: bool) {
+        self.counts.clear();
+        self.counts.resize(count, 0);
+        self.made.clear();
+        self.jumps.clear();
+        self.is_close = is_close;
+    }
+
+    /// Counts anew from a state that is close to a stable one.
+    pub fn come_close(&mut self) {
+        self.counts.fill(0);
+        self.jumps.clear();
+        self.is_close = true;
+    }
+
+    /// Whether there were any without way back.
+    pub fn have_lasting(&self) -> bool {
+        !self.made.is_empty()
+    }
+
+    /// Counts that an asperity has left its rest at a jump.
+    pub fn left(&mut self, i: usize) {
+        self.counts[i] = self.counts[i].saturating_add(1);
+    }
+}
+
+impl Solver<'_> {
+    /// Has asperities that are more than `room`, m, beyond the ends of their segments pass, and says how many
+    /// did.
+    pub(super) fn pass(&mut self, room: f64) -> usize {
+        let mut count = 0;
+        self.passages.frozen = 0;
+        // The motion of the surfaces is enough for the first that pass.
+        let is_trigger = self.passages.is_moved || self.passages.events.is_empty();
+        for i in 0..self.interference.len() {
+            let (own, delta) = (self.asperities.segment(&self.states, i), self.interference[i]);
+            let is_within = delta >= own.lower - room && delta < own.upper + room;
+            if !is_within && !self.states.resting.contains_key(&(i as u32)) {
+                count += usize::from(self.pass_one(i, delta, is_trigger));
+            }
+        }
+        if std::mem::take(&mut self.passages.is_knot) {
+            self.rest_together();
+        }
+        self.states.resting.iter().for_each(|(&i, rest)| self.interference[i as usize] = rest.place);
+        count
+    }
+
+    /// Has all asperities that went to and fro over jumps come to rest at them: several can drive each other.
+    fn rest_together(&mut self) {
+        let Self { states, passages, .. } = self;
+        for (&i, rest) in &passages.jumps {
+            if passages.counts[i as usize] > 1 {
+                states.segments[i as usize] = rest.segments[0];
+                states.resting.entry(i).or_insert(Rest { share: 0.5, ..*rest });
+            }
+        }
+    }
+
+    /// Has an asperity at δ, m, beyond an end of its segment pass, if it may; whether it did.
+    fn pass_one(&mut self, i: usize, delta: f64, is_trigger: bool) -> bool {
+        let Self { asperities, half_space, states, slopes, passages, mean_slope, .. } = self;
+        let upwards = delta >= asperities.segment(states, i).upper;
+        if passages.counts[i] >= PASSAGES {
+            passages.frozen += 1;
+            return false;
+        }
+        let Some(to) = asperities.next(states, i, upwards) else { return false };
+        let (own, from) = (asperities.segment(states, i), states.segments[i]);
+        let is_hysteretic = asperities.is_hysteretic(states, i, [from, to]);
+        // Without way back only where the others are known.
+        if is_hysteretic && !passages.is_close {
+            return false;
+        }
+        let place = if upwards { own.upper } else { own.lower };
+        let segments = if upwards { [from, to] } else { [to, from] };
+        let ends = segments.map(|segment| {
+            let [adhesion, contact, _] = asperities.one(states, i, segment, place);
+            contact - adhesion
+        });
+        let jump = ends[1] - ends[0];
+        if !is_hysteretic && jump != 0.0 {
+            let yielding = half_space.yielding(i, slopes, *mean_slope);
+            let share = if upwards { 0.0 } else { 1.0 };
+            let rest = Rest { place, segments, share, ends, stiffness: 1.0 / yielding };
+            if jump * yielding > (delta - place).abs() {
+                states.resting.insert(i as u32, rest);
+                return true;
+            }
+            passages.jumps.insert(i as u32, rest);
+            passages.is_knot |= passages.is_close && passages.counts[i] >= RETURNS;
+        }
+        passages.counts[i] += 1;
+        states.segments[i] = to;
+        if is_hysteretic {
+            passages.made.push(Passage { asperity: i, from, end: place, upwards });
+        }
+        if is_hysteretic || jump < 0.0 {
+            passages.events.push(Event { asperity: i as u32, is_trigger });
+        }
+        true
+    }
+
+    /// Undoes passages without way back that others have relieved; how many.
+    pub(super) fn undo(&mut self) -> usize {
+        let Self { asperities, states, interference, passages, .. } = self;
+        let mut undone = 0;
+        let Passages { made, counts, .. } = passages;
+        made.retain(|passage| {
+            let i = passage.asperity;
+            let (room, delta) = (SHORT * asperities.length(i), interference[i]);
+            let is_beyond =
+                if passage.upwards { delta >= passage.end - room } else { delta < passage.end + room };
+            if is_beyond || counts[i] >= PASSAGES || states.resting.contains_key(&(i as u32)) {
+                return true;
+            }
+            states.segments[i] = passage.from;
+            counts[i] += 1;
+            undone += 1;
+            false
+        });
+        undone
+    }
+}

@@ -51,6 +51,9 @@ const FAR: f64 = 1.0;
 /// progress after which it has ended: asperities at jumps keep on going to and fro.
 const FALL: (f64, usize, f64, [usize; 3]) = (0.3, 1000, 0.5, [6, 12, 24]);
 
+/// Change of the force in a step, over the sum of loads, of a surface that does not fall.
+const STILL: f64 = 1e-3;
+
 /// How a separation was reached.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Settled {
@@ -455,7 +458,7 @@ impl Solver<'_> {
     /// progress.
     fn fall(&mut self, d: f64, most_idle: usize) {
         let length = (0..self.heights.len()).map(|i| self.asperities.length(i)).fold(f64::MAX, f64::min);
-        let (mut time, mut least, mut idle): (f64, f64, usize) = (FALL.2, f64::INFINITY, 0);
+        let (mut time, mut last, mut idle) = (FALL.2, f64::NAN, 0);
         for _ in 0..FALL.1 {
             self.passages.begin(self.heights.len(), true);
             self.pass(0.0);
@@ -463,9 +466,10 @@ impl Solver<'_> {
             // What would come to rest at a jump goes to and fro.
             self.states.resting.clear();
             self.evaluate(d);
-            let norm = largest_magnitude(&self.residual);
-            idle = if norm < 0.9 * least || self.passages.have_lasting() { 0 } else { idle + 1 };
-            least = norm.min(if idle == 0 { f64::INFINITY } else { least });
+            let force = self.external_force();
+            let is_still = (force - last).abs() <= STILL * self.external.iter().map(|f| f.abs()).sum::<f64>();
+            idle = if is_still && !self.passages.have_lasting() { idle + 1 } else { 0 };
+            last = force;
             let rate = loop {
                 let rate = self.system(1.0 / time, SYSTEM.0[0]);
                 if !(rate < 0.0) || -2.0 * rate * time < 1.0 {

@@ -356,6 +356,7 @@ fn is_of_coupled(variable: &Variable) -> bool {
         "/replicas/independent_",
         "/replicas/unsettled_count",
         "/replicas/largest_avalanche",
+        "/replicas/avalanche_size_count",
     ];
     of_coupled.iter().any(|begin| variable.path.starts_with(begin))
 }

@@ -26,6 +26,28 @@ impl Checked<'_> {
         self.mean_field(way)
     }
 
+    /// Avalanches by their size are those of all replicas, and of all steps.
+    pub fn avalanches(&mut self) -> Result<(), OutputError> {
+        const PATH: &str = "/coupling/avalanche_size_count";
+        if !self.has(PATH) {
+            return Ok(());
+        }
+        let found = self.values(PATH)?;
+        let mut expected = vec![0.0; found.len()];
+        for own in self.values("/replicas/avalanche_size_count")?.chunks_exact(found.len().max(1)) {
+            expected.iter_mut().zip(own).for_each(|(sum, count)| *sum += count);
+        }
+        self.compare(PATH, &found, &expected, |_| 0.0, "the replicas");
+        let mut of_steps = 0.0;
+        for way in self.ways()? {
+            let mean = self.values(&format!("/coupling/{way}avalanche_count_mean"))?;
+            of_steps += mean.iter().sum::<f64>() * self.replicas as f64;
+        }
+        let total = found.iter().sum::<f64>();
+        self.compare(PATH, &[total], &[of_steps], |_| ROUNDING * (1.0 + of_steps), "all steps together");
+        Ok(())
+    }
+
     fn mean_field(&mut self, way: &str) -> Result<(), OutputError> {
         let path = |name: &str| format!("/validation/{way}mean_field_{name}");
         if !self.has(&path("z")) {

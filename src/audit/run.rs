@@ -54,6 +54,7 @@ impl Checked<'_> {
             self.coupling(way)?;
             self.plausible(way)?;
         }
+        self.avalanches()?;
         self.counts(cycle)?;
         self.scalars(cycle)?;
         self.targets()?;

@@ -14,13 +14,27 @@ pub struct Event {
     pub is_trigger: bool,
 }
 
-/// The number of avalanches of events in their order, and asperities in the largest. `is_lasting` tells whether
+/// Classes of avalanches by their size: the class k has those of 2^k to 2^(k+1) − 1 asperities.
+pub const CLASSES: usize = 21;
+
+/// Avalanches of one step.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Avalanches {
+    /// How many there are.
+    pub count: usize,
+    /// Asperities in the largest of them.
+    pub largest: usize,
+    /// How many there are in each class.
+    pub of_class: [u32; CLASSES],
+}
+
+/// The avalanches of events in their order. `is_lasting` tells whether
 /// an asperity has not gone back; `distance` is that of two asperities, in any unit.
 pub fn avalanches(
     events: &[Event],
     is_lasting: impl Fn(u32) -> bool,
     distance: impl Fn(u32, u32) -> f64,
-) -> (usize, usize) {
+) -> Avalanches {
     let mut roots: BTreeMap<u32, u32> = BTreeMap::new();
     let mut earlier: Vec<u32> = Vec::new();
     for event in events.iter().filter(|event| is_lasting(event.asperity)) {
@@ -38,7 +52,13 @@ pub fn avalanches(
     }
     let mut sizes: BTreeMap<u32, usize> = BTreeMap::new();
     roots.values().for_each(|root| *sizes.entry(*root).or_default() += 1);
-    (sizes.len(), sizes.values().copied().max().unwrap_or(0))
+    let mut all = Avalanches::default();
+    for &size in sizes.values() {
+        all.count += 1;
+        all.largest = all.largest.max(size);
+        all.of_class[(size.ilog2() as usize).min(CLASSES - 1)] += 1;
+    }
+    all
 }
 
 #[cfg(test)]
@@ -60,7 +80,9 @@ mod tests {
             event(13, false),
             event(12, false),
         ];
-        assert_eq!(avalanches(&events, |i| i != 30, distance), (2, 4));
-        assert_eq!(avalanches(&[], |_| true, distance), (0, 0));
+        let Avalanches { count, largest, of_class } = avalanches(&events, |i| i != 30, distance);
+        // One of 4 asperities and one of 2.
+        assert_eq!((count, largest, &of_class[..4]), (2, 4, &[0, 1, 1, 0][..]));
+        assert_eq!(avalanches(&[], |_| true, distance), Avalanches::default());
     }
 }

@@ -9,5 +9,6 @@ mod solver;
 mod tests;
 
 pub use asperities::{Asperities, Forces, RadiusLaws, States, distinct};
+pub use avalanches::{Avalanches, CLASSES};
 pub use half_space::HalfSpace;
 pub use solver::{Settled, Snapshot, Solver};

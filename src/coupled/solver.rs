@@ -15,7 +15,7 @@
 //! SIAM J. Numer. Anal. 35 (1998) 508).
 
 use super::asperities::{Asperities, Forces, States};
-use super::avalanches::avalanches;
+use super::avalanches::{Avalanches, avalanches};
 use super::half_space::HalfSpace;
 use super::passages::Passages;
 use crate::asperity::SolverStats;
@@ -60,9 +60,7 @@ pub struct Settled {
     /// Whether the state is stable, to the tolerance.
     pub is_converged: bool,
     /// Avalanches: passages that no other set off, with all that they set off.
-    pub avalanches: usize,
-    /// Asperities in the largest of them.
-    pub largest_avalanche: usize,
+    pub avalanches: Avalanches,
 }
 
 /// A state of a surface.
@@ -234,8 +232,7 @@ impl<'a> Solver<'a> {
         self.asperities.remember(&mut self.states, &self.interference);
         let changed = |i: u32| self.states.segments[i as usize] != before.states.segments[i as usize];
         let distance = |a: u32, b: u32| self.half_space.square(a as usize, b as usize);
-        let (avalanches, largest_avalanche) = avalanches(&self.passages.events, changed, distance);
-        Settled { is_converged, avalanches, largest_avalanche }
+        Settled { is_converged, avalanches: avalanches(&self.passages.events, changed, distance) }
     }
 
     /// Falls from a stable state to the separation d, m; whether it came to another one.

@@ -128,6 +128,7 @@ pub(super) fn couple(
         unsettled: total(&coupled.unsettled),
         largest_avalanche: coupled.largest_avalanche.iter().fold(0.0, |most: f64, size| most.max(*size))
             as u64,
+        avalanche_sizes: coupled.avalanche_sizes,
         asperities: surface.told.map(|told| told.states),
     }));
     if let Some(cycle) = &mut kept.cycle {
@@ -266,8 +267,11 @@ impl CoupledSurface<'_> {
             let is_contact = |regime: usize| self.job.laws.regimes()[regime].is_contact();
             states.states.push(AsperityState::of(&self.solver, state, is_contact, order));
         }
-        coupled.avalanche_count[state] = self.settled.avalanches as f64;
-        coupled.largest_avalanche[state] = self.settled.largest_avalanche as f64;
+        let avalanches = &self.settled.avalanches;
+        coupled.avalanche_count[state] = avalanches.count as f64;
+        coupled.largest_avalanche[state] = avalanches.largest as f64;
+        let sizes = coupled.avalanche_sizes.iter_mut().zip(avalanches.of_class);
+        sizes.for_each(|(sum, count)| *sum += u64::from(count));
         coupled.unsettled[state] = f64::from(u8::from(!self.settled.is_converged));
     }
 

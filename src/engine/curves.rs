@@ -1,6 +1,8 @@
 //! Sums over the asperities of a surface, by state: the separations, and of a loop the separations of the
 //! retraction behind these.
 
+use crate::coupled::CLASSES;
+
 /// Curves of one surface over S states and R regimes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curves {
@@ -30,6 +32,8 @@ pub struct CoupledCurves {
     pub largest_avalanche: Vec<f64>,
     /// 1 where no stable state was found, else 0.
     pub unsettled: Vec<f64>,
+    /// Avalanches of all steps by their size: of 2^k to 2^(k+1) − 1 asperities.
+    pub avalanche_sizes: [u64; CLASSES],
 }
 
 impl CoupledCurves {
@@ -37,7 +41,13 @@ impl CoupledCurves {
     pub(super) fn new(independent: &Curves) -> Self {
         let states = independent.total[0].len();
         let [avalanche_count, largest_avalanche, unsettled] = std::array::from_fn(|_| vec![0.0; states]);
-        Self { independent: independent.total.clone(), avalanche_count, largest_avalanche, unsettled }
+        Self {
+            independent: independent.total.clone(),
+            avalanche_count,
+            largest_avalanche,
+            unsettled,
+            avalanche_sizes: [0; CLASSES],
+        }
     }
 }
 

@@ -15,6 +15,7 @@ use super::sampling::{Draws, is_divided};
 use super::summed::Summed;
 use super::sums::{RegimeSums, State, Sums};
 use crate::asperity::{Quantity, SolverStats};
+use crate::coupled::CLASSES;
 use crate::math::extrema::Extremum;
 use crate::surface::CHUNK_ASPERITIES;
 use serde::{Deserialize, Serialize};
@@ -69,6 +70,8 @@ pub struct CoupledReplica {
     pub unsettled: u64,
     /// Asperities in the largest avalanche.
     pub largest_avalanche: u64,
+    /// Avalanches by their size: of 2^k to 2^(k+1) − 1 asperities.
+    pub avalanche_sizes: [u64; CLASSES],
     /// The asperities one by one, of the first replica where that is asked for.
     pub asperities: Option<Box<AsperityStates>>,
 }

@@ -3,9 +3,11 @@
 use super::integral::{Integral, RESOLVING};
 use super::results::Results;
 use crate::asperity::{Laws, Loop, Path, Quantity};
+use crate::coupled::CLASSES;
 use crate::engine::{CoupledMoments, CoupledReplica, Replica, scalars};
 use crate::integral::{Expectations, MeanField, Model, substrate_stiffness};
 use crate::output::OutputError;
+use crate::output::schema::Dimension;
 use crate::output::writer::Writer;
 use crate::scene::Scene;
 use crate::substrate::Coupling;
@@ -79,11 +81,13 @@ pub(crate) fn write_mean_fields(writer: &Writer<'_>, results: &Results) -> Resul
 
 /// Writes the curves without coupling, the differences that it makes, and avalanches; nothing where asperities are
 /// independent.
-pub(crate) fn write_coupling(writer: &Writer<'_>, results: &Results) -> Result<(), OutputError> {
+pub(crate) fn write_coupling(writer: &mut Writer<'_>, results: &Results) -> Result<(), OutputError> {
     let (Some(substrate), Some(coupled)) = (&results.scene.substrate, &results.ensemble.coupled) else {
         return Ok(());
     };
     writer.group("coupling")?;
+    let smallest: Vec<f64> = (0..CLASSES).map(|class| f64::from(1_u32 << class)).collect();
+    writer.scale(Dimension::AvalancheSize, &smallest);
     writer.text("/coupling", "coupling", substrate.coupling.name())?;
     writer.text("/coupling", "positions", substrate.places.name())?;
     if let Some(distance) = substrate.places.minimum_distance() {
@@ -97,7 +101,13 @@ pub(crate) fn write_coupling(writer: &Writer<'_>, results: &Results) -> Result<(
     let counts =
         |count: fn(&CoupledReplica) -> u64| replicas.iter().map(|own| of(own, count)).collect::<Vec<u64>>();
     writer.dataset("/replicas/unsettled_count", &counts(|replica| replica.unsettled))?;
-    writer.dataset("/replicas/largest_avalanche", &counts(|replica| replica.largest_avalanche))
+    writer.dataset("/replicas/largest_avalanche", &counts(|replica| replica.largest_avalanche))?;
+    let none = [0; CLASSES];
+    let sizes = replicas.iter().map(|own| own.coupled.as_deref().map_or(&none, |own| &own.avalanche_sizes));
+    let mut total = none;
+    sizes.clone().for_each(|sizes| total.iter_mut().zip(sizes).for_each(|(sum, count)| *sum += count));
+    writer.dataset("/coupling/avalanche_size_count", &total)?;
+    writer.dataset("/replicas/avalanche_size_count", &sizes.flatten().copied().collect::<Vec<u64>>())
 }
 
 fn write_curves(writer: &Writer<'_>, results: &Results, coupled: &CoupledMoments) -> Result<(), OutputError> {

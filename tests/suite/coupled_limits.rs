@@ -152,3 +152,39 @@ fn places_have_a_stream_of_their_own() {
         assert_eq!(shared(other), 0, "{other:?}");
     }
 }
+
+/// Avalanches by their size: as many as on all steps, and the largest of each replica is in the highest class that has any.
+#[test]
+fn avalanches_are_counted_by_their_size() {
+    let more = "\n[substrate]\ncoupling = \"patch\"\n";
+    let text_of = scene(more)
+        .replace("nominal_area = \"13.54 um^2\"", "nominal_area = \"6.77 um^2\"")
+        .replace("history = \"approach\"", "history = \"loop\"")
+        .replace("from = -1.0, to = 8.0", "from = 2.0, to = 5.0");
+    let folder = Folder::new(&text_of);
+    assert_exit(&folder.stiction(&["run", "scene.toml"]), 0);
+    let file = unlocked::open(folder.path("scene.h5"));
+    let read = |name: &str| file.dataset(name).unwrap().read_raw::<u64>().unwrap();
+    let smallest = file.dataset("/coupling/avalanche_size").unwrap().read_raw::<f64>().unwrap();
+    assert!(smallest.windows(2).all(|pair| pair[1] == 2.0 * pair[0]) && smallest[0] == 1.0);
+    let of_replicas = read("/replicas/avalanche_size_count");
+    let mut total = 0;
+    for (sizes, largest) in of_replicas.chunks_exact(smallest.len()).zip(read("/replicas/largest_avalanche"))
+    {
+        let highest = sizes.iter().rposition(|count| *count > 0);
+        let class = highest.map_or(0.0, |class| smallest[class]);
+        assert!(
+            class <= largest as f64 && (largest == 0 || (largest as f64) < 2.0 * class),
+            "{sizes:?} {largest}"
+        );
+        total += sizes.iter().sum::<u64>();
+    }
+    let mean = |way: &str| -> f64 {
+        let name = format!("/coupling/{way}avalanche_count_mean");
+        file.dataset(&name).unwrap().read_raw::<f64>().unwrap().iter().sum()
+    };
+    let of_steps = 16.0 * (mean("") + mean("retraction_"));
+    assert!(total > 16 && (of_steps - total as f64).abs() < 1e-9 * of_steps, "{total} {of_steps}");
+    assert_eq!(read("/coupling/avalanche_size_count").iter().sum::<u64>(), total);
+    assert_exit(&folder.stiction(&["validate", "scene.h5"]), 0);
+}

@@ -127,7 +127,7 @@ fn neighbours_shift_the_pull_off_and_do_not_change_it() {
         let path = [steps(-2e-9, place, 20), vec![place + 2e-12, place + 4e-12]].concat();
         let way = Surface::pair("jkr", distance).travel(&of, true, &path);
         for state in &way {
-            assert!(state.settled.avalanches == 0, "{:?}", state.settled);
+            assert!(state.settled.avalanches.count == 0, "{:?}", state.settled);
             assert!(state.forces.iter().all(|force| *force >= -single * (1.0 + 1e-13)), "{:?}", state.forces);
         }
         for (force, delta) in way[20].forces.iter().zip(&way[20].interference) {

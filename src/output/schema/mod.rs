@@ -122,6 +122,8 @@ pub enum Dimension {
     ControlIndex,
     /// Stiffnesses, by index: that of the half-space under a patch is one of every point.
     StiffnessIndex,
+    /// Sizes of avalanches, by the smallest of a class.
+    AvalancheSize,
     /// Targets at which a run ends.
     Target,
     /// Asperities of a surface.
@@ -170,6 +172,9 @@ impl Dimension {
             Self::SeparationIndex => ("separation_index", "1", "index of the separation"),
             Self::ControlIndex => ("control_index", "1", "index of the control variate"),
             Self::StiffnessIndex => ("stiffness_index", "1", "index of the stiffness"),
+            Self::AvalancheSize => {
+                ("avalanche_size", "1", "asperities in an avalanche at least, and fewer than twice as many")
+            }
             Self::Target => ("target", "1", "quantity whose mean is to be known before the run ends"),
             Self::Asperity => ("asperity", "1", "index of the asperity; of a map row by row"),
             Self::State => ("state", "1", "index of a state whose asperities are told one by one"),

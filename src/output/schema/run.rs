@@ -18,6 +18,8 @@ const TE: &[Dimension] = &[Dimension::Target, Dimension::RangeEnd];
 const Q: &[Dimension] = &[Dimension::State];
 const PLACES: &[Dimension] = &[Dimension::Asperity];
 const QA: &[Dimension] = &[Dimension::State, Dimension::Asperity];
+const V: &[Dimension] = &[Dimension::AvalancheSize];
+const NV: &[Dimension] = &[Dimension::Replica, Dimension::AvalancheSize];
 const J: &[Dimension] = &[Dimension::Step];
 const D: &[Dimension] = &[Dimension::Stiffness];
 const P: &[Dimension] = &[Dimension::Preload];
@@ -129,6 +131,8 @@ fn coupling() -> Vec<Variable> {
         all.push(variable(format!("{GROUP}/scalar_{name}"), A, "scalar_units", words));
     }
     all.extend(group(GROUP, NONE, &[("scalar_units", A, "1", "units of each scalar")]));
+    let sizes = "avalanches of all replicas at all separations, by their size";
+    all.extend(group(GROUP, NONE, &[("avalanche_size_count", V, "1", sizes)]));
     all
 }
 
@@ -265,6 +269,7 @@ const MEAN_FIELD: [(&str, &str, &str); 5] = [
 const COUPLED: &[Row] = &[
     ("unsettled_count", N, "1", "separations at which a coupled replica has no stable state"),
     ("largest_avalanche", N, "1", "asperities in the largest avalanche of a coupled replica"),
+    ("avalanche_size_count", NV, "1", "avalanches of a coupled replica at all separations, by their size"),
 ];
 
 const ASPERITIES: &[Row] = &[

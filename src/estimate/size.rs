@@ -31,6 +31,10 @@ const SEARCHED: (f64, f64) = (14.0, 80.0);
 /// Bytes of a coupled asperity, of a repeated square and of one alone: its near neighbours, its share of the grids, what
 /// is solved for.
 const COUPLED: (f64, f64) = (4e3, 9e3);
+/// Bytes of a coupled asperity beside, where each has its own laws.
+const LAWS: f64 = 5e3;
+/// Bytes of an asperity that is told by itself, and of it in a state.
+const TOLD: (f64, f64) = (4.0 * NUMBER, 4.0 * NUMBER + 3.0);
 /// Bytes of the sums of a chunk that wait to be added: for a regime, and for a period.
 const WAITING: (f64, f64) = (56.0, 1.5e3);
 /// Bytes that the search for the pull-off of a large surface counts in.
@@ -45,8 +49,10 @@ pub struct Estimate {
     pub separations: f64,
     /// Whether surfaces are pulled back.
     pub is_loop: bool,
-    /// What surrounds the surfaces, if their asperities are coupled.
-    pub coupling: Option<Coupling>,
+    /// Bytes of an asperity that is coupled; 0 where they are independent.
+    pub coupled: f64,
+    /// States in which the asperities of the first replica are told one by one.
+    pub told: f64,
     /// Regimes of the law.
     pub regimes: f64,
     /// Replicas.
@@ -76,7 +82,7 @@ pub struct Estimate {
 impl Estimate {
     /// The estimate of a scene under its law, on so many threads.
     pub fn new(scene: &Scene, law: Laws<'_>, threads: usize) -> Self {
-        let separations = scene.separations.len();
+        let (separations, ways) = (scene.separations.len(), if scene.cycle { 2 } else { 1 });
         let snaps = 3 * scene.instability.stiffness.len() * (1 + scene.instability.preload.len());
         let step = step(scene);
         let periods = scene.sum_tolerance.map(|_| periods(&scene.surface, step * scene.surface.heights.std));
@@ -84,7 +90,8 @@ impl Estimate {
             asperities: scene.surface.asperity_count as f64,
             separations: scene.states() as f64,
             is_loop: scene.cycle,
-            coupling: scene.substrate.as_ref().map(|substrate| substrate.coupling),
+            coupled: coupled(scene),
+            told: scene.substrate.as_ref().map_or(0.0, |own| (own.loads_at.len() * ways) as f64),
             regimes: law.regimes().len() as f64,
             replicas: scene.replicas as f64,
             group: scene.sampling.group() as f64,
@@ -185,12 +192,13 @@ impl Estimate {
 
     /// Bytes of coupling the surfaces that are computed at the same time.
     fn coupled(&self) -> f64 {
-        let of_asperity = match self.coupling {
-            None => return 0.0,
-            Some(Coupling::Periodic) => COUPLED.0,
-            Some(Coupling::Patch) => COUPLED.1,
-        };
-        self.workers() * self.asperities * of_asperity
+        // States are held by the replica, its batch, the checkpoint and what is written.
+        self.asperities * (self.workers() * self.coupled + 4.0 * self.told())
+    }
+
+    /// Bytes of an asperity that is told in all its states.
+    fn told(&self) -> f64 {
+        if self.told == 0.0 { 0.0 } else { TOLD.0 + TOLD.1 * self.told }
     }
 
     /// Disk, bytes: what is kept of the replicas, and for curves the file beside the result that they are collected in and
@@ -199,7 +207,9 @@ impl Estimate {
         let curves = if self.curves { 2.0 * 2.0 * NUMBER * self.separations * self.replicas } else { 0.0 };
         let means = NUMBER * self.separations * (60.0 + 6.0 * self.regimes + 2.0 * MAX_COMPONENTS as f64);
         let replicas = (128.0 + 2.0 * NUMBER * self.snaps) * self.replicas;
-        self.files * (2e5 + means + replicas + curves)
+        // In the result, and before in a checkpoint.
+        let told = 2.0 * self.asperities * self.told();
+        self.files * (2e5 + means + replicas + curves + told)
     }
 
     /// Seconds that the phases take one after the other: integral, functionals, ensemble.
@@ -210,6 +220,16 @@ impl Estimate {
         let pilots = pilot * (PILOTS as f64).min(self.replicas) / self.pilots();
         [integral / self.threads, functionals, pilots + replica * self.replicas * share]
     }
+}
+
+/// Bytes of an asperity of a scene that is coupled.
+fn coupled(scene: &Scene) -> f64 {
+    let Some(substrate) = &scene.substrate else { return 0.0 };
+    let own = match substrate.coupling {
+        Coupling::Periodic => COUPLED.0,
+        Coupling::Patch => COUPLED.1,
+    };
+    if scene.surface.is_polydisperse() { own + LAWS } else { own }
 }
 
 /// One of the sizes that a user may choose smaller.
@@ -276,7 +296,8 @@ mod tests {
 
     const RUN: Estimate = Estimate {
         is_loop: false,
-        coupling: None,
+        coupled: 0.0,
+        told: 0.0,
         asperities: 1e6,
         separations: 100.0,
         regimes: 6.0,

@@ -17,6 +17,7 @@ mod instability;
 mod keys;
 mod lookup;
 mod material;
+mod measured;
 mod parse;
 mod population;
 mod ranges;

@@ -1,0 +1,84 @@
+//! Measured asperities of a scene.
+
+use super::choices::SAMPLES;
+use super::column::FEWEST;
+use super::error::{SceneError, Together};
+use super::files::{Files, Input, MOST_VALUES, Measured};
+use super::population::{Population, count};
+use super::reader::{Entry, Section};
+use super::units::Dimension;
+use crate::surface::{CountLaw, Heights, MeasuredPlaces, Radii, Roughness, Surface};
+
+/// `asperities`: those of a file of measured ones.
+pub(super) fn measured(
+    section: &Section<'_>,
+    entry: &Entry<'_>,
+    files: &dyn Files,
+    is_coupled: bool,
+) -> Result<Population, SceneError> {
+    let others = section.excluded("asperities", "follows from the measured asperities; give either");
+    let table = entry.table()?;
+    let path = table.require("path").and_then(|path| path.string().map(|name| (path, name)));
+    let whole = table.optional("sample", |sample| sample.choice("sample", &SAMPLES));
+    let area = section.optional("nominal_area", |area| area.measured());
+    let offset = section.optional("mean_plane_offset", |entry| entry.measured());
+    let readings = (others, path, whole, area, offset, count(section));
+    let (_, (path, name), whole, given_area, offset, count_law) = readings.together()?;
+    let whole = whole.unwrap_or(false);
+    let Measured { heights, radii, positions, extent, nominal_area, surface_height_std } =
+        files.asperities(name).map_err(|problem| path.wrong(&problem))?;
+    if !(FEWEST..=MOST_VALUES).contains(&heights.len()) {
+        return Err(
+            path.wrong(&format!("has {} asperities; {FEWEST} to {MOST_VALUES} are needed", heights.len()))
+        );
+    }
+    let places = (is_coupled && whole).then(|| places(positions, extent)).transpose();
+    let places = places.map_err(|problem| path.wrong(&problem))?;
+    let of_places = places.iter().flat_map(|own| own.positions.iter().chain([&own.extent])).flatten();
+    let of_places: Vec<f64> = of_places.copied().collect();
+    let of_surface = [nominal_area, surface_height_std];
+    let inputs = vec![Input::new(name, &[&heights, &radii, &of_surface, &of_places])];
+    let count = heights.len() as f64;
+    let mean = heights.iter().sum::<f64>() / count;
+    if let (Some(area), true) = (section.get("nominal_area"), whole) {
+        return Err(area.wrong("sample = \"whole\" takes the measured surface, which has its own area"));
+    }
+    let pairs: Vec<[f64; 2]> =
+        heights.iter().zip(&radii).map(|(height, radius)| [height - mean, *radius]).collect();
+    let heights = Heights::sample(pairs.iter().map(|pair| pair[0]).collect());
+    let roughness = Roughness {
+        asperity_radius: radii.iter().sum::<f64>() / count,
+        asperity_density: count / nominal_area,
+        nominal_area: given_area.unwrap_or(nominal_area),
+        surface_height_std: Some(surface_height_std),
+        asperity_height_std: Some(heights.std),
+        mean_plane_offset: Some(offset.unwrap_or(mean)),
+    };
+    let surface = Surface::new(&roughness).map_err(|error| path.wrong(&error.to_string()))?;
+    if let (Some(entry), true, CountLaw::Poisson) = (section.get("count"), whole, count_law) {
+        return Err(entry.wrong("sample = \"whole\" takes every measured asperity once"));
+    }
+    let surface = Surface { heights, radii: Radii::Measured(pairs.into()), whole, count_law, ..surface };
+    Ok(Population { surface, places, inputs })
+}
+
+/// The places of measured asperities on their map.
+fn places(positions: Vec<[f64; 2]>, extent: Option<[f64; 2]>) -> Result<MeasuredPlaces, String> {
+    let extent = extent.ok_or(
+        "does not say how large its map is, in which coupled asperities have their places: attributes map_shape \
+         and pixel_size of its root",
+    )?;
+    let is_outside = |place: &[f64; 2]| (0..2).any(|k| !(place[k] >= 0.0 && place[k] <= extent[k]));
+    if let Some(i) = positions.iter().position(is_outside) {
+        let [x, y] = positions[i].map(|length| Dimension::Length.shown(length));
+        let [width, height] = extent.map(|length| Dimension::Length.shown(length));
+        return Err(format!("has asperity {i} at {x}, {y}, outside of its map of {width} x {height}"));
+    }
+    let mut sorted: Vec<(usize, &[f64; 2])> = positions.iter().enumerate().collect();
+    sorted.sort_by(|(_, a), (_, b)| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
+    if let Some(pair) = sorted.windows(2).find(|pair| pair[0].1 == pair[1].1) {
+        let (a, b) = (pair[0].0.min(pair[1].0), pair[0].0.max(pair[1].0));
+        return Err(format!("has asperities {a} and {b} at the same place; coupled ones are apart"));
+    }
+    Ok(MeasuredPlaces { positions: positions.into(), extent })
+}

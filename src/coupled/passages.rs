@@ -70,6 +70,11 @@ impl Passages {
         !self.made.is_empty()
     }
 
+    /// Whether an asperity has passed or left so often that others drive it.
+    pub fn is_often(&self, i: usize) -> bool {
+        self.counts[i] >= RETURNS
+    }
+
     /// Counts that an asperity has left its rest at a jump.
     pub fn left(&mut self, i: usize) {
         self.counts[i] = self.counts[i].saturating_add(1);

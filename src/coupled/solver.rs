@@ -14,7 +14,7 @@
 //! implicit steps, from the last stable state to the next (pseudo-transient continuation; Kelley and Keyes,
 //! SIAM J. Numer. Anal. 35 (1998) 508).
 
-use super::asperities::{Asperities, Forces, States};
+use super::asperities::{Asperities, Forces, Rest, States};
 use super::avalanches::{Avalanches, avalanches};
 use super::half_space::HalfSpace;
 use super::passages::Passages;
@@ -25,7 +25,7 @@ use crate::math::sums::Compensated;
 
 /// Smallest and largest residual of a system, the share of the tolerance of loads that it aims at, and most
 /// products for it.
-const SYSTEM: ([f64; 2], f64, usize) = ([1e-3, 3e-2], 0.3, 40);
+const SYSTEM: ([f64; 2], f64, usize) = ([1e-3, 0.1], 0.3, 40);
 /// Share of the tolerance of loads that the error of rough sums may have.
 const UNSURE: f64 = 0.3;
 /// Most Newton steps at a separation.
@@ -34,7 +34,7 @@ const STEPS: usize = 60;
 const HOPELESS: usize = 30;
 /// Newton steps from which on systems are solved with sums of full accuracy and to the end: close to a fold rough
 /// ones do not tell on which side.
-const STUBBORN: usize = 8;
+const STUBBORN: usize = 16;
 /// Error of loads from which on passages without way back are made.
 const CLOSE: f64 = 1e-3;
 /// Weight of an error of an interference, over the length of the law, against one of a load.
@@ -49,7 +49,7 @@ const NEAR: f64 = 4.0;
 const FAR: f64 = 1.0;
 /// Longest step of a fall, in lengths over which laws vary, most steps, the first step in time, and steps without
 /// progress after which it has ended: asperities at jumps keep on going to and fro.
-const FALL: (f64, usize, f64, [usize; 3]) = (0.3, 1000, 0.5, [6, 12, 24]);
+const FALL: (f64, usize, f64, [usize; 3]) = (0.3, 400, 0.5, [6, 12, 24]);
 
 /// Change of the force in a step, over the sum of loads, of a surface that does not fall.
 const STILL: f64 = 1e-3;
@@ -381,15 +381,23 @@ impl Solver<'_> {
     fn leave_rests(&mut self, of_step: f64, room: f64) -> bool {
         let Self { states, interference, passages, memory, .. } = self;
         let count = states.resting.len();
-        states.resting.retain(|&i, rest| {
-            let i = i as usize;
-            let jump = rest.ends[1] - rest.ends[0];
-            let share = rest.share + of_step * rest.stiffness * memory.step[i] / jump;
-            if share >= -room && share <= 1.0 + room {
+        let share_of = |i: u32, rest: &Rest| {
+            let of_step = of_step * rest.stiffness * memory.step[i as usize] / (rest.ends[1] - rest.ends[0]);
+            rest.share + of_step
+        };
+        // Of those that keep on leaving and coming back the one that is furthest beyond leaves: the others may then stay.
+        let beyond = |i: u32, rest: &Rest| (share_of(i, rest) - 0.5).abs();
+        let leave_often = states.resting.iter().filter(|(i, _)| passages.is_often(**i as usize));
+        let furthest =
+            leave_often.max_by(|a, b| beyond(*a.0, a.1).total_cmp(&beyond(*b.0, b.1))).map(|(i, _)| *i);
+        states.resting.retain(|&number, rest| {
+            let (i, share) = (number as usize, share_of(number, rest));
+            let may_leave = !passages.is_often(i) || furthest == Some(number);
+            if !may_leave || share >= -room && share <= 1.0 + room {
                 return true;
             }
             // A force that drives the asperity on over its jump has it on the side away from that force.
-            let upper = (share > 0.5) == (jump * rest.stiffness > 0.0);
+            let upper = (share > 0.5) == ((rest.ends[1] - rest.ends[0]) * rest.stiffness > 0.0);
             states.segments[i] = rest.segments[usize::from(upper)];
             interference[i] = if upper { rest.place } else { rest.place.next_down() };
             passages.left(i);

@@ -3,9 +3,9 @@
 use crate::substrate::{Coupling, DisplacementSums};
 use std::f64::consts::PI;
 
-/// Share of the tolerance of loads to which sums of full accuracy are taken: a displacement changes a load by
-/// less than a load over the distance to its neighbours would.
-const SUMS: f64 = 3.0;
+/// Tolerance of sums of full accuracy over that of loads: an error of a displacement changes a load by a tenth of it at
+/// most, in the units of both.
+const SUMS: f64 = 1.0;
 /// Accuracy of the sums over changes of loads.
 const ROUGH: f64 = 1e-3;
 /// Error of sums over their tolerance, at most.

@@ -26,8 +26,9 @@ use crate::math::sums::Compensated;
 /// Smallest and largest residual of a system, the share of the tolerance of loads that it aims at, and most
 /// products for it.
 const SYSTEM: ([f64; 2], f64, usize) = ([1e-3, 0.1], 0.3, 40);
-/// Share of the tolerance of loads that the error of rough sums may have.
-const UNSURE: f64 = 0.3;
+/// Shares of the tolerance of loads that residuals, and the error of rough sums, may have: neighbours add to both.
+const EXACT: f64 = 0.3;
+const UNSURE: f64 = 0.1;
 /// Most Newton steps at a separation.
 const STEPS: usize = 60;
 /// Newton steps after which a surface without stable state is let fall.
@@ -415,11 +416,11 @@ impl Solver<'_> {
         let near = (NEAR * self.asperities.length(0)).max(2.0 * (d - self.separation).abs());
         for step in 0..most {
             let mut error = self.evaluate(d);
-            if self.unsure > UNSURE * self.tolerance && error <= self.unsure.max(self.tolerance) {
+            if self.unsure > UNSURE * self.tolerance && error <= self.unsure.max(EXACT * self.tolerance) {
                 self.half_space.know(&self.external);
                 error = self.displace(d);
             }
-            if error <= self.tolerance {
+            if error <= EXACT * self.tolerance {
                 self.passages.is_close = true;
                 if self.pass(0.0) + self.undo() > 0 {
                     continue;

@@ -221,6 +221,35 @@ fn case_iii_comes_down_in_an_avalanche() {
     assert!(largest.0 > 400 && largest.1 > 3.0, "{largest:?}");
 }
 
+/// Loads at the default tolerance are those at one 1e4 times smaller, to the tolerance of the largest, as long as no
+/// asperity passes on one way alone.
+#[test]
+fn loads_keep_their_tolerance() {
+    for (number, coupling) in [(1, Coupling::Patch), (2, Coupling::Periodic), (2, Coupling::Patch)] {
+        let case = Case::new(number, 400, "hybrid");
+        let [found, precise] = [1e-9, 1e-13].map(|tolerance| {
+            let mut solver = case.solver(coupling, tolerance);
+            let go = |k: i32| {
+                let settled = case.curve(&mut solver, std::iter::once(5.0 - 0.05 * f64::from(k)))[0].1;
+                let forces = solver.forces.contact.iter().zip(&solver.forces.adhesion);
+                (forces.map(|(contact, adhesion)| contact - adhesion).collect::<Vec<f64>>(), settled)
+            };
+            (0..50).map(go).collect::<Vec<_>>()
+        });
+        let mut compared = 0;
+        for ((found, settled), (precise, other)) in found.iter().zip(&precise) {
+            if settled != other {
+                break;
+            }
+            let largest = precise.iter().fold(0.0, |most: f64, force| most.max(force.abs()));
+            let off = found.iter().zip(precise).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            assert!(off <= 1e-9 * largest, "{number} {coupling:?} {compared}: {:e}", off / largest);
+            compared += 1;
+        }
+        assert!(compared > 30, "{number} {coupling:?}: {compared} of 50");
+    }
+}
+
 /// With steps half as long the curve between avalanches is the same, to the tolerance of the loads; where it is not, an
 /// asperity has passed on the way there, with one of the two.
 #[test]

@@ -1,6 +1,7 @@
 //! What coupling makes of an ensemble, on the terminal.
 
 use super::rows::row;
+use super::summary::h_star;
 use crate::asperity::Quantity;
 use crate::engine::CoupledMoments;
 use crate::experiment::coupling::deviations;
@@ -66,8 +67,10 @@ fn of_scalar(coupled: &CoupledMoments, (name, index): (&str, usize)) -> Option<S
 /// h* of a state, and on which way it is.
 fn place(results: &Results, state: usize) -> (String, &'static str) {
     let s = results.scene.separations.len();
-    let h_star = results.scene.separations[state % s] / results.scene.surface.surface_height_std;
-    (format!("{h_star:.3}"), if state >= s { " on retraction" } else { "" })
+    (
+        format!("{:.3}", h_star(results, results.scene.separations[state % s])),
+        if state >= s { " on retraction" } else { "" },
+    )
 }
 
 /// Where coupling changes the curve most, and how much of that is not by mean field.

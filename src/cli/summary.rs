@@ -67,7 +67,7 @@ fn ended(stopped: &Stopped, replicas: u64) -> String {
     text
 }
 
-fn h_star(results: &Results, separation: f64) -> f64 {
+pub(super) fn h_star(results: &Results, separation: f64) -> f64 {
     separation / results.scene.surface.surface_height_std
 }
 

@@ -2,6 +2,7 @@
 
 use crate::asperity::memory::{Flowed, Memory, Segment, Source};
 use crate::asperity::{BLOCK, Method, Path, Responses, SolverStats};
+use crate::math::counting_sort::counting_sort;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -207,7 +208,7 @@ impl<'a> Asperities<'a> {
             Some(_) => alone,
             None => self.first[self.of_each[i as usize] as usize] + states.segments[i as usize] as usize,
         };
-        let starts = sorted_by(which, alone + 1, group, &mut order);
+        let starts = counting_sort(which.iter().copied(), alone + 1, group, &mut order);
         for laws in 0..self.laws.len() {
             for number in 0..self.laws[laws].segments.len() {
                 let group = self.first[laws] + number;
@@ -300,19 +301,4 @@ fn put(forces: &mut Forces, i: usize, [adhesion, contact, area]: [f64; 3]) {
 /// another.
 fn within(segment: &Segment, interference: f64) -> f64 {
     interference.max(segment.lower.next_up()).min(segment.upper.next_down())
-}
-
-/// Sorts asperities by their group, and says where those of each begin, and at last their number.
-fn sorted_by(which: &[u32], groups: usize, group: impl Fn(u32) -> usize, order: &mut Vec<u32>) -> Vec<usize> {
-    let mut starts = vec![0; groups + 1];
-    which.iter().for_each(|&i| starts[group(i) + 1] += 1);
-    (0..groups).for_each(|k| starts[k + 1] += starts[k]);
-    order.resize(which.len(), 0);
-    let mut next = starts.clone();
-    for &i in which {
-        let place = &mut next[group(i)];
-        order[*place] = i;
-        *place += 1;
-    }
-    starts
 }

@@ -3,9 +3,9 @@
 use crate::substrate::{Coupling, DisplacementSums};
 use std::f64::consts::PI;
 
-/// Tolerance of sums of full accuracy over that of loads: an error of a displacement changes a load by a tenth of it at
-/// most, in the units of both.
-const SUMS: f64 = 1.0;
+/// What a force does to its own foot by its repetition in a square of 1, and the factor of the square of the distance by
+/// which that changes there, less than a third of a side away.
+const REPEATED: (f64, f64) = (-3.900_264_92, 1.74);
 /// Accuracy of the sums over changes of loads.
 const ROUGH: f64 = 1e-3;
 /// Error of sums over their tolerance, at most.
@@ -30,7 +30,7 @@ impl HalfSpace {
     pub fn new(coupling: Coupling, places: Vec<[f64; 2]>, compliance: f64, tolerance: f64) -> Self {
         let count = places.len();
         Self {
-            fine: DisplacementSums::new(coupling, &places, SUMS * tolerance),
+            fine: DisplacementSums::new(coupling, &places, tolerance),
             rough: DisplacementSums::new(coupling, &places, ROUGH),
             compliance,
             places,
@@ -88,9 +88,9 @@ impl HalfSpace {
     /// their slopes, N/m, say, to the first order: g_ii − Σ_j K_j g_ij². Near neighbours are summed; further
     /// ones have `mean`, the mean slope.
     pub fn yielding(&self, i: usize, slopes: &[f64], mean: f64) -> f64 {
-        // Of a repeated square, with a parabola for what the repetition adds to 1/r, and where that is 0.
+        // With the distance beyond which the influence is nothing.
         let (own, bend, furthest) = match self.coupling {
-            Coupling::Periodic => (-3.900_264_92, 1.74, 0.26),
+            Coupling::Periodic => (REPEATED.0, REPEATED.1, 0.26),
             Coupling::Patch => (0.0, 0.0, 1.0 / PI.sqrt()),
         };
         let (near, reach) = self.rough.around(self.places[i]);

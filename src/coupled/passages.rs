@@ -11,7 +11,7 @@ use super::solver::Solver;
 use std::collections::BTreeMap;
 
 /// Most passages of one asperity at one separation: several at jumps of opposite kinds can drive each other back
-/// and forth, and one of them then keeps its force at the end of its segment.
+/// and forth. It then keeps its force at the end of its segment, and the state is not taken for a stable one.
 const PASSAGES: u8 = 10;
 /// Passages after which all asperities that went to and fro come to rest together.
 const RETURNS: u8 = 3;

@@ -10,9 +10,9 @@
 //! into the next segment, and the rest follows ([`super::passages`]).
 //!
 //! A state is stable where I + G K has no eigenvalue ≤ 0 (the outermost follow from GMRES). Where Newton's
-//! method finds none, the surface as a whole has become unstable: it is let fall, u' = G f − u, by linearly
-//! implicit steps, from the last stable state to the next (pseudo-transient continuation; Kelley and Keyes,
-//! SIAM J. Numer. Anal. 35 (1998) 508).
+//! method finds none, the surface as a whole has become unstable, and falls ([`fall`]).
+
+mod fall;
 
 use super::asperities::{Asperities, Forces, Rest, States};
 use super::avalanches::{Avalanches, avalanches};
@@ -48,13 +48,6 @@ const SECANT: f64 = 1e-8;
 const NEAR: f64 = 4.0;
 /// Share of a jump beyond which an asperity at rest has left it before a step is taken.
 const FAR: f64 = 1.0;
-/// Longest step of a fall, in lengths over which laws vary, most steps, the first step in time, and steps without
-/// progress after which it has ended: asperities at jumps keep on going to and fro.
-const FALL: (f64, usize, f64, [usize; 3]) = (0.3, 400, 0.5, [6, 12, 24]);
-
-/// Change of the force in a step, over the sum of loads, of a surface that does not fall.
-const STILL: f64 = 1e-3;
-
 /// How a separation was reached.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Settled {
@@ -96,8 +89,8 @@ pub struct Solver<'a> {
     /// Error of a load, over the largest, by the rough sums in the residual.
     unsure: f64,
     residual: Vec<f64>,
-    /// Stable states before: δ, m, at d, m, the last one first.
-    path: [(f64, Vec<f64>); 2],
+    /// The stable state before the present one: δ, m, at d, m.
+    path: Option<(f64, Vec<f64>)>,
     pub(super) passages: Passages,
     memory: Scratch,
 }
@@ -147,7 +140,7 @@ impl<'a> Solver<'a> {
             taken: (vec![f64::NAN; count], vec![0; count]),
             unsure: 0.0,
             residual: vec![0.0; count],
-            path: [const { (f64::NAN, Vec::new()) }; 2],
+            path: None,
             passages: Passages::default(),
             memory,
         }
@@ -187,7 +180,7 @@ impl<'a> Solver<'a> {
     /// Forgets where slopes were taken, and the states before.
     fn forget(&mut self) {
         self.taken.0.fill(f64::NAN);
-        self.path.iter_mut().for_each(|(d, _)| *d = f64::NAN);
+        self.path = None;
     }
 
     /// The separation d, m, of the present state.
@@ -226,8 +219,7 @@ impl<'a> Solver<'a> {
         let is_near = self.search(d, HOPELESS);
         let is_converged = is_near || self.fall_from(&before, d);
         if is_near {
-            self.path.swap(0, 1);
-            self.path[0] = (from, before.interference);
+            self.path = Some((from, before.interference));
         }
         self.separation = d;
         self.asperities.remember(&mut self.states, &self.interference);
@@ -236,29 +228,18 @@ impl<'a> Solver<'a> {
         Settled { is_converged, avalanches: avalanches(&self.passages.events, changed, distance) }
     }
 
-    /// Falls from a stable state to the separation d, m; whether it came to another one.
-    fn fall_from(&mut self, before: &Snapshot, d: f64) -> bool {
-        self.restore(before);
-        self.interference.iter_mut().for_each(|delta| *delta -= d - before.separation);
-        self.passages.events.clear();
-        self.passages.is_moved = true;
-        let is_converged = FALL.3.into_iter().any(|idle| {
-            self.fall(d, idle);
-            self.search(d, STEPS)
-        });
-        self.forget();
-        is_converged
-    }
-
     /// Moves interferences to where they are expected at d, m, by those at the present separation and before.
     fn extrapolate(&mut self, d: f64) {
         let from = self.separation;
-        let [(first, one), _] = &self.path;
-        if first.is_nan() || *first == from {
-            self.interference.iter_mut().for_each(|delta| *delta -= d - from);
-        } else {
-            let share = (d - from) / (from - first);
-            self.interference.iter_mut().zip(one).for_each(|(delta, one)| *delta += share * (*delta - one));
+        match &self.path {
+            Some((first, one)) if *first != from => {
+                let share = (d - from) / (from - first);
+                self.interference
+                    .iter_mut()
+                    .zip(one)
+                    .for_each(|(delta, one)| *delta += share * (*delta - one));
+            }
+            _ => self.interference.iter_mut().for_each(|delta| *delta -= d - from),
         }
         // Jumps are short: few asperities stay at theirs.
         for (i, rest) in std::mem::take(&mut self.states.resting) {
@@ -458,42 +439,6 @@ impl Solver<'_> {
     /// Has asperities pass until none does.
     fn pass_all(&mut self, room: f64) {
         while self.pass(room) > 0 {}
-    }
-
-    /// Lets the surface fall at the separation d, m, until it has nearly come to rest: for so many steps there was no
-    /// progress.
-    fn fall(&mut self, d: f64, most_idle: usize) {
-        let length = (0..self.heights.len()).map(|i| self.asperities.length(i)).fold(f64::MAX, f64::min);
-        let (mut time, mut last, mut idle) = (FALL.2, f64::NAN, 0);
-        for _ in 0..FALL.1 {
-            self.passages.begin(self.heights.len(), true);
-            self.pass(0.0);
-            self.passages.is_moved = false;
-            // What would come to rest at a jump goes to and fro.
-            self.states.resting.clear();
-            self.evaluate(d);
-            let force = self.external_force();
-            let is_still = (force - last).abs() <= STILL * self.external.iter().map(|f| f.abs()).sum::<f64>();
-            idle = if is_still && !self.passages.have_lasting() { idle + 1 } else { 0 };
-            last = force;
-            let rate = loop {
-                let rate = self.system(1.0 / time, SYSTEM.0[0]);
-                if !(rate < 0.0) || -2.0 * rate * time < 1.0 {
-                    break rate;
-                }
-                self.residual.iter_mut().for_each(|r| *r = -*r);
-                time = -0.4 / rate;
-            };
-            if idle >= most_idle && rate > 0.0 {
-                return;
-            }
-            let longest = largest_magnitude(&self.memory.step);
-            let share = (FALL.0 * length / longest).min(1.0);
-            self.advance(share);
-            if share == 1.0 {
-                time *= 2.0;
-            }
-        }
     }
 }
 

@@ -173,7 +173,7 @@ impl Case {
         Heights::gaussian(std).draw(&mut stream(1, Purpose::Heights, 0), &mut heights);
         heights.sort_by(f64::total_cmp);
         let places = Places::HardCore(0.5 / density.sqrt());
-        let places = places.draw(&mut stream(1, Purpose::Places, 0), (count, side), true);
+        let places = places.draw(&mut stream(1, Purpose::Places, 0), (count, side), Coupling::Periodic);
         let (length, offset) = (parameters.scale.length, 0.045944 / tops);
         Self { cycle, asperity, length, side, sigma, offset, heights, places }
     }

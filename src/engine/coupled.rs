@@ -156,10 +156,9 @@ impl Placed {
         index: u64,
         (heights, radii): (&[f64], &[f64]),
     ) -> Self {
-        let is_periodic = substrate.coupling == Coupling::Periodic;
         let random = &mut stream(job.seed, Purpose::Places, index);
         let side = substrate.places.side(job.surface.nominal_area);
-        let places = substrate.places.draw(random, (heights.len(), side), is_periodic);
+        let places = substrate.places.draw(random, (heights.len(), side), substrate.coupling);
         let mut order: Vec<u32> = (0..heights.len() as u32).collect();
         order.sort_by(|a, b| heights[*a as usize].total_cmp(&heights[*b as usize]));
         let radius = |i: usize| radii.get(i).copied().unwrap_or(job.surface.asperity_radius);
@@ -321,8 +320,7 @@ impl Summed for CoupledSurface<'_> {
     fn retraction(&mut self, from: f64, separations: &[f64]) -> Vec<f64> {
         // The approach was taken from far away.
         let passed = self.job.separations.iter().filter(|h| **h >= from).count();
-        let state = self.approach[passed.max(1) - 1].clone();
-        self.solver.restore(&state);
+        self.solver.restore(&self.approach[passed.max(1) - 1]);
         self.go(from);
         self.turn = Some(self.solver.snapshot());
         separations.iter().map(|h| self.go(*h)).collect()

@@ -2,6 +2,7 @@
 
 use super::Job;
 use super::curves::{CoupledCurves, Curves};
+use super::groups::OpenGroup;
 use super::replica::Replica;
 use super::scalars::scalars;
 use crate::math::moments::Moments;
@@ -33,9 +34,7 @@ pub struct CoupledGroups {
     /// Scalars without coupling, and with less without, of which NaN are none.
     pub scalars: [Moments; 2],
     #[serde(skip)]
-    sums: Vec<f64>,
-    #[serde(skip)]
-    filled: u64,
+    open: OpenGroup,
 }
 
 impl CoupledMoments {
@@ -53,8 +52,7 @@ impl CoupledMoments {
                 independent: all(),
                 difference: all(),
                 scalars: std::array::from_fn(|_| Moments::new(count)),
-                sums: Vec::new(),
-                filled: 0,
+                open: OpenGroup::default(),
             },
         }
     }
@@ -108,20 +106,11 @@ impl CoupledGroups {
         let values = independent.chain(difference.map(|(with, without)| with - without));
         let values = values.chain(of_scalars).chain(changes);
         let count = scalars(is_loop).count();
-        self.sums.resize(8 * s + 2 * count, 0.0);
-        self.sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += value);
-        self.filled += 1;
-        if self.filled < job.scheme.group() {
-            return;
-        }
-        let group = self.filled as f64;
-        self.sums.iter_mut().for_each(|sum| *sum /= group);
-        let (curves, scalars) = self.sums.split_at(8 * s);
+        let Some(means) = self.open.push(job, values) else { return };
+        let (curves, scalars) = means.split_at(8 * s);
         let moments = self.independent.iter_mut().chain(&mut self.difference);
         moments.zip(curves.chunks_exact(s)).for_each(|(moments, curve)| moments.push(curve));
         let moments = self.scalars.iter_mut();
         moments.zip(scalars.chunks_exact(count)).for_each(|(moments, values)| moments.push(values));
-        self.sums.clear();
-        self.filled = 0;
     }
 }

@@ -21,11 +21,35 @@ pub struct Groups {
     /// Mean, covariance and third moments of the external force at the controls, N, and behind these of the
     /// [`scalars`]; the batch i of a job is in the part i modulo 16.
     pub scalars: [CentralMoments; PARTS],
-    /// Sums over the replicas of a group that is not complete: curves, controls, scalars; none between batches.
+    /// Curves, controls, scalars.
     #[serde(skip)]
+    open: OpenGroup,
+}
+
+/// Sums over the replicas of a group that is not complete; none between batches.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct OpenGroup {
     sums: Vec<f64>,
-    #[serde(skip)]
     filled: u64,
+}
+
+impl OpenGroup {
+    /// Adds the values of the next replica; the means of the group, if that completes it.
+    pub fn push(&mut self, job: &Job<'_>, values: impl Iterator<Item = f64>) -> Option<Vec<f64>> {
+        if self.filled == 0 {
+            self.sums = values.collect();
+        } else {
+            self.sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += value);
+        }
+        self.filled += 1;
+        if self.filled < job.scheme.group() {
+            return None;
+        }
+        let group = std::mem::take(&mut self.filled) as f64;
+        let mut means = std::mem::take(&mut self.sums);
+        means.iter_mut().for_each(|sum| *sum /= group);
+        Some(means)
+    }
 }
 
 impl Groups {
@@ -35,8 +59,7 @@ impl Groups {
         Self {
             curves: std::array::from_fn(|_| Moments::new(s)),
             scalars: std::array::from_fn(|_| CentralMoments::new(c)),
-            sums: Vec::new(),
-            filled: 0,
+            open: OpenGroup::default(),
         }
     }
 
@@ -52,24 +75,12 @@ impl Groups {
             .copied()
             .chain(job.controls.iter().map(|&place| external[place]))
             .chain(scalars(job.protocol.cycle.is_some()).map(|scalar| (scalar.of)(replica)));
-        self.sums.resize(4 * job.states() + self.scalars[0].second().mean().len(), 0.0);
-        self.sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += value);
-        self.filled += 1;
-        if self.filled == job.scheme.group() {
-            self.complete(job, (batch % PARTS as u64) as usize);
-        }
-    }
-
-    fn complete(&mut self, job: &Job<'_>, part: usize) {
-        let group = self.filled as f64;
-        self.sums.iter_mut().for_each(|sum| *sum /= group);
-        let (curves, scalars) = self.sums.split_at(4 * job.states());
+        let Some(means) = self.open.push(job, values) else { return };
+        let (curves, scalars) = means.split_at(4 * job.states());
         for (moments, curve) in self.curves.iter_mut().zip(curves.chunks_exact(job.states())) {
             moments.push(curve);
         }
-        self.scalars[part].push(scalars);
-        self.sums.clear();
-        self.filled = 0;
+        self.scalars[(batch % PARTS as u64) as usize].push(scalars);
     }
 
     /// Adds the groups of other batches; all are complete.

@@ -126,19 +126,16 @@ fn write_curves(writer: &Writer<'_>, results: &Results, coupled: &CoupledMoments
                 writer.dataset(&format!("{name}_mean"), &mean[states.clone()])?;
                 writer.dataset(&format!("{name}_standard_error"), &error[states.clone()])?;
             }
-        }
-        for quantity in Quantity::ALL {
-            let std = coupled.independent[quantity.index()].std();
             let name = format!("/coupling/{way}independent_{}_std", quantity.name());
-            writer.dataset(&name, &std[states.clone()])?;
+            writer.dataset(&name, &coupled.independent[q].std()[states.clone()])?;
         }
-        let of = |mean: &[f64]| mean[states.clone()].to_vec();
-        let count = of(coupled.avalanche_count.mean());
-        writer.dataset(&format!("/coupling/{way}avalanche_count_mean"), &count)?;
-        let largest = of(coupled.largest_avalanche.mean());
-        writer.dataset(&format!("/coupling/{way}largest_avalanche_mean"), &largest)?;
-        let unsettled =
-            of(coupled.unsettled.mean()).into_iter().map(|share| (share * replicas).round() as u64);
+        for (name, moments) in
+            [("avalanche_count", &coupled.avalanche_count), ("largest_avalanche", &coupled.largest_avalanche)]
+        {
+            writer.dataset(&format!("/coupling/{way}{name}_mean"), &moments.mean()[states.clone()])?;
+        }
+        let shares = coupled.unsettled.mean()[states].iter();
+        let unsettled = shares.map(|share| (share * replicas).round() as u64);
         writer.dataset(&format!("/coupling/{way}unsettled_count"), &unsettled.collect::<Vec<u64>>())?;
     }
     Ok(())

@@ -6,6 +6,7 @@ use super::error::{SceneError, Together};
 use super::files::{Files, with_inputs};
 use super::instability::{InstabilityTable, instability};
 use super::material::Material;
+use super::measured::measured;
 use super::population::{Population, population};
 use super::reader::Section;
 use super::substrate::SubstrateTable;
@@ -31,7 +32,11 @@ pub(super) fn read(text: &str, root: &Section<'_>, files: &dyn Files) -> Result<
         {
             material.asperity(radius, 0.0)?;
         }
-        (population(&surface, files, is_coupled), lubricant).together()
+        let population = match surface.get("asperities") {
+            Some(entry) => measured(&surface, &entry, files, is_coupled),
+            None => population(&surface, files),
+        };
+        (population, lubricant).together()
     });
     let model = section("model").and_then(|model| ModelTable::read(&model));
     // What a separation is depends on the surface, whether it is one does not.

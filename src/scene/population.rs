@@ -5,7 +5,6 @@ use super::column::{FILE_KEYS, of_file};
 use super::error::{SceneError, Together, all};
 use super::files::{Files, Input};
 use super::lookup::example;
-use super::measured::measured;
 use super::reader::{Entry, Section};
 use super::units::Dimension;
 use crate::surface::nayak::{LEAST_ALPHA, Spectrum};
@@ -26,15 +25,8 @@ pub(super) struct Population {
     pub inputs: Vec<Input>,
 }
 
-/// The surface of `[surface]`, whose asperities are coupled or not.
-pub(super) fn population(
-    section: &Section<'_>,
-    files: &dyn Files,
-    is_coupled: bool,
-) -> Result<Population, SceneError> {
-    if let Some(entry) = section.get("asperities") {
-        return measured(section, &entry, files, is_coupled);
-    }
+/// The surface of `[surface]`, whose asperities are described by laws and lists.
+pub(super) fn population(section: &Section<'_>, files: &dyn Files) -> Result<Population, SceneError> {
     let mut inputs = Vec::new();
     let heights = heights(section, files, &mut inputs);
     let radii = radii(section, files, &mut inputs);

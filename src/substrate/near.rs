@@ -1,6 +1,7 @@
 //! The part of the sums that near neighbours contribute, from a table of all their pairs.
 
 use super::Coupling;
+use crate::math::counting_sort::counting_sort;
 use crate::math::instruction_set::InstructionSet;
 use std::ops::Range;
 
@@ -17,35 +18,34 @@ pub struct Cells {
     /// The points in their order.
     pub order: Vec<u32>,
     /// Where the points of each cell begin, and at last their number.
-    starts: Vec<u32>,
+    starts: Vec<usize>,
+}
+
+/// The number along a side of the cell of a coordinate, of so many.
+fn along(count: usize, x: f64) -> usize {
+    ((x * count as f64) as usize).min(count - 1)
 }
 
 impl Cells {
     /// Sorts points into `count` × `count` cells.
     pub fn new(count: usize, points: &[[f64; 2]]) -> Self {
-        let along = |x: f64| ((x * count as f64) as usize).min(count - 1);
-        let cell = |point: &[f64; 2]| along(point[1]) * count + along(point[0]);
-        let mut starts = vec![0; count * count + 1];
-        points.iter().for_each(|point| starts[cell(point) + 1] += 1);
-        (1..starts.len()).for_each(|i| starts[i] += starts[i - 1]);
-        let (mut next, mut order) = (starts.clone(), vec![0; points.len()]);
-        for (i, point) in points.iter().enumerate() {
-            let place = &mut next[cell(point)];
-            order[*place as usize] = i as u32;
-            *place += 1;
-        }
+        let cell = |i: u32| {
+            let [column, row] = points[i as usize].map(|x| along(count, x));
+            row * count + column
+        };
+        let mut order = Vec::new();
+        let starts = counting_sort(0..points.len() as u32, count * count, cell, &mut order);
         Self { count, order, starts }
     }
 
     fn points(&self, row: usize, columns: Range<usize>) -> Range<usize> {
-        let at = |column: usize| self.starts[row * self.count + column] as usize;
-        at(columns.start)..at(columns.end)
+        self.starts[row * self.count + columns.start]..self.starts[row * self.count + columns.end]
     }
 
     /// All points, in their order, of the cell of a place and the rings around it; of few cells some come twice.
     pub fn around(&self, coupling: Coupling, place: [f64; 2]) -> impl Iterator<Item = u32> {
         let (count, rings) = (self.count as isize, RINGS as isize);
-        let [column, row] = place.map(|x| (x * self.count as f64) as isize);
+        let [column, row] = place.map(|x| along(self.count, x) as isize);
         let of = move |row: isize, column: isize| {
             let is_there = |i: isize| coupling == Coupling::Periodic || (0..count).contains(&i);
             let wrap = |i: isize| i.rem_euclid(count) as usize;

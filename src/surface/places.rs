@@ -1,5 +1,6 @@
 //! Places of asperities in a square.
 
+use crate::substrate::Coupling;
 use rand::{Rng, RngExt};
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -15,14 +16,14 @@ const LARGEST_STRETCH: f64 = 0.03;
 ///
 /// # Examples
 /// ```
+/// use stiction::substrate::Coupling;
 /// use stiction::surface::Places;
 /// use rand::SeedableRng;
 ///
 /// let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(1);
-/// let places = Places::HardCore(0.05).draw(&mut random, (100, 1.0), true);
-/// let apart = |a: f64, b: f64| (a - b) - (a - b).round();
-/// let distance = |a: [f64; 2], b: [f64; 2]| apart(a[0], b[0]).hypot(apart(a[1], b[1]));
-/// assert!((1..100).all(|i| (0..i).all(|j| distance(places[i], places[j]) >= 0.05)));
+/// let places = Places::HardCore(0.05).draw(&mut random, (100, 1.0), Coupling::Periodic);
+/// let distance = |i: usize, j: usize| Coupling::Periodic.square(places[i], places[j]).sqrt();
+/// assert!((1..100).all(|i| (0..i).all(|j| distance(i, j) >= 0.05)));
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub enum Places {
@@ -171,8 +172,8 @@ impl Places {
         (stretch(best) <= 2.0 * LARGEST_STRETCH).then(|| [count / best, best])
     }
 
-    /// Places of so many asperities in a square of a side, m, in sides: 0 ≤ x, y < 1. `is_periodic` has distances
-    /// taken across its sides too.
+    /// Places of so many asperities in a square of a side, m, in sides: 0 ≤ x, y < 1; distances are taken as
+    /// `coupling` does.
     ///
     /// # Panics
     /// When so many asperities cannot have them ([`Places::check`]).
@@ -180,11 +181,11 @@ impl Places {
         &self,
         random: &mut impl Rng,
         (count, side): (usize, f64),
-        is_periodic: bool,
+        coupling: Coupling,
     ) -> Vec<[f64; 2]> {
         match self {
             Self::Uniform => (0..count).map(|_| point(random)).collect(),
-            Self::HardCore(distance) => hard_core(random, count, distance / side, is_periodic),
+            Self::HardCore(distance) => hard_core(random, count, distance / side, coupling),
             Self::Measured(places) => places.positions.iter().map(|[x, y]| [x / side, y / side]).collect(),
             Self::Square | Self::Hexagonal => {
                 let [columns, rows] = self.lattice(count).expect("the number is checked");
@@ -206,27 +207,23 @@ fn point(random: &mut impl Rng) -> [f64; 2] {
 }
 
 /// Random sequential places at least `distance`, in sides, apart.
-fn hard_core(random: &mut impl Rng, count: usize, distance: f64, is_periodic: bool) -> Vec<[f64; 2]> {
+fn hard_core(random: &mut impl Rng, count: usize, distance: f64, coupling: Coupling) -> Vec<[f64; 2]> {
     // Cells as wide as the distance: whoever is too close is in one of nine.
     let cells = ((1.0 / distance) as usize).clamp(1, (count as f64).sqrt() as usize + 1);
     let of = |x: f64| ((x * cells as f64) as usize).min(cells - 1) as isize;
     let mut members: Vec<Vec<u32>> = vec![Vec::new(); cells * cells];
     let mut places: Vec<[f64; 2]> = Vec::with_capacity(count);
-    let apart = |a: f64, b: f64| if is_periodic { (a - b) - (a - b).round() } else { a - b };
     while places.len() < count {
-        let [x, y] = point(random);
-        let (column, row) = (of(x), of(y));
+        let place = point(random);
+        let [column, row] = place.map(of);
         let is_free = (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| (dx, dy))).all(|(dx, dy)| {
             let wrap = |i: isize| i.rem_euclid(cells as isize) as usize;
-            members[wrap(row + dy) * cells + wrap(column + dx)].iter().all(|&i| {
-                let [other_x, other_y] = places[i as usize];
-                let (dx, dy) = (apart(x, other_x), apart(y, other_y));
-                dx * dx + dy * dy >= distance * distance
-            })
+            let members = &members[wrap(row + dy) * cells + wrap(column + dx)];
+            members.iter().all(|&i| coupling.square(place, places[i as usize]) >= distance * distance)
         });
         if is_free {
             members[row as usize * cells + column as usize].push(places.len() as u32);
-            places.push([x, y]);
+            places.push(place);
         }
     }
     places
@@ -255,10 +252,10 @@ mod tests {
     /// Of a hexagonal lattice each place has six neighbours at nearly the same distance.
     #[test]
     fn hexagonal_places_have_six_neighbours() {
-        let places = Places::Hexagonal.draw(&mut ChaCha8Rng::seed_from_u64(1), (168, 1.0), true);
-        let apart = |a: f64, b: f64| (a - b) - (a - b).round();
+        let places =
+            Places::Hexagonal.draw(&mut ChaCha8Rng::seed_from_u64(1), (168, 1.0), Coupling::Periodic);
         for a in &places {
-            let distance = |b: &[f64; 2]| apart(a[0], b[0]).hypot(apart(a[1], b[1]));
+            let distance = |b: &[f64; 2]| Coupling::Periodic.square(*a, *b).sqrt();
             let mut distances: Vec<f64> = places.iter().map(distance).collect();
             distances.sort_by(f64::total_cmp);
             assert!(distances[6] / distances[1] < 1.05 && distances[7] / distances[1] > 1.6);
@@ -271,18 +268,17 @@ mod tests {
         let PlacesError::Crowded { fits, .. } = refused else { panic!("{refused}") };
         assert!(Places::HardCore(0.1 * fits * (1.0 - 1e-12)).check(100, 1.0).is_ok());
         let places = Places::HardCore(0.1 * fits * (1.0 - 1e-12));
-        assert_eq!(places.draw(&mut ChaCha8Rng::seed_from_u64(1), (100, 1.0), true).len(), 100);
+        assert_eq!(places.draw(&mut ChaCha8Rng::seed_from_u64(1), (100, 1.0), Coupling::Periodic).len(), 100);
     }
 
     /// Mean distance to the nearest of independent places: 1/(2√η).
     #[test]
     fn uniform_places_are_a_poisson_process() {
         let count = 4000;
-        let places = Places::Uniform.draw(&mut ChaCha8Rng::seed_from_u64(5), (count, 1.0), true);
-        let apart = |a: f64, b: f64| (a - b) - (a - b).round();
+        let places =
+            Places::Uniform.draw(&mut ChaCha8Rng::seed_from_u64(5), (count, 1.0), Coupling::Periodic);
         let nearest = |i: usize| {
-            let distance =
-                |j: usize| apart(places[i][0], places[j][0]).hypot(apart(places[i][1], places[j][1]));
+            let distance = |j: usize| Coupling::Periodic.square(places[i], places[j]).sqrt();
             (0..count).filter(|j| *j != i).map(distance).fold(1.0, f64::min)
         };
         let mean = (0..count).map(nearest).sum::<f64>() / count as f64 * (count as f64).sqrt();

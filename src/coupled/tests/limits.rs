@@ -209,7 +209,7 @@ fn hard_core_places_have_the_first_order_of_their_closed_form() {
         let [distance, expected] = named(row, ["minimum_distance", "mean"]);
         let count = row["count"].as_u64().unwrap() as usize;
         let draw = |_| {
-            let places = Places::HardCore(distance).draw(random, (count, 1.0), true);
+            let places = Places::HardCore(distance).draw(random, (count, 1.0), Coupling::Periodic);
             let mut found = vec![0.0; count];
             let loads: Vec<f64> = (0..count).map(|i| f64::from(u8::from(i == 0))).collect();
             let mut sums = crate::substrate::DisplacementSums::new(Coupling::Periodic, &places, 1e-6);
@@ -234,7 +234,7 @@ fn hard_core_places_have_the_first_order_of_their_closed_form() {
             Heights::gaussian(std).draw(&mut stream(18, Purpose::Heights, index), &mut heights);
             heights.sort_by(f64::total_cmp);
             let random = &mut stream(18, Purpose::Places, index);
-            let places = Places::HardCore(0.09 * side).draw(random, (count, side), true);
+            let places = Places::HardCore(0.09 * side).draw(random, (count, side), Coupling::Periodic);
             let own = |softness| {
                 let (places, heights) = (places.clone(), heights.clone());
                 let (law, coupling) = ("hertz", Coupling::Periodic);

@@ -319,11 +319,14 @@ def contact_radius(law: Callable, asperity: Asperities, delta):
     return np.sqrt(asperity.radius * np.maximum(delta, 0))
 
 
-def solve_contact(law: Callable, asperity: Asperities, heights, places, cell, separation: float, start) -> tuple[State, np.ndarray]:
+def solve_contact(
+    law: Callable, asperity: Asperities, heights, places, cell, separation: float, start, is_whole: bool = True
+) -> tuple[State, np.ndarray]:
     """As `solve`, with the next orders: contacts of finite size and the curvature of the substrate under each.
 
     The load of a contact acts as that of Hertz, its attraction as that of a flat punch, and the others' forces bend the
-    substrate: 1/R_eff = 1/R + sum_j f_j / (2 pi E* r_ij^3). Also returns the radii of the contacts in m.
+    substrate: 1/R_eff = 1/R + sum_j f_j / (2 pi E* r_ij^3). Also returns the radii of the contacts in m. Of what contacts displace
+    only the order after point forces is taken unless it `is_whole`: M / (4 pi E* r^3), M the second moment of the pressure.
     """
     green, distances = green_matrix(places, asperity.modulus, cell), Distances(places, cell)
     scale, cubes = PI * Long(asperity.modulus), distances.cubes()
@@ -333,7 +336,10 @@ def solve_contact(law: Callable, asperity: Asperities, heights, places, cell, se
         radius = contact_radius(law, bent, state.approach)
         load = bent.stiffness * radius**3 / bent.radius
         before, delta = sunk, state.approach
-        sunk = (distances.beyond(radius, "load") @ load + distances.beyond(radius, "punch") @ (state.force - load)) / scale
+        if is_whole:
+            sunk = (distances.beyond(radius, "load") @ load + distances.beyond(radius, "punch") @ (state.force - load)) / scale
+        else:
+            sunk = cubes @ (radius**2 * (2 * load / 5 + 2 * (state.force - load) / 3)) / (4 * scale)
         curvature = 1 / (Long(1) * asperity.radius) + cubes @ state.force / (2 * scale)
         bent = replace(asperity, radius=1 / curvature)
         if np.max(np.abs(sunk - before)) <= 1e-16 * np.max(np.abs(sunk) + np.abs(delta)):

@@ -12,7 +12,7 @@
   independent heights by -[<f><f'> sum_(i!=j) G_ij + <f f'> sum_i G_ii] on average.
 * `hard_core`: pi E* L G averaged over the places of two asperities at least b apart in a cell, -I(b)/(L^2 - pi b^2) with the integral
   I over the disc; and of 30 by random sequential addition, sampled, with its standard error.
-* `contact`: states with the next orders, as `ensembles` of coupling.json.
+* `contact`: states with the next orders, as `ensembles` of coupling.json; `third_order` ones with no more than 1/r^3.
 
 Usage:
     uv run scripts/reference_coupling_limits.py [-o OUT.json] [--check OTHER.json]
@@ -183,7 +183,7 @@ def hard_core_means() -> list:
 
 def contact_states(drawn: dict) -> list:
     cases = [("pair", "hertz", [-5e-10, -2e-9]), ("pair", "jkr", [-1e-9, -2e-10]), ("thirty", "hertz", [3e-9, 2e-9, 1e-9]),
-             ("thirty smooth", "jkr", [-4e-10, -2e-10])]
+             ("thirty radii", "hertz", [2e-9]), ("thirty smooth", "jkr", [-4e-10, -2e-10])]
     rows = []
     for name, law, separations in cases:
         surface = drawn[name]
@@ -194,9 +194,14 @@ def contact_states(drawn: dict) -> list:
             for separation in separations:
                 begin = min(surface["heights"]) - 1e-9 if law == "jkr" else max(surface["heights"])
                 start = follow(LAWS[law], asperity, surface["heights"], green, steps(begin, separation, 1e-10))[-1].approach
-                state, radii = solve_contact(law=LAWS[law], asperity=asperity, heights=surface["heights"], places=surface["places"],
-                                             cell=cell, separation=separation, start=start)
-                states.append({"separation": separation, "approaches": state.approach, "forces": state.force, "radii": radii})
+                whole, third = (
+                    solve_contact(law=LAWS[law], asperity=asperity, heights=surface["heights"], places=surface["places"],
+                                  cell=cell, separation=separation, start=start, is_whole=is_whole)
+                    for is_whole in (True, False)
+                )
+                states.append({"separation": separation, "approaches": whole[0].approach, "forces": whole[0].force, "radii": whole[1],
+                               "third_order_approaches": third[0].approach, "third_order_forces": third[0].force,
+                               "third_order_radii": third[1]})
             rows.append({"surface": name, "law": law, "coupling": coupling, "states": states})
     return rows
 

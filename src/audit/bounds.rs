@@ -167,6 +167,8 @@ const BOUNDS: &[Bound] = &[
     bound("/replicas/*peak_secant_stiffness", Finite, Absent),
     bound("/replicas/*peak_secant_stiffness_separation", Within, Absent),
     bound("/replicas/unsettled_count", NotNegative, Never),
+    bound("/replicas/overlapping_count", NotNegative, Never),
+    bound("/replicas/largest_crowding", NotNegative, Never),
     bound("/replicas/largest_avalanche", NotNegative, Never),
     bound("/replicas/avalanche_size_count", NotNegative, Never),
     bound("/replicas/adhesion_force", NotNegative, Never),

@@ -355,6 +355,8 @@ fn is_of_coupled(variable: &Variable) -> bool {
         "/asperities/",
         "/replicas/independent_",
         "/replicas/unsettled_count",
+        "/replicas/overlapping_count",
+        "/replicas/largest_crowding",
         "/replicas/largest_avalanche",
         "/replicas/avalanche_size_count",
     ];

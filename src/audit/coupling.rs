@@ -26,7 +26,7 @@ impl Checked<'_> {
         self.mean_field(way)
     }
 
-    /// Avalanches by their size are those of all replicas, and of all steps.
+    /// Avalanches by their size are those of all replicas, and of all steps; states that are no results likewise.
     pub fn avalanches(&mut self) -> Result<(), OutputError> {
         const PATH: &str = "/coupling/avalanche_size_count";
         if !self.has(PATH) {
@@ -41,6 +41,15 @@ impl Checked<'_> {
         // Steps of a point of a sweep without coupling have no avalanches, not none.
         if !self.is_coupled() {
             return Ok(());
+        }
+        for kind in ["unsettled", "overlapping"] {
+            let path = format!("/replicas/{kind}_count");
+            let mut of_states = 0.0;
+            for way in self.ways()? {
+                of_states += self.values(&format!("/coupling/{way}{kind}_count"))?.iter().sum::<f64>();
+            }
+            let total = self.values(&path)?.iter().sum::<f64>();
+            self.compare(&path, &[total], &[of_states], |_| 0.0, "all separations together");
         }
         let mut of_steps = 0.0;
         for way in self.ways()? {

@@ -30,7 +30,7 @@ impl<'a> RadiusLaws<'a> {
 /// Where an asperity is at rest at a jump of its law.
 #[derive(Clone, Copy, Debug)]
 pub struct Rest {
-    /// δ, m.
+    /// δ of its law, m.
     pub place: f64,
     /// The segments below and above.
     pub segments: [u8; 2],
@@ -73,6 +73,8 @@ pub struct Asperities<'a> {
     first: Vec<usize>,
     /// The number of the laws of each.
     of_each: Vec<u32>,
+    /// t = ∛(R_eff/R) of each; none where the substrate is flat under all.
+    stretches: Vec<f64>,
     order: Vec<u32>,
     out: Responses,
     places: [f64; BLOCK],
@@ -86,7 +88,29 @@ impl<'a> Asperities<'a> {
         let mut first = vec![0];
         laws.iter().for_each(|laws| first.push(first[first.len() - 1] + laws.segments.len()));
         let (out, places) = (Responses::default(), [0.0; BLOCK]);
-        Self { laws, first, of_each, order: Vec::new(), out, places, stats: SolverStats::default() }
+        let (stretches, order) = (Vec::new(), Vec::new());
+        Self { laws, first, of_each, stretches, order, out, places, stats: SolverStats::default() }
+    }
+
+    /// Takes ∛(R_eff/R) of each asperity: a bent substrate under it has its law at another radius.
+    pub fn stretch(&mut self, stretches: &[f64]) {
+        self.stretches.clear();
+        self.stretches.extend_from_slice(stretches);
+    }
+
+    /// ∛(R_eff/R) of an asperity.
+    pub fn stretch_of(&self, i: usize) -> f64 {
+        stretch_of(&self.stretches, i)
+    }
+
+    /// The interference, m, of an asperity at one of its law, m.
+    pub fn place(&self, i: usize, of_law: f64) -> f64 {
+        of_law * self.stretch_of(i)
+    }
+
+    /// The interference of its law, m, of an asperity at one, m.
+    pub fn of_law(&self, i: usize, interference: f64) -> f64 {
+        interference / self.stretch_of(i)
     }
 
     /// The number of the laws of an asperity.
@@ -110,7 +134,8 @@ impl<'a> Asperities<'a> {
     pub fn touched(&self, interference: &[f64]) -> States {
         let mut states = self.untouched();
         for (i, &delta) in interference.iter().enumerate() {
-            let holds = |segment: &Segment| delta >= segment.lower && delta < segment.upper;
+            let of_law = self.of_law(i, delta);
+            let holds = |segment: &Segment| of_law >= segment.lower && of_law < segment.upper;
             let last = self.laws[self.number(i)].segments.iter().rposition(holds);
             states.segments[i] = last.unwrap_or(0) as u8;
         }
@@ -125,8 +150,14 @@ impl<'a> Asperities<'a> {
         }
     }
 
-    /// The segment that an asperity is in; one that has flowed leaves the law on approach at ω_max.
+    /// The segment that an asperity is in, between interferences.
     pub(crate) fn segment(&self, states: &States, i: usize) -> Segment {
+        let (own, stretch) = (self.segment_of_law(states, i), self.stretch_of(i));
+        Segment { lower: own.lower * stretch, upper: own.upper * stretch, ..own }
+    }
+
+    /// The same between interferences of its law; one that has flowed leaves the law on approach at ω_max.
+    pub(crate) fn segment_of_law(&self, states: &States, i: usize) -> Segment {
         let segment = self.segments(states, i)[states.segments[i] as usize];
         match states.unloaded[i] {
             Some(_) => segment,
@@ -137,7 +168,7 @@ impl<'a> Asperities<'a> {
     /// The segment that follows where an asperity leaves its own, upwards or not; of one that comes back from
     /// ω_max it is the first of its own.
     pub(crate) fn next(&mut self, states: &mut States, i: usize, upwards: bool) -> Option<u8> {
-        let (own, largest) = (self.segment(states, i), states.largest[i]);
+        let (own, largest) = (self.segment_of_law(states, i), states.largest[i]);
         if upwards || states.unloaded[i].is_some() || own.lower > largest {
             return own.next[usize::from(upwards)];
         }
@@ -179,11 +210,11 @@ impl<'a> Asperities<'a> {
     /// Has asperities at interferences, m, remember how deep they were, if they flow.
     pub fn remember(&self, states: &mut States, interference: &[f64]) {
         for (i, &delta) in interference.iter().enumerate() {
-            let laws = &self.laws[self.number(i)];
+            let (laws, delta) = (&self.laws[self.number(i)], self.of_law(i, delta));
             if !(delta > states.largest[i].max(laws.memory.onset())) {
                 continue;
             }
-            let segment = self.segment(states, i);
+            let segment = self.segment_of_law(states, i);
             let is_virgin = matches!(segment.source, Source::Law(Path::Approach, _)) && delta < segment.upper;
             if !is_virgin || states.resting.contains_key(&(i as u32)) {
                 continue;
@@ -220,7 +251,8 @@ impl<'a> Asperities<'a> {
         }
         for &i in &order[starts[alone]..] {
             let i = i as usize;
-            put(forces, i, self.one(states, i, states.segments[i], interference[i]));
+            let of_law = self.of_law(i, interference[i]);
+            put(forces, i, self.one(states, i, states.segments[i], of_law));
         }
         self.order = order;
         for (&i, rest) in &states.resting {
@@ -231,8 +263,12 @@ impl<'a> Asperities<'a> {
         }
     }
 
-    /// F_s, N, P, N, and the area, m², of one asperity in a segment of its at an interference, m.
+    /// F_s, N, P, N, and the area, m², of one asperity in a segment of its at an interference of its law, m.
     pub fn one(&mut self, states: &States, i: usize, segment: u8, interference: f64) -> [f64; 3] {
+        stretched(self.stretch_of(i), self.one_of_law(states, i, segment, interference))
+    }
+
+    fn one_of_law(&mut self, states: &States, i: usize, segment: u8, interference: f64) -> [f64; 3] {
         let laws = &self.laws[self.number(i)];
         let flowed = states.unloaded[i].as_ref();
         let segment = flowed.map_or(&laws.segments, |flowed| &flowed.segments)[segment as usize];
@@ -253,7 +289,7 @@ impl<'a> Asperities<'a> {
         interference: &[f64],
         forces: &mut Forces,
     ) {
-        let Self { laws, out, places, stats, .. } = self;
+        let Self { laws, out, places, stats, stretches, .. } = self;
         let RadiusLaws { memory, segments, .. } = &laws[number];
         let segment = &segments[segment];
         let Source::Law(path, regime) = segment.source else {
@@ -262,16 +298,19 @@ impl<'a> Asperities<'a> {
         };
         let law = memory.law(path);
         if let Method::Constant(adhesion) = law.method(regime) {
-            which.iter().for_each(|&i| put(forces, i as usize, [adhesion, 0.0, 0.0]));
+            let stretch = |i: u32| stretch_of(stretches, i as usize);
+            let adhesion = |i: u32| stretched(stretch(i), [adhesion, 0.0, 0.0]);
+            which.iter().for_each(|&i| put(forces, i as usize, adhesion(i)));
             return;
         }
         for block in which.chunks(BLOCK) {
             for (place, &i) in places.iter_mut().zip(block) {
-                *place = within(segment, interference[i as usize]);
+                *place = within(segment, interference[i as usize] / stretch_of(stretches, i as usize));
             }
             law.evaluate(regime, &places[..block.len()], out, stats);
             for (k, &i) in block.iter().enumerate() {
-                put(forces, i as usize, [out.adhesion[k], out.contact[k], out.area[k]]);
+                let found = [out.adhesion[k], out.contact[k], out.area[k]];
+                put(forces, i as usize, stretched(stretch_of(stretches, i as usize), found));
             }
         }
     }
@@ -291,6 +330,16 @@ pub fn distinct(radii: &[f64]) -> (Vec<f64>, Vec<u32>) {
     let number = |radius: &f64| different.partition_point(|other| other < radius) as u32;
     let numbers = radii.iter().map(number).collect();
     (different, numbers)
+}
+
+fn stretch_of(stretches: &[f64], i: usize) -> f64 {
+    stretches.get(i).copied().unwrap_or(1.0)
+}
+
+/// F_s, P and the area at R_eff by those at R: with t = ∛(R_eff/R), t³ F(δ/t) and t⁴ A(δ/t).
+fn stretched(stretch: f64, [adhesion, contact, area]: [f64; 3]) -> [f64; 3] {
+    let of_force = stretch * stretch * stretch;
+    [of_force * adhesion, of_force * contact, of_force * stretch * area]
 }
 
 fn put(forces: &mut Forces, i: usize, [adhesion, contact, area]: [f64; 3]) {

@@ -1,6 +1,7 @@
 //! The half-space under a surface: what loads displace.
 
-use crate::substrate::{Coupling, DisplacementSums};
+use super::contacts::Contacts;
+use crate::substrate::{Coupling, DisplacementSums, Influence};
 use std::f64::consts::PI;
 
 /// What a force does to its own foot by its repetition in a square of 1, and the factor of the square of the distance by
@@ -11,77 +12,167 @@ const ROUGH: f64 = 1e-3;
 /// Error of sums over their tolerance, at most.
 const BOUND: f64 = 10.0;
 
-/// The displacements of the feet of asperities by the forces of all.
-pub struct HalfSpace {
+/// Sums over asperities, to full accuracy and to a few digits.
+pub struct Sums {
     fine: DisplacementSums,
     rough: DisplacementSums,
+    /// The unit of what they give.
+    scale: f64,
+    /// The same at the mean distance of neighbours, in units of `scale`.
+    nearby: f64,
+}
+
+impl Sums {
+    /// The sums of an influence over asperities at `places`, in sides of the square, times `scale`.
+    pub fn new(
+        (coupling, influence): (Coupling, Influence),
+        places: &[[f64; 2]],
+        scale: f64,
+        tolerance: f64,
+    ) -> Self {
+        let count = places.len() as f64;
+        let nearby = if influence == Influence::Displacement { count.sqrt() } else { count * count.sqrt() };
+        Self {
+            fine: DisplacementSums::new(coupling, influence, places, tolerance),
+            rough: DisplacementSums::new(coupling, influence, places, ROUGH),
+            scale,
+            nearby,
+        }
+    }
+
+    fn finely(&mut self, loads: &[f64], out: &mut [f64]) {
+        self.fine.apply(loads, out);
+        out.iter_mut().for_each(|u| *u *= self.scale);
+    }
+
+    fn roughly(&mut self, loads: &[f64], out: &mut [f64]) {
+        self.rough.apply(loads, out);
+        out.iter_mut().for_each(|u| *u *= self.scale);
+    }
+}
+
+/// Loads whose sums are known, and the change of others from them.
+pub struct Known {
+    loads: Vec<f64>,
+    sums: Vec<f64>,
+    change: Vec<f64>,
+}
+
+impl Known {
+    /// Nothing is known of so many.
+    pub fn new(count: usize) -> Self {
+        let [loads, sums, change] = std::array::from_fn(|_| vec![0.0; count]);
+        Self { loads, sums, change }
+    }
+
+    /// Takes the sums over `loads` to full accuracy: later ones are told from them.
+    pub fn know(&mut self, sums: &mut Sums, loads: &[f64]) {
+        sums.finely(loads, &mut self.sums);
+        self.loads.copy_from_slice(loads);
+    }
+
+    /// Fills `out` with the sums over `loads`, and bounds their error: those of the change from loads whose sums are
+    /// known are rough.
+    pub fn tell(&mut self, sums: &mut Sums, loads: &[f64], out: &mut [f64]) -> f64 {
+        let mut largest = 0.0_f64;
+        for (change, (load, known)) in self.change.iter_mut().zip(loads.iter().zip(&self.loads)) {
+            *change = load - known;
+            largest = largest.max(change.abs());
+        }
+        if largest > 0.0 {
+            sums.roughly(&self.change, out);
+            out.iter_mut().zip(&self.sums).for_each(|(u, known)| *u += known);
+        } else {
+            out.copy_from_slice(&self.sums);
+        }
+        BOUND * ROUGH * largest * sums.scale * sums.nearby
+    }
+}
+
+/// The displacements of the feet of asperities by the forces of all.
+pub struct HalfSpace {
+    sums: Sums,
     /// 1/(πE*L), m/N.
     compliance: f64,
     /// Places, in sides.
     places: Vec<[f64; 2]>,
     coupling: Coupling,
-    /// Loads, N, whose displacements, m, are known.
-    known: (Vec<f64>, Vec<f64>),
-    change: Vec<f64>,
+    /// A bound from below of the distance of each to the nearest other, in sides.
+    nearest: Vec<f64>,
+    known: Known,
+    tolerance: f64,
+    /// What they do that are not points.
+    pub(super) contacts: Option<Contacts>,
 }
 
 impl HalfSpace {
-    /// The half-space under asperities at `places`, in sides of the square; `compliance` is 1/(πE*L), m/N.
+    /// The half-space under asperities at `places`, in sides of the square, whose contacts are points; `compliance` is
+    /// 1/(πE*L), m/N.
     pub fn new(coupling: Coupling, places: Vec<[f64; 2]>, compliance: f64, tolerance: f64) -> Self {
-        let count = places.len();
-        Self {
-            fine: DisplacementSums::new(coupling, &places, tolerance),
-            rough: DisplacementSums::new(coupling, &places, ROUGH),
-            compliance,
-            places,
-            coupling,
-            known: (vec![0.0; count], vec![0.0; count]),
-            change: vec![0.0; count],
-        }
+        let sums = Sums::new((coupling, Influence::Displacement), &places, compliance, tolerance);
+        let known = Known::new(places.len());
+        let nearest = nearest(coupling, &sums.rough, &places);
+        Self { sums, compliance, places, coupling, nearest, known, tolerance, contacts: None }
+    }
+
+    /// The same under contacts of finite size, of asperities of `radii`, m; `side` is that of the square, m.
+    pub fn with_contacts(mut self, side: f64, radii: Vec<f64>) -> Self {
+        let Self { coupling, places, compliance, tolerance, .. } = &self;
+        self.contacts = Some(Contacts::new((*coupling, places), (side, radii), *compliance, *tolerance));
+        self
     }
 
     /// Takes the displacements by `loads`, N, to full accuracy: later ones are told from them.
     pub fn know(&mut self, loads: &[f64]) {
-        let mut displacements = std::mem::take(&mut self.known.1);
-        self.displace_finely(loads, &mut displacements);
-        self.known.0.copy_from_slice(loads);
-        self.known.1 = displacements;
+        self.known.know(&mut self.sums, loads);
+        if let Some(contacts) = &mut self.contacts {
+            contacts.know(loads);
+        }
     }
 
     /// Fills `out` with the displacements, m, by `loads`, N, and bounds their error, m: the sums of the change
     /// from loads whose displacements are known are rough.
     pub fn displace(&mut self, loads: &[f64], out: &mut [f64]) -> f64 {
-        let mut change = std::mem::take(&mut self.change);
-        let mut largest = 0.0_f64;
-        for (change, (load, known)) in change.iter_mut().zip(loads.iter().zip(&self.known.0)) {
-            *change = load - known;
-            largest = largest.max(change.abs());
-        }
-        if largest > 0.0 {
-            self.displace_roughly(&change, out);
-            out.iter_mut().zip(&self.known.1).for_each(|(u, known)| *u += known);
-        } else {
-            out.copy_from_slice(&self.known.1);
-        }
-        self.change = change;
-        BOUND * ROUGH * largest * self.compliance * (self.places.len() as f64).sqrt()
+        self.known.tell(&mut self.sums, loads, out)
     }
 
     /// Fills `out` with the displacements, m, by `loads`, N, to full accuracy.
     pub fn displace_finely(&mut self, loads: &[f64], out: &mut [f64]) {
-        self.fine.apply(loads, out);
-        out.iter_mut().for_each(|u| *u *= self.compliance);
+        self.sums.finely(loads, out);
     }
 
     /// Fills `out` with the displacements, m, by `loads`, N, to a few digits.
     pub fn displace_roughly(&mut self, loads: &[f64], out: &mut [f64]) {
-        self.rough.apply(loads, out);
-        out.iter_mut().for_each(|u| *u *= self.compliance);
+        self.sums.roughly(loads, out);
     }
 
     /// The square of the distance of two asperities, in sides.
     pub fn square(&self, i: usize, j: usize) -> f64 {
         self.coupling.square(self.places[i], self.places[j])
+    }
+
+    /// The largest (a_i + a_j)/r_ij of circles of radii a, in sides: 1 where two touch.
+    pub fn crowding(&self, radii: &[f64]) -> f64 {
+        let widest = radii.iter().copied().fold(0.0, f64::max);
+        let touching: Vec<usize> = (0..radii.len()).rev().filter(|i| radii[*i] > 0.0).collect();
+        // A repeated square has copies of each a side away.
+        let mut largest = if self.coupling == Coupling::Periodic { 2.0 * widest } else { 0.0 };
+        for &i in &touching {
+            let most = radii[i] + widest;
+            if most <= largest * self.nearest[i] {
+                continue;
+            }
+            let with = |largest: f64, j: usize| match j != i && radii[j] > 0.0 {
+                true => ((radii[i] + radii[j]) / self.square(i, j).sqrt()).max(largest),
+                false => largest,
+            };
+            let (near, reach) = self.sums.rough.around(self.places[i]);
+            largest = near.map(|j| j as usize).fold(largest, with);
+            if most > largest * reach {
+                largest = touching.iter().copied().fold(largest, with);
+            }
+        }
+        largest
     }
 
     /// How far the foot of an asperity is lowered, m/N, when it pushes with 1 N and all others give way as
@@ -93,7 +184,7 @@ impl HalfSpace {
             Coupling::Periodic => (REPEATED.0, REPEATED.1, 0.26),
             Coupling::Patch => (0.0, 0.0, 1.0 / PI.sqrt()),
         };
-        let (near, reach) = self.rough.around(self.places[i]);
+        let (near, reach) = self.sums.rough.around(self.places[i]);
         let mut sum = 0.0;
         for j in near.map(|j| j as usize) {
             if j != i && slopes[j] != 0.0 {
@@ -105,4 +196,15 @@ impl HalfSpace {
         let beyond = 2.0 * PI * self.places.len() as f64 * libm::log((furthest / reach).max(1.0));
         self.compliance * (own - self.compliance * (sum + mean * beyond))
     }
+}
+
+/// A bound from below of the distance of each of some places to the nearest other, in sides.
+fn nearest(coupling: Coupling, sums: &DisplacementSums, places: &[[f64; 2]]) -> Vec<f64> {
+    let of = |(i, place): (usize, &[f64; 2])| {
+        let (near, reach) = sums.around(*place);
+        let others = near.map(|j| j as usize).filter(|j| *j != i);
+        let least = others.map(|j| coupling.square(*place, places[j])).fold(reach * reach, f64::min);
+        least.sqrt()
+    };
+    places.iter().enumerate().map(of).collect()
 }

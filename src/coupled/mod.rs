@@ -2,6 +2,7 @@
 
 mod asperities;
 mod avalanches;
+mod contacts;
 mod half_space;
 mod passages;
 mod solver;

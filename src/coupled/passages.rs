@@ -18,7 +18,7 @@ const RETURNS: u8 = 3;
 /// Share of the length of the law by which an asperity that has passed may lie short of the end.
 const SHORT: f64 = 1e-9;
 
-/// A passage of an asperity from a segment without way back, at δ, m, upwards or not.
+/// A passage of an asperity from a segment without way back, at δ of its law, m, upwards or not.
 #[derive(Clone, Copy, Debug)]
 struct Passage {
     asperity: usize,
@@ -99,7 +99,7 @@ impl Solver<'_> {
         if std::mem::take(&mut self.passages.is_knot) {
             self.rest_together();
         }
-        self.states.resting.iter().for_each(|(&i, rest)| self.interference[i as usize] = rest.place);
+        self.place_rests();
         count
     }
 
@@ -123,7 +123,7 @@ impl Solver<'_> {
             return false;
         }
         let Some(to) = asperities.next(states, i, upwards) else { return false };
-        let (own, from) = (asperities.segment(states, i), states.segments[i]);
+        let (own, from) = (asperities.segment_of_law(states, i), states.segments[i]);
         let is_hysteretic = asperities.is_hysteretic(states, i, [from, to]);
         // Without way back only where the others are known.
         if is_hysteretic && !passages.is_close {
@@ -140,7 +140,7 @@ impl Solver<'_> {
             let yielding = half_space.yielding(i, slopes, *mean_slope);
             let share = if upwards { 0.0 } else { 1.0 };
             let rest = Rest { place, segments, share, ends, stiffness: 1.0 / yielding };
-            if jump * yielding > (delta - place).abs() {
+            if jump * yielding > (delta - asperities.place(i, place)).abs() {
                 states.resting.insert(i as u32, rest);
                 return true;
             }
@@ -166,8 +166,8 @@ impl Solver<'_> {
         made.retain(|passage| {
             let i = passage.asperity;
             let (room, delta) = (SHORT * asperities.length(i), interference[i]);
-            let is_beyond =
-                if passage.upwards { delta >= passage.end - room } else { delta < passage.end + room };
+            let end = asperities.place(i, passage.end);
+            let is_beyond = if passage.upwards { delta >= end - room } else { delta < end + room };
             if is_beyond || counts[i] >= PASSAGES || states.resting.contains_key(&(i as u32)) {
                 return true;
             }

@@ -9,6 +9,9 @@
 //! With the states fixed, asperities beyond the ends of their segments have the force at the end. They then pass
 //! into the next segment, and the rest follows ([`super::passages`]).
 //!
+//! What contacts of finite size add ([`super::contacts`]) is in the residual, and R_eff is that of the step before: both
+//! are of the third order in a/r, and systems leave them out.
+//!
 //! A state is stable where I + G K has no eigenvalue ≤ 0 (the outermost follow from GMRES). Where Newton's
 //! method finds none, the surface as a whole has become unstable, and falls ([`fall`]).
 
@@ -22,6 +25,7 @@ use crate::asperity::SolverStats;
 use crate::math::gmres;
 use crate::math::linalg::smallest_real_part;
 use crate::math::sums::Compensated;
+use std::f64::consts::PI;
 
 /// Smallest and largest residual of a system, the share of the tolerance of loads that it aims at, and most
 /// products for it.
@@ -62,6 +66,7 @@ pub struct Settled {
 pub struct Snapshot {
     states: States,
     interference: Vec<f64>,
+    stretches: Vec<f64>,
     separation: f64,
 }
 
@@ -84,8 +89,10 @@ pub struct Solver<'a> {
     pub(super) slopes: Vec<f64>,
     /// Mean slope, N/m.
     pub(super) mean_slope: f64,
-    /// Where they were taken: δ, m, NaN of none, and the segment.
-    taken: (Vec<f64>, Vec<u8>),
+    /// Where they were taken: δ of the law, m, NaN of none, f of the law, N, and the segment.
+    taken: (Vec<f64>, Vec<f64>, Vec<u8>),
+    /// ∛(R_eff/R) of each by the last forces; none where contacts are points.
+    stretches: Vec<f64>,
     /// Error of a load, over the largest, by the rough sums in the residual.
     unsure: f64,
     residual: Vec<f64>,
@@ -117,6 +124,7 @@ impl<'a> Solver<'a> {
         tolerance: f64,
     ) -> Self {
         let count = heights.len();
+        let stretches = vec![1.0; if half_space.contacts.is_some() { count } else { 0 }];
         let memory = Scratch {
             all: (0..count as u32).collect(),
             beside: vec![0.0; count],
@@ -137,7 +145,8 @@ impl<'a> Solver<'a> {
             external: vec![0.0; count],
             slopes: vec![0.0; count],
             mean_slope: 0.0,
-            taken: (vec![f64::NAN; count], vec![0; count]),
+            taken: (vec![f64::NAN; count], vec![0.0; count], vec![0; count]),
+            stretches,
             unsure: 0.0,
             residual: vec![0.0; count],
             path: None,
@@ -152,6 +161,8 @@ impl<'a> Solver<'a> {
         for (delta, z) in self.interference.iter_mut().zip(self.heights) {
             *delta = z - d;
         }
+        self.stretches.fill(1.0);
+        self.asperities.stretch(&self.stretches);
         self.states = if has_touched {
             self.asperities.touched(&self.interference)
         } else {
@@ -165,14 +176,17 @@ impl<'a> Solver<'a> {
 
     /// The present state.
     pub fn snapshot(&self) -> Snapshot {
-        let Self { states, interference, separation, .. } = self;
-        Snapshot { states: states.clone(), interference: interference.clone(), separation: *separation }
+        let Self { states, interference, stretches, separation, .. } = self;
+        let (states, interference, stretches) = (states.clone(), interference.clone(), stretches.clone());
+        Snapshot { states, interference, stretches, separation: *separation }
     }
 
     /// Goes back to a state.
     pub fn restore(&mut self, snapshot: &Snapshot) {
         self.states.clone_from(&snapshot.states);
         self.interference.copy_from_slice(&snapshot.interference);
+        self.stretches.copy_from_slice(&snapshot.stretches);
+        self.asperities.stretch(&self.stretches);
         self.separation = snapshot.separation;
         self.forget();
     }
@@ -210,6 +224,12 @@ impl<'a> Solver<'a> {
         sum.value()
     }
 
+    /// The largest (a_i + a_j)/r_ij of the radii of contacts over the distance of two, in a square of `side`, m.
+    pub fn crowding(&self, side: f64) -> f64 {
+        let radius = |area: &f64| (area / PI).sqrt() / side;
+        self.half_space.crowding(&self.forces.area.iter().map(radius).collect::<Vec<f64>>())
+    }
+
     /// Goes to the separation d, m, from the present state.
     pub fn settle(&mut self, d: f64) -> Settled {
         let (before, from) = (self.snapshot(), self.separation);
@@ -244,13 +264,17 @@ impl<'a> Solver<'a> {
         // Jumps are short: few asperities stay at theirs.
         for (i, rest) in std::mem::take(&mut self.states.resting) {
             self.states.segments[i as usize] = rest.segments[usize::from(d < from)];
-            self.interference[i as usize] = rest.place - (d - from);
+            self.interference[i as usize] = self.asperities.place(i as usize, rest.place) - (d - from);
         }
     }
 
     /// Forces, slopes and residuals at the present interferences; the largest error of a load over the largest
     /// load.
     fn evaluate(&mut self, d: f64) -> f64 {
+        if !self.stretches.is_empty() {
+            self.asperities.stretch(&self.stretches);
+            self.place_rests();
+        }
         let Self { asperities, states, interference, forces, memory, .. } = self;
         asperities.respond(states, &memory.all, interference, forces);
         self.take_slopes();
@@ -264,18 +288,21 @@ impl<'a> Solver<'a> {
         unknown.clear();
         for (i, &delta) in interference.iter().enumerate() {
             let load = forces.contact[i] - forces.adhesion[i];
+            // By the law itself, which knows no bent substrate: that changes with the others.
+            let stretch = asperities.stretch_of(i);
+            let (delta, of_law) = (delta / stretch, load / (stretch * stretch * stretch));
             let (change, segment) = (delta - taken.0[i], states.segments[i]);
-            let of = asperities.segment(states, i);
+            let of = asperities.segment_of_law(states, i);
             if delta < of.lower || delta > of.upper {
                 slopes[i] = 0.0;
                 taken.0[i] = f64::NAN;
             } else {
-                if segment != taken.1[i] || change.is_nan() {
+                if segment != taken.2[i] || change.is_nan() {
                     unknown.push(i as u32);
                 } else if change.abs() > SECANT * asperities.length(i) {
-                    slopes[i] = (load - external[i]) / change;
+                    slopes[i] = stretch * stretch * (of_law - taken.1[i]) / change;
                 }
-                (taken.0[i], taken.1[i]) = (delta, segment);
+                (taken.0[i], taken.1[i], taken.2[i]) = (delta, of_law, segment);
             }
             external[i] = load;
         }
@@ -293,16 +320,49 @@ impl<'a> Solver<'a> {
         }
     }
 
+    /// Has asperities at rest where their jumps are.
+    pub(super) fn place_rests(&mut self) {
+        let Self { asperities, states, interference, .. } = self;
+        states.resting.iter().for_each(|(&i, rest)| {
+            interference[i as usize] = asperities.place(i as usize, rest.place);
+        });
+    }
+
+    /// Adds what contacts of finite size displace, and takes how they bend the substrate under each other. Bounds the
+    /// error of displacements, m, and those of loads, N, by the rough sums and by what has bent since they were taken.
+    fn bend(&mut self) -> [f64; 3] {
+        let Self {
+            asperities, half_space, interference, forces, external, slopes, stretches, memory, ..
+        } = self;
+        let Some(contacts) = &mut half_space.contacts else { return [0.0; 3] };
+        let [unsure, uncertain] = contacts.act((external, forces), &mut memory.displacements, stretches);
+        // Of s F(δ s^(−1/3)) by s.
+        let (mut most, mut late) = (0.0_f64, 0.0);
+        for (i, stretch) in stretches.iter().enumerate() {
+            let of_slope = (interference[i] * slopes[i] / 3.0).abs();
+            let change = forces.contact[i].abs() + forces.adhesion[i].abs() + of_slope;
+            let off = change * 3.0 * (stretch / asperities.stretch_of(i) - 1.0).abs();
+            most = most.max(change);
+            late = if off <= late { late } else { off };
+        }
+        [unsure, most * uncertain, late]
+    }
+
     /// Residuals of the present loads; the largest error of a load over the largest load.
     fn displace(&mut self, d: f64) -> f64 {
         let displacements = &mut self.memory.displacements;
-        let unsure = self.half_space.displace(&self.external, displacements);
+        let mut unsure = self.half_space.displace(&self.external, displacements);
+        let [of_contacts, uncertain, late] = self.bend();
+        unsure += of_contacts;
+        let displacements = &self.memory.displacements;
         for (i, residual) in self.residual.iter_mut().enumerate() {
             *residual = self.interference[i] + displacements[i] - (self.heights[i] - d);
         }
         let largest = largest(self.external.iter().copied());
         let error = largest_of_products(&self.slopes, &self.residual);
-        self.unsure = if unsure > 0.0 { largest_magnitude(&self.slopes) * unsure / largest } else { 0.0 };
+        let error = if late > error { late } else { error };
+        unsure = largest_magnitude(&self.slopes) * unsure + uncertain;
+        self.unsure = if unsure > 0.0 { unsure / largest } else { 0.0 };
         // Where a force does not vary, places still decide who passes.
         let of_places = PLACES * largest_magnitude(&self.residual) / self.asperities.length(0);
         if error == 0.0 { of_places } else { (error / largest).max(of_places) }
@@ -349,10 +409,10 @@ impl Solver<'_> {
 
     /// Takes a share of the step.
     fn advance(&mut self, share: f64) {
-        let Self { states, interference, memory, .. } = self;
+        let Self { asperities, states, interference, memory, .. } = self;
         interference.iter_mut().zip(&memory.step).for_each(|(delta, step)| *delta += share * step);
         for (&i, rest) in &mut states.resting {
-            interference[i as usize] = rest.place;
+            interference[i as usize] = asperities.place(i as usize, rest.place);
             rest.share += share * rest.stiffness * memory.step[i as usize] / (rest.ends[1] - rest.ends[0]);
         }
         self.leave_rests(0.0, 0.0);
@@ -361,7 +421,7 @@ impl Solver<'_> {
     /// Has asperities leave their rests whose share, with that of a step, is beyond 0 and 1 by more than `room`;
     /// whether some do.
     fn leave_rests(&mut self, of_step: f64, room: f64) -> bool {
-        let Self { states, interference, passages, memory, .. } = self;
+        let Self { asperities, states, interference, passages, memory, .. } = self;
         let count = states.resting.len();
         let share_of = |i: u32, rest: &Rest| {
             let of_step = of_step * rest.stiffness * memory.step[i as usize] / (rest.ends[1] - rest.ends[0]);
@@ -381,7 +441,8 @@ impl Solver<'_> {
             // A force that drives the asperity on over its jump has it on the side away from that force.
             let upper = (share > 0.5) == ((rest.ends[1] - rest.ends[0]) * rest.stiffness > 0.0);
             states.segments[i] = rest.segments[usize::from(upper)];
-            interference[i] = if upper { rest.place } else { rest.place.next_down() };
+            let place = asperities.place(i, rest.place);
+            interference[i] = if upper { place } else { place.next_down() };
             passages.left(i);
             false
         });

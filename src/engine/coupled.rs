@@ -11,7 +11,7 @@ use crate::asperity::memory::{Held, Memory};
 use crate::asperity::{Path, Quantity, SolverStats, SurfaceLoops};
 use crate::coupled::{Asperities, HalfSpace, RadiusLaws, Settled, Snapshot, Solver, distinct};
 use crate::math::extrema::{Extremum, largest_secant};
-use crate::substrate::Coupling;
+use crate::substrate::{Coupling, Kernel};
 use crate::surface::Places;
 use std::f64::consts::PI;
 
@@ -24,6 +24,8 @@ const ZOOM: (usize, usize) = (16, 2);
 pub struct Substrate<'a> {
     /// What surrounds a surface.
     pub coupling: Coupling,
+    /// How contacts act on each other.
+    pub kernel: Kernel,
     /// The places of asperities.
     pub places: &'a Places,
     /// Largest error of a load, relative to the largest.
@@ -44,6 +46,8 @@ pub struct Substrate<'a> {
 struct CoupledSurface<'a> {
     job: &'a Job<'a>,
     solver: Solver<'a>,
+    /// m.
+    side: f64,
     /// How the last separation was reached.
     settled: Settled,
     regimes: Vec<RegimeSums>,
@@ -92,9 +96,13 @@ pub(super) fn couple(
     });
     let (different, numbers) = distinct(&radii);
     let laws = different.iter().map(|radius| laws_of((job, substrate), *radius)).collect();
+    let half_space = HalfSpace::new(substrate.coupling, places, compliance, substrate.tolerance);
     let solver = Solver::new(
         Asperities::new(laws, numbers),
-        HalfSpace::new(substrate.coupling, places, compliance, substrate.tolerance),
+        match substrate.kernel {
+            Kernel::Point => half_space,
+            Kernel::Contact => half_space.with_contacts(side, radii),
+        },
         &heights,
         substrate.tolerance,
     );
@@ -102,6 +110,7 @@ pub(super) fn couple(
     let mut surface = CoupledSurface {
         job,
         solver,
+        side,
         settled: Settled::default(),
         regimes: vec![RegimeSums::default(); r],
         highest,
@@ -129,6 +138,8 @@ pub(super) fn couple(
         largest_avalanche: coupled.largest_avalanche.iter().fold(0.0, |most: f64, size| most.max(*size))
             as u64,
         avalanche_sizes: coupled.avalanche_sizes,
+        largest_crowding: coupled.largest_crowding,
+        overlapping: total(&coupled.overlapping),
         asperities: surface.told.map(|told| told.states),
     }));
     if let Some(cycle) = &mut kept.cycle {
@@ -272,6 +283,9 @@ impl CoupledSurface<'_> {
         let sizes = coupled.avalanche_sizes.iter_mut().zip(avalanches.of_class);
         sizes.for_each(|(sum, count)| *sum += u64::from(count));
         coupled.unsettled[state] = f64::from(u8::from(!self.settled.is_converged));
+        let crowding = self.solver.crowding(self.side);
+        coupled.overlapping[state] = f64::from(u8::from(crowding > 1.0));
+        coupled.largest_crowding = coupled.largest_crowding.max(crowding);
     }
 
     /// The smallest force between the neighbours of the smallest of samples, in the order of the way, from the

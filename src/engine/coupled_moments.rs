@@ -20,6 +20,8 @@ pub struct CoupledMoments {
     pub largest_avalanche: Moments,
     /// Replicas without a stable state, as shares.
     pub unsettled: Moments,
+    /// Replicas in which circles of contact overlap, as shares.
+    pub overlapping: Moments,
     /// Moments of the means of groups.
     pub groups: CoupledGroups,
 }
@@ -48,6 +50,7 @@ impl CoupledMoments {
             avalanche_count: Moments::new(s),
             largest_avalanche: Moments::new(s),
             unsettled: Moments::new(s),
+            overlapping: Moments::new(s),
             groups: CoupledGroups {
                 independent: all(),
                 difference: all(),
@@ -65,6 +68,7 @@ impl CoupledMoments {
         self.avalanche_count.push(&coupled.avalanche_count);
         self.largest_avalanche.push(&coupled.largest_avalanche);
         self.unsettled.push(&coupled.unsettled);
+        self.overlapping.push(&coupled.overlapping);
         self.groups.push(job, replica, curves, coupled);
     }
 
@@ -72,7 +76,7 @@ impl CoupledMoments {
     fn all(&self) -> impl Iterator<Item = &Moments> {
         let groups = &self.groups;
         let lists = [&self.independent[..], &groups.independent, &groups.difference, &groups.scalars];
-        let single = [&self.avalanche_count, &self.largest_avalanche, &self.unsettled];
+        let single = [&self.avalanche_count, &self.largest_avalanche, &self.unsettled, &self.overlapping];
         lists.into_iter().flatten().chain(single)
     }
 
@@ -80,7 +84,8 @@ impl CoupledMoments {
         let groups = &mut self.groups;
         let lists =
             [&mut self.independent[..], &mut groups.independent, &mut groups.difference, &mut groups.scalars];
-        let single = [&mut self.avalanche_count, &mut self.largest_avalanche, &mut self.unsettled];
+        let Self { avalanche_count, largest_avalanche, unsettled, overlapping, .. } = self;
+        let single = [avalanche_count, largest_avalanche, unsettled, overlapping];
         lists.into_iter().flatten().chain(single)
     }
 

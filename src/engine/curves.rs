@@ -32,6 +32,10 @@ pub struct CoupledCurves {
     pub largest_avalanche: Vec<f64>,
     /// 1 where no stable state was found, else 0.
     pub unsettled: Vec<f64>,
+    /// 1 where circles of contact overlap, else 0.
+    pub overlapping: Vec<f64>,
+    /// Largest (a_i + a_j)/r_ij of all pairs in all states.
+    pub largest_crowding: f64,
     /// Avalanches of all steps by their size: of 2^k to 2^(k+1) − 1 asperities.
     pub avalanche_sizes: [u64; CLASSES],
 }
@@ -40,12 +44,15 @@ impl CoupledCurves {
     /// Nothing yet beside the curves of the same asperities without coupling.
     pub(super) fn new(independent: &Curves) -> Self {
         let states = independent.total[0].len();
-        let [avalanche_count, largest_avalanche, unsettled] = std::array::from_fn(|_| vec![0.0; states]);
+        let [avalanche_count, largest_avalanche, unsettled, overlapping] =
+            std::array::from_fn(|_| vec![0.0; states]);
         Self {
             independent: independent.total.clone(),
             avalanche_count,
             largest_avalanche,
             unsettled,
+            overlapping,
+            largest_crowding: 0.0,
             avalanche_sizes: [0; CLASSES],
         }
     }

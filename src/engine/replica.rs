@@ -70,6 +70,10 @@ pub struct CoupledReplica {
     pub unsettled: u64,
     /// Asperities in the largest avalanche.
     pub largest_avalanche: u64,
+    /// Largest (a_i + a_j)/r_ij of all pairs in all states, contact radii over distance.
+    pub largest_crowding: f64,
+    /// States in which circles of contact overlap.
+    pub overlapping: u64,
     /// Avalanches by their size: of 2^k to 2^(k+1) − 1 asperities.
     pub avalanche_sizes: [u64; CLASSES],
     /// The asperities one by one, of the first replica where that is asked for.

@@ -9,7 +9,7 @@ use crate::engine::moments::{LANES, MOST_PERIODS, periods};
 use crate::engine::{AHEAD, BATCH, HELD, PILOTS, batches_of};
 use crate::output::writer::CURVE_CHUNK;
 use crate::scene::Scene;
-use crate::substrate::Coupling;
+use crate::substrate::{Coupling, Kernel};
 use crate::surface::CHUNK_ASPERITIES;
 use crate::validation::{GridSize, MAX_COMPONENTS, tested_separations};
 
@@ -229,6 +229,8 @@ fn coupled(scene: &Scene) -> f64 {
         Coupling::Periodic => COUPLED.0,
         Coupling::Patch => COUPLED.1,
     };
+    // The sums of 1/r³ beside those of 1/r.
+    let own = if substrate.kernel == Kernel::Contact { 2.0 * own } else { own };
     if scene.surface.is_polydisperse() { own + LAWS } else { own }
 }
 

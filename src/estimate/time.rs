@@ -4,7 +4,7 @@ use super::plan::regimes;
 use crate::asperity::{Laws, Method, UnloadedRadius};
 use crate::engine::parts_of;
 use crate::scene::Scene;
-use crate::substrate::Coupling;
+use crate::substrate::{Coupling, Kernel};
 use crate::surface::CHUNK_ASPERITIES;
 use crate::validation::{GridSize, tested_separations};
 
@@ -18,6 +18,8 @@ const FLATTENED: (f64, f64) = (7e6, 14e3);
 /// Nanoseconds of a coupled asperity in a state, of a repeated square and of one alone, and states that the search
 /// for a pull-off adds on each way.
 const COUPLED: (f64, f64, f64) = (8e3, 12e3, 30.0);
+/// How many times as long contacts of finite size take.
+const COUPLED_CONTACT: f64 = 3.0;
 /// Nanoseconds of such an asperity beside, where each has its own law.
 const COUPLED_RADII: f64 = 18e3;
 /// Nanoseconds of an asperity of a surface in chunks that is drawn again, twice, and looked at.
@@ -87,6 +89,8 @@ fn coupled(scene: &Scene) -> f64 {
         Coupling::Periodic => COUPLED.0,
         Coupling::Patch => COUPLED.1,
     };
+    let in_a_state =
+        if substrate.kernel == Kernel::Contact { COUPLED_CONTACT * in_a_state } else { in_a_state };
     let in_a_state = if scene.surface.is_polydisperse() { in_a_state + COUPLED_RADII } else { in_a_state };
     let s = scene.separations.len() as f64;
     let ways = if scene.cycle { 2.0 } else { 1.0 } + scene.instability.preload.len() as f64;

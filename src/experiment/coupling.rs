@@ -89,6 +89,7 @@ pub(crate) fn write_coupling(writer: &mut Writer<'_>, results: &Results) -> Resu
     let smallest: Vec<f64> = (0..CLASSES).map(|class| f64::from(1_u32 << class)).collect();
     writer.scale(Dimension::AvalancheSize, &smallest);
     writer.text("/coupling", "coupling", substrate.coupling.name())?;
+    writer.text("/coupling", "kernel", substrate.kernel.name())?;
     writer.text("/coupling", "positions", substrate.places.name())?;
     if let Some(distance) = substrate.places.minimum_distance() {
         writer.number("/coupling", "minimum_distance", distance)?;
@@ -102,6 +103,9 @@ pub(crate) fn write_coupling(writer: &mut Writer<'_>, results: &Results) -> Resu
         |count: fn(&CoupledReplica) -> u64| replicas.iter().map(|own| of(own, count)).collect::<Vec<u64>>();
     writer.dataset("/replicas/unsettled_count", &counts(|replica| replica.unsettled))?;
     writer.dataset("/replicas/largest_avalanche", &counts(|replica| replica.largest_avalanche))?;
+    writer.dataset("/replicas/overlapping_count", &counts(|replica| replica.overlapping))?;
+    let crowding = |replica: &Replica| replica.coupled.as_deref().map_or(0.0, |own| own.largest_crowding);
+    writer.dataset("/replicas/largest_crowding", &replicas.iter().map(crowding).collect::<Vec<f64>>())?;
     let none = [0; CLASSES];
     let sizes = replicas.iter().map(|own| own.coupled.as_deref().map_or(&none, |own| &own.avalanche_sizes));
     let mut total = none;
@@ -134,9 +138,11 @@ fn write_curves(writer: &Writer<'_>, results: &Results, coupled: &CoupledMoments
         {
             writer.dataset(&format!("/coupling/{way}{name}_mean"), &moments.mean()[states.clone()])?;
         }
-        let shares = coupled.unsettled.mean()[states].iter();
-        let unsettled = shares.map(|share| (share * replicas).round() as u64);
-        writer.dataset(&format!("/coupling/{way}unsettled_count"), &unsettled.collect::<Vec<u64>>())?;
+        for (name, moments) in [("unsettled", &coupled.unsettled), ("overlapping", &coupled.overlapping)] {
+            let shares = moments.mean()[states.clone()].iter();
+            let counts = shares.map(|share| (share * replicas).round() as u64);
+            writer.dataset(&format!("/coupling/{way}{name}_count"), &counts.collect::<Vec<u64>>())?;
+        }
     }
     Ok(())
 }

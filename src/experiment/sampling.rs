@@ -52,10 +52,11 @@ impl Sampling<'_> {
     }
 
     fn substrate<'a>(&'a self, substrate: &'a scene::Substrate) -> Substrate<'a> {
-        let scene::Substrate { coupling, places, tolerance, loads_at } = substrate;
+        let scene::Substrate { coupling, kernel, places, tolerance, loads_at } = substrate;
         Substrate {
             coupling: *coupling,
             places,
+            kernel: *kernel,
             tolerance: *tolerance,
             loads_at,
             reduced_modulus: self.scene.asperity.reduced_modulus,

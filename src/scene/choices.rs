@@ -1,7 +1,7 @@
 //! Closed lists and ranges of the values that keys of scenes take.
 
 use crate::asperity::Path;
-use crate::substrate::Coupling;
+use crate::substrate::{Coupling, Kernel};
 use crate::surface::Places;
 use std::ops::{Bound, RangeInclusive};
 
@@ -49,6 +49,8 @@ pub(super) const PATCH: &str = "patch";
 /// What surrounds a surface of coupled asperities; none where they are independent.
 pub(super) const COUPLINGS: [(&str, Option<Coupling>); 3] =
     [("none", None), ("periodic", Some(Coupling::Periodic)), ("patch", Some(Coupling::Patch))];
+/// How coupled contacts act on each other.
+pub(super) const KERNELS: [(&str, Kernel); 2] = Kernel::ALL;
 /// Positions of coupled asperities; the least distance of those at random follows from the surface.
 pub(super) const POSITIONS: [(&str, Places); 4] = [
     ("hard_core", Places::HardCore(f64::NAN)),

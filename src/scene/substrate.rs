@@ -1,10 +1,10 @@
 //! The elastic half-space that couples the asperities of a scene.
 
-use super::choices::{COUPLINGS, POSITIONS, TOLERANCES_OF_LOADS};
+use super::choices::{COUPLINGS, KERNELS, POSITIONS, TOLERANCES_OF_LOADS};
 use super::error::{SceneError, Together};
 use super::reader::{Entry, Section};
 use super::units::Dimension;
-use crate::substrate::Coupling;
+use crate::substrate::{Coupling, Kernel};
 use crate::surface::{CHUNK_ASPERITIES, CountLaw, MeasuredPlaces, Places, Surface};
 use toml::de::DeValue;
 
@@ -32,6 +32,8 @@ const SQUARE: f64 = 1e-6;
 pub struct Substrate {
     /// What surrounds the surface.
     pub coupling: Coupling,
+    /// How contacts act on each other.
+    pub kernel: Kernel,
     /// The places of asperities.
     pub places: Places,
     /// Largest error of a load, relative to the largest.
@@ -44,6 +46,7 @@ pub struct Substrate {
 pub(super) struct SubstrateTable<'a> {
     section: Section<'a>,
     coupling: Coupling,
+    kernel: Kernel,
     places: Option<Places>,
     minimum_distance: Option<f64>,
     tolerance: f64,
@@ -54,16 +57,19 @@ impl<'a> SubstrateTable<'a> {
     pub fn read(root: &Section<'a>) -> Result<Option<Self>, SceneError> {
         let Some(section) = root.section("substrate", false)? else { return Ok(None) };
         let coupling = section.require("coupling").and_then(|entry| entry.choice("coupling", &COUPLINGS));
+        let kernel = section.optional("kernel", |entry| entry.choice("kernel", &KERNELS));
         let places = section.optional("positions", |entry| entry.choice("positions", &POSITIONS));
         let minimum_distance = section.optional("minimum_distance", |entry| {
             let is_random = places.as_ref().is_ok_and(|places| places.as_ref().is_none_or(is_hard_core));
             if is_random { entry.measured() } else { Err(entry.wrong("is for positions = \"hard_core\"")) }
         });
         let tolerance = section.optional("tolerance", tolerance);
-        let readings = (coupling, places.clone(), minimum_distance, tolerance).together()?;
-        let (coupling, places, minimum_distance, tolerance) = readings;
+        let readings =
+            (coupling, places.clone(), minimum_distance, (kernel, tolerance).together()).together()?;
+        let (coupling, places, minimum_distance, (kernel, tolerance)) = readings;
+        let kernel = kernel.unwrap_or_default();
         let tolerance = tolerance.unwrap_or(TOLERANCE);
-        Ok(coupling.map(|coupling| Self { section, coupling, places, minimum_distance, tolerance }))
+        Ok(coupling.map(|coupling| Self { section, coupling, kernel, places, minimum_distance, tolerance }))
     }
 
     /// The half-space under a surface, whose asperities may have measured places, at separations, m.
@@ -73,7 +79,7 @@ impl<'a> SubstrateTable<'a> {
         measured: Option<MeasuredPlaces>,
         separations: &[f64],
     ) -> Result<Substrate, SceneError> {
-        let Self { section, coupling, places, minimum_distance, tolerance } = self;
+        let Self { section, coupling, kernel, places, minimum_distance, tolerance } = self;
         let loads_at = loads_at(&section, separations, surface.surface_height_std)?;
         let entry = || {
             let named =
@@ -88,7 +94,7 @@ impl<'a> SubstrateTable<'a> {
         }
         if let Some(measured) = measured {
             let places = Places::Measured(on_map(&section, coupling, measured)?);
-            return Ok(Substrate { coupling, places, tolerance, loads_at });
+            return Ok(Substrate { coupling, kernel, places, tolerance, loads_at });
         }
         let places = places.unwrap_or(POSITIONS[0].1.clone());
         if places.is_lattice() && surface.count_law == CountLaw::Poisson {
@@ -101,7 +107,7 @@ impl<'a> SubstrateTable<'a> {
         };
         let checked = places.check(surface.asperity_count, surface.nominal_area.sqrt());
         checked.map_err(|problem| entry().wrong(&problem.to_string()))?;
-        Ok(Substrate { coupling, places, tolerance, loads_at })
+        Ok(Substrate { coupling, kernel, places, tolerance, loads_at })
     }
 }
 

@@ -2,9 +2,9 @@
 //! `docs/scene.md` all of it. It is longer than files should be, since it is one table.
 
 use super::choices::{
-    COUPLINGS, FORMAT, HEIGHT_LAWS, HISTORIES, MOST_POINTS, MOST_SEPARATIONS, Mode, PATCH, POISSON_RATIOS,
-    POSITIONS, RADIUS_LAWS, RELATIVE, REPLICAS, SAMPLES, SPACINGS, SUM_TOLERANCES, SUMMIT_LAWS, SUMS,
-    TOLERANCES_OF_LOADS, VARIATIONS,
+    COUPLINGS, FORMAT, HEIGHT_LAWS, HISTORIES, KERNELS, MOST_POINTS, MOST_SEPARATIONS, Mode, PATCH,
+    POISSON_RATIOS, POSITIONS, RADIUS_LAWS, RELATIVE, REPLICAS, SAMPLES, SPACINGS, SUM_TOLERANCES,
+    SUMMIT_LAWS, SUMS, TOLERANCES_OF_LOADS, VARIATIONS,
 };
 use super::keys::{Key, Sign, Value, key};
 use super::units::Dimension as Of;
@@ -415,6 +415,14 @@ pub static KEYS: &[Key] = &[
             "`none`: asperities are independent, as without the table. `periodic`: the surface, a square, is repeated without end, and h is the distance from the mean plane of \
              the deformed surface. `patch`: the square is alone on a half-space, and h is the distance far away.",
         )
+        .swept(),
+    key("substrate.kernel", "\"contact\"", Choice(|| names(&KERNELS)))
+        .what("how contacts act on each other")
+        .about(
+            "`point`: each as its force at a point. `contact`: each with the second moment of its pressure too, on a substrate that \
+             the others have bent: the next order in contact radius over distance. It takes some three times as long.",
+        )
+        .defaults_to("\"point\"")
         .swept(),
     key("substrate.positions", "\"uniform\"", Choice(|| names(&POSITIONS)))
         .what("places of the asperities")

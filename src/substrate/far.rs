@@ -2,13 +2,13 @@
 //!
 //! # Formula
 //! Loads are spread to a grid by the window φ(t) = exp(β(√(1 − t²) − 1)) (Barnett, Magland and af Klinteberg,
-//! SIAM J. Sci. Comput. 41 (2019) C479), convolved with erf(αr)/r, and read off by the same window; the
-//! transform of the kernel is divided by the square of that of the window. Of a repeated square it is
-//! (2π/k) erfc(k/2α), without k = 0. Of a square alone it is that of the kernel where it is needed, continued
+//! SIAM J. Sci. Comput. 41 (2019) C479), convolved with the smooth part of their influence ([`super::influence`]), and
+//! read off by the same window; the transform of the kernel is divided by the square of that of the window. Of a
+//! square alone it is that of the kernel where it is needed, continued
 //! smoothly to nothing in a larger square: the kernel has no waves shorter than the grid, so that this
 //! transform is one on a grid.
 
-use super::Coupling;
+use super::{Coupling, Influence};
 use crate::math::fft::{Complex, Convolution, ConvolutionScratch, Transform, good_length};
 use crate::math::instruction_set::InstructionSet;
 use gauss_quad::GaussLegendre;
@@ -78,9 +78,15 @@ pub struct Far {
 }
 
 impl Far {
-    /// The sums over erf(αr)/r of points of the unit square, to about a relative `tolerance`; waves shorter
-    /// than `shortest`, a wave number, are below that.
-    pub fn new(coupling: Coupling, points: &[[f64; 2]], alpha: f64, shortest: f64, tolerance: f64) -> Self {
+    /// The sums over the smooth part of an influence, split at α, of points of the unit square, to about a relative
+    /// `tolerance`; waves shorter than `shortest`, a wave number, are below that.
+    pub fn new(
+        coupling: Coupling,
+        (influence, alpha): (Influence, f64),
+        points: &[[f64; 2]],
+        shortest: f64,
+        tolerance: f64,
+    ) -> Self {
         let window = Window::new(tolerance);
         let per_side = good_length(((OVERSAMPLING * shortest / PI).ceil() as usize).max(2 * window.width));
         let (inner, halo) = match coupling {
@@ -88,8 +94,8 @@ impl Far {
             Coupling::Patch => (per_side + window.width + window.width % 2, 0),
         };
         let convolution = match coupling {
-            Coupling::Periodic => periodic(window, per_side, alpha, shortest),
-            Coupling::Patch => alone(window, (per_side, inner), alpha, shortest),
+            Coupling::Periodic => periodic(window, per_side, |k| influence.transform(alpha, k), shortest),
+            Coupling::Patch => alone(window, (per_side, inner), |r| influence.smooth(alpha, r), shortest),
         };
         let (mut places, mut weights) = (Vec::with_capacity(points.len()), Vec::new());
         weights.reserve(2 * window.width * points.len());
@@ -215,7 +221,7 @@ impl Far {
 }
 
 /// The convolution of a repeated square.
-fn periodic(window: Window, side: usize, alpha: f64, shortest: f64) -> Convolution {
+fn periodic(window: Window, side: usize, kernel: impl Fn(f64) -> f64, shortest: f64) -> Convolution {
     let transforms = window.transforms(side / 2, side);
     let signed = |m: usize| m.min(side - m);
     Convolution::new(side, side, |x, y| {
@@ -224,14 +230,17 @@ fn periodic(window: Window, side: usize, alpha: f64, shortest: f64) -> Convoluti
         if k > shortest {
             return 0.0;
         }
-        let kernel =
-            if k == 0.0 { -2.0 * PI.sqrt() / alpha } else { 2.0 * PI / k * libm::erfc(0.5 * k / alpha) };
-        kernel / (transforms[x] * transforms[y]).powi(2) * (side as f64).powi(2)
+        kernel(k) / (transforms[x] * transforms[y]).powi(2) * (side as f64).powi(2)
     })
 }
 
 /// The convolution of a square alone, of `per_side` grid points and in all `inner`.
-fn alone(window: Window, (per_side, inner): (usize, usize), alpha: f64, shortest: f64) -> Convolution {
+fn alone(
+    window: Window,
+    (per_side, inner): (usize, usize),
+    smooth: impl Fn(f64) -> f64,
+    shortest: f64,
+) -> Convolution {
     let kept = inner + MARGIN.0;
     let large = good_length(2 * kept + (inner / 2).max(2 * MARGIN.1));
     let spacing = 1.0 / per_side as f64;
@@ -246,8 +255,7 @@ fn alone(window: Window, (per_side, inner): (usize, usize), alpha: f64, shortest
         for x in 0..large {
             let (x_of, y_of) = (distance(x), distance(y));
             let r = spacing * ((x_of * x_of + y_of * y_of) as f64).sqrt();
-            let value = if r == 0.0 { 2.0 * alpha / PI.sqrt() } else { libm::erf(alpha * r) / r };
-            kernel.re[y * large + x] = value * fades[x_of] * fades[y_of];
+            kernel.re[y * large + x] = smooth(r) * fades[x_of] * fades[y_of];
         }
     }
     let transforms = window.transforms(large / 2, large);

@@ -2,22 +2,44 @@
 //!
 //! A force f on a half-space displaces its surface by f/(πE* r) at the distance r (Boussinesq; Johnson,
 //! Contact Mechanics, 1985, section 3.2). Here are the sums of that over all asperities of a square, alone or
-//! repeated, and places of asperities. What a force does to its own foot is part of the law of the asperity.
+//! repeated, and of its curvature, which falls with 1/r³. What a force does to its own foot is part of the law of the asperity.
 
 mod far;
+mod influence;
 mod near;
 mod sums;
 
+pub use influence::Influence;
 pub use sums::DisplacementSums;
+
+/// How a contact acts on the others, and gives way to them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Kernel {
+    /// As a point: its force alone, and the displacement of its foot.
+    #[default]
+    Point,
+    /// As one of finite size: the second moment of its pressure too, and the curvature of the substrate under it.
+    Contact,
+}
+
+impl Kernel {
+    /// Both with their names.
+    pub const ALL: [(&'static str, Self); 2] = [("point", Self::Point), ("contact", Self::Contact)];
+
+    /// The name in scenes and files.
+    pub fn name(self) -> &'static str {
+        Self::ALL.iter().find(|(_, kernel)| *kernel == self).expect("every kernel is in ALL").0
+    }
+}
 
 /// What surrounds the square of asperities.
 ///
 /// # Examples
 /// ```
-/// use stiction::substrate::{Coupling, DisplacementSums};
+/// use stiction::substrate::{Coupling, DisplacementSums, Influence};
 ///
 /// // Two forces, half a side apart: alone on a half-space u = f/(πE* r).
-/// let mut sums = DisplacementSums::new(Coupling::Patch, &[[0.25, 0.5], [0.75, 0.5]], 1e-13);
+/// let mut sums = DisplacementSums::new(Coupling::Patch, Influence::Displacement, &[[0.25, 0.5], [0.75, 0.5]], 1e-13);
 /// let mut displacements = [0.0; 2];
 /// sums.apply(&[1.0, 3.0], &mut displacements);
 /// assert!((displacements[0] - 6.0).abs() < 1e-11 && (displacements[1] - 2.0).abs() < 1e-11);

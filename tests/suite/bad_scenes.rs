@@ -461,6 +461,7 @@ const OF_SPECTRUM: &[&str] =
 const VARIANTS: &[Variant] = &[
     (&[], &["solver.summation", "solver.tolerance", "ensemble.sampling"], &[]),
     (&[], &["substrate.coupling", "substrate.positions", "substrate.tolerance", "substrate.loads_at"], &[]),
+    (&[], &["substrate.coupling", "substrate.kernel"], &[]),
     (&[], &["substrate.coupling", "substrate.minimum_distance"], &[]),
     (
         &["surface.surface_height_std", "separation.h_star", "ensemble.replicas"],

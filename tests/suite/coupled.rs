@@ -21,7 +21,7 @@ const PERIODIC: &str = "\n[substrate]\ncoupling = \"periodic\"\n";
 /// The same bits on any number of threads, with any instructions, and from shards.
 #[test]
 fn bits_of_coupled_runs_depend_on_the_scene_alone() {
-    let folder = Folder::new(&scene(&format!("{PERIODIC}loads_at = [2.0]\n")));
+    let folder = Folder::new(&scene(&format!("{PERIODIC}kernel = \"contact\"\nloads_at = [2.0]\n")));
     assert_exit(&folder.stiction(&["run", "scene.toml", "--threads", "1", "-o", "1.h5"]), 0);
     assert_exit(&folder.stiction(&["run", "scene.toml", "--threads", "3", "-o", "3.h5"]), 0);
     let plain = Command::new(env!("CARGO_BIN_EXE_stiction"))
@@ -127,6 +127,7 @@ fn what_cannot_be_coupled_is_refused() {
         ("coupling = \"patch\"\npositions = \"hexagonal\"", "form no such lattice in a square"),
         ("coupling = \"patch\"\nminimum_distance = \"0.5 um\"", "of it would do"),
         ("coupling = \"line\"", "coupling"),
+        ("coupling = \"patch\"\nkernel = \"punch\"", "contact"),
         ("coupling = \"patch\"\ntolerance = 1", "between 1e-12 and 1e-4"),
         ("positions = \"uniform\"", "`substrate.coupling` is missing"),
     ];
@@ -140,6 +141,41 @@ fn what_cannot_be_coupled_is_refused() {
     let folder = Folder::new(&scene(PERIODIC));
     let compared = folder.stiction(&["compare", "scene.toml", "--laws", "hybrid,emd"]);
     assert!(text(&compared.stderr).contains("[substrate]"), "{}", text(&compared.stderr));
+}
+
+/// How close contacts come is in the file and the summary, by either kernel; where their circles overlap that is told, state
+/// by state, and nothing is lost.
+#[test]
+fn crowded_contacts_are_told() {
+    let sweep = format!("{PERIODIC}\n[sweep]\nsubstrate.kernel = [\"point\", \"contact\"]\n");
+    let folder = Folder::new(&scene(&sweep).replace("replicas = 16", "replicas = 2"));
+    assert_exit(&folder.stiction(&["run", "scene.toml", "-o", "sweep.h5"]), 0);
+    assert_exit(&folder.stiction(&["validate", "sweep.h5"]), 0);
+    let swept = bits(&folder.path("sweep.h5"));
+    let of = |all: &[(String, Vec<u64>)], name: &str| -> Vec<u64> {
+        all.iter().find(|(path, _)| path == name).unwrap_or_else(|| panic!("{name}")).1.clone()
+    };
+    for (i, kernel) in ["point", "contact"].into_iter().enumerate() {
+        let text_of = scene(&format!("{PERIODIC}kernel = \"{kernel}\"\n"));
+        std::fs::write(folder.path("scene.toml"), text_of.replace("replicas = 16", "replicas = 2")).unwrap();
+        let run = folder.stiction(&["run", "scene.toml", "-o", "own.h5", "--force"]);
+        assert_exit(&run, 0);
+        let own = bits(&folder.path("own.h5"));
+        for name in ["/ensemble/external_force_mean", "/replicas/largest_crowding"] {
+            let (all, own) = (of(&swept, name), of(&own, name));
+            assert_eq!(all[i * own.len()..(i + 1) * own.len()], own, "{kernel} {name}");
+        }
+        let largest = of(&own, "/replicas/largest_crowding").into_iter().map(f64::from_bits);
+        let counts = of(&own, "/replicas/overlapping_count");
+        let total: u64 = counts.iter().sum();
+        assert_eq!(of(&own, "/coupling/overlapping_count").iter().sum::<u64>(), total);
+        assert!(largest.zip(counts).all(|(largest, count)| (largest > 1.0) == (count > 0)));
+        let told =
+            format!("{total} of 16 states have contacts that overlap, and are no results, at h* = -1.000");
+        let told =
+            [&told, &format!("loads by kernel = \"{kernel}\" can be off"), "of the distance of two at most"];
+        assert!(told.iter().all(|own| text(&run.stdout).contains(*own)), "{}", text(&run.stdout));
+    }
 }
 
 /// A file of asperities at places, m, on a map of `extent`, m, as `stiction asperities` leaves it.

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::math::moments::Moments;
+use crate::substrate::Influence;
 
 const LIMITS: &str = include_str!("../../../tests/data/coupling_limits.json");
 /// The self term of a square lattice, 4ζ(½)β(½).
@@ -39,6 +40,7 @@ struct Surface<'a> {
     places: Vec<[f64; 2]>,
     heights: Vec<f64>,
     softness: f64,
+    kernel: Kernel,
 }
 
 impl Surface<'_> {
@@ -46,7 +48,15 @@ impl Surface<'_> {
     fn pair(law: &str, distance: f64) -> Surface<'_> {
         let side = 4.0 * distance;
         let places = vec![[0.25, 0.5], [0.5, 0.5]];
-        Surface { law, coupling: Coupling::Patch, side, places, heights: vec![0.0; 2], softness: 1.0 }
+        Surface {
+            law,
+            coupling: Coupling::Patch,
+            side,
+            places,
+            heights: vec![0.0; 2],
+            softness: 1.0,
+            kernel: Kernel::Point,
+        }
     }
 
     /// Goes through separations d, m, in their order; asperities have touched before the first, or have not.
@@ -61,6 +71,7 @@ impl Surface<'_> {
         };
         let compliance = self.softness / (PI * of.reduced_modulus * self.side);
         let half_space = HalfSpace::new(self.coupling, self.places.clone(), compliance, 1e-13);
+        let half_space = of_kernel(self.kernel, half_space, self.side, &vec![of.radius; self.heights.len()]);
         let laws = vec![RadiusLaws::new(memory, parameters.scale.length)];
         let asperities = Asperities::new(laws, vec![0; self.heights.len()]);
         let mut solver = Solver::new(asperities, half_space, &self.heights, 1e-13);
@@ -188,7 +199,8 @@ fn the_first_order_in_the_compliance_is_its_closed_form() {
             let Given { side, places, heights, .. } = &given;
             let coupling = Coupling::ALL.into_iter().find(|(name, _)| *name == coupling).unwrap().1;
             let (places, heights) = (places.clone(), heights.clone());
-            let surface = Surface { law, coupling, side: *side, places, heights, softness };
+            let surface =
+                Surface { law, coupling, side: *side, places, heights, softness, kernel: Kernel::Point };
             surface.travel(&of, false, &[d + 20e-9, d])[1].total()
         };
         assert_close(total(1e-9), independent, 1e-7 * independent.abs(), name);
@@ -212,7 +224,12 @@ fn hard_core_places_have_the_first_order_of_their_closed_form() {
             let places = Places::HardCore(distance).draw(random, (count, 1.0), Coupling::Periodic);
             let mut found = vec![0.0; count];
             let loads: Vec<f64> = (0..count).map(|i| f64::from(u8::from(i == 0))).collect();
-            let mut sums = crate::substrate::DisplacementSums::new(Coupling::Periodic, &places, 1e-6);
+            let mut sums = crate::substrate::DisplacementSums::new(
+                Coupling::Periodic,
+                Influence::Displacement,
+                &places,
+                1e-6,
+            );
             sums.apply(&loads, &mut found);
             found[1..].iter().sum::<f64>() / (count - 1) as f64
         };
@@ -238,7 +255,8 @@ fn hard_core_places_have_the_first_order_of_their_closed_form() {
             let own = |softness| {
                 let (places, heights) = (places.clone(), heights.clone());
                 let (law, coupling) = ("hertz", Coupling::Periodic);
-                let surface = Surface { law, coupling, side, places, heights, softness };
+                let surface =
+                    Surface { law, coupling, side, places, heights, softness, kernel: Kernel::Point };
                 surface.travel(&of, false, &[d + 20e-9, d])[1].total()
             };
             (own(softness) - own(1e-9 * softness)) / softness
@@ -263,7 +281,15 @@ fn cells_of_one_sphere_are_one_cell() {
         let places: Vec<[f64; 2]> = (0..n * n).map(place).collect();
         let heights = vec![0.0; n * n];
         let (law, coupling) = ("hertz", Coupling::Periodic);
-        let surface = Surface { law, coupling, side: n as f64 * cell, places, heights, softness: 1.0 };
+        let surface = Surface {
+            law,
+            coupling,
+            side: n as f64 * cell,
+            places,
+            heights,
+            softness: 1.0,
+            kernel: Kernel::Point,
+        };
         let states = all["lattice"]["states"].as_array().unwrap();
         let path: Vec<f64> = states.iter().map(|state| state["point_separation"].as_f64().unwrap()).collect();
         for (found, expected) in surface.travel(&of, false, &path).iter().zip(states) {
@@ -289,6 +315,7 @@ fn what_point_forces_leave_out_of_a_lattice_is_of_third_order() {
         places: vec![[0.5, 0.5]],
         heights: vec![0.0],
         softness: 1.0,
+        kernel: Kernel::Point,
     };
     let states = &lattice["states"].as_array().unwrap()[..4];
     let path: Vec<f64> = states.iter().map(|state| state["contact_separation"].as_f64().unwrap()).collect();
@@ -302,18 +329,127 @@ fn what_point_forces_leave_out_of_a_lattice_is_of_third_order() {
     }
 }
 
+/// With contacts of finite size, one sphere of Hertz in a square that repeats: f = K a³/R_eff, 1/R_eff = 1/R + S f/(2πE*L³),
+/// −d = a²/R_eff + f (c/L + S a²/10L³)/(πE*), to 1e-12; and from all orders they are off by less than 0.6 (a/L)⁵.
+#[test]
+fn a_lattice_of_finite_contacts_has_its_closed_form() {
+    let all = json(LIMITS);
+    let (of, lattice) = (reference(&all), &all["lattice"]);
+    let [cell, cubes] = named(lattice, ["cell", "cubes"]);
+    let surface = Surface {
+        law: "hertz",
+        coupling: Coupling::Periodic,
+        side: cell,
+        places: vec![[0.5, 0.5]],
+        heights: vec![0.0],
+        softness: 1.0,
+        kernel: Kernel::Contact,
+    };
+    let states = &lattice["states"].as_array().unwrap()[..7];
+    let exact = states.iter().map(|state| {
+        let [radius, force] = named(state, ["radius", "contact_force"]);
+        let bent = 4.0 / 3.0 * of.reduced_modulus * radius.powi(3) / force;
+        let widened = OWN / cell + cubes * radius.powi(2) / (10.0 * cell.powi(3));
+        (-(radius * radius / bent + force * widened / (PI * of.reduced_modulus)), force)
+    });
+    let (path, forces): (Vec<f64>, Vec<f64>) = exact.unzip();
+    for (state, expected) in surface.travel(&of, false, &path).iter().zip(forces) {
+        assert_close(state.forces[0] / expected, 1.0, 3e-12, "force");
+    }
+    let path: Vec<f64> = states.iter().map(|state| state["contact_separation"].as_f64().unwrap()).collect();
+    for (found, state) in surface.travel(&of, false, &path).iter().zip(states) {
+        let [radius, force] = named(state, ["radius", "contact_force"]);
+        let off = found.forces[0] / force - 1.0;
+        assert!(off.abs() < 0.6 * (radius / cell).powi(5) + 1e-12, "{off:e} at a = {} L", radius / cell);
+    }
+}
+
+/// Two spheres of JKR with contacts of finite size pull off at the root of f/R + f²/(2πE*r³) = −(3/2)πΔγ, to first order
+/// 0.212 (a_c/r)³ above that of one.
+#[test]
+fn finite_contacts_change_the_pull_off() {
+    let all = json(LIMITS);
+    let of = reference(&all);
+    for pair in all["jkr_pairs"].as_array().unwrap() {
+        let [distance, alone, force] = named(pair, ["distance", "single_separation", "contact_pull_off"]);
+        let bend = 1.0 / of.radius - force / (2.0 * PI * of.reduced_modulus * distance.powi(3));
+        let stretch = 1.0 / (of.radius * bend).cbrt();
+        let radius = (9.0 * PI * of.work_of_adhesion / (8.0 * of.reduced_modulus * bend * bend)).cbrt();
+        let load = 4.0 / 3.0 * of.reduced_modulus * radius.powi(3) * bend;
+        let moment = radius.powi(2) * (0.4 * load - 2.0 / 3.0 * (load + force));
+        let raised = -force / distance + moment / (4.0 * distance.powi(3));
+        let place = alone * stretch - raised / (PI * of.reduced_modulus);
+        let surface = Surface { kernel: Kernel::Contact, ..Surface::pair("jkr", distance) };
+        let path = [steps(-2e-9, place, 20), vec![place + 1e-12, place + 2e-12]].concat();
+        let way = surface.travel(&of, true, &path);
+        for (found, delta) in way[20].forces.iter().zip(&way[20].interference) {
+            assert_close(-found, force, 1e-11 * force, "pull-off");
+            assert_close(*delta, -alone * stretch, 1e-7 * alone, "interference at pull-off");
+        }
+        assert!(way.iter().all(|state| -state.forces[0] <= force * (1.0 + 1e-11)));
+    }
+}
+
+/// Pairs and ensembles of Hertz and JKR asperities with contacts of finite size, of one radius and of several: every load
+/// to 1e-9 of the largest.
+#[test]
+fn loads_of_finite_contacts_are_those_of_a_dense_method() {
+    let (all, surfaces) = (json(LIMITS), json(REFERENCES));
+    for row in all["contact"].as_array().unwrap() {
+        let [name, law, coupling] = ["surface", "law", "coupling"].map(|name| row[name].as_str().unwrap());
+        let given = Given { kernel: Kernel::Contact, ..Given::new(&surfaces["surfaces"][name]) };
+        let coupling = Coupling::ALL.into_iter().find(|(name, _)| *name == coupling).unwrap().1;
+        for state in row["states"].as_array().unwrap() {
+            let d = state["separation"].as_f64().unwrap();
+            let found = given.forces(law, coupling, d, &reference(&all));
+            let [expected, whole] = ["third_order_forces", "forces"].map(|name| numbers(&state[name]));
+            let largest = expected.iter().fold(0.0, |most: f64, force| most.max(force.abs()));
+            for ((found, expected), whole) in found.iter().zip(&expected).zip(&whole) {
+                assert_close(*found, *expected, 1e-9 * largest, &format!("{name} {law} {coupling:?} {d:e}"));
+                assert_close(*found, *whole, 3e-4 * largest, "all orders");
+            }
+        }
+    }
+}
+
+/// The widest pair of circles is found among all, of some and of many that touch.
+#[test]
+fn the_closest_contacts_are_found() {
+    for (count, share) in [(1, 1), (2, 1), (12, 1), (12, 5), (900, 1), (900, 7), (900, 200)] {
+        let random = &mut stream(19, Purpose::Places, count as u64);
+        let places = Places::Uniform.draw(random, (count, 1.0), Coupling::Patch);
+        let radius = |i: usize| if i.is_multiple_of(share) { 1e-3 * (1.0 + (i as f64).sin()) } else { 0.0 };
+        let radii: Vec<f64> = (0..count).map(radius).collect();
+        for coupling in [Coupling::Periodic, Coupling::Patch] {
+            let mut expected = if coupling == Coupling::Periodic { 2.0 } else { 0.0 };
+            expected *= radii.iter().copied().fold(0.0, f64::max);
+            for (i, j) in (0..count).flat_map(|i| (0..i).map(move |j| (i, j))) {
+                if radii[i] > 0.0 && radii[j] > 0.0 {
+                    let distance = coupling.square(places[i], places[j]).sqrt();
+                    expected = f64::max(expected, (radii[i] + radii[j]) / distance);
+                }
+            }
+            let half_space = HalfSpace::new(coupling, places.clone(), 1.0, 1e-9);
+            assert_eq!(half_space.crowding(&radii), expected, "{count} {share} {coupling:?}");
+        }
+    }
+}
+
 /// What raising one asperity does to the force on another, raising that does to the force on the first.
 #[test]
 fn responses_are_reciprocal() {
     let surfaces = json(REFERENCES);
     let given = Given::new(&surfaces["surfaces"]["thirty"]);
     let of = reference(&json(LIMITS));
-    for coupling in [Coupling::Periodic, Coupling::Patch] {
+    let couplings = [Coupling::Periodic, Coupling::Patch];
+    for (coupling, kernel) in
+        couplings.into_iter().flat_map(|own| Kernel::ALL.map(|(_, kernel)| (own, kernel)))
+    {
         let forces = |i: usize, by: f64| {
             let mut heights = given.heights.clone();
             heights[i] += by;
             let (side, places) = (given.side, given.places.clone());
-            let surface = Surface { law: "hertz", coupling, side, places, heights, softness: 1.0 };
+            let surface = Surface { law: "hertz", coupling, side, places, heights, softness: 1.0, kernel };
             surface.travel(&of, false, &[20e-9, 1e-9]).pop().unwrap().forces
         };
         let first = forces(0, 0.0);

@@ -115,6 +115,7 @@ fn coupling() -> Vec<Variable> {
                 "asperities in the largest avalanche of the step{}, mean over replicas",
             ),
             ("unsettled_count", "replicas without a stable state{}"),
+            ("overlapping_count", "replicas in which circles of contact overlap{}"),
         ] {
             all.push(variable(format!("{GROUP}/{prefix}{name}"), S, "1", words.replace("{}", on)));
         }
@@ -268,6 +269,13 @@ const MEAN_FIELD: [(&str, &str, &str); 5] = [
 
 const COUPLED: &[Row] = &[
     ("unsettled_count", N, "1", "separations at which a coupled replica has no stable state"),
+    ("overlapping_count", N, "1", "separations at which circles of contact of a coupled replica overlap"),
+    (
+        "largest_crowding",
+        N,
+        "1",
+        "largest (a_i + a_j)/r_ij of a coupled replica at all separations, contact radii over distance: 1 where circles touch",
+    ),
     ("largest_avalanche", N, "1", "asperities in the largest avalanche of a coupled replica"),
     ("avalanche_size_count", NV, "1", "avalanches of a coupled replica at all separations, by their size"),
 ];

@@ -1,6 +1,7 @@
 //! Batches of replicas and the moments that they merge into.
 
 use super::Job;
+use super::chunks::Ends;
 use super::coupled_moments::CoupledMoments;
 use super::curves::Curves;
 use super::groups::Groups;
@@ -181,13 +182,13 @@ impl Batch {
         Self::compute_until(job, workspace, index, &|| false).expect("nothing ends it")
     }
 
-    /// The same, until `ends` is true, which surfaces that are summed chunk by chunk look at before each:
-    /// then there is none.
+    /// The same, until `ends` is true, which surfaces that are summed chunk by chunk look at before each, and coupled
+    /// ones before each separation: then there is none.
     pub fn compute_until(
         job: &Job<'_>,
         workspace: &mut Workspace,
         index: u64,
-        ends: &(dyn Fn() -> bool + Sync),
+        ends: Ends<'_>,
     ) -> Option<Self> {
         let mut batch =
             Self { ensemble: Ensemble::new(job), external_force: Vec::new(), adhesion_force: Vec::new() };

@@ -2,6 +2,7 @@
 
 use super::Job;
 use super::asperity_states::{AsperityState, AsperityStates, drawn};
+use super::chunks::Ends;
 use super::curves::{CoupledCurves, Curves};
 use super::replica::{CoupledReplica, Replica};
 use super::stream::{Purpose, stream};
@@ -45,6 +46,7 @@ pub struct Substrate<'a> {
 /// A surface that is moved from separation to separation.
 struct CoupledSurface<'a> {
     job: &'a Job<'a>,
+    ends: Ends<'a>,
     solver: Solver<'a>,
     /// m.
     side: f64,
@@ -72,9 +74,9 @@ struct Told<'a> {
 
 /// The record of the replica of an index with its curves, whose asperities have heights and, where they differ in
 /// them, radii, m, and are coupled; `independent` is the record of them without that. `keep` makes a record of a
-/// surface that has been summed.
+/// surface that has been summed. When `ends` is true nothing is solved any more, and what comes back is no result.
 pub(super) fn couple(
-    (job, substrate): (&Job<'_>, &Substrate<'_>),
+    (job, substrate, ends): (&Job<'_>, &Substrate<'_>, Ends<'_>),
     index: u64,
     asperities: (&[f64], &[f64]),
     independent: (Replica, &Curves),
@@ -109,6 +111,7 @@ pub(super) fn couple(
     let r = job.laws.regimes().len();
     let mut surface = CoupledSurface {
         job,
+        ends,
         solver,
         side,
         settled: Settled::default(),
@@ -253,13 +256,17 @@ impl CoupledSurface<'_> {
 
     /// Goes to a separation h, m; the external force there, N.
     fn go(&mut self, h: f64) -> f64 {
-        let d = self.job.surface.asperity_separation(h);
-        self.settled = self.solver.settle(d);
+        if !(self.ends)() {
+            self.settled = self.solver.settle(self.job.surface.asperity_separation(h));
+        }
         self.solver.external_force()
     }
 
     /// Hands the present state over as one of the curves.
     fn record(&mut self, state: usize, curves: &mut Curves, coupled: &mut CoupledCurves) {
+        if (self.ends)() {
+            return;
+        }
         self.regimes.fill(RegimeSums::default());
         let Solver { states, forces, .. } = &self.solver;
         for i in 0..forces.adhesion.len() {

@@ -2,7 +2,7 @@
 
 use super::Job;
 use super::asperity_states::AsperityStates;
-use super::chunks::Chunks;
+use super::chunks::{Chunks, Ends};
 use super::coupled::{Substrate, couple};
 use super::curves::Curves;
 use super::cycle::{Cycle, snaps};
@@ -147,13 +147,13 @@ impl Workspace {
         self.replicas_until(job, replicas, &|| false, visit);
     }
 
-    /// The same, until `ends` is true, which surfaces that are summed chunk by chunk look at before each:
-    /// then the replica at hand is not visited, nor any further one. Whether all were visited.
+    /// The same, until `ends` is true, which surfaces that are summed chunk by chunk look at before each, and coupled
+    /// ones before each separation: then the replica at hand is not visited, nor any further one. Whether all were visited.
     pub fn replicas_until(
         &mut self,
         job: &Job<'_>,
         replicas: Range<u64>,
-        ends: &(dyn Fn() -> bool + Sync),
+        ends: Ends<'_>,
         mut visit: impl FnMut(Replica, &Curves),
     ) -> bool {
         if self.is_divided {
@@ -174,7 +174,11 @@ impl Workspace {
                 match &job.protocol.substrate {
                     None => visit(kept, &self.curves[lane]),
                     Some(substrate) => {
-                        let (kept, curves) = self.couple((job, substrate), first + lane as u64, (kept, lane));
+                        let index = first + lane as u64;
+                        let (kept, curves) = self.couple((job, substrate, ends), index, (kept, lane));
+                        if ends() {
+                            return false;
+                        }
                         visit(kept, &curves);
                     }
                 }
@@ -188,7 +192,7 @@ impl Workspace {
     /// a lane.
     fn couple(
         &mut self,
-        of: (&Job<'_>, &Substrate<'_>),
+        of: (&Job<'_>, &Substrate<'_>, Ends<'_>),
         index: u64,
         (kept, lane): (Replica, usize),
     ) -> (Replica, Curves) {
@@ -201,7 +205,7 @@ impl Workspace {
     }
 
     /// The record of a surface that is summed chunk by chunk; nothing when that was ended.
-    fn divided(&mut self, job: &Job<'_>, index: u64, ends: &(dyn Fn() -> bool + Sync)) -> Option<Replica> {
+    fn divided(&mut self, job: &Job<'_>, index: u64, ends: Ends<'_>) -> Option<Replica> {
         let draws = Draws::of(job, index, self.chunk);
         let mut surface = Chunks::new(job, draws, (&self.kinks, &mut self.table), ends);
         surface.sum(&mut self.curves[0]);

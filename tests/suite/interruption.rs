@@ -480,6 +480,22 @@ fn killed_runs_of_coupled_surfaces_go_on_to_the_same_bits() {
     assert_same_as(&folder, &reference);
 }
 
+/// The only replica takes seconds: were it finished first, the run would be complete.
+#[test]
+fn a_signal_ends_a_coupled_replica_at_its_separation() {
+    let scene = scene_of(1)
+        .replace("nominal_area = \"100 um^2\"", "nominal_area = \"1000 um^2\"")
+        .replace("[output]", "[substrate]\ncoupling = \"patch\"\nloads_at = [1.0]\n[output]");
+    let folder = Folder::new(&scene);
+    let mut child = begin(&folder, &["--threads", "1"]);
+    wait_while_running(&mut child, || folder.path(".scene.h5.lock").exists());
+    std::thread::sleep(Duration::from_millis(300));
+    signal(&child, "-TERM");
+    let output = child.wait_with_output().unwrap();
+    assert_exit(&output, 130);
+    assert!(text(&output.stderr).contains("0 of 1 replicas"), "{}", text(&output.stderr));
+}
+
 /// None lost, none different.
 #[test]
 #[ignore = "slow: minutes"]

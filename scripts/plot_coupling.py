@@ -38,8 +38,9 @@ ROOT = Path(__file__).resolve().parents[1]
 CASES = {"I": "case_i", "II": "case_ii", "III": "case_iii"}
 CHART = "patches"
 COUPLINGS = {"periodic": (1, BLUE, "repeated square"), "patch": (2, VERMILION, "patch")}
-# Roughnesses of the chart that are drawn over separation and size, by their index.
-DRAWN = (0, 3, 6)
+# Where pictures of the cases begin, h*, and how far changes reach in them, % of the pull-off.
+BEGINS = {"I": 3.6, "II": 2.0, "III": 0.7}
+REACH = {"I": 40, "II": 30, "III": 110}
 # Share of the pull-off below which a force is none.
 NONE = 1e-3
 
@@ -51,7 +52,7 @@ class ProgramError(Exception):
 class Point:
     """A point of a sweep."""
 
-    def __init__(self, file: h5py.File, index: int) -> None:
+    def __init__(self, file: h5py.File, index: tuple[int, ...]) -> None:
         self.file, self.index = file, index
 
     def __getitem__(self, path: str) -> np.ndarray:
@@ -90,7 +91,7 @@ def results(folder: Path, program: Path) -> dict[str, h5py.File]:
 
 
 def points(file: h5py.File) -> list[Point]:
-    return [Point(file, index) for index in range(file.attrs["points"])]
+    return [Point(file, index) for index in np.ndindex(file["replica_count"].shape)]
 
 
 def coupling_of(file: h5py.File, name: str) -> Point | None:
@@ -102,7 +103,7 @@ def draw_case(force: Axes, change: Axes, name: str, file: h5py.File) -> None:
     pair = {kind: point for kind in COUPLINGS if (point := coupling_of(file, kind))}
     patch = pair["patch"]
     h_star, independent = patch["coupling/h_star"], patch.of("independent")
-    scale = patch["integral/pull_off_force"]
+    scale = -np.min(independent)
     factor, prefix = si(scale)
     force.axhline(0.0, color="0.8", linewidth=0.7)
     force.plot(h_star, independent / factor, color="0.35", linewidth=2.4, alpha=0.5, label="independent")
@@ -120,10 +121,10 @@ def draw_case(force: Axes, change: Axes, name: str, file: h5py.File) -> None:
         change.plot(h_star[unsettled], 100 * difference[unsettled], "x", color=colour, markersize=4)
     shift = (patch["validation/mean_field_external_force"] - patch["integral/external_force"]) / scale
     change.plot(h_star, 100 * shift, color=GREEN, linewidth=1.0, linestyle=DASHED)
-    limit = 1.15 if name != "III" else 1.05
-    force.set(xlim=(h_star[0], 6.0), ylim=(-limit * scale / factor, 0.6 * scale / factor), ylabel=f"external force, {prefix}N")
-    reach = {"I": 60, "II": 60, "III": 110}[name]
-    change.set(xlim=(h_star[0], 6.0), ylim=(-reach, reach), xlabel="separation $h^*$", ylabel="change, % of the pull-off")
+    deepest = -np.min(independent) / factor
+    force.set(xlim=(BEGINS[name], 6.3), ylim=(-1.15 * deepest, 0.7 * deepest), ylabel=f"external force, {prefix}N")
+    reach = REACH[name]
+    change.set(xlim=(BEGINS[name], 6.3), ylim=(-reach, reach), xlabel="separation $h^*$", ylabel="change, % of the pull-off")
     force.set_title(f"case {name}")
 
 
@@ -133,7 +134,7 @@ def draw_cases(files: dict[str, h5py.File]) -> Figure:
         left = 0.7 + 3.55 * column
         force, change = panel(figure, left, 3.35, 2.9, 2.45), panel(figure, left, 0.55, 2.9, 2.35)
         draw_case(force, change, name, files[scene])
-        if column == 0:
+        if name == "II":
             force.legend(loc="lower right")
     return figure
 
@@ -181,59 +182,65 @@ def draw_patch(file: h5py.File) -> Figure:
     return figure
 
 
-def draw_scatter(axes: Axes, file: h5py.File, cases: dict[str, h5py.File]) -> None:
-    chart = points(file)
+def draw_changes(axes: Axes, moved: Axes, file: h5py.File, cases: dict[str, h5py.File]) -> None:
+    chart = [*points(file), *(coupling_of(case, "patch") for case in cases.values())]
     limits = file["independence"].attrs
     good, invalid = (limits[f"{word}_relative_attractive_stiffness"] for word in ("good", "invalid"))
-    low, high = 1e-7, 30.0
-    for begin, end, shade, word in [(low, good, "#D5EBE2", "good"), (good, invalid, "#FCEBC8", "a shift"), (invalid, 1e3, "#F3D3C4", "invalid")]:
+    low, high = 3e-4, 30.0
+    for begin, end, shade, word in [(1e-6, good, "#D5EBE2", "good"), (good, invalid, "#FCEBC8", "a shift"), (invalid, 100.0, "#F3D3C4", "invalid")]:
         axes.axvspan(begin, end, color=shade, linewidth=0)
-        axes.text(np.sqrt(max(begin, 1e-5) * min(end, 100.0)), 12.0, word, ha="center", style="italic", color="0.25")
-    sigmas = np.array([point["surface_height_std"] for point in chart]) * 1e9
-    sides = np.array([np.sqrt(point["nominal_area"]) for point in chart]) * 1e6
+        axes.text(np.sqrt(max(begin, 1e-5) * end), 12.0, word, ha="center", style="italic", color="0.25")
     ratio = np.array([point["independence/relative_attractive_stiffness"] for point in chart])
-    scalars = np.array([point.scalar("pull_off_force") for point in chart])
-    change, error = np.abs(scalars[:, 1]) / scalars[:, 0], scalars[:, 2] / scalars[:, 0]
-    for side, marker in zip(np.unique(sides), "osD^"):
-        which = sides == side
-        drawn = axes.scatter(ratio[which], np.maximum(change[which], low), c=sigmas[which], marker=marker, s=28, cmap="viridis",
-                             norm=LogNorm(sigmas.min(), sigmas.max()), zorder=3, label=f"side {side:.1f} µm", edgecolors="white", linewidths=0.4)
-    axes.errorbar(ratio, np.maximum(change, low), yerr=2 * error, fmt="none", ecolor="0.5", elinewidth=0.7)
-    for name, case in cases.items():
-        patch = coupling_of(case, "patch")
-        independent, difference, _ = patch.scalar("pull_off_force")
-        place = (patch["independence/relative_attractive_stiffness"], max(abs(difference) / independent, low))
-        axes.plot(*place, "*", color="black", markersize=9, zorder=4)
-        axes.annotate(f"case {name}", place, xytext=(6, 4), textcoords="offset points", fontweight="bold")
-    axes.set(xscale="log", yscale="log", xlim=(1e-5, 100.0), ylim=(low, high), xlabel="largest attractive stiffness of the integral over $k_s$",
-             ylabel="change of the pull-off by coupling")
-    axes.legend(loc="lower right")
-    axes.set_title("(a) Pull-off of patches")
-    axes.figure.colorbar(drawn, ax=axes, pad=0.02, label="roughness $\\sigma$, nm", ticks=[1, 2, 3]).ax.set_yticklabels(["1", "2", "3"])
+    is_case = np.arange(len(chart)) >= len(chart) - len(cases)
+    for scalar, colour, marker, label in [("pull_off_force", BLUE, "o", "pull-off"), ("peak_secant_stiffness", VERMILION, "s", "stiffness")]:
+        values = np.array([point.scalar(scalar) for point in chart])
+        change, error = np.abs(values[:, 1]) / values[:, 0], values[:, 2] / values[:, 0]
+        axes.errorbar(ratio, np.maximum(change, low), yerr=error, fmt="none", ecolor=colour, elinewidth=0.6, alpha=0.6)
+        axes.scatter(ratio[~is_case], np.maximum(change, low)[~is_case], color=colour, marker=marker, s=14, label=label, zorder=3)
+        axes.scatter(ratio[is_case], np.maximum(change, low)[is_case], color=colour, marker=marker, s=30, edgecolors="black", zorder=4)
+        if marker == "o":
+            for name, x, y in zip(cases, ratio[is_case], np.maximum(change, low)[is_case]):
+                axes.annotate(name, (x, y), xytext=(5, 5), textcoords="offset points", fontweight="bold")
+    share = np.geomspace(1e-5, 0.97, 200)
+    axes.plot(share, share / (1.0 - share), color="black", linewidth=0.9, linestyle=DASHED, label="stiffness by mean field")
+    axes.set(xscale="log", yscale="log", xlim=(3e-6, 100.0), ylim=(low, high), xlabel="largest attraction of the integral over $k_s$",
+             ylabel="change by coupling, over what it is without")
+    axes.legend(loc="lower right", frameon=True, framealpha=0.85, edgecolor="none")
+    axes.set_title("(a) Pull-off and stiffness of patches")
+    expected = np.array([-point["independence/relative_shift"] for point in chart])
+    found = np.array([point.scalar("pull_off_separation")[1:] / point["surface_height_std"] for point in chart])
+    far = (expected > 0.05) & ~(ratio > 1.0)
+    line = np.array([0.05, 2.0])
+    moved.plot(line, line, color="black", linewidth=0.9, linestyle=DASHED, label="mean field")
+    moved.errorbar(expected[far], found[far, 0], yerr=found[far, 1], fmt="o", color=BLUE, markersize=4, elinewidth=0.7)
+    moved.set(xlim=(0.0, 1.6), ylim=(-0.2, 1.6), xlabel="shift F/$k_s$ at pull-off, $\\sigma$", ylabel="pull-off moves by, $\\sigma$")
+    moved.legend(loc="upper left")
+    moved.set_title("(b) Place of the pull-off")
 
 
 def draw_chart(file: h5py.File, cases: dict[str, h5py.File]) -> Figure:
     figure = Figure(figsize=(11.0, 4.0))
-    draw_scatter(panel(figure, 0.75, 0.55, 4.3, 3.1), file, cases)
+    draw_changes(panel(figure, 0.65, 0.55, 3.1, 3.1), panel(figure, 4.35, 0.55, 1.75, 3.1), file, cases)
     chart = points(file)
     sigmas = np.unique([point["surface_height_std"] for point in chart])
-    for column, index in enumerate(DRAWN):
-        own = [point for point in chart if np.isclose(point["surface_height_std"], sigmas[index])]
+    for column, index in enumerate((0, len(sigmas) // 2, len(sigmas) - 1)):
+        own = [point for point in chart if point["surface_height_std"] == sigmas[index]]
         sides = np.array([np.sqrt(point["nominal_area"]) for point in own]) * 1e6
-        axes = panel(figure, 5.85 + 1.55 * column, 0.55, 1.35, 3.1)
+        axes = panel(figure, 6.65 + 1.25 * column, 0.55, 1.1, 3.1)
         h_star = own[0]["coupling/h_star"]
-        change = np.array([np.abs(point.of("difference")) / (np.abs(point.of("independent")) + NONE * point["integral/pull_off_force"])
-                           for point in own])
+        # Where the force passes through nothing a share of it says nothing.
+        size = [np.maximum(np.abs(point.of("independent")), NONE * -np.min(point.of("independent"))) for point in own]
+        change = np.array([np.abs(point.of("difference")) for point in own]) / np.array(size)
         drawn = axes.pcolormesh(h_star, sides, np.maximum(change, 1e-4), norm=LogNorm(1e-3, 1.0), cmap="magma_r", shading="nearest")
         limit = [point["independence/independent_from"] for point in own]
         axes.plot(np.array(limit) / sigmas[index], sides, color=GREEN, linewidth=1.6, marker="o", markersize=3)
-        axes.set(yscale="log", xlim=(1.0, 6.0), xlabel="$h^*$", yticks=[], ylim=(sides[0] / 1.35, sides[-1] * 1.35))
+        axes.set(yscale="log", xlim=(h_star[0], 6.0), xlabel="$h^*$", ylim=(sides[0] / 1.35, sides[-1] * 1.35))
+        axes.set_yticks(sides, [f"{side:.0f}" for side in sides] if column == 0 else [])
         axes.set_yticks([], minor=True)
-        axes.set_title(f"({'bcd'[column]}) $\\sigma$ = {1e9 * sigmas[index]:.2f} nm")
+        axes.set_title(f"({'cde'[column]}) $\\sigma$ = {1e9 * sigmas[index]:.2f} nm")
         if column == 0:
-            axes.set_yticks(sides, [f"{side:.0f}" for side in sides])
             axes.set_ylabel("side of the patch, µm", labelpad=-2)
-    figure.colorbar(drawn, cax=panel(figure, 10.4, 0.55, 0.1, 3.1), label="change of the force")
+    figure.colorbar(drawn, cax=panel(figure, 10.32, 0.55, 0.1, 3.1)).set_label("change of the force, over the force", labelpad=1)
     return figure
 
 
@@ -254,7 +261,8 @@ def table(files: dict[str, h5py.File]) -> str:
             for scalar, unit, over in [("pull_off_force", "N", 1.0), ("pull_off_separation", "", sigma), ("peak_secant_stiffness", "N/m", 1.0)]:
                 independent, difference, error = (value / over for value in point.scalar(scalar))
                 if unit:
-                    change = f"{100 * difference / independent:+.3g} ± {100 * error / independent:.2g} %"
+                    within = f" ± {100 * error / independent:.2g}" if np.isfinite(error) else ""
+                    change = f"{100 * difference / independent:+.3g}{within} %"
                     cells.append(f"{told(independent, unit)} → {told(independent + difference, unit)} ({change})")
                 else:
                     cells.append(f"{independent:.3f} → {independent + difference:.3f}")

@@ -1,0 +1,68 @@
+"""The pictures of coupled cases, from the shipped scenes made small: they are drawn, the table has what the files have, and what cannot be
+drawn is refused.
+
+The program is $STICTION, by default target/release/stiction.
+"""
+
+import re
+import subprocess
+import sys
+
+import h5py
+import matplotlib.image
+import pytest
+from program import PROGRAM, ROOT
+
+SCRIPT = ROOT / "scripts" / "plot_coupling.py"
+SCENES = ["case_i", "case_ii", "case_iii", "patches"]
+SMALL = {
+    r'nominal_area = "1?000? um\^2"': 'nominal_area = "20 um^2"',
+    r"surface.nominal_area = .*": 'surface.nominal_area = ["5 um^2", "10 um^2"]',
+    r"(surface.surface_height_std = .*)count = \d+": r'\1count = 2',
+    r'from = "0.65 nm"': 'from = "1.3 nm"',
+    r"(h_star = .*)count = \d+": r"\1count = 15",
+    r"replicas = \d+": "replicas = 2",
+}
+
+
+def draw(*arguments: object) -> subprocess.CompletedProcess:
+    return subprocess.run([sys.executable, SCRIPT, *map(str, arguments)], capture_output=True, text=True, encoding="utf-8")
+
+
+@pytest.fixture(scope="module")
+def results(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("results")
+    for name in SCENES:
+        scene = (ROOT / "configs" / "coupled" / f"{name}.toml").read_text()
+        for pattern, replacement in SMALL.items():
+            scene = re.sub(pattern, replacement, scene)
+        (folder / f"{name}.toml").write_text(scene)
+        command = [PROGRAM, "run", folder / f"{name}.toml", "-o", folder / f"{name}.h5", "--quiet"]
+        subprocess.run(command, check=True, capture_output=True)
+    return folder
+
+
+def test_pictures_and_table_come_from_the_files(results, tmp_path):
+    done = draw(results, "-o", tmp_path, "--stiction", tmp_path / "none", "--dpi", 60)
+    assert done.returncode == 0, done.stderr
+    lines = done.stdout.splitlines()
+    for line, name in zip(lines, ["cases", "patch", "chart"], strict=False):
+        assert line == str(tmp_path / f"coupled_{name}.png")
+        assert 0.02 < (matplotlib.image.imread(line)[..., :3].min(axis=2) < 0.9).mean() < 0.95
+    rows = [line.split(" | ") for line in lines if re.match(r"\| I+ ", line)]
+    assert [row[0] for row in rows] == ["| I", "| I", "| II", "| II", "| III"]
+    with h5py.File(results / "case_ii.h5") as file:
+        expected = file["coupling/scalar_independent_mean"][1, 0]
+        told, prefix = re.match(r"([0-9.]+) ([nµm])N", rows[3][2]).groups()
+        assert float(told) * {"n": 1e-9, "µ": 1e-6, "m": 1e-3}[prefix] == pytest.approx(expected, rel=6e-3)
+
+
+def test_what_cannot_be_drawn_is_refused(results, tmp_path):
+    done = draw(tmp_path, "-o", tmp_path, "--stiction", tmp_path / "none")
+    assert done.returncode == 2 and "no such program" in done.stderr
+    broken = tmp_path / "broken"
+    broken.write_text("#!/bin/sh\necho it fails >&2\nexit 1\n")
+    broken.chmod(0o755)
+    done = draw(tmp_path, "-o", tmp_path, "--stiction", broken)
+    assert done.returncode == 1 and done.stderr.strip() == "plot_coupling: it fails"
+    assert not list(tmp_path.glob("*.png"))

@@ -12,6 +12,8 @@
   independent heights by -[<f><f'> sum_(i!=j) G_ij + <f f'> sum_i G_ii] on average.
 * `hard_core`: pi E* L G averaged over the places of two asperities at least b apart in a cell, -I(b)/(L^2 - pi b^2) with the integral
   I over the disc; and of 30 by random sequential addition, sampled, with its standard error.
+* `unstable_work`: the integral of F dDelta of Maugis' contact, scaled, along the unstable part of its force curve, from first touch to
+  the end of its stable one.
 * `contact`: states with the next orders, as `ensembles` of coupling.json; `third_order` ones with no more than 1/r^3.
 
 Usage:
@@ -206,6 +208,23 @@ def contact_states(drawn: dict) -> list:
     return rows
 
 
+def unstable_work(lam: mp.mpf) -> dict:
+    """By the angle theta, with c = a / cos(theta); theta = pi/2 is first touch."""
+
+    def state(theta):
+        m, root = mp.sec(theta), mp.tan(theta)
+        square, line = lam / 2 * (root + (m**2 - 2) * theta), 4 * lam**2 / 3 * (root * theta - m + 1)
+        a = (-line + mp.sqrt(line**2 + 4 * square)) / (2 * square)
+        return a**2 - mp.mpf(4) / 3 * a * lam * root, a**3 - lam * a**2 * (root + m**2 * theta)
+
+    slope = lambda theta: mp.diff(lambda x: state(x)[0], theta, h=mp.mpf(10) ** -12)  # noqa: E731
+    places = [mp.pi / 800 * k for k in range(1, 400)]
+    lowest = min(range(1, 398), key=lambda k: state(places[k])[0])
+    fold = bisect(slope, places[lowest - 1], places[lowest + 1])
+    work = mp.quad(lambda theta: state(theta)[1] * slope(theta), [mp.pi / 2 - mp.mpf(10) ** -9, fold])
+    return {"adhesion_parameter": lam, "end": state(fold)[0], "work": work}
+
+
 def content() -> dict:
     drawn = surfaces()
     return {
@@ -215,7 +234,7 @@ def content() -> dict:
         "folds": [fold(mp.mpf(r), mp.mpf(6.38e-6), mp.mpf(0.3)) for r in (5e-8, 1e-7, 2e-7)],
         "lattice": hertz_lattice(mp.mpf(1e-6)),
         "first_order": first_order(drawn), "hertz_means": {"std": 1.6e-9, "separations": hertz_means(1.6e-9, [0.0, 2e-9, 4e-9])},
-        "hard_core": hard_core_means(), "contact": contact_states(drawn),
+        "unstable_work": [unstable_work(mp.mpf(lam)) for lam in (1, 2, 5, 10, 100)], "hard_core": hard_core_means(), "contact": contact_states(drawn),
     }
 
 

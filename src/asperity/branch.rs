@@ -61,6 +61,11 @@ impl<C: Curve> Branch<C> {
         self
     }
 
+    /// The curve that it is of.
+    pub fn curve(&self) -> &C {
+        &self.curve
+    }
+
     /// Where the branch is anchored.
     pub fn anchor(&self) -> Anchor {
         self.anchor

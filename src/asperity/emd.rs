@@ -115,6 +115,11 @@ impl Emd {
         self.contact.anchor().displacement
     }
 
+    /// ∫F̂ dΔ along the unstable part of the contact curve, from first touch to its end.
+    pub fn unstable_work(&self) -> f64 {
+        self.contact.curve().unstable_work()
+    }
+
     /// The state at any displacement: the branch that the history selects.
     pub fn respond(&self, displacement: f64, stats: &mut SolverStats) -> (ContactState, Solution) {
         if displacement >= self.end {

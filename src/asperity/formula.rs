@@ -164,6 +164,7 @@ pub struct ClosedForm<F, P, A> {
     area: A,
     roots: Vec<Root>,
     capture: Option<f64>,
+    unstable_work: f64,
     is_proportional: bool,
 }
 
@@ -177,7 +178,8 @@ impl<F: Formula> ClosedForm<F, Zero, Zero> {
 impl<F: Formula, P: Formula, A: Formula> ClosedForm<F, P, A> {
     /// Formulas for F_s, P and the area, smooth.
     pub fn new(adhesion: F, contact: P, area: A) -> Self {
-        Self { adhesion, contact, area, roots: Vec::new(), capture: None, is_proportional: false }
+        let (roots, capture, unstable_work, is_proportional) = (Vec::new(), None, 0.0, false);
+        Self { adhesion, contact, area, roots, capture, unstable_work, is_proportional }
     }
 
     /// The same, but from the interference `place`, m, on smooth in (δ − place)^(1/order) only.
@@ -194,6 +196,11 @@ impl<F: Formula, P: Formula, A: Formula> ClosedForm<F, P, A> {
     /// The same with the interference, m, from which an asperity that turns back takes another way.
     pub fn with_capture(self, interference: f64) -> Self {
         Self { capture: Some(interference), ..self }
+    }
+
+    /// The same with ∫(P − F_s) dδ, J, along its unstable part.
+    pub fn with_unstable_work(self, unstable_work: f64) -> Self {
+        Self { unstable_work, ..self }
     }
 
     /// The same, told to be an attraction before contact that is proportional to the radius of the asperity
@@ -224,6 +231,10 @@ impl<F: Formula, P: Formula, A: Formula> Interaction for ClosedForm<F, P, A> {
 
     fn capture(&self) -> Option<f64> {
         self.capture
+    }
+
+    fn unstable_work(&self) -> f64 {
+        self.unstable_work
     }
 
     fn flattened(&self) -> Option<Box<dyn Flattened>> {

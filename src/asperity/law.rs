@@ -246,6 +246,13 @@ pub trait Law: Send + Sync {
         None
     }
 
+    /// ∫(P − F_s) dδ, J, along the unstable part of its force curve, from the interference at which contact
+    /// begins on approach to that at which it ends on retraction; 0 of a law that has none.
+    #[doc(hidden)]
+    fn unstable_work(&self) -> f64 {
+        0.0
+    }
+
     /// How well its curve fits are, when it has any.
     #[doc(hidden)]
     fn fit(&self) -> Option<&FitReport> {

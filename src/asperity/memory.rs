@@ -15,10 +15,14 @@
 //! Source of the unloading: [`super::unloading`].
 
 use super::history::Path;
-use super::law::{Law, Responses};
+use super::law::{End, Law, Responses, Smoothness};
 use super::stats::SolverStats;
 use super::unloading::Loop;
 use std::ops::Deref;
+
+/// The power of the load of unloading, which is close to 3/2, is none in a root of δ; in the fourth what is left is
+/// too smooth to matter.
+const UNLOADING: i32 = 4;
 
 /// The function of a segment.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,6 +50,8 @@ pub(crate) struct Segment {
     pub upper: f64,
     /// The segment that follows below, and above.
     pub next: [Option<u8>; 2],
+    /// How it varies.
+    pub smoothness: Smoothness,
 }
 
 /// Something that is another's, or one's own.
@@ -90,6 +96,8 @@ pub(crate) struct Flowed {
     pub regime: usize,
     /// Its segments.
     pub segments: Vec<Segment>,
+    /// How many of them are of one out of contact.
+    pub untouched: usize,
 }
 
 impl Memory<'_> {
@@ -99,6 +107,15 @@ impl Memory<'_> {
             (Self::None(law), _) => &**law,
             (Self::Loop(cycle), Path::Approach) => cycle.approach(),
             (Self::Loop(cycle), Path::Retraction) => cycle.retraction(),
+        }
+    }
+
+    /// ∫(P − F_s) dδ, J, along the unstable part of its force curve, from where contact begins to where it ends, of
+    /// an asperity that has not flowed.
+    pub fn unstable_work(&self) -> f64 {
+        match self {
+            Self::None(_) => 0.0,
+            Self::Loop(cycle) => cycle.retraction().unstable_work(),
         }
     }
 
@@ -161,6 +178,9 @@ impl Memory<'_> {
                 }
                 segment.lower = segment.lower.max(from) + residual;
                 segment.upper = segment.upper.min(to) + residual;
+                if let Smoothness::Root { place, .. } = &mut segment.smoothness {
+                    *place += residual;
+                }
             }
             if let Some(last) = segments.last_mut() {
                 last.upper = to + residual;
@@ -169,7 +189,10 @@ impl Memory<'_> {
         };
         let lost_contact = lowered(cycle.approach(), Path::Approach, (f64::NEG_INFINITY, capture));
         let mut contact = lowered(cycle.retraction(), Path::Retraction, (lost, release));
-        let plain = |source, lower, upper| Segment { source, lower, upper, next: [None; 2] };
+        let plain = |source, lower, upper| {
+            let smoothness = Smoothness::Root { end: End::Lower, place: lower, order: UNLOADING };
+            Segment { source, lower, upper, next: [None; 2], smoothness }
+        };
         contact.push(plain(Source::Bare, release + residual, residual));
         contact.push(plain(Source::Unloading, residual, largest));
         let virgin = pieces(cycle.approach(), Path::Approach, cycle.first_plastic..usize::MAX);
@@ -188,6 +211,7 @@ impl Memory<'_> {
             ratio,
             at_largest: [out.adhesion[0], out.contact[0], out.area[0]],
             regime,
+            untouched: lost_contact.len(),
             segments: joined(lost_contact, contact),
         })
     }
@@ -247,10 +271,12 @@ fn pieces(law: &dyn Law, path: Path, regimes: std::ops::Range<usize>) -> Vec<Seg
         lower: piece.lower,
         upper: piece.upper,
         next: [None; 2],
+        smoothness: piece.smoothness,
     });
     let mut own: Vec<Segment> = own.collect();
     if end.is_finite() && is_last {
-        own.push(Segment { source: Source::Nothing, lower: end, upper: f64::INFINITY, next: [None; 2] });
+        let (lower, upper, next) = (end, f64::INFINITY, [None; 2]);
+        own.push(Segment { source: Source::Nothing, lower, upper, next, smoothness: Smoothness::Smooth });
     }
     own
 }

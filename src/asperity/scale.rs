@@ -162,6 +162,11 @@ impl Scale {
         Ok(Self { lambda, length: 1.0, radius: 1.0, force: 1.0 })
     }
 
+    /// The unit of energy, s_F s_δ, J.
+    pub fn energy(&self) -> f64 {
+        self.force * self.length
+    }
+
     /// Z₀, m.
     pub fn equilibrium_spacing(&self) -> f64 {
         2.0 * STRESS_RATIO / (PI * self.lambda) * self.length

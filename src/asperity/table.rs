@@ -42,6 +42,13 @@ pub trait Interaction: Send + Sync {
         None
     }
 
+    /// ∫(P − F_s) dδ, J, along what is unstable of its force curve, from where an asperity would come to it on
+    /// approach to where it leaves it on retraction.
+    #[doc(hidden)]
+    fn unstable_work(&self) -> f64 {
+        0.0
+    }
+
     /// The same attraction for asperities of other radii, if the part is one before contact that has it.
     #[doc(hidden)]
     fn flattened(&self) -> Option<Box<dyn Flattened>> {
@@ -137,6 +144,10 @@ impl Law for Table {
 
     fn capture(&self) -> Option<f64> {
         self.parts.iter().find_map(|part| part.capture())
+    }
+
+    fn unstable_work(&self) -> f64 {
+        self.parts.iter().map(|part| part.unstable_work()).sum()
     }
 
     fn fit(&self) -> Option<&FitReport> {

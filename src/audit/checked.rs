@@ -359,6 +359,7 @@ fn is_of_coupled(variable: &Variable) -> bool {
         "/replicas/largest_crowding",
         "/replicas/largest_avalanche",
         "/replicas/avalanche_size_count",
+        "/replicas/energy_lost",
     ];
     of_coupled.iter().any(|begin| variable.path.starts_with(begin))
 }

@@ -26,18 +26,16 @@ impl Checked<'_> {
         self.mean_field(way)
     }
 
-    /// Avalanches by their size are those of all replicas, and of all steps; states that are no results likewise.
+    /// Avalanches by their size, and what they lost, are those of all replicas, and of all steps; states that are no results
+    /// likewise.
     pub fn avalanches(&mut self) -> Result<(), OutputError> {
         const PATH: &str = "/coupling/avalanche_size_count";
+        const LOST: &str = "/replicas/energy_lost";
         if !self.has(PATH) {
             return Ok(());
         }
-        let found = self.values(PATH)?;
-        let mut expected = vec![0.0; found.len()];
-        for own in self.values("/replicas/avalanche_size_count")?.chunks_exact(found.len().max(1)) {
-            expected.iter_mut().zip(own).for_each(|(sum, count)| *sum += count);
-        }
-        self.compare(PATH, &found, &expected, |_| 0.0, "the replicas");
+        let total = self.classes("avalanche_size_count")?;
+        self.classes("energy_lost_count")?;
         // Steps of a point of a sweep without coupling have no avalanches, not none.
         if !self.is_coupled() {
             return Ok(());
@@ -51,14 +49,37 @@ impl Checked<'_> {
             let total = self.values(&path)?.iter().sum::<f64>();
             self.compare(&path, &[total], &[of_states], |_| 0.0, "all separations together");
         }
-        let mut of_steps = 0.0;
-        for way in self.ways()? {
-            let mean = self.values(&format!("/coupling/{way}avalanche_count_mean"))?;
-            of_steps += mean.iter().sum::<f64>() * self.replicas as f64;
-        }
-        let total = found.iter().sum::<f64>();
-        self.compare(PATH, &[total], &[of_steps], |_| ROUNDING * (1.0 + of_steps), "all steps together");
+        let of_steps = self.all_steps("avalanche_count")?;
+        let count: f64 = of_steps.iter().sum();
+        self.compare(PATH, &[total], &[count], |_| ROUNDING * (1.0 + count), "all steps together");
+        let (found, of_steps) = (self.values(LOST)?, self.all_steps("energy_lost")?);
+        // Of laws by which surfaces may gain, terms have both signs.
+        let size: f64 = of_steps.iter().chain(&found).map(|energy| energy.abs()).sum();
+        let sums = [found.iter().sum(), of_steps.iter().sum()];
+        self.compare(LOST, &sums[..1], &sums[1..], |_| ROUNDING * size, "all steps together");
         Ok(())
+    }
+
+    /// Counts by classes are those of all replicas; their sum.
+    fn classes(&mut self, name: &str) -> Result<f64, OutputError> {
+        let path = format!("/coupling/{name}");
+        let found = self.values(&path)?;
+        let mut expected = vec![0.0; found.len()];
+        for own in self.values(&format!("/replicas/{name}"))?.chunks_exact(found.len().max(1)) {
+            expected.iter_mut().zip(own).for_each(|(sum, count)| *sum += count);
+        }
+        self.compare(&path, &found, &expected, |_| 0.0, "the replicas");
+        Ok(found.iter().sum())
+    }
+
+    /// What there is of all replicas on each step, of which the file has the mean.
+    fn all_steps(&mut self, name: &str) -> Result<Vec<f64>, OutputError> {
+        let mut all = Vec::new();
+        for way in self.ways()? {
+            let mean = self.values(&format!("/coupling/{way}{name}_mean"))?;
+            all.extend(mean.iter().map(|mean| mean * self.replicas as f64));
+        }
+        Ok(all)
     }
 
     fn mean_field(&mut self, way: &str) -> Result<(), OutputError> {

@@ -185,6 +185,14 @@ fn of_states(results: &Results, coupled: &CoupledMoments) -> Vec<String> {
     let replicas = results.ensemble.replicas.iter().filter_map(|replica| replica.coupled.as_ref());
     let largest = replicas.clone().map(|replica| replica.largest_avalanche).max().unwrap_or(0);
     let mut lines = vec![format!("largest avalanche: {largest} asperities of one surface at one separation")];
+    let lost = replicas.clone().map(|replica| replica.energy_lost).sum::<f64>();
+    if lost.is_finite() && lost != 0.0 {
+        let mean = lost / results.ensemble.replicas.len() as f64;
+        lines.push(format!(
+            "avalanches lose {} of a surface at all separations, mean over replicas",
+            si(mean, "J")
+        ));
+    }
     let first = results.ensemble.replicas.first().and_then(|replica| replica.coupled.as_ref());
     if let Some(told) = first.and_then(|coupled| coupled.asperities.as_ref()) {
         let states = told.states.len();

@@ -3,6 +3,7 @@
 use crate::asperity::memory::{Flowed, Memory, Segment, Source};
 use crate::asperity::{BLOCK, Method, Path, Responses, SolverStats};
 use crate::math::counting_sort::counting_sort;
+use std::cell::OnceCell;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -15,6 +16,8 @@ pub struct RadiusLaws<'a> {
     segments: Vec<Segment>,
     /// How many of them are of asperities that have not touched.
     untouched: usize,
+    /// J, where it was needed.
+    unstable_work: OnceCell<f64>,
     /// The length over which they vary, m.
     pub length: f64,
 }
@@ -23,7 +26,7 @@ impl<'a> RadiusLaws<'a> {
     /// The laws of a radius, which vary over `length`, m.
     pub(crate) fn new(memory: Memory<'a>, length: f64) -> Self {
         let (segments, untouched) = memory.segments();
-        Self { memory, segments, untouched, length }
+        Self { memory, segments, untouched, unstable_work: OnceCell::new(), length }
     }
 }
 
@@ -50,7 +53,7 @@ pub struct States {
     /// ω_max of each, m; −∞ where it has not flowed.
     largest: Vec<f64>,
     /// Those that have flowed and come back from ω_max.
-    unloaded: Vec<Option<Arc<Flowed>>>,
+    pub(super) unloaded: Vec<Option<Arc<Flowed>>>,
     /// Those at rest at a jump.
     pub resting: BTreeMap<u32, Rest>,
 }
@@ -124,7 +127,7 @@ impl<'a> Asperities<'a> {
     }
 
     /// The states of asperities that have not touched.
-    pub fn untouched(&self) -> States {
+    pub fn none_touched(&self) -> States {
         let count = self.of_each.len();
         let (largest, unloaded) = (vec![f64::NEG_INFINITY; count], vec![None; count]);
         States { segments: vec![0; count], largest, unloaded, resting: BTreeMap::new() }
@@ -132,7 +135,7 @@ impl<'a> Asperities<'a> {
 
     /// The states of asperities at interferences, m, each of which has touched where that can be.
     pub fn touched(&self, interference: &[f64]) -> States {
-        let mut states = self.untouched();
+        let mut states = self.none_touched();
         for (i, &delta) in interference.iter().enumerate() {
             let of_law = self.of_law(i, delta);
             let holds = |segment: &Segment| of_law >= segment.lower && of_law < segment.upper;
@@ -143,11 +146,33 @@ impl<'a> Asperities<'a> {
     }
 
     /// All segments of an asperity.
-    fn segments<'b>(&'b self, states: &'b States, i: usize) -> &'b [Segment] {
+    pub(super) fn segments<'b>(&'b self, states: &'b States, i: usize) -> &'b [Segment] {
         match &states.unloaded[i] {
             Some(flowed) => &flowed.segments,
             None => &self.laws[self.number(i)].segments,
         }
+    }
+
+    /// How many of the segments of an asperity, which come first, are of one that has not touched.
+    pub(super) fn untouched(&self, states: &States, i: usize) -> usize {
+        match &states.unloaded[i] {
+            Some(flowed) => flowed.untouched,
+            None => self.laws[self.number(i)].untouched,
+        }
+    }
+
+    /// ∫(P − F_s) dδ, J, along the unstable part of the force curve of an asperity, from where contact begins to where
+    /// it ends; of one that has flowed in proportion to the force there.
+    pub(super) fn unstable_work(&mut self, states: &States, i: usize) -> f64 {
+        let RadiusLaws { memory, unstable_work, segments, untouched, .. } = &self.laws[self.number(i)];
+        let work = *unstable_work.get_or_init(|| memory.unstable_work());
+        let (Some(flowed), Some(last)) = (&states.unloaded[i], segments.get(*untouched)) else { return work };
+        let Source::Law(path, regime) = last.source else { return work };
+        memory.law(path).evaluate(regime, &[within(last, last.lower)], &mut self.out, &mut self.stats);
+        let elastic = self.out.contact[0] - self.out.adhesion[0];
+        let first = flowed.untouched as u8;
+        let [adhesion, contact, _] = self.one(states, i, first, flowed.segments[first as usize].lower);
+        work * (contact - adhesion) / elastic
     }
 
     /// The segment that an asperity is in, between interferences.

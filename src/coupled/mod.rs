@@ -3,6 +3,7 @@
 mod asperities;
 mod avalanches;
 mod contacts;
+mod energy;
 mod half_space;
 mod passages;
 mod solver;
@@ -11,5 +12,6 @@ mod tests;
 
 pub use asperities::{Asperities, Forces, RadiusLaws, States, distinct};
 pub use avalanches::{Avalanches, CLASSES};
+pub use energy::{ENERGY_CLASSES, energy_class, least_energy};
 pub use half_space::HalfSpace;
 pub use solver::{Settled, Snapshot, Solver};

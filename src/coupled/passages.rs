@@ -42,6 +42,11 @@ pub struct Passages {
     made: Vec<Passage>,
     /// Those that are part of avalanches.
     pub events: Vec<Event>,
+    /// Asperities that made some which lose energy: without way back, or over a jump to more attraction where the others
+    /// yield to it. Over other jumps an asperity would have gone little by little.
+    pub losing: Vec<u32>,
+    /// The longest Newton step, m.
+    pub longest: f64,
     /// Whether the surfaces have just been moved.
     pub is_moved: bool,
     /// Whether a state has been close to a stable one.
@@ -49,6 +54,14 @@ pub struct Passages {
 }
 
 impl Passages {
+    /// Forgets those of the step before: the surfaces have been moved.
+    pub fn step(&mut self) {
+        self.events.clear();
+        self.losing.clear();
+        self.longest = 0.0;
+        self.is_moved = true;
+    }
+
     /// Counts anew the passages of so many asperities.
     pub fn begin(&mut self, count: usize, is_close: bool) {
         self.counts.clear();
@@ -136,8 +149,10 @@ impl Solver<'_> {
             contact - adhesion
         });
         let jump = ends[1] - ends[0];
+        let mut does_lose = is_hysteretic;
         if !is_hysteretic && jump != 0.0 {
             let yielding = half_space.yielding(i, slopes, *mean_slope);
+            does_lose = jump < 0.0 && yielding > 0.0;
             let share = if upwards { 0.0 } else { 1.0 };
             let rest = Rest { place, segments, share, ends, stiffness: 1.0 / yielding };
             if jump * yielding > (delta - asperities.place(i, place)).abs() {
@@ -151,6 +166,9 @@ impl Solver<'_> {
         states.segments[i] = to;
         if is_hysteretic {
             passages.made.push(Passage { asperity: i, from, end: place, upwards });
+        }
+        if does_lose {
+            passages.losing.push(i as u32);
         }
         if is_hysteretic || jump < 0.0 {
             passages.events.push(Event { asperity: i as u32, is_trigger });

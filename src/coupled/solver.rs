@@ -19,6 +19,7 @@ mod fall;
 
 use super::asperities::{Asperities, Forces, Rest, States};
 use super::avalanches::{Avalanches, avalanches};
+use super::energy::Step;
 use super::half_space::HalfSpace;
 use super::passages::Passages;
 use crate::asperity::SolverStats;
@@ -64,20 +65,22 @@ pub struct Settled {
 /// A state of a surface.
 #[derive(Clone, Debug)]
 pub struct Snapshot {
-    states: States,
-    interference: Vec<f64>,
+    pub(super) states: States,
+    pub(super) interference: Vec<f64>,
     stretches: Vec<f64>,
-    separation: f64,
+    pub(super) separation: f64,
+    is_stable: bool,
 }
 
 /// Surfaces whose asperities are coupled.
 pub struct Solver<'a> {
     pub(super) asperities: Asperities<'a>,
     pub(super) half_space: HalfSpace,
-    heights: &'a [f64],
+    pub(super) heights: &'a [f64],
     tolerance: f64,
-    /// d, m, of the state.
+    /// d, m, of the state, and whether it is a stable one.
     separation: f64,
+    is_stable: bool,
     /// What is remembered.
     pub states: States,
     /// δ of each, m.
@@ -85,7 +88,7 @@ pub struct Solver<'a> {
     /// The forces of each.
     pub forces: Forces,
     /// f of each, N, and its slope, N/m.
-    external: Vec<f64>,
+    pub(super) external: Vec<f64>,
     pub(super) slopes: Vec<f64>,
     /// Mean slope, N/m.
     pub(super) mean_slope: f64,
@@ -99,19 +102,21 @@ pub struct Solver<'a> {
     /// The stable state before the present one: δ, m, at d, m.
     path: Option<(f64, Vec<f64>)>,
     pub(super) passages: Passages,
-    memory: Scratch,
+    /// The last step, if it was one between stable states.
+    pub(super) step: Option<Step>,
+    pub(super) memory: Scratch,
 }
 
 #[derive(Default)]
-struct Scratch {
-    all: Vec<u32>,
+pub(super) struct Scratch {
+    pub(super) all: Vec<u32>,
     unknown: Vec<u32>,
     beside: Vec<f64>,
     shifted: Forces,
     displacements: Vec<f64>,
     step: Vec<f64>,
     product: Vec<f64>,
-    gmres: gmres::Memory,
+    pub(super) gmres: gmres::Memory,
 }
 
 impl<'a> Solver<'a> {
@@ -134,12 +139,13 @@ impl<'a> Solver<'a> {
             ..Scratch::default()
         };
         Self {
-            states: asperities.untouched(),
+            states: asperities.none_touched(),
             asperities,
             half_space,
             heights,
             tolerance,
             separation: f64::INFINITY,
+            is_stable: false,
             interference: vec![0.0; count],
             forces: Forces::default(),
             external: vec![0.0; count],
@@ -151,6 +157,7 @@ impl<'a> Solver<'a> {
             residual: vec![0.0; count],
             path: None,
             passages: Passages::default(),
+            step: None,
             memory,
         }
     }
@@ -166,9 +173,9 @@ impl<'a> Solver<'a> {
         self.states = if has_touched {
             self.asperities.touched(&self.interference)
         } else {
-            self.asperities.untouched()
+            self.asperities.none_touched()
         };
-        self.separation = d;
+        (self.separation, self.is_stable) = (d, false);
         self.forget();
         self.passages.begin(self.heights.len(), true);
         self.pass_all(0.0);
@@ -176,9 +183,9 @@ impl<'a> Solver<'a> {
 
     /// The present state.
     pub fn snapshot(&self) -> Snapshot {
-        let Self { states, interference, stretches, separation, .. } = self;
+        let Self { states, interference, stretches, separation, is_stable, .. } = self;
         let (states, interference, stretches) = (states.clone(), interference.clone(), stretches.clone());
-        Snapshot { states, interference, stretches, separation: *separation }
+        Snapshot { states, interference, stretches, separation: *separation, is_stable: *is_stable }
     }
 
     /// Goes back to a state.
@@ -187,12 +194,13 @@ impl<'a> Solver<'a> {
         self.interference.copy_from_slice(&snapshot.interference);
         self.stretches.copy_from_slice(&snapshot.stretches);
         self.asperities.stretch(&self.stretches);
-        self.separation = snapshot.separation;
+        (self.separation, self.is_stable) = (snapshot.separation, snapshot.is_stable);
         self.forget();
     }
 
     /// Forgets where slopes were taken, and the states before.
     fn forget(&mut self) {
+        self.step = None;
         self.taken.0.fill(f64::NAN);
         self.path = None;
     }
@@ -233,19 +241,21 @@ impl<'a> Solver<'a> {
     /// Goes to the separation d, m, from the present state.
     pub fn settle(&mut self, d: f64) -> Settled {
         let (before, from) = (self.snapshot(), self.separation);
-        self.passages.events.clear();
-        self.passages.is_moved = true;
+        self.passages.step();
         self.extrapolate(d);
         let is_near = self.search(d, HOPELESS);
         let is_converged = is_near || self.fall_from(&before, d);
         if is_near {
-            self.path = Some((from, before.interference));
+            self.path = Some((from, before.interference.clone()));
         }
-        self.separation = d;
+        (self.separation, self.is_stable) = (d, is_converged);
         self.asperities.remember(&mut self.states, &self.interference);
         let changed = |i: u32| self.states.segments[i as usize] != before.states.segments[i as usize];
         let distance = |a: u32, b: u32| self.half_space.square(a as usize, b as usize);
-        Settled { is_converged, avalanches: avalanches(&self.passages.events, changed, distance) }
+        let avalanches = avalanches(&self.passages.events, changed, distance);
+        let has_left = !is_near || self.has_leapt(d - from);
+        self.step = (before.is_stable && is_converged).then_some(Step { before, has_left });
+        Settled { is_converged, avalanches }
     }
 
     /// Moves interferences to where they are expected at d, m, by those at the present separation and before.
@@ -491,6 +501,7 @@ impl Solver<'_> {
             if !(longest < near) {
                 return false;
             }
+            self.passages.longest = self.passages.longest.max(longest);
             self.advance(1.0);
             self.pass_all(UNCERTAIN * longest);
         }

@@ -8,6 +8,7 @@ use crate::surface::{Heights, Places};
 use serde_json::Value;
 use std::f64::consts::PI;
 
+mod energy;
 mod limits;
 
 /// Solutions by a dense Newton method in Python, and roots with 30 digits (`scripts/reference_coupling.py`).

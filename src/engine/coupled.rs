@@ -10,7 +10,7 @@ use super::summed::Summed;
 use super::sums::RegimeSums;
 use crate::asperity::memory::{Held, Memory};
 use crate::asperity::{Path, Quantity, SolverStats, SurfaceLoops};
-use crate::coupled::{Asperities, HalfSpace, RadiusLaws, Settled, Snapshot, Solver, distinct};
+use crate::coupled::{Asperities, HalfSpace, RadiusLaws, Settled, Snapshot, Solver, distinct, energy_class};
 use crate::math::extrema::{Extremum, largest_secant};
 use crate::substrate::{Coupling, Kernel};
 use crate::surface::Places;
@@ -41,6 +41,8 @@ pub struct Substrate<'a> {
     pub memory: Option<&'a SurfaceLoops>,
     /// The length over which the law of the typical asperity varies, m.
     pub length: f64,
+    /// The unit of its energy, J.
+    pub energy: f64,
 }
 
 /// A surface that is moved from separation to separation.
@@ -52,6 +54,8 @@ struct CoupledSurface<'a> {
     side: f64,
     /// How the last separation was reached.
     settled: Settled,
+    /// The unit of energy, J.
+    energy: f64,
     regimes: Vec<RegimeSums>,
     highest: f64,
     /// The states before the smallest sample on approach and on retraction, and, if surfaces turn back at
@@ -115,6 +119,7 @@ pub(super) fn couple(
         solver,
         side,
         settled: Settled::default(),
+        energy: substrate.energy,
         regimes: vec![RegimeSums::default(); r],
         highest,
         before: [None, None],
@@ -143,6 +148,8 @@ pub(super) fn couple(
         avalanche_sizes: coupled.avalanche_sizes,
         largest_crowding: coupled.largest_crowding,
         overlapping: total(&coupled.overlapping),
+        energy_lost: coupled.energy_lost.iter().sum(),
+        energy_classes: coupled.energy_classes,
         asperities: surface.told.map(|told| told.states),
     }));
     if let Some(cycle) = &mut kept.cycle {
@@ -289,6 +296,11 @@ impl CoupledSurface<'_> {
         coupled.largest_avalanche[state] = avalanches.largest as f64;
         let sizes = coupled.avalanche_sizes.iter_mut().zip(avalanches.of_class);
         sizes.for_each(|(sum, count)| *sum += u64::from(count));
+        let lost = self.solver.energy_lost();
+        coupled.energy_lost[state] = lost;
+        if lost.is_finite() && lost != 0.0 {
+            coupled.energy_classes[energy_class(lost / self.energy)] += 1;
+        }
         coupled.unsettled[state] = f64::from(u8::from(!self.settled.is_converged));
         let crowding = self.solver.crowding(self.side);
         coupled.overlapping[state] = f64::from(u8::from(crowding > 1.0));

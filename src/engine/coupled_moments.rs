@@ -18,6 +18,8 @@ pub struct CoupledMoments {
     pub avalanche_count: Moments,
     /// Asperities in the largest of them.
     pub largest_avalanche: Moments,
+    /// Energy that they lost, J.
+    pub energy_lost: Moments,
     /// Replicas without a stable state, as shares.
     pub unsettled: Moments,
     /// Replicas in which circles of contact overlap, as shares.
@@ -49,6 +51,7 @@ impl CoupledMoments {
             independent: all(),
             avalanche_count: Moments::new(s),
             largest_avalanche: Moments::new(s),
+            energy_lost: Moments::new(s),
             unsettled: Moments::new(s),
             overlapping: Moments::new(s),
             groups: CoupledGroups {
@@ -67,6 +70,7 @@ impl CoupledMoments {
         }
         self.avalanche_count.push(&coupled.avalanche_count);
         self.largest_avalanche.push(&coupled.largest_avalanche);
+        self.energy_lost.push(&coupled.energy_lost);
         self.unsettled.push(&coupled.unsettled);
         self.overlapping.push(&coupled.overlapping);
         self.groups.push(job, replica, curves, coupled);
@@ -76,7 +80,13 @@ impl CoupledMoments {
     fn all(&self) -> impl Iterator<Item = &Moments> {
         let groups = &self.groups;
         let lists = [&self.independent[..], &groups.independent, &groups.difference, &groups.scalars];
-        let single = [&self.avalanche_count, &self.largest_avalanche, &self.unsettled, &self.overlapping];
+        let single = [
+            &self.avalanche_count,
+            &self.largest_avalanche,
+            &self.energy_lost,
+            &self.unsettled,
+            &self.overlapping,
+        ];
         lists.into_iter().flatten().chain(single)
     }
 
@@ -84,8 +94,8 @@ impl CoupledMoments {
         let groups = &mut self.groups;
         let lists =
             [&mut self.independent[..], &mut groups.independent, &mut groups.difference, &mut groups.scalars];
-        let Self { avalanche_count, largest_avalanche, unsettled, overlapping, .. } = self;
-        let single = [avalanche_count, largest_avalanche, unsettled, overlapping];
+        let Self { avalanche_count, largest_avalanche, energy_lost, unsettled, overlapping, .. } = self;
+        let single = [avalanche_count, largest_avalanche, energy_lost, unsettled, overlapping];
         lists.into_iter().flatten().chain(single)
     }
 

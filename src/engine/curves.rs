@@ -1,7 +1,7 @@
 //! Sums over the asperities of a surface, by state: the separations, and of a loop the separations of the
 //! retraction behind these.
 
-use crate::coupled::CLASSES;
+use crate::coupled::{CLASSES, ENERGY_CLASSES};
 
 /// Curves of one surface over S states and R regimes.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,15 +36,19 @@ pub struct CoupledCurves {
     pub overlapping: Vec<f64>,
     /// Largest (a_i + a_j)/r_ij of all pairs in all states.
     pub largest_crowding: f64,
+    /// Energy that avalanches lost on the step to each state, J.
+    pub energy_lost: Vec<f64>,
     /// Avalanches of all steps by their size: of 2^k to 2^(k+1) − 1 asperities.
     pub avalanche_sizes: [u64; CLASSES],
+    /// Steps on which energy was lost, by [`energy_class`](crate::coupled::energy_class).
+    pub energy_classes: [u64; ENERGY_CLASSES],
 }
 
 impl CoupledCurves {
     /// Nothing yet beside the curves of the same asperities without coupling.
     pub(super) fn new(independent: &Curves) -> Self {
         let states = independent.total[0].len();
-        let [avalanche_count, largest_avalanche, unsettled, overlapping] =
+        let [avalanche_count, largest_avalanche, unsettled, overlapping, energy_lost] =
             std::array::from_fn(|_| vec![0.0; states]);
         Self {
             independent: independent.total.clone(),
@@ -53,7 +57,9 @@ impl CoupledCurves {
             unsettled,
             overlapping,
             largest_crowding: 0.0,
+            energy_lost,
             avalanche_sizes: [0; CLASSES],
+            energy_classes: [0; ENERGY_CLASSES],
         }
     }
 }

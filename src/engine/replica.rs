@@ -15,7 +15,7 @@ use super::sampling::{Draws, is_divided};
 use super::summed::Summed;
 use super::sums::{RegimeSums, State, Sums};
 use crate::asperity::{Quantity, SolverStats};
-use crate::coupled::CLASSES;
+use crate::coupled::{CLASSES, ENERGY_CLASSES};
 use crate::math::extrema::Extremum;
 use crate::surface::CHUNK_ASPERITIES;
 use serde::{Deserialize, Serialize};
@@ -76,6 +76,10 @@ pub struct CoupledReplica {
     pub overlapping: u64,
     /// Avalanches by their size: of 2^k to 2^(k+1) − 1 asperities.
     pub avalanche_sizes: [u64; CLASSES],
+    /// Energy that avalanches lost in all states, J.
+    pub energy_lost: f64,
+    /// States in which energy was lost, by [`energy_class`](crate::coupled::energy_class).
+    pub energy_classes: [u64; ENERGY_CLASSES],
     /// The asperities one by one, of the first replica where that is asked for.
     pub asperities: Option<Box<AsperityStates>>,
 }

@@ -3,7 +3,7 @@
 use super::integral::{Integral, RESOLVING};
 use super::results::Results;
 use crate::asperity::{Laws, Loop, Path, Quantity};
-use crate::coupled::CLASSES;
+use crate::coupled::{CLASSES, ENERGY_CLASSES, least_energy};
 use crate::engine::{CoupledMoments, CoupledReplica, Replica, scalars};
 use crate::integral::{Expectations, MeanField, Model, substrate_stiffness};
 use crate::output::OutputError;
@@ -88,6 +88,8 @@ pub(crate) fn write_coupling(writer: &mut Writer<'_>, results: &Results) -> Resu
     writer.group("coupling")?;
     let smallest: Vec<f64> = (0..CLASSES).map(|class| f64::from(1_u32 << class)).collect();
     writer.scale(Dimension::AvalancheSize, &smallest);
+    let least: Vec<f64> = (0..ENERGY_CLASSES).map(least_energy).collect();
+    writer.scale(Dimension::EnergyClass, &least);
     writer.text("/coupling", "coupling", substrate.coupling.name())?;
     writer.text("/coupling", "kernel", substrate.kernel.name())?;
     writer.text("/coupling", "positions", substrate.places.name())?;
@@ -95,6 +97,7 @@ pub(crate) fn write_coupling(writer: &mut Writer<'_>, results: &Results) -> Resu
         writer.number("/coupling", "minimum_distance", distance)?;
     }
     writer.number("/coupling", "tolerance", substrate.tolerance)?;
+    writer.number("/coupling", "energy_unit", results.scene.scale().energy())?;
     write_curves(writer, results, coupled)?;
     write_scalars(writer, results, coupled)?;
     let replicas = &results.ensemble.replicas;
@@ -106,12 +109,24 @@ pub(crate) fn write_coupling(writer: &mut Writer<'_>, results: &Results) -> Resu
     writer.dataset("/replicas/overlapping_count", &counts(|replica| replica.overlapping))?;
     let crowding = |replica: &Replica| replica.coupled.as_deref().map_or(0.0, |own| own.largest_crowding);
     writer.dataset("/replicas/largest_crowding", &replicas.iter().map(crowding).collect::<Vec<f64>>())?;
-    let none = [0; CLASSES];
-    let sizes = replicas.iter().map(|own| own.coupled.as_deref().map_or(&none, |own| &own.avalanche_sizes));
-    let mut total = none;
-    sizes.clone().for_each(|sizes| total.iter_mut().zip(sizes).for_each(|(sum, count)| *sum += count));
-    writer.dataset("/coupling/avalanche_size_count", &total)?;
-    writer.dataset("/replicas/avalanche_size_count", &sizes.flatten().copied().collect::<Vec<u64>>())
+    let lost = |replica: &Replica| replica.coupled.as_deref().map_or(0.0, |own| own.energy_lost);
+    writer.dataset("/replicas/energy_lost", &replicas.iter().map(lost).collect::<Vec<f64>>())?;
+    write_classes(writer, replicas, "avalanche_size_count", |own| &own.avalanche_sizes)?;
+    write_classes(writer, replicas, "energy_lost_count", |own| &own.energy_classes)
+}
+
+/// Writes how many there are in each class, of each replica and of all.
+fn write_classes<const CLASSES: usize>(
+    writer: &Writer<'_>,
+    replicas: &[Replica],
+    name: &str,
+    of: fn(&CoupledReplica) -> &[u64; CLASSES],
+) -> Result<(), OutputError> {
+    let counts = |replica: &Replica| replica.coupled.as_deref().map_or([0; CLASSES], |own| *of(own));
+    let counts: Vec<[u64; CLASSES]> = replicas.iter().map(counts).collect();
+    let total: Vec<u64> = (0..CLASSES).map(|class| counts.iter().map(|own| own[class]).sum()).collect();
+    writer.dataset(&format!("/coupling/{name}"), &total)?;
+    writer.dataset(&format!("/replicas/{name}"), &counts.concat())
 }
 
 fn write_curves(writer: &Writer<'_>, results: &Results, coupled: &CoupledMoments) -> Result<(), OutputError> {
@@ -133,9 +148,11 @@ fn write_curves(writer: &Writer<'_>, results: &Results, coupled: &CoupledMoments
             let name = format!("/coupling/{way}independent_{}_std", quantity.name());
             writer.dataset(&name, &coupled.independent[q].std()[states.clone()])?;
         }
-        for (name, moments) in
-            [("avalanche_count", &coupled.avalanche_count), ("largest_avalanche", &coupled.largest_avalanche)]
-        {
+        for (name, moments) in [
+            ("avalanche_count", &coupled.avalanche_count),
+            ("largest_avalanche", &coupled.largest_avalanche),
+            ("energy_lost", &coupled.energy_lost),
+        ] {
             writer.dataset(&format!("/coupling/{way}{name}_mean"), &moments.mean()[states.clone()])?;
         }
         for (name, moments) in [("unsettled", &coupled.unsettled), ("overlapping", &coupled.overlapping)] {

@@ -63,6 +63,7 @@ impl Sampling<'_> {
             history: self.scene.history,
             memory: self.memory,
             length: self.scene.scale().length,
+            energy: self.scene.scale().energy(),
         }
     }
 

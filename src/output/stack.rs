@@ -301,6 +301,10 @@ impl Attributes {
             let (group, name) = (variable.group(), variable.name());
             // A group has this name.
             let name = if name == "replica_count" { "replicas" } else { name };
+            // Points without coupling have no group of it.
+            if !group.is_empty() && !file.link_exists(group) {
+                continue;
+            }
             let group = file.group(if group.is_empty() { "/" } else { group })?;
             if !group.attr_names()?.iter().any(|known| known == name) {
                 continue;

@@ -188,3 +188,52 @@ fn avalanches_are_counted_by_their_size() {
     assert_eq!(read("/coupling/avalanche_size_count").iter().sum::<u64>(), total);
     assert_exit(&folder.stiction(&["validate", "scene.h5"]), 0);
 }
+
+/// What avalanches lose: of each replica as on all steps, and counted by classes that hold it. What does not fit is found.
+#[test]
+fn energies_lost_are_counted_by_classes() {
+    let more = "\n[substrate]\ncoupling = \"patch\"\n";
+    let text_of = scene(more)
+        .replace("law = \"hybrid\"", "law = \"md\"")
+        .replace("nominal_area = \"13.54 um^2\"", "nominal_area = \"6.77 um^2\"")
+        .replace("0.09 J/m^2", "0.3 J/m^2")
+        .replace("history = \"approach\"", "history = \"loop\"");
+    let folder = Folder::new(&text_of);
+    let run = folder.stiction(&["run", "scene.toml"]);
+    assert_exit(&run, 0);
+    assert!(text(&run.stdout).contains("avalanches lose"), "{}", text(&run.stdout));
+    let name = folder.path("scene.h5");
+    {
+        let file = unlocked::open(&name);
+        let read = |name: &str| file.dataset(name).unwrap().read_raw::<f64>().unwrap();
+        let of_replicas = read("/replicas/energy_lost");
+        let mean = |way: &str| read(&format!("/coupling/{way}energy_lost_mean"));
+        let [inward, outward] = ["", "retraction_"].map(|way| mean(way).iter().sum::<f64>());
+        let total: f64 = of_replicas.iter().sum();
+        let of_steps = of_replicas.len() as f64 * (inward + outward);
+        assert!(inward > 0.0 && outward > 0.0 && (of_steps / total - 1.0).abs() < 1e-12);
+        // The counts bound the sum from below, and from above with twice as much of each.
+        let unit: f64 = file.group("coupling").unwrap().attr("energy_unit").unwrap().read_scalar().unwrap();
+        let scale = PI * 3.33e-6 * 0.3;
+        let expected = scale * (scale * scale / 3.33e-6 / (4.0 / 3.0 * 85.29e9_f64).powi(2)).cbrt();
+        assert!((unit / expected - 1.0).abs() < 1e-12, "{unit:e} {expected:e}");
+        let least = read("/coupling/energy_class");
+        for (counts, lost) in read("/replicas/energy_lost_count").chunks_exact(least.len()).zip(&of_replicas)
+        {
+            let low: f64 = counts.iter().zip(&least).skip(1).map(|(count, least)| count * least * unit).sum();
+            let room = counts[0] * least[1] * unit;
+            assert!(*lost >= low && *lost <= 2.0 * low + room, "{lost:e} {low:e} {room:e}");
+        }
+    }
+    assert_exit(&folder.stiction(&["validate", "scene.h5"]), 0);
+    let file = unlocked::open_rw(&name);
+    for path in ["/replicas/energy_lost", "/coupling/energy_lost_mean"] {
+        let dataset = file.dataset(path).unwrap();
+        let told = dataset.read_raw::<f64>().unwrap();
+        dataset.write_raw(&told.iter().map(|lost| 1.001 * lost).collect::<Vec<f64>>()).unwrap();
+        file.flush().unwrap();
+        let found = folder.stiction(&["validate", "scene.h5"]);
+        assert!(text(&found.stdout).contains("/replicas/energy_lost"), "{path}: {}", text(&found.stdout));
+        dataset.write_raw(&told).unwrap();
+    }
+}

@@ -4,6 +4,8 @@
 //! F̂ = A³ − A√(6A), Δ = A² − (2/3)√(6A), so P = A³ and F̂_s = A√(6A). The stable branch ends at A =
 //! 6^(−1/3), where dΔ/dA = 0, with F̂ = −5/6. Solved in x = A^(−1/2): Δ = x⁻⁴ − (2√6/3)x⁻¹.
 //!
+//! On the unstable branch, from A = 0 to its end, ∫F̂ dΔ = (2/5)A⁵ − (2√6/3)A^(7/2) + A² = (2/5) 6^(−2/3).
+//!
 //! On approach nothing acts before Δ = 0; there contact begins with A³ = 8/3. On retraction it lasts to the
 //! end of the branch.
 //!
@@ -119,6 +121,11 @@ impl Interaction for JkrContact {
 
     fn method(&self) -> Method {
         Method::Contact
+    }
+
+    fn unstable_work(&self) -> f64 {
+        let end = libm::cbrt(1.0 / 6.0);
+        0.4 * end * end * self.scale.energy()
     }
 
     fn evaluate(&self, interference: &[f64], out: &mut Responses, stats: &mut SolverStats) {

@@ -79,6 +79,10 @@ impl Interaction for MaugisContact {
         Method::Contact
     }
 
+    fn unstable_work(&self) -> f64 {
+        self.emd.unstable_work() * self.scale.energy()
+    }
+
     fn evaluate(&self, interference: &[f64], out: &mut Responses, stats: &mut SolverStats) {
         let inverse = 1.0 / self.scale.length;
         let count = interference.len();

@@ -16,6 +16,7 @@
 //! Lovell and Ning, J. Phys. D 36 (2003) 534.
 
 use super::md::MaugisContact;
+use crate::asperity::contact::Contact;
 use crate::asperity::error::LawError;
 use crate::asperity::formula::ClosedForm;
 use crate::asperity::history::Path;
@@ -44,6 +45,9 @@ pub fn md_kim(parameters: &LawParameters) -> Result<Box<dyn Law>, LawError> {
         Path::Retraction if folds_first => (f64::INFINITY, contact.begin()),
         Path::Retraction => (fold, contact.begin()),
     };
+    // ∫F̂ dΔ with dΔ = (C − b)dC from C = 0 to the fold, or to first touch, where Δ = −(4λ/3)c̄(π/2).
+    let last = half.min(-0.75 / lambda * Contact::new(lambda).first_touch());
+    let unstable = 0.5 * PI * lambda * last.powi(3) * (half / 3.0 - last / 4.0);
     let (per_length, begin) = (1.0 / scale.length, begin * scale.length);
     let adhesion = move |delta: f64| {
         let outer = half + (2.0 * (delta * per_length - fold)).max(0.0).sqrt();
@@ -51,7 +55,8 @@ pub fn md_kim(parameters: &LawParameters) -> Result<Box<dyn Law>, LawError> {
     };
     let before = ClosedForm::attraction(adhesion)
         .with_root_from(begin, fold * scale.length, 2)
-        .with_capture(onset * scale.length);
+        .with_capture(onset * scale.length)
+        .with_unstable_work(unstable * scale.energy());
     Ok(Box::new(Table::new([
         Row::below(Regime::Noncontact, end, before),
         Row::last(Regime::Elastic, contact),

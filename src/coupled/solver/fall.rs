@@ -23,8 +23,7 @@ impl Solver<'_> {
     pub(super) fn fall_from(&mut self, before: &Snapshot, d: f64) -> bool {
         self.restore(before);
         self.interference.iter_mut().for_each(|delta| *delta -= d - before.separation);
-        self.passages.events.clear();
-        self.passages.is_moved = true;
+        self.passages.step();
         let is_converged = IDLE.into_iter().any(|idle| {
             self.fall(d, idle);
             self.search(d, STEPS)

@@ -24,6 +24,8 @@ struct State {
     interference: Vec<f64>,
     forces: Vec<f64>,
     settled: Settled,
+    /// J.
+    lost: f64,
 }
 
 impl State {
@@ -79,11 +81,13 @@ impl Surface<'_> {
         let go = |&d: &f64| {
             let settled = solver.settle(d);
             assert!(settled.is_converged, "{} {:?} {d:e}: {settled:?}", self.law, self.coupling);
+            let lost = solver.energy_lost();
             let forces = solver.forces.contact.iter().zip(&solver.forces.adhesion);
             State {
                 interference: solver.interference.clone(),
                 forces: forces.map(|(contact, adhesion)| contact - adhesion).collect(),
                 settled,
+                lost,
             }
         };
         path.iter().map(go).collect()
@@ -150,7 +154,8 @@ fn neighbours_shift_the_pull_off_and_do_not_change_it() {
     }
 }
 
-/// A pair that attracts more stiffly than 1/(πE*r) jumps where Johnson has it, to where it has to go.
+/// A pair that attracts more stiffly than 1/(πE*r) jumps where Johnson has it, to where it has to go, and loses what it has
+/// to; elsewhere it loses nothing.
 #[test]
 fn pairs_jump_at_their_folds() {
     const BESIDE: f64 = 1e-14;
@@ -162,10 +167,16 @@ fn pairs_jump_at_their_folds() {
         {
             let jump = &fold[name];
             let [place, before, after] = named(jump, ["separation", "approach_before", "approach_after"]);
-            let force = jump["force_after"].as_f64().unwrap();
+            let [force, lost] = named(jump, ["force_after", "energy_lost"]);
             let mut path = steps(place + far, place + sign * BESIDE, 60);
             path.push(place - sign * BESIDE);
             let way = Surface::pair("idmt", distance).travel(&of, has_touched, &path);
+            let of_none = way.iter().filter(|state| state.lost == 0.0).count();
+            assert_eq!((of_none, way.len()), (61, 62), "{name}");
+            // Beyond the fold by a little, to the next order, which goes like the power 3/2.
+            let [old] = named(jump, ["force_before"]);
+            let beyond = 2.0 * (old - force) * sign * BESIDE;
+            assert_close(way[61].lost, lost + beyond, 1e-5 * lost + 0.1 * beyond.abs(), name);
             for k in 0..2 {
                 // A root: δ goes like the root of the distance from the fold.
                 let root = (BESIDE * of.equilibrium_spacing).sqrt();

@@ -124,6 +124,8 @@ pub enum Dimension {
     StiffnessIndex,
     /// Sizes of avalanches, by the smallest of a class.
     AvalancheSize,
+    /// Energies that are lost at a separation, by the least of a class.
+    EnergyClass,
     /// Targets at which a run ends.
     Target,
     /// Asperities of a surface.
@@ -175,6 +177,11 @@ impl Dimension {
             Self::AvalancheSize => {
                 ("avalanche_size", "1", "asperities in an avalanche at least, and fewer than twice as many")
             }
+            Self::EnergyClass => (
+                "energy_class",
+                "1",
+                "energy lost at a separation over energy_unit at least, and less than twice as much",
+            ),
             Self::Target => ("target", "1", "quantity whose mean is to be known before the run ends"),
             Self::Asperity => ("asperity", "1", "index of the asperity; of a map row by row"),
             Self::State => ("state", "1", "index of a state whose asperities are told one by one"),

@@ -20,6 +20,8 @@ const PLACES: &[Dimension] = &[Dimension::Asperity];
 const QA: &[Dimension] = &[Dimension::State, Dimension::Asperity];
 const V: &[Dimension] = &[Dimension::AvalancheSize];
 const NV: &[Dimension] = &[Dimension::Replica, Dimension::AvalancheSize];
+const W: &[Dimension] = &[Dimension::EnergyClass];
+const NW: &[Dimension] = &[Dimension::Replica, Dimension::EnergyClass];
 const J: &[Dimension] = &[Dimension::Step];
 const D: &[Dimension] = &[Dimension::Stiffness];
 const P: &[Dimension] = &[Dimension::Preload];
@@ -108,16 +110,22 @@ fn coupling() -> Vec<Variable> {
                 .collect();
             all.extend(quantities(GROUP, S, (&format!("{prefix}{kind}_"), on), &statistics));
         }
-        for (name, words) in [
-            ("avalanche_count_mean", "avalanches on the step to each separation{}, mean over replicas"),
+        for (name, units, words) in [
+            ("avalanche_count_mean", "1", "avalanches on the step to each separation{}, mean over replicas"),
             (
                 "largest_avalanche_mean",
+                "1",
                 "asperities in the largest avalanche of the step{}, mean over replicas",
             ),
-            ("unsettled_count", "replicas without a stable state{}"),
-            ("overlapping_count", "replicas in which circles of contact overlap{}"),
+            (
+                "energy_lost_mean",
+                "J",
+                "energy that avalanches lost on the step to each separation{}, mean over replicas, NaN where contacts have their size",
+            ),
+            ("unsettled_count", "1", "replicas without a stable state{}"),
+            ("overlapping_count", "1", "replicas in which circles of contact overlap{}"),
         ] {
-            all.push(variable(format!("{GROUP}/{prefix}{name}"), S, "1", words.replace("{}", on)));
+            all.push(variable(format!("{GROUP}/{prefix}{name}"), S, units, words.replace("{}", on)));
         }
     }
     for (name, words) in [
@@ -133,7 +141,12 @@ fn coupling() -> Vec<Variable> {
     }
     all.extend(group(GROUP, NONE, &[("scalar_units", A, "1", "units of each scalar")]));
     let sizes = "avalanches of all replicas at all separations, by their size";
-    all.extend(group(GROUP, NONE, &[("avalanche_size_count", V, "1", sizes)]));
+    let energies = "separations of all replicas at which avalanches lost energy, by how much";
+    all.extend(group(
+        GROUP,
+        NONE,
+        &[("avalanche_size_count", V, "1", sizes), ("energy_lost_count", W, "1", energies)],
+    ));
     all
 }
 
@@ -278,6 +291,18 @@ const COUPLED: &[Row] = &[
     ),
     ("largest_avalanche", N, "1", "asperities in the largest avalanche of a coupled replica"),
     ("avalanche_size_count", NV, "1", "avalanches of a coupled replica at all separations, by their size"),
+    (
+        "energy_lost",
+        N,
+        "J",
+        "energy that avalanches of a coupled replica lost at all separations, NaN where contacts have their size",
+    ),
+    (
+        "energy_lost_count",
+        NW,
+        "1",
+        "separations at which avalanches of a coupled replica lost energy, by how much",
+    ),
 ];
 
 const ASPERITIES: &[Row] = &[

@@ -55,6 +55,10 @@ fn of_group(name: &str) -> Vec<Variable> {
             .concat()
         }
         "/independence" => verdict(NONE),
+        "/coupling" => {
+            let meaning = "unit of energy_class, pi R work_of_adhesion times the unit of interference";
+            group(name, NONE, &[("energy_unit", NONE, "J", meaning)])
+        }
         "/validation" => {
             let verdict = "verdict of the joint test at the point by itself";
             [joint_test(NONE), group(name, NONE, &[("verdict", NONE, "1", verdict)])].concat()

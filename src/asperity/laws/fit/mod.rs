@@ -24,6 +24,7 @@ mod refit;
 pub use forms::{Coefficients, FORCES, NAMES};
 
 use super::kogut_etsion::plastic_rows;
+use crate::asperity::contact::Contact;
 use crate::asperity::error::LawError;
 use crate::asperity::formula::{ClosedForm, Constant};
 use crate::asperity::law::Method;
@@ -144,6 +145,11 @@ impl Interaction for FittedContact {
 
     fn method(&self) -> Method {
         Method::Powers
+    }
+
+    // The forms have no unstable part: that of what they are fitted to.
+    fn unstable_work(&self) -> f64 {
+        Contact::new(self.scale.lambda).unstable_work() * self.scale.energy()
     }
 
     fn evaluate(&self, interference: &[f64], out: &mut Responses, _: &mut SolverStats) {

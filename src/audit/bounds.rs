@@ -173,6 +173,7 @@ const BOUNDS: &[Bound] = &[
     bound("/replicas/largest_avalanche", NotNegative, Never),
     bound("/replicas/avalanche_size_count", NotNegative, Never),
     bound("/replicas/energy_lost_count", NotNegative, Never),
+    bound("/replicas/energy_lost", Finite, Absent),
     bound("/replicas/adhesion_force", NotNegative, Never),
     bound("/replicas/*", Finite, Never),
     bound("/coupling/energy_unit", Positive, Absent),

@@ -13,6 +13,15 @@ pub use influence::Influence;
 pub use sums::DisplacementSums;
 
 /// How a contact acts on the others, and gives way to them.
+///
+/// # Examples
+/// ```
+/// use stiction::substrate::Kernel;
+///
+/// let scene = stiction::Scene::from_toml_file("configs/coupled.toml")?;
+/// assert_eq!(scene.substrate.unwrap().kernel, Kernel::Point);
+/// # Ok::<(), stiction::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Kernel {
     /// As a point: its force alone, and the displacement of its foot.

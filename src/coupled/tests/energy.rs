@@ -257,9 +257,3 @@ fn no_avalanche_gains(indices: std::ops::Range<u64>) {
 fn energy_falls_in_every_avalanche() {
     no_avalanche_gains(0..3);
 }
-
-#[test]
-#[ignore = "slow: many random surfaces, a minute"]
-fn energy_falls_in_every_avalanche_of_many_surfaces() {
-    no_avalanche_gains(3..80);
-}

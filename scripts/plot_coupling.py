@@ -58,9 +58,9 @@ class Point:
     def __getitem__(self, path: str) -> np.ndarray:
         return self.file[path][self.index]
 
-    def of(self, kind: str, quantity: str = "external_force") -> np.ndarray:
-        """A curve without coupling, or the difference that it makes."""
-        return self[f"coupling/{kind}_{quantity}_mean"]
+    def of(self, kind: str) -> np.ndarray:
+        """The external force without coupling, or the difference that it makes."""
+        return self[f"coupling/{kind}_external_force_mean"]
 
     @property
     def coupled(self) -> np.ndarray:

@@ -150,7 +150,8 @@ fn of_crowding(results: &Results, coupled: &CoupledMoments, kernel: Kernel) -> V
     let replicas = results.ensemble.replicas.iter().filter_map(|replica| replica.coupled.as_ref());
     let of_each = replicas.clone().map(|replica| replica.largest_crowding);
     let largest = of_each.fold(0.0, f64::max);
-    let mut lines = vec![format!("contact radii are {} of the distance of two at most", percent(largest))];
+    let mut lines =
+        vec![format!("contact radii add up to {} of the distance of two at most", percent(largest))];
     let limit = CROWDED[usize::from(kernel == Kernel::Contact)];
     if largest > limit {
         let (name, limit) = (kernel.name(), percent(limit));
@@ -189,7 +190,7 @@ fn of_states(results: &Results, coupled: &CoupledMoments) -> Vec<String> {
     if lost.is_finite() && lost != 0.0 {
         let mean = lost / results.ensemble.replicas.len() as f64;
         lines.push(format!(
-            "avalanches lose {} of a surface at all separations, mean over replicas",
+            "avalanches lose {} a surface on all steps together, mean over replicas",
             si(mean, "J")
         ));
     }

@@ -171,8 +171,7 @@ impl<'a> Asperities<'a> {
         memory.law(path).evaluate(regime, &[within(last, last.lower)], &mut self.out, &mut self.stats);
         let elastic = self.out.contact[0] - self.out.adhesion[0];
         let first = flowed.untouched as u8;
-        let [adhesion, contact, _] = self.one(states, i, first, flowed.segments[first as usize].lower);
-        work * (contact - adhesion) / elastic
+        work * self.load(states, i, first, flowed.segments[first as usize].lower) / elastic
     }
 
     /// The segment that an asperity is in, between interferences.
@@ -291,6 +290,12 @@ impl<'a> Asperities<'a> {
     /// F_s, N, P, N, and the area, m², of one asperity in a segment of its at an interference of its law, m.
     pub fn one(&mut self, states: &States, i: usize, segment: u8, interference: f64) -> [f64; 3] {
         stretched(self.stretch_of(i), self.one_of_law(states, i, segment, interference))
+    }
+
+    /// P − F_s, N, of an asperity in a segment at an interference of its law, m.
+    pub(super) fn load(&mut self, states: &States, i: usize, segment: u8, interference: f64) -> f64 {
+        let [adhesion, contact, _] = self.one(states, i, segment, interference);
+        contact - adhesion
     }
 
     fn one_of_law(&mut self, states: &States, i: usize, segment: u8, interference: f64) -> [f64; 3] {

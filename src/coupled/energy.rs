@@ -19,17 +19,21 @@
 //! its segment there has passed at that end: what it lost hardly depends on the step.
 
 use super::asperities::{Asperities, Forces, States};
-use super::solver::{Snapshot, Solver};
+use super::solver::{Snapshot, Solver, multiply};
 use crate::asperity::{End, Smoothness};
 use crate::math::quadrature::{NODES, Rule};
 use crate::math::sums::Compensated;
 
-/// Residual of the state on the branch over that where it begins, of systems for it, most products for one, and most
-/// of them.
-const BRANCH: (f64, f64, usize, usize) = (3e-3, 1e-2, 40, 6);
-/// Newton steps, over the step of the surfaces, and, over the length over which a law varies, from which on the end of a
-/// branch may have been passed; a surface has left a branch if an asperity is so far from it.
-const LEAP: (f64, f64) = (10.0, 0.05);
+/// Residual of the state on the branch over that of where its search begins.
+const ON_BRANCH: f64 = 3e-3;
+/// Relative residual of systems for it, and most products for one.
+const SYSTEM: (f64, usize) = (1e-2, 40);
+/// Most Newton steps to it.
+const STEPS: usize = 6;
+/// Newton step over the step of the surfaces beyond which the end of a branch may have been passed.
+const LEAP: f64 = 10.0;
+/// The same over the length over which a law varies; a surface has left a branch if an asperity is so far from it.
+const APART: f64 = 0.05;
 /// Share of the length over which a force varies, up to which Simpson's rule has its integral.
 const SHORT: f64 = 0.02;
 /// Relative accuracy of other integrals.
@@ -92,7 +96,7 @@ impl Solver<'_> {
         if step.has_left || has_moved {
             let branch = self.branch(&step, &is_moved);
             let mut places = branch.interference.iter().zip(&self.interference).enumerate();
-            if has_moved || places.any(|(i, (a, b))| (a - b).abs() > LEAP.1 * self.asperities.length(i)) {
+            if has_moved || places.any(|(i, (a, b))| (a - b).abs() > APART * self.asperities.length(i)) {
                 lost = self.released(&branch);
             }
         }
@@ -103,7 +107,7 @@ impl Solver<'_> {
     /// Whether Newton's method has gone so far, for a step of the surfaces, m, that it may have passed the end of a
     /// branch.
     pub(super) fn has_leapt(&self, step: f64) -> bool {
-        self.passages.longest > (LEAP.0 * step.abs()).max(LEAP.1 * self.asperities.length(0))
+        self.passages.longest > (LEAP * step.abs()).max(APART * self.asperities.length(0))
     }
 
     /// The state at the present separation on the branch that the surface has left.
@@ -111,7 +115,7 @@ impl Solver<'_> {
         let before = &step.before;
         let moved = self.separation() - before.separation;
         let (interference, furthest) = if step.has_left {
-            (before.interference.iter().map(|delta| delta - moved).collect(), LEAP.0 * moved.abs())
+            (before.interference.iter().map(|delta| delta - moved).collect(), LEAP * moved.abs())
         } else {
             (self.interference.clone(), f64::INFINITY)
         };
@@ -119,7 +123,7 @@ impl Solver<'_> {
         let mut branch = Branch { states, interference, loads: Vec::new(), residual: Vec::new() };
         self.settle_on(&mut branch, is_moved);
         let first = branch.norm();
-        for _ in 0..BRANCH.3 {
+        for _ in 0..STEPS {
             let next = self.towards(&branch, is_moved);
             let is_near = |(a, b): (&f64, &f64)| (a - b).abs() <= furthest;
             let is_closer = next.norm() < branch.norm()
@@ -127,7 +131,7 @@ impl Solver<'_> {
             if is_closer {
                 branch = next;
             }
-            if !is_closer || branch.norm() <= BRANCH.0 * first {
+            if !is_closer || branch.norm() <= ON_BRANCH * first {
                 break;
             }
         }
@@ -180,11 +184,9 @@ impl Solver<'_> {
         let right: Vec<f64> = from.residual.iter().map(|r| -r).collect();
         let (mut change, mut product) = (vec![0.0; count], vec![0.0; count]);
         let Self { half_space, memory, .. } = self;
-        memory.gmres.solve(&right, &mut change, (BRANCH.1, BRANCH.2), |v, out| {
-            product.iter_mut().zip(v.iter().zip(&slopes)).for_each(|(p, (v, slope))| *p = slope * v);
-            half_space.displace_roughly(&product, out);
-            out.iter_mut().zip(v).for_each(|(out, v)| *out += v);
-            from.states.resting.keys().for_each(|&i| out[i as usize] -= v[i as usize]);
+        memory.gmres.solve(&right, &mut change, SYSTEM, |v, out| {
+            let displace = |loads: &[f64], out: &mut [f64]| half_space.displace_roughly(loads, out);
+            multiply((&slopes, 0.0), &from.states.resting, displace, v, (&mut product, out));
         });
         let mut states = from.states.clone();
         for (&i, rest) in &mut states.resting {
@@ -284,12 +286,6 @@ impl Asperities<'_> {
             }
             states.segments[i] = to;
         }
-    }
-
-    /// P − F_s, N, of an asperity in a segment at an interference, m.
-    fn load(&mut self, states: &States, i: usize, segment: u8, interference: f64) -> f64 {
-        let [adhesion, contact, _] = self.one(states, i, segment, interference);
-        contact - adhesion
     }
 
     /// Whether an asperity varies hardly between two states in one segment, at interferences, m.

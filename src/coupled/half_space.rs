@@ -188,7 +188,7 @@ impl HalfSpace {
         let mut sum = 0.0;
         for j in near.map(|j| j as usize) {
             if j != i && slopes[j] != 0.0 {
-                let square = self.coupling.square(self.places[i], self.places[j]);
+                let square = self.square(i, j);
                 let influence = 1.0 / square.sqrt() + own + bend * square;
                 sum += slopes[j] * influence * influence;
             }

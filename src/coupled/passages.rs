@@ -144,10 +144,7 @@ impl Solver<'_> {
         }
         let place = if upwards { own.upper } else { own.lower };
         let segments = if upwards { [from, to] } else { [to, from] };
-        let ends = segments.map(|segment| {
-            let [adhesion, contact, _] = asperities.one(states, i, segment, place);
-            contact - adhesion
-        });
+        let ends = segments.map(|segment| asperities.load(states, i, segment, place));
         let jump = ends[1] - ends[0];
         let mut does_lose = is_hysteretic;
         if !is_hysteretic && jump != 0.0 {

@@ -26,6 +26,7 @@ use crate::asperity::SolverStats;
 use crate::math::gmres;
 use crate::math::linalg::smallest_real_part;
 use crate::math::sums::Compensated;
+use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
 /// Smallest and largest residual of a system, the share of the tolerance of loads that it aims at, and most
@@ -397,10 +398,8 @@ impl Solver<'_> {
         let Scratch { step, product, gmres, .. } = memory;
         residual.iter_mut().for_each(|r| *r = -*r);
         let solved = gmres.solve(residual, step, (tolerance, SYSTEM.2), |v, out| {
-            product.iter_mut().zip(v.iter().zip(slopes.iter())).for_each(|(p, (v, slope))| *p = slope * v);
-            displace(half_space, product, out);
-            out.iter_mut().zip(v).for_each(|(out, v)| *out += (1.0 + shift) * v);
-            states.resting.keys().for_each(|&i| out[i as usize] -= (1.0 + shift) * v[i as usize]);
+            let displace = |loads: &[f64], out: &mut [f64]| displace(half_space, loads, out);
+            multiply((slopes, shift), &states.resting, displace, v, (product, out));
         });
         smallest_real_part(&solved.hessenberg) - shift
     }
@@ -512,6 +511,21 @@ impl Solver<'_> {
     fn pass_all(&mut self, room: f64) {
         while self.pass(room) > 0 {}
     }
+}
+
+/// Fills `out` with (1 + shift + G K) v, with 0 in the place of 1 + shift for asperities at rest: K are `slopes`, N/m, and
+/// `displace` multiplies by G. `loads` is memory.
+pub(super) fn multiply(
+    (slopes, shift): (&[f64], f64),
+    resting: &BTreeMap<u32, Rest>,
+    displace: impl FnOnce(&[f64], &mut [f64]),
+    v: &[f64],
+    (loads, out): (&mut [f64], &mut [f64]),
+) {
+    loads.iter_mut().zip(v.iter().zip(slopes)).for_each(|(load, (v, slope))| *load = slope * v);
+    displace(loads, out);
+    out.iter_mut().zip(v).for_each(|(out, v)| *out += (1.0 + shift) * v);
+    resting.keys().for_each(|&i| out[i as usize] -= (1.0 + shift) * v[i as usize]);
 }
 
 fn largest_magnitude(values: &[f64]) -> f64 {

@@ -279,6 +279,12 @@ fn hard_core_places_have_the_first_order_of_their_closed_form() {
     }
 }
 
+/// Spheres of Hertz of one height in a square of a side, m, that repeats.
+fn flat(side: f64, places: Vec<[f64; 2]>, kernel: Kernel) -> Surface<'static> {
+    let (law, coupling, heights) = ("hertz", Coupling::Periodic, vec![0.0; places.len()]);
+    Surface { law, coupling, side, places, heights, softness: 1.0, kernel }
+}
+
 /// One sphere of Hertz in a square that repeats, and the same in 2 × 2 and 3 × 3 of them at once: force to 1e-12, near the
 /// end of its states to what rounding of the separation leaves.
 #[test]
@@ -290,17 +296,7 @@ fn cells_of_one_sphere_are_one_cell() {
     for n in [1, 2, 3] {
         let place = |i: usize| [(0.3 + (i % n) as f64) / n as f64, (0.6 + (i / n) as f64) / n as f64];
         let places: Vec<[f64; 2]> = (0..n * n).map(place).collect();
-        let heights = vec![0.0; n * n];
-        let (law, coupling) = ("hertz", Coupling::Periodic);
-        let surface = Surface {
-            law,
-            coupling,
-            side: n as f64 * cell,
-            places,
-            heights,
-            softness: 1.0,
-            kernel: Kernel::Point,
-        };
+        let surface = flat(n as f64 * cell, places, Kernel::Point);
         let states = all["lattice"]["states"].as_array().unwrap();
         let path: Vec<f64> = states.iter().map(|state| state["point_separation"].as_f64().unwrap()).collect();
         for (found, expected) in surface.travel(&of, false, &path).iter().zip(states) {
@@ -319,15 +315,7 @@ fn what_point_forces_leave_out_of_a_lattice_is_of_third_order() {
     let all = json(LIMITS);
     let (of, lattice) = (reference(&all), &all["lattice"]);
     let [cell, order] = named(lattice, ["cell", "order_three"]);
-    let surface = Surface {
-        law: "hertz",
-        coupling: Coupling::Periodic,
-        side: cell,
-        places: vec![[0.5, 0.5]],
-        heights: vec![0.0],
-        softness: 1.0,
-        kernel: Kernel::Point,
-    };
+    let surface = flat(cell, vec![[0.5, 0.5]], Kernel::Point);
     let states = &lattice["states"].as_array().unwrap()[..4];
     let path: Vec<f64> = states.iter().map(|state| state["contact_separation"].as_f64().unwrap()).collect();
     let found = surface.travel(&of, false, &path);
@@ -347,15 +335,7 @@ fn a_lattice_of_finite_contacts_has_its_closed_form() {
     let all = json(LIMITS);
     let (of, lattice) = (reference(&all), &all["lattice"]);
     let [cell, cubes] = named(lattice, ["cell", "cubes"]);
-    let surface = Surface {
-        law: "hertz",
-        coupling: Coupling::Periodic,
-        side: cell,
-        places: vec![[0.5, 0.5]],
-        heights: vec![0.0],
-        softness: 1.0,
-        kernel: Kernel::Contact,
-    };
+    let surface = flat(cell, vec![[0.5, 0.5]], Kernel::Contact);
     let states = &lattice["states"].as_array().unwrap()[..7];
     let exact = states.iter().map(|state| {
         let [radius, force] = named(state, ["radius", "contact_force"]);

@@ -180,7 +180,7 @@ impl Dimension {
             Self::EnergyClass => (
                 "energy_class",
                 "1",
-                "energy lost at a separation over energy_unit at least, and less than twice as much",
+                "least energy of a class, over energy_unit; the class reaches to twice that",
             ),
             Self::Target => ("target", "1", "quantity whose mean is to be known before the run ends"),
             Self::Asperity => ("asperity", "1", "index of the asperity; of a map row by row"),

@@ -120,7 +120,7 @@ fn coupling() -> Vec<Variable> {
             (
                 "energy_lost_mean",
                 "J",
-                "energy that avalanches lost on the step to each separation{}, mean over replicas, NaN where contacts have their size",
+                "energy that avalanches lost on the step to each separation{}, mean over replicas, NaN with the contact kernel",
             ),
             ("unsettled_count", "1", "replicas without a stable state{}"),
             ("overlapping_count", "1", "replicas in which circles of contact overlap{}"),
@@ -295,7 +295,7 @@ const COUPLED: &[Row] = &[
         "energy_lost",
         N,
         "J",
-        "energy that avalanches of a coupled replica lost at all separations, NaN where contacts have their size",
+        "energy that avalanches of a coupled replica lost at all separations, NaN with the contact kernel",
     ),
     (
         "energy_lost_count",

@@ -293,7 +293,8 @@ fn bad_arguments_of_asperity_are_named() {
 }
 
 fn sampled(scheme: &str) -> String {
-    small().replace("[ensemble]", &format!("[ensemble]\nsampling = \"{scheme}\""))
+    let scene = small().replace("\"100 um^2\"", "\"50 um^2\"");
+    scene.replace("[ensemble]", &format!("[ensemble]\nsampling = \"{scheme}\""))
 }
 
 /// Every scheme through the whole program: the file says it, its cross-check is computed anew from the file,

@@ -99,8 +99,8 @@ fn sums_agree_with_a_plain_loop() {
 #[test]
 fn scatter_agrees_with_the_integral() {
     let (asperity, mut surface) = case("II");
-    surface.asperity_count = 2000;
-    let separations: Vec<f64> = (-2..6).map(|i| 0.5 * f64::from(i) * surface.surface_height_std).collect();
+    surface.asperity_count = 1000;
+    let separations: Vec<f64> = [-1.0, 0.0, 1.0, 2.0].map(|h| h * surface.surface_height_std).to_vec();
     let law = law("hybrid", &asperity, Path::Approach, (-30e-9, 20e-9));
     let replicas = 1500;
     let sampled = ensemble(&job(law.as_ref(), &surface, &separations, replicas));
@@ -194,7 +194,7 @@ fn pull_offs_are_deepest(cases: &[(&str, Path, f64)]) {
 /// deeper.
 #[test]
 fn the_pull_off_of_several_radii_is_the_deepest_point() {
-    several_radii_are_deepest(&[(1, "hybrid"), (40, "hybrid"), (150, "emd")]);
+    several_radii_are_deepest(&[(1, "hybrid"), (40, "hybrid"), (80, "emd")]);
 }
 
 #[test]

@@ -10,9 +10,10 @@ use std::path::Path;
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
-/// A run with curves of a second and more on one thread: 80 batches.
+/// A run with curves of most of a second on one thread: 80 batches of a smaller patch.
 fn scene() -> String {
-    small().replace("replicas = 40", "replicas = 640").replace("curves = false", "curves = true")
+    let scene = small().replace("replicas = 40", "replicas = 640").replace("\"100 um^2\"", "\"25 um^2\"");
+    scene.replace("curves = false", "curves = true")
 }
 
 /// The same of other replicas.
@@ -135,7 +136,7 @@ fn signals_that_come_together_are_one() {
 fn a_second_signal_ends_at_once_and_leaves_the_last_checkpoint() {
     let folder = Folder::new(
         &small()
-            .replace("\"100 um^2\"", "\"0.06 mm^2\"")
+            .replace("\"100 um^2\"", "\"0.03 mm^2\"")
             .replace("replicas = 40", "replicas = 16")
             .replace("count = 16", "count = 48"),
     );
@@ -432,16 +433,16 @@ fn killed_runs_go_on_to_the_same_bits() {
 fn a_loop_goes_on_to_the_same_bits() {
     let held = "[instability]\nstiffness = [0, \"1 kN/m\"]\npreload = [\"1 uN\", \"1 kN\"]\n[output]";
     let scene =
-        scene_of(128).replace("history = \"approach\"", "history = \"loop\"").replace("[output]", held);
+        scene_of(64).replace("history = \"approach\"", "history = \"loop\"").replace("[output]", held);
     let folder = Folder::new(&scene);
     let reference = reference(&folder);
     assert!(
-        reference.iter().any(|(name, values)| name == "/replicas/snap_off" && values.len() == 128 * 2 * 2)
+        reference.iter().any(|(name, values)| name == "/replicas/snap_off" && values.len() == 64 * 2 * 2)
     );
     assert!(
         reference
             .iter()
-            .any(|(name, values)| name == "/replicas/retraction_external_force" && values.len() == 128 * 16)
+            .any(|(name, values)| name == "/replicas/retraction_external_force" && values.len() == 64 * 16)
     );
     let stopped = interrupt(&folder, "-INT", &["--checkpoint", "0", "--threads", "1"]);
     assert_exit(&stopped, 130);
@@ -455,15 +456,15 @@ fn a_loop_goes_on_to_the_same_bits() {
 fn killed_runs_of_coupled_surfaces_go_on_to_the_same_bits() {
     let held = "[substrate]\ncoupling = \"patch\"\n\n[instability]\nstiffness = [0, \"patch\"]\npreload = \"50 uN\"\n[output]";
     let scene = scene_of(24)
-        .replace("nominal_area = \"100 um^2\"", "nominal_area = \"3.4 um^2\"")
+        .replace("nominal_area = \"25 um^2\"", "nominal_area = \"3.4 um^2\"")
         .replace("from = -1.0", "from = 1.0")
-        .replace("count = 16", "count = 8")
+        .replace("count = 16", "count = 5")
         .replace("history = \"approach\"", "history = \"loop\"")
         .replace("[output]", held);
     let folder = Folder::new(&scene);
     let reference = reference(&folder);
     let curve = reference.iter().find(|(name, _)| name == "/replicas/retraction_external_force").unwrap();
-    assert_eq!(curve.1.len(), 24 * 8);
+    assert_eq!(curve.1.len(), 24 * 5);
     for threads in ["1", "2"] {
         let arguments = ["--checkpoint", "0", "--resume", "--threads", threads];
         let mut child = begin(&folder, &arguments);
@@ -484,7 +485,7 @@ fn killed_runs_of_coupled_surfaces_go_on_to_the_same_bits() {
 #[test]
 fn a_signal_ends_a_coupled_replica_at_its_separation() {
     let scene = scene_of(1)
-        .replace("nominal_area = \"100 um^2\"", "nominal_area = \"1000 um^2\"")
+        .replace("nominal_area = \"25 um^2\"", "nominal_area = \"1000 um^2\"")
         .replace("[output]", "[substrate]\ncoupling = \"patch\"\nloads_at = [1.0]\n[output]");
     let folder = Folder::new(&scene);
     let mut child = begin(&folder, &["--threads", "1"]);
@@ -526,7 +527,7 @@ fn said(output: &Output, files: &[String]) -> String {
 
 #[test]
 fn a_full_disk_is_an_error_and_the_run_goes_on_after_space_is_made() {
-    a_full_disk_is_an_error(96, 8);
+    a_full_disk_is_an_error(64, 6);
 }
 
 #[test]

@@ -485,23 +485,28 @@ fn laws_jump_where_and_as_much_as_documented() {
                 }
                 // Nowhere else: halving the distance of two interferences beside each other always brings
                 // them closer.
-                for i in 0..5000 {
-                    let (mut low, mut high) = (-12.0 + 0.08 * f64::from(i), -12.0 + 0.08 * f64::from(i + 1));
-                    if jumps.iter().any(|(place, _)| low <= *place + 1e-9 && *place - 1e-9 <= high) {
+                let total = |delta: f64| (delta, at(law.as_ref(), delta));
+                let apart = |([f, p, _], [g, q, _]): ([f64; 3], [f64; 3])| (f - g).abs() + (p - q).abs();
+                let ends: Vec<_> = (0..=5000).map(|i| total(-12.0 + 0.08 * f64::from(i))).collect();
+                for pair in ends.windows(2) {
+                    let (mut low, mut high) = (pair[0], pair[1]);
+                    if jumps.iter().any(|(place, _)| low.0 <= *place + 1e-9 && *place - 1e-9 <= high.0) {
                         continue;
                     }
-                    let total = |delta: f64| at(law.as_ref(), delta);
-                    let apart = |low: f64, high: f64| {
-                        let ([f, p, _], [g, q, _]) = (total(low), total(high));
-                        (f - g).abs() + (p - q).abs()
-                    };
                     // A jump of more than 1e-4 of the forces survives all halvings towards it.
-                    let size = 1.0 + total(low)[0] + total(low)[1];
-                    while apart(low, high) > 1e-4 * size && high - low > 1e-12 * (1.0 + high.abs()) {
-                        let middle = 0.5 * (low + high);
-                        if apart(low, middle) > apart(middle, high) { high = middle } else { low = middle }
+                    let size = 1.0 + low.1[0] + low.1[1];
+                    while apart((low.1, high.1)) > 1e-4 * size
+                        && high.0 - low.0 > 1e-12 * (1.0 + high.0.abs())
+                    {
+                        let middle = total(0.5 * (low.0 + high.0));
+                        if apart((low.1, middle.1)) > apart((middle.1, high.1)) {
+                            high = middle
+                        } else {
+                            low = middle
+                        }
                     }
-                    assert!(apart(low, high) <= 1e-4 * size, "{name}, λ {lambda}, {path:?}: jumps at {low}");
+                    let found = apart((low.1, high.1));
+                    assert!(found <= 1e-4 * size, "{name}, λ {lambda}, {path:?}: jumps at {}", low.0);
                 }
             }
         }

@@ -497,7 +497,7 @@ fn the_pull_off_on_the_retraction_is_the_deepest_point() {
     for (name, radius, count) in [
         ("I", UnloadedRadius::Kept, 60),
         ("II", UnloadedRadius::Kept, 3),
-        ("II", UnloadedRadius::Kept, 200),
+        ("II", UnloadedRadius::Kept, 100),
         ("II", UnloadedRadius::Elastic, 60),
         ("III", UnloadedRadius::Kept, 60),
         ("I", UnloadedRadius::Elastic, 30),

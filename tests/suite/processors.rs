@@ -11,13 +11,13 @@ fn scenes() -> Vec<(&'static str, String)> {
     let with = |from: &str, to: &str| {
         let scene = small().replace(from, to);
         assert_ne!(scene, small(), "{from}");
-        scene
+        scene.replace("replicas = 40", "replicas = 16").replace("\"100 um^2", "\"40 um^2")
     };
     // A few asperities of a few surfaces.
     let coupled = |coupling: &str| {
         let table = format!("[substrate]\ncoupling = \"{coupling}\"\n\n[output]");
-        let scene = with("[output]", &table).replace("replicas = 40", "replicas = 8");
-        scene.replace("\"100 um^2", "\"5 um^2")
+        let scene = with("[output]", &table).replace("replicas = 16", "replicas = 8");
+        scene.replace("\"40 um^2", "\"5 um^2")
     };
     let radius = "asperity_radius = \"3.33 um\"";
     vec![
@@ -93,8 +93,7 @@ fn emulated_processors_have_the_same_bits() {
     };
     // An emulated run takes some hundred times as long.
     let few = |names: &[&str]| -> Vec<(&'static str, String)> {
-        let own = scenes().into_iter().filter(|(name, _)| names.contains(name));
-        own.map(|(name, scene)| (name, scene.replace("replicas = 40", "replicas = 16"))).collect()
+        scenes().into_iter().filter(|(name, _)| names.contains(name)).collect()
     };
     let (haswell, rome) = (emulated("Haswell"), emulated("EPYC-Rome"));
     assert_same_bits(&few(&["direct", "compressed"]), &[("Haswell", &haswell), ("EPYC-Rome", &rome)]);

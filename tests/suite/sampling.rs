@@ -194,7 +194,8 @@ fn intervals_hold_what_they_say_for_skewed_outcomes() {
         (HeightLaw::Gaussian, SamplingScheme::Antithetic),
         (HeightLaw::Gaussian, SamplingScheme::Stratified),
     ] {
-        let patch = Skewed::new("isbl", heights, 100, scheme, 4000, Controls::Chosen(64));
+        let groups = if scheme == SamplingScheme::Independent { 4000 } else { 1000 };
+        let patch = Skewed::new("isbl", heights, 100, scheme, groups, Controls::Chosen(64));
         assert!(patch.pool.controls > 0);
         let means = patch.ensembles(ENSEMBLES as u64, 64, |_, means| means.to_vec());
         for (i, scalar) in SCALARS.iter().enumerate() {
@@ -328,7 +329,7 @@ fn controls_reduce_the_variance_of_stratified_replicas() {
 fn controls_reduce_the_variance(of: fn(SamplingScheme) -> bool) {
     const ENSEMBLES: u64 = 4000;
     for (name, scheme) in SamplingScheme::ALL.into_iter().filter(|(_, scheme)| of(*scheme)) {
-        let patch = Skewed::new("isbl", HeightLaw::Gaussian, 1000, scheme, 1000, Controls::Chosen(80));
+        let patch = Skewed::new("isbl", HeightLaw::Gaussian, 500, scheme, 600, Controls::Chosen(80));
         let found = patch.ensembles(ENSEMBLES, 80, |_, means| means[0]);
         let variance = |of: fn(&ControlledMean) -> f64| {
             let mean = found.iter().map(of).sum::<f64>() / ENSEMBLES as f64;

@@ -63,8 +63,8 @@ fn is_estimated(name: &str, scene: &str) {
 fn memory_is_estimated_within_a_factor_of_2() {
     is_estimated("little", &sized(739.0, 91, 200));
     is_estimated("all of the joint test", &sized(739.0, 256, 16));
-    is_estimated("curves", &sized(50.0, 10_000, 64).replace("curves = false", "curves = true"));
-    is_estimated("replicas", &far(&sized(8.0, 2, 300_000)));
+    is_estimated("curves", &sized(50.0, 6_000, 64).replace("curves = false", "curves = true"));
+    is_estimated("replicas", &far(&sized(2.0, 2, 100_000)));
 }
 
 #[test]
@@ -151,7 +151,7 @@ fn what_does_not_fit_is_refused() {
 /// A limit of address space is a limit: a run that would not fit is refused, and what is said to fit does.
 #[test]
 fn what_is_said_to_fit_does() {
-    let folder = Folder::new(&far(&sized(8.0, 2, 1_000_000_000)));
+    let folder = Folder::new(&far(&sized(2.0, 2, 1_000_000_000)));
     let limited = |more: &str| {
         let command = format!(
             "ulimit -v 710000; exec {} run scene.toml --threads 2 {more}",
@@ -264,7 +264,7 @@ fn has_failed_well(folder: &Folder, output: &Output, at: &str) -> bool {
 /// it.
 #[test]
 fn a_run_gets_by_with_its_estimate_or_says_what_it_lacks() {
-    let folder = Folder::new(&sized(50.0, 800, 32).replace("curves = false", "curves = true"));
+    let folder = Folder::new(&sized(50.0, 400, 32).replace("curves = false", "curves = true"));
     let needed = RESERVE + 2.0 * estimated(&folder, "memory");
     assert_exit(&within(&folder, needed, "run scene.toml --threads 2"), 0);
     let undisturbed = bits(&folder.path("scene.h5"));
@@ -298,7 +298,7 @@ fn a_run_gets_by_with_its_estimate_or_says_what_it_lacks() {
 #[test]
 fn other_commands_say_what_they_lack() {
     let sweep =
-        format!("{}\n[sweep]\n\"material.hardness\" = [\"2 GPa\", \"3 GPa\"]\n", sized(50.0, 300, 32));
+        format!("{}\n[sweep]\n\"material.hardness\" = [\"2 GPa\", \"3 GPa\"]\n", sized(50.0, 150, 32));
     let folder = Folder::new(&sweep);
     assert_exit(&folder.stiction(&["run", "scene.toml", "-o", "whole.h5"]), 0);
     let undisturbed = bits(&folder.path("whole.h5"));
@@ -315,7 +315,7 @@ fn other_commands_say_what_they_lack() {
         assert!(bits(&folder.path("scene.h5")) == undisturbed, "{file}");
         assert_eq!(folder.files(), ["scene.h5", "scene.toml", "whole.h5"]);
     }
-    std::fs::write(folder.path("scene.toml"), sized(50.0, 500, 32)).unwrap();
+    std::fs::write(folder.path("scene.toml"), sized(50.0, 200, 32)).unwrap();
     let shard = |index: u32| {
         folder.stiction(&[
             "run",

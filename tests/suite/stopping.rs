@@ -115,7 +115,7 @@ fn bits_do_not_depend_on_threads() {
 #[test]
 fn an_interruption_changes_nothing() {
     let folder = Folder::new(
-        &scene(&pull_off(0.012), "max_replicas = 40000").replace("curves = false", "curves = true"),
+        &scene(&pull_off(0.015), "max_replicas = 40000").replace("curves = false", "curves = true"),
     );
     assert_exit(&folder.stiction(&["run", "scene.toml", "-o", "reference.h5"]), 0);
     let reference = bits(&folder.path("reference.h5"));
@@ -378,9 +378,9 @@ impl Study {
 }
 
 /// The intervals of runs that end at a target hold the true mean within 1 % of what they say with the default
-/// of 64 replicas before the first look, for both estimates, two laws and heights, and a relative as well as
-/// an absolute target; over that 4 standard deviations of a share of 4000 runs (false alarm below 1e-3 for
-/// all eight, where the shares are at the end of the range; the seeds are fixed).
+/// of 64 replicas before the first look, for two laws and heights, plain to a relative target and controlled to
+/// an absolute one; over that 4 standard deviations of a share of 750 runs (false alarm below 1e-3 for all four,
+/// where the shares are at the end of the range; the seeds are fixed). All others are in the next test.
 #[test]
 fn intervals_hold_what_they_say() {
     const RUNS: u64 = 750;
@@ -388,12 +388,10 @@ fn intervals_hold_what_they_say() {
         Study::new("20, Gaussian", "isbl", HeightLaw::Gaussian, 20, 4000),
         Study::new("100, exponential", "hybrid", HeightLaw::Exponential, 100, 4000),
     ] {
-        for estimate in [Estimator::Plain, Estimator::Controlled] {
-            for relative in [true, false] {
-                let (found, replicas) = study.ends(study.target(0, estimate, 150.0, relative), 64, RUNS);
-                assert!((70.0..250.0).contains(&replicas), "{replicas}");
-                assert!((found.held - 0.95).abs() < 0.01 + deviations(4.0, 0.06, RUNS as usize), "{found:?}");
-            }
+        for (estimate, relative) in [(Estimator::Plain, true), (Estimator::Controlled, false)] {
+            let (found, replicas) = study.ends(study.target(0, estimate, 150.0, relative), 64, RUNS);
+            assert!((70.0..250.0).contains(&replicas), "{replicas}");
+            assert!((found.held - 0.95).abs() < 0.01 + deviations(4.0, 0.06, RUNS as usize), "{found:?}");
         }
     }
 }

@@ -279,8 +279,8 @@ const REGIMES: [(&str, f64, f64); 6] = [
     ("lubricant", 0.4, 0.65),
     ("elastic", -2.0, 0.1),
     ("elastoplastic1", -12.0, -3.0),
-    ("elastoplastic2", -200.0, -20.0),
-    ("plastic", -400.0, -260.0),
+    ("elastoplastic2", -50.0, -20.0),
+    ("plastic", -300.0, -260.0),
 ];
 
 /// A surface whose asperities have heights within some picometres, in one regime at all separations.
@@ -294,7 +294,7 @@ fn flat(low: f64, high: f64, height_std: &str) -> String {
             "h_star = { from = -1.0, to = 8.0, count = 91 }",
             &format!("h = {{ from = \"{low} nm\", to = \"{high} nm\", count = 21 }}"),
         )
-        .replace("replicas = 200", "replicas = 80")
+        .replace("replicas = 200", "replicas = 40")
 }
 
 #[test]

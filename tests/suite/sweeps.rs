@@ -63,6 +63,7 @@ fn a_point_has_the_bits_of_the_run_of_its_scene() {
         // Curves are copied 64 replicas at a time: there are more.
         let text = swept(&format!("mode = \"{mode}\"\n{GRID}")).replace("replicas = 40", "replicas = 150");
         let text = text.replace("curves = false", &format!("curves = {curves}"));
+        let text = text.replace("\"100 um^2\"", "\"40 um^2\"");
         let folder = Folder::new(&text);
         assert_exit(&folder.stiction(&["run", "scene.toml"]), 0);
         assert_eq!(folder.files(), ["scene.h5", "scene.toml"]);
@@ -82,7 +83,7 @@ fn a_point_has_the_bits_of_the_run_of_its_scene() {
 fn points_of_coupled_surfaces_have_the_bits_of_their_runs() {
     let of = "surface.nominal_area = [\"2 um^2\", \"4 um^2\"]\nsubstrate.minimum_distance = [\"0.1 um\", \"0.2 um\"]\n";
     let tables = "[substrate]\ncoupling = \"patch\"\n\n[instability]\nstiffness = [0, \"patch\"]\n[output]";
-    let text = swept(of).replace("[output]", tables).replace("replicas = 40", "replicas = 16");
+    let text = swept(of).replace("[output]", tables).replace("replicas = 40", "replicas = 8");
     let text = text.replace("count = 16", "count = 6").replace("from = -1.0", "from = 1.0");
     let folder = Folder::new(&text);
     assert_exit(&folder.stiction(&["run", "scene.toml", "--threads", "2"]), 0);
@@ -141,7 +142,7 @@ fn same(single: &hdf5::File, all: &hdf5::File, place: &[usize]) {
 
 #[test]
 fn bits_do_not_depend_on_threads() {
-    let folder = Folder::new(&swept(GRID));
+    let folder = Folder::new(&swept(GRID).replace("\"100 um^2\"", "\"40 um^2\""));
     for threads in ["1", "2", "5"] {
         let output = format!("{threads}.h5");
         assert_exit(&folder.stiction(&["run", "scene.toml", "--threads", threads, "-o", &output]), 0);
@@ -264,6 +265,7 @@ fn stopped(folder: &Folder, signal: &str, file: &str) -> std::process::Output {
 fn long() -> String {
     swept("material.work_of_adhesion = [\"0.05 J/m^2\", \"0.09 J/m^2\", \"0.2 J/m^2\"]")
         .replace("= 40", "= 320")
+        .replace("\"100 um^2\"", "\"50 um^2\"")
 }
 
 #[test]

@@ -214,7 +214,7 @@ fn what_is_left_out_is_said() {
 fn every_law_runs_and_agrees_with_its_integral() {
     for model in MODELS {
         let scene = QUICK
-            .replace("count = 91", "count = 16")
+            .replace("count = 91", "count = 31")
             .replace("= 200", "= 80")
             .replace("\"hybrid\"", &format!("\"{}\"", model.name));
         let folder = Folder::new(&scene);

@@ -63,7 +63,7 @@ fn is_as_its_integral(asperities: f64, separations: u32) {
 
 #[test]
 fn a_patch_of_five_million_asperities_is_as_its_integral() {
-    is_as_its_integral(5e6, 46);
+    is_as_its_integral(5e6, 91);
 }
 
 /// A minute of a core.
@@ -89,7 +89,7 @@ fn bits_of_direct_sums_and_of_two_replicas_do_not_depend_on_threads() {
 
 /// The same bits on one thread and on three.
 fn bits_are_the_same(sum: &str, replicas: &str) {
-    let folder = Folder::new(&scene(2.2e6, if sum == "direct" { 3 } else { 6 }, sum));
+    let folder = Folder::new(&scene(1.2e6, if sum == "direct" { 3 } else { 91 }, sum));
     let run = |threads: &str, output: &str| {
         let arguments = ["run", "scene.toml", "--threads", threads, "-o", output, "--replicas", replicas];
         assert_exit(&folder.stiction(&arguments), 0);

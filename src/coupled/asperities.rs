@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// Share of the length over which a law varies, over which its slope is taken.
-const SLOPE_STEP: f64 = 1e-6;
+pub(super) const SLOPE_STEP: f64 = 1e-6;
 
 /// The laws of the asperities of one radius, with the segments of their forces.
 pub struct RadiusLaws<'a> {
@@ -212,6 +212,12 @@ impl<'a> Asperities<'a> {
         let [low, high] = if segments[from as usize].next[1] == Some(to) { [from, to] } else { [to, from] };
         let (low, high) = (segments[low as usize], segments[high as usize]);
         low.upper != high.lower
+    }
+
+    /// How far, m, an asperity goes back from where contact begins to where it ends.
+    pub(super) fn width_of_hysteresis(&self, states: &States, i: usize) -> f64 {
+        let (segments, untouched) = (self.segments(states, i), self.untouched(states, i));
+        self.place(i, segments[untouched - 1].upper - segments[untouched].lower)
     }
 
     /// The regime of the law that an asperity counts in; none beyond the end of the law.

@@ -180,21 +180,30 @@ impl HalfSpace {
     /// ones have `mean`, the mean slope.
     pub fn yielding(&self, i: usize, slopes: &[f64], mean: f64) -> f64 {
         // With the distance beyond which the influence is nothing.
-        let (own, bend, furthest) = match self.coupling {
-            Coupling::Periodic => (REPEATED.0, REPEATED.1, 0.26),
-            Coupling::Patch => (0.0, 0.0, 1.0 / PI.sqrt()),
+        let (own, furthest) = match self.coupling {
+            Coupling::Periodic => (REPEATED.0, 0.26),
+            Coupling::Patch => (0.0, 1.0 / PI.sqrt()),
         };
         let (near, reach) = self.sums.rough.around(self.places[i]);
         let mut sum = 0.0;
         for j in near.map(|j| j as usize) {
             if j != i && slopes[j] != 0.0 {
-                let square = self.square(i, j);
-                let influence = 1.0 / square.sqrt() + own + bend * square;
+                let influence = self.influence(i, j);
                 sum += slopes[j] * influence * influence;
             }
         }
         let beyond = 2.0 * PI * self.places.len() as f64 * libm::log((furthest / reach).max(1.0));
-        self.compliance * (own - self.compliance * (sum + mean * beyond))
+        self.compliance * own - (sum + self.compliance * self.compliance * mean * beyond)
+    }
+
+    /// How far the foot of one asperity is lowered, m/N, by a near other that pushes with 1 N.
+    pub fn influence(&self, i: usize, j: usize) -> f64 {
+        let square = self.square(i, j);
+        let by_others = match self.coupling {
+            Coupling::Periodic => REPEATED.0 + REPEATED.1 * square,
+            Coupling::Patch => 0.0,
+        };
+        self.compliance * (1.0 / square.sqrt() + by_others)
     }
 }
 

@@ -5,6 +5,7 @@ mod avalanches;
 mod contacts;
 mod energy;
 mod half_space;
+mod knots;
 mod passages;
 mod solver;
 #[cfg(test)]

@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 /// Most passages of one asperity at one separation: several at jumps of opposite kinds can drive each other back
 /// and forth. It then keeps its force at the end of its segment, and the state is not taken for a stable one.
 const PASSAGES: u8 = 10;
-/// Passages after which all asperities that went to and fro come to rest together.
+/// Passages after which asperities that went to and fro are taken for a knot.
 const RETURNS: u8 = 3;
 /// Share of the length of the law by which an asperity that has passed may lie short of the end.
 const SHORT: f64 = 1e-9;
@@ -34,10 +34,10 @@ pub struct Passages {
     counts: Vec<u8>,
     /// How many may pass no more.
     pub frozen: usize,
-    /// The jumps that asperities passed last.
-    jumps: BTreeMap<u32, Rest>,
+    /// The jumps that asperities passed, by the asperity and the segment below.
+    jumps: BTreeMap<(u32, u8), Rest>,
     /// Whether one has gone to and fro too often.
-    is_knot: bool,
+    pub is_knot: bool,
     /// Those without way back.
     made: Vec<Passage>,
     /// Those that are part of avalanches.
@@ -68,6 +68,7 @@ impl Passages {
         self.counts.resize(count, 0);
         self.made.clear();
         self.jumps.clear();
+        self.is_knot = false;
         self.is_close = is_close;
     }
 
@@ -83,14 +84,37 @@ impl Passages {
         !self.made.is_empty()
     }
 
-    /// Whether an asperity has passed or left so often that others drive it.
-    pub fn is_often(&self, i: usize) -> bool {
-        self.counts[i] >= RETURNS
+    /// Counts that an asperity has left its rest at a jump.
+    pub fn left(&mut self, i: u32, rest: Rest) {
+        let count = &mut self.counts[i as usize];
+        *count = count.saturating_add(1);
+        self.went_over(i, rest);
     }
 
-    /// Counts that an asperity has left its rest at a jump.
-    pub fn left(&mut self, i: usize) {
-        self.counts[i] = self.counts[i].saturating_add(1);
+    /// Keeps the jump that an asperity went over, or left.
+    fn went_over(&mut self, i: u32, rest: Rest) {
+        self.jumps.insert((i, rest.segments[0]), rest);
+        self.is_knot |= self.is_close && self.counts[i as usize] >= RETURNS;
+    }
+
+    /// The asperities that went to and fro, with their jumps, those first that went most often.
+    pub fn driven(&self) -> Vec<(u32, Vec<Rest>)> {
+        let mut driven: Vec<(u32, Vec<Rest>)> = Vec::new();
+        let all = self.jumps.iter().filter(|((i, _), _)| self.counts[*i as usize] > 1);
+        for ((i, _), rest) in all {
+            match driven.last_mut() {
+                Some((last, rests)) if last == i => rests.push(*rest),
+                _ => driven.push((*i, vec![*rest])),
+            }
+        }
+        driven.sort_by_key(|(i, _)| std::cmp::Reverse(self.counts[*i as usize]));
+        driven
+    }
+
+    /// Counts anew how often an asperity passes.
+    pub fn untied(&mut self, i: usize) {
+        self.counts[i] = 0;
+        self.made.retain(|passage| passage.asperity != i);
     }
 }
 
@@ -109,22 +133,8 @@ impl Solver<'_> {
                 count += usize::from(self.pass_one(i, delta, is_trigger));
             }
         }
-        if std::mem::take(&mut self.passages.is_knot) {
-            self.rest_together();
-        }
         self.place_rests();
         count
-    }
-
-    /// Has all asperities that went to and fro over jumps come to rest at them: several can drive each other.
-    fn rest_together(&mut self) {
-        let Self { states, passages, .. } = self;
-        for (&i, rest) in &passages.jumps {
-            if passages.counts[i as usize] > 1 {
-                states.segments[i as usize] = rest.segments[0];
-                states.resting.entry(i).or_insert(Rest { share: 0.5, ..*rest });
-            }
-        }
     }
 
     /// Has an asperity at δ, m, beyond an end of its segment pass, if it may; whether it did.
@@ -147,17 +157,17 @@ impl Solver<'_> {
         let ends = segments.map(|segment| asperities.load(states, i, segment, place));
         let jump = ends[1] - ends[0];
         let mut does_lose = is_hysteretic;
-        if !is_hysteretic && jump != 0.0 {
+        if jump != 0.0 {
             let yielding = half_space.yielding(i, slopes, *mean_slope);
-            does_lose = jump < 0.0 && yielding > 0.0;
+            does_lose |= jump < 0.0 && yielding > 0.0;
             let share = if upwards { 0.0 } else { 1.0 };
             let rest = Rest { place, segments, share, ends, stiffness: 1.0 / yielding };
-            if jump * yielding > (delta - asperities.place(i, place)).abs() {
+            let way_back = if is_hysteretic { asperities.width_of_hysteresis(states, i) } else { 0.0 };
+            if jump * yielding > (delta - asperities.place(i, place)).abs() + way_back {
                 states.resting.insert(i as u32, rest);
                 return true;
             }
-            passages.jumps.insert(i as u32, rest);
-            passages.is_knot |= passages.is_close && passages.counts[i] >= RETURNS;
+            passages.went_over(i as u32, rest);
         }
         passages.counts[i] += 1;
         states.segments[i] = to;

@@ -94,12 +94,12 @@ pub struct Solver<'a> {
     /// Mean slope, N/m.
     pub(super) mean_slope: f64,
     /// Where they were taken: δ of the law, m, NaN of none, f of the law, N, and the segment.
-    taken: (Vec<f64>, Vec<f64>, Vec<u8>),
+    pub(super) taken: (Vec<f64>, Vec<f64>, Vec<u8>),
     /// ∛(R_eff/R) of each by the last forces; none where contacts are points.
     stretches: Vec<f64>,
     /// Error of a load, over the largest, by the rough sums in the residual.
     unsure: f64,
-    residual: Vec<f64>,
+    pub(super) residual: Vec<f64>,
     /// The stable state before the present one: δ, m, at d, m.
     path: Option<(f64, Vec<f64>)>,
     pub(super) passages: Passages,
@@ -115,7 +115,7 @@ pub(super) struct Scratch {
     beside: Vec<f64>,
     shifted: Forces,
     displacements: Vec<f64>,
-    step: Vec<f64>,
+    pub(super) step: Vec<f64>,
     product: Vec<f64>,
     pub(super) gmres: gmres::Memory,
 }
@@ -383,7 +383,7 @@ impl<'a> Solver<'a> {
 impl Solver<'_> {
     /// Solves (1 + shift + G K)Δδ = −r to a relative residual, with rough sums; the smallest eigenvalue of 1 + G K as
     /// far as it shows.
-    fn system(&mut self, shift: f64, tolerance: f64) -> f64 {
+    pub(super) fn system(&mut self, shift: f64, tolerance: f64) -> f64 {
         self.system_by(HalfSpace::displace_roughly, shift, tolerance)
     }
 
@@ -431,20 +431,15 @@ impl Solver<'_> {
     /// whether some do.
     fn leave_rests(&mut self, of_step: f64, room: f64) -> bool {
         let Self { asperities, states, interference, passages, memory, .. } = self;
-        let count = states.resting.len();
+        let mut resting = std::mem::take(&mut states.resting);
+        let count = resting.len();
         let share_of = |i: u32, rest: &Rest| {
             let of_step = of_step * rest.stiffness * memory.step[i as usize] / (rest.ends[1] - rest.ends[0]);
             rest.share + of_step
         };
-        // Of those that keep on leaving and coming back the one that is furthest beyond leaves: the others may then stay.
-        let beyond = |i: u32, rest: &Rest| (share_of(i, rest) - 0.5).abs();
-        let leave_often = states.resting.iter().filter(|(i, _)| passages.is_often(**i as usize));
-        let furthest =
-            leave_often.max_by(|a, b| beyond(*a.0, a.1).total_cmp(&beyond(*b.0, b.1))).map(|(i, _)| *i);
-        states.resting.retain(|&number, rest| {
+        resting.retain(|&number, rest| {
             let (i, share) = (number as usize, share_of(number, rest));
-            let may_leave = !passages.is_often(i) || furthest == Some(number);
-            if !may_leave || share >= -room && share <= 1.0 + room {
+            if share >= -room && share <= 1.0 + room {
                 return true;
             }
             // A force that drives the asperity on over its jump has it on the side away from that force.
@@ -452,9 +447,13 @@ impl Solver<'_> {
             states.segments[i] = rest.segments[usize::from(upper)];
             let place = asperities.place(i, rest.place);
             interference[i] = if upper { place } else { place.next_down() };
-            passages.left(i);
+            passages.left(number, *rest);
+            if asperities.is_hysteretic(states, i, rest.segments) {
+                passages.losing.push(number);
+            }
             false
         });
+        states.resting = resting;
         states.resting.len() < count
     }
 
@@ -480,6 +479,10 @@ impl Solver<'_> {
                     smallest = self.stability_without_rests();
                 }
                 return !(smallest <= 0.0) && self.passages.frozen == 0;
+            }
+            if std::mem::take(&mut self.passages.is_knot) {
+                self.untie();
+                continue;
             }
             // What passed before was not yet the surface's own way.
             if error <= CLOSE && !self.passages.is_close {

@@ -9,6 +9,7 @@ use serde_json::Value;
 use std::f64::consts::PI;
 
 mod energy;
+mod knots;
 mod limits;
 
 /// Solutions by a dense Newton method in Python, and roots with 30 digits (`scripts/reference_coupling.py`).

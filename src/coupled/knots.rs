@@ -1,0 +1,291 @@
+//! Knots: asperities that drive each other to and fro over jumps of their laws.
+//!
+//! # Formula
+//! While all others give way as their slopes say, the members of a knot have δ_k = c_k − Σ_l Y_kl f_l. Each is in one of
+//! the segments of its law that the jumps part, where f_k = f(δ_k), or at rest at one of the jumps: then δ_k is known,
+//! and f_k is between the forces of the two sides. Each choice for all is a system of n equations; the state is a choice
+//! whose solution is where it says: of several one with the fewest at rest, and least of all where one could remember to be
+//! to a side.
+
+use super::asperities::{Rest, SLOPE_STEP};
+use super::solver::Solver;
+use nalgebra::{DMatrix, DVector};
+
+/// Most choices that are tried: those that were driven least are left out.
+const MOST: usize = 2500;
+/// Share of its jump by which the jump of another changes the force of an asperity at rest from which on it is a member.
+const DRIVEN: f64 = 0.1;
+/// Relative residual of systems.
+const SYSTEM: f64 = 1e-3;
+/// Steps of Newton's method for a choice, and the last of them at most, over how far a force drives.
+const STEPS: usize = 12;
+const STILL: f64 = 1e-6;
+
+/// Where a member of a knot can be.
+#[derive(Clone, Copy, Debug)]
+pub enum Choice {
+    /// In a segment.
+    In {
+        /// Its number.
+        segment: u8,
+        /// δ, m, between which it can be there.
+        ends: [f64; 2],
+        /// δ, m, between which it must be, unless it remembers.
+        jumps: [f64; 2],
+    },
+    /// At rest.
+    At {
+        /// δ, m.
+        place: f64,
+        /// f below and above, N.
+        forces: [f64; 2],
+        /// Whether the two sides end elsewhere: the asperity remembers.
+        is_hysteretic: bool,
+    },
+}
+
+/// A state of the members of a knot.
+#[derive(Clone, Debug)]
+pub struct Untied {
+    /// The number of the choice of each.
+    pub choices: Vec<usize>,
+    /// δ, m.
+    pub places: Vec<f64>,
+    /// f, N.
+    pub forces: Vec<f64>,
+    /// How far each is lowered, m/N, when it pushes and the other ones give way.
+    pub yielding: Vec<f64>,
+}
+
+/// A state of the members of a knot, if there is one, by the choices of each, c, m, and Y, m/N (row by row); `law` tells f,
+/// N, and df/dδ, N/m, of a member in a segment at δ, m.
+pub fn untied(
+    choices: &[Vec<Choice>],
+    (still, yielding): (&[f64], &[f64]),
+    mut law: impl FnMut(usize, u8, f64) -> [f64; 2],
+) -> Option<Untied> {
+    let yielding = DMatrix::from_row_slice(choices.len(), choices.len(), yielding);
+    let mut best: Option<([usize; 3], Untied)> = None;
+    let mut numbers = vec![0; choices.len()];
+    loop {
+        let chosen: Vec<Choice> = numbers.iter().zip(choices).map(|(number, own)| own[*number]).collect();
+        // A law with a root has two solutions: from either end of a segment one is found.
+        for side in 0..2 {
+            let found = stand(&chosen, side, (still, &yielding), &mut law);
+            if let Some((cost, untied)) = found.and_then(|untied| Some((cost(&chosen, &untied)?, untied)))
+                && best.as_ref().is_none_or(|(least, _)| cost < *least)
+            {
+                best = Some((cost, Untied { choices: numbers.clone(), ..untied }));
+            }
+        }
+        let Some(next) = numbers.iter().zip(choices).position(|(number, own)| number + 1 < own.len()) else {
+            return best.map(|(_, untied)| untied);
+        };
+        numbers[..next].fill(0);
+        numbers[next] += 1;
+    }
+}
+
+/// The state in which members are where they are told to, or beyond their ends, by Newton's method from one side of
+/// segments.
+fn stand(
+    chosen: &[Choice],
+    side: usize,
+    (still, yielding): (&[f64], &DMatrix<f64>),
+    law: &mut impl FnMut(usize, u8, f64) -> [f64; 2],
+) -> Option<Untied> {
+    let count = chosen.len();
+    let begin = |choice: &Choice| match *choice {
+        Choice::In { jumps, .. } if jumps[side].is_finite() => jumps[side],
+        Choice::In { jumps, .. } => jumps[1 - side],
+        Choice::At { place, .. } => place,
+    };
+    let mut places: Vec<f64> = chosen.iter().map(begin).collect();
+    for _ in 0..STEPS {
+        // f − K Δδ = f(δ), or Y f = c − δ in the unit of force that moves as far as the choice for which it is.
+        let (mut matrix, mut right) = (yielding.clone(), DVector::from_column_slice(still));
+        let mut slopes = DVector::zeros(count);
+        for (k, choice) in chosen.iter().enumerate() {
+            let mut row = matrix.row_mut(k);
+            match *choice {
+                Choice::At { place, .. } => {
+                    let scale = 1.0 / row.amax();
+                    row *= scale;
+                    right[k] = scale * (right[k] - place);
+                }
+                Choice::In { segment, .. } => {
+                    let [force, slope] = law(k, segment, places[k]);
+                    slopes[k] = slope;
+                    row *= slope;
+                    row[k] += 1.0;
+                    right[k] = force + slope * (right[k] - places[k]);
+                }
+            }
+        }
+        let forces = matrix.lu().solve(&right)?;
+        let driven = yielding * &forces;
+        let found = DVector::from_column_slice(still) - &driven;
+        let moved = (0..count).fold(0.0, |most: f64, k| most.max((found[k] - places[k]).abs()));
+        places.copy_from_slice(found.as_slice());
+        if moved <= STILL * driven.amax() {
+            let others = DMatrix::identity(count, count) + yielding * DMatrix::from_diagonal(&slopes);
+            let yielding = others.lu().solve(yielding)?.diagonal().as_slice().to_vec();
+            return Some(Untied {
+                choices: Vec::new(),
+                places,
+                forces: forces.as_slice().to_vec(),
+                yielding,
+            });
+        }
+    }
+    None
+}
+
+/// How many members are at rest where they remember, how many are where they can be only if they remember, and how many
+/// are at rest elsewhere; none where one cannot be.
+fn cost(chosen: &[Choice], untied: &Untied) -> Option<[usize; 3]> {
+    let mut cost = [0; 3];
+    for (choice, (place, force)) in chosen.iter().zip(untied.places.iter().zip(&untied.forces)) {
+        let is_between = |ends: &[f64; 2]| *place >= ends[0] && *place < ends[1];
+        match choice {
+            Choice::In { jumps, .. } if is_between(jumps) => (),
+            Choice::In { ends, .. } if is_between(ends) => cost[1] += 1,
+            Choice::At { forces, is_hysteretic, .. } if (0.0..=1.0).contains(&share(forces, *force)) => {
+                cost[if *is_hysteretic { 0 } else { 2 }] += 1;
+            }
+            _ => return None,
+        }
+    }
+    Some(cost)
+}
+
+/// Share of the upper of two forces in one between, N.
+fn share(forces: &[f64; 2], force: f64) -> f64 {
+    (force - forces[0]) / (forces[1] - forces[0])
+}
+
+/// An asperity in a knot, with the jumps that it goes over.
+type Member = (u32, Vec<Rest>);
+
+impl Solver<'_> {
+    /// Has asperities that drive each other over jumps take places from which none of them would pass, if there are
+    /// any: forces, slopes and residuals are those of the present state.
+    pub(super) fn untie(&mut self) {
+        let (members, choices) = self.knot();
+        let of: Vec<usize> = members.iter().map(|(i, _)| *i as usize).collect();
+        for &i in &of {
+            self.states.resting.remove(&(i as u32));
+            (self.slopes[i], self.taken.0[i]) = (0.0, f64::NAN);
+        }
+        self.system(0.0, SYSTEM);
+        let steps = self.memory.step.clone();
+        // What each does to all, m/N.
+        let mut unit = vec![0.0; self.heights.len()];
+        let mut response = |i: &usize| {
+            unit[*i] = 1.0;
+            self.half_space.displace_roughly(&unit, &mut self.residual);
+            unit[*i] = 0.0;
+            self.system(0.0, SYSTEM);
+            self.memory.step.clone()
+        };
+        let responses: Vec<Vec<f64>> = of.iter().map(&mut response).collect();
+        let loads: Vec<f64> = of.iter().map(|i| self.external[*i]).collect();
+        let at = |i: usize| {
+            let by_loads = responses.iter().zip(&loads).map(|(response, load)| response[i] * load);
+            self.interference[i] + steps[i] - by_loads.sum::<f64>()
+        };
+        let still: Vec<f64> = of.iter().map(|i| at(*i)).collect();
+        let yielding: Vec<f64> =
+            of.iter().flat_map(|i| responses.iter().map(|response| -response[*i])).collect();
+        let law = |k: usize, segment: u8, delta: f64| self.load_and_slope(of[k], segment, delta);
+        let untied = untied(&choices, (&still, &yielding), law);
+        let Some(untied) = untied else { return };
+        self.interference.iter_mut().zip(&steps).for_each(|(delta, step)| *delta += step);
+        for (response, (force, load)) in responses.iter().zip(untied.forces.iter().zip(&loads)) {
+            let change = force - load;
+            self.interference.iter_mut().zip(response).for_each(|(delta, by)| *delta += change * by);
+        }
+        for (k, (i, rests)) in members.iter().enumerate() {
+            let segment = match choices[k][untied.choices[k]] {
+                Choice::In { segment, .. } => segment,
+                Choice::At { forces, .. } => {
+                    let rest = rests.iter().find(|rest| rest.ends == forces).expect("choices are of rests");
+                    let (share, stiffness) = (share(&forces, untied.forces[k]), 1.0 / untied.yielding[k]);
+                    self.states.resting.insert(*i, Rest { share, stiffness, ..*rest });
+                    rest.segments[usize::from(share >= 0.5)]
+                }
+            };
+            self.states.segments[of[k]] = segment;
+            self.interference[of[k]] = untied.places[k];
+            self.passages.untied(of[k]);
+        }
+    }
+
+    /// The asperities that went to and fro over jumps and those at rest that they drive, and where each can be.
+    fn knot(&self) -> (Vec<Member>, Vec<Vec<Choice>>) {
+        let Self { states, passages, half_space, .. } = self;
+        let mut members = passages.driven();
+        let size = |rest: &Rest| rest.ends[1] - rest.ends[0];
+        let core: Vec<(u32, f64)> = members
+            .iter()
+            .map(|(i, rests)| (*i, rests.iter().map(|rest| size(rest).abs()).fold(0.0, f64::max)))
+            .collect();
+        for (i, rest) in &states.resting {
+            if let Some((_, rests)) = members.iter_mut().find(|(j, _)| i == j) {
+                if rests.iter().all(|other| other.segments != rest.segments) {
+                    rests.push(*rest);
+                }
+            } else {
+                let moved =
+                    |(j, size): &(u32, f64)| half_space.influence(*i as usize, *j as usize).abs() * size;
+                if core.iter().map(moved).any(|moved| moved > DRIVEN * (size(rest) / rest.stiffness).abs()) {
+                    members.push((*i, vec![*rest]));
+                }
+            }
+        }
+        let mut choices: Vec<Vec<Choice>> =
+            members.iter().map(|(i, rests)| self.choices(*i as usize, rests)).collect();
+        let tried = |choices: &[Vec<Choice>]| choices.iter().map(|own| own.len() as f64).product::<f64>();
+        while tried(&choices) > MOST as f64 {
+            choices.pop();
+            members.pop();
+        }
+        (members, choices)
+    }
+
+    /// Where an asperity can be that goes over some jumps.
+    fn choices(&self, i: usize, rests: &[Rest]) -> Vec<Choice> {
+        let Self { asperities, states, .. } = self;
+        let mut numbers: Vec<u8> = rests.iter().flat_map(|rest| rest.segments).collect();
+        numbers.sort_unstable();
+        numbers.dedup();
+        let place = |rest: &Rest| asperities.place(i, rest.place);
+        let segment = |number: u8| {
+            let own = asperities.segments(states, i)[number as usize];
+            let ends = [own.lower, own.upper].map(|end| asperities.place(i, end));
+            let jump = |side: usize| rests.iter().find(|rest| rest.segments[1 - side] == number).map(place);
+            let jumps = std::array::from_fn(|side| jump(side).unwrap_or(ends[side]));
+            Choice::In { segment: number, ends, jumps }
+        };
+        let at = |rest: &Rest| {
+            let is_hysteretic = asperities.is_hysteretic(states, i, rest.segments);
+            Choice::At { place: place(rest), forces: rest.ends, is_hysteretic }
+        };
+        numbers.into_iter().map(segment).chain(rests.iter().map(at)).collect()
+    }
+
+    /// P − F_s, N, of an asperity in a segment at δ, m, and its slope, N/m: 0 beyond its ends.
+    fn load_and_slope(&mut self, i: usize, segment: u8, delta: f64) -> [f64; 2] {
+        let Self { asperities, states, .. } = self;
+        let step = SLOPE_STEP * asperities.length(i);
+        let own = asperities.segments(states, i)[segment as usize];
+        let [lower, upper] = [own.lower, own.upper].map(|end| asperities.place(i, end));
+        let [place, beside] = match delta.clamp(lower, upper) {
+            place if place + step < upper => [place, place + step],
+            place => [place, place - step],
+        };
+        let [force, next] =
+            [place, beside].map(|place| asperities.load(states, i, segment, asperities.of_law(i, place)));
+        [force, if place == delta { (next - force) / (beside - place) } else { 0.0 }]
+    }
+}

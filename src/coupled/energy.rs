@@ -31,7 +31,7 @@ const SYSTEM: (f64, usize) = (1e-2, 40);
 /// Most Newton steps to it.
 const STEPS: usize = 6;
 /// Newton step over the step of the surfaces beyond which the end of a branch may have been passed.
-const LEAP: f64 = 10.0;
+const LEAP: f64 = 5.0;
 /// The same over the length over which a law varies; a surface has left a branch if an asperity is so far from it.
 const APART: f64 = 0.05;
 /// Share of the length over which a force varies, up to which Simpson's rule has its integral.

@@ -102,7 +102,7 @@ fn stand(
     };
     let mut places: Vec<f64> = chosen.iter().map(begin).collect();
     for _ in 0..STEPS {
-        // f − K Δδ = f(δ), or Y f = c − δ in the unit of force that moves as far as the choice for which it is.
+        // f + K Y f = f(δ) + K (c − δ) at the last δ, or Y f = c − δ of one at rest.
         let (mut matrix, mut right) = (yielding.clone(), DVector::from_column_slice(still));
         let mut slopes = DVector::zeros(count);
         for (k, choice) in chosen.iter().enumerate() {

@@ -228,13 +228,10 @@ fn passages_that_another_relieves_are_undone() {
 }
 
 /// Whatever surfaces do, no avalanche gains energy: of elastic laws, and of contacts that flow.
-fn no_avalanche_gains(indices: std::ops::Range<u64>) {
-    let (hard, soft) = (2.5e9, 0.3e9);
-    let laws = [("jkr", 0.3, hard), ("md", 0.3, hard), ("md_kim", 0.3, hard), ("emd", 0.3, hard)];
-    let laws = laws.into_iter().chain([("hybrid", 0.3, soft), ("md", 0.6, hard)]);
+fn no_avalanche_gains(couplings: &[Coupling], laws: &[(&str, f64, f64)], indices: std::ops::Range<u64>) {
     let (mut steps, mut flowed) = (0, 0);
-    for (law, work, hardness) in laws {
-        for coupling in [Coupling::Periodic, Coupling::Patch] {
+    for &(law, work, hardness) in laws {
+        for &coupling in couplings {
             for index in indices.clone() {
                 let count = 3 + 7 * (index % 5) as usize;
                 let square = Square::new(law, &sphere(work, hardness), coupling, 3e-6);
@@ -242,6 +239,7 @@ fn no_avalanche_gains(indices: std::ops::Range<u64>) {
                 let path = there_and_back(6e-9, -1.5e-9, 25 + 8 * (index % 7) as usize);
                 for (state, d) in square.travel(&path).iter().zip(&path) {
                     let floor = -1e-9 * square.units[1];
+                    assert!(state.settled.is_converged, "{law} {coupling:?} {index} {d:e}");
                     assert!(state.lost >= floor, "{law} {coupling:?} {index} {d:e}: {:e}", state.lost);
                     assert!(state.lost <= 0.0 || state.settled.avalanches.count > 0, "{law} {index} {d:e}");
                     steps += usize::from(state.lost > 0.0);
@@ -250,10 +248,29 @@ fn no_avalanche_gains(indices: std::ops::Range<u64>) {
             }
         }
     }
-    assert!(steps > 80 * indices.count() && flowed > 3, "{steps} {flowed}: nothing would be tested");
+    assert!(steps > 6 * laws.len() * couplings.len() * indices.count(), "{steps}: nothing would be tested");
+    assert!(flowed > 3 || laws.iter().all(|(law, ..)| *law != "hybrid"), "{flowed}: nothing flows");
 }
+
+/// Of them the last flows.
+const LAWS: [(&str, f64, f64); 6] = [
+    ("jkr", 0.3, 2.5e9),
+    ("md", 0.3, 2.5e9),
+    ("md_kim", 0.3, 2.5e9),
+    ("emd", 0.3, 2.5e9),
+    ("md", 0.6, 2.5e9),
+    ("hybrid", 0.3, 0.3e9),
+];
 
 #[test]
 fn energy_falls_in_every_avalanche() {
-    no_avalanche_gains(0..3);
+    no_avalanche_gains(&[Coupling::Periodic, Coupling::Patch], &LAWS, 0..3);
+}
+
+/// Where contacts flow, the images of a small square can take more than a narrow hysteresis gives: of these patches.
+#[test]
+#[ignore = "slow: a thousand loops, a minute"]
+fn energy_falls_in_every_avalanche_of_many() {
+    no_avalanche_gains(&[Coupling::Periodic], &LAWS[..5], 3..80);
+    no_avalanche_gains(&[Coupling::Patch], &LAWS, 3..80);
 }

@@ -220,15 +220,29 @@ impl<'a> Asperities<'a> {
         self.place(i, segments[untouched - 1].upper - segments[untouched].lower)
     }
 
-    /// The regime of the law that an asperity counts in; none beyond the end of the law.
+    /// The regime of the law that an asperity counts in; none beyond the end of the law. At rest at the jump into contact
+    /// it is in contact, in part; at others it counts where the larger share of its force is.
     pub fn regime(&self, states: &States, i: usize) -> Option<usize> {
-        let rest = states.resting.get(&(i as u32));
-        let number = rest.map_or(states.segments[i], |rest| rest.segments[usize::from(rest.share >= 0.5)]);
-        match self.segments(states, i)[number as usize].source {
-            Source::Law(_, regime) | Source::Lowered(_, regime) => Some(regime),
-            Source::Bare | Source::Unloading => states.unloaded[i].as_ref().map(|flowed| flowed.regime),
+        let of = |number: u8| match self.segments(states, i)[number as usize].source {
+            Source::Law(path, regime) | Source::Lowered(path, regime) => Some((Some(path), regime)),
+            Source::Bare | Source::Unloading => {
+                states.unloaded[i].as_ref().map(|flowed| (None, flowed.regime))
+            }
             Source::Nothing => None,
-        }
+        };
+        let is_contact = |number: u8| {
+            of(number).is_some_and(|(path, regime)| {
+                path.is_none_or(|path| {
+                    self.laws[self.number(i)].memory.law(path).regimes()[regime].is_contact()
+                })
+            })
+        };
+        let number = match states.resting.get(&(i as u32)) {
+            Some(Rest { segments: [_, upper], share, .. }) if *share >= 0.5 || is_contact(*upper) => *upper,
+            Some(Rest { segments: [lower, _], .. }) => *lower,
+            None => states.segments[i],
+        };
+        of(number).map(|(_, regime)| regime)
     }
 
     /// Whether an asperity is one that has touched.

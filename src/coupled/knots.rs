@@ -11,10 +11,8 @@ use super::asperities::{Rest, SLOPE_STEP};
 use super::solver::Solver;
 use nalgebra::{DMatrix, DVector};
 
-/// Most choices that are tried: those that were driven least are left out.
+/// Most choices that are tried: those that drive least are left out.
 const MOST: usize = 2500;
-/// Share of its jump by which the jump of another changes the force of an asperity at rest from which on it is a member.
-const DRIVEN: f64 = 0.1;
 /// Relative residual of systems.
 const SYSTEM: f64 = 1e-3;
 /// Steps of Newton's method for a choice, and the last of them at most, over how far a force drives.
@@ -198,8 +196,10 @@ impl Solver<'_> {
         let yielding: Vec<f64> =
             of.iter().flat_map(|i| responses.iter().map(|response| -response[*i])).collect();
         let law = |k: usize, segment: u8, delta: f64| self.load_and_slope(of[k], segment, delta);
-        let untied = untied(&choices, (&still, &yielding), law);
-        let Some(untied) = untied else { return };
+        let Some(untied) = untied(&choices, (&still, &yielding), law) else {
+            // The next knot has its turn.
+            return self.passages.untied(of[0]);
+        };
         self.interference.iter_mut().zip(&steps).for_each(|(delta, step)| *delta += step);
         for (response, (force, load)) in responses.iter().zip(untied.forces.iter().zip(&loads)) {
             let change = force - load;
@@ -221,35 +221,35 @@ impl Solver<'_> {
         }
     }
 
-    /// The asperities that went to and fro over jumps and those at rest that they drive, and where each can be.
+    /// The asperity that went to and fro over jumps most often, with those that did so too or are at rest and drive it
+    /// most, and where each can be.
     fn knot(&self) -> (Vec<Member>, Vec<Vec<Choice>>) {
         let Self { states, passages, half_space, .. } = self;
         let mut members = passages.driven();
-        let size = |rest: &Rest| rest.ends[1] - rest.ends[0];
-        let core: Vec<(u32, f64)> = members
-            .iter()
-            .map(|(i, rests)| (*i, rests.iter().map(|rest| size(rest).abs()).fold(0.0, f64::max)))
-            .collect();
         for (i, rest) in &states.resting {
-            if let Some((_, rests)) = members.iter_mut().find(|(j, _)| i == j) {
-                if rests.iter().all(|other| other.segments != rest.segments) {
-                    rests.push(*rest);
-                }
-            } else {
-                let moved =
-                    |(j, size): &(u32, f64)| half_space.influence(*i as usize, *j as usize).abs() * size;
-                if core.iter().map(moved).any(|moved| moved > DRIVEN * (size(rest) / rest.stiffness).abs()) {
-                    members.push((*i, vec![*rest]));
-                }
+            match members.iter_mut().find(|(j, _)| i == j) {
+                Some((_, rests)) if rests.iter().any(|other| other.segments == rest.segments) => (),
+                Some((_, rests)) => rests.push(*rest),
+                None => members.push((*i, vec![*rest])),
             }
         }
-        let mut choices: Vec<Vec<Choice>> =
-            members.iter().map(|(i, rests)| self.choices(*i as usize, rests)).collect();
-        let tried = |choices: &[Vec<Choice>]| choices.iter().map(|own| own.len() as f64).product::<f64>();
-        while tried(&choices) > MOST as f64 {
-            choices.pop();
-            members.pop();
+        let first = members[0].0;
+        let size =
+            |rests: &[Rest]| rests.iter().map(|rest| (rest.ends[1] - rest.ends[0]).abs()).fold(0.0, f64::max);
+        let drives =
+            |(i, rests): &Member| half_space.influence(first as usize, *i as usize).abs() * size(rests);
+        members[1..].sort_by(|a, b| drives(b).total_cmp(&drives(a)));
+        let mut choices: Vec<Vec<Choice>> = Vec::new();
+        let mut tried = 1;
+        for (i, rests) in &members {
+            let own = self.choices(*i as usize, rests);
+            tried *= own.len();
+            if tried > MOST {
+                break;
+            }
+            choices.push(own);
         }
+        members.truncate(choices.len());
         (members, choices)
     }
 

@@ -214,6 +214,13 @@ impl<'a> Asperities<'a> {
         low.upper != high.lower
     }
 
+    /// Whether an asperity has the jump of a rest.
+    pub(super) fn is_jump(&self, states: &States, i: usize, rest: &Rest) -> bool {
+        let own = self.segments(states, i);
+        let [low, high] = rest.segments.map(|number| own.get(number as usize));
+        low.zip(high).is_some_and(|(low, high)| low.upper == rest.place || high.lower == rest.place)
+    }
+
     /// How far, m, an asperity goes back from where contact begins to where it ends.
     pub(super) fn width_of_hysteresis(&self, states: &States, i: usize) -> f64 {
         let (segments, untouched) = (self.segments(states, i), self.untouched(states, i));

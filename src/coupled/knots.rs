@@ -15,6 +15,8 @@ use nalgebra::{DMatrix, DVector};
 const MOST: usize = 2500;
 /// Relative residual of systems.
 const SYSTEM: f64 = 1e-3;
+/// Least of what one at rest yields, over what others have it yield: it is the unit of its force in systems.
+const LEAST: f64 = 1e-3;
 /// Steps of Newton's method for a choice, and the last of them at most, over how far a force drives.
 const STEPS: usize = 12;
 const STILL: f64 = 1e-6;
@@ -170,7 +172,11 @@ impl Solver<'_> {
     /// any: forces, slopes and residuals are those of the present state.
     pub(super) fn untie(&mut self) {
         let (members, choices) = self.knot();
+        if members.is_empty() {
+            return;
+        }
         let of: Vec<usize> = members.iter().map(|(i, _)| *i as usize).collect();
+        let count = of.len();
         for &i in &of {
             self.states.resting.remove(&(i as u32));
             (self.slopes[i], self.taken.0[i]) = (0.0, f64::NAN);
@@ -210,8 +216,12 @@ impl Solver<'_> {
                 Choice::In { segment, .. } => segment,
                 Choice::At { forces, .. } => {
                     let rest = rests.iter().find(|rest| rest.ends == forces).expect("choices are of rests");
-                    let (share, stiffness) = (share(&forces, untied.forces[k]), 1.0 / untied.yielding[k]);
-                    self.states.resting.insert(*i, Rest { share, stiffness, ..*rest });
+                    let share = share(&forces, untied.forces[k]);
+                    // By itself it may not yield at all.
+                    let by_others =
+                        yielding[k * count..][..count].iter().fold(0.0, |most: f64, y| most.max(y.abs()));
+                    let own = untied.yielding[k].abs().max(LEAST * by_others).copysign(untied.yielding[k]);
+                    self.states.resting.insert(*i, Rest { share, stiffness: 1.0 / own, ..*rest });
                     rest.segments[usize::from(share >= 0.5)]
                 }
             };
@@ -226,6 +236,11 @@ impl Solver<'_> {
     fn knot(&self) -> (Vec<Member>, Vec<Vec<Choice>>) {
         let Self { states, passages, half_space, .. } = self;
         let mut members = passages.driven();
+        for (i, rests) in &mut members {
+            // One that has flowed since has other segments.
+            rests.retain(|rest| self.asperities.is_jump(states, *i as usize, rest));
+        }
+        members.retain(|(_, rests)| !rests.is_empty());
         for (i, rest) in &states.resting {
             match members.iter_mut().find(|(j, _)| i == j) {
                 Some((_, rests)) if rests.iter().any(|other| other.segments == rest.segments) => (),
@@ -233,7 +248,7 @@ impl Solver<'_> {
                 None => members.push((*i, vec![*rest])),
             }
         }
-        let first = members[0].0;
+        let Some(&(first, _)) = members.first() else { return Default::default() };
         let size =
             |rests: &[Rest]| rests.iter().map(|rest| (rest.ends[1] - rest.ends[0]).abs()).fold(0.0, f64::max);
         let drives =

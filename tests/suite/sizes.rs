@@ -315,7 +315,7 @@ fn other_commands_say_what_they_lack() {
         assert!(bits(&folder.path("scene.h5")) == undisturbed, "{file}");
         assert_eq!(folder.files(), ["scene.h5", "scene.toml", "whole.h5"]);
     }
-    std::fs::write(folder.path("scene.toml"), sized(50.0, 200, 32)).unwrap();
+    std::fs::write(folder.path("scene.toml"), sized(50.0, 500, 32)).unwrap();
     let shard = |index: u32| {
         folder.stiction(&[
             "run",

@@ -149,19 +149,14 @@ fn check(name: &str, inputs: &Inputs) {
     }
 }
 
-/// Film thickness, hardness, spread and separation at their extremes.
+/// Film thickness, hardness, spread and adhesion at the extremes where most under- or overflows.
 #[test]
 fn extremes_of_one_quantity_are_computed() {
     let soft = |hardness: f64| Inputs { hardness, ..ORDINARY };
     for (name, inputs) in [
         ("t = 1e-320 m", Inputs { thickness: 1e-320, ..ORDINARY }),
-        ("t = 1 m", Inputs { thickness: 1.0, ..ORDINARY }),
         ("ω_c = 1e-30 m", soft(1.0)),
-        ("ω_c = 1e10 m", soft(4e18)),
         ("σ = 1e-30 m", Inputs { std: 1e-30, ..ORDINARY }),
-        ("σ = 1 m", Inputs { std: 1.0, ..ORDINARY }),
-        ("h* = ±50", Inputs { h_star: (-50.0, 50.0), ..ORDINARY }),
-        ("λ = 1.1e-6", Inputs { spacing: 1.65e-4, ..ORDINARY }),
         ("λ = 0.9e6", Inputs { spacing: 2e-16, ..ORDINARY }),
     ] {
         check(name, &inputs);
@@ -169,10 +164,15 @@ fn extremes_of_one_quantity_are_computed() {
 }
 
 #[test]
-#[ignore = "slow: ten seconds"]
-fn what_is_less_than_extreme_is_computed() {
+#[ignore = "slow: 15 seconds"]
+fn other_extremes_and_what_is_less_are_computed() {
     let soft = |hardness: f64| Inputs { hardness, ..ORDINARY };
     for (name, inputs) in [
+        ("t = 1 m", Inputs { thickness: 1.0, ..ORDINARY }),
+        ("ω_c = 1e10 m", soft(4e18)),
+        ("σ = 1 m", Inputs { std: 1.0, ..ORDINARY }),
+        ("h* = ±50", Inputs { h_star: (-50.0, 50.0), ..ORDINARY }),
+        ("λ = 1.1e-6", Inputs { spacing: 1.65e-4, ..ORDINARY }),
         ("t = 1e-30 m", Inputs { thickness: 1e-30, ..ORDINARY }),
         ("t = 0", Inputs { thickness: 0.0, ..ORDINARY }),
         ("ω_c = δ_A/2", soft(0.6e9)),

@@ -10,6 +10,7 @@ use std::f64::consts::PI;
 use std::path::Path;
 use std::sync::Arc;
 use stiction::input::columns::SceneFiles;
+use stiction::math::instruction_set::InstructionSet;
 use stiction::math::moments::Moments;
 use stiction::output::asperities;
 use stiction::scene::files::{Column, Files, Measured};
@@ -108,12 +109,20 @@ fn gaussian_surface(side: usize, q: f64, random: &mut ChaCha8Rng) -> HeightMap {
         let direction: f64 = PI * ((wave * 263 % WAVES) as f64 + random.random::<f64>()) / WAVES as f64;
         let phase: f64 = 2.0 * PI * random.random::<f64>();
         let (kx, ky) = (radius * direction.cos(), radius * direction.sin());
-        let along: Vec<(f64, f64)> = (0..side).map(|j| (kx * j as f64 + phase).sin_cos()).collect();
-        for (i, row) in heights.chunks_exact_mut(side).enumerate() {
-            let (sin, cos) = (ky * i as f64).sin_cos();
-            let (sin, cos) = (amplitude * sin, amplitude * cos);
-            row.iter_mut().zip(&along).for_each(|(z, (s, c))| *z += cos * c - sin * s);
-        }
+        let (sines, cosines): (Vec<f64>, Vec<f64>) =
+            (0..side).map(|j| (kx * j as f64 + phase).sin_cos()).unzip();
+        InstructionSet::current().run(
+            #[inline(always)]
+            || {
+                for (i, row) in heights.chunks_exact_mut(side).enumerate() {
+                    let (sin, cos) = (ky * i as f64).sin_cos();
+                    let (sin, cos) = (amplitude * sin, amplitude * cos);
+                    for ((z, s), c) in row.iter_mut().zip(&sines).zip(&cosines) {
+                        *z += cos * c - sin * s;
+                    }
+                }
+            },
+        );
     }
     HeightMap::new(heights, [side; 2], [1.0; 2]).unwrap()
 }

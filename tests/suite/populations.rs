@@ -158,7 +158,8 @@ fn ensembles_of_other_radii_agree_with_the_integral() {
 }
 
 /// Surfaces that take longest: each asperity has a law of its own.
-const MANY_LAWS: [&str; 4] = ["gamma radii, poisson", "radii of a sample", "nayak", "measured"];
+const MANY_LAWS: [&str; 5] =
+    ["lognormal radii", "gamma radii, poisson", "radii of a sample", "nayak", "measured"];
 
 fn ensembles_agree(of: fn(&str) -> bool) {
     let separations: Vec<f64> = (0..13).map(|k| 0.5e-9 * f64::from(k)).collect();

@@ -284,19 +284,19 @@ fn others() -> [Made; 3] {
 
 #[test]
 fn damaged_datasets_are_found() {
-    let missed = missed(&run(small()), Some(2));
+    let missed = missed(&run(small()), Some(4));
     assert!(missed.is_empty(), "{missed:#?}");
 }
 
 #[test]
 fn damaged_datasets_of_a_sweep_are_found() {
-    let missed = missed(&swept(&resolved()), Some(6));
+    let missed = missed(&swept(&resolved()), Some(9));
     assert!(missed.is_empty(), "{missed:#?}");
 }
 
 #[test]
 fn damaged_datasets_of_other_results_are_found() {
-    let missed: Vec<String> = others().iter().flat_map(|made| missed(made, Some(4))).collect();
+    let missed: Vec<String> = others().iter().flat_map(|made| missed(made, Some(8))).collect();
     assert!(missed.is_empty(), "{missed:#?}");
 }
 

@@ -22,6 +22,8 @@ const NODES: usize = 64;
 /// Grid points over which the kernel of a square alone keeps its values beyond where it is needed, and fewest
 /// over which it goes to nothing.
 const MARGIN: (usize, usize) = (16, 64);
+/// Columns of a window that are taken together.
+const LANES: usize = 4;
 
 /// The window.
 #[derive(Clone, Copy, Debug)]
@@ -68,8 +70,9 @@ pub struct Far {
     side: usize,
     /// Of these those that are repeated.
     halo: usize,
-    /// First row and column of the window of each point, and its weights, columns and then rows.
+    /// First row and column of the window of each point.
     places: Vec<[u32; 2]>,
+    /// The weights of its columns, with zeros to a multiple of [`LANES`], and then those of its rows.
     weights: Vec<f64>,
     convolution: Convolution,
     scratch: ConvolutionScratch,
@@ -98,7 +101,8 @@ impl Far {
             Coupling::Patch => alone(window, (per_side, inner), |r| influence.smooth(alpha, r), shortest),
         };
         let (mut places, mut weights) = (Vec::with_capacity(points.len()), Vec::new());
-        weights.reserve(2 * window.width * points.len());
+        let columns = window.width.next_multiple_of(LANES);
+        weights.reserve((columns + window.width) * points.len());
         let half = 0.5 * window.width as f64;
         for point in points {
             let mut place = [0; 2];
@@ -109,6 +113,9 @@ impl Far {
                 place[k] = first as u32;
                 let along = |j: usize| window.value((first - x + j as f64 - half) / half);
                 weights.extend((0..window.width).map(along));
+                if k == 0 {
+                    weights.resize(weights.len() + columns - window.width, 0.0);
+                }
             }
             places.push(place);
         }
@@ -121,7 +128,8 @@ impl Far {
             weights,
             convolution,
             scratch: ConvolutionScratch::default(),
-            grid: vec![0.0; side * side],
+            // Zeros of the last window go beyond its row.
+            grid: vec![0.0; side * side + LANES],
             inner: vec![0.0; inner * inner],
         }
     }
@@ -129,53 +137,76 @@ impl Far {
     /// Adds to the displacements what the smooth part contributes.
     pub fn add(&mut self, loads: &[f64], displacements: &mut [f64]) {
         self.grid.fill(0.0);
+        match self.window.width.div_ceil(LANES) {
+            1 => self.add_by::<1>(loads, displacements),
+            2 => self.add_by::<2>(loads, displacements),
+            3 => self.add_by::<3>(loads, displacements),
+            4 => self.add_by::<4>(loads, displacements),
+            5 => self.add_by::<5>(loads, displacements),
+            6 => self.add_by::<6>(loads, displacements),
+            _ => unreachable!("a window for 1e-16 has 23 columns"),
+        }
+    }
+
+    /// The same with windows of so many groups of columns.
+    fn add_by<const GROUPS: usize>(&mut self, loads: &[f64], displacements: &mut [f64]) {
         InstructionSet::current().run(
             #[inline(always)]
-            || self.spread(loads),
+            || self.spread::<GROUPS>(loads),
         );
         self.fold();
         self.convolution.apply(&mut self.inner, &mut self.scratch);
         self.unfold();
         InstructionSet::current().run(
             #[inline(always)]
-            || self.read(displacements),
+            || self.read::<GROUPS>(displacements),
         );
     }
 
     #[inline(always)]
-    fn spread(&mut self, loads: &[f64]) {
-        let (width, side) = (self.window.width, self.side);
-        for ((place, weights), load) in
-            self.places.iter().zip(self.weights.chunks_exact(2 * width)).zip(loads)
-        {
-            let (columns, rows) = weights.split_at(width);
-            for (j, row) in rows.iter().enumerate() {
-                let begin = (place[1] as usize + j) * side + place[0] as usize;
+    fn spread<const GROUPS: usize>(&mut self, loads: &[f64]) {
+        let Self { window, side, places, weights, grid, .. } = self;
+        let weights = weights.chunks_exact(GROUPS * LANES + window.width);
+        for ((place, weights), load) in places.iter().zip(weights).zip(loads) {
+            let (columns, rows) = groups::<GROUPS>(weights);
+            let mut begin = place[1] as usize * *side + place[0] as usize;
+            for row in rows {
                 let strength = load * row;
-                for (value, column) in self.grid[begin..begin + width].iter_mut().zip(columns) {
-                    *value += strength * column;
+                let values = &mut grid[begin..begin + GROUPS * LANES];
+                for (values, columns) in values.chunks_exact_mut(LANES).zip(columns) {
+                    for k in 0..LANES {
+                        values[k] += strength * columns[k];
+                    }
                 }
+                begin += *side;
             }
         }
     }
 
     #[inline(always)]
-    fn read(&self, displacements: &mut [f64]) {
-        let (width, side) = (self.window.width, self.side);
-        for ((place, weights), displacement) in
-            self.places.iter().zip(self.weights.chunks_exact(2 * width)).zip(displacements)
-        {
-            let (columns, rows) = weights.split_at(width);
+    fn read<const GROUPS: usize>(&self, displacements: &mut [f64]) {
+        let weights = self.weights.chunks_exact(GROUPS * LANES + self.window.width);
+        for ((place, weights), displacement) in self.places.iter().zip(weights).zip(displacements) {
+            let (columns, rows) = groups::<GROUPS>(weights);
             // Columns are summed over the rows first, which every vector does alike.
-            let mut sums = [0.0; 32];
-            let sums = &mut sums[..width];
-            for (j, row) in rows.iter().enumerate() {
-                let begin = (place[1] as usize + j) * side + place[0] as usize;
-                for (sum, value) in sums.iter_mut().zip(&self.grid[begin..begin + width]) {
-                    *sum += row * value;
+            let mut sums = [[0.0; LANES]; GROUPS];
+            let mut begin = place[1] as usize * self.side + place[0] as usize;
+            for row in rows {
+                let values = &self.grid[begin..begin + GROUPS * LANES];
+                for (sums, values) in sums.iter_mut().zip(values.chunks_exact(LANES)) {
+                    for k in 0..LANES {
+                        sums[k] += row * values[k];
+                    }
+                }
+                begin += self.side;
+            }
+            let mut lanes = [0.0; LANES];
+            for (sums, columns) in sums.iter().zip(columns) {
+                for k in 0..LANES {
+                    lanes[k] += sums[k] * columns[k];
                 }
             }
-            *displacement += sums.iter().zip(columns).map(|(sum, column)| sum * column).sum::<f64>();
+            *displacement += (lanes[0] + lanes[2]) + (lanes[1] + lanes[3]);
         }
     }
 
@@ -218,6 +249,14 @@ impl Far {
             }
         }
     }
+}
+
+/// The weights of the columns of a window, in groups, and those of its rows.
+#[inline(always)]
+fn groups<const GROUPS: usize>(weights: &[f64]) -> (&[[f64; LANES]; GROUPS], &[f64]) {
+    let (columns, rows) = weights.split_at(GROUPS * LANES);
+    let (columns, _) = columns.as_chunks::<LANES>();
+    (columns.try_into().expect("there are so many groups"), rows)
 }
 
 /// The convolution of a repeated square.

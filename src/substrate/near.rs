@@ -91,7 +91,7 @@ impl Cells {
 #[derive(Clone, Debug)]
 pub struct Near {
     /// For each point in the order of the cells: points behind it in its own cell, then those of the cells
-    /// after.
+    /// after, together where they follow each other.
     ranges: Vec<Range<u32>>,
     /// Where the ranges of each point begin, and at last their number.
     starts: Vec<u32>,
@@ -103,19 +103,24 @@ impl Near {
     /// The influence, by `kernel` of the square of the distance, of points of the unit square in the order of
     /// their cells.
     pub fn new(coupling: Coupling, cells: &Cells, points: &[[f64; 2]], kernel: impl Fn(f64) -> f64) -> Self {
-        let (mut ranges, mut starts, mut values) = (Vec::new(), vec![0], Vec::new());
+        let (mut ranges, mut starts, mut values) = (Vec::<Range<u32>>::new(), vec![0], Vec::new());
         for row in 0..cells.count {
             for column in 0..cells.count {
                 let after = cells.after(coupling, (column, row));
                 let own = cells.points(row, column..column + 1);
                 for i in own.clone() {
+                    let first = ranges.len();
                     for range in std::iter::once(i + 1..own.end).chain(after.iter().cloned()) {
                         if range.is_empty() {
                             continue;
                         }
                         let influence = |point: &[f64; 2]| kernel(coupling.square(points[i], *point));
                         values.extend(points[range.clone()].iter().map(influence));
-                        ranges.push(range.start as u32..range.end as u32);
+                        let range = range.start as u32..range.end as u32;
+                        match ranges[first..].last_mut() {
+                            Some(Range { end, .. }) if *end == range.start => *end = range.end,
+                            _ => ranges.push(range),
+                        }
                     }
                     starts.push(ranges.len() as u32);
                 }
@@ -142,16 +147,27 @@ impl Near {
                 let (own, further) = values.split_at(range.len());
                 values = further;
                 let (loads, displacements) = (&loads[range.clone()], &mut displacements[range]);
-                let ends = (own.chunks_exact(8), loads.chunks_exact(8), displacements.chunks_exact_mut(8));
-                for ((value, load_of), displacement) in ends.0.zip(ends.1).zip(ends.2) {
+                let (eights, own) = own.as_chunks::<8>();
+                let (loads_of, loads) = loads.as_chunks::<8>();
+                let (displaced, displacements) = displacements.as_chunks_mut::<8>();
+                for ((value, load_of), displacement) in eights.iter().zip(loads_of).zip(displaced) {
                     for k in 0..8 {
                         lanes[k] += value[k] * load_of[k];
                         displacement[k] += value[k] * load;
                     }
                 }
-                for k in own.len() / 8 * 8..own.len() {
-                    rest += own[k] * loads[k];
-                    displacements[k] += own[k] * load;
+                let (fours, own) = own.as_chunks::<4>();
+                let (loads_of, loads) = loads.as_chunks::<4>();
+                let (displaced, displacements) = displacements.as_chunks_mut::<4>();
+                for ((value, load_of), displacement) in fours.iter().zip(loads_of).zip(displaced) {
+                    for k in 0..4 {
+                        lanes[k] += value[k] * load_of[k];
+                        displacement[k] += value[k] * load;
+                    }
+                }
+                for ((value, load_of), displacement) in own.iter().zip(loads).zip(displacements) {
+                    rest += value * load_of;
+                    *displacement += value * load;
                 }
             }
             let pairs = [lanes[0] + lanes[4], lanes[1] + lanes[5], lanes[2] + lanes[6], lanes[3] + lanes[7]];

@@ -29,21 +29,26 @@ use crate::math::sums::Compensated;
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
-/// Smallest and largest residual of a system, the share of the tolerance of loads that it aims at, and most
-/// products for it.
-const SYSTEM: ([f64; 2], f64, usize) = ([1e-3, 0.1], 0.3, 40);
+/// Smallest and largest residual of the system of a Newton step, the share of the tolerance of loads that it aims at,
+/// and most products for it.
+const SYSTEM: ([f64; 2], f64, usize) = ([1e-2, 0.1], 0.3, 40);
+/// Residual of systems that decide on stability.
+const DECISIVE: f64 = 1e-3;
 /// Shares of the tolerance of loads that residuals, and the error of rough sums, may have: neighbours add to both.
 const EXACT: f64 = 0.3;
 const UNSURE: f64 = 0.1;
 /// Most Newton steps at a separation.
 const STEPS: usize = 60;
 /// Newton steps after which a surface without stable state is let fall.
-const HOPELESS: usize = 30;
+const HOPELESS: usize = 50;
 /// Newton steps from which on systems are solved with sums of full accuracy and to the end: close to a fold rough
 /// ones do not tell on which side.
-const STUBBORN: usize = 16;
-/// Error of loads from which on passages without way back are made.
-const CLOSE: f64 = 1e-3;
+const STUBBORN: usize = 30;
+/// Error of loads, and Newton steps, from which on passages without way back are made and knots are untied.
+const CLOSE: (f64, usize) = (1e-3, 3);
+/// Newton steps that count as made after a knot has been untied, and most knots of which that is so: what is left to do does
+/// not grow with their number.
+const UNTIED: (usize, usize) = (8, 100);
 /// Weight of an error of an interference, over the length of the law, against one of a load.
 const PLACES: f64 = 1e-3;
 /// Share of the longest Newton step that interferences are still uncertain by.
@@ -100,8 +105,8 @@ pub struct Solver<'a> {
     /// Error of a load, over the largest, by the rough sums in the residual.
     unsure: f64,
     pub(super) residual: Vec<f64>,
-    /// The stable state before the present one: δ, m, at d, m.
-    path: Option<(f64, Vec<f64>)>,
+    /// The stable state before the present one: δ, m, and those at rest, at d, m.
+    path: Option<(f64, Vec<f64>, BTreeMap<u32, Rest>)>,
     pub(super) passages: Passages,
     /// The last step, if it was one between stable states.
     pub(super) step: Option<Step>,
@@ -247,7 +252,7 @@ impl<'a> Solver<'a> {
         let is_near = self.search(d, HOPELESS);
         let is_converged = is_near || self.fall_from(&before, d);
         if is_near {
-            self.path = Some((from, before.interference.clone()));
+            self.path = Some((from, before.interference.clone(), before.states.resting.clone()));
         }
         (self.separation, self.is_stable) = (d, is_converged);
         self.asperities.remember(&mut self.states, &self.interference);
@@ -263,7 +268,7 @@ impl<'a> Solver<'a> {
     fn extrapolate(&mut self, d: f64) {
         let from = self.separation;
         match &self.path {
-            Some((first, one)) if *first != from => {
+            Some((first, one, _)) if *first != from => {
                 let share = (d - from) / (from - first);
                 self.interference
                     .iter_mut()
@@ -272,11 +277,22 @@ impl<'a> Solver<'a> {
             }
             _ => self.interference.iter_mut().for_each(|delta| *delta -= d - from),
         }
-        // Jumps are short: few asperities stay at theirs.
-        for (i, rest) in std::mem::take(&mut self.states.resting) {
-            self.states.segments[i as usize] = rest.segments[usize::from(d < from)];
-            self.interference[i as usize] = self.asperities.place(i as usize, rest.place) - (d - from);
-        }
+        // Jumps are short: few asperities stay at theirs, those that have been there for two separations.
+        let mut resting = std::mem::take(&mut self.states.resting);
+        resting.retain(|i, rest| {
+            let before = self.path.as_ref().and_then(|(first, _, resting)| Some((first, resting.get(i)?)));
+            if let Some((first, one)) = before.filter(|(_, one)| one.segments == rest.segments) {
+                rest.share += (d - from) / (from - first) * (rest.share - one.share);
+                if (0.0..=1.0).contains(&rest.share) {
+                    return true;
+                }
+            }
+            self.states.segments[*i as usize] = rest.segments[usize::from(d < from)];
+            self.interference[*i as usize] = self.asperities.place(*i as usize, rest.place) - (d - from);
+            false
+        });
+        self.states.resting = resting;
+        self.place_rests();
     }
 
     /// Forces, slopes and residuals at the present interferences; the largest error of a load over the largest
@@ -410,7 +426,7 @@ impl Solver<'_> {
         let resting = std::mem::take(&mut self.states.resting);
         resting.keys().for_each(|&i| self.slopes[i as usize] = 0.0);
         self.residual.copy_from_slice(&self.external);
-        let smallest = self.system(0.0, SYSTEM.0[0]);
+        let smallest = self.system(0.0, DECISIVE);
         resting.iter().for_each(|(&i, rest)| self.slopes[i as usize] = rest.stiffness);
         self.states.resting = resting;
         smallest
@@ -464,7 +480,9 @@ impl Solver<'_> {
         self.passages.is_moved = false;
         let mut smallest = f64::INFINITY;
         let near = (NEAR * self.asperities.length(0)).max(2.0 * (d - self.separation).abs());
-        for step in 0..most {
+        let (mut step, mut knots) = (0, 0);
+        while step < most {
+            step += 1;
             let mut error = self.evaluate(d);
             if self.unsure > UNSURE * self.tolerance && error <= self.unsure.max(EXACT * self.tolerance) {
                 self.half_space.know(&self.external);
@@ -482,17 +500,21 @@ impl Solver<'_> {
             }
             if std::mem::take(&mut self.passages.is_knot) {
                 self.untie();
+                knots += 1;
+                if knots <= UNTIED.1 {
+                    step = step.min(UNTIED.0);
+                }
                 continue;
             }
             // What passed before was not yet the surface's own way.
-            if error <= CLOSE && !self.passages.is_close {
+            if (error <= CLOSE.0 || step > CLOSE.1) && !self.passages.is_close {
                 self.passages.come_close();
             }
             let [low, high] = SYSTEM.0;
-            smallest = if step < STUBBORN {
+            smallest = if step <= STUBBORN {
                 self.system(0.0, (SYSTEM.1 * self.tolerance / error).clamp(low, high))
             } else {
-                self.system_by(HalfSpace::displace_finely, 0.0, low)
+                self.system_by(HalfSpace::displace_finely, 0.0, DECISIVE)
             };
             // The step was one of other states.
             if self.leave_rests(1.0, FAR) {

@@ -4,7 +4,7 @@
 //! u' = G f − u, from the last stable state to the next, by linearly implicit steps (pseudo-transient continuation;
 //! Kelley and Keyes, SIAM J. Numer. Anal. 35 (1998) 508).
 
-use super::{STEPS, SYSTEM, Snapshot, Solver, largest_magnitude};
+use super::{DECISIVE, STEPS, Snapshot, Solver, largest_magnitude};
 
 /// Longest step, in lengths over which laws vary.
 const LONGEST: f64 = 0.3;
@@ -49,7 +49,7 @@ impl Solver<'_> {
             idle = if is_still && !self.passages.have_lasting() { idle + 1 } else { 0 };
             last = force;
             let rate = loop {
-                let rate = self.system(1.0 / time, SYSTEM.0[0]);
+                let rate = self.system(1.0 / time, DECISIVE);
                 if !(rate < 0.0) || -2.0 * rate * time < 1.0 {
                     break rate;
                 }

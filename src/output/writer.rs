@@ -76,7 +76,9 @@ impl<'c> Writer<'c> {
         made_anew(&temporary).map_err(failed)?;
         let temporary = TempPath::try_from_path(temporary).map_err(failed)?;
         require_headroom();
-        let file = File::create(&temporary)?;
+        // Nobody else opens what has no name of its own yet. A lock of libhdf5 on it would go over to every
+        // program that this process starts meanwhile, and stay on the finished file as long as that runs.
+        let file = File::with_options().with_fapl(|access| access.file_locking(false)).create(&temporary)?;
         write_text(&file, "format", layout.format)?;
         write_numbers(&file, "format_version", &layout.version)?;
         for group in layout.groups {
@@ -410,4 +412,27 @@ fn about(units: Option<&str>, long_name: &str) -> Vec<(&'static str, String)> {
 /// Names and notes of this program, which hold no NUL byte.
 fn unicode(texts: &[&str]) -> Vec<VarLenUnicode> {
     texts.iter().map(|text| VarLenUnicode::from_str(text).expect("no NUL byte")).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::output::guard;
+    use crate::output::schema::SWEEP;
+
+    /// What libhdf5 opens, a program that is started meanwhile has open too, and would hold its lock.
+    #[cfg(unix)]
+    #[test]
+    fn programs_started_during_a_write_hold_no_lock_on_the_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let output = folder.path().join("out.h5");
+        let lock = OutputLock::new(&output, &[]).unwrap();
+        let writer = Writer::create(&SWEEP, &lock, false).unwrap();
+        let mut started = std::process::Command::new("sleep").arg("60").spawn().unwrap();
+        writer.finish().unwrap();
+        let opened = guard::open(&output).map(|_| ());
+        started.kill().unwrap();
+        started.wait().unwrap();
+        assert_eq!(opened, Ok(()));
+    }
 }

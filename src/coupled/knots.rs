@@ -14,7 +14,7 @@ use nalgebra::{DMatrix, DVector};
 /// Most choices that are tried: those that drive least are left out.
 const MOST: usize = 2500;
 /// Relative residual of systems.
-const SYSTEM: f64 = 1e-3;
+const SYSTEM: f64 = 1e-2;
 /// Least of what one at rest yields, over what others have it yield: it is the unit of its force in systems.
 const LEAST: f64 = 1e-3;
 /// Steps of Newton's method for a choice, and the last of them at most, over how far a force drives.

@@ -196,14 +196,25 @@ impl HalfSpace {
         self.compliance * own - (sum + self.compliance * self.compliance * mean * beyond)
     }
 
-    /// How far the foot of one asperity is lowered, m/N, by a near other that pushes with 1 N.
+    /// The asperities near one, with it.
+    pub fn near(&self, i: usize) -> impl Iterator<Item = usize> {
+        self.sums.rough.around(self.places[i]).0.map(|j| j as usize)
+    }
+
+    /// How far the foot of an asperity is lowered, m/N, by one at the mean distance of neighbours that pushes with 1 N.
+    pub fn influence_of_neighbour(&self) -> f64 {
+        self.compliance * self.sums.nearby
+    }
+
+    /// How far the foot of one asperity is lowered, m/N, by a near other, or what repeats it, that pushes with 1 N.
     pub fn influence(&self, i: usize, j: usize) -> f64 {
         let square = self.square(i, j);
         let by_others = match self.coupling {
             Coupling::Periodic => REPEATED.0 + REPEATED.1 * square,
             Coupling::Patch => 0.0,
         };
-        self.compliance * (1.0 / square.sqrt() + by_others)
+        let by_one = if i == j { 0.0 } else { 1.0 / square.sqrt() };
+        self.compliance * (by_one + by_others)
     }
 }
 

@@ -13,8 +13,9 @@ use nalgebra::{DMatrix, DVector};
 
 /// Most choices that are tried: those that drive least are left out.
 const MOST: usize = 2500;
-/// Relative residual of systems.
-const SYSTEM: f64 = 1e-2;
+/// Share of an interference that what a force displaces it by changes the force by: those that yield less do not
+/// count among the neighbours of a knot.
+const LEAST_YIELDING: f64 = 1e-4;
 /// Least of what one at rest yields, over what others have it yield: it is the unit of its force in systems.
 const LEAST: f64 = 1e-3;
 /// Steps of Newton's method for a choice, and the last of them at most, over how far a force drives.
@@ -169,47 +170,56 @@ type Member = (u32, Vec<Rest>);
 
 impl Solver<'_> {
     /// Has asperities that drive each other over jumps take places from which none of them would pass, if there are
-    /// any: forces, slopes and residuals are those of the present state.
+    /// any: forces, slopes and residuals are those of the present state. Only near neighbours give way; the next step has
+    /// the others follow.
     pub(super) fn untie(&mut self) {
-        let (members, choices) = self.knot();
-        if members.is_empty() {
-            return;
+        let driven = self.driven();
+        let mut moved = vec![false; self.heights.len()];
+        for first in driven.iter().map(|(i, _)| *i as usize) {
+            let near: Vec<usize> = self.half_space.near(first).collect();
+            // What has moved has no residual now; if need be its turn comes again.
+            if self.passages.goes_to_and_fro(first) && !near.iter().any(|i| moved[*i]) {
+                near.iter().for_each(|i| moved[*i] = true);
+                self.untie_one(first, near, &driven);
+            }
         }
+    }
+
+    /// The same for the knot of one of those that went to and fro.
+    fn untie_one(&mut self, first: usize, mut near: Vec<usize>, driven: &[Member]) {
+        let (members, choices) = self.knot(first, &near, driven);
         let of: Vec<usize> = members.iter().map(|(i, _)| *i as usize).collect();
         let count = of.len();
         for &i in &of {
             self.states.resting.remove(&(i as u32));
             (self.slopes[i], self.taken.0[i]) = (0.0, f64::NAN);
         }
-        self.system(0.0, SYSTEM);
-        let steps = self.memory.step.clone();
-        // What each does to all, m/N.
-        let mut unit = vec![0.0; self.heights.len()];
-        let mut response = |i: &usize| {
-            unit[*i] = 1.0;
-            self.half_space.displace_roughly(&unit, &mut self.residual);
-            unit[*i] = 0.0;
-            self.system(0.0, SYSTEM);
-            self.memory.step.clone()
-        };
-        let responses: Vec<Vec<f64>> = of.iter().map(&mut response).collect();
+        near.retain(|i| of.contains(i) || self.gives_way(*i));
+        let Some((steps, responses)) = self.local(&near, &of) else { return self.passages.untied(first) };
+        let of_near: Vec<usize> =
+            of.iter().map(|i| near.iter().position(|j| i == j).expect("members are near")).collect();
         let loads: Vec<f64> = of.iter().map(|i| self.external[*i]).collect();
-        let at = |i: usize| {
-            let by_loads = responses.iter().zip(&loads).map(|(response, load)| response[i] * load);
-            self.interference[i] + steps[i] - by_loads.sum::<f64>()
+        let at = |k: usize| {
+            let by_loads = loads.iter().enumerate().map(|(l, load)| responses[(of_near[k], l)] * load);
+            self.interference[of[k]] + steps[of_near[k]] - by_loads.sum::<f64>()
         };
-        let still: Vec<f64> = of.iter().map(|i| at(*i)).collect();
-        let yielding: Vec<f64> =
-            of.iter().flat_map(|i| responses.iter().map(|response| -response[*i])).collect();
+        let still: Vec<f64> = (0..count).map(at).collect();
+        let yielding: Vec<f64> = of_near
+            .iter()
+            .flat_map(|k| responses.row(*k).iter().map(|response| -response).collect::<Vec<_>>())
+            .collect();
         let law = |k: usize, segment: u8, delta: f64| self.load_and_slope(of[k], segment, delta);
         let Some(untied) = untied(&choices, (&still, &yielding), law) else {
             // The next knot has its turn.
-            return self.passages.untied(of[0]);
+            return self.passages.untied(first);
         };
-        self.interference.iter_mut().zip(&steps).for_each(|(delta, step)| *delta += step);
-        for (response, (force, load)) in responses.iter().zip(untied.forces.iter().zip(&loads)) {
-            let change = force - load;
-            self.interference.iter_mut().zip(response).for_each(|(delta, by)| *delta += change * by);
+        let changes =
+            DVector::from_iterator(count, untied.forces.iter().zip(&loads).map(|(force, load)| force - load));
+        for (i, step) in near.iter().zip((steps + responses * changes).iter()) {
+            match self.states.resting.get_mut(&(*i as u32)) {
+                Some(rest) => rest.share += rest.stiffness * step / (rest.ends[1] - rest.ends[0]),
+                None => self.interference[*i] += step,
+            }
         }
         for (k, (i, rests)) in members.iter().enumerate() {
             let segment = match choices[k][untied.choices[k]] {
@@ -231,29 +241,60 @@ impl Solver<'_> {
         }
     }
 
-    /// The asperity that went to and fro over jumps most often, with those that did so too or are at rest and drive it
-    /// most, and where each can be.
-    fn knot(&self) -> (Vec<Member>, Vec<Vec<Choice>>) {
-        let Self { states, passages, half_space, .. } = self;
-        let mut members = passages.driven();
-        for (i, rests) in &mut members {
+    /// Whether the force of an asperity changes as its neighbours are displaced.
+    fn gives_way(&self, i: usize) -> bool {
+        let yielding = self.half_space.influence_of_neighbour();
+        self.states.resting.contains_key(&(i as u32)) || self.slopes[i].abs() * yielding > LEAST_YIELDING
+    }
+
+    /// Steps of Newton's method, m, of asperities among which all is as it is elsewhere, and what each of some of them
+    /// does to them, m/N.
+    fn local(&self, near: &[usize], of: &[usize]) -> Option<(DVector<f64>, DMatrix<f64>)> {
+        let Self { half_space, slopes, states, residual, .. } = self;
+        let influence = |k: usize, l: usize| half_space.influence(near[k], l);
+        let matrix = DMatrix::from_fn(near.len(), near.len(), |k, l| {
+            let own = k == l && !states.resting.contains_key(&(near[k] as u32));
+            f64::from(u8::from(own)) + influence(k, near[l]) * slopes[near[l]]
+        });
+        let matrix = matrix.lu();
+        let steps = matrix.solve(&DVector::from_fn(near.len(), |k, _| -residual[near[k]]))?;
+        let responses = matrix.solve(&DMatrix::from_fn(near.len(), of.len(), |k, l| -influence(k, of[l])))?;
+        Some((steps, responses))
+    }
+
+    /// The asperities that went to and fro, those first that did so most often, with the jumps that are still theirs.
+    fn driven(&self) -> Vec<Member> {
+        let Self { states, passages, .. } = self;
+        let mut driven = passages.driven();
+        for (i, rests) in &mut driven {
             // One that has flowed since has other segments.
             rests.retain(|rest| self.asperities.is_jump(states, *i as usize, rest));
         }
-        members.retain(|(_, rests)| !rests.is_empty());
-        for (i, rest) in &states.resting {
-            match members.iter_mut().find(|(j, _)| i == j) {
+        driven.retain(|(_, rests)| !rests.is_empty());
+        driven
+    }
+
+    /// One of those that went to and fro, with those near it that did so too or are at rest and drive it most, and where
+    /// each can be.
+    fn knot(&self, first: usize, near: &[usize], driven: &[Member]) -> (Vec<Member>, Vec<Vec<Choice>>) {
+        let Self { states, half_space, .. } = self;
+        let mut members: Vec<Member> =
+            driven.iter().filter(|(i, _)| near.contains(&(*i as usize))).cloned().collect();
+        for i in near.iter().map(|i| *i as u32) {
+            let Some(rest) = states.resting.get(&i) else { continue };
+            match members.iter_mut().find(|(j, _)| i == *j) {
                 Some((_, rests)) if rests.iter().any(|other| other.segments == rest.segments) => (),
                 Some((_, rests)) => rests.push(*rest),
-                None => members.push((*i, vec![*rest])),
+                None => members.push((i, vec![*rest])),
             }
         }
-        let Some(&(first, _)) = members.first() else { return Default::default() };
         let size =
             |rests: &[Rest]| rests.iter().map(|rest| (rest.ends[1] - rest.ends[0]).abs()).fold(0.0, f64::max);
-        let drives =
-            |(i, rests): &Member| half_space.influence(first as usize, *i as usize).abs() * size(rests);
-        members[1..].sort_by(|a, b| drives(b).total_cmp(&drives(a)));
+        let drives = |(i, rests): &Member| match *i as usize == first {
+            true => f64::INFINITY,
+            false => half_space.influence(first, *i as usize).abs() * size(rests),
+        };
+        members.sort_by(|a, b| drives(b).total_cmp(&drives(a)));
         let mut choices: Vec<Vec<Choice>> = Vec::new();
         let mut tried = 1;
         for (i, rests) in &members {

@@ -94,7 +94,12 @@ impl Passages {
     /// Keeps the jump that an asperity went over, or left.
     fn went_over(&mut self, i: u32, rest: Rest) {
         self.jumps.insert((i, rest.segments[0]), rest);
-        self.is_knot |= self.is_close && self.counts[i as usize] >= RETURNS;
+        self.is_knot |= self.is_close && self.goes_to_and_fro(i as usize);
+    }
+
+    /// Whether an asperity went to and fro too often.
+    pub fn goes_to_and_fro(&self, i: usize) -> bool {
+        self.counts[i] >= RETURNS
     }
 
     /// The asperities that went to and fro, with their jumps, those first that went most often.

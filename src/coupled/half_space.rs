@@ -201,11 +201,6 @@ impl HalfSpace {
         self.sums.rough.around(self.places[i]).0.map(|j| j as usize)
     }
 
-    /// How far the foot of an asperity is lowered, m/N, by one at the mean distance of neighbours that pushes with 1 N.
-    pub fn influence_of_neighbour(&self) -> f64 {
-        self.compliance * self.sums.nearby
-    }
-
     /// How far the foot of one asperity is lowered, m/N, by a near other, or what repeats it, that pushes with 1 N.
     pub fn influence(&self, i: usize, j: usize) -> f64 {
         let square = self.square(i, j);

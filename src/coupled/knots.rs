@@ -10,12 +10,16 @@
 use super::asperities::{Rest, SLOPE_STEP};
 use super::solver::Solver;
 use nalgebra::{DMatrix, DVector};
+use std::collections::BTreeMap;
 
 /// Most choices that are tried: those that drive least are left out.
 const MOST: usize = 2500;
-/// Share of an interference that what a force displaces it by changes the force by: those that yield less do not
-/// count among the neighbours of a knot.
-const LEAST_YIELDING: f64 = 1e-4;
+/// Most neighbours of a knot that give way.
+const NEIGHBOURS: usize = 150;
+/// Knots of one asperity after which all others give way, and after which it is not worth more steps.
+const AGAIN: (u8, u8) = (2, 5);
+/// Relative residual of systems of all.
+const SYSTEM: f64 = 1e-2;
 /// Least of what one at rest yields, over what others have it yield: it is the unit of its force in systems.
 const LEAST: f64 = 1e-3;
 /// Steps of Newton's method for a choice, and the last of them at most, over how far a force drives.
@@ -170,46 +174,53 @@ type Member = (u32, Vec<Rest>);
 
 impl Solver<'_> {
     /// Has asperities that drive each other over jumps take places from which none of them would pass, if there are
-    /// any: forces, slopes and residuals are those of the present state. Only near neighbours give way; the next step has
-    /// the others follow.
-    pub(super) fn untie(&mut self) {
-        let driven = self.driven();
+    /// any: forces, slopes and residuals are those of the present state. Near neighbours give way, and the next step has the
+    /// others follow, unless that has not helped. Says whether more steps are worth it.
+    pub(super) fn untie(&mut self) -> bool {
+        let (driven, mut is_worth) = (self.driven(), false);
         let mut moved = vec![false; self.heights.len()];
         for first in driven.iter().map(|(i, _)| *i as usize) {
-            let near: Vec<usize> = self.half_space.near(first).collect();
-            // What has moved has no residual now; if need be its turn comes again.
-            if self.passages.goes_to_and_fro(first) && !near.iter().any(|i| moved[*i]) {
-                near.iter().for_each(|i| moved[*i] = true);
-                self.untie_one(first, near, &driven);
+            if self.passages.goes_to_and_fro(first) {
+                let (members, choices) = self.knot(first, &driven);
+                let before = self.passages.knots_of(first);
+                let is_local = before < AGAIN.0;
+                let near = self.around(&members, is_local);
+                // What has moved has no residual now; if need be its turn comes again.
+                if !near.iter().any(|i| moved[*i]) {
+                    near.iter().for_each(|i| moved[*i] = true);
+                    is_worth |= before < AGAIN.1;
+                    self.untie_one((first, near, is_local), &members, &choices);
+                }
             }
         }
+        is_worth
     }
 
-    /// The same for the knot of one of those that went to and fro.
-    fn untie_one(&mut self, first: usize, mut near: Vec<usize>, driven: &[Member]) {
-        let (members, choices) = self.knot(first, &near, driven);
+    /// The same for one knot, by those that give way.
+    fn untie_one(
+        &mut self,
+        (first, near, is_local): (usize, Vec<usize>, bool),
+        members: &[Member],
+        choices: &[Vec<Choice>],
+    ) {
         let of: Vec<usize> = members.iter().map(|(i, _)| *i as usize).collect();
         let count = of.len();
         for &i in &of {
             self.states.resting.remove(&(i as u32));
             (self.slopes[i], self.taken.0[i]) = (0.0, f64::NAN);
         }
-        near.retain(|i| of.contains(i) || self.gives_way(*i));
-        let Some((steps, responses)) = self.local(&near, &of) else { return self.passages.untied(first) };
-        let of_near: Vec<usize> =
-            of.iter().map(|i| near.iter().position(|j| i == j).expect("members are near")).collect();
+        let responses = if is_local { self.local(&near, &of) } else { Some(self.global(&near, &of)) };
+        let Some((steps, responses)) = responses else { return self.passages.untied(first) };
         let loads: Vec<f64> = of.iter().map(|i| self.external[*i]).collect();
         let at = |k: usize| {
-            let by_loads = loads.iter().enumerate().map(|(l, load)| responses[(of_near[k], l)] * load);
-            self.interference[of[k]] + steps[of_near[k]] - by_loads.sum::<f64>()
+            let by_loads = loads.iter().enumerate().map(|(l, load)| responses[(k, l)] * load);
+            self.interference[of[k]] + steps[k] - by_loads.sum::<f64>()
         };
         let still: Vec<f64> = (0..count).map(at).collect();
-        let yielding: Vec<f64> = of_near
-            .iter()
-            .flat_map(|k| responses.row(*k).iter().map(|response| -response).collect::<Vec<_>>())
-            .collect();
+        // Row by row, as the columns of what is transposed.
+        let yielding = (-responses.rows(0, count)).transpose();
         let law = |k: usize, segment: u8, delta: f64| self.load_and_slope(of[k], segment, delta);
-        let Some(untied) = untied(&choices, (&still, &yielding), law) else {
+        let Some(untied) = untied(choices, (&still, yielding.as_slice()), law) else {
             // The next knot has its turn.
             return self.passages.untied(first);
         };
@@ -228,8 +239,7 @@ impl Solver<'_> {
                     let rest = rests.iter().find(|rest| rest.ends == forces).expect("choices are of rests");
                     let share = share(&forces, untied.forces[k]);
                     // By itself it may not yield at all.
-                    let by_others =
-                        yielding[k * count..][..count].iter().fold(0.0, |most: f64, y| most.max(y.abs()));
+                    let by_others = yielding.column(k).amax();
                     let own = untied.yielding[k].abs().max(LEAST * by_others).copysign(untied.yielding[k]);
                     self.states.resting.insert(*i, Rest { share, stiffness: 1.0 / own, ..*rest });
                     rest.segments[usize::from(share >= 0.5)]
@@ -241,10 +251,26 @@ impl Solver<'_> {
         }
     }
 
-    /// Whether the force of an asperity changes as its neighbours are displaced.
-    fn gives_way(&self, i: usize) -> bool {
-        let yielding = self.half_space.influence_of_neighbour();
-        self.states.resting.contains_key(&(i as u32)) || self.slopes[i].abs() * yielding > LEAST_YIELDING
+    /// The members of a knot, and those near them that give way most to their forces, or all others.
+    fn around(&self, members: &[Member], is_local: bool) -> Vec<usize> {
+        let Self { half_space, states, slopes, .. } = self;
+        let of: Vec<usize> = members.iter().map(|(i, _)| *i as usize).collect();
+        if !is_local {
+            let others = (0..slopes.len()).filter(|i| !of.contains(i)).collect::<Vec<_>>();
+            return of.into_iter().chain(others).collect();
+        }
+        let mut gives_way: BTreeMap<usize, f64> = BTreeMap::new();
+        for &i in &of {
+            for j in half_space.near(i).filter(|j| !of.contains(j)) {
+                let is_at_rest = states.resting.contains_key(&(j as u32));
+                let by = slopes[j].abs() * half_space.influence(i, j).powi(2);
+                let most = gives_way.entry(j).or_default();
+                *most = most.max(if is_at_rest { f64::INFINITY } else { by });
+            }
+        }
+        let mut others: Vec<(usize, f64)> = gives_way.into_iter().filter(|(_, by)| *by > 0.0).collect();
+        others.sort_by(|a, b| b.1.total_cmp(&a.1));
+        of.into_iter().chain(others.into_iter().take(NEIGHBOURS).map(|(j, _)| j)).collect()
     }
 
     /// Steps of Newton's method, m, of asperities among which all is as it is elsewhere, and what each of some of them
@@ -262,6 +288,22 @@ impl Solver<'_> {
         Some((steps, responses))
     }
 
+    /// The same by a system of all.
+    fn global(&mut self, near: &[usize], of: &[usize]) -> (DVector<f64>, DMatrix<f64>) {
+        let column = |step: &[f64]| DVector::from_iterator(near.len(), near.iter().map(|i| step[*i]));
+        self.system(0.0, SYSTEM);
+        let steps = column(&self.memory.step);
+        let mut unit = vec![0.0; self.heights.len()];
+        let response = |i: &usize| {
+            unit[*i] = 1.0;
+            self.half_space.displace_roughly(&unit, &mut self.residual);
+            unit[*i] = 0.0;
+            self.system(0.0, SYSTEM);
+            column(&self.memory.step)
+        };
+        (steps, DMatrix::from_columns(&of.iter().map(response).collect::<Vec<_>>()))
+    }
+
     /// The asperities that went to and fro, those first that did so most often, with the jumps that are still theirs.
     fn driven(&self) -> Vec<Member> {
         let Self { states, passages, .. } = self;
@@ -274,18 +316,16 @@ impl Solver<'_> {
         driven
     }
 
-    /// One of those that went to and fro, with those near it that did so too or are at rest and drive it most, and where
-    /// each can be.
-    fn knot(&self, first: usize, near: &[usize], driven: &[Member]) -> (Vec<Member>, Vec<Vec<Choice>>) {
-        let Self { states, half_space, .. } = self;
-        let mut members: Vec<Member> =
-            driven.iter().filter(|(i, _)| near.contains(&(*i as usize))).cloned().collect();
-        for i in near.iter().map(|i| *i as u32) {
-            let Some(rest) = states.resting.get(&i) else { continue };
-            match members.iter_mut().find(|(j, _)| i == *j) {
+    /// One of those that went to and fro, with those that did so too or are at rest and drive it most, and where each can
+    /// be.
+    fn knot(&self, first: usize, driven: &[Member]) -> (Vec<Member>, Vec<Vec<Choice>>) {
+        let Self { states, half_space, passages, .. } = self;
+        let mut members = driven.to_vec();
+        for (i, rest) in &states.resting {
+            match members.iter_mut().find(|(j, _)| i == j) {
                 Some((_, rests)) if rests.iter().any(|other| other.segments == rest.segments) => (),
                 Some((_, rests)) => rests.push(*rest),
-                None => members.push((i, vec![*rest])),
+                None => members.push((*i, vec![*rest])),
             }
         }
         let size =
@@ -294,7 +334,9 @@ impl Solver<'_> {
             true => f64::INFINITY,
             false => half_space.influence(first, *i as usize).abs() * size(rests),
         };
-        members.sort_by(|a, b| drives(b).total_cmp(&drives(a)));
+        // Members of knots before where there is room.
+        let is_former = |(i, _): &Member| !passages.is_driven(*i) && !states.resting.contains_key(i);
+        members.sort_by(|a, b| is_former(a).cmp(&is_former(b)).then(drives(b).total_cmp(&drives(a))));
         let mut choices: Vec<Vec<Choice>> = Vec::new();
         let mut tried = 1;
         for (i, rests) in &members {

@@ -38,6 +38,8 @@ pub struct Passages {
     jumps: BTreeMap<(u32, u8), Rest>,
     /// Whether one has gone to and fro too often.
     pub is_knot: bool,
+    /// Of how many knots asperities were members.
+    knots: BTreeMap<u32, u8>,
     /// Those without way back.
     made: Vec<Passage>,
     /// Those that are part of avalanches.
@@ -68,6 +70,7 @@ impl Passages {
         self.counts.resize(count, 0);
         self.made.clear();
         self.jumps.clear();
+        self.knots.clear();
         self.is_knot = false;
         self.is_close = is_close;
     }
@@ -76,6 +79,7 @@ impl Passages {
     pub fn come_close(&mut self) {
         self.counts.fill(0);
         self.jumps.clear();
+        self.knots.clear();
         self.is_close = true;
     }
 
@@ -97,15 +101,25 @@ impl Passages {
         self.is_knot |= self.is_close && self.goes_to_and_fro(i as usize);
     }
 
+    /// Of how many knots an asperity was a member.
+    pub fn knots_of(&self, i: usize) -> u8 {
+        self.knots.get(&(i as u32)).copied().unwrap_or_default()
+    }
+
+    /// Whether an asperity went to and fro.
+    pub fn is_driven(&self, i: u32) -> bool {
+        self.counts[i as usize] > 1
+    }
+
     /// Whether an asperity went to and fro too often.
     pub fn goes_to_and_fro(&self, i: usize) -> bool {
         self.counts[i] >= RETURNS
     }
 
-    /// The asperities that went to and fro, with their jumps, those first that went most often.
+    /// The asperities that went to and fro, or were members of knots, with their jumps, those first that went most often.
     pub fn driven(&self) -> Vec<(u32, Vec<Rest>)> {
         let mut driven: Vec<(u32, Vec<Rest>)> = Vec::new();
-        let all = self.jumps.iter().filter(|((i, _), _)| self.counts[*i as usize] > 1);
+        let all = self.jumps.iter().filter(|((i, _), _)| self.is_driven(*i) || self.knots.contains_key(i));
         for ((i, _), rest) in all {
             match driven.last_mut() {
                 Some((last, rests)) if last == i => rests.push(*rest),
@@ -116,9 +130,11 @@ impl Passages {
         driven
     }
 
-    /// Counts anew how often an asperity passes.
+    /// Counts anew how often a member of a knot passes.
     pub fn untied(&mut self, i: usize) {
         self.counts[i] = 0;
+        let knots = self.knots.entry(i as u32).or_default();
+        *knots = knots.saturating_add(1);
         self.made.retain(|passage| passage.asperity != i);
     }
 }

@@ -499,9 +499,9 @@ impl Solver<'_> {
                 return !(smallest <= 0.0) && self.passages.frozen == 0;
             }
             if std::mem::take(&mut self.passages.is_knot) {
-                self.untie();
+                let is_worth = self.untie();
                 knots += 1;
-                if knots <= UNTIED.1 {
+                if is_worth && knots <= UNTIED.1 {
                     step = step.min(UNTIED.0);
                 }
                 continue;

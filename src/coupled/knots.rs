@@ -252,7 +252,7 @@ impl Solver<'_> {
     }
 
     /// The members of a knot, and those near them that give way most to their forces, or all others.
-    fn around(&self, members: &[Member], is_local: bool) -> Vec<usize> {
+    pub(super) fn around(&self, members: &[Member], is_local: bool) -> Vec<usize> {
         let Self { half_space, states, slopes, .. } = self;
         let of: Vec<usize> = members.iter().map(|(i, _)| *i as usize).collect();
         if !is_local {
@@ -275,7 +275,7 @@ impl Solver<'_> {
 
     /// Steps of Newton's method, m, of asperities among which all is as it is elsewhere, and what each of some of them
     /// does to them, m/N.
-    fn local(&self, near: &[usize], of: &[usize]) -> Option<(DVector<f64>, DMatrix<f64>)> {
+    pub(super) fn local(&self, near: &[usize], of: &[usize]) -> Option<(DVector<f64>, DMatrix<f64>)> {
         let Self { half_space, slopes, states, residual, .. } = self;
         let influence = |k: usize, l: usize| half_space.influence(near[k], l);
         let matrix = DMatrix::from_fn(near.len(), near.len(), |k, l| {
@@ -289,7 +289,7 @@ impl Solver<'_> {
     }
 
     /// The same by a system of all.
-    fn global(&mut self, near: &[usize], of: &[usize]) -> (DVector<f64>, DMatrix<f64>) {
+    pub(super) fn global(&mut self, near: &[usize], of: &[usize]) -> (DVector<f64>, DMatrix<f64>) {
         let column = |step: &[f64]| DVector::from_iterator(near.len(), near.iter().map(|i| step[*i]));
         self.system(0.0, SYSTEM);
         let steps = column(&self.memory.step);

@@ -130,3 +130,46 @@ fn knots_have_the_state_of_their_equations() {
     let x = 0.5 * (0.9 + (0.81_f64 + 0.4).sqrt());
     assert!((found.places[0] - (x * x - 1.0)).abs() < 1e-12, "{found:?}");
 }
+
+/// Sixteen spheres under load, so close that they yield to each other, on a quarter of the side: near neighbours
+/// give way as a system of all says, which has two digits.
+#[test]
+fn near_neighbours_give_way_as_all_do() {
+    let of = asperity(3.33e-6, 85.29e9, 0.09);
+    let parameters = parameters(&of, Path::Approach);
+    let (law, length) = (model("hertz").unwrap().law(&parameters).unwrap(), parameters.scale.length);
+    let (side, count) = (8e-6, 16_usize);
+    for coupling in [Coupling::Periodic, Coupling::Patch] {
+        let places = (0..count).map(|i| [i % 4, i / 4].map(|k| (k as f64 + 0.5) / 16.0)).collect();
+        let heights: Vec<f64> = (0..count).map(|i| 1e-10 * ((7 * i) % 16) as f64).collect();
+        let half_space = HalfSpace::new(coupling, places, 1.0 / (PI * of.reduced_modulus * side), 1e-10);
+        let laws = vec![RadiusLaws::new(Memory::None(Held::Shared(law.as_ref())), length)];
+        let mut solver = Solver::new(Asperities::new(laws, vec![0; count]), half_space, &heights, 1e-9);
+        solver.begin(2e-9, false);
+        for step in 1..=8 {
+            let settled = solver.settle(2e-9 - 5e-10 * f64::from(step));
+            assert!(settled.is_converged, "{coupling:?} {step}: {settled:?}");
+        }
+        let members = [5, 6].map(|i| (i, Vec::new()));
+        let of = members.each_ref().map(|(i, _)| *i as usize);
+        let residual: Vec<f64> = (0..count).map(|i| 1e-11 * ((5 * i) % 7) as f64).collect();
+        solver.residual.copy_from_slice(&residual);
+        let [near, all] = [true, false].map(|is_local| solver.around(&members, is_local));
+        assert_eq!(near.len(), count);
+        let (steps, responses) = solver.local(&near, &of).unwrap();
+        let (expected_steps, expected) = solver.global(&all, &of);
+        let place = |i: usize| all.iter().position(|j| *j == near[i]).unwrap();
+        let off = |k: usize| (steps[k] - expected_steps[place(k)]).abs();
+        let worst = (0..count).map(off).fold(0.0, f64::max);
+        assert!(worst < 0.02 * steps.amax(), "{coupling:?}: {worst:e} of {:e}", steps.amax());
+        for l in 0..of.len() {
+            let off = |k: usize| (responses[(k, l)] - expected[(place(k), l)]).abs();
+            let worst = (0..count).map(off).fold(0.0, f64::max);
+            assert!(worst < 0.02 * responses.amax(), "{coupling:?}: {worst:e} of {:e}", responses.amax());
+        }
+        // That others give way makes a difference.
+        let alone = solver.half_space.influence(6, 5);
+        let given = responses.column(0)[1];
+        assert!((given + alone).abs() > 0.1 * alone, "{given:e} {alone:e}");
+    }
+}

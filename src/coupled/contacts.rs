@@ -21,7 +21,7 @@ const BENT: (f64, f64) = (0.125, 1e3);
 /// Contacts that act by their force and its second moment.
 pub struct Contacts {
     /// Of 1/r³, over πE*, 1/(N m).
-    sums: Sums,
+    pub(super) sums: Sums,
     forces: Known,
     moments: Known,
     /// R of each, m.

@@ -40,6 +40,12 @@ impl Sums {
         }
     }
 
+    /// Has another thread of the pool take a part of them, or not.
+    pub fn share(&mut self, is_shared: bool) {
+        self.fine.share(is_shared);
+        self.rough.share(is_shared);
+    }
+
     fn finely(&mut self, loads: &[f64], out: &mut [f64]) {
         self.fine.apply(loads, out);
         out.iter_mut().for_each(|u| *u *= self.scale);
@@ -119,6 +125,15 @@ impl HalfSpace {
     pub fn with_contacts(mut self, side: f64, radii: Vec<f64>) -> Self {
         let Self { coupling, places, compliance, tolerance, .. } = &self;
         self.contacts = Some(Contacts::new((*coupling, places), (side, radii), *compliance, *tolerance));
+        self
+    }
+
+    /// The same whose sums are taken by two threads of the pool, or by one.
+    pub fn shared(mut self, is_shared: bool) -> Self {
+        self.sums.share(is_shared);
+        if let Some(contacts) = &mut self.contacts {
+            contacts.sums.share(is_shared);
+        }
         self
     }
 

@@ -102,13 +102,16 @@ pub(super) fn couple(
     });
     let (different, numbers) = distinct(&radii);
     let laws = different.iter().map(|radius| laws_of((job, substrate), *radius)).collect();
-    let half_space = HalfSpace::new(substrate.coupling, places, compliance, substrate.tolerance);
+    let points = HalfSpace::new(substrate.coupling, places, compliance, substrate.tolerance);
+    let half_space = match substrate.kernel {
+        Kernel::Point => points,
+        Kernel::Contact => points.with_contacts(side, radii),
+    };
+    // A second thread for each surface.
+    let are_spare = rayon::current_num_threads() as u64 >= 2 * job.replicas;
     let solver = Solver::new(
         Asperities::new(laws, numbers),
-        match substrate.kernel {
-            Kernel::Point => half_space,
-            Kernel::Contact => half_space.with_contacts(side, radii),
-        },
+        half_space.shared(are_spare),
         &heights,
         substrate.tolerance,
     );

@@ -18,6 +18,7 @@ use crate::asperity::{Quantity, SolverStats};
 use crate::coupled::{CLASSES, ENERGY_CLASSES};
 use crate::math::extrema::Extremum;
 use crate::surface::CHUNK_ASPERITIES;
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
@@ -166,6 +167,30 @@ impl Workspace {
                 kept.map(|kept| visit(kept, &self.curves[0])).is_some()
             });
         }
+        match &job.protocol.substrate {
+            None => self.held(job, replicas, |_, kept, curves| visit(kept, curves)),
+            Some(substrate) => {
+                let mut independent = Vec::new();
+                self.held(job, replicas, |index, kept, curves| {
+                    independent.push((index, kept, curves.clone()))
+                });
+                // They take seconds each: those of a batch do not wait for each other.
+                let (of, chunk) = ((job, substrate, ends), self.chunk);
+                let coupled: Vec<_> =
+                    independent.into_par_iter().map(|replica| coupled(of, chunk, replica)).collect();
+                for coupled in coupled {
+                    let Some((kept, curves, stats)) = coupled else { return false };
+                    self.sums.stats.merge(&stats);
+                    visit(kept, &curves);
+                }
+            }
+        }
+        true
+    }
+
+    /// Draws replicas with all their asperities, sums them as independent ones, and visits each with its index, what is
+    /// kept of it and its curves.
+    fn held(&mut self, job: &Job<'_>, replicas: Range<u64>, mut visit: impl FnMut(u64, Replica, &Curves)) {
         let mut first = replicas.start;
         while first < replicas.end {
             let at_once = (replicas.end - first).min(self.heights.len() as u64);
@@ -175,37 +200,10 @@ impl Workspace {
             self.sum(job, at_once as usize);
             for lane in 0..at_once as usize {
                 let kept = self.keep(job, lane);
-                match &job.protocol.substrate {
-                    None => visit(kept, &self.curves[lane]),
-                    Some(substrate) => {
-                        let index = first + lane as u64;
-                        let (kept, curves) = self.couple((job, substrate, ends), index, (kept, lane));
-                        if ends() {
-                            return false;
-                        }
-                        visit(kept, &curves);
-                    }
-                }
+                visit(first + lane as u64, kept, &self.curves[lane]);
             }
             first += at_once;
         }
-        true
-    }
-
-    /// The record and the curves of a replica with coupled asperities, of which the one without is known, in
-    /// a lane.
-    fn couple(
-        &mut self,
-        of: (&Job<'_>, &Substrate<'_>, Ends<'_>),
-        index: u64,
-        (kept, lane): (Replica, usize),
-    ) -> (Replica, Curves) {
-        let (job, mut heights) = (of.0, Vec::new());
-        Draws::of(job, index, self.chunk).all(&mut heights, &mut self.radii);
-        let count = heights.len();
-        let keep = |surface: &mut dyn Summed, curves: &mut Curves| keep(job, surface, count, curves);
-        let asperities = (heights.as_slice(), self.radii.as_slice());
-        couple(of, index, asperities, (kept, &self.curves[lane]), &mut self.sums.stats, keep)
     }
 
     /// The record of a surface that is summed chunk by chunk; nothing when that was ended.
@@ -263,6 +261,22 @@ impl Workspace {
         };
         keep(job, &mut surface, heights.len(), &mut self.curves[lane])
     }
+}
+
+/// The replica of an index with its curves, its asperities coupled, and the cost of that; nothing when that was ended.
+/// `kept` and `curves` are of the same asperities without coupling.
+fn coupled(
+    of: (&Job<'_>, &Substrate<'_>, Ends<'_>),
+    chunk: usize,
+    (index, kept, curves): (u64, Replica, Curves),
+) -> Option<(Replica, Curves, SolverStats)> {
+    let (job, _, ends) = of;
+    let (mut heights, mut radii, mut stats) = (Vec::new(), Vec::new(), SolverStats::default());
+    Draws::of(job, index, chunk).all(&mut heights, &mut radii);
+    let count = heights.len();
+    let keep = |surface: &mut dyn Summed, curves: &mut Curves| keep(job, surface, count, curves);
+    let (kept, curves) = couple(of, index, (&heights, &radii), (kept, &curves), &mut stats, keep);
+    (!ends()).then_some((kept, curves, stats))
 }
 
 /// The record of a surface of `count` asperities whose curves are known; its snaps are left in these.

@@ -134,22 +134,22 @@ impl Far {
         }
     }
 
-    /// Adds to the displacements what the smooth part contributes.
-    pub fn add(&mut self, loads: &[f64], displacements: &mut [f64]) {
+    /// Fills `displacements` with those by the smooth part.
+    pub fn displace(&mut self, loads: &[f64], displacements: &mut [f64]) {
         self.grid.fill(0.0);
         match self.window.width.div_ceil(LANES) {
-            1 => self.add_by::<1>(loads, displacements),
-            2 => self.add_by::<2>(loads, displacements),
-            3 => self.add_by::<3>(loads, displacements),
-            4 => self.add_by::<4>(loads, displacements),
-            5 => self.add_by::<5>(loads, displacements),
-            6 => self.add_by::<6>(loads, displacements),
+            1 => self.displace_by::<1>(loads, displacements),
+            2 => self.displace_by::<2>(loads, displacements),
+            3 => self.displace_by::<3>(loads, displacements),
+            4 => self.displace_by::<4>(loads, displacements),
+            5 => self.displace_by::<5>(loads, displacements),
+            6 => self.displace_by::<6>(loads, displacements),
             _ => unreachable!("a window for 1e-16 has 23 columns"),
         }
     }
 
     /// The same with windows of so many groups of columns.
-    fn add_by<const GROUPS: usize>(&mut self, loads: &[f64], displacements: &mut [f64]) {
+    fn displace_by<const GROUPS: usize>(&mut self, loads: &[f64], displacements: &mut [f64]) {
         InstructionSet::current().run(
             #[inline(always)]
             || self.spread::<GROUPS>(loads),
@@ -206,7 +206,7 @@ impl Far {
                     lanes[k] += sums[k] * columns[k];
                 }
             }
-            *displacement += (lanes[0] + lanes[2]) + (lanes[1] + lanes[3]);
+            *displacement = (lanes[0] + lanes[2]) + (lanes[1] + lanes[3]);
         }
     }
 

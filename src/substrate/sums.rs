@@ -7,6 +7,8 @@ use super::{Coupling, Influence};
 /// Points of a cell over the square of the reach of near pairs: balances the time of near sums against that of
 /// sums on the grid.
 const PER_CELL: f64 = 0.75;
+/// Fewest points of sums that two threads take faster than one.
+const WORTH_SHARING: usize = 4000;
 
 /// The sums u_i = Σ_j g_ij f_j over points of a square, as a split of 1/r, or of 1/r³, into what near neighbours do
 /// and what a grid does (Ewald 1921).
@@ -23,6 +25,9 @@ pub struct DisplacementSums {
     own: f64,
     loads: Vec<f64>,
     displacements: Vec<f64>,
+    /// What the grid has of them.
+    smooth: Vec<f64>,
+    is_shared: bool,
 }
 
 impl DisplacementSums {
@@ -46,7 +51,15 @@ impl DisplacementSums {
             cells,
             loads: vec![0.0; points.len()],
             displacements: vec![0.0; points.len()],
+            smooth: vec![0.0; points.len()],
+            is_shared: false,
         }
+    }
+
+    /// Has another thread of the pool take a part of the sums, if that is worth it, or not: for a pool that has one to
+    /// spare. The sums are the same to the bit.
+    pub fn share(&mut self, is_shared: bool) {
+        self.is_shared = is_shared && self.loads.len() >= WORTH_SHARING;
     }
 
     /// The points around a place, and how far they reach from it at least, in sides.
@@ -59,11 +72,20 @@ impl DisplacementSums {
         for (own, &i) in self.loads.iter_mut().zip(&self.cells.order) {
             *own = loads[i as usize];
         }
-        self.displacements.iter_mut().zip(&self.loads).for_each(|(u, load)| *u = -self.own * load);
-        self.near.add(&self.loads, &mut self.displacements);
-        self.far.add(&self.loads, &mut self.displacements);
-        for (own, &i) in self.displacements.iter().zip(&self.cells.order) {
-            displacements[i as usize] = *own;
+        let Self { near, far, loads, displacements: close, smooth, .. } = self;
+        let mut near = || {
+            close.iter_mut().zip(&*loads).for_each(|(u, load)| *u = -self.own * load);
+            near.add(loads, close);
+        };
+        let mut far = || far.displace(loads, smooth);
+        if self.is_shared {
+            rayon::join(near, far);
+        } else {
+            near();
+            far();
+        }
+        for ((close, smooth), &i) in close.iter().zip(&*smooth).zip(&self.cells.order) {
+            displacements[i as usize] = close + smooth;
         }
     }
 }
@@ -160,6 +182,22 @@ mod tests {
                     );
                 }
             }
+        }
+    }
+
+    #[test]
+    fn two_threads_make_the_same_bits() {
+        let points = points(WORTH_SHARING);
+        let loads: Vec<f64> = (0..points.len()).map(|i| (i as f64).sin() + 0.3).collect();
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
+        for coupling in [Coupling::Periodic, Coupling::Patch] {
+            let mut sums = DisplacementSums::new(coupling, Influence::Displacement, &points, 1e-3);
+            let [mut by_one, mut by_two] = [vec![0.0; points.len()], vec![0.0; points.len()]];
+            sums.apply(&loads, &mut by_one);
+            sums.share(true);
+            assert!(sums.is_shared);
+            pool.install(|| sums.apply(&loads, &mut by_two));
+            assert_eq!(by_one, by_two, "{coupling:?}");
         }
     }
 

@@ -50,6 +50,19 @@ fn bits_of_coupled_runs_depend_on_the_scene_alone() {
     }
 }
 
+/// A surface that has a second thread to itself has the bits of one without.
+#[test]
+fn a_large_surface_has_the_same_bits_on_two_threads() {
+    let one = scene(PERIODIC).replace("13.54 um^2", "600 um^2").replace("replicas = 16", "replicas = 1");
+    let folder = Folder::new(&one.replace("count = 8", "count = 2"));
+    for threads in ["1", "2"] {
+        let run =
+            folder.stiction(&["run", "scene.toml", "--threads", threads, "-o", &format!("{threads}.h5")]);
+        assert_exit(&run, 0);
+    }
+    assert_eq!(bits(&folder.path("1.h5")), bits(&folder.path("2.h5")));
+}
+
 /// The asperities without coupling are those of the scene without the table, to the bit, and so is their test
 /// against the integral; what the file holds is consistent, also of a loop with preloads of a patch.
 #[test]

@@ -133,6 +133,7 @@ fn signals_that_come_together_are_one() {
 
 /// A batch of seconds: a second signal does not wait for its end.
 #[test]
+#[ignore = "slow: six seconds"]
 fn a_second_signal_ends_at_once_and_leaves_the_last_checkpoint() {
     let folder = Folder::new(
         &small()
@@ -453,6 +454,7 @@ fn a_loop_goes_on_to_the_same_bits() {
 
 /// Coupled surfaces, pulled back and held by springs, killed at their first checkpoint and again at a later one.
 #[test]
+#[ignore = "slow: six seconds"]
 fn killed_runs_of_coupled_surfaces_go_on_to_the_same_bits() {
     let held = "[substrate]\ncoupling = \"patch\"\n\n[instability]\nstiffness = [0, \"patch\"]\npreload = \"50 uN\"\n[output]";
     let scene = scene_of(24)
@@ -526,6 +528,7 @@ fn said(output: &Output, files: &[String]) -> String {
 }
 
 #[test]
+#[ignore = "slow: five seconds"]
 fn a_full_disk_is_an_error_and_the_run_goes_on_after_space_is_made() {
     a_full_disk_is_an_error(64, 5);
 }

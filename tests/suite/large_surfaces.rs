@@ -62,6 +62,7 @@ fn is_as_its_integral(asperities: f64, separations: u32) {
 }
 
 #[test]
+#[ignore = "slow: three seconds"]
 fn a_patch_of_five_million_asperities_is_as_its_integral() {
     is_as_its_integral(5e6, 91);
 }

@@ -152,6 +152,7 @@ fn contact_that_lasts_longer_pulls() {
 /// verdict is a false alarm once in 1000 (the seed is fixed); |z| of thousands of correlated numbers above 6
 /// less often.
 #[test]
+#[ignore = "slow: four seconds"]
 fn both_ways_agree_with_their_integral() {
     use UnloadedRadius::{Elastic, Kept};
     both_ways_agree([

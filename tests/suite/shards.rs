@@ -91,6 +91,7 @@ fn merged_shards_have_the_bits_of_one_run() {
 
 /// A shard of a sweep may begin and end within points, or have several.
 #[test]
+#[ignore = "slow: five seconds"]
 fn sweeps_have_shards_too() {
     for (seed, counts) in [(&[][..], &[2, 5][..]), (&["--seed", "7", "--replicas", "24"], &[2])] {
         let folder = Folder::new(&swept());
@@ -359,6 +360,7 @@ fn an_interrupted_shard_goes_on_to_the_same_bits() {
 }
 
 #[test]
+#[ignore = "slow: five seconds"]
 fn an_interrupted_shard_of_a_sweep_goes_on_to_the_same_bits() {
     let folder = Folder::new(&swept().replace("replicas = 83", "replicas = 320"));
     assert_exit(&folder.stiction(&["run", "scene.toml", "-o", "whole.h5"]), 0);
@@ -395,6 +397,7 @@ fn an_interrupted_shard_of_a_sweep_goes_on_to_the_same_bits() {
 /// One node of the tree takes 0.8 MB here, and each shard has at least one.
 #[cfg(target_os = "linux")]
 #[test]
+#[ignore = "slow: ten seconds"]
 fn memory_does_not_grow_with_the_number_of_shards() {
     let folder = Folder::new(&scene().replace("count = 16", "count = 1600").replace("40 um^2", "5 um^2"));
     let mut peaks = Vec::new();

@@ -60,6 +60,7 @@ fn is_estimated(name: &str, scene: &str) {
 
 /// Whatever it is that takes the memory: nothing, separations with their curves, functionals, replicas.
 #[test]
+#[ignore = "slow: nine seconds"]
 fn memory_is_estimated_within_a_factor_of_2() {
     is_estimated("little", &sized(739.0, 91, 200));
     is_estimated("all of the joint test", &sized(739.0, 256, 16));
@@ -263,6 +264,7 @@ fn has_failed_well(folder: &Folder, output: &Output, at: &str) -> bool {
 /// A run gets by with what is said of it, and with less either does or says that it does not; never dies of
 /// it.
 #[test]
+#[ignore = "slow: six seconds"]
 fn a_run_gets_by_with_its_estimate_or_says_what_it_lacks() {
     let folder = Folder::new(&sized(50.0, 400, 32).replace("curves = false", "curves = true"));
     let needed = RESERVE + 2.0 * estimated(&folder, "memory");
@@ -296,6 +298,7 @@ fn a_run_gets_by_with_its_estimate_or_says_what_it_lacks() {
 
 /// The same for what is made of several runs, or reads a result.
 #[test]
+#[ignore = "slow: eight seconds"]
 fn other_commands_say_what_they_lack() {
     let sweep =
         format!("{}\n[sweep]\n\"material.hardness\" = [\"2 GPa\", \"3 GPa\"]\n", sized(50.0, 150, 32));

@@ -322,6 +322,7 @@ fn sweep_all(lambdas_of_a_law: usize, count: usize) {
 }
 
 #[test]
+#[ignore = "slow: three seconds"]
 fn a_coarse_sweep_of_every_law_is_finite_monotone_and_consistent() {
     sweep_all(6, 20);
 }

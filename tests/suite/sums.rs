@@ -298,6 +298,7 @@ fn flat(low: f64, high: f64, height_std: &str) -> String {
 }
 
 #[test]
+#[ignore = "slow: four seconds"]
 fn one_regime_alone_runs() {
     one_regime_alone("direct", |_| true);
     one_regime_alone("moments", |name| name == "elastic");

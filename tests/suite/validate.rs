@@ -289,12 +289,14 @@ fn damaged_datasets_are_found() {
 }
 
 #[test]
+#[ignore = "slow: five seconds"]
 fn damaged_datasets_of_a_sweep_are_found() {
     let missed = missed(&swept(&resolved()), Some(9));
     assert!(missed.is_empty(), "{missed:#?}");
 }
 
 #[test]
+#[ignore = "slow: four seconds"]
 fn damaged_datasets_of_other_results_are_found() {
     let missed: Vec<String> = others().iter().flat_map(|made| missed(made, Some(8))).collect();
     assert!(missed.is_empty(), "{missed:#?}");
@@ -397,6 +399,7 @@ fn copies_of_coordinates_are_the_same_in_every_group() {
 /// Springs and preloads of a sweep are those of its scene, not indices, and are looked at with what they are
 /// of.
 #[test]
+#[ignore = "slow: three seconds"]
 fn sweeps_of_held_surfaces_have_their_springs() {
     let springs =
         "[instability]\nstiffness = [\"300 N/m\", \"0 N/m\"]\npreload = [\"50 uN\", \"5 uN\"]\n\n[output]";

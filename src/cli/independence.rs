@@ -3,6 +3,8 @@
 use super::rows::row;
 use crate::format::{percent, si};
 use crate::integral::{Independence, IndependenceVerdict};
+use crate::scene::Scene;
+use crate::substrate::Coupling;
 
 /// A ratio with two significant digits.
 pub(super) fn ratio(value: f64) -> String {
@@ -17,8 +19,9 @@ pub(super) fn ratio(value: f64) -> String {
     }
 }
 
-/// The verdict with what it means, and the figures behind it.
-pub(super) fn independence(own: &Independence) -> String {
+/// The verdict on a scene with what it means, and the figures behind it: it is of the surface as a patch, which a repeated
+/// square is not.
+pub(super) fn independence(own: &Independence, scene: &Scene) -> String {
     let shift = ratio(own.relative_shift());
     let place = if own.shift < 0.0 { "at pull-off" } else { "where closest" };
     let verdict = own.verdict();
@@ -34,12 +37,15 @@ pub(super) fn independence(own: &Independence) -> String {
     );
     if own.attractive_stiffness > 0.0 {
         let [longest, side] = [own.longest_stable_wavelength(), own.patch_side].map(|length| si(length, "m"));
-        figures += &format!(", stable to {longest} (side {side})");
+        let widest = si(own.patch_side / own.relative_attractive_stiffness(), "m");
+        figures += &format!(", patches stable to {widest}, waves to {longest} (side {side})");
     }
     if verdict == IndependenceVerdict::Invalid {
         figures += &format!(", F/k_s {shift} σ {place}");
     }
-    row("independence", &format!("{}: {meaning}", verdict.name())) + &row("", &figures)
+    let coupling = scene.substrate.as_ref().map(|substrate| substrate.coupling);
+    let of = if coupling == Some(Coupling::Periodic) { " for a patch alone" } else { "" };
+    row("independence", &format!("{}{of}: {meaning}", verdict.name())) + &row("", &figures)
 }
 
 /// Where the shift comes to its limit, and the largest of it when the surfaces are pressed together.

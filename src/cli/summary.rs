@@ -9,6 +9,7 @@ use crate::asperity::Quantity;
 use crate::engine::{LOOP_SCALARS, Limit, Replica, Summation, dissipated};
 use crate::experiment::results::{Results, Stopped};
 use crate::format::{bound, duration, factor, percent, si};
+use crate::integral::IndependenceVerdict;
 use crate::math::control_variates::ControlledMean;
 use crate::math::extrema::{Extremum, Features, maximum};
 use crate::math::interval::{FEWEST, LEVEL};
@@ -114,7 +115,12 @@ fn quoted(results: &Results, mean: &ControlledMean, unit: &str) -> String {
         true => format!("{} ± {} (standard error)", si(value, unit), si(error, unit)),
         false => format!("{} (one group of replicas: no standard error)", si(value, unit)),
     };
-    let first = |value: String| row("pull-off", &format!("{value} is to be quoted: the mean over replicas"));
+    let is_invalid = results.independence.verdict() == IndependenceVerdict::Invalid;
+    let use_of = match is_invalid && results.scene.substrate.is_none() {
+        true => "is not to be quoted (see independence): the mean over replicas of independent asperities",
+        false => "is to be quoted: the mean over replicas",
+    };
+    let first = |value: String| row("pull-off", &format!("{value} {use_of}"));
     let (plain, reduction) = (told(mean.mean, mean.standard_error), mean.variance_reduction());
     if results.controls.is_empty() || !reduction.is_finite() {
         // One group of replicas is no mean to be quoted.
@@ -199,9 +205,13 @@ fn stiffness(results: &Results) -> String {
     let (place, span) = (h_star(results, separation), si(results.scene.stiffness_span, "m"));
     text +=
         &row("", &format!("{} of single replicas on average{scatter}, at h* = {place:.3}:", si(mean, "N/m")));
+    let of = match results.scene.substrate {
+        Some(_) => ", of straight lines between separations,",
+        None => "",
+    };
     text + &row(
         "",
-        &format!("their largest secant over {span} (separation.stiffness_span), as their curves jump"),
+        &format!("their largest secant over {span} (separation.stiffness_span){of} as their curves jump"),
     )
 }
 
@@ -286,7 +296,7 @@ fn at_pull_off(results: &Results) -> String {
     }
     let area = integral.expected[Quantity::ContactArea.index()][0] / results.scene.surface.nominal_area;
     text += &row("", &format!("in contact: {} of the nominal area", percent(area)));
-    text + &independence(&results.independence)
+    text + &independence(&results.independence, &results.scene)
 }
 
 /// The verdict of the cross-check.

@@ -1,8 +1,7 @@
 //! Warnings of a scene that is outside of what the models are valid for, or of what is known of materials and
 //! surfaces, so that a unit may be wrong.
 //!
-//! Asperities are independent: no elastic coupling through the substrate, no coalescence of contacts. Their
-//! contacts are small against their radius, their number is large, and the surface is a continuum.
+//! Contacts do not merge. They are small against their radius, their number is large, and the surface is a continuum.
 
 use super::definition::Scene;
 use super::ranges::{FEWEST_ASPERITIES, Range, ranges};
@@ -10,6 +9,8 @@ use super::warning::{Expected, Reading, Warning, WhatIsRead};
 use crate::asperity::models::Model;
 use crate::asperity::{Law, Regime};
 use crate::format::{si, signed_percent};
+use crate::integral::substrate_stiffness;
+use crate::substrate::Coupling;
 
 /// Largest radius of a contact over that of its asperity.
 const LARGEST_CONTACT: f64 = 0.3;
@@ -19,6 +20,8 @@ const HIGHEST: f64 = 3.0;
 const LARGEST_SHARE: f64 = 0.1;
 /// Largest share of what is read off that the separations may miss.
 const LARGEST_MISSED: f64 = 0.05;
+/// Steps of the separation, over σ_s, that miss less.
+const RESOLVING: f64 = 0.15;
 /// Largest share by which surfaces that have touched may be pulled off harder.
 const LARGEST_HELD: f64 = 0.01;
 /// Largest relative error of an integral that is one.
@@ -44,6 +47,7 @@ pub fn warnings_of_scene(scene: &Scene, model: &Model, law: &dyn Law, expected: 
     warnings.extend(contact_share(scene, &expected.readings));
     warnings.extend(expected.held.and_then(held));
     warnings.extend(unresolved(scene, &expected.readings));
+    warnings.extend(twice(scene));
     warnings.extend(inaccurate(expected.error));
     warnings
 }
@@ -203,12 +207,26 @@ fn unresolved(scene: &Scene, readings: &[Reading]) -> Option<Warning> {
         format!("{share} of the {} at {h_star}", what.name())
     };
     let missed = told_of(scene, readings, LARGEST_MISSED, |reading| reading.missed, told)?;
-    Some(Warning::new(
-        format!("the separations are too coarse: the curves miss {missed}"),
-        "curves, scores and control variates are known at the separations only; steps of 0.2 in h* resolve what the \
-                 integral expects",
-        &[],
-    ))
+    let resolving = RESOLVING * scene.surface.heights.std / scene.surface.surface_height_std;
+    let why = format!(
+        "curves, scores and control variates are known at the separations only; steps of {resolving:.2} in h* resolve what \
+         the integral expects"
+    );
+    Some(Warning::new(format!("the separations are too coarse: the curves miss {missed}"), &why, &[]))
+}
+
+/// Whether the half-space both couples the asperities and is a spring that holds the surface.
+fn twice(scene: &Scene) -> Option<Warning> {
+    let is_patch = scene.substrate.as_ref().is_some_and(|substrate| substrate.coupling == Coupling::Patch);
+    let stiffness = substrate_stiffness(scene.asperity.reduced_modulus, scene.surface.nominal_area);
+    (is_patch && scene.instability.stiffness.contains(&stiffness)).then(|| {
+        Warning::new(
+            "the half-space of the patch gives way twice: under the asperities, and as the spring that holds them".to_owned(),
+            "instability.stiffness = \"patch\" is for surfaces whose mean plane is held, independent ones and \
+                     coupling = \"periodic\"; by coupling = \"patch\" the half-space is there already",
+            &[],
+        )
+    })
 }
 
 /// Whether the integral is one.

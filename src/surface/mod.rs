@@ -148,7 +148,8 @@ pub struct Surface {
 pub enum SurfaceError {
     /// σ² is smaller than what the conversion subtracts.
     #[error(
-        "sigma_s^2 = sigma^2 - 3.717e-4/(eta R)^2 is negative: sigma = {given:.4e} m, but eta R needs more than {least:.4e} m"
+        "sigma_s^2 = sigma^2 - 3.717e-4/(eta R)^2 is negative: sigma = {given:.4e} m, but eta R needs more than {least:.4e} m; \
+         where sigma_s itself is known, asperity_height_std gives it"
     )]
     NegativeVariance {
         /// σ, m.

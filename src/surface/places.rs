@@ -85,14 +85,14 @@ pub enum PlacesError {
     /// They cannot keep their distance.
     #[error(
         "circles of half that distance around {count} asperities cover {cover:.2} of the area, more than {LARGEST_COVER}; \
-         {fits:.3} of it would do"
+         {fits:.4e} m would do"
     )]
     Crowded {
         /// How many there are.
         count: usize,
         /// The share that is covered.
         cover: f64,
-        /// The largest share of the distance that would do.
+        /// The largest distance that would do, m.
         fits: f64,
     },
 }
@@ -142,7 +142,7 @@ impl Places {
                 if cover <= LARGEST_COVER {
                     return Ok(());
                 }
-                Err(PlacesError::Crowded { count, cover, fits: (LARGEST_COVER / cover).sqrt() })
+                Err(PlacesError::Crowded { count, cover, fits: distance * (LARGEST_COVER / cover).sqrt() })
             }
             Self::Square | Self::Hexagonal => {
                 let fits = |count: &usize| self.lattice(*count).is_some();
@@ -266,8 +266,8 @@ mod tests {
     fn what_is_crowded_is_refused() {
         let refused = Places::HardCore(0.1).check(100, 1.0).unwrap_err();
         let PlacesError::Crowded { fits, .. } = refused else { panic!("{refused}") };
-        assert!(Places::HardCore(0.1 * fits * (1.0 - 1e-12)).check(100, 1.0).is_ok());
-        let places = Places::HardCore(0.1 * fits * (1.0 - 1e-12));
+        let places = Places::HardCore(fits * (1.0 - 1e-12));
+        assert!(places.check(100, 1.0).is_ok());
         assert_eq!(places.draw(&mut ChaCha8Rng::seed_from_u64(1), (100, 1.0), Coupling::Periodic).len(), 100);
     }
 

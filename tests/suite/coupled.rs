@@ -142,7 +142,7 @@ fn what_cannot_be_coupled_is_refused() {
             "is for positions = \"hard_core\"",
         ),
         ("coupling = \"patch\"\npositions = \"hexagonal\"", "form no such lattice in a square"),
-        ("coupling = \"patch\"\nminimum_distance = \"0.5 um\"", "of it would do"),
+        ("coupling = \"patch\"\nminimum_distance = \"0.5 um\"", "m would do"),
         ("coupling = \"line\"", "coupling"),
         ("coupling = \"patch\"\nkernel = \"punch\"", "contact"),
         ("coupling = \"patch\"\ntolerance = 1", "between 1e-12 and 1e-4"),

@@ -215,6 +215,34 @@ fn every_kind_of_result_tells_the_same() {
     }
 }
 
+/// What is not the patch's own pull-off is not to be quoted; with coupling it is, and the verdict is that of a patch.
+#[test]
+fn what_may_be_quoted_is_said() {
+    let soft = small()
+        .replace("\"85.29 GPa\"", "\"2 GPa\"")
+        .replace("replicas = 40", "replicas = 2")
+        .replace("\"100 um^2\"", "\"10 um^2\"");
+    assert_eq!(judged(&soft).verdict(), IndependenceVerdict::Invalid);
+    let said = |more: &str| {
+        let folder = Folder::new(&(soft.clone() + more));
+        let run = folder.stiction(&["run", "scene.toml"]);
+        assert_exit(&run, 0);
+        text(&run.stdout)
+    };
+    let [independent, patch, repeated] = ["", "patch", "periodic"].map(|coupling| match coupling {
+        "" => said(""),
+        coupling => said(&format!("\n[substrate]\ncoupling = \"{coupling}\"\n")),
+    });
+    assert!(independent.contains("is not to be quoted (see independence)"), "{independent}");
+    assert!(independent.contains("independence      invalid: "), "{independent}");
+    for coupled in [&patch, &repeated] {
+        assert!(coupled.contains("is to be quoted"), "{coupled}");
+        assert!(coupled.contains("of straight lines between separations"), "{coupled}");
+    }
+    assert!(patch.contains("independence      invalid: "), "{patch}");
+    assert!(repeated.contains("independence      invalid for a patch alone: "), "{repeated}");
+}
+
 /// A verdict that does not follow is found; a file of version 3.0, which has none, is still read.
 #[test]
 fn verdicts_are_validated_where_there_are_any() {

@@ -48,11 +48,18 @@ const CASES: &[(&str, &str, &[&[&str]])] = &[
         "count = 5",
         &[&[
             "too coarse: the curves miss 54 % of the pull-off at h* = 2.815 and 80 % of the peak stiffness at h* = 3.222",
-            "steps of 0.2 in h*",
+            "steps of 0.13 in h*",
         ]],
     ),
     ("count = 91", "count = 37", &[&["the curves miss 6 % of the peak stiffness at h* = 3.222"]]),
     ("count = 91", "count = 46", &[]),
+    // The half-space as a spring of a surface that stands on it already.
+    (
+        "[output]",
+        "[instability]\nstiffness = \"patch\"\n[substrate]\ncoupling = \"patch\"\n[output]",
+        &[&["the half-space of the patch gives way twice", "coupling = \"periodic\""]],
+    ),
+    ("[output]", "[instability]\nstiffness = \"patch\"\n[substrate]\ncoupling = \"periodic\"\n[output]", &[]),
     (
         "\"85.29 GPa\"",
         "\"85.29 MPa\"",

@@ -22,10 +22,11 @@ struct Row {
 fn main() {
     let is_large = std::env::args().any(|argument| argument == "large");
     let mut rows = Vec::new();
-    for coupling in ["periodic", "patch"] {
-        for case in ["case_i", "case_ii", "case_iii"] {
-            rows.push(Row { case, coupling, area: None, threads: 1 });
-        }
+    // Case III as a repeated square has no stable state at most separations, and looks for them for long.
+    for (coupling, cases) in
+        [("periodic", &["case_i", "case_ii"][..]), ("patch", &["case_i", "case_ii", "case_iii"])]
+    {
+        rows.extend(cases.iter().map(|case| Row { case, coupling, area: None, threads: 1 }));
     }
     let areas = [1353.2, 13_532.0, 135_320.0];
     for area in areas.into_iter().take(if is_large { 3 } else { 2 }) {

@@ -35,7 +35,7 @@ fn checked(path: &Path) -> Result<String, Failure> {
     text += &beyond(&plan);
     text += &regimes(&plan, scene.surface.asperity_count as f64);
     let (verdict, warnings) = expected(&scene, law.view(), cycle.as_ref());
-    text += &independence(&verdict);
+    text += &independence(&verdict, &scene);
     for warning in warnings {
         text += &row("warning", &warning.finding);
         text += &paragraph(&warning.explanation());
@@ -139,7 +139,8 @@ fn cost(estimate: &Estimate, most: &str) -> String {
     let parts = format!("integral {integral}, test functionals {functionals}, ensemble {ensemble}");
     let busy = estimate.workers();
     let idle = if busy < estimate.threads {
-        format!("; only {busy} have a batch of replicas")
+        let part = if estimate.is_coupled() { "replica" } else { "batch of replicas" };
+        format!("; only {busy} have a {part}")
     } else {
         String::new()
     };

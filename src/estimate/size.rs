@@ -117,10 +117,25 @@ impl Estimate {
         self.asperities > CHUNK_ASPERITIES as f64
     }
 
-    /// Threads that have something to compute: a batch, or a chunk of one.
+    /// Whether asperities are coupled: replicas are then computed side by side.
+    pub fn is_coupled(&self) -> bool {
+        self.coupled > 0.0
+    }
+
+    /// What threads can compute at the same time: batches, chunks of them, or coupled replicas.
+    fn parts(&self) -> f64 {
+        if self.is_coupled() {
+            self.replicas
+        } else if self.is_divided() {
+            self.batches() * (self.asperities / CHUNK_ASPERITIES as f64).ceil()
+        } else {
+            self.batches()
+        }
+    }
+
+    /// Threads that have something to compute.
     pub fn workers(&self) -> f64 {
-        let chunks = if self.is_divided() { (self.asperities / CHUNK_ASPERITIES as f64).ceil() } else { 1.0 };
-        self.threads.min(self.batches() * chunks)
+        self.threads.min(self.parts())
     }
 
     /// Pilot replicas that are summed both ways at the same time.
@@ -215,8 +230,8 @@ impl Estimate {
     /// Seconds that the phases take one after the other: integral, functionals, ensemble.
     pub fn seconds(&self) -> [f64; 3] {
         let Cost { integral, functionals, pilot, replica } = self.cost;
-        let rounds = (self.batches() / self.threads).ceil();
-        let share = if self.is_divided() { 1.0 / self.workers() } else { rounds / self.batches() };
+        let rounds = (self.parts() / self.threads).ceil();
+        let share = if self.is_divided() { 1.0 / self.workers() } else { rounds / self.parts() };
         let pilots = pilot * (PILOTS as f64).min(self.replicas) / self.pilots();
         [integral / self.threads, functionals, pilots + replica * self.replicas * share]
     }

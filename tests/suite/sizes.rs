@@ -192,9 +192,18 @@ fn time_is_that_of_all_phases() {
     for part in ["integral ", "test functionals ", "ensemble "] {
         assert!(check.contains(part), "{check}");
     }
-    if std::thread::available_parallelism().is_ok_and(|threads| threads.get() > 1) {
+    // Coupled replicas are computed side by side, and so none waits for a batch.
+    let coupled = |replicas: usize| {
+        let scene = small().replace("replicas = 40", &format!("replicas = {replicas}"));
+        let folder = Folder::new(&(scene + "\n[substrate]\ncoupling = \"patch\"\n"));
+        text(&folder.stiction(&["check", "scene.toml"]).stdout)
+    };
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    if threads > 1 {
         assert!(check.contains("; only 1 have a batch of replicas"), "{check}");
+        assert!(coupled(1).contains("; only 1 have a replica"), "{}", coupled(1));
     }
+    assert!(!coupled(threads).contains("; only"), "{}", coupled(threads));
 }
 
 /// Bytes of address space that a run on two threads is given beside its memory: the program's own, and what

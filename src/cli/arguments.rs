@@ -1,9 +1,12 @@
 //! Arguments that several commands have.
 
+use super::failure::Failure;
+use super::progress::Display;
+use super::source::SceneArguments;
 use crate::engine::Shard;
 use crate::experiment::checkpoint::OverwritePolicy;
 use clap::Args;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Duration;
 
 /// How a command runs, whatever it computes.
@@ -17,13 +20,25 @@ pub(super) struct Execution {
     pub force: bool,
     /// No progress
     #[arg(long)]
-    pub quiet: bool,
+    quiet: bool,
+    /// Progress on standard error for programs: a JSON object on each line, with run, phase, done and total
+    #[arg(long, conflicts_with = "quiet")]
+    json_progress: bool,
 }
 
 impl Execution {
     /// How many threads, or 0 for one per core.
     pub fn threads(&self) -> usize {
         self.threads.unwrap_or_default().into()
+    }
+
+    /// How progress is shown.
+    pub fn display(&self) -> Display {
+        match (self.quiet, self.json_progress) {
+            (true, _) => Display::None,
+            (_, true) => Display::Json,
+            _ => Display::Text,
+        }
     }
 }
 
@@ -54,8 +69,8 @@ impl RunOptions {
 
 #[derive(Args)]
 pub(super) struct RunArguments {
-    /// The scene, TOML
-    pub scene: PathBuf,
+    #[command(flatten)]
+    pub scene: SceneArguments,
     /// Where the result goes; by default the scene's name with .h5, in the current folder
     #[arg(short, long, value_name = "FILE.h5")]
     pub output: Option<PathBuf>,
@@ -69,16 +84,12 @@ pub(super) struct RunArguments {
 
 impl RunArguments {
     /// The output that is named, or the scene's name with another extension.
-    pub fn output(&self, extension: &str) -> PathBuf {
-        self.output.clone().unwrap_or_else(|| named(&self.scene, extension))
+    ///
+    /// # Errors
+    /// [`Failure::Usage`] where neither has a name.
+    pub fn output(&self, extension: &str) -> Result<PathBuf, Failure> {
+        self.scene.output(self.output.as_deref(), extension)
     }
-}
-
-/// The output of a scene that has none named: its name with this ending, in the current folder.
-pub(super) fn named(scene: &Path, ending: &str) -> PathBuf {
-    let mut name = scene.file_stem().unwrap_or_default().to_owned();
-    name.push(ending);
-    name.into()
 }
 
 /// A finite number that does what is needed.

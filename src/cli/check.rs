@@ -5,6 +5,7 @@ use super::failure::Failure;
 use super::independence::independence;
 use super::resources;
 use super::rows::{paragraph, row};
+use super::source::SceneArguments;
 use super::sweep::described;
 use super::terminal::print;
 use crate::asperity::{Laws, Loop};
@@ -17,14 +18,13 @@ use crate::integral::{Independence, IndependenceVerdict};
 use crate::scene::{Document, Scene, Sweep, Warning, warnings};
 use std::path::Path;
 
-pub(super) fn check(path: &Path) -> Result<(), Failure> {
-    let threads = thread_pool(0)?;
-    print(&threads.install(|| checked(path))?)
+pub(super) fn check(arguments: &SceneArguments) -> Result<(), Failure> {
+    let (document, threads) = (arguments.document()?, thread_pool(0)?);
+    print(&threads.install(|| checked(document, arguments.path()))?)
 }
 
 /// Says what a scene or a sweep would compute.
-fn checked(path: &Path) -> Result<String, Failure> {
-    let Document { scene, sweep } = Document::from_toml_file(path)?;
+fn checked(Document { scene, sweep }: Document, path: &Path) -> Result<String, Failure> {
     if let Some(sweep) = sweep {
         return check_sweep(&sweep, &scene, path);
     }

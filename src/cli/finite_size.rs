@@ -1,13 +1,13 @@
 //! `stiction finite-size`: how big is big enough for the integral.
 
-use super::arguments::{RunOptions, named};
+use super::arguments::RunOptions;
 use super::describe::title;
 use super::failure::Failure;
 use super::rows::row;
 use super::session::{Session, points};
+use super::source::SceneArguments;
 use super::terminal::{complete_before, print_of};
 use crate::experiment::Error;
-use crate::experiment::files::inputs_of;
 use crate::experiment::finite_size::{
     FiniteSize, LARGEST, MOST_SIZES, PatchSize, check_counts, compare_sizes, sweep_of_sizes,
 };
@@ -25,9 +25,9 @@ use std::sync::Arc;
 
 #[derive(Args)]
 pub(super) struct FiniteSizeArguments {
-    /// The scene, TOML; its nominal_area does not count
-    pub scene: PathBuf,
-    /// Numbers of asperities, separated by commas; FROM:TO:COUNT stands for so many, spaced by equal factors
+    #[command(flatten)]
+    pub scene: SceneArguments,
+    /// Numbers of asperities, in the place of the scene's nominal_area, separated by commas; FROM:TO:COUNT stands for so many, spaced by equal factors
     #[arg(long, value_name = "N,N...", default_value = "10:1e6:11")]
     pub counts: String,
     /// Where the result goes; by default the scene's name with _finite_size.h5, in the current folder
@@ -44,14 +44,14 @@ pub(super) fn finite_size(arguments: &FiniteSizeArguments) -> Result<(), Failure
             one_line(&arguments.counts)
         ))
     })?;
-    let scene = Scene::from_toml_file(&arguments.scene)?;
-    let output = arguments.output.clone().unwrap_or_else(|| named(&arguments.scene, "_finite_size.h5"));
+    let scene = arguments.scene.scene()?;
+    let output = arguments.scene.output(arguments.output.as_deref(), "_finite_size.h5")?;
     let session = Session::new(&arguments.options.execution, arguments.options.checkpoint)?;
-    let files: Arc<dyn Files> = Arc::new(SceneFiles::scene(&arguments.scene));
-    let refused = |error: Error| error.in_scene(&arguments.scene);
+    let files: Arc<dyn Files> = Arc::new(SceneFiles::scene(arguments.scene.path()));
+    let refused = |error: Error| error.in_scene(arguments.scene.path());
     let sweep = sweep_of_sizes(&scene, &counts, &files).map_err(refused)?;
-    let lock = OutputLock::new(&output, &inputs_of(&arguments.scene, &scene))?;
-    let points = points(&sweep, &arguments.scene, &lock, &arguments.options, &session, None);
+    let lock = OutputLock::new(&output, &arguments.scene.inputs(&scene))?;
+    let points = points(&sweep, arguments.scene.path(), &lock, &arguments.options, &session, None);
     match compare_sizes(&points, &scene, &counts).map_err(refused)? {
         Some(study) => {
             print_of(&output, &(summary(&scene, &study) + &row("written", &output.display().to_string())))

@@ -49,7 +49,7 @@ pub(super) fn merge(arguments: &MergeArguments) -> Result<(), Failure> {
     let text = match &run.document.sweep {
         None => {
             let task = Task { output, lock: &lock, policy, shard: None, is_read_back: false };
-            summary(merge.scene(&task, &mut Progress::new(session.quiet))?.as_ref(), output)
+            summary(merge.scene(&task, &mut Progress::new(session.display))?.as_ref(), output)
         }
         Some(sweep) => {
             let (source, session, lock) = (&run.source, &session, &lock);

@@ -7,6 +7,7 @@ mod check;
 mod compare;
 mod coupling;
 mod describe;
+mod external;
 mod failure;
 mod finite_size;
 mod independence;
@@ -21,6 +22,7 @@ mod run;
 mod sandbox;
 mod session;
 mod shard;
+mod source;
 mod summary;
 mod sweep;
 mod terminal;
@@ -35,12 +37,13 @@ use self::compare::CompareArguments;
 use self::failure::Failure;
 use self::finite_size::FiniteSizeArguments;
 use self::merge::MergeArguments;
+use self::source::SceneArguments;
 use self::terminal::printed;
 use crate::math::instruction_set::InstructionSet;
 use crate::scene::echo::{one_line, printable};
 use anyhow::Context;
-use clap::{Parser, Subcommand};
-use std::ffi::OsString;
+use clap::{CommandFactory, Parser, Subcommand};
+use std::ffi::{OsStr, OsString};
 use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -50,7 +53,9 @@ const AFTER_HELP: &str = "Exit codes: 0 done; 1 failed while running; 2 the comm
 3 validate: ensemble and integral disagree, or datasets contradict each other; 130 interrupted, what was done is kept: run --resume.
 
 STICTION_INSTRUCTION_SET=baseline, avx2 or avx512 chooses vector instructions; by default the fastest of this processor. They do not \
-change the result.";
+change the result.
+
+Another NAME runs the program stiction-NAME from the folder of this program or from the PATH; `pip install stiction` brings plot and report.";
 
 /// Adhesion of rough surfaces from explicit ensembles of asperities, solved one by one.
 #[derive(Parser)]
@@ -81,11 +86,10 @@ enum Command {
     )]
     FiniteSize(FiniteSizeArguments),
     /// Say what a scene would compute, what it skips and why, and what that takes; computes nothing
-    #[command(after_help = "Example:\n  stiction check configs/case_ii.toml")]
-    Check {
-        /// The scene, TOML
-        scene: PathBuf,
-    },
+    #[command(
+        after_help = "Example:\n  stiction check configs/case_ii.toml\n  stiction check configs/case_ii.toml --set 'material.work_of_adhesion=\"0.1 J/m^2\"'"
+    )]
+    Check(SceneArguments),
     /// Check a finished run: its ensemble against its integral, and its datasets against each other
     #[command(after_help = "Example:\n  stiction validate case_ii.h5")]
     Validate {
@@ -106,11 +110,15 @@ enum Command {
     /// Solve one asperity; prints CSV in the scaled variables of Maugis
     #[command(after_help = "Example:\n  stiction asperity --law md --lambda 0.9 --delta -1 -0.5 0 1")]
     Asperity(AsperityArguments),
+    /// The program stiction-NAME
+    #[command(external_subcommand)]
+    External(Vec<OsString>),
 }
 
 /// Parses the command line, runs the command, prints the error, returns the exit code.
 pub fn main() -> ExitCode {
     let result = match Cli::try_parse_from(decimal(std::env::args_os())) {
+        Ok(Cli { command: Command::External(named) }) => return external(&named[0]),
         Ok(cli) => execute(cli.command),
         Err(refused) if refused.use_stderr() => {
             let _ = refused.print();
@@ -120,20 +128,30 @@ pub fn main() -> ExitCode {
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,
-        Err(failure) => {
-            // Nobody may be there to read it.
-            let mut text = format!("stiction: {}\n", one_line(&failure.to_string()));
-            match &failure {
-                Failure::Kept { advice, .. } => text += &format!("{}\n", printable(advice)),
-                Failure::Listed { list, .. } => {
-                    text.extend(list.iter().map(|item| format!("  {}\n", one_line(item))));
-                }
-                _ => {}
-            }
-            let _ = std::io::stderr().write_all(text.as_bytes());
-            ExitCode::from(failure.exit_code())
-        }
+        Err(failure) => told(&failure),
     }
+}
+
+/// Says why a command ends without its result; its exit code.
+fn told(failure: &Failure) -> ExitCode {
+    let mut text = format!("stiction: {}\n", one_line(&failure.to_string()));
+    match failure {
+        Failure::Kept { advice, .. } => text += &format!("{}\n", printable(advice)),
+        Failure::Listed { list, .. } => {
+            text.extend(list.iter().map(|item| format!("  {}\n", one_line(item))));
+        }
+        _ => {}
+    }
+    // Nobody may be there to read it.
+    let _ = std::io::stderr().write_all(text.as_bytes());
+    ExitCode::from(failure.exit_code())
+}
+
+/// Runs the program of a command of that name, with the arguments as they were given.
+fn external(name: &OsStr) -> ExitCode {
+    let cli = Cli::command();
+    let own = cli.get_subcommands().map(clap::Command::get_name);
+    external::external(name, std::env::args_os().skip(2), own).unwrap_or_else(|failure| told(&failure))
 }
 
 /// The arguments, with negative numbers up to a `--` written without exponent and with a digit before the
@@ -161,18 +179,18 @@ fn execute(command: Command) -> Result<(), Failure> {
         Command::Merge(arguments) => merge::merge(&arguments),
         Command::Compare(arguments) => compare::compare(&arguments),
         Command::FiniteSize(arguments) => finite_size::finite_size(&arguments),
-        Command::Check { scene } => check::check(&scene),
+        Command::Check(scene) => check::check(&scene),
         Command::Validate { file } => sandbox::sandboxed(&file, validate::validate),
         Command::Info { file } => sandbox::sandboxed(&file, info::info),
         Command::Asperities(arguments) => asperities::asperities(&arguments),
         Command::Asperity(arguments) => asperity::asperity(&arguments),
+        Command::External(_) => unreachable!("programs are run before"),
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use clap::CommandFactory;
 
     /// The help of every command ends with examples, which are commands.
     #[test]

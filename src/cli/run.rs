@@ -7,14 +7,13 @@ use super::session::Session;
 use super::summary::summary;
 use super::terminal::{complete_before, print_of};
 use super::{shard, sweep};
-use crate::experiment::files::inputs_of;
 use crate::experiment::prepared::{SceneLaws, Task, run_scene};
 use crate::experiment::sampling::set_ensemble;
 use crate::output::OutputLock;
 use crate::scene::Document;
 
 pub(super) fn run(arguments: &RunArguments) -> Result<(), Failure> {
-    let document = Document::from_toml_file(&arguments.scene)?;
+    let document = arguments.scene.document()?;
     if let Some(shard) = arguments.shard {
         return shard::run(shard, document, arguments);
     }
@@ -23,15 +22,15 @@ pub(super) fn run(arguments: &RunArguments) -> Result<(), Failure> {
         return sweep::run(&sweep, &scene, arguments);
     }
     set_ensemble(&mut scene, arguments.options.replicas, arguments.options.seed)?;
-    let output = arguments.output(".h5");
+    let output = arguments.output(".h5")?;
     let session = Session::new(&arguments.options.execution, arguments.options.checkpoint)?;
-    let lock = OutputLock::new(&output, &inputs_of(&arguments.scene, &scene))?;
+    let lock = OutputLock::new(&output, &arguments.scene.inputs(&scene))?;
     let policy = arguments.options.policy();
     let task = Task { output: &output, lock: &lock, policy, shard: None, is_read_back: false };
     let laws =
         SceneLaws::fitting(&scene, scene.replicas, &task, &session, session.pool.current_num_threads());
-    let laws = laws.map_err(|error| error.in_scene(&arguments.scene))?;
-    match run_scene(scene, laws, &task, &session, &mut Progress::new(session.quiet))? {
+    let laws = laws.map_err(|error| error.in_scene(arguments.scene.path()))?;
+    match run_scene(scene, laws, &task, &session, &mut Progress::new(session.display))? {
         Some(results) => print_of(&output, &summary(&results, &output)),
         None => complete_before(&output),
     }

@@ -2,7 +2,7 @@
 
 use super::arguments::{Execution, RunOptions};
 use super::failure::Failure;
-use super::progress::Progress;
+use super::progress::{Display, Progress};
 use super::resources;
 use crate::engine::Shard;
 use crate::estimate::Estimate;
@@ -27,17 +27,18 @@ pub(super) const INTERRUPTED: i32 = 130;
 /// A session: all that the runs of a command have in common.
 pub(super) struct Session {
     shared: prepared::Session,
-    /// Whether there is no progress.
-    pub quiet: bool,
+    /// How progress is shown.
+    pub display: Display,
 }
 
 impl Session {
     /// Begins the session of a command by its arguments.
     pub fn new(execution: &Execution, interval: Duration) -> Result<Self, Failure> {
         let stop = interruption()?;
-        let (pool, host) = (thread_pool(execution.threads())?, Box::new(Terminal { quiet: execution.quiet }));
+        let display = execution.display();
+        let (pool, host) = (thread_pool(execution.threads())?, Box::new(Terminal { display }));
         let shared = prepared::Session { stop, pool, interval, host };
-        Ok(Self { shared, quiet: execution.quiet })
+        Ok(Self { shared, display })
     }
 }
 
@@ -51,12 +52,12 @@ impl Deref for Session {
 
 /// The terminal as the host of experiments.
 struct Terminal {
-    quiet: bool,
+    display: Display,
 }
 
 impl Host for Terminal {
     fn observer(&self, run: String) -> Box<dyn Observer> {
-        Box::new(Progress::of_run(self.quiet, run))
+        Box::new(Progress::of_run(self.display, run))
     }
 
     fn notice(&self, text: &str) {

@@ -8,7 +8,6 @@ use super::rows::row;
 use super::session::{Session, points};
 use super::terminal::{complete_before, print_of};
 use crate::engine::Shard;
-use crate::experiment::files::inputs_of;
 use crate::experiment::sampling::set_ensemble;
 use crate::experiment::shard_run::ShardRun;
 use crate::format::{duration, replicas};
@@ -19,19 +18,19 @@ use crate::scene::{Document, Scene, Sweep};
 pub(super) fn run(shard: Shard, document: Document, arguments: &RunArguments) -> Result<(), Failure> {
     let Shard { index, count } = shard;
     let width = count.to_string().len();
-    let output = arguments.output(&format!(".{index:0width$}-of-{count}.shard"));
+    let output = arguments.output(&format!(".{index:0width$}-of-{count}.shard"))?;
     let Document { mut scene, sweep } = document;
     set_ensemble(&mut scene, arguments.options.replicas, arguments.options.seed)?;
     if scene.stopping.is_some() {
         let problem = "ends its ensemble at a target, so nobody knows before how many replicas there are to share; give --replicas";
-        return Err(Failure::Usage(format!("{}: {problem}", arguments.scene.display())));
+        return Err(Failure::Usage(format!("{}: {problem}", arguments.scene.path().display())));
     }
     let session = Session::new(&arguments.options.execution, arguments.options.checkpoint)?;
-    let lock = OutputLock::new(&output, &inputs_of(&arguments.scene, &scene))?;
-    let (source, policy) = (&arguments.scene, arguments.options.policy());
+    let lock = OutputLock::new(&output, &arguments.scene.inputs(&scene))?;
+    let (source, policy) = (arguments.scene.path(), arguments.options.policy());
     let run = ShardRun { shard, source, output: &output, lock: &lock, policy, session: &session };
     let pieces = match &sweep {
-        None => run.of_scene(&scene, &mut Progress::new(session.quiet)),
+        None => run.of_scene(&scene, &mut Progress::new(session.display)),
         Some(sweep) => run.of_sweep(&points(sweep, source, &lock, &arguments.options, &session, Some(shard))),
     };
     match pieces? {

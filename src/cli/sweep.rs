@@ -5,7 +5,6 @@ use super::failure::Failure;
 use super::rows::row;
 use super::session::{Session, points};
 use super::terminal::{complete_before, print_of};
-use crate::experiment::files::inputs_of;
 use crate::experiment::points::Points;
 use crate::experiment::stacked::{SweepPoint, run_sweep};
 use crate::format::si;
@@ -16,10 +15,10 @@ use crate::validation::{SIGNIFICANCE, Verdict, disagreeing, overall};
 use std::path::Path;
 
 pub(super) fn run(sweep: &Sweep, first: &Scene, arguments: &RunArguments) -> Result<(), Failure> {
-    let output = arguments.output(".h5");
+    let output = arguments.output(".h5")?;
     let session = Session::new(&arguments.options.execution, arguments.options.checkpoint)?;
-    let lock = OutputLock::new(&output, &inputs_of(&arguments.scene, first))?;
-    let points = points(sweep, &arguments.scene, &lock, &arguments.options, &session, None);
+    let lock = OutputLock::new(&output, &arguments.scene.inputs(first))?;
+    let points = points(sweep, arguments.scene.path(), &lock, &arguments.options, &session, None);
     match run_sweep(&points)? {
         Some(rows) => print_of(&output, &told(&points, &rows)?),
         None => complete_before(&output),

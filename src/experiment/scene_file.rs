@@ -3,7 +3,7 @@
 use super::Error;
 use crate::input::columns::SceneFiles;
 use crate::scene::{Document, Scene};
-use std::io::ErrorKind;
+use std::io::{ErrorKind, Read};
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
@@ -42,10 +42,14 @@ pub(crate) const LONGEST_SCENE: u64 = 4 << 20;
 /// Reads a text of at most `most` bytes, from whatever the path names: a file, a pipe that somebody writes
 /// to, or a device without end.
 pub(crate) fn read_text(path: &Path, most: u64) -> Result<String, String> {
-    use std::io::Read;
-    let unreadable = |error| format!("cannot be read: {error}");
+    text_of(opened(path).map_err(|error| format!("cannot be read: {error}"))?, most)
+}
+
+/// The text of at most `most` bytes that a source gives.
+pub(crate) fn text_of(source: impl Read, most: u64) -> Result<String, String> {
     let mut bytes = Vec::new();
-    opened(path).map_err(unreadable)?.take(most + 1).read_to_end(&mut bytes).map_err(unreadable)?;
+    let read = source.take(most + 1).read_to_end(&mut bytes);
+    read.map_err(|error| format!("cannot be read: {error}"))?;
     if bytes.starts_with(HDF5) {
         return Err("is an HDF5 file, not a text; `stiction info` shows what is in a result".to_owned());
     }

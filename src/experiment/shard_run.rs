@@ -161,7 +161,8 @@ impl ShardRun<'_> {
 
     /// Writes the output out of the checkpoints of the parts: what it has.
     fn written(&self, identity: Identity, parts: &[Part]) -> Result<Vec<ShardPiece>, Error> {
-        let scene_file = self.source.canonicalize().unwrap_or_else(|_| self.source.to_owned());
+        let scene_file = self.source.canonicalize().or_else(|_| std::path::absolute(self.source));
+        let scene_file = scene_file.unwrap_or_else(|_| self.source.to_owned());
         let head = Head {
             identity,
             scene_file: scene_file.to_string_lossy().into_owned(),

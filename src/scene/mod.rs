@@ -23,6 +23,8 @@ mod population;
 mod ranges;
 mod reader;
 mod separation;
+#[doc(hidden)]
+pub mod settings;
 mod stopping;
 mod substrate;
 #[doc(hidden)]

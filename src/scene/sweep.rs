@@ -15,8 +15,9 @@ use super::error::SceneError;
 use super::files::Files;
 use super::parse::read;
 use super::reader::{Entry, Section, document};
+use super::settings::place;
 use std::sync::Arc;
-use toml_edit::{DocumentMut, Item, TableLike, value};
+use toml_edit::{DocumentMut, Item, value};
 
 /// A sweep: points in the order of the keys, the last of which runs fastest.
 #[derive(Clone, Debug)]
@@ -215,17 +216,9 @@ fn template(text: &str) -> Result<DocumentMut, SceneError> {
 
 /// Puts a value in the place of a key, whatever it was.
 fn put(scene: &mut DocumentMut, name: &str, value: Item) -> Result<(), SceneError> {
-    let (tables, key) = name.rsplit_once('.').unwrap_or(("", name));
-    let mut table: &mut dyn TableLike = scene.as_table_mut();
-    for name in tables.split('.').filter(|name| !name.is_empty()) {
-        let within = table.entry(name).or_insert_with(toml_edit::table).as_table_like_mut();
-        table = within.ok_or_else(|| SceneError::general(format!("`{name}`: a table [{name}] is needed")))?;
-    }
-    match table.get_mut(key) {
-        Some(item) => *item = value,
-        None => _ = table.insert(key, value),
-    }
-    Ok(())
+    let path: Vec<&str> = name.split('.').collect();
+    place(scene, &path, value)
+        .map_err(|table| SceneError::general(format!("`{table}`: a table [{table}] is needed")))
 }
 
 #[cfg(test)]

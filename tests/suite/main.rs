@@ -26,6 +26,7 @@ mod measured_surfaces;
 mod outputs;
 mod populations;
 mod processors;
+mod programs;
 mod rough_surface;
 mod sampling;
 mod secant;

@@ -9,25 +9,25 @@ use super::failure::Failure;
 use super::progress::Progress;
 use super::resources;
 use super::session::interruption;
+use super::source::SceneArguments;
 use super::terminal::{print, print_of};
 use crate::asperity::models::Model;
 use crate::estimate::Estimate;
 use crate::experiment::Phases;
 use crate::experiment::compare::PreparedComparison;
-use crate::experiment::files::inputs_of;
 use crate::experiment::prepared::thread_pool;
 use crate::experiment::sampling::set_ensemble;
 use crate::output::OutputLock;
-use crate::scene::Scene;
 use clap::Args;
 use std::path::PathBuf;
 
 #[derive(Args)]
 pub(super) struct CompareArguments {
-    /// The scene, TOML; of its model the path counts, and critical_approach for fit:paper, but not the law
-    pub scene: PathBuf,
-    /// The laws, separated by commas; deviations are from the first
-    #[arg(long, required = true, value_delimiter = ',', value_name = "LAW,LAW...")]
+    #[command(flatten)]
+    pub scene: SceneArguments,
+    /// The laws, separated by commas, by default the scene's; deviations are from the first. Of the scene's
+    /// model the path counts too, and critical_approach for fit:paper
+    #[arg(long, value_delimiter = ',', value_name = "LAW,LAW...")]
     pub laws: Vec<String>,
     /// Also sum explicit ensembles, of the same asperities for every law
     #[arg(long)]
@@ -47,13 +47,14 @@ pub(super) struct CompareArguments {
 
 pub(super) fn compare(arguments: &CompareArguments) -> Result<(), Failure> {
     let stop = interruption()?;
-    let models = models(&arguments.laws)?;
+    let named = models(&arguments.laws)?;
+    let mut scene = arguments.scene.scene()?;
+    let models = if named.is_empty() { vec![scene.model] } else { named };
     let count = models.len();
-    let mut scene = Scene::from_toml_file(&arguments.scene)?;
     set_ensemble(&mut scene, arguments.replicas, arguments.seed)?;
-    let inputs = inputs_of(&arguments.scene, &scene);
+    let inputs = arguments.scene.inputs(&scene);
     let prepared = PreparedComparison::new(scene, models, arguments.ensemble)
-        .map_err(|error| error.in_scene(&arguments.scene))?;
+        .map_err(|error| error.in_scene(arguments.scene.path()))?;
     let lock = arguments.output.as_ref().map(|output| OutputLock::new(output, &inputs)).transpose()?;
     lock.as_ref().map_or(Ok(()), |lock| lock.check(arguments.execution.force))?;
     let pool = thread_pool(arguments.execution.threads())?;
@@ -62,9 +63,9 @@ pub(super) fn compare(arguments: &CompareArguments) -> Result<(), Failure> {
         let estimate = Estimate::new(scene, law, pool.current_num_threads());
         let estimate = Estimate { ensembles: count as f64, curves: false, ..estimate };
         resources::require(&estimate, arguments.output.as_deref())
-            .map_err(|problem| Failure::Usage(format!("{}: {problem}", arguments.scene.display())))?;
+            .map_err(|problem| Failure::Usage(format!("{}: {problem}", arguments.scene.path().display())))?;
     }
-    let mut progress = Progress::new(arguments.execution.quiet);
+    let mut progress = Progress::new(arguments.execution.display());
     let comparison = prepared.run(&pool, &stop, &mut Phases::new(&mut progress))?;
     if let Some(lock) = &lock {
         comparison.write_locked(lock, arguments.execution.force)?;

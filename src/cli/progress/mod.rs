@@ -1,6 +1,8 @@
 //! Progress on the terminal: the phase by name, and for the ensemble replicas done, their rate and the time
 //! left. Where there is no terminal, a line now and then.
 
+mod json;
+
 use crate::experiment::Observer;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use std::fmt::Write;
@@ -16,27 +18,40 @@ const LINES: (Duration, Duration) = (Duration::from_secs(10), Duration::from_sec
 /// When the next line of this program is due, whatever run of several it is of.
 static SCHEDULE: Mutex<Option<Schedule>> = Mutex::new(None);
 
-/// Shows the phases of a run, one after the other, on standard error; nothing when quiet.
+/// How progress is shown.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Display {
+    /// Not at all.
+    None,
+    /// For people: a bar, or now and then a line.
+    Text,
+    /// For programs: lines of JSON.
+    Json,
+}
+
+/// Shows the phases of a run, one after the other, on standard error.
 pub(super) struct Progress {
-    quiet: bool,
+    display: Display,
     /// The run that the phases belong to, of several.
     run: String,
     bar: ProgressBar,
     /// In the place of the bar where nobody would see it.
     log: Option<Log>,
+    /// The phase that is told in JSON.
+    told: Option<json::Phase>,
 }
 
 impl Progress {
     /// Shows nothing yet.
-    pub fn new(quiet: bool) -> Self {
-        Self::of_run(quiet, String::new())
+    pub fn new(display: Display) -> Self {
+        Self::of_run(display, String::new())
     }
 
     /// Shows nothing yet; then, before each phase, which run of several it is of.
-    pub fn of_run(quiet: bool, run: String) -> Self {
-        let log =
-            (!quiet && !std::io::stderr().is_terminal()).then(|| Log::new(&SCHEDULE, std::io::stderr()));
-        Self { quiet, run, bar: ProgressBar::hidden(), log }
+    pub fn of_run(display: Display, run: String) -> Self {
+        let is_log = display == Display::Text && !std::io::stderr().is_terminal();
+        let log = is_log.then(|| Log::new(&SCHEDULE, std::io::stderr()));
+        Self { display, run, bar: ProgressBar::hidden(), log, told: None }
     }
 
     fn begin(&mut self, name: &'static str, count: Option<(u64, u64)>, bar: ProgressBar, template: &str) {
@@ -45,10 +60,12 @@ impl Progress {
         if let Some(log) = &self.log {
             log.set(Some(Phase::new(title.clone(), count)));
         }
-        bar.set_draw_target(if self.quiet {
-            ProgressDrawTarget::hidden()
-        } else {
-            ProgressDrawTarget::stderr()
+        if self.display == Display::Json {
+            self.told = Some(json::Phase::new(self.run.clone(), name, count));
+        }
+        bar.set_draw_target(match self.display {
+            Display::Text => ProgressDrawTarget::stderr(),
+            Display::None | Display::Json => ProgressDrawTarget::hidden(),
         });
         let style = ProgressStyle::with_template(template).expect("templates are checked by a test");
         bar.set_style(style.with_key("rate", |state: &ProgressState, out: &mut dyn Write| {
@@ -83,10 +100,16 @@ impl Observer for Progress {
         if let Some(log) = &self.log {
             log.advance(replicas);
         }
+        if let Some(told) = &mut self.told {
+            told.advance(replicas);
+        }
     }
 
     fn end(&mut self) {
         self.bar.finish_and_clear();
+        if let Some(told) = self.told.take() {
+            told.end();
+        }
         if let Some(log) = &self.log {
             log.set(None);
         }

@@ -1,0 +1,75 @@
+//! Progress for programs: a line of JSON at the beginning of a phase, then at most ten a second, and one when
+//! all of a phase is done.
+
+use serde_json::json;
+use std::io::Write;
+use std::time::{Duration, Instant};
+
+/// Shortest time between two lines of a phase.
+const INTERVAL: Duration = Duration::from_millis(100);
+
+/// A phase of a run.
+pub(super) struct Phase {
+    run: String,
+    name: &'static str,
+    /// Replicas that are done, and all.
+    count: Option<(u64, u64)>,
+    told: Instant,
+    /// Replicas that were done when that was last told.
+    done: u64,
+}
+
+impl Phase {
+    /// A phase that begins, which is told.
+    pub fn new(run: String, name: &'static str, count: Option<(u64, u64)>) -> Self {
+        let mut phase = Self { run, name, count, told: Instant::now(), done: 0 };
+        phase.tell();
+        phase
+    }
+
+    /// Counts replicas.
+    pub fn advance(&mut self, replicas: u64) {
+        if let Some((done, _)) = &mut self.count {
+            *done += replicas;
+            if self.told.elapsed() >= INTERVAL {
+                self.tell();
+            }
+        }
+    }
+
+    /// Tells how far a phase has got that ends.
+    pub fn end(mut self) {
+        if self.count.is_some_and(|(done, _)| done != self.done) {
+            self.tell();
+        }
+    }
+
+    fn tell(&mut self) {
+        // Nobody may be there to read it.
+        let _ = std::io::stderr().write_all(self.line().as_bytes());
+        self.told = Instant::now();
+        self.done = self.count.map_or(0, |(done, _)| done);
+    }
+
+    fn line(&self) -> String {
+        let (done, total) = self.count.unzip();
+        format!("{}\n", json!({ "run": self.run, "phase": self.name, "done": done, "total": total }))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_is_an_object_with_four_keys() {
+        let mut phase = Phase::new("point 2 of 6".to_owned(), "ensemble", Some((40, 1000)));
+        phase.advance(10);
+        let read: serde_json::Value = serde_json::from_str(&phase.line()).unwrap();
+        assert_eq!(read, json!({ "run": "point 2 of 6", "phase": "ensemble", "done": 50, "total": 1000 }));
+        assert_eq!(phase.line().matches('\n').count(), 1);
+        let uncounted = Phase::new(String::new(), "integral", None);
+        let read: serde_json::Value = serde_json::from_str(&uncounted.line()).unwrap();
+        assert_eq!(read, json!({ "run": "", "phase": "integral", "done": null, "total": null }));
+    }
+}

@@ -1,0 +1,84 @@
+//! The scene of a command: a file or standard input, with the settings that the command line has for it.
+
+use super::failure::Failure;
+use crate::experiment::Error;
+use crate::experiment::files::inputs_of;
+use crate::experiment::scene_file::{LONGEST_SCENE, read_text, text_of};
+use crate::input::columns::SceneFiles;
+use crate::scene::settings::{Setting, told_of, with_settings};
+use crate::scene::{Document, Scene, SceneError};
+use clap::Args;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// What stands for standard input on the command line.
+const STANDARD_INPUT: &str = "-";
+
+#[derive(Args)]
+pub(super) struct SceneArguments {
+    /// The scene, TOML; - for standard input, files that it names are then in the current folder
+    pub scene: PathBuf,
+    /// Set a key of the scene: a dotted name, as in TOML, and a value, of which a text needs no quotation
+    /// marks of its own; may be given several times
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    settings: Vec<Setting>,
+}
+
+impl SceneArguments {
+    /// Where the scene is, as messages name it and files in it are looked for.
+    pub fn path(&self) -> &Path {
+        if is_standard_input(&self.scene) { Path::new("standard input") } else { &self.scene }
+    }
+
+    /// The scene or the sweep.
+    pub fn document(&self) -> Result<Document, Failure> {
+        let path = self.path();
+        let text = text(&self.scene, LONGEST_SCENE)
+            .map_err(|problem| Error::Unreadable { path: path.to_owned(), problem })?;
+        let refused = |error: SceneError| Error::Scene { path: path.to_owned(), error };
+        let edited = with_settings(&text, &self.settings).map_err(refused)?;
+        let document = Document::parse(&edited, Arc::new(SceneFiles::scene(path)));
+        Ok(document.map_err(|error| refused(told_of(error, &text, &edited, &self.settings)))?)
+    }
+
+    /// The scene, of a command that takes no sweeps.
+    pub fn scene(&self) -> Result<Scene, Failure> {
+        match self.document()? {
+            Document { scene, sweep: None } => Ok(scene),
+            Document { .. } => Err(Error::IsSweep(self.path().to_owned()).into()),
+        }
+    }
+
+    /// The output that is named, or else the scene's name with this ending, in the current folder.
+    pub fn output(&self, named: Option<&Path>, ending: &str) -> Result<PathBuf, Failure> {
+        match named {
+            Some(output) => Ok(output.to_owned()),
+            None if is_standard_input(&self.scene) => Err(Failure::Usage(
+                "a scene from standard input has no name for its result; name one with -o".to_owned(),
+            )),
+            None => {
+                let mut name = self.scene.file_stem().unwrap_or_default().to_owned();
+                name.push(ending);
+                Ok(name.into())
+            }
+        }
+    }
+
+    /// The files that the scene is made of.
+    pub fn inputs(&self, scene: &Scene) -> Vec<PathBuf> {
+        let mut inputs = inputs_of(self.path(), scene);
+        if is_standard_input(&self.scene) {
+            inputs.remove(0);
+        }
+        inputs
+    }
+}
+
+fn is_standard_input(path: &Path) -> bool {
+    path == Path::new(STANDARD_INPUT)
+}
+
+/// The text of a file, or of standard input where `-` stands for it, of at most `most` bytes.
+pub(super) fn text(path: &Path, most: u64) -> Result<String, String> {
+    if is_standard_input(path) { text_of(std::io::stdin().lock(), most) } else { read_text(path, most) }
+}

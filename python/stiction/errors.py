@@ -1,0 +1,32 @@
+"""What can go wrong, as exceptions that carry the program's own message."""
+
+__all__ = ["FileError", "SceneError", "StictionError"]
+
+
+class StictionError(Exception):
+    """A command of the program failed.
+
+    Attributes
+    ----------
+    exit_code : int
+        What the program ended with: 1 failed while running, 2 the command or the scene is wrong, 3 a check found
+        a disagreement.
+    """
+
+    def __init__(self, message: str, exit_code: int = 1) -> None:
+        super().__init__(message)
+        self.exit_code = exit_code
+
+
+class SceneError(StictionError):
+    """The scene or an argument is wrong; nothing was computed or written."""
+
+    def __init__(self, message: str, exit_code: int = 2) -> None:
+        super().__init__(message, exit_code)
+
+
+class FileError(StictionError):
+    """A file cannot be read, or is no result of stiction."""
+
+    def __init__(self, message: str, exit_code: int = 2) -> None:
+        super().__init__(message, exit_code)

@@ -1,0 +1,502 @@
+"""Results of the program: thin things over the `xarray.DataTree` of a file."""
+
+from __future__ import annotations
+
+import tomllib
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import h5py
+import numpy as np
+import pandas as pd
+import xarray
+
+from . import quantities
+from .errors import FileError
+
+if TYPE_CHECKING:
+    from .plot.accessors import Plot
+
+__all__ = [
+    "Asperities",
+    "Comparison",
+    "CrossCheck",
+    "FiniteSize",
+    "PullOff",
+    "Result",
+    "Run",
+    "Sweep",
+    "open_run",
+]
+
+
+@dataclass(frozen=True)
+class PullOff:
+    """The pull-off force that is to be quoted: the mean over replicas.
+
+    Attributes
+    ----------
+    mean, standard_error : float
+        The mean over replicas and its standard error, N; with the integral as control variate where that was possible.
+    interval : tuple of float
+        What holds the true mean with the probability `interval_level`, N.
+    std, scatter : float
+        Standard deviation from patch to patch, N, and over the plain mean of the replicas.
+    separation : float
+        Mean separation of the pull-off of replicas, m.
+    of_mean_curve, of_integral : float
+        Depth of the mean curve, and of the statistical integral, N: smaller, as each patch has its own separation.
+    replicas : int
+        How many replicas it is the mean of.
+    """
+
+    mean: float
+    standard_error: float
+    interval: tuple[float, float]
+    interval_level: float
+    std: float
+    scatter: float
+    separation: float
+    of_mean_curve: float
+    of_integral: float
+    replicas: int
+
+    def __str__(self) -> str:
+        return quantities.with_error(self.mean, self.standard_error, "N")
+
+    def __float__(self) -> float:
+        return self.mean
+
+
+@dataclass(frozen=True)
+class CrossCheck:
+    """The joint test of the ensemble against the integral.
+
+    Attributes
+    ----------
+    verdict : str
+        ``agree``, ``disagree`` or ``not tested``.
+    p_value, statistic, degrees_of_freedom, significance : float
+        χ², its degrees of freedom and the probability of a larger one; NaN when not tested.
+    """
+
+    verdict: str
+    p_value: float
+    statistic: float
+    degrees_of_freedom: float
+    significance: float
+
+    def __str__(self) -> str:
+        if np.isnan(self.p_value):
+            return self.verdict
+        return f"{self.verdict} at the {100 * self.significance:g} % level, p = {self.p_value:.3g}"
+
+
+class Result:
+    """A result file that is open for reading.
+
+    Attributes
+    ----------
+    path : pathlib.Path
+        The file.
+    tree : xarray.DataTree
+        All groups, datasets and attributes of the file; values are read when they are needed.
+    """
+
+    kind: ClassVar[str] = ""
+    #: The root attribute `format` of such files, and the major version that this package reads.
+    format: ClassVar[str] = ""
+    major_version: ClassVar[int] = 0
+    made_by: ClassVar[str] = ""
+
+    def __init__(self, path: str | Path) -> None:
+        self.path = Path(path)
+        _checked(self.path, type(self))
+        self.tree = _opened(self.path)
+
+    @property
+    def attrs(self) -> dict[str, Any]:
+        """The attributes of the whole file."""
+        return dict(self.tree.attrs)
+
+    @property
+    def title(self) -> str:
+        """The title of the scene, or "" without one."""
+        return str(self.tree.attrs.get("title", ""))
+
+    @property
+    def scene_text(self) -> str:
+        """The scene as it was run, TOML."""
+        return str(self.tree.attrs.get("scene", ""))
+
+    @cached_property
+    def scene(self) -> dict[str, Any]:
+        """The tables of the scene as it was run."""
+        return tomllib.loads(self.scene_text)
+
+    @property
+    def warnings(self) -> list[str]:
+        """What the program warned of, a text each."""
+        return [line for line in str(self.tree.attrs.get("warnings", "")).splitlines() if line]
+
+    @property
+    def is_partial(self) -> bool:
+        """Whether some replicas of the run are missing, as shards of it were."""
+        return "partial" in self.tree.attrs
+
+    @property
+    def plot(self) -> Plot:
+        """Figures: ``result.plot()`` draws the page of its kind, ``result.plot.force(ax=ax)`` a part of it."""
+        from .plot.accessors import of
+
+        return of(self)
+
+    def __getitem__(self, path: str) -> Any:
+        """A group (`xarray.DataTree`) or dataset (`xarray.DataArray`) by its path in the file."""
+        return self.tree[path]
+
+    def __contains__(self, path: str) -> bool:
+        node: Any = self.tree
+        for name in path.strip("/").split("/"):
+            if not (isinstance(node, xarray.DataTree) and (name in node.children or name in node.variables)):
+                return False
+            node = node[name]
+        return True
+
+    def group(self, name: str) -> xarray.Dataset:
+        """A group as a dataset of its own; a group that the file does not have is an error.
+
+        Raises
+        ------
+        FileError
+            The file has no such group.
+        """
+        if name not in self.tree.children:
+            known = ", ".join(self.tree.children)
+            raise FileError(f"{self.path}: no group /{name}; it has {known}")
+        return self.tree[name].to_dataset(inherit=False)
+
+    def save(self, path: str | Path, *, force: bool = False) -> Path:
+        """Copies the file to `path`.
+
+        Raises
+        ------
+        FileError
+            There is a file already and `force` is false.
+        """
+        import shutil
+
+        target = Path(path)
+        if target.exists() and not force:
+            raise FileError(f"{target}: exists; force=True overwrites it")
+        shutil.copyfile(self.path, target)
+        return target
+
+    def close(self) -> None:
+        """Closes the file."""
+        self.tree.close()
+
+    def __enter__(self) -> Result:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def summary(self) -> list[tuple[str, str]]:
+        """Names and values of the lines that `repr` shows."""
+        return []
+
+    def __repr__(self) -> str:
+        lines = [f"<stiction.{type(self).__name__} {self.title or self.path.name!r}>"]
+        lines += [f"  {name:<18}{value}" for name, value in self.summary()]
+        lines += [f"  {'warning':<18}{text}" for text in self.warnings]
+        return "\n".join(lines)
+
+    def _repr_html_(self) -> str:
+        from html import escape
+
+        rows = self.summary() + [("warning", text) for text in self.warnings]
+        cells = "".join(
+            f"<tr><th style='text-align:left'>{escape(name)}</th><td style='text-align:left'>{escape(value)}</td></tr>"
+            for name, value in rows
+        )
+        return f"<table><caption>{escape(self.title or self.path.name)}</caption>{cells}</table>"
+
+
+class _Curves(Result):
+    """What results with ensemble and integral have in common."""
+
+    @cached_property
+    def ensemble(self) -> xarray.Dataset:
+        """Means over replicas, over `separation` (m) and `h_star`, both of which select."""
+        return _indexed(self.group("ensemble"))
+
+    @cached_property
+    def integral(self) -> xarray.Dataset:
+        """The statistical integral, over `separation` (m) and `h_star`."""
+        return _indexed(self.group("integral"))
+
+    @cached_property
+    def validation(self) -> xarray.Dataset:
+        """Ensemble against integral: z-scores over `separation`, and what the joint test looks at."""
+        return _indexed(self.group("validation"))
+
+    @cached_property
+    def independence(self) -> xarray.Dataset:
+        """What taking asperities as independent is worth, with the attribute or variable `verdict`."""
+        return self.group("independence")
+
+    @cached_property
+    def replicas(self) -> xarray.Dataset:
+        """Numbers of each replica: a row each in ``replicas.to_dataframe()``.
+
+        Variables that have a dimension besides (curves, snaps, the points of a sweep aside) are in `curves`.
+        """
+        whole = self.group("replicas")
+        points = set(self.tree.dims)
+        rows = [name for name, value in whole.data_vars.items() if set(value.dims) - points == {"replica"}]
+        table = whole[rows]
+        return table.drop_vars([name for name, value in table.coords.items() if set(value.dims) - points - {"replica"}])
+
+    @cached_property
+    def curves(self) -> xarray.Dataset:
+        """Curves of each replica over `separation`, with ``curves = true`` in ``[output]``."""
+        whole = _indexed(self.group("replicas"))
+        return whole[[name for name, value in whole.data_vars.items() if value.ndim > 1]]
+
+
+class Run(_Curves):
+    """A result of `stiction run` of one scene."""
+
+    kind, format, major_version, made_by = "run", "stiction-run", 3, "stiction run"
+
+    @cached_property
+    def pull_off(self) -> PullOff:
+        """The pull-off force that is to be quoted; of a loop on retraction."""
+        ensemble, replicas = self.group("ensemble"), self.group("replicas")
+        force = ensemble.sel(scalar="pull_off_force")
+        values = replicas["pull_off_force"].values
+        low, high = (float(value) for value in force["scalar_controlled_interval"].values)
+        std = float(values.std(ddof=1)) if values.size > 1 else float("nan")
+        return PullOff(
+            mean=float(force["scalar_controlled_mean"]),
+            standard_error=float(force["scalar_controlled_standard_error"]),
+            interval=(low, high),
+            interval_level=float(ensemble.attrs["interval_level"]),
+            std=std,
+            scatter=std / float(values.mean()) if values.mean() > 0.0 else float("nan"),
+            separation=float(replicas["pull_off_separation"].mean()),
+            of_mean_curve=float(ensemble.attrs["pull_off_force"]),
+            of_integral=float(self.tree["integral"].attrs["pull_off_force"]),
+            replicas=int(values.size),
+        )
+
+    @cached_property
+    def cross_check(self) -> CrossCheck:
+        """The joint test of the ensemble against the integral."""
+        attrs = self.tree["validation"].attrs
+        names = ("p_value", "statistic", "degrees_of_freedom", "significance")
+        return CrossCheck(str(attrs["verdict"]), *(float(attrs[name]) for name in names))
+
+    def summary(self) -> list[tuple[str, str]]:
+        pull_off, sigma = self.pull_off, float(self.attrs["surface_height_std"])
+        low, high = (quantities.si(value, "N") for value in pull_off.interval)
+        rows = [("law", f"{self.attrs['law']}, {self.attrs['history']}")]
+        if pull_off.mean > 0.0:
+            rows += [
+                ("pull-off", f"{pull_off}, mean over {pull_off.replicas} replicas"),
+                ("interval", f"{low} to {high} ({100 * pull_off.interval_level:g} %)"),
+                ("scatter", f"{100 * pull_off.scatter:.4g} % from patch to patch, at h* = {pull_off.separation / sigma:.3f} on average"),
+            ]
+        else:
+            rows += [("pull-off", "none: no replica pulls")]
+        rows += [("cross-check", str(self.cross_check))]
+        rows += [("independence", str(self.independence.attrs["verdict"]))]
+        if self.is_partial:
+            rows += [("partial", f"{self.attrs['replicas']} of {self.attrs['replicas_of_whole_run']} replicas")]
+        return rows
+
+
+class Sweep(_Curves):
+    """A result of `stiction run` of a scene with `[sweep]`: points along its keys."""
+
+    kind, format, major_version, made_by = "sweep", "stiction-sweep", 4, "stiction run of a scene with [sweep]"
+
+    @property
+    def keys(self) -> list[str]:
+        """The keys of the scene that are swept, as the scene writes them."""
+        return str(self.tree.attrs["sweep_keys"]).replace(",", " ").split()
+
+    @cached_property
+    def points(self) -> xarray.Dataset:
+        """Numbers of the points: the dimensions are the keys of the sweep."""
+        return self.tree.to_dataset(inherit=False)
+
+    @cached_property
+    def pull_off(self) -> xarray.Dataset:
+        """The pull-off force of each point: `mean`, `standard_error`, `interval` and that `of_integral`, N."""
+        force = self.group("ensemble").sel(scalar="pull_off_force")
+        names = {"mean": "mean", "standard_error": "standard_error", "interval": "interval"}
+        quoted = {name: force[f"scalar_controlled_{of}"] for name, of in names.items()}
+        whole = xarray.Dataset({**quoted, "of_integral": self.tree["integral"]["pull_off_force"]})
+        kept = set(self.tree.dims) | {"range_end"}
+        return whole.drop_vars([name for name in whole.coords if name not in kept])
+
+    def summary(self) -> list[tuple[str, str]]:
+        means = self.pull_off["mean"]
+        low, high = (quantities.si(value, "N") for value in (means.min(), means.max()))
+        shape = " x ".join(f"{size} of {name}" for name, size in self.points.sizes.items())
+        return [
+            ("law", f"{self.attrs['law']}, {self.attrs['history']}"),
+            ("points", shape),
+            ("pull-off", f"{low} to {high}"),
+            ("cross-check", str(self.tree["validation"].attrs["overall_verdict"])),
+        ]
+
+
+class Comparison(_Curves):
+    """A result of `stiction compare`: laws on the same asperities, along the dimension `law`."""
+
+    kind, format, major_version = "comparison", "stiction-comparison", 3
+    made_by = "stiction compare"
+
+    @property
+    def laws(self) -> list[str]:
+        """The names of the laws; deviations are from the first."""
+        return [str(name) for name in self.integral["law"].values]
+
+    def summary(self) -> list[tuple[str, str]]:
+        forces = self.integral["pull_off_force"]
+        return [(law, quantities.si(force, "N")) for law, force in zip(self.laws, forces.values, strict=True)]
+
+
+class FiniteSize(Result):
+    """A result of `stiction finite-size`: patches along `asperity_count`."""
+
+    kind, format, major_version = "finite_size", "stiction-finite-size", 2
+    made_by = "stiction finite-size"
+
+    @cached_property
+    def sizes(self) -> xarray.Dataset:
+        """Pull-off per asperity, its bias against the integral and its scatter, over `asperity_count`."""
+        return self.tree.to_dataset(inherit=False)
+
+    def summary(self) -> list[tuple[str, str]]:
+        sizes = self.sizes
+        return [
+            (f"{int(count)} asperities", f"bias {100 * float(bias):.3g} %, scatter {100 * float(std):.3g} %")
+            for count, bias, std in zip(
+                sizes["asperity_count"].values, sizes["bias"].values, sizes["relative_std"].values, strict=True
+            )
+        ]
+
+
+class Asperities(Result):
+    """A result of `stiction asperities`: the asperities of a measured surface."""
+
+    kind, format, major_version = "asperities", "stiction-asperities", 2
+    made_by = "stiction asperities"
+
+    @cached_property
+    def asperities(self) -> xarray.Dataset:
+        """Height over the mean plane (m), radius (m) and place (m) of each asperity."""
+        return self.group("asperities")
+
+    @property
+    def height(self) -> Any:
+        """Heights of the asperities above the mean plane of the surface, array (asperities,), m."""
+        return self.asperities["height"].values
+
+    @property
+    def radius(self) -> Any:
+        """Radii of the asperities, array (asperities,), m."""
+        return self.asperities["radius"].values
+
+    @cached_property
+    def map(self) -> xarray.DataArray:
+        """The levelled heights (m) in which they were found, dimensions `y` and `x` (m); NaN where pixels are missing."""
+        return self.group("map")["height"]
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """A row for each asperity."""
+        return self.asperities.to_dataframe()
+
+    def summary(self) -> list[tuple[str, str]]:
+        def equivalent(name: str) -> float:
+            return float(self.tree["equivalent"][name])
+
+        return [
+            ("map", f"{self.attrs['map']}, {' x '.join(str(int(n)) for n in self.attrs['map_shape'])} pixels"),
+            ("asperities", str(self.asperities.sizes["asperity"])),
+            ("density", quantities.si(equivalent("asperity_density") * 1e-12, "1") + " /µm²"),
+            ("radius", quantities.si(equivalent("asperity_radius"), "m")),
+            ("height std", quantities.si(equivalent("asperity_height_std"), "m")),
+        ]
+
+
+_KINDS: dict[str, type[Result]] = {kind.format: kind for kind in (Run, Sweep, Comparison, FiniteSize, Asperities)}
+
+
+def open_run(path: str | Path) -> Any:
+    """Opens a result of the program, of whatever kind it is.
+
+    Parameters
+    ----------
+    path : str or pathlib.Path
+        What `stiction run`, `compare`, `finite-size` or `asperities` left.
+
+    Returns
+    -------
+    Run, Sweep, Comparison, FiniteSize or Asperities
+        By the root attribute `format` of the file.
+
+    Raises
+    ------
+    FileError
+        There is no such file, it is no result of stiction, or one of a version that this package does not read.
+    """
+    path = Path(path)
+    kind = _KINDS.get(_checked(path, None))
+    if kind is None:
+        raise FileError(f"{path}: no result of stiction that is known here")
+    return kind(path)
+
+
+def _checked(path: Path, kind: type[Result] | None) -> str:
+    """The format of a file, which has to be that of the kind, in its major version."""
+    if not path.exists():
+        raise FileError(f"{path}: no such file")
+    if not path.is_file() or not h5py.is_hdf5(path):
+        raise FileError(f"{path}: not an HDF5 file")
+    try:
+        with h5py.File(path, "r") as file:
+            found = file.attrs.get("format", "")
+            version = np.atleast_1d(file.attrs.get("format_version", 0))
+    except OSError as error:
+        raise FileError(f"{path}: {' '.join(str(error).split())}") from None
+    name = found.decode() if isinstance(found, bytes) else str(found)
+    known = _KINDS.get(name)
+    if known is None:
+        raise FileError(f"{path}: not a result of stiction: its attribute `format` is not one of {', '.join(_KINDS)}")
+    if kind is not None and known is not kind:
+        raise FileError(f"{path}: a result of `{known.made_by}`, not of `{kind.made_by}`; open_run opens any")
+    if int(version[0]) != known.major_version:
+        raise FileError(
+            f"{path}: its format version is {version[0]}.x, this package reads {known.major_version}.x: "
+            "make it again, or install the package of the version that made it"
+        )
+    return name
+
+
+def _opened(path: Path) -> xarray.DataTree:
+    return xarray.open_datatree(path, engine="h5netcdf")
+
+
+def _indexed(group: xarray.Dataset) -> xarray.Dataset:
+    """With `h_star` and `asperity_separation` to select by, as `separation` is, where they are lists of their own."""
+    for name in ("h_star", "asperity_separation"):
+        if name in group.coords and group[name].dims == ("separation",):
+            group = group.set_xindex(name)
+    return group

@@ -107,8 +107,10 @@ enum Command {
         after_help = "Examples:\n  stiction asperities configs/maps/polished.txt -o polished.h5\n  stiction asperities scan.npy --pixel \"9.8 nm\" --height-unit nm"
     )]
     Asperities(AsperitiesArguments),
-    /// Solve one asperity; prints CSV in the scaled variables of Maugis
-    #[command(after_help = "Example:\n  stiction asperity --law md --lambda 0.9 --delta -1 -0.5 0 1")]
+    /// Solve one asperity, in the scaled variables of Maugis, or those of a table, in SI too; prints CSV
+    #[command(
+        after_help = "Examples:\n  stiction asperity --law md --lambda 0.9 --delta -1 -0.5 0 1\n  stiction asperity --law jkr --table tips.csv --path retraction"
+    )]
     Asperity(AsperityArguments),
     /// The program stiction-NAME
     #[command(external_subcommand)]

@@ -270,3 +270,180 @@ fn a_comparison_without_laws_is_of_that_of_the_scene() {
     assert_eq!(compare(&[]), compare(&["--laws", "hybrid"]));
     assert_eq!(compare(&["--set", "model.law=sbl"]), compare(&["--laws", "sbl"]));
 }
+
+/// The columns of a CSV text, by name.
+fn column(csv: &str, name: &str) -> Vec<String> {
+    let mut lines = csv.lines();
+    let place = lines.next().unwrap().split(',').position(|column| column == name);
+    let place = place.unwrap_or_else(|| panic!("no column {name} in {csv}"));
+    lines.map(|line| line.split(',').nth(place).unwrap().to_owned()).collect()
+}
+
+fn numbers(csv: &str, name: &str) -> Vec<f64> {
+    column(csv, name).iter().map(|field| field.parse().unwrap()).collect()
+}
+
+const TIP: &str = "radius,reduced_modulus,work_of_adhesion,equilibrium_spacing,interference\n";
+
+/// Tables in SI against closed forms: Hertz's load 4/3 E R^1/2 d^3/2 and radius (R d)^1/2, the pull-off of
+/// Johnson, Kendall and Roberts -3/2 pi R w and that of Derjaguin, Muller and Toporov -2 pi R w, and the
+/// adhesion parameter of Maugis.
+#[test]
+fn asperities_in_si_are_those_of_closed_forms() {
+    use std::f64::consts::PI;
+    let folder = Folder::new("");
+    let solved = |law: &str, table: &str, more: &[&str]| {
+        let command = [&["asperity", "--law", law, "--table", "-"], more].concat();
+        let output = given(&folder, &command, table);
+        assert_exit(&output, 0);
+        text(&output.stdout)
+    };
+    let close = |a: f64, b: f64, to: f64| assert!((a / b - 1.0).abs() < to, "{a:e} {b:e}");
+    for (radius, modulus, work) in [(2e-6_f64, 70e9_f64, 0.05_f64), (30e-9, 1e9, 0.2), (1e-3, 1e6, 0.03)] {
+        let rows = |interferences: &mut dyn Iterator<Item = f64>| {
+            TIP.to_owned()
+                + &interferences
+                    .map(|d| format!("{radius:e},{modulus:e},{work:e},0.3e-9,{d:e}\n"))
+                    .collect::<String>()
+        };
+        let csv = solved("hertz", &rows(&mut [1e-3, 1e-2].into_iter().map(|d| d * radius)), &[]);
+        for (i, d) in [1e-3 * radius, 1e-2 * radius].into_iter().enumerate() {
+            close(
+                numbers(&csv, "external_force")[i],
+                4.0 / 3.0 * modulus * radius.sqrt() * d.powf(1.5),
+                1e-14,
+            );
+            close(numbers(&csv, "contact_radius")[i], (radius * d).sqrt(), 1e-14);
+            assert_eq!(numbers(&csv, "interference")[i].to_bits(), d.to_bits());
+            assert_eq!(column(&csv, "regime")[i], "elastic");
+        }
+        let k = 4.0 / 3.0 * modulus;
+        let lambda = 2.0 * 1.03 * work / 0.3e-9 * (radius / (PI * work * k * k)).cbrt();
+        close(numbers(&csv, "adhesion_parameter")[0], lambda, 1e-14);
+        // About the depth of the pull-off of JKR, a step of which costs the square of it.
+        let unit = (PI * PI * work * work * radius / (k * k)).cbrt();
+        let steps = &mut (-1500..1500).map(|i| 1e-3 * f64::from(i) * unit);
+        let csv = solved("jkr", &rows(steps), &["--path", "retraction"]);
+        let pull_off = numbers(&csv, "external_force").into_iter().fold(0.0, f64::min);
+        close(pull_off, -1.5 * PI * radius * work, 1e-5);
+        let csv = solved("dmt", &rows(&mut std::iter::once(0.0)), &[]);
+        close(numbers(&csv, "external_force")[0], -2.0 * PI * radius * work, 1e-14);
+        let (contact, adhesion) = (numbers(&csv, "contact_force")[0], numbers(&csv, "adhesion_force")[0]);
+        assert_eq!(contact - adhesion, numbers(&csv, "external_force")[0]);
+    }
+}
+
+/// A table in SI is the one in scaled variables in other units, with plastic contact and a lubricant too; all
+/// columns of the table are there again, and rows of one asperity and of several may alternate.
+#[test]
+fn tables_in_si_and_in_scaled_variables_agree() {
+    use std::f64::consts::PI;
+    let folder = Folder::new("");
+    let (radius, modulus, work, spacing): (f64, f64, f64, f64) = (3.33e-6, 85.29e9, 0.09, 0.2e-9);
+    let (k, nu, hardness, lubricant) = (4.0 / 3.0 * modulus, 0.27, 2.5e9, 0.5e-9);
+    let unit = (PI * PI * work * work * radius / (k * k)).cbrt();
+    let lambda = 2.0 * 1.03 / PI * unit / spacing;
+    let strain = PI * (0.454 + 0.41 * nu) * hardness / (2.0 * modulus);
+    let critical = strain * strain * radius;
+    let deltas = [-5.0, -2.0, -0.5, 0.5, 10.0, 100.0, 1200.0];
+    let other = format!("other,1e-6,1e9,0.05,{spacing:e},1e-9,,,\n");
+    let own = |delta: &f64| {
+        let delta = delta * unit;
+        format!(
+            "this,{radius:e},{modulus:e},{work:e},{spacing:e},{delta:e},{hardness:e},{nu},{lubricant:e}\n"
+        )
+    };
+    let table = format!("name,{},hardness,poisson_ratio,lubricant_thickness\n", TIP.trim())
+        + &deltas.iter().map(|delta| own(delta) + &other).collect::<String>();
+    std::fs::write(folder.path("tips.csv"), &table).unwrap();
+    // A row without hardness stays elastic, if its law can.
+    let refused = folder.stiction(&["asperity", "--law", "isbl", "--table", "tips.csv"]);
+    assert_exit(&refused, 2);
+    let message = "tips.csv: line 3: hardness and poisson_ratio are missing, which the law isbl needs";
+    assert!(text(&refused.stderr).contains(message), "{}", text(&refused.stderr));
+
+    let si = folder.stiction(&["asperity", "--law", "hybrid", "--table", "tips.csv"]);
+    assert_exit(&si, 0);
+    let si = text(&si.stdout);
+    let options = [
+        format!("--lambda={lambda:e}"),
+        format!("--critical-interference={:e}", critical / unit),
+        format!("--lubricant-thickness={:e}", lubricant / unit),
+        format!("--poisson-ratio={nu}"),
+        "--delta".to_owned(),
+    ];
+    let shown: Vec<String> = options.into_iter().chain(deltas.iter().map(f64::to_string)).collect();
+    let command: Vec<&str> =
+        ["asperity", "--law", "hybrid"].into_iter().chain(shown.iter().map(String::as_str)).collect();
+    let scaled = folder.stiction(&command);
+    assert_exit(&scaled, 0);
+    let scaled = text(&scaled.stdout);
+    let force = PI * work * radius;
+    let contact = (PI * work * radius * radius / k).cbrt();
+    for (name, unit) in [("adhesion_force", force), ("external_force", force), ("contact_radius", contact)] {
+        let own = numbers(&si, name).into_iter().step_by(2);
+        for (own, scaled) in own.zip(numbers(&scaled, name)) {
+            assert!((own - unit * scaled).abs() <= 1e-9 * (unit * scaled).abs(), "{name} {own} {scaled}");
+        }
+    }
+    let own: Vec<String> = column(&si, "regime").into_iter().step_by(2).collect();
+    let regimes =
+        ["noncontact", "lubricant", "elastic", "elastic", "elastoplastic1", "elastoplastic2", "plastic"];
+    assert_eq!(own, regimes);
+    let others: Vec<String> = column(&si, "external_force").into_iter().skip(1).step_by(2).collect();
+    assert!(others.iter().all(|force| *force == others[0]));
+    for (given, told) in table.lines().zip(si.lines()) {
+        assert!(told.starts_with(&format!("{given},")), "{told}");
+    }
+}
+
+#[test]
+fn bad_rows_of_asperities_are_named() {
+    let folder = Folder::new("");
+    let good = "1e-6,1e9,0.05,0.2e-9,1e-9";
+    for (table, message) in [
+        (
+            format!("{TIP}{good}\n-1e-6,1e9,0.05,0.2e-9,0\n"),
+            "line 3: radius = `-1e-6` will not do: a positive number is needed",
+        ),
+        (
+            format!("{TIP}{good}\n\n1e-6,stiff,0.05,0.2e-9,0\n"),
+            "line 4: reduced_modulus = `stiff` is not a number",
+        ),
+        (format!("{TIP}1e-6,1e9,0,0.2e-9,0\n"), "line 2: work_of_adhesion = `0` will not do"),
+        (format!("{TIP}1e-6,1e9,0.05,nan,0\n"), "line 2: equilibrium_spacing = `nan` will not do"),
+        (
+            format!("{TIP}1e-6,1e9,0.05,0.2e-9,inf\n"),
+            "line 2: interference = `inf` will not do: a finite number",
+        ),
+        (format!("{TIP}1e-6,1e9,0.05,0.2e-9\n"), "line 2: has 4 fields, and the first line 5"),
+        (format!("{TIP}1e6,1,0.05,0.2e-9,0\n"), "line 2: the adhesion parameter lambda is"),
+        (
+            "radius,interference\n1,2\n".to_owned(),
+            "line 1: no column `reduced_modulus`; the columns radius,reduced_modulus,work_of_adhesion,equilibrium_spacing,interference are needed",
+        ),
+        (format!("hardnes,{TIP}1e9,{good}\n"), "line 1: unknown column `hardnes`; did you mean `hardness`?"),
+        (format!("radius,{TIP}1e-6,{good}\n"), "line 1: the column `radius` is there twice"),
+        (format!("hardness,{TIP}1e9,{good}\n"), "line 2: poisson_ratio is missing, which the hardness needs"),
+        (
+            format!("poisson_ratio,{TIP}0.6,{good}\n"),
+            "line 2: poisson_ratio = `0.6` will not do: a number greater than -1 and at most 0.5",
+        ),
+        (
+            "a,b\n1,2\n".to_owned(),
+            "line 1: no column `lambda`; the columns lambda,delta are needed, or in SI radius,",
+        ),
+    ] {
+        let refused = given(&folder, &["asperity", "--law", "hybrid", "--table", "-"], &table);
+        assert_exit(&refused, 2);
+        let error = text(&refused.stderr);
+        assert!(error.starts_with(&format!("stiction: standard input: {message}")), "{error}");
+    }
+    for option in ["--critical-interference=1", "--poisson-ratio=0.3", "--lubricant-thickness=1"] {
+        let table = format!("{TIP}{good}\n");
+        let refused = given(&folder, &["asperity", "--law", "hybrid", "--table", "-", option], &table);
+        assert_exit(&refused, 2);
+        let message = format!("{} is for scaled variables", option.split('=').next().unwrap());
+        assert!(text(&refused.stderr).contains(&message), "{}", text(&refused.stderr));
+    }
+}

@@ -1,17 +1,19 @@
-//! `stiction asperity`: one asperity in scaled variables, as CSV.
+//! `stiction asperity`: one asperity in scaled variables, or those of a table, as CSV.
 
+mod si;
+mod table;
+
+use self::table::Table;
 use super::arguments::{not_negative, number};
 use super::failure::Failure;
+use super::source;
 use super::terminal::print;
 use crate::asperity::Path as History;
 use crate::asperity::models::Model;
 use crate::asperity::scale::pressure_factor;
 use crate::asperity::{Law, LawError, LawParameters, Regime, SolvedAsperity, SolverStats};
 use crate::experiment::run::law_named;
-use crate::experiment::scene_file::read_text;
-use crate::scene::echo::shortened;
 use clap::Args;
-use std::path::Path;
 use std::path::PathBuf;
 
 #[derive(Args)]
@@ -25,7 +27,9 @@ pub(super) struct AsperityArguments {
     /// Scaled approaches, negative before contact
     #[arg(long, num_args = 1.., required_unless_present = "table", conflicts_with = "table", allow_negative_numbers = true)]
     pub delta: Vec<f64>,
-    /// CSV with the columns lambda,delta
+    /// CSV with the columns lambda,delta, or in SI with radius,reduced_modulus,work_of_adhesion,
+    /// equilibrium_spacing,interference and, if there are such, hardness,poisson_ratio,lubricant_thickness;
+    /// - for standard input. Of a table in SI the forces stand behind its own columns, SI too
     #[arg(long, value_name = "IN.csv")]
     pub table: Option<PathBuf>,
     /// History: approach or retraction
@@ -37,9 +41,9 @@ pub(super) struct AsperityArguments {
     /// Poisson ratio of the softer body, which the fully plastic load needs
     #[arg(long, value_name = "NU", value_parser = poisson_ratio, allow_negative_numbers = true)]
     pub poisson_ratio: Option<f64>,
-    /// Scaled thickness of the lubricant
-    #[arg(long, value_name = "T", value_parser = not_negative, default_value = "0", allow_negative_numbers = true)]
-    pub lubricant_thickness: f64,
+    /// Scaled thickness of the lubricant; none by default
+    #[arg(long, value_name = "T", value_parser = not_negative, allow_negative_numbers = true)]
+    pub lubricant_thickness: Option<f64>,
     /// Adds the columns iterations (evaluations of the equations) and safeguarded (1 where the search took a
     /// bracket)
     #[arg(long)]
@@ -68,7 +72,19 @@ const LONGEST_TABLE: u64 = 256 << 20;
 pub(super) fn asperity(arguments: &AsperityArguments) -> Result<(), Failure> {
     let model = find("--law", arguments.law.trim())?;
     let points = match (&arguments.table, arguments.lambda) {
-        (Some(table), _) => read_table(table)?,
+        (Some(path), _) => {
+            let shown =
+                if path.as_os_str() == "-" { "standard input".into() } else { path.to_string_lossy() };
+            let wrong = |problem: String| Failure::Usage(format!("{shown}: {problem}"));
+            let text = source::text(path, LONGEST_TABLE).map_err(wrong)?;
+            let table = Table::new(&text);
+            if si::NEEDED.iter().any(|name| table.column(name).is_some()) && !is_scaled(&table) {
+                refuse_scaled(arguments)?;
+                let solved = si::solved(&table, &model, arguments.path, arguments.diagnostics);
+                return print(&solved.map_err(wrong)?);
+            }
+            points(&table).map_err(wrong)?
+        }
         (None, Some(lambda)) => arguments.delta.iter().map(|&delta| (lambda, delta)).collect(),
         (None, None) => {
             return Err(Failure::Usage("give --lambda and --delta, or --table".to_owned()));
@@ -104,7 +120,7 @@ fn parameters(lambda: f64, arguments: &AsperityArguments) -> Result<LawParameter
     let parameters = LawParameters {
         critical_interference: arguments.critical_interference.unwrap_or(f64::INFINITY),
         pressure_factor: arguments.poisson_ratio.map_or(parameters.pressure_factor, pressure_factor),
-        lubricant_thickness: arguments.lubricant_thickness,
+        lubricant_thickness: arguments.lubricant_thickness.unwrap_or(0.0),
         table_range: arguments.tables.map(|furthest| (-furthest, furthest)),
         ..parameters
     };
@@ -139,32 +155,46 @@ fn line(law: &dyn Law, lambda: f64, delta: f64, arguments: &AsperityArguments) -
     Ok(format!("{lambda:.16e},{delta:.16e},{branch},{}{cost}\n", numbers.join(",")))
 }
 
-/// Reads the columns lambda and delta of a CSV file, in any order among others.
-fn read_table(path: &Path) -> Result<Vec<(f64, f64)>, Failure> {
-    let text = read_text(path, LONGEST_TABLE);
-    let wrong = |problem: String| Failure::Usage(format!("{}: {problem}", path.display()));
-    text.and_then(|text| points(&text)).map_err(wrong)
+/// The columns of a table in scaled variables.
+const SCALED: [&str; 2] = ["lambda", "delta"];
+
+/// Whether a table has one of the columns of scaled variables.
+fn is_scaled(table: &Table<'_>) -> bool {
+    SCALED.iter().any(|name| table.column(name).is_some())
 }
 
-/// λ and Δ of each row of a CSV text.
-fn points(text: &str) -> Result<Vec<(f64, f64)>, String> {
-    let mut lines = text.lines();
-    let header: Vec<&str> = lines.next().unwrap_or_default().split(',').map(str::trim).collect();
+/// Refuses options in scaled variables beside a table in SI.
+fn refuse_scaled(arguments: &AsperityArguments) -> Result<(), Failure> {
+    let given = [
+        ("--critical-interference", arguments.critical_interference.is_some(), "; give the column hardness"),
+        ("--poisson-ratio", arguments.poisson_ratio.is_some(), "; give the column poisson_ratio"),
+        (
+            "--lubricant-thickness",
+            arguments.lubricant_thickness.is_some(),
+            "; give the column lubricant_thickness",
+        ),
+        ("--tables", arguments.tables.is_some(), ""),
+    ];
+    match given.into_iter().find(|(_, given, _)| *given) {
+        None => Ok(()),
+        Some((option, _, advice)) => {
+            Err(Failure::Usage(format!("{option} is for scaled variables, and the table is in SI{advice}")))
+        }
+    }
+}
+
+/// λ and Δ of each row of a table that has them, in any order among others.
+fn points(table: &Table<'_>) -> Result<Vec<(f64, f64)>, String> {
     let column = |name: &str| {
-        let found = header.iter().position(|column| *column == name);
-        found.ok_or_else(|| format!("line 1: no column `{name}`; the columns lambda,delta are needed"))
+        table.column(name).ok_or_else(|| {
+            let si = si::NEEDED.join(",");
+            format!("line 1: no column `{name}`; the columns lambda,delta are needed, or in SI {si}")
+        })
     };
-    let (lambda, delta) = (column("lambda")?, column("delta")?);
-    let rows = lines.enumerate().filter(|(_, line)| !line.trim().is_empty());
-    rows.map(|(i, line)| {
-        let number = |column: usize, name: &str| {
-            let field = line.split(',').nth(column).unwrap_or_default().trim();
-            let wrong = |_| format!("line {}: {name} = `{}` is not a number", i + 2, shortened(field));
-            field.parse::<f64>().map_err(wrong)
-        };
-        Ok((number(lambda, "lambda")?, number(delta, "delta")?))
-    })
-    .collect()
+    let places = (column(SCALED[0])?, column(SCALED[1])?);
+    let point =
+        |row: table::Row<'_>| Ok((row.number(places.0, SCALED[0])?, row.number(places.1, SCALED[1])?));
+    table.rows().map(point).collect()
 }
 
 #[cfg(test)]
@@ -220,7 +250,7 @@ mod tests {
         let read = std::cell::Cell::new(0);
         let case = |(header, pieces): (&str, Vec<&str>)| {
             let text = header.to_owned() + &pieces.concat();
-            match points(&text) {
+            match points(&Table::new(&text)) {
                 Ok(points) => {
                     prop_assert_eq!(
                         points.len(),
@@ -250,7 +280,7 @@ mod tests {
             [",".repeat(4_000_000), "\n".repeat(4_000_000), "1,2\n".repeat(1_000_000), "9".repeat(4_000_000)]
         {
             let begun = Instant::now();
-            let _ = points(&format!("lambda,delta\n{row}"));
+            let _ = points(&Table::new(&format!("lambda,delta\n{row}")));
             assert!(begun.elapsed() < Duration::from_secs(10), "{:?}", begun.elapsed());
         }
     }

@@ -1,0 +1,162 @@
+//! Tables of asperities in SI: what each is made of and how far it is pressed, and the forces of that.
+
+use super::table::{Row, Table};
+use crate::asperity::models::Model;
+use crate::asperity::scale::{Asperity, Scale};
+use crate::asperity::{Law, LawError, LawParameters, Path, Regime, SolvedAsperity, SolverStats};
+use crate::scene::echo::shortened;
+use crate::scene::nearest;
+
+/// The columns that have to be there.
+pub(super) const NEEDED: [&str; 5] =
+    ["radius", "reduced_modulus", "work_of_adhesion", "equilibrium_spacing", "interference"];
+/// The columns that may be there, and may be empty.
+const OPTIONAL: [&str; 3] = ["hardness", "poisson_ratio", "lubricant_thickness"];
+/// The columns that are put behind them.
+const FOUND: &str = "adhesion_parameter,regime,adhesion_force,contact_force,external_force,contact_radius";
+/// Largest interference, as a multiple of the unit of the approach.
+const MOST: f64 = 1e100;
+
+/// An asperity of a table, SI.
+#[derive(Clone, Copy, PartialEq)]
+struct Tip {
+    needed: [f64; NEEDED.len() - 1],
+    optional: [Option<f64>; OPTIONAL.len()],
+}
+
+/// The table with the forces of every row behind what is given, all of it SI.
+///
+/// # Errors
+/// What is wrong with which line and column.
+pub(super) fn solved(
+    table: &Table<'_>,
+    model: &Model,
+    path: Path,
+    diagnostics: bool,
+) -> Result<String, String> {
+    let columns = columns(table)?;
+    let cost = if diagnostics { ",iterations,safeguarded" } else { "" };
+    let mut text = format!("{},{FOUND}{cost}\n", table.header.join(","));
+    let mut known: Option<(Tip, Scale, Box<dyn Law>)> = None;
+    for row in table.rows() {
+        if row.fields.len() != table.header.len() {
+            let (own, all) = (row.fields.len(), table.header.len());
+            return Err(row.at(&format!("has {own} fields, and the first line {all}")));
+        }
+        let (tip, interference) = read(&row, &columns)?;
+        let (_, scale, law) = match known.take() {
+            Some(same) if same.0 == tip => known.insert(same),
+            _ => {
+                let parameters = tip.parameters(path).map_err(|error| told(&row, &error))?;
+                let law = model.law(&parameters).map_err(|error| told(&row, &error))?;
+                known.insert((tip, parameters.scale, law))
+            }
+        };
+        if !(interference.abs() <= MOST * scale.length) {
+            let problem = "is too large beside the unit of the approach";
+            return Err(row.wrong("interference", &interference.to_string(), problem));
+        }
+        let solved = SolvedAsperity::new(law.as_ref(), interference);
+        let numbers =
+            [solved.adhesion_force, solved.contact_force, solved.external_force(), solved.contact_radius()];
+        let numbers = numbers.map(|number| format!("{number:.16e}")).join(",");
+        let regime = solved.regime.map_or("none", Regime::name);
+        let SolverStats { evaluations, safeguarded, .. } = solved.stats;
+        let cost = if diagnostics { format!(",{evaluations},{safeguarded}") } else { String::new() };
+        let given = row.fields.join(",");
+        text += &format!("{given},{:.16e},{regime},{numbers}{cost}\n", scale.lambda);
+    }
+    Ok(text)
+}
+
+/// Where the columns are, those that may be missing behind the others.
+fn columns(table: &Table<'_>) -> Result<[Option<usize>; NEEDED.len() + OPTIONAL.len()], String> {
+    let known = || NEEDED.into_iter().chain(OPTIONAL);
+    if let Some(missing) = NEEDED.iter().find(|name| table.column(name).is_none()) {
+        let (needed, optional) = (NEEDED.join(","), OPTIONAL.join(","));
+        return Err(format!(
+            "line 1: no column `{missing}`; the columns {needed} are needed, in SI, and {optional} may be there"
+        ));
+    }
+    for (i, name) in table.header.iter().enumerate() {
+        if known().any(|known| known == *name) {
+            if table.header[..i].contains(name) {
+                return Err(format!("line 1: the column `{name}` is there twice"));
+            }
+        } else if let Some(meant) = nearest(name, known().filter(|known| table.column(known).is_none())) {
+            return Err(format!("line 1: unknown column `{}`; did you mean `{meant}`?", shortened(name)));
+        }
+    }
+    let mut places = known().map(|name| table.column(name));
+    Ok(std::array::from_fn(|_| places.next().flatten()))
+}
+
+/// The asperity and the interference of a row.
+fn read(row: &Row<'_>, columns: &[Option<usize>]) -> Result<(Tip, f64), String> {
+    let number = |name: &str, column: usize, does: fn(f64) -> bool, needed: &str| {
+        let value = row.number(column, name)?;
+        match value.is_finite() && does(value) {
+            true => Ok(value),
+            false => Err(row.wrong(name, row.field(column), &format!("will not do: {needed} is needed"))),
+        }
+    };
+    let (places, optional) = columns.split_at(NEEDED.len());
+    let mut needed = [0.0; NEEDED.len()];
+    for ((value, name), place) in needed.iter_mut().zip(NEEDED).zip(places) {
+        let column = place.expect("columns that are needed are there");
+        *value = match name {
+            "interference" => number(name, column, |_| true, "a finite number")?,
+            _ => number(name, column, |value| value > 0.0, "a positive number")?,
+        };
+    }
+    let given = |i: usize, does: fn(f64) -> bool, needed: &str| {
+        let column = optional[i].filter(|column| !row.field(*column).is_empty());
+        column.map(|column| number(OPTIONAL[i], column, does, needed)).transpose()
+    };
+    let optional = [
+        given(0, |value| value > 0.0, "a positive number")?,
+        given(1, |value| value > -1.0 && value <= 0.5, "a number greater than -1 and at most 0.5")?,
+        given(2, |value| value >= 0.0, "0 or a positive number")?,
+    ];
+    if optional[0].is_some() && optional[1].is_none() {
+        return Err(row.at("poisson_ratio is missing, which the hardness needs"));
+    }
+    let [radius, modulus, work, spacing, interference] = needed;
+    Ok((Tip { needed: [radius, modulus, work, spacing], optional }, interference))
+}
+
+impl Tip {
+    /// The parameters of its law; it stays elastic where no hardness is given.
+    fn parameters(&self, path: Path) -> Result<LawParameters, LawError> {
+        let [radius, reduced_modulus, work_of_adhesion, equilibrium_spacing] = self.needed;
+        let [hardness, poisson_ratio, lubricant_thickness] = self.optional;
+        let asperity = Asperity {
+            radius,
+            reduced_modulus,
+            work_of_adhesion,
+            equilibrium_spacing,
+            hardness: hardness.unwrap_or(f64::INFINITY),
+            poisson_ratio: poisson_ratio.unwrap_or(0.0),
+            lubricant_thickness: lubricant_thickness.unwrap_or(0.0),
+        };
+        let parameters = LawParameters {
+            scale: Scale::new(&asperity)?,
+            critical_interference: asperity.critical_interference(),
+            pressure_factor: asperity.pressure_factor(),
+            lubricant_thickness: asperity.lubricant_thickness,
+            critical_approach: None,
+            path,
+            table_range: None,
+        };
+        parameters.checked()
+    }
+}
+
+fn told(row: &Row<'_>, error: &LawError) -> String {
+    match error {
+        LawError::Elastic(law) => {
+            row.at(&format!("hardness and poisson_ratio are missing, which the law {law} needs"))
+        }
+        error => row.at(&error.to_string()),
+    }
+}

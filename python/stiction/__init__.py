@@ -1,11 +1,40 @@
-"""Adhesion of rough surfaces from explicit ensembles of asperities."""
+"""Adhesion of rough surfaces from explicit ensembles of asperities.
+
+`run`, `sweep`, `compare`, `finite_size`, `integral` and `check` take a scene: the path of a TOML file, or a dict of its tables.
+`asperity` solves a single asperity, `find_asperities` reads a measured surface, `open_run` opens any result. `stiction.plot` draws
+results, `stiction.report` makes a page of them.
+"""
 
 from importlib.metadata import PackageNotFoundError, version
 
 from .errors import FileError, SceneError, StictionError
-from .results import Asperities, Comparison, FiniteSize, Run, Sweep, open_run
+from .experiments import check, compare, finite_size, integral, run, sweep
+from .maps import find_asperities
+from .results import Asperities, Comparison, CrossCheck, FiniteSize, PullOff, Result, Run, Sweep, open_run
+from .single import asperity
 
-__all__ = ["Asperities", "Comparison", "FileError", "FiniteSize", "Run", "SceneError", "StictionError", "Sweep", "open_run"]
+__all__ = [
+    "Asperities",
+    "Comparison",
+    "CrossCheck",
+    "FileError",
+    "FiniteSize",
+    "PullOff",
+    "Result",
+    "Run",
+    "SceneError",
+    "StictionError",
+    "Sweep",
+    "asperity",
+    "check",
+    "compare",
+    "find_asperities",
+    "finite_size",
+    "integral",
+    "open_run",
+    "run",
+    "sweep",
+]
 
 try:
     __version__ = version("stiction")

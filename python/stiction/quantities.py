@@ -3,12 +3,23 @@
 from __future__ import annotations
 
 import math
+import re
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-__all__ = ["factor_and_unit", "number", "plain_unit", "si", "with_error"]
+__all__ = [
+    "as_text",
+    "factor_and_unit",
+    "in_si",
+    "is_pint",
+    "number",
+    "pint_text",
+    "plain_unit",
+    "si",
+    "with_error",
+]
 
 _PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
 # Units that take a prefix; "m2" and its kin would have it squared.
@@ -104,3 +115,106 @@ def with_error(value: Any, error: Any, unit: str) -> str:
     places = max(1 - math.floor(math.log10(error / factor)), 0)
     text = f"{value / factor:.{places}f} ± {error / factor:.{places}f} {written}"
     return text.replace("-", "−").strip()
+
+
+_POWERS = {"": 0, "T": 12, "G": 9, "M": 6, "k": 3, "m": -3, "u": -6, "µ": -6, "μ": -6, "n": -9, "p": -12}
+
+
+def as_text(value: Any, unit: str) -> str:
+    """A quantity as the program reads it: a text as it is, a number in `unit`, a pint quantity in its SI unit.
+
+    Examples
+    --------
+    >>> as_text(2e-8, "m"), as_text("20 nm", "m")
+    ('2e-08 m', '20 nm')
+    """
+    if isinstance(value, str):
+        return value
+    if is_pint(value):
+        return pint_text(value)
+    return f"{float(value)!r} {unit}"
+
+
+def is_pint(value: Any) -> bool:
+    """Whether a value is a quantity of pint, which need not be installed."""
+    return hasattr(value, "magnitude") and hasattr(value, "is_compatible_with")
+
+
+# What scenes have units of, as pint and as scenes write them; J/m^2 and N/m are one.
+_OF_PINT = {
+    "meter": "m",
+    "meter**2": "m^2",
+    "1/meter**2": "/m^2",
+    "pascal": "Pa",
+    "newton/meter": "N/m",
+    "newton": "N",
+}
+
+
+def pint_text(value: Any) -> str:
+    """A scalar pint quantity as scenes write it, in its SI unit.
+
+    Raises
+    ------
+    ValueError
+        Scenes have no quantity of that dimension.
+    """
+    for of_pint, unit in _OF_PINT.items():
+        if value.is_compatible_with(of_pint):
+            return f"{float(value.to(of_pint).magnitude)!r} {unit}"
+    if value.is_compatible_with("dimensionless"):
+        return repr(float(value.to("dimensionless").magnitude))
+    known = ", ".join(_OF_PINT.values())
+    raise ValueError(f"{value}: scenes have no quantity of this dimension; they have {known}")
+
+
+def in_si(name: str, value: Any, unit: str) -> Any:
+    """Numbers in an SI unit from numbers, texts with a unit, or pint quantities, scalars or arrays.
+
+    Parameters
+    ----------
+    name : str
+        What it is, for the message.
+    value : float, str, array_like or pint.Quantity
+        Numbers are in `unit` already.
+    unit : {"m", "Pa", "J/m^2"}
+        The unit.
+
+    Raises
+    ------
+    ValueError
+        A text is not a number with such a unit, or a quantity has another dimension.
+
+    Examples
+    --------
+    >>> in_si("radius", "20 nm", "m"), in_si("work_of_adhesion", "50 mJ/m^2", "J/m^2")
+    (2e-08, 0.05)
+    """
+    if is_pint(value):
+        of_pint = {"m": "meter", "Pa": "pascal", "J/m^2": "newton/meter"}[unit]
+        if not value.is_compatible_with(of_pint):
+            raise ValueError(f"{name} = {value}: a quantity in {unit} is needed")
+        return value.to(of_pint).magnitude
+    if not isinstance(value, str):
+        if isinstance(value, list | tuple) and any(isinstance(one, str) for one in value):
+            return np.array([in_si(name, one, unit) for one in value])
+        return value
+    text = value.strip().replace("**", "^").replace("²", "^2")
+    found = re.fullmatch(r"([-+]?[\d.]+)(?:[eE]([-+]?\d+))?\s*(\S.*)", text)
+    if found is not None:
+        mantissa, exponent, written = found.groups()
+        written = {"angstrom": "Å", "A": "Å"}.get(written, written)
+        powers = {f"{sign}{unit}": power for sign, power in _POWERS.items()}
+        if unit == "J/m^2":
+            for spelling in ("N/m", "J/m2"):
+                powers |= {f"{sign}{spelling}": power for sign, power in _POWERS.items()}
+        if unit == "m":
+            powers["Å"] = -10
+        if written in powers:
+            try:
+                return float(f"{mantissa}e{int(exponent or 0) + powers[written]}")
+            except ValueError:
+                pass
+    raise ValueError(
+        f"{name} = {value!r}: a number with a unit such as {'n' if unit == 'm' else ''}{unit} is needed"
+    )

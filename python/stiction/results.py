@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import shutil
+import tempfile
 import tomllib
+import weakref
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -24,10 +27,12 @@ __all__ = [
     "Comparison",
     "CrossCheck",
     "FiniteSize",
+    "Place",
     "PullOff",
     "Result",
     "Run",
     "Sweep",
+    "indexed",
     "open_run",
 ]
 
@@ -119,7 +124,7 @@ class Result:
     @property
     def attrs(self) -> dict[str, Any]:
         """The attributes of the whole file."""
-        return dict(self.tree.attrs)
+        return {str(name): value for name, value in self.tree.attrs.items()}
 
     @property
     def title(self) -> str:
@@ -176,7 +181,7 @@ class Result:
         if name not in self.tree.children:
             known = ", ".join(self.tree.children)
             raise FileError(f"{self.path}: no group /{name}; it has {known}")
-        return self.tree[name].to_dataset(inherit=False)
+        return self.tree.children[name].to_dataset(inherit=False)
 
     def save(self, path: str | Path, *, force: bool = False) -> Path:
         """Copies the file to `path`.
@@ -186,8 +191,6 @@ class Result:
         FileError
             There is a file already and `force` is false.
         """
-        import shutil
-
         target = Path(path)
         if target.exists() and not force:
             raise FileError(f"{target}: exists; force=True overwrites it")
@@ -204,25 +207,29 @@ class Result:
     def __exit__(self, *_: object) -> None:
         self.close()
 
-    def summary(self) -> list[tuple[str, str]]:
+    def _summary(self) -> list[tuple[str, str]]:
         """Names and values of the lines that `repr` shows."""
         return []
 
     def __repr__(self) -> str:
         lines = [f"<stiction.{type(self).__name__} {self.title or self.path.name!r}>"]
-        lines += [f"  {name:<18}{value}" for name, value in self.summary()]
+        lines += [f"  {name:<18}{value}" for name, value in self._summary()]
         lines += [f"  {'warning':<18}{text}" for text in self.warnings]
         return "\n".join(lines)
 
     def _repr_html_(self) -> str:
         from html import escape
 
-        rows = self.summary() + [("warning", text) for text in self.warnings]
+        rows = self._summary() + [("warning", text) for text in self.warnings]
         cells = "".join(
             f"<tr><th style='text-align:left'>{escape(name)}</th><td style='text-align:left'>{escape(value)}</td></tr>"
             for name, value in rows
         )
         return f"<table><caption>{escape(self.title or self.path.name)}</caption>{cells}</table>"
+
+
+# Results without a name are read into memory up to this size, bytes.
+_IN_MEMORY = 100_000_000
 
 
 class _Curves(Result):
@@ -231,17 +238,17 @@ class _Curves(Result):
     @cached_property
     def ensemble(self) -> xarray.Dataset:
         """Means over replicas, over `separation` (m) and `h_star`, both of which select."""
-        return _indexed(self.group("ensemble"))
+        return indexed(self.group("ensemble"))
 
     @cached_property
     def integral(self) -> xarray.Dataset:
         """The statistical integral, over `separation` (m) and `h_star`."""
-        return _indexed(self.group("integral"))
+        return indexed(self.group("integral"))
 
     @cached_property
     def validation(self) -> xarray.Dataset:
         """Ensemble against integral: z-scores over `separation`, and what the joint test looks at."""
-        return _indexed(self.group("validation"))
+        return indexed(self.group("validation"))
 
     @cached_property
     def independence(self) -> xarray.Dataset:
@@ -258,12 +265,14 @@ class _Curves(Result):
         points = set(self.tree.dims)
         rows = [name for name, value in whole.data_vars.items() if set(value.dims) - points == {"replica"}]
         table = whole[rows]
-        return table.drop_vars([name for name, value in table.coords.items() if set(value.dims) - points - {"replica"}])
+        return table.drop_vars(
+            [name for name, value in table.coords.items() if set(value.dims) - points - {"replica"}]
+        )
 
     @cached_property
     def curves(self) -> xarray.Dataset:
         """Curves of each replica over `separation`, with ``curves = true`` in ``[output]``."""
-        whole = _indexed(self.group("replicas"))
+        whole = indexed(self.group("replicas"))
         return whole[[name for name, value in whole.data_vars.items() if value.ndim > 1]]
 
 
@@ -300,7 +309,7 @@ class Run(_Curves):
         names = ("p_value", "statistic", "degrees_of_freedom", "significance")
         return CrossCheck(str(attrs["verdict"]), *(float(attrs[name]) for name in names))
 
-    def summary(self) -> list[tuple[str, str]]:
+    def _summary(self) -> list[tuple[str, str]]:
         pull_off, sigma = self.pull_off, float(self.attrs["surface_height_std"])
         low, high = (quantities.si(value, "N") for value in pull_off.interval)
         rows = [("law", f"{self.attrs['law']}, {self.attrs['history']}")]
@@ -308,21 +317,31 @@ class Run(_Curves):
             rows += [
                 ("pull-off", f"{pull_off}, mean over {pull_off.replicas} replicas"),
                 ("interval", f"{low} to {high} ({100 * pull_off.interval_level:g} %)"),
-                ("scatter", f"{100 * pull_off.scatter:.4g} % from patch to patch, at h* = {pull_off.separation / sigma:.3f} on average"),
+                (
+                    "scatter",
+                    f"{100 * pull_off.scatter:.4g} % from patch to patch, at h* = {pull_off.separation / sigma:.3f} on average",
+                ),
             ]
         else:
             rows += [("pull-off", "none: no replica pulls")]
         rows += [("cross-check", str(self.cross_check))]
         rows += [("independence", str(self.independence.attrs["verdict"]))]
         if self.is_partial:
-            rows += [("partial", f"{self.attrs['replicas']} of {self.attrs['replicas_of_whole_run']} replicas")]
+            rows += [
+                ("partial", f"{self.attrs['replicas']} of {self.attrs['replicas_of_whole_run']} replicas")
+            ]
         return rows
 
 
 class Sweep(_Curves):
     """A result of `stiction run` of a scene with `[sweep]`: points along its keys."""
 
-    kind, format, major_version, made_by = "sweep", "stiction-sweep", 4, "stiction run of a scene with [sweep]"
+    kind, format, major_version, made_by = (
+        "sweep",
+        "stiction-sweep",
+        4,
+        "stiction run of a scene with [sweep]",
+    )
 
     @property
     def keys(self) -> list[str]:
@@ -344,7 +363,7 @@ class Sweep(_Curves):
         kept = set(self.tree.dims) | {"range_end"}
         return whole.drop_vars([name for name in whole.coords if name not in kept])
 
-    def summary(self) -> list[tuple[str, str]]:
+    def _summary(self) -> list[tuple[str, str]]:
         means = self.pull_off["mean"]
         low, high = (quantities.si(value, "N") for value in (means.min(), means.max()))
         shape = " x ".join(f"{size} of {name}" for name, size in self.points.sizes.items())
@@ -367,7 +386,7 @@ class Comparison(_Curves):
         """The names of the laws; deviations are from the first."""
         return [str(name) for name in self.integral["law"].values]
 
-    def summary(self) -> list[tuple[str, str]]:
+    def _summary(self) -> list[tuple[str, str]]:
         forces = self.integral["pull_off_force"]
         return [(law, quantities.si(force, "N")) for law, force in zip(self.laws, forces.values, strict=True)]
 
@@ -383,12 +402,15 @@ class FiniteSize(Result):
         """Pull-off per asperity, its bias against the integral and its scatter, over `asperity_count`."""
         return self.tree.to_dataset(inherit=False)
 
-    def summary(self) -> list[tuple[str, str]]:
+    def _summary(self) -> list[tuple[str, str]]:
         sizes = self.sizes
         return [
             (f"{int(count)} asperities", f"bias {100 * float(bias):.3g} %, scatter {100 * float(std):.3g} %")
             for count, bias, std in zip(
-                sizes["asperity_count"].values, sizes["bias"].values, sizes["relative_std"].values, strict=True
+                sizes["asperity_count"].values,
+                sizes["bias"].values,
+                sizes["relative_std"].values,
+                strict=True,
             )
         ]
 
@@ -423,12 +445,15 @@ class Asperities(Result):
         """A row for each asperity."""
         return self.asperities.to_dataframe()
 
-    def summary(self) -> list[tuple[str, str]]:
+    def _summary(self) -> list[tuple[str, str]]:
         def equivalent(name: str) -> float:
             return float(self.tree["equivalent"][name])
 
         return [
-            ("map", f"{self.attrs['map']}, {' x '.join(str(int(n)) for n in self.attrs['map_shape'])} pixels"),
+            (
+                "map",
+                f"{self.attrs['map']}, {' x '.join(str(int(n)) for n in self.attrs['map_shape'])} pixels",
+            ),
             ("asperities", str(self.asperities.sizes["asperity"])),
             ("density", quantities.si(equivalent("asperity_density") * 1e-12, "1") + " /µm²"),
             ("radius", quantities.si(equivalent("asperity_radius"), "m")),
@@ -436,7 +461,9 @@ class Asperities(Result):
         ]
 
 
-_KINDS: dict[str, type[Result]] = {kind.format: kind for kind in (Run, Sweep, Comparison, FiniteSize, Asperities)}
+_KINDS: dict[str, type[Result]] = {
+    kind.format: kind for kind in (Run, Sweep, Comparison, FiniteSize, Asperities)
+}
 
 
 def open_run(path: str | Path) -> Any:
@@ -464,6 +491,36 @@ def open_run(path: str | Path) -> Any:
     return kind(path)
 
 
+class Place:
+    """Where a result goes that is about to be computed: a path, or without one a folder that is deleted."""
+
+    def __init__(self, output: str | Path | None) -> None:
+        self._folder = None
+        if output is None:
+            self._folder = tempfile.TemporaryDirectory(prefix="stiction-")
+            output = Path(self._folder.name) / "result.h5"
+        self.path = Path(output)
+
+    def __enter__(self) -> Place:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
+        if kind is not None and self._folder is not None:
+            self._folder.cleanup()
+
+    def result(self) -> Any:
+        """The result that is there now. What is in a folder that is deleted is so when the result is garbage."""
+        result = open_run(self.path)
+        if self._folder is not None:
+            if self.path.stat().st_size <= _IN_MEMORY:
+                # Parts of it may be wanted for longer than the result.
+                result.tree.load()
+            # Without the warning that a folder gives which is deleted at last.
+            self._folder._finalizer.detach()  # type: ignore[attr-defined]
+            weakref.finalize(result, shutil.rmtree, self._folder.name, ignore_errors=True)
+        return result
+
+
 def _checked(path: Path, kind: type[Result] | None) -> str:
     """The format of a file, which has to be that of the kind, in its major version."""
     if not path.exists():
@@ -479,7 +536,9 @@ def _checked(path: Path, kind: type[Result] | None) -> str:
     name = found.decode() if isinstance(found, bytes) else str(found)
     known = _KINDS.get(name)
     if known is None:
-        raise FileError(f"{path}: not a result of stiction: its attribute `format` is not one of {', '.join(_KINDS)}")
+        raise FileError(
+            f"{path}: not a result of stiction: its attribute `format` is not one of {', '.join(_KINDS)}"
+        )
     if kind is not None and known is not kind:
         raise FileError(f"{path}: a result of `{known.made_by}`, not of `{kind.made_by}`; open_run opens any")
     if int(version[0]) != known.major_version:
@@ -494,7 +553,7 @@ def _opened(path: Path) -> xarray.DataTree:
     return xarray.open_datatree(path, engine="h5netcdf")
 
 
-def _indexed(group: xarray.Dataset) -> xarray.Dataset:
+def indexed(group: xarray.Dataset) -> xarray.Dataset:
     """With `h_star` and `asperity_separation` to select by, as `separation` is, where they are lists of their own."""
     for name in ("h_star", "asperity_separation"):
         if name in group.coords and group[name].dims == ("separation",):

@@ -1,0 +1,50 @@
+"""The engine `stiction` of xarray: results with `h_star` to select by, as well as `separation`.
+
+``xarray.open_datatree("run.h5", engine="stiction")`` is the tree of a result with an index for `h_star` and `asperity_separation`;
+any other engine for HDF5 opens the same file without.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import xarray
+from xarray.backends import BackendEntrypoint
+
+from .results import indexed
+
+__all__ = ["StictionBackend"]
+
+
+class StictionBackend(BackendEntrypoint):
+    """Opens results of stiction by the engine ``h5netcdf``."""
+
+    description = "Results of stiction, with h_star to select by"
+    open_dataset_parameters = ("filename_or_obj", "drop_variables", "group")
+    supports_groups = True
+
+    def open_dataset(
+        self, filename_or_obj: Any, *, drop_variables: Any = None, group: str | None = None
+    ) -> xarray.Dataset:
+        """A group of the file, or its root."""
+        opened = xarray.open_dataset(
+            filename_or_obj, engine="h5netcdf", group=group, drop_variables=drop_variables
+        )
+        return indexed(opened)
+
+    def open_groups_as_dict(
+        self, filename_or_obj: Any, *, drop_variables: Any = None
+    ) -> dict[str, xarray.Dataset]:
+        """All groups of the file by their paths."""
+        opened = xarray.open_groups(filename_or_obj, engine="h5netcdf", drop_variables=drop_variables)
+        return {path: indexed(group) for path, group in opened.items()}
+
+    def open_datatree(self, filename_or_obj: Any, *, drop_variables: Any = None, **_: Any) -> xarray.DataTree:
+        """The tree of all groups."""
+        return xarray.DataTree.from_dict(
+            self.open_groups_as_dict(filename_or_obj, drop_variables=drop_variables)
+        )
+
+    def guess_can_open(self, filename_or_obj: Any) -> bool:
+        """Never: without an engine named, files are opened as any others."""
+        return False

@@ -1,0 +1,267 @@
+"""Experiments: runs, sweeps, comparisons, the integral alone, patches of several sizes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import xarray
+
+from . import program
+from .errors import SceneError
+from .results import Comparison, FiniteSize, Place, Sweep
+from .scenes import Scene, Source
+
+__all__ = ["check", "compare", "finite_size", "integral", "run", "sweep"]
+
+
+def run(
+    scene: Scene,
+    output: str | Path | None = None,
+    *,
+    replicas: int | None = None,
+    seed: int | None = None,
+    threads: int | None = None,
+    resume: bool = False,
+    force: bool = False,
+    progress: bool | None = None,
+    **overrides: Any,
+) -> Any:
+    """Computes a scene.
+
+    Parameters
+    ----------
+    scene : path or dict
+        The TOML file of the scene, or its tables: ``{"material": {"reduced_modulus": "85 GPa", ...}, ...}``. Values are texts with
+        a unit, numbers without one, or pint quantities. Heights and radii of asperities may be arrays (m), ``surface.asperities``
+        what `find_asperities` returned.
+    output : path, optional
+        Where the result goes. Without it the file is temporary, and there as long as the result is; ``result.save(path)`` keeps it.
+    replicas, seed : int, optional
+        In the place of the scene's.
+    threads : int, optional
+        One per core by default. They do not change the result.
+    resume : bool
+        Whether to go on with a run of this `output` that was interrupted.
+    force : bool
+        Whether an existing `output` is overwritten.
+    progress : bool, optional
+        Whether to show it; by default in notebooks and on terminals.
+    **overrides
+        Keys of the scene by their dotted names: ``**{"material.work_of_adhesion": "0.1 J/m^2"}``.
+
+    Returns
+    -------
+    Run or Sweep
+        A `Sweep` where the scene has a table ``[sweep]``.
+
+    Raises
+    ------
+    SceneError
+        The scene or an argument is wrong; the message names the key.
+    StictionError
+        The run failed.
+    KeyboardInterrupt
+        It was interrupted. With `output` what was done is kept; the same call with ``resume=True`` goes on.
+
+    Examples
+    --------
+    >>> import stiction
+    >>> result = stiction.run("configs/quick.toml", replicas=20, **{"ensemble.seed": 2})
+    >>> result.pull_off.replicas
+    20
+    """
+    _named(output, resume=resume)
+    options = program.options(replicas=replicas, seed=seed, threads=threads, resume=resume)
+    return _computed("run", scene, output, overrides, [*options], force, progress)
+
+
+def sweep(
+    scene: Scene,
+    axes: Mapping[str, Any],
+    output: str | Path | None = None,
+    *,
+    mode: str = "grid",
+    replicas: int | None = None,
+    seed: int | None = None,
+    threads: int | None = None,
+    resume: bool = False,
+    force: bool = False,
+    progress: bool | None = None,
+    **overrides: Any,
+) -> Sweep:
+    """Computes a scene at several values of some of its keys.
+
+    Parameters
+    ----------
+    scene, output, replicas, seed, threads, resume, force, progress, **overrides
+        As of `run`.
+    axes : dict
+        Values by dotted names: a list, or a dict with ``from``, ``to``, ``count`` and ``spacing``.
+    mode : {"grid", "zip"}
+        Every value with every other, or the first with the first.
+
+    Examples
+    --------
+    >>> import stiction
+    >>> points = stiction.sweep("configs/quick.toml", {"surface.lubricant_thickness": ["0 nm", "0.5 nm"]}, replicas=20)
+    >>> points.pull_off["mean"].sizes["surface_lubricant_thickness"]
+    2
+    """
+    if not isinstance(axes, Mapping) or not axes:
+        raise SceneError(
+            "axes: a dict of values by dotted keys is needed, such as {'material.hardness': ['1 GPa', '2 GPa']}"
+        )
+    if isinstance(scene, Mapping):
+        scene = {**scene, "sweep": {**scene.get("sweep", {}), **axes, "mode": mode}}
+        added: dict[str, Any] = {}
+    else:
+        added = {f'sweep."{key}"': values for key, values in axes.items()} | {"sweep.mode": mode}
+    _named(output, resume=resume)
+    options = program.options(replicas=replicas, seed=seed, threads=threads, resume=resume)
+    result: Sweep = _computed("run", scene, output, {**overrides, **added}, [*options], force, progress)
+    return result
+
+
+def compare(
+    scene: Scene,
+    laws: Sequence[str] = (),
+    output: str | Path | None = None,
+    *,
+    ensemble: bool = False,
+    replicas: int | None = None,
+    seed: int | None = None,
+    threads: int | None = None,
+    force: bool = False,
+    progress: bool | None = None,
+    **overrides: Any,
+) -> Comparison:
+    """Compares laws on the same asperities, by the integral and, if asked for, by ensembles.
+
+    Parameters
+    ----------
+    scene, output, replicas, seed, threads, force, progress, **overrides
+        As of `run`; `replicas` and `seed` need `ensemble`.
+    laws : sequence of str
+        Names of laws, such as ``["hybrid", "emd"]``; deviations are from the first. The scene's own by default.
+    ensemble : bool
+        Whether explicit ensembles are summed too, of the same asperities for every law.
+
+    Examples
+    --------
+    >>> import stiction
+    >>> laws = stiction.compare("configs/case_ii.toml", ["hybrid", "emd"])
+    >>> [f"{force:.3e}" for force in laws.integral["pull_off_force"].values]
+    ['5.593e-04', '6.106e-04']
+    """
+    if isinstance(laws, str):
+        laws = laws.split(",")
+    options = program.options(
+        laws=",".join(laws) or None, ensemble=ensemble, replicas=replicas, seed=seed, threads=threads
+    )
+    result: Comparison = _computed("compare", scene, output, overrides, [*options], force, progress)
+    return result
+
+
+def integral(scene: Scene, **overrides: Any) -> xarray.Dataset:
+    """The statistical integral of a scene alone, by its own law.
+
+    Parameters
+    ----------
+    scene, **overrides
+        As of `run`.
+
+    Returns
+    -------
+    xarray.Dataset
+        `external_force`, `adhesion_force`, `contact_force` (N) and `contact_area` (m²) over `separation` (m), with `h_star` to
+        select by; `pull_off_force` (N) and its place `pull_off_separation` (m).
+
+    Examples
+    --------
+    >>> import stiction
+    >>> curve = stiction.integral("configs/case_ii.toml")
+    >>> f"{float(curve.pull_off_force):.3e} N"
+    '5.593e-04 N'
+    """
+    comparison = compare(scene, progress=False, **overrides)
+    return comparison.integral.isel(law=0)
+
+
+def finite_size(
+    scene: Scene,
+    counts: Sequence[int] | str | None = None,
+    output: str | Path | None = None,
+    *,
+    replicas: int | None = None,
+    seed: int | None = None,
+    threads: int | None = None,
+    resume: bool = False,
+    force: bool = False,
+    progress: bool | None = None,
+    **overrides: Any,
+) -> FiniteSize:
+    """Finds how the pull-off of a finite patch goes to the integral's as its asperities become more.
+
+    Parameters
+    ----------
+    scene, output, replicas, seed, threads, resume, force, progress, **overrides
+        As of `run`.
+    counts : sequence of int, or str, optional
+        Numbers of asperities, or ``"FROM:TO:COUNT"`` spaced by equal factors; 10:1e6:11 by default.
+
+    Examples
+    --------
+    >>> import stiction
+    >>> patches = stiction.finite_size("configs/case_ii.toml", [30, 100, 300], replicas=20)
+    >>> bool(patches.sizes["bias"][0] > patches.sizes["bias"][2])
+    True
+    """
+    _named(output, resume=resume)
+    listed = counts if counts is None or isinstance(counts, str) else ",".join(str(count) for count in counts)
+    options = program.options(counts=listed, replicas=replicas, seed=seed, threads=threads, resume=resume)
+    result: FiniteSize = _computed("finite-size", scene, output, overrides, [*options], force, progress)
+    return result
+
+
+class Text(str):
+    """A text of the program that a notebook shows as it is."""
+
+    __slots__ = ()
+
+    def __repr__(self) -> str:
+        return str(self)
+
+
+def check(scene: Scene, **overrides: Any) -> Text:
+    """Says what a scene would compute, what it skips and why, what that takes, and what looks wrong; computes nothing.
+
+    Raises
+    ------
+    SceneError
+        The scene is wrong; the message names every problem with its line.
+    """
+    with Source(scene, overrides, None) as source:
+        return Text(program.call(["check", *source.arguments], text=source.text))
+
+
+def _named(output: str | Path | None, *, resume: bool) -> None:
+    if resume and output is None:
+        raise SceneError("resume=True: name the output of the run that was interrupted")
+
+
+def _computed(
+    command: str,
+    scene: Scene,
+    output: str | Path | None,
+    overrides: Mapping[str, Any],
+    options: list[str],
+    force: bool,
+    progress: bool | None,
+) -> Any:
+    """Calls a command that leaves a result, and opens that."""
+    with Place(output) as place, Source(scene, overrides, place.path) as source:
+        arguments = [command, *source.arguments, "--output", str(place.path), *options, "--json-progress"]
+        program.call([*arguments, *(["--force"] if force else [])], text=source.text, progress=progress)
+        return place.result()

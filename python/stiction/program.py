@@ -1,0 +1,166 @@
+"""The program as a process: where it is, how it is called, its progress, errors and interruption."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import sysconfig
+import tempfile
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import IO, Any
+
+from .errors import SceneError, StictionError
+
+__all__ = ["call", "find"]
+
+# The exit code of a run that was interrupted.
+_INTERRUPTED = 130
+
+
+def find() -> str:
+    """The path of the program.
+
+    The environment variable ``STICTION`` names it; without it, it is beside this Python, where the wheel puts it, or on the PATH.
+
+    Raises
+    ------
+    StictionError
+        It is in none of these places.
+    """
+    named = os.environ.get("STICTION")
+    if named:
+        found = shutil.which(named)
+        if found is None:
+            raise StictionError(f"STICTION = {named}: no such program")
+        return found
+    folders = [sysconfig.get_path("scripts"), str(Path(sys.executable).parent)]
+    user = sysconfig.get_path("scripts", sysconfig.get_preferred_scheme("user"))
+    for folder in [*folders, user]:
+        found = shutil.which("stiction", path=folder)
+        if found is not None:
+            return found
+    found = shutil.which("stiction")
+    if found is None:
+        raise StictionError(
+            f"the program stiction is neither in {folders[0]} nor on the PATH: `pip install stiction` has it, "
+            "or name it in the environment variable STICTION"
+        )
+    return found
+
+
+def call(arguments: Sequence[str], *, text: str = "", progress: bool | None = False) -> str:
+    """Calls the program and returns what it prints.
+
+    Parameters
+    ----------
+    arguments : sequence of str
+        What stands behind `stiction` on the command line.
+    text : str
+        Standard input.
+    progress : bool, optional
+        Whether progress is shown, for commands that compute; None: in notebooks and on terminals.
+
+    Raises
+    ------
+    SceneError
+        The command or the scene is wrong (exit code 2).
+    StictionError
+        It failed (exit codes 1 and 3), or is not there.
+    KeyboardInterrupt
+        It was interrupted, here or by a signal of its own; what was done is kept where it keeps it.
+    """
+    with (
+        tempfile.TemporaryFile("w+", encoding="utf-8") as given,
+        tempfile.TemporaryFile("w+", encoding="utf-8") as out,
+    ):
+        given.write(text)
+        given.seek(0)
+        process = subprocess.Popen(
+            [find(), *arguments], stdin=given, stdout=out, stderr=subprocess.PIPE, text=True, encoding="utf-8"
+        )
+        assert process.stderr is not None
+        told: list[str] = []
+        try:
+            _read(process.stderr, told, _Bars(_shown(progress)))
+            code = process.wait()
+        except KeyboardInterrupt:
+            # On a terminal the program has had the same signal; of two that come together it takes one.
+            process.send_signal(signal.SIGINT)
+            try:
+                process.wait()
+            except KeyboardInterrupt:
+                process.kill()
+                process.wait()
+            raise
+        finally:
+            process.stderr.close()
+        out.seek(0)
+        printed = out.read()
+    if code == 0:
+        return printed
+    message = "\n".join(told).strip().removeprefix("stiction: ") or f"it ended with code {code}"
+    if code == _INTERRUPTED:
+        raise KeyboardInterrupt(message)
+    raise (SceneError if code == 2 else StictionError)(message, code)
+
+
+def _shown(progress: bool | None) -> bool:
+    if progress is not None:
+        return progress
+    return sys.stderr.isatty() or "ipykernel" in sys.modules
+
+
+def _read(lines: IO[str], told: list[str], bars: _Bars) -> None:
+    """Reads standard error to its end: progress is shown, the rest kept."""
+    try:
+        for line in lines:
+            if line.startswith("{"):
+                bars.show(json.loads(line))
+            else:
+                told.append(line.rstrip("\n"))
+    finally:
+        bars.close()
+
+
+class _Bars:
+    """A bar for the phase at hand that has a count."""
+
+    def __init__(self, shown: bool) -> None:
+        self.shown = shown
+        self.bar: Any = None
+        self.of: tuple[str, str] | None = None
+
+    def show(self, event: dict[str, Any]) -> None:
+        if not self.shown or event["total"] is None:
+            return
+        of = (event["run"], event["phase"])
+        if self.of != of:
+            from tqdm.auto import tqdm
+
+            self.close()
+            name = ": ".join(part for part in of if part)
+            self.bar = tqdm(
+                total=event["total"], initial=event["done"], desc=name, unit=" replicas", leave=False
+            )
+            self.of = of
+        self.bar.update(event["done"] - self.bar.n)
+
+    def close(self) -> None:
+        if self.bar is not None:
+            self.bar.close()
+        self.bar, self.of = None, None
+
+
+def options(**named: Any) -> Iterable[str]:
+    """Options of the command line from keyword arguments: None and False are left out, True has no value."""
+    for name, value in named.items():
+        if value is None or value is False:
+            continue
+        yield f"--{name.replace('_', '-')}"
+        if value is not True:
+            yield str(value)

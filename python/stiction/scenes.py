@@ -1,0 +1,187 @@
+"""Scenes as Python has them: a path, or the tables as a dict, with single keys set."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+import re
+import tempfile
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+import h5py
+import numpy as np
+
+from . import quantities
+from .errors import SceneError
+from .results import Asperities
+
+__all__ = ["Scene", "Source", "toml"]
+
+#: A scene: the path of its TOML file, or its tables.
+Scene = str | Path | Mapping[str, Any]
+
+
+class Source:
+    """A scene as the program takes it: what stands for it on the command line, and standard input.
+
+    Arrays of heights or radii go into an HDF5 file that the scene names: beside the output of that name, or in a folder that is
+    deleted with the source where the result has no name either.
+    """
+
+    def __init__(self, scene: Scene, overrides: Mapping[str, Any], output: Path | None) -> None:
+        self._folder: tempfile.TemporaryDirectory[str] | None = None
+        self._output = output
+        self.text = ""
+        if isinstance(scene, Mapping):
+            name = "-"
+            self.text = toml(self._named(scene))
+        elif isinstance(scene, str | Path):
+            if not Path(scene).is_file():
+                raise SceneError(
+                    f"{scene}: no such file; a scene is the path of a TOML file, or a dict of its tables"
+                )
+            name = str(scene)
+        else:
+            raise SceneError(
+                f"a scene is the path of a TOML file, or a dict of its tables, not {type(scene).__name__}"
+            )
+        self.arguments = [name]
+        for key, value in overrides.items():
+            if "." not in key:
+                raise SceneError(
+                    f"{key}: not a key of scenes, which are named with their table: material.{key}?"
+                )
+            table, last = key.rsplit(".", 1)
+            self.arguments += [
+                "--set",
+                f"{key}={_value(self._file(table.split('.')[-1] if last == 'path' else last, value))}",
+            ]
+
+    def __enter__(self) -> Source:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if self._folder is not None:
+            self._folder.cleanup()
+
+    def _named(self, scene: Mapping[str, Any]) -> dict[str, Any]:
+        """With files in the place of arrays."""
+        tables: dict[str, Any] = {"format": 1, **scene}
+        surface = tables.get("surface")
+        if isinstance(surface, Mapping):
+            tables["surface"] = {key: self._file(key, value) for key, value in surface.items()}
+        return tables
+
+    def _file(self, key: str, value: Any) -> Any:
+        """The value of a key, with files in the place of arrays and results."""
+        if key == "asperities":
+            if isinstance(value, Asperities):
+                return {"path": str(value.path.resolve())}
+            if isinstance(value, Mapping) and isinstance(value.get("path"), Asperities):
+                return {**value, "path": str(value["path"].path.resolve())}
+        if key in ("heights", "radii") and not isinstance(value, str | Mapping):
+            lengths = np.asarray(quantities.in_si(key, value, "m"), dtype=float)
+            if lengths.ndim != 1 or lengths.size == 0 or not np.isfinite(lengths).all():
+                raise SceneError(f"surface.{key}: an array of one dimension of finite lengths in m is needed")
+            return {"law": "file", "path": self._written(key, lengths), "dataset": key, "unit": "m"}
+        return value
+
+    def _written(self, key: str, values: np.ndarray[Any, np.dtype[np.float64]]) -> str:
+        """The path of an HDF5 file that has the values as a dataset; the same values have the same name."""
+        if self._output is None:
+            self._folder = self._folder or tempfile.TemporaryDirectory(prefix="stiction-")
+            folder, stem = Path(self._folder.name), "scene"
+        else:
+            folder, stem = self._output.resolve().parent, self._output.stem
+        path = folder / f"{stem}.{key}-{hashlib.sha256(values.tobytes()).hexdigest()[:12]}.h5"
+        with h5py.File(path, "w") as file:
+            file[key] = values
+        return str(path)
+
+
+def toml(tables: Mapping[str, Any]) -> str:
+    """The TOML text of a scene.
+
+    Parameters
+    ----------
+    tables : mapping
+        Tables by their names, with texts, numbers, truth values, lists, dicts, NumPy scalars and arrays, pint quantities.
+
+    Raises
+    ------
+    SceneError
+        A value is of another type.
+
+    Examples
+    --------
+    >>> print(toml({"format": 1, "model": {"law": "hybrid"}, "sweep": {"material.hardness": ["1 GPa", "2 GPa"]}}), end="")
+    format = 1
+    <BLANKLINE>
+    [model]
+    law = "hybrid"
+    <BLANKLINE>
+    [sweep]
+    "material.hardness" = ["1 GPa", "2 GPa"]
+    """
+    return "\n".join(_tables(tables)) + "\n"
+
+
+def _tables(tables: Mapping[str, Any]) -> Iterator[str]:
+    for key, value in tables.items():
+        if not isinstance(value, Mapping):
+            yield f"{_key(key)} = {_value(value, key)}"
+    for name, table in tables.items():
+        if isinstance(table, Mapping):
+            yield f"\n[{_key(name)}]"
+            yield from (f"{_key(key)} = {_value(value, f'{name}.{key}')}" for key, value in table.items())
+
+
+def _key(key: str) -> str:
+    return key if re.fullmatch(r"[A-Za-z0-9_-]+", key) else json.dumps(key, ensure_ascii=False)
+
+
+def _value(value: Any, name: str = "value") -> str:
+    """A value as TOML writes it in a line."""
+    if hasattr(value, "tolist") and not quantities.is_pint(value):
+        value = value.tolist()
+    match value:
+        case bool():
+            return "true" if value else "false"
+        case str() | Path():
+            return json.dumps(str(value), ensure_ascii=False).replace("\x7f", "\\u007f")
+        case int():
+            return str(value)
+        case float():
+            return {"inf": "inf", "-inf": "-inf", "nan": "nan"}.get(str(value), repr(value))
+        case Mapping():
+            return (
+                "{ "
+                + ", ".join(f"{_key(key)} = {_value(one, f'{name}.{key}')}" for key, one in value.items())
+                + " }"
+            )
+        case list() | tuple():
+            return "[" + ", ".join(_value(one, name) for one in value) + "]"
+    if quantities.is_pint(value):
+        if np.ndim(value.magnitude):
+            return _value(list(value), name)
+        try:
+            text = quantities.pint_text(value)
+        except ValueError as error:
+            raise SceneError(f"{name} = {error}") from None
+        return text if _is_number(text) else json.dumps(text)
+    raise SceneError(
+        f"{name} is a {type(value).__name__}: a text, number, list, dict, array or pint quantity is needed"
+    )
+
+
+def _is_number(text: str) -> bool:
+    try:
+        return math.isfinite(float(text))
+    except ValueError:
+        return False

@@ -1,0 +1,138 @@
+"""One asperity, in SI units."""
+
+from __future__ import annotations
+
+import io
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import xarray
+
+from . import program, quantities
+from .errors import SceneError
+
+__all__ = ["asperity"]
+
+# The arguments that are numbers, the unit of each, and how it is called in words.
+_NUMBERS = {
+    "radius": ("m", "radius of the asperity"),
+    "reduced_modulus": ("Pa", "reduced modulus"),
+    "work_of_adhesion": ("J/m^2", "work of adhesion"),
+    "equilibrium_spacing": ("m", "equilibrium spacing"),
+    "interference": ("m", "interference, positive where the undeformed bodies overlap"),
+    "hardness": ("Pa", "hardness of the softer body"),
+    "poisson_ratio": ("1", "Poisson ratio of the softer body"),
+    "lubricant_thickness": ("m", "thickness of the lubricant"),
+}
+_RESULTS = {
+    "adhesion_force": ("N", "adhesion force, attractive positive"),
+    "contact_force": ("N", "contact force, compressive positive"),
+    "external_force": ("N", "external force, compressive positive"),
+    "contact_radius": ("m", "radius of the contact"),
+    "adhesion_parameter": ("1", "adhesion parameter"),
+    "regime": ("1", "regime of the asperity"),
+}
+
+
+def asperity(
+    *,
+    radius: Any,
+    reduced_modulus: Any,
+    work_of_adhesion: Any,
+    equilibrium_spacing: Any,
+    interference: Any,
+    law: str = "hybrid",
+    hardness: Any = None,
+    poisson_ratio: Any = None,
+    lubricant_thickness: Any = None,
+    path: str = "approach",
+) -> xarray.Dataset:
+    """Solves one asperity against a flat.
+
+    All numbers may be floats or arrays in SI units, texts with a unit (``"20 nm"``), or pint quantities. `xarray.DataArray`
+    broadcast by the names of their dimensions; an array without names has the name of its argument for its dimension.
+
+    Parameters
+    ----------
+    radius, equilibrium_spacing : m
+    reduced_modulus : Pa
+    work_of_adhesion : J/m²
+    interference : m
+        How far the undeformed bodies overlap; negative before contact.
+    law : str
+        Any law that scenes know but ``fit:paper``.
+    hardness : Pa, optional
+        Of the softer body; without it the asperity stays elastic.
+    poisson_ratio : float, optional
+        Of the softer body; needed with `hardness`.
+    lubricant_thickness : m, optional
+    path : {"approach", "retraction"}
+        Which solution where there are two.
+
+    Returns
+    -------
+    xarray.Dataset
+        `adhesion_force`, `contact_force` and `external_force` (N), `contact_radius` (m), `adhesion_parameter` λ and `regime`, over
+        the arguments that are arrays.
+
+    Raises
+    ------
+    SceneError
+        An argument is wrong; the message names it.
+
+    Examples
+    --------
+    The pull-off force of a soft sphere is that of JKR, 3/2 πRΔγ:
+
+    >>> import numpy as np
+    >>> import stiction
+    >>> curve = stiction.asperity(
+    ...     law="jkr", path="retraction", radius="1 um", reduced_modulus="1 MPa", work_of_adhesion="50 mJ/m^2",
+    ...     equilibrium_spacing="0.2 nm", interference=np.linspace(-100e-9, 100e-9, 2001))
+    >>> f"{float(-curve.external_force.min() / (np.pi * 1e-6 * 0.05)):.2f}"
+    '1.50'
+    """
+    given = locals()
+    arrays: dict[str, xarray.DataArray] = {}
+    for name, (unit, words) in _NUMBERS.items():
+        value = given[name]
+        if value is None:
+            continue
+        try:
+            value = value if unit == "1" else quantities.in_si(name, value, unit)
+            array = _array(name, value)
+        except (TypeError, ValueError) as error:
+            raise SceneError(
+                str(error) if str(error).startswith(name) else f"{name} = {value!r}: {error}"
+            ) from None
+        array.attrs = {"units": unit, "long_name": words}
+        arrays[name] = array
+    broadcast = xarray.broadcast(*arrays.values())
+    shape, dims = broadcast[0].shape, broadcast[0].dims
+    table = pd.DataFrame({name: array.values.ravel() for name, array in zip(arrays, broadcast, strict=True)})
+    text = table.to_csv(index=False, float_format="%.17g", lineterminator="\n")
+    printed = program.call(["asperity", "--law", law, "--path", path, "--table", "-"], text=text)
+    solved = pd.read_csv(io.StringIO(printed))
+    coordinates = {name: coordinate for array in broadcast for name, coordinate in array.coords.items()}
+    results = {
+        name: (dims, solved[name].to_numpy().reshape(shape), {"units": unit, "long_name": words})
+        for name, (unit, words) in _RESULTS.items()
+    }
+    attributes = {"law": law, "path": path}
+    scalars = {name: array for name, array in arrays.items() if array.ndim == 0}
+    return xarray.Dataset(results, coords={**coordinates, **scalars}, attrs=attributes)
+
+
+def _array(name: str, value: Any) -> xarray.DataArray:
+    """A number or an array over dimensions, of which a list of numbers is its own coordinate."""
+    if isinstance(value, xarray.DataArray):
+        return value.astype(float)
+    numbers = np.asarray(value, dtype=float)
+    if numbers.ndim > 1:
+        raise ValueError(
+            f"{name}: an array of {numbers.ndim} dimensions needs their names: give an xarray.DataArray"
+        )
+    return xarray.DataArray(
+        numbers, dims=[name] * numbers.ndim, coords={name: numbers} if numbers.ndim else None
+    )

@@ -10,7 +10,7 @@ import numpy as np
 import xarray
 
 from . import program, quantities
-from .errors import SceneError
+from .errors import SceneError, StictionError
 from .results import Asperities, Place
 
 __all__ = ["find_asperities"]
@@ -80,9 +80,9 @@ def find_asperities(
         if path.suffix.lower() in _OWN:
             return _found(path, output, pixel, height_unit, dataset, level, force)
         map = _topography(path)
-        name = path.stem
+        name, called = path.stem, str(path)
     else:
-        name = "array"
+        name, called = "array", "map"
     if dataset is not None:
         raise SceneError(f"dataset = {dataset!r}: only HDF5 files have datasets")
     heights, own_pixel, own_unit = _heights(map)
@@ -92,7 +92,10 @@ def find_asperities(
     with tempfile.TemporaryDirectory(prefix="stiction-") as folder:
         file = Path(folder) / f"{name}.npy"
         np.save(file, heights)
-        return _found(file, output, pixel, height_unit, None, level, force)
+        try:
+            return _found(file, output, pixel, height_unit, None, level, force)
+        except StictionError as error:
+            raise type(error)(str(error).replace(str(file), called), error.exit_code) from None
 
 
 def _found(

@@ -6,7 +6,7 @@ use super::checked::{Checked, ROUNDING};
 use crate::math::moments::Moments;
 use crate::output::OutputError;
 use crate::output::reader::Reader;
-use crate::surface::map::{Equivalent, SpectralMoments};
+use crate::surface::map::{Equivalent, HeightMap, SpectralMoments};
 use crate::validation::Verdict;
 
 pub(super) fn audit(reader: &Reader) -> Result<Audit, OutputError> {
@@ -15,6 +15,7 @@ pub(super) fn audit(reader: &Reader) -> Result<Audit, OutputError> {
     checked.measured()?;
     checked.spectrum()?;
     checked.grid()?;
+    checked.map()?;
     let count = checked.coordinate("asperity")?.len();
     let content = Content::Asperities(count);
     Ok(Audit { content, findings: checked.findings, verdict: Verdict::NotTested })
@@ -110,6 +111,85 @@ impl Checked<'_> {
         let place = |i: usize| places[0][i] * columns as f64 + places[1][i];
         if let Some(i) = (1..x.len()).find(|&i| place(i) <= place(i - 1)) {
             self.say_at("/asperities/x", i, x[i], "asperities row by row are expected");
+        }
+        Ok(())
+    }
+
+    /// The heights of the map, where the file has them, have so many gaps, such moments, and such asperities.
+    fn map(&mut self) -> Result<(), OutputError> {
+        const PATH: &str = "/map/height";
+        if !self.has(PATH) {
+            return Ok(());
+        }
+        let shape: Vec<u64> = self.reader.attribute("/", "map_shape")?;
+        let pixel: Vec<f64> = self.reader.attribute("/", "pixel_size")?;
+        let (&[rows, columns], &[dy, dx]) = (&shape[..], &pixel[..]) else { return Ok(()) };
+        let heights = self.values(PATH)?;
+        if rows.checked_mul(columns) != Some(heights.len() as u64) {
+            self.say(PATH, &format!("has {} heights, and map_shape {rows} x {columns}", heights.len()));
+            return Ok(());
+        }
+        for (path, count, pixel) in [("/map/y", rows, dy), ("/map/x", columns, dx)] {
+            let middles: Vec<f64> = (0..count).map(|index| (index as f64 + 0.5) * pixel).collect();
+            self.follows(path, &middles, ROUNDING, "map_shape and pixel_size")?;
+        }
+        let (rows, columns) = (rows as usize, columns as usize);
+        let map = HeightMap::new(heights, [rows, columns], [dy, dx]);
+        let (map, moments) = match map.and_then(|map| SpectralMoments::new(&map).map(|own| (map, own))) {
+            Ok(own) => own,
+            Err(problem) => {
+                self.say(PATH, &format!("is no map: {problem}"));
+                return Ok(());
+            }
+        };
+        let (heights, [x, y]) =
+            (map.heights(), ["x", "y"].map(|name| self.values(&format!("/asperities/{name}"))));
+        let (mut own, mut bends) = (Vec::new(), [Vec::new(), Vec::new()]);
+        for (x, y) in x?.into_iter().zip(y?) {
+            let [row, column] = [y / dy, x / dx].map(|place| (place - 0.5).round() as usize);
+            let is_inside = (1..rows - 1).contains(&row) && (1..columns - 1).contains(&column);
+            let place = if is_inside { row * columns + column } else { columns + 1 };
+            let bend = |step: usize| {
+                (heights[place] - heights[place - step]) + (heights[place] - heights[place + step])
+            };
+            own.push(heights[place]);
+            bends[0].push(bend(1) / (dx * dx));
+            bends[1].push(bend(columns) / (dy * dy));
+        }
+        self.follows("/asperities/height", &own, ROUNDING, PATH)?;
+        for (name, bends) in ["x", "y"].into_iter().zip(&bends) {
+            self.follows(&format!("/asperities/curvature_{name}"), bends, ROUNDING, PATH)?;
+        }
+        self.heights(&map, &moments)
+    }
+
+    /// What is said of all heights of a map.
+    fn heights(&mut self, map: &HeightMap, moments: &SpectralMoments) -> Result<(), OutputError> {
+        const PATH: &str = "/map/height";
+        for (name, expected) in [
+            ("m0", moments.m0),
+            ("m4", moments.m4()),
+            ("slope_x", moments.slope[1]),
+            ("slope_y", moments.slope[0]),
+            ("skewness", moments.skewness),
+            ("excess_kurtosis", moments.excess_kurtosis),
+        ] {
+            let path = format!("/surface/{name}");
+            let found = self.values(&path)?;
+            // Heights have moments of any size, and their shape some of about 1.
+            let is_shape = ["skewness", "excess_kurtosis"].contains(&name);
+            let size = if is_shape { 1.0 + expected.abs() } else { expected };
+            self.compare(&path, &found, &[expected], |_| ROUNDING * size, PATH);
+        }
+        let [dy, dx] = map.pixel();
+        let area = map.summits().compared as f64 * dy * dx;
+        let missing: u64 = self.reader.number("/", "missing_pixels")?;
+        let told: f64 = self.reader.number("/", "nominal_area")?;
+        if missing != map.missing() as u64 {
+            self.say(PATH, &format!("lacks {} heights, and missing_pixels is {missing}", map.missing()));
+        }
+        if (told - area).abs() > ROUNDING * area {
+            self.say(PATH, &format!("was searched over {area:e} m^2, and nominal_area is {told:e}"));
         }
         Ok(())
     }

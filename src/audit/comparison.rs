@@ -69,6 +69,7 @@ impl Checked<'_> {
         if is_sampled {
             self.sums("ensemble", "", "_mean")?;
             self.errors("")?;
+            self.quantiles("")?;
             self.scores("")?;
             self.plausible("")?;
             self.pull_offs()?;

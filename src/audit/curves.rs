@@ -13,7 +13,7 @@ pub(super) const LINES: f64 = 0.1;
 /// Rows of curves that are read at a time.
 const ROWS: usize = 256;
 /// Most values of the curves of a point of a sweep that are read.
-const MOST_AT_POINT: usize = 1 << 23;
+pub(super) const MOST_AT_POINT: usize = 1 << 23;
 /// Parts that the groups are put into, batch by batch, each with the coefficients of the others.
 const PARTS: usize = 16;
 

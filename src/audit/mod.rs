@@ -14,6 +14,7 @@ mod features;
 mod finite_size;
 mod forces;
 mod independence;
+mod quantiles;
 mod run;
 mod scalars;
 mod snaps;

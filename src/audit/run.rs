@@ -49,6 +49,7 @@ impl Checked<'_> {
             self.sums("ensemble", way, "_mean")?;
             self.sums("integral", way, "")?;
             self.errors(way)?;
+            self.quantiles(way)?;
             self.deviations(way)?;
             self.scores(way)?;
             self.coupling(way)?;

@@ -9,6 +9,7 @@ use super::record::Records;
 use super::replica::{Replica, Workspace};
 use crate::asperity::{Quantity, SolverStats};
 use crate::math::moments::Moments;
+use crate::math::quantile::quantile;
 use crate::surface::STRATA;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
@@ -18,6 +19,20 @@ use std::ops::Range;
 pub const BATCH: u64 = 8;
 // A batch holds whole groups, so that groups need not be put together from two of them.
 const _: () = assert!(BATCH.is_multiple_of(STRATA) && BATCH.is_multiple_of(2));
+
+/// Replicas, the first of a run, whose curves of the external force are kept for their quantiles. Part of what the
+/// bits of a result depend on, so it is fixed.
+pub const FIRST_CURVES: u64 = 1000;
+const _: () = assert!(FIRST_CURVES.is_multiple_of(BATCH));
+/// Probabilities of the quantiles of an ensemble.
+pub const QUANTILES: [f64; 5] = [0.05, 0.25, 0.5, 0.75, 0.95];
+/// Fewest curves that have quantiles: of fewer, none lies beyond the outermost ones.
+pub const FEWEST_CURVES: usize = 20;
+
+/// How many of a range of replicas are among those whose curves are kept.
+pub fn curves_of(replicas: &Range<u64>) -> u64 {
+    replicas.end.min(FIRST_CURVES).saturating_sub(replicas.start)
+}
 
 /// Batches of so many replicas.
 pub fn batches_of(replicas: u64) -> u64 {
@@ -67,6 +82,11 @@ pub struct Ensemble {
     #[serde(skip)]
     #[doc(hidden)]
     pub snaps: Vec<f64>,
+    /// The external force of each of the first replicas of the run that are there, N, in order: replicas × S; at most
+    /// [`FIRST_CURVES`].
+    #[serde(skip)]
+    #[doc(hidden)]
+    pub first_curves: Vec<f64>,
     /// Moments of what there is of coupled asperities beside.
     #[doc(hidden)]
     pub coupled: Option<Box<CoupledMoments>>,
@@ -87,6 +107,7 @@ impl Ensemble {
             groups: Groups::new(job),
             replicas: Vec::new(),
             snaps: Vec::new(),
+            first_curves: Vec::new(),
             coupled: job.protocol.substrate.map(|_| Box::new(CoupledMoments::new(job))),
             stats: SolverStats::default(),
         }
@@ -102,6 +123,7 @@ impl Ensemble {
             groups: self.groups.clone(),
             replicas: Vec::new(),
             snaps: Vec::new(),
+            first_curves: Vec::new(),
             coupled: self.coupled.clone(),
             stats: self.stats,
         }
@@ -136,6 +158,29 @@ impl Ensemble {
             }
     }
 
+    /// Quantiles of the external force of a replica in each state, N, over the first thousand replicas of the run: a
+    /// row over the states for each probability, each at least the one before. They are interpolated between order
+    /// statistics as by default in NumPy (type 7 of Hyndman and Fan 1996, Am. Stat. 50, 361), and NaN where there are
+    /// fewer than 20 of these replicas.
+    ///
+    /// # Examples
+    /// ```
+    /// use stiction::asperity::{LawParameters, Path, model};
+    /// use stiction::engine::Job;
+    /// use stiction::surface::Surface;
+    ///
+    /// # let law = model("md").unwrap().law(&LawParameters::scaled(0.5, Path::Approach)?)?;
+    /// # let surface = Surface::uniform(1.0, 1.0, 100, 1.0);
+    /// # let separations: Vec<f64> = (0..40).map(|k| 0.1 * f64::from(k)).collect();
+    /// let ensemble = Job::new(law.as_ref(), &surface, &separations, 64, 1).ensemble();
+    /// let [low, median, high] = &ensemble.external_force_quantiles(&[0.05, 0.5, 0.95])[..] else { panic!() };
+    /// assert!((0..40).all(|k| low[k] <= median[k] && median[k] <= high[k]));
+    /// # Ok::<(), stiction::asperity::LawError>(())
+    /// ```
+    pub fn external_force_quantiles(&self, probabilities: &[f64]) -> Vec<Vec<f64>> {
+        quantiles(&self.first_curves, self.curves[0].mean().len(), probabilities)
+    }
+
     /// Moments of the curves of independent asperities, by [`Quantity::index`], each over the states: what the
     /// integral is about.
     #[doc(hidden)]
@@ -162,7 +207,30 @@ impl Ensemble {
         }
         self.replicas.push(replica);
         self.snaps.extend_from_slice(&curves.snaps);
+        if batch < FIRST_CURVES / BATCH {
+            self.first_curves.extend_from_slice(&curves.total[Quantity::ExternalForce.index()]);
+        }
     }
+}
+
+/// Quantiles of curves over so many states, row-major, in each state: a row for each probability, NaN of fewer than
+/// [`FEWEST_CURVES`].
+pub fn quantiles(curves: &[f64], states: usize, probabilities: &[f64]) -> Vec<Vec<f64>> {
+    let count = curves.len() / states.max(1);
+    let mut rows = vec![vec![f64::NAN; states]; probabilities.len()];
+    if count < FEWEST_CURVES {
+        return rows;
+    }
+    let mut forces = Vec::with_capacity(count);
+    for state in 0..states {
+        forces.clear();
+        forces.extend(curves.chunks_exact(states).map(|curve| curve[state]));
+        forces.sort_unstable_by(f64::total_cmp);
+        for (row, probability) in rows.iter_mut().zip(probabilities) {
+            row[state] = quantile(&forces, *probability);
+        }
+    }
+    rows
 }
 
 /// A finished batch.
@@ -209,6 +277,7 @@ impl Batch {
         Records {
             replicas: Cow::from(&self.ensemble.replicas),
             snaps: Cow::from(&self.ensemble.snaps),
+            first_curves: Cow::from(&self.ensemble.first_curves),
             forces: [&self.external_force, &self.adhesion_force].map(Cow::from),
         }
     }

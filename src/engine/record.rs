@@ -11,6 +11,8 @@ pub struct Records<'a> {
     pub replicas: Cow<'a, [Replica]>,
     /// Their snaps, replicas × [`Loading::length`](super::Loading::length).
     pub snaps: Cow<'a, [f64]>,
+    /// The external force of each that is among the first of the run, N, replicas × states.
+    pub first_curves: Cow<'a, [f64]>,
     /// External force and adhesion force of each, N, replicas × states; empty unless curves are kept.
     pub forces: [Cow<'a, [f64]>; 2],
 }
@@ -18,10 +20,11 @@ pub struct Records<'a> {
 impl Records<'_> {
     /// The same, that borrows nothing.
     pub fn into_owned(self) -> Records<'static> {
-        let Self { replicas, snaps, forces } = self;
+        let Self { replicas, snaps, first_curves, forces } = self;
         Records {
             replicas: Cow::Owned(replicas.into_owned()),
             snaps: Cow::Owned(snaps.into_owned()),
+            first_curves: Cow::Owned(first_curves.into_owned()),
             forces: forces.map(|forces| Cow::Owned(forces.into_owned())),
         }
     }

@@ -8,7 +8,7 @@
 //! batches.
 
 use super::Job;
-use super::batch::{Ensemble, replicas_of};
+use super::batch::{Ensemble, curves_of, replicas_of};
 use super::replica::Replica;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
@@ -36,12 +36,22 @@ pub struct ReductionTree {
     /// The snaps of every replica, in order: replicas × [`Loading::length`](super::Loading::length).
     #[serde(skip)]
     pub snaps: Vec<f64>,
+    /// The external force of each of the first replicas of the run that are there, N, in order: replicas × states.
+    #[serde(skip)]
+    pub first_curves: Vec<f64>,
 }
 
 impl ReductionTree {
     /// Nothing yet of a range of the batches of a job.
     pub fn new(batches: Range<u64>) -> Self {
-        Self { next: batches.start, batches, nodes: Vec::new(), replicas: Vec::new(), snaps: Vec::new() }
+        Self {
+            next: batches.start,
+            batches,
+            nodes: Vec::new(),
+            replicas: Vec::new(),
+            snaps: Vec::new(),
+            first_curves: Vec::new(),
+        }
     }
 
     /// Nothing yet of all batches of a job.
@@ -68,6 +78,7 @@ impl ReductionTree {
     pub fn push(&mut self, batch: &Ensemble) {
         self.replicas.extend_from_slice(&batch.replicas);
         self.snaps.extend_from_slice(&batch.snaps);
+        self.first_curves.extend_from_slice(&batch.first_curves);
         let own = self.next..self.next + 1;
         self.next = own.end;
         match self.nodes.last_mut() {
@@ -88,6 +99,7 @@ impl ReductionTree {
     pub fn append(&mut self, mut other: Self) {
         self.replicas.append(&mut other.replicas);
         self.snaps.append(&mut other.snaps);
+        self.first_curves.append(&mut other.first_curves);
         other.nodes.into_iter().for_each(|node| self.add(node));
         self.next = other.next;
         self.settle(self.next);
@@ -128,7 +140,7 @@ impl ReductionTree {
             self.merge_last(parent);
         }
         let sums = self.nodes.pop().map_or_else(|| Ensemble::new(job), |node| node.sums);
-        Ensemble { replicas: self.replicas, snaps: self.snaps, ..sums }
+        Ensemble { replicas: self.replicas, snaps: self.snaps, first_curves: self.first_curves, ..sums }
     }
 
     /// The tree without what is kept of every replica, which is how it is written.
@@ -145,7 +157,7 @@ impl ReductionTree {
         (all, there.end - there.start)
     }
 
-    /// The tree after it was read, with what was kept of its replicas and their snaps; none when it is not of
+    /// The tree after it was read, with what was kept of its replicas, their snaps and curves; none when it is not of
     /// this job.
     pub fn restored(self, job: &Job<'_>) -> Option<Self> {
         let Range { start, end } = self.batches;
@@ -163,7 +175,9 @@ impl ReductionTree {
             && end <= job.batches()
             && self.replicas.len() as u64 == there
             && covered == there
-            && self.snaps.len() == self.replicas.len() * job.protocol.loading.length();
+            && self.snaps.len() == self.replicas.len() * job.protocol.loading.length()
+            && self.first_curves.len()
+                == curves_of(&replicas_of(start..self.next, job.replicas)) as usize * job.states();
         fits.then_some(self)
     }
 }

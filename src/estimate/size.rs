@@ -6,7 +6,7 @@
 use super::time::{Cost, step};
 use crate::asperity::Laws;
 use crate::engine::moments::{LANES, MOST_PERIODS, periods};
-use crate::engine::{AHEAD, BATCH, HELD, PILOTS, batches_of};
+use crate::engine::{AHEAD, BATCH, FIRST_CURVES, HELD, PILOTS, batches_of};
 use crate::output::writer::CURVE_CHUNK;
 use crate::scene::Scene;
 use crate::substrate::{Coupling, Kernel};
@@ -147,14 +147,15 @@ impl Estimate {
     pub fn memory(&self) -> f64 {
         let (s, r) = (self.separations, self.regimes);
         let moments = NUMBER * s * (20.0 + 6.0 * r);
-        let kept = if self.curves { 2.0 * NUMBER * BATCH as f64 * s } else { 0.0 };
+        let kept = NUMBER * BATCH as f64 * s * if self.curves { 3.0 } else { 1.0 };
         // A batch that is computed, and for each as many that wait to be merged.
         let batches = 3.0 * self.threads.min(self.batches()) * (moments + kept);
         // Sums of batches wait in a tree of so many levels, half of which have any, and once more as what a checkpoint holds.
         let waiting = (1.0 + self.batches().log2().max(0.0)) * moments;
         let of_replicas = (REPLICA + 2.0 * NUMBER * self.snaps) * self.replicas;
         let functionals = 2.0 * NUMBER * MAX_COMPONENTS as f64 * s;
-        let ensembles = self.ensembles * (moments + waiting + of_replicas + functionals);
+        let ensembles =
+            self.ensembles * (moments + waiting + of_replicas + functionals + self.first_curves());
         let integral = s * (100.0 * r + 24.0 * NUMBER);
         let file = if self.curves { 4.0 * NUMBER * CURVE_CHUNK as f64 * s } else { 0.0 };
         // What is needed one after the other: the grid of the joint test, then the surfaces.
@@ -163,6 +164,11 @@ impl Estimate {
             + integral
             + file
             + self.functionals().max(batches + self.surfaces() + self.coupled())
+    }
+
+    /// Bytes of the curves that quantiles are of.
+    fn first_curves(&self) -> f64 {
+        NUMBER * self.separations * self.replicas.min(FIRST_CURVES as f64)
     }
 
     /// Bytes of the grid of the joint test, its copy, and the matrix of its products.
@@ -224,7 +230,7 @@ impl Estimate {
         let replicas = (128.0 + 2.0 * NUMBER * self.snaps) * self.replicas;
         // In the result, and before in a checkpoint.
         let told = 2.0 * self.asperities * self.told();
-        self.files * (2e5 + means + replicas + curves + told)
+        self.files * (2e5 + means + replicas + curves + told + self.first_curves())
     }
 
     /// Seconds that the phases take one after the other: integral, functionals, ensemble.

@@ -156,7 +156,7 @@ pub(crate) fn is_of(run: Run<'_>, partial: &Partial) -> Result<(), String> {
     Ok(())
 }
 
-/// Adds to the sums of a partial result of a scene what its records hold, all but curves.
+/// Adds to the sums of a partial result of a scene what its records hold, all but `forces`.
 pub(crate) fn read_records(scene: &Scene, kept: &mut Kept) -> Result<(), OutputError> {
     let (shape, tree) = (record_shape(scene), &mut kept.partial.tree);
     kept.records.each(&mut |records| {
@@ -165,6 +165,7 @@ pub(crate) fn read_records(scene: &Scene, kept: &mut Kept) -> Result<(), OutputE
         }
         tree.replicas.extend_from_slice(&records.replicas);
         tree.snaps.extend_from_slice(&records.snaps);
+        tree.first_curves.extend_from_slice(&records.first_curves);
         Ok(true)
     })?;
     Ok(())

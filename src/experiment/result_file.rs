@@ -6,7 +6,7 @@ use super::independence::write_independence;
 use super::results::{Results, Stopped};
 use super::snaps::write_instability;
 use crate::asperity::{Quantity, Regime};
-use crate::engine::{Attained, SCALARS, scalars};
+use crate::engine::{Attained, QUANTILES, SCALARS, scalars};
 use crate::math::control_variates::ControlledMean;
 use crate::math::extrema::{Features, maximum};
 use crate::math::instruction_set::InstructionSet;
@@ -15,7 +15,7 @@ use crate::output::OutputError;
 use crate::output::partial::Visit;
 use crate::output::schema::{Dimension, RANGE_ENDS};
 use crate::output::writer::{CURVE_CHUNK, Writer};
-use crate::scene::Scene;
+use crate::scene::{Scene, findings};
 use crate::validation::{Cumulants, SIGNIFICANCE};
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -23,6 +23,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 pub(crate) fn write_head(writer: &mut Writer<'_>, results: &Results) -> Result<(), OutputError> {
     let Results { scene, basis, controls, regimes, .. } = results;
     write_scene(writer, scene)?;
+    writer.text("/", "warnings", &findings(&results.warnings))?;
     writer.text("/", "law", scene.model.name)?;
     writer.number("/", "seed", scene.seed)?;
     writer.number("/", "replicas", scene.replicas)?;
@@ -41,6 +42,7 @@ pub(crate) fn write_head(writer: &mut Writer<'_>, results: &Results) -> Result<(
     let names: Vec<&str> = scalars(scene.cycle).map(|scalar| scalar.name).collect();
     writer.named_scale(Dimension::Scalar, &names);
     writer.named_scale(Dimension::RangeEnd, &RANGE_ENDS);
+    writer.scale(Dimension::Quantile, &QUANTILES);
     if let Some(stopped) = &results.stopped {
         let names: Vec<&str> = stopped.targets.iter().map(|attained| attained.target.name()).collect();
         writer.number("/", "min_replicas", stopped.min_replicas)?;
@@ -174,6 +176,7 @@ fn write_features(writer: &Writer<'_>, group: &str, features: &Features) -> Resu
 
 fn write_ensemble(writer: &Writer<'_>, results: &Results) -> Result<(), OutputError> {
     let ensemble = &results.ensemble;
+    let quantiles = ensemble.external_force_quantiles(&QUANTILES);
     for (way, states) in results.paths() {
         for quantity in Quantity::ALL {
             let moments = &ensemble.curves[quantity.index()];
@@ -183,6 +186,9 @@ fn write_ensemble(writer: &Writer<'_>, results: &Results) -> Result<(), OutputEr
             writer.dataset(&format!("{name}_standard_error"), &error[states.clone()])?;
             writer.dataset(&format!("{name}_std"), &moments.std()[states.clone()])?;
         }
+        let rows = quantiles.iter().flat_map(|row| &row[states.clone()]);
+        let rows: Vec<f64> = rows.copied().collect();
+        writer.dataset(&format!("/ensemble/{way}external_force_quantile"), &rows)?;
         let tables = [
             ("count", &ensemble.regime_count),
             ("adhesion_force", &ensemble.regime_adhesion_force),

@@ -117,17 +117,21 @@ fn assembled(
         return Ok(None);
     }
     let first = files[0].as_deref().map(Compared::read).transpose()?;
-    let mut rows = Vec::with_capacity(files.len());
-    for file in &files {
+    let (mut rows, mut warned) = (Vec::with_capacity(files.len()), Vec::new());
+    for (point, file) in files.iter().enumerate() {
         if !goes_on() {
             return Ok(None);
         }
         rows.push(match file {
-            Some(file) => compared(file, first.as_ref(), scene, sweep.common_random_numbers)?,
+            Some(file) => {
+                warn(&mut warned, point, file)?;
+                compared(file, first.as_ref(), scene, sweep.common_random_numbers)?
+            }
             None => SweepPoint::ABSENT,
         });
     }
     write_differences(&writer, &rows)?;
+    writer.text("/", "warnings", &joined(sweep, &warned))?;
     let p_values: Vec<f64> = rows.iter().map(|row| row.p_value).collect();
     writer.number("/ensemble", "interval_level", LEVEL)?;
     writer.number("/validation", "significance", SIGNIFICANCE)?;
@@ -135,6 +139,37 @@ fn assembled(
     writer.text("/validation", "overall_verdict", overall(&p_values).name())?;
     writer.finish()?;
     Ok(Some(rows))
+}
+
+/// Findings of the points, and the points that have them.
+type Warned = Vec<(String, Vec<usize>)>;
+
+/// Adds what a point warns of.
+fn warn(warned: &mut Warned, point: usize, file: &Path) -> Result<(), OutputError> {
+    let reader = Reader::open(file, &[&RUN])?;
+    for finding in reader.optional_text("/", "warnings")?.unwrap_or_default().lines() {
+        match warned.iter_mut().find(|(known, _)| known == finding) {
+            Some((_, points)) => points.push(point),
+            None => warned.push((finding.to_owned(), vec![point])),
+        }
+    }
+    Ok(())
+}
+
+/// What the points warn of, a line each, with the points that do.
+fn joined(sweep: &Sweep, warned: &Warned) -> String {
+    let line = |(finding, points): &(String, Vec<usize>)| match points.len() {
+        1 => format!("{finding} (at {})", sweep.assignments(points[0])),
+        count if count == sweep.count() => format!("{finding} (at all points)"),
+        count => {
+            format!(
+                "{finding} (at {count} of {} points, first at {})",
+                sweep.count(),
+                sweep.assignments(points[0])
+            )
+        }
+    };
+    warned.iter().map(line).collect::<Vec<String>>().join("\n")
 }
 
 /// Writes the dimensions of the points: one for each key, or one for all.

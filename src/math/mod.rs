@@ -17,5 +17,6 @@ pub mod piecewise;
 pub mod polynomials;
 pub mod proportion;
 pub mod quadrature;
+pub mod quantile;
 pub mod roots;
 pub mod sums;

@@ -183,7 +183,8 @@ mod tests {
     fn records(number: f64) -> Records<'static> {
         let replica = Replica { pull_off_force: number, ..Replica::default() };
         let forces = [Cow::from(vec![number; 4]), Cow::from(vec![-0.0; 4])];
-        Records { replicas: Cow::from(vec![replica; 2]), snaps: Cow::from(vec![]), forces }
+        let (snaps, first_curves) = (Cow::from(vec![]), Cow::from(vec![number; 4]));
+        Records { replicas: Cow::from(vec![replica; 2]), snaps, first_curves, forces }
     }
 
     fn numbers(kept: &Kept) -> Result<Vec<f64>, OutputError> {

@@ -29,7 +29,7 @@ const CHECKPOINT: &[u8] = b"stiction checkpoint\n";
 /// The line that the records beside a checkpoint begin with.
 pub(super) const RECORDS: &[u8] = b"stiction replicas of a checkpoint\n";
 /// Version of the layout of all.
-pub(super) const VERSION: u32 = 7;
+pub(super) const VERSION: u32 = 8;
 /// Bytes before the value of a frame: its length and checksum.
 const HEADER: usize = 12;
 /// Most bytes of the value of a frame.

@@ -15,6 +15,8 @@ use tempfile::TempPath;
 
 /// Replicas of a chunk of curves.
 pub const CURVE_CHUNK: usize = 64;
+/// Rows, and columns, of a chunk of a map.
+const MAP_CHUNK: usize = 256;
 /// Deflate level of curves.
 const DEFLATE: u8 = 4;
 
@@ -174,6 +176,19 @@ impl<'c> Writer<'c> {
     pub fn dataset<T: H5Type>(&self, path: &str, values: &[T]) -> Result<(), OutputError> {
         let shape = self.shape(path);
         let dataset = self.file().new_dataset::<T>().shape(shape).create(path)?;
+        dataset.write_raw(values)?;
+        self.describe(path, &dataset, false)
+    }
+
+    /// Writes a dataset of two dimensions of the layout, its values row-major, compressed.
+    ///
+    /// # Errors
+    /// When HDF5 fails.
+    pub fn compressed(&self, path: &str, values: &[f64]) -> Result<(), OutputError> {
+        let shape = self.shape(path);
+        let chunk: Vec<usize> = shape.iter().map(|length| (*length).min(MAP_CHUNK)).collect();
+        let dataset =
+            self.file().new_dataset::<f64>().shape(shape).chunk(chunk).shuffle().deflate(1).create(path)?;
         dataset.write_raw(values)?;
         self.describe(path, &dataset, false)
     }

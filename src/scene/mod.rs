@@ -63,4 +63,4 @@ pub use table::KEYS;
 #[doc(hidden)]
 pub use validity::{warnings, warnings_of_scene};
 #[doc(hidden)]
-pub use warning::{Expected, Reading, Warning, WhatIsRead};
+pub use warning::{Expected, Reading, Warning, WhatIsRead, findings};

@@ -26,6 +26,11 @@ impl Warning {
     }
 }
 
+/// The findings of warnings, a line each.
+pub fn findings(warnings: &[Warning]) -> String {
+    warnings.iter().map(|warning| warning.finding.as_str()).collect::<Vec<&str>>().join("\n")
+}
+
 /// Features of a scene's curves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WhatIsRead {

@@ -5,6 +5,7 @@
 //! the mean: single patches pull harder than the integral, and the less so the more asperities they have.
 
 use crate::math::least_squares::least_squares;
+use crate::math::quantile::quantile;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 /// Probabilities of the quantiles.
@@ -58,14 +59,6 @@ impl Scatter {
             quantiles: QUANTILES.map(|probability| quantile(&sorted, probability)),
         }
     }
-}
-
-/// A quantile of sorted values.
-fn quantile(sorted: &[f64], probability: f64) -> f64 {
-    let place = probability * (sorted.len() - 1) as f64;
-    let below = place.floor() as usize;
-    let above = (below + 1).min(sorted.len() - 1);
-    sorted[below] + (place - below as f64) * (sorted[above] - sorted[below])
 }
 
 /// The bias of the mean pull-off relative to the integral's, b = c N^−a, as N grows.

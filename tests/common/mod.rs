@@ -82,6 +82,7 @@ pub fn bytes(value: &impl serde::Serialize) -> Vec<u8> {
 pub fn reread(tree: &ReductionTree) -> ReductionTree {
     let mut read: ReductionTree = postcard::from_bytes(&bytes(tree)).unwrap();
     (read.replicas, read.snaps) = (tree.replicas.clone(), tree.snaps.clone());
+    read.first_curves.clone_from(&tree.first_curves);
     read
 }
 

@@ -76,6 +76,8 @@ DATASETS = {
     "ensemble/external_force_mean": (S, "N"),
     "ensemble/external_force_standard_error": (S, "N"),
     "ensemble/external_force_std": (S, "N"),
+    "ensemble/quantile": (("quantile",), "1"),
+    "ensemble/external_force_quantile": (("quantile", "separation"), "N"),
     "ensemble/contact_area_mean": (S, "m2"),
     "ensemble/contact_area_standard_error": (S, "m2"),
     "ensemble/contact_area_std": (S, "m2"),
@@ -183,7 +185,7 @@ def test_root_attributes(file):
     for name in ["format", "program_version", "source_revision", "source_hash", "created", "title", "scene", "law", "history"]:
         assert isinstance(attributes[name], str), name
     assert attributes["format"] == "stiction-run"
-    assert list(attributes["format_version"]) == [3, 1]
+    assert list(attributes["format_version"]) == [3, 2]
     assert np.issubdtype(attributes["format_version"].dtype, np.integer)
     assert re.fullmatch(r"\d+\.\d+\.\d+.*", attributes["program_version"])
     assert re.fullmatch(r"[0-9a-f]{7,}(-modified)?|unknown", attributes["source_revision"])
@@ -253,6 +255,19 @@ def test_scales_hold_what_they_name(file):
     assert close(file["ensemble/separation"][()], h_star * sigma, sigma * 4.5)
     offset = file["ensemble/separation"][()] - file["ensemble/asperity_separation"][()]
     assert close(offset, file.attrs["mean_plane_offset"], sigma)
+
+
+def test_quantiles_are_those_of_the_curves(file):
+    probabilities, curves = file["ensemble/quantile"][()], file["replicas/external_force"][()]
+    assert list(probabilities) == [0.05, 0.25, 0.5, 0.75, 0.95]
+    size = np.abs(curves).max(axis=0)
+    assert close(file["ensemble/external_force_quantile"][()], np.quantile(curves, probabilities, axis=0), size, 1e-14)
+
+
+def test_warnings_are_those_of_the_summary(path, file):
+    told = subprocess.run([PROGRAM, "check", path.with_suffix(".toml")], capture_output=True, text=True, check=True).stdout
+    findings = [line.split("warning", 1)[1].strip() for line in told.splitlines() if line.strip().startswith("warning ")]
+    assert findings and file.attrs["warnings"].splitlines() == findings
 
 
 def test_replica_curves_are_chunked_and_compressed(file):

@@ -27,6 +27,7 @@ mod outputs;
 mod populations;
 mod processors;
 mod programs;
+mod quantiles;
 mod rough_surface;
 mod sampling;
 mod secant;

@@ -371,6 +371,106 @@ fn missing_heights_are_left_out() {
     );
 }
 
+/// The map that was searched stands in the file: the heights that were given less their mean or their plane, and NaN
+/// where they are missing.
+#[test]
+fn the_file_has_the_map_that_was_searched() {
+    let folder = Folder::new("");
+    let (mut heights, side) = shipped();
+    let (rows, columns) = (side - 3, side);
+    heights.truncate(rows * columns);
+    (heights[5], heights[7 * columns + 9]) = (f64::NAN, f64::NAN);
+    let lines = heights.chunks_exact(columns);
+    let lines =
+        lines.map(|row| row.iter().map(|height| format!("{height:e}")).collect::<Vec<_>>().join(" ") + "\n");
+    std::fs::write(folder.path("map.txt"), lines.collect::<String>()).unwrap();
+    let find = |level: &str, more: &[&str]| {
+        let fixed =
+            ["asperities", "map.txt", "--pixel", "30 nm,20 nm", "-o", "map.h5", "--force", "--level", level];
+        assert_exit(&folder.stiction(&[&fixed, more].concat()), 0);
+        let file = unlocked::open(folder.path("map.h5"));
+        let numbers = |name: &str| file.dataset(name).unwrap().read_raw::<f64>().unwrap();
+        assert_eq!(file.dataset("/map/height").unwrap().shape(), [rows, columns]);
+        let middles =
+            |count: usize, pixel: f64| (0..count).map(|i| (i as f64 + 0.5) * pixel).collect::<Vec<f64>>();
+        for (name, count, pixel) in [("/map/x", columns, 30e-9), ("/map/y", rows, 20e-9)] {
+            let middles = middles(count, pixel);
+            assert!(numbers(name).iter().zip(&middles).all(|(a, b)| (a - b).abs() < 1e-12 * b), "{name}");
+        }
+        (
+            numbers("/map/height"),
+            numbers("/asperities/x"),
+            numbers("/asperities/y"),
+            numbers("/asperities/height"),
+        )
+    };
+    let known = |values: &[f64]| values.iter().copied().filter(|value| !value.is_nan()).collect::<Vec<f64>>();
+    let mean = known(&heights).iter().sum::<f64>() / known(&heights).len() as f64;
+    let (plain, ..) = find("none", &["--height-unit", "nm"]);
+    assert_eq!(attribute(&folder.path("map.h5"), "/", "height_unit"), "nm");
+    for (found, given) in plain.iter().zip(&heights) {
+        assert_eq!(found.is_nan(), given.is_nan());
+        assert!(given.is_nan() || (found - 1e-9 * (given - mean)).abs() < 1e-22, "{found:e} {given:e}");
+    }
+    // What is left of a plane leans to neither side.
+    let (level, x, y, own) = find("plane", &["--height-unit", "nm"]);
+    let lean = |of: &dyn Fn(usize) -> f64| -> f64 {
+        let terms = level.iter().enumerate().filter(|(_, height)| !height.is_nan());
+        terms.map(|(i, height)| of(i) * height).sum()
+    };
+    let size: f64 = known(&level).iter().map(|height| height.abs()).sum();
+    for tilt in [lean(&|_| 1.0), lean(&|i| (i % columns) as f64), lean(&|i| (i / columns) as f64)] {
+        assert!(tilt.abs() < 1e-9 * size, "{tilt:e} {size:e}");
+    }
+    for ((x, y), height) in x.iter().zip(&y).zip(&own) {
+        let place = (y / 20e-9) as usize * columns + (x / 30e-9) as usize;
+        assert_eq!(level[place], *height);
+    }
+    assert!(!own.is_empty());
+    // A text may say its unit.
+    let map = std::fs::read_to_string(folder.path("map.txt")).unwrap();
+    std::fs::write(folder.path("map.txt"), format!("# Value units: nm\n{map}")).unwrap();
+    let (again, ..) = find("plane", &[]);
+    assert_eq!(attribute(&folder.path("map.h5"), "/", "height_unit"), "");
+    assert!(again.iter().zip(&level).all(|(a, b)| a.to_bits() == b.to_bits()));
+    assert_exit(&folder.stiction(&["validate", "map.h5"]), 0);
+}
+
+/// A file without the map is one of an earlier version, and read as ever; one whose asperities stand elsewhere, or
+/// whose gaps are others, is found.
+#[test]
+fn a_map_that_does_not_fit_its_asperities_is_found() {
+    let folder = Folder::new("");
+    let damaged = |code: i32, damage: &dyn Fn(&hdf5::File)| {
+        assert_exit(&folder.stiction(&["asperities", MAP, "-o", "map.h5", "--force"]), 0);
+        let file = unlocked::open_rw(folder.path("map.h5"));
+        damage(&file);
+        file.close().unwrap();
+        let validate = folder.stiction(&["validate", "map.h5"]);
+        assert_exit(&validate, code);
+        assert_exit(&folder.stiction(&["info", "map.h5"]), 0);
+        text(&validate.stdout)
+    };
+    damaged(0, &|_| ());
+    damaged(0, &|file| {
+        file.unlink("map").unwrap();
+        file.delete_attr("height_unit").unwrap();
+    });
+    let change = |file: &hdf5::File, of: &dyn Fn(&mut Vec<f64>)| {
+        let dataset = file.dataset("/map/height").unwrap();
+        let mut heights = dataset.read_raw::<f64>().unwrap();
+        of(&mut heights);
+        dataset.write_raw(&heights).unwrap();
+    };
+    let said = damaged(3, &|file| change(file, &|heights| heights[40] = f64::NAN));
+    assert!(said.contains("/map/height lacks 1 heights, and missing_pixels is 0"), "{said}");
+    let said = damaged(3, &|file| change(file, &|heights| heights.rotate_left(1)));
+    assert!(said.contains("/asperities/height has"), "{said}");
+    let said = damaged(3, &|file| file.attr("nominal_area").unwrap().write_scalar(&1e-12).unwrap());
+    assert!(said.contains("nominal_area is 1e-12"), "{said}");
+    damaged(3, &|file| file.attr("map_shape").unwrap().write_raw(&[u64::MAX, 2]).unwrap());
+}
+
 /// Coarse pixels, few summits, a lay and steps of height are warned of.
 #[test]
 fn what_the_map_does_not_show_is_warned_of() {

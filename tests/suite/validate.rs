@@ -100,9 +100,6 @@ const NOT_FOUND: &[(&str, &str, &str, &str)] = &[
         "of the runs of the sizes, which are not there",
     ),
     ("finite-size", "/p_value", "NaN reverse", "of the runs of the sizes, which are not there"),
-    ("asperities", "/asperities/height", "reverse", "asperities may have any heights"),
-    ("asperities", "/surface/skewness", "scale negate", "of the map, which is not there"),
-    ("asperities", "/surface/excess_kurtosis", "scale negate", "of the map, which is not there"),
     (
         "compare sweep",
         "/integral/pull_off_separation",

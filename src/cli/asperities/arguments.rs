@@ -17,8 +17,8 @@ pub(crate) struct AsperitiesArguments {
     #[arg(long, value_name = "DX[,DY]", value_parser = pixel, allow_hyphen_values = true)]
     pub pixel: Option<[f64; 2]>,
     /// Unit of the heights, such as nm; by default what the file says
-    #[arg(long, value_name = "UNIT", value_parser = length_unit)]
-    pub height_unit: Option<f64>,
+    #[arg(long, value_name = "UNIT", value_parser = HeightUnit::new)]
+    pub height_unit: Option<HeightUnit>,
     /// Which dataset of an HDF5 file is the map
     #[arg(long, value_name = "NAME")]
     pub dataset: Option<String>,
@@ -28,6 +28,20 @@ pub(crate) struct AsperitiesArguments {
     /// Overwrite an existing result
     #[arg(long)]
     pub force: bool,
+}
+
+/// A unit of heights as it is given.
+#[derive(Clone)]
+pub(crate) struct HeightUnit {
+    pub name: String,
+    /// m.
+    pub length: f64,
+}
+
+impl HeightUnit {
+    fn new(unit: &str) -> Result<Self, String> {
+        Ok(Self { name: unit.to_owned(), length: length_unit(unit)? })
+    }
 }
 
 fn levelling(name: &str) -> Result<Levelling, String> {

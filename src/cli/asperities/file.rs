@@ -5,17 +5,19 @@ use crate::experiment::result_file::write_program;
 use crate::output::OutputError;
 use crate::output::schema::Dimension;
 use crate::output::writer::Writer;
-use crate::surface::map::Summit;
+use crate::surface::map::{HeightMap, Summit};
 
 pub(super) fn write(writer: &mut Writer<'_>, surface: &Surface<'_>) -> Result<(), OutputError> {
-    let Surface { arguments, asperities, shape, pixel, .. } = surface;
+    let Surface { arguments, asperities, map, .. } = surface;
     write_program(writer)?;
     let name = arguments.map.file_name().unwrap_or_default().to_string_lossy();
     writer.text("/", "map", &name)?;
     writer.text("/", "map_source", &surface.source)?;
+    let unit = arguments.height_unit.as_ref().map_or("", |unit| &unit.name);
+    writer.text("/", "height_unit", unit)?;
     writer.text("/", "level", arguments.level.name())?;
-    writer.numbers("/", "map_shape", &shape.map(|length| length as u64))?;
-    writer.numbers("/", "pixel_size", pixel)?;
+    writer.numbers("/", "map_shape", &map.shape().map(|length| length as u64))?;
+    writer.numbers("/", "pixel_size", &map.pixel())?;
     writer.number("/", "missing_pixels", surface.missing as u64)?;
     writer.number("/", "nominal_area", asperities.nominal_area)?;
     writer.number("/", "mean_plane_offset", asperities.measured.height_mean)?;
@@ -23,22 +25,38 @@ pub(super) fn write(writer: &mut Writer<'_>, surface: &Surface<'_>) -> Result<()
     let count = asperities.summits.len() as u64;
     writer.scale(Dimension::Asperity, &(0..count).collect::<Vec<u64>>());
     write_asperities(writer, surface)?;
+    write_map(writer, &surface.map)?;
     write_surface(writer, surface)
 }
 
 fn write_asperities(writer: &Writer<'_>, surface: &Surface<'_>) -> Result<(), OutputError> {
-    let [dy, dx] = surface.pixel;
+    let [dy, dx] = surface.map.pixel();
     let write = |name: &str, of: &dyn Fn(&Summit) -> f64| {
         let values: Vec<f64> = surface.asperities.summits.iter().map(of).collect();
         writer.dataset(&format!("/asperities/{name}"), &values)
     };
     write("height", &|summit| summit.height)?;
     write("radius", &Summit::radius)?;
-    // The middle of the pixel; the first one begins at 0.
-    write("x", &|summit| (summit.column as f64 + 0.5) * dx)?;
-    write("y", &|summit| (summit.row as f64 + 0.5) * dy)?;
+    write("x", &|summit| middle(summit.column, dx))?;
+    write("y", &|summit| middle(summit.row, dy))?;
     write("curvature_x", &|summit| summit.curvature[1])?;
     write("curvature_y", &|summit| summit.curvature[0])
+}
+
+/// Writes the heights that were searched.
+fn write_map(writer: &mut Writer<'_>, map: &HeightMap) -> Result<(), OutputError> {
+    let ([rows, columns], [dy, dx]) = (map.shape(), map.pixel());
+    let middles =
+        |count: usize, pixel: f64| (0..count).map(|index| middle(index, pixel)).collect::<Vec<f64>>();
+    writer.group("map")?;
+    writer.scale(Dimension::MapX, &middles(columns, dx));
+    writer.scale(Dimension::MapY, &middles(rows, dy));
+    writer.compressed("/map/height", map.heights())
+}
+
+/// The middle of a pixel; the first one begins at 0.
+fn middle(index: usize, pixel: f64) -> f64 {
+    (index as f64 + 0.5) * pixel
 }
 
 fn write_surface(writer: &Writer<'_>, surface: &Surface<'_>) -> Result<(), OutputError> {

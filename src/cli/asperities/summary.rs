@@ -7,10 +7,10 @@ use crate::scene::echo::one_line;
 use crate::surface::map::Summit;
 
 pub(super) fn summary(surface: &Surface<'_>) -> String {
-    let Surface { arguments, asperities, shape, pixel, .. } = surface;
+    let Surface { arguments, asperities, map, .. } = surface;
     let mut text = format!("{}\n", one_line(&arguments.map.display().to_string()));
-    let [rows, columns] = *shape;
-    let [dy, dx] = *pixel;
+    let [rows, columns] = map.shape();
+    let [dy, dx] = map.pixel();
     text += &row(
         "map",
         &format!("{columns} x {rows} pixels of {} x {} ({})", si(dx, "m"), si(dy, "m"), surface.source),

@@ -24,10 +24,8 @@ pub(super) struct Surface<'a> {
     pub arguments: &'a AsperitiesArguments,
     /// The kind of file, the dataset that was read included.
     pub source: String,
-    /// Rows and columns.
-    pub shape: [usize; 2],
-    /// Height and width of a pixel, m.
-    pub pixel: [f64; 2],
+    /// The map as it was searched.
+    pub map: HeightMap,
     pub missing: usize,
     pub asperities: Asperities,
     pub caveats: Vec<String>,
@@ -38,7 +36,7 @@ pub(super) fn surface(arguments: &AsperitiesArguments, most: u64) -> Result<Surf
     let path = &arguments.map;
     let raw = maps::read(path, arguments.dataset.as_deref(), most)?;
     let (pixel, other_pixel) = pixel(path, arguments.pixel, &raw)?;
-    let (unit, other_unit) = height_unit(path, arguments.height_unit, &raw)?;
+    let (unit, other_unit) = height_unit(path, arguments.height_unit.as_ref().map(|unit| unit.length), &raw)?;
     let format = MapFormat::of(path)?.name();
     let source =
         raw.dataset.as_ref().map_or(format.to_owned(), |dataset| format!("{format}, dataset {dataset}"));
@@ -55,7 +53,7 @@ pub(super) fn surface(arguments: &AsperitiesArguments, most: u64) -> Result<Surf
     let missing = levelled.missing();
     let first = other_pixel.into_iter().chain(other_unit).chain(wrong_unit(&asperities, unit));
     let caveats = first.chain(asperities.caveats(pixel)).chain(flaws).collect();
-    Ok(Surface { arguments, source, shape, pixel, missing, asperities, caveats })
+    Ok(Surface { arguments, source, map: levelled, missing, asperities, caveats })
 }
 
 /// Height and width of a pixel, m: as given, or by the extent that the file states; and that it states

@@ -4,18 +4,20 @@ use super::{ComparedLaw, Comparison, SampledLaw, deviation};
 use crate::asperity::Quantity;
 use crate::asperity::law::Regime;
 use crate::asperity::laws::fit::{FORCES, NAMES};
-use crate::engine::SCALARS;
+use crate::engine::{QUANTILES, SCALARS};
 use crate::experiment::independence::write_independences;
 use crate::experiment::result_file::write_scene;
 use crate::math::moments::Moments;
 use crate::output::OutputError;
 use crate::output::schema::{Dimension, RANGE_ENDS};
 use crate::output::writer::Writer;
+use crate::scene::findings;
 use crate::validation::SIGNIFICANCE;
 
 pub(super) fn write(writer: &mut Writer<'_>, comparison: &Comparison) -> Result<(), OutputError> {
     let Comparison { scene, interferences, laws, .. } = comparison;
     write_scene(writer, scene)?;
+    writer.text("/", "warnings", &findings(&comparison.warnings))?;
     let scale = scene.scale();
     writer.number("/", "approach_unit", scale.length)?;
     writer.number("/", "radius_unit", scale.radius)?;
@@ -38,6 +40,7 @@ pub(super) fn write(writer: &mut Writer<'_>, comparison: &Comparison) -> Result<
         writer.number("/", "seed", scene.seed)?;
         writer.number("/", "replicas", scene.replicas)?;
         writer.text("/", "sampling", scene.sampling.name())?;
+        writer.scale(Dimension::Quantile, &QUANTILES);
         writer.scale(Dimension::Replica, &(0..scene.replicas).collect::<Vec<u64>>());
         write_ensemble(writer, comparison, &sampled)?;
     }
@@ -166,6 +169,11 @@ fn write_ensemble(
         writer.dataset(&format!("/ensemble/{name}_standard_error"), &error)?;
         writer.dataset(&format!("/ensemble/{name}_std"), &std)?;
     }
+    let quantiles: Vec<f64> = sampled
+        .iter()
+        .flat_map(|sampled| sampled.ensemble.external_force_quantiles(&QUANTILES).concat())
+        .collect();
+    writer.dataset("/ensemble/external_force_quantile", &quantiles)?;
     let sum_errors: Vec<f64> = sampled.iter().map(|sampled| sampled.summation.sum_error()).collect();
     writer.dataset("/ensemble/sum_error", &sum_errors)?;
     let differences = comparison.laws.iter().filter_map(|law| comparison.paired_difference(law));

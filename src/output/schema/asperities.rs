@@ -9,17 +9,22 @@ const A: &[Dimension] = &[Dimension::Asperity];
 pub static ASPERITIES: Layout = Layout {
     format: "stiction-asperities",
     command: "stiction asperities",
-    version: [2, 0],
+    version: [2, 1],
     groups: &["asperities", "surface", "measured", "equivalent"],
-    optional_groups: &[],
+    optional_groups: &["map"],
     of_points: None,
     variables: LazyLock::new(variables),
 };
 
 /// All datasets that a file may hold.
 fn variables() -> Vec<Variable> {
-    let groups =
-        [("/asperities", EACH), ("/surface", SURFACE), ("/measured", MEASURED), ("/equivalent", EQUIVALENT)];
+    let groups = [
+        ("/asperities", EACH),
+        ("/map", MAP),
+        ("/surface", SURFACE),
+        ("/measured", MEASURED),
+        ("/equivalent", EQUIVALENT),
+    ];
     with_coordinates(groups.map(|(name, rows)| group(name, NONE, rows)).concat())
 }
 
@@ -31,6 +36,13 @@ const EACH: &[Row] = &[
     ("curvature_x", A, "m-1", "curvature of the asperity along the rows of the map"),
     ("curvature_y", A, "m-1", "curvature of the asperity along the columns of the map"),
 ];
+
+const MAP: &[Row] = &[(
+    "height",
+    &[Dimension::MapY, Dimension::MapX],
+    "m",
+    "height of each pixel above the mean plane of the surface, NaN where it is missing",
+)];
 
 const SURFACE: &[Row] = &[
     ("m0", NONE, "m2", "mean square height of the surface"),

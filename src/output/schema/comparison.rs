@@ -1,7 +1,8 @@
 //! The layout of a result of `stiction compare`.
 
 use super::curves::{
-    DIRECTIONS, OF_ENSEMBLE, OF_INTEGRAL, features, forces, joint_test, quantities, regimes, scalars, scores,
+    DIRECTIONS, OF_ENSEMBLE, OF_INTEGRAL, features, forces, joint_test, quantile, quantities, regimes,
+    scalars, scores,
 };
 use super::independence::{independence, verdict};
 use super::{Dimension, Layout, NONE, Row, Variable, group, with_coordinates};
@@ -17,7 +18,7 @@ const F: &[Dimension] = &[Dimension::FittedForce];
 pub static COMPARISON: Layout = Layout {
     format: "stiction-comparison",
     command: "stiction compare",
-    version: [3, 1],
+    version: [3, 2],
     groups: &["integral", "asperity", "validity", "fit", "ensemble", "replicas", "validation"],
     optional_groups: &["independence"],
     variables: LazyLock::new(variables),
@@ -42,6 +43,7 @@ fn variables() -> Vec<Variable> {
         group("/validity", L, VALIDITY),
         group("/fit", L, FIT),
         quantities("/ensemble", LS, approach, &OF_ENSEMBLE),
+        vec![quantile("/ensemble", L, approach)],
         group("/ensemble", L, OF_REPLICAS),
         scalars(L, SCALARS.into_iter()),
         scores(L, approach),

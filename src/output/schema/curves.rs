@@ -71,6 +71,15 @@ pub(super) fn regimes(
     tables.map(one).to_vec()
 }
 
+/// Quantiles of the external force of a group.
+pub(super) fn quantile(group: &str, lead: &[Dimension], (prefix, on): (&str, &str)) -> Variable {
+    let meaning = format!(
+        "external force{on}, quantiles of one replica over the first 1000 replicas, compressive positive"
+    );
+    let dimensions = [lead, &[Dimension::Quantile], S].concat();
+    variable(format!("{group}/{prefix}external_force_quantile"), &dimensions, "N", meaning)
+}
+
 /// A dataset of each of the forces that ensemble and integral are compared by.
 pub(super) fn forces(
     prefix: &str,

@@ -128,6 +128,10 @@ pub enum Dimension {
     EnergyClass,
     /// Targets at which a run ends.
     Target,
+    /// Columns of a map, by the middle of their pixels, m.
+    MapX,
+    /// Rows of a map, by the middle of their pixels, m.
+    MapY,
     /// Asperities of a surface.
     Asperity,
     /// States in which the asperities are told one by one.
@@ -183,6 +187,8 @@ impl Dimension {
                 "least energy of a class, over energy_unit; the class reaches to twice that",
             ),
             Self::Target => ("target", "1", "quantity whose mean is to be known before the run ends"),
+            Self::MapX => ("x", "m", "middle of the pixels along the rows of the map"),
+            Self::MapY => ("y", "m", "middle of the pixels along the columns of the map"),
             Self::Asperity => ("asperity", "1", "index of the asperity; of a map row by row"),
             Self::State => ("state", "1", "index of a state whose asperities are told one by one"),
             Self::Step => ("step", "m", "middle between neighbouring separations h"),

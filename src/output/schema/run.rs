@@ -1,7 +1,7 @@
 //! The layout of a result of `stiction run`.
 
 use super::curves::{
-    DIRECTIONS, OF_ENSEMBLE, OF_INTEGRAL, Statistic, forces, quantities, regimes, scalars, scores,
+    DIRECTIONS, OF_ENSEMBLE, OF_INTEGRAL, Statistic, forces, quantile, quantities, regimes, scalars, scores,
 };
 use super::independence::independence;
 use super::{Dimension, Layout, N, NONE, Row, S, Variable, group, scale, variable, with_coordinates};
@@ -34,7 +34,7 @@ const NPD: &[Dimension] = &[Dimension::Replica, Dimension::Preload, Dimension::S
 pub static RUN: Layout = Layout {
     format: "stiction-run",
     command: "stiction run",
-    version: [3, 1],
+    version: [3, 2],
     groups: &["ensemble", "replicas", "integral", "validation", "diagnostics"],
     optional_groups: &["asperities", "coupling", "independence", "instability"],
     variables: LazyLock::new(variables),
@@ -61,6 +61,7 @@ fn ensemble() -> Vec<Variable> {
     let mut all = vec![scale(GROUP, Dimension::Control)];
     for direction in DIRECTIONS {
         all.extend(quantities(GROUP, S, direction, &OF_ENSEMBLE));
+        all.push(quantile(GROUP, NONE, direction));
         all.extend(regimes(GROUP, NONE, direction, OF_ENSEMBLE[0]));
     }
     all.extend(group(GROUP, NONE, OF_SCALARS));

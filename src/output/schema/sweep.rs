@@ -11,7 +11,7 @@ use std::sync::LazyLock;
 pub static SWEEP: Layout = Layout {
     format: "stiction-sweep",
     command: "stiction run",
-    version: [4, 0],
+    version: [4, 1],
     groups: &["ensemble", "replicas", "integral", "validation", "diagnostics", "differences"],
     optional_groups: &["asperities", "coupling", "independence", "instability"],
     variables: LazyLock::new(variables),

@@ -171,10 +171,10 @@ fn the_file_has_the_warnings_of_the_summary() {
     std::fs::write(folder.path("swept.toml"), soft + axis).unwrap();
     assert_exit(&folder.stiction(&["run", "swept.toml"]), 0);
     let of_points = attribute(&folder.path("swept.h5"), "/", "warnings");
-    let at = " (at 2 of 3 points, first at material.work_of_adhesion = 0.09 J/m^2)";
+    let at = " (at 2 of 3 points, first at material.work_of_adhesion = 90 mJ/m^2)";
     let of_both: Vec<&str> = of_points.lines().filter_map(|line| line.strip_suffix(at)).collect();
     assert!(of_both.iter().all(|both| own.lines().any(|line| line == *both)), "{of_points}\n{own}");
-    let at = " (at material.work_of_adhesion = 0.05 J/m^2)";
+    let at = " (at material.work_of_adhesion = 50 mJ/m^2)";
     let others = of_points.lines().filter(|line| line.ends_with(at) || line.ends_with(" (at all points)"));
     assert_eq!((of_both.is_empty(), of_both.len() + others.count()), (false, of_points.lines().count()));
     let wide = Folder::new(&small().replace("count = 16", "count = 73"));

@@ -264,8 +264,8 @@ def test_quantiles_are_those_of_the_curves(file):
     assert close(file["ensemble/external_force_quantile"][()], np.quantile(curves, probabilities, axis=0), size, 1e-14)
 
 
-def test_warnings_are_those_of_the_summary(path, file):
-    told = subprocess.run([PROGRAM, "check", path.with_suffix(".toml")], capture_output=True, text=True, check=True).stdout
+def test_warnings_are_those_of_check(file):
+    told = subprocess.run([PROGRAM, "check", "-"], input=SCENE, capture_output=True, text=True, check=True).stdout
     findings = [line.split("warning", 1)[1].strip() for line in told.splitlines() if line.strip().startswith("warning ")]
     assert findings and file.attrs["warnings"].splitlines() == findings
 

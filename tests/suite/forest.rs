@@ -96,14 +96,17 @@ fn a_state_of_another_job_or_range_is_refused() {
     let scene = scene();
     let job = job(scene.law.as_ref(), &scene.surface, &scene.separations, REPLICAS);
     let own = computed(&job, ReductionTree::new(3..9));
-    let restored = |job: &Job<'_>, state: &[u8], replicas: &[Replica]| {
+    let read = |job: &Job<'_>, state: &[u8], replicas: &[Replica], curves: &[f64]| {
         let mut tree: ReductionTree = postcard::from_bytes(state).ok()?;
-        tree.replicas = replicas.to_vec();
+        (tree.replicas, tree.first_curves) = (replicas.to_vec(), curves.to_vec());
         tree.restored(job)
     };
+    let restored =
+        |job: &Job<'_>, state: &[u8], replicas: &[Replica]| read(job, state, replicas, &own.first_curves);
     let state = bytes(&own);
     assert!(restored(&job, &state, &own.replicas).is_some());
     assert!(restored(&job, &state, &own.replicas[1..]).is_none());
+    assert!(read(&job, &state, &own.replicas, &own.first_curves[1..]).is_none());
     assert!(restored(&job, &state[..state.len() - 1], &own.replicas).is_none());
     assert!(restored(&Job { replicas: 64, ..job }, &state, &own.replicas).is_none());
     assert!(restored(&Job { separations: &scene.separations[1..], ..job }, &state, &own.replicas).is_none());

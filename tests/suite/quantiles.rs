@@ -121,6 +121,24 @@ fn merged_shards_have_the_quantiles_of_the_replicas_that_are_there() {
     }
 }
 
+/// Of coupled asperities they are of the curves with coupling; shards make no difference.
+#[test]
+fn coupled_replicas_have_quantiles_too() {
+    let folder = Folder::new(
+        &(scene(24).replace("from = -1.0", "from = 1.0") + "\n[substrate]\ncoupling = \"patch\"\n"),
+    );
+    assert_exit(&folder.stiction(&["run", "scene.toml", "-o", "whole.h5"]), 0);
+    let (quantiles, curves) = read(&folder.path("whole.h5"), "");
+    assert_counted(&quantiles, &curves);
+    for index in ["1", "2"] {
+        let shard = format!("{index}/2");
+        assert_exit(&folder.stiction(&["run", "scene.toml", "--shard", &shard, "-o", index]), 0);
+    }
+    assert_exit(&folder.stiction(&["merge", "1", "2", "-o", "merged.h5"]), 0);
+    assert!(bits(&folder.path("merged.h5")) == bits(&folder.path("whole.h5")));
+    assert_exit(&folder.stiction(&["validate", "whole.h5"]), 0);
+}
+
 /// Each point of a sweep has those of its own, and each law of a comparison.
 #[test]
 fn points_and_laws_have_quantiles_of_their_own() {
@@ -167,7 +185,8 @@ fn the_file_has_the_warnings_of_the_summary() {
         assert_eq!(attribute(&folder.path(output), "/", "warnings"), lines.join("\n"));
     }
     let own = attribute(&folder.path("scene.h5"), "/", "warnings");
-    let axis = "\n[sweep]\n\"material.work_of_adhesion\" = [\"0.09 J/m^2\", \"0.0900001 J/m^2\", \"0.05 J/m^2\"]\n";
+    let axis =
+        "\n[sweep]\n\"material.work_of_adhesion\" = [\"0.09 J/m^2\", \"0.0900001 J/m^2\", \"0.05 J/m^2\"]\n";
     std::fs::write(folder.path("swept.toml"), soft + axis).unwrap();
     assert_exit(&folder.stiction(&["run", "swept.toml"]), 0);
     let of_points = attribute(&folder.path("swept.h5"), "/", "warnings");

@@ -73,9 +73,8 @@ pub(super) fn regimes(
 
 /// Quantiles of the external force of a group.
 pub(super) fn quantile(group: &str, lead: &[Dimension], (prefix, on): (&str, &str)) -> Variable {
-    let meaning = format!(
-        "external force{on}, quantiles of one replica over the first 1000 replicas, compressive positive"
-    );
+    let meaning =
+        format!("external force{on} of single replicas, quantiles over the first 1000, compressive positive");
     let dimensions = [lead, &[Dimension::Quantile], S].concat();
     variable(format!("{group}/{prefix}external_force_quantile"), &dimensions, "N", meaning)
 }

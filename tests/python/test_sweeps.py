@@ -65,7 +65,7 @@ def test_xarray_sees_keys_by_name(grid, engine):
         assert force.separation.dims == force.h_star.dims == force.dims
         assert [tree[key].attrs["key"] for key in (ENERGY, LUBRICANT)] == KEYS
         # A node is a table: no dimension of another group comes with it.
-        assert all(len(tree[group].to_dataset().to_dataframe()) < 20000 for group in tree.groups)
+        assert all(len(tree[group].to_dataset().to_dataframe()) < 100_000 for group in tree.groups)
         assert set(tree["replicas"].dims) == {ENERGY, LUBRICANT, "replica"}
         pull_off = tree["integral"].pull_off_force
         assert float(pull_off.sel({ENERGY: 0.24, LUBRICANT: 0.0})) > float(pull_off.sel({ENERGY: 0.06, LUBRICANT: 0.0}))

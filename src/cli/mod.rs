@@ -36,6 +36,7 @@ use self::asperity::AsperityArguments;
 use self::compare::CompareArguments;
 use self::failure::Failure;
 use self::finite_size::FiniteSizeArguments;
+use self::info::InfoArguments;
 use self::merge::MergeArguments;
 use self::source::SceneArguments;
 use self::terminal::printed;
@@ -96,12 +97,11 @@ enum Command {
         /// A result of `stiction run`
         file: PathBuf,
     },
-    /// Show what is in a result
-    #[command(after_help = "Example:\n  stiction info case_ii.h5")]
-    Info {
-        /// A result of `stiction run`, `stiction compare` or `stiction asperities`
-        file: PathBuf,
-    },
+    /// Show what is in a result, or print it as JSON or CSV
+    #[command(
+        after_help = "Examples:\n  stiction info case_ii.h5\n  stiction info --csv case_ii.h5\n  stiction info --csv --by replica case_ii.h5"
+    )]
+    Info(InfoArguments),
     /// Find the asperities of a measured surface: a summary, and one HDF5 file if asked for
     #[command(
         after_help = "Examples:\n  stiction asperities configs/maps/polished.txt -o polished.h5\n  stiction asperities scan.npy --pixel \"9.8 nm\" --height-unit nm"
@@ -183,7 +183,7 @@ fn execute(command: Command) -> Result<(), Failure> {
         Command::FiniteSize(arguments) => finite_size::finite_size(&arguments),
         Command::Check(scene) => check::check(&scene),
         Command::Validate { file } => sandbox::sandboxed(&file, validate::validate),
-        Command::Info { file } => sandbox::sandboxed(&file, info::info),
+        Command::Info(arguments) => sandbox::sandboxed(&arguments.file, |file| info::info(file, &arguments)),
         Command::Asperities(arguments) => asperities::asperities(&arguments),
         Command::Asperity(arguments) => asperity::asperity(&arguments),
         Command::External(_) => unreachable!("programs are run before"),

@@ -29,7 +29,7 @@ const BYTES_PER_SECOND: u64 = 4_000_000;
 /// Address space of the process that reads, bytes.
 const ADDRESS_SPACE: u64 = 1 << 30;
 /// Most bytes that are taken from it.
-const MOST_SAID: u64 = 1 << 28;
+const MOST_SAID: u64 = 1 << 29;
 
 /// Does `read` with a file, which prints, in a process of its own.
 ///

@@ -192,13 +192,14 @@ fn the_commands_survive_every_damaged_file() {
     let seeds = contents(&folder.path(""), &names);
     for case in 0..cases(40) {
         std::fs::write(folder.path("case.h5"), damaged(&seeds, case)).unwrap();
-        for command in ["info", "validate"] {
-            let output = folder.stiction(&[command, "case.h5"]);
+        let commands = [&["info"][..], &["validate"], &["info", "--json", "--all"], &["info", "--csv"]];
+        for command in commands {
+            let output = folder.stiction(&[command, &["case.h5"]].concat());
             let (out, error) = (text(&output.stdout), text(&output.stderr));
             match output.status.code() {
                 Some(0) => assert!(error.is_empty() && !out.is_empty(), "case {case}: {error}"),
                 Some(3) => {
-                    assert!(error.lines().count() == 1 && command == "validate", "case {case}: {error}")
+                    assert!(error.lines().count() == 1 && command[0] == "validate", "case {case}: {error}")
                 }
                 Some(2) => {
                     assert!(

@@ -2,6 +2,7 @@
 //! machines, commands that are programs of their own.
 
 use crate::common::program::{Folder, assert_exit, attribute, bits, small, text};
+use crate::common::unlocked;
 use serde_json::Value;
 use std::io::Write;
 use std::process::{Command, Output, Stdio};
@@ -445,5 +446,186 @@ fn bad_rows_of_asperities_are_named() {
         assert_exit(&refused, 2);
         let message = format!("{} is for scaled variables", option.split('=').next().unwrap());
         assert!(text(&refused.stderr).contains(&message), "{}", text(&refused.stderr));
+    }
+}
+
+/// A scene of each kind of file, its command and the dimension that its table is about.
+fn results() -> (Folder, Vec<(String, &'static str)>) {
+    let folder = Folder::new("");
+    let title = "title = \"two, \u{202e}µm \\u001b[2J\"\n";
+    let scene = small().lines().filter(|line| !line.starts_with("title")).collect::<Vec<_>>().join("\n");
+    let scene = scene.replace("format = 1\n", &format!("format = 1\n{title}"));
+    std::fs::write(folder.path("scene.toml"), &scene).unwrap();
+    let points = scene.replace("replicas = 40", "replicas = 8").replace("count = 16", "count = 5");
+    let grid = "\n[sweep]\nsurface.surface_height_std = [\"1.4 nm\", \"1.8 nm\"]\n\
+                material.work_of_adhesion = [\"0.05 J/m^2\", \"0.1 J/m^2\", \"0.2 J/m^2\"]\n";
+    let zip = grid.replace(", \"0.2 J/m^2\"", "").replace("[sweep]", "[sweep]\nmode = \"zip\"");
+    std::fs::write(folder.path("grid.toml"), points.clone() + grid).unwrap();
+    std::fs::write(folder.path("zip.toml"), points + &zip).unwrap();
+    let map = concat!(env!("CARGO_MANIFEST_DIR"), "/configs/maps/polished.txt");
+    let commands = [
+        (&["run", "scene.toml", "-o", "run.h5"][..], "run", "separation"),
+        (&["run", "grid.toml", "-o", "grid.h5"], "grid", "point"),
+        (&["run", "zip.toml", "-o", "zip.h5"], "zip", "point"),
+        (&["compare", "scene.toml", "--laws", "hybrid,jkr", "-o", "laws.h5"], "laws", "law"),
+        (
+            &["finite-size", "scene.toml", "--counts", "10,20", "--replicas", "8", "-o", "sizes.h5"],
+            "sizes",
+            "asperity_count",
+        ),
+        (&["asperities", map, "-o", "map.h5"], "map", "asperity"),
+    ];
+    let mut made = Vec::new();
+    for (command, name, dimension) in commands {
+        assert_exit(&folder.stiction(command), 0);
+        made.push((format!("{name}.h5"), dimension));
+    }
+    (folder, made)
+}
+
+/// What is printed of a file as JSON is what is in it: every dataset with its shape, its numbers and
+/// the names of its dimensions, and the attributes.
+#[test]
+fn json_is_what_is_in_the_file() {
+    let (folder, files) = results();
+    for (name, _) in &files {
+        let json = folder.stiction(&["info", "--json", name]);
+        assert_exit(&json, 0);
+        let printed = text(&json.stdout);
+        assert!(printed.is_ascii() && printed.matches('\n').count() == 1);
+        let json: Value = serde_json::from_str(&printed).unwrap();
+        let file = unlocked::open(folder.path(name));
+        assert_eq!(json["format"], attribute(&folder.path(name), "/", "format"));
+        assert_eq!(json["format_version"].as_array().unwrap().len(), 2);
+        if name != "map.h5" {
+            assert_eq!(json["attributes"]["scene"], attribute(&folder.path(name), "/", "scene"));
+        }
+        let groups = file.groups().unwrap();
+        let mut count = 0;
+        for group in std::iter::once(file.as_group().unwrap()).chain(groups) {
+            let own = match group.name().as_str() {
+                "/" => &json["groups"]["/"],
+                other => &json["groups"][&other[1..]],
+            };
+            for dataset in group.datasets().unwrap() {
+                count += 1;
+                let last = dataset.name().rsplit('/').next().unwrap().to_owned();
+                let told = &own["datasets"][&last];
+                let shape: Vec<usize> = serde_json::from_value(told["shape"].clone()).unwrap();
+                assert_eq!(shape, dataset.shape(), "{}", dataset.name());
+                assert_eq!(told["dimensions"].as_array().unwrap().len(), shape.len());
+                for (length, dimension) in shape.iter().zip(told["dimensions"].as_array().unwrap()) {
+                    let scale = group.dataset(dimension.as_str().unwrap()).unwrap();
+                    assert_eq!(scale.shape(), [*length], "{}", dataset.name());
+                }
+                if let Ok(units) = dataset.attr("units") {
+                    let units = units.read_scalar::<hdf5::types::VarLenUnicode>().unwrap();
+                    assert_eq!(told["units"], units.as_str());
+                }
+                let values = told["values"].as_array().unwrap();
+                if dataset.dtype().unwrap().is::<f64>() {
+                    let stored = dataset.read_raw::<f64>().unwrap();
+                    assert_eq!(values.len(), stored.len());
+                    for (value, stored) in values.iter().zip(stored) {
+                        // The reader of JSON rounds the last bit.
+                        let is_same =
+                            value.as_f64().map(|value| (value - stored).abs() <= 1e-15 * stored.abs());
+                        assert_eq!(is_same, stored.is_finite().then_some(true), "{}", dataset.name());
+                    }
+                } else if let Ok(stored) = dataset.read_raw::<u64>() {
+                    assert_eq!(
+                        values.iter().map(|value| value.as_u64().unwrap()).collect::<Vec<_>>(),
+                        stored
+                    );
+                }
+            }
+        }
+        assert!(count > 20, "{name}: {count}");
+    }
+    let title: Value =
+        serde_json::from_str(&text(&folder.stiction(&["info", "--json", "run.h5"]).stdout)).unwrap();
+    assert_eq!(title["attributes"]["title"], "two, \u{202e}µm \u{1b}[2J");
+}
+
+/// A table has a row for each index, and in each column what the dataset of its name has.
+#[test]
+fn tables_are_what_is_in_the_file() {
+    let (folder, mut files) = results();
+    files.extend([("run.h5".to_owned(), "replica"), ("run.h5".to_owned(), "scalar")]);
+    for (i, (name, dimension)) in files.iter().enumerate() {
+        // The first of them are what there is by default.
+        let by = ["--by", dimension];
+        let csv = folder.stiction(&[&["info", "--csv", name][..], if i < 6 { &[] } else { &by }].concat());
+        assert_exit(&csv, 0);
+        let csv = text(&csv.stdout);
+        let file = unlocked::open(folder.path(name));
+        let mut compared = 0;
+        for header in csv.lines().next().unwrap().split(',') {
+            let path = header.split(" [").next().unwrap();
+            let Ok(dataset) = file.dataset(path) else { continue };
+            if !dataset.dtype().unwrap().is::<f64>() || dataset.ndim() != 1 {
+                continue;
+            }
+            let stored = dataset.read_raw::<f64>().unwrap();
+            // The keys of a grid stand at each of its points.
+            if csv.lines().count() != stored.len() + 1 {
+                assert_eq!(name, "grid.h5");
+                continue;
+            }
+            compared += 1;
+            for (field, stored) in numbers(&csv, header).iter().zip(stored) {
+                assert!(
+                    field.to_bits() == stored.to_bits() || (field.is_nan() && stored.is_nan()),
+                    "{header}"
+                );
+            }
+        }
+        let least = match (name.as_str(), *dimension) {
+            ("grid.h5", _) => 0,
+            (_, "separation" | "point" | "law" | "asperity_count") => 15,
+            _ => 4,
+        };
+        assert!(compared >= least, "{name} {dimension}: {compared}");
+    }
+    let csv = text(&folder.stiction(&["info", "--csv", "grid.h5"]).stdout);
+    let work = numbers(&csv, "material_work_of_adhesion [J m-2]");
+    assert_eq!(work, [0.05, 0.1, 0.2, 0.05, 0.1, 0.2]);
+    assert_eq!(
+        numbers(&csv, "surface_surface_height_std [m]"),
+        [1.4e-9, 1.4e-9, 1.4e-9, 1.8e-9, 1.8e-9, 1.8e-9]
+    );
+    let forces = unlocked::open(folder.path("grid.h5")).dataset("integral/pull_off_force").unwrap();
+    assert_eq!(numbers(&csv, "integral/pull_off_force [N]"), forces.read_raw::<f64>().unwrap());
+    assert_eq!(column(&csv, "validation/verdict [1]").len(), 6);
+
+    let refused = folder.stiction(&["info", "--csv", "--by", "replicas", "run.h5"]);
+    assert_exit(&refused, 2);
+    let message = "run.h5: has no dimension `replicas`; --by takes separation, regime, scalar";
+    assert!(text(&refused.stderr).contains(message), "{}", text(&refused.stderr));
+    for (arguments, message) in [
+        (&["--json", "scene.toml"][..], "scene.toml: is not an HDF5 file"),
+        (&["--by", "law", "run.h5"], "--csv"),
+        (&["--json", "--csv", "run.h5"], "cannot be used with"),
+    ] {
+        let refused = folder.stiction(&[&["info"], arguments].concat());
+        assert_exit(&refused, 2);
+        assert!(text(&refused.stderr).contains(message), "{}", text(&refused.stderr));
+    }
+}
+
+/// Large datasets stand in the JSON without their values, unless they are asked for.
+#[test]
+fn large_datasets_are_told_when_asked_for() {
+    let folder = Folder::new(&small().replace("curves = false", "curves = true"));
+    let run = ["run", "scene.toml", "--quiet", "--set", "surface.nominal_area=1.4 um^2"];
+    assert_exit(&folder.stiction(&[&run[..], &["--set", "ensemble.replicas=6400"]].concat()), 0);
+    for (more, there) in [(&[][..], false), (&["--all"], true)] {
+        let json = folder.stiction(&[&["info", "--json", "scene.h5"], more].concat());
+        let json: Value = serde_json::from_str(&text(&json.stdout)).unwrap();
+        let curves = &json["groups"]["replicas"]["datasets"]["external_force"];
+        assert_eq!(curves["shape"], serde_json::json!([6400, 16]));
+        assert_eq!(curves.get("values").is_some(), there);
+        let pull_off = &json["groups"]["replicas"]["datasets"]["pull_off_force"]["values"];
+        assert_eq!(pull_off.as_array().unwrap().len(), 6400);
     }
 }

@@ -1,4 +1,8 @@
-//! `stiction info`: what is in a result, in a shard, or in the checkpoint of a run that was interrupted.
+//! `stiction info`: what is in a result, in a shard, or in the checkpoint of a run that was interrupted; of a
+//! result for programs too.
+
+mod csv;
+mod json;
 
 use super::failure::Failure;
 use super::rows::row;
@@ -11,12 +15,39 @@ use crate::output::schema::{Layout, SWEEP};
 use crate::output::shard_file::{ShardFile, is_shard};
 use crate::output::{OutputError, beside};
 use crate::scene::echo::one_line;
+use clap::Args;
 use std::path::{Path, PathBuf};
 
 /// Most pieces of a run that are listed.
 const MOST_PIECES: usize = 20;
 
-pub(super) fn info(path: &Path) -> Result<(), Failure> {
+/// Most bytes of JSON or CSV.
+const LONGEST: usize = 1 << 28;
+
+#[derive(Args)]
+pub(super) struct InfoArguments {
+    /// A result of `stiction run`, `compare`, `finite-size` or `asperities`
+    pub file: PathBuf,
+    /// All of a result as one JSON object: attributes, and of each group its attributes and datasets with
+    /// dimensions, shape, units, long_name and values, row by row; NaN and infinities are null
+    #[arg(long, conflicts_with = "csv")]
+    json: bool,
+    /// With the values of datasets of more than 100000 too
+    #[arg(long, requires = "json")]
+    all: bool,
+    /// A CSV table with a row for each index of a dimension and a column for each dataset over that alone
+    #[arg(long)]
+    csv: bool,
+    /// The dimension of the table; by default what the file is about: separations of a run, points of a
+    /// sweep, laws, asperities, numbers of asperities
+    #[arg(long, value_name = "DIMENSION", requires = "csv")]
+    by: Option<String>,
+}
+
+pub(super) fn info(path: &Path, arguments: &InfoArguments) -> Result<(), Failure> {
+    if arguments.json || arguments.csv {
+        return print(&told(path, arguments)?);
+    }
     if is_checkpoint(path) {
         return checkpoint(path);
     }
@@ -58,6 +89,25 @@ pub(super) fn info(path: &Path) -> Result<(), Failure> {
         text += &wide(path, &if shape.is_empty() { "scalar".to_owned() } else { shape.join(" x ") });
     }
     print(&(text + &scene_text(&scene)))
+}
+
+/// A result for programs.
+fn told(path: &Path, arguments: &InfoArguments) -> Result<String, Failure> {
+    let refused = |problem: String| Failure::Usage(format!("{}: {problem}", path.display()));
+    if is_checkpoint(path) || is_shard(path) {
+        let problem = "is a part of a run; --json and --csv show results that are complete";
+        return Err(refused(problem.to_owned()));
+    }
+    let reader = Reader::open(path, &Layout::ALL)?;
+    let text = match arguments.json {
+        true => json::json(&reader, arguments.all)?,
+        false => csv::csv(&reader, arguments.by.as_deref())?.map_err(refused)?,
+    };
+    if text.len() > LONGEST {
+        let problem = format!("is more than {} MB as a text; read it by HDF5", LONGEST >> 20);
+        return Err(refused(problem));
+    }
+    Ok(text)
 }
 
 /// Lists what is there of a run that is not complete; nothing of others.

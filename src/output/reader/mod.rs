@@ -5,6 +5,11 @@
 //! Programs that read files of unknown origin do so in a process that can be ended, as `stiction info` and
 //! `stiction validate` do.
 
+mod stored;
+
+#[doc(hidden)]
+pub use stored::{Description, Stored};
+
 use super::OutputError;
 use super::attributes::{lossy, read_text};
 use super::guard::{self, fits, is_kind_of};

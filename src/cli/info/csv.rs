@@ -1,0 +1,103 @@
+//! A result as a table: a row for each index of a dimension.
+
+use crate::output::OutputError;
+use crate::output::reader::{Description, Reader, Stored};
+use crate::output::schema::{ASPERITIES, COMPARISON, Dimension, FINITE_SIZE, Layout, RUN};
+use crate::scene::echo::shortened;
+
+/// What rows are by default, of files without points.
+const BY_DEFAULT: [(&Layout, Dimension); 4] = [
+    (&RUN, Dimension::Separation),
+    (&COMPARISON, Dimension::Law),
+    (&FINITE_SIZE, Dimension::AsperityCount),
+    (&ASPERITIES, Dimension::Asperity),
+];
+
+/// A column: its name, and what stands in its rows.
+type Column = (String, Vec<String>);
+
+/// The table of a dimension, or what there is in its place. Coordinates stand first, once each.
+pub(super) fn csv(reader: &Reader, by: Option<&str>) -> Result<Result<String, String>, OutputError> {
+    let points = reader.point_dimensions()?;
+    let format = reader.layout().format;
+    let default = BY_DEFAULT.iter().find(|(layout, _)| layout.format == format);
+    let default = default.map_or(Dimension::Point, |(_, dimension)| *dimension).name();
+    let by = by.unwrap_or(default);
+    // All points of a grid are the rows of a table of points.
+    let wanted =
+        if by == Dimension::Point.name() && !points.is_empty() { points } else { vec![by.to_owned()] };
+    let described = reader.described()?;
+    let own: Vec<&Description> = described.iter().filter(|own| own.dimensions == wanted).collect();
+    let along = |dimension: &String| {
+        described.iter().find(|own| own.is_coordinate && own.dimensions == [dimension.clone()])
+    };
+    let Some(scales) = wanted.iter().map(along).collect::<Option<Vec<&Description>>>() else {
+        return Ok(Err(unknown(by, &described)));
+    };
+    let shape: Vec<usize> = scales.iter().map(|scale| scale.shape[0]).collect();
+    let mut columns: Vec<Column> = Vec::new();
+    if wanted.len() > 1 {
+        for (i, scale) in scales.iter().enumerate() {
+            let behind: usize = shape[i + 1..].iter().product();
+            let values = fields(reader.stored(&scale.path)?);
+            let rows = (0..shape.iter().product()).map(|row| values[row / behind % shape[i]].clone());
+            columns.push((named(scale.names().1, scale), rows.collect()));
+        }
+    }
+    let (coordinates, others): (Vec<_>, Vec<_>) = own.into_iter().partition(|own| own.is_coordinate);
+    for own in coordinates.into_iter().chain(others) {
+        let (group, name) = own.names();
+        let name = match group {
+            _ if own.is_coordinate => named(name, own),
+            "" => named(name, own),
+            group => named(&format!("{group}/{name}"), own),
+        };
+        if columns.iter().any(|(known, _)| *known == name) {
+            continue;
+        }
+        if own.shape != shape {
+            let problem = format!("has a dataset {} of the shape {:?}, not {shape:?}", own.path, own.shape);
+            return Ok(Err(problem));
+        }
+        columns.push((name, fields(reader.stored(&own.path)?)));
+    }
+    Ok(Ok(table(&columns, shape.iter().product())))
+}
+
+fn named(name: &str, described: &Description) -> String {
+    match &described.units {
+        Some(units) => format!("{name} [{units}]"),
+        None => name.to_owned(),
+    }
+}
+
+fn fields(stored: Stored) -> Vec<String> {
+    match stored {
+        Stored::Numbers(values) => values.iter().map(|value| format!("{value:?}")).collect(),
+        Stored::Whole(values) => values.iter().map(u64::to_string).collect(),
+        Stored::Signed(values) => values.iter().map(i64::to_string).collect(),
+        Stored::Texts(values) => values,
+    }
+}
+
+fn unknown(by: &str, described: &[Description]) -> String {
+    let mut known: Vec<&str> = Vec::new();
+    for own in described.iter().filter(|own| own.is_coordinate && own.dimensions.len() == 1) {
+        if !known.contains(&own.dimensions[0].as_str()) {
+            known.push(&own.dimensions[0]);
+        }
+    }
+    let by = shortened(by);
+    format!("has no dimension `{by}`; --by takes {}", known.join(", "))
+}
+
+fn table(columns: &[Column], rows: usize) -> String {
+    let mut writer = ::csv::Writer::from_writer(Vec::new());
+    let mut write = |row: Vec<&str>| writer.write_record(row).expect("memory can be written to");
+    write(columns.iter().map(|(name, _)| name.as_str()).collect());
+    for row in 0..rows {
+        write(columns.iter().map(|(_, fields)| fields[row].as_str()).collect());
+    }
+    let bytes = writer.into_inner().expect("memory can be written to");
+    String::from_utf8(bytes).expect("fields are texts")
+}

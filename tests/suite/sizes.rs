@@ -78,7 +78,7 @@ fn memory_of_snaps_is_estimated_within_a_factor_of_2() {
 #[ignore = "slow: half a minute"]
 fn memory_of_asperities_is_estimated_within_a_factor_of_2() {
     is_estimated("separations", &sized(50.0, 10_000, 64));
-    is_estimated("asperities", &sized(1e6, 21, 24));
+    is_estimated("asperities", &sized(1e6, 21, 8));
     is_estimated("compressed", &compressed(&sized(5e5, 91, 16)));
     is_estimated("fine steps", &compressed(&sized(7390.0, 800, 64)));
 }
@@ -88,15 +88,15 @@ fn memory_of_asperities_is_estimated_within_a_factor_of_2() {
 #[ignore = "slow"]
 fn memory_of_many_asperities_is_estimated_within_a_factor_of_2() {
     let scenes = [
-        ("direct, held", sized(1e6, 11, 8)),
+        ("direct, held", sized(1e6, 11, 4)),
         ("loop, held", sized(1e6, 91, 2).replace("history = \"approach\"", "history = \"loop\"")),
         ("direct, held for the search", sized(3e6, 91, 1)),
-        ("compressed, held", compressed(&sized(1e6, 46, 8))),
-        ("direct", sized(1e7, 11, 2)),
-        ("compressed", compressed(&sized(1e7, 46, 2))),
-        ("fine steps", compressed(&sized(3e6, 1000, 2))),
+        ("compressed, held", compressed(&sized(1e6, 46, 4))),
+        ("direct", sized(5e6, 6, 2)),
+        ("compressed", compressed(&sized(5e6, 46, 2))),
+        ("fine steps", compressed(&sized(3e6, 500, 2))),
         ("loop", sized(3e6, 11, 1).replace("history = \"approach\"", "history = \"loop\"")),
-        ("many separations", sized(1.2e6, 400, 1)),
+        ("many separations", sized(1.2e6, 200, 1)),
     ];
     for (name, scene) in scenes {
         let folder = Folder::new(&scene);

@@ -202,7 +202,6 @@ fn a_million_asperities_are_summed_as_exactly() {
 #[test]
 #[ignore = "slow"]
 fn a_hundred_million_asperities_are_summed_as_exactly() {
-    many(100_000_000, "gw", None, 1e9);
     many(100_000_000, "hybrid", None, 1e9);
 }
 

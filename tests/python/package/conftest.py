@@ -1,0 +1,67 @@
+"""Results of every kind, computed once by the program from the shipped scenes with few replicas."""
+
+import os
+from pathlib import Path
+
+import pytest
+
+import stiction
+from stiction.errors import StictionError
+from stiction.program import find
+
+ROOT = Path(__file__).resolve().parents[3]
+CONFIGS = ROOT / "configs"
+
+if "STICTION" not in os.environ:
+    try:
+        find()
+    except StictionError:
+        os.environ["STICTION"] = str(ROOT / "target" / "release" / "stiction")
+
+
+def of_scene(name, replicas, **overrides):
+    def make(path):
+        stiction.run(CONFIGS / f"{name}.toml", path, replicas=replicas, **overrides)
+
+    return make
+
+
+MADE = {
+    "run": of_scene("quick", 100),
+    "curves": of_scene("quick", 40, **{"output.curves": True}),
+    "retraction": of_scene("quick", 40, **{"model.history": "retraction"}),
+    "loop": of_scene("loop", 20),
+    "instability": of_scene("instability", 20),
+    "preload": of_scene("preload", 20),
+    "stopping": lambda path: stiction.run(CONFIGS / "target.toml", path),
+    "coupled": of_scene("coupled", 4),
+    "measured": of_scene("surfaces/measured", 20),
+    "sweep": of_scene("sweep_lubricant", 20),
+    "grid": lambda path: stiction.sweep(
+        CONFIGS / "quick.toml",
+        {"surface.lubricant_thickness": ["0 nm", "0.5 nm"], "material.hardness": ["1 GPa", "2 GPa", "4 GPa"]},
+        path,
+        replicas=20,
+    ),
+    "comparison": lambda path: stiction.compare(
+        CONFIGS / "quick.toml", ["hybrid", "emd", "fit:refit"], path, ensemble=True, replicas=40
+    ),
+    "finite_size": lambda path: stiction.finite_size(
+        CONFIGS / "case_ii.toml", "30:3000:5", path, replicas=50
+    ),
+    "asperities": lambda path: stiction.find_asperities(CONFIGS / "maps" / "polished.txt", path),
+}
+
+
+@pytest.fixture(scope="session")
+def result(tmp_path_factory):
+    """The result of a name of `MADE`, opened; each is computed when it is first asked for."""
+    folder = tmp_path_factory.mktemp("results")
+
+    def get(name):
+        path = folder / f"{name}.h5"
+        if not path.exists():
+            MADE[name](path)
+        return stiction.open_run(path)
+
+    return get

@@ -1,0 +1,143 @@
+"""Results are what their files have, told with h5py."""
+
+import gc
+import math
+
+import h5py
+import numpy as np
+import pytest
+import xarray
+
+import stiction
+from stiction import FileError
+
+KINDS = {"run": stiction.Run, "sweep": stiction.Sweep, "comparison": stiction.Comparison}
+KINDS |= {"finite_size": stiction.FiniteSize, "asperities": stiction.Asperities}
+
+
+@pytest.mark.parametrize("name", KINDS)
+def test_every_kind_opens_as_its_class_and_says_what_it_is(result, name):
+    opened = result(name)
+    assert type(opened) is KINDS[name] and opened.kind == name
+    text, html = repr(opened), opened._repr_html_()
+    assert text.startswith(f"<stiction.{KINDS[name].__name__} ") and len(text.splitlines()) > 2
+    assert html.startswith("<table>") and html.count("<tr>") == len(opened._summary()) + len(opened.warnings)
+    with h5py.File(opened.path) as file:
+        assert opened.attrs["format"] == file.attrs["format"]
+        assert opened.scene_text == file.attrs.get("scene", "")
+        assert set(opened.tree.children) == {group for group in file if isinstance(file[group], h5py.Group)}
+
+
+def test_what_is_wrong_with_a_file_is_told(result, tmp_path):
+    with pytest.raises(FileError, match=r"none\.h5: no such file"):
+        stiction.open_run(tmp_path / "none.h5")
+    (tmp_path / "text.h5").write_text("no")
+    with pytest.raises(FileError, match="not an HDF5 file"):
+        stiction.open_run(tmp_path / "text.h5")
+    with h5py.File(tmp_path / "other.h5", "w") as file:
+        file["x"] = [1.0]
+    with pytest.raises(FileError, match="not a result of stiction"):
+        stiction.open_run(tmp_path / "other.h5")
+    old = result("run").save(tmp_path / "old.h5")
+    with h5py.File(old, "r+") as file:
+        file.attrs["format_version"] = np.array([2, 0])
+    with pytest.raises(FileError, match=r"format version is 2\.x, this package reads 3\.x"):
+        stiction.open_run(old)
+    with pytest.raises(FileError, match="exists; force=True"):
+        result("run").save(old)
+    with pytest.raises(FileError, match="of `stiction run`, not of `stiction compare`"):
+        stiction.Comparison(result("run").path)
+    with pytest.raises(FileError, match="no group /coupling; it has .*ensemble"):
+        result("run").group("coupling")
+
+
+def test_separations_are_selected_by_either_coordinate(result):
+    run = result("run")
+    force = run.ensemble.external_force_mean
+    with h5py.File(run.path) as file:
+        h_star, plain = file["ensemble/h_star"][:], file["ensemble/external_force_mean"][:]
+    at = int(np.abs(h_star - 2.8).argmin())
+    assert float(force.sel(h_star=2.8, method="nearest")) == plain[at]
+    assert float(force.sel(separation=force.separation[at])) == plain[at]
+    between = (h_star >= 1.0) & (h_star <= 3.0)
+    assert np.array_equal(force.sel(h_star=slice(1.0, 3.0)), plain[between])
+    assert float(run.integral.external_force.sel(h_star=2.8, method="nearest")) != 0.0
+
+
+def test_the_number_to_quote_is_that_of_the_file(result):
+    run = result("run")
+    with h5py.File(run.path) as file:
+        ensemble, values = file["ensemble"], file["replicas/pull_off_force"][:]
+        scalar = list(ensemble["scalar"].asstr()[:]).index("pull_off_force")
+        quoted = run.pull_off
+        assert quoted.mean == float(quoted) == ensemble["scalar_controlled_mean"][scalar]
+        assert quoted.standard_error == ensemble["scalar_controlled_standard_error"][scalar]
+        assert list(quoted.interval) == list(ensemble["scalar_controlled_interval"][scalar])
+        assert math.isclose(quoted.std, values.std(ddof=1)) and quoted.replicas == len(values)
+        assert math.isclose(quoted.scatter, values.std(ddof=1) / values.mean())
+        assert quoted.of_mean_curve == ensemble.attrs["pull_off_force"]
+        assert quoted.of_integral == file["integral"].attrs["pull_off_force"]
+        assert run.cross_check.p_value == file["validation"].attrs["p_value"]
+        assert run.cross_check.verdict == file["validation"].attrs["verdict"]
+    assert quoted.interval[0] < quoted.mean < quoted.interval[1]
+
+
+@pytest.mark.parametrize("name", ["run", "curves", "coupled", "instability", "loop"])
+def test_a_table_of_replicas_has_a_row_for_each(result, name):
+    run = result(name)
+    table = run.replicas.to_dataframe()
+    assert len(table) == run.attrs["replicas"]
+    with h5py.File(run.path) as file:
+        rows = {key for key, data in file["replicas"].items() if data.shape == (len(table),)} - {"replica"}
+        assert rows == set(table.columns)
+        assert np.array_equal(table["pull_off_force"], file["replicas/pull_off_force"][:])
+
+
+def test_curves_of_replicas_have_both_coordinates(result):
+    run = result("curves")
+    assert run.curves.external_force.sel(h_star=2.8, method="nearest").shape == (40,)
+    mean = run.curves.external_force.mean("replica")
+    assert np.allclose(mean, run.ensemble.external_force_mean, rtol=1e-9, atol=1e-12 * abs(mean).max())
+
+
+def test_points_of_a_sweep_are_selected_by_their_keys(result):
+    sweep = result("grid")
+    assert sweep.keys == ["surface.lubricant_thickness", "material.hardness"]
+    mean = sweep.pull_off["mean"]
+    assert dict(mean.sizes) == {"surface_lubricant_thickness": 2, "material_hardness": 3}
+    chosen = float(mean.sel(surface_lubricant_thickness=5e-10, material_hardness=2e9, method="nearest"))
+    with h5py.File(sweep.path) as file:
+        assert chosen == file["ensemble/scalar_controlled_mean"][1, 1, 0]
+    assert len(sweep.replicas.to_dataframe()) == 2 * 3 * 20
+
+
+def test_the_laws_of_a_comparison_are_selected_by_name(result):
+    comparison = result("comparison")
+    assert comparison.laws == ["hybrid", "emd", "fit:refit"]
+    emd = comparison.integral.sel(law="emd")
+    assert float(emd.external_force.sel(h_star=2.8, method="nearest")) != 0.0
+
+
+def test_the_engine_of_xarray_has_h_star_to_select_by(result):
+    path = result("run").path
+    tree = xarray.open_datatree(path, engine="stiction")
+    group = xarray.open_dataset(path, engine="stiction", group="ensemble")
+    for mean in (tree["ensemble/external_force_mean"], group.external_force_mean):
+        assert float(mean.sel(h_star=2.8, method="nearest")) == float(
+            result("run").ensemble.external_force_mean.sel(h_star=2.8, method="nearest")
+        )
+    assert xarray.open_datatree(path)["ensemble"].sizes == tree["ensemble"].sizes
+
+
+def test_results_without_a_name_are_there_as_long_as_they_are_used(result):
+    run = stiction.run(result("run").scene, replicas=10)
+    path, ensemble = run.path, run.ensemble
+    kept = run.save(path.parent.parent / f"{path.parent.name}-kept.h5")
+    assert path.exists()
+    del run
+    gc.collect()
+    assert not path.parent.exists()
+    assert float(ensemble.external_force_mean.min()) < 0.0
+    with stiction.open_run(kept) as again:
+        assert again.pull_off.replicas == 10
+    kept.unlink()

@@ -6,12 +6,13 @@ any other engine for HDF5 opens the same file without.
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import xarray
 from xarray.backends import BackendEntrypoint
 
-from .results import indexed
+from .results import indexed, is_result
 
 __all__ = ["StictionBackend"]
 
@@ -33,18 +34,27 @@ class StictionBackend(BackendEntrypoint):
         return indexed(opened)
 
     def open_groups_as_dict(
-        self, filename_or_obj: Any, *, drop_variables: Any = None
+        self, filename_or_obj: Any, *, drop_variables: Any = None, group: str | None = None
     ) -> dict[str, xarray.Dataset]:
-        """All groups of the file by their paths."""
-        opened = xarray.open_groups(filename_or_obj, engine="h5netcdf", drop_variables=drop_variables)
-        return {path: indexed(group) for path, group in opened.items()}
+        """All groups of the file, or those in `group`, by their paths."""
+        opened = xarray.open_groups(
+            filename_or_obj, engine="h5netcdf", drop_variables=drop_variables, group=group
+        )
+        return {path: indexed(one) for path, one in opened.items()}
 
-    def open_datatree(self, filename_or_obj: Any, *, drop_variables: Any = None, **_: Any) -> xarray.DataTree:
-        """The tree of all groups."""
+    def open_datatree(
+        self, filename_or_obj: Any, *, drop_variables: Any = None, group: str | None = None
+    ) -> xarray.DataTree:
+        """The tree of all groups, or of those in `group`."""
         return xarray.DataTree.from_dict(
-            self.open_groups_as_dict(filename_or_obj, drop_variables=drop_variables)
+            self.open_groups_as_dict(filename_or_obj, drop_variables=drop_variables, group=group)
         )
 
     def guess_can_open(self, filename_or_obj: Any) -> bool:
-        """Never: without an engine named, files are opened as any others."""
-        return False
+        """Whether it is the path of a result of stiction, by the attribute `format` of its root."""
+        if not isinstance(filename_or_obj, str | Path) or not Path(filename_or_obj).is_file():
+            return False
+        try:
+            return is_result(Path(filename_or_obj))
+        except OSError:
+            return False

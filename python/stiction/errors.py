@@ -1,4 +1,4 @@
-"""What can go wrong, as exceptions that carry the program's own message."""
+"""Exceptions that carry the program's own message."""
 
 __all__ = ["FileError", "SceneError", "StictionError"]
 
@@ -9,7 +9,7 @@ class StictionError(Exception):
     Attributes
     ----------
     exit_code : int
-        What the program ended with: 1 failed while running, 2 the command or the scene is wrong, 3 a check found
+        The exit code of the program: 1 failed while running, 2 the command or the scene is wrong, 3 a check found
         a disagreement.
     """
 

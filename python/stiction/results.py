@@ -33,6 +33,7 @@ __all__ = [
     "Run",
     "Sweep",
     "indexed",
+    "is_result",
     "open_run",
 ]
 
@@ -143,7 +144,7 @@ class Result:
 
     @property
     def warnings(self) -> list[str]:
-        """What the program warned of, a text each."""
+        """Warnings of the program, a text each."""
         return [line for line in str(self.tree.attrs.get("warnings", "")).splitlines() if line]
 
     @property
@@ -181,7 +182,7 @@ class Result:
         if name not in self.tree.children:
             known = ", ".join(self.tree.children)
             raise FileError(f"{self.path}: no group /{name}; it has {known}")
-        return self.tree.children[name].to_dataset(inherit=False)
+        return self.tree.children[name].to_dataset()
 
     def save(self, path: str | Path, *, force: bool = False) -> Path:
         """Copies the file to `path`.
@@ -233,7 +234,7 @@ _IN_MEMORY = 100_000_000
 
 
 class _Curves(Result):
-    """What results with ensemble and integral have in common."""
+    """A result with an ensemble and an integral."""
 
     @cached_property
     def ensemble(self) -> xarray.Dataset:
@@ -252,17 +253,18 @@ class _Curves(Result):
 
     @cached_property
     def independence(self) -> xarray.Dataset:
-        """What taking asperities as independent is worth, with the attribute or variable `verdict`."""
+        """Numbers that say whether asperities may be taken as independent, with the attribute or variable `verdict`."""
         return self.group("independence")
 
     @cached_property
     def replicas(self) -> xarray.Dataset:
         """Numbers of each replica: a row each in ``replicas.to_dataframe()``.
 
-        Variables that have a dimension besides (curves, snaps, the points of a sweep aside) are in `curves`.
+        A row for each replica and point of a sweep, or law of a comparison. Variables that have another dimension besides are left
+        out; curves are in `curves`.
         """
         whole = self.group("replicas")
-        points = set(self.tree.dims)
+        points = {*self.tree.dims, "law"}
         rows = [name for name, value in whole.data_vars.items() if set(value.dims) - points == {"replica"}]
         table = whole[rows]
         return table.drop_vars(
@@ -528,12 +530,9 @@ def _checked(path: Path, kind: type[Result] | None) -> str:
     if not path.is_file() or not h5py.is_hdf5(path):
         raise FileError(f"{path}: not an HDF5 file")
     try:
-        with h5py.File(path, "r") as file:
-            found = file.attrs.get("format", "")
-            version = np.atleast_1d(file.attrs.get("format_version", 0))
+        name, version = _format(path)
     except OSError as error:
         raise FileError(f"{path}: {' '.join(str(error).split())}") from None
-    name = found.decode() if isinstance(found, bytes) else str(found)
     known = _KINDS.get(name)
     if known is None:
         raise FileError(
@@ -541,12 +540,25 @@ def _checked(path: Path, kind: type[Result] | None) -> str:
         )
     if kind is not None and known is not kind:
         raise FileError(f"{path}: a result of `{known.made_by}`, not of `{kind.made_by}`; open_run opens any")
-    if int(version[0]) != known.major_version:
+    if version != known.major_version:
         raise FileError(
-            f"{path}: its format version is {version[0]}.x, this package reads {known.major_version}.x: "
+            f"{path}: its format version is {version}.x, this package reads {known.major_version}.x: "
             "make it again, or install the package of the version that made it"
         )
     return name
+
+
+def _format(path: Path) -> tuple[str, int]:
+    """The root attribute `format` of an HDF5 file, and the major version of it."""
+    with h5py.File(path, "r") as file:
+        found = file.attrs.get("format", "")
+        version = np.atleast_1d(file.attrs.get("format_version", 0))
+    return found.decode() if isinstance(found, bytes) else str(found), int(version[0])
+
+
+def is_result(path: Path) -> bool:
+    """Whether a file is a result of stiction of any kind, by its root attribute `format`."""
+    return bool(h5py.is_hdf5(path)) and _format(path)[0] in _KINDS
 
 
 def _opened(path: Path) -> xarray.DataTree:

@@ -47,7 +47,7 @@ def test_what_is_wrong_with_a_file_is_told(result, tmp_path):
         result("run").save(old)
     with pytest.raises(FileError, match="of `stiction run`, not of `stiction compare`"):
         stiction.Comparison(result("run").path)
-    with pytest.raises(FileError, match="no group /coupling; it has .*ensemble"):
+    with pytest.raises(FileError, match=r"no group /coupling; it has .*ensemble"):
         result("run").group("coupling")
 
 

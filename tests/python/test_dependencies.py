@@ -123,3 +123,15 @@ def test_unsafe_is_in_the_named_places_only():
         code = re.sub(r"//.*", "", path.read_text())
         found = re.search(r"\bunsafe\b|\bunsafe_code\b", code) is not None
         assert found == (path in named), path
+
+
+def test_licences_of_what_is_linked_in_are_told():
+    """Every crate of the program stands in THIRD-PARTY-LICENSES; versions may be those of before an update."""
+    tree = ["cargo", "tree", "--locked", "--offline", "--edges", "normal,no-proc-macro", "--prefix", "none", "--target", "x86_64-unknown-linux-gnu"]
+    linked = {line.split()[0] for line in subprocess.check_output(tree, cwd=ROOT, text=True).splitlines() if line}
+    told = (ROOT / "THIRD-PARTY-LICENSES").read_text(encoding="utf-8")
+    assert len(linked) > 100
+    missing = {name for name in linked if not re.search(rf"^  {re.escape(name)} \d", told, re.MULTILINE)}
+    assert not missing, f"{missing}: make THIRD-PARTY-LICENSES anew, by `cargo about generate about.hbs --output-file THIRD-PARTY-LICENSES`"
+    for text in ("The HDF Group", "Jean-loup Gailly", "Rust's standard library"):
+        assert text in told

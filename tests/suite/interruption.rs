@@ -79,6 +79,30 @@ fn diagnostic(folder: &Folder, name: &str) -> f64 {
     file.dataset(&format!("/diagnostics/{name}")).unwrap().read_scalar().unwrap()
 }
 
+/// What is kept is of the scene with its settings: the command that is advised has them, another one is refused.
+/// Progress for programs says how far the run has got.
+#[test]
+fn settings_and_progress_survive_a_signal() {
+    let folder = Folder::new(&scene());
+    let set = ["--set", "surface.surface_height_std=1.7 nm", "--json-progress"];
+    let stopped = interrupt(&folder, "-INT", &[&set[..], &["--checkpoint", "0", "--threads", "1"]].concat());
+    assert_exit(&stopped, 130);
+    let message = text(&stopped.stderr);
+    let (json, others): (Vec<&str>, Vec<&str>) = message.lines().partition(|line| line.starts_with('{'));
+    let last: serde_json::Value = serde_json::from_str(json[json.len() - 1]).unwrap();
+    let told = format!("interrupted after {} of 640 replicas", last["done"]);
+    assert!(others[0].contains(&told), "{message}");
+    let plain = folder.stiction(&["run", "scene.toml", "--resume"]);
+    assert_exit(&plain, 2);
+    assert!(text(&plain.stderr).contains("--force begins anew"), "{}", text(&plain.stderr));
+    let command = others[others.len() - 1].trim();
+    let again = Command::new("sh").args(["-c", command]).current_dir(folder.path("")).output().unwrap();
+    assert_exit(&again, 0);
+    let edited = scene().replace("surface_height_std = \"1.619 nm\"", "surface_height_std = \"1.7 nm\"");
+    std::fs::write(folder.path("scene.toml"), edited).unwrap();
+    assert_same_as(&folder, &reference(&folder));
+}
+
 /// What the message says is what to do; done twice, whatever the threads and the way of summing and sampling.
 #[test]
 fn a_signal_saves_and_the_message_says_how_to_go_on() {

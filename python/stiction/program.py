@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -20,6 +21,8 @@ __all__ = ["call", "find"]
 
 # The exit code of a run that was interrupted.
 _INTERRUPTED = 130
+# Options that messages tell to give, as Python has them.
+_ARGUMENTS = {"--force": "force=True", "--resume": "resume=True", "another name with -o": "another output"}
 
 
 def find() -> str:
@@ -103,10 +106,18 @@ def call(arguments: Sequence[str], *, text: str = "", progress: bool | None = Fa
         printed = out.read()
     if code == 0:
         return printed
-    message = "\n".join(told).strip().removeprefix("stiction: ") or f"it ended with code {code}"
+    message = _message(told) or f"{' '.join(arguments[:1])}: the program ended with code {code}"
     if code == _INTERRUPTED:
         raise KeyboardInterrupt(message)
     raise (SceneError if code == 2 else StictionError)(message, code)
+
+
+def _message(told: Sequence[str]) -> str:
+    """The message of an error, without the usage of the command line, and with its options as Python has them."""
+    text = re.split(r"\n\n(?:Usage:|For more information)", "\n".join(told).strip())[0]
+    for option, argument in _ARGUMENTS.items():
+        text = text.replace(option, argument)
+    return text.removeprefix("stiction: ").removeprefix("error: ")
 
 
 def _shown(progress: bool | None) -> bool:
@@ -161,6 +172,6 @@ def options(**named: Any) -> Iterable[str]:
     for name, value in named.items():
         if value is None or value is False:
             continue
-        yield f"--{name.replace('_', '-')}"
-        if value is not True:
-            yield str(value)
+        option = f"--{name.replace('_', '-')}"
+        # In one, as a negative number by itself would be read as an option.
+        yield option if value is True else f"{option}={value}"

@@ -25,6 +25,7 @@ _NUMBERS = {
     "poisson_ratio": ("1", "Poisson ratio of the softer body"),
     "lubricant_thickness": ("m", "thickness of the lubricant"),
 }
+_OPTIONAL = ("hardness", "poisson_ratio", "lubricant_thickness")
 _RESULTS = {
     "adhesion_force": ("N", "adhesion force, attractive positive"),
     "contact_force": ("N", "contact force, compressive positive"),
@@ -97,7 +98,7 @@ def asperity(
     arrays: dict[str, xarray.DataArray] = {}
     for name, (unit, words) in _NUMBERS.items():
         value = given[name]
-        if value is None:
+        if value is None and name in _OPTIONAL:
             continue
         try:
             value = value if unit == "1" else quantities.in_si(name, value, unit)
@@ -108,6 +109,8 @@ def asperity(
             ) from None
         array.attrs = {"units": unit, "long_name": words}
         arrays[name] = array
+        if array.size == 0:
+            raise SceneError(f"{name}: the array is empty")
     broadcast = xarray.broadcast(*arrays.values())
     shape, dims = broadcast[0].shape, broadcast[0].dims
     table = pd.DataFrame({name: array.values.ravel() for name, array in zip(arrays, broadcast, strict=True)})

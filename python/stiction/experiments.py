@@ -263,5 +263,11 @@ def _computed(
     """Calls a command that leaves a result, and opens that."""
     with Place(output) as place, Source(scene, overrides, place.path) as source:
         arguments = [command, *source.arguments, "--output", str(place.path), *options, "--json-progress"]
-        program.call([*arguments, *(["--force"] if force else [])], text=source.text, progress=progress)
+        try:
+            program.call([*arguments, *(["--force"] if force else [])], text=source.text, progress=progress)
+        except KeyboardInterrupt as interruption:
+            if output is None:
+                raise KeyboardInterrupt("nothing was kept, as no output was named") from None
+            goes_on = "; resume=True goes on" if "kept" in str(interruption) else ""
+            raise KeyboardInterrupt(f"{interruption}{goes_on}") from None
         return place.result()

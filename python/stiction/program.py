@@ -95,11 +95,12 @@ def call(arguments: Sequence[str], *, text: str = "", progress: bool | None = Fa
             # On a terminal the program has had the same signal; of two that come together it takes one.
             process.send_signal(signal.SIGINT)
             try:
+                _read(process.stderr, told, _Bars(shown=False))
                 process.wait()
             except KeyboardInterrupt:
                 process.kill()
                 process.wait()
-            raise
+            raise KeyboardInterrupt(_message(told)) from None
         finally:
             process.stderr.close()
         out.seek(0)
@@ -113,8 +114,8 @@ def call(arguments: Sequence[str], *, text: str = "", progress: bool | None = Fa
 
 
 def _message(told: Sequence[str]) -> str:
-    """The message of an error, without the usage of the command line, and with its options as Python has them."""
-    text = re.split(r"\n\n(?:Usage:|For more information)", "\n".join(told).strip())[0]
+    """The message of an error, without commands to give, and with options as Python has them."""
+    text = re.split(r"\n\n(?:Usage:|For more information)|; to go on:\n", "\n".join(told).strip())[0]
     for option, argument in _ARGUMENTS.items():
         text = text.replace(option, argument)
     return text.removeprefix("stiction: ").removeprefix("error: ")

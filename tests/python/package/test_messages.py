@@ -1,5 +1,9 @@
 """Messages of the program speak of arguments of Python, not of the command line."""
 
+import os
+import signal
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -52,3 +56,37 @@ def test_options_of_false_and_none_are_left_out():
         "--height-unit=nm",
     ]
     assert call(["--version"]).startswith("stiction ")
+
+
+INTERRUPTED = """
+import sys, stiction
+output = sys.argv[1] or None
+try:
+    stiction.run(sys.argv[2], output, replicas=1_000_000, progress=True)
+except KeyboardInterrupt as interruption:
+    print(interruption)
+"""
+
+
+@pytest.mark.parametrize("named", [True, False])
+def test_an_interruption_says_what_was_kept(named, tmp_path):
+    output = str(tmp_path / "long.h5") if named else ""
+    process = subprocess.Popen(
+        [sys.executable, "-c", INTERRUPTED, output, QUICK],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env={**os.environ, "TMPDIR": str(tmp_path)},
+    )
+    shown = ""
+    while "replicas" not in shown:
+        read = process.stderr.read(1)
+        assert read, shown
+        shown += read
+    process.send_signal(signal.SIGINT)
+    told, _ = process.communicate(timeout=60)
+    if named:
+        assert f"kept in {output}.checkpoint; resume=True goes on" in told.replace("\n", " ")
+    else:
+        assert told == "nothing was kept, as no output was named\n"
+        assert not list(tmp_path.iterdir())

@@ -1,0 +1,30 @@
+"""Figures of results: functions that draw into axes, pages of them, and the command `stiction plot`.
+
+Each function takes a result and, as `ax`, the axes to draw into, and returns the axes. `page` puts together what fits a result, and
+`panels` names it. `stiction.plot.style` has the one style, a style sheet of matplotlib.
+"""
+
+from .coupled import avalanches, coupling, coupling_difference
+from .loop import contacts, energy, preloads, snaps
+from .others import (
+    asperities,
+    bias,
+    comparison,
+    convergence,
+    curvatures,
+    heights,
+    law_deviation,
+    relation,
+    scatter,
+    sizes,
+    standard_errors,
+)
+from .pages import page, panels
+from .run import deviation, force, pull_off, regimes
+from .sweep import sweep
+
+__all__ = [
+    "asperities", "avalanches", "bias", "comparison", "contacts", "convergence", "coupling", "coupling_difference", "curvatures",
+    "deviation", "energy", "force", "heights", "law_deviation", "page", "panels", "preloads", "pull_off", "regimes", "relation",
+    "scatter", "sizes", "snaps", "standard_errors", "sweep",
+]  # fmt: skip

@@ -1,0 +1,187 @@
+"""Figures of loops and of surfaces on springs: contacts made and lost, energy, snaps, pull-off after preloads."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from .. import quantities
+from ..results import Run
+from .run import WAYS, histogram, values
+from .style import (
+    BLUE,
+    COLORS,
+    DASH_DOT,
+    DASHED,
+    H_STAR,
+    VERMILION,
+    dressed,
+    empty,
+    label,
+    legend,
+    logarithmic,
+    new_axes,
+    scaled,
+)
+
+__all__ = ["contacts", "energy", "preloads", "snaps"]
+
+
+@dressed
+def contacts(run: Run, ax: Axes | None = None) -> Axes:
+    """Asperities that come into contact on approach and lose it on retraction, on each step of the separation.
+
+    Parameters
+    ----------
+    run : Run
+        A loop.
+    ax : matplotlib.axes.Axes, optional
+    """
+    ax = new_axes(ax)
+    x, handles = values(run, "ensemble/step") / float(run.attrs["surface_height_std"]), []
+    words = ("come into contact", "lose contact")
+    for (_, _, color, line), name, word in zip(WAYS, ("jump_in", "jump_off"), words, strict=True):
+        handles += ax.plot(
+            x, values(run, f"ensemble/{name}_count_mean"), color=color, linestyle=line, label=word
+        )
+        integral = ax.plot(
+            x,
+            values(run, f"integral/{name}_count"),
+            color="black",
+            linestyle=DASHED,
+            linewidth=0.8,
+            label="integral",
+        )
+    ax.set(xlabel=H_STAR, ylabel="asperities per step", ylim=(0.0, None))
+    legend(ax, handles + integral, columns=3)
+    return ax
+
+
+@dressed
+def energy(run: Run, ax: Axes | None = None) -> Axes:
+    """Distribution of the energy that is dissipated in a cycle, its mean, and the area of the integral's loop.
+
+    Parameters
+    ----------
+    run : Run
+        A loop.
+    ax : matplotlib.axes.Axes, optional
+    """
+    ax = new_axes(ax)
+    lost = values(run, "replicas/dissipated_energy")
+    unit, sign = scaled("J", lost)
+    mean, count = float(lost.mean()), lost.size
+    error = float(lost.std(ddof=1)) / math.sqrt(count) if count > 1 else math.nan
+    difference = values(run, "integral/external_force") - values(run, "integral/retraction_external_force")
+    area = float(np.trapezoid(difference, values(run, "integral/separation")))
+    handles = [histogram(ax, lost, unit, f"{count} patches")]
+    for value, words, color, line in (
+        (mean, f"mean, {quantities.with_error(mean, error, 'J')}", "black", "-"),
+        (area, f"of the integral, {quantities.si(area, 'J')}", VERMILION, DASHED),
+    ):
+        handles.append(ax.axvline(value / unit, color=color, linestyle=line, label=words))
+    ax.set(xlabel=label("energy dissipated in a cycle", sign), ylabel="patches")
+    ax.margins(x=0.04)
+    legend(ax, handles)
+    return ax
+
+
+@dressed
+def snaps(run: Run, ax: Axes | None = None) -> Axes:
+    """Probability that a surface on a spring snaps, over the stiffness of the spring, with 95 % intervals.
+
+    Parameters
+    ----------
+    run : Run
+        Of a scene with ``[instability]``.
+    ax : matplotlib.axes.Axes, optional
+    """
+    ax = new_axes(ax)
+    stiffness = np.atleast_1d(values(run, "replicas/stiffness"))
+    if not stiffness.size:
+        return empty(ax, "no springs")
+    unit, sign = scaled("N m-1", stiffness)
+    order, handles = np.argsort(stiffness), []
+
+    def curve(name: str, chosen: dict[str, int], words: str, color: str, line: Any) -> None:
+        probability, low, high = (
+            run[f"instability/{name}_probability{end}"].isel(chosen).values[order]
+            for end in ("", "_low", "_high")
+        )
+        if np.isfinite(probability).any():
+            ax.fill_between(stiffness[order] / unit, low, high, color=color, alpha=0.2, linewidth=0)
+            handles.extend(
+                ax.plot(
+                    stiffness[order] / unit,
+                    probability,
+                    "o",
+                    color=color,
+                    linestyle=line,
+                    markersize=3,
+                    label=words,
+                )
+            )
+
+    if "instability/snap_in_probability" in run:
+        curve("snap_in", {}, "snap-in", BLUE, "-")
+    if "instability/snap_off_probability" in run:
+        for index, preload in enumerate(np.atleast_1d(values(run, "replicas/preload"))):
+            after = "the closest separation" if math.isnan(preload) else quantities.si(preload, "N")
+            curve(
+                "snap_off",
+                {"preload": index},
+                f"snap-off after {after}",
+                [VERMILION, *COLORS[2:]][index % 6],
+                DASH_DOT,
+            )
+    stiffest = float(run["integral"].attrs["peak_stiffness"])
+    handles.append(
+        ax.axvline(
+            stiffest / unit,
+            color="black",
+            linestyle=DASHED,
+            linewidth=0.8,
+            label="stiffest point of the integral",
+        )
+    )
+    logarithmic(ax, "x", stiffness[stiffness > 0.0])
+    ax.set(xlabel=label("stiffness of the spring", sign), ylabel="probability", ylim=(-0.04, 1.06))
+    legend(ax, handles)
+    return ax
+
+
+@dressed
+def preloads(run: Run, ax: Axes | None = None) -> Axes:
+    """Pull-off force after preloads: means over replicas and the standard deviation from patch to patch.
+
+    Parameters
+    ----------
+    run : Run
+        Of a scene with ``preload`` in ``[instability]``.
+    ax : matplotlib.axes.Axes, optional
+    """
+    ax = new_axes(ax)
+    preload, reached = values(run, "replicas/preload"), values(run, "instability/preload_reached_count") > 0
+    reached &= np.isfinite(preload)
+    if not reached.any():
+        return empty(ax, "no preload is reached")
+    mean, std = (values(run, f"instability/pull_off_after_preload_{of}")[reached] for of in ("mean", "std"))
+    unit, sign = scaled("N", mean)
+    load, load_sign = scaled("N", preload[reached])
+    handles: list[Any] = [
+        ax.errorbar(preload[reached] / load, mean / unit, np.nan_to_num(std) / unit, color=VERMILION, fmt="o-", markersize=3,
+                    label="mean ± standard deviation of patches")
+    ]  # fmt: skip
+    there = float(values(run, "replicas/approach_pull_off_force").mean())
+    handles.append(
+        ax.axhline(
+            there / unit, color=BLUE, linestyle=DASHED, label=f"on approach, {quantities.si(there, 'N')}"
+        )
+    )
+    logarithmic(ax, "x", preload[reached])
+    ax.set(xlabel=label("preload", load_sign), ylabel=label("pull-off force", sign), ylim=(0.0, None))
+    legend(ax, handles)
+    return ax

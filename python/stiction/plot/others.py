@@ -1,0 +1,466 @@
+"""Figures of comparisons of laws, patches of several sizes, asperities of maps, and runs that end at targets."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.ticker import StrMethodFormatter
+
+from .. import quantities
+from ..errors import FileError
+from ..results import Asperities, Comparison, FiniteSize, Run
+from .run import histogram, values
+from .style import (
+    BLUE,
+    COLORS,
+    DASH_DOT,
+    DASHED,
+    GREEN,
+    GREY,
+    H_STAR,
+    VERMILION,
+    dressed,
+    empty,
+    label,
+    legend,
+    new_axes,
+    scaled,
+)
+
+__all__ = [
+    "asperities", "bias", "comparison", "convergence", "curvatures", "heights", "law_deviation", "relation", "scatter", "sizes",
+    "standard_errors",
+]  # fmt: skip
+
+_LINES = ["-", DASH_DOT, DASHED, (0, (1.2, 1.2)), (0, (9, 2)), "-", DASHED]
+
+
+@dressed
+def comparison(result: Comparison, ax: Axes | None = None) -> Axes:
+    """External force of the integral by each law; means over replicas as dots where there are ensembles.
+
+    Parameters
+    ----------
+    result : Comparison
+    ax : matplotlib.axes.Axes, optional
+    """
+    ax = new_axes(ax)
+    x, handles = values(result, "integral/h_star"), []
+    forces = result["integral/external_force"].transpose("law", "separation").values
+    depth, highest = -float(np.nanmin(forces)), float(np.nanmax(forces))
+    unit, sign = scaled("N", depth if depth > 0.0 else highest)
+    for place, law in enumerate(result.laws):
+        color = COLORS[place % len(COLORS)]
+        handles += ax.plot(
+            x, forces[place] / unit, color=color, linestyle=_LINES[place % len(_LINES)], label=law
+        )
+        if "ensemble/external_force_mean" in result:
+            step = max(1, x.size // 40)
+            mean = result["ensemble/external_force_mean"].transpose("law", "separation").values[place]
+            ax.plot(
+                x[::step],
+                mean[::step] / unit,
+                "o",
+                color=color,
+                markerfacecolor="white",
+                markersize=2.5,
+                markeredgewidth=0.6,
+            )
+    ax.axhline(0.0, color=GREY, linewidth=0.5, zorder=0.5)
+    if depth > 0.0:
+        ax.set_ylim(-1.1 * depth / unit, min(1.05 * highest, 0.6 * depth) / unit)
+    ax.set(xlabel=H_STAR, ylabel=label("external force", sign))
+    legend(ax, handles, columns=4)
+    return ax
+
+
+@dressed
+def law_deviation(result: Comparison, ax: Axes | None = None) -> Axes:
+    """How far the pull-off force of each law is from that of the first, in per cent.
+
+    Parameters
+    ----------
+    result : Comparison
+    ax : matplotlib.axes.Axes, optional
+    """
+    ax = new_axes(ax)
+    off = 100.0 * values(result, "integral/pull_off_deviation")
+    places = np.arange(off.size)
+    ax.barh(places, np.nan_to_num(off), color=[COLORS[place % len(COLORS)] for place in places], height=0.6)
+    for place, value, force in zip(places, off, values(result, "integral/pull_off_force"), strict=True):
+        told = quantities.si(force, "N") if force > 0.0 else "no pull-off"
+        told += f", {value:+.1f} %".replace("-", "−") if place and math.isfinite(value) else ""
+        ax.annotate(
+            told,
+            (max(float(np.nan_to_num(value)), 0.0), place),
+            xytext=(3, 0),
+            textcoords="offset points",
+            va="center",
+            fontsize=7,
+        )
+    ax.axvline(0.0, color=GREY, linewidth=0.5)
+    ax.set(yticks=places, yticklabels=result.laws, xlabel="pull-off force against that of the first law (%)")
+    ax.invert_yaxis()
+    ax.margins(x=0.35)
+    return ax
+
+
+def _plain(ax: Axes, axis: str) -> None:
+    (ax.xaxis if axis == "x" else ax.yaxis).set_major_formatter(StrMethodFormatter("{x:g}"))
+
+
+_COUNT = "asperities of a patch"
+
+
+@dressed
+def sizes(result: FiniteSize, ax: Axes | None = None) -> Axes:
+    """Pull-off force of single patches over that of the integral, by the number of asperities of a patch.
+
+    Parameters
+    ----------
+    result : FiniteSize
+    ax : matplotlib.axes.Axes, optional
+    """
+    ax = new_axes(ax)
+    n, quantile = values(result, "asperity_count"), values(result, "pull_off_quantiles")
+    handles: list[Any] = []
+    for (low, high), alpha in zip([(0, 6), (1, 5), (2, 4)], [0.12, 0.18, 0.25], strict=True):
+        shade = ax.fill_between(n, quantile[:, low], quantile[:, high], color=BLUE, alpha=alpha, linewidth=0)
+        shade.set_label(f"{(98, 90, 50)[low]} % of patches")
+        handles.append(shade)
+    handles += ax.plot(n, quantile[:, 3], color=BLUE, label="median")
+    handles += ax.plot(n, 1.0 + values(result, "bias"), "o", color="black", label="mean")
+    handles.append(ax.axhline(1.0, color=VERMILION, linestyle=DASH_DOT, label="integral"))
+    ax.set(xscale="log", xlabel=_COUNT, ylabel="pull-off force over the integral's")
+    if quantile.max() > 4.0 * max(float(quantile.min()), 0.01):
+        ax.set_yscale("log")
+        ax.set_ylim(max(0.6 * quantile[:, 0].min(), 0.01), 1.6 * quantile.max())
+        _plain(ax, "y")
+    legend(ax, handles, columns=3)
+    return ax
+
+
+@dressed
+def bias(result: FiniteSize, ax: Axes | None = None) -> Axes:
+    """By how much the mean pull-off of patches is above the integral's, with the law that is fitted to it.
+
+    Parameters
+    ----------
+    result : FiniteSize
+    ax : matplotlib.axes.Axes, optional
+    """
+    ax = new_axes(ax)
+    n, of, error = (values(result, name) for name in ("asperity_count", "bias", "bias_standard_error"))
+    fitted = values(result, "is_fitted") == 1
+    handles: list[Any] = []
+    for use, face, words in ((fitted, BLUE, "fitted"), (~fitted, "white", "not fitted")):
+        use = use & (of > 0.0)
+        if use.any():
+            # Downwards as far as a logarithm goes.
+            below = np.minimum(error[use], 0.999 * of[use])
+            handles.append(
+                ax.errorbar(n[use], 100.0 * of[use], 100.0 * np.vstack([below, error[use]]), color=BLUE, marker="o",
+                            markerfacecolor=face, linewidth=0, elinewidth=1.0, label=f"mean ± standard error, {words}")
+            )  # fmt: skip
+    if "fit_exponent" in result.attrs:
+        c, a = float(result.attrs["fit_coefficient"]), float(result.attrs["fit_exponent"])
+        furthest = np.nanmax([n[-1], *values(result, "count_at_accuracy")])
+        x = np.geomspace(n[fitted][0] / 2.0, furthest * 1.5, 50)
+        error_a = float(result.attrs["fit_exponent_standard_error"])
+        words = f"{float(f'{c:.3g}'):g} $N^{{-{a:.3f}}}$, exponent ± {error_a:.1g}"
+        handles += ax.plot(x, 100.0 * c * x**-a, color=VERMILION, linestyle=DASHED, label=words)
+    sources = values(result, "count_at_accuracy_source")
+    counts, accuracies = values(result, "count_at_accuracy"), values(result, "accuracy")
+    for accuracy, count, source in zip(accuracies, counts, sources, strict=True):
+        ax.axhline(100.0 * accuracy, color="0.8", linewidth=0.5, zorder=0)
+        if math.isfinite(count):
+            ax.plot([count], [100.0 * accuracy], "s", color=GREEN, markerfacecolor="none")
+            told = f"{100 * accuracy:g} % from {quantities.number(count, 2)}" + (
+                " (extrapolated)" if str(source) == "extrapolated" else ""
+            )
+            left = count > 30.0 * n[0]
+            ax.annotate(told, (count, 100.0 * accuracy), xytext=(-5, -2) if left else (5, 2), textcoords="offset points",
+                        fontsize=7, color=GREEN, ha="right" if left else "left", va="top" if left else "bottom")  # fmt: skip
+    if not (of > 0.0).any():
+        return empty(ax, "no size has a positive bias")
+    ax.set(xscale="log", yscale="log", xlabel=_COUNT, ylabel="mean less integral (% of it)")
+    ax.set_ylim(bottom=40.0 * min(float(of[of > 0.0].min(initial=0.01)), 0.01))
+    _plain(ax, "y")
+    legend(ax, handles, columns=1)
+    return ax
+
+
+@dressed
+def scatter(result: FiniteSize, ax: Axes | None = None) -> Axes:
+    """Scatter of the pull-off force from patch to patch, by the number of asperities of a patch.
+
+    Parameters
+    ----------
+    result : FiniteSize
+    ax : matplotlib.axes.Axes, optional
+    """
+    ax = new_axes(ax)
+    n, of = values(result, "asperity_count"), 100.0 * values(result, "relative_std")
+    error = of / math.sqrt(2.0 * max(int(result.attrs["replicas"]) - 1, 1))
+    handles: list[Any] = [
+        ax.errorbar(
+            n,
+            of,
+            error,
+            color=BLUE,
+            marker="o",
+            linewidth=0.9,
+            elinewidth=1.0,
+            label="standard deviation over mean",
+        )
+    ]
+    x = n[of[-1] * np.sqrt(n[-1] / n) < 2.0 * np.nanmax(of)]
+    handles += ax.plot(
+        x,
+        of[-1] * np.sqrt(n[-1] / x),
+        color=GREY,
+        linestyle=DASHED,
+        linewidth=1.0,
+        label="$1/\\sqrt{N}$ through the last",
+    )
+    ax.set(xscale="log", yscale="log", xlabel=_COUNT, ylabel="scatter from patch to patch (%)")
+    ax.set_ylim(0.5 * np.nanmin(of), 2.0 * np.nanmax(of))
+    _plain(ax, "y")
+    legend(ax, handles)
+    return ax
+
+
+@dressed
+def asperities(result: Asperities, ax: Axes | None = None) -> Axes:
+    """The map with the asperities that were found on it.
+
+    Parameters
+    ----------
+    result : Asperities
+        Files of before version 2.1 have no map; their asperities are drawn by their heights.
+    ax : matplotlib.axes.Axes, optional
+    """
+    ax = new_axes(ax)
+    rows, columns = (int(count) for count in result.attrs["map_shape"])
+    dx, dy = (float(size) for size in result.attrs["pixel_size"])
+    unit, sign = scaled("m", max(rows * dy, columns * dx))
+    x, y, z = (values(result, f"asperities/{name}") for name in ("x", "y", "height"))
+    z_unit, z_sign = scaled("m", z)
+    if "map/height" in result:
+        heights = result.map.values / z_unit
+        extent = (0.0, columns * dx / unit, rows * dy / unit, 0.0)
+        drawn: Any = ax.imshow(
+            heights, extent=extent, cmap="cividis", interpolation="nearest", rasterized=True
+        )
+        size = min(max(600.0 / z.size, 0.8), 6.0)
+        ax.plot(
+            x / unit,
+            y / unit,
+            "o",
+            color="white",
+            markeredgecolor="black",
+            markeredgewidth=0.4,
+            markersize=size,
+        )
+    else:
+        drawn = ax.scatter(
+            x / unit, y / unit, min(max(2000.0 / z.size, 1.0), 20.0), z / z_unit, cmap="cividis"
+        )
+        ax.set(xlim=(0.0, columns * dx / unit), ylim=(rows * dy / unit, 0.0), aspect="equal")
+    ax.spines[["top", "right"]].set_visible(True)
+    ax.set(xlabel=label("x", sign), ylabel=label("y, as the rows of the map", sign))
+    bar = ax.figure.colorbar(drawn, ax=ax, label=label("height above the mean plane", z_sign), shrink=0.9)
+    bar.outline.set_linewidth(0.5)
+    return ax
+
+
+def nayak(s: Any, alpha: float) -> Any:
+    """Probability density of the heights s of summits of a Gaussian surface, over its standard deviation (Nayak 1971).
+
+    `alpha`, m0 m4/m2², is above 3/2.
+    """
+    erf = np.vectorize(math.erf)
+    c = 2.0 * alpha - 3.0
+    rise = np.exp(-alpha * s**2 / c) * math.sqrt(3.0 * c) / alpha * s
+    middle = 3.0 * math.sqrt(2.0 * math.pi) / (2.0 * alpha) * np.exp(-0.5 * s**2)
+    middle = middle * (1.0 + erf(math.sqrt(1.5 / c) * s)) * (s**2 - 1.0)
+    rest = math.sqrt(2.0 * math.pi * alpha / (3.0 * (alpha - 1.0))) * np.exp(
+        -alpha * s**2 / (2.0 * (alpha - 1.0))
+    )
+    rest = rest * (1.0 + erf(math.sqrt(alpha / (2.0 * (alpha - 1.0) * c)) * s))
+    return math.sqrt(3.0) / (2.0 * math.pi) * (rise + middle + rest)
+
+
+@dressed
+def heights(result: Asperities, ax: Axes | None = None) -> Axes:
+    """Distribution of the heights of the asperities, with Nayak's density and the Gaussian that stands for them.
+
+    Parameters
+    ----------
+    result : Asperities
+    ax : matplotlib.axes.Axes, optional
+    """
+    ax = new_axes(ax)
+    of, alpha, m0 = (
+        values(result, "asperities/height"),
+        float(result["surface/alpha"]),
+        float(result["surface/m0"]),
+    )
+    unit, sign = scaled("m", of)
+    mean, std = (float(result[f"equivalent/asperity_height_{name}"]) for name in ("mean", "std"))
+    count = min(max(round(2.0 * of.size ** (1 / 3)), 8), 40)
+    bars: Any
+    _, _, bars = ax.hist(of / unit, count, density=True, color="0.8", edgecolor="0.4", linewidth=0.4)
+    bars[0].set_label("asperities")
+    handles: list[Any] = [bars[0]]
+    spread = max(std, float(of.std()))
+    z = np.linspace(min(mean - 4.0 * std, of.min() - spread), max(mean + 4.0 * std, of.max() + spread), 400)
+    if alpha > 1.5:
+        density = nayak(z / math.sqrt(m0), alpha) / math.sqrt(m0)
+        handles += ax.plot(z / unit, density * unit, color=BLUE, label=f"Nayak, α = {alpha:.3g}")
+    if std > 0.0:
+        density = np.exp(-0.5 * ((z - mean) / std) ** 2) / (std * math.sqrt(2.0 * math.pi))
+        handles += ax.plot(
+            z / unit, density * unit, color=VERMILION, linestyle=DASHED, label="equivalent Gaussian"
+        )
+    ax.set(xlabel=label("height above the mean plane", sign), ylabel=label("density", f"1/{sign}"))
+    legend(ax, handles, columns=3)
+    return ax
+
+
+@dressed
+def relation(result: Asperities, ax: Axes | None = None) -> Axes:
+    """Curvature of the asperities over their height; the legend has the correlation.
+
+    Parameters
+    ----------
+    result : Asperities
+    ax : matplotlib.axes.Axes, optional
+    """
+    ax = new_axes(ax)
+    of, curvature = values(result, "asperities/height"), 1.0 / values(result, "asperities/radius")
+    unit, sign = scaled("m", of)
+    per, per_sign = scaled("m", float(result["measured/asperity_radius"]))
+    correlation = np.corrcoef(of, curvature)[0, 1] if of.size > 2 else math.nan
+    handles = ax.plot(of / unit, curvature * per, "o", color=BLUE, markersize=2, alpha=0.6, markeredgewidth=0)
+    handles[0].set_label(f"asperities, correlation {quantities.number(correlation, 2)}")
+    ax.set(
+        xlabel=label("height above the mean plane", sign),
+        ylabel=label("mean curvature", f"1/{per_sign}"),
+        ylim=(0.0, None),
+    )
+    legend(ax, handles)
+    return ax
+
+
+@dressed
+def curvatures(result: Asperities, ax: Axes | None = None) -> Axes:
+    """Distribution of the curvatures of the asperities, their mean, and that of the equivalent surface.
+
+    Parameters
+    ----------
+    result : Asperities
+    ax : matplotlib.axes.Axes, optional
+    """
+    ax = new_axes(ax)
+    curvature = 1.0 / values(result, "asperities/radius")
+    measured, theory = float(result["measured/asperity_radius"]), float(result["equivalent/asperity_radius"])
+    unit, sign = scaled("m", measured)
+    handles = [histogram(ax, curvature * unit, 1.0, "asperities")]
+    for radius, words, color, line in (
+        (measured, "mean", "black", "-"),
+        (theory, "by the moments", VERMILION, DASH_DOT),
+    ):
+        told = f"{words}, R = {quantities.si(radius, 'm')}"
+        handles.append(ax.axvline(unit / radius, color=color, linestyle=line, label=told))
+    ax.set(xlabel=label("mean curvature", f"1/{sign}"), ylabel="asperities", xlim=(0.0, None))
+    legend(ax, handles)
+    return ax
+
+
+# Replicas of a group by the way they are drawn: groups are independent.
+_GROUPS = {"independent": 1, "antithetic": 2, "stratified": 8}
+
+
+def _course(run: Run, target: int) -> tuple[str, str, Any, Any, Any]:
+    """Name and unit of a target, and its mean and standard error after each group of replicas from the third on."""
+    names = [str(name) for name in run["ensemble/target"].values]
+    if str(run["ensemble/target_estimate"].values[target]) != "plain":
+        raise FileError(f"{names[target]}: the course of a mean with control variates is not in the file")
+    name, unit = names[target], str(run["ensemble/target_units"].values[target])
+    group, of = _GROUPS[str(run.attrs["sampling"])], values(run, f"replicas/{names[target]}")
+    means = of[: of.size // group * group].reshape(-1, group).mean(axis=1)
+    if means.size < 3:
+        raise FileError("it has too few replicas for a course")
+    count = np.arange(1, means.size + 1)
+    shifted = means - means[0]
+    mean = np.cumsum(shifted) / count
+    squares = np.maximum(np.cumsum(shifted**2) - count * mean**2, 0.0)[2:]
+    return name, unit, group * count[2:], mean[2:] + means[0], np.sqrt(squares / (count[2:] - 1) / count[2:])
+
+
+@dressed
+def convergence(run: Run, ax: Axes | None = None, *, target: int = 0) -> Axes:
+    """The mean of a target over the number of replicas, with two standard errors.
+
+    Parameters
+    ----------
+    run : Run
+        That ended at targets.
+    ax : matplotlib.axes.Axes, optional
+    target : int
+        Which of its targets.
+    """
+    ax = new_axes(ax)
+    name, units, replicas, mean, error = _course(run, target)
+    unit, sign = scaled(units, mean[-1])
+    shade = ax.fill_between(
+        replicas, (mean - 2 * error) / unit, (mean + 2 * error) / unit, color=BLUE, alpha=0.2, linewidth=0
+    )
+    shade.set_label("± 2 standard errors")
+    handles = ax.plot(replicas, mean / unit, color=BLUE, label="mean")
+    spread = 12.0 * error[-1]
+    ax.set(xscale="log", xlabel="replicas", ylabel=label(f"mean {name.replace('_', ' ')}", sign))
+    if spread > 0.0:
+        ax.set_ylim((mean[-1] - spread) / unit, (mean[-1] + spread) / unit)
+    legend(ax, [*handles, shade])
+    return ax
+
+
+@dressed
+def standard_errors(run: Run, ax: Axes | None = None, *, target: int = 0) -> Axes:
+    """The standard error of a target over the number of replicas, and the largest that is allowed.
+
+    Parameters
+    ----------
+    run : Run
+        That ended at targets.
+    ax : matplotlib.axes.Axes, optional
+    target : int
+        Which of its targets.
+    """
+    ax = new_axes(ax)
+    name, units, replicas, _, error = _course(run, target)
+    unit, sign = scaled(units, error[-1])
+    handles = ax.plot(replicas, error / unit, color=BLUE, label="standard error")
+    limit = float(run["ensemble/target_largest_standard_error"].values[target]) / unit
+    handles.append(ax.axhline(limit, color=VERMILION, linestyle=DASHED, label="largest allowed"))
+    met = bool(run["ensemble/target_met"].values[target])
+    handles += ax.plot(
+        replicas[-1],
+        error[-1] / unit,
+        "o",
+        color=GREEN if met else VERMILION,
+        label="end, met" if met else "end, missed",
+    )
+    ax.set(
+        xscale="log",
+        yscale="log",
+        xlabel="replicas",
+        ylabel=label(f"standard error of {name.replace('_', ' ')}", sign),
+    )
+    legend(ax, handles, columns=3)
+    return ax

@@ -1,0 +1,144 @@
+"""Whole pages: the figures that fit a result, put together."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from ..errors import FileError
+from ..results import Result, Run, Sweep
+from . import coupled, loop, others, run
+from .style import VERMILION, dressed, inches
+from .sweep import QUANTITIES, sweep
+
+__all__ = ["page", "panels"]
+
+Panel = Callable[..., Axes]
+
+_WIDTH = "180mm"
+# Below this width panels are stacked, inches. Above it there are two columns.
+_NARROW = 4.8
+_ROW = 2.55
+_PANELS: dict[str, dict[str, Panel]] = {
+    "comparison": {"comparison": others.comparison, "law_deviation": others.law_deviation},
+    "finite_size": {"sizes": others.sizes, "bias": others.bias, "scatter": others.scatter},
+    "asperities": {
+        "asperities": others.asperities,
+        "heights": others.heights,
+        "relation": others.relation,
+        "curvatures": others.curvatures,
+    },
+}
+
+
+def panels(result: Result) -> dict[str, Panel]:
+    """The figures that fit a result, by their names; each takes the result and axes.
+
+    Parameters
+    ----------
+    result : Run, Sweep, Comparison, FiniteSize or Asperities
+    """
+    if isinstance(result, Sweep):
+        return {name: partial(sweep, quantity=name, names=i == 0) for i, name in enumerate(QUANTITIES)}
+    if not isinstance(result, Run):
+        return _PANELS[result.kind]
+    drawn: dict[str, Panel] = {"force": run.force, "pull_off": run.pull_off}
+    if "coupling" in result:
+        drawn |= {
+            "coupling": coupled.coupling,
+            "coupling_difference": coupled.coupling_difference,
+            "avalanches": coupled.avalanches,
+        }
+    if result.attrs["history"] == "loop":
+        drawn |= {"contacts": loop.contacts, "energy": loop.energy}
+    if "instability" in result:
+        if np.size(result["replicas/stiffness"].values):
+            drawn["snaps"] = loop.snaps
+        if (
+            "instability/pull_off_after_preload_mean" in result
+            and np.size(result["replicas/preload"].values) >= 3
+        ):
+            drawn["preloads"] = loop.preloads
+    drawn |= {"regimes": run.regimes, "deviation": run.deviation}
+    if "ensemble/target" in result:
+        for target, estimate in enumerate(result["ensemble/target_estimate"].values):
+            if str(estimate) == "plain":
+                drawn["convergence"] = partial(others.convergence, target=target)
+                drawn["standard_errors"] = partial(others.standard_errors, target=target)
+                break
+    return drawn
+
+
+@dressed
+def page(
+    result: Result,
+    width: str | float | None = None,
+    *,
+    what: str | list[str] | None = None,
+    title: bool = False,
+    **options: Any,
+) -> Figure:
+    """The figures of a result on one page.
+
+    Parameters
+    ----------
+    result : Run, Sweep, Comparison, FiniteSize or Asperities
+    width : str or float, optional
+        Width of the page: a text such as ``85mm``, or mm; 180mm by default, of a single figure 90mm. Up to 122mm figures are stacked
+        in one column.
+    what : str or list of str, optional
+        Which figures, by the names that `panels` has; all by default.
+    title : bool
+        Whether the title of the scene is above.
+    **options
+        For the figures: `x` and `by` of sweeps.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Raises
+    ------
+    FileError
+        There is no such figure for this kind of result.
+    """
+    known = panels(result)
+    names = list(known) if what is None else [what] if isinstance(what, str) else list(what)
+    for name in names:
+        if name not in known:
+            raise FileError(f"{name}: no figure of this result; it has {', '.join(known)}")
+    wide = inches(width or ("90mm" if len(names) == 1 else _WIDTH))
+    columns = 1 if wide < _NARROW or len(names) == 1 else 2
+    rows = -(-len(names) // columns)
+    height = rows * (_ROW if columns == 2 or wide >= _NARROW else min(_ROW, 0.78 * wide))
+    figure = Figure(figsize=(wide, height + (0.3 if title else 0.0)))
+    grid = figure.add_gridspec(rows, columns)
+    for index, name in enumerate(names):
+        # The last of an odd number has the row to itself.
+        alone = columns == 2 and len(names) % 2 == 1 and index == len(names) - 1
+        place = grid[index // columns, :] if alone else grid[index // columns, index % columns]
+        ax = known[name](result, figure.add_subplot(place), **options)
+        if len(names) > 1:
+            ax.annotate(f"({'abcdefghijkl'[index]})", (0, 1), xycoords="axes fraction", xytext=(-6, 3),
+                        textcoords="offset points", ha="right", va="bottom", annotation_clip=False)  # fmt: skip
+    if title:
+        told = result.title or result.path.name
+        figure.suptitle(
+            "\n".join(textwrap.wrap(told, max(20, int(wide * 12)), max_lines=2)), fontsize=9, parse_math=False
+        )
+    if result.is_partial:
+        attrs = result.attrs
+        whole = f" of {attrs['replicas_of_whole_run']}" if "replicas_of_whole_run" in attrs else ""
+        told = (
+            f"PARTIAL: {attrs.get('replicas', 'some')}{whole} replicas"
+            if whole
+            else "PARTIAL: some replicas are missing"
+        )
+        figure.text(0.995, 0.995, told, ha="right", va="top", color=VERMILION, fontsize=8, weight="bold")
+    return figure

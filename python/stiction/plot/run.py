@@ -1,0 +1,293 @@
+"""Figures of a run: forces, regimes, deviations from the integral, pull-off forces of single replicas."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.ticker import MaxNLocator
+
+from .. import quantities
+from ..results import Run
+from .style import (
+    BLUE,
+    COLORS,
+    DASH_DOT,
+    DASHED,
+    GREY,
+    H_STAR,
+    VERMILION,
+    dressed,
+    empty,
+    label,
+    legend,
+    logarithmic,
+    new_axes,
+    scaled,
+)
+
+__all__ = ["deviation", "force", "histogram", "pull_off", "regimes"]
+
+# Way, what its datasets begin with, colour and line.
+WAYS = (("approach", "", BLUE, "-"), ("retraction", "retraction_", VERMILION, DASH_DOT))
+_REGIMES = {
+    "total": ("black", "-"),
+    "noncontact": (BLUE, DASHED),
+    "lubricant": (COLORS[4], "-"),
+    "elastic": (VERMILION, DASH_DOT),
+    "elastoplastic": (COLORS[2], (0, (1.2, 1.2))),
+    "plastic": (COLORS[3], (0, (9, 2))),
+}
+
+
+def values(run: Any, path: str) -> Any:
+    """The numbers of a dataset."""
+    return run[path].values
+
+
+def ways(run: Run) -> list[tuple[str, str, str, Any]]:
+    """The ways that a run has gone."""
+    if run.attrs["history"] == "loop":
+        return list(WAYS)
+    return [(str(run.attrs["history"]), "", BLUE, "-")]
+
+
+@dressed
+def force(run: Run, ax: Axes | None = None, *, band: bool = True) -> Axes:
+    """External force over the separation: mean over replicas, statistical integral, and where single replicas are.
+
+    Parameters
+    ----------
+    run : Run
+        The result; of a loop both ways are drawn.
+    ax : matplotlib.axes.Axes, optional
+        Where it is drawn; axes of their own by default.
+    band : bool
+        Whether the ranges of single replicas are drawn that hold 90 % and 50 % of them, by their quantiles at each separation.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+    """
+    ax = new_axes(ax)
+    x, handles, lowest, highest = values(run, "ensemble/h_star"), [], 0.0, 0.0
+    means = {way: values(run, f"ensemble/{prefix}external_force_mean") for way, prefix, _, _ in ways(run)}
+    bands = {}
+    for way, prefix, _, _ in ways(run):
+        lowest, highest = (
+            min(lowest, float(np.nanmin(means[way]))),
+            max(highest, float(np.nanmax(means[way]))),
+        )
+        name = f"ensemble/{prefix}external_force_quantile"
+        if band and name in run and np.isfinite(values(run, name)).all():
+            bands[way] = run[name].transpose("quantile", "separation").values
+            lowest = min(lowest, float(bands[way].min()))
+    depth = -lowest if lowest < 0.0 else highest
+    unit, sign = scaled("N", depth)
+    several = len(means) > 1
+    for way, prefix, color, line in ways(run):
+        mean = means[way]
+        if way in bands:
+            quantile = bands[way] / unit
+            ax.fill_between(x, quantile[0], quantile[4], color=color, alpha=0.15, linewidth=0, zorder=1)
+            shade = ax.fill_between(
+                x, quantile[1], quantile[3], color=color, alpha=0.25, linewidth=0, zorder=1
+            )
+            shade.set_label("50 % and 90 % of patches" + (f", {way}" if several else ""))
+        drawn = ax.plot(
+            x,
+            mean / unit,
+            color=color,
+            linestyle=line,
+            label=f"{way}, mean" if several else "mean over patches",
+        )
+        handles += drawn + ([shade] if way in bands else [])
+        integral = ax.plot(
+            x,
+            values(run, f"integral/{prefix}external_force") / unit,
+            color="black",
+            linestyle=DASHED,
+            linewidth=0.8,
+            label="integral",
+        )
+    handles += integral
+    attrs = run["ensemble"].attrs
+    pull, place = (
+        float(attrs["pull_off_force"]),
+        float(attrs["pull_off_separation"]) / float(run.attrs["surface_height_std"]),
+    )
+    if pull > 0.0:
+        way, _, color, _ = ways(run)[-1]
+        at = np.interp(place, x, means[way]) / unit
+        marker = ax.plot(place, at, "o", color=color, markerfacecolor="white", zorder=5, clip_on=False)
+        marker[0].set_label(f"pull-off of the mean, {quantities.si(pull, 'N')}")
+        handles += marker
+    handles += _snaps(run, ax, x, means, unit)
+    ax.axhline(0.0, color=GREY, linewidth=0.5, zorder=0.5)
+    if lowest < 0.0:
+        ax.set_ylim(-1.08 * depth / unit, min(1.05 * highest, 0.45 * depth) / unit)
+    ax.set(xlabel=H_STAR, ylabel=label("external force", sign))
+    legend(ax, handles)
+    return ax
+
+
+def _snaps(run: Run, ax: Axes, x: Any, means: dict[str, Any], unit: float) -> list[Any]:
+    """Where surfaces on a spring snap in on approach, on average, as a marker on the curve."""
+    if "replicas/snap_in_separation" not in run:
+        return []
+    snaps = run["replicas/snap_in_separation"]
+    handles: list[Any] = []
+    for index, stiffness in enumerate(np.atleast_1d(run["replicas/stiffness"].values)):
+        places = snaps.isel(stiffness=index).values
+        share = float(np.isfinite(places).mean())
+        if share == 0.0 or handles:
+            continue
+        place = float(np.nanmean(places)) / float(run.attrs["surface_height_std"])
+        at = np.interp(place, x, next(iter(means.values()))) / unit
+        drawn = ax.plot(place, at, "v", color=COLORS[2], zorder=6)
+        drawn[0].set_label(f"snap-in at {quantities.si(stiffness, 'N m-1')}, mean of {100 * share:.0f} %")
+        handles += drawn
+    return handles
+
+
+@dressed
+def regimes(run: Run, ax: Axes | None = None) -> Axes:
+    """Adhesion force by regime over the separation: means as lines, the integral as dots.
+
+    Parameters
+    ----------
+    run : Run
+    ax : matplotlib.axes.Axes, optional
+    """
+    ax = new_axes(ax)
+    x = values(run, "ensemble/h_star")
+    curves = {"total": (values(run, "ensemble/adhesion_force_mean"), values(run, "integral/adhesion_force"))}
+    names = [str(name) for name in run["ensemble/regime"].values]
+    pair = (run["ensemble/regime_adhesion_force_mean"], run["integral/regime_adhesion_force"])
+    means, integrals = (of.transpose("regime", "separation").values for of in pair)
+    for name, mean, integral in zip(names, means, integrals, strict=True):
+        key = "elastoplastic" if name.startswith("elastoplastic") else name
+        before = curves.get(key, (0.0, 0.0))
+        curves[key] = (before[0] + mean, before[1] + integral)
+    total = curves["total"][0]
+    if not total.max() > 0.0:
+        return empty(ax, "the law has no adhesion")
+    unit, sign = scaled("N", total)
+    handles: list[Any] = []
+    dots: list[Any] = []
+    step = max(1, x.size // 30)
+    for name, (mean, integral) in curves.items():
+        if name != "total" and not np.any(mean != 0.0):
+            continue
+        color, line = _REGIMES.get(name, (GREY, "-"))
+        drawn = [np.where(of > 0.0, of, np.nan) / unit for of in (mean, integral)]
+        handles += ax.plot(x, drawn[0], color=color, linestyle=line, label=name)
+        dots = ax.plot(x[::step], drawn[1][::step], "o", color="black", markerfacecolor="white", markersize=2,
+                       markeredgewidth=0.5, label="integral")  # fmt: skip
+    if logarithmic(ax, "y", total):
+        ax.set_ylim(0.3 * total.min() / unit, 2.0 * total.max() / unit)
+    else:
+        ax.set_ylim(0.0, 1.08 * total.max() / unit)
+    ax.set(xlabel=H_STAR, ylabel=label("adhesion force", sign))
+    legend(ax, handles + dots, columns=3)
+    return ax
+
+
+@dressed
+def deviation(run: Run, ax: Axes | None = None) -> Axes:
+    """Deviation of the means from the integral, in standard errors, and what the joint test leaves out.
+
+    Parameters
+    ----------
+    run : Run
+    ax : matplotlib.axes.Axes, optional
+    """
+    ax = new_axes(ax)
+    x, limit = values(run, "validation/h_star"), 3.0
+    handles: list[Any] = []
+    left_out = np.zeros(x.size, bool)
+    for name, words, color, line in (
+        ("external_force", "external force", BLUE, "-"),
+        ("adhesion_force", "adhesion force", VERMILION, DASH_DOT),
+    ):
+        z, tested = values(run, f"validation/z_{name}"), values(run, f"validation/tested_{name}") != 0
+        handles += ax.plot(x, z, color=color, linestyle=line, linewidth=1.0, label=words)
+        left_out |= ~tested
+        size = np.abs(np.where(np.isfinite(z), z, 0.0))
+        limit = max(limit, 1.1 * size[tested].max(initial=0.0), min(1.1 * size.max(), 8.0))
+    for level in (-2.0, 0.0, 2.0):
+        ax.axhline(level, color=GREY, linewidth=0.5, linestyle="--" if level else "-", zorder=1)
+    if left_out.any():
+        shade = ax.fill_between(
+            x,
+            0,
+            1,
+            where=left_out,
+            transform=ax.get_xaxis_transform(),
+            color="0.5",
+            alpha=0.15,
+            linewidth=0,
+            zorder=0,
+        )
+        shade.set_label("left out of the joint test")
+        handles.append(shade)
+    ax.set(xlabel=H_STAR, ylabel="deviation (standard errors)", ylim=(-limit, limit))
+    legend(ax, handles, columns=3)
+    return ax
+
+
+def histogram(ax: Axes, numbers: Any, unit: float, words: str, color: str = "0.8") -> Any:
+    """Bars of how many replicas have which value; what varies by rounding only has one bar."""
+    spread = np.ptp(numbers) > 1e-9 * np.abs(numbers).max(initial=0.0)
+    count = min(max(round(2.0 * numbers.size ** (1 / 3)), 8), 40) if spread else 1
+    bars: Any
+    _, _, bars = ax.hist(numbers / unit, count, color=color, edgecolor="0.4", linewidth=0.4, alpha=0.8)
+    bars[0].set_label(words)
+    ax.yaxis.set_major_locator(MaxNLocator(nbins=5, integer=True))
+    return bars[0]
+
+
+@dressed
+def pull_off(run: Run, ax: Axes | None = None) -> Axes:
+    """Distribution of the pull-off force over replicas, its mean, and those of mean curve and integral.
+
+    Parameters
+    ----------
+    run : Run
+        Of a loop both ways are drawn.
+    ax : matplotlib.axes.Axes, optional
+    """
+    ax = new_axes(ax)
+    of_replicas, quoted = values(run, "replicas/pull_off_force"), run.pull_off
+    if not of_replicas.max() > 0.0:
+        return empty(ax, "no replica pulls")
+    there = (
+        values(run, "replicas/approach_pull_off_force") if "replicas/approach_pull_off_force" in run else None
+    )
+    unit, sign = scaled("N", of_replicas if there is None else np.concatenate([of_replicas, there]))
+    handles: list[Any] = []
+    if there is not None:
+        handles.append(histogram(ax, there, unit, f"approach, {there.size} patches", BLUE))
+    handles.append(histogram(ax, of_replicas, unit, f"{'retraction, ' if there is not None else ''}{of_replicas.size} patches",
+                             "0.8" if there is None else VERMILION))  # fmt: skip
+    for value, words, color, line in (
+        (quoted.mean, f"mean, {quoted}", "black", "-"),
+        (
+            quoted.of_mean_curve,
+            f"of the mean curve, {quantities.si(quoted.of_mean_curve, 'N')}",
+            BLUE,
+            DASHED,
+        ),
+        (
+            quoted.of_integral,
+            f"of the integral, {quantities.si(quoted.of_integral, 'N')}",
+            VERMILION,
+            DASH_DOT,
+        ),
+    ):
+        handles.append(ax.axvline(value / unit, color=color, linestyle=line, label=words))
+    ax.set(xlabel=label("pull-off force", sign), ylabel="patches")
+    ax.margins(x=0.04)
+    legend(ax, handles)
+    return ax

@@ -1,0 +1,183 @@
+"""Figures of sweeps: a number of each point over one key, with a curve for each value of another."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import xarray
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+
+from .. import quantities
+from ..errors import FileError
+from ..results import Sweep
+from .style import (
+    COLORS,
+    DASHED,
+    GREY,
+    MARKERS,
+    dressed,
+    label,
+    legend,
+    logarithmic,
+    new_axes,
+    places_logarithmic,
+    scaled,
+)
+
+__all__ = ["QUANTITIES", "sweep"]
+
+# What can be drawn over the points: words, unit, mean and standard error over replicas, of the integral.
+QUANTITIES: dict[str, tuple[str, str, str | None]] = {
+    "pull_off_force": ("pull-off force", "N", "pull_off_force"),
+    "pull_off_excess": ("mean over patches less integral", "%", None),
+    "pull_off_scatter": ("scatter of pull-off from patch to patch", "%", None),
+    "pull_off_separation": ("separation of the pull-off $h/\\sigma$", "", "pull_off_separation"),
+    "peak_secant_stiffness": ("largest stiffness", "N m-1", "peak_stiffness"),
+}
+# Curves that can be told apart.
+_MOST = len(COLORS)
+
+
+def of_points(
+    result: Sweep, quantity: str
+) -> tuple[xarray.DataArray, xarray.DataArray, xarray.DataArray | None]:
+    """Mean, standard error and integral of a quantity at all points."""
+    name = (
+        "pull_off_force" if quantity.startswith("pull_off_e") or quantity == "pull_off_scatter" else quantity
+    )
+    scalars = result["ensemble"].to_dataset().sel(scalar=name)
+    mean, error = scalars["scalar_controlled_mean"], scalars["scalar_controlled_standard_error"]
+    if quantity == "pull_off_excess":
+        integral = result["integral/pull_off_force"]
+        return 100.0 * (mean / integral - 1.0), 100.0 * error / integral, None
+    if quantity == "pull_off_scatter":
+        replicas = result["replicas/pull_off_force"]
+        scatter = 100.0 * replicas.std("replica", ddof=1) / replicas.mean("replica")
+        return scatter, scatter / np.sqrt(2.0 * max(replicas.sizes["replica"] - 1, 1)), None
+    integral_name = QUANTITIES[quantity][2]
+    integral = result[f"integral/{integral_name}"]
+    if quantity.endswith("separation"):
+        sigma = result["surface_height_std"]
+        return mean / sigma, error / sigma, integral / sigma
+    return mean, error, integral
+
+
+def axes_of(result: Sweep, x: str | None, by: str | None) -> tuple[str, str | None]:
+    """The keys for the axis and for the curves, as they are named or as the values vary."""
+    known = (
+        [str(name) for name in result.points.dims] if result.attrs["sweep_mode"] == "grid" else result.keys
+    )
+    known = [key.replace(".", "_") for key in result.keys] or known
+    for option, key in (("x", x), ("by", by)):
+        if key is not None and key.replace(".", "_") not in known:
+            raise FileError(f"{option} = {key}: not a key of this sweep; it has {', '.join(result.keys)}")
+    varying = [name for name in known if np.unique(result[name].values).size > 1] or known
+    across = (
+        x.replace(".", "_")
+        if x
+        else next((name for name in varying if by is None or name != by.replace(".", "_")), known[0])
+    )
+    rest = [name for name in varying if name != across]
+    if by is None and result.attrs["sweep_mode"] == "grid" and rest:
+        by = min(rest, key=lambda name: np.unique(result[name].values).size)
+    return across, by.replace(".", "_") if by else None
+
+
+def _curves(result: Sweep, across: str, by: str | None) -> Iterator[tuple[str, dict[str, int]]]:
+    """Words and the chosen indices of each curve; keys that are neither are at each of their values."""
+    if result.attrs["sweep_mode"] != "grid":
+        yield "", {}
+        return
+    others = [str(dim) for dim in result.points.dims if dim != across]
+    others.sort(key=lambda name: name != by)
+    sizes = [result.points.sizes[name] for name in others]
+    if int(np.prod(sizes)) > _MOST:
+        most = f"{int(np.prod(sizes))} curves; up to {_MOST} can be told apart"
+        raise FileError(f"{most}: name the key with most values for the axis (x)")
+    for place in np.ndindex(*sizes):
+        chosen = dict(zip(others, place, strict=True))
+        yield (
+            ", ".join(
+                _words(result, name, index) for name, index in chosen.items() if sizes[others.index(name)] > 1
+            ),
+            chosen,
+        )
+
+
+def _words(result: Sweep, name: str, index: int) -> str:
+    key = result[name]
+    return f"{key.attrs.get('long_name', name)} {quantities.si(key.values[index], str(key.attrs.get('units', '1')), 3)}"
+
+
+@dressed
+def sweep(
+    result: Sweep,
+    ax: Axes | None = None,
+    *,
+    quantity: str = "pull_off_force",
+    x: str | None = None,
+    by: str | None = None,
+    names: bool = True,
+) -> Axes:
+    """A number of each point over a key of the sweep: mean over replicas with its standard error, and the integral's.
+
+    Parameters
+    ----------
+    result : Sweep
+    ax : matplotlib.axes.Axes, optional
+    quantity : str
+        ``pull_off_force``, ``pull_off_excess`` (of the mean over the integral), ``pull_off_scatter``, ``pull_off_separation`` or
+        ``peak_secant_stiffness``.
+    x, by : str, optional
+        The key for the axis, and the first of those that the curves are told by; by default the first that varies, and the one
+        with fewest values.
+    names : bool
+        Whether the legend names the curves.
+
+    Raises
+    ------
+    FileError
+        There is no such quantity or key, or there are more curves than can be told apart.
+    """
+    if quantity not in QUANTITIES:
+        raise FileError(f"quantity = {quantity}: known are {', '.join(QUANTITIES)}")
+    ax = new_axes(ax)
+    across, by = axes_of(result, x, by)
+    mean, error, integral = of_points(result, quantity)
+    words, unit, _ = QUANTITIES[quantity]
+    factor, sign = scaled(unit, mean) if unit not in ("", "%") else (1.0, unit)
+    key = result[across]
+    key_factor, key_sign = scaled(str(key.attrs.get("units", "1")), key)
+    handles: list[Any] = []
+    for (name, chosen), color, marker in zip(_curves(result, across, by), COLORS, MARKERS, strict=False):
+        places = key.values / key_factor
+        order = np.argsort(places)
+        drawn = ax.errorbar(
+            places[order], mean.isel(chosen).values.ravel()[order] / factor, error.isel(chosen).values.ravel()[order] / factor,
+            color=color, marker=marker, linewidth=0.0 if integral is not None else 0.9, elinewidth=1.0, label=name,
+        )  # fmt: skip
+        if integral is not None:
+            ax.plot(
+                places[order],
+                integral.isel(chosen).values.ravel()[order] / factor,
+                color=color,
+                linestyle=DASHED,
+                linewidth=1.0,
+            )
+        if name and names:
+            handles.append(drawn)
+    if integral is not None:
+        handles += [
+            Line2D([], [], color=GREY, marker="o", linewidth=0, label="mean over patches"),
+            Line2D([], [], color=GREY, linestyle=DASHED, linewidth=1.0, label="integral"),
+        ]
+    if not logarithmic(ax, "y", mean) and quantity == "pull_off_excess":
+        ax.axhline(0.0, color=GREY, linewidth=0.5, zorder=0.5)
+    places_logarithmic(ax, key.values)
+    ax.set(xlabel=label(str(key.attrs.get("long_name", across)), key_sign), ylabel=label(words, sign))
+    if handles:
+        legend(ax, handles)
+    return ax

@@ -1,0 +1,62 @@
+"""Executes notebooks of the documentation; an error in a cell is an error.
+
+Usage:
+    python scripts/notebooks.py [--write] NOTEBOOK...
+
+Each runs in a folder of its own, where configs/ is as in the source. With --write the notebooks get the outputs. Bars of progress and
+other lines of standard error are left out.
+Exit codes: 0 all ran, 1 a cell failed.
+"""
+
+import argparse
+import shutil
+import sys
+import tempfile
+from pathlib import Path
+
+import nbclient
+import nbformat
+
+ROOT = Path(__file__).resolve().parent.parent
+
+
+def executed(path: Path) -> nbformat.NotebookNode:
+    """The notebook with the outputs of its cells and nothing that differs from time to time."""
+    notebook = nbformat.read(path, as_version=4)
+    with tempfile.TemporaryDirectory(prefix="stiction-notebook-") as folder:
+        shutil.copytree(ROOT / "configs", Path(folder) / "configs")
+        nbclient.NotebookClient(notebook, timeout=600, kernel_name="python3", resources={"metadata": {"path": folder}}).execute()
+    notebook.metadata = {"kernelspec": {"display_name": "Python 3", "language": "python", "name": "python3"}}
+    for number, cell in enumerate(notebook.cells):
+        cell.id = f"cell-{number}"
+        cell.metadata = {}
+        if cell.cell_type == "code":
+            cell.outputs = [output for output in cell.outputs if kept(output)]
+    return notebook
+
+
+def kept(output: nbformat.NotebookNode) -> bool:
+    if output.output_type == "stream":
+        return output.name == "stdout"
+    output.metadata = {}
+    # A bar of progress is a widget or a text of tqdm.
+    return not any("widget" in kind for kind in output.get("data", {}))
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description="Executes notebooks of the documentation.")
+    parser.add_argument("--write", action="store_true", help="keep the outputs in the notebooks")
+    parser.add_argument("notebooks", nargs="+", type=Path)
+    arguments = parser.parse_args()
+    for path in arguments.notebooks:
+        print(path, flush=True)
+        try:
+            notebook = executed(path)
+        except nbclient.exceptions.CellExecutionError as error:
+            sys.exit(f"{path}: {error}")
+        if arguments.write:
+            nbformat.write(notebook, path)
+
+
+if __name__ == "__main__":
+    main()

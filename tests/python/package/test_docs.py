@@ -1,0 +1,39 @@
+"""What the pages show runs: the Python of README and docs/python.md, the tutorial word by word, and the notebooks."""
+
+import importlib.util
+import os
+import re
+import sys
+from pathlib import Path
+
+import pytest
+
+from stiction.program import find
+
+ROOT = Path(__file__).resolve().parents[3]
+SPEC = importlib.util.spec_from_file_location("doc_blocks", ROOT / "scripts" / "doc_blocks.py")
+doc_blocks = importlib.util.module_from_spec(SPEC)
+sys.modules["doc_blocks"] = doc_blocks
+SPEC.loader.exec_module(doc_blocks)
+
+
+@pytest.mark.parametrize(
+    "page, languages, count",
+    [
+        ("docs/tutorial.md", {"sh", "python", "toml"}, 5),
+        ("docs/python.md", {"python", "toml"}, 10),
+        ("README.md", {"python"}, 1),
+    ],
+)
+def test_blocks_of_pages_run(page, languages, count, tmp_path, monkeypatch):
+    monkeypatch.setenv("PATH", f"{Path(find()).parent}{os.pathsep}{os.environ['PATH']}")
+    assert doc_blocks.run(ROOT / page, tmp_path, languages) >= count
+
+
+def test_the_usual_tasks_take_five_lines_each():
+    page = (ROOT / "docs" / "python.md").read_text(encoding="utf-8")
+    tasks = page.split("## Ten usual tasks")[1].split("\n## ")[0]
+    found = re.findall(r"^### .*?^```python\n(.*?)^```$", tasks, re.MULTILINE | re.DOTALL)
+    assert len(found) == 10
+    for task in found:
+        assert len([line for line in task.splitlines() if line.strip()]) <= 5, task

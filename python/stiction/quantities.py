@@ -70,8 +70,8 @@ def number(value: float, digits: int = 4) -> str:
 
     Examples
     --------
-    >>> number(-0.00123456), number(2.82), number(float("nan")), number(1.5e-9)
-    ('−0.001235', '2.820', '–', '1.500·10⁻⁹')
+    >>> number(-0.00123456), number(2.82), number(1730, 2), number(float("nan")), number(1.5e-9)
+    ('−0.001235', '2.820', '1700', '–', '1.500·10⁻⁹')
     """
     value = float(value)
     if math.isnan(value):
@@ -82,7 +82,9 @@ def number(value: float, digits: int = 4) -> str:
         mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
         power = str(int(exponent)).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
         return f"{mantissa}·10{power}".replace("-", "−")
-    return f"{value:#.{digits}g}".rstrip(".").replace("-", "−")
+    rounded = float(f"{value:.{digits - 1}e}")
+    places = digits - 1 - math.floor(math.log10(abs(rounded))) if rounded else digits - 1
+    return f"{rounded:.{max(places, 0)}f}".replace("-", "−")
 
 
 def si(value: Any, unit: str, digits: int = 4) -> str:

@@ -11,15 +11,16 @@ from ..results import Run
 from .run import values, ways
 from .style import (
     BLUE,
-    COLORS,
     DASH_DOT,
     DASHED,
     GREY,
     H_STAR,
     VERMILION,
     dressed,
+    empty,
     label,
     legend,
+    logarithmic,
     new_axes,
     scaled,
 )
@@ -100,7 +101,7 @@ def coupling_difference(run: Run, ax: Axes | None = None) -> Axes:
     span = 1.3 * float(np.abs(seen).max()) / unit
     ax.set(
         xlabel=H_STAR,
-        ylabel=label("difference of the external force", sign),
+        ylabel=label("difference of forces", sign),
         ylim=(-span, span) if span > 0 else None,
     )
     legend(ax, handles, columns=1)
@@ -121,8 +122,10 @@ def avalanches(run: Run, ax: Axes | None = None) -> Axes:
     size, count = values(run, "coupling/avalanche_size"), values(run, "coupling/avalanche_size_count")
     there = count > 0
     ax.plot(size[there], count[there], "o", color=BLUE, markersize=3, linestyle=DASHED, label="avalanches")
-    ax.set(xscale="log", yscale="log", xlabel="asperities in an avalanche, at least", ylabel="avalanches")
+    ax.set(xlabel="asperities in an avalanche, at least", ylabel="avalanches")
     if not there.any():
-        ax.set(xscale="linear", yscale="linear", xticks=[], yticks=[])
-        ax.text(0.5, 0.5, "no avalanches", ha="center", va="center", transform=ax.transAxes, color=COLORS[-1])
+        return empty(ax, "no avalanches")
+    logarithmic(ax, "x", size[there])
+    if not logarithmic(ax, "y", count[there]):
+        ax.set_ylim(bottom=0.0)
     return ax

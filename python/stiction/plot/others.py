@@ -104,6 +104,8 @@ def law_deviation(result: Comparison, ax: Axes | None = None) -> Axes:
     ax.axvline(0.0, color=GREY, linewidth=0.5)
     ax.set(yticks=places, yticklabels=result.laws, xlabel="pull-off force against that of the first law (%)")
     ax.invert_yaxis()
+    if not np.nan_to_num(off).any():
+        ax.set_xlim(-1.0, 1.0)
     ax.margins(x=0.35)
     return ax
 
@@ -272,7 +274,7 @@ def asperities(result: Asperities, ax: Axes | None = None) -> Axes:
         ax.set(xlim=(0.0, columns * dx / unit), ylim=(rows * dy / unit, 0.0), aspect="equal")
     ax.spines[["top", "right"]].set_visible(True)
     ax.set(xlabel=label("x", sign), ylabel=label("y, as the rows of the map", sign))
-    bar = ax.figure.colorbar(drawn, ax=ax, label=label("height above the mean plane", z_sign), shrink=0.9)
+    bar = ax.figure.colorbar(drawn, ax=ax, label=label("height", z_sign), shrink=0.9)
     bar.outline.set_linewidth(0.5)
     return ax
 
@@ -402,6 +404,10 @@ def _course(run: Run, target: int) -> tuple[str, str, Any, Any, Any]:
     return name, unit, group * count[2:], mean[2:] + means[0], np.sqrt(squares / (count[2:] - 1) / count[2:])
 
 
+def _words(name: str) -> str:
+    return name.replace("pull_off", "pull-off").replace("_", " ")
+
+
 @dressed
 def convergence(run: Run, ax: Axes | None = None, *, target: int = 0) -> Axes:
     """The mean of a target over the number of replicas, with two standard errors.
@@ -423,7 +429,7 @@ def convergence(run: Run, ax: Axes | None = None, *, target: int = 0) -> Axes:
     shade.set_label("± 2 standard errors")
     handles = ax.plot(replicas, mean / unit, color=BLUE, label="mean")
     spread = 12.0 * error[-1]
-    ax.set(xscale="log", xlabel="replicas", ylabel=label(f"mean {name.replace('_', ' ')}", sign))
+    ax.set(xscale="log", xlabel="replicas", ylabel=label(f"mean {_words(name)}", sign))
     if spread > 0.0:
         ax.set_ylim((mean[-1] - spread) / unit, (mean[-1] + spread) / unit)
     legend(ax, [*handles, shade])
@@ -460,7 +466,7 @@ def standard_errors(run: Run, ax: Axes | None = None, *, target: int = 0) -> Axe
         xscale="log",
         yscale="log",
         xlabel="replicas",
-        ylabel=label(f"standard error of {name.replace('_', ' ')}", sign),
+        ylabel=label(f"standard error of {_words(name)}", sign),
     )
     legend(ax, handles, columns=3)
     return ax

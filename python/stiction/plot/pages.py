@@ -7,7 +7,6 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any
 
-import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -58,12 +57,11 @@ def panels(result: Result) -> dict[str, Panel]:
     if result.attrs["history"] == "loop":
         drawn |= {"contacts": loop.contacts, "energy": loop.energy}
     if "instability" in result:
-        if np.size(result["replicas/stiffness"].values):
+        preloads = "instability/pull_off_after_preload_mean" in result and result["replicas/preload"].size >= 3
+        # One spring after many preloads is no curve over the stiffness.
+        if result["replicas/stiffness"].size > (1 if preloads else 0):
             drawn["snaps"] = loop.snaps
-        if (
-            "instability/pull_off_after_preload_mean" in result
-            and np.size(result["replicas/preload"].values) >= 3
-        ):
+        if preloads:
             drawn["preloads"] = loop.preloads
     drawn |= {"regimes": run.regimes, "deviation": run.deviation}
     if "ensemble/target" in result:

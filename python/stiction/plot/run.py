@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
 from .. import quantities
@@ -71,22 +72,24 @@ def force(run: Run, ax: Axes | None = None, *, band: bool = True) -> Axes:
     matplotlib.axes.Axes
     """
     ax = new_axes(ax)
-    x, handles, lowest, highest = values(run, "ensemble/h_star"), [], 0.0, 0.0
+    x, lowest, highest = values(run, "ensemble/h_star"), 0.0, 0.0
+    handles: list[Any] = []
     means = {way: values(run, f"ensemble/{prefix}external_force_mean") for way, prefix, _, _ in ways(run)}
+    integrals = {way: values(run, f"integral/{prefix}external_force") for way, prefix, _, _ in ways(run)}
     bands = {}
     for way, prefix, _, _ in ways(run):
-        lowest, highest = (
-            min(lowest, float(np.nanmin(means[way]))),
-            max(highest, float(np.nanmax(means[way]))),
-        )
+        lowest = min(lowest, float(np.nanmin(means[way])))
+        highest = max(highest, float(np.nanmax(means[way])))
         name = f"ensemble/{prefix}external_force_quantile"
         if band and name in run and np.isfinite(values(run, name)).all():
             bands[way] = run[name].transpose("quantile", "separation").values
             lowest = min(lowest, float(bands[way].min()))
+    # An integral that is far off must not press all else to a line.
+    lowest = min(lowest, max(float(np.nanmin([*integrals.values()])), 3.0 * lowest))
     depth = -lowest if lowest < 0.0 else highest
     unit, sign = scaled("N", depth)
     several = len(means) > 1
-    for way, prefix, color, line in ways(run):
+    for way, _, color, line in ways(run):
         mean = means[way]
         if way in bands:
             quantile = bands[way] / unit
@@ -94,7 +97,7 @@ def force(run: Run, ax: Axes | None = None, *, band: bool = True) -> Axes:
             shade = ax.fill_between(
                 x, quantile[1], quantile[3], color=color, alpha=0.25, linewidth=0, zorder=1
             )
-            shade.set_label("50 % and 90 % of patches" + (f", {way}" if several else ""))
+            shade.set_label("50 % and 90 % of patches")
         drawn = ax.plot(
             x,
             mean / unit,
@@ -102,16 +105,19 @@ def force(run: Run, ax: Axes | None = None, *, band: bool = True) -> Axes:
             linestyle=line,
             label=f"{way}, mean" if several else "mean over patches",
         )
-        handles += drawn + ([shade] if way in bands else [])
+        handles += drawn
         integral = ax.plot(
             x,
-            values(run, f"integral/{prefix}external_force") / unit,
+            integrals[way] / unit,
             color="black",
             linestyle=DASHED,
             linewidth=0.8,
             label="integral",
         )
     handles += integral
+    if bands:
+        # Of both ways there is one entry, which is grey then.
+        handles.append(Patch(color=GREY, alpha=0.4, linewidth=0, label=shade.get_label()) if several else shade)
     attrs = run["ensemble"].attrs
     pull, place = (
         float(attrs["pull_off_force"]),
@@ -146,7 +152,7 @@ def _snaps(run: Run, ax: Axes, x: Any, means: dict[str, Any], unit: float) -> li
         place = float(np.nanmean(places)) / float(run.attrs["surface_height_std"])
         at = np.interp(place, x, next(iter(means.values()))) / unit
         drawn = ax.plot(place, at, "v", color=COLORS[2], zorder=6)
-        drawn[0].set_label(f"snap-in at {quantities.si(stiffness, 'N m-1')}, mean of {100 * share:.0f} %")
+        drawn[0].set_label(f"snap-in, mean of {100 * share:.0f} % at {quantities.si(stiffness, 'N m-1', 3)}")
         handles += drawn
     return handles
 

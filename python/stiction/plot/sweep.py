@@ -32,9 +32,9 @@ __all__ = ["QUANTITIES", "sweep"]
 # What can be drawn over the points: words, unit, mean and standard error over replicas, of the integral.
 QUANTITIES: dict[str, tuple[str, str, str | None]] = {
     "pull_off_force": ("pull-off force", "N", "pull_off_force"),
-    "pull_off_excess": ("mean over patches less integral", "%", None),
-    "pull_off_scatter": ("scatter of pull-off from patch to patch", "%", None),
-    "pull_off_separation": ("separation of the pull-off $h/\\sigma$", "", "pull_off_separation"),
+    "pull_off_excess": ("excess over the integral", "%", None),
+    "pull_off_scatter": ("scatter between patches", "%", None),
+    "pull_off_separation": ("pull-off separation $h/\\sigma$", "", "pull_off_separation"),
     "peak_secant_stiffness": ("largest stiffness", "N m-1", "peak_stiffness"),
 }
 # Curves that can be told apart.

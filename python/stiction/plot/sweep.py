@@ -107,9 +107,19 @@ def _curves(result: Sweep, across: str, by: str | None) -> Iterator[tuple[str, d
         )
 
 
+def _named(key: xarray.DataArray) -> tuple[str, dict[float, str]]:
+    """What a key is in words, and the names of its numbers if it is a choice, as in "what surrounds it: 0 none, 1 periodic"."""
+    words, _, rest = str(key.attrs.get("long_name", key.name)).partition(": 0 ")
+    choices = [choice.partition(" ") for choice in f"0 {rest}".split(", ")] if rest else []
+    return words, {float(number): name for number, _, name in choices}
+
+
 def _words(result: Sweep, name: str, index: int) -> str:
     key = result[name]
-    return f"{key.attrs.get('long_name', name)} {quantities.si(key.values[index], str(key.attrs.get('units', '1')), 3)}"
+    words, choices = _named(key)
+    value = float(key.values[index])
+    told = choices[value] if choices else quantities.si(value, str(key.attrs.get("units", "1")), 3)
+    return f"{words} {told}"
 
 
 @dressed
@@ -176,8 +186,14 @@ def sweep(
         ]
     if not logarithmic(ax, "y", mean) and quantity == "pull_off_excess":
         ax.axhline(0.0, color=GREY, linewidth=0.5, zorder=0.5)
-    places_logarithmic(ax, key.values)
-    ax.set(xlabel=label(str(key.attrs.get("long_name", across)), key_sign), ylabel=label(words, sign))
+    key_words, choices = _named(key)
+    if choices:
+        there = sorted({float(value) for value in key.values})
+        ax.set_xticks(there, [choices[value] for value in there])
+        ax.margins(x=0.2)
+    else:
+        places_logarithmic(ax, key.values)
+    ax.set(xlabel=label(key_words, key_sign), ylabel=label(words, sign))
     if handles:
         legend(ax, handles)
     return ax

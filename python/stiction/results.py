@@ -350,6 +350,19 @@ class Sweep(_Curves):
         """The keys of the scene that are swept, as the scene writes them."""
         return str(self.tree.attrs["sweep_keys"]).replace(",", " ").split()
 
+    def key_words(self, key: str) -> tuple[str, dict[float, str]]:
+        """What a key is in words, and the names of its numbers if it is a choice, such as ``{0.0: "none", 1.0: "periodic"}``."""
+        of = self.tree[key.replace(".", "_")]
+        words, _, rest = str(of.attrs.get("long_name", key)).partition(": 0 ")
+        choices = [choice.partition(" ") for choice in f"0 {rest}".split(", ")] if rest else []
+        return words, {float(number): name for number, _, name in choices}
+
+    def key_text(self, key: str, value: Any, digits: int = 4) -> str:
+        """A value of a key as people write it: its name if it is a choice, else a number with a unit."""
+        choices = self.key_words(key)[1]
+        unit = str(self.tree[key.replace(".", "_")].attrs.get("units", "1"))
+        return choices[float(value)] if choices else quantities.si(value, unit, digits)
+
     @cached_property
     def points(self) -> xarray.Dataset:
         """Numbers of the points: the dimensions are the keys of the sweep."""

@@ -10,7 +10,6 @@ import xarray
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
-from .. import quantities
 from ..errors import FileError
 from ..results import Sweep
 from .style import (
@@ -107,19 +106,8 @@ def _curves(result: Sweep, across: str, by: str | None) -> Iterator[tuple[str, d
         )
 
 
-def _named(key: xarray.DataArray) -> tuple[str, dict[float, str]]:
-    """What a key is in words, and the names of its numbers if it is a choice, as in "what surrounds it: 0 none, 1 periodic"."""
-    words, _, rest = str(key.attrs.get("long_name", key.name)).partition(": 0 ")
-    choices = [choice.partition(" ") for choice in f"0 {rest}".split(", ")] if rest else []
-    return words, {float(number): name for number, _, name in choices}
-
-
 def _words(result: Sweep, name: str, index: int) -> str:
-    key = result[name]
-    words, choices = _named(key)
-    value = float(key.values[index])
-    told = choices[value] if choices else quantities.si(value, str(key.attrs.get("units", "1")), 3)
-    return f"{words} {told}"
+    return f"{result.key_words(name)[0]} {result.key_text(name, result[name].values[index], 3)}"
 
 
 @dressed
@@ -186,7 +174,7 @@ def sweep(
         ]
     if not logarithmic(ax, "y", mean) and quantity == "pull_off_excess":
         ax.axhline(0.0, color=GREY, linewidth=0.5, zorder=0.5)
-    key_words, choices = _named(key)
+    key_words, choices = result.key_words(across)
     if choices:
         there = sorted({float(value) for value in key.values})
         ax.set_xticks(there, [choices[value] for value in there])

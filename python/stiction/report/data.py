@@ -1,0 +1,115 @@
+"""The numbers behind each figure of a page: tables of datasets of the file."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import xarray
+
+from ..plot.sweep import of_points
+from ..results import Result, Sweep
+
+__all__ = ["tables"]
+
+_OVER_H = ("external_force_mean", "external_force_standard_error", "external_force_quantile")
+# Datasets of each figure; those that a file does not have are left out.
+_DATASETS: dict[str, list[str]] = {
+    "force": [f"ensemble/{way}{name}" for way in ("", "retraction_") for name in _OVER_H]
+    + ["integral/external_force", "integral/retraction_external_force", "replicas/snap_in_separation"],
+    "pull_off": ["replicas/pull_off_force", "replicas/pull_off_separation", "replicas/approach_pull_off_force"],
+    "coupling": [f"coupling/{way}independent_external_force_mean" for way in ("", "retraction_")]
+    + [f"ensemble/{way}external_force_mean" for way in ("", "retraction_")],
+    "coupling_difference": [
+        f"coupling/{way}difference_external_force_{of}" for way in ("", "retraction_") for of in ("mean", "standard_error")
+    ],
+    "avalanches": ["coupling/avalanche_size_count"],
+    "contacts": [f"{group}/jump_{way}_count{of}" for group, of in (("ensemble", "_mean"), ("integral", "")) for way in ("in", "off")],
+    "energy": ["replicas/dissipated_energy"],
+    "snaps": [f"instability/snap_{way}_probability{end}" for way in ("in", "off") for end in ("", "_low", "_high")],
+    "preloads": [f"instability/pull_off_after_preload_{of}" for of in ("mean", "std")],
+    "regimes": ["ensemble/adhesion_force_mean", "integral/adhesion_force", "ensemble/regime_adhesion_force_mean",
+                "integral/regime_adhesion_force"],
+    "deviation": [f"validation/{of}_{name}_force" for of in ("z", "tested") for name in ("external", "adhesion")],
+    "comparison": ["integral/external_force", "ensemble/external_force_mean"],
+    "law_deviation": ["integral/pull_off_force", "integral/pull_off_deviation"],
+    "sizes": ["bias", "pull_off_quantiles"],
+    "bias": ["bias", "bias_standard_error", "bias_fitted", "is_fitted", "count_at_accuracy"],
+    "scatter": ["relative_std"],
+    "asperities": ["asperities/x", "asperities/y", "asperities/height", "asperities/radius"],
+    "heights": ["asperities/height"],
+    "relation": ["asperities/height", "asperities/radius"],
+    "curvatures": ["asperities/radius"],
+    "convergence": ["replicas/pull_off_force", "replicas/pull_off_separation", "replicas/peak_secant_stiffness"],
+}  # fmt: skip
+_DATASETS["standard_errors"] = _DATASETS["convergence"]
+
+
+def tables(result: Result, figure: str) -> list[pd.DataFrame]:
+    """The numbers of a figure in SI units: a table for each dimension, with names and units of the file as names of columns.
+
+    Parameters
+    ----------
+    result : Run, Sweep, Comparison, FiniteSize or Asperities
+    figure : str
+        A name that `stiction.plot.panels` has.
+    """
+    if isinstance(result, Sweep):
+        return [_of_sweep(result, figure)]
+    by_dimension: dict[str, dict[str, Any]] = {}
+    for path in _DATASETS[figure]:
+        if path not in result:
+            continue
+        array = result[path]
+        main = _main(array)
+        columns = by_dimension.setdefault(main, _coordinates(array, main))
+        columns.update(_columns(array, path, main, "/" in path and _is_of_several_groups(figure)))
+    return [pd.DataFrame(columns) for columns in by_dimension.values()]
+
+
+def _is_of_several_groups(figure: str) -> bool:
+    return len({path.partition("/")[0] for path in _DATASETS[figure]}) > 1
+
+
+def _main(array: xarray.DataArray) -> str:
+    """The dimension of the rows: the longest."""
+    return str(max(array.dims, key=lambda name: array.sizes[name]))
+
+
+def _header(name: str, array: xarray.DataArray) -> str:
+    unit = str(array.attrs.get("units", "1"))
+    return f"{name} ({unit})" if unit not in ("1", "") else name
+
+
+def _coordinates(array: xarray.DataArray, main: str) -> dict[str, Any]:
+    of = [name for name in ("h_star", main, *array.coords) if name in array.coords and array.coords[name].dims == (main,)]
+    return {_header(str(name), array.coords[name]): array.coords[name].values for name in dict.fromkeys(of)}
+
+
+def _columns(array: xarray.DataArray, path: str, main: str, with_group: bool) -> Iterator[tuple[str, Any]]:
+    """The columns of a dataset: one, or one for each place along its other dimensions."""
+    group, _, name = path.rpartition("/")
+    name = f"{group} {name}" if with_group else name
+    others = [dim for dim in array.dims if dim != main]
+    turned = array.transpose(main, *others)
+    for place in np.ndindex(*(array.sizes[dim] for dim in others)):
+        told = [
+            f"{dim} {array.coords[dim].values[i] if dim in array.coords else i}" for dim, i in zip(others, place, strict=True)
+        ]
+        yield _header(" ".join([name, *told]), array), turned.values[(slice(None), *place)]
+
+
+def _of_sweep(result: Sweep, figure: str) -> pd.DataFrame:
+    mean, error, integral = of_points(result, figure)
+    columns = {figure: mean, f"{figure}_standard_error": error}
+    if integral is not None:
+        columns[f"{figure}_of_integral"] = integral
+    keys = [key.replace(".", "_") for key in result.keys]
+    whole = xarray.Dataset({name: of.drop_vars([c for c in of.coords if c not in keys]) for name, of in columns.items()})
+    for key in keys:
+        if key not in whole.variables:
+            whole[key] = result[key]
+    table = whole.to_dataframe().reset_index()[[*keys, *columns]]
+    return table.rename(columns={key: _header(key, result[key]) for key in keys})

@@ -1,0 +1,542 @@
+"""What a result says: the numbers to quote, what was computed, verdicts, how to make it again."""
+
+from __future__ import annotations
+
+import math
+import shlex
+from collections import Counter
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from .. import quantities
+from ..results import Asperities, Comparison, FiniteSize, Result, Run, Sweep
+
+__all__ = ["Facts", "Number", "Table", "Verdict", "facts"]
+
+
+@dataclass(frozen=True)
+class Number:
+    """A number in words; `value` and `error` are its SI value and standard error where files can be compared by it."""
+
+    label: str
+    text: str
+    note: str = ""
+    value: float = math.nan
+    error: float = math.nan
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """A judgement; `grade` is ``good``, ``caution``, ``bad`` or ``none``."""
+
+    subject: str
+    grade: str
+    word: str
+    text: str
+
+
+@dataclass(frozen=True)
+class Table:
+    """Numbers of several things: points of a sweep, laws, sizes, springs."""
+
+    caption: str
+    header: list[str]
+    rows: list[list[str]]
+
+
+@dataclass(frozen=True)
+class Facts:
+    """All that a report says of one result but its figures."""
+
+    kind: str
+    numbers: list[Number]
+    verdicts: list[Verdict]
+    computed: list[tuple[str, str]]
+    commands: str
+    needs: list[str]
+    tables: list[Table] = field(default_factory=list)
+
+
+_HISTORIES = {
+    "approach": "on approach",
+    "retraction": "on retraction from contact",
+    "loop": "a loop: to the smallest separation and back",
+}
+_INDEPENDENCE = {"good": "good", "a shift": "caution", "invalid": "bad"}
+_AGREEMENT = {"agree": "good", "disagree": "bad"}
+# A force that changes by more than this from one separation to the next at pull-off is coarse.
+_COARSE = 0.1
+
+
+def facts(result: Result) -> Facts:
+    """The facts of a result of any kind.
+
+    Parameters
+    ----------
+    result : Run, Sweep, Comparison, FiniteSize or Asperities
+    """
+    for kind, of in _OF.items():
+        if isinstance(result, kind):
+            found: Facts = of(result)
+            return found
+    raise TypeError(f"{type(result).__name__}: no result of stiction")
+
+
+def _percent(value: float, digits: int = 3) -> str:
+    return f"{quantities.number(100.0 * value, digits)} %"
+
+
+def _value(result: Result, path: str) -> float:
+    return float(result[path].values)
+
+
+def _several(count: int, noun: str) -> str:
+    return f"{count} {noun}{'s' if count != 1 else ''}"
+
+
+def _span(low: float, high: float, unit: str) -> str:
+    return f"{quantities.si(low, unit)} to {quantities.si(high, unit)}"
+
+
+# What was computed.
+
+
+def _surface(result: Result) -> Iterator[tuple[str, str]]:
+    attrs = result.attrs
+    rows = (
+        ("λ, adhesion parameter", "adhesion_parameter", "1"),
+        ("ψ, plasticity index", "plasticity_index", "1"),
+        ("R, radius of asperities", "asperity_radius", "m"),
+        ("σ, standard deviation of the surface heights", "surface_height_std", "m"),
+        ("σ_s, standard deviation of the asperity heights", "asperity_height_std", "m"),
+        ("nominal area of a patch", "nominal_area", "m2"),
+    )
+    for words, name, unit in rows:
+        if name in attrs and math.isfinite(float(attrs[name])):
+            yield words, quantities.si(attrs[name], unit)
+
+
+def _draws(result: Result) -> Iterator[tuple[str, str]]:
+    attrs = result.attrs
+    if "replicas" in attrs:
+        seed = f", seed {attrs['seed']}" if "seed" in attrs else ""
+        yield "replicas", f"{attrs['replicas']} patches, {attrs.get('sampling', 'independent')}{seed}"
+
+
+def _separations(result: Result, path: str = "integral") -> Iterator[tuple[str, str]]:
+    h_star, h = result[f"{path}/h_star"].values, result[f"{path}/separation"].values
+    if h_star.ndim == 1:
+        told = f"{h_star.size}, from h/σ = {quantities.number(h_star.min(), 3)} to {quantities.number(h_star.max(), 3)}"
+        yield "separations", f"{told} ({_span(h.min(), h.max(), 'm')})"
+
+
+def _law(result: Result) -> Iterator[tuple[str, str]]:
+    attrs = result.attrs
+    if "law" in attrs:
+        yield "law of an asperity", str(attrs["law"])
+    if "history" in attrs:
+        yield "history", _HISTORIES.get(str(attrs["history"]), str(attrs["history"]))
+
+
+# Verdicts.
+
+
+def _is_of_resolution(warning: str) -> bool:
+    return "separations are too coarse" in warning
+
+
+def _validity(result: Result) -> Verdict:
+    there = [warning for warning in result.warnings if not _is_of_resolution(warning)]
+    if not there:
+        return Verdict("validity", "good", "good", "nothing lies outside of what the laws were made for")
+    return Verdict("validity", "caution", _several(len(there), "warning"), f"{there[0]}{'; more below' if len(there) > 1 else ''}")
+
+
+def _worst(words: Iterable[str], grades: dict[str, str]) -> tuple[str, str]:
+    """The worst of several words with its grade, and how often each is there, in words."""
+    counts = Counter(words)
+    order = ["bad", "caution", "none", "good"]
+    worst = min(counts, key=lambda word: order.index(grades.get(word, "none")))
+    told = worst if len(counts) == 1 else ", ".join(f"{count} {word}" for word, count in counts.items())
+    return grades.get(worst, "none"), told
+
+
+def _independence(result: Result) -> Verdict:
+    group = result["independence"]
+    if "verdict" in group.attrs:
+        word = str(group.attrs["verdict"])
+        shift = abs(_value(result, "independence/relative_shift"))
+        attraction = _value(result, "independence/relative_attractive_stiffness")
+        text = (
+            f"at pull-off the substrate gives way by {quantities.number(shift, 2)} σ and attraction is "
+            f"{quantities.number(attraction, 2)} of its stiffness; "
+            f"{_percent(_value(result, 'independence/contact_share'), 2)} of the area is in contact"
+        )
+        if "coupling" in result:
+            text = f"asperities are coupled through the substrate ({result['coupling'].attrs['coupling']}); without: {word}, as {text}"
+            return Verdict("independence", "good", "coupled", text)
+        return Verdict("independence", _INDEPENDENCE.get(word, "none"), word, text)
+    grade, told = _worst((str(word) for word in group["verdict"].values.ravel()), _INDEPENDENCE)
+    coupled = "; where asperities are coupled it says how it would be without" if "coupling" in result else ""
+    return Verdict(
+        "independence", grade, told, f"whether asperities may be taken as independent at pull-off{coupled}"
+    )
+
+
+def _resolution(run: Run) -> Verdict:
+    prefix = "retraction_" if run.attrs["history"] == "loop" else ""
+    h, force = (
+        run[f"ensemble/{name}"].values for name in ("separation", f"{prefix}external_force_mean")
+    )
+    places = run["replicas/pull_off_separation"].values
+    pulls = run["replicas/pull_off_force"].values > 0.0
+    at_edge = float(np.mean(np.isin(places[pulls], (h.min(), h.max())))) if pulls.any() else 0.0
+    lowest = int(np.nanargmin(force))
+    inside = 0 < lowest < h.size - 1
+    notes = [warning for warning in run.warnings if _is_of_resolution(warning)]
+    error = float(run["integral"].attrs["quadrature_error"])
+    told = f"the integral is good to {quantities.number(error, 1)} of itself"
+    if "coupling" in run and int(run["coupling/unsettled_count"].values.sum()) > 0:
+        notes.append(f"{int(run['coupling/unsettled_count'].values.sum())} equilibria did not settle")
+    if not pulls.any():
+        return Verdict("resolution", "none", "no pull-off", told)
+    if not inside or at_edge > 0.5:
+        text = "the pull-off is at the edge of the separations: it may lie beyond"
+        return Verdict("resolution", "bad", "at the edge", "; ".join([text, *notes]))
+    step = float(np.nanmax(np.abs(force[[lowest - 1, lowest + 1]] - force[lowest])) / abs(force[lowest]))
+    told = f"one separation from pull-off the force differs by {_percent(step, 2)}; {told}"
+    if at_edge > 0.0:
+        notes.append(f"{_percent(at_edge, 2)} of the patches have their pull-off at the edge of the separations")
+    if step > _COARSE or notes:
+        return Verdict("resolution", "caution", "coarse" if step > _COARSE else "look", "; ".join([*notes, told]))
+    return Verdict("resolution", "good", "fine", told)
+
+
+# Commands.
+
+
+def _heredoc(command: list[str], scene: str) -> str:
+    end = "SCENE"
+    while end in scene:
+        end += "_"
+    return f"{shlex.join(command)} <<'{end}'\n{scene.rstrip()}\n{end}\n"
+
+
+def _named_files(tables: Any) -> list[str]:
+    """The files that a scene names, which have to be there."""
+    if isinstance(tables, dict):
+        here = [str(value) for key, value in tables.items() if key == "path" and isinstance(value, str)]
+        return here + [name for value in tables.values() for name in _named_files(value)]
+    return [name for value in tables for name in _named_files(value)] if isinstance(tables, list) else []
+
+
+def _again(result: Result, command: list[str], *options: str) -> str:
+    """The command that makes a result again, with its scene on standard input."""
+    ensemble, attrs = result.scene.get("ensemble", {}), result.attrs
+    words = ["stiction", *command, "-", *options]
+    # Numbers that the command line had, and not the scene. A run that ended at targets has as many replicas as it took.
+    ended = "ensemble/target" in result or "until" in ensemble
+    for name in ("replicas", "seed"):
+        default = {"seed": 1}.get(name)
+        if name in attrs and int(ensemble.get(name, default or -1)) != int(attrs[name]) and not (name == "replicas" and ended):
+            words += [f"--{name}", str(int(attrs[name]))]
+    return _heredoc([*words, "-o", result.path.name], result.scene_text)
+
+
+# Kinds.
+
+
+def _scalar(run: Run, name: str) -> tuple[float, float]:
+    """Mean over replicas of a scalar, and its standard error."""
+    of = run["ensemble"].to_dataset().sel(scalar=name)
+    return float(of["scalar_controlled_mean"]), float(of["scalar_controlled_standard_error"])
+
+
+def _run(run: Run) -> Facts:
+    quoted, sigma = run.pull_off, float(run.attrs["surface_height_std"])
+    loop = run.attrs["history"] == "loop"
+    if quoted.mean > 0.0:
+        level = f"{100 * quoted.interval_level:g} %"
+        numbers = [
+            Number("pull-off force", str(quoted), f"mean over {quoted.replicas} patches and its standard error",
+                   quoted.mean, quoted.standard_error),
+            Number(f"{level} interval", _span(*quoted.interval, "N"), "of the mean"),
+            Number("scatter from patch to patch", _percent(quoted.scatter, 4),
+                   f"standard deviation {quantities.si(quoted.std, 'N')}: the next patch differs as much", quoted.scatter),
+            Number("separation of pull-off", quantities.si(quoted.separation, "m"),
+                   f"h/σ = {quantities.number(quoted.separation / sigma)}, mean over patches", quoted.separation),
+            Number("pull-off of the mean curve", quantities.si(quoted.of_mean_curve, "N"),
+                   "smaller: each patch has its deepest point at its own separation", quoted.of_mean_curve),
+            Number("pull-off of the integral", quantities.si(quoted.of_integral, "N"),
+                   "the statistical integral over asperity heights", quoted.of_integral),
+        ]  # fmt: skip
+    else:
+        numbers = [Number("pull-off force", "none", "no patch pulls", 0.0)]
+    if loop:
+        there, lost = run["replicas/approach_pull_off_force"].values, run["replicas/dissipated_energy"].values
+        numbers += [_mean("pull-off on approach", there, "N"), _mean("energy dissipated in a cycle", lost, "J")]
+    stiffness, error = _scalar(run, "peak_secant_stiffness")
+    numbers.append(Number("largest stiffness", quantities.with_error(stiffness, error, "N m-1"),
+                          "mean over patches of the largest secant", stiffness, error))  # fmt: skip
+    if "coupling" in run:
+        of = run["coupling"].to_dataset().sel(scalar="pull_off_force")
+        change, error = float(of["scalar_difference_mean"]), float(of["scalar_difference_standard_error"])
+        numbers.append(Number("coupled less independent", quantities.with_error(change, error, "N"),
+                              "pull-off force of the same asperities", change, error))  # fmt: skip
+    check = run.cross_check
+    z = [np.abs(run[f"validation/z_{name}"].values) for name in ("adhesion_force", "external_force")]
+    largest = max(float(np.nanmax(of, initial=0.0)) for of in z)
+    verdicts = [
+        Verdict("cross-check", _AGREEMENT.get(check.verdict, "none"), check.verdict,
+                f"ensemble against integral: {check}; largest deviation {quantities.number(largest, 3)} standard errors"),
+        _validity(run), _independence(run), _resolution(run),
+    ]  # fmt: skip
+    counts = run["replicas/asperity_count"].values
+    count = f"{counts.min()}" if counts.min() == counts.max() else f"{counts.min()} to {counts.max()}"
+    computed = [*_law(run), *_surface(run), ("asperities of a patch", count), *_separations(run), *_draws(run)]
+    if "coupling" in run:
+        attrs = run["coupling"].attrs
+        computed.append(("coupling", f"{attrs['coupling']}, {attrs['kernel']} kernel, {attrs['positions']} positions"))
+    tables = [*_targets(run), *_springs(run)]
+    commands = _again(run, ["run"])
+    return Facts("run", numbers, verdicts, computed, commands, _named_files(run.scene), tables)
+
+
+def _mean(label: str, values: Any, unit: str) -> Number:
+    mean = float(values.mean())
+    error = float(values.std(ddof=1)) / math.sqrt(values.size) if values.size > 1 else math.nan
+    return Number(label, quantities.with_error(mean, error, unit), "mean over patches", mean, error)
+
+
+def _targets(run: Run) -> Iterator[Table]:
+    if "ensemble/target" not in run:
+        return
+    of = run["ensemble"].to_dataset()
+    rows = []
+    for name, unit, error, most, met in zip(
+        *(of[name].values for name in ("target", "target_units", "target_standard_error",
+                                       "target_largest_standard_error", "target_met")),
+        strict=True,
+    ):  # fmt: skip
+        told = [quantities.si(value, str(unit)) for value in (error, most)]
+        rows.append([str(name).replace("pull_off", "pull-off").replace("_", " "), *told, "met" if met else "missed"])
+    yield Table("Targets", ["mean of", "standard error", "largest allowed", ""], rows)
+
+
+def _springs(run: Run) -> Iterator[Table]:
+    if "instability" not in run:
+        return
+    group = run["instability"].to_dataset()
+    stiffness, preloads = np.atleast_1d(group["stiffness"].values), np.atleast_1d(group["preload"].values)
+
+    def probability(name: str, **place: int) -> str:
+        if f"{name}_probability" not in group:
+            return "–"
+        value, low, high = (float(group[f"{name}_probability{end}"].isel(place)) for end in ("", "_low", "_high"))
+        if math.isnan(value):
+            return "–"
+        return f"{quantities.number(value, 3)} ({quantities.number(low, 2)} to {quantities.number(high, 2)})"
+
+    if stiffness.size:
+        after = ["the closest" if math.isnan(load) else quantities.si(load, "N", 3) for load in preloads]
+        rows = [
+            [quantities.si(k, "N m-1", 3), probability("snap_in", stiffness=i),
+             *(probability("snap_off", stiffness=i, preload=j) for j in range(preloads.size))]
+            for i, k in enumerate(stiffness)
+        ]  # fmt: skip
+        header = ["stiffness", "snap-in", *(f"snap-off after {load}" for load in after)]
+        yield Table("Probability to snap, with 95 % intervals", header, rows)
+    if "pull_off_after_preload_mean" in group and np.isfinite(preloads).any():
+        rows = [
+            [quantities.si(load, "N", 3), quantities.si(mean, "N"), quantities.si(std, "N")]
+            for load, mean, std in zip(
+                preloads, *(group[f"pull_off_after_preload_{of}"].values for of in ("mean", "std")), strict=True
+            )
+            if math.isfinite(load)
+        ]
+        yield Table("Pull-off after a preload", ["preload", "mean pull-off", "standard deviation of patches"], rows)
+
+
+def _sweep(sweep: Sweep) -> Facts:
+    points, pull_off = sweep.points, sweep.pull_off
+    means = pull_off["mean"].values
+    numbers = [
+        Number("pull-off force", _span(np.nanmin(means), np.nanmax(means), "N"), f"smallest and largest mean of {_several(means.size, 'point')}"),
+        Number("of the integral", _span(*(float(of(pull_off["of_integral"].values)) for of in (np.nanmin, np.nanmax)), "N"),
+               "smallest and largest"),
+    ]  # fmt: skip
+    overall = str(sweep["validation"].attrs["overall_verdict"])
+    smallest = float(np.nanmin(sweep["validation/p_value"].values, initial=1.0))
+    level = 100 * float(sweep["validation"].attrs["significance"])
+    check = f"ensemble against integral at all points together: smallest p = {quantities.number(smallest, 3)}, {level:g} % level, Holm's method"
+    edge = np.isin(sweep["integral/pull_off_separation"].values, _edges(sweep))
+    coarse = [warning for warning in sweep.warnings if _is_of_resolution(warning)]
+    resolution = Verdict("resolution", "good", "fine", "no point has the pull-off of its integral at the edge of the separations")
+    if edge.any() or coarse:
+        told = coarse[:1] + [f"{_several(int(edge.sum()), 'point')} with the pull-off at the edge of the separations"] * bool(edge.any())
+        resolution = Verdict("resolution", "bad" if edge.any() else "caution", "look", "; ".join(told))
+    verdicts = [Verdict("cross-check", _AGREEMENT.get(overall, "none"), overall, check), _validity(sweep), _independence(sweep), resolution]
+    keys = [key.replace(".", "_") for key in sweep.keys]
+    computed = [("sweep", f"{_several(means.size, 'point')} ({sweep.attrs['sweep_mode']})")]
+    for key, name in zip(sweep.keys, keys, strict=True):
+        of = points[name] if name in points.variables else sweep[name]
+        low, high = (sweep.key_text(key, value) for value in (of.values.min(), of.values.max()))
+        count = np.unique(of.values).size
+        told = f"{count} values, {low} to {high}" if count > 1 else low
+        if sweep.key_words(key)[1]:
+            told = ", ".join(dict.fromkeys(sweep.key_text(key, value) for value in of.values.ravel()))
+        computed.append((key, told))
+    computed += [*_law(sweep), *_draws(sweep)]
+    table = _points(sweep, keys)
+    return Facts("sweep", numbers, verdicts, computed, _again(sweep, ["run"]), _named_files(sweep.scene), [table])
+
+
+def _edges(sweep: Sweep) -> Any:
+    h = sweep["integral/separation"].values
+    return np.concatenate([np.ravel(h[..., 0]), np.ravel(h[..., -1])])
+
+
+def _points(sweep: Sweep, keys: list[str]) -> Table:
+    import xarray
+
+    pull_off = sweep.pull_off
+    whole = xarray.Dataset({name: pull_off[name] for name in ("mean", "standard_error", "of_integral")})
+    whole["verdict"] = sweep["validation/verdict"].drop_vars([name for name in sweep["validation/verdict"].coords])
+    whole["independence"] = sweep["independence/verdict"].drop_vars([name for name in sweep["independence/verdict"].coords])
+    for name in keys:
+        if name not in whole.variables:
+            whole[name] = sweep[name]
+    rows = [
+        [*(sweep.key_text(name, row[name]) for name in keys),
+         quantities.with_error(row["mean"], row["standard_error"], "N"), quantities.si(row["of_integral"], "N"),
+         str(row["verdict"]), str(row["independence"])]
+        for row in whole.to_dataframe().reset_index().to_dict("records")
+    ]  # fmt: skip
+    return Table("Points", [*sweep.keys, "pull-off force", "of the integral", "cross-check", "independence"], rows)
+
+
+def _comparison(result: Comparison) -> Facts:
+    integral, laws = result["integral"].to_dataset(), result.laws
+    force, off = integral["pull_off_force"].values, integral["pull_off_deviation"].values
+    replicas = result["replicas"].to_dataset()
+    ensemble = "pull_off_force" in replicas
+    means = replicas["pull_off_force"].transpose("law", "replica").values if ensemble else None
+    numbers, rows = [], []
+    p = result["validation/p_value"].values if ensemble else np.full(len(laws), np.nan)
+    notes, valid = result["validity/note"].values, result["validity/valid"].values
+    independence = [str(word) for word in result["independence/verdict"].values]
+    for i, law in enumerate(laws):
+        of = _mean(law, means[i], "N") if means is not None else Number(law, quantities.si(force[i], "N"), "", float(force[i]))
+        note = "of the integral" if means is None else f"of the integral {quantities.si(force[i], 'N')}"
+        numbers.append(Number(f"pull-off force, {law}", of.text, note, of.value, of.error))
+        rows.append([law, of.text, quantities.si(force[i], "N"), "first" if not i else f"{100 * off[i]:+.3g} %".replace("-", "−"),
+                     quantities.number(p[i], 3), "valid" if valid[i] else "not valid here", str(notes[i])])  # fmt: skip
+    significance = 0.001
+    tested = p[np.isfinite(p)]
+    bad = [law for law, value in zip(laws, p, strict=True) if value < significance]
+    check = (
+        Verdict("cross-check", "bad", "disagree", f"ensemble and integral disagree at the 0.1 % level: {', '.join(bad)}") if bad
+        else Verdict("cross-check", "good", "agree", f"of {tested.size} laws at the 0.1 % level each, smallest p = {quantities.number(tested.min(), 3)}")
+        if tested.size else Verdict("cross-check", "none", "not tested", "laws were compared by their integrals alone")
+    )  # fmt: skip
+    fails = [law for law, good in zip(laws, valid, strict=True) if not good]
+    validity = (
+        Verdict("validity", "caution", f"not valid: {', '.join(fails)}", "why is in the table of laws") if fails
+        else Verdict("validity", "good", "good", "every law is inside of what it was made for")
+    )  # fmt: skip
+    edge = [law for law, at in zip(laws, integral["pull_off_at_edge"].values, strict=True) if at]
+    resolution = (
+        Verdict("resolution", "bad", "at the edge", f"the pull-off may lie beyond the separations: {', '.join(edge)}") if edge
+        else Verdict("resolution", "good", "fine", f"the integrals are good to {quantities.number(float(integral['quadrature_error'].max()), 1)} of themselves")
+    )  # fmt: skip
+    grade, word = _worst(independence, _INDEPENDENCE)
+    told = ", ".join(f"{law}: {verdict}" for law, verdict in zip(laws, independence, strict=True))
+    table = Table("Laws", ["law", "mean of patches" if ensemble else "pull-off force", "of the integral", "against the first",
+                           "p of the cross-check", "validity", "why"], rows)  # fmt: skip
+    computed = [("laws", ", ".join(laws)), *_law(result), *_surface(result), *_separations(result), *_draws(result)]
+    options = ["--laws", ",".join(laws), *(["--ensemble"] if ensemble else [])]
+    return Facts("comparison of laws", numbers, [check, validity, Verdict("independence", grade, word, told), resolution], computed,
+                 _again(result, ["compare"], *options), _named_files(result.scene), [table])  # fmt: skip
+
+
+def _finite_size(result: FiniteSize) -> Facts:
+    sizes, attrs = result.sizes, result.attrs
+    counts, bias, error = (sizes[name].values for name in ("asperity_count", "bias", "bias_standard_error"))
+    numbers = []
+    for accuracy, count, source in zip(
+        *(sizes[name].values for name in ("accuracy", "count_at_accuracy", "count_at_accuracy_source")), strict=True
+    ):
+        text = f"{quantities.number(count, 3)} asperities" if math.isfinite(count) else "more than the sizes tell"
+        numbers.append(Number(f"bias within {_percent(accuracy, 2)} from", text, str(source), float(count)))
+    if "fit_exponent" in attrs:
+        text = quantities.with_error(attrs["fit_exponent"], attrs["fit_exponent_standard_error"], "1")
+        numbers.append(Number("exponent of the bias", text, "bias falls as the number of asperities to this power"))
+    p = sizes["p_value"].values[np.isfinite(sizes["p_value"].values)]
+    agree = bool(p.size) and bool(p.min() * p.size >= 0.001)
+    check = (
+        Verdict("cross-check", "good" if agree else "bad", "agree" if agree else "disagree",
+                f"ensemble and integral at the 0.1 % level for all sizes together, smallest p = {quantities.number(p.min(), 3)} of {p.size}")
+        if p.size else Verdict("cross-check", "none", "not tested", "too few replicas")
+    )  # fmt: skip
+    fit = Verdict("resolution", "good", "fine", "a power law fits the bias")
+    if "fit_refusal" in attrs:
+        fit = Verdict("resolution", "caution", "no fit", str(attrs["fit_refusal"]))
+    columns = (counts, bias, error, sizes["relative_std"].values, sizes["p_value"].values, result["independence/verdict"].values)
+    rows = [
+        [str(int(n)), f"{quantities.number(100 * b, 3)} ± {quantities.number(100 * e, 2)} %", _percent(s), quantities.number(q, 3), str(word)]
+        for n, b, e, s, q, word in zip(*columns, strict=True)
+    ]
+    table = Table("Sizes", ["asperities", "mean less integral", "scatter", "p of the cross-check", "independence"], rows)
+    computed = [("sizes", f"{counts.size}, from {counts.min()} to {counts.max()} asperities"), *_law(result), *_surface(result), *_draws(result)]
+    options = ["--counts", ",".join(str(int(n)) for n in counts)]
+    return Facts("patches of several sizes", numbers, [check, _validity(result), _independence(result), fit], computed,
+                 _again(result, ["finite-size"], *options), _named_files(result.scene), [table])  # fmt: skip
+
+
+def _asperities(result: Asperities) -> Facts:
+    def of(name: str) -> float:
+        return _value(result, f"equivalent/{name}")
+
+    count = int(result.asperities.sizes["asperity"])
+    numbers = [
+        Number("density of asperities", f"{quantities.number(1e-12 * of('asperity_density'))} /µm²", "by the moments of the spectrum", of("asperity_density")),
+        Number("radius of asperities", quantities.si(of("asperity_radius"), "m"), "by the moments of the spectrum", of("asperity_radius")),
+        Number("standard deviation of their heights", quantities.si(of("asperity_height_std"), "m"), "by the moments of the spectrum", of("asperity_height_std")),
+        Number("asperities found", str(count), "on the map", float(count)),
+    ]  # fmt: skip
+    rows = [
+        [words, quantities.si(_value(result, f"measured/{name}") * scale, unit), quantities.si(of(name) * scale, unit)]
+        for words, name, unit, scale in (
+            ("density (1/µm²)", "asperity_density", "1", 1e-12),
+            ("radius", "asperity_radius", "m", 1.0),
+            ("mean height", "asperity_height_mean", "m", 1.0),
+            ("standard deviation of heights", "asperity_height_std", "m", 1.0),
+        )
+    ]
+    attrs = result.attrs
+    dx, dy = (float(size) for size in attrs["pixel_size"])
+    missing = int(attrs["missing_pixels"])
+    computed = [
+        ("map", f"{attrs['map']}, {' by '.join(str(int(n)) for n in attrs['map_shape'])} pixels"),
+        ("pixel", f"{quantities.si(dx, 'm')} by {quantities.si(dy, 'm')}"),
+        ("levelled by", str(attrs["level"])),
+        ("missing pixels", str(missing)),
+        ("roughness Sq", quantities.si(math.sqrt(_value(result, "surface/m0")), "m")),
+        ("α, bandwidth parameter", quantities.number(_value(result, "surface/alpha"))),
+    ]
+    verdicts = [
+        _validity(result),
+        Verdict("resolution", "caution" if missing else "good", f"{missing} missing" if missing else "whole", "pixels without a height"),
+    ]
+    command = ["stiction", "asperities", str(attrs["map"]), "--pixel", f"{dx * 1e9:.15g} nm,{dy * 1e9:.15g} nm", "--level", str(attrs["level"])]
+    if attrs.get("height_unit"):
+        command += ["--height-unit", str(attrs["height_unit"])]
+    commands = f"{shlex.join([*command, '-o', result.path.name])}\n"
+    table = Table("Asperities", ["", "measured", "by the moments"], rows)
+    return Facts("asperities of a map", numbers, verdicts, computed, commands, [str(attrs["map"])], [table])
+
+
+_OF: dict[Any, Any] = {Run: _run, Sweep: _sweep, Comparison: _comparison, FiniteSize: _finite_size, Asperities: _asperities}

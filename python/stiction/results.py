@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 import tempfile
 import tomllib
@@ -481,7 +482,7 @@ _KINDS: dict[str, type[Result]] = {
 }
 
 
-def open_run(path: str | Path) -> Any:
+def open_run(path: str | os.PathLike[str]) -> Any:
     """Opens a result of the program, of whatever kind it is.
 
     Parameters

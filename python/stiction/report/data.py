@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 import xarray
 
-from ..plot.sweep import of_points
+from ..plot.sweep import QUANTITIES, of_points
 from ..results import Result, Sweep
 
 __all__ = ["tables"]
@@ -45,6 +45,8 @@ _DATASETS: dict[str, list[str]] = {
     "convergence": ["replicas/pull_off_force", "replicas/pull_off_separation", "replicas/peak_secant_stiffness"],
 }  # fmt: skip
 _DATASETS["standard_errors"] = _DATASETS["convergence"]
+# The first of these that a dataset has is the dimension of its rows.
+_ROWS = ("separation", "step", "replica", "stiffness", "asperity_count", "law")
 
 
 def tables(result: Result, figure: str) -> list[pd.DataFrame]:
@@ -74,8 +76,8 @@ def _is_of_several_groups(figure: str) -> bool:
 
 
 def _main(array: xarray.DataArray) -> str:
-    """The dimension of the rows: the longest."""
-    return str(max(array.dims, key=lambda name: array.sizes[name]))
+    """The dimension of the rows."""
+    return next((name for name in _ROWS if name in array.dims), str(array.dims[0]))
 
 
 def _header(name: str, array: xarray.DataArray) -> str:
@@ -112,4 +114,6 @@ def _of_sweep(result: Sweep, figure: str) -> pd.DataFrame:
         if key not in whole.variables:
             whole[key] = result[key]
     table = whole.to_dataframe().reset_index()[[*keys, *columns]]
-    return table.rename(columns={key: _header(key, result[key]) for key in keys})
+    unit = QUANTITIES[figure][1]
+    headers = {key: _header(key, result[key]) for key in keys}
+    return table.rename(columns=headers | ({name: f"{name} ({unit})" for name in columns} if unit else {}))

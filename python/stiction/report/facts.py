@@ -362,10 +362,10 @@ def _springs(run: Run) -> Iterator[Table]:
 
 def _sweep(sweep: Sweep) -> Facts:
     points, pull_off = sweep.points, sweep.pull_off
-    means = pull_off["mean"].values
+    means, integrals = pull_off["mean"].values, pull_off["of_integral"].values
     numbers = [
         Number("pull-off force", _span(np.nanmin(means), np.nanmax(means), "N"), f"smallest and largest mean of {_several(means.size, 'point')}"),
-        Number("of the integral", _span(*(float(of(pull_off["of_integral"].values)) for of in (np.nanmin, np.nanmax)), "N"),
+        Number("of the integral", _span(np.nanmin(integrals), np.nanmax(integrals), "N"),
                "smallest and largest"),
     ]  # fmt: skip
     overall = str(sweep["validation"].attrs["overall_verdict"])
@@ -376,8 +376,8 @@ def _sweep(sweep: Sweep) -> Facts:
     coarse = [warning for warning in sweep.warnings if _is_of_resolution(warning)]
     resolution = Verdict("resolution", "good", "fine", "no point has the pull-off of its integral at the edge of the separations")
     if edge.any() or coarse:
-        told = coarse[:1] + [f"{_several(int(edge.sum()), 'point')} with the pull-off at the edge of the separations"] * bool(edge.any())
-        resolution = Verdict("resolution", "bad" if edge.any() else "caution", "look", "; ".join(told))
+        seen = coarse[:1] + [f"{_several(int(edge.sum()), 'point')} with the pull-off at the edge of the separations"] * bool(edge.any())
+        resolution = Verdict("resolution", "bad" if edge.any() else "caution", "look", "; ".join(seen))
     verdicts = [Verdict("cross-check", _AGREEMENT.get(overall, "none"), overall, check), _validity(sweep), _independence(sweep), resolution]
     keys = [key.replace(".", "_") for key in sweep.keys]
     computed = [("sweep", f"{_several(means.size, 'point')} ({sweep.attrs['sweep_mode']})")]

@@ -1,0 +1,44 @@
+"""`stiction report FILE...`: one page to mail."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from ..errors import StictionError
+from .page import write
+
+__all__ = ["main"]
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="stiction report",
+        description="Write one self-contained HTML page about results: the number to quote, figures with their data, verdicts, "
+        "the scene and how to make it again. Several results are side by side.",
+        epilog="Examples: stiction report case_ii.h5 -o case_ii.html; stiction report dry.h5 wet.h5 -o lubricant.html. "
+        "Exit codes: 0 done; 1 the page cannot be written; 2 the command or a file is wrong.",
+    )
+    parser.add_argument("files", type=Path, nargs="+", metavar="FILE", help="results of stiction")
+    parser.add_argument("-o", "--output", type=Path, metavar="OUT.html",
+                        help="the page; by default the name of the first file with .html, beside it")  # fmt: skip
+    parser.add_argument("--force", action="store_true", help="overwrite a page that is there")
+    return parser
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Reads the command line, writes the page, and says where it is; returns the exit code."""
+    parser = _parser()
+    given = parser.parse_args(arguments)
+    output = given.output or given.files[0].with_suffix(".html")
+    if output.suffix.lower() not in (".html", ".htm"):
+        parser.error(f"--output {output}: a name that ends with .html is needed")
+    try:
+        print(write(given.files, output, force=given.force))
+    except (StictionError, OSError) as error:
+        told = " ".join(str(error).split()).replace("force=True", "--force")
+        print(f"stiction report: {told}", file=sys.stderr)
+        return 1 if isinstance(error, OSError) else 2
+    return 0

@@ -1,0 +1,301 @@
+"""The page: facts, figures and data of results as one HTML file."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import io
+import math
+import os
+import re
+from collections.abc import Callable, Sequence
+from html import escape
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from .. import quantities
+from ..errors import FileError
+from ..plot import page as drawn_page
+from ..plot import panels
+from ..plot.style import COLORS, context
+from ..results import Result, open_run
+from .data import tables
+from .facts import Facts, Table, Verdict, facts
+
+__all__ = ["page", "write"]
+
+_SIGNS = {"good": "✓", "caution": "!", "bad": "✗", "none": "–"}
+# Rows that a table of data shows; its CSV has up to so many.
+_SHOWN, _KEPT = 200, 50_000
+_VARIABLES = ("blue", "vermilion", "green", "pink", "orange", "sky")
+
+
+def write(results: Sequence[Result | str | os.PathLike[str]], output: str | os.PathLike[str], *, force: bool = False) -> Path:
+    """Writes the page of one result or of several side by side.
+
+    Parameters
+    ----------
+    results : sequence of Result, str or os.PathLike
+        Results, or their files.
+    output : str or os.PathLike
+        The page, ``.html``.
+    force : bool
+        Whether a file that is there is overwritten.
+
+    Returns
+    -------
+    pathlib.Path
+        The page.
+
+    Raises
+    ------
+    FileError
+        A file is no result, or the page is there already.
+    """
+    target = Path(output)
+    if target.exists() and not force:
+        raise FileError(f"{target}: exists; force=True overwrites it")
+    opened = [result if isinstance(result, Result) else open_run(result) for result in results]
+    text = page(opened)
+    part = target.with_name(f"{target.name}.part")
+    try:
+        part.write_text(text, encoding="utf-8")
+        part.replace(target)
+    finally:
+        part.unlink(missing_ok=True)
+    return target
+
+
+def page(results: Sequence[Result]) -> str:
+    """The page of one result or of several side by side, as HTML. The same files give the same page.
+
+    Parameters
+    ----------
+    results : sequence of Result
+    """
+    if not results:
+        raise FileError("a report needs a result")
+    from .. import __version__
+
+    said = [facts(result) for result in results]
+    pairs = list(zip(results, said, strict=True))
+    names = _names(results)
+    title = results[0].title or names[0]
+    if len(results) > 1:
+        title = f"{len(results)} results side by side"
+
+    def section(heading: str, content: Callable[[Result, Facts], str]) -> str:
+        parts = [content(result, fact) for result, fact in pairs]
+        if not any(parts):
+            return ""
+        several = len(parts) > 1
+        told = [
+            f"<div>{f'<h3>{escape(name)}</h3>' if several else ''}{part or '<p class=quiet>none</p>'}</div>"
+            for name, part in zip(names, parts, strict=True)
+        ]
+        shape = f'class="files several" style="--count: {len(parts)}"' if several else "class=files"
+        return f"<section><h2>{escape(heading)}</h2><div {shape}>{''.join(told)}</div></section>"
+
+    figures = iter(range(1, 1_000_000))
+    body = [
+        f"<header><h1>{escape(title)}</h1>{_under(results, said)}</header>",
+        _side_by_side(names, said) if len(results) > 1 else "",
+        section("The number to quote", _number),
+        section("Verdicts", lambda _, fact: _verdicts(fact.verdicts)),
+        section("Warnings", lambda result, _: _list(result.warnings)),
+        section("Figures", lambda result, _: _figures(result, figures)),
+        section("Tables", lambda _, fact: "".join(_table(table) for table in fact.tables)),
+        section("What was computed", lambda _, fact: _rows(fact.computed)),
+        section("The scene", lambda result, _: f"<pre>{escape(result.scene_text)}</pre>" if result.scene_text else ""),
+        section("How to make it again", _again),
+        section("Provenance", lambda result, _: _rows(_provenance(result))),
+    ]
+    style = files(__package__).joinpath("report.css").read_text(encoding="utf-8")
+    policy = "default-src 'none'; style-src 'unsafe-inline'; img-src data:"
+    return (
+        '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
+        f'<meta http-equiv="Content-Security-Policy" content="{policy}">\n'
+        f'<meta name="generator" content="stiction {escape(__version__)}">\n'
+        f"<title>{escape(title)}</title>\n<style>\n{style}</style>\n</head>\n<body>\n"
+        + "\n".join(part for part in body if part)
+        + "\n</body>\n</html>\n"
+    )
+
+
+def _names(results: Sequence[Result]) -> list[str]:
+    """Names of the files, with their folders where names are the same."""
+    names = [result.path.name for result in results]
+    return names if len(set(names)) == len(names) else [str(result.path) for result in results]
+
+
+def _under(results: Sequence[Result], said: Sequence[Facts]) -> str:
+    if len(results) > 1:
+        told = "; ".join(result.title or result.path.name for result in results)
+    else:
+        told = f"{said[0].kind} · {results[0].path.name}"
+    return f"<p class=quiet>{escape(told)}</p>"
+
+
+def _partial(result: Result) -> str:
+    if not result.is_partial:
+        return ""
+    attrs = result.attrs
+    of = f" of {attrs['replicas_of_whole_run']}" if "replicas_of_whole_run" in attrs else ""
+    count = f"{attrs['replicas']}{of} replicas" if "replicas" in attrs else "some replicas are missing"
+    return f"<p class=partial>PARTIAL: {escape(count)}</p>"
+
+
+def _number(result: Result, fact: Facts) -> str:
+    first, *rest = fact.numbers
+    told = f"<div>{escape(first.label)}</div><div class=value>{escape(first.text)}</div><div class=quiet>{escape(first.note)}</div>"
+    rows = "".join(
+        f"<tr><th scope=row>{escape(number.label)}</th><td>{escape(number.text)}<br><small>{escape(number.note)}</small></td></tr>"
+        for number in rest
+    )
+    return f"{_partial(result)}<div class=number>{told}</div><table class=pairs><tbody>{rows}</tbody></table>"
+
+
+def _verdicts(verdicts: Sequence[Verdict]) -> str:
+    return "<ul class=verdicts>" + "".join(
+        f'<li data-verdict="{escape(of.subject)}"><span class="sign {of.grade}" aria-hidden=true>{_SIGNS[of.grade]}</span>'
+        f"<span>{escape(of.subject)}: <b class={of.grade}>{escape(of.word)}</b><br><small>{escape(of.text)}</small></span></li>"
+        for of in verdicts
+    ) + "</ul>"  # fmt: skip
+
+
+def _list(lines: Sequence[str]) -> str:
+    return f"<ul>{''.join(f'<li>{escape(line)}</li>' for line in lines)}</ul>" if lines else ""
+
+
+def _rows(rows: Sequence[tuple[str, str]]) -> str:
+    cells = "".join(f"<tr><th scope=row>{escape(name)}</th><td>{escape(value)}</td></tr>" for name, value in rows)
+    return f"<table class=pairs><tbody>{cells}</tbody></table>"
+
+
+def _grid(header: Sequence[str], rows: Sequence[Sequence[str]], caption: str = "", kind: str = "") -> str:
+    head = "".join(f"<th scope=col>{escape(name)}</th>" for name in header)
+    cells = "".join(f"<tr>{''.join(f'<td>{escape(value)}</td>' for value in row)}</tr>" for row in rows)
+    above = f"<caption>{escape(caption)}</caption>" if caption else ""
+    return f"<table{f' class={kind}' if kind else ''}>{above}<thead><tr>{head}</tr></thead><tbody>{cells}</tbody></table>"
+
+
+def _table(table: Table) -> str:
+    return f'<div class=wide tabindex=0>{_grid(table.header, table.rows, table.caption)}</div>'
+
+
+def _side_by_side(names: Sequence[str], said: Sequence[Facts]) -> str:
+    """The numbers and verdicts that several results have, a column for each, and differences to the first."""
+    labels = list(dict.fromkeys(number.label for fact in said for number in fact.numbers))
+    by = [{number.label: number for number in fact.numbers} for fact in said]
+    rows = []
+    for label in labels:
+        if sum(label in numbers for numbers in by) < 2:
+            continue
+        rows.append([label, *(numbers[label].text if label in numbers else "–" for numbers in by)])
+        first = by[0].get(label)
+        if first is not None and first.error > 0.0 and first.value != 0.0:
+            rows.append(["… against the first", "", *(_against(first, numbers.get(label)) for numbers in by[1:])])
+    for subject in dict.fromkeys(verdict.subject for fact in said for verdict in fact.verdicts):
+        words = [next((f"{_SIGNS[of.grade]} {of.word}" for of in fact.verdicts if of.subject == subject), "–") for fact in said]
+        rows.append([subject, *words])
+    grid = _grid(["", *names], rows)
+    return f"<section><h2>Side by side</h2><div class=wide tabindex=0>{grid}</div></section>"
+
+
+def _against(first: Any, other: Any) -> str:
+    """By how many per cent a number differs from the first, with the standard error of two independent runs."""
+    if other is None or not math.isfinite(other.value):
+        return "–"
+    ratio = other.value / first.value
+    told = f"{100 * (ratio - 1):+.3g}"
+    error = math.hypot(other.error / first.value, ratio * first.error / first.value) if other.error > 0.0 else math.nan
+    return (f"{told} ± {quantities.number(100 * error, 2)} %" if math.isfinite(error) else f"{told} %").replace("-", "−")
+
+
+def _figures(result: Result, numbers: Any) -> str:
+    return f"<div class=figures>{''.join(_figure(result, name, next(numbers)) for name in panels(result))}</div>"
+
+
+def _figure(result: Result, name: str, number: int) -> str:
+    drawing = drawn_page(result, "110mm", what=name)
+    words = _words(name)
+    with context():
+        stream = io.StringIO()
+        drawing.savefig(stream, format="svg", metadata={"Date": None}, transparent=True)
+    stem = result.path.stem
+    links = [_data(table, f"{stem}_{name}{f'_{i}' if i else ''}.csv") for i, table in enumerate(tables(result, name))]
+    return (
+        f'<figure id="figure-{number}">{_inline(stream.getvalue(), f"f{number}-", words)}<figcaption>{escape(words)}</figcaption>'
+        f"<details class=data-of-figure><summary>Data of {escape(words)}</summary>{''.join(links)}</details></figure>"
+    )
+
+
+def _words(name: str) -> str:
+    return name.replace("pull_off", "pull-off").replace("_", " ")
+
+
+def _inline(svg: str, prefix: str, words: str) -> str:
+    """A drawing for a page: without head, with names of its own, and with colours that follow the scheme of the page."""
+    text = re.sub(r"<metadata>.*?</metadata>", "", svg[svg.index("<svg") :], flags=re.DOTALL)
+    text = re.sub(r'\bid="', f'id="{prefix}', text)
+    text = re.sub(r'(url\(#|href="#)', rf"\g<1>{prefix}", text)
+    text = re.sub(r'^<svg\b[^>]*?viewBox="([^"]*)"[^>]*>', rf'<svg viewBox="\1" role="img" aria-label="{escape(words)}" '
+                  'xmlns:xlink="http://www.w3.org/1999/xlink">', text)  # fmt: skip
+    for color, variable in zip(COLORS, _VARIABLES, strict=False):
+        text = re.sub(color, f"var(--{variable})", text, flags=re.IGNORECASE)
+    return text.replace("#000000", "currentColor").replace("#ffffff", "var(--paper)")
+
+
+def _data(table: pd.DataFrame, name: str) -> str:
+    """A table of data: its first rows, and a link to a CSV file with all of them."""
+    csv = table[:_KEPT].to_csv(index=False, lineterminator="\n")
+    link = f"data:text/csv;charset=utf-8;base64,{base64.b64encode(csv.encode()).decode()}"
+    left_out = ""
+    if len(table) > _SHOWN:
+        kept = "" if len(table) <= _KEPT else f", and its first {_KEPT} in the CSV file"
+        left_out = f"<p class=quiet>The first {_SHOWN} of {len(table)} rows are shown{kept}.</p>"
+    rows = [[_cell(value) for value in row] for row in table[:_SHOWN].itertuples(index=False)]
+    grid = _grid([str(column) for column in table.columns], rows, kind="data")
+    return f'<p><a download="{escape(name)}" href="{link}">{escape(name)}</a></p>{left_out}<div class=scroll tabindex=0>{grid}</div>'
+
+
+def _cell(value: Any) -> str:
+    if isinstance(value, float):
+        return "–" if math.isnan(value) else f"{value:.6g}".replace("-", "−")
+    return str(value)
+
+
+def _again(result: Result, fact: Facts) -> str:
+    needs = ""
+    if fact.needs:
+        needs = f"<p>It needs {escape(', '.join(dict.fromkeys(fact.needs)))}, in the current folder.</p>"
+    if result.is_partial:
+        needs += "<p>This result is of some shards; the command makes the whole.</p>"
+    version = str(result.attrs.get("program_version", ""))
+    told = f"<p>With stiction {escape(version)}, on any number of threads, this gives the same numbers to the last bit:</p>"
+    return f"{told}{needs}<pre>{escape(fact.commands)}</pre>"
+
+
+def _provenance(result: Result) -> list[tuple[str, str]]:
+    attrs = result.attrs
+    content = result.path.read_bytes()
+    version = ".".join(str(int(part)) for part in attrs["format_version"])
+    rows = [
+        ("file", result.path.name),
+        ("size", f"{len(content)} bytes"),
+        ("SHA-256", hashlib.sha256(content).hexdigest()),
+        ("made", str(attrs.get("created", ""))),
+        ("format", f"{attrs['format']} {version}"),
+        ("program", f"stiction {attrs.get('program_version', '')}"),
+        ("source", f"revision {attrs.get('source_revision', 'unknown')}, hash {attrs.get('source_hash', 'unknown')}"),
+    ]
+    if "diagnostics" in result:
+        group = result["diagnostics"]
+        seconds = float(group["seconds"].values.sum())
+        threads = int(group["threads"].values.max())
+        rows.append(("computed in", f"{quantities.number(seconds, 3)} s on {threads} threads, {group.attrs.get('instruction_set', '')}"))
+    return rows

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import hashlib
+import inspect
 import io
 import math
 import os
@@ -21,7 +22,8 @@ from ..errors import FileError
 from ..plot import page as drawn_page
 from ..plot import panels
 from ..plot.style import COLORS, context
-from ..results import Result, open_run
+from ..plot.sweep import QUANTITIES
+from ..results import Result, Sweep, open_run
 from .data import tables
 from .facts import Facts, Table, Verdict, facts
 
@@ -178,9 +180,13 @@ def _rows(rows: Sequence[tuple[str, str]]) -> str:
 
 def _grid(header: Sequence[str], rows: Sequence[Sequence[str]], caption: str = "", kind: str = "") -> str:
     head = "".join(f"<th scope=col>{escape(name)}</th>" for name in header)
-    cells = "".join(f"<tr>{''.join(f'<td>{escape(value)}</td>' for value in row)}</tr>" for row in rows)
+    cells = "".join(f"<tr>{''.join(map(_table_cell, row))}</tr>" for row in rows)
     above = f"<caption>{escape(caption)}</caption>" if caption else ""
     return f"<table{f' class={kind}' if kind else ''}>{above}<thead><tr>{head}</tr></thead><tbody>{cells}</tbody></table>"
+
+
+def _table_cell(text: str) -> str:
+    return f"<td{' class=text' if len(text) > 40 else ''}>{escape(text)}</td>"
 
 
 def _table(table: Table) -> str:
@@ -207,13 +213,15 @@ def _side_by_side(names: Sequence[str], said: Sequence[Facts]) -> str:
 
 
 def _against(first: Any, other: Any) -> str:
-    """By how many per cent a number differs from the first, with the standard error of two independent runs."""
+    """By how many per cent or times a number differs from the first, with the standard error of two independent runs."""
     if other is None or not math.isfinite(other.value):
         return "–"
     ratio = other.value / first.value
-    told = f"{100 * (ratio - 1):+.3g}"
-    error = math.hypot(other.error / first.value, ratio * first.error / first.value) if other.error > 0.0 else math.nan
-    return (f"{told} ± {quantities.number(100 * error, 2)} %" if math.isfinite(error) else f"{told} %").replace("-", "−")
+    if not 0.5 < ratio < 2.0:
+        return f"× {quantities.number(ratio, 3)}"
+    error = 100 * math.hypot(other.error / first.value, ratio * first.error / first.value)
+    told = f"{'+' if ratio > 1.0 else ''}{quantities.number(100 * (ratio - 1), 3)}"
+    return f"{told} ± {quantities.number(error, 2)} %" if math.isfinite(error) else f"{told} %"
 
 
 def _figures(result: Result, numbers: Any) -> str:
@@ -222,20 +230,20 @@ def _figures(result: Result, numbers: Any) -> str:
 
 def _figure(result: Result, name: str, number: int) -> str:
     drawing = drawn_page(result, "110mm", what=name)
-    words = _words(name)
+    words = name.replace("pull_off", "pull-off").replace("_", " ")
+    told = inspect.getdoc(getattr(panels(result)[name], "func", panels(result)[name])) or ""
+    if isinstance(result, Sweep):
+        told = QUANTITIES[name][0]
     with context():
         stream = io.StringIO()
         drawing.savefig(stream, format="svg", metadata={"Date": None}, transparent=True)
     stem = result.path.stem
     links = [_data(table, f"{stem}_{name}{f'_{i}' if i else ''}.csv") for i, table in enumerate(tables(result, name))]
     return (
-        f'<figure id="figure-{number}">{_inline(stream.getvalue(), f"f{number}-", words)}<figcaption>{escape(words)}</figcaption>'
+        f'<figure id="figure-{number}">{_inline(stream.getvalue(), f"f{number}-", words)}'
+        f"<figcaption>{escape(told.partition(chr(10))[0])}</figcaption>"
         f"<details class=data-of-figure><summary>Data of {escape(words)}</summary>{''.join(links)}</details></figure>"
     )
-
-
-def _words(name: str) -> str:
-    return name.replace("pull_off", "pull-off").replace("_", " ")
 
 
 def _inline(svg: str, prefix: str, words: str) -> str:
@@ -277,6 +285,10 @@ def _again(result: Result, fact: Facts) -> str:
         needs += "<p>This result is of some shards; the command makes the whole.</p>"
     version = str(result.attrs.get("program_version", ""))
     told = f"<p>With stiction {escape(version)}, on any number of threads, this gives the same numbers to the last bit:</p>"
+    command, _, scene = fact.commands.partition(" <<")
+    if scene:
+        command = f"<pre>{escape(command)}</pre><p>The scene above is its standard input.</p>"
+        return f"{told}{needs}{command}<details><summary>Command with scene, to paste</summary><pre>{escape(fact.commands)}</pre></details>"
     return f"{told}{needs}<pre>{escape(fact.commands)}</pre>"
 
 

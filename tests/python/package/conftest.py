@@ -7,7 +7,7 @@ import pytest
 
 import stiction
 from stiction.errors import StictionError
-from stiction.program import find
+from stiction.program import call, find
 
 ROOT = Path(__file__).resolve().parents[3]
 CONFIGS = ROOT / "configs"
@@ -35,7 +35,6 @@ MADE = {
     "preload": of_scene("preload", 20),
     "stopping": lambda path: stiction.run(CONFIGS / "target.toml", path),
     "coupled": of_scene("coupled", 4),
-    "measured": of_scene("surfaces/measured", 20),
     "sweep": of_scene("sweep_lubricant", 20),
     "grid": lambda path: stiction.sweep(
         CONFIGS / "quick.toml",
@@ -50,7 +49,25 @@ MADE = {
         CONFIGS / "case_ii.toml", "30:3000:5", path, replicas=50
     ),
     "asperities": lambda path: stiction.find_asperities(CONFIGS / "maps" / "polished.txt", path),
-}
+    "grid_of_three": lambda path: stiction.sweep(
+        CONFIGS / "quick.toml",
+        {"surface.lubricant_thickness": ["0 nm", "0.5 nm"], "material.hardness": ["1 GPa", "2 GPa"],
+         "material.work_of_adhesion": ["10 mJ/m^2", "30 mJ/m^2", "90 mJ/m^2"]},
+        path,
+        replicas=10,
+    ),
+    "choice": lambda path: stiction.sweep(
+        CONFIGS / "coupled.toml", {"substrate.coupling": ["none", "patch"]}, path, replicas=2
+    ),
+    "partial": lambda path: partial(path),
+}  # fmt: skip
+
+
+def partial(path):
+    """A run of which a half is missing."""
+    shard = path.with_name("half.shard")
+    call(["run", str(CONFIGS / "quick.toml"), "--replicas", "64", "--shard", "1/2", "-o", str(shard), "--quiet"])
+    call(["merge", "--partial", "-o", str(path), str(shard), "--quiet"])
 
 
 @pytest.fixture(scope="session")

@@ -1,0 +1,265 @@
+"""Figures show what the files have, in words with units, and `stiction plot` draws every kind of result."""
+
+import re
+import warnings
+from pathlib import Path
+
+import numpy as np
+import pytest
+from matplotlib import pyplot
+from matplotlib.collections import PolyCollection
+
+import stiction
+from stiction import FileError, plot, quantities
+from stiction.plot.command import main
+from stiction.plot.style import inches
+
+KINDS = [
+    "run", "retraction", "loop", "instability", "preload", "stopping", "coupled", "sweep", "grid", "grid_of_three",
+    "choice", "comparison", "finite_size", "asperities", "partial",
+]  # fmt: skip
+
+
+@pytest.fixture(autouse=True)
+def closed():
+    """No figure is left to the next test."""
+    yield
+    pyplot.close("all")
+
+
+def lines(ax):
+    return {str(line.get_label()): line for line in ax.lines}
+
+
+def unit_of(ax):
+    """The factor of the unit in the label of the y axis."""
+    sign = re.search(r"\((.)?N\)$", ax.get_ylabel())[1] or ""
+    return {"p": 1e-12, "n": 1e-9, "µ": 1e-6, "m": 1e-3, "": 1.0}[sign]
+
+
+@pytest.mark.parametrize("name", KINDS)
+def test_every_kind_is_drawn_whole_without_a_warning(result, name, tmp_path):
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        opened = result(name)
+        figure = plot.page(opened)
+        figure.savefig(tmp_path / "page.png", dpi=50)
+        figure.savefig(tmp_path / "page.pdf")
+    drawn = [ax for ax in figure.axes if ax.get_label() != "<colorbar>"]
+    assert len(drawn) == len(plot.panels(opened)) >= 2
+    for ax in drawn:
+        assert ax.lines or ax.collections or ax.patches or ax.images or ax.texts
+        # Words, not names of datasets.
+        for label in (ax.get_xlabel(), ax.get_ylabel()):
+            assert "_" not in label.replace("$", "") and label, ax.get_title()
+    assert figure.get_suptitle() == ""
+
+
+def test_every_key_of_a_sweep_can_be_the_axis(result):
+    grid = result("grid_of_three")
+    for x, curves in (("surface.lubricant_thickness", 6), ("material.work_of_adhesion", 4), ("material_hardness", 6)):
+        ax = plot.sweep(grid, x=x)
+        assert len(ax.containers) == curves
+        assert len(ax.containers[0][0].get_xdata()) == grid.points.sizes[x.replace(".", "_")]
+    by = plot.sweep(grid, x="material.work_of_adhesion", by="material.hardness")
+    assert by.get_legend().get_texts()[0].get_text().startswith(grid.key_words("material.hardness")[0])
+    with pytest.raises(FileError, match=r"x = replicas: not a key of this sweep; it has surface\.lubricant_thickness"):
+        plot.sweep(grid, x="replicas")
+
+
+def test_points_of_a_sweep_are_its_means_and_its_integral(result):
+    of = result("sweep")
+    ax = plot.sweep(of)
+    container = ax.containers[0]
+    drawn = np.asarray(container[0].get_ydata(), float) * unit_of(ax)
+    np.testing.assert_allclose(drawn, of.pull_off["mean"].values, rtol=1e-12)
+    np.testing.assert_allclose(container[0].get_xdata(), of.points["surface_lubricant_thickness"].values * 1e9, rtol=1e-12)
+    integral = next(line for line in ax.lines if len(line.get_ydata()) == drawn.size and line is not container[0]
+                    and line.get_linestyle() == "--")  # fmt: skip
+    np.testing.assert_allclose(np.asarray(integral.get_ydata()) * unit_of(ax), of["integral/pull_off_force"].values, rtol=1e-12)
+
+
+def test_a_choice_has_its_names_on_the_axis(result):
+    ax = plot.sweep(result("choice"))
+    assert [tick.get_text() for tick in ax.get_xticklabels()] == ["none", "patch"]
+
+
+@pytest.mark.parametrize("name", ["run", "loop", "retraction", "instability"])
+def test_curves_bands_and_markers_of_forces_are_those_of_the_file(result, name):
+    run = result(name)
+    ax = run.plot.force()
+    unit = unit_of(ax)
+    loop = name in ("loop", "instability")
+    prefix = "retraction_" if loop else ""
+    mean = run[f"ensemble/{prefix}external_force_mean"].values
+    curve = lines(ax)["retraction, mean" if loop else "mean over patches"]
+    np.testing.assert_allclose(np.asarray(curve.get_ydata()) * unit, mean, rtol=1e-12)
+    np.testing.assert_array_equal(curve.get_xdata(), run["ensemble/h_star"].values)
+    # The widest band on this way is from the 5 % to the 95 % quantile: no mean less sigma.
+    quantile = run[f"ensemble/{prefix}external_force_quantile"].transpose("quantile", "separation").values
+    assert list(run["ensemble/quantile"].values) == [0.05, 0.25, 0.5, 0.75, 0.95]
+    bands = [of.get_paths()[0].vertices[:, 1] * unit for of in ax.collections if isinstance(of, PolyCollection)]
+    assert len(bands) == (4 if loop else 2)
+    wide = bands[2 if loop else 0]
+    assert wide.min() == pytest.approx(quantile[0].min()) and wide.max() == pytest.approx(quantile[4].max())
+    # The marker of the pull-off sits on the curve.
+    marker = next(line for label, line in lines(ax).items() if label.startswith("pull-off of the mean"))
+    place, force = (float(of[0]) for of in marker.get_data())
+    assert force * unit == pytest.approx(np.interp(place, run["ensemble/h_star"].values, mean), rel=1e-12)
+    assert force * unit == pytest.approx(-run.pull_off.of_mean_curve, rel=0.03)
+
+
+def test_snap_in_is_a_marker_on_the_curve_of_approach(result):
+    run = result("instability")
+    ax = run.plot.force()
+    (marker,) = (line for label, line in lines(ax).items() if label.startswith("snap-in"))
+    place, force = (float(of[0]) for of in marker.get_data())
+    snaps = run["replicas/snap_in_separation"].values / run.attrs["surface_height_std"]
+    snapping = [np.nanmean(of) for of in snaps.reshape(snaps.shape) if np.isfinite(of).any()]
+    if snaps.shape[0] == run.replicas.sizes["replica"]:
+        snapping = [np.nanmean(of) for of in snaps.T if np.isfinite(of).any()]
+    assert place == pytest.approx(snapping[0])
+    mean = run["ensemble/external_force_mean"].values
+    assert force * unit_of(ax) == pytest.approx(np.interp(place, run["ensemble/h_star"].values, mean))
+
+
+def test_a_band_is_left_out_when_asked_for(result):
+    ax = plot.force(result("run"), band=False)
+    assert not [of for of in ax.collections if isinstance(of, PolyCollection)]
+
+
+def test_histograms_hold_every_patch_and_their_lines_are_the_numbers_to_quote(result):
+    run = result("run")
+    ax = run.plot.pull_off()
+    assert sum(bar.get_height() for bar in ax.patches) == run.pull_off.replicas
+    label = next(label for label in lines(ax) if label.startswith("mean,"))
+    assert label == f"mean, {run.pull_off}"
+
+
+def test_logarithmic_axes_where_the_data_ask(result):
+    assert plot.regimes(result("run")).get_yscale() == "log"
+    assert plot.force(result("run")).get_yscale() == "linear"
+    sizes = result("finite_size")
+    assert (plot.scatter(sizes).get_xscale(), plot.scatter(sizes).get_yscale()) == ("log", "log")
+    assert plot.sweep(result("sweep")).get_xscale() == "linear"
+    assert plot.sweep(result("grid_of_three"), x="material.work_of_adhesion").get_xscale() == "log"
+
+
+def test_a_coupled_run_is_drawn_beside_the_same_asperities_without_coupling(result):
+    run = result("coupled")
+    ax = run.plot.coupling()
+    for label, path in (("coupled", "ensemble/external_force_mean"), ("independent", "coupling/independent_external_force_mean")):
+        np.testing.assert_allclose(np.asarray(lines(ax)[label].get_ydata()) * unit_of(ax), run[path].values, rtol=1e-12)
+
+
+def test_the_map_itself_is_drawn_with_its_asperities(result):
+    of = result("asperities")
+    ax = of.plot.asperities()
+    (image,) = ax.images
+    np.testing.assert_allclose(image.get_array() * 1e-9, of.map.values, rtol=1e-12)
+    x, y = ax.lines[0].get_data()
+    np.testing.assert_allclose(np.asarray(x) * 1e-6, of.asperities["x"].values, rtol=1e-12)
+    np.testing.assert_allclose(np.asarray(y) * 1e-6, of.asperities["y"].values, rtol=1e-12)
+
+
+def test_figures_are_drawn_into_given_axes(result):
+    figure, (left, right) = pyplot.subplots(1, 2)
+    run = result("run")
+    assert run.plot.force(ax=left) is left and left.lines and not right.lines
+    assert plot.pull_off(run, right) is right and right.patches
+    assert pyplot.get_fignums() == [figure.number]
+    with pytest.raises(AttributeError, match="no figure `bias` of this result; it has force, pull_off, regimes, deviation"):
+        run.plot.bias()
+    assert {"force", "pull_off"} <= set(dir(run.plot))
+
+
+def test_widths_are_kept(result):
+    assert plot.page(result("run"), "85mm").get_figwidth() == pytest.approx(85 / 25.4)
+    assert plot.page(result("run")).get_figwidth() == pytest.approx(180 / 25.4)
+    assert inches("8.5cm") == pytest.approx(85 / 25.4)
+    for width in ("85 lines", "1mm", "-85mm", "5m"):
+        with pytest.raises(ValueError, match="a length from 40mm to 1000mm is needed"):
+            inches(width)
+
+
+def test_text_of_svg_is_text_and_two_drawings_have_the_same_bytes(result, tmp_path):
+    path = result("run").path
+    for name in ("a.svg", "b.svg", "a.pdf", "b.pdf"):
+        assert main([str(path), "--what", "force", "--width", "85mm", "-o", str(tmp_path / name)]) == 0
+    assert (tmp_path / "a.svg").read_bytes() == (tmp_path / "b.svg").read_bytes()
+    assert (tmp_path / "a.pdf").read_bytes() == (tmp_path / "b.pdf").read_bytes()
+    svg = (tmp_path / "a.svg").read_text(encoding="utf-8")
+    assert ">external force (" in svg and 'width="240.94' in svg
+
+
+def test_a_partial_result_is_marked(result):
+    marked = [text.get_text() for text in plot.page(result("partial")).texts]
+    assert marked == [f"PARTIAL: {result('partial').attrs['replicas']} of 64 replicas"]
+    assert plot.page(result("run")).texts == []
+
+
+def test_a_title_is_there_when_asked_for(result):
+    assert plot.page(result("run"), title=True).get_suptitle() == result("run").title
+
+
+def test_the_command_draws_beside_the_file(result, tmp_path, capsys):
+    copy = result("run").save(tmp_path / "a.h5")
+    assert main([str(copy)]) == 0
+    assert capsys.readouterr().out == f"{tmp_path / 'a.png'}\n"
+    assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
+    assert main([str(copy), "--what", "list"]) == 0
+    assert capsys.readouterr().out.split() == ["force", "pull_off", "regimes", "deviation"]
+
+
+@pytest.mark.parametrize(
+    "name, arguments, code, message",
+    [
+        ("run", ["--what", "forces"], 2, "forces: no figure of this result; it has force, pull_off, regimes, deviation"),
+        ("run", ["--x", "material.hardness"], 2, "--x: this is no sweep, whose keys it names"),
+        ("sweep", ["--x", "material.hardness"], 2, "not a key of this sweep; it has surface.lubricant_thickness"),
+        ("run", ["-o", "none/a.png"], 1, "none/a.png"),
+    ],
+)
+def test_what_is_wrong_is_told_in_one_line(result, name, arguments, code, message, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main([str(result(name).path), *arguments]) == code
+    told = capsys.readouterr().err
+    assert told.startswith("stiction plot: ") and message in told and told.count("\n") == 1
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    "arguments, message",
+    [
+        (["a.h5", "b.h5", "-o", "a.png"], "--output is for one file"),
+        (["a.h5", "-o", "a.gif"], "--output a.gif: a name that ends with .png, .pdf, .svg is needed"),
+        (["a.h5", "--width", "5 miles"], "--width = 5 miles: a length from 40mm to 1000mm is needed"),
+        (["a.h5", "--dpi", "0"], "--dpi 0: a number from 10 to 2400 is needed"),
+        ([], "the following arguments are required: FILE"),
+    ],
+)
+def test_wrong_commands_end_with_two(arguments, message, capsys):
+    with pytest.raises(SystemExit) as ended:
+        main(arguments)
+    assert ended.value.code == 2 and message in capsys.readouterr().err
+
+
+def test_files_of_others_are_refused(tmp_path, capsys):
+    assert main([str(tmp_path / "none.h5")]) == 2
+    (tmp_path / "text.h5").write_text("no")
+    assert main([str(tmp_path / "text.h5")]) == 2
+    assert capsys.readouterr().err.splitlines() == [
+        f"stiction plot: {tmp_path / 'none.h5'}: no such file",
+        f"stiction plot: {tmp_path / 'text.h5'}: not an HDF5 file",
+    ]
+
+
+def test_the_style_sheet_is_part_of_the_package():
+    sheet = Path(stiction.__file__).parent / "plot" / "stiction.mplstyle"
+    with pyplot.style.context(str(sheet)):
+        assert pyplot.rcParams["svg.fonttype"] == "none" and pyplot.rcParams["font.size"] == 8.0
+
+
+def test_numbers_have_no_computer_notation():
+    assert quantities.number(1730.0, 2) == "1700" and quantities.number(0.0) == "0"
+    assert "e" not in "".join(quantities.number(10.0**k) for k in range(-20, 20))

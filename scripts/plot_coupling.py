@@ -17,7 +17,7 @@ Exit codes: 0 done; 1 the program failed; 2 there is no such program, or a file 
 
 # /// script
 # requires-python = ">=3.10"
-# dependencies = ["numpy>=1.24", "h5py>=3.8", "matplotlib>=3.7"]
+# dependencies = ["numpy>=1.24", "h5py>=3.8", "h5netcdf>=1.3", "matplotlib>=3.8", "pandas>=2.1", "xarray>=2024.10"]
 # ///
 
 import argparse
@@ -27,12 +27,11 @@ from pathlib import Path
 
 import h5py
 import numpy as np
-from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm, SymLogNorm
 from matplotlib.figure import Figure
 
-from plot_page import BLUE, DASHED, GREEN, STYLE, VERMILION, panel, si
+from drawing import BLUE, DASHED, GREEN, VERMILION, context, factor_and_unit, panel, si
 
 ROOT = Path(__file__).resolve().parents[1]
 CASES = {"I": "case_i", "II": "case_ii", "III": "case_iii"}
@@ -104,7 +103,7 @@ def draw_case(force: Axes, change: Axes, name: str, file: h5py.File) -> None:
     patch = pair["patch"]
     h_star, independent = patch["coupling/h_star"], patch.of("independent")
     scale = -np.min(independent)
-    factor, prefix = si(scale)
+    factor, sign = factor_and_unit([scale], "N")
     force.axhline(0.0, color="0.8", linewidth=0.7)
     force.plot(h_star, independent / factor, color="0.35", linewidth=2.4, alpha=0.5, label="independent")
     force.plot(h_star, patch["integral/external_force"] / factor, color="black", linewidth=0.8, linestyle="dotted", label="integral")
@@ -122,7 +121,7 @@ def draw_case(force: Axes, change: Axes, name: str, file: h5py.File) -> None:
     shift = (patch["validation/mean_field_external_force"] - patch["integral/external_force"]) / scale
     change.plot(h_star, 100 * shift, color=GREEN, linewidth=1.0, linestyle=DASHED)
     deepest = -np.min(independent) / factor
-    force.set(xlim=(BEGINS[name], 6.3), ylim=(-1.15 * deepest, 0.7 * deepest), ylabel=f"external force, {prefix}N")
+    force.set(xlim=(BEGINS[name], 6.3), ylim=(-1.15 * deepest, 0.7 * deepest), ylabel=f"external force, {sign}")
     reach = REACH[name]
     change.set(xlim=(BEGINS[name], 6.3), ylim=(-reach, reach), xlabel="separation $h^*$", ylabel="change, % of the pull-off")
     force.set_title(f"case {name}")
@@ -157,11 +156,11 @@ def draw_patch(file: h5py.File) -> Figure:
     patch = coupling_of(file, "patch")
     h_star = patch["coupling/h_star"]
     force, sizes = panel(figure, 0.65, 1.65, 3.1, 2.1), panel(figure, 0.65, 0.55, 3.1, 0.85)
-    factor, prefix = si(patch["integral/pull_off_force"])
+    factor, sign = factor_and_unit([patch["integral/pull_off_force"]], "N")
     force.plot(h_star, patch.of("independent") / factor, color="0.35", linewidth=2.4, alpha=0.5, label="independent")
     force.plot(h_star, patch.coupled / factor, ".-", color=VERMILION, linewidth=1.0, markersize=2.5, label="patch, on approach")
     force.set(xlim=(h_star[0], 6.5), ylim=(-1.1 * np.max(-patch.of("independent")) / factor, 0.4 * np.max(-patch.of("independent")) / factor),
-              ylabel=f"external force, {prefix}N")
+              ylabel=f"external force, {sign}")
     force.set_xticklabels([])
     force.legend(loc="lower right")
     force.set_title("(a) case III, a patch of 1000 µm$^2$")
@@ -244,11 +243,6 @@ def draw_chart(file: h5py.File, cases: dict[str, h5py.File]) -> Figure:
     return figure
 
 
-def told(value: float, unit: str) -> str:
-    factor, prefix = si(abs(value))
-    return f"{value / factor:.3g} {prefix}{unit}"
-
-
 def table(files: dict[str, h5py.File]) -> str:
     """The three cases: pull-off, its place and stiffness without coupling, and what coupling makes of them."""
     rows = ["| case | | pull-off | h* of it | stiffest secant | states not settled |", "|---|---|---|---|---|---|"]
@@ -263,7 +257,7 @@ def table(files: dict[str, h5py.File]) -> str:
                 if unit:
                     within = f" ± {100 * error / independent:.2g}" if np.isfinite(error) else ""
                     change = f"{100 * difference / independent:+.3g}{within} %"
-                    cells.append(f"{told(independent, unit)} → {told(independent + difference, unit)} ({change})")
+                    cells.append(f"{si(independent, unit, 3)} → {si(independent + difference, unit, 3)} ({change})")
                 else:
                     cells.append(f"{independent:.3f} → {independent + difference:.3f}")
             count = int(np.sum(point["coupling/unsettled_count"]))
@@ -282,7 +276,7 @@ def main() -> int:
     try:
         files = results(arguments.results, arguments.stiction)
         cases = {name: files[scene] for name, scene in CASES.items()}
-        with rc_context(STYLE):
+        with context():
             pictures = {"cases": draw_cases(files), "patch": draw_patch(files["case_iii"]), "chart": draw_chart(files[CHART], cases)}
             for name, figure in pictures.items():
                 path = arguments.output / f"coupled_{name}.png"

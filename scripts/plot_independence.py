@@ -18,7 +18,7 @@ Exit codes: 0 done; 1 the program failed; 2 there is no such program, or the pic
 
 # /// script
 # requires-python = ">=3.10"
-# dependencies = ["numpy>=1.24", "h5py>=3.8", "matplotlib>=3.7"]
+# dependencies = ["numpy>=1.24", "h5py>=3.8", "h5netcdf>=1.3", "matplotlib>=3.8", "pandas>=2.1", "xarray>=2024.10"]
 # ///
 
 import argparse
@@ -32,13 +32,12 @@ from pathlib import Path
 
 import h5py
 import numpy as np
-from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.ticker import StrMethodFormatter
 
-from plot_page import BLUE, DASHED, DASH_DOT, GREEN, STYLE, VERMILION, panel
+from drawing import BLUE, DASHED, DASH_DOT, GREEN, VERMILION, context, panel
 
 ROOT = Path(__file__).resolve().parents[1]
 VERDICTS = ("good", "a shift", "invalid")
@@ -168,7 +167,7 @@ def main() -> int:
         print(f"plot_independence: {arguments.stiction}: no such program", file=sys.stderr)
         return 2
     try:
-        with tempfile.TemporaryDirectory() as temporary, rc_context(STYLE):
+        with tempfile.TemporaryDirectory() as temporary, context():
             folder = Path(temporary)
             cases = {name: judged(arguments.stiction, folder, name, (ROOT / "configs" / f"case_{name.lower()}.toml").read_text())
                      for name in CASES}

@@ -16,21 +16,18 @@ Exit codes: 0 done; 2 a file cannot be read or is not such a result, or the pict
 
 # /// script
 # requires-python = ">=3.10"
-# dependencies = ["numpy>=1.24", "h5py>=3.8", "matplotlib>=3.7"]
+# dependencies = ["numpy>=1.24", "h5py>=3.8", "h5netcdf>=1.3", "matplotlib>=3.8", "pandas>=2.1", "xarray>=2024.10"]
 # ///
 
 import argparse
 import sys
 from pathlib import Path
 
-import h5py
 import numpy as np
-from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from plot_page import STYLE, FileError, si
-from plot_run import SEPARATION, Run
+from drawing import FileError, context, factor_and_unit, open_run
 
 PAGE = (11.0, 7.0)  # inches
 COLORS = ["black", "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9"]
@@ -42,17 +39,17 @@ class Surface:
     """What is shown of one result; forces in Pa."""
 
     def __init__(self, path: Path) -> None:
-        with h5py.File(path) as file:
-            run = Run(file)
-            area = float(run.attribute("/", "nominal_area"))
-            self.name = str(run.attribute("/", "title")) or path.stem
-            self.h_star = run["ensemble/h_star"]
-            self.mean = run["ensemble/external_force_mean"] / area
-            self.error = np.nan_to_num(run["ensemble/external_force_standard_error"]) / area
-            self.integral = run["integral/external_force"] / area
-            self.pull_off = run["replicas/pull_off_force"] / area
-            self.integral_pull_off = float(run.attribute("integral", "pull_off_force")) / area
-            self.verdict = str(run.attribute("validation", "verdict"))
+        with open_run(path) as run:
+            if run.kind != "run":
+                raise FileError("not a result of `stiction run` of one scene")
+            area = float(run.attrs["nominal_area"])
+            self.name = run.title or path.stem
+            self.h_star = run["ensemble/h_star"].values
+            self.mean = run["ensemble/external_force_mean"].values / area
+            self.error = np.nan_to_num(run["ensemble/external_force_standard_error"].values) / area
+            self.integral = run["integral/external_force"].values / area
+            self.pull_off = run["replicas/pull_off_force"].values / area
+            self.integral_pull_off = run.pull_off.of_integral / area
 
 
 def style(index: int) -> dict:
@@ -61,7 +58,7 @@ def style(index: int) -> dict:
 
 def draw_forces(axes: Axes, surfaces: list[Surface], pulls: bool) -> None:
     deepest = max(-surface.mean.min() for surface in surfaces)
-    unit, sign = si(deepest if pulls and deepest > 0.0 else max(np.abs(s.mean).max() for s in surfaces))
+    unit, sign = factor_and_unit([deepest if pulls and deepest > 0.0 else max(np.abs(s.mean).max() for s in surfaces)], "Pa")
     for i, surface in enumerate(surfaces):
         x, look = surface.h_star, style(i)
         axes.plot(x, surface.mean / unit, linewidth=1.5, label=surface.name, **look)
@@ -71,7 +68,7 @@ def draw_forces(axes: Axes, surfaces: list[Surface], pulls: bool) -> None:
         axes.plot(x[i % step::step], surface.integral[i % step::step] / unit, color=look["color"],
                   **{**INTEGRAL, "markersize": 4})
     axes.axhline(0.0, color="0.5", linewidth=0.6, zorder=0.5)
-    axes.set(xlabel=SEPARATION, ylabel=f"external force over the nominal area ({sign}Pa)")
+    axes.set(xlabel="separation $h/\\sigma$", ylabel=f"external force over the nominal area ({sign})")
     if pulls:
         axes.set_title("(b) The same where it pulls")
         if deepest > 0.0:
@@ -83,7 +80,7 @@ def draw_forces(axes: Axes, surfaces: list[Surface], pulls: bool) -> None:
 
 def draw_pull_off(axes: Axes, surfaces: list[Surface]) -> None:
     largest = max(max(np.quantile(s.pull_off, 0.95), s.integral_pull_off) for s in surfaces)
-    unit, sign = si(largest)
+    unit, sign = factor_and_unit([largest], "Pa")
     places = np.arange(len(surfaces))[::-1]
     for place, (i, surface) in zip(places, enumerate(surfaces)):
         color, pull_off = style(i)["color"], surface.pull_off / unit
@@ -94,7 +91,7 @@ def draw_pull_off(axes: Axes, surfaces: list[Surface]) -> None:
         axes.plot(surface.integral_pull_off / unit, place, color=color, **INTEGRAL)
     axes.axvline(0.0, color="0.5", linewidth=0.6, zorder=0.5)
     axes.set_yticks(places, [surface.name for surface in surfaces])
-    axes.set(ylim=(-0.7, len(surfaces) - 0.3), xlabel=f"pull-off force over the nominal area ({sign}Pa)")
+    axes.set(ylim=(-0.7, len(surfaces) - 0.3), xlabel=f"pull-off force over the nominal area ({sign})")
     axes.set_title("(c) Pull-off: mean, 90 % of replicas, × integral")
 
 
@@ -122,7 +119,7 @@ def main() -> int:
             print(f"plot_surfaces: {path}: {error}", file=sys.stderr)
             return 2
     try:
-        with rc_context(STYLE):
+        with context():
             draw(surfaces).savefig(output, dpi=arguments.dpi)
     except (OSError, ValueError) as error:
         print(f"plot_surfaces: {output}: {error}", file=sys.stderr)

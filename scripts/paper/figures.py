@@ -1,11 +1,10 @@
 """Figures 1, 2 and 4 to 9 of the paper, the direct solution beside its fits."""
 
 import numpy as np
-from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
-from plot_page import BLUE, DASH_DOT, DASHED, STYLE, VERMILION
+from drawing import BLUE, DASH_DOT, DASHED, VERMILION, context
 
 from paper.data import CASES, ENERGIES, NM, UN, Comparison, Program, contact_zone, fit_points, noncontact
 
@@ -303,5 +302,5 @@ def figure_9(program: Program, runs: dict) -> Figure:
 def draw_all(program: Program, runs: dict, dpi: int) -> None:
     for number, draw in {1: figure_1, 2: figure_2, 4: figure_4, 5: figure_5, 6: figure_6, 7: figure_7, 8: figure_8,
                          9: figure_9}.items():
-        with rc_context(STYLE):
+        with context():
             draw(program, runs).savefig(program.folder / f"figure_{number}.png", dpi=dpi)

@@ -16,7 +16,6 @@ import xarray
 from program import PROGRAM, ROOT
 
 MAP, PIXEL = ROOT / "configs" / "maps" / "polished.txt", 3e-8
-PLOT = ROOT / "scripts" / "plot_asperities.py"
 
 sys.path.insert(0, str(ROOT / "scripts"))
 
@@ -142,7 +141,7 @@ def test_datasets_of_hdf5(tmp_path, options):
 
 def test_nayaks_density_in_the_plot():
     """The density that the plot draws is one, and has the moments of the theory."""
-    from plot_asperities import nayak
+    from stiction.plot.others import nayak
 
     for alpha in (1.6, 2.0, 9.0):
         density = lambda s, power: s**power * nayak(s, alpha)  # noqa: E731
@@ -150,15 +149,6 @@ def test_nayaks_density_in_the_plot():
         assert one == pytest.approx(1.0, abs=1e-9)
         assert mean == pytest.approx(4.0 / np.sqrt(np.pi * alpha), abs=1e-9)
         assert square - mean**2 == pytest.approx(1.0 - 0.8968 / alpha, abs=1e-5)
-
-
-def test_the_plot_is_a_picture(path, tmp_path):
-    picture = tmp_path / "out.png"
-    run = subprocess.run([sys.executable, PLOT, path, "-o", picture, "--dpi", "40"], capture_output=True, text=True)
-    assert run.returncode == 0, run.stderr
-    assert picture.read_bytes().startswith(b"\x89PNG") and run.stdout.split() == [str(picture)]
-    refused = subprocess.run([sys.executable, PLOT, MAP], capture_output=True, text=True)
-    assert refused.returncode == 2 and "not an HDF5 file" in refused.stderr
 
 
 def test_the_shipped_map_is_that_of_its_script():

@@ -3,9 +3,7 @@
 Needs the packages of scripts/requirements.txt. The program is $STICTION, by default target/release/stiction.
 """
 
-import struct
 import subprocess
-import sys
 from pathlib import Path
 
 import h5py
@@ -16,7 +14,6 @@ import scipy.stats
 import xarray
 from program import PROGRAM, ROOT
 
-PLOT = ROOT / "scripts" / "plot_finite_size.py"
 REPLICAS, COUNTS = 48, [100, 316, 1000, 3162, 10000]
 
 
@@ -91,13 +88,3 @@ def test_the_sizes_that_are_good_enough_are_on_the_curve(file):
             assert source == b"extrapolated" and count > counts[-1]
             c, a = file.attrs["fit_coefficient"], file.attrs["fit_exponent"]
             assert c * count**-a == pytest.approx(accuracy, rel=1e-9)
-
-
-def test_sizes_can_be_drawn(path, tmp_path):
-    output = tmp_path / "picture.png"
-    drawn = subprocess.run([sys.executable, PLOT, path, "-o", output, "--dpi", "50"], capture_output=True, text=True)
-    assert drawn.returncode == 0 and drawn.stderr == "", drawn.stderr
-    head = output.read_bytes()[:24]
-    assert head[:8] == b"\x89PNG\r\n\x1a\n" and struct.unpack(">II", head[16:24]) == (550, 400)
-    refused = subprocess.run([sys.executable, PLOT, tmp_path / "absent.h5"], capture_output=True, text=True)
-    assert refused.returncode == 2 and "no such file" in refused.stderr and refused.stderr.count("\n") == 1

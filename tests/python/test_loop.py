@@ -5,7 +5,6 @@ Needs the packages of scripts/requirements.txt. The program is $STICTION, by def
 """
 
 import subprocess
-import sys
 from pathlib import Path
 
 import h5py
@@ -15,7 +14,6 @@ import scipy.stats
 import xarray
 from program import PATCH, PROGRAM, ROOT
 
-PLOT = ROOT / "scripts" / "plot_loop.py"
 
 REPLICAS, SEPARATIONS = 48, 41
 STIFFNESS, PRELOAD = [0.0, 1e5, 8e5, 1.2e6, 1e8], [1e-4, 1e-2, 1e3]
@@ -334,19 +332,3 @@ def test_the_integral_of_the_retraction_is_that_of_the_published_formulas(tmp_pa
             force = count * np.sum(weights * unloaded(separation, h[0], surface, heights, radius == "elastic"))
             scale = file["integral/retraction_adhesion_force"][k] + file["integral/retraction_contact_force"][k]
             assert abs(file["integral/retraction_external_force"][k] - force) < 2e-6 * scale, k
-
-
-def test_the_picture_of_a_loop(result, tmp_path):
-    picture = tmp_path / "loop.png"
-    plot = subprocess.run([sys.executable, PLOT, result[0], "-o", picture, "--dpi", "40"], capture_output=True, text=True)
-    assert plot.returncode == 0 and plot.stdout.strip() == str(picture), plot.stderr
-    assert picture.read_bytes().startswith(b"\x89PNG")
-
-
-def test_other_files_have_no_picture(tmp_path):
-    path, _ = run_program(tmp_path, SCENE.replace('"loop"', '"approach"').replace('preload = ["0.1 mN", "10 mN", "1 kN"]\n', ""))
-    other = tmp_path / "other.h5"
-    other.write_bytes(b"no HDF5")
-    for name, problem in [(path, "plot_run.py draws it"), (other, "not an HDF5 file"), (tmp_path / "none.h5", "no such file")]:
-        plot = subprocess.run([sys.executable, PLOT, name], capture_output=True, text=True)
-        assert plot.returncode == 2 and problem in plot.stderr and plot.stderr.count("\n") == 1, plot.stderr

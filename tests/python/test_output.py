@@ -8,19 +8,18 @@ Needs the packages of scripts/requirements.txt. The program is $STICTION, by def
 
 import datetime
 import re
-import struct
 import subprocess
-import sys
+import warnings
 from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
 import scipy.stats
+import stiction.plot
 import xarray
-from program import PATCH, PROGRAM, ROOT
+from program import PATCH, PROGRAM
 
-PLOT = ROOT / "scripts" / "plot_run.py"
 
 REPLICAS, SEPARATIONS, ASPERITIES, SEED = 20, 15, 2217, 7
 REGIMES = ["noncontact", "lubricant", "elastic", "elastoplastic1", "elastoplastic2", "plastic"]
@@ -567,22 +566,19 @@ def test_joint_test(file):
 # Pictures
 
 
-def run_plot(*arguments) -> subprocess.CompletedProcess:
-    command = [sys.executable, PLOT, *arguments]
-    return subprocess.run(command, capture_output=True, text=True, encoding="utf-8")
+@pytest.fixture
+def drawn(tmp_path):
+    """Draws the page of a result; a warning is an error."""
+
+    def draw(path: Path) -> None:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            stiction.plot.page(stiction.open_run(path)).savefig(tmp_path / "page.png", dpi=40)
+
+    return draw
 
 
-def test_plot_draws_a_picture_beside_the_result(path):
-    run = run_plot(path, "--dpi", "100")
-    picture = path.with_suffix(".png")
-    assert run.returncode == 0, run.stderr
-    assert run.stdout.strip() == str(picture)
-    data = picture.read_bytes()
-    assert data[:8] == b"\x89PNG\r\n\x1a\n" and len(data) > 40_000
-    assert struct.unpack(">II", data[16:24]) == (1100, 800)
-
-
-def test_one_dry_elastic_replica_can_be_tested_and_plotted(tmp_path):
+def test_one_dry_elastic_replica_can_be_tested_and_plotted(tmp_path, drawn):
     text = SCENE.replace('lubricant_thickness = "0.5 nm"', "").replace('law = "hybrid"', 'law = "emd"')
     path = run_program(tmp_path, text.replace(f"replicas = {REPLICAS}", "replicas = 1"))
     with h5py.File(path, "r") as file:
@@ -593,27 +589,14 @@ def test_one_dry_elastic_replica_can_be_tested_and_plotted(tmp_path):
         # A single replica of many asperities has a distribution by the law; a false alarm once in 1000, the seed is fixed.
         assert file["validation"].attrs["verdict"] == "agree"
         assert 0.001 <= file["validation"].attrs["p_value"] <= 1.0
-    run = run_plot(path, "-o", tmp_path / "one.png", "--dpi", "50")
-    assert run.returncode == 0 and (tmp_path / "one.png").stat().st_size > 10_000, run.stderr
-
-
-@pytest.mark.parametrize("content", ["not a result\n", None])
-def test_plot_refuses_what_is_no_result(tmp_path, content):
-    file = tmp_path / "other.h5"
-    if content is not None:
-        file.write_text(content)
-    run = run_plot(file, "-o", tmp_path / "out.png")
-    assert run.returncode == 2
-    assert run.stdout == "" and len(run.stderr.splitlines()) == 1 and str(file) in run.stderr
-    assert not (tmp_path / "out.png").exists()
+    drawn(path)
 
 
 @pytest.mark.parametrize("sums", ["direct", "moments"])
 @pytest.mark.parametrize("low, high", [(1.5, 2.5), (0.4, 0.65), (-2, 0.1), (-12, -3), (-200, -20), (-400, -260)], ids=REGIMES)
-def test_one_regime_alone_can_be_plotted(tmp_path, low, high, sums):
+def test_one_regime_alone_can_be_plotted(tmp_path, drawn, low, high, sums):
     """Heights within some picometres: every asperity is in one regime at all separations, and in the lubricant nothing varies."""
     heights = 'asperity_height_std = "5 pm"\nmean_plane_offset = "0 nm"\nnominal_area'
     scene = SCENE.replace("nominal_area", heights)
     scene = re.sub(r"(?m)^h_star = .*", f'h = {{ from = "{low} nm", to = "{high} nm", count = 21 }}', scene)
-    run = run_plot(run_program(tmp_path, scene + f'\n[solver]\nsummation = "{sums}"\n'))
-    assert run.returncode == 0, run.stderr
+    drawn(run_program(tmp_path, scene + f'\n[solver]\nsummation = "{sums}"\n'))

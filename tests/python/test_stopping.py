@@ -5,7 +5,6 @@ Needs the packages of scripts/requirements.txt. The program is $STICTION, by def
 
 import math
 import subprocess
-import sys
 from pathlib import Path
 
 import h5py
@@ -14,7 +13,6 @@ import pytest
 import xarray
 from program import PROGRAM, ROOT
 
-PLOT = ROOT / "scripts" / "plot_stopping.py"
 TARGETS = """target = [
     { quantity = "pull_off_force", relative_standard_error = 0.03 },
     { quantity = "pull_off_separation", standard_error = "0.04 nm" },
@@ -95,29 +93,3 @@ def test_xarray_sees_targets(path):
             assert variable.dims == dims and variable.attrs["long_name"], name
             assert ("units" in variable.attrs) == (name in ("target_estimate", "target_met")), name
             assert "units" in variable.attrs or list(variable.target_units.values) == ["N", "m", "N"], name
-
-
-def test_the_plot_is_a_picture(path, tmp_path):
-    picture = tmp_path / "out.png"
-    run = subprocess.run([sys.executable, PLOT, path, "-o", picture, "--dpi", "40"], capture_output=True, text=True)
-    assert run.returncode == 0, run.stderr
-    assert picture.read_bytes().startswith(b"\x89PNG")
-
-
-def test_the_plot_draws_the_looks_and_errors_of_the_program(file):
-    sys.path.insert(0, str(ROOT / "scripts"))
-    from plot_stopping import looks as drawn, running
-
-    assert drawn(int(file.attrs["replicas"]), 56) == [look for look in looks(56, 5000) if look <= file.attrs["replicas"]]
-    replicas, mean, errors = running(file["replicas/pull_off_force"][()], 2)
-    assert replicas[-1] == file.attrs["replicas"]
-    assert mean[-1] == pytest.approx(file["ensemble/target_mean"][0], rel=1e-10)
-    assert errors[-1] == pytest.approx(file["ensemble/target_standard_error"][0], rel=1e-9)
-
-
-def test_a_run_of_a_given_number_has_no_such_plot(tmp_path):
-    run = subprocess.run([PROGRAM, "run", ROOT / "tests" / "data" / "quick.toml", "--replicas", "8", "-o", tmp_path / "run.h5", "--quiet"],
-                         capture_output=True, text=True, encoding="utf-8")
-    assert run.returncode == 0, run.stderr
-    refused = subprocess.run([sys.executable, PLOT, tmp_path / "run.h5"], capture_output=True, text=True)
-    assert refused.returncode == 2 and "no targets" in refused.stderr

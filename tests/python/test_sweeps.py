@@ -3,9 +3,7 @@
 Needs the packages of scripts/requirements.txt. The program is $STICTION, by default target/release/stiction.
 """
 
-import struct
 import subprocess
-import sys
 from pathlib import Path
 
 import h5py
@@ -14,7 +12,6 @@ import pytest
 import xarray
 from program import PROGRAM, ROOT
 
-PLOT = ROOT / "scripts" / "plot_sweep.py"
 REPLICAS = 24
 KEYS = ["material.work_of_adhesion", "surface.lubricant_thickness"]
 ENERGY, LUBRICANT = (key.replace(".", "_") for key in KEYS)
@@ -112,36 +109,3 @@ def test_keys_that_go_together_are_coordinates_of_points(zipped):
         # The same h*, so other separations.
         assert np.allclose(tree["ensemble/h_star"].values, tree["ensemble/h_star"].values[0])
         assert np.allclose(tree["ensemble/separation"].values, sigma[:, None] * tree["ensemble/h_star"].values, rtol=1e-14)
-
-
-def size(picture: Path) -> tuple[int, int]:
-    head = picture.read_bytes()[:24]
-    assert head[:8] == b"\x89PNG\r\n\x1a\n"
-    return struct.unpack(">II", head[16:24])
-
-
-@pytest.mark.parametrize("arguments", [[], ["--x", "adhesion_parameter"]])
-def test_a_sweep_can_be_drawn(grid, zipped, tmp_path, arguments):
-    for file in [grid, zipped]:
-        output = tmp_path / "picture.png"
-        command = [sys.executable, PLOT, file, "-o", output, "--dpi", "50", *arguments]
-        drawn = subprocess.run(command, capture_output=True, text=True, encoding="utf-8")
-        assert drawn.returncode == 0 and drawn.stderr == "", drawn.stderr
-        assert drawn.stdout.strip() == str(output) and size(output) == (550, 400)
-
-
-def test_what_cannot_be_drawn_is_said_in_a_line(grid, tmp_path):
-    (tmp_path / "text.h5").write_text("no HDF5")
-    with h5py.File(tmp_path / "other.h5", "w") as file:
-        file.attrs["format"] = "stiction-run"
-    for file, arguments, problem in [
-        (tmp_path / "absent.h5", [], "no such file"),
-        (tmp_path / "text.h5", [], "not an HDF5 file"),
-        (tmp_path / "other.h5", [], "not a sweep"),
-        (grid, ["--x", "no_such"], "the dataset /no_such is missing"),
-        (grid, ["--x", "ensemble/h_star"], "has no value at each point"),
-    ]:
-        command = [sys.executable, PLOT, file, "-o", tmp_path / "out.png", *arguments]
-        drawn = subprocess.run(command, capture_output=True, text=True, encoding="utf-8")
-        assert drawn.returncode == 2 and problem in drawn.stderr and drawn.stderr.count("\n") == 1, drawn.stderr
-        assert not (tmp_path / "out.png").exists()

@@ -65,7 +65,7 @@ def of_points(
 
 
 def axes_of(result: Sweep, x: str | None, by: str | None) -> tuple[str, str | None]:
-    """The keys for the axis and for the curves, as they are named or as the values vary."""
+    """The keys for the axis and for the curves, as they are named or as the values vary; `x` is a key."""
     known = (
         [str(name) for name in result.points.dims] if result.attrs["sweep_mode"] == "grid" else result.keys
     )
@@ -130,8 +130,8 @@ def sweep(
         ``pull_off_force``, ``pull_off_excess`` (of the mean over the integral), ``pull_off_scatter``, ``pull_off_separation`` or
         ``peak_secant_stiffness``.
     x, by : str, optional
-        The key for the axis, and the first of those that the curves are told by; by default the first that varies, and the one
-        with fewest values.
+        The key for the axis, or a number of the points that follows from the keys, such as ``plasticity_index``; and the first of
+        the keys that the curves are told by. By default the first that varies, and the one with fewest values.
     names : bool
         Whether the legend names the curves.
 
@@ -143,15 +143,21 @@ def sweep(
     if quantity not in QUANTITIES:
         raise FileError(f"quantity = {quantity}: known are {', '.join(QUANTITIES)}")
     ax = new_axes(ax)
+    points, follows = result.points, None
+    if x is not None and x not in result.keys and x in points.data_vars and points[x].dims:
+        # A number that follows from the keys, in the place of the key along which it varies.
+        follows, of, x = x, points[x], None
+        if result.attrs["sweep_mode"] == "grid":
+            x = next((str(dim) for dim in of.dims if not np.allclose(of, of.isel({dim: [0]}), rtol=1e-12, atol=0.0)), None)
     across, by = axes_of(result, x, by)
     mean, error, integral = of_points(result, quantity)
     words, unit, _ = QUANTITIES[quantity]
     factor, sign = scaled(unit, mean) if unit not in ("", "%") else (1.0, unit)
-    key = result[across]
+    key = result[follows or across]
     key_factor, key_sign = scaled(str(key.attrs.get("units", "1")), key)
     handles: list[Any] = []
     for (name, chosen), color, marker in zip(_curves(result, across, by), COLORS, MARKERS, strict=False):
-        places = key.values / key_factor
+        places = (key.isel(chosen).values.ravel() if follows else key.values) / key_factor
         order = np.argsort(places)
         drawn = ax.errorbar(
             places[order], mean.isel(chosen).values.ravel()[order] / factor, error.isel(chosen).values.ravel()[order] / factor,
@@ -174,7 +180,7 @@ def sweep(
         ]
     if not logarithmic(ax, "y", mean) and quantity == "pull_off_excess":
         ax.axhline(0.0, color=GREY, linewidth=0.5, zorder=0.5)
-    key_words, choices = result.key_words(across)
+    key_words, choices = result.key_words(follows or across)
     if choices:
         there = sorted({float(value) for value in key.values})
         ax.set_xticks(there, [choices[value] for value in there])

@@ -63,6 +63,11 @@ def test_every_key_of_a_sweep_can_be_the_axis(result):
         assert len(ax.containers[0][0].get_xdata()) == grid.points.sizes[x.replace(".", "_")]
     by = plot.sweep(grid, x="material.work_of_adhesion", by="material.hardness")
     assert by.get_legend().get_texts()[0].get_text().startswith(grid.key_words("material.hardness")[0])
+    follows = plot.sweep(result("grid"), x="plasticity_index")
+    places = result("grid").points["plasticity_index"]
+    for container, lubricant in zip(follows.containers, range(places.sizes["surface_lubricant_thickness"]), strict=True):
+        expected = np.sort(places.isel(surface_lubricant_thickness=lubricant).values)
+        np.testing.assert_allclose(container[0].get_xdata(), expected, rtol=1e-12)
     with pytest.raises(FileError, match=r"x = replicas: not a key of this sweep; it has surface\.lubricant_thickness"):
         plot.sweep(grid, x="replicas")
 
@@ -143,6 +148,15 @@ def test_logarithmic_axes_where_the_data_ask(result):
     assert (plot.scatter(sizes).get_xscale(), plot.scatter(sizes).get_yscale()) == ("log", "log")
     assert plot.sweep(result("sweep")).get_xscale() == "linear"
     assert plot.sweep(result("grid_of_three"), x="material.work_of_adhesion").get_xscale() == "log"
+
+
+def test_the_course_of_a_run_to_a_target_ends_at_its_mean_and_error(result):
+    run = result("stopping")
+    mean, error = (line.get_ydata()[-1] for line in (plot.convergence(run).lines[0], plot.standard_errors(run).lines[0]))
+    scale = {"µ": 1e-6, "n": 1e-9}
+    units = [scale[re.search(r"\((.)N\)", draw(run).get_ylabel())[1]] for draw in (plot.convergence, plot.standard_errors)]
+    assert mean * units[0] == pytest.approx(float(run["ensemble/target_mean"][0]), rel=1e-9)
+    assert error * units[1] == pytest.approx(float(run["ensemble/target_standard_error"][0]), rel=1e-9)
 
 
 def test_a_coupled_run_is_drawn_beside_the_same_asperities_without_coupling(result):

@@ -29,8 +29,8 @@ def blocks(page: Path, only: set[str]) -> list[tuple[str, str, int]]:
     return [(language, text, line) for language, text, line, skip in found if language in only and not skip]
 
 
-def run(page: Path, folder: Path, only: set[str]) -> int:
-    """How many blocks of a page ran in a folder; the first that fails is an error."""
+def run(page: Path, folder: Path, only: set[str]) -> tuple[int, str]:
+    """How many blocks of a page ran in a folder, and what its Python printed; the first that fails is an error."""
     shutil.copytree(ROOT / "configs", folder / "configs", dirs_exist_ok=True)
     shutil.copy(ROOT / "configs" / "maps" / "polished.txt", folder / "scan.txt")
     environment = {**os.environ, "MPLBACKEND": "agg", "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"}
@@ -45,9 +45,11 @@ def run(page: Path, folder: Path, only: set[str]) -> int:
                 scene.write(("\n" if scene.tell() else "") + text)
         else:
             subprocess.run(["bash", "-euo", "pipefail", "-c", text], cwd=folder, env=environment, check=True)
-    if python:
-        subprocess.run([sys.executable, "-c", python], cwd=folder, env=environment, check=True)
-    return len(found)
+    if not python:
+        return len(found), ""
+    done = subprocess.run([sys.executable, "-c", python], cwd=folder, env=environment, check=True, stdout=subprocess.PIPE, encoding="utf-8")
+    print(done.stdout, end="", flush=True)
+    return len(found), done.stdout
 
 
 def main() -> None:

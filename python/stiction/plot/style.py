@@ -5,8 +5,8 @@ from __future__ import annotations
 import functools
 import math
 import re
-from collections.abc import Callable, Sequence
-from contextlib import AbstractContextManager
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from importlib.resources import files
 from typing import Any, ParamSpec, TypeVar
 
@@ -41,9 +41,14 @@ _LENGTHS = {"mm": 1.0 / 25.4, "cm": 1.0 / 2.54, "in": 1.0, "pt": 1.0 / 72.0}
 _DECADES = 100.0
 
 
-def context() -> AbstractContextManager[None]:
+@contextmanager
+def context() -> Iterator[None]:
     """The style sheet, for the figures that are made within."""
-    return matplotlib.style.context(_SHEET)
+    with matplotlib.style.context(_SHEET):
+        yield
+        interactive = matplotlib.rcParams["interactive"]
+    # A backend that the first figure has loaded, such as that of notebooks, says so there.
+    matplotlib.rcParams["interactive"] = interactive
 
 
 def dressed(function: Callable[P, R]) -> Callable[P, R]:

@@ -98,6 +98,8 @@ def si(value: Any, unit: str, digits: int = 4) -> str:
     ('576.4 µN', '4.560 nm', '0.8480')
     """
     value = float(value)
+    if math.isnan(value):
+        return number(value)
     factor, written = factor_and_unit([value], unit)
     return f"{number(value / factor, digits)} {written}".strip()
 

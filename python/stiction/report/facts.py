@@ -94,7 +94,7 @@ def _value(result: Result, path: str) -> float:
 
 
 def _several(count: int, noun: str) -> str:
-    return f"{count} {noun}{'s' if count != 1 else ''}"
+    return f"{count} {noun}{'' if count == 1 else 'es' if noun.endswith('ch') else 's'}"
 
 
 def _span(low: float, high: float, unit: str) -> str:
@@ -123,7 +123,7 @@ def _draws(result: Result) -> Iterator[tuple[str, str]]:
     attrs = result.attrs
     if "replicas" in attrs:
         seed = f", seed {attrs['seed']}" if "seed" in attrs else ""
-        yield "replicas", f"{attrs['replicas']} patches, {attrs.get('sampling', 'independent')}{seed}"
+        yield "replicas", f"{_several(int(attrs['replicas']), 'patch')}, {attrs.get('sampling', 'independent')}{seed}"
 
 
 def _separations(result: Result, path: str = "integral") -> Iterator[tuple[str, str]]:
@@ -259,13 +259,16 @@ def _run(run: Run) -> Facts:
     quoted, sigma = run.pull_off, float(run.attrs["surface_height_std"])
     loop = run.attrs["history"] == "loop"
     if quoted.mean > 0.0:
-        level = f"{100 * quoted.interval_level:g} %"
-        numbers = [
-            Number("pull-off force", str(quoted), f"mean over {quoted.replicas} patches and its standard error",
-                   quoted.mean, quoted.standard_error),
-            Number(f"{level} interval", _span(*quoted.interval, "N"), "of the mean"),
-            Number("scatter from patch to patch", _percent(quoted.scatter, 4),
-                   f"standard deviation {quantities.si(quoted.std, 'N')}: the next patch differs as much", quoted.scatter),
+        level, single = f"{100 * quoted.interval_level:g} %", quoted.replicas == 1
+        note = "of one patch: it has no standard error" if single else f"mean over {quoted.replicas} patches and its standard error"
+        numbers = [Number("pull-off force", str(quoted), note, quoted.mean, quoted.standard_error)]
+        if not single:
+            numbers += [
+                Number(f"{level} interval", _span(*quoted.interval, "N"), "of the mean"),
+                Number("scatter from patch to patch", _percent(quoted.scatter, 4),
+                       f"standard deviation {quantities.si(quoted.std, 'N')}: the next patch differs as much", quoted.scatter),
+            ]
+        numbers += [
             Number("separation of pull-off", quantities.si(quoted.separation, "m"),
                    f"h/σ = {quantities.number(quoted.separation / sigma)}, mean over patches", quoted.separation),
             Number("pull-off of the mean curve", quantities.si(quoted.of_mean_curve, "N"),

@@ -294,12 +294,13 @@ def _again(result: Result, fact: Facts) -> str:
 
 def _provenance(result: Result) -> list[tuple[str, str]]:
     attrs = result.attrs
-    content = result.path.read_bytes()
+    with open(result.path, "rb") as file:
+        digest = hashlib.file_digest(file, "sha256").hexdigest()
     version = ".".join(str(int(part)) for part in attrs["format_version"])
     rows = [
         ("file", result.path.name),
-        ("size", f"{len(content)} bytes"),
-        ("SHA-256", hashlib.sha256(content).hexdigest()),
+        ("size", f"{result.path.stat().st_size} bytes"),
+        ("SHA-256", digest),
         ("made", str(attrs.get("created", ""))),
         ("format", f"{attrs['format']} {version}"),
         ("program", f"stiction {attrs.get('program_version', '')}"),

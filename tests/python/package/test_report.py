@@ -134,6 +134,13 @@ def test_a_pull_off_at_the_edge_is_told(tmp_path):
     assert (verdict.subject, verdict.grade, verdict.word) == ("resolution", "bad", "at the edge")
 
 
+def test_one_patch_has_no_error_and_no_interval(tmp_path):
+    scene = os.path.join(os.path.dirname(__file__), "..", "..", "..", "configs", "quick.toml")
+    words = text_of(stiction.report.page([stiction.run(scene, tmp_path / "one.h5", replicas=1)]))
+    assert "of one patch: it has no standard error" in words and "1 patch, independent" in words
+    assert "interval" not in words.split("Verdicts")[0] and "nan" not in words.lower().split()
+
+
 def test_what_a_scene_says_is_not_taken_for_html(result, tmp_path):
     evil = "</title></pre><script>alert('x')</script>&amp;"
     of = changed(result, "run", tmp_path, "/", title=evil, scene=f"# {evil}\n{result('run').scene_text}", warnings=evil)

@@ -316,7 +316,9 @@ class Run(_Curves):
         pull_off, sigma = self.pull_off, float(self.attrs["surface_height_std"])
         low, high = (quantities.si(value, "N") for value in pull_off.interval)
         rows = [("law", f"{self.attrs['law']}, {self.attrs['history']}")]
-        if pull_off.mean > 0.0:
+        if pull_off.mean > 0.0 and pull_off.replicas == 1:
+            rows += [("pull-off", f"{pull_off}, of one replica")]
+        elif pull_off.mean > 0.0:
             rows += [
                 ("pull-off", f"{pull_off}, mean over {pull_off.replicas} replicas"),
                 ("interval", f"{low} to {high} ({100 * pull_off.interval_level:g} %)"),

@@ -118,6 +118,8 @@ def _message(told: Sequence[str]) -> str:
     text = re.split(r"\n\n(?:Usage:|For more information)|; to go on:\n", "\n".join(told).strip())[0]
     for option, argument in _ARGUMENTS.items():
         text = text.replace(option, argument)
+    text = re.sub(r"(?<!\S)--set (?=\S)", "", text)
+    text = re.sub(r"(?<![\w-])--([a-z][a-z-]*)", lambda found: found[1].replace("-", "_"), text)
     return text.removeprefix("stiction: ").removeprefix("error: ")
 
 

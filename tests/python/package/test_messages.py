@@ -21,16 +21,16 @@ def refused(function, *arguments, **named):
         function(*arguments, **named)
     assert error.value.exit_code == 2
     text = str(error.value)
-    assert "Usage" not in text and "--help" not in text and not text.startswith(("stiction:", "error:"))
+    assert "--" not in text and "Usage" not in text and not text.startswith(("stiction:", "error:"))
     return text
 
 
 def test_numbers_that_will_not_do_are_named():
-    assert "'-3' for '--replicas" in refused(stiction.run, QUICK, replicas=-3)
-    assert "'2.5' for '--replicas" in refused(stiction.run, QUICK, replicas=2.5)
+    assert "'-3' for 'replicas" in refused(stiction.run, QUICK, replicas=-3)
+    assert "'2.5' for 'replicas" in refused(stiction.run, QUICK, replicas=2.5)
     assert "0 is not in 1..=4096" in refused(stiction.run, QUICK, threads=0)
-    assert "--counts none" in refused(stiction.finite_size, QUICK, "none")
-    assert "--ensemble" in refused(stiction.compare, QUICK, ["hybrid"], replicas=5)
+    assert "counts none" in refused(stiction.finite_size, QUICK, "none")
+    assert "ensemble" in refused(stiction.compare, QUICK, ["hybrid"], replicas=5)
 
 
 def test_an_output_that_exists_is_overwritten_by_force_alone(tmp_path):

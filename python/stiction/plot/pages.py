@@ -44,7 +44,7 @@ def panels(result: Result) -> dict[str, Panel]:
     result : Run, Sweep, Comparison, FiniteSize or Asperities
     """
     if isinstance(result, Sweep):
-        return {name: partial(sweep, quantity=name, names=i == 0) for i, name in enumerate(QUANTITIES)}
+        return {name: partial(sweep, quantity=name) for name in QUANTITIES}
     if not isinstance(result, Run):
         return _PANELS[result.kind]
     drawn: dict[str, Panel] = {"force": run.force, "pull_off": run.pull_off}
@@ -121,6 +121,9 @@ def page(
         # The last of an odd number has the row to itself.
         alone = columns == 2 and len(names) % 2 == 1 and index == len(names) - 1
         place = grid[index // columns, :] if alone else grid[index // columns, index % columns]
+        if isinstance(result, Sweep):
+            # The legend of the first holds for all.
+            options["names"] = index == 0
         ax = known[name](result, figure.add_subplot(place), **options)
         if len(names) > 1:
             ax.annotate(f"({'abcdefghijkl'[index]})", (0, 1), xycoords="axes fraction", xytext=(-6, 3),

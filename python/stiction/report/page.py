@@ -203,7 +203,8 @@ def _side_by_side(names: Sequence[str], said: Sequence[Facts]) -> str:
             continue
         rows.append([label, *(numbers[label].text if label in numbers else "–" for numbers in by)])
         first = by[0].get(label)
-        if first is not None and first.error > 0.0 and first.value != 0.0:
+        comparable = [numbers for numbers in by[1:] if label in numbers and math.isfinite(numbers[label].value)]
+        if comparable and first is not None and first.error > 0.0 and first.value != 0.0:
             rows.append(["… against the first", "", *(_against(first, numbers.get(label)) for numbers in by[1:])])
     for subject in dict.fromkeys(verdict.subject for fact in said for verdict in fact.verdicts):
         words = [next((f"{_SIGNS[of.grade]} {of.word}" for of in fact.verdicts if of.subject == subject), "–") for fact in said]

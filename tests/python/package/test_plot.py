@@ -68,6 +68,11 @@ def test_every_key_of_a_sweep_can_be_the_axis(result):
     for container, lubricant in zip(follows.containers, range(places.sizes["surface_lubricant_thickness"]), strict=True):
         expected = np.sort(places.isel(surface_lubricant_thickness=lubricant).values)
         np.testing.assert_allclose(container[0].get_xdata(), expected, rtol=1e-12)
+    # A figure by itself has the whole legend, on a page the first has it.
+    alone, *_ = plot.page(grid, what="pull_off_scatter").axes
+    first, second, *_ = plot.page(grid).axes
+    names = [len(ax.get_legend().get_texts()) if ax.get_legend() else 0 for ax in (alone, first, second)]
+    assert names == [6, 8, 0]
     with pytest.raises(FileError, match=r"x = replicas: not a key of this sweep; it has surface\.lubricant_thickness"):
         plot.sweep(grid, x="replicas")
 

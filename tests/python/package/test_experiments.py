@@ -186,6 +186,8 @@ def test_what_an_interrupted_run_has_done_is_gone_on_with(tmp_path):
         stderr=subprocess.PIPE,
         text=True,
         env=os.environ,
+        # A shell that runs tests in the background has them ignore it.
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )
     shown = ""
     while "replicas" not in shown:

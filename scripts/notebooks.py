@@ -1,11 +1,12 @@
-"""Executes notebooks of the documentation; an error in a cell is an error.
+"""Executes notebooks of the documentation; an error in a cell is an error, and so is another text than the one they show.
 
 Usage:
     python scripts/notebooks.py [--write] NOTEBOOK...
 
 Each runs in a folder of its own, where configs/ is as in the source. With --write the notebooks get the outputs. Bars of progress and
-other lines of standard error are left out.
-Exit codes: 0 all ran, 1 a cell failed.
+other lines of standard error are left out. Figures, and the HTML of tables, are not compared: they differ from one version of matplotlib and
+pandas to the next.
+Exit codes: 0 all ran, 1 a cell failed or its text is another one.
 """
 
 import argparse
@@ -43,6 +44,16 @@ def kept(output: nbformat.NotebookNode) -> bool:
     return not any("widget" in kind for kind in output.get("data", {}))
 
 
+def texts(notebook: nbformat.NotebookNode) -> list[tuple[str, str]]:
+    """What each cell does and prints, or returns as text."""
+    found = []
+    for cell in notebook.cells:
+        printed = [output.text for output in cell.get("outputs", []) if output.output_type == "stream"]
+        returned = [output.data["text/plain"] for output in cell.get("outputs", []) if output.output_type == "execute_result"]
+        found.append((cell.source, "\n".join(printed + returned)))
+    return found
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description="Executes notebooks of the documentation.")
     parser.add_argument("--write", action="store_true", help="keep the outputs in the notebooks")
@@ -50,12 +61,17 @@ def main() -> None:
     arguments = parser.parse_args()
     for path in arguments.notebooks:
         print(path, flush=True)
+        shown = texts(nbformat.read(path, as_version=4))
         try:
             notebook = executed(path)
         except nbclient.exceptions.CellExecutionError as error:
             sys.exit(f"{path}: {error}")
         if arguments.write:
             nbformat.write(notebook, path)
+            continue
+        for (source, old), (_, new) in zip(shown, texts(notebook), strict=True):
+            if new != old:
+                sys.exit(f"{path}: the cell\n\n{source}\n\nshows\n\n{old}\n\nin the notebook, and now\n\n{new}")
 
 
 if __name__ == "__main__":

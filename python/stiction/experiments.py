@@ -91,12 +91,10 @@ def sweep(
     progress: bool | None = None,
     **overrides: Any,
 ) -> Sweep:
-    """Computes a scene at several values of some of its keys.
+    """Computes a scene at several values of some of its keys. The other arguments are those of `run`.
 
     Parameters
     ----------
-    scene, output, replicas, seed, threads, resume, force, progress, **overrides
-        As of `run`.
     axes : dict
         Values by dotted names: a list, or a dict with ``from``, ``to``, ``count`` and ``spacing``.
     mode : {"grid", "zip"}
@@ -105,7 +103,8 @@ def sweep(
     Examples
     --------
     >>> import stiction
-    >>> points = stiction.sweep("configs/quick.toml", {"surface.lubricant_thickness": ["0 nm", "0.5 nm"]}, replicas=20)
+    >>> films = {"surface.lubricant_thickness": ["0 nm", "0.5 nm"]}
+    >>> points = stiction.sweep("configs/quick.toml", films, replicas=20)
     >>> points.pull_off["mean"].sizes["surface_lubricant_thickness"]
     2
     """
@@ -139,10 +138,10 @@ def compare(
 ) -> Comparison:
     """Compares laws on the same asperities, by the integral and, if asked for, by ensembles.
 
+    The other arguments are those of `run`; `replicas` and `seed` need `ensemble`.
+
     Parameters
     ----------
-    scene, output, replicas, seed, threads, force, progress, **overrides
-        As of `run`; `replicas` and `seed` need `ensemble`.
     laws : sequence of str
         Names of laws, such as ``["hybrid", "emd"]``; deviations are from the first. The scene's own by default.
     ensemble : bool
@@ -165,12 +164,7 @@ def compare(
 
 
 def integral(scene: Scene, **overrides: Any) -> xarray.Dataset:
-    """The statistical integral of a scene alone, by its own law.
-
-    Parameters
-    ----------
-    scene, **overrides
-        As of `run`.
+    """The statistical integral of a scene alone, by its own law. The arguments are those of `run`.
 
     Returns
     -------
@@ -204,10 +198,10 @@ def finite_size(
 ) -> FiniteSize:
     """Finds how the pull-off of a finite patch goes to the integral's as its asperities become more.
 
+    The other arguments are those of `run`.
+
     Parameters
     ----------
-    scene, output, replicas, seed, threads, resume, force, progress, **overrides
-        As of `run`.
     counts : sequence of int, or str, optional
         Numbers of asperities, or ``"FROM:TO:COUNT"`` spaced by equal factors; 10:1e6:11 by default.
 

@@ -45,6 +45,7 @@ from matplotlib.ticker import NullFormatter
 COLUMNS = (2, 0.8, 5.35, 4.1)  # of the page, inches
 BLUE, ORANGE = STYLES["direct"][0], STYLES["moments"][0]
 BATCH = 8  # replicas
+CURVES = 1000  # replicas, the first of a run, whose curves shards have for quantiles
 CHUNK = 2**20  # asperities, more of which are shared by threads
 DENSITY = 7.39  # asperities per um^2 of case II
 # What larger experiments are divided into, at most.
@@ -108,10 +109,11 @@ class Sizes:
     fixed: float  # what run it is of
     node: float
     replica: float
+    curve: float = 0.0  # of each of the first replicas of a run besides, for quantiles
 
-    def of(self, nodes: int, replicas: int) -> float:
-        """Bytes of a shard."""
-        return self.fixed + self.node * nodes + self.replica * replicas
+    def of(self, nodes: int, replicas: int, curves: int = 0) -> float:
+        """Bytes of a shard that has the curves of so many of its replicas."""
+        return self.fixed + self.node * nodes + self.replica * replicas + self.curve * curves
 
     @classmethod
     def derived(cls, shard: Path, result: Path) -> "Sizes":
@@ -129,8 +131,8 @@ class Sizes:
         node = 8 * numbers(separations, separations) + 3 * numbers(regimes * separations, regimes * separations)
         node += 16 * numbers(scalars, scalars**2, thirds) + 40
         # Its numbers; of each batch the header of a frame and the lengths of four lists.
-        sizes = cls(0.0, float(node), written(asperities) + 5 * 8 + 2 + 16 / BATCH)
-        sizes.fixed = shard.stat().st_size - sizes.of(1, BATCH)
+        sizes = cls(0.0, float(node), written(asperities) + 5 * 8 + 2 + 16 / BATCH, float(written(separations) + 8 * separations))
+        sizes.fixed = shard.stat().st_size - sizes.of(1, BATCH, BATCH)
         return sizes
 
 
@@ -261,7 +263,8 @@ def measure_shards(program: Shards, plan: Plan, results: Results) -> None:
     results.add("bytes of a replica", "in a shard", sizes.replica, "B", "8 for each number of its record: derived")
     errors = []
     for first, end, size in shards:
-        derived = sizes.of(nodes(first, end), (end - first) * BATCH)
+        curves = max(0, min(end * BATCH, CURVES) - first * BATCH)
+        derived = sizes.of(nodes(first, end), (end - first) * BATCH, curves)
         errors.append(abs(derived / size - 1.0))
         results.shard_sizes.append((end - first, size, derived))
     for count in dict.fromkeys(count for count, _, _ in results.shard_sizes):
@@ -353,7 +356,7 @@ def extrapolation(results: Results) -> str:
           for letter, replica in zip("bc", results.surfaces)),
         f"d: {results.start:.2g} core seconds of a shard of one batch of hardly any asperities.",
         f"e: derived: {bytes_of(sizes.node)} for each node of the tree, at most two of a level, {sizes.replica:.0f} B for each replica, and "
-        f"{bytes_of(sizes.of(1, BATCH) - sizes.node)} more for each shard.",
+        f"{bytes_of(sizes.of(1, BATCH) - sizes.node)} more for each shard; {bytes_of(sizes.curve)} for each of the first {CURVES} replicas.",
         f"f: {bytes_of(rates.result)} and {rates.result_per_replica:.0f} B for each replica, from merges of up to {number(max(results.over_replicas))} replicas.",
         f"g: {rates.seconds:.2g} s, {1e3 * rates.seconds_per_shard:.2g} ms for each shard, {1e3 * rates.seconds_per_node:.2g} ms for each node in it, "
         f"{1e6 * rates.seconds_per_replica:.2g} µs for each replica; files in the memory of the system, else what reading them takes too.",
@@ -370,7 +373,7 @@ def experiment(results: Results, rates: Rates, name: str, replicas: int, seconds
     count = sum(nodes(*batches_of(index, shards, batches)) for index in range(1, shards + 1))
     core_hours = (replicas * seconds + shards * (before + results.start)) / 3600.0
     # Rows of states end within a row: half of one is left over on average.
-    of_shards = shards * sizes.of(0, 0) + count * sizes.node + replicas * sizes.replica
+    of_shards = shards * sizes.of(0, 0) + count * sizes.node + replicas * sizes.replica + min(replicas, CURVES) * sizes.curve
     merge = rates.seconds + shards * rates.seconds_per_shard + count * rates.seconds_per_node + replicas * rates.seconds_per_replica
     memory = rates.memory + shards * rates.memory_per_shard + replicas * rates.memory_per_replica
     cells = [f"{rounded(core_hours)} ({source})", f"{rounded(core_hours / NODE_CORES)} ({source})", f"{bytes_of(of_shards)} (e)",

@@ -39,6 +39,12 @@ impl Contact {
         contact
     }
 
+    /// The same where θ at the end of the stable branch is known.
+    #[inline(always)]
+    pub fn with_end(lambda: f64, end: f64) -> Self {
+        Self { lambda, k: 4.0 / 3.0 * lambda, end }
+    }
+
     /// Δ at first touch, θ = π/2.
     pub fn first_touch(&self) -> f64 {
         self.at(FIRST_TOUCH).displacement

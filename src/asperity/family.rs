@@ -5,14 +5,14 @@ use super::history::Path;
 use super::law::Law;
 use super::models::Model;
 use super::parameters::LawParameters;
+use super::radius::{Lane, OfRadii, RadiusLaw};
 use super::scale::Asperity;
 use super::unloading::{Loop, UnloadedRadius};
 use std::ops::Deref;
 use std::sync::Arc;
 
-/// Makes the law of an asperity of a radius, m, with starting tables for interferences in a range, m, where
-/// there is one.
-type OfRadius = dyn Fn(f64, Option<(f64, f64)>) -> Box<dyn Law> + Send + Sync;
+/// Tables of closed forms reach to so many critical interferences.
+const TABULATED: f64 = 110.0;
 
 /// The laws of asperities that differ in their radius alone.
 ///
@@ -30,57 +30,68 @@ type OfRadius = dyn Fn(f64, Option<(f64, f64)>) -> Box<dyn Law> + Send + Sync;
 /// #     lubricant_thickness: 0.0,
 /// # };
 /// let family = Family::new(model("dmt").unwrap(), asperity, Path::Approach, (0.1, 10.0))?;
-/// let [one, two] = [1e-6, 2e-6].map(|radius| SolvedAsperity::new(&*family.law(radius, None), 0.0));
+/// let [one, two] = [1e-6, 2e-6].map(|radius| SolvedAsperity::new(&*family.law(radius), 0.0));
 /// assert!((two.adhesion_force / one.adhesion_force - 2.0).abs() < 1e-14);
 /// # Ok::<(), stiction::asperity::LawError>(())
 /// ```
 #[derive(Clone)]
 pub struct Family {
-    of_radius: Arc<OfRadius>,
+    law: Arc<dyn Law>,
+    /// Of the law, m.
+    radius: f64,
+    /// λ of the law, if it solves elastic branches.
+    lambda: Option<f64>,
 }
 
 impl Family {
-    /// The laws that a function makes.
-    pub fn from_fn(
-        of_radius: impl Fn(f64, Option<(f64, f64)>) -> Box<dyn Law> + Send + Sync + 'static,
-    ) -> Self {
-        Self { of_radius: Arc::new(of_radius) }
-    }
-
-    /// The law of an asperity of a radius, m, with starting tables for interferences in `table_range`, m; without,
-    /// it takes less to make, and each solve more.
-    ///
-    /// # Panics
-    /// When the radius is not between those that the family was made for.
-    pub fn law(&self, radius: f64, table_range: Option<(f64, f64)>) -> Box<dyn Law> {
-        (self.of_radius)(radius, table_range)
-    }
-
     /// The laws of a model for asperities like one, whose radii differ from its radius by factors between
     /// `least` and `most`.
     ///
     /// # Errors
-    /// [`LawError`] when one of these two has no law.
+    /// [`LawError`] when one of these two has no law, [`LawError::OneRadius`] when it is not known how the law follows
+    /// the radius.
     pub fn new(
         model: Model,
         asperity: Asperity,
         path: Path,
         (least, most): (f64, f64),
     ) -> Result<Self, LawError> {
-        if model.is_fit() {
-            return Err(LawError::OneRadius);
-        }
-        let of_radius = move |radius: f64, table_range: Option<(f64, f64)>| {
-            let parameters = LawParameters::new(&Asperity { radius, ..asperity }, path, (0.0, 0.0))?;
-            model.law(&LawParameters { table_range, ..parameters })
-        };
         for factor in [least, most] {
-            of_radius(factor * asperity.radius, None)?;
+            LawParameters::new(&Asperity { radius: factor * asperity.radius, ..asperity }, path, (0.0, 0.0))?;
         }
-        let law = move |radius, table_range| {
-            of_radius(radius, table_range).expect("laws between two radii that have one have one")
-        };
-        Ok(Self::from_fn(law))
+        let tabulated = (0.0, TABULATED * asperity.critical_interference());
+        let law: Arc<dyn Law> = Arc::from(model.law(&LawParameters::new(&asperity, path, tabulated)?)?);
+        let lambda = law.of_radii().ok_or(LawError::OneRadius)?.lambda();
+        Ok(Self { law, radius: asperity.radius, lambda })
+    }
+
+    /// The law of an asperity of a radius, m.
+    pub fn law(&self, radius: f64) -> Box<dyn Law> {
+        Box::new(self.law_of(self.lane(radius)))
+    }
+
+    /// The law of an asperity.
+    #[doc(hidden)]
+    pub fn law_of(&self, lane: Lane) -> RadiusLaw {
+        RadiusLaw::new(&self.law, lane)
+    }
+
+    /// An asperity of a radius, m.
+    #[doc(hidden)]
+    pub fn lane(&self, radius: f64) -> Lane {
+        Lane::new(radius / self.radius, self.lambda)
+    }
+
+    /// Whether the solids touch in a regime.
+    #[doc(hidden)]
+    pub fn touches(&self, regime: usize) -> bool {
+        self.law.regimes()[regime].is_contact()
+    }
+
+    /// The law of all of them, in lanes.
+    #[doc(hidden)]
+    pub fn lanes(&self) -> &dyn OfRadii {
+        self.law.of_radii().expect("a family is of a law that follows the radius")
     }
 }
 

@@ -13,13 +13,12 @@
 use super::branch::Branch;
 use super::contact::Contact;
 use super::curve::{Anchor, Curve};
+use super::folds::outer_fold;
 use super::history::Path;
 use super::law::{Flattened, Responses};
 use super::noncontact::{Branches, Noncontact};
 use super::scale::Scale;
 use super::stats::SolverStats;
-use crate::math::piecewise::Piecewise;
-use std::sync::OnceLock;
 
 /// The extended Maugis-Dugdale law across the lubricant.
 #[derive(Clone, Debug)]
@@ -122,42 +121,6 @@ fn branch_of(lambda: f64, displacement: f64) -> Branch<Noncontact> {
             }
         }
     }
-}
-
-/// λ at which the branch before contact begins to fold is between these.
-const FIRST_FOLD: (f64, f64) = (0.888, 0.889);
-/// λ up to which folds are tabulated, and the relative accuracy of the table.
-const TABULATED: (f64, f64) = (16.0, 1e-12);
-
-/// ε at the outer fold by λ, over the root of the distance from the first λ that has one.
-struct Folds {
-    first: f64,
-    table: Piecewise,
-}
-
-/// ε at the outer fold of the branch before contact, as [`Noncontact::outer_fold_of`] finds it, from a table
-/// where there is one.
-fn outer_fold(lambda: f64) -> Option<f64> {
-    static FOLDS: OnceLock<Folds> = OnceLock::new();
-    if lambda < FIRST_FOLD.0 {
-        return None;
-    }
-    let folds = FOLDS.get_or_init(|| {
-        let (mut without, mut with) = FIRST_FOLD;
-        while 0.5 * (without + with) > without && 0.5 * (without + with) < with {
-            let middle = 0.5 * (without + with);
-            *(if Noncontact::outer_fold_of(middle).is_some() { &mut with } else { &mut without }) = middle;
-        }
-        let at = |root: f64| Noncontact::outer_fold_of(with + root * root).unwrap_or(f64::NAN);
-        let tolerance = |_: f64, fold: f64| TABULATED.1 * fold;
-        Folds { first: with, table: Piecewise::new(at, tolerance, 0.0, (TABULATED.0 - with).sqrt()) }
-    });
-    if lambda < folds.first {
-        return None;
-    }
-    let mut fold = [f64::NAN];
-    folds.table.values(&[(lambda - folds.first).sqrt()], &mut fold);
-    if fold[0].is_nan() { Noncontact::outer_fold_of(lambda) } else { Some(fold[0]) }
 }
 
 #[cfg(test)]

@@ -4,8 +4,9 @@
 use super::law::Method;
 use super::law::{BLOCK, End, Flattened, Responses, Smoothness};
 use super::parameters::LawParameters;
+use super::radius::{Lane, Lanes, Similarity};
 use super::stats::SolverStats;
-use super::table::Interaction;
+use super::table::{Interaction, PartOfRadii};
 use crate::math::instruction_set::InstructionSet;
 use crate::math::piecewise::Piecewise;
 
@@ -31,6 +32,37 @@ use crate::math::piecewise::Piecewise;
 pub trait Formula: Clone + Send + Sync + 'static {
     /// Fills `out` with the values at interferences δ, m.
     fn fill(&self, interference: &[f64], out: &mut [f64]);
+
+    /// How the values follow the radius of the asperity, if that is known.
+    #[doc(hidden)]
+    fn similarity(&self) -> Option<Similarity> {
+        None
+    }
+
+    /// The same, told how its values follow the radius.
+    #[doc(hidden)]
+    fn following(self, similarity: Similarity) -> Following<Self> {
+        Following { formula: self, similarity }
+    }
+}
+
+/// A formula of which it is known how it follows the radius.
+#[doc(hidden)]
+#[derive(Clone, Debug)]
+pub struct Following<F> {
+    formula: F,
+    similarity: Similarity,
+}
+
+impl<F: Formula> Formula for Following<F> {
+    #[inline(always)]
+    fn fill(&self, interference: &[f64], out: &mut [f64]) {
+        self.formula.fill(interference, out);
+    }
+
+    fn similarity(&self) -> Option<Similarity> {
+        Some(self.similarity)
+    }
 }
 
 impl<F: Fn(f64) -> f64 + Clone + Send + Sync + 'static> Formula for F {
@@ -50,6 +82,10 @@ impl Formula for Zero {
     #[inline(always)]
     fn fill(&self, _: &[f64], out: &mut [f64]) {
         out.fill(0.0);
+    }
+
+    fn similarity(&self) -> Option<Similarity> {
+        Some(Similarity::new(0.0, 0.0))
     }
 }
 
@@ -212,17 +248,12 @@ impl<F: Formula, P: Formula, A: Formula> ClosedForm<F, P, A> {
 
 impl<F: Formula, P: Formula, A: Formula> Interaction for ClosedForm<F, P, A> {
     fn smoothness(&self, lower: f64, upper: f64) -> (Vec<f64>, Vec<Smoothness>) {
-        let mut ends: Vec<f64> = self.roots.iter().map(|root| root.from).collect();
-        ends.retain(|end| lower < *end && *end < upper);
-        ends.sort_by(f64::total_cmp);
-        let of = |begin: f64| {
-            let roots = self.roots.iter().filter(|root| root.from <= begin);
-            roots.max_by(|a, b| a.from.total_cmp(&b.from)).map_or(Smoothness::Smooth, |root| {
-                Smoothness::Root { end: End::Lower, place: root.place, order: root.order }
-            })
-        };
-        let smoothness = [lower].into_iter().chain(ends.iter().copied()).map(of).collect();
-        (ends, smoothness)
+        smoothness(&self.roots, lower, upper)
+    }
+
+    fn of_radii(&self) -> Option<&dyn PartOfRadii> {
+        let known = [self.adhesion.similarity(), self.contact.similarity(), self.area.similarity()];
+        known.iter().all(Option::is_some).then_some(self)
     }
 
     fn method(&self) -> Method {
@@ -252,6 +283,63 @@ impl<F: Formula, P: Formula, A: Formula> Interaction for ClosedForm<F, P, A> {
                 self.area.fill(interference, &mut out.area[..count]);
             },
         );
+    }
+}
+
+/// The ends within `lower..upper`, m, from which roots act, and how what they act on varies on each of the intervals that
+/// they leave.
+fn smoothness(roots: &[Root], lower: f64, upper: f64) -> (Vec<f64>, Vec<Smoothness>) {
+    let mut ends: Vec<f64> = roots.iter().map(|root| root.from).collect();
+    ends.retain(|end| lower < *end && *end < upper);
+    ends.sort_by(f64::total_cmp);
+    let of =
+        |begin: f64| {
+            let roots = roots.iter().filter(|root| root.from <= begin);
+            roots.max_by(|a, b| a.from.total_cmp(&b.from)).map_or(Smoothness::Smooth, |root| {
+                Smoothness::Root { end: End::Lower, place: root.place, order: root.order }
+            })
+        };
+    let smoothness = [lower].into_iter().chain(ends.iter().copied()).map(of).collect();
+    (ends, smoothness)
+}
+
+/// Fills `out` with the values of a formula for asperities at interferences δ, m.
+fn fill_lanes(formula: &impl Formula, lanes: Lanes<'_>, interference: &[f64], out: &mut [f64]) {
+    let Some(Similarity { origin, place, value }) = formula.similarity() else { return };
+    let mut own = [0.0; BLOCK];
+    let own = &mut own[..interference.len()];
+    own.copy_from_slice(interference);
+    if place != 0.0 {
+        own.iter_mut().for_each(|delta| *delta -= origin);
+        lanes.times_power(-place, own);
+        own.iter_mut().for_each(|delta| *delta += origin);
+    }
+    InstructionSet::current().run(
+        #[inline(always)]
+        || formula.fill(own, out),
+    );
+    lanes.times_power(value, out);
+}
+
+impl<F: Formula, P: Formula, A: Formula> PartOfRadii for ClosedForm<F, P, A> {
+    fn smoothness_of(&self, lane: &Lane, lower: f64, upper: f64) -> (Vec<f64>, Vec<Smoothness>) {
+        let similarity = self.adhesion.similarity().unwrap_or(Similarity::new(0.0, 0.0));
+        let place = |interference: f64| similarity.interference(interference, lane);
+        let of = |root: &Root| Root { from: place(root.from), place: place(root.place), order: root.order };
+        smoothness(&self.roots.iter().map(of).collect::<Vec<Root>>(), lower, upper)
+    }
+
+    fn evaluate_lanes(
+        &self,
+        lanes: Lanes<'_>,
+        interference: &[f64],
+        out: &mut Responses,
+        _: &mut SolverStats,
+    ) {
+        let count = interference.len();
+        fill_lanes(&self.adhesion, lanes, interference, &mut out.adhesion[..count]);
+        fill_lanes(&self.contact, lanes, interference, &mut out.contact[..count]);
+        fill_lanes(&self.area, lanes, interference, &mut out.area[..count]);
     }
 }
 
@@ -294,7 +382,28 @@ impl Constant {
     }
 }
 
+impl PartOfRadii for Constant {
+    fn smoothness_of(&self, _: &Lane, _: f64, _: f64) -> (Vec<f64>, Vec<Smoothness>) {
+        (Vec::new(), vec![Smoothness::Smooth])
+    }
+
+    fn evaluate_lanes(
+        &self,
+        lanes: Lanes<'_>,
+        interference: &[f64],
+        out: &mut Responses,
+        stats: &mut SolverStats,
+    ) {
+        self.evaluate(interference, out, stats);
+        lanes.times_power(1.0, &mut out.adhesion[..interference.len()]);
+    }
+}
+
 impl Interaction for Constant {
+    fn of_radii(&self) -> Option<&dyn PartOfRadii> {
+        Some(self)
+    }
+
     fn method(&self) -> Method {
         Method::Constant(self.adhesion)
     }

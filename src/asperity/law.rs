@@ -1,5 +1,6 @@
 //! The contract between an asperity law and everything that sums it.
 
+use super::radius::OfRadii;
 use super::scale::Scale;
 use super::stats::SolverStats;
 use crate::math::instruction_set::InstructionSet;
@@ -263,6 +264,12 @@ pub trait Law: Send + Sync {
     /// any of them.
     #[doc(hidden)]
     fn flattened(&self) -> Option<Box<dyn Flattened>> {
+        None
+    }
+
+    /// The law as that of asperities of other radii, if it is known how it follows them.
+    #[doc(hidden)]
+    fn of_radii(&self) -> Option<&dyn OfRadii> {
         None
     }
 

@@ -13,12 +13,16 @@ pub mod contact;
 #[doc(hidden)]
 pub mod curve;
 #[doc(hidden)]
+pub mod elastic;
+#[doc(hidden)]
 pub mod emd;
 mod error;
 #[doc(hidden)]
 pub mod family;
+mod far;
 #[doc(hidden)]
 pub mod flattened;
+mod folds;
 #[doc(hidden)]
 pub mod formula;
 mod history;
@@ -36,10 +40,13 @@ mod parameters;
 mod plastic_unloading;
 #[doc(hidden)]
 pub mod quantity;
+#[doc(hidden)]
+pub mod radius;
 mod retraction;
 #[doc(hidden)]
 pub mod scale;
 mod solved;
+mod starts;
 mod stats;
 #[doc(hidden)]
 pub mod table;

@@ -65,8 +65,15 @@ impl Noncontact {
         }
     }
 
-    fn whole(lambda: f64) -> Self {
+    /// The curve that is not cut.
+    #[inline(always)]
+    pub fn whole(lambda: f64) -> Self {
         Self { lambda, spacing: 2.0 * STRESS_RATIO / (PI * lambda), low: 0.0, high: f64::INFINITY }
+    }
+
+    /// ζ = Z₀/s_δ.
+    pub fn spacing(&self) -> f64 {
+        self.spacing
     }
 
     /// ε at the outer fold for the adhesion parameter `lambda` > 0, if there is one.
@@ -79,9 +86,10 @@ impl Noncontact {
         let slope = |log_gap: f64| self.at(libm::exp(log_gap)).slope;
         let grid: Vec<f64> =
             (0..=400).map(|i| libm::log(1e-9 / (1e-3 + self.lambda)) + 0.1 * f64::from(i)).collect();
+        let slopes: Vec<f64> = grid.iter().map(|place| slope(*place)).collect();
         let steepest = (1..grid.len() - 1)
             .filter(|&i| libm::exp(grid[i]) < OUTSIDE_FOLD)
-            .max_by(|&i, &j| slope(grid[i]).total_cmp(&slope(grid[j])))?;
+            .max_by(|&i, &j| slopes[i].total_cmp(&slopes[j]))?;
         let peak = libm::exp(golden_maximum(slope, grid[steepest - 1], grid[steepest + 1], 1e-9));
         if self.at(peak).slope <= 0.0 || peak >= OUTSIDE_FOLD {
             return None;

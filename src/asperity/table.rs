@@ -4,6 +4,7 @@
 //! several laws, the same lubricant all that know one.
 
 use super::law::{Boundary, FitReport, Flattened, Law, Method, Piece, Regime, Responses, Smoothness};
+use super::radius::{Lane, Lanes, OfRadii, Place};
 use super::stats::SolverStats;
 
 /// The interaction of an asperity in one regime: a [`ClosedForm`](super::ClosedForm), or a
@@ -55,27 +56,55 @@ pub trait Interaction: Send + Sync {
         None
     }
 
+    /// The same part of asperities of other radii, if it is known how it follows them.
+    #[doc(hidden)]
+    fn of_radii(&self) -> Option<&dyn PartOfRadii> {
+        None
+    }
+
     /// Fills the first `interference.len()` responses for interferences δ, m.
     #[doc(hidden)]
     fn evaluate(&self, interference: &[f64], out: &mut Responses, stats: &mut SolverStats);
 }
 
+/// An interaction as that of asperities of other radii.
+#[doc(hidden)]
+pub trait PartOfRadii {
+    /// λ at ρ = 1, if elastic branches are solved.
+    fn lambda(&self) -> Option<f64> {
+        None
+    }
+
+    /// As [`Interaction::smoothness`], of an asperity.
+    fn smoothness_of(&self, lane: &Lane, lower: f64, upper: f64) -> (Vec<f64>, Vec<Smoothness>);
+
+    /// Fills the first responses for asperities at interferences δ, m.
+    fn evaluate_lanes(
+        &self,
+        lanes: Lanes<'_>,
+        interference: &[f64],
+        out: &mut Responses,
+        stats: &mut SolverStats,
+    );
+}
+
 /// A regime, the boundary at its upper end if it has one, and what acts in it.
 pub struct Row {
     regime: Regime,
-    end: Option<Boundary>,
+    /// Where it ends, and whether that place still belongs to it.
+    end: Option<(Place, bool)>,
     part: Box<dyn Interaction>,
 }
 
 impl Row {
     /// A regime for interferences below `end`, m.
-    pub fn below(regime: Regime, end: f64, part: impl Interaction + 'static) -> Self {
-        Self { regime, end: Some(Boundary { interference: end, belongs_below: false }), part: Box::new(part) }
+    pub fn below(regime: Regime, end: impl Into<Place>, part: impl Interaction + 'static) -> Self {
+        Self { regime, end: Some((end.into(), false)), part: Box::new(part) }
     }
 
     /// A regime for interferences up to `end`, m, itself.
-    pub fn up_to(regime: Regime, end: f64, part: impl Interaction + 'static) -> Self {
-        Self { regime, end: Some(Boundary { interference: end, belongs_below: true }), part: Box::new(part) }
+    pub fn up_to(regime: Regime, end: impl Into<Place>, part: impl Interaction + 'static) -> Self {
+        Self { regime, end: Some((end.into(), true)), part: Box::new(part) }
     }
 
     /// A regime without end.
@@ -88,6 +117,8 @@ impl Row {
 pub struct Table {
     regimes: Vec<Regime>,
     boundaries: Vec<Boundary>,
+    /// The same as they follow the radius.
+    places: Vec<Place>,
     parts: Vec<Box<dyn Interaction>>,
     fit: Option<FitReport>,
 }
@@ -95,10 +126,14 @@ pub struct Table {
 impl Table {
     /// The law of rows from far to deep. Only the last may lack an end; if it has one, nothing acts beyond.
     pub fn new(rows: impl IntoIterator<Item = Row>) -> Self {
-        let mut table = Self { regimes: Vec::new(), boundaries: Vec::new(), parts: Vec::new(), fit: None };
+        let (regimes, boundaries, places) = (Vec::new(), Vec::new(), Vec::new());
+        let mut table = Self { regimes, boundaries, places, parts: Vec::new(), fit: None };
         for row in rows {
             table.regimes.push(row.regime);
-            table.boundaries.extend(row.end);
+            if let Some((place, belongs_below)) = row.end {
+                table.boundaries.push(Boundary { interference: place.interference, belongs_below });
+                table.places.push(place);
+            }
             table.parts.push(row.part);
         }
         table
@@ -122,20 +157,12 @@ impl Law for Table {
     }
 
     fn pieces(&self) -> Vec<Piece> {
-        let mut pieces = Vec::new();
-        let mut lower = f64::NEG_INFINITY;
-        for (regime, part) in self.parts.iter().enumerate() {
-            let upper = self.boundaries.get(regime).map_or(f64::INFINITY, |boundary| boundary.interference);
-            if lower < upper {
-                let (mut ends, smoothness) = part.smoothness(lower, upper);
-                ends.push(upper);
-                for (end, smoothness) in ends.into_iter().zip(smoothness) {
-                    pieces.push(Piece { regime, lower, upper: end, smoothness });
-                    lower = end;
-                }
-            }
-        }
-        pieces
+        let ends: Vec<f64> = self.boundaries.iter().map(|boundary| boundary.interference).collect();
+        pieces(&self.parts, &ends, |part, lower, upper| part.smoothness(lower, upper))
+    }
+
+    fn of_radii(&self) -> Option<&dyn OfRadii> {
+        self.parts.iter().all(|part| part.of_radii().is_some()).then_some(self)
     }
 
     fn method(&self, regime: usize) -> Method {
@@ -161,6 +188,65 @@ impl Law for Table {
     fn evaluate(&self, regime: usize, interference: &[f64], out: &mut Responses, stats: &mut SolverStats) {
         let (part, far) = (&self.parts[regime], stats.far);
         part.evaluate(interference, out, stats);
+        part.method().count(interference.len() as u64, stats.far - far, stats);
+    }
+}
+
+/// The pieces of parts that end at interferences, m: of each part those that it says.
+fn pieces(
+    parts: &[Box<dyn Interaction>],
+    ends: &[f64],
+    smoothness: impl Fn(&dyn Interaction, f64, f64) -> (Vec<f64>, Vec<Smoothness>),
+) -> Vec<Piece> {
+    let mut pieces = Vec::new();
+    let mut lower = f64::NEG_INFINITY;
+    for (regime, part) in parts.iter().enumerate() {
+        let upper = ends.get(regime).copied().unwrap_or(f64::INFINITY);
+        if lower < upper {
+            let (mut ends, smoothness) = smoothness(part.as_ref(), lower, upper);
+            ends.push(upper);
+            for (end, smoothness) in ends.into_iter().zip(smoothness) {
+                pieces.push(Piece { regime, lower, upper: end, smoothness });
+                lower = end;
+            }
+        }
+    }
+    pieces
+}
+
+impl Table {
+    fn part_of_radii(part: &dyn Interaction) -> &dyn PartOfRadii {
+        part.of_radii().expect("all parts of a law that follows the radius do")
+    }
+}
+
+impl OfRadii for Table {
+    fn lambda(&self) -> Option<f64> {
+        self.parts.iter().find_map(|part| Self::part_of_radii(part.as_ref()).lambda())
+    }
+
+    fn ends(&self, lane: &Lane, out: &mut Vec<f64>) {
+        out.clear();
+        out.extend(self.places.iter().map(|place| place.of(lane)));
+    }
+
+    fn pieces_of(&self, lane: &Lane) -> Vec<Piece> {
+        let ends: Vec<f64> = self.places.iter().map(|place| place.of(lane)).collect();
+        pieces(&self.parts, &ends, |part, lower, upper| {
+            Self::part_of_radii(part).smoothness_of(lane, lower, upper)
+        })
+    }
+
+    fn evaluate_lanes(
+        &self,
+        regime: usize,
+        lanes: Lanes<'_>,
+        interference: &[f64],
+        out: &mut Responses,
+        stats: &mut SolverStats,
+    ) {
+        let (part, far) = (&self.parts[regime], stats.far);
+        Self::part_of_radii(part.as_ref()).evaluate_lanes(lanes, interference, out, stats);
         part.method().count(interference.len() as u64, stats.far - far, stats);
     }
 }

@@ -13,12 +13,12 @@ use super::held::HeldSurface;
 use super::kinks::Kinks;
 use super::moments::{Between, ChunkMoments, MomentMatrix, MomentSums, Totals};
 use super::parts::{deepest_of_parts, stiffest_of_parts};
-use super::polydisperse::{self, add, planes};
+use super::polydisperse::{Asperities, LaneSums};
 use super::sampling::Draws;
 use super::summed::Summed;
 use super::sums::{RegimeSums, State, Sums};
 use crate::asperity::{Family, SolverStats};
-use crate::math::extrema::{Extremum, maximum};
+use crate::math::extrema::{Extremum, maximum, minimum};
 use crate::math::instruction_set::InstructionSet;
 use crate::math::sums::Compensated;
 use rayon::prelude::*;
@@ -85,7 +85,7 @@ impl Memory {
         })
     }
 
-    /// Sums of the chunk that was drawn, by state and regime; at separations that rise where radii differ.
+    /// Sums of the chunk that was drawn, by state and regime.
     fn sum(&mut self, job: &Job<'_>, states: &[State]) -> Vec<RegimeSums> {
         let Self { heights, radii, sums, .. } = self;
         match job.laws.family {
@@ -145,22 +145,22 @@ fn sum_heights(job: &Job<'_>, heights: &[f64], sums: &mut Sums, states: &[State]
     states.iter().flat_map(sum).collect()
 }
 
-/// Sums of asperities that differ in their radii, by state and regime, at separations that rise.
+/// Sums of asperities that differ in their radii, by state and regime.
 fn sum_polydisperse(
     job: &Job<'_>,
     family: &Family,
-    asperities: (&[f64], &[f64]),
+    (heights, radii): (&[f64], &[f64]),
     sums: &mut Sums,
     states: &[State],
 ) -> Vec<RegimeSums> {
-    let separation = |state: &State| match *state {
-        State::Approach(h) | State::Retraction { to: h, .. } => h,
+    let asperities = Asperities::new(family, heights, radii);
+    let mut lane_sums = LaneSums::new(sums.regimes.len());
+    let sum = |state: &State| {
+        let (State::Approach(h) | State::Retraction { to: h, .. }) = *state;
+        asperities.sum(None, job.surface.asperity_separation(h), &mut lane_sums, &mut sums.stats);
+        lane_sums.regimes.clone()
     };
-    let separations: Vec<f64> = states.iter().map(separation).collect();
-    let Sums { scratch, stats, regimes, .. } = sums;
-    let mut by_plane = vec![RegimeSums::default(); regimes.len() * separations.len()];
-    add(family, asperities, &planes(job, &separations), scratch, stats, &mut by_plane);
-    by_plane.chunks_exact(regimes.len()).rev().flatten().copied().collect()
+    states.iter().flat_map(sum).collect()
 }
 
 impl<'a> Chunks<'a> {
@@ -240,7 +240,7 @@ impl<'a> Chunks<'a> {
         let mut whole = HeldSurface {
             job: &job,
             heights: &self.heights,
-            radii: &[],
+            asperities: None,
             kinks: self.kinks,
             table: self.table,
             places: None,
@@ -350,7 +350,11 @@ impl Summed for Chunks<'_> {
         if job.laws.family.is_none() {
             return pull_off(job, &self.kinks.approach, self, external_force);
         }
-        polydisperse::pull_off(job, external_force, |places| self.external_forces(places))
+        let sampled = minimum(job.separations, external_force);
+        if sampled.at_edge {
+            return sampled;
+        }
+        deepest_of_parts(&job.samples(external_force), |places| self.external_forces(places))
     }
 
     fn retraction(&mut self, from: f64, separations: &[f64]) -> Vec<f64> {

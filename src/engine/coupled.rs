@@ -201,7 +201,7 @@ fn laws_of<'a>((job, substrate): (&Job<'a>, &Substrate<'a>), radius: f64) -> Rad
     let memory = match (substrate.memory, job.laws.family) {
         (Some(SurfaceLoops::All(cycle)), _) => Memory::Loop(Held::Shared(cycle)),
         (Some(SurfaceLoops::OfRadius(loop_of)), _) => Memory::Loop(Held::Own(Box::new(loop_of(radius)))),
-        (None, Some(family)) => Memory::None(Held::Own(family.law(radius, None))),
+        (None, Some(family)) => Memory::None(Held::Own(family.law(radius))),
         (None, None) => Memory::None(Held::Shared(job.laws.typical)),
     };
     // Of elastic laws, s_δ ~ R^(1/3).

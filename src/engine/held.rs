@@ -4,6 +4,7 @@ use super::Job;
 use super::force_table::ForceTable;
 use super::kinks::{Kink, Kinks, rounding, widest_spacing};
 use super::moments::{MomentMatrix, MomentSums};
+use super::polydisperse::{Asperities, LaneSums};
 use super::radii::{Places, PolydisperseCurve};
 use super::retraction::{FlattenedTop, Retracted};
 use super::search::{Curve, NODES, Passing, Sought, Stray};
@@ -17,8 +18,8 @@ pub(super) struct HeldSurface<'a> {
     pub job: &'a Job<'a>,
     /// Heights, m, rising unless they are summed by moments or radii differ.
     pub heights: &'a [f64],
-    /// m, where they differ.
-    pub radii: &'a [f64],
+    /// The asperities where radii differ, and memory for their sums.
+    pub asperities: Option<(&'a Asperities, &'a mut LaneSums)>,
     /// The kinks of the law.
     pub kinks: &'a Kinks,
     pub table: &'a mut ForceTable,
@@ -65,14 +66,13 @@ impl HeldSurface<'_> {
     /// Finds what is sought on the way of the job from samples of it: separations h, m, rising, and external
     /// forces, N.
     fn find(&mut self, sought: Sought, samples: &[(f64, f64)]) -> Extremum {
-        let Self { job, heights, highest, .. } = *self;
+        let (job, highest) = (self.job, self.highest);
         let (kinks, spacing) = (self.kinks.approach.as_slice(), widest_spacing(job));
-        if let Some(family) = job.laws.family {
-            let asperities = (heights, self.radii);
-            let places = self.places.get_or_insert_with(|| Places::new(job, family, asperities));
+        if let Some((asperities, lane_sums)) = &mut self.asperities {
+            let places = self.places.get_or_insert_with(|| Places::new(job, asperities));
             let Sums { scratch, stats, .. } = &mut *self.sums;
             let mut surface =
-                PolydisperseCurve::new(job, family, (kinks, places), asperities, scratch, stats);
+                PolydisperseCurve::new(job, (kinks, places), asperities, lane_sums, (scratch, stats));
             return sought.find(&mut surface, samples, spacing);
         }
         match &mut self.moments {

@@ -1,109 +1,135 @@
-//! Sums over asperities that differ in their radii, and so in λ: asperity by asperity, each by its own law at
-//! all separations at once.
+//! Sums over asperities that differ in their radii, and so in λ: state by state, in blocks of asperities that are in one
+//! regime, each lane with the radius of its asperity.
 
 use super::Job;
 use super::curves::Curves;
-use super::parts::deepest_of_parts;
+use super::kinks::forces;
 use super::sums::RegimeSums;
-use crate::asperity::{Family, Scratch, SolverStats, for_each_block, regime_ranges};
-use crate::math::extrema::{Extremum, minimum};
+use crate::asperity::radius::{Lane, Lanes};
+use crate::asperity::{BLOCK, Family, Law, Responses, Scratch, SolverStats};
+use crate::math::instruction_set::InstructionSet;
+use crate::math::sums::lane_sum;
 
-/// Memory for the sums of one surface after the other.
-pub(super) struct PlaneSums {
-    /// −d, m, rising: in the frame of an asperity the plane moves, and its interference rises with −d.
-    planes: Vec<f64>,
-    /// By plane, then regime.
-    sums: Vec<RegimeSums>,
+/// Asperities that differ in their radii.
+pub(super) struct Asperities {
+    family: Family,
+    /// u, m.
+    pub heights: Vec<f64>,
+    lanes: Vec<Lane>,
+    /// By the end of a regime, then asperity: the separation d, m, up to which the asperity is beyond the end.
+    ends: Vec<Vec<f64>>,
+    /// The numbers of all.
+    all: Vec<u32>,
 }
 
-impl PlaneSums {
-    /// For surfaces of a job.
-    pub fn new(job: &Job<'_>) -> Self {
-        let planes = planes(job, job.separations);
-        Self { sums: vec![RegimeSums::default(); job.laws.regimes().len() * planes.len()], planes }
+/// Memory for the sums of some asperities after the other.
+pub(super) struct LaneSums {
+    /// By regime.
+    pub regimes: Vec<RegimeSums>,
+    lists: Vec<Vec<u32>>,
+    interference: [f64; BLOCK],
+    responses: Responses,
+}
+
+impl LaneSums {
+    /// Memory for a law of so many regimes.
+    pub fn new(regimes: usize) -> Self {
+        Self {
+            regimes: vec![RegimeSums::default(); regimes],
+            lists: vec![Vec::new(); regimes + 1],
+            interference: [0.0; BLOCK],
+            responses: Responses::default(),
+        }
+    }
+}
+
+impl Asperities {
+    /// Asperities of heights and radii, m, whose laws are a family.
+    pub fn new(family: &Family, heights: &[f64], radii: &[f64]) -> Self {
+        let lanes: Vec<Lane> = radii.iter().map(|radius| family.lane(*radius)).collect();
+        let mut own = Vec::new();
+        let mut ends: Vec<Vec<f64>> = Vec::new();
+        for (lane, height) in lanes.iter().zip(heights) {
+            family.lanes().ends(lane, &mut own);
+            ends.resize_with(own.len(), || Vec::with_capacity(lanes.len()));
+            ends.iter_mut().zip(&own).for_each(|(ends, end)| ends.push(height - end));
+        }
+        let all = (0..heights.len() as u32).collect();
+        Self { family: family.clone(), heights: heights.to_vec(), lanes, ends, all }
     }
 
-    /// Sums a surface at all separations into its curves: `heights` and `radii`, m, of its asperities, whose
-    /// laws are a family.
-    pub fn surface(
-        &mut self,
-        family: &Family,
-        asperities: (&[f64], &[f64]),
+    /// Sums all at the separations of a job into its curves.
+    pub fn record(&self, job: &Job<'_>, sums: &mut LaneSums, stats: &mut SolverStats, curves: &mut Curves) {
+        for (k, h) in job.separations.iter().enumerate() {
+            self.sum(None, job.surface.asperity_separation(*h), sums, stats);
+            RegimeSums::record(&sums.regimes, k, curves);
+        }
+    }
+
+    /// The external force of some, or all, N, at a separation d, m.
+    pub fn external_force(
+        &self,
+        which: Option<&[u32]>,
+        d: f64,
+        sums: &mut LaneSums,
+        stats: &mut SolverStats,
+    ) -> f64 {
+        self.sum(which, d, sums, stats);
+        RegimeSums::external_force(&sums.regimes)
+    }
+
+    /// Sums some, or all, at a separation d, m.
+    pub fn sum(&self, which: Option<&[u32]>, d: f64, sums: &mut LaneSums, stats: &mut SolverStats) {
+        let LaneSums { regimes, lists, interference, responses } = sums;
+        lists.iter_mut().for_each(Vec::clear);
+        for &i in which.unwrap_or(&self.all) {
+            let regime: usize = self.ends.iter().map(|ends| usize::from(d <= ends[i as usize])).sum();
+            lists[regime].push(i);
+        }
+        let law = self.family.lanes();
+        for (regime, (sum, list)) in regimes.iter_mut().zip(lists).enumerate() {
+            *sum = RegimeSums { count: list.len() as f64, ..RegimeSums::default() };
+            let touches = self.family.touches(regime);
+            stats.unloaded += if touches { 0 } else { list.len() as u64 };
+            for which in list.chunks(BLOCK) {
+                let n = which.len();
+                let interference = &mut interference[..n];
+                for (delta, i) in interference.iter_mut().zip(which) {
+                    *delta = self.heights[*i as usize] - d;
+                }
+                law.evaluate_lanes(regime, Lanes::new(&self.lanes, which), interference, responses, stats);
+                InstructionSet::current().run(
+                    #[inline(always)]
+                    || {
+                        sum.adhesion.add(lane_sum(&responses.adhesion[..n]));
+                        // Where nothing touches there is neither load nor area.
+                        if touches {
+                            sum.contact.add(lane_sum(&responses.contact[..n]));
+                            sum.area.add(lane_sum(&responses.area[..n]));
+                        }
+                    },
+                );
+            }
+        }
+    }
+
+    /// The separations d, m, at which the force of an asperity is not smooth, falling.
+    pub fn kinks(&self, asperity: usize) -> impl Iterator<Item = f64> + use<> {
+        let pieces = self.family.lanes().pieces_of(&self.lanes[asperity]);
+        let last = pieces.last().map(|piece| piece.upper);
+        let ends: Vec<f64> = pieces.iter().map(|piece| piece.lower).chain(last).collect();
+        let height = self.heights[asperity];
+        ends.into_iter().filter(|end| end.is_finite()).map(move |end| height - end)
+    }
+
+    /// External forces, N, of an asperity at interferences δ, m, rising.
+    pub fn forces(
+        &self,
+        asperity: usize,
+        interferences: &[f64],
         scratch: &mut Scratch,
         stats: &mut SolverStats,
-        curves: &mut Curves,
-    ) {
-        self.sums.fill(RegimeSums::default());
-        add(family, asperities, &self.planes, scratch, stats, &mut self.sums);
-        let (regimes, last) = (self.sums.len() / self.planes.len(), self.planes.len() - 1);
-        for (plane, sums) in self.sums.chunks_exact(regimes).enumerate() {
-            RegimeSums::record(sums, last - plane, curves);
-        }
-    }
-}
-
-/// The minimum of the external force, N, of a surface whose curve through the separations is known: of that,
-/// and of places between the smallest of the samples and its neighbours, the `forces` at which, N, are asked
-/// for at once.
-pub(super) fn pull_off(
-    job: &Job<'_>,
-    external_force: &[f64],
-    forces: impl FnOnce(&[f64]) -> Vec<f64>,
-) -> Extremum {
-    let sampled = minimum(job.separations, external_force);
-    if sampled.at_edge {
-        return sampled;
-    }
-    deepest_of_parts(&job.samples(external_force), forces)
-}
-
-/// External forces, N, of asperities, `heights` and `radii`, m, at separations h, m, rising.
-pub(super) fn external_forces(
-    job: &Job<'_>,
-    family: &Family,
-    asperities: (&[f64], &[f64]),
-    scratch: &mut Scratch,
-    stats: &mut SolverStats,
-    separations: &[f64],
-) -> Vec<f64> {
-    let planes = planes(job, separations);
-    let mut sums = vec![RegimeSums::default(); planes.len()];
-    add(family, asperities, &planes, scratch, stats, &mut sums);
-    sums.iter().rev().map(|sum| RegimeSums::external_force(std::slice::from_ref(sum))).collect()
-}
-
-/// −d, m, rising, of separations h, m, rising.
-pub(super) fn planes(job: &Job<'_>, separations: &[f64]) -> Vec<f64> {
-    separations.iter().rev().map(|&h| -job.surface.asperity_separation(h)).collect()
-}
-
-/// Adds asperities, `heights` and `radii`, m, to sums by plane, then regime; to one sum for each plane where
-/// there is no more.
-pub(super) fn add(
-    family: &Family,
-    (heights, radii): (&[f64], &[f64]),
-    planes: &[f64],
-    scratch: &mut Scratch,
-    stats: &mut SolverStats,
-    sums: &mut [RegimeSums],
-) {
-    let width = sums.len() / planes.len();
-    let place = |plane: usize, regime: usize| plane * width + regime.min(width - 1);
-    for (&u, &radius) in heights.iter().zip(radii) {
-        let law = family.law(radius, None);
-        for (regime, range) in regime_ranges(law.as_ref(), planes, -u) {
-            range.for_each(|plane| sums[place(plane, regime)].count += 1.0);
-        }
-        for_each_block(law.as_ref(), planes, -u, scratch, stats, |regime, range, responses| {
-            let touches = law.regimes()[regime].is_contact();
-            for (i, plane) in range.enumerate() {
-                let sum = &mut sums[place(plane, regime)];
-                sum.adhesion.add(responses.adhesion[i]);
-                if touches {
-                    sum.contact.add(responses.contact[i]);
-                    sum.area.add(responses.area[i]);
-                }
-            }
-        });
+    ) -> Vec<f64> {
+        forces(&self.family.law_of(self.lanes[asperity]) as &dyn Law, interferences, scratch, stats)
     }
 }

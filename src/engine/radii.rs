@@ -2,11 +2,10 @@
 //! its own.
 
 use super::Job;
-use super::kinks::{Kink, beside, forces, rounding};
-use super::polydisperse;
+use super::kinks::{Kink, beside, rounding};
+use super::polydisperse::{Asperities, LaneSums};
 use super::search::{Curve, Passing, Stray};
-use crate::asperity::{Family, Law, Scratch, SolverStats};
-use std::collections::BTreeMap;
+use crate::asperity::{Scratch, SolverStats};
 
 /// How many times the stray and the fall of a kink of the typical asperity those of another may be.
 const UNLIKE: f64 = 2.0;
@@ -20,12 +19,12 @@ pub(super) struct Places {
 }
 
 impl Places {
-    /// The places of asperities of a job, `heights` and `radii`, m, whose laws are a family.
-    pub fn new(job: &Job<'_>, family: &Family, (heights, radii): (&[f64], &[f64])) -> Self {
-        let (mut places, mut ends) = (Vec::new(), Vec::with_capacity(heights.len()));
-        for (height, radius) in heights.iter().zip(radii) {
-            let interferences = Kink::interferences(family.law(*radius, None).as_ref());
-            places.extend(interferences.iter().map(|kink| height - kink + job.surface.mean_plane_offset));
+    /// The places of asperities of a job.
+    pub fn new(job: &Job<'_>, asperities: &Asperities) -> Self {
+        let count = asperities.heights.len();
+        let (mut places, mut ends) = (Vec::new(), Vec::with_capacity(count));
+        for asperity in 0..count {
+            places.extend(asperities.kinks(asperity).map(|d| d + job.surface.mean_plane_offset));
             ends.push(places.len() as u32);
         }
         Self { places, ends }
@@ -42,29 +41,23 @@ impl Places {
 /// A surface of which all asperities are held.
 pub(super) struct PolydisperseCurve<'a> {
     job: &'a Job<'a>,
-    family: &'a Family,
     /// The kinks of the typical asperity.
     typical: Vec<Kink>,
-    /// m.
-    heights: &'a [f64],
-    radii: &'a [f64],
+    asperities: &'a Asperities,
     places: &'a Places,
-    /// Laws of asperities that have been asked for.
-    laws: BTreeMap<u32, Box<dyn Law>>,
+    sums: &'a mut LaneSums,
     scratch: &'a mut Scratch,
     stats: &'a mut SolverStats,
 }
 
 impl<'a> PolydisperseCurve<'a> {
-    /// A surface of a job whose laws are a family: `heights` and `radii`, m, of its asperities, with their
-    /// kinks and these of the typical one.
+    /// The asperities of a job, with their kinks and these of the typical one.
     pub fn new(
         job: &'a Job<'a>,
-        family: &'a Family,
         (typical, places): (&[Kink], &'a Places),
-        (heights, radii): (&'a [f64], &'a [f64]),
-        scratch: &'a mut Scratch,
-        stats: &'a mut SolverStats,
+        asperities: &'a Asperities,
+        sums: &'a mut LaneSums,
+        (scratch, stats): (&'a mut Scratch, &'a mut SolverStats),
     ) -> Self {
         let mut last = Stray::default();
         let unlike = |kink: &Kink| {
@@ -74,7 +67,7 @@ impl<'a> PolydisperseCurve<'a> {
             Kink { fall: UNLIKE * kink.fall, stray: last.times(UNLIKE), ..*kink }
         };
         let typical = typical.iter().map(unlike).collect();
-        Self { job, family, typical, heights, radii, places, laws: BTreeMap::new(), scratch, stats }
+        Self { job, typical, asperities, places, sums, scratch, stats }
     }
 
     /// The kinks of an asperity: separations h, m, falling, and the kink of the typical asperity that is like
@@ -87,11 +80,9 @@ impl<'a> PolydisperseCurve<'a> {
             .map(move |(i, place)| (*place, (i + typical).saturating_sub(places.len()).min(typical - 1)))
     }
 
-    /// External forces, N, of an asperity at interferences δ, m, rising.
-    fn forces(&mut self, asperity: u32, interferences: &[f64]) -> Vec<f64> {
-        let radius = self.radii[asperity as usize];
-        let law = self.laws.entry(asperity).or_insert_with(|| self.family.law(radius, None));
-        forces(law.as_ref(), interferences, self.scratch, self.stats)
+    fn external_force(&mut self, which: Option<&[u32]>, separation: f64) -> f64 {
+        let d = self.job.surface.asperity_separation(separation);
+        self.asperities.external_force(which, d, self.sums, self.stats)
     }
 }
 
@@ -99,29 +90,22 @@ impl Curve for PolydisperseCurve<'_> {
     type Asperity = u32;
 
     fn exact(&mut self, separations: &[f64]) -> Vec<f64> {
-        let asperities = (self.heights, self.radii);
-        polydisperse::external_forces(
-            self.job,
-            self.family,
-            asperities,
-            self.scratch,
-            self.stats,
-            separations,
-        )
+        separations.iter().map(|h| self.external_force(None, *h)).collect()
     }
 
     fn kinked(&mut self, low: f64, high: f64) -> Vec<u32> {
         let is_near = |asperity: &u32| self.kinks(*asperity).any(|(place, _)| place >= low && place <= high);
-        (0..self.heights.len() as u32).filter(is_near).collect()
+        (0..self.asperities.heights.len() as u32).filter(is_near).collect()
     }
 
     fn passings(&mut self, asperities: &[u32], low: f64, high: f64, passings: &mut Vec<Passing>) {
         for (i, asperity) in asperities.iter().enumerate() {
-            let height = self.heights[*asperity as usize] + self.job.surface.mean_plane_offset;
+            let height = self.asperities.heights[*asperity as usize] + self.job.surface.mean_plane_offset;
             let near: Vec<(f64, usize)> =
                 self.kinks(*asperity).filter(|(place, _)| *place >= low && *place <= high).collect();
             for (place, kink) in near {
-                let force = self.forces(*asperity, &beside(height - place));
+                let sides = beside(height - place);
+                let force = self.asperities.forces(*asperity as usize, &sides, self.scratch, self.stats);
                 passings.push(Passing {
                     place,
                     step: force[0] - force[1],
@@ -137,22 +121,18 @@ impl Curve for PolydisperseCurve<'_> {
     }
 
     fn rounding(&self) -> f64 {
-        rounding(self.job, self.heights.iter().fold(0.0, |most: f64, u| most.max(u.abs())))
+        rounding(self.job, self.asperities.heights.iter().fold(0.0, |most: f64, u| most.max(u.abs())))
     }
 
     fn add(&mut self, asperities: &[u32], separations: &[f64], sums: &mut [f64]) {
-        for asperity in asperities {
-            let height = self.heights[*asperity as usize];
-            let interference = |h: &f64| height - self.job.surface.asperity_separation(*h);
-            let interferences: Vec<f64> = separations.iter().rev().map(interference).collect();
-            let forces = self.forces(*asperity, &interferences);
-            sums.iter_mut().zip(forces.iter().rev()).for_each(|(sum, force)| *sum += force);
+        for (separation, sum) in separations.iter().zip(sums) {
+            *sum += self.external_force(Some(asperities), *separation);
         }
     }
 
     fn falls(&mut self, low: f64, high: f64, mut visit: impl FnMut(f64, usize)) {
         let mut counts = vec![0; self.typical.len()];
-        for asperity in 0..self.heights.len() as u32 {
+        for asperity in 0..self.asperities.heights.len() as u32 {
             let near = self.kinks(asperity).filter(|(place, _)| *place >= low && *place <= high);
             near.for_each(|(_, kink)| counts[kink] += 1);
         }

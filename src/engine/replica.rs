@@ -10,7 +10,7 @@ use super::force_table::ForceTable;
 use super::held::HeldSurface;
 use super::kinks::Kinks;
 use super::moments::{LANES, MomentSums};
-use super::polydisperse::PlaneSums;
+use super::polydisperse::{Asperities, LaneSums};
 use super::sampling::{Draws, is_divided};
 use super::summed::Summed;
 use super::sums::{RegimeSums, State, Sums};
@@ -104,7 +104,9 @@ pub struct Workspace {
     heights: Vec<Vec<f64>>,
     /// The radii of the surface that is summed, where asperities differ in their radii.
     radii: Vec<f64>,
-    plane_sums: Option<PlaneSums>,
+    /// The asperities of that, and memory for their sums.
+    asperities: Option<Asperities>,
+    lane_sums: LaneSums,
     kinks: Kinks,
     table: ForceTable,
     sums: Sums,
@@ -132,7 +134,8 @@ impl Workspace {
             is_divided,
             heights: vec![Vec::new(); at_once],
             radii: Vec::new(),
-            plane_sums: job.laws.family.filter(|_| !is_divided).map(|_| PlaneSums::new(job)),
+            asperities: None,
+            lane_sums: LaneSums::new(r),
             table: ForceTable::of(job, &kinks),
             kinks,
             sums: Sums::new(r),
@@ -223,9 +226,10 @@ impl Workspace {
             moments.take(matrix, &self.heights[..count]);
             moments.fill(matrix, job.laws.typical, &mut self.curves[..count], &mut self.sums.stats);
         }
-        if let (Some(family), Some(plane_sums)) = (job.laws.family, &mut self.plane_sums) {
-            let Sums { scratch, stats, .. } = &mut self.sums;
-            plane_sums.surface(family, (&self.heights[0], &self.radii), scratch, stats, &mut self.curves[0]);
+        if let Some(family) = job.laws.family {
+            let asperities = Asperities::new(family, &self.heights[0], &self.radii);
+            asperities.record(job, &mut self.lane_sums, &mut self.sums.stats, &mut self.curves[0]);
+            self.asperities = Some(asperities);
             return;
         }
         let states = State::all(job);
@@ -248,7 +252,7 @@ impl Workspace {
         let mut surface = HeldSurface {
             job,
             heights,
-            radii: &self.radii,
+            asperities: self.asperities.as_ref().map(|asperities| (asperities, &mut self.lane_sums)),
             kinks: &self.kinks,
             table: &mut self.table,
             places: None,

@@ -24,7 +24,7 @@ const HEIGHT_REACH: f64 = 11.0;
 ///
 /// let law = model("md").unwrap().law(&LawParameters::scaled(0.5, Path::Approach)?)?;
 /// let surface = Surface::uniform(1.0, 1.0, 100, 1.0);
-/// let integral = Model::new(law.as_ref(), &surface, &[0.0, 3.0]);
+/// let integral = Model::new(law.as_ref(), &surface);
 /// let expected = Expectations::new(law.as_ref(), &surface, &[1.5]).expected;
 /// assert_eq!(integral.external_force(1.5), expected[Quantity::ExternalForce.index()][0]);
 /// # Ok::<(), stiction::asperity::LawError>(())
@@ -43,18 +43,12 @@ struct Mixture {
 }
 
 impl<'a> Model<'a> {
-    /// The model of a surface, with laws that are fast at `separations` h, m.
-    pub fn new(laws: impl Into<Laws<'a>>, surface: &'a Surface, separations: &[f64]) -> Self {
+    /// The model of a surface.
+    pub fn new(laws: impl Into<Laws<'a>>, surface: &'a Surface) -> Self {
         let laws = laws.into();
-        let law_of = |part: &RadiusClass| {
-            let family = laws.family?;
-            let range = interference_range(&part.heights, surface, separations);
-            // A few heights are solved faster than a table is made.
-            Some(family.law(part.radius, part.heights.values().is_none().then_some(range)))
-        };
-        let parts =
-            surface.parts().into_par_iter().map(|part| (law_of(&part), part)).map(|(law, part)| (part, law));
-        Self { laws, surface, parts: parts.collect() }
+        let law_of = |part: &RadiusClass| Some(laws.family?.law(part.radius));
+        let parts = surface.parts().into_iter().map(|part| (law_of(&part), part));
+        Self { laws, surface, parts: parts.map(|(law, part)| (part, law)).collect() }
     }
 
     /// The answer at separations h, m, to a relative accuracy of every piece of the law; not to more than the
@@ -156,7 +150,7 @@ impl Expectations {
         separations: &[f64],
         tolerance: f64,
     ) -> Self {
-        Model::new(laws, surface, separations).answer(separations, tolerance)
+        Model::new(laws, surface).answer(separations, tolerance)
     }
 }
 

@@ -83,7 +83,7 @@ pub(super) fn grid(states: &[StateAt<'_>], surface: &Surface, scheme: SamplingSc
         // The middle one stands for its neighbours.
         let RadiusClass { radius, heights, .. } = &alike[alike.len() / 2];
         let weight: f64 = alike.iter().map(|part| part.weight).sum();
-        let law = family.map(|family| family.law(*radius, None));
+        let law = family.map(|family| family.law(*radius));
         let (heights, weights) = match (heights.values(), &law) {
             (Some(values), _) => {
                 let heights: Vec<f64> =

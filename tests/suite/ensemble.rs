@@ -219,7 +219,7 @@ fn several_radii_are_deepest(cases: &[(usize, &str)]) {
             let (mut heights, mut radii) = (vec![0.0; count], Vec::new());
             draw(&surface, job.seed, job.scheme, index, &mut heights, &mut radii);
             index += 1;
-            let laws: Vec<_> = radii.iter().map(|radius| family.law(*radius, None)).collect();
+            let laws: Vec<_> = radii.iter().map(|radius| family.law(*radius)).collect();
             let force = |h: f64| {
                 let d = surface.asperity_separation(h);
                 let one = |(law, height): (&dyn Law, &f64)| brute_force::external_force(law, &[*height], d);

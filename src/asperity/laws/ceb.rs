@@ -22,12 +22,13 @@
 //! other. Sources: Chang, Etsion and Bogy, J. Tribol. 109 (1987) 257 (loads, areas); J. Tribol. 110 (1988) 50
 //! (adhesion around an elastic contact).
 
-use super::kogut_etsion::Critical;
+use super::kogut_etsion::{Critical, OF_CRITICAL};
 use super::{hertz, idmt, sbl};
 use crate::asperity::error::LawError;
-use crate::asperity::formula::ClosedForm;
+use crate::asperity::formula::{ClosedForm, Formula};
 use crate::asperity::law::{Law, Regime};
 use crate::asperity::parameters::LawParameters;
+use crate::asperity::radius::{Place, Similarity};
 use crate::asperity::table::{Row, Table};
 
 /// The law `ceb`.
@@ -42,13 +43,13 @@ pub fn ceb(parameters: &LawParameters) -> Result<Box<dyn Law>, LawError> {
     let elastic =
         ClosedForm::new(sbl::ring_attraction(parameters), hertz::load(parameters), hertz::area(parameters));
     let plastic = ClosedForm::new(
-        move |_: f64| pull,
-        move |delta: f64| load * (3.0 * x(delta) - 1.5),
-        move |delta: f64| disc * (2.0 * x(delta) - 1.0),
+        (move |_: f64| pull).following(Similarity::new(0.0, 1.0)),
+        (move |delta: f64| load * (3.0 * x(delta) - 1.5)).following(OF_CRITICAL),
+        (move |delta: f64| disc * (2.0 * x(delta) - 1.0)).following(OF_CRITICAL),
     );
     Ok(Box::new(Table::new([
         Row::below(Regime::Noncontact, 0.0, idmt::attraction(parameters, 0.0)),
-        Row::up_to(Regime::Elastic, critical, elastic.with_root(0.0, 2)),
+        Row::up_to(Regime::Elastic, Place::proportional(critical, 1.0), elastic.with_root(0.0, 2)),
         Row::last(Regime::Plastic, plastic),
     ])))
 }

@@ -15,17 +15,20 @@
 //! Elastic spheres of all λ in 1e-6..1e6.
 
 use super::md::MaugisContact;
+use crate::asperity::elastic;
 use crate::asperity::emd::Emd;
 use crate::asperity::error::LawError;
+use crate::asperity::far;
 use crate::asperity::flattened::ExtendedMaugisDugdale;
 use crate::asperity::formula::Constant;
 use crate::asperity::history::Path;
 use crate::asperity::law::Method;
 use crate::asperity::law::{BLOCK, End, Flattened, Law, Regime, Responses, Smoothness};
 use crate::asperity::parameters::LawParameters;
+use crate::asperity::radius::{Lane, Lanes, Place};
 use crate::asperity::scale::Scale;
 use crate::asperity::stats::SolverStats;
-use crate::asperity::table::{Interaction, Row, Table};
+use crate::asperity::table::{Interaction, PartOfRadii, Row, Table};
 use crate::math::instruction_set::InstructionSet;
 use std::sync::Arc;
 
@@ -44,11 +47,10 @@ pub fn emd(parameters: &LawParameters) -> Result<Box<dyn Law>, LawError> {
 pub fn rows(parameters: &LawParameters) -> Result<[Row; 3], LawError> {
     let attraction = Attraction::new(parameters)?;
     let contact = MaugisContact::of(Arc::clone(&attraction.emd), parameters);
-    let touch = contact.begin();
     Ok([
-        Row::below(Regime::Noncontact, touch - parameters.lubricant_thickness, attraction),
-        Row::below(Regime::Lubricant, touch, Constant::lubricant(parameters)),
-        Row::up_to(Regime::Elastic, parameters.critical_interference, contact),
+        Row::below(Regime::Noncontact, contact.begins(-parameters.lubricant_thickness), attraction),
+        Row::below(Regime::Lubricant, contact.begins(0.0), Constant::lubricant(parameters)),
+        Row::up_to(Regime::Elastic, Place::proportional(parameters.critical_interference, 1.0), contact),
     ])
 }
 
@@ -81,16 +83,15 @@ impl Attraction {
 impl Interaction for Attraction {
     fn smoothness(&self, lower: f64, upper: f64) -> (Vec<f64>, Vec<Smoothness>) {
         let fold = self.emd.noncontact_fold().map(|fold| fold * self.scale.length - self.thickness);
-        match fold.filter(|place| lower < *place && *place < upper) {
-            Some(place) => {
-                (vec![place], vec![Smoothness::Root { end: End::Upper, place, order: 2 }, Smoothness::Smooth])
-            }
-            None => (Vec::new(), vec![Smoothness::Smooth]),
-        }
+        smoothness(fold, lower, upper)
     }
 
     fn method(&self) -> Method {
         Method::Noncontact { far: self.emd.far().map(|far| far * self.scale.length - self.thickness) }
+    }
+
+    fn of_radii(&self) -> Option<&dyn PartOfRadii> {
+        Some(self)
     }
 
     fn flattened(&self) -> Option<Box<dyn Flattened>> {
@@ -113,5 +114,53 @@ impl Interaction for Attraction {
                 out.area[..count].fill(0.0);
             },
         );
+    }
+}
+
+impl PartOfRadii for Attraction {
+    fn lambda(&self) -> Option<f64> {
+        Some(self.scale.lambda)
+    }
+
+    fn smoothness_of(&self, lane: &Lane, lower: f64, upper: f64) -> (Vec<f64>, Vec<Smoothness>) {
+        let length = self.scale.length * lane.cube_root;
+        let fold = lane.elastic.noncontact_fold(self.path).map(|fold| fold * length - self.thickness);
+        smoothness(fold, lower, upper)
+    }
+
+    fn evaluate_lanes(
+        &self,
+        lanes: Lanes<'_>,
+        interference: &[f64],
+        out: &mut Responses,
+        stats: &mut SolverStats,
+    ) {
+        let count = interference.len();
+        let per_spacing = 1.0 / self.scale.equilibrium_spacing();
+        let own = far::stiffness(self.scale.lambda);
+        let (mut gaps, mut stiffness) = ([0.0; BLOCK], [0.0; BLOCK]);
+        for (i, delta) in interference.iter().enumerate() {
+            gaps[i] = 1.0 - (delta + self.thickness) * per_spacing;
+            stiffness[i] = own * lanes.at(i).root;
+        }
+        let displacement =
+            |i: usize| (interference[i] + self.thickness) / (self.scale.length * lanes.at(i).cube_root);
+        let far = (&gaps[..count], &stiffness[..count]);
+        elastic::noncontact(far, |i| &lanes.at(i).elastic, displacement, &mut out.adhesion, stats);
+        for (i, adhesion) in out.adhesion[..count].iter_mut().enumerate() {
+            *adhesion *= self.scale.force * lanes.at(i).ratio;
+        }
+        out.contact[..count].fill(0.0);
+        out.area[..count].fill(0.0);
+    }
+}
+
+/// Of the attraction, which may have a fold within an interval, m.
+fn smoothness(fold: Option<f64>, lower: f64, upper: f64) -> (Vec<f64>, Vec<Smoothness>) {
+    match fold.filter(|place| lower < *place && *place < upper) {
+        Some(place) => {
+            (vec![place], vec![Smoothness::Root { end: End::Upper, place, order: 2 }, Smoothness::Smooth])
+        }
+        None => (Vec::new(), vec![Smoothness::Smooth]),
     }
 }

@@ -11,6 +11,7 @@ use crate::asperity::error::LawError;
 use crate::asperity::formula::{ClosedForm, Constant, Formula};
 use crate::asperity::law::{Law, Regime};
 use crate::asperity::parameters::LawParameters;
+use crate::asperity::radius::Similarity;
 use crate::asperity::table::{Interaction, Row, Table};
 use std::f64::consts::PI;
 
@@ -28,18 +29,20 @@ pub fn hertz(parameters: &LawParameters) -> Result<Box<dyn Law>, LawError> {
 /// The contact of Hertz under a constant adhesion force of `pull` πΔγR.
 pub fn contact(parameters: &LawParameters, pull: f64) -> impl Interaction + use<> {
     let pull = pull * parameters.scale.force;
-    ClosedForm::new(move |_: f64| pull, load(parameters), area(parameters)).with_root(0.0, 2)
+    let pull = (move |_: f64| pull).following(Similarity::new(0.0, 1.0));
+    ClosedForm::new(pull, load(parameters), area(parameters)).with_root(0.0, 2)
 }
 
 /// P = K√R δ^(3/2).
 pub fn load(parameters: &LawParameters) -> impl Formula + use<> {
     let (unit, per_length) = (parameters.scale.force, 1.0 / parameters.scale.length);
-    move |delta: f64| unit * (delta * per_length) * (delta * per_length).sqrt()
+    let load = move |delta: f64| unit * (delta * per_length) * (delta * per_length).sqrt();
+    load.following(Similarity::new(0.0, 0.5))
 }
 
 /// πa² = πRδ.
 pub fn area(parameters: &LawParameters) -> impl Formula + use<> {
     let (unit, per_length) =
         (PI * parameters.scale.radius * parameters.scale.radius, 1.0 / parameters.scale.length);
-    move |delta: f64| unit * (delta * per_length)
+    (move |delta: f64| unit * (delta * per_length)).following(Similarity::new(0.0, 1.0))
 }

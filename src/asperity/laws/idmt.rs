@@ -9,9 +9,10 @@
 
 use super::hertz::contact;
 use crate::asperity::error::LawError;
-use crate::asperity::formula::ClosedForm;
+use crate::asperity::formula::{ClosedForm, Formula};
 use crate::asperity::law::{Law, Regime};
 use crate::asperity::parameters::LawParameters;
+use crate::asperity::radius::Similarity;
 use crate::asperity::table::{Interaction, Row, Table};
 
 /// The law `idmt`.
@@ -34,5 +35,5 @@ pub fn attraction(parameters: &LawParameters, thickness: f64) -> impl Interactio
         let square = u * u;
         factor * square * (1.0 - 0.25 * (square * square * square))
     };
-    ClosedForm::attraction(force).proportional_to_radius()
+    ClosedForm::attraction(force.following(Similarity::new(0.0, 1.0))).proportional_to_radius()
 }

@@ -22,9 +22,10 @@ use crate::asperity::history::Path;
 use crate::asperity::law::Method;
 use crate::asperity::law::{BLOCK, End, Law, Regime, Responses, Smoothness};
 use crate::asperity::parameters::LawParameters;
+use crate::asperity::radius::{Lane, Lanes, Place, Similarity};
 use crate::asperity::scale::Scale;
 use crate::asperity::stats::SolverStats;
-use crate::asperity::table::{Interaction, Row, Table};
+use crate::asperity::table::{Interaction, PartOfRadii, Row, Table};
 
 /// The law `jkr`.
 ///
@@ -37,7 +38,7 @@ pub fn jkr(parameters: &LawParameters) -> Result<Box<dyn Law>, LawError> {
         Path::Retraction => contact.end(),
     };
     Ok(Box::new(Table::new([
-        Row::below(Regime::Noncontact, begin, Constant::NOTHING),
+        Row::below(Regime::Noncontact, Place::proportional(begin, LENGTH), Constant::NOTHING),
         Row::last(Regime::Elastic, contact),
     ])))
 }
@@ -46,6 +47,8 @@ pub fn jkr(parameters: &LawParameters) -> Result<Box<dyn Law>, LawError> {
 #[derive(Clone, Copy, Debug)]
 struct JkrCurve;
 
+/// Exponent of the radius in the unit of length.
+const LENGTH: f64 = 1.0 / 3.0;
 /// √6.
 const ROOT_6: f64 = 2.449_489_742_783_178;
 
@@ -123,6 +126,10 @@ impl Interaction for JkrContact {
         Method::Contact
     }
 
+    fn of_radii(&self) -> Option<&dyn PartOfRadii> {
+        Some(self)
+    }
+
     fn unstable_work(&self) -> f64 {
         let end = libm::cbrt(1.0 / 6.0);
         0.4 * end * end * self.scale.energy()
@@ -137,5 +144,28 @@ impl Interaction for JkrContact {
         }
         self.branch.solve_block(&displacements[..count], &mut out.adhesion, &mut radius, stats);
         out.scale_contacts(&self.scale, &radius[..count]);
+    }
+}
+
+impl PartOfRadii for JkrContact {
+    fn smoothness_of(&self, lane: &Lane, _: f64, _: f64) -> (Vec<f64>, Vec<Smoothness>) {
+        let place = Similarity::new(LENGTH, 0.0).interference(self.end(), lane);
+        (Vec::new(), vec![Smoothness::Root { end: End::Lower, place, order: 2 }])
+    }
+
+    fn evaluate_lanes(
+        &self,
+        lanes: Lanes<'_>,
+        interference: &[f64],
+        out: &mut Responses,
+        stats: &mut SolverStats,
+    ) {
+        let (lowest, count) = (self.branch.anchor().displacement, interference.len());
+        let (mut displacements, mut radius) = ([0.0; BLOCK], [0.0; BLOCK]);
+        for (i, delta) in interference.iter().enumerate() {
+            displacements[i] = (delta / (self.scale.length * lanes.at(i).cube_root)).max(lowest);
+        }
+        self.branch.solve_block(&displacements[..count], &mut out.adhesion, &mut radius, stats);
+        lanes.scale_contacts(&self.scale, &radius[..count], out);
     }
 }

@@ -23,6 +23,7 @@ use crate::asperity::error::LawError;
 use crate::asperity::formula::{ClosedForm, Formula, Tabulated, Zero};
 use crate::asperity::law::{Law, Regime};
 use crate::asperity::parameters::LawParameters;
+use crate::asperity::radius::{Place, Similarity};
 use crate::asperity::table::{Row, Table};
 use std::f64::consts::PI;
 
@@ -32,6 +33,8 @@ const FIRST_END: f64 = 6.0;
 const SECOND_END: f64 = 110.0;
 /// The force x^0.298 is no power series in any root of δ; in the tenth what is left is too smooth to matter.
 const ELASTIC_ORDER: i32 = 10;
+/// Loads and areas are those at ω_c, which are proportional to R² as ω_c is to R, times functions of δ/ω_c.
+pub const OF_CRITICAL: Similarity = Similarity::new(1.0, 2.0);
 /// Relative accuracy of tabulated powers: a few roundings, as those of a library's power and of a product.
 const TABLE_TOLERANCE: f64 = 2e-15;
 
@@ -48,7 +51,7 @@ pub fn ke(parameters: &LawParameters) -> Result<Box<dyn Law>, LawError> {
 /// The four rows of contact.
 pub fn contact_rows(parameters: &LawParameters) -> impl Iterator<Item = Row> + use<> {
     let critical = Critical::new(parameters);
-    let pull = critical.power(critical.pull(-0.29) * 0.98, 0.298, (0.0, 1.0));
+    let pull = critical.pull(0.98, -0.29, 0.298, (0.0, 1.0));
     let elastic = critical.elastic(pull, ELASTIC_ORDER);
     [elastic].into_iter().chain(plastic_rows(parameters))
 }
@@ -56,8 +59,8 @@ pub fn contact_rows(parameters: &LawParameters) -> impl Iterator<Item = Row> + u
 /// The three rows above ω_c.
 pub fn plastic_rows(parameters: &LawParameters) -> [Row; 3] {
     let critical = Critical::new(parameters);
-    let first = critical.power(critical.pull(-0.321) * 0.79, 0.356, (1.0, FIRST_END));
-    let second = critical.power(critical.pull(-0.332) * 1.19, 0.093, (FIRST_END, SECOND_END));
+    let first = critical.pull(0.79, -0.321, 0.356, (1.0, FIRST_END));
+    let second = critical.pull(1.19, -0.332, 0.093, (FIRST_END, SECOND_END));
     critical.plastic(first, second, Zero)
 }
 
@@ -84,10 +87,11 @@ impl<'a> Critical<'a> {
         }
     }
 
-    /// 2πRΔγ(ε/ω_c)^exponent, N.
-    fn pull(&self, exponent: f64) -> f64 {
+    /// 2πRΔγ · factor (ε/ω_c)^spacing x^exponent in a regime of x; ω_c ∝ R.
+    fn pull(&self, factor: f64, spacing: f64, exponent: f64, x: (f64, f64)) -> impl Formula + use<> {
         let ratio = self.parameters.scale.equilibrium_spacing() / self.parameters.critical_interference;
-        2.0 * self.parameters.scale.force * libm::pow(ratio, exponent)
+        let factor = 2.0 * self.parameters.scale.force * libm::pow(ratio, spacing) * factor;
+        self.power(factor, exponent, x).following(Similarity::new(1.0, 1.0 - spacing))
     }
 
     /// factor · x^exponent in a regime of x.
@@ -102,21 +106,21 @@ impl<'a> Critical<'a> {
     /// factor · x.
     fn multiple(&self, factor: f64) -> impl Formula + use<> {
         let per_length = self.per_length;
-        move |delta: f64| factor * (delta * per_length)
+        (move |delta: f64| factor * (delta * per_length)).following(OF_CRITICAL)
     }
 
     /// The row up to ω_c, with its adhesion, which is smooth in (δ/ω_c)^(1/order).
     pub fn elastic(&self, adhesion: impl Formula, order: i32) -> Row {
-        let load = self.power(self.load, 1.5, (0.0, 1.0));
+        let load = self.power(self.load, 1.5, (0.0, 1.0)).following(OF_CRITICAL);
         let contact = ClosedForm::new(adhesion, load, self.multiple(self.disc)).with_root(0.0, order);
-        Row::up_to(Regime::Elastic, self.parameters.critical_interference, contact)
+        Row::up_to(Regime::Elastic, Place::proportional(self.parameters.critical_interference, 1.0), contact)
     }
 
     /// The rows above ω_c, each with its adhesion.
     pub fn plastic(&self, first: impl Formula, second: impl Formula, last: impl Formula) -> [Row; 3] {
         let (critical, x) =
             (self.parameters.critical_interference, [(1.0, FIRST_END), (FIRST_END, SECOND_END)]);
-        let power = |factor, exponent, x| self.power(factor, exponent, x);
+        let power = |factor, exponent, x| self.power(factor, exponent, x).following(OF_CRITICAL);
         let loads = (power(self.load * 1.03, 1.425, x[0]), power(self.load * 1.40, 1.263, x[1]));
         let areas = (power(self.disc * 0.93, 1.136, x[0]), power(self.disc * 0.94, 1.146, x[1]));
         let plastic = (
@@ -126,12 +130,12 @@ impl<'a> Critical<'a> {
         [
             Row::up_to(
                 Regime::Elastoplastic1,
-                FIRST_END * critical,
+                Place::proportional(FIRST_END * critical, 1.0),
                 ClosedForm::new(first, loads.0, areas.0),
             ),
             Row::up_to(
                 Regime::Elastoplastic2,
-                SECOND_END * critical,
+                Place::proportional(SECOND_END * critical, 1.0),
                 ClosedForm::new(second, loads.1, areas.1),
             ),
             Row::last(Regime::Plastic, ClosedForm::new(last, plastic.0, plastic.1)),

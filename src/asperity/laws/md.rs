@@ -7,15 +7,18 @@
 //! Elastic, dry spheres of every λ. Sources: Maugis, J. Colloid Interface Sci. 150 (1992) 243; for rough
 //! surfaces Adams, Müftü and Mohd Azhar, J. Tribol. 125 (2003) 700, who leave out what acts before contact.
 
+use crate::asperity::elastic;
 use crate::asperity::emd::Emd;
 use crate::asperity::error::LawError;
 use crate::asperity::formula::Constant;
+use crate::asperity::history::Path;
 use crate::asperity::law::Method;
 use crate::asperity::law::{BLOCK, End, Law, Regime, Responses, Smoothness};
 use crate::asperity::parameters::LawParameters;
+use crate::asperity::radius::{Lane, Lanes, Place};
 use crate::asperity::scale::Scale;
 use crate::asperity::stats::SolverStats;
-use crate::asperity::table::{Interaction, Row, Table};
+use crate::asperity::table::{Interaction, PartOfRadii, Row, Table};
 use crate::math::instruction_set::InstructionSet;
 use std::sync::Arc;
 
@@ -25,9 +28,8 @@ use std::sync::Arc;
 /// [`LawError`] for a λ that is not solved.
 pub fn md(parameters: &LawParameters) -> Result<Box<dyn Law>, LawError> {
     let contact = MaugisContact::new(parameters, f64::INFINITY)?;
-    let touch = contact.begin();
     Ok(Box::new(Table::new([
-        Row::below(Regime::Noncontact, touch, Constant::NOTHING),
+        Row::below(Regime::Noncontact, contact.begins(0.0), Constant::NOTHING),
         Row::last(Regime::Elastic, contact),
     ])))
 }
@@ -37,6 +39,7 @@ pub fn md(parameters: &LawParameters) -> Result<Box<dyn Law>, LawError> {
 pub struct MaugisContact {
     emd: Arc<Emd>,
     scale: Scale,
+    path: Path,
 }
 
 impl MaugisContact {
@@ -54,12 +57,17 @@ impl MaugisContact {
 
     /// The branch of a solver.
     pub fn of(emd: Arc<Emd>, parameters: &LawParameters) -> Self {
-        Self { emd, scale: parameters.scale }
+        Self { emd, scale: parameters.scale, path: parameters.path }
     }
 
     /// Interference at which contact begins on approach or ends on retraction, −δ_A, m.
     pub fn begin(&self) -> f64 {
         self.emd.end() * self.scale.length
+    }
+
+    /// The end of the regime before it, m, of any radius: where it begins, plus `offset`, m.
+    pub fn begins(&self, offset: f64) -> Place {
+        Place::elastic(self.begin() + offset, self.path, self.scale.length, (f64::NEG_INFINITY, offset))
     }
 }
 
@@ -77,6 +85,10 @@ impl Interaction for MaugisContact {
 
     fn method(&self) -> Method {
         Method::Contact
+    }
+
+    fn of_radii(&self) -> Option<&dyn PartOfRadii> {
+        Some(self)
     }
 
     fn unstable_work(&self) -> f64 {
@@ -97,5 +109,33 @@ impl Interaction for MaugisContact {
                 out.scale_contacts(&self.scale, &radius[..count]);
             },
         );
+    }
+}
+
+impl PartOfRadii for MaugisContact {
+    fn lambda(&self) -> Option<f64> {
+        Some(self.scale.lambda)
+    }
+
+    fn smoothness_of(&self, lane: &Lane, _: f64, _: f64) -> (Vec<f64>, Vec<Smoothness>) {
+        let place = lane.elastic.contact_fold() * (self.scale.length * lane.cube_root);
+        (Vec::new(), vec![Smoothness::Root { end: End::Lower, place, order: 2 }])
+    }
+
+    fn evaluate_lanes(
+        &self,
+        lanes: Lanes<'_>,
+        interference: &[f64],
+        out: &mut Responses,
+        stats: &mut SolverStats,
+    ) {
+        let (mut displacements, mut radius) = ([0.0; BLOCK], [0.0; BLOCK]);
+        let count = interference.len();
+        for (i, delta) in interference.iter().enumerate() {
+            displacements[i] = delta / (self.scale.length * lanes.at(i).cube_root);
+        }
+        let of = |i: usize| &lanes.at(i).elastic;
+        elastic::contact(of, &displacements[..count], &mut out.adhesion, &mut radius, stats);
+        lanes.scale_contacts(&self.scale, &radius[..count], out);
     }
 }

@@ -18,11 +18,14 @@
 use super::md::MaugisContact;
 use crate::asperity::contact::Contact;
 use crate::asperity::error::LawError;
-use crate::asperity::formula::ClosedForm;
 use crate::asperity::history::Path;
-use crate::asperity::law::{Law, Regime};
+use crate::asperity::law::{End, Law, Method, Regime, Responses, Smoothness};
 use crate::asperity::parameters::LawParameters;
-use crate::asperity::table::{Row, Table};
+use crate::asperity::radius::{Lane, Lanes, Place};
+use crate::asperity::scale::Scale;
+use crate::asperity::stats::SolverStats;
+use crate::asperity::table::{Interaction, PartOfRadii, Row, Table};
+use crate::math::instruction_set::InstructionSet;
 use std::f64::consts::PI;
 
 /// The law `md_kim`.
@@ -30,35 +33,148 @@ use std::f64::consts::PI;
 /// # Errors
 /// [`LawError`] for a λ that is not solved.
 pub fn md_kim(parameters: &LawParameters) -> Result<Box<dyn Law>, LawError> {
-    let (scale, contact) = (parameters.scale, MaugisContact::new(parameters, f64::INFINITY)?);
-    let lambda = scale.lambda;
-    // b, and Δ where the attraction sets in on approach and at its fold.
-    let half = 8.0 * lambda / (3.0 * PI);
-    let onset = -2.0 / (PI * lambda);
-    let fold = onset - 0.5 * half * half;
-    // Above λ_f = [9π/(16(π−1))]^(1/3) the zone at the fold would be wider than at first touch: contact ends
-    // before it.
-    let folds_first = 16.0 * (PI - 1.0) * lambda * lambda * lambda > 9.0 * PI;
-    // Nothing acts below; on approach contact begins there if that is deeper than first touch.
-    let (begin, end) = match parameters.path {
-        Path::Approach => (onset, contact.begin().max(onset * scale.length)),
-        Path::Retraction if folds_first => (f64::INFINITY, contact.begin()),
-        Path::Retraction => (fold, contact.begin()),
+    let (scale, path) = (parameters.scale, parameters.path);
+    let contact = MaugisContact::new(parameters, f64::INFINITY)?;
+    let before = ConstantStress { scale, path };
+    // On approach contact begins where the attraction sets in, if that is deeper than first touch.
+    let least = match path {
+        Path::Approach => before.onset(),
+        Path::Retraction => f64::NEG_INFINITY,
     };
-    // ∫F̂ dΔ with dΔ = (C − b)dC from C = 0 to the fold, or to first touch, where Δ = −(4λ/3)c̄(π/2).
-    let last = half.min(-0.75 / lambda * Contact::new(lambda).first_touch());
-    let unstable = 0.5 * PI * lambda * last.powi(3) * (half / 3.0 - last / 4.0);
-    let (per_length, begin) = (1.0 / scale.length, begin * scale.length);
-    let adhesion = move |delta: f64| {
-        let outer = half + (2.0 * (delta * per_length - fold)).max(0.0).sqrt();
-        if delta < begin { 0.0 } else { 0.5 * PI * scale.force * lambda * outer * outer }
-    };
-    let before = ClosedForm::attraction(adhesion)
-        .with_root_from(begin, fold * scale.length, 2)
-        .with_capture(onset * scale.length)
-        .with_unstable_work(unstable * scale.energy());
+    let end = Place::elastic(contact.begin().max(least), path, scale.length, (least, 0.0));
     Ok(Box::new(Table::new([
         Row::below(Regime::Noncontact, end, before),
         Row::last(Regime::Elastic, contact),
     ])))
+}
+
+/// The attraction before contact.
+#[derive(Clone, Copy, Debug)]
+struct ConstantStress {
+    scale: Scale,
+    path: Path,
+}
+
+/// The attraction of one λ, scaled.
+#[derive(Clone, Copy)]
+struct Zone {
+    lambda: f64,
+    /// 8λ/(3π), C at the fold.
+    half: f64,
+    /// Δ at the fold.
+    fold: f64,
+    /// Δ below which nothing acts.
+    begin: f64,
+}
+
+impl ConstantStress {
+    /// Δ where it sets in on approach, −2/(πλ), is a distance that no radius changes, m.
+    fn onset(&self) -> f64 {
+        -2.0 / (PI * self.scale.lambda) * self.scale.length
+    }
+
+    fn zone(&self, lambda: f64) -> Zone {
+        let half = 8.0 * lambda / (3.0 * PI);
+        let onset = -2.0 / (PI * lambda);
+        let fold = onset - 0.5 * half * half;
+        let begin = match self.path {
+            Path::Approach => onset,
+            Path::Retraction if Self::folds_first(lambda) => f64::INFINITY,
+            Path::Retraction => fold,
+        };
+        Zone { lambda, half, fold, begin }
+    }
+
+    /// Whether contact ends before the fold: above λ_f = [9π/(16(π−1))]^(1/3) the zone there would be wider than at first
+    /// touch.
+    fn folds_first(lambda: f64) -> bool {
+        16.0 * (PI - 1.0) * lambda * lambda * lambda > 9.0 * PI
+    }
+
+    /// From where it acts it varies like a root.
+    fn smoothness_in(zone: Zone, length: f64, lower: f64, upper: f64) -> (Vec<f64>, Vec<Smoothness>) {
+        let root = Smoothness::Root { end: End::Lower, place: zone.fold * length, order: 2 };
+        let begin = zone.begin * length;
+        match begin {
+            begin if lower < begin && begin < upper => (vec![begin], vec![Smoothness::Smooth, root]),
+            begin if begin <= lower => (Vec::new(), vec![root]),
+            _ => (Vec::new(), vec![Smoothness::Smooth]),
+        }
+    }
+}
+
+impl Zone {
+    /// F̂_s.
+    #[inline(always)]
+    fn adhesion(&self, displacement: f64) -> f64 {
+        let outer = self.half + (2.0 * (displacement - self.fold)).max(0.0).sqrt();
+        if displacement < self.begin { 0.0 } else { 0.5 * PI * self.lambda * outer * outer }
+    }
+}
+
+impl Interaction for ConstantStress {
+    fn smoothness(&self, lower: f64, upper: f64) -> (Vec<f64>, Vec<Smoothness>) {
+        Self::smoothness_in(self.zone(self.scale.lambda), self.scale.length, lower, upper)
+    }
+
+    fn method(&self) -> Method {
+        Method::ClosedForm
+    }
+
+    fn capture(&self) -> Option<f64> {
+        Some(self.onset())
+    }
+
+    // dΔ = (C − b)dC from C = 0 to the fold, or to first touch, where Δ = −(4λ/3)c̄(π/2).
+    fn unstable_work(&self) -> f64 {
+        let lambda = self.scale.lambda;
+        let Zone { half, .. } = self.zone(lambda);
+        let last = half.min(-0.75 / lambda * Contact::new(lambda).first_touch());
+        0.5 * PI * lambda * last.powi(3) * (half / 3.0 - last / 4.0) * self.scale.energy()
+    }
+
+    fn of_radii(&self) -> Option<&dyn PartOfRadii> {
+        Some(self)
+    }
+
+    fn evaluate(&self, interference: &[f64], out: &mut Responses, _: &mut SolverStats) {
+        let (zone, per_length) = (self.zone(self.scale.lambda), 1.0 / self.scale.length);
+        InstructionSet::current().run(
+            #[inline(always)]
+            || {
+                for (adhesion, delta) in out.adhesion.iter_mut().zip(interference) {
+                    *adhesion = self.scale.force * zone.adhesion(delta * per_length);
+                }
+            },
+        );
+        out.contact[..interference.len()].fill(0.0);
+        out.area[..interference.len()].fill(0.0);
+    }
+}
+
+impl PartOfRadii for ConstantStress {
+    fn lambda(&self) -> Option<f64> {
+        Some(self.scale.lambda)
+    }
+
+    fn smoothness_of(&self, lane: &Lane, lower: f64, upper: f64) -> (Vec<f64>, Vec<Smoothness>) {
+        let length = self.scale.length * lane.cube_root;
+        Self::smoothness_in(self.zone(lane.elastic.lambda), length, lower, upper)
+    }
+
+    fn evaluate_lanes(
+        &self,
+        lanes: Lanes<'_>,
+        interference: &[f64],
+        out: &mut Responses,
+        _: &mut SolverStats,
+    ) {
+        for (i, delta) in interference.iter().enumerate() {
+            let Lane { ratio, cube_root, elastic, .. } = lanes.at(i);
+            let displacement = delta / (self.scale.length * cube_root);
+            out.adhesion[i] = self.scale.force * ratio * self.zone(elastic.lambda).adhesion(displacement);
+        }
+        out.contact[..interference.len()].fill(0.0);
+        out.area[..interference.len()].fill(0.0);
+    }
 }

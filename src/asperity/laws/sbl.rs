@@ -21,6 +21,7 @@ use crate::asperity::error::LawError;
 use crate::asperity::formula::{Formula, Tabulated};
 use crate::asperity::law::Law;
 use crate::asperity::parameters::LawParameters;
+use crate::asperity::radius::Similarity;
 use crate::asperity::table::Table;
 use crate::math::polynomials::horner;
 use crate::math::quadrature::{NODES, Rule};
@@ -51,7 +52,14 @@ pub fn ring_attraction(parameters: &LawParameters) -> impl Formula + use<> {
     let per_length = 1.0 / (PI * parameters.scale.equilibrium_spacing());
     let deepest = parameters.table_range.map_or(0.0, |(_, deepest)| deepest.max(0.0) * per_length);
     let integral = |p: f64| ring_integral(p, Rule::shared());
-    Tabulated::over_root(2.0 * parameters.scale.force, per_length, integral, TABLE_TOLERANCE, (0.0, deepest))
+    let table = Tabulated::over_root(
+        2.0 * parameters.scale.force,
+        per_length,
+        integral,
+        TABLE_TOLERANCE,
+        (0.0, deepest),
+    );
+    table.following(Similarity::new(0.0, 1.0))
 }
 
 /// g(u) = u + (u² − 1) arctan u, which is (4/3)u³ − … for small u.

@@ -1,0 +1,577 @@
+//! Elastic asperities that each have a λ of their own, solved in blocks: the extended Maugis-Dugdale law of
+//! [`super::emd`] with λ as a lane.
+//!
+//! Starting values are from tables over λ and the place on the branch ([`super::starts`]). A Newton step follows, and
+//! the outputs are corrected along a second. What is not good enough then is solved again on the safeguarded path.
+//! Far from contact a series takes the place of solves ([`super::far`]).
+
+use super::branch::Branch;
+use super::contact::Contact;
+use super::curve::{Anchor, Curve, corrected, last_step};
+use super::far;
+use super::folds::{contact_end, first_contact, first_outer, outer_fold};
+use super::history::Path;
+use super::law::BLOCK;
+use super::noncontact::{Branches, Noncontact};
+use super::scale::LAMBDA_RANGE;
+use super::starts::Starts;
+use super::stats::SolverStats;
+use crate::math::instruction_set::InstructionSet;
+use std::cell::RefCell;
+use std::f64::consts::FRAC_PI_2;
+use std::sync::LazyLock;
+
+/// Columns of the tables: so many times the root of |ln(λ/λ_first)|, for branches fold like a root from λ_first on.
+const COLUMNS: f64 = 14.0;
+/// Cells along a branch.
+const ROWS: usize = 24;
+/// Root of the distance from the fold at which the place on the contact branch is half way.
+const HALF_WAY: f64 = 2.0;
+/// Newton steps one by one before a lane is left to the safeguarded path.
+const MORE_STEPS: usize = 6;
+/// λ up to which the branch before contact can be left for its inner part, and the columns of these λ.
+const INNER: (f64, usize) = (1.12, 12);
+
+/// An elastic asperity of one λ: where its branches end, and where it is in the tables.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Elastic {
+    /// λ.
+    pub lambda: f64,
+    /// ±√|ln(λ/λ_first)| in columns, of the first λ at which a branch folds.
+    contact_column: f64,
+    outer_column: f64,
+    inner_column: f64,
+    /// θ and Δ at the end of the stable contact branch.
+    contact_angle: f64,
+    contact_end: f64,
+    /// Δ at first touch.
+    first_touch: f64,
+    /// ε at the outer fold before contact, if there is one, and Δ there, or at first touch.
+    fold: Option<f64>,
+    reference: f64,
+    /// 1/(Δ_reference − Δ) where the far series begins.
+    per_span: f64,
+}
+
+/// The tables over λ that folds and that does not.
+struct Tables {
+    with: Starts,
+    without: Starts,
+}
+
+impl Tables {
+    fn new(first: fn() -> f64, with: fn(&Elastic, f64) -> f64, without: fn(&Elastic, f64) -> f64) -> Self {
+        let columns = |ratio: f64| (COLUMNS * libm::log(ratio).sqrt()).ceil() as usize;
+        let squared = |column: f64| (column / COLUMNS) * (column / COLUMNS);
+        let limited = |lambda: f64| Elastic::new(lambda.clamp(LAMBDA_RANGE.0, LAMBDA_RANGE.1));
+        Self {
+            with: Starts::new(columns(LAMBDA_RANGE.1 / first()), ROWS, move |column, place| {
+                with(&limited(first() * libm::exp(squared(column))), place)
+            }),
+            without: Starts::new(columns(first() / LAMBDA_RANGE.0), ROWS, move |column, place| {
+                without(&limited(first() * libm::exp(-squared(column))), place)
+            }),
+        }
+    }
+
+    #[inline(always)]
+    fn value(&self, column: f64, place: f64) -> f64 {
+        if column >= 0.0 { self.with.value(column, place) } else { self.without.value(-column, place) }
+    }
+}
+
+/// (θ_end/θ − 1)/s over s/(2 + s), s² = Δ − Δ_end.
+static CONTACT: LazyLock<Tables> = LazyLock::new(|| {
+    let sample = |of: &Elastic, place: f64| {
+        let s = HALF_WAY * place / (1.0 - place);
+        (of.contact_angle / of.contact_branch().locate(of.contact_end + s * s).0 - 1.0) / s
+    };
+    Tables::new(first_contact, sample, sample)
+});
+
+/// (ε/ε_fold − 1)/s with a fold, and without one ε over that of an undeformed asperity, over s: s² is the share of
+/// the way from the reference to where the far series begins.
+static OUTER: LazyLock<Tables> = LazyLock::new(|| {
+    fn displacement(of: &Elastic, place: f64) -> f64 {
+        of.reference - place * place / of.per_span
+    }
+    fn gap(of: &Elastic, place: f64) -> f64 {
+        of.outer_branch().locate(displacement(of, place)).0
+    }
+    Tables::new(
+        first_outer,
+        |of, place| (gap(of, place) / of.fold.unwrap_or(f64::NAN) - 1.0) / place,
+        |of, place| gap(of, place) / of.rigid(displacement(of, place)),
+    )
+});
+
+/// ε/ε_fold over the share of the way from the fold to first touch, on the inner part. Its columns begin where the branch
+/// begins to fold, like a root.
+static INNER_PART: LazyLock<Starts> = LazyLock::new(|| {
+    Starts::new(INNER.1, ROWS, |column, place| {
+        let share = column / INNER.1 as f64;
+        let of = Elastic::new(first_outer() + share * share * (INNER.0 - first_outer()));
+        let displacement = of.reference + place * (of.first_touch - of.reference);
+        of.inner_branch(displacement).locate(displacement).0 / of.fold.unwrap_or(f64::NAN)
+    })
+});
+
+impl Elastic {
+    /// The asperity of an adhesion parameter in [`LAMBDA_RANGE`].
+    pub fn new(lambda: f64) -> Self {
+        let contact_angle = contact_end(lambda);
+        let contact = Contact::with_end(lambda, contact_angle);
+        let first_touch = contact.first_touch();
+        let contact_end =
+            if contact_angle < FRAC_PI_2 { contact.at(contact_angle).displacement } else { first_touch };
+        let whole = Noncontact::whole(lambda);
+        let fold = outer_fold(lambda);
+        let reference = fold.map_or(first_touch, |fold| whole.at(fold).displacement);
+        let far = -whole.spacing() * (far::nearest(far::stiffness(lambda)) - 1.0);
+        let inner = (lambda - first_outer()) / (INNER.0 - first_outer());
+        let logarithm = libm::log(lambda);
+        let column = |first: f64| {
+            let distance = logarithm - libm::log(first);
+            (COLUMNS * distance.abs().sqrt()).copysign(distance)
+        };
+        Self {
+            lambda,
+            contact_column: column(first_contact()),
+            outer_column: column(first_outer()),
+            inner_column: INNER.1 as f64 * inner.sqrt(),
+            contact_angle,
+            contact_end,
+            first_touch,
+            fold,
+            reference,
+            per_span: 1.0 / (reference - far),
+        }
+    }
+
+    /// Δ where contact begins or ends by the history; −δ_A in units of s_δ.
+    pub fn end(&self, path: Path) -> f64 {
+        match path {
+            Path::Approach => self.first_touch,
+            Path::Retraction => self.contact_end,
+        }
+    }
+
+    /// Δ at the end of the stable contact branch.
+    pub fn contact_fold(&self) -> f64 {
+        self.contact_end
+    }
+
+    /// Δ of the fold at which the branch before contact is left for its inner part, if that is before contact
+    /// begins or ends by the history.
+    pub fn noncontact_fold(&self, path: Path) -> Option<f64> {
+        (self.fold.is_some() && self.reference < self.end(path)).then_some(self.reference)
+    }
+
+    /// ε of an undeformed asperity.
+    #[inline(always)]
+    fn rigid(&self, displacement: f64) -> f64 {
+        -displacement / Noncontact::whole(self.lambda).spacing()
+    }
+
+    fn contact_branch(&self) -> Branch<Contact> {
+        let anchor = Anchor { displacement: self.contact_end, parameter: self.contact_angle, fold: true };
+        Branch::new(Contact::with_end(self.lambda, self.contact_angle), anchor)
+    }
+
+    fn outer_branch(&self) -> Branch<Noncontact> {
+        let (displacement, fold) = (self.reference, self.fold.is_some());
+        match Noncontact::branches_at(self.lambda, self.fold) {
+            Branches::Single(curve) => Branch::new(curve, Anchor { displacement, parameter: f64::NAN, fold }),
+            Branches::Folded { outer, fold: parameter, .. } => {
+                Branch::new(outer, Anchor { displacement, parameter, fold })
+            }
+        }
+    }
+
+    fn inner_branch(&self, displacement: f64) -> Branch<Noncontact> {
+        let anchor = Anchor { displacement, parameter: f64::NAN, fold: false };
+        match Noncontact::branches_at(self.lambda, self.fold) {
+            Branches::Single(curve) | Branches::Folded { inner: curve, .. } => Branch::new(curve, anchor),
+        }
+    }
+}
+
+/// Lanes that are computed together.
+const VECTOR: usize = 8;
+
+/// Lanes of a block, each quantity on cache lines of its own.
+#[repr(align(64))]
+struct Lanes {
+    lambda: [f64; BLOCK],
+    /// Parameter and Δ at the end of the branch.
+    ends: [f64; BLOCK],
+    displacements: [f64; BLOCK],
+    parameters: [f64; BLOCK],
+    terms: [[f64; BLOCK]; 4],
+    adhesion: [f64; BLOCK],
+    radius: [f64; BLOCK],
+    residual: [f32; BLOCK],
+}
+
+thread_local! {
+    static LANES: RefCell<Box<Lanes>> = RefCell::new(Box::new(Lanes {
+        lambda: [1.0; BLOCK],
+        ends: [1.0; BLOCK],
+        displacements: [0.0; BLOCK],
+        parameters: [f64::NAN; BLOCK],
+        terms: [[0.0; BLOCK]; 4],
+        adhesion: [0.0; BLOCK],
+        radius: [0.0; BLOCK],
+        residual: [0.0; BLOCK],
+    }));
+}
+
+impl Lanes {
+    /// A Newton step, and a second one to correct the outputs along, of every lane. `FOLD` says whether branches end
+    /// at folds.
+    #[inline(always)]
+    fn solve<C: Curve, const FOLD: bool>(
+        &mut self,
+        count: usize,
+        curve: impl Fn(f64, f64) -> C,
+        is_on_branch: impl Fn(f64, f64) -> bool,
+    ) {
+        let count = count.div_ceil(VECTOR) * VECTOR;
+        let Self { lambda, ends, displacements, parameters, terms, adhesion, radius, residual } = self;
+        let [first, second, third, fourth] = terms;
+        for pass in 0..2 {
+            for i in 0..count {
+                [first[i], second[i], third[i], fourth[i]] = curve(lambda[i], ends[i]).terms(parameters[i]);
+            }
+            if pass == 0 {
+                for i in 0..count {
+                    let x = parameters[i];
+                    let state =
+                        curve(lambda[i], ends[i]).state(x, [first[i], second[i], third[i], fourth[i]]);
+                    parameters[i] = x + (displacements[i] - state.displacement) / state.slope;
+                }
+            }
+        }
+        for i in 0..count {
+            let (x, displacement) = (parameters[i], displacements[i]);
+            let state = curve(lambda[i], ends[i]).state(x, [first[i], second[i], third[i], fourth[i]]);
+            let anchor = Anchor { displacement, parameter: ends[i], fold: FOLD };
+            let (step, good) = last_step(&anchor, x, &state, displacement, 1.0 / state.slope);
+            let solution = corrected(&state, step);
+            (adhesion[i], radius[i]) = (solution.adhesion, solution.radius);
+            let off = (displacement - state.displacement).abs() as f32 / state.magnitude as f32;
+            residual[i] = if good & (state.slope < 0.0) & is_on_branch(x, ends[i]) { off } else { f32::NAN };
+        }
+    }
+
+    /// Solves the lanes again that are not good enough.
+    fn finish<C: Curve, const FOLD: bool>(
+        &mut self,
+        count: usize,
+        curve: impl Fn(f64, f64) -> C,
+        branch: impl Fn(usize) -> Branch<C>,
+        is_on_branch: impl Fn(f64, f64) -> bool,
+        range: (f64, f64),
+        stats: &mut SolverStats,
+    ) {
+        stats.evaluations += 2 * count as u64;
+        for i in 0..count {
+            if !self.residual[i].is_nan() {
+                stats.largest_residual = stats.largest_residual.max(f64::from(self.residual[i]));
+                continue;
+            }
+            let (displacement, end) = (self.displacements[i], self.ends[i]);
+            let curve = curve(self.lambda[i], end);
+            let anchor = Anchor { displacement, parameter: end, fold: FOLD };
+            let mut x = self.parameters[i];
+            let mut solution = None;
+            for _ in 0..MORE_STEPS {
+                let state = curve.at(x);
+                stats.evaluations += 1;
+                let (step, good) = last_step(&anchor, x, &state, displacement, 1.0 / state.slope);
+                if !(x >= range.0 && x <= range.1) || !(state.slope < 0.0) {
+                    break;
+                }
+                if good && is_on_branch(x, end) {
+                    solution = Some(corrected(&state, step));
+                    let off = (displacement - state.displacement).abs() / state.magnitude;
+                    stats.largest_residual = stats.largest_residual.max(off);
+                    break;
+                }
+                x += (displacement - state.displacement) / state.slope;
+            }
+            let solution = solution.unwrap_or_else(|| branch(i).solve(displacement, stats));
+            (self.adhesion[i], self.radius[i]) = (solution.adhesion, solution.radius);
+        }
+    }
+}
+
+/// F̂_s and A of asperities in contact at displacements Δ, at most [`BLOCK`]; those below the end of the branch are
+/// taken as the end. `of` gives the asperity of a lane.
+pub fn contact<'a>(
+    of: impl Fn(usize) -> &'a Elastic,
+    displacements: &[f64],
+    adhesion: &mut [f64],
+    radius: &mut [f64],
+    stats: &mut SolverStats,
+) {
+    let count = displacements.len();
+    let tables = &*CONTACT;
+    LANES.with_borrow_mut(|lanes| {
+        InstructionSet::current().run(
+            #[inline(always)]
+            || {
+                for i in 0..count {
+                    let own = of(i);
+                    let displacement = displacements[i].max(own.contact_end);
+                    let s = (displacement - own.contact_end).sqrt();
+                    let w = tables.value(own.contact_column, s / (HALF_WAY + s));
+                    lanes.lambda[i] = own.lambda;
+                    lanes.ends[i] = own.contact_angle;
+                    lanes.displacements[i] = displacement;
+                    lanes.parameters[i] = own.contact_angle / (1.0 + s * w);
+                }
+                lanes.solve::<Contact, true>(count, Contact::with_end, |x, end| x <= end);
+            },
+        );
+        lanes.finish::<Contact, true>(
+            count,
+            Contact::with_end,
+            |i| of(i).contact_branch(),
+            |x, end| x <= end,
+            (0.0, FRAC_PI_2),
+            stats,
+        );
+        adhesion[..count].copy_from_slice(&lanes.adhesion[..count]);
+        radius[..count].copy_from_slice(&lanes.radius[..count]);
+    });
+}
+
+/// F̂_s of asperities before contact, at most [`BLOCK`], that are below the end of the history: the outermost roots. The
+/// rigid gaps z₀ and [`far::stiffness`] of the lanes say which are far; of others `of` gives the asperity, and
+/// `displacement` Δ.
+pub fn noncontact<'a>(
+    (gaps, stiffness): (&[f64], &[f64]),
+    of: impl Fn(usize) -> &'a Elastic,
+    displacement: impl Fn(usize) -> f64,
+    adhesion: &mut [f64],
+    stats: &mut SolverStats,
+) {
+    let count = gaps.len();
+    let mut is_far = [false; BLOCK];
+    InstructionSet::current().run(
+        #[inline(always)]
+        || {
+            for (i, (&gap, &stiffness)) in gaps.iter().zip(stiffness).enumerate() {
+                (adhesion[i], is_far[i]) = far::attraction(gap, stiffness);
+            }
+        },
+    );
+    // Lanes of one kind stand together.
+    let [mut folding, mut single, mut inner] = [([0; BLOCK], 0), ([0; BLOCK], 0), ([0; BLOCK], 0)];
+    for i in (0..count).filter(|i| !is_far[*i]) {
+        let own = of(i);
+        let (lanes, length) = match own.fold {
+            None => &mut single,
+            Some(_) if displacement(i) < own.reference => &mut folding,
+            Some(_) => &mut inner,
+        };
+        lanes[*length] = i;
+        *length += 1;
+    }
+    stats.far += (count - folding.1 - single.1 - inner.1) as u64;
+    let capped = |i: usize| displacement(i).min(of(i).reference);
+    let outer = |i: usize| {
+        let own = of(i);
+        let place = ((own.reference - capped(i)) * own.per_span).sqrt();
+        let w = OUTER.value(own.outer_column, place);
+        own.fold.map_or_else(|| own.rigid(capped(i)) * w, |fold| fold * (1.0 + place * w))
+    };
+    let within = |i: usize| {
+        let own = of(i);
+        let place = (displacement(i) - own.reference) / (own.first_touch - own.reference);
+        INNER_PART.value(own.inner_column, place) * own.fold.unwrap_or(f64::NAN)
+    };
+    let outer_branch = |i: usize| of(i).outer_branch();
+    solve_some::<true>(
+        &folding.0[..folding.1],
+        &of,
+        &displacement,
+        outer,
+        outer_branch,
+        |x, end| x >= end,
+        adhesion,
+        stats,
+    );
+    solve_some::<false>(
+        &single.0[..single.1],
+        &of,
+        capped,
+        outer,
+        outer_branch,
+        |_, _| true,
+        adhesion,
+        stats,
+    );
+    let inner_branch = |i: usize| of(i).inner_branch(displacement(i));
+    solve_some::<false>(
+        &inner.0[..inner.1],
+        &of,
+        &displacement,
+        within,
+        inner_branch,
+        |x, end| x <= end,
+        adhesion,
+        stats,
+    );
+}
+
+/// Solves some of the lanes before contact.
+#[inline(always)]
+fn solve_some<'a, const FOLD: bool>(
+    which: &[usize],
+    of: impl Fn(usize) -> &'a Elastic,
+    displacement: impl Fn(usize) -> f64,
+    start: impl Fn(usize) -> f64,
+    branch: impl Fn(usize) -> Branch<Noncontact>,
+    is_on_branch: impl Fn(f64, f64) -> bool,
+    adhesion: &mut [f64],
+    stats: &mut SolverStats,
+) {
+    if which.is_empty() {
+        return;
+    }
+    LANES.with_borrow_mut(|lanes| {
+        InstructionSet::current().run(
+            #[inline(always)]
+            || {
+                for (lane, &i) in which.iter().enumerate() {
+                    let own = of(i);
+                    lanes.lambda[lane] = own.lambda;
+                    lanes.ends[lane] = own.fold.unwrap_or(0.0);
+                    lanes.displacements[lane] = displacement(i);
+                    lanes.parameters[lane] = start(i);
+                }
+                lanes.solve::<Noncontact, FOLD>(
+                    which.len(),
+                    |lambda, _| Noncontact::whole(lambda),
+                    &is_on_branch,
+                );
+            },
+        );
+        lanes.finish::<Noncontact, FOLD>(
+            which.len(),
+            |lambda, _| Noncontact::whole(lambda),
+            |lane| branch(which[lane]),
+            is_on_branch,
+            (0.0, f64::INFINITY),
+            stats,
+        );
+        for (lane, &i) in which.iter().enumerate() {
+            adhesion[i] = lanes.adhesion[lane];
+        }
+    });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::asperity::emd::Emd;
+
+    /// Numbers spread evenly over 0..1.
+    fn spread(seed: usize, count: usize) -> impl Iterator<Item = f64> {
+        (0..count).map(move |i| ((seed * 31 + i + 1) as f64 * 0.618_033_988_749_894_9).fract())
+    }
+
+    /// Adhesion parameters of which each lane has one: all that there are, and close to both first folds.
+    fn lambdas(count: usize) -> Vec<f64> {
+        let ranges = [LAMBDA_RANGE, (0.3, 1.6), (0.888, 0.9), (0.93, 0.945), (1.0, 10.0)];
+        let of = |(k, (low, high)): (usize, (f64, f64))| {
+            spread(k, count).map(move |x| (low * libm::exp(x * libm::log(high / low))).clamp(low, high))
+        };
+        ranges.into_iter().enumerate().flat_map(of).collect()
+    }
+
+    struct Solved {
+        contact: [Vec<f64>; 2],
+        before: Vec<f64>,
+        stats: SolverStats,
+    }
+
+    /// All lanes at Δ beyond the ends of their branches by `distances`, in contact and before it.
+    fn solved(asperities: &[Elastic], path: Path, distances: &[f64], block: usize) -> Solved {
+        let count = asperities.len();
+        let (mut contacts, mut before) = ([vec![0.0; count], vec![0.0; count]], vec![0.0; count]);
+        let mut stats = SolverStats::default();
+        for begin in (0..count).step_by(block) {
+            let range = begin..count.min(begin + block);
+            let of = |i: usize| &asperities[begin + i];
+            let deep: Vec<f64> = range.clone().map(|i| asperities[i].end(path) + distances[i]).collect();
+            let [adhesion, radius] = &mut contacts;
+            contact(of, &deep, &mut adhesion[range.clone()], &mut radius[range.clone()], &mut stats);
+            let far: Vec<f64> = range
+                .clone()
+                .map(|i| asperities[i].end(path) - (1e-9 + distances[i]) / asperities[i].per_span.min(1.0))
+                .collect();
+            let gaps: Vec<f64> = far.iter().enumerate().map(|(i, d)| 1.0 + of(i).rigid(*d)).collect();
+            let stiffness: Vec<f64> = range.clone().map(|i| far::stiffness(asperities[i].lambda)).collect();
+            noncontact((&gaps, &stiffness), of, |i| far[i], &mut before[range.clone()], &mut stats);
+        }
+        Solved { contact: contacts, before, stats }
+    }
+
+    /// The law of each λ by itself, which has no table that is shared.
+    #[test]
+    fn lanes_have_the_law_of_their_own_lambda() {
+        let lambdas = lambdas(300);
+        let asperities: Vec<Elastic> = lambdas.iter().map(|lambda| Elastic::new(*lambda)).collect();
+        let distances: Vec<f64> =
+            spread(9, lambdas.len()).map(|x| if x < 0.3 { 0.02 * x } else { 20.0 * x * x }).collect();
+        for path in [Path::Approach, Path::Retraction] {
+            let solved = solved(&asperities, path, &distances, BLOCK);
+            assert_eq!(solved.stats.safeguarded, 0);
+            for (i, own) in asperities.iter().enumerate() {
+                let emd = Emd::new(own.lambda, path).unwrap();
+                let close = |mine: f64, truth: f64, tolerance: f64| {
+                    let off = (mine - truth).abs() / truth.abs();
+                    assert!(
+                        off <= tolerance,
+                        "λ {} {path:?} {}: {mine:e} {truth:e}",
+                        own.lambda,
+                        distances[i]
+                    );
+                };
+                close(own.end(path), emd.end(), 8.0 * f64::EPSILON);
+                let deep = emd.contact(own.end(path) + distances[i], &mut SolverStats::default());
+                // At a fold both vary like the root of a distance that is rounded, and so do neighbours of λ_f.
+                let condition = 1.0 + 1.0 / (distances[i] + 1e-13).sqrt().powi(3).min(1.0);
+                close(solved.contact[0][i], deep.adhesion, 60.0 * f64::EPSILON * condition);
+                close(solved.contact[1][i], deep.radius, 60.0 * f64::EPSILON * condition);
+                let far = own.end(path) - (1e-9 + distances[i]) / own.per_span.min(1.0);
+                let far = emd.noncontact(far, &mut SolverStats::default());
+                if own.noncontact_fold(path).is_none_or(|fold| (fold - own.end(path)).abs() > 1e-3) {
+                    close(solved.before[i], far.adhesion, 1e-12);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn bits_depend_on_no_instruction_set_and_no_neighbour() {
+        let lambdas = lambdas(100);
+        let asperities: Vec<Elastic> = lambdas.iter().map(|lambda| Elastic::new(*lambda)).collect();
+        let distances: Vec<f64> = spread(4, lambdas.len()).map(|x| 20.0 * x * x * x).collect();
+        let bits = |solved: Solved| -> Vec<u64> {
+            let [adhesion, radius] = solved.contact;
+            [adhesion, radius, solved.before].concat().into_iter().map(f64::to_bits).collect()
+        };
+        let mut all = Vec::new();
+        for set in InstructionSet::available() {
+            set.select();
+            for block in [BLOCK, 100, 7, 1] {
+                all.push(bits(solved(&asperities, Path::Approach, &distances, block)));
+            }
+        }
+        assert!(all.iter().all(|bits| *bits == all[0]));
+    }
+}

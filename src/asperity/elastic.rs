@@ -368,7 +368,7 @@ pub fn noncontact<'a>(
         },
     );
     // Lanes of one kind stand together.
-    let [mut folding, mut single, mut inner] = [([0; BLOCK], 0), ([0; BLOCK], 0), ([0; BLOCK], 0)];
+    let [mut folding, mut single, mut inner] = [([0_u8; BLOCK], 0), ([0; BLOCK], 0), ([0; BLOCK], 0)];
     for i in (0..count).filter(|i| !is_far[*i]) {
         let own = of(i);
         let (lanes, length) = match own.fold {
@@ -376,7 +376,7 @@ pub fn noncontact<'a>(
             Some(_) if displacement(i) < own.reference => &mut folding,
             Some(_) => &mut inner,
         };
-        lanes[*length] = i;
+        lanes[*length] = i as u8;
         *length += 1;
     }
     stats.far += (count - folding.1 - single.1 - inner.1) as u64;
@@ -429,7 +429,7 @@ pub fn noncontact<'a>(
 /// Solves some of the lanes before contact.
 #[inline(always)]
 fn solve_some<'a, const FOLD: bool>(
-    which: &[usize],
+    which: &[u8],
     of: impl Fn(usize) -> &'a Elastic,
     displacement: impl Fn(usize) -> f64,
     start: impl Fn(usize) -> f64,
@@ -445,7 +445,7 @@ fn solve_some<'a, const FOLD: bool>(
         InstructionSet::current().run(
             #[inline(always)]
             || {
-                for (lane, &i) in which.iter().enumerate() {
+                for (lane, i) in which.iter().map(|i| usize::from(*i)).enumerate() {
                     let own = of(i);
                     lanes.lambda[lane] = own.lambda;
                     lanes.ends[lane] = own.fold.unwrap_or(0.0);
@@ -462,13 +462,13 @@ fn solve_some<'a, const FOLD: bool>(
         lanes.finish::<Noncontact, FOLD>(
             which.len(),
             |lambda, _| Noncontact::whole(lambda),
-            |lane| branch(which[lane]),
+            |lane| branch(usize::from(which[lane])),
             is_on_branch,
             (0.0, f64::INFINITY),
             stats,
         );
-        for (lane, &i) in which.iter().enumerate() {
-            adhesion[i] = lanes.adhesion[lane];
+        for (lane, i) in which.iter().enumerate() {
+            adhesion[usize::from(*i)] = lanes.adhesion[lane];
         }
     });
 }

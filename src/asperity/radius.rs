@@ -84,6 +84,11 @@ impl<'a> Lanes<'a> {
             1.0 => times(&|lane| lane.ratio),
             -1.0 => times(&|lane| 1.0 / lane.ratio),
             2.0 => times(&|lane| lane.ratio * lane.ratio),
+            // Of asperities that are alike the power is the same.
+            _ if self.all.len() == 1 => {
+                let power = libm::pow(self.all[0].ratio, exponent);
+                values.iter_mut().for_each(|value| *value *= power);
+            }
             _ => times(&|lane| libm::pow(lane.ratio, exponent)),
         }
     }

@@ -38,7 +38,7 @@ pub(crate) fn mean_fields(
     }
     let stiffness = substrate_stiffness(scene.asperity.reduced_modulus, surface.nominal_area);
     let step = RESOLVING * surface.surface_height_std;
-    let model = Model::new(law, surface);
+    let model = Model::new(law, surface, separations);
     let force_at = |x: f64| model.external_force(x);
     if scene.history == Path::Retraction {
         return vec![MeanField::new(separations, stiffness, step, None, force_at)];

@@ -86,7 +86,7 @@ impl PathIntegral {
 
     /// The integral of a law along one path.
     pub(crate) fn of(scene: &Scene, law: Laws<'_>) -> Self {
-        let model = Model::new(law, &scene.surface);
+        let model = Model::new(law, &scene.surface, &scene.separations);
         Self::new(scene, model.answer(&scene.separations, TOLERANCE), |h| model.answer(&[h], TOLERANCE))
     }
 
@@ -188,7 +188,7 @@ impl Integral {
         let mut readings = self.pulled().readings(scene);
         if self.retraction.is_some() {
             let place = self.main.turn(scene);
-            let at = Model::new(law, &scene.surface).answer(&[place], TOLERANCE);
+            let at = Model::new(law, &scene.surface, &[place]).answer(&[place], TOLERANCE);
             readings.push(reading(scene, WhatIsRead::Turn, place, &at));
         }
         let error = |way: &PathIntegral| way.expectations.quadrature_error;

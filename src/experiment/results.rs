@@ -158,7 +158,7 @@ pub(crate) fn mean_features(
     expectations: &Expectations,
 ) -> Features {
     let q = Quantity::ExternalForce.index();
-    let model = Model::new(law, &scene.surface);
+    let model = Model::new(law, &scene.surface, &scene.separations);
     let mean = &ensemble.curves[q].mean()[..scene.separations.len()];
     near_features(|h| model.external_force(h), scene, mean, &expectations.expected[q])
 }

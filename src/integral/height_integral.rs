@@ -51,14 +51,45 @@ impl AtSeparation {
         Self { regimes, typical, beyond: 0.0, density: 0.0, error: 0.0, stats: SolverStats::default() }
     }
 
-    /// The expectations of a law over heights at the separation d, m.
-    pub fn of(law: &dyn Law, heights: &Heights, separation: f64, typical: [f64; 4], tolerance: f64) -> Self {
+    /// The expectations of a law over heights at the separation d, m, to a relative accuracy of every piece of the law
+    /// that has a height within `reach`, m.
+    pub fn of(
+        law: &dyn Law,
+        heights: &Heights,
+        separation: f64,
+        typical: [f64; 4],
+        (tolerance, reach): (f64, (f64, f64)),
+    ) -> Self {
         let mut at = Self::new(law.regimes().len(), typical);
         match heights.values() {
             Some(values) => at.add_up(law, values, separation - heights.mean),
-            None => at.integrate_pieces(law, heights, separation, tolerance),
+            None => at.integrate_pieces(law, heights, separation, (tolerance, reach)),
         }
         at
+    }
+
+    /// Adds the components of an integral over a part of a regime.
+    pub fn add_panel(&mut self, regime: usize, sums: &[f64; COMPONENTS]) {
+        let regime = &mut self.regimes[regime];
+        regime.adhesion += sums[0];
+        regime.contact += sums[1];
+        regime.area += sums[2];
+        for q in 0..4 {
+            regime.squares[q] += sums[3 + q];
+        }
+        self.density += sums[7];
+    }
+
+    /// The probabilities of the regimes and of none, whose ends are known without quadrature.
+    pub fn probabilities(&mut self, law: &dyn Law, heights: &Heights, separation: f64) {
+        let mut lower = f64::NEG_INFINITY;
+        for (regime, sums) in self.regimes.iter_mut().enumerate() {
+            let upper = law.boundaries().get(regime).map_or(f64::INFINITY, |end| end.interference);
+            sums.probability = heights.probability(lower + separation, upper + separation);
+            lower = upper;
+        }
+        self.beyond =
+            if lower < f64::INFINITY { heights.probability(lower + separation, f64::INFINITY) } else { 0.0 };
     }
 
     /// Adds those of another law, which a share of the asperities has; its error stays its own.
@@ -111,7 +142,13 @@ impl AtSeparation {
     }
 
     /// Heights that have a density.
-    fn integrate_pieces(&mut self, law: &dyn Law, heights: &Heights, separation: f64, tolerance: f64) {
+    fn integrate_pieces(
+        &mut self,
+        law: &dyn Law,
+        heights: &Heights,
+        separation: f64,
+        (tolerance, reach): (f64, (f64, f64)),
+    ) {
         let boundaries = law.boundaries();
         let end_of = |regime: usize| boundaries.get(regime).map_or(f64::INFINITY, |end| end.interference);
         if let Some(end) = boundaries.get(law.regimes().len() - 1) {
@@ -119,6 +156,14 @@ impl AtSeparation {
         }
         let mut covered = vec![0.0; self.regimes.len()];
         for piece in law.pieces() {
+            let piece = Piece {
+                lower: piece.lower.max(reach.0 - separation),
+                upper: piece.upper.min(reach.1 - separation),
+                ..piece
+            };
+            if !(piece.lower < piece.upper) {
+                continue;
+            }
             let integral = self.integrate(law, heights, separation, &piece, tolerance);
             self.density += integral.value[7];
             covered[piece.regime] += integral.value[7];
@@ -144,7 +189,10 @@ impl AtSeparation {
             let ends = [lower, end_of(regime)];
             self.regimes[regime].probability =
                 heights.probability(ends[0] + separation, ends[1] + separation);
-            self.error = maximum(self.error, loss(covered, heights, separation, ends));
+            let within = [ends[0].max(reach.0 - separation), ends[1].min(reach.1 - separation)];
+            if within[0] < within[1] {
+                self.error = maximum(self.error, loss(covered, heights, separation, within));
+            }
             lower = ends[1];
         }
     }
@@ -235,7 +283,7 @@ fn loss(integral: f64, heights: &Heights, separation: f64, ends: [f64; 2]) -> f6
 /// The variable x in which a piece is integrated: δ = interference + sign·x^order, and likewise for the
 /// height u = δ + d, which has an origin of its own so that no digit of either is lost to the other.
 #[derive(Clone, Copy)]
-struct Variable {
+pub(super) struct Variable {
     /// δ at x = 0, m.
     interference: f64,
     /// u there, m.
@@ -251,7 +299,7 @@ const FURTHEST_ORIGIN: f64 = 1e4;
 impl Variable {
     /// From the root next to which a piece is not smooth, or from δ = 0; from the mean plane where those are
     /// far away.
-    fn of(piece: &Piece, separation: f64, std: f64) -> Self {
+    pub fn of(piece: &Piece, separation: f64, std: f64) -> Self {
         let (interference, sign, order) = match piece.smoothness {
             Smoothness::Smooth => (0.0, 1.0, 1),
             Smoothness::Root { end, place, order } => {
@@ -274,7 +322,7 @@ impl Variable {
     }
 
     /// δ, m.
-    fn interference(self, x: f64) -> f64 {
+    pub fn interference(self, x: f64) -> f64 {
         self.interference + self.distance(x)
     }
 
@@ -284,13 +332,21 @@ impl Variable {
     }
 
     /// |dδ/dx|.
-    fn stretch(self, x: f64) -> f64 {
+    pub fn stretch(self, x: f64) -> f64 {
         f64::from(self.order) * x.powi(self.order - 1)
     }
 
     /// x at a height, m.
     fn of_height(self, height: f64) -> f64 {
-        let distance = self.sign * (height - self.height);
+        self.of_distance(self.sign * (height - self.height))
+    }
+
+    /// x at δ, m.
+    pub fn of_interference(self, interference: f64) -> f64 {
+        self.of_distance(self.sign * (interference - self.interference))
+    }
+
+    fn of_distance(self, distance: f64) -> f64 {
         if self.order == 1 { distance } else { libm::pow(distance.max(0.0), 1.0 / f64::from(self.order)) }
     }
 }

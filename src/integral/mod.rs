@@ -16,6 +16,7 @@ mod height_integral;
 mod independence;
 mod mean_field;
 mod model;
+mod node_table;
 mod retraction;
 
 pub use controls::controls;

@@ -2,13 +2,21 @@
 
 use super::expectations::Expectations;
 use super::height_integral::{AtSeparation, typical};
+use super::node_table::{NodeTable, Normal};
 use crate::asperity::{Law, Laws, Quantity, SolverStats};
 use crate::math::extrema::maximum;
-use crate::surface::{CountLaw, Heights, RadiusClass, Surface};
+use crate::surface::{CountLaw, HeightLaw, Heights, RadiusClass, Surface};
 use rayon::prelude::*;
 
 /// Relative accuracy asked of every piece of the law, unless another is given.
 pub const TOLERANCE: f64 = 1e-13;
+
+/// Relative accuracy asked of every piece of the law of one of several radii, and how many σ_s heights are then
+/// integrated to: what is beyond has a probability of 1e-23.
+const OF_RADIUS_TOLERANCE: f64 = 1e-10;
+const OF_RADIUS_REACH: f64 = 10.0;
+/// Most radii whose forces are kept at nodes.
+const MOST_TABLES: usize = 2000;
 
 /// Heights further than this many σ_s from their mean plane are integrated without starting tables.
 const HEIGHT_REACH: f64 = 11.0;
@@ -24,7 +32,7 @@ const HEIGHT_REACH: f64 = 11.0;
 ///
 /// let law = model("md").unwrap().law(&LawParameters::scaled(0.5, Path::Approach)?)?;
 /// let surface = Surface::uniform(1.0, 1.0, 100, 1.0);
-/// let integral = Model::new(law.as_ref(), &surface);
+/// let integral = Model::new(law.as_ref(), &surface, &[0.0, 3.0]);
 /// let expected = Expectations::new(law.as_ref(), &surface, &[1.5]).expected;
 /// assert_eq!(integral.external_force(1.5), expected[Quantity::ExternalForce.index()][0]);
 /// # Ok::<(), stiction::asperity::LawError>(())
@@ -33,7 +41,16 @@ pub struct Model<'a> {
     laws: Laws<'a>,
     surface: &'a Surface,
     /// Asperities of each radius, and their law where it is not that of all.
-    parts: Vec<(RadiusClass, Option<Box<dyn Law>>)>,
+    parts: Vec<Part>,
+}
+
+/// Asperities of a radius.
+struct Part {
+    of: RadiusClass,
+    /// Their law, where it is not that of all.
+    law: Option<Box<dyn Law>>,
+    /// Its forces at nodes, where heights are Gaussian.
+    nodes: Option<(NodeTable, Normal)>,
 }
 
 /// Expectations at one separation, and those of a coarser division of the radii.
@@ -43,12 +60,22 @@ struct Mixture {
 }
 
 impl<'a> Model<'a> {
-    /// The model of a surface.
-    pub fn new(laws: impl Into<Laws<'a>>, surface: &'a Surface) -> Self {
+    /// The model of a surface, with laws that are fast at `separations` h, m, and between.
+    pub fn new(laws: impl Into<Laws<'a>>, surface: &'a Surface, separations: &[f64]) -> Self {
         let laws = laws.into();
-        let law_of = |part: &RadiusClass| Some(laws.family?.law(part.radius));
-        let parts = surface.parts().into_iter().map(|part| (law_of(&part), part));
-        Self { laws, surface, parts: parts.map(|(law, part)| (part, law)).collect() }
+        let parts = surface.parts();
+        let d = separations.iter().map(|&h| surface.asperity_separation(h));
+        let range = d.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), d| (low.min(d), high.max(d)));
+        let several = parts.len() > 1 && parts.len() <= MOST_TABLES;
+        let part = |of: RadiusClass| {
+            let law = laws.family.map(|family| family.law(of.radius));
+            let normal = Normal { mean: of.heights.mean, std: of.heights.std, reach: OF_RADIUS_REACH };
+            let table = |law: &dyn Law| NodeTable::new(law, normal, range, OF_RADIUS_TOLERANCE);
+            let is_gaussian = of.heights.law == HeightLaw::Gaussian;
+            let nodes = law.as_deref().filter(|_| several && is_gaussian).map(|law| (table(law), normal));
+            Part { of, law, nodes }
+        };
+        Self { laws, surface, parts: parts.into_par_iter().map(part).collect() }
     }
 
     /// The answer at separations h, m, to a relative accuracy of every piece of the law; not to more than the
@@ -105,23 +132,38 @@ impl<'a> Model<'a> {
             let mut stats = SolverStats::default();
             let typical = typical(self.laws.typical, self.surface.heights.mean - d, &mut stats);
             let [mut fine, mut coarse] = [0, 1].map(|_| AtSeparation::new(regimes, typical));
-            let alike = self.parts.par_iter().map(|(part, law)| {
-                let law = law.as_deref().unwrap_or(self.laws.typical);
-                AtSeparation::of(law, &part.heights, d, typical, tolerance)
-            });
+            let alike = self.parts.par_iter().map(|part| part.at(self, d, typical, tolerance));
             let alike: Vec<AtSeparation> = alike.collect();
             alike.iter().for_each(|at| stats.merge(&at.stats));
             match &alike[..] {
                 [all] => (fine, coarse) = (all.clone(), all.clone()),
-                parts => parts.iter().zip(&self.parts).for_each(|(at, (part, _))| {
-                    fine.add(part.weight, at);
-                    coarse.add(part.coarse, at);
+                parts => parts.iter().zip(&self.parts).for_each(|(at, part)| {
+                    fine.add(part.of.weight, at);
+                    coarse.add(part.of.coarse, at);
                 }),
             }
             fine.stats = stats;
             Mixture { fine, coarse }
         };
         separations.par_iter().map(at).collect()
+    }
+}
+
+impl Part {
+    /// Expectations at a separation d, m.
+    fn at(&self, model: &Model<'_>, d: f64, typical: [f64; 4], tolerance: f64) -> AtSeparation {
+        let (law, heights) = (self.law.as_deref().unwrap_or(model.laws.typical), &self.of.heights);
+        if let Some((nodes, normal)) = self.nodes.as_ref().filter(|(nodes, _)| nodes.covers(d)) {
+            let mut at = nodes.at(law, *normal, d, typical);
+            at.probabilities(law, heights, d);
+            return at;
+        }
+        // The integral over radii is no better than this, and its tails are in no regime alone.
+        let (tolerance, reach) = match model.parts.len() {
+            1 => (tolerance, (f64::NEG_INFINITY, f64::INFINITY)),
+            _ => (tolerance.max(OF_RADIUS_TOLERANCE), heights.reach(OF_RADIUS_REACH)),
+        };
+        AtSeparation::of(law, heights, d, typical, (tolerance, reach))
     }
 }
 
@@ -150,7 +192,7 @@ impl Expectations {
         separations: &[f64],
         tolerance: f64,
     ) -> Self {
-        Model::new(laws, surface).answer(separations, tolerance)
+        Model::new(laws, surface, separations).answer(separations, tolerance)
     }
 }
 

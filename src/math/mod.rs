@@ -4,6 +4,7 @@ pub mod chebyshev;
 pub mod clenshaw_curtis;
 pub mod control_variates;
 pub mod counting_sort;
+pub mod exponential;
 pub mod extrema;
 pub mod fft;
 pub mod gmres;

@@ -57,6 +57,12 @@ impl Rule {
         &RULE
     }
 
+    /// The places of the rule on a panel, and their weights.
+    pub fn places(&self, low: f64, high: f64) -> [(f64, f64); NODES] {
+        let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
+        std::array::from_fn(|i| (middle + half * self.nodes[i], half * self.weights[i]))
+    }
+
     /// ∫f over consecutive panels `breaks[i]..breaks[i + 1]`. The panel with the largest error is bisected
     /// until the errors of all panels add up to at most `tolerance` times the integral of |panel|, component
     /// by component.

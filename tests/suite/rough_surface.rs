@@ -67,7 +67,7 @@ fn the_integral_of_the_cases_pulls_off_where_it_is_known_to() {
                 (0..count).map(|i| sigma * (0.5 + 7.0 * f64::from(i) / f64::from(count - 1))).collect();
             let model = Expectations::new(law.as_ref(), &surface, &separations);
             let external = &model.expected[Quantity::ExternalForce.index()];
-            let integral = Model::new(law.as_ref(), &surface);
+            let integral = Model::new(law.as_ref(), &surface, &separations);
             let features = Features::new(|h| integral.external_force(h), &separations, external, 0.1 * sigma);
             let pull_off = -features.minimum.value;
             assert!((pull_off / force - 1.0).abs() < accuracy, "case {name}, {count}: {pull_off} N");
@@ -282,7 +282,7 @@ fn the_published_fits_give_the_published_numbers() {
         let separations: Vec<f64> = (0..141).map(|i| sigma * (0.5 + 0.05 * f64::from(i))).collect();
         let model = Expectations::new(law.as_ref(), &surface, &separations);
         let external = &model.expected[Quantity::ExternalForce.index()];
-        let integral = Model::new(law.as_ref(), &surface);
+        let integral = Model::new(law.as_ref(), &surface, &separations);
         let features = Features::new(|h| integral.external_force(h), &separations, external, 0.1 * sigma);
         assert!(
             (-features.minimum.value - force).abs() < rounding,

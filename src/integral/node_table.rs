@@ -1,0 +1,180 @@
+//! Expectations over Gaussian heights of a law whose forces are known at nodes once and for all.
+//!
+//! # Formula
+//! E\[q\](d) = ∫q(δ)φ(δ + d)dδ: at another separation d the forces at the same interferences δ count with another
+//! density. So the nodes of Gauss's rule on panels of δ, on which the law is one smooth function, serve all separations.
+//! Panels are so narrow, in σ_s, that a density is a polynomial to rounding there, and are halved until the
+//! quantities alone are integrated as accurately as they are asked for.
+
+use super::height_integral::{AtSeparation, Variable};
+use crate::asperity::{Law, Quantity, Responses, SolverStats};
+use crate::math::exponential::exp;
+use crate::math::extrema::maximum;
+use crate::math::instruction_set::InstructionSet;
+use crate::math::quadrature::{NODES, Rule};
+use crate::math::sums::lane_sum;
+use std::f64::consts::PI;
+
+/// Panels are at most so wide, in standard deviations.
+const WIDEST: f64 = 0.5;
+/// Most times that a panel is halved.
+const HALVINGS: usize = 24;
+
+/// The forces of a law at the nodes of panels.
+pub(super) struct NodeTable {
+    panels: Vec<Panel>,
+    /// Separations d, m, for which heights within reach are covered.
+    covered: (f64, f64),
+    pub stats: SolverStats,
+}
+
+struct Panel {
+    regime: usize,
+    ends: (f64, f64),
+    /// Relative to the integrals of the quantities.
+    error: f64,
+    interference: [f64; NODES],
+    /// m.
+    weights: [f64; NODES],
+    quantities: [[f64; NODES]; 3],
+}
+
+/// Gaussian heights of a mean and a standard deviation, m, and how far they are integrated to, in these.
+#[derive(Clone, Copy)]
+pub(super) struct Normal {
+    pub mean: f64,
+    pub std: f64,
+    pub reach: f64,
+}
+
+impl NodeTable {
+    /// The forces of a law for Gaussian heights at separations d, m, between two: to a relative accuracy on every panel.
+    pub fn new(law: &dyn Law, heights: Normal, (nearest, furthest): (f64, f64), tolerance: f64) -> Self {
+        let mut table =
+            Self { panels: Vec::new(), covered: (nearest, furthest), stats: SolverStats::default() };
+        let reach = heights.reach * heights.std;
+        let (low, high) = (heights.mean - reach - furthest, heights.mean + reach - nearest);
+        for piece in law.pieces() {
+            let (lower, upper) = (piece.lower.max(low), piece.upper.min(high));
+            if !(lower < upper) {
+                continue;
+            }
+            let variable = Variable::of(&piece, 0.5 * (nearest + furthest), heights.std);
+            let count = ((upper - lower) / (WIDEST * heights.std)).ceil().max(1.0);
+            let end = |i: f64| variable.of_interference(lower + (upper - lower) * (i / count));
+            for i in 0..count as usize {
+                let [a, b] = [end(i as f64), end(i as f64 + 1.0)];
+                let limits = (piece.lower, piece.upper);
+                let mut open = vec![(a.min(b), a.max(b), 0)];
+                while let Some((a, b, halvings)) = open.pop() {
+                    let middle = 0.5 * (a + b);
+                    let mut of = |a: f64, b: f64| {
+                        Panel::new(law, piece.regime, (variable, limits), (a, b), &mut table.stats)
+                    };
+                    let (whole, halves) = (of(a, b), [of(a, middle), of(middle, b)]);
+                    let error = whole.differs(&halves);
+                    if error > tolerance && halvings < HALVINGS {
+                        open.push((middle, b, halvings + 1));
+                        open.push((a, middle, halvings + 1));
+                    } else {
+                        table.panels.push(Panel { error, ..whole });
+                    }
+                }
+            }
+        }
+        table
+    }
+
+    /// Whether all heights within reach are covered at a separation d, m.
+    pub fn covers(&self, separation: f64) -> bool {
+        self.covered.0 <= separation && separation <= self.covered.1
+    }
+
+    /// The expectations at a separation d, m, with deviations from `typical` quantities.
+    pub fn at(&self, law: &dyn Law, heights: Normal, separation: f64, typical: [f64; 4]) -> AtSeparation {
+        let mut at = AtSeparation::new(law.regimes().len(), typical);
+        let mean = heights.mean - separation;
+        let reach = heights.reach * heights.std;
+        let (per_std, unit) = (1.0 / heights.std, 1.0 / (heights.std * (2.0 * PI).sqrt()));
+        let mut errors = [0.0; 3];
+        let mut totals = [0.0; 3];
+        for panel in &self.panels {
+            if panel.ends.1 < mean - reach || panel.ends.0 > mean + reach {
+                continue;
+            }
+            let sums = InstructionSet::current().run(
+                #[inline(always)]
+                || {
+                    let mut terms = [[0.0; NODES]; 8];
+                    for i in 0..NODES {
+                        let s = (panel.interference[i] - mean) * per_std;
+                        let weight = panel.weights[i] * unit * exp(-0.5 * s * s);
+                        let [adhesion, contact, area] = [0, 1, 2].map(|q: usize| panel.quantities[q][i]);
+                        let quantities = Quantity::of_response(adhesion, contact, area);
+                        terms[0][i] = weight * adhesion;
+                        terms[1][i] = weight * contact;
+                        terms[2][i] = weight * area;
+                        for q in 0..4 {
+                            let off = quantities[q] - typical[q];
+                            terms[3 + q][i] = weight * (off * off);
+                        }
+                        terms[7][i] = weight;
+                    }
+                    terms.map(|terms| lane_sum(&terms))
+                },
+            );
+            at.add_panel(panel.regime, &sums);
+            for c in 0..3 {
+                errors[c] += panel.error * sums[c].abs();
+                totals[c] += sums[c].abs();
+            }
+        }
+        for (error, total) in errors.into_iter().zip(totals) {
+            if total > f64::MIN_POSITIVE / f64::EPSILON {
+                at.error = maximum(at.error, error / total);
+            }
+        }
+        at
+    }
+}
+
+impl Panel {
+    fn new(
+        law: &dyn Law,
+        regime: usize,
+        (variable, limits): (Variable, (f64, f64)),
+        (low, high): (f64, f64),
+        stats: &mut SolverStats,
+    ) -> Self {
+        let places = Rule::shared().places(low, high);
+        let interference = places.map(|(x, _)| variable.interference(x).clamp(limits.0, limits.1));
+        let weights = places.map(|(x, weight)| weight * variable.stretch(x));
+        let mut out = Responses::default();
+        // Whichever way the variable runs.
+        let rises = interference[0] <= interference[NODES - 1];
+        let mut rising = interference;
+        if !rises {
+            rising.reverse();
+        }
+        law.evaluate(regime, &rising, &mut out, stats);
+        let quantity = |values: &[f64]| -> [f64; NODES] {
+            std::array::from_fn(|i| values[if rises { i } else { NODES - 1 - i }])
+        };
+        let quantities = [quantity(&out.adhesion), quantity(&out.contact), quantity(&out.area)];
+        let [a, b] = [low, high].map(|x| variable.interference(x));
+        Self { regime, ends: (a.min(b), a.max(b)), error: 0.0, interference, weights, quantities }
+    }
+
+    fn integral(&self, quantity: usize) -> f64 {
+        self.weights.iter().zip(&self.quantities[quantity]).map(|(weight, q)| weight * q).sum()
+    }
+
+    /// By how much the integrals of the quantities are off those over both halves, relative to them.
+    fn differs(&self, halves: &[Self; 2]) -> f64 {
+        (0..3).fold(0.0, |most, q| {
+            let finer: f64 = halves.iter().map(|half| half.integral(q)).sum();
+            let off = (self.integral(q) - finer).abs();
+            maximum(most, if finer > f64::MIN_POSITIVE { off / finer } else { 0.0 })
+        })
+    }
+}

@@ -97,7 +97,7 @@ impl Checked<'_> {
             }
             return Ok(());
         };
-        for name in ["asperity_density", "asperity_radius", "asperity_height_std"] {
+        for name in ["asperity_density", "asperity_radius", "asperity_height_std", "asperity_curvature_std"] {
             let (path, measured) = (format!("/cutoffs/{name}"), self.values(&format!("/measured/{name}"))?);
             let (found, expected) = (self.values(&path)?[place], measured[0]);
             if !(found.is_nan() && expected.is_nan() || (found / expected - 1.0).abs() <= ROUNDING) {
@@ -138,7 +138,9 @@ impl Checked<'_> {
         let radii = of(&|at| at.measured.map_or(f64::NAN, |measured| measured.radius));
         self.follows("/cutoffs/asperity_radius", &radii, ROUNDING, PATH)?;
         let scatter = of(&|at| at.measured.map_or(f64::NAN, |measured| measured.height_std));
-        self.follows("/cutoffs/asperity_height_std", &scatter, ROUNDING, PATH)
+        self.follows("/cutoffs/asperity_height_std", &scatter, ROUNDING, PATH)?;
+        let scatter = of(&|at| at.measured.map_or(f64::NAN, |measured| measured.curvature_std));
+        self.follows("/cutoffs/asperity_curvature_std", &scatter, ROUNDING, PATH)
     }
 
     /// Checks what follows from the mean squares of heights, slopes and second derivatives.

@@ -272,7 +272,7 @@ const BOUNDS: &[Bound] = &[
     bound("/surface/slope_*", NotNegative, Never),
     bound("/surface/*", Positive, Never),
     bound("*/asperity_height_mean", Finite, Never),
-    bound("/cutoffs/asperity_height_std", NotNegative, Absent),
+    bound("/cutoffs/*_std", NotNegative, Absent),
     bound("/cutoffs/asperity_radius", Positive, Absent),
     bound("/cutoffs/*", NotNegative, Never),
     bound("/measured/*_std", NotNegative, Absent),

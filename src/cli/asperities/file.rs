@@ -18,6 +18,7 @@ pub(super) fn write(writer: &mut Writer<'_>, surface: &Surface<'_>) -> Result<()
     writer.text("/", "level", arguments.level.name())?;
     writer.number("/", "smooth", arguments.smooth.unwrap_or(0.0))?;
     writer.number("/", "prominence", arguments.prominence.unwrap_or(0.0))?;
+    writer.number("/", "cutoffs", u64::from(arguments.cutoffs.unwrap_or(0)))?;
     writer.numbers("/", "border", &map.margin().map(|pixels| pixels as u64))?;
     writer.numbers("/", "map_shape", &map.shape().map(|length| length as u64))?;
     writer.numbers("/", "pixel_size", &map.pixel())?;
@@ -69,7 +70,8 @@ fn write_series(writer: &mut Writer<'_>, series: &[AtCutoff]) -> Result<(), Outp
     write("nominal_area", &|at| at.nominal_area)?;
     write("asperity_density", &|at| at.measured.map_or(0.0, |measured| measured.density))?;
     write("asperity_radius", &|at| at.measured.map_or(f64::NAN, |measured| measured.radius))?;
-    write("asperity_height_std", &|at| at.measured.map_or(f64::NAN, |measured| measured.height_std))
+    write("asperity_height_std", &|at| at.measured.map_or(f64::NAN, |measured| measured.height_std))?;
+    write("asperity_curvature_std", &|at| at.measured.map_or(f64::NAN, |measured| measured.curvature_std))
 }
 
 /// Writes the heights that were searched.

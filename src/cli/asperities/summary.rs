@@ -86,11 +86,10 @@ fn shape(shape: &Shape) -> String {
     if !shape.ratio.is_finite() {
         return String::new();
     }
-    let ratio = format!("principal curvatures are {:.2} times apart (median);", shape.ratio);
     let [mean, geometric] = shape.forces.map(|share| signed_percent(share - 1.0));
-    row("shape", &ratio)
-        + &row("", &format!("Hertz force at a given interference of a sphere of 1/mean curvature {mean},"))
-        + &row("", &format!("of 1/sqrt(k1 k2), the file's equivalent_radius, {geometric}"))
+    row("shape", &format!("k1/k2 = {:.2}, median ratio of the principal curvatures", shape.ratio))
+        + &row("", "Hertz force of a sphere against that of such an ellipsoid, at the same interference:")
+        + &row("", &format!("{mean} with R = 1/mean curvature, {geometric} with R = 1/sqrt(k1 k2)"))
 }
 
 /// The parameters over the cut-off; that of the map has a mark.

@@ -63,6 +63,7 @@ const CUTOFFS: &[Row] = &[
     ("asperity_density", C, "m-2", "asperities over the area searched"),
     ("asperity_radius", C, "m", "reciprocal of the mean curvature of the asperities"),
     ("asperity_height_std", C, "m", "standard deviation of the heights of the asperities"),
+    ("asperity_curvature_std", C, "m-1", "standard deviation of the mean curvatures of the asperities"),
 ];
 
 const SURFACE: &[Row] = &[

@@ -226,8 +226,8 @@ impl Asperities {
         if saddles > 0 {
             let share = 100.0 * saddles as f64 / count as f64;
             caveats.push(format!(
-                "{saddles} of {count} summits ({share:.1} %) are saddles by their second differences: higher than 8 pixels, they rise \
-                 between them, which noise and coarse pixels make; --smooth takes them away"
+                "{saddles} of {count} summits ({share:.1} %) are saddles by their second differences, k2 <= 0: noise and coarse pixels \
+                 make such; --smooth takes most of them away"
             ));
         }
         if moments.skewness.abs() > NOT_GAUSSIAN.0 || moments.excess_kurtosis.abs() > NOT_GAUSSIAN.1 {

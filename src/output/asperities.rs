@@ -22,6 +22,8 @@ pub struct AsperityFile {
     pub heights: Vec<f64>,
     /// Radius of each, m; positive.
     pub radii: Vec<f64>,
+    /// Geometric mean of the principal radii of each, m; positive. None of files of before version 2.2.
+    pub equivalent_radii: Option<Vec<f64>>,
     /// Place of each on the map, x and y, m; of a smoothed one less its border.
     pub positions: Vec<[f64; 2]>,
     /// Lengths of the map along x and y, m, if the file says; of a smoothed one less its border.
@@ -66,6 +68,8 @@ pub fn read(path: &Path) -> Result<AsperityFile, OutputError> {
         return Err(refused("has no asperities".to_owned()));
     }
     let radii = finite("/asperities/radius", positive)?;
+    const EQUIVALENT: &str = "/asperities/equivalent_radius";
+    let equivalent_radii = reader.has(EQUIVALENT).then(|| finite(EQUIVALENT, positive)).transpose()?;
     let [down, along] = border(&reader)?;
     let positions = finite("/asperities/x", any)?.into_iter().zip(finite("/asperities/y", any)?);
     let nominal_area: f64 = reader.number("/", "nominal_area")?;
@@ -79,6 +83,7 @@ pub fn read(path: &Path) -> Result<AsperityFile, OutputError> {
         extent,
         heights,
         radii,
+        equivalent_radii,
         nominal_area,
         density: number("/measured/asperity_density")?,
         mean_plane_offset,

@@ -29,6 +29,9 @@ def find_asperities(
     height_unit: str | None = None,
     dataset: str | None = None,
     level: str = "plane",
+    smooth: Any = None,
+    prominence: Any = None,
+    cutoffs: int | None = None,
     force: bool = False,
 ) -> Asperities:
     """Finds the asperities of a measured surface.
@@ -51,6 +54,15 @@ def find_asperities(
         Which dataset of an HDF5 file is the map.
     level : {"plane", "quadratic", "none"}
         What is subtracted from the heights.
+    smooth : float, str, optional
+        Cut-off wavelength of the areal Gaussian filter (ISO 16610-61) that the levelled map is smoothed with, a number in m or a text
+        with a unit: from two pixels to half the shorter side of the map. By default it is not smoothed.
+    prominence : float, str, optional
+        Least height above the saddle on the way to higher ground with which a summit counts, a number in m or a text with a unit. By
+        default all count.
+    cutoffs : int, optional
+        Over how many cut-offs, 2 to 100, from two pixels to a quarter of the shorter side, density, radius and scatter of the summits
+        are computed too, with the same `prominence`: `Asperities.cutoffs`.
     force : bool
         Whether an existing `output` is overwritten.
 
@@ -73,12 +85,17 @@ def find_asperities(
     >>> found.height.shape
     (213,)
     """
+    lengths = {
+        name: None if length is None else quantities.as_text(length, "m")
+        for name, length in (("smooth", smooth), ("prominence", prominence))
+    }
+    options = {"level": level, "cutoffs": cutoffs, "force": force, **lengths}
     if isinstance(map, str | Path):
         path = Path(map)
         if not path.is_file():
             raise SceneError(f"{path}: no such file")
         if path.suffix.lower() in _OWN:
-            return _found(path, output, pixel, height_unit, dataset, level, force)
+            return _found(path, output, pixel, height_unit, dataset, options)
         map = _topography(path)
         name, called = path.stem, str(path)
     else:
@@ -93,7 +110,7 @@ def find_asperities(
         file = Path(folder) / f"{name}.npy"
         np.save(file, heights)
         try:
-            return _found(file, output, pixel, height_unit, None, level, force)
+            return _found(file, output, pixel, height_unit, None, options)
         except StictionError as error:
             raise type(error)(str(error).replace(str(file), called), error.exit_code) from None
 
@@ -104,14 +121,11 @@ def _found(
     pixel: Any,
     height_unit: str | None,
     dataset: str | None,
-    level: str,
-    force: bool,
+    others: dict[str, Any],
 ) -> Asperities:
     sizes = None if pixel is None else ",".join(quantities.as_text(one, "m") for one in _pair(pixel))
     with Place(output) as place:
-        options = program.options(
-            pixel=sizes, height_unit=height_unit, dataset=dataset, level=level, force=force
-        )
+        options = program.options(pixel=sizes, height_unit=height_unit, dataset=dataset, **others)
         program.call(["asperities", str(path), "--output", str(place.path), *options])
         result: Asperities = place.result()
         return result

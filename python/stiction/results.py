@@ -441,7 +441,7 @@ class Asperities(Result):
 
     @cached_property
     def asperities(self) -> xarray.Dataset:
-        """Height over the mean plane (m), radius (m) and place (m) of each asperity."""
+        """Height over the mean plane (m), radius (m), principal radii (m) and place (m) of each asperity."""
         return self.group("asperities")
 
     @property
@@ -458,6 +458,19 @@ class Asperities(Result):
     def map(self) -> xarray.DataArray:
         """The levelled heights (m) in which they were found, dimensions `y` and `x` (m); NaN where pixels are missing."""
         return self.group("map")["height"]
+
+    @cached_property
+    def cutoffs(self) -> xarray.Dataset:
+        """Number, density (1/m²), radius (m) and scatter of heights (m) of the summits over the dimension `cutoff` (m) of the filter.
+
+        Raises
+        ------
+        FileError
+            The file has none: it was made without `cutoffs`.
+        """
+        if "cutoffs" not in self:
+            raise FileError(f"{self.path}: has no series over cut-offs; find_asperities(..., cutoffs=12) computes one")
+        return self.group("cutoffs")
 
     def to_dataframe(self) -> pd.DataFrame:
         """A row for each asperity."""

@@ -6,7 +6,7 @@ use super::checked::{Checked, ROUNDING};
 use crate::math::moments::Moments;
 use crate::output::OutputError;
 use crate::output::reader::Reader;
-use crate::surface::map::{Equivalent, HeightMap, SpectralMoments};
+use crate::surface::map::{AtCutoff, Equivalent, HeightMap, Shape, SpectralMoments, Summit};
 use crate::validation::Verdict;
 
 pub(super) fn audit(reader: &Reader) -> Result<Audit, OutputError> {
@@ -15,7 +15,9 @@ pub(super) fn audit(reader: &Reader) -> Result<Audit, OutputError> {
     checked.measured()?;
     checked.spectrum()?;
     checked.grid()?;
+    checked.shape()?;
     checked.map()?;
+    checked.chosen_cutoff()?;
     let count = checked.coordinate("asperity")?.len();
     let content = Content::Asperities(count);
     Ok(Audit { content, findings: checked.findings, verdict: Verdict::NotTested })
@@ -46,6 +48,99 @@ impl Checked<'_> {
             self.compare(&path, &found, &[values[i]], |_| ROUNDING * size, "/asperities");
         }
         Ok(())
+    }
+
+    /// Principal radii are those of the second derivatives; files of before version 2.2 have none.
+    fn shape(&mut self) -> Result<(), OutputError> {
+        if !self.has("/asperities/curvature_xy") {
+            return Ok(());
+        }
+        let along = |name: &str| self.values(&format!("/asperities/curvature_{name}"));
+        let (x, y, xy) = (along("x")?, along("y")?, along("xy")?);
+        let summit = |((&x, &y), &twist): ((&f64, &f64), &f64)| Summit {
+            row: 0,
+            column: 0,
+            height: 0.0,
+            curvature: [y, x],
+            twist,
+        };
+        let summits: Vec<Summit> = x.iter().zip(&y).zip(&xy).map(summit).collect();
+        let principal: Vec<[f64; 2]> = summits.iter().map(Summit::principal_curvatures).collect();
+        const FROM: &str = "/asperities/curvature_*";
+        let sharp: Vec<f64> = principal.iter().map(|own| 1.0 / own[0]).collect();
+        self.follows("/asperities/principal_radius_1", &sharp, ROUNDING, FROM)?;
+        // The bits are those of the same arithmetic: a summit that is close to a saddle is none here either.
+        let of_blunt = |blunt: f64| if blunt > 0.0 { 1.0 / blunt } else { f64::NAN };
+        let blunt: Vec<f64> = principal.iter().map(|own| of_blunt(own[1])).collect();
+        self.follows("/asperities/principal_radius_2", &blunt, ROUNDING, FROM)?;
+        let equivalent: Vec<f64> = summits.iter().map(Summit::equivalent_radius).collect();
+        self.follows("/asperities/equivalent_radius", &equivalent, ROUNDING, FROM)?;
+        let shape = Shape::new(&summits);
+        self.follows("/measured/saddle_count", &[shape.saddles as f64], 0.0, FROM)?;
+        self.follows("/measured/curvature_ratio_median", &[shape.ratio], ROUNDING, FROM)
+    }
+
+    /// Over the cut-off: densities are those of counts and areas, and at the cut-off of the map all is what is
+    /// measured on it.
+    fn chosen_cutoff(&mut self) -> Result<(), OutputError> {
+        if !self.has("/cutoffs/cutoff") {
+            return Ok(());
+        }
+        let own = |name: &str| self.values(&format!("/cutoffs/{name}"));
+        let (cutoffs, counts, areas) = (own("cutoff")?, own("summit_count")?, own("nominal_area")?);
+        let densities: Vec<f64> = counts.iter().zip(&areas).map(|(count, area)| count / area).collect();
+        self.follows("/cutoffs/asperity_density", &densities, ROUNDING, "summit_count and nominal_area")?;
+        let smooth: f64 = self.reader.number("/", "smooth")?;
+        let Some(place) = cutoffs.iter().position(|cutoff| *cutoff == smooth) else {
+            if smooth > 0.0 {
+                self.say("/cutoffs/cutoff", &format!("lacks that of the map, {smooth:e} m"));
+            }
+            return Ok(());
+        };
+        for name in ["asperity_density", "asperity_radius", "asperity_height_std", "asperity_curvature_std"] {
+            let (path, measured) = (format!("/cutoffs/{name}"), self.values(&format!("/measured/{name}"))?);
+            let (found, expected) = (self.values(&path)?[place], measured[0]);
+            if !(found.is_nan() && expected.is_nan() || (found / expected - 1.0).abs() <= ROUNDING) {
+                self.say_at(&path, place, found, &format!("{expected:e} follows from /measured/{name}"));
+            }
+        }
+        Ok(())
+    }
+
+    /// Over the cut-off of a map that is not smoothed itself all can be counted anew; of one that is, the areas.
+    fn cutoffs(&mut self, map: &HeightMap, is_smoothed: bool) -> Result<(), OutputError> {
+        if !self.has("/cutoffs/cutoff") {
+            return Ok(());
+        }
+        const PATH: &str = "/map/height";
+        let cutoffs = self.values("/cutoffs/cutoff")?;
+        let [dy, dx] = map.pixel();
+        let area = |cutoff: &f64| map.clone().within_border(*cutoff).summits().compared as f64 * dy * dx;
+        let is_possible = |cutoff: &f64| map.cutoffs().contains(cutoff);
+        if let Some(i) = cutoffs.iter().position(|cutoff| !is_possible(cutoff)) {
+            self.say_at(
+                "/cutoffs/cutoff",
+                i,
+                cutoffs[i],
+                "a cut-off that the map can be smoothed with is expected",
+            );
+            return Ok(());
+        }
+        let areas: Vec<f64> = cutoffs.iter().map(area).collect();
+        self.follows("/cutoffs/nominal_area", &areas, ROUNDING, PATH)?;
+        if is_smoothed {
+            return Ok(());
+        }
+        let least = self.has("/asperities/prominence").then(|| self.reader.number("/", "prominence"));
+        let Ok(series) = map.at_cutoffs(&cutoffs, least.transpose()?) else { return Ok(()) };
+        let of = |value: &dyn Fn(&AtCutoff) -> f64| series.iter().map(value).collect::<Vec<f64>>();
+        self.follows("/cutoffs/summit_count", &of(&|at| at.count as f64), 0.0, PATH)?;
+        let radii = of(&|at| at.measured.map_or(f64::NAN, |measured| measured.radius));
+        self.follows("/cutoffs/asperity_radius", &radii, ROUNDING, PATH)?;
+        let scatter = of(&|at| at.measured.map_or(f64::NAN, |measured| measured.height_std));
+        self.follows("/cutoffs/asperity_height_std", &scatter, ROUNDING, PATH)?;
+        let scatter = of(&|at| at.measured.map_or(f64::NAN, |measured| measured.curvature_std));
+        self.follows("/cutoffs/asperity_curvature_std", &scatter, ROUNDING, PATH)
     }
 
     /// Checks what follows from the mean squares of heights, slopes and second derivatives.
@@ -135,6 +230,14 @@ impl Checked<'_> {
         }
         let (rows, columns) = (rows as usize, columns as usize);
         let map = HeightMap::new(heights, [rows, columns], [dy, dx]);
+        let cutoff = self.attribute_since("smooth")?;
+        if let (true, Ok(map)) = (cutoff != 0.0, &map)
+            && !map.cutoffs().contains(&cutoff)
+        {
+            self.say(PATH, &format!("cannot be smoothed with {cutoff:e} m, and smooth says so"));
+            return Ok(());
+        }
+        let map = map.map(|map| if cutoff > 0.0 { map.within_border(cutoff) } else { map });
         let (map, moments) = match map.and_then(|map| SpectralMoments::new(&map).map(|own| (map, own))) {
             Ok(own) => own,
             Err(problem) => {
@@ -144,7 +247,7 @@ impl Checked<'_> {
         };
         let (heights, [x, y]) =
             (map.heights(), ["x", "y"].map(|name| self.values(&format!("/asperities/{name}"))));
-        let (mut own, mut bends) = (Vec::new(), [Vec::new(), Vec::new()]);
+        let (mut own, mut bends) = (Vec::new(), [Vec::new(), Vec::new(), Vec::new()]);
         for (x, y) in x?.into_iter().zip(y?) {
             let [row, column] = [y / dy, x / dx].map(|place| (place - 0.5).round() as usize);
             let is_inside = (1..rows - 1).contains(&row) && (1..columns - 1).contains(&column);
@@ -155,12 +258,42 @@ impl Checked<'_> {
             own.push(heights[place]);
             bends[0].push(bend(1) / (dx * dx));
             bends[1].push(bend(columns) / (dy * dy));
+            let rising = |above: usize| heights[above + 1] - heights[above - 1];
+            bends[2].push(-0.25 * (rising(place + columns) - rising(place - columns)) / (dx * dy));
         }
         self.follows("/asperities/height", &own, ROUNDING, PATH)?;
         for (name, bends) in ["x", "y"].into_iter().zip(&bends) {
             self.follows(&format!("/asperities/curvature_{name}"), bends, ROUNDING, PATH)?;
         }
+        if self.has("/asperities/curvature_xy") {
+            let (path, found) = ("/asperities/curvature_xy", self.values("/asperities/curvature_xy")?);
+            self.compare(path, &found, &bends[2], |i| ROUNDING * (bends[0][i] + bends[1][i]).abs(), PATH);
+        }
+        self.prominences(&map)?;
+        self.cutoffs(&map, cutoff > 0.0)?;
         self.heights(&map, &moments)
+    }
+
+    /// A number of the root that files of before version 2.2 do not have; 0 there.
+    fn attribute_since(&self, name: &str) -> Result<f64, OutputError> {
+        if self.reader.has_attribute("/", name)? { Ok(self.reader.number("/", name)?) } else { Ok(0.0) }
+    }
+
+    /// Where a prominence was asked for, each asperity has its own, and at least that.
+    fn prominences(&mut self, map: &HeightMap) -> Result<(), OutputError> {
+        const PATH: &str = "/asperities/prominence";
+        if !self.has(PATH) {
+            return Ok(());
+        }
+        let least = self.attribute_since("prominence")?;
+        let found = self.values(PATH)?;
+        if let Some(i) = found.iter().position(|own| !(*own >= least)) {
+            self.say_at(PATH, i, found[i], &format!("{least:e} at least is expected"));
+        }
+        let all = map.summits().summits;
+        let prominences = map.prominences(&all);
+        let expected: Vec<f64> = prominences.into_iter().filter(|own| *own >= least).collect();
+        self.follows(PATH, &expected, ROUNDING, "/map/height")
     }
 
     /// What is said of all heights of a map.

@@ -44,6 +44,7 @@ impl Files for SceneFiles {
         Ok(Measured {
             heights: file.heights,
             radii: file.radii,
+            equivalent_radii: file.equivalent_radii,
             positions: file.positions,
             extent: file.extent,
             nominal_area: file.nominal_area,

@@ -22,9 +22,11 @@ pub struct AsperityFile {
     pub heights: Vec<f64>,
     /// Radius of each, m; positive.
     pub radii: Vec<f64>,
-    /// Place of each on the map, x and y, m.
+    /// Geometric mean of the principal radii of each, m; positive. None of files of before version 2.2.
+    pub equivalent_radii: Option<Vec<f64>>,
+    /// Place of each on the map, x and y, m; of a smoothed one less its border.
     pub positions: Vec<[f64; 2]>,
-    /// Lengths of the map along x and y, m, if the file says.
+    /// Lengths of the map along x and y, m, if the file says; of a smoothed one less its border.
     pub extent: Option<[f64; 2]>,
     /// Area that was searched for them, m²; positive.
     pub nominal_area: f64,
@@ -66,6 +68,9 @@ pub fn read(path: &Path) -> Result<AsperityFile, OutputError> {
         return Err(refused("has no asperities".to_owned()));
     }
     let radii = finite("/asperities/radius", positive)?;
+    const EQUIVALENT: &str = "/asperities/equivalent_radius";
+    let equivalent_radii = reader.has(EQUIVALENT).then(|| finite(EQUIVALENT, positive)).transpose()?;
+    let [down, along] = border(&reader)?;
     let positions = finite("/asperities/x", any)?.into_iter().zip(finite("/asperities/y", any)?);
     let nominal_area: f64 = reader.number("/", "nominal_area")?;
     if !(nominal_area > 0.0 && nominal_area.is_finite()) {
@@ -74,10 +79,11 @@ pub fn read(path: &Path) -> Result<AsperityFile, OutputError> {
     let extent = extent(&reader)?;
     let mean_plane_offset = finite("/measured/asperity_height_mean", any)?[0];
     Ok(AsperityFile {
-        positions: positions.map(|(x, y)| [x, y]).collect(),
+        positions: positions.map(|(x, y)| [x - along, y - down]).collect(),
         extent,
         heights,
         radii,
+        equivalent_radii,
         nominal_area,
         density: number("/measured/asperity_density")?,
         mean_plane_offset,
@@ -95,6 +101,19 @@ fn extent(reader: &Reader) -> Result<Option<[f64; 2]>, OutputError> {
     let shape: Vec<u64> = reader.attribute("/", "map_shape")?;
     let pixel: Vec<f64> = reader.attribute("/", "pixel_size")?;
     let ([rows, columns], [height, width]) = (&shape[..], &pixel[..]) else { return Ok(None) };
-    let extent = [*columns as f64 * width, *rows as f64 * height];
+    let [down, along] = border(reader)?;
+    let extent = [*columns as f64 * width - 2.0 * along, *rows as f64 * height - 2.0 * down];
     Ok(extent.iter().all(|length| *length > 0.0 && length.is_finite()).then_some(extent))
+}
+
+/// Height and width of the border that was not searched on either side of a smoothed map, m; 0 where the file
+/// does not say.
+fn border(reader: &Reader) -> Result<[f64; 2], OutputError> {
+    if !(reader.has_attribute("/", "border")? && reader.has_attribute("/", "pixel_size")?) {
+        return Ok([0.0; 2]);
+    }
+    let border: Vec<u64> = reader.attribute("/", "border")?;
+    let pixel: Vec<f64> = reader.attribute("/", "pixel_size")?;
+    let (&[down, along], &[height, width]) = (&border[..], &pixel[..]) else { return Ok([0.0; 2]) };
+    Ok([down as f64 * height, along as f64 * width])
 }

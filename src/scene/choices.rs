@@ -44,6 +44,9 @@ pub(super) const RADIUS_LAWS: [(&str, &str); 4] =
 pub(super) const SUMMIT_LAWS: [(&str, ()); 1] = [("nayak", ())];
 /// How replicas are made of measured asperities; whether of all of them.
 pub(super) const SAMPLES: [(&str, bool); 2] = [("bootstrap", false), ("whole", true)];
+
+/// Whether measured asperities have the geometric mean of their principal radii.
+pub(super) const MEASURED_RADII: [(&str, bool); 2] = [("mean_curvature", false), ("equivalent", true)];
 /// Name of the stiffness of the half-space under a patch.
 pub(super) const PATCH: &str = "patch";
 /// What surrounds a surface of coupled asperities; none where they are independent.

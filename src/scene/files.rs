@@ -24,6 +24,8 @@ pub struct Measured {
     pub heights: Vec<f64>,
     /// Radius of each, m.
     pub radii: Vec<f64>,
+    /// Geometric mean of the principal radii of each, m, if the file says.
+    pub equivalent_radii: Option<Vec<f64>>,
     /// x and y of each on the map, m.
     pub positions: Vec<[f64; 2]>,
     /// Lengths of the map along x and y, m, if the file says.

@@ -1,6 +1,6 @@
 //! Measured asperities of a scene.
 
-use super::choices::SAMPLES;
+use super::choices::{MEASURED_RADII, SAMPLES};
 use super::column::FEWEST;
 use super::error::{SceneError, Together};
 use super::files::{Files, Input, MOST_VALUES, Measured};
@@ -20,13 +20,23 @@ pub(super) fn measured(
     let table = entry.table()?;
     let path = table.require("path").and_then(|path| path.string().map(|name| (path, name)));
     let whole = table.optional("sample", |sample| sample.choice("sample", &SAMPLES));
+    let is_equivalent = table.optional("radius", |radius| radius.choice("radius", &MEASURED_RADII));
     let area = section.optional("nominal_area", |area| area.measured());
     let offset = section.optional("mean_plane_offset", |entry| entry.measured());
-    let readings = (others, path, whole, area, offset, count(section));
-    let (_, (path, name), whole, given_area, offset, count_law) = readings.together()?;
+    let readings = (others, path, (whole, is_equivalent).together(), area, offset, count(section));
+    let (_, (path, name), (whole, is_equivalent), given_area, offset, count_law) = readings.together()?;
     let whole = whole.unwrap_or(false);
-    let Measured { heights, radii, positions, extent, nominal_area, surface_height_std } =
+    let Measured { heights, radii, equivalent_radii, positions, extent, nominal_area, surface_height_std } =
         files.asperities(name).map_err(|problem| path.wrong(&problem))?;
+    let radii = match (equivalent_radii, is_equivalent.unwrap_or(false)) {
+        (Some(equivalent), true) => equivalent,
+        (None, true) => {
+            return Err(path.wrong(
+                "has no equivalent radii: it was made by an earlier version; make it again, or leave out radius",
+            ));
+        }
+        (_, false) => radii,
+    };
     if !(FEWEST..=MOST_VALUES).contains(&heights.len()) {
         return Err(
             path.wrong(&format!("has {} asperities; {FEWEST} to {MOST_VALUES} are needed", heights.len()))

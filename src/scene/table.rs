@@ -2,8 +2,8 @@
 //! `docs/scene.md` all of it. It is longer than files should be, since it is one table.
 
 use super::choices::{
-    COUPLINGS, FORMAT, HEIGHT_LAWS, HISTORIES, KERNELS, MOST_POINTS, MOST_SEPARATIONS, Mode, PATCH,
-    POISSON_RATIOS, POSITIONS, RADIUS_LAWS, RELATIVE, REPLICAS, SAMPLES, SPACINGS, SUM_TOLERANCES,
+    COUPLINGS, FORMAT, HEIGHT_LAWS, HISTORIES, KERNELS, MEASURED_RADII, MOST_POINTS, MOST_SEPARATIONS, Mode,
+    PATCH, POISSON_RATIOS, POSITIONS, RADIUS_LAWS, RELATIVE, REPLICAS, SAMPLES, SPACINGS, SUM_TOLERANCES,
     SUMMIT_LAWS, SUMS, TOLERANCES_OF_LOADS, VARIATIONS,
 };
 use super::keys::{Key, Sign, Value, key};
@@ -286,6 +286,13 @@ pub static KEYS: &[Key] = &[
              all of them once, in every replica; then `nominal_area` is that of the map.",
         )
         .defaults_to("\"bootstrap\""),
+    key("surface.asperities.radius", "\"equivalent\"", Choice(|| names(&MEASURED_RADII)))
+        .what("radius of each of them")
+        .about(
+            "`mean_curvature`: the reciprocal of it. `equivalent`: the geometric mean of the principal radii, \
+             which is nearer in the force of an ellipsoid.",
+        )
+        .defaults_to("\"mean_curvature\""),
     key("model", "{ law = \"hybrid\" }", Table).what("the law of one asperity, and the history"),
     key("model.law", "\"hybrid\"", Choice(|| MODELS.iter().map(|model| model.name).collect()))
         .what("law of one asperity")

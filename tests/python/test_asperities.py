@@ -105,7 +105,7 @@ def test_xarray_sees_every_dataset_with_its_units(path):
                 assert variable.attrs["units"] and variable.attrs["long_name"], name
                 assert variable.dims == (("asperity",) if group == "asperities" else ()), name
                 seen += 1
-        assert seen == 23
+        assert seen == 29
 
 
 @pytest.mark.parametrize("dtype, order", [("<f8", "C"), (">f4", "F"), ("<i2", "C"), (">u4", "F"), ("|i1", "C")])

@@ -16,7 +16,7 @@ use stiction::output::asperities;
 use stiction::scene::files::{Column, Files, Measured};
 use stiction::scene::{Document, Scene};
 use stiction::surface::Radii;
-use stiction::surface::map::{Asperities, HeightMap, Levelling};
+use stiction::surface::map::{Asperities, HeightMap, Levelling, forces_of_spheres};
 
 const MAP: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/configs/maps/polished.txt");
 
@@ -471,6 +471,158 @@ fn a_map_that_does_not_fit_its_asperities_is_found() {
     damaged(3, &|file| file.attr("map_shape").unwrap().write_raw(&[u64::MAX, 2]).unwrap());
 }
 
+/// The page's table of errors of force, per cent, and that the geometric mean is the nearer one.
+#[test]
+fn errors_of_spheres_are_those_of_the_page() {
+    let page = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/measured-surfaces.md");
+    let page = std::fs::read_to_string(page).unwrap();
+    for ratio in [1.5, 2.0, 3.0, 5.0, 10.0, 30.0] {
+        let [of_mean, of_geometric] = forces_of_spheres(ratio).map(|share| 100.0 * (share - 1.0));
+        let row = format!("| {ratio} | −{:.1} % | −{:.1} % |", -of_mean, -of_geometric);
+        assert!(page.contains(&row), "{row}");
+        assert!(of_mean < of_geometric && of_geometric < 0.0);
+    }
+    // Of curvatures 1 ± ε.
+    for epsilon in [0.01_f64, 0.02] {
+        let [of_mean, of_geometric] =
+            forces_of_spheres((1.0 + epsilon) / (1.0 - epsilon)).map(|share| 1.0 - share);
+        let square = epsilon * epsilon;
+        assert!(
+            (of_mean / square - 1.0 / 3.0).abs() < 1e-3 && (of_geometric / square - 1.0 / 12.0).abs() < 1e-3
+        );
+    }
+}
+
+/// A rough surface with 40 pixels from maximum to maximum of a profile, and noise of a tenth of its standard deviation
+/// from pixel to pixel: the noise makes most of the summits, and either the filter or prominence takes these away, so
+/// that those of the surface are left, within 15 %.
+#[test]
+fn noise_is_taken_away() {
+    let q = 2.0 * PI / 40.0 * 2.0_f64.sqrt();
+    let mut random = ChaCha8Rng::seed_from_u64(11);
+    let clean = gaussian_surface(400, q, &mut random);
+    let noise = (0..400 * 400).map(|_| 0.1 * random.random_range(-1.0..1.0));
+    let noisy = clean.heights().iter().zip(noise).map(|(z, noise)| z + noise).collect();
+    let noisy = HeightMap::new(noisy, [400; 2], [1.0; 2]).unwrap().levelled(Levelling::None).unwrap();
+    let density = |found: Asperities| found.measured.density;
+    let exact = density(Asperities::new(&clean.levelled(Levelling::None).unwrap()).unwrap());
+    assert!(density(Asperities::new(&noisy).unwrap()) > 10.0 * exact);
+    let smooth = density(Asperities::new(&noisy.smoothed(14.0).unwrap()).unwrap());
+    let prominent = density(Asperities::prominent(&noisy, 0.15).unwrap());
+    for found in [smooth, prominent] {
+        assert!((found / exact - 1.0).abs() < 0.15, "{smooth:e} {prominent:e} {exact:e}");
+    }
+}
+
+/// What the options do to the file and the summary: the border that is left out, the prominence of each, and the
+/// series, whose row at the cut-off of the map is what is measured on it.
+#[test]
+fn a_smoothed_map_is_told_as_such() {
+    let folder = Folder::new("");
+    let find = |arguments: &[&str]| {
+        let run = folder.stiction(&[&["asperities", MAP, "-o", "map.h5", "--force"], arguments].concat());
+        assert_exit(&run, 0);
+        assert_exit(&folder.stiction(&["validate", "map.h5"]), 0);
+        (text(&run.stdout), unlocked::open(folder.path("map.h5")))
+    };
+    let numbers = |file: &hdf5::File, name: &str| file.dataset(name).unwrap().read_raw::<f64>().unwrap();
+    let (said, file) = find(&["--smooth", "0.2 um", "--prominence", "300 pm", "--cutoffs", "5"]);
+    for part in [
+        "smoothed          Gaussian, cut-off 200.0 nm; 4 x 4 pixels",
+        "prominent by 300.0 pm or more",
+        "k1/k2 = ",
+        "200.0 nm *",
+    ] {
+        assert!(said.contains(part), "{part}: {said}");
+    }
+    assert_eq!(file.attr("border").unwrap().read_raw::<u64>().unwrap(), [4, 4]);
+    let area: f64 = file.attr("nominal_area").unwrap().read_scalar().unwrap();
+    assert!((area / (184.0 * 30e-9_f64).powi(2) - 1.0).abs() < 1e-12);
+    let prominences = numbers(&file, "/asperities/prominence");
+    assert!(prominences.iter().all(|own| *own >= 3e-10) && prominences.len() > 20);
+    let cutoffs = numbers(&file, "/cutoffs/cutoff");
+    assert_eq!((cutoffs.len(), cutoffs[0]), (6, 60e-9));
+    assert!((cutoffs[5] / (48.0 * 30e-9) - 1.0).abs() < 1e-12);
+    let place = cutoffs.iter().position(|cutoff| *cutoff == 2e-7).unwrap();
+    for name in ["asperity_density", "asperity_radius", "asperity_height_std", "asperity_curvature_std"] {
+        let (series, own) =
+            (numbers(&file, &format!("/cutoffs/{name}")), numbers(&file, &format!("/measured/{name}")));
+        assert_eq!(series[place].to_bits(), own[0].to_bits(), "{name}");
+    }
+    drop(file);
+    // Scenes of the whole map have the part within the border.
+    let back = asperities::read(&folder.path("map.h5")).unwrap();
+    let extent = back.extent.unwrap();
+    assert!(extent.iter().all(|length| (length / (184.0 * 30e-9) - 1.0).abs() < 1e-12), "{extent:?}");
+    assert!(back.positions.iter().flatten().all(|place| *place > 0.0 && *place < extent[0]));
+    // Without the options nothing is left out, and nothing of it is in the file.
+    let (said, file) = find(&[]);
+    assert!(!said.contains("smoothed") && !said.contains("prominent") && !said.contains("cut-off"), "{said}");
+    assert!(file.dataset("/asperities/prominence").is_err() && file.group("cutoffs").is_err());
+    assert_eq!(file.attr("smooth").unwrap().read_scalar::<f64>().unwrap(), 0.0);
+}
+
+/// Cut-offs and prominences that the map does not have are refused with what would do.
+#[test]
+fn options_that_the_map_does_not_allow_are_refused() {
+    let folder = Folder::new("");
+    for (arguments, part) in [
+        (
+            ["--smooth", "59 nm"],
+            "--smooth 59.00 nm is below two pixels, which is the shortest wave of the map; give 60.00 nm or more",
+        ),
+        (
+            ["--smooth", "2.9 um"],
+            "--smooth 2.900 µm is above half the shorter side of the map; give 2.880 µm or less",
+        ),
+        (["--smooth", "-1 nm"], "a cut-off wavelength is above 0"),
+        (["--smooth", "200"], "such as \"200 nm\""),
+        (["--prominence", "1 um"], "no summit has a prominence of 1.000 µm; the most prominent one has "),
+        (["--prominence", "-1 nm"], "a prominence is between 0 and 1e6 m"),
+        (["--prominence", "much"], "such as \"0.5 nm\""),
+        (["--cutoffs", "1"], "1 is not in 2..=100"),
+    ] {
+        let run = folder.stiction(&["asperities", MAP, "-o", "out.h5", arguments[0], arguments[1]]);
+        assert_exit(&run, 2);
+        assert!(text(&run.stderr).contains(part), "{part}: {}", text(&run.stderr));
+    }
+    std::fs::write(
+        folder.path("small.txt"),
+        (0..8).map(|i| format!("0 {i} 3 0 {} 2 5 1\n", i % 3)).collect::<String>(),
+    )
+    .unwrap();
+    let run = folder.stiction(&[
+        "asperities",
+        "small.txt",
+        "--pixel",
+        "1 nm",
+        "--height-unit",
+        "nm",
+        "--cutoffs",
+        "3",
+    ]);
+    assert_exit(&run, 2);
+    assert!(text(&run.stderr).contains("--cutoffs has no room"), "{}", text(&run.stderr));
+    assert_eq!(folder.files(), ["scene.toml", "small.txt"]);
+}
+
+/// Saddles among the summits are counted and warned of.
+#[test]
+fn saddles_are_told() {
+    let mut random = ChaCha8Rng::seed_from_u64(3);
+    let noise = (0..200 * 200).map(|_| random.random_range(-1e-9..1e-9)).collect();
+    let map = HeightMap::new(noise, [200; 2], [1e-8; 2]).unwrap().levelled(Levelling::None).unwrap();
+    let found = Asperities::new(&map).unwrap();
+    let is_saddle = |summit: &&stiction::surface::map::Summit| {
+        summit.curvature[0] * summit.curvature[1] <= summit.twist.powi(2)
+    };
+    let saddles = found.summits.iter().filter(is_saddle).count();
+    assert_eq!(found.shape.saddles, saddles);
+    let told = format!("{saddles} of {} summits", found.summits.len());
+    let is_told = found.caveats(map.pixel()).iter().any(|caveat| caveat.starts_with(&told));
+    assert_eq!((is_told, saddles > 0), (true, true), "{saddles}");
+}
+
 /// Coarse pixels, few summits, a lay and steps of height are warned of.
 #[test]
 fn what_the_map_does_not_show_is_warned_of() {
@@ -665,7 +817,9 @@ impl Files for Few {
         let (heights, radii) = (vec![1e-9, 4e-9, 2.5e-9, 0.5e-9], vec![2e-6, 1e-6, 4e-6, 5e-6]);
         let positions = vec![[0.1e-6, 0.2e-6], [1.9e-6, 0.1e-6], [0.5e-6, 0.9e-6], [1.2e-6, 0.6e-6]];
         let extent = Some([2e-6, 1e-6]);
-        Ok(Measured { heights, radii, positions, extent, nominal_area: 2e-12, surface_height_std: 2e-9 })
+        let equivalent_radii = Some(vec![3e-6, 2e-6, 5e-6, 6e-6]);
+        let (nominal_area, surface_height_std) = (2e-12, 2e-9);
+        Ok(Measured { heights, radii, equivalent_radii, positions, extent, nominal_area, surface_height_std })
     }
 }
 
@@ -694,6 +848,11 @@ fn measured_asperities_are_taken_as_they_are() {
         near(pair[0], height * 1e-9);
         near(pair[1], radius * 1e-6);
     }
+    let equivalent =
+        scene_with("asperities = { path = \"few.h5\", radius = \"equivalent\" }").unwrap().surface;
+    near(equivalent.asperity_radius, 4e-6);
+    let Radii::Measured(pairs) = &equivalent.radii else { panic!("{:?}", equivalent.radii) };
+    near(pairs[2][1], 5e-6);
     let drawn = scene_with("asperities = { path = \"few.h5\" }\nnominal_area = \"50 um^2\"").unwrap().surface;
     assert_eq!((drawn.asperity_count, drawn.whole, drawn.nominal_area), (100, false, 50e-12));
     assert_eq!(scene_with("asperities = { path = \"few.h5\" }").unwrap().surface.asperity_count, 4);

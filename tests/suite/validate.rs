@@ -270,12 +270,42 @@ fn swept(scene: &str) -> Made {
 }
 
 /// A result of every other kind.
-fn others() -> [Made; 3] {
+fn others() -> [Made; 5] {
     let made = |kind, arguments| Made { kind, scene: resolved(), arguments };
     [
         made("compare", &["compare", "scene.toml", "--laws", "hybrid,isbl,emd", "--ensemble"]),
         made("finite-size", &["finite-size", "scene.toml", "--counts", "30,100,300,1000,3000,10000"]),
         made("asperities", &["asperities", "map.txt", "--pixel", "10 nm", "--height-unit", "nm"]),
+        made(
+            "asperities",
+            &[
+                "asperities",
+                "map.txt",
+                "--pixel",
+                "10 nm",
+                "--height-unit",
+                "nm",
+                "--prominence",
+                "0.3 nm",
+                "--cutoffs",
+                "4",
+            ],
+        ),
+        made(
+            "asperities",
+            &[
+                "asperities",
+                "map.txt",
+                "--pixel",
+                "10 nm",
+                "--height-unit",
+                "nm",
+                "--smooth",
+                "25 nm",
+                "--cutoffs",
+                "3",
+            ],
+        ),
     ]
 }
 

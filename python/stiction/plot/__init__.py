@@ -12,10 +12,13 @@ from .others import (
     comparison,
     convergence,
     curvatures,
+    density_over_cutoff,
     heights,
     law_deviation,
+    radius_over_cutoff,
     relation,
     scatter,
+    scatter_over_cutoff,
     sizes,
     standard_errors,
 )
@@ -25,6 +28,6 @@ from .sweep import sweep
 
 __all__ = [
     "asperities", "avalanches", "bias", "comparison", "contacts", "convergence", "coupling", "coupling_difference", "curvatures",
-    "deviation", "energy", "force", "heights", "law_deviation", "page", "panels", "preloads", "pull_off", "regimes", "relation",
-    "scatter", "sizes", "snaps", "standard_errors", "sweep",
+    "density_over_cutoff", "deviation", "energy", "force", "heights", "law_deviation", "page", "panels", "preloads", "pull_off",
+    "radius_over_cutoff", "regimes", "relation", "scatter", "scatter_over_cutoff", "sizes", "snaps", "standard_errors", "sweep",
 ]  # fmt: skip

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.ticker import StrMethodFormatter
+from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
 from .. import quantities
 from ..errors import FileError
@@ -31,8 +31,8 @@ from .style import (
 )
 
 __all__ = [
-    "asperities", "bias", "comparison", "convergence", "curvatures", "heights", "law_deviation", "relation", "scatter", "sizes",
-    "standard_errors",
+    "asperities", "bias", "comparison", "convergence", "curvatures", "density_over_cutoff", "heights", "law_deviation",
+    "radius_over_cutoff", "relation", "scatter", "scatter_over_cutoff", "sizes", "standard_errors",
 ]  # fmt: skip
 
 _LINES = ["-", DASH_DOT, DASHED, (0, (1.2, 1.2)), (0, (9, 2)), "-", DASHED]
@@ -247,7 +247,7 @@ def asperities(result: Asperities, ax: Axes | None = None) -> Axes:
     """
     ax = new_axes(ax)
     rows, columns = (int(count) for count in result.attrs["map_shape"])
-    dx, dy = (float(size) for size in result.attrs["pixel_size"])
+    dy, dx = (float(size) for size in result.attrs["pixel_size"])
     unit, sign = scaled("m", max(rows * dy, columns * dx))
     x, y, z = (values(result, f"asperities/{name}") for name in ("x", "y", "height"))
     z_unit, z_sign = scaled("m", z)
@@ -381,6 +381,91 @@ def curvatures(result: Asperities, ax: Axes | None = None) -> Axes:
     ax.set(xlabel=label("mean curvature", f"1/{sign}"), ylabel="asperities", xlim=(0.0, None))
     legend(ax, handles)
     return ax
+
+
+def _over_cutoff(ax: Axes, result: Asperities, name: str, words: str, unit: str, power: int = 1) -> Axes:
+    """A number of the summits over the cut-off, and the one that the map was smoothed with; with its error by their number."""
+    cutoff, count, of = (values(result, f"cutoffs/{which}") for which in ("cutoff", "summit_count", name))
+    there = (count > 1) & np.isfinite(of)
+    if not there.any():
+        return empty(ax, "no cut-off leaves two summits")
+    cutoff, count, of = cutoff[there], count[there], of[there]
+    measured, chosen = float(result[f"measured/{name}"]), float(result.attrs["smooth"])
+    x_unit, x_sign = scaled("m", cutoff)
+    factor, sign = scaled(unit, of, measured) if power == 1 else (1e12, "1/µm²")
+    # Of a number that is counted, of the reciprocal of a mean, and of a standard deviation.
+    error = of / np.sqrt(count if name != "asperity_height_std" else 2.0 * (count - 1.0))
+    if name == "asperity_radius":
+        error *= of * values(result, "cutoffs/asperity_curvature_std")[there]
+    shade = ax.fill_between(
+        cutoff / x_unit, (of - error) / factor, (of + error) / factor, color=BLUE, alpha=0.2, linewidth=0
+    )
+    shade.set_label("± standard error")
+    line = ax.plot(cutoff / x_unit, of / factor, "o-", color=BLUE, markersize=3, label="of summits")
+    handles: list[Any] = [*line, shade]
+    if chosen > 0.0:
+        told = f"smoothed with {quantities.si(chosen, 'm')}"
+        handles += ax.plot(
+            chosen / x_unit, measured / factor, "D", color=VERMILION, markersize=5, label=told
+        )
+        ax.axvline(chosen / x_unit, color=VERMILION, linestyle=DASH_DOT, linewidth=0.8, zorder=0.5)
+    else:
+        handles.append(
+            ax.axhline(measured / factor, color=VERMILION, linestyle=DASH_DOT, label="not smoothed")
+        )
+    ax.set(xscale="log", xlabel=label("cut-off wavelength of the filter", x_sign), ylabel=label(words, sign))
+    if name == "asperity_height_std":
+        ax.set_ylim(0.0, 1.1 * max(float(np.max(of + error)), measured) / factor)
+    else:
+        ax.set_yscale("log")
+        low, high = min(float(of.min()), measured), max(float(of.max()), measured)
+        ax.set_ylim(0.6 * low / factor, 1.6 * high / factor)
+        _plain(ax, "y")
+        if high < 10.0 * low:
+            ax.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+        ax.yaxis.set_minor_formatter(NullFormatter())
+    _plain(ax, "x")
+    legend(ax, handles, columns=3)
+    return ax
+
+
+@dressed
+def density_over_cutoff(result: Asperities, ax: Axes | None = None) -> Axes:
+    """Density of the summits over the cut-off of the filter; where it settles there is more than noise.
+
+    Parameters
+    ----------
+    result : Asperities
+        Made with `cutoffs`.
+    ax : matplotlib.axes.Axes, optional
+    """
+    return _over_cutoff(new_axes(ax), result, "asperity_density", "density of summits", "m-2", -2)
+
+
+@dressed
+def radius_over_cutoff(result: Asperities, ax: Axes | None = None) -> Axes:
+    """Radius of the summits, the reciprocal of their mean curvature, over the cut-off of the filter.
+
+    Parameters
+    ----------
+    result : Asperities
+        Made with `cutoffs`.
+    ax : matplotlib.axes.Axes, optional
+    """
+    return _over_cutoff(new_axes(ax), result, "asperity_radius", "radius, 1/mean curvature", "m")
+
+
+@dressed
+def scatter_over_cutoff(result: Asperities, ax: Axes | None = None) -> Axes:
+    """Standard deviation of the heights of the summits over the cut-off of the filter.
+
+    Parameters
+    ----------
+    result : Asperities
+        Made with `cutoffs`.
+    ax : matplotlib.axes.Axes, optional
+    """
+    return _over_cutoff(new_axes(ax), result, "asperity_height_std", "σ$_s$ of summit heights", "m")
 
 
 # Replicas of a group by the way they are drawn: groups are independent.

@@ -35,6 +35,12 @@ _PANELS: dict[str, dict[str, Panel]] = {
     },
 }
 
+_OVER_CUTOFF: dict[str, Panel] = {
+    "density_over_cutoff": others.density_over_cutoff,
+    "radius_over_cutoff": others.radius_over_cutoff,
+    "scatter_over_cutoff": others.scatter_over_cutoff,
+}
+
 
 def panels(result: Result) -> dict[str, Panel]:
     """The figures that fit a result, by their names; each takes the result and axes.
@@ -46,7 +52,7 @@ def panels(result: Result) -> dict[str, Panel]:
     if isinstance(result, Sweep):
         return {name: partial(sweep, quantity=name) for name in QUANTITIES}
     if not isinstance(result, Run):
-        return _PANELS[result.kind]
+        return _PANELS[result.kind] | (_OVER_CUTOFF if result.kind == "asperities" and "cutoffs" in result else {})
     drawn: dict[str, Panel] = {"force": run.force, "pull_off": run.pull_off}
     if "coupling" in result:
         drawn |= {

@@ -42,6 +42,9 @@ _DATASETS: dict[str, list[str]] = {
     "heights": ["asperities/height"],
     "relation": ["asperities/height", "asperities/radius"],
     "curvatures": ["asperities/radius"],
+    "density_over_cutoff": ["cutoffs/asperity_density", "cutoffs/summit_count"],
+    "radius_over_cutoff": ["cutoffs/asperity_radius", "cutoffs/asperity_curvature_std", "cutoffs/summit_count"],
+    "scatter_over_cutoff": ["cutoffs/asperity_height_std", "cutoffs/summit_count"],
     "convergence": ["replicas/pull_off_force", "replicas/pull_off_separation", "replicas/peak_secant_stiffness"],
 }  # fmt: skip
 _DATASETS["standard_errors"] = _DATASETS["convergence"]

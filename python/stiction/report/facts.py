@@ -499,6 +499,12 @@ def _finite_size(result: FiniteSize) -> Facts:
                  _again(result, ["finite-size"], *options), _named_files(result.scene), [table])  # fmt: skip
 
 
+def _filter(attrs: dict[str, Any]) -> list[tuple[str, str]]:
+    """What a map was smoothed with, and how prominent its summits are; nothing of files that do not say."""
+    said = (("smoothed, cut-off", "smooth"), ("prominence, at least", "prominence"))
+    return [(words, quantities.si(float(attrs[name]), "m")) for words, name in said if float(attrs.get(name, 0.0)) > 0.0]
+
+
 def _asperities(result: Asperities) -> Facts:
     def of(name: str) -> float:
         return _value(result, f"equivalent/{name}")
@@ -520,12 +526,13 @@ def _asperities(result: Asperities) -> Facts:
         )
     ]
     attrs = result.attrs
-    dx, dy = (float(size) for size in attrs["pixel_size"])
+    dy, dx = (float(size) for size in attrs["pixel_size"])
     missing = int(attrs["missing_pixels"])
     computed = [
         ("map", f"{attrs['map']}, {' by '.join(str(int(n)) for n in attrs['map_shape'])} pixels"),
         ("pixel", f"{quantities.si(dx, 'm')} by {quantities.si(dy, 'm')}"),
         ("levelled by", str(attrs["level"])),
+        *_filter(attrs),
         ("missing pixels", str(missing)),
         ("roughness Sq", quantities.si(math.sqrt(_value(result, "surface/m0")), "m")),
         ("α, bandwidth parameter", quantities.number(_value(result, "surface/alpha"))),
@@ -535,6 +542,11 @@ def _asperities(result: Asperities) -> Facts:
         Verdict("resolution", "caution" if missing else "good", f"{missing} missing" if missing else "whole", "pixels without a height"),
     ]
     command = ["stiction", "asperities", str(attrs["map"]), "--pixel", f"{dx * 1e9:.15g} nm,{dy * 1e9:.15g} nm", "--level", str(attrs["level"])]
+    for name in ("smooth", "prominence"):
+        if float(attrs.get(name, 0.0)) > 0.0:
+            command += [f"--{name}", f"{float(attrs[name])!r} m"]
+    if int(attrs.get("cutoffs", 0)) > 0:
+        command += ["--cutoffs", str(int(attrs["cutoffs"]))]
     if attrs.get("height_unit"):
         command += ["--height-unit", str(attrs["height_unit"])]
     commands = f"{shlex.join([*command, '-o', result.path.name])}\n"

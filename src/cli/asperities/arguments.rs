@@ -1,7 +1,7 @@
 //! Arguments of `stiction asperities`.
 
 use crate::scene::units::{Dimension, parse};
-use crate::surface::map::{Levelling, PIXELS};
+use crate::surface::map::{HIGHEST, Levelling, PIXELS};
 use clap::Args;
 use std::path::PathBuf;
 
@@ -25,10 +25,24 @@ pub(crate) struct AsperitiesArguments {
     /// What is subtracted from the heights: none (their mean), plane or quadratic
     #[arg(long, default_value = "plane", value_parser = levelling)]
     pub level: Levelling,
+    /// Smooth the levelled map: a cut-off wavelength, such as "200 nm", below which an areal Gaussian filter
+    /// takes waves away (ISO 16610-61)
+    #[arg(long, value_name = "WAVELENGTH", value_parser = wavelength, allow_hyphen_values = true)]
+    pub smooth: Option<f64>,
+    /// Count only summits that are so high above the saddle on the way to higher ground, such as "0.5 nm"
+    #[arg(long, value_name = "HEIGHT", value_parser = prominence, allow_hyphen_values = true)]
+    pub prominence: Option<f64>,
+    /// Tell density, radius and scatter of the summits over so many cut-offs too, from 2 pixels to a quarter of
+    /// the map's side
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(2..=MOST_CUTOFFS))]
+    pub cutoffs: Option<u16>,
     /// Overwrite an existing result
     #[arg(long)]
     pub force: bool,
 }
+
+/// Most cut-offs of a series: a page has no room for more.
+const MOST_CUTOFFS: i64 = 100;
 
 /// A unit of heights as it is given.
 #[derive(Clone)]
@@ -51,16 +65,36 @@ fn levelling(name: &str) -> Result<Levelling, String> {
 
 /// Height and width of a pixel, m.
 fn pixel(text: &str) -> Result<[f64; 2], String> {
-    let length = |text: &str| match parse(text, Dimension::Length) {
-        Ok(length) if PIXELS.contains(&length) => Ok(length),
-        Ok(_) => Err("a pixel is between 1e-13 and 1e3 m".to_owned()),
-        Err(_) => Err(format!(
-            "a length with its unit is needed, such as \"9.8 nm\" ({})",
-            Dimension::Length.units()
-        )),
+    let size = |text: &str| match length(text, "9.8 nm")? {
+        size if PIXELS.contains(&size) => Ok(size),
+        _ => Err("a pixel is between 1e-13 and 1e3 m".to_owned()),
     };
     let (width, height) = text.split_once(',').unwrap_or((text, text));
-    Ok([length(height)?, length(width)?])
+    Ok([size(height)?, size(width)?])
+}
+
+/// A cut-off in m; whether the map has such waves is not known here.
+fn wavelength(text: &str) -> Result<f64, String> {
+    length(text, "200 nm").and_then(|length| {
+        if length > 0.0 { Ok(length) } else { Err("a cut-off wavelength is above 0".to_owned()) }
+    })
+}
+
+/// A least prominence in m.
+fn prominence(text: &str) -> Result<f64, String> {
+    length(text, "0.5 nm").and_then(|height| {
+        if (0.0..=HIGHEST).contains(&height) {
+            Ok(height)
+        } else {
+            Err("a prominence is between 0 and 1e6 m".to_owned())
+        }
+    })
+}
+
+fn length(text: &str, example: &str) -> Result<f64, String> {
+    parse(text, Dimension::Length).map_err(|_| {
+        format!("a length with its unit is needed, such as \"{example}\" ({})", Dimension::Length.units())
+    })
 }
 
 /// A unit of length in m.

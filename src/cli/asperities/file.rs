@@ -5,7 +5,7 @@ use crate::experiment::result_file::write_program;
 use crate::output::OutputError;
 use crate::output::schema::Dimension;
 use crate::output::writer::Writer;
-use crate::surface::map::{HeightMap, Summit};
+use crate::surface::map::{AtCutoff, HeightMap, Summit};
 
 pub(super) fn write(writer: &mut Writer<'_>, surface: &Surface<'_>) -> Result<(), OutputError> {
     let Surface { arguments, asperities, map, .. } = surface;
@@ -16,6 +16,10 @@ pub(super) fn write(writer: &mut Writer<'_>, surface: &Surface<'_>) -> Result<()
     let unit = arguments.height_unit.as_ref().map_or("", |unit| &unit.name);
     writer.text("/", "height_unit", unit)?;
     writer.text("/", "level", arguments.level.name())?;
+    writer.number("/", "smooth", arguments.smooth.unwrap_or(0.0))?;
+    writer.number("/", "prominence", arguments.prominence.unwrap_or(0.0))?;
+    writer.number("/", "cutoffs", u64::from(arguments.cutoffs.unwrap_or(0)))?;
+    writer.numbers("/", "border", &map.margin().map(|pixels| pixels as u64))?;
     writer.numbers("/", "map_shape", &map.shape().map(|length| length as u64))?;
     writer.numbers("/", "pixel_size", &map.pixel())?;
     writer.number("/", "missing_pixels", surface.missing as u64)?;
@@ -26,6 +30,7 @@ pub(super) fn write(writer: &mut Writer<'_>, surface: &Surface<'_>) -> Result<()
     writer.scale(Dimension::Asperity, &(0..count).collect::<Vec<u64>>());
     write_asperities(writer, surface)?;
     write_map(writer, &surface.map)?;
+    write_series(writer, &surface.series)?;
     write_surface(writer, surface)
 }
 
@@ -40,7 +45,33 @@ fn write_asperities(writer: &Writer<'_>, surface: &Surface<'_>) -> Result<(), Ou
     write("x", &|summit| middle(summit.column, dx))?;
     write("y", &|summit| middle(summit.row, dy))?;
     write("curvature_x", &|summit| summit.curvature[1])?;
-    write("curvature_y", &|summit| summit.curvature[0])
+    write("curvature_y", &|summit| summit.curvature[0])?;
+    write("curvature_xy", &|summit| summit.twist)?;
+    write("principal_radius_1", &|summit| 1.0 / summit.principal_curvatures()[0])?;
+    let of_blunt = |blunt: f64| if blunt > 0.0 { 1.0 / blunt } else { f64::NAN };
+    write("principal_radius_2", &|summit| of_blunt(summit.principal_curvatures()[1]))?;
+    write("equivalent_radius", &Summit::equivalent_radius)?;
+    let prominences = &surface.asperities.prominences;
+    prominences.as_ref().map_or(Ok(()), |values| writer.dataset("/asperities/prominence", values))
+}
+
+/// Writes what is counted over the cut-off, if it is; where there is no summit a radius is NaN.
+fn write_series(writer: &mut Writer<'_>, series: &[AtCutoff]) -> Result<(), OutputError> {
+    if series.is_empty() {
+        return Ok(());
+    }
+    writer.group("cutoffs")?;
+    writer.scale(Dimension::Cutoff, &series.iter().map(|at| at.cutoff).collect::<Vec<f64>>());
+    let write = |name: &str, of: &dyn Fn(&AtCutoff) -> f64| {
+        writer.dataset(&format!("/cutoffs/{name}"), &series.iter().map(of).collect::<Vec<f64>>())
+    };
+    let counts: Vec<u64> = series.iter().map(|at| at.count as u64).collect();
+    writer.dataset("/cutoffs/summit_count", &counts)?;
+    write("nominal_area", &|at| at.nominal_area)?;
+    write("asperity_density", &|at| at.measured.map_or(0.0, |measured| measured.density))?;
+    write("asperity_radius", &|at| at.measured.map_or(f64::NAN, |measured| measured.radius))?;
+    write("asperity_height_std", &|at| at.measured.map_or(f64::NAN, |measured| measured.height_std))?;
+    write("asperity_curvature_std", &|at| at.measured.map_or(f64::NAN, |measured| measured.curvature_std))
 }
 
 /// Writes the heights that were searched.
@@ -76,6 +107,8 @@ fn write_surface(writer: &Writer<'_>, surface: &Surface<'_>) -> Result<(), Outpu
     write("/measured/asperity_height_mean", measured.height_mean)?;
     write("/measured/asperity_height_std", measured.height_std)?;
     write("/measured/asperity_curvature_std", measured.curvature_std)?;
+    write("/measured/curvature_ratio_median", surface.asperities.shape.ratio)?;
+    writer.dataset("/measured/saddle_count", &[surface.asperities.shape.saddles as u64])?;
     write("/equivalent/asperity_density", equivalent.density)?;
     write("/equivalent/asperity_radius", equivalent.radius)?;
     write("/equivalent/asperity_height_mean", equivalent.height_mean)?;

@@ -18,15 +18,19 @@ use crate::output::OutputLock;
 use crate::output::schema::ASPERITIES;
 use crate::output::writer::Writer;
 
-/// Bytes that a pixel takes at most while a map is read, levelled and searched.
-const PIXEL: f64 = 24.0;
+/// Bytes that a pixel takes at most while a map is read, levelled and searched; while it is smoothed; and while
+/// its summits are sorted out by prominence.
+const PIXEL: (f64, f64, f64) = (24.0, 56.0, 32.0);
 /// Longest that an HDF5 file may keep a processor busy until its map is read, s; the largest, deflated, takes
 /// some 8.
 const PROCESSOR_SECONDS: u64 = 40;
 
 pub(super) fn asperities(arguments: &AsperitiesArguments) -> Result<(), Failure> {
     let (map, output) = (&arguments.map, arguments.output.as_ref());
-    let most = resources::fitting(PIXEL, MOST_PIXELS);
+    let is_smoothed = arguments.smooth.is_some() || arguments.cutoffs.is_some();
+    let of_filter = if is_smoothed { PIXEL.1 } else { PIXEL.0 };
+    let of_search = if arguments.prominence.is_some() { PIXEL.2 } else { PIXEL.0 };
+    let most = resources::fitting(of_filter.max(of_search), MOST_PIXELS);
     if MapFormat::of(map)? == MapFormat::Hdf5 {
         let dataset = arguments.dataset.as_deref();
         sandboxed_within(map, PROCESSOR_SECONDS, |map| Ok(maps::try_dataset(map, dataset, most)?))?;

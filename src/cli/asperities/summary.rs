@@ -2,9 +2,9 @@
 
 use super::surface::Surface;
 use crate::cli::rows::row;
-use crate::format::{percent, pure, si};
+use crate::format::{percent, pure, si, signed_percent};
 use crate::scene::echo::one_line;
-use crate::surface::map::Summit;
+use crate::surface::map::{Measured, Shape, Summit};
 
 pub(super) fn summary(surface: &Surface<'_>) -> String {
     let Surface { arguments, asperities, map, .. } = surface;
@@ -21,6 +21,11 @@ pub(super) fn summary(surface: &Surface<'_>) -> String {
         text += &row("missing", &format!("{} heights, {share}", surface.missing));
     }
     text += &row("levelled", &format!("less the {}", arguments.level.surface()));
+    if let Some(cutoff) = arguments.smooth {
+        let [down, along] = map.margin();
+        let left = format!("{along} x {down} pixels along the border left out");
+        text += &row("smoothed", &format!("Gaussian, cut-off {}; {left}", si(cutoff, "m")));
+    }
     let moments = &asperities.moments;
     let heights = format!(
         "standard deviation {}, skewness {:.3}, excess kurtosis {:.3}",
@@ -34,11 +39,15 @@ pub(super) fn summary(surface: &Surface<'_>) -> String {
         "moments",
         &format!("m0 = {m0:.4e} m^2, m2 = {m2:.4e}, m4 = {m4:.4e} /m^2, alpha = {}", pure(moments.alpha())),
     );
-    text +=
-        &row("asperities", &format!("{} on {:.4e} m^2", asperities.summits.len(), asperities.nominal_area));
+    let prominent = arguments.prominence.map(|least| format!(", prominent by {} or more", si(least, "m")));
+    let prominent = prominent.unwrap_or_default();
+    let count = asperities.summits.len();
+    text += &row("asperities", &format!("{count} on {:.4e} m^2{prominent}", asperities.nominal_area));
+    text += &shape(&asperities.shape);
     text += &surface.caveats.iter().map(|caveat| row("warning", caveat)).collect::<String>();
     text.push('\n');
     text += &parameters(surface);
+    text += &series(surface);
     if let Some(output) = &arguments.output {
         text.push('\n');
         text += &row("written", &output.display().to_string());
@@ -70,4 +79,40 @@ fn parameters(surface: &Surface<'_>) -> String {
     let ours = beta(measured.density, measured.radius, measured.height_std);
     let theirs = beta(equivalent.density, equivalent.radius, equivalent.height_std);
     text + &line("eta R sigma_s", pure(ours), pure(theirs), ours / theirs)
+}
+
+/// How far summits are from the spheres of the laws, and what that makes of their force.
+fn shape(shape: &Shape) -> String {
+    if !shape.ratio.is_finite() {
+        return String::new();
+    }
+    let [mean, geometric] = shape.forces.map(|share| signed_percent(share - 1.0));
+    row("shape", &format!("k1/k2 = {:.2}, median ratio of the principal curvatures", shape.ratio))
+        + &row("", "Hertz force of a sphere against that of such an ellipsoid, at the same interference:")
+        + &row("", &format!("{mean} with R = 1/mean curvature, {geometric} with R = 1/sqrt(k1 k2)"))
+}
+
+/// The parameters over the cut-off; that of the map has a mark.
+fn series(surface: &Surface<'_>) -> String {
+    if surface.series.is_empty() {
+        return String::new();
+    }
+    let line = |cutoff: &str, count: &str, density: &str, radius: &str, std: &str| {
+        row(cutoff, &format!("{count:>9}{density:>18}{radius:>18}{std:>14}"))
+    };
+    let mut text = "\n".to_owned() + &line("cut-off", "summits", "density", "1/mean curv.", "height std");
+    for at in &surface.series {
+        let mark = if surface.arguments.smooth == Some(at.cutoff) { " *" } else { "" };
+        let of = |value: fn(&Measured) -> f64| at.measured.as_ref().map_or(f64::NAN, value);
+        let length = |value: f64| if value.is_finite() { si(value, "m") } else { "-".to_owned() };
+        let density = format!("{} /um^2", pure(1e-12 * at.count as f64 / at.nominal_area));
+        text += &line(
+            &format!("{}{mark}", si(at.cutoff, "m")),
+            &at.count.to_string(),
+            &density,
+            &length(of(|measured| measured.radius)),
+            &length(of(|measured| measured.height_std)),
+        );
+    }
+    text
 }

@@ -5,7 +5,7 @@ use crate::cli::failure::Failure;
 use crate::format::si;
 use crate::input::maps::{self, MapFormat, RawMap};
 use crate::scene::echo::shortened;
-use crate::surface::map::{Asperities, HeightMap, MapError};
+use crate::surface::map::{Asperities, AtCutoff, HeightMap, MapError};
 use std::ops::RangeInclusive;
 use std::path::Path;
 
@@ -28,10 +28,12 @@ pub(super) struct Surface<'a> {
     pub map: HeightMap,
     pub missing: usize,
     pub asperities: Asperities,
+    /// Its summits over the cut-off, where they are asked for.
+    pub series: Vec<AtCutoff>,
     pub caveats: Vec<String>,
 }
 
-/// Reads and levels the map, and finds its asperities.
+/// Reads, levels and smooths the map, and finds its asperities.
 pub(super) fn surface(arguments: &AsperitiesArguments, most: u64) -> Result<Surface<'_>, Failure> {
     let path = &arguments.map;
     let raw = maps::read(path, arguments.dataset.as_deref(), most)?;
@@ -40,20 +42,65 @@ pub(super) fn surface(arguments: &AsperitiesArguments, most: u64) -> Result<Surf
     let format = MapFormat::of(path)?.name();
     let source =
         raw.dataset.as_ref().map_or(format.to_owned(), |dataset| format!("{format}, dataset {dataset}"));
-    let refused = |error: MapError| {
-        let advice = if matches!(error, MapError::Undetermined { .. }) { "; try --level none" } else { "" };
-        Failure::Usage(format!("{}: {error}{advice}", path.display()))
-    };
+    let refused = |error: MapError| Failure::Usage(format!("{}: {}", path.display(), told(&error)));
     let shape = raw.shape;
     let heights = raw.heights.into_iter().map(|height| height * unit).collect();
     let measured = HeightMap::new(heights, shape, pixel).map_err(refused)?;
     let flaws = measured.flaws();
     let levelled = measured.levelled(arguments.level).map_err(refused)?;
-    let asperities = Asperities::new(&levelled).map_err(refused)?;
-    let missing = levelled.missing();
+    let (prominence, missing) = (arguments.prominence, levelled.missing());
+    let series = series(arguments, &levelled).map_err(refused)?;
+    let map = match arguments.smooth {
+        Some(cutoff) => levelled.smoothed(cutoff).map_err(refused)?,
+        None => levelled,
+    };
+    let asperities = match prominence {
+        Some(least) => Asperities::prominent(&map, least),
+        None => Asperities::new(&map),
+    };
+    let asperities = asperities.map_err(refused)?;
     let first = other_pixel.into_iter().chain(other_unit).chain(wrong_unit(&asperities, unit));
     let caveats = first.chain(asperities.caveats(pixel)).chain(flaws).collect();
-    Ok(Surface { arguments, source, map: levelled, missing, asperities, caveats })
+    Ok(Surface { arguments, source, map, missing, asperities, series, caveats })
+}
+
+/// The summits over the cut-off, that of the map among them.
+fn series(arguments: &AsperitiesArguments, levelled: &HeightMap) -> Result<Vec<AtCutoff>, MapError> {
+    let Some(count) = arguments.cutoffs else { return Ok(Vec::new()) };
+    let mut cutoffs = levelled.cutoff_series(usize::from(count))?;
+    cutoffs.extend(arguments.smooth);
+    cutoffs.sort_unstable_by(f64::total_cmp);
+    cutoffs.dedup();
+    levelled.at_cutoffs(&cutoffs, arguments.prominence)
+}
+
+/// What is wrong with a map, and what would do.
+fn told(error: &MapError) -> String {
+    let length = |length: f64| si(length, "m");
+    match *error {
+        MapError::Undetermined { .. } => format!("{error}; try --level none"),
+        MapError::Cutoff { given, least, .. } if given < least => format!(
+            "--smooth {} is below two pixels, which is the shortest wave of the map; give {} or more",
+            length(given),
+            length(least)
+        ),
+        MapError::Cutoff { given, most, .. } => format!(
+            "--smooth {} is above half the shorter side of the map; give {} or less",
+            length(given),
+            length(most)
+        ),
+        MapError::NoCutoffs { least, most } => format!(
+            "--cutoffs has no room between two pixels, {}, and a quarter of the shorter side, {}; leave it out",
+            length(least),
+            length(most)
+        ),
+        MapError::NotProminent { least, most } => format!(
+            "no summit has a prominence of {}; the most prominent one has {}, so that --prominence has to be less",
+            length(least),
+            length(most)
+        ),
+        _ => error.to_string(),
+    }
 }
 
 /// Height and width of a pixel, m: as given, or by the extent that the file states; and that it states

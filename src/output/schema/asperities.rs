@@ -9,9 +9,9 @@ const A: &[Dimension] = &[Dimension::Asperity];
 pub static ASPERITIES: Layout = Layout {
     format: "stiction-asperities",
     command: "stiction asperities",
-    version: [2, 1],
+    version: [2, 2],
     groups: &["asperities", "surface", "measured", "equivalent"],
-    optional_groups: &["map"],
+    optional_groups: &["map", "cutoffs"],
     of_points: None,
     variables: LazyLock::new(variables),
 };
@@ -21,6 +21,7 @@ fn variables() -> Vec<Variable> {
     let groups = [
         ("/asperities", EACH),
         ("/map", MAP),
+        ("/cutoffs", CUTOFFS),
         ("/surface", SURFACE),
         ("/measured", MEASURED),
         ("/equivalent", EQUIVALENT),
@@ -35,6 +36,16 @@ const EACH: &[Row] = &[
     ("y", A, "m", "place of the asperity along the columns of the map"),
     ("curvature_x", A, "m-1", "curvature of the asperity along the rows of the map"),
     ("curvature_y", A, "m-1", "curvature of the asperity along the columns of the map"),
+    ("curvature_xy", A, "m-1", "mixed second derivative of the heights at the asperity, its sign changed"),
+    ("principal_radius_1", A, "m", "smaller principal radius of the asperity"),
+    ("principal_radius_2", A, "m", "larger principal radius of the asperity, NaN for a saddle"),
+    (
+        "equivalent_radius",
+        A,
+        "m",
+        "geometric mean of the principal radii of the asperity; of a saddle that of the mean curvature",
+    ),
+    ("prominence", A, "m", "height of the asperity above the key saddle to higher ground"),
 ];
 
 const MAP: &[Row] = &[(
@@ -43,6 +54,17 @@ const MAP: &[Row] = &[(
     "m",
     "height of each pixel above the mean plane of the surface, NaN where it is missing",
 )];
+
+const C: &[Dimension] = &[Dimension::Cutoff];
+
+const CUTOFFS: &[Row] = &[
+    ("summit_count", C, "1", "asperities of the map that is smoothed with the cut-off"),
+    ("nominal_area", C, "m2", "area that was searched for them"),
+    ("asperity_density", C, "m-2", "asperities over the area searched"),
+    ("asperity_radius", C, "m", "reciprocal of the mean curvature of the asperities"),
+    ("asperity_height_std", C, "m", "standard deviation of the heights of the asperities"),
+    ("asperity_curvature_std", C, "m-1", "standard deviation of the mean curvatures of the asperities"),
+];
 
 const SURFACE: &[Row] = &[
     ("m0", NONE, "m2", "mean square height of the surface"),
@@ -61,6 +83,8 @@ const MEASURED: &[Row] = &[
     ("asperity_height_mean", NONE, "m", "mean height of the asperities above the mean plane of the surface"),
     ("asperity_height_std", NONE, "m", "standard deviation of the heights of the asperities"),
     ("asperity_curvature_std", NONE, "m-1", "standard deviation of the mean curvatures of the asperities"),
+    ("curvature_ratio_median", NONE, "1", "median ratio of the principal curvatures, saddles left out"),
+    ("saddle_count", NONE, "1", "asperities whose smaller principal curvature is not positive"),
 ];
 
 const EQUIVALENT: &[Row] = &[

@@ -132,6 +132,8 @@ pub enum Dimension {
     MapX,
     /// Rows of a map, by the middle of their pixels, m.
     MapY,
+    /// Cut-off wavelengths of the filter of a map, m.
+    Cutoff,
     /// Asperities of a surface.
     Asperity,
     /// States in which the asperities are told one by one.
@@ -189,6 +191,7 @@ impl Dimension {
             Self::Target => ("target", "1", "quantity whose mean is to be known before the run ends"),
             Self::MapX => ("x", "m", "middle of the pixels along the rows of the map"),
             Self::MapY => ("y", "m", "middle of the pixels along the columns of the map"),
+            Self::Cutoff => ("cutoff", "m", "cut-off wavelength of the filter of the map"),
             Self::Asperity => ("asperity", "1", "index of the asperity; of a map row by row"),
             Self::State => ("state", "1", "index of a state whose asperities are told one by one"),
             Self::Step => ("step", "m", "middle between neighbouring separations h"),

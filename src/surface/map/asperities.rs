@@ -1,7 +1,8 @@
 //! The asperities of a measured surface, and the equivalent surface of McCool.
 
-use super::{HeightMap, MapError, SpectralMoments, Summit};
+use super::{HeightMap, MapError, SpectralMoments, Summit, forces_of_spheres};
 use crate::math::moments::Moments;
+use crate::math::quantile::quantile;
 use std::f64::consts::PI;
 
 /// σ_s² = (1 − 0.8968/α) m₀ (Bush, Gibson and Thomas 1975; McCool 1987).
@@ -61,6 +62,75 @@ pub struct Measured {
     pub curvature_std: f64,
 }
 
+impl Measured {
+    /// What summits on so large an area, m², are together; there is one at least.
+    pub(super) fn new(summits: &[Summit], nominal_area: f64) -> Self {
+        let mut sample = Moments::new(2);
+        summits.iter().for_each(|summit| sample.push(&[summit.height, summit.mean_curvature()]));
+        let (mean, std) = (sample.mean(), sample.std());
+        Self {
+            density: summits.len() as f64 / nominal_area,
+            radius: 1.0 / mean[1],
+            height_mean: mean[0],
+            height_std: std[0],
+            curvature_std: std[1],
+        }
+    }
+}
+
+/// How far summits are from spheres.
+///
+/// # Examples
+/// ```
+/// use stiction::surface::map::{Shape, Summit};
+///
+/// // 3 and 1 along x and y, and 3 and 1 along the diagonals.
+/// let summit = Summit { row: 1, column: 1, height: 1e-9, curvature: [1e6, 3e6], twist: 0.0 };
+/// let turned = Summit { curvature: [2e6, 2e6], twist: -1e6, ..summit };
+/// let Shape { saddles, ratio, forces } = Shape::new(&[summit, turned]);
+/// assert!(saddles == 0 && (ratio - 3.0).abs() < 1e-12);
+/// assert!(forces[0] < forces[1] && forces[1] < 1.0);
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shape {
+    /// Summits whose smaller principal curvature is not positive.
+    pub saddles: usize,
+    /// Median of the ratio κ₁/κ₂ of the others' principal curvatures; NaN if there are none.
+    pub ratio: f64,
+    /// Hertz forces of spheres over that of an ellipsoid of this ratio, of R = 1/mean curvature and of 1/√(κ₁κ₂)
+    /// ([`forces_of_spheres`]).
+    pub forces: [f64; 2],
+}
+
+impl Shape {
+    /// Looks at the principal curvatures of summits.
+    pub fn new(summits: &[Summit]) -> Self {
+        let principal = summits.iter().map(Summit::principal_curvatures);
+        let mut ratios: Vec<f64> =
+            principal.filter(|[_, blunt]| *blunt > 0.0).map(|[sharp, blunt]| sharp / blunt).collect();
+        ratios.sort_unstable_by(f64::total_cmp);
+        let ratio = if ratios.is_empty() { f64::NAN } else { quantile(&ratios, 0.5) };
+        let forces = if ratio.is_finite() { forces_of_spheres(ratio) } else { [f64::NAN; 2] };
+        Self { saddles: summits.len() - ratios.len(), ratio, forces }
+    }
+}
+
+impl HeightMap {
+    /// Those of the map's summits that have at least such a prominence, m, and the prominence of each; all of
+    /// them, and none of these, where no prominence is asked for.
+    pub(super) fn prominent(
+        &self,
+        summits: Vec<Summit>,
+        least: Option<f64>,
+    ) -> (Vec<Summit>, Option<Vec<f64>>) {
+        let Some(least) = least else { return (summits, None) };
+        let prominences = self.prominences(&summits);
+        let pairs = summits.into_iter().zip(prominences).filter(|(_, prominence)| *prominence >= least);
+        let (summits, prominences) = pairs.unzip();
+        (summits, Some(prominences))
+    }
+}
+
 /// The asperities of a measured surface.
 ///
 /// # Examples
@@ -85,6 +155,10 @@ pub struct Measured {
 pub struct Asperities {
     /// Every asperity, row by row.
     pub summits: Vec<Summit>,
+    /// Prominence of each, m, where one was asked for.
+    pub prominences: Option<Vec<f64>>,
+    /// How far they are from spheres.
+    pub shape: Shape,
     /// Area that was searched for summits, m²: the pixels that were compared with 8 neighbours.
     pub nominal_area: f64,
     /// Spectral moments of the surface.
@@ -101,6 +175,18 @@ impl Asperities {
     /// # Errors
     /// [`MapError`] when the map has no summit, or no slopes.
     pub fn new(map: &HeightMap) -> Result<Self, MapError> {
+        Self::found(map, None)
+    }
+
+    /// Finds those that have at least such a prominence, m ([`HeightMap::prominences`]).
+    ///
+    /// # Errors
+    /// [`MapError`] when the map has no such summit, or no slopes.
+    pub fn prominent(map: &HeightMap, least: f64) -> Result<Self, MapError> {
+        Self::found(map, Some(least))
+    }
+
+    fn found(map: &HeightMap, least: Option<f64>) -> Result<Self, MapError> {
         let moments = SpectralMoments::new(map)?;
         let found = map.summits();
         if found.summits.is_empty() {
@@ -108,22 +194,20 @@ impl Asperities {
         }
         let [dy, dx] = map.pixel();
         let nominal_area = found.compared as f64 * dy * dx;
-        let mut sample = Moments::new(2);
-        found.summits.iter().for_each(|summit| sample.push(&[summit.height, summit.mean_curvature()]));
-        let (mean, std) = (sample.mean(), sample.std());
-        let measured = Measured {
-            density: found.summits.len() as f64 / nominal_area,
-            radius: 1.0 / mean[1],
-            height_mean: mean[0],
-            height_std: std[0],
-            curvature_std: std[1],
-        };
+        let (summits, prominences) = map.prominent(found.summits, least);
+        if summits.is_empty() {
+            let all = map.prominences(&map.summits().summits);
+            let most = all.into_iter().fold(0.0, f64::max);
+            return Err(MapError::NotProminent { least: least.unwrap_or_default(), most });
+        }
         Ok(Self {
-            summits: found.summits,
+            measured: Measured::new(&summits, nominal_area),
+            shape: Shape::new(&summits),
+            summits,
+            prominences,
             nominal_area,
             moments,
             equivalent: Equivalent::new(&moments),
-            measured,
         })
     }
 
@@ -137,6 +221,14 @@ impl Asperities {
             let error = 100.0 / (count as f64).sqrt();
             caveats
                 .push(format!("{count} summits are few: their density is uncertain by about {error:.0} %"));
+        }
+        let saddles = self.shape.saddles;
+        if saddles > 0 {
+            let share = 100.0 * saddles as f64 / count as f64;
+            caveats.push(format!(
+                "{saddles} of {count} summits ({share:.1} %) are saddles by their second differences, k2 <= 0: noise and coarse pixels \
+                 make such; --smooth takes most of them away"
+            ));
         }
         if moments.skewness.abs() > NOT_GAUSSIAN.0 || moments.excess_kurtosis.abs() > NOT_GAUSSIAN.1 {
             let (skewness, kurtosis) = (moments.skewness, moments.excess_kurtosis);

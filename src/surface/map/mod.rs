@@ -2,16 +2,22 @@
 //! equivalent to it.
 
 mod asperities;
+mod cutoffs;
+mod ellipsoid;
 mod level;
+mod prominence;
+mod smooth;
 mod spectrum;
 mod summits;
 
-pub use asperities::{Asperities, Equivalent, Measured};
+pub use asperities::{Asperities, Equivalent, Measured, Shape};
+pub use cutoffs::AtCutoff;
+pub use ellipsoid::{forces_of_spheres, hertz_radius};
 pub use level::Levelling;
 pub use spectrum::SpectralMoments;
 pub use summits::{Summit, Summits};
 
-use std::ops::RangeInclusive;
+use std::ops::{Range, RangeInclusive};
 use thiserror::Error;
 
 /// Fewest rows and columns of a map.
@@ -71,6 +77,34 @@ pub enum MapError {
     /// No pixel is a summit.
     #[error("no pixel is higher than its 8 neighbours: the map has no summit")]
     NoSummit,
+    /// A cut-off that the map cannot be smoothed with.
+    #[error(
+        "a cut-off of {given:e} m: two pixels to half the shorter side of the map are possible, {least:e} to {most:e} m"
+    )]
+    Cutoff {
+        /// The cut-off, m.
+        given: f64,
+        /// Two pixels, m.
+        least: f64,
+        /// Half the shorter side, m.
+        most: f64,
+    },
+    /// A map on which no series of cut-offs has room.
+    #[error("two pixels, {least:e} m, are not below a quarter of the shorter side of the map, {most:e} m")]
+    NoCutoffs {
+        /// Two pixels, m.
+        least: f64,
+        /// A quarter of the shorter side, m.
+        most: f64,
+    },
+    /// No summit is prominent.
+    #[error("no summit has a prominence of {least:e} m; the most prominent one has {most:e} m")]
+    NotProminent {
+        /// The least prominence that counts, m.
+        least: f64,
+        /// The largest that there is, m.
+        most: f64,
+    },
 }
 
 /// Heights of a surface over a grid.
@@ -98,6 +132,8 @@ pub struct HeightMap {
     pixel: [f64; 2],
     /// Heights that differ by no more, m, are equally high.
     resolution: f64,
+    /// Rows and columns along each side that have no part in summits and moments.
+    margin: [usize; 2],
 }
 
 impl HeightMap {
@@ -124,7 +160,14 @@ impl HeightMap {
             return Err(MapError::Height { row, column, height: heights[place] });
         }
         let largest = heights.iter().fold(0.0_f64, |largest, height| largest.max(height.abs()));
-        Ok(Self { heights, rows, columns, pixel, resolution: ROUNDINGS * f64::EPSILON * largest })
+        Ok(Self {
+            heights,
+            rows,
+            columns,
+            pixel,
+            resolution: ROUNDINGS * f64::EPSILON * largest,
+            margin: [0, 0],
+        })
     }
 
     /// Rows and columns.
@@ -140,6 +183,20 @@ impl HeightMap {
     /// Heights, row-major, m; NaN where one is missing.
     pub fn heights(&self) -> &[f64] {
         &self.heights
+    }
+
+    /// Rows and columns along each side that have no part in summits and moments: none, or those within half
+    /// the cut-off that the map was smoothed with.
+    pub fn margin(&self) -> [usize; 2] {
+        self.margin
+    }
+
+    /// Rows and columns within the margin, which is so wide at least.
+    fn searched(&self, least: usize) -> [Range<usize>; 2] {
+        [(self.rows, 0), (self.columns, 1)].map(|(count, side)| {
+            let margin = self.margin[side].max(least);
+            margin..count - margin
+        })
     }
 
     /// Pixels whose height is missing.

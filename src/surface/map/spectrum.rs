@@ -6,7 +6,7 @@ use super::{HeightMap, MapError};
 /// of the height distribution.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpectralMoments {
-    /// Mean square height m₀ over all known pixels, m².
+    /// Mean square height m₀ over all known pixels within the [margin](HeightMap::margin), m².
     pub m0: f64,
     /// Mean square slope along y and along x, in the middle between neighbouring pixels, (z₊ − z)/pixel. Over
     /// two pixels its discretisation error would be four times as large.
@@ -65,9 +65,10 @@ impl SpectralMoments {
 /// Mean second, third and fourth powers of the known heights, m², m³, m⁴; summed row by row.
 fn powers(map: &HeightMap) -> [f64; 3] {
     let (mut sums, mut known) = ([0.0; 3], 0_u64);
-    for row in map.heights.chunks_exact(map.columns) {
+    let [rows, columns] = map.searched(0);
+    for row in rows {
         let mut of_row = [0.0; 3];
-        for height in row.iter().filter(|height| !height.is_nan()) {
+        for height in map.row(row)[columns.clone()].iter().filter(|height| !height.is_nan()) {
             let square = height * height;
             [square, square * height, square * square]
                 .iter()
@@ -85,7 +86,10 @@ fn powers(map: &HeightMap) -> [f64; 3] {
 /// the map along them.
 fn differences(map: &HeightMap, step: usize) -> [(f64, u64); 2] {
     let mut sums = [(0.0, 0); 2];
-    for row in 0..if step == 1 { map.rows } else { map.rows - 1 } {
+    let [rows, columns] = map.searched(0);
+    // The last has no neighbour behind it.
+    let (down, along) = if step == 1 { (0, 1) } else { (1, 0) };
+    for row in rows.start..rows.end - down {
         let mut of_row = [(0.0, 0); 2];
         let mut add = |sum: usize, difference: f64| {
             if !difference.is_nan() {
@@ -93,11 +97,11 @@ fn differences(map: &HeightMap, step: usize) -> [(f64, u64); 2] {
                 of_row[sum].1 += 1;
             }
         };
-        for column in 0..if step == 1 { map.columns - 1 } else { map.columns } {
+        for column in columns.start..columns.end - along {
             let place = row * map.columns + column;
             let rise = map.heights[place + step] - map.heights[place];
             add(0, rise);
-            if (if step == 1 { column } else { row }) > 0 {
+            if if step == 1 { column > columns.start } else { row > rows.start } {
                 add(1, rise - (map.heights[place] - map.heights[place - step]));
             }
         }

@@ -1,14 +1,15 @@
 //! Elastic asperities that each have a λ of their own, solved in blocks: the extended Maugis-Dugdale law of
 //! [`super::emd`] with λ as a lane.
 //!
-//! Starting values are from tables over λ and the place on the branch ([`super::starts`]). A Newton step follows, and
+//! Starting values are from tables over λ and the place on the branch (`starts.rs`). A Newton step follows, and
 //! the outputs are corrected along a second. What is not good enough then is solved again on the safeguarded path.
-//! Far from contact a series takes the place of solves ([`super::far`]).
+//! Far from contact a series takes the place of solves (`far.rs`).
 
 use super::branch::Branch;
 use super::contact::Contact;
 use super::curve::{Anchor, Curve, corrected, last_step};
 use super::far;
+pub use super::far::stiffness;
 use super::folds::{contact_end, first_contact, first_outer, outer_fold};
 use super::history::Path;
 use super::law::BLOCK;
@@ -167,6 +168,11 @@ impl Elastic {
         (self.fold.is_some() && self.reference < self.end(path)).then_some(self.reference)
     }
 
+    /// z₀, the gap of an undeformed asperity.
+    pub fn rigid_gap(&self, displacement: f64) -> f64 {
+        1.0 + self.rigid(displacement)
+    }
+
     /// ε of an undeformed asperity.
     #[inline(always)]
     fn rigid(&self, displacement: f64) -> f64 {
@@ -264,14 +270,13 @@ impl Lanes {
         }
     }
 
-    /// Solves the lanes again that are not good enough.
+    /// Solves the lanes again that are not good enough; no parameter is above `largest`.
     fn finish<C: Curve, const FOLD: bool>(
         &mut self,
-        count: usize,
+        (count, largest): (usize, f64),
         curve: impl Fn(f64, f64) -> C,
         branch: impl Fn(usize) -> Branch<C>,
         is_on_branch: impl Fn(f64, f64) -> bool,
-        range: (f64, f64),
         stats: &mut SolverStats,
     ) {
         stats.evaluations += 2 * count as u64;
@@ -289,7 +294,7 @@ impl Lanes {
                 let state = curve.at(x);
                 stats.evaluations += 1;
                 let (step, good) = last_step(&anchor, x, &state, displacement, 1.0 / state.slope);
-                if !(x >= range.0 && x <= range.1) || !(state.slope < 0.0) {
+                if !(x >= 0.0 && x <= largest && state.slope < 0.0) {
                     break;
                 }
                 if good && is_on_branch(x, end) {
@@ -321,9 +326,9 @@ pub fn contact<'a>(
         InstructionSet::current().run(
             #[inline(always)]
             || {
-                for i in 0..count {
+                for (i, displacement) in displacements.iter().enumerate() {
                     let own = of(i);
-                    let displacement = displacements[i].max(own.contact_end);
+                    let displacement = displacement.max(own.contact_end);
                     let s = (displacement - own.contact_end).sqrt();
                     let w = tables.value(own.contact_column, s / (HALF_WAY + s));
                     lanes.lambda[i] = own.lambda;
@@ -335,11 +340,10 @@ pub fn contact<'a>(
             },
         );
         lanes.finish::<Contact, true>(
-            count,
+            (count, FRAC_PI_2),
             Contact::with_end,
             |i| of(i).contact_branch(),
             |x, end| x <= end,
-            (0.0, FRAC_PI_2),
             stats,
         );
         adhesion[..count].copy_from_slice(&lanes.adhesion[..count]);
@@ -348,7 +352,7 @@ pub fn contact<'a>(
 }
 
 /// F̂_s of asperities before contact, at most [`BLOCK`], that are below the end of the history: the outermost roots. The
-/// rigid gaps z₀ and [`far::stiffness`] of the lanes say which are far; of others `of` gives the asperity, and
+/// rigid gaps z₀ and γλ^(3/2) of the lanes say which are far; of others `of` gives the asperity, and
 /// `displacement` Δ.
 pub fn noncontact<'a>(
     (gaps, stiffness): (&[f64], &[f64]),
@@ -393,84 +397,88 @@ pub fn noncontact<'a>(
         INNER_PART.value(own.inner_column, place) * own.fold.unwrap_or(f64::NAN)
     };
     let outer_branch = |i: usize| of(i).outer_branch();
-    solve_some::<true>(
-        &folding.0[..folding.1],
-        &of,
-        &displacement,
-        outer,
-        outer_branch,
-        |x, end| x >= end,
-        adhesion,
-        stats,
-    );
-    solve_some::<false>(
-        &single.0[..single.1],
-        &of,
-        capped,
-        outer,
-        outer_branch,
-        |_, _| true,
-        adhesion,
-        stats,
-    );
-    let inner_branch = |i: usize| of(i).inner_branch(displacement(i));
-    solve_some::<false>(
-        &inner.0[..inner.1],
-        &of,
-        &displacement,
-        within,
-        inner_branch,
-        |x, end| x <= end,
-        adhesion,
-        stats,
-    );
+    let lanes = OnBranch {
+        which: &folding.0[..folding.1],
+        displacement: &displacement,
+        start: &outer,
+        branch: outer_branch,
+        is_on_branch: |gap: f64, fold: f64| gap >= fold,
+    };
+    lanes.solve::<true>(&of, adhesion, stats);
+    let lanes = OnBranch {
+        which: &single.0[..single.1],
+        displacement: capped,
+        start: &outer,
+        branch: outer_branch,
+        is_on_branch: |_, _| true,
+    };
+    lanes.solve::<false>(&of, adhesion, stats);
+    let lanes = OnBranch {
+        which: &inner.0[..inner.1],
+        displacement: &displacement,
+        start: within,
+        branch: |i: usize| of(i).inner_branch(displacement(i)),
+        is_on_branch: |gap: f64, fold: f64| gap <= fold,
+    };
+    lanes.solve::<false>(&of, adhesion, stats);
 }
 
-/// Solves some of the lanes before contact.
-#[inline(always)]
-fn solve_some<'a, const FOLD: bool>(
-    which: &[u8],
-    of: impl Fn(usize) -> &'a Elastic,
-    displacement: impl Fn(usize) -> f64,
-    start: impl Fn(usize) -> f64,
-    branch: impl Fn(usize) -> Branch<Noncontact>,
-    is_on_branch: impl Fn(f64, f64) -> bool,
-    adhesion: &mut [f64],
-    stats: &mut SolverStats,
-) {
-    if which.is_empty() {
-        return;
-    }
-    LANES.with_borrow_mut(|lanes| {
-        InstructionSet::current().run(
-            #[inline(always)]
-            || {
-                for (lane, i) in which.iter().map(|i| usize::from(*i)).enumerate() {
-                    let own = of(i);
-                    lanes.lambda[lane] = own.lambda;
-                    lanes.ends[lane] = own.fold.unwrap_or(0.0);
-                    lanes.displacements[lane] = displacement(i);
-                    lanes.parameters[lane] = start(i);
-                }
-                lanes.solve::<Noncontact, FOLD>(
-                    which.len(),
-                    |lambda, _| Noncontact::whole(lambda),
-                    &is_on_branch,
-                );
-            },
-        );
-        lanes.finish::<Noncontact, FOLD>(
-            which.len(),
-            |lambda, _| Noncontact::whole(lambda),
-            |lane| branch(usize::from(which[lane])),
-            is_on_branch,
-            (0.0, f64::INFINITY),
-            stats,
-        );
-        for (lane, i) in which.iter().enumerate() {
-            adhesion[usize::from(*i)] = lanes.adhesion[lane];
+/// Lanes before contact that are on one branch: their Δ, starting values and branches, and which ε, beside that at the fold,
+/// is on it.
+struct OnBranch<'a, D, S, B, O> {
+    which: &'a [u8],
+    displacement: D,
+    start: S,
+    branch: B,
+    is_on_branch: O,
+}
+
+impl<D, S, B, O> OnBranch<'_, D, S, B, O>
+where
+    D: Fn(usize) -> f64,
+    S: Fn(usize) -> f64,
+    B: Fn(usize) -> Branch<Noncontact>,
+    O: Fn(f64, f64) -> bool,
+{
+    #[inline(always)]
+    fn solve<'a, const FOLD: bool>(
+        &self,
+        of: impl Fn(usize) -> &'a Elastic,
+        adhesion: &mut [f64],
+        stats: &mut SolverStats,
+    ) {
+        let Self { which, displacement, start, branch, is_on_branch } = self;
+        if which.is_empty() {
+            return;
         }
-    });
+        let curve = |lambda: f64, _: f64| Noncontact::whole(lambda);
+        LANES.with_borrow_mut(|lanes| {
+            InstructionSet::current().run(
+                #[inline(always)]
+                || {
+                    for (lane, i) in which.iter().map(|i| usize::from(*i)).enumerate() {
+                        let own = of(i);
+                        lanes.lambda[lane] = own.lambda;
+                        lanes.ends[lane] = own.fold.unwrap_or(0.0);
+                        lanes.displacements[lane] = displacement(i);
+                        lanes.parameters[lane] = start(i);
+                    }
+                    lanes.solve::<Noncontact, FOLD>(which.len(), curve, is_on_branch);
+                },
+            );
+            let branch = |lane: usize| branch(usize::from(which[lane]));
+            lanes.finish::<Noncontact, FOLD>(
+                (which.len(), f64::INFINITY),
+                curve,
+                branch,
+                is_on_branch,
+                stats,
+            );
+            for (lane, i) in which.iter().enumerate() {
+                adhesion[usize::from(*i)] = lanes.adhesion[lane];
+            }
+        });
+    }
 }
 
 #[cfg(test)]
@@ -513,7 +521,7 @@ mod tests {
                 .clone()
                 .map(|i| asperities[i].end(path) - (1e-9 + distances[i]) / asperities[i].per_span.min(1.0))
                 .collect();
-            let gaps: Vec<f64> = far.iter().enumerate().map(|(i, d)| 1.0 + of(i).rigid(*d)).collect();
+            let gaps: Vec<f64> = far.iter().enumerate().map(|(i, d)| of(i).rigid_gap(*d)).collect();
             let stiffness: Vec<f64> = range.clone().map(|i| far::stiffness(asperities[i].lambda)).collect();
             noncontact((&gaps, &stiffness), of, |i| far[i], &mut before[range.clone()], &mut stats);
         }

@@ -48,11 +48,6 @@ impl<'a> Lanes<'a> {
         Self { all, which }
     }
 
-    /// How many there are.
-    pub fn len(&self) -> usize {
-        self.which.len()
-    }
-
     /// The asperity of a lane.
     #[inline(always)]
     pub fn at(&self, lane: usize) -> &'a Lane {

@@ -106,8 +106,8 @@ impl NodeTable {
                 #[inline(always)]
                 || {
                     let mut terms = [[0.0; NODES]; 8];
-                    for i in 0..NODES {
-                        let s = (panel.interference[i] - mean) * per_std;
+                    for (i, delta) in panel.interference.iter().enumerate() {
+                        let s = (delta - mean) * per_std;
                         let weight = panel.weights[i] * unit * exp(-0.5 * s * s);
                         let [adhesion, contact, area] = [0, 1, 2].map(|q: usize| panel.quantities[q][i]);
                         let quantities = Quantity::of_response(adhesion, contact, area);

@@ -11,7 +11,7 @@ use stiction::asperity::emd::Emd;
 use stiction::asperity::models::{MODELS, model};
 use stiction::asperity::noncontact::{Branches, Noncontact};
 use stiction::asperity::scale::{Asperity, Scale, pressure_factor};
-use stiction::asperity::{Law, LawParameters, Path, Regime, SolverStats};
+use stiction::asperity::{Family, Law, LawParameters, Path, Regime, SolverStats};
 use stiction::integral::Expectations;
 use stiction::surface::{Heights, Surface};
 
@@ -791,4 +791,71 @@ fn the_published_fits_are_those_of_the_table() {
     let parameters = LawParameters::new(&other, Path::Approach, (-20e-9, 20e-9)).unwrap();
     let refused = model("fit:paper").unwrap().law(&parameters).err().unwrap();
     assert!(refused.to_string().contains("fit:refit fits any"), "{refused}");
+}
+
+/// The law of another radius as lanes of the law of one, against the law that is made for that radius: ends, pieces and all
+/// quantities, at ratios that lead over both first folds of λ. 1e-12 of each, and at each root, where rounding of its
+/// place is a root of rounding, 1e-6 within 1e-12 of it.
+#[test]
+fn laws_follow_the_radius_as_they_are_made_for_it() {
+    let mut compared = 0;
+    for (name, path) in
+        ["I", "II", "III"].into_iter().flat_map(|name| Path::ALL.map(|(_, path)| (name, path)))
+    {
+        let (asperity, _) = case(name);
+        for model in MODELS {
+            let family = match Family::new(*model, asperity, path, (1e-3, 1e3)) {
+                Ok(family) => family,
+                Err(error) => {
+                    assert!(model.is_fit(), "{}: {error}", model.name);
+                    continue;
+                }
+            };
+            for ratio in [1e-3, 0.3, 0.9, 0.97, 1.0, 1.02, 1.14, 1.3, 2.1, 40.0] {
+                let own = Asperity { radius: ratio * asperity.radius, ..asperity };
+                let made = model.law(&LawParameters::new(&own, path, (-5e-9, 50e-9)).unwrap()).unwrap();
+                let follows = family.law(own.radius);
+                let what = format!("{} {path:?} {name}, ratio {ratio}", model.name);
+                let places = |law: &dyn Law| -> Vec<f64> {
+                    let pieces = law.pieces();
+                    pieces.iter().flat_map(|piece| [piece.lower, piece.upper]).collect()
+                };
+                let (theirs, mine) = (places(made.as_ref()), places(follows.as_ref()));
+                assert_eq!(theirs.len(), mine.len(), "{what}: {theirs:?} {mine:?}");
+                for (a, b) in theirs.iter().zip(&mine) {
+                    assert!(
+                        a == b || (a - b).abs() <= 1e-13 * a.abs() + 1e-24,
+                        "{what}: {theirs:?} {mine:?}"
+                    );
+                }
+                assert_eq!(made.boundaries().len(), follows.boundaries().len());
+                for i in 0..400 {
+                    let x = -4e-9 + 1e-11 * f64::from(i) + 1e-15;
+                    // To the depth of the last regime.
+                    for delta in [x, 0.01 * x, (x + 4e-9) * 10.0_f64.powi(i % 4)] {
+                        let near =
+                            theirs.iter().map(|place| (place - delta).abs()).fold(f64::INFINITY, f64::min);
+                        if near <= 1e-13 * delta.abs() {
+                            continue;
+                        }
+                        let tolerance = if near < 1e-12 { 1e-6 } else { 1e-12 };
+                        let (a, b) = (respond(made.as_ref(), delta), respond(follows.as_ref(), delta));
+                        let (Some((regime, a)), Some((other, b))) = (a, b) else {
+                            assert!(a.is_none() && b.is_none(), "{what} at {delta:e}");
+                            continue;
+                        };
+                        assert_eq!(regime, other, "{what} at {delta:e}");
+                        for (q, (a, b)) in a.into_iter().zip(b).enumerate() {
+                            compared += 1;
+                            assert!(
+                                (a - b).abs() <= tolerance * a.abs(),
+                                "{what} at {delta:e}: {q}: {a:e} {b:e}"
+                            );
+                        }
+                    }
+                }
+            }
+        }
+    }
+    assert!(compared > 1_000_000, "{compared}");
 }

@@ -95,9 +95,11 @@ impl ConstantStress {
     fn smoothness_in(zone: Zone, length: f64, lower: f64, upper: f64) -> (Vec<f64>, Vec<Smoothness>) {
         let root = Smoothness::Root { end: End::Lower, place: zone.fold * length, order: 2 };
         let begin = zone.begin * length;
+        // Where contact begins at once, the two places are one but for rounding.
+        let rounding = 1e-14 * begin.abs();
         match begin {
-            begin if lower < begin && begin < upper => (vec![begin], vec![Smoothness::Smooth, root]),
             begin if begin <= lower => (Vec::new(), vec![root]),
+            begin if begin + rounding < upper => (vec![begin], vec![Smoothness::Smooth, root]),
             _ => (Vec::new(), vec![Smoothness::Smooth]),
         }
     }

@@ -152,8 +152,7 @@ mod tests {
     #[test]
     fn ellipsoids_have_their_curvatures_at_any_angle() {
         let (dy, dx) = (1.5e-9, 1e-9);
-        for (blunt_radius, step) in
-            [(1.0, 0.0), (1.7, 0.3), (3.0, 1.0), (20.0, 2.4), (3.0, 1.5707), (5.0, 3.0)]
+        for (blunt_radius, step) in [(1.0, 0.0), (1.7, 0.3), (3.0, 1.0), (20.0, 2.4), (3.0, 1.58), (5.0, 3.0)]
         {
             let (sharp, blunt) = (1.0 / 50e-9, 1.0 / (blunt_radius * 50e-9));
             let (sin, cos) = f64::sin_cos(step);

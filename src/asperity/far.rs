@@ -66,7 +66,7 @@ const PHI_4: [f64; 3] = [1.0160873929239695e-15, 1.6268396913523534e-15, 6.94567
 
 use crate::math::polynomials::horner;
 
-/// γλ^(3/2), by which [`attraction`] knows an asperity.
+/// γλ^(3/2), by which `attraction` knows an asperity.
 pub fn stiffness(lambda: f64) -> f64 {
     GAMMA * lambda * lambda.sqrt()
 }

@@ -525,7 +525,11 @@ const VARIANTS: &[Variant] = &[
     (OF_SPECTRUM, &["surface.spectrum"], &[]),
     (OF_SPECTRUM, &["surface.spectrum.m0", "surface.spectrum.m2", "surface.spectrum.m4"], &[]),
     (OF_SPECTRUM, &["surface.asperities"], &[]),
-    (OF_SPECTRUM, &["surface.asperities.path", "surface.asperities.sample"], &[]),
+    (
+        OF_SPECTRUM,
+        &["surface.asperities.path", "surface.asperities.sample", "surface.asperities.radius"],
+        &[],
+    ),
     (&["model.law"], &["model.critical_approach"], &[("model.law", "\"fit:paper\"")]),
     (&["separation.h_star"], &["separation.h.from", "separation.h.to", "separation.h.count"], &[]),
     (

@@ -71,6 +71,11 @@ pub fn pressure_factor(poisson_ratio: f64) -> f64 {
     0.454 + 0.41 * poisson_ratio
 }
 
+/// ν of a maximum contact pressure factor.
+pub fn poisson_ratio(pressure_factor: f64) -> f64 {
+    (pressure_factor - 0.454) / 0.41
+}
+
 /// The adhesion parameters that the equations are solved for.
 pub const LAMBDA_RANGE: (f64, f64) = (1e-6, 1e6);
 

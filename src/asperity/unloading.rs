@@ -394,8 +394,7 @@ impl Loop {
             let end = begin + largest[begin..].iter().take_while(|largest| regime(**largest) == own).count();
             self.approach.evaluate(own, &largest[begin..end], out, stats);
             for (i, place) in (begin..end).enumerate() {
-                tops[place] =
-                    self.springback.top(&self.scale, largest[place], out.contact[i], out.area[i]);
+                tops[place] = self.springback.top(&self.scale, largest[place], out.contact[i], out.area[i]);
             }
             begin = end;
         }

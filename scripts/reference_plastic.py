@@ -44,7 +44,7 @@ VALUES = ["adhesion_force", "contact_force", "contact_radius"]
 # lambda, omega_c, Poisson's ratio, H/E
 SETTINGS = [("0.1", "3.0", "0.27", "0.03"), ("2.5", "40.0", "0.4", "0.004")]
 LOADED = "0.01 0.5 0.99 1.2 2.1 4.0 11.0 40.0 70.0 300.0".split()  # largest over omega_c
-PRESSED = "2.5 20.0 120.0".split()
+PRESSED = "4.5 20.0 120.0".split()
 SHARES = "0.0 0.2 0.6 0.95".split()  # distance over the recovery
 
 MODULUS = mpf(3) / 4  # K = 1

@@ -56,14 +56,13 @@ pub(super) struct Top {
 }
 
 impl Springback {
-    /// The top of a contact of a load, N, and an area, m², at the interference ω_max, m.
-    pub fn top(&self, scale: &Scale, largest: f64, load: f64, area: f64) -> Top {
+    /// The top of a contact of a load, N, and an area, m², at ω_max; but for the recovery along powers.
+    pub fn top(&self, scale: &Scale, load: f64, area: f64) -> Top {
         let radius = (area / PI).sqrt() / scale.radius;
         let ratio = scale.force * radius * radius * radius / load;
         let recovery = scale.length * radius * radius / ratio;
         match self {
-            Self::Powers(plastic) => Top { recovery: plastic.recovery(largest), ratio, adhesion: 0.0 },
-            Self::Elastic(_) => Top { recovery, ratio, adhesion: 0.0 },
+            Self::Powers(_) | Self::Elastic(_) => Top { recovery, ratio, adhesion: 0.0 },
             Self::Punch(_) => Top {
                 recovery: 8.0 / (3.0 * PI) * recovery,
                 ratio: 0.75 * PI * ratio,
@@ -85,7 +84,7 @@ impl Springback {
     pub fn release(&self, law: &dyn Law, top: &Top, lane: &Lane) -> f64 {
         match self {
             Self::Punch(_) => top.recovery * (1.0 - Decohesion::new(top.adhesion).end()),
-            _ => limits(self.contact(law), first_contact(self.contact(law)), lane, &mut Vec::new())[0],
+            _ => limits(self.contact(law), first_contact(self.contact(law)), lane)[0],
         }
     }
 
@@ -120,7 +119,7 @@ impl Springback {
         stats: &mut SolverStats,
     ) {
         let count = largest.len();
-        let top = |i: usize, out: &Responses| self.top(scale, largest[i], out.contact[i], out.area[i]);
+        let top = |i: usize, out: &Responses| self.top(scale, out.contact[i], out.area[i]);
         match self {
             Self::Powers(plastic) => plastic.unload(largest, distance, out),
             Self::Elastic(_) => {
@@ -158,19 +157,17 @@ pub(super) fn of_radii(law: &dyn Law) -> &dyn OfRadii {
 }
 
 /// The interferences, m, between which an asperity is in a regime.
-fn limits(law: &dyn Law, regime: usize, lane: &Lane, ends: &mut Vec<f64>) -> [f64; 2] {
-    of_radii(law).ends(lane, ends);
-    let upper = ends.get(regime).copied().unwrap_or(f64::INFINITY);
-    let lower = if regime == 0 { f64::NEG_INFINITY } else { ends[regime - 1] };
-    [lower, upper]
+fn limits(law: &dyn Law, regime: usize, lane: &Lane) -> [f64; 2] {
+    let end = |regime: usize| of_radii(law).end(regime, lane);
+    let lower = regime.checked_sub(1).and_then(end).unwrap_or(f64::NEG_INFINITY);
+    [lower, end(regime).unwrap_or(f64::INFINITY)]
 }
 
 /// Has interferences, m, of asperities lie in a regime, or above it up to `beyond`, m: neither rounding nor a contact that
 /// ends earlier than the law's own may lead out of it.
 pub(super) fn within(law: &dyn Law, regime: usize, lanes: &[Lane], interference: &mut [f64], beyond: f64) {
-    let mut ends = Vec::new();
     for (delta, lane) in interference.iter_mut().zip(lanes) {
-        let [lower, upper] = limits(law, regime, lane, &mut ends);
+        let [lower, upper] = limits(law, regime, lane);
         *delta = delta.max(lower).min(upper.max(beyond));
     }
 }

@@ -58,7 +58,8 @@ impl Cycle {
             .map(|quantity| curves.total[quantity.index()].split_at(job.separations.len()));
         let [approach, retraction] = [ways.map(|way| way.0), ways.map(|way| way.1)];
         let d = surface.asperity_separation(closest);
-        // The higher an asperity, the longer it keeps contact.
+        // The higher an asperity, the longer it keeps contact; by Mesarovic and Johnson's unloading but for one that has just
+        // not flowed.
         let detachment = cycle.detachment(highest - d);
         Self {
             approach_pull_off_force: -pull_off.value,

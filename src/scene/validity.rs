@@ -130,7 +130,13 @@ fn unloading(scene: &Scene, law: &dyn Law) -> Option<Warning> {
     match scene.unloading {
         Unloading::EtsionKligermanKadin(_) => {
             let contacts = of_regime(|regime| *regime == Regime::Plastic)?;
-            Some(Warning::new(format!("{contacts:.0} contacts of the whole run are fully plastic when the surfaces turn back"), "the unloading of elastic-plastic contacts (Etsion, Kligerman and Kadin 2005) is used beyond its range for them", &["separation", "hardness"]))
+            Some(Warning::new(
+                format!(
+                    "{contacts:.0} contacts of the whole run are fully plastic when the surfaces turn back"
+                ),
+                "the unloading of elastic-plastic contacts (Etsion, Kligerman and Kadin 2005) is used beyond its range for them",
+                &["separation", "hardness"],
+            ))
         }
         Unloading::Secant => None,
         Unloading::MesarovicJohnson | Unloading::ThorntonNing => {

@@ -163,7 +163,12 @@ const CASES: &[(&str, &str, &[&str])] = &[
     (
         "history = \"approach\"",
         "history = \"loop\"\nunloading = \"secand\"",
-        &["line 22", "unknown unloading", "did you mean \"secant\"?", "known: ekk, secant, mesarovic_johnson"],
+        &[
+            "line 22",
+            "unknown unloading",
+            "did you mean \"secant\"?",
+            "known: ekk, secant, mesarovic_johnson",
+        ],
     ),
     (
         "law = \"hybrid\"\nhistory = \"approach\"",

@@ -235,7 +235,10 @@ fn assert_nothing_is_lost_near(
             assert_nothing_is_lost(law.as_ref(), &surface, 1.5 * sigma, &what(way));
         }
         let parameters = LawParameters::new(&asperity, Path::Approach, reach).unwrap();
-        for (_, unloading) in Unloading::ALL {
+        let unloadings = Unloading::ALL.map(|(_, unloading)| unloading);
+        let few = criticals.len() * sides.len() > 3;
+        let unloadings = if few { vec![Unloading::of(&model)] } else { unloadings.to_vec() };
+        for unloading in unloadings {
             let Ok(cycle) = Loop::new(&model, &parameters, unloading) else {
                 assert!(!unloading.suits(&model) || model.is_fit(), "{name}");
                 continue;

@@ -142,7 +142,7 @@ fn every_row_of_the_plastic_reference_is_met() {
         let field =
             |name: &str| line.split(',').nth(columns.iter().position(|c| *c == name).unwrap()).unwrap();
         let number = |name: &str| field(name).parse::<f64>().unwrap();
-        for reach in [None, Some((-1e3, 1e5))] {
+        for reach in [None, Some((-1e3, 1.1 * number("largest")))] {
             let parameters = LawParameters {
                 critical_interference: number("critical_interference"),
                 pressure_factor: pressure_factor(number("poisson_ratio")),
@@ -198,7 +198,7 @@ fn the_secant_is_the_elastic_law_of_another_radius() {
         for law in ["hybrid", "sbl", "ceb", "zmc", "jg", "tn"] {
             let cycle = cycle_of(law, &asperity, Unloading::Secant).unwrap();
             let is_hertz = law != "hybrid";
-            for x in [2.5, 5.0, 30.0, 120.0] {
+            for x in [4.0, 5.0, 30.0, 120.0] {
                 let largest = x * critical;
                 let [radius, recovery] = secant(&asperity, pressed(&cycle, largest));
                 let what = format!("{name} {law} {x}");
@@ -247,13 +247,57 @@ fn the_secant_is_the_elastic_law_of_another_radius() {
     }
 }
 
+/// By no unloading does a contact spring back by more than it was pressed, or give out more energy than it took up: the
+/// loop from before contact to ω_max and back loses energy, or none where that is up to the place where the recovery would
+/// be ω_max, 3.927ω_c with Chang, Etsion and Bogy's load, (9 + √45)/4, and 1.5845ω_c with Kogut and Etsion's,
+/// (1.03/√0.93)^(1/0.143).
+#[test]
+fn no_contact_gives_out_more_than_it_took_up() {
+    let (asperity, _) = case("I");
+    let critical = asperity.critical_interference();
+    for (law, from) in [
+        ("ceb", (9.0 + 45.0_f64.sqrt()) / 4.0),
+        ("ke", (1.03 / 0.93_f64.sqrt()).powf(1.0 / 0.143)),
+        ("zmc", 1.0),
+        ("tn", 1.0),
+    ] {
+        let cycle = cycle_of(law, &asperity, Unloading::Secant).unwrap();
+        for x in [1.001, 1.2, 1.58, 1.59, 2.0, 3.9, 3.95, 8.0, 60.0] {
+            let largest = x * critical;
+            let has_flowed = cycle.fate(largest) == 2;
+            assert_eq!(has_flowed, x > from && (law != "zmc" || x > 1.13), "{law} {x}");
+            assert!(cycle.recovery(largest) <= largest * (1.0 + 1e-12), "{law} {x}");
+            for distance in [0.0, 0.1, 0.5, 1.2].map(|share| share * largest) {
+                let back = respond(&cycle.at(distance), largest).unwrap();
+                if !has_flowed {
+                    assert_eq!(back, respond(cycle.approach(), largest - distance).unwrap(), "{law} {x}");
+                }
+            }
+            // Of the load alone, from the closed forms of the way there and from Hertz's on the way back.
+            let [load, radius] = pressed(&cycle, largest);
+            let steps = 20_000;
+            let put_in: f64 = (0..steps)
+                .map(|i| {
+                    pressed(&cycle, largest * (f64::from(i) + 0.5) / f64::from(steps))[0] * largest
+                        / f64::from(steps)
+                })
+                .sum();
+            let given_out = 0.4 * load * secant(&asperity, [load, radius])[1];
+            assert!(
+                !has_flowed || given_out <= put_in * (1.0 + 1e-6),
+                "{law} {x}: {given_out:e} of {put_in:e}"
+            );
+        }
+    }
+}
+
 /// The adhesion of Kogut and Etsion's elastic fit around the contact of the secant, 0.98 (δ/ω_c′)^0.298 (ε/ω_c′)^−0.29
 /// 2πR′Δγ with the ω_c′ of R′, however deep.
 #[test]
 fn the_secant_of_kogut_and_etsion_has_their_elastic_fit() {
     let (asperity, _) = case("II");
     let cycle = cycle_of("ke", &asperity, Unloading::Secant).unwrap();
-    for x in [1.7, 20.0, 100.0] {
+    for x in [1.6, 20.0, 100.0] {
         let largest = x * asperity.critical_interference();
         let [radius, recovery] = secant(&asperity, pressed(&cycle, largest));
         let critical = asperity.critical_interference() * radius / asperity.radius;
@@ -325,7 +369,7 @@ fn mesarovic_and_johnson_open_from_the_edge() {
         let (asperity, _) = case(name);
         let (modulus, work) = (asperity.reduced_modulus, asperity.work_of_adhesion);
         let cycle = cycle_of(law, &asperity, Unloading::MesarovicJohnson).unwrap();
-        for x in [2.5, 20.0, 115.0] {
+        for x in [4.0, 20.0, 115.0] {
             let largest = x * asperity.critical_interference();
             let [load, whole] = pressed(&cycle, largest);
             let pressure = load / (PI * whole * whole);

@@ -207,7 +207,7 @@ fn what_is_left_out_is_said() {
 }
 
 /// Ensemble and integral of every law agree: one test of significance 1e-3 per law on the same asperities,
-/// with a fixed seed, so with 14 laws a correct program would fail for up to 1.4 % of the seeds (the scene's
+/// with a fixed seed, so with 18 laws a correct program would fail for up to 1.8 % of the seeds (the scene's
 /// own, 1, is such a one: `md` has p = 0.0009 there).
 #[test]
 #[ignore = "slow: six seconds"]

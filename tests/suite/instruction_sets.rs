@@ -68,6 +68,7 @@ fn every_law_has_the_same_bits() {
             for reach in [None, Some((-30.0, 40.0))] {
                 let parameters = LawParameters {
                     critical_interference: 3.0,
+                    hardness_ratio: Some(0.03),
                     lubricant_thickness: 0.4,
                     table_range: reach,
                     ..LawParameters::scaled(lambda, path).unwrap()

@@ -16,7 +16,8 @@
 //! with its assumption above 1.9ω_c.
 //!
 //! # Validity
-//! Low λ, dry; a/R up to 0.41. P jumps up by about half a per cent at x = 1.9,
+//! Low λ, dry. Above e of about 0.02 the area of deep contacts exceeds the 2πRω of fully plastic
+//! ones, so that harder materials are outside of what B was fitted to. P jumps up by about half a per cent at x = 1.9,
 //! and F_s drops to 2πRΔγ there. Source: Jackson and Green, J. Tribol. 127 (2005) 343.
 
 use super::ceb::{attraction_around, rows_below};
@@ -33,16 +34,26 @@ use std::f64::consts::PI;
 const FIRST_END: f64 = 1.9;
 /// H/Y (Tabor 1951).
 const HARDNESS: f64 = 2.84;
+/// Largest H/E_r: there the area would grow with the ninth power of the interference, and contacts are as wide as their
+/// asperities before they flow.
+const HARDEST: f64 = 0.5;
+/// x up to which there are tables.
+const TABULATED: f64 = 1e3;
 /// Relative accuracy of tables: a few roundings, as those of exponentials and products.
 const TABLE_TOLERANCE: f64 = 8e-15;
 
 /// The law `jg`.
 ///
 /// # Errors
-/// [`LawError::Elastic`] without a critical interference, [`LawError::Hardness`] without H/E_r.
+/// [`LawError::Elastic`] without a critical interference, [`LawError::Hardness`] without H/E_r,
+/// [`LawError::TooHard`] above 0.5 of it.
 pub fn jg(parameters: &LawParameters) -> Result<Box<dyn Law>, LawError> {
     let own = parameters.plastic("jg")?;
-    let strain = own.hardness_ratio.ok_or(LawError::Hardness("jg"))? / HARDNESS;
+    let hardness = own.hardness_ratio.ok_or(LawError::Hardness("jg"))?;
+    if !(hardness <= HARDEST) {
+        return Err(LawError::TooHard { law: "jg", ratio: hardness, most: HARDEST });
+    }
+    let strain = hardness / HARDNESS;
     let c = 1.295 * libm::exp(0.736 * poisson_ratio(own.pressure_factor));
     let b = 0.14 * libm::exp(23.0 * strain);
     let root = 0.5 * PI * c * strain;
@@ -57,7 +68,7 @@ pub fn jg(parameters: &LawParameters) -> Result<Box<dyn Law>, LawError> {
         let plastic = -4.0 * HARDNESS * share / c * libm::expm1(-libm::pow(x, 5.0 / 9.0) / 25.0) * x;
         libm::exp(-0.25 * libm::pow(x, 5.0 / 12.0)) * x * x.sqrt() + plastic
     };
-    let x = (FIRST_END, f64::INFINITY);
+    let x = (FIRST_END, TABULATED);
     let flowing = ClosedForm::new(
         attraction_around(&own),
         critical.tabulated(move |x| load * force(x), TABLE_TOLERANCE, x).following(OF_CRITICAL),

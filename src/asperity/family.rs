@@ -117,15 +117,20 @@ pub enum SurfaceLoops {
 
 impl SurfaceLoops {
     /// The loops of a model for asperities like one, whose radii differ from its radius by factors between
-    /// `least` and `most`; tops that have flowed keep theirs.
+    /// `least` and `most`; tops that have flowed keep theirs or have another.
     ///
     /// # Errors
     /// As [`Loop::new`] for one of these two.
-    pub fn of_radii(model: Model, asperity: Asperity, (least, most): (f64, f64)) -> Result<Self, LawError> {
+    pub fn of_radii(
+        model: Model,
+        asperity: Asperity,
+        (least, most): (f64, f64),
+        unloaded: UnloadedRadius,
+    ) -> Result<Self, LawError> {
         let of_radius = move |radius: f64| {
             let parameters =
                 LawParameters::new(&Asperity { radius, ..asperity }, Path::Approach, (0.0, 0.0))?;
-            Loop::new(&model, &LawParameters { table_range: None, ..parameters }, UnloadedRadius::Kept)
+            Loop::new(&model, &LawParameters { table_range: None, ..parameters }, unloaded)
         };
         for factor in [least, most] {
             of_radius(factor * asperity.radius)?;

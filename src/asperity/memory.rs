@@ -233,7 +233,7 @@ impl Memory<'_> {
             Source::Unloading => {
                 [out.contact[0], out.area[0]] = [flowed.at_largest[1], flowed.at_largest[2]];
                 let distance = flowed.largest - interference;
-                cycle.plastic.unload(&[flowed.largest], distance, out);
+                cycle.plastic.unload(&[flowed.largest], |_| distance, out);
                 return [flowed.at_largest[0], out.contact[0], out.area[0]];
             }
             Source::Law(path, regime) => self.law(path).evaluate(regime, &[interference], out, stats),

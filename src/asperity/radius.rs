@@ -171,6 +171,9 @@ pub trait OfRadii: Send + Sync {
     /// The pieces of an asperity.
     fn pieces_of(&self, lane: &Lane) -> Vec<Piece>;
 
+    /// As [`Law::capture`], of an asperity.
+    fn capture_of(&self, lane: &Lane) -> Option<f64>;
+
     /// Fills the first responses for asperities, at most [`BLOCK`](super::law::BLOCK), at interferences δ, m, which lie in
     /// one regime.
     fn evaluate_lanes(
@@ -220,6 +223,10 @@ impl Law for RadiusLaw {
 
     fn pieces(&self) -> Vec<Piece> {
         self.of_radii().pieces_of(&self.lane[0])
+    }
+
+    fn capture(&self) -> Option<f64> {
+        self.of_radii().capture_of(&self.lane[0])
     }
 
     fn method(&self, regime: usize) -> Method {

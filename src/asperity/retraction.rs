@@ -48,7 +48,7 @@ impl Loop {
 
 /// The fate of an asperity, and the regime of the law that it is in.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Condition {
+pub(super) enum Condition {
     /// It has never touched.
     Untouched(usize),
     /// It is elastic and has touched.
@@ -60,7 +60,7 @@ enum Condition {
 }
 
 impl Condition {
-    fn regime(self) -> usize {
+    pub fn regime(self) -> usize {
         let (Self::Untouched(regime)
         | Self::Elastic(regime)
         | Self::Lowered(regime)
@@ -301,7 +301,7 @@ impl Law for Retraction<'_> {
         let (law, base) = (self.law(condition), condition.regime());
         if let Condition::Unloading(_) = condition {
             law.evaluate(base, interference, out, stats);
-            self.cycle.plastic.unload(interference, self.distance, out);
+            self.cycle.plastic.unload(interference, |_| self.distance, out);
             return;
         }
         let mut own = [0.0; BLOCK];

@@ -37,14 +37,15 @@
 
 use super::error::LawError;
 use super::history::Path;
-use super::law::{Flattened, Law, Regime, Responses};
+use super::law::{BLOCK, Flattened, Law, Regime, Responses};
 use super::models::{MODELS, Model, Plasticity};
 use super::parameters::LawParameters;
 use super::plastic_unloading::PlasticUnloading;
+use super::radius::{Lane, OfRadii, RadiusLaw};
 use super::scale::Scale;
 use super::stats::SolverStats;
 use std::f64::consts::PI;
-use std::sync::LazyLock;
+use std::sync::{Arc, LazyLock};
 
 /// The radius of a top that has flowed, once its contact has ended.
 ///
@@ -97,8 +98,8 @@ impl UnloadedRadius {
 /// # Ok::<(), stiction::asperity::LawError>(())
 /// ```
 pub struct Loop {
-    pub(super) approach: Box<dyn Law>,
-    pub(super) retraction: Box<dyn Law>,
+    pub(super) approach: Arc<dyn Law>,
+    pub(super) retraction: Arc<dyn Law>,
     /// Interference, m, from which retraction does not retrace the approach.
     pub(super) capture: f64,
     /// Index of the first regime of contact, and of the first above ω_c.
@@ -107,8 +108,30 @@ pub struct Loop {
     /// Unloading of what has flowed.
     pub(super) plastic: PlasticUnloading,
     /// Attraction of tops that have flowed, where they have radii of their own.
-    pub(super) flattened: Option<Box<dyn Flattened>>,
+    pub(super) flattened: Option<Arc<dyn Flattened>>,
     scale: Scale,
+}
+
+/// Attraction of tops by their radius over that of another law.
+struct Relative {
+    flattened: Arc<dyn Flattened>,
+    ratio: f64,
+}
+
+impl Flattened for Relative {
+    fn release(&self, ratio: f64) -> f64 {
+        self.flattened.release(self.ratio * ratio)
+    }
+
+    fn kink(&self, ratio: f64) -> Option<f64> {
+        self.flattened.kink(self.ratio * ratio)
+    }
+
+    fn attraction(&self, ratios: &[f64], interference: &[f64], out: &mut Responses, stats: &mut SolverStats) {
+        let mut own = [0.0; BLOCK];
+        own.iter_mut().zip(ratios).for_each(|(own, ratio)| *own = self.ratio * ratio);
+        self.flattened.attraction(&own[..ratios.len()], interference, out, stats);
+    }
 }
 
 impl Loop {
@@ -124,7 +147,7 @@ impl Loop {
         }
         let [approach, retraction] =
             [Path::Approach, Path::Retraction].map(|path| model.law(&LawParameters { path, ..*parameters }));
-        let (approach, retraction) = (approach?, retraction?);
+        let [approach, retraction]: [Arc<dyn Law>; 2] = [approach?.into(), retraction?.into()];
         let regimes = approach.regimes();
         let first = |is: fn(&Regime) -> bool| regimes.iter().position(is).unwrap_or(regimes.len());
         let (first_contact, first_plastic) =
@@ -133,7 +156,7 @@ impl Loop {
         let capture = approach.capture().map_or(touch, |capture| capture.min(touch));
         let flattened = match radius {
             UnloadedRadius::Elastic if first_plastic < regimes.len() => {
-                Some(retraction.flattened().ok_or(LawError::NotFlattened)?)
+                Some(retraction.flattened().ok_or(LawError::NotFlattened)?.into())
             }
             _ => None,
         };
@@ -150,9 +173,63 @@ impl Loop {
         })
     }
 
+    /// The loop of asperities that differ from those of this one in their radius.
+    ///
+    /// # Panics
+    /// When it is not known how the laws follow the radius.
+    #[doc(hidden)]
+    pub fn of(&self, lane: Lane) -> Self {
+        let [approach, retraction] = [&self.approach, &self.retraction].map(|law| RadiusLaw::new(law, lane));
+        let touch = begin_of(&approach, self.first_contact);
+        let capture = approach.capture().map_or(touch, |capture| capture.min(touch));
+        let relative = |flattened: &Arc<dyn Flattened>| -> Arc<dyn Flattened> {
+            Arc::new(Relative { flattened: Arc::clone(flattened), ratio: lane.ratio })
+        };
+        let Scale { lambda, length, radius, force } = self.scale;
+        Self {
+            capture,
+            first_contact: self.first_contact,
+            first_plastic: self.first_plastic,
+            plastic: self.plastic.of_radius(lane.ratio),
+            flattened: self.flattened.as_ref().map(relative),
+            scale: Scale {
+                lambda: lambda * lane.cube_root,
+                length: length * lane.cube_root,
+                radius: radius * (lane.cube_root * lane.cube_root),
+                force: force * lane.ratio,
+            },
+            approach: Arc::new(approach),
+            retraction: Arc::new(retraction),
+        }
+    }
+
+    /// An asperity of a radius over that of the loop.
+    ///
+    /// # Panics
+    /// When it is not known how the laws follow the radius.
+    #[doc(hidden)]
+    pub fn lane(&self, ratio: f64) -> Lane {
+        Lane::new(ratio, self.lanes(Path::Approach).lambda())
+    }
+
+    /// The law along a path of asperities of any radius, in lanes.
+    pub(super) fn lanes(&self, path: Path) -> &dyn OfRadii {
+        let law = match path {
+            Path::Approach => &self.approach,
+            Path::Retraction => &self.retraction,
+        };
+        law.of_radii().expect("a loop of several radii is of a law that follows the radius")
+    }
+
     /// The law on approach.
     pub fn approach(&self) -> &dyn Law {
         self.approach.as_ref()
+    }
+
+    /// Index of the first regime of contact.
+    #[doc(hidden)]
+    pub fn first_contact(&self) -> usize {
+        self.first_contact
     }
 
     /// Whether the law knows plastic flow.
@@ -241,6 +318,12 @@ impl Loop {
         ratio[0]
     }
 
+    /// R′ over the radius of the loop, of asperities that have responded at ω_max.
+    pub(super) fn flattened_radius(&self, area: f64, load: f64) -> f64 {
+        let radius = (area / PI).sqrt() / self.scale.radius;
+        self.scale.force * radius * radius * radius / load
+    }
+
     /// R′/R of asperities of interferences ω_max, m, above ω_c.
     pub(super) fn radius_ratios(
         &self,
@@ -259,8 +342,7 @@ impl Loop {
             self.approach.evaluate(own, &largest[begin..end], out, stats);
             for (ratio, (area, load)) in ratios[begin..end].iter_mut().zip(out.area.iter().zip(&out.contact))
             {
-                let radius = (area / PI).sqrt() / self.scale.radius;
-                *ratio = self.scale.force * radius * radius * radius / load;
+                *ratio = self.flattened_radius(*area, *load);
             }
             begin = end;
         }

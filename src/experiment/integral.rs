@@ -1,7 +1,7 @@
 //! The integral of a scene, and what is read off it.
 
 use crate::asperity::{self, Laws, Loop, Path, Quantity};
-use crate::integral::{Expectations, Independence, IntegralCurve, Model, TOLERANCE};
+use crate::integral::{Expectations, Independence, IntegralCurve, Model, RetractionModel, TOLERANCE};
 use crate::math::extrema::{Extremum, Features, largest_secant, maximum};
 use crate::scene::{Expected, Reading, Scene, WhatIsRead};
 
@@ -97,9 +97,8 @@ impl PathIntegral {
 
     /// The integral of a loop on retraction.
     pub(crate) fn retraction(scene: &Scene, cycle: &Loop) -> Self {
-        let (surface, separations) = (&scene.surface, &scene.separations);
-        let expectations = Expectations::retraction(cycle, surface, separations);
-        Self::new(scene, expectations, |h| Expectations::retraction_at(cycle, surface, separations[0], h))
+        let model = RetractionModel::new(cycle, &scene.surface, scene.separations[0]);
+        Self::new(scene, model.answer(&scene.separations), |h| model.answer(&[h]))
     }
 
     /// Pull-off and stiffest point, or the smallest separation where nothing pulls.

@@ -122,7 +122,7 @@ impl Scene {
             return Ok(None);
         }
         let loops = if self.surface.is_polydisperse() {
-            SurfaceLoops::of_radii(self.model, self.asperity, RADIUS_RANGE)
+            SurfaceLoops::of_radii(self.model, self.asperity, RADIUS_RANGE, self.unloaded_radius)
         } else {
             self.loop_law_of(self.unloaded_radius).map(|cycle| SurfaceLoops::All(Box::new(cycle)))
         };

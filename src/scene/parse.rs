@@ -61,13 +61,6 @@ pub(super) fn read(text: &str, root: &Section<'_>, files: &dyn Files) -> Result<
     let Population { surface, places, inputs } = population;
     let asperity = material.asperity(surface.asperity_radius, lubricant.unwrap_or(0.0))?;
     let ModelTable { law, history, cycle, unloaded_radius, critical_approach } = model;
-    if let Some(entry) =
-        required(root, "model")?.get("history").filter(|_| cycle && surface.is_polydisperse())
-    {
-        return Err(entry.wrong(
-            "a loop is for asperities of one radius; those of several are computed on \"approach\" or \"retraction\"",
-        ));
-    }
     let separations = separation::separations(&separation, surface.surface_height_std)?;
     let substrate = substrate.map(|table| table.under(&surface, places, &separations)).transpose()?;
     let stiffness_span = separation::stiffness_span(&separation, &separations, asperity.equilibrium_spacing)?;

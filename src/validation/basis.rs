@@ -1,9 +1,9 @@
 //! Functionals of the force curves for the joint test.
 
-use super::grid::{StateAt, at, grid};
+use super::grid::{StateAt, grid};
 use super::joint::{Probe, SIGNIFICANCE};
 use super::null::{Cumulants, GrowingCumulants};
-use crate::asperity::{Laws, Loop, Scratch, SolverStats, for_each_block};
+use crate::asperity::{Laws, Loop, Responses, Scratch, SolverStats, for_each_block};
 use crate::math::linalg::{LARGEST, gram, whitening};
 use crate::surface::{CountLaw, STRATA, SamplingScheme, Surface};
 use serde::{Deserialize, Serialize};
@@ -97,24 +97,26 @@ pub fn basis_to<'a>(
     accuracy: f64,
 ) -> Basis {
     let laws = laws.into();
-    let states: Vec<StateAt<'_>> = separations.iter().map(|&h| at(laws, surface, h)).collect();
+    let at = |h: &f64| StateAt::Way(laws, surface.asperity_separation(*h));
+    let states: Vec<StateAt<'_>> = separations.iter().map(at).collect();
     basis_of(&states, surface, scheme, replicas, accuracy)
 }
 
 /// The same for a loop: its functionals look at both ways, between which only what differs counts.
-pub fn basis_of_loop(
+pub fn basis_of_loop<'a>(
+    laws: impl Into<Laws<'a>>,
     cycle: &Loop,
     surface: &Surface,
     separations: &[f64],
     scheme: SamplingScheme,
     replicas: u64,
 ) -> Basis {
-    let closest = surface.asperity_separation(separations[0]);
-    let back: Vec<_> =
-        separations.iter().map(|&h| cycle.at(surface.asperity_separation(h) - closest)).collect();
-    let states = separations.iter().map(|&h| at(cycle.approach().into(), surface, h));
-    let states: Vec<StateAt<'_>> =
-        states.chain(back.iter().map(|law| at(law.into(), surface, separations[0]))).collect();
+    let laws = laws.into();
+    let d = |h: &f64| surface.asperity_separation(*h);
+    let closest = d(&separations[0]);
+    let inward = separations.iter().map(|h| StateAt::Way(laws, d(h)));
+    let outward = separations.iter().map(|h| StateAt::Retraction(cycle, closest, d(h) - closest));
+    let states: Vec<StateAt<'_>> = inward.chain(outward).collect();
     basis_of(&states, surface, scheme, replicas, ACCURACY)
 }
 
@@ -200,21 +202,17 @@ fn contributions(states: &[StateAt<'_>], surface: &Surface, scheme: SamplingSche
     let mut first = 0;
     for alike in &grid {
         for (k, state) in states.iter().enumerate() {
-            let law = alike.law.as_deref().unwrap_or(state.laws.typical);
-            for_each_block(
-                law,
-                &alike.heights,
-                state.separation,
-                &mut scratch,
-                &mut stats,
-                |_, range, responses| {
-                    for (i, node) in range.enumerate() {
-                        let place = k * count + first + node;
-                        adhesion[place] = responses.adhesion[i];
-                        external[place] = responses.contact[i] - responses.adhesion[i];
-                    }
-                },
-            );
+            let mut visit = |range: Range<usize>, responses: &Responses| {
+                for (i, node) in range.enumerate() {
+                    let place = k * count + first + node;
+                    adhesion[place] = responses.adhesion[i];
+                    external[place] = responses.contact[i] - responses.adhesion[i];
+                }
+            };
+            state.visit(&alike.laws, |law, d| {
+                let visit = |_, range, responses: &Responses| visit(range, responses);
+                for_each_block(law, &alike.heights, d, &mut scratch, &mut stats, visit);
+            });
         }
         first += alike.heights.len();
     }

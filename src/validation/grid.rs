@@ -1,6 +1,6 @@
 //! The grid of asperities on which the functionals of the joint test are found.
 
-use crate::asperity::{Law, Laws};
+use crate::asperity::{Law, Laws, Loop};
 use crate::surface::{Heights, RadiusClass, STRATA, SamplingScheme, Surface};
 
 /// Cells, about, of the grid on which the covariance of the law over separations is formed, beside those that
@@ -48,22 +48,62 @@ impl GridSize {
     }
 }
 
-/// A law, and the separation d, m, at which it acts on the heights.
+/// A state that asperities are looked at in.
 #[derive(Clone, Copy)]
-pub(super) struct StateAt<'a> {
-    pub laws: Laws<'a>,
-    pub separation: f64,
+pub(super) enum StateAt<'a> {
+    /// A law at the separation d, m.
+    Way(Laws<'a>, f64),
+    /// The retraction of a loop from the separation d, m, further by a distance, m.
+    Retraction(&'a Loop, f64, f64),
 }
 
-/// A law at the separation h, m.
-pub(super) fn at<'a>(laws: Laws<'a>, surface: &Surface, separation: f64) -> StateAt<'a> {
-    StateAt { laws, separation: surface.asperity_separation(separation) }
+impl StateAt<'_> {
+    /// Hands over the law of asperities of a radius over the typical one, and the separation d, m, at which it acts on the
+    /// heights. `own` is what belongs to the radius.
+    pub fn visit<T>(&self, own: &OwnLaws, visit: impl FnOnce(&dyn Law, f64) -> T) -> T {
+        match *self {
+            Self::Way(laws, separation) => {
+                visit(own.law.as_deref().unwrap_or(laws.typical), separation)
+            }
+            Self::Retraction(cycle, from, distance) => {
+                visit(&own.cycle.as_ref().unwrap_or(cycle).at(distance), from)
+            }
+        }
+    }
+}
+
+/// The laws of asperities of a radius, where they are not those of all.
+#[derive(Default)]
+pub(super) struct OwnLaws {
+    law: Option<Box<dyn Law>>,
+    cycle: Option<Loop>,
+}
+
+impl OwnLaws {
+    /// The laws of a radius, m, of a surface at states.
+    fn new(states: &[StateAt<'_>], surface: &Surface, radius: f64) -> Self {
+        let mut own = Self::default();
+        if !surface.is_polydisperse() {
+            return own;
+        }
+        for state in states {
+            match state {
+                StateAt::Way(laws, _) if own.law.is_none() => {
+                    own.law = laws.family.map(|family| family.law(radius));
+                }
+                StateAt::Retraction(cycle, ..) if own.cycle.is_none() => {
+                    own.cycle = Some(cycle.of(cycle.lane(radius / surface.asperity_radius)));
+                }
+                _ => {}
+            }
+        }
+        own
+    }
 }
 
 /// Asperities of the grid that have one law.
 pub(super) struct Alike {
-    /// Their law, where it is not that of all.
-    pub law: Option<Box<dyn Law>>,
+    pub laws: OwnLaws,
     /// Heights, m, rising.
     pub heights: Vec<f64>,
     /// Weight of each.
@@ -72,7 +112,6 @@ pub(super) struct Alike {
 
 /// The grid: of each radius its heights.
 pub(super) fn grid(states: &[StateAt<'_>], surface: &Surface, scheme: SamplingScheme) -> Vec<Alike> {
-    let family = states[0].laws.family;
     let mut parts = surface.parts();
     let given = |part: &RadiusClass| part.heights.values().map(|values| values[0]);
     let each_given = parts.len() > 1 && given(&parts[0]).is_some();
@@ -83,19 +122,19 @@ pub(super) fn grid(states: &[StateAt<'_>], surface: &Surface, scheme: SamplingSc
         // The middle one stands for its neighbours.
         let RadiusClass { radius, heights, .. } = &alike[alike.len() / 2];
         let weight: f64 = alike.iter().map(|part| part.weight).sum();
-        let law = family.map(|family| family.law(*radius));
-        let (heights, weights) = match (heights.values(), &law) {
+        let laws = OwnLaws::new(states, surface, *radius);
+        let (heights, weights) = match (heights.values(), surface.is_polydisperse()) {
             (Some(values), _) => {
                 let heights: Vec<f64> =
                     values.iter().step_by(values.len().div_ceil(MOST_GIVEN)).copied().collect();
                 let weights = vec![1.0; heights.len()];
                 (heights, weights)
             }
-            (None, None) => cells(states, heights, scheme),
-            (None, Some(_)) => shifted(heights, libm::fmod(index as f64 * GOLDEN, 1.0)),
+            (None, false) => cells(states, heights, scheme),
+            (None, true) => shifted(heights, libm::fmod(index as f64 * GOLDEN, 1.0)),
         };
         let total: f64 = weights.iter().sum();
-        Alike { law, heights, weights: weights.into_iter().map(|share| weight * share / total).collect() }
+        Alike { laws, heights, weights: weights.into_iter().map(|share| weight * share / total).collect() }
     };
     parts.chunks(stride).enumerate().map(alike).collect()
 }
@@ -105,7 +144,9 @@ fn cells(states: &[StateAt<'_>], heights: &Heights, scheme: SamplingScheme) -> (
     let mut ends = divided(heights, CELLS);
     let (low, high) = (ends[0], ends[ends.len() - 1]);
     for state in states {
-        ends.extend(state.laws.pieces().iter().map(|piece| piece.upper + state.separation));
+        state.visit(&OwnLaws::default(), |law, separation| {
+            ends.extend(law.pieces().iter().map(|piece| piece.upper + separation));
+        });
     }
     match scheme {
         SamplingScheme::Independent => {}

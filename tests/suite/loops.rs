@@ -183,7 +183,8 @@ fn both_ways_agree<const N: usize>(cases: [(&str, &str, f64, UnloadedRadius); N]
         let cycle = cycle_of(law, &asperity, radius);
         let separations = separations(&surface, -1.0, 5.0, 31);
         let replicas = 160;
-        let basis = basis_of_loop(&cycle, &surface, &separations, SamplingScheme::Independent, replicas);
+        let scheme = SamplingScheme::Independent;
+        let basis = basis_of_loop(cycle.approach(), &cycle, &surface, &separations, scheme, replicas);
         let job = job(&cycle, &surface, &separations, replicas);
         let sampled = ensemble(&job, 2);
         let there = Expectations::new(cycle.approach(), &surface, &separations);

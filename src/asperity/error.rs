@@ -40,18 +40,18 @@ pub enum LawError {
     #[error("it is a fit to one asperity, and asperities differ in their radii")]
     OneRadius,
     /// The law is fitted to one asperity, and tops that have flowed have radii of their own.
-    #[error("it is a fit to one radius, so unloaded_radius has to be \"kept\"")]
+    #[error(
+        "it is a fit to one radius, so tops that have flowed have to keep it: unloading = \"ekk\", unloaded_radius = \"kept\""
+    )]
     NotFlattened,
     /// The law has a plastic contact for which the unloading was not computed.
     #[error(
-        "no unloading is known of the plastic contact of {law}: that of Etsion, Kligerman and Kadin (2005) is of Kogut and \
-         Etsion's; laws that can be pulled back are {others}"
+        "the unloading of Etsion, Kligerman and Kadin (2005), \"ekk\", is of Kogut and Etsion's plastic contact, and not of that \
+         of {law}; of any are \"secant\", \"mesarovic_johnson\" and \"thornton_ning\""
     )]
     NoUnloading {
         /// Name of the law.
         law: &'static str,
-        /// Names of the laws that have one.
-        others: &'static str,
     },
     /// The published forms cannot be fitted to the direct law.
     #[error("the published forms cannot be fitted to the law of this asperity")]

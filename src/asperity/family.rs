@@ -7,7 +7,7 @@ use super::models::Model;
 use super::parameters::LawParameters;
 use super::radius::{Lane, OfRadii, RadiusLaw};
 use super::scale::Asperity;
-use super::unloading::{Loop, UnloadedRadius};
+use super::unloading::{Loop, Unloading};
 use std::ops::Deref;
 use std::sync::Arc;
 
@@ -117,20 +117,20 @@ pub enum SurfaceLoops {
 
 impl SurfaceLoops {
     /// The loops of a model for asperities like one, whose radii differ from its radius by factors between
-    /// `least` and `most`; tops that have flowed keep theirs or have another.
+    /// `least` and `most`.
     ///
     /// # Errors
     /// As [`Loop::new`] for one of these two.
     pub fn of_radii(
         model: Model,
         asperity: Asperity,
+        unloading: Unloading,
         (least, most): (f64, f64),
-        unloaded: UnloadedRadius,
     ) -> Result<Self, LawError> {
         let of_radius = move |radius: f64| {
             let parameters =
                 LawParameters::new(&Asperity { radius, ..asperity }, Path::Approach, (0.0, 0.0))?;
-            Loop::new(&model, &LawParameters { table_range: None, ..parameters }, unloaded)
+            Loop::new(&model, &LawParameters { table_range: None, ..parameters }, unloading)
         };
         for factor in [least, most] {
             of_radius(factor * asperity.radius)?;

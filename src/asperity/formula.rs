@@ -2,7 +2,7 @@
 //! makes the loop over blocks.
 
 use super::law::Method;
-use super::law::{BLOCK, End, Flattened, Responses, Smoothness};
+use super::law::{BLOCK, End, Responses, Smoothness};
 use super::parameters::LawParameters;
 use super::radius::{Lane, Lanes, Similarity};
 use super::stats::SolverStats;
@@ -201,7 +201,6 @@ pub struct ClosedForm<F, P, A> {
     roots: Vec<Root>,
     capture: Option<f64>,
     unstable_work: f64,
-    is_proportional: bool,
 }
 
 impl<F: Formula> ClosedForm<F, Zero, Zero> {
@@ -214,8 +213,7 @@ impl<F: Formula> ClosedForm<F, Zero, Zero> {
 impl<F: Formula, P: Formula, A: Formula> ClosedForm<F, P, A> {
     /// Formulas for F_s, P and the area, smooth.
     pub fn new(adhesion: F, contact: P, area: A) -> Self {
-        let (roots, capture, unstable_work, is_proportional) = (Vec::new(), None, 0.0, false);
-        Self { adhesion, contact, area, roots, capture, unstable_work, is_proportional }
+        Self { adhesion, contact, area, roots: Vec::new(), capture: None, unstable_work: 0.0 }
     }
 
     /// The same, but from the interference `place`, m, on smooth in (δ − place)^(1/order) only.
@@ -237,12 +235,6 @@ impl<F: Formula, P: Formula, A: Formula> ClosedForm<F, P, A> {
     /// The same with ∫(P − F_s) dδ, J, along its unstable part.
     pub fn with_unstable_work(self, unstable_work: f64) -> Self {
         Self { unstable_work, ..self }
-    }
-
-    /// The same, told to be an attraction before contact that is proportional to the radius of the asperity
-    /// at each δ.
-    pub fn proportional_to_radius(self) -> Self {
-        Self { is_proportional: true, ..self }
     }
 }
 
@@ -266,11 +258,6 @@ impl<F: Formula, P: Formula, A: Formula> Interaction for ClosedForm<F, P, A> {
 
     fn unstable_work(&self) -> f64 {
         self.unstable_work
-    }
-
-    fn flattened(&self) -> Option<Box<dyn Flattened>> {
-        let adhesion = self.is_proportional.then(|| self.adhesion.clone())?;
-        Some(Box::new(Proportional { adhesion }))
     }
 
     fn evaluate(&self, interference: &[f64], out: &mut Responses, _: &mut SolverStats) {
@@ -340,27 +327,6 @@ impl<F: Formula, P: Formula, A: Formula> PartOfRadii for ClosedForm<F, P, A> {
         fill_lanes(&self.adhesion, lanes, interference, &mut out.adhesion[..count]);
         fill_lanes(&self.contact, lanes, interference, &mut out.contact[..count]);
         fill_lanes(&self.area, lanes, interference, &mut out.area[..count]);
-    }
-}
-
-/// An attraction before contact that is proportional to the radius.
-struct Proportional<F> {
-    adhesion: F,
-}
-
-impl<F: Formula> Flattened for Proportional<F> {
-    fn release(&self, _: f64) -> f64 {
-        0.0
-    }
-
-    fn kink(&self, _: f64) -> Option<f64> {
-        None
-    }
-
-    fn attraction(&self, ratios: &[f64], interference: &[f64], out: &mut Responses, stats: &mut SolverStats) {
-        ClosedForm::attraction(self.adhesion.clone()).evaluate(interference, out, stats);
-        stats.closed_form += interference.len() as u64;
-        out.adhesion.iter_mut().zip(ratios).for_each(|(adhesion, ratio)| *adhesion *= ratio);
     }
 }
 

@@ -18,9 +18,9 @@ pub enum Regime {
     Lubricant,
     /// Elastic contact.
     Elastic,
-    /// Elastic-plastic contact, ω_c to 6ω_c.
+    /// Elastic-plastic contact: by Kogut and Etsion's fits ω_c to 6ω_c.
     Elastoplastic1,
-    /// Elastic-plastic contact, 6ω_c to 110ω_c.
+    /// Elastic-plastic contact, the second of two regimes: 6ω_c to 110ω_c.
     Elastoplastic2,
     /// Fully plastic contact.
     Plastic,
@@ -201,21 +201,6 @@ impl Method {
     }
 }
 
-/// Attraction before contact of asperities of any radius.
-pub trait Flattened: Send + Sync {
-    /// Interference, m, at which the contact of an asperity of `ratio` times the radius ends, by the history
-    /// of the law.
-    fn release(&self, ratio: f64) -> f64;
-
-    /// Interference, m, at which its attraction jumps and is a root of what is left of the approach, if
-    /// there is one.
-    fn kink(&self, ratio: f64) -> Option<f64>;
-
-    /// F_s, N, of asperities of `ratios` times the radius at interferences δ, m, at which they are not in
-    /// contact.
-    fn attraction(&self, ratios: &[f64], interference: &[f64], out: &mut Responses, stats: &mut SolverStats);
-}
-
 /// A law of one asperity as the sums see it: contiguous regimes of interference, and forces evaluated block
 /// by block, so that choosing the law costs one call per block and nothing in the inner loop.
 ///
@@ -257,13 +242,6 @@ pub trait Law: Send + Sync {
     /// How well its curve fits are, when it has any.
     #[doc(hidden)]
     fn fit(&self) -> Option<&FitReport> {
-        None
-    }
-
-    /// The attraction before contact of asperities of other radii, where the law has it in a form that serves
-    /// any of them.
-    #[doc(hidden)]
-    fn flattened(&self) -> Option<Box<dyn Flattened>> {
         None
     }
 

@@ -8,7 +8,7 @@
 //! |---|---|---|---|
 //! | has not touched | pieces of the law on approach | at the capture, into contact | |
 //! | has touched | pieces of the law on retraction, and above ω_c those on approach | | at the end of what retraction does not share with approach, to "has not touched" |
-//! | has flowed to ω_max | its top lowered by ω_res: pieces before contact; contact without load; unloading; above ω_max the law on approach | at the capture, counted from the lowered top | at the end of contact, likewise |
+//! | has flowed to ω_max | its top lowered by ω_res: pieces before contact; contact, without load where it outlasts that; above ω_max the law on approach | at the capture, counted from the lowered top | at the end of contact, likewise |
 //!
 //! Laws of which the unloading is not known retrace their approach in every state.
 //!
@@ -16,6 +16,7 @@
 
 use super::history::Path;
 use super::law::{End, Law, Responses, Smoothness};
+use super::springback::{Springback, follow, within};
 use super::stats::SolverStats;
 use super::unloading::Loop;
 use std::ops::Deref;
@@ -164,9 +165,9 @@ impl Memory<'_> {
         }
         let residual = largest - cycle.recovery(largest);
         let ratio = cycle.radius_ratio(largest);
-        let flattened = cycle.flattened.as_deref();
-        let [release, capture, lost] = match flattened {
-            Some(flattened) => [flattened.release(ratio); 3],
+        let kinks = cycle.flattened_kinks(largest);
+        let [release, capture, lost] = match kinks {
+            Some([_, release, _]) => [release; 3],
             None => [cycle.release(), cycle.capture, cycle.lost()],
         };
         let lowered = |law: &dyn Law, path, (from, to): (f64, f64)| {
@@ -189,12 +190,25 @@ impl Memory<'_> {
         };
         let lost_contact = lowered(cycle.approach(), Path::Approach, (f64::NEG_INFINITY, capture));
         let mut contact = lowered(cycle.retraction(), Path::Retraction, (lost, release));
-        let plain = |source, lower, upper| {
-            let smoothness = Smoothness::Root { end: End::Lower, place: lower, order: UNLOADING };
+        let plain = |source, lower, upper, order| {
+            let smoothness = Smoothness::Root { end: End::Lower, place: lower, order };
             Segment { source, lower, upper, next: [None; 2], smoothness }
         };
-        contact.push(plain(Source::Bare, release + residual, residual));
-        contact.push(plain(Source::Unloading, residual, largest));
+        let end = release + residual;
+        match (&cycle.springback, kinks) {
+            (Springback::Punch(_), Some([.., opening])) => {
+                contact.push(plain(Source::Unloading, end, opening + residual, 2));
+                contact.push(Segment {
+                    smoothness: Smoothness::Smooth,
+                    ..plain(Source::Unloading, opening + residual, largest, 1)
+                });
+            }
+            (Springback::Elastic(_), _) => contact.push(plain(Source::Unloading, end, largest, UNLOADING)),
+            _ => {
+                contact.push(plain(Source::Bare, end, residual, UNLOADING));
+                contact.push(plain(Source::Unloading, residual, largest, UNLOADING));
+            }
+        }
         let virgin = pieces(cycle.approach(), Path::Approach, cycle.first_plastic..usize::MAX);
         contact.extend(
             virgin
@@ -233,17 +247,18 @@ impl Memory<'_> {
             Source::Unloading => {
                 [out.contact[0], out.area[0]] = [flowed.at_largest[1], flowed.at_largest[2]];
                 let distance = flowed.largest - interference;
-                cycle.plastic.unload(&[flowed.largest], |_| distance, out);
-                return [flowed.at_largest[0], out.contact[0], out.area[0]];
+                out.adhesion[0] = flowed.at_largest[0];
+                cycle.unload(&[flowed.largest], distance, out, stats);
             }
             Source::Law(path, regime) => self.law(path).evaluate(regime, &[interference], out, stats),
             Source::Lowered(path, regime) => {
-                let (law, own) = (self.law(path), [interference - flowed.residual]);
-                law.evaluate(regime, &own, out, stats);
-                match (&cycle.flattened, law.method(regime)) {
-                    (Some(_), super::law::Method::Constant(_)) => out.adhesion[0] *= flowed.ratio,
-                    (Some(flattened), _) => flattened.attraction(&[flowed.ratio], &own, out, stats),
-                    (None, _) => (),
+                let (law, mut own) = (self.law(path), [interference - flowed.residual]);
+                if cycle.own_radii {
+                    let lane = [cycle.lane(flowed.ratio)];
+                    within(law, regime, &lane, &mut own, f64::NEG_INFINITY);
+                    follow(law, regime, &lane, &own, out, stats);
+                } else {
+                    law.evaluate(regime, &own, out, stats);
                 }
             }
         }

@@ -12,6 +12,7 @@ pub mod branch;
 pub mod contact;
 #[doc(hidden)]
 pub mod curve;
+mod decohesion;
 #[doc(hidden)]
 pub mod elastic;
 #[doc(hidden)]
@@ -20,8 +21,6 @@ mod error;
 #[doc(hidden)]
 pub mod family;
 mod far;
-#[doc(hidden)]
-pub mod flattened;
 mod folds;
 #[doc(hidden)]
 pub mod formula;
@@ -46,6 +45,7 @@ mod retraction;
 #[doc(hidden)]
 pub mod scale;
 mod solved;
+mod springback;
 mod starts;
 mod stats;
 #[doc(hidden)]
@@ -60,7 +60,7 @@ pub use formula::{ClosedForm, Constant, Formula, Tabulated, Zero};
 pub use history::Path;
 #[doc(hidden)]
 pub use law::{
-    BLOCK, Boundary, End, FitReport, Flattened, Method, Piece, Responses, Scratch, Smoothness,
+    BLOCK, Boundary, End, FitReport, Method, Piece, Responses, Scratch, Smoothness,
     for_each_block, for_each_block_of, regime_ranges,
 };
 pub use law::{Law, Regime};
@@ -75,4 +75,4 @@ pub use stats::SolverStats;
 pub use table::{Interaction, Row, Table};
 #[doc(hidden)]
 pub use turned::Turned;
-pub use unloading::{Loop, UnloadedRadius};
+pub use unloading::{Loop, UnloadedRadius, Unloading};

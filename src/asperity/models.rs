@@ -3,7 +3,9 @@
 
 use super::error::LawError;
 use super::law::Law;
-use super::laws::{ceb, dmt, emd, fit, hertz, hybrid, idmt, isbl, jkr, kogut_etsion, md, md_kim, sbl};
+use super::laws::{
+    ceb, dmt, emd, fit, hertz, hybrid, idmt, isbl, jg, jkr, kogut_etsion, md, md_kim, sbl, tn, zmc,
+};
 use super::parameters::LawParameters;
 
 /// Makes a law.
@@ -78,10 +80,10 @@ pub struct Validity {
 pub enum Plasticity {
     /// It has none, and is elastic only.
     Without,
-    /// Kogut and Etsion's.
+    /// Kogut and Etsion's, of which an unloading is published.
     KogutEtsion,
-    /// Chang, Etsion and Bogy's.
-    ChangEtsionBogy,
+    /// Another.
+    Other,
 }
 
 /// Range of adhesion parameters λ that a law is for.
@@ -158,7 +160,7 @@ const fn law(name: &'static str, about: &'static str, validity: Validity, build:
     Model { name, about, validity, build }
 }
 
-use Plasticity::{ChangEtsionBogy, KogutEtsion, Without};
+use Plasticity::{KogutEtsion, Other, Without};
 
 /// All laws. `hertz` is the law of one asperity, `gw` the rough surface of such asperities.
 #[rustfmt::skip]
@@ -178,7 +180,13 @@ pub const MODELS: &[Model] = &[
     law("ke", "improved DMT before contact, Kogut-Etsion in contact, dry",
         validity(Adhesion::Low, KogutEtsion, true), kogut_etsion::ke),
     law("ceb", "improved DMT before contact, Hertz and Chang-Etsion-Bogy in contact, dry",
-        validity(Adhesion::Low, ChangEtsionBogy, true), ceb::ceb),
+        validity(Adhesion::Low, Other, true), ceb::ceb),
+    law("zmc", "improved DMT before contact, Hertz and Zhao-Maietta-Chang in contact, dry",
+        validity(Adhesion::Low, Other, true), zmc::zmc),
+    law("jg", "improved DMT before contact, Hertz and Jackson-Green in contact, dry",
+        validity(Adhesion::Low, Other, true), jg::jg),
+    law("tn", "improved DMT before contact, Hertz and Thornton-Ning in contact, dry",
+        validity(Adhesion::Low, Other, true), tn::tn),
     law("md", "Maugis-Dugdale in contact, nothing before it, elastic and dry",
         validity(Adhesion::Any, Without, true), md::md),
     law("md_kim", "Maugis-Dugdale in contact, constant stress before it, elastic and dry",

@@ -207,7 +207,7 @@ impl RadiusLaw {
         Self { law: Arc::clone(law), lane: [lane], boundaries }
     }
 
-    fn of_radii(&self) -> &dyn OfRadii {
+    fn lanes(&self) -> &dyn OfRadii {
         self.law.of_radii().expect("a family is of a law that follows the radius")
     }
 }
@@ -222,11 +222,16 @@ impl Law for RadiusLaw {
     }
 
     fn pieces(&self) -> Vec<Piece> {
-        self.of_radii().pieces_of(&self.lane[0])
+        self.lanes().pieces_of(&self.lane[0])
     }
 
     fn capture(&self) -> Option<f64> {
-        self.of_radii().capture_of(&self.lane[0])
+        self.lanes().capture_of(&self.lane[0])
+    }
+
+    // Lanes are relative to the law that this one is made of.
+    fn of_radii(&self) -> Option<&dyn OfRadii> {
+        self.law.of_radii()
     }
 
     fn method(&self, regime: usize) -> Method {
@@ -241,6 +246,6 @@ impl Law for RadiusLaw {
     fn evaluate(&self, regime: usize, interference: &[f64], out: &mut Responses, stats: &mut SolverStats) {
         const ALIKE: [u32; super::law::BLOCK] = [0; super::law::BLOCK];
         let lanes = Lanes::new(&self.lane, &ALIKE[..interference.len()]);
-        self.of_radii().evaluate_lanes(regime, lanes, interference, out, stats);
+        self.lanes().evaluate_lanes(regime, lanes, interference, out, stats);
     }
 }

@@ -1,45 +1,59 @@
 //! The law of the asperities of a loop at one distance from the closest approach.
 
-use super::law::{BLOCK, Boundary, End, Flattened, Law, Method, Piece, Regime, Responses, Smoothness};
+use super::law::{BLOCK, Boundary, End, Law, Method, Piece, Regime, Responses, Smoothness};
+use super::radius::Lane;
+use super::springback::{Springback, Top, follow, within};
 use super::stats::SolverStats;
 use super::unloading::{Loop, begin_of};
 use crate::math::roots::{Sample, safe_newton};
 
-/// The powers of r are no power series in any root of it; in the tenth what is left is too smooth to matter.
-const ORDER: i32 = 10;
 /// Parts of a regime of lowered tops of which each is looked at for a place where their attraction is not
 /// smooth.
 const KINK_PARTS: usize = 64;
+/// The step of a slope by differences, relative to its place.
+const STEP: f64 = 1e-6;
 
 impl Loop {
     /// The ω_max, m, of the asperities whose contact has ended and that are `further` ≥ 0, m, beyond, at a
     /// distance, m; of radii of their own; ω_c where all that have flowed are.
-    fn let_go_from(&self, flattened: &dyn Flattened, distance: f64, further: f64) -> f64 {
-        let wanted = distance - further;
-        let beyond = |largest: f64| {
-            let release = flattened.release(self.radius_ratio(largest));
-            Sample { value: wanted - (self.recovery(largest) - release), slope: -self.plastic.slope(largest) }
-        };
+    fn let_go_from(&self, distance: f64, further: f64) -> f64 {
+        self.passing(distance - further, |largest| self.detachment_of(largest))
+    }
+
+    /// The ω_max, m, above ω_c at which a distance that rises with ω_max, about as the recovery does, is `wanted`, m; ω_c
+    /// where it is more for all that have flowed.
+    fn passing(&self, wanted: f64, distance: impl Fn(f64) -> f64) -> f64 {
         let low = self.top().next_up();
-        let high = self.plastic.recovered_from(wanted).max(low) * (1.0 + 1e-12);
-        if beyond(low).value <= 0.0 {
+        let beyond = |largest: f64| wanted - distance(largest);
+        if !(beyond(low) > 0.0) {
             return self.top();
         }
+        let slope: Box<dyn Fn(f64) -> f64 + '_> = match &self.springback {
+            Springback::Powers(plastic) => Box::new(|largest| plastic.slope(largest)),
+            _ => Box::new(|largest| {
+                (self.recovery(largest * (1.0 + STEP)) - self.recovery(largest)) / (STEP * largest)
+            }),
+        };
+        let mut high = 2.0 * low;
+        while beyond(high) > 0.0 && high.is_finite() {
+            high *= 2.0;
+        }
+        let sample = |largest: f64| Sample { value: beyond(largest), slope: -slope(largest) };
         let close = |_: f64, sample: Sample| sample.value.abs() <= 2.0 * f64::EPSILON * wanted;
-        safe_newton(beyond, low, high, high, close).x
+        safe_newton(sample, low, high, high, close).x
     }
 
     /// The law at the distance `distance` ≥ 0, m, from the closest approach, in the variable ω_max.
     #[doc(hidden)]
     pub fn at(&self, distance: f64) -> Retraction<'_> {
-        Retraction::with(self, distance, |flattened, further| self.let_go_from(flattened, distance, further))
+        Retraction::with(self, distance, |further| self.let_go_from(distance, further))
     }
 
     /// The law at a distance, m, for a few asperities alone: the interference ω_max and the detachment, m,
     /// rising, of those that have flowed say which of them are in contact.
     #[doc(hidden)]
     pub fn at_for(&self, distance: f64, flowed: &[(f64, f64)]) -> Retraction<'_> {
-        Retraction::with(self, distance, |_, further| {
+        Retraction::with(self, distance, |further| {
             let lost = flowed.iter().take_while(|(_, detachment)| distance - further >= *detachment).count();
             flowed.get(lost).map_or(f64::INFINITY, |(largest, _)| *largest)
         })
@@ -78,12 +92,14 @@ pub struct Retraction<'a> {
     regimes: Vec<Regime>,
     base: Vec<usize>,
     boundaries: Vec<Boundary>,
+    /// ω_max, m, of the asperities that have flowed from which contact lasts; ω_c where it does for all of them.
+    lost: f64,
 }
 
 impl<'a> Retraction<'a> {
     /// The law at a distance, m. `let_go` says up to which ω_max, m, tops of radii of their own have ended
     /// their contact and are so far beyond, m.
-    fn with(cycle: &'a Loop, distance: f64, let_go: impl Fn(&dyn Flattened, f64) -> f64) -> Self {
+    fn with(cycle: &'a Loop, distance: f64, let_go: impl Fn(f64) -> f64) -> Self {
         let mut law = Self {
             cycle,
             distance,
@@ -91,6 +107,7 @@ impl<'a> Retraction<'a> {
             regimes: Vec::with_capacity(12),
             base: Vec::with_capacity(12),
             boundaries: Vec::with_capacity(12),
+            lost: cycle.top(),
         };
         let Loop { approach, retraction, capture, first_contact, first_plastic, .. } = cycle;
         let shifted =
@@ -119,16 +136,14 @@ impl<'a> Retraction<'a> {
         let mut end = top;
         for regime in 0..*first_contact {
             let Boundary { interference, belongs_below } = shifted(retraction.boundaries()[regime]);
-            let interference = match &cycle.flattened {
-                None => cycle.plastic.recovered_from(interference),
-                Some(flattened) => {
-                    let further = cycle.release() - retraction.boundaries()[regime].interference;
-                    let_go(flattened.as_ref(), further)
-                }
+            let interference = match &cycle.springback {
+                Springback::Powers(plastic) if !cycle.own_radii => plastic.recovered_from(interference),
+                _ => let_go(cycle.release() - retraction.boundaries()[regime].interference),
             };
             end = higher(Boundary { interference, belongs_below }, top);
             law.push(Condition::Lowered(regime), Some(end));
         }
+        law.lost = end.interference;
         for regime in *first_plastic..approach.regimes().len() {
             law.push(
                 Condition::Unloading(regime),
@@ -182,18 +197,36 @@ impl<'a> Retraction<'a> {
         moved.filter(|piece| piece.lower < piece.upper)
     }
 
-    /// Pieces of a contact that is unloaded: without load, and under it.
+    /// Pieces of a contact that is unloaded: before the place where the load ends, or an edge begins to open, and after
+    /// it.
     fn unloading(&self, index: usize, limits: (f64, f64)) -> Vec<Piece> {
-        let unloaded = self.cycle.plastic.recovered_from(self.distance);
-        let bare = self.moved(index, (limits.0, limits.1.min(unloaded)), |place| place);
-        let loaded = self.moved(index, (limits.0.max(unloaded), limits.1), |place| place);
-        let smoothness = Smoothness::Root { end: End::Lower, place: unloaded, order: ORDER };
-        bare.chain(loaded.map(|piece| Piece { smoothness, ..piece })).collect()
+        let (cycle, distance) = (self.cycle, self.distance);
+        let order = cycle.springback.order(cycle.retraction());
+        let root = |place: f64| match order {
+            1 => Smoothness::Smooth,
+            _ => Smoothness::Root { end: End::Lower, place, order },
+        };
+        let (kink, before, after) = match &cycle.springback {
+            Springback::Powers(plastic) => {
+                let unloaded = plastic.recovered_from(distance);
+                (unloaded, None, root(unloaded))
+            }
+            Springback::Elastic(_) => (limits.0, None, root(self.lost)),
+            Springback::Punch(_) => {
+                let opening = |largest: f64| cycle.opening(largest);
+                (cycle.passing(distance, opening), Some(root(self.lost)), Smoothness::Smooth)
+            }
+        };
+        let below = self.moved(index, (limits.0, limits.1.min(kink)), |place| place);
+        let below =
+            below.map(|piece| Piece { smoothness: before.unwrap_or(piece.smoothness), ..piece });
+        let above = self.moved(index, (limits.0.max(kink), limits.1), |place| place);
+        below.chain(above.map(|piece| Piece { smoothness: after, ..piece })).collect()
     }
 
     /// Pieces of lowered tops of radii of their own: between jumps of the radius, and on both sides of a jump
     /// of the attraction.
-    fn flattened(&self, index: usize, flattened: &dyn Flattened, (lower, upper): (f64, f64)) -> Vec<Piece> {
+    fn flattened(&self, index: usize, (lower, upper): (f64, f64)) -> Vec<Piece> {
         let mut ends: Vec<f64> =
             self.cycle.approach.boundaries().iter().map(|end| end.interference).collect();
         ends.retain(|end| lower < *end && *end < upper);
@@ -201,8 +234,7 @@ impl<'a> Retraction<'a> {
         let mut pieces = Vec::new();
         let mut lower = lower;
         for end in ends {
-            let kink =
-                (self.conditions[index].regime() == 0).then(|| self.kink(flattened, (lower, end))).flatten();
+            let kink = (self.conditions[index].regime() == 0).then(|| self.kink((lower, end))).flatten();
             if let Some(place) = kink {
                 let smoothness = Smoothness::Root { end: End::Upper, place, order: 2 };
                 pieces.push(Piece { regime: index, lower, upper: place, smoothness });
@@ -216,13 +248,13 @@ impl<'a> Retraction<'a> {
     }
 
     /// The ω_max, m, within limits at which the attraction of lowered tops of radii of their own jumps.
-    fn kink(&self, flattened: &dyn Flattened, (lower, upper): (f64, f64)) -> Option<f64> {
+    fn kink(&self, (lower, upper): (f64, f64)) -> Option<f64> {
         let cycle = self.cycle;
         if !(upper - lower > 4.0 * KINK_PARTS as f64 * f64::EPSILON * upper) {
             return None;
         }
         let beyond = |largest: f64| {
-            let kink = flattened.kink(cycle.radius_ratio(largest))?;
+            let kink = cycle.attraction_kink(&cycle.lane(cycle.radius_ratio(largest)))?;
             Some(kink - (cycle.recovery(largest) - self.distance))
         };
         let place = |part: usize| lower + (upper - lower) * part as f64 / KINK_PARTS as f64;
@@ -268,14 +300,12 @@ impl Law for Retraction<'_> {
                 Condition::Untouched(_) | Condition::Elastic(_) => {
                     pieces.extend(self.moved(index, limits, |place| place + self.distance));
                 }
-                Condition::Lowered(_) if let Some(flattened) = &self.cycle.flattened => {
-                    pieces.extend(self.flattened(index, flattened.as_ref(), limits));
-                }
-                Condition::Lowered(_) => {
-                    pieces.extend(self.moved(index, limits, |place| {
-                        self.cycle.plastic.recovered_from(place + self.distance)
-                    }));
-                }
+                Condition::Lowered(_) => match &self.cycle.springback {
+                    Springback::Powers(plastic) if !self.cycle.own_radii => pieces.extend(
+                        self.moved(index, limits, |place| plastic.recovered_from(place + self.distance)),
+                    ),
+                    _ => pieces.extend(self.flattened(index, limits)),
+                },
                 Condition::Unloading(_) => pieces.extend(self.unloading(index, limits)),
             }
             lower = upper;
@@ -287,7 +317,7 @@ impl Law for Retraction<'_> {
         let condition = self.conditions[regime];
         let varies = match condition {
             Condition::Unloading(_) => true,
-            Condition::Lowered(_) => self.cycle.flattened.is_some(),
+            Condition::Lowered(_) => self.cycle.own_radii,
             Condition::Untouched(_) | Condition::Elastic(_) => false,
         };
         match self.law(condition).method(condition.regime()) {
@@ -301,34 +331,30 @@ impl Law for Retraction<'_> {
         let (law, base) = (self.law(condition), condition.regime());
         if let Condition::Unloading(_) = condition {
             law.evaluate(base, interference, out, stats);
-            self.cycle.plastic.unload(interference, |_| self.distance, out);
-            return;
+            return self.cycle.unload(interference, self.distance, out, stats);
         }
         let mut own = [0.0; BLOCK];
         let own = &mut own[..interference.len()];
-        if let Condition::Lowered(_) = condition {
-            self.cycle.plastic.recoveries(interference, own);
-        } else {
-            own.copy_from_slice(interference);
+        match (condition, &self.cycle.springback) {
+            (Condition::Lowered(_), Springback::Powers(plastic)) if !self.cycle.own_radii => {
+                plastic.recoveries(interference, own);
+            }
+            (Condition::Lowered(_), _) => {
+                let mut tops = [Top::default(); BLOCK];
+                let tops = &mut tops[..interference.len()];
+                self.cycle.tops(interference, tops, out, stats);
+                own.iter_mut().zip(&*tops).for_each(|(own, top)| *own = top.recovery - self.distance);
+                let lanes: Vec<Lane> = tops.iter().map(|top| self.cycle.lane(top.ratio)).collect();
+                within(law, base, &lanes, own, f64::NEG_INFINITY);
+                return follow(law, base, &lanes, own, out, stats);
+            }
+            _ => own.copy_from_slice(interference),
         }
         own.iter_mut().for_each(|delta| *delta -= self.distance);
-        let flattened = self.cycle.flattened.as_ref().filter(|_| matches!(condition, Condition::Lowered(_)));
-        let Some(flattened) = flattened else {
-            // Rounding must not lead out of the regime.
-            let upper = law.boundaries().get(base).map_or(f64::INFINITY, |end| end.interference);
-            let lower = begin_of(law, base).min(upper);
-            own.iter_mut().for_each(|delta| *delta = delta.clamp(lower, upper));
-            return law.evaluate(base, own, out, stats);
-        };
-        let mut ratios = [0.0; BLOCK];
-        let ratios = &mut ratios[..interference.len()];
-        self.cycle.radius_ratios(interference, ratios, out, stats);
-        match law.method(base) {
-            Method::Constant(adhesion) => {
-                law.evaluate(base, own, out, stats);
-                out.adhesion.iter_mut().zip(ratios).for_each(|(out, ratio)| *out = adhesion * *ratio);
-            }
-            _ => flattened.attraction(ratios, own, out, stats),
-        }
+        // Rounding must not lead out of the regime.
+        let upper = law.boundaries().get(base).map_or(f64::INFINITY, |end| end.interference);
+        let lower = begin_of(law, base).min(upper);
+        own.iter_mut().for_each(|delta| *delta = delta.clamp(lower, upper));
+        law.evaluate(base, own, out, stats);
     }
 }

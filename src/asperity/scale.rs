@@ -1,6 +1,7 @@
 //! From SI quantities to the scaled variables of the elastic laws and back.
 
 use super::error::LawError;
+use super::radius::Lane;
 use std::f64::consts::PI;
 
 /// σ₀Z₀/Δγ: the stress of the Dugdale zone in units of Δγ/Z₀ (Shi and Polycarpou 2005, eq. 6).
@@ -69,6 +70,11 @@ impl Asperity {
 /// Maximum contact pressure factor k = 0.454 + 0.41ν (Chang, Etsion and Bogy 1987).
 pub fn pressure_factor(poisson_ratio: f64) -> f64 {
     0.454 + 0.41 * poisson_ratio
+}
+
+/// ν of a maximum contact pressure factor.
+pub fn poisson_ratio(pressure_factor: f64) -> f64 {
+    (pressure_factor - 0.454) / 0.41
 }
 
 /// The adhesion parameters that the equations are solved for.
@@ -160,6 +166,16 @@ impl Scale {
             return Err(LawError::Lambda(lambda));
         }
         Ok(Self { lambda, length: 1.0, radius: 1.0, force: 1.0 })
+    }
+
+    /// The units of an asperity of another radius.
+    pub(super) fn of(&self, lane: &Lane) -> Self {
+        Self {
+            lambda: self.lambda * lane.cube_root,
+            length: self.length * lane.cube_root,
+            radius: self.radius * (lane.cube_root * lane.cube_root),
+            force: self.force * lane.ratio,
+        }
     }
 
     /// The unit of energy, s_F s_δ, J.

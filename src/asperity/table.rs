@@ -3,7 +3,7 @@
 //! The laws in [`super::laws`] are such tables. Their rows share parts: the same contact solution serves
 //! several laws, the same lubricant all that know one.
 
-use super::law::{Boundary, FitReport, Flattened, Law, Method, Piece, Regime, Responses, Smoothness};
+use super::law::{Boundary, FitReport, Law, Method, Piece, Regime, Responses, Smoothness};
 use super::radius::{Lane, Lanes, OfRadii, Place};
 use super::stats::SolverStats;
 
@@ -48,12 +48,6 @@ pub trait Interaction: Send + Sync {
     #[doc(hidden)]
     fn unstable_work(&self) -> f64 {
         0.0
-    }
-
-    /// The same attraction for asperities of other radii, if the part is one before contact that has it.
-    #[doc(hidden)]
-    fn flattened(&self) -> Option<Box<dyn Flattened>> {
-        None
     }
 
     /// The same part of asperities of other radii, if it is known how it follows them.
@@ -184,10 +178,6 @@ impl Law for Table {
 
     fn fit(&self) -> Option<&FitReport> {
         self.fit.as_ref()
-    }
-
-    fn flattened(&self) -> Option<Box<dyn Flattened>> {
-        self.parts.iter().find_map(|part| part.flattened())
     }
 
     fn evaluate(&self, regime: usize, interference: &[f64], out: &mut Responses, stats: &mut SolverStats) {

@@ -9,6 +9,7 @@ use super::history::Path;
 use super::law::{BLOCK, Responses};
 use super::radius::{Lane, Lanes};
 use super::retraction::Condition;
+use super::springback::{Springback, Top, within};
 use super::stats::SolverStats;
 use super::unloading::Loop;
 use std::sync::Arc;
@@ -22,8 +23,9 @@ pub struct Turned {
     largest: Vec<f64>,
     recovery: Vec<f64>,
     fates: Vec<u8>,
-    /// F_s, P, N, and the area, m², of those that have flowed, at ω_max.
+    /// F_s, P, N, and the area, m², of those that have flowed, at ω_max, and their tops.
     borne: Vec<[f64; 3]>,
+    tops: Vec<Top>,
     /// The conditions that asperities can be in, by number.
     conditions: Vec<Condition>,
     /// The condition of each when it has passed none of its ends on the way in, and when it has passed all.
@@ -53,6 +55,7 @@ impl Turned {
             largest,
             fates: Vec::with_capacity(count),
             borne: Vec::new(),
+            tops: Vec::new(),
             conditions,
             first: Vec::with_capacity(count),
             deepest: vec![0; count],
@@ -78,7 +81,6 @@ impl Turned {
             if fate == 2 {
                 let regime = on_approach.iter().take_while(|end| largest > **end).count().max(plastic);
                 turned.deepest[i] = (first[2] + contact + regime - plastic) as u8;
-                turned.recovery[i] = lane.ratio * cycle.plastic.recovery(largest / lane.ratio);
                 flowed.push(i as u32);
             }
             // What is not passed on this way.
@@ -95,15 +97,17 @@ impl Turned {
             }
         }
         turned.press(cycle, &flowed, stats);
+        turned.lower(cycle, &flowed);
         turned
     }
 
-    /// Finds what asperities that have flowed bear at ω_max, and the radii of their tops.
+    /// Finds what asperities that have flowed bear at ω_max, and what is left of their tops.
     fn press(&mut self, cycle: &Loop, flowed: &[u32], stats: &mut SolverStats) {
         if flowed.is_empty() {
             return;
         }
         self.borne = vec![[0.0; 3]; self.largest.len()];
+        self.tops = vec![Top::default(); self.largest.len()];
         let (approach, mut out) = (cycle.lanes(Path::Approach), Responses::default());
         for regime in cycle.first_plastic..cycle.approach().regimes().len() {
             let is_in = |i: &u32| {
@@ -113,25 +117,38 @@ impl Turned {
             for which in in_regime.chunks(BLOCK) {
                 let largest: Vec<f64> = which.iter().map(|i| self.largest[*i as usize]).collect();
                 approach.evaluate_lanes(regime, Lanes::new(&self.lanes, which), &largest, &mut out, stats);
-                for (lane, i) in which.iter().enumerate() {
-                    self.borne[*i as usize] = [out.adhesion[lane], out.contact[lane], out.area[lane]];
+                for (lane, i) in which.iter().map(|i| *i as usize).enumerate() {
+                    let [adhesion, load, area] = [out.adhesion[lane], out.contact[lane], out.area[lane]];
+                    let own = &self.lanes[i];
+                    let scale = cycle.scale.of(own);
+                    self.borne[i] = [adhesion, load, area];
+                    self.tops[i] = cycle.springback.top(&scale, own.ratio, largest[lane], [load, area]);
                 }
             }
         }
-        if cycle.flattened.is_none() {
-            return;
-        }
-        let mut lowered = self.lanes.to_vec();
-        let mut own = Vec::new();
+    }
+
+    /// Lowers the tops that have flowed, and finds where their contacts end.
+    fn lower(&mut self, cycle: &Loop, flowed: &[u32]) {
+        let mut lowered = if cycle.own_radii { self.lanes.to_vec() } else { Vec::new() };
+        let (contact, mut own) = (cycle.first_contact, Vec::new());
         for i in flowed.iter().map(|i| *i as usize) {
-            let [_, load, area] = self.borne[i];
-            lowered[i] = cycle.lane(cycle.flattened_radius(area, load));
-            cycle.lanes(Path::Retraction).ends(&lowered[i], &mut own);
-            for (column, end) in self.ends.iter_mut().zip(&own).take(cycle.first_contact) {
-                column[i] = self.recovery[i] - end;
+            let top = self.tops[i];
+            self.recovery[i] = top.recovery;
+            cycle.lanes(Path::Retraction).ends(&self.lanes[i], &mut own);
+            let mut release = own[contact - 1];
+            let further: Vec<f64> = own[..contact].iter().map(|end| release - end).collect();
+            if cycle.own_radii {
+                lowered[i] = cycle.lane(self.lanes[i].ratio * top.ratio);
+                release = cycle.springback.release(cycle.retraction(), &top, &lowered[i]);
+            }
+            for (column, further) in self.ends.iter_mut().zip(further) {
+                column[i] = top.recovery - (release - further);
             }
         }
-        self.lowered = lowered.into();
+        if cycle.own_radii {
+            self.lowered = lowered.into();
+        }
     }
 
     /// The number of asperities.
@@ -177,22 +194,40 @@ impl Turned {
         let (path, lanes, regime) = match self.conditions[condition] {
             Condition::Untouched(regime) => (Path::Approach, &self.lanes, regime),
             Condition::Elastic(regime) => (Path::Retraction, &self.lanes, regime),
-            Condition::Lowered(regime) => (Path::Retraction, &self.lowered, regime),
-            Condition::Unloading(_) => return self.unload(cycle, which, distance, out),
+            Condition::Lowered(regime) if cycle.own_radii => {
+                let lanes: Vec<Lane> = which.iter().map(|i| self.lowered[*i as usize]).collect();
+                within(cycle.retraction(), regime, &lanes, interference, f64::NEG_INFINITY);
+                (Path::Retraction, &self.lowered, regime)
+            }
+            Condition::Lowered(regime) => (Path::Retraction, &self.lanes, regime),
+            Condition::Unloading(_) => return self.unload(cycle, (which, distance), out, stats),
         };
         cycle.lanes(path).evaluate_lanes(regime, Lanes::new(lanes, which), interference, out, stats);
     }
 
-    /// What contacts that have flowed bear at a distance, m: the unloading is the same of all radii in units of the radius.
-    fn unload(&self, cycle: &Loop, which: &[u32], distance: f64, out: &mut Responses) {
-        let mut scaled = [0.0; BLOCK];
+    /// What contacts that have flowed bear at a distance, m.
+    fn unload(
+        &self,
+        cycle: &Loop,
+        (which, distance): (&[u32], f64),
+        out: &mut Responses,
+        stats: &mut SolverStats,
+    ) {
         for (lane, i) in which.iter().enumerate() {
-            let i = *i as usize;
-            scaled[lane] = self.largest[i] / self.lanes[i].ratio;
-            [out.adhesion[lane], out.contact[lane], out.area[lane]] = self.borne[i];
+            [out.adhesion[lane], out.contact[lane], out.area[lane]] = self.borne[*i as usize];
         }
-        let distances = |lane: usize| distance / self.lanes[which[lane] as usize].ratio;
-        cycle.plastic.unload(&scaled[..which.len()], distances, out);
+        if let Springback::Powers(plastic) = &cycle.springback {
+            // In units of the radius it is the same of all.
+            let ratio = |lane: usize| self.lanes[which[lane] as usize].ratio;
+            let mut scaled = [0.0; BLOCK];
+            for (lane, i) in which.iter().enumerate() {
+                scaled[lane] = self.largest[*i as usize] / ratio(lane);
+            }
+            return plastic.unload(&scaled[..which.len()], |lane| distance / ratio(lane), out);
+        }
+        let tops: Vec<Top> = which.iter().map(|i| self.tops[*i as usize]).collect();
+        let lanes: Vec<Lane> = which.iter().map(|i| self.lowered[*i as usize]).collect();
+        cycle.springback.unload_tops((cycle.retraction(), &tops, &lanes), distance, out, stats);
     }
 
     /// The fate of an asperity, by [`Loop::fate`].
@@ -203,11 +238,21 @@ impl Turned {
     /// Distances, m, falling, at which the force of an asperity is not smooth.
     pub fn kinks(&self, cycle: &Loop, asperity: usize) -> Vec<f64> {
         let lane = &self.lanes[asperity];
-        let (pieces, end) = match self.fates[asperity] {
-            0 => (cycle.lanes(Path::Approach).pieces_of(lane), cycle.first_contact),
-            1 => (cycle.lanes(Path::Retraction).pieces_of(lane), cycle.first_plastic),
-            _ => (cycle.lanes(Path::Retraction).pieces_of(&self.lowered[asperity]), cycle.first_contact),
+        if self.fates[asperity] == 2 && cycle.own_radii {
+            let ends = self.ends[..cycle.first_contact].iter().map(|ends| ends[asperity]);
+            let attraction = cycle.attraction_kink(&self.lowered[asperity]).unwrap_or(f64::NAN);
+            let opens = cycle.springback.kink(&self.tops[asperity]);
+            let own = [attraction, opens].map(|kink| self.recovery[asperity] - kink);
+            let mut kinks: Vec<f64> = ends.chain(own).filter(|kink| kink.is_finite()).collect();
+            kinks.sort_by(|a, b| b.total_cmp(a));
+            return kinks;
+        }
+        let (path, end) = match self.fates[asperity] {
+            0 => (Path::Approach, cycle.first_contact),
+            1 => (Path::Retraction, cycle.first_plastic),
+            _ => (Path::Retraction, cycle.first_contact),
         };
+        let pieces = cycle.lanes(path).pieces_of(lane);
         let ends = pieces.iter().filter(|piece| piece.regime < end).map(|piece| piece.upper);
         let mut kinks: Vec<f64> = ends.filter(|end| end.is_finite()).collect();
         if self.fates[asperity] == 2 {

@@ -11,41 +11,127 @@
 //! | up to ω_c, or any of a law that knows no flow | the law on retraction at δ: contact lasts to the end of its stable branch |
 //! | above ω_c | the unloading of an elastic-plastic contact, below |
 //!
-//! After plastic flow the asperity is lower by its residual interference ω_res, and springs back by its
-//! recovery ω_max − ω_res only (`plastic_unloading`).
+//! After plastic flow the asperity is lower by its residual interference ω_res, springs back by its recovery ω_max −
+//! ω_res only, and its top may have a radius R′ of its own. How is a choice, [`Unloading`], with the formulas in
+//! `springback`. Contact lasts to the interference δ_end, counted from the lowered top; from there on the asperity is one
+//! whose top is lower by ω_res, with the radius R′: lubricant and attraction across the gap at δ − ω_res.
 //!
 //! # Adhesion
-//! The unloading is published without adhesion. What attracts acts outside the contact, across the gap beside
-//! it, and the shape of that gap is what plastic flow has left behind: it does not heal. So F_s keeps its
-//! value at ω_max for as long as there is contact, as in the DMT limit, for which the elastic-plastic
-//! adhesion was computed. Contact lasts, without load, to the place where that of an elastic asperity would
-//! end, counted from the lowered top: to δ − ω_res = −δ_A on retraction. From there on the asperity is one
-//! whose top is lower by ω_res: lubricant and attraction across the gap at δ − ω_res.
+//! The unloading of Etsion, Kligerman and Kadin is published without adhesion. What attracts acts outside the contact,
+//! across the gap beside it, and the shape of that gap is what plastic flow has left behind: it does not heal. So F_s keeps
+//! its value at ω_max for as long as there is contact, as in the DMT limit, for which the elastic-plastic adhesion was
+//! computed. Contact lasts, without load, to the place where that of an elastic asperity would end, δ_end = −δ_A on
+//! retraction. The others bring an adhesion of their own: that of the elastic law with R′ by the secant, within the contact
+//! by the other two. F_s then jumps where the surfaces turn, and with the elastic law of Maugis and Dugdale or of JKR the
+//! load does so by what adhesion adds to it.
 //!
 //! # Radius
-//! A top that flowed is flatter. How much is not published with the unloading, and it decides what attracts
-//! from then on, so it is a choice, [`UnloadedRadius`]: the top keeps R, or it has the R′ = 4E_r a³/(3P) of
-//! the elastic contact whose radius and load are those at ω_max ([`super::flattened`]). With R′ the
-//! attraction before contact, the lubricant's force and δ_A are those of R′.
+//! A top that flowed is flatter. How much is not published with the unloading of Etsion, Kligerman and Kadin, and it
+//! decides what attracts from then on, so it is a choice there, [`UnloadedRadius`]: the top keeps R, or it has that of the
+//! secant, the R′ = 4E_r a³/(3P) of the elastic contact whose radius and load are those at ω_max. With R′ the attraction
+//! before contact, the lubricant's force and δ_A are those of R′: λ′ = λ(R′/R)^(1/3), as in `radius`.
 //!
 //! # Validity
-//! One cycle from a fresh surface. The unloading was computed for loads up to the limits of the
-//! elastic-plastic fits; in the fully plastic regime it is used beyond them, without adhesion, as there is
-//! none on approach. Its ω_c is taken to be that of the law. Where the attraction across the gap has two
-//! states, both ways take the outer one, as the laws do. Source: Etsion, Kligerman and Kadin, Int. J. Solids
-//! Struct. 42 (2005) 3716.
+//! One cycle from a fresh surface. The unloading of Etsion, Kligerman and Kadin was computed for loads up to the limits of
+//! the elastic-plastic fits of Kogut and Etsion, and is for those alone; in the fully plastic regime it is used beyond them,
+//! without adhesion, as there is none on approach. Its ω_c is taken to be that of the law. The others are for any loading.
+//! Where a loading law jumps up at ω_c (by 3 % that of Kogut and Etsion, by half that of Chang, Etsion and Bogy), the secant
+//! leaves tops there that are sharper than R and spring back by more than ω_max. Where the attraction across the gap has two
+//! states, both ways take the outer one, as the laws do. Sources: Etsion, Kligerman and Kadin, Int. J. Solids Struct. 42
+//! (2005) 3716; Johnson, Contact Mechanics (1985), section 6.4, for the secant; Mesarovic and Johnson, J. Mech. Phys.
+//! Solids 48 (2000) 2009; Thornton and Ning, Powder Technol. 99 (1998) 154.
 
 use super::error::LawError;
 use super::history::Path;
-use super::law::{BLOCK, Flattened, Law, Regime, Responses};
-use super::models::{MODELS, Model, Plasticity};
+use super::law::{End, Law, Regime, Responses, Smoothness};
+use super::models::{Model, Plasticity, model};
 use super::parameters::LawParameters;
 use super::plastic_unloading::PlasticUnloading;
 use super::radius::{Lane, OfRadii, RadiusLaw};
 use super::scale::Scale;
+use super::springback::{Springback, Top, first_contact, of_radii};
 use super::stats::SolverStats;
-use std::f64::consts::PI;
-use std::sync::{Arc, LazyLock};
+use std::sync::Arc;
+
+/// How contacts that have flowed are unloaded.
+///
+/// # Examples
+/// ```
+/// use stiction::asperity::{UnloadedRadius, Unloading, model};
+///
+/// assert_eq!(Unloading::of(&model("hybrid").unwrap()), UnloadedRadius::Kept.into());
+/// assert_eq!(Unloading::of(&model("ceb").unwrap()), Unloading::Secant);
+/// assert_eq!(Unloading::named("thornton_ning"), Some(Unloading::ThorntonNing));
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unloading {
+    /// By Etsion, Kligerman and Kadin's fits, which are of Kogut and Etsion's contact alone; tops have one or the other
+    /// radius.
+    EtsionKligermanKadin(UnloadedRadius),
+    /// As the elastic contact of the law of a sphere whose Hertz contact has the largest load and its radius.
+    Secant,
+    /// As the decohesion of what a uniform pressure has flattened.
+    MesarovicJohnson,
+    /// As the JKR contact of the sphere of the secant.
+    ThorntonNing,
+}
+
+impl Unloading {
+    /// All of them, the first with tops that keep their radius, with their names.
+    pub const ALL: [(&'static str, Self); 4] = [
+        ("ekk", Self::EtsionKligermanKadin(UnloadedRadius::Kept)),
+        ("secant", Self::Secant),
+        ("mesarovic_johnson", Self::MesarovicJohnson),
+        ("thornton_ning", Self::ThorntonNing),
+    ];
+
+    /// The unloading of a law where none is chosen.
+    pub fn of(model: &Model) -> Self {
+        match model.validity.plasticity {
+            Plasticity::Without | Plasticity::KogutEtsion => UnloadedRadius::Kept.into(),
+            Plasticity::Other => Self::Secant,
+        }
+    }
+
+    /// The unloading of a name.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.iter().find(|(known, _)| *known == name).map(|(_, unloading)| *unloading)
+    }
+
+    /// The name in scenes and files.
+    pub fn name(self) -> &'static str {
+        let is_same = |other: &Self| std::mem::discriminant(other) == std::mem::discriminant(&self);
+        Self::ALL.iter().find(|(_, other)| is_same(other)).expect("every unloading is in ALL").0
+    }
+
+    /// Whether it is for the contacts of a law.
+    pub fn suits(self, model: &Model) -> bool {
+        !(matches!(self, Self::EtsionKligermanKadin(_)) && model.validity.plasticity == Plasticity::Other)
+    }
+
+    /// The radius of tops that have flowed, once their contact has ended.
+    pub fn radius(self) -> UnloadedRadius {
+        match self {
+            Self::EtsionKligermanKadin(radius) => radius,
+            _ => UnloadedRadius::Elastic,
+        }
+    }
+
+    /// The same with the other radius of tops that have flowed, where that is a choice.
+    pub fn other_radius(self) -> Option<Self> {
+        match self {
+            Self::EtsionKligermanKadin(radius) => Some(radius.other().into()),
+            _ => None,
+        }
+    }
+}
+
+impl From<UnloadedRadius> for Unloading {
+    /// The unloading of Etsion, Kligerman and Kadin.
+    fn from(radius: UnloadedRadius) -> Self {
+        Self::EtsionKligermanKadin(radius)
+    }
+}
 
 /// The radius of a top that has flowed, once its contact has ended.
 ///
@@ -61,7 +147,7 @@ pub enum UnloadedRadius {
     /// As it was.
     #[default]
     Kept,
-    /// 4E_r a³/(3P) of the largest load, the radius whose elastic contact that was.
+    /// That which elastic unloading from the largest load leaves: 4E_r a³/(3P), or πE_r a³/P by Mesarovic and Johnson.
     Elastic,
 }
 
@@ -105,33 +191,14 @@ pub struct Loop {
     /// Index of the first regime of contact, and of the first above ω_c.
     pub(super) first_contact: usize,
     pub(super) first_plastic: usize,
-    /// Unloading of what has flowed.
-    pub(super) plastic: PlasticUnloading,
-    /// Attraction of tops that have flowed, where they have radii of their own.
-    pub(super) flattened: Option<Arc<dyn Flattened>>,
-    scale: Scale,
-}
-
-/// Attraction of tops by their radius over that of another law.
-struct Relative {
-    flattened: Arc<dyn Flattened>,
+    /// How what has flowed springs back.
+    pub(super) springback: Springback,
+    /// Whether tops that have flowed have radii of their own.
+    pub(super) own_radii: bool,
+    /// The radius over that of the laws as they follow it, and their λ, if they solve elastic branches.
     ratio: f64,
-}
-
-impl Flattened for Relative {
-    fn release(&self, ratio: f64) -> f64 {
-        self.flattened.release(self.ratio * ratio)
-    }
-
-    fn kink(&self, ratio: f64) -> Option<f64> {
-        self.flattened.kink(self.ratio * ratio)
-    }
-
-    fn attraction(&self, ratios: &[f64], interference: &[f64], out: &mut Responses, stats: &mut SolverStats) {
-        let mut own = [0.0; BLOCK];
-        own.iter_mut().zip(ratios).for_each(|(own, ratio)| *own = self.ratio * ratio);
-        self.flattened.attraction(&own[..ratios.len()], interference, out, stats);
-    }
+    lambda: Option<f64>,
+    pub(super) scale: Scale,
 }
 
 impl Loop {
@@ -141,39 +208,42 @@ impl Loop {
     /// [`LawError`] when the law cannot be made, [`LawError::NoUnloading`] when it flows otherwise than the
     /// contact that the unloading was computed for, [`LawError::NotFlattened`] when it is a fit to one radius
     /// and flows, and tops that have flowed are to have radii of their own.
-    pub fn new(model: &Model, parameters: &LawParameters, radius: UnloadedRadius) -> Result<Self, LawError> {
-        if !unloads(model) {
-            return Err(LawError::NoUnloading { law: model.name, others: &UNLOADING });
+    pub fn new(
+        model: &Model,
+        parameters: &LawParameters,
+        unloading: impl Into<Unloading>,
+    ) -> Result<Self, LawError> {
+        let unloading = unloading.into();
+        if !unloading.suits(model) {
+            return Err(LawError::NoUnloading { law: model.name });
         }
         let [approach, retraction] =
             [Path::Approach, Path::Retraction].map(|path| model.law(&LawParameters { path, ..*parameters }));
         let [approach, retraction]: [Arc<dyn Law>; 2] = [approach?.into(), retraction?.into()];
         let regimes = approach.regimes();
-        let first = |is: fn(&Regime) -> bool| regimes.iter().position(is).unwrap_or(regimes.len());
-        let (first_contact, first_plastic) =
-            (first(|regime| regime.is_contact()), first(|regime| is_plastic(*regime)));
+        let first_contact = first_contact(approach.as_ref());
+        let first_plastic = regimes.iter().position(|regime| is_plastic(*regime)).unwrap_or(regimes.len());
         let touch = begin_of(approach.as_ref(), first_contact);
         let capture = approach.capture().map_or(touch, |capture| capture.min(touch));
-        let flattened = match radius {
-            UnloadedRadius::Elastic if first_plastic < regimes.len() => {
-                Some(retraction.flattened().ok_or(LawError::NotFlattened)?.into())
-            }
-            _ => None,
-        };
-        let deepest = parameters.table_range.map(|(_, deepest)| deepest);
+        let own_radii = unloading.radius() == UnloadedRadius::Elastic && first_plastic < regimes.len();
+        if own_radii && retraction.of_radii().is_none() {
+            return Err(LawError::NotFlattened);
+        }
         Ok(Self {
-            approach,
-            retraction,
             capture,
             first_contact,
             first_plastic,
-            plastic: PlasticUnloading::new(parameters.critical_interference, deepest),
-            flattened,
+            springback: springback(unloading, parameters)?,
+            own_radii,
+            ratio: 1.0,
+            lambda: retraction.of_radii().and_then(|law| law.lambda()),
             scale: parameters.scale,
+            approach,
+            retraction,
         })
     }
 
-    /// The loop of asperities that differ from those of this one in their radius.
+    /// The loop of asperities that differ from those of this one in their radius alone: the lane is one of this loop.
     ///
     /// # Panics
     /// When it is not known how the laws follow the radius.
@@ -181,55 +251,37 @@ impl Loop {
     pub fn of(&self, lane: Lane) -> Self {
         let [approach, retraction] = [&self.approach, &self.retraction].map(|law| RadiusLaw::new(law, lane));
         let touch = begin_of(&approach, self.first_contact);
-        let capture = approach.capture().map_or(touch, |capture| capture.min(touch));
-        let relative = |flattened: &Arc<dyn Flattened>| -> Arc<dyn Flattened> {
-            Arc::new(Relative { flattened: Arc::clone(flattened), ratio: lane.ratio })
-        };
-        let Scale { lambda, length, radius, force } = self.scale;
         Self {
-            capture,
+            capture: approach.capture().map_or(touch, |capture| capture.min(touch)),
             first_contact: self.first_contact,
             first_plastic: self.first_plastic,
-            plastic: self.plastic.of_radius(lane.ratio),
-            flattened: self.flattened.as_ref().map(relative),
-            scale: Scale {
-                lambda: lambda * lane.cube_root,
-                length: length * lane.cube_root,
-                radius: radius * (lane.cube_root * lane.cube_root),
-                force: force * lane.ratio,
-            },
+            springback: self.springback.of(lane),
+            own_radii: self.own_radii,
+            ratio: lane.ratio,
+            lambda: self.lambda,
+            scale: self.scale.of(&lane),
             approach: Arc::new(approach),
             retraction: Arc::new(retraction),
         }
     }
 
-    /// An asperity of a radius over that of the loop.
-    ///
-    /// # Panics
-    /// When it is not known how the laws follow the radius.
-    #[doc(hidden)]
-    pub fn lane(&self, ratio: f64) -> Lane {
-        Lane::new(ratio, self.lanes(Path::Approach).lambda())
-    }
-
     /// The law along a path of asperities of any radius, in lanes.
     pub(super) fn lanes(&self, path: Path) -> &dyn OfRadii {
-        let law = match path {
-            Path::Approach => &self.approach,
-            Path::Retraction => &self.retraction,
-        };
-        law.of_radii().expect("a loop of several radii is of a law that follows the radius")
-    }
-
-    /// The law on approach.
-    pub fn approach(&self) -> &dyn Law {
-        self.approach.as_ref()
+        of_radii(match path {
+            Path::Approach => self.approach(),
+            Path::Retraction => self.retraction(),
+        })
     }
 
     /// Index of the first regime of contact.
     #[doc(hidden)]
     pub fn first_contact(&self) -> usize {
         self.first_contact
+    }
+
+    /// The law on approach.
+    pub fn approach(&self) -> &dyn Law {
+        self.approach.as_ref()
     }
 
     /// Whether the law knows plastic flow.
@@ -267,18 +319,45 @@ impl Loop {
         let untouched =
             ends(self.approach(), self.first_contact).into_iter().filter(|end| *end <= self.capture);
         let elastic = ends(self.retraction(), self.first_plastic);
-        // The load ends where it has sprung back.
-        let flowed = ends(self.retraction(), self.first_contact).into_iter().chain([0.0]);
-        [untouched.collect(), elastic, flowed.collect()]
+        // Contact ends, and the load where it has sprung back.
+        let mut flowed = ends(self.retraction(), self.first_contact);
+        let contact = self.contact();
+        flowed.pop();
+        flowed.extend([begin_of(contact, first_contact(contact)), 0.0]);
+        [untouched.collect(), elastic, flowed]
     }
 
     /// The same of a top that has a radius of its own since it flowed, at the interference ω_max, m: where
-    /// its attraction jumps, if it does (else NaN), where contact ends, and where its load ends. None where R
-    /// is kept.
+    /// its attraction jumps, where contact ends, and where the contact is not smooth; NaN where it has none. None where
+    /// R is kept.
     pub fn flattened_kinks(&self, largest: f64) -> Option<[f64; 3]> {
-        let flattened = self.flattened.as_ref()?;
-        let ratio = self.radius_ratio(largest);
-        Some([flattened.kink(ratio).unwrap_or(f64::NAN), flattened.release(ratio), 0.0])
+        if !self.own_radii {
+            return None;
+        }
+        let top = self.top_of(largest);
+        let lane = self.lane(top.ratio);
+        let release = self.springback.release(self.retraction(), &top, &lane);
+        Some([self.attraction_kink(&lane).unwrap_or(f64::NAN), release, self.springback.kink(&top)])
+    }
+
+    /// The law of which the end of contact is that of contacts that have flowed.
+    #[doc(hidden)]
+    pub fn contact(&self) -> &dyn Law {
+        self.springback.contact(self.retraction())
+    }
+
+    /// Interference, m, at which the attraction of a top of its own radius jumps and is a root of what is left of the
+    /// approach, if there is one.
+    pub(super) fn attraction_kink(&self, lane: &Lane) -> Option<f64> {
+        let is_kink = |smoothness| matches!(smoothness, Smoothness::Root { end: End::Upper, .. });
+        let mut pieces = of_radii(self.retraction()).pieces_of(lane).into_iter();
+        pieces.find(|piece| piece.regime < self.first_contact && is_kink(piece.smoothness)).map(|p| p.upper)
+    }
+
+    /// An asperity of a radius over that of the loop.
+    #[doc(hidden)]
+    pub fn lane(&self, ratio: f64) -> Lane {
+        Lane::new(self.ratio * ratio, self.lambda)
     }
 
     /// Interference of first touch on approach, m.
@@ -294,41 +373,55 @@ impl Loop {
     /// ω_max − ω_res, m, by which an asperity of the interference ω_max, m, springs back at most: all of it
     /// up to ω_c.
     pub fn recovery(&self, largest: f64) -> f64 {
-        if largest <= self.top() || !self.flows() { largest } else { self.plastic.recovery(largest) }
+        match &self.springback {
+            _ if largest <= self.top() || !self.flows() => largest,
+            Springback::Powers(plastic) => plastic.recovery(largest),
+            _ => self.top_of(largest).recovery,
+        }
     }
 
     /// The distance, m, at which an asperity of the interference ω_max, m, loses contact on retraction;
     /// none if it has none.
     pub fn detachment(&self, largest: f64) -> Option<f64> {
-        let release = || match &self.flattened {
-            Some(flattened) if largest > self.top() => flattened.release(self.radius_ratio(largest)),
-            _ => self.release(),
-        };
-        (largest >= self.touch()).then(|| self.recovery(largest) - release())
+        (largest >= self.touch()).then(|| {
+            if self.own_radii && largest > self.top() {
+                self.detachment_of(largest)
+            } else {
+                self.recovery(largest) - self.release()
+            }
+        })
+    }
+
+    /// The same of one that has flowed, whose top has a radius of its own.
+    pub(super) fn detachment_of(&self, largest: f64) -> f64 {
+        let top = self.top_of(largest);
+        top.recovery - self.springback.release(self.retraction(), &top, &self.lane(top.ratio))
+    }
+
+    /// The distance, m, from which a contact that has flowed to ω_max, m, is not smooth, in itself.
+    pub(super) fn opening(&self, largest: f64) -> f64 {
+        let top = self.top_of(largest);
+        top.recovery - self.springback.kink(&top)
     }
 
     /// R′/R of the top of an asperity of the interference ω_max, m, whose contact has ended; 1 where nothing
     /// flowed, or R is kept.
     pub fn radius_ratio(&self, largest: f64) -> f64 {
-        if self.flattened.is_none() || !(largest > self.top()) {
-            return 1.0;
-        }
-        let mut ratio = [0.0];
-        self.radius_ratios(&[largest], &mut ratio, &mut Responses::default(), &mut SolverStats::default());
-        ratio[0]
+        if self.own_radii && largest > self.top() { self.top_of(largest).ratio } else { 1.0 }
     }
 
-    /// R′ over the radius of the loop, of asperities that have responded at ω_max.
-    pub(super) fn flattened_radius(&self, area: f64, load: f64) -> f64 {
-        let radius = (area / PI).sqrt() / self.scale.radius;
-        self.scale.force * radius * radius * radius / load
+    /// The top of an asperity of the interference ω_max, m, above ω_c.
+    fn top_of(&self, largest: f64) -> Top {
+        let mut top = [Top::default()];
+        self.tops(&[largest], &mut top, &mut Responses::default(), &mut SolverStats::default());
+        top[0]
     }
 
-    /// R′/R of asperities of interferences ω_max, m, above ω_c.
-    pub(super) fn radius_ratios(
+    /// The tops of asperities of interferences ω_max, m, above ω_c.
+    pub(super) fn tops(
         &self,
         largest: &[f64],
-        ratios: &mut [f64],
+        tops: &mut [Top],
         out: &mut Responses,
         stats: &mut SolverStats,
     ) {
@@ -340,12 +433,24 @@ impl Loop {
             let own = regime(largest[begin]);
             let end = begin + largest[begin..].iter().take_while(|largest| regime(**largest) == own).count();
             self.approach.evaluate(own, &largest[begin..end], out, stats);
-            for (ratio, (area, load)) in ratios[begin..end].iter_mut().zip(out.area.iter().zip(&out.contact))
-            {
-                *ratio = self.flattened_radius(*area, *load);
+            for (i, place) in (begin..end).enumerate() {
+                tops[place] =
+                    self.springback.top(&self.scale, 1.0, largest[place], [out.contact[i], out.area[i]]);
             }
             begin = end;
         }
+    }
+
+    /// Makes of the responses at interferences ω_max, m, above ω_c those of contacts at a distance, m, from there.
+    pub(super) fn unload(
+        &self,
+        largest: &[f64],
+        distance: f64,
+        out: &mut Responses,
+        stats: &mut SolverStats,
+    ) {
+        let law = (self.retraction(), &self.scale, |ratio| self.lane(ratio));
+        self.springback.unload(law, (largest, distance), out, stats);
     }
 
     /// End of the elastic regime, m.
@@ -354,16 +459,22 @@ impl Loop {
     }
 }
 
-/// Whether the unloading is known of what flows in a law.
-fn unloads(model: &Model) -> bool {
-    matches!(model.validity.plasticity, Plasticity::Without | Plasticity::KogutEtsion)
+/// How contacts of a setting spring back.
+fn springback(unloading: Unloading, parameters: &LawParameters) -> Result<Springback, LawError> {
+    let jkr = || {
+        let jkr = model("jkr").expect("it is a law");
+        jkr.law(&LawParameters { path: Path::Retraction, ..*parameters })
+    };
+    Ok(match unloading {
+        Unloading::EtsionKligermanKadin(_) => {
+            let deepest = parameters.table_range.map(|(_, deepest)| deepest);
+            Springback::Powers(PlasticUnloading::new(parameters.critical_interference, deepest))
+        }
+        Unloading::Secant => Springback::Elastic(None),
+        Unloading::ThorntonNing => Springback::Elastic(Some(jkr()?.into())),
+        Unloading::MesarovicJohnson => Springback::Punch(jkr()?.into()),
+    })
 }
-
-/// Names of the laws that can be unloaded.
-static UNLOADING: LazyLock<String> = LazyLock::new(|| {
-    let names: Vec<&str> = MODELS.iter().filter(|model| unloads(model)).map(|model| model.name).collect();
-    names.join(", ")
-});
 
 /// Interference at which a regime begins, m.
 pub(super) fn begin_of(law: &dyn Law, regime: usize) -> f64 {

@@ -71,7 +71,7 @@ fn evaluation(method: Method) -> f64 {
 
 /// Nanoseconds of the tops of a replica that have flowed, where each has a radius of its own.
 fn flattened(scene: &Scene) -> f64 {
-    if !scene.cycle || scene.unloaded_radius != UnloadedRadius::Elastic {
+    if !scene.cycle || scene.unloading.radius() != UnloadedRadius::Elastic {
         return 0.0;
     }
     let deepest =

@@ -128,7 +128,8 @@ pub(crate) fn write_scene(writer: &mut Writer<'_>, scene: &Scene) -> Result<(), 
     write_about(writer, &scene.title, &scene.text)?;
     writer.text("/", "history", scene.history_name())?;
     if scene.cycle {
-        writer.text("/", "unloaded_radius", scene.unloaded_radius.name())?;
+        writer.text("/", "unloading", scene.unloading.name())?;
+        writer.text("/", "unloaded_radius", scene.unloading.radius().name())?;
     }
     write_parameters(writer, scene)?;
     writer.number("/", "critical_interference", scene.asperity.critical_interference())?;

@@ -75,8 +75,8 @@ pub(crate) struct RetractionResults {
     /// Pull-off and stiffest point of the mean curve of the external force, and of the integral's.
     pub of_mean: Features,
     pub of_integral: Features,
-    /// Pull-off of the integral, N, with each radius of tops that have flowed, if any have and the law can be
-    /// made for both.
+    /// Pull-off of the integral, N, with each radius of tops that have flowed, if any have, that is a choice, and the law can
+    /// be made for both.
     pub by_radius: Option<[(UnloadedRadius, f64); 2]>,
 }
 
@@ -98,10 +98,10 @@ impl RetractionResults {
 /// Pull-off of the integral, N, with either radius of tops that have flowed, of which one is that of a loop
 /// with its features.
 fn by_radius(scene: &Scene, cycle: &Loop, features: &Features) -> Option<[(UnloadedRadius, f64); 2]> {
-    let radius = scene.unloaded_radius;
-    let other = scene.loop_law_of(radius.other()).ok().filter(|_| cycle.flows())?;
-    let pulled = PathIntegral::retraction(scene, &other).features.minimum;
-    Some([(radius, -features.minimum.value), (radius.other(), -pulled.value)])
+    let other = scene.unloading.other_radius()?;
+    let cycle = scene.loop_law_of(other).ok().filter(|_| cycle.flows())?;
+    let pulled = PathIntegral::retraction(scene, &cycle).features.minimum;
+    Some([(scene.unloading.radius(), -features.minimum.value), (other.radius(), -pulled.value)])
 }
 
 impl Results {

@@ -58,7 +58,6 @@ const REFUSED: &[(&str, &str)] = &[
         "all points have the same separations: give them in [separation]; h_star follows surface_height_std",
     ),
     ("output", "all points are kept alike: give it in [output]"),
-    ("model.law", "a law is no number; `stiction compare` compares laws"),
     ("model.history", "a history is no number: give it in [model]"),
     ("solver.summation", "is no number: give it in [solver]"),
     ("format", "is that of the whole file"),

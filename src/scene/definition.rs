@@ -7,7 +7,7 @@ use super::substrate::Substrate;
 use crate::asperity::models::Model;
 use crate::asperity::scale::{Asperity, Scale};
 use crate::asperity::{
-    Family, LawError, LawParameters, Loop, Path, SurfaceLaws, SurfaceLoops, UnloadedRadius,
+    Family, LawError, LawParameters, Loop, Path, SurfaceLaws, SurfaceLoops, Unloading,
 };
 use crate::engine::Stopping;
 use crate::integral::interference_range;
@@ -42,8 +42,8 @@ pub struct Scene {
     pub history: Path,
     /// Whether the surfaces are pulled back, each asperity by its own history.
     pub cycle: bool,
-    /// The radius of tops that have flowed on retraction.
-    pub unloaded_radius: UnloadedRadius,
+    /// How contacts that have flowed are unloaded.
+    pub unloading: Unloading,
     /// Springs and preloads that hold the surfaces.
     pub instability: Instability,
     /// The half-space that couples the asperities; they are independent without one.
@@ -101,19 +101,18 @@ impl Scene {
     /// # Errors
     /// As [`Scene::law_of`].
     pub fn loop_law(&self) -> Result<Option<Loop>, LawError> {
-        self.cycle.then(|| self.loop_law_of(self.unloaded_radius)).transpose()
+        self.cycle.then(|| self.loop_law_of(self.unloading)).transpose()
     }
 
-    /// The loop of an asperity of the scene whose top has one or the other radius once it has flowed.
+    /// The loop of an asperity of the scene that is unloaded in one way or another once it has flowed.
     ///
     /// # Errors
     /// As [`Loop::new`].
-    pub fn loop_law_of(&self, radius: UnloadedRadius) -> Result<Loop, LawError> {
-        Loop::new(&self.model, &self.parameters()?, radius)
+    pub fn loop_law_of(&self, unloading: Unloading) -> Result<Loop, LawError> {
+        Loop::new(&self.model, &self.parameters()?, unloading)
     }
 
-    /// The loops that coupled asperities remember their histories by, if they are coupled and the unloading of
-    /// their law is known.
+    /// The loops that coupled asperities remember their histories by, if they are coupled.
     ///
     /// # Errors
     /// As [`Scene::law_of`].
@@ -122,14 +121,11 @@ impl Scene {
             return Ok(None);
         }
         let loops = if self.surface.is_polydisperse() {
-            SurfaceLoops::of_radii(self.model, self.asperity, RADIUS_RANGE, self.unloaded_radius)
+            SurfaceLoops::of_radii(self.model, self.asperity, self.unloading, RADIUS_RANGE)
         } else {
-            self.loop_law_of(self.unloaded_radius).map(|cycle| SurfaceLoops::All(Box::new(cycle)))
+            self.loop_law_of(self.unloading).map(|cycle| SurfaceLoops::All(Box::new(cycle)))
         };
-        match loops {
-            Err(LawError::NoUnloading { .. }) => Ok(None),
-            other => other.map(Some),
-        }
+        loops.map(Some)
     }
 
     /// The asperity law of the scene.

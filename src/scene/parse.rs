@@ -14,7 +14,7 @@ use super::units::Dimension;
 use super::{separation, stopping};
 use crate::asperity::models::{MODELS, Model, PUBLISHED_FITS};
 use crate::asperity::scale::{Scale, UNIT_RANGE};
-use crate::asperity::{Path, UnloadedRadius};
+use crate::asperity::{LawError, Path, UnloadedRadius, Unloading};
 use crate::engine::Stopping;
 use crate::surface::SamplingScheme;
 
@@ -60,7 +60,7 @@ pub(super) fn read(text: &str, root: &Section<'_>, files: &dyn Files) -> Result<
         readings;
     let Population { surface, places, inputs } = population;
     let asperity = material.asperity(surface.asperity_radius, lubricant.unwrap_or(0.0))?;
-    let ModelTable { law, history, cycle, unloaded_radius, critical_approach } = model;
+    let ModelTable { law, history, cycle, unloading, critical_approach } = model;
     let separations = separation::separations(&separation, surface.surface_height_std)?;
     let substrate = substrate.map(|table| table.under(&surface, places, &separations)).transpose()?;
     let stiffness_span = separation::stiffness_span(&separation, &separations, asperity.equilibrium_spacing)?;
@@ -91,7 +91,7 @@ pub(super) fn read(text: &str, root: &Section<'_>, files: &dyn Files) -> Result<
         model: law,
         history,
         cycle,
-        unloaded_radius,
+        unloading,
         substrate,
         critical_approach,
         separations,
@@ -168,14 +168,34 @@ fn critical_approach(section: &Section<'_>, law: &Model) -> Result<Option<f64>, 
     entry.measured().map(Some)
 }
 
-/// The radius of tops that have flowed; only a loop asks for it.
-fn unloaded_radius(section: &Section<'_>, cycle: bool) -> Result<UnloadedRadius, SceneError> {
-    let Some(entry) = section.get("unloaded_radius") else { return Ok(UnloadedRadius::default()) };
-    if !cycle {
+/// How contacts that have flowed are unloaded; only a loop asks for it.
+fn unloading(section: &Section<'_>, law: Option<&Model>, cycle: bool) -> Result<Unloading, SceneError> {
+    let given = [section.get("unloading"), section.get("unloaded_radius")];
+    if let Some(entry) = given.iter().flatten().find(|_| !cycle) {
         return Err(entry
             .wrong("it is for surfaces that are pulled back after they were pressed: history = \"loop\""));
     }
-    entry.choice("unloaded_radius", &UnloadedRadius::ALL)
+    let [of, radius] = given;
+    let unloading = match &of {
+        Some(entry) => Some((entry, entry.choice("unloading", &Unloading::ALL)?)),
+        None => None,
+    };
+    let radius = match &radius {
+        Some(entry) => Some((entry, entry.choice("unloaded_radius", &UnloadedRadius::ALL)?)),
+        None => None,
+    };
+    let Some(law) = law else { return Ok(UnloadedRadius::default().into()) };
+    if let Some((entry, _)) = unloading.filter(|(_, unloading)| !unloading.suits(law)) {
+        return Err(entry.wrong(&LawError::NoUnloading { law: law.name }.to_string()));
+    }
+    match (unloading.map_or_else(|| Unloading::of(law), |(_, unloading)| unloading), radius) {
+        (Unloading::EtsionKligermanKadin(_), Some((_, radius))) => Ok(radius.into()),
+        (own, Some((entry, _))) => Err(entry.wrong(&format!(
+            "it is a choice of unloading = \"ekk\"; \"{}\" leaves tops with radii of their own: leave the key out",
+            own.name()
+        ))),
+        (own, None) => Ok(own),
+    }
 }
 
 /// The table `[model]`: law and history.
@@ -183,7 +203,7 @@ struct ModelTable {
     law: Model,
     history: Path,
     cycle: bool,
-    unloaded_radius: UnloadedRadius,
+    unloading: Unloading,
     critical_approach: Option<f64>,
 }
 
@@ -196,14 +216,16 @@ impl ModelTable {
             Ok(law) => critical_approach(section, law),
             Err(_) => Ok(None),
         };
-        let unloaded_radius = match &history {
-            Ok(history) => unloaded_radius(section, history.is_some_and(|(_, cycle)| cycle)),
-            Err(_) => Ok(UnloadedRadius::default()),
+        let unloading = match &history {
+            Ok(history) => {
+                unloading(section, law.as_ref().ok(), history.is_some_and(|(_, cycle)| cycle))
+            }
+            Err(_) => Ok(UnloadedRadius::default().into()),
         };
-        let readings = (law, history, unloaded_radius, critical_approach);
-        let (law, history, unloaded_radius, critical_approach) = readings.together()?;
+        let readings = (law, history, unloading, critical_approach);
+        let (law, history, unloading, critical_approach) = readings.together()?;
         let (history, cycle) = history.unwrap_or((Path::Approach, false));
-        Ok(Self { law, history, cycle, unloaded_radius, critical_approach })
+        Ok(Self { law, history, cycle, unloading, critical_approach })
     }
 }
 

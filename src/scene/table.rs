@@ -8,7 +8,7 @@ use super::choices::{
 };
 use super::keys::{Key, Sign, Value, key};
 use super::units::Dimension as Of;
-use crate::asperity::UnloadedRadius;
+use crate::asperity::{UnloadedRadius, Unloading};
 use crate::asperity::models::MODELS;
 use crate::engine::{Estimator, SCALARS};
 use crate::surface::{CountLaw, SamplingScheme};
@@ -296,6 +296,7 @@ pub static KEYS: &[Key] = &[
     key("model", "{ law = \"hybrid\" }", Table).what("the law of one asperity, and the history"),
     key("model.law", "\"hybrid\"", Choice(|| MODELS.iter().map(|model| model.name).collect()))
         .what("law of one asperity")
+        .swept()
         .about(
             "`hybrid` is for every λ and ψ; the page of the laws says what each is and where it is valid.",
         ),
@@ -309,11 +310,21 @@ pub static KEYS: &[Key] = &[
              asperities have flowed.",
         )
         .defaults_to("\"approach\""),
+    key("model.unloading", "\"secant\"", Choice(|| names(&Unloading::ALL)))
+        .what("unloading of contacts that have flowed")
+        .about(
+            "Needs `history = \"loop\"`. `ekk`: Etsion, Kligerman and Kadin's fits, for the contact of Kogut and \
+             Etsion alone. `secant`: the elastic contact of the law, of the sphere that has the largest load and its \
+             area. `mesarovic_johnson`: the decohesion of what a uniform pressure has flattened. `thornton_ning`: the \
+             JKR contact of the sphere of `secant`.",
+        )
+        .follows("from the law: `ekk` of laws with the contact of Kogut and Etsion, `secant` of others")
+        .swept(),
     key("model.unloaded_radius", "\"elastic\"", Choice(|| names(&UnloadedRadius::ALL)))
         .what("radius of flattened tops on retraction")
         .about(
-            "Needs `history = \"loop\"`. `kept`: R. `elastic`: that of the elastic contact which has the \
-             largest load and its area.",
+            "Needs `history = \"loop\"` and the unloading `ekk`; the others have `elastic`. `kept`: R. `elastic`: that of \
+             the elastic contact which has the largest load and its area.",
         )
         .defaults_to("\"kept\""),
     key("model.critical_approach", "\"0.3 nm\"", Quantity(Of::Length, NotNegative))

@@ -135,7 +135,7 @@ fn elastic_asperities_go_back_along_the_laws() {
         let (asperity, _) = case(name);
         for model in MODELS {
             let law = |path| crate::common::law(model.name, &asperity, path, (-60e-9, 60e-9));
-            if model.validity.plasticity == Plasticity::ChangEtsionBogy {
+            if model.validity.plasticity == Plasticity::Other {
                 continue;
             }
             let [approach, retraction] = [law(Path::Approach), law(Path::Retraction)];

@@ -38,18 +38,29 @@ use crate::asperity::table::{Row, Table};
 pub fn ceb(parameters: &LawParameters) -> Result<Box<dyn Law>, LawError> {
     let critical = parameters.plastic("ceb")?.critical_interference;
     let Critical { load, disc, .. } = Critical::new(parameters);
-    let pull = 2.0 * parameters.scale.force;
     let x = move |delta: f64| delta / critical;
-    let elastic =
-        ClosedForm::new(sbl::ring_attraction(parameters), hertz::load(parameters), hertz::area(parameters));
     let plastic = ClosedForm::new(
-        (move |_: f64| pull).following(Similarity::new(0.0, 1.0)),
+        attraction_around(parameters),
         (move |delta: f64| load * (3.0 * x(delta) - 1.5)).following(OF_CRITICAL),
         (move |delta: f64| disc * (2.0 * x(delta) - 1.0)).following(OF_CRITICAL),
     );
-    Ok(Box::new(Table::new([
+    let below = rows_below(parameters, critical);
+    Ok(Box::new(Table::new(below.into_iter().chain([Row::last(Regime::Plastic, plastic)]))))
+}
+
+/// The rows up to the interference `end`, m, where a dry asperity begins to flow that is Hertz's below, with the attraction
+/// around it.
+pub fn rows_below(parameters: &LawParameters, end: f64) -> [Row; 2] {
+    let elastic =
+        ClosedForm::new(sbl::ring_attraction(parameters), hertz::load(parameters), hertz::area(parameters));
+    [
         Row::below(Regime::Noncontact, 0.0, idmt::attraction(parameters, 0.0)),
-        Row::up_to(Regime::Elastic, Place::proportional(critical, 1.0), elastic.with_root(0.0, 2)),
-        Row::last(Regime::Plastic, plastic),
-    ])))
+        Row::up_to(Regime::Elastic, Place::proportional(end, 1.0), elastic.with_root(0.0, 2)),
+    ]
+}
+
+/// The attraction around a contact that flows, 2πRΔγ.
+pub fn attraction_around(parameters: &LawParameters) -> impl Formula + use<> {
+    let pull = 2.0 * parameters.scale.force;
+    (move |_: f64| pull).following(Similarity::new(0.0, 1.0))
 }

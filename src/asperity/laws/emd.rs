@@ -19,11 +19,10 @@ use crate::asperity::elastic;
 use crate::asperity::emd::Emd;
 use crate::asperity::error::LawError;
 use crate::asperity::far;
-use crate::asperity::flattened::ExtendedMaugisDugdale;
 use crate::asperity::formula::Constant;
 use crate::asperity::history::Path;
 use crate::asperity::law::Method;
-use crate::asperity::law::{BLOCK, End, Flattened, Law, Regime, Responses, Smoothness};
+use crate::asperity::law::{BLOCK, End, Law, Regime, Responses, Smoothness};
 use crate::asperity::parameters::LawParameters;
 use crate::asperity::radius::{Lane, Lanes, Place};
 use crate::asperity::scale::Scale;
@@ -92,10 +91,6 @@ impl Interaction for Attraction {
 
     fn of_radii(&self) -> Option<&dyn PartOfRadii> {
         Some(self)
-    }
-
-    fn flattened(&self) -> Option<Box<dyn Flattened>> {
-        Some(Box::new(ExtendedMaugisDugdale::new(self.scale, self.path, self.thickness)))
     }
 
     fn evaluate(&self, interference: &[f64], out: &mut Responses, stats: &mut SolverStats) {

@@ -35,5 +35,5 @@ pub fn attraction(parameters: &LawParameters, thickness: f64) -> impl Interactio
         let square = u * u;
         factor * square * (1.0 - 0.25 * (square * square * square))
     };
-    ClosedForm::attraction(force.following(Similarity::new(0.0, 1.0))).proportional_to_radius()
+    ClosedForm::attraction(force.following(Similarity::new(0.0, 1.0)))
 }

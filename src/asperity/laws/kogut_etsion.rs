@@ -95,16 +95,25 @@ impl<'a> Critical<'a> {
     }
 
     /// factor · x^exponent in a regime of x.
-    fn power(&self, factor: f64, exponent: f64, (begin, end): (f64, f64)) -> impl Formula + use<> {
+    fn power(&self, factor: f64, exponent: f64, x: (f64, f64)) -> impl Formula + use<> {
+        self.tabulated(move |x: f64| factor * libm::pow(x, exponent), TABLE_TOLERANCE, x)
+    }
+
+    /// A function of x that is tabulated to a relative tolerance in a regime of x.
+    pub fn tabulated<F: Fn(f64) -> f64 + Clone + Send + Sync + 'static>(
+        &self,
+        function: F,
+        tolerance: f64,
+        (begin, end): (f64, f64),
+    ) -> impl Formula + use<F> {
         let deepest =
             self.parameters.table_range.map(|(_, deepest)| deepest / self.parameters.critical_interference);
         let end = deepest.map_or(begin, |deepest| end.min(deepest));
-        let power = move |x: f64| factor * libm::pow(x, exponent);
-        Tabulated::new(1.0, self.per_length, power, TABLE_TOLERANCE, (begin, end))
+        Tabulated::new(1.0, self.per_length, function, tolerance, (begin, end))
     }
 
     /// factor · x.
-    fn multiple(&self, factor: f64) -> impl Formula + use<> {
+    pub fn multiple(&self, factor: f64) -> impl Formula + use<> {
         let per_length = self.per_length;
         (move |delta: f64| factor * (delta * per_length)).following(OF_CRITICAL)
     }

@@ -1,0 +1,69 @@
+//! Jackson and Green: elastic-plastic contact by fits to finite elements in which the hardness falls as the contact grows,
+//! dry.
+//!
+//! # Formula
+//! With the yield strength Y = H/2.84, e = Y/E_r, C = 1.295 exp(0.736ν), ω_c = (πCe/2)²R, P_c = (4/3)(R/E_r)²(πCY/2)³, the
+//! Hertz load at ω_c, and x = ω/ω_c:
+//!
+//! | x | P/P_c | contact area/πRω_c | F_s |
+//! |---|---|---|---|
+//! | before contact | 0 | 0 | that of [`super::idmt`] |
+//! | 0..1.9 | x^1.5 | x | the Lennard-Jones stress over the Hertz gap around the contact |
+//! | above | exp(−x^(5/12)/4) x^1.5 + (4H_G/CY)[1 − exp(−x^(5/9)/25)] x | x(x/1.9)^B | 2πRΔγ |
+//!
+//! with B = 0.14 exp(23e) and H_G = 2.84Y[1 − exp(−0.82(a/R)^(−0.7))] at the contact radius a. H is the hardness of a scene,
+//! 2.84Y by Tabor, which H_G comes to at small a/R. The publication has no adhesion. That of this law is [`super::ceb`]'s,
+//! with its assumption above 1.9ω_c.
+//!
+//! # Validity
+//! Low λ, dry; a/R up to 0.41. P jumps up by about half a per cent at x = 1.9,
+//! and F_s drops to 2πRΔγ there. Source: Jackson and Green, J. Tribol. 127 (2005) 343.
+
+use super::ceb::{attraction_around, rows_below};
+use super::kogut_etsion::{Critical, OF_CRITICAL};
+use crate::asperity::error::LawError;
+use crate::asperity::formula::{ClosedForm, Formula};
+use crate::asperity::law::{Law, Regime};
+use crate::asperity::parameters::LawParameters;
+use crate::asperity::scale::poisson_ratio;
+use crate::asperity::table::{Row, Table};
+use std::f64::consts::PI;
+
+/// x up to which the contact is Hertz's.
+const FIRST_END: f64 = 1.9;
+/// H/Y (Tabor 1951).
+const HARDNESS: f64 = 2.84;
+/// Relative accuracy of tables: a few roundings, as those of exponentials and products.
+const TABLE_TOLERANCE: f64 = 8e-15;
+
+/// The law `jg`.
+///
+/// # Errors
+/// [`LawError::Elastic`] without a critical interference.
+pub fn jg(parameters: &LawParameters) -> Result<Box<dyn Law>, LawError> {
+    let own = parameters.plastic("jg")?;
+    let radius = own.scale.radius * own.scale.radius / own.scale.length;
+    // H/E_r, from ω_c = (πKH/2E_r)²R of the setting.
+    let hardness = (own.critical_interference / radius).sqrt() / (0.5 * PI * own.pressure_factor);
+    let strain = hardness / HARDNESS;
+    let c = 1.295 * libm::exp(0.736 * poisson_ratio(own.pressure_factor));
+    let b = 0.14 * libm::exp(23.0 * strain);
+    let root = 0.5 * PI * c * strain;
+    let own = LawParameters { critical_interference: root * root * radius, ..*own };
+    let critical = Critical::new(&own);
+    let (load, disc) = (critical.load, critical.disc);
+    let area = move |x: f64| x * libm::pow(x / FIRST_END, b);
+    let force = move |x: f64| {
+        let share = -libm::expm1(-0.82 * libm::pow(root * area(x).sqrt(), -0.7));
+        let plastic = -4.0 * HARDNESS * share / c * libm::expm1(-libm::pow(x, 5.0 / 9.0) / 25.0) * x;
+        libm::exp(-0.25 * libm::pow(x, 5.0 / 12.0)) * x * x.sqrt() + plastic
+    };
+    let x = (FIRST_END, f64::INFINITY);
+    let flowing = ClosedForm::new(
+        attraction_around(&own),
+        critical.tabulated(move |x| load * force(x), TABLE_TOLERANCE, x).following(OF_CRITICAL),
+        critical.tabulated(move |x| disc * area(x), TABLE_TOLERANCE, x).following(OF_CRITICAL),
+    );
+    let below = rows_below(&own, FIRST_END * own.critical_interference);
+    Ok(Box::new(Table::new(below.into_iter().chain([Row::last(Regime::Elastoplastic1, flowing)]))))
+}

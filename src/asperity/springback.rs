@@ -1,0 +1,217 @@
+//! How contacts that have flowed spring back: what is left of their tops, and what acts while there is contact.
+//!
+//! # Formula
+//! The contact radius a and the load P at ω_max make the top, of the radius R′ and the recovery ω_max − ω_res:
+//!
+//! | unloading | R′ | ω_max − ω_res | contact |
+//! |---|---|---|---|
+//! | Etsion, Kligerman and Kadin | R, or 4E_r a³/(3P) | `plastic_unloading` | powers, F_s as it was |
+//! | secant | 4E_r a³/(3P) | 3P/(4E_r a) | the law's elastic contact with R′ |
+//! | Thornton and Ning | 4E_r a³/(3P) | 3P/(4E_r a) | JKR's contact with R′ |
+//! | Mesarovic and Johnson | πE_r a³/P | 2P/(πE_r a) | `decohesion`, p₀ = P/(πa²) |
+//!
+//! The first of R′ and of the recovery are those of the sphere whose Hertz contact has the radius a at the load P, the last
+//! those of the middle of what a uniform pressure P/(πa²) has pressed flat, when it is taken off (Johnson 1985, section
+//! 3.4).
+
+use super::decohesion::Decohesion;
+use super::law::{BLOCK, End, Law, Regime, Responses, Smoothness};
+use super::plastic_unloading::PlasticUnloading;
+use super::radius::{Lane, Lanes, OfRadii, RadiusLaw};
+use super::scale::Scale;
+use super::stats::SolverStats;
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+/// Each lane is one of its own.
+const EACH: [u32; BLOCK] = {
+    let (mut each, mut i) = ([0; BLOCK], 0);
+    while i < BLOCK {
+        each[i] = i as u32;
+        i += 1;
+    }
+    each
+};
+/// The powers of r are no power series in any root of it; in the tenth what is left is too smooth to matter.
+const POWERS: i32 = 10;
+
+/// How contacts spring back that have flowed.
+pub(super) enum Springback {
+    /// Along powers of what is left of the way, with the adhesion that there was.
+    Powers(PlasticUnloading),
+    /// As elastic contacts: of the law on retraction, or of a law of their own.
+    Elastic(Option<Arc<dyn Law>>),
+    /// As punches whose edges open; the law is that of elastic contacts which end alike.
+    Punch(Arc<dyn Law>),
+}
+
+/// What is left of a top that has flowed.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Top {
+    /// ω_max − ω_res, m.
+    pub recovery: f64,
+    /// R′/R.
+    pub ratio: f64,
+    /// μ of its decohesion.
+    adhesion: f64,
+}
+
+impl Springback {
+    /// The same of asperities of another radius.
+    pub fn of(&self, lane: Lane) -> Self {
+        let own = |law: &Arc<dyn Law>| -> Arc<dyn Law> { Arc::new(RadiusLaw::new(law, lane)) };
+        match self {
+            Self::Powers(plastic) => Self::Powers(plastic.of_radius(lane.ratio)),
+            Self::Elastic(law) => Self::Elastic(law.as_ref().map(own)),
+            Self::Punch(law) => Self::Punch(own(law)),
+        }
+    }
+
+    /// The top of a contact of a load, N, and an area, m², at the interference ω_max, m, of an asperity of these units whose
+    /// radius is so many times that of the unloading.
+    pub fn top(&self, scale: &Scale, times: f64, largest: f64, [load, area]: [f64; 2]) -> Top {
+        let radius = (area / PI).sqrt() / scale.radius;
+        let ratio = scale.force * radius * radius * radius / load;
+        let recovery = scale.length * radius * radius / ratio;
+        match self {
+            Self::Powers(plastic) => {
+                Top { recovery: times * plastic.recovery(largest / times), ratio, adhesion: 0.0 }
+            }
+            Self::Elastic(_) => Top { recovery, ratio, adhesion: 0.0 },
+            Self::Punch(_) => Top {
+                recovery: 8.0 / (3.0 * PI) * recovery,
+                ratio: 0.75 * PI * ratio,
+                adhesion: 0.25 * PI * 6.0_f64.sqrt() * ratio / (radius * radius.sqrt()),
+            },
+        }
+    }
+
+    /// The law of which the end of contact is that of a contact which springs back; `law` is that of the asperity on
+    /// retraction.
+    pub fn contact<'a>(&'a self, law: &'a dyn Law) -> &'a dyn Law {
+        match self {
+            Self::Elastic(Some(own)) | Self::Punch(own) => own.as_ref(),
+            Self::Powers(_) | Self::Elastic(None) => law,
+        }
+    }
+
+    /// The interference, m, from the lowered top at which its contact ends.
+    pub fn release(&self, law: &dyn Law, top: &Top, lane: &Lane) -> f64 {
+        match self {
+            Self::Punch(_) => top.recovery * (1.0 - Decohesion::new(top.adhesion).end()),
+            _ => limits(self.contact(law), first_contact(self.contact(law)), lane, &mut Vec::new())[0],
+        }
+    }
+
+    /// The interference, m, from the lowered top at which a contact is not smooth, if there is one.
+    pub fn kink(&self, top: &Top) -> f64 {
+        match self {
+            Self::Powers(_) => 0.0,
+            Self::Elastic(_) => f64::NAN,
+            Self::Punch(_) => top.recovery * (1.0 - top.adhesion),
+        }
+    }
+
+    /// How a contact varies next to where its load, or the contact itself, ends.
+    pub fn order(&self, law: &dyn Law) -> i32 {
+        let contact = self.contact(law);
+        let first = first_contact(contact);
+        let of_first = contact.pieces().into_iter().find(|piece| piece.regime == first);
+        match (self, of_first.map(|piece| piece.smoothness)) {
+            (Self::Powers(_), _) => POWERS,
+            (_, Some(Smoothness::Root { end: End::Lower, order, .. })) => order,
+            _ => 1,
+        }
+    }
+
+    /// Makes of the responses at interferences ω_max, m, those of contacts at a distance, m, from there; `lane` makes the
+    /// lane of R′/R.
+    pub fn unload(
+        &self,
+        (law, scale, lane): (&dyn Law, &Scale, impl Fn(f64) -> Lane),
+        (largest, distance): (&[f64], f64),
+        out: &mut Responses,
+        stats: &mut SolverStats,
+    ) {
+        let count = largest.len();
+        if let Self::Powers(plastic) = self {
+            return plastic.unload(largest, |_| distance, out);
+        }
+        let top = |i: usize| self.top(scale, 1.0, largest[i], [out.contact[i], out.area[i]]);
+        let tops: Vec<Top> = (0..count).map(top).collect();
+        let lanes: Vec<Lane> = tops.iter().map(|top| lane(top.ratio)).collect();
+        self.unload_tops((law, &tops, &lanes), distance, out, stats);
+    }
+
+    /// The same of tops in lanes, which `out` has the responses of at ω_max. Those that follow powers have no tops.
+    pub fn unload_tops(
+        &self,
+        (law, tops, lanes): (&dyn Law, &[Top], &[Lane]),
+        distance: f64,
+        out: &mut Responses,
+        stats: &mut SolverStats,
+    ) {
+        match self {
+            Self::Powers(_) => unreachable!("powers have no tops"),
+            Self::Elastic(_) => {
+                let contact = self.contact(law);
+                let mut own = [0.0; BLOCK];
+                let own = &mut own[..tops.len()];
+                own.iter_mut().zip(tops).for_each(|(own, top)| *own = top.recovery - distance);
+                // Deeper than ω_c it stays elastic.
+                let first = first_contact(contact);
+                within(contact, first, lanes, own, f64::INFINITY);
+                follow(contact, first, lanes, own, out, stats);
+            }
+            Self::Punch(_) => {
+                for (i, top) in tops.iter().enumerate() {
+                    let peeled = Decohesion::new(top.adhesion).at(distance / top.recovery);
+                    out.adhesion[i] = out.contact[i] * peeled.pull;
+                    out.contact[i] *= peeled.load;
+                    out.area[i] *= peeled.radius * peeled.radius;
+                }
+            }
+        }
+    }
+}
+
+/// The regime in which contact begins.
+pub(super) fn first_contact(law: &dyn Law) -> usize {
+    law.regimes().iter().position(|regime: &Regime| regime.is_contact()).unwrap_or(law.regimes().len())
+}
+
+/// A law as that of other radii, which that of tops with radii of their own is.
+pub(super) fn of_radii(law: &dyn Law) -> &dyn OfRadii {
+    law.of_radii().expect("tops of radii of their own are of a law that follows the radius")
+}
+
+/// The interferences, m, between which an asperity is in a regime.
+fn limits(law: &dyn Law, regime: usize, lane: &Lane, ends: &mut Vec<f64>) -> [f64; 2] {
+    of_radii(law).ends(lane, ends);
+    let upper = ends.get(regime).copied().unwrap_or(f64::INFINITY);
+    let lower = if regime == 0 { f64::NEG_INFINITY } else { ends[regime - 1] };
+    [lower, upper]
+}
+
+/// Has interferences, m, of asperities lie in a regime, or above it up to `beyond`, m: neither rounding nor a contact that
+/// ends earlier than the law's own may lead out of it.
+pub(super) fn within(law: &dyn Law, regime: usize, lanes: &[Lane], interference: &mut [f64], beyond: f64) {
+    let mut ends = Vec::new();
+    for (delta, lane) in interference.iter_mut().zip(lanes) {
+        let [lower, upper] = limits(law, regime, lane, &mut ends);
+        *delta = delta.max(lower).min(upper.max(beyond));
+    }
+}
+
+/// The responses of asperities in a regime of a law.
+pub(super) fn follow(
+    law: &dyn Law,
+    regime: usize,
+    lanes: &[Lane],
+    interference: &[f64],
+    out: &mut Responses,
+    stats: &mut SolverStats,
+) {
+    let lanes = Lanes::new(lanes, &EACH[..interference.len()]);
+    of_radii(law).evaluate_lanes(regime, lanes, interference, out, stats);
+}

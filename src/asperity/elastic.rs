@@ -10,7 +10,7 @@ use super::contact::Contact;
 use super::curve::{Anchor, Curve, corrected, last_step};
 use super::far;
 pub use super::far::stiffness;
-use super::folds::{contact_end, first_contact, first_outer, outer_fold};
+use super::folds::{contact_end, first_contact, first_outer, inner_fold, outer_fold};
 use super::history::Path;
 use super::law::BLOCK;
 use super::noncontact::{Branches, Noncontact};
@@ -50,6 +50,8 @@ pub struct Elastic {
     /// ε at the outer fold before contact, if there is one, and Δ there, or at first touch.
     fold: Option<f64>,
     reference: f64,
+    /// ε and Δ at the inner fold, of an asperity that comes out of contact onto the inner of two states before it.
+    inner: Option<[f64; 2]>,
     /// 1/(Δ_reference − Δ) where the far series begins.
     per_span: f64,
 }
@@ -145,6 +147,7 @@ impl Elastic {
             first_touch,
             fold,
             reference,
+            inner: inner_fold(lambda).map(|inner| [inner, whole.at(inner).displacement]),
             per_span: 1.0 / (reference - far),
         }
     }
@@ -166,6 +169,31 @@ impl Elastic {
     /// begins or ends by the history.
     pub fn noncontact_fold(&self, path: Path) -> Option<f64> {
         (self.fold.is_some() && self.reference < self.end(path)).then_some(self.reference)
+    }
+
+    /// Δ of the inner fold, to which an asperity that comes out of contact stays on the inner of two states before it.
+    pub fn inner_fold(&self) -> Option<f64> {
+        self.inner.map(|[_, displacement]| displacement)
+    }
+
+    /// Δ of the outer fold, if there is one.
+    pub fn outer_fold(&self) -> Option<f64> {
+        self.fold.map(|_| self.reference)
+    }
+
+    /// Whether an asperity at Δ is on the inner of two states, if it stays there.
+    #[inline(always)]
+    fn is_held(&self, displacement: f64) -> bool {
+        self.inner.is_some_and(|[_, end]| end <= displacement && displacement < self.reference)
+    }
+
+    /// F̂_s there.
+    #[cold]
+    fn held(&self, displacement: f64, stats: &mut SolverStats) -> f64 {
+        let [parameter, end] = self.inner.unwrap_or_default();
+        let anchor = Anchor { displacement: end, parameter, fold: true };
+        let branch = Branch::new(Noncontact::up_to(self.lambda, parameter), anchor);
+        branch.solve(displacement, stats).adhesion
     }
 
     /// z₀, the gap of an undeformed asperity.
@@ -353,9 +381,9 @@ pub fn contact<'a>(
 
 /// F̂_s of asperities before contact, at most [`BLOCK`], that are below the end of the history: the outermost roots. The
 /// rigid gaps z₀ and γλ^(3/2) of the lanes say which are far; of others `of` gives the asperity, and
-/// `displacement` Δ.
+/// `displacement` Δ. With `holds` those that have been on the inner of two states are on it still.
 pub fn noncontact<'a>(
-    (gaps, stiffness): (&[f64], &[f64]),
+    (gaps, stiffness, holds): (&[f64], &[f64], bool),
     of: impl Fn(usize) -> &'a Elastic,
     displacement: impl Fn(usize) -> f64,
     adhesion: &mut [f64],
@@ -373,8 +401,14 @@ pub fn noncontact<'a>(
     );
     // Lanes of one kind stand together.
     let [mut folding, mut single, mut inner] = [([0_u8; BLOCK], 0), ([0; BLOCK], 0), ([0; BLOCK], 0)];
+    let mut held = 0;
     for i in (0..count).filter(|i| !is_far[*i]) {
         let own = of(i);
+        if holds && own.is_held(displacement(i)) {
+            adhesion[i] = own.held(displacement(i), stats);
+            held += 1;
+            continue;
+        }
         let (lanes, length) = match own.fold {
             None => &mut single,
             Some(_) if displacement(i) < own.reference => &mut folding,
@@ -383,7 +417,7 @@ pub fn noncontact<'a>(
         lanes[*length] = i as u8;
         *length += 1;
     }
-    stats.far += (count - folding.1 - single.1 - inner.1) as u64;
+    stats.far += (count - held - folding.1 - single.1 - inner.1) as u64;
     let capped = |i: usize| displacement(i).min(of(i).reference);
     let outer = |i: usize| {
         let own = of(i);
@@ -523,7 +557,7 @@ mod tests {
                 .collect();
             let gaps: Vec<f64> = far.iter().enumerate().map(|(i, d)| of(i).rigid_gap(*d)).collect();
             let stiffness: Vec<f64> = range.clone().map(|i| far::stiffness(asperities[i].lambda)).collect();
-            noncontact((&gaps, &stiffness), of, |i| far[i], &mut before[range.clone()], &mut stats);
+            noncontact((&gaps, &stiffness, false), of, |i| far[i], &mut before[range.clone()], &mut stats);
         }
         Solved { contact: contacts, before, stats }
     }

@@ -7,7 +7,7 @@
 //!
 //! | ω_max | what acts |
 //! |---|---|
-//! | below first touch | the law on approach at δ: nothing has been touched, so retraction retraces the approach |
+//! | below first touch, or the jump to the inner of two states before it | the law on approach at δ: nothing has been touched, so retraction retraces the approach |
 //! | up to ω_c, or any of a law that knows no flow | the law on retraction at δ: contact lasts to the end of its stable branch |
 //! | above ω_c | the unloading of an elastic-plastic contact, below |
 //!
@@ -37,7 +37,9 @@
 //! without adhesion, as there is none on approach. Its ω_c is taken to be that of the law. The others are for any loading.
 //! Where a loading law jumps up at ω_c (by 3 % that of Kogut and Etsion, by half that of Chang, Etsion and Bogy), the secant
 //! leaves tops there that are sharper than R and spring back by more than ω_max. Where the attraction across the gap has two
-//! states, both ways take the outer one, as the laws do. Sources: Etsion, Kligerman and Kadin, Int. J. Solids Struct. 42
+//! states, for λ from 0.888 on, approach takes the outer one to its fold. Where contact leads to the inner one without a jump,
+//! to λ = 0.938, an asperity that has come to that stays on it to its own fold, lowered or not; above that it is on the outer
+//! one again, as the laws are. Sources: Etsion, Kligerman and Kadin, Int. J. Solids Struct. 42
 //! (2005) 3716; Johnson, Contact Mechanics (1985), section 6.4, for the secant; Mesarovic and Johnson, J. Mech. Phys.
 //! Solids 48 (2000) 2009; Thornton and Ning, Powder Technol. 99 (1998) 154.
 
@@ -218,7 +220,8 @@ impl Loop {
             return Err(LawError::NoUnloading { law: model.name });
         }
         let [approach, retraction] =
-            [Path::Approach, Path::Retraction].map(|path| model.law(&LawParameters { path, ..*parameters }));
+            [(Path::Approach, false), (Path::Retraction, true)]
+                .map(|(path, holds)| model.law(&LawParameters { path, holds, ..*parameters }));
         let [approach, retraction]: [Arc<dyn Law>; 2] = [approach?.into(), retraction?.into()];
         let regimes = approach.regimes();
         let first_contact = first_contact(approach.as_ref());
@@ -328,16 +331,22 @@ impl Loop {
     }
 
     /// The same of a top that has a radius of its own since it flowed, at the interference ω_max, m: where
-    /// its attraction jumps, where contact ends, and where the contact is not smooth; NaN where it has none. None where
-    /// R is kept.
-    pub fn flattened_kinks(&self, largest: f64) -> Option<[f64; 3]> {
+    /// its attraction jumps, where that begins, where contact ends, and where the contact is not smooth; NaN where it has
+    /// none. None where R is kept.
+    pub fn flattened_kinks(&self, largest: f64) -> Option<[f64; 4]> {
         if !self.own_radii {
             return None;
         }
         let top = self.top_of(largest);
         let lane = self.lane(top.ratio);
         let release = self.springback.release(self.retraction(), &top, &lane);
-        Some([self.attraction_kink(&lane).unwrap_or(f64::NAN), release, self.springback.kink(&top)])
+        // A lubricant touches as much before as it does on the law's own top.
+        let before = match self.first_contact {
+            0 | 1 => f64::NAN,
+            contact => release - (self.release() - begin_of(self.retraction(), contact - 1)),
+        };
+        let attraction = self.attraction_kink(&lane).unwrap_or(f64::NAN);
+        Some([attraction, before, release, self.springback.kink(&top)])
     }
 
     /// The law of which the end of contact is that of contacts that have flowed.

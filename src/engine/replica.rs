@@ -558,6 +558,10 @@ mod tests {
         let separations = separations(&surface, 0.5, 15);
         let job = job(law.view(), &surface, &separations);
         agree(&job, 1, &divided(&job, 1), ROUNDING);
+        let cycle = Loop::new(&model("hybrid").unwrap(), &parameters(), UnloadedRadius::Kept).unwrap();
+        let protocol = Protocol { cycle: Some(&cycle), ..job.protocol };
+        let job = Job { protocol, ..job };
+        agree(&job, 1, &divided(&job, 1), ROUNDING);
     }
 
     /// Loops, their snaps, and turns at preloads of which one is never reached.

@@ -5,8 +5,13 @@ use super::expectations::Expectations;
 use super::height_integral::AtSeparation;
 use super::model::{Mixture, TOLERANCE, accuracy};
 use crate::asperity::Loop;
-use crate::surface::{RadiusClass, Surface};
+use crate::surface::{RadiusClass, RadiusPanels, Surface};
 use rayon::prelude::*;
+
+/// Panels of the radius are looked at in so many parts for places at which what is expected is not smooth in it, which are
+/// found to this share of their part.
+const LOOKED_AT: usize = 16;
+const PLACE: f64 = 1e-9;
 
 /// The integral model of a surface that is pulled back along a loop.
 ///
@@ -30,7 +35,15 @@ pub struct RetractionModel<'a> {
     surface: &'a Surface,
     /// d, m, where the surfaces turned.
     closest: f64,
-    parts: Vec<Part>,
+    radii: Radii,
+}
+
+/// The radii of the asperities.
+enum Radii {
+    /// Given, or one.
+    Parts(Vec<Part>),
+    /// By a density. At places of its variable, rising, the distances, m, at which ends of the law meet.
+    Density { panels: RadiusPanels, meetings: Vec<(f64, Vec<f64>)> },
 }
 
 /// Asperities of a radius, and their loop where it is not that of all.
@@ -42,13 +55,58 @@ struct Part {
 impl<'a> RetractionModel<'a> {
     /// The model of a surface that turns at a separation h, m.
     pub fn new(cycle: &'a Loop, surface: &'a Surface, closest: f64) -> Self {
+        let closest = surface.asperity_separation(closest);
+        let mut model = Self { cycle, surface, closest, radii: Radii::Parts(Vec::new()) };
+        model.radii = match surface.radii.panels(surface.asperity_radius, &surface.heights) {
+            None => Radii::Parts(model.parts(surface.parts())),
+            Some(panels) => {
+                let within = |ends: &[f64]| {
+                    let (low, width) = (ends[0], (ends[1] - ends[0]) / LOOKED_AT as f64);
+                    (0..LOOKED_AT).map(move |i| low + width * i as f64)
+                };
+                let places = panels.breaks.windows(2).flat_map(within).chain(panels.breaks.last().copied());
+                let places: Vec<f64> = places.collect();
+                let at = |place: f64| (place, model.of_radius(panels.radius(place)).meetings());
+                let meetings = places.into_par_iter().map(at).collect();
+                Radii::Density { panels, meetings }
+            }
+        };
+        model
+    }
+
+    /// The loop of asperities of a radius, m.
+    fn of_radius(&self, radius: f64) -> Loop {
+        self.cycle.of(self.cycle.lane(radius / self.surface.asperity_radius))
+    }
+
+    fn parts(&self, classes: Vec<RadiusClass>) -> Vec<Part> {
         let part = |of: RadiusClass| {
-            let own = |ratio: f64| cycle.of(cycle.lane(ratio));
-            let own = surface.is_polydisperse().then(|| own(of.radius / surface.asperity_radius));
+            let own = self.surface.is_polydisperse().then(|| self.of_radius(of.radius));
             Part { of, cycle: own }
         };
-        let parts = surface.parts().into_par_iter().map(part).collect();
-        Self { cycle, surface, closest: surface.asperity_separation(closest), parts }
+        classes.into_par_iter().map(part).collect()
+    }
+
+    /// Places of the variable of the radius at which what is expected at a distance, m, is not smooth in it.
+    fn kinks(&self, panels: &RadiusPanels, meetings: &[(f64, Vec<f64>)], distance: f64) -> Vec<f64> {
+        let mut kinks = Vec::new();
+        for pair in meetings.windows(2) {
+            let [(low, before), (high, after)] = [&pair[0], &pair[1]];
+            for (i, (before, after)) in before.iter().zip(after).enumerate() {
+                if !((before - distance) * (after - distance) < 0.0) {
+                    continue;
+                }
+                let (mut low, mut high, width) = (*low, *high, PLACE * (high - low));
+                while high - low > width {
+                    let middle = 0.5 * (low + high);
+                    let here = self.of_radius(panels.radius(middle)).meetings()[i];
+                    *(if (here - distance) * (before - distance) > 0.0 { &mut low } else { &mut high }) =
+                        middle;
+                }
+                kinks.push(0.5 * (low + high));
+            }
+        }
+        kinks
     }
 
     /// The answer at separations h, m; regimes are those of the law on approach.
@@ -74,13 +132,21 @@ impl<'a> RetractionModel<'a> {
     /// Expectations at a separation h, m.
     fn at(&self, separation: f64) -> Mixture {
         let distance = self.surface.asperity_separation(separation) - self.closest;
+        let own;
+        let parts = match &self.radii {
+            Radii::Parts(parts) => parts,
+            Radii::Density { panels, meetings } => {
+                own = self.parts(panels.parts(&self.kinks(panels, meetings, distance)));
+                &own
+            }
+        };
         let of = |part: &Part, typical| {
             let (law, heights) = (part.cycle.as_ref().unwrap_or(self.cycle).at(distance), &part.of.heights);
-            let accuracy = accuracy(TOLERANCE, heights, self.parts.len());
+            let accuracy = accuracy(TOLERANCE, heights, parts.len());
             AtSeparation::of(&law, heights, self.closest, typical, accuracy)
         };
         let law = self.cycle.at(distance);
-        Mixture::new((&law, self.surface, self.closest), &self.parts, |part| &part.of, of)
+        Mixture::new((&law, self.surface, self.closest), parts, |part| &part.of, of)
     }
 }
 

@@ -110,7 +110,8 @@ pub(super) struct Alike {
     pub weights: Vec<f64>,
 }
 
-/// The grid: of each radius its heights.
+/// The grid: of each radius its heights. Of a scheme that relates replicas asperity by asperity those of each radius are at
+/// the same normal scores, which are as many below 0 as above, or they are given.
 pub(super) fn grid(states: &[StateAt<'_>], surface: &Surface, scheme: SamplingScheme) -> Vec<Alike> {
     let mut parts = surface.parts();
     let given = |part: &RadiusClass| part.heights.values().map(|values| values[0]);
@@ -128,15 +129,70 @@ pub(super) fn grid(states: &[StateAt<'_>], surface: &Surface, scheme: SamplingSc
                 let heights: Vec<f64> =
                     values.iter().step_by(values.len().div_ceil(MOST_GIVEN)).copied().collect();
                 let weights = vec![1.0; heights.len()];
-                (heights, weights)
+                if scheme == SamplingScheme::Stratified && heights.len() > 1 {
+                    split(heights.into_iter().zip(weights))
+                } else {
+                    (heights, weights)
+                }
             }
-            (None, false) => cells(states, heights, scheme),
+            (None, false) if surface.is_plain() || scheme == SamplingScheme::Independent => {
+                cells(states, heights, scheme)
+            }
+            (None, false) => scored(heights, CELLS),
+            (None, true) if scheme != SamplingScheme::Independent => scored(heights, OF_RADIUS.0),
             (None, true) => shifted(heights, libm::fmod(index as f64 * GOLDEN, 1.0)),
         };
         let total: f64 = weights.iter().sum();
         Alike { laws, heights, weights: weights.into_iter().map(|share| weight * share / total).collect() }
     };
-    parts.chunks(stride).enumerate().map(alike).collect()
+    let chunks = parts.chunks(stride).enumerate();
+    if each_given && scheme == SamplingScheme::Stratified {
+        let weight = |part: &[RadiusClass]| part.iter().map(|part| part.weight).sum();
+        let (chunks, weights) = split(chunks.map(|chunk| (chunk, weight(chunk.1))));
+        let weighted = |(chunk, weight): (_, f64)| Alike { weights: vec![weight], ..alike(chunk) };
+        return chunks.into_iter().zip(weights).map(weighted).collect();
+    }
+    chunks.map(alike).collect()
+}
+
+/// Things in their order with their weights, each of which is in one of the strata alone: those that are in two come twice.
+fn split<T: Copy>(things: impl Iterator<Item = (T, f64)> + Clone) -> (Vec<T>, Vec<f64>) {
+    let all: f64 = things.clone().map(|(_, weight)| weight).sum();
+    let (mut split, mut below, mut stratum) = (Vec::new(), 0.0, 1.0);
+    for (thing, weight) in things {
+        let (mut begin, end) = (below, below + weight);
+        loop {
+            let boundary = all * stratum / STRATA as f64;
+            if !(boundary < end - 1e-12 * all) {
+                break;
+            }
+            if boundary > begin + 1e-12 * all {
+                split.push((thing, boundary - begin));
+                begin = boundary;
+            }
+            stratum += 1.0;
+        }
+        split.push((thing, end - begin));
+        below = end;
+    }
+    split.into_iter().unzip()
+}
+
+/// Heights, m, rising, and their weights: nodes in about so many cells of the normal score, which end at strata.
+fn scored(heights: &Heights, cells: usize) -> (Vec<f64>, Vec<f64>) {
+    let normal = Heights::gaussian(1.0);
+    let even = cells.div_ceil(2 * NODES.len());
+    let mut ends: Vec<f64> = (0..=even).map(|i| GRID_REACH * i as f64 / even as f64).collect();
+    ends.extend((STRATA / 2 + 1..STRATA).map(|i| -normal.gaussian_quantile(1.0 - i as f64 / STRATA as f64)));
+    ends.sort_by(f64::total_cmp);
+    let within = |ends: &[f64]| {
+        let (low, width) = (ends[0], ends[1] - ends[0]);
+        NODES.map(|place| (low + place * width, width))
+    };
+    let above: Vec<(f64, f64)> = ends.windows(2).flat_map(within).collect();
+    let below = above.iter().rev().map(|(z, width)| (-z, *width));
+    let nodes = below.chain(above.iter().copied());
+    nodes.map(|(z, width)| (heights.of_normal(z), normal.density(z) * width)).unzip()
 }
 
 /// Heights, m, rising, and their weights: nodes in cells on each of which all that is integrated is smooth.

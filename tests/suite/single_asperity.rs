@@ -67,7 +67,7 @@ impl Row {
         } else {
             let gap = [own.rigid_gap(self.delta)];
             let far = (&gap[..], &[elastic::stiffness(self.lambda)][..]);
-            elastic::noncontact(far, |_| &own, |_| self.delta, &mut adhesion, &mut stats);
+            elastic::noncontact((far.0, far.1, false), |_| &own, |_| self.delta, &mut adhesion, &mut stats);
         }
         Solution { adhesion: adhesion[0], radius: radius[0] }
     }

@@ -60,6 +60,7 @@ pub struct Attraction {
     scale: Scale,
     path: Path,
     thickness: f64,
+    holds: bool,
 }
 
 impl Attraction {
@@ -68,21 +69,32 @@ impl Attraction {
     /// # Errors
     /// [`LawError`] for a λ that is not solved.
     pub fn new(parameters: &LawParameters) -> Result<Self, LawError> {
-        let LawParameters { scale, path, lubricant_thickness: thickness, .. } = *parameters;
+        let LawParameters { scale, path, lubricant_thickness: thickness, holds, .. } = *parameters;
         let mut emd = Emd::new(scale.lambda, path)?;
+        if holds {
+            emd = emd.holding();
+        }
         if let (Some((lowest, _)), Some(deepest)) =
             (parameters.table_range, parameters.deepest(parameters.critical_interference))
         {
             emd = emd.with_tables((lowest + thickness) / scale.length, deepest);
         }
-        Ok(Self { emd: Arc::new(emd), scale, path, thickness })
+        Ok(Self { emd: Arc::new(emd), scale, path, thickness, holds })
     }
 }
 
 impl Interaction for Attraction {
     fn smoothness(&self, lower: f64, upper: f64) -> (Vec<f64>, Vec<Smoothness>) {
-        let fold = self.emd.noncontact_fold().map(|fold| fold * self.scale.length - self.thickness);
-        smoothness(fold, lower, upper)
+        let place = |displacement: f64| displacement * self.scale.length - self.thickness;
+        smoothness(self.emd.noncontact_fold().map(place), self.emd.fold_behind().map(place), (lower, upper))
+    }
+
+    fn capture(&self) -> Option<f64> {
+        self.emd.capture().map(|displacement| displacement * self.scale.length - self.thickness)
+    }
+
+    fn unstable_work(&self) -> f64 {
+        self.emd.unstable_work_before() * self.scale.energy()
     }
 
     fn method(&self) -> Method {
@@ -119,8 +131,15 @@ impl PartOfRadii for Attraction {
 
     fn smoothness_of(&self, lane: &Lane, lower: f64, upper: f64) -> (Vec<f64>, Vec<Smoothness>) {
         let length = self.scale.length * lane.cube_root;
-        let fold = lane.elastic.noncontact_fold(self.path).map(|fold| fold * length - self.thickness);
-        smoothness(fold, lower, upper)
+        let place = |displacement: f64| displacement * length - self.thickness;
+        let (fold, held) = (lane.elastic.noncontact_fold(self.path), lane.elastic.inner_fold());
+        let (split, behind) = if self.holds && held.is_some() { (held, fold) } else { (fold, None) };
+        smoothness(split.map(place), behind.map(place), (lower, upper))
+    }
+
+    fn capture_of(&self, lane: &Lane) -> Option<f64> {
+        let displacement = lane.elastic.inner_fold().and(lane.elastic.outer_fold())?;
+        Some(displacement * (self.scale.length * lane.cube_root) - self.thickness)
     }
 
     fn evaluate_lanes(
@@ -140,7 +159,7 @@ impl PartOfRadii for Attraction {
         }
         let displacement =
             |i: usize| (interference[i] + self.thickness) / (self.scale.length * lanes.at(i).cube_root);
-        let far = (&gaps[..count], &stiffness[..count]);
+        let far = (&gaps[..count], &stiffness[..count], self.holds);
         elastic::noncontact(far, |i| &lanes.at(i).elastic, displacement, &mut out.adhesion, stats);
         for (i, adhesion) in out.adhesion[..count].iter_mut().enumerate() {
             *adhesion *= self.scale.force * lanes.at(i).ratio;
@@ -150,12 +169,15 @@ impl PartOfRadii for Attraction {
     }
 }
 
-/// Of the attraction, which may have a fold within an interval, m.
-fn smoothness(fold: Option<f64>, lower: f64, upper: f64) -> (Vec<f64>, Vec<Smoothness>) {
-    match fold.filter(|place| lower < *place && *place < upper) {
-        Some(place) => {
-            (vec![place], vec![Smoothness::Root { end: End::Upper, place, order: 2 }, Smoothness::Smooth])
-        }
-        None => (Vec::new(), vec![Smoothness::Smooth]),
+/// Of the attraction within an interval, m: it may be left there for another branch at the end of one, which is a fold, or
+/// for the outer branch, whose fold is `behind`.
+fn smoothness(split: Option<f64>, behind: Option<f64>, (lower, upper): (f64, f64)) -> (Vec<f64>, Vec<Smoothness>) {
+    let Some(place) = split.filter(|place| lower < *place && *place < upper) else {
+        return (Vec::new(), vec![Smoothness::Smooth]);
+    };
+    let root = |end, place| Smoothness::Root { end, place, order: 2 };
+    match behind {
+        None => (vec![place], vec![root(End::Upper, place), Smoothness::Smooth]),
+        Some(behind) => (vec![place], vec![root(End::Upper, behind), root(End::Lower, place)]),
     }
 }

@@ -61,8 +61,9 @@ fn square(v: f64) -> f64 {
 static OUTER: LazyLock<Folds> =
     LazyLock::new(|| Folds::new(Noncontact::outer_fold_of, FIRST_OUTER, (f64::sqrt, square), LAMBDA_RANGE.1));
 
-static INNER: LazyLock<Folds> =
-    LazyLock::new(|| Folds::new(Noncontact::inner_fold_of, FIRST_OUTER, (f64::sqrt, square), FIRST_CONTACT.1));
+static INNER: LazyLock<Folds> = LazyLock::new(|| {
+    Folds::new(Noncontact::inner_fold_of, FIRST_OUTER, (f64::sqrt, square), FIRST_CONTACT.1)
+});
 
 static CONTACT: LazyLock<Folds> = LazyLock::new(|| {
     let find = |lambda: f64| Some(Contact::new(lambda).end()).filter(|end| *end < FRAC_PI_2);
@@ -117,7 +118,11 @@ mod tests {
     #[test]
     fn tables_have_what_is_found() {
         for i in 0..440 {
-            let lambda = libm::exp(if i < 40 { -0.12 + 0.0015 * f64::from(i) } else { -0.2 + 0.035 * f64::from(i - 40) });
+            let lambda = libm::exp(if i < 40 {
+                -0.12 + 0.0015 * f64::from(i)
+            } else {
+                -0.2 + 0.035 * f64::from(i - 40)
+            });
             assert_eq!(outer_fold(lambda).is_some(), Noncontact::outer_fold_of(lambda).is_some(), "{lambda}");
             if let (Some(table), Some(found)) = (outer_fold(lambda), Noncontact::outer_fold_of(lambda)) {
                 assert!((table / found - 1.0).abs() < 1e-10, "{lambda}: {table} {found}");

@@ -60,8 +60,8 @@ pub use formula::{ClosedForm, Constant, Formula, Tabulated, Zero};
 pub use history::Path;
 #[doc(hidden)]
 pub use law::{
-    BLOCK, Boundary, End, FitReport, Method, Piece, Responses, Scratch, Smoothness,
-    for_each_block, for_each_block_of, regime_ranges,
+    BLOCK, Boundary, End, FitReport, Method, Piece, Responses, Scratch, Smoothness, for_each_block,
+    for_each_block_of, regime_ranges,
 };
 pub use law::{Law, Regime};
 pub use models::{MODELS, Model, Validity, model};

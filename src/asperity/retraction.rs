@@ -242,8 +242,7 @@ impl<'a> Retraction<'a> {
             }
         };
         let below = self.moved(index, (limits.0, limits.1.min(kink)), |place| place);
-        let below =
-            below.map(|piece| Piece { smoothness: before.unwrap_or(piece.smoothness), ..piece });
+        let below = below.map(|piece| Piece { smoothness: before.unwrap_or(piece.smoothness), ..piece });
         let above = self.moved(index, (limits.0.max(kink), limits.1), |place| place);
         below.chain(above.map(|piece| Piece { smoothness: after, ..piece })).collect()
     }
@@ -325,9 +324,11 @@ impl Law for Retraction<'_> {
                     pieces.extend(self.moved(index, limits, |place| place + self.distance));
                 }
                 Condition::Lowered(_) => match &self.cycle.springback {
-                    Springback::Powers(plastic) if !self.cycle.own_radii => pieces.extend(
-                        self.moved(index, limits, |place| plastic.recovered_from(place + self.distance)),
-                    ),
+                    Springback::Powers(plastic) if !self.cycle.own_radii => {
+                        pieces.extend(
+                            self.moved(index, limits, |place| plastic.recovered_from(place + self.distance)),
+                        )
+                    }
                     _ => pieces.extend(self.flattened(index, limits)),
                 },
                 Condition::Unloading(_) => pieces.extend(self.unloading(index, limits)),

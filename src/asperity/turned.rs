@@ -110,9 +110,8 @@ impl Turned {
         self.tops = vec![Top::default(); self.largest.len()];
         let (approach, mut out) = (cycle.lanes(Path::Approach), Responses::default());
         for regime in cycle.first_plastic..cycle.approach().regimes().len() {
-            let is_in = |i: &u32| {
-                self.conditions[self.deepest[*i as usize] as usize] == Condition::Unloading(regime)
-            };
+            let is_in =
+                |i: &u32| self.conditions[self.deepest[*i as usize] as usize] == Condition::Unloading(regime);
             let in_regime: Vec<u32> = flowed.iter().copied().filter(is_in).collect();
             for which in in_regime.chunks(BLOCK) {
                 let largest: Vec<f64> = which.iter().map(|i| self.largest[*i as usize]).collect();

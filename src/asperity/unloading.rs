@@ -219,9 +219,8 @@ impl Loop {
         if !unloading.suits(model) {
             return Err(LawError::NoUnloading { law: model.name });
         }
-        let [approach, retraction] =
-            [(Path::Approach, false), (Path::Retraction, true)]
-                .map(|(path, holds)| model.law(&LawParameters { path, holds, ..*parameters }));
+        let [approach, retraction] = [(Path::Approach, false), (Path::Retraction, true)]
+            .map(|(path, holds)| model.law(&LawParameters { path, holds, ..*parameters }));
         let [approach, retraction]: [Arc<dyn Law>; 2] = [approach?.into(), retraction?.into()];
         let regimes = approach.regimes();
         let first_contact = first_contact(approach.as_ref());

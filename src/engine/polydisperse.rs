@@ -139,7 +139,9 @@ impl Asperities {
     /// The separation d, m, at which the first of them touches on approach; −∞ of none.
     pub fn touchdown(&self, cycle: &Loop) -> f64 {
         let touch = cycle.first_contact() - 1;
-        self.ends.get(touch).map_or(f64::NEG_INFINITY, |ends| ends.iter().copied().fold(f64::NEG_INFINITY, f64::max))
+        self.ends
+            .get(touch)
+            .map_or(f64::NEG_INFINITY, |ends| ends.iter().copied().fold(f64::NEG_INFINITY, f64::max))
     }
 
     /// The separations d, m, at which the force of an asperity is not smooth, falling.
@@ -194,8 +196,9 @@ impl PulledBack {
         lists.iter_mut().for_each(Vec::clear);
         match which {
             Some(which) => which.iter().for_each(|i| lists[turned.condition(*i as usize, distance)].push(*i)),
-            None => (0..turned.count() as u32)
-                .for_each(|i| lists[turned.condition(i as usize, distance)].push(i)),
+            None => {
+                (0..turned.count() as u32).for_each(|i| lists[turned.condition(i as usize, distance)].push(i))
+            }
         }
         regimes.fill(RegimeSums::default());
         for (condition, list) in lists.iter().enumerate().filter(|(_, list)| !list.is_empty()) {

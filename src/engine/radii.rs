@@ -132,9 +132,7 @@ impl<'a> PolydisperseCurve<'a> {
         let d = self.job.surface.asperity_separation(separation);
         match self.way {
             Way::Approach => self.asperities.external_force(which, d, self.sums, self.stats),
-            Way::Retraction(cycle, pulled) => {
-                pulled.external_force(cycle, which, d, self.sums, self.stats)
-            }
+            Way::Retraction(cycle, pulled) => pulled.external_force(cycle, which, d, self.sums, self.stats),
         }
     }
 }

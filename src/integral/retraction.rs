@@ -11,6 +11,8 @@ use rayon::prelude::*;
 /// Panels of the radius are looked at in so many parts for places at which what is expected is not smooth in it, which are
 /// found to this share of their part.
 const LOOKED_AT: usize = 16;
+/// Relative accuracy asked of every piece of the law of one of several radii: that over radii is no better.
+const OF_RADIUS_TOLERANCE: f64 = 1e-8;
 const PLACE: f64 = 1e-9;
 
 /// The integral model of a surface that is pulled back along a loop.
@@ -140,12 +142,14 @@ impl<'a> RetractionModel<'a> {
                 &own
             }
         };
-        let of = |part: &Part, typical| {
+        let of = |part: &Part, typical, tolerance| {
             let (law, heights) = (part.cycle.as_ref().unwrap_or(self.cycle).at(distance), &part.of.heights);
-            let accuracy = accuracy(TOLERANCE, heights, parts.len());
+            let accuracy = accuracy(tolerance, heights, parts.len());
             AtSeparation::of(&law, heights, self.closest, typical, accuracy)
         };
         let law = self.cycle.at(distance);
+        let tolerance = if parts.len() > 1 { OF_RADIUS_TOLERANCE } else { TOLERANCE };
+        let of = |part: &Part, typical| of(part, typical, tolerance);
         Mixture::new((&law, self.surface, self.closest), parts, |part| &part.of, of)
     }
 }

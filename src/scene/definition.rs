@@ -6,9 +6,7 @@ use super::instability::Instability;
 use super::substrate::Substrate;
 use crate::asperity::models::Model;
 use crate::asperity::scale::{Asperity, Scale};
-use crate::asperity::{
-    Family, LawError, LawParameters, Loop, Path, SurfaceLaws, SurfaceLoops, Unloading,
-};
+use crate::asperity::{Family, LawError, LawParameters, Loop, Path, SurfaceLaws, SurfaceLoops, Unloading};
 use crate::engine::Stopping;
 use crate::integral::interference_range;
 use crate::surface::{RADIUS_RANGE, SamplingScheme, Surface};

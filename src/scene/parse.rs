@@ -225,9 +225,7 @@ impl ModelTable {
             Err(_) => Ok(None),
         };
         let unloading = match &history {
-            Ok(history) => {
-                unloading(section, law.as_ref().ok(), history.is_some_and(|(_, cycle)| cycle))
-            }
+            Ok(history) => unloading(section, law.as_ref().ok(), history.is_some_and(|(_, cycle)| cycle)),
             Err(_) => Ok(UnloadedRadius::default().into()),
         };
         let readings = (law, history, unloading, critical_approach);

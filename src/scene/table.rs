@@ -8,8 +8,8 @@ use super::choices::{
 };
 use super::keys::{Key, Sign, Value, key};
 use super::units::Dimension as Of;
-use crate::asperity::{UnloadedRadius, Unloading};
 use crate::asperity::models::MODELS;
+use crate::asperity::{UnloadedRadius, Unloading};
 use crate::engine::{Estimator, SCALARS};
 use crate::surface::{CountLaw, SamplingScheme};
 use Sign::{Any, NotNegative, Positive};

@@ -331,6 +331,13 @@ impl Heights {
         self.mean + self.std * s
     }
 
+    /// The normal score of a height, m.
+    pub fn score(&self, u: f64) -> f64 {
+        let (below, above) = (self.probability(f64::NEG_INFINITY, u), self.probability(u, f64::INFINITY));
+        let normal = Normal::standard();
+        if below < above { normal.inverse_cdf(below) } else { -normal.inverse_cdf(above) }
+    }
+
     /// The height, m, below which lies the share `probability`, within 0 and 1, of a Gaussian law; where that
     /// is below 1/2, to a few roundings.
     pub fn gaussian_quantile(&self, probability: f64) -> f64 {

@@ -62,9 +62,7 @@ impl StateAt<'_> {
     /// heights. `own` is what belongs to the radius.
     pub fn visit<T>(&self, own: &OwnLaws, visit: impl FnOnce(&dyn Law, f64) -> T) -> T {
         match *self {
-            Self::Way(laws, separation) => {
-                visit(own.law.as_deref().unwrap_or(laws.typical), separation)
-            }
+            Self::Way(laws, separation) => visit(own.law.as_deref().unwrap_or(laws.typical), separation),
             Self::Retraction(cycle, from, distance) => {
                 visit(&own.cycle.as_ref().unwrap_or(cycle).at(distance), from)
             }
@@ -138,8 +136,8 @@ pub(super) fn grid(states: &[StateAt<'_>], surface: &Surface, scheme: SamplingSc
             (None, false) if surface.is_plain() || scheme == SamplingScheme::Independent => {
                 cells(states, heights, scheme)
             }
-            (None, false) => scored(heights, CELLS),
-            (None, true) if scheme != SamplingScheme::Independent => scored(heights, OF_RADIUS.0),
+            (None, false) => scored(states, heights, CELLS),
+            (None, true) if scheme != SamplingScheme::Independent => scored(&[], heights, OF_RADIUS.0),
             (None, true) => shifted(heights, libm::fmod(index as f64 * GOLDEN, 1.0)),
         };
         let total: f64 = weights.iter().sum();
@@ -178,13 +176,21 @@ fn split<T: Copy>(things: impl Iterator<Item = (T, f64)> + Clone) -> (Vec<T>, Ve
     split.into_iter().unzip()
 }
 
-/// Heights, m, rising, and their weights: nodes in about so many cells of the normal score, which end at strata.
-fn scored(heights: &Heights, cells: usize) -> (Vec<f64>, Vec<f64>) {
+/// Heights, m, rising, and their weights: nodes in about so many cells of the normal score, which end at strata and where
+/// the law is not smooth at states, on both sides of 0.
+fn scored(states: &[StateAt<'_>], heights: &Heights, cells: usize) -> (Vec<f64>, Vec<f64>) {
     let normal = Heights::gaussian(1.0);
     let even = cells.div_ceil(2 * NODES.len());
     let mut ends: Vec<f64> = (0..=even).map(|i| GRID_REACH * i as f64 / even as f64).collect();
     ends.extend((STRATA / 2 + 1..STRATA).map(|i| -normal.gaussian_quantile(1.0 - i as f64 / STRATA as f64)));
+    for state in states {
+        state.visit(&OwnLaws::default(), |law, separation| {
+            let scores = law.pieces().into_iter().map(|piece| heights.score(piece.upper + separation).abs());
+            ends.extend(scores.filter(|score| *score < GRID_REACH));
+        });
+    }
     ends.sort_by(f64::total_cmp);
+    ends.dedup();
     let within = |ends: &[f64]| {
         let (low, width) = (ends[0], ends[1] - ends[0]);
         NODES.map(|place| (low + place * width, width))

@@ -512,7 +512,10 @@ fn every_surface_is_drawn_by_every_scheme() {
             for index in [0, 1, 6] {
                 for (own, plain) in moments(scheme, index).iter().zip(&plain) {
                     let error = own.1.hypot(plain.1);
-                    assert!((own.0 - plain.0).abs() <= 4.5 * error, "{name} {scheme:?} {index}: {own:?} {plain:?}");
+                    assert!(
+                        (own.0 - plain.0).abs() <= 4.5 * error,
+                        "{name} {scheme:?} {index}: {own:?} {plain:?}"
+                    );
                 }
             }
             let group = scheme.group();
@@ -528,8 +531,8 @@ fn every_surface_is_drawn_by_every_scheme() {
                 let [adhesion, external]: [Vec<f64>; 2] = [adhesion.collect(), external.collect()];
                 let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
                 for (score, probe) in scores.iter_mut().zip(&basis.probes) {
-                    *score += product(&probe.adhesion_force, &adhesion)
-                        + product(&probe.external_force, &external);
+                    *score +=
+                        product(&probe.adhesion_force, &adhesion) + product(&probe.external_force, &external);
                 }
                 number += 1;
                 if number % group == 0 {
@@ -541,7 +544,10 @@ fn every_surface_is_drawn_by_every_scheme() {
             assert!(count >= 3.0, "{name} {scheme:?}: {count}");
             let variance = squares / 60.0 / count;
             let error = (2.0 / 60.0 / (0.5 * count)).sqrt();
-            assert!((variance - 1.0).abs() < 4.5 * error, "{name} {scheme:?}: {variance} ± {error} of {count}");
+            assert!(
+                (variance - 1.0).abs() < 4.5 * error,
+                "{name} {scheme:?}: {variance} ± {error} of {count}"
+            );
         }
     }
 }

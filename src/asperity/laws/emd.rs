@@ -171,7 +171,11 @@ impl PartOfRadii for Attraction {
 
 /// Of the attraction within an interval, m: it may be left there for another branch at the end of one, which is a fold, or
 /// for the outer branch, whose fold is `behind`.
-fn smoothness(split: Option<f64>, behind: Option<f64>, (lower, upper): (f64, f64)) -> (Vec<f64>, Vec<Smoothness>) {
+fn smoothness(
+    split: Option<f64>,
+    behind: Option<f64>,
+    (lower, upper): (f64, f64),
+) -> (Vec<f64>, Vec<Smoothness>) {
     let Some(place) = split.filter(|place| lower < *place && *place < upper) else {
         return (Vec::new(), vec![Smoothness::Smooth]);
     };

@@ -157,7 +157,7 @@ mod tests {
                     / (-t + 0.5 * adhesion * cos / t.sqrt());
                 assert!((difference / expected - 1.0).abs() < 1e-6, "μ {adhesion}, {share}: {difference}");
             }
-            let end = law.at(law.end()).radius;
+            let end = libm::sin(law.fold);
             let off = 4.0 * end.powi(3) - adhesion * adhesion * (1.0 - end * end);
             assert!(off.abs() < 1e-12 * (adhesion * adhesion).min(4.0), "μ {adhesion}: {off:e}");
             assert_eq!(law.at(2.0 * law.end()).radius, law.at(law.end()).radius);

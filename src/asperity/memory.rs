@@ -123,7 +123,7 @@ impl Memory<'_> {
     /// The interference from which the asperity flows, m; ∞ where it does not, or where what follows is not known.
     pub fn onset(&self) -> f64 {
         match self {
-            Self::Loop(cycle) if cycle.flows() => cycle.top(),
+            Self::Loop(cycle) if cycle.flows() => cycle.onset,
             _ => f64::INFINITY,
         }
     }
@@ -141,7 +141,7 @@ impl Memory<'_> {
         if let Some(last) = untouched.last_mut() {
             last.upper = last.upper.min(cycle.capture);
         }
-        let top = cycle.top();
+        let top = cycle.critical();
         let elastic = if cycle.flows() { cycle.first_plastic } else { usize::MAX };
         let mut touched = pieces(cycle.retraction(), Path::Retraction, 0..elastic);
         let lost = cycle.lost();
@@ -167,7 +167,7 @@ impl Memory<'_> {
         let ratio = cycle.radius_ratio(largest);
         let kinks = cycle.flattened_kinks(largest);
         let [release, capture, lost] = match kinks {
-            Some([_, _, release, _]) => [release; 3],
+            Some([.., release, _]) => [release; 3],
             None => [cycle.release(), cycle.capture, cycle.lost()],
         };
         let lowered = |law: &dyn Law, path, (from, to): (f64, f64)| {

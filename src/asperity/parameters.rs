@@ -14,6 +14,8 @@ pub struct LawParameters {
     pub critical_interference: f64,
     /// Maximum contact pressure factor k.
     pub pressure_factor: f64,
+    /// Hardness over reduced modulus H/E_r, where it is known; a law whose form changes with it needs it.
+    pub hardness_ratio: Option<f64>,
     /// Lubricant thickness t, m; 0 when dry.
     pub lubricant_thickness: f64,
     /// δ_A, m, that is set instead of following from the history; of the published fits only.
@@ -39,6 +41,7 @@ impl LawParameters {
             scale: Scale::new(asperity)?,
             critical_interference: asperity.critical_interference(),
             pressure_factor: asperity.pressure_factor(),
+            hardness_ratio: Some(asperity.hardness / asperity.reduced_modulus),
             lubricant_thickness: asperity.lubricant_thickness,
             critical_approach: None,
             path,
@@ -63,6 +66,7 @@ impl LawParameters {
             scale: Scale::unit(lambda)?,
             critical_interference: f64::INFINITY,
             pressure_factor: 1.0,
+            hardness_ratio: None,
             lubricant_thickness: 0.0,
             critical_approach: None,
             path,

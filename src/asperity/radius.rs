@@ -111,7 +111,8 @@ impl Similarity {
         if self.place == 0.0 || interference.is_infinite() {
             return interference;
         }
-        self.origin + (interference - self.origin) * libm::pow(lane.ratio, self.place)
+        let power = if self.place == 1.0 { lane.ratio } else { libm::pow(lane.ratio, self.place) };
+        self.origin + (interference - self.origin) * power
     }
 }
 
@@ -167,6 +168,9 @@ pub trait OfRadii: Send + Sync {
 
     /// The ends of regimes of an asperity, m, rising.
     fn ends(&self, lane: &Lane, out: &mut Vec<f64>);
+
+    /// The end of a regime of an asperity, m, if it has one.
+    fn end(&self, regime: usize, lane: &Lane) -> Option<f64>;
 
     /// The pieces of an asperity.
     fn pieces_of(&self, lane: &Lane) -> Vec<Piece>;

@@ -23,10 +23,10 @@ impl Loop {
     /// The ω_max, m, above ω_c at which a distance that rises with ω_max, about as the recovery does, is `wanted`, m; ω_c
     /// where it is more for all that have flowed.
     fn passing(&self, wanted: f64, distance: impl Fn(f64) -> f64) -> f64 {
-        let low = self.top().next_up();
+        let low = self.onset.next_up();
         let beyond = |largest: f64| wanted - distance(largest);
         if !(beyond(low) > 0.0) {
-            return self.top();
+            return self.onset;
         }
         let slope: Box<dyn Fn(f64) -> f64 + '_> = match &self.springback {
             Springback::Powers(plastic) => Box::new(|largest| plastic.slope(largest)),
@@ -59,8 +59,8 @@ impl Loop {
         let further: Vec<f64> = ends.chain([attraction]).map(|end| self.release() - end).collect();
         let mut meetings: Vec<f64> =
             further.iter().map(|further| self.capture - self.release() + further).collect();
-        for largest in &self.approach.boundaries()[self.first_plastic - 1..] {
-            let largest = largest.interference;
+        let boundaries = self.approach.boundaries()[self.first_plastic - 1..].iter();
+        for largest in boundaries.map(|end| end.interference).chain([self.onset]) {
             meetings.extend(further.iter().map(|further| largest - self.release() + further));
             meetings.push(largest);
             if self.flows() {
@@ -131,9 +131,10 @@ impl<'a> Retraction<'a> {
             regimes: Vec::with_capacity(12),
             base: Vec::with_capacity(12),
             boundaries: Vec::with_capacity(12),
-            lost: cycle.top(),
+            lost: cycle.onset,
         };
-        let Loop { approach, retraction, capture, first_contact, first_plastic, .. } = cycle;
+        let Loop { approach, retraction, capture, first_contact, first_plastic, onset, .. } = cycle;
+        let (elastic, first_flowing) = cycle.elastic_regimes();
         let shifted =
             |boundary: Boundary| Boundary { interference: boundary.interference + distance, ..boundary };
         let captured = Boundary { interference: *capture, belongs_below: false };
@@ -145,10 +146,12 @@ impl<'a> Retraction<'a> {
         }
         let flows = cycle.flows();
         // Where a law without plastic flow ends, it is not known; on retraction it is known again.
-        let top =
-            approach.boundaries().get(first_plastic - 1).map(|end| if flows { *end } else { shifted(*end) });
-        for regime in 0..*first_plastic {
-            let end = retraction.boundaries().get(regime).filter(|_| regime + 1 < *first_plastic);
+        let top = approach
+            .boundaries()
+            .get(first_plastic - 1)
+            .map(|end| if flows { Boundary { interference: *onset, ..*end } } else { shifted(*end) });
+        for regime in 0..elastic {
+            let end = retraction.boundaries().get(regime).filter(|_| regime + 1 < elastic);
             let end = end.map(|end| higher(shifted(*end), captured));
             let end = match (end, top) {
                 (Some(end), Some(top)) => Some(lower(end, top)),
@@ -168,7 +171,7 @@ impl<'a> Retraction<'a> {
             law.push(Condition::Lowered(regime), Some(end));
         }
         law.lost = end.interference;
-        for regime in *first_plastic..approach.regimes().len() {
+        for regime in first_flowing..approach.regimes().len() {
             law.push(
                 Condition::Unloading(regime),
                 approach.boundaries().get(regime).map(|upper| higher(*upper, end)),
@@ -365,10 +368,9 @@ impl Law for Retraction<'_> {
                 plastic.recoveries(interference, own);
             }
             (Condition::Lowered(_), _) => {
-                let mut tops = [Top::default(); BLOCK];
-                let tops = &mut tops[..interference.len()];
-                self.cycle.tops(interference, tops, out, stats);
-                own.iter_mut().zip(&*tops).for_each(|(own, top)| *own = top.recovery - self.distance);
+                let mut tops = vec![Top::default(); interference.len()];
+                self.cycle.tops(interference, &mut tops, out, stats);
+                own.iter_mut().zip(&tops).for_each(|(own, top)| *own = top.recovery - self.distance);
                 let lanes: Vec<Lane> = tops.iter().map(|top| self.cycle.lane(top.ratio)).collect();
                 within(law, base, &lanes, own, f64::NEG_INFINITY);
                 return follow(law, base, &lanes, own, out, stats);

@@ -67,17 +67,13 @@ impl Springback {
         }
     }
 
-    /// The top of a contact of a load, N, and an area, m², at the interference ω_max, m, of an asperity of these units whose
-    /// radius is so many times that of the unloading.
-    pub fn top(&self, scale: &Scale, times: f64, largest: f64, [load, area]: [f64; 2]) -> Top {
+    /// The top of a contact of a load, N, and an area, m², at ω_max; but for the recovery along powers.
+    pub fn top(&self, scale: &Scale, load: f64, area: f64) -> Top {
         let radius = (area / PI).sqrt() / scale.radius;
         let ratio = scale.force * radius * radius * radius / load;
         let recovery = scale.length * radius * radius / ratio;
         match self {
-            Self::Powers(plastic) => {
-                Top { recovery: times * plastic.recovery(largest / times), ratio, adhesion: 0.0 }
-            }
-            Self::Elastic(_) => Top { recovery, ratio, adhesion: 0.0 },
+            Self::Powers(_) | Self::Elastic(_) => Top { recovery, ratio, adhesion: 0.0 },
             Self::Punch(_) => Top {
                 recovery: 8.0 / (3.0 * PI) * recovery,
                 ratio: 0.75 * PI * ratio,
@@ -99,7 +95,7 @@ impl Springback {
     pub fn release(&self, law: &dyn Law, top: &Top, lane: &Lane) -> f64 {
         match self {
             Self::Punch(_) => top.recovery * (1.0 - Decohesion::new(top.adhesion).end()),
-            _ => limits(self.contact(law), first_contact(self.contact(law)), lane, &mut Vec::new())[0],
+            _ => limits(self.contact(law), first_contact(self.contact(law)), lane)[0],
         }
     }
 
@@ -133,12 +129,11 @@ impl Springback {
         out: &mut Responses,
         stats: &mut SolverStats,
     ) {
-        let count = largest.len();
         if let Self::Powers(plastic) = self {
             return plastic.unload(largest, |_| distance, out);
         }
-        let top = |i: usize| self.top(scale, 1.0, largest[i], [out.contact[i], out.area[i]]);
-        let tops: Vec<Top> = (0..count).map(top).collect();
+        let top = |i: usize| self.top(scale, out.contact[i], out.area[i]);
+        let tops: Vec<Top> = (0..largest.len()).map(top).collect();
         let lanes: Vec<Lane> = tops.iter().map(|top| lane(top.ratio)).collect();
         self.unload_tops((law, &tops, &lanes), distance, out, stats);
     }
@@ -186,19 +181,17 @@ pub(super) fn of_radii(law: &dyn Law) -> &dyn OfRadii {
 }
 
 /// The interferences, m, between which an asperity is in a regime.
-fn limits(law: &dyn Law, regime: usize, lane: &Lane, ends: &mut Vec<f64>) -> [f64; 2] {
-    of_radii(law).ends(lane, ends);
-    let upper = ends.get(regime).copied().unwrap_or(f64::INFINITY);
-    let lower = if regime == 0 { f64::NEG_INFINITY } else { ends[regime - 1] };
-    [lower, upper]
+fn limits(law: &dyn Law, regime: usize, lane: &Lane) -> [f64; 2] {
+    let end = |regime: usize| of_radii(law).end(regime, lane);
+    let lower = regime.checked_sub(1).and_then(end).unwrap_or(f64::NEG_INFINITY);
+    [lower, end(regime).unwrap_or(f64::INFINITY)]
 }
 
 /// Has interferences, m, of asperities lie in a regime, or above it up to `beyond`, m: neither rounding nor a contact that
 /// ends earlier than the law's own may lead out of it.
 pub(super) fn within(law: &dyn Law, regime: usize, lanes: &[Lane], interference: &mut [f64], beyond: f64) {
-    let mut ends = Vec::new();
     for (delta, lane) in interference.iter_mut().zip(lanes) {
-        let [lower, upper] = limits(law, regime, lane, &mut ends);
+        let [lower, upper] = limits(law, regime, lane);
         *delta = delta.max(lower).min(upper.max(beyond));
     }
 }

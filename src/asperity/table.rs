@@ -225,6 +225,10 @@ impl OfRadii for Table {
         out.extend(self.places.iter().map(|place| place.of(lane)));
     }
 
+    fn end(&self, regime: usize, lane: &Lane) -> Option<f64> {
+        self.places.get(regime).map(|place| place.of(lane))
+    }
+
     fn pieces_of(&self, lane: &Lane) -> Vec<Piece> {
         let ends: Vec<f64> = self.places.iter().map(|place| place.of(lane)).collect();
         pieces(&self.parts, &ends, |part, lower, upper| {

@@ -40,11 +40,12 @@ impl Turned {
     pub fn new(cycle: &Loop, lanes: &Arc<[Lane]>, largest: Vec<f64>, stats: &mut SolverStats) -> Self {
         let regimes = cycle.approach().regimes().len();
         let (contact, plastic) = (cycle.first_contact, cycle.first_plastic);
+        let (back, unloads) = cycle.elastic_regimes();
         let untouched = (0..contact).map(Condition::Untouched);
         // A law that does not flow may end: beyond is no regime.
-        let elastic = (0..plastic + usize::from(!cycle.flows())).map(Condition::Elastic);
+        let elastic = (0..back + usize::from(!cycle.flows())).map(Condition::Elastic);
         let lowered = (0..if cycle.flows() { contact } else { 0 }).map(Condition::Lowered);
-        let flowed = (plastic..regimes).map(Condition::Unloading);
+        let flowed = (unloads..regimes).map(Condition::Unloading);
         let conditions = untouched.chain(elastic).chain(lowered).chain(flowed).collect();
         let columns = cycle.approach().boundaries().len();
         let count = largest.len();
@@ -61,8 +62,12 @@ impl Turned {
             deepest: vec![0; count],
             ends: vec![Vec::with_capacity(count); columns],
         };
-        let first = [0, contact, contact + plastic];
+        let first = [0, contact, contact + back];
         let [approach, retraction] = [Path::Approach, Path::Retraction].map(|path| cycle.lanes(path));
+        // From where tops are lowered is as ω_c is.
+        let onset = |lane: &Lane, ends: &[f64]| {
+            if cycle.onset == cycle.critical() { ends[plastic - 1] } else { cycle.onset * lane.ratio }
+        };
         let (mut on_approach, mut own, mut flowed) = (Vec::new(), Vec::new(), Vec::new());
         for (i, lane) in lanes.iter().enumerate() {
             let largest = turned.largest[i];
@@ -71,7 +76,7 @@ impl Turned {
             let capture = approach.capture_of(lane).map_or(touch, |capture| capture.min(touch));
             let fate = if largest < capture {
                 0
-            } else if cycle.flows() && largest > on_approach[plastic - 1] {
+            } else if cycle.flows() && largest > onset(lane, &on_approach) {
                 2
             } else {
                 1
@@ -79,14 +84,14 @@ impl Turned {
             turned.fates.push(fate as u8);
             turned.first.push(first[fate] as u8);
             if fate == 2 {
-                let regime = on_approach.iter().take_while(|end| largest > **end).count().max(plastic);
-                turned.deepest[i] = (first[2] + contact + regime - plastic) as u8;
+                let regime = on_approach.iter().take_while(|end| largest > **end).count().max(unloads);
+                turned.deepest[i] = (first[2] + contact + regime - unloads) as u8;
                 flowed.push(i as u32);
             }
             // What is not passed on this way.
             let passed = match fate {
                 0 => contact - 1,
-                1 if cycle.flows() => plastic - 1,
+                1 if cycle.flows() => back - 1,
                 1 => columns,
                 _ => contact,
             };
@@ -109,7 +114,7 @@ impl Turned {
         self.borne = vec![[0.0; 3]; self.largest.len()];
         self.tops = vec![Top::default(); self.largest.len()];
         let (approach, mut out) = (cycle.lanes(Path::Approach), Responses::default());
-        for regime in cycle.first_plastic..cycle.approach().regimes().len() {
+        for regime in cycle.elastic_regimes().1..cycle.approach().regimes().len() {
             let is_in =
                 |i: &u32| self.conditions[self.deepest[*i as usize] as usize] == Condition::Unloading(regime);
             let in_regime: Vec<u32> = flowed.iter().copied().filter(is_in).collect();
@@ -121,7 +126,10 @@ impl Turned {
                     let own = &self.lanes[i];
                     let scale = cycle.scale.of(own);
                     self.borne[i] = [adhesion, load, area];
-                    self.tops[i] = cycle.springback.top(&scale, own.ratio, largest[lane], [load, area]);
+                    self.tops[i] = cycle.springback.top(&scale, load, area);
+                    if let Springback::Powers(plastic) = &cycle.springback {
+                        self.tops[i].recovery = own.ratio * plastic.recovery(largest[lane] / own.ratio);
+                    }
                 }
             }
         }
@@ -248,7 +256,7 @@ impl Turned {
         }
         let (path, end) = match self.fates[asperity] {
             0 => (Path::Approach, cycle.first_contact),
-            1 => (Path::Retraction, cycle.first_plastic),
+            1 => (Path::Retraction, cycle.elastic_regimes().0),
             _ => (Path::Retraction, cycle.first_contact),
         };
         let pieces = cycle.lanes(path).pieces_of(lane);

@@ -8,7 +8,7 @@
 //! | ω_max | what acts |
 //! |---|---|
 //! | below first touch, or the jump to the inner of two states before it | the law on approach at δ: nothing has been touched, so retraction retraces the approach |
-//! | up to ω_c, or any of a law that knows no flow | the law on retraction at δ: contact lasts to the end of its stable branch |
+//! | up to ω_c (more in a case below), or any of a law that knows no flow | the law on retraction at δ: contact lasts to the end of its stable branch |
 //! | above ω_c | the unloading of an elastic-plastic contact, below |
 //!
 //! After plastic flow the asperity is lower by its residual interference ω_res, springs back by its recovery ω_max −
@@ -35,8 +35,9 @@
 //! One cycle from a fresh surface. The unloading of Etsion, Kligerman and Kadin was computed for loads up to the limits of
 //! the elastic-plastic fits of Kogut and Etsion, and is for those alone; in the fully plastic regime it is used beyond them,
 //! without adhesion, as there is none on approach. Its ω_c is taken to be that of the law. The others are for any loading.
-//! Where a loading law jumps up at ω_c (by 3 % that of Kogut and Etsion, by half that of Chang, Etsion and Bogy), the secant
-//! leaves tops there that are sharper than R and spring back by more than ω_max. Where the attraction across the gap has two
+//! Where a loading law jumps up as it begins to flow (by 3 % that of Kogut and Etsion, by half that of Chang, Etsion and Bogy),
+//! the secant would have tops spring back by more than ω_max, and give out more energy than they took up. Up to where it does
+//! not, 1.6ω_c and 3.9ω_c with these, asperities go back along their approach. Where the attraction across the gap has two
 //! states, for λ from 0.888 on, approach takes the outer one to its fold. Where contact leads to the inner one without a jump,
 //! to λ = 0.938, an asperity that has come to that stays on it to its own fold, lowered or not; above that it is on the outer
 //! one again, as the laws are. Sources: Etsion, Kligerman and Kadin, Int. J. Solids Struct. 42
@@ -53,7 +54,11 @@ use super::radius::{Lane, OfRadii, RadiusLaw};
 use super::scale::Scale;
 use super::springback::{Springback, Top, first_contact, of_radii};
 use super::stats::SolverStats;
+use crate::math::roots::{Sample, safe_newton};
 use std::sync::Arc;
+
+/// Recoveries of continuous laws are ω_max where they begin to flow, but for so much of it.
+const ROUNDING: f64 = 1e-12;
 
 /// How contacts that have flowed are unloaded.
 ///
@@ -193,6 +198,9 @@ pub struct Loop {
     /// Index of the first regime of contact, and of the first above ω_c.
     pub(super) first_contact: usize,
     pub(super) first_plastic: usize,
+    /// Interference, m, above which an asperity does not go back as it came: ω_c, or more where the unloading would have
+    /// tops spring back by more than ω_max.
+    pub(super) onset: f64,
     /// How what has flowed springs back.
     pub(super) springback: Springback,
     /// Whether tops that have flowed have radii of their own.
@@ -231,10 +239,11 @@ impl Loop {
         if own_radii && retraction.of_radii().is_none() {
             return Err(LawError::NotFlattened);
         }
-        Ok(Self {
+        let mut cycle = Self {
             capture,
             first_contact,
             first_plastic,
+            onset: f64::INFINITY,
             springback: springback(unloading, parameters)?,
             own_radii,
             ratio: 1.0,
@@ -242,7 +251,37 @@ impl Loop {
             scale: parameters.scale,
             approach,
             retraction,
-        })
+        };
+        cycle.onset = cycle.find_onset();
+        Ok(cycle)
+    }
+
+    /// The interference, m, from which the recovery is not more than ω_max.
+    fn find_onset(&self) -> f64 {
+        let critical = self.critical();
+        if !self.flows() || matches!(self.springback, Springback::Powers(_)) {
+            return critical;
+        }
+        let more = |largest: f64| self.top_of(largest).recovery - largest;
+        let (low, mut high) = (critical.next_up(), 2.0 * critical);
+        // Equal recoveries differ by rounding.
+        if !(more(low) > ROUNDING * critical) {
+            return critical;
+        }
+        while more(high) > 0.0 && high < f64::MAX {
+            high *= 2.0;
+        }
+        let falling = |largest: f64| Sample { value: more(largest), slope: f64::NAN };
+        safe_newton(falling, low, high, f64::NAN, |_, _| false).x
+    }
+
+    /// The regimes in which asperities go back as they came, but for the history, and the first in which some do not.
+    pub(super) fn elastic_regimes(&self) -> (usize, usize) {
+        if self.onset == self.critical() {
+            return (self.first_plastic, self.first_plastic);
+        }
+        let last = self.approach.boundaries().partition_point(|end| !end.is_above(self.onset));
+        (last + 1, last)
     }
 
     /// The loop of asperities that differ from those of this one in their radius alone: the lane is one of this loop.
@@ -253,10 +292,12 @@ impl Loop {
     pub fn of(&self, lane: Lane) -> Self {
         let [approach, retraction] = [&self.approach, &self.retraction].map(|law| RadiusLaw::new(law, lane));
         let touch = begin_of(&approach, self.first_contact);
-        Self {
+        let mut cycle = Self {
             capture: approach.capture().map_or(touch, |capture| capture.min(touch)),
             first_contact: self.first_contact,
             first_plastic: self.first_plastic,
+            // Loads, areas and recoveries are those of ω_max/ω_c.
+            onset: self.onset * lane.ratio,
             springback: self.springback.of(lane),
             own_radii: self.own_radii,
             ratio: lane.ratio,
@@ -264,7 +305,11 @@ impl Loop {
             scale: self.scale.of(&lane),
             approach: Arc::new(approach),
             retraction: Arc::new(retraction),
+        };
+        if self.onset == self.critical() {
+            cycle.onset = cycle.critical();
         }
+        cycle
     }
 
     /// The law along a path of asperities of any radius, in lanes.
@@ -301,7 +346,7 @@ impl Loop {
     pub fn fate(&self, largest: f64) -> usize {
         if largest < self.capture {
             0
-        } else if self.flows() && largest > self.top() {
+        } else if self.flows() && largest > self.onset {
             2
         } else {
             1
@@ -320,7 +365,7 @@ impl Loop {
         };
         let untouched =
             ends(self.approach(), self.first_contact).into_iter().filter(|end| *end <= self.capture);
-        let elastic = ends(self.retraction(), self.first_plastic);
+        let elastic = ends(self.retraction(), self.elastic_regimes().0);
         // Contact ends, and the load where it has sprung back.
         let mut flowed = ends(self.retraction(), self.first_contact);
         let contact = self.contact();
@@ -330,8 +375,8 @@ impl Loop {
     }
 
     /// The same of a top that has a radius of its own since it flowed, at the interference ω_max, m: where
-    /// its attraction jumps, where that begins, where contact ends, and where the contact is not smooth; NaN where it has
-    /// none. None where R is kept.
+    /// its attraction jumps, where the film breaks, where contact ends, and where the contact is not smooth; NaN where it
+    /// has none. None where R is kept.
     pub fn flattened_kinks(&self, largest: f64) -> Option<[f64; 4]> {
         if !self.own_radii {
             return None;
@@ -339,13 +384,10 @@ impl Loop {
         let top = self.top_of(largest);
         let lane = self.lane(top.ratio);
         let release = self.springback.release(self.retraction(), &top, &lane);
-        // A lubricant touches as much before as it does on the law's own top.
-        let before = match self.first_contact {
-            0 | 1 => f64::NAN,
-            contact => release - (self.release() - begin_of(self.retraction(), contact - 1)),
-        };
+        let film = self.retraction.boundaries()[..self.first_contact - 1].last();
+        let film = film.map_or(f64::NAN, |film| release - (self.release() - film.interference));
         let attraction = self.attraction_kink(&lane).unwrap_or(f64::NAN);
-        Some([attraction, before, release, self.springback.kink(&top)])
+        Some([attraction, film, release, self.springback.kink(&top)])
     }
 
     /// The law of which the end of contact is that of contacts that have flowed.
@@ -362,7 +404,7 @@ impl Loop {
         pieces.find(|piece| piece.regime < self.first_contact && is_kink(piece.smoothness)).map(|p| p.upper)
     }
 
-    /// An asperity of a radius over that of the loop.
+    /// The asperity of R′/R.
     #[doc(hidden)]
     pub fn lane(&self, ratio: f64) -> Lane {
         Lane::new(self.ratio * ratio, self.lambda)
@@ -382,7 +424,7 @@ impl Loop {
     /// up to ω_c.
     pub fn recovery(&self, largest: f64) -> f64 {
         match &self.springback {
-            _ if largest <= self.top() || !self.flows() => largest,
+            _ if largest <= self.onset || !self.flows() => largest,
             Springback::Powers(plastic) => plastic.recovery(largest),
             _ => self.top_of(largest).recovery,
         }
@@ -392,7 +434,7 @@ impl Loop {
     /// none if it has none.
     pub fn detachment(&self, largest: f64) -> Option<f64> {
         (largest >= self.touch()).then(|| {
-            if self.own_radii && largest > self.top() {
+            if self.own_radii && largest > self.onset {
                 self.detachment_of(largest)
             } else {
                 self.recovery(largest) - self.release()
@@ -403,7 +445,11 @@ impl Loop {
     /// The same of one that has flowed, whose top has a radius of its own.
     pub(super) fn detachment_of(&self, largest: f64) -> f64 {
         let top = self.top_of(largest);
-        top.recovery - self.springback.release(self.retraction(), &top, &self.lane(top.ratio))
+        let recovery = match &self.springback {
+            Springback::Powers(plastic) => plastic.recovery(largest),
+            _ => top.recovery,
+        };
+        recovery - self.springback.release(self.retraction(), &top, &self.lane(top.ratio))
     }
 
     /// The distance, m, from which a contact that has flowed to ω_max, m, is not smooth, in itself.
@@ -415,7 +461,7 @@ impl Loop {
     /// R′/R of the top of an asperity of the interference ω_max, m, whose contact has ended; 1 where nothing
     /// flowed, or R is kept.
     pub fn radius_ratio(&self, largest: f64) -> f64 {
-        if self.own_radii && largest > self.top() { self.top_of(largest).ratio } else { 1.0 }
+        if self.own_radii && largest > self.onset { self.top_of(largest).ratio } else { 1.0 }
     }
 
     /// The top of an asperity of the interference ω_max, m, above ω_c.
@@ -442,10 +488,14 @@ impl Loop {
             let end = begin + largest[begin..].iter().take_while(|largest| regime(**largest) == own).count();
             self.approach.evaluate(own, &largest[begin..end], out, stats);
             for (i, place) in (begin..end).enumerate() {
-                tops[place] =
-                    self.springback.top(&self.scale, 1.0, largest[place], [out.contact[i], out.area[i]]);
+                tops[place] = self.springback.top(&self.scale, out.contact[i], out.area[i]);
             }
             begin = end;
+        }
+        if let Springback::Powers(plastic) = &self.springback {
+            let mut recoveries = vec![0.0; largest.len()];
+            plastic.recoveries(largest, &mut recoveries);
+            tops.iter_mut().zip(recoveries).for_each(|(top, recovery)| top.recovery = recovery);
         }
     }
 
@@ -462,7 +512,7 @@ impl Loop {
     }
 
     /// End of the elastic regime, m.
-    pub(super) fn top(&self) -> f64 {
+    pub(super) fn critical(&self) -> f64 {
         self.approach.boundaries().get(self.first_plastic - 1).map_or(f64::INFINITY, |end| end.interference)
     }
 }

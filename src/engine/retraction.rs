@@ -15,8 +15,9 @@ const ROUNDINGS: f64 = 32.0;
 const UNLIKE: f64 = 1.5;
 /// More kinks than there are of one fate.
 const KINKS: usize = 64;
-/// Kinks of a top that has flowed and has a radius of its own.
-const TOP: usize = 4;
+/// Kinks of a top that has a radius of its own, and which of them is the end of contact.
+const OF_TOP: usize = 4;
+const CONTACT_END: usize = 2;
 
 /// A surface on retraction from one separation, all heights held.
 pub(super) struct Retracted<'a> {
@@ -55,7 +56,7 @@ pub(super) struct Released {
 /// A top that has flowed and has a radius of its own.
 pub(super) struct FlattenedTop {
     /// Separations h of its kinks, m.
-    places: [f64; TOP],
+    places: [f64; OF_TOP],
     /// Distance from the closest approach at which it loses contact, m.
     detachment: f64,
 }
@@ -68,7 +69,10 @@ impl FlattenedTop {
         let first = heights.partition_point(|u| cycle.fate(u - closest) < FLOWED);
         let top = |largest: f64| {
             let (kinks, recovery) = (cycle.flattened_kinks(largest)?, cycle.recovery(largest));
-            Some(Self { places: kinks.map(|kink| from + recovery - kink), detachment: recovery - kinks[2] })
+            Some(Self {
+                places: kinks.map(|kink| from + recovery - kink),
+                detachment: recovery - kinks[CONTACT_END],
+            })
         };
         heights[first..].iter().map_while(|u| top(u - closest)).collect()
     }
@@ -112,7 +116,7 @@ impl<'a> Retracted<'a> {
 
     /// The kink of a top that is not flattened which each of a flattened one is like: the last are alike.
     fn alike(&self, kink: usize) -> usize {
-        (kink + self.kinks[FLOWED].len()).saturating_sub(TOP)
+        (kink + self.kinks[FLOWED].len()).saturating_sub(OF_TOP)
     }
 
     /// The separation h, m, of a kink of an asperity, by the number of the kink, if it has that.
@@ -125,7 +129,7 @@ impl<'a> Retracted<'a> {
 
     /// How many kinks asperities of a fate have at most.
     fn count(&self, fate: usize) -> usize {
-        if self.is_flattened(fate) { TOP } else { self.kinks[fate].len() }
+        if self.is_flattened(fate) { OF_TOP } else { self.kinks[fate].len() }
     }
 
     /// An asperity by its number among the heights.
@@ -184,7 +188,7 @@ impl Curve for Retracted<'_> {
         let mut found = Vec::new();
         for (fate, kinks) in self.kinks.iter().enumerate() {
             if self.is_flattened(fate) {
-                let is_near = |top: &FlattenedTop| (0..TOP).any(|number| top.passes(number, low, high));
+                let is_near = |top: &FlattenedTop| (0..OF_TOP).any(|number| top.passes(number, low, high));
                 let near = self.flattened.iter().enumerate().filter(|(_, top)| is_near(top));
                 found.extend(near.map(|(i, _)| self.released(self.ends[FLOWED - 1] + i, fate)));
                 continue;
@@ -244,7 +248,7 @@ impl Curve for Retracted<'_> {
     fn falls(&mut self, low: f64, high: f64, mut visit: impl FnMut(f64, usize)) {
         for (fate, kinks) in self.kinks.iter().enumerate() {
             if self.is_flattened(fate) {
-                for number in 0..TOP {
+                for number in 0..OF_TOP {
                     let passing = |top: &&FlattenedTop| top.passes(number, low, high);
                     visit(kinks[self.alike(number)].fall, self.flattened.iter().filter(passing).count());
                 }

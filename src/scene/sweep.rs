@@ -266,6 +266,14 @@ mod tests {
                 false => "",
             };
             let scene = format!("{scene}\n{substrate}");
+            // Fits are of one law, and of loops whose tops keep their radius.
+            let scene = match key.name {
+                "model.law" | "model.unloading" => scene
+                    .replace("critical_approach =", "# critical_approach =")
+                    .replace("fit:paper", "hybrid")
+                    .replace("history = \"approach\"", "history = \"loop\""),
+                _ => scene,
+            };
             let base = Scene::parse(&scene).unwrap();
             // Such as would do for most of them.
             let number = match key.dimension {
@@ -287,12 +295,14 @@ mod tests {
                 .unwrap();
             let numbers = |scene: &Scene| {
                 format!(
-                    "{:?} {:?} {:?} {:?} {:?}",
+                    "{:?} {:?} {:?} {:?} {:?} {} {:?}",
                     scene.asperity,
                     scene.surface,
                     scene.critical_approach,
                     scene.sum_tolerance,
-                    scene.substrate
+                    scene.substrate,
+                    scene.model.name,
+                    scene.unloading
                 )
             };
             assert_ne!(numbers(&swept), numbers(&base), "{}", key.name);

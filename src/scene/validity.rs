@@ -6,8 +6,8 @@
 use super::definition::Scene;
 use super::ranges::{FEWEST_ASPERITIES, Range, ranges};
 use super::warning::{Expected, Reading, Warning, WhatIsRead};
-use crate::asperity::models::Model;
-use crate::asperity::{Law, Regime};
+use crate::asperity::models::{Model, SMALLEST_JKR_LAMBDA};
+use crate::asperity::{Law, Regime, Unloading};
 use crate::format::{si, signed_percent};
 use crate::integral::substrate_stiffness;
 use crate::substrate::Coupling;
@@ -112,15 +112,45 @@ fn sizes(scene: &Scene, dry: bool) -> Vec<Warning> {
     warnings
 }
 
-/// Whether contacts unload that are deeper than those for which that is known.
+/// Whether contacts unload that are deeper than those for which that is known, or by an adhesion that is not theirs.
 fn unloading(scene: &Scene, law: &dyn Law) -> Option<Warning> {
-    let plastic =
-        law.regimes().iter().position(|regime| *regime == Regime::Plastic).filter(|_| scene.cycle)?;
+    if !scene.cycle {
+        return None;
+    }
     let d = scene.surface.asperity_separation(scene.separations[0]);
-    let share =
-        scene.surface.heights.probability(law.boundaries()[plastic - 1].interference + d, f64::INFINITY);
-    let contacts = share * scene.surface.asperity_count as f64 * scene.replicas as f64;
-    (contacts >= FEWEST_UNLOADED).then(|| Warning::new(format!("{contacts:.0} contacts of the whole run are fully plastic when the surfaces turn back"), "the unloading of elastic-plastic contacts (Etsion, Kligerman and Kadin 2005) is used beyond its range for them", &["separation", "hardness"]))
+    let deeper = |place: f64| {
+        let share = scene.surface.heights.probability(place + d, f64::INFINITY);
+        let contacts = share * scene.surface.asperity_count as f64 * scene.replicas as f64;
+        (contacts >= FEWEST_UNLOADED).then_some(contacts)
+    };
+    let of_regime = |is: fn(&Regime) -> bool| {
+        let first = law.regimes().iter().position(is).filter(|first| *first > 0)?;
+        deeper(law.boundaries()[first - 1].interference)
+    };
+    match scene.unloading {
+        Unloading::EtsionKligermanKadin(_) => {
+            let contacts = of_regime(|regime| *regime == Regime::Plastic)?;
+            Some(Warning::new(
+                format!(
+                    "{contacts:.0} contacts of the whole run are fully plastic when the surfaces turn back"
+                ),
+                "the unloading of elastic-plastic contacts (Etsion, Kligerman and Kadin 2005) is used beyond its range for them",
+                &["separation", "hardness"],
+            ))
+        }
+        Unloading::Secant => None,
+        Unloading::MesarovicJohnson | Unloading::ThorntonNing => {
+            let lambda = scene.scale().lambda;
+            let flows = |regime: &Regime| {
+                matches!(regime, Regime::Elastoplastic1 | Regime::Elastoplastic2 | Regime::Plastic)
+            };
+            (lambda < SMALLEST_JKR_LAMBDA && of_regime(flows).is_some()).then(|| Warning::new(
+                format!("lambda = {lambda:.3} is below {SMALLEST_JKR_LAMBDA}, the limit of adhesion within the contact only"),
+                "the unloading that was chosen has that of JKR (Johnson and Greenwood 1997)",
+                &["unloading"],
+            ))
+        }
+    }
 }
 
 /// Whether any asperity touches at the closest separation, and enough of them.

@@ -155,6 +155,36 @@ const CASES: &[(&str, &str, &[&str])] = &[
         "history = \"loop\"\nunloaded_radius = \"flat\"",
         &["unknown unloaded_radius", "known: kept, elastic"],
     ),
+    (
+        "history = \"approach\"",
+        "unloading = \"secant\"",
+        &["line 21", "model.unloading", "pulled back after they were pressed", "history = \"loop\""],
+    ),
+    (
+        "history = \"approach\"",
+        "history = \"loop\"\nunloading = \"secand\"",
+        &[
+            "line 22",
+            "unknown unloading",
+            "did you mean \"secant\"?",
+            "known: ekk, secant, mesarovic_johnson",
+        ],
+    ),
+    (
+        "law = \"hybrid\"\nhistory = \"approach\"",
+        "law = \"zmc\"\nhistory = \"loop\"\nunloading = \"ekk\"",
+        &["line 22", "`model.unloading = \"ekk\"`", "not of that of zmc", "\"secant\""],
+    ),
+    (
+        "history = \"approach\"",
+        "history = \"loop\"\nunloading = \"thornton_ning\"\nunloaded_radius = \"kept\"",
+        &["line 23", "model.unloaded_radius", "a choice of unloading = \"ekk\"", "leave the key out"],
+    ),
+    (
+        "law = \"hybrid\"\nhistory = \"approach\"",
+        "law = \"jg\"\nhistory = \"loop\"\nunloaded_radius = \"elastic\"",
+        &["line 22", "\"secant\" leaves tops with radii of their own"],
+    ),
     ("replicas = 200", "replicas = 0", &["`ensemble.replicas = 0`", "from 1 to"]),
     ("replicas = 200", "replicas = 2.5", &["`ensemble.replicas = 2.5`", "whole number"]),
     (
@@ -553,6 +583,7 @@ const VARIANTS: &[Variant] = &[
         ],
         &[("model.history", "\"loop\"")],
     ),
+    (&["model.history"], &["model.unloading"], &[("model.history", "\"loop\"")]),
     (&[], &["sweep"], &[]),
     (
         &[],

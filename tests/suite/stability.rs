@@ -253,7 +253,7 @@ fn sweep(name: &str, parameters: &LawParameters, count: usize) -> usize {
     let context =
         |delta: f64| format!("{name}, {:?}, λ {:e}, Δ {delta:e}", parameters.path, parameters.scale.lambda);
     // The attraction around a contact is tabulated to 1e-13.
-    let own = if name == "sbl" || name == "ceb" { 1e-12 } else { 1e-13 };
+    let own = if ["sbl", "ceb", "zmc", "jg", "tn"].contains(&name) { 1e-12 } else { 1e-13 };
     let mut points = 0;
     for (regime, kind) in direct.regimes().iter().enumerate() {
         let deltas = approaches(direct.as_ref(), regime, count);
@@ -305,6 +305,7 @@ fn sweep_all(lambdas_of_a_law: usize, count: usize) {
             let plastic = LawParameters {
                 critical_interference: 0.7,
                 pressure_factor: pressure_factor(0.27),
+                hardness_ratio: Some(0.03),
                 lubricant_thickness: 0.4,
                 ..elastic
             };

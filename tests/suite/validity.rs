@@ -216,15 +216,37 @@ fn unloading_beyond_its_range_is_told() {
     assert!(found(&soft.replace("history = \"approach\"", "history = \"loop\"")));
     assert!(!found(&soft));
     assert!(!found(&small().replace("history = \"approach\"", "history = \"loop\"")));
+    // Other unloadings have no such range.
+    assert!(!found(&soft.replace("history = \"approach\"", "history = \"loop\"\nunloading = \"secant\"")));
+}
+
+/// The adhesion of two unloadings is JKR's, which is told where λ is too small for it and something flows.
+#[test]
+fn unloading_by_an_adhesion_of_another_limit_is_told() {
+    let found = |scene: &str, unloading: &str| {
+        let history = format!("history = \"loop\"\nunloading = \"{unloading}\"");
+        let folder = Folder::new(&scene.replace("history = \"approach\"", &history));
+        let check = folder.stiction(&["check", "scene.toml"]);
+        assert_exit(&check, 0);
+        let told = "lambda = 0.899 is below 5, the limit of adhesion within the contact only";
+        warnings(&text(&check.stdout)).iter().any(|warning| warning.contains(told))
+    };
+    let hard = small().replace("\"2.5 GPa\"", "\"100 GPa\"");
+    for (unloading, has_that_of_jkr) in
+        [("ekk", false), ("secant", false), ("mesarovic_johnson", true), ("thornton_ning", true)]
+    {
+        assert_eq!(found(&small(), unloading), has_that_of_jkr, "{unloading}");
+        assert!(!found(&hard, unloading), "{unloading}: nothing flows");
+    }
 }
 
 /// What the shipped scenes are warned of is true and matters: case III sticks so well that a seventh of the
 /// area is in contact at pull-off, and surfaces that have touched hold harder; loops that are pressed deep turn where asperities are not far apart, and
-/// two sweeps go to the end of what a lubricant and a Gaussian surface can be. All others have nothing to be
+/// two sweeps go to the end of what a lubricant and a Gaussian surface can be, and one compares models at a λ between their limits. All others have nothing to be
 /// warned of.
 #[test]
 fn shipped_scenes_are_warned_of_what_matters_only() {
-    scenes_are_warned_of_what_matters_only(&[""], 14);
+    scenes_are_warned_of_what_matters_only(&[""], 15);
 }
 
 #[test]
@@ -258,6 +280,8 @@ fn scenes_are_warned_of_what_matters_only(folders: &[&str], fewest: u32) {
         ("sweep_surface_energy.toml", AT_PULL_OFF),
         ("sweep_lubricant.toml", "is thicker than sigma"),
         ("sweep_roughness.toml", "eta R sigma = 0.0221 is below"),
+        ("sweep_plastic.toml", "lambda = 0.165 is above 0.1"),
+        ("sweep_plastic.toml", "lambda = 0.165 is below 5, the limit of adhesion within the contact only"),
     ];
     let folder = Folder::new("");
     let configs = Path::new(env!("CARGO_MANIFEST_DIR")).join("configs");

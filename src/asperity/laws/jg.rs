@@ -39,17 +39,16 @@ const TABLE_TOLERANCE: f64 = 8e-15;
 /// The law `jg`.
 ///
 /// # Errors
-/// [`LawError::Elastic`] without a critical interference.
+/// [`LawError::Elastic`] without a critical interference, [`LawError::Hardness`] without H/E_r.
 pub fn jg(parameters: &LawParameters) -> Result<Box<dyn Law>, LawError> {
     let own = parameters.plastic("jg")?;
-    let radius = own.scale.radius * own.scale.radius / own.scale.length;
-    // H/E_r, from ω_c = (πKH/2E_r)²R of the setting.
-    let hardness = (own.critical_interference / radius).sqrt() / (0.5 * PI * own.pressure_factor);
-    let strain = hardness / HARDNESS;
+    let strain = own.hardness_ratio.ok_or(LawError::Hardness("jg"))? / HARDNESS;
     let c = 1.295 * libm::exp(0.736 * poisson_ratio(own.pressure_factor));
     let b = 0.14 * libm::exp(23.0 * strain);
     let root = 0.5 * PI * c * strain;
-    let own = LawParameters { critical_interference: root * root * radius, ..*own };
+    // (πCY/2E_r)²R over (πKH/2E_r)²R.
+    let ratio = c / (HARDNESS * own.pressure_factor);
+    let own = LawParameters { critical_interference: ratio * ratio * own.critical_interference, ..*own };
     let critical = Critical::new(&own);
     let (load, disc) = (critical.load, critical.disc);
     let area = move |x: f64| x * libm::pow(x / FIRST_END, b);

@@ -133,6 +133,7 @@ fn usage(error: LawError) -> Failure {
             "fit:paper is of three asperities with dimensions, and these have none".to_owned()
         }
         LawError::Elastic(_) => format!("{error}: give --critical-interference, in the unit of --delta"),
+        LawError::Hardness(_) => format!("{error}: give a table of asperities with dimensions"),
         _ => error.to_string(),
     })
 }

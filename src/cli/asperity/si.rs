@@ -143,6 +143,7 @@ impl Tip {
             scale: Scale::new(&asperity)?,
             critical_interference: asperity.critical_interference(),
             pressure_factor: asperity.pressure_factor(),
+            hardness_ratio: hardness.map(|hardness| hardness / reduced_modulus),
             lubricant_thickness: asperity.lubricant_thickness,
             critical_approach: None,
             path,

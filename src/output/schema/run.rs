@@ -34,7 +34,7 @@ const NPD: &[Dimension] = &[Dimension::Replica, Dimension::Preload, Dimension::S
 pub static RUN: Layout = Layout {
     format: "stiction-run",
     command: "stiction run",
-    version: [3, 2],
+    version: [3, 3],
     groups: &["ensemble", "replicas", "integral", "validation", "diagnostics"],
     optional_groups: &["asperities", "coupling", "independence", "instability"],
     variables: LazyLock::new(variables),

@@ -100,10 +100,9 @@ impl HeldSurface<'_> {
         if let Some((asperities, lane_sums)) = &mut self.asperities {
             let way = Way::Approach;
             let places = self.places.get_or_insert_with(|| Places::new(job, asperities, way));
-            let Sums { scratch, stats, .. } = &mut *self.sums;
+            let stats = &mut self.sums.stats;
             let known = (self.kinks, &*places);
-            let mut surface =
-                PolydisperseCurve::new(job, known, (asperities, way), lane_sums, (scratch, stats));
+            let mut surface = PolydisperseCurve::new(job, known, (asperities, way), lane_sums, stats);
             return sought.find(&mut surface, samples, spacing);
         }
         match &mut self.moments {
@@ -167,9 +166,8 @@ impl HeldSurface<'_> {
             self.places_back = Some((from, Places::new(job, asperities, way)));
         }
         let (_, places) = self.places_back.as_ref().expect("it was found");
-        let Sums { scratch, stats, .. } = &mut *self.sums;
-        let known = (self.kinks, places);
-        let mut surface = PolydisperseCurve::new(job, known, (asperities, way), lane_sums, (scratch, stats));
+        let (known, stats) = ((self.kinks, places), &mut self.sums.stats);
+        let mut surface = PolydisperseCurve::new(job, known, (asperities, way), lane_sums, stats);
         sought.find(&mut surface, samples, spacing)
     }
 

@@ -3,9 +3,9 @@
 
 use super::Job;
 use super::kinks::{Kink, Kinks, beside, rounding};
-use super::polydisperse::{Asperities, LaneSums, PulledBack};
+use super::polydisperse::{Asperities, LaneSums, Pair, Pairs, PulledBack};
 use super::search::{Curve, Passing, Stray};
-use crate::asperity::{Loop, Scratch, SolverStats};
+use crate::asperity::{Loop, SolverStats};
 
 /// How many times the stray and the fall of a kink of the typical asperity those of another may be.
 const UNLIKE: f64 = 2.0;
@@ -61,8 +61,10 @@ pub(super) struct PolydisperseCurve<'a> {
     asperities: &'a Asperities,
     way: Way<'a>,
     places: &'a Places,
+    /// The places of each kink, rising, when they have been asked for.
+    sorted: Vec<Vec<f64>>,
     sums: &'a mut LaneSums,
-    scratch: &'a mut Scratch,
+    pairs: Pairs,
     stats: &'a mut SolverStats,
 }
 
@@ -73,7 +75,7 @@ impl<'a> PolydisperseCurve<'a> {
         (typical, places): (&Kinks, &'a Places),
         (asperities, way): (&'a Asperities, Way<'a>),
         sums: &'a mut LaneSums,
-        (scratch, stats): (&'a mut Scratch, &'a mut SolverStats),
+        stats: &'a mut SolverStats,
     ) -> Self {
         let unlike = |kinks: &Vec<Kink>| {
             let mut last = Stray::default();
@@ -89,7 +91,17 @@ impl<'a> PolydisperseCurve<'a> {
             Way::Approach => vec![unlike(&typical.approach)],
             Way::Retraction(..) => typical.retraction.iter().map(unlike).collect(),
         };
-        Self { job, typical, asperities, way, places, sums, scratch, stats }
+        Self {
+            job,
+            typical,
+            asperities,
+            way,
+            places,
+            sorted: Vec::new(),
+            sums,
+            pairs: Pairs::default(),
+            stats,
+        }
     }
 
     /// What has become of an asperity.
@@ -114,25 +126,42 @@ impl<'a> PolydisperseCurve<'a> {
         &self.typical[kink / KINKS][kink % KINKS]
     }
 
-    /// The jump of the curve as the separation grows past a place, h in m, at which an asperity passes a kink.
-    fn step(&mut self, asperity: u32, place: f64) -> f64 {
-        if let Way::Retraction(..) = self.way {
-            let beside = self.rounding();
-            let [below, above] =
-                [place - beside, place + beside].map(|h| self.external_force(Some(&[asperity]), h));
-            return above - below;
-        }
-        let height = self.asperities.heights[asperity as usize] + self.job.surface.mean_plane_offset;
-        let sides = beside(height - place);
-        let force = self.asperities.forces(asperity as usize, &sides, self.scratch, self.stats);
-        force[0] - force[1]
-    }
-
     fn external_force(&mut self, which: Option<&[u32]>, separation: f64) -> f64 {
         let d = self.job.surface.asperity_separation(separation);
         match self.way {
             Way::Approach => self.asperities.external_force(which, d, self.sums, self.stats),
             Way::Retraction(cycle, pulled) => pulled.external_force(cycle, which, d, self.sums, self.stats),
+        }
+    }
+
+    /// The steps of the curve, as the separation grows, at the places of passings of some asperities on approach.
+    fn steps(&mut self, asperities: &[u32], passings: &mut [Passing]) {
+        let (heights, offset) = (&self.asperities.heights, self.job.surface.mean_plane_offset);
+        let sides = passings.iter().enumerate().flat_map(|(k, passing)| {
+            let asperity = asperities[passing.asperity as usize];
+            let height = heights[asperity as usize];
+            let pair = move |(side, interference)| Pair {
+                asperity,
+                separation: height - interference,
+                sum: (2 * k + side) as u32,
+            };
+            beside(height + offset - passing.place).into_iter().enumerate().map(pair)
+        });
+        let mut forces = vec![0.0; 2 * passings.len()];
+        self.pairs.add(self.asperities, sides, self.stats, &mut forces);
+        for (passing, sides) in passings.iter_mut().zip(forces.chunks(2)) {
+            passing.step = sides[0] - sides[1];
+        }
+    }
+
+    /// The same on retraction.
+    fn steps_back(&mut self, asperities: &[u32], passings: &mut [Passing]) {
+        let beside = self.rounding();
+        for passing in passings {
+            let own = [asperities[passing.asperity as usize]];
+            let [below, above] =
+                [passing.place - beside, passing.place + beside].map(|h| self.external_force(Some(&own), h));
+            passing.step = above - below;
         }
     }
 }
@@ -150,13 +179,15 @@ impl Curve for PolydisperseCurve<'_> {
     }
 
     fn passings(&mut self, asperities: &[u32], low: f64, high: f64, passings: &mut Vec<Passing>) {
+        let first = passings.len();
         for (i, asperity) in asperities.iter().enumerate() {
-            let near: Vec<(f64, usize)> =
-                self.kinks(*asperity).filter(|(place, _)| *place >= low && *place <= high).collect();
-            for (place, kink) in near {
-                let step = self.step(*asperity, place);
-                passings.push(Passing { place, step, kink: kink as u32, asperity: i as u32 });
-            }
+            let near = self.kinks(*asperity).filter(|(place, _)| *place >= low && *place <= high);
+            let passing = |(place, kink)| Passing { place, step: 0.0, kink: kink as u32, asperity: i as u32 };
+            passings.extend(near.map(passing));
+        }
+        match self.way {
+            Way::Approach => self.steps(asperities, &mut passings[first..]),
+            Way::Retraction(..) => self.steps_back(asperities, &mut passings[first..]),
         }
     }
 
@@ -175,20 +206,34 @@ impl Curve for PolydisperseCurve<'_> {
     }
 
     fn add(&mut self, asperities: &[u32], separations: &[f64], sums: &mut [f64]) {
-        for (separation, sum) in separations.iter().zip(sums) {
-            *sum += self.external_force(Some(asperities), *separation);
+        if let Way::Retraction(..) = self.way {
+            for (separation, sum) in separations.iter().zip(sums) {
+                *sum += self.external_force(Some(asperities), *separation);
+            }
+            return;
         }
+        let surface = self.job.surface;
+        let pairs = separations.iter().enumerate().flat_map(|(sum, separation)| {
+            let separation = surface.asperity_separation(*separation);
+            asperities.iter().map(move |asperity| Pair { asperity: *asperity, separation, sum: sum as u32 })
+        });
+        self.pairs.add(self.asperities, pairs, self.stats, sums);
     }
 
     fn falls(&mut self, low: f64, high: f64, mut visit: impl FnMut(f64, usize)) {
-        let mut counts = vec![0; KINKS * self.typical.len()];
-        for asperity in 0..self.asperities.heights.len() as u32 {
-            let near = self.kinks(asperity).filter(|(place, _)| *place >= low && *place <= high);
-            near.for_each(|(_, kink)| counts[kink] += 1);
+        if self.sorted.is_empty() {
+            self.sorted = vec![Vec::new(); KINKS * self.typical.len()];
+            for asperity in 0..self.asperities.heights.len() as u32 {
+                let kinks: Vec<(f64, usize)> = self.kinks(asperity).collect();
+                kinks.into_iter().for_each(|(place, kink)| self.sorted[kink].push(place));
+            }
+            self.sorted.iter_mut().for_each(|places| places.sort_unstable_by(f64::total_cmp));
         }
-        for (kink, count) in counts.into_iter().enumerate().filter(|(_, count)| *count > 0) {
+        for (kink, places) in self.sorted.iter().enumerate().filter(|(_, places)| !places.is_empty()) {
+            let first = places.partition_point(|place| *place < low);
+            let count = places.partition_point(|place| *place <= high).saturating_sub(first);
             let fall = self.typical(kink).fall;
-            if fall > 0.0 {
+            if fall > 0.0 && count > 0 {
                 visit(fall, count);
             }
         }

@@ -63,17 +63,19 @@ const PHI_3: [f64; 6] = [
 const PHI_4: [f64; 3] = [1.0160873929239695e-15, 1.6268396913523534e-15, 6.945677649831848e-16];
 
 use crate::math::polynomials::{estrin, horner};
+use std::sync::LazyLock;
 
 /// γλ^(3/2), by which `attraction` knows an asperity.
 pub fn stiffness(lambda: f64) -> f64 {
     GAMMA * lambda * lambda.sqrt()
 }
 
+/// The rigid gap from which on it holds however stiff the asperity is.
+static BY_GAP: LazyLock<f64> = LazyLock::new(|| libm::pow(LARGEST.1, -1.0 / 6.0));
+
 /// The rigid gap z₀ from which on the series holds, for γλ^(3/2).
 pub fn nearest(stiffness: f64) -> f64 {
-    let by_deformation = libm::pow(stiffness / LARGEST.0, 2.0 / 7.0);
-    let by_gap = libm::pow(LARGEST.1, -1.0 / 6.0);
-    by_deformation.max(by_gap)
+    libm::pow(stiffness / LARGEST.0, 2.0 / 7.0).max(*BY_GAP)
 }
 
 /// F̂_s at a rigid gap z₀ from the [`nearest`] on, for γλ^(3/2).

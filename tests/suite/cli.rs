@@ -451,7 +451,8 @@ fn maps_in_a_wrong_unit_are_warned_of() {
     let harmonic = count / radii.iter().map(|radius| 1.0 / radius).sum::<f64>();
     let mean = radii.iter().sum::<f64>() / count;
     let shown = |radius: f64| format!("{:.3} µm", 1e6 * radius);
-    let row = |label: &str| plain.lines().find(|line| line.contains(label)).unwrap().to_owned();
+    let row =
+        |label: &str| plain.lines().find(|line| line.trim_start().starts_with(label)).unwrap().to_owned();
     assert!(row("1/mean curvature").contains(&shown(harmonic)), "{plain}");
     assert!(row("mean radius").contains(&shown(mean)), "{plain}");
     let check = text(&folder.stiction(&["check", "scene.toml"]).stdout);

@@ -322,6 +322,47 @@ fn chang_etsion_and_bogy_have_their_limits() {
     }
 }
 
+/// Values of their formulas from elsewhere: Zhao, Maietta and Chang's at 10ω₁, and Jackson and Green's at x = 10 and 110 for
+/// Y/E_r = 0.005 and ν = 0.3, whose load jumps by 0.47 % at x = 1.9; and limits: the mean pressure is 0.4H where the one
+/// begins to flow and H where it is fully plastic; that of the other has its limit where strains vanish.
+#[test]
+fn other_plastic_contacts_have_their_values_and_limits() {
+    let (ratio, critical) = (2.84 * 0.005, 20.0);
+    let setting = |hardness_ratio| LawParameters {
+        critical_interference: critical,
+        pressure_factor: pressure_factor(0.3),
+        hardness_ratio: Some(hardness_ratio),
+        ..LawParameters::scaled(0.1, Path::Approach).unwrap()
+    };
+    let zmc = build("zmc", &setting(ratio));
+    let first = zmc.boundaries()[1].interference;
+    // Hertz's mean pressure in these units is √ω over π.
+    let hardness = first.sqrt() / (0.4 * PI);
+    let of = |x: f64| at(zmc.as_ref(), x * first);
+    assert_close(of(10.0)[2] / first, 10.76714335, 1e-9);
+    assert_close(of(10.0)[1] / (PI * first * hardness), 8.035966827, 1e-9);
+    for (x, mean) in [(1.0, 0.4), (1.0 + 1e-9, 0.4), (54.0, 1.0), (54.0 + 1e-7, 1.0), (1e4, 1.0)] {
+        assert_close(of(x)[1] / (PI * of(x)[2]), mean * hardness, 1e-8);
+    }
+    assert_close(of(1e4)[2], 2e4 * first, 1e-13);
+    let jg = build("jg", &setting(ratio));
+    let unit = jg.boundaries()[1].interference / 1.9;
+    for (x, area, load) in [(10.0, 12.98017671, 25.87766390), (110.0, 208.0830959, 499.0433847)] {
+        let [_, p, square] = at(jg.as_ref(), x * unit);
+        assert_close(square / unit, area, 1e-9);
+        assert_close(p / unit.powf(1.5), load, 1e-9);
+    }
+    let [below, above] = [1.9 * (1.0 - 1e-12), 1.9 * (1.0 + 1e-12)].map(|x| at(jg.as_ref(), x * unit)[1]);
+    assert!((above / below - 1.0047).abs() < 5e-5, "{}", above / below);
+    // So small a strain leaves a/R small where the contact is long plastic. H is P_c/(π K ω_c) 3/2 in these units.
+    let soft = build("jg", &setting(1e-9));
+    let [_, p, square] = at(soft.as_ref(), 1e5 * critical);
+    let hardness = 1.5 * critical.sqrt() / (PI * pressure_factor(0.3));
+    // P_c is 2/3 CY of the area at ω_c, so P tends to 8/3 H of Hertz's area, and A is (x/1.9)^B of that.
+    let fit = (1e5 * critical / (soft.boundaries()[1].interference)).powf(-0.14);
+    assert_close(p / (PI * square), 8.0 / 3.0 * hardness * fit, 1e-7);
+}
+
 /// Where a law begins to flow, in the setting of these tests: ω_c = (πKH/2E_r)²R is [`CRITICAL`], and ω₁ = (3π 0.4H/4E_r)²R
 /// and (πCY/2E_r)²R, Y = H/2.84, over it are what H leaves.
 fn yields(name: &str) -> f64 {

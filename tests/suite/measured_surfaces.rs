@@ -606,21 +606,26 @@ fn options_that_the_map_does_not_allow_are_refused() {
     assert_eq!(folder.files(), ["scene.toml", "small.txt"]);
 }
 
-/// Saddles among the summits are counted and warned of.
+/// Saddles among the summits are counted, and told.
 #[test]
 fn saddles_are_told() {
     let mut random = ChaCha8Rng::seed_from_u64(3);
-    let noise = (0..200 * 200).map(|_| random.random_range(-1e-9..1e-9)).collect();
-    let map = HeightMap::new(noise, [200; 2], [1e-8; 2]).unwrap().levelled(Levelling::None).unwrap();
+    let noise: Vec<f64> = (0..200 * 200).map(|_| random.random_range(-1.0..1.0)).collect();
+    let folder = Folder::new("");
+    write_npy(&folder.path("map.npy"), &noise, 200);
+    let map = HeightMap::new(noise, [200; 2], [10.0; 2]).unwrap().levelled(Levelling::None).unwrap();
     let found = Asperities::new(&map).unwrap();
     let is_saddle = |summit: &&stiction::surface::map::Summit| {
         summit.curvature[0] * summit.curvature[1] <= summit.twist.powi(2)
     };
-    let saddles = found.summits.iter().filter(is_saddle).count();
+    let (saddles, count) = (found.summits.iter().filter(is_saddle).count(), found.summits.len());
+    assert!(saddles > 0);
     assert_eq!(found.shape.saddles, saddles);
-    let told = format!("{saddles} of {} summits", found.summits.len());
-    let is_told = found.caveats(map.pixel()).iter().any(|caveat| caveat.starts_with(&told));
-    assert_eq!((is_told, saddles > 0), (true, true), "{saddles}");
+    let arguments = ["map.npy", "--pixel", "10 nm", "--height-unit", "nm", "--level", "none"];
+    let run = folder.stiction(&[&["asperities"], &arguments[..]].concat());
+    assert_exit(&run, 0);
+    let told = format!("{saddles} of {count} ");
+    assert!(text(&run.stdout).contains(&told), "{told}: {}", text(&run.stdout));
 }
 
 /// Coarse pixels, few summits, a lay and steps of height are warned of.

@@ -96,6 +96,28 @@ fn points_of_coupled_surfaces_have_the_bits_of_their_runs() {
     }
 }
 
+/// Laws and unloadings are swept by their names; a value of a zip may be there again.
+#[test]
+fn points_may_have_models_of_their_own() {
+    let of = "mode = \"zip\"\nmodel.law = [\"hybrid\", \"hybrid\", \"zmc\"]\n\
+              model.unloading = [\"ekk\", \"mesarovic_johnson\", \"secant\"]\n";
+    let text = swept(of).replace("history = \"approach\"", "history = \"loop\"");
+    let text = text.replace("replicas = 40", "replicas = 8").replace("from = -1.0", "from = 1.0");
+    let folder = Folder::new(&text);
+    assert_exit(&folder.stiction(&["run", "scene.toml"]), 0);
+    assert_exit(&folder.stiction(&["validate", "scene.h5"]), 0);
+    let (sweep, all) = (sweep(&text), unlocked::open(folder.path("scene.h5")));
+    // Those of one law have the same regimes.
+    for point in 0..2 {
+        std::fs::write(folder.path("point.toml"), sweep.text(point).unwrap()).unwrap();
+        assert_exit(&folder.stiction(&["run", "point.toml", "--force"]), 0);
+        same(&unlocked::open(folder.path("point.h5")), &all, &sweep.place(point));
+    }
+    let attribute = unlocked::open(folder.path("point.h5")).attr("unloading").unwrap();
+    let name = attribute.read_scalar::<hdf5::types::VarLenUnicode>().unwrap();
+    assert_eq!(name.as_str(), "mesarovic_johnson");
+}
+
 /// Every number of a single run stands in the sweep.
 #[track_caller]
 fn same(single: &hdf5::File, all: &hdf5::File, place: &[usize]) {

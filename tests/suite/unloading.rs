@@ -291,6 +291,53 @@ fn no_contact_gives_out_more_than_it_took_up() {
     }
 }
 
+/// The integral of the retraction against a sum over four hundred thousand heights of closed forms, by the secant after
+/// Thornton and Ning's load: P and the area of all contacts, which do not depend on the adhesion.
+#[test]
+fn the_integral_of_the_secant_is_a_sum_of_closed_forms() {
+    use stiction::asperity::Quantity;
+    use stiction::integral::Expectations;
+    use stiction::surface::{Heights, Surface};
+    let (asperity, surface) = case("I");
+    let std = 3e-9;
+    let surface = Surface {
+        heights: Heights::gaussian(std),
+        surface_height_std: std,
+        mean_plane_offset: 0.0,
+        ..surface
+    };
+    let cycle = cycle_of("tn", &asperity, Unloading::Secant).unwrap();
+    let (modulus, critical) = (asperity.reduced_modulus, asperity.critical_interference());
+    let k = 4.0 / 3.0 * modulus * asperity.radius.sqrt();
+    for further in [0.0, 0.7e-9, 2.5e-9] {
+        let closest = 1.0 * std;
+        let integral = Expectations::retraction_at(&cycle, &surface, closest, closest + further);
+        let (mut load, mut area) = (0.0, 0.0);
+        let step = 10.0 * std / 400_000.0;
+        for i in 0..400_000 {
+            let height = closest + step * (f64::from(i) + 0.5);
+            let weight = (-0.5 * (height / std).powi(2)).exp() / ((2.0 * PI).sqrt() * std) * step;
+            let largest = height - closest;
+            let (radius, delta) = if largest <= critical {
+                (asperity.radius, largest - further)
+            } else {
+                let pressed = k * critical.powf(1.5) * (1.5 * largest / critical - 0.5);
+                let [left, recovery] = secant(&asperity, [pressed, (asperity.radius * largest).sqrt()]);
+                (left, recovery - further)
+            };
+            if delta > 0.0 {
+                load += weight * 4.0 / 3.0 * modulus * (radius * delta.powi(3)).sqrt();
+                area += weight * PI * radius * delta;
+            }
+        }
+        let count = surface.asperity_count as f64;
+        for (quantity, sum) in [(Quantity::ContactForce, load), (Quantity::ContactArea, area)] {
+            let found = integral.expected[quantity.index()][0] / (count * sum);
+            assert!((found - 1.0).abs() < 1e-8, "{further:e} {quantity:?}: {found}");
+        }
+    }
+}
+
 /// The adhesion of Kogut and Etsion's elastic fit around the contact of the secant, 0.98 (δ/ω_c′)^0.298 (ε/ω_c′)^−0.29
 /// 2πR′Δγ with the ω_c′ of R′, however deep.
 #[test]

@@ -43,7 +43,7 @@ pub(super) fn summary(surface: &Surface<'_>) -> String {
     let prominent = prominent.unwrap_or_default();
     let count = asperities.summits.len();
     text += &row("asperities", &format!("{count} on {:.4e} m^2{prominent}", asperities.nominal_area));
-    text += &shape(&asperities.shape);
+    text += &shape(&asperities.shape, count);
     text += &surface.caveats.iter().map(|caveat| row("warning", caveat)).collect::<String>();
     text.push('\n');
     text += &parameters(surface);
@@ -81,15 +81,26 @@ fn parameters(surface: &Surface<'_>) -> String {
     text + &line("eta R sigma_s", pure(ours), pure(theirs), ours / theirs)
 }
 
-/// How far summits are from the spheres of the laws, and what that makes of their force.
-fn shape(shape: &Shape) -> String {
+/// How far `count` summits are from the spheres of the laws, and what that makes of their force.
+fn shape(shape: &Shape, count: usize) -> String {
     if !shape.ratio.is_finite() {
         return String::new();
     }
     let [mean, geometric] = shape.forces.map(|share| signed_percent(share - 1.0));
-    row("shape", &format!("k1/k2 = {:.2}, median ratio of the principal curvatures", shape.ratio))
-        + &row("", "Hertz force of a sphere against that of such an ellipsoid, at the same interference:")
-        + &row("", &format!("{mean} with R = 1/mean curvature, {geometric} with R = 1/sqrt(k1 k2)"))
+    let mut text =
+        row("shape", &format!("k1/k2 = {:.2}, median ratio of the principal curvatures", shape.ratio))
+            + &row(
+                "",
+                "Hertz force of a sphere against that of such an ellipsoid, at the same interference:",
+            )
+            + &row("", &format!("{mean} with R = 1/mean curvature, {geometric} with R = 1/sqrt(k1 k2)"));
+    if shape.saddles > 0 {
+        let share = 100.0 * shape.saddles as f64 / count as f64;
+        let saddles =
+            format!("{} of {count} ({share:.1} %) are saddles by second differences, k2 <= 0", shape.saddles);
+        text += &row("", &format!("{saddles}: spheres of their mean curvature"));
+    }
+    text
 }
 
 /// The parameters over the cut-off; that of the map has a mark.

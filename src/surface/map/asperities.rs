@@ -18,8 +18,6 @@ const NOT_GAUSSIAN: (f64, f64) = (0.3, 0.6);
 const ANISOTROPIC: f64 = 1.5;
 /// Least α of a random isotropic surface.
 const LEAST_ALPHA: f64 = 1.5;
-/// Summits of which a larger share are saddles, %, are in part those of noise.
-const MANY_SADDLES: f64 = 2.0;
 
 /// Asperities of the Greenwood-Williamson surface that is equivalent to a measured one, from
 /// spectral moments alone (McCool 1987, J. Tribol. 109, 264; mean height by Bush, Gibson and Thomas 1975,
@@ -223,14 +221,6 @@ impl Asperities {
             let error = 100.0 / (count as f64).sqrt();
             caveats
                 .push(format!("{count} summits are few: their density is uncertain by about {error:.0} %"));
-        }
-        let saddles = self.shape.saddles;
-        let share = 100.0 * saddles as f64 / count as f64;
-        if share > MANY_SADDLES {
-            caveats.push(format!(
-                "{saddles} of {count} summits ({share:.1} %) are saddles by their second differences, k2 <= 0: noise and coarse pixels \
-                 make such; --smooth takes most of them away"
-            ));
         }
         if moments.skewness.abs() > NOT_GAUSSIAN.0 || moments.excess_kurtosis.abs() > NOT_GAUSSIAN.1 {
             let (skewness, kurtosis) = (moments.skewness, moments.excess_kurtosis);

@@ -121,6 +121,18 @@ impl<F: Fn(f64) -> f64> Tabulated<F> {
         Self { formula, per_length, unit, over_root: false, table }
     }
 
+    /// The same with a table that meets the formula to an absolute `tolerance` of x.
+    pub(super) fn within(
+        unit: f64,
+        per_length: f64,
+        formula: F,
+        tolerance: impl Fn(f64) -> f64,
+        reach: (f64, f64),
+    ) -> Self {
+        let table = Piecewise::new(&formula, |x, _| tolerance(x), reach.0, reach.1);
+        Self { formula, per_length, unit, over_root: false, table }
+    }
+
     /// The same for a formula that is smooth in √x.
     pub fn over_root(unit: f64, per_length: f64, formula: F, tolerance: f64, reach: (f64, f64)) -> Self {
         let of_root = |root: f64| formula(root * root);

@@ -46,6 +46,9 @@ pub enum Branches {
 }
 
 impl Noncontact {
+    /// s_δ/Z₀ over λ.
+    pub const PER_SPACING: f64 = PI / (2.0 * STRESS_RATIO);
+
     /// The branches of the curve for the adhesion parameter `lambda` > 0.
     pub fn branches(lambda: f64) -> Branches {
         Self::branches_at(lambda, Self::whole(lambda).outer_fold())

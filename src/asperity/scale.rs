@@ -121,6 +121,18 @@ pub struct Scale {
 }
 
 impl Scale {
+    /// The units of an asperity of `ratio` times the radius.
+    #[doc(hidden)]
+    pub fn of_ratio(&self, ratio: f64) -> Self {
+        let root = libm::cbrt(ratio);
+        Self {
+            lambda: self.lambda * root,
+            length: self.length * root,
+            radius: self.radius * (root * root),
+            force: self.force * ratio,
+        }
+    }
+
     /// The units for an asperity.
     ///
     /// # Errors

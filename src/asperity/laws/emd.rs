@@ -18,7 +18,6 @@ use super::md::MaugisContact;
 use crate::asperity::elastic;
 use crate::asperity::emd::Emd;
 use crate::asperity::error::LawError;
-use crate::asperity::far;
 use crate::asperity::formula::Constant;
 use crate::asperity::history::Path;
 use crate::asperity::law::Method;
@@ -132,16 +131,14 @@ impl PartOfRadii for Attraction {
     ) {
         let count = interference.len();
         let per_spacing = 1.0 / self.scale.equilibrium_spacing();
-        let own = far::stiffness(self.scale.lambda);
-        let (mut gaps, mut stiffness) = ([0.0; BLOCK], [0.0; BLOCK]);
-        for (i, delta) in interference.iter().enumerate() {
-            gaps[i] = 1.0 - (delta + self.thickness) * per_spacing;
-            stiffness[i] = own * lanes.at(i).root;
+        let inverse = 1.0 / self.scale.length;
+        // Where there is no load, its memory has the displacements.
+        let displacements = &mut out.contact[..count];
+        for (i, (displacement, delta)) in displacements.iter_mut().zip(interference).enumerate() {
+            *displacement = (delta + self.thickness) * (inverse * lanes.at(i).per_cube_root);
         }
-        let displacement =
-            |i: usize| (interference[i] + self.thickness) / (self.scale.length * lanes.at(i).cube_root);
-        let far = (&gaps[..count], &stiffness[..count]);
-        elastic::noncontact(far, |i| &lanes.at(i).elastic, displacement, &mut out.adhesion, stats);
+        let gap = |i: usize| 1.0 - (interference[i] + self.thickness) * per_spacing;
+        elastic::noncontact(|i| &lanes.at(i).elastic, gap, displacements, &mut out.adhesion, stats);
         for (i, adhesion) in out.adhesion[..count].iter_mut().enumerate() {
             *adhesion *= self.scale.force * lanes.at(i).ratio;
         }

@@ -305,18 +305,24 @@ fn smoothness(roots: &[Root], lower: f64, upper: f64) -> (Vec<f64>, Vec<Smoothne
 /// Fills `out` with the values of a formula for asperities at interferences δ, m.
 fn fill_lanes(formula: &impl Formula, lanes: Lanes<'_>, interference: &[f64], out: &mut [f64]) {
     let Some(Similarity { origin, place, value }) = formula.similarity() else { return };
-    let mut own = [0.0; BLOCK];
-    let own = &mut own[..interference.len()];
-    own.copy_from_slice(interference);
-    if place != 0.0 {
-        own.iter_mut().for_each(|delta| *delta -= origin);
+    if place == 0.0 {
+        InstructionSet::current().run(
+            #[inline(always)]
+            || formula.fill(interference, out),
+        );
+    } else {
+        let mut own = [0.0; BLOCK];
+        let own = &mut own[..interference.len()];
+        own.iter_mut().zip(interference).for_each(|(own, delta)| *own = delta - origin);
         lanes.times_power(-place, own);
-        own.iter_mut().for_each(|delta| *delta += origin);
+        InstructionSet::current().run(
+            #[inline(always)]
+            || {
+                own.iter_mut().for_each(|delta| *delta += origin);
+                formula.fill(own, out);
+            },
+        );
     }
-    InstructionSet::current().run(
-        #[inline(always)]
-        || formula.fill(own, out),
-    );
     lanes.times_power(value, out);
 }
 

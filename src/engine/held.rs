@@ -70,9 +70,8 @@ impl HeldSurface<'_> {
         let (kinks, spacing) = (self.kinks.approach.as_slice(), widest_spacing(job));
         if let Some((asperities, lane_sums)) = &mut self.asperities {
             let places = self.places.get_or_insert_with(|| Places::new(job, asperities));
-            let Sums { scratch, stats, .. } = &mut *self.sums;
             let mut surface =
-                PolydisperseCurve::new(job, (kinks, places), asperities, lane_sums, (scratch, stats));
+                PolydisperseCurve::new(job, (kinks, places), asperities, lane_sums, &mut self.sums.stats);
             return sought.find(&mut surface, samples, spacing);
         }
         match &mut self.moments {

@@ -1,12 +1,15 @@
 //! Sums over asperities that differ in their radii, and so in λ: state by state, in blocks of asperities that are in one
 //! regime, each lane with the radius of its asperity.
 
+mod pairs;
+
+pub(super) use pairs::{Pair, Pairs};
+
 use super::Job;
 use super::curves::Curves;
-use super::kinks::forces;
 use super::sums::RegimeSums;
 use crate::asperity::radius::{Lane, Lanes};
-use crate::asperity::{BLOCK, Family, Law, Responses, Scratch, SolverStats};
+use crate::asperity::{BLOCK, Family, Responses, SolverStats};
 use crate::math::instruction_set::InstructionSet;
 use crate::math::sums::lane_sum;
 
@@ -27,6 +30,8 @@ pub(super) struct LaneSums {
     /// By regime.
     pub regimes: Vec<RegimeSums>,
     lists: Vec<Vec<u32>>,
+    /// The regime of each asperity.
+    own: Vec<u64>,
     interference: [f64; BLOCK],
     responses: Responses,
 }
@@ -37,6 +42,7 @@ impl LaneSums {
         Self {
             regimes: vec![RegimeSums::default(); regimes],
             lists: vec![Vec::new(); regimes + 1],
+            own: Vec::new(),
             interference: [0.0; BLOCK],
             responses: Responses::default(),
         }
@@ -80,11 +86,28 @@ impl Asperities {
 
     /// Sums some, or all, at a separation d, m.
     pub fn sum(&self, which: Option<&[u32]>, d: f64, sums: &mut LaneSums, stats: &mut SolverStats) {
-        let LaneSums { regimes, lists, interference, responses } = sums;
+        let LaneSums { regimes, lists, own, interference, responses } = sums;
         lists.iter_mut().for_each(Vec::clear);
-        for &i in which.unwrap_or(&self.all) {
-            let regime: usize = self.ends.iter().map(|ends| usize::from(d <= ends[i as usize])).sum();
-            lists[regime].push(i);
+        match which {
+            Some(which) => {
+                for &i in which {
+                    let regime: usize = self.ends.iter().map(|ends| usize::from(d <= ends[i as usize])).sum();
+                    lists[regime].push(i);
+                }
+            }
+            None => {
+                InstructionSet::current().run(
+                    #[inline(always)]
+                    || {
+                        own.clear();
+                        own.resize(self.all.len(), 0);
+                        for ends in &self.ends {
+                            own.iter_mut().zip(ends).for_each(|(own, end)| *own += u64::from(d <= *end));
+                        }
+                    },
+                );
+                self.all.iter().zip(own.iter()).for_each(|(i, regime)| lists[*regime as usize].push(*i));
+            }
         }
         let law = self.family.lanes();
         for (regime, (sum, list)) in regimes.iter_mut().zip(lists).enumerate() {
@@ -120,16 +143,5 @@ impl Asperities {
         let ends: Vec<f64> = pieces.iter().map(|piece| piece.lower).chain(last).collect();
         let height = self.heights[asperity];
         ends.into_iter().filter(|end| end.is_finite()).map(move |end| height - end)
-    }
-
-    /// External forces, N, of an asperity at interferences δ, m, rising.
-    pub fn forces(
-        &self,
-        asperity: usize,
-        interferences: &[f64],
-        scratch: &mut Scratch,
-        stats: &mut SolverStats,
-    ) -> Vec<f64> {
-        forces(&self.family.law_of(self.lanes[asperity]) as &dyn Law, interferences, scratch, stats)
     }
 }

@@ -3,9 +3,9 @@
 
 use super::Job;
 use super::kinks::{Kink, beside, rounding};
-use super::polydisperse::{Asperities, LaneSums};
+use super::polydisperse::{Asperities, LaneSums, Pair, Pairs};
 use super::search::{Curve, Passing, Stray};
-use crate::asperity::{Scratch, SolverStats};
+use crate::asperity::SolverStats;
 
 /// How many times the stray and the fall of a kink of the typical asperity those of another may be.
 const UNLIKE: f64 = 2.0;
@@ -45,8 +45,10 @@ pub(super) struct PolydisperseCurve<'a> {
     typical: Vec<Kink>,
     asperities: &'a Asperities,
     places: &'a Places,
+    /// The places of each kink, rising, when they have been asked for.
+    sorted: Vec<Vec<f64>>,
     sums: &'a mut LaneSums,
-    scratch: &'a mut Scratch,
+    pairs: Pairs,
     stats: &'a mut SolverStats,
 }
 
@@ -57,7 +59,7 @@ impl<'a> PolydisperseCurve<'a> {
         (typical, places): (&[Kink], &'a Places),
         asperities: &'a Asperities,
         sums: &'a mut LaneSums,
-        (scratch, stats): (&'a mut Scratch, &'a mut SolverStats),
+        stats: &'a mut SolverStats,
     ) -> Self {
         let mut last = Stray::default();
         let unlike = |kink: &Kink| {
@@ -67,7 +69,7 @@ impl<'a> PolydisperseCurve<'a> {
             Kink { fall: UNLIKE * kink.fall, stray: last.times(UNLIKE), ..*kink }
         };
         let typical = typical.iter().map(unlike).collect();
-        Self { job, typical, asperities, places, sums, scratch, stats }
+        Self { job, typical, asperities, places, sorted: Vec::new(), sums, pairs: Pairs::default(), stats }
     }
 
     /// The kinks of an asperity: separations h, m, falling, and the kink of the typical asperity that is like
@@ -80,9 +82,9 @@ impl<'a> PolydisperseCurve<'a> {
             .map(move |(i, place)| (*place, (i + typical).saturating_sub(places.len()).min(typical - 1)))
     }
 
-    fn external_force(&mut self, which: Option<&[u32]>, separation: f64) -> f64 {
+    fn external_force(&mut self, separation: f64) -> f64 {
         let d = self.job.surface.asperity_separation(separation);
-        self.asperities.external_force(which, d, self.sums, self.stats)
+        self.asperities.external_force(None, d, self.sums, self.stats)
     }
 }
 
@@ -90,7 +92,7 @@ impl Curve for PolydisperseCurve<'_> {
     type Asperity = u32;
 
     fn exact(&mut self, separations: &[f64]) -> Vec<f64> {
-        separations.iter().map(|h| self.external_force(None, *h)).collect()
+        separations.iter().map(|h| self.external_force(*h)).collect()
     }
 
     fn kinked(&mut self, low: f64, high: f64) -> Vec<u32> {
@@ -99,20 +101,28 @@ impl Curve for PolydisperseCurve<'_> {
     }
 
     fn passings(&mut self, asperities: &[u32], low: f64, high: f64, passings: &mut Vec<Passing>) {
+        let first = passings.len();
         for (i, asperity) in asperities.iter().enumerate() {
-            let height = self.asperities.heights[*asperity as usize] + self.job.surface.mean_plane_offset;
-            let near: Vec<(f64, usize)> =
-                self.kinks(*asperity).filter(|(place, _)| *place >= low && *place <= high).collect();
-            for (place, kink) in near {
-                let sides = beside(height - place);
-                let force = self.asperities.forces(*asperity as usize, &sides, self.scratch, self.stats);
-                passings.push(Passing {
-                    place,
-                    step: force[0] - force[1],
-                    kink: kink as u32,
-                    asperity: i as u32,
-                });
-            }
+            let near = self.kinks(*asperity).filter(|(place, _)| *place >= low && *place <= high);
+            let passing = |(place, kink)| Passing { place, step: 0.0, kink: kink as u32, asperity: i as u32 };
+            passings.extend(near.map(passing));
+        }
+        let (heights, offset) = (&self.asperities.heights, self.job.surface.mean_plane_offset);
+        let sides = passings[first..].iter().enumerate().flat_map(|(k, passing)| {
+            let asperity = asperities[passing.asperity as usize];
+            let height = heights[asperity as usize];
+            beside(height + offset - passing.place).into_iter().enumerate().map(
+                move |(side, interference)| Pair {
+                    asperity,
+                    separation: height - interference,
+                    sum: (2 * k + side) as u32,
+                },
+            )
+        });
+        let mut forces = vec![0.0; 2 * (passings.len() - first)];
+        self.pairs.add(self.asperities, sides, self.stats, &mut forces);
+        for (passing, sides) in passings[first..].iter_mut().zip(forces.chunks(2)) {
+            passing.step = sides[0] - sides[1];
         }
     }
 
@@ -125,17 +135,28 @@ impl Curve for PolydisperseCurve<'_> {
     }
 
     fn add(&mut self, asperities: &[u32], separations: &[f64], sums: &mut [f64]) {
-        for (separation, sum) in separations.iter().zip(sums) {
-            *sum += self.external_force(Some(asperities), *separation);
-        }
+        let surface = self.job.surface;
+        let pairs = separations.iter().enumerate().flat_map(|(sum, separation)| {
+            let separation = surface.asperity_separation(*separation);
+            asperities.iter().map(move |asperity| Pair { asperity: *asperity, separation, sum: sum as u32 })
+        });
+        self.pairs.add(self.asperities, pairs, self.stats, sums);
     }
 
     fn falls(&mut self, low: f64, high: f64, mut visit: impl FnMut(f64, usize)) {
-        let mut counts = vec![0; self.typical.len()];
-        for asperity in 0..self.asperities.heights.len() as u32 {
-            let near = self.kinks(asperity).filter(|(place, _)| *place >= low && *place <= high);
-            near.for_each(|(_, kink)| counts[kink] += 1);
+        if self.sorted.is_empty() {
+            self.sorted = vec![Vec::new(); self.typical.len()];
+            for asperity in 0..self.asperities.heights.len() as u32 {
+                let kinks: Vec<(f64, usize)> = self.kinks(asperity).collect();
+                kinks.into_iter().for_each(|(place, kink)| self.sorted[kink].push(place));
+            }
+            self.sorted.iter_mut().for_each(|places| places.sort_unstable_by(f64::total_cmp));
         }
+        let count = |places: &Vec<f64>| {
+            let first = places.partition_point(|place| *place < low);
+            places.partition_point(|place| *place <= high).saturating_sub(first)
+        };
+        let counts: Vec<usize> = self.sorted.iter().map(count).collect();
         let kinks = self.typical.iter().zip(counts);
         kinks
             .filter(|(kink, count)| kink.fall > 0.0 && *count > 0)

@@ -120,6 +120,9 @@ impl<'a> Model<'a> {
 
     /// Expected external force, N, at one separation h, m.
     pub fn external_force(&self, separation: f64) -> f64 {
+        if let Some(force) = self.force_at_nodes(separation) {
+            return force;
+        }
         let at = self.at(&[separation], TOLERANCE);
         self.surface.asperity_count as f64 * at[0].fine.means()[Quantity::ExternalForce.index()]
     }
@@ -146,6 +149,19 @@ impl<'a> Model<'a> {
             Mixture { fine, coarse }
         };
         separations.par_iter().map(at).collect()
+    }
+}
+
+impl Model<'_> {
+    /// The same of radii whose forces are all known at nodes.
+    fn force_at_nodes(&self, separation: f64) -> Option<f64> {
+        let d = self.surface.asperity_separation(separation);
+        let of = |part: &Part| {
+            let (nodes, heights) = part.nodes.as_ref().filter(|(nodes, _)| nodes.covers(d))?;
+            Some(part.of.weight * nodes.external_force(*heights, d))
+        };
+        let forces: Option<Vec<f64>> = self.parts.par_iter().map(of).collect();
+        Some(self.surface.asperity_count as f64 * forces?.into_iter().sum::<f64>())
     }
 }
 

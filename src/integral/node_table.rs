@@ -37,6 +37,8 @@ struct Panel {
     /// m.
     weights: [f64; NODES],
     quantities: [[f64; NODES]; 3],
+    /// External force, by the weights, Nm.
+    external: [f64; NODES],
 }
 
 /// Gaussian heights of a mean and a standard deviation, m, and how far they are integrated to, in these.
@@ -65,17 +67,19 @@ impl NodeTable {
             for i in 0..count as usize {
                 let [a, b] = [end(i as f64), end(i as f64 + 1.0)];
                 let limits = (piece.lower, piece.upper);
-                let mut open = vec![(a.min(b), a.max(b), 0)];
-                while let Some((a, b, halvings)) = open.pop() {
+                let mut of = |a: f64, b: f64| {
+                    Panel::new(law, piece.regime, (variable, limits), (a, b), &mut table.stats)
+                };
+                let (a, b) = (a.min(b), a.max(b));
+                let mut open = vec![(of(a, b), (a, b), 0)];
+                while let Some((whole, (a, b), halvings)) = open.pop() {
                     let middle = 0.5 * (a + b);
-                    let mut of = |a: f64, b: f64| {
-                        Panel::new(law, piece.regime, (variable, limits), (a, b), &mut table.stats)
-                    };
-                    let (whole, halves) = (of(a, b), [of(a, middle), of(middle, b)]);
+                    let halves = [of(a, middle), of(middle, b)];
                     let error = whole.differs(&halves);
                     if error > tolerance && halvings < HALVINGS {
-                        open.push((middle, b, halvings + 1));
-                        open.push((a, middle, halvings + 1));
+                        let [first, second] = halves;
+                        open.push((second, (middle, b), halvings + 1));
+                        open.push((first, (a, middle), halvings + 1));
                     } else {
                         table.panels.push(Panel { error, ..whole });
                     }
@@ -88,6 +92,32 @@ impl NodeTable {
     /// Whether all heights within reach are covered at a separation d, m.
     pub fn covers(&self, separation: f64) -> bool {
         self.covered.0 <= separation && separation <= self.covered.1
+    }
+
+    /// The expected external force, N, at a separation d, m.
+    pub fn external_force(&self, heights: Normal, separation: f64) -> f64 {
+        let mean = heights.mean - separation;
+        let reach = heights.reach * heights.std;
+        let per_std = 1.0 / heights.std;
+        let sum = InstructionSet::current().run(
+            #[inline(always)]
+            || {
+                let mut sum = 0.0;
+                for panel in &self.panels {
+                    if panel.ends.1 < mean - reach || panel.ends.0 > mean + reach {
+                        continue;
+                    }
+                    let mut terms = [0.0; NODES];
+                    for i in 0..NODES {
+                        let s = (panel.interference[i] - mean) * per_std;
+                        terms[i] = panel.external[i] * exp(-0.5 * s * s);
+                    }
+                    sum += lane_sum(&terms);
+                }
+                sum
+            },
+        );
+        sum / (heights.std * (2.0 * PI).sqrt())
     }
 
     /// The expectations at a separation d, m, with deviations from `typical` quantities.
@@ -162,7 +192,8 @@ impl Panel {
         };
         let quantities = [quantity(&out.adhesion), quantity(&out.contact), quantity(&out.area)];
         let [a, b] = [low, high].map(|x| variable.interference(x));
-        Self { regime, ends: (a.min(b), a.max(b)), error: 0.0, interference, weights, quantities }
+        let external = std::array::from_fn(|i| weights[i] * (quantities[1][i] - quantities[0][i]));
+        Self { regime, ends: (a.min(b), a.max(b)), error: 0.0, interference, weights, quantities, external }
     }
 
     fn integral(&self, quantity: usize) -> f64 {

@@ -92,9 +92,11 @@ fn law(
             Place::elastic(own_end - offset, parameters.path, scale.length, least)
         }
     };
-    let attraction =
-        ClosedForm::attraction(move |delta: f64| scale.force * coefficients.noncontact((delta + thickness) / scale.length));
-    let fitted = |force: Force, one: Box<dyn Interaction>| Fitted { one, force, scale, refits: refits.clone() };
+    let attraction = ClosedForm::attraction(move |delta: f64| {
+        scale.force * coefficients.noncontact((delta + thickness) / scale.length)
+    });
+    let fitted =
+        |force: Force, one: Box<dyn Interaction>| Fitted { one, force, scale, refits: refits.clone() };
     let before = fitted(Force::Noncontact { thickness }, Box::new(attraction));
     let contact = fitted(Force::Contact, Box::new(fitted_contact(parameters, coefficients, direct.end)));
     let rows = [
@@ -118,14 +120,14 @@ fn fitted_contact(
         scale.force,
         1.0 / scale.length,
         move |x| coefficients.adhesion(x),
-        move |x| TABLE_TOLERANCE * (coefficients.adhesion[0].abs() + coefficients.adhesion(x).abs()),
+        move |x| TABLE_TOLERANCE * coefficients.adhesion_magnitude(x),
         (begin, deepest),
     );
-    let external = Tabulated::within(
+    let load = Tabulated::within(
         scale.force,
         1.0 / scale.length,
-        move |x| coefficients.external(x),
-        move |x| TABLE_TOLERANCE * coefficients.external_magnitude(x),
+        move |x| coefficients.adhesion(x) + coefficients.external(x),
+        move |x| TABLE_TOLERANCE * (coefficients.adhesion_magnitude(x) + coefficients.external_magnitude(x)),
         (0.0, deepest),
     );
     let area_unit = PI * scale.radius * scale.radius / scale.length;
@@ -134,29 +136,32 @@ fn fitted_contact(
     let zero = coefficients.base_zero() * scale.length;
     // The forms have no unstable part: that of what they are fitted to.
     let unstable_work = Contact::new(scale.lambda).unstable_work() * scale.energy();
-    ClosedForm::new(adhesion.clone(), Load { adhesion, external }, area)
+    let load = Inside { formula: load, inside: 0.5 * deepest * scale.length };
+    ClosedForm::new(adhesion, load, area)
         .with_root_from(zero, zero.min(0.0), ORDER)
         .with_root(0.0, ORDER)
         .with_unstable_work(unstable_work)
 }
 
-/// P = f_sel + f_f from δ = 0 on.
+/// A formula from δ = 0 on, and 0 before.
 #[derive(Clone, Debug)]
-struct Load<F, G> {
-    adhesion: F,
-    external: G,
+struct Inside<F> {
+    formula: F,
+    /// δ, m, of which the formula has a table.
+    inside: f64,
 }
 
-impl<F: Formula, G: Formula> Formula for Load<F, G> {
+impl<F: Formula> Formula for Inside<F> {
     #[inline(always)]
     fn fill(&self, interference: &[f64], out: &mut [f64]) {
-        let (mut inside, mut external) = ([0.0; BLOCK], [0.0; BLOCK]);
-        let (inside, external) = (&mut inside[..out.len()], &mut external[..out.len()]);
-        inside.iter_mut().zip(interference).for_each(|(place, delta)| *place = delta.max(0.0));
-        self.adhesion.fill(inside, out);
-        self.external.fill(inside, external);
-        for ((load, external), delta) in out.iter_mut().zip(external).zip(interference) {
-            *load = if *delta < 0.0 { 0.0 } else { *load + *external };
+        let mut inside = [0.0; BLOCK];
+        let inside = &mut inside[..out.len()];
+        inside.iter_mut().zip(interference).for_each(|(place, delta)| {
+            *place = if *delta < 0.0 { self.inside } else { *delta };
+        });
+        self.formula.fill(inside, out);
+        for (value, delta) in out.iter_mut().zip(interference) {
+            *value = if *delta < 0.0 { 0.0 } else { *value };
         }
     }
 }

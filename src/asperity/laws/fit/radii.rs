@@ -18,6 +18,7 @@ use crate::asperity::radius::{Lane, Lanes};
 use crate::asperity::scale::Scale;
 use crate::asperity::stats::SolverStats;
 use crate::asperity::table::{Interaction, PartOfRadii};
+use std::cmp::Ordering;
 use std::f64::consts::PI;
 use std::sync::{Arc, OnceLock};
 
@@ -31,8 +32,7 @@ const SIDE: usize = 160;
 pub struct Refits {
     parameters: LawParameters,
     of_law: Coefficients,
-    /// None where the forms cannot be fitted.
-    others: Vec<OnceLock<Option<Coefficients>>>,
+    others: Vec<OnceLock<Coefficients>>,
 }
 
 impl Refits {
@@ -42,28 +42,28 @@ impl Refits {
         Self { parameters: *parameters, of_law, others }
     }
 
-    /// The coefficients of the refit that is so many steps from that of the law.
+    /// The coefficients of the refit that is so many steps from that of the law; each starts from the one before.
     fn of(&self, steps: i64) -> &Coefficients {
-        let mut place = (steps + SIDE as i64).clamp(0, 2 * SIDE as i64) as usize;
-        while place != SIDE {
-            let steps = place as f64 - SIDE as f64;
-            if let Some(coefficients) = self.others[place].get_or_init(|| self.fit(libm::exp(STEP * steps))) {
-                return coefficients;
-            }
-            if place < SIDE { place += 1 } else { place -= 1 }
+        let place = (steps + SIDE as i64).clamp(0, 2 * SIDE as i64) as usize;
+        let towards = match place.cmp(&SIDE) {
+            Ordering::Equal => return &self.of_law,
+            Ordering::Less => 1,
+            Ordering::Greater => -1,
+        };
+        if let Some(known) = self.others[place].get() {
+            return known;
         }
-        &self.of_law
+        let steps = place as i64 - SIDE as i64;
+        let similar = self.of(steps + towards);
+        self.others[place].get_or_init(|| self.fit(steps, similar).unwrap_or(*similar))
     }
 
-    fn fit(&self, ratio: f64) -> Option<Coefficients> {
-        let root = libm::cbrt(ratio);
-        let parameters = LawParameters {
-            scale: self.parameters.scale.of_ratio(ratio),
-            critical_interference: self.parameters.critical_interference * ratio,
-            table_range: Some((f64::NEG_INFINITY, self.parameters.critical_interference * ratio / root)),
-            ..self.parameters
-        };
-        let coefficients = Direct::new(&parameters, FITTED).ok()?.fit().ok()?;
+    fn fit(&self, steps: i64, similar: &Coefficients) -> Option<Coefficients> {
+        let ratio = libm::exp(STEP * steps as f64);
+        let scale = self.parameters.scale.of_ratio(ratio);
+        let critical_interference = self.parameters.critical_interference * ratio;
+        let parameters = LawParameters { scale, critical_interference, table_range: None, ..self.parameters };
+        let coefficients = Direct::new(&parameters, FITTED).ok()?.fit_near(similar)?;
         coefficients.list().iter().all(|value| value.is_finite()).then_some(coefficients)
     }
 
@@ -79,9 +79,7 @@ impl Refits {
 #[derive(Clone, Copy, Debug)]
 pub enum Force {
     /// f_snc, across a lubricant, m.
-    Noncontact {
-        thickness: f64,
-    },
+    Noncontact { thickness: f64 },
     /// f_sel and f_f.
     Contact,
 }

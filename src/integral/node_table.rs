@@ -54,6 +54,7 @@ impl NodeTable {
     pub fn new(law: &dyn Law, heights: Normal, (nearest, furthest): (f64, f64), tolerance: f64) -> Self {
         let mut table =
             Self { panels: Vec::new(), covered: (nearest, furthest), stats: SolverStats::default() };
+        let mut out = Responses::default();
         let reach = heights.reach * heights.std;
         let (low, high) = (heights.mean - reach - furthest, heights.mean + reach - nearest);
         for piece in law.pieces() {
@@ -68,7 +69,7 @@ impl NodeTable {
                 let [a, b] = [end(i as f64), end(i as f64 + 1.0)];
                 let limits = (piece.lower, piece.upper);
                 let mut of = |a: f64, b: f64| {
-                    Panel::new(law, piece.regime, (variable, limits), (a, b), &mut table.stats)
+                    Panel::new(law, piece.regime, (variable, limits), (a, b), (&mut out, &mut table.stats))
                 };
                 let (a, b) = (a.min(b), a.max(b));
                 let mut open = vec![(of(a, b), (a, b), 0)];
@@ -174,19 +175,18 @@ impl Panel {
         regime: usize,
         (variable, limits): (Variable, (f64, f64)),
         (low, high): (f64, f64),
-        stats: &mut SolverStats,
+        (out, stats): (&mut Responses, &mut SolverStats),
     ) -> Self {
         let places = Rule::shared().places(low, high);
         let interference = places.map(|(x, _)| variable.interference(x).clamp(limits.0, limits.1));
         let weights = places.map(|(x, weight)| weight * variable.stretch(x));
-        let mut out = Responses::default();
         // Whichever way the variable runs.
         let rises = interference[0] <= interference[NODES - 1];
         let mut rising = interference;
         if !rises {
             rising.reverse();
         }
-        law.evaluate(regime, &rising, &mut out, stats);
+        law.evaluate(regime, &rising, out, stats);
         let quantity = |values: &[f64]| -> [f64; NODES] {
             std::array::from_fn(|i| values[if rises { i } else { NODES - 1 - i }])
         };

@@ -6,6 +6,7 @@
 use divan::{Bencher, black_box, counter::ItemsCount};
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
+use stiction::asperity::elastic::{self, Elastic};
 use stiction::asperity::emd::Emd;
 use stiction::asperity::{BLOCK, Path, SolverStats};
 use stiction::math::instruction_set::InstructionSet;
@@ -63,6 +64,70 @@ fn before_contact(bencher: Bencher, law: &Emd, furthest: f64) {
                 #[inline(always)]
                 || law.noncontact_block(&mut block, &mut adhesion, &mut stats),
             );
+            sum += adhesion[0];
+        }
+        sum
+    });
+}
+
+/// Ranges of λ of surfaces whose radii differ: those of case II with radii that scatter by half, around the first folds, and
+/// all that are solved.
+const RANGES: [(f64, f64); 3] = [(0.55, 1.25), (0.88, 0.95), (1e-6, 1e6)];
+
+/// Asperities whose λ are spread over a range in any order.
+fn many((low, high): (f64, f64)) -> Vec<Elastic> {
+    let share = |i: usize| (i as f64 * 0.618_033_988_749_894_9).fract();
+    (0..COUNT).map(|i| Elastic::new((low * (high / low).powf(share(i))).clamp(low, high))).collect()
+}
+
+/// A λ for each asperity, in contact.
+#[divan::bench(args = RANGES)]
+fn many_contacts(bencher: Bencher, range: (f64, f64)) {
+    let asperities = many(range);
+    let displacements: Vec<f64> = asperities
+        .iter()
+        .zip(slice(0.0, 10.0))
+        .map(|(own, distance)| own.end(Path::Approach) + distance)
+        .collect();
+    bencher.counter(ItemsCount::new(COUNT)).bench_local(|| {
+        let (mut stats, mut sum) = (SolverStats::default(), 0.0);
+        let (mut adhesion, mut radius) = ([0.0; BLOCK], [0.0; BLOCK]);
+        for (asperities, displacements) in
+            asperities.chunks_exact(BLOCK).zip(black_box(&displacements).chunks_exact(BLOCK))
+        {
+            elastic::contact(|i| &asperities[i], displacements, &mut adhesion, &mut radius, &mut stats);
+            sum += adhesion[0] + radius[BLOCK - 1];
+        }
+        sum
+    });
+}
+
+/// The same before contact, where every asperity is solved.
+#[divan::bench(args = RANGES)]
+fn many_noncontacts_solved(bencher: Bencher, range: (f64, f64)) {
+    many_before_contact(bencher, range, 2.0);
+}
+
+/// As a surface needs it.
+#[divan::bench(args = RANGES)]
+fn many_noncontacts(bencher: Bencher, range: (f64, f64)) {
+    many_before_contact(bencher, range, 30.0);
+}
+
+fn many_before_contact(bencher: Bencher, range: (f64, f64), furthest: f64) {
+    let asperities = many(range);
+    let displacements: Vec<f64> = asperities
+        .iter()
+        .zip(slice(1e-9, furthest))
+        .map(|(own, distance)| own.end(Path::Approach) - distance)
+        .collect();
+    let gaps: Vec<f64> = asperities.iter().zip(&displacements).map(|(own, d)| own.rigid_gap(*d)).collect();
+    bencher.counter(ItemsCount::new(COUNT)).bench_local(|| {
+        let (mut stats, mut sum, mut adhesion) = (SolverStats::default(), 0.0, [0.0; BLOCK]);
+        for block in (0..COUNT).step_by(BLOCK) {
+            let displacements = &black_box(&displacements)[block..block + BLOCK];
+            let of = |i: usize| &asperities[block + i];
+            elastic::noncontact(of, |i| gaps[block + i], (displacements, false), &mut adhesion, &mut stats);
             sum += adhesion[0];
         }
         sum

@@ -9,13 +9,12 @@ use super::branch::Branch;
 use super::contact::Contact;
 use super::curve::{Anchor, Curve, corrected, last_step};
 use super::far;
-pub use super::far::stiffness;
-use super::folds::{contact_end, first_contact, first_outer, outer_fold};
+use super::folds::{contact_end, first_contact, first_outer, inner_fold, outer_fold};
 use super::history::Path;
 use super::law::BLOCK;
 use super::noncontact::{Branches, Noncontact};
 use super::scale::LAMBDA_RANGE;
-use super::starts::Starts;
+use super::starts::{Column, Starts, cell_of};
 use super::stats::SolverStats;
 use crate::math::instruction_set::InstructionSet;
 use std::cell::RefCell;
@@ -24,8 +23,6 @@ use std::sync::LazyLock;
 
 /// Columns of the tables: so many times the root of |ln(λ/λ_first)|, for branches fold like a root from λ_first on.
 const COLUMNS: f64 = 14.0;
-/// Cells along a branch.
-const ROWS: usize = 24;
 /// Root of the distance from the fold at which the place on the contact branch is half way.
 const HALF_WAY: f64 = 2.0;
 /// Newton steps one by one before a lane is left to the safeguarded path.
@@ -33,51 +30,59 @@ const MORE_STEPS: usize = 6;
 /// λ up to which the branch before contact can be left for its inner part, and the columns of these λ.
 const INNER: (f64, usize) = (1.12, 12);
 
-/// An elastic asperity of one λ: where its branches end, and where it is in the tables.
+/// An elastic asperity of one λ: where its branches end, and where solves start. What a solve needs is together.
 #[derive(Clone, Copy, Debug, Default)]
+#[repr(C)]
 pub struct Elastic {
     /// λ.
     pub lambda: f64,
-    /// ±√|ln(λ/λ_first)| in columns, of the first λ at which a branch folds.
-    contact_column: f64,
-    outer_column: f64,
-    inner_column: f64,
-    /// θ and Δ at the end of the stable contact branch.
-    contact_angle: f64,
-    contact_end: f64,
-    /// Δ at first touch.
-    first_touch: f64,
-    /// ε at the outer fold before contact, if there is one, and Δ there, or at first touch.
-    fold: Option<f64>,
+    /// γλ^(3/2).
+    stiffness: f64,
+    /// ε at the outer fold before contact, 0 if there is none, and Δ there, or at first touch.
+    fold: f64,
     reference: f64,
     /// 1/(Δ_reference − Δ) where the far series begins.
     per_span: f64,
+    outer_starts: Column,
+    /// θ and Δ at the end of the stable contact branch.
+    contact_angle: f64,
+    contact_end: f64,
+    contact_starts: Column,
+    /// Δ at first touch.
+    first_touch: f64,
+    inner_starts: Column,
+    /// ε and Δ at the inner fold, of an asperity that comes out of contact onto the inner of two states before it.
+    inner: Option<[f64; 2]>,
 }
 
 /// The tables over λ that folds and that does not.
 struct Tables {
+    first: f64,
     with: Starts,
     without: Starts,
 }
 
 impl Tables {
-    fn new(first: fn() -> f64, with: fn(&Elastic, f64) -> f64, without: fn(&Elastic, f64) -> f64) -> Self {
+    fn new(first: f64, with: fn(&Elastic, f64) -> f64, without: fn(&Elastic, f64) -> f64) -> Self {
         let columns = |ratio: f64| (COLUMNS * libm::log(ratio).sqrt()).ceil() as usize;
         let squared = |column: f64| (column / COLUMNS) * (column / COLUMNS);
-        let limited = |lambda: f64| Elastic::new(lambda.clamp(LAMBDA_RANGE.0, LAMBDA_RANGE.1));
+        let limited = |lambda: f64| Elastic::branches(lambda.clamp(LAMBDA_RANGE.0, LAMBDA_RANGE.1));
         Self {
-            with: Starts::new(columns(LAMBDA_RANGE.1 / first()), ROWS, move |column, place| {
-                with(&limited(first() * libm::exp(squared(column))), place)
+            first,
+            with: Starts::new(columns(LAMBDA_RANGE.1 / first), move |column, place| {
+                with(&limited(first * libm::exp(squared(column))), place)
             }),
-            without: Starts::new(columns(first() / LAMBDA_RANGE.0), ROWS, move |column, place| {
-                without(&limited(first() * libm::exp(-squared(column))), place)
+            without: Starts::new(columns(first / LAMBDA_RANGE.0), move |column, place| {
+                without(&limited(first * libm::exp(-squared(column))), place)
             }),
         }
     }
 
-    #[inline(always)]
-    fn value(&self, column: f64, place: f64) -> f64 {
-        if column >= 0.0 { self.with.value(column, place) } else { self.without.value(-column, place) }
+    /// The starts of λ, whose columns are √|ln(λ/λ_first)|.
+    fn of(&'static self, lambda: f64) -> Column {
+        let distance = libm::log(lambda) - libm::log(self.first);
+        let column = COLUMNS * distance.abs().sqrt();
+        if distance >= 0.0 { self.with.column(column) } else { self.without.column(column) }
     }
 }
 
@@ -87,7 +92,7 @@ static CONTACT: LazyLock<Tables> = LazyLock::new(|| {
         let s = HALF_WAY * place / (1.0 - place);
         (of.contact_angle / of.contact_branch().locate(of.contact_end + s * s).0 - 1.0) / s
     };
-    Tables::new(first_contact, sample, sample)
+    Tables::new(first_contact(), sample, sample)
 });
 
 /// (ε/ε_fold − 1)/s with a fold, and without one ε over that of an undeformed asperity, over s: s² is the share of
@@ -100,8 +105,8 @@ static OUTER: LazyLock<Tables> = LazyLock::new(|| {
         of.outer_branch().locate(displacement(of, place)).0
     }
     Tables::new(
-        first_outer,
-        |of, place| (gap(of, place) / of.fold.unwrap_or(f64::NAN) - 1.0) / place,
+        first_outer(),
+        |of, place| (gap(of, place) / of.fold - 1.0) / place,
         |of, place| gap(of, place) / of.rigid(displacement(of, place)),
     )
 });
@@ -109,17 +114,28 @@ static OUTER: LazyLock<Tables> = LazyLock::new(|| {
 /// ε/ε_fold over the share of the way from the fold to first touch, on the inner part. Its columns begin where the branch
 /// begins to fold, like a root.
 static INNER_PART: LazyLock<Starts> = LazyLock::new(|| {
-    Starts::new(INNER.1, ROWS, |column, place| {
+    Starts::new(INNER.1, |column, place| {
         let share = column / INNER.1 as f64;
-        let of = Elastic::new(first_outer() + share * share * (INNER.0 - first_outer()));
+        let of = Elastic::branches(first_outer() + share * share * (INNER.0 - first_outer()));
         let displacement = of.reference + place * (of.first_touch - of.reference);
-        of.inner_branch(displacement).locate(displacement).0 / of.fold.unwrap_or(f64::NAN)
+        of.inner_branch(displacement).locate(displacement).0 / of.fold
     })
 });
 
 impl Elastic {
     /// The asperity of an adhesion parameter in [`LAMBDA_RANGE`].
     pub fn new(lambda: f64) -> Self {
+        let inner = (lambda - first_outer()) / (INNER.0 - first_outer());
+        Self {
+            contact_starts: CONTACT.of(lambda),
+            outer_starts: OUTER.of(lambda),
+            inner_starts: INNER_PART.column(INNER.1 as f64 * inner.sqrt()),
+            ..Self::branches(lambda)
+        }
+    }
+
+    /// The same without starts.
+    fn branches(lambda: f64) -> Self {
         let contact_angle = contact_end(lambda);
         let contact = Contact::with_end(lambda, contact_angle);
         let first_touch = contact.first_touch();
@@ -128,24 +144,19 @@ impl Elastic {
         let whole = Noncontact::whole(lambda);
         let fold = outer_fold(lambda);
         let reference = fold.map_or(first_touch, |fold| whole.at(fold).displacement);
-        let far = -whole.spacing() * (far::nearest(far::stiffness(lambda)) - 1.0);
-        let inner = (lambda - first_outer()) / (INNER.0 - first_outer());
-        let logarithm = libm::log(lambda);
-        let column = |first: f64| {
-            let distance = logarithm - libm::log(first);
-            (COLUMNS * distance.abs().sqrt()).copysign(distance)
-        };
+        let stiffness = far::stiffness(lambda);
+        let far = -whole.spacing() * (far::nearest(stiffness) - 1.0);
         Self {
             lambda,
-            contact_column: column(first_contact()),
-            outer_column: column(first_outer()),
-            inner_column: INNER.1 as f64 * inner.sqrt(),
             contact_angle,
             contact_end,
+            stiffness,
             first_touch,
-            fold,
+            fold: fold.unwrap_or(0.0),
             reference,
+            inner: inner_fold(lambda).map(|inner| [inner, whole.at(inner).displacement]),
             per_span: 1.0 / (reference - far),
+            ..Self::default()
         }
     }
 
@@ -165,7 +176,32 @@ impl Elastic {
     /// Δ of the fold at which the branch before contact is left for its inner part, if that is before contact
     /// begins or ends by the history.
     pub fn noncontact_fold(&self, path: Path) -> Option<f64> {
-        (self.fold.is_some() && self.reference < self.end(path)).then_some(self.reference)
+        (self.fold > 0.0 && self.reference < self.end(path)).then_some(self.reference)
+    }
+
+    /// Δ of the inner fold, to which an asperity that comes out of contact stays on the inner of two states before it.
+    pub fn inner_fold(&self) -> Option<f64> {
+        self.inner.map(|[_, displacement]| displacement)
+    }
+
+    /// Δ of the outer fold, if there is one.
+    pub fn outer_fold(&self) -> Option<f64> {
+        (self.fold > 0.0).then_some(self.reference)
+    }
+
+    /// Whether an asperity at Δ is on the inner of two states, if it stays there.
+    #[inline(always)]
+    fn is_held(&self, displacement: f64) -> bool {
+        self.inner.is_some_and(|[_, end]| end <= displacement && displacement < self.reference)
+    }
+
+    /// F̂_s there.
+    #[cold]
+    fn held(&self, displacement: f64, stats: &mut SolverStats) -> f64 {
+        let [parameter, end] = self.inner.unwrap_or_default();
+        let anchor = Anchor { displacement: end, parameter, fold: true };
+        let branch = Branch::new(Noncontact::up_to(self.lambda, parameter), anchor);
+        branch.solve(displacement, stats).adhesion
     }
 
     /// z₀, the gap of an undeformed asperity.
@@ -184,9 +220,13 @@ impl Elastic {
         Branch::new(Contact::with_end(self.lambda, self.contact_angle), anchor)
     }
 
+    fn branches_before(&self) -> Branches {
+        Noncontact::branches_at(self.lambda, Some(self.fold).filter(|fold| *fold > 0.0))
+    }
+
     fn outer_branch(&self) -> Branch<Noncontact> {
-        let (displacement, fold) = (self.reference, self.fold.is_some());
-        match Noncontact::branches_at(self.lambda, self.fold) {
+        let (displacement, fold) = (self.reference, self.fold > 0.0);
+        match self.branches_before() {
             Branches::Single(curve) => Branch::new(curve, Anchor { displacement, parameter: f64::NAN, fold }),
             Branches::Folded { outer, fold: parameter, .. } => {
                 Branch::new(outer, Anchor { displacement, parameter, fold })
@@ -196,14 +236,22 @@ impl Elastic {
 
     fn inner_branch(&self, displacement: f64) -> Branch<Noncontact> {
         let anchor = Anchor { displacement, parameter: f64::NAN, fold: false };
-        match Noncontact::branches_at(self.lambda, self.fold) {
+        match self.branches_before() {
             Branches::Single(curve) | Branches::Folded { inner: curve, .. } => Branch::new(curve, anchor),
         }
     }
 }
 
+/// The bit of the sign of a number, which NaN may have.
+const SIGN: u32 = 1 << 31;
 /// Lanes that are computed together.
 const VECTOR: usize = 8;
+
+/// So many lanes made whole vectors.
+#[inline(always)]
+fn whole_vectors(count: usize) -> usize {
+    count.min(BLOCK).div_ceil(VECTOR) * VECTOR
+}
 
 /// Lanes of a block, each quantity on cache lines of its own.
 #[repr(align(64))]
@@ -212,6 +260,12 @@ struct Lanes {
     /// Parameter and Δ at the end of the branch.
     ends: [f64; BLOCK],
     displacements: [f64; BLOCK],
+    /// Root of the distance along the branch, and the cell of the table and the place in it.
+    roots: [f64; BLOCK],
+    rows: [u32; BLOCK],
+    places: [f64; BLOCK],
+    /// What the table has there.
+    starts: [f64; BLOCK],
     parameters: [f64; BLOCK],
     terms: [[f64; BLOCK]; 4],
     adhesion: [f64; BLOCK],
@@ -224,6 +278,10 @@ thread_local! {
         lambda: [1.0; BLOCK],
         ends: [1.0; BLOCK],
         displacements: [0.0; BLOCK],
+        roots: [0.0; BLOCK],
+        rows: [0; BLOCK],
+        places: [0.0; BLOCK],
+        starts: [0.0; BLOCK],
         parameters: [f64::NAN; BLOCK],
         terms: [[0.0; BLOCK]; 4],
         adhesion: [0.0; BLOCK],
@@ -242,8 +300,8 @@ impl Lanes {
         curve: impl Fn(f64, f64) -> C,
         is_on_branch: impl Fn(f64, f64) -> bool,
     ) {
-        let count = count.div_ceil(VECTOR) * VECTOR;
-        let Self { lambda, ends, displacements, parameters, terms, adhesion, radius, residual } = self;
+        let count = whole_vectors(count);
+        let Self { lambda, ends, displacements, parameters, terms, adhesion, radius, residual, .. } = self;
         let [first, second, third, fourth] = terms;
         for pass in 0..2 {
             for i in 0..count {
@@ -280,6 +338,18 @@ impl Lanes {
         stats: &mut SolverStats,
     ) {
         stats.evaluations += 2 * count as u64;
+        // The bits of numbers that are not negative are in their order, and those of NaN above all.
+        let most = |residual: &[f32]| {
+            f32::from_bits(residual.iter().fold(0, |most, off| most.max(off.to_bits() & !SIGN)))
+        };
+        let largest_residual = InstructionSet::current().run(
+            #[inline(always)]
+            || most(&self.residual[..count]),
+        );
+        if !largest_residual.is_nan() {
+            stats.largest_residual = stats.largest_residual.max(f64::from(largest_residual));
+            return;
+        }
         for i in 0..count {
             if !self.residual[i].is_nan() {
                 stats.largest_residual = stats.largest_residual.max(f64::from(self.residual[i]));
@@ -321,20 +391,27 @@ pub fn contact<'a>(
     stats: &mut SolverStats,
 ) {
     let count = displacements.len();
-    let tables = &*CONTACT;
     LANES.with_borrow_mut(|lanes| {
         InstructionSet::current().run(
             #[inline(always)]
             || {
                 for (i, displacement) in displacements.iter().enumerate() {
                     let own = of(i);
-                    let displacement = displacement.max(own.contact_end);
-                    let s = (displacement - own.contact_end).sqrt();
-                    let w = tables.value(own.contact_column, s / (HALF_WAY + s));
                     lanes.lambda[i] = own.lambda;
                     lanes.ends[i] = own.contact_angle;
-                    lanes.displacements[i] = displacement;
-                    lanes.parameters[i] = own.contact_angle / (1.0 + s * w);
+                    lanes.roots[i] = own.contact_end;
+                    lanes.displacements[i] = displacement.max(own.contact_end);
+                }
+                for i in 0..whole_vectors(count) {
+                    let s = (lanes.displacements[i] - lanes.roots[i]).sqrt();
+                    lanes.roots[i] = s;
+                    (lanes.rows[i], lanes.places[i]) = cell_of(s / (HALF_WAY + s));
+                }
+                for i in 0..count {
+                    lanes.starts[i] = of(i).contact_starts.value((lanes.rows[i], lanes.places[i]));
+                }
+                for i in 0..whole_vectors(count) {
+                    lanes.parameters[i] = lanes.ends[i] / (1.0 + lanes.roots[i] * lanes.starts[i]);
                 }
                 lanes.solve::<Contact, true>(count, Contact::with_end, |x, end| x <= end);
             },
@@ -351,133 +428,179 @@ pub fn contact<'a>(
     });
 }
 
-/// F̂_s of asperities before contact, at most [`BLOCK`], that are below the end of the history: the outermost roots. The
-/// rigid gaps z₀ and γλ^(3/2) of the lanes say which are far; of others `of` gives the asperity, and
-/// `displacement` Δ.
+/// F̂_s of asperities before contact at displacements Δ, at most [`BLOCK`], that are below the end of the history: the
+/// outermost roots, or with `holds` the inner of two where they have been on it. `of` gives the asperity of a lane, and `gap` its rigid gap z₀.
 pub fn noncontact<'a>(
-    (gaps, stiffness): (&[f64], &[f64]),
     of: impl Fn(usize) -> &'a Elastic,
-    displacement: impl Fn(usize) -> f64,
+    gap: impl Fn(usize) -> f64,
+    (displacements, holds): (&[f64], bool),
     adhesion: &mut [f64],
     stats: &mut SolverStats,
 ) {
-    let count = gaps.len();
-    let mut is_far = [false; BLOCK];
-    InstructionSet::current().run(
-        #[inline(always)]
-        || {
-            for (i, (&gap, &stiffness)) in gaps.iter().zip(stiffness).enumerate() {
-                (adhesion[i], is_far[i]) = far::attraction(gap, stiffness);
+    let count = displacements.len().min(BLOCK);
+    let (displacements, adhesion) = (&displacements[..count], &mut adhesion[..count]);
+    LANES.with_borrow_mut(|lanes| {
+        let mut near = Chosen::default();
+        let any_inner = InstructionSet::current().run(
+            #[inline(always)]
+            || {
+                for (i, displacement) in displacements.iter().enumerate() {
+                    let own = of(i);
+                    lanes.roots[i] = (own.reference - displacement) * own.per_span;
+                }
+                for (i, share) in lanes.roots[..count].iter().enumerate() {
+                    near.add(i, *share <= 1.0);
+                }
+                if near.count < count {
+                    for i in 0..count {
+                        (lanes.places[i], lanes.starts[i]) = (gap(i), of(i).stiffness);
+                    }
+                    let far = lanes.places.iter().zip(&lanes.starts);
+                    for (adhesion, (gap, stiffness)) in adhesion.iter_mut().zip(far) {
+                        *adhesion = far::attraction(*gap, *stiffness);
+                    }
+                }
+                lanes.roots[..count].iter().fold(false, |any, share| any | (*share <= 0.0))
+            },
+        );
+        stats.far += (count - near.count) as u64;
+        if holds {
+            let mut others = Chosen::default();
+            for i in near.lanes() {
+                let (own, displacement) = (of(i), displacements[i]);
+                let is_held = own.is_held(displacement);
+                if is_held {
+                    adhesion[i] = own.held(displacement, stats);
+                }
+                others.add(i, !is_held);
             }
-        },
-    );
-    // Lanes of one kind stand together.
-    let [mut folding, mut single, mut inner] = [([0_u8; BLOCK], 0), ([0; BLOCK], 0), ([0; BLOCK], 0)];
-    for i in (0..count).filter(|i| !is_far[*i]) {
-        let own = of(i);
-        let (lanes, length) = match own.fold {
-            None => &mut single,
-            Some(_) if displacement(i) < own.reference => &mut folding,
-            Some(_) => &mut inner,
-        };
-        lanes[*length] = i as u8;
-        *length += 1;
+            near = others;
+        }
+        if any_inner {
+            let is_inner = |i: usize| lanes.roots[i] <= 0.0 && of(i).fold > 0.0;
+            let (mut outer, mut inner) = (Chosen::default(), Chosen::default());
+            for i in near.lanes() {
+                inner.add(i, is_inner(i));
+                outer.add(i, !is_inner(i));
+            }
+            near = outer;
+            if inner.count > 0 {
+                lanes.inner(&inner, &of, displacements, adhesion, stats);
+            }
+        }
+        if near.count > 0 {
+            lanes.outer(&near, &of, displacements, adhesion, stats);
+        }
+    });
+}
+
+/// Some lanes of a block.
+struct Chosen {
+    lanes: [u8; BLOCK],
+    count: usize,
+}
+
+impl Default for Chosen {
+    fn default() -> Self {
+        Self { lanes: [0; BLOCK], count: 0 }
     }
-    stats.far += (count - folding.1 - single.1 - inner.1) as u64;
-    let capped = |i: usize| displacement(i).min(of(i).reference);
-    let outer = |i: usize| {
-        let own = of(i);
-        let place = ((own.reference - capped(i)) * own.per_span).sqrt();
-        let w = OUTER.value(own.outer_column, place);
-        own.fold.map_or_else(|| own.rigid(capped(i)) * w, |fold| fold * (1.0 + place * w))
-    };
-    let within = |i: usize| {
-        let own = of(i);
-        let place = (displacement(i) - own.reference) / (own.first_touch - own.reference);
-        INNER_PART.value(own.inner_column, place) * own.fold.unwrap_or(f64::NAN)
-    };
-    let outer_branch = |i: usize| of(i).outer_branch();
-    let lanes = OnBranch {
-        which: &folding.0[..folding.1],
-        displacement: &displacement,
-        start: &outer,
-        branch: outer_branch,
-        is_on_branch: |gap: f64, fold: f64| gap >= fold,
-    };
-    lanes.solve::<true>(&of, adhesion, stats);
-    let lanes = OnBranch {
-        which: &single.0[..single.1],
-        displacement: capped,
-        start: &outer,
-        branch: outer_branch,
-        is_on_branch: |_, _| true,
-    };
-    lanes.solve::<false>(&of, adhesion, stats);
-    let lanes = OnBranch {
-        which: &inner.0[..inner.1],
-        displacement: &displacement,
-        start: within,
-        branch: |i: usize| of(i).inner_branch(displacement(i)),
-        is_on_branch: |gap: f64, fold: f64| gap <= fold,
-    };
-    lanes.solve::<false>(&of, adhesion, stats);
 }
 
-/// Lanes before contact that are on one branch: their Δ, starting values and branches, and which ε, beside that at the fold,
-/// is on it.
-struct OnBranch<'a, D, S, B, O> {
-    which: &'a [u8],
-    displacement: D,
-    start: S,
-    branch: B,
-    is_on_branch: O,
-}
-
-impl<D, S, B, O> OnBranch<'_, D, S, B, O>
-where
-    D: Fn(usize) -> f64,
-    S: Fn(usize) -> f64,
-    B: Fn(usize) -> Branch<Noncontact>,
-    O: Fn(f64, f64) -> bool,
-{
+impl Chosen {
+    /// Adds a lane if it is one of them, without a branch.
     #[inline(always)]
-    fn solve<'a, const FOLD: bool>(
-        &self,
+    fn add(&mut self, lane: usize, is_one: bool) {
+        self.lanes[self.count % BLOCK] = lane as u8;
+        self.count += usize::from(is_one);
+    }
+
+    #[inline(always)]
+    fn lanes(&self) -> impl Iterator<Item = usize> + '_ {
+        self.lanes[..self.count].iter().map(|lane| usize::from(*lane))
+    }
+}
+
+/// The curve before contact; where it ends is no part of it.
+#[inline(always)]
+fn uncut(lambda: f64, _: f64) -> Noncontact {
+    Noncontact::whole(lambda)
+}
+
+impl Lanes {
+    /// Solves chosen lanes on the outermost branch. Where it has no fold it ends at ε = 0, which is as far as 0 is.
+    fn outer<'a>(
+        &mut self,
+        chosen: &Chosen,
         of: impl Fn(usize) -> &'a Elastic,
+        displacements: &[f64],
         adhesion: &mut [f64],
         stats: &mut SolverStats,
     ) {
-        let Self { which, displacement, start, branch, is_on_branch } = self;
-        if which.is_empty() {
-            return;
-        }
-        let curve = |lambda: f64, _: f64| Noncontact::whole(lambda);
-        LANES.with_borrow_mut(|lanes| {
-            InstructionSet::current().run(
-                #[inline(always)]
-                || {
-                    for (lane, i) in which.iter().map(|i| usize::from(*i)).enumerate() {
-                        let own = of(i);
-                        lanes.lambda[lane] = own.lambda;
-                        lanes.ends[lane] = own.fold.unwrap_or(0.0);
-                        lanes.displacements[lane] = displacement(i);
-                        lanes.parameters[lane] = start(i);
-                    }
-                    lanes.solve::<Noncontact, FOLD>(which.len(), curve, is_on_branch);
-                },
-            );
-            let branch = |lane: usize| branch(usize::from(which[lane]));
-            lanes.finish::<Noncontact, FOLD>(
-                (which.len(), f64::INFINITY),
-                curve,
-                branch,
-                is_on_branch,
-                stats,
-            );
-            for (lane, i) in which.iter().enumerate() {
-                adhesion[usize::from(*i)] = lanes.adhesion[lane];
-            }
-        });
+        let is_on_branch = |gap: f64, fold: f64| gap >= fold;
+        InstructionSet::current().run(
+            #[inline(always)]
+            || {
+                for (lane, i) in chosen.lanes().enumerate() {
+                    let own = of(i);
+                    self.lambda[lane] = own.lambda;
+                    self.ends[lane] = own.fold;
+                    self.displacements[lane] = displacements[i].min(own.reference);
+                    // Lanes move towards the first.
+                    self.roots[lane] = self.roots[i];
+                }
+                let whole = whole_vectors(chosen.count);
+                for lane in 0..whole {
+                    let root = self.roots[lane].max(0.0).sqrt();
+                    self.roots[lane] = root;
+                    (self.rows[lane], self.places[lane]) = cell_of(root);
+                }
+                for (lane, i) in chosen.lanes().enumerate() {
+                    self.starts[lane] = of(i).outer_starts.value((self.rows[lane], self.places[lane]));
+                }
+                for lane in 0..whole {
+                    let (end, start) = (self.ends[lane], self.starts[lane]);
+                    let rigid = self.displacements[lane] * self.lambda[lane] * -Noncontact::PER_SPACING;
+                    let folded = end * (1.0 + self.roots[lane] * start);
+                    self.parameters[lane] = if end > 0.0 { folded } else { rigid * start };
+                }
+                self.solve::<Noncontact, true>(chosen.count, uncut, is_on_branch);
+            },
+        );
+        let branch = |lane: usize| of(usize::from(chosen.lanes[lane])).outer_branch();
+        self.finish::<Noncontact, true>((chosen.count, f64::INFINITY), uncut, branch, is_on_branch, stats);
+        chosen.lanes().enumerate().for_each(|(lane, i)| adhesion[i] = self.adhesion[lane]);
+    }
+
+    /// The same on the inner part, beyond the fold.
+    fn inner<'a>(
+        &mut self,
+        chosen: &Chosen,
+        of: impl Fn(usize) -> &'a Elastic,
+        displacements: &[f64],
+        adhesion: &mut [f64],
+        stats: &mut SolverStats,
+    ) {
+        let is_on_branch = |gap: f64, fold: f64| gap <= fold;
+        InstructionSet::current().run(
+            #[inline(always)]
+            || {
+                for (lane, i) in chosen.lanes().enumerate() {
+                    let own = of(i);
+                    let place = (displacements[i] - own.reference) / (own.first_touch - own.reference);
+                    self.lambda[lane] = own.lambda;
+                    self.ends[lane] = own.fold;
+                    self.displacements[lane] = displacements[i];
+                    self.parameters[lane] = own.inner_starts.value(cell_of(place)) * own.fold;
+                }
+                self.solve::<Noncontact, false>(chosen.count, uncut, is_on_branch);
+            },
+        );
+        let branch = |lane: usize| {
+            let i = usize::from(chosen.lanes[lane]);
+            of(i).inner_branch(displacements[i])
+        };
+        self.finish::<Noncontact, false>((chosen.count, f64::INFINITY), uncut, branch, is_on_branch, stats);
+        chosen.lanes().enumerate().for_each(|(lane, i)| adhesion[i] = self.adhesion[lane]);
     }
 }
 
@@ -521,9 +644,8 @@ mod tests {
                 .clone()
                 .map(|i| asperities[i].end(path) - (1e-9 + distances[i]) / asperities[i].per_span.min(1.0))
                 .collect();
-            let gaps: Vec<f64> = far.iter().enumerate().map(|(i, d)| of(i).rigid_gap(*d)).collect();
-            let stiffness: Vec<f64> = range.clone().map(|i| far::stiffness(asperities[i].lambda)).collect();
-            noncontact((&gaps, &stiffness), of, |i| far[i], &mut before[range.clone()], &mut stats);
+            let gap = |i: usize| of(i).rigid_gap(far[i]);
+            noncontact(of, gap, (&far, false), &mut before[range.clone()], &mut stats);
         }
         Solved { contact: contacts, before, stats }
     }

@@ -9,6 +9,7 @@ use super::branch::Branch;
 use super::contact::Contact;
 use super::curve::{Anchor, Curve, Solution};
 use super::error::LawError;
+use super::folds::inner_fold;
 use super::history::Path;
 use super::noncontact::{Branches, Noncontact};
 use super::scale::Scale;
@@ -32,6 +33,8 @@ pub struct Emd {
     inner: Option<Branch<Noncontact>>,
     /// F̂_s far away, over the distance |Δ − Δ_ref| from where the outer branch is anchored.
     far: Piecewise,
+    /// Δ at which the outer branch is left for its inner part, or that for the outer one.
+    split: f64,
     end: f64,
 }
 
@@ -56,7 +59,40 @@ impl Emd {
             Path::Retraction => fold.displacement,
         };
         let (outer, inner) = noncontact_branches(lambda, end);
-        Ok(Self { contact: Branch::new(curve, fold), outer, inner, far: Piecewise::default(), end })
+        let split = outer.anchor().displacement;
+        Ok(Self { contact: Branch::new(curve, fold), outer, inner, far: Piecewise::default(), split, end })
+    }
+
+    /// The same law of an asperity that comes out of contact: before it, it is on the inner of two states for as long as that
+    /// exists.
+    pub fn holding(mut self) -> Self {
+        let lambda = self.outer.curve().lambda();
+        if let (Some(fold), Some(_)) = (inner_fold(lambda), &self.inner) {
+            let curve = Noncontact::up_to(lambda, fold);
+            let displacement = curve.at(fold).displacement;
+            self.split = displacement;
+            self.inner = Some(Branch::new(curve, Anchor { displacement, parameter: fold, fold: true }));
+        }
+        self
+    }
+
+    /// Δ from which an asperity that turns back before contact is on the inner of two states, where it stays on it
+    /// ([`Emd::holding`]).
+    pub fn capture(&self) -> Option<f64> {
+        let anchor = self.outer.anchor();
+        inner_fold(self.outer.curve().lambda()).and(anchor.fold.then_some(anchor.displacement))
+    }
+
+    /// ∫(−F̂_s) dΔ along what is unstable before contact, from where the outer state ends to where the inner one does; 0
+    /// where an asperity does not stay on that.
+    pub fn unstable_work_before(&self) -> f64 {
+        let curve = self.outer.curve();
+        match inner_fold(curve.lambda()) {
+            Some(inner) if self.outer.anchor().fold => {
+                curve.unstable_work([self.outer.anchor().parameter, inner])
+            }
+            _ => 0.0,
+        }
     }
 
     /// The same law with starting tables for displacements in `lowest..=highest`, which make solves in that
@@ -78,8 +114,13 @@ impl Emd {
         if lowest < self.outer.anchor().displacement {
             self.outer = self.outer.with_table(lowest);
         }
-        let innermost = self.outer.anchor().displacement;
-        self.inner = self.inner.map(|inner| inner.with_table(innermost));
+        // The inner part reaches from the split to where contact begins.
+        let (split, end) = (self.split, self.end);
+        let other = |inner: &Branch<Noncontact>| if inner.anchor().fold { end } else { split };
+        self.inner = self.inner.map(|inner| {
+            let other = other(&inner);
+            inner.with_table(other)
+        });
         self
     }
 
@@ -99,9 +140,15 @@ impl Emd {
     }
 
     /// Δ of the fold of the noncontact branch, where it is followed up to the fold and then left for its
-    /// inner part.
+    /// inner part; where that is held, Δ at which it is left for the outer one.
     pub fn noncontact_fold(&self) -> Option<f64> {
-        self.outer.anchor().fold.then(|| self.outer.anchor().displacement)
+        self.outer.anchor().fold.then_some(self.split)
+    }
+
+    /// Δ of the fold of the outer part, where the inner one is held.
+    pub fn fold_behind(&self) -> Option<f64> {
+        let anchor = self.outer.anchor();
+        (anchor.fold && self.split < anchor.displacement).then_some(anchor.displacement)
     }
 
     /// Δ below which a series takes the place of solves, where there is one.
@@ -152,15 +199,16 @@ impl Emd {
     #[inline(always)]
     pub fn noncontact_block(&self, displacements: &mut [f64], adhesion: &mut [f64], stats: &mut SolverStats) {
         let anchor = self.outer.anchor().displacement;
-        // The anchor itself is the first of the inner part, if there is one.
-        let outer_end = if self.inner.is_some() { anchor.next_down() } else { anchor };
+        let split = self.split;
+        // The split itself is the first of the inner part, if there is one.
+        let outer_end = if self.inner.is_some() { split.next_down() } else { anchor };
         let begin_of_far = if self.far.is_empty() { f64::NEG_INFINITY } else { anchor - FAR };
         let part = |displacement: f64| match displacement {
             far if far < begin_of_far => (Segment::Far, f64::NEG_INFINITY, begin_of_far.next_down()),
-            outer if outer < anchor || self.inner.is_none() => {
+            outer if outer < split || self.inner.is_none() => {
                 (Segment::Outer, begin_of_far.next_down(), outer_end)
             }
-            _ => (Segment::Inner, anchor.next_down(), f64::INFINITY),
+            _ => (Segment::Inner, split.next_down(), f64::INFINITY),
         };
         let mut begin = 0;
         while begin < displacements.len() {

@@ -82,6 +82,12 @@ impl Family {
         Lane::new(radius / self.radius, self.lambda)
     }
 
+    /// How many regimes the law has.
+    #[doc(hidden)]
+    pub fn regimes(&self) -> usize {
+        self.law.regimes().len()
+    }
+
     /// Whether the solids touch in a regime.
     #[doc(hidden)]
     pub fn touches(&self, regime: usize) -> bool {

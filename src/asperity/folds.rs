@@ -27,15 +27,15 @@ impl Folds {
     fn new(
         find: fn(f64) -> Option<f64>,
         (mut without, mut with): (f64, f64),
-        variable: fn(f64) -> f64,
-        logarithm: fn(f64) -> f64,
+        (variable, logarithm): (fn(f64) -> f64, fn(f64) -> f64),
+        last: f64,
     ) -> Self {
         while 0.5 * (without + with) > without && 0.5 * (without + with) < with {
             let middle = 0.5 * (without + with);
             *(if find(middle).is_some() { &mut with } else { &mut without }) = middle;
         }
         let at = |v: f64| find(with * libm::exp(logarithm(v))).unwrap_or(f64::NAN);
-        let end = variable(libm::log(LAMBDA_RANGE.1 / with));
+        let end = variable(libm::log(last / with));
         Self { first: with, table: Piecewise::new(at, |_, fold| TOLERANCE * fold, 0.0, end) }
     }
 
@@ -59,11 +59,15 @@ fn square(v: f64) -> f64 {
 }
 
 static OUTER: LazyLock<Folds> =
-    LazyLock::new(|| Folds::new(Noncontact::outer_fold_of, FIRST_OUTER, f64::sqrt, square));
+    LazyLock::new(|| Folds::new(Noncontact::outer_fold_of, FIRST_OUTER, (f64::sqrt, square), LAMBDA_RANGE.1));
+
+static INNER: LazyLock<Folds> = LazyLock::new(|| {
+    Folds::new(Noncontact::inner_fold_of, FIRST_OUTER, (f64::sqrt, square), FIRST_CONTACT.1)
+});
 
 static CONTACT: LazyLock<Folds> = LazyLock::new(|| {
     let find = |lambda: f64| Some(Contact::new(lambda).end()).filter(|end| *end < FRAC_PI_2);
-    Folds::new(find, FIRST_CONTACT, same, same)
+    Folds::new(find, FIRST_CONTACT, (same, same), LAMBDA_RANGE.1)
 });
 
 /// The least λ at which the branch before contact folds.
@@ -85,6 +89,16 @@ pub fn outer_fold(lambda: f64) -> Option<f64> {
     if fold.is_nan() { Noncontact::outer_fold_of(lambda) } else { Some(fold) }
 }
 
+/// ε at the inner fold of the branch before contact where contact leads to it: where there is one, and the contact branch has
+/// no fold. Of larger λ contact is lost before, by a jump.
+pub fn inner_fold(lambda: f64) -> Option<f64> {
+    if lambda < FIRST_OUTER.0 || lambda >= first_contact() {
+        return None;
+    }
+    let fold = INNER.at(lambda, f64::sqrt)?;
+    if fold.is_nan() { Noncontact::inner_fold_of(lambda) } else { Some(fold) }
+}
+
 /// θ at the end of the stable contact branch: π/2, or the fold, as [`Contact::new`] finds it.
 pub fn contact_end(lambda: f64) -> f64 {
     if lambda < FIRST_CONTACT.0 {
@@ -103,10 +117,19 @@ mod tests {
 
     #[test]
     fn tables_have_what_is_found() {
-        for i in 0..400 {
-            let lambda = libm::exp(-0.2 + 0.035 * f64::from(i));
+        for i in 0..440 {
+            let lambda = libm::exp(if i < 40 {
+                -0.12 + 0.0015 * f64::from(i)
+            } else {
+                -0.2 + 0.035 * f64::from(i - 40)
+            });
             assert_eq!(outer_fold(lambda).is_some(), Noncontact::outer_fold_of(lambda).is_some(), "{lambda}");
             if let (Some(table), Some(found)) = (outer_fold(lambda), Noncontact::outer_fold_of(lambda)) {
+                assert!((table / found - 1.0).abs() < 1e-10, "{lambda}: {table} {found}");
+            }
+            let found = Noncontact::inner_fold_of(lambda).filter(|_| Contact::new(lambda).end() >= FRAC_PI_2);
+            assert_eq!(inner_fold(lambda).is_some(), found.is_some(), "{lambda}");
+            if let (Some(table), Some(found)) = (inner_fold(lambda), found) {
                 assert!((table / found - 1.0).abs() < 1e-10, "{lambda}: {table} {found}");
             }
             let (table, found) = (contact_end(lambda), Contact::new(lambda).end());

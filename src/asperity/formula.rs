@@ -121,6 +121,18 @@ impl<F: Fn(f64) -> f64> Tabulated<F> {
         Self { formula, per_length, unit, over_root: false, table }
     }
 
+    /// The same with a table that meets the formula to an absolute `tolerance` of x.
+    pub(super) fn within(
+        unit: f64,
+        per_length: f64,
+        formula: F,
+        tolerance: impl Fn(f64) -> f64,
+        reach: (f64, f64),
+    ) -> Self {
+        let table = Piecewise::new(&formula, |x, _| tolerance(x), reach.0, reach.1);
+        Self { formula, per_length, unit, over_root: false, table }
+    }
+
     /// The same for a formula that is smooth in √x.
     pub fn over_root(unit: f64, per_length: f64, formula: F, tolerance: f64, reach: (f64, f64)) -> Self {
         let of_root = |root: f64| formula(root * root);
@@ -293,18 +305,24 @@ fn smoothness(roots: &[Root], lower: f64, upper: f64) -> (Vec<f64>, Vec<Smoothne
 /// Fills `out` with the values of a formula for asperities at interferences δ, m.
 fn fill_lanes(formula: &impl Formula, lanes: Lanes<'_>, interference: &[f64], out: &mut [f64]) {
     let Some(Similarity { origin, place, value }) = formula.similarity() else { return };
-    let mut own = [0.0; BLOCK];
-    let own = &mut own[..interference.len()];
-    own.copy_from_slice(interference);
-    if place != 0.0 {
-        own.iter_mut().for_each(|delta| *delta -= origin);
+    if place == 0.0 {
+        InstructionSet::current().run(
+            #[inline(always)]
+            || formula.fill(interference, out),
+        );
+    } else {
+        let mut own = [0.0; BLOCK];
+        let own = &mut own[..interference.len()];
+        own.iter_mut().zip(interference).for_each(|(own, delta)| *own = delta - origin);
         lanes.times_power(-place, own);
-        own.iter_mut().for_each(|delta| *delta += origin);
+        InstructionSet::current().run(
+            #[inline(always)]
+            || {
+                own.iter_mut().for_each(|delta| *delta += origin);
+                formula.fill(own, out);
+            },
+        );
     }
-    InstructionSet::current().run(
-        #[inline(always)]
-        || formula.fill(own, out),
-    );
     lanes.times_power(value, out);
 }
 

@@ -178,8 +178,6 @@ pub enum Method {
     Constant(f64),
     /// By formulas.
     ClosedForm,
-    /// By formulas with powers that are not tabulated.
-    Powers,
     /// By solving the equations of a contact.
     Contact,
     /// By solving the equations before contact.
@@ -194,7 +192,7 @@ impl Method {
     pub(super) fn count(self, evaluations: u64, far: u64, stats: &mut SolverStats) {
         match self {
             Self::Constant(_) => stats.constant += evaluations,
-            Self::ClosedForm | Self::Powers => stats.closed_form += evaluations,
+            Self::ClosedForm => stats.closed_form += evaluations,
             Self::Contact => stats.contact_solves += evaluations,
             Self::Noncontact { .. } => stats.noncontact_solves += evaluations - far,
         }

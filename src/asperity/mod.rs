@@ -50,6 +50,7 @@ mod starts;
 mod stats;
 #[doc(hidden)]
 pub mod table;
+mod turned;
 #[doc(hidden)]
 pub mod unloading;
 
@@ -72,4 +73,6 @@ pub use scale::{Asperity, Scale};
 pub use solved::SolvedAsperity;
 pub use stats::SolverStats;
 pub use table::{Interaction, Row, Table};
+#[doc(hidden)]
+pub use turned::Turned;
 pub use unloading::{Loop, UnloadedRadius, Unloading};

@@ -16,8 +16,12 @@
 
 use super::curve::{Curve, CurvePoint};
 use super::scale::STRESS_RATIO;
+use crate::math::quadrature::{NODES, Rule};
 use crate::math::roots::{Sample, golden_maximum, safe_newton};
 use std::f64::consts::PI;
+
+/// Relative accuracy of the work along the unstable part.
+const WORK_TOLERANCE: f64 = 1e-13;
 
 /// The noncontact curve Δ(ε), F̂_s(ε) of one adhesion parameter, cut to one monotone branch.
 #[derive(Clone, Copy, Debug)]
@@ -46,6 +50,9 @@ pub enum Branches {
 }
 
 impl Noncontact {
+    /// s_δ/Z₀ over λ.
+    pub const PER_SPACING: f64 = PI / (2.0 * STRESS_RATIO);
+
     /// The branches of the curve for the adhesion parameter `lambda` > 0.
     pub fn branches(lambda: f64) -> Branches {
         Self::branches_at(lambda, Self::whole(lambda).outer_fold())
@@ -71,6 +78,11 @@ impl Noncontact {
         Self { lambda, spacing: 2.0 * STRESS_RATIO / (PI * lambda), low: 0.0, high: f64::INFINITY }
     }
 
+    /// λ.
+    pub fn lambda(&self) -> f64 {
+        self.lambda
+    }
+
     /// ζ = Z₀/s_δ.
     pub fn spacing(&self) -> f64 {
         self.spacing
@@ -81,8 +93,41 @@ impl Noncontact {
         Self::whole(lambda).outer_fold()
     }
 
-    /// ε at the outer fold. dΔ/dε has its largest value between the two folds, on a single hump in ln ε.
+    /// ε at the inner fold, where there are two, at which the branch next to contact ends.
+    pub fn inner_fold_of(lambda: f64) -> Option<f64> {
+        let whole = Self::whole(lambda);
+        let peak = whole.between_folds()?;
+        let rising = |gap: f64| Sample { value: -whole.at(gap).slope, slope: f64::NAN };
+        Some(safe_newton(rising, 1e-9, peak, 0.5 * peak, |_, _| false).x)
+    }
+
+    /// The branch next to contact up to its own fold at `fold`.
+    pub fn up_to(lambda: f64, fold: f64) -> Self {
+        Self { high: fold, ..Self::whole(lambda) }
+    }
+
+    /// ∫(−F̂_s) dΔ from the outer fold to the inner one, at ε.
+    pub fn unstable_work(&self, [outer, inner]: [f64; 2]) -> f64 {
+        let ends = [libm::log(inner), libm::log(outer)];
+        let of_log = |places: &[f64; NODES], values: &mut [[f64; 1]; NODES]| {
+            for (value, place) in values.iter_mut().zip(places) {
+                let gap = libm::exp(*place);
+                let CurvePoint { slope, adhesion, .. } = self.at(gap);
+                *value = [adhesion * slope * gap];
+            }
+        };
+        Rule::shared().integrate(&ends, WORK_TOLERANCE, of_log).value[0]
+    }
+
+    /// ε at the outer fold.
     fn outer_fold(&self) -> Option<f64> {
+        let peak = self.between_folds()?;
+        let falling = |gap: f64| Sample { value: self.at(gap).slope, slope: f64::NAN };
+        Some(safe_newton(falling, peak, OUTSIDE_FOLD, 0.25, |_, _| false).x)
+    }
+
+    /// ε where dΔ/dε has its largest value between the two folds, on a single hump in ln ε; none where there are none.
+    fn between_folds(&self) -> Option<f64> {
         let slope = |log_gap: f64| self.at(libm::exp(log_gap)).slope;
         let grid: Vec<f64> =
             (0..=400).map(|i| libm::log(1e-9 / (1e-3 + self.lambda)) + 0.1 * f64::from(i)).collect();
@@ -94,8 +139,7 @@ impl Noncontact {
         if self.at(peak).slope <= 0.0 || peak >= OUTSIDE_FOLD {
             return None;
         }
-        let falling = |gap: f64| Sample { value: self.at(gap).slope, slope: f64::NAN };
-        Some(safe_newton(falling, peak, OUTSIDE_FOLD, 0.25, |_, _| false).x)
+        Some(peak)
     }
 }
 

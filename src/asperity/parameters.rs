@@ -22,6 +22,10 @@ pub struct LawParameters {
     pub critical_approach: Option<f64>,
     /// The history.
     pub path: Path,
+    /// Whether an asperity before contact has come out of it, and stays on the inner of two states for as long as that exists;
+    /// else it is on the outermost.
+    #[doc(hidden)]
+    pub holds: bool,
     /// Range of interferences, m, that starting tables are made for; other interferences are solved too,
     /// slower.
     pub table_range: Option<(f64, f64)>,
@@ -41,6 +45,7 @@ impl LawParameters {
             lubricant_thickness: asperity.lubricant_thickness,
             critical_approach: None,
             path,
+            holds: false,
             table_range: Some(table_range),
         };
         let positive =
@@ -65,6 +70,7 @@ impl LawParameters {
             lubricant_thickness: 0.0,
             critical_approach: None,
             path,
+            holds: false,
             table_range: None,
         };
         parameters.checked()

@@ -13,6 +13,7 @@ use super::law::{BLOCK, Responses};
 use crate::math::instruction_set::InstructionSet;
 use crate::math::piecewise::Piecewise;
 use crate::math::roots::{Sample, safe_newton};
+use std::sync::Arc;
 
 /// Exponents of x in the recovery over ω_c, and their signs.
 const RECOVERY: [(f64, f64); 3] = [(0.72, 1.0), (0.31, 1.0), (0.03, -1.0)];
@@ -24,10 +25,15 @@ const AREA: f64 = -0.12;
 const TABLE_TOLERANCE: f64 = 2e-15;
 
 /// The unloading of contacts of one critical interference.
+#[derive(Clone)]
 pub(super) struct PlasticUnloading {
     /// ω_c, m.
     critical: f64,
-    /// Recovery over ω_c and the exponents of r in load and area, over x.
+    tables: Arc<Tables>,
+}
+
+/// Recovery over ω_c and the exponents of r in load and area, over x.
+struct Tables {
     recovery: OfDepth,
     load_exponent: OfDepth,
     area_exponent: OfDepth,
@@ -37,12 +43,17 @@ impl PlasticUnloading {
     /// The unloading from interferences that are expected up to `deepest`, m.
     pub fn new(critical: f64, deepest: Option<f64>) -> Self {
         let deepest = deepest.map_or(1.0, |deepest| deepest / critical);
-        Self {
-            critical,
+        let tables = Tables {
             recovery: OfDepth::new(scaled_recovery, deepest),
             load_exponent: OfDepth::new(|x| LOAD.0 * power(x, LOAD.1), deepest),
             area_exponent: OfDepth::new(|x| power(x, AREA), deepest),
-        }
+        };
+        Self { critical, tables: Arc::new(tables) }
+    }
+
+    /// The unloading of contacts that are so many times as large: ω_c is proportional to the radius.
+    pub fn of_radius(&self, ratio: f64) -> Self {
+        Self { critical: ratio * self.critical, tables: Arc::clone(&self.tables) }
     }
 
     /// The recovery, m, from an interference ω_max, m, above ω_c.
@@ -52,7 +63,7 @@ impl PlasticUnloading {
 
     /// The recoveries, m, of interferences ω_max, m, above ω_c, at most [`BLOCK`], from the table.
     pub fn recoveries(&self, largest: &[f64], out: &mut [f64]) {
-        self.depths(largest, |places| self.recovery.values(places, out));
+        self.depths(largest, |places| self.tables.recovery.values(places, out));
         out.iter_mut().for_each(|recovery| *recovery *= self.critical);
     }
 
@@ -80,17 +91,17 @@ impl PlasticUnloading {
         self.critical * safe_newton(f, 1.0, highest, wanted, close).x
     }
 
-    /// Makes of the loads and areas at interferences ω_max, m, those at a distance, m, from there.
-    pub fn unload(&self, largest: &[f64], distance: f64, out: &mut Responses) {
+    /// Makes of the loads and areas at interferences ω_max, m, those at a distance, m, of each from there.
+    pub fn unload(&self, largest: &[f64], distance: impl Fn(usize) -> f64, out: &mut Responses) {
         let ([mut recovery, mut load, mut area], count) = ([[0.0; BLOCK]; 3], largest.len());
         self.depths(largest, |places| {
-            self.recovery.values(places, &mut recovery[..count]);
-            self.load_exponent.values(places, &mut load[..count]);
-            self.area_exponent.values(places, &mut area[..count]);
+            self.tables.recovery.values(places, &mut recovery[..count]);
+            self.tables.load_exponent.values(places, &mut load[..count]);
+            self.tables.area_exponent.values(places, &mut area[..count]);
         });
         for i in 0..count {
             let recovery = self.critical * recovery[i];
-            let ratio = libm::log(((recovery - distance) / recovery).max(0.0));
+            let ratio = libm::log(((recovery - distance(i)) / recovery).max(0.0));
             out.contact[i] *= libm::exp(load[i] * ratio);
             out.area[i] *= libm::exp(area[i] * ratio);
         }

@@ -7,23 +7,30 @@
 
 use super::elastic::Elastic;
 use super::history::Path;
-use super::law::{Boundary, Law, Method, Piece, Regime, Responses};
+use super::law::{BLOCK, Boundary, Law, Method, Piece, Regime, Responses};
 use super::scale::Scale;
 use super::stats::SolverStats;
+use crate::math::exponential::exp;
+use crate::math::instruction_set::InstructionSet;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
 /// An asperity of a radius.
 #[derive(Clone, Copy, Debug)]
+#[repr(C, align(64))]
 pub struct Lane {
+    /// Its elastic branches, of a law that solves them.
+    pub elastic: Elastic,
     /// ρ.
     pub ratio: f64,
     /// ρ^(1/2).
     pub root: f64,
     /// ρ^(1/3).
     pub cube_root: f64,
-    /// Its elastic branches, of a law that solves them.
-    pub elastic: Elastic,
+    /// ρ^(−1/3).
+    pub per_cube_root: f64,
+    /// ln ρ.
+    pub logarithm: f64,
 }
 
 impl Lane {
@@ -31,7 +38,14 @@ impl Lane {
     pub fn new(ratio: f64, lambda: Option<f64>) -> Self {
         let cube_root = libm::cbrt(ratio);
         let elastic = lambda.map(|lambda| Elastic::new(lambda * cube_root)).unwrap_or_default();
-        Self { ratio, root: ratio.sqrt(), cube_root, elastic }
+        Self {
+            elastic,
+            ratio,
+            root: ratio.sqrt(),
+            cube_root,
+            per_cube_root: 1.0 / cube_root,
+            logarithm: libm::log(ratio),
+        }
     }
 }
 
@@ -54,16 +68,19 @@ impl<'a> Lanes<'a> {
         &self.all[self.which[lane] as usize]
     }
 
-    /// Completes the first contacts from their scaled adhesion forces, which are in place, and scaled contact radii A, in the
-    /// units at ρ = 1: as [`Responses::scale_contacts`].
-    pub fn scale_contacts(&self, scale: &Scale, radius: &[f64], out: &mut Responses) {
+    /// Completes the first contacts from their scaled adhesion forces, which are in place, and scaled contact radii A, which
+    /// are in the place of areas, in the units at ρ = 1: as [`Responses::scale_contacts`].
+    pub fn scale_contacts(&self, scale: &Scale, count: usize, out: &mut Responses) {
         let area_unit = PI * scale.radius * scale.radius;
-        for (i, &radius) in radius.iter().enumerate() {
+        let Responses { adhesion, contact, area } = out;
+        let lanes = adhesion[..count].iter_mut().zip(&mut contact[..count]).zip(&mut area[..count]);
+        for (i, ((adhesion, contact), area)) in lanes.enumerate() {
             let Lane { ratio, cube_root, .. } = *self.at(i);
-            let (force, square) = (scale.force * ratio, radius * radius);
-            out.adhesion[i] *= force;
-            out.contact[i] = force * square * radius;
-            out.area[i] = area_unit * (ratio * cube_root) * square;
+            let (force, radius) = (scale.force * ratio, *area);
+            let square = radius * radius;
+            *adhesion *= force;
+            *contact = force * square * radius;
+            *area = area_unit * (ratio * cube_root) * square;
         }
     }
 
@@ -81,10 +98,20 @@ impl<'a> Lanes<'a> {
             2.0 => times(&|lane| lane.ratio * lane.ratio),
             // Of asperities that are alike the power is the same.
             _ if self.all.len() == 1 => {
-                let power = libm::pow(self.all[0].ratio, exponent);
+                let power = exp(exponent * self.all[0].logarithm);
                 values.iter_mut().for_each(|value| *value *= power);
             }
-            _ => times(&|lane| libm::pow(lane.ratio, exponent)),
+            _ => InstructionSet::current().run(
+                #[inline(always)]
+                || {
+                    let mut powers = [0.0; BLOCK];
+                    let powers = &mut powers[..values.len()];
+                    for (lane, power) in powers.iter_mut().enumerate() {
+                        *power = exponent * self.at(lane).logarithm;
+                    }
+                    values.iter_mut().zip(powers).for_each(|(value, power)| *value *= exp(*power));
+                },
+            ),
         }
     }
 }
@@ -175,6 +202,9 @@ pub trait OfRadii: Send + Sync {
     /// The pieces of an asperity.
     fn pieces_of(&self, lane: &Lane) -> Vec<Piece>;
 
+    /// As [`Law::capture`], of an asperity.
+    fn capture_of(&self, lane: &Lane) -> Option<f64>;
+
     /// Fills the first responses for asperities, at most [`BLOCK`](super::law::BLOCK), at interferences δ, m, which lie in
     /// one regime.
     fn evaluate_lanes(
@@ -208,7 +238,7 @@ impl RadiusLaw {
         Self { law: Arc::clone(law), lane: [lane], boundaries }
     }
 
-    fn of_radii(&self) -> &dyn OfRadii {
+    fn lanes(&self) -> &dyn OfRadii {
         self.law.of_radii().expect("a family is of a law that follows the radius")
     }
 }
@@ -223,7 +253,16 @@ impl Law for RadiusLaw {
     }
 
     fn pieces(&self) -> Vec<Piece> {
-        self.of_radii().pieces_of(&self.lane[0])
+        self.lanes().pieces_of(&self.lane[0])
+    }
+
+    fn capture(&self) -> Option<f64> {
+        self.lanes().capture_of(&self.lane[0])
+    }
+
+    // Lanes are relative to the law that this one is made of.
+    fn of_radii(&self) -> Option<&dyn OfRadii> {
+        self.law.of_radii()
     }
 
     fn method(&self, regime: usize) -> Method {
@@ -236,8 +275,8 @@ impl Law for RadiusLaw {
     }
 
     fn evaluate(&self, regime: usize, interference: &[f64], out: &mut Responses, stats: &mut SolverStats) {
-        const ALIKE: [u32; super::law::BLOCK] = [0; super::law::BLOCK];
+        const ALIKE: [u32; BLOCK] = [0; BLOCK];
         let lanes = Lanes::new(&self.lane, &ALIKE[..interference.len()]);
-        self.of_radii().evaluate_lanes(regime, lanes, interference, out, stats);
+        self.lanes().evaluate_lanes(regime, lanes, interference, out, stats);
     }
 }

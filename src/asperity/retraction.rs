@@ -49,6 +49,30 @@ impl Loop {
         Retraction::with(self, distance, |further| self.let_go_from(distance, further))
     }
 
+    /// Distances, m, at which two ends of the law at a distance meet, as many of every radius and in the same order; NaN where
+    /// they do not. At another radius they meet elsewhere, so what is expected at one distance is not smooth in the radius
+    /// where they do there.
+    #[doc(hidden)]
+    pub fn meetings(&self) -> Vec<f64> {
+        let ends = self.retraction.boundaries()[..self.first_contact].iter().map(|end| end.interference);
+        let attraction = self.retraction.pieces().first().map_or(f64::NAN, |piece| piece.upper);
+        let further: Vec<f64> = ends.chain([attraction]).map(|end| self.release() - end).collect();
+        let mut meetings: Vec<f64> =
+            further.iter().map(|further| self.capture - self.release() + further).collect();
+        let boundaries = self.approach.boundaries()[self.first_plastic - 1..].iter();
+        for largest in boundaries.map(|end| end.interference).chain([self.onset]) {
+            meetings.extend(further.iter().map(|further| largest - self.release() + further));
+            meetings.push(largest);
+            if self.flows() {
+                let above = largest.next_up();
+                let detachment = self.detachment(above).unwrap_or(f64::NAN);
+                meetings.extend(further.iter().map(|further| detachment + further));
+                meetings.push(self.recovery(above));
+            }
+        }
+        meetings
+    }
+
     /// The law at a distance, m, for a few asperities alone: the interference ω_max and the detachment, m,
     /// rising, of those that have flowed say which of them are in contact.
     #[doc(hidden)]
@@ -62,7 +86,7 @@ impl Loop {
 
 /// The fate of an asperity, and the regime of the law that it is in.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Condition {
+pub(super) enum Condition {
     /// It has never touched.
     Untouched(usize),
     /// It is elastic and has touched.
@@ -74,7 +98,7 @@ enum Condition {
 }
 
 impl Condition {
-    fn regime(self) -> usize {
+    pub fn regime(self) -> usize {
         let (Self::Untouched(regime)
         | Self::Elastic(regime)
         | Self::Lowered(regime)

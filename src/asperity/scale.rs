@@ -1,6 +1,7 @@
 //! From SI quantities to the scaled variables of the elastic laws and back.
 
 use super::error::LawError;
+use super::radius::Lane;
 use std::f64::consts::PI;
 
 /// σ₀Z₀/Δγ: the stress of the Dugdale zone in units of Δγ/Z₀ (Shi and Polycarpou 2005, eq. 6).
@@ -121,6 +122,18 @@ pub struct Scale {
 }
 
 impl Scale {
+    /// The units of an asperity of `ratio` times the radius.
+    #[doc(hidden)]
+    pub fn of_ratio(&self, ratio: f64) -> Self {
+        let root = libm::cbrt(ratio);
+        Self {
+            lambda: self.lambda * root,
+            length: self.length * root,
+            radius: self.radius * (root * root),
+            force: self.force * ratio,
+        }
+    }
+
     /// The units for an asperity.
     ///
     /// # Errors
@@ -165,6 +178,16 @@ impl Scale {
             return Err(LawError::Lambda(lambda));
         }
         Ok(Self { lambda, length: 1.0, radius: 1.0, force: 1.0 })
+    }
+
+    /// The units of an asperity of another radius.
+    pub(super) fn of(&self, lane: &Lane) -> Self {
+        Self {
+            lambda: self.lambda * lane.cube_root,
+            length: self.length * lane.cube_root,
+            radius: self.radius * (lane.cube_root * lane.cube_root),
+            force: self.force * lane.ratio,
+        }
     }
 
     /// The unit of energy, s_F s_δ, J.

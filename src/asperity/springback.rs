@@ -17,10 +17,11 @@
 use super::decohesion::Decohesion;
 use super::law::{BLOCK, End, Law, Regime, Responses, Smoothness};
 use super::plastic_unloading::PlasticUnloading;
-use super::radius::{Lane, Lanes, OfRadii};
+use super::radius::{Lane, Lanes, OfRadii, RadiusLaw};
 use super::scale::Scale;
 use super::stats::SolverStats;
 use std::f64::consts::PI;
+use std::sync::Arc;
 
 /// Each lane is one of its own.
 const EACH: [u32; BLOCK] = {
@@ -39,9 +40,9 @@ pub(super) enum Springback {
     /// Along powers of what is left of the way, with the adhesion that there was.
     Powers(PlasticUnloading),
     /// As elastic contacts: of the law on retraction, or of a law of their own.
-    Elastic(Option<Box<dyn Law>>),
+    Elastic(Option<Arc<dyn Law>>),
     /// As punches whose edges open; the law is that of elastic contacts which end alike.
-    Punch(Box<dyn Law>),
+    Punch(Arc<dyn Law>),
 }
 
 /// What is left of a top that has flowed.
@@ -56,6 +57,16 @@ pub(super) struct Top {
 }
 
 impl Springback {
+    /// The same of asperities of another radius.
+    pub fn of(&self, lane: Lane) -> Self {
+        let own = |law: &Arc<dyn Law>| -> Arc<dyn Law> { Arc::new(RadiusLaw::new(law, lane)) };
+        match self {
+            Self::Powers(plastic) => Self::Powers(plastic.of_radius(lane.ratio)),
+            Self::Elastic(law) => Self::Elastic(law.as_ref().map(own)),
+            Self::Punch(law) => Self::Punch(own(law)),
+        }
+    }
+
     /// The top of a contact of a load, N, and an area, m², at ω_max; but for the recovery along powers.
     pub fn top(&self, scale: &Scale, load: f64, area: f64) -> Top {
         let radius = (area / PI).sqrt() / scale.radius;
@@ -118,24 +129,37 @@ impl Springback {
         out: &mut Responses,
         stats: &mut SolverStats,
     ) {
-        let count = largest.len();
-        let top = |i: usize, out: &Responses| self.top(scale, out.contact[i], out.area[i]);
+        if let Self::Powers(plastic) = self {
+            return plastic.unload(largest, |_| distance, out);
+        }
+        let top = |i: usize| self.top(scale, out.contact[i], out.area[i]);
+        let tops: Vec<Top> = (0..largest.len()).map(top).collect();
+        let lanes: Vec<Lane> = tops.iter().map(|top| lane(top.ratio)).collect();
+        self.unload_tops((law, &tops, &lanes), distance, out, stats);
+    }
+
+    /// The same of tops in lanes, which `out` has the responses of at ω_max. Those that follow powers have no tops.
+    pub fn unload_tops(
+        &self,
+        (law, tops, lanes): (&dyn Law, &[Top], &[Lane]),
+        distance: f64,
+        out: &mut Responses,
+        stats: &mut SolverStats,
+    ) {
         match self {
-            Self::Powers(plastic) => plastic.unload(largest, distance, out),
+            Self::Powers(_) => unreachable!("powers have no tops"),
             Self::Elastic(_) => {
                 let contact = self.contact(law);
-                let tops: Vec<Top> = (0..count).map(|i| top(i, out)).collect();
-                let lanes: Vec<Lane> = tops.iter().map(|top| lane(top.ratio)).collect();
                 let mut own = [0.0; BLOCK];
-                own.iter_mut().zip(&tops).for_each(|(own, top)| *own = top.recovery - distance);
+                let own = &mut own[..tops.len()];
+                own.iter_mut().zip(tops).for_each(|(own, top)| *own = top.recovery - distance);
                 // Deeper than ω_c it stays elastic.
                 let first = first_contact(contact);
-                within(contact, first, &lanes, &mut own[..count], f64::INFINITY);
-                follow(contact, first, &lanes, &own[..count], out, stats);
+                within(contact, first, lanes, own, f64::INFINITY);
+                follow(contact, first, lanes, own, out, stats);
             }
             Self::Punch(_) => {
-                for i in 0..count {
-                    let top = top(i, out);
+                for (i, top) in tops.iter().enumerate() {
                     let peeled = Decohesion::new(top.adhesion).at(distance / top.recovery);
                     out.adhesion[i] = out.contact[i] * peeled.pull;
                     out.contact[i] *= peeled.load;

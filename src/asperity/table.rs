@@ -69,6 +69,11 @@ pub trait PartOfRadii {
         None
     }
 
+    /// As [`Interaction::capture`], of an asperity.
+    fn capture_of(&self, _lane: &Lane) -> Option<f64> {
+        None
+    }
+
     /// As [`Interaction::smoothness`], of an asperity.
     fn smoothness_of(&self, lane: &Lane, lower: f64, upper: f64) -> (Vec<f64>, Vec<Smoothness>);
 
@@ -229,6 +234,10 @@ impl OfRadii for Table {
         pieces(&self.parts, &ends, |part, lower, upper| {
             Self::part_of_radii(part).smoothness_of(lane, lower, upper)
         })
+    }
+
+    fn capture_of(&self, lane: &Lane) -> Option<f64> {
+        self.parts.iter().find_map(|part| Self::part_of_radii(part.as_ref()).capture_of(lane))
     }
 
     fn evaluate_lanes(

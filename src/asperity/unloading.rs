@@ -7,7 +7,7 @@
 //!
 //! | ω_max | what acts |
 //! |---|---|
-//! | below first touch | the law on approach at δ: nothing has been touched, so retraction retraces the approach |
+//! | below first touch, or the jump to the inner of two states before it | the law on approach at δ: nothing has been touched, so retraction retraces the approach |
 //! | up to ω_c (more in a case below), or any of a law that knows no flow | the law on retraction at δ: contact lasts to the end of its stable branch |
 //! | above ω_c | the unloading of an elastic-plastic contact, below |
 //!
@@ -38,7 +38,9 @@
 //! Where a loading law jumps up as it begins to flow (by 3 % that of Kogut and Etsion, by half that of Chang, Etsion and Bogy),
 //! the secant would have tops spring back by more than ω_max, and give out more energy than they took up. Up to where it does
 //! not, 1.6ω_c and 3.9ω_c with these, asperities go back along their approach. Where the attraction across the gap has two
-//! states, both ways take the outer one, as the laws do. Sources: Etsion, Kligerman and Kadin, Int. J. Solids Struct. 42
+//! states, for λ from 0.888 on, approach takes the outer one to its fold. Where contact leads to the inner one without a jump,
+//! to λ = 0.938, an asperity that has come to that stays on it to its own fold, lowered or not; above that it is on the outer
+//! one again, as the laws are. Sources: Etsion, Kligerman and Kadin, Int. J. Solids Struct. 42
 //! (2005) 3716; Johnson, Contact Mechanics (1985), section 6.4, for the secant; Mesarovic and Johnson, J. Mech. Phys.
 //! Solids 48 (2000) 2009; Thornton and Ning, Powder Technol. 99 (1998) 154.
 
@@ -48,11 +50,12 @@ use super::law::{End, Law, Regime, Responses, Smoothness};
 use super::models::{Model, Plasticity, model};
 use super::parameters::LawParameters;
 use super::plastic_unloading::PlasticUnloading;
-use super::radius::Lane;
+use super::radius::{Lane, OfRadii, RadiusLaw};
 use super::scale::Scale;
 use super::springback::{Springback, Top, first_contact, of_radii};
 use super::stats::SolverStats;
 use crate::math::roots::{Sample, safe_newton};
+use std::sync::Arc;
 
 /// Recoveries of continuous laws are ω_max where they begin to flow, but for so much of it.
 const ROUNDING: f64 = 1e-12;
@@ -188,8 +191,8 @@ impl UnloadedRadius {
 /// # Ok::<(), stiction::asperity::LawError>(())
 /// ```
 pub struct Loop {
-    pub(super) approach: Box<dyn Law>,
-    pub(super) retraction: Box<dyn Law>,
+    pub(super) approach: Arc<dyn Law>,
+    pub(super) retraction: Arc<dyn Law>,
     /// Interference, m, from which retraction does not retrace the approach.
     pub(super) capture: f64,
     /// Index of the first regime of contact, and of the first above ω_c.
@@ -202,9 +205,10 @@ pub struct Loop {
     pub(super) springback: Springback,
     /// Whether tops that have flowed have radii of their own.
     pub(super) own_radii: bool,
-    /// λ of the law on retraction, if it solves elastic branches.
+    /// The radius over that of the laws as they follow it, and their λ, if they solve elastic branches.
+    ratio: f64,
     lambda: Option<f64>,
-    scale: Scale,
+    pub(super) scale: Scale,
 }
 
 impl Loop {
@@ -223,9 +227,9 @@ impl Loop {
         if !unloading.suits(model) {
             return Err(LawError::NoUnloading { law: model.name });
         }
-        let [approach, retraction] =
-            [Path::Approach, Path::Retraction].map(|path| model.law(&LawParameters { path, ..*parameters }));
-        let (approach, retraction) = (approach?, retraction?);
+        let [approach, retraction] = [(Path::Approach, false), (Path::Retraction, true)]
+            .map(|(path, holds)| model.law(&LawParameters { path, holds, ..*parameters }));
+        let [approach, retraction]: [Arc<dyn Law>; 2] = [approach?.into(), retraction?.into()];
         let regimes = approach.regimes();
         let first_contact = first_contact(approach.as_ref());
         let first_plastic = regimes.iter().position(|regime| is_plastic(*regime)).unwrap_or(regimes.len());
@@ -242,6 +246,7 @@ impl Loop {
             onset: f64::INFINITY,
             springback: springback(unloading, parameters)?,
             own_radii,
+            ratio: 1.0,
             lambda: retraction.of_radii().and_then(|law| law.lambda()),
             scale: parameters.scale,
             approach,
@@ -277,6 +282,48 @@ impl Loop {
         }
         let last = self.approach.boundaries().partition_point(|end| !end.is_above(self.onset));
         (last + 1, last)
+    }
+
+    /// The loop of asperities that differ from those of this one in their radius alone: the lane is one of this loop.
+    ///
+    /// # Panics
+    /// When it is not known how the laws follow the radius.
+    #[doc(hidden)]
+    pub fn of(&self, lane: Lane) -> Self {
+        let [approach, retraction] = [&self.approach, &self.retraction].map(|law| RadiusLaw::new(law, lane));
+        let touch = begin_of(&approach, self.first_contact);
+        let mut cycle = Self {
+            capture: approach.capture().map_or(touch, |capture| capture.min(touch)),
+            first_contact: self.first_contact,
+            first_plastic: self.first_plastic,
+            // Loads, areas and recoveries are those of ω_max/ω_c.
+            onset: self.onset * lane.ratio,
+            springback: self.springback.of(lane),
+            own_radii: self.own_radii,
+            ratio: lane.ratio,
+            lambda: self.lambda,
+            scale: self.scale.of(&lane),
+            approach: Arc::new(approach),
+            retraction: Arc::new(retraction),
+        };
+        if self.onset == self.critical() {
+            cycle.onset = cycle.critical();
+        }
+        cycle
+    }
+
+    /// The law along a path of asperities of any radius, in lanes.
+    pub(super) fn lanes(&self, path: Path) -> &dyn OfRadii {
+        of_radii(match path {
+            Path::Approach => self.approach(),
+            Path::Retraction => self.retraction(),
+        })
+    }
+
+    /// Index of the first regime of contact.
+    #[doc(hidden)]
+    pub fn first_contact(&self) -> usize {
+        self.first_contact
     }
 
     /// The law on approach.
@@ -358,8 +405,9 @@ impl Loop {
     }
 
     /// The asperity of R′/R.
-    pub(super) fn lane(&self, ratio: f64) -> Lane {
-        Lane::new(ratio, self.lambda)
+    #[doc(hidden)]
+    pub fn lane(&self, ratio: f64) -> Lane {
+        Lane::new(self.ratio * ratio, self.lambda)
     }
 
     /// Interference of first touch on approach, m.
@@ -481,8 +529,8 @@ fn springback(unloading: Unloading, parameters: &LawParameters) -> Result<Spring
             Springback::Powers(PlasticUnloading::new(parameters.critical_interference, deepest))
         }
         Unloading::Secant => Springback::Elastic(None),
-        Unloading::ThorntonNing => Springback::Elastic(Some(jkr()?)),
-        Unloading::MesarovicJohnson => Springback::Punch(jkr()?),
+        Unloading::ThorntonNing => Springback::Elastic(Some(jkr()?.into())),
+        Unloading::MesarovicJohnson => Springback::Punch(jkr()?.into()),
     })
 }
 

@@ -42,18 +42,24 @@ pub(super) fn audit(reader: &Reader) -> Result<Audit, OutputError> {
     Ok(Audit { content: Content::FiniteSize { p_values }, findings: checked.findings, verdict })
 }
 
+/// The forces of the replicas that a size has: others may have more.
+fn there(forces: &[f64]) -> &[f64] {
+    let beyond = forces.iter().rev().take_while(|force| force.is_nan()).count();
+    &forces[..forces.len() - beyond]
+}
+
 impl Checked<'_> {
     /// Means over replicas, and their bias to the integral.
     fn means(&mut self) -> Result<(), OutputError> {
         let forces = self.values(FORCE)?;
         let n = self.replicas.max(1) as usize;
         let (mut means, mut errors) = (Vec::new(), Vec::new());
-        for own in forces.chunks_exact(n) {
+        for own in forces.chunks_exact(n).map(there) {
             let moments = Moments::of_groups(own, self.group as usize);
             means.push(moments.mean()[0]);
             errors.push(moments.standard_error()[0]);
         }
-        let size: Vec<f64> = forces.chunks_exact(n).map(largest).collect();
+        let size: Vec<f64> = forces.chunks_exact(n).map(there).map(largest).collect();
         let of = |name: &str| format!("{FORCE}_{name}");
         let found = self.values(&of("mean"))?;
         self.compare(&of("mean"), &found, &means, |i| ROUNDING * size[i], FORCE);
@@ -91,7 +97,8 @@ impl Checked<'_> {
         let (forces, integral) = (self.values(FORCE)?, self.values("/integral_pull_off_per_asperity")?[0]);
         let of_size =
             |own: &[f64]| Scatter::new(&own.iter().map(|force| force / integral).collect::<Vec<f64>>());
-        let all: Vec<Scatter> = forces.chunks_exact(self.replicas.max(1) as usize).map(of_size).collect();
+        let sizes = forces.chunks_exact(self.replicas.max(1) as usize).map(there);
+        let all: Vec<Scatter> = sizes.map(of_size).collect();
         let of = |value: fn(&Scatter) -> f64| all.iter().map(value).collect::<Vec<f64>>();
         self.follows("/relative_std", &of(|scatter| scatter.relative_std), ROUNDING, FORCE)?;
         let (expected, found) = (of(|scatter| scatter.skewness), self.values("/skewness")?);

@@ -17,8 +17,8 @@ use crate::validation::{Difference, overall};
 struct SweptFile<'a> {
     reader: &'a Reader,
     scheme: SamplingScheme,
-    /// Replicas of a point that is whole, where they do not depend on a target.
-    replicas: u64,
+    /// Replicas of a point that is whole; none where targets end each by itself.
+    replicas: Option<u64>,
     common: bool,
 }
 
@@ -33,7 +33,10 @@ pub(super) fn audit(reader: &Reader) -> Result<Audit, OutputError> {
     let points = SweptFile {
         reader,
         scheme: scheme(&file)?,
-        replicas: reader.number("/", "replicas")?,
+        replicas: match reader.has_attribute("/", "max_replicas")? {
+            true => None,
+            false => Some(reader.number("/", "replicas")?),
+        },
         common: reader.number::<u8>("/", "common_random_numbers")? == 1,
     };
     file.bounds()?;
@@ -101,7 +104,9 @@ impl SweptFile<'_> {
             checked.number("/", "stiffness_span")?,
             checked.is_loop()?,
         )?;
-        let compared = Some(compared).filter(|compared| compared.replicas() == self.replicas);
+        let is_whole =
+            |compared: &Compared| self.replicas.is_none_or(|replicas| compared.replicas() == replicas);
+        let compared = Some(compared).filter(is_whole);
         let differences = match (first.as_ref(), &compared) {
             (None, Some(own)) => own.differences(own, group as usize, self.common),
             (Some(Some(first)), Some(own)) => own.differences(first, group as usize, self.common),

@@ -13,11 +13,11 @@ use super::held::HeldSurface;
 use super::kinks::Kinks;
 use super::moments::{Between, ChunkMoments, MomentMatrix, MomentSums, Totals};
 use super::parts::{deepest_of_parts, stiffest_of_parts};
-use super::polydisperse::{Asperities, LaneSums};
+use super::polydisperse::{Asperities, LaneSums, PulledBack};
 use super::sampling::Draws;
-use super::summed::Summed;
+use super::summed::{Summed, of_highest};
 use super::sums::{RegimeSums, State, Sums};
-use crate::asperity::{Family, SolverStats};
+use crate::asperity::{Family, Loop, SolverStats};
 use crate::math::extrema::{Extremum, maximum, minimum};
 use crate::math::instruction_set::InstructionSet;
 use crate::math::sums::Compensated;
@@ -155,9 +155,22 @@ fn sum_polydisperse(
 ) -> Vec<RegimeSums> {
     let asperities = Asperities::new(family, heights, radii);
     let mut lane_sums = LaneSums::new(sums.regimes.len());
+    let mut pulled: Option<PulledBack> = None;
     let sum = |state: &State| {
-        let (State::Approach(h) | State::Retraction { to: h, .. }) = *state;
-        asperities.sum(None, job.surface.asperity_separation(h), &mut lane_sums, &mut sums.stats);
+        let d = |h: f64| job.surface.asperity_separation(h);
+        match (*state, job.protocol.cycle) {
+            (State::Retraction { from, to }, Some(cycle)) => {
+                if pulled.as_ref().is_none_or(|pulled| pulled.from != from) {
+                    pulled = Some(asperities.turn(job, cycle, from, &mut sums.stats));
+                }
+                if let Some(pulled) = &pulled {
+                    pulled.sum(cycle, None, d(to), &mut lane_sums, &mut sums.stats);
+                }
+            }
+            (State::Approach(h) | State::Retraction { to: h, .. }, _) => {
+                asperities.sum(None, d(h), &mut lane_sums, &mut sums.stats);
+            }
+        }
         lane_sums.regimes.clone()
     };
     states.iter().flat_map(sum).collect()
@@ -241,9 +254,11 @@ impl<'a> Chunks<'a> {
             job: &job,
             heights: &self.heights,
             asperities: None,
+            pulled: &mut None,
             kinks: self.kinks,
             table: self.table,
             places: None,
+            places_back: None,
             flattened: None,
             highest: self.highest,
             sums: &mut sums,
@@ -340,6 +355,22 @@ impl Redrawn for Chunks<'_> {
 impl Summed for Chunks<'_> {
     fn highest(&self) -> f64 {
         self.highest
+    }
+
+    fn contacts(&mut self, cycle: &Loop) -> (f64, f64) {
+        let job = self.job;
+        let Some(family) = job.laws.family else { return of_highest(job, cycle, self.highest) };
+        let of = |memory: &mut Memory| {
+            let Memory { heights, radii, sums, .. } = memory;
+            let asperities = Asperities::new(family, heights, radii);
+            let pulled = asperities.turn(job, cycle, job.separations[0], &mut sums.stats);
+            (asperities.touchdown(cycle), pulled.detachment(cycle))
+        };
+        let (mut touchdown, mut detachment) = (f64::NAN, f64::NAN);
+        self.each(of, |(touched, detached)| {
+            (touchdown, detachment) = (touchdown.max(touched), detachment.max(detached));
+        });
+        (touchdown + job.surface.mean_plane_offset, detachment)
     }
 
     fn pull_off(&mut self, external_force: &[f64]) -> Extremum {

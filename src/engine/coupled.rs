@@ -9,7 +9,7 @@ use super::stream::{Purpose, stream};
 use super::summed::Summed;
 use super::sums::RegimeSums;
 use crate::asperity::memory::{Held, Memory};
-use crate::asperity::{Path, Quantity, SolverStats, SurfaceLoops};
+use crate::asperity::{Loop, Path, Quantity, SolverStats, SurfaceLoops};
 use crate::coupled::{Asperities, HalfSpace, RadiusLaws, Settled, Snapshot, Solver, distinct, energy_class};
 use crate::math::extrema::{Extremum, largest_secant};
 use crate::substrate::{Coupling, Kernel};
@@ -58,6 +58,8 @@ struct CoupledSurface<'a> {
     energy: f64,
     regimes: Vec<RegimeSums>,
     highest: f64,
+    /// Where the first contact is there on approach, and the last on retraction, h in m.
+    contacts: (f64, f64),
     /// The states before the smallest sample on approach and on retraction, and, if surfaces turn back at
     /// preloads, at each separation of the approach.
     before: [Option<Snapshot>; 2],
@@ -125,6 +127,7 @@ pub(super) fn couple(
         energy: substrate.energy,
         regimes: vec![RegimeSums::default(); r],
         highest,
+        contacts: (f64::NAN, f64::NAN),
         before: [None, None],
         approach: Vec::new(),
         turn: None,
@@ -140,6 +143,9 @@ pub(super) fn couple(
     let mut curves = Curves::new(job.states(), r);
     let mut coupled = CoupledCurves::new(of_independent);
     surface.travel(substrate.history, &mut curves, &mut coupled);
+    if job.protocol.cycle.is_some() {
+        surface.contacts = contacts(job, &curves);
+    }
     let mut kept = keep(&mut surface, &mut curves);
     stats.merge(&surface.solver.take_stats());
     let total = |values: &[f64]| values.iter().sum::<f64>() as u64;
@@ -155,9 +161,6 @@ pub(super) fn couple(
         energy_classes: coupled.energy_classes,
         asperities: surface.told.map(|told| told.states),
     }));
-    if let Some(cycle) = &mut kept.cycle {
-        (cycle.touchdown_separation, cycle.detachment_separation) = contacts(job, &curves);
-    }
     curves.coupled = Some(Box::new(coupled));
     (kept, curves)
 }
@@ -343,6 +346,10 @@ impl CoupledSurface<'_> {
 impl Summed for CoupledSurface<'_> {
     fn highest(&self) -> f64 {
         self.highest
+    }
+
+    fn contacts(&mut self, _: &Loop) -> (f64, f64) {
+        self.contacts
     }
 
     fn pull_off(&mut self, external_force: &[f64]) -> Extremum {

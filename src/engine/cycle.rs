@@ -4,7 +4,7 @@ use super::curves::Curves;
 use super::instability::{Loading, Snap, Turn, largest_snap, largest_snap_of_all, reached};
 use super::summed::Summed;
 use super::{Job, Protocol};
-use crate::asperity::{Loop, Quantity};
+use crate::asperity::Quantity;
 use crate::math::extrema::Extremum;
 use crate::math::sums::SUM_ROUNDING;
 use serde::{Deserialize, Serialize};
@@ -36,7 +36,7 @@ pub struct Cycle {
     /// ∫F dh of the approach less that of the retraction, J, with F in straight lines between the
     /// separations; 0 where it is below its rounding.
     pub dissipated_energy: f64,
-    /// Separation h at which the highest asperity touches on approach, m, wherever the separations are;
+    /// Separation h at which the first asperity touches on approach, m, wherever the separations are;
     /// NaN of no asperities.
     pub touchdown_separation: f64,
     /// Separation h at which the last contact is lost on retraction, m; NaN if there was none.
@@ -44,29 +44,24 @@ pub struct Cycle {
 }
 
 impl Cycle {
-    /// The record of a surface: its highest asperity, m, NaN of none, its curves over the states of the job,
-    /// and the pull-off on approach.
+    /// The record of a surface: its highest asperity, m, NaN of none, where its first and last contacts are, h in m, its
+    /// curves over the states of the job, and the pull-off on approach.
     pub(super) fn new(
         job: &Job<'_>,
-        cycle: &Loop,
         highest: f64,
+        (touchdown_separation, detachment_separation): (f64, f64),
         curves: &Curves,
         pull_off: &Extremum,
     ) -> Self {
-        let (surface, closest) = (job.surface, job.separations[0]);
         let ways = [Quantity::AdhesionForce, Quantity::ContactForce]
             .map(|quantity| curves.total[quantity.index()].split_at(job.separations.len()));
         let [approach, retraction] = [ways.map(|way| way.0), ways.map(|way| way.1)];
-        let d = surface.asperity_separation(closest);
-        // The higher an asperity, the longer it keeps contact; by Mesarovic and Johnson's unloading but for one that has just
-        // not flowed.
-        let detachment = cycle.detachment(highest - d);
         Self {
             approach_pull_off_force: -pull_off.value,
             approach_pull_off_separation: pull_off.place,
             dissipated_energy: dissipated(job.separations, [approach, retraction], SUM_ROUNDING, highest),
-            touchdown_separation: highest - cycle.touch() + surface.mean_plane_offset,
-            detachment_separation: detachment.map_or(f64::NAN, |distance| closest + distance),
+            touchdown_separation,
+            detachment_separation,
         }
     }
 }

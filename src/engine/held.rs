@@ -4,13 +4,14 @@ use super::Job;
 use super::force_table::ForceTable;
 use super::kinks::{Kink, Kinks, rounding, widest_spacing};
 use super::moments::{MomentMatrix, MomentSums};
-use super::polydisperse::{Asperities, LaneSums};
-use super::radii::{Places, PolydisperseCurve};
+use super::polydisperse::{Asperities, LaneSums, PulledBack};
+use super::radii::{Places, PolydisperseCurve, Way};
 use super::retraction::{FlattenedTop, Retracted};
 use super::search::{Curve, NODES, Passing, Sought, Stray};
 use super::stray_table::StrayTable;
-use super::summed::Summed;
+use super::summed::{Summed, of_highest};
 use super::sums::{State, Sums};
+use crate::asperity::Loop;
 use crate::math::extrema::Extremum;
 
 /// A surface that has been summed.
@@ -20,14 +21,18 @@ pub(super) struct HeldSurface<'a> {
     pub heights: &'a [f64],
     /// The asperities where radii differ, and memory for their sums.
     pub asperities: Option<(&'a Asperities, &'a mut LaneSums)>,
+    /// The same as they were pulled back last.
+    pub pulled: &'a mut Option<PulledBack>,
     /// The kinks of the law.
     pub kinks: &'a Kinks,
     pub table: &'a mut ForceTable,
     /// The highest of the heights, m; NaN of none.
     pub highest: f64,
     pub sums: &'a mut Sums,
-    /// The kinks of its asperities where radii differ, when they have been asked for.
+    /// The kinks of its asperities where radii differ, when they have been asked for: on approach, and on retraction from a
+    /// separation h, m.
     pub places: Option<Places>,
+    pub places_back: Option<(f64, Places)>,
     /// The same of tops that have flowed and have radii of their own, when they are pulled back from a
     /// separation h, m.
     pub flattened: Option<(f64, Vec<FlattenedTop>)>,
@@ -44,7 +49,31 @@ impl Summed for HeldSurface<'_> {
         self.find(Sought::PullOff, &self.job.samples(external))
     }
 
+    fn contacts(&mut self, cycle: &Loop) -> (f64, f64) {
+        let (job, closest) = (self.job, self.job.separations[0]);
+        if self.asperities.is_none() {
+            return of_highest(job, cycle, self.highest);
+        }
+        self.turn(cycle, closest);
+        let touchdown = self.asperities.as_ref().map_or(f64::NAN, |(all, _)| all.touchdown(cycle));
+        let detachment = self.pulled.as_ref().map_or(f64::NAN, |pulled| pulled.detachment(cycle));
+        let touchdown = if touchdown.is_finite() { touchdown } else { f64::NAN };
+        (touchdown + job.surface.mean_plane_offset, detachment)
+    }
+
     fn retraction(&mut self, from: f64, separations: &[f64]) -> Vec<f64> {
+        if let (Some(cycle), Some(_)) = (self.job.protocol.cycle, &self.asperities) {
+            self.turn(cycle, from);
+            let (Some((_, lane_sums)), Some(pulled)) = (&mut self.asperities, &*self.pulled) else {
+                unreachable!("they have been turned")
+            };
+            let d = |h: &f64| self.job.surface.asperity_separation(*h);
+            let stats = &mut self.sums.stats;
+            return separations
+                .iter()
+                .map(|to| pulled.external_force(cycle, None, d(to), lane_sums, stats))
+                .collect();
+        }
         let force =
             |&to: &f64| self.sums.external_force(self.job, self.heights, State::Retraction { from, to });
         separations.iter().map(force).collect()
@@ -69,10 +98,11 @@ impl HeldSurface<'_> {
         let (job, highest) = (self.job, self.highest);
         let (kinks, spacing) = (self.kinks.approach.as_slice(), widest_spacing(job));
         if let Some((asperities, lane_sums)) = &mut self.asperities {
-            let places = self.places.get_or_insert_with(|| Places::new(job, asperities));
-            let Sums { scratch, stats, .. } = &mut *self.sums;
-            let mut surface =
-                PolydisperseCurve::new(job, (kinks, places), asperities, lane_sums, (scratch, stats));
+            let way = Way::Approach;
+            let places = self.places.get_or_insert_with(|| Places::new(job, asperities, way));
+            let stats = &mut self.sums.stats;
+            let known = (self.kinks, &*places);
+            let mut surface = PolydisperseCurve::new(job, known, (asperities, way), lane_sums, stats);
             return sought.find(&mut surface, samples, spacing);
         }
         match &mut self.moments {
@@ -99,6 +129,9 @@ impl HeldSurface<'_> {
     fn find_on_retraction(&mut self, sought: Sought, from: f64, samples: &[(f64, f64)]) -> Extremum {
         let Self { job, heights, .. } = *self;
         let Some(cycle) = job.protocol.cycle else { return self.find_sorted(sought, samples) };
+        if self.asperities.is_some() {
+            return self.find_pulled(sought, (cycle, from), samples);
+        }
         if self.flattened.as_ref().is_none_or(|(of, _)| *of != from) {
             self.flattened = Some((from, FlattenedTop::of(job, cycle, heights, from)));
         }
@@ -106,6 +139,36 @@ impl HeldSurface<'_> {
         let mut surface =
             Retracted::new(job, cycle, (&self.kinks.retraction, flattened), heights, from, self.sums);
         sought.find(&mut surface, samples, widest_spacing(job))
+    }
+
+    /// Has asperities that differ in their radii turn at the separation `from`, m, if they have not last.
+    fn turn(&mut self, cycle: &Loop, from: f64) {
+        let (Some((asperities, _)), pulled) = (&self.asperities, &mut *self.pulled) else { return };
+        if pulled.as_ref().is_none_or(|pulled| pulled.from != from) {
+            *pulled = Some(asperities.turn(self.job, cycle, from, &mut self.sums.stats));
+        }
+    }
+
+    /// The same of asperities that differ in their radii.
+    fn find_pulled(
+        &mut self,
+        sought: Sought,
+        (cycle, from): (&Loop, f64),
+        samples: &[(f64, f64)],
+    ) -> Extremum {
+        self.turn(cycle, from);
+        let (job, spacing) = (self.job, widest_spacing(self.job));
+        let (Some((asperities, lane_sums)), Some(pulled)) = (&mut self.asperities, &*self.pulled) else {
+            unreachable!("they have been turned")
+        };
+        let way = Way::Retraction(cycle, pulled);
+        if self.places_back.as_ref().is_none_or(|(of, _)| *of != from) {
+            self.places_back = Some((from, Places::new(job, asperities, way)));
+        }
+        let (_, places) = self.places_back.as_ref().expect("it was found");
+        let (known, stats) = ((self.kinks, places), &mut self.sums.stats);
+        let mut surface = PolydisperseCurve::new(job, known, (asperities, way), lane_sums, stats);
+        sought.find(&mut surface, samples, spacing)
     }
 
     /// The same where nothing but heights counts, which rise.

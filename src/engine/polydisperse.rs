@@ -1,25 +1,37 @@
 //! Sums over asperities that differ in their radii, and so in λ: state by state, in blocks of asperities that are in one
 //! regime, each lane with the radius of its asperity.
 
+mod pairs;
+
+pub(super) use pairs::{Pair, Pairs};
+
 use super::Job;
 use super::curves::Curves;
-use super::kinks::forces;
 use super::sums::RegimeSums;
 use crate::asperity::radius::{Lane, Lanes};
-use crate::asperity::{BLOCK, Family, Law, Responses, Scratch, SolverStats};
+use crate::asperity::{BLOCK, Family, Loop, Responses, SolverStats, Turned};
 use crate::math::instruction_set::InstructionSet;
 use crate::math::sums::lane_sum;
+use std::sync::Arc;
 
 /// Asperities that differ in their radii.
 pub(super) struct Asperities {
     family: Family,
     /// u, m.
     pub heights: Vec<f64>,
-    lanes: Vec<Lane>,
+    lanes: Arc<[Lane]>,
     /// By the end of a regime, then asperity: the separation d, m, up to which the asperity is beyond the end.
     ends: Vec<Vec<f64>>,
     /// The numbers of all.
     all: Vec<u32>,
+}
+
+/// The same since they turned.
+pub(super) struct PulledBack {
+    /// The separation h there, and d, m.
+    pub from: f64,
+    closest: f64,
+    turned: Turned,
 }
 
 /// Memory for the sums of some asperities after the other.
@@ -27,8 +39,27 @@ pub(super) struct LaneSums {
     /// By regime.
     pub regimes: Vec<RegimeSums>,
     lists: Vec<Vec<u32>>,
+    /// The regime of each asperity.
+    own: Vec<u64>,
     interference: [f64; BLOCK],
     responses: Responses,
+}
+
+impl RegimeSums {
+    /// Adds what lanes respond with.
+    fn add_lanes(&mut self, responses: &Responses, n: usize, touches: bool) {
+        InstructionSet::current().run(
+            #[inline(always)]
+            || {
+                self.adhesion.add(lane_sum(&responses.adhesion[..n]));
+                // Where nothing touches there is neither load nor area.
+                if touches {
+                    self.contact.add(lane_sum(&responses.contact[..n]));
+                    self.area.add(lane_sum(&responses.area[..n]));
+                }
+            },
+        );
+    }
 }
 
 impl LaneSums {
@@ -37,6 +68,7 @@ impl LaneSums {
         Self {
             regimes: vec![RegimeSums::default(); regimes],
             lists: vec![Vec::new(); regimes + 1],
+            own: Vec::new(),
             interference: [0.0; BLOCK],
             responses: Responses::default(),
         }
@@ -46,7 +78,7 @@ impl LaneSums {
 impl Asperities {
     /// Asperities of heights and radii, m, whose laws are a family.
     pub fn new(family: &Family, heights: &[f64], radii: &[f64]) -> Self {
-        let lanes: Vec<Lane> = radii.iter().map(|radius| family.lane(*radius)).collect();
+        let lanes: Arc<[Lane]> = radii.iter().map(|radius| family.lane(*radius)).collect();
         let mut own = Vec::new();
         let mut ends: Vec<Vec<f64>> = Vec::new();
         for (lane, height) in lanes.iter().zip(heights) {
@@ -80,11 +112,28 @@ impl Asperities {
 
     /// Sums some, or all, at a separation d, m.
     pub fn sum(&self, which: Option<&[u32]>, d: f64, sums: &mut LaneSums, stats: &mut SolverStats) {
-        let LaneSums { regimes, lists, interference, responses } = sums;
+        let LaneSums { regimes, lists, own, interference, responses } = sums;
         lists.iter_mut().for_each(Vec::clear);
-        for &i in which.unwrap_or(&self.all) {
-            let regime: usize = self.ends.iter().map(|ends| usize::from(d <= ends[i as usize])).sum();
-            lists[regime].push(i);
+        match which {
+            Some(which) => {
+                for &i in which {
+                    let regime: usize = self.ends.iter().map(|ends| usize::from(d <= ends[i as usize])).sum();
+                    lists[regime].push(i);
+                }
+            }
+            None => {
+                InstructionSet::current().run(
+                    #[inline(always)]
+                    || {
+                        own.clear();
+                        own.resize(self.all.len(), 0);
+                        for ends in &self.ends {
+                            own.iter_mut().zip(ends).for_each(|(own, end)| *own += u64::from(d <= *end));
+                        }
+                    },
+                );
+                self.all.iter().zip(own.iter()).for_each(|(i, regime)| lists[*regime as usize].push(*i));
+            }
         }
         let law = self.family.lanes();
         for (regime, (sum, list)) in regimes.iter_mut().zip(lists).enumerate() {
@@ -98,19 +147,24 @@ impl Asperities {
                     *delta = self.heights[*i as usize] - d;
                 }
                 law.evaluate_lanes(regime, Lanes::new(&self.lanes, which), interference, responses, stats);
-                InstructionSet::current().run(
-                    #[inline(always)]
-                    || {
-                        sum.adhesion.add(lane_sum(&responses.adhesion[..n]));
-                        // Where nothing touches there is neither load nor area.
-                        if touches {
-                            sum.contact.add(lane_sum(&responses.contact[..n]));
-                            sum.area.add(lane_sum(&responses.area[..n]));
-                        }
-                    },
-                );
+                sum.add_lanes(responses, n, touches);
             }
         }
+    }
+
+    /// The asperities when they are pulled back along a loop from a separation h, m.
+    pub fn turn(&self, job: &Job<'_>, cycle: &Loop, from: f64, stats: &mut SolverStats) -> PulledBack {
+        let closest = job.surface.asperity_separation(from);
+        let largest = self.heights.iter().map(|height| height - closest).collect();
+        PulledBack { from, closest, turned: Turned::new(cycle, &self.lanes, largest, stats) }
+    }
+
+    /// The separation d, m, at which the first of them touches on approach; −∞ of none.
+    pub fn touchdown(&self, cycle: &Loop) -> f64 {
+        let touch = cycle.first_contact() - 1;
+        self.ends
+            .get(touch)
+            .map_or(f64::NEG_INFINITY, |ends| ends.iter().copied().fold(f64::NEG_INFINITY, f64::max))
     }
 
     /// The separations d, m, at which the force of an asperity is not smooth, falling.
@@ -121,15 +175,83 @@ impl Asperities {
         let height = self.heights[asperity];
         ends.into_iter().filter(|end| end.is_finite()).map(move |end| height - end)
     }
+}
 
-    /// External forces, N, of an asperity at interferences δ, m, rising.
-    pub fn forces(
+impl PulledBack {
+    /// Sums all at the separations of a job as states of its curves from `first` on.
+    pub fn record(
         &self,
-        asperity: usize,
-        interferences: &[f64],
-        scratch: &mut Scratch,
+        (job, cycle): (&Job<'_>, &Loop),
+        first: usize,
+        sums: &mut LaneSums,
         stats: &mut SolverStats,
-    ) -> Vec<f64> {
-        forces(&self.family.law_of(self.lanes[asperity]) as &dyn Law, interferences, scratch, stats)
+        curves: &mut Curves,
+    ) {
+        for (k, h) in job.separations.iter().enumerate() {
+            self.sum(cycle, None, job.surface.asperity_separation(*h), sums, stats);
+            RegimeSums::record(&sums.regimes, first + k, curves);
+        }
+    }
+
+    /// Sums some, or all, at a separation d, m.
+    pub fn sum(
+        &self,
+        cycle: &Loop,
+        which: Option<&[u32]>,
+        d: f64,
+        sums: &mut LaneSums,
+        stats: &mut SolverStats,
+    ) {
+        let (distance, turned) = (d - self.closest, &self.turned);
+        let LaneSums { regimes, lists, responses, .. } = sums;
+        lists.resize_with(lists.len().max(turned.conditions()), Vec::new);
+        lists.iter_mut().for_each(Vec::clear);
+        match which {
+            Some(which) => which.iter().for_each(|i| lists[turned.condition(*i as usize, distance)].push(*i)),
+            None => {
+                (0..turned.count() as u32).for_each(|i| lists[turned.condition(i as usize, distance)].push(i))
+            }
+        }
+        regimes.fill(RegimeSums::default());
+        for (condition, list) in lists.iter().enumerate().filter(|(_, list)| !list.is_empty()) {
+            let regime = turned.regime(condition);
+            let Some(sum) = regimes.get_mut(regime) else { continue };
+            sum.count += list.len() as f64;
+            let touches = cycle.approach().regimes()[regime].is_contact();
+            stats.unloaded += if touches { 0 } else { list.len() as u64 };
+            for which in list.chunks(BLOCK) {
+                turned.evaluate(cycle, condition, (which, distance), responses, stats);
+                sum.add_lanes(responses, which.len(), touches);
+            }
+        }
+    }
+
+    /// The external force of some, or all, N, at a separation d, m.
+    pub fn external_force(
+        &self,
+        cycle: &Loop,
+        which: Option<&[u32]>,
+        d: f64,
+        sums: &mut LaneSums,
+        stats: &mut SolverStats,
+    ) -> f64 {
+        self.sum(cycle, which, d, sums, stats);
+        RegimeSums::external_force(&sums.regimes)
+    }
+
+    /// The separations d, m, falling, at which the force of an asperity is not smooth.
+    pub fn kinks(&self, cycle: &Loop, asperity: usize) -> impl Iterator<Item = f64> + use<> {
+        let closest = self.closest;
+        self.turned.kinks(cycle, asperity).into_iter().map(move |distance| closest + distance)
+    }
+
+    /// What has become of an asperity, by [`Loop::fate`].
+    pub fn fate(&self, asperity: usize) -> usize {
+        self.turned.fate(asperity)
+    }
+
+    /// The separation h, m, at which the last of them loses contact; NaN where none has any.
+    pub fn detachment(&self, cycle: &Loop) -> f64 {
+        self.turned.detachment(cycle).map_or(f64::NAN, |distance| self.from + distance)
     }
 }

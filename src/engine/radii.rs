@@ -2,13 +2,24 @@
 //! its own.
 
 use super::Job;
-use super::kinks::{Kink, beside, rounding};
-use super::polydisperse::{Asperities, LaneSums};
+use super::kinks::{Kink, Kinks, beside, rounding};
+use super::polydisperse::{Asperities, LaneSums, Pair, Pairs, PulledBack};
 use super::search::{Curve, Passing, Stray};
-use crate::asperity::{Scratch, SolverStats};
+use crate::asperity::{Loop, SolverStats};
 
 /// How many times the stray and the fall of a kink of the typical asperity those of another may be.
 const UNLIKE: f64 = 2.0;
+/// Roundings of a recovery and of its inverse in those of a height.
+const ROUNDINGS: f64 = 32.0;
+/// More kinks than there are of one fate.
+const KINKS: usize = 64;
+
+/// The way of the asperities: that of the job, or retraction along a loop.
+#[derive(Clone, Copy)]
+pub(super) enum Way<'a> {
+    Approach,
+    Retraction(&'a Loop, &'a PulledBack),
+}
 
 /// Separations h, m, of the kinks of asperities, those of one after those of the other, and where those of
 /// each end.
@@ -19,14 +30,18 @@ pub(super) struct Places {
 }
 
 impl Places {
-    /// The places of asperities of a job.
-    pub fn new(job: &Job<'_>, asperities: &Asperities) -> Self {
+    /// The places of asperities of a job on their way.
+    pub fn new(job: &Job<'_>, asperities: &Asperities, way: Way<'_>) -> Self {
         let count = asperities.heights.len();
         let (mut places, mut ends) = (Vec::new(), Vec::with_capacity(count));
         for asperity in 0..count {
-            places.extend(asperities.kinks(asperity).map(|d| d + job.surface.mean_plane_offset));
+            match way {
+                Way::Approach => places.extend(asperities.kinks(asperity)),
+                Way::Retraction(cycle, pulled) => places.extend(pulled.kinks(cycle, asperity)),
+            }
             ends.push(places.len() as u32);
         }
+        places.iter_mut().for_each(|place| *place += job.surface.mean_plane_offset);
         Self { places, ends }
     }
 
@@ -41,48 +56,113 @@ impl Places {
 /// A surface of which all asperities are held.
 pub(super) struct PolydisperseCurve<'a> {
     job: &'a Job<'a>,
-    /// The kinks of the typical asperity.
-    typical: Vec<Kink>,
+    /// The kinks of the typical asperity, by what has become of it.
+    typical: Vec<Vec<Kink>>,
     asperities: &'a Asperities,
+    way: Way<'a>,
     places: &'a Places,
+    /// The places of each kink, rising, when they have been asked for.
+    sorted: Vec<Vec<f64>>,
     sums: &'a mut LaneSums,
-    scratch: &'a mut Scratch,
+    pairs: Pairs,
     stats: &'a mut SolverStats,
 }
 
 impl<'a> PolydisperseCurve<'a> {
-    /// The asperities of a job, with their kinks and these of the typical one.
+    /// The asperities of a job on their way, with their kinks and these of the typical one.
     pub fn new(
         job: &'a Job<'a>,
-        (typical, places): (&[Kink], &'a Places),
-        asperities: &'a Asperities,
+        (typical, places): (&Kinks, &'a Places),
+        (asperities, way): (&'a Asperities, Way<'a>),
         sums: &'a mut LaneSums,
-        (scratch, stats): (&'a mut Scratch, &'a mut SolverStats),
+        stats: &'a mut SolverStats,
     ) -> Self {
-        let mut last = Stray::default();
-        let unlike = |kink: &Kink| {
-            // Kinks that are one to the typical asperity may be two to another.
-            let samples = if kink.stray.samples.0 > 0.0 { kink.stray.samples } else { last.samples };
-            last = Stray { samples, ..kink.stray };
-            Kink { fall: UNLIKE * kink.fall, stray: last.times(UNLIKE), ..*kink }
+        let unlike = |kinks: &Vec<Kink>| {
+            let mut last = Stray::default();
+            let unlike = |kink: &Kink| {
+                // Kinks that are one to the typical asperity may be two to another.
+                let samples = if kink.stray.samples.0 > 0.0 { kink.stray.samples } else { last.samples };
+                last = Stray { samples, ..kink.stray };
+                Kink { fall: UNLIKE * kink.fall, stray: last.times(UNLIKE), ..*kink }
+            };
+            kinks.iter().map(unlike).collect()
         };
-        let typical = typical.iter().map(unlike).collect();
-        Self { job, typical, asperities, places, sums, scratch, stats }
+        let typical = match way {
+            Way::Approach => vec![unlike(&typical.approach)],
+            Way::Retraction(..) => typical.retraction.iter().map(unlike).collect(),
+        };
+        Self {
+            job,
+            typical,
+            asperities,
+            way,
+            places,
+            sorted: Vec::new(),
+            sums,
+            pairs: Pairs::default(),
+            stats,
+        }
+    }
+
+    /// What has become of an asperity.
+    fn fate(&self, asperity: u32) -> usize {
+        match self.way {
+            Way::Approach => 0,
+            Way::Retraction(_, pulled) => pulled.fate(asperity as usize),
+        }
     }
 
     /// The kinks of an asperity: separations h, m, falling, and the kink of the typical asperity that is like
     /// each. The last are alike, and what not all have comes first.
     fn kinks(&self, asperity: u32) -> impl Iterator<Item = (f64, usize)> + use<'_> {
-        let (places, typical) = (self.places.of(asperity), self.typical.len());
-        places
-            .iter()
-            .enumerate()
-            .map(move |(i, place)| (*place, (i + typical).saturating_sub(places.len()).min(typical - 1)))
+        let (places, fate) = (self.places.of(asperity), self.fate(asperity));
+        let typical = self.typical[fate].len();
+        let like = move |i: usize| (i + typical).saturating_sub(places.len()).min(typical - 1);
+        places.iter().enumerate().map(move |(i, place)| (*place, fate * KINKS + like(i)))
+    }
+
+    /// The kink of the typical asperity by its number.
+    fn typical(&self, kink: usize) -> &Kink {
+        &self.typical[kink / KINKS][kink % KINKS]
     }
 
     fn external_force(&mut self, which: Option<&[u32]>, separation: f64) -> f64 {
         let d = self.job.surface.asperity_separation(separation);
-        self.asperities.external_force(which, d, self.sums, self.stats)
+        match self.way {
+            Way::Approach => self.asperities.external_force(which, d, self.sums, self.stats),
+            Way::Retraction(cycle, pulled) => pulled.external_force(cycle, which, d, self.sums, self.stats),
+        }
+    }
+
+    /// The steps of the curve, as the separation grows, at the places of passings of some asperities on approach.
+    fn steps(&mut self, asperities: &[u32], passings: &mut [Passing]) {
+        let (heights, offset) = (&self.asperities.heights, self.job.surface.mean_plane_offset);
+        let sides = passings.iter().enumerate().flat_map(|(k, passing)| {
+            let asperity = asperities[passing.asperity as usize];
+            let height = heights[asperity as usize];
+            let pair = move |(side, interference)| Pair {
+                asperity,
+                separation: height - interference,
+                sum: (2 * k + side) as u32,
+            };
+            beside(height + offset - passing.place).into_iter().enumerate().map(pair)
+        });
+        let mut forces = vec![0.0; 2 * passings.len()];
+        self.pairs.add(self.asperities, sides, self.stats, &mut forces);
+        for (passing, sides) in passings.iter_mut().zip(forces.chunks(2)) {
+            passing.step = sides[0] - sides[1];
+        }
+    }
+
+    /// The same on retraction.
+    fn steps_back(&mut self, asperities: &[u32], passings: &mut [Passing]) {
+        let beside = self.rounding();
+        for passing in passings {
+            let own = [asperities[passing.asperity as usize]];
+            let [below, above] =
+                [passing.place - beside, passing.place + beside].map(|h| self.external_force(Some(&own), h));
+            passing.step = above - below;
+        }
     }
 }
 
@@ -99,46 +179,63 @@ impl Curve for PolydisperseCurve<'_> {
     }
 
     fn passings(&mut self, asperities: &[u32], low: f64, high: f64, passings: &mut Vec<Passing>) {
+        let first = passings.len();
         for (i, asperity) in asperities.iter().enumerate() {
-            let height = self.asperities.heights[*asperity as usize] + self.job.surface.mean_plane_offset;
-            let near: Vec<(f64, usize)> =
-                self.kinks(*asperity).filter(|(place, _)| *place >= low && *place <= high).collect();
-            for (place, kink) in near {
-                let sides = beside(height - place);
-                let force = self.asperities.forces(*asperity as usize, &sides, self.scratch, self.stats);
-                passings.push(Passing {
-                    place,
-                    step: force[0] - force[1],
-                    kink: kink as u32,
-                    asperity: i as u32,
-                });
-            }
+            let near = self.kinks(*asperity).filter(|(place, _)| *place >= low && *place <= high);
+            let passing = |(place, kink)| Passing { place, step: 0.0, kink: kink as u32, asperity: i as u32 };
+            passings.extend(near.map(passing));
+        }
+        match self.way {
+            Way::Approach => self.steps(asperities, &mut passings[first..]),
+            Way::Retraction(..) => self.steps_back(asperities, &mut passings[first..]),
         }
     }
 
     fn stray(&self, kink: u32) -> &Stray {
-        &self.typical[kink as usize].stray
+        &self.typical(kink as usize).stray
     }
 
     fn rounding(&self) -> f64 {
-        rounding(self.job, self.asperities.heights.iter().fold(0.0, |most: f64, u| most.max(u.abs())))
+        let highest = self.asperities.heights.iter().fold(0.0, |most: f64, u| most.max(u.abs()));
+        let roundings = match self.way {
+            Way::Approach => 1.0,
+            // A recovery is found by powers.
+            Way::Retraction(..) => ROUNDINGS,
+        };
+        roundings * rounding(self.job, highest)
     }
 
     fn add(&mut self, asperities: &[u32], separations: &[f64], sums: &mut [f64]) {
-        for (separation, sum) in separations.iter().zip(sums) {
-            *sum += self.external_force(Some(asperities), *separation);
+        if let Way::Retraction(..) = self.way {
+            for (separation, sum) in separations.iter().zip(sums) {
+                *sum += self.external_force(Some(asperities), *separation);
+            }
+            return;
         }
+        let surface = self.job.surface;
+        let pairs = separations.iter().enumerate().flat_map(|(sum, separation)| {
+            let separation = surface.asperity_separation(*separation);
+            asperities.iter().map(move |asperity| Pair { asperity: *asperity, separation, sum: sum as u32 })
+        });
+        self.pairs.add(self.asperities, pairs, self.stats, sums);
     }
 
     fn falls(&mut self, low: f64, high: f64, mut visit: impl FnMut(f64, usize)) {
-        let mut counts = vec![0; self.typical.len()];
-        for asperity in 0..self.asperities.heights.len() as u32 {
-            let near = self.kinks(asperity).filter(|(place, _)| *place >= low && *place <= high);
-            near.for_each(|(_, kink)| counts[kink] += 1);
+        if self.sorted.is_empty() {
+            self.sorted = vec![Vec::new(); KINKS * self.typical.len()];
+            for asperity in 0..self.asperities.heights.len() as u32 {
+                let kinks: Vec<(f64, usize)> = self.kinks(asperity).collect();
+                kinks.into_iter().for_each(|(place, kink)| self.sorted[kink].push(place));
+            }
+            self.sorted.iter_mut().for_each(|places| places.sort_unstable_by(f64::total_cmp));
         }
-        let kinks = self.typical.iter().zip(counts);
-        kinks
-            .filter(|(kink, count)| kink.fall > 0.0 && *count > 0)
-            .for_each(|(kink, count)| visit(kink.fall, count));
+        for (kink, places) in self.sorted.iter().enumerate().filter(|(_, places)| !places.is_empty()) {
+            let first = places.partition_point(|place| *place < low);
+            let count = places.partition_point(|place| *place <= high).saturating_sub(first);
+            let fall = self.typical(kink).fall;
+            if fall > 0.0 && count > 0 {
+                visit(fall, count);
+            }
+        }
     }
 }

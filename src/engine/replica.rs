@@ -10,7 +10,7 @@ use super::force_table::ForceTable;
 use super::held::HeldSurface;
 use super::kinks::Kinks;
 use super::moments::{LANES, MomentSums};
-use super::polydisperse::{Asperities, LaneSums};
+use super::polydisperse::{Asperities, LaneSums, PulledBack};
 use super::sampling::{Draws, is_divided};
 use super::summed::Summed;
 use super::sums::{RegimeSums, State, Sums};
@@ -106,6 +106,7 @@ pub struct Workspace {
     radii: Vec<f64>,
     /// The asperities of that, and memory for their sums.
     asperities: Option<Asperities>,
+    pulled: Option<PulledBack>,
     lane_sums: LaneSums,
     kinks: Kinks,
     table: ForceTable,
@@ -135,6 +136,7 @@ impl Workspace {
             heights: vec![Vec::new(); at_once],
             radii: Vec::new(),
             asperities: None,
+            pulled: None,
             lane_sums: LaneSums::new(r),
             table: ForceTable::of(job, &kinks),
             kinks,
@@ -228,7 +230,13 @@ impl Workspace {
         }
         if let Some(family) = job.laws.family {
             let asperities = Asperities::new(family, &self.heights[0], &self.radii);
-            asperities.record(job, &mut self.lane_sums, &mut self.sums.stats, &mut self.curves[0]);
+            let (stats, curves) = (&mut self.sums.stats, &mut self.curves[0]);
+            asperities.record(job, &mut self.lane_sums, stats, curves);
+            self.pulled = job.protocol.cycle.map(|cycle| {
+                let pulled = asperities.turn(job, cycle, job.separations[0], stats);
+                pulled.record((job, cycle), job.separations.len(), &mut self.lane_sums, stats, curves);
+                pulled
+            });
             self.asperities = Some(asperities);
             return;
         }
@@ -253,9 +261,11 @@ impl Workspace {
             job,
             heights,
             asperities: self.asperities.as_ref().map(|asperities| (asperities, &mut self.lane_sums)),
+            pulled: &mut self.pulled,
             kinks: &self.kinks,
             table: &mut self.table,
             places: None,
+            places_back: None,
             flattened: None,
             highest: heights.iter().copied().reduce(f64::max).unwrap_or(f64::NAN),
             sums: &mut self.sums,
@@ -292,7 +302,8 @@ fn keep(job: &Job<'_>, surface: &mut dyn Summed, count: usize, curves: &mut Curv
     let mut kept = Replica { asperity_count: count as u64, highest_asperity, ..Replica::default() };
     let mut last = (external, pull_off);
     if let Some(cycle) = job.protocol.cycle {
-        kept.cycle = Some(Box::new(Cycle::new(job, cycle, highest_asperity, curves, &pull_off)));
+        let contacts = surface.contacts(cycle);
+        kept.cycle = Some(Box::new(Cycle::new(job, highest_asperity, contacts, curves, &pull_off)));
         last = (retraction, surface.retraction_pull_off(job.separations[0], &job.samples(retraction)));
     }
     kept.pull_off(&last.1);
@@ -546,6 +557,10 @@ mod tests {
         let law = SurfaceLaws { typical: law("hybrid"), family: Some(family) };
         let separations = separations(&surface, 0.5, 15);
         let job = job(law.view(), &surface, &separations);
+        agree(&job, 1, &divided(&job, 1), ROUNDING);
+        let cycle = Loop::new(&model("hybrid").unwrap(), &parameters(), UnloadedRadius::Kept).unwrap();
+        let protocol = Protocol { cycle: Some(&cycle), ..job.protocol };
+        let job = Job { protocol, ..job };
         agree(&job, 1, &divided(&job, 1), ROUNDING);
     }
 

@@ -6,7 +6,8 @@ use crate::surface::{CHUNK_ASPERITIES, CountLaw, Radii, STRATA, SamplingScheme, 
 use rand::RngExt;
 use rand::distr::Open01;
 use rand::seq::SliceRandom;
-use rand_distr::{Distribution, Poisson};
+use rand_distr::{Distribution, Poisson, StandardNormal};
+use statrs::distribution::{ContinuousCDF, Normal};
 use std::ops::Range;
 
 /// Draws the asperities of the replica `index`, unsorted, in the place of those that are there: their
@@ -96,7 +97,11 @@ impl<'a> Draws<'a> {
                 }
             }
             (_, Some(values)) if surface.whole => heights.copy_from_slice(&values[self.range(chunk)]),
-            (Radii::Common, _) => self.fill_heights(chunk, heights),
+            _ if self.scheme != SamplingScheme::Independent => self.fill_by_scheme(chunk, heights, radii),
+            (Radii::Common, _) => {
+                let mut stream = chunk_stream(self.seed, Purpose::Heights, self.index, chunk as u64);
+                surface.heights.draw(&mut stream, heights);
+            }
             (law, _) => {
                 let [mut of_heights, mut of_radii] = [Purpose::Heights, Purpose::Radii]
                     .map(|purpose| chunk_stream(self.seed, purpose, self.index, chunk as u64));
@@ -111,42 +116,41 @@ impl<'a> Draws<'a> {
         }
     }
 
-    /// Draws the heights of a chunk, m, unsorted; `heights` has one place for each of its asperities.
+    /// Draws the asperities of a chunk, unsorted, by a scheme under which those of one group of replicas depend on each other,
+    /// asperity by asperity.
     ///
-    /// Under every scheme they are independent and of the law of the surface; those of one group of replicas
-    /// of a surface that is [plain](Surface::is_plain) depend on each other asperity by asperity:
+    /// Each replica by itself is as if it were drawn independently. What they depend on each other by is the normal score of
+    /// an asperity in the order of heights; radii that scatter independently of the height are independent.
     ///
-    /// * antithetic: a replica of odd index has the heights of the one before it with opposite sign;
-    /// * stratified: the height of an asperity is the normal quantile of (π + U)/8, where π over the replicas
-    ///   of the group is a random permutation of 0..8, another for each asperity, and U is uniform (McKay,
-    ///   Beckman and Conover 1979).
-    fn fill_heights(&self, chunk: usize, heights: &mut [f64]) {
+    /// * antithetic: a replica of odd index has the scores of the one before it with opposite sign;
+    /// * stratified: the score of an asperity is the normal quantile of (π + U)/8, where π over the replicas of the group is a
+    ///   random permutation of 0..8, another for each asperity, and U is uniform (McKay, Beckman and Conover 1979).
+    fn fill_by_scheme(&self, chunk: usize, heights: &mut [f64], radii: &mut [f64]) {
         let Self { surface, index, .. } = *self;
         let stream = |purpose, index| chunk_stream(self.seed, purpose, index, chunk as u64);
-        match self.scheme {
-            SamplingScheme::Independent => {
-                surface.heights.draw(&mut stream(Purpose::Heights, index), heights);
-            }
-            SamplingScheme::Antithetic => {
-                surface.heights.draw(&mut stream(Purpose::Heights, index - index % 2), heights);
-                if index % 2 == 1 {
-                    heights.iter_mut().for_each(|height| *height = -*height);
-                }
-            }
-            SamplingScheme::Stratified => {
-                let mut permutations = stream(Purpose::Strata, index / STRATA);
-                let mut uniforms = stream(Purpose::Heights, index);
-                for height in heights {
-                    let stratum = permutation(&mut permutations)[(index % STRATA) as usize];
-                    let share: f64 = uniforms.sample(Open01);
-                    // The upper half mirrors the lower one, so that both tails keep their digits.
-                    let (below, sign) =
-                        if stratum < STRATA / 2 { (stratum, 1.0) } else { (STRATA - 1 - stratum, -1.0) };
-                    *height =
-                        sign * surface.heights.gaussian_quantile((below as f64 + share) / STRATA as f64);
-                }
-            }
+        let law = (surface.asperity_radius, &surface.heights);
+        let streams = (&mut stream(Purpose::Heights, index), &mut stream(Purpose::Radii, index));
+        if self.scheme == SamplingScheme::Antithetic {
+            let mut deviates = stream(Purpose::Heights, index - index % 2);
+            let sign = if index % 2 == 1 { -1.0 } else { 1.0 };
+            let score = || {
+                let deviate: f64 = StandardNormal.sample(&mut deviates);
+                sign * deviate
+            };
+            return surface.radii.draw_by(law, score, streams, heights, radii);
         }
+        let normal = Normal::standard();
+        let mut permutations = stream(Purpose::Strata, index / STRATA);
+        let mut uniforms = stream(Purpose::Heights, index);
+        let score = || {
+            let stratum = permutation(&mut permutations)[(index % STRATA) as usize];
+            let share: f64 = uniforms.sample(Open01);
+            // The upper half mirrors the lower one, so that both tails keep their digits.
+            let (below, sign) =
+                if stratum < STRATA / 2 { (stratum, 1.0) } else { (STRATA - 1 - stratum, -1.0) };
+            sign * normal.inverse_cdf((below as f64 + share) / STRATA as f64)
+        };
+        surface.radii.draw_by(law, score, streams, heights, radii);
     }
 }
 

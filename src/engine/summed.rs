@@ -1,11 +1,17 @@
 //! A surface whose curves are known, and what is asked of it then.
 
+use super::Job;
+use crate::asperity::Loop;
 use crate::math::extrema::Extremum;
 
 /// A surface that has been summed over the separations of its job.
 pub(super) trait Summed {
     /// The highest asperity, m; NaN of none.
     fn highest(&self) -> f64;
+
+    /// Separations h, m, at which the first asperity touches on approach, wherever the separations are, and at which the last
+    /// loses contact on retraction from the smallest separation; NaN of none.
+    fn contacts(&mut self, cycle: &Loop) -> (f64, f64);
 
     /// The pull-off on its way over the separations of the job, from its external force there, N.
     fn pull_off(&mut self, external_force: &[f64]) -> Extremum;
@@ -20,4 +26,15 @@ pub(super) trait Summed {
     /// The largest secant stiffness over a span, m, from samples of its way: on retraction from the
     /// separation `from`, m, if there is one.
     fn stiffest(&mut self, from: Option<f64>, samples: &[(f64, f64)], span: f64) -> Extremum;
+}
+
+/// The same of asperities of one radius, whose highest is known, m: the higher an asperity, the sooner it touches and the
+/// longer it keeps contact; by Mesarovic and Johnson's unloading but for one that has just not flowed.
+pub(super) fn of_highest(job: &Job<'_>, cycle: &Loop, highest: f64) -> (f64, f64) {
+    let closest = job.separations[0];
+    let detachment = cycle.detachment(highest - job.surface.asperity_separation(closest));
+    (
+        highest - cycle.touch() + job.surface.mean_plane_offset,
+        detachment.map_or(f64::NAN, |distance| closest + distance),
+    )
 }

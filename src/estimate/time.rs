@@ -63,7 +63,6 @@ fn evaluation(method: Method) -> f64 {
     match method {
         Method::Constant(_) => 0.0,
         Method::ClosedForm => 4.0,
-        Method::Powers => 120.0,
         Method::Contact => 8.0,
         Method::Noncontact { .. } => 7.0,
     }

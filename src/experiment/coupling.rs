@@ -5,7 +5,7 @@ use super::results::Results;
 use crate::asperity::{Laws, Loop, Path, Quantity};
 use crate::coupled::{CLASSES, ENERGY_CLASSES, least_energy};
 use crate::engine::{CoupledMoments, CoupledReplica, Replica, scalars};
-use crate::integral::{Expectations, MeanField, Model, substrate_stiffness};
+use crate::integral::{MeanField, Model, RetractionModel, substrate_stiffness};
 use crate::output::OutputError;
 use crate::output::schema::Dimension;
 use crate::output::writer::Writer;
@@ -47,7 +47,8 @@ pub(crate) fn mean_fields(
     let approach = MeanField::new(&inward, stiffness, step, None, force_at).reversed();
     let retraction = cycle.map(|cycle| {
         let turn = approach.separations[0];
-        let force_at = |x: f64| Expectations::retraction_at(cycle, surface, turn, x).expected[EXTERNAL][0];
+        let model = RetractionModel::new(cycle, surface, turn);
+        let force_at = |x: f64| model.answer(&[x]).expected[EXTERNAL][0];
         MeanField::new(separations, stiffness, step, Some(turn), force_at)
     });
     [approach].into_iter().chain(retraction).collect()

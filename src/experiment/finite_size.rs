@@ -27,18 +27,8 @@ pub(crate) const LARGEST: u64 = 10_000_000_000;
 /// Asperities of a patch that tells the density to more digits than any other has.
 const PROBE: f64 = 1e11;
 
-/// Refuses scenes that have no patches of every size, or not as many replicas of each.
+/// Refuses scenes that have no patches of every size.
 fn refuse(scene: &Scene) -> Result<(), &'static str> {
-    if scene.stopping.is_some() {
-        return Err(
-            "ends its ensemble at a target, and every size has to have as many replicas; give replicas in its place",
-        );
-    }
-    if scene.cycle {
-        return Err(
-            "history = \"loop\": patches are compared on one way; give \"approach\" or \"retraction\"",
-        );
-    }
     if scene.surface.whole {
         return Err("sample = \"whole\" is one surface of one size; give \"bootstrap\"");
     }
@@ -49,8 +39,7 @@ fn refuse(scene: &Scene) -> Result<(), &'static str> {
 /// as good.
 ///
 /// # Errors
-/// [`Error::NotFor`] for a scene that has no patches of every size, or not as many replicas of each, and for
-/// numbers of asperities that [`check_counts`] refuses.
+/// [`Error::NotFor`] for a scene that has no patches of every size, and for numbers of asperities that [`check_counts`] refuses.
 pub(crate) fn sweep_of_sizes(scene: &Scene, counts: &[u64], files: &Arc<dyn Files>) -> Result<Sweep, Error> {
     let refused = refuse(scene).map_err(str::to_owned).and_then(|()| check_counts(counts));
     refused.and_then(|()| sizes(scene, counts, files)).map_err(Error::NotFor)
@@ -117,7 +106,10 @@ pub(crate) fn compare_sizes(
 /// The pull-off force of the integral for one asperity, N.
 fn integral(scene: &Scene) -> Result<f64, Error> {
     let laws = SceneLaws::new(scene)?;
-    let force = PathIntegral::of(scene, laws.law.view()).pull_off();
+    let force = match &laws.cycle {
+        None => PathIntegral::of(scene, laws.law.view()).pull_off(),
+        Some(cycle) => PathIntegral::retraction(scene, cycle).pull_off(),
+    };
     if force > 0.0 {
         return Ok(force / scene.surface.asperity_count as f64);
     }
@@ -237,7 +229,9 @@ fn write(points: &Points<'_>, identity: &Identity, study: &FiniteSize) -> Result
     write_parameters(&writer, &first)?;
     let FiniteSize { integral, sizes, approach, reached } = study;
     writer.scale(Dimension::AsperityCount, &of_sizes(sizes, |size| size.count));
-    writer.scale(Dimension::Replica, &(0..sizes[0].pull_off.len() as u64).collect::<Vec<u64>>());
+    // Targets end each size by itself.
+    let most = sizes.iter().map(|size| size.pull_off.len()).max().unwrap_or_default();
+    writer.scale(Dimension::Replica, &(0..most as u64).collect::<Vec<u64>>());
     writer.scale(Dimension::Quantile, &QUANTILES);
     writer.scale(Dimension::Accuracy, &ACCURACIES);
     writer.dataset("/integral_pull_off_per_asperity", &[*integral])?;
@@ -257,7 +251,11 @@ fn write(points: &Points<'_>, identity: &Identity, study: &FiniteSize) -> Result
     writer.dataset("/relative_std", &of_sizes(sizes, |size| size.scatter.relative_std))?;
     writer.dataset("/skewness", &of_sizes(sizes, |size| size.scatter.skewness))?;
     writer.dataset("/pull_off_quantiles", &of_sizes(sizes, |size| size.scatter.quantiles).concat())?;
-    writer.dataset("/pull_off_per_asperity", &of_sizes(sizes, |size| size.pull_off.clone()).concat())?;
+    let padded = |size: &PatchSize| {
+        let missing = most - size.pull_off.len();
+        size.pull_off.iter().copied().chain(std::iter::repeat_n(f64::NAN, missing)).collect::<Vec<f64>>()
+    };
+    writer.dataset("/pull_off_per_asperity", &of_sizes(sizes, padded).concat())?;
     writer.dataset("/p_value", &of_sizes(sizes, |size| size.p_value))?;
     writer.texts("/summation", &sizes.iter().map(|size| size.sum.as_str()).collect::<Vec<&str>>())?;
     writer.dataset("/count_at_accuracy", &reached.map(Reached::count))?;

@@ -1,7 +1,7 @@
 //! The integral of a scene, and what is read off it.
 
 use crate::asperity::{self, Laws, Loop, Path, Quantity};
-use crate::integral::{Expectations, Independence, IntegralCurve, Model, TOLERANCE};
+use crate::integral::{Expectations, Independence, IntegralCurve, Model, RetractionModel, TOLERANCE};
 use crate::math::extrema::{Extremum, Features, largest_secant, maximum};
 use crate::scene::{Expected, Reading, Scene, WhatIsRead};
 
@@ -69,15 +69,19 @@ fn is_smooth(scene: &Scene) -> bool {
 }
 
 impl PathIntegral {
-    /// Reads off the integral over the separations of a scene, and at any one separation h, m.
-    fn new(scene: &Scene, expectations: Expectations, at: impl Fn(f64) -> Expectations) -> Self {
+    /// Reads off the integral over the separations of a scene, and at any one separation h, m, or the external force there alone.
+    fn new(
+        scene: &Scene,
+        expectations: Expectations,
+        at: impl Fn(f64) -> Expectations,
+        force_at: impl Fn(f64) -> f64,
+    ) -> Self {
         let q = Quantity::ExternalForce.index();
         let (separations, force) = (&scene.separations, &expectations.expected[q]);
-        let force_at = |h: f64| at(h).expected[q][0];
-        let features = Features::new(force_at, separations, force, resolving(scene));
+        let features = Features::new(&force_at, separations, force, resolving(scene));
         let pulls = features.minimum.value < 0.0;
         let at_pull_off = at(if pulls { features.minimum.place } else { separations[0] });
-        let largest_slope = largest_slope(scene, &features, force, force_at);
+        let largest_slope = largest_slope(scene, &features, force, &force_at);
         let curve = IntegralCurve { separations, force, at_pull_off: &at_pull_off, largest_slope };
         let modulus = scene.asperity.reduced_modulus;
         let independence = Independence::new(&scene.surface, modulus, &curve, force_at);
@@ -87,7 +91,8 @@ impl PathIntegral {
     /// The integral of a law along one path.
     pub(crate) fn of(scene: &Scene, law: Laws<'_>) -> Self {
         let model = Model::new(law, &scene.surface, &scene.separations);
-        Self::new(scene, model.answer(&scene.separations, TOLERANCE), |h| model.answer(&[h], TOLERANCE))
+        let at = |h: f64| model.answer(&[h], TOLERANCE);
+        Self::new(scene, model.answer(&scene.separations, TOLERANCE), at, |h| model.external_force(h))
     }
 
     /// The pull-off force, N; 0 or negative where nothing pulls.
@@ -97,9 +102,10 @@ impl PathIntegral {
 
     /// The integral of a loop on retraction.
     pub(crate) fn retraction(scene: &Scene, cycle: &Loop) -> Self {
-        let (surface, separations) = (&scene.surface, &scene.separations);
-        let expectations = Expectations::retraction(cycle, surface, separations);
-        Self::new(scene, expectations, |h| Expectations::retraction_at(cycle, surface, separations[0], h))
+        let model = RetractionModel::new(cycle, &scene.surface, scene.separations[0]);
+        let at = |h: f64| model.answer(&[h]);
+        let force = |h: f64| at(h).expected[Quantity::ExternalForce.index()][0];
+        Self::new(scene, model.answer(&scene.separations), at, force)
     }
 
     /// Pull-off and stiffest point, or the smallest separation where nothing pulls.

@@ -4,7 +4,7 @@ use super::integral::{PathIntegral, resolving};
 use crate::asperity::{Laws, Loop, Quantity, UnloadedRadius};
 use crate::engine::{Attained, Ensemble, Rule, Stopping, Summation};
 use crate::estimate::Plan;
-use crate::integral::{Expectations, Independence, MeanField, Model};
+use crate::integral::{Expectations, Independence, MeanField, Model, RetractionModel};
 use crate::math::control_variates::ControlledMean;
 use crate::math::extrema::Features;
 use crate::math::interpolation::linear;
@@ -86,8 +86,8 @@ impl RetractionResults {
         let q = Quantity::ExternalForce.index();
         let separations = &scene.separations;
         let PathIntegral { expectations, features: of_integral, .. } = integral;
-        let force =
-            |h: f64| Expectations::retraction_at(cycle, &scene.surface, separations[0], h).expected[q][0];
+        let model = RetractionModel::new(cycle, &scene.surface, separations[0]);
+        let force = |h: f64| model.answer(&[h]).expected[q][0];
         let mean = &ensemble.curves[q].mean()[separations.len()..];
         let of_mean = near_features(force, scene, mean, &expectations.expected[q]);
         let by_radius = by_radius(scene, cycle, &of_integral);

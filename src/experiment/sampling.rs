@@ -156,6 +156,7 @@ pub(crate) fn loading(scene: &Scene) -> Loading<'_> {
 pub(crate) fn basis_of(scene: &Scene, law: Laws<'_>, cycle: Option<&Loop>) -> Basis {
     if let Some(cycle) = cycle {
         return basis_of_loop(
+            law,
             cycle,
             &scene.surface,
             &scene.separations,

@@ -111,6 +111,10 @@ fn assembled(
     if partial {
         writer.number("/", "partial", 1_u8)?;
     }
+    if let Some(stopping) = &scene.stopping {
+        writer.number("/", "min_replicas", stopping.min_replicas)?;
+        writer.number("/", "max_replicas", stopping.max_replicas)?;
+    }
     write_limits(&writer)?;
     let goes_on = || !points.session.stop.load(Ordering::Relaxed);
     if !stack(&mut writer, &stack::PointFiles { files: &files, places: &places, goes_on: &goes_on })? {
@@ -248,7 +252,7 @@ impl Compared {
 }
 
 /// The row of a point, beside the replicas of the first. Only where all replicas of both are there they
-/// are compared.
+/// are compared; with targets, which end each point by itself, those that both have.
 fn compared(
     file: &Path,
     first: Option<&Compared>,
@@ -258,7 +262,7 @@ fn compared(
     let reader = Reader::open(file, &[&RUN])?;
     let own = Compared::read(file)?;
     let group = scene.sampling.group() as usize;
-    let are_whole = |point: &Compared| point.replicas() == scene.replicas;
+    let are_whole = |point: &Compared| scene.stopping.is_some() || point.replicas() == scene.replicas;
     let first = first.filter(|first| are_whole(first) && are_whole(&own));
     let of_pull_off = |name: &str| reader.values::<f64>(name).map(|values| values[0]);
     Ok(SweepPoint {

@@ -29,6 +29,7 @@ pub use mean_field::MeanField;
 #[doc(hidden)]
 pub use model::interference_range;
 pub use model::{Model, TOLERANCE};
+pub use retraction::RetractionModel;
 
 #[cfg(test)]
 mod tests {

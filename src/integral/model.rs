@@ -54,7 +54,7 @@ struct Part {
 }
 
 /// Expectations at one separation, and those of a coarser division of the radii.
-struct Mixture {
+pub(super) struct Mixture {
     fine: AtSeparation,
     coarse: AtSeparation,
 }
@@ -81,8 +81,91 @@ impl<'a> Model<'a> {
     /// The answer at separations h, m, to a relative accuracy of every piece of the law; not to more than the
     /// rounding of heights allows.
     pub fn answer(&self, separations: &[f64], tolerance: f64) -> Expectations {
-        let at = self.at(separations, tolerance);
-        let surface = self.surface;
+        Mixture::expectations(&self.at(separations, tolerance), self.surface)
+    }
+
+    /// Expected external force, N, at one separation h, m.
+    pub fn external_force(&self, separation: f64) -> f64 {
+        if let Some(force) = self.force_at_nodes(separation) {
+            return force;
+        }
+        let at = self.at(&[separation], TOLERANCE);
+        self.surface.asperity_count as f64 * at[0].fine.means()[Quantity::ExternalForce.index()]
+    }
+
+    /// The same of radii whose forces are all known at nodes.
+    fn force_at_nodes(&self, separation: f64) -> Option<f64> {
+        let d = self.surface.asperity_separation(separation);
+        let of = |part: &Part| {
+            let (nodes, heights) = part.nodes.as_ref().filter(|(nodes, _)| nodes.covers(d))?;
+            Some(part.of.weight * nodes.external_force(*heights, d))
+        };
+        let forces: Option<Vec<f64>> = self.parts.par_iter().map(of).collect();
+        Some(self.surface.asperity_count as f64 * forces?.into_iter().sum::<f64>())
+    }
+
+    /// Expectations at separations h, m.
+    fn at(&self, separations: &[f64], tolerance: f64) -> Vec<Mixture> {
+        let at = |&h: &f64| {
+            let d = self.surface.asperity_separation(h);
+            let of = |part: &Part, typical| part.at(self, d, typical, tolerance);
+            let parts = self.parts.as_slice();
+            Mixture::new((self.laws.typical, self.surface, d), parts, |part| &part.of, of)
+        };
+        separations.par_iter().map(at).collect()
+    }
+}
+
+impl Part {
+    /// Expectations at a separation d, m.
+    fn at(&self, model: &Model<'_>, d: f64, typical: [f64; 4], tolerance: f64) -> AtSeparation {
+        let (law, heights) = (self.law.as_deref().unwrap_or(model.laws.typical), &self.of.heights);
+        if let Some((nodes, normal)) = self.nodes.as_ref().filter(|(nodes, _)| nodes.covers(d)) {
+            let mut at = nodes.at(law, *normal, d, typical);
+            at.probabilities(law, heights, d);
+            return at;
+        }
+        AtSeparation::of(law, heights, d, typical, accuracy(tolerance, heights, model.parts.len()))
+    }
+}
+
+/// The tolerance of the integral over heights, of which so many radii have such, and how far they reach, m: that over radii is
+/// no better than this, and its tails are in no regime alone.
+pub(super) fn accuracy(tolerance: f64, heights: &Heights, radii: usize) -> (f64, (f64, f64)) {
+    match radii {
+        1 => (tolerance, (f64::NEG_INFINITY, f64::INFINITY)),
+        _ => (tolerance.max(OF_RADIUS_TOLERANCE), heights.reach(OF_RADIUS_REACH)),
+    }
+}
+
+impl Mixture {
+    /// Expectations of parts of a surface at a separation d, m, each `of` a class of radii and `at` deviations from typical
+    /// quantities.
+    pub fn new<P: Sync>(
+        (law, surface, d): (&dyn Law, &Surface, f64),
+        parts: &[P],
+        of: impl Fn(&P) -> &RadiusClass,
+        at: impl Fn(&P, [f64; 4]) -> AtSeparation + Sync,
+    ) -> Self {
+        let regimes = law.regimes().len();
+        let mut stats = SolverStats::default();
+        let typical = typical(law, surface.heights.mean - d, &mut stats);
+        let [mut fine, mut coarse] = [0, 1].map(|_| AtSeparation::new(regimes, typical));
+        let alike: Vec<AtSeparation> = parts.par_iter().map(|part| at(part, typical)).collect();
+        alike.iter().for_each(|at| stats.merge(&at.stats));
+        match &alike[..] {
+            [all] => (fine, coarse) = (all.clone(), all.clone()),
+            alike => alike.iter().zip(parts).for_each(|(at, part)| {
+                fine.add(of(part).weight, at);
+                coarse.add(of(part).coarse, at);
+            }),
+        }
+        fine.stats = stats;
+        Self { fine, coarse }
+    }
+
+    /// What is expected of a surface at some separations.
+    pub fn expectations(at: &[Self], surface: &Surface) -> Expectations {
         let count = surface.asperity_count as f64;
         let quantity = |f: &dyn Fn(&AtSeparation) -> [f64; 4]| -> [Vec<f64>; 4] {
             let rows: Vec<[f64; 4]> = at.iter().map(|at| f(&at.fine)).collect();
@@ -99,10 +182,9 @@ impl<'a> Model<'a> {
         };
         let q = Quantity::ExternalForce.index();
         let mean_square = |at: &AtSeparation| at.variances()[q] + at.means()[q].powi(2);
+        let regimes = at.first().map_or(0, |at| at.fine.regimes.len());
         let regime = |f: &dyn Fn(&AtSeparation, usize) -> f64| -> Vec<Vec<f64>> {
-            (0..self.laws.regimes().len())
-                .map(|r| at.iter().map(|at| count * f(&at.fine, r)).collect())
-                .collect()
+            (0..regimes).map(|r| at.iter().map(|at| count * f(&at.fine, r)).collect()).collect()
         };
         let mut stats = SolverStats::default();
         at.iter().for_each(|at| stats.merge(&at.fine.stats));
@@ -118,56 +200,6 @@ impl<'a> Model<'a> {
         }
     }
 
-    /// Expected external force, N, at one separation h, m.
-    pub fn external_force(&self, separation: f64) -> f64 {
-        let at = self.at(&[separation], TOLERANCE);
-        self.surface.asperity_count as f64 * at[0].fine.means()[Quantity::ExternalForce.index()]
-    }
-
-    /// Expectations at separations h, m.
-    fn at(&self, separations: &[f64], tolerance: f64) -> Vec<Mixture> {
-        let regimes = self.laws.regimes().len();
-        let at = |&h: &f64| {
-            let d = self.surface.asperity_separation(h);
-            let mut stats = SolverStats::default();
-            let typical = typical(self.laws.typical, self.surface.heights.mean - d, &mut stats);
-            let [mut fine, mut coarse] = [0, 1].map(|_| AtSeparation::new(regimes, typical));
-            let alike = self.parts.par_iter().map(|part| part.at(self, d, typical, tolerance));
-            let alike: Vec<AtSeparation> = alike.collect();
-            alike.iter().for_each(|at| stats.merge(&at.stats));
-            match &alike[..] {
-                [all] => (fine, coarse) = (all.clone(), all.clone()),
-                parts => parts.iter().zip(&self.parts).for_each(|(at, part)| {
-                    fine.add(part.of.weight, at);
-                    coarse.add(part.of.coarse, at);
-                }),
-            }
-            fine.stats = stats;
-            Mixture { fine, coarse }
-        };
-        separations.par_iter().map(at).collect()
-    }
-}
-
-impl Part {
-    /// Expectations at a separation d, m.
-    fn at(&self, model: &Model<'_>, d: f64, typical: [f64; 4], tolerance: f64) -> AtSeparation {
-        let (law, heights) = (self.law.as_deref().unwrap_or(model.laws.typical), &self.of.heights);
-        if let Some((nodes, normal)) = self.nodes.as_ref().filter(|(nodes, _)| nodes.covers(d)) {
-            let mut at = nodes.at(law, *normal, d, typical);
-            at.probabilities(law, heights, d);
-            return at;
-        }
-        // The integral over radii is no better than this, and its tails are in no regime alone.
-        let (tolerance, reach) = match model.parts.len() {
-            1 => (tolerance, (f64::NEG_INFINITY, f64::INFINITY)),
-            _ => (tolerance.max(OF_RADIUS_TOLERANCE), heights.reach(OF_RADIUS_REACH)),
-        };
-        AtSeparation::of(law, heights, d, typical, (tolerance, reach))
-    }
-}
-
-impl Mixture {
     /// The larger of the bounds of the relative error of the integrals over heights, and over radii: there of
     /// the forces against F_s + P.
     fn error(&self) -> f64 {

@@ -37,6 +37,8 @@ struct Panel {
     /// m.
     weights: [f64; NODES],
     quantities: [[f64; NODES]; 3],
+    /// External force, by the weights, Nm.
+    external: [f64; NODES],
 }
 
 /// Gaussian heights of a mean and a standard deviation, m, and how far they are integrated to, in these.
@@ -52,6 +54,7 @@ impl NodeTable {
     pub fn new(law: &dyn Law, heights: Normal, (nearest, furthest): (f64, f64), tolerance: f64) -> Self {
         let mut table =
             Self { panels: Vec::new(), covered: (nearest, furthest), stats: SolverStats::default() };
+        let mut out = Responses::default();
         let reach = heights.reach * heights.std;
         let (low, high) = (heights.mean - reach - furthest, heights.mean + reach - nearest);
         for piece in law.pieces() {
@@ -65,17 +68,19 @@ impl NodeTable {
             for i in 0..count as usize {
                 let [a, b] = [end(i as f64), end(i as f64 + 1.0)];
                 let limits = (piece.lower, piece.upper);
-                let mut open = vec![(a.min(b), a.max(b), 0)];
-                while let Some((a, b, halvings)) = open.pop() {
+                let mut of = |a: f64, b: f64| {
+                    Panel::new(law, piece.regime, (variable, limits), (a, b), (&mut out, &mut table.stats))
+                };
+                let (a, b) = (a.min(b), a.max(b));
+                let mut open = vec![(of(a, b), (a, b), 0)];
+                while let Some((whole, (a, b), halvings)) = open.pop() {
                     let middle = 0.5 * (a + b);
-                    let mut of = |a: f64, b: f64| {
-                        Panel::new(law, piece.regime, (variable, limits), (a, b), &mut table.stats)
-                    };
-                    let (whole, halves) = (of(a, b), [of(a, middle), of(middle, b)]);
+                    let halves = [of(a, middle), of(middle, b)];
                     let error = whole.differs(&halves);
                     if error > tolerance && halvings < HALVINGS {
-                        open.push((middle, b, halvings + 1));
-                        open.push((a, middle, halvings + 1));
+                        let [first, second] = halves;
+                        open.push((second, (middle, b), halvings + 1));
+                        open.push((first, (a, middle), halvings + 1));
                     } else {
                         table.panels.push(Panel { error, ..whole });
                     }
@@ -88,6 +93,32 @@ impl NodeTable {
     /// Whether all heights within reach are covered at a separation d, m.
     pub fn covers(&self, separation: f64) -> bool {
         self.covered.0 <= separation && separation <= self.covered.1
+    }
+
+    /// The expected external force, N, at a separation d, m.
+    pub fn external_force(&self, heights: Normal, separation: f64) -> f64 {
+        let mean = heights.mean - separation;
+        let reach = heights.reach * heights.std;
+        let per_std = 1.0 / heights.std;
+        let sum = InstructionSet::current().run(
+            #[inline(always)]
+            || {
+                let mut sum = 0.0;
+                for panel in &self.panels {
+                    if panel.ends.1 < mean - reach || panel.ends.0 > mean + reach {
+                        continue;
+                    }
+                    let mut terms = [0.0; NODES];
+                    for i in 0..NODES {
+                        let s = (panel.interference[i] - mean) * per_std;
+                        terms[i] = panel.external[i] * exp(-0.5 * s * s);
+                    }
+                    sum += lane_sum(&terms);
+                }
+                sum
+            },
+        );
+        sum / (heights.std * (2.0 * PI).sqrt())
     }
 
     /// The expectations at a separation d, m, with deviations from `typical` quantities.
@@ -144,25 +175,25 @@ impl Panel {
         regime: usize,
         (variable, limits): (Variable, (f64, f64)),
         (low, high): (f64, f64),
-        stats: &mut SolverStats,
+        (out, stats): (&mut Responses, &mut SolverStats),
     ) -> Self {
         let places = Rule::shared().places(low, high);
         let interference = places.map(|(x, _)| variable.interference(x).clamp(limits.0, limits.1));
         let weights = places.map(|(x, weight)| weight * variable.stretch(x));
-        let mut out = Responses::default();
         // Whichever way the variable runs.
         let rises = interference[0] <= interference[NODES - 1];
         let mut rising = interference;
         if !rises {
             rising.reverse();
         }
-        law.evaluate(regime, &rising, &mut out, stats);
+        law.evaluate(regime, &rising, out, stats);
         let quantity = |values: &[f64]| -> [f64; NODES] {
             std::array::from_fn(|i| values[if rises { i } else { NODES - 1 - i }])
         };
         let quantities = [quantity(&out.adhesion), quantity(&out.contact), quantity(&out.area)];
         let [a, b] = [low, high].map(|x| variable.interference(x));
-        Self { regime, ends: (a.min(b), a.max(b)), error: 0.0, interference, weights, quantities }
+        let external = std::array::from_fn(|i| weights[i] * (quantities[1][i] - quantities[0][i]));
+        Self { regime, ends: (a.min(b), a.max(b)), error: 0.0, interference, weights, quantities, external }
     }
 
     fn integral(&self, quantity: usize) -> f64 {

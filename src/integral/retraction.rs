@@ -1,51 +1,163 @@
-//! The integral of the retraction of a loop: at every distance from the closest approach the asperities obey
+//! The integral of the retraction of a loop: at every distance from the closest approach the asperities of a radius obey
 //! one law in their interference there.
 
 use super::expectations::Expectations;
-use crate::asperity::{Loop, SolverStats};
-use crate::math::extrema::maximum;
-use crate::surface::Surface;
+use super::height_integral::AtSeparation;
+use super::model::{Mixture, TOLERANCE, accuracy};
+use crate::asperity::Loop;
+use crate::surface::{RadiusClass, RadiusPanels, Surface};
 use rayon::prelude::*;
+
+/// Panels of the radius are looked at in so many parts for places at which what is expected is not smooth in it, which are
+/// found to this share of their part.
+const LOOKED_AT: usize = 16;
+/// Relative accuracy asked of every piece of the law of one of several radii: that over radii is no better.
+const OF_RADIUS_TOLERANCE: f64 = 1e-8;
+const PLACE: f64 = 1e-9;
+
+/// The integral model of a surface that is pulled back along a loop.
+///
+/// # Examples
+/// ```
+/// use stiction::asperity::{LawParameters, Loop, Path, Quantity, UnloadedRadius, model};
+/// use stiction::integral::{Expectations, RetractionModel};
+/// use stiction::surface::Surface;
+///
+/// let parameters = LawParameters::scaled(10.0, Path::Approach)?;
+/// let cycle = Loop::new(&model("md").unwrap(), &parameters, UnloadedRadius::Kept)?;
+/// let surface = Surface::uniform(1.0, 1.0, 100, 1.0);
+/// let pulled = RetractionModel::new(&cycle, &surface, 0.0).answer(&[2.0]).expected;
+/// let approach = Expectations::new(cycle.approach(), &surface, &[2.0]).expected;
+/// let area = Quantity::ContactArea.index();
+/// assert!(pulled[area][0] > approach[area][0], "contacts hold on");
+/// # Ok::<(), stiction::asperity::LawError>(())
+/// ```
+pub struct RetractionModel<'a> {
+    cycle: &'a Loop,
+    surface: &'a Surface,
+    /// d, m, where the surfaces turned.
+    closest: f64,
+    radii: Radii,
+}
+
+/// The radii of the asperities.
+enum Radii {
+    /// Given, or one.
+    Parts(Vec<Part>),
+    /// By a density. At places of its variable, rising, the distances, m, at which ends of the law meet.
+    Density { panels: RadiusPanels, meetings: Vec<(f64, Vec<f64>)> },
+}
+
+/// Asperities of a radius, and their loop where it is not that of all.
+struct Part {
+    of: RadiusClass,
+    cycle: Option<Loop>,
+}
+
+impl<'a> RetractionModel<'a> {
+    /// The model of a surface that turns at a separation h, m.
+    pub fn new(cycle: &'a Loop, surface: &'a Surface, closest: f64) -> Self {
+        let closest = surface.asperity_separation(closest);
+        let mut model = Self { cycle, surface, closest, radii: Radii::Parts(Vec::new()) };
+        model.radii = match surface.radii.panels(surface.asperity_radius, &surface.heights) {
+            None => Radii::Parts(model.parts(surface.parts())),
+            Some(panels) => {
+                let within = |ends: &[f64]| {
+                    let (low, width) = (ends[0], (ends[1] - ends[0]) / LOOKED_AT as f64);
+                    (0..LOOKED_AT).map(move |i| low + width * i as f64)
+                };
+                let places = panels.breaks.windows(2).flat_map(within).chain(panels.breaks.last().copied());
+                let places: Vec<f64> = places.collect();
+                let at = |place: f64| (place, model.of_radius(panels.radius(place)).meetings());
+                let meetings = places.into_par_iter().map(at).collect();
+                Radii::Density { panels, meetings }
+            }
+        };
+        model
+    }
+
+    /// The loop of asperities of a radius, m.
+    fn of_radius(&self, radius: f64) -> Loop {
+        self.cycle.of(self.cycle.lane(radius / self.surface.asperity_radius))
+    }
+
+    fn parts(&self, classes: Vec<RadiusClass>) -> Vec<Part> {
+        let part = |of: RadiusClass| {
+            let own = self.surface.is_polydisperse().then(|| self.of_radius(of.radius));
+            Part { of, cycle: own }
+        };
+        classes.into_par_iter().map(part).collect()
+    }
+
+    /// Places of the variable of the radius at which what is expected at a distance, m, is not smooth in it.
+    fn kinks(&self, panels: &RadiusPanels, meetings: &[(f64, Vec<f64>)], distance: f64) -> Vec<f64> {
+        let mut kinks = Vec::new();
+        for pair in meetings.windows(2) {
+            let [(low, before), (high, after)] = [&pair[0], &pair[1]];
+            for (i, (before, after)) in before.iter().zip(after).enumerate() {
+                if !((before - distance) * (after - distance) < 0.0) {
+                    continue;
+                }
+                let (mut low, mut high, width) = (*low, *high, PLACE * (high - low));
+                while high - low > width {
+                    let middle = 0.5 * (low + high);
+                    let here = self.of_radius(panels.radius(middle)).meetings()[i];
+                    *(if (here - distance) * (before - distance) > 0.0 { &mut low } else { &mut high }) =
+                        middle;
+                }
+                kinks.push(0.5 * (low + high));
+            }
+        }
+        kinks
+    }
+
+    /// The answer at separations h, m; regimes are those of the law on approach.
+    pub fn answer(&self, separations: &[f64]) -> Expectations {
+        let at: Vec<Mixture> = separations.par_iter().map(|h| self.at(*h)).collect();
+        let expectations = Mixture::expectations(&at, self.surface);
+        let law = self.cycle.at(0.0);
+        let counted = |table: &[Vec<f64>]| {
+            let mut sums = vec![vec![0.0; separations.len()]; self.cycle.approach().regimes().len()];
+            for (row, &base) in table.iter().zip(law.base()) {
+                sums[base].iter_mut().zip(row).for_each(|(sum, value)| *sum += value);
+            }
+            sums
+        };
+        Expectations {
+            regime_count: counted(&expectations.regime_count),
+            regime_adhesion_force: counted(&expectations.regime_adhesion_force),
+            regime_external_force: counted(&expectations.regime_external_force),
+            ..expectations
+        }
+    }
+
+    /// Expectations at a separation h, m.
+    fn at(&self, separation: f64) -> Mixture {
+        let distance = self.surface.asperity_separation(separation) - self.closest;
+        let own;
+        let parts = match &self.radii {
+            Radii::Parts(parts) => parts,
+            Radii::Density { panels, meetings } => {
+                own = self.parts(panels.parts(&self.kinks(panels, meetings, distance)));
+                &own
+            }
+        };
+        let of = |part: &Part, typical, tolerance| {
+            let (law, heights) = (part.cycle.as_ref().unwrap_or(self.cycle).at(distance), &part.of.heights);
+            let accuracy = accuracy(tolerance, heights, parts.len());
+            AtSeparation::of(&law, heights, self.closest, typical, accuracy)
+        };
+        let law = self.cycle.at(distance);
+        let tolerance = if parts.len() > 1 { OF_RADIUS_TOLERANCE } else { TOLERANCE };
+        let of = |part: &Part, typical| of(part, typical, tolerance);
+        Mixture::new((&law, self.surface, self.closest), parts, |part| &part.of, of)
+    }
+}
 
 impl Expectations {
     /// Integrates the retraction of a loop from the smallest of the separations h, m, rising; regimes are
     /// those of the law on approach.
     pub fn retraction(cycle: &Loop, surface: &Surface, separations: &[f64]) -> Self {
-        let at: Vec<Self> =
-            separations.par_iter().map(|&h| Self::retraction_at(cycle, surface, separations[0], h)).collect();
-        let joined = |of: &dyn Fn(&Self) -> f64| at.iter().map(of).collect::<Vec<f64>>();
-        let regimes = cycle.approach().regimes().len();
-        let table =
-            |of: fn(&Self) -> &Vec<Vec<f64>>| (0..regimes).map(|r| joined(&|a| of(a)[r][0])).collect();
-        let mut stats = SolverStats::default();
-        at.iter().for_each(|a| stats.merge(&a.stats));
-        Self {
-            expected: std::array::from_fn(|q| joined(&|a| a.expected[q][0])),
-            std: std::array::from_fn(|q| joined(&|a| a.std[q][0])),
-            mean_square_force: joined(&|a| a.mean_square_force[0]),
-            regime_count: table(|a| &a.regime_count),
-            regime_adhesion_force: table(|a| &a.regime_adhesion_force),
-            regime_external_force: table(|a| &a.regime_external_force),
-            quadrature_error: at.iter().fold(0.0, |worst, a| maximum(a.quadrature_error, worst)),
-            stats,
-        }
-    }
-
-    /// The retraction from the separation h `closest`, m, at another.
-    pub fn retraction_at(cycle: &Loop, surface: &Surface, closest: f64, separation: f64) -> Self {
-        let law = cycle.at(surface.asperity_separation(separation) - surface.asperity_separation(closest));
-        let model = Self::new(&law, surface, &[closest]);
-        let regimes = cycle.approach().regimes().len();
-        let counted = |table: &[Vec<f64>]| {
-            let mut sums = vec![vec![0.0]; regimes];
-            table.iter().zip(law.base()).for_each(|(row, &base)| sums[base][0] += row[0]);
-            sums
-        };
-        Self {
-            regime_count: counted(&model.regime_count),
-            regime_adhesion_force: counted(&model.regime_adhesion_force),
-            regime_external_force: counted(&model.regime_external_force),
-            ..model
-        }
+        RetractionModel::new(cycle, surface, separations[0]).answer(separations)
     }
 }

@@ -13,16 +13,20 @@ pub struct Fit<const N: usize> {
 }
 
 /// Fits `model`, which gives the value at a place and its derivatives by the N parameters, to `values` at
-/// `places`, from each of the `starts`; the best of the fits. `None` when no start leads to finite values.
+/// `places`, from each of the `starts`, to rounding or to a relative `tolerance` of the sum of squares and of the
+/// parameters; the best of the fits. `None` when no start leads to finite values.
 pub fn least_squares<const N: usize>(
     model: impl Fn(&[f64; N], f64) -> (f64, [f64; N]) + Copy,
     places: &[f64],
     values: &[f64],
     starts: &[[f64; N]],
+    tolerance: Option<f64>,
 ) -> Option<Fit<N>> {
+    let to_rounding = LevenbergMarquardt::new();
+    let method = tolerance.map_or(to_rounding, |tolerance| to_rounding.with_tol(tolerance));
     let fits = starts.iter().map(|start| {
         let problem = Problem { model, places, values, parameters: SVector::from(*start) };
-        let (problem, report) = LevenbergMarquardt::new().minimize(problem);
+        let (problem, report) = method.minimize(problem);
         Fit { parameters: problem.parameters.into(), sum_of_squares: 2.0 * report.objective_function }
     });
     let finite =
@@ -86,10 +90,10 @@ mod tests {
         };
         let places: Vec<f64> = (0..50).map(|i| 0.1 * f64::from(i)).collect();
         let values: Vec<f64> = places.iter().map(|x| 2.5 * (-1.3 * x).exp() + 0.4).collect();
-        let fit = least_squares(model, &places, &values, &[[f64::NAN; 3], [1.0, 0.5, 0.0]]).unwrap();
+        let fit = least_squares(model, &places, &values, &[[f64::NAN; 3], [1.0, 0.5, 0.0]], None).unwrap();
         for (parameter, exact) in fit.parameters.into_iter().zip([2.5, 1.3, 0.4]) {
             assert!((parameter - exact).abs() < 1e-10, "{fit:?}");
         }
-        assert!(least_squares(model, &places, &values, &[[f64::NAN; 3]]).is_none());
+        assert!(least_squares(model, &places, &values, &[[f64::NAN; 3]], None).is_none());
     }
 }

@@ -22,6 +22,23 @@ pub fn lane_sum(values: &[f64]) -> f64 {
     ((lanes[0] + lanes[4]) + (lanes[2] + lanes[6])) + ((lanes[1] + lanes[5]) + (lanes[3] + lanes[7]))
 }
 
+/// Σ aᵢ bᵢ in eight lanes, as [`lane_sum`] adds.
+#[inline(always)]
+pub fn lane_dot(a: &[f64], b: &[f64]) -> f64 {
+    let mut lanes = [0.0; 8];
+    let (a, b) = (a.chunks_exact(8), b.chunks_exact(8));
+    let rest = (a.remainder(), b.remainder());
+    for (a, b) in a.zip(b) {
+        for i in 0..8 {
+            lanes[i] += a[i] * b[i];
+        }
+    }
+    for (lane, (a, b)) in lanes.iter_mut().zip(rest.0.iter().zip(rest.1)) {
+        *lane += a * b;
+    }
+    lane_sum(&lanes)
+}
+
 /// A running sum that carries its rounding error along (Neumaier 1974).
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Compensated {

@@ -202,6 +202,8 @@ fn indices(
 ) -> Result<Vec<usize>, OutputError> {
     let own = file.dataset(RUN.coordinate(dimension.name()))?;
     match scales.iter().find(|(known, _)| *known == dimension) {
+        // Targets may have one name.
+        Some((_, Scale::Names(all))) if names(&own)? == *all => Ok((0..all.len()).collect()),
         Some((_, Scale::Names(all))) => {
             let place = |name: &String| all.iter().position(|known| known == name).unwrap_or_default();
             Ok(names(&own)?.iter().map(place).collect())

@@ -63,11 +63,6 @@ impl Document {
     /// A sweep and the scene of its first point.
     fn swept(sweep: Sweep) -> Result<Self, SceneError> {
         let scene = sweep.scene(0)?;
-        if scene.stopping.is_some() {
-            let problem = "`ensemble.target`: all points of a sweep have the same replicas, so that their differences are those of the \
-                           same surfaces; give replicas in its place";
-            return Err(SceneError::general(problem));
-        }
         (1..sweep.count()).try_for_each(|point| sweep.scene(point).map(drop))?;
         Ok(Self { scene, sweep: Some(sweep) })
     }

@@ -16,7 +16,7 @@ use crate::asperity::models::{MODELS, Model, PUBLISHED_FITS};
 use crate::asperity::scale::{Scale, UNIT_RANGE};
 use crate::asperity::{LawError, Path, UnloadedRadius, Unloading};
 use crate::engine::Stopping;
-use crate::surface::SamplingScheme;
+use crate::surface::{CountLaw, SamplingScheme};
 
 /// Reads a scene that is no sweep, and what it takes out of files.
 pub(super) fn read(text: &str, root: &Section<'_>, files: &dyn Files) -> Result<Scene, SceneError> {
@@ -61,13 +61,6 @@ pub(super) fn read(text: &str, root: &Section<'_>, files: &dyn Files) -> Result<
     let Population { surface, places, inputs } = population;
     let asperity = material.asperity(surface.asperity_radius, lubricant.unwrap_or(0.0))?;
     let ModelTable { law, history, cycle, unloading, critical_approach } = model;
-    if let Some(entry) =
-        required(root, "model")?.get("history").filter(|_| cycle && surface.is_polydisperse())
-    {
-        return Err(entry.wrong(
-            "a loop is for asperities of one radius; those of several are computed on \"approach\" or \"retraction\"",
-        ));
-    }
     let separations = separation::separations(&separation, surface.surface_height_std)?;
     let substrate = substrate.map(|table| table.under(&surface, places, &separations)).transpose()?;
     let stiffness_span = separation::stiffness_span(&separation, &separations, asperity.equilibrium_spacing)?;
@@ -84,10 +77,18 @@ pub(super) fn read(text: &str, root: &Section<'_>, files: &dyn Files) -> Result<
         )));
     }
     let EnsembleTable { replicas, stopping, sampling, seed } = draws;
-    if let Some(entry) = ensemble.get("sampling").filter(|_| sampling.group() > 1 && !surface.is_plain()) {
-        return Err(entry.wrong(
-            "is for surfaces of one radius with Gaussian heights and a fixed number of asperities; others need \"independent\"",
-        ));
+    if let Some(entry) = ensemble.get("sampling").filter(|_| sampling.group() > 1) {
+        if surface.whole {
+            return Err(entry.wrong(
+                "has no meaning with sample = \"whole\" in [surface], of which every replica is the same; leave it out",
+            ));
+        }
+        if surface.count_law == CountLaw::Poisson {
+            return Err(entry.wrong(
+                "relates the asperities of replicas one by one, and with count = \"poisson\" in [surface] they are not as many; \
+                 it needs \"independent\", or count = \"fixed\"",
+            ));
+        }
     }
     let scene = Scene {
         text: with_inputs(text, &inputs),

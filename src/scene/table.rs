@@ -305,8 +305,7 @@ pub static KEYS: &[Key] = &[
         .what("history")
         .about(
             "`approach`: contact begins at first touch. `retraction`: contact lasts to the end of its \
-             stable branch. `loop`: approach, then retraction, each asperity by its own history; for one \
-             radius. Surfaces that have touched are pulled off on `retraction`, or on `loop` where \
+             stable branch. `loop`: approach, then retraction, each asperity by its own history. Surfaces that have touched are pulled off on `retraction`, or on `loop` where \
              asperities have flowed.",
         )
         .defaults_to("\"approach\""),
@@ -377,7 +376,7 @@ pub static KEYS: &[Key] = &[
         Various("a table, or a list of them"),
     )
     .what("how well means are to be known")
-    .about("The run ends when all targets are met. Not in a sweep.")
+    .about("The run ends when all targets are met; of a sweep or of several sizes each point by itself.")
     .follows("none; `replicas` says how many"),
     key(
         "ensemble.target.quantity",
@@ -415,8 +414,8 @@ pub static KEYS: &[Key] = &[
     key("ensemble.sampling", "\"stratified\"", Choice(|| names(&SamplingScheme::ALL)))
         .what("how surfaces are drawn relative to each other")
         .about(
-            "`antithetic` takes them in pairs, `stratified` in groups of 8; both are for Gaussian \
-             heights, one radius and a fixed number.",
+            "`antithetic` takes them in pairs, `stratified` in groups of 8, related asperity by asperity in the order of their \
+             heights; both need a fixed number of asperities, and measured ones that are drawn.",
         )
         .defaults_to("\"independent\""),
     key("ensemble.seed", "1", Whole(0, i64::MAX as u64))

@@ -190,6 +190,17 @@ impl Truncated {
         (mean, (square - mean * mean).max(0.0).sqrt())
     }
 
+    /// The deviate of which so much of the law is below, and above.
+    fn of_normal(&self, below: f64, above: f64) -> f64 {
+        let normal = Normal::standard();
+        let deviate = if self.lower > 0.0 || (self.upper > 0.0 && below > above) {
+            -normal.inverse_cdf(normal_probability(self.upper, f64::INFINITY) + above * self.probability)
+        } else {
+            normal.inverse_cdf(normal_probability(f64::NEG_INFINITY, self.lower) + below * self.probability)
+        };
+        deviate.clamp(self.lower, self.upper)
+    }
+
     /// A deviate by inversion, in the tail where that keeps its digits.
     fn draw(&self, random: &mut impl Rng) -> f64 {
         let share: f64 = random.sample(Open01);
@@ -303,6 +314,30 @@ impl Heights {
         }
     }
 
+    /// The height, m, of the normal score `z`: below it lies as much as of a standard normal law below z. Both tails keep
+    /// their digits.
+    pub fn of_normal(&self, z: f64) -> f64 {
+        let below = || normal_probability(f64::NEG_INFINITY, z);
+        let above = || normal_probability(z, f64::INFINITY);
+        let exponential = || if z < 0.0 { -libm::log1p(-below()) } else { -libm::log(above()) };
+        let s = match &self.law {
+            HeightLaw::Gaussian => z,
+            HeightLaw::Exponential => exponential() - 1.0,
+            HeightLaw::Weibull(law) => law.of_exponential(exponential()),
+            HeightLaw::LogNormal(law) => law.of_normal(z),
+            HeightLaw::Truncated(law) => law.of_normal(below(), above()),
+            HeightLaw::Sample(values) => return self.mean + values[of_score(z, values.len())],
+        };
+        self.mean + self.std * s
+    }
+
+    /// The normal score of a height, m.
+    pub fn score(&self, u: f64) -> f64 {
+        let (below, above) = (self.probability(f64::NEG_INFINITY, u), self.probability(u, f64::INFINITY));
+        let normal = Normal::standard();
+        if below < above { normal.inverse_cdf(below) } else { -normal.inverse_cdf(above) }
+    }
+
     /// The height, m, below which lies the share `probability`, within 0 and 1, of a Gaussian law; where that
     /// is below 1/2, to a few roundings.
     pub fn gaussian_quantile(&self, probability: f64) -> f64 {
@@ -355,6 +390,17 @@ impl Heights {
                 heights.fill_with(|| self.mean + values[random.random_range(0..values.len())]);
             }
         }
+    }
+}
+
+/// The number of one of `count` equally likely things in their order, by the normal score z.
+pub(super) fn of_score(z: f64, count: usize) -> usize {
+    let last = count - 1;
+    let from = |share: f64| ((share * count as f64) as usize).min(last);
+    if z < 0.0 {
+        from(normal_probability(f64::NEG_INFINITY, z))
+    } else {
+        last - from(normal_probability(z, f64::INFINITY))
     }
 }
 

@@ -13,7 +13,7 @@ pub use nayak::Spectrum;
 pub use places::{MeasuredPlaces, Places, PlacesError};
 pub use radii::Radii;
 #[doc(hidden)]
-pub use radii::{RADIUS_RANGE, RadiusClass};
+pub use radii::{RADIUS_RANGE, RadiusClass, RadiusPanels};
 pub use scheme::SamplingScheme;
 #[doc(hidden)]
 pub use scheme::{CHUNK_ASPERITIES, STRATA};
@@ -250,8 +250,7 @@ impl Surface {
         self.radii != Radii::Common
     }
 
-    /// Whether asperities are drawn as the schemes that stratify need it: a fixed number of Gaussian heights,
-    /// one radius.
+    /// Whether asperities are alike but for Gaussian heights, of which there is a fixed number.
     pub fn is_plain(&self) -> bool {
         !self.is_polydisperse()
             && self.heights.law == HeightLaw::Gaussian

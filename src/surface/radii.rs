@@ -6,7 +6,7 @@
 //! Summits of a Gaussian surface have radii and heights that depend on each other ([`super::nayak`]);
 //! measured asperities have those that they have.
 
-use super::heights::Heights;
+use super::heights::{Heights, of_score};
 use super::nayak::{self, Spectrum};
 use crate::math::clenshaw_curtis::{Node, nodes};
 use rand::{Rng, RngExt};
@@ -66,7 +66,75 @@ pub struct RadiusClass {
     pub heights: Heights,
 }
 
+/// A law of radii that has a density: panels of a variable.
+#[doc(hidden)]
+pub struct RadiusPanels {
+    /// Ends of the panels, rising.
+    pub breaks: Vec<f64>,
+    density: Box<dyn Fn(f64) -> f64 + Send + Sync>,
+    of: Box<dyn Fn(f64) -> (f64, Heights) + Send + Sync>,
+}
+
+impl RadiusPanels {
+    fn new(
+        breaks: Vec<f64>,
+        density: impl Fn(f64) -> f64 + Send + Sync + 'static,
+        of: impl Fn(f64) -> (f64, Heights) + Send + Sync + 'static,
+    ) -> Self {
+        Self { breaks, density: Box::new(density), of: Box::new(of) }
+    }
+
+    /// The radius, m, at a place of the variable.
+    pub fn radius(&self, place: f64) -> f64 {
+        (self.of)(place).0
+    }
+
+    /// The asperities of each radius, with panels that end at further places too.
+    pub fn parts(&self, further: &[f64]) -> Vec<RadiusClass> {
+        let within = |place: &f64| self.breaks[0] < *place && *place < self.breaks[self.breaks.len() - 1];
+        let mut breaks = self.breaks.clone();
+        breaks.extend(further.iter().copied().filter(within));
+        breaks.sort_by(f64::total_cmp);
+        breaks.dedup();
+        parts(&breaks, &self.density, &self.of)
+    }
+}
+
 impl Radii {
+    /// The law of radii about a mean, m, of heights, if it has a density.
+    #[doc(hidden)]
+    pub fn panels(&self, mean: f64, heights: &Heights) -> Option<RadiusPanels> {
+        let heights = heights.clone();
+        match self {
+            Self::LogNormal(variation) => {
+                let shape = log_shape(*variation);
+                let radius = move |y: f64| mean * libm::exp(shape * y - 0.5 * shape * shape);
+                let density = |y: f64| libm::exp(-0.5 * y * y) / (2.0 * PI).sqrt();
+                // A log-normal mean is of deviates that are ς larger.
+                let reach = 6.7 + shape;
+                let width = PANEL.0.min(PANEL.1 / shape);
+                let of = move |y: f64| (radius(y), heights.clone());
+                Some(RadiusPanels::new(even(-reach, reach, width), density, of))
+            }
+            Self::Gamma(variation) => {
+                let (shape, scale) = gamma(*variation);
+                let law = GammaDensity::new(shape, 1.0).expect("a coefficient of variation is positive");
+                let low = libm::log(law.inverse_cdf(TAIL).max(f64::MIN_POSITIVE));
+                let high = libm::log(law.inverse_cdf(1.0 - TAIL));
+                let density = move |y: f64| libm::exp(law.ln_pdf(libm::exp(y)) + y);
+                let width = (PANEL.0 * variation).min(PANEL.1);
+                let of = move |y: f64| (mean * scale * libm::exp(y), heights.clone());
+                Some(RadiusPanels::new(even(low, high, width), density, of))
+            }
+            Self::Nayak(spectrum) => {
+                let spectrum = *spectrum;
+                let of = move |v: f64| (spectrum.radius_of(v), spectrum.heights_of(v));
+                Some(RadiusPanels::new(CURVATURES.to_vec(), nayak::density, of))
+            }
+            Self::Common | Self::Sample(_) | Self::Measured(_) => None,
+        }
+    }
+
     /// A description for people.
     pub fn about(&self) -> String {
         match self {
@@ -108,26 +176,45 @@ impl Radii {
                     .map(|[u, radius]| each(weight, *radius, Heights::sample(vec![*u])))
                     .collect()
             }
-            Self::LogNormal(variation) => {
-                let shape = log_shape(*variation);
-                let radius = |y: f64| mean * libm::exp(shape * y - 0.5 * shape * shape);
-                let density = |y: f64| libm::exp(-0.5 * y * y) / (2.0 * PI).sqrt();
-                // A log-normal mean is of deviates that are ς larger.
-                let reach = 6.7 + shape;
-                let width = PANEL.0.min(PANEL.1 / shape);
-                parts(&even(-reach, reach, width), density, |y| (radius(y), heights.clone()))
+            law => {
+                let panels = law.panels(mean, heights).expect("what is no sample has a density");
+                panels.parts(&[])
             }
-            Self::Gamma(variation) => {
-                let (shape, scale) = gamma(*variation);
-                let law = GammaDensity::new(shape, 1.0).expect("a coefficient of variation is positive");
-                let low = libm::log(law.inverse_cdf(TAIL).max(f64::MIN_POSITIVE));
-                let high = libm::log(law.inverse_cdf(1.0 - TAIL));
-                let density = |y: f64| libm::exp(law.ln_pdf(libm::exp(y)) + y);
-                let width = (PANEL.0 * variation).min(PANEL.1);
-                parts(&even(low, high, width), density, |y| (mean * scale * libm::exp(y), heights.clone()))
-            }
+        }
+    }
+
+    /// Draws asperities by normal scores, one for each, of what they are in the order of their heights: measured ones are
+    /// those of their rank, of summits it is the height given their curvature, others have the height of the score. What does
+    /// not follow from that is from the stream `of_radii`.
+    #[doc(hidden)]
+    pub fn draw_by(
+        &self,
+        (mean, law): (f64, &Heights),
+        mut score: impl FnMut() -> f64,
+        (of_heights, of_radii): (&mut impl Rng, &mut impl Rng),
+        heights: &mut [f64],
+        radii: &mut [f64],
+    ) {
+        match self {
             Self::Nayak(spectrum) => {
-                parts(&CURVATURES, nayak::density, |v| (spectrum.radius_of(v), spectrum.heights_of(v)))
+                for (height, radius) in heights.iter_mut().zip(radii.iter_mut()) {
+                    let v = nayak::draw(of_radii);
+                    *radius = spectrum.radius_of(v);
+                    *height = spectrum.heights_of(v).of_normal(score());
+                }
+            }
+            Self::Measured(asperities) => {
+                let mut sorted: Vec<&[f64; 2]> = asperities.iter().collect();
+                sorted.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
+                for (height, radius) in heights.iter_mut().zip(radii.iter_mut()) {
+                    [*height, *radius] = *sorted[of_score(score(), sorted.len())];
+                }
+            }
+            Self::Common | Self::LogNormal(_) | Self::Gamma(_) | Self::Sample(_) => {
+                if !matches!(self, Self::Common) {
+                    self.draw(mean, law, (of_heights, of_radii), heights, radii);
+                }
+                heights.fill_with(|| law.of_normal(score()));
             }
         }
     }

@@ -8,7 +8,7 @@ pub const CHUNK_ASPERITIES: usize = 1 << 20;
 pub const STRATA: u64 = 8;
 
 /// How the replicas of an ensemble are drawn relative to each other. Whatever the scheme, one replica by
-/// itself is N independent Gaussian heights, and groups of replicas are independent of each other.
+/// itself is N independent asperities, and groups of replicas are independent of each other.
 ///
 /// # Examples
 /// ```
@@ -23,7 +23,8 @@ pub enum SamplingScheme {
     /// Each replica by itself.
     #[default]
     Independent,
-    /// Pairs of replicas with the same heights of opposite sign (Hammersley and Morton 1956).
+    /// Pairs of replicas with the same heights of opposite sign, of a law that is not symmetric with as many below one as
+    /// above the other (Hammersley and Morton 1956).
     Antithetic,
     /// Groups of [`STRATA`] replicas, in which each asperity has a height in each of as many equally probable
     /// strata: Latin hypercube sampling (McKay, Beckman and Conover 1979).

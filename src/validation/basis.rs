@@ -1,9 +1,9 @@
 //! Functionals of the force curves for the joint test.
 
-use super::grid::{StateAt, at, grid};
+use super::grid::{StateAt, grid};
 use super::joint::{Probe, SIGNIFICANCE};
 use super::null::{Cumulants, GrowingCumulants};
-use crate::asperity::{Laws, Loop, Scratch, SolverStats, for_each_block};
+use crate::asperity::{Laws, Loop, Responses, Scratch, SolverStats, for_each_block};
 use crate::math::linalg::{LARGEST, gram, whitening};
 use crate::surface::{CountLaw, STRATA, SamplingScheme, Surface};
 use serde::{Deserialize, Serialize};
@@ -97,24 +97,26 @@ pub fn basis_to<'a>(
     accuracy: f64,
 ) -> Basis {
     let laws = laws.into();
-    let states: Vec<StateAt<'_>> = separations.iter().map(|&h| at(laws, surface, h)).collect();
+    let at = |h: &f64| StateAt::Way(laws, surface.asperity_separation(*h));
+    let states: Vec<StateAt<'_>> = separations.iter().map(at).collect();
     basis_of(&states, surface, scheme, replicas, accuracy)
 }
 
 /// The same for a loop: its functionals look at both ways, between which only what differs counts.
-pub fn basis_of_loop(
+pub fn basis_of_loop<'a>(
+    laws: impl Into<Laws<'a>>,
     cycle: &Loop,
     surface: &Surface,
     separations: &[f64],
     scheme: SamplingScheme,
     replicas: u64,
 ) -> Basis {
-    let closest = surface.asperity_separation(separations[0]);
-    let back: Vec<_> =
-        separations.iter().map(|&h| cycle.at(surface.asperity_separation(h) - closest)).collect();
-    let states = separations.iter().map(|&h| at(cycle.approach().into(), surface, h));
-    let states: Vec<StateAt<'_>> =
-        states.chain(back.iter().map(|law| at(law.into(), surface, separations[0]))).collect();
+    let laws = laws.into();
+    let d = |h: &f64| surface.asperity_separation(*h);
+    let closest = d(&separations[0]);
+    let inward = separations.iter().map(|h| StateAt::Way(laws, d(h)));
+    let outward = separations.iter().map(|h| StateAt::Retraction(cycle, closest, d(h) - closest));
+    let states: Vec<StateAt<'_>> = inward.chain(outward).collect();
     basis_of(&states, surface, scheme, replicas, ACCURACY)
 }
 
@@ -190,31 +192,40 @@ struct Contributions {
 
 fn contributions(states: &[StateAt<'_>], surface: &Surface, scheme: SamplingScheme) -> Contributions {
     let grid = grid(states, surface, scheme);
-    let mut weights: Vec<f64> = grid.iter().flat_map(|alike| alike.weights.iter().copied()).collect();
+    let count: usize = grid.iter().map(|alike| alike.heights.len()).sum();
+    // Nodes of the same score stand together where a scheme relates scores.
+    let rows = grid[0].heights.len();
+    let radii = if scheme != SamplingScheme::Independent && rows > 1 { grid.len() } else { 1 };
+    let place_of = |number: usize, first: usize, node: usize| {
+        if radii > 1 { node * radii + number } else { first + node }
+    };
+    let mut weights = vec![0.0; count];
+    let mut first = 0;
+    for (number, alike) in grid.iter().enumerate() {
+        for (node, weight) in alike.weights.iter().enumerate() {
+            weights[place_of(number, first, node)] = *weight;
+        }
+        first += alike.heights.len();
+    }
     let total: f64 = weights.iter().sum();
     weights.iter_mut().for_each(|weight| *weight /= total);
-    let count = weights.len();
     let mut values = vec![0.0; 2 * states.len() * count];
     let (adhesion, external) = values.split_at_mut(states.len() * count);
     let (mut scratch, mut stats) = (Scratch::default(), SolverStats::default());
     let mut first = 0;
-    for alike in &grid {
+    for (number, alike) in grid.iter().enumerate() {
         for (k, state) in states.iter().enumerate() {
-            let law = alike.law.as_deref().unwrap_or(state.laws.typical);
-            for_each_block(
-                law,
-                &alike.heights,
-                state.separation,
-                &mut scratch,
-                &mut stats,
-                |_, range, responses| {
-                    for (i, node) in range.enumerate() {
-                        let place = k * count + first + node;
-                        adhesion[place] = responses.adhesion[i];
-                        external[place] = responses.contact[i] - responses.adhesion[i];
-                    }
-                },
-            );
+            let mut visit = |range: Range<usize>, responses: &Responses| {
+                for (i, node) in range.enumerate() {
+                    let place = k * count + place_of(number, first, node);
+                    adhesion[place] = responses.adhesion[i];
+                    external[place] = responses.contact[i] - responses.adhesion[i];
+                }
+            };
+            state.visit(&alike.laws, |law, d| {
+                let visit = |_, range, responses: &Responses| visit(range, responses);
+                for_each_block(law, &alike.heights, d, &mut scratch, &mut stats, visit);
+            });
         }
         first += alike.heights.len();
     }
@@ -224,24 +235,39 @@ fn contributions(states: &[StateAt<'_>], surface: &Surface, scheme: SamplingSche
     let forces = columns.map(|(adhesion, external)| 2.0 * mean(adhesion) + mean(external)).collect();
     let largest =
         values.chunks_exact(count).map(|c| c.iter().fold(0.0, |worst: f64, f| worst.max(f.abs()))).collect();
-    let mut strata = strata(&grid[0].heights, count, surface, scheme);
+    let mut strata = strata(&weights, scheme);
     if surface.count_law == CountLaw::Fixed {
-        centre(&mut values, &weights, &strata, scheme);
+        centre(&mut values, &weights, (&strata, radii), scheme);
     } else {
         strata.clear();
     }
     Contributions { weights, values, largest, forces, strata }
 }
 
-/// Takes away what is not left to chance: the mean over all asperities, or over those of each stratum.
-fn centre(values: &mut [f64], weights: &[f64], strata: &[Range<usize>], scheme: SamplingScheme) {
+/// Takes away what is not left to chance: the mean over all asperities, or over those of each stratum. So many `radii` that
+/// stand together have the same score.
+fn centre(
+    values: &mut [f64],
+    weights: &[f64],
+    (strata, radii): (&[Range<usize>], usize),
+    scheme: SamplingScheme,
+) {
     let count = weights.len();
     for column in values.chunks_exact_mut(count) {
         if scheme == SamplingScheme::Antithetic {
-            // What is odd in the height cancels in every pair.
-            for i in 0..count / 2 {
-                let even = 0.5 * (column[i] + column[count - 1 - i]);
-                (column[i], column[count - 1 - i]) = (even, even);
+            // What is odd in the score cancels in every pair, on average over radii, which are independent.
+            let mean = |(values, weights): (&[f64], &[f64])| {
+                if radii == 1 {
+                    return values[0];
+                }
+                let sum: f64 = values.iter().zip(weights).map(|(value, weight)| value * weight).sum();
+                sum / weights.iter().sum::<f64>()
+            };
+            let means: Vec<f64> =
+                column.chunks_exact(radii).zip(weights.chunks_exact(radii)).map(mean).collect();
+            for (i, values) in column.chunks_exact_mut(radii).enumerate() {
+                let odd = 0.5 * (means[i] - means[means.len() - 1 - i]);
+                values.iter_mut().for_each(|value| *value -= odd);
             }
         }
         for range in strata {
@@ -253,17 +279,17 @@ fn centre(values: &mut [f64], weights: &[f64], strata: &[Range<usize>], scheme: 
     }
 }
 
-/// Ranges of the `count` asperities of the grid over each of which the mean contribution is not left to
-/// chance; where there are several, the surface is a plain one, and the grid that of its rising heights, m.
-fn strata(heights: &[f64], count: usize, surface: &Surface, scheme: SamplingScheme) -> Vec<Range<usize>> {
-    let strata = if scheme == SamplingScheme::Stratified { STRATA } else { 1 };
-    let end = |stratum: u64| {
-        let below = stratum as f64 / strata as f64;
-        heights.partition_point(|&u| surface.heights.probability(f64::NEG_INFINITY, u) < below)
-    };
-    let ends: Vec<usize> =
-        if strata == 1 { vec![0, count] } else { (0..strata).map(end).chain([heights.len()]).collect() };
-    ends.windows(2).map(|pair| pair[0]..pair[1]).collect()
+/// Ranges of the asperities of the grid, of their weights, over each of which the mean contribution is not left to chance;
+/// where there are several the grid is in the order of scores.
+fn strata(weights: &[f64], scheme: SamplingScheme) -> Vec<Range<usize>> {
+    if scheme != SamplingScheme::Stratified {
+        return vec![0..weights.len()];
+    }
+    let mut below = 0.0;
+    // By the middles of asperities, none of which is in two strata.
+    let middles: Vec<f64> = weights.iter().map(|weight| (below += weight, below - 0.5 * weight).1).collect();
+    let end = |stratum: u64| middles.partition_point(|middle| *middle < stratum as f64 / STRATA as f64);
+    (0..STRATA).map(|stratum| end(stratum)..end(stratum + 1)).collect()
 }
 
 impl Contributions {

@@ -167,8 +167,13 @@ impl Approach {
         if !(level > 0.0) {
             return None;
         }
-        let fit =
-            least_squares(model, &places, &values, &[[level.ln() - 1.0, 0.5], [level.ln() - 3.0, 1.0]])?;
+        let fit = least_squares(
+            model,
+            &places,
+            &values,
+            &[[level.ln() - 1.0, 0.5], [level.ln() - 3.0, 1.0]],
+            None,
+        )?;
         let [level, exponent] = fit.parameters;
         let mut normal = [[0.0; 2]; 2];
         for &place in &places {

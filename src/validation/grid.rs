@@ -1,6 +1,6 @@
 //! The grid of asperities on which the functionals of the joint test are found.
 
-use crate::asperity::{Law, Laws};
+use crate::asperity::{Law, Laws, Loop};
 use crate::surface::{Heights, RadiusClass, STRATA, SamplingScheme, Surface};
 
 /// Cells, about, of the grid on which the covariance of the law over separations is formed, beside those that
@@ -48,31 +48,69 @@ impl GridSize {
     }
 }
 
-/// A law, and the separation d, m, at which it acts on the heights.
+/// A state that asperities are looked at in.
 #[derive(Clone, Copy)]
-pub(super) struct StateAt<'a> {
-    pub laws: Laws<'a>,
-    pub separation: f64,
+pub(super) enum StateAt<'a> {
+    /// A law at the separation d, m.
+    Way(Laws<'a>, f64),
+    /// The retraction of a loop from the separation d, m, further by a distance, m.
+    Retraction(&'a Loop, f64, f64),
 }
 
-/// A law at the separation h, m.
-pub(super) fn at<'a>(laws: Laws<'a>, surface: &Surface, separation: f64) -> StateAt<'a> {
-    StateAt { laws, separation: surface.asperity_separation(separation) }
+impl StateAt<'_> {
+    /// Hands over the law of asperities of a radius over the typical one, and the separation d, m, at which it acts on the
+    /// heights. `own` is what belongs to the radius.
+    pub fn visit<T>(&self, own: &OwnLaws, visit: impl FnOnce(&dyn Law, f64) -> T) -> T {
+        match *self {
+            Self::Way(laws, separation) => visit(own.law.as_deref().unwrap_or(laws.typical), separation),
+            Self::Retraction(cycle, from, distance) => {
+                visit(&own.cycle.as_ref().unwrap_or(cycle).at(distance), from)
+            }
+        }
+    }
+}
+
+/// The laws of asperities of a radius, where they are not those of all.
+#[derive(Default)]
+pub(super) struct OwnLaws {
+    law: Option<Box<dyn Law>>,
+    cycle: Option<Loop>,
+}
+
+impl OwnLaws {
+    /// The laws of a radius, m, of a surface at states.
+    fn new(states: &[StateAt<'_>], surface: &Surface, radius: f64) -> Self {
+        let mut own = Self::default();
+        if !surface.is_polydisperse() {
+            return own;
+        }
+        for state in states {
+            match state {
+                StateAt::Way(laws, _) if own.law.is_none() => {
+                    own.law = laws.family.map(|family| family.law(radius));
+                }
+                StateAt::Retraction(cycle, ..) if own.cycle.is_none() => {
+                    own.cycle = Some(cycle.of(cycle.lane(radius / surface.asperity_radius)));
+                }
+                _ => {}
+            }
+        }
+        own
+    }
 }
 
 /// Asperities of the grid that have one law.
 pub(super) struct Alike {
-    /// Their law, where it is not that of all.
-    pub law: Option<Box<dyn Law>>,
+    pub laws: OwnLaws,
     /// Heights, m, rising.
     pub heights: Vec<f64>,
     /// Weight of each.
     pub weights: Vec<f64>,
 }
 
-/// The grid: of each radius its heights.
+/// The grid: of each radius its heights. Of a scheme that relates replicas asperity by asperity those of each radius are at
+/// the same normal scores, which are as many below 0 as above, or they are given.
 pub(super) fn grid(states: &[StateAt<'_>], surface: &Surface, scheme: SamplingScheme) -> Vec<Alike> {
-    let family = states[0].laws.family;
     let mut parts = surface.parts();
     let given = |part: &RadiusClass| part.heights.values().map(|values| values[0]);
     let each_given = parts.len() > 1 && given(&parts[0]).is_some();
@@ -83,21 +121,84 @@ pub(super) fn grid(states: &[StateAt<'_>], surface: &Surface, scheme: SamplingSc
         // The middle one stands for its neighbours.
         let RadiusClass { radius, heights, .. } = &alike[alike.len() / 2];
         let weight: f64 = alike.iter().map(|part| part.weight).sum();
-        let law = family.map(|family| family.law(*radius));
-        let (heights, weights) = match (heights.values(), &law) {
+        let laws = OwnLaws::new(states, surface, *radius);
+        let (heights, weights) = match (heights.values(), surface.is_polydisperse()) {
             (Some(values), _) => {
                 let heights: Vec<f64> =
                     values.iter().step_by(values.len().div_ceil(MOST_GIVEN)).copied().collect();
                 let weights = vec![1.0; heights.len()];
-                (heights, weights)
+                if scheme == SamplingScheme::Stratified && heights.len() > 1 {
+                    split(heights.into_iter().zip(weights))
+                } else {
+                    (heights, weights)
+                }
             }
-            (None, None) => cells(states, heights, scheme),
-            (None, Some(_)) => shifted(heights, libm::fmod(index as f64 * GOLDEN, 1.0)),
+            (None, false) if surface.is_plain() || scheme == SamplingScheme::Independent => {
+                cells(states, heights, scheme)
+            }
+            (None, false) => scored(states, heights, CELLS),
+            (None, true) if scheme != SamplingScheme::Independent => scored(&[], heights, OF_RADIUS.0),
+            (None, true) => shifted(heights, libm::fmod(index as f64 * GOLDEN, 1.0)),
         };
         let total: f64 = weights.iter().sum();
-        Alike { law, heights, weights: weights.into_iter().map(|share| weight * share / total).collect() }
+        Alike { laws, heights, weights: weights.into_iter().map(|share| weight * share / total).collect() }
     };
-    parts.chunks(stride).enumerate().map(alike).collect()
+    let chunks = parts.chunks(stride).enumerate();
+    if each_given && scheme == SamplingScheme::Stratified {
+        let weight = |part: &[RadiusClass]| part.iter().map(|part| part.weight).sum();
+        let (chunks, weights) = split(chunks.map(|chunk| (chunk, weight(chunk.1))));
+        let weighted = |(chunk, weight): (_, f64)| Alike { weights: vec![weight], ..alike(chunk) };
+        return chunks.into_iter().zip(weights).map(weighted).collect();
+    }
+    chunks.map(alike).collect()
+}
+
+/// Things in their order with their weights, each of which is in one of the strata alone: those that are in two come twice.
+fn split<T: Copy>(things: impl Iterator<Item = (T, f64)> + Clone) -> (Vec<T>, Vec<f64>) {
+    let all: f64 = things.clone().map(|(_, weight)| weight).sum();
+    let (mut split, mut below, mut stratum) = (Vec::new(), 0.0, 1.0);
+    for (thing, weight) in things {
+        let (mut begin, end) = (below, below + weight);
+        loop {
+            let boundary = all * stratum / STRATA as f64;
+            if !(boundary < end - 1e-12 * all) {
+                break;
+            }
+            if boundary > begin + 1e-12 * all {
+                split.push((thing, boundary - begin));
+                begin = boundary;
+            }
+            stratum += 1.0;
+        }
+        split.push((thing, end - begin));
+        below = end;
+    }
+    split.into_iter().unzip()
+}
+
+/// Heights, m, rising, and their weights: nodes in about so many cells of the normal score, which end at strata and where
+/// the law is not smooth at states, on both sides of 0.
+fn scored(states: &[StateAt<'_>], heights: &Heights, cells: usize) -> (Vec<f64>, Vec<f64>) {
+    let normal = Heights::gaussian(1.0);
+    let even = cells.div_ceil(2 * NODES.len());
+    let mut ends: Vec<f64> = (0..=even).map(|i| GRID_REACH * i as f64 / even as f64).collect();
+    ends.extend((STRATA / 2 + 1..STRATA).map(|i| -normal.gaussian_quantile(1.0 - i as f64 / STRATA as f64)));
+    for state in states {
+        state.visit(&OwnLaws::default(), |law, separation| {
+            let scores = law.pieces().into_iter().map(|piece| heights.score(piece.upper + separation).abs());
+            ends.extend(scores.filter(|score| *score < GRID_REACH));
+        });
+    }
+    ends.sort_by(f64::total_cmp);
+    ends.dedup();
+    let within = |ends: &[f64]| {
+        let (low, width) = (ends[0], ends[1] - ends[0]);
+        NODES.map(|place| (low + place * width, width))
+    };
+    let above: Vec<(f64, f64)> = ends.windows(2).flat_map(within).collect();
+    let below = above.iter().rev().map(|(z, width)| (-z, *width));
+    let nodes = below.chain(above.iter().copied());
+    nodes.map(|(z, width)| (heights.of_normal(z), normal.density(z) * width)).unzip()
 }
 
 /// Heights, m, rising, and their weights: nodes in cells on each of which all that is integrated is smooth.
@@ -105,7 +206,9 @@ fn cells(states: &[StateAt<'_>], heights: &Heights, scheme: SamplingScheme) -> (
     let mut ends = divided(heights, CELLS);
     let (low, high) = (ends[0], ends[ends.len() - 1]);
     for state in states {
-        ends.extend(state.laws.pieces().iter().map(|piece| piece.upper + state.separation));
+        state.visit(&OwnLaws::default(), |law, separation| {
+            ends.extend(law.pieces().iter().map(|piece| piece.upper + separation));
+        });
     }
     match scheme {
         SamplingScheme::Independent => {}

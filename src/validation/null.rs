@@ -11,6 +11,8 @@
 //! Edgeworth's expansion of the density, integrated over spheres term by term (Bhattacharya and Rao 1976,
 //! Normal Approximation and Asymptotic Expansions).
 
+use crate::math::instruction_set::InstructionSet;
+use crate::math::sums::lane_dot;
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 use std::ops::Range;
@@ -74,6 +76,14 @@ pub(super) struct GrowingCumulants<'a> {
     pub cumulants: Cumulants,
 }
 
+/// Σ aᵢ bᵢ.
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    InstructionSet::current().run(
+        #[inline(always)]
+        || lane_dot(a, b),
+    )
+}
+
 impl<'a> GrowingCumulants<'a> {
     pub fn new(weights: &'a [f64], strata: &'a [Range<usize>]) -> Self {
         let (odd, cumulants) = (Vec::new(), Cumulants::default());
@@ -91,7 +101,7 @@ impl<'a> GrowingCumulants<'a> {
             let product: Vec<f64> =
                 self.scores[i].iter().zip(last).zip(self.weights).map(|((x, y), w)| w * x * y).collect();
             for j in 0..=i {
-                let third: f64 = product.iter().zip(&self.scores[j]).map(|(xy, z)| xy * z).sum();
+                let third = dot(&product, &self.scores[j]);
                 // How often the three indices stand in the sum over all.
                 let orders = match (i == k - 1, j == i) {
                     (true, true) => 1.0,
@@ -122,20 +132,23 @@ impl<'a> GrowingCumulants<'a> {
 
     /// Σ κ_iijj.
     fn kurtosis(&self) -> f64 {
-        let norm = |i: usize| self.scores.iter().map(|score| score[i] * score[i]).sum::<f64>();
-        let fourth: f64 = self.weights.iter().enumerate().map(|(i, w)| w * norm(i).powi(2)).sum();
+        let mut norms = vec![0.0; self.weights.len()];
+        for score in &self.scores {
+            norms.iter_mut().zip(score).for_each(|(norm, x)| *norm += x * x);
+        }
+        let squares: Vec<f64> = norms.iter().map(|norm| norm * norm).collect();
+        let fourth = dot(self.weights, &squares);
         let within = |range: &Range<usize>| {
             let weights = &self.weights[range.clone()];
             let share: f64 = weights.iter().sum();
-            let covariance = |x: &[f64], y: &[f64]| {
-                let (x, y) = (&x[range.clone()], &y[range.clone()]);
-                x.iter().zip(y).zip(weights).map(|((x, y), w)| w * x * y).sum::<f64>() / share
-            };
             let (mut trace, mut square) = (0.0, 0.0);
             for (i, x) in self.scores.iter().enumerate() {
-                trace += covariance(x, x);
-                square += covariance(x, x).powi(2);
-                square += 2.0 * self.scores[..i].iter().map(|y| covariance(x, y).powi(2)).sum::<f64>();
+                let x: Vec<f64> = x[range.clone()].iter().zip(weights).map(|(x, w)| x * w / share).collect();
+                let covariance = |y: &Vec<f64>| dot(&x, &y[range.clone()]);
+                let own = covariance(&self.scores[i]);
+                trace += own;
+                square += own * own;
+                square += 2.0 * self.scores[..i].iter().map(|y| covariance(y).powi(2)).sum::<f64>();
             }
             share * (trace * trace + 2.0 * square)
         };

@@ -62,8 +62,10 @@ impl Difference {
     /// Compares the values of all replicas at the first point and at another, in groups of `group` that are
     /// independent of each other. With `common` random numbers replica i of both is the same surface but for
     /// what differs between the points, and its difference is one sample; where that is at most `rounding`,
-    /// it is 0.
+    /// it is 0. Where one of them has more, the first count.
     pub fn new(first: &[f64], other: &[f64], group: usize, common: bool, rounding: f64) -> Self {
+        let both = if common { first.len().min(other.len()) } else { usize::MAX };
+        let [first, other] = [first, other].map(|values| &values[..both.min(values.len())]);
         let squared_error = |values: &[f64]| {
             let moments = Moments::of_groups(values, group);
             (moments.mean()[0], moments.standard_error()[0].powi(2))

@@ -750,26 +750,27 @@ fn limits_are_within() {
     }
 }
 
-/// Replicas that depend on each other are for surfaces of one radius with Gaussian heights and a fixed number
-/// of asperities; all others are refused them, and nothing else.
+/// Replicas that depend on each other, asperity by asperity, have to have as many; those of all surfaces that do are drawn
+/// by each scheme.
 #[test]
-fn schemes_are_for_plain_surfaces() {
-    for (surface, is_plain) in [
+fn schemes_are_for_surfaces_of_a_fixed_number() {
+    for (surface, is_fixed) in [
         ("", true),
         ("heights = \"gaussian\"\nradii = \"common\"\ncount = \"fixed\"", true),
-        ("heights = \"exponential\"", false),
-        ("heights = { law = \"truncated\", upper = 2.0 }", false),
-        ("radii = { law = \"gamma\", coefficient_of_variation = 0.2 }", false),
+        ("heights = \"exponential\"", true),
+        ("heights = { law = \"truncated\", upper = 2.0 }", true),
+        ("radii = { law = \"gamma\", coefficient_of_variation = 0.2 }", true),
         ("count = \"poisson\"", false),
-        ("summits = \"nayak\"", false),
+        ("summits = \"nayak\"", true),
     ] {
         for (sampling, is_for_all) in [("independent", true), ("antithetic", false), ("stratified", false)] {
             let text = QUICK.replace("[surface]", &format!("[surface]\n{surface}"));
             let text = text.replace("seed = 1", &format!("seed = 1\nsampling = \"{sampling}\""));
             let read = Document::parse(&text, Arc::new(SceneFiles::scene(Path::new("scene.toml"))));
-            assert_eq!(read.is_ok(), is_plain || is_for_all, "{surface} {sampling}");
+            assert_eq!(read.is_ok(), is_fixed || is_for_all, "{surface} {sampling}");
             let problem = read.err().map(|error| error.to_string()).unwrap_or_default();
-            assert!(problem.is_empty() || problem.contains("is for surfaces of one radius"), "{problem}");
+            let named = problem.contains("`ensemble.sampling") && problem.contains("count = \"poisson\"");
+            assert!(problem.is_empty() || named, "{problem}");
         }
     }
 }

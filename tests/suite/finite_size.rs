@@ -157,3 +157,24 @@ fn numbers_of_asperities_that_make_no_study_are_refused() {
         assert!(!output.exists());
     }
 }
+
+/// Loops are pulled off on retraction, against the integral there; and targets end each size by itself.
+#[test]
+fn sizes_of_loops_end_at_their_own_targets() {
+    let target = "target = { quantity = \"pull_off_force\", relative_standard_error = 0.15 }\n\
+                  min_replicas = 8\nmax_replicas = 400";
+    let scene = small().replace("replicas = 40", target).replace("from = -1.0", "from = 0.5");
+    let folder = Folder::new(&scene.replace("\"approach\"", "\"loop\""));
+    assert_exit(&folder.stiction(&["finite-size", "scene.toml", "--counts", "20,300"]), 0);
+    assert_exit(&folder.stiction(&["validate", "scene_finite_size.h5"]), 0);
+    let forces = values(&folder, "pull_off_per_asperity");
+    let there = |forces: &[f64]| forces.iter().take_while(|force| !force.is_nan()).count();
+    let (small, large) = forces.split_at(forces.len() / 2);
+    assert!(there(small) > there(large) && there(small) == small.len(), "{forces:?}");
+    assert!(large[there(large)..].iter().all(|force| force.is_nan()));
+    let of_loop = values(&folder, "integral_pull_off_per_asperity")[0];
+    let folder = Folder::new(&scene);
+    assert_exit(&folder.stiction(&["finite-size", "scene.toml", "--counts", "20,300"]), 0);
+    let of_approach = values(&folder, "integral_pull_off_per_asperity")[0];
+    assert!(of_loop > 1.1 * of_approach, "{of_loop:e} {of_approach:e}");
+}

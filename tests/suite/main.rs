@@ -22,6 +22,7 @@ mod interruption;
 mod large_surfaces;
 mod laws;
 mod loops;
+mod loops_of_radii;
 mod measured_surfaces;
 mod outputs;
 mod populations;

@@ -2,16 +2,19 @@
 //! that they say.
 
 use crate::common::pool::{Coverage, Pool, deviations, patch};
-use crate::common::{case, law};
+use crate::common::{case, job, law};
 use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 use std::sync::atomic::AtomicBool;
-use stiction::asperity::{Law, Path, Quantity, SolverStats};
-use stiction::engine::{Ensemble, Job, Outcome, Protocol, SCALARS, run};
+use stiction::asperity::{Family, Law, Path, Quantity, SolverStats, SurfaceLaws, model};
+use stiction::engine::{Ensemble, Job, Outcome, Protocol, SCALARS, Workspace, draw, run};
 use stiction::integral::{Expectations, controls};
 use stiction::math::control_variates::{ControlledMean, controlled_means};
 use stiction::math::moments::{CentralMoments, Comoments};
-use stiction::surface::{HeightLaw, LogNormal, SamplingScheme, Surface};
+use stiction::surface::nayak::Spectrum;
+use stiction::surface::{
+    HeightLaw, Heights, LogNormal, RADIUS_RANGE, Radii, SamplingScheme, Surface, Truncated, Weibull,
+};
 use stiction::validation::basis;
 
 /// A small patch of case II, on which a replica takes some hundred microseconds.
@@ -437,4 +440,114 @@ fn controls_are_where_they_are_said_to_be() {
     assert_eq!(chosen(&even, 19), [12]);
     assert_eq!(chosen(&even, 59), [9, 11, 12, 15, 19]);
     assert_eq!(chosen(&wider, 49), [9, 11, 12, 15]);
+}
+
+/// Every scheme of every surface with a fixed number of asperities: one replica by itself has the law of the surface, by the
+/// mean of a square of heights and of radii within 4.5 standard errors (false alarm below 1e-3 in all; the seed is fixed),
+/// and the functionals of the joint test have the variance that the scheme leaves them: over 60 groups each is 1 within
+/// √(2/59), and their mean within 4.5 standard errors of those of that many, had each as few as half of them independent.
+#[test]
+fn every_surface_is_drawn_by_every_scheme() {
+    let (asperity, plain) = case("II");
+    let plain = Surface { asperity_count: 80, ..plain };
+    let std = plain.heights.std;
+    let with = |law| Surface { heights: Heights { law, ..plain.heights.clone() }, ..plain.clone() };
+    let spectrum = Spectrum::of_asperities(plain.surface_height_std, plain.asperity_radius, 7.39e12);
+    let measured: Vec<[f64; 2]> = (0..203)
+        .map(|i| f64::from(i) / 202.0)
+        .map(|x| [std * (4.0 * x - 2.0 + 0.3 * (40.0 * x).sin()), 3.33e-6 * (0.5 + (1.0 - x) * (1.0 - x))])
+        .collect();
+    let values: Vec<f64> = measured.iter().map(|pair| pair[0]).collect();
+    let surfaces = [
+        ("exponential", with(HeightLaw::Exponential)),
+        ("weibull", with(HeightLaw::Weibull(Weibull::new(2.5)))),
+        ("truncated", with(HeightLaw::Truncated(Truncated::new(-2.5, 1.0)))),
+        ("list", Surface { heights: Heights::sample(values.clone()), ..plain.clone() }),
+        ("gamma radii", Surface { radii: Radii::Gamma(0.5), ..plain.clone() }),
+        (
+            "exponential heights, lognormal radii",
+            Surface { radii: Radii::LogNormal(0.4), ..with(HeightLaw::Exponential) },
+        ),
+        (
+            "nayak",
+            Surface {
+                heights: Heights::gaussian(spectrum.height_std()),
+                radii: Radii::Nayak(spectrum),
+                ..plain.clone()
+            },
+        ),
+        (
+            "measured",
+            Surface {
+                heights: Heights::sample(values),
+                radii: Radii::Measured(measured.into()),
+                ..plain.clone()
+            },
+        ),
+    ];
+    for (name, surface) in surfaces {
+        let typical = law("hybrid", &asperity, Path::Approach, (-40e-9, 40e-9));
+        let family = Family::new(model("hybrid").unwrap(), asperity, Path::Approach, RADIUS_RANGE).unwrap();
+        let laws = SurfaceLaws { typical, family: surface.is_polydisperse().then_some(family) };
+        let separations: Vec<f64> =
+            (0..12).map(|k| surface.surface_height_std * (0.2 + 0.25 * f64::from(k))).collect();
+        let moments = |scheme: SamplingScheme, index: u64| {
+            let (mut heights, mut radii) = (Vec::new(), Vec::new());
+            let many = Surface { asperity_count: 40_000, ..surface.clone() };
+            draw(&many, 3, scheme, index, &mut heights, &mut radii);
+            let of = |values: &[f64], unit: f64| {
+                let squares: Vec<f64> = values.iter().map(|value| (value / unit).powi(2)).collect();
+                let n = squares.len() as f64;
+                let mean = squares.iter().sum::<f64>() / n;
+                let error = squares.iter().map(|square| (square - mean).powi(2)).sum::<f64>().sqrt() / n;
+                (mean, error)
+            };
+            let radii = if radii.is_empty() { vec![1e-6; 2] } else { radii };
+            let inverse: Vec<f64> = radii.iter().map(|radius| 1e-6 / radius.max(1e-7)).collect();
+            let skewed: Vec<f64> = heights.iter().map(|u| u + std).collect();
+            [of(&heights, std), of(&skewed, std), of(&radii, 1e-6), of(&inverse, 1.0)]
+        };
+        let plain = moments(SamplingScheme::Independent, 0);
+        for scheme in [SamplingScheme::Antithetic, SamplingScheme::Stratified] {
+            for index in [0, 1, 6] {
+                for (own, plain) in moments(scheme, index).iter().zip(&plain) {
+                    let error = own.1.hypot(plain.1);
+                    assert!(
+                        (own.0 - plain.0).abs() <= 4.5 * error,
+                        "{name} {scheme:?} {index}: {own:?} {plain:?}"
+                    );
+                }
+            }
+            let group = scheme.group();
+            let replicas = 60 * group;
+            let basis = basis(laws.view(), &surface, &separations, scheme, replicas);
+            let expected = Expectations::new(laws.view(), &surface, &separations).expected;
+            let job = Job { scheme, ..job(laws.view(), &surface, &separations, replicas) };
+            let (mut scores, mut squares) = (vec![0.0; basis.probes.len()], 0.0);
+            let mut number = 0;
+            Workspace::new(&job).replicas(&job, 0..replicas, |_, curves| {
+                let [adhesion, external] = [Quantity::AdhesionForce, Quantity::ExternalForce]
+                    .map(|q| curves.total[q.index()].iter().zip(&expected[q.index()]).map(|(f, e)| f - e));
+                let [adhesion, external]: [Vec<f64>; 2] = [adhesion.collect(), external.collect()];
+                let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+                for (score, probe) in scores.iter_mut().zip(&basis.probes) {
+                    *score +=
+                        product(&probe.adhesion_force, &adhesion) + product(&probe.external_force, &external);
+                }
+                number += 1;
+                if number % group == 0 {
+                    squares += scores.iter().map(|score| score * score / group as f64).sum::<f64>();
+                    scores.fill(0.0);
+                }
+            });
+            let count = basis.probes.len() as f64;
+            assert!(count >= 3.0, "{name} {scheme:?}: {count}");
+            let variance = squares / 60.0 / count;
+            let error = (2.0 / 60.0 / (0.5 * count)).sqrt();
+            assert!(
+                (variance - 1.0).abs() < 4.5 * error,
+                "{name} {scheme:?}: {variance} ± {error} of {count}"
+            );
+        }
+    }
 }

@@ -65,9 +65,8 @@ impl Row {
         if self.contact {
             elastic::contact(|_| &own, &[self.delta], &mut adhesion, &mut radius, &mut stats);
         } else {
-            let gap = [own.rigid_gap(self.delta)];
-            let far = (&gap[..], &[elastic::stiffness(self.lambda)][..]);
-            elastic::noncontact(far, |_| &own, |_| self.delta, &mut adhesion, &mut stats);
+            let gap = own.rigid_gap(self.delta);
+            elastic::noncontact(|_| &own, |_| gap, (&[self.delta], false), &mut adhesion, &mut stats);
         }
         Solution { adhesion: adhesion[0], radius: radius[0] }
     }

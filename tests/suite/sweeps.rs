@@ -602,3 +602,35 @@ fn every_dimension_of_a_run_is_one_of_sweeps() {
     assert_eq!(Dimension::Separation.of_points(), Dimension::SeparationIndex);
     assert!(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/sweep-format.md").exists());
 }
+
+/// Targets end each point by itself, where the run of its scene ends. What one point has more is NaN at the others, and
+/// differences are those of the replicas that both have.
+#[test]
+fn points_end_at_their_own_targets() {
+    let target = "target = { quantity = \"pull_off_force\", relative_standard_error = 0.06 }\n\
+                  min_replicas = 16\nmax_replicas = 2000";
+    let text = swept("material.work_of_adhesion = [\"0.05 J/m^2\", \"0.2 J/m^2\"]").replace("replicas = 40", target);
+    let folder = Folder::new(&text);
+    assert_exit(&folder.stiction(&["run", "scene.toml"]), 0);
+    assert_exit(&folder.stiction(&["validate", "scene.h5"]), 0);
+    let all = unlocked::open(folder.path("scene.h5"));
+    let read = |file: &hdf5::File, name: &str| file.dataset(name).unwrap().read_raw::<f64>().unwrap();
+    let counts = all.dataset("/replica_count").unwrap().read_raw::<u64>().unwrap();
+    let forces = read(&all, "/replicas/pull_off_force");
+    let most = forces.len() / 2;
+    let mut own: Vec<Vec<f64>> = Vec::new();
+    for (point, count) in counts.iter().enumerate() {
+        std::fs::write(folder.path("point.toml"), sweep(&text).text(point).unwrap()).unwrap();
+        assert_exit(&folder.stiction(&["run", "point.toml", "--force"]), 0);
+        let single = read(&unlocked::open(folder.path("point.h5")), "/replicas/pull_off_force");
+        let (there, beyond) = forces[point * most..(point + 1) * most].split_at(*count as usize);
+        assert_eq!(there, single);
+        assert!(beyond.iter().all(|force| force.is_nan()));
+        own.push(single);
+    }
+    assert!(counts[0] != counts[1] && most == *counts.iter().max().unwrap() as usize, "{counts:?}");
+    let pairs: Vec<f64> = own[0].iter().zip(&own[1]).map(|(first, other)| other - first).collect();
+    let mean = pairs.iter().sum::<f64>() / pairs.len() as f64;
+    let told = read(&all, "/differences/pull_off_force_mean")[1];
+    assert!((told / mean - 1.0).abs() < 1e-12, "{told:e} {mean:e}");
+}

@@ -18,7 +18,6 @@ use super::md::MaugisContact;
 use crate::asperity::elastic;
 use crate::asperity::emd::Emd;
 use crate::asperity::error::LawError;
-use crate::asperity::far;
 use crate::asperity::formula::Constant;
 use crate::asperity::history::Path;
 use crate::asperity::law::Method;
@@ -60,6 +59,7 @@ pub struct Attraction {
     scale: Scale,
     path: Path,
     thickness: f64,
+    holds: bool,
 }
 
 impl Attraction {
@@ -68,21 +68,32 @@ impl Attraction {
     /// # Errors
     /// [`LawError`] for a λ that is not solved.
     pub fn new(parameters: &LawParameters) -> Result<Self, LawError> {
-        let LawParameters { scale, path, lubricant_thickness: thickness, .. } = *parameters;
+        let LawParameters { scale, path, lubricant_thickness: thickness, holds, .. } = *parameters;
         let mut emd = Emd::new(scale.lambda, path)?;
+        if holds {
+            emd = emd.holding();
+        }
         if let (Some((lowest, _)), Some(deepest)) =
             (parameters.table_range, parameters.deepest(parameters.critical_interference))
         {
             emd = emd.with_tables((lowest + thickness) / scale.length, deepest);
         }
-        Ok(Self { emd: Arc::new(emd), scale, path, thickness })
+        Ok(Self { emd: Arc::new(emd), scale, path, thickness, holds })
     }
 }
 
 impl Interaction for Attraction {
     fn smoothness(&self, lower: f64, upper: f64) -> (Vec<f64>, Vec<Smoothness>) {
-        let fold = self.emd.noncontact_fold().map(|fold| fold * self.scale.length - self.thickness);
-        smoothness(fold, lower, upper)
+        let place = |displacement: f64| displacement * self.scale.length - self.thickness;
+        smoothness(self.emd.noncontact_fold().map(place), self.emd.fold_behind().map(place), (lower, upper))
+    }
+
+    fn capture(&self) -> Option<f64> {
+        self.emd.capture().map(|displacement| displacement * self.scale.length - self.thickness)
+    }
+
+    fn unstable_work(&self) -> f64 {
+        self.emd.unstable_work_before() * self.scale.energy()
     }
 
     fn method(&self) -> Method {
@@ -119,8 +130,15 @@ impl PartOfRadii for Attraction {
 
     fn smoothness_of(&self, lane: &Lane, lower: f64, upper: f64) -> (Vec<f64>, Vec<Smoothness>) {
         let length = self.scale.length * lane.cube_root;
-        let fold = lane.elastic.noncontact_fold(self.path).map(|fold| fold * length - self.thickness);
-        smoothness(fold, lower, upper)
+        let place = |displacement: f64| displacement * length - self.thickness;
+        let (fold, held) = (lane.elastic.noncontact_fold(self.path), lane.elastic.inner_fold());
+        let (split, behind) = if self.holds && held.is_some() { (held, fold) } else { (fold, None) };
+        smoothness(split.map(place), behind.map(place), (lower, upper))
+    }
+
+    fn capture_of(&self, lane: &Lane) -> Option<f64> {
+        let displacement = lane.elastic.inner_fold().and(lane.elastic.outer_fold())?;
+        Some(displacement * (self.scale.length * lane.cube_root) - self.thickness)
     }
 
     fn evaluate_lanes(
@@ -132,16 +150,20 @@ impl PartOfRadii for Attraction {
     ) {
         let count = interference.len();
         let per_spacing = 1.0 / self.scale.equilibrium_spacing();
-        let own = far::stiffness(self.scale.lambda);
-        let (mut gaps, mut stiffness) = ([0.0; BLOCK], [0.0; BLOCK]);
-        for (i, delta) in interference.iter().enumerate() {
-            gaps[i] = 1.0 - (delta + self.thickness) * per_spacing;
-            stiffness[i] = own * lanes.at(i).root;
+        let inverse = 1.0 / self.scale.length;
+        // Where there is no load, its memory has the displacements.
+        let displacements = &mut out.contact[..count];
+        for (i, (displacement, delta)) in displacements.iter_mut().zip(interference).enumerate() {
+            *displacement = (delta + self.thickness) * (inverse * lanes.at(i).per_cube_root);
         }
-        let displacement =
-            |i: usize| (interference[i] + self.thickness) / (self.scale.length * lanes.at(i).cube_root);
-        let far = (&gaps[..count], &stiffness[..count]);
-        elastic::noncontact(far, |i| &lanes.at(i).elastic, displacement, &mut out.adhesion, stats);
+        let gap = |i: usize| 1.0 - (interference[i] + self.thickness) * per_spacing;
+        elastic::noncontact(
+            |i| &lanes.at(i).elastic,
+            gap,
+            (displacements, self.holds),
+            &mut out.adhesion,
+            stats,
+        );
         for (i, adhesion) in out.adhesion[..count].iter_mut().enumerate() {
             *adhesion *= self.scale.force * lanes.at(i).ratio;
         }
@@ -150,12 +172,19 @@ impl PartOfRadii for Attraction {
     }
 }
 
-/// Of the attraction, which may have a fold within an interval, m.
-fn smoothness(fold: Option<f64>, lower: f64, upper: f64) -> (Vec<f64>, Vec<Smoothness>) {
-    match fold.filter(|place| lower < *place && *place < upper) {
-        Some(place) => {
-            (vec![place], vec![Smoothness::Root { end: End::Upper, place, order: 2 }, Smoothness::Smooth])
-        }
-        None => (Vec::new(), vec![Smoothness::Smooth]),
+/// Of the attraction within an interval, m: it may be left there for another branch at the end of one, which is a fold, or
+/// for the outer branch, whose fold is `behind`.
+fn smoothness(
+    split: Option<f64>,
+    behind: Option<f64>,
+    (lower, upper): (f64, f64),
+) -> (Vec<f64>, Vec<Smoothness>) {
+    let Some(place) = split.filter(|place| lower < *place && *place < upper) else {
+        return (Vec::new(), vec![Smoothness::Smooth]);
+    };
+    let root = |end, place| Smoothness::Root { end, place, order: 2 };
+    match behind {
+        None => (vec![place], vec![root(End::Upper, place), Smoothness::Smooth]),
+        Some(behind) => (vec![place], vec![root(End::Upper, behind), root(End::Lower, place)]),
     }
 }

@@ -161,11 +161,13 @@ impl PartOfRadii for JkrContact {
         stats: &mut SolverStats,
     ) {
         let (lowest, count) = (self.branch.anchor().displacement, interference.len());
-        let (mut displacements, mut radius) = ([0.0; BLOCK], [0.0; BLOCK]);
-        for (i, delta) in interference.iter().enumerate() {
-            displacements[i] = (delta / (self.scale.length * lanes.at(i).cube_root)).max(lowest);
+        let inverse = 1.0 / self.scale.length;
+        let Responses { adhesion, contact: displacements, area: radius } = &mut *out;
+        let displacements = &mut displacements[..count];
+        for (i, (displacement, delta)) in displacements.iter_mut().zip(interference).enumerate() {
+            *displacement = (delta * (inverse * lanes.at(i).per_cube_root)).max(lowest);
         }
-        self.branch.solve_block(&displacements[..count], &mut out.adhesion, &mut radius, stats);
-        lanes.scale_contacts(&self.scale, &radius[..count], out);
+        self.branch.solve_block(displacements, adhesion, radius, stats);
+        lanes.scale_contacts(&self.scale, count, out);
     }
 }

@@ -129,13 +129,14 @@ impl PartOfRadii for MaugisContact {
         out: &mut Responses,
         stats: &mut SolverStats,
     ) {
-        let (mut displacements, mut radius) = ([0.0; BLOCK], [0.0; BLOCK]);
         let count = interference.len();
-        for (i, delta) in interference.iter().enumerate() {
-            displacements[i] = delta / (self.scale.length * lanes.at(i).cube_root);
+        let inverse = 1.0 / self.scale.length;
+        let Responses { adhesion, contact: displacements, area: radius } = &mut *out;
+        let displacements = &mut displacements[..count];
+        for (i, (displacement, delta)) in displacements.iter_mut().zip(interference).enumerate() {
+            *displacement = delta * (inverse * lanes.at(i).per_cube_root);
         }
-        let of = |i: usize| &lanes.at(i).elastic;
-        elastic::contact(of, &displacements[..count], &mut out.adhesion, &mut radius, stats);
-        lanes.scale_contacts(&self.scale, &radius[..count], out);
+        elastic::contact(|i| &lanes.at(i).elastic, displacements, adhesion, radius, stats);
+        lanes.scale_contacts(&self.scale, count, out);
     }
 }

@@ -159,6 +159,10 @@ impl PartOfRadii for ConstantStress {
         Some(self.scale.lambda)
     }
 
+    fn capture_of(&self, _: &Lane) -> Option<f64> {
+        Some(self.onset())
+    }
+
     fn smoothness_of(&self, lane: &Lane, lower: f64, upper: f64) -> (Vec<f64>, Vec<Smoothness>) {
         let length = self.scale.length * lane.cube_root;
         Self::smoothness_in(self.zone(lane.elastic.lambda), length, lower, upper)

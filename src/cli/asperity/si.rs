@@ -147,6 +147,7 @@ impl Tip {
             lubricant_thickness: asperity.lubricant_thickness,
             critical_approach: None,
             path,
+            holds: false,
             table_range: None,
         };
         parameters.checked()

@@ -2,6 +2,7 @@
 //! be.
 
 use super::{Curve, NODES, Passing, SAMPLES, Search, Stray, levels, margin, sort, within};
+use crate::math::instruction_set::InstructionSet;
 use crate::math::interpolation::{lagrange, linear};
 use crate::math::polynomials::horner;
 use std::ops::Range;
@@ -182,20 +183,30 @@ impl<C: Curve> Search<'_, C> {
         }
         let value =
             |h: f64| -> f64 { self.shifts.iter().map(|(shift, sign)| sign * curve.value(h + shift)).sum() };
+        let (mut places, mut values) = (Vec::new(), Vec::new());
         for space in spaces {
             let (from, to) = (edges[space], edges[space + 1]);
             let looks = |low: f64, high: f64| {
                 let parts = (LOOKS * (high - low) / (to - from)) as usize + 1;
                 (1..parts).map(move |i| low + (high - low) * i as f64 / parts as f64)
             };
-            let mut treads = Vec::new();
-            let (mut begin, mut lowest) = (from, value(from) + level);
             let passed = within(&shifted, from, to).iter().filter(|passing| passing.place > from);
-            for (place, step) in passed.map(|passing| (passing.place, passing.step)).chain([(to, 0.0)]) {
+            places.clear();
+            places.extend(passed.clone().map(|passing| passing.place));
+            places.push(to);
+            values.clear();
+            values.resize(places.len(), 0.0);
+            for (shift, sign) in self.shifts {
+                curve.add_values(*shift, *sign, &places, &mut values);
+            }
+            let steps = passed.map(|passing| passing.step).chain([0.0]);
+            let mut treads = Vec::with_capacity(places.len());
+            let (mut begin, mut lowest) = (from, value(from) + level);
+            for ((place, value_there), step) in places.iter().copied().zip(&values).zip(steps) {
                 for h in looks(begin, place) {
                     lowest = lowest.min(value(h) + level);
                 }
-                let end = value(place) + level;
+                let end = value_there + level;
                 treads.push(Tread { from: begin, to: place, lowest: lowest.min(end) });
                 level += step;
                 (begin, lowest) = (place, end + step);
@@ -283,12 +294,28 @@ impl Interpolated {
 
     /// The curve at a separation h, m.
     fn value(&self, h: f64) -> f64 {
-        let Between { curve, strays, .. } = &self.spaces[self.space(h)];
-        let share = (h - curve.from) / curve.width;
-        let node = (share * NODES as f64).clamp(0.0, NODES as f64);
-        let first = (node as usize).min(NODES - 1);
-        let next = strays.get(first + 1).unwrap_or(&0.0);
-        horner(&curve.coefficients, share) + strays[first] + (node - first as f64) * (next - strays[first])
+        self.spaces[self.space(h)].value(h)
+    }
+
+    /// Adds the curve at separations h, m, rising, each `shift`, m, further on, so many times to values there.
+    fn add_values(&self, shift: f64, times: f64, separations: &[f64], values: &mut [f64]) {
+        let mut begin = 0;
+        while begin < separations.len() {
+            let space = self.space(separations[begin] + shift);
+            let next = self.begins.get(space + 1).copied().unwrap_or(f64::INFINITY);
+            let rest = &separations[begin..];
+            let end = begin + rest.iter().take_while(|h| **h + shift < next).count().max(1);
+            let space = &self.spaces[space];
+            InstructionSet::current().run(
+                #[inline(always)]
+                || {
+                    for (value, h) in values[begin..end].iter_mut().zip(&separations[begin..end]) {
+                        *value += times * space.value(h + shift);
+                    }
+                },
+            );
+            begin = end;
+        }
     }
 
     /// Whether it is known everywhere between two separations h, m, how far what is interpolated is off.
@@ -296,6 +323,19 @@ impl Interpolated {
         self.spaces[self.space(low)..=self.space(high - UNEVEN * (high - low))]
             .iter()
             .all(|space| space.has_strays)
+    }
+}
+
+impl Between {
+    /// The curve at a separation h, m.
+    #[inline(always)]
+    fn value(&self, h: f64) -> f64 {
+        let Self { curve, strays, .. } = self;
+        let share = (h - curve.from) / curve.width;
+        let node = (share * NODES as f64).clamp(0.0, NODES as f64);
+        let first = (node as usize).min(NODES - 1);
+        let next = if first + 1 < NODES { strays[first + 1] } else { 0.0 };
+        horner(&curve.coefficients, share) + strays[first] + (node - first as f64) * (next - strays[first])
     }
 }
 

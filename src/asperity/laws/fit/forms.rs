@@ -81,6 +81,18 @@ impl Coefficients {
         f0 + a * libm::pow(delta, m) + b * libm::pow(delta, n)
     }
 
+    /// The sum of the magnitudes of the terms of f_sel.
+    pub fn adhesion_magnitude(&self, delta: f64) -> f64 {
+        let constant = self.adhesion[0];
+        constant.abs() + (self.adhesion(delta) - constant).abs()
+    }
+
+    /// The sum of the magnitudes of the terms of f_f.
+    pub fn external_magnitude(&self, delta: f64) -> f64 {
+        let [f0, a, b, m, n] = self.external;
+        f0.abs() + (a * libm::pow(delta, m)).abs() + (b * libm::pow(delta, n)).abs()
+    }
+
     /// Displacement at which the base of f_sel is 0.
     pub fn base_zero(&self) -> f64 {
         -self.adhesion[2] / self.adhesion[1]

@@ -10,8 +10,8 @@
 //! | elastic, δ ≥ 0 | f_sel(δ) | f_sel(δ) + f_f(δ) |
 //!
 //! `fit:paper` takes the coefficients of its Table 3, for its three cases, and δ_A as it is given, if it is;
-//! `fit:refit` fits the same forms to the direct law of any asperity. The contact area, which has no fit, is
-//! that of Hertz.
+//! `fit:refit` fits the same forms to the direct law of any asperity, and of asperities that differ in their radii to
+//! each of many radii. The contact area, which has no fit, is that of Hertz.
 //!
 //! # Validity
 //! On the range of the fits. Far away f_snc tends to the constant f_sonc instead of 0; below δ = 0 eq. 20 has
@@ -19,6 +19,7 @@
 //! < λ < 5 can give negative forces; its residuals tell.
 
 mod forms;
+mod radii;
 mod refit;
 
 pub use forms::{Coefficients, FORCES, NAMES};
@@ -26,21 +27,24 @@ pub use forms::{Coefficients, FORCES, NAMES};
 use super::kogut_etsion::plastic_rows;
 use crate::asperity::contact::Contact;
 use crate::asperity::error::LawError;
-use crate::asperity::formula::{ClosedForm, Constant};
-use crate::asperity::law::Method;
-use crate::asperity::law::{End, Law, Regime, Responses, Smoothness};
+use crate::asperity::formula::{ClosedForm, Constant, Formula, Tabulated};
+use crate::asperity::law::{BLOCK, Law, Regime};
 use crate::asperity::parameters::LawParameters;
+use crate::asperity::radius::Place;
 use crate::asperity::scale::{Asperity, Scale};
-use crate::asperity::stats::SolverStats;
 use crate::asperity::table::{Interaction, Row, Table};
+use radii::{Fitted, Force, Refits};
 use refit::{Direct, FITTED, JUDGED};
 use std::f64::consts::PI;
+use std::sync::Arc;
 
 /// Table 3.
 const TABLE: &str = include_str!("table_3.csv");
 /// The fractional powers of δ are no power series in any root of δ; in the tenth what is left is too smooth
 /// to matter.
 const ORDER: i32 = 10;
+/// Accuracy of tabulated powers, relative to the magnitudes of their terms: a few roundings.
+const TABLE_TOLERANCE: f64 = 4e-15;
 /// How closely an asperity has to be one of Table 3, relative.
 const SAME: f64 = 1e-6;
 
@@ -50,7 +54,7 @@ const SAME: f64 = 1e-6;
 /// [`LawError::NotInTable3`] for another asperity than its three.
 pub fn paper(parameters: &LawParameters) -> Result<Box<dyn Law>, LawError> {
     let published = published(&parameters.scale).ok_or(LawError::NotInTable3)?;
-    law(parameters, &published.in_units(parameters.scale.length / 1e-9, parameters.scale.force / 1e-6))
+    law(parameters, &published.in_units(parameters.scale.length / 1e-9, parameters.scale.force / 1e-6), None)
 }
 
 /// The law `fit:refit`.
@@ -61,11 +65,16 @@ pub fn refit(parameters: &LawParameters) -> Result<Box<dyn Law>, LawError> {
     parameters.plastic("fit:refit")?;
     // A fit is for the range that the direct law has, which ends at its own δ_A.
     let parameters = &LawParameters { critical_approach: None, ..*parameters };
-    law(parameters, &Direct::new(parameters, FITTED)?.fit()?)
+    let coefficients = Direct::new(parameters, FITTED)?.fit()?;
+    law(parameters, &coefficients, Some(Arc::new(Refits::new(parameters, coefficients))))
 }
 
-/// The law of scaled coefficients.
-fn law(parameters: &LawParameters, coefficients: &Coefficients) -> Result<Box<dyn Law>, LawError> {
+/// The law of scaled coefficients, and of those that are refitted to other radii.
+fn law(
+    parameters: &LawParameters,
+    coefficients: &Coefficients,
+    refits: Option<Arc<Refits>>,
+) -> Result<Box<dyn Law>, LawError> {
     parameters.plastic("fit:paper")?;
     let direct = Direct::new(parameters, JUDGED)?;
     let report = direct.report(coefficients, parameters);
@@ -73,17 +82,88 @@ fn law(parameters: &LawParameters, coefficients: &Coefficients) -> Result<Box<dy
     if !report.coefficients.iter().chain(&report.largest_residual).all(|value| value.is_finite()) {
         return Err(LawError::NoFit);
     }
-    let critical_approach = parameters.critical_approach.unwrap_or(-direct.end * parameters.scale.length);
-    let thickness = parameters.lubricant_thickness;
-    let (scale, coefficients) = (parameters.scale, *coefficients);
-    let attraction =
-        move |delta: f64| scale.force * coefficients.noncontact((delta + thickness) / scale.length);
+    let (scale, thickness, coefficients) = (parameters.scale, parameters.lubricant_thickness, *coefficients);
+    let own_end = direct.end * scale.length;
+    // Where contact begins or ends by the history, less an offset, m; at the one place that is given, if it is.
+    let begins = |offset: f64| match parameters.critical_approach {
+        Some(given) => Place::from(-given - offset),
+        None => {
+            let least = (f64::NEG_INFINITY, -offset);
+            Place::elastic(own_end - offset, parameters.path, scale.length, least)
+        }
+    };
+    let attraction = ClosedForm::attraction(move |delta: f64| {
+        scale.force * coefficients.noncontact((delta + thickness) / scale.length)
+    });
+    let fitted =
+        |force: Force, one: Box<dyn Interaction>| Fitted { one, force, scale, refits: refits.clone() };
+    let before = fitted(Force::Noncontact { thickness }, Box::new(attraction));
+    let contact = fitted(Force::Contact, Box::new(fitted_contact(parameters, coefficients, direct.end)));
     let rows = [
-        Row::below(Regime::Noncontact, -critical_approach - thickness, ClosedForm::attraction(attraction)),
-        Row::below(Regime::Lubricant, -critical_approach, Constant::lubricant(parameters)),
-        Row::up_to(Regime::Elastic, parameters.critical_interference, FittedContact { coefficients, scale }),
+        Row::below(Regime::Noncontact, begins(thickness), before),
+        Row::below(Regime::Lubricant, begins(0.0), Constant::lubricant(parameters)),
+        Row::up_to(Regime::Elastic, Place::proportional(parameters.critical_interference, 1.0), contact),
     ];
     Ok(Box::new(Table::new(rows.into_iter().chain(plastic_rows(parameters))).with_fit(report)))
+}
+
+/// f_sel and f_f from tables of their powers, from the scaled displacement `begin` on.
+fn fitted_contact(
+    parameters: &LawParameters,
+    coefficients: Coefficients,
+    begin: f64,
+) -> impl Interaction + use<> {
+    let scale = parameters.scale;
+    let critical = parameters.critical_interference / scale.length;
+    let deepest = parameters.deepest(parameters.critical_interference).map_or(begin, |end| end.min(critical));
+    let adhesion = Tabulated::within(
+        scale.force,
+        1.0 / scale.length,
+        move |x| coefficients.adhesion(x),
+        move |x| TABLE_TOLERANCE * coefficients.adhesion_magnitude(x),
+        (begin, deepest),
+    );
+    let load = Tabulated::within(
+        scale.force,
+        1.0 / scale.length,
+        move |x| coefficients.adhesion(x) + coefficients.external(x),
+        move |x| TABLE_TOLERANCE * (coefficients.adhesion_magnitude(x) + coefficients.external_magnitude(x)),
+        (0.0, deepest),
+    );
+    let area_unit = PI * scale.radius * scale.radius / scale.length;
+    let area = move |delta: f64| area_unit * delta.max(0.0);
+    // f_sel is a power from where its base is 0, f_f one from 0.
+    let zero = coefficients.base_zero() * scale.length;
+    // The forms have no unstable part: that of what they are fitted to.
+    let unstable_work = Contact::new(scale.lambda).unstable_work() * scale.energy();
+    let load = Inside { formula: load, inside: 0.5 * deepest * scale.length };
+    ClosedForm::new(adhesion, load, area)
+        .with_root_from(zero, zero.min(0.0), ORDER)
+        .with_root(0.0, ORDER)
+        .with_unstable_work(unstable_work)
+}
+
+/// A formula from δ = 0 on, and 0 before.
+#[derive(Clone, Debug)]
+struct Inside<F> {
+    formula: F,
+    /// δ, m, of which the formula has a table.
+    inside: f64,
+}
+
+impl<F: Formula> Formula for Inside<F> {
+    #[inline(always)]
+    fn fill(&self, interference: &[f64], out: &mut [f64]) {
+        let mut inside = [0.0; BLOCK];
+        let inside = &mut inside[..out.len()];
+        inside.iter_mut().zip(interference).for_each(|(place, delta)| {
+            *place = if *delta < 0.0 { self.inside } else { *delta };
+        });
+        self.formula.fill(inside, out);
+        for (value, delta) in out.iter_mut().zip(interference) {
+            *value = if *delta < 0.0 { 0.0 } else { *value };
+        }
+    }
 }
 
 /// The coefficients of Table 3 for an asperity, in nm and µN.
@@ -116,51 +196,4 @@ fn published(scale: &Scale) -> Option<Coefficients> {
             && same(own.force, scale.force);
         if is_it { Some(Coefficients::from_list(coefficients.try_into().ok()?)) } else { None }
     })
-}
-
-/// f_sel and f_f.
-#[derive(Clone, Copy, Debug)]
-struct FittedContact {
-    coefficients: Coefficients,
-    scale: Scale,
-}
-
-impl Interaction for FittedContact {
-    fn smoothness(&self, lower: f64, upper: f64) -> (Vec<f64>, Vec<Smoothness>) {
-        // f_sel is a power from where its base is 0, f_f one from 0.
-        let zero = self.coefficients.base_zero() * self.scale.length;
-        let mut ends = vec![zero, 0.0];
-        ends.sort_by(f64::total_cmp);
-        ends.retain(|end| lower < *end && *end < upper);
-        ends.dedup();
-        let begins = [lower].into_iter().chain(ends.clone());
-        let of = |begin: f64| if begin >= 0.0 { 0.0 } else { zero };
-        let smoothness = |begin: f64| match begin < of(begin) {
-            true => Smoothness::Smooth,
-            false => Smoothness::Root { end: End::Lower, place: of(begin), order: ORDER },
-        };
-        let pieces = begins.map(smoothness).collect();
-        (ends, pieces)
-    }
-
-    fn method(&self) -> Method {
-        Method::Powers
-    }
-
-    // The forms have no unstable part: that of what they are fitted to.
-    fn unstable_work(&self) -> f64 {
-        Contact::new(self.scale.lambda).unstable_work() * self.scale.energy()
-    }
-
-    fn evaluate(&self, interference: &[f64], out: &mut Responses, _: &mut SolverStats) {
-        let area_unit = PI * self.scale.radius * self.scale.radius;
-        for (i, &delta) in interference.iter().enumerate() {
-            let scaled = delta / self.scale.length;
-            let adhesion = self.coefficients.adhesion(scaled);
-            let contact = if scaled < 0.0 { 0.0 } else { adhesion + self.coefficients.external(scaled) };
-            out.adhesion[i] = self.scale.force * adhesion;
-            out.contact[i] = self.scale.force * contact;
-            out.area[i] = area_unit * scaled.max(0.0);
-        }
-    }
 }

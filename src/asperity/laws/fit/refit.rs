@@ -16,6 +16,8 @@ use crate::math::least_squares::least_squares;
 pub const FITTED: usize = 401;
 /// Displacements that the residuals are taken at: they vary fastest at first touch.
 pub const JUDGED: usize = 2001;
+/// Tolerance of fits near those of similar asperities, relative to the sum of squares.
+const NEAR: f64 = 1e-7;
 /// How far before contact f_snc is fitted, in equilibrium spacings.
 const FURTHEST: f64 = 10.0;
 
@@ -59,43 +61,68 @@ impl Direct {
     /// # Errors
     /// [`LawError::NoFit`] when the forms cannot be fitted.
     pub fn fit(&self) -> Result<Coefficients, LawError> {
-        let fits = (self.fit_noncontact(), self.fit_adhesion(), self.fit_external());
-        let (Some(noncontact), Some(adhesion), Some(external)) = fits else { return Err(LawError::NoFit) };
-        Ok(Coefficients { noncontact, adhesion, external })
+        self.fit_from(None).ok_or(LawError::NoFit)
     }
 
-    fn fit_noncontact(&self) -> Option<[f64; 4]> {
+    /// The best coefficients, scaled, close to those of a similar asperity.
+    pub fn fit_near(&self, similar: &Coefficients) -> Option<Coefficients> {
+        self.fit_from(Some(similar)).or_else(|| self.fit_from(None))
+    }
+
+    fn fit_from(&self, similar: Option<&Coefficients>) -> Option<Coefficients> {
+        Some(Coefficients {
+            noncontact: self.fit_noncontact(similar)?,
+            adhesion: self.fit_adhesion(similar)?,
+            external: self.fit_external(similar)?,
+        })
+    }
+
+    fn fit_noncontact(&self, similar: Option<&Coefficients>) -> Option<[f64; 4]> {
         let (places, values) = (&self.displacements[0], &self.forces[0]);
         let (end, highest) = (*places.last()?, *values.last()?);
         let range = end - places[0];
         // A peak at or beyond the end of the range, as wide as a part of it.
-        let starts =
+        let far =
             [(0.02, 0.02), (0.05, 0.1), (0.0, 0.1), (0.2, 0.2), (-0.02, 0.05)].map(|(beyond, width)| {
                 let (x, b) = (beyond * range, width * range);
                 [0.0, highest * std::f64::consts::FRAC_PI_2 * (4.0 * x * x + b * b) / b, b, end + x]
             });
-        Some(least_squares(lorentzian, places, values, &starts)?.parameters)
+        let near = similar.map(|similar| [similar.noncontact]);
+        Some(
+            least_squares(lorentzian, places, values, starts(&near, &far), similar.map(|_| NEAR))?.parameters,
+        )
     }
 
-    fn fit_adhesion(&self) -> Option<[f64; 4]> {
+    fn fit_adhesion(&self, similar: Option<&Coefficients>) -> Option<[f64; 4]> {
         let begin = self.displacements[1][0];
         let places: Vec<f64> = self.displacements[1].iter().map(|delta| delta - begin).collect();
         let (values, range) = (&self.forces[1], *places.last()?);
         let rise = (values.last()? - values[0]).max(f64::MIN_POSITIVE);
-        let starts = [0.5, 0.65, 0.8, 1.0].map(|exponent| {
+        let far = [0.5, 0.65, 0.8, 1.0].map(|exponent| {
             let slope = libm::pow(rise, 1.0 / exponent) / range;
             [values[0], libm::log(slope), libm::log(0.01 * slope * range), exponent]
         });
-        let [constant, slope, offset, exponent] = least_squares(power, &places, values, &starts)?.parameters;
+        let near = similar.map(|similar| {
+            let [constant, slope, offset, exponent] = similar.adhesion;
+            [[constant, libm::log(slope), libm::log(offset + slope * begin), exponent]]
+        });
+        let fitted =
+            least_squares(power, &places, values, starts(&near, &far), similar.map(|_| NEAR))?.parameters;
+        let [constant, slope, offset, exponent] = fitted;
         let slope = libm::exp(slope);
         Some([constant, slope, libm::exp(offset) - slope * begin, exponent])
     }
 
-    fn fit_external(&self) -> Option<[f64; 5]> {
+    fn fit_external(&self, similar: Option<&Coefficients>) -> Option<[f64; 5]> {
         let (places, values) = (&self.displacements[2], &self.forces[2]);
-        let starts =
+        let far =
             [0.5, 1.0, 1.4, 2.0].map(|other: f64| [values[0], 1.0, 0.1, libm::log(1.5), libm::log(other)]);
-        let [constant, a, b, m, n] = least_squares(two_powers, places, values, &starts)?.parameters;
+        let near = similar.map(|similar| {
+            let [constant, a, b, m, n] = similar.external;
+            [[constant, a, b, libm::log(m), libm::log(n)]]
+        });
+        let [constant, a, b, m, n] =
+            least_squares(two_powers, places, values, starts(&near, &far), similar.map(|_| NEAR))?.parameters;
         Some([constant, a, b, libm::exp(m), libm::exp(n)])
     }
 
@@ -128,4 +155,9 @@ impl Direct {
             }),
         }
     }
+}
+
+/// Where a fit starts: at that of a similar asperity, if there is one.
+fn starts<'a, const N: usize>(near: &'a Option<[[f64; N]; 1]>, far: &'a [[f64; N]]) -> &'a [[f64; N]] {
+    near.as_ref().map_or(far, |near| near)
 }

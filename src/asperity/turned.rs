@@ -1,0 +1,284 @@
+//! Asperities of a loop that differ in their radii, from the moment on when the surfaces turn.
+//!
+//! What an asperity does at a distance s from the closest approach follows from its ω_max, its radius and s
+//! ([`super::unloading`]). Of each it is computed once how far it springs back, what it bears at ω_max if it has flowed,
+//! and at which distances it passes from one condition to the next; asperities in one condition are then evaluated
+//! together, each as a lane.
+
+use super::history::Path;
+use super::law::{BLOCK, Responses};
+use super::radius::{Lane, Lanes};
+use super::retraction::Condition;
+use super::springback::{Springback, Top, within};
+use super::stats::SolverStats;
+use super::unloading::Loop;
+use std::sync::Arc;
+
+/// Asperities of which each has its own radius, since the surfaces have turned.
+pub struct Turned {
+    lanes: Arc<[Lane]>,
+    /// Tops that have flowed and have radii of their own; else the same.
+    lowered: Arc<[Lane]>,
+    /// ω_max of each, m, and the recovery from there.
+    largest: Vec<f64>,
+    recovery: Vec<f64>,
+    fates: Vec<u8>,
+    /// F_s, P, N, and the area, m², of those that have flowed, at ω_max, and their tops.
+    borne: Vec<[f64; 3]>,
+    tops: Vec<Top>,
+    /// The conditions that asperities can be in, by number.
+    conditions: Vec<Condition>,
+    /// The condition of each when it has passed none of its ends on the way in, and when it has passed all.
+    first: Vec<u8>,
+    deepest: Vec<u8>,
+    /// By the end of a regime, then asperity: the distance, m, up to which the asperity is beyond the end.
+    ends: Vec<Vec<f64>>,
+}
+
+impl Turned {
+    /// Asperities of lanes of a loop, with ω_max of each, m.
+    pub fn new(cycle: &Loop, lanes: &Arc<[Lane]>, largest: Vec<f64>, stats: &mut SolverStats) -> Self {
+        let regimes = cycle.approach().regimes().len();
+        let (contact, plastic) = (cycle.first_contact, cycle.first_plastic);
+        let (back, unloads) = cycle.elastic_regimes();
+        let untouched = (0..contact).map(Condition::Untouched);
+        // A law that does not flow may end: beyond is no regime.
+        let elastic = (0..back + usize::from(!cycle.flows())).map(Condition::Elastic);
+        let lowered = (0..if cycle.flows() { contact } else { 0 }).map(Condition::Lowered);
+        let flowed = (unloads..regimes).map(Condition::Unloading);
+        let conditions = untouched.chain(elastic).chain(lowered).chain(flowed).collect();
+        let columns = cycle.approach().boundaries().len();
+        let count = largest.len();
+        let mut turned = Self {
+            lanes: Arc::clone(lanes),
+            lowered: Arc::clone(lanes),
+            recovery: largest.clone(),
+            largest,
+            fates: Vec::with_capacity(count),
+            borne: Vec::new(),
+            tops: Vec::new(),
+            conditions,
+            first: Vec::with_capacity(count),
+            deepest: vec![0; count],
+            ends: vec![Vec::with_capacity(count); columns],
+        };
+        let first = [0, contact, contact + back];
+        let [approach, retraction] = [Path::Approach, Path::Retraction].map(|path| cycle.lanes(path));
+        // From where tops are lowered is as ω_c is.
+        let onset = |lane: &Lane, ends: &[f64]| {
+            if cycle.onset == cycle.critical() { ends[plastic - 1] } else { cycle.onset * lane.ratio }
+        };
+        let (mut on_approach, mut own, mut flowed) = (Vec::new(), Vec::new(), Vec::new());
+        for (i, lane) in lanes.iter().enumerate() {
+            let largest = turned.largest[i];
+            approach.ends(lane, &mut on_approach);
+            let touch = on_approach[contact - 1];
+            let capture = approach.capture_of(lane).map_or(touch, |capture| capture.min(touch));
+            let fate = if largest < capture {
+                0
+            } else if cycle.flows() && largest > onset(lane, &on_approach) {
+                2
+            } else {
+                1
+            };
+            turned.fates.push(fate as u8);
+            turned.first.push(first[fate] as u8);
+            if fate == 2 {
+                let regime = on_approach.iter().take_while(|end| largest > **end).count().max(unloads);
+                turned.deepest[i] = (first[2] + contact + regime - unloads) as u8;
+                flowed.push(i as u32);
+            }
+            // What is not passed on this way.
+            let passed = match fate {
+                0 => contact - 1,
+                1 if cycle.flows() => back - 1,
+                1 => columns,
+                _ => contact,
+            };
+            retraction.ends(lane, &mut own);
+            let ends = if fate == 0 { &on_approach } else { &own };
+            for (e, column) in turned.ends.iter_mut().enumerate() {
+                column.push(if e < passed { turned.recovery[i] - ends[e] } else { f64::NEG_INFINITY });
+            }
+        }
+        turned.press(cycle, &flowed, stats);
+        turned.lower(cycle, &flowed);
+        turned
+    }
+
+    /// Finds what asperities that have flowed bear at ω_max, and what is left of their tops.
+    fn press(&mut self, cycle: &Loop, flowed: &[u32], stats: &mut SolverStats) {
+        if flowed.is_empty() {
+            return;
+        }
+        self.borne = vec![[0.0; 3]; self.largest.len()];
+        self.tops = vec![Top::default(); self.largest.len()];
+        let (approach, mut out) = (cycle.lanes(Path::Approach), Responses::default());
+        for regime in cycle.elastic_regimes().1..cycle.approach().regimes().len() {
+            let is_in =
+                |i: &u32| self.conditions[self.deepest[*i as usize] as usize] == Condition::Unloading(regime);
+            let in_regime: Vec<u32> = flowed.iter().copied().filter(is_in).collect();
+            for which in in_regime.chunks(BLOCK) {
+                let largest: Vec<f64> = which.iter().map(|i| self.largest[*i as usize]).collect();
+                approach.evaluate_lanes(regime, Lanes::new(&self.lanes, which), &largest, &mut out, stats);
+                for (lane, i) in which.iter().map(|i| *i as usize).enumerate() {
+                    let [adhesion, load, area] = [out.adhesion[lane], out.contact[lane], out.area[lane]];
+                    let own = &self.lanes[i];
+                    let scale = cycle.scale.of(own);
+                    self.borne[i] = [adhesion, load, area];
+                    self.tops[i] = cycle.springback.top(&scale, load, area);
+                    if let Springback::Powers(plastic) = &cycle.springback {
+                        self.tops[i].recovery = own.ratio * plastic.recovery(largest[lane] / own.ratio);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Lowers the tops that have flowed, and finds where their contacts end.
+    fn lower(&mut self, cycle: &Loop, flowed: &[u32]) {
+        let mut lowered = if cycle.own_radii { self.lanes.to_vec() } else { Vec::new() };
+        let (contact, mut own) = (cycle.first_contact, Vec::new());
+        for i in flowed.iter().map(|i| *i as usize) {
+            let top = self.tops[i];
+            self.recovery[i] = top.recovery;
+            cycle.lanes(Path::Retraction).ends(&self.lanes[i], &mut own);
+            let mut release = own[contact - 1];
+            let further: Vec<f64> = own[..contact].iter().map(|end| release - end).collect();
+            if cycle.own_radii {
+                lowered[i] = cycle.lane(self.lanes[i].ratio * top.ratio);
+                release = cycle.springback.release(cycle.retraction(), &top, &lowered[i]);
+            }
+            for (column, further) in self.ends.iter_mut().zip(further) {
+                column[i] = top.recovery - (release - further);
+            }
+        }
+        if cycle.own_radii {
+            self.lowered = lowered.into();
+        }
+    }
+
+    /// The number of asperities.
+    pub fn count(&self) -> usize {
+        self.largest.len()
+    }
+
+    /// The number of conditions.
+    pub fn conditions(&self) -> usize {
+        self.conditions.len()
+    }
+
+    /// The condition of an asperity at a distance, m.
+    #[inline(always)]
+    pub fn condition(&self, asperity: usize, distance: f64) -> usize {
+        let passed: usize = self.ends.iter().map(|ends| usize::from(distance <= ends[asperity])).sum();
+        let condition = self.first[asperity] as usize + passed;
+        match self.conditions[condition] {
+            Condition::Unloading(_) => self.deepest[asperity] as usize,
+            _ => condition,
+        }
+    }
+
+    /// The regime of the law that a condition counts as; beyond the end of the law one more than it has.
+    pub fn regime(&self, condition: usize) -> usize {
+        self.conditions[condition].regime()
+    }
+
+    /// Fills the first responses for asperities, at most [`BLOCK`], in one condition at a distance, m.
+    pub fn evaluate(
+        &self,
+        cycle: &Loop,
+        condition: usize,
+        (which, distance): (&[u32], f64),
+        out: &mut Responses,
+        stats: &mut SolverStats,
+    ) {
+        let mut interference = [0.0; BLOCK];
+        let interference = &mut interference[..which.len()];
+        for (delta, i) in interference.iter_mut().zip(which) {
+            *delta = self.recovery[*i as usize] - distance;
+        }
+        let (path, lanes, regime) = match self.conditions[condition] {
+            Condition::Untouched(regime) => (Path::Approach, &self.lanes, regime),
+            Condition::Elastic(regime) => (Path::Retraction, &self.lanes, regime),
+            Condition::Lowered(regime) if cycle.own_radii => {
+                let lanes: Vec<Lane> = which.iter().map(|i| self.lowered[*i as usize]).collect();
+                within(cycle.retraction(), regime, &lanes, interference, f64::NEG_INFINITY);
+                (Path::Retraction, &self.lowered, regime)
+            }
+            Condition::Lowered(regime) => (Path::Retraction, &self.lanes, regime),
+            Condition::Unloading(_) => return self.unload(cycle, (which, distance), out, stats),
+        };
+        cycle.lanes(path).evaluate_lanes(regime, Lanes::new(lanes, which), interference, out, stats);
+    }
+
+    /// What contacts that have flowed bear at a distance, m.
+    fn unload(
+        &self,
+        cycle: &Loop,
+        (which, distance): (&[u32], f64),
+        out: &mut Responses,
+        stats: &mut SolverStats,
+    ) {
+        for (lane, i) in which.iter().enumerate() {
+            [out.adhesion[lane], out.contact[lane], out.area[lane]] = self.borne[*i as usize];
+        }
+        if let Springback::Powers(plastic) = &cycle.springback {
+            // In units of the radius it is the same of all.
+            let ratio = |lane: usize| self.lanes[which[lane] as usize].ratio;
+            let mut scaled = [0.0; BLOCK];
+            for (lane, i) in which.iter().enumerate() {
+                scaled[lane] = self.largest[*i as usize] / ratio(lane);
+            }
+            return plastic.unload(&scaled[..which.len()], |lane| distance / ratio(lane), out);
+        }
+        let tops: Vec<Top> = which.iter().map(|i| self.tops[*i as usize]).collect();
+        let lanes: Vec<Lane> = which.iter().map(|i| self.lowered[*i as usize]).collect();
+        cycle.springback.unload_tops((cycle.retraction(), &tops, &lanes), distance, out, stats);
+    }
+
+    /// The fate of an asperity, by [`Loop::fate`].
+    pub fn fate(&self, asperity: usize) -> usize {
+        self.fates[asperity] as usize
+    }
+
+    /// Distances, m, falling, at which the force of an asperity is not smooth.
+    pub fn kinks(&self, cycle: &Loop, asperity: usize) -> Vec<f64> {
+        let lane = &self.lanes[asperity];
+        if self.fates[asperity] == 2 && cycle.own_radii {
+            let ends = self.ends[..cycle.first_contact].iter().map(|ends| ends[asperity]);
+            let attraction = cycle.attraction_kink(&self.lowered[asperity]).unwrap_or(f64::NAN);
+            let opens = cycle.springback.kink(&self.tops[asperity]);
+            let own = [attraction, opens].map(|kink| self.recovery[asperity] - kink);
+            let mut kinks: Vec<f64> = ends.chain(own).filter(|kink| kink.is_finite()).collect();
+            kinks.sort_by(|a, b| b.total_cmp(a));
+            return kinks;
+        }
+        let (path, end) = match self.fates[asperity] {
+            0 => (Path::Approach, cycle.first_contact),
+            1 => (Path::Retraction, cycle.elastic_regimes().0),
+            _ => (Path::Retraction, cycle.first_contact),
+        };
+        let pieces = cycle.lanes(path).pieces_of(lane);
+        let ends = pieces.iter().filter(|piece| piece.regime < end).map(|piece| piece.upper);
+        let mut kinks: Vec<f64> = ends.filter(|end| end.is_finite()).collect();
+        if self.fates[asperity] == 2 {
+            // The load ends where it has sprung back.
+            kinks.push(0.0);
+        }
+        kinks.iter_mut().for_each(|kink| *kink = self.recovery[asperity] - *kink);
+        kinks
+    }
+
+    /// The largest distance, m, at which an asperity loses contact; none where none has any.
+    pub fn detachment(&self, cycle: &Loop) -> Option<f64> {
+        let mut own = Vec::new();
+        let of = |i: usize| {
+            // Captured ones need not have touched.
+            cycle.lanes(Path::Approach).ends(&self.lanes[i], &mut own);
+            let touched = self.fates[i] > 0 && self.largest[i] >= own[cycle.first_contact - 1];
+            touched.then(|| self.ends[cycle.first_contact - 1][i])
+        };
+        (0..self.largest.len()).filter_map(of).reduce(f64::max)
+    }
+}

@@ -427,8 +427,9 @@ pub fn noncontact<'a>(
                     for i in 0..count {
                         (lanes.places[i], lanes.starts[i]) = (gap(i), of(i).stiffness);
                     }
-                    for i in 0..count {
-                        adhesion[i] = far::attraction(lanes.places[i], lanes.starts[i]);
+                    let far = lanes.places.iter().zip(&lanes.starts);
+                    for (adhesion, (gap, stiffness)) in adhesion.iter_mut().zip(far) {
+                        *adhesion = far::attraction(*gap, *stiffness);
                     }
                 }
                 lanes.roots[..count].iter().fold(false, |any, share| any | (*share <= 0.0))

@@ -236,7 +236,7 @@ impl Loop {
         let touch = begin_of(approach.as_ref(), first_contact);
         let capture = approach.capture().map_or(touch, |capture| capture.min(touch));
         let own_radii = unloading.radius() == UnloadedRadius::Elastic && first_plastic < regimes.len();
-        if own_radii && retraction.of_radii().is_none() {
+        if own_radii && (model.is_fit() || retraction.of_radii().is_none()) {
             return Err(LawError::NotFlattened);
         }
         let mut cycle = Self {

@@ -160,4 +160,9 @@ impl Expectations {
     pub fn retraction(cycle: &Loop, surface: &Surface, separations: &[f64]) -> Self {
         RetractionModel::new(cycle, surface, separations[0]).answer(separations)
     }
+
+    /// The retraction from the separation h `closest`, m, at another.
+    pub fn retraction_at(cycle: &Loop, surface: &Surface, closest: f64, separation: f64) -> Self {
+        RetractionModel::new(cycle, surface, closest).answer(&[separation])
+    }
 }

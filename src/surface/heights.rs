@@ -333,7 +333,8 @@ impl Heights {
 
     /// The normal score of a height, m.
     pub fn score(&self, u: f64) -> f64 {
-        let (below, above) = (self.probability(f64::NEG_INFINITY, u), self.probability(u, f64::INFINITY));
+        let [below, above] = [(f64::NEG_INFINITY, u), (u, f64::INFINITY)]
+            .map(|(low, high)| self.probability(low, high).clamp(0.0, 1.0));
         let normal = Normal::standard();
         if below < above { normal.inverse_cdf(below) } else { -normal.inverse_cdf(above) }
     }

@@ -185,7 +185,8 @@ fn scored(states: &[StateAt<'_>], heights: &Heights, cells: usize) -> (Vec<f64>,
     ends.extend((STRATA / 2 + 1..STRATA).map(|i| -normal.gaussian_quantile(1.0 - i as f64 / STRATA as f64)));
     for state in states {
         state.visit(&OwnLaws::default(), |law, separation| {
-            let scores = law.pieces().into_iter().map(|piece| heights.score(piece.upper + separation).abs());
+            let places = law.pieces().into_iter().map(|piece| piece.upper + separation);
+            let scores = places.filter(|u| u.is_finite()).map(|u| heights.score(u).abs());
             ends.extend(scores.filter(|score| *score < GRID_REACH));
         });
     }

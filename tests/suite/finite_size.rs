@@ -161,8 +161,8 @@ fn numbers_of_asperities_that_make_no_study_are_refused() {
 /// Loops are pulled off on retraction, against the integral there; and targets end each size by itself.
 #[test]
 fn sizes_of_loops_end_at_their_own_targets() {
-    let target = "target = { quantity = \"pull_off_force\", relative_standard_error = 0.15 }\n\
-                  min_replicas = 8\nmax_replicas = 400";
+    let target = "target = { quantity = \"pull_off_force\", relative_standard_error = 0.05 }\n\
+                  min_replicas = 8\nmax_replicas = 1600";
     let scene = small().replace("replicas = 40", target).replace("from = -1.0", "from = 0.5");
     let folder = Folder::new(&scene.replace("\"approach\"", "\"loop\""));
     assert_exit(&folder.stiction(&["finite-size", "scene.toml", "--counts", "20,300"]), 0);

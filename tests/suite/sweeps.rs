@@ -609,7 +609,8 @@ fn every_dimension_of_a_run_is_one_of_sweeps() {
 fn points_end_at_their_own_targets() {
     let target = "target = { quantity = \"pull_off_force\", relative_standard_error = 0.06 }\n\
                   min_replicas = 16\nmax_replicas = 2000";
-    let text = swept("material.work_of_adhesion = [\"0.05 J/m^2\", \"0.2 J/m^2\"]").replace("replicas = 40", target);
+    let text =
+        swept("material.work_of_adhesion = [\"0.05 J/m^2\", \"0.2 J/m^2\"]").replace("replicas = 40", target);
     let folder = Folder::new(&text);
     assert_exit(&folder.stiction(&["run", "scene.toml"]), 0);
     assert_exit(&folder.stiction(&["validate", "scene.h5"]), 0);

@@ -109,9 +109,11 @@ impl NodeTable {
                         continue;
                     }
                     let mut terms = [0.0; NODES];
-                    for i in 0..NODES {
-                        let s = (panel.interference[i] - mean) * per_std;
-                        terms[i] = panel.external[i] * exp(-0.5 * s * s);
+                    for (term, (delta, external)) in
+                        terms.iter_mut().zip(panel.interference.iter().zip(&panel.external))
+                    {
+                        let s = (delta - mean) * per_std;
+                        *term = external * exp(-0.5 * s * s);
                     }
                     sum += lane_sum(&terms);
                 }

@@ -17,10 +17,19 @@ pub struct Pair {
 
 /// Memory for the sums of some pairs after the other.
 pub struct Pairs {
-    /// By regime: the asperities, and the rest of each pair.
-    lists: Vec<(Vec<u32>, Vec<(f64, u32)>)>,
+    /// By regime.
+    lists: Vec<List>,
     interference: Box<[f64; BLOCK]>,
     responses: Box<Responses>,
+}
+
+/// Pairs in one regime.
+#[derive(Default)]
+struct List {
+    /// The numbers of the asperities.
+    which: Vec<u32>,
+    /// Their interferences, m, and the sums that they count in.
+    places: Vec<(f64, u32)>,
 }
 
 impl Default for Pairs {
@@ -41,20 +50,23 @@ impl Pairs {
         let Asperities { family, heights, lanes, ends, .. } = asperities;
         let law = family.lanes();
         self.lists.resize_with(family.regimes() + 1, Default::default);
-        self.lists.iter_mut().for_each(|(which, rest)| (which.clear(), rest.clear()).0);
+        for List { which, places } in &mut self.lists {
+            which.clear();
+            places.clear();
+        }
         for Pair { asperity, separation, sum } in pairs {
             let i = asperity as usize;
             let regime: usize = ends.iter().map(|ends| usize::from(separation <= ends[i])).sum();
-            let (which, rest) = &mut self.lists[regime];
-            which.push(asperity);
-            rest.push((heights[i] - separation, sum));
+            let list = &mut self.lists[regime];
+            list.which.push(asperity);
+            list.places.push((heights[i] - separation, sum));
         }
-        for (regime, (which, rest)) in self.lists[..family.regimes()].iter().enumerate() {
+        for (regime, List { which, places }) in self.lists[..family.regimes()].iter().enumerate() {
             let touches = family.touches(regime);
             stats.unloaded += if touches { 0 } else { which.len() as u64 };
-            for (which, rest) in which.chunks(BLOCK).zip(rest.chunks(BLOCK)) {
+            for (which, places) in which.chunks(BLOCK).zip(places.chunks(BLOCK)) {
                 let interference = &mut self.interference[..which.len()];
-                interference.iter_mut().zip(rest).for_each(|(delta, (own, _))| *delta = *own);
+                interference.iter_mut().zip(places).for_each(|(delta, (own, _))| *delta = *own);
                 law.evaluate_lanes(
                     regime,
                     Lanes::new(lanes, which),
@@ -62,7 +74,7 @@ impl Pairs {
                     &mut self.responses,
                     stats,
                 );
-                for (lane, (_, sum)) in rest.iter().enumerate() {
+                for (lane, (_, sum)) in places.iter().enumerate() {
                     let load = if touches { self.responses.contact[lane] } else { 0.0 };
                     sums[*sum as usize] += load - self.responses.adhesion[lane];
                 }

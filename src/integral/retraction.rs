@@ -2,6 +2,7 @@
 //! one law in their interference there.
 
 use super::expectations::Expectations;
+use super::model::{Model, TOLERANCE};
 use crate::asperity::{Loop, SolverStats};
 use crate::math::extrema::maximum;
 use crate::surface::Surface;
@@ -33,8 +34,19 @@ impl Expectations {
 
     /// The retraction from the separation h `closest`, m, at another.
     pub fn retraction_at(cycle: &Loop, surface: &Surface, closest: f64, separation: f64) -> Self {
+        let of_asperities = Self::retraction_of_asperities(cycle, surface, closest, separation);
+        of_asperities.beside(surface, &[separation])
+    }
+
+    /// The same of the asperities alone, without the attraction of the mean planes.
+    pub(crate) fn retraction_of_asperities(
+        cycle: &Loop,
+        surface: &Surface,
+        closest: f64,
+        separation: f64,
+    ) -> Self {
         let law = cycle.at(surface.asperity_separation(separation) - surface.asperity_separation(closest));
-        let model = Self::new(&law, surface, &[closest]);
+        let model = Model::new(&law, surface, &[closest]).of_asperities(&[closest], TOLERANCE);
         let regimes = cycle.approach().regimes().len();
         let counted = |table: &[Vec<f64>]| {
             let mut sums = vec![vec![0.0]; regimes];

@@ -67,12 +67,12 @@ impl Summed for HeldSurface<'_> {
             let (Some((_, lane_sums)), Some(pulled)) = (&mut self.asperities, &*self.pulled) else {
                 unreachable!("they have been turned")
             };
-            let d = |h: &f64| self.job.surface.asperity_separation(*h);
-            let stats = &mut self.sums.stats;
-            return separations
-                .iter()
-                .map(|to| pulled.external_force(cycle, None, d(to), lane_sums, stats))
-                .collect();
+            let (surface, stats) = (self.job.surface, &mut self.sums.stats);
+            let force = |to: &f64| {
+                let d = surface.asperity_separation(*to);
+                surface.external_force(*to, pulled.external_force(cycle, None, d, lane_sums, stats))
+            };
+            return separations.iter().map(force).collect();
         }
         let force =
             |&to: &f64| self.sums.external_force(self.job, self.heights, State::Retraction { from, to });
@@ -322,7 +322,9 @@ impl Heights for ByMoments<'_> {
 
     fn external_force(&mut self, separation: f64) -> f64 {
         let d = self.job.surface.asperity_separation(separation);
-        self.moments.external_force(self.matrix, self.job.laws.typical, self.lane, d, &mut self.sums.stats)
+        let (matrix, law) = (self.matrix, self.job.laws.typical);
+        let force = self.moments.external_force(matrix, law, self.lane, d, &mut self.sums.stats);
+        self.job.surface.external_force(separation, force)
     }
 
     fn sums(&mut self) -> &mut Sums {

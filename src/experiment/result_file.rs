@@ -1,6 +1,7 @@
 //! A run's results under the names of the file layout.
 
 use super::asperities::write_asperities;
+use super::capillary::write_capillary;
 use super::coupling::{write_coupling, write_mean_fields};
 use super::independence::write_independence;
 use super::results::{Results, Stopped};
@@ -160,6 +161,7 @@ pub(crate) fn write_results(writer: &mut Writer<'_>, results: &Results) -> Resul
     write_coupling(writer, results)?;
     write_asperities(writer, results)?;
     write_jumps(writer, results)?;
+    write_capillary(writer, results)?;
     write_instability(writer, results)?;
     write_integral(writer, results)?;
     write_independence(writer, &results.independence)?;

@@ -4,6 +4,7 @@
 
 mod axes;
 mod canonical;
+mod capillary;
 mod choices;
 mod column;
 mod definition;

@@ -5,6 +5,7 @@
 mod common;
 
 mod bad_scenes;
+mod capillary;
 mod cli;
 mod compare;
 mod compressed;

@@ -52,12 +52,15 @@ impl Bridges {
 ///
 /// # Examples
 /// ```
-/// use stiction::liquid::{Liquid, Meniscus};
+/// use stiction::liquid::{Bridges, Liquid, LiquidError, Meniscus, Volume};
 ///
 /// let water = Liquid::water(293.15)?;
 /// let meniscus = Meniscus::new(water, 0.45, [0.5, 0.5])?;
 /// assert!((meniscus.kelvin_radius / 0.675e-9 - 1.0).abs() < 1e-2);
 /// assert!((meniscus.pressure() / 108e6 - 1.0).abs() < 1e-2, "a thousand atmospheres of tension");
+/// let fast = Meniscus { volume: Volume::Constant, ..meniscus };
+/// assert_eq!((fast.bridges, fast.range()), (Bridges::Metastable, meniscus.range()));
+/// assert_eq!(Meniscus::new(water, 1.2, [0.0; 2]), Err(LiquidError::Humidity(1.2)));
 /// # Ok::<(), stiction::liquid::LiquidError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]

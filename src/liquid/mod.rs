@@ -47,7 +47,7 @@ impl Liquid {
         }
     }
 
-    /// Water at a temperature, K ([`water`](self)): IAPWS R1-76(2014) and SR1-86(1992).
+    /// Water at a temperature, K: IAPWS R1-76(2014) and SR1-86(1992).
     ///
     /// # Errors
     /// [`LiquidError::Temperature`] where there is no liquid water.

@@ -70,6 +70,7 @@ mod format;
 #[doc(hidden)]
 pub mod input;
 pub mod integral;
+pub mod liquid;
 #[doc(hidden)]
 pub mod math;
 #[cfg(feature = "hdf5")]

@@ -45,6 +45,9 @@ pub enum LawError {
         /// The largest that is taken.
         most: f64,
     },
+    /// The law is for asperities around which a liquid condenses, and no liquid is given.
+    #[error("no liquid is given, which the law {0} needs: [capillary] in a scene")]
+    NoLiquid(&'static str),
     /// The asperity is none of the three whose curve fits are published.
     #[error(
         "Table 3 has curve fits for three asperities only (R, work of adhesion: 1.66 um, 0.01 J/m^2; 3.33 um, 0.09 J/m^2; \

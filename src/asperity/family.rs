@@ -57,7 +57,8 @@ impl Family {
         (least, most): (f64, f64),
     ) -> Result<Self, LawError> {
         for factor in [least, most] {
-            LawParameters::new(&Asperity { radius: factor * asperity.radius, ..asperity }, path, (0.0, 0.0))?;
+            let own = Asperity { radius: factor * asperity.radius, ..asperity };
+            model.admits(&LawParameters::new(&own, path, (0.0, 0.0))?)?;
         }
         let tabulated = (0.0, TABULATED * asperity.critical_interference());
         let law: Arc<dyn Law> = Arc::from(model.law(&LawParameters::new(&asperity, path, tabulated)?)?);

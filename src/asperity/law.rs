@@ -16,6 +16,8 @@ pub enum Regime {
     Noncontact,
     /// The lubricant touches, the solids do not.
     Lubricant,
+    /// A bridge of condensed liquid spans the gap, the solids do not touch.
+    Bridge,
     /// Elastic contact.
     Elastic,
     /// Elastic-plastic contact: by Kogut and Etsion's fits ω_c to 6ω_c.
@@ -28,9 +30,10 @@ pub enum Regime {
 
 impl Regime {
     /// All of them, from far to deep.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
         Self::Noncontact,
         Self::Lubricant,
+        Self::Bridge,
         Self::Elastic,
         Self::Elastoplastic1,
         Self::Elastoplastic2,
@@ -39,7 +42,7 @@ impl Regime {
 
     /// Whether the solids touch.
     pub fn is_contact(self) -> bool {
-        !matches!(self, Self::Noncontact | Self::Lubricant)
+        !matches!(self, Self::Noncontact | Self::Lubricant | Self::Bridge)
     }
 
     /// The name in files and tables.
@@ -47,6 +50,7 @@ impl Regime {
         match self {
             Self::Noncontact => "noncontact",
             Self::Lubricant => "lubricant",
+            Self::Bridge => "bridge",
             Self::Elastic => "elastic",
             Self::Elastoplastic1 => "elastoplastic1",
             Self::Elastoplastic2 => "elastoplastic2",

@@ -8,6 +8,7 @@
 mod angle;
 #[doc(hidden)]
 pub mod branch;
+mod bridge;
 #[doc(hidden)]
 pub mod contact;
 #[doc(hidden)]

@@ -5,13 +5,20 @@ use super::error::LawError;
 use super::history::Path;
 use super::law::{Law, Responses};
 use super::laws::{
-    ceb, dmt, emd, fit, hertz, hybrid, idmt, isbl, jg, jkr, kogut_etsion, md, md_kim, sbl, tn, zmc,
+    capillary, ceb, dmt, emd, fit, hertz, hybrid, idmt, isbl, jg, jkr, kogut_etsion, md, md_kim, sbl, tn, zmc,
 };
 use super::parameters::LawParameters;
 use super::stats::SolverStats;
+use crate::liquid::Meniscus;
 
 /// Makes a law.
-pub type Build = fn(&LawParameters) -> Result<Box<dyn Law>, LawError>;
+#[derive(Clone, Copy, Debug)]
+enum Build {
+    /// Of an asperity.
+    Plain(Plain),
+    /// Of an asperity in a vapour whose liquid has a meniscus.
+    Wet(Wet),
+}
 
 /// A law by name.
 ///
@@ -34,6 +41,8 @@ pub struct Model {
     pub about: &'static str,
     /// Where it is valid.
     pub validity: Validity,
+    /// The liquid that condenses around asperities, of a law that knows one.
+    meniscus: Option<Meniscus>,
     build: Build,
 }
 
@@ -47,9 +56,43 @@ impl Model {
     /// Makes the law for one asperity.
     ///
     /// # Errors
-    /// [`LawError`] where the law is not for these parameters.
+    /// [`LawError`] where the law is not for these parameters, [`LawError::NoLiquid`] where it is for a liquid and has none.
     pub fn law(&self, parameters: &LawParameters) -> Result<Box<dyn Law>, LawError> {
-        (self.build)(parameters)
+        match self.build {
+            Build::Plain(build) => build(parameters),
+            Build::Wet(build) => build(parameters, self.needed()?),
+        }
+    }
+
+    /// The law with a liquid, of which it makes nothing where it is not for one.
+    pub fn with_liquid(self, meniscus: Meniscus) -> Self {
+        Self { meniscus: self.is_wet().then_some(meniscus), ..self }
+    }
+
+    /// Whether it is for asperities around which a liquid condenses, and has to be told which.
+    pub fn is_wet(&self) -> bool {
+        matches!(self.build, Build::Wet(_))
+    }
+
+    /// The liquid that it has been given.
+    pub fn meniscus(&self) -> Option<&Meniscus> {
+        self.meniscus.as_ref()
+    }
+
+    fn needed(&self) -> Result<&Meniscus, LawError> {
+        self.meniscus.as_ref().ok_or(LawError::NoLiquid(self.name))
+    }
+
+    /// Whether an asperity is one that the law is solved for.
+    ///
+    /// # Errors
+    /// [`LawError`] where it is not.
+    #[doc(hidden)]
+    pub fn admits(&self, parameters: &LawParameters) -> Result<(), LawError> {
+        match self.build {
+            Build::Plain(_) => Ok(()),
+            Build::Wet(_) => capillary::Parts::new(parameters, self.needed()?).map(drop),
+        }
     }
 
     /// Whether an asperity is attracted at any distance, as by the tail of a Lennard-Jones stress: not so by
@@ -186,8 +229,15 @@ const fn validity(adhesion: Adhesion, plasticity: Plasticity, dry: bool) -> Vali
     Validity { adhesion, plasticity, dry }
 }
 
-const fn law(name: &'static str, about: &'static str, validity: Validity, build: Build) -> Model {
-    Model { name, about, validity, build }
+type Plain = fn(&LawParameters) -> Result<Box<dyn Law>, LawError>;
+type Wet = fn(&LawParameters, &Meniscus) -> Result<Box<dyn Law>, LawError>;
+
+const fn law(name: &'static str, about: &'static str, validity: Validity, build: Plain) -> Model {
+    Model { name, about, validity, meniscus: None, build: Build::Plain(build) }
+}
+
+const fn wet(name: &'static str, about: &'static str, validity: Validity, build: Wet) -> Model {
+    Model { name, about, validity, meniscus: None, build: Build::Wet(build) }
 }
 
 use Plasticity::{KogutEtsion, Other, Without};
@@ -221,6 +271,8 @@ pub const MODELS: &[Model] = &[
         validity(Adhesion::Any, Without, true), md::md),
     law("md_kim", "Maugis-Dugdale in contact, constant stress before it, elastic and dry",
         validity(Adhesion::Any, Without, true), md_kim::md_kim),
+    wet("capillary", "bridges of a condensed liquid around extended asperities, Maugis-Dugdale in contact, Kogut-Etsion above",
+        validity(Adhesion::Any, KogutEtsion, true), capillary::capillary),
     law("jkr", "Johnson-Kendall-Roberts, elastic and dry",
         validity(Adhesion::High, Without, true), jkr::jkr),
     law("dmt", "Derjaguin-Muller-Toporov, nothing before contact, elastic and dry",

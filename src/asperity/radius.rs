@@ -144,18 +144,20 @@ impl Similarity {
 }
 
 /// An interference at which a regime ends, and how it follows the radius.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone)]
 pub struct Place {
     pub(super) interference: f64,
     follows: Follows,
 }
 
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone)]
 enum Follows {
     /// As lengths of a similarity do.
     Similar(Similarity),
     /// The beginning or the end of elastic contact, in units of `length` at ρ = 1, at least `least`, plus `offset`, m.
     Elastic { path: Path, length: f64, least: f64, offset: f64 },
+    /// As a function of the asperity.
+    Law(Arc<dyn Fn(&Lane) -> f64 + Send + Sync>),
 }
 
 impl From<f64> for Place {
@@ -177,13 +179,19 @@ impl Place {
         Self { interference, follows: Follows::Elastic { path, length, least, offset } }
     }
 
+    /// An interference, m, that is a function of the asperity. It is at `interference` for ρ = 1.
+    pub fn following(interference: f64, of: impl Fn(&Lane) -> f64 + Send + Sync + 'static) -> Self {
+        Self { interference, follows: Follows::Law(Arc::new(of)) }
+    }
+
     /// δ, m, for an asperity.
     pub fn of(&self, lane: &Lane) -> f64 {
-        match self.follows {
+        match &self.follows {
             Follows::Similar(similarity) => similarity.interference(self.interference, lane),
-            Follows::Elastic { path, length, least, offset } => {
+            &Follows::Elastic { path, length, least, offset } => {
                 (lane.elastic.end(path) * (length * lane.cube_root)).max(least) + offset
             }
+            Follows::Law(of) => of(lane),
         }
     }
 }

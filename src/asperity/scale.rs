@@ -190,6 +190,35 @@ impl Scale {
         }
     }
 
+    /// The units of the same sphere for `ratio` times the work of adhesion, with a Dugdale stress of that over `range`, m.
+    ///
+    /// # Errors
+    /// [`LawError::Lambda`] when λ is outside [`LAMBDA_RANGE`], [`LawError::Unit`] as [`Scale::new`].
+    pub fn with_energy(&self, ratio: f64, range: f64) -> Result<Self, LawError> {
+        let root = libm::cbrt(ratio);
+        let (length, radius, force) = (self.length * root * root, self.radius * root, self.force * ratio);
+        let units = [("force", force), ("approach", length), ("contact radius", radius)];
+        if let Some(&(name, value)) = units.iter().find(|(_, unit)| !has_room(*unit)) {
+            return Err(LawError::Unit { name, value });
+        }
+        Ok(Self { length, radius, force, ..Self::unit(2.0 / PI * length / range)? })
+    }
+
+    /// The radius of the asperity, m: s_a²/s_δ.
+    pub fn asperity_radius(&self) -> f64 {
+        self.radius * self.radius / self.length
+    }
+
+    /// K = 4E_r/3, Pa: s_F/(s_a s_δ).
+    pub fn stiffness(&self) -> f64 {
+        self.force / (self.radius * self.length)
+    }
+
+    /// Δγ, J/m²: s_F/(πR).
+    pub fn work_of_adhesion(&self) -> f64 {
+        self.force / (PI * self.asperity_radius())
+    }
+
     /// The unit of energy, s_F s_δ, J.
     pub fn energy(&self) -> f64 {
         self.force * self.length

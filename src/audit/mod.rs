@@ -4,6 +4,7 @@
 mod answer;
 mod asperities;
 mod bounds;
+mod capillary;
 mod checked;
 mod comparison;
 mod counts;

@@ -65,6 +65,7 @@ impl Checked<'_> {
         self.asperity_states()?;
         self.features()?;
         self.independence()?;
+        self.bridges()?;
         self.joint_test(joint)
     }
 }

@@ -7,6 +7,7 @@ use crate::background::{Dispersion, Electrostatic, Terms};
 use crate::engine::{Limit, SCALARS, Stopping, Target};
 use crate::estimate::Plan;
 use crate::format::{percent, pure, si};
+use crate::liquid::Meniscus;
 use crate::scene::echo::one_line;
 use crate::scene::units::Dimension;
 use crate::scene::{Scene, Warning};
@@ -123,6 +124,9 @@ pub(super) fn numbers(scene: &Scene) -> String {
             si(scene.asperity.critical_interference(), "m")
         ),
     );
+    if let Some(meniscus) = scene.model.meniscus() {
+        text += &liquid(scene, meniscus);
+    }
     if let Some(critical_approach) = scene.critical_approach {
         text += &row(
             "delta_A",
@@ -150,6 +154,24 @@ pub(super) fn numbers(scene: &Scene) -> String {
         ),
     );
     text
+}
+
+/// The liquid that condenses around the asperities.
+fn liquid(scene: &Scene, meniscus: &Meniscus) -> String {
+    let solid = meniscus.solid_energy(scene.asperity.work_of_adhesion);
+    let within = match solid > 0.0 {
+        true => format!("{} between the solids in it", si(solid, "J/m^2")),
+        false => "none between the solids in it".to_owned(),
+    };
+    row(
+        "liquid",
+        &format!(
+            "Kelvin radius {}, tension {}, in gaps up to {}",
+            si(meniscus.kelvin_radius, "m"),
+            si(meniscus.pressure(), "Pa"),
+            si(meniscus.range(), "m")
+        ),
+    ) + &row("", &format!("energy {} of the liquid, {within}", si(meniscus.energy(), "J/m^2")))
 }
 
 /// Laws of heights and radii, where they are not all Gaussian and the same.

@@ -7,6 +7,7 @@ use super::instability::instability;
 use super::rows::row;
 use crate::asperity::Quantity;
 use crate::engine::{LOOP_SCALARS, Limit, Replica, Summation, dissipated};
+use crate::experiment::capillary::{self, COVERS};
 use crate::experiment::results::{Results, Stopped};
 use crate::format::{bound, duration, factor, percent, si};
 use crate::integral::IndependenceVerdict;
@@ -299,6 +300,7 @@ fn at_pull_off(results: &Results) -> String {
     text += &background(&results.scene, separation, adhesion);
     let area = integral.expected[Quantity::ContactArea.index()][0] / results.scene.surface.nominal_area;
     text += &row("", &format!("in contact: {} of the nominal area", percent(area)));
+    text += &wet(results);
     text + &independence(&results.independence, &results.scene)
 }
 
@@ -318,6 +320,44 @@ fn background(scene: &Scene, separation: f64, adhesion: f64) -> String {
     let force = scene.surface.background_force(separation);
     let share = percent(force / (force + adhesion));
     row("", &format!("mean planes: {share} of the attraction ({})", parts.join(", ")))
+}
+
+/// Bridges of liquid at the pull-off of the integral, and how many break behind it.
+fn wet(results: &Results) -> String {
+    let scene = &results.scene;
+    let Some(meniscus) = scene.model.meniscus() else { return String::new() };
+    let (surface, wet) = (&scene.surface, capillary::at_pull_off(results));
+    let all = surface.asperity_count as f64;
+    let covered = wet.covered(meniscus, surface.asperity_radius, surface.nominal_area);
+    let mut text = row(
+        "wet",
+        &format!(
+            "{} of asperities, {} of them by a bridge alone",
+            percent(wet.count() / all),
+            percent(if wet.count() > 0.0 { wet.bridges / wet.count() } else { 0.0 })
+        ),
+    );
+    text += &row(
+        "",
+        &format!("bridges cover {} of the nominal area: {}", percent(covered), capillary::regime(covered)),
+    );
+    if covered > COVERS.0 {
+        text += &row(
+            "",
+            "each is computed as if it were alone: where they merge the liquid pulls with less than their sum",
+        );
+        if let Some((pull, place)) = capillary::merged_pull_off(results) {
+            let h_star = h_star(results, place);
+            text += &row(
+                "",
+                &format!(
+                    "merged, by what they cover: {} of the mean curve, at h* = {h_star:.3}",
+                    si(pull, "N")
+                ),
+            );
+        }
+    }
+    text
 }
 
 /// The verdict of the cross-check.

@@ -3,6 +3,7 @@
 
 mod asperities;
 mod background;
+pub(crate) mod capillary;
 pub(crate) mod checkpoint;
 pub(crate) mod compare;
 pub(crate) mod coupling;

@@ -58,6 +58,7 @@ const REFUSED: &[(&str, &str)] = &[
         "all points have the same separations: give them in [separation]; h_star follows surface_height_std",
     ),
     ("output", "all points are kept alike: give it in [output]"),
+    ("capillary.", "is no number: give it in [capillary]"),
     ("model.history", "a history is no number: give it in [model]"),
     ("solver.summation", "is no number: give it in [solver]"),
     ("format", "is that of the whole file"),
@@ -212,7 +213,16 @@ impl<'a> Options<'a> {
 /// The keys that can be swept, in messages.
 fn known() -> String {
     let mut text = "known are the numbers of".to_owned();
-    let sections = ["material", "surface", "substrate", "van_der_waals", "electrostatic", "model", "solver"];
+    let sections = [
+        "material",
+        "surface",
+        "capillary",
+        "substrate",
+        "van_der_waals",
+        "electrostatic",
+        "model",
+        "solver",
+    ];
     for (i, section) in sections.iter().enumerate() {
         text += &format!("{} [{section}]", if i == 0 { "" } else { "," });
     }

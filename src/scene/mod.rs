@@ -5,6 +5,7 @@
 mod axes;
 mod background;
 mod canonical;
+mod capillary;
 mod choices;
 mod column;
 mod definition;

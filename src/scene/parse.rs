@@ -1,6 +1,7 @@
 //! One scene from its document.
 
 use super::background::BackgroundSections;
+use super::capillary::{capillary, wet};
 use super::choices::{FORMAT, HISTORIES, SUM_TOLERANCE, SUM_TOLERANCES, SUMS};
 use super::definition::Scene;
 use super::error::{SceneError, Together};
@@ -15,7 +16,7 @@ use super::units::Dimension;
 use super::{separation, stopping};
 use crate::asperity::models::{MODELS, Model, PUBLISHED_FITS};
 use crate::asperity::scale::{Scale, UNIT_RANGE};
-use crate::asperity::{LawError, Path, UnloadedRadius, Unloading};
+use crate::asperity::{LawError, LawParameters, Path, UnloadedRadius, Unloading};
 use crate::engine::Stopping;
 use crate::surface::{CountLaw, SamplingScheme};
 
@@ -55,13 +56,18 @@ pub(super) fn read(text: &str, root: &Section<'_>, files: &dyn Files) -> Result<
     let readings =
         (root.known(), heading(root), material, population, model, separation, instability, ensemble);
     let (solver, output, background) = (sum_tolerance(root), curves(root), BackgroundSections::read(root));
-    let (readings, sum_tolerance, curves, substrate, background) =
-        (readings.together(), solver, output, substrate, background).together()?;
+    let readings = (readings.together(), solver, output, substrate, background, capillary(root));
+    let (readings, sum_tolerance, curves, substrate, background, meniscus) = readings.together()?;
     let ((), title, material, (population, lubricant), model, separation, instability, (ensemble, draws)) =
         readings;
     let Population { surface, places, inputs } = population;
     let asperity = material.asperity(surface.asperity_radius, lubricant.unwrap_or(0.0))?;
     let ModelTable { law, history, cycle, unloading, critical_approach } = model;
+    let law = wet(root, law, meniscus, unloading, is_coupled)?;
+    law.admits(&LawParameters::new(&asperity, Path::Approach, (0.0, 0.0)).expect("it was judged before"))
+        .map_err(|error| {
+            SceneError::general(format!("{error}; that is of the bridges: check [capillary]"))
+        })?;
     let separations = separation::separations(&separation, surface.surface_height_std)?;
     let background = background.of(&law, &asperity, &surface, separations[0])?;
     let substrate = substrate.map(|table| table.under(&surface, places, &separations)).transpose()?;

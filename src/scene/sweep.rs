@@ -269,7 +269,22 @@ mod tests {
                 }
                 _ => "",
             };
-            let scene = format!("{scene}\n{table}");
+            let liquid = match key.name {
+                "capillary.surface_tension" | "capillary.molar_volume" => {
+                    "surface_tension = \"30 mN/m\"\nmolar_volume = \"30 cm^3/mol\"\n"
+                }
+                _ => "",
+            };
+            let (scene, liquid) = match key.name.starts_with("capillary.") {
+                true => (
+                    scene
+                        .replace("fit:paper", "capillary")
+                        .replace("critical_approach", "# critical_approach"),
+                    format!("[capillary]\nrelative_humidity = 0.5\ncontact_angles = [0, 0]\n{liquid}"),
+                ),
+                false => (scene, String::new()),
+            };
+            let scene = format!("{scene}\n{table}{liquid}");
             // Fits are of one law, and of loops whose tops keep their radius.
             let scene = match key.name {
                 "model.law" | "model.unloading" => scene
@@ -293,9 +308,11 @@ mod tests {
                 Some(Dimension::ArealDensity) => 1.25e13,
                 Some(Dimension::Pressure) => 1.25e9,
                 Some(Dimension::SurfaceEnergy) => 0.125,
-                Some(Dimension::Force | Dimension::Stiffness) => 1.25,
+                Some(Dimension::Force | Dimension::Stiffness | Dimension::Angle) => 1.25,
                 Some(Dimension::Energy) => 1.25e-19,
                 Some(Dimension::Voltage) => 12.5,
+                Some(Dimension::Temperature) => 300.0,
+                Some(Dimension::MolarVolume) => 1.25e-5,
             };
             let swept = Sweep::along(&scene, key.name, vec![number], &[], Arc::new(NoFiles))
                 .unwrap()
@@ -303,14 +320,15 @@ mod tests {
                 .unwrap();
             let numbers = |scene: &Scene| {
                 format!(
-                    "{:?} {:?} {:?} {:?} {:?} {} {:?}",
+                    "{:?} {:?} {:?} {:?} {:?} {} {:?} {:?}",
                     scene.asperity,
                     scene.surface,
                     scene.critical_approach,
                     scene.sum_tolerance,
                     scene.substrate,
                     scene.model.name,
-                    scene.unloading
+                    scene.unloading,
+                    scene.model.meniscus()
                 )
             };
             assert_ne!(numbers(&swept), numbers(&base), "{}", key.name);

@@ -1,10 +1,11 @@
 //! The table of the keys of scenes: the reader takes units, ranges, examples and exclusions from it, and
 //! `docs/scene.md` all of it. It is longer than files should be, since it is one table.
 
+use super::capillary::LIQUIDS;
 use super::choices::{
-    CAP_SHARES, COUPLINGS, FORMAT, HEIGHT_LAWS, HISTORIES, KERNELS, MEASURED_RADII, MOST_POINTS,
+    BRIDGES, CAP_SHARES, COUPLINGS, FORMAT, HEIGHT_LAWS, HISTORIES, KERNELS, MEASURED_RADII, MOST_POINTS,
     MOST_SEPARATIONS, Mode, PATCH, PERMITTIVITIES, POISSON_RATIOS, POSITIONS, RADIUS_LAWS, RELATIVE,
-    REPLICAS, SAMPLES, SPACINGS, SUM_TOLERANCES, SUMMIT_LAWS, SUMS, TOLERANCES_OF_LOADS, VARIATIONS,
+    REPLICAS, SAMPLES, SPACINGS, SUM_TOLERANCES, SUMMIT_LAWS, SUMS, TOLERANCES_OF_LOADS, VARIATIONS, VOLUMES,
 };
 use super::keys::{Key, Sign, Value, key};
 use super::units::Dimension as Of;
@@ -331,6 +332,60 @@ pub static KEYS: &[Key] = &[
         .about("δ_A of the law `fit:paper`; other laws find theirs.")
         .follows("from the history")
         .swept(),
+    key(
+        "capillary",
+        "{ relative_humidity = 0.45, contact_angles = [\"30 deg\", \"30 deg\"] }",
+        Table,
+    )
+    .what("the liquid that condenses around the asperities")
+    .about("Needs `law = \"capillary\"` in `[model]`, which needs it.")
+    .follows("none; the asperities are dry"),
+    key("capillary.relative_humidity", "0.45", Number(Excluded(0.0), Excluded(1.0)))
+        .what("relative humidity")
+        .about("φ, the pressure of the vapour over that at saturation. It says r_K = γV_m/(R_g T |ln φ|).")
+        .swept(),
+    key("capillary.liquid", "\"water\"", Choice(|| names(&LIQUIDS)))
+        .what("name of the liquid")
+        .about("Surface tension and density of water follow from the temperature (IAPWS). Another liquid is given by `surface_tension` and `molar_volume`.")
+        .defaults_to("\"water\"")
+        .excludes(&["capillary.surface_tension", "capillary.molar_volume"]),
+    key("capillary.temperature", "\"20 degC\"", Quantity(Of::Temperature, Positive))
+        .what("temperature")
+        .about("T, of the liquid, its vapour and the solids.")
+        .defaults_to("\"20 degC\"")
+        .swept(),
+    key("capillary.surface_tension", "\"72.7 mN/m\"", Quantity(Of::SurfaceEnergy, Positive))
+        .what("surface tension of a liquid of one's own")
+        .about("γ. Needs `molar_volume`.")
+        .follows("from `liquid`")
+        .swept(),
+    key("capillary.molar_volume", "\"18 cm^3/mol\"", Quantity(Of::MolarVolume, Positive))
+        .what("molar volume of a liquid of one's own")
+        .about("V_m. Needs `surface_tension`.")
+        .follows("from `liquid`")
+        .swept(),
+    key(
+        "capillary.contact_angles",
+        "[\"30 deg\", \"30 deg\"]",
+        Various("a list of two angles, each from 0 to 180 deg"),
+    )
+    .what("contact angles of the two faces")
+    .about("θ₁ and θ₂. cos θ₁ + cos θ₂ has to be above 0: else no liquid condenses."),
+    key("capillary.contact_angles[]", "\"30 deg\"", Quantity(Of::Angle, NotNegative)),
+    key("capillary.volume", "\"equilibrium\"", Choice(|| names(&VOLUMES)))
+        .what("amount of liquid in a bridge while the faces part")
+        .about(
+            "`equilibrium`: that in equilibrium with the vapour, slow retraction. `constant`: bridges keep what they have \
+             when contact ends, fast retraction.",
+        )
+        .defaults_to("\"equilibrium\""),
+    key("capillary.bridges", "\"metastable\"", Choice(|| names(&BRIDGES)))
+        .what("when bridges form and break")
+        .about(
+            "`metastable`: they form where the solids touch, and break where they become unstable. `reversible`: they \
+             form and break where their energy is that of none.",
+        )
+        .defaults_to("\"metastable\""),
     key("separation", "{ h_star = { from = -1.0, to = 8.0, count = 91 } }", Table)
         .what("where forces are computed")
         .about("Of `h` and `h_star` one has to be there."),

@@ -21,6 +21,12 @@ pub enum Dimension {
     Energy,
     /// V.
     Voltage,
+    /// K.
+    Temperature,
+    /// rad.
+    Angle,
+    /// m³/mol.
+    MolarVolume,
 }
 
 /// A dimension: its name in messages, its SI unit in files, its units with their factors to SI as powers of
@@ -90,6 +96,21 @@ const UNITS: &[Row] = &[
         ["a voltage", "V"],
         &[("V", 0), ("kV", 3), ("mV", -3), ("uV", -6), ("µV", -6), ("μV", -6)],
     ),
+    (Dimension::Temperature, ["a temperature", "K"], &[("K", 0)]),
+    (Dimension::Angle, ["an angle", "rad"], &[("rad", 0)]),
+    (
+        Dimension::MolarVolume,
+        ["a volume per amount", "m3 mol-1"],
+        &[("m^3/mol", 0), ("cm^3/mol", -6), ("mm^3/mol", -9)],
+    ),
+];
+
+/// Units that are no power of ten of the SI unit: their dimensions and what makes SI values of theirs.
+const OTHERS: &[(Dimension, &str, fn(f64) -> f64)] = &[
+    (Dimension::Temperature, "degC", |celsius| celsius + 273.15),
+    (Dimension::Temperature, "°C", |celsius| celsius + 273.15),
+    (Dimension::Angle, "deg", f64::to_radians),
+    (Dimension::Angle, "°", f64::to_radians),
 ];
 
 impl Dimension {
@@ -138,8 +159,9 @@ impl Dimension {
 
     /// The units in messages; the spellings with a Greek mu are left out.
     pub fn units(self) -> String {
-        let spellings = units(self).iter().map(|(spelling, _)| *spelling).filter(|unit| unit.is_ascii());
-        spellings.collect::<Vec<_>>().join(", ")
+        let others = OTHERS.iter().filter(|(dimension, ..)| *dimension == self).map(|(_, unit, _)| *unit);
+        let spellings = units(self).iter().map(|(spelling, _)| *spelling).chain(others);
+        spellings.filter(|unit| unit.is_ascii()).collect::<Vec<_>>().join(", ")
     }
 }
 
@@ -190,6 +212,9 @@ pub fn parse(text: &str, dimension: Dimension) -> Result<f64, QuantityError> {
         return Err(QuantityError::NoUnit);
     }
     let normal = normal(unit);
+    if let Some((other, _, si)) = OTHERS.iter().find(|(_, spelling, _)| *spelling == normal) {
+        return if *other == dimension { Ok(si(plain)) } else { Err(QuantityError::OtherDimension(*other)) };
+    }
     let find = |dimension| units(dimension).iter().find(|(spelling, _)| *spelling == normal);
     match find(dimension) {
         Some((_, power)) => Ok(scaled(number, plain, *power)),
@@ -309,6 +334,13 @@ mod tests {
             ("90 mJ·m⁻²", Dimension::SurfaceEnergy, 0.09),
             ("5 N m-1", Dimension::Stiffness, 5.0),
             ("85.29 GPa", Dimension::Pressure, 85.29e9),
+            ("20 degC", Dimension::Temperature, 293.15),
+            ("-5 °C", Dimension::Temperature, 268.15),
+            ("300 K", Dimension::Temperature, 300.0),
+            ("30 deg", Dimension::Angle, std::f64::consts::PI / 6.0),
+            ("0.5 rad", Dimension::Angle, 0.5),
+            ("18 cm^3/mol", Dimension::MolarVolume, 18e-6),
+            ("18 cm3 mol-1", Dimension::MolarVolume, 18e-6),
             ("90 mJ/m^2", Dimension::SurfaceEnergy, 0.09),
             ("0.09 N/m", Dimension::SurfaceEnergy, 0.09),
         ];
@@ -327,11 +359,13 @@ mod tests {
             let (unit, exponent) = (&text[..digits], text[digits..].trim_start_matches('^'));
             let exponent: i32 = if exponent.is_empty() { 1 } else { exponent.parse().unwrap() };
             let prefix = match unit.strip_suffix("Pa").or(unit.strip_suffix(['m', 'N', 'J'])) {
+                _ if matches!(unit, "K" | "rad" | "mol") => 0,
                 _ if unit == "angstrom" || unit == "Å" || unit == "\u{212b}" => -10,
                 Some("") => 0,
                 Some("p") => -12,
                 Some("n") => -9,
                 Some("u" | "µ" | "μ") => -6,
+                Some("c") => -2,
                 Some("m") => -3,
                 Some("k") => 3,
                 Some("M") => 6,

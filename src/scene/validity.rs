@@ -36,6 +36,10 @@ const LARGEST_VOLTAGE: f64 = 327.0;
 const LARGEST_SHIFT: f64 = 0.05;
 /// Fewest contacts in the whole run at the closest separation.
 const FEWEST_CONTACTS: f64 = 100.0;
+/// Smallest Kelvin radius of a meniscus that is a continuum, m.
+const SMALLEST_MENISCUS: f64 = 0.5e-9;
+/// Largest Kelvin radius over the radius of an asperity.
+const LARGEST_MENISCUS: f64 = 0.01;
 /// Fewest contacts in the whole run that are called some.
 const FEWEST_UNLOADED: f64 = 0.5;
 
@@ -50,6 +54,7 @@ pub fn warnings(scene: &Scene, model: &Model, law: &dyn Law, expected: &Expected
 pub fn warnings_of_scene(scene: &Scene, model: &Model, law: &dyn Law, expected: &Expected) -> Vec<Warning> {
     let mut warnings: Vec<Warning> = ranges(scene).into_iter().filter_map(Range::warning).collect();
     warnings.extend(sizes(scene, model.validity.dry));
+    warnings.extend(wet(scene, model));
     warnings.extend(contacts(scene, law));
     warnings.extend(unloading(scene, law));
     warnings.extend(contact_share(scene, &expected.readings));
@@ -117,6 +122,47 @@ fn sizes(scene: &Scene, dry: bool) -> Vec<Warning> {
     if surface.asperity_count < FEWEST_ASPERITIES {
         warnings.push(Warning::new(format!("N = {} is fewer than {FEWEST_ASPERITIES} asperities per replica", surface.asperity_count), "a patch of so few is no population of heights (Greenwood and Williamson 1966); its scatter is of \
                      the size of its mean", &["nominal_area", "asperity_density"]));
+    }
+    warnings
+}
+
+/// Menisci that are too small for a continuum or too large for the asperities, and solids that the liquid parts, under a law
+/// that knows a liquid.
+fn wet(scene: &Scene, model: &Model) -> Vec<Warning> {
+    let mut warnings = Vec::new();
+    let Some(meniscus) = scene.model.meniscus().filter(|_| model.is_wet()) else { return warnings };
+    let kelvin = meniscus.kelvin_radius;
+    if kelvin < SMALLEST_MENISCUS {
+        warnings.push(Warning::new(
+            format!("the Kelvin radius is {}, below {}", si(kelvin, "m"), si(SMALLEST_MENISCUS, "m")),
+            "a meniscus of a few molecules is no surface of a liquid (Fisher and Israelachvili 1981)",
+            &["relative_humidity"],
+        ));
+    }
+    let ratio = kelvin / scene.surface.asperity_radius;
+    if ratio > LARGEST_MENISCUS {
+        let share = meniscus.turn() * kelvin
+            / ((2.0 * scene.surface.asperity_radius * meniscus.range()).sqrt() * meniscus.wetting());
+        warnings.push(Warning::new(
+            format!(
+                "the Kelvin radius is {ratio:.3} of the radius of the asperities, more than {LARGEST_MENISCUS}: forces of bridges are {:.0} % too large",
+                100.0 * share
+            ),
+            "the curvature around the bridge is left out of forces (to first order in the root of that ratio)",
+            &["relative_humidity", "asperity_radius"],
+        ));
+    }
+    let solid = meniscus.solid_energy(scene.asperity.work_of_adhesion);
+    if !(solid > 0.0) {
+        warnings.push(Warning::new(
+            format!(
+                "the work of adhesion of the dry solids, {}, is not above the energy of the liquid, {}",
+                si(scene.asperity.work_of_adhesion, "J/m^2"),
+                si(meniscus.energy(), "J/m^2")
+            ),
+            "the liquid comes between such solids (Young and Dupre), which are computed without adhesion of their own in it",
+            &["work_of_adhesion", "contact_angles"],
+        ));
     }
     warnings
 }

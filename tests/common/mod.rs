@@ -8,7 +8,7 @@ pub mod program;
 pub mod unlocked;
 
 use std::sync::Mutex;
-use stiction::asperity::models::model;
+use stiction::asperity::models::{MODELS, Model, model};
 use stiction::asperity::scale::Asperity;
 use stiction::asperity::{
     Law, LawParameters, Laws, Path, Regime, Responses, Scratch, SolverStats, for_each_block,
@@ -71,6 +71,11 @@ pub fn job<'a>(
 pub fn law(name: &str, asperity: &Asperity, path: Path, reach: (f64, f64)) -> Box<dyn Law> {
     let parameters = LawParameters::new(asperity, path, reach).expect("a valid setting");
     model(name).expect("a known law").law(&parameters).expect("a law of the setting")
+}
+
+/// The laws that need no liquid.
+pub fn dry_laws() -> impl Iterator<Item = &'static Model> {
+    MODELS.iter().filter(|model| !model.is_wet())
 }
 
 /// All that is written of something, to the bit.

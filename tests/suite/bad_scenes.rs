@@ -96,6 +96,102 @@ const CASES: &[(&str, &str, &[&str])] = &[
             "a recess, or separations of more than h* = 10",
         ],
     ),
+    // Liquids.
+    (
+        "law = \"hybrid\"",
+        "law = \"capillary\"",
+        &["`model.law = \"capillary\"`: needs a liquid: [capillary] with relative_humidity"],
+    ),
+    (
+        "[output]",
+        "[capillary]\nrelative_humidity = 0.5\ncontact_angles = [0, 0]\n[output]",
+        &["the law hybrid knows no liquid; law = \"capillary\" does"],
+    ),
+    (
+        "[output]",
+        "[capillary]\nrelative_humidity = 1.0\ncontact_angles = [0, 0]\n[output]",
+        &["greater than 0 and less than 1; this is 1"],
+    ),
+    (
+        "[output]",
+        "[capillary]\nrelative_humidity = \"45 %\"\ncontact_angles = [0, 0]\n[output]",
+        &["`capillary.relative_humidity", "a number is needed"],
+    ),
+    (
+        "[output]",
+        "[capillary]\nrelative_humidity = 0.5\n[output]",
+        &["`capillary.contact_angles` is missing; for example contact_angles = [\"30 deg\", \"30 deg\"]"],
+    ),
+    (
+        "[output]",
+        "[capillary]\nrelative_humidity = 0.5\ncontact_angles = \"30 deg\"\n[output]",
+        &["a list of two is needed, one for each face"],
+    ),
+    (
+        "[output]",
+        "[capillary]\nrelative_humidity = 0.5\ncontact_angles = [\"30 deg\", \"30 nm\"]\n[output]",
+        &["contact_angles[1]", "an angle is needed, such as \"30 deg\" (rad, deg)"],
+    ),
+    (
+        "[output]",
+        "[capillary]\nrelative_humidity = 0.5\ncontact_angles = [\"100 deg\", \"90 deg\"]\n[output]",
+        &["between such faces no liquid condenses"],
+    ),
+    (
+        "[output]",
+        "[capillary]\nrelative_humidity = 0.5\ncontact_angles = [\"200 deg\", \"0 deg\"]\n[output]",
+        &["from 0 to 180 deg"],
+    ),
+    (
+        "[output]",
+        "[capillary]\nrelative_humidity = 0.5\ncontact_angles = [0, 0]\ntemperature = \"-20 degC\"\n[output]",
+        &["`capillary.temperature", "water is a liquid from 273.15 K"],
+    ),
+    (
+        "[output]",
+        "[capillary]\nrelative_humidity = 0.5\ncontact_angles = [0, 0]\ntemperature = 20\n[output]",
+        &["the unit is missing; a temperature is needed, such as \"20 degC\" (K, degC)"],
+    ),
+    (
+        "[output]",
+        "[capillary]\nrelative_humidity = 0.5\ncontact_angles = [0, 0]\nliquid = \"oil\"\n[output]",
+        &["unknown liquid; known: water"],
+    ),
+    (
+        "[output]",
+        "[capillary]\nrelative_humidity = 0.5\ncontact_angles = [0, 0]\nsurface_tension = \"20 mN/m\"\n[output]",
+        &["`capillary.molar_volume` is missing"],
+    ),
+    (
+        "[output]",
+        "[capillary]\nrelative_humidity = 0.5\ncontact_angles = [0, 0]\nmolar_volume = \"0 cm^3/mol\"\nsurface_tension = \"20 mN/m\"\n[output]",
+        &["`capillary.molar_volume", "greater than 0"],
+    ),
+    (
+        "[output]",
+        "[capillary]\nrelative_humidity = 0.5\ncontact_angles = [0, 0]\nvolume = \"fixed\"\n[output]",
+        &["unknown volume; known: equilibrium, constant"],
+    ),
+    (
+        "[output]",
+        "[capillary]\nrelative_humidity = 0.5\ncontact_angles = [0, 0]\nvolume = \"constant\"\nbridges = \"reversible\"\n[output]",
+        &["a reversible bridge has the volume in equilibrium"],
+    ),
+    (
+        "[output]",
+        "[capillary]\nrelative_humidity = 0.5\ncontact_angles = [0, 0]\nbridges = \"wet\"\n[output]",
+        &["unknown bridges; known: metastable, reversible"],
+    ),
+    (
+        "law = \"hybrid\"\nhistory = \"approach\"",
+        "law = \"capillary\"\n[capillary]\nrelative_humidity = 0.5\ncontact_angles = [0, 0]\n[substrate]\ncoupling = \"periodic\"",
+        &["bridges are computed for independent asperities only; leave out [substrate]"],
+    ),
+    (
+        "law = \"hybrid\"\nhistory = \"approach\"",
+        "law = \"capillary\"\nhistory = \"loop\"\nunloaded_radius = \"elastic\"\n[capillary]\nrelative_humidity = 0.5\ncontact_angles = [0, 0]",
+        &["`model.unloaded_radius = \"elastic\"`: bridges around flattened tops are those of R"],
+    ),
     ("[material]", "[material", &["line 5", "not TOML"]),
     ("seed = 1", "seed = 1\nseed = 2", &["not TOML", "duplicate key"]),
     ("format = 1", "", &["`format` is missing"]),
@@ -633,6 +729,28 @@ const VARIANTS: &[Variant] = &[
         ],
     ),
     (&[], &["surface.summits"], &[]),
+    (
+        &["model.law"],
+        &[
+            "capillary.relative_humidity",
+            "capillary.liquid",
+            "capillary.temperature",
+            "capillary.contact_angles",
+            "capillary.volume",
+            "capillary.bridges",
+        ],
+        &[("model.law", "\"capillary\"")],
+    ),
+    (
+        &["model.law"],
+        &[
+            "capillary.relative_humidity",
+            "capillary.surface_tension",
+            "capillary.molar_volume",
+            "capillary.contact_angles",
+        ],
+        &[("model.law", "\"capillary\"")],
+    ),
     (OF_SPECTRUM, &["surface.spectrum"], &[]),
     (OF_SPECTRUM, &["surface.spectrum.m0", "surface.spectrum.m2", "surface.spectrum.m4"], &[]),
     (OF_SPECTRUM, &["surface.asperities"], &[]),
@@ -760,6 +878,7 @@ fn examples_of_all_keys_are_scenes() {
         "surface",
         "model",
         "separation",
+        "capillary",
         "ensemble",
         "substrate",
         "van_der_waals",
@@ -775,6 +894,7 @@ fn examples_of_all_keys_are_scenes() {
         "material.poissons_ratio[]",
         "material.surface_energy[]",
         "electrostatic.relative_permittivity[]",
+        "capillary.contact_angles[]",
     ];
     assert_eq!(unused, [&elements[..], &["sweep.*.from", "sweep.*.to"]].concat());
     std::fs::write(&path, scene_of(&(&[], &[], &[]))).unwrap();

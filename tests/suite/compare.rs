@@ -1,8 +1,7 @@
 //! `stiction compare` and every law of the registry as a user drives them.
 
 use crate::common::program::{Folder, QUICK, assert_exit, bits, small, text, told};
-use crate::common::unlocked;
-use stiction::asperity::models::MODELS;
+use crate::common::{dry_laws, unlocked};
 
 /// One law of a dataset of a comparison.
 fn row(folder: &Folder, file: &str, dataset: &str, law: usize, laws: usize) -> Vec<f64> {
@@ -212,7 +211,7 @@ fn what_is_left_out_is_said() {
 #[test]
 #[ignore = "slow: six seconds"]
 fn every_law_runs_and_agrees_with_its_integral() {
-    for model in MODELS {
+    for model in dry_laws() {
         let scene = QUICK
             .replace("count = 91", "count = 31")
             .replace("= 200", "= 80")

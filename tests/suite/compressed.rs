@@ -1,8 +1,7 @@
 //! Compressed sums against direct ones: to the tolerance that was asked for, or refused.
 
-use crate::common::{case, law, respond};
+use crate::common::{case, dry_laws, law, respond};
 use std::sync::atomic::AtomicBool;
-use stiction::asperity::models::MODELS;
 use stiction::asperity::{Boundary, Law, Path, Piece, Quantity, Regime, Responses, SolverStats};
 use stiction::engine::moments::{MomentMatrix, Unfit, largest_error};
 use stiction::engine::stream::{Purpose, stream};
@@ -141,7 +140,7 @@ fn laws_are_met_to_the_tolerance(cases: &[&str]) {
         for (path, thickness) in [(Path::Approach, 0.5e-9), (Path::Approach, 0.0), (Path::Retraction, 0.5e-9)]
         {
             // `gw` is `hertz`, and the fits are of few asperities.
-            let laws = MODELS.iter().filter(|model| !model.is_fit() && model.name != "hertz");
+            let laws = dry_laws().filter(|model| !model.is_fit() && model.name != "hertz");
             for law in laws.map(|model| model.name) {
                 let patch = Patch::new(name, law, path, thickness);
                 let direct = patch.summed(None, 0, 5);

@@ -1,8 +1,8 @@
 //! Scenes at the ends of what numbers can be: what is computed is finite, and what cannot be computed is
 //! refused with the key that says why.
 
-use crate::common::respond;
-use stiction::asperity::models::{MODELS, Model, PUBLISHED_FITS};
+use crate::common::{dry_laws, respond};
+use stiction::asperity::models::{Model, PUBLISHED_FITS};
 use stiction::asperity::{Law, LawError, Path, Quantity};
 use stiction::engine::{Job, Protocol, SCALARS, Workspace};
 use stiction::integral::Expectations;
@@ -144,7 +144,7 @@ fn numbers(scene: &Scene, model: &Model, name: &str, least: i32) -> Option<[Vec<
 fn check(name: &str, inputs: &Inputs) {
     for (_, path) in Path::ALL {
         let scene = Inputs { path, ..*inputs }.scene().unwrap_or_else(|error| panic!("{name}: {error}"));
-        for model in MODELS.iter().filter(|model| model.name != PUBLISHED_FITS) {
+        for model in dry_laws().filter(|model| model.name != PUBLISHED_FITS) {
             numbers(&scene, model, name, -320);
         }
     }
@@ -211,7 +211,7 @@ fn scale_exactly(units: &[(i32, i32)]) {
         for &(length, force) in units {
             let other = ordinary.scaled(length, force).scene().unwrap();
             assert_eq!(other.scale().lambda.to_bits(), scene.scale().lambda.to_bits());
-            for model in MODELS.iter().filter(|model| model.name != PUBLISHED_FITS) {
+            for model in dry_laws().filter(|model| model.name != PUBLISHED_FITS) {
                 let name = format!("2^{length} lengths, 2^{force} forces");
                 let (Some(mine), Some(others)) =
                     (numbers(&scene, model, "ordinary", -200), numbers(&other, model, &name, -200))
@@ -261,7 +261,7 @@ fn a_surface_without_spread_is_one_asperity_many_times() {
             let inputs = Inputs { std, ..ORDINARY };
             let mut scene = inputs.scene().unwrap();
             scene.separations = vec![h, h + 1e-9];
-            for model in MODELS.iter().filter(|model| !model.name.starts_with("fit:")) {
+            for model in dry_laws().filter(|model| !model.name.starts_with("fit:")) {
                 let law = scene.law_of(model).unwrap();
                 let integral = Expectations::new(law.view(), &scene.surface, &scene.separations);
                 let d = scene.surface.asperity_separation(h);

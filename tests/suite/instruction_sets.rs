@@ -2,9 +2,8 @@
 //! and the program takes the ones it is told to.
 
 use crate::common::program::{Folder, assert_exit, attribute, bits, small, text};
-use crate::common::{case, for_each_instruction_set, law};
+use crate::common::{case, dry_laws, for_each_instruction_set, law};
 use std::process::{Command, Output};
-use stiction::asperity::models::MODELS;
 use stiction::asperity::{BLOCK, Law, LawParameters, Path, Responses, SolverStats};
 use stiction::math::instruction_set::{InstructionSet, VARIABLE};
 
@@ -57,7 +56,7 @@ fn every_law_has_the_same_bits() {
     for (_, path) in Path::ALL {
         for name in ["I", "II", "III"] {
             let (asperity, _) = case(name);
-            for model in MODELS {
+            for model in dry_laws() {
                 // Beyond 110 critical interferences, so that all regimes are there.
                 let reach = 120.0 * asperity.critical_interference();
                 let law = law(model.name, &asperity, path, (-10e-9, 0.5 * reach));
@@ -73,7 +72,7 @@ fn every_law_has_the_same_bits() {
                     table_range: reach,
                     ..LawParameters::scaled(lambda, path).unwrap()
                 };
-                for model in MODELS.iter().filter(|model| !model.is_fit()) {
+                for model in dry_laws().filter(|model| !model.is_fit()) {
                     assert_same_bits(
                         &format!("{} at λ = {lambda}", model.name),
                         model.law(&parameters).unwrap().as_ref(),

@@ -6,6 +6,7 @@ mod common;
 
 mod background;
 mod bad_scenes;
+mod capillary;
 mod cli;
 mod compare;
 mod compressed;

@@ -1,8 +1,8 @@
 //! The statistical integral model against `tests/data/rough_surface.csv`, a quadrature in the angle and the
 //! gap that inverts nothing, for the three cases of the published Table 2.
 
-use crate::common::{case, law};
-use stiction::asperity::models::{MODELS, model};
+use crate::common::{case, dry_laws, law};
+use stiction::asperity::models::model;
 use stiction::asperity::scale::{Asperity, Scale};
 use stiction::asperity::{
     Law, LawParameters, Loop, Path, Quantity, Responses, Scratch, SolverStats, Unloading, for_each_block,
@@ -105,7 +105,7 @@ fn noisy_densities_end() {
 #[test]
 fn every_law_is_integrated_over_all_its_pieces() {
     const COUNT: usize = 400_000;
-    for model in MODELS {
+    for model in dry_laws() {
         let (asperity, surface) = case("II");
         let law = law(model.name, &asperity, Path::Approach, (-60e-9, 60e-9));
         let std = surface.heights.std;
@@ -259,7 +259,7 @@ fn nothing_is_lost_next_to_the_folds() {
     for name in ["emd", "md", "md_kim"] {
         assert_nothing_is_lost_near(&critical_lambdas()[..1], name, 0..13, 1);
     }
-    for model in MODELS {
+    for model in dry_laws() {
         assert_nothing_is_lost_near(&critical_lambdas()[..1], model.name, 0..1, 1);
     }
 }
@@ -268,7 +268,7 @@ fn nothing_is_lost_next_to_the_folds() {
 #[test]
 #[ignore = "slow: a minute"]
 fn nothing_is_lost_near_any_fold() {
-    for model in MODELS {
+    for model in dry_laws() {
         let folds = ["hybrid", "emd", "md", "md_kim"].contains(&model.name);
         let (decades, per_decade) = if folds { (0..13, 4) } else { (0..1, 1) };
         assert_nothing_is_lost_near(&critical_lambdas(), model.name, decades, per_decade);

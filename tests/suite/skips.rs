@@ -1,10 +1,9 @@
 //! What is skipped against what is not: series far from contact, constant forces, loads where nothing
 //! touches, and the count of it all.
 
-use crate::common::{case, job, law, respond};
+use crate::common::{case, dry_laws, job, law, respond};
 use std::sync::atomic::AtomicBool;
 use stiction::asperity::emd::Emd;
-use stiction::asperity::models::MODELS;
 use stiction::asperity::{BLOCK, Method, Path, Quantity, SolverStats};
 use stiction::engine::stream::{Purpose, stream};
 use stiction::engine::{Ensemble, Job, Outcome, Workspace, run};
@@ -147,7 +146,7 @@ fn curves_are_sums_of_asperities_solved_alone() {
         let separations: Vec<f64> = (-1..6).map(|i| f64::from(i) * surface.surface_height_std).collect();
         let mut heights = vec![0.0; surface.asperity_count];
         surface.heights.draw(&mut stream(5, Purpose::Heights, 0), &mut heights);
-        for model in MODELS {
+        for model in dry_laws() {
             let law = law(model.name, &asperity, Path::Approach, (-60e-9, 40e-9));
             let job = job(law.as_ref(), &surface, &separations, 1);
             let mut workspace = Workspace::new(&job);
@@ -213,7 +212,7 @@ fn every_asperity_is_counted_once() {
         let (asperity, mut surface) = case(name);
         surface.asperity_count = 900;
         let sigma = surface.surface_height_std;
-        for model in MODELS {
+        for model in dry_laws() {
             let law = law(model.name, &asperity, Path::Approach, (-90e-9, 50e-9));
             let law = law.as_ref();
             for (from, step, at_edge) in [(5.0, 0.05, true), (-1.0, 0.05, false)] {

@@ -2,11 +2,11 @@
 //! `tests/data/stability.csv`, made by `scripts/reference_stability.py`; and how many evaluations a solve may
 //! take.
 
-use crate::common::for_each_instruction_set;
+use crate::common::{dry_laws, for_each_instruction_set};
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 use stiction::asperity::branch::MOST_EVALUATIONS;
-use stiction::asperity::models::{MODELS, model};
+use stiction::asperity::models::model;
 use stiction::asperity::scale::pressure_factor;
 use stiction::asperity::{BLOCK, Law, LawParameters, Path, Responses, Scratch, SolverStats, for_each_block};
 
@@ -309,7 +309,7 @@ fn sweep_all(lambdas_of_a_law: usize, count: usize) {
                 lubricant_thickness: 0.4,
                 ..elastic
             };
-            for model in MODELS.iter().filter(|model| !model.name.starts_with("fit:")) {
+            for model in dry_laws().filter(|model| !model.name.starts_with("fit:")) {
                 points += sweep(model.name, &plastic, count);
                 // The elastic laws once more as deep as they go.
                 if model.name == "emd" {

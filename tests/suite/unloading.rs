@@ -1,9 +1,9 @@
 //! The way back of one asperity against closed forms: the published unloading, its energy, the histories, and
 //! that its pieces are those of what it computes.
 
-use crate::common::{case, respond};
+use crate::common::{case, dry_laws, respond};
 use std::f64::consts::PI;
-use stiction::asperity::models::{MODELS, Plasticity, model};
+use stiction::asperity::models::{Plasticity, model};
 use stiction::asperity::scale::{Asperity, Scale, pressure_factor};
 use stiction::asperity::{Law, LawError, LawParameters, Loop, Path, Regime, UnloadedRadius, Unloading};
 use stiction::math::quadrature::{NODES, Rule};
@@ -112,7 +112,7 @@ fn the_energy_of_an_unloading_is_its_closed_form() {
 #[test]
 fn laws_that_flow_otherwise_are_refused() {
     let (asperity, _) = case("II");
-    for model in MODELS {
+    for model in dry_laws() {
         let is_other = ["ceb", "zmc", "jg", "tn"].contains(&model.name);
         assert_eq!(is_other, model.validity.plasticity == Plasticity::Other);
         for (name, unloading) in Unloading::ALL {
@@ -483,7 +483,7 @@ fn mesarovic_and_johnson_open_from_the_edge() {
 fn elastic_asperities_go_back_along_the_laws() {
     for name in ["I", "II", "III"] {
         let (asperity, _) = case(name);
-        for model in MODELS {
+        for model in dry_laws() {
             let law = |path| crate::common::law(model.name, &asperity, path, (-60e-9, 60e-9));
             let [approach, retraction] = [law(Path::Approach), law(Path::Retraction)];
             let cycle = cycle(model.name, &asperity);
@@ -641,7 +641,7 @@ fn pieces_are_where_the_retraction_is_smooth() {
         let scale = Scale::new(&asperity).unwrap().force;
         let unloadings = Unloading::ALL.into_iter().map(|(_, unloading)| unloading);
         let unloadings: Vec<Unloading> = unloadings.chain([UnloadedRadius::Elastic.into()]).collect();
-        let cycles = MODELS.iter().flat_map(|model| unloadings.iter().map(move |own| (model, *own)));
+        let cycles = dry_laws().flat_map(|model| unloadings.iter().map(move |own| (model, *own)));
         for (model, unloading) in cycles.filter(|(model, _)| model.name != "fit:refit") {
             let Ok(cycle) = cycle_of(model.name, &asperity, unloading) else { continue };
             for distance in [0.0, 0.3e-9, 1.1e-9, 2.5e-9, 9e-9, 30e-9] {

@@ -36,6 +36,7 @@ _REGIMES = {
     "total": ("black", "-"),
     "noncontact": (BLUE, DASHED),
     "lubricant": (COLORS[4], "-"),
+    "bridge": (COLORS[5], "-"),
     "elastic": (VERMILION, DASH_DOT),
     "elastoplastic": (COLORS[2], (0, (1.2, 1.2))),
     "plastic": (COLORS[3], (0, (9, 2))),

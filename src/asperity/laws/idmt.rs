@@ -13,6 +13,7 @@ use crate::asperity::formula::{ClosedForm, Formula};
 use crate::asperity::law::{Law, Regime};
 use crate::asperity::parameters::LawParameters;
 use crate::asperity::radius::Similarity;
+use crate::asperity::scale::Scale;
 use crate::asperity::table::{Interaction, Row, Table};
 
 /// The law `idmt`.
@@ -28,12 +29,18 @@ pub fn idmt(parameters: &LawParameters) -> Result<Box<dyn Law>, LawError> {
 
 /// The attraction of an undeformed sphere across the gap, Z₀ − δ less the `thickness` of a lubricant, m.
 pub fn attraction(parameters: &LawParameters, thickness: f64) -> impl Interaction + use<> {
-    let factor = 8.0 / 3.0 * parameters.scale.force;
-    let per_spacing = 1.0 / parameters.scale.equilibrium_spacing();
-    let force = move |delta: f64| {
-        let u = 1.0 / (1.0 - (delta + thickness) * per_spacing);
+    let of_gap = across(&parameters.scale);
+    let force = move |delta: f64| of_gap(-(delta + thickness));
+    ClosedForm::attraction(force.following(Similarity::new(0.0, 1.0)))
+}
+
+/// F_s, N, of an undeformed sphere whose distance of faces is larger than at equilibrium by a gap ≥ 0, m.
+pub fn across(scale: &Scale) -> impl Fn(f64) -> f64 + Clone + Send + Sync + use<> {
+    let factor = 8.0 / 3.0 * scale.force;
+    let per_spacing = 1.0 / scale.equilibrium_spacing();
+    move |gap: f64| {
+        let u = 1.0 / (1.0 + gap * per_spacing);
         let square = u * u;
         factor * square * (1.0 - 0.25 * (square * square * square))
-    };
-    ClosedForm::attraction(force.following(Similarity::new(0.0, 1.0)))
+    }
 }

@@ -1,5 +1,6 @@
 //! The laws of one asperity, one per file, as [tables](super::table) of regimes.
 
+pub mod capillary;
 pub mod ceb;
 pub mod dmt;
 pub mod emd;

@@ -304,6 +304,9 @@ impl PreparedComparison {
 fn limits(scene: &Scene, model: &Model, law: Laws<'_>) -> Vec<String> {
     let psi = scene.asperity.plasticity_index(scene.surface.surface_height_std);
     let mut limits = model.validity.limits(scene.scale().lambda, psi, scene.asperity.lubricant_thickness);
+    if scene.model.meniscus().is_some() && !model.is_wet() {
+        limits.push("knows no liquid: computed as dry".to_owned());
+    }
     let beyond = beyond(scene, law);
     if beyond >= 1e-3 {
         let digits = if beyond < 10.0 { 3 } else { 0 };

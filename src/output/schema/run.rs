@@ -37,7 +37,7 @@ pub static RUN: Layout = Layout {
     command: "stiction run",
     version: [3, 4],
     groups: &["ensemble", "replicas", "integral", "validation", "diagnostics"],
-    optional_groups: &["asperities", "background", "coupling", "independence", "instability"],
+    optional_groups: &["asperities", "background", "capillary", "coupling", "independence", "instability"],
     variables: LazyLock::new(variables),
     of_points: None,
 };
@@ -49,6 +49,7 @@ fn variables() -> Vec<Variable> {
         replicas(),
         coupling(),
         asperities(),
+        capillary(),
         instability(),
         integral(),
         background(NONE),
@@ -161,6 +162,34 @@ fn asperities() -> Vec<Variable> {
         for (name, units, words) in OF_ASPERITIES {
             all.push(variable(format!("{GROUP}/{prefix}{name}"), QA, units, words.replace("{}", on)));
         }
+    }
+    all
+}
+
+/// Bridges of liquid.
+fn capillary() -> Vec<Variable> {
+    const GROUP: &str = "/capillary";
+    let mut all = group(GROUP, NONE, LIQUID);
+    for (prefix, on) in DIRECTIONS {
+        for (name, dimensions, words) in [
+            ("wet_share", S, "share of the asperities that touch or have a bridge{}, mean over replicas"),
+            (
+                "covered_share",
+                S,
+                "share of the nominal area that wetted circles of the mean area cover at random places{}",
+            ),
+            (
+                "bridge_step_count",
+                S,
+                "asperities that become dry when the faces part from the separation before{}, or wet the other way, mean over \
+                 replicas, 0 at the first",
+            ),
+        ] {
+            all.push(variable(format!("{GROUP}/{prefix}{name}"), dimensions, "1", words.replace("{}", on)));
+        }
+        let words = "mean external force{} where bridges that overlap merge, by the covered share, compressive positive";
+        let path = format!("{GROUP}/{prefix}merged_external_force");
+        all.push(variable(path, S, "N", words.replace("{}", on)));
     }
     all
 }
@@ -330,6 +359,19 @@ const OF_ASPERITIES: [(&str, &str, &str); 7] = [
     ("in_contact", "1", "whether each asperity is in contact{} (1) or not (0)"),
     ("has_touched", "1", "whether each asperity has touched{} and remembers it (1) or not (0)"),
     ("at_rest", "1", "whether each asperity is at rest at a jump of its law{} (1) or not (0)"),
+];
+
+const LIQUID: &[Row] = &[
+    ("kelvin_radius", NONE, "m", "Kelvin radius r_K of the meniscus"),
+    ("capillary_pressure", NONE, "Pa", "tension p_c = gamma/r_K in the liquid"),
+    ("range", NONE, "m", "widest gap h_0 that the liquid fills"),
+    ("liquid_energy", NONE, "J m-2", "energy gamma s that filling a gap gains"),
+    (
+        "solid_energy",
+        NONE,
+        "J m-2",
+        "work of adhesion less that: the energy between the solids in the liquid",
+    ),
 ];
 
 const SNAPS: &[Row] = &[

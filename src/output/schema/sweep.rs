@@ -13,7 +13,7 @@ pub static SWEEP: Layout = Layout {
     command: "stiction run",
     version: [4, 2],
     groups: &["ensemble", "replicas", "integral", "validation", "diagnostics", "differences"],
-    optional_groups: &["asperities", "background", "coupling", "independence", "instability"],
+    optional_groups: &["asperities", "background", "capillary", "coupling", "independence", "instability"],
     variables: LazyLock::new(variables),
     of_points: Some(&RUN),
 };
@@ -27,6 +27,7 @@ fn variables() -> Vec<Variable> {
         "/replicas",
         "/coupling",
         "/asperities",
+        "/capillary",
         "/integral",
         "/background",
         "/independence",

@@ -60,6 +60,9 @@ fn bounds(low: Bound<f64>, high: Bound<f64>) -> String {
         (Bound::Excluded(low), Bound::Included(high)) => {
             format!(" greater than {} and at most {}", number(low), number(high))
         }
+        (Bound::Excluded(low), Bound::Excluded(high)) => {
+            format!(" greater than {} and less than {}", number(low), number(high))
+        }
         (Bound::Excluded(low), Bound::Unbounded) => format!(" greater than {}", number(low)),
         (Bound::Unbounded, Bound::Unbounded) => String::new(),
         other => panic!("{other:?} has no words"),

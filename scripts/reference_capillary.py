@@ -1,0 +1,143 @@
+"""Reference values of a wet asperity: an elastic sphere with two nested Dugdale zones around its contact.
+
+Writes tests/data/capillary.csv: the adhesion force, the contact force and the contact radius of a sphere that the solids
+attract with the stress sigma_1 as far as the gap is below H_1, W_SLS = sigma_1 H_1, and the liquid with sigma_0 as far as it
+is below h_0, gamma s = sigma_0 h_0. The law `capillary` superposes two single zones in their place; this says by how much it
+is off.
+
+The contact of radius a, with zones to b and c, follows from the transform g of the normal displacement of a half-space,
+u(r) = 2/pi int_0^r g(t)/sqrt(r^2 - t^2) dt: g = delta - t^2/R within the contact, and -2/E* sum sigma_i sqrt(e_i^2 - t^2) up to
+the edges e_i of the zones outside. No stress is infinite where g is continuous at a, which says delta(a, b, c); the gaps
+at b and c are H_1 and h_0, solved by a hybrid Powell method to 1e-13; the force is 2 E* int g. With one zone this is Maugis' solution,
+which is checked.
+
+Scaled quantities are those of reference_laws.py for the dry work of adhesion: R = K = 1, pi (work of adhesion) = 1,
+Z_0 = 2.06/(pi lambda). `share` is gamma s over the work of adhesion, `range` h_0 over Z_0.
+
+Usage:
+    uv run scripts/reference_capillary.py               write the table
+    uv run scripts/reference_capillary.py -o OUT.csv    write it elsewhere
+"""
+
+# /// script
+# requires-python = ">=3.9"
+# dependencies = ["scipy>=1.10", "numpy"]
+# ///
+
+import argparse
+import csv
+from math import acos, asin, cos, pi, sin, sqrt
+from pathlib import Path
+
+from scipy.integrate import quad
+from scipy.optimize import brentq, fsolve
+
+E = 0.75
+STRESS = 1.03
+TABLE = Path(__file__).parent.parent / "tests" / "data" / "capillary.csv"
+CASES = [
+    (lam, share, reach)
+    for lam in (0.03, 0.3, 1.0, 3.0)
+    for share, reach in ((0.3, 5.0), (0.6, 5.0), (0.9, 5.0), (0.6, 20.0))
+]
+
+
+def beside(edge, a, r):
+    """int_a^min(r, edge) sqrt(edge^2 - t^2)/sqrt(r^2 - t^2) dt, smooth in the angle of the smaller."""
+    top = min(edge, r)
+    lower = asin(min(1.0, a / top))
+    if r <= edge:
+        integrand = lambda angle: sqrt(max(edge**2 - (r * sin(angle)) ** 2, 0.0))
+    else:
+        integrand = lambda angle: (edge * cos(angle)) ** 2 / sqrt(r**2 - (edge * sin(angle)) ** 2)
+    return quad(integrand, lower, pi / 2, epsabs=1e-14, epsrel=1e-13, limit=200)[0]
+
+
+class Sphere:
+    """A sphere of R = K = 1 with zones of (stress, range)."""
+
+    def __init__(self, zones):
+        self.zones = zones
+
+    def displacement(self, a, edges):
+        """The displacement at which no stress is infinite."""
+        return a * a - 2 / E * sum(s * sqrt(max(e * e - a * a, 0.0)) for (s, _), e in zip(self.zones, edges))
+
+    def gap(self, r, a, edges):
+        """The gap at r > a."""
+        delta = self.displacement(a, edges)
+        angle = asin(min(1.0, a / r))
+        inside = delta * angle - (r * r * angle / 2 - a * sqrt(r * r - a * a) / 2)
+        outside = -2 / E * sum(s * beside(e, a, r) for (s, _), e in zip(self.zones, edges))
+        return r * r / 2 - delta + 2 / pi * (inside + outside)
+
+    def edges(self, a, start=None):
+        """Edges of the zones of a contact of radius a."""
+        start = start or [sqrt(a * a + 2 * reach) for _, reach in self.zones]
+
+        def residual(x):
+            edges = [a * (1 + v * v) if a > 0 else v * v for v in x]
+            return [(self.gap(e, a, edges) - reach) / reach for e, (_, reach) in zip(edges, self.zones)]
+
+        x = [sqrt(e / a - 1) for e in start]
+        x, info, flag, text = fsolve(residual, x, xtol=1e-13, full_output=True)
+        if max(abs(v) for v in info["fvec"]) > 1e-10:
+            raise ArithmeticError(text)
+        return [a * (1 + v * v) for v in x]
+
+    def state(self, delta, low, high):
+        """Adhesion force, contact force and contact radius at a displacement, of the contact between two radii."""
+        a = brentq(lambda a: self.displacement(a, self.edges(a)) - delta, low, high, xtol=1e-14, rtol=1e-13)
+        edges = self.edges(a)
+        tails = sum(
+            s * (e * e * acos(min(1.0, a / e)) - a * sqrt(max(e * e - a * a, 0.0))) / 2 for (s, _), e in zip(self.zones, edges)
+        )
+        force = 2 * E * (delta * a - a**3 / 3) - 4 * tails
+        return a**3 - force, a**3, a
+
+    def least(self, low=0.02, high=2.0, steps=200):
+        """Contact radius and displacement at the end of the stable branch: the smallest displacement."""
+        radii = [low * (high / low) ** (i / steps) for i in range(steps + 1)]
+        deltas = [self.displacement(a, self.edges(a)) for a in radii]
+        i = min(range(len(deltas)), key=lambda i: deltas[i])
+        return radii[i], deltas[i]
+
+
+def maugis(lam, delta):
+    """Adhesion force and contact radius of one zone, by Maugis' equations in the angle."""
+    def at(angle):
+        alpha = lam / 2 * (sin(angle) * cos(angle) - angle * cos(2 * angle))
+        beta = 4 * lam**2 / 3 * (angle * sin(angle) + cos(angle) - 1)
+        outer = 2 / (beta + sqrt(beta**2 + 4 * alpha))
+        radius = outer * cos(angle)
+        return radius**2 - 4 / 3 * lam * outer * sin(angle), lam * outer**2 * (sin(angle) * cos(angle) + angle), radius
+
+    angle = brentq(lambda x: at(x)[0] - delta, 1e-4, pi / 2 if lam < 0.9 else 1.2, xtol=1e-15)
+    return at(angle)[1:]
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("-o", default=TABLE)
+    arguments = parser.parse_args()
+    for lam, delta in ((0.3, 0.5), (2.0, 1.0)):
+        adhesion, load, radius = Sphere([(lam / 2, 2 / (pi * lam))]).state(delta, 0.05, 5)
+        expected = maugis(lam, delta)
+        assert abs(adhesion / expected[0] - 1) < 1e-9 and abs(radius / expected[1] - 1) < 1e-9, (lam, adhesion, radius, expected)
+    with open(arguments.o, "w", newline="") as file:
+        rows = csv.writer(file)
+        rows.writerow("lambda,share,range,delta,adhesion_force,contact_force,contact_radius".split(","))
+        for lam, share, reach in CASES:
+            spacing = 2 * STRESS / (pi * lam)
+            liquid = (share / pi / (reach * spacing), reach * spacing)
+            solid = ((1 - share) / pi * STRESS / spacing, spacing / STRESS)
+            sphere = Sphere([solid, liquid])
+            begin, least = sphere.least()
+            for delta in (0.9 * least, 0.6 * least, 0.3 * least, 0.0, 0.3, 1.0, 3.0):
+                delta = float(f"{delta:.12g}")
+                values = sphere.state(delta, begin * 1.0000001, 6.0)
+                rows.writerow([lam, share, reach, delta] + [f"{value:.10e}" for value in values])
+
+
+if __name__ == "__main__":
+    main()

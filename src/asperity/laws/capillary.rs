@@ -1,0 +1,447 @@
+//! An asperity around which a liquid condenses: a bridge of liquid outside of the contact, the solids in the liquid inside.
+//!
+//! # Formula
+//! The liquid pulls with the tension p_c = γ/r_K wherever the gap is below h₀ = s r_K. That is Dugdale's zone, with σ₀ = p_c
+//! and the energy γs; so a wet asperity is a Maugis-Dugdale asperity of that energy and stress ([`super::md`]), and before
+//! contact a bridge under constant tension ([`crate::asperity::bridge`]). The bridge bends the faces towards each other:
+//! within it they are as near as an asperity without bridge at the interference
+//!
+//! δ₁ = a₀²/R in contact, a₀ the radius of contact under the bridge alone, and δ₁ = −g before it, g the gap in the middle.
+//!
+//! There the solids act with W_SLS = Δγ − γs (Young and Dupré; Δγ is that of the dry solids): in contact as a
+//! Maugis-Dugdale asperity of W_SLS and Z₀ at δ₁, before it as an undeformed sphere at δ₁. F_s is the sum of both, P and
+//! the area are those at δ₁. γs is thus not counted twice: a stiff asperity has 2πR(γs + W_SLS) = 2πRΔγ. Where W_SLS is not
+//! above 0 the liquid comes between the solids, which are then without adhesion of their own.
+//!
+//! | regime | interval | F_s | P |
+//! |---|---|---|---|
+//! | noncontact | no bridge | attraction of an undeformed dry sphere ([`super::idmt`]) | 0 |
+//! | bridge | solids apart | bridge, and solids across it | 0 |
+//! | elastic | up to ω_c | bridge, and solids in it | K a³/R at δ₁ |
+//! | elastoplastic1, elastoplastic2, plastic | above ω_c | 2πRγs, and Kogut-Etsion with W_SLS | Kogut-Etsion |
+//!
+//! 2πRγs is the force of a bridge around the truncated sphere, beside which the gap is (r² − a²)/2R. At ω_c the force jumps
+//! to it.
+//!
+//! Metastable bridges form when the solids touch, at δ = 0, and last until they are unstable; reversible ones form and break
+//! where their energy is that of none. A bridge breaks with the contact where that ends at the fold of its branch (λ above
+//! 0.938).
+//!
+//! Of a constant volume ([`Volume::Constant`]) bridges keep from the end of contact on retraction the liquid that they have
+//! there ([`crate::asperity::bridge`]).
+//!
+//! # Validity
+//! Elastic-plastic spheres of all λ, r_K ≪ R: the force is off by r_K/R terms, κ/(c h₀) of the bridge's. With both γs and
+//! W_SLS the superposition is exact where either vanishes, and for stiff spheres; against two nested Dugdale zones it is
+//! measured in `tests/suite/capillary.rs`. Sources: Maugis and Gauthier-Manuel, J. Adhes. Sci. Technol. 8 (1994) 1311;
+//! mapping derived from Maugis (1992) with the Kelvin and Young-Dupré equations.
+
+use super::idmt::across;
+use super::kogut_etsion::{Critical, plastic_rows};
+use super::md::MaugisContact;
+use crate::asperity::bridge::{Bridge, Closed, Edge};
+use crate::asperity::elastic::{self, Elastic};
+use crate::asperity::error::LawError;
+use crate::asperity::formula::{ClosedForm, Formula, Zero};
+use crate::asperity::history::Path;
+use crate::asperity::law::{BLOCK, End, Law, Method, Regime, Responses, Smoothness};
+use crate::asperity::parameters::LawParameters;
+use crate::asperity::radius::{Lane, Lanes, Place, Similarity};
+use crate::asperity::scale::{LAMBDA_RANGE, STRESS_RATIO, Scale};
+use crate::asperity::stats::SolverStats;
+use crate::asperity::table::{Interaction, PartOfRadii, Row, Table};
+use crate::liquid::{Bridges, Meniscus, Volume};
+use std::f64::consts::PI;
+
+/// The law `capillary`.
+///
+/// # Errors
+/// [`LawError`] for a λ that is not solved.
+pub fn capillary(parameters: &LawParameters, meniscus: &Meniscus) -> Result<Box<dyn Law>, LawError> {
+    let parts = Parts::new(parameters, meniscus)?;
+    let dry = across(&parameters.scale);
+    let attraction = ClosedForm::attraction((move |delta: f64| dry(-delta)).following(OF_SPHERE));
+    let typical = Lane::new(1.0, Some(parts.liquid.lambda));
+    let [begin, touch] = [0, 1].map(|end| {
+        let of = move |lane: &Lane| parts.ends(lane)[end];
+        Place::following(of(&typical), of)
+    });
+    let plastic = match parts.solid {
+        Some(scale) => plastic_rows(&LawParameters { scale, ..*parameters }),
+        None => Critical::new(parameters).plastic(Zero, Zero, Zero),
+    };
+    let around = 2.0 * parts.liquid.force;
+    let plastic = plastic.map(|row| row.within(|contact| Box::new(Surrounded { contact, around })));
+    let rows = [
+        Row::below(Regime::Noncontact, begin, attraction),
+        Row::below(Regime::Bridge, touch, Spanned { parts, typical }),
+        Row::up_to(
+            Regime::Elastic,
+            Place::proportional(parameters.critical_interference, 1.0),
+            WetContact::new(parts, parameters)?,
+        ),
+    ];
+    Ok(Box::new(Table::new(rows.into_iter().chain(plastic))))
+}
+
+/// A force at δ that is proportional to the radius.
+const OF_SPHERE: Similarity = Similarity::new(0.0, 1.0);
+
+/// A wet asperity: its bridge, and its solids in the liquid.
+#[derive(Clone, Copy, Debug)]
+pub struct Parts {
+    bridge: Bridge,
+    /// Of the energy γs and the stress p_c.
+    liquid: Scale,
+    /// Of the energy W_SLS; none where it is not above 0.
+    solid: Option<Scale>,
+    path: Path,
+    bridges: Bridges,
+    volume: Volume,
+    /// The mean of both contact angles, rad.
+    contact_angle: f64,
+}
+
+impl Parts {
+    /// Those of an asperity whose dry solids are `parameters`.
+    ///
+    /// # Errors
+    /// [`LawError`] for a λ that is not solved.
+    pub fn new(parameters: &LawParameters, meniscus: &Meniscus) -> Result<Self, LawError> {
+        let dry = parameters.scale;
+        let work = dry.work_of_adhesion();
+        let share = meniscus.solid_energy(work) / work;
+        // W_SLS of so small a λ is nothing beside γs.
+        let is_some = share > 0.0 && dry.lambda * libm::pow(share, 2.0 / 3.0) >= LAMBDA_RANGE.0;
+        let solid = is_some.then(|| dry.with_energy(share, dry.equilibrium_spacing() / STRESS_RATIO));
+        Ok(Self {
+            bridge: Bridge {
+                radius: dry.asperity_radius(),
+                range: meniscus.range(),
+                stress: meniscus.pressure(),
+                compliance: 16.0 * meniscus.pressure() / (3.0 * PI * dry.stiffness()),
+                curvature: meniscus.turn() * meniscus.kelvin_radius * meniscus.kelvin_radius,
+            },
+            liquid: dry.with_energy(meniscus.energy() / work, meniscus.range())?,
+            solid: solid.transpose()?,
+            path: parameters.path,
+            bridges: meniscus.bridges,
+            volume: meniscus.volume,
+            contact_angle: 0.5 * (meniscus.contact_angles[0] + meniscus.contact_angles[1]),
+        })
+    }
+
+    /// The solids of an asperity in the liquid.
+    fn elastic(&self, lane: &Lane) -> Option<(Elastic, f64)> {
+        let scale = self.solid?;
+        let lambda = (scale.lambda * lane.cube_root).max(LAMBDA_RANGE.0);
+        Some((Elastic::new(lambda), scale.length * lane.cube_root))
+    }
+
+    /// δ, m, from which there is a bridge, and from which the solids touch.
+    fn ends(&self, lane: &Lane) -> [f64; 2] {
+        let bridge = self.bridge.of_ratio(lane.ratio);
+        // Under the bridge alone.
+        let [touch, fold] = [lane.elastic.end(Path::Approach), lane.elastic.contact_fold()]
+            .map(|end| end * self.length(lane));
+        let touches = self.elastic(lane).map(|(solid, length)| bridge.at_gap(-solid.end(self.path) * length));
+        match (self.path, self.bridges) {
+            (Path::Approach, Bridges::Metastable) => [0.0; 2],
+            (Path::Approach, Bridges::Reversible) => {
+                let forms = bridge.equilibrium();
+                let begin = -forms.distance;
+                // Where contact is nearer than where it forms, it begins at once.
+                let touches = touches.unwrap_or_else(|| bridge.at_gap(0.0));
+                [begin, if touches.circle > forms.circle { begin.max(-touches.distance) } else { begin }]
+            }
+            (Path::Retraction, _) if fold < touch => [fold; 2],
+            (Path::Retraction, _) if self.volume == Volume::Constant => {
+                let (closed, contact) = self.closed(lane);
+                [-contact.max(closed.rupture(self.contact_angle)), -contact]
+            }
+            (Path::Retraction, bridges) => {
+                let rupture = bridge.rupture();
+                let contact = match touches {
+                    Some(end) if end.circle > rupture.circle => -end.distance,
+                    Some(_) if bridge.at_gap(0.0).circle > rupture.circle => -rupture.distance,
+                    _ => touch,
+                };
+                let breaks = match bridges {
+                    Bridges::Metastable => rupture,
+                    Bridges::Reversible => bridge.equilibrium(),
+                };
+                let contact = contact.min(touch);
+                [contact.min(-breaks.distance), contact]
+            }
+        }
+    }
+
+    /// The bridge that keeps the liquid which it has at the end of contact, and D there, m.
+    fn closed(&self, lane: &Lane) -> (Closed, f64) {
+        let bridge = self.bridge.of_ratio(lane.ratio);
+        let solid = self.elastic(lane).map_or(0.0, |(solid, length)| -solid.end(Path::Retraction) * length);
+        let (edge, half) = (bridge.at_gap(solid), bridge.compliance * bridge.radius);
+        // Beyond the fold there is no state in equilibrium whose liquid could be kept.
+        let edge = if edge.circle > half { edge } else { Edge { circle: half, distance: bridge.fold() } };
+        (Closed::new(bridge, edge), edge.distance)
+    }
+
+    /// Whether bridges keep their liquid.
+    fn is_closed(&self) -> bool {
+        self.path == Path::Retraction && self.volume == Volume::Constant
+    }
+
+    /// s_δ under the bridge alone, m.
+    fn length(&self, lane: &Lane) -> f64 {
+        self.liquid.length * lane.cube_root
+    }
+
+    /// The smoothness of a bridge before contact, which folds beyond its end.
+    fn spanned(&self, ratio: f64) -> Smoothness {
+        if self.is_closed() {
+            return Smoothness::Smooth;
+        }
+        Smoothness::Root { end: End::Lower, place: -self.bridge.of_ratio(ratio).fold(), order: 2 }
+    }
+}
+
+/// A bridge between solids that do not touch.
+#[derive(Clone, Copy)]
+struct Spanned {
+    parts: Parts,
+    /// The asperity of ρ = 1.
+    typical: Lane,
+}
+
+impl Spanned {
+    /// F_s of asperities, N.
+    fn forces<'a>(&self, lane: impl Fn(usize) -> &'a Lane, interference: &[f64], out: &mut Responses) {
+        let Parts { bridge, solid, .. } = self.parts;
+        let solid = solid.as_ref().map(across);
+        for (i, delta) in interference.iter().enumerate() {
+            let lane = lane(i);
+            let ratio = lane.ratio;
+            let (pull, gap) = match self.parts.is_closed() {
+                true => self.parts.closed(lane).0.pull(-delta),
+                false => bridge.of_ratio(ratio).pull(-delta),
+            };
+            out.adhesion[i] = pull + solid.as_ref().map_or(0.0, |solid| ratio * solid(gap.max(0.0)));
+        }
+        out.contact[..interference.len()].fill(0.0);
+        out.area[..interference.len()].fill(0.0);
+    }
+}
+
+impl Interaction for Spanned {
+    fn smoothness(&self, _: f64, _: f64) -> (Vec<f64>, Vec<Smoothness>) {
+        (Vec::new(), vec![self.parts.spanned(1.0)])
+    }
+
+    fn method(&self) -> Method {
+        Method::ClosedForm
+    }
+
+    fn of_radii(&self) -> Option<&dyn PartOfRadii> {
+        Some(self)
+    }
+
+    fn evaluate(&self, interference: &[f64], out: &mut Responses, _: &mut SolverStats) {
+        self.forces(|_| &self.typical, interference, out);
+    }
+}
+
+impl PartOfRadii for Spanned {
+    fn lambda(&self) -> Option<f64> {
+        Some(self.parts.liquid.lambda)
+    }
+
+    fn smoothness_of(&self, lane: &Lane, _: f64, _: f64) -> (Vec<f64>, Vec<Smoothness>) {
+        (Vec::new(), vec![self.parts.spanned(lane.ratio)])
+    }
+
+    fn evaluate_lanes(
+        &self,
+        lanes: Lanes<'_>,
+        interference: &[f64],
+        out: &mut Responses,
+        _: &mut SolverStats,
+    ) {
+        self.forces(|i| lanes.at(i), interference, out);
+    }
+}
+
+/// Elastic contact of solids in the liquid, within a bridge.
+struct WetContact {
+    parts: Parts,
+    /// The contact under the bridge alone, and that of the solids in the liquid.
+    liquid: MaugisContact,
+    solid: Option<MaugisContact>,
+    /// δ at which the contact under the bridge alone ends, m.
+    end: f64,
+}
+
+impl WetContact {
+    fn new(parts: Parts, parameters: &LawParameters) -> Result<Self, LawError> {
+        let contact = |scale| {
+            let parameters = LawParameters { scale, path: Path::Retraction, ..*parameters };
+            MaugisContact::new(&parameters, parameters.critical_interference)
+        };
+        let liquid = contact(parts.liquid)?;
+        Ok(Self { end: liquid.begin(), solid: parts.solid.map(contact).transpose()?, liquid, parts })
+    }
+
+    /// Contacts begin, and folds of them, are roots; the contact under the bridge alone, which ends at `end`, may begin
+    /// after that of the solids.
+    fn smoothness_in(end: f64, lower: f64, upper: f64) -> (Vec<f64>, Vec<Smoothness>) {
+        let root = |place| Smoothness::Root { end: End::Lower, place, order: 2 };
+        // Where both begin at once the two places are one but for rounding.
+        if lower < end - 1e-14 * end.abs() && end < upper {
+            (vec![end], vec![root(lower), root(end)])
+        } else {
+            (Vec::new(), vec![root(end)])
+        }
+    }
+
+    /// F_s of bridges and δ₁, where the contacts under them alone are in `out`.
+    fn bridges(
+        &self,
+        of: impl Fn(usize) -> (f64, f64),
+        interference: &[f64],
+        out: &mut Responses,
+    ) -> [f64; BLOCK] {
+        let mut inner = [0.0; BLOCK];
+        for (i, &delta) in interference.iter().enumerate() {
+            let (ratio, end) = of(i);
+            let bridge = self.parts.bridge.of_ratio(ratio);
+            inner[i] = if delta >= end {
+                out.area[i] / (PI * bridge.radius)
+            } else {
+                let (pull, gap) = bridge.pull(-delta);
+                out.adhesion[i] = pull;
+                -gap
+            };
+        }
+        inner
+    }
+
+    /// Adds what the solids do.
+    fn add(out: &mut Responses, solid: &Responses, count: usize) {
+        for i in 0..count {
+            out.adhesion[i] += solid.adhesion[i];
+        }
+        out.contact[..count].copy_from_slice(&solid.contact[..count]);
+        out.area[..count].copy_from_slice(&solid.area[..count]);
+    }
+}
+
+impl Interaction for WetContact {
+    fn smoothness(&self, lower: f64, upper: f64) -> (Vec<f64>, Vec<Smoothness>) {
+        Self::smoothness_in(self.end, lower, upper)
+    }
+
+    fn method(&self) -> Method {
+        Method::Contact
+    }
+
+    fn of_radii(&self) -> Option<&dyn PartOfRadii> {
+        Some(self)
+    }
+
+    fn evaluate(&self, interference: &[f64], out: &mut Responses, stats: &mut SolverStats) {
+        self.liquid.evaluate(interference, out, stats);
+        let Some(contact) = &self.solid else { return };
+        let inner = self.bridges(|_| (1.0, self.end), interference, out);
+        let mut solid = Responses::default();
+        contact.evaluate(&inner[..interference.len()], &mut solid, stats);
+        Self::add(out, &solid, interference.len());
+    }
+}
+
+impl PartOfRadii for WetContact {
+    fn lambda(&self) -> Option<f64> {
+        Some(self.parts.liquid.lambda)
+    }
+
+    fn smoothness_of(&self, lane: &Lane, lower: f64, upper: f64) -> (Vec<f64>, Vec<Smoothness>) {
+        Self::smoothness_in(lane.elastic.contact_fold() * self.parts.length(lane), lower, upper)
+    }
+
+    fn evaluate_lanes(
+        &self,
+        lanes: Lanes<'_>,
+        interference: &[f64],
+        out: &mut Responses,
+        stats: &mut SolverStats,
+    ) {
+        PartOfRadii::evaluate_lanes(&self.liquid, lanes, interference, out, stats);
+        let Some(scale) = self.parts.solid else { return };
+        let end = |i: usize| {
+            let lane = lanes.at(i);
+            (lane.ratio, lane.elastic.contact_fold() * self.parts.length(lane))
+        };
+        let count = interference.len();
+        let mut inner = self.bridges(end, interference, out);
+        let mut own = [Elastic::default(); BLOCK];
+        for (i, own) in own[..count].iter_mut().enumerate() {
+            let (solid, length) = self.parts.elastic(lanes.at(i)).expect("there are solids in the liquid");
+            *own = solid;
+            inner[i] /= length;
+        }
+        let mut solid = Responses::default();
+        let Responses { adhesion, area: radius, .. } = &mut solid;
+        elastic::contact(|i| &own[i], &inner[..count], adhesion, radius, stats);
+        lanes.scale_contacts(&scale, count, &mut solid);
+        Self::add(out, &solid, count);
+    }
+}
+
+/// A contact within a bridge of constant force, which is proportional to the radius.
+struct Surrounded {
+    contact: Box<dyn Interaction>,
+    /// F_s of the bridge, N.
+    around: f64,
+}
+
+impl Interaction for Surrounded {
+    fn smoothness(&self, lower: f64, upper: f64) -> (Vec<f64>, Vec<Smoothness>) {
+        self.contact.smoothness(lower, upper)
+    }
+
+    fn method(&self) -> Method {
+        self.contact.method()
+    }
+
+    fn of_radii(&self) -> Option<&dyn PartOfRadii> {
+        self.contact.of_radii().map(|_| self as &dyn PartOfRadii)
+    }
+
+    fn evaluate(&self, interference: &[f64], out: &mut Responses, stats: &mut SolverStats) {
+        self.contact.evaluate(interference, out, stats);
+        out.adhesion[..interference.len()].iter_mut().for_each(|adhesion| *adhesion += self.around);
+    }
+}
+
+impl Surrounded {
+    fn part(&self) -> &dyn PartOfRadii {
+        self.contact.of_radii().expect("a contact that follows the radius is surrounded")
+    }
+}
+
+impl PartOfRadii for Surrounded {
+    fn smoothness_of(&self, lane: &Lane, lower: f64, upper: f64) -> (Vec<f64>, Vec<Smoothness>) {
+        self.part().smoothness_of(lane, lower, upper)
+    }
+
+    fn evaluate_lanes(
+        &self,
+        lanes: Lanes<'_>,
+        interference: &[f64],
+        out: &mut Responses,
+        stats: &mut SolverStats,
+    ) {
+        self.part().evaluate_lanes(lanes, interference, out, stats);
+        for (i, adhesion) in out.adhesion[..interference.len()].iter_mut().enumerate() {
+            *adhesion += self.around * lanes.at(i).ratio;
+        }
+    }
+}

@@ -1,0 +1,79 @@
+//! Bridges of liquid, against the regimes that they are in.
+
+use super::checked::{Checked, ROUNDING};
+use crate::asperity::Regime;
+use crate::output::OutputError;
+
+const GROUP: &str = "/capillary";
+
+impl Checked<'_> {
+    /// Wet asperities are those that touch and those with a bridge; what they cover follows from their forces and the
+    /// liquid; nothing in files of dry asperities.
+    pub fn bridges(&mut self) -> Result<(), OutputError> {
+        if !self.has(&format!("{GROUP}/kelvin_radius")) {
+            return Ok(());
+        }
+        let number = |name: &str| self.values(&format!("{GROUP}/{name}")).map(|values| values[0]);
+        let (pressure, range, energy) =
+            (number("capillary_pressure")?, number("range")?, number("liquid_energy")?);
+        self.figure_of(&format!("{GROUP}/liquid_energy"), energy, pressure * range);
+        let s = self.coordinate("separation")?.len().max(1);
+        let regimes = self.reader.texts(self.reader.coordinate("regime"))?;
+        let own = self.values("/replicas/asperity_count")?;
+        let mean = own.iter().sum::<f64>() / own.len().max(1) as f64;
+        let (radius, nominal) = (self.number("/", "asperity_radius")?, self.number("/", "nominal_area")?);
+        for way in self.ways()? {
+            let rows = |name: &str| self.values(&format!("/ensemble/{way}regime_{name}_mean"));
+            let (counts, pulls) = (rows("count")?, rows("adhesion_force")?);
+            let areas = self.values(&format!("/ensemble/{way}contact_area_mean"))?;
+            let find = |name: &String| Regime::ALL.iter().find(|regime| regime.name() == name.as_str());
+            let (mut wet, mut wetted) = (vec![0.0; s], areas.clone());
+            for (row, regime) in regimes.iter().map(find).enumerate() {
+                let Some(regime) = regime else { continue };
+                let own = row * s..(row + 1) * s;
+                let states = wet.iter_mut().zip(&mut wetted).zip(counts[own.clone()].iter().zip(&pulls[own]));
+                for ((wet, wetted), (count, pull)) in states {
+                    if *regime == Regime::Bridge {
+                        *wet += count;
+                        *wetted += pull / pressure;
+                    } else if regime.is_contact() {
+                        *wet += count;
+                        *wetted += count * std::f64::consts::TAU * radius * range;
+                    }
+                }
+            }
+            let steps = wet.windows(2).map(|pair| pair[0] - pair[1]);
+            let steps: Vec<f64> = [0.0].into_iter().chain(steps).collect();
+            let covered: Vec<f64> = wetted.iter().map(|area| -(-area / nominal).exp_m1()).collect();
+            let path = format!("{GROUP}/{way}bridge_step_count");
+            let found = self.values(&path)?;
+            self.compare(&path, &found, &steps, |_| ROUNDING * mean, "the counts of the regimes");
+            let path = format!("{GROUP}/{way}covered_share");
+            let found = self.values(&path)?;
+            self.compare(&path, &found, &covered, |_| ROUNDING, "the forces of the regimes");
+            let path = format!("{GROUP}/{way}merged_external_force");
+            let found = self.values(&path)?;
+            let forces = self.values(&format!("/ensemble/{way}external_force_mean"))?;
+            let liquid = |k: usize| pressure * (wetted[k] - areas[k]);
+            let merged: Vec<f64> = (0..s)
+                .map(|k| {
+                    let share = if wetted[k] > 0.0 { covered[k] * nominal / wetted[k] } else { 1.0 };
+                    forces[k] + liquid(k) * (1.0 - share)
+                })
+                .collect();
+            let size = |k: usize| ROUNDING * (forces[k].abs() + liquid(k));
+            self.compare(&path, &found, &merged, size, "the forces of the regimes and what they cover");
+            let path = format!("{GROUP}/{way}wet_share");
+            let found = self.values(&path)?;
+            let shares: Vec<f64> = wet.iter().map(|wet| wet / mean).collect();
+            self.compare(&path, &found, &shares, |_| ROUNDING, "the counts of the regimes");
+        }
+        Ok(())
+    }
+
+    fn figure_of(&mut self, path: &str, found: f64, expected: f64) {
+        if !((found - expected).abs() <= 1e-12 * expected.abs()) {
+            self.say(path, &format!("is {found:e}, and capillary_pressure times range is {expected:e}"));
+        }
+    }
+}

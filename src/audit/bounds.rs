@@ -244,7 +244,7 @@ const BOUNDS: &[Bound] = &[
     bound("/diagnostics/*", NotNegative, Never),
     // Patches of several sizes.
     bound("/integral_pull_off_per_asperity", Positive, Never),
-    bound("/pull_off_per_asperity", Finite, Never),
+    bound("/pull_off_per_asperity", Finite, Absent),
     bound("/pull_off_per_asperity_*_standard_error", NotNegative, Absent),
     bound("/pull_off_per_asperity_standard_error", NotNegative, OneGroup),
     bound("/pull_off_per_asperity_controlled_mean", Finite, Absent),

@@ -5,7 +5,7 @@ use super::joint::{Probe, SIGNIFICANCE};
 use super::null::{Cumulants, GrowingCumulants};
 use crate::asperity::{Laws, Loop, Responses, Scratch, SolverStats, for_each_block};
 use crate::math::linalg::{LARGEST, gram, whitening};
-use crate::surface::{CountLaw, STRATA, SamplingScheme, Surface};
+use crate::surface::{CountLaw, Radii, STRATA, SamplingScheme, Surface};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
@@ -160,6 +160,9 @@ fn basis_of(
         .map(|&j| accuracy * contributions.forces[j % s] / columns[j].std * samples.sqrt())
         .collect();
     let (components, cumulants) = contributions.components(&kept, &columns, samples, &errors);
+    // What a scheme leaves to chance of radii that scatter is known on a grid that is too coarse for small eigenvalues.
+    let is_exact = matches!(surface.radii, Radii::Common | Radii::Measured(_));
+    let components = if scheme == SamplingScheme::Independent || is_exact { components } else { Vec::new() };
     // A pair of opposite heights adds twice the half of it that is not odd.
     let root_count = (surface.asperity_count as f64 / pairs).sqrt();
     let probes = components

@@ -540,7 +540,13 @@ fn every_surface_is_drawn_by_every_scheme() {
                     scores.fill(0.0);
                 }
             });
+            // Of radii that scatter there is no joint test under these schemes.
+            let is_tested = matches!(surface.radii, Radii::Common | Radii::Measured(_));
             let count = basis.probes.len() as f64;
+            if !is_tested {
+                assert_eq!(count, 0.0, "{name} {scheme:?}");
+                continue;
+            }
             assert!(count >= 3.0, "{name} {scheme:?}: {count}");
             let variance = squares / 60.0 / count;
             let error = (2.0 / 60.0 / (0.5 * count)).sqrt();

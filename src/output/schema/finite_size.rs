@@ -52,7 +52,12 @@ const ROWS: &[Row] = &[
         "1",
         "quantiles of the pull-off force of one replica over that of the integral",
     ),
-    ("pull_off_per_asperity", CN, "N", "pull-off force over N"),
+    (
+        "pull_off_per_asperity",
+        CN,
+        "N",
+        "pull-off force over N; with targets NaN beyond the replicas of the size",
+    ),
     ("p_value", C, "1", "p-value of the cross-check of ensemble and integral; NaN when not tested"),
     ("summation", C, "1", "how asperities were summed"),
     (

@@ -105,8 +105,11 @@ const UNITS: &[Row] = &[
     ),
 ];
 
-/// Units that are no power of ten of the SI unit: their dimensions and what makes SI values of theirs.
-const OTHERS: &[(Dimension, &str, fn(f64) -> f64)] = &[
+/// A dimension, a unit of it, and what makes SI values of values in it.
+type Other = (Dimension, &'static str, fn(f64) -> f64);
+
+/// Units that are no power of ten of the SI unit.
+const OTHERS: &[Other] = &[
     (Dimension::Temperature, "degC", |celsius| celsius + 273.15),
     (Dimension::Temperature, "°C", |celsius| celsius + 273.15),
     (Dimension::Angle, "deg", f64::to_radians),

@@ -22,6 +22,7 @@
 //! Parts that know no scene are there by themselves:
 //! - [`asperity`]: laws of one asperity, from interference to forces and area, and laws of one's own;
 //! - [`surface`]: heights, radii and numbers of asperities, and measured surfaces;
+//! - [`background`]: van der Waals and electrostatic attraction of the mean planes;
 //! - [`integral`]: the integral of a law over the heights of a surface;
 //! - [`engine`]: ensembles of replicas, summed asperity by asperity or by moments;
 //! - [`validation`]: tests of an ensemble against the integral.
@@ -50,6 +51,7 @@ pub mod asperity;
 #[cfg(feature = "hdf5")]
 #[doc(hidden)]
 pub mod audit;
+pub mod background;
 #[cfg(feature = "cli")]
 #[doc(hidden)]
 pub mod cli;

@@ -2,11 +2,13 @@
 //! its file and a line here.
 
 use super::error::LawError;
-use super::law::Law;
+use super::history::Path;
+use super::law::{Law, Responses};
 use super::laws::{
     ceb, dmt, emd, fit, hertz, hybrid, idmt, isbl, jg, jkr, kogut_etsion, md, md_kim, sbl, tn, zmc,
 };
 use super::parameters::LawParameters;
+use super::stats::SolverStats;
 
 /// Makes a law.
 pub type Build = fn(&LawParameters) -> Result<Box<dyn Law>, LawError>;
@@ -35,6 +37,9 @@ pub struct Model {
     build: Build,
 }
 
+/// A scaled interference further away than any attraction of a finite range reaches for λ = 1.
+const FAR: f64 = -1e4;
+
 /// The law with the published fits, which alone takes a δ_A from the scene: all others find their own.
 pub const PUBLISHED_FITS: &str = "fit:paper";
 
@@ -45,6 +50,31 @@ impl Model {
     /// [`LawError`] where the law is not for these parameters.
     pub fn law(&self, parameters: &LawParameters) -> Result<Box<dyn Law>, LawError> {
         (self.build)(parameters)
+    }
+
+    /// Whether an asperity is attracted at any distance, as by the tail of a Lennard-Jones stress: not so by
+    /// laws with the stress of Dugdale, which ends, or with none before contact. What cannot be made for a
+    /// plain asperity counts as if it were.
+    ///
+    /// # Examples
+    /// ```
+    /// use stiction::asperity::model;
+    ///
+    /// assert!(["hybrid", "idmt", "sbl"].iter().all(|law| model(law).unwrap().has_endless_attraction()));
+    /// assert!(["md", "md_kim", "jkr", "gw"].iter().all(|law| !model(law).unwrap().has_endless_attraction()));
+    /// ```
+    pub fn has_endless_attraction(&self) -> bool {
+        let Ok(parameters) = LawParameters::scaled(1.0, Path::Approach) else { return true };
+        let Ok(law) = self.law(&LawParameters { critical_interference: 1.0, ..parameters }) else {
+            return true;
+        };
+        let pieces = law.pieces();
+        let far = pieces.iter().find(|piece| piece.lower <= FAR && FAR <= piece.upper);
+        far.is_some_and(|piece| {
+            let mut responses = Responses::default();
+            law.evaluate(piece.regime, &[FAR], &mut responses, &mut SolverStats::default());
+            responses.adhesion[0] > 0.0
+        })
     }
 
     /// Whether its forces are curve fits to those of one asperity.

@@ -210,6 +210,7 @@ const BOUNDS: &[Bound] = &[
     bound("/fit/coefficients", Finite, Absent),
     bound("/fit/range", Finite, Absent),
     bound("/fit/*", NotNegative, Absent),
+    bound("/background/*", Finite, Never),
     bound("/validity/valid", Flag, Never),
     // Independence of asperities.
     bound("/independence/patch_side", Positive, Never),

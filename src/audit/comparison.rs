@@ -56,6 +56,7 @@ pub(super) fn audit(reader: &Reader) -> Result<Audit, OutputError> {
 impl Checked<'_> {
     /// One law.
     fn law(&mut self, is_sampled: bool) -> Result<(), OutputError> {
+        self.background_terms()?;
         self.sums("integral", "", "")?;
         self.deviations("")?;
         self.all_asperities()?;

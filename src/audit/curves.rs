@@ -48,6 +48,7 @@ impl Checked<'_> {
         let mut parts: Vec<CentralMoments> =
             (0..PARTS).map(|_| CentralMoments::new(controls.len() + names.len())).collect();
         let span = self.number("/", "stiffness_span").ok();
+        let background = self.background(s)?;
         let mut wrong: Vec<(&str, usize)> = Vec::new();
         let rows = (ROWS / group).max(1) * group;
         // Those of a point are read at once.
@@ -72,8 +73,9 @@ impl Checked<'_> {
             }
             for (pair, forces) in paths.chunks_exact(2).zip(chunk.chunks_exact(2)) {
                 let contact = |i: &usize| {
-                    let (external, adhesion) = (forces[0][*i], forces[1][*i]);
-                    external + adhesion < -ROUNDING * (external.abs() + adhesion.abs())
+                    let (external, adhesion, background) = (forces[0][*i], forces[1][*i], background[*i % s]);
+                    let size = external.abs() + adhesion.abs() + background.abs();
+                    external + adhesion + background < -ROUNDING * size
                 };
                 if let Some(i) = (0..forces[0].len()).find(contact) {
                     self.say(

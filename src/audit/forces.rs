@@ -1,10 +1,14 @@
 //! Curves of forces and areas: F = P − F_s, sums of regimes, deviations, z-scores and pull-off.
 
-use super::checked::{Checked, Place, ROUNDING, is_contact, summed};
+use super::checked::{Checked, Place, ROUNDING, is_contact, largest, summed};
 use crate::asperity::Quantity;
 use crate::output::OutputError;
 use crate::validation::z_scores;
 
+/// Longest step of the separations, in σ, over which the background is about a line, and the share of the
+/// largest value by which it may be off.
+const LONGEST_STEP: f64 = 0.5;
+const CURVED: f64 = 0.1;
 /// Contacts of all replicas from which on means and deviations are near those of the integral.
 const POPULATED: f64 = 2000.0;
 
@@ -42,7 +46,14 @@ impl Checked<'_> {
         Ok(())
     }
 
-    /// F = P − F_s, and regimes add up to what they are of.
+    /// The attraction between the mean planes, N, at so many separations; 0 where the file has none.
+    pub fn background(&self, count: usize) -> Result<Vec<f64>, OutputError> {
+        const PATH: &str = "/background/force";
+        if self.has(PATH) { self.values(PATH) } else { Ok(vec![0.0; count]) }
+    }
+
+    /// F = P − F_s, less the attraction of the mean planes unless it is one asperity, and regimes add up to what
+    /// they are of.
     pub fn sums(&mut self, group: &str, way: &str, of: &str) -> Result<(), OutputError> {
         let path = |name: &str| format!("/{group}/{way}{name}{of}");
         let [adhesion, contact, external] = [
@@ -50,16 +61,21 @@ impl Checked<'_> {
             self.values(&path("contact_force"))?,
             self.values(&path("external_force"))?,
         ];
-        let tolerance = |i: usize| ROUNDING * (adhesion[i].abs() + contact[i].abs());
+        let background = match group {
+            "asperity" => vec![0.0; adhesion.len()],
+            _ => self.background(adhesion.len())?,
+        };
+        let tolerance = |i: usize| ROUNDING * (adhesion[i].abs() + contact[i].abs() + background[i].abs());
         let difference: Vec<f64> =
-            contact.iter().zip(&adhesion).map(|(contact, adhesion)| contact - adhesion).collect();
+            (0..adhesion.len()).map(|i| contact[i] - adhesion[i] - background[i]).collect();
         self.compare(
             &path("external_force"),
             &external,
             &difference,
             tolerance,
-            "contact less adhesion force",
+            "contact less adhesion force and background",
         );
+        let of_asperities: Vec<f64> = external.iter().zip(&background).map(|(all, own)| all + own).collect();
         let s = adhesion.len().max(1);
         if !self.has(&path("regime_count")) {
             return Ok(());
@@ -68,7 +84,7 @@ impl Checked<'_> {
         let [by_adhesion, by_external] =
             [self.values(&path("regime_adhesion_force"))?, self.values(&path("regime_external_force"))?];
         for (name, total, parts) in
-            [("adhesion_force", &adhesion, &by_adhesion), ("external_force", &external, &by_external)]
+            [("adhesion_force", &adhesion, &by_adhesion), ("external_force", &of_asperities, &by_external)]
         {
             let sum = summed(parts, s, |_| true);
             let size = summed(&parts.iter().map(|part| part.abs()).collect::<Vec<f64>>(), s, |_| true);
@@ -76,7 +92,7 @@ impl Checked<'_> {
                 &path(&format!("regime_{name}")),
                 &sum,
                 total,
-                |i| ROUNDING * size[i],
+                |i| ROUNDING * (size[i] + background[i].abs()),
                 "all regimes together",
             );
         }
@@ -103,6 +119,45 @@ impl Checked<'_> {
                 (0..counts.len().min(forces.len())).find(|&i| counts[i] == 0.0 && forces[i] != 0.0)
             {
                 self.say_at(&path(name), i, forces[i], "0 is expected where no asperities are");
+            }
+        }
+        Ok(())
+    }
+
+    /// The background: its terms add up, its energy is the integral of its force, and its stiffness that of a
+    /// secant, as far as straight lines between separations tell.
+    pub fn background_terms(&mut self) -> Result<(), OutputError> {
+        if !self.has("/background/force") {
+            return Ok(());
+        }
+        let path = |name: &str| format!("/background/{name}");
+        let [force, dispersion, electrostatic, stiffness, energy] =
+            ["force", "van_der_waals_force", "electrostatic_force", "stiffness", "energy"]
+                .map(|name| self.values(&path(name)));
+        let (force, dispersion, electrostatic) = (force?, dispersion?, electrostatic?);
+        let (stiffness, energy) = (stiffness?, energy?);
+        let sum: Vec<f64> = dispersion.iter().zip(&electrostatic).map(|(a, b)| a + b).collect();
+        let size = largest(&dispersion).max(largest(&electrostatic));
+        self.compare(&path("force"), &force, &sum, |_| ROUNDING * size, "the terms together");
+        let (h, std) = (self.coordinate("separation")?, self.number("/", "surface_height_std")?);
+        for k in 0..h.len().min(force.len()).saturating_sub(1) {
+            let step = h[k + 1] - h[k];
+            // On longer ones the background is no line.
+            if step > LONGEST_STEP * std {
+                continue;
+            }
+            let mean = |values: &[f64]| 0.5 * (values[k] + values[k + 1]);
+            let spread = |values: &[f64]| 0.5 * (values[k] - values[k + 1]).abs();
+            let (lost, fall) = (energy[k] - energy[k + 1], force[k] - force[k + 1]);
+            let rounding = ROUNDING * (energy[k].abs() + energy[k + 1].abs() + size * std);
+            if !((lost - step * mean(&force)).abs() <= step * (spread(&force) + CURVED * size) + rounding) {
+                self.say_at(&path("energy"), k, energy[k], "the integral of the force is expected");
+                break;
+            }
+            let most = spread(&stiffness) + CURVED * largest(&stiffness);
+            if !((fall - step * mean(&stiffness)).abs() <= step * most + ROUNDING * size) {
+                self.say_at(&path("stiffness"), k, stiffness[k], "the slope of the force is expected");
+                break;
             }
         }
         Ok(())
@@ -137,10 +192,12 @@ impl Checked<'_> {
         for (i, name) in ["std", "standard_error"].into_iter().enumerate() {
             let of = |quantity: Quantity| of_forces[quantity.index()].1[i].clone();
             let own = |quantity: Quantity| &of_forces[quantity.index()].0;
+            let background = self.background(own(Quantity::AdhesionForce).len())?;
             let size: Vec<f64> = own(Quantity::AdhesionForce)
                 .iter()
                 .zip(own(Quantity::ContactForce))
-                .map(|(a, b)| a.abs() + b.abs())
+                .zip(background)
+                .map(|((a, b), c)| a.abs() + b.abs() + c.abs())
                 .collect();
             let all = [of(Quantity::AdhesionForce), of(Quantity::ContactForce), of(Quantity::ExternalForce)];
             self.triangle(&format!("/ensemble/{way}*_force_{name}"), &all, &size);
@@ -153,6 +210,7 @@ impl Checked<'_> {
         let std = |name: &str| self.values(&format!("/integral/{way}{name}_force_std"));
         let all = [std("adhesion")?, std("contact")?, std("external")?];
         let mean = |name: &str| self.values(&format!("/integral/{way}{name}_force"));
+        // Of asperities alone: the background does not scatter.
         let size: Vec<f64> =
             mean("adhesion")?.iter().zip(&mean("contact")?).map(|(a, b)| a.abs() + b.abs()).collect();
         self.triangle(&format!("/integral/{way}*_force_std"), &all, &size);

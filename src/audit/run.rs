@@ -45,6 +45,7 @@ impl Checked<'_> {
         self.bounds()?;
         let cycle = self.is_loop()?;
         self.separations()?;
+        self.background_terms()?;
         for way in self.ways()? {
             self.sums("ensemble", way, "_mean")?;
             self.sums("integral", way, "")?;

@@ -56,9 +56,11 @@ impl Checked<'_> {
             return Ok(());
         };
         let width = self.reader.length(Dimension::Asperity)?.max(1);
+        let background = self.background(curve.len())?;
         for (forces, place) in external.chunks_exact(width).zip(at) {
-            let own = || forces.iter().filter(|force| !force.is_nan());
-            let (sum, most) = (own().sum::<f64>(), own().map(|force| force.abs()).sum::<f64>());
+            let (own, beside) = (|| forces.iter().filter(|force| !force.is_nan()), background[*place]);
+            let sum = own().sum::<f64>() - beside;
+            let most = own().map(|force| force.abs()).sum::<f64>() + beside.abs();
             if !((sum - curve[*place]).abs() <= ROUNDING * most) {
                 self.say(
                     &path("external_force"),

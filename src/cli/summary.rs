@@ -15,6 +15,7 @@ use crate::math::extrema::{Extremum, Features, maximum};
 use crate::math::interval::{FEWEST, LEVEL};
 use crate::math::moments::Moments;
 use crate::math::sums::SUM_ROUNDING;
+use crate::scene::Scene;
 use crate::validation::{JointTest, SIGNIFICANCE, Verdict};
 use std::path::Path;
 
@@ -294,9 +295,29 @@ fn at_pull_off(results: &Results) -> String {
         }
         text += &row("", &shares);
     }
+    let separation = if minimum.value < 0.0 { minimum.place } else { results.scene.separations[0] };
+    text += &background(&results.scene, separation, adhesion);
     let area = integral.expected[Quantity::ContactArea.index()][0] / results.scene.surface.nominal_area;
     text += &row("", &format!("in contact: {} of the nominal area", percent(area)));
     text + &independence(&results.independence, &results.scene)
+}
+
+/// The share of the mean planes in the attraction at a separation h, m, where asperities have an adhesion force, N.
+fn background(scene: &Scene, separation: f64, adhesion: f64) -> String {
+    let Some(background) = &scene.surface.background else { return String::new() };
+    let (area, terms) = (scene.surface.nominal_area, background.terms());
+    let parts = [
+        terms.dispersion.as_ref().map(|_| ("van der Waals", background.dispersion(separation))),
+        terms.electrostatic.map(|_| ("voltage", background.electrostatic(separation))),
+    ];
+    let parts: Vec<String> = parts
+        .into_iter()
+        .flatten()
+        .map(|(name, strength)| format!("{name} {}", si(area * strength.pressure, "N")))
+        .collect();
+    let force = scene.surface.background_force(separation);
+    let share = percent(force / (force + adhesion));
+    row("", &format!("mean planes: {share} of the attraction ({})", parts.join(", ")))
 }
 
 /// The verdict of the cross-check.

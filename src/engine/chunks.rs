@@ -280,7 +280,9 @@ impl<'a> Chunks<'a> {
     /// External forces, N, by state.
     fn external_forces_of(&mut self, states: &[State]) -> Vec<f64> {
         let regimes = self.job.laws.regimes().len();
-        self.states(states).chunks_exact(regimes).map(RegimeSums::external_force).collect()
+        let (sums, surface) = (self.states(states), self.job.surface);
+        let forces = sums.chunks_exact(regimes).map(RegimeSums::external_force);
+        forces.zip(states).map(|(force, state)| surface.external_force(state.separation(), force)).collect()
     }
 
     /// Sums the surface by moments.
@@ -314,7 +316,9 @@ impl<'a> Chunks<'a> {
             |memory| memory.rest(job, matrix, &between),
             |part| forces.iter_mut().zip(part).for_each(|(force, part)| force.add(part)),
         );
-        let forces = forces.iter().zip(&between.smooth).map(|(rest, smooth)| smooth + rest.value()).collect();
+        let forces = forces.iter().zip(&between.smooth).map(|(rest, smooth)| smooth + rest.value());
+        let forces = separations.iter().zip(forces).map(|(&h, force)| job.surface.external_force(h, force));
+        let forces = forces.collect();
         self.moments = Some(moments);
         forces
     }

@@ -272,7 +272,7 @@ impl CoupledSurface<'_> {
         if !(self.ends)() {
             self.settled = self.solver.settle(self.job.surface.asperity_separation(h));
         }
-        self.solver.external_force()
+        self.job.surface.external_force(h, self.solver.external_force())
     }
 
     /// Hands the present state over as one of the curves.

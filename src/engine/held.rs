@@ -322,7 +322,9 @@ impl Heights for ByMoments<'_> {
 
     fn external_force(&mut self, separation: f64) -> f64 {
         let d = self.job.surface.asperity_separation(separation);
-        self.moments.external_force(self.matrix, self.job.laws.typical, self.lane, d, &mut self.sums.stats)
+        let (matrix, law) = (self.matrix, self.job.laws.typical);
+        let force = self.moments.external_force(matrix, law, self.lane, d, &mut self.sums.stats);
+        self.job.surface.external_force(separation, force)
     }
 
     fn sums(&mut self) -> &mut Sums {

@@ -170,7 +170,8 @@ impl Curve for PolydisperseCurve<'_> {
     type Asperity = u32;
 
     fn exact(&mut self, separations: &[f64]) -> Vec<f64> {
-        separations.iter().map(|h| self.external_force(None, *h)).collect()
+        let surface = self.job.surface;
+        separations.iter().map(|h| surface.external_force(*h, self.external_force(None, *h))).collect()
     }
 
     fn kinked(&mut self, low: f64, high: f64) -> Vec<u32> {

@@ -293,8 +293,13 @@ fn coupled(
     (!ends()).then_some((kept, curves, stats))
 }
 
-/// The record of a surface of `count` asperities whose curves are known; its snaps are left in these.
+/// The record of a surface of `count` asperities whose curves are known; its snaps are left in these, and the
+/// attraction of the mean planes in the external force.
 fn keep(job: &Job<'_>, surface: &mut dyn Summed, count: usize, curves: &mut Curves) -> Replica {
+    let separations = job.separations.iter().cycle();
+    for (force, &h) in curves.total[Quantity::ExternalForce.index()].iter_mut().zip(separations) {
+        *force = job.surface.external_force(h, *force);
+    }
     let external = &curves.total[Quantity::ExternalForce.index()];
     let (external, retraction) = external.split_at(job.separations.len());
     let pull_off = surface.pull_off(external);

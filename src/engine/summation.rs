@@ -47,6 +47,8 @@ impl Summation {
         let pilots = PILOTS.min(job.replicas);
         let surface = Surface {
             asperity_count: job.surface.asperity_count.min(CHUNK_ASPERITIES),
+            // It is the same in both ways.
+            background: None,
             ..job.surface.clone()
         };
         let tried = Job { surface: &surface, ..*job };

@@ -28,6 +28,12 @@ impl State {
         let retraction = job.separations.iter().map(|&to| Self::Retraction { from: job.separations[0], to });
         approach.chain(retraction.filter(|_| job.protocol.cycle.is_some())).collect()
     }
+
+    /// The separation h, m.
+    pub fn separation(self) -> f64 {
+        let (Self::Approach(h) | Self::Retraction { to: h, .. }) = self;
+        h
+    }
 }
 
 /// Sums over the asperities of one surface in one state.
@@ -61,7 +67,7 @@ impl RegimeSums {
         )
     }
 
-    /// The external force of all regimes together, N.
+    /// The external force of the asperities of all regimes together, N.
     pub fn external_force(regimes: &[Self]) -> f64 {
         Self::total(regimes)[Quantity::ExternalForce.index()]
     }
@@ -125,7 +131,7 @@ impl Sums {
     /// The external force, N, of a surface in a state, likewise.
     pub fn external_force(&mut self, job: &Job<'_>, heights: &[f64], state: State) -> f64 {
         self.surface(job, heights, state);
-        RegimeSums::external_force(&self.regimes)
+        job.surface.external_force(state.separation(), RegimeSums::external_force(&self.regimes))
     }
 
     /// Sums a law over heights (m), rising, at the separation d, m; `base` says for each of its regimes among

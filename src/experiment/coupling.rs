@@ -39,19 +39,25 @@ pub(crate) fn mean_fields(
     let stiffness = substrate_stiffness(scene.asperity.reduced_modulus, surface.nominal_area);
     let step = RESOLVING * surface.surface_height_std;
     let model = Model::new(law, surface, separations);
-    let force_at = |x: f64| model.external_force(x);
+    // The pressure between the mean planes bends nothing: it adds to the force at h.
+    let beside = |mut way: MeanField| {
+        let forces = way.force.iter_mut().zip(separations);
+        forces.for_each(|(force, &h)| *force = surface.external_force(h, *force));
+        way
+    };
+    let force_at = |x: f64| model.external_force_of_asperities(x);
     if scene.history == Path::Retraction {
-        return vec![MeanField::new(separations, stiffness, step, None, force_at)];
+        return vec![beside(MeanField::new(separations, stiffness, step, None, force_at))];
     }
     let inward: Vec<f64> = separations.iter().rev().copied().collect();
     let approach = MeanField::new(&inward, stiffness, step, None, force_at).reversed();
     let retraction = cycle.map(|cycle| {
         let turn = approach.separations[0];
         let model = RetractionModel::new(cycle, surface, turn);
-        let force_at = |x: f64| model.answer(&[x]).expected[EXTERNAL][0];
+        let force_at = |x: f64| model.of_asperities(&[x]).expected[EXTERNAL][0];
         MeanField::new(separations, stiffness, step, Some(turn), force_at)
     });
-    [approach].into_iter().chain(retraction).collect()
+    [approach].into_iter().chain(retraction).map(beside).collect()
 }
 
 /// The mean external force with coupling less a mean field at some states, N, its standard error, N, and z.

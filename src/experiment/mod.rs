@@ -2,6 +2,7 @@
 //! written.
 
 mod asperities;
+mod background;
 pub(crate) mod checkpoint;
 pub(crate) mod compare;
 pub(crate) mod coupling;

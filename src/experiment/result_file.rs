@@ -1,6 +1,7 @@
 //! A run's results under the names of the file layout.
 
 use super::asperities::write_asperities;
+use super::background::write_backgrounds;
 use super::coupling::{write_coupling, write_mean_fields};
 use super::independence::write_independence;
 use super::results::{Results, Stopped};
@@ -162,6 +163,8 @@ pub(crate) fn write_results(writer: &mut Writer<'_>, results: &Results) -> Resul
     write_jumps(writer, results)?;
     write_instability(writer, results)?;
     write_integral(writer, results)?;
+    let Scene { surface, separations, .. } = &results.scene;
+    write_backgrounds(writer, surface.background.as_deref().into_iter(), surface.nominal_area, separations)?;
     write_independence(writer, &results.independence)?;
     write_validation(writer, results)?;
     write_mean_fields(writer, results)?;

@@ -222,13 +222,15 @@ impl Compared {
         }
         let way = if is_loop { "retraction_" } else { "" };
         let curve = |name: &str| read(&format!("/ensemble/{way}{name}_mean"));
-        let (adhesion, contact) = (curve("adhesion_force")?, curve("contact_force")?);
+        let [adhesion, contact, external] = ["adhesion_force", "contact_force", "external_force"].map(curve);
+        let (adhesion, contact, external) = (adhesion?, contact?, external?);
         let separations = read(RUN.coordinate("separation"))?;
         // That of the mean surface at or before the nearest place of any replica: it falls with the
         // separation.
         let load = |nearest: f64| {
             let before = separations.partition_point(|h| *h <= nearest).saturating_sub(1);
-            adhesion[before] + contact[before]
+            let beside = (contact[before] - adhesion[before] - external[before]).abs();
+            adhesion[before] + contact[before] + beside
         };
         let nearest = |places: &[f64]| places.iter().copied().fold(f64::INFINITY, f64::min);
         let of_place = 4.0 * f64::EPSILON * separations.iter().fold(0.0, |most: f64, h| most.max(h.abs()));

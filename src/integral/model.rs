@@ -81,11 +81,21 @@ impl<'a> Model<'a> {
     /// The answer at separations h, m, to a relative accuracy of every piece of the law; not to more than the
     /// rounding of heights allows.
     pub fn answer(&self, separations: &[f64], tolerance: f64) -> Expectations {
+        self.of_asperities(separations, tolerance).beside(self.surface, separations)
+    }
+
+    /// The same of the asperities alone, without the attraction of the mean planes.
+    pub(super) fn of_asperities(&self, separations: &[f64], tolerance: f64) -> Expectations {
         Mixture::expectations(&self.at(separations, tolerance), self.surface)
     }
 
     /// Expected external force, N, at one separation h, m.
     pub fn external_force(&self, separation: f64) -> f64 {
+        self.surface.external_force(separation, self.external_force_of_asperities(separation))
+    }
+
+    /// The same of the asperities alone, without the attraction of the mean planes.
+    pub(crate) fn external_force_of_asperities(&self, separation: f64) -> f64 {
         if let Some(force) = self.force_at_nodes(separation) {
             return force;
         }
@@ -211,6 +221,14 @@ impl Mixture {
 }
 
 impl Expectations {
+    /// The same with the attraction of the mean planes of a surface in the external force, at separations h, m.
+    pub(super) fn beside(mut self, surface: &Surface, separations: &[f64]) -> Self {
+        for (force, &h) in self.expected[Quantity::ExternalForce.index()].iter_mut().zip(separations) {
+            *force = surface.external_force(h, *force);
+        }
+        self
+    }
+
     /// Integrates laws over the asperities of `surface` at separations h, m.
     pub fn new<'a>(laws: impl Into<Laws<'a>>, surface: &'a Surface, separations: &[f64]) -> Self {
         Self::with_tolerance(laws, surface, separations, TOLERANCE)

@@ -113,6 +113,11 @@ impl<'a> RetractionModel<'a> {
 
     /// The answer at separations h, m; regimes are those of the law on approach.
     pub fn answer(&self, separations: &[f64]) -> Expectations {
+        self.of_asperities(separations).beside(self.surface, separations)
+    }
+
+    /// The same of the asperities alone, without the attraction of the mean planes.
+    pub(crate) fn of_asperities(&self, separations: &[f64]) -> Expectations {
         let at: Vec<Mixture> = separations.par_iter().map(|h| self.at(*h)).collect();
         let expectations = Mixture::expectations(&at, self.surface);
         let law = self.cycle.at(0.0);

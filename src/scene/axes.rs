@@ -33,7 +33,7 @@ pub static SWEEPABLE: LazyLock<Vec<Sweepable>> = LazyLock::new(|| {
     let swept = KEYS.iter().filter(|key| key.is_swept);
     let sweepable = |key: &Key| {
         let dimension = match key.value {
-            Value::Quantity(dimension, _) => Some(dimension),
+            Value::Quantity(dimension, _) | Value::OneOrMore(dimension, ..) => Some(dimension),
             _ => None,
         };
         let names = match key.value {
@@ -212,7 +212,7 @@ impl<'a> Options<'a> {
 /// The keys that can be swept, in messages.
 fn known() -> String {
     let mut text = "known are the numbers of".to_owned();
-    let sections = ["material", "surface", "substrate", "model", "solver"];
+    let sections = ["material", "surface", "substrate", "van_der_waals", "electrostatic", "model", "solver"];
     for (i, section) in sections.iter().enumerate() {
         text += &format!("{} [{section}]", if i == 0 { "" } else { "," });
     }

@@ -66,6 +66,16 @@ pub(super) const TOLERANCES_OF_LOADS: RangeInclusive<f64> = 1e-12..=1e-4;
 /// Coefficients of variation that laws of radii have.
 pub(super) const VARIATIONS: RangeInclusive<f64> = 0.001..=1.0;
 
+/// Shares of the nominal area that caps of asperities may have.
+pub(super) const CAP_SHARES: (Bound<f64>, Bound<f64>) = (Bound::Excluded(0.0), Bound::Included(1.0));
+/// The share of caps unless a scene gives one: with it the sum over asperities and background is within a tenth
+/// of Derjaguin's approximation for the whole of a Gaussian surface.
+pub(super) const CAP_SHARE: f64 = 0.75;
+/// Wavelength of the retardation, m, unless a scene gives one (Gregory 1981).
+pub(super) const RETARDATION_WAVELENGTH: f64 = 100e-9;
+/// Relative permittivities of dielectrics.
+pub(super) const PERMITTIVITIES: (Bound<f64>, Bound<f64>) = (Bound::Included(1.0), Bound::Unbounded);
+
 /// Most separations of a scene; far more than a curve needs.
 pub(super) const MOST_SEPARATIONS: u64 = 10_000;
 

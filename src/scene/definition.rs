@@ -1,5 +1,6 @@
 //! A validated scene, and what follows from it.
 
+use super::background::BackgroundTables;
 use super::choices::LOOP;
 use super::files::Input;
 use super::instability::Instability;
@@ -46,6 +47,8 @@ pub struct Scene {
     pub instability: Instability,
     /// The half-space that couples the asperities; they are independent without one.
     pub substrate: Option<Substrate>,
+    /// Forces between the mean planes; none unless the scene has their tables.
+    pub background: Option<BackgroundTables>,
     /// δ_A, m, that is set instead of following from the history; of the published fits only.
     pub critical_approach: Option<f64>,
     /// Separations h, m, rising.
@@ -142,6 +145,16 @@ impl Scene {
         let typical = model.law(&self.parameters()?)?;
         let family = || Family::new(*model, self.asperity, self.history, RADIUS_RANGE);
         Ok(SurfaceLaws { typical, family: self.surface.is_polydisperse().then(family).transpose()? })
+    }
+
+    /// The same surfaces with asperities of a law beside the forces between the mean planes, of which these
+    /// leave to it what it owns; their own law stays.
+    #[doc(hidden)]
+    pub fn with_background_of(mut self, model: &Model) -> Self {
+        let range = (self.separations[0], self.separations[self.separations.len() - 1]);
+        let of = |tables: BackgroundTables| tables.of(model, &self.asperity, &self.surface, range);
+        self.surface.background = self.background.map(of);
+        self
     }
 
     fn parameters(&self) -> Result<LawParameters, LawError> {

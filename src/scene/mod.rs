@@ -3,6 +3,7 @@
 //! A file is read by [`Scene::from_toml_file`], or where it may be a sweep by [`Document::from_toml_file`].
 
 mod axes;
+mod background;
 mod canonical;
 mod choices;
 mod column;
@@ -38,6 +39,7 @@ mod warning;
 pub use axes::Axis;
 #[doc(hidden)]
 pub use axes::{MOST_KEYS, SWEEPABLE, Sweepable};
+pub use background::{BackgroundTables, VanDerWaalsTable};
 #[doc(hidden)]
 pub use canonical::difference;
 #[doc(hidden)]

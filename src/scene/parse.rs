@@ -1,5 +1,6 @@
 //! One scene from its document.
 
+use super::background::BackgroundSections;
 use super::choices::{FORMAT, HISTORIES, SUM_TOLERANCE, SUM_TOLERANCES, SUMS};
 use super::definition::Scene;
 use super::error::{SceneError, Together};
@@ -53,15 +54,16 @@ pub(super) fn read(text: &str, root: &Section<'_>, files: &dyn Files) -> Result<
         .and_then(|ensemble| EnsembleTable::read(&ensemble).map(|draws| (ensemble, draws)));
     let readings =
         (root.known(), heading(root), material, population, model, separation, instability, ensemble);
-    let (solver, output) = (sum_tolerance(root), curves(root));
-    let (readings, sum_tolerance, curves, substrate) =
-        (readings.together(), solver, output, substrate).together()?;
+    let (solver, output, background) = (sum_tolerance(root), curves(root), BackgroundSections::read(root));
+    let (readings, sum_tolerance, curves, substrate, background) =
+        (readings.together(), solver, output, substrate, background).together()?;
     let ((), title, material, (population, lubricant), model, separation, instability, (ensemble, draws)) =
         readings;
     let Population { surface, places, inputs } = population;
     let asperity = material.asperity(surface.asperity_radius, lubricant.unwrap_or(0.0))?;
     let ModelTable { law, history, cycle, unloading, critical_approach } = model;
     let separations = separation::separations(&separation, surface.surface_height_std)?;
+    let background = background.of(&law, &asperity, &surface, separations[0])?;
     let substrate = substrate.map(|table| table.under(&surface, places, &separations)).transpose()?;
     let stiffness_span = separation::stiffness_span(&separation, &separations, asperity.equilibrium_spacing)?;
     let most =
@@ -101,6 +103,7 @@ pub(super) fn read(text: &str, root: &Section<'_>, files: &dyn Files) -> Result<
         cycle,
         unloading,
         substrate,
+        background,
         critical_approach,
         separations,
         stiffness_span,
@@ -116,7 +119,8 @@ pub(super) fn read(text: &str, root: &Section<'_>, files: &dyn Files) -> Result<
         Some(entry) => entry.wrong(&problem),
         None => SceneError::general(problem),
     })?;
-    Ok(scene)
+    let law = scene.model;
+    Ok(scene.with_background_of(&law))
 }
 
 /// Refuses separations that cannot be told apart where the asperities are.

@@ -261,11 +261,15 @@ mod tests {
                 _ => "",
             };
             let scene = scene.replace("[surface]\n", &format!("[surface]\n{of_law}"));
-            let substrate = match key.name.starts_with("substrate.") {
-                true => "[substrate]\ncoupling = \"patch\"\n",
-                false => "",
+            let table = match key.name.split_once('.').unwrap_or_default().0 {
+                "substrate" => "[substrate]\ncoupling = \"patch\"\n",
+                "van_der_waals" => "[van_der_waals]\nretarded = true\n",
+                "electrostatic" => {
+                    "[electrostatic]\nvoltage = \"3 V\"\ndielectric_thickness = \"2 nm\"\nrelative_permittivity = 4.0\n"
+                }
+                _ => "",
             };
-            let scene = format!("{scene}\n{substrate}");
+            let scene = format!("{scene}\n{table}");
             // Fits are of one law, and of loops whose tops keep their radius.
             let scene = match key.name {
                 "model.law" | "model.unloading" => scene
@@ -280,6 +284,8 @@ mod tests {
                 None if !key.names.is_empty() => 1.0,
                 None if key.name == "surface.heights.shape" => 1.5,
                 None if !of_law.is_empty() => 0.25,
+                None if key.name == "electrostatic.relative_permittivity" => 7.0,
+                None if key.name == "van_der_waals.cap_share" => 0.5,
                 None => 1e-5,
                 Some(Dimension::Length) if key.name == "surface.asperity_radius" => 7e-6,
                 Some(Dimension::Length) => 0.7e-9,
@@ -288,6 +294,8 @@ mod tests {
                 Some(Dimension::Pressure) => 1.25e9,
                 Some(Dimension::SurfaceEnergy) => 0.125,
                 Some(Dimension::Force | Dimension::Stiffness) => 1.25,
+                Some(Dimension::Energy) => 1.25e-19,
+                Some(Dimension::Voltage) => 12.5,
             };
             let swept = Sweep::along(&scene, key.name, vec![number], &[], Arc::new(NoFiles))
                 .unwrap()

@@ -17,6 +17,10 @@ pub enum Dimension {
     Force,
     /// N/m, of the derivative of a force by a separation.
     Stiffness,
+    /// J.
+    Energy,
+    /// V.
+    Voltage,
 }
 
 /// A dimension: its name in messages, its SI unit in files, its units with their factors to SI as powers of
@@ -79,6 +83,12 @@ const UNITS: &[Row] = &[
             ("N/μm", 6),
             ("nN/nm", 0),
         ],
+    ),
+    (Dimension::Energy, ["an energy", "J"], &[("J", 0), ("fJ", -15), ("aJ", -18), ("zJ", -21)]),
+    (
+        Dimension::Voltage,
+        ["a voltage", "V"],
+        &[("V", 0), ("kV", 3), ("mV", -3), ("uV", -6), ("µV", -6), ("μV", -6)],
     ),
 ];
 

@@ -11,6 +11,7 @@ use crate::asperity::{Law, Regime, Unloading};
 use crate::format::{si, signed_percent};
 use crate::integral::substrate_stiffness;
 use crate::substrate::Coupling;
+use crate::surface::{HeightLaw, Radii};
 
 /// Largest radius of a contact over that of its asperity.
 const LARGEST_CONTACT: f64 = 0.3;
@@ -26,6 +27,13 @@ const RESOLVING: f64 = 0.15;
 const LARGEST_HELD: f64 = 0.01;
 /// Largest relative error of an integral that is one.
 const LARGEST_ERROR: f64 = 1e-6;
+/// Largest field across a gap, V/m, that air stands: 350 V/um across 0.1 to 1 um (Peschot et al., "Deviations from the
+/// Paschen's law at short gap distances", 2014).
+const LARGEST_FIELD: f64 = 3.5e8;
+/// Largest voltage, V, that air stands across any gap by Paschen's law.
+const LARGEST_VOLTAGE: f64 = 327.0;
+/// Largest shift, in σ, by which a patch gives way that is called none.
+const LARGEST_SHIFT: f64 = 0.05;
 /// Fewest contacts in the whole run at the closest separation.
 const FEWEST_CONTACTS: f64 = 100.0;
 /// Fewest contacts in the whole run that are called some.
@@ -48,6 +56,7 @@ pub fn warnings_of_scene(scene: &Scene, model: &Model, law: &dyn Law, expected: 
     warnings.extend(expected.held.and_then(held));
     warnings.extend(unresolved(scene, &expected.readings));
     warnings.extend(twice(scene));
+    warnings.extend(mean_planes(scene));
     warnings.extend(inaccurate(expected.error));
     warnings
 }
@@ -257,6 +266,56 @@ fn twice(scene: &Scene) -> Option<Warning> {
             &[],
         )
     })
+}
+
+/// What the forces between the mean planes leave out: breakdown, other than normal heights, and a patch that
+/// they bend.
+fn mean_planes(scene: &Scene) -> Vec<Warning> {
+    let (surface, mut warnings) = (&scene.surface, Vec::new());
+    let Some(background) = &surface.background else { return warnings };
+    if let Some(electrostatic) = background.terms().electrostatic {
+        let field = electrostatic.field(scene.separations[0]);
+        if field > LARGEST_FIELD {
+            warnings.push(Warning::new(
+                format!(
+                    "the field at the closest separation is {}, more than {}",
+                    si(field, "V/m"),
+                    si(LARGEST_FIELD, "V/m")
+                ),
+                "gaps of 0.1 to 1 um in air break down there, by field emission (Peschot et al. 2014); none of it is \
+                 in the model",
+                &["voltage", "dielectric_thickness", "separation"],
+            ));
+        }
+        let voltage = electrostatic.voltage.abs();
+        if voltage > LARGEST_VOLTAGE {
+            warnings.push(Warning::new(
+                format!("a voltage of {} is above {LARGEST_VOLTAGE} V", si(voltage, "V")),
+                "the least that breaks down air, across 7.5 um (Paschen); no discharge is in the model",
+                &["voltage"],
+            ));
+        }
+    }
+    let is_normal = surface.heights.law == HeightLaw::Gaussian || matches!(surface.radii, Radii::Nayak(_));
+    if !is_normal {
+        warnings.push(Warning::new(
+            format!("the gaps between the mean planes are taken as normal, not {}", surface.heights.law.about()),
+            "[van_der_waals] and [electrostatic] know the standard deviation of all points of the surface, not \
+             their law; the heights of the scene are those of asperities",
+            &[],
+        ));
+    }
+    let is_patch = scene.substrate.as_ref().is_some_and(|substrate| substrate.coupling == Coupling::Patch);
+    let stiffness = substrate_stiffness(scene.asperity.reduced_modulus, surface.nominal_area);
+    let shift = surface.background_force(scene.separations[0]) / (stiffness * surface.surface_height_std);
+    if is_patch && shift.abs() > LARGEST_SHIFT {
+        warnings.push(Warning::new(
+            format!("the pressure between the mean planes would bend the patch by {shift:.2} sigma"),
+            "it is added to the force and bends nothing; by coupling = \"periodic\" it could not bend the surface",
+            &[],
+        ));
+    }
+    warnings
 }
 
 /// Whether the integral is one.

@@ -16,6 +16,7 @@
 //! law that it was cut from, as a surface does whose tops are worn off. Values of a sample are heights
 //! themselves: its scale is 1.
 
+use crate::background::CapHeights;
 use rand::distr::Open01;
 use rand::{Rng, RngExt};
 use rand_distr::{Distribution, Exp1, StandardNormal};
@@ -25,6 +26,9 @@ use std::sync::Arc;
 
 /// Heights beyond so many standard deviations have a normal density that underflows.
 const LARGEST_DEVIATE: f64 = 38.0;
+/// Heights of caps count within so many standard deviations, and panels of so many are integrated over at once at first.
+const CAP_REACH: f64 = 9.0;
+const CAP_PANELS: usize = 3;
 /// A density below this share of its largest, as an exponent, has nothing left to integrate.
 const NEGLIGIBLE: f64 = 70.0;
 /// Deviates that are never drawn are beyond this exponent: of a probability of 1e-26.
@@ -209,6 +213,22 @@ impl Truncated {
         let below = normal_probability(f64::NEG_INFINITY, low);
         let deviate = Normal::standard().inverse_cdf(below + share * self.probability);
         sign * deviate.clamp(low, high)
+    }
+}
+
+impl CapHeights for Heights {
+    fn given(&self) -> Option<Vec<f64>> {
+        Some(self.values()?.iter().map(|u| self.mean + u).collect())
+    }
+
+    fn density(&self, height: f64) -> f64 {
+        Self::density(self, height)
+    }
+
+    fn ends(&self) -> Vec<f64> {
+        let (low, high) = self.reach(CAP_REACH);
+        let ends = self.panels(low, high);
+        ends.iter().copied().step_by(CAP_PANELS).chain(ends.last().copied()).collect()
     }
 }
 

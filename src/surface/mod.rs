@@ -18,6 +18,8 @@ pub use scheme::SamplingScheme;
 #[doc(hidden)]
 pub use scheme::{CHUNK_ASPERITIES, STRATA};
 
+use crate::background::Background;
+use std::sync::Arc;
 use thiserror::Error;
 
 /// Factor of σ² − σ_s² = 3.717·10⁻⁴/(ηR)² (McCool 1986; Bush, Gibson and Thomas 1975).
@@ -126,6 +128,8 @@ pub struct Surface {
     pub whole: bool,
     /// Nominal area A_n, m².
     pub nominal_area: f64,
+    /// The attraction between its mean plane and that of the other surface, if there is one.
+    pub background: Option<Arc<Background>>,
 }
 
 /// Why no surface follows from a roughness.
@@ -226,6 +230,7 @@ impl Surface {
             count_law: CountLaw::Fixed,
             whole: false,
             nominal_area: roughness.nominal_area,
+            background: None,
         })
     }
 
@@ -242,6 +247,7 @@ impl Surface {
             count_law: CountLaw::Fixed,
             whole: false,
             nominal_area,
+            background: None,
         }
     }
 
@@ -261,6 +267,20 @@ impl Surface {
     #[doc(hidden)]
     pub fn parts(&self) -> Vec<RadiusClass> {
         self.radii.parts(self.asperity_radius, &self.heights)
+    }
+
+    /// The attraction between the mean planes, N, at a separation h of them, m.
+    pub fn background_force(&self, separation: f64) -> f64 {
+        self.background.as_ref().map_or(0.0, |background| self.nominal_area * background.pressure(separation))
+    }
+
+    /// The external force, N, at a separation h of the mean planes, m: that of the asperities, N, less the
+    /// attraction of the mean planes.
+    pub fn external_force(&self, separation: f64, of_asperities: f64) -> f64 {
+        match self.background {
+            None => of_asperities,
+            Some(_) => of_asperities - self.background_force(separation),
+        }
     }
 
     /// d = h − y_s, m, from a separation h of the mean planes of the surfaces, m.

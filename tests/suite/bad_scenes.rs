@@ -15,6 +15,87 @@ const QUICK: &str = include_str!("../data/quick.toml");
 
 /// What is replaced in the quick scene, by what, and what the message has to say.
 const CASES: &[(&str, &str, &[&str])] = &[
+    (
+        "[ensemble]",
+        "[van_der_waals]\nhamaker_constant = \"-1 zJ\"\nretarded = 1\nsmallest_gap = \"0 nm\"\ncap_share = 0\n[ensemble]",
+        &[
+            "`van_der_waals.hamaker_constant = \"-1 zJ\"`: has to be greater than 0",
+            "`van_der_waals.retarded = 1`: true or false",
+            "`van_der_waals.smallest_gap = \"0 nm\"`: has to be greater than 0",
+            "`van_der_waals.cap_share = 0`: a share of the nominal area is greater than 0 and at most 1",
+        ],
+    ),
+    (
+        "[ensemble]",
+        "[van_der_waals]\ncap_share = 1.01\nretardation_wavelength = \"100 nm\"\nhamaker = \"1e-19 J\"\n[ensemble]",
+        &[
+            "`van_der_waals.cap_share = 1.01`",
+            "`van_der_waals.retardation_wavelength = \"100 nm\"`: needs retarded = true",
+            "unknown key `van_der_waals.hamaker`; did you mean `hamaker_constant`?",
+        ],
+    ),
+    (
+        "[ensemble]",
+        "[van_der_waals]\nhamaker_constant = \"6.5 eV\"\nretarded = true\nretardation_wavelength = 100\n[ensemble]",
+        &[
+            "unknown unit `eV`",
+            "an energy is needed",
+            "`van_der_waals.retardation_wavelength = 100`: the unit is missing",
+        ],
+    ),
+    (
+        "[ensemble]",
+        "[van_der_waals]\nsmallest_gap = \"0.4 nm\"\n[ensemble]",
+        &["`van_der_waals.smallest_gap = \"0.4 nm\"`: is less than lubricant_thickness"],
+    ),
+    (
+        "law = \"hybrid\"\nhistory = \"approach\"",
+        "law = \"md\"\n[van_der_waals]\ncap_share = 0.5",
+        &[
+            "`van_der_waals.cap_share = 0.5`: is for laws whose attraction has no end",
+            "md own the gaps below smallest_gap",
+        ],
+    ),
+    (
+        "[ensemble]",
+        "[electrostatic]\nvoltage = 10\ncontact_potential = \"0.2 J\"\nrecess = \"-1 nm\"\n[ensemble]",
+        &[
+            "`electrostatic.voltage = 10`: the unit is missing",
+            "`electrostatic.contact_potential = \"0.2 J\"`: the unit is that of an energy",
+            "`electrostatic.recess = \"-1 nm\"`",
+        ],
+    ),
+    (
+        "[ensemble]",
+        "[electrostatic]\ndielectric_thickness = \"100 nm\"\n[ensemble]",
+        &[
+            "`electrostatic.voltage` is missing",
+            "`electrostatic.relative_permittivity` is missing; for example",
+        ],
+    ),
+    (
+        "[ensemble]",
+        "[electrostatic]\nvoltage = \"1 V\"\nrelative_permittivity = [3.9, 0.9]\ndielectric_thickness = \"100 nm\"\n[ensemble]",
+        &["`electrostatic.relative_permittivity[1] = 0.9`: a relative permittivity is at least 1"],
+    ),
+    (
+        "[ensemble]",
+        "[electrostatic]\nvoltage = \"1 V\"\nrelative_permittivity = [3.9, 7]\ndielectric_thickness = \"100 nm\"\n[ensemble]",
+        &["has 2 values, and dielectric_thickness 1; one for each dielectric is needed"],
+    ),
+    (
+        "[ensemble]",
+        "[electrostatic]\nvoltage = \"1 V\"\nrelative_permittivity = 3.9\n[ensemble]",
+        &["`electrostatic.dielectric_thickness` is missing"],
+    ),
+    (
+        "[ensemble]",
+        "[electrostatic]\nvoltage = \"1 V\"\n[ensemble]",
+        &[
+            "`electrostatic.voltage = \"1 V\"`: bare electrodes touch",
+            "a recess, or separations of more than h* = 10",
+        ],
+    ),
     ("[material]", "[material", &["line 5", "not TOML"]),
     ("seed = 1", "seed = 1\nseed = 2", &["not TOML", "duplicate key"]),
     ("format = 1", "", &["`format` is missing"]),
@@ -561,6 +642,25 @@ const VARIANTS: &[Variant] = &[
         &[],
     ),
     (&["model.law"], &["model.critical_approach"], &[("model.law", "\"fit:paper\"")]),
+    (
+        &[],
+        &[
+            "van_der_waals.hamaker_constant",
+            "van_der_waals.retarded",
+            "van_der_waals.cap_share",
+            "electrostatic.voltage",
+            "electrostatic.contact_potential",
+            "electrostatic.dielectric_thickness",
+            "electrostatic.relative_permittivity",
+            "electrostatic.recess",
+        ],
+        &[],
+    ),
+    (
+        &["surface.lubricant_thickness"],
+        &["van_der_waals.retarded", "van_der_waals.retardation_wavelength", "van_der_waals.smallest_gap"],
+        &[],
+    ),
     (&["separation.h_star"], &["separation.h.from", "separation.h.to", "separation.h.count"], &[]),
     (
         &["separation.h_star"],
@@ -662,13 +762,20 @@ fn examples_of_all_keys_are_scenes() {
         "separation",
         "ensemble",
         "substrate",
+        "van_der_waals",
+        "electrostatic",
         "instability",
         "solver",
         "output",
     ];
     let unused: Vec<&str> = KEYS.iter().map(|key| key.name).filter(|name| !used.contains(name)).collect();
     let unused: Vec<&str> = unused.into_iter().filter(|name| !tables.contains(name)).collect();
-    let elements = ["material.youngs_modulus[]", "material.poissons_ratio[]", "material.surface_energy[]"];
+    let elements = [
+        "material.youngs_modulus[]",
+        "material.poissons_ratio[]",
+        "material.surface_energy[]",
+        "electrostatic.relative_permittivity[]",
+    ];
     assert_eq!(unused, [&elements[..], &["sweep.*.from", "sweep.*.to"]].concat());
     std::fs::write(&path, scene_of(&(&[], &[], &[]))).unwrap();
     let summary = stiction(folder.path(), &["run", "scene.toml", "--quiet"]);

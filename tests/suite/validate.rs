@@ -190,6 +190,11 @@ struct Made {
 /// Damages datasets of a result, each by itself: what is not found. All in every way, or one in `every` in
 /// one way after the other.
 fn missed(made: &Made, every: Option<usize>) -> Vec<String> {
+    missed_of(made, every, |_| true)
+}
+
+/// The same of some datasets.
+fn missed_of(made: &Made, every: Option<usize>, is_one: impl Fn(&str) -> bool) -> Vec<String> {
     let folder = Folder::new(&made.scene);
     std::fs::write(folder.path("map.txt"), map()).unwrap();
     assert_exit(&folder.stiction(&[made.arguments, &["-o", "out.h5"]].concat()), 0);
@@ -198,6 +203,7 @@ fn missed(made: &Made, every: Option<usize>) -> Vec<String> {
     assert!(text(&whole.stdout).contains("fit together"), "{}", text(&whole.stdout));
     let bytes = std::fs::read(folder.path("out.h5")).unwrap();
     let names = datasets(&unlocked::open(folder.path("out.h5")));
+    let names: Vec<(String, bool)> = names.into_iter().filter(|(name, _)| is_one(name)).collect();
     let (mut missed, mut tried) = (Vec::new(), 0);
     for (i, (name, is_whole)) in names.iter().enumerate() {
         for (j, damage) in DAMAGES.into_iter().enumerate() {
@@ -364,6 +370,18 @@ fn all_damages_of_other_results_are_found() {
     // A comparison has what runs have, which are damaged in every way above.
     let every = |made: &Made| (made.kind == "compare").then_some(1);
     let missed: Vec<String> = others().iter().flat_map(|made| missed(made, every(made))).collect();
+    assert!(missed.is_empty(), "{missed:#?}");
+}
+
+/// Of the attraction of mean planes each dataset, in every way.
+#[test]
+fn damaged_backgrounds_are_found() {
+    const TABLES: &str = "[van_der_waals]\n\n[electrostatic]\nvoltage = \"3 V\"\ndielectric_thickness = \"2 nm\"\n\
+                          relative_permittivity = 4.0\n\n[output]";
+    let made = run(resolved().replace("[output]", TABLES));
+    let names = ["force", "van_der_waals_force", "electrostatic_force", "stiffness", "energy"];
+    let names = names.map(|name| format!("/background/{name}"));
+    let missed = missed_of(&made, None, |name| names.iter().any(|known| known == name));
     assert!(missed.is_empty(), "{missed:#?}");
 }
 

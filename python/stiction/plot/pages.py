@@ -54,6 +54,8 @@ def panels(result: Result) -> dict[str, Panel]:
     if not isinstance(result, Run):
         return _PANELS[result.kind] | (_OVER_CUTOFF if result.kind == "asperities" and "cutoffs" in result else {})
     drawn: dict[str, Panel] = {"force": run.force, "pull_off": run.pull_off}
+    if "background" in result:
+        drawn["attraction"] = run.attraction
     if "coupling" in result:
         drawn |= {
             "coupling": coupled.coupling,

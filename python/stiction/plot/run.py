@@ -28,7 +28,7 @@ from .style import (
     scaled,
 )
 
-__all__ = ["deviation", "force", "histogram", "pull_off", "regimes"]
+__all__ = ["attraction", "deviation", "force", "histogram", "pull_off", "regimes"]
 
 # Way, what its datasets begin with, colour and line.
 WAYS = (("approach", "", BLUE, "-"), ("retraction", "retraction_", VERMILION, DASH_DOT))
@@ -197,6 +197,49 @@ def regimes(run: Run, ax: Axes | None = None) -> Axes:
         ax.set_ylim(0.0, 1.08 * total.max() / unit)
     ax.set(xlabel=H_STAR, ylabel=label("adhesion force", sign))
     legend(ax, handles + dots, columns=3)
+    return ax
+
+
+@dressed
+def attraction(run: Run, ax: Axes | None = None) -> Axes:
+    """What attracts over the separation: asperities, mean over replicas, and the mean planes by their terms.
+
+    Parameters
+    ----------
+    run : Run
+        A run with a background: the scene has a table ``[van_der_waals]`` or ``[electrostatic]``. Of a loop the asperities are
+        those of the retraction.
+    ax : matplotlib.axes.Axes, optional
+    """
+    ax = new_axes(ax)
+    x = values(run, "background/h_star")
+    prefix = ways(run)[-1][1]
+    asperities = values(run, f"ensemble/{prefix}adhesion_force_mean")
+    curves = [
+        ("asperities", asperities, BLUE, "-"),
+        ("van der Waals", values(run, "background/van_der_waals_force"), VERMILION, DASH_DOT),
+        ("voltage", values(run, "background/electrostatic_force"), COLORS[2], DASHED),
+        ("together", asperities + values(run, "background/force"), "black", (0, (1.2, 1.2))),
+    ]
+    curves = [curve for curve in curves if np.any(curve[1] != 0.0)]
+    if not curves:
+        return empty(ax, "nothing attracts")
+    everything = np.abs(np.concatenate([force for _, force, _, _ in curves]))
+    unit, sign = scaled("N", everything)
+    handles: list[Any] = []
+    # Where caps take off more than the mean planes have the force is below 0, and its size is drawn thin.
+    for name, force, color, line in curves:
+        handles += ax.plot(x, np.where(force > 0.0, force, np.nan) / unit, color=color, linestyle=line, label=name)
+        if np.any(force < 0.0):
+            taken = ax.plot(x, np.where(force < 0.0, -force, np.nan) / unit, color=color, linestyle=line, linewidth=0.6)
+            taken[0].set_label(f"{name}, taken off")
+            handles += taken
+    if logarithmic(ax, "y", everything[everything > 0.0]):
+        ax.set_ylim(max(0.3 * everything[everything > 0.0].min(), 1e-6 * everything.max()) / unit, 3.0 * everything.max() / unit)
+    else:
+        ax.set_ylim(0.0, 1.08 * everything.max() / unit)
+    ax.set(xlabel=H_STAR, ylabel=label("attraction", sign))
+    legend(ax, handles, columns=2)
     return ax
 
 

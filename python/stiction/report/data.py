@@ -20,6 +20,8 @@ _DATASETS: dict[str, list[str]] = {
     "force": [f"ensemble/{way}{name}" for way in ("", "retraction_") for name in _OVER_H]
     + ["integral/external_force", "integral/retraction_external_force", "replicas/snap_in_separation"],
     "pull_off": ["replicas/pull_off_force", "replicas/pull_off_separation", "replicas/approach_pull_off_force"],
+    "attraction": [f"ensemble/{way}adhesion_force_mean" for way in ("", "retraction_")]
+    + [f"background/{name}" for name in ("force", "van_der_waals_force", "electrostatic_force")],
     "coupling": [f"coupling/{way}independent_external_force_mean" for way in ("", "retraction_")]
     + [f"ensemble/{way}external_force_mean" for way in ("", "retraction_")],
     "coupling_difference": [

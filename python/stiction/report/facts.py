@@ -284,6 +284,8 @@ def _run(run: Run) -> Facts:
     stiffness, error = _scalar(run, "peak_secant_stiffness")
     numbers.append(Number("largest stiffness", quantities.with_error(stiffness, error, "N m-1"),
                           "mean over patches of the largest secant", stiffness, error))  # fmt: skip
+    if "background" in run:
+        numbers.append(_mean_planes(run))
     if "coupling" in run:
         of = run["coupling"].to_dataset().sel(scalar="pull_off_force")
         change, error = float(of["scalar_difference_mean"]), float(of["scalar_difference_standard_error"])
@@ -306,6 +308,21 @@ def _run(run: Run) -> Facts:
     tables = [*_targets(run), *_springs(run)]
     commands = _again(run, ["run"])
     return Facts("run", numbers, verdicts, computed, commands, _named_files(run.scene), tables)
+
+
+def _mean_planes(run: Run) -> Number:
+    """The attraction of the mean planes at the pull-off of the integral, or at the smallest separation where nothing pulls."""
+    attrs, prefix = run["integral"].attrs, "retraction_" if run.attrs["history"] == "loop" else ""
+    h = run["background/separation"].values
+    place = float(attrs["pull_off_separation"]) if float(attrs["pull_off_force"]) > 0.0 else float(h[0])
+    at = {name: float(np.interp(place, h, run[f"background/{name}"].values))
+          for name in ("force", "van_der_waals_force", "electrostatic_force")}  # fmt: skip
+    asperities = float(np.interp(place, h, run[f"integral/{prefix}adhesion_force"].values))
+    parts = [f"{words} {quantities.si(at[name], 'N')}" for words, name in
+             (("van der Waals", "van_der_waals_force"), ("voltage", "electrostatic_force")) if at[name] != 0.0]  # fmt: skip
+    share = at["force"] / (at["force"] + asperities) if at["force"] + asperities > 0.0 else math.nan
+    note = f"{_percent(share)} of the attraction at pull-off of the integral; {', '.join(parts) or 'none'}"
+    return Number("attraction of the mean planes", quantities.si(at["force"], "N"), note, at["force"])
 
 
 def _mean(label: str, values: Any, unit: str) -> Number:

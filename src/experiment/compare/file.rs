@@ -5,6 +5,7 @@ use crate::asperity::Quantity;
 use crate::asperity::law::Regime;
 use crate::asperity::laws::fit::{FORCES, NAMES};
 use crate::engine::{QUANTILES, SCALARS};
+use crate::experiment::background::write_backgrounds;
 use crate::experiment::independence::write_independences;
 use crate::experiment::result_file::write_scene;
 use crate::math::moments::Moments;
@@ -27,6 +28,8 @@ pub(super) fn write(writer: &mut Writer<'_>, comparison: &Comparison) -> Result<
     writer.named_scale(Dimension::Regime, &Regime::ALL.map(Regime::name));
     writer.scale(Dimension::Interference, interferences);
     write_integral(writer, laws)?;
+    let backgrounds = laws.iter().filter_map(|law| law.background.as_deref());
+    write_backgrounds(writer, backgrounds, scene.surface.nominal_area, &scene.separations)?;
     write_independences(writer, &per_law(laws, |law| law.integral.independence))?;
     write_asperity(writer, laws)?;
     writer.dataset("/validity/valid", &per_law(laws, |law| u8::from(law.limits.is_empty())))?;

@@ -9,6 +9,7 @@ use crate::asperity::emd::Emd;
 use crate::asperity::laws::fit::FORCES;
 use crate::asperity::models::Model;
 use crate::asperity::{FitReport, Laws, Quantity, Scratch, SolverStats, SurfaceLaws, for_each_block};
+use crate::background::Background;
 use crate::engine::{Ensemble, Summation};
 use crate::estimate::beyond;
 use crate::format::percent;
@@ -20,6 +21,7 @@ use crate::output::writer::Writer;
 use crate::scene::{Instability, Scene, Warning, warnings_of_scene};
 use crate::validation::{Cumulants, JointTest};
 use std::path::Path;
+use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 /// Interferences of the curves of one asperity.
@@ -52,6 +54,8 @@ pub struct ComparedLaw {
     pub(crate) limits: Vec<String>,
     pub(crate) regimes: Vec<&'static str>,
     pub(crate) integral: PathIntegral,
+    /// The attraction between the mean planes beside these asperities.
+    pub(crate) background: Option<Arc<Background>>,
     /// Quantities of one asperity, by their index, over the interferences.
     pub(crate) asperity: [Vec<f64>; 4],
     pub(crate) fit: Option<FitReport>,
@@ -264,6 +268,7 @@ impl PreparedComparison {
         let (mut compared, mut warnings) = (Vec::new(), Vec::new());
         for (model, law) in laws {
             phases.phase(model.name);
+            let scene = scene.clone().with_background_of(&model);
             let law = law.view();
             let (integral, expected) = pool.install(|| {
                 let integral = Integral::new(&scene, law, None);
@@ -283,6 +288,7 @@ impl PreparedComparison {
                 model,
                 regimes: law.regimes().iter().map(|regime| regime.name()).collect(),
                 integral,
+                background: scene.surface.background.clone(),
                 asperity: curves(law, &interferences),
                 fit: law.fit().cloned(),
                 sampled,

@@ -1,8 +1,8 @@
 //! The layout of a result of `stiction compare`.
 
 use super::curves::{
-    DIRECTIONS, OF_ENSEMBLE, OF_INTEGRAL, features, forces, joint_test, quantile, quantities, regimes,
-    scalars, scores,
+    DIRECTIONS, OF_ENSEMBLE, OF_INTEGRAL, background, features, forces, joint_test, quantile, quantities,
+    regimes, scalars, scores,
 };
 use super::independence::{independence, verdict};
 use super::{Dimension, Layout, NONE, Row, Variable, group, with_coordinates};
@@ -18,9 +18,9 @@ const F: &[Dimension] = &[Dimension::FittedForce];
 pub static COMPARISON: Layout = Layout {
     format: "stiction-comparison",
     command: "stiction compare",
-    version: [3, 2],
+    version: [3, 3],
     groups: &["integral", "asperity", "validity", "fit", "ensemble", "replicas", "validation"],
-    optional_groups: &["independence"],
+    optional_groups: &["background", "independence"],
     variables: LazyLock::new(variables),
     of_points: None,
 };
@@ -36,6 +36,7 @@ fn variables() -> Vec<Variable> {
         regimes("/integral", L, approach, OF_INTEGRAL[0]),
         features("/integral", L, "the integral"),
         group("/integral", L, OF_INTEGRALS),
+        background(L),
         independence(L),
         verdict(L),
         quantities("/asperity", LI, approach, &[("", "{} of one asperity")]),

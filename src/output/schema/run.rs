@@ -1,7 +1,8 @@
 //! The layout of a result of `stiction run`.
 
 use super::curves::{
-    DIRECTIONS, OF_ENSEMBLE, OF_INTEGRAL, Statistic, forces, quantile, quantities, regimes, scalars, scores,
+    DIRECTIONS, OF_ENSEMBLE, OF_INTEGRAL, Statistic, background, forces, quantile, quantities, regimes,
+    scalars, scores,
 };
 use super::independence::independence;
 use super::{Dimension, Layout, N, NONE, Row, S, Variable, group, scale, variable, with_coordinates};
@@ -34,9 +35,9 @@ const NPD: &[Dimension] = &[Dimension::Replica, Dimension::Preload, Dimension::S
 pub static RUN: Layout = Layout {
     format: "stiction-run",
     command: "stiction run",
-    version: [3, 3],
+    version: [3, 4],
     groups: &["ensemble", "replicas", "integral", "validation", "diagnostics"],
-    optional_groups: &["asperities", "coupling", "independence", "instability"],
+    optional_groups: &["asperities", "background", "coupling", "independence", "instability"],
     variables: LazyLock::new(variables),
     of_points: None,
 };
@@ -50,6 +51,7 @@ fn variables() -> Vec<Variable> {
         asperities(),
         instability(),
         integral(),
+        background(NONE),
         independence(NONE),
         validation(),
     ];

@@ -11,9 +11,9 @@ use std::sync::LazyLock;
 pub static SWEEP: Layout = Layout {
     format: "stiction-sweep",
     command: "stiction run",
-    version: [4, 1],
+    version: [4, 2],
     groups: &["ensemble", "replicas", "integral", "validation", "diagnostics", "differences"],
-    optional_groups: &["asperities", "coupling", "independence", "instability"],
+    optional_groups: &["asperities", "background", "coupling", "independence", "instability"],
     variables: LazyLock::new(variables),
     of_points: Some(&RUN),
 };
@@ -28,6 +28,7 @@ fn variables() -> Vec<Variable> {
         "/coupling",
         "/asperities",
         "/integral",
+        "/background",
         "/independence",
         "/validation",
         "/diagnostics",

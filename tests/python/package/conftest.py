@@ -35,6 +35,7 @@ MADE = {
     "preload": of_scene("preload", 20),
     "stopping": lambda path: stiction.run(CONFIGS / "target.toml", path),
     "coupled": of_scene("coupled", 4),
+    "background": of_scene("slider", 20),
     "sweep": of_scene("sweep_lubricant", 20),
     "grid": lambda path: stiction.sweep(
         CONFIGS / "quick.toml",

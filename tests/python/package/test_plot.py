@@ -15,7 +15,7 @@ from stiction.plot.command import main
 from stiction.plot.style import inches
 
 KINDS = [
-    "run", "retraction", "loop", "instability", "preload", "stopping", "coupled", "sweep", "grid", "grid_of_three",
+    "run", "retraction", "loop", "instability", "preload", "stopping", "coupled", "background", "sweep", "grid", "grid_of_three",
     "choice", "comparison", "finite_size", "asperities", "partial",
 ]  # fmt: skip
 
@@ -53,6 +53,22 @@ def test_every_kind_is_drawn_whole_without_a_warning(result, name, tmp_path):
         for label in (ax.get_xlabel(), ax.get_ylabel()):
             assert "_" not in label.replace("$", "") and label, ax.get_title()
     assert figure.get_suptitle() == ""
+
+
+def test_the_attraction_is_that_of_asperities_and_mean_planes(result):
+    run = result("background")
+    ax = plot.attraction(run)
+    drawn, unit = lines(ax), unit_of(ax)
+    asperities, force, voltage = (
+        run[path].values for path in ("ensemble/adhesion_force_mean", "background/force", "background/electrostatic_force")
+    )
+    np.testing.assert_allclose(drawn["voltage"].get_ydata() * unit, voltage)
+    np.testing.assert_allclose(drawn["together"].get_ydata() * unit, asperities + force)
+    dispersion = run["background/van_der_waals_force"].values
+    parts = [drawn[name].get_ydata() * unit for name in ("van der Waals", "van der Waals, taken off")]
+    np.testing.assert_allclose(np.nan_to_num(parts[0]) - np.nan_to_num(parts[1]), dispersion)
+    external = run["ensemble/contact_force_mean"].values - asperities - force
+    np.testing.assert_allclose(run["ensemble/external_force_mean"].values, external, rtol=1e-9, atol=1e-9 * abs(external).max())
 
 
 def test_every_key_of_a_sweep_can_be_the_axis(result):

@@ -22,7 +22,7 @@ from stiction.report.command import main
 from stiction.report.facts import facts
 
 KINDS = [
-    "run", "retraction", "loop", "instability", "preload", "stopping", "coupled", "sweep", "grid_of_three", "choice", "comparison",
+    "run", "retraction", "loop", "instability", "preload", "stopping", "coupled", "background", "sweep", "grid_of_three", "choice", "comparison",
     "finite_size", "asperities", "partial",
 ]  # fmt: skip
 
@@ -88,6 +88,16 @@ def test_the_data_behind_a_figure_are_the_datasets(result):
     np.testing.assert_array_equal(quantile, run["ensemble/external_force_quantile"].sel(quantile=0.95).values)
     patches = list(csv.DictReader(io.StringIO(base64.b64decode(links["run_pull_off.csv"]).decode())))
     np.testing.assert_array_equal([float(row["pull_off_force (N)"]) for row in patches], run["replicas/pull_off_force"].values)
+
+
+def test_the_share_of_the_mean_planes_is_told(result):
+    run = result("background")
+    [number] = [number for number in facts(run).numbers if number.label == "attraction of the mean planes"]
+    place, h = float(run["integral"].attrs["pull_off_separation"]), run["background/separation"].values
+    at = np.interp(place, h, run["background/force"].values)
+    np.testing.assert_allclose(number.value, at)
+    share = at / (at + np.interp(place, h, run["integral/adhesion_force"].values))
+    assert f"{100 * share:.3g} %" in number.note and "voltage 1.8" in number.note
 
 
 def test_verdicts_have_a_word_a_sign_and_a_grade(result):

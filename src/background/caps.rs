@@ -1,0 +1,158 @@
+//! Caps of asperities whose attraction has no end.
+//!
+//! # Formula
+//! The attraction of a paraboloid to a plane, 2πRW(D) by Derjaguin, reaches over the whole paraboloid. Of a
+//! surface with η asperities per area it would count the same area over and over, and the mean planes once
+//! more. An asperity owns a cap of the radius ρ, so that ηπρ² is the share s of the area: that has 2πR[W(D) −
+//! W(D + ρ²/2R)], ρ²/2R = s/2πηR. The law has the first term; the second, of what is beyond the caps, is taken off
+//! here, as a mean over heights and radii. W = Δγ[(4/3)(Z₀/z)² − (1/3)(Z₀/z)⁸], the Lennard-Jones attraction of
+//! the laws, at z = D + Z₀ less the film between the faces; Δγ where that is below Z₀.
+//!
+//! # Validity
+//! The second term hardly depends on the height: replicas differ in it by far less than in the first.
+
+use super::Strength;
+use crate::math::quadrature::{NODES, Rule};
+use std::f64::consts::PI;
+use std::fmt::Debug;
+use std::sync::Arc;
+
+/// Relative accuracy of the quadrature over heights.
+const TOLERANCE: f64 = 1e-13;
+
+/// A law of heights of asperities, as means over it need it.
+pub trait CapHeights: Debug + Send + Sync {
+    /// Given heights, m, each as likely, about their mean plane; none where there is a density.
+    fn given(&self) -> Option<Vec<f64>>;
+
+    /// Probability density at a height, m: 1/m.
+    fn density(&self, height: f64) -> f64;
+
+    /// Rising heights, m, from where the lowest are that count to where the highest are, between which the density is
+    /// smooth.
+    fn ends(&self) -> Vec<f64>;
+}
+
+/// Asperities of a radius.
+#[derive(Clone, Debug)]
+pub struct Cap {
+    /// Radius, m.
+    pub radius: f64,
+    /// The share of the asperities that have it.
+    pub weight: f64,
+    /// Their heights above the mean plane of the asperities.
+    pub heights: Arc<dyn CapHeights>,
+}
+
+impl PartialEq for Cap {
+    fn eq(&self, other: &Self) -> bool {
+        let of = |own: &Self| (own.radius, own.weight, format!("{:?}", own.heights));
+        of(self) == of(other)
+    }
+}
+
+/// The caps of a surface.
+///
+/// # Examples
+/// ```
+/// use std::sync::Arc;
+/// use stiction::background::{Cap, CapHeights, Caps};
+/// use stiction::surface::Heights;
+///
+/// let heights: Arc<dyn CapHeights> = Arc::new(Heights::sample(vec![0.0, 0.0]));
+/// let caps = Caps {
+///     share: 1.0,
+///     density: 7.39e12,
+///     work_of_adhesion: 0.09,
+///     equilibrium_spacing: 0.2e-9,
+///     contact_distance: 0.2e-9,
+///     mean_plane_offset: 0.0,
+///     classes: vec![Cap { radius: 3.33e-6, weight: 1.0, heights }],
+/// };
+/// // ρ²/2R = 6.4674 nm, which with D = 2 nm is 8.6674 nm between the faces: 4/3 of (0.2/8.6674)² Δγ.
+/// let expected = 2.0 * std::f64::consts::PI * 7.39e12 * 3.33e-6 * 0.09 * 4.0 / 3.0 * (0.2_f64 / 8.6674).powi(2);
+/// assert!((caps.beyond(2e-9).pressure / expected - 1.0).abs() < 1e-4);
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Caps {
+    /// The share ηπρ² of the area, above 0 and at most 1.
+    pub share: f64,
+    /// Asperities per area η, 1/m².
+    pub density: f64,
+    /// Work of adhesion Δγ, J/m².
+    pub work_of_adhesion: f64,
+    /// Equilibrium spacing Z₀, m.
+    pub equilibrium_spacing: f64,
+    /// The distance of faces whose gap is 0, Z₀ less the film, m.
+    pub contact_distance: f64,
+    /// Height of the mean plane of the asperities above that of the surface, m.
+    pub mean_plane_offset: f64,
+    /// The asperities by their radii; their weights add up to 1.
+    pub classes: Vec<Cap>,
+}
+
+impl Caps {
+    /// The attraction of what is beyond the caps, per nominal area, at a separation h of the mean planes, m.
+    pub fn beyond(&self, separation: f64) -> Strength {
+        let mut sum = Strength::default();
+        let of = |Strength { energy, pressure, slope }| [energy, pressure, slope];
+        for (factor, cap) in self.weighted() {
+            let [energy, pressure, slope] = self.mean(cap, separation, |distance| of(self.work(distance)));
+            sum = sum.plus(Strength { energy, pressure, slope }.times(factor));
+        }
+        sum
+    }
+
+    /// The pressure of it, Pa.
+    pub fn pressure_beyond(&self, separation: f64) -> f64 {
+        let of = |cap| self.mean(cap, separation, |distance| [self.work(distance).pressure])[0];
+        self.weighted().map(|(factor, cap)| factor * of(cap)).sum()
+    }
+
+    /// The asperities of each radius, and their share of 2πηR, 1/m.
+    fn weighted(&self) -> impl Iterator<Item = (f64, &Cap)> {
+        self.classes.iter().map(|cap| (cap.weight * 2.0 * PI * self.density * cap.radius, cap))
+    }
+
+    /// The mean of a function of the distance beyond caps, m, over the heights of asperities of a radius.
+    fn mean<const N: usize>(&self, cap: &Cap, separation: f64, of: impl Fn(f64) -> [f64; N]) -> [f64; N] {
+        // The distance is this less the height.
+        let depth = self.share / (2.0 * PI * self.density * cap.radius);
+        let largest = self.contact_distance + separation - self.mean_plane_offset + depth;
+        if let Some(heights) = cap.heights.given() {
+            let mut mean = [0.0; N];
+            for height in &heights {
+                let own = of(largest - height);
+                mean.iter_mut().zip(own).for_each(|(sum, own)| *sum += own / heights.len() as f64);
+            }
+            return mean;
+        }
+        // W is constant from Z₀ on, and rises steeply towards that.
+        let kink = largest - self.equilibrium_spacing;
+        let mut ends = cap.heights.ends();
+        ends.dedup();
+        if ends.first().is_some_and(|first| *first < kink) && ends.last().is_some_and(|last| kink < *last) {
+            ends.push(kink);
+            ends.sort_by(f64::total_cmp);
+        }
+        let weighted = |heights: &[f64; NODES], values: &mut [[f64; N]; NODES]| {
+            for (value, height) in values.iter_mut().zip(heights) {
+                let density = cap.heights.density(*height);
+                *value = of(largest - height).map(|own| density * own);
+            }
+        };
+        Rule::shared().integrate(&ends, TOLERANCE, weighted).value
+    }
+
+    /// W between planes at a distance, m, as a pressure, with its integral and derivative.
+    fn work(&self, distance: f64) -> Strength {
+        let (work, spacing) = (self.work_of_adhesion, self.equilibrium_spacing);
+        let q = (spacing / distance.max(spacing)).min(1.0);
+        let (square, eighth) = (q * q, q.powi(8));
+        Strength {
+            energy: work * (spacing * (4.0 / 3.0 * q - q.powi(7) / 21.0) + (spacing - distance).max(0.0)),
+            pressure: work * (4.0 * square - eighth) / 3.0,
+            slope: -8.0 / 3.0 * work / spacing * q * (square - eighth),
+        }
+    }
+}

@@ -67,12 +67,12 @@ impl Summed for HeldSurface<'_> {
             let (Some((_, lane_sums)), Some(pulled)) = (&mut self.asperities, &*self.pulled) else {
                 unreachable!("they have been turned")
             };
-            let d = |h: &f64| self.job.surface.asperity_separation(*h);
-            let stats = &mut self.sums.stats;
-            return separations
-                .iter()
-                .map(|to| pulled.external_force(cycle, None, d(to), lane_sums, stats))
-                .collect();
+            let (surface, stats) = (self.job.surface, &mut self.sums.stats);
+            let force = |&to: &f64| {
+                let d = surface.asperity_separation(to);
+                surface.external_force(to, pulled.external_force(cycle, None, d, lane_sums, stats))
+            };
+            return separations.iter().map(force).collect();
         }
         let force =
             |&to: &f64| self.sums.external_force(self.job, self.heights, State::Retraction { from, to });

@@ -33,18 +33,6 @@ pub enum LawError {
     /// H/E_r is not known, on which the form of the law depends.
     #[error("no hardness over reduced modulus is given, on which the form of the law {0} depends")]
     Hardness(&'static str),
-    /// H/E_r is larger than that for which the form of the law is one.
-    #[error(
-        "the hardness is {ratio:.3} of the reduced modulus, more than the {most} up to which the fits of the law {law} are of any use"
-    )]
-    TooHard {
-        /// Name of the law.
-        law: &'static str,
-        /// H/E_r.
-        ratio: f64,
-        /// The largest that is taken.
-        most: f64,
-    },
     /// The asperity is none of the three whose curve fits are published.
     #[error(
         "Table 3 has curve fits for three asperities only (R, work of adhesion: 1.66 um, 0.01 J/m^2; 3.33 um, 0.09 J/m^2; \

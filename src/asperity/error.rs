@@ -33,18 +33,6 @@ pub enum LawError {
     /// H/E_r is not known, on which the form of the law depends.
     #[error("no hardness over reduced modulus is given, on which the form of the law {0} depends")]
     Hardness(&'static str),
-    /// H/E_r is larger than that for which the form of the law is one.
-    #[error(
-        "the hardness is {ratio:.3} of the reduced modulus, more than the {most} up to which the fits of the law {law} are of any use"
-    )]
-    TooHard {
-        /// Name of the law.
-        law: &'static str,
-        /// H/E_r.
-        ratio: f64,
-        /// The largest that is taken.
-        most: f64,
-    },
     /// The law is for asperities around which a liquid condenses, and no liquid is given.
     #[error("no liquid is given, which the law {0} needs: [capillary] in a scene")]
     NoLiquid(&'static str),

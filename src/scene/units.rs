@@ -361,10 +361,13 @@ mod tests {
                 text.find(|c: char| c == '^' || c == '-' || c.is_ascii_digit()).unwrap_or(text.len());
             let (unit, exponent) = (&text[..digits], text[digits..].trim_start_matches('^'));
             let exponent: i32 = if exponent.is_empty() { 1 } else { exponent.parse().unwrap() };
-            let prefix = match unit.strip_suffix("Pa").or(unit.strip_suffix(['m', 'N', 'J'])) {
+            let prefix = match unit.strip_suffix("Pa").or(unit.strip_suffix(['m', 'N', 'J', 'V'])) {
                 _ if matches!(unit, "K" | "rad" | "mol") => 0,
                 _ if unit == "angstrom" || unit == "Å" || unit == "\u{212b}" => -10,
                 Some("") => 0,
+                Some("z") => -21,
+                Some("a") => -18,
+                Some("f") => -15,
                 Some("p") => -12,
                 Some("n") => -9,
                 Some("u" | "µ" | "μ") => -6,

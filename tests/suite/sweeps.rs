@@ -100,7 +100,7 @@ fn points_of_coupled_surfaces_have_the_bits_of_their_runs() {
 #[test]
 fn points_may_have_models_of_their_own() {
     let of = "mode = \"zip\"\nmodel.law = [\"hybrid\", \"hybrid\", \"zmc\"]\n\
-              model.unloading = [\"ekk\", \"mesarovic_johnson\", \"secant\"]\n";
+              model.unloading = [\"secant\", \"mesarovic_johnson\", \"secant\"]\n";
     let text = swept(of).replace("history = \"approach\"", "history = \"loop\"");
     let text = text.replace("replicas = 40", "replicas = 8").replace("from = -1.0", "from = 1.0");
     let folder = Folder::new(&text);

@@ -34,8 +34,8 @@ use std::f64::consts::PI;
 const FIRST_END: f64 = 1.9;
 /// H/Y (Tabor 1951).
 const HARDNESS: f64 = 2.84;
-/// Largest H/E_r: there the area would grow with the ninth power of the interference, and contacts are as wide as their
-/// asperities before they flow.
+/// Largest H/E_r that B is taken of, where it is 8: the powers of what is harder are no numbers, and contacts are as wide as
+/// their asperities before they flow.
 const HARDEST: f64 = 0.5;
 /// x up to which there are tables.
 const TABULATED: f64 = 1e3;
@@ -45,17 +45,13 @@ const TABLE_TOLERANCE: f64 = 8e-15;
 /// The law `jg`.
 ///
 /// # Errors
-/// [`LawError::Elastic`] without a critical interference, [`LawError::Hardness`] without H/E_r,
-/// [`LawError::TooHard`] above 0.5 of it.
+/// [`LawError::Elastic`] without a critical interference, [`LawError::Hardness`] without H/E_r.
 pub fn jg(parameters: &LawParameters) -> Result<Box<dyn Law>, LawError> {
     let own = parameters.plastic("jg")?;
     let hardness = own.hardness_ratio.ok_or(LawError::Hardness("jg"))?;
-    if !(hardness <= HARDEST) {
-        return Err(LawError::TooHard { law: "jg", ratio: hardness, most: HARDEST });
-    }
     let strain = hardness / HARDNESS;
     let c = 1.295 * libm::exp(0.736 * poisson_ratio(own.pressure_factor));
-    let b = 0.14 * libm::exp(23.0 * strain);
+    let b = 0.14 * libm::exp(23.0 * strain.min(HARDEST / HARDNESS));
     let root = 0.5 * PI * c * strain;
     // (πCY/2E_r)²R over (πKH/2E_r)²R.
     let ratio = c / (HARDNESS * own.pressure_factor);

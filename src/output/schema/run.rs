@@ -35,7 +35,7 @@ const NPD: &[Dimension] = &[Dimension::Replica, Dimension::Preload, Dimension::S
 pub static RUN: Layout = Layout {
     format: "stiction-run",
     command: "stiction run",
-    version: [3, 4],
+    version: [3, 5],
     groups: &["ensemble", "replicas", "integral", "validation", "diagnostics"],
     optional_groups: &["asperities", "background", "capillary", "coupling", "independence", "instability"],
     variables: LazyLock::new(variables),

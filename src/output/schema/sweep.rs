@@ -11,7 +11,7 @@ use std::sync::LazyLock;
 pub static SWEEP: Layout = Layout {
     format: "stiction-sweep",
     command: "stiction run",
-    version: [4, 2],
+    version: [4, 3],
     groups: &["ensemble", "replicas", "integral", "validation", "diagnostics", "differences"],
     optional_groups: &["asperities", "background", "capillary", "coupling", "independence", "instability"],
     variables: LazyLock::new(variables),

@@ -21,6 +21,7 @@ pub use dispersion::{Dispersion, VanDerWaals};
 pub use electrostatic::{Electrostatic, VACUUM_PERMITTIVITY};
 
 use crate::math::piecewise::Piecewise;
+use std::sync::OnceLock;
 
 /// Accuracy of the table of pressures, relative.
 const ACCURACY: f64 = 1e-12;
@@ -90,15 +91,15 @@ pub struct Background {
     terms: Terms,
     /// Standard deviation σ of the surface heights, m.
     std: f64,
-    /// The pressure over (h − `origin`)/σ.
-    table: Piecewise,
-    /// m.
-    origin: f64,
+    /// Separations h, m, that the table is for.
+    range: (f64, f64),
+    /// The pressure over h less the nearest of them over σ, once it has been asked for.
+    table: OnceLock<Piecewise>,
 }
 
 impl PartialEq for Background {
     fn eq(&self, other: &Self) -> bool {
-        let of = |own: &Self| (own.terms.clone(), own.std, own.origin);
+        let of = |own: &Self| (own.terms.clone(), own.std, own.range);
         of(self) == of(other)
     }
 }
@@ -106,15 +107,19 @@ impl PartialEq for Background {
 impl Background {
     /// The background of surfaces whose heights have the standard deviation `std`, m, fast at separations h in
     /// a range, m.
-    pub fn new(terms: Terms, std: f64, (nearest, furthest): (f64, f64)) -> Self {
-        let mut background = Self { terms, std, table: Piecewise::default(), origin: nearest };
-        let pressure = |x: f64| background.exact_pressure(nearest + std * x);
+    pub fn new(terms: Terms, std: f64, range: (f64, f64)) -> Self {
+        Self { terms, std, range, table: OnceLock::new() }
+    }
+
+    fn table(&self) -> Piecewise {
+        let (nearest, furthest) = self.range;
+        let pressure = |x: f64| self.exact_pressure(nearest + self.std * x);
         // Terms of opposite signs leave the rounding of each.
-        let caps = background.terms.dispersion.as_ref().and_then(|term| term.caps.as_ref());
+        let caps = self.terms.dispersion.as_ref().and_then(|term| term.caps.as_ref());
         let beyond = |h: f64| caps.map_or(0.0, |caps| caps.pressure_beyond(h));
-        let tolerance = |x: f64, pressure: f64| ACCURACY * (pressure.abs() + 2.0 * beyond(nearest + std * x));
-        background.table = Piecewise::new(pressure, tolerance, 0.0, (furthest - nearest) / std);
-        background
+        let tolerance =
+            |x: f64, pressure: f64| ACCURACY * (pressure.abs() + 2.0 * beyond(nearest + self.std * x));
+        Piecewise::new(pressure, tolerance, 0.0, (furthest - nearest) / self.std)
     }
 
     /// The terms.
@@ -125,7 +130,8 @@ impl Background {
     /// Pressure at a separation h, m, attractive counted positive, Pa.
     pub fn pressure(&self, separation: f64) -> f64 {
         let mut pressure = [f64::NAN];
-        self.table.values(&[(separation - self.origin) / self.std], &mut pressure);
+        let table = self.table.get_or_init(|| self.table());
+        table.values(&[(separation - self.range.0) / self.std], &mut pressure);
         if pressure[0].is_nan() { self.exact_pressure(separation) } else { pressure[0] }
     }
 

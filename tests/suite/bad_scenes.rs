@@ -893,8 +893,8 @@ fn examples_of_all_keys_are_scenes() {
         "material.youngs_modulus[]",
         "material.poissons_ratio[]",
         "material.surface_energy[]",
-        "electrostatic.relative_permittivity[]",
         "capillary.contact_angles[]",
+        "electrostatic.relative_permittivity[]",
     ];
     assert_eq!(unused, [&elements[..], &["sweep.*.from", "sweep.*.to"]].concat());
     std::fs::write(&path, scene_of(&(&[], &[], &[]))).unwrap();

@@ -124,7 +124,7 @@ pub enum SurfaceLoops {
 
 impl SurfaceLoops {
     /// The loops of a model for asperities like one, whose radii differ from its radius by factors between
-    /// `least` and `most`.
+    /// `least` and `most`; before contact they are on the outermost state.
     ///
     /// # Errors
     /// As [`Loop::new`] for one of these two.
@@ -137,7 +137,7 @@ impl SurfaceLoops {
         let of_radius = move |radius: f64| {
             let parameters =
                 LawParameters::new(&Asperity { radius, ..asperity }, Path::Approach, (0.0, 0.0))?;
-            Loop::new(&model, &LawParameters { table_range: None, ..parameters }, unloading)
+            Loop::new(&model, &LawParameters { table_range: None, outermost: true, ..parameters }, unloading)
         };
         for factor in [least, most] {
             of_radius(factor * asperity.radius)?;

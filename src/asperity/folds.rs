@@ -15,6 +15,9 @@ const FIRST_OUTER: (f64, f64) = (0.888, 0.889);
 /// The first λ at which the contact branch folds is between these.
 const FIRST_CONTACT: (f64, f64) = (0.937, 0.938);
 
+/// A function of one variable.
+type Map = fn(f64) -> f64;
+
 /// Folds over the logarithm of λ/λ_first, or over its root where the fold begins like one.
 struct Folds {
     first: f64,
@@ -27,7 +30,7 @@ impl Folds {
     fn new(
         find: fn(f64) -> Option<f64>,
         (mut without, mut with): (f64, f64),
-        (variable, logarithm): (fn(f64) -> f64, fn(f64) -> f64),
+        (variable, logarithm): (Map, Map),
         last: f64,
     ) -> Self {
         while 0.5 * (without + with) > without && 0.5 * (without + with) < with {
@@ -40,7 +43,7 @@ impl Folds {
     }
 
     /// The fold at λ, if there is one, in the variable v of λ/λ_first.
-    fn at(&self, lambda: f64, variable: fn(f64) -> f64) -> Option<f64> {
+    fn at(&self, lambda: f64, variable: Map) -> Option<f64> {
         if lambda < self.first {
             return None;
         }

@@ -26,6 +26,8 @@ pub struct LawParameters {
     /// else it is on the outermost.
     #[doc(hidden)]
     pub holds: bool,
+    /// Whether it is on the outermost state that there is before contact, whatever it has touched.
+    pub outermost: bool,
     /// Range of interferences, m, that starting tables are made for; other interferences are solved too,
     /// slower.
     pub table_range: Option<(f64, f64)>,
@@ -46,6 +48,7 @@ impl LawParameters {
             critical_approach: None,
             path,
             holds: false,
+            outermost: false,
             table_range: Some(table_range),
         };
         let positive =
@@ -71,6 +74,7 @@ impl LawParameters {
             critical_approach: None,
             path,
             holds: false,
+            outermost: false,
             table_range: None,
         };
         parameters.checked()

@@ -227,7 +227,7 @@ impl Loop {
         if !unloading.suits(model) {
             return Err(LawError::NoUnloading { law: model.name });
         }
-        let [approach, retraction] = [(Path::Approach, false), (Path::Retraction, true)]
+        let [approach, retraction] = [(Path::Approach, false), (Path::Retraction, !parameters.outermost)]
             .map(|(path, holds)| model.law(&LawParameters { path, holds, ..*parameters }));
         let [approach, retraction]: [Arc<dyn Law>; 2] = [approach?.into(), retraction?.into()];
         let regimes = approach.regimes();

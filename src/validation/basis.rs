@@ -285,8 +285,9 @@ fn centre(
 /// Ranges of the asperities of the grid, of their weights, over each of which the mean contribution is not left to chance;
 /// where there are several the grid is in the order of scores.
 fn strata(weights: &[f64], scheme: SamplingScheme) -> Vec<Range<usize>> {
+    let all = 0..weights.len();
     if scheme != SamplingScheme::Stratified {
-        return vec![0..weights.len()];
+        return Vec::from([all]);
     }
     let mut below = 0.0;
     // By the middles of asperities, none of which is in two strata.

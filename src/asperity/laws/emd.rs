@@ -60,6 +60,7 @@ pub struct Attraction {
     path: Path,
     thickness: f64,
     holds: bool,
+    outermost: bool,
 }
 
 impl Attraction {
@@ -68,7 +69,7 @@ impl Attraction {
     /// # Errors
     /// [`LawError`] for a λ that is not solved.
     pub fn new(parameters: &LawParameters) -> Result<Self, LawError> {
-        let LawParameters { scale, path, lubricant_thickness: thickness, holds, .. } = *parameters;
+        let LawParameters { scale, path, lubricant_thickness: thickness, holds, outermost, .. } = *parameters;
         let mut emd = Emd::new(scale.lambda, path)?;
         if holds {
             emd = emd.holding();
@@ -78,7 +79,7 @@ impl Attraction {
         {
             emd = emd.with_tables((lowest + thickness) / scale.length, deepest);
         }
-        Ok(Self { emd: Arc::new(emd), scale, path, thickness, holds })
+        Ok(Self { emd: Arc::new(emd), scale, path, thickness, holds, outermost })
     }
 }
 
@@ -89,11 +90,12 @@ impl Interaction for Attraction {
     }
 
     fn capture(&self) -> Option<f64> {
-        self.emd.capture().map(|displacement| displacement * self.scale.length - self.thickness)
+        let place = self.emd.capture().filter(|_| !self.outermost);
+        place.map(|displacement| displacement * self.scale.length - self.thickness)
     }
 
     fn unstable_work(&self) -> f64 {
-        self.emd.unstable_work_before() * self.scale.energy()
+        if self.outermost { 0.0 } else { self.emd.unstable_work_before() * self.scale.energy() }
     }
 
     fn method(&self) -> Method {
@@ -137,7 +139,8 @@ impl PartOfRadii for Attraction {
     }
 
     fn capture_of(&self, lane: &Lane) -> Option<f64> {
-        let displacement = lane.elastic.inner_fold().and(lane.elastic.outer_fold())?;
+        let fold = lane.elastic.inner_fold().and(lane.elastic.outer_fold());
+        let displacement = fold.filter(|_| !self.outermost)?;
         Some(displacement * (self.scale.length * lane.cube_root) - self.thickness)
     }
 

@@ -148,6 +148,7 @@ impl Tip {
             critical_approach: None,
             path,
             holds: false,
+            outermost: false,
             table_range: None,
         };
         parameters.checked()

@@ -285,10 +285,15 @@ impl<'a> Retraction<'a> {
         };
         let place = |part: usize| lower + (upper - lower) * part as f64 / KINK_PARTS as f64;
         let inside = |part: usize| place(part).clamp(lower.next_up(), upper.next_down());
-        let (mut low, mut high) =
-            (0..KINK_PARTS).map(|part| (inside(part), inside(part + 1))).find(|&(low, high)| {
-                beyond(low).is_some_and(|b| b > 0.0) && beyond(high).is_some_and(|b| b <= 0.0)
-            })?;
+        let mut at = inside(0);
+        let mut above = beyond(at).is_some_and(|beyond| beyond > 0.0);
+        let (mut low, mut high) = (1..=KINK_PARTS).find_map(|part| {
+            let next = beyond(inside(part));
+            let is_between = above && next.is_some_and(|beyond| beyond <= 0.0);
+            let begin = std::mem::replace(&mut at, inside(part));
+            above = next.is_some_and(|beyond| beyond > 0.0);
+            is_between.then_some((begin, at))
+        })?;
         while 0.5 * (low + high) > low && 0.5 * (low + high) < high {
             let middle = 0.5 * (low + high);
             *(if beyond(middle)? > 0.0 { &mut low } else { &mut high }) = middle;

@@ -54,7 +54,7 @@ pub(crate) fn mean_fields(
     let retraction = cycle.map(|cycle| {
         let turn = approach.separations[0];
         let model = RetractionModel::new(cycle, surface, turn);
-        let force_at = |x: f64| model.of_asperities(&[x]).expected[EXTERNAL][0];
+        let force_at = |x: f64| model.external_force_of_asperities(x);
         MeanField::new(separations, stiffness, step, Some(turn), force_at)
     });
     [approach].into_iter().chain(retraction).map(beside).collect()

@@ -108,7 +108,7 @@ fn integral(scene: &Scene) -> Result<f64, Error> {
     let laws = SceneLaws::new(scene)?;
     let force = match &laws.cycle {
         None => PathIntegral::of(scene, laws.law.view()).pull_off(),
-        Some(cycle) => PathIntegral::retraction(scene, cycle).pull_off(),
+        Some(cycle) => PathIntegral::pull_off_of(scene, cycle),
     };
     if force > 0.0 {
         return Ok(force / scene.surface.asperity_count as f64);

@@ -1,12 +1,15 @@
 //! The integral of a scene, and what is read off it.
 
 use crate::asperity::{self, Laws, Loop, Path, Quantity};
-use crate::integral::{Expectations, Independence, IntegralCurve, Model, RetractionModel, TOLERANCE};
-use crate::math::extrema::{Extremum, Features, largest_secant, maximum};
+use crate::integral::{Expectations, Forces, Independence, IntegralCurve, Model, RetractionModel, TOLERANCE};
+use crate::math::extrema::{Extremum, Features, downhill, largest_secant, maximum};
 use crate::scene::{Expected, Reading, Scene, WhatIsRead};
 
 /// Steps of h* that resolve the integral, which is an average over heights that scatter by about σ.
 pub(crate) const RESOLVING: f64 = 0.125;
+
+/// Steps of h* that see every dip of the integral.
+const SCAN: f64 = 0.5;
 
 /// Step of h* over which a slope is taken at an end of the separations.
 const END_STEP: f64 = 1e-4;
@@ -35,6 +38,8 @@ pub struct PathIntegral {
     pub(crate) at_pull_off: Expectations,
     /// The integral at the stiffest point.
     at_stiffest: Expectations,
+    /// What is known of the external force of a retraction.
+    pub(crate) forces: Forces,
 }
 
 /// The integral of a scene, without any ensemble.
@@ -85,7 +90,8 @@ impl PathIntegral {
         let curve = IntegralCurve { separations, force, at_pull_off: &at_pull_off, largest_slope };
         let modulus = scene.asperity.reduced_modulus;
         let independence = Independence::new(&scene.surface, modulus, &curve, force_at);
-        Self { at_stiffest: at(features.steepest.place), at_pull_off, independence, features, expectations }
+        let (at_stiffest, forces) = (at(features.steepest.place), Forces::default());
+        Self { at_stiffest, at_pull_off, independence, features, expectations, forces }
     }
 
     /// The integral of a law along one path.
@@ -104,8 +110,18 @@ impl PathIntegral {
     pub(crate) fn retraction(scene: &Scene, cycle: &Loop) -> Self {
         let model = RetractionModel::new(cycle, &scene.surface, scene.separations[0]);
         let at = |h: f64| model.answer(&[h]);
-        let force = |h: f64| at(h).expected[Quantity::ExternalForce.index()][0];
-        Self::new(scene, model.answer(&scene.separations), at, force)
+        let read = Self::new(scene, model.answer(&scene.separations), at, |h| model.external_force(h));
+        Self { forces: model.forces(), ..read }
+    }
+
+    /// The pull-off force of the integral of a loop, N, alone; 0 or negative where nothing pulls.
+    pub(crate) fn pull_off_of(scene: &Scene, cycle: &Loop) -> f64 {
+        let separations = &scene.separations;
+        let model = RetractionModel::new(cycle, &scene.surface, separations[0]);
+        let scan = if is_smooth(scene) { SCAN * scene.surface.surface_height_std } else { 0.0 };
+        let sample = |h: f64| model.answer(&[h]).expected[Quantity::ExternalForce.index()][0];
+        let curve = |h: f64| model.external_force(h);
+        -downhill(sample, curve, separations, (resolving(scene), scan)).value
     }
 
     /// Pull-off and stiffest point, or the smallest separation where nothing pulls.

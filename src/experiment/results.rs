@@ -85,9 +85,9 @@ impl RetractionResults {
     pub fn new(scene: &Scene, cycle: &Loop, ensemble: &Ensemble, integral: PathIntegral) -> Self {
         let q = Quantity::ExternalForce.index();
         let separations = &scene.separations;
-        let PathIntegral { expectations, features: of_integral, .. } = integral;
-        let model = RetractionModel::new(cycle, &scene.surface, separations[0]);
-        let force = |h: f64| model.answer(&[h]).expected[q][0];
+        let PathIntegral { expectations, features: of_integral, forces, .. } = integral;
+        let model = RetractionModel::new(cycle, &scene.surface, separations[0]).knowing(forces);
+        let force = |h: f64| model.external_force(h);
         let mean = &ensemble.curves[q].mean()[separations.len()..];
         let of_mean = near_features(force, scene, mean, &expectations.expected[q]);
         let by_radius = by_radius(scene, cycle, &of_integral);
@@ -100,8 +100,8 @@ impl RetractionResults {
 fn by_radius(scene: &Scene, cycle: &Loop, features: &Features) -> Option<[(UnloadedRadius, f64); 2]> {
     let other = scene.unloading.other_radius()?;
     let cycle = scene.loop_law_of(other).ok().filter(|_| cycle.flows())?;
-    let pulled = PathIntegral::retraction(scene, &cycle).features.minimum;
-    Some([(scene.unloading.radius(), -features.minimum.value), (other.radius(), -pulled.value)])
+    let pull_off = PathIntegral::pull_off_of(scene, &cycle);
+    Some([(scene.unloading.radius(), -features.minimum.value), (other.radius(), pull_off)])
 }
 
 impl Results {

@@ -10,6 +10,9 @@ use crate::surface::Heights;
 /// Heights beyond so many σ_s have a normal density that underflows.
 const LARGEST_HEIGHT: f64 = 38.0;
 
+/// Where no more than this accuracy is asked for, heights are at first divided into panels that are so many times as wide.
+const WIDE_PANELS: (f64, usize) = (1e-9, 4);
+
 /// Roundings by which a probability may be off.
 const ROUNDINGS: f64 = 16.0;
 
@@ -206,7 +209,8 @@ impl AtSeparation {
         tolerance: f64,
     ) -> Integral<COMPONENTS> {
         let variable = Variable::of(piece, separation, heights.std);
-        let breaks = panel_breaks(piece, separation, heights, variable);
+        let every = if tolerance < WIDE_PANELS.0 { 1 } else { WIDE_PANELS.1 };
+        let breaks = panel_breaks(piece, separation, heights, variable, every);
         // Rounding a height far out in the distribution is rounding its density so many times over.
         let ends = [breaks.first(), breaks.last()].map(|end| variable.distance(*end.unwrap_or(&0.0)).abs());
         let rounding = f64::EPSILON * (ends[0].max(ends[1]) + variable.height.abs()) / heights.std;
@@ -351,11 +355,19 @@ impl Variable {
     }
 }
 
-/// Rising panel ends for a piece, where there are heights.
-fn panel_breaks(piece: &Piece, separation: f64, heights: &Heights, variable: Variable) -> Vec<f64> {
+/// Rising panel ends for a piece, where there are heights: every so many of these.
+fn panel_breaks(
+    piece: &Piece,
+    separation: f64,
+    heights: &Heights,
+    variable: Variable,
+    every: usize,
+) -> Vec<f64> {
     let (low, high) = (piece.lower + separation, piece.upper + separation);
-    let panels = heights.panels(low, high).into_iter();
-    let mut breaks: Vec<f64> = panels.map(|u| variable.of_height(u.clamp(low, high))).collect();
+    let panels = heights.panels(low, high);
+    let last = panels.last().copied();
+    let inner = panels.into_iter().step_by(every).chain(last);
+    let mut breaks: Vec<f64> = inner.map(|u| variable.of_height(u.clamp(low, high))).collect();
     breaks.sort_by(f64::total_cmp);
     breaks.dedup();
     breaks

@@ -29,6 +29,7 @@ pub use mean_field::MeanField;
 #[doc(hidden)]
 pub use model::interference_range;
 pub use model::{Model, TOLERANCE};
+pub(crate) use retraction::Forces;
 pub use retraction::RetractionModel;
 
 #[cfg(test)]

@@ -4,16 +4,26 @@
 use super::expectations::Expectations;
 use super::height_integral::AtSeparation;
 use super::model::{Mixture, TOLERANCE, accuracy};
-use crate::asperity::Loop;
+use crate::asperity::{Loop, Quantity};
+use crate::math::piecewise::Cell;
 use crate::surface::{RadiusClass, RadiusPanels, Surface};
 use rayon::prelude::*;
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// Panels of the radius are looked at in so many parts for places at which what is expected is not smooth in it, which are
 /// found to this share of their part.
 const LOOKED_AT: usize = 16;
 /// Relative accuracy asked of every piece of the law of one of several radii: that over radii is no better.
-const OF_RADIUS_TOLERANCE: f64 = 1e-8;
+const OF_RADIUS_TOLERANCE: f64 = 1e-6;
 const PLACE: f64 = 1e-9;
+/// Asperities of a radius at which the density of radii has less than this probability do not count.
+const NEGLIGIBLE: f64 = 1e-9;
+/// The external force over radii of a density is interpolated between separations that are so many σ_s apart, or half as
+/// far a few times where it is not smooth enough for this accuracy.
+const INTERPOLATED: f64 = 0.25;
+const HALVINGS: u32 = 2;
+const LAST_TERM: f64 = 1e-6;
 
 /// The integral model of a surface that is pulled back along a loop.
 ///
@@ -38,7 +48,13 @@ pub struct RetractionModel<'a> {
     /// d, m, where the surfaces turned.
     closest: f64,
     radii: Radii,
+    /// What is known of the external force.
+    forces: Forces,
 }
+
+/// Interpolants of the external force of the asperities of a model, N, by their halvings and numbers.
+#[derive(Clone, Default)]
+pub(crate) struct Forces(Arc<Mutex<HashMap<(u32, u64), Cell>>>);
 
 /// The radii of the asperities.
 enum Radii {
@@ -58,7 +74,8 @@ impl<'a> RetractionModel<'a> {
     /// The model of a surface that turns at a separation h, m.
     pub fn new(cycle: &'a Loop, surface: &'a Surface, closest: f64) -> Self {
         let closest = surface.asperity_separation(closest);
-        let mut model = Self { cycle, surface, closest, radii: Radii::Parts(Vec::new()) };
+        let radii = Radii::Parts(Vec::new());
+        let mut model = Self { cycle, surface, closest, radii, forces: Forces::default() };
         model.radii = match surface.radii.panels(surface.asperity_radius, &surface.heights) {
             None => Radii::Parts(model.parts(surface.parts())),
             Some(panels) => {
@@ -74,6 +91,16 @@ impl<'a> RetractionModel<'a> {
             }
         };
         model
+    }
+
+    /// The same with what is known of its external force.
+    pub(crate) fn knowing(self, forces: Forces) -> Self {
+        Self { forces, ..self }
+    }
+
+    /// What is known of its external force.
+    pub(crate) fn forces(&self) -> Forces {
+        self.forces.clone()
     }
 
     /// The loop of asperities of a radius, m.
@@ -116,6 +143,32 @@ impl<'a> RetractionModel<'a> {
         self.of_asperities(separations).beside(self.surface, separations)
     }
 
+    /// Expected external force, N, at one separation h, m. Where radii have a density it is interpolated, to about 1e-6.
+    pub fn external_force(&self, separation: f64) -> f64 {
+        self.surface.external_force(separation, self.external_force_of_asperities(separation))
+    }
+
+    /// The same of the asperities alone, without the attraction of the mean planes.
+    pub(crate) fn external_force_of_asperities(&self, separation: f64) -> f64 {
+        let direct = |h: f64| self.of_asperities(&[h]).expected[Quantity::ExternalForce.index()][0];
+        let from = self.closest + self.surface.mean_plane_offset;
+        let is_smooth = self.surface.heights.values().is_none() && separation >= from;
+        if !(is_smooth && matches!(self.radii, Radii::Density { .. })) {
+            return direct(separation);
+        }
+        for halvings in 0..=HALVINGS {
+            let width = INTERPOLATED * self.surface.surface_height_std / f64::from(1_u32 << halvings);
+            let number = ((separation - from) / width).floor();
+            let cell = self.forces.cell((halvings, number as u64), || {
+                Cell::interpolate(&direct, from + number * width, from + (number + 1.0) * width)
+            });
+            if cell.last_term() <= LAST_TERM {
+                return cell.value(separation);
+            }
+        }
+        direct(separation)
+    }
+
     /// The same of the asperities alone, without the attraction of the mean planes.
     pub(crate) fn of_asperities(&self, separations: &[f64]) -> Expectations {
         let at: Vec<Mixture> = separations.par_iter().map(|h| self.at(*h)).collect();
@@ -143,7 +196,9 @@ impl<'a> RetractionModel<'a> {
         let parts = match &self.radii {
             Radii::Parts(parts) => parts,
             Radii::Density { panels, meetings } => {
-                own = self.parts(panels.parts(&self.kinks(panels, meetings, distance)));
+                let mut classes = panels.parts(&self.kinks(panels, meetings, distance));
+                classes.retain(|class| class.weight > NEGLIGIBLE);
+                own = self.parts(classes);
                 &own
             }
         };
@@ -156,6 +211,20 @@ impl<'a> RetractionModel<'a> {
         let tolerance = if parts.len() > 1 { OF_RADIUS_TOLERANCE } else { TOLERANCE };
         let of = |part: &Part, typical| of(part, typical, tolerance);
         Mixture::new((&law, self.surface, self.closest), parts, |part| &part.of, of)
+    }
+}
+
+impl Forces {
+    /// An interpolant, which is made when it is first asked for.
+    fn cell(&self, which: (u32, u64), new: impl FnOnce() -> Cell) -> Cell {
+        let known = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let cell = known().get(&which).copied();
+        // Not while the others wait: it takes all threads.
+        cell.unwrap_or_else(|| {
+            let cell = new();
+            known().insert(which, cell);
+            cell
+        })
     }
 }
 

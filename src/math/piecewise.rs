@@ -1,6 +1,7 @@
 //! A function tabulated as polynomials on cells that adapt to it.
 
 use super::chebyshev;
+use super::extrema::maximum;
 use super::polynomials::estrin;
 
 /// Degree of the polynomial of a cell.
@@ -142,7 +143,7 @@ impl Cell {
     }
 
     /// The interpolant at Chebyshev nodes, corrected once by that of its own rounding errors.
-    fn interpolate(f: &impl Fn(f64) -> f64, low: f64, high: f64) -> Self {
+    pub fn interpolate(f: &impl Fn(f64) -> f64, low: f64, high: f64) -> Self {
         let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
         let places: [f64; NODES] =
             std::array::from_fn(|j| middle + half * libm::cos(chebyshev::angle(j, NODES)));
@@ -161,6 +162,12 @@ impl Cell {
         let slope = |i: usize| cell.coefficients.get(i + 1).map_or(0.0, |c| (i + 1) as f64 * c / half);
         cell.slopes = std::array::from_fn(slope);
         cell
+    }
+
+    /// The size of its highest Chebyshev polynomial, about by how much it is off, over the largest coefficient.
+    pub fn last_term(&self) -> f64 {
+        let largest = self.coefficients.iter().fold(0.0, |largest, c| maximum(c.abs(), largest));
+        self.coefficients[DEGREE].abs() / (f64::from(1 << (DEGREE - 1)) * largest)
     }
 
     fn meets(&self, f: &impl Fn(f64) -> f64, tolerance: &impl Fn(f64, f64) -> f64) -> bool {

@@ -3,7 +3,7 @@
 //! # Formula
 //! The liquid pulls with the tension p_c = γ/r_K wherever the gap is below h₀ = s r_K. That is Dugdale's zone, with σ₀ = p_c
 //! and the energy γs; so a wet asperity is a Maugis-Dugdale asperity of that energy and stress ([`super::md`]), and before
-//! contact a bridge under constant tension ([`crate::asperity::bridge`]). The bridge bends the faces towards each other:
+//! contact a bridge under constant tension (`asperity::bridge`). The bridge bends the faces towards each other:
 //! within it they are as near as an asperity without bridge at the interference
 //!
 //! δ₁ = a₀²/R in contact, a₀ the radius of contact under the bridge alone, and δ₁ = −g before it, g the gap in the middle.
@@ -28,7 +28,7 @@
 //! 0.938).
 //!
 //! Of a constant volume ([`Volume::Constant`]) bridges keep from the end of contact on retraction the liquid that they have
-//! there ([`crate::asperity::bridge`]).
+//! there (`asperity::bridge`).
 //!
 //! # Validity
 //! Elastic-plastic spheres of all λ, r_K ≪ R: the force is off by r_K/R terms, κ/(c h₀) of the bridge's. With both γs and

@@ -18,6 +18,17 @@ fn main() {
 
 #[divan::bench(args = CASES, sample_count = 20)]
 fn replica(bencher: Bencher, name: &str) {
+    one_replica(bencher, name);
+}
+
+/// One replica of a surface whose radii differ, at its own separations, with the search for its features.
+#[divan::bench(args = ["surfaces/radii", "surfaces/nayak"], sample_count = 50)]
+fn replica_of_radii(bencher: Bencher, name: &str) {
+    one_replica(bencher, name);
+}
+
+/// Replicas of a scene, one after the other.
+fn one_replica(bencher: Bencher, name: &str) {
     let scene = scene(name);
     let law = scene.law().expect("a law of the scene");
     let job = job(&scene, law.view(), 1);
@@ -48,22 +59,7 @@ fn eight_replicas_compressed(bencher: Bencher, name: &str) {
     });
 }
 
-/// One replica of a surface whose radii differ, at its own separations, with the search for its features.
-#[divan::bench(args = ["surfaces/radii", "surfaces/nayak"], sample_count = 50)]
-fn replica_of_radii(bencher: Bencher, name: &str) {
-    let scene = scene(name);
-    let law = scene.law().expect("a law of the scene");
-    let job = job(&scene, law.view(), 1);
-    let mut workspace = Workspace::new(&job);
-    let pairs = scene.surface.asperity_count * scene.separations.len();
-    let mut index = 0;
-    bencher.counter(ItemsCount::new(pairs)).bench_local(|| {
-        index += 1;
-        workspace.replicas(&job, index..index + 1, |_, _| ());
-    });
-}
-
-/// The same under every law that follows the radius.
+/// One replica of radii that scatter under every law that follows the radius.
 #[divan::bench(args = MODELS.iter().map(|model| model.name), sample_count = 20)]
 fn replica_of_radii_by_law(bencher: Bencher, name: &str) {
     let scene = scene("surfaces/radii");

@@ -4,7 +4,7 @@ use super::error::LawError;
 use super::history::Path;
 use super::law::Law;
 use super::models::Model;
-use super::parameters::LawParameters;
+use super::parameters::{InnerState, LawParameters};
 use super::radius::{Lane, OfRadii, RadiusLaw};
 use super::scale::Asperity;
 use super::unloading::{Loop, Unloading};
@@ -137,7 +137,8 @@ impl SurfaceLoops {
         let of_radius = move |radius: f64| {
             let parameters =
                 LawParameters::new(&Asperity { radius, ..asperity }, Path::Approach, (0.0, 0.0))?;
-            Loop::new(&model, &LawParameters { table_range: None, outermost: true, ..parameters }, unloading)
+            let inner_state = InnerState::Ignored;
+            Loop::new(&model, &LawParameters { table_range: None, inner_state, ..parameters }, unloading)
         };
         for factor in [least, most] {
             of_radius(factor * asperity.radius)?;

@@ -45,6 +45,11 @@ impl Regime {
         !matches!(self, Self::Noncontact | Self::Lubricant | Self::Bridge)
     }
 
+    /// The regime of a name.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|regime| regime.name() == name)
+    }
+
     /// The name in files and tables.
     pub fn name(self) -> &'static str {
         match self {

@@ -66,6 +66,8 @@ pub use law::{
 };
 pub use law::{Law, Regime};
 pub use models::{MODELS, Model, Validity, model};
+#[doc(hidden)]
+pub use parameters::InnerState;
 pub use parameters::LawParameters;
 pub use quantity::Quantity;
 #[doc(hidden)]

@@ -5,6 +5,20 @@ use super::error::LawError;
 use super::history::Path;
 use super::scale::{Asperity, Scale, UNIT_RANGE};
 
+/// What becomes of an asperity before contact where the attraction has two states, and contact leads to the inner one: for λ
+/// from 0.888 to 0.938.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[doc(hidden)]
+pub enum InnerState {
+    /// It comes to the inner one where the outer one ends, and is on the outer one before that.
+    #[default]
+    Entered,
+    /// It has come out of contact, and stays on the inner one for as long as that exists.
+    Held,
+    /// It is on the outermost one that there is, whatever it has touched.
+    Ignored,
+}
+
 /// Everything that the laws of one asperity depend on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LawParameters {
@@ -22,12 +36,9 @@ pub struct LawParameters {
     pub critical_approach: Option<f64>,
     /// The history.
     pub path: Path,
-    /// Whether an asperity before contact has come out of it, and stays on the inner of two states for as long as that exists;
-    /// else it is on the outermost.
+    /// What becomes of it before contact where there are two states.
     #[doc(hidden)]
-    pub holds: bool,
-    /// Whether it is on the outermost state that there is before contact, whatever it has touched.
-    pub outermost: bool,
+    pub inner_state: InnerState,
     /// Range of interferences, m, that starting tables are made for; other interferences are solved too,
     /// slower.
     pub table_range: Option<(f64, f64)>,
@@ -47,8 +58,7 @@ impl LawParameters {
             lubricant_thickness: asperity.lubricant_thickness,
             critical_approach: None,
             path,
-            holds: false,
-            outermost: false,
+            inner_state: InnerState::default(),
             table_range: Some(table_range),
         };
         let positive =
@@ -73,8 +83,7 @@ impl LawParameters {
             lubricant_thickness: 0.0,
             critical_approach: None,
             path,
-            holds: false,
-            outermost: false,
+            inner_state: InnerState::default(),
             table_range: None,
         };
         parameters.checked()

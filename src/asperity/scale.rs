@@ -1,7 +1,6 @@
 //! From SI quantities to the scaled variables of the elastic laws and back.
 
 use super::error::LawError;
-use super::radius::Lane;
 use std::f64::consts::PI;
 
 /// σ₀Z₀/Δγ: the stress of the Dugdale zone in units of Δγ/Z₀ (Shi and Polycarpou 2005, eq. 6).
@@ -178,16 +177,6 @@ impl Scale {
             return Err(LawError::Lambda(lambda));
         }
         Ok(Self { lambda, length: 1.0, radius: 1.0, force: 1.0 })
-    }
-
-    /// The units of an asperity of another radius.
-    pub(super) fn of(&self, lane: &Lane) -> Self {
-        Self {
-            lambda: self.lambda * lane.cube_root,
-            length: self.length * lane.cube_root,
-            radius: self.radius * (lane.cube_root * lane.cube_root),
-            force: self.force * lane.ratio,
-        }
     }
 
     /// The units of the same sphere for `ratio` times the work of adhesion, with a Dugdale stress of that over `range`, m.

@@ -124,7 +124,7 @@ impl Turned {
                 for (lane, i) in which.iter().map(|i| *i as usize).enumerate() {
                     let [adhesion, load, area] = [out.adhesion[lane], out.contact[lane], out.area[lane]];
                     let own = &self.lanes[i];
-                    let scale = cycle.scale.of(own);
+                    let scale = cycle.scale.of_ratio(own.ratio);
                     self.borne[i] = [adhesion, load, area];
                     self.tops[i] = cycle.springback.top(&scale, load, area);
                     if let Springback::Powers(plastic) = &cycle.springback {

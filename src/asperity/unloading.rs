@@ -48,7 +48,7 @@ use super::error::LawError;
 use super::history::Path;
 use super::law::{End, Law, Regime, Responses, Smoothness};
 use super::models::{Model, Plasticity, model};
-use super::parameters::LawParameters;
+use super::parameters::{InnerState, LawParameters};
 use super::plastic_unloading::PlasticUnloading;
 use super::radius::{Lane, OfRadii, RadiusLaw};
 use super::scale::Scale;
@@ -227,20 +227,22 @@ impl Loop {
         if !unloading.suits(model) {
             return Err(LawError::NoUnloading { law: model.name });
         }
-        let [approach, retraction] = [(Path::Approach, false), (Path::Retraction, !parameters.outermost)]
-            .map(|(path, holds)| model.law(&LawParameters { path, holds, ..*parameters }));
+        let back = match parameters.inner_state {
+            InnerState::Ignored => InnerState::Ignored,
+            _ => InnerState::Held,
+        };
+        let [approach, retraction] = [(Path::Approach, parameters.inner_state), (Path::Retraction, back)]
+            .map(|(path, inner_state)| model.law(&LawParameters { path, inner_state, ..*parameters }));
         let [approach, retraction]: [Arc<dyn Law>; 2] = [approach?.into(), retraction?.into()];
         let regimes = approach.regimes();
         let first_contact = first_contact(approach.as_ref());
         let first_plastic = regimes.iter().position(|regime| is_plastic(*regime)).unwrap_or(regimes.len());
-        let touch = begin_of(approach.as_ref(), first_contact);
-        let capture = approach.capture().map_or(touch, |capture| capture.min(touch));
         let own_radii = unloading.radius() == UnloadedRadius::Elastic && first_plastic < regimes.len();
         if own_radii && (model.is_fit() || retraction.of_radii().is_none()) {
             return Err(LawError::NotFlattened);
         }
         let mut cycle = Self {
-            capture,
+            capture: capture_of(approach.as_ref(), first_contact),
             first_contact,
             first_plastic,
             onset: f64::INFINITY,
@@ -291,9 +293,8 @@ impl Loop {
     #[doc(hidden)]
     pub fn of(&self, lane: Lane) -> Self {
         let [approach, retraction] = [&self.approach, &self.retraction].map(|law| RadiusLaw::new(law, lane));
-        let touch = begin_of(&approach, self.first_contact);
         let mut cycle = Self {
-            capture: approach.capture().map_or(touch, |capture| capture.min(touch)),
+            capture: capture_of(&approach, self.first_contact),
             first_contact: self.first_contact,
             first_plastic: self.first_plastic,
             // Loads, areas and recoveries are those of ω_max/ω_c.
@@ -302,7 +303,7 @@ impl Loop {
             own_radii: self.own_radii,
             ratio: lane.ratio,
             lambda: self.lambda,
-            scale: self.scale.of(&lane),
+            scale: self.scale.of_ratio(lane.ratio),
             approach: Arc::new(approach),
             retraction: Arc::new(retraction),
         };
@@ -532,6 +533,12 @@ fn springback(unloading: Unloading, parameters: &LawParameters) -> Result<Spring
         Unloading::ThorntonNing => Springback::Elastic(Some(jkr()?.into())),
         Unloading::MesarovicJohnson => Springback::Punch(jkr()?.into()),
     })
+}
+
+/// Interference, m, from which retraction does not retrace an approach whose contact begins in a regime.
+fn capture_of(approach: &dyn Law, first_contact: usize) -> f64 {
+    let touch = begin_of(approach, first_contact);
+    approach.capture().map_or(touch, |capture| capture.min(touch))
 }
 
 /// Interference at which a regime begins, m.

@@ -26,14 +26,13 @@ impl Checked<'_> {
             let rows = |name: &str| self.values(&format!("/ensemble/{way}regime_{name}_mean"));
             let (counts, pulls) = (rows("count")?, rows("adhesion_force")?);
             let areas = self.values(&format!("/ensemble/{way}contact_area_mean"))?;
-            let find = |name: &String| Regime::ALL.iter().find(|regime| regime.name() == name.as_str());
             let (mut wet, mut wetted) = (vec![0.0; s], areas.clone());
-            for (row, regime) in regimes.iter().map(find).enumerate() {
-                let Some(regime) = regime else { continue };
+            for (row, name) in regimes.iter().enumerate() {
+                let Some(regime) = Regime::named(name) else { continue };
                 let own = row * s..(row + 1) * s;
                 let states = wet.iter_mut().zip(&mut wetted).zip(counts[own.clone()].iter().zip(&pulls[own]));
                 for ((wet, wetted), (count, pull)) in states {
-                    if *regime == Regime::Bridge {
+                    if regime == Regime::Bridge {
                         *wet += count;
                         *wetted += pull / pressure;
                     } else if regime.is_contact() {

@@ -380,7 +380,7 @@ pub(super) fn largest(values: &[f64]) -> f64 {
 }
 
 pub(super) fn is_contact(name: &str) -> bool {
-    Regime::ALL.iter().any(|regime| regime.name() == name && regime.is_contact())
+    Regime::named(name).is_some_and(Regime::is_contact)
 }
 
 /// The sums over some rows of so many columns.

@@ -22,8 +22,8 @@ const TOLERANCE: f64 = 1e-13;
 
 /// A law of heights of asperities, as means over it need it.
 pub trait CapHeights: Debug + Send + Sync {
-    /// Given heights, m, each as likely, about their mean plane; none where there is a density.
-    fn given(&self) -> Option<Vec<f64>>;
+    /// The mean of given heights, each as likely, and their deviations from it, m; none where there is a density.
+    fn given(&self) -> Option<(f64, &[f64])>;
 
     /// Probability density at a height, m: 1/m.
     fn density(&self, height: f64) -> f64;
@@ -119,13 +119,13 @@ impl Caps {
         // The distance is this less the height.
         let depth = self.share / (2.0 * PI * self.density * cap.radius);
         let largest = self.contact_distance + separation - self.mean_plane_offset + depth;
-        if let Some(heights) = cap.heights.given() {
-            let mut mean = [0.0; N];
-            for height in &heights {
-                let own = of(largest - height);
-                mean.iter_mut().zip(own).for_each(|(sum, own)| *sum += own / heights.len() as f64);
+        if let Some((mean, deviations)) = cap.heights.given() {
+            let mut sums = [0.0; N];
+            for deviation in deviations {
+                let own = of(largest - (mean + deviation));
+                sums.iter_mut().zip(own).for_each(|(sum, own)| *sum += own / deviations.len() as f64);
             }
-            return mean;
+            return sums;
         }
         // W is constant from Z₀ on, and rises steeply towards that.
         let kink = largest - self.equilibrium_spacing;

@@ -6,6 +6,8 @@ use super::stray_table::StrayTable;
 use crate::asperity::{Law, Scratch, SolverStats, for_each_block};
 use std::cell::RefCell;
 
+/// More kinks than there are of one fate.
+pub const KINKS: usize = 64;
 /// Windows in which a fall at a kink is sought, and places of each that are looked at.
 const WINDOWS: usize = 8;
 const PLACES: usize = 8;

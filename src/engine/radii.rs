@@ -2,7 +2,7 @@
 //! its own.
 
 use super::Job;
-use super::kinks::{Kink, Kinks, beside, rounding};
+use super::kinks::{KINKS, Kink, Kinks, beside, rounding};
 use super::polydisperse::{Asperities, LaneSums, Pair, Pairs, PulledBack};
 use super::search::{Curve, Passing, Stray};
 use crate::asperity::{Loop, SolverStats};
@@ -11,8 +11,6 @@ use crate::asperity::{Loop, SolverStats};
 const UNLIKE: f64 = 2.0;
 /// Roundings of a recovery and of its inverse in those of a height.
 const ROUNDINGS: f64 = 32.0;
-/// More kinks than there are of one fate.
-const KINKS: usize = 64;
 
 /// The way of the asperities: that of the job, or retraction along a loop.
 #[derive(Clone, Copy)]

@@ -1,7 +1,7 @@
 //! The curve of a surface on retraction of a loop.
 
 use super::Job;
-use super::kinks::{Kink, rounding};
+use super::kinks::{KINKS, Kink, rounding};
 use super::search::{Curve, Passing, Stray};
 use super::sums::{RegimeSums, State, Sums};
 use crate::asperity::Loop;
@@ -13,8 +13,6 @@ const FLOWED: usize = 2;
 const ROUNDINGS: f64 = 32.0;
 /// How many times the stray of a kink those of flattened tops of the same radius may be.
 const UNLIKE: f64 = 1.5;
-/// More kinks than there are of one fate.
-const KINKS: usize = 64;
 /// Kinks of a top that has a radius of its own, and which of them is the end of contact.
 const OF_TOP: usize = 4;
 const CONTACT_END: usize = 2;

@@ -43,7 +43,7 @@ impl Wet {
         let mut wet = Self { area, ..Self::default() };
         for (i, name) in regimes.iter().enumerate() {
             let (count, pull) = of(i);
-            match Regime::ALL.iter().find(|regime| regime.name() == *name) {
+            match Regime::named(name) {
                 Some(Regime::Bridge) => (wet.bridges, wet.pull) = (count, pull),
                 Some(regime) if regime.is_contact() => wet.contacts += count,
                 _ => {}

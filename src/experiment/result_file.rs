@@ -273,8 +273,7 @@ fn write_jumps(writer: &mut Writer<'_>, results: &Results) -> Result<(), OutputE
 /// By how many those out of contact become more between neighbouring separations: on one way an asperity does
 /// so once.
 fn changes(results: &Results, counts: &[&[f64]]) -> Vec<f64> {
-    let is_contact =
-        |name: &str| Regime::ALL.iter().any(|regime| regime.name() == name && regime.is_contact());
+    let is_contact = |name: &str| Regime::named(name).is_some_and(Regime::is_contact);
     let rows = results.regimes.iter().zip(counts).filter(|(name, _)| !is_contact(name));
     let mut changes = vec![0.0; counts[0].len() - 1];
     for (_, row) in rows {

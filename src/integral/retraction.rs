@@ -15,7 +15,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 /// found to this share of their part.
 const LOOKED_AT: usize = 16;
 /// Relative accuracy asked of every piece of the law of one of several radii: that over radii is no better.
-const OF_RADIUS_TOLERANCE: f64 = 1e-6;
+const RETRACTION_TOLERANCE: f64 = 1e-6;
 const PLACE: f64 = 1e-9;
 /// Asperities of a radius at which the density of radii has less than this probability do not count.
 const NEGLIGIBLE: f64 = 1e-9;
@@ -202,14 +202,12 @@ impl<'a> RetractionModel<'a> {
                 &own
             }
         };
-        let of = |part: &Part, typical, tolerance| {
-            let (law, heights) = (part.cycle.as_ref().unwrap_or(self.cycle).at(distance), &part.of.heights);
-            let accuracy = accuracy(tolerance, heights, parts.len());
-            AtSeparation::of(&law, heights, self.closest, typical, accuracy)
-        };
         let law = self.cycle.at(distance);
-        let tolerance = if parts.len() > 1 { OF_RADIUS_TOLERANCE } else { TOLERANCE };
-        let of = |part: &Part, typical| of(part, typical, tolerance);
+        let tolerance = if parts.len() > 1 { RETRACTION_TOLERANCE } else { TOLERANCE };
+        let of = |part: &Part, typical| {
+            let (law, heights) = (part.cycle.as_ref().unwrap_or(self.cycle).at(distance), &part.of.heights);
+            AtSeparation::of(&law, heights, self.closest, typical, accuracy(tolerance, heights, parts.len()))
+        };
         Mixture::new((&law, self.surface, self.closest), parts, |part| &part.of, of)
     }
 }
@@ -233,10 +231,5 @@ impl Expectations {
     /// those of the law on approach.
     pub fn retraction(cycle: &Loop, surface: &Surface, separations: &[f64]) -> Self {
         RetractionModel::new(cycle, surface, separations[0]).answer(separations)
-    }
-
-    /// The retraction from the separation h `closest`, m, at another.
-    pub fn retraction_at(cycle: &Loop, surface: &Surface, closest: f64, separation: f64) -> Self {
-        RetractionModel::new(cycle, surface, closest).answer(&[separation])
     }
 }

@@ -1,6 +1,5 @@
 //! The liquid that condenses around the asperities of a scene.
 
-use super::choices::{BRIDGES, VOLUMES};
 use super::error::{SceneError, Together};
 use super::reader::{Entry, Section};
 use crate::asperity::Unloading;
@@ -18,12 +17,12 @@ pub(super) fn capillary(root: &Section<'_>) -> Result<Option<Meniscus>, SceneErr
     let Some(section) = root.section("capillary", false)? else { return Ok(None) };
     let humidity = section.require("relative_humidity").and_then(|entry| match entry.number()? {
         humidity if humidity > 0.0 && humidity < 1.0 => Ok(humidity),
-        humidity => Err(entry.wrong(&told(LiquidError::Humidity(humidity)))),
+        humidity => Err(entry.wrong(&LiquidError::Humidity(humidity).to_string())),
     });
     let angles =
         section.require("contact_angles").and_then(|entry| angles(&entry).map(|angles| (entry, angles)));
-    let volume = section.optional("volume", |entry| entry.choice("volume", &VOLUMES));
-    let bridges = section.optional("bridges", |entry| entry.choice("bridges", &BRIDGES));
+    let volume = section.optional("volume", |entry| entry.choice("volume", &Volume::ALL));
+    let bridges = section.optional("bridges", |entry| entry.choice("bridges", &Bridges::ALL));
     let readings = (humidity, liquid(&section), angles, volume, bridges).together()?;
     let (humidity, liquid, (entry, angles), volume, bridges) = readings;
     let (volume, bridges) = (volume.unwrap_or_default(), bridges.unwrap_or_default());
@@ -37,7 +36,7 @@ pub(super) fn capillary(root: &Section<'_>) -> Result<Option<Meniscus>, SceneErr
         LiquidError::NotPositive { .. } => {
             SceneError::general(format!("{error}: check `capillary.relative_humidity`"))
         }
-        _ => entry.wrong(&told(error)),
+        _ => entry.wrong(&error.to_string()),
     })?;
     Ok(Some(Meniscus { volume, bridges, ..meniscus }))
 }
@@ -53,13 +52,13 @@ fn liquid(section: &Section<'_>) -> Result<Liquid, SceneError> {
         let [tension, volume] = own.map(|key| section.measured(key));
         let (temperature, tension, volume) = (temperature, tension, volume).together()?;
         return Liquid::new(tension, volume, temperature.unwrap_or(TEMPERATURE))
-            .map_err(|error| SceneError::general(told(error)));
+            .map_err(|error| SceneError::general(error.to_string()));
     }
     let known = section.optional("liquid", |entry| entry.choice("liquid", &LIQUIDS));
     let (temperature, _) = (temperature, known).together()?;
     Liquid::water(temperature.unwrap_or(TEMPERATURE)).map_err(|error| match section.get("temperature") {
-        Some(entry) => entry.wrong(&told(error)),
-        None => SceneError::general(told(error)),
+        Some(entry) => entry.wrong(&error.to_string()),
+        None => SceneError::general(error.to_string()),
     })
 }
 
@@ -72,10 +71,6 @@ fn angles(entry: &Entry<'_>) -> Result<[f64; 2], SceneError> {
         }
         _ => Err(entry.wrong("a list of two is needed, one for each face")),
     }
-}
-
-fn told(error: LiquidError) -> String {
-    error.to_string()
 }
 
 /// The law of a scene with its liquid.

@@ -1,7 +1,6 @@
 //! Closed lists and ranges of the values that keys of scenes take.
 
 use crate::asperity::Path;
-use crate::liquid::{Bridges, Volume};
 use crate::substrate::{Coupling, Kernel};
 use crate::surface::Places;
 use std::ops::{Bound, RangeInclusive};
@@ -62,10 +61,6 @@ pub(super) const POSITIONS: [(&str, Places); 4] = [
     ("square", Places::Square),
     ("hexagonal", Places::Hexagonal),
 ];
-/// Amounts of liquid in bridges on retraction.
-pub(super) const VOLUMES: [(&str, Volume); 2] = Volume::ALL;
-/// When bridges form and break.
-pub(super) const BRIDGES: [(&str, Bridges); 2] = Bridges::ALL;
 /// Tolerances of the loads of coupled asperities: below, rounding is larger; above, jumps are mistaken.
 pub(super) const TOLERANCES_OF_LOADS: RangeInclusive<f64> = 1e-12..=1e-4;
 /// Coefficients of variation that laws of radii have.

@@ -7,7 +7,9 @@ use super::instability::Instability;
 use super::substrate::Substrate;
 use crate::asperity::models::Model;
 use crate::asperity::scale::{Asperity, Scale};
-use crate::asperity::{Family, LawError, LawParameters, Loop, Path, SurfaceLaws, SurfaceLoops, Unloading};
+use crate::asperity::{
+    Family, InnerState, LawError, LawParameters, Loop, Path, SurfaceLaws, SurfaceLoops, Unloading,
+};
 use crate::engine::Stopping;
 use crate::integral::interference_range;
 use crate::surface::{RADIUS_RANGE, SamplingScheme, Surface};
@@ -126,7 +128,7 @@ impl Scene {
         let loops = if self.surface.is_polydisperse() {
             SurfaceLoops::of_radii(self.model, self.asperity, self.unloading, RADIUS_RANGE)
         } else {
-            let parameters = LawParameters { outermost: true, ..self.parameters()? };
+            let parameters = LawParameters { inner_state: InnerState::Ignored, ..self.parameters()? };
             Loop::new(&self.model, &parameters, self.unloading)
                 .map(|cycle| SurfaceLoops::All(Box::new(cycle)))
         };

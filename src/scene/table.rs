@@ -3,15 +3,16 @@
 
 use super::capillary::LIQUIDS;
 use super::choices::{
-    BRIDGES, CAP_SHARES, COUPLINGS, FORMAT, HEIGHT_LAWS, HISTORIES, KERNELS, MEASURED_RADII, MOST_POINTS,
+    CAP_SHARES, COUPLINGS, FORMAT, HEIGHT_LAWS, HISTORIES, KERNELS, MEASURED_RADII, MOST_POINTS,
     MOST_SEPARATIONS, Mode, PATCH, PERMITTIVITIES, POISSON_RATIOS, POSITIONS, RADIUS_LAWS, RELATIVE,
-    REPLICAS, SAMPLES, SPACINGS, SUM_TOLERANCES, SUMMIT_LAWS, SUMS, TOLERANCES_OF_LOADS, VARIATIONS, VOLUMES,
+    REPLICAS, SAMPLES, SPACINGS, SUM_TOLERANCES, SUMMIT_LAWS, SUMS, TOLERANCES_OF_LOADS, VARIATIONS,
 };
 use super::keys::{Key, Sign, Value, key};
 use super::units::Dimension as Of;
 use crate::asperity::models::MODELS;
 use crate::asperity::{UnloadedRadius, Unloading};
 use crate::engine::{Estimator, SCALARS};
+use crate::liquid::{Bridges, Volume};
 use crate::surface::{CountLaw, SamplingScheme};
 use Sign::{Any, NotNegative, Positive};
 use Value::{Choice, Number, OneOrMore, Quantity, Switch, Table, Text, Various, Whole};
@@ -372,14 +373,14 @@ pub static KEYS: &[Key] = &[
     .what("contact angles of the two faces")
     .about("θ₁ and θ₂. cos θ₁ + cos θ₂ has to be above 0: else no liquid condenses."),
     key("capillary.contact_angles[]", "\"30 deg\"", Quantity(Of::Angle, NotNegative)),
-    key("capillary.volume", "\"equilibrium\"", Choice(|| names(&VOLUMES)))
+    key("capillary.volume", "\"equilibrium\"", Choice(|| names(&Volume::ALL)))
         .what("amount of liquid in a bridge while the faces part")
         .about(
             "`equilibrium`: that in equilibrium with the vapour, slow retraction. `constant`: bridges keep what they have \
              when contact ends, fast retraction.",
         )
         .defaults_to("\"equilibrium\""),
-    key("capillary.bridges", "\"metastable\"", Choice(|| names(&BRIDGES)))
+    key("capillary.bridges", "\"metastable\"", Choice(|| names(&Bridges::ALL)))
         .what("when bridges form and break")
         .about(
             "`metastable`: they form where the solids touch, and break where they become unstable. `reversible`: they \

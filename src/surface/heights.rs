@@ -217,8 +217,8 @@ impl Truncated {
 }
 
 impl CapHeights for Heights {
-    fn given(&self) -> Option<Vec<f64>> {
-        Some(self.values()?.iter().map(|u| self.mean + u).collect())
+    fn given(&self) -> Option<(f64, &[f64])> {
+        Some((self.mean, self.values()?))
     }
 
     fn density(&self, height: f64) -> f64 {

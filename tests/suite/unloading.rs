@@ -296,7 +296,7 @@ fn no_contact_gives_out_more_than_it_took_up() {
 #[test]
 fn the_integral_of_the_secant_is_a_sum_of_closed_forms() {
     use stiction::asperity::Quantity;
-    use stiction::integral::Expectations;
+    use stiction::integral::RetractionModel;
     use stiction::surface::{Heights, Surface};
     let (asperity, surface) = case("I");
     let std = 3e-9;
@@ -311,7 +311,7 @@ fn the_integral_of_the_secant_is_a_sum_of_closed_forms() {
     let k = 4.0 / 3.0 * modulus * asperity.radius.sqrt();
     for further in [0.0, 0.7e-9, 2.5e-9] {
         let closest = 1.0 * std;
-        let integral = Expectations::retraction_at(&cycle, &surface, closest, closest + further);
+        let integral = RetractionModel::new(&cycle, &surface, closest).answer(&[closest + further]);
         let (mut load, mut area) = (0.0, 0.0);
         let step = 10.0 * std / 400_000.0;
         for i in 0..400_000 {

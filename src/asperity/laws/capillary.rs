@@ -214,21 +214,31 @@ struct Spanned {
 }
 
 impl Spanned {
-    /// F_s of asperities, N.
-    fn forces<'a>(&self, lane: impl Fn(usize) -> &'a Lane, interference: &[f64], out: &mut Responses) {
+    /// F_s of asperities, N; `closed` are their bridges that keep their liquid, if they do.
+    fn forces<'a>(
+        &self,
+        lane: impl Fn(usize) -> &'a Lane,
+        closed: impl Fn(usize) -> Option<Closed>,
+        interference: &[f64],
+        out: &mut Responses,
+    ) {
         let Parts { bridge, solid, .. } = self.parts;
         let solid = solid.as_ref().map(across);
         for (i, delta) in interference.iter().enumerate() {
-            let lane = lane(i);
-            let ratio = lane.ratio;
-            let (pull, gap) = match self.parts.is_closed() {
-                true => self.parts.closed(lane).0.pull(-delta),
-                false => bridge.of_ratio(ratio).pull(-delta),
+            let ratio = lane(i).ratio;
+            let (pull, gap) = match closed(i) {
+                Some(closed) => closed.pull(-delta),
+                None => bridge.of_ratio(ratio).pull(-delta),
             };
             out.adhesion[i] = pull + solid.as_ref().map_or(0.0, |solid| ratio * solid(gap.max(0.0)));
         }
         out.contact[..interference.len()].fill(0.0);
         out.area[..interference.len()].fill(0.0);
+    }
+
+    /// The bridge of an asperity if it keeps its liquid.
+    fn closed(&self, lane: &Lane) -> Option<Closed> {
+        self.parts.is_closed().then(|| self.parts.closed(lane).0)
     }
 }
 
@@ -246,7 +256,8 @@ impl Interaction for Spanned {
     }
 
     fn evaluate(&self, interference: &[f64], out: &mut Responses, _: &mut SolverStats) {
-        self.forces(|_| &self.typical, interference, out);
+        let closed = self.closed(&self.typical);
+        self.forces(|_| &self.typical, |_| closed, interference, out);
     }
 }
 
@@ -266,7 +277,7 @@ impl PartOfRadii for Spanned {
         out: &mut Responses,
         _: &mut SolverStats,
     ) {
-        self.forces(|i| lanes.at(i), interference, out);
+        self.forces(|i| lanes.at(i), |i| self.closed(lanes.at(i)), interference, out);
     }
 }
 

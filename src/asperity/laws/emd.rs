@@ -22,7 +22,7 @@ use crate::asperity::formula::Constant;
 use crate::asperity::history::Path;
 use crate::asperity::law::Method;
 use crate::asperity::law::{BLOCK, End, Law, Regime, Responses, Smoothness};
-use crate::asperity::parameters::LawParameters;
+use crate::asperity::parameters::{InnerState, LawParameters};
 use crate::asperity::radius::{Lane, Lanes, Place};
 use crate::asperity::scale::Scale;
 use crate::asperity::stats::SolverStats;
@@ -59,8 +59,7 @@ pub struct Attraction {
     scale: Scale,
     path: Path,
     thickness: f64,
-    holds: bool,
-    outermost: bool,
+    inner_state: InnerState,
 }
 
 impl Attraction {
@@ -69,9 +68,9 @@ impl Attraction {
     /// # Errors
     /// [`LawError`] for a λ that is not solved.
     pub fn new(parameters: &LawParameters) -> Result<Self, LawError> {
-        let LawParameters { scale, path, lubricant_thickness: thickness, holds, outermost, .. } = *parameters;
+        let LawParameters { scale, path, lubricant_thickness: thickness, inner_state, .. } = *parameters;
         let mut emd = Emd::new(scale.lambda, path)?;
-        if holds {
+        if inner_state == InnerState::Held {
             emd = emd.holding();
         }
         if let (Some((lowest, _)), Some(deepest)) =
@@ -79,7 +78,7 @@ impl Attraction {
         {
             emd = emd.with_tables((lowest + thickness) / scale.length, deepest);
         }
-        Ok(Self { emd: Arc::new(emd), scale, path, thickness, holds, outermost })
+        Ok(Self { emd: Arc::new(emd), scale, path, thickness, inner_state })
     }
 }
 
@@ -90,12 +89,15 @@ impl Interaction for Attraction {
     }
 
     fn capture(&self) -> Option<f64> {
-        let place = self.emd.capture().filter(|_| !self.outermost);
+        let place = self.emd.capture().filter(|_| self.inner_state != InnerState::Ignored);
         place.map(|displacement| displacement * self.scale.length - self.thickness)
     }
 
     fn unstable_work(&self) -> f64 {
-        if self.outermost { 0.0 } else { self.emd.unstable_work_before() * self.scale.energy() }
+        match self.inner_state {
+            InnerState::Ignored => 0.0,
+            _ => self.emd.unstable_work_before() * self.scale.energy(),
+        }
     }
 
     fn method(&self) -> Method {
@@ -134,13 +136,14 @@ impl PartOfRadii for Attraction {
         let length = self.scale.length * lane.cube_root;
         let place = |displacement: f64| displacement * length - self.thickness;
         let (fold, held) = (lane.elastic.noncontact_fold(self.path), lane.elastic.inner_fold());
-        let (split, behind) = if self.holds && held.is_some() { (held, fold) } else { (fold, None) };
+        let (split, behind) =
+            if self.inner_state == InnerState::Held && held.is_some() { (held, fold) } else { (fold, None) };
         smoothness(split.map(place), behind.map(place), (lower, upper))
     }
 
     fn capture_of(&self, lane: &Lane) -> Option<f64> {
         let fold = lane.elastic.inner_fold().and(lane.elastic.outer_fold());
-        let displacement = fold.filter(|_| !self.outermost)?;
+        let displacement = fold.filter(|_| self.inner_state != InnerState::Ignored)?;
         Some(displacement * (self.scale.length * lane.cube_root) - self.thickness)
     }
 
@@ -163,7 +166,7 @@ impl PartOfRadii for Attraction {
         elastic::noncontact(
             |i| &lanes.at(i).elastic,
             gap,
-            (displacements, self.holds),
+            (displacements, self.inner_state == InnerState::Held),
             &mut out.adhesion,
             stats,
         );

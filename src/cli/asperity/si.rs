@@ -3,7 +3,7 @@
 use super::table::{Row, Table};
 use crate::asperity::models::Model;
 use crate::asperity::scale::{Asperity, Scale};
-use crate::asperity::{Law, LawError, LawParameters, Path, Regime, SolvedAsperity, SolverStats};
+use crate::asperity::{InnerState, Law, LawError, LawParameters, Path, Regime, SolvedAsperity, SolverStats};
 use crate::scene::echo::shortened;
 use crate::scene::nearest;
 
@@ -147,8 +147,7 @@ impl Tip {
             lubricant_thickness: asperity.lubricant_thickness,
             critical_approach: None,
             path,
-            holds: false,
-            outermost: false,
+            inner_state: InnerState::default(),
             table_range: None,
         };
         parameters.checked()

@@ -80,8 +80,8 @@ impl Checked<'_> {
         self.follows("/measured/curvature_ratio_median", &[shape.ratio], ROUNDING, FROM)
     }
 
-    /// Over the cut-off: densities are those of counts and areas, and at the cut-off of the map all is what is
-    /// measured on it.
+    /// Over the cut-off: densities are those of counts and areas, a mean is there from one summit and a deviation
+    /// from two, and at the cut-off of the map all is what is measured on it.
     fn chosen_cutoff(&mut self) -> Result<(), OutputError> {
         if !self.has("/cutoffs/cutoff") {
             return Ok(());
@@ -90,6 +90,15 @@ impl Checked<'_> {
         let (cutoffs, counts, areas) = (own("cutoff")?, own("summit_count")?, own("nominal_area")?);
         let densities: Vec<f64> = counts.iter().zip(&areas).map(|(count, area)| count / area).collect();
         self.follows("/cutoffs/asperity_density", &densities, ROUNDING, "summit_count and nominal_area")?;
+        for (name, least) in
+            [("asperity_radius", 1.0), ("asperity_height_std", 2.0), ("asperity_curvature_std", 2.0)]
+        {
+            let path = format!("/cutoffs/{name}");
+            let found = self.values(&path)?;
+            if let Some(i) = (0..found.len()).find(|&i| found[i].is_nan() != (counts[i] < least)) {
+                self.say_at(&path, i, found[i], &format!("summit_count is {}", counts[i]));
+            }
+        }
         let smooth: f64 = self.reader.number("/", "smooth")?;
         let Some(place) = cutoffs.iter().position(|cutoff| *cutoff == smooth) else {
             if smooth > 0.0 {

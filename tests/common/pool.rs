@@ -48,6 +48,19 @@ impl Pool {
         Self { groups, controls: controls.len(), mean, per_batch: BATCH as usize / group }
     }
 
+    /// The same groups with some of the controls, by their indices.
+    pub fn with_controls(&self, places: &[usize]) -> Self {
+        let kept = |of: &Vec<f64>| -> Vec<f64> {
+            places.iter().map(|&place| of[place]).chain(of[self.controls..].iter().copied()).collect()
+        };
+        Self {
+            groups: self.groups.iter().map(kept).collect(),
+            controls: places.len(),
+            mean: kept(&self.mean),
+            per_batch: self.per_batch,
+        }
+    }
+
     /// What the controls are expected to be.
     pub fn expected(&self) -> &[f64] {
         &self.mean[..self.controls]

@@ -85,18 +85,32 @@ impl Skewed {
         pool: u64,
         controls: Controls,
     ) -> Self {
+        let [skewed] = Self::each(law, heights, asperities, scheme, pool, [controls]);
+        skewed
+    }
+
+    /// The same for several choices of controls, from one pool.
+    fn each<const N: usize>(
+        law: &str,
+        heights: HeightLaw,
+        asperities: usize,
+        scheme: SamplingScheme,
+        pool: u64,
+        controls: [Controls; N],
+    ) -> [Self; N] {
         let (law, surface, separations) = patch(heights, asperities, law);
         let job = Job { scheme, ..crate::common::job(law.as_ref(), &surface, &separations, pool) };
-        let places = match controls {
+        let expectations = Expectations::new(law.as_ref(), &surface, &separations);
+        let places = controls.map(|controls| match controls {
             Controls::At(places) => places.to_vec(),
             Controls::Chosen(groups) => {
-                let expectations = Expectations::new(law.as_ref(), &surface, &separations);
                 let replicas = groups * scheme.group();
                 let basis = basis(law.as_ref(), &surface, &separations, scheme, replicas);
                 stiction::integral::controls(&separations, &expectations, &basis.tested[1], groups)
             }
-        };
-        Self { pool: Pool::new(&job, &places) }
+        });
+        let whole = Pool::new(&job, &Vec::from_iter(0..separations.len()));
+        places.map(|places| Self { pool: whole.with_controls(&places) })
     }
 
     /// Of so many ensembles of so many groups, what `of` makes of the parts and of what the program makes of
@@ -246,16 +260,11 @@ fn coverage_of_intervals() {
         for asperities in [20, 100, 1000] {
             let replicas = if asperities == 1000 { 2000 } else { 8000 };
             let about = heights.about();
-            let row = GROUPS.map(|groups| {
-                let controls = Controls::Chosen(groups as u64);
-                let patch = Skewed::new(
-                    law,
-                    heights.clone(),
-                    asperities,
-                    SamplingScheme::Independent,
-                    replicas,
-                    controls,
-                );
+            let controls = GROUPS.map(|groups| Controls::Chosen(groups as u64));
+            let scheme = SamplingScheme::Independent;
+            let patches = Skewed::each(law, heights.clone(), asperities, scheme, replicas, controls);
+            let row = [0, 1, 2, 3, 4].map(|i| {
+                let (groups, patch): (usize, &Skewed) = (GROUPS[i], &patches[i]);
                 let truth = patch.pool.truth()[0];
                 let t = StudentsT::new(0.0, 1.0, (groups - 1) as f64).unwrap().inverse_cdf(0.975);
                 let found = patch.ensembles(ENSEMBLES as u64, groups, |_, means| {

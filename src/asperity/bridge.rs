@@ -68,6 +68,12 @@ impl Bridge {
         (PI * self.stress * circle * circle, distance - 0.5 * PI * self.compliance * circle)
     }
 
+    /// The state at a distance D of the undeformed sphere, m, on the stable branch.
+    pub fn at_distance(&self, distance: f64) -> Edge {
+        let circle = (self.pull(distance).0 / (PI * self.stress)).sqrt();
+        Edge { circle, distance }
+    }
+
     /// D of the fold of what [`Bridge::pull`] says, m.
     pub fn fold(&self) -> f64 {
         self.range + 0.5 * self.compliance * self.compliance * self.radius

@@ -18,6 +18,8 @@ enum Build {
     Plain(Plain),
     /// Of an asperity in a vapour whose liquid has a meniscus.
     Wet(Wet),
+    /// The liquid in its bridge, once the faces have parted so far, m.
+    Content { retreat: f64 },
 }
 
 /// A law by name.
@@ -61,6 +63,7 @@ impl Model {
         match self.build {
             Build::Plain(build) => build(parameters),
             Build::Wet(build) => build(parameters, self.needed()?),
+            Build::Content { retreat } => capillary::content(parameters, self.needed()?, retreat),
         }
     }
 
@@ -69,9 +72,15 @@ impl Model {
         Self { meniscus: self.is_wet().then_some(meniscus), ..self }
     }
 
+    /// The liquid in the bridges of a law, V, m³, in the place of F_s; on retraction once the faces have parted by `retreat`, m,
+    /// since they turned back, or have been pressed together whole without it.
+    pub(crate) fn content(self, retreat: Option<f64>) -> Self {
+        Self { build: Build::Content { retreat: retreat.unwrap_or(f64::INFINITY) }, ..self }
+    }
+
     /// Whether it is for asperities around which a liquid condenses, and has to be told which.
     pub fn is_wet(&self) -> bool {
-        matches!(self.build, Build::Wet(_))
+        matches!(self.build, Build::Wet(_) | Build::Content { .. })
     }
 
     /// The liquid that it has been given.
@@ -91,7 +100,9 @@ impl Model {
     pub fn admits(&self, parameters: &LawParameters) -> Result<(), LawError> {
         match self.build {
             Build::Plain(_) => Ok(()),
-            Build::Wet(_) => capillary::Parts::new(parameters, self.needed()?).map(drop),
+            Build::Wet(_) | Build::Content { .. } => {
+                capillary::Parts::new(parameters, self.needed()?).map(drop)
+            }
         }
     }
 

@@ -120,6 +120,8 @@ const BOUNDS: &[Bound] = &[
     bound("/capillary/bridge_step_count", Finite, Never),
     bound("/capillary/merged_external_force", Finite, Never),
     bound("/capillary/*", Positive, Never),
+    bound("/film/*external_force", Finite, Never),
+    bound("/film/*", Positive, Never),
     bound("*/summation", Other, Never),
     bound("/ensemble/sum_refusal", Other, Never),
     bound("/ensemble/*_units", Other, Never),

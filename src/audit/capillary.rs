@@ -70,6 +70,31 @@ impl Checked<'_> {
         Ok(())
     }
 
+    /// Films are no thicker than before they drain, bridges feed on them, and the law has those of the pull-off; nothing in
+    /// files without films.
+    pub fn films(&mut self) -> Result<(), OutputError> {
+        const FILM: &str = "/film";
+        if !self.has(&format!("{FILM}/law_thickness")) {
+            return Ok(());
+        }
+        let initial = self.values(&format!("{FILM}/initial_thickness"))?[0];
+        for way in self.ways()? {
+            let path = format!("{FILM}/{way}thickness");
+            let (thickness, forces) =
+                (self.values(&path)?, self.values(&format!("{FILM}/{way}external_force"))?);
+            if let Some(k) = thickness.iter().position(|thickness| *thickness > initial * (1.0 + ROUNDING)) {
+                self.say_at(&path, k, thickness[k], &format!("{initial:e} at most is expected"));
+            }
+            let deepest =
+                (1..forces.len()).fold(0, |best, k| if forces[k] < forces[best] { k } else { best });
+            let (path, law) = (format!("{FILM}/law_thickness"), thickness[deepest]);
+            if self.ways()?.last() == Some(&way) {
+                self.follows(&path, &[law], ROUNDING, "the film where the surfaces are pulled off")?;
+            }
+        }
+        Ok(())
+    }
+
     fn figure_of(&mut self, path: &str, found: f64, expected: f64) {
         if !((found - expected).abs() <= 1e-12 * expected.abs()) {
             self.say(path, &format!("is {found:e}, and capillary_pressure times range is {expected:e}"));

@@ -66,6 +66,7 @@ impl Checked<'_> {
         self.features()?;
         self.independence()?;
         self.bridges()?;
+        self.films()?;
         self.joint_test(joint)
     }
 }

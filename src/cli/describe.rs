@@ -7,7 +7,7 @@ use crate::background::{Dispersion, Electrostatic, Terms};
 use crate::engine::{Limit, SCALARS, Stopping, Target};
 use crate::estimate::Plan;
 use crate::format::{percent, pure, si};
-use crate::liquid::Meniscus;
+use crate::liquid::{Film, Meniscus};
 use crate::scene::echo::one_line;
 use crate::scene::units::Dimension;
 use crate::scene::{Scene, Warning};
@@ -172,6 +172,21 @@ fn liquid(scene: &Scene, meniscus: &Meniscus) -> String {
             si(meniscus.range(), "m")
         ),
     ) + &row("", &format!("energy {} of the liquid, {within}", si(meniscus.energy(), "J/m^2")))
+        + &meniscus.film.map_or_else(String::new, |film| films(scene, film))
+}
+
+/// Films of liquid on the faces.
+fn films(scene: &Scene, film: Film) -> String {
+    let on = if film.faces == 1 { "on one face" } else { "on both faces" };
+    let thickness = si(film.thickness, "m");
+    let text = match scene.draining_film {
+        Some(initial) => format!(
+            "{} {on} before it drains into bridges, {thickness} at the pull-off of the integral and in the law",
+            si(initial, "m")
+        ),
+        None => format!("{thickness} {on}"),
+    };
+    row("film", &text)
 }
 
 /// Laws of heights and radii, where they are not all Gaussian and the same.

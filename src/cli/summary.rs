@@ -341,6 +341,10 @@ fn wet(results: &Results) -> String {
         "",
         &format!("bridges cover {} of the nominal area: {}", percent(covered), capillary::regime(covered)),
     );
+    if let (Some(films), Some(_)) = (scene.films.last(), scene.draining_film) {
+        let pull = films.external_force.iter().copied().fold(0.0, f64::min).abs();
+        text += &row("", &format!("films drained at each separation: {} of the integral", si(pull, "N")));
+    }
     if covered > COVERS.0 {
         text += &row(
             "",

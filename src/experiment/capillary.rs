@@ -120,6 +120,22 @@ pub(crate) fn write_capillary(writer: &mut Writer<'_>, results: &Results) -> Res
     Ok(())
 }
 
+/// Writes what there is of films, of a scene with some.
+pub(crate) fn write_film(writer: &mut Writer<'_>, results: &Results) -> Result<(), OutputError> {
+    const GROUP: &str = "/film";
+    let scene = &results.scene;
+    let Some(film) = scene.model.meniscus().and_then(|meniscus| meniscus.film) else { return Ok(()) };
+    writer.group("film")?;
+    let initial = scene.draining_film.unwrap_or(film.thickness);
+    writer.dataset(&format!("{GROUP}/initial_thickness"), &[initial])?;
+    writer.dataset(&format!("{GROUP}/law_thickness"), &[film.thickness])?;
+    for ((way, _), films) in results.paths().into_iter().zip(&scene.films) {
+        writer.dataset(&format!("{GROUP}/{way}thickness"), &films.thickness)?;
+        writer.dataset(&format!("{GROUP}/{way}external_force"), &films.external_force)?;
+    }
+    Ok(())
+}
+
 /// The mean external force in states, N, where bridges merge.
 fn merged(results: &Results, wet: &[Wet], states: Range<usize>) -> Vec<f64> {
     let surface = &results.scene.surface;

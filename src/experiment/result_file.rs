@@ -2,7 +2,7 @@
 
 use super::asperities::write_asperities;
 use super::background::write_backgrounds;
-use super::capillary::write_capillary;
+use super::capillary::{write_capillary, write_film};
 use super::coupling::{write_coupling, write_mean_fields};
 use super::independence::write_independence;
 use super::results::{Results, Stopped};
@@ -163,6 +163,7 @@ pub(crate) fn write_results(writer: &mut Writer<'_>, results: &Results) -> Resul
     write_asperities(writer, results)?;
     write_jumps(writer, results)?;
     write_capillary(writer, results)?;
+    write_film(writer, results)?;
     write_instability(writer, results)?;
     write_integral(writer, results)?;
     let Scene { surface, separations, .. } = &results.scene;

@@ -7,6 +7,10 @@
 //! other way too: to first order, J = ½[π − θ₁ − θ₂ + ½(sin 2θ₁ + sin 2θ₂)] times r_K² over the radius of the wetted
 //! circle is missing from h₀.
 //!
+//! A film of the thickness t on a face is in equilibrium with the meniscus where its disjoining pressure is p_c = A/(6πt³).
+//! Filling a gap then gains, beside its surface, the energy A/(12πt²) = p_c t/2 of each film and p_c t for the liquid that it
+//! holds, by which h₀ = s r_K + 3nt/2 with n films, 2r_K + 3t with two.
+//!
 //! # Validity
 //! Radii above a few molecules (0.5 nm of water; Fisher and Israelachvili 1981), and far below those of the asperities.
 
@@ -48,6 +52,39 @@ impl Bridges {
         [("metastable", Self::Metastable), ("reversible", Self::Reversible)];
 }
 
+/// Films of the liquid on the faces.
+///
+/// # Examples
+/// ```
+/// use stiction::liquid::{Film, Meniscus};
+///
+/// let film = Film { thickness: 1e-9, faces: 1, hamaker_constant: 1e-19 };
+/// let meniscus = Meniscus::of_film(0.025, film, [0.0; 2])?;
+/// assert!((meniscus.pressure() / film.disjoining_pressure() - 1.0).abs() < 1e-15);
+/// # Ok::<(), stiction::liquid::LiquidError>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Film {
+    /// t, m.
+    pub thickness: f64,
+    /// n, how many of the faces have one: 1 or 2.
+    pub faces: u8,
+    /// A, J, of the solid across the liquid; positive where the film is stable.
+    pub hamaker_constant: f64,
+}
+
+impl Film {
+    /// n t, m.
+    pub fn height(&self) -> f64 {
+        f64::from(self.faces) * self.thickness
+    }
+
+    /// A/(6πt³), Pa.
+    pub fn disjoining_pressure(&self) -> f64 {
+        self.hamaker_constant / (6.0 * PI * self.thickness.powi(3))
+    }
+}
+
 /// The meniscus of a liquid between two faces.
 ///
 /// # Examples
@@ -75,6 +112,8 @@ pub struct Meniscus {
     pub volume: Volume,
     /// When bridges form and break.
     pub bridges: Bridges,
+    /// The films on the faces.
+    pub film: Option<Film>,
 }
 
 impl Meniscus {
@@ -91,25 +130,64 @@ impl Meniscus {
         if !(relative_humidity > 0.0 && relative_humidity < 1.0) {
             return Err(LiquidError::Humidity(relative_humidity));
         }
+        let Liquid { surface_tension, molar_volume, temperature } = liquid;
+        let pressure = -GAS_CONSTANT * temperature * libm::log(relative_humidity) / molar_volume;
+        Self::between(surface_tension, surface_tension / pressure, contact_angles)
+    }
+
+    /// The meniscus of a liquid of a surface tension, N/m, in equilibrium with films, likewise.
+    ///
+    /// # Errors
+    /// [`LiquidError`] when a number is not positive, an angle is none, or no liquid condenses between such faces.
+    pub fn of_film(surface_tension: f64, film: Film, contact_angles: [f64; 2]) -> Result<Self, LiquidError> {
+        let all = [
+            ("surface_tension", surface_tension),
+            ("film_thickness", film.thickness),
+            ("hamaker_constant", film.hamaker_constant),
+        ];
+        if let Some((name, value)) = all.into_iter().find(|(_, value)| !(*value > 0.0 && value.is_finite())) {
+            return Err(LiquidError::NotPositive { name, value });
+        }
+        let kelvin_radius = surface_tension / film.disjoining_pressure();
+        Ok(Self { film: Some(film), ..Self::between(surface_tension, kelvin_radius, contact_angles)? })
+    }
+
+    fn between(
+        surface_tension: f64,
+        kelvin_radius: f64,
+        contact_angles: [f64; 2],
+    ) -> Result<Self, LiquidError> {
         if let Some(angle) = contact_angles.into_iter().find(|angle| !(0.0..=PI).contains(angle)) {
             return Err(LiquidError::Angle(angle));
         }
-        let Liquid { surface_tension, molar_volume, temperature } = liquid;
-        let pressure = -GAS_CONSTANT * temperature * libm::log(relative_humidity) / molar_volume;
         let meniscus = Self {
             surface_tension,
-            kelvin_radius: surface_tension / pressure,
+            kelvin_radius,
             contact_angles,
             volume: Volume::default(),
             bridges: Bridges::default(),
+            film: None,
         };
         if !(meniscus.wetting() > 0.0) {
             return Err(LiquidError::NotWetting(meniscus.wetting()));
         }
-        if !(meniscus.kelvin_radius > 0.0 && meniscus.kelvin_radius.is_finite()) {
-            return Err(LiquidError::NotPositive { name: "kelvin_radius", value: meniscus.kelvin_radius });
+        if !(kelvin_radius > 0.0 && kelvin_radius.is_finite()) {
+            return Err(LiquidError::NotPositive { name: "kelvin_radius", value: kelvin_radius });
         }
         Ok(meniscus)
+    }
+
+    /// The same with so many films, 1 or 2, that are in equilibrium with it; A in J, positive.
+    pub fn with_films(self, faces: u8, hamaker_constant: f64) -> Self {
+        let thickness = libm::cbrt(hamaker_constant / (6.0 * PI * self.pressure()));
+        Self { film: Some(Film { thickness, faces, hamaker_constant }), ..self }
+    }
+
+    /// The meniscus in equilibrium with its films when they are so thick, m; without films itself.
+    pub fn at_thickness(self, thickness: f64) -> Self {
+        let Some(film) = self.film else { return self };
+        let film = Film { thickness, ..film };
+        Self { kelvin_radius: self.surface_tension / film.disjoining_pressure(), film: Some(film), ..self }
     }
 
     /// s = cos θ₁ + cos θ₂.
@@ -128,20 +206,32 @@ impl Meniscus {
         self.surface_tension / self.kelvin_radius
     }
 
-    /// h₀ = s r_K, the widest gap that the liquid fills, m.
-    pub fn range(&self) -> f64 {
-        self.wetting() * self.kelvin_radius
+    /// n t, the height of the films on both faces together, m; 0 without.
+    pub fn film_height(&self) -> f64 {
+        self.film.map_or(0.0, |film| film.height())
     }
 
-    /// γs, the energy that filling a gap gains, J/m².
+    /// h₀ = s r_K + 3nt/2, the widest gap that the liquid fills, m.
+    pub fn range(&self) -> f64 {
+        self.wetting() * self.kelvin_radius + 1.5 * self.film_height()
+    }
+
+    /// p_c h₀ = γs + 3np_c t/2, the energy that filling a gap gains, J/m².
     pub fn energy(&self) -> f64 {
-        self.surface_tension * self.wetting()
+        self.surface_tension * self.wetting() + 1.5 * self.pressure() * self.film_height()
+    }
+
+    /// (h₀ − nt)² − (D − nt)², m²: over πR, the liquid of a bridge around a rigid sphere of the distance D, m, beside that of
+    /// the films.
+    pub fn content(&self, distance: f64) -> f64 {
+        let [open, gap] = [self.range(), distance].map(|gap| (gap - self.film_height()).max(0.0));
+        (open * open - gap * gap).max(0.0)
     }
 
     /// W_dry − γs, J/m²: the energy between the solids within the liquid when they have W_dry, J/m², without (Young,
     /// Dupré). Not above 0 where the liquid comes between them.
     pub fn solid_energy(&self, work_of_adhesion: f64) -> f64 {
-        work_of_adhesion - self.energy()
+        work_of_adhesion - self.surface_tension * self.wetting()
     }
 }
 
@@ -166,6 +256,35 @@ mod tests {
         close(half.range(), 1.310860154e-9, 1e-9);
         close(Meniscus::new(liquid, 0.3, angles).unwrap().kelvin_radius, 4.357170145e-10, 1e-9);
         close(Meniscus::new(liquid, 0.9, angles).unwrap().kelvin_radius, 4.979013558e-9, 1e-9);
+    }
+
+    /// Ten digits by 50-digit arithmetic: one film of 1 nm that drains into bridges of D = 0, 10¹² 1/m² around spheres of 1 μm,
+    /// without the energy of the film: t0 − t = ηπR(s r_K)².
+    #[test]
+    fn a_film_has_the_kelvin_radius_of_its_pressure() {
+        let film = Film { thickness: 8.748712668e-10, faces: 1, hamaker_constant: 1e-19 };
+        let meniscus = Meniscus::of_film(0.025, film, [0.0; 2]).unwrap();
+        close(meniscus.kelvin_radius, 3.155539289e-9, 3e-9);
+        let bridge = 2.0 * meniscus.kelvin_radius;
+        close(1e-9 - film.thickness, 1e12 * PI * 1e-6 * bridge * bridge, 1e-8);
+        // The film begins half its thickness further away, by its energy.
+        close(meniscus.range() - meniscus.film_height(), bridge + 0.5 * film.thickness, 1e-14);
+        close(meniscus.content(0.0), (bridge + 0.5 * film.thickness).powi(2), 1e-14);
+        assert_eq!(meniscus.content(meniscus.range()), 0.0);
+    }
+
+    /// Liquid between two films gains as much as it takes to make both and to keep the liquid under tension: 2γ, and for each
+    /// film A/(12πt²) + p_c t.
+    #[test]
+    fn a_film_gains_its_energy_and_what_it_holds() {
+        let water = Meniscus::new(Liquid::water(293.15).unwrap(), 0.5, [0.0; 2]).unwrap();
+        let meniscus = water.with_films(2, 2e-20);
+        let film = meniscus.film.unwrap();
+        close(film.disjoining_pressure(), meniscus.pressure(), 1e-14);
+        close(meniscus.range(), 2.0 * meniscus.kelvin_radius + 3.0 * film.thickness, 1e-15);
+        let of_film = 2e-20 / (12.0 * PI * film.thickness.powi(2)) + meniscus.pressure() * film.thickness;
+        close(meniscus.energy(), 2.0 * meniscus.surface_tension + 2.0 * of_film, 1e-14);
+        close(meniscus.at_thickness(film.thickness).kelvin_radius, water.kelvin_radius, 1e-14);
     }
 
     /// p_c is that of the vapour alone; r_K and γs are proportional to γ.

@@ -8,7 +8,7 @@ mod meniscus;
 mod water;
 
 pub use error::LiquidError;
-pub use meniscus::{Bridges, GAS_CONSTANT, Meniscus, Volume};
+pub use meniscus::{Bridges, Film, GAS_CONSTANT, Meniscus, Volume};
 
 /// A liquid at a temperature.
 ///

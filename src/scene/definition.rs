@@ -3,6 +3,7 @@
 use super::background::BackgroundTables;
 use super::choices::LOOP;
 use super::files::Input;
+use super::films::Films;
 use super::instability::Instability;
 use super::substrate::Substrate;
 use crate::asperity::models::Model;
@@ -37,8 +38,14 @@ pub struct Scene {
     pub asperity: Asperity,
     /// The rough surface.
     pub surface: Surface,
-    /// The model.
+    /// The model; its liquid is that of films which have drained.
     pub model: Model,
+    /// The thickness of films before they drain into bridges, m, if they do.
+    #[doc(hidden)]
+    pub draining_film: Option<f64>,
+    /// The films on its ways, if there are any.
+    #[doc(hidden)]
+    pub films: Vec<Films>,
     /// The history; of a loop its approach.
     pub history: Path,
     /// Whether the surfaces are pulled back, each asperity by its own history.

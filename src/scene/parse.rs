@@ -57,13 +57,13 @@ pub(super) fn read(text: &str, root: &Section<'_>, files: &dyn Files) -> Result<
         (root.known(), heading(root), material, population, model, separation, instability, ensemble);
     let (solver, output, background) = (sum_tolerance(root), curves(root), BackgroundSections::read(root));
     let readings = (readings.together(), solver, output, substrate, background, capillary(root));
-    let (readings, sum_tolerance, curves, substrate, background, meniscus) = readings.together()?;
+    let (readings, sum_tolerance, curves, substrate, background, liquid) = readings.together()?;
     let ((), title, material, (population, lubricant), model, separation, instability, (ensemble, draws)) =
         readings;
     let Population { surface, places, inputs } = population;
     let asperity = material.asperity(surface.asperity_radius, lubricant.unwrap_or(0.0))?;
     let ModelTable { law, history, cycle, unloading, critical_approach } = model;
-    let law = wet(root, law, meniscus, unloading, is_coupled)?;
+    let law = wet(root, law, liquid.as_ref().map(|liquid| liquid.meniscus), unloading, is_coupled)?;
     law.admits(&LawParameters::new(&asperity, Path::Approach, (0.0, 0.0)).expect("it was judged before"))
         .map_err(|error| {
             SceneError::general(format!("{error}; that is of the bridges: check [capillary]"))
@@ -105,6 +105,8 @@ pub(super) fn read(text: &str, root: &Section<'_>, files: &dyn Files) -> Result<
         asperity,
         surface,
         model: law,
+        draining_film: liquid.and_then(|liquid| liquid.draining_film),
+        films: Vec::new(),
         history,
         cycle,
         unloading,
@@ -126,7 +128,9 @@ pub(super) fn read(text: &str, root: &Section<'_>, files: &dyn Files) -> Result<
         None => SceneError::general(problem),
     })?;
     let law = scene.model;
-    Ok(scene.with_background_of(&law))
+    scene.with_background_of(&law).with_films().map_err(|error| {
+        SceneError::general(format!("{error}; that is of films as thin as they drain: check [capillary]"))
+    })
 }
 
 /// Refuses separations that cannot be told apart where the asperities are.

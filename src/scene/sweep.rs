@@ -275,12 +275,18 @@ mod tests {
                 }
                 _ => "",
             };
+            let equilibrium = match key.name {
+                "capillary.film_thickness" | "capillary.hamaker_constant" => {
+                    "film_thickness = \"1 nm\"\nhamaker_constant = \"1e-19 J\"\nfilm_faces = 1"
+                }
+                _ => "relative_humidity = 0.5",
+            };
             let (scene, liquid) = match key.name.starts_with("capillary.") {
                 true => (
                     scene
                         .replace("fit:paper", "capillary")
                         .replace("critical_approach", "# critical_approach"),
-                    format!("[capillary]\nrelative_humidity = 0.5\ncontact_angles = [0, 0]\n{liquid}"),
+                    format!("[capillary]\n{equilibrium}\ncontact_angles = [0, 0]\n{liquid}"),
                 ),
                 false => (scene, String::new()),
             };

@@ -343,8 +343,35 @@ pub static KEYS: &[Key] = &[
     .follows("none; the asperities are dry"),
     key("capillary.relative_humidity", "0.45", Number(Excluded(0.0), Excluded(1.0)))
         .what("relative humidity")
-        .about("φ, the pressure of the vapour over that at saturation. It says r_K = γV_m/(R_g T |ln φ|).")
+        .about(
+            "φ, the pressure of the vapour over that at saturation. It says r_K = γV_m/(R_g T |ln φ|). Needed unless there is \
+             `film_thickness`.",
+        )
+        .follows("from `film_thickness`")
+        .excludes(&["capillary.film_thickness"])
         .swept(),
+    key("capillary.film_thickness", "\"1 nm\"", Quantity(Of::Length, Positive))
+        .what("thickness of liquid films on the faces")
+        .about(
+            "t, of a liquid that does not evaporate; r_K = 6πγt³/A. Needs `hamaker_constant` and `film_faces`, in the place of \
+             `relative_humidity`.",
+        )
+        .follows("from the vapour where there is `hamaker_constant`: (A/6πp_c)^(1/3)")
+        .excludes(&["capillary.relative_humidity"])
+        .swept(),
+    key("capillary.hamaker_constant", "\"1e-19 J\"", Quantity(Of::Energy, Positive))
+        .what("Hamaker constant of liquid films on the faces")
+        .about("A, of a face across the film: its disjoining pressure is A/(6πt³). Needs `film_faces`.")
+        .follows("none; faces are without films")
+        .swept(),
+    key("capillary.film_faces", "1", Whole(1, 2))
+        .what("how many of the faces have a film")
+        .about("Each needs the contact angle 0. Needs `hamaker_constant`.")
+        .follows("none; faces are without films"),
+    key("capillary.film_drains", "true", Switch)
+        .what("whether bridges are filled from the films between them")
+        .about("Needs `film_thickness`, which is that of apart faces then.")
+        .defaults_to("true"),
     key("capillary.liquid", "\"water\"", Choice(|| names(&LIQUIDS)))
         .what("name of the liquid")
         .about("Surface tension and density of water follow from the temperature (IAPWS). Another liquid is given by `surface_tension` and `molar_volume`.")
@@ -357,12 +384,12 @@ pub static KEYS: &[Key] = &[
         .swept(),
     key("capillary.surface_tension", "\"72.7 mN/m\"", Quantity(Of::SurfaceEnergy, Positive))
         .what("surface tension of a liquid of one's own")
-        .about("γ. Needs `molar_volume`.")
+        .about("γ. Needs `molar_volume` where there is `relative_humidity`.")
         .follows("from `liquid`")
         .swept(),
     key("capillary.molar_volume", "\"18 cm^3/mol\"", Quantity(Of::MolarVolume, Positive))
         .what("molar volume of a liquid of one's own")
-        .about("V_m. Needs `surface_tension`.")
+        .about("V_m. Needs `surface_tension` and `relative_humidity`.")
         .follows("from `liquid`")
         .swept(),
     key(

@@ -132,11 +132,15 @@ fn wet(scene: &Scene, model: &Model) -> Vec<Warning> {
     let mut warnings = Vec::new();
     let Some(meniscus) = scene.model.meniscus().filter(|_| model.is_wet()) else { return warnings };
     let kelvin = meniscus.kelvin_radius;
+    let keys: &'static [&'static str] = match scene.draining_film {
+        Some(_) => &["film_thickness", "asperity_radius"],
+        None => &["relative_humidity", "asperity_radius"],
+    };
     if kelvin < SMALLEST_MENISCUS {
         warnings.push(Warning::new(
             format!("the Kelvin radius is {}, below {}", si(kelvin, "m"), si(SMALLEST_MENISCUS, "m")),
             "a meniscus of a few molecules is no surface of a liquid (Fisher and Israelachvili 1981)",
-            &["relative_humidity"],
+            &keys[..1],
         ));
     }
     let ratio = kelvin / scene.surface.asperity_radius;
@@ -149,7 +153,7 @@ fn wet(scene: &Scene, model: &Model) -> Vec<Warning> {
                 100.0 * share
             ),
             "the curvature around the bridge is left out of forces (to first order in the root of that ratio)",
-            &["relative_humidity", "asperity_radius"],
+            keys,
         ));
     }
     let solid = meniscus.solid_energy(scene.asperity.work_of_adhesion);

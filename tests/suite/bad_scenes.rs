@@ -169,6 +169,51 @@ const CASES: &[(&str, &str, &[&str])] = &[
     ),
     (
         "[output]",
+        "[capillary]\nfilm_thickness = \"1 nm\"\ncontact_angles = [0, 0]\n[output]",
+        &["`capillary.film_thickness = \"1 nm\"`: a film needs hamaker_constant", "film_faces = 1 or 2"],
+    ),
+    (
+        "[output]",
+        "[capillary]\nfilm_thickness = \"1 nm\"\nrelative_humidity = 0.5\ncontact_angles = [0, 0]\n[output]",
+        &["leave out relative_humidity, or this"],
+    ),
+    (
+        "[output]",
+        "[capillary]\nfilm_thickness = \"1 nm\"\nhamaker_constant = \"1e-19 J\"\ncontact_angles = [0, 0]\n[output]",
+        &["`capillary.hamaker_constant", "film_faces = 1 or 2 says on how many faces"],
+    ),
+    (
+        "[output]",
+        "[capillary]\nrelative_humidity = 0.5\nfilm_faces = 2\ncontact_angles = [0, 0]\n[output]",
+        &["`capillary.film_faces = 2`: films need hamaker_constant"],
+    ),
+    (
+        "[output]",
+        "[capillary]\nfilm_thickness = \"1 nm\"\nhamaker_constant = \"1e-19 J\"\nfilm_faces = 3\ncontact_angles = [0, 0]\n[output]",
+        &["`capillary.film_faces = 3`", "a whole number from 1 to 2"],
+    ),
+    (
+        "[output]",
+        "[capillary]\nfilm_thickness = \"1 nm\"\nhamaker_constant = \"1e-19 J\"\nfilm_faces = 2\ncontact_angles = [0, \"20 deg\"]\n[output]",
+        &["`capillary.contact_angles", "0 deg is the angle of each face with one"],
+    ),
+    (
+        "[output]",
+        "[capillary]\nfilm_thickness = \"1 nm\"\nhamaker_constant = \"1e-19 J\"\nfilm_faces = 1\ncontact_angles = [0, 0]\nvolume = \"constant\"\n[output]",
+        &["films feed their bridges; volume = \"equilibrium\" would do"],
+    ),
+    (
+        "[output]",
+        "[capillary]\nfilm_thickness = \"1 nm\"\nhamaker_constant = \"1e-19 J\"\nfilm_faces = 1\ncontact_angles = [0, 0]\nsurface_tension = \"25 mN/m\"\nmolar_volume = \"30 cm^3/mol\"\n[output]",
+        &["`capillary.molar_volume", "has no meaning without relative_humidity"],
+    ),
+    (
+        "[output]",
+        "[capillary]\nrelative_humidity = 0.5\nhamaker_constant = \"1e-20 J\"\nfilm_faces = 2\ncontact_angles = [0, 0]\nfilm_drains = true\n[output]",
+        &["`capillary.film_drains = true`: the vapour feeds films"],
+    ),
+    (
+        "[output]",
         "[capillary]\nrelative_humidity = 0.5\ncontact_angles = [0, 0]\nvolume = \"fixed\"\n[output]",
         &["unknown volume; known: equilibrium, constant"],
     ),
@@ -750,6 +795,17 @@ const VARIANTS: &[Variant] = &[
             "capillary.contact_angles",
         ],
         &[("model.law", "\"capillary\"")],
+    ),
+    (
+        &["model.law"],
+        &[
+            "capillary.film_thickness",
+            "capillary.hamaker_constant",
+            "capillary.film_faces",
+            "capillary.film_drains",
+            "capillary.surface_tension",
+        ],
+        &[("model.law", "\"capillary\""), ("capillary.contact_angles", "[0, 0]")],
     ),
     (OF_SPECTRUM, &["surface.spectrum"], &[]),
     (OF_SPECTRUM, &["surface.spectrum.m0", "surface.spectrum.m2", "surface.spectrum.m4"], &[]),

@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 use stiction::asperity::models::{Model, model};
 use stiction::asperity::scale::Asperity;
 use stiction::asperity::{Law, LawError, LawParameters, Loop, Path, Regime, UnloadedRadius};
-use stiction::liquid::{Bridges, Liquid, Meniscus, Volume};
+use stiction::liquid::{Bridges, Film, Liquid, Meniscus, Volume};
 
 /// Water at 25 °C, with ρ = 997.047 kg/m³.
 fn water(humidity: f64, degrees: f64) -> Meniscus {
@@ -174,6 +174,7 @@ fn it_is_near_two_nested_zones() {
             contact_angles: [0.0; 2],
             volume: Volume::Equilibrium,
             bridges: Bridges::Metastable,
+            film: None,
         };
         let law = wet(meniscus).law(&parameters).unwrap();
         let (regime, found) = respond(law.as_ref(), delta * scale.length).unwrap();
@@ -445,4 +446,122 @@ fn menisci_out_of_range_are_told() {
     );
     assert!(warned("\"60 deg\", \"70 deg\"", "0, 0").contains("the liquid comes between such solids"));
     assert!(QUICK.contains("hybrid"));
+}
+
+/// A lubricant of 25 mN/m on one face.
+fn film(thickness: f64) -> Meniscus {
+    let film = Film { thickness, faces: 1, hamaker_constant: 1e-19 };
+    Meniscus::of_film(0.025, film, [0.0; 2]).unwrap()
+}
+
+/// Rigid spheres on a film: a bridge forms where the film touches, D = t, and pulls with 2πRp_c(h₀ − D); on a loop an asperity
+/// remembers that.
+#[test]
+fn bridges_of_films_form_where_the_film_touches() {
+    let (meniscus, rigid) = (film(1e-9), sphere(1e16, 1e-3));
+    let law = law_of(&rigid, meniscus, Path::Approach);
+    close(-begin(law.as_ref(), Regime::Bridge), 1e-9, 1e-9);
+    assert!(at(law.as_ref(), -1.001e-9)[0] < 1e-9, "solids alone");
+    for distance in [0.2e-9, 0.999e-9] {
+        let pull = 2.0 * PI * 1e-6 * meniscus.pressure() * (meniscus.range() - distance);
+        close(at(law.as_ref(), -distance)[0], pull, 1e-6);
+    }
+    let parameters = LawParameters::new(&sphere(70e9, 1e-3), Path::Approach, (-1e-7, 1e-7)).unwrap();
+    let cycle = Loop::new(&wet(meniscus), &parameters, UnloadedRadius::Kept).unwrap();
+    assert_eq!((cycle.fate(-1.1e-9), cycle.fate(-0.9e-9)), (0, 1));
+}
+
+/// Stiff asperities in a film that drains.
+fn film_scene(history: &str, more: &str) -> String {
+    scene("")
+        .replace(
+            "relative_humidity = 0.6",
+            "film_thickness = \"1 nm\"\nhamaker_constant = \"1e-19 J\"\nfilm_faces = 1",
+        )
+        .replace("[\"60 deg\", \"70 deg\"]", &format!("[0, 0]\nsurface_tension = \"25 mN/m\"\n{more}"))
+        .replace("\"approach\"", &format!("\"{history}\""))
+        .replace("85.29 GPa", "1e7 GPa")
+        .replace("2.5 GPa", "2e6 GPa")
+}
+
+/// η, R, σ_s and the offset of the mean planes of the scene, SI.
+fn of_scene(file: &hdf5::File) -> [f64; 4] {
+    let number = |name: &str| -> f64 { file.attr(name).unwrap().read_scalar().unwrap() };
+    [7.39e12, number("asperity_radius"), number("asperity_height_std"), number("mean_plane_offset")]
+}
+
+/// t from t₀ − t = ηπR⟨(h₀ − t)² − (D − t)²₊⟩ over Gaussian heights of rigid asperities with D up to `end` of t, by halving and
+/// Simpson's rule.
+fn balance(of: [f64; 4], h: f64, end: impl Fn(&Meniscus) -> f64) -> f64 {
+    let [density, radius, std, offset] = of;
+    let drained = |t: f64| {
+        let meniscus = film(t);
+        let (first, last, panels) = (h - offset - end(&meniscus), 9.0 * std, 4000);
+        let step = (last - first) / f64::from(panels);
+        let content = |z: f64| {
+            let gap = (h - offset - z - t).max(0.0);
+            ((meniscus.range() - t).powi(2) - gap * gap) * (-0.5 * (z / std).powi(2)).exp()
+        };
+        let weight = |i: i32| if i == 0 || i == panels { 1.0 } else { f64::from(2 + 2 * (i % 2)) };
+        let sum: f64 = (0..=panels).map(|i| weight(i) * content(first + step * f64::from(i))).sum();
+        density * PI * radius * sum * step / 3.0 / (std * (2.0 * PI).sqrt())
+    };
+    let (mut low, mut high) = (0.1e-9, 1e-9);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if 1e-9 - middle > drained(middle) { low = middle } else { high = middle }
+    }
+    low
+}
+
+/// What is in the bridges of stiff asperities is missing from the film: on approach where the film touches, on retraction up to
+/// where bridges break; the law is that of the pull-off, and ensemble and integral agree (significance 1e-3, fixed seed).
+#[test]
+fn what_is_in_bridges_is_missing_from_the_film() {
+    for history in ["approach", "retraction", "loop"] {
+        let folder = Folder::new(&film_scene(history, ""));
+        let run = folder.stiction(&["run", "scene.toml"]);
+        assert_exit(&run, 0);
+        let summary = text(&run.stdout);
+        assert!(summary.contains("ensemble and integral agree"), "{summary}");
+        assert!(summary.contains("1.000 nm on one face before it drains"), "{summary}");
+        assert_exit(&folder.stiction(&["validate", "scene.h5"]), 0);
+        let file = unlocked::open(folder.path("scene.h5"));
+        let values = |name: &str| -> Vec<f64> { file.dataset(name).unwrap().read_raw().unwrap() };
+        let (of, separations) = (of_scene(&file), values("ensemble/separation"));
+        let formed = |meniscus: &Meniscus| {
+            -begin(
+                law_of(&Asperity { radius: of[1], ..sphere(1e16, 1e-3) }, *meniscus, Path::Approach).as_ref(),
+                Regime::Bridge,
+            )
+        };
+        let broken = |meniscus: &Meniscus| {
+            -begin(
+                law_of(&Asperity { radius: of[1], ..sphere(1e16, 1e-3) }, *meniscus, Path::Retraction)
+                    .as_ref(),
+                Regime::Bridge,
+            )
+        };
+        let mut most: f64 = 0.0;
+        let ways: &[(&str, bool)] = match history {
+            "approach" => &[("", false)],
+            "retraction" => &[("", true)],
+            _ => &[("", false), ("retraction_", true)],
+        };
+        for (way, is_back) in ways {
+            let thickness = values(&format!("film/{way}thickness"));
+            for (&h, &t) in separations.iter().zip(&thickness) {
+                let end = |meniscus: &Meniscus| match (is_back, history) {
+                    (false, _) => formed(meniscus),
+                    (true, "loop") => broken(meniscus).min(formed(meniscus) + h - separations[0]),
+                    (true, _) => broken(meniscus),
+                };
+                let expected = balance(of, h, end);
+                assert!((t - expected).abs() < 1e-4 * 1e-9, "{history} {way} {h:e}: {t:e} {expected:e}");
+                most = most.max(1e-9 - t);
+            }
+            assert!(thickness.windows(2).all(|pair| pair[1] >= pair[0] * (1.0 - 1e-9)), "{thickness:?}");
+        }
+        assert!(most > 0.1e-9, "{history}: {most:e}");
+    }
 }

@@ -357,7 +357,7 @@ fn all_damages_of_all_datasets_are_found() {
 #[ignore = "slow: several hundred results are validated, half a minute of one core"]
 fn all_damages_of_sweeps_are_found() {
     let of_loop = resolved().replace("curves = false", "curves = true").replace("\"approach\"", "\"loop\"");
-    let missed: Vec<String> = [(resolved(), None), (of_loop, Some(1))]
+    let missed: Vec<String> = [(resolved(), Some(1)), (of_loop, Some(1))]
         .iter()
         .flat_map(|(scene, every)| missed(&swept(scene), *every))
         .collect();

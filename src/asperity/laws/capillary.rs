@@ -23,7 +23,7 @@
 //! 2πRγs is the force of a bridge around the truncated sphere, beside which the gap is (r² − a²)/2R. At ω_c the force jumps
 //! to it.
 //!
-//! Metastable bridges form when the solids touch, at δ = 0, and last until they are unstable; reversible ones form and break
+//! Metastable bridges form when the solids touch, at δ = 0, or the films on them, at D = nt, and last until they are unstable; reversible ones form and break
 //! where their energy is that of none. A bridge breaks with the contact where that ends at the fold of its branch (λ above
 //! 0.938).
 //!
@@ -42,7 +42,7 @@ use super::md::MaugisContact;
 use crate::asperity::bridge::{Bridge, Closed, Edge};
 use crate::asperity::elastic::{self, Elastic};
 use crate::asperity::error::LawError;
-use crate::asperity::formula::{ClosedForm, Formula, Zero};
+use crate::asperity::formula::{ClosedForm, Constant, Formula, Zero};
 use crate::asperity::history::Path;
 use crate::asperity::law::{BLOCK, End, Law, Method, Regime, Responses, Smoothness};
 use crate::asperity::parameters::LawParameters;
@@ -84,6 +84,32 @@ pub fn capillary(parameters: &LawParameters, meniscus: &Meniscus) -> Result<Box<
     Ok(Box::new(Table::new(rows.into_iter().chain(plastic))))
 }
 
+/// The liquid in bridges, V (m³) in the place of F_s: πR((h₀ − nt)² − (D − nt)²), that around rigid spheres. Where the faces
+/// have parted by `retreat`, m, since they turned back, bridges are only where they had formed then.
+///
+/// # Errors
+/// [`LawError`] for a λ that is not solved.
+pub fn content(
+    parameters: &LawParameters,
+    meniscus: &Meniscus,
+    retreat: f64,
+) -> Result<Box<dyn Law>, LawError> {
+    let parts = Parts::new(parameters, meniscus)?;
+    let advancing = Parts { path: Path::Approach, ..parts };
+    let typical = Lane::new(1.0, Some(parts.liquid.lambda));
+    let begin = move |lane: &Lane| parts.ends(lane)[0].max(advancing.ends(lane)[0] - retreat);
+    let full = -meniscus.film_height();
+    let within = move |lane: &Lane| begin(lane).max(full);
+    let (meniscus, radius) = (*meniscus, parameters.scale.asperity_radius());
+    let volume = move |delta: f64| PI * radius * meniscus.content(-delta);
+    let volume = || ClosedForm::attraction(volume.following(OF_SPHERE));
+    Ok(Box::new(Table::new([
+        Row::below(Regime::Noncontact, Place::following(begin(&typical), begin), Constant::NOTHING),
+        Row::below(Regime::Bridge, Place::following(within(&typical), within), volume()),
+        Row::last(Regime::Elastic, volume()),
+    ])))
+}
+
 /// A force at δ that is proportional to the radius.
 const OF_SPHERE: Similarity = Similarity::new(0.0, 1.0);
 
@@ -100,6 +126,8 @@ pub struct Parts {
     volume: Volume,
     /// The mean of both contact angles, rad.
     contact_angle: f64,
+    /// n t of the films on the faces, m.
+    films: f64,
 }
 
 impl Parts {
@@ -128,6 +156,7 @@ impl Parts {
             bridges: meniscus.bridges,
             volume: meniscus.volume,
             contact_angle: 0.5 * (meniscus.contact_angles[0] + meniscus.contact_angles[1]),
+            films: meniscus.film_height(),
         })
     }
 
@@ -146,9 +175,12 @@ impl Parts {
             .map(|end| end * self.length(lane));
         let touches = self.elastic(lane).map(|(solid, length)| bridge.at_gap(-solid.end(self.path) * length));
         match (self.path, self.bridges) {
-            (Path::Approach, Bridges::Metastable) => [0.0; 2],
-            (Path::Approach, Bridges::Reversible) => {
-                let forms = bridge.equilibrium();
+            (Path::Approach, Bridges::Metastable) if self.films == 0.0 => [0.0; 2],
+            (Path::Approach, bridges) => {
+                let forms = match bridges {
+                    Bridges::Metastable => bridge.at_distance(self.films.min(bridge.rupture().distance)),
+                    Bridges::Reversible => bridge.equilibrium(),
+                };
                 let begin = -forms.distance;
                 // Where contact is nearer than where it forms, it begins at once.
                 let touches = touches.unwrap_or_else(|| bridge.at_gap(0.0));
@@ -184,6 +216,12 @@ impl Parts {
         // Beyond the fold there is no state in equilibrium whose liquid could be kept.
         let edge = if edge.circle > half { edge } else { Edge { circle: half, distance: bridge.fold() } };
         (Closed::new(bridge, edge), edge.distance)
+    }
+
+    /// δ from which an asperity on approach has what it keeps on retraction: a bridge, or what it begins with.
+    fn capture(&self, lane: &Lane) -> Option<f64> {
+        let is_kept = self.path == Path::Approach && self.bridges == Bridges::Metastable;
+        is_kept.then(|| self.ends(lane)[0])
     }
 
     /// Whether bridges keep their liquid.
@@ -251,6 +289,10 @@ impl Interaction for Spanned {
         Method::ClosedForm
     }
 
+    fn capture(&self) -> Option<f64> {
+        self.parts.capture(&self.typical)
+    }
+
     fn of_radii(&self) -> Option<&dyn PartOfRadii> {
         Some(self)
     }
@@ -264,6 +306,10 @@ impl Interaction for Spanned {
 impl PartOfRadii for Spanned {
     fn lambda(&self) -> Option<f64> {
         Some(self.parts.liquid.lambda)
+    }
+
+    fn capture_of(&self, lane: &Lane) -> Option<f64> {
+        self.parts.capture(lane)
     }
 
     fn smoothness_of(&self, lane: &Lane, _: f64, _: f64) -> (Vec<f64>, Vec<Smoothness>) {

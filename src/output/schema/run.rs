@@ -37,7 +37,15 @@ pub static RUN: Layout = Layout {
     command: "stiction run",
     version: [3, 5],
     groups: &["ensemble", "replicas", "integral", "validation", "diagnostics"],
-    optional_groups: &["asperities", "background", "capillary", "coupling", "independence", "instability"],
+    optional_groups: &[
+        "asperities",
+        "background",
+        "capillary",
+        "coupling",
+        "film",
+        "independence",
+        "instability",
+    ],
     variables: LazyLock::new(variables),
     of_points: None,
 };
@@ -50,6 +58,7 @@ fn variables() -> Vec<Variable> {
         coupling(),
         asperities(),
         capillary(),
+        film(),
         instability(),
         integral(),
         background(NONE),
@@ -190,6 +199,25 @@ fn capillary() -> Vec<Variable> {
         let words = "mean external force{} where bridges that overlap merge, by the covered share, compressive positive";
         let path = format!("{GROUP}/{prefix}merged_external_force");
         all.push(variable(path, S, "N", words.replace("{}", on)));
+    }
+    all
+}
+
+/// Films of liquid.
+fn film() -> Vec<Variable> {
+    const GROUP: &str = "/film";
+    let mut all = group(GROUP, NONE, FILM);
+    for (prefix, on) in DIRECTIONS {
+        for (name, units, words) in [
+            ("thickness", "m", "thickness of the films{}, drained into the expected bridges"),
+            (
+                "external_force",
+                "N",
+                "external force of the integral{} with the films of each separation, compressive positive",
+            ),
+        ] {
+            all.push(variable(format!("{GROUP}/{prefix}{name}"), S, units, words.replace("{}", on)));
+        }
     }
     all
 }
@@ -365,13 +393,18 @@ const LIQUID: &[Row] = &[
     ("kelvin_radius", NONE, "m", "Kelvin radius r_K of the meniscus"),
     ("capillary_pressure", NONE, "Pa", "tension p_c = gamma/r_K in the liquid"),
     ("range", NONE, "m", "widest gap h_0 that the liquid fills"),
-    ("liquid_energy", NONE, "J m-2", "energy gamma s that filling a gap gains"),
+    ("liquid_energy", NONE, "J m-2", "energy that filling a gap gains, gamma s and that of the films"),
     (
         "solid_energy",
         NONE,
         "J m-2",
-        "work of adhesion less that: the energy between the solids in the liquid",
+        "work of adhesion less gamma s: the energy between the solids in the liquid",
     ),
+];
+
+const FILM: &[Row] = &[
+    ("initial_thickness", NONE, "m", "thickness of the films before they drain"),
+    ("law_thickness", NONE, "m", "thickness of the films in the law of all replicas: that at pull-off"),
 ];
 
 const SNAPS: &[Row] = &[

@@ -1,0 +1,134 @@
+//! Films that drain: what is in the bridges is missing from the films between them.
+//!
+//! # Formula
+//! n(t₀ − t) A_n = ΣV over the asperities with a bridge at a separation, V = πR((h₀ − nt)² − (D − nt)²), with the range h₀ and the
+//! bridges that there are for t. V rises with t, so one t solves it. ΣV is its expectation. It is that around rigid spheres;
+//! which asperities have bridges is that of elastic ones.
+
+use super::Scene;
+use crate::asperity::{LawError, Path, Quantity};
+use crate::integral::Expectations;
+use crate::math::interpolation::lagrange;
+
+/// Thicknesses that are integrated over; between them there are polynomials.
+const NODES: usize = 17;
+/// Halvings of an interval of thicknesses, to its rounding.
+const HALVINGS: usize = 60;
+
+/// The films on the faces on one way over the separations.
+#[doc(hidden)]
+#[derive(Clone, Debug, PartialEq)]
+pub struct Films {
+    /// t, m.
+    pub thickness: Vec<f64>,
+    /// The expected external force with films as thick, N.
+    pub external_force: Vec<f64>,
+}
+
+/// The share of a film that is as good as none.
+const ROUNDING: f64 = 1e-13;
+
+/// What is expected with one thickness on one way over the separations.
+struct Expected {
+    /// ΣV, m³.
+    volume: Vec<f64>,
+    /// N.
+    external_force: Vec<f64>,
+}
+
+impl Scene {
+    /// The films on the faces of the scene on its ways, if it has any.
+    ///
+    /// # Errors
+    /// [`LawError`] where a law cannot be made.
+    fn films_on_ways(&self) -> Result<Vec<Films>, LawError> {
+        let Some(film) = self.model.meniscus().and_then(|meniscus| meniscus.film) else {
+            return Ok(Vec::new());
+        };
+        let Some(initial) = self.draining_film else {
+            let thickness = vec![film.thickness; self.separations.len()];
+            let of =
+                |one: Expected| Films { thickness: thickness.clone(), external_force: one.external_force };
+            return Ok(self.expected()?.into_iter().map(of).collect());
+        };
+        let supply =
+            |thickness: f64| f64::from(film.faces) * (initial - thickness) * self.surface.nominal_area;
+        let most = self.with_film(initial).expected()?;
+        let most = most.iter().flat_map(|one| &one.volume).fold(0.0, |most: f64, volume| most.max(*volume));
+        // V falls as t² at least: no film is thinner than the root of 1 − x = q x².
+        let q = most / supply(0.0);
+        let least = initial * if q > 0.0 { 2.0 / (1.0 + (1.0 + 4.0 * q).sqrt()) } else { 1.0 };
+        let part = |i: usize| least + (initial - least) * i as f64 / (NODES - 1) as f64;
+        let thicknesses: Vec<f64> = (0..NODES).map(part).collect();
+        let nodes = thicknesses.iter().map(|thickness| self.with_film(*thickness).expected());
+        let nodes = nodes.collect::<Result<Vec<Vec<Expected>>, LawError>>()?;
+        let drained = |way: usize| {
+            let at = |of: &dyn Fn(&Expected) -> f64, thickness: f64| {
+                let values: Vec<f64> = nodes.iter().map(|ways| of(&ways[way])).collect();
+                if least < initial { lagrange::<6>(&thicknesses, &values, thickness) } else { values[0] }
+            };
+            let thickness_at = |k: usize| {
+                // Over the thickness ΣV is as steep as the tail of the heights, and its logarithm is not.
+                let none = ROUNDING * supply(0.0);
+                let volume = |t: f64| at(&|one| (one.volume[k] + none).ln(), t).exp() - none;
+                let (mut low, mut high) = (least, initial);
+                for _ in 0..HALVINGS {
+                    let middle = 0.5 * (low + high);
+                    (low, high) =
+                        if supply(middle) > volume(middle) { (middle, high) } else { (low, middle) };
+                }
+                0.5 * (low + high)
+            };
+            let thickness: Vec<f64> = (0..self.separations.len()).map(thickness_at).collect();
+            let force = |(k, t): (usize, &f64)| at(&|one| one.external_force[k], *t);
+            Films { external_force: thickness.iter().enumerate().map(force).collect(), thickness }
+        };
+        Ok((0..nodes[0].len()).map(drained).collect())
+    }
+
+    /// The same with its films, in the law drained as far as where the surfaces are pulled off, on average.
+    ///
+    /// # Errors
+    /// [`LawError`] where a law cannot be made.
+    pub(super) fn with_films(self) -> Result<Self, LawError> {
+        let films = self.films_on_ways()?;
+        let Some(Films { thickness, external_force }) = films.last() else { return Ok(self) };
+        let deepest = (1..external_force.len())
+            .fold(0, |best, k| if external_force[k] < external_force[best] { k } else { best });
+        Ok(Self { films: films.clone(), ..self.with_film(thickness[deepest]) })
+    }
+
+    /// The same with films of another thickness, m.
+    fn with_film(&self, thickness: f64) -> Self {
+        let meniscus = self.model.meniscus().expect("films are of a liquid").at_thickness(thickness);
+        let model = self.model.with_liquid(meniscus);
+        Self { model, ..self.clone() }.with_background_of(&model)
+    }
+
+    /// What is expected of the scene as it is on its ways.
+    fn expected(&self) -> Result<Vec<Expected>, LawError> {
+        let (surface, separations) = (&self.surface, self.separations.as_slice());
+        let of = |mut expectations: Expectations, quantity: Quantity| {
+            std::mem::take(&mut expectations.expected[quantity.index()])
+        };
+        let volume = |scene: &Self, retreat: Option<f64>, separations: &[f64]| {
+            let laws = scene.law_of(&self.model.content(retreat))?;
+            let expectations = Expectations::new(laws.view(), surface, separations);
+            Ok::<_, LawError>(of(expectations, Quantity::AdhesionForce))
+        };
+        let force = |expectations| of(expectations, Quantity::ExternalForce);
+        let mut ways = vec![Expected {
+            volume: volume(self, None, separations)?,
+            external_force: force(Expectations::new(self.law()?.view(), surface, separations)),
+        }];
+        if let Some(cycle) = self.loop_law()? {
+            let back = Self { history: Path::Retraction, ..self.clone() };
+            let at = |h: &f64| volume(&back, Some(h - separations[0]), &[*h]).map(|volume| volume[0]);
+            ways.push(Expected {
+                volume: separations.iter().map(at).collect::<Result<Vec<f64>, LawError>>()?,
+                external_force: force(Expectations::retraction(&cycle, surface, separations)),
+            });
+        }
+        Ok(ways)
+    }
+}

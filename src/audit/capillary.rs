@@ -88,7 +88,7 @@ impl Checked<'_> {
             let deepest =
                 (1..forces.len()).fold(0, |best, k| if forces[k] < forces[best] { k } else { best });
             let (path, law) = (format!("{FILM}/law_thickness"), thickness[deepest]);
-            if self.ways()?.last() == Some(&way) {
+            if self.ways()?.last() == Some(way) {
                 self.follows(&path, &[law], ROUNDING, "the film where the surfaces are pulled off")?;
             }
         }

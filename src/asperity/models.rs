@@ -18,8 +18,8 @@ enum Build {
     Plain(Plain),
     /// Of an asperity in a vapour whose liquid has a meniscus.
     Wet(Wet),
-    /// The liquid in its bridge, once the faces have parted so far, m.
-    Content { retreat: f64 },
+    /// The liquid in its bridge.
+    Content,
 }
 
 /// A law by name.
@@ -63,7 +63,7 @@ impl Model {
         match self.build {
             Build::Plain(build) => build(parameters),
             Build::Wet(build) => build(parameters, self.needed()?),
-            Build::Content { retreat } => capillary::content(parameters, self.needed()?, retreat),
+            Build::Content => capillary::content(parameters, self.needed()?),
         }
     }
 
@@ -72,15 +72,14 @@ impl Model {
         Self { meniscus: self.is_wet().then_some(meniscus), ..self }
     }
 
-    /// The liquid in the bridges of a law, V, m³, in the place of F_s; on retraction once the faces have parted by `retreat`, m,
-    /// since they turned back, or have been pressed together whole without it.
-    pub(crate) fn content(self, retreat: Option<f64>) -> Self {
-        Self { build: Build::Content { retreat: retreat.unwrap_or(f64::INFINITY) }, ..self }
+    /// The liquid in the bridges of a law, V, m³, in the place of F_s.
+    pub(crate) fn content(self) -> Self {
+        Self { build: Build::Content, ..self }
     }
 
     /// Whether it is for asperities around which a liquid condenses, and has to be told which.
     pub fn is_wet(&self) -> bool {
-        matches!(self.build, Build::Wet(_) | Build::Content { .. })
+        matches!(self.build, Build::Wet(_) | Build::Content)
     }
 
     /// The liquid that it has been given.
@@ -100,9 +99,7 @@ impl Model {
     pub fn admits(&self, parameters: &LawParameters) -> Result<(), LawError> {
         match self.build {
             Build::Plain(_) => Ok(()),
-            Build::Wet(_) | Build::Content { .. } => {
-                capillary::Parts::new(parameters, self.needed()?).map(drop)
-            }
+            Build::Wet(_) | Build::Content => capillary::Parts::new(parameters, self.needed()?).map(drop),
         }
     }
 

@@ -6,7 +6,7 @@
 //! which asperities have bridges is that of elastic ones.
 
 use super::Scene;
-use crate::asperity::{LawError, Path, Quantity};
+use crate::asperity::{LawError, Quantity};
 use crate::integral::Expectations;
 use crate::math::interpolation::lagrange;
 
@@ -107,27 +107,21 @@ impl Scene {
 
     /// What is expected of the scene as it is on its ways.
     fn expected(&self) -> Result<Vec<Expected>, LawError> {
+        let of = |of: &dyn Fn(&Self) -> Result<Expectations, LawError>| {
+            let content = of(&Self { model: self.model.content(), ..self.clone() })?;
+            let [volume, external_force] =
+                [(content, Quantity::AdhesionForce), (of(self)?, Quantity::ExternalForce)]
+                    .map(|(mut all, quantity)| std::mem::take(&mut all.expected[quantity.index()]));
+            Ok(Expected { volume, external_force })
+        };
         let (surface, separations) = (&self.surface, self.separations.as_slice());
-        let of = |mut expectations: Expectations, quantity: Quantity| {
-            std::mem::take(&mut expectations.expected[quantity.index()])
-        };
-        let volume = |scene: &Self, retreat: Option<f64>, separations: &[f64]| {
-            let laws = scene.law_of(&self.model.content(retreat))?;
-            let expectations = Expectations::new(laws.view(), surface, separations);
-            Ok::<_, LawError>(of(expectations, Quantity::AdhesionForce))
-        };
-        let force = |expectations| of(expectations, Quantity::ExternalForce);
-        let mut ways = vec![Expected {
-            volume: volume(self, None, separations)?,
-            external_force: force(Expectations::new(self.law()?.view(), surface, separations)),
-        }];
-        if let Some(cycle) = self.loop_law()? {
-            let back = Self { history: Path::Retraction, ..self.clone() };
-            let at = |h: &f64| volume(&back, Some(h - separations[0]), &[*h]).map(|volume| volume[0]);
-            ways.push(Expected {
-                volume: separations.iter().map(at).collect::<Result<Vec<f64>, LawError>>()?,
-                external_force: force(Expectations::retraction(&cycle, surface, separations)),
-            });
+        let mut ways = vec![of(&|scene| Ok(Expectations::new(scene.law()?.view(), surface, separations)))?];
+        if self.cycle {
+            let back = |scene: &Self| {
+                let cycle = scene.loop_law_of(scene.unloading)?;
+                Ok(Expectations::retraction(&cycle, surface, separations))
+            };
+            ways.push(of(&back)?);
         }
         Ok(ways)
     }

@@ -84,28 +84,22 @@ pub fn capillary(parameters: &LawParameters, meniscus: &Meniscus) -> Result<Box<
     Ok(Box::new(Table::new(rows.into_iter().chain(plastic))))
 }
 
-/// The liquid in bridges, V (m³) in the place of F_s: πR((h₀ − nt)² − (D − nt)²), that around rigid spheres. Where the faces
-/// have parted by `retreat`, m, since they turned back, bridges are only where they had formed then.
+/// The liquid in bridges, V (m³) in the place of F_s: πR((h₀ − nt)² − (D − nt)²), that around rigid spheres.
 ///
 /// # Errors
 /// [`LawError`] for a λ that is not solved.
-pub fn content(
-    parameters: &LawParameters,
-    meniscus: &Meniscus,
-    retreat: f64,
-) -> Result<Box<dyn Law>, LawError> {
+pub fn content(parameters: &LawParameters, meniscus: &Meniscus) -> Result<Box<dyn Law>, LawError> {
     let parts = Parts::new(parameters, meniscus)?;
-    let advancing = Parts { path: Path::Approach, ..parts };
     let typical = Lane::new(1.0, Some(parts.liquid.lambda));
-    let begin = move |lane: &Lane| parts.ends(lane)[0].max(advancing.ends(lane)[0] - retreat);
-    let full = -meniscus.film_height();
-    let within = move |lane: &Lane| begin(lane).max(full);
+    let films = -meniscus.film_height();
+    let begin = move |lane: &Lane| parts.ends(lane)[0];
+    let full = move |lane: &Lane| begin(lane).max(films);
     let (meniscus, radius) = (*meniscus, parameters.scale.asperity_radius());
     let volume = move |delta: f64| PI * radius * meniscus.content(-delta);
     let volume = || ClosedForm::attraction(volume.following(OF_SPHERE));
     Ok(Box::new(Table::new([
         Row::below(Regime::Noncontact, Place::following(begin(&typical), begin), Constant::NOTHING),
-        Row::below(Regime::Bridge, Place::following(within(&typical), within), volume()),
+        Row::below(Regime::Bridge, Place::following(full(&typical), full), volume()),
         Row::last(Regime::Elastic, volume()),
     ])))
 }

@@ -63,15 +63,20 @@ impl Bridge {
     /// F_s, N, and the gap in the middle, m, at a distance D of the undeformed sphere, m, on the stable branch.
     #[inline(always)]
     pub fn pull(&self, distance: f64) -> (f64, f64) {
-        let half = self.compliance * self.radius;
-        let circle = half + (half * half + 2.0 * self.radius * (self.range - distance)).max(0.0).sqrt();
+        let circle = self.circle(distance);
         (PI * self.stress * circle * circle, distance - 0.5 * PI * self.compliance * circle)
     }
 
     /// The state at a distance D of the undeformed sphere, m, on the stable branch.
     pub fn at_distance(&self, distance: f64) -> Edge {
-        let circle = (self.pull(distance).0 / (PI * self.stress)).sqrt();
-        Edge { circle, distance }
+        Edge { circle: self.circle(distance), distance }
+    }
+
+    /// c of that, m.
+    #[inline(always)]
+    fn circle(&self, distance: f64) -> f64 {
+        let half = self.compliance * self.radius;
+        half + (half * half + 2.0 * self.radius * (self.range - distance)).max(0.0).sqrt()
     }
 
     /// D of the fold of what [`Bridge::pull`] says, m.

@@ -2,6 +2,7 @@
 
 use super::checked::{Checked, ROUNDING};
 use crate::asperity::Regime;
+use crate::math::extrema::smallest;
 use crate::output::OutputError;
 
 const GROUP: &str = "/capillary";
@@ -78,6 +79,7 @@ impl Checked<'_> {
             return Ok(());
         }
         let initial = self.values(&format!("{FILM}/initial_thickness"))?[0];
+        let mut at_pull_off = initial;
         for way in self.ways()? {
             let path = format!("{FILM}/{way}thickness");
             let (thickness, forces) =
@@ -85,14 +87,10 @@ impl Checked<'_> {
             if let Some(k) = thickness.iter().position(|thickness| *thickness > initial * (1.0 + ROUNDING)) {
                 self.say_at(&path, k, thickness[k], &format!("{initial:e} at most is expected"));
             }
-            let deepest =
-                (1..forces.len()).fold(0, |best, k| if forces[k] < forces[best] { k } else { best });
-            let (path, law) = (format!("{FILM}/law_thickness"), thickness[deepest]);
-            if self.ways()?.last() == Some(way) {
-                self.follows(&path, &[law], ROUNDING, "the film where the surfaces are pulled off")?;
-            }
+            at_pull_off = thickness[smallest(&forces)];
         }
-        Ok(())
+        let path = format!("{FILM}/law_thickness");
+        self.follows(&path, &[at_pull_off], ROUNDING, "the film where the surfaces are pulled off")
     }
 
     fn figure_of(&mut self, path: &str, found: f64, expected: f64) {

@@ -2,7 +2,7 @@
 
 use super::checked::{Checked, Place, ROUNDING, largest, summed};
 use crate::experiment::integral::RESOLVING;
-use crate::math::extrema::MOST_ADDED;
+use crate::math::extrema::{MOST_ADDED, smallest};
 use crate::output::OutputError;
 use crate::scene::takes_heights;
 
@@ -51,7 +51,7 @@ impl Checked<'_> {
         let (force, place) =
             (self.number(group, "pull_off_force")?, self.number(group, "pull_off_separation")?);
         let (last, size) = (h.len() - 1, largest(curve));
-        let at = (1..=last).fold(0, |best, k| if curve[k] < curve[best] { k } else { best });
+        let at = smallest(&curve[..=last]);
         let near = &curve[at.saturating_sub(2)..(at + 3).min(h.len())];
         let range = near.iter().copied().fold(f64::NEG_INFINITY, f64::max) - curve[at];
         let path = |name: &str| format!("{group}/pull_off_{name}");

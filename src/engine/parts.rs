@@ -37,7 +37,7 @@ pub(super) fn stiffest_of_parts(
         let values = differences(&places);
         smallest_of_parts(&places.into_iter().zip(values).collect::<Vec<_>>(), 1, differences)
     };
-    Extremum { place: place + 0.5 * span, value: -value / span, at_edge: place == first || place >= last }
+    Extremum { place: place + 0.5 * span, value: -value / span, at_edge: place == first || place == last }
 }
 
 /// The smallest point of a curve, place and value, from some of its points at rising places and from `values`

@@ -30,6 +30,11 @@ pub fn maximum(a: f64, b: f64) -> f64 {
     if a.is_nan() || a > b { a } else { b }
 }
 
+/// The index of the smallest of some values, the first of them where several are; 0 of none.
+pub fn smallest(values: &[f64]) -> usize {
+    (1..values.len()).fold(0, |best, k| if values[k] < values[best] { k } else { best })
+}
+
 /// The one of two points, place and value, with the smaller value.
 pub fn deeper(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
     if b.1 < a.1 { b } else { a }
@@ -41,8 +46,7 @@ pub fn deeper(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
 ///
 /// `places` and `values` have the same length, at least 1.
 pub fn minimum(places: &[f64], values: &[f64]) -> Extremum {
-    let smallest =
-        (0..values.len()).reduce(|best, i| if values[i] < values[best] { i } else { best }).unwrap_or(0);
+    let smallest = smallest(values);
     let sample = Extremum { place: places[smallest], value: values[smallest], at_edge: true };
     if smallest == 0 || smallest + 1 == values.len() {
         return sample;
@@ -117,7 +121,7 @@ impl Features {
     pub fn new(curve: impl Fn(f64) -> f64, places: &[f64], values: &[f64], spacing: f64) -> Self {
         let (places, values) = refined(&curve, places, values, spacing);
         let slope = |k: usize| (values[k + 1] - values[k]) / (places[k + 1] - places[k]);
-        let smallest = (1..values.len()).fold(0, |best, k| if values[k] < values[best] { k } else { best });
+        let smallest = smallest(&values);
         let steepest = (1..values.len() - 1).fold(0, |best, k| if slope(k) > slope(best) { k } else { best });
         let minimum = between(&curve, &places, smallest, values[smallest]);
         let steepest = if steepest == 0 || steepest + 2 == values.len() {

@@ -8,6 +8,7 @@
 use super::Scene;
 use crate::asperity::{LawError, Quantity};
 use crate::integral::Expectations;
+use crate::math::extrema::smallest;
 use crate::math::interpolation::lagrange;
 
 /// Thicknesses that are integrated over; between them there are polynomials.
@@ -53,15 +54,16 @@ impl Scene {
         };
         let supply =
             |thickness: f64| f64::from(film.faces) * (initial - thickness) * self.surface.nominal_area;
-        let most = self.with_film(initial).expected()?;
-        let most = most.iter().flat_map(|one| &one.volume).fold(0.0, |most: f64, volume| most.max(*volume));
+        let thickest = self.with_film(initial).expected()?;
+        let most =
+            thickest.iter().flat_map(|one| &one.volume).fold(0.0, |most: f64, volume| most.max(*volume));
         // V falls as t² at least: no film is thinner than the root of 1 − x = q x².
         let q = most / supply(0.0);
         let least = initial * if q > 0.0 { 2.0 / (1.0 + (1.0 + 4.0 * q).sqrt()) } else { 1.0 };
         let part = |i: usize| least + (initial - least) * i as f64 / (NODES - 1) as f64;
         let thicknesses: Vec<f64> = (0..NODES).map(part).collect();
-        let nodes = thicknesses.iter().map(|thickness| self.with_film(*thickness).expected());
-        let nodes = nodes.collect::<Result<Vec<Vec<Expected>>, LawError>>()?;
+        let thinner = thicknesses[..NODES - 1].iter().map(|thickness| self.with_film(*thickness).expected());
+        let nodes = thinner.chain([Ok(thickest)]).collect::<Result<Vec<Vec<Expected>>, LawError>>()?;
         let drained = |way: usize| {
             let at = |of: &dyn Fn(&Expected) -> f64, thickness: f64| {
                 let values: Vec<f64> = nodes.iter().map(|ways| of(&ways[way])).collect();
@@ -93,9 +95,9 @@ impl Scene {
     pub(super) fn with_films(self) -> Result<Self, LawError> {
         let films = self.films_on_ways()?;
         let Some(Films { thickness, external_force }) = films.last() else { return Ok(self) };
-        let deepest = (1..external_force.len())
-            .fold(0, |best, k| if external_force[k] < external_force[best] { k } else { best });
-        Ok(Self { films: films.clone(), ..self.with_film(thickness[deepest]) })
+        let deepest = smallest(external_force);
+        let scene = self.with_film(thickness[deepest]);
+        Ok(Self { films, ..scene })
     }
 
     /// The same with films of another thickness, m.

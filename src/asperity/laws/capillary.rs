@@ -23,9 +23,9 @@
 //! 2πRγs is the force of a bridge around the truncated sphere, beside which the gap is (r² − a²)/2R. At ω_c the force jumps
 //! to it.
 //!
-//! Metastable bridges form when the solids touch, at δ = 0, or the films on them, at D = nt, and last until they are unstable; reversible ones form and break
-//! where their energy is that of none. A bridge breaks with the contact where that ends at the fold of its branch (λ above
-//! 0.938).
+//! Metastable bridges form when the solids touch, at δ = 0, or the films on them, at D = nt, and last until they are
+//! unstable; reversible ones form and break where their energy is that of none. A bridge breaks with the contact where that
+//! ends at the fold of its branch (λ above 0.938).
 //!
 //! Of a constant volume ([`Volume::Constant`]) bridges keep from the end of contact on retraction the liquid that they have
 //! there (`asperity::bridge`).

@@ -1,5 +1,7 @@
 //! The gap between two neighbouring kinks, in which a curve is smooth.
 
+use crate::math::extrema::smallest;
+
 /// Parts of the angle between two kinks, and the samples at their ends.
 pub(super) const PARTS: usize = 6;
 pub(super) const SAMPLED: usize = PARTS + 1;
@@ -48,7 +50,7 @@ impl Gap {
 /// Where the parabola through the lowest of even samples and its neighbours is lowest, in steps, and its
 /// value there.
 pub(super) fn vertex(values: &[f64]) -> Option<(f64, f64)> {
-    let lowest = (1..values.len()).fold(0, |best, i| if values[i] < values[best] { i } else { best });
+    let lowest = smallest(values);
     let middle = lowest.clamp(1, values.len() - 2);
     let [a, b, c] = [values[middle - 1], values[middle], values[middle + 1]];
     let curvature = a - 2.0 * b + c;

@@ -31,21 +31,17 @@ const ND: &[Dimension] = &[Dimension::Replica, Dimension::Stiffness];
 const NP: &[Dimension] = &[Dimension::Replica, Dimension::Preload];
 const NPD: &[Dimension] = &[Dimension::Replica, Dimension::Preload, Dimension::Stiffness];
 
+/// Groups of runs, and of sweeps, that not every scene has.
+pub(super) const OPTIONAL_GROUPS: &[&str] =
+    &["asperities", "background", "capillary", "coupling", "film", "independence", "instability"];
+
 /// A result of `stiction run`.
 pub static RUN: Layout = Layout {
     format: "stiction-run",
     command: "stiction run",
     version: [3, 5],
     groups: &["ensemble", "replicas", "integral", "validation", "diagnostics"],
-    optional_groups: &[
-        "asperities",
-        "background",
-        "capillary",
-        "coupling",
-        "film",
-        "independence",
-        "instability",
-    ],
+    optional_groups: OPTIONAL_GROUPS,
     variables: LazyLock::new(variables),
     of_points: None,
 };

@@ -3,6 +3,7 @@
 
 use super::curves::{features, joint_test};
 use super::independence::verdict;
+use super::run::OPTIONAL_GROUPS;
 use super::{Dimension, Layout, NONE, RUN, Row, Variable, group, scale, variable};
 use crate::engine::SCALARS;
 use std::sync::LazyLock;
@@ -13,15 +14,7 @@ pub static SWEEP: Layout = Layout {
     command: "stiction run",
     version: [4, 3],
     groups: &["ensemble", "replicas", "integral", "validation", "diagnostics", "differences"],
-    optional_groups: &[
-        "asperities",
-        "background",
-        "capillary",
-        "coupling",
-        "film",
-        "independence",
-        "instability",
-    ],
+    optional_groups: OPTIONAL_GROUPS,
     variables: LazyLock::new(variables),
     of_points: Some(&RUN),
 };

@@ -15,6 +15,7 @@ __all__ = [
     "in_si",
     "is_pint",
     "number",
+    "parsed",
     "pint_text",
     "plain_unit",
     "si",
@@ -139,6 +140,57 @@ def as_text(value: Any, unit: str) -> str:
     if is_pint(value):
         return pint_text(value)
     return f"{float(value)!r} {unit}"
+
+
+# Units that scenes give numbers in, with the SI unit, and the power to which a prefix is in it.
+_UNITS = {
+    "m": ("m", 1), "m^2": ("m^2", 2), "/m^2": ("/m^2", -2), "Pa": ("Pa", 1), "N": ("N", 1), "J": ("J", 1), "J/m^2": ("J/m^2", 1),
+    "N/m": ("J/m^2", 1), "V": ("V", 1), "K": ("K", 1), "m^3/mol": ("m^3/mol", 3),
+}  # fmt: skip
+_SMALL = {"c": -2, "f": -15, "a": -18, "z": -21}
+
+
+def parsed(name: str, value: Any) -> tuple[float, str]:
+    """A quantity of a scene as a number in SI units, and that unit; ``1`` where it has none.
+
+    Parameters
+    ----------
+    name : str
+        What it is, for the message.
+    value : str, float or pint.Quantity
+        A text of a number and a unit of scenes, or a number without one.
+
+    Raises
+    ------
+    ValueError
+        It is no finite number, or its unit is none of scenes.
+
+    Examples
+    --------
+    >>> parsed("radius", "20 nm"), parsed("density", "8.5 /um^2"), parsed("humidity", 0.45), parsed("temperature", "20 degC")
+    ((2e-08, 'm'), (8500000000000.0, '/m^2'), (0.45, '1'), (293.15, 'K'))
+    """
+    text = pint_text(value) if is_pint(value) else str(value)
+    text = text.strip().replace("**", "^").replace("²", "^2").replace("µ", "u").replace("μ", "u")
+    found = re.fullmatch(r"([-+]?(?:\d+\.?\d*|\.\d+))(?:[eE]([-+]?\d+))?\s*(\S*)", text)
+    if found is None or isinstance(value, bool):
+        raise ValueError(f"{name} = {value!r}: a number is needed, with its unit if it has one, such as \"20 nm\"")
+    mantissa, exponent, written = found.groups()
+    written = {"angstrom": "100 pm"}.get(written, written)
+    if not written:
+        return float(f"{mantissa}e{int(exponent or 0)}"), "1"
+    if written == "degC":
+        return float(f"{mantissa}e{int(exponent or 0)}") + 273.15, "K"
+    if written == "100 pm":
+        return float(f"{mantissa}e{int(exponent or 0) - 10}"), "m"
+    for unit, (si_unit, power) in _UNITS.items():
+        over = "/" if unit.startswith("/") else ""
+        for prefix, ten in (_POWERS | _SMALL).items():
+            if written == f"{over}{prefix}{unit.removeprefix('/')}":
+                return float(f"{mantissa}e{int(exponent or 0) + power * ten}"), si_unit
+    raise ValueError(
+        f"{name} = {value!r}: {written} is no unit of a scene; {', '.join(_UNITS)} are, with prefixes, and degC"
+    )
 
 
 def is_pint(value: Any) -> bool:

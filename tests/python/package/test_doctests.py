@@ -10,6 +10,7 @@ from conftest import ROOT
 import stiction
 
 MODULES = [module.name for module in pkgutil.iter_modules(stiction.__path__, "stiction.") if not module.ispkg]
+MODULES += ["stiction.sensitivity.indices", "stiction.sensitivity.study", "stiction.design.search"]
 
 
 @pytest.mark.parametrize("name", ["stiction", *MODULES])

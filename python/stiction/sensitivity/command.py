@@ -1,0 +1,89 @@
+"""`stiction sensitivity SCENE.toml`: which number matters most."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+import xarray
+
+from .. import quantities
+from ..errors import StictionError
+from .figure import draw
+from .study import QUANTITIES, sensitivity
+
+__all__ = ["main"]
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="stiction sensitivity",
+        description="Find which number of a scene matters most: Sobol indices of pull-off, stiffness and energy over numbers that have "
+        "priors, and the scatter between patches as a term of its own.",
+        epilog="Example: stiction sensitivity configs/inference/sensitivity.toml. Leaves a file and a figure of the same name. "
+        "Exit codes: 0 done; 1 failed while running; 2 the command or the scene is wrong.",
+    )
+    parser.add_argument("scene", type=Path, metavar="SCENE", help="a scene with priors in the place of up to 6 numbers")
+    parser.add_argument("-o", "--output", type=Path, metavar="OUT.h5",
+                        help="the file; by default the name of the scene with _sensitivity.h5, in this folder")  # fmt: skip
+    parser.add_argument("--samples", type=int, default=512, metavar="N",
+                        help="rows of the design, a power of 2; N (k + 2) points of k keys; by default 512")  # fmt: skip
+    parser.add_argument("--replicas", type=int, metavar="N", help="patches at each point, in the place of the scene's")
+    parser.add_argument("--seed", type=int, metavar="N", help="seed, in the place of the scene's")
+    parser.add_argument("--threads", type=int, metavar="N", help="threads; by default one per core")
+    parser.add_argument("--force", action="store_true", help="overwrite files that are there")
+    return parser
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Reads the command line, computes, writes file and figure, and says what matters; returns the exit code."""
+    parser = _parser()
+    given = parser.parse_args(arguments)
+    output = given.output or Path(f"{given.scene.stem}_sensitivity.h5")
+    picture = output.with_suffix(".png")
+    if output.suffix.lower() not in (".h5", ".nc"):
+        parser.error(f"--output {output}: a name that ends with .h5 or .nc is needed")
+    try:
+        for path in (output, picture):
+            if path.exists() and not given.force:
+                raise StictionError(f"{path} exists; --force overwrites it", 2)
+        found = sensitivity(
+            given.scene, output, samples=given.samples, replicas=given.replicas, seed=given.seed, threads=given.threads,
+            force=given.force,
+        )  # fmt: skip
+        draw(found).savefig(picture, dpi=200)
+    except (StictionError, OSError) as error:
+        print(f"stiction sensitivity: {error}", file=sys.stderr)
+        return error.exit_code if isinstance(error, StictionError) else 1
+    except KeyboardInterrupt:
+        print("stiction sensitivity: interrupted; nothing was kept", file=sys.stderr)
+        return 130
+    print(told(found))
+    print(f"{output}, {picture}")
+    return 0
+
+
+def told(found: xarray.Dataset) -> str:
+    """A study in words."""
+    level = 100.0 * float(found.attrs["interval_level"])
+    lines = [f"Sobol indices of the mean over patches, with {level:g} % intervals"]
+    width = max(len(str(key)) for key in found["key"].values) + 2
+    for name in found["quantity"].values:
+        one = found.sel(quantity=name)
+        unit = str(one["unit"].item())
+        mean, std = (quantities.si(one[what], unit) for what in ("mean", "standard_deviation"))
+        lines.append(f"\n  {QUANTITIES[str(name)][0]}: {mean}, and one patch scatters by {std}")
+        lines.append(f"    {'':{width}}{'first order':26}total")
+        for key in found["key"].values:
+            of = one.sel(key=key)
+            columns = [_within(of[kind], of[f"{kind}_interval"]) for kind in ("first_order", "total")]
+            lines.append(f"    {key:{width}}{columns[0]:26}{columns[1]}")
+        lines.append(f"    {'scatter between patches, of all variance':{width + 26}}{_within(one['scatter'], one['scatter_interval'])}")
+    return "\n".join(lines)
+
+
+def _within(value: xarray.DataArray, interval: xarray.DataArray) -> str:
+    low, high = (f"{float(end):.3f}" for end in interval.values)
+    return f"{float(value):.3f} [{low}, {high}]".replace("-", "−")

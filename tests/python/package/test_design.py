@@ -1,0 +1,172 @@
+"""Probabilities of rare patches against closed forms of extremes and against plain sampling, and searches that end at known values."""
+
+import os
+
+import numpy as np
+import pytest
+from conftest import CONFIGS
+from scipy import stats
+
+import stiction
+from stiction import SceneError, priors
+from stiction.design import Patches, best, command, design, probability
+
+# Case I: asperities, scatter of their heights (nm), and 2πRΔγ.
+COUNT, SIGMA = 8510, 3.114
+ONE = 2.0 * np.pi * 1.66e-6 * 0.01
+
+
+def extremes(h, heights="gaussian", area="1000 um^2"):
+    """Case I as soft as the law DMT allows: an asperity pulls with 2πRΔγ from touch on, so that the pull-off of a patch is that times the
+    number of asperities above h (nm). Hertz's load is below 1e-6 of it.
+    """
+    return {
+        "material": {"reduced_modulus": "100 Pa", "hardness": "1 TPa", "poisson_ratio": 0.3, "work_of_adhesion": "10 mJ/m^2",
+                     "equilibrium_spacing": "0.2 nm"},
+        "surface": {"asperity_radius": "1.66 um", "asperity_density": "8.51 /um^2", "asperity_height_std": f"{SIGMA} nm",
+                    "mean_plane_offset": "0 nm", "nominal_area": area, "heights": heights},
+        "model": {"law": "dmt"},
+        "separation": {"h": {"from": f"{h} nm", "to": f"{h + 5} nm", "count": 11}},
+        "ensemble": {"replicas": 10},
+    }  # fmt: skip
+
+
+# Name: heights, h/σ, asperities, whether fewer than those. Of the first two the event is that the highest asperity is above h.
+CASES = {
+    "highest above, 8e-6": ("gaussian", 6.0, 1, False),
+    "highest above, 3e-7": ("gaussian", 6.5, 1, False),
+    "none above, 1e-5": ("gaussian", 3.0, 1, True),
+    "thirty above, 4e-6": ("gaussian", 3.0, 30, False),
+    "less than 25 above, 7e-6": ("gaussian", 2.5, 25, True),
+    "exponential, 6 above, 5e-6": ("exponential", 8.5, 6, False),
+}
+# In the short form of the tests; the others with STICTION_RARE=full.
+SHORT = ["highest above, 8e-6", "less than 25 above, 7e-6"]
+FULL = os.environ.get("STICTION_RARE") == "full"
+
+
+@pytest.mark.parametrize("name", CASES if FULL else SHORT)
+def test_probabilities_are_those_of_extremes(name):
+    """N = 8510 independent asperities: the number above h is binomial, and the highest is below h with probability Φ(h/σ)^N.
+
+    An estimate is within 4.5 standard errors of 10 % or less (false alarm 7e-6 if normal), and the weights are 1 on average.
+    """
+    heights, h, at_least, fewer = CASES[name]
+    above = stats.norm.sf(h) if heights == "gaussian" else stats.expon.sf(h + 1.0)
+    law = stats.binom(COUNT, above)
+    truth = law.cdf(at_least - 1) if fewer else law.sf(at_least - 1)
+    if at_least == 1 and not fewer:
+        assert truth == pytest.approx(-np.expm1(COUNT * np.log1p(-above)), rel=1e-9)
+    found = Patches(extremes(SIGMA * h, heights)).probability((at_least - 0.5) * ONE, below=fewer, error=0.1)
+    assert found.relative_error <= 0.1 and 2e-7 < truth < 2e-5
+    assert abs(found.value - truth) < 4.5 * found.standard_error
+    assert abs(found.total - 1.0) < 4.5 * found.total_error
+    # Plain sampling of so many patches would hardly have one.
+    assert found.replicas * truth < 0.2
+
+
+@pytest.mark.parametrize("below", [False, True])
+def test_plain_sampling_agrees(below):
+    """A patch of case II, by its own law, at about 1 in 100; with STICTION_RARE=full case I at 1 in 1000. Within 4.5 standard errors of
+    the difference (7e-6).
+    """
+    scene, replicas, share = (CONFIGS / "case_i.toml", 30_000, 1e-3) if FULL else (CONFIGS / "quick.toml", 10_000, 1e-2)
+    plain = stiction.run(scene, replicas=replicas, seed=77, progress=False)["replicas/pull_off_force"].values
+    threshold = float(np.quantile(plain, share if below else 1.0 - share))
+    patches = Patches(priors.opened(scene))
+    tilted = patches.probability(threshold, below=below, error=0.05 if FULL else 0.09)
+    inside = plain < threshold if below else plain > threshold
+    error = np.hypot(np.sqrt(inside.mean() / replicas), tilted.standard_error)
+    assert abs(tilted.value - inside.mean()) < 4.5 * error
+
+
+def test_a_search_ends_where_the_closed_form_has_it():
+    """P(highest above 5 nm) = 1 − Φ(5 nm/σ)^N = 1e-4 at a known σ; the search is within 4.5 errors and its interval narrow."""
+    scene = extremes(5.0, area="100 um^2")
+    scene["surface"]["asperity_height_std"] = {"prior": "uniform", "from": "0.8 nm", "to": "1.6 nm"}
+    truth = 5e-9 / stats.norm.isf(-np.expm1(np.log1p(-1e-4) / 851))
+    found = design(scene, 1e-4, above=0.5 * ONE, error=0.2)
+    half = 0.5 * (found.interval[1] - found.interval[0]) / 1.96
+    assert abs(found.value - truth) < 4.5 * half and half < 0.02 * truth
+    assert found.key == "surface.asperity_height_std" and not found.at_end
+
+
+def test_the_end_of_a_range_is_said_and_what_is_nowhere_rare_refused():
+    scene = extremes(5.0, area="10 um^2")
+    scene["surface"]["asperity_height_std"] = {"prior": "uniform", "from": "1.5 nm", "to": "2 nm"}
+    found = design(scene, 0.5, above=0.5 * ONE, error=0.2)
+    assert found.at_end and found.value == 2e-9
+    with pytest.raises(SceneError, match="at both ends of its range, and at most"):
+        design(scene, 1e-6, above=0.5 * ONE, error=0.2)
+
+
+def test_the_command_says_what_was_found(tmp_path, capsys):
+    scene = tmp_path / "scene.toml"
+    scene.write_text((CONFIGS / "quick.toml").read_text(encoding="utf-8"), encoding="utf-8")
+    assert command.main([str(scene), "--above", "50 uN", "--error", "0.2"]) == 0
+    printed = capsys.readouterr().out
+    assert "probability of pull-off above 50.00 µN" in printed and "which has to be 1" in printed
+    assert command.main([str(scene), "--above", "50 uN", "--maximise", "material.hardness", "--probability", "0.1"]) == 2
+    assert "no number of the scene has a prior" in capsys.readouterr().err
+    with pytest.raises(SystemExit):
+        command.main([str(scene), "--above", "50 uN", "--maximise", "material.hardness"])
+    assert "--probability: it is needed" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    "table, key, value, told",
+    [
+        ("substrate", "coupling", "periodic", "substrate: probabilities of rare patches are of independent asperities"),
+        ("surface", "radii", {"law": "gamma", "coefficient_of_variation": 0.3}, "surface.radii: .* one radius"),
+        ("surface", "heights", {"law": "file", "path": "x.csv", "column": 1, "unit": "nm"}, "surface.heights.law = 'file'"),
+        ("model", "history", "loop", "model.history = \"loop\""),
+        ("ensemble", "sampling", "stratified", "ensemble.sampling = 'stratified'"),
+        ("material", "hardness", {"prior": "uniform", "from": "1 GPa", "to": "2 GPa"}, "material.hardness has a prior"),
+    ],
+)
+def test_what_cannot_be_tilted_is_refused_by_name(table, key, value, told):
+    scene = extremes(3.0)
+    scene[table] = {**scene.get(table, {}), key: value}
+    with pytest.raises(SceneError, match=told):
+        probability(scene, above="1 uN")
+
+
+@pytest.mark.parametrize(
+    "arguments, told",
+    [
+        ({}, "above, below: one of them"),
+        ({"above": "1 uN", "below": "1 uN"}, "above, below: one of them"),
+        ({"above": "5 um"}, "above = '5 um': a force"),
+        ({"above": "1 uN", "error": 2.0}, "error = 2.0"),
+        ({"above": "1 N"}, "no patch pulls harder than"),
+    ],
+)
+def test_what_is_wrong_is_named(arguments, told):
+    with pytest.raises(SceneError, match=told):
+        probability(extremes(9.0), **arguments)
+
+
+def test_forces_of_a_probability_are_quantiles_of_the_closed_form():
+    """The number above h is binomial: 31 asperities is what patches exceed with less than 1e-6, P(> 30) = 1.7e-6 and P(> 31) = 7e-7.
+
+    An estimate of 10 % that is 4 errors off would tell 30 or 32 (false alarm 6e-5).
+    """
+    force, interval = Patches(extremes(SIGMA * 3.0)).quantile(1e-6, error=0.1)
+    law = stats.binom(COUNT, stats.norm.sf(3.0))
+    assert force / ONE == pytest.approx(law.isf(1e-6), abs=0.01)
+    assert interval[0] <= force <= interval[1]
+
+
+def test_the_least_pull_off_is_within_a_range_or_at_its_end(tmp_path, capsys):
+    """Patches with fewer asperities above h have less pull-off: of σ from 1.5 to 2 nm the least is at 1.5 nm, the quantile of the binomial."""
+    scene = extremes(3.0, area="10 um^2")
+    scene["surface"]["asperity_height_std"] = {"prior": "uniform", "from": "1.5 nm", "to": "2 nm"}
+    path = tmp_path / "scene.toml"
+    path.write_text(stiction.scenes.toml({"format": 1, **scene}), encoding="utf-8")
+    found = best(path, 0.02, points=3, error=0.2)
+    quantile = stats.binom(85, stats.norm.sf(2.0)).isf(0.02)
+    assert found.value == 1.5e-9 and [value for value, _ in found.tried] == pytest.approx([1.5e-9, 1.75e-9, 2e-9])
+    assert found.force / ONE == pytest.approx(quantile, abs=0.01)
+    with pytest.raises(SystemExit):
+        command.main([str(path), "--minimise", "pull_off_force", "--probability", "0.1", "--above", "1 uN"])
+    assert "--above or --below: one of them is needed, but" in capsys.readouterr().err

@@ -1,4 +1,4 @@
-"""Scenes that have priors in the place of numbers: reading, drawing, densities.
+"""Scenes that have priors in the place of numbers: reading and drawing.
 
 A number of a scene may be a table with ``prior``:
 
@@ -9,24 +9,26 @@ A number of a scene may be a table with ``prior``:
 ``"log_uniform"``   `from`, `to`                           uniform in the logarithm
 ``"normal"``        `mean`, `std`, also `from` and `to`    normal, cut at the limits that are there
 ``"log_normal"``    `median`, `log_std`                    normal in the logarithm, whose standard deviation is `log_std`
+``"fixed"``         `value`                                it is that number
 ==================  =====================================  ==========================================================
 
-A table ``[priors]`` may have ``correlation = [["material.work_of_adhesion", "surface.asperity_radius", 0.5], ...]``: the correlations of
-the normal scores of pairs of keys (a Gaussian copula; of normal and log-normal priors those of the numbers and of their logarithms).
-Pairs that are not there are independent.
+A table ``[priors]`` may have ``keys = ["material.work_of_adhesion", ...]`` and either ``correlation``, the matrix of these keys for their
+normal scores (a Gaussian copula), or ``covariance`` of normal and log-normal priors: in SI units, of log-normal ones that of the
+logarithms, with the squares of their own standard deviations on the diagonal. Other keys are independent.
 """
 
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy import stats
+from scipy import special, stats
 
 from . import quantities
 from .errors import SceneError
@@ -44,6 +46,7 @@ _NEEDED = {
     "log_uniform": ("from", "to"),
     "normal": ("mean", "std"),
     "log_normal": ("median", "log_std"),
+    "fixed": ("value",),
 }
 _POSSIBLE = {"normal": ("from", "to")}
 # The nearest to 0 and 1 that a point of the unit cube may be: its quantiles are finite.
@@ -62,6 +65,8 @@ class Prior:
         Name of the law, as the scene has it.
     unit : str
         SI unit of the number; ``1`` where it has none.
+    std : float or None
+        Standard deviation of a normal law without limits, and of the logarithm of a log-normal one.
     distribution : frozen distribution of `scipy.stats`
         The law of the number in SI units: ``ppf``, ``logpdf``, ``cdf`` and their kin.
     """
@@ -69,6 +74,7 @@ class Prior:
     key: str
     law: str
     unit: str
+    std: float | None
     distribution: Any = field(compare=False, repr=False)
 
     def text(self, value: float) -> str | float:
@@ -76,9 +82,19 @@ class Prior:
         return float(value) if self.unit == "1" else f"{float(value)!r} {self.unit}"
 
     @property
+    def name(self) -> str:
+        """Its name as a variable of files: the key with underlines, as sweeps have it."""
+        return self.key.replace(".", "_")
+
+    @property
     def median(self) -> float:
         """The median, in SI units."""
         return float(self.distribution.median())
+
+    @property
+    def logarithmic(self) -> bool:
+        """Whether the law is one of the logarithm."""
+        return self.law.startswith("log_")
 
 
 @dataclass(frozen=True)
@@ -124,38 +140,49 @@ class Priors:
         """
         shares: Array = np.clip(np.asarray(points, dtype=float), _EDGE, 1.0 - _EDGE)
         if not self.are_independent:
-            shares = stats.norm.cdf(stats.norm.ppf(shares) @ np.linalg.cholesky(self.correlation).T)
-            shares = np.clip(shares, _EDGE, 1.0 - _EDGE)
+            return self.of_scores(special.ndtri(shares))
+        return self._quantiles(shares)
+
+    def of_scores(self, scores: ArrayLike) -> Array:
+        """Parameters from independent standard normal numbers.
+
+        Parameters
+        ----------
+        scores : array (n, k)
+
+        Returns
+        -------
+        array (n, k)
+            In SI units.
+        """
+        return self._quantiles(np.clip(special.ndtr(np.asarray(scores, dtype=float) @ self._factor.T), _EDGE, 1.0 - _EDGE))
+
+    @cached_property
+    def _factor(self) -> Array:
+        factor: Array = np.linalg.cholesky(self.correlation)
+        return factor
+
+    def _quantiles(self, shares: Array) -> Array:
         columns = [prior.distribution.ppf(shares[:, column]) for column, prior in enumerate(self.priors)]
         return np.stack(columns, axis=1)
 
-    def log_density(self, values: ArrayLike) -> Array:
-        """The logarithm of the joint density of parameters, −∞ where it is 0.
+    def natural(self, values: ArrayLike) -> Array:
+        """Parameters, and of those whose law is one of the logarithm the logarithms.
 
         Parameters
         ----------
         values : array (n, k)
             In SI units.
-
-        Returns
-        -------
-        array (n,)
-            Of the density by the numbers in SI units.
         """
         of = np.asarray(values, dtype=float)
-        total: Array = np.zeros(len(of))
-        for column, prior in enumerate(self.priors):
-            total = total + prior.distribution.logpdf(of[:, column])
-        if not self.are_independent:
-            # The density of a Gaussian copula.
-            within = np.isfinite(total)
-            below = np.stack(
-                [prior.distribution.cdf(of[within, column]) for column, prior in enumerate(self.priors)], axis=1
-            )
-            scores = stats.norm.ppf(np.clip(below, _EDGE, 1.0 - _EDGE))
-            joint = stats.multivariate_normal(cov=self.correlation).logpdf(scores)
-            total[within] += joint - stats.norm.logpdf(scores).sum(axis=1)
-        return total
+        result: Array = np.log(of, out=of.copy(), where=np.broadcast_to([prior.logarithmic for prior in self.priors], of.shape))
+        return result
+
+    def values(self, natural: ArrayLike) -> Array:
+        """The inverse of `natural`: parameters in SI units, (n, k)."""
+        of = np.asarray(natural, dtype=float)
+        result: Array = np.exp(of, out=of.copy(), where=np.broadcast_to([prior.logarithmic for prior in self.priors], of.shape))
+        return result
 
     def axes(self, values: ArrayLike) -> dict[str, list[str | float]]:
         """The axes of a zipped `stiction.sweep` over parameters.
@@ -203,7 +230,7 @@ def read(scene: Scene) -> Priors:
         )
     if len(priors) > MOST:
         raise SceneError(f"{len(priors)} numbers have priors, {', '.join(p.key for p in priors)}: {MOST} at most may")
-    return Priors(replaced, tuple(priors), _correlation(given, [prior.key for prior in priors]))
+    return Priors(replaced, tuple(priors), _correlation(given, priors))
 
 
 def opened(scene: Scene) -> dict[str, Any]:
@@ -244,15 +271,19 @@ def _replaced(table: Mapping[str, Any], prefix: str, priors: list[Prior]) -> dic
         name = f"{prefix}{key}"
         if isinstance(value, Mapping) and "prior" in value:
             prior = _prior(name, value)
-            priors.append(prior)
-            value = prior.text(prior.median)
+            if isinstance(prior, Prior):
+                priors.append(prior)
+                value = prior.text(prior.median)
+            else:
+                value = prior
         elif isinstance(value, Mapping):
             value = _replaced(value, f"{name}.", priors)
         replaced[key] = value
     return replaced
 
 
-def _prior(key: str, table: Mapping[str, Any]) -> Prior:
+def _prior(key: str, table: Mapping[str, Any]) -> Any:
+    """The prior of a key, or its value where that is fixed."""
     law = table["prior"]
     if not isinstance(law, str) or law not in _NEEDED:
         raise SceneError(f"{key}.prior = {law!r}: one of {', '.join(_NEEDED)} is needed")
@@ -263,6 +294,8 @@ def _prior(key: str, table: Mapping[str, Any]) -> Prior:
     for name in _NEEDED[law]:
         if name not in table:
             raise SceneError(f"{key}.{name} is missing: a prior that is {law} has {', '.join(_NEEDED[law])}")
+    if law == "fixed":
+        return table["value"]
     numbers, units = {}, {}
     for name in known:
         if name in table:
@@ -276,7 +309,9 @@ def _prior(key: str, table: Mapping[str, Any]) -> Prior:
     if len(set(units.values())) > 1:
         told = ", ".join(f"{name} = {table[name]!r}" for name in units)
         raise SceneError(f"{key}: {told}: all of them have to be of one dimension")
-    return Prior(key, law, next(iter(units.values())), _distribution(key, law, table, numbers))
+    # Of a normal law that is cut the covariance is not that of its normal scores.
+    std = numbers.get("log_std", None if numbers.keys() & {"from", "to"} else numbers.get("std"))
+    return Prior(key, law, next(iter(units.values())), std, _distribution(key, law, table, numbers))
 
 
 def _distribution(key: str, law: str, table: Mapping[str, Any], numbers: Mapping[str, float]) -> Any:
@@ -305,29 +340,39 @@ def _distribution(key: str, law: str, table: Mapping[str, Any], numbers: Mapping
             return stats.lognorm(numbers["log_std"], scale=numbers["median"])
 
 
-def _correlation(given: Any, keys: Sequence[str]) -> Array:
-    """The matrix of correlations that a table [priors] gives by pairs."""
-    matrix = np.eye(len(keys))
-    if not isinstance(given, Mapping) or set(given) - {"correlation"}:
-        raise SceneError("priors: a table [priors] has one key, correlation")
-    for first, second, value in _pairs(given.get("correlation", []), keys):
-        matrix[keys.index(first), keys.index(second)] = matrix[keys.index(second), keys.index(first)] = value
-    if np.linalg.eigvalsh(matrix)[0] <= 1e-12:
-        raise SceneError("priors.correlation: no numbers have these correlations together, they are too strong")
-    return matrix
-
-
-def _pairs(given: Any, keys: Sequence[str]) -> Iterator[tuple[str, str, float]]:
-    if not isinstance(given, list | tuple):
-        raise SceneError(f"priors.correlation = {given!r}: a list of [key, key, correlation] is needed")
-    for one in given:
-        match one:
-            case [str(first), str(second), int() | float() as value] if (
-                first in keys and second in keys and first != second and -1.0 < value < 1.0
-            ):
-                yield first, second, float(value)
-            case _:
+def _correlation(given: Any, priors: Sequence[Prior]) -> Array:
+    """The matrix of correlations of all keys from a table [priors]."""
+    whole = np.eye(len(priors))
+    if not given:
+        return whole
+    names = set(given) - {"keys"} if isinstance(given, Mapping) else set()
+    if names not in ({"correlation"}, {"covariance"}) or not isinstance(given.get("keys"), list):
+        raise SceneError("priors: a table [priors] has `keys`, and either `correlation` or `covariance`, the matrix of these keys")
+    keys = [prior.key for prior in priors]
+    for key in given["keys"]:
+        if key not in keys:
+            raise SceneError(f"priors.keys: {key} has no prior; {', '.join(keys)} have one")
+    places = [keys.index(key) for key in given["keys"]]
+    (name,) = names
+    try:
+        matrix = np.asarray(given[name], dtype=float)
+    except (TypeError, ValueError):
+        matrix = np.empty(0)
+    if matrix.shape != (len(places), len(places)) or len(set(places)) != len(places) or not np.array_equal(matrix, matrix.T):
+        raise SceneError(f"priors.{name}: a symmetric matrix with a row for each of the {len(places)} different keys is needed")
+    if name == "covariance":
+        for place, variance in zip(places, np.diag(matrix), strict=True):
+            if (std := priors[place].std) is None:
                 raise SceneError(
-                    f"priors.correlation: {one!r}: two different keys that have priors ({', '.join(keys)}) "
-                    "and a correlation between -1 and 1 are needed"
+                    f"priors.covariance: the prior of {keys[place]} is {priors[place].law}; give `correlation`, or a normal or log_normal prior"
                 )
+            if not np.isclose(variance, std**2, rtol=1e-6):
+                raise SceneError(f"priors.covariance: {keys[place]} has the variance {variance:g}, but its prior {std**2:g}")
+        scale = np.sqrt(np.diag(matrix))
+        matrix = matrix / np.outer(scale, scale)
+    if not np.allclose(np.diag(matrix), 1.0):
+        raise SceneError("priors.correlation: the correlation of a key with itself is 1")
+    whole[np.ix_(places, places)] = matrix
+    if np.linalg.eigvalsh(whole)[0] <= 1e-12:
+        raise SceneError(f"priors.{name}: no numbers have it, the matrix is not positive definite")
+    return whole

@@ -133,7 +133,7 @@ def _text(scene: Scene) -> str:
 def _checked(found: priors.Priors, replicas: int | None) -> tuple[dict[str, Any], int]:
     """The tables of the sweeps, and how many patches a point has."""
     if not found.are_independent:
-        raise SceneError("priors.correlation: Sobol indices are of independent numbers; leave it out")
+        raise SceneError("priors: Sobol indices are of independent numbers; leave the table out")
     tables = dict(found.tables)
     ensemble = dict(tables.get("ensemble", {}))
     if "sweep" in tables:

@@ -170,8 +170,8 @@ def test_the_command_leaves_file_and_figure_and_overwrites_nothing(tmp_path, mon
         (("", ""), {"samples": 100}, "samples = 100: a power of 2"),
         (("", ""), {"samples": 131072}, "samples = 131072: at most 80000"),
         (("", ""), {"level": 95}, "level = 95"),
-        (("[ensemble]", '[priors]\ncorrelation = [["material.work_of_adhesion", "surface.asperity_radius", 0.5]]\n[ensemble]'), {},
-         "priors.correlation: Sobol indices are of independent numbers"),
+        (("[ensemble]", '[priors]\nkeys = ["material.work_of_adhesion", "surface.asperity_radius"]\ncorrelation = [[1, 0.5], [0.5, 1]]\n[ensemble]'), {},
+         "priors: Sobol indices are of independent numbers"),
         (('law = "dmt"', 'law = "nothing"'), {}, "nothing"),
     ],
 )  # fmt: skip

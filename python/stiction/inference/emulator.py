@@ -1,0 +1,288 @@
+"""Patches of a scene at many parameters, and the likelihood of measured ones."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import log_ndtr, logsumexp
+from scipy.stats import qmc
+
+from .. import experiments
+from ..errors import SceneError
+from ..priors import Priors
+from .data import ABOVE, BELOW, EXACT, MISSING, Group
+from .density import Density, fit
+
+__all__ = ["Emulator", "Patches", "design", "simulate"]
+
+Array = NDArray[np.float64]
+_HALF_LOG_2PI = 0.5 * np.log(2.0 * np.pi)
+_NODES, _NODE_WEIGHTS = np.polynomial.hermite_e.hermegauss(9)
+_NODE_WEIGHTS = _NODE_WEIGHTS / _NODE_WEIGHTS.sum()
+# Relative errors below which the logarithm has a Gaussian error.
+_SMALL_ERROR = 0.01
+# ln p of what cannot be, so that differences are numbers.
+_LEAST_LOG = -700.0
+_PARTS, _DEGREE = 6, 2
+# Simulated parameters lie between these quantiles of each prior.
+_TAIL = 1e-3
+# What a patch far from the posterior counts, against one that is there.
+_FAR = 0.02
+# Standard deviations of the posterior within which patches count fully, to a Gaussian's shoulder.
+_NEAR = 3.0
+
+
+@dataclass(frozen=True)
+class Patches:
+    """Simulated patches.
+
+    Attributes
+    ----------
+    values : array (points, parameters)
+        Parameters in SI units.
+    logs : array (points, replicas, outcomes)
+        Logarithms of the outcomes in SI units.
+    """
+
+    values: Array
+    logs: Array
+
+    def __add__(self, other: Patches) -> Patches:
+        return Patches(np.concatenate([self.values, other.values]), np.concatenate([self.logs, other.logs]))
+
+
+def design(priors: Priors, count: int, seed: int) -> Array:
+    """Parameters that fill the priors, (count, parameters) in SI units: scrambled Sobol points between the quantiles 0.001 and 0.999."""
+    points = qmc.Sobol(len(priors.priors), seed=seed).random(count)
+    return priors.draw(_TAIL + (1.0 - 2.0 * _TAIL) * points)
+
+
+def simulate(
+    priors: Priors,
+    outcomes: tuple[str, ...],
+    values: Array,
+    *,
+    replicas: int,
+    seed: int,
+    threads: int | None = None,
+    progress: bool | None = False,
+    floors: Array | float = 0.0,
+    conditions: Mapping[str, Any] | None = None,
+) -> Patches:
+    """Patches at some parameters, by one run: a sweep with random numbers of its own for each point.
+
+    The density is fitted to all points together. Errors of points that are independent average out in the fit; with common random numbers all
+    points would err alike, and the fit with them, however many points there are.
+
+    Parameters
+    ----------
+    priors : Priors
+        The scene and the keys that have priors.
+    outcomes : tuple of str
+        Datasets of /replicas.
+    values : array (points, parameters)
+        In SI units.
+    replicas, seed, threads, progress
+        As in `stiction.sweep`.
+    floors : array (outcomes,) or float
+        Outcomes below are taken as these (SI): what no measurement tells apart.
+    conditions : dict, optional
+        Other values of keys of the scene.
+
+    Raises
+    ------
+    SceneError
+        The scene cannot be, at a point of the prior or at all; a patch has no such outcome.
+    """
+    scene = priors.tables
+    if "sweep" in scene:
+        raise SceneError("sweep: a scene with priors has none, the keys with priors are varied; leave it out")
+    axes = priors.axes(values)
+    tables = {**scene, "sweep": {"common_random_numbers": False}}
+    ensemble = {key: value for key, value in scene.get("ensemble", {}).items() if key == "sampling"}
+    tables["ensemble"] = {**ensemble, "replicas": replicas}
+    if ensemble.get("sampling", "independent") != "independent":
+        raise SceneError("ensemble.sampling: the distribution of patches needs independent ones")
+    for key, value in (conditions or {}).items():
+        if key in priors.keys:
+            raise SceneError(f"{key}: a column of the data has its values, and the scene a prior; one of them is needed")
+        table, name = key.rsplit(".", 1)
+        if table not in tables:
+            raise SceneError(f"{key}: a column of the data has its values, but the scene has no table [{table}]")
+        tables[table] = {**tables[table], name: value}
+    try:
+        result = experiments.sweep(tables, axes, mode="zip", seed=seed, threads=threads, progress=progress)
+    except SceneError as error:
+        raise SceneError(f"at a point of the priors: {error}") from None
+    group = result.group("replicas")
+    columns = []
+    for name, floor in zip(outcomes, np.broadcast_to(floors, len(outcomes)), strict=True):
+        found = group.get(name)
+        squeezed = None if found is None else found.squeeze([d for d in found.dims if d not in ("point", "replica") and found.sizes[d] == 1])
+        if squeezed is None or set(squeezed.dims) != {"point", "replica"}:
+            known = [str(n) for n, v in group.data_vars.items() if set(v.dims) >= {"point", "replica"} and "separation" not in v.dims]
+            raise SceneError(f"{name}: not one number of each patch of this scene; it has {', '.join(known)}")
+        numbers = np.maximum(squeezed.transpose("point", "replica").values, floor)
+        if not (numbers > 0.0).all():
+            share = 100.0 * float((~(numbers > 0.0)).mean())
+            point = int(np.argmax((~(numbers > 0.0)).any(axis=1)))
+            where = ", ".join(f"{key} = {texts[point]}" for key, texts in axes.items())
+            raise SceneError(
+                f"{name}: {share:.2g} % of the patches have none, such as at {where}; narrow the priors to where every patch has one, or "
+                "reach it with [separation]"
+            )
+        columns.append(np.log(numbers))
+    return Patches(values, np.stack(columns, axis=2))
+
+
+class Emulator:
+    """Densities of the outcomes over the parameters under all conditions of the data, fitted to simulated patches.
+
+    Parameters
+    ----------
+    priors : Priors
+        For the scale of the parameters.
+    patches : list of Patches
+        For each set of conditions.
+    centre, covariance : arrays (parameters,), (parameters, parameters), optional
+        Mean and covariance of the posterior of `Priors.natural`, where patches count fully; without them all count alike.
+    members : int
+        Members of the ensemble by which the fit's uncertainty is carried.
+    seed : int
+        Of the bootstrap.
+    """
+
+    def __init__(
+        self,
+        priors: Priors,
+        patches: list[Patches],
+        *,
+        centre: Array | None = None,
+        covariance: Array | None = None,
+        members: int = 5,
+        seed: int = 1,
+    ) -> None:
+        self._priors = priors
+        quantiles = [prior.distribution.ppf([_TAIL, 1.0 - _TAIL]) for prior in priors.priors]
+        low, high = priors.natural(np.stack(quantiles, axis=1))
+        self._middle, self._half = 0.5 * (low + high), 0.5 * (high - low)
+        self.densities: list[Density] = []
+        random = np.random.default_rng(seed)
+        for of in patches:
+            natural = priors.natural(of.values)
+            weights = np.ones(len(natural))
+            if centre is not None and covariance is not None:
+                away = natural - centre
+                distance = np.einsum("pi,pi->p", away, np.linalg.solve(covariance, away.T).T)
+                weights = np.maximum(np.exp(-0.5 * distance / _NEAR**2), _FAR)
+            made = fit(self.scaled(of.values), of.logs, weights, parts=_PARTS, degree=_DEGREE, members=members, random=random)
+            self.densities.append(made)
+
+    def scaled(self, values: Array) -> Array:
+        """Parameters, or their logarithms, from −1 to 1 within the priors."""
+        # Beyond what was simulated the density is that at its edge.
+        return np.clip((self._priors.natural(values) - self._middle) / self._half, -1.0, 1.0)
+
+    def log_densities(self, groups: tuple[Group, ...], values: Array) -> Array:
+        """ln p of each patch of the data at each point, by each member: (members, points, patches)."""
+        x = self.scaled(values)
+        pairs = zip(self.densities, groups, strict=True)
+        return np.concatenate([_log_density(density, group, x) for density, group in pairs], axis=2)
+
+    def log_likelihood(self, groups: tuple[Group, ...], values: Array) -> Array:
+        """ln of the likelihood of all data at each point, averaged over the members: (points,)."""
+        each = self.log_densities(groups, values).sum(axis=2)
+        result: Array = logsumexp(each, axis=0) - np.log(len(each))
+        return result
+
+    def cumulative(self, groups: tuple[Group, ...], values: Array) -> Array:
+        """P(measured outcome ≤ that of the data), of each member's mean: (points, patches, outcomes); NaN where missing or a limit."""
+        x = self.scaled(values)
+        result = []
+        for density, group in zip(self.densities, groups, strict=True):
+            columns = []
+            for j in range(group.values.shape[1]):
+                kinds = np.full(group.kinds.shape, MISSING)
+                kinds[:, j] = np.where(group.kinds[:, j] == EXACT, BELOW, MISSING)
+                one = Group(group.conditions, group.values, group.errors, kinds)
+                value = np.exp(_log_density(density, one, x)).mean(axis=0)
+                columns.append(np.where(group.kinds[:, j] == EXACT, value, np.nan))
+            result.append(np.stack(columns, axis=2))
+        return np.concatenate(result, axis=1)
+
+    def measured(self, groups: tuple[Group, ...], values: Array, random: np.random.Generator) -> Array:
+        """Data like the given ones, one set for each point: (points, patches, outcomes), SI, without limits."""
+        x, result = self.scaled(values), []
+        for density, group in zip(self.densities, groups, strict=True):
+            drawn = np.stack([np.exp(density.draw(x, random)) for _ in group.values], axis=1)
+            result.append(drawn + group.errors * random.standard_normal(drawn.shape))
+        return np.concatenate(result, axis=1)
+
+
+def _log_density(density: Density, group: Group, x: Array) -> Array:
+    """ln p of each patch by each member, (members, points, patches), from the logarithms of the outcomes and their errors."""
+    log_weights, means, widths = density.parts(x)
+    whole = log_weights[:, :, None, :]  # (members, points, patches, parts)
+    for j in range(group.values.shape[1]):
+        mean, width = means[:, :, None, :, j], widths[:, :, None, :, j]
+        terms = np.zeros((*whole.shape[:2], len(group.values), whole.shape[3]))
+        for kind in (EXACT, BELOW, ABOVE):
+            for measured in (False, True):
+                of = np.flatnonzero((group.kinds[:, j] == kind) & ((group.errors[:, j] > 0.0) == measured))
+                if of.size:
+                    value, error = group.values[of, j, None], group.errors[of, j, None]
+                    terms[:, :, of] = _convolved(kind, value, error, mean, width) if measured else _plain(kind, value, mean, width)
+        whole = whole + terms
+    result: Array = logsumexp(whole, axis=3)
+    return result
+
+
+def _plain(kind: int, value: Array, mean: Array, width: Array) -> Array:
+    """ln p of an outcome without error under parts that are Gaussian in the logarithm."""
+    logs = np.log(value)
+    deviation = (logs - mean) / width
+    result: Array
+    if kind == EXACT:
+        result = -0.5 * deviation**2 - np.log(width) - _HALF_LOG_2PI - logs
+    else:
+        result = log_ndtr(deviation if kind == BELOW else -deviation)
+    return result
+
+
+def _convolved(kind: int, value: Array, error: Array, mean: Array, width: Array) -> Array:
+    """The same with a Gaussian error: Gauss's rule over whichever is narrower, the part or the error.
+
+    Of an outcome whose error is less than 1 % of it the logarithm has a Gaussian error: its mean is off by half of the square, 5e-5.
+    """
+    result = np.empty(np.broadcast_shapes(value.shape, mean.shape))
+    relative = (error / value)[:, 0]
+    small = relative < _SMALL_ERROR
+    if small.any():
+        result[:, :, small] = _plain(kind, value[small], mean, np.hypot(width, relative[small, None]))
+    if small.all():
+        return result
+    value, error = value[~small], error[~small]
+    narrow = width * value < error  # (members, points, patches, parts)
+    # Over the error: outcomes value − error z. No outcome is below 0, and every one is above.
+    outcomes = value[..., None] - error[..., None] * _NODES
+    each = _plain(kind, np.maximum(outcomes, 1e-9 * value[..., None]), mean[..., None], width[..., None])
+    each = np.where(outcomes > 0.0, each, 0.0 if kind == ABOVE else -np.inf)
+    with np.errstate(divide="ignore"):
+        large = np.log(np.exp(each) @ _NODE_WEIGHTS)
+    if narrow.any():
+        # Over the part: outcomes exp(mean + width z), measured with the error.
+        where = np.nonzero(narrow)
+        of_part = np.broadcast_to(mean, narrow.shape)[where], np.broadcast_to(width, narrow.shape)[where]
+        of_patch = value[where[2], 0, None], error[where[2], 0, None]
+        deviation = (of_patch[0] - np.exp(of_part[0][:, None] + of_part[1][:, None] * _NODES)) / of_patch[1]
+        if kind == EXACT:
+            inner = -0.5 * deviation**2 - np.log(of_patch[1]) - _HALF_LOG_2PI
+        else:
+            inner = log_ndtr(deviation if kind == BELOW else -deviation)
+        large[where] = logsumexp(inner + np.log(_NODE_WEIGHTS), axis=-1)
+    result[:, :, ~small] = np.maximum(large, _LEAST_LOG)
+    return result

@@ -1,0 +1,136 @@
+"""Figures of an inference: the posterior, and the measured distribution against the predicted one."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from ..plot.style import BLUE, GREY, VERMILION, dressed, inches, label, new_axes, scaled
+from .data import BELOW, EXACT
+from .posterior import Inference
+
+__all__ = ["corner", "page", "predicted"]
+
+_SHARES = (0.5, 0.9)
+
+
+@dressed
+def page(result: Inference, width: str | float | None = None) -> Figure:
+    """The corner plot, and in its upper right the first outcome against its prediction."""
+    from matplotlib import pyplot
+
+    size = inches(width or 180)
+    figure = pyplot.figure(figsize=(size, 0.95 * size))
+    corner(result, figure)
+    count = len(result.names)
+    ax = figure.axes[count - 1] if count > 1 else None
+    if ax is not None and count > 2:
+        half = count // 2
+        grid: Any = figure.axes[0].get_gridspec()
+        predicted(result, ax=figure.add_subplot(grid[: count - half - (count % 2 == 0), half + 1 :]))
+    return figure
+
+
+@dressed
+def corner(result: Inference, figure: Figure | None = None) -> Figure:
+    """Posterior of each parameter (with its prior within the range, grey) and of each pair (50 and 90 % of the draws within the lines).
+
+    Parameters
+    ----------
+    result : Inference
+    figure : matplotlib.figure.Figure, optional
+        What to draw into; a new one of 180 mm by default.
+    """
+    from matplotlib import pyplot
+
+    figure = figure or pyplot.figure(figsize=(inches(180), inches(171)))
+    names = result.names
+    values, labels, priors, logs = [], [], [], []
+    for name in names:
+        draws = np.asarray(result.data.posterior[name]).ravel()
+        attrs = result.data.posterior[name].attrs
+        unit = {"J/m^2": "J/m2", "m^2": "m2"}.get(str(attrs["units"]), str(attrs["units"]))
+        factor, written = scaled(unit, [np.median(draws)])
+        values.append(draws / factor)
+        priors.append(np.asarray(result.data.prior[name]).ravel() / factor)
+        labels.append(label(name.partition("_")[2].replace("_", " "), written))
+        logs.append(bool(attrs["logarithmic"]))
+    grid = figure.add_gridspec(len(names), len(names))
+    ranges: list[Any] = [np.quantile(of, [0.002, 0.998]) for of in values]
+    for row in range(len(names)):
+        for column in range(row + 1):
+            ax = figure.add_subplot(grid[row, column])
+            if row == column:
+                first, last = ranges[row]
+                bins: Any = np.geomspace(first, last, 40) if logs[row] else np.linspace(first, last, 40)
+                ax.hist(values[row], bins, density=True, histtype="stepfilled", color=BLUE, alpha=0.35)
+                ax.hist(priors[row], bins, density=True, histtype="step", color=GREY)
+                low, middle, high = np.quantile(values[row], [0.025, 0.5, 0.975])
+                for at in (low, high):
+                    ax.axvline(at, color=VERMILION, lw=0.8, ls=":")
+                ax.axvline(middle, color=VERMILION, lw=0.8)
+                ax.set_yticks([])
+            else:
+                _pair(ax, values[column], values[row], ranges[column], ranges[row])
+                ax.set_ylim(*ranges[row])
+            ax.set_xlim(*ranges[column])
+            ax.set_xlabel(labels[column] if row == len(names) - 1 else "")
+            ax.set_ylabel(labels[row] if column == 0 and row > 0 else "")
+            if row < len(names) - 1:
+                ax.set_xticklabels([])
+            if column > 0:
+                ax.set_yticklabels([])
+    return figure
+
+
+def _pair(ax: Axes, x: Any, y: Any, x_range: Any, y_range: Any) -> None:
+    """The draws of a pair and the lines within which shares of them lie."""
+    from scipy.ndimage import gaussian_filter
+
+    counts, x_edges, y_edges = np.histogram2d(x, y, 60, [x_range, y_range])
+    smooth = gaussian_filter(counts, 2.0)
+    ordered = np.sort(smooth.ravel())[::-1]
+    levels = sorted(ordered[np.searchsorted(np.cumsum(ordered), share * ordered.sum())] for share in _SHARES)
+    ax.plot(x[::4], y[::4], ".", ms=0.8, color=BLUE, alpha=0.25, rasterized=True)
+    middles = [0.5 * (edges[1:] + edges[:-1]) for edges in (x_edges, y_edges)]
+    ax.contour(*middles, smooth.T, levels=np.unique(levels), colors=[VERMILION], linewidths=0.9)
+
+
+@dressed
+def predicted(result: Inference, outcome: str | None = None, *, ax: Axes | None = None) -> Axes:
+    """The measured distribution of an outcome, and what 95 % of as many patches of the posterior would give.
+
+    Parameters
+    ----------
+    result : Inference
+    outcome : str, optional
+        The first by default.
+    ax : matplotlib.axes.Axes, optional
+        Where to draw; new ones by default.
+    """
+    ax = new_axes(ax)
+    name = outcome or str(result.attrs["outcomes"]).split(", ")[0]
+    observed = result.data.observed_data
+    values, kinds = observed[name].values, observed[f"{name}_kind"].values
+    known = (kinds == EXACT) | (kinds == BELOW)
+    replicated = result.data.posterior_predictive[name].values.reshape(-1, values.size)[:, known]
+    factor, unit = scaled(str(observed[name].attrs["units"]).replace("N m-1", "N/m"), [np.median(values[known])])
+    # Limits stand at the limit, below all others.
+    ordered = np.sort(np.where(kinds[known] == BELOW, 0.0, values[known])) / factor
+    shares = np.arange(1, ordered.size + 1) / ordered.size
+    low, middle, high = np.quantile(np.sort(replicated, axis=1), [0.025, 0.5, 0.975], axis=0) / factor
+    ax.fill_betweenx(shares, low, high, color=BLUE, alpha=0.25, lw=0, label="95 % of predictions")
+    ax.plot(middle, shares, color=BLUE, label="median prediction")
+    resolved = ordered > 0.0
+    ax.plot(ordered[resolved], shares[resolved], "o", ms=2.5, color=VERMILION, label="measured")
+    if (limits := values[known & (kinds == BELOW)]).size:
+        ax.axvspan(0.0, limits.max() / factor, color=GREY, alpha=0.25, lw=0, label="below the resolution")
+    ax.set(xlabel=label(name.replace("_", " "), unit), ylabel="share of patches", ylim=(0.0, 1.02))
+    ax.set_xlim(left=0.0)
+    ax.legend(loc="lower right")
+    p = np.atleast_1d(result.attrs["check_p_value"])[str(result.attrs["outcomes"]).split(", ").index(name)]
+    ax.set_title(f"posterior-predictive check: p = {p:.2g}", loc="left")
+    return ax

@@ -1,0 +1,457 @@
+"""From measured outcomes to the posterior of a scene's parameters."""
+
+from __future__ import annotations
+
+import copy
+import os
+import warnings
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import arviz
+import numpy as np
+import pandas as pd
+import xarray
+from numpy.typing import NDArray
+from scipy import linalg
+from scipy.special import logsumexp
+from threadpoolctl import threadpool_limits
+
+from .. import priors as scenes
+from .. import quantities
+from ..errors import FileError, SceneError
+from ..priors import Priors
+from ..scenes import Scene, toml
+from . import data as measurements
+from .data import EXACT, Group, Measurements
+from .emulator import Emulator, Patches, design, simulate
+from .sampling import Chains, sample
+
+__all__ = ["Inference", "infer", "models", "open_inference"]
+
+Array = NDArray[np.float64]
+# Points of the first batch and of one that follows, and patches at each.
+_FIRST, _NEXT, _REPLICAS = 128, 64, 100
+_MOST_BATCHES = 8
+# Patches of the Fisher information, and draws of the posterior-predictive check.
+_SCORED, _CHECKED = 4000, 1000
+_FORMAT = "stiction-inference"
+
+
+@dataclass(frozen=True)
+class Inference:
+    """The posterior of a scene's parameters, and what the data say about them.
+
+    Attributes
+    ----------
+    data : arviz.InferenceData
+        The groups `posterior` (parameters in SI units), `sample_stats`, `log_likelihood`, `posterior_predictive`, `observed_data`, `prior`, and
+        `identifiability`: combinations of parameters, from the best known to the least, and the Fisher information.
+    """
+
+    data: Any
+
+    @property
+    def attrs(self) -> dict[str, Any]:
+        """Title, scene and figures of the whole inference."""
+        return dict(self.data.posterior.attrs)
+
+    @property
+    def names(self) -> list[str]:
+        """Names of the parameters."""
+        return [str(name) for name in self.data.posterior.data_vars]
+
+    def summary(self, level: float = 0.95) -> pd.DataFrame:
+        """A row for each parameter, in SI units.
+
+        Parameters
+        ----------
+        level : float
+            The probability of the central intervals.
+
+        Returns
+        -------
+        pandas.DataFrame
+            `median`, `low` and `high` ends, `prior_low` and `prior_high`; `r_hat`, `effective` sample size and `end_error`, the Monte Carlo error of
+            the ends of the 95 % interval over its width; `contraction`, 1 − posterior variance / prior variance (of the logarithm where
+            the prior is one of the logarithm).
+        """
+        tail = 0.5 * (1.0 - level)
+        rows = []
+        for name in self.names:
+            low, median, high = np.quantile(self.data.posterior[name], [tail, 0.5, 1.0 - tail])
+            before = np.quantile(self.data.prior[name], [tail, 1.0 - tail])
+            attrs = self.data.posterior[name].attrs
+            figures = {key: float(attrs[key]) for key in ("r_hat", "effective", "end_error", "contraction")}
+            rows.append({"median": median, "low": low, "high": high, "prior_low": before[0], "prior_high": before[1], **figures})
+        return pd.DataFrame(rows, index=self.names)
+
+    def loo(self) -> Any:
+        """Expected log density of a patch not measured, by Pareto-smoothed importance sampling: `arviz.loo`."""
+        return arviz.loo(self.data, pointwise=True)  # type: ignore[no-untyped-call]
+
+    def save(self, path: str | os.PathLike[str], *, force: bool = False) -> Path:
+        """Writes the HDF5 file that `open_inference` and `arviz.from_netcdf` read.
+
+        Raises
+        ------
+        FileError
+            There is one already, and `force` is not given.
+        """
+        path = Path(path)
+        if path.exists() and not force:
+            raise FileError(f"{path} exists; give force=True to overwrite it, or another output")
+        part = path.with_name(f"{path.name}.part")
+        self.data.to_netcdf(str(part), engine="h5netcdf")
+        part.replace(path)
+        return path
+
+    def __str__(self) -> str:
+        rows = [("data", f"{self.attrs['patches']} patches: {self.attrs['outcomes']}")]
+        for name, row in self.summary().iterrows():
+            unit = str(self.data.posterior[name].attrs["units"])
+            low, median, high = (_si(row[of], unit) for of in ("low", "median", "high"))
+            rows.append((_words(str(name)), f"{median}, 95 % interval {low} to {high}"))
+        for k in range(len(self.names)):
+            of = self.data.identifiability.isel(combination=k)
+            share = 100.0 * float(of.posterior_std / of.prior_std)
+            spread = float(of.posterior_std)
+            rows.append(("known" if share < 30.0 else "hardly known" if share > 70.0 else "partly known", f"{_combination(of)} to {spread:.2g} ({share:.2g} % of the prior's scatter)"))
+        for outcome, p in zip(str(self.attrs["outcomes"]).split(", "), np.atleast_1d(self.attrs["check_p_value"]), strict=True):
+            verdict = "the model does not describe the data" if p < 0.01 else "the model may have made the data"
+            rows.append(("check", f"{outcome}: p = {p:.3g}, {verdict}"))
+        worst = self.summary()
+        rows.append(("chains", f"R̂ {worst.r_hat.max():.4f}, {worst.effective.min():.0f} effective draws, ends of intervals to {100 * worst.end_error.max():.2g} % of their width"))
+        rows.append(("density", f"{self.attrs['simulated_patches']} simulated patches, its error {100 * self.attrs['emulator_share']:.2g} % of the posterior's scatter (is in it)"))
+        width = max(len(name) for name, _ in rows)
+        return "\n".join(f"  {name:<{width}}  {text}" for name, text in rows)
+
+
+def infer(
+    data: str | Path | Measurements,
+    scene: Scene,
+    output: str | Path | None = None,
+    *,
+    seed: int = 1,
+    threads: int | None = None,
+    end_error: float = 0.02,
+    emulator_error: float = 0.2,
+    force: bool = False,
+    progress: bool | None = None,
+) -> Inference:
+    """Infers parameters of a scene from measured outcomes of patches.
+
+    Patches are simulated over the priors, in batches of parameter sets; a density of their outcomes over the parameters is fitted (`Density`) and the
+    posterior sampled. Further batches lie where the posterior is, until the density's own error is small against it. That error is carried in the
+    likelihood: it is the mean over fits to resampled patches.
+
+    Parameters
+    ----------
+    data : path or Measurements
+        The CSV file of `stiction.inference.data.read`.
+    scene : path or dict
+        The scene with priors, as `stiction.priors.read` has them.
+    output : path, optional
+        Where the result is written besides.
+    seed : int
+        Seed of simulations, fits and chains.
+    threads : int, optional
+        Of the simulations, one per core by default.
+    end_error : float
+        Monte Carlo error of the ends of 95 % intervals over their width.
+    emulator_error : float
+        Scatter of the posterior means of the fits over the standard deviation of the posterior: 0.2 widens it by 2 %.
+    force : bool
+        Whether an existing `output` is overwritten.
+    progress : bool, optional
+        Whether to show that of the simulations.
+
+    Raises
+    ------
+    SceneError, FileError
+        Scene, argument or data are wrong; the message says where. Nothing is written.
+    StictionError
+        A simulation failed, or the chains do not agree.
+    """
+    for name, value, low, high in (("end_error", end_error, 1e-3, 0.5), ("emulator_error", emulator_error, 0.01, 1.0)):
+        if not low <= value <= high:
+            raise SceneError(f"{name} = {value}: a number from {low} to {high} is needed")
+    if output is not None:
+        if Path(output).exists() and not force:
+            raise FileError(f"{output} exists; give force=True to overwrite it, or another output")
+        if not Path(output).resolve().parent.is_dir():
+            raise FileError(f"{output}: there is no such folder")
+    measured = data if isinstance(data, Measurements) else measurements.read(data)
+    priors = scenes.read(scene)
+    # Matrices are so small that threads would only wait for each other.
+    with threadpool_limits(1):
+        result = _inferred(measured, priors, seed, threads, end_error, emulator_error, progress)
+    if output is not None:
+        result.save(output, force=force)
+    return result
+
+
+def _inferred(
+    measured: Measurements, priors: Priors, seed: int, threads: int | None, end_error: float,
+    emulator_error: float, progress: bool | None,
+) -> Inference:  # fmt: skip
+    seeds = iter(np.random.SeedSequence(seed).generate_state(1000) >> 1)
+
+    def simulated(values: Array) -> list[Patches]:
+        # The same seed under all conditions: they differ in nothing else.
+        of = int(next(seeds))
+        return [
+            simulate(
+                priors, measured.outcomes, values, replicas=_REPLICAS, seed=of, threads=threads, progress=progress, floors=measured.floors,
+                conditions=group.conditions,
+            )
+            for group in measured.groups
+        ]
+
+    patches = simulated(design(priors, _FIRST, int(next(seeds))))
+    random = np.random.default_rng(int(next(seeds)))
+    centre: Array | None = None
+    covariance: Array | None = None
+    start: Array | None = None
+    for batch in range(1, _MOST_BATCHES + 1):
+        emulator = Emulator(priors, patches, centre=centre, covariance=covariance, seed=int(next(seeds)))
+        rough = sample(_likelihood(emulator, measured.groups), priors, seed=int(next(seeds)), end_error=0.1, effective=400.0, start=start)
+        start = rough.z.reshape(-1, len(priors.priors))
+        natural = priors.natural(priors.of_scores(start))
+        share = _share(emulator, measured.groups, priors, start)
+        if batch > 1 and share <= emulator_error:
+            break
+        centre, covariance = natural.mean(axis=0), np.cov(natural.T).reshape(len(priors.priors), -1)
+        if batch < _MOST_BATCHES:
+            # Wider than the posterior, so that its flanks are known as well as its middle.
+            middle = start.mean(axis=0)
+            wide = middle + 2.0 * (start[random.choice(len(start), _NEXT, replace=False)] - middle)
+            more = simulated(priors.of_scores(np.clip(wide, -3.0, 3.0)))
+            patches = [one + two for one, two in zip(patches, more, strict=True)]
+    chains = sample(_likelihood(emulator, measured.groups), priors, seed=int(next(seeds)), end_error=end_error, start=start)
+    return _result(chains, priors, measured, emulator, random, share, sum(of.logs[:, :, 0].size for of in patches), batch)
+
+
+def _likelihood(emulator: Emulator, groups: tuple[Group, ...]) -> Callable[[Array], Array]:
+    return lambda values: emulator.log_likelihood(groups, values)
+
+
+def _share(emulator: Emulator, groups: tuple[Group, ...], priors: Priors, z: Array) -> float:
+    """Scatter of the members' posterior means over the posterior's standard deviation: the largest of all parameters."""
+    values = priors.of_scores(z[:: max(len(z) // 2000, 1)])
+    natural = priors.natural(values)
+    each = np.concatenate([emulator.log_densities(groups, piece).sum(axis=2) for piece in np.array_split(values, 10)], axis=1)
+    weights = np.exp(each - logsumexp(each, axis=0))
+    weights /= weights.sum(axis=1, keepdims=True)
+    means = weights @ natural
+    return float((means.std(axis=0, ddof=1) / natural.std(axis=0)).max())
+
+
+def _result(
+    chains: Chains, priors: Priors, measured: Measurements, emulator: Emulator, random: np.random.Generator, share: float,
+    simulated: int, batches: int,
+) -> Inference:  # fmt: skip
+    count, draws, dimensions = chains.z.shape
+    values = priors.of_scores(chains.z.reshape(-1, dimensions))
+    flat = priors.natural(values)
+    drawn = priors.of_scores(random.standard_normal((4000, dimensions)))
+    before = priors.natural(drawn)
+    groups = measured.groups
+    pieces = np.array_split(values, max(len(values) // 200, 1))
+    each = np.concatenate([emulator.log_densities(groups, piece) for piece in pieces], axis=1)
+    pointwise = (logsumexp(each, axis=0) - np.log(len(each))).reshape(count, draws, -1)
+    replicated = np.concatenate([emulator.measured(groups, piece, random) for piece in pieces]).reshape(count, draws, measured.size, -1)
+    observed = {name: np.concatenate([group.values[:, j] for group in groups]) for j, name in enumerate(measured.outcomes)}
+    for j, name in enumerate(measured.outcomes):
+        observed[f"{name}_error"] = np.concatenate([group.errors[:, j] for group in groups])
+        observed[f"{name}_kind"] = np.concatenate([group.kinds[:, j] for group in groups])
+    names = [prior.name for prior in priors.priors]
+    sampled = [*observed]
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        data = arviz.from_dict(
+            posterior={name: values[:, k].reshape(count, draws) for k, name in enumerate(names)},
+            sample_stats={"lp": chains.log_probability},
+            log_likelihood={"patch": pointwise},
+            posterior_predictive={name: replicated[..., j] for j, name in enumerate(measured.outcomes)},
+            observed_data=observed,
+            prior={name: drawn[None, :, k] for k, name in enumerate(names)},
+            dims={"patch": ["patch_number"], **{name: ["patch_number"] for name in sampled}},
+            coords={"patch_number": np.arange(measured.size)},
+        )
+        data.add_groups(identifiability=_identifiability(flat, before, priors, measured, emulator, random))
+    for k, prior in enumerate(priors.priors):
+        for group in (data.posterior, data.prior):
+            group[prior.name].attrs.update(units=prior.unit, long_name=prior.key)
+        contraction = 1.0 - float(flat[:, k].var() / before[:, k].var())
+        data.posterior[prior.name].attrs.update(
+            r_hat=chains.r_hat[k], effective=chains.effective[k], end_error=chains.end_errors[k], contraction=contraction,
+            logarithmic=int(prior.logarithmic),
+        )  # fmt: skip
+    for name, unit in zip(measured.outcomes, measured.units, strict=True):
+        for of in (data.observed_data, data.posterior_predictive):
+            of[name].attrs["units"] = unit
+    data.posterior.attrs.update(
+        format=_FORMAT, format_version="1.0", title=str(priors.tables.get("title", "")), scene=toml(priors.tables), outcomes=", ".join(measured.outcomes),
+        patches=measured.size, check_p_value=_check(emulator, groups, values, random), acceptance=chains.acceptance,
+        emulator_share=share, simulated_patches=simulated, batches=batches,
+    )  # fmt: skip
+    return Inference(data)
+
+
+def _check(emulator: Emulator, groups: tuple[Group, ...], values: Array, random: np.random.Generator) -> Array:
+    """Posterior-predictive p-value of each outcome, (outcomes,).
+
+    The discrepancy is Anderson and Darling's of P(outcome ≤ the measured one), which are uniform if the model made the data (D. Rubin, *Ann. Statist.* 12 (1984)
+    1151; X.-L. Meng, *ibid.* 22 (1994) 1142). As the parameters are fitted to the same data, it is conservative: small values are rarer than they say.
+    """
+    chosen = values[random.choice(len(values), min(_CHECKED, len(values)), replace=False)]
+    cumulative = np.concatenate([emulator.cumulative(groups, piece) for piece in np.array_split(chosen, max(len(chosen) // 50, 1))])
+    result = []
+    for j in range(cumulative.shape[2]):
+        of = cumulative[:, :, j]
+        of = of[:, ~np.isnan(of).any(axis=0)]
+        if of.shape[1] == 0:
+            result.append(np.nan)
+            continue
+        replicated = anderson_darling(random.random(of.shape))
+        result.append(float((replicated >= anderson_darling(of)).mean()))
+    return np.array(result)
+
+
+def anderson_darling(uniform: Array) -> Array:
+    """A² of each row of numbers against the uniform distribution on 0 to 1 (T. W. Anderson, D. A. Darling, *J. Am. Stat. Assoc.* 49 (1954) 765).
+
+    Examples
+    --------
+    >>> anderson_darling(np.array([[0.25, 0.5, 0.75]])).round(4)
+    array([0.1911])
+    """
+    ordered = np.sort(np.clip(uniform, 1e-15, 1.0 - 1e-15), axis=1)
+    count = ordered.shape[1]
+    odd = 2.0 * np.arange(1, count + 1) - 1.0
+    result: Array = -count - (odd * (np.log(ordered) + np.log1p(-ordered[:, ::-1]))).mean(axis=1)
+    return result
+
+
+def _identifiability(
+    flat: Array, before: Array, priors: Priors, measured: Measurements, emulator: Emulator, random: np.random.Generator
+) -> xarray.Dataset:
+    """Combinations of the parameters by how far the data narrow them, and the Fisher information at the posterior's mean.
+
+    A combination is Σ a_k q_k of the parameters, or of their logarithms where the prior is one of these. Those that are independent under
+    prior and posterior are the solutions of C_posterior a = r C_prior a, with r the share of the variance that is left.
+    """
+    after = np.cov(flat.T).reshape(flat.shape[1], -1)
+    prior = np.cov(before.T).reshape(after.shape)
+    ratios, vectors = linalg.eigh(after, prior)
+    # The largest share is 1; shares are of parameters as their priors scatter.
+    scaled = vectors * np.sqrt(np.diag(prior))[:, None]
+    vectors = vectors / vectors[np.abs(scaled).argmax(axis=0), np.arange(len(ratios))]
+    spreads = np.sqrt(np.einsum("ik,ij,jk->k", vectors, after, vectors))
+    information = _fisher(flat.mean(axis=0), np.sqrt(np.diag(after)), priors, measured, emulator, random)
+    names = [prior.name for prior in priors.priors]
+    return xarray.Dataset(
+        {
+            "exponent": (("combination", "parameter"), vectors.T),
+            "posterior_std": (("combination",), spreads),
+            "prior_std": (("combination",), spreads / np.sqrt(ratios)),
+            "fisher_information": (("parameter", "of"), information),
+            "posterior_covariance": (("parameter", "of"), after),
+        },
+        coords={"parameter": names, "of": names},
+        attrs={"long_name": "of logarithms of parameters where the prior is one of the logarithm"},
+    )
+
+
+def _fisher(at: Array, steps: Array, priors: Priors, measured: Measurements, emulator: Emulator, random: np.random.Generator) -> Array:
+    """Expected information of the data's patches, measured with their errors and without limits: the mean of the outer products of scores."""
+    dimensions = len(at)
+    result = np.zeros((dimensions, dimensions))
+    for place, group in enumerate(measured.groups):
+        sets = max(_SCORED // len(group.values), 1)
+        single = _only(emulator, place)
+        drawn = single.measured((group,), np.repeat(priors.values(at[None]), sets, axis=0), random).reshape(-1, group.values.shape[1])
+        errors = np.tile(group.errors, (sets, 1))
+        kinds = np.where((drawn > 0.0) & (np.tile(group.kinds, (sets, 1)) != measurements.MISSING), EXACT, measurements.MISSING)
+        like = Group(group.conditions, np.where(drawn > 0.0, drawn, 1.0), errors, kinds)
+        points = priors.values(np.concatenate([at + 0.25 * sign * np.diag(steps) for sign in (1.0, -1.0)]))
+        each = np.concatenate([single.log_densities((like,), point[None]) for point in points], axis=1)
+        logs = logsumexp(each, axis=0) - np.log(len(each))
+        scores = (logs[:dimensions] - logs[dimensions:]) / (0.5 * steps[:, None])
+        result += scores @ scores.T / sets
+    return result
+
+
+def _only(emulator: Emulator, place: int) -> Emulator:
+    single = copy.copy(emulator)
+    single.densities = [emulator.densities[place]]
+    return single
+
+
+def models(results: Mapping[str, Inference]) -> pd.DataFrame:
+    """Compares inferences from the same data by their expected log density of a patch not measured: `arviz.compare`.
+
+    Parameters
+    ----------
+    results : dict
+        Inferences by the names of their models.
+
+    Returns
+    -------
+    pandas.DataFrame
+        A row for each model, the best first: `elpd_loo`, its difference to the best `elpd_diff` with the standard error `dse`, the stacking `weight`, and
+        `warning` where importance sampling is not to be trusted (Pareto k̂ above 0.7).
+    """
+    if len({result.data.observed_data.sizes["patch_number"] for result in results.values()}) > 1:
+        raise SceneError("models are compared with the same data only")
+    return arviz.compare({name: result.data for name, result in results.items()}, ic="loo")
+
+
+def with_keys(scene: Scene, keys: Mapping[str, Any]) -> dict[str, Any]:
+    """The tables of a scene with other values of some keys, by their dotted names."""
+    tables = scenes.opened(scene)
+    for key, value in keys.items():
+        table, name = key.split(".")
+        tables[table] = {**tables.get(table, {}), name: value}
+    return tables
+
+
+def open_inference(path: str | os.PathLike[str]) -> Inference:
+    """Opens the file of an inference.
+
+    Raises
+    ------
+    FileError
+        There is no such file, or it is another one.
+    """
+    path = Path(path)
+    if not path.is_file():
+        raise FileError(f"{path}: no such file")
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            data = arviz.from_netcdf(str(path))  # type: ignore[no-untyped-call]
+        known = data.posterior.attrs.get("format") == _FORMAT
+    except Exception:
+        known = False
+    if not known:
+        raise FileError(f"{path}: not a result of `stiction infer`")
+    return Inference(data)
+
+
+def _words(name: str) -> str:
+    return name.partition("_")[2].replace("_", " ")
+
+
+def _si(value: Any, unit: str) -> str:
+    return quantities.si(value, {"J/m^2": "J/m2", "m^2": "m2"}.get(unit, unit))
+
+
+def _combination(of: xarray.Dataset) -> str:
+    """A combination in words, without what hardly takes part in it."""
+    names, shares = [str(name) for name in of.parameter.values], of.exponent.values
+    kept = [(name, share) for name, share in zip(names, shares, strict=True) if abs(share) > 0.05 * np.abs(shares).max()]
+    return " · ".join(_words(name) + ("" if abs(share - 1.0) < 0.005 else f"^{share:.2g}") for name, share in kept).replace("-", "−")

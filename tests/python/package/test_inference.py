@@ -1,0 +1,236 @@
+"""Inference: priors and data are read or refused by name, densities and likelihoods are those of closed forms, intervals hold what they say.
+
+`STICTION_CALIBRATION=500 python -m pytest tests/python/package/test_inference.py -k calibrated` is the whole calibration; without, it is a short one.
+"""
+
+import os
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from conftest import CONFIGS
+from scipy import stats
+from scipy.integrate import quad
+
+pytest.importorskip("arviz")
+
+import arviz
+
+from stiction.errors import FileError, SceneError
+from stiction.inference import data, density, emulator, infer, open_inference, posterior, priors, sampling
+from stiction.inference.calibration import calibrate, weighted_posterior
+
+EXPERIMENTS = int(os.environ.get("STICTION_CALIBRATION", "0"))
+ENERGY = {"prior": "log_uniform", "from": "5 mJ/m^2", "to": "0.3 J/m^2"}
+
+
+def small(**surface):
+    """A patch of 37 asperities, with a prior of the work of adhesion."""
+    tables = priors.tables_of(CONFIGS / "inference" / "first.toml")
+    tables["surface"] |= {"nominal_area": "5 um^2", "asperity_radius": "3 um", "asperity_height_std": "1.7 nm", **surface}
+    tables["separation"] = {"h_star": {"from": 0.5, "to": 8.0, "count": 40}}
+    return tables
+
+
+def told(function, *arguments, **named):
+    with pytest.raises((SceneError, FileError)) as error:
+        function(*arguments, **named)
+    return str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("prior", "part"),
+    [
+        ({"prior": "flat"}, "none of uniform, log_uniform, normal"),
+        ({"prior": "log_uniform", "from": "5 mJ/m^2"}, "needs to"),
+        ({"prior": "log_uniform", "from": "5 mJ/m^2", "to": "1 mJ/m^2"}, "has to be below"),
+        ({"prior": "log_uniform", "from": "0 mJ/m^2", "to": "1 mJ/m^2"}, "greater than 0"),
+        ({"prior": "normal", "mean": "50 mJ/m^2", "std": "-1 mJ/m^2"}, "std = -1 mJ/m^2 has to be greater than 0"),
+        ({"prior": "normal", "mean": "50 mJ/m^2", "std": "1 nm"}, "of one kind"),
+        ({"prior": "uniform", "from": "5 mJ/m^2", "to": "9 mJ/m^2", "mean": 3}, "has no mean"),
+        ({"prior": "uniform", "from": "5 parsec", "to": "9 parsec"}, "work_of_adhesion.from = '5 parsec'"),
+    ],
+)
+def test_a_wrong_prior_is_refused_by_its_key(prior, part):
+    message = told(priors.read, {"material": {"work_of_adhesion": prior}})
+    assert part in message and "material.work_of_adhesion" in message
+
+
+def test_scenes_without_priors_with_six_and_with_wrong_correlations_are_refused():
+    assert "no key has a prior" in told(priors.read, {"material": {"work_of_adhesion": "5 mJ/m^2"}})
+    many = {f"key{k}": {"prior": "uniform", "from": 0.0, "to": 1.0} for k in range(6)}
+    assert "at most 5" in told(priors.read, {"surface": many})
+    two = {"surface": {key: many[key] for key in ("key0", "key1")}}
+    for table, part in (
+        ({"keys": ["surface.key0", "surface.other"], "correlation": [[1, 0], [0, 1]]}, "surface.other has no prior"),
+        ({"keys": ["surface.key0", "surface.key1"], "correlation": [[1, 2], [2, 1]]}, "positive definite"),
+        ({"keys": ["surface.key0", "surface.key1"], "correlation": [[1, 0.5]]}, "symmetric"),
+        ({"keys": ["surface.key0", "surface.key1"], "covariance": [[1, 0], [0, 1]]}, "give the correlation"),
+    ):
+        assert part in told(priors.read, {**two, "priors": table})
+
+
+def test_priors_are_drawn_as_they_say_and_correlated():
+    """Kolmogorov-Smirnov tests of 4000 draws at 1e-4, and a correlation within 4 standard errors: fixed seed, false alarms below 4e-4."""
+    normal = {"prior": "normal", "mean": "3 um", "std": "0.2 um", "from": "2.8 um"}
+    keys = ["material.work_of_adhesion", "surface.asperity_radius"]
+    _, made = priors.read(
+        {"material": {"work_of_adhesion": ENERGY}, "surface": {"asperity_radius": normal}, "priors": {"keys": keys, "correlation": [[1, 0.6], [0.6, 1]]}}
+    )
+    z = np.random.default_rng(1).standard_normal((4000, 2))
+    natural = made.natural(z)
+    energies, radii = made.values(natural).T
+    assert stats.kstest(np.log(energies), stats.uniform(np.log(5e-3), np.log(60.0)).cdf).pvalue > 1e-4
+    assert stats.kstest(radii, stats.truncnorm(-1.0, np.inf, 3e-6, 2e-7).cdf).pvalue > 1e-4
+    rank = stats.spearmanr(energies, radii).statistic
+    assert abs(rank - 6.0 / np.pi * np.arcsin(0.3)) < 4.0 / np.sqrt(4000.0)
+    assert np.allclose(made.scores(natural), z, atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("text", "part"),
+    [
+        ("pull_off_force (uN)\n", "a header and a line"),
+        ("surface.nominal_area (um^2)\n3\n", "no column has an outcome"),
+        ("pull_off_force (uX)\n3\n", "1 uX"),
+        ("pull_off_force (uN)\n3\nseven\n", "line 3, pull_off_force: seven is not a number"),
+        ("pull_off_force (uN)\n-3\n", "greater than 0; write `<`"),
+        ("pull_off_force (uN),pull_off_force_error (uN)\n3,-1\n", "a standard deviation of 0 or more"),
+        ("pull_off_force (uN)\n3,4\n", "line 2: 2 cells"),
+        ("pull_off_force_error (uN),pull_off_separation (nm)\n3,4\n", "needs one pull_off_force"),
+    ],
+)
+def test_a_wrong_line_of_data_is_refused_by_its_place(text, part, tmp_path):
+    path = tmp_path / "data.csv"
+    path.write_text(text)
+    assert part in told(data.read, path)
+
+
+def test_data_have_units_errors_limits_and_conditions(tmp_path):
+    path = tmp_path / "data.csv"
+    path.write_text("# two areas\npull_off_force (uN), pull_off_force_error (uN), surface.nominal_area (um^2)\n3, 0.1, 10\n<0.5,0.1,10\n>9,0,20\n")
+    read = data.read(path)
+    assert read.outcomes == ("pull_off_force",) and read.units == ("N",) and read.size == 3
+    first, second = read.groups
+    assert first.conditions == {"surface.nominal_area": "10 um^2"} and np.allclose(first.values[:, 0], [3e-6, 5e-7])
+    assert first.kinds[:, 0].tolist() == [data.EXACT, data.BELOW] and second.kinds[0, 0] == data.ABOVE
+
+
+@pytest.mark.parametrize("kind", [data.EXACT, data.BELOW, data.ABOVE])
+@pytest.mark.parametrize("error", [0.0, 0.005, 0.05, 0.2])
+def test_the_likelihood_of_a_part_is_its_integral_over_the_error(kind, error):
+    """Against adaptive quadrature, to 0.3 %, at widths below and above the error."""
+    of = {data.EXACT: stats.norm.pdf, data.BELOW: stats.norm.cdf, data.ABOVE: stats.norm.sf}[kind]
+    for width in (0.05, 0.3):
+        for value in (0.9, 1.1):
+            coefficients = np.zeros((1, 1, 1, 3))
+            coefficients[..., 2] = np.log(width - density._SMALLEST_WIDTH)
+            made = density.Density(coefficients, 0, np.zeros(1), np.ones(1))
+            group = data.Group({}, np.array([[value]]), np.array([[error * value]]), np.array([[kind]]))
+            found = float(np.exp(emulator._log_density(made, group, np.zeros((1, 1))))[0, 0, 0])
+            if error == 0.0:
+                law = stats.lognorm(width)
+                wanted = {data.EXACT: law.pdf, data.BELOW: law.cdf, data.ABOVE: law.sf}[kind](value)
+            else:
+                wanted = quad(lambda z: of(value, np.exp(width * z), error * value) * stats.norm.pdf(z), -9, 9, limit=400)[0]  # noqa: B023
+            assert found == pytest.approx(wanted, rel=3e-3)
+
+
+def normal_experiment(points=60, replicas=100):
+    """Outcomes whose logarithm is normal with the parameter as mean and the scatter 0.3, and their emulator."""
+    _, prior = priors.read({"surface": {"asperity_radius": {"prior": "normal", "mean": 1.0, "std": 1.0}}})
+    random = np.random.default_rng(5)
+    natural = emulator.design(prior, points, 5)
+    logs = natural[:, :, None] + 0.3 * random.standard_normal((points, replicas, 1))
+    return prior, emulator.Emulator(prior, [emulator.Patches(natural, logs)])
+
+
+def test_the_posterior_of_normal_outcomes_is_that_of_the_closed_form():
+    """Means within half of the conjugate posterior's standard deviation and widths within 15 %, by chains and by importance sampling, which agree within 0.1; fixed seed.
+
+    The fit to 24 000 patches over the whole prior shifts means by some 0.1 standard deviations: half of one is 5 times that.
+    """
+    prior, made = normal_experiment(points=240)
+    logs = 0.8 + 0.3 * np.random.default_rng(6).standard_normal((20, 1))
+    groups = (data.Group({}, np.exp(logs), np.zeros_like(logs), np.zeros(logs.shape, dtype=int)),)
+    precision = 20 / 0.09 + 1.0
+    mean, std = (logs.sum() / 0.09 + 1.0) / precision, precision**-0.5
+    chains = sampling.sample(lambda natural: made.log_likelihood(groups, natural), prior, seed=1)
+    drawn = prior.natural(chains.z.reshape(-1, 1))[:, 0]
+    z, weights = weighted_posterior(made, groups, prior, np.random.default_rng(7).standard_normal((2000, 1)), np.random.default_rng(8))
+    weighed = prior.natural(z)[:, 0]
+    of_weights = weights @ weighed, np.sqrt(weights @ (weighed - weights @ weighed) ** 2)
+    for found_mean, found_std in ((drawn.mean(), drawn.std()), of_weights):
+        assert abs(found_mean - mean) < 0.5 * std and abs(found_std / std - 1.0) < 0.15
+    assert abs(drawn.mean() - of_weights[0]) < 0.1 * std and abs(drawn.std() / of_weights[1] - 1.0) < 0.1
+    assert chains.r_hat.max() < 1.01 and chains.end_errors.max() <= 0.02
+
+
+def test_the_discrepancy_of_the_check_is_anderson_and_darlings():
+    """Against scipy's statistic for a fully specified law, by its definition with the normal law."""
+    numbers = np.random.default_rng(1).standard_normal(40)
+    ordered = np.sort(numbers)
+    i = np.arange(1, 41)
+    wanted = -40 - np.sum((2 * i - 1) / 40 * (stats.norm.logcdf(ordered) + stats.norm.logsf(ordered[::-1])))
+    assert posterior.anderson_darling(stats.norm.cdf(numbers)[None])[0] == pytest.approx(wanted, rel=1e-9)
+
+
+@pytest.fixture(scope="module")
+def inferred(tmp_path_factory):
+    """An inference from 12 patches of the small scene at 50 mJ/m², of the work of adhesion and the radius."""
+    folder = tmp_path_factory.mktemp("inference")
+    tables, made = priors.read(small() | {"material": {**small()["material"], "work_of_adhesion": ENERGY}})
+    logs = emulator.simulate(tables, made, ("pull_off_force",), np.array([[np.log(0.05)]]), replicas=12, seed=77).logs[0, :, 0]
+    path = folder / "data.csv"
+    path.write_text("pull_off_force (nN)\n" + "".join(f"{1e9 * value:.4f}\n" for value in np.exp(logs)))
+    return path, infer(path, small(), folder / "out.h5", emulator_error=0.3)
+
+
+def test_an_inference_is_a_file_that_arviz_opens(inferred, tmp_path):
+    path, result = inferred
+    opened = arviz.from_netcdf(str(path.with_name("out.h5")))
+    for group in ("posterior", "sample_stats", "posterior_predictive", "observed_data", "log_likelihood"):
+        assert group in opened.groups()
+    again = open_inference(path.with_name("out.h5"))
+    assert str(again) == str(result)
+    row = result.summary().loc["material_work_of_adhesion"]
+    assert row.low < row["median"] < row.high and row.r_hat < 1.01 and row.end_error <= 0.02
+    assert np.isfinite(result.loo().elpd_loo) and "work of adhesion" in str(result)
+    assert "exists; give force=True" in told(infer, path, small(), path.with_name("out.h5"))
+    other = tmp_path / "other.h5"
+    other.write_text("nothing")
+    assert "not a result" in told(open_inference, other)
+
+
+def test_the_expected_information_is_that_of_the_closed_form():
+    """20 normal outcomes of the scatter 0.3 have 20/0.09 about the mean; within 15 %, fixed seed."""
+    _, made = normal_experiment()
+    group = data.Group({}, np.ones((20, 1)), np.zeros((20, 1)), np.zeros((20, 1), dtype=int))
+    measured = data.Measurements(("pull_off_force",), ("N",), (group,))
+    found = posterior._fisher(np.array([0.8]), np.array([0.07]), measured, made, np.random.default_rng(2))
+    assert found[0, 0] == pytest.approx(20 / 0.09, rel=0.15)
+
+
+def test_the_command_says_what_is_wrong(tmp_path):
+    for arguments, part in (
+        (["none.csv", str(CONFIGS / "inference" / "first.toml")], "none.csv: no such file"),
+        ([str(CONFIGS / "inference" / "first.csv"), str(CONFIGS / "quick.toml")], "no key has a prior"),
+        ([str(CONFIGS / "inference" / "first.csv"), str(CONFIGS / "inference" / "first.toml"), "--model", "emd"], "--model emd"),
+    ):
+        ended = subprocess.run([sys.executable, "-W", "ignore", "-m", "stiction.inference", *arguments], capture_output=True, text=True, cwd=tmp_path)
+        assert ended.returncode == 2 and part in ended.stderr and not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("patches", [10, 50])
+def test_intervals_are_calibrated(patches):
+    """Ranks of true parameters are uniform and intervals hold their share; fixed seed, short form of 100 experiments of 37 asperities.
+
+    Kolmogorov-Smirnov at 1e-3 and three coverages within 3.3 standard errors: some 4e-3 false alarms each for another seed.
+    """
+    experiments = EXPERIMENTS or 100
+    tables = small() if not EXPERIMENTS else str(CONFIGS / "inference" / "first.toml")
+    made = calibrate(tables, experiments=experiments, patches=patches, points=512 if EXPERIMENTS else 64, seed=3)
+    assert made.p_values().min() > 1e-3
+    for level in (0.5, 0.9, 0.95):
+        assert np.abs(made.coverage(level) - level).max() < 3.3 * np.sqrt(level * (1.0 - level) / experiments)

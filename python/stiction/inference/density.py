@@ -155,7 +155,7 @@ def fit(
     if members == 1:
         return Density(whole[None], degree, shift, scale)
     boots = [
-        _maximised(whole, start, table, y, every * random.standard_exponential(every.shape), 60)
+        _maximised(whole, start, table, y, every * random.standard_exponential(every.shape), 150)
         for _ in range(members)
     ]
     return Density(np.stack(boots), degree, shift, scale)

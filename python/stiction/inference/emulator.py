@@ -179,13 +179,16 @@ class Emulator:
                 away = natural - centre
                 distance = np.einsum("pi,pi->p", away, np.linalg.solve(covariance, away.T).T)
                 weights = np.maximum(np.exp(-0.5 * distance / _NEAR**2), _FAR)
-            made = fit(self.scaled(of.values), of.logs, weights, parts=_PARTS, degree=_DEGREE, members=members, random=random)
+            made: Density = fit(
+                self.scaled(of.values), of.logs, weights, parts=_PARTS, degree=_DEGREE, members=members, random=random
+            )
             self.densities.append(made)
 
     def scaled(self, values: Array) -> Array:
         """Parameters, or their logarithms, from −1 to 1 within the priors."""
         # Beyond what was simulated the density is that at its edge.
-        return np.clip((self._priors.natural(values) - self._middle) / self._half, -1.0, 1.0)
+        scaled: Array = np.clip((self._priors.natural(values) - self._middle) / self._half, -1.0, 1.0)
+        return scaled
 
     def log_densities(self, groups: tuple[Group, ...], values: Array) -> Array:
         """ln p of each patch of the data at each point, by each member: (members, points, patches)."""

@@ -33,7 +33,7 @@ __all__ = ["Inference", "infer", "models", "open_inference"]
 
 Array = NDArray[np.float64]
 # Points of the first batch and of one that follows, and patches at each.
-_FIRST, _NEXT, _REPLICAS = 128, 64, 100
+_FIRST, _NEXT, _REPLICAS = 128, 64, 300
 _MOST_BATCHES = 8
 # Patches of the Fisher information, and draws of the posterior-predictive check.
 _SCORED, _CHECKED = 4000, 1000

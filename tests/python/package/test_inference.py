@@ -18,7 +18,8 @@ pytest.importorskip("arviz")
 import arviz
 
 from stiction.errors import FileError, SceneError
-from stiction.inference import data, density, emulator, infer, open_inference, posterior, priors, sampling
+from stiction import priors
+from stiction.inference import data, density, emulator, infer, open_inference, posterior, sampling
 from stiction.inference.calibration import calibrate, weighted_posterior
 
 EXPERIMENTS = int(os.environ.get("STICTION_CALIBRATION", "0"))
@@ -27,7 +28,7 @@ ENERGY = {"prior": "log_uniform", "from": "5 mJ/m^2", "to": "0.3 J/m^2"}
 
 def small(**surface):
     """A patch of 37 asperities, with a prior of the work of adhesion."""
-    tables = priors.tables_of(CONFIGS / "inference" / "first.toml")
+    tables = priors.opened(CONFIGS / "inference" / "first.toml")
     tables["surface"] |= {"nominal_area": "5 um^2", "asperity_radius": "3 um", "asperity_height_std": "1.7 nm", **surface}
     tables["separation"] = {"h_star": {"from": 0.5, "to": 8.0, "count": 40}}
     return tables
@@ -37,55 +38,6 @@ def told(function, *arguments, **named):
     with pytest.raises((SceneError, FileError)) as error:
         function(*arguments, **named)
     return str(error.value)
-
-
-@pytest.mark.parametrize(
-    ("prior", "part"),
-    [
-        ({"prior": "flat"}, "none of uniform, log_uniform, normal"),
-        ({"prior": "log_uniform", "from": "5 mJ/m^2"}, "needs to"),
-        ({"prior": "log_uniform", "from": "5 mJ/m^2", "to": "1 mJ/m^2"}, "has to be below"),
-        ({"prior": "log_uniform", "from": "0 mJ/m^2", "to": "1 mJ/m^2"}, "greater than 0"),
-        ({"prior": "normal", "mean": "50 mJ/m^2", "std": "-1 mJ/m^2"}, "std = -1 mJ/m^2 has to be greater than 0"),
-        ({"prior": "normal", "mean": "50 mJ/m^2", "std": "1 nm"}, "of one kind"),
-        ({"prior": "uniform", "from": "5 mJ/m^2", "to": "9 mJ/m^2", "mean": 3}, "has no mean"),
-        ({"prior": "uniform", "from": "5 parsec", "to": "9 parsec"}, "work_of_adhesion.from = '5 parsec'"),
-    ],
-)
-def test_a_wrong_prior_is_refused_by_its_key(prior, part):
-    message = told(priors.read, {"material": {"work_of_adhesion": prior}})
-    assert part in message and "material.work_of_adhesion" in message
-
-
-def test_scenes_without_priors_with_six_and_with_wrong_correlations_are_refused():
-    assert "no key has a prior" in told(priors.read, {"material": {"work_of_adhesion": "5 mJ/m^2"}})
-    many = {f"key{k}": {"prior": "uniform", "from": 0.0, "to": 1.0} for k in range(6)}
-    assert "at most 5" in told(priors.read, {"surface": many})
-    two = {"surface": {key: many[key] for key in ("key0", "key1")}}
-    for table, part in (
-        ({"keys": ["surface.key0", "surface.other"], "correlation": [[1, 0], [0, 1]]}, "surface.other has no prior"),
-        ({"keys": ["surface.key0", "surface.key1"], "correlation": [[1, 2], [2, 1]]}, "positive definite"),
-        ({"keys": ["surface.key0", "surface.key1"], "correlation": [[1, 0.5]]}, "symmetric"),
-        ({"keys": ["surface.key0", "surface.key1"], "covariance": [[1, 0], [0, 1]]}, "give the correlation"),
-    ):
-        assert part in told(priors.read, {**two, "priors": table})
-
-
-def test_priors_are_drawn_as_they_say_and_correlated():
-    """Kolmogorov-Smirnov tests of 4000 draws at 1e-4, and a correlation within 4 standard errors: fixed seed, false alarms below 4e-4."""
-    normal = {"prior": "normal", "mean": "3 um", "std": "0.2 um", "from": "2.8 um"}
-    keys = ["material.work_of_adhesion", "surface.asperity_radius"]
-    _, made = priors.read(
-        {"material": {"work_of_adhesion": ENERGY}, "surface": {"asperity_radius": normal}, "priors": {"keys": keys, "correlation": [[1, 0.6], [0.6, 1]]}}
-    )
-    z = np.random.default_rng(1).standard_normal((4000, 2))
-    natural = made.natural(z)
-    energies, radii = made.values(natural).T
-    assert stats.kstest(np.log(energies), stats.uniform(np.log(5e-3), np.log(60.0)).cdf).pvalue > 1e-4
-    assert stats.kstest(radii, stats.truncnorm(-1.0, np.inf, 3e-6, 2e-7).cdf).pvalue > 1e-4
-    rank = stats.spearmanr(energies, radii).statistic
-    assert abs(rank - 6.0 / np.pi * np.arcsin(0.3)) < 4.0 / np.sqrt(4000.0)
-    assert np.allclose(made.scores(natural), z, atol=1e-6)
 
 
 @pytest.mark.parametrize(
@@ -139,11 +91,11 @@ def test_the_likelihood_of_a_part_is_its_integral_over_the_error(kind, error):
 
 def normal_experiment(points=60, replicas=100):
     """Outcomes whose logarithm is normal with the parameter as mean and the scatter 0.3, and their emulator."""
-    _, prior = priors.read({"surface": {"asperity_radius": {"prior": "normal", "mean": 1.0, "std": 1.0}}})
+    prior = priors.read({"surface": {"asperity_radius": {"prior": "normal", "mean": 1.0, "std": 1.0}}})
     random = np.random.default_rng(5)
-    natural = emulator.design(prior, points, 5)
-    logs = natural[:, :, None] + 0.3 * random.standard_normal((points, replicas, 1))
-    return prior, emulator.Emulator(prior, [emulator.Patches(natural, logs)])
+    values = emulator.design(prior, points, 5)
+    logs = values[:, :, None] + 0.3 * random.standard_normal((points, replicas, 1))
+    return prior, emulator.Emulator(prior, [emulator.Patches(values, logs)])
 
 
 def test_the_posterior_of_normal_outcomes_is_that_of_the_closed_form():
@@ -156,10 +108,10 @@ def test_the_posterior_of_normal_outcomes_is_that_of_the_closed_form():
     groups = (data.Group({}, np.exp(logs), np.zeros_like(logs), np.zeros(logs.shape, dtype=int)),)
     precision = 20 / 0.09 + 1.0
     mean, std = (logs.sum() / 0.09 + 1.0) / precision, precision**-0.5
-    chains = sampling.sample(lambda natural: made.log_likelihood(groups, natural), prior, seed=1)
-    drawn = prior.natural(chains.z.reshape(-1, 1))[:, 0]
+    chains = sampling.sample(lambda values: made.log_likelihood(groups, values), prior, seed=1)
+    drawn = prior.of_scores(chains.z.reshape(-1, 1))[:, 0]
     z, weights = weighted_posterior(made, groups, prior, np.random.default_rng(7).standard_normal((2000, 1)), np.random.default_rng(8))
-    weighed = prior.natural(z)[:, 0]
+    weighed = prior.of_scores(z)[:, 0]
     of_weights = weights @ weighed, np.sqrt(weights @ (weighed - weights @ weighed) ** 2)
     for found_mean, found_std in ((drawn.mean(), drawn.std()), of_weights):
         assert abs(found_mean - mean) < 0.5 * std and abs(found_std / std - 1.0) < 0.15
@@ -180,8 +132,8 @@ def test_the_discrepancy_of_the_check_is_anderson_and_darlings():
 def inferred(tmp_path_factory):
     """An inference from 12 patches of the small scene at 50 mJ/m², of the work of adhesion and the radius."""
     folder = tmp_path_factory.mktemp("inference")
-    tables, made = priors.read(small() | {"material": {**small()["material"], "work_of_adhesion": ENERGY}})
-    logs = emulator.simulate(tables, made, ("pull_off_force",), np.array([[np.log(0.05)]]), replicas=12, seed=77).logs[0, :, 0]
+    made = priors.read(small() | {"material": {**small()["material"], "work_of_adhesion": ENERGY}})
+    logs = emulator.simulate(made, ("pull_off_force",), np.array([[0.05]]), replicas=12, seed=77).logs[0, :, 0]
     path = folder / "data.csv"
     path.write_text("pull_off_force (nN)\n" + "".join(f"{1e9 * value:.4f}\n" for value in np.exp(logs)))
     return path, infer(path, small(), folder / "out.h5", emulator_error=0.3)
@@ -205,17 +157,17 @@ def test_an_inference_is_a_file_that_arviz_opens(inferred, tmp_path):
 
 def test_the_expected_information_is_that_of_the_closed_form():
     """20 normal outcomes of the scatter 0.3 have 20/0.09 about the mean; within 15 %, fixed seed."""
-    _, made = normal_experiment()
+    prior, made = normal_experiment()
     group = data.Group({}, np.ones((20, 1)), np.zeros((20, 1)), np.zeros((20, 1), dtype=int))
     measured = data.Measurements(("pull_off_force",), ("N",), (group,))
-    found = posterior._fisher(np.array([0.8]), np.array([0.07]), measured, made, np.random.default_rng(2))
+    found = posterior._fisher(np.array([0.8]), np.array([0.07]), prior, measured, made, np.random.default_rng(2))
     assert found[0, 0] == pytest.approx(20 / 0.09, rel=0.15)
 
 
 def test_the_command_says_what_is_wrong(tmp_path):
     for arguments, part in (
         (["none.csv", str(CONFIGS / "inference" / "first.toml")], "none.csv: no such file"),
-        ([str(CONFIGS / "inference" / "first.csv"), str(CONFIGS / "quick.toml")], "no key has a prior"),
+        ([str(CONFIGS / "inference" / "first.csv"), str(CONFIGS / "quick.toml")], "no number of the scene has a prior"),
         ([str(CONFIGS / "inference" / "first.csv"), str(CONFIGS / "inference" / "first.toml"), "--model", "emd"], "--model emd"),
     ):
         ended = subprocess.run([sys.executable, "-W", "ignore", "-m", "stiction.inference", *arguments], capture_output=True, text=True, cwd=tmp_path)

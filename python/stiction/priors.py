@@ -155,7 +155,8 @@ class Priors:
         array (n, k)
             In SI units.
         """
-        return self._quantiles(np.clip(special.ndtr(np.asarray(scores, dtype=float) @ self._factor.T), _EDGE, 1.0 - _EDGE))
+        shares = np.asarray(special.ndtr(np.asarray(scores, dtype=float) @ self._factor.T), dtype=np.float64)
+        return self._quantiles(np.clip(shares, _EDGE, 1.0 - _EDGE))
 
     @cached_property
     def _factor(self) -> Array:

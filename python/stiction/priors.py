@@ -155,13 +155,11 @@ class Priors:
         array (n, k)
             In SI units.
         """
-        shares = np.asarray(special.ndtr(np.asarray(scores, dtype=float) @ self._factor.T), dtype=np.float64)
-        return self._quantiles(np.clip(shares, _EDGE, 1.0 - _EDGE))
+        return self._quantiles(np.clip(special.ndtr(np.asarray(scores, dtype=float) @ self._factor.T), _EDGE, 1.0 - _EDGE))
 
     @cached_property
     def _factor(self) -> Array:
-        factor: Array = np.linalg.cholesky(self.correlation)
-        return factor
+        return np.asarray(np.linalg.cholesky(self.correlation), dtype=np.float64)
 
     def _quantiles(self, shares: Array) -> Array:
         columns = [prior.distribution.ppf(shares[:, column]) for column, prior in enumerate(self.priors)]

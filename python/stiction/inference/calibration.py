@@ -14,6 +14,7 @@ from scipy.special import logsumexp
 
 from .. import priors as scenes
 from ..priors import Priors
+from .check import check_p_values
 from .data import EXACT, Group
 from .emulator import Emulator, design, simulate
 
@@ -22,6 +23,8 @@ __all__ = ["Calibration", "calibrate", "weighted_posterior"]
 Array = NDArray[np.float64]
 # Draws of the prior that all experiments begin with, and draws of the last proposal.
 _BANK, _DRAWS = 4000, 3000
+# Draws of a posterior that its check looks at.
+_CHECKED = 200
 
 
 @dataclass(frozen=True)
@@ -34,10 +37,13 @@ class Calibration:
         Parameters.
     ranks : array (experiments, parameters)
         Shares of the posterior's draws below the true parameter: uniform on 0 to 1 if the posteriors are right (S. Talts and others, arXiv:1804.06788).
+    checks : array (experiments,)
+        p-values of the posterior-predictive check.
     """
 
     names: list[str]
     ranks: Array
+    checks: Array
 
     def coverage(self, level: float) -> Array:
         """Share of the experiments whose central interval of that probability holds the true parameter, (parameters,)."""
@@ -55,7 +61,7 @@ def calibrate(
     experiments: int,
     patches: int,
     points: int = 512,
-    replicas: int = 100,
+    replicas: int = 300,
     outcome: str = "pull_off_force",
     seed: int = 1,
     threads: int | None = None,
@@ -80,7 +86,7 @@ def calibrate(
     threads : int, optional
         Of the simulations.
     data_scene : dict, optional
-        Tables of the scene that makes the data, without priors; that of the priors by default.
+        Tables of another scene that makes the data, with any numbers in the place of priors: what a wrong model is told by.
     """
     priors = scenes.read(scene)
     maker = priors if data_scene is None else replace(priors, tables=dict(data_scene))
@@ -91,12 +97,14 @@ def calibrate(
     data = simulate(maker, (outcome,), true, replicas=patches, seed=seeds[3], threads=threads)
     emulator = Emulator(priors, [made], seed=seeds[4])
     bank = random.standard_normal((_BANK, len(priors.priors)))
-    ranks = []
+    ranks, checks = [], []
     for place, values in enumerate(np.exp(data.logs)):
         groups = (Group({}, values, np.zeros_like(values), np.full(values.shape, EXACT)),)
         z, weights = weighted_posterior(emulator, groups, priors, bank, random)
-        ranks.append(weights @ (priors.of_scores(z) < true[place]))
-    return Calibration([prior.name for prior in priors.priors], np.array(ranks))
+        parameters = priors.of_scores(z)
+        ranks.append(weights @ (parameters < true[place]))
+        checks.append(check_p_values(emulator, groups, parameters[random.choice(len(z), _CHECKED, p=weights)], random)[0])
+    return Calibration([prior.name for prior in priors.priors], np.array(ranks), np.array(checks))
 
 
 def weighted_posterior(

@@ -139,6 +139,9 @@ def read(path: str | Path) -> Measurements:
         if all(kind == MISSING for _, _, kind in patch):
             raise FileError(f"{where}: no outcome")
         gathered.setdefault(tuple(sorted(conditions.items())), []).append(patch)
+    for place, name in enumerate(outcomes):
+        if all(patch[place][2] == MISSING for patches in gathered.values() for patch in patches):
+            raise FileError(f"{path}: the column {name} is empty; leave it out")
     groups = []
     for conditions_of, patches in gathered.items():
         table = np.array(patches)

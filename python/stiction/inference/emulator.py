@@ -203,17 +203,17 @@ class Emulator:
         return result
 
     def cumulative(self, groups: tuple[Group, ...], values: Array) -> Array:
-        """P(measured outcome ≤ that of the data), of each member's mean: (points, patches, outcomes); NaN where missing or a limit."""
+        """P(measured outcome ≤ that of the data), averaged over the members: (points, patches, outcomes); of limits at the limit, NaN where missing."""
         x = self.scaled(values)
         result = []
         for density, group in zip(self.densities, groups, strict=True):
             columns = []
             for j in range(group.values.shape[1]):
                 kinds = np.full(group.kinds.shape, MISSING)
-                kinds[:, j] = np.where(group.kinds[:, j] == EXACT, BELOW, MISSING)
+                kinds[:, j] = np.where(group.kinds[:, j] == MISSING, MISSING, BELOW)
                 one = Group(group.conditions, group.values, group.errors, kinds)
                 value = np.exp(_log_density(density, one, x)).mean(axis=0)
-                columns.append(np.where(group.kinds[:, j] == EXACT, value, np.nan))
+                columns.append(np.where(group.kinds[:, j] == MISSING, np.nan, value))
             result.append(np.stack(columns, axis=2))
         return np.concatenate(result, axis=1)
 

@@ -25,6 +25,7 @@ from ..errors import FileError, SceneError
 from ..priors import Priors
 from ..scenes import Scene, toml
 from . import data as measurements
+from .check import check_p_values
 from .data import EXACT, Group, Measurements
 from .emulator import Emulator, Patches, design, simulate
 from .sampling import Chains, sample
@@ -35,8 +36,8 @@ Array = NDArray[np.float64]
 # Points of the first batch and of one that follows, and patches at each.
 _FIRST, _NEXT, _REPLICAS = 128, 64, 300
 _MOST_BATCHES = 8
-# Patches of the Fisher information, and draws of the posterior-predictive check.
-_SCORED, _CHECKED = 4000, 1000
+# Patches of the Fisher information.
+_SCORED = 4000
 _FORMAT = "stiction-inference"
 
 
@@ -295,45 +296,10 @@ def _result(
             of[name].attrs["units"] = unit
     data.posterior.attrs.update(
         format=_FORMAT, format_version="1.0", title=str(priors.tables.get("title", "")), scene=toml(priors.tables), outcomes=", ".join(measured.outcomes),
-        patches=measured.size, check_p_value=_check(emulator, groups, values, random), acceptance=chains.acceptance,
+        patches=measured.size, check_p_value=check_p_values(emulator, groups, values, random), acceptance=chains.acceptance,
         emulator_share=share, simulated_patches=simulated, batches=batches,
     )  # fmt: skip
     return Inference(data)
-
-
-def _check(emulator: Emulator, groups: tuple[Group, ...], values: Array, random: np.random.Generator) -> Array:
-    """Posterior-predictive p-value of each outcome, (outcomes,).
-
-    The discrepancy is Anderson and Darling's of P(outcome ≤ the measured one), which are uniform if the model made the data (D. Rubin, *Ann. Statist.* 12 (1984)
-    1151; X.-L. Meng, *ibid.* 22 (1994) 1142). As the parameters are fitted to the same data, it is conservative: small values are rarer than they say.
-    """
-    chosen = values[random.choice(len(values), min(_CHECKED, len(values)), replace=False)]
-    cumulative = np.concatenate([emulator.cumulative(groups, piece) for piece in np.array_split(chosen, max(len(chosen) // 50, 1))])
-    result = []
-    for j in range(cumulative.shape[2]):
-        of = cumulative[:, :, j]
-        of = of[:, ~np.isnan(of).any(axis=0)]
-        if of.shape[1] == 0:
-            result.append(np.nan)
-            continue
-        replicated = anderson_darling(random.random(of.shape))
-        result.append(float((replicated >= anderson_darling(of)).mean()))
-    return np.array(result)
-
-
-def anderson_darling(uniform: Array) -> Array:
-    """A² of each row of numbers against the uniform distribution on 0 to 1 (T. W. Anderson, D. A. Darling, *J. Am. Stat. Assoc.* 49 (1954) 765).
-
-    Examples
-    --------
-    >>> anderson_darling(np.array([[0.25, 0.5, 0.75]])).round(4)
-    array([0.1911])
-    """
-    ordered = np.sort(np.clip(uniform, 1e-15, 1.0 - 1e-15), axis=1)
-    count = ordered.shape[1]
-    odd = 2.0 * np.arange(1, count + 1) - 1.0
-    result: Array = -count - (odd * (np.log(ordered) + np.log1p(-ordered[:, ::-1]))).mean(axis=1)
-    return result
 
 
 def _identifiability(

@@ -19,7 +19,7 @@ import arviz
 
 from stiction import priors
 from stiction.errors import FileError, SceneError
-from stiction.inference import data, density, emulator, infer, open_inference, posterior, sampling
+from stiction.inference import check, data, density, emulator, infer, open_inference, posterior, sampling
 from stiction.inference.calibration import calibrate, weighted_posterior
 
 EXPERIMENTS = int(os.environ.get("STICTION_CALIBRATION", "0"))
@@ -51,6 +51,7 @@ def told(function, *arguments, **named):
         ("pull_off_force (uN),pull_off_force_error (uN)\n3,-1\n", "a standard deviation of 0 or more"),
         ("pull_off_force (uN)\n3,4\n", "line 2: 2 cells"),
         ("pull_off_force_error (uN),pull_off_separation (nm)\n3,4\n", "needs one pull_off_force"),
+        ("pull_off_force (uN),dissipated_energy (J)\n3,\n", "the column dissipated_energy is empty"),
     ],
 )
 def test_a_wrong_line_of_data_is_refused_by_its_place(text, part, tmp_path):
@@ -125,7 +126,23 @@ def test_the_discrepancy_of_the_check_is_anderson_and_darlings():
     ordered = np.sort(numbers)
     i = np.arange(1, 41)
     wanted = -40 - np.sum((2 * i - 1) / 40 * (stats.norm.logcdf(ordered) + stats.norm.logsf(ordered[::-1])))
-    assert posterior.anderson_darling(stats.norm.cdf(numbers)[None])[0] == pytest.approx(wanted, rel=1e-9)
+    assert check.anderson_darling(stats.norm.cdf(numbers)[None])[0] == pytest.approx(wanted, rel=1e-9)
+
+
+def test_the_check_knows_limits_and_catches_another_scatter():
+    """30 normal outcomes at the known parameter, those below 2 as limits: p below 0.05 in at most 5 of 100 sets of data; of a scatter twice as large in most.
+
+    Over 200 sets, so with three standard errors of 0.015 (false alarm 1e-3).
+    """
+    _, made = normal_experiment(points=256)
+    random = np.random.default_rng(3)
+    for scatter, wanted in ((0.3, lambda share: share <= 0.05 + 3.0 * 0.015), (0.6, lambda share: share > 0.5)):
+        small_ones = 0
+        for _ in range(200):
+            values = np.exp(0.8 + scatter * random.standard_normal((30, 1)))
+            group = data.Group({}, np.maximum(values, 2.0), np.zeros_like(values), np.where(values < 2.0, data.BELOW, data.EXACT))
+            small_ones += check.check_p_values(made, (group,), np.full((100, 1), 0.8), random)[0] < 0.05
+        assert wanted(small_ones / 200)
 
 
 @pytest.fixture(scope="module")

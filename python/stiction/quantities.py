@@ -26,6 +26,8 @@ _PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "
 # Units that take a prefix; "m2" and its kin would have it squared.
 _PREFIXED = {"N", "m", "Pa", "J", "N/m", "J/m2", "s", "N m-1"}
 _WRITTEN = {"1": "", "m2": "m²", "m-2": "m⁻²", "m-1": "m⁻¹", "J/m2": "J/m²", "N m-1": "N/m"}
+# Units as scenes have them, and as files have them.
+_OF_SCENES = {"m^2": "m2", "/m^2": "m-2", "J/m^2": "J/m2"}
 
 
 def plain_unit(unit: str) -> str:
@@ -41,7 +43,7 @@ def factor_and_unit(values: ArrayLike, unit: str) -> tuple[float, str]:
     values : array_like
         Numbers in `unit`; the largest finite one decides.
     unit : str
-        A unit of a file: ``N``, ``m``, ``1``, ``m2`` and their kin.
+        A unit of a file or a scene: ``N``, ``m``, ``1``, ``m2`` and their kin.
 
     Returns
     -------
@@ -50,9 +52,10 @@ def factor_and_unit(values: ArrayLike, unit: str) -> tuple[float, str]:
 
     Examples
     --------
-    >>> factor_and_unit([0.0, -5.7e-4], "N")
-    (1e-06, 'µN')
+    >>> factor_and_unit([0.0, -5.7e-4], "N"), factor_and_unit([7.4e12], "/m^2")
+    ((1e-06, 'µN'), (1000000000000.0, 'µm⁻²'))
     """
+    unit = _OF_SCENES.get(unit, unit)
     sizes = np.abs(np.asarray(values, dtype=float))
     sizes = sizes[np.isfinite(sizes)]
     largest = float(sizes.max(initial=0.0))
@@ -60,6 +63,8 @@ def factor_and_unit(values: ArrayLike, unit: str) -> tuple[float, str]:
         # Squares of prefixed metres.
         exponent = min(max(3 * math.floor(math.log10(largest) / 6.0), -9), 0)
         return 10.0 ** (2 * exponent), f"{_PREFIXES[exponent]}m²"
+    if unit == "m-2" and largest >= 1e9:
+        return 1e12, "µm⁻²"
     if unit not in _PREFIXED or not largest > 0.0:
         return 1.0, plain_unit(unit)
     exponent = min(max(3 * math.floor(math.log10(largest) / 3.0 + 1e-12), -15), 9)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +13,7 @@ from scipy import stats
 from scipy.special import logsumexp
 
 from .. import priors as scenes
+from ..errors import SceneError
 from ..priors import Priors
 from .check import check_p_values
 from .data import EXACT, Group
@@ -65,7 +66,7 @@ def calibrate(
     outcome: str = "pull_off_force",
     seed: int = 1,
     threads: int | None = None,
-    data_scene: Mapping[str, Any] | None = None,
+    data_scene: str | Path | Mapping[str, Any] | None = None,
 ) -> Calibration:
     """Simulation-based calibration: parameters from the prior, data from the program at them, and the posterior from these data.
 
@@ -85,11 +86,18 @@ def calibrate(
         Of everything. Experiments and density share no random numbers.
     threads : int, optional
         Of the simulations.
-    data_scene : dict, optional
-        Tables of another scene that makes the data, with any numbers in the place of priors: what a wrong model is told by.
+    data_scene : path or dict, optional
+        Another scene with the same priors that makes the data, to see whether the check tells a wrong model.
+
+    Raises
+    ------
+    SceneError
+        A scene is wrong, or the two have not the same priors.
     """
     priors = scenes.read(scene)
-    maker = priors if data_scene is None else replace(priors, tables=dict(data_scene))
+    maker = priors if data_scene is None else scenes.read(data_scene)
+    if maker.priors != priors.priors:
+        raise SceneError(f"data_scene: its priors are of {', '.join(maker.keys)}; those of the scene are needed, of {', '.join(priors.keys)}")
     seeds = [int(one) for one in np.random.SeedSequence(seed).generate_state(6) >> 1]
     random = np.random.default_rng(seeds[0])
     made = simulate(priors, (outcome,), design(priors, points, seeds[1]), replicas=replicas, seed=seeds[2], threads=threads)

@@ -6,9 +6,9 @@ import argparse
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
-from ..errors import FileError, SceneError, StictionError
+from .. import priors
+from ..errors import FileError, StictionError
 
 __all__ = ["main"]
 
@@ -20,15 +20,16 @@ def _parser() -> argparse.ArgumentParser:
         prog="stiction infer",
         description="Infer parameters of a scene, such as the work of adhesion, from measured outcomes of patches: "
         "their posterior, what the data do not tell, and whether the model may have made the data.",
-        epilog="Examples: stiction infer first.csv first.toml; stiction infer first.csv first.toml --model model.law=emd "
-        "--figure first.pdf. Exit codes: 0 done; 1 it failed while running; 2 the command, the scene or the data are wrong.",
+        epilog="Examples: stiction infer first.csv first.toml; stiction infer first.csv first.toml --figure first.pdf; "
+        "stiction infer gold.csv gold.toml --model gold_radii.toml. Exit codes: 0 done; 1 it failed while running; 2 the command, the scene or the data are wrong.",
     )
     parser.add_argument("data", type=Path, metavar="DATA.csv", help="measured outcomes, a column each, headed as `pull_off_force (uN)`")
     parser.add_argument("scene", type=Path, metavar="SCENE.toml", help="the scene, with priors in the place of numbers")
     parser.add_argument("-o", "--output", type=Path, metavar="OUT.h5", help="the result; by default the name of the scene with _infer.h5, here")
     parser.add_argument("--figure", type=Path, metavar="OUT", help="the figures, .png, .pdf or .svg; by default none")
-    parser.add_argument("--model", action="append", default=[], metavar="KEY=VALUE[,KEY=VALUE]",
-                        help="another model to compare with the scene's, such as model.law=emd or substrate.coupling=periodic; may be given several times")  # fmt: skip
+    parser.add_argument("--model", action="append", default=[], type=Path, metavar="OTHER.toml",
+                        help="another scene with priors to compare with, such as of another law, of other heights, or of coupled asperities; "
+                        "may be given several times. Its result is the name of that scene with _infer.h5, beside OUT.h5")  # fmt: skip
     parser.add_argument("--seed", type=int, default=1, metavar="N", help="seed of simulations and chains, by default 1")
     parser.add_argument("--threads", type=int, metavar="N", help="threads of the simulations, by default one per core")
     parser.add_argument("--end-error", type=float, default=0.02, metavar="X",
@@ -37,17 +38,6 @@ def _parser() -> argparse.ArgumentParser:
                         help="error of the fitted density over the posterior's scatter, by default 0.2")  # fmt: skip
     parser.add_argument("--force", action="store_true", help="overwrite what is there")
     return parser
-
-
-def _changes(texts: Sequence[str]) -> dict[str, dict[str, Any]]:
-    """Keys and values of the models to compare, by their texts."""
-    result: dict[str, dict[str, Any]] = {}
-    for text in texts:
-        pairs = [pair.partition("=") for pair in text.split(",")]
-        if not all(key.count(".") == 1 and value for key, _, value in pairs):
-            raise SceneError(f"--model {text}: keys of the scene with their values are needed, such as model.law=emd")
-        result[text] = {key.strip(): value.strip() for key, _, value in pairs}
-    return result
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -67,27 +57,31 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _infer(given: argparse.Namespace) -> None:
     try:
+        from ..plot.style import context
         from . import figures, posterior
     except ImportError as error:
         raise StictionError(f"{error.name} is not installed: pip install 'stiction[inference]' brings it", 2) from None
     output = given.output or Path(f"{given.scene.stem}_infer.h5")
-    for path in (output, given.figure):
-        if path is not None and path.exists() and not given.force:
+    outputs = [output, *(output.with_name(f"{scene.stem}_infer.h5") for scene in given.model)]
+    written = outputs if given.figure is None else [*outputs, given.figure]
+    for path in written:
+        if written.count(path) > 1:
+            raise FileError(f"{path} would be written twice; give other names to the scenes, or another output")
+        if path.exists() and not given.force:
             raise FileError(f"{path} exists; give force=True to overwrite it, or another output")
+        if not path.resolve().parent.is_dir():
+            raise FileError(f"{path}: there is no such folder")
+    # What is wrong with a scene is told before minutes are spent on others.
+    for scene in (given.scene, *given.model):
+        priors.read(scene)
     options = {"seed": given.seed, "threads": given.threads, "end_error": given.end_error, "emulator_error": given.emulator_error}
-    changed = _changes(given.model)
-    own = posterior.infer(given.data, given.scene, output, force=given.force, **options)
-    print(own)
-    if given.figure is not None:
-        from ..plot.style import context
-
-        figure = figures.page(own)
-        with context():
-            figure.savefig(given.figure)
-    if changed:
-        results = {"the scene": own}
-        for name, keys in changed.items():
-            results[name] = posterior.infer(given.data, posterior.with_keys(given.scene, keys), **options)
-            print(f"\n{name}\n{results[name]}")
+    results = {}
+    for scene, path in zip((given.scene, *given.model), outputs, strict=True):
+        results[str(scene)] = result = posterior.infer(given.data, scene, path, force=given.force, **options)
+        print(f"{scene}\n{result}", flush=True)
+        if given.figure is not None and scene == given.scene:
+            with context():
+                figures.page(result).savefig(given.figure)
+    if given.model:
         print(f"\n{posterior.models(results)[['elpd_loo', 'elpd_diff', 'dse', 'weight', 'warning']].to_string()}")
-    print(output if given.figure is None else f"{output}\n{given.figure}")
+    print("\n".join(str(path) for path in written))

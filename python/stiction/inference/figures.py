@@ -52,8 +52,7 @@ def corner(result: Inference, figure: Figure | None = None) -> Figure:
     for name in names:
         draws = np.asarray(result.data.posterior[name]).ravel()
         attrs = result.data.posterior[name].attrs
-        unit = {"J/m^2": "J/m2", "m^2": "m2"}.get(str(attrs["units"]), str(attrs["units"]))
-        factor, written = scaled(unit, [np.median(draws)])
+        factor, written = scaled(str(attrs["units"]), [np.median(draws)])
         values.append(draws / factor)
         priors.append(np.asarray(result.data.prior[name]).ravel() / factor)
         labels.append(label(name.partition("_")[2].replace("_", " "), written))
@@ -117,7 +116,7 @@ def predicted(result: Inference, outcome: str | None = None, *, ax: Axes | None 
     values, kinds = observed[name].values, observed[f"{name}_kind"].values
     known = (kinds == EXACT) | (kinds == BELOW)
     replicated = result.data.posterior_predictive[name].values.reshape(-1, values.size)[:, known]
-    factor, unit = scaled(str(observed[name].attrs["units"]).replace("N m-1", "N/m"), [np.median(values[known])])
+    factor, unit = scaled(str(observed[name].attrs["units"]), [np.median(values[known])])
     # Limits stand at the limit, below all others.
     ordered = np.sort(np.where(kinds[known] == BELOW, 0.0, values[known])) / factor
     shares = np.arange(1, ordered.size + 1) / ordered.size

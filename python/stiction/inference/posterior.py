@@ -113,13 +113,13 @@ class Inference:
         rows = [("data", f"{self.attrs['patches']} patches: {self.attrs['outcomes']}")]
         for name, row in self.summary().iterrows():
             unit = str(self.data.posterior[name].attrs["units"])
-            low, median, high = (_si(row[of], unit) for of in ("low", "median", "high"))
+            low, median, high = (quantities.si(row[of], unit) for of in ("low", "median", "high"))
             rows.append((_words(str(name)), f"{median}, 95 % interval {low} to {high}"))
         for k in range(len(self.names)):
             of = self.data.identifiability.isel(combination=k)
             share = 100.0 * float(of.posterior_std / of.prior_std)
             spread = float(of.posterior_std)
-            rows.append(("known" if share < 30.0 else "hardly known" if share > 70.0 else "partly known", f"{_combination(of)} to {spread:.2g} ({share:.2g} % of the prior's scatter)"))
+            rows.append(("known" if share < 30.0 else "hardly known" if share > 70.0 else "partly known", f"{_combination(of)} to {spread:.2g} ({share:.{1 if share < 10.0 else 0}f} % of the prior's scatter)"))
         for outcome, p in zip(str(self.attrs["outcomes"]).split(", "), np.atleast_1d(self.attrs["check_p_value"]), strict=True):
             verdict = "the model does not describe the data" if p < 0.01 else "the model may have made the data"
             rows.append(("check", f"{outcome}: p = {p:.3g}, {verdict}"))
@@ -282,7 +282,7 @@ def _result(
             dims={"patch": ["patch_number"], **{name: ["patch_number"] for name in sampled}},
             coords={"patch_number": np.arange(measured.size)},
         )
-        data.add_groups(identifiability=_identifiability(flat, before, priors, measured, emulator, random))
+        data.add_groups(identifiability=_identifiability(values, drawn, priors, measured, emulator, random))
     for k, prior in enumerate(priors.priors):
         for group in (data.posterior, data.prior):
             group[prior.name].attrs.update(units=prior.unit, long_name=prior.key)
@@ -303,13 +303,21 @@ def _result(
 
 
 def _identifiability(
-    flat: Array, before: Array, priors: Priors, measured: Measurements, emulator: Emulator, random: np.random.Generator
+    values: Array, drawn: Array, priors: Priors, measured: Measurements, emulator: Emulator, random: np.random.Generator
 ) -> xarray.Dataset:
     """Combinations of the parameters by how far the data narrow them, and the Fisher information at the posterior's mean.
 
-    A combination is Σ a_k q_k of the parameters, or of their logarithms where the prior is one of these. Those that are independent under
-    prior and posterior are the solutions of C_posterior a = r C_prior a, with r the share of the variance that is left.
+    A combination is Σ a_k q_k of the logarithms of the parameters; of one that may be negative q is the number over its prior's scatter. Those that are
+    independent under prior and posterior are the solutions of C_posterior a = r C_prior a, with r the share of the variance that is left.
     """
+    positive = (values > 0.0).all(axis=0) & (drawn > 0.0).all(axis=0)
+    scale = np.where(positive, 1.0, drawn.std(axis=0))
+
+    def coordinates(of: Array) -> Array:
+        result: Array = np.log(of, out=of / scale, where=np.broadcast_to(positive, of.shape))
+        return result
+
+    flat, before = coordinates(values), coordinates(drawn)
     after = np.cov(flat.T).reshape(flat.shape[1], -1)
     prior = np.cov(before.T).reshape(after.shape)
     ratios, vectors = linalg.eigh(after, prior)
@@ -317,18 +325,23 @@ def _identifiability(
     scaled = vectors * np.sqrt(np.diag(prior))[:, None]
     vectors = vectors / vectors[np.abs(scaled).argmax(axis=0), np.arange(len(ratios))]
     spreads = np.sqrt(np.einsum("ik,ij,jk->k", vectors, after, vectors))
-    information = _fisher(flat.mean(axis=0), np.sqrt(np.diag(after)), priors, measured, emulator, random)
+    natural = priors.natural(values)
+    middle = natural.mean(axis=0)
+    information = _fisher(middle, natural.std(axis=0), priors, measured, emulator, random)
+    # From natural parameters to these coordinates.
+    slopes = np.where([one.logarithmic for one in priors.priors], 1.0, np.where(positive, middle, scale))
     names = [prior.name for prior in priors.priors]
     return xarray.Dataset(
         {
             "exponent": (("combination", "parameter"), vectors.T),
             "posterior_std": (("combination",), spreads),
             "prior_std": (("combination",), spreads / np.sqrt(ratios)),
-            "fisher_information": (("parameter", "of"), information),
+            "fisher_information": (("parameter", "of"), information * np.outer(slopes, slopes)),
             "posterior_covariance": (("parameter", "of"), after),
+            "logarithmic": (("parameter",), positive.astype(int)),
         },
         coords={"parameter": names, "of": names},
-        attrs={"long_name": "of logarithms of parameters where the prior is one of the logarithm"},
+        attrs={"long_name": "of logarithms of parameters; of those that are not logarithmic over the standard deviation of their prior"},
     )
 
 
@@ -376,15 +389,6 @@ def models(results: Mapping[str, Inference]) -> pd.DataFrame:
     return arviz.compare({name: result.data for name, result in results.items()}, ic="loo")
 
 
-def with_keys(scene: Scene, keys: Mapping[str, Any]) -> dict[str, Any]:
-    """The tables of a scene with other values of some keys, by their dotted names."""
-    tables = scenes.opened(scene)
-    for key, value in keys.items():
-        table, name = key.split(".")
-        tables[table] = {**tables.get(table, {}), name: value}
-    return tables
-
-
 def open_inference(path: str | os.PathLike[str]) -> Inference:
     """Opens the file of an inference.
 
@@ -412,12 +416,12 @@ def _words(name: str) -> str:
     return name.partition("_")[2].replace("_", " ")
 
 
-def _si(value: Any, unit: str) -> str:
-    return quantities.si(value, {"J/m^2": "J/m2", "m^2": "m2"}.get(unit, unit))
-
-
 def _combination(of: xarray.Dataset) -> str:
-    """A combination in words, without what hardly takes part in it."""
-    names, shares = [str(name) for name in of.parameter.values], of.exponent.values
-    kept = [(name, share) for name, share in zip(names, shares, strict=True) if abs(share) > 0.05 * np.abs(shares).max()]
-    return " · ".join(_words(name) + ("" if abs(share - 1.0) < 0.005 else f"^{share:.2g}") for name, share in kept).replace("-", "−")
+    """A combination in words, without what hardly takes part in it: a product of powers, or a sum where a parameter may be negative."""
+    rows = zip(of.parameter.values, of.exponent.values, of.logarithmic.values, strict=True)
+    kept = [(_words(str(name)), share, bool(log)) for name, share, log in rows if abs(share) > 0.05 * np.abs(of.exponent.values).max()]
+    if all(log for _, _, log in kept):
+        text = " · ".join(name + ("" if abs(share - 1.0) < 0.005 else f"^{share:.2g}") for name, share, _ in kept)
+    else:
+        text = " + ".join(f"{share:.2g} {f'ln {name}' if log else f'{name}/prior scatter'}" for name, share, log in kept)
+    return text.replace("-", "−")

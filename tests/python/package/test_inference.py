@@ -185,7 +185,7 @@ def test_the_command_says_what_is_wrong(tmp_path):
     for arguments, part in (
         (["none.csv", str(CONFIGS / "inference" / "first.toml")], "none.csv: no such file"),
         ([str(CONFIGS / "inference" / "first.csv"), str(CONFIGS / "quick.toml")], "no number of the scene has a prior"),
-        ([str(CONFIGS / "inference" / "first.csv"), str(CONFIGS / "inference" / "first.toml"), "--model", "emd"], "--model emd"),
+        ([str(CONFIGS / "inference" / "first.csv"), str(CONFIGS / "inference" / "first.toml"), "--model", "emd.toml"], "emd.toml: no such file"),
     ):
         ended = subprocess.run([sys.executable, "-W", "ignore", "-m", "stiction.inference", *arguments], capture_output=True, text=True, cwd=tmp_path)
         assert ended.returncode == 2 and part in ended.stderr and not list(tmp_path.iterdir())

@@ -36,6 +36,8 @@ def _parser() -> argparse.ArgumentParser:
                         help="Monte Carlo error of the ends of 95 %% intervals over their width, by default 0.02")  # fmt: skip
     parser.add_argument("--emulator-error", type=float, default=0.2, metavar="X",
                         help="error of the fitted density over the posterior's scatter, by default 0.2")  # fmt: skip
+    parser.add_argument("--replicas", type=int, default=300, metavar="N",
+                        help="patches that are simulated at each parameter set, by default 300: several times as many as were measured")  # fmt: skip
     parser.add_argument("--force", action="store_true", help="overwrite what is there")
     return parser
 
@@ -74,7 +76,7 @@ def _infer(given: argparse.Namespace) -> None:
     # What is wrong with a scene is told before minutes are spent on others.
     for scene in (given.scene, *given.model):
         priors.read(scene)
-    options = {"seed": given.seed, "threads": given.threads, "end_error": given.end_error, "emulator_error": given.emulator_error}
+    options = {"seed": given.seed, "threads": given.threads, "end_error": given.end_error, "emulator_error": given.emulator_error, "replicas": given.replicas}
     results = {}
     for scene, path in zip((given.scene, *given.model), outputs, strict=True):
         results[str(scene)] = result = posterior.infer(given.data, scene, path, force=given.force, **options)

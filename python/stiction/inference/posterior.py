@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import math
 import os
 import warnings
 from collections.abc import Callable, Mapping
@@ -33,8 +34,8 @@ from .sampling import Chains, sample
 __all__ = ["Inference", "infer", "models", "open_inference"]
 
 Array = NDArray[np.float64]
-# Points of the first batch and of one that follows, and patches at each.
-_FIRST, _NEXT, _REPLICAS = 128, 64, 300
+# Points of the first batch for each parameter, rounded up to a power of 2; a batch that follows has half of them.
+_POINTS = 32
 _MOST_BATCHES = 8
 # Patches of the Fisher information.
 _SCORED = 4000
@@ -139,6 +140,7 @@ def infer(
     threads: int | None = None,
     end_error: float = 0.02,
     emulator_error: float = 0.2,
+    replicas: int = 300,
     force: bool = False,
     progress: bool | None = None,
 ) -> Inference:
@@ -164,6 +166,8 @@ def infer(
         Monte Carlo error of the ends of 95 % intervals over their width.
     emulator_error : float
         Scatter of the posterior means of the fits over the standard deviation of the posterior: 0.2 widens it by 2 %.
+    replicas : int
+        Patches that are simulated at each parameter set: several times as many as were measured.
     force : bool
         Whether an existing `output` is overwritten.
     progress : bool, optional
@@ -179,6 +183,8 @@ def infer(
     for name, value, low, high in (("end_error", end_error, 1e-3, 0.5), ("emulator_error", emulator_error, 0.01, 1.0)):
         if not low <= value <= high:
             raise SceneError(f"{name} = {value}: a number from {low} to {high} is needed")
+    if not 20 <= replicas <= 100_000:
+        raise SceneError(f"replicas = {replicas}: a number from 20 to 100000 is needed")
     if output is not None:
         if Path(output).exists() and not force:
             raise FileError(f"{output} exists; give force=True to overwrite it, or another output")
@@ -188,7 +194,7 @@ def infer(
     priors = scenes.read(scene)
     # Matrices are so small that threads would only wait for each other.
     with threadpool_limits(1):
-        result = _inferred(measured, priors, seed, threads, end_error, emulator_error, progress)
+        result = _inferred(measured, priors, seed, threads, end_error, emulator_error, replicas, progress)
     if output is not None:
         result.save(output, force=force)
     return result
@@ -196,8 +202,9 @@ def infer(
 
 def _inferred(
     measured: Measurements, priors: Priors, seed: int, threads: int | None, end_error: float,
-    emulator_error: float, progress: bool | None,
+    emulator_error: float, replicas: int, progress: bool | None,
 ) -> Inference:  # fmt: skip
+    first = 2 ** math.ceil(math.log2(_POINTS * len(priors.priors)))
     seeds = iter(np.random.SeedSequence(seed).generate_state(1000) >> 1)
 
     def simulated(values: Array) -> list[Patches]:
@@ -205,13 +212,13 @@ def _inferred(
         of = int(next(seeds))
         return [
             simulate(
-                priors, measured.outcomes, values, replicas=_REPLICAS, seed=of, threads=threads, progress=progress, floors=measured.floors,
+                priors, measured.outcomes, values, replicas=replicas, seed=of, threads=threads, progress=progress, floors=measured.floors,
                 conditions=group.conditions,
             )
             for group in measured.groups
         ]
 
-    patches = simulated(design(priors, _FIRST, int(next(seeds))))
+    patches = simulated(design(priors, first, int(next(seeds))))
     random = np.random.default_rng(int(next(seeds)))
     centre: Array | None = None
     covariance: Array | None = None
@@ -228,7 +235,7 @@ def _inferred(
         if batch < _MOST_BATCHES:
             # Wider than the posterior, so that its flanks are known as well as its middle.
             middle = start.mean(axis=0)
-            wide = middle + 2.0 * (start[random.choice(len(start), _NEXT, replace=False)] - middle)
+            wide = middle + 2.0 * (start[random.choice(len(start), first // 2, replace=False)] - middle)
             more = simulated(priors.of_scores(np.clip(wide, -3.0, 3.0)))
             patches = [one + two for one, two in zip(patches, more, strict=True)]
     chains = sample(_likelihood(emulator, measured.groups), priors, seed=int(next(seeds)), end_error=end_error, start=start)

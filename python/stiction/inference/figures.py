@@ -22,15 +22,13 @@ def page(result: Inference, width: str | float | None = None) -> Figure:
     """The corner plot, and in its upper right the first outcome against its prediction."""
     from matplotlib import pyplot
 
-    size = inches(width or 180)
-    figure = pyplot.figure(figsize=(size, 0.95 * size))
-    corner(result, figure)
-    count = len(result.names)
-    ax = figure.axes[count - 1] if count > 1 else None
-    if ax is not None and count > 2:
-        half = count // 2
-        grid: Any = figure.axes[0].get_gridspec()
-        predicted(result, ax=figure.add_subplot(grid[: count - half - (count % 2 == 0), half + 1 :]))
+    size, count = inches(width or 180), len(result.names)
+    figure = pyplot.figure(figsize=(size, (0.95 if count > 1 else 0.45) * size))
+    grid = figure.add_gridspec(count, max(count, 2))
+    _corner(result, figure, grid)
+    # Free are the cells above the diagonal, of a single parameter the one beside it.
+    half = max(count // 2, 1)
+    predicted(result, ax=figure.add_subplot(grid[: max(count - half, 1), -half:]))
     return figure
 
 
@@ -47,6 +45,11 @@ def corner(result: Inference, figure: Figure | None = None) -> Figure:
     from matplotlib import pyplot
 
     figure = figure or pyplot.figure(figsize=(inches(180), inches(171)))
+    _corner(result, figure, figure.add_gridspec(len(result.names), len(result.names)))
+    return figure
+
+
+def _corner(result: Inference, figure: Figure, grid: Any) -> None:
     names = result.names
     values, labels, priors, logs = [], [], [], []
     for name in names:
@@ -57,7 +60,6 @@ def corner(result: Inference, figure: Figure | None = None) -> Figure:
         priors.append(np.asarray(result.data.prior[name]).ravel() / factor)
         labels.append(label(name.partition("_")[2].replace("_", " "), written))
         logs.append(bool(attrs["logarithmic"]))
-    grid = figure.add_gridspec(len(names), len(names))
     ranges: list[Any] = [np.quantile(of, [0.002, 0.998]) for of in values]
     for row in range(len(names)):
         for column in range(row + 1):
@@ -82,7 +84,6 @@ def corner(result: Inference, figure: Figure | None = None) -> Figure:
                 ax.set_xticklabels([])
             if column > 0:
                 ax.set_yticklabels([])
-    return figure
 
 
 def _pair(ax: Axes, x: Any, y: Any, x_range: Any, y_range: Any) -> None:

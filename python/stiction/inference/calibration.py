@@ -10,13 +10,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from scipy import stats
-from scipy.special import logsumexp
 
 from .. import priors as scenes
 from ..errors import SceneError
 from ..priors import Priors
 from .check import check_p_values
 from .data import EXACT, Group
+from .density import log_sum_exp
 from .emulator import Emulator, design, simulate
 
 __all__ = ["Calibration", "calibrate", "weighted_posterior"]
@@ -139,7 +139,7 @@ def weighted_posterior(
     for round_of in range(3):
         # Tempered until several draws count.
         for power in 0.7 ** np.arange(40):
-            weights = np.exp(power * (logs - logsumexp(logs)))
+            weights = np.exp(power * (logs - log_sum_exp(logs, axis=0)))
             weights /= weights.sum()
             if 1.0 / (weights**2).sum() > 20.0 * dimensions:
                 break
@@ -153,7 +153,7 @@ def weighted_posterior(
         )
         density = np.logaddexp(proposal.logpdf(z) + np.log(0.9), prior.logpdf(z) + np.log(0.1))
         logs = _log_likelihood(emulator, groups, priors, z) + prior.logpdf(z) - density
-    weights = np.exp(logs - logsumexp(logs))
+    weights = np.exp(logs - log_sum_exp(logs, axis=0))
     return z, weights
 
 

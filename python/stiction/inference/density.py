@@ -19,9 +19,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
-from scipy.special import log_ndtr, logsumexp
+from scipy.special import log_ndtr
 
-__all__ = ["Density", "features", "fit"]
+__all__ = ["Density", "features", "fit", "log_sum_exp"]
 
 Array = NDArray[np.float64]
 _HALF_LOG_2PI = 0.5 * np.log(2.0 * np.pi)
@@ -29,6 +29,19 @@ _HALF_LOG_2PI = 0.5 * np.log(2.0 * np.pi)
 _SMALLEST_WIDTH = 3e-3
 # The pull of every coefficient towards where the fit begins: that of so many patches of unit information.
 _RIDGE = 1.0
+
+
+def log_sum_exp(logs: Array, axis: int) -> Array:
+    """ln Σ exp of finite numbers along an axis. SciPy's, which knows every kind of array, takes several times as long for small ones.
+
+    Examples
+    --------
+    >>> log_sum_exp(np.log([[1.0, 3.0]]), axis=1).round(6) == np.log(4.0).round(6)
+    array([ True])
+    """
+    top = logs.max(axis=axis, keepdims=True)
+    result: Array = np.log(np.exp(logs - top).sum(axis=axis)) + top.squeeze(axis)
+    return result
 
 
 def features(x: Array, degree: int) -> Array:
@@ -88,7 +101,7 @@ class Density:
         raw = np.tensordot(self.coefficients, table, axes=([1], [1])).transpose(0, 3, 1, 2)
         outcomes = len(self.shift)
         logits, means, widths = raw[..., 0], raw[..., 1 : 1 + outcomes], raw[..., 1 + outcomes :]
-        log_weights = logits - logsumexp(logits, axis=-1, keepdims=True)
+        log_weights = logits - log_sum_exp(logits, axis=-1)[..., None]
         return log_weights, self.shift + self.scale * means, self.scale * _width(widths)
 
     def cumulative(self, x: Array, logs: Array) -> Array:
@@ -189,7 +202,7 @@ def _maximised(begin: Array, centre: Array, table: Array, y: Array, weights: Arr
         coefficients = flat.reshape(shape)
         raw = np.tensordot(table, coefficients, axes=1)  # (points, parts, 1 + 2 outcomes)
         logits, means, log_widths = raw[..., 0], raw[..., 1 : 1 + outcomes], np.clip(raw[..., 1 + outcomes :], -30, 30)
-        log_weights = logits - logsumexp(logits, axis=1, keepdims=True)
+        log_weights = logits - log_sum_exp(logits, axis=1)[:, None]
         widths = _width(log_widths)
         deviation = (y[:, None] - means[:, :, None]) / widths[:, :, None]  # (points, parts, replicas, outcomes)
         each = (log_weights - np.log(widths).sum(axis=2))[:, :, None] - 0.5 * (deviation**2).sum(axis=3)

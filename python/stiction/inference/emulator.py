@@ -8,14 +8,14 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import log_ndtr, logsumexp
+from scipy.special import log_ndtr
 from scipy.stats import qmc
 
 from .. import experiments
 from ..errors import SceneError
 from ..priors import Priors
 from .data import ABOVE, BELOW, EXACT, MISSING, Group
-from .density import Density, fit
+from .density import Density, fit, log_sum_exp
 
 __all__ = ["Emulator", "Patches", "design", "simulate"]
 
@@ -199,7 +199,7 @@ class Emulator:
     def log_likelihood(self, groups: tuple[Group, ...], values: Array) -> Array:
         """ln of the likelihood of all data at each point, averaged over the members: (points,)."""
         each = self.log_densities(groups, values).sum(axis=2)
-        result: Array = logsumexp(each, axis=0) - np.log(len(each))
+        result: Array = log_sum_exp(each, axis=0) - np.log(len(each))
         return result
 
     def cumulative(self, groups: tuple[Group, ...], values: Array) -> Array:
@@ -240,7 +240,7 @@ def _log_density(density: Density, group: Group, x: Array) -> Array:
                     value, error = group.values[of, j, None], group.errors[of, j, None]
                     terms[:, :, of] = _convolved(kind, value, error, mean, width) if measured else _plain(kind, value, mean, width)
         whole = whole + terms
-    result: Array = logsumexp(whole, axis=3)
+    result: Array = log_sum_exp(whole, axis=3)
     return result
 
 
@@ -286,6 +286,6 @@ def _convolved(kind: int, value: Array, error: Array, mean: Array, width: Array)
             inner = -0.5 * deviation**2 - np.log(of_patch[1]) - _HALF_LOG_2PI
         else:
             inner = log_ndtr(deviation if kind == BELOW else -deviation)
-        large[where] = logsumexp(inner + np.log(_NODE_WEIGHTS), axis=-1)
+        large[where] = log_sum_exp(inner + np.log(_NODE_WEIGHTS), axis=-1)
     result[:, :, ~small] = np.maximum(large, _LEAST_LOG)
     return result

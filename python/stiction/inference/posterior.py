@@ -17,7 +17,6 @@ import pandas as pd
 import xarray
 from numpy.typing import NDArray
 from scipy import linalg
-from scipy.special import logsumexp
 from threadpoolctl import threadpool_limits
 
 from .. import priors as scenes
@@ -28,6 +27,7 @@ from ..scenes import Scene, toml
 from . import data as measurements
 from .check import check_p_values
 from .data import EXACT, Group, Measurements
+from .density import log_sum_exp
 from .emulator import Emulator, Patches, design, simulate
 from .sampling import Chains, sample
 
@@ -251,7 +251,7 @@ def _share(emulator: Emulator, groups: tuple[Group, ...], priors: Priors, z: Arr
     values = priors.of_scores(z[:: max(len(z) // 2000, 1)])
     natural = priors.natural(values)
     each = np.concatenate([emulator.log_densities(groups, piece).sum(axis=2) for piece in np.array_split(values, 10)], axis=1)
-    weights = np.exp(each - logsumexp(each, axis=0))
+    weights = np.exp(each - log_sum_exp(each, axis=0))
     weights /= weights.sum(axis=1, keepdims=True)
     means = weights @ natural
     return float((means.std(axis=0, ddof=1) / natural.std(axis=0)).max())
@@ -269,7 +269,7 @@ def _result(
     groups = measured.groups
     pieces = np.array_split(values, max(len(values) // 200, 1))
     each = np.concatenate([emulator.log_densities(groups, piece) for piece in pieces], axis=1)
-    pointwise = (logsumexp(each, axis=0) - np.log(len(each))).reshape(count, draws, -1)
+    pointwise = (log_sum_exp(each, axis=0) - np.log(len(each))).reshape(count, draws, -1)
     replicated = np.concatenate([emulator.measured(groups, piece, random) for piece in pieces]).reshape(count, draws, measured.size, -1)
     observed = {name: np.concatenate([group.values[:, j] for group in groups]) for j, name in enumerate(measured.outcomes)}
     for j, name in enumerate(measured.outcomes):
@@ -365,7 +365,7 @@ def _fisher(at: Array, steps: Array, priors: Priors, measured: Measurements, emu
         like = Group(group.conditions, np.where(drawn > 0.0, drawn, 1.0), errors, kinds)
         points = priors.values(np.concatenate([at + 0.25 * sign * np.diag(steps) for sign in (1.0, -1.0)]))
         each = np.concatenate([single.log_densities((like,), point[None]) for point in points], axis=1)
-        logs = logsumexp(each, axis=0) - np.log(len(each))
+        logs = log_sum_exp(each, axis=0) - np.log(len(each))
         scores = (logs[:dimensions] - logs[dimensions:]) / (0.5 * steps[:, None])
         result += scores @ scores.T / sets
     return result

@@ -3,6 +3,8 @@
 `STICTION_CALIBRATION=500 python -m pytest tests/python/package/test_inference.py -k calibrated` is the whole calibration; without, it is a short one.
 """
 
+import contextlib
+import io
 import os
 import subprocess
 import sys
@@ -17,9 +19,20 @@ pytest.importorskip("arviz")
 
 import arviz
 
-from stiction import priors
+from stiction import priors, scenes
 from stiction.errors import FileError, SceneError
-from stiction.inference import check, data, density, emulator, infer, open_inference, posterior, sampling
+from stiction.inference import (
+    Inference,
+    check,
+    command,
+    data,
+    density,
+    emulator,
+    infer,
+    open_inference,
+    posterior,
+    sampling,
+)
 from stiction.inference.calibration import calibrate, weighted_posterior
 
 EXPERIMENTS = int(os.environ.get("STICTION_CALIBRATION", "0"))
@@ -147,29 +160,47 @@ def test_the_check_knows_limits_and_catches_another_scatter():
 
 @pytest.fixture(scope="module")
 def inferred(tmp_path_factory):
-    """An inference from 12 patches of the small scene at 50 mJ/m², of the work of adhesion and the radius."""
+    """The folder of an inference from 30 patches of the small scene at 50 mJ/m² by the command, and of another model whose heights are exponential."""
     folder = tmp_path_factory.mktemp("inference")
-    made = priors.read(small() | {"material": {**small()["material"], "work_of_adhesion": ENERGY}})
-    logs = emulator.simulate(made, ("pull_off_force",), np.array([[0.05]]), replicas=12, seed=77).logs[0, :, 0]
-    path = folder / "data.csv"
-    path.write_text("pull_off_force (nN)\n" + "".join(f"{1e9 * value:.4f}\n" for value in np.exp(logs)))
-    return path, infer(path, small(), folder / "out.h5", emulator_error=0.3)
+    made = priors.read(small())
+    logs = emulator.simulate(made, ("pull_off_force",), np.array([[0.05]]), replicas=30, seed=77).logs[0, :, 0]
+    (folder / "data.csv").write_text("pull_off_force (nN)\n" + "".join(f"{1e9 * value:.4f}\n" for value in np.exp(logs)))
+    for name, tables in (("gaussian", small()), ("exponential", small(heights="exponential"))):
+        (folder / f"{name}.toml").write_text(scenes.toml({"format": 1, **tables}), encoding="utf-8")
+    given = [str(folder / "data.csv"), str(folder / "gaussian.toml"), "--model", str(folder / "exponential.toml")]
+    options = ["-o", str(folder / "out.h5"), "--figure", str(folder / "out.png"), "--replicas", "100", "--end-error", "0.03"]
+    with contextlib.redirect_stdout(io.StringIO()) as said:
+        assert command.main([*given, *options]) == 0
+    return folder, said.getvalue()
 
 
-def test_an_inference_is_a_file_that_arviz_opens(inferred, tmp_path):
-    path, result = inferred
-    opened = arviz.from_netcdf(str(path.with_name("out.h5")))
+def test_an_inference_is_a_file_that_arviz_opens_and_a_figure(inferred):
+    folder, said = inferred
+    opened = arviz.from_netcdf(str(folder / "out.h5"))
     for group in ("posterior", "sample_stats", "posterior_predictive", "observed_data", "log_likelihood"):
         assert group in opened.groups()
-    again = open_inference(path.with_name("out.h5"))
-    assert str(again) == str(result)
+    result = open_inference(folder / "out.h5")
+    assert str(result) in said and (folder / "out.png").stat().st_size > 10_000
     row = result.summary().loc["material_work_of_adhesion"]
-    assert row.low < row["median"] < row.high and row.r_hat < 1.01 and row.end_error <= 0.02
-    assert np.isfinite(result.loo().elpd_loo) and "work of adhesion" in str(result)
-    assert "exists; give force=True" in told(infer, path, small(), path.with_name("out.h5"))
-    other = tmp_path / "other.h5"
+    assert row.low < row["median"] < row.high and row.r_hat < 1.01 and row.end_error <= 0.03
+    assert np.isfinite(result.loo().elpd_loo) and "work of adhesion" in said
+    assert "exists; give force=True" in told(infer, folder / "data.csv", small(), folder / "out.h5")
+    other = folder / "other.h5"
     other.write_text("nothing")
     assert "not a result" in told(open_inference, other)
+
+
+def test_models_are_compared_by_their_prediction(inferred):
+    """Gaussian and exponential heights by PSIS-LOO, as ArviZ has it of the two files: the differences are of the same patches."""
+    folder, said = inferred
+    results = {name: open_inference(folder / file) for name, file in (("gaussian", "out.h5"), ("exponential", "exponential_infer.h5"))}
+    table = posterior.models(results)
+    assert set(table.index) == set(results) and table.elpd_diff.iloc[0] == 0.0 and table.dse.iloc[1] > 0.0
+    loo = {name: result.loo().elpd_loo for name, result in results.items()}
+    assert table.elpd_diff.iloc[1] == pytest.approx(abs(loo["gaussian"] - loo["exponential"]), rel=1e-6)
+    assert "elpd_diff" in said and str(folder / "exponential_infer.h5") in said
+    fewer = Inference(results["gaussian"].data.isel(patch_number=slice(5), groups=["observed_data"]))
+    assert "the same data" in told(posterior.models, {**results, "gaussian": fewer})
 
 
 def test_the_expected_information_is_that_of_the_closed_form():

@@ -168,7 +168,8 @@ def _head(path: Path, cell: str) -> tuple[str, float, str]:
         factor, si = quantities.parsed(f"{path}: the column {name}", f"1 {unit}")
     except ValueError as error:
         raise FileError(str(error)) from None
-    return name, factor, si
+    # Of one dimension, but stiffnesses are not told as energies.
+    return name, factor, "N/m" if unit.endswith("N/m") else si
 
 
 def _plain(cell: str) -> Any:

@@ -19,6 +19,7 @@ pytest.importorskip("arviz")
 
 import arviz
 
+import stiction
 from stiction import priors, scenes
 from stiction.errors import FileError, SceneError
 from stiction.inference import (
@@ -81,6 +82,21 @@ def test_data_have_units_errors_limits_and_conditions(tmp_path):
     first, second = read.groups
     assert first.conditions == {"surface.nominal_area": "10 um^2"} and np.allclose(first.values[:, 0], [3e-6, 5e-7])
     assert first.kinds[:, 0].tolist() == [data.EXACT, data.BELOW] and second.kinds[0, 0] == data.ABOVE
+
+
+def test_every_number_of_a_patch_can_be_an_outcome():
+    """Pull-off, stiffness, energy of a cycle and snap-in of one spring of a loop are those of the program's own run; forces over a mesh are no number of a patch."""
+    tables = small(nominal_area="100 um^2")
+    tables["model"] |= {"history": "loop"}
+    tables["instability"] = {"stiffness": "5 kN/m"}
+    names = ("pull_off_force", "peak_secant_stiffness", "dissipated_energy", "snap_in_distance")
+    logs = emulator.simulate(priors.read(tables), names, np.array([[0.1]]), replicas=20, seed=3).logs[0]
+    tables["material"]["work_of_adhesion"] = "0.1 J/m^2"
+    tables["sweep"] = {"common_random_numbers": False}
+    with stiction.sweep(tables, {"material.work_of_adhesion": ["0.1 J/m^2"]}, replicas=20, seed=3, progress=False) as own:
+        for place, name in enumerate(names):
+            assert np.log(own.group("replicas")[name].values.squeeze()) == pytest.approx(logs[:, place], rel=1e-12)
+    assert "not one number of each patch" in told(emulator.simulate, priors.read(small()), ("external_force",), np.array([[0.1]]), replicas=2, seed=3)
 
 
 @pytest.mark.parametrize("kind", [data.EXACT, data.BELOW, data.ABOVE])

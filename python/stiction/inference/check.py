@@ -20,7 +20,8 @@ def check_p_values(emulator: Emulator, groups: tuple[Group, ...], values: Array,
 
     The discrepancy is Anderson and Darling's of P(outcome ≤ the measured one), which are uniform if the model made the data (D. Rubin, *Ann. Statist.* 12
     (1984) 1151; X.-L. Meng, *ibid.* 22 (1994) 1142). In the place of a limit is a number within it, drawn as the model has them. As the parameters are
-    fitted to the same data, small values are rarer than they say.
+    fitted to the same data, small values are rarer than they say. It is the sum over the conditions, so that what is too low under one and too high under
+    another is seen.
 
     Parameters
     ----------
@@ -40,10 +41,13 @@ def check_p_values(emulator: Emulator, groups: tuple[Group, ...], values: Array,
     kinds = np.concatenate([group.kinds for group in groups])
     within = random.random(cumulative.shape)
     uniform = np.where(kinds == BELOW, cumulative * within, np.where(kinds == ABOVE, 1.0 - (1.0 - cumulative) * within, cumulative))
+    ends = np.cumsum([len(group.kinds) for group in groups])[:-1]
     result = []
     for j in range(kinds.shape[1]):
-        of = uniform[:, kinds[:, j] != MISSING, j]
-        result.append(float((anderson_darling(random.random(of.shape)) >= anderson_darling(of)).mean()))
+        known = np.split(kinds[:, j] != MISSING, ends)
+        each = [of[:, which] for of, which in zip(np.split(uniform[:, :, j], ends, axis=1), known, strict=True) if which.any()]
+        drawn = sum(anderson_darling(random.random(of.shape)) for of in each)
+        result.append(float((drawn >= sum(anderson_darling(of) for of in each)).mean()))
     return np.array(result)
 
 

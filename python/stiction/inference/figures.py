@@ -132,5 +132,5 @@ def predicted(result: Inference, outcome: str | None = None, *, ax: Axes | None 
     ax.set_xlim(left=0.0)
     ax.legend(loc="lower right")
     p = np.atleast_1d(result.attrs["check_p_value"])[str(result.attrs["outcomes"]).split(", ").index(name)]
-    ax.set_title(f"posterior-predictive check: p = {p:.2g}", loc="left")
+    ax.set_title(f"check: p = {p:.2g}", loc="left")
     return ax

@@ -4,6 +4,7 @@
 """
 
 import contextlib
+import copy
 import io
 import os
 import subprocess
@@ -172,6 +173,14 @@ def test_the_check_knows_limits_and_catches_another_scatter():
             group = data.Group({}, np.maximum(values, 2.0), np.zeros_like(values), np.where(values < 2.0, data.BELOW, data.EXACT))
             small_ones += check.check_p_values(made, (group,), np.full((100, 1), 0.8), random)[0] < 0.05
         assert wanted(small_ones / 200)
+    # Twenty too low and twenty too high are together as they should be, and are seen by their conditions.
+    groups = []
+    for shift in (-0.2, 0.2):
+        values = np.exp(0.8 + shift + 0.2 * random.standard_normal((20, 1)))
+        groups.append(data.Group({"shift": shift}, values, np.zeros_like(values), np.full(values.shape, data.EXACT)))
+    twice = copy.copy(made)
+    twice.densities = made.densities * 2
+    assert check.check_p_values(twice, tuple(groups), np.full((100, 1), 0.8), random)[0] < 0.01
 
 
 @pytest.fixture(scope="module")

@@ -46,8 +46,8 @@ def check_p_values(emulator: Emulator, groups: tuple[Group, ...], values: Array,
     for j in range(kinds.shape[1]):
         known = np.split(kinds[:, j] != MISSING, ends)
         each = [of[:, which] for of, which in zip(np.split(uniform[:, :, j], ends, axis=1), known, strict=True) if which.any()]
-        drawn = sum(anderson_darling(random.random(of.shape)) for of in each)
-        result.append(float((drawn >= sum(anderson_darling(of) for of in each)).mean()))
+        drawn = np.sum([anderson_darling(random.random(of.shape)) for of in each], axis=0)
+        result.append(float((drawn >= np.sum([anderson_darling(of) for of in each], axis=0)).mean()))
     return np.array(result)
 
 

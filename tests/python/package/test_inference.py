@@ -162,17 +162,17 @@ def test_the_discrepancy_of_the_check_is_anderson_and_darlings():
 def test_the_check_knows_limits_and_catches_another_scatter():
     """30 normal outcomes at the known parameter, those below 2 as limits: p below 0.05 in at most 5 of 100 sets of data; of a scatter twice as large in most.
 
-    Over 200 sets, so with three standard errors of 0.015 (false alarm 1e-3).
+    Over 100 sets, so with three standard errors of 0.022 (false alarm 1e-3).
     """
     _, made = normal_experiment(points=256)
     random = np.random.default_rng(3)
-    for scatter, wanted in ((0.3, lambda share: share <= 0.05 + 3.0 * 0.015), (0.6, lambda share: share > 0.5)):
+    for scatter, wanted in ((0.3, lambda share: share <= 0.05 + 3.0 * 0.022), (0.6, lambda share: share > 0.5)):
         small_ones = 0
-        for _ in range(200):
+        for _ in range(100):
             values = np.exp(0.8 + scatter * random.standard_normal((30, 1)))
             group = data.Group({}, np.maximum(values, 2.0), np.zeros_like(values), np.where(values < 2.0, data.BELOW, data.EXACT))
             small_ones += check.check_p_values(made, (group,), np.full((100, 1), 0.8), random)[0] < 0.05
-        assert wanted(small_ones / 200)
+        assert wanted(small_ones / 100)
     # Twenty too low and twenty too high are together as they should be, and are seen by their conditions.
     groups = []
     for shift in (-0.2, 0.2):

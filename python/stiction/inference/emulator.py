@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -21,8 +22,11 @@ __all__ = ["Emulator", "Patches", "design", "simulate"]
 
 Array = NDArray[np.float64]
 _HALF_LOG_2PI = 0.5 * np.log(2.0 * np.pi)
-_NODES, _NODE_WEIGHTS = np.polynomial.hermite_e.hermegauss(9)
+# Gauss's rule over a measured outcome, and over a limit; weights of the normal law.
+_NODES, _NODE_WEIGHTS = np.polynomial.hermite_e.hermegauss(5)
 _NODE_WEIGHTS = _NODE_WEIGHTS / _NODE_WEIGHTS.sum()
+_LIMIT_NODES, _LIMIT_WEIGHTS = np.polynomial.hermite_e.hermegauss(9)
+_LIMIT_WEIGHTS = _LIMIT_WEIGHTS / _LIMIT_WEIGHTS.sum()
 # Relative errors below which the logarithm has a Gaussian error.
 _SMALL_ERROR = 0.01
 # ln p of what cannot be, so that differences are numbers.
@@ -237,8 +241,11 @@ def _log_density(density: Density, group: Group, x: Array) -> Array:
             for measured in (False, True):
                 of = np.flatnonzero((group.kinds[:, j] == kind) & ((group.errors[:, j] > 0.0) == measured))
                 if of.size:
-                    value, error = group.values[of, j, None], group.errors[of, j, None]
-                    terms[:, :, of] = _convolved(kind, value, error, mean, width) if measured else _plain(kind, value, mean, width)
+                    # Limits are often the same.
+                    pairs, back = np.unique(np.stack([group.values[of, j], group.errors[of, j]], axis=1), axis=0, return_inverse=True)
+                    value, error = pairs[:, :1], pairs[:, 1:]
+                    each = _convolved(kind, value, error, mean, width) if measured else _plain(kind, value, mean, width)
+                    terms[:, :, of] = each[:, :, back.ravel()]
         whole = whole + terms
     result: Array = log_sum_exp(whole, axis=3)
     return result
@@ -257,35 +264,54 @@ def _plain(kind: int, value: Array, mean: Array, width: Array) -> Array:
 
 
 def _convolved(kind: int, value: Array, error: Array, mean: Array, width: Array) -> Array:
-    """The same with a Gaussian error: Gauss's rule over whichever is narrower, the part or the error.
+    """The same with a Gaussian error.
 
     Of an outcome whose error is less than 1 % of it the logarithm has a Gaussian error: its mean is off by half of the square, 5e-5.
     """
     result = np.empty(np.broadcast_shapes(value.shape, mean.shape))
-    relative = (error / value)[:, 0]
-    small = relative < _SMALL_ERROR
+    small = (error / value)[:, 0] < _SMALL_ERROR
     if small.any():
-        result[:, :, small] = _plain(kind, value[small], mean, np.hypot(width, relative[small, None]))
-    if small.all():
-        return result
-    value, error = value[~small], error[~small]
-    narrow = width * value < error  # (members, points, patches, parts)
+        result[:, :, small] = _plain(kind, value[small], mean, np.hypot(width, (error / value)[small]))
+    if not small.all():
+        integral = _exact_integral if kind == EXACT else functools.partial(_limit_integral, kind)
+        result[:, :, ~small] = np.maximum(integral(value[~small], error[~small], mean, width), _LEAST_LOG)
+    return result
+
+
+def _exact_integral(value: Array, error: Array, mean: Array, width: Array) -> Array:
+    """ln of the density of a measured outcome: Gauss's rule about the largest of the integrand, as wide as that is there."""
+    relative = error / value
+    logs = np.log(value)
+    middle = (mean / width**2 + logs / relative**2) / (1.0 / width**2 + 1.0 / relative**2)
+    # One step of Gauss and Newton from where it would be if the error were one of the logarithm.
+    ratio = np.exp(middle - logs)
+    middle = middle + ((1.0 - ratio) * ratio / relative**2 - (middle - mean) / width**2) / ((ratio / relative) ** 2 + 1.0 / width**2)
+    ratio = np.exp(middle - logs)
+    spread = ((ratio / relative) ** 2 + 1.0 / width**2) ** -0.5
+    total = np.zeros_like(middle)
+    top = -0.5 * ((middle - mean) / width) ** 2 - 0.5 * ((1.0 - ratio) / relative) ** 2
+    for node, weight in zip(_NODES, _NODE_WEIGHTS, strict=True):
+        at = middle + spread * node
+        each = -0.5 * ((at - mean) / width) ** 2 - 0.5 * ((1.0 - np.exp(at - logs)) / relative) ** 2
+        total += weight * np.exp(each - top + 0.5 * node**2)
+    result: Array = np.log(total) + top + np.log(spread / (width * error)) - _HALF_LOG_2PI
+    return result
+
+
+def _limit_integral(kind: int, value: Array, error: Array, mean: Array, width: Array) -> Array:
+    """ln of the probability that an outcome is measured beyond a limit: Gauss's rule over whichever is narrower, the part or the error."""
     # Over the error: outcomes value − error z. No outcome is below 0, and every one is above.
-    outcomes = value[..., None] - error[..., None] * _NODES
+    outcomes = value[..., None] - error[..., None] * _LIMIT_NODES
     each = _plain(kind, np.maximum(outcomes, 1e-9 * value[..., None]), mean[..., None], width[..., None])
     each = np.where(outcomes > 0.0, each, 0.0 if kind == ABOVE else -np.inf)
     with np.errstate(divide="ignore"):
-        large = np.log(np.exp(each) @ _NODE_WEIGHTS)
+        large = np.log(np.exp(each) @ _LIMIT_WEIGHTS)
+    narrow = width * value < error  # (members, points, patches, parts)
     if narrow.any():
         # Over the part: outcomes exp(mean + width z), measured with the error.
         where = np.nonzero(narrow)
         of_part = np.broadcast_to(mean, narrow.shape)[where], np.broadcast_to(width, narrow.shape)[where]
         of_patch = value[where[2], 0, None], error[where[2], 0, None]
-        deviation = (of_patch[0] - np.exp(of_part[0][:, None] + of_part[1][:, None] * _NODES)) / of_patch[1]
-        if kind == EXACT:
-            inner = -0.5 * deviation**2 - np.log(of_patch[1]) - _HALF_LOG_2PI
-        else:
-            inner = log_ndtr(deviation if kind == BELOW else -deviation)
-        large[where] = log_sum_exp(inner + np.log(_NODE_WEIGHTS), axis=-1)
-    result[:, :, ~small] = np.maximum(large, _LEAST_LOG)
-    return result
+        deviation = (of_patch[0] - np.exp(of_part[0][:, None] + of_part[1][:, None] * _LIMIT_NODES)) / of_patch[1]
+        large[where] = log_sum_exp(log_ndtr(deviation if kind == BELOW else -deviation) + np.log(_LIMIT_WEIGHTS), axis=-1)
+    return large

@@ -80,7 +80,7 @@ def simulate(
     """Patches at some parameters, by one run: a sweep with random numbers of its own for each point.
 
     The density is fitted to all points together. Errors of points that are independent average out in the fit; with common random numbers all
-    points would err alike, and the fit with them, however many points there are.
+    points would err alike, and the fit with them, however many points there are (docs/inference.md has the figures).
 
     Parameters
     ----------

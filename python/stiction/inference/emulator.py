@@ -280,21 +280,24 @@ def _convolved(kind: int, value: Array, error: Array, mean: Array, width: Array)
 
 def _exact_integral(value: Array, error: Array, mean: Array, width: Array) -> Array:
     """ln of the density of a measured outcome: Gauss's rule about the largest of the integrand, as wide as that is there."""
-    relative = error / value
-    logs = np.log(value)
+    relative, logs = error / value, np.log(value)
+
+    def over(at: Array) -> Array:
+        """The outcome over the measured one; what is far above is nearer, and as good as impossible."""
+        result: Array = np.exp(np.minimum(at - logs, 100.0))
+        return result
+
     middle = (mean / width**2 + logs / relative**2) / (1.0 / width**2 + 1.0 / relative**2)
     # One step of Gauss and Newton from where it would be if the error were one of the logarithm.
-    ratio = np.exp(middle - logs)
-    middle = middle + ((1.0 - ratio) * ratio / relative**2 - (middle - mean) / width**2) / ((ratio / relative) ** 2 + 1.0 / width**2)
-    ratio = np.exp(middle - logs)
-    spread = ((ratio / relative) ** 2 + 1.0 / width**2) ** -0.5
-    total = np.zeros_like(middle)
-    top = -0.5 * ((middle - mean) / width) ** 2 - 0.5 * ((1.0 - ratio) / relative) ** 2
+    ratio = over(middle)
+    step = ((1.0 - ratio) * ratio / relative**2 - (middle - mean) / width**2) / ((ratio / relative) ** 2 + 1.0 / width**2)
+    middle = middle + np.clip(step, -1.0, 1.0)
+    spread = ((over(middle) / relative) ** 2 + 1.0 / width**2) ** -0.5
+    each = []
     for node, weight in zip(_NODES, _NODE_WEIGHTS, strict=True):
         at = middle + spread * node
-        each = -0.5 * ((at - mean) / width) ** 2 - 0.5 * ((1.0 - np.exp(at - logs)) / relative) ** 2
-        total += weight * np.exp(each - top + 0.5 * node**2)
-    result: Array = np.log(total) + top + np.log(spread / (width * error)) - _HALF_LOG_2PI
+        each.append(np.log(weight) + 0.5 * node**2 - 0.5 * ((at - mean) / width) ** 2 - 0.5 * ((1.0 - over(at)) / relative) ** 2)
+    result: Array = log_sum_exp(np.stack(each), axis=0) + np.log(spread / (width * error)) - _HALF_LOG_2PI
     return result
 
 
@@ -312,6 +315,7 @@ def _limit_integral(kind: int, value: Array, error: Array, mean: Array, width: A
         where = np.nonzero(narrow)
         of_part = np.broadcast_to(mean, narrow.shape)[where], np.broadcast_to(width, narrow.shape)[where]
         of_patch = value[where[2], 0, None], error[where[2], 0, None]
-        deviation = (of_patch[0] - np.exp(of_part[0][:, None] + of_part[1][:, None] * _LIMIT_NODES)) / of_patch[1]
+        outcomes = np.exp(np.minimum(of_part[0][:, None] + of_part[1][:, None] * _LIMIT_NODES, 300.0))
+        deviation = (of_patch[0] - outcomes) / of_patch[1]
         large[where] = log_sum_exp(log_ndtr(deviation if kind == BELOW else -deviation) + np.log(_LIMIT_WEIGHTS), axis=-1)
     return large

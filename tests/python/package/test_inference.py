@@ -120,6 +120,16 @@ def test_the_likelihood_of_a_part_is_its_integral_over_the_error(kind, error):
             assert found == pytest.approx(wanted, rel=3e-3)
 
 
+@pytest.mark.parametrize("kind", [data.EXACT, data.BELOW, data.ABOVE])
+def test_a_likelihood_is_a_number_however_far_off_the_part_is(kind):
+    """Parts from e^-700 to e^700 of the measured outcome, widths from 0.003 to 20, errors from 1e-6 to 10 times it; never NaN, never +inf, never more than the least width allows."""
+    mean = np.array([-700.0, -30.0, -3.0, 0.0, 3.0, 30.0, 700.0])[None, None, None, :]
+    for width in (0.003, 0.3, 20.0):
+        for error in (1e-6, 0.01, 0.1, 1.0, 10.0):
+            found = emulator._convolved(kind, np.ones((1, 1)), np.full((1, 1), error), mean, np.full(mean.shape, width))
+            assert np.isfinite(found).all() and found.max() <= (1e-12 if kind != data.EXACT else -np.log(2.5 * max(0.1 * width, 0.0003)))
+
+
 def normal_experiment(points=64, replicas=100):
     """Outcomes whose logarithm is normal with the parameter as mean and the scatter 0.3, and their emulator."""
     prior = priors.read({"surface": {"asperity_radius": {"prior": "normal", "mean": 1.0, "std": 1.0}}})

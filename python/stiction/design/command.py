@@ -9,7 +9,7 @@ from pathlib import Path
 
 from .. import priors, quantities
 from ..errors import SceneError, StictionError
-from .rare import Probability
+from .estimate import Probability
 from .search import Best, Design, best, design, event, probability
 
 __all__ = ["main"]
@@ -18,11 +18,12 @@ __all__ = ["main"]
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="stiction design",
-        description="Find how probable it is that a patch pulls harder than a threshold, or less, by tilted heights: probabilities of 1e-6 "
-        "from some thousand patches. With --maximise or --minimise: the largest or smallest value of a number of the scene with which "
+        description="Find how probable it is that a patch pulls harder than a threshold, by tilted heights, or less, by importance splitting: "
+        "probabilities of 1e-6 in seconds to minutes. With --maximise or --minimise: the largest or smallest value of a number of the scene with which "
         "that probability is at most the wanted one; or, of pull_off_force, the value with which the force that patches exceed with it is "
         "least, or that they stay below largest.",
-        epilog="Examples: stiction design configs/case_i.toml --above '3 uN'; stiction design configs/inference/design.toml --maximise "
+        epilog="Examples: stiction design configs/case_i.toml --above '3 uN'; stiction design configs/case_i.toml --below "
+        "'0.24 uN'; stiction design configs/inference/design.toml --maximise "
         "surface.lubricant_thickness --above '0.15 mN' --probability 1e-3. "
         "Exit codes: 0 done; 1 failed while running; 2 the command or the scene is wrong.",
     )
@@ -88,12 +89,12 @@ def _designed(found: Design, given: argparse.Namespace, happens: str) -> str:
     word = "largest" if given.maximise is not None else "smallest"
     lines = [f"{happens} at most with probability {quantities.number(given.probability, 2)}"]
     for value, of in found.tried:
-        lines.append(f"  {_number(value, found.unit):>12}   {quantities.number(of.value, 3)} ± {100.0 * of.relative_error:.0f} %")
+        lines.append(f"  {quantities.si(value, found.unit):>12}   {quantities.number(of.value, 3)} ± {100.0 * of.relative_error:.0f} %")
     if found.at_end:
-        lines.append(f"{word} {found.key}: {_number(found.value, found.unit)}, the end of its range, where it is rarer still")
+        lines.append(f"{word} {found.key}: {quantities.si(found.value, found.unit)}, the end of its range, where it is rarer still")
     else:
-        low, high = (_number(end, found.unit) for end in found.interval)
-        lines.append(f"{word} {found.key}: {_number(found.value, found.unit)}, 95 % interval {low} to {high}")
+        low, high = (quantities.si(end, found.unit) for end in found.interval)
+        lines.append(f"{word} {found.key}: {quantities.si(found.value, found.unit)}, 95 % interval {low} to {high}")
     return "\n".join(lines)
 
 
@@ -101,10 +102,10 @@ def _best(found: Best, given: argparse.Namespace) -> str:
     most = given.maximise is not None
     side = "less" if most else "harder"
     lines = [f"force than which patches pull {side} with probability {quantities.number(given.probability, 2)}"]
-    lines += [f"  {_number(value, found.unit):>12}   {quantities.si(force, 'N')}" for value, force in found.tried]
+    lines += [f"  {quantities.si(value, found.unit):>12}   {quantities.si(force, 'N')}" for value, force in found.tried]
     low, high = (quantities.si(end, "N") for end in found.interval)
     lines.append(
-        f"{'largest' if most else 'least'} at {found.key} = {_number(found.value, found.unit)}: {quantities.si(found.force, 'N')}, "
+        f"{'largest' if most else 'least'} at {found.key} = {quantities.si(found.value, found.unit)}: {quantities.si(found.force, 'N')}, "
         f"95 % interval {low} to {high}"
     )
     return "\n".join(lines)
@@ -112,9 +113,3 @@ def _best(found: Best, given: argparse.Namespace) -> str:
 
 # What is not a number of the scene but what its patches do.
 _FORCE = "pull_off_force"
-# Units of files, which have prefixes when written.
-_WRITTEN = {"J/m^2": "J/m2", "m^2": "m2", "/m^2": "m-2"}
-
-
-def _number(value: float, unit: str) -> str:
-    return quantities.si(value, _WRITTEN.get(unit, unit))

@@ -14,7 +14,8 @@ from scipy import optimize
 from .. import priors, quantities
 from ..errors import SceneError
 from ..scenes import Scene
-from .rare import Patches, Probability
+from .estimate import Probability
+from .rare import Patches
 
 __all__ = ["Best", "Design", "Event", "best", "design", "event", "probability"]
 
@@ -117,7 +118,7 @@ def event(above: Any = None, below: Any = None) -> Event:
 
 def probability(
     scene: Scene, *, above: Any = None, below: Any = None, error: float = 0.1, seed: int | None = None, threads: int | None = None,
-    most: int = 200_000,
+    most: int | None = None,
 ) -> Probability:  # fmt: skip
     """The probability that a patch pulls harder (or less) than a threshold, however small.
 
@@ -131,8 +132,8 @@ def probability(
         Relative standard error that is wanted, from 0.01 to 0.5.
     seed, threads : int, optional
         As in `stiction.run`.
-    most : int
-        Patches at most.
+    most : int, optional
+        Patches at most; by default 200 000 above a threshold, and 20 million below, with those that are moved.
 
     Raises
     ------

@@ -1,0 +1,117 @@
+"""Laws of heights of a scene, expectations over them, and the attraction of an asperity."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import special, stats
+
+from .. import quantities, single
+from ..errors import SceneError
+
+__all__ = ["LAWS", "Array", "Quadrature", "attraction", "law"]
+
+Array = NDArray[np.float64]
+
+# Laws of heights whose densities are known.
+LAWS = ("gaussian", "truncated", "exponential", "weibull", "lognormal")
+
+
+class Quadrature:
+    """Expectations over heights on a grid of equal steps, the trapezoidal rule on the density."""
+
+    def __init__(self, heights: Any, low: float, high: float, size: int) -> None:
+        self.z = np.linspace(low, high, size)
+        # Of each point the probability of its cell, so that kinks and ends of the law lose nothing.
+        edges = np.concatenate([[low], 0.5 * (self.z[1:] + self.z[:-1]), [high]])
+        middle = float(heights.median())
+        self.weights = np.where(
+            edges[1:] > middle, heights.sf(edges[:-1]) - heights.sf(edges[1:]), heights.cdf(edges[1:]) - heights.cdf(edges[:-1])
+        )
+        self.weights /= self.weights.sum()
+        with np.errstate(divide="ignore"):
+            self.log_weights = np.log(self.weights)
+
+    def mean(self, values: Array) -> float:
+        """E of values at the points."""
+        return float(self.weights @ values)
+
+    def log_moment(self, exponent: Array) -> float:
+        """log E exp(exponent)."""
+        return float(special.logsumexp(exponent + self.log_weights))
+
+    def drawn(self, exponent: Array, uniform: Array) -> Array:
+        """Heights of the tilted law, one in each of equally probable parts."""
+        log = exponent + self.log_weights
+        cumulated = np.cumsum(np.exp(log - log.max()))
+        edges = np.concatenate([[self.z[0]], 0.5 * (self.z[1:] + self.z[:-1]), [self.z[-1]]])
+        shares = (np.arange(uniform.size) + uniform) / uniform.size
+        heights: Array = np.interp(shares, np.concatenate([[0.0], cumulated / cumulated[-1]]), edges)
+        return heights
+
+
+def law(given: Any, sigma: float) -> Any:
+    """The law of heights of a scene, of mean 0 and the standard deviation σ_s, as the program has it."""
+    table = {"law": given} if isinstance(given, str) else dict(given)
+    name = table["law"]
+    if name == "gaussian":
+        return stats.norm(scale=sigma)
+    if name == "truncated":
+        return stats.truncnorm(table.get("lower", -np.inf), table.get("upper", np.inf), scale=sigma)
+    if name == "exponential":
+        law = stats.expon()
+    else:
+        law = (stats.weibull_min if name == "weibull" else stats.lognorm)(table["shape"])
+    scale = sigma / float(law.std())
+    # The same law about its mean and in metres.
+    return law.dist(*law.args, loc=-scale * float(law.mean()), scale=scale)
+
+
+def attraction(tables: Mapping[str, Any], low: float, high: float) -> tuple[Array, Array]:
+    """Interferences (m) and the attraction of an asperity there (N), close where it jumps."""
+    material, surface, model = tables["material"], tables["surface"], tables["model"]
+
+    def number(table: Mapping[str, Any], key: str) -> float:
+        return quantities.parsed(key, table[key])[0]
+
+    if "reduced_modulus" in material:
+        modulus = number(material, "reduced_modulus")
+    else:
+        bodies = zip(material["youngs_modulus"], material["poissons_ratio"], strict=True)
+        modulus = 1.0 / sum((1.0 - ratio**2) / quantities.parsed("youngs_modulus", young)[0] for young, ratio in bodies)
+    if "work_of_adhesion" in material:
+        work = number(material, "work_of_adhesion")
+    else:
+        first, second = (quantities.parsed("surface_energy", one)[0] for one in material["surface_energy"])
+        work = first + second - number(material, "interface_energy")
+    law: dict[str, Any] = {
+        "radius": number(surface, "asperity_radius"),
+        "reduced_modulus": modulus,
+        "work_of_adhesion": work,
+        "equilibrium_spacing": number(material, "equilibrium_spacing"),
+        "hardness": number(material, "hardness"),
+        "poisson_ratio": float(material["poisson_ratio"]),
+        "lubricant_thickness": number(surface, "lubricant_thickness") if "lubricant_thickness" in surface else 0.0,
+        "law": model["law"],
+        "path": model.get("history", "approach"),
+    }
+
+    def solved(at: Array) -> Array:
+        values: Array = -single.asperity(interference=at, **law).external_force.values
+        return values
+
+    at = np.linspace(low, high, 2**16)
+    values = solved(at)
+    scale = float(values.max())
+    if not scale > 0.0:
+        raise SceneError(f"model.law = {model['law']!r}: an asperity of this law does not attract, so nothing pulls off")
+    for _ in range(14):
+        jumps = np.flatnonzero((np.abs(np.diff(values)) > 2e-3 * scale) & (values[1:] > -2.0 * scale))
+        if not jumps.size:
+            break
+        middle = 0.5 * (at[jumps] + at[jumps + 1])
+        at, values = np.insert(at, jumps + 1, middle), np.insert(values, jumps + 1, solved(middle))
+    return at, values

@@ -57,7 +57,7 @@ def anderson_darling(uniform: Array) -> Array:
     Examples
     --------
     >>> anderson_darling(np.array([[0.25, 0.5, 0.75]])).round(4)
-    array([0.1911])
+    array([0.2694])
     """
     ordered = np.sort(np.clip(uniform, 1e-15, 1.0 - 1e-15), axis=1)
     count = ordered.shape[1]

@@ -16,7 +16,7 @@ go from one kind to the other. So patches are of a law in which the highest aspe
 which makes each tenth of that probability as common as the next, down to 1e-12, and half of the patches remain. A patch weighs 1/r ≤ 2. A
 second move draws the highest asperity alone anew.
 
-Heights are drawn here and not by the program. Heights that are within the steep part of the attraction are kept one by one, in steps of σ_s/2¹⁴. Of
+Heights are drawn here and not by the program. Heights that are within the steep part of the attraction are kept one by one, in steps of σ_s/2¹⁴ or less. Of
 lower ones the number in each of some bins is kept, with the mean attraction there. Curves are known at the scene's separations, and at closer ones
 where patches pull most; the maximum is also looked for where asperities jump, and then closer and closer about the best place.
 
@@ -43,8 +43,8 @@ __all__ = ["Curves", "Splitting"]
 
 Whole = NDArray[np.int64]
 
-# Steps of heights and separations in σ_s.
-_STEPS = 2**14
+# Steps of heights and separations in σ_s, and in the part of the attraction that is above half of its largest: the smaller ones count.
+_STEPS, _STEPS_WITHIN = 2**14, 2**8
 # Width of the highest bin of low heights, in σ_s, and how much wider the next lower one is.
 _BIN, _WIDER = 0.04, 1.06
 # Separations within the part of the attraction that is above half of its largest.
@@ -117,8 +117,8 @@ class Curves:
         self.count, self.poisson = count if poisson else round(count), poisson
         at, values = asperity
         sigma, scale = float(heights.std()), float(values.max())
-        step = sigma / _STEPS
         strong = at[values > 0.5 * scale]
+        step = min(sigma / _STEPS, (strong[-1] - strong[0]) / _STEPS_WITHIN)
         near = np.arange(*where, max((strong[-1] - strong[0]) / _WITHIN, 1e-3 * sigma))
         inside = (columns > where[0]) & (columns < where[1])
         if near.size > inside.sum():
@@ -151,7 +151,7 @@ class Curves:
             )
 
         # Cells of tall heights, one step each; no separation tells the last ones apart.
-        cells = int((d[-1] - cut) / step) + 8 * _STEPS
+        cells = int((d[-1] - cut + 8.0 * sigma) / step)
         self.beyond: Array = heights.sf(cut + step * np.arange(cells + 1))
         self.beyond[-1] = 0.0
         self.share = float(self.beyond[0])

@@ -21,7 +21,7 @@ def _parser() -> argparse.ArgumentParser:
         description="Infer parameters of a scene, such as the work of adhesion, from measured outcomes of patches: "
         "their posterior, what the data do not tell, and whether the model may have made the data.",
         epilog="Examples: stiction infer first.csv first.toml; stiction infer first.csv first.toml --figure first.pdf; "
-        "stiction infer gold.csv gold.toml --model gold_common.toml. Exit codes: 0 done; 1 it failed while running; 2 the command, the scene or the data are wrong.",
+        "stiction infer coupled.csv coupled.toml --model independent.toml. Exit codes: 0 done; 1 it failed while running; 2 the command, the scene or the data are wrong.",
     )
     parser.add_argument("data", type=Path, metavar="DATA.csv", help="measured outcomes, a column each, headed as `pull_off_force (uN)`")
     parser.add_argument("scene", type=Path, metavar="SCENE.toml", help="the scene, with priors in the place of numbers")

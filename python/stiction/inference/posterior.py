@@ -428,7 +428,7 @@ def _combination(of: xarray.Dataset) -> str:
     rows = zip(of.parameter.values, of.exponent.values, of.logarithmic.values, strict=True)
     kept = [(_words(str(name)), share, bool(log)) for name, share, log in rows if abs(share) > 0.05 * np.abs(of.exponent.values).max()]
     if all(log for _, _, log in kept):
-        text = " · ".join(name + ("" if abs(share - 1.0) < 0.005 else f"^{share:.2g}") for name, share, _ in kept)
+        text = " · ".join(name + f"^{share:.2g}".removesuffix("^1") for name, share, _ in kept)
     else:
         text = " + ".join(f"{share:.2g} {f'ln {name}' if log else f'{name}/prior scatter'}" for name, share, log in kept)
     return text.replace("-", "−")

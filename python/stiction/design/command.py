@@ -64,7 +64,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             return 0
         found = priors.read(given.scene)
         if found.keys != [key]:
-            raise SceneError(f"{key}: it alone has to have a range in the scene; {', '.join(found.keys)} has a prior")
+            raise SceneError(f"{key}: this number of the scene, and no other, needs a range (a prior); there is one of {', '.join(found.keys)}")
         print(_designed(design(given.scene, given.probability, largest=given.maximise is not None, **common), given, str(happens)))
     except (StictionError, OSError) as error:
         print(f"stiction design: {error}", file=sys.stderr)
@@ -76,6 +76,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _told(found: Probability) -> str:
+    if found.value == 0.0:
+        return f"  {_RARER}"
+    if found.hits == found.replicas:
+        return f"  at least {quantities.number(0.025 ** (1.0 / found.replicas), 3)}, as all of {found.replicas} patches are such (95 %)"
     low, high = (quantities.number(end, 2) for end in found.interval)
     return (
         f"  {quantities.number(found.value, 3)} ± {100.0 * found.relative_error:.0f} %, 95 % interval {low} to {high}\n"
@@ -89,7 +93,8 @@ def _designed(found: Design, given: argparse.Namespace, happens: str) -> str:
     word = "largest" if given.maximise is not None else "smallest"
     lines = [f"{happens} at most with probability {quantities.number(given.probability, 2)}"]
     for value, of in found.tried:
-        lines.append(f"  {quantities.si(value, found.unit):>12}   {quantities.number(of.value, 3)} ± {100.0 * of.relative_error:.0f} %")
+        rare = f"{quantities.number(of.value, 3)} ± {100.0 * of.relative_error:.0f} %" if of.value > 0.0 else _RARER
+        lines.append(f"  {quantities.si(value, found.unit):>12}   {rare}")
     if found.at_end:
         lines.append(f"{word} {found.key}: {quantities.si(found.value, found.unit)}, the end of its range, where it is rarer still")
     else:
@@ -111,5 +116,6 @@ def _best(found: Best, given: argparse.Namespace) -> str:
     return "\n".join(lines)
 
 
+_RARER = "none, or rarer than 10⁻¹⁸"
 # What is not a number of the scene but what its patches do.
 _FORCE = "pull_off_force"

@@ -6,7 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-__all__ = ["Probability"]
+__all__ = ["LEAST", "NEVER", "Probability"]
+
+#: Events that are rarer count as those that never are.
+LEAST = 1e-18
 
 
 @dataclass(frozen=True)
@@ -16,7 +19,7 @@ class Probability:
     Attributes
     ----------
     value, standard_error : float
-        Estimate and its standard error.
+        Estimate and its standard error; 0 of an event that is impossible, or rarer than `LEAST`.
     replicas : int
         Patches that were computed for it; below a threshold each time that one is moved counts.
     hits : int
@@ -44,3 +47,7 @@ class Probability:
         """What holds the probability in 95 of 100 cases: normal in the logarithm, never below 0."""
         spread = float(np.exp(1.96 * self.relative_error))
         return self.value / spread, min(self.value * spread, 1.0)
+
+
+#: No patch is in the event, or they are rarer than `LEAST`.
+NEVER = Probability(0.0, 0.0, 0, 0, 1.0, 0.0)

@@ -14,7 +14,7 @@ import numpy as np
 from .. import experiments, quantities
 from ..errors import SceneError, StictionError
 from . import heights, splitting, tilting
-from .estimate import Probability
+from .estimate import NEVER, Probability
 from .heights import Array
 
 __all__ = ["Patches"]
@@ -133,6 +133,9 @@ class Patches:
         force, spread = float(np.quantile(self.pilot.pull_off, 1.0 - max(probability, 0.02))), float(self.pilot.pull_off.std())
         for _ in range(_FORCES):
             found, pull_off, weights = self._above(force, error, most)
+            if found.value == 0.0:
+                force, spread = force - 0.5 * spread, 0.5 * spread
+                continue
             order = np.argsort(-pull_off)
             shares = np.cumsum(weights[order]) / len(order)
             wanted = probability * np.exp(np.array([0.0, -1.96, 1.96]) * found.relative_error)
@@ -154,7 +157,10 @@ class Patches:
         found = tilting.estimate([tilting.OWN], [self.pilot], threshold, False)
         if found.hits >= _HITS and found.relative_error <= error:
             return told([tilting.OWN], [self.pilot])
-        tilted, shares = self._tilts.laws(threshold)
+        chosen = self._tilts.laws(threshold)
+        if chosen is None:
+            return NEVER, np.empty(0), np.empty(0)
+        tilted, shares = chosen
         # A tenth are of the scene's own heights; all are, where none are tilted.
         laws, shares = [tilting.OWN, *tilted], np.array([0.1, *(0.9 * shares)] if tilted else [1.0])
         drawn = [tilting.Drawn(np.empty(0), np.empty((0, self.separations.size)), np.empty(0)) for _ in laws]

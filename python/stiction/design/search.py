@@ -14,7 +14,7 @@ from scipy import optimize
 from .. import priors, quantities
 from ..errors import SceneError
 from ..scenes import Scene
-from .estimate import Probability
+from .estimate import LEAST, Probability
 from .rare import Patches
 
 __all__ = ["Best", "Design", "Event", "best", "design", "event", "probability"]
@@ -111,8 +111,8 @@ def event(above: Any = None, below: Any = None) -> Event:
         value, unit = quantities.parsed(name, given if isinstance(given, str) else quantities.as_text(given, "N"))
     except ValueError as error:
         raise SceneError(str(error)) from None
-    if unit != "N":
-        raise SceneError(f"{name} = {given!r}: a force with a unit is needed")
+    if unit != "N" or not value > 0.0:
+        raise SceneError(f"{name} = {given!r}: a force greater than 0 with a unit is needed")
     return Event(value, below is not None)
 
 
@@ -199,6 +199,8 @@ def design(
         tables = _with(found.tables, prior.key, prior.text(value))
         of = Patches(tables, seed=seed, threads=threads).probability(happens.threshold, below=happens.below, error=error)
         tried.append((value, of))
+        if of.value == 0.0:
+            return math.log(LEAST / wanted), 0.0
         return math.log(of.value / wanted), of.relative_error
 
     good, bad = (1.0, 0.0) if largest else (0.0, 1.0)

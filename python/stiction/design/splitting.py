@@ -36,7 +36,7 @@ from scipy import sparse
 
 from .. import quantities
 from ..errors import StictionError
-from .estimate import Probability
+from .estimate import LEAST, NEVER, Probability
 from .heights import Array
 
 __all__ = ["Curves", "Splitting"]
@@ -59,8 +59,8 @@ _TALL = 20_000
 _BLOCK = 2**18
 # Patches of a run, their share below the next level, moves at each level, and how many of these are to be taken.
 _PATCHES, _SHARE, _MOVES, _TAKEN = 250, 0.3, 6, 0.3
-# Runs at least, and how rare an event may be.
-_RUNS, _LEAST = 16, 1e-18
+# Runs at least.
+_RUNS = 16
 
 
 @dataclass
@@ -360,7 +360,10 @@ class Splitting:
 
     def probability(self, threshold: float, error: float, most: int) -> Probability:
         """The probability that a patch pulls less than a threshold, N; see `Patches.probability`."""
-        levels, spent = self._levels(lambda level, _: level <= threshold)
+        found = self._levels(lambda level, _: level <= threshold)
+        if found is None:
+            return NEVER
+        levels, spent = found
         return self._sampled(levels, spent, lambda _: threshold, error, most)[0]
 
     def quantile(self, probability: float, error: float, most: int) -> tuple[float, tuple[float, float]]:
@@ -372,13 +375,18 @@ class Splitting:
             place = np.searchsorted(np.cumsum(weights[order]), wanted)
             return float(forces[order[min(int(place), order.size - 1)]])
 
-        levels, spent = self._levels(lambda _, below: below < probability)
+        reached = self._levels(lambda _, below: below < probability)
+        if reached is None:
+            raise StictionError(f"no force was found below which a patch pulls with the probability {probability:g}")
+        levels, spent = reached
         found, runs = self._sampled(levels, spent, force, error, most)
         low, high = (force(runs, probability * float(np.exp(sign * 1.96 * found.relative_error))) for sign in (-1.0, 1.0))
         return force(runs), (low, high)
 
-    def _levels(self, enough: Callable[[float, float], bool]) -> tuple[list[tuple[float, float]], int]:
-        """Levels (N) with the share of asperities that moves draw anew, until enough is said of a level and its probability; patches spent."""
+    def _levels(self, enough: Callable[[float, float], bool]) -> tuple[list[tuple[float, float]], int] | None:
+        """Levels (N) with the share of asperities that moves draw anew, until enough is said of a level and its probability; patches spent. None
+        where that is rarer than `LEAST`.
+        """
         some, q, reached = self.curves.drawn(_PATCHES, self.rng), 0.5, 1.0
         levels: list[tuple[float, float]] = []
         while True:
@@ -388,8 +396,8 @@ class Splitting:
             if enough(level, reached * float(self.curves.weights(some)[inside].sum()) / _PATCHES):
                 return levels, _PATCHES * (1 + _MOVES * len(levels))
             reached *= inside.size / _PATCHES
-            if reached < _LEAST:
-                raise StictionError(f"no patch was found that pulls less than {quantities.si(level, 'N')}, or they are rarer than {_LEAST:g}")
+            if reached < LEAST:
+                return None
             some = some.of(self._copies(inside))
             for _ in range(_MOVES):
                 q = min(q * float(np.exp(self.curves.moved(some, level, q, self.rng) - _TAKEN)), 1.0)

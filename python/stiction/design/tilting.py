@@ -28,9 +28,7 @@ from typing import Any
 import numpy as np
 from scipy import optimize, special
 
-from .. import quantities
-from ..errors import SceneError
-from .estimate import Probability
+from .estimate import LEAST, Probability
 from .heights import Array, Quadrature
 
 __all__ = ["OWN", "Drawn", "Law", "Tilts", "estimate", "joined", "weights"]
@@ -87,13 +85,12 @@ class Tilts:
         self._grid, self._coarse = (Quadrature(heights, *ends, size) for size in (_GRID, _COARSE))
         self._of_separations = np.interp(self._coarse.z[None, :] - tops[:, None], *asperity)
 
-    def laws(self, x: float) -> tuple[list[Law], Array]:
-        """The tilted laws for patches above x, and how many of the replicas each has."""
+    def laws(self, x: float) -> tuple[list[Law], Array] | None:
+        """The tilted laws for patches above x, and how many of the replicas each has; none where they are rarer than `LEAST`."""
         best = [self._chernoff(x, place) for place in range(self.tops.size)]
         rates = np.array([rate for _, rate in best])
-        if not np.isfinite(rates).any():
-            most = self.count * float(self._asperity[1].max())
-            raise SceneError(f"no patch pulls harder than {quantities.si(most, 'N')}, all asperities at once: {quantities.si(x, 'N')} is above")
+        if rates.min() > -np.log(LEAST):
+            return None
         if not (rates > 1.0).all():
             return [], np.array([])
         bound = np.exp(rates.min() - rates)

@@ -33,7 +33,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--seed", type=int, default=1, metavar="N", help="seed of simulations and chains, by default 1")
     parser.add_argument("--threads", type=int, metavar="N", help="threads of the simulations, by default one per core")
     parser.add_argument("--end-error", type=float, default=0.02, metavar="X",
-                        help="Monte Carlo error of the ends of 95 %% intervals over their width, by default 0.02")  # fmt: skip
+                        help="error of the ends of 95 %% intervals over their width that the chains leave, by default 0.02")  # fmt: skip
     parser.add_argument("--emulator-error", type=float, default=0.2, metavar="X",
                         help="error of the fitted density over the posterior's scatter, by default 0.2")  # fmt: skip
     parser.add_argument("--replicas", type=int, default=300, metavar="N",
@@ -54,6 +54,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         told = " ".join(str(error).split()).replace("force=True", "--force")
         print(f"stiction infer: {told}", file=sys.stderr)
         return error.exit_code if isinstance(error, StictionError) else 1
+    except KeyboardInterrupt:
+        print("stiction infer: interrupted", file=sys.stderr)
+        return 130
     return 0
 
 
@@ -73,6 +76,8 @@ def _infer(given: argparse.Namespace) -> None:
             raise FileError(f"{path} exists; give force=True to overwrite it, or another output")
         if not path.resolve().parent.is_dir():
             raise FileError(f"{path}: there is no such folder")
+    if len({scene.resolve() for scene in (given.scene, *given.model)}) <= len(given.model):
+        raise FileError("--model: a scene is there twice; others than SCENE.toml are needed, each once")
     # What is wrong with a scene is told before minutes are spent on others.
     for scene in (given.scene, *given.model):
         priors.read(scene)

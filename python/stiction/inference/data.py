@@ -131,7 +131,7 @@ def read(path: str | Path) -> Measurements:
             value, kind = cells[name]
             deviation, deviation_kind = cells.get(name + _ERROR, (0.0, EXACT))
             if kind != MISSING and (deviation_kind != EXACT or deviation < 0.0):
-                raise FileError(f"{where}, {name}{_ERROR}: a standard deviation of 0 or more is needed")
+                raise FileError(f"{where}, {name}{_ERROR}: a standard deviation of 0 or more is needed, also of a limit")
             if kind != MISSING and not value > 0.0:
                 told = "a measured outcome has to be greater than 0; write `<` before the resolution where none was seen"
                 raise FileError(f"{where}, {name}: {told}")

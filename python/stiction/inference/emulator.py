@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -12,7 +13,7 @@ from numpy.typing import NDArray
 from scipy.special import log_ndtr
 from scipy.stats import qmc
 
-from .. import experiments
+from .. import experiments, quantities
 from ..errors import SceneError
 from ..priors import Priors
 from .data import ABOVE, BELOW, EXACT, MISSING, Group
@@ -70,6 +71,7 @@ def simulate(
     outcomes: tuple[str, ...],
     values: Array,
     *,
+    units: tuple[str, ...] | None = None,
     replicas: int,
     seed: int,
     threads: int | None = None,
@@ -90,6 +92,8 @@ def simulate(
         Datasets of /replicas.
     values : array (points, parameters)
         In SI units.
+    units : tuple of str, optional
+        SI units of the data, which have to be those of the datasets.
     replicas, seed, threads, progress
         As in `stiction.sweep`.
     floors : array (outcomes,) or float
@@ -121,7 +125,9 @@ def simulate(
     try:
         result = experiments.sweep(tables, axes, mode="zip", seed=seed, threads=threads, progress=progress)
     except SceneError as error:
-        raise SceneError(f"at a point of the priors: {error}") from None
+        # The scene that the program has is not the user's file.
+        told = re.sub(r"standard input: (line \d+: )?", "", str(error))
+        raise SceneError(f"at a point of the priors: {told}") from None
     group = result.group("replicas")
     columns = []
     for name, floor in zip(outcomes, np.broadcast_to(floors, len(outcomes)), strict=True):
@@ -130,6 +136,10 @@ def simulate(
         if squeezed is None or set(squeezed.dims) != {"point", "replica"}:
             known = [str(n) for n, v in group.data_vars.items() if set(v.dims) >= {"point", "replica"} and "separation" not in v.dims]
             raise SceneError(f"{name}: not one number of each patch of this scene; it has {', '.join(known)}")
+        own = quantities.plain_unit(str(squeezed.attrs["units"]))
+        if units is not None and units[outcomes.index(name)] != own:
+            given = units[outcomes.index(name)] or "no unit"
+            raise SceneError(f"{name}: the data have it in {given}, and it is one in {own or 'no unit'}: {name}{f' ({own})' if own else ''} is needed")
         numbers = np.maximum(squeezed.transpose("point", "replica").values, floor)
         if not (numbers > 0.0).all():
             share = 100.0 * float((~(numbers > 0.0)).mean())

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..plot.style import BLUE, GREY, VERMILION, dressed, inches, label, new_axes, scaled
-from .data import BELOW, EXACT
+from .data import ABOVE, BELOW, MISSING
 from .posterior import Inference
 
 __all__ = ["corner", "page", "predicted"]
@@ -115,20 +115,22 @@ def predicted(result: Inference, outcome: str | None = None, *, ax: Axes | None 
     name = outcome or str(result.attrs["outcomes"]).split(", ")[0]
     observed = result.data.observed_data
     values, kinds = observed[name].values, observed[f"{name}_kind"].values
-    known = (kinds == EXACT) | (kinds == BELOW)
+    known = kinds != MISSING
     replicated = result.data.posterior_predictive[name].values.reshape(-1, values.size)[:, known]
     factor, unit = scaled(str(observed[name].attrs["units"]), [np.median(values[known])])
-    # Limits stand at the limit, below all others.
-    ordered = np.sort(np.where(kinds[known] == BELOW, 0.0, values[known])) / factor
+    # Limits stand below all others, or above them.
+    places = np.select([kinds[known] == BELOW, kinds[known] == ABOVE], [0.0, np.inf], values[known])
+    ordered = np.sort(places) / factor
     shares = np.arange(1, ordered.size + 1) / ordered.size
     low, middle, high = np.quantile(np.sort(replicated, axis=1), [0.025, 0.5, 0.975], axis=0) / factor
     ax.fill_betweenx(shares, low, high, color=BLUE, alpha=0.25, lw=0, label="95 % of predictions")
     ax.plot(middle, shares, color=BLUE, label="median prediction")
-    resolved = ordered > 0.0
+    resolved = (ordered > 0.0) & np.isfinite(ordered)
     ax.plot(ordered[resolved], shares[resolved], "o", ms=2.5, color=VERMILION, label="measured")
-    if (limits := values[known & (kinds == BELOW)]).size:
-        ax.axvspan(0.0, limits.max() / factor, color=GREY, alpha=0.25, lw=0, label="below the resolution")
-    ax.set(xlabel=label(name.replace("_", " "), unit), ylabel="share of patches", ylim=(0.0, 1.02))
+    for kind, marker, share in ((BELOW, "<", 0.0), (ABOVE, ">", 1.0)):
+        if (limits := values[kinds == kind] / factor).size:
+            ax.plot(limits, np.full(limits.size, share), marker, ms=4, color=GREY, clip_on=False, label="below" if kind == BELOW else "above")
+    ax.set(xlabel=label(name.replace("_", " ").replace("pull off", "pull-off"), unit), ylabel="share of patches", ylim=(0.0, 1.02))
     ax.set_xlim(left=0.0)
     ax.legend(loc="lower right")
     p = np.atleast_1d(result.attrs["check_p_value"])[str(result.attrs["outcomes"]).split(", ").index(name)]

@@ -39,6 +39,8 @@ _POINTS = 32
 _MOST_BATCHES = 8
 # Patches of the Fisher information.
 _SCORED = 4000
+# Draws of the prior.
+_PRIOR = 20_000
 _FORMAT = "stiction-inference"
 
 
@@ -125,7 +127,7 @@ class Inference:
             verdict = "the model does not describe the data" if p < 0.01 else "the model may have made the data"
             rows.append(("check", f"{outcome}: p = {p:.3g}, {verdict}"))
         worst = self.summary()
-        rows.append(("chains", f"R̂ {worst.r_hat.max():.4f}, {worst.effective.min():.0f} effective draws, ends of intervals to {100 * worst.end_error.max():.2g} % of their width"))
+        rows.append(("chains", f"R̂ {worst.r_hat.max():.4f}, {worst.effective.min():.0f} effective draws, their error of the ends of intervals {100 * worst.end_error.max():.2g} % of the width"))
         rows.append(("density", f"{self.attrs['simulated_patches']} simulated patches, its error {100 * self.attrs['emulator_share']:.2g} % of the posterior's scatter (is in it)"))
         width = max(len(name) for name, _ in rows)
         return "\n".join(f"  {name:<{width}}  {text}" for name, text in rows)
@@ -212,7 +214,7 @@ def _inferred(
         of = int(next(seeds))
         return [
             simulate(
-                priors, measured.outcomes, values, replicas=replicas, seed=of, threads=threads, progress=progress, floors=measured.floors,
+                priors, measured.outcomes, values, units=measured.units, replicas=replicas, seed=of, threads=threads, progress=progress, floors=measured.floors,
                 conditions=group.conditions,
             )
             for group in measured.groups
@@ -264,7 +266,7 @@ def _result(
     count, draws, dimensions = chains.z.shape
     values = priors.of_scores(chains.z.reshape(-1, dimensions))
     flat = priors.natural(values)
-    drawn = priors.of_scores(random.standard_normal((4000, dimensions)))
+    drawn = priors.of_scores(random.standard_normal((_PRIOR, dimensions)))
     before = priors.natural(drawn)
     groups = measured.groups
     pieces = np.array_split(values, max(len(values) // 200, 1))
@@ -301,6 +303,8 @@ def _result(
     for name, unit in zip(measured.outcomes, measured.units, strict=True):
         for of in (data.observed_data, data.posterior_predictive):
             of[name].attrs["units"] = unit
+        data.observed_data[f"{name}_error"].attrs["units"] = unit
+        data.observed_data[f"{name}_kind"].attrs["flag_meanings"] = "0 number, 1 below it, 2 above it, 3 not measured"
     data.posterior.attrs.update(
         format=_FORMAT, format_version="1.0", title=str(priors.tables.get("title", "")), scene=toml(priors.tables), outcomes=", ".join(measured.outcomes),
         patches=measured.size, check_p_value=check_p_values(emulator, groups, values, random), acceptance=chains.acceptance,
@@ -393,7 +397,10 @@ def models(results: Mapping[str, Inference]) -> pd.DataFrame:
     """
     if len({result.data.observed_data.sizes["patch_number"] for result in results.values()}) > 1:
         raise SceneError("models are compared with the same data only")
-    return arviz.compare({name: result.data for name, result in results.items()}, ic="loo")
+    with warnings.catch_warnings():
+        # The table says it, in its column.
+        warnings.simplefilter("ignore")
+        return arviz.compare({name: result.data for name, result in results.items()}, ic="loo")
 
 
 def open_inference(path: str | os.PathLike[str]) -> Inference:

@@ -29,7 +29,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("-o", "--output", type=Path, metavar="OUT.h5",
                         help="the file; by default the name of the scene with _sensitivity.h5, in this folder")  # fmt: skip
     parser.add_argument("--samples", type=int, default=512, metavar="N",
-                        help="rows of the design, a power of 2; N (k + 2) points of k keys; by default 512")  # fmt: skip
+                        help="rows of the design, a power of 2 from 128 on; N (k + 2) points of k keys; by default 512")  # fmt: skip
     parser.add_argument("--replicas", type=int, metavar="N", help="patches at each point, in the place of the scene's")
     parser.add_argument("--seed", type=int, metavar="N", help="seed, in the place of the scene's")
     parser.add_argument("--threads", type=int, metavar="N", help="threads; by default one per core")
@@ -74,7 +74,7 @@ def told(found: xarray.Dataset) -> str:
         one = found.sel(quantity=name)
         unit = str(one["unit"].item())
         mean, std = (quantities.si(one[what], unit) for what in ("mean", "standard_deviation"))
-        lines.append(f"\n  {QUANTITIES[str(name)][0]}: {mean}, and one patch scatters by {std}")
+        lines.append(f"\n  {QUANTITIES[str(name)][0]}: {mean}; standard deviation of one patch, by numbers and by chance, {std}")
         lines.append(f"    {'':{width}}{'first order':26}total")
         for key in found["key"].values:
             of = one.sel(key=key)

@@ -178,6 +178,23 @@ def test_the_end_of_a_range_is_said_and_what_is_nowhere_rare_refused():
         design(scene, 1e-6, above=0.5 * ONE, error=0.2)
 
 
+def test_what_never_or_always_happens_is_said(tmp_path, capsys):
+    """No patch pulls harder than all its asperities at once; the 256 patches of the pilot all pull at least almost nothing; and a search goes on from an end where nothing happens."""
+    assert Patches(extremes(9.0)).probability(1.0).value == 0.0
+    path = tmp_path / "scene.toml"
+    path.write_text(stiction.scenes.toml({"format": 1, **extremes(3.0)}), encoding="utf-8")
+    for above, said in (("1 N", "none, or rarer than"), ("0.1 fN", "at least 0.986, as all of 256 patches are such")):
+        assert command.main([str(path), "--above", above]) == 0
+        assert said in capsys.readouterr().out
+    scene = extremes(3.0, area="10 um^2")
+    scene["material"]["work_of_adhesion"] = {"prior": "log_uniform", "from": "0.01 mJ/m^2", "to": "100 mJ/m^2"}
+    # As many asperities as are above h in less than 1e-3 of the patches: one less must not pull 1 µN.
+    least = int(stats.binom(85, stats.norm.sf(3.0 / SIGMA)).isf(1e-3)) + 1
+    found = design(scene, 1e-3, above="1 uN", error=0.2)
+    assert 0.0 in [of.value for _, of in found.tried]
+    assert found.value == pytest.approx(1e-6 / ((least - 1) * ONE / 0.01), rel=0.05)
+
+
 def test_the_command_says_what_was_found(tmp_path, capsys):
     scene = tmp_path / "scene.toml"
     scene.write_text((CONFIGS / "quick.toml").read_text(encoding="utf-8"), encoding="utf-8")
@@ -216,7 +233,7 @@ def test_what_cannot_be_tilted_is_refused_by_name(table, key, value, told):
         ({"above": "1 uN", "below": "1 uN"}, "above, below: one of them"),
         ({"above": "5 um"}, "above = '5 um': a force"),
         ({"above": "1 uN", "error": 2.0}, "error = 2.0"),
-        ({"above": "1 N"}, "no patch pulls harder than"),
+        ({"above": "0 N"}, "above = '0 N': a force greater than 0"),
     ],
 )
 def test_what_is_wrong_is_named(arguments, told):

@@ -119,6 +119,8 @@ def _message(told: Sequence[str]) -> str:
     for option, argument in _ARGUMENTS.items():
         text = text.replace(option, argument)
     text = re.sub(r"(?<!\S)--set (?=\S)", "", text)
+    # So tables are handed over; nobody has seen their lines.
+    text = re.sub(r"standard input: (line \d+: )?", "", text)
     text = re.sub(r"(?<![\w-])--([a-z][a-z-]*)", lambda found: found[1].replace("-", "_"), text)
     return text.removeprefix("stiction: ").removeprefix("error: ")
 

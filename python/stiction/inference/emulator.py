@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -125,9 +124,7 @@ def simulate(
     try:
         result = experiments.sweep(tables, axes, mode="zip", seed=seed, threads=threads, progress=progress)
     except SceneError as error:
-        # The scene that the program has is not the user's file.
-        told = re.sub(r"standard input: (line \d+: )?", "", str(error))
-        raise SceneError(f"at a point of the priors: {told}") from None
+        raise SceneError(f"at a point of the priors: {error}") from None
     group = result.group("replicas")
     columns = []
     for name, floor in zip(outcomes, np.broadcast_to(floors, len(outcomes)), strict=True):

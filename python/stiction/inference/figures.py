@@ -19,7 +19,7 @@ _SHARES = (0.5, 0.9)
 
 @dressed
 def page(result: Inference, width: str | float | None = None) -> Figure:
-    """The corner plot, and in its upper right the first outcome against its prediction."""
+    """The corner plot, and in its upper right the outcomes against their predictions."""
     from matplotlib import pyplot
 
     size, count = inches(width or 180), len(result.names)
@@ -28,7 +28,10 @@ def page(result: Inference, width: str | float | None = None) -> Figure:
     _corner(result, figure, grid)
     # Free are the cells above the diagonal, of a single parameter the one beside it.
     half = max(count // 2, 1)
-    predicted(result, ax=figure.add_subplot(grid[: max(count - half, 1), -half:]))
+    outcomes = str(result.attrs["outcomes"]).split(", ")
+    free = grid[: max(count - half, 1), -half:].subgridspec(len(outcomes), 1)
+    for row, outcome in enumerate(outcomes):
+        predicted(result, outcome, ax=figure.add_subplot(free[row]))
     return figure
 
 
@@ -66,9 +69,11 @@ def _corner(result: Inference, figure: Figure, grid: Any) -> None:
             ax = figure.add_subplot(grid[row, column])
             if row == column:
                 first, last = ranges[row]
-                bins: Any = np.geomspace(first, last, 40) if logs[row] else np.linspace(first, last, 40)
+                bins: Any = np.geomspace(first, last, 41) if logs[row] else np.linspace(first, last, 41)
                 ax.hist(values[row], bins, density=True, histtype="stepfilled", color=BLUE, alpha=0.35)
-                ax.hist(priors[row], bins, density=True, histtype="step", color=GREY)
+                # Wider bins, as few draws of a wide prior are within the range; its share outside is not drawn.
+                counts, edges = np.histogram(priors[row], bins[::4])
+                ax.stairs(counts / (priors[row].size * np.diff(edges)), edges, color=GREY)
                 low, middle, high = np.quantile(values[row], [0.025, 0.5, 0.975])
                 for at in (low, high):
                     ax.axvline(at, color=VERMILION, lw=0.8, ls=":")
@@ -132,7 +137,7 @@ def predicted(result: Inference, outcome: str | None = None, *, ax: Axes | None 
             ax.plot(limits, np.full(limits.size, share), marker, ms=4, color=GREY, clip_on=False, label="below" if kind == BELOW else "above")
     ax.set(xlabel=label(name.replace("_", " ").replace("pull off", "pull-off"), unit), ylabel="share of patches", ylim=(0.0, 1.02))
     ax.set_xlim(left=0.0)
-    ax.legend(loc="lower right")
+    ax.legend(loc="best")
     p = np.atleast_1d(result.attrs["check_p_value"])[str(result.attrs["outcomes"]).split(", ").index(name)]
     ax.set_title(f"check: p = {p:.2g}", loc="left")
     return ax

@@ -168,6 +168,11 @@ impl Elastic {
         }
     }
 
+    /// θ at the end of the stable contact branch.
+    pub fn contact_angle(&self) -> f64 {
+        self.contact_angle
+    }
+
     /// Δ at the end of the stable contact branch.
     pub fn contact_fold(&self) -> f64 {
         self.contact_end

@@ -50,14 +50,16 @@ pub enum LawError {
         "it is a fit to one radius, so tops that have flowed have to keep it: unloading = \"ekk\", unloaded_radius = \"kept\""
     )]
     NotFlattened,
-    /// The law has a plastic contact for which the unloading was not computed.
+    /// The unloading is of other contacts than those of the law.
     #[error(
-        "the unloading of Etsion, Kligerman and Kadin (2005), \"ekk\", is of Kogut and Etsion's plastic contact, and not of that \
-         of {law}; of any are \"secant\", \"mesarovic_johnson\" and \"thornton_ning\""
+        "\"{unloading}\" is not an unloading of the law {law}: \"flattened_top\" is that of md_plastic alone, \"ekk\" (Etsion, \
+         Kligerman and Kadin 2005) of laws with Kogut and Etsion's plastic contact; the others are of any law but md_plastic"
     )]
     NoUnloading {
         /// Name of the law.
         law: &'static str,
+        /// Name of the unloading.
+        unloading: &'static str,
     },
     /// The published forms cannot be fitted to the direct law.
     #[error("the published forms cannot be fitted to the law of this asperity")]

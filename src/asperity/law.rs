@@ -45,6 +45,11 @@ impl Regime {
         !matches!(self, Self::Noncontact | Self::Lubricant | Self::Bridge)
     }
 
+    /// Whether the contact flows.
+    pub fn is_plastic(self) -> bool {
+        matches!(self, Self::Elastoplastic1 | Self::Elastoplastic2 | Self::Plastic)
+    }
+
     /// The regime of a name.
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|regime| regime.name() == name)

@@ -203,7 +203,9 @@ impl Memory<'_> {
                     ..plain(Source::Unloading, opening + residual, largest, 1)
                 });
             }
-            (Springback::Elastic(_), _) => contact.push(plain(Source::Unloading, end, largest, UNLOADING)),
+            (Springback::Elastic(_) | Springback::Flattened, _) => {
+                contact.push(plain(Source::Unloading, end, largest, UNLOADING))
+            }
             _ => {
                 contact.push(plain(Source::Bare, end, residual, UNLOADING));
                 contact.push(plain(Source::Unloading, residual, largest, UNLOADING));

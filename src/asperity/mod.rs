@@ -22,6 +22,7 @@ mod error;
 #[doc(hidden)]
 pub mod family;
 mod far;
+mod flattened;
 mod folds;
 #[doc(hidden)]
 pub mod formula;
@@ -65,6 +66,7 @@ pub use law::{
     for_each_block_of, regime_ranges,
 };
 pub use law::{Law, Regime};
+pub use laws::md_plastic::PlasticContact;
 pub use models::{MODELS, Model, Validity, model};
 #[doc(hidden)]
 pub use parameters::InnerState;

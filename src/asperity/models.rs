@@ -4,8 +4,10 @@
 use super::error::LawError;
 use super::history::Path;
 use super::law::{Law, Responses};
+use super::laws::md_plastic::PlasticContact;
 use super::laws::{
-    capillary, ceb, dmt, emd, fit, hertz, hybrid, idmt, isbl, jg, jkr, kogut_etsion, md, md_kim, sbl, tn, zmc,
+    capillary, ceb, dmt, emd, fit, hertz, hybrid, idmt, isbl, jg, jkr, kogut_etsion, md, md_kim, md_plastic,
+    sbl, tn, zmc,
 };
 use super::parameters::LawParameters;
 use super::stats::SolverStats;
@@ -20,6 +22,8 @@ enum Build {
     Wet(Wet),
     /// The liquid in its bridge.
     Content,
+    /// Of an asperity with a plastic contact that is chosen.
+    Flowing(Flowing),
 }
 
 /// A law by name.
@@ -45,6 +49,8 @@ pub struct Model {
     pub validity: Validity,
     /// The liquid that condenses around asperities, of a law that knows one.
     meniscus: Option<Meniscus>,
+    /// The plastic contact, of a law that takes any.
+    pub(crate) contact: PlasticContact,
     build: Build,
 }
 
@@ -64,7 +70,18 @@ impl Model {
             Build::Plain(build) => build(parameters),
             Build::Wet(build) => build(parameters, self.needed()?),
             Build::Content => capillary::content(parameters, self.needed()?),
+            Build::Flowing(build) => build(parameters, self.contact),
         }
+    }
+
+    /// The law with a plastic contact, of which it makes nothing where it has one of its own.
+    pub fn with_contact(self, contact: PlasticContact) -> Self {
+        Self { contact, ..self }
+    }
+
+    /// The plastic contact of a law that takes any; none of one that has its own, or none.
+    pub fn contact(&self) -> Option<PlasticContact> {
+        matches!(self.build, Build::Flowing(_)).then_some(self.contact)
     }
 
     /// The law with a liquid, of which it makes nothing where it is not for one.
@@ -98,7 +115,7 @@ impl Model {
     #[doc(hidden)]
     pub fn admits(&self, parameters: &LawParameters) -> Result<(), LawError> {
         match self.build {
-            Build::Plain(_) => Ok(()),
+            Build::Plain(_) | Build::Flowing(_) => Ok(()),
             Build::Wet(_) | Build::Content => capillary::Parts::new(parameters, self.needed()?).map(drop),
         }
     }
@@ -165,6 +182,8 @@ pub enum Plasticity {
     KogutEtsion,
     /// Another.
     Other,
+    /// Any, under an adhesion that follows the flattened top.
+    FlattenedTop,
 }
 
 /// Range of adhesion parameters λ that a law is for.
@@ -239,20 +258,31 @@ const fn validity(adhesion: Adhesion, plasticity: Plasticity, dry: bool) -> Vali
 
 type Plain = fn(&LawParameters) -> Result<Box<dyn Law>, LawError>;
 type Wet = fn(&LawParameters, &Meniscus) -> Result<Box<dyn Law>, LawError>;
+type Flowing = fn(&LawParameters, PlasticContact) -> Result<Box<dyn Law>, LawError>;
+
+const fn model_of(name: &'static str, about: &'static str, validity: Validity, build: Build) -> Model {
+    Model { name, about, validity, meniscus: None, contact: PlasticContact::JacksonGreen, build }
+}
 
 const fn law(name: &'static str, about: &'static str, validity: Validity, build: Plain) -> Model {
-    Model { name, about, validity, meniscus: None, build: Build::Plain(build) }
+    model_of(name, about, validity, Build::Plain(build))
 }
 
 const fn wet(name: &'static str, about: &'static str, validity: Validity, build: Wet) -> Model {
-    Model { name, about, validity, meniscus: None, build: Build::Wet(build) }
+    model_of(name, about, validity, Build::Wet(build))
 }
 
-use Plasticity::{KogutEtsion, Other, Without};
+const fn flowing(name: &'static str, about: &'static str, validity: Validity, build: Flowing) -> Model {
+    model_of(name, about, validity, Build::Flowing(build))
+}
+
+use Plasticity::{FlattenedTop, KogutEtsion, Other, Without};
 
 /// All laws. `hertz` is the law of one asperity, `gw` the rough surface of such asperities.
 #[rustfmt::skip]
 pub const MODELS: &[Model] = &[
+    flowing("md_plastic", "extended Maugis-Dugdale, also around the flattened tops of contacts that have flowed",
+        validity(Adhesion::Any, FlattenedTop, false), md_plastic::md_plastic),
     law("hybrid", "extended Maugis-Dugdale up to the critical interference, Kogut-Etsion above",
         validity(Adhesion::Any, KogutEtsion, false), hybrid::hybrid),
     law("emd", "extended Maugis-Dugdale up to the critical interference, no force above",

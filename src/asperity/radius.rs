@@ -62,6 +62,11 @@ impl<'a> Lanes<'a> {
         Self { all, which }
     }
 
+    /// The lanes from one on.
+    pub fn from(&self, first: usize) -> Self {
+        Self { which: &self.which[first..], ..*self }
+    }
+
     /// The asperity of a lane.
     #[inline(always)]
     pub fn at(&self, lane: usize) -> &'a Lane {

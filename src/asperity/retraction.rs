@@ -31,13 +31,15 @@ impl Loop {
         let slope: Box<dyn Fn(f64) -> f64 + '_> = match &self.springback {
             Springback::Powers(plastic) => Box::new(|largest| plastic.slope(largest)),
             _ => Box::new(|largest| {
-                (self.recovery(largest * (1.0 + STEP)) - self.recovery(largest)) / (STEP * largest)
+                let step = STEP * largest.abs().max(self.onset.abs());
+                (self.recovery(largest + step) - self.recovery(largest)) / step
             }),
         };
-        let mut high = 2.0 * low;
-        while beyond(high) > 0.0 && high.is_finite() {
-            high *= 2.0;
+        let mut reach = low.abs();
+        while beyond(low + reach) > 0.0 && reach.is_finite() {
+            reach = 2.0 * reach + low.abs();
         }
+        let high = low + reach;
         let sample = |largest: f64| Sample { value: beyond(largest), slope: -slope(largest) };
         let close = |_: f64, sample: Sample| sample.value.abs() <= 2.0 * f64::EPSILON * wanted;
         safe_newton(sample, low, high, high, close).x
@@ -238,7 +240,7 @@ impl<'a> Retraction<'a> {
                 let unloaded = plastic.recovered_from(distance);
                 (unloaded, None, root(unloaded))
             }
-            Springback::Elastic(_) => (limits.0, None, root(self.lost)),
+            Springback::Elastic(_) | Springback::Flattened => (limits.0, None, root(self.lost)),
             Springback::Punch(_) => {
                 let opening = |largest: f64| cycle.opening(largest);
                 (cycle.passing(distance, opening), Some(root(self.lost)), Smoothness::Smooth)
@@ -253,8 +255,7 @@ impl<'a> Retraction<'a> {
     /// Pieces of lowered tops of radii of their own: between jumps of the radius, and on both sides of a jump
     /// of the attraction.
     fn flattened(&self, index: usize, (lower, upper): (f64, f64)) -> Vec<Piece> {
-        let mut ends: Vec<f64> =
-            self.cycle.approach.boundaries().iter().map(|end| end.interference).collect();
+        let mut ends: Vec<f64> = self.cycle.approach.pieces().iter().map(|piece| piece.upper).collect();
         ends.retain(|end| lower < *end && *end < upper);
         ends.push(upper);
         let mut pieces = Vec::new();

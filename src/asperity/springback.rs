@@ -7,6 +7,7 @@
 //! |---|---|---|---|
 //! | Etsion, Kligerman and Kadin | R, or 4E_r a³/(3P) | `plastic_unloading` | powers, F_s as it was |
 //! | secant | 4E_r a³/(3P) | 3P/(4E_r a) | the law's elastic contact with R′ |
+//! | flattened top | 4E_r a³/(3P) | δ of the law's elastic contact with R′ where its radius is a | the law's elastic contact with R′ |
 //! | Thornton and Ning | 4E_r a³/(3P) | 3P/(4E_r a) | JKR's contact with R′ |
 //! | Mesarovic and Johnson | πE_r a³/P | 2P/(πE_r a) | `decohesion`, p₀ = P/(πa²) |
 //!
@@ -15,6 +16,7 @@
 //! 3.4).
 
 use super::decohesion::Decohesion;
+use super::flattened::Flattened;
 use super::law::{BLOCK, End, Law, Regime, Responses, Smoothness};
 use super::plastic_unloading::PlasticUnloading;
 use super::radius::{Lane, Lanes, OfRadii, RadiusLaw};
@@ -41,6 +43,8 @@ pub(super) enum Springback {
     Powers(PlasticUnloading),
     /// As elastic contacts: of the law on retraction, or of a law of their own.
     Elastic(Option<Arc<dyn Law>>),
+    /// As the elastic contact of the law on retraction, from the state that it had.
+    Flattened,
     /// As punches whose edges open; the law is that of elastic contacts which end alike.
     Punch(Arc<dyn Law>),
 }
@@ -63,17 +67,28 @@ impl Springback {
         match self {
             Self::Powers(plastic) => Self::Powers(plastic.of_radius(lane.ratio)),
             Self::Elastic(law) => Self::Elastic(law.as_ref().map(own)),
+            Self::Flattened => Self::Flattened,
             Self::Punch(law) => Self::Punch(own(law)),
         }
     }
 
-    /// The top of a contact of a load, N, and an area, m², at ω_max; but for the recovery along powers.
-    pub fn top(&self, scale: &Scale, load: f64, area: f64) -> Top {
+    /// The top of the contact of a lane of responses at ω_max; but for the recovery along powers.
+    pub fn top(&self, scale: &Scale, out: &Responses, lane: usize) -> Top {
+        self.top_of(scale, [out.adhesion[lane], out.contact[lane], out.area[lane]])
+    }
+
+    /// The top of a contact of F_s, N, P, N, and the area, m², at ω_max; but for the recovery along powers.
+    pub fn top_of(&self, scale: &Scale, [adhesion, load, area]: [f64; 3]) -> Top {
         let radius = (area / PI).sqrt() / scale.radius;
         let ratio = scale.force * radius * radius * radius / load;
         let recovery = scale.length * radius * radius / ratio;
         match self {
             Self::Powers(_) | Self::Elastic(_) => Top { recovery, ratio, adhesion: 0.0 },
+            Self::Flattened => {
+                let contact = Flattened { lambda: scale.lambda, radius, load: load / scale.force };
+                let recovery = scale.length * contact.displacement(adhesion / scale.force);
+                Top { recovery, ratio, adhesion: 0.0 }
+            }
             Self::Punch(_) => Top {
                 recovery: 8.0 / (3.0 * PI) * recovery,
                 ratio: 0.75 * PI * ratio,
@@ -87,7 +102,7 @@ impl Springback {
     pub fn contact<'a>(&'a self, law: &'a dyn Law) -> &'a dyn Law {
         match self {
             Self::Elastic(Some(own)) | Self::Punch(own) => own.as_ref(),
-            Self::Powers(_) | Self::Elastic(None) => law,
+            Self::Powers(_) | Self::Elastic(None) | Self::Flattened => law,
         }
     }
 
@@ -95,7 +110,7 @@ impl Springback {
     pub fn release(&self, law: &dyn Law, top: &Top, lane: &Lane) -> f64 {
         match self {
             Self::Punch(_) => top.recovery * (1.0 - Decohesion::new(top.adhesion).end()),
-            _ => limits(self.contact(law), first_contact(self.contact(law)), lane)[0],
+            _ => lower_limit(self.contact(law), first_contact(self.contact(law)), lane),
         }
     }
 
@@ -103,7 +118,7 @@ impl Springback {
     pub fn kink(&self, top: &Top) -> f64 {
         match self {
             Self::Powers(_) => 0.0,
-            Self::Elastic(_) => f64::NAN,
+            Self::Elastic(_) | Self::Flattened => f64::NAN,
             Self::Punch(_) => top.recovery * (1.0 - top.adhesion),
         }
     }
@@ -132,7 +147,7 @@ impl Springback {
         if let Self::Powers(plastic) = self {
             return plastic.unload(largest, |_| distance, out);
         }
-        let top = |i: usize| self.top(scale, out.contact[i], out.area[i]);
+        let top = |i: usize| self.top(scale, out, i);
         let tops: Vec<Top> = (0..largest.len()).map(top).collect();
         let lanes: Vec<Lane> = tops.iter().map(|top| lane(top.ratio)).collect();
         self.unload_tops((law, &tops, &lanes), distance, out, stats);
@@ -148,7 +163,7 @@ impl Springback {
     ) {
         match self {
             Self::Powers(_) => unreachable!("powers have no tops"),
-            Self::Elastic(_) => {
+            Self::Elastic(_) | Self::Flattened => {
                 let contact = self.contact(law);
                 let mut own = [0.0; BLOCK];
                 let own = &mut own[..tops.len()];
@@ -180,19 +195,18 @@ pub(super) fn of_radii(law: &dyn Law) -> &dyn OfRadii {
     law.of_radii().expect("tops of radii of their own are of a law that follows the radius")
 }
 
-/// The interferences, m, between which an asperity is in a regime.
-fn limits(law: &dyn Law, regime: usize, lane: &Lane) -> [f64; 2] {
-    let end = |regime: usize| of_radii(law).end(regime, lane);
-    let lower = regime.checked_sub(1).and_then(end).unwrap_or(f64::NEG_INFINITY);
-    [lower, end(regime).unwrap_or(f64::INFINITY)]
+/// The interference, m, from which an asperity is in a regime.
+fn lower_limit(law: &dyn Law, regime: usize, lane: &Lane) -> f64 {
+    regime.checked_sub(1).and_then(|below| of_radii(law).end(below, lane)).unwrap_or(f64::NEG_INFINITY)
 }
 
 /// Has interferences, m, of asperities lie in a regime, or above it up to `beyond`, m: neither rounding nor a contact that
 /// ends earlier than the law's own may lead out of it.
 pub(super) fn within(law: &dyn Law, regime: usize, lanes: &[Lane], interference: &mut [f64], beyond: f64) {
     for (delta, lane) in interference.iter_mut().zip(lanes) {
-        let [lower, upper] = limits(law, regime, lane);
-        *delta = delta.max(lower).min(upper.max(beyond));
+        let upper = || of_radii(law).end(regime, lane).unwrap_or(f64::INFINITY);
+        let upper = if beyond == f64::INFINITY { beyond } else { upper().max(beyond) };
+        *delta = delta.max(lower_limit(law, regime, lane)).min(upper);
     }
 }
 

@@ -46,7 +46,7 @@
 
 use super::error::LawError;
 use super::history::Path;
-use super::law::{End, Law, Regime, Responses, Smoothness};
+use super::law::{End, Law, Responses, Smoothness};
 use super::models::{Model, Plasticity, model};
 use super::parameters::{InnerState, LawParameters};
 use super::plastic_unloading::PlasticUnloading;
@@ -81,15 +81,18 @@ pub enum Unloading {
     MesarovicJohnson,
     /// As the JKR contact of the sphere of the secant.
     ThorntonNing,
+    /// As the elastic contact that the law `md_plastic` has at the largest load, which nothing leaves abruptly.
+    FlattenedTop,
 }
 
 impl Unloading {
     /// All of them, the first with tops that keep their radius, with their names.
-    pub const ALL: [(&'static str, Self); 4] = [
+    pub const ALL: [(&'static str, Self); 5] = [
         ("ekk", Self::EtsionKligermanKadin(UnloadedRadius::Kept)),
         ("secant", Self::Secant),
         ("mesarovic_johnson", Self::MesarovicJohnson),
         ("thornton_ning", Self::ThorntonNing),
+        ("flattened_top", Self::FlattenedTop),
     ];
 
     /// The unloading of a law where none is chosen.
@@ -97,6 +100,7 @@ impl Unloading {
         match model.validity.plasticity {
             Plasticity::Without | Plasticity::KogutEtsion => UnloadedRadius::Kept.into(),
             Plasticity::Other => Self::Secant,
+            Plasticity::FlattenedTop => Self::FlattenedTop,
         }
     }
 
@@ -113,7 +117,11 @@ impl Unloading {
 
     /// Whether it is for the contacts of a law.
     pub fn suits(self, model: &Model) -> bool {
-        !(matches!(self, Self::EtsionKligermanKadin(_)) && model.validity.plasticity == Plasticity::Other)
+        match model.validity.plasticity {
+            Plasticity::Without | Plasticity::KogutEtsion => self != Self::FlattenedTop,
+            Plasticity::Other => !matches!(self, Self::EtsionKligermanKadin(_) | Self::FlattenedTop),
+            Plasticity::FlattenedTop => self == Self::FlattenedTop,
+        }
     }
 
     /// The radius of tops that have flowed, once their contact has ended.
@@ -225,7 +233,7 @@ impl Loop {
     ) -> Result<Self, LawError> {
         let unloading = unloading.into();
         if !unloading.suits(model) {
-            return Err(LawError::NoUnloading { law: model.name });
+            return Err(LawError::NoUnloading { law: model.name, unloading: unloading.name() });
         }
         let back = match parameters.inner_state {
             InnerState::Ignored => InnerState::Ignored,
@@ -236,7 +244,7 @@ impl Loop {
         let [approach, retraction]: [Arc<dyn Law>; 2] = [approach?.into(), retraction?.into()];
         let regimes = approach.regimes();
         let first_contact = first_contact(approach.as_ref());
-        let first_plastic = regimes.iter().position(|regime| is_plastic(*regime)).unwrap_or(regimes.len());
+        let first_plastic = regimes.iter().position(|regime| regime.is_plastic()).unwrap_or(regimes.len());
         let own_radii = unloading.radius() == UnloadedRadius::Elastic && first_plastic < regimes.len();
         if own_radii && (model.is_fit() || retraction.of_radii().is_none()) {
             return Err(LawError::NotFlattened);
@@ -261,7 +269,7 @@ impl Loop {
     /// The interference, m, from which the recovery is not more than ω_max.
     fn find_onset(&self) -> f64 {
         let critical = self.critical();
-        if !self.flows() || matches!(self.springback, Springback::Powers(_)) {
+        if !self.flows() || matches!(self.springback, Springback::Powers(_) | Springback::Flattened) {
             return critical;
         }
         let more = |largest: f64| self.top_of(largest).recovery - largest;
@@ -489,7 +497,7 @@ impl Loop {
             let end = begin + largest[begin..].iter().take_while(|largest| regime(**largest) == own).count();
             self.approach.evaluate(own, &largest[begin..end], out, stats);
             for (i, place) in (begin..end).enumerate() {
-                tops[place] = self.springback.top(&self.scale, out.contact[i], out.area[i]);
+                tops[place] = self.springback.top(&self.scale, out, i);
             }
             begin = end;
         }
@@ -530,6 +538,7 @@ fn springback(unloading: Unloading, parameters: &LawParameters) -> Result<Spring
             Springback::Powers(PlasticUnloading::new(parameters.critical_interference, deepest))
         }
         Unloading::Secant => Springback::Elastic(None),
+        Unloading::FlattenedTop => Springback::Flattened,
         Unloading::ThorntonNing => Springback::Elastic(Some(jkr()?.into())),
         Unloading::MesarovicJohnson => Springback::Punch(jkr()?.into()),
     })
@@ -544,9 +553,4 @@ fn capture_of(approach: &dyn Law, first_contact: usize) -> f64 {
 /// Interference at which a regime begins, m.
 pub(super) fn begin_of(law: &dyn Law, regime: usize) -> f64 {
     if regime == 0 { f64::NEG_INFINITY } else { law.boundaries()[regime - 1].interference }
-}
-
-/// Whether a regime is above ω_c.
-fn is_plastic(regime: Regime) -> bool {
-    matches!(regime, Regime::Elastoplastic1 | Regime::Elastoplastic2 | Regime::Plastic)
 }

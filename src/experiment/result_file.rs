@@ -129,6 +129,9 @@ pub(crate) fn write_parameters(writer: &Writer<'_>, scene: &Scene) -> Result<(),
 pub(crate) fn write_scene(writer: &mut Writer<'_>, scene: &Scene) -> Result<(), OutputError> {
     write_about(writer, &scene.title, &scene.text)?;
     writer.text("/", "history", scene.history_name())?;
+    if let Some(contact) = scene.model.contact() {
+        writer.text("/", "plastic_contact", contact.name())?;
+    }
     if scene.cycle {
         writer.text("/", "unloading", scene.unloading.name())?;
         writer.text("/", "unloaded_radius", scene.unloading.radius().name())?;

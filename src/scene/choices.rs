@@ -25,6 +25,8 @@ pub(super) const HISTORIES: [(&str, (Path, bool)); 3] = [
 ];
 /// Name of the history of approach and retraction.
 pub(super) const LOOP: &str = "loop";
+/// The law of loops that name none.
+pub(super) const LOOP_LAW: &str = "md_plastic";
 
 /// Poisson ratios of stable solids.
 pub(super) const POISSON_RATIOS: (Bound<f64>, Bound<f64>) = (Bound::Excluded(-1.0), Bound::Included(0.5));

@@ -155,7 +155,8 @@ impl Scene {
     /// # Errors
     /// [`LawError`] when the law cannot be made for them.
     pub fn law_of(&self, model: &Model) -> Result<SurfaceLaws, LawError> {
-        let model = self.model.meniscus().map_or(*model, |meniscus| model.with_liquid(*meniscus));
+        let model = model.with_contact(self.model.contact);
+        let model = self.model.meniscus().map_or(model, |meniscus| model.with_liquid(*meniscus));
         let typical = model.law(&self.parameters()?)?;
         let family = || Family::new(model, self.asperity, self.history, RADIUS_RANGE);
         Ok(SurfaceLaws { typical, family: self.surface.is_polydisperse().then(family).transpose()? })

@@ -2,7 +2,7 @@
 
 use super::background::BackgroundSections;
 use super::capillary::{capillary, wet};
-use super::choices::{FORMAT, HISTORIES, SUM_TOLERANCE, SUM_TOLERANCES, SUMS};
+use super::choices::{FORMAT, HISTORIES, LOOP_LAW, SUM_TOLERANCE, SUM_TOLERANCES, SUMS};
 use super::definition::Scene;
 use super::error::{SceneError, Together};
 use super::files::{Files, with_inputs};
@@ -16,7 +16,7 @@ use super::units::Dimension;
 use super::{separation, stopping};
 use crate::asperity::models::{MODELS, Model, PUBLISHED_FITS};
 use crate::asperity::scale::{Scale, UNIT_RANGE};
-use crate::asperity::{LawError, LawParameters, Path, UnloadedRadius, Unloading};
+use crate::asperity::{LawError, LawParameters, Path, PlasticContact, UnloadedRadius, Unloading, model};
 use crate::engine::Stopping;
 use crate::surface::{CountLaw, SamplingScheme};
 
@@ -207,8 +207,8 @@ fn unloading(section: &Section<'_>, law: Option<&Model>, cycle: bool) -> Result<
         None => None,
     };
     let Some(law) = law else { return Ok(UnloadedRadius::default().into()) };
-    if let Some((entry, _)) = unloading.filter(|(_, unloading)| !unloading.suits(law)) {
-        return Err(entry.wrong(&LawError::NoUnloading { law: law.name }.to_string()));
+    if let Some((entry, own)) = unloading.filter(|(_, unloading)| !unloading.suits(law)) {
+        return Err(entry.wrong(&LawError::NoUnloading { law: law.name, unloading: own.name() }.to_string()));
     }
     match (unloading.map_or_else(|| Unloading::of(law), |(_, unloading)| unloading), radius) {
         (Unloading::EtsionKligermanKadin(_), Some((_, radius))) => Ok(radius.into()),
@@ -218,6 +218,19 @@ fn unloading(section: &Section<'_>, law: Option<&Model>, cycle: bool) -> Result<
         ))),
         (own, None) => Ok(own),
     }
+}
+
+/// The law with the plastic contact that is chosen for it.
+fn plastic_contact(section: &Section<'_>, law: Model) -> Result<Model, SceneError> {
+    let Some(entry) = section.get("plastic_contact") else { return Ok(law) };
+    let contact = entry.choice("plastic_contact", &PlasticContact::ALL)?;
+    if law.contact().is_none() {
+        return Err(entry.wrong(&format!(
+            "the law {} has no contact to choose; law = \"{LOOP_LAW}\" takes any of them",
+            law.name
+        )));
+    }
+    Ok(law.with_contact(contact))
 }
 
 /// The table `[model]`: law and history.
@@ -232,8 +245,13 @@ struct ModelTable {
 impl ModelTable {
     fn read(section: &Section<'_>) -> Result<Self, SceneError> {
         let models: Vec<(&str, Model)> = MODELS.iter().map(|model| (model.name, *model)).collect();
-        let law = section.require("law").and_then(|law| law.choice("law", &models));
         let history = section.optional("history", |entry| entry.choice("history", &HISTORIES));
+        let is_loop = history.as_ref().is_ok_and(|history| history.is_some_and(|(_, cycle)| cycle));
+        let law = match section.get("law") {
+            None if is_loop => Ok(model(LOOP_LAW).expect("the law of loops is one of the registry")),
+            _ => section.require("law").and_then(|law| law.choice("law", &models)),
+        };
+        let law = law.and_then(|law| plastic_contact(section, law));
         let critical_approach = match &law {
             Ok(law) => critical_approach(section, law),
             Err(_) => Ok(None),

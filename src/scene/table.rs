@@ -10,7 +10,7 @@ use super::choices::{
 use super::keys::{Key, Sign, Value, key};
 use super::units::Dimension as Of;
 use crate::asperity::models::MODELS;
-use crate::asperity::{UnloadedRadius, Unloading};
+use crate::asperity::{PlasticContact, UnloadedRadius, Unloading};
 use crate::engine::{Estimator, SCALARS};
 use crate::liquid::{Bridges, Volume};
 use crate::surface::{CountLaw, SamplingScheme};
@@ -295,13 +295,22 @@ pub static KEYS: &[Key] = &[
              which is nearer in the force of an ellipsoid.",
         )
         .defaults_to("\"mean_curvature\""),
-    key("model", "{ law = \"hybrid\" }", Table).what("the law of one asperity, and the history"),
-    key("model.law", "\"hybrid\"", Choice(|| MODELS.iter().map(|model| model.name).collect()))
+    key("model", "{ law = \"md_plastic\" }", Table).what("the law of one asperity, and the history"),
+    key("model.law", "\"md_plastic\"", Choice(|| MODELS.iter().map(|model| model.name).collect()))
         .what("law of one asperity")
         .swept()
         .about(
-            "`hybrid` is for every λ and ψ; the page of the laws says what each is and where it is valid.",
+            "`md_plastic` is for every λ, and continuous where contacts begin to flow; the page of the laws says what \
+             each is and where it is valid. A loop needs no law: it has `md_plastic`.",
         ),
+    key("model.plastic_contact", "\"zmc\"", Choice(|| names(&PlasticContact::ALL)))
+        .what("plastic contact under `md_plastic`")
+        .about(
+            "The load and the contact radius of an asperity that flows, without adhesion: `jg` Jackson and Green, `ke` \
+             Kogut and Etsion, `zmc` Zhao, Maietta and Chang, `tn` Thornton and Ning.",
+        )
+        .defaults_to("\"jg\"")
+        .swept(),
     key("model.history", "\"approach\"", Choice(|| names(&HISTORIES)))
         .formerly("path")
         .what("history")
@@ -317,9 +326,11 @@ pub static KEYS: &[Key] = &[
             "Needs `history = \"loop\"`. `ekk`: Etsion, Kligerman and Kadin's fits, for the contact of Kogut and \
              Etsion alone. `secant`: the elastic contact of the law, of the sphere that has the largest load and its \
              area. `mesarovic_johnson`: the decohesion of what a uniform pressure has flattened. `thornton_ning`: the \
-             JKR contact of the sphere of `secant`.",
+             JKR contact of the sphere of `secant`. `flattened_top`: that of `md_plastic`, which has no other.",
         )
-        .follows("from the law: `ekk` of laws with the contact of Kogut and Etsion, `secant` of others")
+        .follows(
+            "from the law: `flattened_top` of `md_plastic`, `ekk` of laws with the contact of Kogut and Etsion, `secant` of others",
+        )
         .swept(),
     key("model.unloaded_radius", "\"elastic\"", Choice(|| names(&UnloadedRadius::ALL)))
         .what("radius of flattened tops on retraction")

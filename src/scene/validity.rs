@@ -198,12 +198,19 @@ fn unloading(scene: &Scene, law: &dyn Law) -> Option<Warning> {
             ))
         }
         Unloading::Secant => None,
+        Unloading::FlattenedTop => {
+            let first = law.regimes().iter().position(|regime| regime.is_plastic())?;
+            let onset = law.boundaries()[first - 1].interference;
+            (onset < 0.0 && deeper(onset).is_some()).then(|| Warning::new(
+                format!("adhesion alone makes contacts flow, from the interference {} on", si(onset, "m")),
+                "loops of such contacts can give out energy, because the plastic contact does not know of the tension around it",
+                &["hardness", "work_of_adhesion"],
+            ))
+        }
         Unloading::MesarovicJohnson | Unloading::ThorntonNing => {
             let lambda = scene.scale().lambda;
-            let flows = |regime: &Regime| {
-                matches!(regime, Regime::Elastoplastic1 | Regime::Elastoplastic2 | Regime::Plastic)
-            };
-            (lambda < SMALLEST_JKR_LAMBDA && of_regime(flows).is_some()).then(|| Warning::new(
+            let flows = of_regime(|regime| regime.is_plastic()).is_some();
+            (lambda < SMALLEST_JKR_LAMBDA && flows).then(|| Warning::new(
                 format!("lambda = {lambda:.3} is below {SMALLEST_JKR_LAMBDA}, the limit of adhesion within the contact only"),
                 "the unloading that was chosen has that of JKR (Johnson and Greenwood 1997)",
                 &["unloading"],

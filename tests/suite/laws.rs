@@ -518,6 +518,7 @@ fn documented(name: &str, lambda: f64, path: Path) -> Vec<Jump> {
             extended(THICKNESS).into_iter().chain([(CRITICAL, [-adhesion, -load])]).collect()
         }
         "hybrid" => extended(THICKNESS).into_iter().chain(plastic(contact_at(CRITICAL))).collect(),
+        "md_plastic" => extended(THICKNESS),
         "ke" | "isbl" => [(0.0, [-2.0, 0.0])].into_iter().chain(plastic([first(1.0), unit])).collect(),
         "ceb" => {
             // The ring around an elastic contact at ω_c, which the plastic one does not have; the load jumps

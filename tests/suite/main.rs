@@ -25,6 +25,7 @@ mod large_surfaces;
 mod laws;
 mod loops;
 mod loops_of_radii;
+mod md_plastic;
 mod measured_surfaces;
 mod outputs;
 mod populations;

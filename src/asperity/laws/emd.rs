@@ -43,13 +43,23 @@ pub fn emd(parameters: &LawParameters) -> Result<Box<dyn Law>, LawError> {
 /// # Errors
 /// [`LawError`] for a λ that is not solved.
 pub fn rows(parameters: &LawParameters) -> Result<[Row; 3], LawError> {
+    let ([attraction, lubricant], contact) = rows_before(parameters)?;
+    let end = Place::proportional(parameters.critical_interference, 1.0);
+    Ok([attraction, lubricant, Row::up_to(Regime::Elastic, end, contact)])
+}
+
+/// The two rows before contact, and the elastic contact.
+///
+/// # Errors
+/// [`LawError`] for a λ that is not solved.
+pub fn rows_before(parameters: &LawParameters) -> Result<([Row; 2], MaugisContact), LawError> {
     let attraction = Attraction::new(parameters)?;
     let contact = MaugisContact::of(Arc::clone(&attraction.emd), parameters);
-    Ok([
+    let rows = [
         Row::below(Regime::Noncontact, contact.begins(-parameters.lubricant_thickness), attraction),
         Row::below(Regime::Lubricant, contact.begins(0.0), Constant::lubricant(parameters)),
-        Row::up_to(Regime::Elastic, Place::proportional(parameters.critical_interference, 1.0), contact),
-    ])
+    ];
+    Ok((rows, contact))
 }
 
 /// The noncontact branch, across the lubricant.

@@ -14,6 +14,7 @@ pub mod jkr;
 pub mod kogut_etsion;
 pub mod md;
 pub mod md_kim;
+pub mod md_plastic;
 pub mod sbl;
 pub mod tn;
 pub mod zmc;

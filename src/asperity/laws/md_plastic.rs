@@ -1,0 +1,520 @@
+//! Elastic-plastic adhesion that is continuous in λ and in the interference: Maugis-Dugdale around a flattened top.
+//!
+//! # Formula
+//! One assumption: at every moment a contact is an elastic Maugis-Dugdale contact of the radius R₁ that its flattened top
+//! has. With the load P(ω) and the contact radius a(ω) of a plastic contact without adhesion ([`PlasticContact`]), whose
+//! interference ω is the parameter of the states,
+//!
+//! R₁ = K a³/P, F_s(a, R₁) of Maugis and Dugdale, F = P − F_s, δ = ω − 2σ₀ a√(m² − 1)/E_r
+//!
+//! (`asperity::flattened`). By δ, with δ_A of the history and δ_y, the δ at which the plastic contact begins to flow:
+//!
+//! | regime | interval | F_s | P |
+//! |---|---|---|---|
+//! | noncontact, lubricant | as [`super::emd`] | as [`super::emd`] | 0 |
+//! | elastic | −δ_A ≤ δ ≤ δ_y | Maugis-Dugdale | K a³/R of Maugis-Dugdale |
+//! | elastoplastic1, elastoplastic2, plastic | as the plastic contact has them, at their δ | that of R₁ | P(ω) |
+//!
+//! Where adhesion alone makes a contact flow, δ_y is below first touch and there is no elastic regime. Of several states at one
+//! δ the one of the largest ω acts, which is the stable one. Unloading is that of the elastic contact of R₁
+//! ([`crate::asperity::Unloading::FlattenedTop`]).
+//!
+//! P is at most K a³/R, since a top that was pressed is no sharper, and at most K R^(1/4) a^(1/2) ω^(5/4), since a loop
+//! would give out energy above that. The load of Jackson and Green is above it by 0.5 % where it begins, for a fortieth of
+//! ω.
+//!
+//! # Validity
+//! All λ in 1e-6..1e6. The pressure under a plastic contact is taken as Hertz's of R₁. Pile-up, ductile separation and the
+//! plastic work of pulling are left out. Loops dissipate where δ_y ≥ 0. Where adhesion makes a contact flow before that,
+//! loops can give out energy, because the plastic contact does not know of the tension around it. Assumption of this
+//! program; compare Mesarovic and Johnson, J. Mech. Phys. Solids 48 (2000) 2009, and Maugis and Pollock, Acta Metall. 32
+//! (1984) 1323.
+
+use super::md::MaugisContact;
+use super::{emd, jg, kogut_etsion, tn, zmc};
+use crate::asperity::error::LawError;
+use crate::asperity::flattened::Flattened;
+use crate::asperity::law::{BLOCK, End, Law, Method, Regime, Responses, Smoothness};
+use crate::asperity::parameters::LawParameters;
+use crate::asperity::radius::{Lane, Lanes, Place};
+use crate::asperity::scale::Scale;
+use crate::asperity::stats::SolverStats;
+use crate::asperity::table::{Interaction, PartOfRadii, Row, Table};
+use crate::math::instruction_set::InstructionSet;
+use crate::math::piecewise::{Piecewise, leading};
+use std::cell::RefCell;
+use std::collections::HashMap;
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+/// Steps of the search for a state at most. Most take six.
+const MOST_STEPS: usize = 80;
+/// Relative accuracy of tables, a few roundings of what is tabulated.
+const TABLE_TOLERANCE: f64 = 2e-14;
+/// Halvings of an interval of ω.
+const HALVINGS: usize = 60;
+/// Relative step of ω over which slopes are looked at.
+const SHORT: f64 = 1e-5;
+/// Asperities that are solved together.
+const TOGETHER: usize = 16;
+
+thread_local! {
+    /// Kept from solve to solve: to clear it would take longer than most.
+    static BARE: RefCell<Box<Responses>> = RefCell::default();
+}
+
+/// The contact without adhesion that an asperity has once it flows.
+///
+/// # Examples
+/// ```
+/// use stiction::asperity::PlasticContact;
+///
+/// assert_eq!(PlasticContact::default(), PlasticContact::JacksonGreen);
+/// assert_eq!(PlasticContact::ALL[2].0, "zmc");
+/// ```
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum PlasticContact {
+    /// Jackson and Green's, [`super::jg`].
+    #[default]
+    JacksonGreen,
+    /// Kogut and Etsion's, [`super::kogut_etsion`].
+    KogutEtsion,
+    /// Zhao, Maietta and Chang's, [`super::zmc`].
+    ZhaoMaiettaChang,
+    /// Thornton and Ning's, [`super::tn`].
+    ThorntonNing,
+}
+
+impl PlasticContact {
+    /// All of them with their names, which are those of the laws that have them.
+    pub const ALL: [(&'static str, Self); 4] = [
+        ("jg", Self::JacksonGreen),
+        ("ke", Self::KogutEtsion),
+        ("zmc", Self::ZhaoMaiettaChang),
+        ("tn", Self::ThorntonNing),
+    ];
+
+    /// The name in scenes and files.
+    pub fn name(self) -> &'static str {
+        Self::ALL.iter().find(|(_, contact)| *contact == self).expect("every contact is in ALL").0
+    }
+
+    fn law(self, parameters: &LawParameters) -> Result<Box<dyn Law>, LawError> {
+        match self {
+            Self::JacksonGreen => jg::jg(parameters),
+            Self::KogutEtsion => kogut_etsion::ke(parameters),
+            Self::ZhaoMaiettaChang => zmc::zmc(parameters),
+            Self::ThorntonNing => tn::tn(parameters),
+        }
+    }
+}
+
+/// The law `md_plastic`.
+///
+/// # Errors
+/// [`LawError`] for a λ that is not solved; [`LawError::Elastic`] and [`LawError::Hardness`] as the plastic contact.
+pub fn md_plastic(parameters: &LawParameters, contact: PlasticContact) -> Result<Box<dyn Law>, LawError> {
+    parameters.plastic("md_plastic")?;
+    // The elastic contact and its tables go as deep as those of `md`.
+    let elastic = LawParameters { critical_interference: f64::INFINITY, ..*parameters };
+    let (before, maugis) = emd::rows_before(&elastic)?;
+    let flow = |own: &LawParameters| Ok(Arc::new(Flow::new(contact.law(own)?, own, &maugis)));
+    // Tables are made of what has none.
+    let (exact, fast) = (flow(&LawParameters { table_range: None, ..*parameters })?, flow(parameters)?);
+    let place = |regime: usize| {
+        let flow = Arc::clone(&exact);
+        let own = exact.end(regime, &exact.lane()).max(maugis.begin());
+        Place::following(own, move |lane| flow.end(regime, lane))
+    };
+    let mut rows: Vec<Row> = before.into();
+    rows.push(Row::up_to(Regime::Elastic, place(exact.onset), maugis.clone()));
+    let deepest = parameters.table_range.map(|(_, deepest)| deepest);
+    for (regime, name) in exact.law.regimes().iter().enumerate().skip(exact.onset + 1) {
+        let lower = exact.end(regime - 1, &exact.lane());
+        let part = Flowing::new([&exact, &fast], regime, lower, deepest);
+        rows.push(if regime < exact.law.boundaries().len() {
+            Row::up_to(*name, place(regime), part)
+        } else {
+            Row::last(*name, part)
+        });
+    }
+    Ok(Box::new(Table::new(rows)))
+}
+
+/// A state of an asperity.
+#[derive(Clone, Copy, Debug, Default)]
+struct State {
+    contact: Flattened,
+    /// τ of the adhesive zone.
+    zone: f64,
+}
+
+impl State {
+    /// F_s, N, P, N, and the contact area, m².
+    fn forces(&self, scale: &Scale) -> [f64; 3] {
+        let radius = self.contact.radius * scale.radius;
+        [
+            self.contact.adhesion(self.zone) * scale.force,
+            self.contact.load * scale.force,
+            PI * radius * radius,
+        ]
+    }
+
+    /// The displacement by which adhesion draws the surfaces nearer.
+    fn drawn(&self) -> f64 {
+        self.contact.drawn(self.zone)
+    }
+}
+
+/// The states of an asperity on loading, by ω/s_δ.
+struct Flow {
+    /// The plastic contact without adhesion.
+    law: Box<dyn Law>,
+    /// Its last elastic regime.
+    onset: usize,
+    scale: Scale,
+    /// The elastic contact, which says where contact begins by the history.
+    maugis: MaugisContact,
+}
+
+impl Flow {
+    fn new(law: Box<dyn Law>, parameters: &LawParameters, maugis: &MaugisContact) -> Self {
+        let flows = law.regimes().iter().position(|regime| regime.is_plastic());
+        let onset = flows.expect("a plastic contact flows") - 1;
+        Self { law, onset, scale: parameters.scale, maugis: maugis.clone() }
+    }
+
+    /// The asperity of the law's own radius.
+    fn lane(&self) -> Lane {
+        Lane::new(1.0, Some(self.scale.lambda))
+    }
+
+    /// ω/s_δ at the end of a regime of the plastic contact of an asperity.
+    fn joint(&self, regime: usize, lane: &Lane) -> f64 {
+        self.law.boundaries()[regime].interference * lane.ratio / self.scale.length
+    }
+
+    /// The states of asperities at ω/s_δ in a regime of the plastic contact; zones are searched for from those that there
+    /// are.
+    fn states(&self, regime: usize, lanes: Lanes<'_>, places: &[f64], out: &mut [State]) {
+        let mut interference = [0.0; TOGETHER];
+        let interference = &mut interference[..places.len()];
+        interference.iter_mut().zip(places).for_each(|(own, place)| *own = place * self.scale.length);
+        BARE.with_borrow_mut(|bare| {
+            if regime > self.onset {
+                let law = self.law.of_radii().expect("plastic contacts follow the radius");
+                law.evaluate_lanes(regime, lanes, interference, bare, &mut SolverStats::default());
+            }
+            self.adhesive_states(regime, (lanes, bare), places, out);
+        });
+    }
+
+    /// The states of asperities at ω/s_δ in a regime of the plastic contact, of which the responses without adhesion are
+    /// known.
+    fn adhesive_states(
+        &self,
+        regime: usize,
+        (lanes, bare): (Lanes<'_>, &Responses),
+        places: &[f64],
+        out: &mut [State],
+    ) {
+        for (i, (state, &place)) in out.iter_mut().zip(places).enumerate() {
+            let ratio = lanes.at(i).ratio;
+            let hertz = (ratio * place).sqrt();
+            let (radius, load) = if regime > self.onset {
+                let radius = (bare.area[i] / PI).sqrt() / self.scale.radius;
+                (radius, (bare.contact[i] / self.scale.force).min(most(ratio, place, radius)))
+            } else {
+                (hertz, place * hertz)
+            };
+            state.contact = Flattened { lambda: self.scale.lambda, radius, load };
+            state.zone = state.contact.zone(state.zone);
+        }
+    }
+
+    /// The state of one asperity at ω/s_δ.
+    fn state(&self, regime: usize, lane: &Lane, place: f64) -> State {
+        let mut state = [State::default()];
+        self.states(regime, Lanes::new(std::slice::from_ref(lane), &[0]), &[place], &mut state);
+        state[0]
+    }
+
+    /// δ/s_δ of one asperity at ω/s_δ.
+    fn displacement(&self, regime: usize, lane: &Lane, place: f64) -> f64 {
+        place - self.state(regime, lane, place).drawn()
+    }
+
+    /// δ, m, at which a regime of the plastic contact ends: where the elastic contact begins to flow, or where one regime of
+    /// flow passes into the next; where contact begins, if no stable state is there.
+    fn end(&self, regime: usize, lane: &Lane) -> f64 {
+        let begin = self.maugis.begin_of(lane);
+        let place = self.joint(regime, lane);
+        let state = self.state(regime, lane, place);
+        let end = place - state.drawn();
+        let is_stable = if regime == self.onset {
+            libm::atan(state.zone) <= lane.elastic.contact_angle()
+        } else {
+            self.displacement(regime, lane, place * (1.0 - SHORT)) < end
+        };
+        if is_stable { begin.max(end * self.scale.length) } else { begin }
+    }
+
+    /// ω/s_δ up to which the load of a regime is more than it may be, if it is where the regime begins.
+    fn capped(&self, regime: usize, lane: &Lane) -> Option<f64> {
+        let exceeds = |place: f64| {
+            let Flattened { radius, load, .. } = self.state(regime, lane, place).contact;
+            load >= most(lane.ratio, place, radius)
+        };
+        let mut low = self.joint(regime - 1, lane).next_up();
+        if !exceeds(low * (1.0 + SHORT)) {
+            return None;
+        }
+        let mut high = 1.1 * low;
+        while exceeds(high) && high < f64::MAX {
+            high *= 1.1;
+        }
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (low + high);
+            *(if exceeds(middle) { &mut low } else { &mut high }) = middle;
+        }
+        Some(high)
+    }
+
+    /// δ/s_δ at the fold of a regime, the least that a stable state of it has, if that is not where the regime begins.
+    fn fold(&self, regime: usize, lane: &Lane) -> Option<f64> {
+        let at = |place: f64| self.displacement(regime, lane, place);
+        let begin = self.joint(regime - 1, lane);
+        if at(begin * (1.0 + SHORT)) >= at(begin) {
+            return None;
+        }
+        let mut high = 2.0 * begin;
+        while at(2.0 * high) < at(high) {
+            high *= 2.0;
+        }
+        let (mut low, mut high) = (begin, 2.0 * high);
+        for _ in 0..HALVINGS {
+            let third = (high - low) / 3.0;
+            if at(low + third) < at(high - third) {
+                high -= third;
+            } else {
+                low += third;
+            }
+        }
+        Some(at(0.5 * (low + high)))
+    }
+
+    /// Writes the responses of asperities at interferences δ, m, in a regime of the plastic contact from `begin` on: of several
+    /// states the outermost. Secants go there from above, from where δ is a convex function of ω.
+    fn solve(
+        &self,
+        regime: usize,
+        lanes: Lanes<'_>,
+        interference: &[f64],
+        (begin, out): (usize, &mut Responses),
+        stats: &mut SolverStats,
+    ) {
+        for (chunk, interference) in interference.chunks(TOGETHER).enumerate() {
+            let first = chunk * TOGETHER;
+            let states = self.solve_few(regime, lanes.from(first), interference, stats);
+            for (i, state) in states[..interference.len()].iter().enumerate() {
+                let i = begin + first + i;
+                [out.adhesion[i], out.contact[i], out.area[i]] = state.forces(&self.scale);
+            }
+        }
+    }
+
+    /// The states of at most [`TOGETHER`] asperities at interferences δ, m.
+    fn solve_few(
+        &self,
+        regime: usize,
+        lanes: Lanes<'_>,
+        interference: &[f64],
+        stats: &mut SolverStats,
+    ) -> [State; TOGETHER] {
+        let count = interference.len();
+        let mut states = [State::default(); TOGETHER];
+        let (mut places, mut searches) = ([0.0; TOGETHER], [Search::default(); TOGETHER]);
+        for (i, place) in places[..count].iter_mut().enumerate() {
+            searches[i].wanted = interference[i] / self.scale.length;
+            *place = searches[i].wanted.max(self.joint(regime - 1, lanes.at(i)));
+        }
+        for _ in 0..MOST_STEPS {
+            self.states(regime, lanes, &places[..count], &mut states[..count]);
+            stats.evaluations += count as u64;
+            let mut is_done = true;
+            for (i, place) in places[..count].iter_mut().enumerate() {
+                is_done &= searches[i].step(place, states[i].drawn());
+            }
+            if is_done {
+                break;
+            }
+        }
+        states
+    }
+}
+
+/// The search for the outermost state at a displacement.
+#[derive(Clone, Copy, Default)]
+struct Search {
+    /// δ/s_δ that is searched for.
+    wanted: f64,
+    /// The last place above the state, and how far its displacement is off.
+    last: Option<[f64; 2]>,
+    is_done: bool,
+}
+
+impl Search {
+    /// Takes a step from a place ω/s_δ at which adhesion draws the surfaces nearer by `drawn`, and says whether the search is
+    /// done.
+    fn step(&mut self, place: &mut f64, drawn: f64) -> bool {
+        let (here, off) = (*place, *place - drawn - self.wanted);
+        let next = match self.last {
+            None if off < 0.0 => self.wanted + 2.0 * drawn,
+            None => self.wanted + drawn,
+            Some([last, of_last]) => here - off * (here - last) / (off - of_last),
+        };
+        if off >= 0.0 || self.last.is_some() {
+            self.last = Some([here, off]);
+        }
+        let noise = 2.0 * f64::EPSILON * (here + drawn + self.wanted.abs());
+        self.is_done |= off.abs() <= noise || !(next > 0.0 && next.is_finite());
+        if !self.is_done {
+            *place = next;
+        }
+        self.is_done
+    }
+}
+
+/// The most load p that a contact of radius r may bear at ω/s_δ.
+fn most(ratio: f64, place: f64, radius: f64) -> f64 {
+    let energy = (ratio.sqrt().sqrt() * radius.sqrt()) * (place * place.sqrt().sqrt());
+    (radius * radius * radius / ratio).min(energy)
+}
+
+/// F_s, P and the area by δ, m, of asperities of the law's own radius.
+#[derive(Clone, Default)]
+struct Tables([Piecewise; 3]);
+
+impl Tables {
+    fn new(flow: &Flow, regime: usize, from: f64, to: f64) -> Self {
+        let lane = [flow.lane()];
+        let known: RefCell<HashMap<u64, [f64; 3]>> = RefCell::default();
+        let forces = |delta: f64| {
+            let solve = || {
+                let stats = &mut SolverStats::default();
+                flow.solve_few(regime, Lanes::new(&lane, &[0]), &[delta], stats)[0].forces(&flow.scale)
+            };
+            *known.borrow_mut().entry(delta.to_bits()).or_insert_with(solve)
+        };
+        let table = |which: usize| {
+            Piecewise::new(|delta| forces(delta)[which], |_, value| TABLE_TOLERANCE * value, from, to)
+        };
+        Self([0, 1, 2].map(table))
+    }
+
+    /// Reads the responses of a run of asperities from `begin` on, and says whether the tables have all of them.
+    #[inline(always)]
+    fn read(&self, interference: &[f64], begin: usize, out: &mut Responses) -> bool {
+        let own = begin..begin + interference.len();
+        let Responses { adhesion, contact, area } = out;
+        let columns = [&mut adhesion[own.clone()], &mut contact[own.clone()], &mut area[own]];
+        let mut has_all = true;
+        for (table, column) in self.0.iter().zip(columns) {
+            table.values(interference, column);
+            has_all &= !column.iter().fold(false, |any, value| any | value.is_nan());
+        }
+        has_all
+    }
+}
+
+/// The contact that flows, in one regime.
+struct Flowing {
+    exact: Arc<Flow>,
+    fast: Arc<Flow>,
+    regime: usize,
+    /// ω/s_δ up to which the load is the most that it may be, if it is so anywhere, of the law's own radius, and δ there, m.
+    capped: Option<[f64; 2]>,
+    /// Up to there, and beyond.
+    tables: [Tables; 2],
+}
+
+impl Flowing {
+    fn new([exact, fast]: [&Arc<Flow>; 2], regime: usize, lower: f64, deepest: Option<f64>) -> Self {
+        let lane = exact.lane();
+        let capped = exact.capped(regime, &lane);
+        let capped =
+            capped.map(|place| [place, exact.displacement(regime, &lane, place) * exact.scale.length]);
+        let is_last = regime == exact.law.boundaries().len();
+        let upper = if is_last { f64::INFINITY } else { exact.end(regime, &lane) };
+        let deepest = deepest.map_or(lower, |deepest| deepest.min(upper));
+        let kink = capped.map_or(lower, |[_, kink]| kink.clamp(lower, upper));
+        let tables = [(lower, kink.min(deepest)), (kink, deepest)];
+        let tables = tables.map(|(from, to)| Tables::new(exact, regime, from, to));
+        Self { exact: Arc::clone(exact), fast: Arc::clone(fast), regime, capped, tables }
+    }
+}
+
+impl Interaction for Flowing {
+    fn smoothness(&self, lower: f64, upper: f64) -> (Vec<f64>, Vec<Smoothness>) {
+        self.smoothness_of(&self.exact.lane(), lower, upper)
+    }
+
+    fn method(&self) -> Method {
+        Method::Contact
+    }
+
+    fn of_radii(&self) -> Option<&dyn PartOfRadii> {
+        Some(self)
+    }
+
+    fn evaluate(&self, interference: &[f64], out: &mut Responses, stats: &mut SolverStats) {
+        let kink = self.capped.map_or(f64::NEG_INFINITY, |[_, kink]| kink);
+        let mut begin = 0;
+        while begin < interference.len() {
+            let is_beyond = interference[begin] > kink;
+            let (low, high) = if is_beyond { (kink, f64::INFINITY) } else { (f64::NEG_INFINITY, kink) };
+            let run = &interference[begin..];
+            let run = &run[..leading(run, low, high).max(1)];
+            let has_all = InstructionSet::current().run(
+                #[inline(always)]
+                || self.tables[usize::from(is_beyond)].read(run, begin, out),
+            );
+            if !has_all {
+                const ALIKE: [u32; BLOCK] = [0; BLOCK];
+                let lane = [self.exact.lane()];
+                let lanes = Lanes::new(&lane, &ALIKE[..run.len()]);
+                self.exact.solve(self.regime, lanes, run, (begin, out), stats);
+            }
+            begin += run.len();
+        }
+    }
+}
+
+impl PartOfRadii for Flowing {
+    fn lambda(&self) -> Option<f64> {
+        Some(self.exact.scale.lambda)
+    }
+
+    fn smoothness_of(&self, lane: &Lane, lower: f64, upper: f64) -> (Vec<f64>, Vec<Smoothness>) {
+        let (flow, regime) = (&self.exact, self.regime);
+        // ω is proportional to the radius.
+        let kink = self.capped.map(|[place, _]| flow.displacement(regime, lane, place * lane.ratio));
+        let kink = kink.map(|kink| kink * flow.scale.length).filter(|kink| lower < *kink && *kink < upper);
+        let first = flow.fold(regime, lane).map_or(Smoothness::Smooth, |fold| {
+            let place = lower.min(fold * flow.scale.length);
+            Smoothness::Root { end: End::Lower, place, order: 2 }
+        });
+        let smoothness = std::iter::once(first).chain(kink.map(|_| Smoothness::Smooth)).collect();
+        (kink.into_iter().collect(), smoothness)
+    }
+
+    fn evaluate_lanes(
+        &self,
+        lanes: Lanes<'_>,
+        interference: &[f64],
+        out: &mut Responses,
+        stats: &mut SolverStats,
+    ) {
+        self.fast.solve(self.regime, lanes, interference, (0, out), stats);
+    }
+}

@@ -1,10 +1,11 @@
 //! Expectations over Gaussian heights that are all far from where the first piece of a law ends.
 //!
 //! # Formula
-//! E\[q\](d) = Σ wᵢ q(m − d + σ_s sᵢ), Gauss's rule for the normal density with n nodes. It leaves out n!/(2n)! times
-//! the derivative of the order 2n of q, in σ_s. Far out a force falls as a power of its distance L from the end of the
-//! piece: of L⁻³ that is n!·(2n + 2)(2n + 1)/2·(σ_s/L)^2n, which is 1e-17 for ten nodes from L = 20 σ_s on. So the
-//! nodes follow the distance on which the force varies, not the range of separations.
+//! E\[q\](d) = Σ wᵢ q(m − d + σ_s sᵢ), Gauss's rule for the normal density with n nodes. It leaves out
+//! n!/(2n)! times the derivative of the order 2n of q, in σ_s. Far out a force falls as a power of its
+//! distance L from the end of the piece: of L⁻³ that is n!·(2n + 2)(2n + 1)/2·(σ_s/L)^2n, which is 1e-17
+//! for ten nodes from L = 20 σ_s on. So the nodes follow the distance on which the force varies, not the
+//! range of separations.
 
 use super::height_integral::AtSeparation;
 use super::node_table::Normal;
@@ -23,8 +24,8 @@ const NODES: [usize; 2] = [10, 8];
 /// Deviates, rising, and their weights.
 type Rule = Vec<(f64, f64)>;
 
-/// The separation d, m, from which on heights are far from contact under a law; infinite where its first piece has
-/// no end.
+/// The separation d, m, from which on heights are far from contact under a law; infinite where its first
+/// piece has no end.
 pub(super) fn begin(law: &dyn Law, heights: Normal) -> f64 {
     let first = law.pieces().first().map_or(f64::INFINITY, |piece| piece.upper);
     if first.is_finite() { DISTANCE * heights.std + heights.mean - first } else { f64::INFINITY }

@@ -38,7 +38,10 @@ pub(super) fn require_start() -> Result<(), String> {
     }
     let is_set = |name: &&str| std::env::var_os(name).is_some_and(|value| !value.is_empty());
     let set: Vec<&str> = VARIABLES.into_iter().filter(is_set).collect();
-    Err(format!("HDF5 does not start: unset {} in the environment", set.join(", ")))
+    Err(match &set[..] {
+        [] => "HDF5 does not start".to_owned(),
+        set => format!("HDF5 does not start: unset {} in the environment", set.join(", ")),
+    })
 }
 
 /// Variables that have libhdf5 begin with something that it may not find.
